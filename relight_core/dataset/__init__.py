@@ -1,0 +1,1 @@
+"""The rendered heads: geometry, skin, dressing, baked transport, lighting of samples."""

@@ -1,0 +1,1 @@
+"""Metrics and reports on held-out heads and lights."""

@@ -1,0 +1,1 @@
+"""Images in and out: files, colour, the view transform, resampling, guided detail."""

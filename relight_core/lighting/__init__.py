@@ -1,0 +1,1 @@
+"""Light: lat-long environment maps, light rigs, irradiance and specular lobes."""

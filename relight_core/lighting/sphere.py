@@ -1,0 +1,33 @@
+"""The lat-long parametrisation of the sphere: directions and exact solid angles."""
+
+from __future__ import annotations
+
+import numpy as np
+
+
+def directions(height: int, width: int) -> np.ndarray:
+    """Unit vectors toward the texel centres of a lat-long map.
+
+    Row 0 is +y, the centre column looks along -z, the right of the map is +x (camera space).
+
+    Returns:
+        (height, width, 3) float32.
+    """
+    theta = np.pi * (np.arange(height) + 0.5) / height
+    phi = 2 * np.pi * ((np.arange(width) + 0.5) / width - 0.5)
+    sin_theta = np.sin(theta)[:, None]
+    x = sin_theta * np.sin(phi)[None, :]
+    y = np.broadcast_to(np.cos(theta)[:, None], (height, width))
+    z = -sin_theta * np.cos(phi)[None, :]
+    return np.stack([x, y, z], axis=-1).astype(np.float32)
+
+
+def solid_angles(height: int, width: int) -> np.ndarray:
+    """Exact solid angle of every texel in steradians; they sum to 4 pi.
+
+    Returns:
+        (height, width) float32.
+    """
+    edges = np.cos(np.pi * np.arange(height + 1) / height)
+    rows = (2 * np.pi / width) * (edges[:-1] - edges[1:])
+    return np.broadcast_to(rows[:, None], (height, width)).astype(np.float32)

@@ -1,0 +1,1 @@
+"""Training in stages: losses, warm-up, fine-tuning."""
