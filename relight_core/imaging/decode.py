@@ -1,0 +1,223 @@
+"""Raster files to arrays: pixel values as stored, with what is needed to make light of them."""
+
+from __future__ import annotations
+
+import io
+import struct
+import threading
+import warnings
+from dataclasses import dataclass
+from pathlib import Path
+
+import cv2
+import numpy as np
+import tifffile
+from PIL import Image, ImageCms
+
+from relight_core.errors import InputError
+
+MAX_PIXELS = 400_000_000
+
+_FORMATS = ("JPEG", "PNG", "TIFF", "WEBP", "BMP", "GIF", "AVIF")
+_pillow_limit = threading.Lock()
+
+
+@dataclass(frozen=True, eq=False)
+class Raster:
+    """A decoded file.
+
+    Attributes:
+        values: (H, W, 1 or 3) uint8 or uint16 encoded values, or float32 linear ones.
+        alpha: (H, W) float32 in [0, 1], or None.
+        icc: the embedded profile that `values` still are in, or None.
+        orientation: EXIF orientation still to be applied, 1 to 8.
+        premultiplied: whether `values` have alpha multiplied in.
+    """
+
+    values: np.ndarray
+    alpha: np.ndarray | None = None
+    icc: bytes | None = None
+    orientation: int = 1
+    premultiplied: bool = False
+
+
+def decode_raster(data: bytes, path: Path) -> Raster:
+    """Decode JPEG, PNG, TIFF, WebP and what else Pillow reads safely.
+
+    Raises:
+        InputError: not an image, damaged, too large or of an unsupported kind.
+    """
+    if data[:4] in (b"II*\0", b"MM\0*", b"II+\0", b"MM\0+"):
+        raster = _decode_deep_tiff(data, path)
+        if raster is not None:
+            return raster
+    image = _open_with_pillow(data, path)
+    if data[:8] == b"\x89PNG\r\n\x1a\n" and data[24] == 16:
+        return _decode_deep_png(data, image, path)
+    return _from_pillow(image)
+
+
+def decode_radiance_hdr(data: bytes, path: Path) -> np.ndarray:
+    """Radiance .hdr to (H, W, 3) float32 linear.
+
+    Raises:
+        InputError: damaged or too large.
+    """
+    header = data[:65536].decode("latin-1").partition("\n\n")[2].split("\n", 1)[0].split()
+    if len(header) != 4 or not header[1].isdigit() or not header[3].isdigit():
+        raise InputError(f"{path}: not a complete Radiance file; export it again")
+    _check_size(int(header[1]), int(header[3]), path)
+    bgr = _imdecode(data)
+    if bgr is None or bgr.dtype != np.float32:
+        raise InputError(f"{path}: not a complete Radiance file; export it again")
+    return np.ascontiguousarray(bgr[..., ::-1])
+
+
+def _open_with_pillow(data: bytes, path: Path) -> Image.Image:
+    """The image fully decoded, so that a truncated file fails here."""
+    with _pillow_limit, warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        limit, Image.MAX_IMAGE_PIXELS = Image.MAX_IMAGE_PIXELS, None
+        try:
+            image = Image.open(io.BytesIO(data), formats=_FORMATS)
+            _check_size(*image.size, path)
+            image.load()
+        except Image.UnidentifiedImageError:
+            raise InputError(f"{path}: not an image; use a JPEG, PNG, TIFF, WebP, EXR or HDR file") from None
+        except InputError:
+            raise
+        except Exception:
+            raise InputError(f"{path}: a truncated or damaged image; fetch or export it again") from None
+        finally:
+            Image.MAX_IMAGE_PIXELS = limit
+    return image
+
+
+def _check_size(width: int, height: int, path: Path) -> None:
+    if width * height > MAX_PIXELS:
+        raise InputError(f"{path}: {width} x {height} is above 400 megapixels; make it smaller")
+    if width * height == 0:
+        raise InputError(f"{path}: an image of no pixels; export it again")
+
+
+def _from_pillow(image: Image.Image) -> Raster:
+    icc = image.info.get("icc_profile") or None
+    orientation = _orientation(image)
+    if image.mode in ("I", "I;16", "I;16B", "I;16L", "F"):
+        return Raster(_deep_grey(image), None, icc, orientation)
+    if image.mode == "CMYK" or image.mode == "LAB":
+        return Raster(_through_library_profile(image, icc), None, None, orientation)
+    alpha = None
+    if image.has_transparency_data:
+        image = image.convert("RGBA")
+        alpha = np.asarray(image.getchannel("A"), np.float32) / 255.0
+    if image.mode in ("1", "L"):
+        values = np.asarray(image.convert("L"))[..., None]
+    else:
+        values = np.asarray(image.convert("RGB"))
+    return Raster(values, alpha, icc, orientation)
+
+
+def convert_8_bit(values: np.ndarray, icc: bytes) -> np.ndarray | None:
+    """(H, W, 1 or 3) uint8 in any profile to (H, W, 3) uint8 sRGB; None if the profile is unusable."""
+    image = Image.fromarray(values[..., 0] if values.shape[-1] == 1 else values)
+    try:
+        return np.asarray(_convert_image(image, icc))
+    except (ImageCms.PyCMSError, OSError, ValueError):
+        return None
+
+
+def _through_library_profile(image: Image.Image, icc: bytes | None) -> np.ndarray:
+    if icc is not None:
+        try:
+            return np.asarray(_convert_image(image, icc))
+        except (ImageCms.PyCMSError, OSError, ValueError):
+            pass
+    if image.mode == "LAB":
+        lab = ImageCms.createProfile("LAB")
+        return np.asarray(
+            ImageCms.profileToProfile(image, lab, ImageCms.createProfile("sRGB"), outputMode="RGB")
+        )
+    return np.asarray(image.convert("RGB"))
+
+
+def _convert_image(image: Image.Image, icc: bytes) -> Image.Image:
+    profile = ImageCms.ImageCmsProfile(io.BytesIO(icc))
+    return ImageCms.profileToProfile(
+        image,
+        profile,
+        ImageCms.createProfile("sRGB"),
+        renderingIntent=ImageCms.Intent.RELATIVE_COLORIMETRIC,
+        outputMode="RGB",
+        flags=ImageCms.Flags.BLACKPOINTCOMPENSATION,
+    )
+
+
+def _deep_grey(image: Image.Image) -> np.ndarray:
+    values = np.asarray(image)
+    if values.dtype.kind == "f":
+        return values.astype(np.float32)[..., None]
+    return np.clip(values, 0, 65535).astype(np.uint16)[..., None]
+
+
+def _orientation(image: Image.Image) -> int:
+    try:
+        value = image.getexif().get(274, 1)
+    except (ValueError, TypeError, OSError, SyntaxError, struct.error):
+        return 1
+    return value if value in range(1, 9) else 1
+
+
+def _decode_deep_png(data: bytes, image: Image.Image, path: Path) -> Raster:
+    """A PNG of 16 bits per channel, which Pillow would cut to 8."""
+    values = _imdecode(data)
+    if values is None or values.dtype != np.uint16:
+        raise InputError(f"{path}: a truncated or damaged image; fetch or export it again")
+    values, alpha = _split(values)
+    return Raster(values, alpha, image.info.get("icc_profile") or None, _orientation(image))
+
+
+def _decode_deep_tiff(data: bytes, path: Path) -> Raster | None:
+    """A TIFF of 16 or more bits per channel; None for others, which Pillow reads."""
+    try:
+        page = tifffile.TiffFile(io.BytesIO(data)).pages[0]
+        bits, photometric, samples = int(page.bitspersample), int(page.photometric), int(page.samplesperpixel)
+        end = max(np.add(page.dataoffsets, page.databytecounts))
+        width, height = page.imagewidth, page.imagelength
+    except Exception:
+        raise InputError(f"{path}: a truncated or damaged image; fetch or export it again") from None
+    _check_size(width, height, path)
+    if end > len(data):
+        raise InputError(f"{path}: a truncated or damaged image; fetch or export it again")
+    if bits <= 8:
+        return None
+    values = _imdecode(data) if photometric in (1, 2) and samples in (1, 3, 4) else None
+    if values is None or values.dtype not in (np.uint16, np.float32, np.float64):
+        kind = f"a {bits}-bit TIFF of a kind this program doesn't read"
+        raise InputError(f"{path}: {kind}; save it as 8- or 16-bit or 32-bit float RGB")
+    values, alpha = _split(values)
+    icc = page.tags.get(34675)
+    associated = 1 in [int(kind) for kind in (page.extrasamples or ())]
+    return Raster(values, alpha, bytes(icc.value) if icc else None, 1, alpha is not None and associated)
+
+
+def _split(values: np.ndarray) -> tuple[np.ndarray, np.ndarray | None]:
+    """OpenCV's BGR or BGRA or grey to colour in RGB order, and alpha."""
+    if values.ndim == 2:
+        values = values[..., None]
+    if values.dtype == np.float64:
+        values = values.astype(np.float32)
+    if values.shape[2] < 4:
+        return np.ascontiguousarray(values[..., ::-1]), None
+    scale = np.float32(65535.0 if values.dtype == np.uint16 else 1.0)
+    return np.ascontiguousarray(values[..., 2::-1]), values[..., 3].astype(np.float32) / scale
+
+
+def _imdecode(data: bytes) -> np.ndarray | None:
+    level = cv2.utils.logging.setLogLevel(cv2.utils.logging.LOG_LEVEL_SILENT)
+    try:
+        return cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_UNCHANGED)
+    except cv2.error:
+        return None
+    finally:
+        cv2.utils.logging.setLogLevel(level)

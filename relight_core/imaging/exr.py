@@ -1,0 +1,155 @@
+"""OpenEXR files. The only module that hands arrays to OpenEXR, which reads any memory as C-contiguous."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import OpenEXR
+
+from relight_core.errors import InputError
+
+MAX_PIXELS = 400_000_000
+LARGEST_HALF = 65504.0
+
+MAGIC = b"\x76\x2f\x31\x01"
+
+
+def read_exr(path: Path) -> tuple[np.ndarray, np.ndarray | None]:
+    """The colour of an EXR file as it is stored: values are not cleaned, alpha stays multiplied in.
+
+    Reads R, G, B (or Y, or the first layer that has colour) over the display window; what lies outside
+    the data window is 0. Other primaries are converted to Rec.709.
+
+    Returns:
+        (H, W, 3) float32 linear, and (H, W) float32 alpha or None.
+
+    Raises:
+        InputError: damaged, too large, or without colour channels.
+    """
+    try:
+        with _quiet(), OpenEXR.File(str(path), header_only=True) as file:
+            header = dict(file.header())
+        _check_size(header, path)
+        with _quiet(), OpenEXR.File(str(path), separate_channels=True) as file:
+            channels = {name: np.array(channel.pixels) for name, channel in file.channels().items()}
+    except (RuntimeError, ValueError, TypeError, IndexError, MemoryError):
+        raise InputError(f"{path}: not a complete EXR file; export it again") from None
+    names = _colour_names(channels)
+    if names is None:
+        raise InputError(f"{path}: no channels R, G, B or Y in it; export it with colour") from None
+    if any(channels[name].shape != channels[names[0]].shape for name in names):
+        raise InputError(f"{path}: its colour channels differ in size; export it as RGB")
+    colour = np.stack([channels[name].astype(np.float32) for name in names], axis=-1)
+    alpha = channels.get(names[0].rpartition(".")[0] + "." + "A" if "." in names[0] else "A")
+    if alpha is not None and alpha.shape == colour.shape[:2]:
+        layers = _on_display_window(np.dstack([colour, alpha.astype(np.float32)]), header)
+        colour, alpha = layers[..., :3], np.ascontiguousarray(layers[..., 3])
+    else:
+        colour, alpha = _on_display_window(colour, header), None
+    return np.ascontiguousarray(_to_rec709(colour, header)), alpha
+
+
+def write_channels(path: Path, layers: dict[str, np.ndarray], *, half: bool, header: dict) -> None:
+    """Write named layers, ZIP-compressed scanlines, to exactly this path.
+
+    Args:
+        path: overwritten.
+        layers: (H, W) or (H, W, 3 or 4) float arrays; "RGB" and "RGBA" are the main layer.
+        half: 16-bit floats, with values limited to +-65504; else 32-bit.
+        header: attributes beside the standard ones: str, int or float.
+    """
+    kind = np.float16 if half else np.float32
+    attributes = {**header, "compression": OpenEXR.ZIP_COMPRESSION, "type": OpenEXR.scanlineimage}
+    channels = {name: np.ascontiguousarray(_limited(array, half), kind) for name, array in layers.items()}
+    with _quiet(), OpenEXR.File(attributes, channels) as file:
+        file.write(str(path))
+
+
+def _limited(array: np.ndarray, half: bool) -> np.ndarray:
+    array = np.asarray(array, np.float32)
+    return np.clip(array, -LARGEST_HALF, LARGEST_HALF) if half else array
+
+
+def _check_size(header: dict, path: Path) -> None:
+    for window in ("dataWindow", "displayWindow"):
+        low, high = header[window]
+        width, height = (int(high[i]) - int(low[i]) + 1 for i in (0, 1))
+        if width < 1 or height < 1:
+            raise InputError(f"{path}: an EXR of no pixels; export it again")
+        if width * height > MAX_PIXELS:
+            raise InputError(f"{path}: {width} x {height} is above 400 megapixels; make it smaller")
+
+
+def _colour_names(channels: dict) -> tuple[str, str, str] | None:
+    prefixes = [""] + sorted({name.rpartition(".")[0] + "." for name in channels if "." in name})
+    for prefix in prefixes:
+        if all(prefix + letter in channels for letter in "RGB"):
+            return prefix + "R", prefix + "G", prefix + "B"
+    for prefix in prefixes:
+        if prefix + "Y" in channels and prefix + "RY" not in channels:
+            return (prefix + "Y",) * 3
+    return None
+
+
+def _on_display_window(data: np.ndarray, header: dict) -> np.ndarray:
+    (data_low, _), (low, high) = header["dataWindow"], header["displayWindow"]
+    width, height = (int(high[i]) - int(low[i]) + 1 for i in (0, 1))
+    left, top = (int(data_low[i]) - int(low[i]) for i in (0, 1))
+    if (left, top) == (0, 0) and data.shape[:2] == (height, width):
+        return data
+    canvas = np.zeros((height, width, data.shape[2]), np.float32)
+    rows = slice(max(top, 0), max(min(top + data.shape[0], height), 0))
+    columns = slice(max(left, 0), max(min(left + data.shape[1], width), 0))
+    canvas[rows, columns] = data[
+        rows.start - top : rows.stop - top, columns.start - left : columns.stop - left
+    ]
+    return canvas
+
+
+def _to_rec709(colour: np.ndarray, header: dict) -> np.ndarray:
+    """Convert from the primaries the header names; their white goes to the white of Rec.709."""
+    named = header.get("chromaticities")
+    if named is None:
+        return colour
+    chromaticities = np.asarray(named, np.float64).ravel()
+    rec709 = np.array([0.64, 0.33, 0.30, 0.60, 0.15, 0.06, 0.3127, 0.3290])
+    if chromaticities.shape != (8,) or np.abs(chromaticities - rec709).max() < 2e-3:
+        return colour
+    try:
+        matrix = np.linalg.solve(_rgb_to_xyz(rec709), _adapted(chromaticities, rec709))
+    except np.linalg.LinAlgError:
+        return colour
+    return colour @ matrix.T.astype(np.float32) if np.isfinite(matrix).all() else colour
+
+
+def _rgb_to_xyz(chromaticities: np.ndarray) -> np.ndarray:
+    xy = chromaticities.reshape(4, 2)
+    xyz = np.column_stack([xy[:, 0] / xy[:, 1], np.ones(4), (1 - xy.sum(axis=1)) / xy[:, 1]])
+    return xyz[:3].T * np.linalg.solve(xyz[:3].T, xyz[3])
+
+
+def _adapted(chromaticities: np.ndarray, target: np.ndarray) -> np.ndarray:
+    """RGB to XYZ after a Bradford adaptation from the white of the one to the white of the other."""
+    cone = np.array([[0.8951, 0.2664, -0.1614], [-0.7502, 1.7135, 0.0367], [0.0389, -0.0685, 1.0296]])
+    source_xyz, target_xyz = _rgb_to_xyz(chromaticities), _rgb_to_xyz(target)
+    gains = (cone @ target_xyz.sum(axis=1)) / (cone @ source_xyz.sum(axis=1))
+    return np.linalg.solve(cone, gains[:, None] * (cone @ source_xyz))
+
+
+@contextlib.contextmanager
+def _quiet() -> Iterator[None]:
+    """Keep the library's own messages, printed to both streams, off the terminal; ours say more."""
+    with open(os.devnull, "w") as nowhere, contextlib.redirect_stdout(nowhere):
+        sys.stderr.flush()
+        kept = os.dup(2)
+        try:
+            os.dup2(nowhere.fileno(), 2)
+            yield
+        finally:
+            os.dup2(kept, 2)
+            os.close(kept)

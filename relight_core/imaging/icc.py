@@ -1,0 +1,130 @@
+"""Embedded ICC profiles of the matrix and grey kind, at full precision.
+
+Such a profile is a curve per channel and a 3x3 matrix (ICC.1:2022, 8.3 and 8.5), which float arithmetic
+carries out without the 8-bit rounding of an image library.
+"""
+
+from __future__ import annotations
+
+import struct
+from dataclasses import dataclass
+
+import numpy as np
+
+from relight_core.imaging.colour import srgb_decode
+
+_REC709_TO_XYZ_D50 = np.array(
+    [
+        [0.4360747, 0.3850649, 0.1430804],
+        [0.2225045, 0.7168786, 0.0606169],
+        [0.0139322, 0.0971045, 0.7141733],
+    ]
+)
+_CURVE_SAMPLES = 4096
+_SAME = 0.003  # how far makers' rounded sRGB profiles lie from the standard
+
+
+@dataclass(frozen=True, eq=False)
+class MatrixProfile:
+    """Encoded values to linear Rec.709.
+
+    Attributes:
+        curves: (1 or 3, 4096) linear value of evenly spaced encoded values in [0, 1].
+        matrix: (3, 3) linear profile RGB to linear Rec.709, white to white; None for a grey profile.
+    """
+
+    curves: np.ndarray
+    matrix: np.ndarray | None
+
+    @property
+    def is_srgb(self) -> bool:
+        """Whether it is sRGB up to its maker's rounding."""
+        standard = srgb_decode(np.linspace(0.0, 1.0, _CURVE_SAMPLES))
+        same_curve = np.abs(self.curves - standard).max() < _SAME
+        return bool(same_curve and (self.matrix is None or np.abs(self.matrix - np.eye(3)).max() < _SAME))
+
+    def decode(self, encoded: np.ndarray) -> np.ndarray:
+        """(H, W, 1 or 3) integers or floats in [0, 1] to (H, W, 3) float32 linear Rec.709, in [0, 1]."""
+        linear = np.stack([self._curve(encoded[..., i], i) for i in range(encoded.shape[-1])], axis=-1)
+        if linear.shape[-1] == 1:
+            linear = np.repeat(linear, 3, axis=-1)
+        if self.matrix is not None:
+            linear = linear @ self.matrix.T.astype(np.float32)
+        return np.clip(linear, 0.0, 1.0)
+
+    def _curve(self, channel: np.ndarray, index: int) -> np.ndarray:
+        positions = np.linspace(0.0, 1.0, _CURVE_SAMPLES)
+        if channel.dtype.kind == "u":
+            codes = np.linspace(0.0, 1.0, 256**channel.dtype.itemsize)
+            return np.interp(codes, positions, self.curves[index]).astype(np.float32)[channel]
+        return np.interp(channel, positions, self.curves[index]).astype(np.float32)
+
+
+def matrix_profile(icc: bytes, channels: int) -> MatrixProfile | None:
+    """The profile if it is a matrix or grey one that fits the image, else None.
+
+    Args:
+        icc: the profile's bytes.
+        channels: colour channels of the image, 1 or 3.
+    """
+    try:
+        space = icc[16:20]
+        if icc[36:40] != b"acsp" or space != {1: b"GRAY", 3: b"RGB "}[channels]:
+            return None
+        tags = _tags(icc)
+        if channels == 1:
+            return MatrixProfile(_curve_samples(tags[b"kTRC"])[None], None)
+        if b"A2B0" in tags and b"rXYZ" not in tags:
+            return None
+        columns = [_xyz(tags[name]) for name in (b"rXYZ", b"gXYZ", b"bXYZ")]
+        matrix = np.linalg.solve(_REC709_TO_XYZ_D50, np.stack(columns, axis=1))
+        matrix /= matrix.sum(axis=1, keepdims=True)
+        if not np.isfinite(matrix).all():
+            return None
+        curves = np.stack([_curve_samples(tags[name]) for name in (b"rTRC", b"gTRC", b"bTRC")])
+        return MatrixProfile(curves, matrix)
+    except (KeyError, struct.error, ValueError, IndexError, np.linalg.LinAlgError):
+        return None
+
+
+def _tags(icc: bytes) -> dict[bytes, bytes]:
+    (count,) = struct.unpack_from(">I", icc, 128)
+    tags = {}
+    for index in range(min(count, 100)):
+        name, offset, size = struct.unpack_from(">4sII", icc, 132 + 12 * index)
+        tags[name] = icc[offset : offset + size]
+    return tags
+
+
+def _xyz(tag: bytes) -> np.ndarray:
+    return np.array(struct.unpack_from(">3i", tag, 8)) / 65536.0
+
+
+def _curve_samples(tag: bytes) -> np.ndarray:
+    """A 'curv' or 'para' tag sampled evenly over [0, 1] (ICC.1:2022, 10.6 and 10.18)."""
+    positions = np.linspace(0.0, 1.0, _CURVE_SAMPLES)
+    if tag[:4] == b"curv":
+        (count,) = struct.unpack_from(">I", tag, 8)
+        if count == 0:
+            return positions
+        values = np.array(struct.unpack_from(f">{count}H", tag, 12))
+        if count == 1:
+            return positions ** (values[0] / 256.0)
+        return np.interp(positions, np.linspace(0.0, 1.0, count), values / 65535.0)
+    if tag[:4] != b"para":
+        raise ValueError("not a curve")
+    (kind,) = struct.unpack_from(">H", tag, 8)
+    numbers = np.array(struct.unpack_from(f">{(1, 3, 4, 5, 7)[kind]}i", tag, 12)) / 65536.0
+    return _parametric(kind, numbers, positions)
+
+
+def _parametric(kind: int, numbers: np.ndarray, x: np.ndarray) -> np.ndarray:
+    g, a, b, c, d, e, f = np.concatenate([numbers, np.zeros(7 - len(numbers))])
+    if kind == 0:
+        a, b, c, d, e, f = 1.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    elif kind == 1:
+        c, d, e, f = 0.0, -b / a, 0.0, 0.0
+    elif kind == 2:
+        e, f, c, d = c, c, 0.0, -b / a
+    curve = np.maximum(a * x + b, 0.0) ** g + e
+    return np.clip(np.where(x >= d, curve, c * x + f), 0.0, 1.0)

@@ -1,0 +1,55 @@
+"""A photo in the working space: linear light, Rec.709 primaries."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from relight_core.imaging.colour import srgb_decode, srgb_decode_integers
+
+
+@dataclass(frozen=True, eq=False)
+class Photo:
+    """A decoded photo. Two photos are equal only if they are the same object.
+
+    Attributes:
+        linear: (H, W, 3) float32 C-contiguous, linear Rec.709, >= 0 and finite; not premultiplied.
+        alpha: (H, W) float32 in [0, 1], or None where the file has none.
+        path: where it came from, or None.
+        bits: bits per channel of its source: 8, 16 or 32 (floating point).
+
+    Raises:
+        ValueError: an array of another shape or type.
+    """
+
+    linear: np.ndarray
+    alpha: np.ndarray | None = None
+    path: Path | None = None
+    bits: int = 8
+
+    def __post_init__(self) -> None:
+        linear, alpha = self.linear, self.alpha
+        if linear.ndim != 3 or linear.shape[2] != 3 or 0 in linear.shape:
+            raise ValueError(f"a photo is (H, W, 3), not {linear.shape}")
+        if linear.dtype != np.float32 or not linear.flags.c_contiguous:
+            raise ValueError("a photo is float32 and C-contiguous")
+        if alpha is not None and (alpha.shape != linear.shape[:2] or alpha.dtype != np.float32):
+            raise ValueError(f"alpha is float32 of shape {linear.shape[:2]}, not {alpha.dtype} {alpha.shape}")
+        if self.bits not in (8, 16, 32):
+            raise ValueError(f"bits is 8, 16 or 32, not {self.bits}")
+
+    @classmethod
+    def from_srgb(cls, srgb: np.ndarray, path: Path | None = None) -> Photo:
+        """A photo from sRGB pixels in memory.
+
+        Args:
+            srgb: (H, W, 3) uint8, uint16, or float in [0, 1].
+        """
+        srgb = np.asarray(srgb)
+        if srgb.dtype in (np.uint8, np.uint16):
+            linear = srgb_decode_integers(srgb)
+            return cls(np.ascontiguousarray(linear), None, path, 8 * srgb.dtype.itemsize)
+        clipped = np.clip(np.nan_to_num(srgb.astype(np.float32)), 0.0, 1.0)
+        return cls(np.ascontiguousarray(srgb_decode(clipped)), None, path, 32)

@@ -1,0 +1,126 @@
+"""Photos and radiance maps from files, into linear Rec.709."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+
+from relight_core.errors import InputError
+from relight_core.imaging import decode, exr
+from relight_core.imaging.colour import srgb_decode_integers
+from relight_core.imaging.files import file_bytes
+from relight_core.imaging.icc import matrix_profile
+from relight_core.imaging.photo import Photo
+
+
+def read_photo(path: str | Path) -> Photo:
+    """Read JPEG, PNG, TIFF, WebP, EXR or Radiance HDR, upright and in linear Rec.709.
+
+    Integer files are sRGB unless they embed an ICC profile, from which they are converted: matrix and
+    grey profiles in floating point at the file's own depth, table-based ones (CMYK among them) at 8 bits
+    through LittleCMS. What lies outside Rec.709 is clipped. Floating-point TIFFs are linear unless they
+    embed a profile. In floating-point files NaN and negative values become 0 and infinity the largest
+    finite value. Alpha multiplied into the colour is divided out.
+
+    Raises:
+        InputError: missing, a folder, empty, truncated, not an image, above 400 megapixels or unreadable.
+    """
+    path = Path(path)
+    data = file_bytes(path)
+    if _is_radiance(data):
+        linear, alpha = _decode_radiance(data, path)
+        return _float_photo(linear, alpha, premultiplied=True, path=path)
+    raster = decode.decode_raster(data, path)
+    if raster.values.dtype == np.float32 and raster.icc is None:
+        return _float_photo(raster.values, raster.alpha, raster.premultiplied, path)
+    linear, bits = _to_linear(_straight(raster), raster.icc)
+    linear, alpha = _upright(linear, raster.orientation), raster.alpha
+    if alpha is not None:
+        alpha = np.clip(_upright(alpha, raster.orientation), 0.0, 1.0)
+    return Photo(linear, alpha, path, bits)
+
+
+def read_radiance(path: str | Path) -> np.ndarray:
+    """Read an .hdr or .exr file as it is stored: NaN, negative and infinite values are left in.
+
+    Returns:
+        (H, W, 3) float32 linear Rec.709.
+
+    Raises:
+        InputError: as `read_photo`, or not a radiance format.
+    """
+    path = Path(path)
+    data = file_bytes(path)
+    if not _is_radiance(data):
+        raise InputError(f"{path}: not a radiance map; use an .hdr or .exr file")
+    return _decode_radiance(data, path)[0]
+
+
+def _is_radiance(data: bytes) -> bool:
+    return data.startswith((exr.MAGIC, b"#?RADIANCE", b"#?RGBE"))
+
+
+def _decode_radiance(data: bytes, path: Path) -> tuple[np.ndarray, np.ndarray | None]:
+    if data.startswith(exr.MAGIC):
+        return exr.read_exr(path)
+    return decode.decode_radiance_hdr(data, path), None
+
+
+def _float_photo(linear: np.ndarray, alpha: np.ndarray | None, premultiplied: bool, path: Path) -> Photo:
+    if linear.shape[2] == 1:
+        linear = np.repeat(linear, 3, axis=2)
+    linear = _finite(linear)
+    if alpha is not None:
+        alpha = np.clip(np.nan_to_num(alpha.astype(np.float32)), 0.0, 1.0)
+        if premultiplied:
+            linear = linear / np.where(alpha > 0.0, alpha, 1.0)[..., None]
+            linear = np.minimum(linear, np.float32(3e38))
+    return Photo(np.ascontiguousarray(linear, np.float32), alpha, path, 32)
+
+
+def _finite(linear: np.ndarray) -> np.ndarray:
+    finite = np.isfinite(linear)
+    brightest = float(linear.max(initial=0.0, where=finite))
+    return np.maximum(np.nan_to_num(linear, nan=0.0, posinf=brightest, neginf=0.0), 0.0)
+
+
+def _straight(raster: decode.Raster) -> np.ndarray:
+    """Encoded values without alpha in them."""
+    values = raster.values
+    if raster.alpha is None or not raster.premultiplied:
+        return values
+    divided = values / np.where(raster.alpha > 0.0, raster.alpha, 1.0)[..., None]
+    if values.dtype.kind == "u":
+        return np.clip(np.rint(divided), 0, np.iinfo(values.dtype).max).astype(values.dtype)
+    return divided.astype(np.float32)
+
+
+def _to_linear(values: np.ndarray, icc: bytes | None) -> tuple[np.ndarray, int]:
+    """(H, W, 1 or 3) encoded to (H, W, 3) linear, and the bits that are left."""
+    bits = 8 * values.dtype.itemsize
+    profile = matrix_profile(icc, values.shape[2]) if icc else None
+    if values.dtype.kind == "f":
+        values = np.clip(np.nan_to_num(values), 0.0, 1.0)
+        if profile is None:
+            return np.broadcast_to(values, (*values.shape[:2], 3)), bits
+        return profile.decode(values), bits
+    if profile is not None and not profile.is_srgb:
+        return profile.decode(values), bits
+    if profile is None and icc:
+        codes = values if bits == 8 else (values >> 8).astype(np.uint8)
+        converted = decode.convert_8_bit(codes, icc)
+        if converted is not None:
+            return srgb_decode_integers(converted), 8
+    linear = srgb_decode_integers(values)
+    return (np.repeat(linear, 3, axis=2) if linear.shape[2] == 1 else linear), bits
+
+
+def _upright(image: np.ndarray, orientation: int) -> np.ndarray:
+    """Apply an EXIF orientation (1 to 8; JEITA CP-3451, 4.6.4) to rows and columns; C-contiguous."""
+    if orientation >= 5:
+        image = image.swapaxes(0, 1)
+    flip_rows = orientation in (3, 4, 7, 8)
+    flip_columns = orientation in (2, 3, 6, 7)
+    image = image[:: -1 if flip_rows else 1, :: -1 if flip_columns else 1]
+    return np.ascontiguousarray(image)

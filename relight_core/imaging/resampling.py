@@ -1,0 +1,100 @@
+"""Resampling: whole images, and any window of an image, by exact area when shrinking."""
+
+from __future__ import annotations
+
+import cv2
+import numpy as np
+from scipy import sparse
+
+
+def resize_area(image: np.ndarray, size: tuple[int, int]) -> np.ndarray:
+    """Resize by averaging over areas, which keeps the mean; the right way to shrink.
+
+    Args:
+        image: (H, W) or (H, W, C), any real type.
+        size: (height, width) of the result.
+
+    Returns:
+        float32 of the new size.
+    """
+    height, width = image.shape[:2]
+    return resample_window(image, (0.0, 0.0, width, height), size)
+
+
+def resize_smooth(image: np.ndarray, size: tuple[int, int]) -> np.ndarray:
+    """Resize with smooth interpolation: bilinear for growing, by area where it shrinks.
+
+    Fast, and never outside the range of the image's values: for gains, weights and masks.
+
+    Args:
+        image: (H, W) or (H, W, C) of at most 4 channels.
+        size: (height, width) of the result.
+
+    Returns:
+        float32 of the new size.
+    """
+    if size[0] < image.shape[0] or size[1] < image.shape[1]:
+        return resize_area(image, size)
+    source = np.ascontiguousarray(image, np.float32)
+    resized = cv2.resize(source, (size[1], size[0]), interpolation=cv2.INTER_LINEAR)
+    return resized.reshape(*size, *image.shape[2:])
+
+
+def resample_window(
+    image: np.ndarray, window: tuple[float, float, float, float], size: tuple[int, int]
+) -> np.ndarray:
+    """Resample a rectangle of an image, which may reach beyond it; its edge pixels continue outward.
+
+    Along an axis that shrinks, each new pixel is the exact mean of the area it covers, fractions of
+    pixels included; along one that grows, it is a Catmull-Rom interpolation, kept within the image's
+    range of values.
+
+    Args:
+        image: (H, W) or (H, W, C), any real type.
+        window: x0, y0, x1, y1 in pixel edges: pixel i spans i to i + 1.
+        size: (height, width) of the result.
+
+    Returns:
+        float32 of the new size.
+    """
+    x0, y0, x1, y1 = window
+    source = np.asarray(image, np.float32)
+    flat = source.reshape(*source.shape[:2], -1)
+    vertical = _axis_weights(y0, y1, source.shape[0], size[0])
+    horizontal = _axis_weights(x0, x1, source.shape[1], size[1])
+    rows = (vertical @ flat.reshape(flat.shape[0], -1)).reshape(size[0], flat.shape[1], -1)
+    columns = np.ascontiguousarray(rows.swapaxes(0, 1)).reshape(flat.shape[1], -1)
+    result = (horizontal @ columns).reshape(size[1], size[0], -1).swapaxes(0, 1)
+    if (x1 - x0) < size[1] or (y1 - y0) < size[0]:
+        result = np.clip(result, source.min(), source.max())
+    return np.ascontiguousarray(result).reshape(*size, *source.shape[2:])
+
+
+def _axis_weights(start: float, stop: float, length: int, count: int) -> sparse.csr_array:
+    """(count, length) weights that resample [start, stop] of an axis to `count` pixels; rows sum to 1."""
+    step = (stop - start) / count
+    if step >= 1.0 - 1e-9:
+        positions, weights = _area_taps(start, step, count)
+    else:
+        positions, weights = _cubic_taps(start, step, count)
+    columns = np.clip(positions, 0, length - 1)
+    rows = np.repeat(np.arange(count), positions.shape[1])
+    entries = (weights.ravel().astype(np.float32), (rows, columns.ravel()))
+    return sparse.csr_array(sparse.coo_array(entries, shape=(count, length)))
+
+
+def _area_taps(start: float, step: float, count: int) -> tuple[np.ndarray, np.ndarray]:
+    low = start + step * np.arange(count)[:, None]
+    positions = np.floor(low).astype(np.int64) + np.arange(int(np.ceil(step)) + 1)
+    covered = np.minimum(positions + 1, low + step) - np.maximum(positions, low)
+    covered = np.maximum(covered, 0.0)
+    return positions, covered / covered.sum(axis=1, keepdims=True)
+
+
+def _cubic_taps(start: float, step: float, count: int) -> tuple[np.ndarray, np.ndarray]:
+    centre = start + step * (np.arange(count)[:, None] + 0.5) - 0.5
+    positions = np.floor(centre).astype(np.int64) + np.arange(-1, 3)
+    t = np.abs(centre - positions)
+    near = (1.5 * t - 2.5) * t * t + 1.0
+    far = ((-0.5 * t + 2.5) * t - 4.0) * t + 2.0
+    return positions, np.where(t < 1.0, near, np.where(t < 2.0, far, 0.0))

@@ -1,0 +1,207 @@
+"""Images to files: PNG, JPEG and TIFF through the view transform, EXR as radiance. Whole or not at all."""
+
+from __future__ import annotations
+
+import io
+import struct
+import zlib
+from pathlib import Path
+
+import cv2
+import numpy as np
+import tifffile
+from PIL import Image, ImageCms
+
+from relight_core.errors import InputError
+from relight_core.imaging import exr
+from relight_core.imaging.colour import srgb_decode, srgb_encode
+from relight_core.imaging.files import whole_file
+from relight_core.imaging.view_transform import apply_view, expose
+
+_BITS = {".png": (8, 16), ".jpg": (8,), ".jpeg": (8,), ".tif": (8, 16), ".tiff": (8, 16), ".exr": (8, 16, 32)}
+
+
+def write_image(
+    path: str | Path,
+    linear: np.ndarray,
+    alpha: np.ndarray | None = None,
+    *,
+    bits: int = 8,
+    quality: int = 92,
+    exposure_ev: float = 0.0,
+) -> None:
+    """Write an image; the extension says how.
+
+    .png and .tif (8 or 16 bits, straight alpha) and .jpg (8 bits, alpha flattened on white in linear
+    light) go through the view transform. .exr (half floats, or 32-bit ones with bits=32; alpha
+    multiplied into the colour) keeps radiance, multiplied by the exposure.
+
+    Args:
+        path: .png, .jpg, .jpeg, .tif, .tiff or .exr; replaced if it exists.
+        linear: (H, W, 3) linear Rec.709, [0, inf).
+        alpha: (H, W) in [0, 1], or None.
+        bits: per channel.
+        quality: of a JPEG, 1 to 100.
+        exposure_ev: stops.
+
+    Raises:
+        InputError: unknown extension, bits the format can't hold, or a place that can't be written.
+        ValueError: arrays of the wrong shape.
+    """
+    path = Path(path)
+    suffix = check_output(path, bits)
+    linear, alpha = _checked(linear, alpha)
+    if suffix == ".exr":
+        write_exr_layers(path, _main_layer(expose(linear, exposure_ev), alpha), half=bits != 32)
+        return
+    if suffix in (".jpg", ".jpeg"):
+        encoded = _jpeg(_flattened(apply_view(linear, exposure_ev), alpha), quality)
+    else:
+        pixels = _codes(apply_view(linear, exposure_ev), alpha, bits)
+        encoded = _png(pixels) if suffix == ".png" else _tiff(pixels)
+    with whole_file(path) as beside:
+        beside.write_bytes(encoded)
+
+
+def check_output(path: str | Path, bits: int = 8) -> str:
+    """Say early whether `write_image` knows how to write this.
+
+    Returns:
+        The extension in lower case.
+
+    Raises:
+        InputError: unknown extension, or bits the format can't hold.
+    """
+    suffix = Path(path).suffix.lower()
+    if suffix not in _BITS:
+        raise InputError(f"{path}: can't write '{suffix}' files; name a .png, .jpg, .tif or .exr file")
+    if bits not in _BITS[suffix]:
+        choices = " or ".join(str(choice) for choice in _BITS[suffix])
+        raise InputError(f"{path}: {suffix} holds {choices} bits per channel, not {bits}; change the bits")
+    return suffix
+
+
+def write_exr_layers(
+    path: str | Path,
+    layers: dict[str, np.ndarray],
+    *,
+    half: bool = True,
+    header: dict[str, str | float | int] | None = None,
+) -> None:
+    """Write named layers into one EXR file, ZIP-compressed.
+
+    "RGB" or "RGBA" becomes the channels R, G, B (, A), alpha being multiplied in by convention; a layer
+    "albedo" of 3 or 4 channels becomes albedo.R, albedo.G, ...; one of 1 channel keeps its bare name.
+
+    Args:
+        path: ends in .exr; replaced if it exists.
+        layers: (H, W) or (H, W, 1, 3 or 4), numbers of any type, all of one size.
+        half: 16-bit floats, with values limited to +-65504 where they would become infinite; else 32-bit.
+            NaN becomes 0 in both.
+        header: attributes to add; numpy scalars are converted and None left out.
+
+    Raises:
+        InputError: another extension, or a place that can't be written.
+        ValueError: no layers, or layers of different sizes or odd shapes.
+    """
+    path = Path(path)
+    if path.suffix.lower() != ".exr":
+        raise InputError(f"{path}: layers need an EXR file; name a .exr file")
+    arrays = {name: _layer(name, array) for name, array in layers.items()}
+    if len({array.shape[:2] for array in arrays.values()}) != 1:
+        raise ValueError("layers of one EXR have one size, and there is at least one")
+    attributes = {name: _attribute(value) for name, value in (header or {}).items() if value is not None}
+    with whole_file(path) as beside:
+        try:
+            exr.write_channels(beside, arrays, half=half, header=attributes)
+        except RuntimeError as error:
+            raise OSError("OpenEXR can't write it") from error
+
+
+def _checked(linear: np.ndarray, alpha: np.ndarray | None) -> tuple[np.ndarray, np.ndarray | None]:
+    linear = np.asarray(linear, np.float32)
+    if linear.ndim != 3 or linear.shape[2] != 3 or 0 in linear.shape:
+        raise ValueError(f"an image is (H, W, 3), not {linear.shape}")
+    if alpha is None:
+        return linear, None
+    alpha = np.clip(np.nan_to_num(np.asarray(alpha, np.float32)), 0.0, 1.0)
+    if alpha.shape != linear.shape[:2]:
+        raise ValueError(f"alpha is {linear.shape[:2]}, not {alpha.shape}")
+    return linear, alpha
+
+
+def _main_layer(linear: np.ndarray, alpha: np.ndarray | None) -> dict[str, np.ndarray]:
+    if alpha is None:
+        return {"RGB": linear}
+    return {"RGBA": np.dstack([linear * alpha[..., None], alpha])}
+
+
+def _codes(srgb: np.ndarray, alpha: np.ndarray | None, bits: int) -> np.ndarray:
+    values = srgb if alpha is None else np.dstack([srgb, alpha])
+    kind = np.uint8 if bits == 8 else np.uint16
+    return np.rint(values * np.float32(np.iinfo(kind).max)).astype(kind)
+
+
+def _flattened(srgb: np.ndarray, alpha: np.ndarray | None) -> np.ndarray:
+    if alpha is not None:
+        srgb = srgb_encode(srgb_decode(srgb) * alpha[..., None] + (1.0 - alpha[..., None]))
+    return _codes(np.clip(srgb, 0.0, 1.0), None, 8)
+
+
+def _srgb_profile() -> bytes:
+    return ImageCms.ImageCmsProfile(ImageCms.createProfile("sRGB")).tobytes()
+
+
+def _jpeg(pixels: np.ndarray, quality: int) -> bytes:
+    buffer = io.BytesIO()
+    quality = min(max(int(quality), 1), 100)
+    subsampling = 0 if quality >= 90 else 2
+    Image.fromarray(pixels).save(
+        buffer, "JPEG", quality=quality, subsampling=subsampling, optimize=True, icc_profile=_srgb_profile()
+    )
+    return buffer.getvalue()
+
+
+def _png(pixels: np.ndarray) -> bytes:
+    order = [2, 1, 0, 3][: pixels.shape[2]]
+    done, encoded = cv2.imencode(".png", np.ascontiguousarray(pixels[..., order]))
+    if not done:
+        raise RuntimeError("OpenCV could not encode a PNG")
+    png = encoded.tobytes()
+    chunk = b"sRGB" + b"\x00"
+    marked = struct.pack(">I", 1) + chunk + struct.pack(">I", zlib.crc32(chunk))
+    after_header = 8 + 12 + 13
+    return png[:after_header] + marked + png[after_header:]
+
+
+def _tiff(pixels: np.ndarray) -> bytes:
+    buffer = io.BytesIO()
+    extra = ["unassalpha"] if pixels.shape[2] == 4 else None
+    tifffile.imwrite(
+        buffer,
+        np.ascontiguousarray(pixels),
+        photometric="rgb",
+        extrasamples=extra,
+        compression="zlib",
+        iccprofile=_srgb_profile(),
+        metadata=None,
+        software="relight",
+    )
+    return buffer.getvalue()
+
+
+def _layer(name: str, array: np.ndarray) -> np.ndarray:
+    array = np.nan_to_num(np.asarray(array, np.float32), nan=0.0, posinf=np.inf, neginf=-np.inf)
+    if array.ndim == 3 and array.shape[2] == 1:
+        array = array[..., 0]
+    if array.ndim not in (2, 3) or (array.ndim == 3 and array.shape[2] not in (3, 4)) or 0 in array.shape:
+        raise ValueError(f"layer '{name}' is (H, W) or (H, W, 1, 3 or 4), not {array.shape}")
+    return array
+
+
+def _attribute(value: object) -> str | float | int:
+    if isinstance(value, np.generic):
+        value = value.item()
+    if isinstance(value, bool):
+        return int(value)
+    return value if isinstance(value, (str, int, float)) else str(value)
