@@ -41,7 +41,7 @@ class Environment:
         name: for messages and the window.
     """
 
-    shape: np.ndarray
+    shape: np.ndarray = field(repr=False)
     level: float
     name: str = ""
     _column_sums: dict[int, np.ndarray] = field(default_factory=dict, init=False, repr=False)

@@ -1,0 +1,89 @@
+"""What the camera sees of the light behind the person (paper, sec. 5.2.2, after Sun et al. 2019)."""
+
+from __future__ import annotations
+
+import math
+
+import cv2
+import numpy as np
+
+from relight_core.lighting.environment import Environment
+
+_SMALLEST_SIDE = 64
+_WIDEST_BLUR_DEG = 20.0
+
+
+def panorama_background(
+    environment: Environment,
+    yaw_deg: float,
+    height: int,
+    width: int,
+    field_of_view_deg: float = 50.0,
+    blur_deg: float = 1.0,
+) -> np.ndarray:
+    """The part of the panorama in front of a camera at the person's place that looks along -z.
+
+    A map coarser than the picture is drawn at a size that suits its texels, blurred by at least half
+    a texel, and enlarged, so that no texel shows.
+
+    Args:
+        environment: the light.
+        yaw_deg: its turn; positive moves the background to the right.
+        height, width: pixels of the result.
+        field_of_view_deg: of the picture's longer side, in (0, 170].
+        blur_deg: standard deviation of the blur, in [0, 20].
+
+    Returns:
+        (height, width, 3) float32 linear radiance of the light's shape: multiply by its level for the
+        map's own units.
+
+    Raises:
+        ValueError: a field of view, a blur or a yaw out of range.
+    """
+    in_range = 0 < field_of_view_deg <= 170 and 0 <= blur_deg <= _WIDEST_BLUR_DEG
+    if not in_range or not math.isfinite(yaw_deg):
+        raise ValueError(f"no view of {field_of_view_deg} deg with blur {blur_deg} deg at yaw {yaw_deg} deg")
+    texel_deg = 180.0 / environment.height
+    longer = max(height, width)
+    side = min(longer, max(_SMALLEST_SIDE, math.ceil(2 * field_of_view_deg / texel_deg)))
+    drawn_height, drawn_width = (max(1, round(n * side / longer)) for n in (height, width))
+    focal = side / 2 / math.tan(math.radians(field_of_view_deg / 2))
+    sigma = focal * math.tan(math.radians(min(max(blur_deg, texel_deg / 2), _WIDEST_BLUR_DEG)))
+    margin = min(math.ceil(3 * sigma), side)
+    directions = _view_directions(drawn_height, drawn_width, longer * focal / side, height, width, margin)
+    picture = _sample(environment.shape, directions, yaw_deg)
+    picture = cv2.GaussianBlur(picture, (0, 0), sigma, borderType=cv2.BORDER_REPLICATE)
+    picture = picture[margin : margin + drawn_height, margin : margin + drawn_width]
+    return cv2.resize(picture, (width, height), interpolation=cv2.INTER_LINEAR)
+
+
+def _view_directions(
+    drawn_height: int, drawn_width: int, focal: float, height: int, width: int, margin: int
+) -> np.ndarray:
+    """Directions (drawn_height + 2 margin, drawn_width + 2 margin, 3) through a grid over the picture.
+
+    `focal` is in pixels of the picture, `margin` in steps of the grid.
+    """
+    x = ((np.arange(-margin, drawn_width + margin) + 0.5) / drawn_width - 0.5) * width / focal
+    y = (0.5 - (np.arange(-margin, drawn_height + margin) + 0.5) / drawn_height) * height / focal
+    across, up = np.meshgrid(x, y)
+    return np.stack([across, up, -np.ones_like(across)], axis=-1)
+
+
+def _sample(panorama: np.ndarray, directions: np.ndarray, yaw_deg: float) -> np.ndarray:
+    """Bilinear look-up of a lat-long map, round its seam; directions need no unit length."""
+    height, width = panorama.shape[:2]
+    x, y, z = np.moveaxis(directions, -1, 0)
+    u = np.arctan2(x, -z) / (2 * np.pi) + 0.5 - yaw_deg % 360.0 / 360.0
+    v = np.arctan2(np.hypot(x, z), y) / np.pi
+    column = u * width - 0.5
+    row = np.clip(v * height - 0.5, 0, height - 1)
+    left = np.floor(column).astype(np.intp)
+    top = np.floor(row).astype(np.intp)
+    right_share = (column - left)[..., None].astype(np.float32)
+    bottom_share = (row - top)[..., None].astype(np.float32)
+    bottom = np.minimum(top + 1, height - 1)
+    left, right = left % width, (left + 1) % width
+    upper = panorama[top, left] * (1 - right_share) + panorama[top, right] * right_share
+    lower = panorama[bottom, left] * (1 - right_share) + panorama[bottom, right] * right_share
+    return upper * (1 - bottom_share) + lower * bottom_share

@@ -1,0 +1,73 @@
+"""A light made visible on a ball: half matte card, half varnish."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from relight_core.lighting.environment import Environment, network_light
+from relight_core.lighting.sphere import directions, solid_angles
+
+_LIGHT_HEIGHT = 32
+_ALBEDO = 0.7
+_REFLECTANCE = 0.05
+_LOBE_DOUBLINGS = 7
+"""The gloss lobe is cos ** 128, by repeated squaring."""
+_BRIGHT = 0.85
+_DARK_LEVEL = 1e-12
+_BLOCK = 2048
+
+
+def lit_ball(environment: Environment, size: int, yaw_deg: float = 0.0) -> np.ndarray:
+    """A glossy ball under a light, exposed so that its bright parts come out bright.
+
+    The level of the light plays no part: the 98th percentile of luminance becomes 0.85.
+
+    Args:
+        environment: the light.
+        size: pixels along a side, at least 1.
+        yaw_deg: turn of the light.
+
+    Returns:
+        (size, size, 4) float32: linear Rec.709 radiance, and the ball's coverage in [0, 1].
+    """
+    coverage, normals = _ball(size)
+    light = network_light(environment, yaw_deg, _LIGHT_HEIGHT)
+    inside = coverage > 0
+    radiance = np.zeros((size, size, 3), np.float32)
+    shaded = _shade(normals[inside], light)
+    bright = np.percentile(shaded @ np.array([0.2126, 0.7152, 0.0722], np.float32), 98)
+    radiance[inside] = shaded * (_BRIGHT / bright if bright > _DARK_LEVEL else 0.0)
+    return np.concatenate([radiance, coverage[..., None]], axis=-1)
+
+
+def _ball(size: int) -> tuple[np.ndarray, np.ndarray]:
+    """Coverage (size, size) and unit normals (size, size, 3) of a ball that fills the image."""
+    steps = (np.arange(size) + 0.5) * 2 / size - 1
+    x, y = np.meshgrid(steps, -steps)
+    radius = np.hypot(x, y)
+    coverage = np.clip((1 - radius) * size / 2 + 0.5, 0, 1)
+    shorten = np.minimum(1.0, 0.9999 / np.maximum(radius, 1e-6))
+    x, y = x * shorten, y * shorten
+    normals = np.stack([x, y, np.sqrt(np.maximum(1 - x * x - y * y, 0))], axis=-1)
+    return coverage.astype(np.float32), normals.astype(np.float32)
+
+
+def _shade(normals: np.ndarray, light: np.ndarray) -> np.ndarray:
+    """Radiance (N, 3) toward the camera of a matte surface under a gloss coat, all of the light in view."""
+    height, width = light.shape[:2]
+    toward = directions(height, width).reshape(-1, 3)
+    areas = solid_angles(height, width).reshape(-1, 1)
+    power_and_area = np.concatenate([light.reshape(-1, 3) * areas, areas], axis=1)
+    blocks = np.split(normals, range(_BLOCK, len(normals), _BLOCK))
+    return np.concatenate([_shade_block(block, toward, power_and_area) for block in blocks])
+
+
+def _shade_block(normals: np.ndarray, toward: np.ndarray, power_and_area: np.ndarray) -> np.ndarray:
+    matte = np.maximum(normals @ toward.T, 0) @ power_and_area[:, :3] * (_ALBEDO / np.pi)
+    mirrored = 2 * normals[:, 2:3] * normals - np.array([0, 0, 1], np.float32)
+    lobe = np.maximum(mirrored @ toward.T, 0)
+    for _ in range(_LOBE_DOUBLINGS):
+        np.square(lobe, out=lobe)
+    gathered = lobe @ power_and_area
+    fresnel = _REFLECTANCE + (1 - _REFLECTANCE) * (1 - normals[:, 2:3]) ** 5
+    return matte + fresnel * gathered[:, :3] / np.maximum(gathered[:, 3:], 1e-6)

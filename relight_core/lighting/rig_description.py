@@ -1,0 +1,241 @@
+"""A light rig in words: area lights over a room or a sky, read from TOML.
+
+    title = "Rembrandt"
+    description = "One softbox, high and to the side."
+    white_balance_kelvin = 5600        # lamps of this temperature come out grey
+
+    [room]                             # or [sky]
+    kelvin = 5600                      # or colour = [r, g, b], linear
+    intensity = 0.04
+    gradient = 0.3                     # ceiling brighter than floor: radiance goes as 1 + gradient * height
+
+    [[area_light]]
+    name = "key"
+    form = "rectangle"                 # or "disc"
+    azimuth_deg = 45                   # 0 from the camera onto the face, positive from the image's right
+    elevation_deg = 40                 # positive from above
+    width_deg = 24
+    height_deg = 24                    # a disc has its width only
+    hole_deg = 0                       # a disc's dark middle: a ring light
+    softness = 0.4                     # share of the half width over which the edge fades
+    kelvin = 5000
+    intensity = 1.0
+
+Intensities are what an incident-light meter reads: the radiance of a white matte card that faces the
+lamp alone, or that hangs in the room or under the sky's colours everywhere. So the ratio of a key
+to a fill is the ratio of their intensities.
+"""
+
+from __future__ import annotations
+
+import math
+import tomllib
+from dataclasses import dataclass, fields
+from pathlib import Path
+from typing import Any
+
+from relight_core.errors import InputError
+from relight_core.lighting.colour_temperature import COOLEST_KELVIN, HOTTEST_KELVIN, kelvin_to_rgb
+
+Colour = tuple[float, float, float]
+
+_RANGES = {
+    "azimuth_deg": (-360.0, 360.0),
+    "elevation_deg": (-90.0, 90.0),
+    "width_deg": (0.5, 170.0),
+    "height_deg": (0.5, 170.0),
+    "hole_deg": (0.0, 170.0),
+    "softness": (0.0, 1.0),
+    "intensity": (0.0, 1e4),
+    "gradient": (-1.0, 1.0),
+    "haze": (0.05, 4.0),
+    "kelvin": (COOLEST_KELVIN, HOTTEST_KELVIN),
+    "white_balance_kelvin": (COOLEST_KELVIN, HOTTEST_KELVIN),
+}
+
+
+@dataclass(frozen=True)
+class AreaLight:
+    """A lamp with edges; angles as seen from the face, colour linear Rec.709 (times intensity)."""
+
+    azimuth_deg: float
+    elevation_deg: float
+    width_deg: float
+    height_deg: float
+    colour: Colour
+    intensity: float
+    softness: float = 0.2
+    hole_deg: float = 0.0
+    form: str = "rectangle"
+    name: str = ""
+
+
+@dataclass(frozen=True)
+class Room:
+    """Light from all around; radiance goes as 1 + gradient * height, height in [-1, 1]."""
+
+    colour: Colour
+    intensity: float
+    gradient: float = 0.0
+
+
+@dataclass(frozen=True)
+class Glow:
+    """The bright haze around the sun; a Gaussian of that full width at half maximum."""
+
+    azimuth_deg: float
+    elevation_deg: float
+    width_deg: float
+    colour: Colour
+    intensity: float
+
+
+@dataclass(frozen=True)
+class Sky:
+    """Sky over ground. From horizon to zenith the colour goes with height ** haze."""
+
+    zenith: Colour
+    horizon: Colour
+    ground: Colour
+    intensity: float
+    haze: float = 0.5
+    glow: Glow | None = None
+
+
+@dataclass(frozen=True)
+class Rig:
+    """A whole light set-up."""
+
+    title: str
+    description: str
+    surround: Room | Sky
+    area_lights: tuple[AreaLight, ...]
+
+
+def read_rig(path: str | Path) -> Rig:
+    """Read and check a rig's description.
+
+    Raises:
+        InputError: unreadable, not TOML, or a setting is unknown, missing or out of range.
+    """
+    path = Path(path)
+    try:
+        tables = tomllib.loads(path.read_text(encoding="utf-8"))
+    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
+        raise InputError(f"{path}: not a readable light rig ({error})") from error
+    try:
+        return parse_rig(tables)
+    except InputError as error:
+        raise InputError(f"{path}: {error}") from error
+
+
+def parse_rig(tables: dict[str, Any]) -> Rig:
+    """Check a description that TOML has turned into tables.
+
+    Raises:
+        InputError: naming the table and the setting at fault.
+    """
+    known = {"title", "description", "white_balance_kelvin", "room", "sky", "area_light"}
+    _refuse_unknown(tables, known, "the rig")
+    white = _number(tables, "white_balance_kelvin", "the rig", 5600.0)
+    if ("room" in tables) == ("sky" in tables):
+        raise InputError("a rig needs either [room] or [sky]")
+    surround = _parse_room(tables["room"], white) if "room" in tables else _parse_sky(tables["sky"], white)
+    lights = tables.get("area_light", [])
+    if not isinstance(lights, list):
+        raise InputError("area lights are written [[area_light]], with two brackets")
+    area_lights = tuple(_parse_area_light(light, index, white) for index, light in enumerate(lights, 1))
+    title, description = (_text(tables, key, "the rig", "") for key in ("title", "description"))
+    return Rig(title, description, surround, area_lights)
+
+
+def _parse_area_light(table: Any, index: int, white: float) -> AreaLight:
+    where = f"area_light {index}"
+    _refuse_unknown(table, {f.name for f in fields(AreaLight)} | {"kelvin"}, where)
+    form = _text(table, "form", where, "rectangle")
+    if form not in ("rectangle", "disc"):
+        raise InputError(f'{where}: form is "rectangle" or "disc", not "{form}"')
+    width = _number(table, "width_deg", where)
+    if form == "disc" and "height_deg" in table:
+        raise InputError(f"{where}: a disc has a width_deg and no height_deg")
+    hole = _number(table, "hole_deg", where, 0.0)
+    if hole and (form != "disc" or hole >= width):
+        raise InputError(f"{where}: hole_deg belongs to a disc and is smaller than its width_deg")
+    return AreaLight(
+        azimuth_deg=_number(table, "azimuth_deg", where),
+        elevation_deg=_number(table, "elevation_deg", where),
+        width_deg=width,
+        height_deg=width if form == "disc" else _number(table, "height_deg", where),
+        colour=_lamp_colour(table, where, white),
+        intensity=_number(table, "intensity", where),
+        softness=_number(table, "softness", where, 0.2),
+        hole_deg=hole,
+        form=form,
+        name=_text(table, "name", where, ""),
+    )
+
+
+def _parse_room(table: Any, white: float) -> Room:
+    where = "room"
+    _refuse_unknown(table, {"colour", "kelvin", "intensity", "gradient"}, where)
+    colour = _lamp_colour(table, where, white)
+    return Room(colour, _number(table, "intensity", where), _number(table, "gradient", where, 0.0))
+
+
+def _parse_sky(table: Any, white: float) -> Sky:
+    where = "sky"
+    _refuse_unknown(table, {f.name for f in fields(Sky)}, where)
+    zenith, horizon, ground = (_colour(table, key, where) for key in ("zenith", "horizon", "ground"))
+    haze = _number(table, "haze", where, 0.5)
+    glow = _parse_glow(table["glow"], white) if "glow" in table else None
+    return Sky(zenith, horizon, ground, _number(table, "intensity", where), haze, glow)
+
+
+def _parse_glow(table: Any, white: float) -> Glow:
+    where = "sky.glow"
+    _refuse_unknown(table, {f.name for f in fields(Glow)} | {"kelvin"}, where)
+    angles = [_number(table, key, where) for key in ("azimuth_deg", "elevation_deg", "width_deg")]
+    return Glow(*angles, _lamp_colour(table, where, white), _number(table, "intensity", where))
+
+
+def _refuse_unknown(table: Any, known: set[str], where: str) -> None:
+    if not isinstance(table, dict):
+        raise InputError(f"{where} must be a table of settings")
+    unknown = sorted(set(table) - known)
+    if unknown:
+        raise InputError(f"{where}: unknown setting {unknown[0]}; known are {', '.join(sorted(known))}")
+
+
+def _number(table: dict[str, Any], key: str, where: str, default: float | None = None) -> float:
+    value = table.get(key, default)
+    if value is None:
+        raise InputError(f"{where}: {key} is missing")
+    low, high = _RANGES[key]
+    if isinstance(value, bool) or not isinstance(value, (int, float)) or not low <= value <= high:
+        raise InputError(f"{where}: {key} must be a number from {low:g} to {high:g}, not {value!r}")
+    return float(value)
+
+
+def _text(table: dict[str, Any], key: str, where: str, default: str) -> str:
+    value = table.get(key, default)
+    if not isinstance(value, str):
+        raise InputError(f"{where}: {key} must be text in quotes, not {value!r}")
+    return value
+
+
+def _colour(table: dict[str, Any], key: str, where: str) -> Colour:
+    value = table.get(key)
+    numbers = isinstance(value, list) and len(value) == 3
+    if not numbers or not all(type(v) in (int, float) and math.isfinite(v) and v >= 0 for v in value):
+        raise InputError(f"{where}: {key} must be three linear values of at least 0, not {value!r}")
+    red, green, blue = (float(v) for v in value)
+    return red, green, blue
+
+
+def _lamp_colour(table: dict[str, Any], where: str, white: float) -> Colour:
+    if ("colour" in table) == ("kelvin" in table):
+        raise InputError(f"{where}: needs either colour or kelvin")
+    if "colour" in table:
+        return _colour(table, "colour", where)
+    red, green, blue = kelvin_to_rgb(_number(table, "kelvin", where), white)
+    return float(red), float(green), float(blue)

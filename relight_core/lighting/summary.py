@@ -1,0 +1,52 @@
+"""A light in two numbers: where it comes from and how uneven it is."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+
+import numpy as np
+
+from relight_core.lighting.environment import Environment, mean_luminance, network_light
+from relight_core.lighting.sphere import directions, solid_angles
+
+_REC709 = np.array([0.2126, 0.7152, 0.0722])
+
+
+def average_direction(environment: Environment, yaw_deg: float = 0.0) -> np.ndarray:
+    """Mean direction of the light, every direction weighted by the luminance that comes from it.
+
+    Returns:
+        (3,) float32 in camera space. Its length tells how much the light agrees with itself: near 1
+        for a lone lamp, 0 for light that is balanced from all sides or for no light.
+    """
+    light = network_light(environment, yaw_deg)
+    height, width = light.shape[:2]
+    power = (light @ _REC709) * solid_angles(height, width)
+    total = power.sum()
+    if total <= 0:
+        return np.zeros(3, np.float32)
+    return (np.einsum("hw,hwc->c", power, directions(height, width)) / total).astype(np.float32)
+
+
+def contrast(environment: Environment) -> float:
+    """How much the light's irradiance differs between ways a surface may face, whatever its yaw.
+
+    Returns:
+        (brightest - darkest) / (brightest + darkest) over all normals, unshadowed: 0 for light that is
+        even from all sides or for no light, 1 where some normal gets none.
+    """
+    light = network_light(environment)
+    if mean_luminance(light) <= 0:
+        return 0.0
+    irradiance = _relative_cosines(*light.shape[:2]) @ (light @ _REC709).ravel()
+    brightest, darkest = float(irradiance.max()), float(irradiance.min())
+    return max(brightest - darkest, 0.0) / (brightest + darkest)
+
+
+@lru_cache(maxsize=2)
+def _relative_cosines(height: int, width: int) -> np.ndarray:
+    """Clamped cosine times solid angle, (normals, texels); rows sum to 1 and keep even light even."""
+    toward = directions(height, width).reshape(-1, 3).astype(np.float64)
+    areas = solid_angles(height, width).ravel().astype(np.float64)
+    cosines = np.maximum(toward @ toward.T, 0.0) * areas
+    return cosines / cosines.sum(axis=1, keepdims=True)

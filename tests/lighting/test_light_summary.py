@@ -1,0 +1,96 @@
+"""Where a light comes from, how uneven it is, and the ball that shows it."""
+
+import numpy as np
+import pytest
+
+from relight_core.lighting.environment import Environment
+from relight_core.lighting.preview import lit_ball
+from relight_core.lighting.summary import average_direction, contrast
+
+
+def panorama_with(*lamps, ambient=0.0):
+    panorama = np.full((32, 64, 3), ambient, np.float32)
+    for row, column in lamps:
+        panorama[row : row + 2, column : column + 2] = 100.0
+    return Environment.from_radiance(panorama)
+
+
+def test_even_light_has_no_direction_and_no_contrast():
+    even = Environment.from_radiance(np.full((16, 32, 3), 3.0))
+    np.testing.assert_allclose(average_direction(even), 0, atol=1e-6)
+    assert contrast(even) == pytest.approx(0, abs=1e-6)
+
+
+def test_no_light_has_neither():
+    dark = Environment.from_radiance(np.zeros((16, 32, 3)))
+    assert not average_direction(dark).any()
+    assert contrast(dark) == 0.0
+
+
+def test_a_lone_lamp_has_its_direction_and_full_contrast():
+    right = panorama_with((15, 47))
+    np.testing.assert_allclose(average_direction(right), [1, 0, 0], atol=0.02)
+    assert contrast(right) == pytest.approx(1.0)
+
+
+def test_direction_follows_yaw_and_contrast_does_not():
+    front = panorama_with((15, 0), ambient=0.2)
+    straight, turned = average_direction(front), average_direction(front, 90)
+    assert straight[2] > 0.3
+    np.testing.assert_allclose(turned, [-straight[2], straight[1], straight[0]], atol=0.02)
+
+
+def test_opposite_lamps_balance_without_being_even():
+    both = panorama_with((15, 15), (15, 47))
+    np.testing.assert_allclose(average_direction(both), 0, atol=0.02)
+    assert contrast(both) > 0.8
+
+
+def test_fill_lowers_contrast_step_by_step():
+    values = [contrast(panorama_with((10, 40), ambient=a)) for a in (0, 0.1, 1, 10, 1000)]
+    assert values == sorted(values, reverse=True)
+    assert values[-1] < 0.02
+
+
+# The ball
+
+
+def test_the_ball_is_a_disc_of_finite_light():
+    ball = lit_ball(panorama_with((10, 40), ambient=0.1), 48)
+    assert ball.shape == (48, 48, 4)
+    assert ball.dtype == np.float32
+    assert np.isfinite(ball).all()
+    assert (ball >= 0).all()
+    assert ball[0, 0, 3] == 0
+    assert ball[24, 24, 3] == 1
+    assert ball[..., 3].sum() == pytest.approx(np.pi * 24**2, rel=0.01)
+    assert not ball[ball[..., 3] == 0].any()
+
+
+@pytest.mark.parametrize(
+    ("lamp", "yaw_deg", "bright"),
+    [
+        ((15, 47), 0, (slice(None), slice(20, None))),
+        ((15, 15), 0, (slice(None), slice(None, 20))),
+        ((4, 0), 0, (slice(None, 20), slice(None))),
+        ((26, 0), 0, (slice(20, None), slice(None))),
+        ((15, 0), 90, (slice(None), slice(None, 20))),
+    ],
+)
+def test_the_side_toward_the_lamp_is_bright(lamp, yaw_deg, bright):
+    image = lit_ball(panorama_with(lamp), 40, yaw_deg)[..., :3]
+    assert image[bright].sum() > 0.75 * image.sum()
+
+
+def test_exposure_does_not_depend_on_the_level():
+    panorama = np.random.default_rng(0).random((16, 32, 3))
+    dim, strong = (lit_ball(Environment.from_radiance(panorama * s), 24) for s in (1e-6, 1e6))
+    np.testing.assert_allclose(dim, strong, rtol=1e-3)
+    assert 0.5 < np.percentile(dim[..., 1][dim[..., 3] > 0], 98) < 1.2
+
+
+@pytest.mark.parametrize("size", [1, 2, 33])
+def test_dark_light_gives_a_black_ball_at_any_size(size):
+    ball = lit_ball(Environment.from_radiance(np.zeros((8, 16, 3))), size)
+    assert not ball[..., :3].any()
+    assert ball[..., 3].max() > 0
