@@ -1,0 +1,120 @@
+"""The parser, and the arguments that several subcommands share."""
+
+from __future__ import annotations
+
+import argparse
+import math
+import re
+from typing import NoReturn
+
+from relight_core.errors import InputError
+from relight_core.pipeline.edit import Edit
+
+EXPOSURE_LIMIT_EV = 16.0
+GAIN_LIMIT = 2.0
+
+
+class OneLineParser(argparse.ArgumentParser):
+    """An argument parser whose complaint is one line, raised as InputError."""
+
+    def __init__(self, **settings) -> None:
+        super().__init__(formatter_class=argparse.RawDescriptionHelpFormatter, allow_abbrev=False, **settings)
+
+    def error(self, message: str) -> NoReturn:
+        raise InputError(f"{message} ({self.prog} --help tells the usage)")
+
+
+def add_light(parser: argparse.ArgumentParser, *, required: bool) -> None:
+    """--light, in the three forms that app.cli.session.Session.light understands."""
+    parser.add_argument(
+        "--light",
+        metavar="L",
+        required=required,
+        help="a bundled rig's name (see relight rigs), an .hdr or .exr map, or a portrait to borrow from",
+    )
+
+
+def add_sliders(parser: argparse.ArgumentParser) -> None:
+    """The settings of an Edit, the face and --json."""
+    parser.add_argument(
+        "--yaw", metavar="DEG", type=_finite, default=0.0, help="turn the light; positive moves it right"
+    )
+    parser.add_argument(
+        "--exposure", metavar="EV", type=_exposure, default=0.0, help="brighten by stops, -16 to 16"
+    )
+    parser.add_argument("--specular", metavar="S", type=_gain, default=1.0, help="gain on highlights, 0 to 2")
+    parser.add_argument("--shadow", metavar="S", type=_gain, default=1.0, help="gain on shadows, 0 to 2")
+    parser.add_argument(
+        "--background",
+        metavar="B",
+        type=_background,
+        default="keep",
+        help="keep, light, transparent, #rrggbb",
+    )
+    parser.add_argument("--quality", choices=("draft", "live", "final"), default="final")
+    add_face(parser)
+
+
+def add_face(parser: argparse.ArgumentParser) -> None:
+    """--face, for photos of several people."""
+    parser.add_argument(
+        "--face", metavar="N", type=_index, default=None, help="which face; 0, the default, is the largest"
+    )
+
+
+def add_json(parser: argparse.ArgumentParser) -> None:
+    """--json, for programs that read us."""
+    parser.add_argument(
+        "--json", action="store_true", help="print one JSON object and nothing else on stdout"
+    )
+
+
+def edit_from(arguments: argparse.Namespace) -> Edit:
+    """The Edit that the sliders' arguments describe."""
+    return Edit(
+        yaw_deg=arguments.yaw,
+        exposure_ev=arguments.exposure,
+        specular=arguments.specular,
+        shadow=arguments.shadow,
+        background=arguments.background,
+        quality=arguments.quality,
+    )
+
+
+def _finite(text: str) -> float:
+    try:
+        value = float(text)
+    except ValueError:
+        raise argparse.ArgumentTypeError(f"{text!r} is not a number") from None
+    if not math.isfinite(value):
+        raise argparse.ArgumentTypeError(f"{text!r} is not a finite number")
+    return value
+
+
+def _within(text: str, low: float, high: float) -> float:
+    value = _finite(text)
+    if not low <= value <= high:
+        raise argparse.ArgumentTypeError(f"{text} lies outside {low:g} to {high:g}")
+    return value
+
+
+def _exposure(text: str) -> float:
+    return _within(text, -EXPOSURE_LIMIT_EV, EXPOSURE_LIMIT_EV)
+
+
+def _gain(text: str) -> float:
+    return _within(text, 0.0, GAIN_LIMIT)
+
+
+def _index(text: str) -> int:
+    if not text.isdecimal():
+        raise argparse.ArgumentTypeError(f"{text!r} is not a face's number; the largest is 0")
+    return int(text)
+
+
+def _background(text: str) -> str:
+    if text in ("keep", "light", "transparent"):
+        return text
+    if re.fullmatch(r"#[0-9a-fA-F]{6}", text):
+        return text.lower()
+    raise argparse.ArgumentTypeError(f"{text!r} is none of keep, light, transparent, #rrggbb")

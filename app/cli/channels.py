@@ -1,0 +1,83 @@
+"""Write every intermediate channel of one relighting into a folder.
+
+Each channel is written as NAME.png, the way the window shows it. channels.exr holds all of the face crop's
+channels as named layers in linear values, the composition also as its RGB. source_light.exr and
+target_light.exr hold the lights.
+Files of the same names in the folder are replaced, all together at the end.
+"""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+from app.cli.arguments import add_json, add_light, add_sliders, edit_from
+from app.cli.outputs import check_folder, check_place, folder_filled_at_once
+from app.cli.report import relit_record, reporting
+from app.cli.session import Session, light_file
+from relight_core.pipeline.edit import Edit
+
+LIGHTS = ("source_light", "target_light")
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the arguments of `relight channels`."""
+    parser.add_argument("photo", metavar="PHOTO", type=Path, help="a portrait photo")
+    add_light(parser, required=True)
+    add_sliders(parser)
+    parser.add_argument("-o", "--output", metavar="DIR", type=Path, required=True, help="a folder")
+    add_json(parser)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Write the channels; returns the exit code."""
+    folder, edit = arguments.output, edit_from(arguments)
+    check_folder(folder, is_made=True)
+    with reporting(arguments.json) as report:
+        session = Session()
+        light = session.light(arguments.light)
+        session.open(arguments.photo, arguments.face)
+        relit = session.relighter.relight(light, edit)
+        written = write_channels(relit, edit, folder, [arguments.photo, *light_file(arguments.light)])
+        for path in written:
+            report.line(f"wrote {path}")
+        record = relit_record(str(arguments.photo), str(folder), relit)
+        report.record(record | {"files": [str(path) for path in written]})
+    return 0
+
+
+def write_channels(relit, edit: Edit, folder: Path, inputs: list[Path]) -> list[Path]:
+    """Write a Relit's channels into the folder: all files, or none.
+
+    Returns:
+        the files' paths.
+
+    Raises:
+        InputError: the folder can't be written to, or a file would replace one of the inputs.
+    """
+    from relight_core.imaging.write import write_exr_layers, write_image
+
+    with folder_filled_at_once(folder) as scratch:
+        for name, channel in relit.channels.items():
+            _write_view(scratch / f"{name}.png", name, channel)
+        crop = {name: channel for name, channel in relit.channels.items() if name not in LIGHTS}
+        write_exr_layers(
+            scratch / "channels.exr",
+            {"RGB": relit.channels["composition"]} | crop,
+            header={"yaw_deg": float(edit.yaw_deg)},
+        )
+        for name in LIGHTS:
+            if name in relit.channels:
+                write_image(scratch / f"{name}.exr", relit.channels[name])
+        written = [folder / path.name for path in sorted(scratch.iterdir())]
+        for path in written:
+            check_place(path, inputs)
+    return written
+
+
+def _write_view(path: Path, name: str, channel) -> None:
+    from relight_core.imaging.colour import srgb_decode
+    from relight_core.imaging.write import write_image
+    from relight_core.pipeline.channel_view import channel_to_srgb
+
+    write_image(path, srgb_decode(channel_to_srgb(name, channel)))

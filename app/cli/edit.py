@@ -1,0 +1,58 @@
+"""Relight a portrait photo: open it in the editor.
+
+Without PHOTO the editor opens a sample portrait. Where there is no display, relit pictures, their channels
+and a turntable sheet are written into the folder out/ instead.
+"""
+
+from __future__ import annotations
+
+import argparse
+import difflib
+import os
+import sys
+from pathlib import Path
+
+from app.cli.arguments import add_light
+from app.cli.session import sample_portrait
+from relight_core import __version__
+from relight_core.errors import InputError
+
+OUT = Path("out")
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the arguments of `relight`."""
+    parser.add_argument("photo", metavar="PHOTO", nargs="?", help="a portrait photo")
+    add_light(parser, required=False)
+    parser.add_argument("--version", action="version", version=f"relight {__version__}")
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Open the editor, or write files where it can't open; returns the exit code."""
+    photo = _existing(arguments.photo) if arguments.photo is not None else sample_portrait()
+    if not has_display():
+        from app.cli.demo import write_demo
+
+        print(f"There is no display to open the editor on; writing pictures into {OUT}/ instead.", flush=True)
+        write_demo(photo, arguments.light, OUT)
+        return 0
+    from app.window.run import run_editor
+
+    return run_editor(photo, arguments.light) or 0
+
+
+def has_display() -> bool:
+    """Whether a window could open: always on macOS and Windows, with X11 or Wayland elsewhere."""
+    if sys.platform in ("darwin", "win32"):
+        return True
+    return bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))
+
+
+def _existing(text: str) -> Path:
+    if os.path.lexists(text):
+        return Path(text)
+    from app.cli.main import available_commands
+
+    near = difflib.get_close_matches(text, available_commands(), n=1)
+    guess = f"did you mean relight {near[0]}?" if near else "check the path, or see relight --help"
+    raise InputError(f"{text}: no such photo and no such command; {guess}")

@@ -1,0 +1,126 @@
+"""Entry point of the `relight` command: chooses the subcommand and turns what went wrong into an exit code.
+
+A subcommand is a module of this package with `add_arguments(parser)` and `run(arguments) -> int`. Only the
+chosen one is imported, and none imports heavy libraries before `run`, so `--help` answers at once.
+"""
+
+from __future__ import annotations
+
+import importlib
+import io
+import os
+import sys
+import traceback
+import warnings
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from importlib.util import find_spec
+
+from app.cli.arguments import OneLineParser
+from relight_core.errors import InputError
+
+DONE, OUR_FAULT, BAD_INPUT, INTERRUPTED, READER_LEFT = 0, 1, 2, 130, 141
+
+EDITOR = "edit"
+
+COMMANDS = {
+    "render": "relight photos and write them to files",
+    "channels": "write every intermediate channel of one relighting",
+    "turntable": "write a sheet of one photo under a turning light",
+    "rigs": "list the bundled lights",
+    "info": "show versions, devices, graphics, weights and threads",
+    "dataset": "make the training data",
+    "train": "train the networks",
+    "evaluate": "measure the networks",
+    "bench": "time the stages",
+}
+
+_TRAIN_EXTRAS = {"mitsuba", "drjit", "rich", "matplotlib"}
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run the command line and return its exit code.
+
+    Args:
+        argv: the words after the program's name; sys.argv's by default.
+
+    Returns:
+        0 done, 2 wrong usage or bad input (one line on stderr), 1 a fault of ours, 130 interrupted.
+    """
+    words = list(sys.argv[1:] if argv is None else argv)
+    name = words.pop(0) if words and words[0] in available_commands() else EDITOR
+    program = "relight" if name == EDITOR else f"relight {name}"
+    _let_any_file_name_print()
+    try:
+        with _one_line_warnings(program):
+            return _run(name, program, words)
+    except InputError as error:
+        _say(program, str(error))
+        return BAD_INPUT
+    except SystemExit as stop:
+        return stop.code if isinstance(stop.code, int) else DONE
+    except KeyboardInterrupt:
+        return INTERRUPTED
+    except BrokenPipeError:
+        # Nothing reads our output any more; leave nothing for the interpreter to flush into it at exit.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return READER_LEFT
+    except Exception as error:
+        _confess(program, error)
+        return OUR_FAULT
+
+
+def available_commands() -> dict[str, str]:
+    """The subcommands this installation has, each with a line of help."""
+    return {name: line for name, line in COMMANDS.items() if find_spec(f"app.cli.{name}") is not None}
+
+
+def _run(name: str, program: str, words: list[str]) -> int:
+    try:
+        command = importlib.import_module(f"app.cli.{name}")
+        parser = OneLineParser(prog=program, description=command.__doc__)
+        command.add_arguments(parser)
+        if name == EDITOR:
+            parser.epilog = _list_of_commands()
+        code = command.run(parser.parse_args(words))
+        sys.stdout.flush()
+        return code
+    except ModuleNotFoundError as error:
+        if error.name and error.name.partition(".")[0] in _TRAIN_EXTRAS:
+            raise InputError(f"this needs {error.name}: pip install -e '.[train]'") from error
+        raise
+
+
+def _list_of_commands() -> str:
+    lines = [f"  {name:<12}{line}" for name, line in available_commands().items()]
+    return "commands (relight COMMAND --help tells more):\n" + "\n".join(lines)
+
+
+@contextmanager
+def _one_line_warnings(program: str) -> Iterator[None]:
+    def show(message, category, *_place, **_more) -> None:
+        _say(program, f"warning: {message}")
+
+    with warnings.catch_warnings():
+        warnings.showwarning = show
+        yield
+
+
+def _let_any_file_name_print() -> None:
+    """File names need not be text in the terminal's encoding; show the odd byte instead of failing on it."""
+    if isinstance(sys.stdout, io.TextIOWrapper):
+        sys.stdout.reconfigure(errors="backslashreplace")
+
+
+def _confess(program: str, error: Exception) -> None:
+    if os.environ.get("RELIGHT_DEBUG") == "1":
+        traceback.print_exc()
+    _say(
+        program,
+        f"a fault of ours, not of your input ({type(error).__name__}: {error}); "
+        "RELIGHT_DEBUG=1 shows where it happened",
+    )
+
+
+def _say(program: str, message: str) -> None:
+    print(f"{program}: {' '.join(message.splitlines())}", file=sys.stderr, flush=True)

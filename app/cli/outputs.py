@@ -1,0 +1,105 @@
+"""Where results go: names worked out and checked before anything is computed, files that appear whole."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import tempfile
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+
+from relight_core.errors import InputError
+
+OPAQUE_SUFFIXES = (".jpg", ".jpeg")
+NAME_FIELD = "{name}"
+
+
+def plan_outputs(photos: Sequence[Path], out: str) -> list[Path]:
+    """The file each photo's result goes to.
+
+    OUT is a file (for one photo), a folder (it exists, or ends in a slash: then it is made, and results
+    are PNG), or a pattern in which {name} stands for the photo's name without its suffix.
+
+    Raises:
+        InputError: several photos and one file, or two photos for one file.
+    """
+    if out.endswith(("/", os.sep)) or Path(out).is_dir():
+        out = os.path.join(out, f"{NAME_FIELD}.png")
+    elif NAME_FIELD not in out and len(photos) > 1:
+        raise InputError(f"{out}: several photos need a folder/ or a pattern like {NAME_FIELD}.png after -o")
+    outputs = [Path(out.replace(NAME_FIELD, photo.stem)) for photo in photos]
+    for index, path in enumerate(outputs):
+        if path in outputs[:index]:
+            raise InputError(
+                f"{path}: both {photos[outputs.index(path)]} and {photos[index]} would be written there; "
+                "render them apart"
+            )
+    return outputs
+
+
+def check_place(path: Path, inputs: Sequence[Path], *, folder_is_made: bool = False) -> None:
+    """Raise InputError if a file can't be written there, or if it is an input under any name.
+
+    Args:
+        path: the file to write.
+        inputs: files that must stay as they are.
+        folder_is_made: the command will make the file's folder if it is missing.
+    """
+    for given in inputs:
+        if _same_file(path, given):
+            raise InputError(f"{path}: that is the input {given}; choose another name after -o")
+    if path.is_dir():
+        raise InputError(f"{path}: is a folder; give a file's name")
+    if path.exists() and not path.is_file():
+        raise InputError(f"{path}: is not a regular file; choose another name")
+    check_folder(path.parent, is_made=folder_is_made)
+
+
+def check_folder(folder: Path, *, is_made: bool = False) -> None:
+    """Raise InputError unless files can be made in the folder, or the folder itself where it `is_made`."""
+    if is_made:
+        folder = next((f for f in (folder, *folder.absolute().parents) if os.path.lexists(f)), folder)
+    if not folder.exists():
+        raise InputError(f"{folder}: no such folder; make it first")
+    if not folder.is_dir():
+        raise InputError(f"{folder}: is not a folder; choose another place")
+    if not os.access(folder, os.W_OK | os.X_OK):
+        raise InputError(f"{folder}: no permission to write there; choose another folder")
+
+
+def make_folder(folder: Path) -> None:
+    """Make the folder, and those above it, unless it is there.
+
+    Raises:
+        InputError: it can't be made or written to.
+    """
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise InputError(f"{folder}: can't be made ({error.strerror}); choose another folder") from error
+    check_folder(folder)
+
+
+@contextlib.contextmanager
+def folder_filled_at_once(folder: Path) -> Iterator[Path]:
+    """A scratch folder whose files move into `folder` together at the end, or vanish if anything fails.
+
+    Raises:
+        InputError: the folder can't be made or written to.
+    """
+    make_folder(folder)
+    with tempfile.TemporaryDirectory(prefix=".relight-", dir=folder) as scratch:
+        yield Path(scratch)
+        made = sorted(Path(scratch).iterdir())
+        for path in made:
+            if (folder / path.name).is_dir():
+                raise InputError(f"{folder / path.name}: is a folder; move it or choose another place")
+        for path in made:
+            os.replace(path, folder / path.name)
+
+
+def _same_file(one: Path, other: Path) -> bool:
+    try:
+        return os.path.samefile(one, other)
+    except OSError:
+        return os.path.realpath(one) == os.path.realpath(other)

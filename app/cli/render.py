@@ -1,0 +1,106 @@
+"""Relight photos and write them to files.
+
+-o OUT is a file for one photo; for several, a folder (made when its name ends in a slash; results are PNG)
+or a pattern in which {name} stands for the photo's name: -o 'out/{name}.exr'. PNG, JPEG and TIFF are ready to
+look at; EXR holds linear radiance. Nothing is ever written over an input.
+
+With --json, one photo gives one object; several give {"results": [...], "errors": [{"input", "error"}]}.
+A photo that can't be relit doesn't stop the others, but makes the exit code 2.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from app.cli.arguments import add_json, add_light, add_sliders, edit_from
+from app.cli.outputs import OPAQUE_SUFFIXES, check_place, make_folder, plan_outputs
+from app.cli.report import Report, relit_line, relit_record, reporting
+from app.cli.session import Session, light_file
+from relight_core.errors import InputError
+
+if TYPE_CHECKING:
+    from relight_core.lighting.environment import Environment
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the arguments of `relight render`."""
+    parser.add_argument("photos", metavar="PHOTO", nargs="+", type=Path, help="a portrait photo")
+    add_light(parser, required=True)
+    add_sliders(parser)
+    parser.add_argument(
+        "-o", "--output", metavar="OUT", required=True, help="file, folder/ or {name} pattern"
+    )
+    parser.add_argument(
+        "--bits",
+        type=int,
+        choices=(8, 16, 32),
+        default=8,
+        help="a channel: 8 or 16 in PNG and TIFF; EXR holds halves unless 32",
+    )
+    add_json(parser)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Render every photo; returns the exit code."""
+    outputs = _checked_outputs(arguments)
+    with reporting(arguments.json) as report:
+        session = Session()
+        light = session.light(arguments.light)
+        if len(outputs) == 1:
+            report.record(_render(session, light, arguments, arguments.photos[0], outputs[0], report))
+            return 0
+        return _render_each(session, light, arguments, outputs, report)
+
+
+def _checked_outputs(arguments: argparse.Namespace) -> list[Path]:
+    from relight_core.imaging.write import check_output
+
+    outputs = plan_outputs(arguments.photos, arguments.output)
+    if arguments.background == "transparent" and any(p.suffix.lower() in OPAQUE_SUFFIXES for p in outputs):
+        raise InputError(f"{arguments.output}: JPEG holds no transparency; write .png, .tif or .exr")
+    inputs = [*arguments.photos, *light_file(arguments.light)]
+    for output in outputs:
+        check_output(output, arguments.bits)
+        check_place(output, inputs, folder_is_made=_is_folder(arguments.output))
+    return outputs
+
+
+def _is_folder(out: str) -> bool:
+    return out.endswith("/")
+
+
+def _render_each(
+    session: Session, light: Environment, arguments: argparse.Namespace, outputs: list[Path], report: Report
+) -> int:
+    results, errors = [], []
+    for photo, output in zip(arguments.photos, outputs, strict=True):
+        try:
+            results.append(_render(session, light, arguments, photo, output, report))
+        except InputError as error:
+            print(f"relight render: {error}", file=sys.stderr, flush=True)
+            errors.append({"input": str(photo), "error": str(error)})
+    report.record({"results": results, "errors": errors})
+    return 2 if errors else 0
+
+
+def _render(
+    session: Session,
+    light: Environment,
+    arguments: argparse.Namespace,
+    photo: Path,
+    output: Path,
+    report: Report,
+) -> dict:
+    from relight_core.imaging.write import write_image
+
+    edit = edit_from(arguments)
+    session.open(photo, arguments.face)
+    relit = session.relighter.relight(light, edit)
+    if _is_folder(arguments.output):
+        make_folder(output.parent)
+    write_image(output, relit.image, relit.alpha, bits=arguments.bits, exposure_ev=edit.exposure_ev)
+    report.line(relit_line(str(output), relit, edit))
+    return relit_record(str(photo), str(output), relit)

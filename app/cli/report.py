@@ -1,0 +1,91 @@
+"""What a subcommand tells: lines for people, or one JSON object for programs."""
+
+from __future__ import annotations
+
+import contextlib
+import ctypes
+import json
+import os
+import sys
+from collections.abc import Iterator
+
+from relight_core.pipeline.edit import Edit
+
+
+class Report:
+    """Where a subcommand says what it did; each call is silent in the other mode."""
+
+    def __init__(self, as_json: bool) -> None:
+        self._as_json = as_json
+        self._record: dict | None = None
+
+    def line(self, text: str) -> None:
+        """Print a line for people."""
+        if not self._as_json:
+            print(text, flush=True)
+
+    def record(self, record: dict) -> None:
+        """Keep the object for programs; it is printed when the command has ended well."""
+        self._record = record
+
+    def json_text(self) -> str | None:
+        """The object as one line of ASCII, or None when there is none to print."""
+        if self._record is None or not self._as_json:
+            return None
+        return json.dumps(self._record, allow_nan=False)
+
+
+@contextlib.contextmanager
+def reporting(as_json: bool) -> Iterator[Report]:
+    """A Report; with JSON, whatever else writes to stdout meanwhile, C libraries included, goes to stderr."""
+    report = Report(as_json)
+    if not as_json:
+        yield report
+        return
+    with _stdout_to_stderr():
+        yield report
+    text = report.json_text()
+    if text is not None:
+        print(text, flush=True)
+
+
+@contextlib.contextmanager
+def _stdout_to_stderr() -> Iterator[None]:
+    sys.stdout.flush()
+    kept = os.dup(1)
+    os.dup2(2, 1)
+    try:
+        with contextlib.redirect_stdout(sys.stderr):
+            yield
+    finally:
+        _flush_c_streams()
+        os.dup2(kept, 1)
+        os.close(kept)
+
+
+def _flush_c_streams() -> None:
+    """Push out what C code has printed but its library still holds, while stdout points elsewhere."""
+    with contextlib.suppress(OSError, TypeError, AttributeError):
+        ctypes.CDLL(None).fflush(None)
+
+
+def relit_record(input_name: str, output_name: str, relit) -> dict:
+    """What `--json` says of one relighting; `size` is [width, height], boxes and size in pixels."""
+    height, width = relit.image.shape[:2]
+    return {
+        "input": input_name,
+        "output": output_name,
+        "size": [int(width), int(height)],
+        "faces": [{"box": [round(float(edge), 2) for edge in (b.x0, b.y0, b.x1, b.y1)]} for b in relit.faces],
+        "stages": {
+            name: {"ms": round(float(stage.ms), 3), "state": stage.state, "why": stage.why}
+            for name, stage in relit.stages.items()
+        },
+    }
+
+
+def relit_line(output_name: str, relit, edit: Edit) -> str:
+    """The same for people, in a line."""
+    height, width = relit.image.shape[:2]
+    total_ms = sum(stage.ms for stage in relit.stages.values())
+    return f"wrote {output_name} ({width} x {height}, {edit.quality} quality, {total_ms:.0f} ms)"

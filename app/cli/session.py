@@ -1,0 +1,84 @@
+"""What the relighting subcommands share: one Relighter, the light, the photo."""
+
+from __future__ import annotations
+
+import difflib
+import os
+from functools import cached_property
+from importlib.resources import files
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from relight_core.errors import InputError
+
+if TYPE_CHECKING:
+    from relight_core.imaging.photo import Photo
+    from relight_core.lighting.environment import Environment
+    from relight_core.pipeline.relighter import Relighter
+
+PANORAMA_SUFFIXES = (".hdr", ".exr")
+
+
+def make_relighter() -> Relighter:
+    """The Relighter with the bundled weights; loading it takes seconds."""
+    from relight_core.pipeline.relighter import Relighter
+
+    return Relighter()
+
+
+def sample_portrait() -> Path:
+    """The public-domain portrait of Eileen Collins that scikit-image carries."""
+    return Path(str(files("skimage") / "data" / "astronaut.png"))
+
+
+class Session:
+    """One command's Relighter, made when first needed so that bad input is told before it loads."""
+
+    @cached_property
+    def relighter(self) -> Relighter:
+        """The one Relighter of this command."""
+        return make_relighter()
+
+    def light(self, text: str) -> Environment:
+        """The light that L names: a bundled rig, an .hdr or .exr panorama, or a portrait's own light.
+
+        Raises:
+            InputError: L is none of these, or its file is bad.
+        """
+        from relight_core.lighting.environment import read_environment
+        from relight_core.lighting.rigs import load_rig, rig_names
+
+        if text in rig_names():
+            return load_rig(text)
+        if not os.path.lexists(text):
+            raise InputError(_no_such_light(text, rig_names()))
+        if text.lower().endswith(PANORAMA_SUFFIXES):
+            return read_environment(Path(text))
+        self.open(Path(text))
+        return self.relighter.estimated_light()
+
+    def open(self, path: Path, face_index: int | None = None) -> Photo:
+        """Read a photo and make it the Relighter's portrait.
+
+        Raises:
+            InputError: not a photo, or no such face in it.
+        """
+        from relight_core.imaging.read import read_photo
+
+        photo = read_photo(path)
+        self.relighter.set_portrait(photo, face_index)
+        return photo
+
+
+def light_file(text: str) -> list[Path]:
+    """The file that L reads, as a list of one or none."""
+    return [Path(text)] if os.path.exists(text) else []
+
+
+def _no_such_light(text: str, rigs: list[str]) -> str:
+    near = difflib.get_close_matches(text.lower().replace("_", "-").replace(" ", "-"), rigs, n=1)
+    guess = f"did you mean {near[0]}? " if near else ""
+    return (
+        f"{text}: no bundled light and no file of that name; {guess}the bundled lights are "
+        f"{', '.join(rigs)}, and an .hdr or .exr panorama or a portrait will do too"
+    )

@@ -1,0 +1,65 @@
+"""Write a sheet of one photo under a light that turns once around it, in steps of 30 degrees."""
+
+from __future__ import annotations
+
+import argparse
+from dataclasses import replace
+from pathlib import Path
+
+from app.cli.arguments import add_json, add_light, add_sliders, edit_from
+from app.cli.outputs import check_place
+from app.cli.report import relit_record, reporting
+from app.cli.session import Session, light_file
+from relight_core.pipeline.edit import Edit
+
+STEPS = 12
+_COLUMNS = 4
+_CELL_PX = 320
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the arguments of `relight turntable`."""
+    parser.add_argument("photo", metavar="PHOTO", type=Path, help="a portrait photo")
+    add_light(parser, required=True)
+    add_sliders(parser)
+    parser.add_argument("-o", "--output", metavar="SHEET", type=Path, required=True, help="a picture file")
+    add_json(parser)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Write the sheet; returns the exit code."""
+    from relight_core.imaging.write import check_output
+
+    check_output(arguments.output)
+    check_place(arguments.output, [arguments.photo, *light_file(arguments.light)])
+    with reporting(arguments.json) as report:
+        session = Session()
+        light = session.light(arguments.light)
+        session.open(arguments.photo, arguments.face)
+        last = write_turntable(session, light, edit_from(arguments), arguments.output)
+        report.line(f"wrote {arguments.output}")
+        report.record(relit_record(str(arguments.photo), str(arguments.output), last))
+    return 0
+
+
+def write_turntable(session: Session, light, edit: Edit, output: Path):
+    """Relight the session's portrait with the light at 12 yaws from edit.yaw_deg on, and write the sheet.
+
+    Returns:
+        the last step's Relit.
+
+    Raises:
+        InputError: the file can't be written.
+    """
+    from app.cli.sheet import contact_sheet
+    from relight_core.imaging.photo import Photo
+    from relight_core.imaging.view_transform import apply_view
+    from relight_core.imaging.write import write_image
+
+    pictures = []
+    for step in range(STEPS):
+        yaw_deg = edit.yaw_deg + step * 360.0 / STEPS
+        relit = session.relighter.relight(light, replace(edit, yaw_deg=yaw_deg))
+        pictures.append((f"yaw {yaw_deg:g}", apply_view(relit.image, edit.exposure_ev)))
+    write_image(output, Photo.from_srgb(contact_sheet(pictures, _COLUMNS, _CELL_PX)).linear)
+    return relit
