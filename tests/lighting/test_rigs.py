@@ -299,7 +299,7 @@ def test_a_good_description_parses():
         ("elevation_deg = 20", "elevation_deg = 91", "elevation_deg must be a number from -90 to 90"),
         ("width_deg = 30", "width_deg = 0", "width_deg must be a number from 0.5"),
         ("intensity = 1\n", "intensity = -1\n", "intensity must be"),
-        ("intensity = 1\n", 'intensity = 1\nform = "heart"\n', "not \"heart\""),
+        ("intensity = 1\n", 'intensity = 1\nform = "heart"\n', 'not "heart"'),
         ("intensity = 1\n", 'intensity = 1\nform = "disc"\n', "no height_deg"),
         ("intensity = 1\n", "intensity = 1\nhole_deg = 5\n", "hole_deg belongs to a disc"),
         ("intensity = 1\n", "intensity = 1\ncolour = [1, 1, 1]\n", "either colour or kelvin"),
