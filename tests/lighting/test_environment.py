@@ -2,6 +2,7 @@
 
 import warnings
 
+import cv2
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -185,12 +186,25 @@ def test_tiny_and_odd_maps_work(height):
     assert light.max() <= environment.shape.max() * (1 + 1e-6)
 
 
-def test_a_missing_file_is_one_line_of_input_error(tmp_path):
-    pytest.importorskip("relight_core.imaging.read")
-    with pytest.raises(InputError) as caught:
-        read_environment(tmp_path / "none.hdr")
-    assert "none.hdr" in str(caught.value)
-    assert "\n" not in str(caught.value)
+def test_a_panorama_file_becomes_a_light(tmp_path):
+    path = tmp_path / "lamp.hdr"
+    assert cv2.imwrite(str(path), lamp(16, 8, 24, 512.0))
+    environment = read_environment(path)
+    assert environment.name == "lamp.hdr"
+    # One texel of the row below the horizon: cos(pi/2) - cos(9 pi/16) = 0.19509 of 2 * 32 texels' worth.
+    assert environment.level == pytest.approx(512 * 0.1950903 / 64, rel=0.01)
+    assert environment.shape[..., 1].argmax() == 8 * 32 + 24
+
+
+def test_files_that_are_no_light_get_one_line(tmp_path):
+    square = tmp_path / "square.hdr"
+    assert cv2.imwrite(str(square), np.ones((8, 8, 3), np.float32))
+    (tmp_path / "empty.exr").touch()
+    for name in ("square.hdr", "empty.exr", "none.hdr"):
+        with pytest.raises(InputError) as caught:
+            read_environment(tmp_path / name)
+        assert name in str(caught.value)
+        assert "\n" not in str(caught.value)
 
 
 # Turning
