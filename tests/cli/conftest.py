@@ -1,0 +1,94 @@
+"""A Relighter without networks: the command line's own behaviour does not depend on theirs."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from app.cli import session
+from app.cli.main import main
+from relight_core.errors import InputError
+from relight_core.lighting.environment import Environment
+
+
+class FakeRelighter:
+    """Multiplies the photo by the light's level and finds a face wherever a photo isn't one flat colour."""
+
+    def __init__(self) -> None:
+        self.edits = []
+
+    def set_portrait(self, photo, face_index=None):
+        if photo.linear.std() < 1e-3:
+            raise InputError(f"{photo.path}: no face found; choose a photo that shows a face")
+        self.photo = photo
+
+    def estimated_light(self):
+        return Environment.from_radiance(np.full((16, 32, 3), 0.25, np.float32), "borrowed")
+
+    def relight(self, environment, edit):
+        self.edits.append(edit)
+        height, width = self.photo.linear.shape[:2]
+        alpha = np.full((height, width), 0.5, np.float32) if edit.background == "transparent" else None
+        crop = np.full((8, 8, 3), 0.25, np.float32)
+        grey = crop[..., 0]
+        return SimpleNamespace(
+            image=self.photo.linear * np.float32(edit.shadow),
+            alpha=alpha,
+            channels={
+                "photo": crop,
+                "albedo": crop,
+                "normal": np.broadcast_to(np.float32([0, 0, 1]), (8, 8, 3)),
+                "parsing": np.ones((8, 8), np.int64),
+                "specular": grey,
+                "shadow": grey,
+                "composition": crop,
+                "source_light": np.ones((16, 32, 3), np.float32),
+                "target_light": np.ones((16, 32, 3), np.float32),
+            },
+            faces=[SimpleNamespace(x0=1.0, y0=2.0, x1=11.0, y1=14.0)],
+            stages={
+                "delight": SimpleNamespace(ms=1.25, state="computed", why="new photo"),
+                "compose": SimpleNamespace(ms=0.5, state="skipped", why="nothing to do"),
+            },
+        )
+
+
+@pytest.fixture
+def relighter(monkeypatch):
+    """The one fake that every command of a test uses."""
+    fake = FakeRelighter()
+    monkeypatch.setattr(session, "make_relighter", lambda: fake)
+    return fake
+
+
+@pytest.fixture
+def photo(tmp_path):
+    """A 24 x 16 photo with something in it, /…/photo.png."""
+    return save_photo(tmp_path / "photo.png")
+
+
+def save_photo(path, seed=0):
+    pixels = np.random.default_rng(seed).integers(40, 200, (16, 24, 3), dtype=np.uint8)
+    Image.fromarray(pixels).save(path)
+    return path
+
+
+@pytest.fixture
+def another_photo(tmp_path):
+    """A second photo, /…/another.png."""
+    return save_photo(tmp_path / "another.png", seed=1)
+
+
+@pytest.fixture
+def relight(relighter, capfd):
+    """Runs the command line with the fake; gives exit code, stdout and stderr."""
+
+    def run(*words):
+        code = main([str(word) for word in words])
+        streams = capfd.readouterr()
+        return SimpleNamespace(code=code, out=streams.out, err=streams.err)
+
+    return run

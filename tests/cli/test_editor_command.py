@@ -1,0 +1,84 @@
+"""relight without a subcommand: the editor, or files where nothing can be shown."""
+
+import sys
+from types import ModuleType
+
+import pytest
+from PIL import Image
+
+from app.cli import edit
+
+
+@pytest.fixture
+def opened(monkeypatch):
+    """What the editor was opened with."""
+    calls = []
+    window = ModuleType("app.window.run")
+    window.run_editor = lambda photo, light: calls.append((photo, light)) or 0
+    monkeypatch.setitem(sys.modules, "app.window.run", window)
+    return calls
+
+
+def test_without_a_display_pictures_are_written(relight, relighter, photo, tmp_path, monkeypatch):
+    monkeypatch.setattr(edit, "has_display", lambda: False)
+    monkeypatch.chdir(tmp_path)
+    done = relight(photo)
+    assert done.code == 0
+    assert "no display" in done.out
+    for name in (
+        "relit-rembrandt.png",
+        "relit-soft-window.png",
+        "relit-golden-hour.png",
+        "channels/albedo.png",
+    ):
+        assert Image.open(tmp_path / "out" / name).size
+        assert name.partition("/")[0] in done.out
+    assert Image.open(tmp_path / "out" / "turntable.png").width > 1000
+
+
+def test_without_a_display_the_sample_portrait_is_used(relight, relighter, tmp_path, monkeypatch):
+    monkeypatch.setattr(edit, "has_display", lambda: False)
+    monkeypatch.chdir(tmp_path)
+    assert relight("--light", "split").code == 0
+    assert Image.open(tmp_path / "out" / "relit-split.png").size == (512, 512)
+
+
+def test_without_a_display_a_bad_photo_is_still_bad_input(relight, tmp_path, monkeypatch):
+    monkeypatch.setattr(edit, "has_display", lambda: False)
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "text.jpg").write_text("no photo")
+    done = relight("text.jpg")
+    assert done.code == 2
+    assert done.err.count("\n") == 1
+
+
+@pytest.mark.parametrize(("words", "light"), [([], None), (["--light", "ring"], "ring")])
+def test_with_a_display_the_editor_opens(relight, opened, photo, monkeypatch, words, light):
+    monkeypatch.setattr(edit, "has_display", lambda: True)
+    assert relight(photo, *words).code == 0
+    assert opened == [(photo, light)]
+
+
+def test_the_editor_opens_on_the_sample_portrait(relight, opened, monkeypatch):
+    monkeypatch.setattr(edit, "has_display", lambda: True)
+    assert relight().code == 0
+    ((photo, _light),) = opened
+    assert Image.open(photo).size == (512, 512)
+
+
+@pytest.mark.skipif(sys.platform in ("darwin", "win32"), reason="these always have a display")
+@pytest.mark.parametrize(
+    ("variables", "expected"),
+    [
+        ({}, False),
+        ({"DISPLAY": ":0"}, True),
+        ({"WAYLAND_DISPLAY": "wayland-0"}, True),
+        ({"DISPLAY": ""}, False),
+    ],
+)
+def test_displays_are_recognised(monkeypatch, variables, expected):
+    for name in ("DISPLAY", "WAYLAND_DISPLAY"):
+        monkeypatch.delenv(name, raising=False)
+    for name, value in variables.items():
+        monkeypatch.setenv(name, value)
+    assert edit.has_display() is expected

@@ -1,0 +1,115 @@
+"""relight render: what is written, what is told."""
+
+import json
+import os
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from relight_core.imaging.read import read_radiance
+
+
+def test_writes_the_relit_photo_at_its_size(relight, photo, tmp_path):
+    out = tmp_path / "relit.png"
+    done = relight("render", photo, "--light", "ring", "-o", out)
+    assert done.code == 0
+    assert Image.open(out).size == (24, 16)
+    assert np.array_equal(np.asarray(Image.open(out)), np.asarray(Image.open(photo)))
+    assert "relit.png" in done.out
+
+
+def test_json_is_one_object_and_all_of_stdout(relight, photo, tmp_path):
+    out = tmp_path / "relit.png"
+    done = relight("render", photo, "--light", "ring", "--json", "-o", out)
+    assert json.loads(done.out) == {
+        "input": str(photo),
+        "output": str(out),
+        "size": [24, 16],
+        "faces": [{"box": [1.0, 2.0, 11.0, 14.0]}],
+        "stages": {
+            "delight": {"ms": 1.25, "state": "computed", "why": "new photo"},
+            "compose": {"ms": 0.5, "state": "skipped", "why": "nothing to do"},
+        },
+    }
+
+
+def test_json_shares_stdout_with_nobody(relight, relighter, photo, tmp_path, monkeypatch):
+    def chatter(portrait, _face_index):
+        print("printed")
+        os.write(1, b"written to the descriptor\n")
+        relighter.photo = portrait
+
+    monkeypatch.setattr(relighter, "set_portrait", chatter)
+    done = relight("render", photo, "--light", "ring", "--json", "-o", tmp_path / "relit.png")
+    assert json.loads(done.out)["size"] == [24, 16]
+    assert "printed" in done.err
+    assert "written to the descriptor" in done.err
+
+
+def test_sliders_reach_the_edit(relight, relighter, photo, tmp_path):
+    words = "--yaw -90.5 --exposure 1.5 --specular 0 --shadow 2 --background #FF8000 --quality draft"
+    assert relight("render", photo, "--light", "ring", *words.split(), "-o", tmp_path / "o.png").code == 0
+    (edit,) = relighter.edits
+    assert (edit.yaw_deg, edit.exposure_ev, edit.specular, edit.shadow) == (-90.5, 1.5, 0.0, 2.0)
+    assert (edit.background, edit.quality) == ("#ff8000", "draft")
+
+
+def test_exposure_multiplies_the_radiance_in_an_exr(relight, photo, tmp_path):
+    plain, brighter = tmp_path / "plain.exr", tmp_path / "brighter.exr"
+    relight("render", photo, "--light", "ring", "--bits", 32, "-o", plain)
+    relight("render", photo, "--light", "ring", "--bits", 32, "--exposure", 2, "-o", brighter)
+    assert np.allclose(read_radiance(brighter), read_radiance(plain) * 4.0, rtol=1e-6)
+
+
+def test_transparency_reaches_the_file(relight, photo, tmp_path):
+    out = tmp_path / "relit.png"
+    relight("render", photo, "--light", "ring", "--background", "transparent", "-o", out)
+    assert Image.open(out).mode == "RGBA"
+
+
+def test_the_light_can_be_a_panorama_or_borrowed_from_a_portrait(relight, photo, another_photo, tmp_path):
+    from relight_core.imaging.write import write_image
+
+    panorama = tmp_path / "sky.exr"
+    write_image(panorama, np.ones((8, 16, 3), np.float32))
+    for light in (panorama, another_photo):
+        assert relight("render", photo, "--light", light, "-o", tmp_path / "o.png").code == 0
+        assert np.array_equal(np.asarray(Image.open(tmp_path / "o.png")), np.asarray(Image.open(photo)))
+
+
+@pytest.mark.parametrize("out", ["new/folder/", "made", "made/{name}.jpg"])
+def test_several_photos_go_to_a_folder_or_a_pattern(relight, photo, another_photo, tmp_path, out):
+    (tmp_path / "made").mkdir()
+    done = relight("render", photo, another_photo, "--light", "ring", "--json", "-o", f"{tmp_path}/{out}")
+    assert done.code == 0
+    record = json.loads(done.out)
+    assert [result["input"] for result in record["results"]] == [str(photo), str(another_photo)]
+    assert all(os.path.getsize(result["output"]) for result in record["results"])
+    assert record["errors"] == []
+
+
+def test_a_bad_photo_among_several_is_told_and_the_others_are_done(relight, photo, tmp_path):
+    missing = tmp_path / "missing.jpg"
+    done = relight("render", missing, photo, "--light", "ring", "--json", "-o", f"{tmp_path}/out/")
+    record = json.loads(done.out)
+    assert done.code == 2
+    assert [result["input"] for result in record["results"]] == [str(photo)]
+    assert [error["input"] for error in record["errors"]] == [str(missing)]
+    assert "missing.jpg" in done.err
+    assert [path.name for path in (tmp_path / "out").iterdir()] == ["photo.png"]
+
+
+def test_several_photos_need_more_than_one_file(relight, photo, another_photo, tmp_path):
+    done = relight("render", photo, another_photo, "--light", "ring", "-o", tmp_path / "one.png")
+    assert done.code == 2
+    assert not (tmp_path / "one.png").exists()
+
+
+def test_two_photos_of_one_name_do_not_share_a_file(relight, photo, tmp_path):
+    (tmp_path / "other").mkdir()
+    twin = tmp_path / "other" / "photo.png"
+    twin.write_bytes(photo.read_bytes())
+    done = relight("render", photo, twin, "--light", "ring", "-o", f"{tmp_path}/out/")
+    assert done.code == 2
+    assert not (tmp_path / "out").exists()
