@@ -1,0 +1,91 @@
+"""What a camera makes of a lit head: exposure, white balance, tone, clipping, noise, blur, JPEG."""
+
+from __future__ import annotations
+
+import cv2
+import numpy as np
+
+from relight_core.dataset.texture import TexturePool
+
+
+def photograph(
+    radiance: np.ndarray, covered: np.ndarray, light: np.ndarray, pool: TexturePool, rng: np.random.Generator
+) -> np.ndarray:
+    """A photo of a lit head on a random background.
+
+    Args:
+        radiance: (S, S, 3) float32 linear, 0 outside the head.
+        covered: (S, S) bool.
+        light: (16, 32, 3) the light it is lit by, for the white balance.
+
+    Returns:
+        (S, S, 3) float32 sRGB in [0, 1].
+    """
+    image = radiance * _white_balance(light, rng) * _exposure_gain(radiance, covered, rng)
+    coverage = covered.astype(np.float32)[..., None]
+    image = image * coverage + _background(len(image), pool, rng) * (1 - coverage)
+    image = _lens(image, rng)
+    image = _sensor(image, rng)
+    return _develop(image, rng)
+
+
+def _white_balance(light: np.ndarray, rng: np.random.Generator) -> np.ndarray:
+    """Cameras neutralise part of the light's colour, by what fraction is anyone's guess."""
+    colour = light.reshape(-1, 3).mean(0) + 1e-4
+    balance = (colour.mean() / colour) ** rng.uniform(0.2, 1.0) * np.exp(rng.normal(0, 0.04, 3))
+    return (balance / balance.mean()).astype(np.float32)
+
+
+def _exposure_gain(radiance: np.ndarray, covered: np.ndarray, rng: np.random.Generator) -> float:
+    """Meter on the head as a whole, over- or under-exposed by a stop or so."""
+    grey = radiance[covered].mean(-1) if covered.any() else np.ones(1)
+    metered = 0.5 * float(np.mean(grey)) + 0.5 * float(np.percentile(grey, 80))
+    target = 0.28 * 2 ** rng.normal(0, 0.7)
+    if rng.random() < 0.3:
+        return float(np.clip(2 ** rng.normal(0, 0.4), 0.3, 3))
+    return float(np.clip(target / max(metered, 1e-3), 0.05, 20))
+
+
+def _background(size: int, pool: TexturePool, rng: np.random.Generator) -> np.ndarray:
+    chance = rng.random()
+    if chance < 0.15:
+        return np.zeros((size, size, 3), np.float32)
+    if chance < 0.35:
+        shade = 1 + 0.2 * cv2.resize(pool.noise(rng), (size, size))[..., None] * rng.uniform(0, 1)
+        return (rng.beta(0.8, 0.8, 3) * shade).clip(0, 1.5).astype(np.float32)
+    picture = cv2.resize(pool.picture(rng), (size, size))
+    if rng.random() < 0.6:
+        picture = cv2.GaussianBlur(picture, (0, 0), size * 10 ** rng.uniform(-2.5, -1))
+    return picture * np.float32(2 ** rng.normal(0, 0.6))
+
+
+def _lens(image: np.ndarray, rng: np.random.Generator) -> np.ndarray:
+    image = cv2.GaussianBlur(image, (0, 0), rng.uniform(0.35, 0.6) if rng.random() < 0.75 else rng.uniform(0.6, 1.6))
+    if rng.random() < 0.3:
+        size = len(image)
+        axis = (np.arange(size) + 0.5) / size * 2 - 1
+        falloff = 1 - rng.uniform(0, 0.35) * (axis[:, None] ** 2 + axis[None] ** 2) / 2
+        image = image * falloff[..., None].astype(np.float32)
+    return image
+
+
+def _sensor(image: np.ndarray, rng: np.random.Generator) -> np.ndarray:
+    if rng.random() < 0.7:
+        deviation = 10 ** rng.uniform(-3.2, -1.6) * np.sqrt(np.clip(image, 0, 1) + 0.02)
+        image = image + rng.standard_normal(image.shape, np.float32) * deviation
+    return np.clip(image, 0, 1)
+
+
+def _develop(image: np.ndarray, rng: np.random.Generator) -> np.ndarray:
+    """sRGB with a contrast curve, some saturation, and JPEG."""
+    encoded = np.where(image <= 0.0031308, 12.92 * image, 1.055 * np.maximum(image, 1e-8) ** (1 / 2.4) - 0.055)
+    if rng.random() < 0.6:
+        contrast = rng.uniform(-0.15, 0.35)
+        encoded = encoded + contrast * (encoded * encoded * (3 - 2 * encoded) - encoded)
+        grey = encoded.mean(-1, keepdims=True)
+        encoded = np.clip(grey + (encoded - grey) * rng.uniform(0.75, 1.25), 0, 1)
+    if rng.random() < 0.5:
+        bytes_bgr = np.round(encoded[..., ::-1] * 255).astype(np.uint8)
+        _, packed = cv2.imencode(".jpg", bytes_bgr, [cv2.IMWRITE_JPEG_QUALITY, int(rng.integers(45, 98))])
+        encoded = cv2.imdecode(packed, cv2.IMREAD_COLOR)[..., ::-1].astype(np.float32) / 255
+    return np.ascontiguousarray(encoded, np.float32)

@@ -1,0 +1,101 @@
+"""The lights a head is shown in: measured panoramas and random studio rigs, split once by place."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from relight_core.lighting.environment import rotate, shrink
+from relight_core.lighting.sphere import directions, solid_angles
+
+_SPLIT_SEED = 20
+_TEST_LIGHTS = 20
+_VALIDATION_LIGHTS = 8
+_DRAWN_HEIGHT = 64
+
+
+@dataclass(frozen=True)
+class LightLibrary:
+    """Measured panoramas (N, 64, 128, 3) with their names."""
+
+    panoramas: np.ndarray
+    names: tuple[str, ...]
+
+
+def load_lights(path: Path, split: str) -> LightLibrary:
+    """Panoramas of one split: "train", "validation" or "test".
+
+    Places (`group` in the file) never straddle a split: test holds 20 lights as in the paper
+    (section 3.2), validation 8, training the rest.
+    """
+    data = np.load(path, allow_pickle=False)
+    groups = data["group"]
+    order = np.random.default_rng(_SPLIT_SEED).permutation(np.unique(groups))
+    held_out: dict[str, list[int]] = {"test": [], "validation": []}
+    for group in order:
+        members = np.flatnonzero(groups == group).tolist()
+        for name, wanted in (("test", _TEST_LIGHTS), ("validation", _VALIDATION_LIGHTS)):
+            if len(held_out[name]) + len(members) <= wanted:
+                held_out[name] += members
+                break
+    reserved = set(held_out["test"]) | set(held_out["validation"])
+    training = [index for index in range(len(groups)) if index not in reserved]
+    chosen = {**held_out, "train": training}[split]
+    panoramas = np.clip(data["env64"][chosen].astype(np.float32), 0, None)
+    return LightLibrary(panoramas, tuple(str(data["names"][index]) for index in chosen))
+
+
+def normalise_light(light: np.ndarray) -> np.ndarray:
+    """Divide by the mean grey radiance over the sphere; a black light stays black."""
+    weights = solid_angles(*light.shape[:2])
+    level = float((light.mean(-1) * weights).sum() / weights.sum())
+    return (light / max(level, 1e-12)).astype(np.float32)
+
+
+def sample_light(library: LightLibrary, rng: np.random.Generator) -> np.ndarray:
+    """A normalised light (16, 32, 3): a turned, mirrored panorama, or a rig of random lamps."""
+    chance = rng.random()
+    if chance < 0.5:
+        light = sample_panorama(library, rng)
+    elif chance < 0.85:
+        light = sample_rig(rng, lamps=int(rng.integers(1, 5)), ambient=10 ** rng.uniform(-1.5, 0))
+    elif chance < 0.97:
+        light = sample_rig(rng, lamps=1, ambient=10 ** rng.uniform(-2.5, -1))
+    else:
+        light = np.ones((_DRAWN_HEIGHT, 2 * _DRAWN_HEIGHT, 3), np.float32)
+    return normalise_light(shrink(light, 16))
+
+
+def sample_panorama(library: LightLibrary, rng: np.random.Generator) -> np.ndarray:
+    """A panorama turned by any angle (section 3.2), mirrored half the time, its saturation varied."""
+    light = rotate(library.panoramas[rng.integers(len(library.panoramas))], rng.uniform(0, 360))
+    if rng.random() < 0.5:
+        light = light[:, ::-1]
+    grey = light.mean(-1, keepdims=True)
+    return np.maximum(grey + (light - grey) * rng.uniform(0.3, 1.3), 0)
+
+
+def sample_rig(rng: np.random.Generator, lamps: int, ambient: float) -> np.ndarray:
+    """Random round lamps, more often in front than behind, over an ambient gradient. (64, 128, 3)."""
+    toward = directions(_DRAWN_HEIGHT, 2 * _DRAWN_HEIGHT)
+    light = _lamp_colour(rng, 0.3) * ambient * (1 + rng.uniform(-0.9, 0.9) * toward[..., 1:2])
+    for _ in range(lamps):
+        direction = rng.standard_normal(3) + [0, 0.35, 0.5]
+        direction /= np.linalg.norm(direction)
+        radius_deg = 10 ** rng.uniform(0.6, 1.6)
+        angle_deg = np.degrees(np.arccos(np.clip(toward @ direction, -1, 1)))
+        edge = np.clip((radius_deg - angle_deg) / max(0.25 * radius_deg, 2.0) + 0.5, 0, 1)
+        power = 10 ** rng.uniform(-0.6, 0.3) / max(1 - np.cos(np.radians(radius_deg)), 2e-3)
+        light = light + edge[..., None] * power * _lamp_colour(rng, 0.5)
+    return light.astype(np.float32)
+
+
+def _lamp_colour(rng: np.random.Generator, spread: float) -> np.ndarray:
+    """Mostly along the warm-cool axis, sometimes a coloured gel."""
+    warmth = rng.normal(0, spread)
+    colour = np.exp(np.array([0.5, 0.0, -0.6]) * warmth)
+    if rng.random() < 0.12:
+        colour = colour * np.exp(rng.normal(0, 0.8, 3))
+    return (colour / colour.mean()).astype(np.float32)

@@ -1,0 +1,68 @@
+"""Mitsuba casts the rays: the one file that knows it."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import numpy as np
+
+from relight_core.dataset.scene import Scene
+from relight_core.errors import InputError
+
+_LLVM_CANDIDATES = ("libLLVM.so.19.1", "libLLVM-19.so.1", "libLLVM-16.so.1", "libLLVM-15.so.1", "libLLVM-14.so.1")
+_VARIANT = "llvm_ad_rgb"
+
+
+def _mitsuba():
+    """Import Mitsuba with its LLVM backend; Dr.Jit takes the library's place from the environment."""
+    if "DRJIT_LIBLLVM_PATH" not in os.environ:
+        folders = [Path("/usr/lib/x86_64-linux-gnu"), Path("/usr/lib/aarch64-linux-gnu"), Path("/usr/lib64")]
+        found = [f / name for name in _LLVM_CANDIDATES for f in folders if (f / name).exists()]
+        if found:
+            os.environ["DRJIT_LIBLLVM_PATH"] = str(found[0])
+    try:
+        import mitsuba
+    except ImportError as error:
+        raise InputError("mitsuba is missing: install the training extra, pip install 'relight[train]'") from error
+    if mitsuba.variant() != _VARIANT:
+        mitsuba.set_variant(_VARIANT)
+    return mitsuba
+
+
+class RayCaster:
+    """Closest hits and occlusion tests against one scene."""
+
+    def __init__(self, scene: Scene):
+        mitsuba = _mitsuba()
+        mesh = mitsuba.Mesh("head", len(scene.vertices), len(scene.triangles))
+        parameters = mitsuba.traverse(mesh)
+        parameters["vertex_positions"] = scene.vertices.astype(np.float32).ravel()
+        parameters["faces"] = scene.triangles.astype(np.uint32).ravel()
+        parameters.update()
+        self._scene = mitsuba.load_dict({"type": "scene", "mesh": mesh})
+
+    def closest(self, origin: np.ndarray, toward: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """First triangle along each ray.
+
+        Args:
+            origin: (3,) shared by all rays.
+            toward: (N, 3) unit directions.
+
+        Returns:
+            triangle (N,) int64, -1 for a miss; barycentric (N, 3); distance (N,).
+        """
+        mitsuba = _mitsuba()
+        ray = mitsuba.Ray3f(mitsuba.Point3f(*[float(c) for c in origin]), mitsuba.Vector3f(toward.T))
+        hit = self._scene.ray_intersect_preliminary(ray)
+        valid = np.array(hit.is_valid())
+        uv = np.array(hit.prim_uv).T
+        barycentric = np.stack([1 - uv[:, 0] - uv[:, 1], uv[:, 0], uv[:, 1]], 1)
+        triangle = np.where(valid, np.array(hit.prim_index).astype(np.int64), -1)
+        return triangle, barycentric.astype(np.float32), np.array(hit.t)
+
+    def occluded(self, origins: np.ndarray, toward: np.ndarray) -> np.ndarray:
+        """(N,) bool: does anything lie along each ray? origins and toward are (N, 3)."""
+        mitsuba = _mitsuba()
+        ray = mitsuba.Ray3f(mitsuba.Point3f(origins.T), mitsuba.Vector3f(toward.T))
+        return np.array(self._scene.ray_test(ray))

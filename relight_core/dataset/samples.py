@@ -1,0 +1,199 @@
+"""Training samples: a baked head, painted, lit twice, photographed. An endless stream."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import cv2
+import numpy as np
+import torch
+from torch.utils.data import IterableDataset, get_worker_info
+
+from relight_core.dataset.bake import BakedHead, add_relief
+from relight_core.dataset.camera import photograph
+from relight_core.dataset.illumination import Illumination, illuminate, reflect
+from relight_core.dataset.lights import LightLibrary, load_lights, sample_light
+from relight_core.dataset.recipe import load_split
+from relight_core.dataset.shard import read_shard
+from relight_core.dataset.skin import paint
+from relight_core.dataset.texture import TexturePool
+from relight_core.errors import InputError
+from relight_core.face.parsing import INDEX
+from relight_core.lighting.reflection import GLOSS, Gloss
+
+_GREY = np.array([0.2126, 0.7152, 0.0722], np.float32)
+_MIRRORED_LABELS = np.arange(len(INDEX), dtype=np.uint8)
+for _one, _other in (("left_brow", "right_brow"), ("left_eye", "right_eye")):
+    _MIRRORED_LABELS[INDEX[_one]], _MIRRORED_LABELS[INDEX[_other]] = INDEX[_other], INDEX[_one]
+
+
+@dataclass(frozen=True)
+class LitHead:
+    """A head under K lights, before paint and camera; what several samples share."""
+
+    head: BakedHead
+    normal: np.ndarray
+    lights: np.ndarray
+    illumination: Illumination
+    own_specular: np.ndarray
+
+
+def subsample(head: BakedHead, step: int, rng: np.random.Generator) -> BakedHead:
+    """Every `step`-th pixel in both directions, from a random first one: a smaller image of the same head."""
+    if step == 1:
+        return head
+    y, x = rng.integers(0, step, 2)
+    index = np.full(head.covered.shape, -1, np.int64)
+    index[head.covered] = np.arange(len(head.normal))
+    kept = index[y::step, x::step]
+    chosen = kept[kept >= 0]
+    return BakedHead(
+        covered=kept >= 0,
+        normal=head.normal[chosen],
+        depth=head.depth[chosen],
+        uv=head.uv[chosen],
+        material=head.material[chosen],
+        label=head.label[chosen],
+        visibility=np.packbits(head.visible()[:, chosen], axis=1),
+    )
+
+
+def light_head(head: BakedHead, normal: np.ndarray, lights: np.ndarray, gloss: Gloss) -> LitHead:
+    """Light a head with the reference gloss, and with its own for what its photo shows."""
+    reference = _denoised(head, illuminate(head, normal, lights))
+    own = reference.specular if gloss == GLOSS else reflect(head, normal, lights, gloss)
+    return LitHead(head, normal, lights, reference, own)
+
+
+def _denoised(head: BakedHead, lit: Illumination) -> Illumination:
+    """Average the lit fraction over 3 x 3 pixels: one shadow ray per texel leaves grain in a penumbra."""
+    coverage = cv2.blur(head.covered.astype(np.float32), (3, 3))
+
+    def smooth(closed: np.ndarray, opened: np.ndarray) -> np.ndarray:
+        fraction = closed / np.maximum(opened, 1e-6)
+        result = np.empty_like(closed)
+        for k in range(len(closed)):
+            blurred = cv2.blur(head.scatter(fraction[k]), (3, 3)) / np.maximum(coverage, 1e-6)[..., None]
+            result[k] = np.clip(blurred[head.covered], 0, 1) * opened[k]
+        return result
+
+    return Illumination(
+        smooth(lit.irradiance, lit.irradiance_open),
+        lit.irradiance_open,
+        smooth(lit.specular, lit.specular_open),
+        lit.specular_open,
+    )
+
+
+def channels_of(lit: LitHead, albedo: np.ndarray, k: int) -> dict[str, np.ndarray]:
+    """The paper's channels (section 3.2) of one light as images, linear, black outside the head."""
+    light = lit.illumination
+    image = albedo * light.irradiance[k] + light.specular[k]
+    unshadowed = albedo * light.irradiance_open[k] + light.specular_open[k]
+    shadow_fraction = 1 - (light.irradiance[k] @ _GREY) / np.maximum(light.irradiance_open[k] @ _GREY, 1e-6)
+    gloss_fraction = 1 - (light.specular[k] @ _GREY) / np.maximum(light.specular_open[k] @ _GREY, 1e-6)
+    scatter = lit.head.scatter
+    return {
+        "image": scatter(image),
+        "specular": scatter(light.specular[k] @ _GREY),
+        "shadow": scatter(np.maximum((unshadowed - image) @ _GREY, 0)),
+        "shadow_fraction": scatter(np.clip(shadow_fraction, 0, 1)),
+        "gloss_fraction": scatter(np.clip(gloss_fraction, 0, 1)),
+        "light": lit.lights[k],
+    }
+
+
+def surface_of(lit: LitHead, albedo: np.ndarray) -> dict[str, np.ndarray]:
+    """What does not depend on the light: albedo (linear), normal, relief, labels, coverage."""
+    scatter = lit.head.scatter
+    return {
+        "albedo": scatter(albedo),
+        "normal": scatter(lit.normal),
+        "relief": scatter(lit.head.depth),
+        "label": scatter(lit.head.label),
+        "covered": lit.head.covered.astype(np.float32),
+    }
+
+
+def mirrored(sample: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
+    """The same sample in a mirror: images and light flipped, normals and sides exchanged."""
+    flipped = {name: np.ascontiguousarray(value[:, ::-1]) for name, value in sample.items()}
+    flipped["normal"] = flipped["normal"] * np.array([-1, 1, 1], np.float32)
+    flipped["label"] = _MIRRORED_LABELS[flipped["label"]]
+    return flipped
+
+
+class SampleStream(IterableDataset):
+    """Pairs of lights of the same head, pose and albedo, as fine-tuning needs them (paper, section 4.3).
+
+    Each item is a dict of tensors: "photo_srgb" (2, 3, S, S), "image", "specular", "shadow", ... with a
+    leading axis of two lights; "albedo", "normal", "relief", "label", "covered" without one.
+
+    Args:
+        folder: baked shards; heads that appear while it runs are picked up at the next pass.
+        size: side of the images; the shards' own size or a divisor of it.
+        photographs: also take photos (de-lighting needs them, the other networks do not).
+    """
+
+    def __init__(self, folder: Path, lights: Path, split: str, size: int, seed: int, *, photographs: bool = True,
+                 lights_per_head: int = 10, paints_per_head: int = 16, heads_at_once: int = 8):
+        super().__init__()
+        self.folder, self.lights, self.split, self.size, self.seed = folder, lights, split, size, seed
+        self.photographs = photographs
+        self.lights_per_head, self.paints_per_head = lights_per_head, paints_per_head
+        self.heads_at_once = heads_at_once
+
+    def __iter__(self) -> Iterator[dict[str, torch.Tensor]]:
+        worker = get_worker_info()
+        rng = np.random.default_rng([self.seed, worker.id if worker else 0])
+        library = load_lights(self.lights, self.split)
+        pool = TexturePool(rng, library.panoramas)
+        while True:
+            paths = load_split(self.folder, self.split)
+            if not paths:
+                raise InputError(f"{self.folder}: no baked heads; run 'relight dataset bake' first")
+            order = rng.permutation(len(paths))
+            for start in range(0, len(order), self.heads_at_once):
+                lit = [self._light(paths[i], library, pool, rng) for i in order[start : start + self.heads_at_once]]
+                for draw in rng.permutation(len(lit) * self.paints_per_head):
+                    yield self._sample(lit[draw % len(lit)], pool, rng)
+
+    def _light(self, path: Path, library: LightLibrary, pool: TexturePool, rng: np.random.Generator) -> LitHead:
+        head = read_shard(path)
+        head = subsample(head, head.size // self.size, rng)
+        normal = add_relief(head, pool.noise(rng), rng.uniform(0, 0.2))
+        lights = np.stack([sample_light(library, rng) for _ in range(self.lights_per_head)])
+        gloss = Gloss(rng.uniform(0.2, 1.2), rng.uniform(0.3, 0.65)) if self.photographs else GLOSS
+        return light_head(head, normal, lights, gloss)
+
+    def _sample(self, lit: LitHead, pool: TexturePool, rng: np.random.Generator) -> dict[str, torch.Tensor]:
+        albedo = paint(lit.head, pool, rng)
+        mirror = rng.random() < 0.5
+        surface = surface_of(lit, albedo)
+        pair = []
+        for k in rng.choice(self.lights_per_head, 2, replace=False):
+            channels = channels_of(lit, albedo, k) | surface
+            if self.photographs:
+                shown = albedo * lit.illumination.irradiance[k] + lit.own_specular[k]
+                channels["photo_srgb"] = photograph(
+                    lit.head.scatter(shown), lit.head.covered, lit.lights[k], pool, rng
+                )
+            pair.append(mirrored(channels) if mirror else channels)
+        return _tensors(pair, shared=set(surface))
+
+
+def _tensors(pair: list[dict[str, np.ndarray]], shared: set[str]) -> dict[str, torch.Tensor]:
+    item = {}
+    for name, value in pair[0].items():
+        arrays = [value] if name in shared else [channels[name] for channels in pair]
+        stacked = torch.from_numpy(np.stack([np.ascontiguousarray(array) for array in arrays]))
+        if name == "light":
+            item[name] = stacked.float()
+        elif name == "label":
+            item[name] = stacked[0].long()
+        else:
+            stacked = stacked.float().unsqueeze(1) if stacked.ndim == 3 else stacked.float().permute(0, 3, 1, 2)
+            item[name] = stacked[0] if name in shared else stacked
+    return item

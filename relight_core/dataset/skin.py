@@ -1,0 +1,168 @@
+"""Albedo of a dressed head in linear reflectance: skin from its pigments, and everything else from paint.
+
+Skin is Beer-Lambert absorption by melanin and haemoglobin over a pale base, which covers the range of
+human skin evenly when melanin is drawn uniformly. In most samples arbitrary pictures are laid over it or
+instead of it: a network that has seen wild albedo learns what light does, not what skin looks like.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from relight_core.dataset.bake import BakedHead
+from relight_core.dataset.scene import Material
+from relight_core.dataset.texture import TexturePool, look_up
+from relight_core.face.parsing import INDEX
+
+_PALE = np.array([0.70, 0.49, 0.39], np.float32)
+_MELANIN = np.array([1.75, 2.1, 2.45], np.float32)
+_HAEMOGLOBIN = np.array([0.10, 0.55, 0.45], np.float32)
+_DARKEST, _BRIGHTEST = 0.015, 0.95
+
+# Centres and radii in the face tile of what blood colours: cheeks, nose tip, chin.
+_FLUSHED = ((0.30, 0.50, 0.10), (0.70, 0.50, 0.10), (0.50, 0.60, 0.05), (0.50, 0.30, 0.06))
+
+
+def paint(head: BakedHead, pool: TexturePool, rng: np.random.Generator) -> np.ndarray:
+    """A random albedo for every pixel of a head. (P, 3) float32, linear, in [0.015, 0.95]."""
+    albedo = np.empty((len(head.uv), 3), np.float32)
+    skin = _skin(head, pool, rng)
+    is_skin = np.isin(head.material, (Material.FACE, Material.HEAD))
+    albedo[is_skin] = skin[is_skin]
+    _paint_mouth(albedo, head, rng)
+    _paint_eyes(albedo, head, rng)
+    hair = _hair_colour(rng)
+    for material in (Material.HAIR, Material.BROW):
+        where = head.material == material
+        albedo[where] = _strands(head.uv[where], hair, pool, rng)
+    for material in (Material.HAT, Material.CLOTH, Material.GLASSES):
+        where = head.material == material
+        albedo[where] = _fabric(head.uv[where], pool, rng)
+    _lay_pictures(albedo, head, pool, rng)
+    return np.clip(albedo, _DARKEST, _BRIGHTEST)
+
+
+def skin_tone(melanin, haemoglobin) -> np.ndarray:
+    """Linear reflectance (..., 3) for pigment amounts in [0, 1]."""
+    melanin, haemoglobin = np.asarray(melanin)[..., None], np.asarray(haemoglobin)[..., None]
+    return (_PALE * np.exp(-_MELANIN * melanin - _HAEMOGLOBIN * haemoglobin)).astype(np.float32)
+
+
+def _skin(head: BakedHead, pool: TexturePool, rng: np.random.Generator) -> np.ndarray:
+    uv = head.uv
+    melanin = rng.random() + 0.04 * look_up(pool.noise(rng), uv) + 0.02 * look_up(pool.noise(rng), uv, 3)
+    haemoglobin = rng.uniform(0, 0.5) + 0.06 * look_up(pool.noise(rng), uv)
+    haemoglobin = haemoglobin + rng.uniform(0, 0.5) * _flush(uv) * (head.material == Material.FACE)
+    if rng.random() < 0.3:
+        spots = look_up(pool.noise(rng), uv, rng.uniform(2, 5)) + look_up(pool.noise(rng), uv, 6)
+        melanin = melanin + 0.25 * np.clip(spots - rng.uniform(1.5, 2.8), 0, 1)
+    skin = skin_tone(np.clip(melanin, -0.1, 1.2), np.clip(haemoglobin, 0, 1.3))
+    _paint_lips(skin, head, rng)
+    _paint_hair_on_skin(skin, head, pool, rng)
+    return skin * rng.uniform(0.9, 1.1)
+
+
+def _flush(uv: np.ndarray) -> np.ndarray:
+    total = np.zeros(len(uv), np.float32)
+    for u, v, radius in _FLUSHED:
+        total += np.exp(-((uv[:, 0] - u) ** 2 + (uv[:, 1] - v) ** 2) / (2 * radius**2))
+    return total
+
+
+def _paint_lips(skin: np.ndarray, head: BakedHead, rng: np.random.Generator) -> None:
+    lips = head.label == INDEX["lips"]
+    if rng.random() < 0.3:
+        lipstick = rng.beta(1, 2, 3).astype(np.float32) * [1, 0.5, 0.6]
+        skin[lips] = skin[lips] * 0.3 + lipstick * 0.7
+    else:
+        skin[lips] *= np.array([0.85, 0.6, 0.65], np.float32) ** rng.uniform(0.3, 1.5)
+
+
+def _paint_hair_on_skin(skin: np.ndarray, head: BakedHead, pool: TexturePool, rng: np.random.Generator) -> None:
+    """Brows, stubble and beard, eye shadow and a shaved scalp: all darken the skin through a noisy mask."""
+    hair = _hair_colour(rng)
+    fine = look_up(pool.noise(rng), head.uv, 4)
+    on_face = head.material == Material.FACE
+    u, v = head.uv.T
+    brows = np.isin(head.label, (INDEX["left_brow"], INDEX["right_brow"]))
+    _blend(skin, hair, brows * np.clip(rng.uniform(0.3, 1.1) + 0.3 * fine, 0, 1))
+    if rng.random() < 0.35:
+        low = 1 / (1 + np.exp((v - rng.uniform(0.42, 0.56)) * 40))
+        outside_lips = (head.label != INDEX["lips"]) & (head.label != INDEX["inner_mouth"])
+        middle = 1 / (1 + np.exp((0.18 - v) * 40))
+        _blend(skin, hair, on_face * outside_lips * low * middle * np.clip(rng.uniform(0.1, 0.9) + 0.35 * fine, 0, 1))
+    if rng.random() < 0.25:
+        lids = np.exp(-((np.abs(u - 0.5) - 0.145) ** 2 / 0.003 + (v - 0.74) ** 2 / 0.001))
+        _blend(skin, rng.beta(1, 3, 3).astype(np.float32), on_face * lids * rng.uniform(0.2, 0.8))
+    if rng.random() < 0.4:
+        scalp = (head.material == Material.HEAD) | (on_face & (v > 0.93))
+        _blend(skin, hair, scalp * (v > 0.3) * np.clip(rng.uniform(0.2, 1.0) + 0.25 * fine, 0, 1))
+
+
+def _blend(skin: np.ndarray, colour: np.ndarray, weight: np.ndarray) -> None:
+    weight = weight.astype(np.float32)[:, None]
+    skin *= 1 - weight
+    skin += weight * colour
+
+
+def _hair_colour(rng: np.random.Generator) -> np.ndarray:
+    """Black through brown and red to blond, grey, and now and then a dyed colour."""
+    chance = rng.random()
+    if chance < 0.1:
+        return rng.beta(1, 2, 3).astype(np.float32)
+    if chance < 0.25:
+        return np.full(3, rng.uniform(0.08, 0.6), np.float32) * np.array([1, 0.98, 0.95], np.float32)
+    pigment = rng.uniform(0, 1) ** 0.6
+    return (np.array([0.5, 0.34, 0.18]) * np.exp(-pigment * np.array([3.2, 3.3, 2.9]))).astype(np.float32)
+
+
+def _strands(uv: np.ndarray, colour: np.ndarray, pool: TexturePool, rng: np.random.Generator) -> np.ndarray:
+    along = np.stack([uv[:, 0] * rng.uniform(2, 8), uv[:, 1] * rng.uniform(0.2, 1)], 1)
+    streaks = 0.35 * look_up(pool.noise(rng), along) + 0.25 * look_up(pool.noise(rng), uv, 2)
+    return colour * np.exp(np.clip(streaks, -1.2, 1.2))[:, None]
+
+
+def _fabric(uv: np.ndarray, pool: TexturePool, rng: np.random.Generator) -> np.ndarray:
+    if rng.random() < 0.5:
+        return look_up(pool.picture(rng), uv, rng.uniform(1, 5))
+    shade = np.exp(rng.uniform(0, 0.2) * look_up(pool.noise(rng), uv, 4))
+    return rng.beta(0.7, 0.9, 3).astype(np.float32) * shade[:, None]
+
+
+def _paint_mouth(albedo: np.ndarray, head: BakedHead, rng: np.random.Generator) -> None:
+    albedo[head.material == Material.MOUTH] = np.array([0.35, 0.1, 0.1]) * rng.uniform(0.3, 1.2)
+    teeth = np.array([0.75, 0.7, 0.6]) * rng.uniform(0.6, 1.1)
+    albedo[head.material == Material.TEETH] = teeth
+
+
+def _paint_eyes(albedo: np.ndarray, head: BakedHead, rng: np.random.Generator) -> None:
+    """The ball's texture is centred on the pupil: pupil, iris with radial fibres, limbal ring, white."""
+    ball = np.isin(head.material, (Material.SCLERA, Material.IRIS))
+    if not ball.any():
+        return
+    offset = head.uv[ball] - 0.5
+    radius, angle = np.hypot(*offset.T), np.arctan2(*offset.T)
+    iris_radius = rng.uniform(0.12, 0.135)
+    iris = rng.choice([[0.05, 0.025, 0.012], [0.12, 0.07, 0.03], [0.10, 0.16, 0.22], [0.10, 0.13, 0.07]])
+    iris = np.asarray(iris) * rng.uniform(0.6, 1.6) * (1 + 0.25 * np.sin(angle * 23 + rng.uniform(0, 6)))[:, None]
+    white = np.array([0.72, 0.66, 0.62]) * rng.uniform(0.75, 1.1) * np.exp(-radius[:, None] * [0.0, 0.5, 0.5])
+    eye = np.where((radius < iris_radius)[:, None], iris * np.clip((iris_radius - radius) * 60, 0.35, 1)[:, None], white)
+    albedo[ball] = np.where((radius < iris_radius * rng.uniform(0.3, 0.5))[:, None], 0.012, eye)
+
+
+def _lay_pictures(albedo: np.ndarray, head: BakedHead, pool: TexturePool, rng: np.random.Generator) -> None:
+    """Domain randomisation: pictures as albedo, multiplied over it, or on a part of the head."""
+    chance = rng.random()
+    if chance < 0.35:
+        return
+    picture = look_up(pool.picture(rng), head.uv, rng.choice([1, 1, 2, 3]))
+    if chance < 0.55:
+        mean = picture.mean(0, keepdims=True)
+        albedo *= ((picture + 0.05) / (mean + 0.05)) ** rng.uniform(0.3, 1)
+    elif chance < 0.75:
+        blend = rng.uniform(0.5, 1)
+        albedo[:] = albedo * (1 - blend) + picture * blend
+    else:
+        noise = look_up(pool.noise(rng), head.uv, rng.choice([1, 2]))
+        weight = np.clip((noise - rng.uniform(-0.5, 1.2)) * rng.uniform(1, 12), 0, 1)[:, None]
+        albedo[:] = albedo * (1 - weight) + picture * weight

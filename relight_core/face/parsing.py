@@ -1,0 +1,45 @@
+"""The face-parsing classes: the paper's eight regions, the background, and what we add around them."""
+
+from __future__ import annotations
+
+CLASSES = (
+    "background",
+    "skin",
+    "left_brow",
+    "right_brow",
+    "left_eye",
+    "right_eye",
+    "nose",
+    "inner_mouth",
+    "lips",
+    "neck",
+    "hair",
+    "hat",
+    "glasses",
+    "cloth",
+)
+"""Names by label. Left and right are the person's own (paper, section 3.2: 2 eyebrows, 2 eyes, nose,
+inner mouth, lips and skin); "neck" holds all bare skin outside the face: neck, ears, scalp."""
+
+INDEX = {name: index for index, name in enumerate(CLASSES)}
+
+PAPER_CLASSES = CLASSES[1:9]
+"""The eight regions of the paper; everything else is its black background."""
+
+PALETTE_SRGB = (
+    (0, 0, 0),
+    (236, 188, 150),
+    (120, 72, 30),
+    (168, 104, 44),
+    (70, 130, 220),
+    (40, 190, 210),
+    (250, 150, 90),
+    (120, 20, 60),
+    (220, 60, 90),
+    (190, 140, 110),
+    (90, 60, 120),
+    (220, 200, 60),
+    (60, 220, 120),
+    (90, 110, 90),
+)
+"""Display colour of each class, sRGB bytes."""

@@ -1,0 +1,20 @@
+"""sRGB encoding of tensors, with finite gradients at 0."""
+
+from __future__ import annotations
+
+import torch
+
+
+def srgb_encode(linear: torch.Tensor) -> torch.Tensor:
+    """Linear [0, inf) to sRGB; values above 1 continue on the curve."""
+    low = linear * 12.92
+    high = 1.055 * linear.clamp_min(0.0031308).pow(1 / 2.4) - 0.055
+    return torch.where(linear <= 0.0031308, low, high)
+
+
+def srgb_decode(encoded: torch.Tensor) -> torch.Tensor:
+    """sRGB to linear; negative values are taken as 0."""
+    encoded = encoded.clamp_min(0)
+    low = encoded / 12.92
+    high = ((encoded.clamp_min(0.04045) + 0.055) / 1.055).pow(2.4)
+    return torch.where(encoded <= 0.04045, low, high)

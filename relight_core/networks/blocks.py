@@ -1,0 +1,75 @@
+"""Building blocks shared by the three encoder-decoders."""
+
+from __future__ import annotations
+
+import torch
+import torch.nn.functional as F
+from torch import nn
+
+
+class ConvBlock(nn.Module):
+    """3 x 3 convolution, batch normalisation, leaky ReLU; folded into one convolution for inference."""
+
+    def __init__(self, inputs: int, outputs: int, stride: int = 1):
+        super().__init__()
+        self.conv = nn.Conv2d(inputs, outputs, 3, stride, 1, bias=False, padding_mode="zeros")
+        self.norm: nn.Module = nn.BatchNorm2d(outputs, momentum=0.05)
+
+    def forward(self, x: torch.Tensor) -> torch.Tensor:
+        return F.leaky_relu(self.norm(self.conv(x)), 0.1, inplace=True)
+
+    def fold(self) -> None:
+        """Merge the normalisation into the convolution's weights (evaluation mode only)."""
+        if isinstance(self.norm, nn.BatchNorm2d):
+            self.conv = nn.utils.fusion.fuse_conv_bn_eval(self.conv, self.norm)
+            self.norm = nn.Identity()
+
+
+class Encoder(nn.Module):
+    """Levels of halving resolution; level i has width * 2**i channels (capped)."""
+
+    def __init__(self, inputs: int, widths: list[int]):
+        super().__init__()
+        self.stem = nn.Sequential(ConvBlock(inputs, widths[0]), ConvBlock(widths[0], widths[0]))
+        self.levels = nn.ModuleList(
+            nn.Sequential(ConvBlock(above, below, stride=2), ConvBlock(below, below))
+            for above, below in zip(widths, widths[1:])
+        )
+
+    def forward(self, x: torch.Tensor) -> list[torch.Tensor]:
+        """Features of every level, finest first."""
+        features = [self.stem(x)]
+        for level in self.levels:
+            features.append(level(features[-1]))
+        return features
+
+
+class UpLevel(nn.Module):
+    """Upsample, join the encoder's features (the skip connection of Ronneberger et al. 2015), convolve."""
+
+    def __init__(self, below: int, skip: int, outputs: int):
+        super().__init__()
+        self.reduce = nn.Conv2d(below, outputs, 1)
+        self.blend = ConvBlock(outputs + skip, outputs)
+        self.refine = ConvBlock(outputs, outputs)
+
+    def join(self, x: torch.Tensor, skip: torch.Tensor) -> torch.Tensor:
+        """The upsampled features beside the skip, convolved: what a modulation acts on."""
+        x = F.interpolate(self.reduce(x), size=skip.shape[-2:], mode="bilinear", align_corners=False)
+        return self.blend(torch.cat([x, skip], 1))
+
+    def forward(self, x: torch.Tensor, skip: torch.Tensor) -> torch.Tensor:
+        return self.refine(self.join(x, skip))
+
+
+def level_widths(width: int, levels: int, widest: int = 256) -> list[int]:
+    """Channels per level: doubling from `width`, capped."""
+    return [min(width * 2**level, widest) for level in range(levels)]
+
+
+def fold_normalisation(network: nn.Module) -> nn.Module:
+    """Fold every batch normalisation of a network in evaluation mode, in place."""
+    for module in network.modules():
+        if isinstance(module, ConvBlock):
+            module.fold()
+    return network

@@ -1,0 +1,95 @@
+"""The composition network (paper, section 4.2.3): the channels and the light in, the relit image out."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import torch
+from torch import nn
+
+from relight_core.networks.blocks import Encoder, UpLevel, level_widths
+from relight_core.networks.lfm import LightModulation, encode_light
+
+_KNEE = 20.0
+
+
+@dataclass(frozen=True)
+class CompositionConfig:
+    """Size and variant.
+
+    Attributes:
+        width, levels: as in DelightConfig.
+        explicit_sum: correct albedo * irradiance - shadow + specular; when false, as in the paper, the
+            image comes from the four channels and the light alone.
+    """
+
+    width: int = 12
+    levels: int = 4
+    explicit_sum: bool = True
+
+    @property
+    def inputs(self) -> int:
+        """Input channels: albedo, normal, specular, shadow, and the explicit sum."""
+        return 3 + 3 + 1 + 1 + 3 * self.explicit_sum
+
+
+def encode_radiance(radiance: torch.Tensor) -> torch.Tensor:
+    """An invertible curve from [0, inf) with 1 at 1 and no end: shadows keep precision, highlights exist."""
+    return torch.log1p(_KNEE * radiance.clamp_min(0)) / math.log1p(_KNEE)
+
+
+def decode_radiance(encoded: torch.Tensor) -> torch.Tensor:
+    """Inverse of `encode_radiance`; the largest value it returns is about 65,000."""
+    return torch.expm1((encoded * math.log1p(_KNEE)).clamp(0, 14.0)) / _KNEE
+
+
+class CompositionNetwork(nn.Module):
+    """Encoder-decoder with LFM after every upsampling layer."""
+
+    def __init__(self, config: CompositionConfig | None = None):
+        super().__init__()
+        self.config = config or CompositionConfig()
+        widths = level_widths(self.config.width, self.config.levels, widest=128)
+        self.encoder = Encoder(self.config.inputs, widths)
+        self.decoder = nn.ModuleList(
+            UpLevel(below, skip, skip) for below, skip in zip(widths[:0:-1], widths[-2::-1])
+        )
+        self.modulations = nn.ModuleList(LightModulation(width) for width in widths[-2::-1])
+        self.head = nn.Conv2d(widths[0], 3, 3, padding=1)
+        if self.config.explicit_sum:
+            nn.init.zeros_(self.head.weight)
+            nn.init.zeros_(self.head.bias)
+
+    def forward(
+        self,
+        albedo: torch.Tensor,
+        normal: torch.Tensor,
+        specular: torch.Tensor,
+        shadow: torch.Tensor,
+        explicit: torch.Tensor,
+        light: torch.Tensor,
+    ) -> torch.Tensor:
+        """Compose.
+
+        Args:
+            albedo: (B, 3, H, W) linear.
+            normal: (B, 3, H, W) unit vectors.
+            specular, shadow: (B, 1, H, W) >= 0, linear, in units of the normalised light.
+            explicit: (B, 3, H, W) albedo * irradiance - shadow + specular; only read when configured.
+            light: (B, 16, 32, 3) normalised radiance.
+
+        Returns:
+            (B, 3, H, W) linear radiance >= 0, fp32.
+        """
+        channels = [encode_radiance(albedo), normal, encode_radiance(specular), encode_radiance(shadow)]
+        encoded_sum = encode_radiance(explicit.float())
+        if self.config.explicit_sum:
+            channels.append(encoded_sum)
+        encoded_light = encode_light(light)
+        features = self.encoder(torch.cat(channels, 1))
+        x = features[-1]
+        for level, modulation, skip in zip(self.decoder, self.modulations, features[-2::-1]):
+            x = level.refine(modulation(level.join(x, skip), encoded_light))
+        change = self.head(x).float()
+        return decode_radiance(encoded_sum + change if self.config.explicit_sum else torch.relu(change))

@@ -1,0 +1,109 @@
+"""The de-lighting network (paper, section 4.1): one photo in; albedo, normal, parsing and light out."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import torch
+import torch.nn.functional as F
+from torch import nn
+
+from relight_core.networks.blocks import ConvBlock, Encoder, UpLevel, level_widths
+from relight_core.networks.lfm import LIGHT_SHAPE
+
+_TEXELS = LIGHT_SHAPE[0] * LIGHT_SHAPE[1]
+
+
+@dataclass(frozen=True)
+class DelightConfig:
+    """Size and variant.
+
+    Attributes:
+        width: channels at full resolution.
+        levels: resolutions; the input's side must be a multiple of 2 ** (levels - 1).
+        classes: parsing classes.
+        anchored: albedo = sigmoid(logit(photo) + change) when true; the paper's plain sigmoid when false.
+    """
+
+    width: int = 16
+    levels: int = 6
+    classes: int = 14
+    anchored: bool = True
+
+
+@dataclass
+class Delit:
+    """What de-lighting finds, for B photos of H x W.
+
+    Attributes:
+        albedo_srgb: (B, 3, H, W) in [0, 1], sRGB-encoded.
+        normal: (B, 3, H, W) unit vectors, camera space, fp32.
+        relief: (B, 1, H, W) height toward the camera in half-widths of the crop, about 0 on the face.
+        parsing_logits: (B, classes, H, W).
+        light: (B, 16, 32, 3) radiance >= 0 of mean about 1, fp32.
+    """
+
+    albedo_srgb: torch.Tensor
+    normal: torch.Tensor
+    relief: torch.Tensor
+    parsing_logits: torch.Tensor
+    light: torch.Tensor
+
+
+class ConfidenceWeightedLight(nn.Module):
+    """Every place of the bottleneck proposes a light with a confidence per texel; their weighted mean wins.
+
+    Sun et al. 2019, Single image portrait relighting, section 3.2. Proposals are log(1 + radiance).
+    """
+
+    def __init__(self, channels: int):
+        super().__init__()
+        self.hidden = ConvBlock(channels, channels)
+        self.propose = nn.Conv2d(channels, _TEXELS * 3, 1)
+        self.confide = nn.Conv2d(channels, _TEXELS, 1)
+
+    def forward(self, features: torch.Tensor) -> torch.Tensor:
+        features = self.hidden(features)
+        proposal = self.propose(features).float().flatten(2).unflatten(1, (_TEXELS, 3))
+        weight = torch.softmax(self.confide(features).float().flatten(2), dim=-1)
+        log_light = F.softplus((proposal * weight[:, :, None]).sum(-1))
+        return torch.expm1(log_light.clamp_max(9.0)).unflatten(1, LIGHT_SHAPE[:2])
+
+
+class DelightNetwork(nn.Module):
+    """Encoder-decoder with skip connections; the light is read at the bottleneck."""
+
+    def __init__(self, config: DelightConfig | None = None):
+        super().__init__()
+        self.config = config or DelightConfig()
+        widths = level_widths(self.config.width, self.config.levels)
+        self.encoder = Encoder(3, widths)
+        self.light = ConfidenceWeightedLight(widths[-1])
+        self.decoder = nn.ModuleList(
+            UpLevel(below, skip, skip) for below, skip in zip(widths[:0:-1], widths[-2::-1])
+        )
+        self.head = nn.Conv2d(widths[0], 3 + 3 + 1 + self.config.classes, 3, padding=1)
+
+    def forward(self, photo_srgb: torch.Tensor) -> Delit:
+        """Take a photo apart.
+
+        Args:
+            photo_srgb: (B, 3, H, W) in [0, 1], sRGB-encoded; H and W multiples of 2 ** (levels - 1).
+        """
+        features = self.encoder(photo_srgb * 2 - 1)
+        light = self.light(features[-1])
+        x = features[-1]
+        for level, skip in zip(self.decoder, features[-2::-1]):
+            x = level(x, skip)
+        change, normal, relief, parsing = self.head(x).float().split([3, 3, 1, self.config.classes], 1)
+        return Delit(self._albedo(photo_srgb, change), _unit(normal), relief, parsing, light)
+
+    def _albedo(self, photo_srgb: torch.Tensor, change: torch.Tensor) -> torch.Tensor:
+        if not self.config.anchored:
+            return torch.sigmoid(change)
+        return torch.sigmoid(torch.logit(photo_srgb.float().clamp(0.02, 0.98)) + change)
+
+
+def _unit(normal: torch.Tensor) -> torch.Tensor:
+    """The paper's sigmoid output (section 4.1), decoded to [-1, 1] and brought to unit length."""
+    return F.normalize(torch.sigmoid(normal) * 2 - 1, dim=1, eps=1e-4)

@@ -1,0 +1,41 @@
+"""Lighting guided Feature Modulation (paper, section 4.2.2, Eq. 7, Figure 6)."""
+
+from __future__ import annotations
+
+import torch
+from torch import nn
+
+LIGHT_SHAPE = (16, 32, 3)
+_LIGHT_FEATURES = 128
+
+
+def encode_light(light: torch.Tensor) -> torch.Tensor:
+    """Light (B, 16, 32, 3), normalised radiance, as a vector (B, 1536) of log(1 + radiance), in fp32."""
+    return torch.log1p(light.float().clamp_min(0)).flatten(1)
+
+
+class LightModulation(nn.Module):
+    """F_out = gamma * F_in + beta, with gamma and beta from the light.
+
+    FC1 turns the light into 128 features, followed by the only ReLU; FC2 and FC3 make gamma and beta of
+    as many channels as the features have. It starts as the identity.
+    """
+
+    def __init__(self, channels: int):
+        super().__init__()
+        inputs = LIGHT_SHAPE[0] * LIGHT_SHAPE[1] * LIGHT_SHAPE[2]
+        self.fc1 = nn.Linear(inputs, _LIGHT_FEATURES)
+        self.fc2 = nn.Linear(_LIGHT_FEATURES, channels)
+        self.fc3 = nn.Linear(_LIGHT_FEATURES, channels)
+        for layer in (self.fc2, self.fc3):
+            nn.init.normal_(layer.weight, std=0.02)
+            nn.init.zeros_(layer.bias)
+        nn.init.ones_(self.fc2.bias)
+
+    def forward(self, features: torch.Tensor, encoded_light: torch.Tensor) -> torch.Tensor:
+        """Modulate (B, C, H, W) by an encoded light (B, 1536)."""
+        with torch.autocast(features.device.type, enabled=False):
+            hidden = torch.relu(self.fc1(encoded_light.float()))
+            gamma, beta = self.fc2(hidden), self.fc3(hidden)
+        gamma, beta = gamma.to(features.dtype), beta.to(features.dtype)
+        return features * gamma[..., None, None] + beta[..., None, None]

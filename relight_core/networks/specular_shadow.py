@@ -1,0 +1,80 @@
+"""The specular and shadow (SS) network (paper, section 4.2.1): normals and a light in, both effects out."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import torch
+from torch import nn
+
+from relight_core.networks.blocks import Encoder, UpLevel, level_widths
+from relight_core.networks.lfm import LightModulation, encode_light
+
+
+@dataclass(frozen=True)
+class SpecularShadowConfig:
+    """Size and variant.
+
+    Attributes:
+        width, levels: as in DelightConfig.
+        per_pixel_light: also see the unoccluded irradiance and gloss at each normal.
+        relief_shadow: also see the shadow that the predicted relief casts.
+    """
+
+    width: int = 16
+    levels: int = 5
+    per_pixel_light: bool = True
+    relief_shadow: bool = True
+
+    @property
+    def inputs(self) -> int:
+        """Input channels."""
+        return 3 + 2 * self.per_pixel_light + self.relief_shadow
+
+
+@dataclass
+class Occlusion:
+    """What keeps light from a surface, as logits of fractions in [0, 1], each (B, 1, H, W).
+
+    `shadow` is the fraction of the unoccluded irradiance that self-occlusion takes, `gloss` that of the
+    unoccluded specular reflection. Fractions are trained instead of the additive maps themselves: shadow
+    is sparse, and a plain L1 on it collapses to no shadow anywhere.
+    """
+
+    shadow: torch.Tensor
+    gloss: torch.Tensor
+
+
+class SpecularShadowNetwork(nn.Module):
+    """Encoder on what the surface is, decoder modulated by the light after every upsampling (LFM)."""
+
+    def __init__(self, config: SpecularShadowConfig | None = None):
+        super().__init__()
+        self.config = config or SpecularShadowConfig()
+        widths = level_widths(self.config.width, self.config.levels, widest=128)
+        self.encoder = Encoder(self.config.inputs, widths)
+        self.decoder = nn.ModuleList(
+            UpLevel(below, skip, skip) for below, skip in zip(widths[:0:-1], widths[-2::-1])
+        )
+        self.modulations = nn.ModuleList(LightModulation(width) for width in widths[-2::-1])
+        self.head = nn.Conv2d(widths[0], 2, 3, padding=1)
+
+    def forward(self, normal: torch.Tensor, light: torch.Tensor, hints: torch.Tensor | None = None) -> Occlusion:
+        """Estimate occlusion.
+
+        Args:
+            normal: (B, 3, H, W) unit vectors.
+            light: (B, 16, 32, 3) normalised radiance.
+            hints: (B, inputs - 3, H, W): log(1 + irradiance), log(1 + gloss), shadow fraction from relief,
+                as far as the configuration asks for them.
+        """
+        x = normal if hints is None else torch.cat([normal, hints], 1)
+        encoded_light = encode_light(light)
+        features = self.encoder(x)
+        x = features[-1]
+        for level, modulation, skip in zip(self.decoder, self.modulations, features[-2::-1]):
+            x = level.refine(modulation(level.join(x, skip), encoded_light))
+        shadow, gloss = self.head(x).float().split(1, 1)
+        if self.config.relief_shadow and hints is not None:
+            shadow = shadow + torch.logit(hints[:, -1:].float().clamp(0.02, 0.98))
+        return Occlusion(shadow, gloss)

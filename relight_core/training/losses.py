@@ -1,0 +1,66 @@
+"""The paper's losses, Eqs. 1 to 8, over the pixels that are covered."""
+
+from __future__ import annotations
+
+import torch
+import torch.nn.functional as F
+
+from relight_core.lighting.sphere import solid_angles
+
+
+def masked_l1(estimate: torch.Tensor, truth: torch.Tensor, covered: torch.Tensor) -> torch.Tensor:
+    """Mean absolute error over covered pixels (Eqs. 1, 2, 6, 8); 0, with gradients, when none is covered.
+
+    Args:
+        estimate, truth: (B, C, H, W).
+        covered: (B, 1, H, W) weights in [0, 1].
+    """
+    error = (estimate - truth).abs() * covered
+    return error.sum() / (covered.sum() * estimate.shape[1]).clamp_min(1.0)
+
+
+def focal_parsing(logits: torch.Tensor, label: torch.Tensor, focus: float = 2.0) -> torch.Tensor:
+    """Multi-class focal loss, mean over pixels (Eq. 4; Lin et al. 2017).
+
+    Args:
+        logits: (B, classes, H, W).
+        label: (B, H, W) int64.
+    """
+    log_probability = F.log_softmax(logits.float(), 1).gather(1, label[:, None])
+    return -((1 - log_probability.exp()).clamp_min(0).pow(focus) * log_probability).mean()
+
+
+def wlog_l2(estimate: torch.Tensor, truth: torch.Tensor) -> torch.Tensor:
+    """Weighted-log-L2 of lights (Eq. 3; Weber et al. 2018), mean over the batch.
+
+    The squared norm is the mean over texels and colours of (w (log(1 + a) - log(1 + b)))^2, with w the
+    solid angle over its mean, so that the value does not depend on the light's resolution.
+
+    Args:
+        estimate, truth: (B, H, 2H, 3) radiance >= 0.
+    """
+    height, width = truth.shape[1:3]
+    weight = torch.from_numpy(solid_angles(height, width)).to(truth.device)
+    weight = (weight / weight.mean())[None, :, :, None]
+    difference = torch.log1p(estimate.float().clamp_min(0)) - torch.log1p(truth.float().clamp_min(0))
+    return (weight * difference).square().mean()
+
+
+def slope_l1(estimate: torch.Tensor, truth: torch.Tensor, covered: torch.Tensor) -> torch.Tensor:
+    """L1 of neighbour differences where both neighbours are covered: heights matter by their edges."""
+    total = estimate.new_zeros(())
+    for axis in (2, 3):
+        inside = covered.narrow(axis, 1, covered.shape[axis] - 1) * covered.narrow(axis, 0, covered.shape[axis] - 1)
+        total = total + masked_l1(estimate.diff(dim=axis), truth.diff(dim=axis), inside)
+    return total
+
+
+def fraction_loss(logit: torch.Tensor, fraction: torch.Tensor, weight: torch.Tensor) -> torch.Tensor:
+    """Cross-entropy of an occluded fraction, weighted by the light it takes; keeps sparse shadow alive.
+
+    Args:
+        logit, fraction, weight: (B, 1, H, W); weight is the unoccluded quantity, 0 outside the head.
+    """
+    entropy = F.binary_cross_entropy_with_logits(logit.float(), fraction, reduction="none")
+    weight = weight.clamp_max(4.0)
+    return (entropy * weight).sum() / weight.sum().clamp_min(1.0)
