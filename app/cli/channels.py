@@ -10,12 +10,19 @@ from __future__ import annotations
 
 import argparse
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from app.cli.arguments import add_json, add_light, add_sliders, edit_from
 from app.cli.outputs import check_folder, check_place, folder_filled_at_once
 from app.cli.report import relit_record, reporting
 from app.cli.session import Session, light_file
+from relight_core import __version__
 from relight_core.pipeline.edit import Edit
+
+if TYPE_CHECKING:
+    import numpy as np
+
+    from relight_core.pipeline.relighter import Relit
 
 LIGHTS = ("source_light", "target_light")
 
@@ -46,7 +53,7 @@ def run(arguments: argparse.Namespace) -> int:
     return 0
 
 
-def write_channels(relit, edit: Edit, folder: Path, inputs: list[Path]) -> list[Path]:
+def write_channels(relit: Relit, edit: Edit, folder: Path, inputs: list[Path]) -> list[Path]:
     """Write a Relit's channels into the folder: all files, or none.
 
     Returns:
@@ -64,7 +71,7 @@ def write_channels(relit, edit: Edit, folder: Path, inputs: list[Path]) -> list[
         write_exr_layers(
             scratch / "channels.exr",
             {"RGB": relit.channels["composition"]} | crop,
-            header={"yaw_deg": float(edit.yaw_deg)},
+            header={"software": f"relight {__version__}", "relightYawDeg": float(edit.yaw_deg)},
         )
         for name in LIGHTS:
             if name in relit.channels:
@@ -75,7 +82,7 @@ def write_channels(relit, edit: Edit, folder: Path, inputs: list[Path]) -> list[
     return written
 
 
-def _write_view(path: Path, name: str, channel) -> None:
+def _write_view(path: Path, name: str, channel: np.ndarray) -> None:
     from relight_core.imaging.colour import srgb_decode
     from relight_core.imaging.write import write_image
     from relight_core.pipeline.channel_view import channel_to_srgb

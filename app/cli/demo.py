@@ -6,7 +6,7 @@ from pathlib import Path
 
 from app.cli.channels import write_channels
 from app.cli.outputs import check_place, make_folder
-from app.cli.session import Session
+from app.cli.session import Session, light_file
 from app.cli.turntable import write_turntable
 from relight_core.pipeline.edit import Edit
 
@@ -25,18 +25,20 @@ def write_demo(photo: Path, light: str | None, folder: Path) -> None:
     from relight_core.imaging.write import write_image
 
     make_folder(folder)
+    inputs = [photo, *light_file(light or "")]
+    edit = Edit(quality="final")
     session = Session()
     lights = [(name, session.light(name)) for name in ([light] if light else DEMO_LIGHTS)]
     session.open(photo)
     for name, environment in lights:
         output = folder / f"relit-{Path(name).stem}.png"
-        check_place(output, [photo])
-        relit = session.relighter.relight(environment, Edit())
+        check_place(output, inputs)
+        relit = session.relighter.relight(environment, edit)
         write_image(output, relit.image, relit.alpha)
         print(f"wrote {output}", flush=True)
-    write_channels(relit, Edit(), folder / "channels", [photo])
+    write_channels(relit, edit, folder / "channels", inputs)
     print(f"wrote {folder / 'channels'}/", flush=True)
     sheet = folder / "turntable.png"
-    check_place(sheet, [photo])
-    write_turntable(session, lights[0][1] if light else session.light(TURNING_LIGHT), Edit(), sheet)
+    check_place(sheet, inputs)
+    write_turntable(session, lights[0][1] if light else session.light(TURNING_LIGHT), edit, sheet)
     print(f"wrote {sheet}", flush=True)

@@ -8,8 +8,12 @@ import json
 import os
 import sys
 from collections.abc import Iterator
+from typing import TYPE_CHECKING
 
 from relight_core.pipeline.edit import Edit
+
+if TYPE_CHECKING:
+    from relight_core.pipeline.relighter import Relit
 
 
 class Report:
@@ -69,7 +73,7 @@ def _flush_c_streams() -> None:
         ctypes.CDLL(None).fflush(None)
 
 
-def relit_record(input_name: str, output_name: str, relit) -> dict:
+def relit_record(input_name: str, output_name: str, relit: Relit) -> dict:
     """What `--json` says of one relighting; `size` is [width, height], boxes and size in pixels."""
     height, width = relit.image.shape[:2]
     return {
@@ -84,7 +88,7 @@ def relit_record(input_name: str, output_name: str, relit) -> dict:
     }
 
 
-def relit_line(output_name: str, relit, edit: Edit) -> str:
+def relit_line(output_name: str, relit: Relit, edit: Edit) -> str:
     """The same for people, in a line."""
     height, width = relit.image.shape[:2]
     total_ms = sum(stage.ms for stage in relit.stages.values())

@@ -5,12 +5,17 @@ from __future__ import annotations
 import argparse
 from dataclasses import replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from app.cli.arguments import add_json, add_light, add_sliders, edit_from
 from app.cli.outputs import check_place
 from app.cli.report import relit_record, reporting
 from app.cli.session import Session, light_file
 from relight_core.pipeline.edit import Edit
+
+if TYPE_CHECKING:
+    from relight_core.lighting.environment import Environment
+    from relight_core.pipeline.relighter import Relit
 
 STEPS = 12
 _COLUMNS = 4
@@ -42,7 +47,7 @@ def run(arguments: argparse.Namespace) -> int:
     return 0
 
 
-def write_turntable(session: Session, light, edit: Edit, output: Path):
+def write_turntable(session: Session, light: Environment, edit: Edit, output: Path) -> Relit:
     """Relight the session's portrait with the light at 12 yaws from edit.yaw_deg on, and write the sheet.
 
     Returns:
