@@ -42,4 +42,4 @@ def _fitted(srgb: np.ndarray, cell_px: int) -> Image.Image:
     image = Image.fromarray(np.uint8(np.clip(srgb, 0.0, 1.0) * 255.0 + 0.5))
     scale = cell_px / max(image.size)
     size = tuple(max(1, round(edge * scale)) for edge in image.size)
-    return image.resize(size, Image.Resampling.LANCZOS if scale < 1 else Image.Resampling.NEAREST)
+    return image.resize(size, Image.Resampling.LANCZOS)

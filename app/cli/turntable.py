@@ -1,4 +1,4 @@
-"""Write a sheet of one photo under a light that turns once around it, in steps of 30 degrees."""
+"""Write a sheet of one face under a light that turns once around it, in steps of 30 degrees."""
 
 from __future__ import annotations
 
@@ -14,12 +14,16 @@ from app.cli.session import Session, light_file
 from relight_core.pipeline.edit import Edit
 
 if TYPE_CHECKING:
+    import numpy as np
+
+    from relight_core.face.find import FaceBox
     from relight_core.lighting.environment import Environment
     from relight_core.pipeline.relighter import Relit
 
 STEPS = 12
 _COLUMNS = 4
 _CELL_PX = 320
+_REACH = 1.1
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -41,14 +45,17 @@ def run(arguments: argparse.Namespace) -> int:
         session = Session()
         light = session.light(arguments.light)
         session.open(arguments.photo, arguments.face)
-        last = write_turntable(session, light, edit_from(arguments), arguments.output)
+        edit = edit_from(arguments)
+        last = write_turntable(session, light, edit, arguments.output, arguments.face or 0)
         report.line(f"wrote {arguments.output}")
         report.record(relit_record(str(arguments.photo), str(arguments.output), last))
     return 0
 
 
-def write_turntable(session: Session, light: Environment, edit: Edit, output: Path) -> Relit:
+def write_turntable(session: Session, light: Environment, edit: Edit, output: Path, face: int = 0) -> Relit:
     """Relight the session's portrait with the light at 12 yaws from edit.yaw_deg on, and write the sheet.
+
+    It shows the surroundings of one face, `face` counting from the largest.
 
     Returns:
         the last step's Relit.
@@ -65,6 +72,15 @@ def write_turntable(session: Session, light: Environment, edit: Edit, output: Pa
     for step in range(STEPS):
         yaw_deg = edit.yaw_deg + step * 360.0 / STEPS
         relit = session.relighter.relight(light, replace(edit, yaw_deg=yaw_deg))
-        pictures.append((f"yaw {yaw_deg:g}", apply_view(relit.image, edit.exposure_ev)))
+        shown = _around(relit.image, relit.faces[face])
+        pictures.append((f"yaw {yaw_deg:g}°", apply_view(shown, edit.exposure_ev)))
     write_image(output, Photo.from_srgb(contact_sheet(pictures, _COLUMNS, _CELL_PX)).linear)
     return relit
+
+
+def _around(image: np.ndarray, box: FaceBox) -> np.ndarray:
+    """The part of a photo within _REACH times the box's longer side of its middle."""
+    reach = _REACH * max(box.x1 - box.x0, box.y1 - box.y0)
+    middle_x, middle_y = (box.x0 + box.x1) / 2, (box.y0 + box.y1) / 2
+    left, top = (max(0, round(edge - reach)) for edge in (middle_x, middle_y))
+    return image[top : round(middle_y + reach), left : round(middle_x + reach)]
