@@ -1,0 +1,121 @@
+"""The square around a face that the networks see, and where it lies in the photo."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+
+from relight_core.face.find import FaceBox
+from relight_core.face.parsing import INDEX, PAPER_CLASSES
+from relight_core.imaging.resampling import resample_window
+
+FOREHEAD = 0.25
+"""From the brows up to the hairline, as a fraction of a face's height from brow to chin."""
+
+_SMALLEST_FACE_SHARE = 0.01
+_FACE_LABELS = [INDEX[name] for name in PAPER_CLASSES]
+
+
+@dataclass(frozen=True)
+class Crop:
+    """A square window of a photo, which may reach beyond it.
+
+    Positions are in pixel edges, in the photo as in the crop: pixel i spans i to i + 1.
+
+    Attributes:
+        centre_x, centre_y: its middle, in photo pixels.
+        side: its width and height, in photo pixels; positive.
+
+    Raises:
+        ValueError: a side that is not positive and finite.
+    """
+
+    centre_x: float
+    centre_y: float
+    side: float
+
+    def __post_init__(self) -> None:
+        if not (self.side > 0.0 and np.isfinite([self.centre_x, self.centre_y, self.side]).all()):
+            raise ValueError(f"a crop has a finite centre and a positive side, not {self}")
+
+    @property
+    def window(self) -> tuple[float, float, float, float]:
+        """x0, y0, x1, y1 in photo pixels."""
+        half = self.side / 2.0
+        return self.centre_x - half, self.centre_y - half, self.centre_x + half, self.centre_y + half
+
+    def extract(self, image: np.ndarray, size: int) -> np.ndarray:
+        """Resample the window to size x size pixels.
+
+        Exact area averages when shrinking, Catmull-Rom when growing, the photo's edge pixels continued
+        outside it. To mean anything for colours, the image is linear.
+
+        Args:
+            image: (H, W) or (H, W, C).
+
+        Returns:
+            (size, size) or (size, size, C) float32.
+        """
+        return resample_window(image, self.window, (size, size))
+
+    def to_photo(self, points: np.ndarray, size: int) -> np.ndarray:
+        """Points (..., 2) as x, y in the size x size crop to photo positions."""
+        return np.asarray(points, np.float64) * (self.side / size) + self.window[:2]
+
+    def from_photo(self, points: np.ndarray, size: int) -> np.ndarray:
+        """Points (..., 2) as x, y in the photo to positions in the size x size crop."""
+        return (np.asarray(points, np.float64) - self.window[:2]) * (size / self.side)
+
+
+def crop_for_face(box: FaceBox, padding_px: float = 30.0, size: int = 256) -> Crop:
+    """The first crop around a found face: forehead to chin, with the paper's padding.
+
+    `box_from_parsing` and `crop_with_padding` refine it once the parsing map is known.
+    """
+    whole = FaceBox(box.x0, box.y0 - FOREHEAD * box.height, box.x1, box.y1)
+    return crop_with_padding(whole, padding_px, size)
+
+
+def crop_with_padding(box: FaceBox, padding_px: float = 30.0, size: int = 256) -> Crop:
+    """The square about a box whose longer side keeps a margin to the crop's edges (paper, section 3.2).
+
+    Args:
+        box: the whole face.
+        padding_px: margin on either side, in pixels of the size x size crop; the paper draws it from
+            20 to 40.
+        size: of the crop, more than twice the padding.
+
+    Raises:
+        ValueError: an empty box, or padding that leaves no room.
+    """
+    if 2 * padding_px >= size:
+        raise ValueError(f"a padding of {padding_px} leaves nothing of {size} pixels")
+    side = max(box.width, box.height) * size / (size - 2.0 * padding_px)
+    return Crop((box.x0 + box.x1) / 2.0, (box.y0 + box.y1) / 2.0, side)
+
+
+def box_from_parsing(labels: np.ndarray, crop: Crop) -> FaceBox | None:
+    """The bounding box of the face's regions in a parsing map (paper, section 3.2), in photo pixels.
+
+    Specks don't count: only the largest connected part does.
+
+    Args:
+        labels: (S, S) integers, indices of `relight_core.face.parsing.CLASSES`.
+        crop: where the map lies in the photo.
+
+    Returns:
+        None where less than 1 % of the crop is face.
+    """
+    face = np.isin(labels, _FACE_LABELS).astype(np.uint8)
+    face = cv2.morphologyEx(face, cv2.MORPH_OPEN, np.ones((3, 3), np.uint8))
+    count, _, parts, _ = cv2.connectedComponentsWithStats(face, connectivity=8)
+    if count < 2:
+        return None
+    left, top, width, height, area = max(parts[1:], key=lambda part: part[cv2.CC_STAT_AREA])
+    if area < _SMALLEST_FACE_SHARE * face.size:
+        return None
+    corners = np.array([[left, top], [left + width, top + height]])
+    (x0, y0), (x1, y1) = crop.to_photo(corners, labels.shape[0])
+    return FaceBox(float(x0), float(y0), float(x1), float(y1))

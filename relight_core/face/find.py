@@ -1,0 +1,118 @@
+"""Where the faces are in a photo."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+
+from relight_core.face.cascades import Candidate, frontal_candidates, overlap, profile_candidates
+from relight_core.imaging.colour import luminance, srgb_encode
+from relight_core.imaging.photo import Photo
+from relight_core.imaging.resampling import resize_area
+
+_LONG_SIDE_PX = 800
+_LARGEST_GROWTH = 3.0
+_TILTS_DEG = (-30.0, 30.0)
+
+
+@dataclass(frozen=True)
+class FaceBox:
+    """A face from brow to chin and from cheek to cheek, in pixel edges: pixel i spans i to i + 1.
+
+    A box may reach beyond the photo where the face does.
+    """
+
+    x0: float
+    y0: float
+    x1: float
+    y1: float
+
+    @property
+    def width(self) -> float:
+        """Pixels."""
+        return self.x1 - self.x0
+
+    @property
+    def height(self) -> float:
+        """Pixels."""
+        return self.y1 - self.y0
+
+
+def find_faces(photo: Photo) -> list[FaceBox]:
+    """Find faces with OpenCV's Haar cascades (Viola and Jones 2001).
+
+    Upright frontal faces; where there are none, faces in profile; where there are none, faces tilted in
+    the image by about 30 degrees.
+
+    Returns:
+        Largest first, small doubtful ones last; empty when there is none.
+    """
+    grey, scale = _detection_view(photo.linear)
+    if min(grey.shape) < 24:
+        return []
+    found = frontal_candidates(grey) or profile_candidates(grey) or _tilted_candidates(grey)
+    found = _without_nested(sorted(found, key=_weight, reverse=True))
+    return [FaceBox(*(float(edge) / scale for edge in candidate.box)) for candidate in found]
+
+
+def _weight(candidate: Candidate) -> float:
+    """Area times confidence; about 30 votes make a sure face."""
+    width, height = candidate.box[2:] - candidate.box[:2]
+    return float(width * height) * min(candidate.votes / 30.0, 1.0)
+
+
+def _without_nested(found: list[Candidate]) -> list[Candidate]:
+    """Drop boxes that lie mostly within a better one, such as a mouth taken for a face."""
+    kept: list[Candidate] = []
+    for candidate in found:
+        if not any(_share_within(candidate.box, better.box) > 0.5 for better in kept):
+            kept.append(candidate)
+    return kept
+
+
+def _share_within(box: np.ndarray, other: np.ndarray) -> float:
+    union = overlap(box, other)
+    area, other_area = (np.prod(b[2:] - b[:2]) for b in (box, other))
+    return float(union * (area + other_area) / (1.0 + union) / area)
+
+
+def _detection_view(linear: np.ndarray) -> tuple[np.ndarray, float]:
+    """(h, w) uint8 with exposure and local contrast evened out, and its pixels per photo pixel."""
+    height, width = linear.shape[:2]
+    scale = min(_LONG_SIDE_PX / max(height, width), _LARGEST_GROWTH)
+    size = max(round(height * scale), 1), max(round(width * scale), 1)
+    brightness = luminance(resize_area(linear, size))
+    white = float(np.percentile(brightness, 99.0))
+    if white > 0.0:
+        brightness = np.minimum(brightness / np.float32(white), 1.0)
+    grey = np.rint(np.clip(srgb_encode(brightness), 0.0, 1.0) * 255.0).astype(np.uint8)
+    return cv2.createCLAHE(clipLimit=2.0, tileGridSize=(8, 8)).apply(grey), scale
+
+
+def _tilted_candidates(grey: np.ndarray) -> list[Candidate]:
+    """Faces in the image turned by each tilt; boxes stay upright, about the face's true centre."""
+    for tilt_deg in _TILTS_DEG:
+        turned, back = _turned(grey, tilt_deg)
+        found = frontal_candidates(turned)
+        if found:
+            return [_moved(candidate, back) for candidate in found]
+    return []
+
+
+def _turned(grey: np.ndarray, tilt_deg: float) -> tuple[np.ndarray, np.ndarray]:
+    """The whole image turned counterclockwise, and the (2, 3) affine map of its points back."""
+    height, width = grey.shape
+    matrix = cv2.getRotationMatrix2D((width / 2, height / 2), tilt_deg, 1.0)
+    cosine, sine = abs(matrix[0, 0]), abs(matrix[0, 1])
+    size = int(width * cosine + height * sine), int(width * sine + height * cosine)
+    matrix[:, 2] += np.array(size) / 2 - np.array([width, height]) / 2
+    turned = cv2.warpAffine(grey, matrix, size, flags=cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
+    return turned, cv2.invertAffineTransform(matrix)
+
+
+def _moved(candidate: Candidate, affine: np.ndarray) -> Candidate:
+    centre = affine @ np.append((candidate.box[:2] + candidate.box[2:]) / 2, 1.0)
+    half = (candidate.box[2:] - candidate.box[:2]) / 2
+    return Candidate(np.concatenate([centre - half, centre + half]), candidate.votes, candidate.cascades)
