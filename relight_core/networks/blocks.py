@@ -26,11 +26,11 @@ class ConvBlock(nn.Module):
 
 
 class Encoder(nn.Module):
-    """Levels of halving resolution; level i has width * 2**i channels (capped)."""
+    """Levels of halving resolution, from one convolution at full resolution, where time is spent fastest."""
 
     def __init__(self, inputs: int, widths: list[int]):
         super().__init__()
-        self.stem = nn.Sequential(ConvBlock(inputs, widths[0]), ConvBlock(widths[0], widths[0]))
+        self.stem = ConvBlock(inputs, widths[0])
         self.levels = nn.ModuleList(
             nn.Sequential(ConvBlock(above, below, stride=2), ConvBlock(below, below))
             for above, below in zip(widths, widths[1:])
@@ -47,11 +47,11 @@ class Encoder(nn.Module):
 class UpLevel(nn.Module):
     """Upsample, join the encoder's features (the skip connection of Ronneberger et al. 2015), convolve."""
 
-    def __init__(self, below: int, skip: int, outputs: int):
+    def __init__(self, below: int, skip: int, outputs: int, *, refined: bool = True):
         super().__init__()
         self.reduce = nn.Conv2d(below, outputs, 1)
         self.blend = ConvBlock(outputs + skip, outputs)
-        self.refine = ConvBlock(outputs, outputs)
+        self.refine = ConvBlock(outputs, outputs) if refined else nn.Identity()
 
     def join(self, x: torch.Tensor, skip: torch.Tensor) -> torch.Tensor:
         """The upsampled features beside the skip, convolved: what a modulation acts on."""
@@ -60,6 +60,14 @@ class UpLevel(nn.Module):
 
     def forward(self, x: torch.Tensor, skip: torch.Tensor) -> torch.Tensor:
         return self.refine(self.join(x, skip))
+
+
+def decoder_levels(widths: list[int]) -> nn.ModuleList:
+    """Levels back up, coarsest first; the finest has one convolution only."""
+    pairs = list(zip(widths[:0:-1], widths[-2::-1], strict=True))
+    return nn.ModuleList(
+        UpLevel(below, skip, skip, refined=index < len(pairs) - 1) for index, (below, skip) in enumerate(pairs)
+    )
 
 
 def level_widths(width: int, levels: int, widest: int = 256) -> list[int]:

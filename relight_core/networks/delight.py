@@ -8,7 +8,7 @@ import torch
 import torch.nn.functional as F
 from torch import nn
 
-from relight_core.networks.blocks import ConvBlock, Encoder, UpLevel, level_widths
+from relight_core.networks.blocks import ConvBlock, Encoder, decoder_levels, level_widths
 from relight_core.networks.lfm import LIGHT_SHAPE
 
 _TEXELS = LIGHT_SHAPE[0] * LIGHT_SHAPE[1]
@@ -79,9 +79,7 @@ class DelightNetwork(nn.Module):
         widths = level_widths(self.config.width, self.config.levels)
         self.encoder = Encoder(3, widths)
         self.light = ConfidenceWeightedLight(widths[-1])
-        self.decoder = nn.ModuleList(
-            UpLevel(below, skip, skip) for below, skip in zip(widths[:0:-1], widths[-2::-1])
-        )
+        self.decoder = decoder_levels(widths)
         self.head = nn.Conv2d(widths[0], 3 + 3 + 1 + self.config.classes, 3, padding=1)
 
     def forward(self, photo_srgb: torch.Tensor) -> Delit:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import torch
 from torch import nn
 
-from relight_core.networks.blocks import Encoder, UpLevel, level_widths
+from relight_core.networks.blocks import Encoder, decoder_levels, level_widths
 from relight_core.networks.lfm import LightModulation, encode_light
 
 
@@ -53,9 +53,7 @@ class SpecularShadowNetwork(nn.Module):
         self.config = config or SpecularShadowConfig()
         widths = level_widths(self.config.width, self.config.levels, widest=128)
         self.encoder = Encoder(self.config.inputs, widths)
-        self.decoder = nn.ModuleList(
-            UpLevel(below, skip, skip) for below, skip in zip(widths[:0:-1], widths[-2::-1])
-        )
+        self.decoder = decoder_levels(widths)
         self.modulations = nn.ModuleList(LightModulation(width) for width in widths[-2::-1])
         self.head = nn.Conv2d(widths[0], 2, 3, padding=1)
 
