@@ -1,0 +1,96 @@
+"""The photo's own detail on a crop that was relit at the networks' resolution.
+
+Within a small window the relit crop is close to a linear function of the photo, gain * photo + offset,
+channel by channel (the guided filter's model: He, Sun and Tang 2013). Gain and offset are smooth, so they
+can be fitted at the networks' resolution and applied at the photo's (He and Sun 2015).
+
+Two changes make it fit for relighting. The gain is regularised towards the window's ratio of means, not
+towards 0: relighting multiplies, and skin texture keeps its contrast where the window is flat. And the
+offset takes up whatever the gain leaves, so that the result keeps the edges of shadows that the photo
+doesn't have: averaged down to the networks' resolution it is the relit crop again.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+
+from relight_core.imaging.resampling import resize_smooth
+
+_WINDOW_SHARE = 1 / 64
+_FLAT = 0.05
+_DARK = 0.004
+_LARGEST_GAIN = 16.0
+_BRIGHTEST = 65504.0
+
+
+@dataclass(frozen=True, eq=False)
+class DetailFit:
+    """relit = gain * photo + offset, in linear light.
+
+    Attributes:
+        gain: (s, s, 3) float32, [0, 16].
+        offset: (s, s, 3) float32, finite.
+    """
+
+    gain: np.ndarray
+    offset: np.ndarray
+
+
+def fit_detail(photo_small: np.ndarray, relit_small: np.ndarray) -> DetailFit:
+    """Fit the relighting of a crop; once per light.
+
+    Args:
+        photo_small: (s, s, 3) linear, the photo's crop as the networks saw it.
+        relit_small: (s, s, 3) linear, the same crop relit. NaN and infinities in either are cleaned.
+
+    Returns:
+        To be applied to the same crop of the photo at any resolution.
+    """
+    photo, relit = _cleaned(photo_small), _cleaned(relit_small)
+    radius = max(round(photo.shape[0] * _WINDOW_SHARE), 1)
+
+    def mean(image: np.ndarray) -> np.ndarray:
+        return cv2.blur(image, (2 * radius + 1, 2 * radius + 1), borderType=cv2.BORDER_REFLECT)
+
+    mean_photo, mean_relit = mean(photo), mean(relit)
+    variance = np.maximum(mean(photo * photo) - mean_photo**2, 0.0)
+    covariance = mean(photo * relit) - mean_photo * mean_relit
+    ratio = (mean_relit + _DARK) / (mean_photo + _DARK)
+    flat = (_FLAT * (mean_photo + _DARK)) ** 2
+    gain = (covariance + flat * ratio) / (variance + flat)
+    gain = mean(np.clip(gain, 0.0, np.minimum(_LARGEST_GAIN, 4.0 * ratio)))
+    return DetailFit(gain, relit - gain * photo)
+
+
+def apply_detail(fit: DetailFit, photo: np.ndarray) -> np.ndarray:
+    """Apply a fit to the photo's crop.
+
+    Args:
+        fit: from `fit_detail`.
+        photo: (S, S, 3) linear, any S from s upwards; finite and >= 0.
+
+    Returns:
+        (S, S, 3) float32 linear, >= 0 and finite.
+    """
+    size = photo.shape[:2]
+    relit = resize_smooth(fit.gain, size)
+    relit *= _cleaned(photo)
+    relit += resize_smooth(fit.offset, size)
+    return np.maximum(relit, 0.0, out=relit)
+
+
+def carry_detail(photo: np.ndarray, photo_small: np.ndarray, relit_small: np.ndarray) -> np.ndarray:
+    """`fit_detail` and `apply_detail` in one: a relit crop at the photo's resolution."""
+    return apply_detail(fit_detail(photo_small, relit_small), photo)
+
+
+def _cleaned(image: np.ndarray) -> np.ndarray:
+    """float32, finite and within [0, 65504]; a new array only where something had to change."""
+    image = np.asarray(image, np.float32)
+    if image.size and image.min() >= 0.0 and image.max() <= _BRIGHTEST:
+        return image
+    image = np.nan_to_num(image, nan=0.0, posinf=_BRIGHTEST, neginf=0.0)
+    return np.clip(image, 0.0, _BRIGHTEST)
