@@ -81,6 +81,8 @@ def crop_for_face(box: FaceBox, padding_px: float = 30.0, size: int = 256) -> Cr
 def crop_with_padding(box: FaceBox, padding_px: float = 30.0, size: int = 256) -> Crop:
     """The square about a box whose longer side keeps a margin to the crop's edges (paper, section 3.2).
 
+    Its edges lie on whole pixels, so that extracting it at its own size copies the photo's pixels.
+
     Args:
         box: the whole face.
         padding_px: margin on either side, in pixels of the size x size crop; the paper draws it from
@@ -92,8 +94,10 @@ def crop_with_padding(box: FaceBox, padding_px: float = 30.0, size: int = 256) -
     """
     if 2 * padding_px >= size:
         raise ValueError(f"a padding of {padding_px} leaves nothing of {size} pixels")
-    side = max(box.width, box.height) * size / (size - 2.0 * padding_px)
-    return Crop((box.x0 + box.x1) / 2.0, (box.y0 + box.y1) / 2.0, side)
+    side = float(max(round(max(box.width, box.height) * size / (size - 2.0 * padding_px)), 1))
+    x0 = float(round((box.x0 + box.x1 - side) / 2.0))
+    y0 = float(round((box.y0 + box.y1 - side) / 2.0))
+    return Crop(x0 + side / 2.0, y0 + side / 2.0, side)
 
 
 def box_from_parsing(labels: np.ndarray, crop: Crop) -> FaceBox | None:

@@ -7,7 +7,11 @@ can be fitted at the networks' resolution and applied at the photo's (He and Sun
 Two changes make it fit for relighting. The gain is regularised towards the window's ratio of means, not
 towards 0: relighting multiplies, and skin texture keeps its contrast where the window is flat. And the
 offset takes up whatever the gain leaves, so that the result keeps the edges of shadows that the photo
-doesn't have: averaged down to the networks' resolution it is the relit crop again.
+doesn't have: averaged down to the networks' resolution it is close to the relit crop again.
+
+It works in linear light. Fitted at 256 and applied at 768 to real portraits under known relightings (a
+gradient, a cast shadow, a highlight, a tone curve), it misses the truth by 0.2, 0.6, 0.3 and 1.4 sRGB codes;
+the same in sRGB by 0.2, 0.4, 0.4 and 0.6; plain enlargement by 5 to 6.
 """
 
 from __future__ import annotations

@@ -59,6 +59,8 @@ def resample_window(
     """
     x0, y0, x1, y1 = window
     source = np.asarray(image, np.float32)
+    if (x1 - x0, y1 - y0) == (size[1], size[0]) and _lies_on_pixels(window, source.shape[:2]):
+        return source[int(y0) : int(y1), int(x0) : int(x1)].copy()
     flat = source.reshape(*source.shape[:2], -1)
     vertical = _axis_weights(y0, y1, source.shape[0], size[0])
     horizontal = _axis_weights(x0, x1, source.shape[1], size[1])
@@ -68,6 +70,12 @@ def resample_window(
     if (x1 - x0) < size[1] or (y1 - y0) < size[0]:
         result = np.clip(result, source.min(), source.max())
     return np.ascontiguousarray(result).reshape(*size, *source.shape[2:])
+
+
+def _lies_on_pixels(window: tuple[float, float, float, float], size: tuple[int, int]) -> bool:
+    x0, y0, x1, y1 = window
+    whole = all(float(edge).is_integer() for edge in window)
+    return whole and 0 <= x0 < x1 <= size[1] and 0 <= y0 < y1 <= size[0]
 
 
 def _axis_weights(start: float, stop: float, length: int, count: int) -> sparse.csr_array:
