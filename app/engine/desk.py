@@ -1,0 +1,173 @@
+"""The engine's work without its thread: from what is wanted and what is in force to the next slow step."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from app.engine.screen import (
+    ball_for_screen,
+    channels_for_screen,
+    panorama_for_screen,
+    radiance_for_screen,
+)
+from app.engine.snapshot import OpenLight, OpenPhoto, Picture, Snapshot
+from app.engine.sources import LightSource, PhotoSource, RelighterLike, Request
+from relight_core.errors import InputError
+from relight_core.imaging.photo import Photo
+from relight_core.imaging.read import read_photo
+from relight_core.lighting.environment import Environment, read_environment
+from relight_core.lighting.rigs import load_rig
+from relight_core.pipeline.edit import Edit
+
+_OWN = LightSource("own")
+
+
+@dataclass(frozen=True, eq=False)
+class Step:
+    """One slow piece of work.
+
+    Attributes:
+        activity: what the status line says meanwhile.
+        run: does it, and returns the snapshot after it.
+        blame: the wish that is at fault if it fails.
+    """
+
+    activity: str
+    run: Callable[[Snapshot], Snapshot]
+    blame: PhotoSource | LightSource | None = None
+
+
+class Desk:
+    """Holds the Relighter and decides what to do next. Used by one thread only.
+
+    Steps are short enough to look at the newest request between them, which is what makes only the newest
+    count: a photo that was replaced while it was being decoded never reaches the networks.
+    """
+
+    def __init__(self, make_relighter: Callable[[], RelighterLike]) -> None:
+        self._make_relighter = make_relighter
+        self._relighter: RelighterLike | None = None
+        self._loading: tuple[PhotoSource, Photo] | None = None
+        self._portrait: OpenPhoto | None = None
+        self._failed: tuple | None = None
+
+    def next_step(self, request: Request, now: Snapshot) -> Step | None:
+        """The next step toward the request, or None when what is in force answers it."""
+        photo = None if request.photo in now.refused else request.photo
+        light = None if request.light in now.refused else request.light
+        if photo is not None and photo is not _source(now.opened):
+            return self._toward_photo(photo)
+        if now.opened is not None and self._portrait is not now.opened:
+            return Step(f"Reading {now.opened.source.name}", self._return_to_portrait, now.opened.source)
+        if light is not None and self._light_is_due(light, now):
+            return self._toward_light(light)
+        if now.opened is None or now.light is None:
+            return None
+        key = _picture_key(now.opened, now.light, request.edit)
+        if key != self._failed and (now.picture is None or key != _key_of(now.picture)):
+            return Step("Relighting", lambda snapshot: self._relight(snapshot, request.edit))
+        if now.own_light is None and _OWN not in now.refused:
+            return Step("Estimating the photo's own light", self._estimate_own_light, _OWN)
+        return None
+
+    def failed(self, step: Step, now: Snapshot, request: Request) -> Snapshot:
+        """What stays in force after a step raised: the wish at fault is not tried again."""
+        self._loading = None
+        if step.blame is not None:
+            now = replace(now, refused=now.refused | {step.blame})
+            return replace(now, opened=None, picture=None) if step.blame is _source(now.opened) else now
+        if now.opened and now.light:
+            self._failed = _picture_key(now.opened, now.light, request.edit)
+        return now
+
+    def _light_is_due(self, light: LightSource, now: Snapshot) -> bool:
+        if light.kind == "own":
+            return now.opened is not None and (now.light is None or now.light.source is not light)
+        return light is not _source(now.light)
+
+    def _toward_photo(self, source: PhotoSource) -> Step:
+        if self._loading is None or self._loading[0] is not source:
+            return Step(f"Opening {source.name}", lambda now: self._read(source, now), source)
+        if self._relighter is None:
+            return Step("Loading the networks", self._load_networks, source)
+        return Step(f"Reading the face in {source.name}", self._set_portrait, source)
+
+    def _read(self, source: PhotoSource, now: Snapshot) -> Snapshot:
+        photo = read_photo(source.place) if isinstance(source.place, Path) else source.place
+        self._loading = (source, photo)
+        return now
+
+    def _load_networks(self, now: Snapshot) -> Snapshot:
+        self._relighter = self._make_relighter()
+        return now
+
+    def _set_portrait(self, now: Snapshot) -> Snapshot:
+        source, photo = self._loading
+        self._relighter.set_portrait(photo, source.face_index)
+        self._loading = None
+        self._portrait = OpenPhoto(source, photo, radiance_for_screen(photo.linear))
+        keep_light = now.light is not None and now.light.source.kind != "own"
+        light = now.light if keep_light else None
+        return replace(now, opened=self._portrait, light=light, own_light=None, refused=now.refused - {_OWN})
+
+    def _return_to_portrait(self, now: Snapshot) -> Snapshot:
+        self._relighter.set_portrait(now.opened.photo, now.opened.source.face_index)
+        self._portrait = now.opened
+        return now
+
+    def _toward_light(self, light: LightSource) -> Step:
+        if light.kind == "portrait" and self._relighter is None:
+            return Step("Loading the networks", self._load_networks, light)
+        return Step(f"Reading the light {light.title}", lambda now: self._open_light(light, now), light)
+
+    def _open_light(self, source: LightSource, now: Snapshot) -> Snapshot:
+        if source.kind == "own" and now.own_light is not None:
+            return replace(now, light=replace(now.own_light, source=source))
+        light = _for_screen(source, self._environment(source))
+        return replace(now, light=light, own_light=light if source.kind == "own" else now.own_light)
+
+    def _estimate_own_light(self, now: Snapshot) -> Snapshot:
+        return replace(now, own_light=_for_screen(_OWN, self._environment(_OWN)))
+
+    def _environment(self, source: LightSource) -> Environment:
+        if source.kind == "rig":
+            return load_rig(source.name)
+        if source.kind == "panorama":
+            return read_environment(Path(source.name))
+        if source.kind == "portrait":
+            photo = read_photo(Path(source.name))
+            self._portrait = None
+            self._relighter.set_portrait(photo)
+        return self._relighter.estimated_light()
+
+    def _relight(self, now: Snapshot, edit: Edit) -> Snapshot:
+        relit = self._relighter.relight(now.light.environment, replace(edit, exposure_ev=0.0))
+        screen = radiance_for_screen(relit.image, relit.alpha)
+        self._failed = None
+        picture = Picture(now.opened, now.light, edit, relit, screen, channels_for_screen(relit.channels))
+        return replace(now, picture=picture)
+
+
+def _for_screen(source: LightSource, environment: Environment) -> OpenLight:
+    return OpenLight(source, environment, panorama_for_screen(environment), ball_for_screen(environment))
+
+
+def error_line(error: Exception) -> str:
+    """What the user reads of an exception: an InputError's own line, or a plain confession."""
+    if isinstance(error, InputError):
+        return str(error)
+    return f"Something went wrong here, not in your file ({type(error).__name__}: {error})"
+
+
+def _source(opened: OpenPhoto | OpenLight | None) -> PhotoSource | LightSource | None:
+    return opened.source if opened else None
+
+
+def _picture_key(opened: OpenPhoto, light: OpenLight, edit: Edit) -> tuple:
+    return opened, light, replace(edit, exposure_ev=0.0)
+
+
+def _key_of(picture: Picture) -> tuple:
+    return _picture_key(picture.opened, picture.light, picture.edit)

@@ -1,0 +1,138 @@
+"""The engine thread: takes the newest request, works in steps, publishes snapshots."""
+
+from __future__ import annotations
+
+import logging
+import threading
+from collections.abc import Callable
+from dataclasses import replace
+
+from app.engine.desk import Desk, Step, error_line
+from app.engine.snapshot import Message, Snapshot
+from app.engine.sources import RelighterLike, Request
+from relight_core.errors import InputError
+
+_log = logging.getLogger(__name__)
+
+
+class Engine:
+    """Runs a Relighter on its own thread.
+
+    `submit` and `snapshot` may be called from any thread and never wait for the networks. While a slider is
+    dragged every finished result is published, since the next one is the newer only by a little; a result
+    for a photo that has meanwhile been replaced is dropped.
+
+    Args:
+        make_relighter: called once, on the engine's thread, when the first photo is opened.
+        wake: called, on the engine's thread, after every change of the snapshot.
+        on_start: called first on the engine's thread; the place to set how many threads the networks use.
+    """
+
+    def __init__(
+        self,
+        make_relighter: Callable[[], RelighterLike],
+        wake: Callable[[], None] = lambda: None,
+        on_start: Callable[[], None] = lambda: None,
+    ) -> None:
+        self._desk = Desk(make_relighter)
+        self._wake = wake
+        self._on_start = on_start
+        self._changed = threading.Condition()
+        self._request = Request()
+        self._snapshot = Snapshot()
+        self._idle = True
+        self._closing = False
+        self._messages = 0
+        self._thread = threading.Thread(target=self._run, name="relight-engine", daemon=True)
+        self._thread.start()
+
+    def submit(self, request: Request) -> None:
+        """Replace what is wanted; a request that was not begun is forgotten."""
+        with self._changed:
+            self._request = request
+            self._idle = False
+            self._changed.notify_all()
+
+    def snapshot(self) -> Snapshot:
+        """What is in force now."""
+        with self._changed:
+            return self._snapshot
+
+    def say(self, text: str, is_error: bool = False) -> None:
+        """Publish a line for the user; for the other threads of the program."""
+        with self._changed:
+            self._messages += 1
+            self._snapshot = replace(self._snapshot, message=Message(self._messages, text, is_error))
+        self._wake()
+
+    def wait_until_idle(self, timeout_s: float | None = None) -> bool:
+        """Block until the newest request is answered or refused; False if it took longer."""
+        with self._changed:
+            return self._changed.wait_for(lambda: self._idle or self._closing, timeout_s)
+
+    def close(self) -> None:
+        """End the thread after the step that runs; safe to call twice."""
+        with self._changed:
+            self._closing = True
+            self._changed.notify_all()
+        if self._thread is not threading.current_thread():
+            self._thread.join()
+
+    def _run(self) -> None:
+        try:
+            self._on_start()
+        except Exception as error:
+            self._confess(error)
+        while True:
+            with self._changed:
+                self._changed.wait_for(lambda: not self._idle or self._closing)
+                if self._closing:
+                    return
+                request, now = self._request, self._snapshot
+            step = self._next_step(request, now)
+            if step is None:
+                self._rest(request)
+            else:
+                self._take(step, request)
+
+    def _next_step(self, request: Request, now: Snapshot) -> Step | None:
+        try:
+            return self._desk.next_step(request, now)
+        except Exception as error:
+            self._confess(error)
+            return None
+
+    def _rest(self, request: Request) -> None:
+        with self._changed:
+            if self._request is not request:
+                return
+            self._idle = True
+            self._snapshot = replace(self._snapshot, activity=None)
+            self._changed.notify_all()
+        self._wake()
+
+    def _take(self, step: Step, request: Request) -> None:
+        with self._changed:
+            self._snapshot = before = replace(self._snapshot, activity=step.activity)
+        self._wake()
+        try:
+            after = step.run(before)
+        except InputError as error:
+            after = self._desk.failed(step, before, request)
+            self.say(error_line(error), is_error=True)
+        except Exception as error:
+            after = self._desk.failed(step, before, request)
+            self._confess(error)
+        with self._changed:
+            if after.picture is not before.picture and self._photo_was_replaced(after):
+                after = replace(after, picture=before.picture)
+            self._snapshot = replace(after, message=self._snapshot.message)
+        self._wake()
+
+    def _photo_was_replaced(self, after: Snapshot) -> bool:
+        wanted = self._request.photo
+        return wanted is not None and wanted is not after.opened.source and wanted not in after.refused
+
+    def _confess(self, error: Exception) -> None:
+        _log.error("the engine failed", exc_info=error)
+        self.say(error_line(error), is_error=True)

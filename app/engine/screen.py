@@ -1,0 +1,65 @@
+"""From the library's arrays to arrays a texture takes. All arithmetic is relight_core's."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from relight_core.imaging.resampling import resize_area
+from relight_core.imaging.view_transform import apply_view
+from relight_core.lighting.environment import Environment, shrink
+from relight_core.lighting.preview import lit_ball
+
+try:
+    from relight_core.pipeline.channel_view import channel_to_srgb
+except ImportError:
+
+    def channel_to_srgb(name, array):
+        array = np.asarray(array, np.float32)
+        if name == "normal":
+            return array / 2 + 0.5
+        if name == "parsing":
+            array = array / 8
+        rgb = array if array.ndim == 3 else np.repeat(array[..., None], 3, axis=2)
+        return apply_view(rgb) if name != "parsing" else rgb
+
+
+LARGEST_SIDE = 8192
+"""Pixels; every OpenGL 3.3 driver in use takes textures of this size."""
+
+PANORAMA_HEIGHT = 128
+BALL_SIZE = 96
+_HALF_MAX = 65504.0
+_PANORAMA_EV = -1.0
+
+
+def radiance_for_screen(linear: np.ndarray, alpha: np.ndarray | None = None) -> np.ndarray:
+    """(H, W, 3) linear and perhaps (H, W) alpha as one (h, w, 3 or 4) float16 array, at most LARGEST_SIDE."""
+    pixels = linear if alpha is None else np.dstack([linear, alpha])
+    height, width = pixels.shape[:2]
+    if max(height, width) > LARGEST_SIDE:
+        scale = LARGEST_SIDE / max(height, width)
+        pixels = resize_area(pixels, (max(1, round(height * scale)), max(1, round(width * scale))))
+    return np.minimum(pixels, np.float32(_HALF_MAX)).astype(np.float16)
+
+
+def channels_for_screen(channels: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
+    """Every channel as (h, w, 3) uint8 sRGB."""
+    return {name: _codes(channel_to_srgb(name, array)) for name, array in channels.items()}
+
+
+def panorama_for_screen(environment: Environment) -> np.ndarray:
+    """(128, 256, 3) uint8 sRGB of a light's shape, unturned."""
+    shape = environment.shape
+    if environment.height > PANORAMA_HEIGHT:
+        shape = shrink(shape, PANORAMA_HEIGHT)
+    return _codes(apply_view(shape, _PANORAMA_EV))
+
+
+def ball_for_screen(environment: Environment) -> np.ndarray:
+    """(96, 96, 4) uint8: sRGB of a ball in the light, and its coverage."""
+    ball = lit_ball(environment, BALL_SIZE)
+    return _codes(np.dstack([apply_view(ball[..., :3]), ball[..., 3]]))
+
+
+def _codes(srgb: np.ndarray) -> np.ndarray:
+    return np.rint(np.clip(srgb, 0.0, 1.0) * 255).astype(np.uint8)

@@ -1,0 +1,95 @@
+"""What the engine publishes: immutable records of plain arrays, ready for the screen."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from app.engine.sources import LightSource, PhotoSource, RelitLike
+from relight_core.imaging.photo import Photo
+from relight_core.lighting.environment import Environment
+from relight_core.pipeline.edit import Edit
+
+
+@dataclass(frozen=True, eq=False)
+class OpenPhoto:
+    """The portrait in force.
+
+    Attributes:
+        source: the wish it answers.
+        photo: its pixels.
+        screen: (h, w, 3) float16 linear, small enough for a texture.
+    """
+
+    source: PhotoSource
+    photo: Photo
+    screen: np.ndarray
+
+
+@dataclass(frozen=True, eq=False)
+class OpenLight:
+    """The light in force.
+
+    Attributes:
+        source: the wish it answers.
+        environment: the light.
+        panorama: (h, 2h, 3) uint8 sRGB, unturned.
+        ball: (s, s, 4) uint8 sRGB and coverage.
+    """
+
+    source: LightSource
+    environment: Environment
+    panorama: np.ndarray
+    ball: np.ndarray
+
+
+@dataclass(frozen=True, eq=False)
+class Picture:
+    """One result.
+
+    Attributes:
+        opened: the portrait it shows.
+        light: the light it shows it under.
+        edit: the edit it was computed with; exposure not applied.
+        relit: the result as the library gave it.
+        screen: (h, w, 3 or 4) float16 linear radiance, small enough for a texture.
+        channels: name -> (h, w, 3) uint8 sRGB, as channels are looked at.
+    """
+
+    opened: OpenPhoto
+    light: OpenLight
+    edit: Edit
+    relit: RelitLike
+    screen: np.ndarray
+    channels: dict[str, np.ndarray]
+
+
+@dataclass(frozen=True)
+class Message:
+    """A line for the user; the same text said twice has two numbers."""
+
+    number: int
+    text: str
+    is_error: bool = False
+
+
+@dataclass(frozen=True, eq=False)
+class Snapshot:
+    """The engine's whole state at one moment.
+
+    Attributes:
+        opened, light, picture: in force; None until there is one.
+        own_light: the light of the open photo, once it has been estimated.
+        refused: wishes that failed since the engine started and must not be wished again.
+        activity: what runs now, or None.
+        message: the newest line for the user, or None.
+    """
+
+    opened: OpenPhoto | None = None
+    light: OpenLight | None = None
+    picture: Picture | None = None
+    own_light: OpenLight | None = None
+    refused: frozenset[PhotoSource | LightSource] = field(default_factory=frozenset)
+    activity: str | None = None
+    message: Message | None = None

@@ -1,0 +1,114 @@
+"""What the window asks the engine for: immutable records, compared by identity where they name a file."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Protocol
+
+import numpy as np
+
+from relight_core.pipeline.edit import Edit
+
+if TYPE_CHECKING:
+    from relight_core.imaging.photo import Photo
+    from relight_core.lighting.environment import Environment
+
+PANORAMA_SUFFIXES = (".hdr", ".exr")
+
+
+class RelighterLike(Protocol):
+    """The part of relight_core.pipeline.relighter.Relighter that the engine uses."""
+
+    def set_portrait(self, photo: Photo, face_index: int | None = None) -> None:
+        """Make a photo the portrait; slow. InputError leaves the previous portrait in place."""
+
+    def relight(self, environment: Environment, edit: Edit) -> RelitLike:
+        """The portrait under a light; fast."""
+
+    def estimated_light(self) -> Environment:
+        """The light the portrait was taken under."""
+
+
+class RelitLike(Protocol):
+    """The part of relight_core.pipeline.relighter.Relit that the window uses."""
+
+    image: np.ndarray
+    alpha: np.ndarray | None
+    channels: dict[str, np.ndarray]
+    faces: list
+    stages: dict
+
+
+@dataclass(frozen=True, eq=False)
+class PhotoSource:
+    """One wish to open a photo: opening the same path again is another wish.
+
+    Attributes:
+        place: the file, or a decoded photo.
+        face_index: which face; None is the largest.
+    """
+
+    place: Path | Photo
+    face_index: int | None = None
+
+    @property
+    def path(self) -> Path | None:
+        """The file behind it, if there is one."""
+        return self.place if isinstance(self.place, Path) else self.place.path
+
+    @property
+    def name(self) -> str:
+        """For messages."""
+        return self.path.name if self.path else "the photo"
+
+
+@dataclass(frozen=True, eq=False)
+class LightSource:
+    """One wish for a light.
+
+    Attributes:
+        kind: "rig" (a bundled one, by name), "panorama" (an .hdr or .exr file), "portrait" (the light that
+            the photo in a file was taken under) or "own" (the same, of the open photo).
+        name: the rig's name or the file; empty for "own".
+    """
+
+    kind: str
+    name: str = ""
+
+    @classmethod
+    def named(cls, text: str) -> LightSource:
+        """A light as the command line names it: a rig, an .hdr or .exr file, or a portrait."""
+        from relight_core.lighting.rigs import rig_names
+
+        if text in rig_names():
+            return cls("rig", text)
+        return cls("panorama" if text.lower().endswith(PANORAMA_SUFFIXES) else "portrait", text)
+
+    @property
+    def title(self) -> str:
+        """For the list of lights."""
+        if self.kind == "own":
+            return "Original"
+        if self.kind == "rig":
+            return self.name.replace("-", " ").capitalize()
+        return Path(self.name).stem
+
+    def same_as(self, other: LightSource | None) -> bool:
+        """Whether the other wish is for the same light."""
+        return other is not None and (self.kind, self.name) == (other.kind, other.name)
+
+
+@dataclass(frozen=True, eq=False)
+class Request:
+    """Everything the window wants to see; only the newest counts.
+
+    Attributes:
+        photo: None before anything is opened.
+        light: None keeps the light in force.
+        edit: the sliders. Its exposure is the shader's business and makes the engine do nothing.
+    """
+
+    photo: PhotoSource | None = None
+    light: LightSource | None = None
+    edit: Edit = field(default_factory=Edit)

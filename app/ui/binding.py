@@ -1,0 +1,109 @@
+"""Dear ImGui itself: its context, its input, its drawing through OpenGL."""
+
+from __future__ import annotations
+
+import glfw
+from imgui_bundle import imgui
+from imgui_bundle.python_backends.glfw_backend import GlfwRenderer
+
+from app.ui.theme import Fonts, apply_theme, load_fonts
+
+_MODIFIERS = (
+    (glfw.MOD_CONTROL, imgui.Key.mod_ctrl),
+    (glfw.MOD_SHIFT, imgui.Key.mod_shift),
+    (glfw.MOD_ALT, imgui.Key.mod_alt),
+    (glfw.MOD_SUPER, imgui.Key.mod_super),
+)
+_CURSORS = {
+    imgui.MouseCursor_.text_input: glfw.IBEAM_CURSOR,
+    imgui.MouseCursor_.resize_ew: glfw.HRESIZE_CURSOR,
+    imgui.MouseCursor_.hand: glfw.HAND_CURSOR,
+}
+
+
+class Binding:
+    """A Dear ImGui context on a glfw window whose OpenGL context is current.
+
+    Args:
+        window: the glfw window.
+        scale: the display's scale.
+    """
+
+    def __init__(self, window: object, scale: float) -> None:
+        self._context = imgui.create_context()
+        self._io = imgui.get_io()
+        self._io.set_ini_filename("")
+        self._io.set_log_filename("")
+        self._io.config_input_trickle_event_queue = True
+        self._renderer = GlfwRenderer(window, attach_callbacks=False)
+        self._cursors: dict[int, object] = {}
+        self._cursor = glfw.ARROW_CURSOR
+        self.fonts: Fonts = load_fonts()
+        apply_theme(scale)
+
+    def set_scale(self, scale: float) -> None:
+        """Follow a change of the display's scale."""
+        apply_theme(scale)
+
+    def key(self, key: int, action: int, mods: int) -> None:
+        """A glfw key event."""
+        # Modifiers as the event states them: their own events can be lost to another window.
+        for bit, modifier in _MODIFIERS:
+            self._io.add_key_event(modifier, bool(mods & bit))
+        if key in self._renderer.key_map:
+            self._renderer.keyboard_callback(None, key, 0, action, mods)
+
+    def character(self, code: int) -> None:
+        """A glfw character event."""
+        self._io.add_input_character(code)
+
+    def mouse_position(self, x: float, y: float) -> None:
+        """The mouse, in window units."""
+        self._io.add_mouse_pos_event(x, y)
+
+    def mouse_button(self, button: int, down: bool, mods: int) -> None:
+        """A mouse button went down or up."""
+        for bit, modifier in _MODIFIERS:
+            self._io.add_key_event(modifier, bool(mods & bit))
+        if 0 <= button < 5:
+            self._io.add_mouse_button_event(button, down)
+
+    def wheel(self, dx: float, dy: float) -> None:
+        """The wheel, in steps."""
+        self._io.add_mouse_wheel_event(dx, dy)
+
+    def focus(self, has_focus: bool) -> None:
+        """The window gained or lost the keyboard; keys held then are let go."""
+        self._io.add_focus_event(has_focus)
+
+    def wants_text(self) -> bool:
+        """Whether something is being typed, so that a cursor blinks."""
+        return self._io.want_text_input
+
+    def show_cursor(self, window: object) -> None:
+        """Give the mouse the shape the panels asked for."""
+        wanted = _CURSORS.get(imgui.get_mouse_cursor(), glfw.ARROW_CURSOR)
+        if wanted == self._cursor:
+            return
+        self._cursor = wanted
+        if wanted not in self._cursors:
+            self._cursors[wanted] = glfw.create_standard_cursor(wanted)
+        glfw.set_cursor(window, self._cursors[wanted])
+
+    def begin(self) -> None:
+        """Start a frame."""
+        self._renderer.process_inputs()
+        imgui.new_frame()
+
+    def end(self) -> None:
+        """End a frame; nothing is drawn yet."""
+        imgui.render()
+
+    def paint(self) -> None:
+        """Draw the frame that ended into the framebuffer in use."""
+        self._renderer.render(imgui.get_draw_data())
+
+    def close(self) -> None:
+        """Free everything."""
+        self._renderer.shutdown()
+        imgui.destroy_context(self._context)

@@ -1,0 +1,56 @@
+"""One frame of the editor: lays out the panels and lets each read and write the state."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+from imgui_bundle import imgui
+
+from app.ui import effects_panel, filmstrip, light_panel, shortcuts, status_line, theme, viewport_panel
+from app.ui.layout import Rect, arrange
+from app.ui.pictures import Pictures
+from app.ui.state import EditorState
+
+_FLAGS = (
+    imgui.WindowFlags_.no_decoration
+    | imgui.WindowFlags_.no_move
+    | imgui.WindowFlags_.no_saved_settings
+    | imgui.WindowFlags_.no_bring_to_front_on_focus
+    | imgui.WindowFlags_.no_nav
+    | imgui.WindowFlags_.no_scroll_with_mouse
+)
+
+
+def draw(state: EditorState, fonts: theme.Fonts, pictures: Pictures, shelf: light_panel.Shelf) -> None:
+    """Draw every panel; between new_frame and render."""
+    io = imgui.get_io()
+    layout = arrange(io.display_size.x, io.display_size.y, imgui.get_font_size())
+    scale = io.display_framebuffer_scale
+    viewport_size = (round(layout.viewport.width * scale.x), round(layout.viewport.height * scale.y))
+    state.hand_on_control = False
+    state.light_panel = layout.light.corners
+    shortcuts.apply(state, viewport_size)
+    with _panel("light", layout.light):
+        light_panel.draw(state, fonts, pictures, shelf)
+    with _panel("effects", layout.effects):
+        effects_panel.draw(state, fonts)
+    with _panel("viewport", layout.viewport, padding=(0.0, 0.0)):
+        viewport_panel.draw(state, fonts, pictures, layout.viewport)
+    with _panel("filmstrip", layout.filmstrip, padding=(14.0, 7.0)):
+        filmstrip.draw(state, pictures)
+    with _panel("status", layout.status, padding=(14.0, 5.0)):
+        status_line.draw(state)
+
+
+@contextmanager
+def _panel(name: str, rect: Rect, padding: tuple[float, float] | None = None) -> Iterator[None]:
+    imgui.set_next_window_pos(imgui.ImVec2(rect.x, rect.y))
+    imgui.set_next_window_size(imgui.ImVec2(rect.width, rect.height))
+    if padding is not None:
+        imgui.push_style_var(imgui.StyleVar_.window_padding, imgui.ImVec2(*padding))
+    imgui.begin(name, None, _FLAGS)
+    if padding is not None:
+        imgui.pop_style_var()
+    yield
+    imgui.end()

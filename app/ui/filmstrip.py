@@ -1,0 +1,70 @@
+"""The bottom strip: every channel as a live thumbnail."""
+
+from __future__ import annotations
+
+from imgui_bundle import imgui
+
+from app.ui import theme, widgets
+from app.ui.pictures import Pictures, Shown
+from app.ui.state import CHANNELS, EditorState
+
+
+def draw(state: EditorState, pictures: Pictures) -> None:
+    """The strip's contents, inside its window."""
+    em = imgui.get_font_size()
+    room = imgui.get_content_region_avail()
+    spacing = 0.4 * em
+    width = min(7.2 * em, (room.x - spacing * (len(CHANNELS) - 1)) / len(CHANNELS))
+    indent = (room.x - len(CHANNELS) * width - spacing * (len(CHANNELS) - 1)) / 2
+    imgui.set_cursor_pos_x(imgui.get_cursor_pos_x() + max(0.0, indent))
+    for index, (name, title, explanation) in enumerate(CHANNELS):
+        if index:
+            imgui.same_line(0.0, spacing)
+        _frame(state, pictures.thumbnail(name), index, title, width, room.y)
+        imgui.set_item_tooltip(f"{explanation}  {index + 1}")
+
+
+def _frame(
+    state: EditorState, shown: Shown | None, index: int, title: str, width: float, height: float
+) -> None:
+    em = imgui.get_font_size()
+    name = CHANNELS[index][0]
+    corner = imgui.get_cursor_screen_pos()
+    imgui.begin_disabled(shown is None)
+    if imgui.invisible_button(name, imgui.ImVec2(width, height)):
+        state.shown = name
+    imgui.end_disabled()
+    chosen = shown is not None and state.shown == name
+    image_height = height - 1.4 * em
+    draw_list = imgui.get_window_draw_list()
+    end = imgui.ImVec2(corner.x + width, corner.y + image_height)
+    draw_list.add_rect_filled(corner, end, theme.packed((0.088, 0.088, 0.088, 1.0)), 4.0)
+    if shown is not None:
+        _centred(shown, corner, width, image_height)
+    if chosen or (shown is not None and imgui.is_item_hovered()):
+        outline = theme.ACCENT if chosen else theme.FAINT
+        draw_list.add_rect(corner, end, theme.packed(outline), 4.0, 2.0 if chosen else 1.0)
+    _label(index, title, chosen, shown is not None, corner, width, image_height)
+
+
+def _centred(shown: Shown, corner: imgui.ImVec2, width: float, height: float) -> None:
+    scale = min((width - 6.0) / shown.width, (height - 6.0) / shown.height)
+    image_width, image_height = shown.width * scale, shown.height * scale
+    x, y = corner.x + (width - image_width) / 2, corner.y + (height - image_height) / 2
+    widgets.draw_image(shown, x, y, image_width, image_height, 2.0)
+
+
+def _label(
+    index: int, title: str, chosen: bool, there: bool, corner: imgui.ImVec2, width: float, image_height: float
+) -> None:
+    imgui.push_font(None, 0.86 * theme.FONT_PX)
+    em = imgui.get_font_size()
+    number = f"{index + 1}"
+    text = widgets.shortened(title, width - 1.2 * em)
+    total = imgui.calc_text_size(text).x + 0.9 * em
+    x, y = corner.x + max(0.0, (width - total) / 2), corner.y + image_height + 0.25 * em
+    colour = theme.ACCENT if chosen else theme.TEXT if there else theme.FAINT
+    draw_list = imgui.get_window_draw_list()
+    draw_list.add_text(imgui.ImVec2(x, y), theme.packed(theme.FAINT), number)
+    draw_list.add_text(imgui.ImVec2(x + 0.9 * em, y), theme.packed(colour), text)
+    imgui.pop_font()

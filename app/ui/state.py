@@ -1,0 +1,138 @@
+"""What the panels read and write: one record, drawn from scratch every frame."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+
+from app.engine.exporting import default_export_path
+from app.engine.snapshot import Message, Snapshot
+from app.engine.sources import LightSource, PhotoSource, Request
+from app.ui.view import View
+from relight_core.pipeline.edit import Edit
+
+FIRST_LIGHT = "rembrandt"
+RESULT, PHOTO = "result", "photo"
+
+CHANNELS: tuple[tuple[str, str, str], ...] = (
+    (PHOTO, "Photo", "The photo as it was opened."),
+    ("albedo", "Albedo", "The colour of skin, hair and cloth with all light taken away."),
+    ("normal", "Normal", "Which way each spot of the face is turned."),
+    ("parsing", "Parsing", "Which part of the head each spot belongs to."),
+    ("source_light", "Source light", "The light the photo was taken under, as estimated from the face."),
+    ("specular", "Specular", "The shine the new light puts on the skin."),
+    ("shadow", "Shadow", "The shadows the new light casts."),
+    ("composition", "Composition", "The relit face before it goes back into the photo."),
+    (RESULT, "Result", "The finished picture."),
+)
+"""Name, title and explanation of everything the filmstrip shows, in its order; number keys count along."""
+
+
+@dataclass
+class EditorState:
+    """The editor at one moment.
+
+    Attributes:
+        photo, light: what the user wants to see; the engine says in `snapshot` what is in force.
+        extra_lights: lights beyond the bundled ones, newest first.
+        edit: the sliders.
+        shown: which entry of CHANNELS fills the viewport.
+        before: the photo is shown instead while this is held.
+        view: zoom and pan.
+        view_of: the size, width and height in pixels, of the picture that `view` was made for.
+        export_path: where the next export goes, without a number; its suffix follows the button.
+        export_wanted: ".png" or ".exr" for one frame after the user asked for it.
+        dismissed: number of the newest message the user has put away.
+        typing: which slider has its number typed in, if any.
+        typing_began: the typing field still has to take the keyboard.
+        hand_on_control: a slider or the panorama is being dragged, so speed counts more than finish.
+        asked: the edit last asked of the engine.
+        snapshot: the engine's newest.
+        light_panel: the light panel's rectangle (x0, y0, x1, y1) in the window, for drops.
+    """
+
+    photo: PhotoSource | None = None
+    light: LightSource = field(default_factory=lambda: LightSource("rig", FIRST_LIGHT))
+    extra_lights: list[LightSource] = field(default_factory=list)
+    edit: Edit = field(default_factory=Edit)
+    shown: str = RESULT
+    before: bool = False
+    view: View = field(default_factory=View)
+    view_of: tuple[int, int] = (0, 0)
+    export_path: str = ""
+    export_wanted: str | None = None
+    dismissed: int = 0
+    typing: str | None = None
+    typing_began: bool = False
+    hand_on_control: bool = False
+    asked: Edit = field(default_factory=Edit)
+    snapshot: Snapshot = field(default_factory=Snapshot)
+    light_panel: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 0.0)
+
+    def request(self) -> Request:
+        """What the engine is to work toward: quick while the hand moves something, finished when it rests."""
+        edit = replace(self.edit, quality="final", exposure_ev=0.0)
+        if self.hand_on_control:
+            unchanged = replace(edit, quality=self.asked.quality) == self.asked
+            edit = self.asked if unchanged else replace(edit, quality="live")
+        self.asked = edit
+        return Request(self.photo, self.light, edit)
+
+    def change(self, **fields) -> None:
+        """Set fields of the edit."""
+        self.edit = replace(self.edit, **fields)
+
+    def turn(self, degrees: float) -> None:
+        """Turn the light; the angle stays within (-180, 180]."""
+        self.change(yaw_deg=wrap_degrees(self.edit.yaw_deg + degrees))
+
+    def open_photo(self, path: Path, face_index: int | None = None) -> None:
+        """Ask for another portrait."""
+        self.photo = PhotoSource(path, face_index)
+
+    def choose_face(self, index: int) -> None:
+        """Ask for another face of the open photo."""
+        if self.snapshot.opened:
+            self.photo = PhotoSource(self.snapshot.opened.photo, index)
+
+    def choose_light(self, light: LightSource) -> None:
+        """Ask for another light; one already in the list is the one in the list."""
+        self.light = next((known for known in self.extra_lights if known.same_as(light)), light)
+
+    def accept(self, snapshot: Snapshot) -> None:
+        """Take over what the engine published; wishes it refused fall back to what is in force."""
+        opened_before = self.snapshot.opened
+        self.snapshot = snapshot
+        if self.photo in snapshot.refused:
+            self.photo = snapshot.opened.source if snapshot.opened else None
+        if self.light in snapshot.refused:
+            self.light = snapshot.light.source if snapshot.light else LightSource("rig", FIRST_LIGHT)
+        if snapshot.light and snapshot.light.source.kind in ("panorama", "portrait"):
+            self._remember(snapshot.light.source)
+        if snapshot.opened is not opened_before and snapshot.opened:
+            self.export_path = str(default_export_path(snapshot.opened.source.path))
+            self.shown = RESULT
+
+    def message(self) -> Message | None:
+        """The line to show: the engine's newest, unless it was put away."""
+        message = self.snapshot.message
+        return message if message and message.number > self.dismissed else None
+
+    def shown_name(self) -> str:
+        """Which picture fills the viewport now; the photo as long as there is no result."""
+        if self.before:
+            return PHOTO
+        picture = self.snapshot.picture
+        if self.shown == PHOTO or picture is None:
+            return PHOTO
+        return self.shown if self.shown == RESULT or self.shown in picture.channels else RESULT
+
+    def _remember(self, light: LightSource) -> None:
+        if not any(known.same_as(light) for known in self.extra_lights):
+            self.extra_lights.insert(0, light)
+
+
+def wrap_degrees(degrees: float) -> float:
+    """The same direction in (-180, 180]."""
+    wrapped = degrees % 360.0
+    return wrapped - 360.0 if wrapped > 180.0 else wrapped

@@ -1,0 +1,60 @@
+"""The bottom line: what runs, messages that stay, and how long the last result took."""
+
+from __future__ import annotations
+
+from imgui_bundle import imgui
+
+from app.ui import theme, widgets
+from app.ui.state import EditorState
+
+
+def draw(state: EditorState) -> None:
+    """The line's contents, inside its window."""
+    timing = _timing(state)
+    timing_width = imgui.calc_text_size(timing).x if timing else 0.0
+    room = imgui.get_content_region_avail().x
+    left = imgui.get_cursor_pos_x()
+    _words(state, room - timing_width - 2 * imgui.get_font_size())
+    if timing:
+        imgui.same_line()
+        imgui.set_cursor_pos_x(left + room - timing_width)
+        imgui.text_disabled(timing)
+        imgui.set_item_tooltip(_stages(state))
+
+
+def _words(state: EditorState, width: float) -> None:
+    message = state.message()
+    if message is not None:
+        colour = theme.ERROR if message.is_error else theme.TEXT
+        imgui.push_style_color(imgui.Col_.text, imgui.ImVec4(*colour))
+        imgui.text(widgets.shortened(message.text, width))
+        imgui.pop_style_color()
+        imgui.set_item_tooltip(f"{message.text}\nClick to put this message away.")
+        if imgui.is_item_clicked():
+            state.dismissed = message.number
+        return
+    activity, opened = state.snapshot.activity, state.snapshot.opened
+    if activity:
+        imgui.text_disabled(f"{activity}…")
+    elif opened:
+        height, width_px = opened.photo.linear.shape[:2]
+        imgui.text_disabled(f"{opened.source.name}   {width_px} × {height}")
+    else:
+        imgui.text_disabled("Ready")
+
+
+def _timing(state: EditorState) -> str:
+    picture = state.snapshot.picture
+    if picture is None:
+        return ""
+    total = sum(stage.ms for stage in picture.relit.stages.values() if stage.state == "computed")
+    return f"Relit in {total:.0f} ms"
+
+
+def _stages(state: EditorState) -> str:
+    stages = state.snapshot.picture.relit.stages
+    lines = [
+        f"{name}: {stage.ms:.0f} ms" if stage.state == "computed" else f"{name}: {stage.state}, {stage.why}"
+        for name, stage in stages.items()
+    ]
+    return "The last picture\n" + "\n".join(lines)

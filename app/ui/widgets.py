@@ -1,0 +1,211 @@
+"""The few controls the panels are made of."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from imgui_bundle import imgui
+
+from app.ui import theme
+from app.ui.pictures import Shown
+from app.ui.state import EditorState
+
+
+@dataclass(frozen=True)
+class Slider:
+    """One number the user sets.
+
+    Attributes:
+        label: its name in the panel, unique.
+        low, high: the ends of the track; numbers typed in are limited to them too.
+        rest: where a double click brings it back to, and where its bar grows from.
+        form: printf form of the number, with its unit.
+        help: what it does, in plain words.
+    """
+
+    label: str
+    low: float
+    high: float
+    rest: float
+    form: str
+    help: str
+
+
+def heading(fonts: theme.Fonts, text: str) -> None:
+    """The title of a group of controls."""
+    imgui.push_font(fonts.bold, 0.0)
+    imgui.text(text)
+    imgui.pop_font()
+
+
+def gap(em: float) -> None:
+    """Empty room, in font heights."""
+    imgui.dummy(imgui.ImVec2(1.0, em * imgui.get_font_size()))
+
+
+def slider(state: EditorState, spec: Slider, value: float, enabled: bool = True) -> float:
+    """Draw a slider and return its value.
+
+    A double click resets it; a Ctrl-click on the track or a click on the number lets one type it.
+    """
+    imgui.begin_disabled(not enabled)
+    imgui.push_id(spec.label)
+    row = _typed if state.typing == spec.label else _title_row
+    value = row(state, spec, value)
+    value = _track(state, spec, value)
+    imgui.pop_id()
+    imgui.end_disabled()
+    return value
+
+
+def _title_row(state: EditorState, spec: Slider, value: float) -> float:
+    shown = (spec.form % value).replace("-", "\N{MINUS SIGN}")
+    left = imgui.get_cursor_screen_pos()
+    width = imgui.get_content_region_avail().x
+    text_width = imgui.calc_text_size(shown).x
+    imgui.text_disabled(spec.label)
+    imgui.set_item_tooltip(spec.help)
+    imgui.set_cursor_screen_pos(imgui.ImVec2(left.x + width - text_width, left.y))
+    if imgui.invisible_button("number", imgui.ImVec2(text_width, imgui.get_text_line_height())):
+        _begin_typing(state, spec)
+    hovered = imgui.is_item_hovered()
+    if hovered:
+        imgui.set_mouse_cursor(imgui.MouseCursor_.text_input)
+    imgui.set_item_tooltip("Click to type a number.")
+    colour = theme.ACCENT if hovered else theme.TEXT
+    imgui.get_window_draw_list().add_text(
+        imgui.ImVec2(left.x + width - text_width, left.y), theme.packed(colour), shown
+    )
+    return value
+
+
+def _begin_typing(state: EditorState, spec: Slider) -> None:
+    state.typing, state.typing_began = spec.label, True
+
+
+def _typed(state: EditorState, spec: Slider, value: float) -> float:
+    imgui.text_disabled(spec.label)
+    imgui.same_line()
+    imgui.set_next_item_width(imgui.get_content_region_avail().x)
+    imgui.push_style_var(imgui.StyleVar_.frame_padding, imgui.ImVec2(4.0, 0.0))
+    began, state.typing_began = state.typing_began, False
+    if began:
+        imgui.set_keyboard_focus_here()
+    flags = imgui.InputTextFlags_.auto_select_all | imgui.InputTextFlags_.enter_returns_true
+    _, new = imgui.input_float("##typed", value, 0.0, 0.0, "%.2f", flags)
+    imgui.pop_style_var()
+    if not began and imgui.is_item_deactivated():
+        state.typing = None
+        if not imgui.is_key_pressed(imgui.Key.escape):
+            value = min(max(new, spec.low), spec.high) if new == new else value
+    elif not began and not imgui.is_item_active() and not imgui.is_item_focused():
+        state.typing = None
+    return value
+
+
+def _track(state: EditorState, spec: Slider, value: float) -> float:
+    em = imgui.get_font_size()
+    left = imgui.get_cursor_screen_pos()
+    width, height = imgui.get_content_region_avail().x, 1.1 * em
+    radius = 0.42 * em
+    imgui.invisible_button("track", imgui.ImVec2(width, height))
+    hovered, active = imgui.is_item_hovered(), imgui.is_item_active()
+    imgui.set_item_tooltip(f"{spec.help}\nDouble-click to reset, Ctrl-click to type a number.")
+    if imgui.is_item_activated() and imgui.get_io().key_ctrl:
+        _begin_typing(state, spec)
+        imgui.internal.clear_active_id()
+    elif hovered and imgui.is_mouse_double_clicked(0):
+        imgui.internal.clear_active_id()
+        value = spec.rest
+    elif active and not (imgui.is_item_activated() and _on_knob(spec, value, left.x, width, radius)):
+        state.hand_on_control = True
+        along = (imgui.get_io().mouse_pos.x - left.x - radius) / max(1.0, width - 2 * radius)
+        value = _snapped(spec, spec.low + (spec.high - spec.low) * min(max(along, 0.0), 1.0))
+    _draw_track(spec, value, left, width, height, radius, lit=hovered or active)
+    return value
+
+
+def _on_knob(spec: Slider, value: float, left: float, width: float, radius: float) -> bool:
+    """Whether the mouse is on the knob, where a click alone must not move it."""
+    along = (value - spec.low) / (spec.high - spec.low)
+    return abs(left + radius + along * (width - 2 * radius) - imgui.get_io().mouse_pos.x) < radius
+
+
+def _snapped(spec: Slider, value: float) -> float:
+    """The value, or the resting point where it is within a hundredth of the track."""
+    return spec.rest if abs(value - spec.rest) < 0.01 * (spec.high - spec.low) else value
+
+
+def _draw_track(
+    spec: Slider, value: float, left: imgui.ImVec2, width: float, height: float, radius: float, lit: bool
+) -> None:
+    draw = imgui.get_window_draw_list()
+    middle, thick = left.y + height / 2, max(1.5, 0.1 * height)
+
+    def at(number: float) -> float:
+        return left.x + radius + (number - spec.low) / (spec.high - spec.low) * (width - 2 * radius)
+
+    def bar(x0: float, x1: float, colour: theme.Colour) -> None:
+        top, bottom = imgui.ImVec2(min(x0, x1), middle - thick), imgui.ImVec2(max(x0, x1), middle + thick)
+        draw.add_rect_filled(top, bottom, theme.packed(colour), thick)
+
+    bar(left.x, left.x + width, theme.TRACK)
+    bar(at(spec.rest), at(value), theme.ACCENT)
+    rest, reach = at(spec.rest), 2.2 * thick
+    draw.add_line((rest, middle - reach), (rest, middle + reach), theme.packed(theme.FAINT))
+    knob = theme.TEXT if lit else (0.76, 0.76, 0.76, 1.0)
+    draw.add_circle_filled(imgui.ImVec2(at(value), middle), radius, theme.packed(knob), 24)
+
+
+def segmented(choices: Sequence[tuple[str, str, str]], chosen: str) -> str:
+    """A row of buttons of which one is down.
+
+    Args:
+        choices: (value, label, tooltip) each.
+        chosen: the value that is down.
+
+    Returns:
+        The value that is down now.
+    """
+    spacing = 2.0
+    width = (imgui.get_content_region_avail().x - spacing * (len(choices) - 1)) / len(choices)
+    for index, (value, label, tooltip) in enumerate(choices):
+        if index:
+            imgui.same_line(0.0, spacing)
+        if toggle(label, value == chosen, width):
+            chosen = value
+        imgui.set_item_tooltip(tooltip)
+    return chosen
+
+
+def toggle(label: str, down: bool, width: float) -> bool:
+    """A button that looks pressed while `down`; True when it is clicked."""
+    background = theme.PRESSED if down else theme.RAISED
+    imgui.push_style_color(imgui.Col_.button, imgui.ImVec4(*background))
+    imgui.push_style_color(imgui.Col_.text, imgui.ImVec4(*(theme.TEXT if down else theme.DIM)))
+    clicked = imgui.button(label, imgui.ImVec2(width, 0.0))
+    imgui.pop_style_color(2)
+    return clicked
+
+
+def draw_image(shown: Shown, x: float, y: float, width: float, height: float, rounding: float = 0.0) -> None:
+    """A texture in a rectangle of the window."""
+    imgui.get_window_draw_list().add_image_rounded(
+        imgui.ImTextureRef(shown.number),
+        imgui.ImVec2(x, y),
+        imgui.ImVec2(x + width, y + height),
+        imgui.ImVec2(0.0, 0.0),
+        imgui.ImVec2(1.0, 1.0),
+        theme.packed((1.0, 1.0, 1.0, 1.0)),
+        rounding,
+    )
+
+
+def shortened(text: str, width: float) -> str:
+    """The text, its end replaced by an ellipsis where it is wider than `width`."""
+    if imgui.calc_text_size(text).x <= width:
+        return text
+    while text and imgui.calc_text_size(text + "…").x > width:
+        text = text[:-1]
+    return text.rstrip() + "…"

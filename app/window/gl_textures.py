@@ -1,0 +1,98 @@
+"""Textures from arrays: uploaded when the array is another one, kept in place when only its contents are."""
+
+from __future__ import annotations
+
+import moderngl
+import numpy as np
+
+_TYPES = {np.dtype(np.uint8): "f1", np.dtype(np.float16): "f2", np.dtype(np.float32): "f4"}
+
+
+class TextureSlot:
+    """One texture that follows an array (h, w, channels) of uint8, float16 or float32."""
+
+    def __init__(self, context: moderngl.Context, *, mipmaps: bool = False, repeat_x: bool = False) -> None:
+        self._context = context
+        self._mipmaps = mipmaps
+        self._repeat_x = repeat_x
+        self._array: np.ndarray | None = None
+        self.texture: moderngl.Texture | None = None
+
+    def show(self, array: np.ndarray | None) -> bool:
+        """Upload the array unless it is the one already there; None frees the texture. True if it changed."""
+        if array is self._array:
+            return False
+        self._array = array
+        if array is None:
+            self.close()
+            return True
+        self._fit(array)
+        self.texture.write(np.ascontiguousarray(array))
+        if self._mipmaps:
+            self.texture.build_mipmaps()
+        self.smooth(True)
+        return True
+
+    def smooth(self, magnified_smoothly: bool) -> None:
+        """Choose between blended and crisp pixels where the texture is magnified."""
+        small = moderngl.LINEAR_MIPMAP_LINEAR if self._mipmaps else moderngl.LINEAR
+        self.texture.filter = (small, moderngl.LINEAR if magnified_smoothly else moderngl.NEAREST)
+
+    def close(self) -> None:
+        """Free the texture; the slot can be used again."""
+        self._array = None
+        if self.texture is not None:
+            self.texture.release()
+            self.texture = None
+
+    def _fit(self, array: np.ndarray) -> None:
+        height, width, channels = array.shape
+        kind = _TYPES[array.dtype]
+        texture = self.texture
+        if texture is not None and (texture.size, texture.components, texture.dtype) == (
+            (width, height),
+            channels,
+            kind,
+        ):
+            return
+        if texture is not None:
+            texture.release()
+        self.texture = self._context.texture((width, height), channels, alignment=1, dtype=kind)
+        self.texture.repeat_x, self.texture.repeat_y = self._repeat_x, False
+
+
+class Canvas:
+    """A framebuffer of 8-bit RGBA that grows and shrinks with what is asked of it."""
+
+    def __init__(self, context: moderngl.Context) -> None:
+        self._context = context
+        self.framebuffer: moderngl.Framebuffer | None = None
+
+    @property
+    def texture(self) -> moderngl.Texture:
+        """What was drawn."""
+        return self.framebuffer.color_attachments[0]
+
+    def fit(self, size: tuple[int, int]) -> bool:
+        """Make the canvas `size` (width, height) pixels large; True if its contents were lost."""
+        if self.framebuffer is not None and self.framebuffer.size == size:
+            return False
+        self.close()
+        texture = self._context.texture(size, 4)
+        texture.filter = (moderngl.LINEAR, moderngl.LINEAR)
+        texture.repeat_x = texture.repeat_y = False
+        self.framebuffer = self._context.framebuffer([texture])
+        return True
+
+    def pixels(self) -> np.ndarray:
+        """(h, w, 3) uint8, in the order it was drawn: row 0 is y = 0 of the drawing."""
+        width, height = self.framebuffer.size
+        data = self.framebuffer.read(components=3, alignment=1)
+        return np.frombuffer(data, np.uint8).reshape(height, width, 3).copy()
+
+    def close(self) -> None:
+        """Free it."""
+        if self.framebuffer is not None:
+            self.texture.release()
+            self.framebuffer.release()
+            self.framebuffer = None

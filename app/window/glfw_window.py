@@ -1,0 +1,65 @@
+"""Opening and closing a glfw window with an OpenGL 3.3 core context."""
+
+from __future__ import annotations
+
+import warnings
+
+import glfw
+
+SMALLEST = (800, 560)
+
+
+class NoDisplayError(RuntimeError):
+    """There is no display to open a window on, or it has no OpenGL 3.3. The message is one line."""
+
+
+def open_window(title: str, size: tuple[int, int], visible: bool = True) -> object:
+    """Open a window and make its context current.
+
+    Raises:
+        NoDisplayError: see there.
+    """
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        if not glfw.init():
+            raise NoDisplayError(f"no display to open a window on{_reason(caught)}")
+        _hint(visible)
+        handle = glfw.create_window(*_within_screen(size), title, None, None)
+        if not handle:
+            glfw.terminate()
+            raise NoDisplayError(f"this display gives no OpenGL 3.3 window{_reason(caught)}")
+    glfw.make_context_current(handle)
+    glfw.swap_interval(1)
+    glfw.set_window_size_limits(handle, *SMALLEST, glfw.DONT_CARE, glfw.DONT_CARE)
+    return handle
+
+
+def close_window(handle: object) -> None:
+    """Close it and let glfw go."""
+    glfw.destroy_window(handle)
+    glfw.terminate()
+
+
+def _hint(visible: bool) -> None:
+    glfw.default_window_hints()
+    glfw.window_hint(glfw.CONTEXT_VERSION_MAJOR, 3)
+    glfw.window_hint(glfw.CONTEXT_VERSION_MINOR, 3)
+    glfw.window_hint(glfw.OPENGL_PROFILE, glfw.OPENGL_CORE_PROFILE)
+    glfw.window_hint(glfw.OPENGL_FORWARD_COMPAT, glfw.TRUE)
+    glfw.window_hint(glfw.SCALE_TO_MONITOR, glfw.TRUE)
+    glfw.window_hint(glfw.VISIBLE, glfw.TRUE if visible else glfw.FALSE)
+    glfw.window_hint_string(glfw.X11_CLASS_NAME, "relight")
+    glfw.window_hint_string(glfw.X11_INSTANCE_NAME, "relight")
+
+
+def _within_screen(size: tuple[int, int]) -> tuple[int, int]:
+    monitor = glfw.get_primary_monitor()
+    if not monitor:
+        return size
+    _, _, width, height = glfw.get_monitor_workarea(monitor)
+    return (min(size[0], width), min(size[1], height)) if width and height else size
+
+
+def _reason(caught: list) -> str:
+    words = " ".join(str(warning.message) for warning in caught[-1:])
+    return f" ({' '.join(words.split())})" if words else ""

@@ -1,0 +1,47 @@
+"""What the command line calls to open the editor."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+from app.engine.sources import LightSource, RelighterLike
+from app.window.glfw_window import NoDisplayError
+
+__all__ = ["NoDisplayError", "run_editor"]
+
+
+def make_relighter() -> RelighterLike:
+    """The Relighter with the bundled weights."""
+    from relight_core.pipeline.relighter import Relighter
+
+    return Relighter()
+
+
+def run_editor(
+    photo_path: Path | None = None,
+    light: str | None = None,
+    relighter_factory: Callable[[], RelighterLike] = make_relighter,
+) -> int:
+    """Open the editor and return when the user closes it.
+
+    Args:
+        photo_path: the portrait to open at once; one that can't be opened is told in the window.
+        light: a bundled rig's name, an .hdr or .exr panorama, or a portrait whose light is borrowed.
+        relighter_factory: makes the Relighter, on the engine's thread, when the first photo is opened.
+
+    Returns:
+        Exit code 0.
+
+    Raises:
+        NoDisplayError: there is no display, or none with OpenGL 3.3; nothing was opened.
+    """
+    from app.window.window import EditorWindow
+
+    source = LightSource.named(light) if light else None
+    window = EditorWindow(relighter_factory, Path(photo_path) if photo_path else None, source)
+    try:
+        window.run()
+    finally:
+        window.close()
+    return 0
