@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import cv2
@@ -22,6 +22,10 @@ from relight_core.dataset.texture import TexturePool
 from relight_core.errors import InputError
 from relight_core.face.parsing import INDEX
 from relight_core.lighting.reflection import GLOSS, Gloss
+from relight_core.lighting.relief import march_relief
+
+RELIEF_SIZE = 64
+"""Side at which reliefs are marched; shadows wider than a few pixels survive it, SS sharpens the rest."""
 
 _GREY = np.array([0.2126, 0.7152, 0.0722], np.float32)
 _MIRRORED_LABELS = np.arange(len(INDEX), dtype=np.uint8)
@@ -38,6 +42,7 @@ class LitHead:
     lights: np.ndarray
     illumination: Illumination
     own_specular: np.ndarray
+    relief_shadow: np.ndarray | None = None
 
 
 def subsample(head: BakedHead, step: int, rng: np.random.Generator) -> BakedHead:
@@ -125,6 +130,29 @@ def mirrored(sample: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
     return flipped
 
 
+def relief_shadows(lit: LitHead, rng: np.random.Generator) -> np.ndarray:
+    """Shadow fractions (K, S, S) that a relief casts which is as rough as a predicted one.
+
+    The true relief is stretched, smoothed and bent a little, so that the SS network learns to correct
+    the hint rather than to copy it.
+    """
+    size = lit.head.size
+    covered = lit.head.covered.astype(np.float32)
+    weight = cv2.GaussianBlur(covered, (0, 0), deviation := size / 128 * rng.uniform(0.4, 1.6))
+    smooth = cv2.GaussianBlur(lit.head.scatter(lit.head.depth), (0, 0), deviation) / np.maximum(weight, 1e-3)
+    bend = cv2.resize(rng.standard_normal((5, 5)).astype(np.float32), (size, size), interpolation=cv2.INTER_CUBIC)
+    rough = smooth * rng.uniform(0.75, 1.2) + 0.02 * bend
+
+    def shrunk(image: np.ndarray) -> torch.Tensor:
+        return torch.from_numpy(cv2.resize(image, (RELIEF_SIZE, RELIEF_SIZE), interpolation=cv2.INTER_AREA))
+
+    normal = shrunk(lit.head.scatter(lit.normal)).permute(2, 0, 1)
+    normal = torch.nn.functional.normalize(normal, dim=0, eps=1e-3)
+    transport = march_relief(shrunk(rough), normal, shrunk(covered))
+    fraction = transport.shadow_fraction(torch.from_numpy(lit.lights))[:, 0].numpy()
+    return np.stack([cv2.resize(f, (size, size), interpolation=cv2.INTER_LINEAR) for f in fraction])
+
+
 class SampleStream(IterableDataset):
     """Pairs of lights of the same head, pose and albedo, as fine-tuning needs them (paper, section 4.3).
 
@@ -135,13 +163,14 @@ class SampleStream(IterableDataset):
         folder: baked shards; heads that appear while it runs are picked up at the next pass.
         size: side of the images; the shards' own size or a divisor of it.
         photographs: also take photos (de-lighting needs them, the other networks do not).
+        relief_shadow: also march a relief as rough as a predicted one ("relief_shadow", a hint to SS).
     """
 
     def __init__(self, folder: Path, lights: Path, split: str, size: int, seed: int, *, photographs: bool = True,
-                 lights_per_head: int = 10, paints_per_head: int = 16, heads_at_once: int = 8):
+                 relief_shadow: bool = False, lights_per_head: int = 10, paints_per_head: int = 16, heads_at_once: int = 8):
         super().__init__()
         self.folder, self.lights, self.split, self.size, self.seed = folder, lights, split, size, seed
-        self.photographs = photographs
+        self.photographs, self.relief_shadow = photographs, relief_shadow
         self.lights_per_head, self.paints_per_head = lights_per_head, paints_per_head
         self.heads_at_once = heads_at_once
 
@@ -166,7 +195,8 @@ class SampleStream(IterableDataset):
         normal = add_relief(head, pool.noise(rng), rng.uniform(0, 0.2))
         lights = np.stack([sample_light(library, rng) for _ in range(self.lights_per_head)])
         gloss = Gloss(rng.uniform(0.2, 1.2), rng.uniform(0.3, 0.65)) if self.photographs else GLOSS
-        return light_head(head, normal, lights, gloss)
+        lit = light_head(head, normal, lights, gloss)
+        return replace(lit, relief_shadow=relief_shadows(lit, rng)) if self.relief_shadow else lit
 
     def _sample(self, lit: LitHead, pool: TexturePool, rng: np.random.Generator) -> dict[str, torch.Tensor]:
         albedo = paint(lit.head, pool, rng)
@@ -180,6 +210,8 @@ class SampleStream(IterableDataset):
                 channels["photo_srgb"] = photograph(
                     lit.head.scatter(shown), lit.head.covered, lit.lights[k], pool, rng
                 )
+            if lit.relief_shadow is not None:
+                channels["relief_shadow"] = lit.relief_shadow[k]
             pair.append(mirrored(channels) if mirror else channels)
         return _tensors(pair, shared=set(surface))
 

@@ -62,6 +62,17 @@ class UpLevel(nn.Module):
         return self.refine(self.join(x, skip))
 
 
+class Head(nn.Conv2d):
+    """The last convolution, always in fp32: bf16 has 8 bits, which would band normals and smooth skin."""
+
+    def __init__(self, inputs: int, outputs: int):
+        super().__init__(inputs, outputs, 3, padding=1)
+
+    def forward(self, x: torch.Tensor) -> torch.Tensor:
+        with torch.autocast(x.device.type, enabled=False):
+            return super().forward(x.float())
+
+
 def decoder_levels(widths: list[int]) -> nn.ModuleList:
     """Levels back up, coarsest first; the finest has one convolution only."""
     pairs = list(zip(widths[:0:-1], widths[-2::-1], strict=True))

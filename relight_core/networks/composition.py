@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import torch
 from torch import nn
 
-from relight_core.networks.blocks import Encoder, decoder_levels, level_widths
+from relight_core.networks.blocks import Encoder, Head, decoder_levels, level_widths
 from relight_core.networks.lfm import LightModulation, encode_light
 
 _KNEE = 20.0
@@ -54,7 +54,7 @@ class CompositionNetwork(nn.Module):
         self.encoder = Encoder(self.config.inputs, widths)
         self.decoder = decoder_levels(widths)
         self.modulations = nn.ModuleList(LightModulation(width) for width in widths[-2::-1])
-        self.head = nn.Conv2d(widths[0], 3, 3, padding=1)
+        self.head = Head(widths[0], 3)
         if self.config.explicit_sum:
             nn.init.zeros_(self.head.weight)
             nn.init.zeros_(self.head.bias)
@@ -89,5 +89,5 @@ class CompositionNetwork(nn.Module):
         x = features[-1]
         for level, modulation, skip in zip(self.decoder, self.modulations, features[-2::-1]):
             x = level.refine(modulation(level.join(x, skip), encoded_light))
-        change = self.head(x).float()
+        change = self.head(x)
         return decode_radiance(encoded_sum + change if self.config.explicit_sum else torch.relu(change))

@@ -8,7 +8,7 @@ import torch
 import torch.nn.functional as F
 from torch import nn
 
-from relight_core.networks.blocks import ConvBlock, Encoder, decoder_levels, level_widths
+from relight_core.networks.blocks import ConvBlock, Encoder, Head, decoder_levels, level_widths
 from relight_core.networks.lfm import LIGHT_SHAPE
 
 _TEXELS = LIGHT_SHAPE[0] * LIGHT_SHAPE[1]
@@ -38,7 +38,7 @@ class Delit:
     Attributes:
         albedo_srgb: (B, 3, H, W) in [0, 1], sRGB-encoded.
         normal: (B, 3, H, W) unit vectors, camera space, fp32.
-        relief: (B, 1, H, W) height toward the camera in half-widths of the crop, about 0 on the face.
+        relief: (B, 1, H, W) height toward the camera in units of 64 pixels, about 0 on the face.
         parsing_logits: (B, classes, H, W).
         light: (B, 16, 32, 3) radiance >= 0 of mean about 1, fp32.
     """
@@ -80,7 +80,7 @@ class DelightNetwork(nn.Module):
         self.encoder = Encoder(3, widths)
         self.light = ConfidenceWeightedLight(widths[-1])
         self.decoder = decoder_levels(widths)
-        self.head = nn.Conv2d(widths[0], 3 + 3 + 1 + self.config.classes, 3, padding=1)
+        self.head = Head(widths[0], 3 + 3 + 1 + self.config.classes)
 
     def forward(self, photo_srgb: torch.Tensor) -> Delit:
         """Take a photo apart.
@@ -93,7 +93,7 @@ class DelightNetwork(nn.Module):
         x = features[-1]
         for level, skip in zip(self.decoder, features[-2::-1]):
             x = level(x, skip)
-        change, normal, relief, parsing = self.head(x).float().split([3, 3, 1, self.config.classes], 1)
+        change, normal, relief, parsing = self.head(x).split([3, 3, 1, self.config.classes], 1)
         return Delit(self._albedo(photo_srgb, change), _unit(normal), relief, parsing, light)
 
     def _albedo(self, photo_srgb: torch.Tensor, change: torch.Tensor) -> torch.Tensor:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import torch
 from torch import nn
 
-from relight_core.networks.blocks import Encoder, decoder_levels, level_widths
+from relight_core.networks.blocks import Encoder, Head, decoder_levels, level_widths
 from relight_core.networks.lfm import LightModulation, encode_light
 
 
@@ -55,7 +55,7 @@ class SpecularShadowNetwork(nn.Module):
         self.encoder = Encoder(self.config.inputs, widths)
         self.decoder = decoder_levels(widths)
         self.modulations = nn.ModuleList(LightModulation(width) for width in widths[-2::-1])
-        self.head = nn.Conv2d(widths[0], 2, 3, padding=1)
+        self.head = Head(widths[0], 2)
 
     def forward(self, normal: torch.Tensor, light: torch.Tensor, hints: torch.Tensor | None = None) -> Occlusion:
         """Estimate occlusion.
@@ -72,7 +72,7 @@ class SpecularShadowNetwork(nn.Module):
         x = features[-1]
         for level, modulation, skip in zip(self.decoder, self.modulations, features[-2::-1]):
             x = level.refine(modulation(level.join(x, skip), encoded_light))
-        shadow, gloss = self.head(x).float().split(1, 1)
+        shadow, gloss = self.head(x).split(1, 1)
         if self.config.relief_shadow and hints is not None:
             shadow = shadow + torch.logit(hints[:, -1:].float().clamp(0.02, 0.98))
         return Occlusion(shadow, gloss)

@@ -19,12 +19,13 @@ def delight_losses(network: DelightNetwork, batch: dict[str, torch.Tensor]) -> t
     found = network(photo.contiguous(memory_format=torch.channels_last))
     twice = {name: batch[name].repeat_interleave(2, 0) for name in ("albedo", "normal", "relief", "label", "covered")}
     covered = twice["covered"]
+    relief = twice["relief"] * (photo.shape[-1] / 128)  # half-widths to units of 64 pixels
     losses = {
         "albedo": 2.0 * masked_l1(found.albedo_srgb, srgb_encode(twice["albedo"]), covered),
         "normal": masked_l1(found.normal, twice["normal"], covered),
         "parsing": focal_parsing(found.parsing_logits, twice["label"]),
         "light": 0.5 * wlog_l2(found.light, batch["light"].flatten(0, 1)),
-        "relief": 0.3 * masked_l1(found.relief, twice["relief"], covered)
-        + 4.0 * slope_l1(found.relief, twice["relief"], covered),
+        "relief": 0.3 * masked_l1(found.relief, relief, covered)
+        + 4.0 * slope_l1(found.relief, relief, covered),
     }
     return found, losses

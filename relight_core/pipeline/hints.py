@@ -1,0 +1,75 @@
+"""What SS and composition are told besides the paper's inputs: light looked up by the normal, and the sum.
+
+The training steps and the editor share these functions, so that a network meets the same inputs in both.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import torch
+
+from relight_core.networks.specular_shadow import Occlusion, SpecularShadowConfig
+
+_GREY = (0.2126, 0.7152, 0.0722)
+
+
+def grey(image: torch.Tensor) -> torch.Tensor:
+    """Rec.709 luminance (B, 1, H, W) of linear (B, 3, H, W)."""
+    weights = torch.tensor(_GREY, device=image.device, dtype=image.dtype)
+    return (image * weights[None, :, None, None]).sum(1, keepdim=True)
+
+
+def specular_shadow_hints(
+    config: SpecularShadowConfig, reflected: torch.Tensor, relief_shadow: torch.Tensor | None
+) -> torch.Tensor | None:
+    """The SS network's inputs beside the normal.
+
+    Args:
+        reflected: (B, 6, H, W) unoccluded irradiance and gloss (see `lighting.reflection`).
+        relief_shadow: (B, 1, H, W) shadow fraction cast by the relief; needed when configured.
+    """
+    hints = []
+    if config.per_pixel_light:
+        hints += [torch.log1p(grey(reflected[:, :3])), torch.log1p(4 * grey(reflected[:, 3:]))]
+    if config.relief_shadow:
+        if relief_shadow is None:
+            raise ValueError("this SS network expects the shadow of the relief")
+        hints.append(relief_shadow)
+    return torch.cat(hints, 1) if hints else None
+
+
+@dataclass
+class Effects:
+    """The paper's two additive effect channels, (B, 1, H, W) >= 0, in units of the normalised light."""
+
+    specular: torch.Tensor
+    shadow: torch.Tensor
+
+
+def effects_of(occlusion: Occlusion, reflected: torch.Tensor, albedo: torch.Tensor) -> Effects:
+    """Additive specular and shadow (paper, section 3.2) from the occluded fractions.
+
+    I_sp is the gloss that is not occluded; I_sh is what occlusion takes from albedo * irradiance + gloss.
+    """
+    shadow_fraction, gloss_fraction = torch.sigmoid(occlusion.shadow), torch.sigmoid(occlusion.gloss)
+    gloss = grey(reflected[:, 3:])
+    specular = gloss * (1 - gloss_fraction)
+    shadow = grey(albedo * reflected[:, :3]) * shadow_fraction + gloss * gloss_fraction
+    return Effects(specular, shadow)
+
+
+def explicit_sum(
+    albedo: torch.Tensor, reflected: torch.Tensor, effects: Effects, specular_gain=1.0, shadow_gain=1.0
+) -> torch.Tensor:
+    """albedo * irradiance - shadow + specular, (B, 3, H, W) >= 0.
+
+    The additive shadow is grey; it darkens each colour in proportion, so that it can take no more than
+    there is and does not tint. Gloss that occlusion took is part of the shadow, not of the diffuse sum.
+    """
+    diffuse = albedo * reflected[:, :3]
+    gloss = grey(reflected[:, 3:])
+    lost_gloss = (gloss - effects.specular).clamp_min(0)
+    fraction = ((effects.shadow - lost_gloss) / grey(diffuse).clamp_min(1e-4)).clamp(0, 1)
+    colour = reflected[:, 3:] / gloss.clamp_min(1e-6)
+    return diffuse * (1 - shadow_gain * fraction).clamp_min(0) + specular_gain * effects.specular * colour

@@ -1,0 +1,103 @@
+"""A photo made ready for relighting: its face, and the view of it that the networks see."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from relight_core.errors import InputError
+from relight_core.face.crop import Crop, box_from_parsing, crop_for_face, crop_with_padding
+from relight_core.face.find import FaceBox, find_faces
+from relight_core.imaging.photo import Photo
+
+PADDING_PX = 30.0
+"""Around the face in a crop of 256 pixels; the paper draws it from 20 to 40 (section 3.2)."""
+
+SURROUNDINGS = 1.9
+"""The networks' view is up to this many times the paper's crop: hair, neck and shoulders change with the light too."""
+
+
+@dataclass(frozen=True, eq=False)
+class Portrait:
+    """A photo with one of its faces chosen.
+
+    Attributes:
+        photo: the whole photo.
+        found: where the face finder saw the face.
+        face: the face's box, refined by the parsing map once that is known.
+        crop: the paper's square around the face.
+        view: the wider square that the networks see.
+    """
+
+    photo: Photo
+    found: FaceBox
+    face: FaceBox
+    crop: Crop
+    view: Crop
+
+
+def choose_face(photo: Photo, face_index: int | None) -> FaceBox:
+    """The largest face, or the one of an index in order of size.
+
+    Raises:
+        InputError: no face, or no such index.
+    """
+    faces = find_faces(photo)
+    name = photo.path or "the photo"
+    if not faces:
+        raise InputError(f"{name}: no face found; use a photo in which a face is upright and not too small")
+    if face_index is None:
+        return faces[0]
+    if not 0 <= face_index < len(faces):
+        count = "1 face, number 0" if len(faces) == 1 else f"{len(faces)} faces, numbers 0 to {len(faces) - 1}"
+        raise InputError(f"{name}: there is no face number {face_index}; it has {count}")
+    return faces[face_index]
+
+
+def frame(photo: Photo, found: FaceBox) -> Portrait:
+    """A first framing, from the finder's box alone."""
+    crop = crop_for_face(found, PADDING_PX)
+    return Portrait(photo, found, found, crop, _view_around(crop, photo))
+
+
+def refine(portrait: Portrait, labels: np.ndarray) -> Portrait:
+    """The framing with the face's box as the parsing map of the view has it (paper, section 3.2).
+
+    A parsing map that disagrees wildly with the finder is not believed.
+
+    Args:
+        labels: (S, S) parsing labels of the view.
+    """
+    box = box_from_parsing(labels, portrait.view)
+    if box is None or not _plausible(box, portrait.found):
+        return portrait
+    crop = crop_with_padding(box, PADDING_PX)
+    return replace(portrait, face=box, crop=crop, view=_view_around(crop, portrait.photo))
+
+
+def _view_around(crop: Crop, photo: Photo) -> Crop:
+    """The wider square, moved and shrunk to stay inside the photo as far as the crop itself allows.
+
+    Continued border pixels are streaks that no network has seen, so as few as possible are shown to it.
+    """
+    height, width = photo.linear.shape[:2]
+    side = float(round(max(min(crop.side * SURROUNDINGS, height, width), crop.side, 1)))
+    x0 = _kept_inside(crop.centre_x - side / 2, side, width)
+    y0 = _kept_inside(crop.centre_y - side / 2, side, height)
+    return Crop(x0 + side / 2, y0 + side / 2, side)
+
+
+def _kept_inside(start: float, side: float, length: int) -> float:
+    if side >= length:
+        return float(round((length - side) / 2))
+    return float(round(min(max(start, 0), length - side)))
+
+
+def _plausible(box: FaceBox, found: FaceBox) -> bool:
+    width = min(box.x1, found.x1) - max(box.x0, found.x0)
+    height = min(box.y1, found.y1) - max(box.y0, found.y0)
+    if width <= 0 or height <= 0:
+        return False
+    shared = width * height / (found.width * found.height)
+    return shared > 0.5 and 0.6 < box.width / found.width < 1.5 and 0.6 < box.height / found.height < 1.8

@@ -1,0 +1,172 @@
+"""The stages on tensors: pure functions from a photo's view and a light to a relit view."""
+
+from __future__ import annotations
+
+from contextlib import AbstractContextManager, nullcontext
+from dataclasses import dataclass
+
+import numpy as np
+import torch
+import torch.nn.functional as F
+
+from relight_core.face.parsing import INDEX
+from relight_core.imaging.tensor_colour import srgb_decode, srgb_encode
+from relight_core.lighting.reflection import ReflectionTable
+from relight_core.lighting.relief import ReliefTransport, march_relief
+from relight_core.networks.bundle import NetworkBundle
+from relight_core.pipeline.hints import Effects, effects_of, explicit_sum, grey, specular_shadow_hints
+
+_RELIEF_UNIT_PX = 64.0
+
+
+@dataclass(frozen=True)
+class Surface:
+    """What de-lighting finds; nothing here depends on the target light. All (1, C, S, S), fp32.
+
+    Attributes:
+        photo: the view as the camera recorded it, linear, clipped to [0, 1].
+        albedo: linear, [0, 1].
+        normal: unit vectors, camera space.
+        relief: height toward the camera, in half-widths of the view.
+        parsing: probabilities of the parsing classes.
+        source_light: (1, 16, 32, 3) the light the photo was taken under, mean about 1.
+    """
+
+    photo: torch.Tensor
+    albedo: torch.Tensor
+    normal: torch.Tensor
+    relief: torch.Tensor
+    parsing: torch.Tensor
+    source_light: torch.Tensor
+
+    @property
+    def person(self) -> torch.Tensor:
+        """(1, 1, S, S) probability that a pixel is not background."""
+        return 1 - self.parsing[:, INDEX["background"], None]
+
+
+def inference_precision(device: str) -> AbstractContextManager:
+    """bf16 where the hardware multiplies it natively, else fp32."""
+    if device == "cpu" and not torch.cpu._is_avx512_bf16_supported():
+        return nullcontext()
+    return torch.autocast(device, torch.bfloat16)
+
+
+@torch.inference_mode()
+def delight(bundle: NetworkBundle, photo: np.ndarray, device: str = "cpu") -> Surface:
+    """Take a view of a photo apart.
+
+    Args:
+        photo: (S, S, 3) linear; clipped to [0, 1] as the camera's own file would be.
+    """
+    linear = torch.from_numpy(np.ascontiguousarray(photo)).permute(2, 0, 1)[None].float().clamp(0, 1).to(device)
+    with inference_precision(device):
+        found = bundle.delight(srgb_encode(linear).contiguous(memory_format=torch.channels_last))
+    size = photo.shape[0]
+    return Surface(
+        photo=linear,
+        albedo=srgb_decode(found.albedo_srgb.float()),
+        normal=found.normal.float(),
+        relief=found.relief.float() * (2 * _RELIEF_UNIT_PX / size),
+        parsing=torch.softmax(found.parsing_logits.float(), 1),
+        source_light=found.light.float(),
+    )
+
+
+@torch.inference_mode()
+def march(surface: Surface, size: int) -> ReliefTransport:
+    """March the surface's relief once toward every texel of the light (see `lighting.relief`)."""
+    normal = F.normalize(F.interpolate(surface.normal, size=size, mode="area"), dim=1, eps=1e-4)
+    relief = F.interpolate(surface.relief, size=size, mode="area")
+    person = F.interpolate(surface.person, size=size, mode="area")
+    return march_relief(relief[0, 0].cpu(), normal[0].cpu(), person[0, 0].cpu())
+
+
+@torch.inference_mode()
+def reflect(table: ReflectionTable, surface: Surface, light: torch.Tensor) -> torch.Tensor:
+    """Unoccluded irradiance and gloss at every pixel's normal, (1, 6, S, S)."""
+    return table(light, surface.normal)
+
+
+@torch.inference_mode()
+def estimate_effects(
+    bundle: NetworkBundle,
+    surface: Surface,
+    reflected: torch.Tensor,
+    transport: ReliefTransport,
+    light: torch.Tensor,
+    device: str = "cpu",
+) -> Effects:
+    """Specular and shadow of a light (1, 16, 32, 3)."""
+    fraction = transport.shadow_fraction(light.cpu()).to(device)
+    fraction = F.interpolate(fraction, size=surface.normal.shape[-2:], mode="bilinear", align_corners=False)
+    hints = specular_shadow_hints(bundle.config.specular_shadow, reflected, fraction)
+    with inference_precision(device):
+        occlusion = bundle.specular_shadow(surface.normal, light, hints)
+    return effects_of(occlusion, reflected, surface.albedo)
+
+
+def no_effects(surface: Surface) -> Effects:
+    """No gloss and no shadow, for a light or sliders that ask for none."""
+    zero = torch.zeros_like(surface.relief)
+    return Effects(zero, zero)
+
+
+@dataclass(frozen=True)
+class Composed:
+    """The composition network's image and the explicit sum it corrected, both (1, 3, S, S), linear."""
+
+    image: torch.Tensor
+    plain: torch.Tensor
+
+
+@torch.inference_mode()
+def compose(
+    bundle: NetworkBundle,
+    surface: Surface,
+    reflected: torch.Tensor,
+    effects: Effects,
+    light: torch.Tensor,
+    device: str = "cpu",
+) -> Composed:
+    """The relit view at slider positions of 1, in units of the normalised light."""
+    plain = explicit_sum(surface.albedo, reflected, effects)
+    with inference_precision(device):
+        image = bundle.composition(surface.albedo, surface.normal, effects.specular, effects.shadow, plain, light)
+    return Composed(image, plain)
+
+
+@torch.inference_mode()
+def apply_sliders(
+    composed: Composed,
+    surface: Surface,
+    reflected: torch.Tensor,
+    effects: Effects,
+    specular_gain: float,
+    shadow_gain: float,
+) -> torch.Tensor:
+    """The relit view with its effects scaled (paper, Figure 12).
+
+    The network's correction is learned at gains of 1. The sliders move the explicit sum, and the image
+    with it: darker by the sum's ratio, brighter by its difference, so that more shadow never brightens
+    and more gloss never darkens a pixel, and the network need not run again.
+    """
+    if specular_gain == 1 and shadow_gain == 1:
+        return composed.image
+    moved = explicit_sum(surface.albedo, reflected, effects, specular_gain, shadow_gain)
+    darker = composed.image * ((moved + 1e-3) / (composed.plain + 1e-3)).clamp(0, 1)
+    return darker + (moved - composed.plain).clamp_min(0)
+
+
+def exposure_of_photo(surface: Surface, table: ReflectionTable) -> float:
+    """The level at which the estimated source light gives the photo its brightness.
+
+    The median ratio of photo to albedo * irradiance over the face, where the photo is neither black nor
+    clipped; 1 where nothing can be said.
+    """
+    lit = grey(surface.albedo * table(surface.source_light, surface.normal)[:, :3])
+    seen = grey(surface.photo)
+    known = (surface.person > 0.5) & (seen > 0.02) & (surface.photo.amax(1, keepdim=True) < 0.97) & (lit > 1e-3)
+    if int(known.sum()) < 50:
+        return 1.0
+    return float((seen[known] / lit[known]).median())

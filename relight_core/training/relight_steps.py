@@ -1,0 +1,58 @@
+"""What one step teaches the SS and the composition networks (paper, section 4.2)."""
+
+from __future__ import annotations
+
+import torch
+
+from relight_core.imaging.tensor_colour import srgb_encode
+from relight_core.lighting.reflection import ReflectionTable
+from relight_core.networks.composition import CompositionNetwork, encode_radiance
+from relight_core.networks.specular_shadow import SpecularShadowNetwork
+from relight_core.pipeline.hints import Effects, effects_of, explicit_sum, grey, specular_shadow_hints
+from relight_core.training.losses import fraction_loss, masked_l1
+
+
+def flatten_pairs(batch: dict[str, torch.Tensor]) -> dict[str, torch.Tensor]:
+    """Both lights of every pair as one batch; what the lights share is repeated."""
+    return {
+        name: value.flatten(0, 1) if value.ndim == 5 else value.repeat_interleave(2, 0)
+        for name, value in batch.items()
+    }
+
+
+def specular_shadow_losses(
+    network: SpecularShadowNetwork, table: ReflectionTable, flat: dict[str, torch.Tensor]
+) -> tuple[Effects, dict[str, torch.Tensor]]:
+    """Eq. 6 on the additive channels, with the cross-entropy of the fractions that keeps shadow alive."""
+    normal, albedo, covered = flat["normal"], flat["albedo"], flat["covered"]
+    reflected = table(flat["light"], normal)
+    hints = specular_shadow_hints(network.config, reflected, flat.get("relief_shadow"))
+    occlusion = network(normal.contiguous(memory_format=torch.channels_last), flat["light"], hints)
+    effects = effects_of(occlusion, reflected, albedo)
+    irradiance = grey(reflected[:, :3]) * covered
+    gloss = grey(reflected[:, 3:]) * covered
+    losses = {
+        "specular": 10 * masked_l1(effects.specular, flat["specular"], covered),
+        "shadow": 5 * masked_l1(effects.shadow, flat["shadow"], covered),
+        "shadow_fraction": 0.5 * fraction_loss(occlusion.shadow, flat["shadow_fraction"], irradiance),
+        "gloss_fraction": 0.25 * fraction_loss(occlusion.gloss, flat["gloss_fraction"], 8 * gloss),
+    }
+    return effects, losses
+
+
+def composition_losses(
+    network: CompositionNetwork, table: ReflectionTable, flat: dict[str, torch.Tensor], effects: Effects | None
+) -> tuple[torch.Tensor, dict[str, torch.Tensor]]:
+    """Eq. 8 in the invertible encoding, on estimated effects or, for None, on the true ones (warm-up)."""
+    normal, albedo, covered = flat["normal"], flat["albedo"], flat["covered"]
+    reflected = table(flat["light"], normal)
+    if effects is None:
+        effects = Effects(flat["specular"], flat["shadow"])
+    explicit = explicit_sum(albedo, reflected, effects)
+    image = network(albedo, normal, effects.specular, effects.shadow, explicit, flat["light"])
+    truth = flat["image"]
+    losses = {
+        "encoded": masked_l1(encode_radiance(image), encode_radiance(truth), covered),
+        "display": masked_l1(srgb_encode(image.clamp(0, 1)), srgb_encode(truth.clamp(0, 1)), covered),
+    }
+    return image, losses

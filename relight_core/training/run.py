@@ -1,0 +1,70 @@
+"""One command's worth of training: a stage, its data, its networks."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import torch
+from torch.utils.data import DataLoader
+
+from relight_core.dataset.samples import SampleStream
+from relight_core.networks.bundle import BundleConfig, NetworkBundle, load_bundle
+from relight_core.training.loop import Budget, train_stage
+from relight_core.training.stages import STAGES
+
+
+@dataclass(frozen=True)
+class Run:
+    """Everything that decides a run.
+
+    Attributes:
+        stage: a name in STAGES.
+        heads: folder of baked shards.
+        lights: the light library (.npz).
+        checkpoint: where the weights go, (.safetensors).
+        start: weights to go on from; None starts from random ones.
+        minutes, size, pairs, seed: length, image side, pairs per batch, random seed.
+        learning_rate: None takes the stage's own.
+    """
+
+    stage: str
+    heads: Path
+    lights: Path
+    checkpoint: Path
+    start: Path | None = None
+    minutes: float = 30.0
+    size: int = 128
+    pairs: int = 8
+    seed: int = 0
+    workers: int = 1
+    learning_rate: float | None = None
+    config: BundleConfig = BundleConfig()
+
+
+def train(run: Run, report) -> NetworkBundle:
+    """Run a stage; see `loop.train_stage` for `report` and what is raised."""
+    torch.manual_seed(run.seed)
+    torch.set_flush_denormal(True)
+    stage = STAGES[run.stage]
+    bundle = load_bundle(run.start) if run.start else NetworkBundle(run.config)
+    stream = SampleStream(
+        run.heads, run.lights, "train", run.size, run.seed,
+        photographs=stage.photographs, relief_shadow=stage.relief_shadow,
+    )
+    loader = DataLoader(
+        stream, batch_size=run.pairs, num_workers=run.workers, worker_init_fn=_one_thread,
+        prefetch_factor=4 if run.workers else None,
+    )
+    budget = Budget(run.minutes, run.learning_rate or stage.learning_rate)
+    device = "cuda" if torch.cuda.is_available() else "cpu"
+    run.checkpoint.parent.mkdir(parents=True, exist_ok=True)
+    return train_stage(stage, bundle, iter(loader), budget, run.checkpoint, report, device)
+
+
+def _one_thread(worker: int) -> None:
+    """A loader that spreads over the cores would take them from the training step."""
+    import cv2
+
+    torch.set_num_threads(1)
+    cv2.setNumThreads(1)

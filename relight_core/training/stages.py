@@ -1,0 +1,97 @@
+"""The stages of training (paper, section 4.3): three warm-ups on ground truth, then fine-tuning on pairs.
+
+Each stage names the networks it changes and turns a batch into losses. Fine-tuning lights a portrait that
+was de-lit from the pair's first photo with the pair's second light: first the de-lighting network learns
+through the fixed relighting networks, then those learn on its predictions.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import torch
+import torch.nn.functional as F
+
+from relight_core.imaging.tensor_colour import srgb_decode
+from relight_core.lighting.reflection import ReflectionTable
+from relight_core.networks.bundle import NetworkBundle
+from relight_core.networks.delight import Delit
+from relight_core.training.delight_step import delight_losses
+from relight_core.training.relight_steps import composition_losses, flatten_pairs, specular_shadow_losses
+
+Losses = dict[str, torch.Tensor]
+Batch = dict[str, torch.Tensor]
+
+
+@dataclass(frozen=True)
+class Stage:
+    """One stage.
+
+    Attributes:
+        trains: names of the networks it changes.
+        losses: (bundle, reflection table, batch of pairs) -> loss terms.
+        photographs, relief_shadow: what its samples need (see `dataset.samples.SampleStream`).
+        learning_rate: the peak of its schedule.
+    """
+
+    trains: tuple[str, ...]
+    losses: Callable[[NetworkBundle, ReflectionTable, Batch], Losses]
+    photographs: bool
+    relief_shadow: bool
+    learning_rate: float
+
+
+def _warm_delight(bundle: NetworkBundle, table: ReflectionTable, batch: Batch) -> Losses:
+    return delight_losses(bundle.delight, batch)[1]
+
+
+def _warm_specular_shadow(bundle: NetworkBundle, table: ReflectionTable, batch: Batch) -> Losses:
+    return specular_shadow_losses(bundle.specular_shadow, table, flatten_pairs(batch))[1]
+
+
+def _warm_composition(bundle: NetworkBundle, table: ReflectionTable, batch: Batch) -> Losses:
+    return composition_losses(bundle.composition, table, flatten_pairs(batch), None)[1]
+
+
+def _warm_relight(bundle: NetworkBundle, table: ReflectionTable, batch: Batch) -> Losses:
+    """SS and composition together: the latter learns on the former's output, which carries no gradient."""
+    flat = flatten_pairs(batch)
+    effects, losses = specular_shadow_losses(bundle.specular_shadow, table, flat)
+    effects.specular, effects.shadow = effects.specular.detach(), effects.shadow.detach()
+    return losses | composition_losses(bundle.composition, table, flat, effects)[1]
+
+
+def _relit_from_photo(bundle: NetworkBundle, table: ReflectionTable, batch: Batch, found: Delit) -> Losses:
+    """Losses of every photo relit with the other light of its pair, on predicted albedo and normal."""
+    flat = flatten_pairs(batch)
+    swapped = {n: v.unflatten(0, (-1, 2)).flip(1).flatten(0, 1) for n, v in flat.items()}
+    swapped["albedo"] = srgb_decode(found.albedo_srgb)
+    swapped["normal"] = found.normal
+    effects, losses = specular_shadow_losses(bundle.specular_shadow, table, swapped)
+    return losses | composition_losses(bundle.composition, table, swapped, effects)[1]
+
+
+def _tune_delight(bundle: NetworkBundle, table: ReflectionTable, batch: Batch) -> Losses:
+    found, losses = delight_losses(bundle.delight, batch)
+    relit = _relit_from_photo(bundle, table, batch, found)
+    return losses | {"relit": relit["encoded"] + relit["display"]}
+
+
+def _tune_relight(bundle: NetworkBundle, table: ReflectionTable, batch: Batch) -> Losses:
+    with torch.no_grad():
+        found = bundle.delight(batch["photo_srgb"].flatten(0, 1).contiguous(memory_format=torch.channels_last))
+        found.normal = F.normalize(found.normal, dim=1, eps=1e-4)
+    return _relit_from_photo(bundle, table, batch, found)
+
+
+STAGES = {
+    "warm-delight": Stage(("delight",), _warm_delight, True, False, 1.5e-3),
+    "warm-specular-shadow": Stage(("specular_shadow",), _warm_specular_shadow, False, True, 2e-3),
+    "warm-composition": Stage(("composition",), _warm_composition, False, False, 2e-3),
+    "warm-relight": Stage(("specular_shadow", "composition"), _warm_relight, False, True, 2e-3),
+    "tune-delight": Stage(("delight",), _tune_delight, True, True, 2e-4),
+    "tune-relight": Stage(("specular_shadow", "composition"), _tune_relight, True, True, 2e-4),
+}
+"""By name, in the order they are run. "warm-relight" does the second and third warm-up in one pass over
+the data, which is what a CPU has time for."""
