@@ -1,0 +1,129 @@
+"""Dressing heads for portraits: a wardrobe that is fitted once and follows every head."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from relight_core.dataset.beard_shell import BeardPatch
+from relight_core.dataset.fitted_items import FittedItem, load_fitted_items
+from relight_core.dataset.garment import Garment
+from relight_core.dataset.garment_binding import HeadSurface, fit_affine
+from relight_core.dataset.garment_mesh import vertex_normals
+from relight_core.dataset.hair_shell import ScalpGrid, grow_hair, knit_beanie, sample_style
+from relight_core.dataset.heads import HeadModel
+
+__all__ = ["Garment", "Wardrobe"]
+
+_HAIR, _BEARD, _GLASSES, _HAT, _CLOTH, _BROWS = 0.90, 0.20, 0.15, 0.08, 0.95, 0.85
+_SHELL_SHARE = 0.5
+_UNDER_HAT = ("long01", "ponytail01", "Braid01", "short04")
+_GLASSES_LANDMARKS = (0, 1, 15, 16, 27, 28, 36, 39, 42, 45)
+
+
+class Wardrobe:
+    """Everything to wear, fitted to the mean head of a model; `dress` puts a random outfit on any head."""
+
+    def __init__(self, makehuman_folder: Path, model: HeadModel):
+        """Fit all items; the first time takes about a minute, later ones read a cache beside the data.
+
+        Args:
+            makehuman_folder: where the MakeHuman archive was unpacked.
+
+        Raises:
+            OSError: the folder holds no MakeHuman data.
+        """
+        self._model = model
+        self._skin_triangles = model.triangles[
+            np.isin(model.triangle_region, [model.region_names.index(n) for n in ("face", "head_neck")])
+        ]
+        self._skin_vertices = np.unique(self._skin_triangles)
+        self.items = load_fitted_items(Path(makehuman_folder), model)
+        self._grid, self._beards = ScalpGrid(model), BeardPatch(model)
+
+    def dress(self, head_vertices: np.ndarray, rng: np.random.Generator) -> list[Garment]:
+        """A random outfit.
+
+        Args:
+            head_vertices: (26719, 3) identity and expression applied, pose not.
+
+        Returns:
+            Garments in the frame of `head_vertices`, at most about 150,000 triangles together.
+        """
+        head = head_vertices.astype(np.float32)
+        normals = vertex_normals(head, self._skin_triangles)
+        skin = HeadSurface(head[self._skin_vertices], normals[self._skin_vertices])
+        wears_hat = rng.random() < _HAT
+        worn = []
+        if rng.random() < _HAIR:
+            worn.append(self._hair(head, skin, wears_hat, rng))
+        if wears_hat:
+            worn.append(self._hat(head, skin, worn, rng))
+        if rng.random() < _BEARD:
+            worn.append(self._beard(head, normals, skin, rng))
+        if rng.random() < _GLASSES:
+            worn.append(self._glasses(head, rng))
+        if rng.random() < _CLOTH:
+            worn.append(self._follow(self._pick("cloth", rng), head, skin, 0.25))
+        if rng.random() < _BROWS:
+            worn.append(self._follow(self._pick("brow", rng), head, skin, 0.05))
+        return worn
+
+    def wear(self, name: str, head_vertices: np.ndarray) -> Garment:
+        """One item by name on a head; raises KeyError for an unknown name."""
+        head = head_vertices.astype(np.float32)
+        normals = vertex_normals(head, self._skin_triangles)
+        skin = HeadSurface(head[self._skin_vertices], normals[self._skin_vertices])
+        item = {item.name: item for item in self.items}[name]
+        if item.label == "glasses":
+            return self._place_glasses(item, head)
+        if item.label == "hat":
+            return self._place_hat(item, head, skin, [])
+        return self._follow(item, head, skin, 0.05 if item.kind in ("brow", "beard") else 0.2)
+
+    def _pick(self, kind: str, rng: np.random.Generator, names: tuple[str, ...] | None = None) -> FittedItem:
+        choice = [i for i in self.items if i.kind == kind and (names is None or i.name in names)]
+        return choice[rng.integers(len(choice))]
+
+    def _follow(self, item: FittedItem, head: np.ndarray, skin: HeadSurface, margin_cm: float) -> Garment:
+        vertices = item.binding.follow(item.vertices, head - self._model.mean)
+        return item.as_garment(skin.push_out(vertices, margin_cm))
+
+    def _hair(self, head, skin, wears_hat, rng) -> Garment:
+        if rng.random() < _SHELL_SHARE:
+            style = sample_style(rng)
+            if wears_hat:
+                style = replace(style, top_cm=0.3, side_cm=min(style.side_cm, 0.6), back_cm=min(style.back_cm, 0.8))
+            return grow_hair(self._grid, head, skin, style, rng)
+        return self._follow(self._pick("hair", rng, _UNDER_HAT if wears_hat else None), head, skin, 0.15)
+
+    def _beard(self, head, normals, skin, rng) -> Garment:
+        if rng.random() < 0.7:
+            return self._beards.grow(head, normals, rng)
+        return self._follow(self._pick("beard", rng), head, skin, 0.06)
+
+    def _glasses(self, head, rng) -> Garment:
+        item = self._pick("glasses", rng)
+        worn = self._place_glasses(item, head)
+        return worn
+
+    def _place_glasses(self, item: FittedItem, head: np.ndarray) -> Garment:
+        """Glasses do not bend: they are only scaled per axis and shifted to the nose, temples and ears."""
+        at = self._model.landmarks[list(_GLASSES_LANDMARKS)]
+        scale, shift = fit_affine(self._model.mean[at], head[at], 0.1)
+        return item.as_garment((item.vertices * scale + shift).astype(np.float32))
+
+    def _hat(self, head, skin, worn, rng) -> Garment:
+        if rng.random() < 0.6:
+            return knit_beanie(self._grid, head, skin, rng)
+        return self._place_hat(self._pick("hat", rng), head, skin, worn)
+
+    def _place_hat(self, item: FittedItem, head: np.ndarray, skin: HeadSurface, worn: list[Garment]) -> Garment:
+        top = np.flatnonzero(self._model.mean[:, 1] > 8)
+        scale, shift = fit_affine(self._model.mean[top], head[top], 0.1)
+        middle = item.vertices.mean(0)
+        scale = scale * np.array([1.1, 1.05, 1.08])
+        lowered = (item.vertices - middle) * scale + middle + [0, -1.6, -0.4] + shift - middle * (1 - scale / 1)
+        return item.as_garment(skin.push_out(lowered, 0.5))
