@@ -9,7 +9,12 @@ from relight_core.dataset.texture import TexturePool
 
 
 def photograph(
-    radiance: np.ndarray, covered: np.ndarray, light: np.ndarray, pool: TexturePool, rng: np.random.Generator
+    radiance: np.ndarray,
+    covered: np.ndarray,
+    light: np.ndarray,
+    white_level: float,
+    pool: TexturePool,
+    rng: np.random.Generator,
 ) -> np.ndarray:
     """A photo of a lit head on a random background.
 
@@ -17,11 +22,12 @@ def photograph(
         radiance: (S, S, 3) float32 linear, 0 outside the head.
         covered: (S, S) bool.
         light: (16, 32, 3) the light it is lit by, for the white balance.
+        white_level: mean radiance that a white head would have in its place, for the exposure.
 
     Returns:
         (S, S, 3) float32 sRGB in [0, 1].
     """
-    image = radiance * _white_balance(light, rng) * _exposure_gain(radiance, covered, rng)
+    image = radiance * _white_balance(light, rng) * _exposure_gain(radiance, covered, white_level, rng)
     coverage = covered.astype(np.float32)[..., None]
     image = image * coverage + _background(len(image), pool, rng) * (1 - coverage)
     image = _lens(image, rng)
@@ -36,14 +42,19 @@ def _white_balance(light: np.ndarray, rng: np.random.Generator) -> np.ndarray:
     return (balance / balance.mean()).astype(np.float32)
 
 
-def _exposure_gain(radiance: np.ndarray, covered: np.ndarray, rng: np.random.Generator) -> float:
-    """Meter on the head as a whole, over- or under-exposed by a stop or so."""
+def _exposure_gain(radiance: np.ndarray, covered: np.ndarray, white_level: float, rng: np.random.Generator) -> float:
+    """Between metering the light and metering the subject, over- or under-exposed by half a stop or so.
+
+    Metering the subject alone would show dark and pale skin equally bright, and nobody could tell them
+    apart again; metering the light alone would make albedo plain to see, which no camera does.
+    """
     grey = radiance[covered].mean(-1) if covered.any() else np.ones(1)
-    metered = 0.5 * float(np.mean(grey)) + 0.5 * float(np.percentile(grey, 80))
-    target = 0.28 * 2 ** rng.normal(0, 0.7)
-    if rng.random() < 0.3:
-        return float(np.clip(2 ** rng.normal(0, 0.4), 0.3, 3))
-    return float(np.clip(target / max(metered, 1e-3), 0.05, 20))
+    subject = 0.5 * float(np.mean(grey)) + 0.5 * float(np.percentile(grey, 80))
+    by_subject = 0.28 / max(subject, 1e-3)
+    by_light = 0.8 / max(white_level, 1e-3)
+    share = rng.uniform(0.1, 0.8)
+    gain = by_subject**share * by_light ** (1 - share) * 2 ** rng.normal(0, 0.5)
+    return float(np.clip(gain, 0.05, 20))
 
 
 def _background(size: int, pool: TexturePool, rng: np.random.Generator) -> np.ndarray:

@@ -42,7 +42,7 @@ class Casting:
         """Read the head model (.npz) and, where given, the unpacked MakeHuman folder."""
         model = load_head_model(head_model)
         labels = face_label_map(model)
-        wardrobe = Wardrobe(makehuman) if makehuman is not None else None
+        wardrobe = Wardrobe(makehuman, model) if makehuman is not None else None
         return cls(model, wardrobe, labels, face_vertices(model, labels))
 
     def bake_head(self, seed: int, size: int = 256) -> BakedHead:

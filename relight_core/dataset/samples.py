@@ -208,7 +208,8 @@ class SampleStream(IterableDataset):
             if self.photographs:
                 shown = albedo * lit.illumination.irradiance[k] + lit.own_specular[k]
                 channels["photo_srgb"] = photograph(
-                    lit.head.scatter(shown), lit.head.covered, lit.lights[k], pool, rng
+                    lit.head.scatter(shown), lit.head.covered, lit.lights[k],
+                    float(lit.illumination.irradiance[k].mean()), pool, rng,
                 )
             if lit.relief_shadow is not None:
                 channels["relief_shadow"] = lit.relief_shadow[k]

@@ -23,8 +23,12 @@ _DARKEST, _BRIGHTEST = 0.015, 0.95
 _FLUSHED = ((0.30, 0.50, 0.10), (0.70, 0.50, 0.10), (0.50, 0.60, 0.05), (0.50, 0.30, 0.06))
 
 
-def paint(head: BakedHead, pool: TexturePool, rng: np.random.Generator) -> np.ndarray:
-    """A random albedo for every pixel of a head. (P, 3) float32, linear, in [0.015, 0.95]."""
+def paint(head: BakedHead, pool: TexturePool, rng: np.random.Generator, *, wild: bool = True) -> np.ndarray:
+    """A random albedo for every pixel of a head. (P, 3) float32, linear, in [0.015, 0.95].
+
+    Args:
+        wild: lay arbitrary pictures over most heads, as training wants; False keeps to what people wear.
+    """
     albedo = np.empty((len(head.uv), 3), np.float32)
     skin = _skin(head, pool, rng)
     is_skin = np.isin(head.material, (Material.FACE, Material.HEAD))
@@ -38,7 +42,8 @@ def paint(head: BakedHead, pool: TexturePool, rng: np.random.Generator) -> np.nd
     for material in (Material.HAT, Material.CLOTH, Material.GLASSES):
         where = head.material == material
         albedo[where] = _fabric(head.uv[where], pool, rng)
-    _lay_pictures(albedo, head, pool, rng)
+    if wild:
+        _lay_pictures(albedo, head, pool, rng)
     return np.clip(albedo, _DARKEST, _BRIGHTEST)
 
 
@@ -50,7 +55,7 @@ def skin_tone(melanin, haemoglobin) -> np.ndarray:
 
 def _skin(head: BakedHead, pool: TexturePool, rng: np.random.Generator) -> np.ndarray:
     uv = head.uv
-    melanin = rng.random() + 0.04 * look_up(pool.noise(rng), uv) + 0.02 * look_up(pool.noise(rng), uv, 3)
+    melanin = rng.random() ** 1.3 + 0.04 * look_up(pool.noise(rng), uv) + 0.02 * look_up(pool.noise(rng), uv, 3)
     haemoglobin = rng.uniform(0, 0.5) + 0.06 * look_up(pool.noise(rng), uv)
     haemoglobin = haemoglobin + rng.uniform(0, 0.5) * _flush(uv) * (head.material == Material.FACE)
     if rng.random() < 0.3:
@@ -153,13 +158,13 @@ def _paint_eyes(albedo: np.ndarray, head: BakedHead, rng: np.random.Generator) -
 def _lay_pictures(albedo: np.ndarray, head: BakedHead, pool: TexturePool, rng: np.random.Generator) -> None:
     """Domain randomisation: pictures as albedo, multiplied over it, or on a part of the head."""
     chance = rng.random()
-    if chance < 0.35:
+    if chance < 0.45:
         return
     picture = look_up(pool.picture(rng), head.uv, rng.choice([1, 1, 2, 3]))
-    if chance < 0.55:
+    if chance < 0.65:
         mean = picture.mean(0, keepdims=True)
         albedo *= ((picture + 0.05) / (mean + 0.05)) ** rng.uniform(0.3, 1)
-    elif chance < 0.75:
+    elif chance < 0.82:
         blend = rng.uniform(0.5, 1)
         albedo[:] = albedo * (1 - blend) + picture * blend
     else:
