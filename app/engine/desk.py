@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 
 from app.engine.screen import (
@@ -11,14 +12,15 @@ from app.engine.screen import (
     channels_for_screen,
     panorama_for_screen,
     radiance_for_screen,
+    rig_for_screen,
 )
 from app.engine.snapshot import OpenLight, OpenPhoto, Picture, Snapshot
 from app.engine.sources import LightSource, PhotoSource, RelighterLike, Request
 from relight_core.errors import InputError
+from relight_core.face.find import find_faces
 from relight_core.imaging.photo import Photo
 from relight_core.imaging.read import read_photo
 from relight_core.lighting.environment import Environment, read_environment
-from relight_core.lighting.rigs import load_rig
 from relight_core.pipeline.edit import Edit
 
 _OWN = LightSource("own")
@@ -31,12 +33,12 @@ class Step:
     Attributes:
         activity: what the status line says meanwhile.
         run: does it, and returns the snapshot after it.
-        blame: the wish that is at fault if it fails.
+        give_up: what stays in force if it fails, such that the same step is not next again.
     """
 
     activity: str
     run: Callable[[Snapshot], Snapshot]
-    blame: PhotoSource | LightSource | None = None
+    give_up: Callable[[Snapshot], Snapshot]
 
 
 class Desk:
@@ -60,27 +62,24 @@ class Desk:
         if photo is not None and photo is not _source(now.opened):
             return self._toward_photo(photo)
         if now.opened is not None and self._portrait is not now.opened:
-            return Step(f"Reading {now.opened.source.name}", self._return_to_portrait, now.opened.source)
+            return Step(f"Reading {now.opened.source.name}", self._return_to_portrait, _without_portrait)
         if light is not None and self._light_is_due(light, now):
             return self._toward_light(light)
         if now.opened is None or now.light is None:
             return None
         key = _picture_key(now.opened, now.light, request.edit)
         if key != self._failed and (now.picture is None or key != _key_of(now.picture)):
-            return Step("Relighting", lambda snapshot: self._relight(snapshot, request.edit))
-        if now.own_light is None and _OWN not in now.refused:
-            return Step("Estimating the photo's own light", self._estimate_own_light, _OWN)
-        return None
+            relight, skip = partial(self._relight, request.edit), partial(self._skip, key)
+            return Step("Relighting", relight, skip)
+        return self._when_the_hand_rests(now)
 
-    def failed(self, step: Step, now: Snapshot, request: Request) -> Snapshot:
-        """What stays in force after a step raised: the wish at fault is not tried again."""
-        self._loading = None
-        if step.blame is not None:
-            now = replace(now, refused=now.refused | {step.blame})
-            return replace(now, opened=None, picture=None) if step.blame is _source(now.opened) else now
-        if now.opened and now.light:
-            self._failed = _picture_key(now.opened, now.light, request.edit)
-        return now
+    def _when_the_hand_rests(self, now: Snapshot) -> Step | None:
+        """What nobody waits for but the panels show once it is known."""
+        if now.own_light is None and _OWN not in now.refused:
+            return Step("Estimating the photo's own light", self._estimate_own_light, _refusing(_OWN))
+        if now.faces is None:
+            return Step("Counting the faces", _count_faces, lambda now: replace(now, faces=()))
+        return None
 
     def _light_is_due(self, light: LightSource, now: Snapshot) -> bool:
         if light.kind == "own":
@@ -88,11 +87,12 @@ class Desk:
         return light is not _source(now.light)
 
     def _toward_photo(self, source: PhotoSource) -> Step:
+        refuse = _refusing(source)
         if self._loading is None or self._loading[0] is not source:
-            return Step(f"Opening {source.name}", lambda now: self._read(source, now), source)
+            return Step(f"Opening {source.name}", partial(self._read, source), refuse)
         if self._relighter is None:
-            return Step("Loading the networks", self._load_networks, source)
-        return Step(f"Reading the face in {source.name}", self._set_portrait, source)
+            return Step("Loading the networks", self._load_networks, refuse)
+        return Step(f"Reading the face in {source.name}", self._set_portrait, refuse)
 
     def _read(self, source: PhotoSource, now: Snapshot) -> Snapshot:
         photo = read_photo(source.place) if isinstance(source.place, Path) else source.place
@@ -110,7 +110,9 @@ class Desk:
         self._portrait = OpenPhoto(source, photo, radiance_for_screen(photo.linear))
         keep_light = now.light is not None and now.light.source.kind != "own"
         light = now.light if keep_light else None
-        return replace(now, opened=self._portrait, light=light, own_light=None, refused=now.refused - {_OWN})
+        faces = now.faces if now.opened and now.opened.photo is photo else None
+        now = replace(now, opened=self._portrait, light=light, own_light=None, faces=faces)
+        return replace(now, refused=now.refused - {_OWN})
 
     def _return_to_portrait(self, now: Snapshot) -> Snapshot:
         self._relighter.set_portrait(now.opened.photo, now.opened.source.face_index)
@@ -118,13 +120,16 @@ class Desk:
         return now
 
     def _toward_light(self, light: LightSource) -> Step:
+        refuse = _refusing(light)
         if light.kind == "portrait" and self._relighter is None:
-            return Step("Loading the networks", self._load_networks, light)
-        return Step(f"Reading the light {light.title}", lambda now: self._open_light(light, now), light)
+            return Step("Loading the networks", self._load_networks, refuse)
+        return Step(f"Reading the light {light.title}", partial(self._open_light, light), refuse)
 
     def _open_light(self, source: LightSource, now: Snapshot) -> Snapshot:
         if source.kind == "own" and now.own_light is not None:
             return replace(now, light=replace(now.own_light, source=source))
+        if source.kind == "rig":
+            return replace(now, light=OpenLight(source, *rig_for_screen(source.name)))
         light = _for_screen(source, self._environment(source))
         return replace(now, light=light, own_light=light if source.kind == "own" else now.own_light)
 
@@ -132,8 +137,6 @@ class Desk:
         return replace(now, own_light=_for_screen(_OWN, self._environment(_OWN)))
 
     def _environment(self, source: LightSource) -> Environment:
-        if source.kind == "rig":
-            return load_rig(source.name)
         if source.kind == "panorama":
             return read_environment(Path(source.name))
         if source.kind == "portrait":
@@ -142,12 +145,29 @@ class Desk:
             self._relighter.set_portrait(photo)
         return self._relighter.estimated_light()
 
-    def _relight(self, now: Snapshot, edit: Edit) -> Snapshot:
+    def _skip(self, key: tuple, now: Snapshot) -> Snapshot:
+        self._failed = key
+        return now
+
+    def _relight(self, edit: Edit, now: Snapshot) -> Snapshot:
         relit = self._relighter.relight(now.light.environment, replace(edit, exposure_ev=0.0))
         screen = radiance_for_screen(relit.image, relit.alpha)
         self._failed = None
         picture = Picture(now.opened, now.light, edit, relit, screen, channels_for_screen(relit.channels))
         return replace(now, picture=picture)
+
+
+def _refusing(source: PhotoSource | LightSource) -> Callable[[Snapshot], Snapshot]:
+    return lambda now: replace(now, refused=now.refused | {source})
+
+
+def _without_portrait(now: Snapshot) -> Snapshot:
+    refused = now.refused | {now.opened.source}
+    return replace(now, opened=None, picture=None, own_light=None, faces=None, refused=refused)
+
+
+def _count_faces(now: Snapshot) -> Snapshot:
+    return replace(now, faces=tuple(find_faces(now.opened.photo)))
 
 
 def _for_screen(source: LightSource, environment: Environment) -> OpenLight:

@@ -93,7 +93,7 @@ class Engine:
             if step is None:
                 self._rest(request)
             else:
-                self._take(step, request)
+                self._take(step)
 
     def _next_step(self, request: Request, now: Snapshot) -> Step | None:
         try:
@@ -111,17 +111,17 @@ class Engine:
             self._changed.notify_all()
         self._wake()
 
-    def _take(self, step: Step, request: Request) -> None:
+    def _take(self, step: Step) -> None:
         with self._changed:
             self._snapshot = before = replace(self._snapshot, activity=step.activity)
         self._wake()
         try:
             after = step.run(before)
         except InputError as error:
-            after = self._desk.failed(step, before, request)
+            after = step.give_up(before)
             self.say(error_line(error), is_error=True)
         except Exception as error:
-            after = self._desk.failed(step, before, request)
+            after = step.give_up(before)
             self._confess(error)
         with self._changed:
             if after.picture is not before.picture and self._photo_was_replaced(after):

@@ -8,8 +8,8 @@ from collections.abc import Callable
 
 import numpy as np
 
-from app.engine.screen import ball_for_screen
-from relight_core.lighting.rigs import load_rig, read_bundled_rig, rig_names
+from app.engine.screen import rig_for_screen
+from relight_core.lighting.rigs import read_bundled_rig, rig_names
 
 _log = logging.getLogger(__name__)
 
@@ -54,7 +54,7 @@ class LightShelf:
             try:
                 rig = read_bundled_rig(name)
                 self._words[name] = (rig.title, rig.description)
-                self._balls[name] = ball_for_screen(load_rig(name))
+                self._balls[name] = rig_for_screen(name)[2]
             except Exception as error:
                 _log.error("no thumbnail of %s", name, exc_info=error)
             self._wake()

@@ -2,26 +2,16 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import numpy as np
 
 from relight_core.imaging.resampling import resize_area
 from relight_core.imaging.view_transform import apply_view
 from relight_core.lighting.environment import Environment, shrink
 from relight_core.lighting.preview import lit_ball
-
-try:
-    from relight_core.pipeline.channel_view import channel_to_srgb
-except ImportError:
-
-    def channel_to_srgb(name, array):
-        array = np.asarray(array, np.float32)
-        if name == "normal":
-            return array / 2 + 0.5
-        if name == "parsing":
-            array = array / 8
-        rgb = array if array.ndim == 3 else np.repeat(array[..., None], 3, axis=2)
-        return apply_view(rgb) if name != "parsing" else rgb
-
+from relight_core.lighting.rigs import load_rig
+from relight_core.pipeline.channel_view import channel_to_srgb
 
 LARGEST_SIDE = 8192
 """Pixels; every OpenGL 3.3 driver in use takes textures of this size."""
@@ -59,6 +49,13 @@ def ball_for_screen(environment: Environment) -> np.ndarray:
     """(96, 96, 4) uint8: sRGB of a ball in the light, and its coverage."""
     ball = lit_ball(environment, BALL_SIZE)
     return _codes(np.dstack([apply_view(ball[..., :3]), ball[..., 3]]))
+
+
+@lru_cache(maxsize=64)
+def rig_for_screen(name: str) -> tuple[Environment, np.ndarray, np.ndarray]:
+    """A bundled light with its panorama and its ball."""
+    environment = load_rig(name)
+    return environment, panorama_for_screen(environment), ball_for_screen(environment)
 
 
 def _codes(srgb: np.ndarray) -> np.ndarray:

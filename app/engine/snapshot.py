@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from app.engine.sources import LightSource, PhotoSource, RelitLike
+from relight_core.face.find import FaceBox
 from relight_core.imaging.photo import Photo
 from relight_core.lighting.environment import Environment
 from relight_core.pipeline.edit import Edit
@@ -81,6 +82,7 @@ class Snapshot:
     Attributes:
         opened, light, picture: in force; None until there is one.
         own_light: the light of the open photo, once it has been estimated.
+        faces: everyone in the open photo, largest first, once they have been counted; else None.
         refused: wishes that failed since the engine started and must not be wished again.
         activity: what runs now, or None.
         message: the newest line for the user, or None.
@@ -90,6 +92,7 @@ class Snapshot:
     light: OpenLight | None = None
     picture: Picture | None = None
     own_light: OpenLight | None = None
+    faces: tuple[FaceBox, ...] | None = None
     refused: frozenset[PhotoSource | LightSource] = field(default_factory=frozenset)
     activity: str | None = None
     message: Message | None = None

@@ -24,6 +24,7 @@ BACKGROUNDS = (
     ("light", "Light", "Show what the light looks like behind the person."),
     ("transparent", "None", "Cut the person out: a transparent background."),
 )
+_MOST_FACES = 6
 _KEYS = (
     ("Space", "hold to see the photo"),
     ("1 – 9", "show a channel"),
@@ -61,11 +62,11 @@ def _effects(state: EditorState, fonts: theme.Fonts) -> None:
 
 
 def _faces(state: EditorState, fonts: theme.Fonts) -> None:
-    opened, picture = state.snapshot.opened, state.snapshot.picture
-    if opened is None or picture is None or picture.opened is not opened or len(picture.relit.faces) < 2:
+    opened, faces = state.snapshot.opened, state.snapshot.faces
+    if opened is None or not faces or len(faces) < 2:
         return
     widgets.heading(fonts, "Face")
-    count = min(len(picture.relit.faces), 6)
+    count = min(len(faces), _MOST_FACES)
     choices = tuple(
         (str(index), str(index + 1), "Relight this person; 1 is the largest face.") for index in range(count)
     )

@@ -109,7 +109,7 @@ class EditorState:
             self.light = snapshot.light.source if snapshot.light else LightSource("rig", FIRST_LIGHT)
         if snapshot.light and snapshot.light.source.kind in ("panorama", "portrait"):
             self._remember(snapshot.light.source)
-        if snapshot.opened is not opened_before and snapshot.opened:
+        if snapshot.opened and (opened_before is None or snapshot.opened.photo is not opened_before.photo):
             self.export_path = str(default_export_path(snapshot.opened.source.path))
             self.shown = RESULT
 
@@ -123,7 +123,7 @@ class EditorState:
         if self.before:
             return PHOTO
         picture = self.snapshot.picture
-        if self.shown == PHOTO or picture is None:
+        if self.shown == PHOTO or picture is None or picture.opened is not self.snapshot.opened:
             return PHOTO
         return self.shown if self.shown == RESULT or self.shown in picture.channels else RESULT
 

@@ -1,0 +1,95 @@
+"""A Relighter of a few numpy lines, so that the window and the engine can be tested without networks."""
+
+from __future__ import annotations
+
+import threading
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from relight_core.errors import InputError
+from relight_core.lighting.environment import Environment, network_light
+
+SIZE = 64
+
+
+@dataclass(frozen=True)
+class FakeStage:
+    ms: float
+    state: str = "computed"
+    why: str = ""
+
+
+@dataclass(frozen=True, eq=False)
+class FakeRelit:
+    image: np.ndarray
+    alpha: np.ndarray | None
+    channels: dict
+    faces: list
+    stages: dict = field(default_factory=lambda: {"compose": FakeStage(1.0)})
+
+
+class FakeRelighter:
+    """Lights the photo's left and right halves by what comes from the left and the right.
+
+    Counts its calls. `gate`, while cleared, holds every relight; `entered` tells that one has begun.
+    A photo that is black all over has no face.
+    """
+
+    def __init__(self) -> None:
+        self.photo = None
+        self.portraits: list = []
+        self.relights: list = []
+        self.environments: list = []
+        self.gate = threading.Event()
+        self.gate.set()
+        self.entered = threading.Semaphore(0)
+        self.fail_with: Exception | None = None
+
+    def set_portrait(self, photo, face_index=None):
+        if photo.linear.max() == 0.0:
+            raise InputError(f"{photo.path}: no face found; use another photo")
+        self.photo = photo
+        self.portraits.append((photo, face_index))
+
+    def estimated_light(self):
+        height, width = 16, 32
+        radiance = np.ones((height, width, 3), np.float32) * self.photo.linear.mean(axis=(0, 1))
+        return Environment.from_radiance(radiance, "estimated")
+
+    def relight(self, environment, edit):
+        self.entered.release()
+        assert self.gate.wait(30)
+        if self.fail_with is not None:
+            raise self.fail_with
+        self.relights.append(edit)
+        self.environments.append(environment)
+        light = network_light(environment, edit.yaw_deg)
+        left, right = light[:, 2:14].mean(), light[:, 18:30].mean()
+        height, width = self.photo.linear.shape[:2]
+        ramp = np.linspace(0.0, 1.0, width, dtype=np.float32)[None, :, None]
+        shading = left * (1 - ramp) + right * ramp
+        image = np.ascontiguousarray(self.photo.linear * shading / max(left, right))
+        alpha = None
+        if edit.background == "transparent":
+            alpha = np.ones((height, width), np.float32)
+            alpha[: height // 4] = 0.0
+        return FakeRelit(image, alpha, self._channels(edit, light), [])
+
+    def _channels(self, edit, light):
+        rows, columns = np.mgrid[0:SIZE, 0:SIZE].astype(np.float32) / (SIZE - 1)
+        normal = np.dstack([columns * 2 - 1, 1 - rows * 2, np.ones_like(rows)])
+        grey = np.repeat(columns[..., None], 3, axis=2)
+        red = np.zeros((SIZE, SIZE, 3), np.float32)
+        red[..., 0] = 1.0
+        return {
+            "photo": grey,
+            "albedo": red,
+            "normal": normal / np.linalg.norm(normal, axis=2, keepdims=True),
+            "parsing": (rows * 7).astype(np.int64),
+            "specular": columns * edit.specular * 0.2,
+            "shadow": rows * edit.shadow * 0.3,
+            "composition": grey,
+            "source_light": light,
+            "target_light": light,
+        }

@@ -1,0 +1,245 @@
+"""The engine: newest wins, errors keep the picture, exposure costs nothing. Events instead of sleeps."""
+
+import threading
+
+import numpy as np
+import pytest
+from fake_relighter import FakeRelighter
+
+from app.engine.engine import Engine
+from app.engine.sources import LightSource, PhotoSource, Request
+from relight_core.errors import InputError
+from relight_core.imaging.photo import Photo
+from relight_core.pipeline.edit import Edit
+
+LONG_S = 60
+SPLIT, RING = LightSource("rig", "split"), LightSource("rig", "ring")
+
+
+def grey_photo(value=0.5, size=(24, 32)):
+    return Photo(np.full((*size, 3), value, np.float32))
+
+
+@pytest.fixture
+def relighter():
+    return FakeRelighter()
+
+
+@pytest.fixture
+def engine(relighter):
+    engine = Engine(lambda: relighter)
+    yield engine
+    relighter.gate.set()
+    engine.close()
+
+
+def answered(engine, request):
+    engine.submit(request)
+    assert engine.wait_until_idle(LONG_S)
+    return engine.snapshot()
+
+
+def test_opens_a_photo_and_relights_it_under_the_light(engine, relighter):
+    source = PhotoSource(grey_photo())
+    snapshot = answered(engine, Request(source, SPLIT, Edit(yaw_deg=30.0)))
+    assert snapshot.opened.source is source
+    assert snapshot.picture.opened is snapshot.opened
+    assert relighter.environments[-1] is snapshot.light.environment
+    assert relighter.relights[-1].yaw_deg == 30.0
+    assert snapshot.picture.screen.dtype == np.float16
+    assert snapshot.picture.screen.shape == (24, 32, 3)
+    assert snapshot.picture.channels["albedo"].dtype == np.uint8
+    assert snapshot.activity is None
+
+
+def test_nothing_is_loaded_before_a_photo_is_opened(relighter):
+    made = []
+    engine = Engine(lambda: made.append(1) or relighter)
+    answered(engine, Request(None, SPLIT, Edit()))
+    assert made == []
+    answered(engine, Request(PhotoSource(grey_photo()), SPLIT, Edit()))
+    answered(engine, Request(PhotoSource(grey_photo()), SPLIT, Edit()))
+    assert made == [1]
+    engine.close()
+
+
+def test_exposure_alone_reruns_nothing(engine, relighter):
+    source = PhotoSource(grey_photo())
+    before = answered(engine, Request(source, SPLIT, Edit()))
+    calls = len(relighter.relights)
+    after = answered(engine, Request(source, SPLIT, Edit(exposure_ev=2.0)))
+    assert len(relighter.relights) == calls
+    assert after.picture is before.picture
+    assert all(edit.exposure_ev == 0.0 for edit in relighter.relights)
+
+
+CHANGES = [{"yaw_deg": 9.0}, {"shadow": 0.3}, {"specular": 1.7}, {"background": "light"}]
+
+
+@pytest.mark.parametrize("change", CHANGES)
+def test_every_other_slider_relights_once_without_opening_the_photo_again(engine, relighter, change):
+    source = PhotoSource(grey_photo())
+    answered(engine, Request(source, SPLIT, Edit()))
+    calls = len(relighter.relights)
+    answered(engine, Request(source, SPLIT, Edit(**change)))
+    assert len(relighter.relights) == calls + 1
+    assert len(relighter.portraits) == 1
+
+
+def test_only_the_newest_of_many_requests_is_answered(engine, relighter):
+    source = PhotoSource(grey_photo())
+    answered(engine, Request(source, SPLIT, Edit()))
+    calls = len(relighter.relights)
+    relighter.gate.clear()
+    while relighter.entered.acquire(blocking=False):
+        pass
+    engine.submit(Request(source, SPLIT, Edit(yaw_deg=1.0)))
+    assert relighter.entered.acquire(timeout=LONG_S)
+    for yaw_deg in (2.0, 3.0, 4.0, 5.0):
+        engine.submit(Request(source, SPLIT, Edit(yaw_deg=yaw_deg)))
+    relighter.gate.set()
+    assert engine.wait_until_idle(LONG_S)
+    assert [edit.yaw_deg for edit in relighter.relights[calls:]] == [1.0, 5.0]
+    assert engine.snapshot().picture.edit.yaw_deg == 5.0
+
+
+def test_a_result_for_a_photo_that_was_replaced_meanwhile_is_never_published(relighter):
+    shown = []
+    engine = Engine(lambda: relighter, lambda: shown.append(engine.snapshot().picture))
+    first, second = PhotoSource(grey_photo(0.2)), PhotoSource(grey_photo(0.7))
+    relighter.gate.clear()
+    engine.submit(Request(first, SPLIT, Edit()))
+    assert relighter.entered.acquire(timeout=LONG_S)
+    engine.submit(Request(second, SPLIT, Edit()))
+    relighter.gate.set()
+    assert engine.wait_until_idle(LONG_S)
+    engine.close()
+    sources = {picture.opened.source for picture in shown if picture is not None}
+    assert sources == {second}
+
+
+def test_a_photo_without_a_face_leaves_everything_as_it_was_and_says_why(engine, relighter):
+    good, bad = PhotoSource(grey_photo()), PhotoSource(grey_photo(0.0))
+    before = answered(engine, Request(good, SPLIT, Edit()))
+    after = answered(engine, Request(bad, SPLIT, Edit()))
+    assert after.picture is before.picture
+    assert after.opened is before.opened
+    assert bad in after.refused
+    assert after.message.is_error
+    assert "no face found" in after.message.text
+    on = answered(engine, Request(good, SPLIT, Edit(shadow=0.0)))
+    assert on.picture.edit.shadow == 0.0
+    assert on.message is after.message
+
+
+def test_a_refused_photo_is_tried_once_only(engine, relighter):
+    bad = PhotoSource(grey_photo(0.0))
+    number = answered(engine, Request(bad, SPLIT, Edit())).message.number
+    assert answered(engine, Request(bad, SPLIT, Edit(shadow=0.1))).message.number == number
+    again = answered(engine, Request(PhotoSource(bad.place), SPLIT, Edit()))
+    assert again.message.number == number + 1
+
+
+def test_a_file_that_is_no_image_is_told_by_name(engine, tmp_path):
+    path = tmp_path / "notes.jpg"
+    path.write_text("not an image")
+    snapshot = answered(engine, Request(PhotoSource(path), SPLIT, Edit()))
+    assert snapshot.opened is None
+    assert "notes.jpg" in snapshot.message.text
+
+
+def test_a_light_of_the_wrong_shape_keeps_the_light_in_force(engine, relighter, tmp_path):
+    from relight_core.imaging.write import write_exr_layers
+
+    path = tmp_path / "square.exr"
+    write_exr_layers(path, {"RGB": np.ones((16, 16, 3), np.float32)})
+    source = PhotoSource(grey_photo())
+    before = answered(engine, Request(source, RING, Edit()))
+    bad = LightSource("panorama", str(path))
+    after = answered(engine, Request(source, bad, Edit()))
+    assert after.light is before.light
+    assert bad in after.refused
+    assert "square.exr" in after.message.text
+
+
+def test_a_fault_in_the_networks_is_told_and_survived(engine, relighter, caplog):
+    source = PhotoSource(grey_photo())
+    before = answered(engine, Request(source, SPLIT, Edit()))
+    relighter.fail_with = RuntimeError("out of luck")
+    after = answered(engine, Request(source, SPLIT, Edit(yaw_deg=5.0)))
+    assert after.picture is before.picture
+    assert after.message.is_error
+    assert "out of luck" in after.message.text
+    assert "Traceback" in caplog.text
+    relighter.fail_with = None
+    assert answered(engine, Request(source, SPLIT, Edit(yaw_deg=6.0))).picture.edit.yaw_deg == 6.0
+
+
+def test_networks_that_cannot_be_loaded_are_told_and_tried_again_with_the_next_photo(relighter):
+    answers = [InputError("relight.safetensors: damaged; fetch it again"), None]
+
+    def make():
+        error = answers.pop(0)
+        if error:
+            raise error
+        return relighter
+
+    engine = Engine(make)
+    first = answered(engine, Request(PhotoSource(grey_photo()), SPLIT, Edit()))
+    assert first.picture is None
+    assert "damaged" in first.message.text
+    assert answered(engine, Request(PhotoSource(grey_photo()), SPLIT, Edit())).picture is not None
+    engine.close()
+
+
+def test_a_borrowed_light_comes_from_the_other_portrait_and_the_first_one_stays(engine, relighter, tmp_path):
+    from relight_core.imaging.write import write_image
+
+    path = tmp_path / "friend.png"
+    write_image(path, np.broadcast_to(np.float32([0.8, 0.2, 0.2]), (20, 20, 3)))
+    source = PhotoSource(grey_photo())
+    answered(engine, Request(source, SPLIT, Edit()))
+    snapshot = answered(engine, Request(source, LightSource("portrait", str(path)), Edit()))
+    tint = snapshot.light.environment.shape.mean(axis=(0, 1))
+    assert tint[0] > 3 * tint[1]
+    assert snapshot.opened.source is source
+    assert relighter.portraits[-1][0] is source.place
+    assert snapshot.picture.light is snapshot.light
+
+
+def test_the_photos_own_light_follows_the_photo(engine, relighter):
+    own = LightSource("own")
+    red = Photo(np.ascontiguousarray(np.broadcast_to(np.float32([0.9, 0.1, 0.1]), (8, 8, 3))))
+    blue = Photo(np.ascontiguousarray(np.broadcast_to(np.float32([0.1, 0.1, 0.9]), (8, 8, 3))))
+    first = answered(engine, Request(PhotoSource(red), own, Edit()))
+    second = answered(engine, Request(PhotoSource(blue), own, Edit()))
+    assert first.light.environment.shape[0, 0, 0] > first.light.environment.shape[0, 0, 2]
+    assert second.light.environment.shape[0, 0, 2] > second.light.environment.shape[0, 0, 0]
+    assert second.picture.light.environment is second.light.environment
+
+
+def test_the_start_hook_runs_on_the_engines_thread_before_anything_else(relighter):
+    order = []
+    engine = Engine(
+        lambda: order.append(("make", threading.current_thread())) or relighter,
+        on_start=lambda: order.append(("start", threading.current_thread())),
+    )
+    answered(engine, Request(PhotoSource(grey_photo()), SPLIT, Edit()))
+    engine.close()
+    assert [name for name, _ in order] == ["start", "make"]
+    assert order[0][1] is order[1][1]
+    assert order[0][1] is not threading.main_thread()
+
+
+def test_submit_never_waits_for_the_networks_and_close_ends_the_thread(relighter):
+    engine = Engine(lambda: relighter)
+    relighter.gate.clear()
+    engine.submit(Request(PhotoSource(grey_photo()), SPLIT, Edit()))
+    assert relighter.entered.acquire(timeout=LONG_S)
+    engine.submit(Request(PhotoSource(grey_photo()), SPLIT, Edit(yaw_deg=1.0)))
+    assert engine.snapshot().activity == "Relighting"
+    relighter.gate.set()
+    engine.close()
+    engine.close()
+    assert len(relighter.relights) <= 1
+    assert not any(thread.name == "relight-engine" for thread in threading.enumerate())

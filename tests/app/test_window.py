@@ -1,0 +1,260 @@
+"""The real window on a real X display, driven as a user would, judged by its pixels."""
+
+import glfw
+import numpy as np
+import pytest
+from fake_relighter import FakeRelighter
+from PIL import Image
+from window_hand import Hand
+
+from app.window.window import EditorWindow
+from relight_core.imaging.read import read_photo
+from relight_core.imaging.view_transform import apply_view
+from relight_core.imaging.write import write_image
+
+WIDTH, HEIGHT = 1024, 700
+
+
+@pytest.fixture
+def photo_path(tmp_path):
+    rows, columns = np.mgrid[0:96, 0:128].astype(np.float32)
+    linear = np.dstack([0.2 + columns / 400, 0.25 + rows / 500, np.full_like(rows, 0.3)])
+    path = tmp_path / "person.png"
+    write_image(path, linear)
+    return path
+
+
+@pytest.fixture
+def relighter():
+    return FakeRelighter()
+
+
+@pytest.fixture
+def hand(display, relighter, photo_path):
+    window = EditorWindow(lambda: relighter, size=(WIDTH, HEIGHT))
+    hand = Hand(window, (WIDTH, HEIGHT))
+    yield hand
+    relighter.gate.set()
+    window.close()
+
+
+@pytest.fixture
+def opened(hand, photo_path):
+    hand.drop(photo_path)
+    hand.see_every_pixel()
+    return hand
+
+
+def close_to(shown, expected_srgb):
+    return np.abs(shown.astype(np.float32) - expected_srgb * 255).max() <= 1.0
+
+
+def test_the_empty_window_shows_no_picture_and_invites_one(hand):
+    hand.settle()
+    assert hand.viewport().std() == 0
+    whole = hand.window.screenshot()
+    assert (whole[200:360, 300:740] > 180).any()
+    assert hand.window.state.snapshot.picture is None
+
+
+def test_a_dropped_photo_appears_relit(opened, relighter):
+    picture = opened.window.state.snapshot.picture
+    assert close_to(opened.picture_pixels(96, 128), apply_view(picture.relit.image))
+    assert len(relighter.portraits) == 1
+
+
+def test_dragging_the_panorama_turns_the_light_to_the_other_side(opened):
+    opened.light("split")
+    first = opened.picture_pixels(96, 128).astype(np.float32)
+    opened.drag(opened.panorama(0.25), opened.panorama(0.75))
+    second = opened.picture_pixels(96, 128).astype(np.float32)
+    assert abs(abs(opened.window.state.edit.yaw_deg) - 180) < 8
+    ratio = second.mean(axis=(0, 2)) / first.mean(axis=(0, 2))
+    one, other = ratio[:32].mean(), ratio[-32:].mean()
+    assert min(one, other) < 0.9 < 1.1 < max(one, other)
+
+
+def test_the_wheel_over_the_picture_turns_the_light_and_with_ctrl_zooms(opened):
+    opened.move(opened.centre())
+    opened.wheel(2)
+    yaw_deg, zoom = opened.window.state.edit.yaw_deg, opened.window.state.view.zoom
+    assert yaw_deg > 0
+    opened.wheel(3, ctrl=True)
+    assert opened.window.state.edit.yaw_deg == yaw_deg
+    assert opened.window.state.view.zoom > zoom
+    opened.key(glfw.KEY_F)
+    assert opened.window.state.view.fit
+
+
+def test_exposure_brightens_without_another_relight(opened, relighter):
+    calls = len(relighter.relights)
+    before = opened.picture_pixels(96, 128)
+    shadow, specular, exposure = opened.knobs()
+    opened.drag(exposure, (exposure[0] + 20, exposure[1]))
+    assert opened.window.state.edit.exposure_ev > 0.3
+    after = opened.picture_pixels(96, 128)
+    assert (after.astype(int) >= before).all()
+    assert after.mean() > before.mean() + 10
+    image = opened.window.state.snapshot.picture.relit.image
+    assert close_to(after, apply_view(image, opened.window.state.edit.exposure_ev))
+    assert len(relighter.relights) == calls
+
+
+@pytest.mark.parametrize(("which", "field"), [(0, "shadow"), (1, "specular")])
+def test_an_effect_slider_relights_quickly_while_dragged_and_finally_at_rest(opened, relighter, which, field):
+    calls = len(relighter.relights)
+    x, y = opened.knobs()[which]
+    opened.drag((x, y), (x + 40, y), settle_each_step=True)
+    value = getattr(opened.window.state.edit, field)
+    assert value > 1.2
+    edits = relighter.relights[calls:]
+    assert edits[0].quality == "live"
+    assert edits[-1].quality == "final"
+    assert getattr(edits[-1], field) == value
+
+
+def test_a_double_click_resets_a_slider(opened):
+    x, y = opened.knobs()[0]
+    opened.drag((x, y), (x + 60, y))
+    assert opened.window.state.edit.shadow > 1.3
+    opened.double_click((x + 60, y))
+    assert opened.window.state.edit.shadow == 1.0
+
+
+def test_a_ctrl_click_lets_one_type_a_number_within_the_sliders_range(opened):
+    x, y = opened.knobs()[1]
+    opened.click((x + 30, y), ctrl=True)
+    opened.type("0.25")
+    opened.key(glfw.KEY_ENTER)
+    assert opened.window.state.edit.specular == pytest.approx(0.25)
+    x, y = opened.knobs()[1]
+    opened.click((x, y), ctrl=True)
+    opened.type("77")
+    opened.key(glfw.KEY_ENTER)
+    assert opened.window.state.edit.specular == 2.0
+
+
+def test_number_keys_show_channels_and_not_while_a_number_is_typed(opened):
+    opened.key(glfw.KEY_2)
+    red, green, blue = opened.viewport()[opened.viewport().shape[0] // 2, opened.viewport().shape[1] // 2]
+    assert red > 200
+    assert max(green, blue) < 30
+    opened.key(glfw.KEY_9)
+    assert opened.window.state.shown == "result"
+    opened.click(opened.knobs()[0], ctrl=True)
+    opened.type("2")
+    assert opened.window.state.shown == "result"
+
+
+def test_holding_space_shows_the_photo_until_it_is_let_go(opened, photo_path):
+    relit = opened.picture_pixels(96, 128)
+    opened.hold(glfw.KEY_SPACE)
+    assert close_to(opened.picture_pixels(96, 128), np.asarray(Image.open(photo_path), np.float32) / 255)
+    opened.release(glfw.KEY_SPACE)
+    assert (opened.picture_pixels(96, 128) == relit).all()
+
+
+def test_a_bad_file_leaves_the_picture_and_is_told_in_a_line_that_stays(opened, tmp_path):
+    bad = tmp_path / "broken.png"
+    bad.write_bytes(b"\x89PNG\r\n\x1a\n but no more")
+    before = opened.viewport()
+    assert not opened.status_has_error_colour()
+    opened.drop(bad)
+    assert (opened.viewport() == before).all()
+    assert "broken.png" in opened.window.state.message().text
+    assert opened.status_has_error_colour()
+    opened.move(opened.centre())
+    opened.wheel(1)
+    assert opened.status_has_error_colour()
+    opened.key(glfw.KEY_ESCAPE)
+    assert not opened.status_has_error_colour()
+
+
+def test_a_dropped_panorama_becomes_the_light(opened, relighter, tmp_path):
+    radiance = np.zeros((8, 16, 3), np.float32)
+    radiance[:, 11:14] = (5.0, 0.0, 0.0)
+    path = tmp_path / "lamp.exr"
+    write_image(path, radiance)
+    opened.drop(path)
+    assert relighter.environments[-1].name == "lamp.exr"
+    assert opened.window.state.snapshot.opened.source.path.name == "person.png"
+
+
+def test_a_portrait_dropped_on_the_light_panel_lends_its_light(opened, relighter, photo_path):
+    opened.drop(photo_path, at=opened.panorama(0.5))
+    assert relighter.environments[-1].name == "estimated"
+    assert [source.title for source in opened.window.state.extra_lights] == ["person"]
+
+
+def test_the_window_goes_on_drawing_while_the_networks_are_stuck(opened, relighter):
+    relighter.gate.clear()
+    opened.move(opened.centre())
+    opened.window.on_wheel(None, 0.0, 1.0)
+    opened.frames(3)
+    before = opened.picture_pixels(96, 128)
+    opened.window.state.change(exposure_ev=1.0)
+    opened.frames(2)
+    assert opened.picture_pixels(96, 128).mean() > before.mean() + 10
+    assert opened.window.engine.snapshot().activity == "Relighting"
+
+
+def test_a_png_export_is_what_is_shown_and_overwrites_nothing(opened, photo_path):
+    original = photo_path.read_bytes()
+    opened.window.state.change(exposure_ev=0.5)
+    opened.settle()
+    shown = opened.picture_pixels(96, 128)
+    for _ in range(2):
+        opened.key(glfw.KEY_E)
+    opened.window.exporter.close()
+    first, second = photo_path.with_name("person-relit.png"), photo_path.with_name("person-relit-2.png")
+    for path in (first, second):
+        saved = np.asarray(Image.open(path).convert("RGB"), np.int32)
+        assert np.abs(saved - shown).max() <= 1
+    assert photo_path.read_bytes() == original
+    assert sorted(path.name for path in photo_path.parent.iterdir()) == [
+        "person-relit-2.png",
+        "person-relit.png",
+        "person.png",
+    ]
+
+
+def test_an_exr_export_holds_the_radiance_and_every_channel(opened, photo_path):
+    import OpenEXR
+
+    opened.key(glfw.KEY_E, shift=True)
+    opened.window.exporter.close()
+    picture = read_photo(photo_path.with_name("person-relit.exr"))
+    expected = opened.window.state.snapshot.picture.relit.image
+    assert np.allclose(picture.linear, expected, rtol=2e-3, atol=1e-4)
+    with OpenEXR.File(str(photo_path.with_name("person-relit-channels.exr"))) as file:
+        assert {"RGB", "albedo", "normal", "parsing", "specular", "shadow"} <= set(file.channels())
+
+
+def test_an_export_to_a_folder_that_is_not_there_is_told(opened, tmp_path):
+    opened.window.state.export_path = str(tmp_path / "missing" / "out.png")
+    opened.key(glfw.KEY_E)
+    opened.window.exporter.close()
+    opened.settle()
+    message = opened.window.state.message()
+    assert message.is_error
+    assert "missing" in message.text
+
+
+def test_a_transparent_background_shows_checks_where_nothing_is(opened):
+    opened.window.state.change(background="transparent")
+    opened.settle()
+    pixels = opened.picture_pixels(96, 128)
+    top = pixels[:20].reshape(-1, 3)
+    assert (top.min(axis=1) == top.max(axis=1)).all()
+    assert len(np.unique(top, axis=0)) == 2
+    assert len(np.unique(pixels[40:].reshape(-1, 3), axis=0)) > 100
+
+
+def test_another_photo_replaces_the_first_at_once(opened, tmp_path):
+    path = tmp_path / "other.png"
+    write_image(path, np.broadcast_to(np.float32([0.1, 0.6, 0.1]), (50, 40, 3)))
+    opened.drop(path)
+    opened.see_every_pixel()
+    red, green, blue = opened.picture_pixels(50, 40).reshape(-1, 3).mean(axis=0)
+    assert green > 1.5 * max(red, blue)
+    assert opened.window.state.export_path.endswith("other-relit.png")

@@ -1,0 +1,144 @@
+"""A user's hand for the window's tests: mouse, keys and drops, and eyes on its pixels."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import cv2
+import glfw
+import numpy as np
+
+from app.engine.sources import LightSource
+from app.ui.view import View
+
+LIGHT_PANEL, EFFECTS_PANEL, STRIPS = 255, 240, 141
+"""Pixels: the panels' widths, and the height of filmstrip and status line, at scale 1."""
+
+PANORAMA_X, PANORAMA_WIDTH, PANORAMA_Y = 14, 227, 90
+KNOB_GREY = 194
+LONG_S = 60
+
+
+class Hand:
+    def __init__(self, window, size):
+        self.window = window
+        self.width, self.height = size
+
+    def frames(self, count=1):
+        for _ in range(count):
+            self.window.frame()
+
+    def settle(self):
+        assert self.window.settle(LONG_S)
+
+    def centre(self):
+        return (LIGHT_PANEL + self.width - EFFECTS_PANEL) / 2, (self.height - STRIPS) / 2
+
+    def panorama(self, along):
+        return PANORAMA_X + along * PANORAMA_WIDTH, PANORAMA_Y
+
+    def knobs(self):
+        """Where the knobs of the right panel's sliders are, from the top down."""
+        self.move((self.width / 2, self.height - 3))
+        panel = self.window.screenshot()[: self.height - STRIPS, self.width - EFFECTS_PANEL :]
+        mask = (np.abs(panel.astype(int) - KNOB_GREY) <= 3).all(axis=2).astype(np.uint8)
+        _, _, stats, centres = cv2.connectedComponentsWithStats(mask)
+        large = [tuple(centre) for centre, stat in zip(centres[1:], stats[1:], strict=True) if stat[4] > 60]
+        return [(x + self.width - EFFECTS_PANEL, y) for x, y in sorted(large, key=lambda centre: centre[1])]
+
+    def move(self, at):
+        self.window.on_mouse_move(None, *at)
+        self.frames(2)
+
+    def button(self, down, ctrl=False):
+        mods = glfw.MOD_CONTROL if ctrl else 0
+        self.window.on_mouse_button(None, glfw.MOUSE_BUTTON_LEFT, glfw.PRESS if down else glfw.RELEASE, mods)
+        self.frames(2)
+
+    def click(self, at, ctrl=False):
+        self.move(at)
+        self.button(True, ctrl)
+        self.button(False, ctrl)
+        self.button_mods_released()
+
+    def double_click(self, at):
+        self.move(at)
+        for down in (True, False, True, False):
+            state = glfw.PRESS if down else glfw.RELEASE
+            self.window.on_mouse_button(None, glfw.MOUSE_BUTTON_LEFT, state, 0)
+        self.frames(6)
+        self.settle()
+
+    def button_mods_released(self):
+        self.window.on_key(None, glfw.KEY_LEFT_CONTROL, 0, glfw.RELEASE, 0)
+        self.frames(1)
+
+    def drag(self, start, end, steps=6, settle_each_step=False):
+        self.move(start)
+        self.button(True)
+        for step in range(1, steps + 1):
+            share = step / steps
+            self.move(tuple(a + (b - a) * share for a, b in zip(start, end, strict=True)))
+            if settle_each_step:
+                self.settle()
+        self.button(False)
+        self.settle()
+
+    def wheel(self, steps, ctrl=False):
+        if ctrl:
+            self.hold(glfw.KEY_LEFT_CONTROL, glfw.MOD_CONTROL)
+        self.window.on_wheel(None, 0.0, float(steps))
+        self.frames(2)
+        if ctrl:
+            self.release(glfw.KEY_LEFT_CONTROL)
+        self.settle()
+
+    def hold(self, key, mods=0):
+        self.window.on_key(None, key, 0, glfw.PRESS, mods)
+        self.frames(2)
+
+    def release(self, key):
+        self.window.on_key(None, key, 0, glfw.RELEASE, 0)
+        self.frames(2)
+
+    def key(self, key, shift=False):
+        self.hold(key, glfw.MOD_SHIFT if shift else 0)
+        self.release(key)
+        self.settle()
+
+    def type(self, text):
+        self.frames(2)
+        for letter in text:
+            key = {".": glfw.KEY_PERIOD}.get(letter, ord(letter))
+            self.window.on_key(None, key, 0, glfw.PRESS, 0)
+            self.window.on_character(None, ord(letter))
+            self.frames(1)
+            self.window.on_key(None, key, 0, glfw.RELEASE, 0)
+            self.frames(1)
+
+    def drop(self, path: Path, at=None):
+        self.window.on_drop(None, [str(path)], at or self.centre())
+        self.settle()
+
+    def light(self, rig):
+        self.window.state.choose_light(LightSource("rig", rig))
+        self.settle()
+
+    def see_every_pixel(self):
+        """One screen pixel for each of the picture's."""
+        picture_width, picture_height = self.window.state.view_of
+        self.window.state.view = View(False, 1.0, picture_width / 2, picture_height / 2)
+        self.frames(1)
+
+    def viewport(self):
+        return self.window.pictures.viewport_pixels()
+
+    def picture_pixels(self, height, width):
+        """The picture's own pixels while every one of them is seen."""
+        shown = self.viewport()
+        top, left = round(shown.shape[0] / 2 - height / 2), round(shown.shape[1] / 2 - width / 2)
+        return shown[top : top + height, left : left + width]
+
+    def status_has_error_colour(self):
+        line = self.window.screenshot()[-28:].astype(int)
+        return ((line[..., 0] > 150) & (line[..., 0] - line[..., 2] > 60)).any()
