@@ -1,7 +1,7 @@
 """Write every intermediate channel of one relighting into a folder.
 
 Each channel is written as NAME.png, the way the window shows it. channels.exr holds all of the face crop's
-channels as named layers in linear values, the composition also as its RGB. source_light.exr and
+channels as named layers in linear values, the composition as its RGB. source_light.exr and
 target_light.exr hold the lights.
 Files of the same names in the folder are replaced, all together at the end.
 """
@@ -62,17 +62,14 @@ def write_channels(relit: Relit, edit: Edit, folder: Path, inputs: list[Path]) -
     Raises:
         InputError: the folder can't be written to, or a file would replace one of the inputs.
     """
+    from app.engine.exporting import channel_layers
     from relight_core.imaging.write import write_exr_layers, write_image
 
     with folder_filled_at_once(folder) as scratch:
         for name, channel in relit.channels.items():
             _write_view(scratch / f"{name}.png", name, channel)
-        crop = {name: channel for name, channel in relit.channels.items() if name not in LIGHTS}
-        write_exr_layers(
-            scratch / "channels.exr",
-            {"RGB": relit.channels["composition"]} | crop,
-            header={"software": f"relight {__version__}", "relightYawDeg": float(edit.yaw_deg)},
-        )
+        header = {"software": f"relight {__version__}", "relightYawDeg": float(edit.yaw_deg)}
+        write_exr_layers(scratch / "channels.exr", channel_layers(relit.channels), header=header)
         for name in LIGHTS:
             if name in relit.channels:
                 write_image(scratch / f"{name}.exr", relit.channels[name])

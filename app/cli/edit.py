@@ -13,7 +13,7 @@ import sys
 from pathlib import Path
 
 from app.cli.arguments import add_light
-from app.cli.session import sample_portrait
+from app.cli.session import light_kind, sample_portrait
 from relight_core import __version__
 from relight_core.errors import InputError
 
@@ -30,15 +30,24 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Open the editor, or write files where it can't open; returns the exit code."""
     photo = _existing(arguments.photo) if arguments.photo is not None else sample_portrait()
+    if arguments.light is not None:
+        light_kind(arguments.light)
     if not has_display():
-        from app.cli.demo import write_demo
+        return _write_pictures(photo, arguments.light, "there is no display")
+    from app.window.run import NoDisplayError, run_editor
 
-        print(f"There is no display to open the editor on; writing pictures into {OUT}/ instead.", flush=True)
-        write_demo(photo, arguments.light, OUT)
-        return 0
-    from app.window.run import run_editor
+    try:
+        return run_editor(photo, arguments.light)
+    except NoDisplayError as error:
+        return _write_pictures(photo, arguments.light, str(error))
 
-    return run_editor(photo, arguments.light) or 0
+
+def _write_pictures(photo: Path, light: str | None, reason: str) -> int:
+    from app.cli.demo import write_demo
+
+    print(f"The editor can't open ({reason}); writing pictures into {OUT}/ instead.", flush=True)
+    write_demo(photo, light, OUT)
+    return 0
 
 
 def has_display() -> bool:

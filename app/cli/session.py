@@ -16,8 +16,6 @@ if TYPE_CHECKING:
     from relight_core.lighting.environment import Environment
     from relight_core.pipeline.relighter import Relighter
 
-PANORAMA_SUFFIXES = (".hdr", ".exr")
-
 
 def make_relighter() -> Relighter:
     """The Relighter with the bundled weights; loading it takes seconds."""
@@ -46,13 +44,12 @@ class Session:
             InputError: L is none of these, or its file is bad.
         """
         from relight_core.lighting.environment import read_environment
-        from relight_core.lighting.rigs import load_rig, rig_names
+        from relight_core.lighting.rigs import load_rig
 
-        if text in rig_names():
+        kind = light_kind(text)
+        if kind == "rig":
             return load_rig(text)
-        if not os.path.lexists(text):
-            raise InputError(_no_such_light(text, rig_names()))
-        if text.lower().endswith(PANORAMA_SUFFIXES):
+        if kind == "panorama":
             return read_environment(Path(text))
         self.open(Path(text))
         return self.relighter.estimated_light()
@@ -68,6 +65,21 @@ class Session:
         photo = read_photo(path)
         self.relighter.set_portrait(photo, face_index)
         return photo
+
+
+def light_kind(text: str) -> str:
+    """What L is: "rig", "panorama" or "portrait".
+
+    Raises:
+        InputError: neither a rig nor a file.
+    """
+    from app.engine.sources import LightSource
+    from relight_core.lighting.rigs import rig_names
+
+    kind = LightSource.named(text).kind
+    if kind != "rig" and not os.path.lexists(text):
+        raise InputError(_no_such_light(text, rig_names()))
+    return kind
 
 
 def light_file(text: str) -> list[Path]:

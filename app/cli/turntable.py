@@ -46,16 +46,16 @@ def run(arguments: argparse.Namespace) -> int:
         light = session.light(arguments.light)
         session.open(arguments.photo, arguments.face)
         edit = edit_from(arguments)
-        last = write_turntable(session, light, edit, arguments.output, arguments.face or 0)
+        last = write_turntable(session, light, edit, arguments.output)
         report.line(f"wrote {arguments.output}")
         report.record(relit_record(str(arguments.photo), str(arguments.output), last))
     return 0
 
 
-def write_turntable(session: Session, light: Environment, edit: Edit, output: Path, face: int = 0) -> Relit:
+def write_turntable(session: Session, light: Environment, edit: Edit, output: Path) -> Relit:
     """Relight the session's portrait with the light at 12 yaws from edit.yaw_deg on, and write the sheet.
 
-    It shows the surroundings of one face, `face` counting from the largest.
+    It shows the surroundings of the face.
 
     Returns:
         the last step's Relit.
@@ -72,7 +72,7 @@ def write_turntable(session: Session, light: Environment, edit: Edit, output: Pa
     for step in range(STEPS):
         yaw_deg = edit.yaw_deg + step * 360.0 / STEPS
         relit = session.relighter.relight(light, replace(edit, yaw_deg=yaw_deg))
-        shown = _around(relit.image, relit.faces[face])
+        shown = _around(relit.image, relit.faces[0])
         pictures.append((f"yaw {yaw_deg:g}°", apply_view(shown, edit.exposure_ev)))
     write_image(output, Photo.from_srgb(contact_sheet(pictures, _COLUMNS, _CELL_PX)).linear)
     return relit

@@ -32,6 +32,7 @@ def test_every_channel_is_a_picture_and_a_layer(relight, photo, tmp_path):
         assert Image.open(folder / name).mode == "RGB"
     layers = OpenEXR.File(str(folder / "channels.exr")).channels()
     assert {"RGB", "albedo", "normal", "specular", "shadow", "parsing"} <= set(layers)
+    assert np.all(layers["RGB"].pixels == 0.25)
     assert np.all(layers["parsing"].pixels == 1.0)
     assert np.all(layers["normal"].pixels == [0.0, 0.0, 1.0])
 

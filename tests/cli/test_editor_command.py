@@ -14,6 +14,7 @@ def opened(monkeypatch):
     """What the editor was opened with."""
     calls = []
     window = ModuleType("app.window.run")
+    window.NoDisplayError = type("NoDisplayError", (RuntimeError,), {})
     window.run_editor = lambda photo, light: calls.append((photo, light)) or 0
     monkeypatch.setitem(sys.modules, "app.window.run", window)
     return calls
@@ -57,6 +58,29 @@ def test_with_a_display_the_editor_opens(relight, opened, photo, monkeypatch, wo
     monkeypatch.setattr(edit, "has_display", lambda: True)
     assert relight(photo, *words).code == 0
     assert opened == [(photo, light)]
+
+
+def test_a_display_that_fails_is_as_none(relight, opened, photo, tmp_path, monkeypatch):
+    window = sys.modules["app.window.run"]
+
+    def fail(_photo, _light):
+        raise window.NoDisplayError("the display has no OpenGL")
+
+    monkeypatch.setattr(window, "run_editor", fail)
+    monkeypatch.setattr(edit, "has_display", lambda: True)
+    monkeypatch.chdir(tmp_path)
+    done = relight(photo, "--light", "ring")
+    assert done.code == 0
+    assert "the display has no OpenGL" in done.out
+    assert (tmp_path / "out" / "relit-ring.png").is_file()
+
+
+def test_an_unknown_light_is_told_before_anything_opens(relight, opened, photo, monkeypatch):
+    monkeypatch.setattr(edit, "has_display", lambda: True)
+    done = relight(photo, "--light", "rembrant")
+    assert done.code == 2
+    assert "rembrandt" in done.err
+    assert opened == []
 
 
 def test_the_editor_opens_on_the_sample_portrait(relight, opened, monkeypatch):
