@@ -14,6 +14,7 @@ from relight_core.imaging.resampling import resize_area
 
 _LONG_SIDE_PX = 800
 _LARGEST_GROWTH = 3.0
+_BEYOND_DOUBT_VOTES = 40
 _TILTS_DEG = (-30.0, 30.0)
 
 
@@ -43,8 +44,8 @@ class FaceBox:
 def find_faces(photo: Photo) -> list[FaceBox]:
     """Find faces with OpenCV's Haar cascades (Viola and Jones 2001).
 
-    Upright frontal faces; where there are none, faces in profile; where there are none, faces tilted in
-    the image by about 30 degrees.
+    Upright frontal faces; where none of them is beyond doubt, faces in profile and faces tilted in the
+    image by about 30 degrees too.
 
     Returns:
         Largest first, small doubtful ones last; empty when there is none.
@@ -52,24 +53,33 @@ def find_faces(photo: Photo) -> list[FaceBox]:
     grey, scale = _detection_view(photo.linear)
     if min(grey.shape) < 24:
         return []
-    found = frontal_candidates(grey) or profile_candidates(grey) or _tilted_candidates(grey)
-    found = _without_nested(sorted(found, key=_weight, reverse=True))
+    found = frontal_candidates(grey)
+    if not any(candidate.votes >= _BEYOND_DOUBT_VOTES for candidate in found):
+        found += profile_candidates(grey) or _tilted_candidates(grey)
+    found = _plausible(sorted(found, key=_weight, reverse=True))
     return [FaceBox(*(float(edge) / scale for edge in candidate.box)) for candidate in found]
 
 
 def _weight(candidate: Candidate) -> float:
-    """Area times confidence; about 30 votes make a sure face."""
+    """Area times confidence."""
     width, height = candidate.box[2:] - candidate.box[:2]
-    return float(width * height) * min(candidate.votes / 30.0, 1.0)
+    return float(width * height) * min(candidate.votes / _BEYOND_DOUBT_VOTES, 1.0)
 
 
-def _without_nested(found: list[Candidate]) -> list[Candidate]:
-    """Drop boxes that lie mostly within a better one, such as a mouth taken for a face."""
+def _plausible(found: list[Candidate]) -> list[Candidate]:
+    """Drop boxes mostly within a better one, such as a mouth taken for a face, and tiny doubtful ones."""
     kept: list[Candidate] = []
     for candidate in found:
+        tiny = kept and _width(candidate) < _width(kept[0]) / 3
+        if tiny and candidate.votes < _BEYOND_DOUBT_VOTES:
+            continue
         if not any(_share_within(candidate.box, better.box) > 0.5 for better in kept):
             kept.append(candidate)
     return kept
+
+
+def _width(candidate: Candidate) -> float:
+    return float(candidate.box[2] - candidate.box[0])
 
 
 def _share_within(box: np.ndarray, other: np.ndarray) -> float:

@@ -38,7 +38,8 @@ def paste_crop(
     if base.ndim == 3:
         share = share[..., None]
     under = pasted[y0:y1, x0:x1]
-    under += share * (_fit(relit, crop, place) - under)
+    under *= 1.0 - share
+    under += share * _fit(relit, crop, place)
     return pasted
 
 

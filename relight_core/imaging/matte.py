@@ -86,7 +86,7 @@ def foreground_colour(linear: np.ndarray, matte: np.ndarray) -> np.ndarray:
         return image
     size = _at_most(share.shape, _FUSION_PX)
     small, small_share = resize_area(image, size), np.clip(resize_area(share, size), 0.0, 1.0)
-    wide = max(round(max(size) / 24), 4)
+    wide = max(round(max(size) / 24), 12)
     foreground, background = _side_means(small, small, small_share, wide)
     remainder = _remainder(small, small_share, foreground, background)
     foreground = np.maximum(foreground + small_share[..., None] * remainder, 0.0)

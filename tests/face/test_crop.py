@@ -1,0 +1,125 @@
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from relight_core.face.crop import Crop, box_from_parsing, crop_for_face, crop_with_padding
+from relight_core.face.find import FaceBox
+
+SKIN, HAIR, NOSE = 1, 10, 6
+RNG = np.random.default_rng(4)
+
+
+def test_points_go_to_the_photo_and_back():
+    crop = Crop(310.5, 200.0, 400.0)
+    points = RNG.uniform(0, 256, (10, 2))
+    np.testing.assert_allclose(crop.from_photo(crop.to_photo(points, 256), 256), points)
+    np.testing.assert_allclose(crop.to_photo(np.array([0, 0]), 256), [110.5, 0.0])
+    np.testing.assert_allclose(crop.to_photo(np.array([256, 256]), 256), [510.5, 400.0])
+
+
+def test_extract_takes_what_lies_at_those_points():
+    y, x = np.mgrid[0:300, 0:400] + 0.5
+    image = np.dstack([x, y]).astype(np.float32)
+    for crop, size in ((Crop(200.0, 150.0, 100.0), 32), (Crop(180.3, 120.7, 20.0), 64)):
+        centres = np.stack(np.meshgrid(np.arange(size) + 0.5, np.arange(size) + 0.5), axis=-1)
+        np.testing.assert_allclose(crop.extract(image, size), crop.to_photo(centres, size), atol=0.1)
+
+
+def test_shrinking_averages_everything():
+    checks = (np.indices((256, 256)).sum(axis=0) % 2).astype(np.float32)
+    np.testing.assert_allclose(Crop(128.0, 128.0, 256.0).extract(checks, 32), 0.5, atol=1e-6)
+    spark = np.zeros((256, 256), np.float32)
+    spark[101, 77] = 64.0
+    assert Crop(128.0, 128.0, 256.0).extract(spark, 32).sum() == pytest.approx(1.0)
+
+
+def test_beyond_the_border_the_edge_goes_on():
+    image = np.zeros((50, 50, 3), np.float32)
+    image[:, :25] = 1.0
+    crop = Crop(25.0, 25.0, 150.0).extract(image, 30)
+    np.testing.assert_allclose(crop[:, :14], 1.0)
+    np.testing.assert_allclose(crop[:, 16:], 0.0)
+    assert Crop(-500.0, 900.0, 20.0).extract(image, 8).min() == 1.0
+
+
+def test_a_padded_crop_copies_whole_pixels():
+    image = RNG.random((300, 300, 3)).astype(np.float32)
+    crop = crop_with_padding(FaceBox(100.3, 90.2, 190.8, 185.9))
+    x0, y0, x1, y1 = crop.window
+    assert all(edge == int(edge) for edge in crop.window)
+    np.testing.assert_array_equal(
+        crop.extract(image, int(crop.side)), image[int(y0) : int(y1), int(x0) : int(x1)]
+    )
+
+
+POSITION, LENGTH = st.floats(-100, 2000), st.floats(40, 900)
+
+
+@given(POSITION, POSITION, LENGTH, LENGTH, st.floats(20, 40))
+def test_the_padding_is_kept_at_256(x0, y0, width, height, padding_px):
+    crop = crop_with_padding(FaceBox(x0, y0, x0 + width, y0 + height), padding_px)
+    (left, top), (right, bottom) = crop.from_photo(np.array([[x0, y0], [x0 + width, y0 + height]]), 256)
+    pixel = 256 / crop.side
+    horizontal, vertical = min(left, 256 - right), min(top, 256 - bottom)
+    assert min(horizontal, vertical) == pytest.approx(padding_px, abs=2 * pixel)
+    assert abs((left + right) / 2 - 128) <= pixel
+    assert abs((top + bottom) / 2 - 128) <= pixel
+
+
+def test_the_first_crop_has_room_for_the_forehead():
+    box = FaceBox(100.0, 100.0, 200.0, 200.0)
+    crop = crop_for_face(box)
+    (left, brow), (right, chin) = crop.from_photo(np.array([[100, 100], [200, 200]]), 256)
+    assert chin == pytest.approx(256 - 30, abs=3)
+    assert 30 + 30 < brow < 30 + 60
+    assert left > 30
+    assert right < 226
+
+
+def test_no_room_and_no_box():
+    with pytest.raises(ValueError, match="padding"):
+        crop_with_padding(FaceBox(0, 0, 10, 10), 128, 256)
+    for side in (0.0, -3.0, float("nan"), float("inf")):
+        with pytest.raises(ValueError, match="crop"):
+            Crop(0.0, 0.0, side)
+    assert crop_with_padding(FaceBox(5.0, 5.0, 5.0, 5.0)).side == 1.0
+
+
+def parsing(face=(60, 50, 180, 200), size=256):
+    labels = np.zeros((size, size), np.int64)
+    labels[:40] = HAIR
+    x0, y0, x1, y1 = face
+    labels[y0:y1, x0:x1] = SKIN
+    labels[y0 + 60 : y0 + 80, x0 + 50 : x0 + 70] = NOSE
+    return labels
+
+
+def test_the_parsing_box_is_the_face_in_the_photo():
+    crop = Crop(512.0, 300.0, 512.0)
+    box = box_from_parsing(parsing(), crop)
+    left, top = 512 - 256, 300 - 256
+    assert (box.x0, box.y0, box.x1, box.y1) == (left + 120, top + 100, left + 360, top + 400)
+
+
+def test_specks_and_hair_do_not_count():
+    labels = parsing()
+    labels[250, 3] = SKIN
+    labels[5:9, 240:246] = NOSE
+    assert box_from_parsing(labels, Crop(0, 0, 256)) == box_from_parsing(parsing(), Crop(0, 0, 256))
+
+
+def test_without_a_face_there_is_no_box():
+    crop = Crop(128, 128, 256)
+    assert box_from_parsing(np.zeros((256, 256), int), crop) is None
+    assert box_from_parsing(np.full((256, 256), HAIR), crop) is None
+    assert box_from_parsing(parsing(face=(10, 50, 14, 54)) * 0 + (np.arange(256) == 3), crop) is None
+
+
+def test_refining_a_crop_settles_at_once():
+    rng_box = FaceBox(200.0, 180.0, 320.0, 330.0)
+    crop = crop_for_face(rng_box)
+    x0, y0 = np.rint(crop.from_photo(np.array([205, 150]), 256)).astype(int)
+    x1, y1 = np.rint(crop.from_photo(np.array([315, 330]), 256)).astype(int)
+    box = box_from_parsing(parsing(face=(x0, y0, x1, y1)), crop)
+    assert (box.x0, box.y0, box.x1, box.y1) == pytest.approx((205, 150, 315, 330), abs=1.0)

@@ -1,0 +1,91 @@
+import numpy as np
+import pytest
+import skimage.data
+
+from relight_core.face.find import find_faces
+from relight_core.imaging.photo import Photo
+
+ASTRONAUT = skimage.data.astronaut()
+# Brow to chin, cheek to cheek, measured by eye in the 512 x 512 picture.
+FACE = (186.0, 92.0, 262.0, 170.0)
+
+
+def share_in_common(box, truth):
+    width = min(box.x1, truth[2]) - max(box.x0, truth[0])
+    height = min(box.y1, truth[3]) - max(box.y0, truth[1])
+    if width <= 0 or height <= 0:
+        return 0.0
+    areas = box.width * box.height + (truth[2] - truth[0]) * (truth[3] - truth[1])
+    return width * height / (areas - width * height)
+
+
+def found_in(srgb):
+    return find_faces(Photo.from_srgb(np.ascontiguousarray(srgb)))
+
+
+def test_the_sample_portrait_has_one_face():
+    boxes = found_in(ASTRONAUT)
+    assert len(boxes) == 1
+    assert share_in_common(boxes[0], FACE) > 0.8
+
+
+@pytest.mark.parametrize("exposure", [0.02, 8.0])
+def test_dark_and_overbright_photos(exposure):
+    linear = Photo.from_srgb(ASTRONAUT).linear * np.float32(exposure)
+    assert share_in_common(find_faces(Photo(linear))[0], FACE) > 0.7
+
+
+def test_the_box_follows_the_face():
+    moved = np.pad(ASTRONAUT, ((100, 0), (60, 200), (0, 0)), mode="edge")
+    box = found_in(moved)[0]
+    assert share_in_common(box, (FACE[0] + 60, FACE[1] + 100, FACE[2] + 60, FACE[3] + 100)) > 0.7
+
+
+def test_small_photos_are_enlarged_to_look_at():
+    box = found_in(ASTRONAUT[40:220:2, 120:320:2])[0]
+    assert share_in_common(box, tuple((np.array(FACE) - (120, 40, 120, 40)) / 2)) > 0.7
+
+
+def test_two_faces_come_largest_first():
+    face = ASTRONAUT[20:240, 120:340]
+    pair = np.full((260, 500, 3), 128, np.uint8)
+    pair[20:130, 40:150] = face[::2, ::2]
+    pair[20:240, 220:440] = face
+    boxes = found_in(pair)
+    assert len(boxes) == 2
+    assert boxes[0].width > 1.5 * boxes[1].width
+    assert boxes[0].x0 > 220 > boxes[1].x1
+
+
+def test_a_tilted_head_is_found():
+    from skimage.transform import rotate
+
+    tilted = rotate(ASTRONAUT[:300, 70:370], 33, mode="edge", preserve_range=True).astype(np.uint8)
+    boxes = found_in(tilted)
+    assert boxes
+    centre = np.array([boxes[0].x0 + boxes[0].x1, boxes[0].y0 + boxes[0].y1]) / 2
+    angle = np.radians(33)
+    offset = np.array([(FACE[0] + FACE[2]) / 2 - 70 - 150, (FACE[1] + FACE[3]) / 2 - 150])
+    turn = np.array([[np.cos(angle), np.sin(angle)], [-np.sin(angle), np.cos(angle)]])
+    assert np.hypot(*(centre - 150 - turn @ offset)) < 20
+
+
+@pytest.mark.parametrize("name", ["coffee", "chelsea", "rocket"])
+def test_pictures_without_people_have_no_face(name):
+    assert found_in(getattr(skimage.data, name)()) == []
+
+
+@pytest.mark.parametrize("size", [(1, 1), (5, 5), (2, 900), (300, 7), (40, 40)])
+def test_odd_sizes_have_no_face(size):
+    noise = np.random.default_rng(0).integers(0, 256, (*size, 3)).astype(np.uint8)
+    assert found_in(noise) == []
+
+
+@pytest.mark.parametrize("level", [0.0, 0.5, 1e6])
+def test_flat_pictures_have_no_face(level):
+    assert find_faces(Photo(np.full((60, 80, 3), level, np.float32))) == []
+
+
+def test_noise_has_no_face():
+    noise = np.random.default_rng(0).integers(0, 256, (200, 300, 3)).astype(np.uint8)
+    assert found_in(noise) == []

@@ -1,0 +1,47 @@
+import numpy as np
+import pytest
+
+from relight_core.imaging.colour import luminance, srgb_decode, srgb_decode_integers, srgb_encode
+from relight_core.imaging.photo import Photo
+
+
+def test_known_points_of_the_srgb_curve():
+    linear = np.array([0.0, 0.002, 0.18, 0.5, 1.0], np.float32)
+    expected = [0.0, 0.02584, 0.46136, 0.73536, 1.0]
+    np.testing.assert_allclose(srgb_encode(linear), expected, atol=2e-5)
+
+
+def test_encode_and_decode_are_inverse_above_one_too():
+    linear = np.concatenate([np.linspace(0, 1, 500), np.geomspace(1, 1000, 50)]).astype(np.float32)
+    np.testing.assert_allclose(srgb_decode(srgb_encode(linear)), linear, rtol=2e-5, atol=1e-7)
+
+
+@pytest.mark.parametrize("kind", [np.uint8, np.uint16])
+def test_table_decode_equals_the_formula(kind):
+    codes = np.arange(0, np.iinfo(kind).max + 1, 5).astype(kind)
+    formula = srgb_decode(codes.astype(np.float64) / np.iinfo(kind).max)
+    np.testing.assert_allclose(srgb_decode_integers(codes), formula, rtol=1e-5, atol=1e-7)
+
+
+def test_luminance_of_white_is_one_and_green_weighs_most():
+    assert luminance(np.ones(3)) == pytest.approx(1.0)
+    red, green, blue = luminance(np.eye(3))
+    assert green > red > blue > 0
+
+
+def test_a_photo_refuses_what_is_no_photo():
+    good = np.zeros((4, 5, 3), np.float32)
+    Photo(good)
+    for bad in (good[..., 0], good.astype(np.float64), good[:, ::-1], np.zeros((0, 5, 3), np.float32)):
+        with pytest.raises(ValueError):
+            Photo(bad)
+    with pytest.raises(ValueError):
+        Photo(good, alpha=np.zeros((5, 4), np.float32))
+
+
+def test_photo_from_bytes_in_memory():
+    srgb = np.array([[[0, 128, 255]]], np.uint8)
+    photo = Photo.from_srgb(srgb)
+    np.testing.assert_allclose(photo.linear, [[[0.0, 0.21586, 1.0]]], atol=1e-5)
+    assert photo.bits == 8
+    assert photo.alpha is None

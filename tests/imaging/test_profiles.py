@@ -1,0 +1,134 @@
+import io
+import struct
+import zlib
+
+import cv2
+import numpy as np
+import pytest
+import tifffile
+from PIL import Image, ImageCms
+
+from relight_core.imaging.icc import matrix_profile
+from relight_core.imaging.read import read_photo
+
+SRGB = ImageCms.ImageCmsProfile(ImageCms.createProfile("sRGB")).tobytes()
+
+# XYZ (D50) of the primaries of Display P3, as its published profiles have them.
+P3 = [(0.51512, 0.24120, -0.00105), (0.29198, 0.69225, 0.04189), (0.15710, 0.06657, 0.78407)]
+
+
+def fixed(value):
+    return struct.pack(">i", round(value * 65536))
+
+
+def profile_bytes(space, tags):
+    names = list(tags)
+    offset = 132 + 12 * len(names)
+    table, body = struct.pack(">I", len(names)), b""
+    for name in names:
+        content = tags[name] + b"\0" * (-len(tags[name]) % 4)
+        table += struct.pack(">4sII", name, offset + len(body), len(tags[name]))
+        body += content
+    size = offset + len(body)
+    header = struct.pack(">I4sI4s4s4s", size, b"lcms", 0x02400000, b"mntr", space, b"XYZ ")
+    header = header.ljust(36, b"\0") + b"acsp"
+    header = header.ljust(68, b"\0") + fixed(0.9642) + fixed(1.0) + fixed(0.8249)
+    return header.ljust(128, b"\0") + table + body
+
+
+def gamma(value):
+    return b"curv\0\0\0\0" + struct.pack(">IH", 1, round(value * 256))
+
+
+def xyz(values):
+    return b"XYZ \0\0\0\0" + b"".join(fixed(value) for value in values)
+
+
+def rgb_profile(curve, columns=P3):
+    tags = {b"wtpt": xyz((0.9642, 1.0, 0.8249))}
+    for letter, column in zip(b"rgb", columns, strict=True):
+        tags[bytes([letter]) + b"XYZ"] = xyz(column)
+        tags[bytes([letter]) + b"TRC"] = curve
+    return profile_bytes(b"RGB ", tags)
+
+
+def test_srgb_profile_changes_nothing(tmp_path):
+    pixels = np.random.default_rng(0).integers(0, 256, (8, 9, 3)).astype(np.uint8)
+    Image.fromarray(pixels).save(tmp_path / "with.png", icc_profile=SRGB)
+    Image.fromarray(pixels).save(tmp_path / "without.png")
+    np.testing.assert_array_equal(
+        read_photo(tmp_path / "with.png").linear, read_photo(tmp_path / "without.png").linear
+    )
+
+
+def test_matrix_profile_agrees_with_littlecms(tmp_path):
+    profile = rgb_profile(gamma(2.2))
+    pixels = np.random.default_rng(1).integers(60, 200, (16, 16, 3)).astype(np.uint8)
+    Image.fromarray(pixels).save(tmp_path / "a.jpg", icc_profile=profile, quality=100, subsampling=0)
+    stored = Image.open(tmp_path / "a.jpg")
+    source = ImageCms.ImageCmsProfile(io.BytesIO(profile))
+    reference = ImageCms.profileToProfile(
+        stored, source, ImageCms.createProfile("sRGB"), renderingIntent=1, outputMode="RGB"
+    )
+    linear = read_photo(tmp_path / "a.jpg").linear
+    encoded = np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055) * 255
+    assert np.abs(encoded - np.asarray(reference)).max() < 1.6
+
+
+def test_white_stays_white_and_wide_red_is_clipped(tmp_path):
+    pixels = np.array([[[255, 255, 255], [255, 0, 0], [0, 0, 0]]], np.uint8)
+    Image.fromarray(pixels).save(tmp_path / "a.png", icc_profile=rgb_profile(gamma(2.2)))
+    white, red, black = read_photo(tmp_path / "a.png").linear[0]
+    np.testing.assert_allclose(white, 1.0, atol=1e-6)
+    np.testing.assert_allclose(red, (1.0, 0.0, 0.0), atol=1e-6)
+    np.testing.assert_array_equal(black, 0.0)
+
+
+@pytest.mark.parametrize("extension", [".png", ".tif"])
+def test_16_bits_with_a_profile_stay_16_bits(tmp_path, extension):
+    ramp = np.arange(30000, 30064, dtype=np.uint16)
+    pixels = np.repeat(np.repeat(ramp[None, :, None], 2, 0), 3, 2)
+    profile = rgb_profile(gamma(1.8))
+    if extension == ".tif":
+        tifffile.imwrite(tmp_path / "a.tif", pixels, photometric="rgb", iccprofile=profile)
+    else:
+        png = cv2.imencode(".png", pixels)[1].tobytes()
+        chunk = b"iCCP" + b"p\0\0" + zlib.compress(profile)
+        chunk = struct.pack(">I", len(chunk) - 4) + chunk + struct.pack(">I", zlib.crc32(chunk))
+        (tmp_path / "a.png").write_bytes(png[:33] + chunk + png[33:])
+    photo = read_photo(tmp_path / f"a{extension}")
+    assert photo.bits == 16
+    assert len(np.unique(photo.linear[0, :, 0])) == 64
+    np.testing.assert_allclose(photo.linear[0, 0], (30000 / 65535) ** 1.8, rtol=2e-3)
+
+
+def test_grey_profile(tmp_path):
+    profile = profile_bytes(b"GRAY", {b"wtpt": xyz((0.9642, 1.0, 0.8249)), b"kTRC": gamma(1.0)})
+    Image.fromarray(np.full((4, 4), 51, np.uint8)).save(tmp_path / "a.png", icc_profile=profile)
+    np.testing.assert_allclose(read_photo(tmp_path / "a.png").linear, 0.2, atol=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("kind", "numbers", "expected_at_half"),
+    [
+        (0, (2.0,), 0.25),
+        (1, (2.0, 1.2, -0.2), 0.16),
+        (2, (2.0, 1.0, -0.25, 0.1), 0.1625),
+        (3, (2.4, 1 / 1.055, 0.055 / 1.055, 1 / 12.92, 0.04045), 0.21404),
+        (4, (2.0, 1.0, 0.0, 0.5, 0.75, 0.0, 0.05), 0.30),
+    ],
+)
+def test_parametric_curves(kind, numbers, expected_at_half):
+    curve = b"para\0\0\0\0" + struct.pack(">HH", kind, 0) + b"".join(fixed(number) for number in numbers)
+    profile = matrix_profile(rgb_profile(curve, columns=P3), 3)
+    at_half = np.interp(0.5, np.linspace(0, 1, 4096), profile.curves[0])
+    assert at_half == pytest.approx(expected_at_half, abs=2e-3)
+
+
+def test_a_broken_or_foreign_profile_counts_as_none(tmp_path):
+    pixels = np.full((4, 4, 3), 128, np.uint8)
+    grey = profile_bytes(b"GRAY", {b"kTRC": gamma(1.0)})
+    for index, profile in enumerate((b"rubbish" * 40, SRGB[:200], grey, rgb_profile(b"para" + b"\xff" * 20))):
+        path = tmp_path / f"{index}.png"
+        Image.fromarray(pixels).save(path, icc_profile=profile)
+        np.testing.assert_allclose(read_photo(path).linear, 0.21586, atol=1e-4)
