@@ -1,0 +1,82 @@
+"""The editor's record: angles, quality, wishes that were refused."""
+
+import numpy as np
+import pytest
+
+from app.engine.snapshot import Message, OpenPhoto, Snapshot
+from app.engine.sources import LightSource, PhotoSource
+from app.ui.state import CHANNELS, EditorState, wrap_degrees
+from relight_core.imaging.photo import Photo
+
+
+def opened_photo(path=None):
+    photo = Photo(np.full((4, 4, 3), 0.5, np.float32), path=path)
+    return OpenPhoto(PhotoSource(photo), photo, photo.linear.astype(np.float16))
+
+
+@pytest.mark.parametrize(
+    ("given_deg", "wrapped_deg"), [(0, 0), (180, 180), (-180, 180), (181, -179), (-540, 180), (725, 5)]
+)
+def test_angles_stay_within_half_a_turn(given_deg, wrapped_deg):
+    assert wrap_degrees(given_deg) == wrapped_deg
+
+
+def test_the_filmstrip_has_nine_entries_that_the_number_keys_reach():
+    names = [name for name, _, _ in CHANNELS]
+    assert names == [
+        "photo", "albedo", "normal", "parsing", "source_light", "specular", "shadow", "composition", "result"
+    ]  # fmt: skip
+
+
+def test_quality_drops_only_while_a_hand_changes_something_the_networks_read():
+    state = EditorState()
+    assert state.request().edit.quality == "final"
+    state.hand_on_control = True
+    assert state.request().edit.quality == "final"
+    state.change(exposure_ev=1.0)
+    assert state.request().edit.quality == "final"
+    state.change(shadow=0.5)
+    assert state.request().edit.quality == "live"
+    assert state.request().edit.quality == "live"
+    state.hand_on_control = False
+    assert state.request().edit.quality == "final"
+
+
+def test_a_request_never_carries_exposure():
+    state = EditorState()
+    state.change(exposure_ev=3.0)
+    assert state.request().edit.exposure_ev == 0.0
+
+
+def test_refused_wishes_fall_back_to_what_is_in_force():
+    state = EditorState()
+    opened = opened_photo()
+    state.accept(Snapshot(opened=opened))
+    bad_photo, bad_light = PhotoSource(opened.photo), LightSource("panorama", "no.exr")
+    state.photo, state.light = bad_photo, bad_light
+    state.accept(Snapshot(opened=opened, refused=frozenset({bad_photo, bad_light})))
+    assert state.photo is opened.source
+    assert state.light.kind == "rig"
+
+
+def test_a_message_stays_away_once_put_away_but_the_next_one_shows():
+    state = EditorState()
+    state.accept(Snapshot(message=Message(1, "no")))
+    assert state.message().text == "no"
+    state.dismissed = 1
+    assert state.message() is None
+    state.accept(Snapshot(message=Message(2, "no")))
+    assert state.message().number == 2
+
+
+def test_choosing_a_face_keeps_the_decoded_photo_and_the_export_path(tmp_path):
+    state = EditorState()
+    opened = opened_photo(tmp_path / "two.png")
+    state.accept(Snapshot(opened=opened))
+    state.export_path = "elsewhere.png"
+    state.choose_face(1)
+    assert state.photo.place is opened.photo
+    assert state.photo.face_index == 1
+    again = OpenPhoto(state.photo, opened.photo, opened.screen)
+    state.accept(Snapshot(opened=again))
+    assert state.export_path == "elsewhere.png"

@@ -1,0 +1,57 @@
+"""Zoom, pan and fit: pure geometry."""
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from app.ui.view import View, pan, place, zoom_about
+
+VIEWPORT = (800, 500)
+sizes = st.tuples(st.integers(1, 9000), st.integers(1, 9000))
+points = st.tuples(st.floats(0, 800), st.floats(0, 500))
+
+
+@given(sizes)
+def test_fit_shows_the_whole_picture_centred_and_touches_the_margin(picture):
+    spot = place(View(), picture, VIEWPORT)
+    assert spot.x >= 15
+    assert spot.y >= 15
+    assert spot.x + spot.width <= 785
+    assert spot.y + spot.height <= 485
+    assert max(spot.width / 768, spot.height / 468) == pytest.approx(1.0)
+    assert spot.width / spot.height == pytest.approx(picture[0] / picture[1])
+
+
+@given(points, st.floats(0.5, 2.0))
+def test_zooming_keeps_the_point_under_the_mouse(at, factor):
+    picture = (640, 480)
+    view = View(False, 1.3, 300.0, 200.0)
+    before = place(view, picture, VIEWPORT)
+    after = place(zoom_about(view, factor, at, picture, VIEWPORT), picture, VIEWPORT)
+    for axis, start, end in ((0, before.x, after.x), (1, before.y, after.y)):
+        point_before = (at[axis] - start) / before.zoom
+        point_after = (at[axis] - end) / after.zoom
+        assert point_before == pytest.approx(point_after, abs=2.0)
+    assert after.zoom == pytest.approx(1.3 * factor)
+
+
+def test_zoom_has_ends():
+    far, near = View(), View()
+    for _ in range(200):
+        far, near = (zoom_about(v, f, (9, 9), (64, 64), VIEWPORT) for v, f in ((far, 0.5), (near, 2.0)))
+    assert far.zoom == 0.02
+    assert near.zoom == 64.0
+
+
+def test_panning_moves_with_the_mouse_and_never_loses_the_picture():
+    picture = (640, 480)
+    start = View(False, 2.0, 320.0, 240.0)
+    moved = pan(start, 30, -12, picture, VIEWPORT)
+    assert place(moved, picture, VIEWPORT).x - place(start, picture, VIEWPORT).x == 30
+    assert place(moved, picture, VIEWPORT).y - place(start, picture, VIEWPORT).y == -12
+    lost = pan(start, 1e9, -1e9, picture, VIEWPORT)
+    spot = place(lost, picture, VIEWPORT)
+    assert spot.x < 800
+    assert spot.x + spot.width > 0
+    assert spot.y < 500
+    assert spot.y + spot.height > 0
