@@ -14,7 +14,7 @@ _WORKING_PX = 1024
 _SEGMENT_PX = 320
 _FUSION_PX = 512
 _SURE = 0.9
-_EDGE_EPS = 1e-4
+_EDGE_CODES = 3.0
 
 
 def refine_matte(
@@ -41,7 +41,7 @@ def refine_matte(
     size = linear.shape[:2]
     guide = np.ascontiguousarray(apply_view(resize_area(linear, _at_most(size, _WORKING_PX))))
     mask = resize_smooth(_whole_person(guide, person, crop, size), guide.shape[:2])
-    radius = max(round(max(guide.shape) / 100), 2)
+    radius = max(round(max(guide.shape) / 50), 2)
     edges = _guided(guide, mask, radius)
     matte = np.clip((edges - 0.1) / 0.8, 0.0, 1.0)
     if guide.shape[:2] != size:
@@ -122,8 +122,13 @@ def _at_most(size: tuple[int, int], longest: int) -> tuple[int, int]:
 
 
 def _guided(guide: np.ndarray, mask: np.ndarray, radius: int) -> np.ndarray:
-    """Guided filter of a mask by an sRGB image. Both are finite: one NaN would spread over its window."""
-    return cv2.ximgproc.guidedFilter(guide, np.ascontiguousarray(mask, np.float32), radius, _EDGE_EPS)
+    """Guided filter of a mask by an sRGB image. Both are finite: one NaN would spread over its window.
+
+    The guide goes in as codes up to 255: with colours up to 1 OpenCV takes the covariance of any calm
+    window for singular, and blurs.
+    """
+    codes = np.ascontiguousarray(guide * np.float32(255.0))
+    return cv2.ximgproc.guidedFilter(codes, np.ascontiguousarray(mask, np.float32), radius, _EDGE_CODES**2)
 
 
 def _whole_person(

@@ -31,7 +31,7 @@ def test_edges_move_onto_the_photo_and_the_body_beyond_the_crop_is_found():
     assert matte.dtype == np.float32
     assert matte.min() >= 0.0
     assert matte.max() <= 1.0
-    assert np.abs(matte - truth).mean() < 0.03
+    assert np.abs(matte - truth).mean() < 0.005
     assert matte[230, 60:140].mean() > 0.95
     assert matte[:20].mean() < 0.02
 
