@@ -24,6 +24,8 @@ from relight_core.lighting.environment import Environment, read_environment
 from relight_core.pipeline.edit import Edit
 
 _OWN = LightSource("own")
+_AT_REST = "final"
+"""The quality of pictures at rest: de-lighting at that quality is needed anyway, and then reused."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -143,7 +145,7 @@ class Desk:
             photo = read_photo(Path(source.name))
             self._portrait = None
             self._relighter.set_portrait(photo)
-        return self._relighter.estimated_light()
+        return self._relighter.estimated_light(_AT_REST)
 
     def _skip(self, key: tuple, now: Snapshot) -> Snapshot:
         self._failed = key

@@ -26,8 +26,8 @@ class RelighterLike(Protocol):
     def relight(self, environment: Environment, edit: Edit) -> RelitLike:
         """The portrait under a light; fast."""
 
-    def estimated_light(self) -> Environment:
-        """The light the portrait was taken under."""
+    def estimated_light(self, quality: str = "live") -> Environment:
+        """The light the portrait was taken under, as de-lighting at that quality sees it."""
 
 
 class RelitLike(Protocol):

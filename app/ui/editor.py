@@ -34,7 +34,9 @@ def draw(state: EditorState, fonts: theme.Fonts, pictures: Pictures, shelf: ligh
     with _panel("light", layout.light):
         light_panel.draw(state, fonts, pictures, shelf)
     with _panel("effects", layout.effects):
+        imgui.begin_child("controls")
         effects_panel.draw(state, fonts)
+        imgui.end_child()
     with _panel("viewport", layout.viewport, padding=(0.0, 0.0)):
         viewport_panel.draw(state, fonts, pictures, layout.viewport)
     with _panel("filmstrip", layout.filmstrip, padding=(14.0, 7.0)):
@@ -48,7 +50,9 @@ def _panel(name: str, rect: Rect, padding: tuple[float, float] | None = None) ->
     imgui.set_next_window_pos(imgui.ImVec2(rect.x, rect.y))
     imgui.set_next_window_size(imgui.ImVec2(rect.width, rect.height))
     if padding is not None:
-        imgui.push_style_var(imgui.StyleVar_.window_padding, imgui.ImVec2(*padding))
+        scale = imgui.get_font_size() / theme.FONT_PX
+        scaled = imgui.ImVec2(padding[0] * scale, padding[1] * scale)
+        imgui.push_style_var(imgui.StyleVar_.window_padding, scaled)
     imgui.begin(name, None, _FLAGS)
     if padding is not None:
         imgui.pop_style_var()

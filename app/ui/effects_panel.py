@@ -24,7 +24,7 @@ BACKGROUNDS = (
     ("light", "Light", "Show what the light looks like behind the person."),
     ("transparent", "None", "Cut the person out: a transparent background."),
 )
-_MOST_FACES = 6
+MOST_FACES = 6
 _KEYS = (
     ("Space", "hold to see the photo"),
     ("1 – 9", "show a channel"),
@@ -63,15 +63,19 @@ def _effects(state: EditorState, fonts: theme.Fonts) -> None:
 
 def _faces(state: EditorState, fonts: theme.Fonts) -> None:
     opened, faces = state.snapshot.opened, state.snapshot.faces
+    state.pointing_at_faces = False
     if opened is None or not faces or len(faces) < 2:
         return
     widgets.heading(fonts, "Face")
-    count = min(len(faces), _MOST_FACES)
+    count = min(len(faces), MOST_FACES)
     choices = tuple(
         (str(index), str(index + 1), "Relight this person; 1 is the largest face.") for index in range(count)
     )
     current = str(opened.source.face_index or 0)
+    imgui.begin_group()
     chosen = widgets.segmented(choices, current)
+    imgui.end_group()
+    state.pointing_at_faces = imgui.is_item_hovered()
     if chosen != current:
         state.choose_face(int(chosen))
     widgets.gap(0.8)

@@ -46,6 +46,7 @@ class EditorState:
         typing: which slider has its number typed in, if any.
         typing_began: the typing field still has to take the keyboard.
         hand_on_control: a slider or the panorama is being dragged, so speed counts more than finish.
+        pointing_at_faces: the mouse is on the choice of faces, so that the viewport shows which is which.
         asked: the edit last asked of the engine.
         snapshot: the engine's newest.
         light_panel: the light panel's rectangle (x0, y0, x1, y1) in the window, for drops.
@@ -65,6 +66,7 @@ class EditorState:
     typing: str | None = None
     typing_began: bool = False
     hand_on_control: bool = False
+    pointing_at_faces: bool = False
     asked: Edit = field(default_factory=Edit)
     snapshot: Snapshot = field(default_factory=Snapshot)
     light_panel: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 0.0)

@@ -48,7 +48,7 @@ def _timing(state: EditorState) -> str:
     if picture is None:
         return ""
     total = sum(stage.ms for stage in picture.relit.stages.values() if stage.state == "computed")
-    return f"Relit in {total:.0f} ms"
+    return f"Relit in {total:.0f} ms" if total < 1000 else f"Relit in {total / 1000:.1f} s"
 
 
 def _stages(state: EditorState) -> str:

@@ -5,10 +5,11 @@ from __future__ import annotations
 from imgui_bundle import imgui
 
 from app.ui import theme, widgets
+from app.ui.effects_panel import MOST_FACES
 from app.ui.layout import Rect
 from app.ui.pictures import Pictures
 from app.ui.state import CHANNELS, PHOTO, RESULT, EditorState
-from app.ui.view import View, pan, place, zoom_about
+from app.ui.view import Placement, View, pan, place, zoom_about
 
 DEGREES_PER_STEP = 5.0
 ZOOM_PER_STEP = 1.2
@@ -34,6 +35,9 @@ def draw(state: EditorState, fonts: theme.Fonts, pictures: Pictures, rect: Rect)
         _empty(state, fonts, rect)
     else:
         _corner_note(state, name, placement.zoom, rect)
+        if state.pointing_at_faces and name in (PHOTO, RESULT):
+            _faces(state, placement, rect, scale)
+        _progress_note(state, rect)
 
 
 def zoom_by(state: EditorState, factor: float, size: tuple[int, int]) -> None:
@@ -65,10 +69,39 @@ def _corner_note(state: EditorState, name: str, zoom: float, rect: Rect) -> None
     if name != RESULT:
         label = "Before" if name == PHOTO and state.before else _TITLES[name]
         words = f"{label}   {words}"
+    width = imgui.calc_text_size(words).x
+    em = imgui.get_font_size()
+    _note(words, rect.x + rect.width - width - 1.4 * em, rect.y + rect.height - 2.2 * em)
+
+
+def _faces(state: EditorState, placement: Placement, rect: Rect, scale: imgui.ImVec2) -> None:
+    """A numbered frame around every face."""
+    photo_width = state.snapshot.opened.photo.linear.shape[1]
+    grown = placement.width / photo_width
+    draw_list = imgui.get_window_draw_list()
+    for index, box in enumerate(state.snapshot.faces[:MOST_FACES]):
+        x0, x1 = (rect.x + (placement.x + edge * grown) / scale.x for edge in (box.x0, box.x1))
+        y0, y1 = (rect.y + (placement.y + edge * grown) / scale.y for edge in (box.y0, box.y1))
+        draw_list.add_rect(imgui.ImVec2(x0, y0), imgui.ImVec2(x1, y1), theme.packed(theme.ACCENT), 4.0, 2.0)
+        _note(str(index + 1), x0 + 4.0, y0 + 4.0)
+
+
+def _progress_note(state: EditorState, rect: Rect) -> None:
+    """What runs, over the photo, as long as there is nothing newer of it to look at."""
+    snapshot = state.snapshot
+    if snapshot.activity is None or (snapshot.picture and snapshot.picture.opened is snapshot.opened):
+        return
+    words = f"{snapshot.activity}…"
     em = imgui.get_font_size()
     width = imgui.calc_text_size(words).x
-    corner = imgui.ImVec2(rect.x + rect.width - width - 1.4 * em, rect.y + rect.height - 2.2 * em)
-    end = imgui.ImVec2(corner.x + width + em, corner.y + 1.5 * em)
+    _note(words, rect.x + (rect.width - width - em) / 2, rect.y + rect.height - 2.2 * em)
+
+
+def _note(words: str, x: float, y: float) -> None:
+    """Words on a dark pill, their rectangle's top left corner at x, y."""
+    em = imgui.get_font_size()
+    corner = imgui.ImVec2(x, y)
+    end = imgui.ImVec2(x + imgui.calc_text_size(words).x + em, y + 1.5 * em)
     draw_list = imgui.get_window_draw_list()
     draw_list.add_rect_filled(corner, end, theme.packed((0.05, 0.05, 0.05, 1.0), 0.72), 4.0)
     text_at = imgui.ImVec2(corner.x + 0.5 * em, corner.y + 0.22 * em)

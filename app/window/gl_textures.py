@@ -93,6 +93,8 @@ class Canvas:
     def close(self) -> None:
         """Free it."""
         if self.framebuffer is not None:
+            # moderngl binds what was in use again when it makes a framebuffer; that must not be a freed one.
+            self._context.screen.use()
             self.texture.release()
             self.framebuffer.release()
             self.framebuffer = None

@@ -64,7 +64,7 @@ class EditorWindow:
         self.engine = Engine(make_relighter, glfw.post_empty_event, on_engine_start)
         self.exporter = Exporter(self.engine.say)
         self.pictures = GlPictures(self.context, self.shelf, theme.CANVAS_SRGB)
-        self._binding = Binding(self.handle, self._scale())
+        self._binding = Binding(self.handle, self._scale(glfw.get_window_content_scale(self.handle)[0]))
         self._submitted = Request()
         self._lively_until = time.monotonic() + _LIVELY_S
         self._title = ""
@@ -150,9 +150,9 @@ class EditorWindow:
         """The window gained or lost the keyboard."""
         self._binding.focus(bool(has_focus))
 
-    def on_scale(self, _handle, _x: float, _y: float) -> None:
+    def on_scale(self, _handle, x: float, _y: float) -> None:
         """The window moved to a display of another scale."""
-        self._binding.set_scale(self._scale())
+        self._binding.set_scale(self._scale(x))
 
     def on_drop(self, _handle, paths: list[str], position: tuple[float, float] | None = None) -> None:
         """Files were dropped, where the mouse is unless `position` says otherwise."""
@@ -172,9 +172,8 @@ class EditorWindow:
         glfw.set_window_content_scale_callback(handle, self.on_scale)
         glfw.set_drop_callback(handle, self.on_drop)
 
-    def _scale(self) -> float:
+    def _scale(self, content: float) -> float:
         """Window units per unit of the design; systems that scale the framebuffer instead have 1."""
-        content = glfw.get_window_content_scale(self.handle)[0]
         framebuffer, window = glfw.get_framebuffer_size(self.handle)[0], glfw.get_window_size(self.handle)[0]
         return max(1.0, content * window / framebuffer) if framebuffer and window else 1.0
 

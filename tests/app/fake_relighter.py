@@ -52,7 +52,7 @@ class FakeRelighter:
         self.photo = photo
         self.portraits.append((photo, face_index))
 
-    def estimated_light(self):
+    def estimated_light(self, quality="live"):
         height, width = 16, 32
         radiance = np.ones((height, width, 3), np.float32) * self.photo.linear.mean(axis=(0, 1))
         return Environment.from_radiance(radiance, "estimated")

@@ -250,6 +250,20 @@ def test_a_transparent_background_shows_checks_where_nothing_is(opened):
     assert len(np.unique(pixels[40:].reshape(-1, 3), axis=0)) > 100
 
 
+def test_the_window_can_be_resized_and_scaled_at_any_time(opened):
+    for size, scale in (((1300, 900), 1.0), ((800, 560), 1.0), ((1600, 1000), 2.0), ((1024, 700), 1.0)):
+        opened.window.screenshot()
+        glfw.set_window_size(opened.window.handle, *size)
+        while glfw.get_framebuffer_size(opened.window.handle) != size:
+            glfw.wait_events()
+        opened.window.on_scale(None, scale, scale)
+        opened.frames(2)
+        assert opened.window.screenshot().shape == (size[1], size[0], 3)
+        height, width = opened.viewport().shape[:2]
+        assert height < size[1]
+        assert width < size[0]
+
+
 def test_another_photo_replaces_the_first_at_once(opened, tmp_path):
     path = tmp_path / "other.png"
     write_image(path, np.broadcast_to(np.float32([0.1, 0.6, 0.1]), (50, 40, 3)))
