@@ -16,7 +16,7 @@ from relight_core.lighting.sphere import directions, solid_angles
 
 _BIAS = 0.008
 _THICKNESS = 0.9
-_DIRECTIONS_AT_ONCE = 16
+_DIRECTIONS_AT_ONCE = 64
 
 
 @dataclass(frozen=True)

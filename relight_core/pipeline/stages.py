@@ -9,7 +9,7 @@ import numpy as np
 import torch
 import torch.nn.functional as F
 
-from relight_core.face.parsing import INDEX
+from relight_core.face.silhouette import solid_person
 from relight_core.imaging.tensor_colour import srgb_decode, srgb_encode
 from relight_core.lighting.reflection import ReflectionTable
 from relight_core.lighting.relief import ReliefTransport, march_relief
@@ -29,6 +29,7 @@ class Surface:
         normal: unit vectors, camera space.
         relief: height toward the camera, in half-widths of the view.
         parsing: probabilities of the parsing classes.
+        person: (1, 1, S, S) probability that a pixel is person: the parsing's, made solid.
         source_light: (1, 16, 32, 3) the light the photo was taken under, mean about 1.
     """
 
@@ -37,12 +38,8 @@ class Surface:
     normal: torch.Tensor
     relief: torch.Tensor
     parsing: torch.Tensor
+    person: torch.Tensor
     source_light: torch.Tensor
-
-    @property
-    def person(self) -> torch.Tensor:
-        """(1, 1, S, S) probability that a pixel is not background."""
-        return 1 - self.parsing[:, INDEX["background"], None]
 
 
 def inference_precision(device: str) -> AbstractContextManager:
@@ -63,12 +60,15 @@ def delight(bundle: NetworkBundle, photo: np.ndarray, device: str = "cpu") -> Su
     with inference_precision(device):
         found = bundle.delight(srgb_encode(linear).contiguous(memory_format=torch.channels_last))
     size = photo.shape[0]
+    parsing = torch.softmax(found.parsing_logits.float(), 1)
+    person = torch.from_numpy(solid_person(parsing[0].cpu().numpy()))[None, None].to(device)
     return Surface(
         photo=linear,
         albedo=srgb_decode(found.albedo_srgb.float()),
         normal=found.normal.float(),
         relief=found.relief.float() * (2 * _RELIEF_UNIT_PX / size),
-        parsing=torch.softmax(found.parsing_logits.float(), 1),
+        parsing=parsing,
+        person=person,
         source_light=found.light.float(),
     )
 

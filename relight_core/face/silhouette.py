@@ -1,0 +1,47 @@
+"""The person as one solid shape: what a parsing map leaves out inside a head is head all the same."""
+
+from __future__ import annotations
+
+import cv2
+import numpy as np
+
+from relight_core.face.parsing import INDEX, PAPER_CLASSES
+
+_CLOSING_SHARE = 1 / 24
+
+
+def solid_person(parsing: np.ndarray) -> np.ndarray:
+    """Probability of person with the holes filled and what hangs on to no face left out.
+
+    Args:
+        parsing: (classes, S, S) probabilities.
+
+    Returns:
+        (S, S) float32 in [0, 1]; as the parsing has it where it finds no face.
+    """
+    person = np.clip(1 - parsing[INDEX["background"]], 0, 1).astype(np.float32)
+    face = parsing[[INDEX[name] for name in PAPER_CLASSES]].sum(0) > 0.5
+    solid = (person > 0.5).astype(np.uint8)
+    _, parts = cv2.connectedComponents(solid)
+    counts = np.bincount(parts[face & (solid > 0)], minlength=2)
+    counts[0] = 0
+    if counts.max() == 0:
+        return person
+    body = (parts == counts.argmax()).astype(np.uint8)
+    filled = _without_holes(body)
+    edge = np.maximum(person, cv2.GaussianBlur(filled.astype(np.float32), (0, 0), 0.8) * filled)
+    near = cv2.dilate(filled, np.ones((5, 5), np.uint8))
+    return (edge * near).astype(np.float32)
+
+
+def _without_holes(body: np.ndarray) -> np.ndarray:
+    """Close gaps up to a small share of the image, then fill what is enclosed."""
+    size = len(body)
+    span = 2 * max(round(size * _CLOSING_SHARE / 2), 1) + 1
+    kernel = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (span, span))
+    padded = cv2.copyMakeBorder(body, span, span, span, span, cv2.BORDER_REPLICATE)
+    closed = cv2.morphologyEx(padded, cv2.MORPH_CLOSE, kernel)[span:-span, span:-span]
+    outlines, _ = cv2.findContours(closed, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
+    filled = np.zeros_like(closed)
+    cv2.drawContours(filled, outlines, -1, 1, cv2.FILLED)
+    return np.maximum(filled, body)

@@ -1,0 +1,47 @@
+"""The solid person: holes filled, strangers left out, and nothing claimed where there is no face."""
+
+import numpy as np
+
+from relight_core.face.silhouette import solid_person
+
+BACKGROUND, SKIN, HAIR, CLASSES = 0, 1, 10, 14
+
+
+def parsing_of(labels: np.ndarray) -> np.ndarray:
+    return np.eye(CLASSES, dtype=np.float32)[labels].transpose(2, 0, 1)
+
+
+def head_with_hole() -> np.ndarray:
+    labels = np.full((96, 96), BACKGROUND)
+    labels[20:80, 30:70] = SKIN
+    labels[44:50, 46:52] = BACKGROUND
+    return labels
+
+
+def test_a_hole_in_the_face_is_person():
+    assert solid_person(parsing_of(head_with_hole()))[44:50, 46:52].min() > 0.9
+
+
+def test_what_hangs_on_to_no_face_is_left_out():
+    labels = head_with_hole()
+    labels[5:40, 82:94] = HAIR
+    assert solid_person(parsing_of(labels))[10:35, 84:92].max() == 0.0
+
+
+def test_hair_that_touches_the_face_stays():
+    labels = head_with_hole()
+    labels[8:20, 30:70] = HAIR
+    assert solid_person(parsing_of(labels))[9:19, 32:68].min() > 0.9
+
+
+def test_without_a_face_the_parsing_stands():
+    labels = np.full((64, 64), BACKGROUND)
+    labels[10:30, 10:30] = HAIR
+    person = solid_person(parsing_of(labels))
+    assert person[12:28, 12:28].min() == 1.0 and person[40:, 40:].max() == 0.0
+
+
+def test_unsure_parsing_stays_within_bounds():
+    noise = np.random.default_rng(0).dirichlet(np.ones(CLASSES), (48, 48)).transpose(2, 0, 1).astype(np.float32)
+    person = solid_person(noise)
+    assert np.isfinite(person).all() and 0 <= person.min() and person.max() <= 1
