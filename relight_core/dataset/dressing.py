@@ -11,8 +11,9 @@ from relight_core.dataset.beard_shell import BeardPatch
 from relight_core.dataset.fitted_items import FittedItem, load_fitted_items
 from relight_core.dataset.garment import Garment
 from relight_core.dataset.garment_binding import HeadSurface, fit_affine
-from relight_core.dataset.garment_mesh import vertex_normals
-from relight_core.dataset.hair_shell import ScalpGrid, grow_hair, knit_beanie, sample_style
+from relight_core.dataset.garment_mesh import fractal, smoothstep, vertex_normals
+from relight_core.dataset.hair_shell import ScalpGrid, grow_hair, sample_style
+from relight_core.dataset.hats import brimmed_hat, knit_beanie
 from relight_core.dataset.heads import HeadModel
 
 __all__ = ["Garment", "Wardrobe"]
@@ -20,6 +21,9 @@ __all__ = ["Garment", "Wardrobe"]
 _HAIR, _BEARD, _GLASSES, _HAT, _CLOTH, _BROWS = 0.90, 0.20, 0.15, 0.08, 0.95, 0.85
 _SHELL_SHARE = 0.5
 _UNDER_HAT = ("long01", "ponytail01", "Braid01", "short04")
+_DARK_LENSES = 0.3
+_HAT_SCALE = np.array([1.1, 1.05, 1.08])
+_HAT_SHIFT_CM = np.array([0.0, -1.6, -0.4])
 _GLASSES_LANDMARKS = (0, 1, 15, 16, 27, 28, 36, 39, 42, 45)
 
 
@@ -60,13 +64,13 @@ class Wardrobe:
         if rng.random() < _HAIR:
             worn.append(self._hair(head, skin, wears_hat, rng))
         if wears_hat:
-            worn.append(self._hat(head, skin, worn, rng))
+            worn.append(self._hat(head, skin, rng))
         if rng.random() < _BEARD:
             worn.append(self._beard(head, normals, skin, rng))
         if rng.random() < _GLASSES:
             worn.append(self._glasses(head, rng))
         if rng.random() < _CLOTH:
-            worn.append(self._follow(self._pick("cloth", rng), head, skin, 0.25))
+            worn.append(self._cloth(head, skin, rng))
         if rng.random() < _BROWS:
             worn.append(self._follow(self._pick("brow", rng), head, skin, 0.05))
         return worn
@@ -80,7 +84,7 @@ class Wardrobe:
         if item.label == "glasses":
             return self._place_glasses(item, head)
         if item.label == "hat":
-            return self._place_hat(item, head, skin, [])
+            return self._place_hat(item, head, skin)
         return self._follow(item, head, skin, 0.05 if item.kind in ("brow", "beard") else 0.2)
 
     def _pick(self, kind: str, rng: np.random.Generator, names: tuple[str, ...] | None = None) -> FittedItem:
@@ -93,11 +97,13 @@ class Wardrobe:
 
     def _hair(self, head, skin, wears_hat, rng) -> Garment:
         if rng.random() < _SHELL_SHARE:
-            style = sample_style(rng)
-            if wears_hat:
-                style = replace(style, top_cm=0.3, side_cm=min(style.side_cm, 0.6), back_cm=min(style.back_cm, 0.8))
-            return grow_hair(self._grid, head, skin, style, rng)
-        return self._follow(self._pick("hair", rng, _UNDER_HAT if wears_hat else None), head, skin, 0.15)
+            worn = grow_hair(self._grid, head, skin, sample_style(rng), rng)
+        else:
+            worn = self._follow(self._pick("hair", rng, _UNDER_HAT if wears_hat else None), head, skin, 0.15)
+        if not wears_hat:
+            return worn
+        ceiling = 0.25 + 0.6 * np.maximum(3 - worn.vertices[:, 1], 0)
+        return replace(worn, vertices=skin.press_down(worn.vertices, ceiling))
 
     def _beard(self, head, normals, skin, rng) -> Garment:
         if rng.random() < 0.7:
@@ -105,25 +111,42 @@ class Wardrobe:
         return self._follow(self._pick("beard", rng), head, skin, 0.06)
 
     def _glasses(self, head, rng) -> Garment:
-        item = self._pick("glasses", rng)
-        worn = self._place_glasses(item, head)
-        return worn
+        dark = rng.random() < _DARK_LENSES
+        item = self._pick("glasses", rng, ("sunglasses",) if dark else ("glasses",))
+        bridge = self._model.mean[self._model.landmarks[28]]
+        reshaped = (item.vertices - bridge) * [1, rng.uniform(0.8, 1.25), 1] + bridge
+        return self._place_glasses(replace(item, vertices=reshaped), head)
 
     def _place_glasses(self, item: FittedItem, head: np.ndarray) -> Garment:
         """Glasses do not bend: they are only scaled per axis and shifted to the nose, temples and ears."""
         at = self._model.landmarks[list(_GLASSES_LANDMARKS)]
         scale, shift = fit_affine(self._model.mean[at], head[at], 0.1)
-        return item.as_garment((item.vertices * scale + shift).astype(np.float32))
+        return item.as_garment(item.vertices * scale + shift)
 
-    def _hat(self, head, skin, worn, rng) -> Garment:
-        if rng.random() < 0.6:
+    def _hat(self, head, skin, rng) -> Garment:
+        kind = rng.choice(["beanie", "brimmed", "fedora"], p=[0.4, 0.4, 0.2])
+        if kind == "beanie":
             return knit_beanie(self._grid, head, skin, rng)
-        return self._place_hat(self._pick("hat", rng), head, skin, worn)
+        if kind == "brimmed":
+            return brimmed_hat(self._grid, head, skin, rng)
+        return self._place_hat(self._pick("hat", rng), head, skin)
 
-    def _place_hat(self, item: FittedItem, head: np.ndarray, skin: HeadSurface, worn: list[Garment]) -> Garment:
+    def _place_hat(self, item: FittedItem, head: np.ndarray, skin: HeadSurface) -> Garment:
+        """A stiff hat, drawn lower and wider than its maker set it, scaled and shifted with the skull."""
+        middle = item.vertices.mean(0)
+        worn = (item.vertices - middle) * _HAT_SCALE + middle + _HAT_SHIFT_CM
         top = np.flatnonzero(self._model.mean[:, 1] > 8)
         scale, shift = fit_affine(self._model.mean[top], head[top], 0.1)
-        middle = item.vertices.mean(0)
-        scale = scale * np.array([1.1, 1.05, 1.08])
-        lowered = (item.vertices - middle) * scale + middle + [0, -1.6, -0.4] + shift - middle * (1 - scale / 1)
-        return item.as_garment(skin.push_out(lowered, 0.5))
+        return item.as_garment(skin.push_out(worn * scale + shift, 0.5))
+
+    def _cloth(self, head, skin, rng) -> Garment:
+        """A shirt or jacket with shoulders of a random breadth and folds of its own."""
+        worn = self._follow(self._pick("cloth", rng), head, skin, 0.25)
+        away = smoothstep(-14, -22, worn.vertices[:, 1])
+        vertices = worn.vertices.copy()
+        vertices[:, 0] *= 1 + rng.uniform(-0.08, 0.15) * away
+        vertices[:, 1] += rng.normal(0, 0.07) * (np.abs(vertices[:, 0]) - 8) * (np.abs(vertices[:, 0]) > 8)
+        folds = fractal(vertices, rng, rng.uniform(4, 10), 3) * rng.uniform(0.05, 0.35)
+        normals = vertex_normals(vertices, worn.faces)
+        vertices += normals * (folds * smoothstep(-10, -17, vertices[:, 1]))[:, None]
+        return replace(worn, vertices=skin.push_out(vertices, 0.3))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import hashlib
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -12,10 +12,10 @@ from relight_core.dataset.garment import Garment
 from relight_core.dataset.garment_binding import Binding, bind, scattered
 from relight_core.dataset.garment_mesh import compact
 from relight_core.dataset.heads import HeadModel
-from relight_core.dataset.makehuman import Item, cut_by_opacity, find_root, read_base, read_item
+from relight_core.dataset.makehuman import Item, cut_by_opacity, find_root, read_base, read_item, refine
 from relight_core.dataset.makehuman_fit import HeadWarp
 
-_CACHE_VERSION = 1
+_CACHE_VERSION = 3
 _FOLDERS = {"hair": "hair", "eyebrows": "brow"}
 _CLOTHES = {
     "glasses": "glasses",
@@ -24,9 +24,21 @@ _CLOTHES = {
     "female_casualsuit01": "cloth",
 }
 _BEARDS = ("Full_beard", "Moustache")
-_MOST_FACES = {"hair": 60_000, "beard": 15_000, "brow": 6_000, "glasses": 30_000, "hat": 30_000, "cloth": 60_000}
+# Its layers of loose cards do not survive as opaque triangles; a hair shell stands in for it.
+_LEFT_OUT = ("afro01",)
+_MOST_FACES = {
+    "hair": 60_000,
+    "beard": 15_000,
+    "brow": 6_000,
+    "glasses": 30_000,
+    "hat": 30_000,
+    "cloth": 60_000,
+}
 _DEEPEST = {"brow": 3}
+# Coarse meshes that have to yield to the shape beneath them.
+_REFINED = {"cloth": 1, "hat": 2}
 _LOWEST_CM = -45.0
+_OPAQUE_FRAME = 0.9
 
 
 @dataclass(frozen=True)
@@ -50,7 +62,13 @@ class FittedItem:
     def as_garment(self, vertices: np.ndarray) -> Garment:
         """The item with other vertex positions (V, 3)."""
         return Garment(
-            vertices.astype(np.float32), self.faces, self.uv, self.label, self.opacity, self.colour_srgb, self.name
+            vertices.astype(np.float32),
+            self.faces,
+            self.uv,
+            self.label,
+            self.opacity,
+            self.colour_srgb,
+            self.name,
         )
 
 
@@ -64,7 +82,9 @@ def load_fitted_items(folder: Path, model: HeadModel) -> list[FittedItem]:
         stored = _fit_all(root, model)
         _write_cache(cache, stored)
     return [
-        FittedItem(i.name, kind, i.vertices, i.faces, i.uv, i.opacity, i.colour_srgb, _bind(kind, i.vertices, model))
+        FittedItem(
+            i.name, kind, i.vertices, i.faces, i.uv, i.opacity, i.colour_srgb, _bind(kind, i.vertices, model)
+        )
         for kind, i in stored
     ]
 
@@ -75,19 +95,30 @@ def _fit_all(root: Path, model: HeadModel) -> list[tuple[str, Item]]:
     fitted = []
     for path in sorted((root / "proxies").glob("*/*/*.json")):
         kind = _CLOTHES.get(path.stem) or _FOLDERS.get(path.parent.parent.name)
-        if kind is None:
+        if kind is None or path.stem in _LEFT_OUT:
             continue
         kind = "beard" if path.stem in _BEARDS else kind
-        item = cut_by_opacity(read_item(path, base), _MOST_FACES[kind], _DEEPEST.get(kind, 2))
-        vertices = warp(item.vertices)
-        faces = item.faces[(vertices[item.faces][..., 1] > _LOWEST_CM).all(1)]
-        faces, vertices, uv = compact(faces, vertices, item.uv)
-        fitted.append((kind, Item(item.name, vertices, faces, uv, item.opacity, item.colour_srgb)))
+        whole = read_item(path, base)
+        for _ in range(_REFINED.get(kind, 0)):
+            whole = refine(whole)
+        item = cut_by_opacity(whole, _MOST_FACES[kind], _DEEPEST.get(kind, 2))
+        if kind == "glasses":
+            fitted.append((kind, _placed(replace(item, name="sunglasses"), warp)))
+            item = cut_by_opacity(whole, _MOST_FACES[kind], least_opacity=_OPAQUE_FRAME)
+        fitted.append((kind, _placed(item, warp)))
     return fitted
 
 
+def _placed(item: Item, warp: HeadWarp) -> Item:
+    """The item on the mean head, without what hangs far below any portrait's edge."""
+    vertices = warp(item.vertices)
+    faces = item.faces[(vertices[item.faces][..., 1] > _LOWEST_CM).all(1)]
+    faces, vertices, uv = compact(faces, vertices, item.uv)
+    return replace(item, vertices=vertices, faces=faces, uv=uv)
+
+
 def _bind(kind: str, vertices: np.ndarray, model: HeadModel) -> Binding:
-    """What an item hangs on: brows and beards on the skin under them, hair on the skull, cloth on the neck."""
+    """Bind brows and beards to the skin under them, hair to the skull, cloth to the neck."""
     skin = np.flatnonzero(np.isin(model.vertex_region, [0, 1]))
     points = model.mean[skin]
     if kind in ("brow", "beard"):

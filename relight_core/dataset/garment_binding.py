@@ -71,15 +71,22 @@ class HeadSurface:
         self._tree = cKDTree(points)
 
     def height(self, vertices: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Height (V,) above the tangent plane of the nearest skin point, that point's normal, and the distance."""
+        """Height (V,) above the nearest skin point's tangent plane, that point's normal, and its distance."""
         distance, nearest = self._tree.query(vertices)
         normal = self._normals[nearest]
         return ((vertices - self._points[nearest]) * normal).sum(1), normal, distance
 
-    def push_out(self, vertices: np.ndarray, margin_cm: float | np.ndarray, reach_cm: float = 4.0) -> np.ndarray:
-        """Vertices (V, 3) with those lower than `margin_cm` lifted to it; those farther than `reach_cm` stay."""
+    def push_out(
+        self, vertices: np.ndarray, margin_cm: float | np.ndarray, reach_cm: float = 4.0
+    ) -> np.ndarray:
+        """Vertices (V, 3), those lower than `margin_cm` lifted to it; those beyond `reach_cm` stay."""
         for _ in range(2):
             height, normal, distance = self.height(vertices)
             lift = np.where(distance < reach_cm, np.maximum(margin_cm - height, 0), 0)
             vertices = vertices + normal * lift[:, None]
         return vertices.astype(np.float32)
+
+    def press_down(self, vertices: np.ndarray, ceiling_cm: np.ndarray) -> np.ndarray:
+        """Vertices (V, 3) with those higher than `ceiling_cm` (V,) lowered to it, as under a hat."""
+        height, normal, _ = self.height(vertices)
+        return (vertices - normal * np.maximum(height - ceiling_cm, 0)[:, None]).astype(np.float32)

@@ -74,7 +74,9 @@ def clip(faces: np.ndarray, field: np.ndarray, values: np.ndarray) -> tuple[np.n
     return compact(np.concatenate(parts), np.concatenate([values, added]).astype(values.dtype))
 
 
-def waves(points: np.ndarray, rng: np.random.Generator, wavelength_cm: float, stretch=(1.0, 1.0, 1.0)) -> np.ndarray:
+def waves(
+    points: np.ndarray, rng: np.random.Generator, wavelength_cm: float, stretch=(1.0, 1.0, 1.0)
+) -> np.ndarray:
     """Smooth noise (N,), about standard normal: a sum of plane waves in random directions.
 
     Args:
@@ -83,14 +85,15 @@ def waves(points: np.ndarray, rng: np.random.Generator, wavelength_cm: float, st
     """
     directions = rng.standard_normal((16, 3))
     directions /= np.linalg.norm(directions, axis=1, keepdims=True)
-    frequency = directions / np.asarray(stretch) * (2 * np.pi / wavelength_cm) * rng.uniform(0.7, 1.4, (16, 1))
-    phase = points.astype(np.float32) @ frequency.T.astype(np.float32) + rng.uniform(0, 2 * np.pi, 16).astype(
-        np.float32
-    )
-    return np.sin(phase).sum(1) / np.sqrt(8)
+    turns_per_cm = rng.uniform(0.7, 1.4, (16, 1)) / wavelength_cm
+    frequency = (2 * np.pi * directions * turns_per_cm / np.asarray(stretch)).astype(np.float32)
+    start = rng.uniform(0, 2 * np.pi, 16).astype(np.float32)
+    return np.sin(points.astype(np.float32) @ frequency.T + start).sum(1) / np.float32(np.sqrt(8))
 
 
-def fractal(points: np.ndarray, rng: np.random.Generator, wavelength_cm: float, octaves: int = 3) -> np.ndarray:
+def fractal(
+    points: np.ndarray, rng: np.random.Generator, wavelength_cm: float, octaves: int = 3
+) -> np.ndarray:
     """Noise (N,) of several octaves, each half as long and half as strong; about unit variance."""
     layers = [waves(points, rng, wavelength_cm / 2**o) / 2**o for o in range(octaves)]
     return sum(layers) / np.sqrt(sum(0.25**o for o in range(octaves)))

@@ -1,4 +1,4 @@
-"""Hair, beards and woollen hats as closed opaque shells grown from the skin: mass and relief, not strands."""
+"""Hair as an opaque shell grown from the scalp: mass and relief, not strands."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ _ROWS, _COLUMNS = 118, 240
 _LOWEST_POLAR_DEG = 150.0
 _SKULL_CENTRE_CM = np.array([0.0, 5.0, 0.5])
 _EAR_HALF_WIDTH_CM = 7.7
-_CM_PER_DEG = 0.17
+CM_PER_DEG = 0.17
+"""Length on the scalp of one degree seen from the middle of the skull."""
 
 # Hairline of a full head of hair: angle from the crown at angles from the front (both sides alike).
 _AZIMUTH_DEG = np.array([0, 22, 42, 56, 66, 74, 82, 100, 116, 128, 150, 180])
 _HAIRLINE_DEG = np.array([57, 57, 64, 82, 97, 98, 86, 86, 100, 118, 134, 138])
-_BEANIE_DEG = np.array([66, 67, 72, 78, 82, 84, 86, 90, 96, 102, 106, 108])
 
 
 @dataclass(frozen=True)
@@ -32,7 +32,8 @@ class ShellStyle:
 
     Attributes:
         top_cm, side_cm, back_cm: thickness on the crown, above the ears, at the back.
-        recede_deg: how far the hairline is drawn back at the temples; peak_deg: how far it dips in the middle.
+        recede_deg: how far the hairline is drawn back at the temples.
+        peak_deg: how far it dips in the middle of the forehead.
         bare_crown_deg: radius of a bald crown, 0 for none.
         relief: strength of tufts and strands relative to the thickness.
         strand_cm: size of the tufts; comb: how much longer they are along the head than across.
@@ -56,13 +57,15 @@ class ShellStyle:
 def sample_style(rng: np.random.Generator) -> ShellStyle:
     """A buzz cut, a short cut, a voluminous one or an afro."""
     kind = rng.choice(["buzz", "short", "quiff", "volume", "afro"], p=[0.22, 0.33, 0.2, 0.15, 0.1])
-    top, side, relief, strand, comb = {
-        "buzz": (rng.uniform(0.12, 0.5), rng.uniform(0.5, 1.0), 0.25, 0.5, 1.0),
-        "short": (rng.uniform(0.7, 2.2), rng.uniform(0.25, 0.8), 0.4, rng.uniform(0.8, 1.8), rng.uniform(1, 4)),
-        "quiff": (rng.uniform(2.0, 4.0), rng.uniform(0.1, 0.4), 0.35, rng.uniform(1.0, 2.2), rng.uniform(2, 5)),
-        "volume": (rng.uniform(2.0, 3.8), rng.uniform(0.7, 1.1), 0.35, rng.uniform(1.2, 3.0), rng.uniform(1, 4)),
-        "afro": (rng.uniform(2.5, 7.0), rng.uniform(0.7, 1.1), 0.18, rng.uniform(0.6, 1.4), 1.0),
+    # Ranges: thickness on top, sides as a share of it, relief, size of tufts, their stretch.
+    ranges = {
+        "buzz": ((0.12, 0.5), (0.5, 1.0), (0.15, 0.4), (0.4, 0.6), (1, 1)),
+        "short": ((0.7, 2.2), (0.25, 0.8), (0.25, 0.5), (0.8, 1.8), (1, 4)),
+        "quiff": ((2.0, 3.5), (0.1, 0.4), (0.2, 0.4), (1.0, 2.2), (2, 5)),
+        "volume": ((1.8, 3.2), (0.7, 1.1), (0.2, 0.4), (1.2, 3.0), (1.5, 5)),
+        "afro": ((2.5, 6.5), (0.7, 1.1), (0.1, 0.25), (0.6, 1.4), (1, 1)),
     }[str(kind)]
+    top, side, relief, strand, comb = (rng.uniform(low, high) for low, high in ranges)
     return ShellStyle(
         top_cm=top,
         side_cm=max(top * side, 0.1),
@@ -70,7 +73,7 @@ def sample_style(rng: np.random.Generator) -> ShellStyle:
         recede_deg=max(rng.normal(0, 9), -4),
         peak_deg=rng.normal(0, 3),
         bare_crown_deg=rng.uniform(15, 55) if rng.random() < 0.07 else 0.0,
-        relief=relief * rng.uniform(0.6, 1.4),
+        relief=relief,
         strand_cm=strand,
         comb=comb,
         ragged_deg=rng.uniform(0.4, 2.5),
@@ -90,14 +93,16 @@ class ScalpGrid:
             np.linspace(0.5, _LOWEST_POLAR_DEG, _ROWS), np.linspace(-180, 180, _COLUMNS + 1), indexing="ij"
         )
         polar, azimuth = np.radians(self.polar_deg.ravel()), np.radians(self.azimuth_deg.ravel())
-        toward = np.stack([np.sin(polar) * np.sin(azimuth), np.cos(polar), np.sin(polar) * np.cos(azimuth)], 1)
+        ring = np.sin(polar)
+        toward = np.stack([ring * np.sin(azimuth), np.cos(polar), ring * np.cos(azimuth)], 1)
         unit = centred[self._anchors]
         unit /= np.linalg.norm(unit, axis=1, keepdims=True)
         distance, nearest = cKDTree(unit).query(toward, 8)
         weight = 1 / (distance + 0.01) ** 2
         weight /= weight.sum(1, keepdims=True)
         rows = np.repeat(np.arange(len(toward)), 8)
-        self._weights = csr_matrix((weight.ravel(), (rows, nearest.ravel())), (len(toward), len(self._anchors)))
+        shape = (len(toward), len(self._anchors))
+        self._weights = csr_matrix((weight.ravel(), (rows, nearest.ravel())), shape)
         self._faces = _grid_faces(*self.polar_deg.shape)
         u, v = self.azimuth_deg / 360 + 0.5, 1 - self.polar_deg / _LOWEST_POLAR_DEG
         self._uv = np.stack([u.ravel(), v.ravel()], 1).astype(np.float32)
@@ -119,6 +124,12 @@ class ScalpGrid:
         mixed = 0.5 * normal + 0.5 * radial
         return points.reshape(-1, 3), mixed / np.linalg.norm(mixed, axis=1, keepdims=True)
 
+    def nearest_row(self, line_deg: np.ndarray) -> np.ndarray:
+        """Index (N,) of the grid point in each point's own column that is nearest to a polar angle (N,)."""
+        rows, columns = self.polar_deg.shape
+        row = np.rint((line_deg - self.polar_deg[0, 0]) / (self.polar_deg[1, 0] - self.polar_deg[0, 0]))
+        return np.clip(row, 0, rows - 1).astype(int) * columns + np.tile(np.arange(columns), rows)
+
     def shell(self, points: np.ndarray, field: np.ndarray, label: str, name: str) -> Garment:
         """The part of displaced grid points (N, 3) where the field (N,) is positive."""
         faces, values = clip(self._faces, field, np.concatenate([points, self._uv], 1))
@@ -132,8 +143,9 @@ def _grid_faces(rows: int, columns: int) -> np.ndarray:
     return np.concatenate([np.stack([a, b, c], 1), np.stack([a, c, d], 1)]).astype(np.int32)
 
 
-def _ring(angle_deg: np.ndarray, values: np.ndarray) -> np.ndarray:
-    return np.interp(np.abs(angle_deg), _AZIMUTH_DEG, values)
+def around(azimuth_deg: np.ndarray, values: np.ndarray) -> np.ndarray:
+    """Interpolate values (12,) given at fixed angles from the front to the back, both sides alike."""
+    return np.interp(np.abs(azimuth_deg), _AZIMUTH_DEG, values)
 
 
 def grow_hair(
@@ -144,15 +156,17 @@ def grow_hair(
     azimuth, polar = grid.azimuth_deg.ravel(), grid.polar_deg.ravel()
     front = np.exp(-((azimuth / 28) ** 2))
     temples = np.exp(-(((np.abs(azimuth) - 38) / 14) ** 2))
-    line = _ring(azimuth, _HAIRLINE_DEG) + style.peak_deg * front - style.recede_deg * (temples + 0.4 * front)
-    line = line + style.ragged_deg * waves(points, rng, 2.0)
-    field = (line - polar) * _CM_PER_DEG
+    line = around(azimuth, _HAIRLINE_DEG) + style.peak_deg * front
+    line += style.ragged_deg * waves(points, rng, 2.0) - style.recede_deg * (temples + 0.4 * front)
+    field = (line - polar) * CM_PER_DEG
     if style.bare_crown_deg > 0:
-        field = np.minimum(field, (polar - style.bare_crown_deg) * _CM_PER_DEG)
+        field = np.minimum(field, (polar - style.bare_crown_deg) * CM_PER_DEG)
     thickness = _thickness(style, azimuth, polar)
     rise = smoothstep(0, np.clip(thickness, 0.4, 2.0), field)
     tufts = fractal(points, rng, 2 * style.strand_cm, 4) if style.comb == 1 else _combed(points, style, rng)
-    height = 0.06 + thickness * rise * np.maximum(1 + style.relief * tufts, 0.15)
+    # Tufts higher than they are wide would stand as spines.
+    steepest = np.minimum(style.relief * thickness, 0.3 * style.strand_cm)
+    height = 0.06 + rise * np.maximum(thickness + steepest * tufts, 0.2 * thickness)
     moved = points + outward * height[:, None]
     top = smoothstep(75, 25, polar) if style.top_cm > 0.6 else np.zeros_like(polar)
     moved += (top * rise)[:, None] * np.array([style.sweep_cm, 0, 0.5 * abs(style.sweep_cm)])
@@ -173,18 +187,3 @@ def _combed(points: np.ndarray, style: ShellStyle, rng: np.random.Generator) -> 
     stretch = [1.0, style.comb, style.comb] if rng.random() < 0.7 else [style.comb, 1.0, style.comb]
     layers = [waves(points, rng, 2 * style.strand_cm / 2**o, stretch) / 1.6**o for o in range(4)]
     return sum(layers) / 1.3
-
-
-def knit_beanie(grid: ScalpGrid, head: np.ndarray, skin: HeadSurface, rng: np.random.Generator) -> Garment:
-    """A woollen hat: smooth, ribbed, with a turned-up rim."""
-    points, outward = grid.lay_on(head)
-    azimuth, polar = grid.azimuth_deg.ravel(), grid.polar_deg.ravel()
-    line = _ring(azimuth, _BEANIE_DEG) + rng.uniform(-10, 4)
-    field = (line - polar) * _CM_PER_DEG
-    rim = rng.uniform(2.0, 5.0)
-    in_rim = 1 - smoothstep(rim - 0.25, rim + 0.25, field)
-    height = 0.7 + rng.uniform(0.2, 0.6) * in_rim * smoothstep(0, 0.5, field)
-    height += rng.uniform(0, 3.5) * smoothstep(60, 0, polar) + 0.15 * fractal(points, rng, 6.0, 2)
-    height += 0.05 * np.sin(np.radians(azimuth) * 60) * smoothstep(5, 30, polar)
-    moved = skin.push_out(points + outward * height[:, None], 0.35)
-    return grid.shell(moved, field, "hat", "beanie")

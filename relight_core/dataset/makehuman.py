@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -32,11 +32,11 @@ def find_root(folder: Path) -> Path:
     for root in (Path(folder), Path(folder) / "makehuman"):
         if (root / "3dobjs" / "base.obj").is_file():
             return root
-    raise FileNotFoundError(f"{folder}: no 3dobjs/base.obj; give the folder the MakeHuman archive was unpacked to")
+    raise FileNotFoundError(f"{folder}: no 3dobjs/base.obj here; unpack the MakeHuman archive to this folder")
 
 
 def read_base(root: Path) -> tuple[np.ndarray, np.ndarray]:
-    """Base mesh: vertices (19158, 3) float32 in cm with helpers, and triangles (F, 3) of the body alone."""
+    """Base mesh: vertices (19158, 3) float32 in cm with helpers, and triangles (F, 3) of the body."""
     vertices, faces, group = [], [], ""
     for line in (root / "3dobjs" / "base.obj").read_text().splitlines():
         kind, *fields = line.split() or [""]
@@ -72,7 +72,7 @@ def read_item(path: Path, base: np.ndarray) -> Item:
 
 
 def _triangles(stream: list[int]) -> tuple[np.ndarray, np.ndarray]:
-    """Vertex and uv indices per corner from three.js' packed faces (bits: 1 quad, 2 material, 8 uv per corner)."""
+    """Vertex and uv indices per corner of three.js' packed faces (bits: 1 quad, 2 material, 8 uv)."""
     vertex, uv, at = [], [], 0
     while at < len(stream):
         kind = stream[at]
@@ -89,10 +89,11 @@ def _triangles(stream: list[int]) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _texture(path: Path, data: dict) -> tuple[np.ndarray | None, np.ndarray | None]:
-    """Opacity (None where it is full everywhere) and colour of the first material that has its texture here."""
+    """Opacity (None where it is full everywhere) and colour of the first texture that is there."""
     folder = path.parent / "textures"
     named = [path.parent / str(material.get("mapDiffuse", "")) for material in data["materials"]]
-    loose = [p for p in sorted(folder.glob("*.png")) if not p.stem.endswith(("_normal", "_ao", "_displacement"))]
+    relief = ("_normal", "_ao", "_displacement")
+    loose = [p for p in sorted(folder.glob("*.png")) if not p.stem.endswith(relief)]
     for candidate in named + loose:
         if candidate.is_file():
             pixels = np.asarray(Image.open(candidate).convert("RGBA"))
@@ -101,7 +102,17 @@ def _texture(path: Path, data: dict) -> tuple[np.ndarray | None, np.ndarray | No
     return None, None
 
 
-def cut_by_opacity(item: Item, most_faces: int, deepest: int = 2) -> Item:
+def refine(item: Item) -> Item:
+    """The item with every triangle split into four."""
+    edges, faces = subdivide(item.faces, len(item.vertices))
+    return replace(
+        item, vertices=at_midpoints(item.vertices, edges), uv=at_midpoints(item.uv, edges), faces=faces
+    )
+
+
+def cut_by_opacity(
+    item: Item, most_faces: int, deepest: int = 2, least_opacity: float = _LEAST_OPACITY
+) -> Item:
     """Drop what the texture makes transparent, so that the rest may be treated as opaque.
 
     Triangles are split up to `deepest` times first, as far as no more than `most_faces` remain, so that
@@ -110,17 +121,16 @@ def cut_by_opacity(item: Item, most_faces: int, deepest: int = 2) -> Item:
     if item.opacity is None:
         return item
     best = None
-    vertices, uv, faces = item.vertices, item.uv, item.faces
+    fine = item
     for level in range(deepest + 1):
-        kept = faces[_mean_opacity(item.opacity, uv[faces]) >= _LEAST_OPACITY]
+        kept = fine.faces[_mean_opacity(item.opacity, fine.uv[fine.faces]) >= least_opacity]
         if best is not None and len(kept) > most_faces:
             break
-        best = (kept, vertices, uv)
+        best = (kept, fine.vertices, fine.uv)
         if level < deepest:
-            edges, faces = subdivide(faces, len(vertices))
-            vertices, uv = at_midpoints(vertices, edges), at_midpoints(uv, edges)
+            fine = refine(fine)
     faces, vertices, uv = compact(*best)
-    return Item(item.name, vertices, faces, uv, item.opacity, item.colour_srgb)
+    return replace(item, vertices=vertices, faces=faces, uv=uv)
 
 
 def _mean_opacity(opacity: np.ndarray, corner_uv: np.ndarray) -> np.ndarray:

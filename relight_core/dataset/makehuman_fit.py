@@ -46,7 +46,7 @@ class HeadWarp:
         warped = base.copy()
         warped[used] = self(base[used])
         normals = vertex_normals(warped, body_faces[(base[body_faces][..., 1] > _LOWEST_FITTED_CM).all(1)])
-        used = used[scattered(base[used], 1.0)]
+        used = used[scattered(base[used], 1.5)]
         distance, nearest = cKDTree(surface).query(warped[used])
         close = (distance < reach) & ((normals[used] * skin[nearest]).sum(1) > 0.7)
         offset = ((surface[nearest] - warped[used]) * skin[nearest]).sum(1, keepdims=True) * skin[nearest]

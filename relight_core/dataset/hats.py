@@ -1,0 +1,69 @@
+"""Hats grown from the head they are worn on."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from relight_core.dataset.garment import Garment
+from relight_core.dataset.garment_binding import HeadSurface
+from relight_core.dataset.garment_mesh import fractal, smoothstep, waves
+from relight_core.dataset.hair_shell import CM_PER_DEG, ScalpGrid, around
+
+# Where a hat ends: angle from the crown at the angles from the front that `around` names.
+_BEANIE_DEG = np.array([66, 67, 72, 78, 82, 84, 86, 90, 96, 102, 106, 108])
+_BRIM_DEG = 18.0
+"""Rows of the grid over this angle below a hat's line become its brim: they run outward, not down."""
+_CAP_DEG = np.array([63, 63, 66, 70, 74, 77, 80, 85, 91, 95, 100, 102])
+
+
+def knit_beanie(grid: ScalpGrid, head: np.ndarray, skin: HeadSurface, rng: np.random.Generator) -> Garment:
+    """A woollen hat on a head (V, 3): soft, ribbed, with a turned-up rim."""
+    points, outward = grid.lay_on(head)
+    azimuth, polar = grid.azimuth_deg.ravel(), grid.polar_deg.ravel()
+    field = (around(azimuth, _BEANIE_DEG) + rng.uniform(-10, 4) - polar) * CM_PER_DEG
+    rim = rng.uniform(2.0, 5.0)
+    in_rim = 1 - smoothstep(rim - 0.25, rim + 0.25, field)
+    height = 0.7 + rng.uniform(0.2, 0.6) * in_rim * smoothstep(0, 0.5, field)
+    height += rng.uniform(0, 3.5) * smoothstep(60, 0, polar) + 0.15 * fractal(points, rng, 6.0, 2)
+    height += 0.05 * np.sin(np.radians(azimuth) * 60) * smoothstep(5, 30, polar)
+    moved = skin.push_out(points + outward * height[:, None], 0.35)
+    return grid.shell(moved, field, "hat", "beanie")
+
+
+def brimmed_hat(grid: ScalpGrid, head: np.ndarray, skin: HeadSurface, rng: np.random.Generator) -> Garment:
+    """A cap with a visor, or a hat with a brim all round, on a head (V, 3)."""
+    is_cap = rng.random() < 0.6
+    points, outward = grid.lay_on(head)
+    azimuth, polar = grid.azimuth_deg.ravel(), grid.polar_deg.ravel()
+    line = around(azimuth, _CAP_DEG) + rng.uniform(-6, 5)
+    crown = rng.uniform(0.8, 2.2) if is_cap else rng.uniform(2.0, 5.0)
+    inside = np.minimum(polar, line)
+    height = 0.7 + crown * smoothstep(90, 35, inside) + 0.08 * fractal(points, rng, 5.0, 2)
+    dome = skin.push_out(points + outward * height[:, None], 0.35)
+    edge = np.where((polar > line)[:, None], dome[grid.nearest_row(line)], dome)
+    beyond = np.maximum(polar - line, 0)
+    reach = _visor(azimuth, rng) if is_cap else np.full_like(azimuth, rng.uniform(4.0, 9.0))
+    if is_cap:
+        bend, dip = 0.03 * edge[:, 0] ** 2, rng.uniform(0.1, 0.35)
+    else:
+        bend, dip = 0.3 * waves(points, rng, 18.0), rng.uniform(-0.15, 0.3)
+    moved = _spread_brim(edge, dome.mean(0), reach * np.clip(beyond / _BRIM_DEG, 0, 1), dip, bend)
+    field = np.where(reach > 0.3, _BRIM_DEG - beyond, line + 1 - polar) * CM_PER_DEG
+    return grid.shell(moved.astype(np.float32), field, "hat", "cap" if is_cap else "brimmed")
+
+
+def _spread_brim(edge: np.ndarray, middle: np.ndarray, out_cm: np.ndarray, dip: float, bend: np.ndarray):
+    """Vertices (N, 3) on a hat's edge moved `out_cm` (N,) level outward, then down by its slope and bend."""
+    flat = (edge - middle) * [1, 0, 1]
+    flat /= np.maximum(np.linalg.norm(flat, axis=1, keepdims=True), 1e-6)
+    moved = edge + flat * out_cm[:, None]
+    moved[:, 1] -= dip * out_cm + bend * smoothstep(0, 6, out_cm)
+    return moved
+
+
+def _visor(azimuth_deg: np.ndarray, rng: np.random.Generator) -> np.ndarray:
+    """How far a cap's visor reaches out at each angle from the front, cm."""
+    half = rng.uniform(45, 60)
+    turned = 180.0 if rng.random() < 0.12 else rng.normal(0, 4)
+    away = np.abs((azimuth_deg - turned + 180) % 360 - 180)
+    return rng.uniform(5.0, 7.5) * np.sqrt(np.maximum(1 - (away / half) ** 2, 0))
