@@ -31,7 +31,7 @@ class Wardrobe:
     """Everything to wear, fitted to the mean head of a model; `dress` puts a random outfit on any head."""
 
     def __init__(self, makehuman_folder: Path, model: HeadModel):
-        """Fit all items; the first time takes about a minute, later ones read a cache beside the data.
+        """Fit all items; the first time takes a while, later ones read a cache beside the data.
 
         Args:
             makehuman_folder: where the MakeHuman archive was unpacked.
