@@ -1,0 +1,128 @@
+"""Weights on disk: what comes back, and what is refused."""
+
+import pytest
+import torch
+from safetensors.torch import load_file, save_file
+
+from relight_core.errors import InputError
+from relight_core.networks.bundle import BundleConfig, NetworkBundle, load_bundle, save_bundle
+from relight_core.networks.delight import DelightConfig
+
+
+@pytest.fixture
+def bundle():
+    torch.manual_seed(1)
+    return NetworkBundle(BundleConfig.tiny())
+
+
+def test_whole_precision_comes_back_exactly(bundle, tmp_path):
+    bundle.card = {"steps": "120", "scores": "none"}
+    save_bundle(tmp_path / "w.safetensors", bundle, half=False)
+    loaded = load_bundle(tmp_path / "w.safetensors")
+    assert loaded.config == bundle.config
+    assert loaded.card == {"steps": "120", "scores": "none"}
+    for name, value in bundle.state_dict().items():
+        torch.testing.assert_close(loaded.state_dict()[name], value, rtol=0, atol=0)
+
+
+def test_half_precision_comes_back_nearly(bundle, tmp_path):
+    save_bundle(tmp_path / "w.safetensors", bundle)
+    loaded = load_bundle(tmp_path / "w.safetensors")
+    assert all(value.dtype != torch.float16 for value in loaded.state_dict().values())
+    for name, value in bundle.state_dict().items():
+        torch.testing.assert_close(loaded.state_dict()[name], value, rtol=1e-3, atol=1e-6)
+
+
+def test_variances_beyond_half_precision_survive(bundle, tmp_path):
+    bundle.delight.encoder.stem.norm.running_var.fill_(1e6)
+    bundle.delight.encoder.stem.norm.running_var[0] = 1e-9
+    save_bundle(tmp_path / "w.safetensors", bundle)
+    variance = load_bundle(tmp_path / "w.safetensors").delight.encoder.stem.norm.running_var
+    assert variance[1] == 1e6
+    assert 0 < variance[0] < 1e-8
+
+
+def test_another_configuration_travels_with_the_weights(tmp_path):
+    config = BundleConfig(DelightConfig(4, 3, anchored=False), *list(vars(BundleConfig.tiny()).values())[1:])
+    save_bundle(tmp_path / "w.safetensors", NetworkBundle(config))
+    assert load_bundle(tmp_path / "w.safetensors").delight.config.anchored is False
+
+
+@pytest.mark.parametrize("bad", [float("nan"), float("inf")])
+def test_weights_that_are_not_finite_are_never_saved(bundle, tmp_path, bad):
+    path = tmp_path / "w.safetensors"
+    save_bundle(path, bundle)
+    before = path.read_bytes()
+    bundle.composition.head.bias.data[0] = bad
+    with pytest.raises(ValueError, match="not finite"):
+        save_bundle(path, bundle)
+    assert path.read_bytes() == before
+    assert [p.name for p in tmp_path.iterdir()] == ["w.safetensors"]
+
+
+def test_missing_file(tmp_path):
+    with pytest.raises(InputError, match="gone.safetensors"):
+        load_bundle(tmp_path / "gone.safetensors")
+
+
+@pytest.mark.parametrize("kept", [0, 7, 300, -100])
+def test_damaged_file(bundle, tmp_path, kept):
+    path = tmp_path / "w.safetensors"
+    save_bundle(path, bundle)
+    path.write_bytes(path.read_bytes()[:kept])
+    with pytest.raises(InputError, match=r"w\.safetensors"):
+        load_bundle(path)
+
+
+def test_a_folder_and_a_text_are_refused(tmp_path):
+    (tmp_path / "text.safetensors").write_text("weights?" * 100)
+    for path in (tmp_path, tmp_path / "text.safetensors"):
+        with pytest.raises(InputError):
+            load_bundle(path)
+
+
+def rewritten(path, metadata, drop=None):
+    tensors = {name: value for name, value in load_file(path).items() if name != drop}
+    save_file(tensors, path, metadata=metadata)
+
+
+@pytest.mark.parametrize(
+    "metadata",
+    [
+        None,
+        {"format": "somebody-else's", "config": "{}"},
+        {"format": "relight-networks-1"},
+        {"format": "relight-networks-1", "config": "{}"},
+        {"format": "relight-networks-1", "config": "not json"},
+        {"format": "relight-networks-1", "config": "[]"},
+    ],
+)
+def test_other_formats_and_broken_headers_are_refused(bundle, tmp_path, metadata):
+    path = tmp_path / "w.safetensors"
+    save_bundle(path, bundle)
+    rewritten(path, metadata)
+    with pytest.raises(InputError):
+        load_bundle(path)
+
+
+def test_a_missing_tensor_and_other_sizes_are_refused(bundle, tmp_path):
+    path = tmp_path / "w.safetensors"
+    good = {"format": "relight-networks-1", "config": bundle.config.to_json()}
+    save_bundle(path, bundle)
+    rewritten(path, good, drop="delight.head.bias")
+    with pytest.raises(InputError):
+        load_bundle(path)
+    save_bundle(path, bundle)
+    rewritten(path, good | {"config": BundleConfig().to_json()})
+    with pytest.raises(InputError):
+        load_bundle(path)
+
+
+def test_inference_form_computes_the_same(bundle, tmp_path):
+    bundle.eval()
+    photo = torch.rand(1, 3, 8, 8)
+    with torch.no_grad():
+        before = bundle.delight(photo).albedo_srgb
+    after = bundle.for_inference().delight(photo).albedo_srgb
+    torch.testing.assert_close(after, before, rtol=1e-3, atol=1e-4)
+    assert not after.requires_grad
