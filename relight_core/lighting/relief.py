@@ -1,8 +1,9 @@
 """Cast shadow from geometry: which part of the light a relief lets through to each of its points.
 
-The relief that de-lighting predicts is a height field seen from the camera. Marching it once toward
-every texel of the light gives each pixel's response to light; from then on the shadow under any light is
-a matrix product. What the camera does not see casts no shadow here: the SS network corrects that.
+The relief that de-lighting predicts is a height field seen from the camera. Its horizons, marched once in
+every direction of the image plane (horizon mapping: Max 1988), give each pixel's response to every texel of
+a light; from then on the shadow under any light is a matrix product. What the camera does not see casts no
+shadow here, and what it sees has no back: the SS network corrects both.
 """
 
 from __future__ import annotations
@@ -14,9 +15,12 @@ import torch.nn.functional as F
 
 from relight_core.lighting.sphere import directions, solid_angles
 
-_BIAS = 0.008
-_THICKNESS = 0.9
-_DIRECTIONS_AT_ONCE = 64
+_AZIMUTHS = 48
+_STEPS = 20
+_REACH = 1.3
+_BIAS = 0.002
+_PENUMBRA = 0.15
+_NOTHING = -1e3
 
 
 @dataclass(frozen=True)
@@ -48,48 +52,51 @@ class ReliefTransport:
 
 @torch.no_grad()
 def march_relief(
-    relief: torch.Tensor, normal: torch.Tensor, covered: torch.Tensor, light_height: int = 16, steps: int = 28
+    relief: torch.Tensor, normal: torch.Tensor, covered: torch.Tensor, light_height: int = 16
 ) -> ReliefTransport:
-    """March a relief toward every texel of a lat-long light.
+    """March a relief once in every direction of the image plane, and compare each light with the horizon.
 
     Args:
         relief: (S, S) height toward the camera, in half-widths of the image.
         normal: (3, S, S) unit vectors, camera space.
         covered: (S, S) in [0, 1]: where there is a surface; elsewhere nothing casts a shadow.
         light_height: rows of the light.
-        steps: samples along each ray; they lie closer together near the point.
     """
     size = relief.shape[-1]
     toward = torch.from_numpy(directions(light_height, 2 * light_height).reshape(-1, 3))
     weight = torch.from_numpy(solid_angles(light_height, 2 * light_height).reshape(-1))
     cosine = (normal.float().flatten(1).T @ toward.T).clamp_min(0)
     opened = cosine * weight / torch.pi * (covered > 0.5).flatten()[:, None]
-    height = torch.where(covered > 0.5, relief.float(), torch.full_like(relief, -1e3, dtype=torch.float32))
-    visible = torch.ones_like(opened)
-    for start in range(0, len(toward), _DIRECTIONS_AT_ONCE):
-        part = slice(start, start + _DIRECTIONS_AT_ONCE)
-        if float(cosine[:, part].max()) > 0:
-            visible[:, part] = _march(height, relief.float(), toward[part], size, steps)
+    horizon = _horizons(relief.float(), covered).flatten(1)
+    across = toward[:, :2].norm(dim=1).clamp_min(1e-4)
+    elevation = torch.atan2(toward[:, 2], across)
+    turn = torch.atan2(toward[:, 1], toward[:, 0]) / (2 * torch.pi) * _AZIMUTHS
+    first = turn.floor()
+    blend = (turn - first)[:, None]
+    before, after = (horizon[(first.long() + step) % _AZIMUTHS] for step in (0, 1))
+    above = elevation[:, None] - (before + (after - before) * blend)
+    visible = (above / _PENUMBRA + 0.5).clamp(0, 1).T
     return ReliefTransport(opened, opened * visible, size)
 
 
-def _march(height: torch.Tensor, start: torch.Tensor, toward: torch.Tensor, size: int, steps: int) -> torch.Tensor:
-    """Visibility (S * S, D) along D directions."""
+def _horizons(relief: torch.Tensor, covered: torch.Tensor) -> torch.Tensor:
+    """Elevation (azimuths, S, S), radians above the image plane, up to which each point's sky is hidden.
+
+    Azimuth 0 is +x, a quarter of them later +y. A relief has no back: it hides all that is behind it.
+    """
+    size = relief.shape[-1]
+    height = torch.where(covered > 0.5, relief, torch.full_like(relief, _NOTHING))
+    angle = torch.arange(_AZIMUTHS) * (2 * torch.pi / _AZIMUTHS)
     axis = (torch.arange(size) + 0.5) / size * 2 - 1
     y, x = torch.meshgrid(axis, axis, indexing="ij")
-    count = len(toward)
-    field = height.expand(count, 1, size, size)
-    blocked = torch.zeros(count, size, size)
-    step_x, step_y, step_z = (toward[:, i, None, None] for i in range(3))
-    # A ray that climbs fast leaves the relief's range soon: no need to walk to the border.
-    reach = torch.minimum(torch.full_like(step_z, 1.4), 1.2 / step_z.clamp_min(0.2))
-    for step in range(1, steps + 1):
-        distance = reach * (step / steps) ** 1.6 + 1.0 / size
-        position = torch.stack([(x + distance * step_x).expand(count, -1, -1), y - distance * step_y], -1)
-        sampled = F.grid_sample(field, position, mode="bilinear", padding_mode="border", align_corners=False)[:, 0]
-        gap = sampled - (start + distance * step_z)
-        softness = 1.5 / size + 0.06 * distance
+    step_x, step_y = angle.cos()[:, None, None], -angle.sin()[:, None, None]
+    field = height.expand(_AZIMUTHS, 1, size, size)
+    steepest = torch.full((_AZIMUTHS, size, size), _NOTHING)
+    for step in range(1, _STEPS + 1):
+        distance = 2.0 / size + _REACH * (step / _STEPS) ** 1.8
+        position = torch.stack([x + distance * step_x, y + distance * step_y], -1)
+        sampled = F.grid_sample(field, position, mode="bilinear", padding_mode="zeros", align_corners=False)
         inside = position.abs().amax(-1) < 1
-        hit = ((gap - _BIAS) / softness + 0.5).clamp(0, 1) * (inside & (gap < _THICKNESS))
-        blocked = torch.maximum(blocked, hit)
-    return 1 - blocked.flatten(1).T
+        slope = torch.where(inside, (sampled[:, 0] - relief - _BIAS) / distance, _NOTHING)
+        torch.maximum(steepest, slope, out=steepest)
+    return steepest.atan()

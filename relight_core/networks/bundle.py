@@ -33,7 +33,9 @@ class BundleConfig:
     @classmethod
     def tiny(cls) -> BundleConfig:
         """The smallest networks that still have every part: for tests."""
-        return cls(DelightConfig(width=4, levels=3), SpecularShadowConfig(width=4, levels=3), CompositionConfig(4, 2))
+        return cls(
+            DelightConfig(width=4, levels=3), SpecularShadowConfig(width=4, levels=3), CompositionConfig(4, 2)
+        )
 
     @classmethod
     def from_json(cls, text: str) -> BundleConfig:

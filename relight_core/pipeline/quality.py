@@ -20,7 +20,7 @@ class Tier:
     relief_size: int
 
 
-TIERS = {"draft": Tier(192, 48), "live": Tier(256, 64), "final": Tier(512, 96)}
+TIERS = {"draft": Tier(192, 64), "live": Tier(256, 96), "final": Tier(512, 128)}
 
 
 def tier_of(quality: str) -> Tier:

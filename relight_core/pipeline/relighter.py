@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
@@ -22,7 +22,7 @@ from relight_core.pipeline.cache import Stage, StageCache
 from relight_core.pipeline.edit import Edit
 from relight_core.pipeline.finish import finish, over_background
 from relight_core.pipeline.portrait import Portrait, choose_face, frame, refine
-from relight_core.pipeline.quality import Tier, tier_of
+from relight_core.pipeline.quality import TIERS, Tier, tier_of
 from relight_core.resources import resource_path
 
 WEIGHTS = ("weights", "relight.safetensors")
@@ -127,16 +127,24 @@ class Relighter:
         )
         effects = self._effects(ready, reflected, light, light_key, environment, edit)
         composed = self._cache.run(
-            "compose", (light_key, effects is None),
+            "compose",
+            (light_key, effects is None),
             lambda: stages.compose(
-                self._bundle, ready.surface, reflected, effects or stages.no_effects(ready.surface), light, self._device
+                self._bundle,
+                ready.surface,
+                reflected,
+                effects or stages.no_effects(ready.surface),
+                light,
+                self._device,
             ),
             "new light",
         )
         gains = (edit.specular, edit.shadow)
         view = self._cache.run(
-            "sliders", (light_key, gains),
-            lambda: self._with_sliders(composed, ready, reflected, effects, gains), "new light or slider",
+            "sliders",
+            (light_key, gains),
+            lambda: self._with_sliders(composed, ready, reflected, effects, gains),
+            "new light or slider",
         )
         image, alpha = self._finished(ready, view, light_key, environment, edit)
         channels = self._channels(ready, effects, view, light, environment.level)
@@ -146,19 +154,21 @@ class Relighter:
         portrait = self._portrait
         if portrait is None:
             raise InputError("no portrait is open: choose a photo first")
-        photo_view = self._cache.run(
-            "view", tier.size, lambda: portrait.view.extract(portrait.photo.linear, tier.size), "new photo or quality"
-        )
-        surface = self._cache.run(
-            "delight", tier.size, lambda: stages.delight(self._bundle, photo_view, self._device), "new photo or quality"
-        )
-        relief = self._cache.run(
-            "relief", tier, lambda: stages.march(surface, tier.relief_size), "new photo or quality"
-        )
-        level = self._cache.run(
-            "exposure", tier.size, lambda: stages.exposure_of_photo(surface, self._table), "new photo or quality"
-        )
+
+        def once(name: str, key: Tier | int, make):
+            return self._cache.run(name, key, make, "new photo or quality", keep=len(TIERS))
+
+        photo_view = once("view", tier.size, lambda: portrait.view.extract(portrait.photo.linear, tier.size))
+        surface = once("delight", tier.size, lambda: stages.delight(self._bundle, photo_view, self._device))
+        relief = once("relief", tier, lambda: stages.march(surface, tier.relief_size))
+        level = once("exposure", tier.size, lambda: stages.exposure_of_photo(surface, self._table))
         return _Prepared(portrait, surface, relief, photo_view, level)
+
+    def _matte(self, portrait: Portrait) -> np.ndarray:
+        """The person at the photo's resolution; from one tier for all, so that it depends on no history."""
+        surface = self._prepare(tier_of("live")).surface
+        person = surface.person[0, 0].cpu().numpy()
+        return refine_matte(portrait.photo.linear, person, portrait.view, portrait.photo.alpha)
 
     def _effects(self, ready: _Prepared, reflected, light, light_key, environment: Environment, edit: Edit):
         """Specular and shadow, or None where nothing asks for them."""
@@ -166,10 +176,9 @@ class Relighter:
             self._cache.skip("specular_shadow", "the light is black")
             return None
         return self._cache.run(
-            "specular_shadow", light_key,
-            lambda: stages.estimate_effects(
-                self._bundle, ready.surface, reflected, ready.relief, light, self._device
-            ),
+            "specular_shadow",
+            light_key,
+            lambda: stages.estimate_effects(self._bundle, ready.surface, reflected, ready.relief, light, self._device),
             "new light",
         )
 
@@ -182,16 +191,13 @@ class Relighter:
         """Full resolution: the photo's detail, then the background. (H, W, 3) and alpha or None."""
         photo, place = ready.portrait.photo, ready.portrait.view
         sliders = (light_key, edit.specular, edit.shadow, environment.level)
-        person = ready.surface.person[0, 0].cpu().numpy()
-        matte = self._cache.run(
-            "matte", ready.surface.photo.shape, lambda: refine_matte(photo.linear, person, place, photo.alpha),
-            "new photo or quality",
-        )
+        matte = self._cache.run("matte", "photo", lambda: self._matte(ready.portrait), "new photo")
         full_view = self._cache.run(
             "full_view", "photo", lambda: place.extract(photo.linear, round(place.side)), "new photo"
         )
         relit = self._cache.run(
-            "detail", sliders,
+            "detail",
+            sliders,
             lambda: apply_detail(fit_detail(ready.photo_view, view * environment.level), full_view),
             "new light or slider",
         )
@@ -199,8 +205,10 @@ class Relighter:
             "paste", sliders, lambda: finish(photo.linear, relit, place, matte), "new light or slider"
         )
         return self._cache.run(
-            "background", (sliders, edit.background, edit.yaw_deg),
-            lambda: over_background(pasted, matte, environment, edit), "new light or background",
+            "background",
+            (sliders, edit.background, edit.yaw_deg),
+            lambda: over_background(pasted, matte, environment, edit),
+            "new light or background",
         )
 
     def _channels(self, ready: _Prepared, effects, view: np.ndarray, light, level: float) -> dict[str, np.ndarray]:

@@ -9,7 +9,9 @@ from relight_core.networks.delight import DelightNetwork, Delit
 from relight_core.training.losses import focal_parsing, masked_l1, slope_l1, wlog_l2
 
 
-def delight_losses(network: DelightNetwork, batch: dict[str, torch.Tensor]) -> tuple[Delit, dict[str, torch.Tensor]]:
+def delight_losses(
+    network: DelightNetwork, batch: dict[str, torch.Tensor]
+) -> tuple[Delit, dict[str, torch.Tensor]]:
     """Losses of both photos of every pair, each term by name; their sum is Eq. 5, plus the relief's.
 
     The weights bring terms of different units to the same order: the paper sums them as they are, on its
@@ -17,14 +19,17 @@ def delight_losses(network: DelightNetwork, batch: dict[str, torch.Tensor]) -> t
     """
     photo = batch["photo_srgb"].flatten(0, 1)
     found = network(photo.contiguous(memory_format=torch.channels_last))
-    twice = {name: batch[name].repeat_interleave(2, 0) for name in ("albedo", "normal", "relief", "label", "covered")}
+    twice = {
+        name: batch[name].repeat_interleave(2, 0)
+        for name in ("albedo", "normal", "relief", "label", "covered")
+    }
     covered = twice["covered"]
     relief = twice["relief"] * (photo.shape[-1] / 128)  # half-widths to units of 64 pixels
     losses = {
         "albedo": 2.0 * masked_l1(found.albedo_srgb, srgb_encode(twice["albedo"]), covered),
         "normal": masked_l1(found.normal, twice["normal"], covered),
         "parsing": focal_parsing(found.parsing_logits, twice["label"]),
-        "light": 0.5 * wlog_l2(found.light, batch["light"].flatten(0, 1)),
+        "light": 1.0 * wlog_l2(found.light, batch["light"].flatten(0, 1)),
         "relief": 0.3 * masked_l1(found.relief, relief, covered)
         + 4.0 * slope_l1(found.relief, relief, covered),
     }

@@ -44,21 +44,25 @@ class Budget:
     def rate(self, step: int, elapsed: float) -> float:
         """Learning rate at a step, `elapsed` being the fraction of the budget that is spent."""
         cosine = 0.5 * (1 + math.cos(math.pi * min(elapsed, 1.0)))
-        return self.learning_rate * min(1.0, (step + 1) / self.warm_up_steps) * (
-            self.final_fraction + (1 - self.final_fraction) * cosine
+        return (
+            self.learning_rate
+            * min(1.0, (step + 1) / self.warm_up_steps)
+            * (self.final_fraction + (1 - self.final_fraction) * cosine)
         )
 
 
 class AveragedWeights:
     """Exponential moving average of a bundle: what is saved, since it scores better than the last step."""
 
-    def __init__(self, bundle: NetworkBundle, decay: float = 0.998):
-        self._decay = decay
+    def __init__(self, bundle: NetworkBundle, decay: float = 0.998, every: int = 4):
+        self._decay, self._every = decay, every
         self._state = {name: value.clone() for name, value in bundle.state_dict().items()}
 
     def update(self, bundle: NetworkBundle, step: int) -> None:
-        """Move toward the current weights; quickly at first."""
-        decay = min(self._decay, (1 + step) / (10 + step))
+        """Move toward the current weights, quickly at first; every few steps, for it touches every weight."""
+        if step % self._every:
+            return
+        decay = min(self._decay**self._every, (1 + step) / (10 + step))
         for name, value in bundle.state_dict().items():
             if value.is_floating_point():
                 self._state[name].lerp_(value, 1 - decay)
@@ -101,7 +105,7 @@ def train_stage(
     for name in {"delight", "specular_shadow", "composition"} - set(stage.trains):
         getattr(bundle, name).eval()
     parameters = [p for network in trained for p in network.parameters()]
-    optimiser = torch.optim.AdamW(parameters, lr=budget.learning_rate, weight_decay=1e-4)
+    optimiser = torch.optim.AdamW(parameters, lr=budget.learning_rate, weight_decay=1e-4, fused=True)
     table, average = ReflectionTable().to(device), AveragedWeights(bundle)
     started = saved = time.monotonic()
     step, skipped, smoothed, log = 0, 0, {}, []
@@ -131,15 +135,24 @@ def train_stage(
 def _step(stage, bundle, table, batch, optimiser, parameters, device) -> dict[str, float]:
     """One optimiser step; the losses by name, or nothing when the batch had to be skipped."""
     batch = {name: value.to(device, non_blocking=True) for name, value in batch.items()}
+    statistics = [buffer.clone() for buffer in bundle.buffers()]
     with torch.autocast(device, torch.bfloat16):
         losses = stage.losses(bundle, table, batch)
     total = torch.stack([value.float() for value in losses.values()]).sum()
     optimiser.zero_grad(set_to_none=True)
     if not torch.isfinite(total):
-        return {}
+        return _skipped(bundle, statistics)
     total.backward()
     norm = torch.nn.utils.clip_grad_norm_(parameters, _GRADIENT_LIMIT)
     if not torch.isfinite(norm):
-        return {}
+        return _skipped(bundle, statistics)
     optimiser.step()
     return {name: float(value.detach()) for name, value in losses.items()}
+
+
+@torch.no_grad()
+def _skipped(bundle: NetworkBundle, statistics: list[torch.Tensor]) -> dict[str, float]:
+    """Undo what a bad batch did to the running statistics: one NaN in them would stay for good."""
+    for buffer, kept in zip(bundle.buffers(), statistics, strict=True):
+        buffer.copy_(kept)
+    return {}
