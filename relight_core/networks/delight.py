@@ -13,6 +13,10 @@ from relight_core.networks.lfm import LIGHT_SHAPE
 
 _TEXELS = LIGHT_SHAPE[0] * LIGHT_SHAPE[1]
 
+# Adam moves every weight by the same step, and 2,048 outputs fed by hundreds of features would jitter by
+# more than the light tells them; a small gain behind the weights slows these outputs alone.
+_OUTPUT_GAIN = 0.3
+
 
 @dataclass(frozen=True)
 class DelightConfig:
@@ -64,8 +68,8 @@ class ConfidenceWeightedLight(nn.Module):
 
     def forward(self, features: torch.Tensor) -> torch.Tensor:
         features = self.hidden(features)
-        proposal = self.propose(features).float().flatten(2).unflatten(1, (_TEXELS, 3))
-        weight = torch.softmax(self.confide(features).float().flatten(2), dim=-1)
+        proposal = _OUTPUT_GAIN * self.propose(features).float().flatten(2).unflatten(1, (_TEXELS, 3))
+        weight = torch.softmax(_OUTPUT_GAIN * self.confide(features).float().flatten(2), dim=-1)
         log_light = F.softplus((proposal * weight[:, :, None]).sum(-1))
         return torch.expm1(log_light.clamp_max(9.0)).unflatten(1, LIGHT_SHAPE[:2])
 

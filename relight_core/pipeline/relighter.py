@@ -10,15 +10,17 @@ import torch
 
 from relight_core.errors import InputError
 from relight_core.face.find import FaceBox
-from relight_core.imaging.guided_detail import apply_detail, fit_detail
+from relight_core.imaging.guided_detail import DetailFit, apply_detail, fit_detail
 from relight_core.imaging.matte import refine_matte
 from relight_core.imaging.photo import Photo
+from relight_core.imaging.resampling import resize_area
 from relight_core.lighting.environment import Environment, network_light
 from relight_core.lighting.reflection import ReflectionTable
 from relight_core.lighting.relief import ReliefTransport
 from relight_core.networks.bundle import load_bundle
 from relight_core.pipeline import stages
 from relight_core.pipeline.cache import Stage, StageCache
+from relight_core.pipeline.channels import as_image, light_channels, surface_channels
 from relight_core.pipeline.edit import Edit
 from relight_core.pipeline.finish import finish, over_background
 from relight_core.pipeline.portrait import Portrait, choose_face, frame, refine
@@ -57,6 +59,7 @@ class _Prepared:
     surface: stages.Surface
     relief: ReliefTransport
     photo_view: np.ndarray
+    photo_small: np.ndarray
     photo_level: float
 
 
@@ -93,8 +96,8 @@ class Relighter:
             InputError: no face is found, or there is none of that index. The previous portrait stays.
         """
         portrait = frame(photo, choose_face(photo, face_index))
-        draft = stages.delight(self._bundle, portrait.view.extract(photo.linear, tier_of("draft").size), self._device)
-        labels = draft.parsing[0].argmax(0).cpu().numpy()
+        small = portrait.view.extract(photo.linear, tier_of("live").network_size)
+        labels = stages.delight(self._bundle, small, self._device).parsing[0].argmax(0).cpu().numpy()
         self._portrait = refine(portrait, labels)
         self._cache = StageCache()
 
@@ -139,16 +142,29 @@ class Relighter:
             ),
             "new light",
         )
-        gains = (edit.specular, edit.shadow)
-        view = self._cache.run(
+        effects = effects or stages.no_effects(ready.surface)
+        sliders = (light_key, edit.specular, edit.shadow, environment.level)
+        fit = self._cache.run(
             "sliders",
-            (light_key, gains),
-            lambda: self._with_sliders(composed, ready, reflected, effects, gains),
+            sliders,
+            lambda: self._fit(composed, ready, reflected, effects, edit, environment.level),
             "new light or slider",
         )
-        image, alpha = self._finished(ready, view, light_key, environment, edit)
-        channels = self._channels(ready, effects, view, light, environment.level)
-        return Relit(image, alpha, channels, [ready.portrait.face], dict(self._cache.stages))
+        image, alpha = self._finished(ready, fit, sliders, environment, edit)
+        channels = self._cache.run(
+            "channels",
+            sliders,
+            lambda: light_channels(effects, fit, ready.photo_view, light, environment.level),
+            "new light or slider",
+        )
+        fixed = self._cache.run(
+            "surface_channels",
+            tier,
+            lambda: surface_channels(ready.surface, ready.photo_view, ready.photo_small),
+            "new photo or quality",
+            keep=len(TIERS),
+        )
+        return Relit(image, alpha, fixed | channels, [ready.portrait.face], dict(self._cache.stages))
 
     def _prepare(self, tier: Tier) -> _Prepared:
         portrait = self._portrait
@@ -159,10 +175,15 @@ class Relighter:
             return self._cache.run(name, key, make, "new photo or quality", keep=len(TIERS))
 
         photo_view = once("view", tier.size, lambda: portrait.view.extract(portrait.photo.linear, tier.size))
-        surface = once("delight", tier.size, lambda: stages.delight(self._bundle, photo_view, self._device))
+        photo_small = resize_area(photo_view, (tier.network_size, tier.network_size))
+        surface = once(
+            "delight",
+            tier,
+            lambda: stages.delight(self._bundle, photo_small, self._device, mirrored=tier.mirrored),
+        )
         relief = once("relief", tier, lambda: stages.march(surface, tier.relief_size))
-        level = once("exposure", tier.size, lambda: stages.exposure_of_photo(surface, self._table))
-        return _Prepared(portrait, surface, relief, photo_view, level)
+        level = once("exposure", tier, lambda: stages.exposure_of_photo(surface, self._table))
+        return _Prepared(portrait, surface, relief, photo_view, photo_small, level)
 
     def _matte(self, portrait: Portrait) -> np.ndarray:
         """The person at the photo's resolution; from one tier for all, so that it depends on no history."""
@@ -182,25 +203,19 @@ class Relighter:
             "new light",
         )
 
-    def _with_sliders(self, composed, ready: _Prepared, reflected, effects, gains) -> np.ndarray:
-        effects = effects or stages.no_effects(ready.surface)
-        image = stages.apply_sliders(composed, ready.surface, reflected, effects, *gains)
-        return _image(image)
+    def _fit(self, composed, ready: _Prepared, reflected, effects, edit: Edit, level: float) -> DetailFit:
+        """How the relit view differs from the photo's, at the sliders' gains and the light's level."""
+        image = stages.apply_sliders(composed, ready.surface, reflected, effects, edit.specular, edit.shadow)
+        return fit_detail(ready.photo_small, as_image(image) * level)
 
-    def _finished(self, ready: _Prepared, view: np.ndarray, light_key, environment: Environment, edit: Edit):
+    def _finished(self, ready: _Prepared, fit: DetailFit, sliders, environment: Environment, edit: Edit):
         """Full resolution: the photo's detail, then the background. (H, W, 3) and alpha or None."""
         photo, place = ready.portrait.photo, ready.portrait.view
-        sliders = (light_key, edit.specular, edit.shadow, environment.level)
         matte = self._cache.run("matte", "photo", lambda: self._matte(ready.portrait), "new photo")
         full_view = self._cache.run(
             "full_view", "photo", lambda: place.extract(photo.linear, round(place.side)), "new photo"
         )
-        relit = self._cache.run(
-            "detail",
-            sliders,
-            lambda: apply_detail(fit_detail(ready.photo_view, view * environment.level), full_view),
-            "new light or slider",
-        )
+        relit = self._cache.run("detail", sliders, lambda: apply_detail(fit, full_view), "new light or slider")
         pasted = self._cache.run(
             "paste", sliders, lambda: finish(photo.linear, relit, place, matte), "new light or slider"
         )
@@ -210,30 +225,3 @@ class Relighter:
             lambda: over_background(pasted, matte, environment, edit),
             "new light or background",
         )
-
-    def _channels(self, ready: _Prepared, effects, view: np.ndarray, light, level: float) -> dict[str, np.ndarray]:
-        surface = ready.surface
-        fixed = self._cache.run("fixed_channels", surface.photo.shape, lambda: _fixed_channels(surface), "new photo")
-        effects = effects or stages.no_effects(surface)
-        return fixed | {
-            "specular": _image(effects.specular) * level,
-            "shadow": _image(effects.shadow) * level,
-            "composition": view * level,
-            "target_light": light[0].cpu().numpy() * level,
-        }
-
-
-def _fixed_channels(surface: stages.Surface) -> dict[str, np.ndarray]:
-    return {
-        "photo": _image(surface.photo),
-        "albedo": _image(surface.albedo),
-        "normal": _image(surface.normal),
-        "parsing": surface.parsing[0].argmax(0).cpu().numpy().astype(np.int32),
-        "source_light": surface.source_light[0].cpu().numpy(),
-    }
-
-
-def _image(tensor: torch.Tensor) -> np.ndarray:
-    """(1, C, S, S) to (S, S, C), or (S, S) for one channel."""
-    array = np.ascontiguousarray(tensor[0].permute(1, 2, 0).float().cpu().numpy())
-    return array[..., 0] if array.shape[-1] == 1 else array

@@ -9,6 +9,7 @@ import numpy as np
 import torch
 import torch.nn.functional as F
 
+from relight_core.face.parsing import INDEX
 from relight_core.face.silhouette import solid_person
 from relight_core.imaging.tensor_colour import srgb_decode, srgb_encode
 from relight_core.lighting.reflection import ReflectionTable
@@ -17,6 +18,7 @@ from relight_core.networks.bundle import NetworkBundle
 from relight_core.pipeline.hints import Effects, effects_of, explicit_sum, grey, specular_shadow_hints
 
 _RELIEF_UNIT_PX = 64.0
+_DULLNESS = {"hair": 0.75, "cloth": 0.85, "hat": 0.7, "background": 0.9}
 
 
 @dataclass(frozen=True)
@@ -50,27 +52,38 @@ def inference_precision(device: str) -> AbstractContextManager:
 
 
 @torch.inference_mode()
-def delight(bundle: NetworkBundle, photo: np.ndarray, device: str = "cpu") -> Surface:
+def delight(bundle: NetworkBundle, photo: np.ndarray, device: str = "cpu", *, mirrored: bool = False) -> Surface:
     """Take a view of a photo apart.
 
     Args:
         photo: (S, S, 3) linear; clipped to [0, 1] as the camera's own file would be.
+        mirrored: also de-light the mirrored view and average both.
     """
     linear = torch.from_numpy(np.ascontiguousarray(photo)).permute(2, 0, 1)[None].float().clamp(0, 1).to(device)
+    views = torch.cat([linear, linear.flip(-1)]) if mirrored else linear
     with inference_precision(device):
-        found = bundle.delight(srgb_encode(linear).contiguous(memory_format=torch.channels_last))
-    size = photo.shape[0]
+        found = bundle.delight(srgb_encode(views).contiguous(memory_format=torch.channels_last))
     parsing = torch.softmax(found.parsing_logits.float(), 1)
+    parts = [srgb_decode(found.albedo_srgb.float()), found.normal.float(), found.relief.float(), parsing]
+    parts.append(found.light.float())
+    if mirrored:
+        parts = _mean_of_both(*parts)
+    albedo, normal, relief, parsing, light = parts
     person = torch.from_numpy(solid_person(parsing[0].cpu().numpy()))[None, None].to(device)
-    return Surface(
-        photo=linear,
-        albedo=srgb_decode(found.albedo_srgb.float()),
-        normal=found.normal.float(),
-        relief=found.relief.float() * (2 * _RELIEF_UNIT_PX / size),
-        parsing=parsing,
-        person=person,
-        source_light=found.light.float(),
-    )
+    unit_relief = relief * (2 * _RELIEF_UNIT_PX / photo.shape[0])
+    return Surface(linear, albedo, normal, unit_relief, parsing, person, light)
+
+
+def _mean_of_both(albedo, normal, relief, parsing, light) -> list[torch.Tensor]:
+    """What was found in a view (first) and in its mirror image (second), averaged."""
+    exchanged = list(range(parsing.shape[1]))
+    for one, other in (("left_brow", "right_brow"), ("left_eye", "right_eye")):
+        exchanged[INDEX[one]], exchanged[INDEX[other]] = INDEX[other], INDEX[one]
+    sideways = torch.tensor([-1.0, 1.0, 1.0], device=normal.device)[None, :, None, None]
+    normal = F.normalize(normal[:1] + normal[1:].flip(-1) * sideways, dim=1, eps=1e-4)
+    parsing = (parsing[:1] + parsing[1:, exchanged].flip(-1)) / 2
+    albedo, relief = ((both[:1] + both[1:].flip(-1)) / 2 for both in (albedo, relief))
+    return [albedo, normal, relief, parsing, (light[:1] + light[1:].flip(2)) / 2]
 
 
 @torch.inference_mode()
@@ -84,8 +97,14 @@ def march(surface: Surface, size: int) -> ReliefTransport:
 
 @torch.inference_mode()
 def reflect(table: ReflectionTable, surface: Surface, light: torch.Tensor) -> torch.Tensor:
-    """Unoccluded irradiance and gloss at every pixel's normal, (1, 6, S, S)."""
-    return table(light, surface.normal)
+    """Unoccluded irradiance and gloss at every pixel's normal, (1, 6, S, S).
+
+    The paper gives everything the gloss of skin (section 3.2) and says what that costs (5.4). Hair and
+    cloth scatter more than they mirror: theirs is turned down by the parsing's probabilities.
+    """
+    reflected = table(light, surface.normal)
+    dullness = sum(share * surface.parsing[:, INDEX[name], None] for name, share in _DULLNESS.items())
+    return torch.cat([reflected[:, :3], reflected[:, 3:] * (1 - dullness)], 1)
 
 
 @torch.inference_mode()

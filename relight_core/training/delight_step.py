@@ -5,12 +5,13 @@ from __future__ import annotations
 import torch
 
 from relight_core.imaging.tensor_colour import srgb_encode
+from relight_core.lighting.reflection import ReflectionTable
 from relight_core.networks.delight import DelightNetwork, Delit
-from relight_core.training.losses import focal_parsing, masked_l1, slope_l1, wlog_l2
+from relight_core.training.losses import focal_parsing, irradiance_l1, masked_l1, slope_l1, wlog_l2
 
 
 def delight_losses(
-    network: DelightNetwork, batch: dict[str, torch.Tensor]
+    network: DelightNetwork, table: ReflectionTable, batch: dict[str, torch.Tensor]
 ) -> tuple[Delit, dict[str, torch.Tensor]]:
     """Losses of both photos of every pair, each term by name; their sum is Eq. 5, plus the relief's.
 
@@ -23,13 +24,14 @@ def delight_losses(
         name: batch[name].repeat_interleave(2, 0)
         for name in ("albedo", "normal", "relief", "label", "covered")
     }
-    covered = twice["covered"]
+    covered, light = twice["covered"], batch["light"].flatten(0, 1)
     relief = twice["relief"] * (photo.shape[-1] / 128)  # half-widths to units of 64 pixels
     losses = {
         "albedo": 2.0 * masked_l1(found.albedo_srgb, srgb_encode(twice["albedo"]), covered),
         "normal": masked_l1(found.normal, twice["normal"], covered),
         "parsing": focal_parsing(found.parsing_logits, twice["label"]),
-        "light": 1.0 * wlog_l2(found.light, batch["light"].flatten(0, 1)),
+        "light": wlog_l2(found.light, light),
+        "irradiance": irradiance_l1(found.light, light, table),
         "relief": 0.3 * masked_l1(found.relief, relief, covered)
         + 4.0 * slope_l1(found.relief, relief, covered),
     }

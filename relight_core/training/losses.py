@@ -5,6 +5,7 @@ from __future__ import annotations
 import torch
 import torch.nn.functional as F
 
+from relight_core.lighting.reflection import ReflectionTable
 from relight_core.lighting.sphere import solid_angles
 
 
@@ -46,11 +47,25 @@ def wlog_l2(estimate: torch.Tensor, truth: torch.Tensor) -> torch.Tensor:
     return (weight * difference).square().mean()
 
 
+def irradiance_l1(estimate: torch.Tensor, truth: torch.Tensor, table: ReflectionTable) -> torch.Tensor:
+    """Mean absolute difference of log(1 + irradiance) over all normals that face the camera.
+
+    A texel of Eq. 3 says almost nothing about where a light comes from; what it does to a white ball does.
+
+    Args:
+        estimate, truth: (B, H, 2H, 3) radiance >= 0.
+    """
+    estimated, true = (torch.log1p(table.tabulate(light)[:, :3]) for light in (estimate, truth))
+    return (estimated - true).abs().mean()
+
+
 def slope_l1(estimate: torch.Tensor, truth: torch.Tensor, covered: torch.Tensor) -> torch.Tensor:
     """L1 of neighbour differences where both neighbours are covered: heights matter by their edges."""
     total = estimate.new_zeros(())
     for axis in (2, 3):
-        inside = covered.narrow(axis, 1, covered.shape[axis] - 1) * covered.narrow(axis, 0, covered.shape[axis] - 1)
+        inside = covered.narrow(axis, 1, covered.shape[axis] - 1) * covered.narrow(
+            axis, 0, covered.shape[axis] - 1
+        )
         total = total + masked_l1(estimate.diff(dim=axis), truth.diff(dim=axis), inside)
     return total
 

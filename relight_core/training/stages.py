@@ -43,7 +43,7 @@ class Stage:
 
 
 def _warm_delight(bundle: NetworkBundle, table: ReflectionTable, batch: Batch) -> Losses:
-    return delight_losses(bundle.delight, batch)[1]
+    return delight_losses(bundle.delight, table, batch)[1]
 
 
 def _warm_specular_shadow(bundle: NetworkBundle, table: ReflectionTable, batch: Batch) -> Losses:
@@ -73,14 +73,16 @@ def _relit_from_photo(bundle: NetworkBundle, table: ReflectionTable, batch: Batc
 
 
 def _tune_delight(bundle: NetworkBundle, table: ReflectionTable, batch: Batch) -> Losses:
-    found, losses = delight_losses(bundle.delight, batch)
+    found, losses = delight_losses(bundle.delight, table, batch)
     relit = _relit_from_photo(bundle, table, batch, found)
     return losses | {"relit": relit["encoded"] + relit["display"]}
 
 
 def _tune_relight(bundle: NetworkBundle, table: ReflectionTable, batch: Batch) -> Losses:
     with torch.no_grad():
-        found = bundle.delight(batch["photo_srgb"].flatten(0, 1).contiguous(memory_format=torch.channels_last))
+        found = bundle.delight(
+            batch["photo_srgb"].flatten(0, 1).contiguous(memory_format=torch.channels_last)
+        )
         found.normal = F.normalize(found.normal, dim=1, eps=1e-4)
     return _relit_from_photo(bundle, table, batch, found)
 

@@ -1,0 +1,54 @@
+"""The channels as a viewer gets them: arrays at the view's size, whatever size the networks worked at."""
+
+from __future__ import annotations
+
+import numpy as np
+import torch
+import torch.nn.functional as F
+
+from relight_core.imaging.guided_detail import DetailFit, apply_detail, carry_detail
+from relight_core.pipeline.hints import Effects
+from relight_core.pipeline.stages import Surface
+
+
+def surface_channels(surface: Surface, photo_view: np.ndarray, photo_small: np.ndarray) -> dict[str, np.ndarray]:
+    """What no light changes: "photo", "albedo", "normal", "parsing" and "source_light".
+
+    Args:
+        photo_view: (S, S, 3) linear, the view at the size of the channels.
+        photo_small: (s, s, 3) linear, the view as the networks saw it.
+    """
+    size = photo_view.shape[0]
+    normal = F.normalize(enlarge(surface.normal, size), dim=1, eps=1e-4)
+    albedo = carry_detail(np.clip(photo_view, 0, 1), photo_small, as_image(surface.albedo))
+    return {
+        "photo": photo_view,
+        "albedo": np.clip(albedo, 0, 1),
+        "normal": as_image(normal),
+        "parsing": enlarge(surface.parsing, size)[0].argmax(0).cpu().numpy().astype(np.int32),
+        "source_light": surface.source_light[0].cpu().numpy(),
+    }
+
+
+def light_channels(
+    effects: Effects, fit: DetailFit, photo_view: np.ndarray, light: torch.Tensor, level: float
+) -> dict[str, np.ndarray]:
+    """What a light makes: "specular", "shadow", "composition" and "target_light", at the light's level."""
+    size = photo_view.shape[0]
+    return {
+        "specular": as_image(enlarge(effects.specular, size)) * level,
+        "shadow": as_image(enlarge(effects.shadow, size)) * level,
+        "composition": apply_detail(fit, photo_view),
+        "target_light": light[0].cpu().numpy() * level,
+    }
+
+
+def enlarge(tensor: torch.Tensor, size: int) -> torch.Tensor:
+    """(1, C, s, s) to (1, C, size, size), bilinear."""
+    return F.interpolate(tensor.float(), size=(size, size), mode="bilinear", align_corners=False)
+
+
+def as_image(tensor: torch.Tensor) -> np.ndarray:
+    """(1, C, S, S) to (S, S, C), or (S, S) for one channel; float32."""
+    array = np.ascontiguousarray(tensor[0].permute(1, 2, 0).float().cpu().numpy())
+    return array[..., 0] if array.shape[-1] == 1 else array
