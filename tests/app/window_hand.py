@@ -7,6 +7,7 @@ from pathlib import Path
 import cv2
 import glfw
 import numpy as np
+from imgui_bundle import imgui
 
 from app.engine.sources import LightSource
 from app.ui.view import View
@@ -62,11 +63,15 @@ class Hand:
         self.button_mods_released()
 
     def double_click(self, at):
+        """Two clicks; as far apart as a slow machine's frames are, they count as one double click."""
+        settings = imgui.get_io()
+        usual_s, settings.mouse_double_click_time = settings.mouse_double_click_time, LONG_S
         self.move(at)
         for down in (True, False, True, False):
             state = glfw.PRESS if down else glfw.RELEASE
             self.window.on_mouse_button(None, glfw.MOUSE_BUTTON_LEFT, state, 0)
         self.frames(6)
+        settings.mouse_double_click_time = usual_s
         self.settle()
 
     def button_mods_released(self):
