@@ -65,13 +65,14 @@ class Hand:
     def double_click(self, at):
         """Two clicks; as far apart as a slow machine's frames are, they count as one double click."""
         settings = imgui.get_io()
-        usual_s, settings.mouse_double_click_time = settings.mouse_double_click_time, LONG_S
+        usual_s = settings.mouse_single_click_delay, settings.mouse_double_click_time
+        settings.mouse_single_click_delay, settings.mouse_double_click_time = 2.0 * LONG_S, float(LONG_S)
         self.move(at)
         for down in (True, False, True, False):
             state = glfw.PRESS if down else glfw.RELEASE
             self.window.on_mouse_button(None, glfw.MOUSE_BUTTON_LEFT, state, 0)
         self.frames(6)
-        settings.mouse_double_click_time = usual_s
+        settings.mouse_single_click_delay, settings.mouse_double_click_time = usual_s
         self.settle()
 
     def button_mods_released(self):
