@@ -95,7 +95,7 @@ def _horizons(relief: torch.Tensor, covered: torch.Tensor) -> torch.Tensor:
     for step in range(1, _STEPS + 1):
         distance = 2.0 / size + _REACH * (step / _STEPS) ** 1.8
         position = torch.stack([x + distance * step_x, y + distance * step_y], -1)
-        sampled = F.grid_sample(field, position, mode="bilinear", padding_mode="zeros", align_corners=False)
+        sampled = F.grid_sample(field, position, mode="bilinear", padding_mode="border", align_corners=False)
         inside = position.abs().amax(-1) < 1
         slope = torch.where(inside, (sampled[:, 0] - relief - _BIAS) / distance, _NOTHING)
         torch.maximum(steepest, slope, out=steepest)

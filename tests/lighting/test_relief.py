@@ -1,0 +1,101 @@
+"""Cast shadow by marching a relief."""
+
+import numpy as np
+import pytest
+import torch
+
+from relight_core.lighting.relief import march_relief
+
+SIZE = 32
+
+
+def facing_camera():
+    normal = torch.zeros(3, SIZE, SIZE)
+    normal[2] = 1
+    return normal
+
+
+def covered():
+    return torch.ones(SIZE, SIZE)
+
+
+def lamp(side):
+    """A lamp 45 degrees to a side ("left" or "right" in the image) of the camera."""
+    radiance = torch.zeros(1, 16, 32, 3)
+    # u = 3/4 lies on the right of the image, u = 1 behind the camera: 7/8 lies between.
+    column = {"right": 28, "left": 3}[side]
+    radiance[:, 7:9, column] = 50
+    return radiance
+
+
+def wall():
+    """A plane with an upright bar in the middle, half as high as the image's half-width."""
+    relief = torch.zeros(SIZE, SIZE)
+    relief[:, 15:17] = 0.5
+    return relief
+
+
+def shadow(relief, light, where=None):
+    where = covered() if where is None else where
+    return march_relief(relief, facing_camera(), where).shadow_fraction(light)[0, 0]
+
+
+def test_a_plane_casts_no_shadow():
+    light = torch.from_numpy(np.random.default_rng(0).gamma(1, 1, (1, 16, 32, 3)).astype(np.float32))
+    assert shadow(torch.zeros(SIZE, SIZE), light).max() < 0.02
+
+
+@pytest.mark.parametrize("height", [0.4, -0.4])
+@pytest.mark.parametrize("side", ["left", "right"])
+def test_height_of_a_plane_does_not_matter(height, side):
+    """Least of all at the image's border, where there is nothing to see beyond."""
+    assert shadow(torch.full((SIZE, SIZE), height), lamp(side)).max() < 0.02
+
+
+@pytest.mark.parametrize(
+    ("side", "lit", "dark"), [("right", slice(19, 26), slice(11, 14)), ("left", slice(6, 13), slice(18, 21))]
+)
+def test_a_wall_shades_the_side_away_from_the_lamp_only(side, lit, dark):
+    cast = shadow(wall(), lamp(side))
+    assert cast[8:24, dark].min() > 0.8
+    assert cast[8:24, lit].max() < 0.05
+
+
+def test_a_lower_wall_casts_a_shorter_shadow():
+    high, low = (shadow(wall() * part, lamp("right"))[16, :14].sum() for part in (1.0, 0.4))
+    assert 0 < low < 0.8 * high
+
+
+def test_mirrored_relief_and_light_give_the_mirrored_shadow():
+    rng = np.random.default_rng(1)
+    relief = torch.from_numpy(rng.random((SIZE, SIZE)).astype(np.float32)) * 0.3
+    light = torch.from_numpy(rng.gamma(0.3, 1, (1, 16, 32, 3)).astype(np.float32))
+    straight = shadow(relief, light)
+    in_mirror = shadow(relief.flip(1), light.flip(2))
+    torch.testing.assert_close(in_mirror.flip(1), straight, rtol=1e-3, atol=1e-3)
+
+
+def test_what_is_not_covered_casts_no_shadow_and_takes_none():
+    where = covered()
+    where[:, 14:18] = 0
+    cast = shadow(wall(), lamp("right"), where)
+    assert cast[:, 18:].max() < 0.05
+    assert cast[:, :14].max() < 0.05
+    assert cast[:, 14:18].max() == 0
+
+
+def test_black_light_and_no_light_on_the_surface_give_no_nan():
+    transport = march_relief(wall(), facing_camera(), covered())
+    behind = torch.zeros(1, 16, 32, 3)
+    behind[:, 8, 16] = 5
+    for light in (torch.zeros(1, 16, 32, 3), behind):
+        assert transport.shadow_fraction(light).abs().max() == 0
+
+
+def test_fractions_do_not_depend_on_the_level_and_stay_in_range():
+    light = torch.from_numpy(np.random.default_rng(2).gamma(0.3, 1, (2, 16, 32, 3)).astype(np.float32))
+    transport = march_relief(wall(), facing_camera(), covered())
+    fraction = transport.shadow_fraction(light)
+    assert fraction.shape == (2, 1, SIZE, SIZE)
+    assert ((fraction >= 0) & (fraction <= 1)).all()
+    torch.testing.assert_close(transport.shadow_fraction(light * 7), fraction, rtol=1e-3, atol=1e-4)
