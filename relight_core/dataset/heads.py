@@ -7,6 +7,8 @@ from pathlib import Path
 
 import numpy as np
 
+from relight_core.dataset.archive import read_arrays
+
 # Transparent overlays of the model (tear film, lid occlusion, lashes) would be opaque to a ray.
 _OPAQUE_REGIONS = (
     "face",
@@ -20,6 +22,20 @@ _OPAQUE_REGIONS = (
     "iris_L",
     "sclera_R",
     "iris_R",
+)
+
+_ARRAYS = (
+    "mean",
+    "identity",
+    "expression",
+    "expression_names",
+    "faces",
+    "faces_uv",
+    "face_region",
+    "vertex_region",
+    "region_names",
+    "uv",
+    "landmarks68",
 )
 
 _NECK_PIVOT_CM = np.array([0.0, -8.0, 0.0], np.float32)
@@ -81,8 +97,8 @@ class HeadModel:
 
 
 def load_head_model(path: Path) -> HeadModel:
-    """Read an ICT-FaceKit archive (.npz); raises OSError when it is missing."""
-    data = np.load(path, allow_pickle=False)
+    """Read an ICT-FaceKit archive (.npz); raises InputError when it is missing or damaged."""
+    data = read_arrays(path, _ARRAYS, "a head model", "give the ICT-FaceKit archive")
     names = tuple(str(name) for name in data["region_names"])
     opaque = np.isin(data["face_region"], [names.index(name) for name in _OPAQUE_REGIONS])
     return HeadModel(

@@ -7,8 +7,9 @@ from pathlib import Path
 
 import numpy as np
 
-from relight_core.lighting.environment import rotate, shrink
-from relight_core.lighting.sphere import directions, solid_angles
+from relight_core.dataset.archive import read_arrays
+from relight_core.lighting.environment import mean_luminance, rotate, shrink
+from relight_core.lighting.sphere import directions
 
 _SPLIT_SEED = 20
 _TEST_LIGHTS = 20
@@ -29,8 +30,12 @@ def load_lights(path: Path, split: str) -> LightLibrary:
 
     Places (`group` in the file) never straddle a split: test holds 20 lights as in the paper
     (section 3.2), validation 8, training the rest.
+
+    Raises:
+        InputError: the file is missing, damaged or no light library.
     """
-    data = np.load(path, allow_pickle=False)
+    mend = "give an .npz of panoramas with env64, names and group"
+    data = read_arrays(path, ("env64", "names", "group"), "a light library", mend)
     groups = data["group"]
     order = np.random.default_rng(_SPLIT_SEED).permutation(np.unique(groups))
     held_out: dict[str, list[int]] = {"test": [], "validation": []}
@@ -48,10 +53,8 @@ def load_lights(path: Path, split: str) -> LightLibrary:
 
 
 def normalise_light(light: np.ndarray) -> np.ndarray:
-    """Divide by the mean grey radiance over the sphere; a black light stays black."""
-    weights = solid_angles(*light.shape[:2])
-    level = float((light.mean(-1) * weights).sum() / weights.sum())
-    return (light / max(level, 1e-12)).astype(np.float32)
+    """Divide by the mean luminance over the sphere, as `Environment` does; a black light stays black."""
+    return (light / max(mean_luminance(light), 1e-12)).astype(np.float32)
 
 
 def sample_light(library: LightLibrary, rng: np.random.Generator) -> np.ndarray:

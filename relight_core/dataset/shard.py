@@ -7,10 +7,14 @@ from pathlib import Path
 
 import numpy as np
 
+from relight_core.dataset.archive import read_arrays
 from relight_core.dataset.bake import BakedHead
 from relight_core.errors import InputError
 
 VERSION = 1
+
+_ARRAYS = ("covered", "size", "normal", "depth", "uv", "material", "label", "visibility")
+_MEND = "delete it and run 'relight dataset bake' again"
 
 
 def write_shard(path: Path, head: BakedHead) -> None:
@@ -36,12 +40,12 @@ def write_shard(path: Path, head: BakedHead) -> None:
 
 def read_shard(path: Path) -> BakedHead:
     """Load a head; raises InputError for a damaged file or one of another version."""
+    data = read_arrays(path, ("version",), "a baked head", _MEND)
+    if data["version"] != VERSION:
+        raise InputError(f"{path}: baked by another version; {_MEND}")
+    data = read_arrays(path, _ARRAYS, "a baked head", _MEND)
     try:
-        data = np.load(path, allow_pickle=False)
-        if int(data["version"]) != VERSION:
-            raise InputError(f"{path}: baked by another version; delete it and run 'relight dataset bake' again")
-        size = int(data["size"])
-        normal = data["normal"].astype(np.float32)
+        size, normal = int(data["size"]), data["normal"].astype(np.float32)
         return BakedHead(
             covered=np.unpackbits(data["covered"], count=size * size).view(bool).reshape(size, size),
             normal=normal / np.linalg.norm(normal, axis=1, keepdims=True),
@@ -51,7 +55,5 @@ def read_shard(path: Path) -> BakedHead:
             label=data["label"],
             visibility=data["visibility"],
         )
-    except (OSError, ValueError, KeyError) as error:
-        if isinstance(error, InputError):
-            raise
-        raise InputError(f"{path}: damaged shard ({error}); delete it and run 'relight dataset bake' again") from error
+    except (ValueError, TypeError) as error:
+        raise InputError(f"{path}: damaged head ({error}); {_MEND}") from error

@@ -1,0 +1,47 @@
+"""Arrays from an .npz file, whatever has become of it."""
+
+from __future__ import annotations
+
+import struct
+import zlib
+from pathlib import Path
+from tokenize import TokenError
+from zipfile import BadZipFile
+
+import numpy as np
+
+from relight_core.errors import InputError
+
+_DAMAGE = (
+    OSError,
+    ValueError,
+    KeyError,
+    TypeError,
+    EOFError,
+    RuntimeError,
+    SyntaxError,
+    OverflowError,
+    struct.error,
+    TokenError,
+    BadZipFile,
+    zlib.error,
+)
+
+
+def read_arrays(path: Path, names: tuple[str, ...], kind: str, mend: str) -> dict[str, np.ndarray]:
+    """The named arrays of an archive; the zip's checksums are compared, nothing is unpickled.
+
+    Args:
+        kind, mend: what the file should be and what to do if it isn't, for the message.
+
+    Raises:
+        InputError: missing, damaged, or without one of the names.
+    """
+    if not path.is_file():
+        raise InputError(f"{path}: no such file; {mend}")
+    try:
+        with np.load(path, allow_pickle=False) as data:
+            return {name: data[name] for name in names}
+    except _DAMAGE as error:
+        reason = " ".join(str(error).split()) or type(error).__name__
+        raise InputError(f"{path}: not {kind}, or damaged ({reason}); {mend}") from error
