@@ -1,0 +1,189 @@
+"""The held-out pictures: heads and lights that no training has seen, the same ones for everybody.
+
+Everything follows from seeds: which heads (`dataset.recipe.SPLIT_SEEDS`), their skin, how far each
+panorama is turned, which light a photo is taken under and which one it is then relit with.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Literal
+
+import numpy as np
+
+from relight_core.dataset.bake import add_relief
+from relight_core.dataset.camera import photograph
+from relight_core.dataset.lights import load_lights
+from relight_core.dataset.recipe import load_split
+from relight_core.dataset.samples import LitHead, channels_of, light_head, surface_of
+from relight_core.dataset.shard import read_shard
+from relight_core.dataset.skin import paint
+from relight_core.dataset.texture import TexturePool
+from relight_core.errors import InputError
+from relight_core.imaging.colour import srgb_decode
+from relight_core.lighting.environment import Environment, network_light
+from relight_core.lighting.reflection import GLOSS
+from relight_core.lighting.sphere import directions
+
+_YAW_SEED = 391
+_SKIN_SEED = 438
+_RELIEF_STRENGTH = 0.1
+_METERED_GREY, _METERED_WHITE, _SUBJECT_SHARE = 0.28, 0.8, 0.45
+_DRAWN_HEIGHT = 64
+_LAMP_RADIUS_DEG = 5.0
+_LAMP_SHARE = 0.95
+
+LAMPS = ((50.0, 0.0), (60.0, 35.0), (60.0, 145.0), (70.0, 180.0))
+"""Angle from the camera's axis and angle around it (0 is +x, 90 is +y) of the single lamps, in degrees."""
+
+Photos = Literal["clean", "camera"]
+
+
+@dataclass(frozen=True)
+class HeldOutLight:
+    """A light of the test: `radiance` (16, 32, 3) of mean luminance 1; `lamp` when it is one small lamp."""
+
+    name: str
+    radiance: np.ndarray
+    lamp: bool
+
+
+@dataclass(frozen=True)
+class HeldOutHead:
+    """A painted head under every light of the test, in the lights' order."""
+
+    name: str
+    seed: int
+    lit: LitHead
+    albedo: np.ndarray
+    pool: TexturePool
+
+    def channels(self, light: int) -> dict[str, np.ndarray]:
+        """The true channels under one light, images (S, S, ...), linear, black outside the head."""
+        return channels_of(self.lit, self.albedo, light)
+
+    def surface(self) -> dict[str, np.ndarray]:
+        """The true albedo, normal, relief, labels and coverage, images (S, S, ...)."""
+        return surface_of(self.lit, self.albedo)
+
+    def white_level(self, light: int) -> float:
+        """Mean radiance that a white head would have in this one's place."""
+        return float(self.lit.illumination.irradiance[light].mean())
+
+    def exposure(self, light: int) -> float:
+        """The gain at which a meter would show this head under one light."""
+        return metered_gain(self.channels(light)["image"], self.lit.head.covered, self.white_level(light))
+
+    def photo(self, light: int, kind: Photos) -> np.ndarray:
+        """A photo under one light: linear (S, S, 3), [0, 1].
+
+        "clean": the rendering before black, metered and clipped at 1. "camera": through the training
+        camera (white balance, tone, noise, JPEG, background), drawn by the seeds of head and light.
+        """
+        radiance, covered = self.channels(light)["image"], self.lit.head.covered
+        if kind == "clean":
+            return np.clip(radiance * self.exposure(light), 0, 1).astype(np.float32)
+        rng = np.random.default_rng([_SKIN_SEED, self.seed, light])
+        white_level = self.white_level(light)
+        return srgb_decode(photograph(radiance, covered, self.lit.lights[light], white_level, self.pool, rng))
+
+
+@dataclass(frozen=True)
+class Case:
+    """One relighting: a photo under `source`, relit with `target`; both index the lights."""
+
+    source: int
+    target: int
+
+
+def metered_gain(radiance: np.ndarray, covered: np.ndarray, white_level: float) -> float:
+    """The exposure of a metered photo: between metering the subject and metering the light it stands in.
+
+    It is the training camera's rule without its chance: the subject's grey (half mean, half 80th
+    percentile) to 0.28, and white to 0.8, in the proportion 0.45 to 0.55 of their logarithms.
+
+    Args:
+        radiance: (S, S, 3) linear.
+        covered: (S, S) bool, the head.
+        white_level: mean radiance that a white head would have in its place.
+    """
+    grey = radiance[covered].mean(-1)
+    subject = 0.5 * float(grey.mean()) + 0.5 * float(np.percentile(grey, 80))
+    by_subject, by_light = _METERED_GREY / max(subject, 1e-3), _METERED_WHITE / max(white_level, 1e-3)
+    return by_subject**_SUBJECT_SHARE * by_light ** (1 - _SUBJECT_SHARE)
+
+
+def held_out_lights(path: Path, split: str) -> list[HeldOutLight]:
+    """The split's panoramas, each turned by its own fixed angle, then the single lamps.
+
+    Raises:
+        InputError: the library can't be read.
+    """
+    library = load_lights(path, split)
+    yaws_deg = np.random.default_rng(_YAW_SEED).uniform(0, 360, len(library.names))
+    lights = [
+        HeldOutLight(name, network_light(Environment.from_radiance(panorama, name), float(yaw_deg)), False)
+        for name, panorama, yaw_deg in zip(library.names, library.panoramas, yaws_deg, strict=True)
+    ]
+    if not lights:
+        raise InputError(f"{path}: too few lights for a {split} split")
+    return lights + [
+        HeldOutLight(f"lamp-{off:g}-{around:g}", lamp(off, around), True) for off, around in LAMPS
+    ]
+
+
+def lamp(off_axis_deg: float, around_deg: float) -> np.ndarray:
+    """One round lamp of 5 degrees' radius with 95 % of the light, the rest from everywhere. (16, 32, 3).
+
+    Args:
+        off_axis_deg: angle from the camera's axis; 0 is beside the camera, 90 at the person's side.
+        around_deg: 0 on the right of the image, 90 on top.
+    """
+    off, around = np.radians([off_axis_deg, around_deg])
+    toward = np.array([np.sin(off) * np.cos(around), np.sin(off) * np.sin(around), np.cos(off)])
+    cosine = directions(_DRAWN_HEIGHT, 2 * _DRAWN_HEIGHT) @ toward
+    disc = Environment.from_radiance((cosine > np.cos(np.radians(_LAMP_RADIUS_DEG))).astype(np.float32))
+    grey = _LAMP_SHARE * disc.shape + (1 - _LAMP_SHARE)
+    return network_light(Environment.from_radiance(grey))
+
+
+def held_out_paths(folder: Path, split: str, count: int) -> list[Path]:
+    """The first `count` heads of a split; raises InputError when none is baked."""
+    paths = load_split(folder, split)
+    if not paths:
+        raise InputError(
+            f"{folder}: no heads of the {split} split; bake them: "
+            f"relight dataset bake --split {split} --count {count} --out {folder} --heads MODEL.npz"
+        )
+    return paths[:count]
+
+
+def held_out_textures() -> TexturePool:
+    """What all heads of the test are painted with."""
+    return TexturePool(np.random.default_rng(_SKIN_SEED))
+
+
+def load_head(path: Path, lights: list[HeldOutLight], pool: TexturePool) -> HeldOutHead:
+    """Read, paint (natural skin only) and light one head."""
+    head, seed = read_shard(path), int(path.stem.split("-")[1])
+    rng = np.random.default_rng([_SKIN_SEED, seed])
+    normal = add_relief(head, pool.noise(rng), _RELIEF_STRENGTH)
+    albedo = paint(head, pool, rng, wild=False)
+    lit = light_head(head, normal, np.stack([light.radiance for light in lights]), GLOSS)
+    return HeldOutHead(path.stem, seed, lit, albedo, pool)
+
+
+def cases_of(head_number: int, lights: list[HeldOutLight]) -> list[Case]:
+    """The relightings of one head: every panorama once as source and once as target, then every lamp.
+
+    Which target goes with which source differs between heads; source and target are different lights
+    where there are two panoramas or more.
+    """
+    panoramas = [index for index, light in enumerate(lights) if not light.lamp]
+    lamps = [index for index, light in enumerate(lights) if light.lamp]
+    count = len(panoramas)
+    shift = 1 + (7 * head_number) % max(count - 1, 1)
+    cases = [Case(panoramas[i], panoramas[(i + shift) % count]) for i in range(count)]
+    first = head_number * len(lamps)
+    return cases + [Case(panoramas[(first + i) % count], lamp) for i, lamp in enumerate(lamps)]

@@ -1,0 +1,186 @@
+"""The whole evaluation with tiny random networks on balls."""
+
+import json
+import math
+import re
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import torch
+from synthetic_heads import write_balls, write_lights
+
+from relight_core.errors import InputError
+from relight_core.evaluation.evaluate import Settings, evaluate
+from relight_core.evaluation.held_out import (
+    HeldOutLight,
+    cases_of,
+    held_out_lights,
+    held_out_textures,
+    lamp,
+    load_head,
+)
+from relight_core.evaluation.report import as_markdown, as_record
+from relight_core.networks.bundle import BundleConfig, NetworkBundle
+
+
+@pytest.fixture(scope="module")
+def settings(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("evaluation")
+    write_balls(folder / "heads", 2_000_000, 2, size=16)
+    write_balls(folder / "heads", 0, 1, size=16)
+    write_lights(folder / "lights.npz", 3)
+    return Settings(folder / "heads", folder / "lights.npz", relief_size=8)
+
+
+@pytest.fixture(scope="module")
+def bundle():
+    torch.manual_seed(0)
+    return NetworkBundle(BundleConfig.tiny()).for_inference()
+
+
+@pytest.fixture(scope="module")
+def evaluation(bundle, settings):
+    progress = []
+    result = evaluate(bundle, settings, lambda done, total: progress.append((done, total)))
+    assert progress == [(n, 14) for n in range(1, 15)]
+    return result
+
+
+def some_lights(panoramas, lamps):
+    black = np.zeros((16, 32, 3), np.float32)
+    return [HeldOutLight(f"p{i}", black, False) for i in range(panoramas)] + [
+        HeldOutLight(f"l{i}", black, True) for i in range(lamps)
+    ]
+
+
+@pytest.mark.parametrize("head", range(8))
+def test_every_panorama_is_source_once_and_target_once(head):
+    cases = cases_of(head, some_lights(20, 4))
+    of_panoramas, of_lamps = cases[:20], cases[20:]
+    assert sorted(case.source for case in of_panoramas) == list(range(20))
+    assert sorted(case.target for case in of_panoramas) == list(range(20))
+    assert all(case.source != case.target for case in of_panoramas)
+    assert [case.target for case in of_lamps] == [20, 21, 22, 23]
+    assert all(case.source < 20 for case in of_lamps)
+
+
+def test_heads_pair_the_lights_differently():
+    assert len({tuple(cases_of(head, some_lights(20, 4))) for head in range(8)}) == 8
+
+
+def test_one_panorama_is_enough():
+    assert [(case.source, case.target) for case in cases_of(3, some_lights(1, 1))] == [(0, 0), (0, 1)]
+
+
+@pytest.mark.parametrize(("off", "around"), [(50, 0), (60, 145), (70, 180), (60, 35)])
+def test_a_lamp_stands_where_it_should_with_unit_level(off, around):
+    light = lamp(off, around)
+    theta = np.pi * (np.arange(16) + 0.5) / 16
+    phi = 2 * np.pi * ((np.arange(32) + 0.5) / 32 - 0.5)
+    x, z = np.outer(np.sin(theta), np.sin(phi)), -np.outer(np.sin(theta), np.cos(phi))
+    toward = np.stack([x, np.outer(np.cos(theta), np.ones(32)), z], -1)
+    edges = np.cos(np.pi * np.arange(17) / 16)
+    weight = np.repeat(((edges[:-1] - edges[1:]) * 2 * np.pi / 32)[:, None], 32, 1)
+    assert (light[..., 1] * weight).sum() / (4 * np.pi) == pytest.approx(1, rel=1e-3)
+    place = (toward * ((light[..., 1] - light.min()) * weight)[..., None]).sum((0, 1))
+    place /= np.linalg.norm(place)
+    expected = [
+        math.sin(math.radians(off)) * math.cos(math.radians(around)),
+        math.sin(math.radians(off)) * math.sin(math.radians(around)),
+        math.cos(math.radians(off)),
+    ]
+    assert math.degrees(math.acos(min(1.0, float(place @ expected)))) < 6
+
+
+def test_heads_lights_and_photos_are_the_same_every_time(settings):
+    lights = [held_out_lights(settings.lights, "test") for _ in range(2)]
+    for one, other in zip(*lights, strict=True):
+        np.testing.assert_array_equal(one.radiance, other.radiance)
+    assert [light.lamp for light in lights[0]] == [False] * 3 + [True] * 4
+    path = settings.heads / "head-2000001.npz"
+    heads = [load_head(path, lights[0], held_out_textures()) for _ in range(2)]
+    for kind in ("clean", "camera"):
+        photos = [head.photo(1, kind) for head in heads]
+        np.testing.assert_array_equal(*photos)
+        assert 0 <= photos[0].min() <= photos[0].max() <= 1
+    assert heads[0].photo(1, "clean")[~heads[0].lit.head.covered].max() == 0
+
+
+def test_figures_of_every_group(evaluation):
+    assert evaluation.samples == {
+        "panoramas": 6,
+        "face": 6,
+        "lamps": 8,
+        "true surface, panoramas": 6,
+        "true surface, lamps": 8,
+    }
+    assert (evaluation.heads, evaluation.lights, evaluation.size) == (2, 3, 16)
+    for group in evaluation.figures.values():
+        for interval in group.values():
+            assert math.isfinite(interval.mean)
+            assert interval.low <= interval.mean <= interval.high
+    assert set(evaluation.figures["panoramas"]) >= {
+        "relit.rmse",
+        "relit.psnr",
+        "relit.ssim",
+        "relit.rmse_aligned",
+        "albedo.rmse",
+        "albedo.rmse_aligned",
+        "normal.rmse",
+        "normal.angle_deg",
+        "specular.rmse",
+        "specular.relative",
+        "shadow.rmse",
+        "shadow.relative",
+        "light.wlog_l2",
+    }
+    assert "albedo.rmse" not in evaluation.figures["true surface, panoramas"]
+
+
+def test_alignment_never_hurts_and_true_normals_help(evaluation):
+    whole = evaluation.figures["panoramas"]
+    assert whole["relit.rmse_aligned"].mean < whole["relit.rmse"].mean
+    assert evaluation.figures["true surface, panoramas"]["relit.rmse"].mean < whole["relit.rmse"].mean
+
+
+def test_the_same_again_gives_the_same(evaluation, bundle, settings):
+    again = evaluate(bundle, settings)
+    assert again.figures == evaluation.figures
+
+
+def test_record_has_the_promised_keys_and_is_json(evaluation):
+    record = json.loads(json.dumps(as_record(evaluation, "tiny.safetensors"), allow_nan=False))
+    assert {"relit", "albedo", "normal", "specular", "shadow", "light", "samples", "weights"} <= set(record)
+    assert {"rmse", "psnr", "ssim"} <= set(record["relit"])
+    assert all("rmse" in record[name] for name in ("albedo", "normal", "specular", "shadow"))
+    assert set(record["light"]) == {"wlog_l2"}
+    assert record["samples"] == 6
+    assert record["weights"] == "tiny.safetensors"
+    low, high = record["intervals"]["relit"]["rmse"]
+    assert low <= record["relit"]["rmse"] <= high
+    assert record["lamps"]["samples"] == 8
+
+
+def test_one_head_has_no_interval_but_figures(bundle, settings):
+    alone = evaluate(bundle, replace(settings, count=1, photos="camera"))
+    record = json.loads(json.dumps(as_record(alone, "w"), allow_nan=False))
+    assert record["intervals"]["relit"]["rmse"] == [None, None]
+    assert not re.search(r"\bnan\b", as_markdown(alone, "w"))
+
+
+def test_page_shows_the_paper_s_row(evaluation):
+    page = as_markdown(evaluation, "tiny.safetensors")
+    for figure in ("0.0281", "31.8", "0.914", "0.0271", "0.132", "0.00575", "0.00416", "0.0274"):
+        assert f"| {figure} |" in page
+    assert "2 heads, 3 panoramas, 6 relightings at 16 x 16" in page
+
+
+def test_missing_heads_say_how_to_bake_them(bundle, settings, tmp_path):
+    with pytest.raises(InputError, match="--split test"):
+        evaluate(bundle, replace(settings, heads=tmp_path))
+
+
+def test_a_library_without_the_split(bundle, settings):
+    with pytest.raises(InputError, match="lights"):
+        evaluate(bundle, replace(settings, split="validation"))

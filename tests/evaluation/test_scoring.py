@@ -1,0 +1,151 @@
+"""Figures of one relighting: perfect, scaled, broken."""
+
+import numpy as np
+import pytest
+import torch
+
+from relight_core.evaluation.held_out import metered_gain
+from relight_core.evaluation.scoring import (
+    score_effects,
+    score_relit,
+    score_surface,
+    score_unchanged,
+    true_surface,
+)
+from relight_core.pipeline.hints import Effects
+
+SIZE = 24
+
+
+@pytest.fixture
+def covered():
+    covered = np.zeros((SIZE, SIZE), bool)
+    covered[3:21, 3:21] = True
+    return covered
+
+
+@pytest.fixture
+def truth(covered):
+    rng = np.random.default_rng(0)
+    normal = rng.standard_normal((SIZE, SIZE, 3)) + [0, 0, 2]
+    normal /= np.linalg.norm(normal, axis=-1, keepdims=True)
+    images = {
+        "albedo": rng.uniform(0.1, 0.7, (SIZE, SIZE, 3)),
+        "normal": normal,
+        "relief": rng.random((SIZE, SIZE)),
+        "image": rng.uniform(0.05, 0.6, (SIZE, SIZE, 3)),
+        "specular": rng.random((SIZE, SIZE)) * 0.1,
+        "shadow": rng.random((SIZE, SIZE)) * 0.2,
+    }
+    images = {
+        name: np.float32(image * (covered[..., None] if image.ndim == 3 else covered))
+        for name, image in images.items()
+    }
+    return images | {"covered": covered.astype(np.float32)}
+
+
+def light():
+    return np.ones((16, 32, 3), np.float32)
+
+
+def test_the_true_surface_has_no_error(truth, covered):
+    figures = score_surface(true_surface(truth, truth["image"], light()), truth, light(), covered)
+    assert all(value == pytest.approx(0, abs=1e-4) for value in figures.values())
+    assert set(figures) == {
+        "albedo.rmse",
+        "albedo.rmse_aligned",
+        "normal.rmse",
+        "normal.angle_deg",
+        "light.wlog_l2",
+    }
+
+
+def test_a_scaled_albedo_is_wrong_but_aligned(truth, covered):
+    scaled = truth | {"albedo": truth["albedo"] * 0.7}
+    figures = score_surface(true_surface(scaled, truth["image"], light()), truth, light(), covered)
+    assert figures["albedo.rmse"] > 0.05
+    assert figures["albedo.rmse_aligned"] < 1e-4
+
+
+def test_the_light_s_level_does_not_count(truth, covered):
+    surface = true_surface(truth, truth["image"], light() * 5)
+    assert score_surface(surface, truth, light(), covered)["light.wlog_l2"] == pytest.approx(0, abs=1e-6)
+
+
+def test_turned_normals_show_in_the_angle(truth, covered):
+    facing = np.broadcast_to(np.float32([0, 0, 1]), (SIZE, SIZE, 3))
+    tilted = np.broadcast_to(np.float32([np.sin(0.5), 0, np.cos(0.5)]), (SIZE, SIZE, 3))
+    surface = true_surface(truth | {"normal": tilted}, truth["image"], light())
+    figures = score_surface(surface, truth | {"normal": facing}, light(), covered)
+    assert figures["normal.angle_deg"] == pytest.approx(np.degrees(0.5), rel=1e-4)
+
+
+def tensor(image):
+    return torch.from_numpy(np.ascontiguousarray(image))[None, None]
+
+
+def test_effects_and_their_powers(truth, covered):
+    half = Effects(tensor(truth["specular"]), tensor(truth["shadow"] * 0.5))
+    figures = score_effects(half, truth, covered)
+    assert figures["specular.rmse"] == pytest.approx(0, abs=1e-6)
+    root_mean_square = float(np.sqrt(np.mean(truth["shadow"][covered] ** 2)))
+    assert figures["shadow.rmse"] == pytest.approx(root_mean_square / 2, rel=1e-4)
+    assert figures["shadow.error_power"] / figures["shadow.true_power"] == pytest.approx(0.25, rel=1e-4)
+
+
+def test_a_perfect_picture(truth, covered):
+    figures = score_relit(truth["image"], truth["image"], 2.0, covered, covered)
+    assert figures["relit.rmse"] == figures["relit.rmse_as_lit"] == 0
+    assert figures["relit.psnr"] == 100
+    assert figures["relit.ssim"] == pytest.approx(1)
+
+
+def test_what_lies_outside_the_head_does_not_count(truth, covered):
+    spoiled = truth["image"].copy()
+    spoiled[~covered] = 7
+    assert score_relit(spoiled, truth["image"], 2.0, covered, covered)["relit.rmse"] == 0
+    assert score_relit(spoiled, truth["image"], 2.0, covered, covered)["relit.ssim"] == pytest.approx(1)
+
+
+def test_a_darker_picture_is_worse_but_aligned(truth, covered):
+    figures = score_relit(truth["image"] * 0.8, truth["image"], 2.0, covered, covered)
+    assert figures["relit.rmse"] > 0.03
+    assert figures["relit.rmse_aligned"] < 1e-3
+
+
+def test_the_exposure_brings_out_errors_in_dim_pictures(truth, covered):
+    estimate, true = truth["image"] * 0.009, truth["image"] * 0.01
+    figures = score_relit(estimate, true, 100.0, covered, covered)
+    bright = score_relit(estimate * 100, true * 100, 1.0, covered, covered)
+    assert figures["relit.rmse"] == pytest.approx(bright["relit.rmse"], rel=1e-3)
+    assert figures["relit.rmse_as_lit"] < 0.5 * figures["relit.rmse"]
+
+
+def test_meter_by_hand(covered):
+    """Grey 0.07 asks for a gain of 4, white at 0.2 too."""
+    grey = np.zeros((SIZE, SIZE, 3), np.float32)
+    grey[covered] = 0.07
+    assert metered_gain(grey, covered, 0.2) == pytest.approx(4.0, rel=1e-4)
+    assert metered_gain(grey * 3, covered, 0.6) == pytest.approx(4.0 / 3, rel=1e-4)
+    assert np.isfinite(metered_gain(grey * 0, covered, 0.0))
+
+
+def test_dark_skin_is_shown_darker_than_pale_skin(covered):
+    pale = np.zeros((SIZE, SIZE, 3), np.float32)
+    pale[covered] = 0.5
+    shown = [(skin * metered_gain(skin, covered, 1.0))[covered].mean() for skin in (pale * 0.1, pale)]
+    assert shown[0] < 0.5 * shown[1]
+
+
+def test_the_unchanged_photo(truth, covered):
+    photo = truth["image"] * 2.0
+    assert score_unchanged(photo, truth["image"], 2.0, covered, covered)["relit.rmse_of_unchanged_photo"] == 0
+    assert (
+        score_unchanged(photo * 0.2, truth["image"], 2.0, covered, covered)["relit.rmse_of_unchanged_photo"]
+        > 0.1
+    )
+
+
+def test_black_estimates_give_figures(truth, covered):
+    figures = score_relit(truth["image"] * 0, truth["image"], 2.0, covered, covered)
+    assert all(np.isfinite(value) for value in figures.values())
