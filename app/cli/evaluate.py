@@ -1,0 +1,73 @@
+"""Measure the networks on heads and lights that no training has seen.
+
+Every photo of a held-out head is taken apart and relit by the editor's own stages, and each channel is
+compared with the true one. The test split wants 8 baked heads:
+relight dataset bake --heads MODEL.npz --out DIR --split test --count 8
+Choose between variants on --split validation, so that the test stays unseen.
+"""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+from app.cli.arguments import add_json
+from app.cli.maker_inputs import (
+    add_heads_and_lights,
+    check_heads_and_lights,
+    check_output_file,
+    count_at_least_one,
+    progress,
+)
+from app.cli.report import reporting
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the arguments of `relight evaluate`."""
+    add_heads_and_lights(parser)
+    parser.add_argument(
+        "--weights", metavar="W", type=Path, help="a .safetensors file; the bundled ones without"
+    )
+    parser.add_argument("--split", choices=("test", "validation"), default="test")
+    parser.add_argument("--count", metavar="N", type=count_at_least_one, default=8, help="heads (8)")
+    parser.add_argument(
+        "--photos",
+        choices=("clean", "camera"),
+        default="clean",
+        help="clean renderings on black, or through a camera on backgrounds",
+    )
+    parser.add_argument(
+        "-o", "--output", metavar="REPORT", type=Path, help="also write the tables, a .md file"
+    )
+    add_json(parser)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Evaluate; returns the exit code."""
+    from relight_core.evaluation.evaluate import Settings, evaluate
+    from relight_core.evaluation.report import as_markdown, as_record
+    from relight_core.imaging.files import whole_file
+    from relight_core.networks.bundle import load_bundle
+    from relight_core.pipeline.relighter import WEIGHTS
+    from relight_core.resources import resource_path
+
+    if arguments.output is not None:
+        check_output_file(arguments.output, (".md",))
+    with reporting(arguments.json) as report:
+        weights = arguments.weights or resource_path(*WEIGHTS)
+        bundle = load_bundle(weights).for_inference()
+        check_heads_and_lights(arguments.heads, arguments.lights, arguments.split)
+        settings = Settings(
+            arguments.heads, arguments.lights, arguments.split, arguments.count, arguments.photos
+        )
+        with progress("relighting", 1.0) as show:
+            evaluation = evaluate(
+                bundle, settings, lambda done, total: show(done / total, f"{done} of {total}")
+            )
+        page = as_markdown(evaluation, weights.name)
+        if arguments.output is not None:
+            with whole_file(arguments.output) as partial:
+                partial.write_text(page)
+        report.line(page)
+        report.record(as_record(evaluation, str(weights)))
+    return 0

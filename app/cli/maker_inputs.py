@@ -1,0 +1,83 @@
+"""What the makers' subcommands (dataset, train, evaluate) share: their folders and files, and progress."""
+
+from __future__ import annotations
+
+import argparse
+import contextlib
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+from app.cli.outputs import check_folder
+from relight_core.errors import InputError
+
+SPLITS = ("train", "validation", "test")
+
+
+def add_heads_and_lights(parser: argparse.ArgumentParser) -> None:
+    """--heads and --lights, the data of training and evaluation."""
+    parser.add_argument(
+        "--heads", metavar="DIR", type=Path, required=True, help="heads from relight dataset bake"
+    )
+    parser.add_argument(
+        "--lights", metavar="FILE", type=Path, required=True, help="the light library, an .npz"
+    )
+
+
+def count_at_least_one(text: str) -> int:
+    """An argument's whole number, 1 or more."""
+    if not text.isdecimal() or int(text) < 1:
+        raise argparse.ArgumentTypeError(f"{text!r} is not a whole number from 1 up")
+    return int(text)
+
+
+def check_heads_and_lights(heads: Path, lights: Path, split: str) -> int:
+    """Make sure that a split has heads and lights before anything slow starts.
+
+    Returns:
+        the number of heads.
+
+    Raises:
+        InputError: either is missing or can't be read.
+    """
+    from relight_core.dataset.lights import load_lights
+    from relight_core.dataset.recipe import load_split
+
+    load_lights(lights, split)
+    if not heads.is_dir():
+        raise InputError(f"{heads}: no such folder; make heads with: relight dataset bake --out {heads}")
+    count = len(load_split(heads, split))
+    if count == 0:
+        raise InputError(
+            f"{heads}: no heads of the {split} split; make some with: "
+            f"relight dataset bake --split {split} --out {heads}"
+        )
+    return count
+
+
+def check_output_file(path: Path, suffixes: tuple[str, ...]) -> None:
+    """Raise InputError unless a file of one of these suffixes can be written there."""
+    if path.suffix.lower() not in suffixes:
+        raise InputError(f"{path}: its name must end in {' or '.join(suffixes)}")
+    if path.is_dir():
+        raise InputError(f"{path}: is a folder; give a file's name")
+    check_folder(path.parent)
+
+
+@contextlib.contextmanager
+def progress(title: str, total: float) -> Iterator[Callable[[float, str], None]]:
+    """A bar on stderr with an estimate of the time left; call the result with what is done and a note."""
+    from rich.console import Console
+    from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
+
+    columns = (
+        TextColumn("{task.description}"),
+        BarColumn(),
+        TextColumn("{task.percentage:3.0f} %"),
+        TimeElapsedColumn(),
+        TextColumn("left"),
+        TimeRemainingColumn(),
+        TextColumn("{task.fields[note]}"),
+    )
+    with Progress(*columns, console=Console(stderr=True)) as bar:
+        task = bar.add_task(title, total=total, note="")
+        yield lambda done, note="": bar.update(task, completed=done, note=note)

@@ -1,0 +1,43 @@
+"""Loss curves as a picture."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+from relight_core.errors import InputError
+from relight_core.imaging.files import whole_file
+
+
+def draw_curves(log: Path, picture: Path) -> None:
+    """Draw the log that `loop.train_stage` leaves beside its checkpoint, one panel for each loss.
+
+    Args:
+        log: JSON list of {"step", "elapsed", loss: value, ...}.
+        picture: a .png, written whole or not at all.
+
+    Raises:
+        InputError: the log can't be read, or holds nothing.
+    """
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    try:
+        rows = json.loads(log.read_text())
+    except (OSError, ValueError) as error:
+        raise InputError(f"{log}: not a log of losses ({error}); train again") from error
+    names = [name for name in rows[0] if name not in ("step", "elapsed")] if rows else []
+    if not names:
+        raise InputError(f"{log}: holds no losses yet; a log begins at step 50")
+    figure = Figure(figsize=(7, 2.2 * len(names)), layout="constrained")
+    FigureCanvasAgg(figure)
+    steps = [row["step"] for row in rows]
+    for place, name in enumerate(names, 1):
+        axes = figure.add_subplot(len(names), 1, place)
+        axes.plot(steps, [row.get(name, float("nan")) for row in rows], linewidth=1)
+        axes.set_title(name.replace("_", " "), loc="left", fontsize=9)
+        axes.set_yscale("log")
+        axes.grid(alpha=0.3)
+    axes.set_xlabel("step")
+    with whole_file(picture) as partial:
+        figure.savefig(partial, format="png", dpi=100)

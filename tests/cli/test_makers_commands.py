@@ -1,0 +1,203 @@
+"""relight dataset, train and evaluate: bad input in one line, and what they leave behind."""
+
+import json
+
+import pytest
+import torch
+from PIL import Image
+from synthetic_heads import write_balls, write_lights
+
+from app.cli.main import main
+from relight_core.networks.bundle import BundleConfig, NetworkBundle, load_bundle, save_bundle
+
+
+@pytest.fixture
+def data(tmp_path):
+    write_lights(tmp_path / "lights.npz", 32)
+    for seed in (0, 2_000_000):
+        write_balls(tmp_path / "heads", seed, 1, size=32)
+    torch.manual_seed(0)
+    save_bundle(tmp_path / "tiny.safetensors", NetworkBundle(BundleConfig.tiny()))
+    return tmp_path
+
+
+@pytest.fixture
+def run(capfd):
+    def run(*words):
+        code = main([str(word) for word in words])
+        streams = capfd.readouterr()
+        return code, streams.out, streams.err
+
+    return run
+
+
+def refused(result, *words):
+    code, out, err = result
+    assert code == 2
+    assert out == ""
+    line = err.strip().splitlines()[-1]
+    assert line.startswith("relight ")
+    assert "Traceback" not in err
+    for word in words:
+        assert word in line
+
+
+@pytest.mark.parametrize("command", ["dataset", "train", "evaluate"])
+def test_help_names_what_there_is(run, command):
+    code, out, _ = run(command, "--help")
+    assert code == 0
+    assert "--" in out
+
+
+def test_an_action_is_needed(run):
+    refused(run("dataset"))
+    refused(run("dataset", "brew"))
+
+
+@pytest.mark.parametrize("count", ["0", "-3", "many", "1.5"])
+def test_bake_wants_a_count(run, tmp_path, count):
+    refused(run("dataset", "bake", "--heads", "m.npz", "--out", tmp_path, "--count", count), "whole number")
+
+
+def test_bake_without_its_model_or_wardrobe(run, tmp_path):
+    refused(run("dataset", "bake", "--heads", tmp_path / "no.npz", "--out", tmp_path, "--count", 1), "no.npz")
+    (tmp_path / "m.npz").write_bytes(b"")
+    refused(
+        run(
+            "dataset",
+            "bake",
+            "--heads",
+            tmp_path / "m.npz",
+            "--wardrobe",
+            tmp_path / "none",
+            "--out",
+            tmp_path,
+            "--count",
+            1,
+        ),
+        "none",
+    )
+
+
+@pytest.mark.parametrize("content", [b"", b"PK\x03\x04", b"words" * 50])
+def test_bake_with_a_broken_model(run, tmp_path, content):
+    (tmp_path / "m.npz").write_bytes(content)
+    refused(
+        run("dataset", "bake", "--heads", tmp_path / "m.npz", "--out", tmp_path / "o", "--count", 1), "m.npz"
+    )
+
+
+def test_preview_draws_a_sheet(run, data):
+    sheet = data / "sheet.png"
+    code, out, _ = run(
+        "dataset",
+        "preview",
+        "--shards",
+        data / "heads",
+        "--lights",
+        data / "lights.npz",
+        "--count",
+        1,
+        "-o",
+        sheet,
+    )
+    assert code == 0
+    assert "sheet.png" in out
+    assert Image.open(sheet).size[0] > 12 * 160
+
+
+def test_preview_and_training_without_heads_or_lights(run, data):
+    (data / "none").mkdir()
+    for heads, lights, sheet, word in (
+        ("none", "lights.npz", "s.png", "bake"),
+        ("heads", "no.npz", "s.png", "no.npz"),
+        ("heads", "lights.npz", "s.txt", ".png"),
+    ):
+        words = ["--shards", data / heads, "--lights", data / lights, "-o", data / sheet]
+        refused(run("dataset", "preview", *words), word)
+    words = ["train", "--stage", "warm-delight", "--minutes", 1, "-o", data / "w.safetensors"]
+    refused(run(*words, "--heads", data / "gone", "--lights", data / "lights.npz"), "gone")
+    refused(run(*words, "--heads", data / "none", "--lights", data / "lights.npz"), "bake")
+
+
+def train_words(data, **changes):
+    words = {
+        "--stage": "warm-delight",
+        "--heads": data / "heads",
+        "--lights": data / "lights.npz",
+        "--minutes": 1,
+        "-o": data / "w.safetensors",
+    } | changes
+    return ["train", *(word for pair in words.items() for word in pair)]
+
+
+@pytest.mark.parametrize(
+    ("changes", "word"),
+    [
+        ({"--stage": "warm-up"}, "warm-delight"),
+        ({"--minutes": "0"}, "above 0"),
+        ({"--minutes": "nan"}, "above 0"),
+        ({"-o": "w.pt"}, ".safetensors"),
+        ({"-o": "nowhere/w.safetensors"}, "nowhere"),
+        ({"--rate": "-1"}, "above 0"),
+        ({"--start": "missing.safetensors"}, "missing.safetensors"),
+    ],
+)
+def test_training_refuses(run, data, changes, word):
+    refused(run(*train_words(data, **changes)), word)
+    assert not (data / "w.safetensors").exists()
+
+
+def test_training_leaves_weights_and_log(run, data, monkeypatch):
+    from relight_core.dataset import samples
+    from relight_core.training import run as training
+
+    # One process and a small pool of textures: the command's own path is what is under test.
+    loader = training.DataLoader
+    monkeypatch.setattr(
+        training, "DataLoader", lambda stream, **settings: loader(stream, settings["batch_size"])
+    )
+    pool = samples.TexturePool
+    monkeypatch.setattr(samples, "TexturePool", lambda rng, panoramas=None: pool(rng, None, count=2))
+    words = train_words(
+        data, **{"--minutes": 0.001, "--size": 16, "--pairs": 1, "--start": data / "tiny.safetensors"}
+    )
+    code, out, err = run(*words)
+    assert code == 0, err
+    assert "wrote" in out
+    assert load_bundle(data / "w.safetensors").config == BundleConfig.tiny()
+    assert json.loads((data / "w.log.json").read_text()) == []
+
+
+def test_evaluation_as_json_is_one_object_and_as_text_a_table(run, data):
+    write_lights(data / "few.npz", 2)
+    words = [
+        "evaluate",
+        "--heads",
+        data / "heads",
+        "--lights",
+        data / "few.npz",
+        "--json",
+        "-o",
+        data / "report.md",
+    ]
+    code, out, _ = run(*words, "--weights", data / "tiny.safetensors")
+    assert code == 0
+    record = json.loads(out)
+    assert record["weights"].endswith("tiny.safetensors")
+    assert record["samples"] == 2
+    assert {"rmse", "psnr", "ssim"} <= set(record["relit"])
+    assert "| paper" in (data / "report.md").read_text()
+
+
+def test_evaluation_refuses(run, data):
+    words = ["evaluate", "--heads", data / "heads", "--lights", data / "lights.npz"]
+    refused(run(*words, "--weights", data / "none.safetensors"), "none.safetensors")
+    refused(run(*words, "--weights", data / "lights.npz"), "lights.npz")
+    refused(
+        run(*words, "--weights", data / "tiny.safetensors", "--split", "validation"), "validation", "bake"
+    )
+    refused(run(*words, "--weights", data / "tiny.safetensors", "-o", data / "r.pdf"), ".md")
+    refused(run(*words, "--split", "train"))
+    (data / "heads" / "head-2000000.npz").write_bytes(b"PK\x03\x04")
+    refused(run(*words, "--weights", data / "tiny.safetensors"), "head-2000000")
