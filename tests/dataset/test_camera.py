@@ -1,0 +1,89 @@
+"""Photos of lit heads: whatever the radiance, a picture in range."""
+
+import numpy as np
+import pytest
+from synthetic_heads import ball
+
+from relight_core.dataset.camera import photograph
+from relight_core.dataset.texture import TexturePool, fractal_noise, look_up
+
+
+@pytest.fixture(scope="module")
+def pool():
+    return TexturePool(np.random.default_rng(0), count=2)
+
+
+def covered():
+    return ball(32).covered
+
+
+HOSTILE = {
+    "black": 0.0,
+    "dim": 1e-12,
+    "ordinary": 0.3,
+    "sun": 6e4,
+    "beyond half floats": 1e30,
+}
+
+
+@pytest.mark.parametrize("name", HOSTILE)
+@pytest.mark.parametrize("seed", range(8))
+def test_photo_is_finite_and_in_range(pool, name, seed):
+    rng = np.random.default_rng(seed)
+    radiance = (np.float32(HOSTILE[name]) * rng.random((32, 32, 3), np.float32)) * covered()[..., None]
+    light = rng.random((16, 32, 3)).astype(np.float32) * (seed % 3)
+    photo = photograph(radiance, covered(), light, float(radiance.mean()), pool, rng)
+    assert photo.shape == (32, 32, 3)
+    assert photo.dtype == np.float32
+    assert np.isfinite(photo).all()
+    assert ((photo >= 0) & (photo <= 1)).all()
+
+
+def test_an_empty_frame_is_only_background(pool):
+    nothing = np.zeros((32, 32), bool)
+    photo = photograph(
+        np.zeros((32, 32, 3), np.float32),
+        nothing,
+        np.ones((16, 32, 3), np.float32),
+        0.5,
+        pool,
+        np.random.default_rng(1),
+    )
+    assert np.isfinite(photo).all()
+
+
+def test_same_seed_same_photo_and_radiance_untouched(pool):
+    radiance = np.full((32, 32, 3), 0.4, np.float32)
+    photos = [
+        photograph(radiance, covered(), np.ones((16, 32, 3), np.float32), 0.5, pool, np.random.default_rng(5))
+        for _ in range(2)
+    ]
+    np.testing.assert_array_equal(*photos)
+    assert (radiance == np.float32(0.4)).all()
+
+
+def test_a_brighter_left_half_stays_the_brighter_one(pool):
+    radiance = np.full((32, 32, 3), 0.1, np.float32)
+    radiance[:, :16] = 0.4
+    left, right = covered().copy(), covered().copy()
+    left[:, 14:], right[:, :18] = False, False
+    for seed in range(10):
+        light = np.ones((16, 32, 3), np.float32)
+        photo = photograph(radiance, covered(), light, 0.5, pool, np.random.default_rng(seed))
+        assert photo[left].mean() > photo[right].mean()
+
+
+def test_noise_has_no_mean_and_unit_deviation_and_tiles():
+    noise = fractal_noise(np.random.default_rng(2), 64, 1.2)
+    assert abs(noise.mean()) < 1e-4
+    assert noise.std() == pytest.approx(1, abs=1e-3)
+    across_the_seam = np.abs(noise[:, 0] - noise[:, -1]).mean()
+    assert across_the_seam < 2 * np.abs(np.diff(noise, axis=1)).mean()
+
+
+def test_look_up_reads_texels_with_v_upward_and_wraps():
+    texture = np.arange(16, dtype=np.float32).reshape(4, 4)
+    uv = np.array([[0.125, 0.875], [0.625, 0.375], [1.125, -0.125]], np.float32)
+    np.testing.assert_allclose(look_up(texture, uv), [0, 10, 0], atol=1e-4)
+    assert look_up(texture, np.empty((0, 2), np.float32)).shape == (0,)
+    assert look_up(np.zeros((4, 4, 3), np.float32), np.zeros((5000, 2), np.float32)).shape == (5000, 3)

@@ -1,0 +1,192 @@
+"""What lies on disk: the split of the lights, heads that come back, files that are refused."""
+
+import numpy as np
+import pytest
+from synthetic_heads import ball, write_balls, write_lights
+
+from relight_core.dataset.lights import (
+    load_lights,
+    normalise_light,
+    sample_light,
+    sample_panorama,
+    sample_rig,
+)
+from relight_core.dataset.recipe import load_split
+from relight_core.dataset.samples import SampleStream
+from relight_core.dataset.shard import read_shard, write_shard
+from relight_core.errors import InputError
+
+LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
+
+
+@pytest.fixture(scope="module")
+def library(tmp_path_factory):
+    path = tmp_path_factory.mktemp("lights") / "lights.npz"
+    write_lights(path, 60, places=21)
+    return path
+
+
+def level(light):
+    edges = np.cos(np.pi * np.arange(len(light) + 1) / len(light))
+    return float((((light @ LUMINANCE).mean(1)) * (edges[:-1] - edges[1:]) / 2).sum())
+
+
+def test_splits_share_no_light_and_no_place(library):
+    names = {split: load_lights(library, split).names for split in ("train", "validation", "test")}
+    assert sorted(sum(names.values(), ())) == sorted(f"light {i}" for i in range(60))
+    places = {split: {int(name.split()[1]) % 21 for name in names[split]} for split in names}
+    assert not places["train"] & places["test"]
+    assert not places["train"] & places["validation"]
+    assert not places["test"] & places["validation"]
+
+
+def test_test_and_validation_have_about_the_wanted_number(library):
+    assert 18 <= len(load_lights(library, "test").names) <= 20
+    assert 6 <= len(load_lights(library, "validation").names) <= 8
+
+
+def test_the_split_is_the_same_every_time(library):
+    assert load_lights(library, "test").names == load_lights(library, "test").names
+
+
+@pytest.mark.parametrize("content", [None, b"", b"PK\x03\x04 not really", b"\x93NUMPY", b"text" * 100])
+def test_a_bad_library_is_an_input_error(tmp_path, content):
+    path = tmp_path / "lights.npz"
+    if content is not None:
+        path.write_bytes(content)
+    with pytest.raises(InputError, match=r"lights\.npz"):
+        load_lights(path, "train")
+
+
+def test_a_truncated_library_and_one_of_other_arrays(tmp_path, library):
+    cut, other = tmp_path / "cut.npz", tmp_path / "other.npz"
+    cut.write_bytes(library.read_bytes()[:5000])
+    np.savez(other, pictures=np.zeros(3))
+    for path in (cut, other):
+        with pytest.raises(InputError):
+            load_lights(path, "train")
+
+
+def test_normalised_lights_have_a_mean_luminance_of_one(library):
+    light = np.random.default_rng(0).gamma(0.3, 1, (16, 32, 3)) * [3.0, 1.0, 0.2]
+    assert level(normalise_light(light)) == pytest.approx(1, rel=1e-4)
+    assert np.abs(normalise_light(np.zeros((16, 32, 3)))).max() == 0
+
+
+def test_sampled_lights_are_lights(library):
+    lights = load_lights(library, "train")
+    rng = np.random.default_rng(1)
+    for _ in range(30):
+        light = sample_light(lights, rng)
+        assert light.shape == (16, 32, 3)
+        assert light.dtype == np.float32
+        assert np.isfinite(light).all()
+        assert (light >= 0).all()
+        assert level(light) == pytest.approx(1, rel=1e-3)
+    assert (sample_panorama(lights, rng) >= 0).all()
+    assert (sample_rig(rng, 3, 0.1) >= 0).all()
+
+
+def test_a_shard_comes_back(tmp_path):
+    head = ball(16, dark_side="right")
+    write_shard(tmp_path / "head-0000000.npz", head)
+    back = read_shard(tmp_path / "head-0000000.npz")
+    for name in ("covered", "material", "label", "visibility"):
+        np.testing.assert_array_equal(getattr(back, name), getattr(head, name))
+    np.testing.assert_allclose(back.normal, head.normal, atol=2e-3)
+    np.testing.assert_allclose(np.linalg.norm(back.normal, axis=1), 1, atol=1e-5)
+    np.testing.assert_allclose(back.depth, head.depth, atol=2e-3)
+    np.testing.assert_allclose(back.uv, head.uv, atol=1e-4)
+    assert [p.name for p in tmp_path.iterdir()] == ["head-0000000.npz"]
+
+
+@pytest.mark.parametrize("kept", [0, 1, 40, 300, -1, -30, -400])
+def test_a_cut_shard_is_an_input_error(tmp_path, kept):
+    path = tmp_path / "head-0000000.npz"
+    write_shard(path, ball())
+    path.write_bytes(path.read_bytes()[:kept])
+    with pytest.raises(InputError, match="head-0000000"):
+        read_shard(path)
+
+
+def test_a_flipped_byte_anywhere_is_noticed_or_harmless(tmp_path):
+    """The zip's checksums guard every array; a flip in its bookkeeping may also do no harm."""
+    path, head = tmp_path / "head-0000000.npz", ball()
+    write_shard(path, head)
+    whole = path.read_bytes()
+    noticed = 0
+    for at in np.linspace(0, len(whole) - 1, 60).astype(int):
+        path.write_bytes(whole[:at] + bytes([whole[at] ^ 0x5A]) + whole[at + 1 :])
+        try:
+            back = read_shard(path)
+        except InputError:
+            noticed += 1
+        else:
+            np.testing.assert_array_equal(back.visibility, head.visibility)
+            np.testing.assert_array_equal(back.label, head.label)
+    assert noticed > 30
+
+
+def test_another_version_and_other_arrays_are_refused(tmp_path):
+    path = tmp_path / "head-0000000.npz"
+    np.savez(path, version=np.int32(99))
+    with pytest.raises(InputError, match="version"):
+        read_shard(path)
+    np.savez(path, version=np.int32(1), size=np.int32(4))
+    with pytest.raises(InputError):
+        read_shard(path)
+    with pytest.raises(InputError):
+        read_shard(tmp_path / "gone.npz")
+
+
+def test_heads_belong_to_the_split_of_their_seed(tmp_path):
+    for first in (0, 1_000_000, 2_000_000):
+        write_balls(tmp_path, first, 2)
+    found = {
+        split: [p.stem for p in load_split(tmp_path, split)] for split in ("train", "validation", "test")
+    }
+    assert found == {
+        "train": ["head-0000000", "head-0000001"],
+        "validation": ["head-1000000", "head-1000001"],
+        "test": ["head-2000000", "head-2000001"],
+    }
+
+
+def test_samples_have_pairs_of_lights_and_one_surface(tmp_path, library):
+    write_balls(tmp_path / "heads", 0, 2, size=32)
+    stream = SampleStream(
+        tmp_path / "heads",
+        library,
+        "train",
+        16,
+        0,
+        relief_shadow=True,
+        lights_per_head=2,
+        paints_per_head=2,
+        heads_at_once=1,
+    )
+    item = next(iter(stream))
+    shapes = {name: tuple(value.shape) for name, value in item.items()}
+    assert shapes == {
+        "photo_srgb": (2, 3, 16, 16),
+        "image": (2, 3, 16, 16),
+        "light": (2, 16, 32, 3),
+        "specular": (2, 1, 16, 16),
+        "shadow": (2, 1, 16, 16),
+        "relief_shadow": (2, 1, 16, 16),
+        "shadow_fraction": (2, 1, 16, 16),
+        "gloss_fraction": (2, 1, 16, 16),
+        "albedo": (3, 16, 16),
+        "normal": (3, 16, 16),
+        "relief": (1, 16, 16),
+        "covered": (1, 16, 16),
+        "label": (16, 16),
+    }
+    assert all(bool(np.isfinite(value.numpy()).all()) for value in item.values())
+    assert 0 <= float(item["photo_srgb"].min()) <= float(item["photo_srgb"].max()) <= 1
+
+
+def test_no_heads_is_an_input_error(tmp_path, library):
+    (tmp_path / "empty").mkdir()
+    with pytest.raises(InputError, match="bake"):
+        next(iter(SampleStream(tmp_path / "empty", library, "train", 16, 0)))

@@ -1,0 +1,101 @@
+"""Specular, shadow, their sum and the sliders, on arbitrary surfaces."""
+
+import pytest
+import torch
+
+from relight_core.networks.specular_shadow import Occlusion, SpecularShadowConfig
+from relight_core.pipeline.hints import Effects, effects_of, explicit_sum, grey, specular_shadow_hints
+from relight_core.pipeline.stages import Composed, apply_sliders
+
+GAINS = (0.0, 0.5, 1.0, 1.5, 2.0)
+
+
+@pytest.fixture
+def scene():
+    """Albedo, what the surface reflects unoccluded, and the effects of a random occlusion."""
+    torch.manual_seed(0)
+    albedo = torch.rand(1, 3, 12, 12)
+    reflected = torch.rand(1, 6, 12, 12) * torch.tensor([3.0, 3, 3, 0.5, 0.5, 0.5])[None, :, None, None]
+    occlusion = Occlusion(torch.randn(1, 1, 12, 12) * 3, torch.randn(1, 1, 12, 12) * 3)
+    return albedo, reflected, effects_of(occlusion, reflected, albedo)
+
+
+def test_effects_are_not_negative_and_no_larger_than_the_light(scene):
+    albedo, reflected, effects = scene
+    assert (effects.specular >= 0).all()
+    assert (effects.shadow >= 0).all()
+    assert (effects.specular <= grey(reflected[:, 3:]) + 1e-6).all()
+    assert (effects.shadow <= grey(albedo * reflected[:, :3] + reflected[:, 3:]) + 1e-5).all()
+
+
+def test_without_occlusion_there_is_no_shadow_and_all_of_the_gloss(scene):
+    albedo, reflected, _ = scene
+    never = torch.full((1, 1, 12, 12), -50.0)
+    effects = effects_of(Occlusion(never, never), reflected, albedo)
+    assert effects.shadow.max() < 1e-6
+    torch.testing.assert_close(effects.specular, grey(reflected[:, 3:]))
+    torch.testing.assert_close(
+        explicit_sum(albedo, reflected, effects),
+        albedo * reflected[:, :3] + reflected[:, 3:],
+        rtol=1e-4,
+        atol=1e-5,
+    )
+
+
+def test_fully_occluded_everything_is_black(scene):
+    albedo, reflected, _ = scene
+    always = torch.full((1, 1, 12, 12), 50.0)
+    effects = effects_of(Occlusion(always, always), reflected, albedo)
+    assert explicit_sum(albedo, reflected, effects).max() < 1e-4
+
+
+def test_the_sum_is_the_paper_s_in_grey(scene):
+    """gray(sum) = gray(albedo * irradiance + gloss) - shadow: additive, as the channels are defined."""
+    albedo, reflected, effects = scene
+    image = explicit_sum(albedo, reflected, effects)
+    unshadowed = grey(albedo * reflected[:, :3] + reflected[:, 3:])
+    torch.testing.assert_close(grey(image), unshadowed - effects.shadow, rtol=1e-3, atol=2e-3)
+
+
+def test_shadow_keeps_the_colour_of_the_diffuse_part(scene):
+    albedo, reflected, effects = scene
+    effects = Effects(torch.zeros_like(effects.specular), effects.shadow)
+    reflected = torch.cat([reflected[:, :3], torch.zeros_like(reflected[:, 3:])], 1)
+    image, full = explicit_sum(albedo, reflected, effects), albedo * reflected[:, :3]
+    ratio = image / full.clamp_min(1e-3)
+    lit = full.amin(1, keepdim=True) > 0.05
+    assert ((ratio.amax(1, keepdim=True) - ratio.amin(1, keepdim=True))[lit] < 1e-3).all()
+
+
+@pytest.mark.parametrize("slider", ["specular", "shadow"])
+def test_sliders_are_monotone_pixel_by_pixel(scene, slider):
+    albedo, reflected, effects = scene
+    plain = explicit_sum(albedo, reflected, effects)
+    composed = Composed((plain * (0.5 + torch.rand_like(plain))).clamp_min(0), plain)
+    surface = type("Surface", (), {"albedo": albedo})
+    images = [
+        apply_sliders(
+            composed, surface, reflected, effects, *((gain, 1.0) if slider == "specular" else (1.0, gain))
+        )
+        for gain in GAINS
+    ]
+    for one, next_one in zip(images, images[1:], strict=False):
+        step = next_one - one if slider == "specular" else one - next_one
+        assert step.min() >= -1e-6
+        assert step.max() > 1e-3
+    torch.testing.assert_close(images[2], composed.image)
+    assert all(torch.isfinite(image).all() and (image >= 0).all() for image in images)
+
+
+def test_hints_of_every_variant():
+    reflected, relief = torch.rand(1, 6, 4, 4), torch.rand(1, 1, 4, 4)
+    assert specular_shadow_hints(SpecularShadowConfig(), reflected, relief).shape == (1, 3, 4, 4)
+    bare = SpecularShadowConfig(per_pixel_light=False, relief_shadow=False)
+    assert specular_shadow_hints(bare, reflected, None) is None
+    with pytest.raises(ValueError):
+        specular_shadow_hints(SpecularShadowConfig(), reflected, None)
+
+
+def test_grey_weighs_as_rec709():
+    colours = torch.eye(3)[None, :, :, None]
+    assert grey(colours).flatten().tolist() == pytest.approx([0.2126, 0.7152, 0.0722])

@@ -1,0 +1,291 @@
+"""The Relighter with tiny random networks: what is reused, what stays linear, what never breaks."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import torch
+
+from relight_core.errors import InputError
+from relight_core.face.find import FaceBox
+from relight_core.imaging.photo import Photo
+from relight_core.lighting.environment import Environment
+from relight_core.networks.bundle import BundleConfig, NetworkBundle, save_bundle
+from relight_core.pipeline import portrait, quality
+from relight_core.pipeline.edit import Edit
+from relight_core.pipeline.relighter import Relighter
+
+NETWORK_STAGES = {"delight", "specular_shadow", "compose"}
+EDIT = Edit()
+
+
+@pytest.fixture(scope="module")
+def weights(tmp_path_factory):
+    torch.manual_seed(3)
+    path = tmp_path_factory.mktemp("weights") / "tiny.safetensors"
+    bundle = NetworkBundle(BundleConfig.tiny())
+    bundle.composition.head.weight.data.normal_(0, 0.02)
+    # Untrained logits would leave the person transparent; this bias makes everything skin.
+    bundle.delight.head.bias.data[8] = 6.0
+    save_bundle(path, bundle)
+    return path
+
+
+@pytest.fixture(autouse=True)
+def _small_and_seeing_faces(monkeypatch):
+    tiers = {"draft": quality.Tier(32, 16), "live": quality.Tier(64, 16), "final": quality.Tier(96, 16)}
+    monkeypatch.setattr(quality, "TIERS", tiers)
+    monkeypatch.setattr(
+        portrait, "find_faces", lambda photo: [FaceBox(24, 20, 72, 76), FaceBox(4, 4, 20, 20)]
+    )
+
+
+def some_photo(seed=0, size=(96, 112)):
+    coarse = np.random.default_rng(seed).random((12, 14, 3))
+    linear = np.repeat(np.repeat(coarse, size[0] // 12, 0), size[1] // 14, 1)
+    return Photo(np.ascontiguousarray(linear * 0.8 + 0.05, np.float32))
+
+
+def some_light(seed=0, level=1.0):
+    radiance = np.random.default_rng(seed).gamma(0.5, 1, (32, 64, 3)).astype(np.float32)
+    shape = Environment.from_radiance(radiance).shape
+    return Environment(shape, level, "random")
+
+
+@pytest.fixture
+def relighter(weights):
+    relighter = Relighter(weights)
+    relighter.set_portrait(some_photo())
+    return relighter
+
+
+def states(relit):
+    return {name: stage.state for name, stage in relit.stages.items()}
+
+
+def computed(relit):
+    return {name for name, state in states(relit).items() if state == "computed"}
+
+
+def test_result_has_the_photo_s_size_and_every_channel(relighter):
+    relit = relighter.relight(some_light(), EDIT)
+    assert relit.image.shape == (96, 112, 3)
+    assert relit.image.dtype == np.float32
+    assert relit.alpha is None
+    assert len(relit.faces) == 1
+    shapes = {name: channel.shape for name, channel in relit.channels.items()}
+    assert shapes == {
+        "photo": (64, 64, 3),
+        "albedo": (64, 64, 3),
+        "normal": (64, 64, 3),
+        "parsing": (64, 64),
+        "specular": (64, 64),
+        "shadow": (64, 64),
+        "composition": (64, 64, 3),
+        "source_light": (16, 32, 3),
+        "target_light": (16, 32, 3),
+    }
+    assert all(np.isfinite(channel).all() for channel in relit.channels.values())
+    np.testing.assert_allclose(np.linalg.norm(relit.channels["normal"], axis=-1), 1, atol=1e-3)
+    assert relit.channels["parsing"].dtype.kind == "i"
+
+
+def test_first_relighting_computes_every_network_stage(relighter):
+    assert computed(relighter.relight(some_light(), EDIT)) >= NETWORK_STAGES
+
+
+def test_same_again_computes_nothing(relighter):
+    first = relighter.relight(some_light(), EDIT)
+    again = relighter.relight(some_light(), EDIT)
+    assert computed(again) == set()
+    np.testing.assert_array_equal(again.image, first.image)
+
+
+def test_exposure_computes_nothing(relighter):
+    first = relighter.relight(some_light(), EDIT)
+    brighter = relighter.relight(some_light(), replace(EDIT, exposure_ev=3.0))
+    assert computed(brighter) == set()
+    np.testing.assert_array_equal(brighter.image, first.image)
+
+
+@pytest.mark.parametrize("slider", ["specular", "shadow"])
+def test_a_slider_runs_no_network(relighter, slider):
+    first = relighter.relight(some_light(), EDIT)
+    moved = relighter.relight(some_light(), replace(EDIT, **{slider: 1.7}))
+    assert computed(moved)
+    assert not computed(moved) & (NETWORK_STAGES | {"relief", "irradiance", "matte"})
+    assert np.abs(moved.image - first.image).max() > 1e-4
+
+
+def test_yaw_runs_everything_but_what_the_photo_alone_decides(relighter):
+    relighter.relight(some_light(), EDIT)
+    turned = relighter.relight(some_light(), replace(EDIT, yaw_deg=40.0))
+    assert {"specular_shadow", "compose"} <= computed(turned)
+    assert not computed(turned) & {"delight", "relief", "matte", "view"}
+
+
+def test_a_full_turn_gives_the_same_picture(relighter):
+    first = relighter.relight(some_light(), EDIT)
+    np.testing.assert_allclose(
+        relighter.relight(some_light(), replace(EDIT, yaw_deg=360.0)).image, first.image, atol=1e-5
+    )
+
+
+def test_a_new_photo_and_another_quality_run_everything(relighter):
+    relighter.relight(some_light(), EDIT)
+    assert computed(relighter.relight(some_light(), replace(EDIT, quality="draft"))) >= NETWORK_STAGES
+    relighter.set_portrait(some_photo(1))
+    assert computed(relighter.relight(some_light(), EDIT)) >= NETWORK_STAGES
+
+
+def test_every_stage_says_why(relighter):
+    for stage in relighter.relight(some_light(), EDIT).stages.values():
+        assert stage.why
+        assert stage.ms >= 0
+
+
+def test_going_back_gives_back_the_former_picture(relighter):
+    """Nothing kept from another light, slider, background or quality may show."""
+    first = relighter.relight(some_light(), EDIT)
+    for edit in (
+        replace(EDIT, yaw_deg=90),
+        replace(EDIT, shadow=0.3),
+        replace(EDIT, background="#ff0000"),
+        replace(EDIT, quality="draft"),
+    ):
+        relighter.relight(some_light(1), edit)
+    again = relighter.relight(some_light(), EDIT)
+    np.testing.assert_array_equal(again.image, first.image)
+    for name, channel in first.channels.items():
+        np.testing.assert_array_equal(again.channels[name], channel)
+
+
+def test_level_scales_the_composition_exactly(relighter):
+    once = relighter.relight(some_light(level=1.0), EDIT).channels
+    eightfold = relighter.relight(some_light(level=8.0), EDIT).channels
+    for name in ("composition", "specular", "shadow", "target_light"):
+        np.testing.assert_array_equal(eightfold[name], 8 * once[name])
+    for name in ("albedo", "normal", "parsing", "source_light", "photo"):
+        np.testing.assert_array_equal(eightfold[name], once[name])
+
+
+def test_no_level_leaves_the_networks_range(relighter):
+    for level in (1e-20, 1e-6, 1e6, 1e20):
+        relit = relighter.relight(some_light(level=level), EDIT)
+        assert np.isfinite(relit.image).all()
+        assert np.isfinite(relit.channels["composition"]).all()
+
+
+def test_black_light_makes_a_black_person_without_asking_the_network(relighter):
+    black = Environment.from_radiance(np.zeros((16, 32, 3), np.float32))
+    relit = relighter.relight(black, EDIT)
+    assert states(relit)["specular_shadow"] == "skipped"
+    assert np.isfinite(relit.image).all()
+    assert relit.channels["composition"].max() == 0
+    assert relit.image[40:60, 40:60].max() < 1e-3
+
+
+@pytest.mark.parametrize(("slider", "sign"), [("specular", 1), ("shadow", -1)])
+def test_sliders_move_one_way_only(relighter, slider, sign):
+    images = [
+        relighter.relight(some_light(), replace(EDIT, **{slider: gain})).channels["composition"]
+        for gain in (0.0, 0.5, 1.0, 1.5, 2.0)
+    ]
+    for one, next_one in zip(images, images[1:], strict=False):
+        assert (sign * (next_one - one)).min() >= -1e-6
+
+
+def test_backgrounds(relighter):
+    transparent = relighter.relight(some_light(), replace(EDIT, background="transparent"))
+    assert transparent.alpha.shape == (96, 112)
+    assert ((transparent.alpha >= 0) & (transparent.alpha <= 1)).all()
+    for background in ("light", "#30343a"):
+        relit = relighter.relight(some_light(), replace(EDIT, background=background))
+        assert np.isfinite(relit.image).all()
+    with pytest.raises(InputError, match="background"):
+        relighter.relight(some_light(), replace(EDIT, background="beach"))
+
+
+def test_unknown_quality_names_the_known_ones(relighter):
+    with pytest.raises(InputError, match="draft"):
+        relighter.relight(some_light(), replace(EDIT, quality="best"))
+
+
+def test_no_portrait_yet(weights):
+    with pytest.raises(InputError, match="portrait"):
+        Relighter(weights).relight(some_light(), EDIT)
+    with pytest.raises(InputError, match="portrait"):
+        Relighter(weights).estimated_light()
+
+
+def test_estimated_light_is_a_light(relighter):
+    borrowed = relighter.estimated_light()
+    assert borrowed.shape.shape == (16, 32, 3)
+    assert np.isfinite(borrowed.shape).all()
+    assert borrowed.level > 0
+    assert np.isfinite(relighter.relight(borrowed, EDIT).image).all()
+
+
+def test_a_photo_without_a_face_leaves_the_portrait_as_it_was(relighter, monkeypatch):
+    before = relighter.relight(some_light(), EDIT)
+    monkeypatch.setattr(portrait, "find_faces", lambda photo: [])
+    with pytest.raises(InputError, match="no face"):
+        relighter.set_portrait(some_photo(5))
+    after = relighter.relight(some_light(), EDIT)
+    assert computed(after) == set()
+    np.testing.assert_array_equal(after.image, before.image)
+
+
+@pytest.mark.parametrize("index", [2, -1])
+def test_a_face_that_is_not_there(relighter, index):
+    with pytest.raises(InputError, match="face number"):
+        relighter.set_portrait(some_photo(), index)
+
+
+def test_faces_are_chosen_by_index(relighter):
+    relighter.set_portrait(some_photo(), 1)
+    box = relighter.relight(some_light(), EDIT).faces[0]
+    assert box.x0 < 24
+    assert box.x1 <= 48
+
+
+HOSTILE = {
+    "black": np.zeros((96, 112, 3), np.float32),
+    "white": np.ones((96, 112, 3), np.float32),
+    "brighter than white": np.full((96, 112, 3), 60000, np.float32),
+    "noise": np.random.default_rng(0).random((96, 112, 3), np.float32),
+    "checks": (np.indices((96, 112)).sum(0) % 2)[..., None].repeat(3, -1).astype(np.float32) * 50,
+    "one colour only": np.float32([1, 0, 0]) * np.ones((96, 112, 1), np.float32),
+    "odd size": np.random.default_rng(1).random((97, 113, 3), np.float32),
+    "tiny": np.random.default_rng(2).random((9, 11, 3), np.float32),
+}
+
+
+@pytest.mark.parametrize("name", HOSTILE)
+def test_hostile_photos_stay_finite(weights, name, monkeypatch):
+    linear = HOSTILE[name]
+    height, width = linear.shape[:2]
+    box = FaceBox(width * 0.2, height * 0.2, width * 0.7, height * 0.8)
+    monkeypatch.setattr(portrait, "find_faces", lambda photo: [box])
+    relighter = Relighter(weights)
+    relighter.set_portrait(Photo(np.ascontiguousarray(linear)))
+    relit = relighter.relight(some_light(), replace(EDIT, specular=2.0, shadow=2.0))
+    assert relit.image.shape == linear.shape
+    assert np.isfinite(relit.image).all()
+    assert (relit.image >= 0).all()
+    assert all(np.isfinite(channel).all() for channel in relit.channels.values())
+
+
+def test_a_face_beyond_the_border(weights, monkeypatch):
+    monkeypatch.setattr(portrait, "find_faces", lambda photo: [FaceBox(-30, -20, 30, 50)])
+    relighter = Relighter(weights)
+    relighter.set_portrait(some_photo())
+    assert np.isfinite(relighter.relight(some_light(), EDIT).image).all()
+
+
+def test_the_photo_itself_is_never_changed(relighter):
+    photo = some_photo()
+    before = photo.linear.copy()
+    relighter.set_portrait(photo)
+    relighter.relight(some_light(), replace(EDIT, background="light"))
+    np.testing.assert_array_equal(photo.linear, before)

@@ -1,0 +1,108 @@
+"""The paper's losses against numbers worked out by hand."""
+
+import math
+
+import pytest
+import torch
+
+from relight_core.training.losses import focal_parsing, fraction_loss, masked_l1, slope_l1, wlog_l2
+
+
+def row(*values):
+    return torch.tensor(values, dtype=torch.float32).reshape(1, 1, 1, -1)
+
+
+class TestMaskedL1:
+    def test_is_the_mean_over_covered_pixels(self):
+        assert float(masked_l1(row(1, 5, 2), row(0, 0, 0), row(1, 0, 1))) == pytest.approx(1.5)
+
+    def test_counts_every_channel(self):
+        estimate = torch.tensor([3.0, 0, 0]).reshape(1, 3, 1, 1).expand(1, 3, 2, 2)
+        assert float(masked_l1(estimate, torch.zeros(1, 3, 2, 2), torch.ones(1, 1, 2, 2))) == pytest.approx(1)
+
+    def test_an_empty_mask_gives_zero_and_finite_gradients(self):
+        estimate = torch.rand(1, 3, 4, 4, requires_grad=True)
+        loss = masked_l1(estimate, torch.zeros(1, 3, 4, 4), torch.zeros(1, 1, 4, 4))
+        loss.backward()
+        assert float(loss.detach()) == 0
+        assert estimate.grad.abs().max() == 0
+
+
+class TestFocalParsing:
+    def test_even_guess_between_two_classes(self):
+        """-(1 - 1/2)^2 ln(1/2)."""
+        loss = focal_parsing(torch.zeros(1, 2, 2, 2), torch.zeros(1, 2, 2, dtype=torch.int64))
+        assert float(loss) == pytest.approx(0.25 * math.log(2))
+
+    def test_focus_zero_is_cross_entropy(self):
+        logits, label = torch.randn(2, 5, 3, 3), torch.randint(5, (2, 3, 3))
+        expected = torch.nn.functional.cross_entropy(logits, label)
+        assert float(focal_parsing(logits, label, focus=0.0)) == pytest.approx(float(expected), rel=1e-5)
+
+    def test_classes_that_no_pixel_has_do_no_harm(self):
+        logits = torch.zeros(1, 14, 2, 2, requires_grad=True)
+        loss = focal_parsing(logits, torch.full((1, 2, 2), 3))
+        loss.backward()
+        assert math.isfinite(float(loss.detach()))
+        assert torch.isfinite(logits.grad).all()
+
+    @pytest.mark.parametrize("size", [200.0, -200.0])
+    def test_certain_right_and_certain_wrong_stay_finite(self, size):
+        logits = torch.zeros(1, 3, 1, 1)
+        logits[:, 0] = size
+        logits.requires_grad_(True)
+        loss = focal_parsing(logits, torch.zeros(1, 1, 1, dtype=torch.int64))
+        loss.backward()
+        assert math.isfinite(float(loss.detach()))
+        assert torch.isfinite(logits.grad).all()
+
+
+class TestWlogL2:
+    def test_one_and_nothing(self):
+        """Every difference is ln 2; the weights w have mean 1, so their mean square remains."""
+        edges = torch.cos(math.pi * torch.arange(17) / 16)
+        weight = (edges[:-1] - edges[1:]) / (edges[:-1] - edges[1:]).mean()
+        expected = float(weight.square().mean()) * math.log(2) ** 2
+        loss = wlog_l2(torch.ones(2, 16, 32, 3), torch.zeros(2, 16, 32, 3))
+        assert float(loss) == pytest.approx(expected, rel=1e-4)
+
+    def test_the_equator_weighs_more_than_the_pole(self):
+        truth = torch.zeros(1, 16, 32, 3)
+        pole, equator = truth.clone(), truth.clone()
+        pole[:, 0, 5], equator[:, 8, 5] = 1, 1
+        assert float(wlog_l2(equator, truth)) > 50 * float(wlog_l2(pole, truth))
+
+    def test_of_equal_lights_is_zero_however_bright(self):
+        light = torch.rand(1, 16, 32, 3) * 1e4
+        assert float(wlog_l2(light, light)) == 0
+
+
+class TestSlopeL1:
+    def test_a_shift_costs_nothing(self):
+        truth = torch.rand(1, 1, 5, 5)
+        assert float(slope_l1(truth + 7, truth, torch.ones(1, 1, 5, 5))) == pytest.approx(0, abs=1e-5)
+
+    def test_counts_steps_between_covered_neighbours(self):
+        """Along the row steps are 1 and 2, the second of them into the uncovered pixel."""
+        assert float(slope_l1(row(0, 1, 3), row(0, 0, 0), row(1, 1, 0))) == pytest.approx(1)
+
+
+class TestFractionLoss:
+    def test_is_cross_entropy_weighted_by_light(self):
+        """ln 2 at logit 0, whatever the fraction; weights 1 and 3 and a dark pixel."""
+        loss = fraction_loss(row(0, 0, 9), row(0.2, 1, 0), row(1, 3, 0))
+        assert float(loss) == pytest.approx(math.log(2), rel=1e-5)
+
+    def test_favours_the_true_fraction(self):
+        def at(logit):
+            return float(fraction_loss(row(logit), row(0.25), row(2.0)))
+
+        true_logit = math.log(0.25 / 0.75)
+        assert at(true_logit) < min(at(true_logit - 0.5), at(true_logit + 0.5))
+
+    def test_without_light_gives_zero_and_finite_gradients(self):
+        logit = torch.randn(1, 1, 3, 3, requires_grad=True)
+        loss = fraction_loss(logit, torch.rand(1, 1, 3, 3), torch.zeros(1, 1, 3, 3))
+        loss.backward()
+        assert float(loss.detach()) == 0
+        assert torch.isfinite(logit.grad).all()
