@@ -12,7 +12,7 @@ from relight_core.pipeline.stages import Surface
 
 
 def surface_channels(surface: Surface, photo_view: np.ndarray, photo_small: np.ndarray) -> dict[str, np.ndarray]:
-    """What no light changes: "photo", "albedo", "normal", "parsing" and "source_light".
+    """What no light changes: "photo", "albedo", "normal" and "parsing".
 
     Args:
         photo_view: (S, S, 3) linear, the view at the size of the channels.
@@ -26,7 +26,6 @@ def surface_channels(surface: Surface, photo_view: np.ndarray, photo_small: np.n
         "albedo": np.clip(albedo, 0, 1),
         "normal": as_image(normal),
         "parsing": enlarge(surface.parsing, size)[0].argmax(0).cpu().numpy().astype(np.int32),
-        "source_light": surface.source_light[0].cpu().numpy(),
     }
 
 

@@ -60,7 +60,7 @@ class _Prepared:
     relief: ReliefTransport
     photo_view: np.ndarray
     photo_small: np.ndarray
-    photo_level: float
+    source_light: np.ndarray
 
 
 class Relighter:
@@ -107,9 +107,7 @@ class Relighter:
         Raises:
             InputError: no portrait has been set.
         """
-        ready = self._prepare(tier_of(quality))
-        shape = ready.surface.source_light[0].cpu().numpy()
-        return Environment.from_radiance(shape * ready.photo_level, "borrowed")
+        return Environment.from_radiance(self._prepare(tier_of(quality)).source_light, "borrowed")
 
     def relight(self, environment: Environment, edit: Edit) -> Relit:
         """Light the portrait.
@@ -160,7 +158,10 @@ class Relighter:
         fixed = self._cache.run(
             "surface_channels",
             tier,
-            lambda: surface_channels(ready.surface, ready.photo_view, ready.photo_small),
+            lambda: (
+                surface_channels(ready.surface, ready.photo_view, ready.photo_small)
+                | {"source_light": ready.source_light}
+            ),
             "new photo or quality",
             keep=len(TIERS),
         )
@@ -182,8 +183,8 @@ class Relighter:
             lambda: stages.delight(self._bundle, photo_small, self._device, mirrored=tier.mirrored),
         )
         relief = once("relief", tier, lambda: stages.march(surface, tier.relief_size))
-        level = once("exposure", tier, lambda: stages.exposure_of_photo(surface, self._table))
-        return _Prepared(portrait, surface, relief, photo_view, photo_small, level)
+        light = once("source_light", tier, lambda: stages.explain_source_light(surface, self._table, relief))
+        return _Prepared(portrait, surface, relief, photo_view, photo_small, light[0].cpu().numpy())
 
     def _matte(self, portrait: Portrait) -> np.ndarray:
         """The person at the photo's resolution; from one tier for all, so that it depends on no history."""

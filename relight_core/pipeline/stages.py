@@ -12,6 +12,7 @@ import torch.nn.functional as F
 from relight_core.face.parsing import INDEX
 from relight_core.face.silhouette import solid_person
 from relight_core.imaging.tensor_colour import srgb_decode, srgb_encode
+from relight_core.lighting.inverse import explain_photo
 from relight_core.lighting.reflection import ReflectionTable
 from relight_core.lighting.relief import ReliefTransport, march_relief
 from relight_core.networks.bundle import NetworkBundle
@@ -103,8 +104,11 @@ def reflect(table: ReflectionTable, surface: Surface, light: torch.Tensor) -> to
     cloth scatter more than they mirror: theirs is turned down by the parsing's probabilities.
     """
     reflected = table(light, surface.normal)
-    dullness = sum(share * surface.parsing[:, INDEX[name], None] for name, share in _DULLNESS.items())
-    return torch.cat([reflected[:, :3], reflected[:, 3:] * (1 - dullness)], 1)
+    return torch.cat([reflected[:, :3], reflected[:, 3:] * (1 - _dullness(surface))], 1)
+
+
+def _dullness(surface: Surface) -> torch.Tensor:
+    return sum(share * surface.parsing[:, INDEX[name], None] for name, share in _DULLNESS.items())
 
 
 @torch.inference_mode()
@@ -177,8 +181,27 @@ def apply_sliders(
     return darker + (moved - composed.plain).clamp_min(0)
 
 
-def exposure_of_photo(surface: Surface, table: ReflectionTable) -> float:
-    """The level at which the estimated source light gives the photo its brightness.
+@torch.inference_mode()
+def explain_source_light(surface: Surface, table: ReflectionTable, relief: ReliefTransport) -> torch.Tensor:
+    """The light the photo was taken under, (1, 16, 32, 3), at the level that gives the photo its brightness.
+
+    The network's estimate is the first guess; least squares over the face then turn and colour it until
+    albedo, normals and relief look as they do in the photo (see `lighting.inverse`).
+    """
+    guess = surface.source_light * _exposure_of_photo(surface, table)
+    small = [
+        F.interpolate(image, size=relief.size, mode="area").cpu()
+        for image in (surface.photo, surface.albedo, surface.person * (1 - _dullness(surface)))
+    ]
+    photo, albedo, person = (image[0].flatten(1).T for image in small)
+    unclipped = (photo.amax(1) < 0.9).float()
+    weight = person[:, 0] * unclipped * albedo.mean(1)
+    light = explain_photo(guess[0].flatten(0, 1).cpu(), relief.closed, photo / albedo.clamp_min(0.03), weight)
+    return light.reshape(guess.shape).to(guess.device)
+
+
+def _exposure_of_photo(surface: Surface, table: ReflectionTable) -> float:
+    """The level at which the network's source light gives the photo its brightness.
 
     The median ratio of photo to albedo * irradiance over the face, where the photo is neither black nor
     clipped; 1 where nothing can be said.

@@ -1,0 +1,38 @@
+"""The light that explains a photo: found where the surface tells it, the guess where it does not."""
+
+import torch
+
+from relight_core.lighting.inverse import explain_photo
+
+
+def facing_transport() -> torch.Tensor:
+    """Two pixels that see one texel each, and a third texel that nobody sees."""
+    return torch.tensor([[0.5, 0.0, 0.0], [0.0, 0.25, 0.0]])
+
+
+def test_light_that_pixels_see_is_found():
+    true = torch.tensor([[2.0, 1.0, 0.5], [0.4, 0.8, 1.2], [9.0, 9.0, 9.0]])
+    guess = torch.ones(3, 3)
+    found = explain_photo(guess, facing_transport(), facing_transport() @ true, torch.ones(2))
+    assert torch.allclose(found[:2], true[:2], rtol=0.1)
+
+
+def test_a_texel_nobody_sees_keeps_the_guess():
+    found = explain_photo(torch.full((3, 3), 0.7), facing_transport(), torch.rand(2, 3), torch.ones(2))
+    assert torch.allclose(found[2], torch.full((3,), 0.7))
+
+
+def test_light_is_never_negative():
+    found = explain_photo(torch.ones(3, 3), facing_transport(), torch.full((2, 3), -5.0), torch.ones(2))
+    assert float(found.min()) >= 0
+
+
+def test_untrusted_pixels_change_nothing():
+    guess = torch.rand(3, 3)
+    shading = torch.full((2, 3), 100.0)
+    assert torch.equal(explain_photo(guess, facing_transport(), shading, torch.zeros(2)), guess)
+
+
+def test_black_transport_is_finite():
+    found = explain_photo(torch.ones(3, 3), torch.zeros(2, 3), torch.ones(2, 3), torch.ones(2))
+    assert torch.isfinite(found).all()
