@@ -5,7 +5,7 @@ from __future__ import annotations
 import torch
 
 _ITERATIONS = 60
-_TRUST_IN_GUESS = 0.01
+_TRUST_IN_GUESS = 0.03
 
 
 @torch.no_grad()
@@ -33,8 +33,9 @@ def explain_photo(
     share = (weight / total)[:, None]
     gram = transport.T @ (transport * share)
     right = transport.T @ (shading * share)
-    pull = _TRUST_IN_GUESS * gram.diagonal().mean()
-    step = 1 / (torch.linalg.matrix_norm(gram, 2) + pull).clamp_min(1e-12)
+    stiffness = torch.linalg.matrix_norm(gram, 2)
+    pull = _TRUST_IN_GUESS * stiffness
+    step = 1 / (stiffness + pull).clamp_min(1e-12)
     light, before = guess.clone(), guess.clone()
     for iteration in range(_ITERATIONS):
         ahead = light + iteration / (iteration + 3) * (light - before)

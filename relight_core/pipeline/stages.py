@@ -19,7 +19,16 @@ from relight_core.networks.bundle import NetworkBundle
 from relight_core.pipeline.hints import Effects, effects_of, explicit_sum, grey, specular_shadow_hints
 
 _RELIEF_UNIT_PX = 64.0
-_DULLNESS = {"hair": 0.75, "cloth": 0.85, "hat": 0.7, "background": 0.9}
+_DULLNESS = {
+    "hair": 0.75,
+    "cloth": 0.85,
+    "hat": 0.7,
+    "background": 0.9,
+    "left_brow": 0.6,
+    "right_brow": 0.6,
+    "left_eye": 0.5,
+    "right_eye": 0.5,
+}
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,7 @@ from relight_core.lighting.inverse import explain_photo
 
 def facing_transport() -> torch.Tensor:
     """Two pixels that see one texel each, and a third texel that nobody sees."""
-    return torch.tensor([[0.5, 0.0, 0.0], [0.0, 0.25, 0.0]])
+    return torch.tensor([[0.5, 0.0, 0.0], [0.0, 0.5, 0.0]])
 
 
 def test_light_that_pixels_see_is_found():
