@@ -42,7 +42,9 @@ def _white_balance(light: np.ndarray, rng: np.random.Generator) -> np.ndarray:
     return (balance / balance.mean()).astype(np.float32)
 
 
-def _exposure_gain(radiance: np.ndarray, covered: np.ndarray, white_level: float, rng: np.random.Generator) -> float:
+def _exposure_gain(
+    radiance: np.ndarray, covered: np.ndarray, white_level: float, rng: np.random.Generator
+) -> float:
     """Between metering the light and metering the subject, over- or under-exposed by half a stop or so.
 
     Metering the subject alone would show dark and pale skin equally bright, and nobody could tell them
@@ -71,7 +73,9 @@ def _background(size: int, pool: TexturePool, rng: np.random.Generator) -> np.nd
 
 
 def _lens(image: np.ndarray, rng: np.random.Generator) -> np.ndarray:
-    image = cv2.GaussianBlur(image, (0, 0), rng.uniform(0.35, 0.6) if rng.random() < 0.75 else rng.uniform(0.6, 1.6))
+    image = cv2.GaussianBlur(
+        image, (0, 0), rng.uniform(0.35, 0.6) if rng.random() < 0.75 else rng.uniform(0.6, 1.6)
+    )
     if rng.random() < 0.3:
         size = len(image)
         axis = (np.arange(size) + 0.5) / size * 2 - 1
@@ -89,7 +93,9 @@ def _sensor(image: np.ndarray, rng: np.random.Generator) -> np.ndarray:
 
 def _develop(image: np.ndarray, rng: np.random.Generator) -> np.ndarray:
     """sRGB with a contrast curve, some saturation, and JPEG."""
-    encoded = np.where(image <= 0.0031308, 12.92 * image, 1.055 * np.maximum(image, 1e-8) ** (1 / 2.4) - 0.055)
+    encoded = np.where(
+        image <= 0.0031308, 12.92 * image, 1.055 * np.maximum(image, 1e-8) ** (1 / 2.4) - 0.055
+    )
     if rng.random() < 0.6:
         contrast = rng.uniform(-0.15, 0.35)
         encoded = encoded + contrast * (encoded * encoded * (3 - 2 * encoded) - encoded)

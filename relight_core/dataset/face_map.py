@@ -45,7 +45,10 @@ def face_label_map(model: HeadModel, size: int = 1024) -> np.ndarray:
 def face_vertices(model: HeadModel, labels: np.ndarray) -> np.ndarray:
     """Indices of the vertices of the face proper: the paper's eight regions, without neck, ears and scalp."""
     in_face_region = model.triangle_region == model.region_names.index("face")
-    vertices, uv = model.triangles[in_face_region].ravel(), model.uv[model.triangles_uv[in_face_region].ravel()]
+    vertices, uv = (
+        model.triangles[in_face_region].ravel(),
+        model.uv[model.triangles_uv[in_face_region].ravel()],
+    )
     pixels = np.clip((uv * [1, -1] + [0, 1]) * len(labels), 0, len(labels) - 1).astype(int)
     proper = (uv[:, 0] < 1) & (labels[pixels[:, 1], pixels[:, 0]] != INDEX["neck"])
     return np.unique(vertices[proper])
@@ -53,7 +56,9 @@ def face_vertices(model: HeadModel, labels: np.ndarray) -> np.ndarray:
 
 def region_labels(model: HeadModel) -> np.ndarray:
     """(regions,) label of each region of the model; the face region is 255: ask `face_label_map`."""
-    return np.array([INDEX[_REGION_LABELS[n]] if n in _REGION_LABELS else 255 for n in model.region_names], np.uint8)
+    return np.array(
+        [INDEX[_REGION_LABELS[n]] if n in _REGION_LABELS else 255 for n in model.region_names], np.uint8
+    )
 
 
 def _fill(labels: np.ndarray, outline: np.ndarray, name: str) -> None:
@@ -65,7 +70,9 @@ def _smooth(outline: np.ndarray) -> np.ndarray:
     before, after, beyond = (np.roll(outline, shift, 0) for shift in (1, -1, -2))
     t = np.linspace(0, 1, 8, endpoint=False)[None, :, None]
     p0, p1, p2, p3 = (p[:, None] for p in (before, outline, after, beyond))
-    curve = 2 * p1 + (p2 - p0) * t + (2 * p0 - 5 * p1 + 4 * p2 - p3) * t**2 + (3 * p1 - p0 - 3 * p2 + p3) * t**3
+    curve = (
+        2 * p1 + (p2 - p0) * t + (2 * p0 - 5 * p1 + 4 * p2 - p3) * t**2 + (3 * p1 - p0 - 3 * p2 + p3) * t**3
+    )
     return (curve / 2).reshape(-1, 2)
 
 

@@ -60,7 +60,9 @@ def reflect(head: BakedHead, normal: np.ndarray, lights: np.ndarray, gloss: Glos
     return _accumulate(head, normal, lights, 1, transports)[0]
 
 
-def _accumulate(head: BakedHead, normal: np.ndarray, lights: np.ndarray, count: int, transports) -> list[np.ndarray]:
+def _accumulate(
+    head: BakedHead, normal: np.ndarray, lights: np.ndarray, count: int, transports
+) -> list[np.ndarray]:
     """Sum light times transport over the texels, for a few pixels at a time so that they stay in cache."""
     toward = torch.from_numpy(directions(LIGHT_HEIGHT, LIGHT_WIDTH).reshape(-1, 3))
     weights = torch.from_numpy(solid_angles(LIGHT_HEIGHT, LIGHT_WIDTH).reshape(-1))

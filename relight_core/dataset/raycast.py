@@ -10,7 +10,13 @@ import numpy as np
 from relight_core.dataset.scene import Scene
 from relight_core.errors import InputError
 
-_LLVM_CANDIDATES = ("libLLVM.so.19.1", "libLLVM-19.so.1", "libLLVM-16.so.1", "libLLVM-15.so.1", "libLLVM-14.so.1")
+_LLVM_CANDIDATES = (
+    "libLLVM.so.19.1",
+    "libLLVM-19.so.1",
+    "libLLVM-16.so.1",
+    "libLLVM-15.so.1",
+    "libLLVM-14.so.1",
+)
 _VARIANT = "llvm_ad_rgb"
 
 
@@ -24,7 +30,9 @@ def _mitsuba():
     try:
         import mitsuba
     except ImportError as error:
-        raise InputError("mitsuba is missing: install the training extra, pip install 'relight[train]'") from error
+        raise InputError(
+            "mitsuba is missing: install the training extra, pip install 'relight[train]'"
+        ) from error
     if mitsuba.variant() != _VARIANT:
         mitsuba.set_variant(_VARIANT)
     return mitsuba

@@ -140,7 +140,9 @@ def relief_shadows(lit: LitHead, rng: np.random.Generator) -> np.ndarray:
     covered = lit.head.covered.astype(np.float32)
     weight = cv2.GaussianBlur(covered, (0, 0), deviation := size / 128 * rng.uniform(0.4, 1.6))
     smooth = cv2.GaussianBlur(lit.head.scatter(lit.head.depth), (0, 0), deviation) / np.maximum(weight, 1e-3)
-    bend = cv2.resize(rng.standard_normal((5, 5)).astype(np.float32), (size, size), interpolation=cv2.INTER_CUBIC)
+    bend = cv2.resize(
+        rng.standard_normal((5, 5)).astype(np.float32), (size, size), interpolation=cv2.INTER_CUBIC
+    )
     rough = smooth * rng.uniform(0.75, 1.2) + 0.02 * bend
 
     def shrunk(image: np.ndarray) -> torch.Tensor:
@@ -166,8 +168,20 @@ class SampleStream(IterableDataset):
         relief_shadow: also march a relief as rough as a predicted one ("relief_shadow", a hint to SS).
     """
 
-    def __init__(self, folder: Path, lights: Path, split: str, size: int, seed: int, *, photographs: bool = True,
-                 relief_shadow: bool = False, lights_per_head: int = 10, paints_per_head: int = 16, heads_at_once: int = 8):
+    def __init__(
+        self,
+        folder: Path,
+        lights: Path,
+        split: str,
+        size: int,
+        seed: int,
+        *,
+        photographs: bool = True,
+        relief_shadow: bool = False,
+        lights_per_head: int = 10,
+        paints_per_head: int = 16,
+        heads_at_once: int = 8,
+    ):
         super().__init__()
         self.folder, self.lights, self.split, self.size, self.seed = folder, lights, split, size, seed
         self.photographs, self.relief_shadow = photographs, relief_shadow
@@ -185,11 +199,16 @@ class SampleStream(IterableDataset):
                 raise InputError(f"{self.folder}: no baked heads; run 'relight dataset bake' first")
             order = rng.permutation(len(paths))
             for start in range(0, len(order), self.heads_at_once):
-                lit = [self._light(paths[i], library, pool, rng) for i in order[start : start + self.heads_at_once]]
+                lit = [
+                    self._light(paths[i], library, pool, rng)
+                    for i in order[start : start + self.heads_at_once]
+                ]
                 for draw in rng.permutation(len(lit) * self.paints_per_head):
                     yield self._sample(lit[draw % len(lit)], pool, rng)
 
-    def _light(self, path: Path, library: LightLibrary, pool: TexturePool, rng: np.random.Generator) -> LitHead:
+    def _light(
+        self, path: Path, library: LightLibrary, pool: TexturePool, rng: np.random.Generator
+    ) -> LitHead:
         head = read_shard(path)
         head = subsample(head, head.size // self.size, rng)
         normal = add_relief(head, pool.noise(rng), rng.uniform(0, 0.2))
@@ -208,8 +227,12 @@ class SampleStream(IterableDataset):
             if self.photographs:
                 shown = albedo * lit.illumination.irradiance[k] + lit.own_specular[k]
                 channels["photo_srgb"] = photograph(
-                    lit.head.scatter(shown), lit.head.covered, lit.lights[k],
-                    float(lit.illumination.irradiance[k].mean()), pool, rng,
+                    lit.head.scatter(shown),
+                    lit.head.covered,
+                    lit.lights[k],
+                    float(lit.illumination.irradiance[k].mean()),
+                    pool,
+                    rng,
                 )
             if lit.relief_shadow is not None:
                 channels["relief_shadow"] = lit.relief_shadow[k]
@@ -227,6 +250,8 @@ def _tensors(pair: list[dict[str, np.ndarray]], shared: set[str]) -> dict[str, t
         elif name == "label":
             item[name] = stacked[0].long()
         else:
-            stacked = stacked.float().unsqueeze(1) if stacked.ndim == 3 else stacked.float().permute(0, 3, 1, 2)
+            stacked = (
+                stacked.float().unsqueeze(1) if stacked.ndim == 3 else stacked.float().permute(0, 3, 1, 2)
+            )
             item[name] = stacked[0] if name in shared else stacked
     return item

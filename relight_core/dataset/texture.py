@@ -38,7 +38,9 @@ def pattern(rng: np.random.Generator, size: int = SIZE) -> np.ndarray:
             colour = rng.beta(0.8, 0.8, 3).tolist()
             cv2.ellipse(image, centre, axes, float(rng.uniform(0, 180)), 0, 360, colour, -1, cv2.LINE_AA)
         return image
-    blend = np.clip(0.5 + 0.3 * np.stack([fractal_noise(rng, size, rng.uniform(0.6, 1.6)) for _ in range(3)], -1), 0, 1)
+    blend = np.clip(
+        0.5 + 0.3 * np.stack([fractal_noise(rng, size, rng.uniform(0.6, 1.6)) for _ in range(3)], -1), 0, 1
+    )
     return (colours[0] * blend + colours[1] * (1 - blend)).astype(np.float32)
 
 
@@ -59,7 +61,20 @@ def photographs() -> list[np.ndarray]:
     """Pictures that scikit-image ships, float32 linear in [0, 1]; the sample portrait is not among them."""
     from skimage import data
 
-    names = ("chelsea", "coffee", "cat", "rocket", "brick", "grass", "gravel", "camera", "coins", "moon", "page", "text")
+    names = (
+        "chelsea",
+        "coffee",
+        "cat",
+        "rocket",
+        "brick",
+        "grass",
+        "gravel",
+        "camera",
+        "coins",
+        "moon",
+        "page",
+        "text",
+    )
     pictures = []
     for name in names:
         try:

@@ -41,7 +41,10 @@ def specular_shadow_losses(
 
 
 def composition_losses(
-    network: CompositionNetwork, table: ReflectionTable, flat: dict[str, torch.Tensor], effects: Effects | None
+    network: CompositionNetwork,
+    table: ReflectionTable,
+    flat: dict[str, torch.Tensor],
+    effects: Effects | None,
 ) -> tuple[torch.Tensor, dict[str, torch.Tensor]]:
     """Eq. 8 in the invertible encoding, on estimated effects or, for None, on the true ones (warm-up)."""
     normal, albedo, covered = flat["normal"], flat["albedo"], flat["covered"]

@@ -49,11 +49,19 @@ def train(run: Run, report) -> NetworkBundle:
     stage = STAGES[run.stage]
     bundle = load_bundle(run.start) if run.start else NetworkBundle(run.config)
     stream = SampleStream(
-        run.heads, run.lights, "train", run.size, run.seed,
-        photographs=stage.photographs, relief_shadow=stage.relief_shadow,
+        run.heads,
+        run.lights,
+        "train",
+        run.size,
+        run.seed,
+        photographs=stage.photographs,
+        relief_shadow=stage.relief_shadow,
     )
     loader = DataLoader(
-        stream, batch_size=run.pairs, num_workers=run.workers, worker_init_fn=_one_thread,
+        stream,
+        batch_size=run.pairs,
+        num_workers=run.workers,
+        worker_init_fn=_one_thread,
         prefetch_factor=4 if run.workers else None,
     )
     budget = Budget(run.minutes, run.learning_rate or stage.learning_rate)
