@@ -48,6 +48,7 @@ def run(arguments: argparse.Namespace) -> int:
     from relight_core.evaluation.report import as_markdown, as_record
     from relight_core.imaging.files import whole_file
     from relight_core.networks.bundle import load_bundle
+    from relight_core.pipeline.quality import tier_of
     from relight_core.pipeline.relighter import WEIGHTS
     from relight_core.resources import resource_path
 
@@ -58,7 +59,12 @@ def run(arguments: argparse.Namespace) -> int:
         bundle = load_bundle(weights).for_inference()
         check_heads_and_lights(arguments.heads, arguments.lights, arguments.split)
         settings = Settings(
-            arguments.heads, arguments.lights, arguments.split, arguments.count, arguments.photos
+            arguments.heads,
+            arguments.lights,
+            arguments.split,
+            arguments.count,
+            arguments.photos,
+            tier_of(arguments.quality),
         )
         with progress("relighting", 1.0) as show:
             evaluation = evaluate(

@@ -13,11 +13,9 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
-import torch
 
+from relight_core.evaluation.bench import Bench, Editor
 from relight_core.evaluation.held_out import (
-    HeldOutHead,
-    HeldOutLight,
     Photos,
     cases_of,
     held_out_lights,
@@ -26,22 +24,10 @@ from relight_core.evaluation.held_out import (
     load_head,
 )
 from relight_core.evaluation.metrics import Interval, bootstrap_interval
-from relight_core.evaluation.scoring import (
-    Figures,
-    as_image,
-    score_effects,
-    score_relit,
-    score_surface,
-    score_unchanged,
-    true_surface,
-)
-from relight_core.face.parsing import INDEX, PAPER_CLASSES
+from relight_core.evaluation.scoring import Figures
 from relight_core.lighting.reflection import ReflectionTable
 from relight_core.networks.bundle import NetworkBundle
-from relight_core.pipeline import stages
-
-RELIEF_SIZE = 64
-"""As in the editor's "live" quality, at which the networks see 256 pixels."""
+from relight_core.pipeline.quality import TIERS, Tier
 
 
 @dataclass(frozen=True)
@@ -54,6 +40,7 @@ class Settings:
         split: "test"; "validation" for choices between variants, so that the test stays unseen.
         count: heads.
         photos: "clean" renderings on black, or through the "camera" on backgrounds.
+        tier: how large the networks see a photo; the photo itself is as large as the head was baked.
     """
 
     heads: Path
@@ -61,7 +48,7 @@ class Settings:
     split: str = "test"
     count: int = 8
     photos: Photos = "clean"
-    relief_size: int = RELIEF_SIZE
+    tier: Tier = TIERS["live"]
 
 
 @dataclass
@@ -90,8 +77,8 @@ class _Tally:
     def __init__(self) -> None:
         self._rows: dict[str, list[tuple[str, Figures]]] = defaultdict(list)
 
-    def add(self, group: str, head: str, *parts: Figures) -> None:
-        self._rows[group].append((head, {name: value for part in parts for name, value in part.items()}))
+    def add(self, group: str, head: str, figures: Figures) -> None:
+        self._rows[group].append((head, figures))
 
     def samples(self) -> dict[str, int]:
         return {group: len(rows) for group, rows in self._rows.items()}
@@ -123,84 +110,15 @@ def evaluate(
     for number, path in enumerate(paths):
         head = load_head(path, lights, textures)
         size = head.lit.head.size
-        bench = _Bench(bundle, table, settings, head, lights, device)
+        bench = Bench(Editor(bundle, table, settings.tier, device), head, lights, settings.photos)
         for case in cases_of(number, lights):
-            bench.run(case.source, case.target, tally)
+            for group, figures in bench.score(case).items():
+                tally.add(group, head.name, figures)
             done += 1
             report(done, total)
     panoramas = sum(not light.lamp for light in lights)
     seconds = time.monotonic() - started
     return Evaluation(tally.intervals(), tally.samples(), len(paths), panoramas, size, seconds, settings)
-
-
-class _Bench:
-    """One head under test; a photo is taken apart once, however many lights it is relit with."""
-
-    def __init__(
-        self,
-        bundle: NetworkBundle,
-        table: ReflectionTable,
-        settings: Settings,
-        head: HeldOutHead,
-        lights: list[HeldOutLight],
-        device: str,
-    ):
-        self._bundle, self._table, self._settings, self._device = bundle, table, settings, device
-        self._head, self._lights, self._truth = head, lights, head.surface()
-        self._covered = head.lit.head.covered
-        labels = [INDEX[name] for name in PAPER_CLASSES]
-        self._face = self._covered & np.isin(self._truth["label"], labels)
-        self._found: dict[int, tuple] = {}
-        perfect = true_surface(self._truth, np.zeros((*self._covered.shape, 3)), lights[0].radiance)
-        self._perfect = stages.Surface(**{name: value.to(device) for name, value in vars(perfect).items()})
-        self._perfect_relief = stages.march(self._perfect, settings.relief_size)
-
-    def run(self, source: int, target: int, tally: _Tally) -> None:
-        """Score one relighting, on the whole way and from the true surface."""
-        photo, surface, relief = self._take_apart(source)
-        truth, covered, name = self._head.channels(target), self._covered, self._head.name
-        gain = self._head.exposure(target)
-        group = "lamps" if self._lights[target].lamp else "panoramas"
-        effects, relit = self._relight(surface, relief, target)
-        of_surface = score_surface(surface, self._truth, self._lights[source].radiance, covered)
-        tally.add(
-            group,
-            name,
-            of_surface,
-            score_effects(effects, truth, covered),
-            score_relit(relit, truth["image"], gain, covered, covered),
-            score_unchanged(photo, truth["image"], gain, covered, covered),
-        )
-        if group == "panoramas" and self._face.any():
-            tally.add(
-                "face",
-                name,
-                score_surface(surface, self._truth, self._lights[source].radiance, self._face),
-                score_effects(effects, truth, self._face),
-                score_relit(relit, truth["image"], gain, covered, self._face),
-            )
-        effects, relit = self._relight(self._perfect, self._perfect_relief, target)
-        tally.add(
-            f"true surface, {group}",
-            name,
-            score_effects(effects, truth, covered),
-            score_relit(relit, truth["image"], gain, covered, covered),
-        )
-
-    def _take_apart(self, source: int):
-        if source not in self._found:
-            photo = self._head.photo(source, self._settings.photos)
-            surface = stages.delight(self._bundle, photo, self._device)
-            self._found[source] = photo, surface, stages.march(surface, self._settings.relief_size)
-        return self._found[source]
-
-    def _relight(self, surface: stages.Surface, relief, target: int):
-        """The editor's stages: effects and the relit image (S, S, 3) in units of the normalised light."""
-        light = torch.from_numpy(self._lights[target].radiance)[None].to(self._device)
-        reflected = stages.reflect(self._table, surface, light)
-        effects = stages.estimate_effects(self._bundle, surface, reflected, relief, light, self._device)
-        composed = stages.compose(self._bundle, surface, reflected, effects, light, self._device)
-        return effects, as_image(composed.image)
 
 
 def _intervals(rows: list[tuple[str, Figures]]) -> dict[str, Interval]:

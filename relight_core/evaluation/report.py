@@ -35,6 +35,7 @@ _TITLES = {
     "shadow.rmse": "shadow RMSE (linear)",
     "shadow.relative": "shadow RMSE over its own RMS",
     "light.wlog_l2": "light wlog-L2",
+    "light.wlog_l2_fitted": "light wlog-L2, fitted to the photo",
 }
 _KEYS = {
     "panoramas": None,
@@ -72,6 +73,7 @@ def as_record(evaluation: Evaluation, weights: str) -> dict:
         "lights": evaluation.lights,
         "photos": settings.photos,
         "size": evaluation.size,
+        "network_size": settings.tier.network_size,
         "seconds": round(evaluation.seconds, 1),
     }
 
@@ -83,8 +85,8 @@ def as_markdown(evaluation: Evaluation, weights: str) -> str:
         "# Evaluation",
         "",
         f"{weights}; {settings.split} split: {evaluation.heads} heads, {evaluation.lights} panoramas, "
-        f"{evaluation.samples['panoramas']} relightings at {evaluation.size} x {evaluation.size} pixels, "
-        f"{settings.photos} photos, over all of the head. In brackets: 95 % intervals over heads.",
+        f"{evaluation.samples['panoramas']} relightings at {evaluation.size} x {evaluation.size} pixels "
+        f"(networks at {settings.tier.network_size}), {settings.photos} photos, over all of the head. In brackets: 95 % intervals over heads.",
         "",
         "| | ours | paper, Table 2, Full |",
         "|---|---|---|",

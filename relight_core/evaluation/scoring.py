@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 
 import numpy as np
-import torch
 
 from relight_core.evaluation.metrics import normal_angle_deg, normal_rmse, psnr, rmse, ssim, wlog_l2
 from relight_core.imaging.colour import srgb_encode
 from relight_core.lighting.environment import mean_luminance
-from relight_core.pipeline.hints import Effects
-from relight_core.pipeline.stages import Surface
 
 Figures = dict[str, float]
 
@@ -20,36 +18,36 @@ BEST_PSNR_DB = 100.0
 
 
 def score_surface(
-    found: Surface, truth: dict[str, np.ndarray], light: np.ndarray, mask: np.ndarray
+    channels: Mapping[str, np.ndarray], light: np.ndarray, truth: Mapping[str, np.ndarray], mask: np.ndarray
 ) -> Figures:
     """Errors of de-lighting.
 
     Args:
-        found: what was estimated.
-        truth: images "albedo" (linear) and "normal".
-        light: (16, 32, 3) the photo's true light, mean luminance 1.
+        channels: what was found: images "albedo" (linear) and "normal", the network's light "guess" and
+            the light "source_light" that was fitted to explain the photo.
+        light: (16, 32, 3) the photo's true light; the levels of lights do not count.
+        truth: images "albedo" and "normal".
         mask: (S, S) bool, the pixels that count.
     """
-    albedo, normal = as_image(found.albedo), as_image(found.normal)
-    estimated_light = found.source_light[0].cpu().numpy()
-    level = max(mean_luminance(estimated_light), 1e-6)
+    albedo, true_albedo = channels["albedo"], truth["albedo"]
     return {
-        "albedo.rmse": _srgb_rmse(albedo, truth["albedo"], mask),
-        "albedo.rmse_aligned": _srgb_rmse(
-            albedo * _best_gain(albedo, truth["albedo"], mask), truth["albedo"], mask
-        ),
-        "normal.rmse": normal_rmse(normal, truth["normal"], mask),
-        "normal.angle_deg": normal_angle_deg(normal, truth["normal"], mask),
-        "light.wlog_l2": wlog_l2(estimated_light / level, light),
+        "albedo.rmse": _srgb_rmse(albedo, true_albedo, mask),
+        "albedo.rmse_aligned": _srgb_rmse(albedo * _best_gain(albedo, true_albedo, mask), true_albedo, mask),
+        "normal.rmse": normal_rmse(channels["normal"], truth["normal"], mask),
+        "normal.angle_deg": normal_angle_deg(channels["normal"], truth["normal"], mask),
+        "light.wlog_l2": wlog_l2(_levelled(channels["guess"]), _levelled(light)),
+        "light.wlog_l2_fitted": wlog_l2(_levelled(channels["source_light"]), _levelled(light)),
     }
 
 
-def score_effects(effects: Effects, truth: dict[str, np.ndarray], mask: np.ndarray) -> Figures:
+def score_effects(
+    effects: Mapping[str, np.ndarray], truth: Mapping[str, np.ndarray], mask: np.ndarray
+) -> Figures:
     """RMSE of the additive channels, linear, in units of the normalised light; and the mean squares of
     error and truth, from which an error relative to the channel's own size is pooled over pictures."""
     figures = {}
     for name in ("specular", "shadow"):
-        error = rmse(as_image(getattr(effects, name)), truth[name], mask)
+        error = rmse(effects[name], truth[name], mask)
         figures[f"{name}.rmse"] = error
         figures[f"{name}.error_power"] = error**2
         figures[f"{name}.true_power"] = float(np.mean(truth[name][mask].astype(np.float64) ** 2))
@@ -91,31 +89,8 @@ def score_unchanged(
     return {"relit.rmse_of_unchanged_photo": rmse(_display(photo, covered), expected, mask)}
 
 
-def true_surface(truth: dict[str, np.ndarray], photo: np.ndarray, light: np.ndarray) -> Surface:
-    """The surface that a perfect de-lighting network would find."""
-    covered = _as_tensor(truth["covered"])
-    parsing = torch.zeros(1, 14, *covered.shape[-2:])
-    parsing[:, 0], parsing[:, 1] = 1 - covered[:, 0], covered[:, 0]
-    return Surface(
-        photo=_as_tensor(photo),
-        albedo=_as_tensor(truth["albedo"]),
-        normal=_as_tensor(truth["normal"]),
-        relief=_as_tensor(truth["relief"]),
-        parsing=parsing,
-        person=covered,
-        source_light=torch.from_numpy(light)[None],
-    )
-
-
-def as_image(tensor: torch.Tensor) -> np.ndarray:
-    """(1, C, S, S) to (S, S, C), or (S, S) for one channel."""
-    array = tensor[0].permute(1, 2, 0).float().cpu().numpy()
-    return array[..., 0] if array.shape[-1] == 1 else array
-
-
-def _as_tensor(image: np.ndarray) -> torch.Tensor:
-    image = image[..., None] if image.ndim == 2 else image
-    return torch.from_numpy(np.ascontiguousarray(image, np.float32)).permute(2, 0, 1)[None]
+def _levelled(light: np.ndarray) -> np.ndarray:
+    return light / max(mean_luminance(light), 1e-6)
 
 
 def _display(linear: np.ndarray, covered: np.ndarray) -> np.ndarray:

@@ -2,13 +2,39 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 import torch
 import torch.nn.functional as F
 
 from relight_core.imaging.guided_detail import DetailFit, apply_detail, carry_detail
+from relight_core.imaging.resampling import resize_smooth
 from relight_core.pipeline.hints import Effects
 from relight_core.pipeline.stages import Surface
+
+
+@dataclass(frozen=True, eq=False)
+class ViewChange:
+    """What a light makes of a photo's view, to be applied at any resolution.
+
+    Attributes:
+        fit: the relit view as gain and offset of the photo, sliders at 1, normalised light.
+        kept, added: (s, s, 3) what the sliders leave of it, in [0, 1], and add to it; None at gains of 1.
+        level: of the light.
+    """
+
+    fit: DetailFit
+    kept: np.ndarray | None
+    added: np.ndarray | None
+    level: float
+
+    def apply(self, photo: np.ndarray) -> np.ndarray:
+        """The view (S, S, 3), linear, relit."""
+        relit = apply_detail(self.fit, photo)
+        if self.kept is not None:
+            relit = relit * resize_smooth(self.kept, photo.shape[:2]) + resize_smooth(self.added, photo.shape[:2])
+        return relit * np.float32(self.level)
 
 
 def surface_channels(surface: Surface, photo_view: np.ndarray, photo_small: np.ndarray) -> dict[str, np.ndarray]:
@@ -30,14 +56,14 @@ def surface_channels(surface: Surface, photo_view: np.ndarray, photo_small: np.n
 
 
 def light_channels(
-    effects: Effects, fit: DetailFit, photo_view: np.ndarray, light: torch.Tensor, level: float
+    effects: Effects, change: ViewChange, photo_view: np.ndarray, light: torch.Tensor
 ) -> dict[str, np.ndarray]:
     """What a light makes: "specular", "shadow", "composition" and "target_light", at the light's level."""
-    size = photo_view.shape[0]
+    size, level = photo_view.shape[0], np.float32(change.level)
     return {
         "specular": as_image(enlarge(effects.specular, size)) * level,
         "shadow": as_image(enlarge(effects.shadow, size)) * level,
-        "composition": apply_detail(fit, photo_view),
+        "composition": change.apply(photo_view),
         "target_light": light[0].cpu().numpy() * level,
     }
 

@@ -10,7 +10,7 @@ import torch
 
 from relight_core.errors import InputError
 from relight_core.face.find import FaceBox
-from relight_core.imaging.guided_detail import DetailFit, apply_detail, fit_detail
+from relight_core.imaging.guided_detail import fit_detail
 from relight_core.imaging.matte import refine_matte
 from relight_core.imaging.photo import Photo
 from relight_core.imaging.resampling import resize_area
@@ -20,7 +20,7 @@ from relight_core.lighting.relief import ReliefTransport
 from relight_core.networks.bundle import load_bundle
 from relight_core.pipeline import stages
 from relight_core.pipeline.cache import Stage, StageCache
-from relight_core.pipeline.channels import as_image, light_channels, surface_channels
+from relight_core.pipeline.channels import ViewChange, as_image, light_channels, surface_channels
 from relight_core.pipeline.edit import Edit
 from relight_core.pipeline.finish import finish, over_background
 from relight_core.pipeline.portrait import Portrait, choose_face, frame, refine
@@ -142,17 +142,17 @@ class Relighter:
         )
         effects = effects or stages.no_effects(ready.surface)
         sliders = (light_key, edit.specular, edit.shadow, environment.level)
-        fit = self._cache.run(
+        change = self._cache.run(
             "sliders",
             sliders,
-            lambda: self._fit(composed, ready, reflected, effects, edit, environment.level),
+            lambda: self._change(composed, light_key, ready, reflected, effects, edit, environment.level),
             "new light or slider",
         )
-        image, alpha = self._finished(ready, fit, sliders, environment, edit)
+        image, alpha = self._finished(ready, change, sliders, environment, edit)
         channels = self._cache.run(
             "channels",
             sliders,
-            lambda: light_channels(effects, fit, ready.photo_view, light, environment.level),
+            lambda: light_channels(effects, change, ready.photo_view, light),
             "new light or slider",
         )
         fixed = self._cache.run(
@@ -204,19 +204,29 @@ class Relighter:
             "new light",
         )
 
-    def _fit(self, composed, ready: _Prepared, reflected, effects, edit: Edit, level: float) -> DetailFit:
+    def _change(
+        self, composed, light_key, ready: _Prepared, reflected, effects, edit: Edit, level: float
+    ) -> ViewChange:
         """How the relit view differs from the photo's, at the sliders' gains and the light's level."""
-        image = stages.apply_sliders(composed, ready.surface, reflected, effects, edit.specular, edit.shadow)
-        return fit_detail(ready.photo_small, as_image(image) * level)
+        fit = self._cache.run(
+            "detail_fit",
+            light_key,
+            lambda: fit_detail(ready.photo_small, as_image(composed.image)),
+            "new light",
+        )
+        moved = stages.move_sliders(composed, ready.surface, reflected, effects, edit.specular, edit.shadow)
+        if moved is None:
+            return ViewChange(fit, None, None, level)
+        return ViewChange(fit, as_image(moved.kept), as_image(moved.added), level)
 
-    def _finished(self, ready: _Prepared, fit: DetailFit, sliders, environment: Environment, edit: Edit):
+    def _finished(self, ready: _Prepared, change: ViewChange, sliders, environment: Environment, edit: Edit):
         """Full resolution: the photo's detail, then the background. (H, W, 3) and alpha or None."""
         photo, place = ready.portrait.photo, ready.portrait.view
         matte = self._cache.run("matte", "photo", lambda: self._matte(ready.portrait), "new photo")
         full_view = self._cache.run(
             "full_view", "photo", lambda: place.extract(photo.linear, round(place.side)), "new photo"
         )
-        relit = self._cache.run("detail", sliders, lambda: apply_detail(fit, full_view), "new light or slider")
+        relit = self._cache.run("detail", sliders, lambda: change.apply(full_view), "new light or slider")
         pasted = self._cache.run(
             "paste", sliders, lambda: finish(photo.linear, relit, place, matte), "new light or slider"
         )

@@ -168,26 +168,34 @@ def compose(
     return Composed(image, plain)
 
 
+@dataclass(frozen=True)
+class SliderChange:
+    """What the sliders do to a composed image: image * kept + added; both (1, 3, S, S), >= 0, kept <= 1."""
+
+    kept: torch.Tensor
+    added: torch.Tensor
+
+
 @torch.inference_mode()
-def apply_sliders(
+def move_sliders(
     composed: Composed,
     surface: Surface,
     reflected: torch.Tensor,
     effects: Effects,
     specular_gain: float,
     shadow_gain: float,
-) -> torch.Tensor:
-    """The relit view with its effects scaled (paper, Figure 12).
+) -> SliderChange | None:
+    """The change of the image with its effects scaled (paper, Figure 12); None at gains of 1.
 
     The network's correction is learned at gains of 1. The sliders move the explicit sum, and the image
     with it: darker by the sum's ratio, brighter by its difference, so that more shadow never brightens
     and more gloss never darkens a pixel, and the network need not run again.
     """
     if specular_gain == 1 and shadow_gain == 1:
-        return composed.image
+        return None
     moved = explicit_sum(surface.albedo, reflected, effects, specular_gain, shadow_gain)
-    darker = composed.image * ((moved + 1e-3) / (composed.plain + 1e-3)).clamp(0, 1)
-    return darker + (moved - composed.plain).clamp_min(0)
+    kept = ((moved + 1e-3) / (composed.plain + 1e-3)).clamp(0, 1)
+    return SliderChange(kept, (moved - composed.plain).clamp_min(0))
 
 
 @torch.inference_mode()

@@ -22,6 +22,7 @@ from relight_core.evaluation.held_out import (
 )
 from relight_core.evaluation.report import as_markdown, as_record
 from relight_core.networks.bundle import BundleConfig, NetworkBundle
+from relight_core.pipeline.quality import Tier
 
 
 @pytest.fixture(scope="module")
@@ -30,7 +31,7 @@ def settings(tmp_path_factory):
     write_balls(folder / "heads", 2_000_000, 2, size=16)
     write_balls(folder / "heads", 0, 1, size=16)
     write_lights(folder / "lights.npz", 3)
-    return Settings(folder / "heads", folder / "lights.npz", relief_size=8)
+    return Settings(folder / "heads", folder / "lights.npz", tier=Tier(16, 16, 8, False))
 
 
 @pytest.fixture(scope="module")
@@ -154,7 +155,7 @@ def test_record_has_the_promised_keys_and_is_json(evaluation):
     assert {"relit", "albedo", "normal", "specular", "shadow", "light", "samples", "weights"} <= set(record)
     assert {"rmse", "psnr", "ssim"} <= set(record["relit"])
     assert all("rmse" in record[name] for name in ("albedo", "normal", "specular", "shadow"))
-    assert set(record["light"]) == {"wlog_l2"}
+    assert set(record["light"]) == {"wlog_l2", "wlog_l2_fitted"}
     assert record["samples"] == 6
     assert record["weights"] == "tiny.safetensors"
     low, high = record["intervals"]["relit"]["rmse"]

@@ -33,7 +33,11 @@ def weights(tmp_path_factory):
 
 @pytest.fixture(autouse=True)
 def _small_and_seeing_faces(monkeypatch):
-    tiers = {"draft": quality.Tier(32, 16), "live": quality.Tier(64, 16), "final": quality.Tier(96, 16)}
+    tiers = {
+        "draft": quality.Tier(48, 32, 16, False),
+        "live": quality.Tier(64, 32, 16, False),
+        "final": quality.Tier(96, 32, 16, True),
+    }
     monkeypatch.setattr(quality, "TIERS", tiers)
     monkeypatch.setattr(
         portrait, "find_faces", lambda photo: [FaceBox(24, 20, 72, 76), FaceBox(4, 4, 20, 20)]
