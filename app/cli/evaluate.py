@@ -36,6 +36,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         default="clean",
         help="clean renderings on black, or through a camera on backgrounds",
     )
+    parser.add_argument("--quality", choices=("draft", "live", "final"), default="live")
     parser.add_argument(
         "-o", "--output", metavar="REPORT", type=Path, help="also write the tables, a .md file"
     )

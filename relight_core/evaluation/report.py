@@ -86,7 +86,8 @@ def as_markdown(evaluation: Evaluation, weights: str) -> str:
         "",
         f"{weights}; {settings.split} split: {evaluation.heads} heads, {evaluation.lights} panoramas, "
         f"{evaluation.samples['panoramas']} relightings at {evaluation.size} x {evaluation.size} pixels "
-        f"(networks at {settings.tier.network_size}), {settings.photos} photos, over all of the head. In brackets: 95 % intervals over heads.",
+        f"(networks at {settings.tier.network_size}), {settings.photos} photos, over all of the head. "
+        "In brackets: 95 % intervals over heads.",
         "",
         "| | ours | paper, Table 2, Full |",
         "|---|---|---|",

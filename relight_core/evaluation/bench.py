@@ -1,0 +1,142 @@
+"""One held-out head through the editor's stages, every result beside the true one."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+import torch
+
+from relight_core.evaluation.held_out import Case, HeldOutHead, HeldOutLight, Photos
+from relight_core.evaluation.scoring import (
+    Figures,
+    score_effects,
+    score_relit,
+    score_surface,
+    score_unchanged,
+)
+from relight_core.face.parsing import CLASSES, INDEX, PAPER_CLASSES
+from relight_core.imaging.guided_detail import fit_detail
+from relight_core.imaging.resampling import resize_area
+from relight_core.lighting.reflection import ReflectionTable
+from relight_core.lighting.relief import ReliefTransport
+from relight_core.networks.bundle import NetworkBundle
+from relight_core.pipeline import stages
+from relight_core.pipeline.channels import ViewChange, as_image, light_channels, surface_channels
+from relight_core.pipeline.quality import Tier
+
+_WHOLE_PIXEL = 0.99
+
+
+@dataclass(frozen=True)
+class _TakenApart:
+    """A photo and what de-lighting found in it, at the networks' size and at the photo's."""
+
+    photo: np.ndarray
+    small: np.ndarray
+    surface: stages.Surface
+    relief: ReliefTransport
+    channels: Mapping[str, np.ndarray]
+
+
+@dataclass(frozen=True)
+class Editor:
+    """The stages as the Relighter ties them, for a photo that is all view."""
+
+    bundle: NetworkBundle
+    table: ReflectionTable
+    tier: Tier
+    device: str
+
+    def take_apart(self, photo: np.ndarray) -> _TakenApart:
+        """De-light a photo (S, S, 3), linear."""
+        small = resize_area(photo, (self.tier.network_size,) * 2)
+        surface = stages.delight(self.bundle, small, self.device, mirrored=self.tier.mirrored)
+        relief = stages.march(surface, self.tier.relief_size)
+        light = stages.explain_source_light(surface, self.table, relief)
+        lights = {"guess": surface.source_light[0].cpu().numpy(), "source_light": light[0].cpu().numpy()}
+        return _TakenApart(photo, small, surface, relief, surface_channels(surface, photo, small) | lights)
+
+    def light(self, surface: stages.Surface, relief: ReliefTransport, radiance: np.ndarray):
+        """Effects and image at the networks' size, in units of the normalised light (16, 32, 3)."""
+        light = torch.from_numpy(radiance)[None].to(self.device)
+        reflected = stages.reflect(self.table, surface, light)
+        effects = stages.estimate_effects(self.bundle, surface, reflected, relief, light, self.device)
+        composed = stages.compose(self.bundle, surface, reflected, effects, light, self.device)
+        return effects, as_image(composed.image)
+
+    def relight(self, found: _TakenApart, radiance: np.ndarray) -> dict[str, np.ndarray]:
+        """The channels "specular", "shadow" and "composition" at the photo's size."""
+        effects, image = self.light(found.surface, found.relief, radiance)
+        change = ViewChange(fit_detail(found.small, image), None, None, 1.0)
+        return light_channels(effects, change, found.photo, torch.from_numpy(radiance)[None])
+
+
+class Bench:
+    """One head under test; a photo is taken apart once, however many lights it is relit with."""
+
+    def __init__(self, editor: Editor, head: HeldOutHead, lights: list[HeldOutLight], photos: Photos):
+        self._editor, self._head, self._lights, self._photos = editor, head, lights, photos
+        self._truth, self._covered = head.surface(), head.lit.head.covered
+        self._face = self._covered & np.isin(self._truth["label"], [INDEX[name] for name in PAPER_CLASSES])
+        self._found: dict[int, _TakenApart] = {}
+        self._perfect = self._true_surface(lights[0].radiance)
+        self._perfect_relief = stages.march(self._perfect, editor.tier.relief_size)
+
+    def score(self, case: Case) -> dict[str, Figures]:
+        """Figures of one relighting, by group (see `Evaluation.figures`)."""
+        if case.source not in self._found:
+            photo = self._head.photo(case.source, self._photos)
+            self._found[case.source] = self._editor.take_apart(photo)
+        found, target = self._found[case.source], self._lights[case.target]
+        truth, exposure = self._head.channels(case.target), self._head.exposure(case.target)
+        relit = self._editor.relight(found, target.radiance)
+        group = "lamps" if target.lamp else "panoramas"
+        masks = {group: self._covered}
+        if not target.lamp and self._face.any():
+            masks["face"] = self._face
+        light = self._lights[case.source].radiance
+        figures = {
+            name: score_surface(found.channels, light, self._truth, mask)
+            | score_effects(relit, truth, mask)
+            | score_relit(relit["composition"], truth["image"], exposure, self._covered, mask)
+            | score_unchanged(found.photo, truth["image"], exposure, self._covered, mask)
+            for name, mask in masks.items()
+        }
+        return figures | {f"true surface, {group}": self._score_from_truth(target.radiance, truth, exposure)}
+
+    def _score_from_truth(
+        self, radiance: np.ndarray, truth: dict[str, np.ndarray], exposure: float
+    ) -> Figures:
+        """SS and composition alone, from the true surface, at the networks' size."""
+        effects, image = self._editor.light(self._perfect, self._perfect_relief, radiance)
+        small = {name: self._shrunk(truth[name]) for name in ("image", "specular", "shadow")}
+        covered = self._shrunk(self._covered.astype(np.float32)) > _WHOLE_PIXEL
+        estimated = {"specular": as_image(effects.specular), "shadow": as_image(effects.shadow)}
+        return score_effects(estimated, small, covered) | score_relit(
+            image, small["image"], exposure, covered, covered
+        )
+
+    def _true_surface(self, light: np.ndarray) -> stages.Surface:
+        """What perfect de-lighting would find; all of the head counts as skin, as it was rendered."""
+        person = self._tensor(self._truth["covered"])
+        parsing = torch.zeros(1, len(CLASSES), *person.shape[-2:], device=person.device)
+        parsing[:, INDEX["background"]], parsing[:, INDEX["skin"]] = 1 - person[:, 0], person[:, 0]
+        normal = torch.nn.functional.normalize(self._tensor(self._truth["normal"]), dim=1, eps=1e-4)
+        return stages.Surface(
+            photo=torch.zeros_like(normal),
+            albedo=self._tensor(self._truth["albedo"]),
+            normal=normal,
+            relief=self._tensor(self._truth["relief"]),
+            parsing=parsing,
+            person=person,
+            source_light=torch.from_numpy(light)[None].to(person.device),
+        )
+
+    def _tensor(self, image: np.ndarray) -> torch.Tensor:
+        small = self._shrunk(image[..., None] if image.ndim == 2 else image)
+        return torch.from_numpy(np.ascontiguousarray(small)).permute(2, 0, 1)[None].to(self._editor.device)
+
+    def _shrunk(self, image: np.ndarray) -> np.ndarray:
+        return resize_area(image, (self._editor.tier.network_size,) * 2)
