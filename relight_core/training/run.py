@@ -45,7 +45,6 @@ class Run:
 def train(run: Run, report) -> NetworkBundle:
     """Run a stage; see `loop.train_stage` for `report` and what is raised."""
     torch.manual_seed(run.seed)
-    torch.set_flush_denormal(True)
     stage = STAGES[run.stage]
     bundle = load_bundle(run.start) if run.start else NetworkBundle(run.config)
     stream = SampleStream(
@@ -67,7 +66,12 @@ def train(run: Run, report) -> NetworkBundle:
     budget = Budget(run.minutes, run.learning_rate or stage.learning_rate)
     device = "cuda" if torch.cuda.is_available() else "cpu"
     run.checkpoint.parent.mkdir(parents=True, exist_ok=True)
-    return train_stage(stage, bundle, iter(loader), budget, run.checkpoint, report, device)
+    # Denormals slow a CPU's convolutions manyfold; the setting is the process's, so it is given back.
+    torch.set_flush_denormal(True)
+    try:
+        return train_stage(stage, bundle, iter(loader), budget, run.checkpoint, report, device)
+    finally:
+        torch.set_flush_denormal(False)
 
 
 def _one_thread(worker: int) -> None:
