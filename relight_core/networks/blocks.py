@@ -33,7 +33,7 @@ class Encoder(nn.Module):
         self.stem = ConvBlock(inputs, widths[0])
         self.levels = nn.ModuleList(
             nn.Sequential(ConvBlock(above, below, stride=2), ConvBlock(below, below))
-            for above, below in zip(widths, widths[1:])
+            for above, below in zip(widths, widths[1:], strict=False)
         )
 
     def forward(self, x: torch.Tensor) -> list[torch.Tensor]:

@@ -87,7 +87,7 @@ class CompositionNetwork(nn.Module):
         encoded_light = encode_light(light)
         features = self.encoder(torch.cat(channels, 1))
         x = features[-1]
-        for level, modulation, skip in zip(self.decoder, self.modulations, features[-2::-1]):
+        for level, modulation, skip in zip(self.decoder, self.modulations, features[-2::-1], strict=True):
             x = level.refine(modulation(level.join(x, skip), encoded_light))
         change = self.head(x)
         return decode_radiance(encoded_sum + change if self.config.explicit_sum else torch.relu(change))

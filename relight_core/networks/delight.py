@@ -95,7 +95,7 @@ class DelightNetwork(nn.Module):
         features = self.encoder(photo_srgb * 2 - 1)
         light = self.light(features[-1])
         x = features[-1]
-        for level, skip in zip(self.decoder, features[-2::-1]):
+        for level, skip in zip(self.decoder, features[-2::-1], strict=True):
             x = level(x, skip)
         change, normal, relief, parsing = self.head(x).split([3, 3, 1, self.config.classes], 1)
         return Delit(self._albedo(photo_srgb, change), _unit(normal), relief, parsing, light)

@@ -72,7 +72,7 @@ class SpecularShadowNetwork(nn.Module):
         encoded_light = encode_light(light)
         features = self.encoder(x)
         x = features[-1]
-        for level, modulation, skip in zip(self.decoder, self.modulations, features[-2::-1]):
+        for level, modulation, skip in zip(self.decoder, self.modulations, features[-2::-1], strict=True):
             x = level.refine(modulation(level.join(x, skip), encoded_light))
         shadow, gloss = self.head(x).split(1, 1)
         if self.config.relief_shadow and hints is not None:
