@@ -103,7 +103,7 @@ def load_bundle(path: Path) -> NetworkBundle:
             if header.pop("format", None) != FORMAT:
                 raise InputError(f"{path}: not a file of relight weights; use one written by 'relight train'")
             bundle = NetworkBundle(BundleConfig.from_json(header.pop("config")))
-            bundle.load_state_dict({name: file.get_tensor(name).float() for name in file.keys()  # noqa: SIM118 - a safetensors file is no mapping}, strict=True)
+            bundle.load_state_dict({name: file.get_tensor(name).float() for name in file.keys()}, strict=True)
     except (OSError, SafetensorError, RuntimeError, KeyError, TypeError, json.JSONDecodeError) as error:
         reason = str(error).splitlines()[0] if str(error) else type(error).__name__
         raise InputError(f"{path}: these weights can't be read ({reason}); install them again") from error
