@@ -20,7 +20,7 @@ from relight_core.dataset.shard import read_shard
 from relight_core.dataset.skin import paint
 from relight_core.dataset.texture import TexturePool
 from relight_core.errors import InputError
-from relight_core.face.parsing import INDEX
+from relight_core.face.parsing import MIRRORED
 from relight_core.lighting.reflection import GLOSS, Gloss
 from relight_core.lighting.relief import march_relief
 
@@ -28,9 +28,7 @@ RELIEF_SIZE = 64
 """Side at which reliefs are marched; shadows wider than a few pixels survive it, SS sharpens the rest."""
 
 _GREY = np.array([0.2126, 0.7152, 0.0722], np.float32)
-_MIRRORED_LABELS = np.arange(len(INDEX), dtype=np.uint8)
-for _one, _other in (("left_brow", "right_brow"), ("left_eye", "right_eye")):
-    _MIRRORED_LABELS[INDEX[_one]], _MIRRORED_LABELS[INDEX[_other]] = INDEX[_other], INDEX[_one]
+_MIRRORED_LABELS = np.array(MIRRORED, np.uint8)
 
 
 @dataclass(frozen=True)

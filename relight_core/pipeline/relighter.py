@@ -176,7 +176,8 @@ class Relighter:
             return self._cache.run(name, key, make, "new photo or quality", keep=len(TIERS))
 
         photo_view = once("view", tier.size, lambda: portrait.view.extract(portrait.photo.linear, tier.size))
-        photo_small = resize_area(photo_view, (tier.network_size, tier.network_size))
+        small = (tier.network_size, tier.network_size)
+        photo_small = once("network_view", tier, lambda: resize_area(photo_view, small))
         surface = once(
             "delight",
             tier,

@@ -9,7 +9,7 @@ import numpy as np
 import torch
 import torch.nn.functional as F
 
-from relight_core.face.parsing import INDEX
+from relight_core.face.parsing import INDEX, MIRRORED
 from relight_core.face.silhouette import solid_person
 from relight_core.imaging.tensor_colour import srgb_decode, srgb_encode
 from relight_core.lighting.inverse import explain_photo
@@ -86,12 +86,9 @@ def delight(bundle: NetworkBundle, photo: np.ndarray, device: str = "cpu", *, mi
 
 def _mean_of_both(albedo, normal, relief, parsing, light) -> list[torch.Tensor]:
     """What was found in a view (first) and in its mirror image (second), averaged."""
-    exchanged = list(range(parsing.shape[1]))
-    for one, other in (("left_brow", "right_brow"), ("left_eye", "right_eye")):
-        exchanged[INDEX[one]], exchanged[INDEX[other]] = INDEX[other], INDEX[one]
     sideways = torch.tensor([-1.0, 1.0, 1.0], device=normal.device)[None, :, None, None]
     normal = F.normalize(normal[:1] + normal[1:].flip(-1) * sideways, dim=1, eps=1e-4)
-    parsing = (parsing[:1] + parsing[1:, exchanged].flip(-1)) / 2
+    parsing = (parsing[:1] + parsing[1:, MIRRORED].flip(-1)) / 2
     albedo, relief = ((both[:1] + both[1:].flip(-1)) / 2 for both in (albedo, relief))
     return [albedo, normal, relief, parsing, (light[:1] + light[1:].flip(2)) / 2]
 
