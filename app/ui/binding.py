@@ -46,7 +46,8 @@ class Binding:
         apply_theme(scale)
 
     def key(self, key: int, action: int, mods: int) -> None:
-        """A glfw key event."""
+        """A glfw key event; a letter counts as what the keyboard's layout has on that key."""
+        key = _as_labelled(key)
         # Modifiers as the event states them: their own events can be lost to another window.
         for bit, modifier in _MODIFIERS:
             self._io.add_key_event(modifier, bool(mods & bit))
@@ -107,3 +108,11 @@ class Binding:
         """Free everything."""
         self._renderer.shutdown()
         imgui.destroy_context(self._context)
+
+
+def _as_labelled(key: int) -> int:
+    """The key whose letter is printed where a US keyboard has `key`; other keys stay."""
+    if not glfw.KEY_A <= key <= glfw.KEY_Z:
+        return key
+    name = (glfw.get_key_name(key, 0) or "").upper()
+    return ord(name) if len(name) == 1 and "A" <= name <= "Z" else key

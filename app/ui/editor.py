@@ -7,7 +7,17 @@ from contextlib import contextmanager
 
 from imgui_bundle import imgui
 
-from app.ui import effects_panel, filmstrip, light_panel, shortcuts, status_line, theme, viewport_panel
+from app.ui import (
+    effects_panel,
+    filmstrip,
+    help_overlay,
+    light_panel,
+    palette,
+    shortcuts,
+    status_line,
+    theme,
+    viewport_panel,
+)
 from app.ui.layout import Rect, arrange
 from app.ui.pictures import Pictures
 from app.ui.state import EditorState
@@ -26,11 +36,9 @@ def draw(state: EditorState, fonts: theme.Fonts, pictures: Pictures, shelf: ligh
     """Draw every panel; between new_frame and render."""
     io = imgui.get_io()
     layout = arrange(io.display_size.x, io.display_size.y, imgui.get_font_size())
-    scale = io.display_framebuffer_scale
-    viewport_size = (round(layout.viewport.width * scale.x), round(layout.viewport.height * scale.y))
     state.hand_on_control = False
     state.light_panel = layout.light.corners
-    shortcuts.apply(state, viewport_size)
+    shortcuts.apply(state)
     with _panel("light", layout.light):
         light_panel.draw(state, fonts, pictures, shelf)
     with _panel("effects", layout.effects):
@@ -43,6 +51,9 @@ def draw(state: EditorState, fonts: theme.Fonts, pictures: Pictures, shelf: ligh
         filmstrip.draw(state, pictures)
     with _panel("status", layout.status, padding=(14.0, 5.0)):
         status_line.draw(state)
+    whole = Rect(0.0, 0.0, io.display_size.x, io.display_size.y)
+    help_overlay.draw(state, fonts, whole)
+    palette.draw(state, whole)
 
 
 @contextmanager

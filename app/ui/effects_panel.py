@@ -16,23 +16,13 @@ SHADOW = widgets.Slider(
 SPECULAR = widgets.Slider(
     "Specular", 0.0, 2.0, 1.0, "%.2f", "Strengthens or mattes the shine on the skin; 0 removes it."
 )
-EXPOSURE = widgets.Slider(
-    "Exposure", -5.0, 5.0, 0.0, "%+.2f EV", "Brightens or darkens the whole picture, in stops."
-)
+EXPOSURE = widgets.Slider("Exposure", -5.0, 5.0, 0.0, "%+.2f EV", "Brightens or darkens the whole picture, in stops.")
 BACKGROUNDS = (
     ("keep", "Photo", "Keep the photo's own background."),
     ("light", "Light", "Show what the light looks like behind the person."),
     ("transparent", "None", "Cut the person out: a transparent background."),
 )
 MOST_FACES = 6
-_KEYS = (
-    ("Space", "hold to see the photo"),
-    ("1 – 9", "show a channel"),
-    ("Wheel", "turn the light"),
-    ("Ctrl + wheel", "zoom"),
-    ("F", "fit"),
-    ("E, Shift + E", "save PNG, EXR"),
-)
 
 
 def draw(state: EditorState, fonts: theme.Fonts) -> None:
@@ -41,7 +31,6 @@ def draw(state: EditorState, fonts: theme.Fonts) -> None:
     widgets.gap(0.8)
     _faces(state, fonts)
     _export(state, fonts)
-    _keys()
 
 
 def _effects(state: EditorState, fonts: theme.Fonts) -> None:
@@ -104,21 +93,3 @@ def export_path(state: EditorState, suffix: str) -> Path:
     path = Path(state.export_path or "portrait-relit")
     known = path.suffix.lower() in (".png", ".exr", ".jpg", ".jpeg", ".tif", ".tiff")
     return path.with_suffix(suffix) if known else path.with_name(path.name + suffix)
-
-
-def _keys() -> None:
-    """What the keys do, at the panel's foot where there is room."""
-    line = imgui.get_text_line_height() * 1.25
-    room = imgui.get_content_region_avail().y
-    if room < line * (len(_KEYS) + 1):
-        return
-    imgui.dummy(imgui.ImVec2(1.0, room - line * len(_KEYS) - imgui.get_style().item_spacing.y))
-    corner = imgui.get_cursor_screen_pos()
-    draw_list = imgui.get_window_draw_list()
-    imgui.push_font(None, 0.9 * theme.FONT_PX)
-    column = 6.2 * imgui.get_font_size()
-    for index, (key, action) in enumerate(_KEYS):
-        y = corner.y + index * line
-        draw_list.add_text(imgui.ImVec2(corner.x, y), theme.packed(theme.DIM), key)
-        draw_list.add_text(imgui.ImVec2(corner.x + column, y), theme.packed(theme.FAINT), action)
-    imgui.pop_font()

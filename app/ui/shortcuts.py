@@ -1,53 +1,54 @@
-"""Keys that work wherever the mouse is, unless a number or a path is being typed."""
+"""The keys of the action table; they work wherever the mouse is, unless something is being typed."""
 
 from __future__ import annotations
 
 from imgui_bundle import imgui
 
-from app.ui.state import CHANNELS, EditorState
-from app.ui.view import View
-from app.ui.viewport_panel import ZOOM_PER_STEP, zoom_by
+from app.ui.action_table import ACTIONS
+from app.ui.actions import Action, Chord
+from app.ui.state import EditorState
 
-_NUMBERS = [getattr(imgui.Key, f"_{number}") for number in range(1, 10)]
-_KEYPAD = [getattr(imgui.Key, f"keypad{number}") for number in range(1, 10)]
+_NAMED = {
+    "Left": "left_arrow",
+    "Right": "right_arrow",
+    "Up": "up_arrow",
+    "Down": "down_arrow",
+    "=": "equal",
+    "-": "minus",
+    "\\": "backslash",
+}
+_ALSO = {"=": "keypad_add", "-": "keypad_subtract"} | {str(digit): f"keypad{digit}" for digit in range(10)}
 
 
-def apply(state: EditorState, viewport: tuple[int, int]) -> None:
-    """Act on the keys of this frame; `viewport` is its size in framebuffer pixels."""
+def apply(state: EditorState) -> None:
+    """Run the actions whose keys went down in this frame."""
     io = imgui.get_io()
-    typing = io.want_text_input
-    state.before = imgui.is_key_down(imgui.Key.space) and not typing
-    if typing or io.key_ctrl or io.key_alt or io.key_super:
-        return
-    _choose_channel(state)
-    _look(state, viewport)
-    if _pressed(imgui.Key.e) and state.snapshot.picture:
-        state.export_wanted = ".exr" if io.key_shift else ".png"
-    step = 1.0 if io.key_shift else 5.0
-    if imgui.is_key_pressed(imgui.Key.left_arrow):
-        state.turn(-step)
-    if imgui.is_key_pressed(imgui.Key.right_arrow):
-        state.turn(step)
-    if _pressed(imgui.Key.escape) and state.snapshot.message:
-        state.dismissed = state.snapshot.message.number
+    typing = io.want_text_input or state.look.palette
+    for action in ACTIONS:
+        if action.let_go is not None:
+            _hold(state, action, typing)
+        elif not typing and any(_pressed(chord, action.repeats) for chord in action.chords) and action.available(state):
+            action.run(state)
 
 
-def _choose_channel(state: EditorState) -> None:
-    if state.snapshot.picture is None:
-        return
-    for index, (name, _, _) in enumerate(CHANNELS):
-        if _pressed(_NUMBERS[index]) or _pressed(_KEYPAD[index]):
-            state.shown = name
+def _hold(state: EditorState, action: Action, typing: bool) -> None:
+    down = not typing and any(imgui.is_key_down(key) for chord in action.chords for key in _keys(chord.key))
+    if down and action.available(state):
+        action.run(state)
+    else:
+        action.let_go(state)
 
 
-def _look(state: EditorState, viewport: tuple[int, int]) -> None:
-    if _pressed(imgui.Key.f):
-        state.view = View()
-    if imgui.is_key_pressed(imgui.Key.equal) or imgui.is_key_pressed(imgui.Key.keypad_add):
-        zoom_by(state, ZOOM_PER_STEP, viewport)
-    if imgui.is_key_pressed(imgui.Key.minus) or imgui.is_key_pressed(imgui.Key.keypad_subtract):
-        zoom_by(state, 1.0 / ZOOM_PER_STEP, viewport)
+def _pressed(chord: Chord, repeats: bool) -> bool:
+    io = imgui.get_io()
+    if chord.key == "?":
+        # The character, since every keyboard has it elsewhere.
+        return ord("?") in io.input_queue_characters
+    if (io.key_ctrl, io.key_shift, io.key_alt) != (chord.ctrl, chord.shift, chord.alt) or io.key_super:
+        return False
+    return any(imgui.is_key_pressed(key, repeats) for key in _keys(chord.key))
 
 
-def _pressed(key: imgui.Key) -> bool:
-    return imgui.is_key_pressed(key, False)
+def _keys(name: str) -> list[imgui.Key]:
+    names = [_NAMED.get(name, f"_{name}" if name.isdigit() else name.lower()), _ALSO.get(name)]
+    return [getattr(imgui.Key, key) for key in names if key]

@@ -26,6 +26,10 @@ def draw(state: EditorState, fonts: theme.Fonts, pictures: Pictures, rect: Rect)
         state.view, state.view_of = View(), picture
     imgui.set_cursor_screen_pos(imgui.ImVec2(rect.x, rect.y))
     imgui.invisible_button("viewport", imgui.ImVec2(rect.width, rect.height))
+    mouse = imgui.get_io().mouse_pos
+    at = (mouse.x - rect.x) * scale.x, (mouse.y - rect.y) * scale.y
+    state.look.viewport_px = size
+    state.look.pointer_px = at if imgui.is_item_hovered() else None
     if picture:
         _navigate(state, rect, scale, picture, size)
     placement = place(state.view, picture, size) if picture else None
@@ -40,11 +44,12 @@ def draw(state: EditorState, fonts: theme.Fonts, pictures: Pictures, rect: Rect)
         _progress_note(state, rect)
 
 
-def zoom_by(state: EditorState, factor: float, size: tuple[int, int]) -> None:
-    """Zoom about the middle of a viewport of `size` framebuffer pixels."""
+def zoom_by(state: EditorState, factor: float) -> None:
+    """Zoom about the mouse, or about the middle while it is not over the picture."""
     if state.view_of != (0, 0):
-        middle = (size[0] / 2, size[1] / 2)
-        state.view = zoom_about(state.view, factor, middle, state.view_of, size)
+        width, height = size = state.look.viewport_px
+        at = state.look.pointer_px or (width / 2, height / 2)
+        state.view = zoom_about(state.view, factor, at, state.view_of, size)
 
 
 def _navigate(

@@ -272,3 +272,36 @@ def test_another_photo_replaces_the_first_at_once(opened, tmp_path):
     red, green, blue = opened.picture_pixels(50, 40).reshape(-1, 3).mean(axis=0)
     assert green > 1.5 * max(red, blue)
     assert opened.window.state.export_path.endswith("other-relit.png")
+
+
+def test_the_palette_finds_and_runs_a_command_with_the_keyboard_alone(opened):
+    opened.key(glfw.KEY_P, ctrl=True)
+    assert opened.window.state.look.palette
+    opened.type("norm")
+    assert opened.window.state.shown == "result"
+    opened.key(glfw.KEY_ENTER)
+    assert not opened.window.state.look.palette
+    assert opened.window.state.shown == "normal"
+
+
+def test_typing_in_the_palette_triggers_no_shortcut_and_escape_closes_it(opened):
+    calls = opened.window.state.edit
+    opened.key(glfw.KEY_P, ctrl=True)
+    opened.type("2")
+    opened.key(glfw.KEY_LEFT)
+    assert opened.window.state.shown == "result"
+    assert opened.window.state.edit == calls
+    opened.key(glfw.KEY_ESCAPE)
+    assert not opened.window.state.look.palette
+    opened.key(glfw.KEY_2)
+    assert opened.window.state.shown == "albedo"
+
+
+def test_the_overview_opens_with_a_question_mark_and_a_click_closes_it(opened):
+    before = opened.window.screenshot()
+    opened.window.on_character(None, ord("?"))
+    opened.frames(2)
+    assert opened.window.state.look.help
+    assert np.abs(opened.window.screenshot().astype(int) - before).mean() > 10
+    opened.click(opened.centre())
+    assert not opened.window.state.look.help

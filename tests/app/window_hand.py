@@ -107,8 +107,8 @@ class Hand:
         self.window.on_key(None, key, 0, glfw.RELEASE, 0)
         self.frames(2)
 
-    def key(self, key, shift=False):
-        self.hold(key, glfw.MOD_SHIFT if shift else 0)
+    def key(self, key, shift=False, ctrl=False):
+        self.hold(key, (glfw.MOD_SHIFT if shift else 0) | (glfw.MOD_CONTROL if ctrl else 0))
         self.release(key)
         self.settle()
 

@@ -1,0 +1,44 @@
+"""The one table of everything the user can do; app/ui/actions.py tells how to add to it."""
+
+from __future__ import annotations
+
+from app.ui import edit_actions, look_actions
+from app.ui.actions import Action, Gesture
+from app.ui.state import EditorState
+
+_PROGRAM = "Program"
+
+
+def _switch_palette(state: EditorState) -> None:
+    state.look.palette = not state.look.palette
+    state.look.palette_text, state.look.palette_row = "", 0
+
+
+def _switch_help(state: EditorState) -> None:
+    state.look.help = not state.look.help
+
+
+def _close(state: EditorState) -> None:
+    """Close the overlay that is open, else put the message away."""
+    if state.look.help:
+        state.look.help = False
+    elif state.snapshot.message:
+        state.dismissed = state.snapshot.message.number
+
+
+PROGRAM = (
+    Action("Find a command", _PROGRAM, ("Ctrl+P",), "Type a few letters of what you want to do", _switch_palette),
+    Action("Show all keys", _PROGRAM, ("?", "F1"), "This overview", _switch_help),
+    Action("Close or put away", _PROGRAM, ("Escape",), "Closes what is open, or the message below", _close),
+)
+
+ACTIONS: tuple[Action, ...] = (
+    *look_actions.LOOKING,
+    *look_actions.SHOWING,
+    *edit_actions.LIGHT,
+    *edit_actions.FILE,
+    *PROGRAM,
+)
+"""In the order of the palette and, group by group, of the overlay."""
+
+GESTURES: tuple[Gesture, ...] = (*look_actions.GESTURES, *edit_actions.GESTURES)

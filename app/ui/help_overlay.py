@@ -1,0 +1,78 @@
+"""The overlay that shows every key and every gesture, from the action table."""
+
+from __future__ import annotations
+
+from imgui_bundle import imgui
+
+from app.ui import theme
+from app.ui.action_table import ACTIONS, GESTURES
+from app.ui.layout import Rect
+from app.ui.state import EditorState
+
+_KEY_COLUMN_EM, _WORDS_COLUMN_EM = 11.0, 19.0
+
+
+def groups() -> dict[str, list[tuple[str, str]]]:
+    """Group -> rows of keys and what they do; the groups in the table's order, gestures last in each."""
+    rows: dict[str, list[tuple[str, str]]] = {}
+    for action in ACTIONS:
+        keys = "  or  ".join(chord.label for chord in action.chords if chord.label != "Shift + +")
+        hold = " (hold)" if action.let_go else ""
+        rows.setdefault(action.group, []).append((keys + hold, action.name))
+    for gesture in GESTURES:
+        rows.setdefault(gesture.group, []).append((gesture.hand, gesture.help))
+    return rows
+
+
+def draw(state: EditorState, fonts: theme.Fonts, window: Rect) -> None:
+    """The overlay over the whole window; a click anywhere closes it."""
+    if not state.look.help:
+        return
+    em = imgui.get_font_size()
+    imgui.set_next_window_pos(imgui.ImVec2(window.x, window.y))
+    imgui.set_next_window_size(imgui.ImVec2(window.width, window.height))
+    imgui.set_next_window_focus()
+    imgui.push_style_color(imgui.Col_.window_bg, imgui.ImVec4(0.05, 0.05, 0.05, 0.94))
+    imgui.begin("help", None, imgui.WindowFlags_.no_decoration | imgui.WindowFlags_.no_saved_settings)
+    imgui.pop_style_color()
+    if imgui.is_window_hovered() and imgui.is_mouse_clicked(0):
+        state.look.help = False
+    column = (_KEY_COLUMN_EM + _WORDS_COLUMN_EM) * em
+    count = max(1, min(3, int((window.width - 2 * em) // column)))
+    left = (window.width - count * column) / 2 + em
+    for index, part in enumerate(_columns(count)):
+        imgui.set_cursor_pos(imgui.ImVec2(left + index * column, 2.2 * em))
+        imgui.begin_group()
+        for title, rows in part:
+            _group(fonts, title, rows)
+        imgui.end_group()
+    imgui.end()
+
+
+def _group(fonts: theme.Fonts, title: str, rows: list[tuple[str, str]]) -> None:
+    em = imgui.get_font_size()
+    imgui.push_font(fonts.bold, 0.0)
+    imgui.text_colored(imgui.ImVec4(*theme.ACCENT), title)
+    imgui.pop_font()
+    left = imgui.get_cursor_pos_x()
+    imgui.push_style_var(imgui.StyleVar_.item_spacing, imgui.ImVec2(0.5 * em, 0.18 * em))
+    for keys, words in rows:
+        imgui.text(keys)
+        imgui.same_line()
+        imgui.set_cursor_pos_x(left + _KEY_COLUMN_EM * em)
+        imgui.text_disabled(words)
+    imgui.pop_style_var()
+    imgui.dummy(imgui.ImVec2(1.0, 0.5 * em))
+
+
+def _columns(count: int) -> list[list[tuple[str, list[tuple[str, str]]]]]:
+    """The groups dealt to columns of about the same height, in order."""
+    items = list(groups().items())
+    weights = [len(rows) + 2 for _, rows in items]
+    columns, filled, share = [[]], 0, sum(weights) / count
+    for item, weight in zip(items, weights, strict=True):
+        if filled + weight / 2 > share * len(columns) and len(columns) < count:
+            columns.append([])
+        columns[-1].append(item)
+        filled += weight
+    return columns

@@ -1,0 +1,74 @@
+"""The action table: complete, without clashes, and what the palette finds in it."""
+
+import pytest
+
+from app.ui.action_table import ACTIONS, GESTURES
+from app.ui.actions import Action, Chord, matching, parse_chord
+from app.ui.help_overlay import groups
+from app.ui.state import EditorState
+
+NAMED_KEYS = {"Left", "Right", "Up", "Down", "Space", "Escape", "Tab", "F1", "F6", "F7", "F8", "Home", "Delete"}
+
+
+def named(name):
+    return next(action for action in ACTIONS if action.name == name)
+
+
+def test_no_two_actions_share_a_key_or_a_name():
+    chords = [chord for action in ACTIONS for chord in action.chords]
+    assert len(chords) == len(set(chords))
+    names = [action.name for action in ACTIONS]
+    assert len(names) == len(set(names))
+
+
+@pytest.mark.parametrize("action", ACTIONS, ids=lambda action: action.name)
+def test_every_action_has_a_key_that_exists_and_words(action):
+    assert action.keys
+    for chord in action.chords:
+        assert chord.key in NAMED_KEYS or len(chord.key) == 1
+        assert chord.key == chord.key.upper() or chord.key in NAMED_KEYS
+    assert len(action.help) > 8
+    assert not action.help.endswith(".")
+
+
+def test_chords_parse_and_read_well():
+    assert parse_chord("Ctrl+Shift+Z") == Chord("Z", ctrl=True, shift=True)
+    assert parse_chord("Ctrl+Shift+Z").label == "Ctrl + Shift + Z"
+    assert parse_chord("=").label == "+"
+    for bad in ("", "Ctrl+", "Hyper+A"):
+        with pytest.raises(ValueError):
+            parse_chord(bad)
+
+
+def test_the_palette_prefers_names_that_start_with_what_was_typed():
+    def act(name, help_text, let_go=None):
+        return Action(name, "Group", ("A",), help_text, lambda state: None, let_go=let_go)
+
+    words, start = act("Make it larger", "about zoom"), act("Zoom in", "larger")
+    middle, held = act("Smooth zoom", "slower"), act("Zoom while held", "x", let_go=lambda state: None)
+    assert matching([words, middle, start, held], "ZOOM") == [start, middle, words]
+    assert matching([words, middle, start], "larger zoom") == [words, start]
+    assert matching([words, start], "  ") == [words, start]
+    assert matching([words, start], "nothing of the kind") == []
+
+
+def test_the_palette_finds_common_wishes():
+    found = {typed: matching(ACTIONS, typed)[0].name for typed in ("albedo", "fit", "reset", "png")}
+    assert found == {"albedo": "Show albedo", "fit": "Fit the picture", "reset": "Reset all", "png": "Save a PNG"}
+
+
+def test_the_overview_shows_every_action_and_gesture():
+    rows = [row for group in groups().values() for row in group]
+    assert {action.name for action in ACTIONS} <= {words for _, words in rows}
+    assert len(rows) == len(ACTIONS) + len(GESTURES)
+
+
+def test_actions_work_on_the_state_alone():
+    state = EditorState()
+    named("Turn the light right").run(state)
+    assert state.edit.yaw_deg == 5.0
+    named("See the photo").run(state)
+    assert state.before
+    named("See the photo").let_go(state)
+    assert not state.before
+    assert not named("Save a PNG").available(state)
