@@ -60,9 +60,7 @@ class BakedHead:
         return np.unpackbits(self.visibility, axis=1, count=len(self.normal)).view(bool)
 
 
-def bake(
-    scene: Scene, framing: Framing, face_labels: np.ndarray, size: int, rng: np.random.Generator
-) -> BakedHead:
+def bake(scene: Scene, framing: Framing, face_labels: np.ndarray, size: int, rng: np.random.Generator) -> BakedHead:
     """Cast primary rays through the framing, then one jittered shadow ray per pixel and light texel.
 
     Args:
@@ -115,9 +113,7 @@ def _labels(label: np.ndarray, uv: np.ndarray, face_labels: np.ndarray) -> np.nd
     return np.where(label == FROM_FACE_MAP, face_labels[y, x], label).astype(np.uint8)
 
 
-def _visibility(
-    caster: RayCaster, points: np.ndarray, normal: np.ndarray, rng: np.random.Generator
-) -> np.ndarray:
+def _visibility(caster: RayCaster, points: np.ndarray, normal: np.ndarray, rng: np.random.Generator) -> np.ndarray:
     """Packed (512, ceil(P / 8)) bits; texels below a pixel's own horizon count as visible, cos n.l says 0."""
     centres = directions(LIGHT_HEIGHT, LIGHT_WIDTH).reshape(-1, 3)
     count = len(points)
@@ -155,9 +151,7 @@ def add_relief(head: BakedHead, height_map: np.ndarray, strength: float) -> np.n
     image = head.scatter(heights)
     group = head.scatter(head.material + 1)
     down, right = np.gradient(image)
-    inside = cv2.erode(
-        (cv2.morphologyEx(group, cv2.MORPH_GRADIENT, np.ones((3, 3))) == 0).astype(np.uint8), None
-    )
+    inside = cv2.erode((cv2.morphologyEx(group, cv2.MORPH_GRADIENT, np.ones((3, 3))) == 0).astype(np.uint8), None)
     smooth = (inside[head.covered] > 0) & (head.material <= 1)
     tilt = np.stack([-right[head.covered], down[head.covered], np.zeros(len(heights))], 1) * strength
     normal = head.normal + np.clip(tilt, -0.4, 0.4) * smooth[:, None]

@@ -15,6 +15,7 @@ def photograph(
     white_level: float,
     pool: TexturePool,
     rng: np.random.Generator,
+    hidden: np.ndarray | None = None,
 ) -> np.ndarray:
     """A photo of a lit head on a random background.
 
@@ -23,6 +24,7 @@ def photograph(
         covered: (S, S) bool.
         light: (16, 32, 3) the light it is lit by, for the white balance.
         white_level: mean radiance that a white head would have in its place, for the exposure.
+        hidden: (S, S) bool where something stands between the camera and the head.
 
     Returns:
         (S, S, 3) float32 sRGB in [0, 1].
@@ -30,6 +32,8 @@ def photograph(
     image = radiance * _white_balance(light, rng) * _exposure_gain(radiance, covered, white_level, rng)
     coverage = covered.astype(np.float32)[..., None]
     image = image * coverage + _background(len(image), pool, rng) * (1 - coverage)
+    if hidden is not None:
+        image = np.where(hidden[..., None], _background(len(image), pool, rng) * 0.5, image)
     image = _lens(image, rng)
     image = _sensor(image, rng)
     return _develop(image, rng)
@@ -38,13 +42,11 @@ def photograph(
 def _white_balance(light: np.ndarray, rng: np.random.Generator) -> np.ndarray:
     """Cameras neutralise part of the light's colour, by what fraction is anyone's guess."""
     colour = light.reshape(-1, 3).mean(0) + 1e-4
-    balance = (colour.mean() / colour) ** rng.uniform(0.2, 1.0) * np.exp(rng.normal(0, 0.04, 3))
+    balance = (colour.mean() / colour) ** rng.uniform(0.0, 1.0) * np.exp(rng.normal(0, 0.04, 3))
     return (balance / balance.mean()).astype(np.float32)
 
 
-def _exposure_gain(
-    radiance: np.ndarray, covered: np.ndarray, white_level: float, rng: np.random.Generator
-) -> float:
+def _exposure_gain(radiance: np.ndarray, covered: np.ndarray, white_level: float, rng: np.random.Generator) -> float:
     """Between metering the light and metering the subject, over- or under-exposed by half a stop or so.
 
     Metering the subject alone would show dark and pale skin equally bright, and nobody could tell them
@@ -54,8 +56,8 @@ def _exposure_gain(
     subject = 0.5 * float(np.mean(grey)) + 0.5 * float(np.percentile(grey, 80))
     by_subject = 0.28 / max(subject, 1e-3)
     by_light = 0.8 / max(white_level, 1e-3)
-    share = rng.uniform(0.1, 0.8)
-    gain = by_subject**share * by_light ** (1 - share) * 2 ** rng.normal(0, 0.5)
+    share = rng.uniform(0.0, 0.6)
+    gain = by_subject**share * by_light ** (1 - share) * 2 ** rng.normal(0, 0.4)
     return float(np.clip(gain, 0.05, 20))
 
 
@@ -73,9 +75,7 @@ def _background(size: int, pool: TexturePool, rng: np.random.Generator) -> np.nd
 
 
 def _lens(image: np.ndarray, rng: np.random.Generator) -> np.ndarray:
-    image = cv2.GaussianBlur(
-        image, (0, 0), rng.uniform(0.35, 0.6) if rng.random() < 0.75 else rng.uniform(0.6, 1.6)
-    )
+    image = cv2.GaussianBlur(image, (0, 0), rng.uniform(0.35, 0.6) if rng.random() < 0.75 else rng.uniform(0.6, 1.6))
     if rng.random() < 0.3:
         size = len(image)
         axis = (np.arange(size) + 0.5) / size * 2 - 1
@@ -93,9 +93,7 @@ def _sensor(image: np.ndarray, rng: np.random.Generator) -> np.ndarray:
 
 def _develop(image: np.ndarray, rng: np.random.Generator) -> np.ndarray:
     """sRGB with a contrast curve, some saturation, and JPEG."""
-    encoded = np.where(
-        image <= 0.0031308, 12.92 * image, 1.055 * np.maximum(image, 1e-8) ** (1 / 2.4) - 0.055
-    )
+    encoded = np.where(image <= 0.0031308, 12.92 * image, 1.055 * np.maximum(image, 1e-8) ** (1 / 2.4) - 0.055)
     if rng.random() < 0.6:
         contrast = rng.uniform(-0.15, 0.35)
         encoded = encoded + contrast * (encoded * encoded * (3 - 2 * encoded) - encoded)

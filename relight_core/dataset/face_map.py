@@ -56,9 +56,7 @@ def face_vertices(model: HeadModel, labels: np.ndarray) -> np.ndarray:
 
 def region_labels(model: HeadModel) -> np.ndarray:
     """(regions,) label of each region of the model; the face region is 255: ask `face_label_map`."""
-    return np.array(
-        [INDEX[_REGION_LABELS[n]] if n in _REGION_LABELS else 255 for n in model.region_names], np.uint8
-    )
+    return np.array([INDEX[_REGION_LABELS[n]] if n in _REGION_LABELS else 255 for n in model.region_names], np.uint8)
 
 
 def _fill(labels: np.ndarray, outline: np.ndarray, name: str) -> None:
@@ -70,9 +68,7 @@ def _smooth(outline: np.ndarray) -> np.ndarray:
     before, after, beyond = (np.roll(outline, shift, 0) for shift in (1, -1, -2))
     t = np.linspace(0, 1, 8, endpoint=False)[None, :, None]
     p0, p1, p2, p3 = (p[:, None] for p in (before, outline, after, beyond))
-    curve = (
-        2 * p1 + (p2 - p0) * t + (2 * p0 - 5 * p1 + 4 * p2 - p3) * t**2 + (3 * p1 - p0 - 3 * p2 + p3) * t**3
-    )
+    curve = 2 * p1 + (p2 - p0) * t + (2 * p0 - 5 * p1 + 4 * p2 - p3) * t**2 + (3 * p1 - p0 - 3 * p2 + p3) * t**3
     return (curve / 2).reshape(-1, 2)
 
 

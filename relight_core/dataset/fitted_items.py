@@ -82,9 +82,7 @@ def load_fitted_items(folder: Path, model: HeadModel) -> list[FittedItem]:
         stored = _fit_all(root, model)
         _write_cache(cache, stored)
     return [
-        FittedItem(
-            i.name, kind, i.vertices, i.faces, i.uv, i.opacity, i.colour_srgb, _bind(kind, i.vertices, model)
-        )
+        FittedItem(i.name, kind, i.vertices, i.faces, i.uv, i.opacity, i.colour_srgb, _bind(kind, i.vertices, model))
         for kind, i in stored
     ]
 

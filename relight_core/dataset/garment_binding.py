@@ -37,9 +37,7 @@ def bind(vertices: np.ndarray, head: np.ndarray, anchors: np.ndarray, neighbours
     weight = (1 / (distance + 0.3) - 1 / (reach + 0.3)) ** 2 + 1e-9
     weight /= weight.sum(1, keepdims=True)
     rows = np.repeat(np.arange(len(vertices)), neighbours)
-    weights = csr_matrix(
-        (weight.ravel().astype(np.float32), (rows, nearest.ravel())), (len(vertices), len(anchors))
-    )
+    weights = csr_matrix((weight.ravel().astype(np.float32), (rows, nearest.ravel())), (len(vertices), len(anchors)))
     return Binding(anchors, weights)
 
 
@@ -76,9 +74,7 @@ class HeadSurface:
         normal = self._normals[nearest]
         return ((vertices - self._points[nearest]) * normal).sum(1), normal, distance
 
-    def push_out(
-        self, vertices: np.ndarray, margin_cm: float | np.ndarray, reach_cm: float = 4.0
-    ) -> np.ndarray:
+    def push_out(self, vertices: np.ndarray, margin_cm: float | np.ndarray, reach_cm: float = 4.0) -> np.ndarray:
         """Vertices (V, 3), those lower than `margin_cm` lifted to it; those beyond `reach_cm` stay."""
         for _ in range(2):
             height, normal, distance = self.height(vertices)

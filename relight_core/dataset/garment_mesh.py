@@ -10,9 +10,7 @@ def vertex_normals(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
     corners = vertices[faces]
     scaled = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     index = faces.ravel()
-    normals = np.stack(
-        [np.bincount(index, np.repeat(scaled[:, axis], 3), len(vertices)) for axis in range(3)], 1
-    )
+    normals = np.stack([np.bincount(index, np.repeat(scaled[:, axis], 3), len(vertices)) for axis in range(3)], 1)
     return (normals / np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-12)).astype(np.float32)
 
 
@@ -74,9 +72,7 @@ def clip(faces: np.ndarray, field: np.ndarray, values: np.ndarray) -> tuple[np.n
     return compact(np.concatenate(parts), np.concatenate([values, added]).astype(values.dtype))
 
 
-def waves(
-    points: np.ndarray, rng: np.random.Generator, wavelength_cm: float, stretch=(1.0, 1.0, 1.0)
-) -> np.ndarray:
+def waves(points: np.ndarray, rng: np.random.Generator, wavelength_cm: float, stretch=(1.0, 1.0, 1.0)) -> np.ndarray:
     """Smooth noise (N,), about standard normal: a sum of plane waves in random directions.
 
     Args:
@@ -91,9 +87,7 @@ def waves(
     return np.sin(points.astype(np.float32) @ frequency.T + start).sum(1) / np.float32(np.sqrt(8))
 
 
-def fractal(
-    points: np.ndarray, rng: np.random.Generator, wavelength_cm: float, octaves: int = 3
-) -> np.ndarray:
+def fractal(points: np.ndarray, rng: np.random.Generator, wavelength_cm: float, octaves: int = 3) -> np.ndarray:
     """Noise (N,) of several octaves, each half as long and half as strong; about unit variance."""
     layers = [waves(points, rng, wavelength_cm / 2**o) / 2**o for o in range(octaves)]
     return sum(layers) / np.sqrt(sum(0.25**o for o in range(octaves)))

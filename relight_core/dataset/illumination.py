@@ -60,8 +60,42 @@ def reflect(head: BakedHead, normal: np.ndarray, lights: np.ndarray, gloss: Glos
     return _accumulate(head, normal, lights, 1, transports)[0]
 
 
+def illuminate_past(
+    head: BakedHead, normal: np.ndarray, lights: np.ndarray, gloss: Gloss, free: torch.Tensor
+) -> list[np.ndarray]:
+    """Irradiance over pi and specular, each (K, P, 3), where something else takes a part of the light too.
+
+    Args:
+        free: (512, P) what gets past it, see `occluders.transmission`.
+    """
+
+    def transports(toward, cosine, seen, n):
+        return cosine / torch.pi * seen, specular_lobe(toward, n, gloss) * seen
+
+    return _accumulate(head, normal, lights, 2, transports, free)
+
+
+def blocked_by_itself(head: BakedHead, normal: np.ndarray) -> np.ndarray:
+    """The cosine-weighted part of each pixel's own hemisphere that the head fills, (P,) in [0, 1]."""
+
+    def transports(toward, cosine, seen, n):
+        return cosine * seen, cosine
+
+    everywhere = np.ones((1, LIGHT_HEIGHT, LIGHT_WIDTH, 3), np.float32)
+    seen, whole = _accumulate(head, normal, everywhere, 2, transports)
+    return 1 - (seen / np.maximum(whole, 1e-6))[0, :, 0].clip(0, 1)
+
+
+def bounced(blocked: np.ndarray, albedo: np.ndarray, irradiance: np.ndarray) -> np.ndarray:
+    """Irradiance over pi (P, 3) that the head sends to itself: the first bounce, to its lowest order.
+
+    What a pixel sees of the head instead of the light is taken to be as bright as the head's mean.
+    """
+    return blocked[:, None] * (albedo * irradiance).mean(0)
+
+
 def _accumulate(
-    head: BakedHead, normal: np.ndarray, lights: np.ndarray, count: int, transports
+    head: BakedHead, normal: np.ndarray, lights: np.ndarray, count: int, transports, free=None
 ) -> list[np.ndarray]:
     """Sum light times transport over the texels, for a few pixels at a time so that they stay in cache."""
     toward = torch.from_numpy(directions(LIGHT_HEIGHT, LIGHT_WIDTH).reshape(-1, 3))
@@ -74,6 +108,8 @@ def _accumulate(
         part = slice(start, min(start + _PIXELS_AT_ONCE, len(normal)))
         n = torch.from_numpy(np.ascontiguousarray(normal[part]))
         seen = torch.from_numpy(visible[:, part].astype(np.float32))
+        if free is not None:
+            seen *= free[:, part]
         cosine = (toward @ n.T).clamp_min(0)
         for result, transport in zip(results, transports(toward, cosine, seen, n), strict=True):
             result[:, part] = (flat @ transport).reshape(len(lights), 3, -1).permute(0, 2, 1).numpy()

@@ -56,9 +56,7 @@ def read_item(path: Path, base: np.ndarray) -> Item:
     references, weights = np.array(data["ref_vIdxs"]), np.array(data["weights"], np.float32)
     placed = (base[references] * weights[..., None]).sum(1) + np.array(data["offsets"]) * _CM_PER_UNIT
     corner_vertex, corner_uv = _triangles(data["faces"])
-    both, index = np.unique(
-        np.stack([corner_vertex.ravel(), corner_uv.ravel()], 1), axis=0, return_inverse=True
-    )
+    both, index = np.unique(np.stack([corner_vertex.ravel(), corner_uv.ravel()], 1), axis=0, return_inverse=True)
     uv = np.array(data["uvs"][0], np.float32).reshape(-1, 2)[both[:, 1]]
     opacity, colour = _texture(path, data)
     return Item(
@@ -105,14 +103,10 @@ def _texture(path: Path, data: dict) -> tuple[np.ndarray | None, np.ndarray | No
 def refine(item: Item) -> Item:
     """The item with every triangle split into four."""
     edges, faces = subdivide(item.faces, len(item.vertices))
-    return replace(
-        item, vertices=at_midpoints(item.vertices, edges), uv=at_midpoints(item.uv, edges), faces=faces
-    )
+    return replace(item, vertices=at_midpoints(item.vertices, edges), uv=at_midpoints(item.uv, edges), faces=faces)
 
 
-def cut_by_opacity(
-    item: Item, most_faces: int, deepest: int = 2, least_opacity: float = _LEAST_OPACITY
-) -> Item:
+def cut_by_opacity(item: Item, most_faces: int, deepest: int = 2, least_opacity: float = _LEAST_OPACITY) -> Item:
     """Drop what the texture makes transparent, so that the rest may be treated as opaque.
 
     Triangles are split up to `deepest` times first, as far as no more than `most_faces` remain, so that

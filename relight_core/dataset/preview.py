@@ -46,12 +46,8 @@ def pictures_of(item: dict[str, torch.Tensor]) -> list[Picture]:
     relief = np.clip(_image(item["relief"]) * 0.5 + 0.5, 0, 1) * _image(item["covered"])
     photos = [(f"photo {k + 1}", _image(item["photo_srgb"][k])) for k in range(2)]
     lit = {name: _image(item[name][0]) for name in ("image", "specular", "shadow")}
-    fractions = {
-        name: _image(item[name][0]) for name in ("shadow_fraction", "gloss_fraction", "relief_shadow")
-    }
-    labels_and_relief = np.where(
-        _left_half(label)[..., None], channel_to_srgb("parsing", label), relief[..., None]
-    )
+    fractions = {name: _image(item[name][0]) for name in ("shadow_fraction", "gloss_fraction", "relief_shadow")}
+    labels_and_relief = np.where(_left_half(label)[..., None], channel_to_srgb("parsing", label), relief[..., None])
     return [
         *photos,
         ("light 1", channel_to_srgb("source_light", light)),

@@ -1,48 +1,18 @@
-"""Mitsuba casts the rays: the one file that knows it."""
+"""Rays against one dressed head, cast by Mitsuba."""
 
 from __future__ import annotations
 
-import os
-from pathlib import Path
-
 import numpy as np
 
+from relight_core.dataset.mitsuba_backend import mitsuba_backend
 from relight_core.dataset.scene import Scene
-from relight_core.errors import InputError
-
-_LLVM_CANDIDATES = (
-    "libLLVM.so.19.1",
-    "libLLVM-19.so.1",
-    "libLLVM-16.so.1",
-    "libLLVM-15.so.1",
-    "libLLVM-14.so.1",
-)
-_VARIANT = "llvm_ad_rgb"
-
-
-def _mitsuba():
-    """Import Mitsuba with its LLVM backend; Dr.Jit takes the library's place from the environment."""
-    if "DRJIT_LIBLLVM_PATH" not in os.environ:
-        folders = [Path("/usr/lib/x86_64-linux-gnu"), Path("/usr/lib/aarch64-linux-gnu"), Path("/usr/lib64")]
-        found = [f / name for name in _LLVM_CANDIDATES for f in folders if (f / name).exists()]
-        if found:
-            os.environ["DRJIT_LIBLLVM_PATH"] = str(found[0])
-    try:
-        import mitsuba
-    except ImportError as error:
-        raise InputError(
-            "mitsuba is missing: install the training extra, pip install 'relight[train]'"
-        ) from error
-    if mitsuba.variant() != _VARIANT:
-        mitsuba.set_variant(_VARIANT)
-    return mitsuba
 
 
 class RayCaster:
     """Closest hits and occlusion tests against one scene."""
 
     def __init__(self, scene: Scene):
-        mitsuba = _mitsuba()
+        mitsuba = mitsuba_backend()
         mesh = mitsuba.Mesh("head", len(scene.vertices), len(scene.triangles))
         parameters = mitsuba.traverse(mesh)
         parameters["vertex_positions"] = scene.vertices.astype(np.float32).ravel()
@@ -60,7 +30,7 @@ class RayCaster:
         Returns:
             triangle (N,) int64, -1 for a miss; barycentric (N, 3); distance (N,).
         """
-        mitsuba = _mitsuba()
+        mitsuba = mitsuba_backend()
         ray = mitsuba.Ray3f(mitsuba.Point3f(*[float(c) for c in origin]), mitsuba.Vector3f(toward.T))
         hit = self._scene.ray_intersect_preliminary(ray)
         valid = np.array(hit.is_valid())
@@ -71,6 +41,6 @@ class RayCaster:
 
     def occluded(self, origins: np.ndarray, toward: np.ndarray) -> np.ndarray:
         """(N,) bool: does anything lie along each ray? origins and toward are (N, 3)."""
-        mitsuba = _mitsuba()
+        mitsuba = mitsuba_backend()
         ray = mitsuba.Ray3f(mitsuba.Point3f(origins.T), mitsuba.Vector3f(toward.T))
         return np.array(self._scene.ray_test(ray))

@@ -10,7 +10,7 @@ import numpy as np
 from relight_core.dataset.bake import BakedHead, bake
 from relight_core.dataset.dressing import Wardrobe
 from relight_core.dataset.face_map import face_label_map, face_vertices
-from relight_core.dataset.framing import sample_framing
+from relight_core.dataset.framing import Framing, sample_framing
 from relight_core.dataset.heads import (
     HeadModel,
     load_head_model,
@@ -20,12 +20,21 @@ from relight_core.dataset.heads import (
     shape_head,
     turn_eyes,
 )
-from relight_core.dataset.scene import build_scene
+from relight_core.dataset.scene import Scene, build_scene
 from relight_core.dataset.shard import read_shard, write_shard
 
 SPLIT_SEEDS = {"train": 0, "validation": 1_000_000, "test": 2_000_000}
 """First seed of each split: identities never repeat across splits."""
 _WIDEST_IDENTITY = 2.5
+
+
+@dataclass(frozen=True)
+class PosedHead:
+    """A dressed head before the camera; `rng` goes on to the shadow rays' jitter."""
+
+    scene: Scene
+    framing: Framing
+    rng: np.random.Generator
 
 
 @dataclass
@@ -47,6 +56,14 @@ class Casting:
 
     def bake_head(self, seed: int, size: int = 256) -> BakedHead:
         """The head that belongs to a seed: the same on every machine with the same sources."""
+        return self.bake(self.pose_head(seed, size), size)
+
+    def bake(self, posed: PosedHead, size: int) -> BakedHead:
+        """Bake a head that stands before the camera."""
+        return bake(posed.scene, posed.framing, self.face_labels, size, posed.rng)
+
+    def pose_head(self, seed: int, size: int = 256) -> PosedHead:
+        """The person of a seed, dressed, before the camera."""
         rng = np.random.default_rng(seed)
         modes = len(self.model.identity)
         identity = np.clip(rng.standard_normal(modes), -_WIDEST_IDENTITY, _WIDEST_IDENTITY)
@@ -55,8 +72,7 @@ class Casting:
         rotation = sample_pose(rng)
         garments = self.wardrobe.dress(vertices, rng) if self.wardrobe is not None else []
         framing = sample_framing(pose(vertices, rotation)[self.face_vertices], rng, size)
-        scene = build_scene(self.model, vertices, garments, rotation)
-        return bake(scene, framing, self.face_labels, size, rng)
+        return PosedHead(build_scene(self.model, vertices, garments, rotation), framing, rng)
 
 
 def shard_path(folder: Path, seed: int) -> Path:

@@ -11,21 +11,25 @@ import numpy as np
 import torch
 from torch.utils.data import IterableDataset, get_worker_info
 
+from relight_core.dataset.appearance import Appearance, appear
 from relight_core.dataset.bake import BakedHead, add_relief
 from relight_core.dataset.camera import photograph
-from relight_core.dataset.illumination import Illumination, illuminate, reflect
+from relight_core.dataset.illumination import Illumination, blocked_by_itself, bounced, illuminate
 from relight_core.dataset.lights import LightLibrary, load_lights, sample_light
+from relight_core.dataset.occluders import sample_occluder
 from relight_core.dataset.recipe import load_split
 from relight_core.dataset.shard import read_shard
 from relight_core.dataset.skin import paint
 from relight_core.dataset.texture import TexturePool
 from relight_core.errors import InputError
 from relight_core.face.parsing import MIRRORED
-from relight_core.lighting.reflection import GLOSS, Gloss
+from relight_core.lighting.reflection import Gloss
 from relight_core.lighting.relief import march_relief
 
 RELIEF_SIZE = 64
 """Side at which reliefs are marched; shadows wider than a few pixels survive it, SS sharpens the rest."""
+
+_OCCLUDED_SHARE, _SCATTERING_SHARE = 0.25, 0.6
 
 _GREY = np.array([0.2126, 0.7152, 0.0722], np.float32)
 _MIRRORED_LABELS = np.array(MIRRORED, np.uint8)
@@ -33,13 +37,20 @@ _MIRRORED_LABELS = np.array(MIRRORED, np.uint8)
 
 @dataclass(frozen=True)
 class LitHead:
-    """A head under K lights, before paint and camera; what several samples share."""
+    """A head under K lights, before paint and camera; what several samples share.
+
+    Attributes:
+        blocked: (P,) part of each pixel's hemisphere that the head itself fills.
+        appearance: what its photos show, where photos are taken.
+        relief_shadow: (K, S, S) the hint to SS, where it is asked for.
+    """
 
     head: BakedHead
     normal: np.ndarray
     lights: np.ndarray
     illumination: Illumination
-    own_specular: np.ndarray
+    blocked: np.ndarray
+    appearance: Appearance | None = None
     relief_shadow: np.ndarray | None = None
 
 
@@ -63,11 +74,10 @@ def subsample(head: BakedHead, step: int, rng: np.random.Generator) -> BakedHead
     )
 
 
-def light_head(head: BakedHead, normal: np.ndarray, lights: np.ndarray, gloss: Gloss) -> LitHead:
-    """Light a head with the reference gloss, and with its own for what its photo shows."""
+def light_head(head: BakedHead, normal: np.ndarray, lights: np.ndarray) -> LitHead:
+    """Light a head with the reference gloss."""
     reference = _denoised(head, illuminate(head, normal, lights))
-    own = reference.specular if gloss == GLOSS else reflect(head, normal, lights, gloss)
-    return LitHead(head, normal, lights, reference, own)
+    return LitHead(head, normal, lights, reference, blocked_by_itself(head, normal))
 
 
 def _denoised(head: BakedHead, lit: Illumination) -> Illumination:
@@ -93,9 +103,10 @@ def _denoised(head: BakedHead, lit: Illumination) -> Illumination:
 def channels_of(lit: LitHead, albedo: np.ndarray, k: int) -> dict[str, np.ndarray]:
     """The paper's channels (section 3.2) of one light as images, linear, black outside the head."""
     light = lit.illumination
-    image = albedo * light.irradiance[k] + light.specular[k]
+    irradiance = light.irradiance[k] + bounced(lit.blocked, albedo, light.irradiance[k])
+    image = albedo * irradiance + light.specular[k]
     unshadowed = albedo * light.irradiance_open[k] + light.specular_open[k]
-    shadow_fraction = 1 - (light.irradiance[k] @ _GREY) / np.maximum(light.irradiance_open[k] @ _GREY, 1e-6)
+    shadow_fraction = 1 - (irradiance @ _GREY) / np.maximum(light.irradiance_open[k] @ _GREY, 1e-6)
     gloss_fraction = 1 - (light.specular[k] @ _GREY) / np.maximum(light.specular_open[k] @ _GREY, 1e-6)
     scatter = lit.head.scatter
     return {
@@ -120,6 +131,13 @@ def surface_of(lit: LitHead, albedo: np.ndarray) -> dict[str, np.ndarray]:
     }
 
 
+def _without_hidden(channels: dict[str, np.ndarray], hidden: np.ndarray | None) -> dict[str, np.ndarray]:
+    """What an object in front hides of the head is background, and nothing is learnt from it."""
+    if hidden is None:
+        return {}
+    return {name: np.where(hidden, 0, channels[name]).astype(channels[name].dtype) for name in ("covered", "label")}
+
+
 def mirrored(sample: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
     """The same sample in a mirror: images and light flipped, normals and sides exchanged."""
     flipped = {name: np.ascontiguousarray(value[:, ::-1]) for name, value in sample.items()}
@@ -138,9 +156,7 @@ def relief_shadows(lit: LitHead, rng: np.random.Generator) -> np.ndarray:
     covered = lit.head.covered.astype(np.float32)
     weight = cv2.GaussianBlur(covered, (0, 0), deviation := size / 128 * rng.uniform(0.4, 1.6))
     smooth = cv2.GaussianBlur(lit.head.scatter(lit.head.depth), (0, 0), deviation) / np.maximum(weight, 1e-3)
-    bend = cv2.resize(
-        rng.standard_normal((5, 5)).astype(np.float32), (size, size), interpolation=cv2.INTER_CUBIC
-    )
+    bend = cv2.resize(rng.standard_normal((5, 5)).astype(np.float32), (size, size), interpolation=cv2.INTER_CUBIC)
     rough = smooth * rng.uniform(0.75, 1.2) + 0.02 * bend
 
     def shrunk(image: np.ndarray) -> torch.Tensor:
@@ -177,7 +193,7 @@ class SampleStream(IterableDataset):
         photographs: bool = True,
         relief_shadow: bool = False,
         lights_per_head: int = 10,
-        paints_per_head: int = 16,
+        paints_per_head: int = 24,
         heads_at_once: int = 8,
     ):
         super().__init__()
@@ -197,23 +213,25 @@ class SampleStream(IterableDataset):
                 raise InputError(f"{self.folder}: no baked heads; run 'relight dataset bake' first")
             order = rng.permutation(len(paths))
             for start in range(0, len(order), self.heads_at_once):
-                lit = [
-                    self._light(paths[i], library, pool, rng)
-                    for i in order[start : start + self.heads_at_once]
-                ]
+                lit = [self._light(paths[i], library, pool, rng) for i in order[start : start + self.heads_at_once]]
                 for draw in rng.permutation(len(lit) * self.paints_per_head):
                     yield self._sample(lit[draw % len(lit)], pool, rng)
 
-    def _light(
-        self, path: Path, library: LightLibrary, pool: TexturePool, rng: np.random.Generator
-    ) -> LitHead:
+    def _light(self, path: Path, library: LightLibrary, pool: TexturePool, rng: np.random.Generator) -> LitHead:
         head = read_shard(path)
         head = subsample(head, head.size // self.size, rng)
         normal = add_relief(head, pool.noise(rng), rng.uniform(0, 0.2))
         lights = np.stack([sample_light(library, rng) for _ in range(self.lights_per_head)])
-        gloss = Gloss(rng.uniform(0.2, 1.2), rng.uniform(0.3, 0.65)) if self.photographs else GLOSS
-        lit = light_head(head, normal, lights, gloss)
+        lit = light_head(head, normal, lights)
+        if self.photographs:
+            lit = replace(lit, appearance=self._appearance(lit, rng))
         return replace(lit, relief_shadow=relief_shadows(lit, rng)) if self.relief_shadow else lit
+
+    def _appearance(self, lit: LitHead, rng: np.random.Generator) -> Appearance:
+        gloss = Gloss(rng.uniform(0.2, 1.2), rng.uniform(0.3, 0.65))
+        occluder = sample_occluder(rng) if rng.random() < _OCCLUDED_SHARE else None
+        scatter_px = rng.uniform(0.3, 2.0) * self.size / 128 if rng.random() < _SCATTERING_SHARE else 0.0
+        return appear(lit.head, lit.normal, lit.lights, lit.illumination, gloss, occluder, scatter_px)
 
     def _sample(self, lit: LitHead, pool: TexturePool, rng: np.random.Generator) -> dict[str, torch.Tensor]:
         albedo = paint(lit.head, pool, rng)
@@ -222,16 +240,17 @@ class SampleStream(IterableDataset):
         pair = []
         for k in rng.choice(self.lights_per_head, 2, replace=False):
             channels = channels_of(lit, albedo, k) | surface
-            if self.photographs:
-                shown = albedo * lit.illumination.irradiance[k] + lit.own_specular[k]
+            if lit.appearance is not None:
                 channels["photo_srgb"] = photograph(
-                    lit.head.scatter(shown),
+                    lit.head.scatter(lit.appearance.radiance(lit.head, albedo, lit.blocked, k)),
                     lit.head.covered,
                     lit.lights[k],
                     float(lit.illumination.irradiance[k].mean()),
                     pool,
                     rng,
+                    hidden=lit.appearance.hidden,
                 )
+                channels |= _without_hidden(channels, lit.appearance.hidden)
             if lit.relief_shadow is not None:
                 channels["relief_shadow"] = lit.relief_shadow[k]
             pair.append(mirrored(channels) if mirror else channels)
@@ -248,8 +267,6 @@ def _tensors(pair: list[dict[str, np.ndarray]], shared: set[str]) -> dict[str, t
         elif name == "label":
             item[name] = stacked[0].long()
         else:
-            stacked = (
-                stacked.float().unsqueeze(1) if stacked.ndim == 3 else stacked.float().permute(0, 3, 1, 2)
-            )
+            stacked = stacked.float().unsqueeze(1) if stacked.ndim == 3 else stacked.float().permute(0, 3, 1, 2)
             item[name] = stacked[0] if name in shared else stacked
     return item

@@ -70,9 +70,7 @@ class Scene:
     label: np.ndarray
 
 
-def build_scene(
-    model: HeadModel, head_vertices: np.ndarray, garments: list[Garment], rotation: np.ndarray
-) -> Scene:
+def build_scene(model: HeadModel, head_vertices: np.ndarray, garments: list[Garment], rotation: np.ndarray) -> Scene:
     """Put the garments on the head and turn everything by the head's rotation (3, 3)."""
     head = _head_scene(model, pose(head_vertices, rotation))
     parts = [head] + [_garment_scene(g, rotation) for g in garments if g.label in _GARMENT_MATERIALS]

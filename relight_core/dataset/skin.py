@@ -55,9 +55,7 @@ def skin_tone(melanin, haemoglobin) -> np.ndarray:
 
 def _skin(head: BakedHead, pool: TexturePool, rng: np.random.Generator) -> np.ndarray:
     uv = head.uv
-    melanin = (
-        rng.random() ** 1.3 + 0.04 * look_up(pool.noise(rng), uv) + 0.02 * look_up(pool.noise(rng), uv, 3)
-    )
+    melanin = rng.random() ** 1.3 + 0.04 * look_up(pool.noise(rng), uv) + 0.02 * look_up(pool.noise(rng), uv, 3)
     haemoglobin = rng.uniform(0, 0.5) + 0.06 * look_up(pool.noise(rng), uv)
     haemoglobin = haemoglobin + rng.uniform(0, 0.5) * _flush(uv) * (head.material == Material.FACE)
     if rng.random() < 0.3:
@@ -85,9 +83,7 @@ def _paint_lips(skin: np.ndarray, head: BakedHead, rng: np.random.Generator) -> 
         skin[lips] *= np.array([0.85, 0.6, 0.65], np.float32) ** rng.uniform(0.3, 1.5)
 
 
-def _paint_hair_on_skin(
-    skin: np.ndarray, head: BakedHead, pool: TexturePool, rng: np.random.Generator
-) -> None:
+def _paint_hair_on_skin(skin: np.ndarray, head: BakedHead, pool: TexturePool, rng: np.random.Generator) -> None:
     """Brows, stubble and beard, eye shadow and a shaved scalp: all darken the skin through a noisy mask."""
     hair = _hair_colour(rng)
     fine = look_up(pool.noise(rng), head.uv, 4)
@@ -157,11 +153,7 @@ def _paint_eyes(albedo: np.ndarray, head: BakedHead, rng: np.random.Generator) -
     radius, angle = np.hypot(*offset.T), np.arctan2(*offset.T)
     iris_radius = rng.uniform(0.12, 0.135)
     iris = rng.choice([[0.05, 0.025, 0.012], [0.12, 0.07, 0.03], [0.10, 0.16, 0.22], [0.10, 0.13, 0.07]])
-    iris = (
-        np.asarray(iris)
-        * rng.uniform(0.6, 1.6)
-        * (1 + 0.25 * np.sin(angle * 23 + rng.uniform(0, 6)))[:, None]
-    )
+    iris = np.asarray(iris) * rng.uniform(0.6, 1.6) * (1 + 0.25 * np.sin(angle * 23 + rng.uniform(0, 6)))[:, None]
     white = np.array([0.72, 0.66, 0.62]) * rng.uniform(0.75, 1.1) * np.exp(-radius[:, None] * [0.0, 0.5, 0.5])
     eye = np.where(
         (radius < iris_radius)[:, None], iris * np.clip((iris_radius - radius) * 60, 0.35, 1)[:, None], white

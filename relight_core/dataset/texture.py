@@ -38,9 +38,7 @@ def pattern(rng: np.random.Generator, size: int = SIZE) -> np.ndarray:
             colour = rng.beta(0.8, 0.8, 3).tolist()
             cv2.ellipse(image, centre, axes, float(rng.uniform(0, 180)), 0, 360, colour, -1, cv2.LINE_AA)
         return image
-    blend = np.clip(
-        0.5 + 0.3 * np.stack([fractal_noise(rng, size, rng.uniform(0.6, 1.6)) for _ in range(3)], -1), 0, 1
-    )
+    blend = np.clip(0.5 + 0.3 * np.stack([fractal_noise(rng, size, rng.uniform(0.6, 1.6)) for _ in range(3)], -1), 0, 1)
     return (colours[0] * blend + colours[1] * (1 - blend)).astype(np.float32)
 
 

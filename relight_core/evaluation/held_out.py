@@ -23,7 +23,6 @@ from relight_core.dataset.texture import TexturePool
 from relight_core.errors import InputError
 from relight_core.imaging.colour import srgb_decode
 from relight_core.lighting.environment import Environment, network_light
-from relight_core.lighting.reflection import GLOSS
 from relight_core.lighting.sphere import directions
 
 _YAW_SEED = 391
@@ -170,7 +169,7 @@ def load_head(path: Path, lights: list[HeldOutLight], pool: TexturePool) -> Held
     rng = np.random.default_rng([_SKIN_SEED, seed])
     normal = add_relief(head, pool.noise(rng), _RELIEF_STRENGTH)
     albedo = paint(head, pool, rng, wild=False)
-    lit = light_head(head, normal, np.stack([light.radiance for light in lights]), GLOSS)
+    lit = light_head(head, normal, np.stack([light.radiance for light in lights]))
     return HeldOutHead(path.stem, seed, lit, albedo, pool)
 
 

@@ -13,6 +13,9 @@ from relight_core.networks.lfm import LIGHT_SHAPE
 
 _TEXELS = LIGHT_SHAPE[0] * LIGHT_SHAPE[1]
 
+_SHARP = 3 + 3
+"""Channels of albedo change and normal, the outputs that want every pixel."""
+
 # Adam moves every weight by the same step, and 2,048 outputs fed by hundreds of features would jitter by
 # more than the light tells them; a small gain behind the weights slows these outputs alone.
 _OUTPUT_GAIN = 0.3
@@ -24,15 +27,23 @@ class DelightConfig:
 
     Attributes:
         width: channels at full resolution.
-        levels: resolutions; the input's side must be a multiple of 2 ** (levels - 1).
+        levels: resolutions of the encoder-decoder.
         classes: parsing classes.
         anchored: albedo = sigmoid(logit(photo) + change) when true; the paper's plain sigmoid when false.
+        detail_width: channels of a pass that sharpens albedo and normal at full resolution, while the
+            encoder-decoder works at half of it; 0 runs the latter at full resolution, as the paper does.
     """
 
     width: int = 16
     levels: int = 6
     classes: int = 14
     anchored: bool = True
+    detail_width: int = 0
+
+    @property
+    def multiple(self) -> int:
+        """What the sides of the input must be a multiple of."""
+        return 2 ** (self.levels - (self.detail_width == 0))
 
 
 @dataclass
@@ -74,6 +85,27 @@ class ConfidenceWeightedLight(nn.Module):
         return torch.expm1(log_light.clamp_max(9.0)).unflatten(1, LIGHT_SHAPE[:2])
 
 
+class DetailPass(nn.Module):
+    """What the photo's full resolution adds to albedo and normal that were found at half of it.
+
+    A face is understood from afar; where a lid or a cast shadow ends is seen from near. The four pixels
+    under each coarse one are worked on as channels, since full-size feature maps would cost more than
+    the whole encoder-decoder.
+    """
+
+    def __init__(self, coarse: int, width: int, outputs: int):
+        super().__init__()
+        self.blend = ConvBlock(coarse + 4 * 3, width)
+        self.head = Head(width, 4 * outputs)
+        nn.init.zeros_(self.head.weight)
+        nn.init.zeros_(self.head.bias)
+
+    def forward(self, photo: torch.Tensor, features: torch.Tensor) -> torch.Tensor:
+        """Corrections (B, outputs, H, W) from a photo (B, 3, H, W) and features (B, coarse, H / 2, W / 2)."""
+        beside = torch.cat([features, F.pixel_unshuffle(photo, 2).to(features.dtype)], 1)
+        return F.pixel_shuffle(self.head(self.blend(beside)), 2)
+
+
 class DelightNetwork(nn.Module):
     """Encoder-decoder with skip connections; the light is read at the bottleneck."""
 
@@ -84,26 +116,38 @@ class DelightNetwork(nn.Module):
         self.encoder = Encoder(3, widths)
         self.light = ConfidenceWeightedLight(widths[-1])
         self.decoder = decoder_levels(widths)
-        self.head = Head(widths[0], 3 + 3 + 1 + self.config.classes)
+        self.head = Head(widths[0], _SHARP + 1 + self.config.classes)
+        self.detail = None
+        if self.config.detail_width:
+            self.detail = DetailPass(widths[0], self.config.detail_width, _SHARP)
 
     def forward(self, photo_srgb: torch.Tensor) -> Delit:
         """Take a photo apart.
 
         Args:
-            photo_srgb: (B, 3, H, W) in [0, 1], sRGB-encoded; H and W multiples of 2 ** (levels - 1).
+            photo_srgb: (B, 3, H, W) in [0, 1], sRGB-encoded; H and W multiples of `DelightConfig.multiple`.
         """
-        features = self.encoder(photo_srgb * 2 - 1)
+        photo = photo_srgb * 2 - 1
+        features = self.encoder(photo if self.detail is None else F.avg_pool2d(photo, 2))
         light = self.light(features[-1])
         x = features[-1]
         for level, skip in zip(self.decoder, features[-2::-1], strict=True):
             x = level(x, skip)
-        change, normal, relief, parsing = self.head(x).split([3, 3, 1, self.config.classes], 1)
+        sharp, relief, parsing = self.head(x).split([_SHARP, 1, self.config.classes], 1)
+        if self.detail is not None:
+            sharp = _doubled(sharp) + self.detail(photo, x)
+            relief, parsing = _doubled(relief), _doubled(parsing)
+        change, normal = sharp.split(3, 1)
         return Delit(self._albedo(photo_srgb, change), _unit(normal), relief, parsing, light)
 
     def _albedo(self, photo_srgb: torch.Tensor, change: torch.Tensor) -> torch.Tensor:
         if not self.config.anchored:
             return torch.sigmoid(change)
         return torch.sigmoid(torch.logit(photo_srgb.float().clamp(0.02, 0.98)) + change)
+
+
+def _doubled(image: torch.Tensor) -> torch.Tensor:
+    return F.interpolate(image, scale_factor=2, mode="bilinear", align_corners=False)
 
 
 def _unit(normal: torch.Tensor) -> torch.Tensor:

@@ -18,9 +18,9 @@ def casting(tmp_path_factory):
         from relight_core.dataset.raycast import RayCaster
 
         corners = np.array([[-1, -1, 0], [1, -1, 0], [0, 1, 0]], np.float32)
-        RayCaster(
-            Scene(corners, np.array([[0, 1, 2]]), np.zeros((1, 3, 2)), np.zeros(1), np.zeros(1))
-        ).closest(np.array([0, 0, 5]), np.array([[0, 0, -1.0]], np.float32))
+        RayCaster(Scene(corners, np.array([[0, 1, 2]]), np.zeros((1, 3, 2)), np.zeros(1), np.zeros(1))).closest(
+            np.array([0, 0, 5]), np.array([[0, 0, -1.0]], np.float32)
+        )
     except (InputError, ImportError, RuntimeError) as error:
         pytest.skip(f"no ray caster here: it needs mitsuba and libLLVM ({error})")
     return Casting.load(path, None)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from synthetic_heads import ball
 
-from relight_core.dataset.illumination import illuminate, reflect
+from relight_core.dataset.illumination import blocked_by_itself, bounced, illuminate, reflect
 from relight_core.dataset.samples import channels_of, light_head, mirrored, subsample, surface_of
 from relight_core.lighting.reflection import Gloss
 
@@ -72,42 +72,50 @@ def test_reflect_with_the_paper_s_gloss_is_the_specular_of_illuminate():
 
 @pytest.mark.parametrize("dark_side", ["", "right"])
 def test_channels_add_up(dark_side):
-    """image = albedo * irradiance + specular, and gray(unshadowed - image) = shadow (paper, section 3.2)."""
+    """image = albedo * (irradiance + bounce) + specular, and shadow = gray(unshadowed - image) where it darkens."""
     head = ball(dark_side=dark_side)
     albedo = albedo_of(head)
-    lit = light_head(head, head.normal, lights(5, 6), Gloss(0.6, 0.5))
+    lit = light_head(head, head.normal, lights(5, 6))
     for k in range(2):
         channels = channels_of(lit, albedo, k)
         light = lit.illumination
         image = channels["image"][head.covered]
-        np.testing.assert_allclose(
-            image, albedo * light.irradiance[k] + light.specular[k], rtol=1e-5, atol=1e-6
-        )
+        bounce = lit.blocked[:, None] * (albedo * light.irradiance[k]).mean(0)
+        expected = albedo * (light.irradiance[k] + bounce) + light.specular[k]
+        np.testing.assert_allclose(image, expected, rtol=1e-5, atol=1e-6)
         unshadowed = albedo * light.irradiance_open[k] + light.specular_open[k]
         np.testing.assert_allclose(
-            channels["shadow"][head.covered], (unshadowed - image) @ GREY, rtol=1e-3, atol=1e-5
+            channels["shadow"][head.covered], np.maximum((unshadowed - image) @ GREY, 0), rtol=1e-3, atol=1e-5
         )
-        np.testing.assert_allclose(
-            channels["specular"][head.covered], light.specular[k] @ GREY, rtol=1e-4, atol=1e-6
-        )
+        np.testing.assert_allclose(channels["specular"][head.covered], light.specular[k] @ GREY, rtol=1e-4, atol=1e-6)
         assert all((channels[name] >= 0).all() for name in ("image", "specular", "shadow"))
         assert all(
-            ((channels[name] >= 0) & (channels[name] <= 1)).all()
-            for name in ("shadow_fraction", "gloss_fraction")
+            ((channels[name] >= 0) & (channels[name] <= 1)).all() for name in ("shadow_fraction", "gloss_fraction")
         )
+
+
+def test_only_what_sees_itself_gets_a_bounce():
+    clear, dented = ball(), ball(dark_side="right")
+    np.testing.assert_array_equal(blocked_by_itself(clear, clear.normal), 0)
+    blocked = blocked_by_itself(dented, dented.normal)
+    middle = np.abs(dented.normal[:, 0]) < 0.1
+    np.testing.assert_allclose(blocked[middle], 0.5, atol=0.1)
+    albedo = np.full((len(blocked), 3), 0.5, np.float32)
+    grey_light = bounced(blocked, albedo, np.ones((len(blocked), 3), np.float32))
+    np.testing.assert_allclose(grey_light, 0.5 * np.repeat(blocked[:, None], 3, 1), rtol=1e-5)
 
 
 def test_a_ball_has_no_shadow_and_a_blocked_one_has():
     clear, blocked = ball(), ball(dark_side="right")
     for head, least, most in ((clear, 0, 1e-5), (blocked, 0.05, 10)):
-        lit = light_head(head, head.normal, lights(7), Gloss(0.6, 0.5))
+        lit = light_head(head, head.normal, lights(7))
         shadow = channels_of(lit, albedo_of(head), 0)["shadow"][head.covered].mean()
         assert least <= shadow <= most
 
 
 def test_outside_the_head_everything_is_black():
     head = ball()
-    lit = light_head(head, head.normal, lights(8), Gloss(0.6, 0.5))
+    lit = light_head(head, head.normal, lights(8))
     sample = channels_of(lit, albedo_of(head), 0) | surface_of(lit, albedo_of(head))
     for name, image in sample.items():
         if name != "light":
@@ -116,7 +124,7 @@ def test_outside_the_head_everything_is_black():
 
 def sample_of_a_ball():
     head = ball(dark_side="right")
-    lit = light_head(head, head.normal, lights(9), Gloss(0.6, 0.5))
+    lit = light_head(head, head.normal, lights(9))
     albedo = albedo_of(head)
     sample = channels_of(lit, albedo, 0) | surface_of(lit, albedo)
     label = sample["label"].copy()
@@ -144,10 +152,8 @@ def test_a_mirrored_head_in_mirrored_light_looks_mirrored():
     head = ball()
     albedo = np.full((len(head.normal), 3), 0.5, np.float32)
     light = lights(10)
-    straight = channels_of(light_head(head, head.normal, light, Gloss(0.6, 0.5)), albedo, 0)["image"]
-    in_mirror = channels_of(light_head(head, head.normal, light[:, :, ::-1], Gloss(0.6, 0.5)), albedo, 0)[
-        "image"
-    ]
+    straight = channels_of(light_head(head, head.normal, light), albedo, 0)["image"]
+    in_mirror = channels_of(light_head(head, head.normal, light[:, :, ::-1]), albedo, 0)["image"]
     np.testing.assert_allclose(in_mirror[:, ::-1], straight, rtol=1e-3, atol=1e-4)
 
 

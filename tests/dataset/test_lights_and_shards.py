@@ -142,9 +142,7 @@ def test_another_version_and_other_arrays_are_refused(tmp_path):
 def test_heads_belong_to_the_split_of_their_seed(tmp_path):
     for first in (0, 1_000_000, 2_000_000):
         write_balls(tmp_path, first, 2)
-    found = {
-        split: [p.stem for p in load_split(tmp_path, split)] for split in ("train", "validation", "test")
-    }
+    found = {split: [p.stem for p in load_split(tmp_path, split)] for split in ("train", "validation", "test")}
     assert found == {
         "train": ["head-0000000", "head-0000001"],
         "validation": ["head-1000000", "head-1000001"],
