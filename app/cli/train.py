@@ -1,8 +1,13 @@
-"""Train a stage of the networks for some minutes.
+"""Train the networks by a recipe, or one stage of them for some minutes.
 
-The stages, in their order: warm-delight, warm-relight (or warm-specular-shadow and warm-composition, one
-after the other), tune-delight, tune-relight. Each goes on from the weights that --start names. A log of the
-losses and a picture of their curves are written beside the weights; a checkpoint every two minutes.
+relight train --recipe shipped --heads DIR --lights FILE -o FOLDER
+relight train --stage STAGE --minutes M --heads DIR --lights FILE -o WEIGHTS.safetensors
+
+A run that was stopped goes on where it was when it is given again. A recipe is a TOML file, or the name of
+one that comes with relight. The stages, in their order: warm-delight, warm-relight (or
+warm-specular-shadow and warm-composition, one after the other), tune-delight, tune-relight. Each goes on
+from the weights that --start names. A log of the losses and a picture of their curves are written beside
+the weights; a checkpoint every two minutes.
 """
 
 from __future__ import annotations
@@ -10,6 +15,7 @@ from __future__ import annotations
 import argparse
 import math
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from app.cli.maker_inputs import (
     add_heads_and_lights,
@@ -18,40 +24,68 @@ from app.cli.maker_inputs import (
     count_at_least_one,
     progress,
 )
+from app.cli.outputs import make_folder
 from relight_core.errors import InputError
+
+if TYPE_CHECKING:
+    from relight_core.training.state import Progress
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments of `relight train`."""
-    parser.add_argument("--stage", metavar="STAGE", required=True, help="one of those above")
+    what = parser.add_mutually_exclusive_group(required=True)
+    what.add_argument("--recipe", metavar="RECIPE", help="a .toml file, or the name of a bundled recipe")
+    what.add_argument("--stage", metavar="STAGE", help="one of those above")
     add_heads_and_lights(parser)
-    parser.add_argument("--minutes", metavar="M", type=_positive, required=True, help="how long")
+    parser.add_argument("--start", metavar="WEIGHTS", type=Path, help="weights to go on from; random ones without")
     parser.add_argument(
-        "--start", metavar="WEIGHTS", type=Path, help="weights to go on from; random ones without"
+        "-o", "--output", metavar="PLACE", type=Path, required=True, help="a folder; with --stage a .safetensors file"
     )
-    parser.add_argument(
-        "-o", "--output", metavar="WEIGHTS", type=Path, required=True, help="a .safetensors file"
-    )
-    parser.add_argument(
-        "--size", metavar="PX", type=count_at_least_one, default=128, help="side of the images (128)"
-    )
-    parser.add_argument(
-        "--pairs", metavar="N", type=count_at_least_one, default=8, help="pairs in a batch (8)"
-    )
-    parser.add_argument("--seed", metavar="N", type=int, default=0)
-    parser.add_argument(
-        "--rate", metavar="R", type=_positive, help="peak learning rate; the stage's own without"
-    )
+    stage = parser.add_argument_group("with --stage")
+    stage.add_argument("--minutes", metavar="M", type=_positive, help="how long")
+    stage.add_argument("--size", metavar="PX", type=count_at_least_one, default=128, help="side of the images (128)")
+    stage.add_argument("--pairs", metavar="N", type=count_at_least_one, default=8, help="pairs in a batch (8)")
+    stage.add_argument("--seed", metavar="N", type=int, default=0)
+    stage.add_argument("--rate", metavar="R", type=_positive, help="peak learning rate; the stage's own without")
 
 
 def run(arguments: argparse.Namespace) -> int:
     """Train; returns the exit code."""
     from relight_core.training.loop import TrainingDiverged
+
+    train = _follow_recipe if arguments.recipe else _train_stage
+    try:
+        return train(arguments)
+    except TrainingDiverged as error:
+        raise InputError(f"{arguments.output}: training stopped ({error}); try a lower learning rate") from error
+
+
+def _follow_recipe(arguments: argparse.Namespace) -> int:
+    from relight_core.training.recipe import follow, load_recipe
+
+    recipe = load_recipe(arguments.recipe)
+    make_folder(arguments.output)
+    check_heads_and_lights(arguments.heads, arguments.lights, "train")
+    with progress("training", float(len(recipe.stages))) as show:
+
+        def report(number: int, elapsed: float, state: Progress) -> None:
+            show(number + elapsed, f"{recipe.stages[number].name}: {_note(state)}")
+
+        follow(recipe, arguments.heads, arguments.lights, arguments.output, report, arguments.start)
+    for log in sorted(arguments.output.glob("*.log.json")):
+        _draw_curves(log)
+    print(f"wrote {arguments.output / 'relight.safetensors'}", flush=True)
+    return 0
+
+
+def _train_stage(arguments: argparse.Namespace) -> int:
     from relight_core.training.run import Run, train
     from relight_core.training.stages import STAGES
 
     if arguments.stage not in STAGES:
         raise InputError(f"unknown stage {arguments.stage!r}: choose one of {', '.join(STAGES)}")
+    if arguments.minutes is None:
+        raise InputError("give --minutes with --stage")
     check_output_file(arguments.output, (".safetensors",))
     check_heads_and_lights(arguments.heads, arguments.lights, "train")
     settings = Run(
@@ -67,19 +101,16 @@ def run(arguments: argparse.Namespace) -> int:
         learning_rate=arguments.rate,
     )
     with progress(arguments.stage, 1.0) as show:
-        try:
-            train(settings, lambda step, elapsed, losses: show(elapsed, _note(step, losses)))
-        except TrainingDiverged as error:
-            raise InputError(f"{arguments.stage}: stopped ({error}); try a lower --rate") from error
+        train(settings, lambda elapsed, state: show(elapsed, _note(state)))
     print(f"wrote {arguments.output}", flush=True)
-    _draw_curves(arguments.output)
+    _draw_curves(arguments.output.with_suffix(".log.json"))
     return 0
 
 
-def _draw_curves(weights: Path) -> None:
+def _draw_curves(log: Path) -> None:
     from relight_core.training.curves import draw_curves
 
-    log, picture = weights.with_suffix(".log.json"), weights.with_suffix(".curves.png")
+    picture = log.with_name(log.name.replace(".log.json", ".curves.png"))
     try:
         draw_curves(log, picture)
     except InputError as error:
@@ -88,8 +119,10 @@ def _draw_curves(weights: Path) -> None:
         print(f"wrote {picture}", flush=True)
 
 
-def _note(step: int, losses: dict[str, float]) -> str:
-    return f"step {step}  " + "  ".join(f"{name} {value:.4f}" for name, value in losses.items())
+def _note(state: Progress) -> str:
+    skipped = f" ({state.skipped} skipped)" if state.skipped else ""
+    losses = "  ".join(f"{name} {value:.4f}" for name, value in state.smoothed.items())
+    return f"step {state.step}{skipped}  {losses}"
 
 
 def _positive(text: str) -> float:

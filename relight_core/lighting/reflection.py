@@ -14,7 +14,7 @@ import torch.nn.functional as F
 
 from relight_core.lighting.sphere import directions, solid_angles
 
-TABLE_SIZE = 32
+TABLE_SIZE = 64
 _TABLE_EXTENT = 1.15
 
 

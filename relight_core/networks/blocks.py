@@ -77,8 +77,7 @@ def decoder_levels(widths: list[int]) -> nn.ModuleList:
     """Levels back up, coarsest first; the finest has one convolution only."""
     pairs = list(zip(widths[:0:-1], widths[-2::-1], strict=True))
     return nn.ModuleList(
-        UpLevel(below, skip, skip, refined=index < len(pairs) - 1)
-        for index, (below, skip) in enumerate(pairs)
+        UpLevel(below, skip, skip, refined=index < len(pairs) - 1) for index, (below, skip) in enumerate(pairs)
     )
 
 

@@ -33,9 +33,7 @@ class BundleConfig:
     @classmethod
     def tiny(cls) -> BundleConfig:
         """The smallest networks that still have every part: for tests."""
-        return cls(
-            DelightConfig(width=4, levels=3), SpecularShadowConfig(width=4, levels=3), CompositionConfig(4, 2)
-        )
+        return cls(DelightConfig(width=4, levels=3), SpecularShadowConfig(width=4, levels=3), CompositionConfig(4, 2))
 
     @classmethod
     def from_json(cls, text: str) -> BundleConfig:
@@ -74,6 +72,20 @@ class NetworkBundle(nn.Module):
         return self.to(memory_format=torch.channels_last)
 
 
+def with_detail_pass(bundle: NetworkBundle, width: int) -> NetworkBundle:
+    """The same networks with a sharpening pass in de-lighting, which changes nothing until it is trained.
+
+    The encoder-decoder goes on at the resolution it knows, on photos of twice that.
+    """
+    if bundle.config.delight.detail_width == width:
+        return bundle
+    delight = dataclasses.replace(bundle.config.delight, detail_width=width)
+    grown = NetworkBundle(dataclasses.replace(bundle.config, delight=delight))
+    grown.load_state_dict(bundle.state_dict(), strict=False)
+    grown.card = dict(bundle.card)
+    return grown
+
+
 def save_bundle(path: Path, bundle: NetworkBundle, *, half: bool = True) -> None:
     """Write weights whole or not at all; floats as fp16 unless `half` is False.
 
@@ -103,7 +115,7 @@ def load_bundle(path: Path) -> NetworkBundle:
             if header.pop("format", None) != FORMAT:
                 raise InputError(f"{path}: not a file of relight weights; use one written by 'relight train'")
             bundle = NetworkBundle(BundleConfig.from_json(header.pop("config")))
-            bundle.load_state_dict({name: file.get_tensor(name).float() for name in file.keys()}, strict=True)
+            bundle.load_state_dict({name: file.get_tensor(name).float() for name in file.keys()}, strict=True)  # noqa: SIM118
     except (OSError, SafetensorError, RuntimeError, KeyError, TypeError, json.JSONDecodeError) as error:
         reason = str(error).splitlines()[0] if str(error) else type(error).__name__
         raise InputError(f"{path}: these weights can't be read ({reason}); install them again") from error

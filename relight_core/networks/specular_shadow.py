@@ -57,9 +57,7 @@ class SpecularShadowNetwork(nn.Module):
         self.modulations = nn.ModuleList(LightModulation(width) for width in widths[-2::-1])
         self.head = Head(widths[0], 2)
 
-    def forward(
-        self, normal: torch.Tensor, light: torch.Tensor, hints: torch.Tensor | None = None
-    ) -> Occlusion:
+    def forward(self, normal: torch.Tensor, light: torch.Tensor, hints: torch.Tensor | None = None) -> Occlusion:
         """Estimate occlusion.
 
         Args:

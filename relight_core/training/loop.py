@@ -14,6 +14,7 @@ import torch
 from relight_core.lighting.reflection import ReflectionTable
 from relight_core.networks.bundle import NetworkBundle, save_bundle
 from relight_core.training.stages import Stage
+from relight_core.training.state import Progress, load_state, save_state
 
 _GRADIENT_LIMIT = 5.0
 _MOST_SKIPPED_IN_A_ROW = 20
@@ -28,18 +29,28 @@ class Budget:
     """How long and how hard to train.
 
     Attributes:
-        minutes: wall-clock length; the learning rate follows a cosine over it.
+        minutes, steps: wall-clock length or number of steps, one of them; the learning rate follows a cosine
+            over it. Only a number of steps gives the same weights again.
         learning_rate: peak.
         warm_up_steps: linear rise at the start.
         final_fraction: of the peak, at the end.
         checkpoint_seconds: between two checkpoints.
     """
 
-    minutes: float
     learning_rate: float
+    minutes: float | None = None
+    steps: int | None = None
     warm_up_steps: int = 200
     final_fraction: float = 0.02
     checkpoint_seconds: float = 120.0
+
+    def __post_init__(self):
+        if (self.minutes is None) == (self.steps is None):
+            raise ValueError("give either minutes or steps")
+
+    def spent(self, step: int, seconds: float) -> float:
+        """The fraction of the budget that is gone."""
+        return step / self.steps if self.steps is not None else seconds / (60 * self.minutes)
 
     def rate(self, step: int, elapsed: float) -> float:
         """Learning rate at a step, `elapsed` being the fraction of the budget that is spent."""
@@ -56,7 +67,7 @@ class AveragedWeights:
 
     def __init__(self, bundle: NetworkBundle, decay: float = 0.998, every: int = 4):
         self._decay, self._every = decay, every
-        self._state = {name: value.clone() for name, value in bundle.state_dict().items()}
+        self.state = {name: value.clone() for name, value in bundle.state_dict().items()}
 
     def update(self, bundle: NetworkBundle, step: int) -> None:
         """Move toward the current weights, quickly at first; every few steps, for it touches every weight."""
@@ -65,14 +76,14 @@ class AveragedWeights:
         decay = min(self._decay**self._every, (1 + step) / (10 + step))
         for name, value in bundle.state_dict().items():
             if value.is_floating_point():
-                self._state[name].lerp_(value, 1 - decay)
+                self.state[name].lerp_(value, 1 - decay)
             else:
-                self._state[name].copy_(value)
+                self.state[name].copy_(value)
 
     def bundle(self, like: NetworkBundle) -> NetworkBundle:
         """A bundle of its own with the averaged weights."""
         copy = NetworkBundle(like.config)
-        copy.load_state_dict(self._state)
+        copy.load_state_dict(self.state)
         copy.card = dict(like.card)
         return copy
 
@@ -80,56 +91,70 @@ class AveragedWeights:
 def train_stage(
     stage: Stage,
     bundle: NetworkBundle,
-    batches: Iterator[dict[str, torch.Tensor]],
+    batches_from: Callable[[int], Iterator[dict[str, torch.Tensor]]],
     budget: Budget,
     checkpoint: Path,
-    report: Callable[[int, float, dict[str, float]], None],
+    report: Callable[[float, Progress], None],
     device: str = "cpu",
 ) -> NetworkBundle:
-    """Train one stage until its budget is spent.
+    """Train one stage until its budget is spent; goes on where a run with this checkpoint stopped.
 
     Mixed precision: bf16 under autocast; light, normals and losses stay in fp32 where the networks keep
     them so. A batch with a non-finite loss or gradient is skipped and counted; too many in a row end it.
 
     Args:
-        report: called every 50 steps with the step, the fraction of the budget spent, averaged losses.
+        batches_from: gives the batches from a number on.
+        checkpoint: where the averaged weights go. The run's whole state lies beside them until it ends.
+        report: called every 50 steps with the fraction of the budget spent and the progress.
 
     Returns:
         The averaged weights, also saved at `checkpoint` (fp32) with a log beside it.
 
     Raises:
         TrainingDiverged: after 20 non-finite batches in a row.
+        InputError: the state of an earlier run beside the checkpoint does not fit.
     """
+    parameters = _prepare(stage, bundle, device)
+    optimiser = torch.optim.AdamW(parameters, lr=budget.learning_rate, weight_decay=1e-4, fused=True)
+    table, average = ReflectionTable().to(device), AveragedWeights(bundle)
+    saved_state = state_path(checkpoint)
+    progress = load_state(saved_state, bundle, average.state, optimiser) if saved_state.exists() else Progress()
+    batches = batches_from(progress.step)
+    started, saved = time.monotonic() - progress.seconds, time.monotonic()
+    while (elapsed := budget.spent(progress.step, progress.seconds)) < 1:
+        for group in optimiser.param_groups:
+            group["lr"] = budget.rate(progress.step, elapsed)
+        progress.take(_step(stage, bundle, table, next(batches), optimiser, parameters, device))
+        if progress.in_a_row > _MOST_SKIPPED_IN_A_ROW:
+            raise TrainingDiverged(f"{progress.in_a_row} non-finite batches in a row at step {progress.step}")
+        average.update(bundle, progress.step)
+        progress.seconds = time.monotonic() - started
+        if progress.step % 50 == 0:
+            report(elapsed, progress)
+            progress.log.append({"step": progress.step, "elapsed": elapsed, **progress.smoothed})
+        if time.monotonic() - saved > budget.checkpoint_seconds:
+            saved = time.monotonic()
+            save_bundle(checkpoint, average.bundle(bundle), half=False)
+            save_state(saved_state, progress, bundle, average.state, optimiser)
+    result = average.bundle(bundle)
+    save_bundle(checkpoint, result, half=False)
+    checkpoint.with_suffix(".log.json").write_text(json.dumps(progress.log))
+    saved_state.unlink(missing_ok=True)
+    return result
+
+
+def state_path(checkpoint: Path) -> Path:
+    """Where the state of a run that is not finished lies."""
+    return checkpoint.with_suffix(".state.safetensors")
+
+
+def _prepare(stage: Stage, bundle: NetworkBundle, device: str) -> list[torch.nn.Parameter]:
+    """Set the stage's networks to training and the others to rest; the parameters that will change."""
     bundle.train().requires_grad_(False).to(device, memory_format=torch.channels_last)
     trained = [getattr(bundle, name).requires_grad_(True) for name in stage.trains]
     for name in {"delight", "specular_shadow", "composition"} - set(stage.trains):
         getattr(bundle, name).eval()
-    parameters = [p for network in trained for p in network.parameters()]
-    optimiser = torch.optim.AdamW(parameters, lr=budget.learning_rate, weight_decay=1e-4, fused=True)
-    table, average = ReflectionTable().to(device), AveragedWeights(bundle)
-    started = saved = time.monotonic()
-    step, skipped, smoothed, log = 0, 0, {}, []
-    while (elapsed := (time.monotonic() - started) / (60 * budget.minutes)) < 1:
-        for group in optimiser.param_groups:
-            group["lr"] = budget.rate(step, elapsed)
-        losses = _step(stage, bundle, table, next(batches), optimiser, parameters, device)
-        skipped = 0 if losses else skipped + 1
-        if skipped > _MOST_SKIPPED_IN_A_ROW:
-            raise TrainingDiverged(f"{skipped} non-finite batches in a row at step {step}")
-        step += 1
-        average.update(bundle, step)
-        for name, value in losses.items():
-            smoothed[name] = value if name not in smoothed else 0.98 * smoothed[name] + 0.02 * value
-        if step % 50 == 0:
-            report(step, elapsed, smoothed)
-            log.append({"step": step, "elapsed": elapsed, **smoothed})
-        if time.monotonic() - saved > budget.checkpoint_seconds:
-            saved = time.monotonic()
-            save_bundle(checkpoint, average.bundle(bundle), half=False)
-    result = average.bundle(bundle)
-    save_bundle(checkpoint, result, half=False)
-    checkpoint.with_suffix(".log.json").write_text(json.dumps(log))
-    return result
+    return [p for network in trained for p in network.parameters()]
 
 
 def _step(stage, bundle, table, batch, optimiser, parameters, device) -> dict[str, float]:

@@ -63,9 +63,7 @@ def slope_l1(estimate: torch.Tensor, truth: torch.Tensor, covered: torch.Tensor)
     """L1 of neighbour differences where both neighbours are covered: heights matter by their edges."""
     total = estimate.new_zeros(())
     for axis in (2, 3):
-        inside = covered.narrow(axis, 1, covered.shape[axis] - 1) * covered.narrow(
-            axis, 0, covered.shape[axis] - 1
-        )
+        inside = covered.narrow(axis, 1, covered.shape[axis] - 1) * covered.narrow(axis, 0, covered.shape[axis] - 1)
         total = total + masked_l1(estimate.diff(dim=axis), truth.diff(dim=axis), inside)
     return total
 

@@ -15,8 +15,7 @@ from relight_core.training.losses import fraction_loss, masked_l1
 def flatten_pairs(batch: dict[str, torch.Tensor]) -> dict[str, torch.Tensor]:
     """Both lights of every pair as one batch; what the lights share is repeated."""
     return {
-        name: value.flatten(0, 1) if value.ndim == 5 else value.repeat_interleave(2, 0)
-        for name, value in batch.items()
+        name: value.flatten(0, 1) if value.ndim == 5 else value.repeat_interleave(2, 0) for name, value in batch.items()
     }
 
 

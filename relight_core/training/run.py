@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 import torch
 from torch.utils.data import DataLoader
 
-from relight_core.dataset.samples import SampleStream
-from relight_core.networks.bundle import BundleConfig, NetworkBundle, load_bundle
+from relight_core.dataset.stream import SampleStream
+from relight_core.networks.bundle import BundleConfig, NetworkBundle, load_bundle, with_detail_pass
 from relight_core.training.loop import Budget, train_stage
-from relight_core.training.stages import STAGES
+from relight_core.training.stages import STAGES, Stage
 
 
 @dataclass(frozen=True)
@@ -24,8 +26,10 @@ class Run:
         lights: the light library (.npz).
         checkpoint: where the weights go, (.safetensors).
         start: weights to go on from; None starts from random ones.
-        minutes, size, pairs, seed: length, image side, pairs per batch, random seed.
+        minutes, steps: length, one of them.
+        size, pairs, seed: image side, pairs per batch, random seed.
         learning_rate: None takes the stage's own.
+        detail_width: give the de-lighting network a sharpening pass of this width, if it has none; 0 leaves it.
     """
 
     stage: str
@@ -33,12 +37,14 @@ class Run:
     lights: Path
     checkpoint: Path
     start: Path | None = None
-    minutes: float = 30.0
+    minutes: float | None = None
+    steps: int | None = None
     size: int = 128
     pairs: int = 8
     seed: int = 0
     workers: int = 1
     learning_rate: float | None = None
+    detail_width: int = 0
     config: BundleConfig = BundleConfig()
 
 
@@ -47,6 +53,21 @@ def train(run: Run, report) -> NetworkBundle:
     torch.manual_seed(run.seed)
     stage = STAGES[run.stage]
     bundle = load_bundle(run.start) if run.start else NetworkBundle(run.config)
+    if run.detail_width:
+        bundle = with_detail_pass(bundle, run.detail_width)
+    budget = Budget(run.learning_rate or stage.learning_rate, minutes=run.minutes, steps=run.steps)
+    device = "cuda" if torch.cuda.is_available() else "cpu"
+    run.checkpoint.parent.mkdir(parents=True, exist_ok=True)
+    # Denormals slow a CPU's convolutions manyfold; the setting is the process's, so it is given back.
+    torch.set_flush_denormal(True)
+    try:
+        batches_from = partial(_batches, run, stage)
+        return train_stage(stage, bundle, batches_from, budget, run.checkpoint, report, device)
+    finally:
+        torch.set_flush_denormal(False)
+
+
+def _batches(run: Run, stage: Stage, first_batch: int) -> Iterator[dict[str, torch.Tensor]]:
     stream = SampleStream(
         run.heads,
         run.lights,
@@ -55,6 +76,8 @@ def train(run: Run, report) -> NetworkBundle:
         run.seed,
         photographs=stage.photographs,
         relief_shadow=stage.relief_shadow,
+        first_batch=first_batch,
+        pairs=run.pairs,
     )
     loader = DataLoader(
         stream,
@@ -63,15 +86,7 @@ def train(run: Run, report) -> NetworkBundle:
         worker_init_fn=_one_thread,
         prefetch_factor=4 if run.workers else None,
     )
-    budget = Budget(run.minutes, run.learning_rate or stage.learning_rate)
-    device = "cuda" if torch.cuda.is_available() else "cpu"
-    run.checkpoint.parent.mkdir(parents=True, exist_ok=True)
-    # Denormals slow a CPU's convolutions manyfold; the setting is the process's, so it is given back.
-    torch.set_flush_denormal(True)
-    try:
-        return train_stage(stage, bundle, iter(loader), budget, run.checkpoint, report, device)
-    finally:
-        torch.set_flush_denormal(False)
+    return iter(loader)
 
 
 def _one_thread(worker: int) -> None:

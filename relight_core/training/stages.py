@@ -80,9 +80,7 @@ def _tune_delight(bundle: NetworkBundle, table: ReflectionTable, batch: Batch) -
 
 def _tune_relight(bundle: NetworkBundle, table: ReflectionTable, batch: Batch) -> Losses:
     with torch.no_grad():
-        found = bundle.delight(
-            batch["photo_srgb"].flatten(0, 1).contiguous(memory_format=torch.channels_last)
-        )
+        found = bundle.delight(batch["photo_srgb"].flatten(0, 1).contiguous(memory_format=torch.channels_last))
         found.normal = F.normalize(found.normal, dim=1, eps=1e-4)
     return _relit_from_photo(bundle, table, batch, found)
 

@@ -149,16 +149,16 @@ def test_training_refuses(run, data, changes, word):
 
 
 def test_training_leaves_weights_and_log(run, data, monkeypatch):
-    from relight_core.dataset import samples
+    from relight_core.dataset import stream
     from relight_core.training import run as training
 
     # One process and a small pool of textures: the command's own path is what is under test.
     loader = training.DataLoader
     monkeypatch.setattr(
-        training, "DataLoader", lambda stream, **settings: loader(stream, settings["batch_size"])
+        training, "DataLoader", lambda samples, **settings: loader(samples, settings["batch_size"])
     )
-    pool = samples.TexturePool
-    monkeypatch.setattr(samples, "TexturePool", lambda rng, panoramas=None: pool(rng, None, count=2))
+    pool = stream.TexturePool
+    monkeypatch.setattr(stream, "TexturePool", lambda rng, panoramas=None: pool(rng, None, count=2))
     words = train_words(
         data, **{"--minutes": 0.001, "--size": 16, "--pairs": 1, "--start": data / "tiny.safetensors"}
     )

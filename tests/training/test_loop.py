@@ -3,14 +3,12 @@
 import itertools
 import json
 from dataclasses import replace
-from types import SimpleNamespace
 
 import pytest
 import torch
 
 from relight_core.errors import InputError
 from relight_core.networks.bundle import BundleConfig, NetworkBundle, load_bundle
-from relight_core.training import loop
 from relight_core.training.curves import draw_curves
 from relight_core.training.loop import Budget, TrainingDiverged, train_stage
 from relight_core.training.stages import STAGES
@@ -49,11 +47,8 @@ def some_batch(pairs=1):
     }
 
 
-def budget(monkeypatch, steps, **settings):
-    """A budget of exactly so many steps: the loop asks the time twice a step."""
-    clock = itertools.count()
-    monkeypatch.setattr(loop, "time", SimpleNamespace(monotonic=lambda: next(clock)))
-    return Budget(minutes=(2 * steps - 1) / 60 + 1e-6, learning_rate=5e-3, warm_up_steps=1, **settings)
+def budget(steps, **settings):
+    return Budget(5e-3, steps=steps, warm_up_steps=1, **settings)
 
 
 def recorded(stage, totals):
@@ -67,17 +62,21 @@ def recorded(stage, totals):
 
 def run(stage, batches, plan, path, bundle=None):
     bundle = bundle or NetworkBundle(BundleConfig.tiny())
-    return train_stage(stage, bundle, iter(batches), plan, path, lambda *progress: None)
+    return train_stage(stage, bundle, lambda first: itertools.islice(batches, first, None), plan, path, quiet)
+
+
+def quiet(elapsed, progress):
+    pass
 
 
 @pytest.mark.parametrize("name", list(STAGES))
-def test_ten_steps_on_one_batch_lower_the_loss(name, monkeypatch, tmp_path):
+def test_ten_steps_on_one_batch_lower_the_loss(name, tmp_path):
     totals = []
     batch = some_batch()
     run(
         recorded(STAGES[name], totals),
         itertools.repeat(batch),
-        budget(monkeypatch, 12),
+        budget(12),
         tmp_path / "w.safetensors",
     )
     assert len(totals) >= 10
@@ -85,58 +84,125 @@ def test_ten_steps_on_one_batch_lower_the_loss(name, monkeypatch, tmp_path):
 
 
 @pytest.mark.parametrize("name", ["warm-delight", "tune-relight"])
-def test_only_the_stage_s_networks_change(name, monkeypatch, tmp_path):
+def test_only_the_stage_s_networks_change(name, tmp_path):
     bundle = NetworkBundle(BundleConfig.tiny())
     before = {key: value.clone() for key, value in bundle.state_dict().items()}
     path = tmp_path / "w.safetensors"
-    result = run(STAGES[name], itertools.repeat(some_batch()), budget(monkeypatch, 9), path, bundle)
-    changed = {
-        key.split(".")[0] for key, value in result.state_dict().items() if not torch.equal(value, before[key])
-    }
+    result = run(STAGES[name], itertools.repeat(some_batch()), budget(9), path, bundle)
+    changed = {key.split(".")[0] for key, value in result.state_dict().items() if not torch.equal(value, before[key])}
     assert changed == set(STAGES[name].trains)
 
 
-def test_the_checkpoint_is_finite_and_is_what_came_back(monkeypatch, tmp_path):
+def test_the_checkpoint_is_finite_and_is_what_came_back(tmp_path):
     path = tmp_path / "w.safetensors"
-    result = run(STAGES["warm-delight"], itertools.repeat(some_batch()), budget(monkeypatch, 9), path)
+    result = run(STAGES["warm-delight"], itertools.repeat(some_batch()), budget(9), path)
     loaded = load_bundle(path)
     for name, value in result.state_dict().items():
         assert torch.isfinite(value).all()
         torch.testing.assert_close(loaded.state_dict()[name], value, rtol=0, atol=0)
 
 
-def test_losses_that_stay_non_finite_end_the_run_and_nothing_is_saved(monkeypatch, tmp_path):
+def test_losses_that_stay_non_finite_end_the_run_and_nothing_is_saved(tmp_path):
     batch = some_batch() | {"light": torch.full((1, 2, 16, 32, 3), float("nan"))}
     with pytest.raises(TrainingDiverged):
         run(
             STAGES["warm-delight"],
             itertools.repeat(batch),
-            budget(monkeypatch, 60),
+            budget(60),
             tmp_path / "w.safetensors",
         )
     assert not list(tmp_path.iterdir())
 
 
 @pytest.mark.parametrize("spoiled", ["light", "photo_srgb", "albedo"])
-def test_one_broken_batch_leaves_no_trace(spoiled, monkeypatch, tmp_path):
+def test_one_broken_batch_leaves_no_trace(spoiled, tmp_path):
     good = some_batch()
     bad = good | {spoiled: torch.full_like(good[spoiled], float("nan"))}
     batches = itertools.chain([good, good, bad], itertools.repeat(good))
     path = tmp_path / "w.safetensors"
-    run(STAGES["warm-delight"], batches, budget(monkeypatch, 9), path)
+    run(STAGES["warm-delight"], batches, budget(9), path)
     assert all(torch.isfinite(value).all() for value in load_bundle(path).state_dict().values())
 
 
-def test_a_head_that_fills_nothing_of_the_image_does_no_harm(monkeypatch, tmp_path):
+class Killed(Exception):
+    pass
+
+
+def batches_until(broken, at):
+    """Batches that differ from each other; the one numbered `at` never comes."""
+    for number in itertools.count():
+        if number == at and broken:
+            raise Killed
+        torch.random.manual_seed(number)
+        yield some_batch()
+
+
+@pytest.mark.parametrize("name", ["warm-delight", "warm-relight"])
+def test_a_run_that_was_killed_goes_on_as_if_it_had_not_been(name, tmp_path):
+    whole, halves = tmp_path / "whole.safetensors", tmp_path / "halves.safetensors"
+    start = NetworkBundle(BundleConfig.tiny()).state_dict()
+
+    def train(path, broken):
+        bundle = NetworkBundle(BundleConfig.tiny())
+        bundle.load_state_dict(start)
+        plan = budget(12, checkpoint_seconds=0)
+        run(STAGES[name], batches_until(broken, 7), plan, path, bundle)
+
+    train(whole, broken=False)
+    with pytest.raises(Killed):
+        train(halves, broken=True)
+    train(halves, broken=False)
+    expected = load_bundle(whole).state_dict()
+    for key, value in load_bundle(halves).state_dict().items():
+        torch.testing.assert_close(value, expected[key], rtol=0, atol=0)
+    assert sorted(p.name for p in tmp_path.iterdir()) == [
+        "halves.log.json",
+        "halves.safetensors",
+        "whole.log.json",
+        "whole.safetensors",
+    ]
+
+
+def test_a_state_of_something_else_is_refused(tmp_path):
+    path = tmp_path / "w.safetensors"
+    with pytest.raises(Killed):
+        run(STAGES["warm-delight"], batches_until(True, 4), budget(9, checkpoint_seconds=0), path)
+    with pytest.raises(InputError, match="state"):
+        run(STAGES["warm-relight"], itertools.repeat(some_batch()), budget(9), path)
+
+
+def test_skipped_batches_are_counted(tmp_path):
+    good, seen = some_batch(), []
+    bad = good | {"light": torch.full_like(good["light"], float("nan"))}
+    batches = itertools.chain([bad, good, bad], itertools.repeat(good))
+    bundle = NetworkBundle(BundleConfig.tiny())
+    train_stage(
+        STAGES["warm-delight"],
+        bundle,
+        lambda first: batches,
+        budget(60),
+        tmp_path / "w.safetensors",
+        lambda elapsed, progress: seen.append(progress.skipped),
+    )
+    assert seen == [2]
+
+
+def test_a_budget_is_of_time_or_of_steps():
+    for settings in ({}, {"minutes": 1, "steps": 1}):
+        with pytest.raises(ValueError, match="either"):
+            Budget(1e-3, **settings)
+
+
+def test_a_head_that_fills_nothing_of_the_image_does_no_harm(tmp_path):
     batch = some_batch()
     batch["covered"] = torch.zeros_like(batch["covered"])
     path = tmp_path / "w.safetensors"
-    run(STAGES["tune-relight"], itertools.repeat(batch), budget(monkeypatch, 9), path)
+    run(STAGES["tune-relight"], itertools.repeat(batch), budget(9), path)
     assert path.exists()
 
 
 def test_rate_rises_then_falls_to_its_final_fraction():
-    plan = Budget(minutes=1, learning_rate=1.0, warm_up_steps=10, final_fraction=0.02)
+    plan = Budget(1.0, minutes=1, warm_up_steps=10, final_fraction=0.02)
     assert plan.rate(0, 0.0) == pytest.approx(0.1)
     assert plan.rate(100, 0.0) == pytest.approx(1.0)
     assert plan.rate(100, 0.5) == pytest.approx(0.51)
@@ -144,10 +210,10 @@ def test_rate_rises_then_falls_to_its_final_fraction():
     assert plan.rate(100, 7.0) == pytest.approx(0.02)
 
 
-def test_log_and_curves(monkeypatch, tmp_path):
+def test_log_and_curves(tmp_path):
     pytest.importorskip("matplotlib", reason="curves need the training extra")
     path = tmp_path / "w.safetensors"
-    run(STAGES["warm-composition"], itertools.repeat(some_batch()), budget(monkeypatch, 101), path)
+    run(STAGES["warm-composition"], itertools.repeat(some_batch()), budget(101), path)
     log = json.loads(path.with_suffix(".log.json").read_text())
     assert [row["step"] for row in log] == [50, 100]
     draw_curves(path.with_suffix(".log.json"), tmp_path / "curves.png")

@@ -1,0 +1,153 @@
+"""The endless stream of training samples: a pure function of its seed and of the place in it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import torch
+from torch.utils.data import IterableDataset, get_worker_info
+
+from relight_core.dataset.appearance import Appearance, appear
+from relight_core.dataset.bake import add_relief
+from relight_core.dataset.camera import photograph
+from relight_core.dataset.lights import LightLibrary, load_lights, sample_light
+from relight_core.dataset.occluders import sample_occluder
+from relight_core.dataset.recipe import load_split
+from relight_core.dataset.samples import (
+    LitHead,
+    as_tensors,
+    channels_of,
+    light_head,
+    mirrored,
+    relief_shadows,
+    subsample,
+    surface_of,
+    without_hidden,
+)
+from relight_core.dataset.shard import read_shard
+from relight_core.dataset.skin import paint
+from relight_core.dataset.texture import TexturePool
+from relight_core.errors import InputError
+from relight_core.lighting.reflection import Gloss
+
+_OCCLUDED_SHARE, _SCATTERING_SHARE = 0.25, 0.6
+_EPOCH_STREAM = 1 << 30
+"""Sets the shuffles of the heads apart from the other random streams."""
+
+
+class SampleStream(IterableDataset):
+    """Pairs of lights of the same head, pose and albedo, as fine-tuning needs them (paper, section 4.3).
+
+    Each item is a dict of tensors: "photo_srgb" (2, 3, S, S), "image", "specular", "shadow", ... with a
+    leading axis of two lights; "albedo", "normal", "relief", "label", "covered" without one.
+
+    Heads are lit a few at a time, since that is the slow part, and then painted and photographed many
+    times. Every item is drawn from a random stream of its own, so that training can go on at any batch as
+    if it had never stopped.
+
+    Args:
+        folder: baked shards, the heads that are there when the stream starts.
+        size: side of the images; the shards' own size or a divisor of it.
+        photographs: also take photos (de-lighting needs them, the other networks do not).
+        relief_shadow: also march a relief as rough as a predicted one ("relief_shadow", a hint to SS).
+        first_batch, pairs: go on at this batch of so many pairs (the loader's batch size).
+    """
+
+    def __init__(
+        self,
+        folder: Path,
+        lights: Path,
+        split: str,
+        size: int,
+        seed: int,
+        *,
+        photographs: bool = True,
+        relief_shadow: bool = False,
+        lights_per_head: int = 10,
+        paints_per_head: int = 24,
+        heads_at_once: int = 8,
+        first_batch: int = 0,
+        pairs: int = 1,
+    ):
+        super().__init__()
+        self.folder, self.lights, self.split, self.size, self.seed = folder, lights, split, size, seed
+        self.photographs, self.relief_shadow = photographs, relief_shadow
+        self.lights_per_head, self.paints_per_head = lights_per_head, paints_per_head
+        self.heads_at_once = heads_at_once
+        self.first_batch, self.pairs = first_batch, pairs
+
+    def __iter__(self) -> Iterator[dict[str, torch.Tensor]]:
+        worker = get_worker_info()
+        number, workers = (worker.id, worker.num_workers) if worker else (0, 1)
+        turn, lane = divmod(self.first_batch + number, workers)
+        paths = load_split(self.folder, self.split)
+        if not paths:
+            raise InputError(f"{self.folder}: no baked heads; run 'relight dataset bake' first")
+        library = load_lights(self.lights, self.split)
+        pool = TexturePool(self._random(lane), library.panoramas)
+        round_number, first = divmod(turn * self.pairs, self.heads_at_once * self.paints_per_head)
+        while True:
+            yield from self._round(lane, round_number, first, paths, library, pool)
+            round_number, first = round_number + 1, 0
+
+    def _random(self, *place: int) -> np.random.Generator:
+        return np.random.default_rng([self.seed, *place])
+
+    def _round(
+        self, lane: int, number: int, first: int, paths: list[Path], library: LightLibrary, pool: TexturePool
+    ) -> Iterator[dict[str, torch.Tensor]]:
+        """The samples of a few heads, from the `first` on."""
+        rng = self._random(lane, number)
+        lit = [self._light(path, library, pool, rng) for path in self._heads_of(lane, number, paths)]
+        order = rng.permutation(self.heads_at_once * self.paints_per_head)
+        for place in range(first, len(order)):
+            yield self._sample(lit[order[place] % len(lit)], pool, self._random(lane, number, place))
+
+    def _heads_of(self, lane: int, number: int, paths: list[Path]) -> list[Path]:
+        """Which heads a round lights: each comes once before any comes again."""
+        rounds = -(-len(paths) // self.heads_at_once)
+        epoch, part = divmod(number, rounds)
+        order = self._random(lane, _EPOCH_STREAM + epoch).permutation(len(paths))
+        return [paths[i] for i in order[part * self.heads_at_once : (part + 1) * self.heads_at_once]]
+
+    def _light(self, path: Path, library: LightLibrary, pool: TexturePool, rng: np.random.Generator) -> LitHead:
+        head = read_shard(path)
+        head = subsample(head, head.size // self.size, rng)
+        normal = add_relief(head, pool.noise(rng), rng.uniform(0, 0.2))
+        lights = np.stack([sample_light(library, rng) for _ in range(self.lights_per_head)])
+        lit = light_head(head, normal, lights)
+        if self.photographs:
+            lit = replace(lit, appearance=self._appearance(lit, rng))
+        return replace(lit, relief_shadow=relief_shadows(lit, rng)) if self.relief_shadow else lit
+
+    def _appearance(self, lit: LitHead, rng: np.random.Generator) -> Appearance:
+        gloss = Gloss(rng.uniform(0.2, 1.2), rng.uniform(0.3, 0.65))
+        occluder = sample_occluder(rng) if rng.random() < _OCCLUDED_SHARE else None
+        scatter_px = rng.uniform(0.3, 2.0) * self.size / 128 if rng.random() < _SCATTERING_SHARE else 0.0
+        return appear(lit.head, lit.normal, lit.lights, lit.illumination, gloss, occluder, scatter_px)
+
+    def _sample(self, lit: LitHead, pool: TexturePool, rng: np.random.Generator) -> dict[str, torch.Tensor]:
+        albedo = paint(lit.head, pool, rng)
+        mirror = rng.random() < 0.5
+        surface = surface_of(lit, albedo)
+        pair = []
+        for k in rng.choice(self.lights_per_head, 2, replace=False):
+            channels = channels_of(lit, albedo, k) | surface
+            if lit.appearance is not None:
+                channels["photo_srgb"] = photograph(
+                    lit.head.scatter(lit.appearance.radiance(lit.head, albedo, lit.blocked, k)),
+                    lit.head.covered,
+                    lit.lights[k],
+                    float(lit.illumination.irradiance[k].mean()),
+                    pool,
+                    rng,
+                    hidden=lit.appearance.hidden,
+                )
+                channels |= without_hidden(channels, lit.appearance.hidden)
+            if lit.relief_shadow is not None:
+                channels["relief_shadow"] = lit.relief_shadow[k]
+            pair.append(mirrored(channels) if mirror else channels)
+        return as_tensors(pair, shared=set(surface))

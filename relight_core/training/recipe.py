@@ -1,0 +1,154 @@
+"""A training run in words: which networks, which stages, for how long; read from TOML."""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Callable
+from dataclasses import dataclass, fields, replace
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+from relight_core.errors import InputError
+from relight_core.networks.bundle import BundleConfig, NetworkBundle, load_bundle, save_bundle
+from relight_core.training.loop import state_path
+from relight_core.training.run import Run, train
+from relight_core.training.stages import STAGES
+from relight_core.training.state import Progress
+
+
+@dataclass(frozen=True)
+class StagePlan:
+    """One stage of a recipe.
+
+    Attributes:
+        name: of a stage in `stages.STAGES`.
+        minutes, steps: its length, one of them.
+        size, pairs: image side in pixels and pairs of lights per batch.
+        learning_rate: peak; None takes the stage's own.
+        detail_width: from here on de-lighting has a sharpening pass of this width; 0 leaves it as it is.
+    """
+
+    name: str
+    minutes: float | None = None
+    steps: int | None = None
+    size: int = 128
+    pairs: int = 8
+    learning_rate: float | None = None
+    detail_width: int = 0
+
+
+@dataclass(frozen=True)
+class Recipe:
+    """Networks and the stages that train them, in order."""
+
+    networks: BundleConfig
+    stages: tuple[StagePlan, ...]
+    seed: int = 0
+
+
+def recipe_names() -> list[str]:
+    """Names of the recipes that come with the project."""
+    return sorted(path.stem for path in (Path(__file__).parent / "recipes").glob("*.toml"))
+
+
+def load_recipe(name_or_path: str) -> Recipe:
+    """Read a recipe of the project by its name, or a file.
+
+    Raises:
+        InputError: it can't be read, or says something that no run understands.
+    """
+    bundled = Path(__file__).parent / "recipes" / f"{name_or_path}.toml"
+    path = bundled if name_or_path in recipe_names() else Path(name_or_path)
+    try:
+        return _parsed(tomllib.loads(path.read_text(encoding="utf-8")))
+    except OSError as error:
+        known = ", ".join(recipe_names())
+        raise InputError(f"{path}: can't be read ({error.strerror}); give a file or one of {known}") from error
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError, TypeError, ValueError, KeyError) as error:
+        raise InputError(f"{path}: not a training recipe ({error}); mend that line") from error
+
+
+def _parsed(data: dict[str, Any]) -> Recipe:
+    unknown = set(data) - {"seed", "networks", "stage", "description"}
+    if unknown:
+        raise ValueError(f"unknown entry {sorted(unknown)[0]!r}")
+    stages = tuple(_stage(entry) for entry in data.get("stage", []))
+    if not stages:
+        raise ValueError("no [[stage]]")
+    return Recipe(_networks(data.get("networks", {})), stages, int(data.get("seed", 0)))
+
+
+def _networks(data: dict[str, dict[str, Any]]) -> BundleConfig:
+    config = BundleConfig()
+    for name, settings in data.items():
+        if not hasattr(config, name):
+            raise ValueError(f"unknown network {name!r}")
+        config = replace(config, **{name: replace(getattr(config, name), **settings)})
+    return config
+
+
+def _stage(entry: dict[str, Any]) -> StagePlan:
+    types = {field.name: field.type for field in fields(StagePlan)}
+    for name, value in entry.items():
+        if name not in types:
+            raise ValueError(f"unknown entry {name!r} in a stage")
+        if name != "name" and not (isinstance(value, int | float) and value > 0):
+            raise ValueError(f"{name} must be a number above 0")
+    plan = StagePlan(**entry)
+    if plan.name not in STAGES:
+        raise ValueError(f"unknown stage {plan.name!r}: one of {', '.join(STAGES)}")
+    if (plan.minutes is None) == (plan.steps is None):
+        raise ValueError(f"{plan.name}: give either minutes or steps")
+    return plan
+
+
+def follow(
+    recipe: Recipe,
+    heads: Path,
+    lights: Path,
+    folder: Path,
+    report: Callable[[int, float, Progress], None],
+    start: Path | None = None,
+) -> NetworkBundle:
+    """Train all stages into a folder; a run that was stopped goes on where it was.
+
+    Every stage leaves its weights and its log; the last one's, in half precision, are also
+    "relight.safetensors".
+
+    Args:
+        report: called with the stage's place in the recipe, the fraction of it that is done, its progress.
+        start: weights to begin from; random ones without.
+
+    Raises:
+        TrainingDiverged, InputError: as `loop.train_stage`.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    before = start
+    for number, plan in enumerate(recipe.stages):
+        checkpoint = folder / f"{number + 1:02d}-{plan.name}.safetensors"
+        if state_path(checkpoint).exists() or not checkpoint.exists():
+            settings = _run(recipe, plan, number, heads, lights, checkpoint, before)
+            train(settings, partial(report, number))
+        before = checkpoint
+    result = load_bundle(before)
+    save_bundle(folder / "relight.safetensors", result)
+    return result
+
+
+def _run(recipe: Recipe, plan: StagePlan, number: int, heads, lights, checkpoint, before) -> Run:
+    return Run(
+        plan.name,
+        heads,
+        lights,
+        checkpoint,
+        start=before,
+        minutes=plan.minutes,
+        steps=plan.steps,
+        size=plan.size,
+        pairs=plan.pairs,
+        seed=recipe.seed + number,
+        learning_rate=plan.learning_rate,
+        detail_width=plan.detail_width,
+        config=recipe.networks,
+    )

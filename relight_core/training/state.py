@@ -1,0 +1,108 @@
+"""A training run that can be put down and taken up again as if nothing had happened."""
+
+from __future__ import annotations
+
+import json
+import os
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import torch
+from safetensors import SafetensorError, safe_open
+from safetensors.torch import save_file
+from torch import nn
+
+from relight_core.errors import InputError
+
+_FORMAT = "relight-training-1"
+
+
+@dataclass
+class Progress:
+    """Where a run stands.
+
+    Attributes:
+        step: steps taken, skipped ones counted in; also the number of the next batch.
+        seconds: time spent, over all its parts.
+        skipped: batches that were not finite, in all.
+        in_a_row: the same, without a good one between.
+        smoothed: running means of the losses.
+        log: what was reported.
+    """
+
+    step: int = 0
+    seconds: float = 0.0
+    skipped: int = 0
+    in_a_row: int = 0
+    smoothed: dict[str, float] = field(default_factory=dict)
+    log: list[dict[str, float]] = field(default_factory=list)
+
+    def take(self, losses: dict[str, float]) -> None:
+        """Count one step; no losses stand for a batch that had to be skipped."""
+        self.step += 1
+        self.skipped += not losses
+        self.in_a_row = 0 if losses else self.in_a_row + 1
+        for name, value in losses.items():
+            self.smoothed[name] = 0.98 * self.smoothed.get(name, value) + 0.02 * value
+
+
+def save_state(path: Path, progress: Progress, weights: nn.Module, average: dict[str, torch.Tensor], optimiser) -> None:
+    """Write everything a run's next step depends on, whole or not at all."""
+    tensors = {f"weights.{name}": value for name, value in weights.state_dict().items()}
+    tensors |= {f"average.{name}": value for name, value in average.items()}
+    for index, moments in optimiser.state_dict()["state"].items():
+        tensors |= {f"optimiser.{index}.{name}": torch.as_tensor(value) for name, value in moments.items()}
+    tensors["random"] = torch.get_rng_state()
+    tensors = {name: value.detach().cpu().contiguous().clone() for name, value in tensors.items()}
+    beside = path.with_name(path.name + ".partial")
+    save_file(tensors, beside, metadata={"format": _FORMAT, "progress": json.dumps(progress.__dict__)})
+    os.replace(beside, path)
+
+
+def load_state(path: Path, weights: nn.Module, average: dict[str, torch.Tensor], optimiser) -> Progress:
+    """Read what `save_state` wrote into the run's own objects.
+
+    Raises:
+        InputError: the file is damaged, or belongs to networks of another shape or another stage.
+    """
+    try:
+        with safe_open(path, framework="pt") as file:
+            header = file.metadata() or {}
+            if header.get("format") != _FORMAT:
+                raise InputError(f"{path}: not the state of a training run; delete it to start again")
+            tensors = {name: file.get_tensor(name) for name in file.keys()}  # noqa: SIM118
+        progress = Progress(**json.loads(header["progress"]))
+        weights.load_state_dict(_below("weights.", tensors))
+        for name, value in _below("average.", tensors).items():
+            average[name].copy_(value)
+        optimiser.load_state_dict({**optimiser.state_dict(), "state": _moments(tensors, optimiser)})
+        torch.set_rng_state(tensors["random"])
+    except (OSError, SafetensorError, RuntimeError, KeyError, IndexError, TypeError, ValueError) as error:
+        if isinstance(error, InputError):
+            raise
+        raise InputError(f"{path}: this state can't be gone on from ({error}); delete it to start again") from error
+    return progress
+
+
+def _below(prefix: str, tensors: dict[str, torch.Tensor]) -> dict[str, torch.Tensor]:
+    return {name.removeprefix(prefix): value for name, value in tensors.items() if name.startswith(prefix)}
+
+
+def _moments(tensors: dict[str, torch.Tensor], optimiser) -> dict[int, dict[str, torch.Tensor]]:
+    """The optimiser's moments, laid out in memory as their weights are: fused steps pair them by address."""
+    weights = [weight for group in optimiser.param_groups for weight in group["params"]]
+    moments: dict[int, dict[str, torch.Tensor]] = {}
+    for name, value in _below("optimiser.", tensors).items():
+        index, moment = name.split(".", 1)
+        moments.setdefault(int(index), {})[moment] = _laid_out_like(weights[int(index)].detach(), value)
+    if len(moments) not in (0, len(weights)):
+        raise ValueError(f"it is about {len(moments)} weights, this stage changes {len(weights)}")
+    return moments
+
+
+def _laid_out_like(weight: torch.Tensor, moment: torch.Tensor) -> torch.Tensor:
+    if moment.ndim == 0:
+        return moment
+    if moment.shape != weight.shape:
+        raise ValueError("it is about other networks or another stage")
+    return torch.empty_like(weight).copy_(moment)

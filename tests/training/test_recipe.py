@@ -1,0 +1,132 @@
+"""Training recipes: what is read from TOML, and that a run which was stopped goes on."""
+
+import itertools
+
+import pytest
+import torch
+from test_loop import some_batch
+
+from relight_core.errors import InputError
+from relight_core.networks.bundle import BundleConfig, NetworkBundle, load_bundle, save_bundle
+from relight_core.training import run as run_module
+from relight_core.training.recipe import follow, load_recipe, recipe_names
+
+
+def written(tmp_path, text):
+    path = tmp_path / "r.toml"
+    path.write_text(text)
+    return str(path)
+
+
+SHORT = """
+seed = 3
+[networks.delight]
+width = 4
+levels = 3
+[networks.specular_shadow]
+width = 4
+levels = 3
+[networks.composition]
+width = 4
+levels = 2
+[[stage]]
+name = "warm-delight"
+steps = 2
+[[stage]]
+name = "warm-delight"
+steps = 2
+detail_width = 4
+[[stage]]
+name = "warm-relight"
+steps = 2
+"""
+
+
+@pytest.fixture
+def data(monkeypatch):
+    """Batches without heads or lights."""
+    asked = []
+
+    def batches(run, stage, first_batch):
+        asked.append((run.stage, run.seed, first_batch))
+        torch.manual_seed(run.seed)
+        return itertools.repeat(some_batch())
+
+    monkeypatch.setattr(run_module, "_batches", batches)
+    return asked
+
+
+def test_bundled_recipes_can_be_read():
+    assert {"paper", "shipped"} <= set(recipe_names())
+    for name in recipe_names():
+        assert load_recipe(name).stages
+
+
+def test_the_paper_s_recipe_has_none_of_our_variants():
+    recipe = load_recipe("paper")
+    assert not recipe.networks.delight.anchored
+    assert not recipe.networks.specular_shadow.per_pixel_light
+    assert not recipe.networks.specular_shadow.relief_shadow
+    assert not recipe.networks.composition.explicit_sum
+    assert [stage.learning_rate for stage in recipe.stages] == [2e-3, 2e-3, 2e-3, 2e-4, 2e-4]
+
+
+@pytest.mark.parametrize(
+    ("text", "word"),
+    [
+        ("", "stage"),
+        ("[[stage]]\nname = 'warm-delight'", "minutes"),
+        ("[[stage]]\nname = 'warm-delight'\nminutes = 1\nsteps = 1", "minutes"),
+        ("[[stage]]\nname = 'cook'\nsteps = 1", "cook"),
+        ("[[stage]]\nname = 'warm-delight'\nsteps = -1", "steps"),
+        ("[[stage]]\nname = 'warm-delight'\nsteps = 1\nspeed = 2", "speed"),
+        ("colour = 1\n[[stage]]\nname = 'warm-delight'\nsteps = 1", "colour"),
+        ("[networks.delight]\nheight = 4\n[[stage]]\nname = 'warm-delight'\nsteps = 1", "height"),
+        ("[networks.hair]\n[[stage]]\nname = 'warm-delight'\nsteps = 1", "hair"),
+        ("not toml", "r.toml"),
+    ],
+)
+def test_what_no_run_understands_is_refused(text, word, tmp_path):
+    with pytest.raises(InputError, match=word):
+        load_recipe(written(tmp_path, text))
+
+
+def test_an_unknown_name_lists_the_known(tmp_path):
+    with pytest.raises(InputError, match="paper"):
+        load_recipe(str(tmp_path / "none.toml"))
+
+
+def test_stages_follow_each_other(tmp_path, data):
+    recipe = load_recipe(written(tmp_path, SHORT))
+    out = tmp_path / "out"
+    result = follow(recipe, tmp_path, tmp_path, out, lambda *progress: None)
+    assert [stage for stage, _, _ in data] == ["warm-delight", "warm-delight", "warm-relight"]
+    assert len({seed for _, seed, _ in data}) == 3
+    assert result.config.delight.detail_width == 4
+    assert load_bundle(out / "relight.safetensors").config == result.config
+    data.clear()
+    follow(recipe, tmp_path, tmp_path, out, lambda *progress: None)
+    assert data == []
+    (out / "03-warm-relight.safetensors").unlink()
+    follow(recipe, tmp_path, tmp_path, out, lambda *progress: None)
+    assert [stage for stage, _, _ in data] == ["warm-relight"]
+
+
+def test_a_detail_pass_changes_nothing_until_it_is_trained(tmp_path):
+    from relight_core.networks.bundle import with_detail_pass
+
+    torch.manual_seed(0)
+    coarse = NetworkBundle(BundleConfig.tiny()).eval()
+    fine = with_detail_pass(coarse, 8).eval()
+    photo = torch.rand(1, 3, 32, 32)
+    with torch.no_grad():
+        small = coarse.delight(torch.nn.functional.avg_pool2d(photo, 2))
+        large = fine.delight(photo)
+    assert large.albedo_srgb.shape == photo.shape
+    torch.testing.assert_close(large.light, small.light)
+    doubled = torch.nn.functional.interpolate(small.relief, scale_factor=2, mode="bilinear")
+    torch.testing.assert_close(large.relief, doubled)
+    save_bundle(tmp_path / "f.safetensors", fine, half=False)
+    again = load_bundle(tmp_path / "f.safetensors").eval()
+    with torch.no_grad():
+        torch.testing.assert_close(again.delight(photo).normal, large.normal)
