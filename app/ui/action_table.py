@@ -37,6 +37,7 @@ ACTIONS: tuple[Action, ...] = (
     *look_actions.SHOWING,
     *edit_actions.LIGHT,
     *edit_actions.FILE,
+    *look_actions.PANELS,
     *PROGRAM,
 )
 """In the order of the palette and, group by group, of the overlay."""

@@ -17,6 +17,7 @@ _MODIFIERS = (
 _CURSORS = {
     imgui.MouseCursor_.text_input: glfw.IBEAM_CURSOR,
     imgui.MouseCursor_.resize_ew: glfw.HRESIZE_CURSOR,
+    imgui.MouseCursor_.resize_ns: glfw.VRESIZE_CURSOR,
     imgui.MouseCursor_.hand: glfw.HAND_CURSOR,
 }
 

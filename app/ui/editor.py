@@ -8,6 +8,7 @@ from contextlib import contextmanager
 from imgui_bundle import imgui
 
 from app.ui import (
+    dividers,
     effects_panel,
     filmstrip,
     help_overlay,
@@ -18,7 +19,7 @@ from app.ui import (
     theme,
     viewport_panel,
 )
-from app.ui.layout import Rect, arrange
+from app.ui.layout import Layout, Rect, arrange
 from app.ui.pictures import Pictures
 from app.ui.state import EditorState
 
@@ -35,25 +36,39 @@ _FLAGS = (
 def draw(state: EditorState, fonts: theme.Fonts, pictures: Pictures, shelf: light_panel.Shelf) -> None:
     """Draw every panel; between new_frame and render."""
     io = imgui.get_io()
-    layout = arrange(io.display_size.x, io.display_size.y, imgui.get_font_size())
+    scope = state.look.scope != "off"
+    layout = arrange(io.display_size.x, io.display_size.y, imgui.get_font_size(), state.panels, scope)
     state.hand_on_control = False
-    state.light_panel = layout.light.corners
+    state.light_panel = layout.light.corners if layout.light else (0.0, 0.0, 0.0, 0.0)
     shortcuts.apply(state)
-    with _panel("light", layout.light):
-        light_panel.draw(state, fonts, pictures, shelf)
-    with _panel("effects", layout.effects):
-        imgui.begin_child("controls")
-        effects_panel.draw(state, fonts)
-        imgui.end_child()
+    _sides(state, fonts, pictures, shelf, layout)
     with _panel("viewport", layout.viewport, padding=(0.0, 0.0)):
         viewport_panel.draw(state, fonts, pictures, layout.viewport)
-    with _panel("filmstrip", layout.filmstrip, padding=(14.0, 7.0)):
-        filmstrip.draw(state, pictures)
+    if layout.filmstrip:
+        with _panel("filmstrip", layout.filmstrip, padding=(14.0, 7.0)):
+            filmstrip.draw(state, pictures)
     with _panel("status", layout.status, padding=(14.0, 5.0)):
         status_line.draw(state)
+    dividers.draw(state, layout)
     whole = Rect(0.0, 0.0, io.display_size.x, io.display_size.y)
     help_overlay.draw(state, fonts, whole)
     palette.draw(state, whole)
+
+
+def _sides(
+    state: EditorState, fonts: theme.Fonts, pictures: Pictures, shelf: light_panel.Shelf, layout: Layout
+) -> None:
+    if layout.light:
+        with _panel("light", layout.light):
+            light_panel.draw(state, fonts, pictures, shelf)
+    if layout.scope:
+        with _panel("scope", layout.scope, padding=(14.0, 10.0)):
+            pass
+    if layout.effects:
+        with _panel("effects", layout.effects):
+            imgui.begin_child("controls")
+            effects_panel.draw(state, fonts)
+            imgui.end_child()
 
 
 @contextmanager
@@ -64,7 +79,9 @@ def _panel(name: str, rect: Rect, padding: tuple[float, float] | None = None) ->
         scale = imgui.get_font_size() / theme.FONT_PX
         scaled = imgui.ImVec2(padding[0] * scale, padding[1] * scale)
         imgui.push_style_var(imgui.StyleVar_.window_padding, scaled)
+    imgui.push_style_var(imgui.StyleVar_.window_min_size, imgui.ImVec2(1.0, 1.0))
     imgui.begin(name, None, _FLAGS)
+    imgui.pop_style_var()
     if padding is not None:
         imgui.pop_style_var()
     yield

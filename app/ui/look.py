@@ -37,7 +37,7 @@ class LookState:
     false_colour: bool = False
     difference: bool = False
     probe: bool = False
-    scope: str = "histogram"
+    scope: str = "off"
     light_ball: bool = True
     timings: bool = False
     help: bool = False

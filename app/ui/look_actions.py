@@ -7,7 +7,7 @@ from app.ui.state import CHANNELS, PHOTO, EditorState
 from app.ui.view import View
 from app.ui.viewport_panel import ZOOM_PER_STEP, zoom_by
 
-_LOOK, _PICTURES = "Look", "Pictures"
+_LOOK, _PICTURES, _PANELS = "Look", "Pictures", "Panels"
 
 
 def _opened(state: EditorState) -> bool:
@@ -83,8 +83,43 @@ SHOWING = tuple(
     for number, (name, title, explanation) in enumerate(CHANNELS, 1)
 )
 
+
+def _switch_panel(name: str):
+    def run(state: EditorState) -> None:
+        state.panels = state.panels.switched(name)
+
+    return run
+
+
+def _panel_shown(name: str):
+    return lambda state: getattr(state.panels, name)
+
+
+def _switch_panels(state: EditorState) -> None:
+    state.panels = state.panels.all_shown(not state.panels.any_shown)
+
+
+PANELS = (
+    Action(
+        "Only the picture",
+        _PANELS,
+        ("Tab",),
+        "Hides every panel; once more brings them back",
+        _switch_panels,
+        is_on=lambda state: not state.panels.any_shown,
+    ),
+    Action(
+        "Filmstrip", _PANELS, ("F6",), "Shows or hides it", _switch_panel("filmstrip"), is_on=_panel_shown("filmstrip")
+    ),
+    Action("Light panel", _PANELS, ("F7",), "Shows or hides it", _switch_panel("light"), is_on=_panel_shown("light")),
+    Action(
+        "Effects panel", _PANELS, ("F8",), "Shows or hides it", _switch_panel("effects"), is_on=_panel_shown("effects")
+    ),
+)
+
 GESTURES = (
     Gesture("Ctrl + wheel", _LOOK, "Zoom about the mouse"),
     Gesture("Drag the picture", _LOOK, "Move it"),
     Gesture("Double-click the picture", _LOOK, "Fit it to the window"),
+    Gesture("Drag a panel's edge", _PANELS, "Resize it; a double click puts it back"),
 )

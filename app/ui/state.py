@@ -8,6 +8,7 @@ from pathlib import Path
 from app.engine.exporting import default_export_path
 from app.engine.snapshot import Message, Snapshot
 from app.engine.sources import LightSource, PhotoSource, Request
+from app.ui.layout import Panels
 from app.ui.look import LookState
 from app.ui.view import View
 from relight_core.pipeline.edit import Edit
@@ -42,6 +43,7 @@ class EditorState:
         view: zoom and pan.
         view_of: the size, width and height in pixels, of the picture that `view` was made for.
         look: what is switched on for looking.
+        panels: how large the panels are and which are in sight.
         export_path: where the next export goes, without a number; its suffix follows the button.
         export_wanted: ".png" or ".exr" for one frame after the user asked for it.
         dismissed: number of the newest message the user has put away.
@@ -63,6 +65,7 @@ class EditorState:
     view: View = field(default_factory=View)
     view_of: tuple[int, int] = (0, 0)
     look: LookState = field(default_factory=LookState)
+    panels: Panels = field(default_factory=Panels)
     export_path: str = ""
     export_wanted: str | None = None
     dismissed: int = 0

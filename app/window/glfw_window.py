@@ -5,8 +5,12 @@ from __future__ import annotations
 import warnings
 
 import glfw
+from PIL import Image
+
+from relight_core.resources import resource_path
 
 SMALLEST = (800, 560)
+_ICON_SIDES = (256, 128, 64, 48, 32, 16)
 
 
 class NoDisplayError(RuntimeError):
@@ -31,6 +35,10 @@ def open_window(title: str, size: tuple[int, int], visible: bool = True) -> obje
     glfw.make_context_current(handle)
     glfw.swap_interval(1)
     glfw.set_window_size_limits(handle, *SMALLEST, glfw.DONT_CARE, glfw.DONT_CARE)
+    with warnings.catch_warnings():
+        # Wayland and macOS take icons from elsewhere and say so.
+        warnings.simplefilter("ignore")
+        glfw.set_window_icon(handle, len(_ICON_SIDES), _icons())
     return handle
 
 
@@ -50,6 +58,12 @@ def _hint(visible: bool) -> None:
     glfw.window_hint(glfw.VISIBLE, glfw.TRUE if visible else glfw.FALSE)
     glfw.window_hint_string(glfw.X11_CLASS_NAME, "relight")
     glfw.window_hint_string(glfw.X11_INSTANCE_NAME, "relight")
+
+
+def _icons() -> list[Image.Image]:
+    with Image.open(resource_path("icon", "icon.png")) as drawn:
+        whole = drawn.convert("RGBA")
+    return [whole.resize((side, side), Image.Resampling.LANCZOS, reducing_gap=3.0) for side in _ICON_SIDES]
 
 
 def _within_screen(size: tuple[int, int]) -> tuple[int, int]:

@@ -36,10 +36,12 @@ def run_editor(
     Raises:
         NoDisplayError: there is no display, or none with OpenGL 3.3; nothing was opened.
     """
+    from app.settings import settings_path
     from app.window.window import EditorWindow
 
     source = LightSource.named(light) if light else None
-    window = EditorWindow(relighter_factory, Path(photo_path) if photo_path else None, source)
+    photo = Path(photo_path) if photo_path else None
+    window = EditorWindow(relighter_factory, photo, source, settings_path=settings_path())
     try:
         window.run()
     finally:

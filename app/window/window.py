@@ -23,6 +23,7 @@ from app.window.dropped import take_files
 from app.window.gl_pictures import GlPictures
 from app.window.gl_textures import Canvas
 from app.window.glfw_window import close_window, open_window
+from app.window.memory import Memory
 
 SIZE = (1440, 900)
 _LIVELY_S = 0.7
@@ -36,8 +37,10 @@ class EditorWindow:
     Args:
         make_relighter: called on the engine's thread when the first photo is opened.
         photo, light: what to open at once.
-        size: of the window.
+        size: of the window; None is the last one's.
         visible: False keeps it off the screen.
+        on_engine_start: called first on the engine's thread.
+        settings_path: where panels and window size are kept between runs; None keeps nothing.
 
     Raises:
         NoDisplayError: no display, or one without OpenGL 3.3.
@@ -49,13 +52,16 @@ class EditorWindow:
         photo: Path | None = None,
         light: LightSource | None = None,
         *,
-        size: tuple[int, int] = SIZE,
+        size: tuple[int, int] | None = None,
         visible: bool = True,
         on_engine_start: Callable[[], None] = lambda: None,
+        settings_path: Path | None = None,
     ) -> None:
-        self.handle = open_window("relight", size, visible)
+        self._memory = Memory(settings_path)
+        self.handle = open_window("relight", size or self._memory.window_size or SIZE, visible)
         self.context = moderngl.create_context(require=330)
         self.state = EditorState()
+        self._memory.recall(self.state)
         if light is not None:
             self.state.choose_light(light)
         if photo is not None:
@@ -110,7 +116,8 @@ class EditorWindow:
         return pixels
 
     def close(self) -> None:
-        """Finish exports, end the threads, free everything."""
+        """Keep the settings, finish exports, end the threads, free everything."""
+        self._memory.keep(self.state, glfw.get_window_size(self.handle))
         glfw.hide_window(self.handle)
         self.shelf.close()
         self.engine.close()
@@ -187,6 +194,7 @@ class EditorWindow:
         elif self._binding.wants_text():
             glfw.wait_events_timeout(_CURSOR_BLINK_S)
         else:
+            self._memory.keep(self.state, glfw.get_window_size(self.handle))
             glfw.wait_events()
             self._lively_until = time.monotonic() + _LIVELY_S
 

@@ -1,5 +1,8 @@
 """The real window on a real X display, driven as a user would, judged by its pixels."""
 
+import time
+from types import SimpleNamespace
+
 import glfw
 import numpy as np
 import pytest
@@ -305,3 +308,51 @@ def test_the_overview_opens_with_a_question_mark_and_a_click_closes_it(opened):
     assert np.abs(opened.window.screenshot().astype(int) - before).mean() > 10
     opened.click(opened.centre())
     assert not opened.window.state.look.help
+
+
+def test_the_panels_can_be_hidden_and_resized_and_are_remembered(display, relighter, tmp_path):
+    path = tmp_path / "settings" / "settings.json"
+    window = EditorWindow(lambda: relighter, size=(WIDTH, HEIGHT), settings_path=path)
+    hand = Hand(window, (WIDTH, HEIGHT))
+    width = hand.viewport_width()
+    hand.drag((255, 300), (305, 300))
+    assert hand.viewport_width() == width - 50
+    hand.key(glfw.KEY_F8)
+    assert hand.viewport_width() == width - 50 + 240
+    hand.key(glfw.KEY_TAB)
+    assert hand.viewport_width() == WIDTH
+    hand.key(glfw.KEY_TAB)
+    hand.key(glfw.KEY_F8)
+    window.close()
+    again = EditorWindow(lambda: relighter, size=(WIDTH, HEIGHT), settings_path=path)
+    try:
+        hand = Hand(again, (WIDTH, HEIGHT))
+        hand.settle()
+        assert hand.viewport_width() == WIDTH - 305
+        hand.key(glfw.KEY_F8)
+        assert hand.viewport_width() == width - 50
+        hand.double_click((305, 300))
+        assert hand.viewport_width() == width
+    finally:
+        again.close()
+
+
+def test_at_rest_the_window_sleeps_until_something_happens(opened, monkeypatch):
+    waits = []
+
+    def wait_events():
+        waits.append("asleep")
+        glfw.set_window_should_close(opened.window.handle, True)
+
+    def wait_events_timeout(_seconds):
+        waits.append("ticking")
+        clock[0] += 1.0
+
+    clock = [time.monotonic()]
+    monkeypatch.setattr("app.window.window.time", SimpleNamespace(monotonic=lambda: clock[0]))
+    monkeypatch.setattr(glfw, "wait_events", wait_events)
+    monkeypatch.setattr(glfw, "wait_events_timeout", wait_events_timeout)
+    opened.window.run()
+    assert waits[-1] == "asleep"
+    assert waits.count("asleep") == 1
+    assert len(waits) < 5

@@ -139,6 +139,10 @@ class Hand:
     def viewport(self):
         return self.window.pictures.viewport_pixels()
 
+    def viewport_width(self):
+        self.frames(1)
+        return self.viewport().shape[1]
+
     def picture_pixels(self, height, width):
         """The picture's own pixels while every one of them is seen."""
         shown = self.viewport()

@@ -1,0 +1,60 @@
+"""Where the panels lie: they tile the window, and the picture always keeps room."""
+
+import itertools
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from app.ui.layout import Panels, arrange
+
+EM = 15.0
+panels = st.builds(
+    Panels,
+    st.floats(13, 34),
+    st.floats(13, 34),
+    st.floats(5, 20),
+    st.booleans(),
+    st.booleans(),
+    st.booleans(),
+)
+
+
+def rects(layout):
+    every = (layout.light, layout.effects, layout.scope, layout.filmstrip, layout.viewport, layout.status)
+    return [rect for rect in every if rect]
+
+
+@given(panels, st.integers(800, 3840), st.integers(560, 2160), st.sampled_from([1.0, 1.25, 1.5]), st.booleans())
+def test_panels_tile_the_window_without_gap_or_overlap(arranged, width, height, scale, scope):
+    parts = rects(arrange(width, height, EM * scale, arranged, scope))
+    assert sum(rect.width * rect.height for rect in parts) == pytest.approx(width * height)
+    for one, other in itertools.combinations(parts, 2):
+        (ax0, ay0, ax1, ay1), (bx0, by0, bx1, by1) = one.corners, other.corners
+        assert min(ax1, bx1) <= max(ax0, bx0) or min(ay1, by1) <= max(ay0, by0)
+
+
+@given(panels, st.integers(800, 3840), st.integers(560, 2160))
+def test_the_viewport_never_gets_smaller_than_a_usable_picture(arranged, width, height):
+    viewport = arrange(width, height, EM, arranged).viewport
+    assert viewport.width >= 200
+    assert viewport.height >= 149
+
+
+def test_a_hidden_panel_gives_its_room_to_the_picture():
+    layout = arrange(1440, 900, EM, Panels().all_shown(False), scope=True)
+    assert layout.viewport.corners == (0, 0, 1440, 870)
+    assert layout.dividers == ()
+    assert layout.scope is None
+
+
+def test_dragging_an_edge_resizes_its_panel_between_limits():
+    start = Panels()
+    assert start.dragged("light", 20.0).light_em == 20.0
+    assert start.dragged("light", 500.0).light_em == 34.0
+    assert start.dragged("filmstrip", 0.0).filmstrip_em == 5.0
+    assert start.dragged("effects", 20.0).reset("effects") == start
+    layout = arrange(1440, 900, EM, start.dragged("effects", 20.0))
+    assert layout.effects.width == 300
+    assert [divider.panel for divider in layout.dividers] == ["light", "effects", "filmstrip"]
+    assert [divider.sign for divider in layout.dividers] == [1.0, -1.0, -1.0]
