@@ -148,9 +148,11 @@ def shrink(radiance: np.ndarray, height: int) -> np.ndarray:
 def network_light(environment: Environment, yaw_deg: float = 0.0, height: int = NETWORK_HEIGHT) -> np.ndarray:
     """The light as the networks read it: turned at its own resolution, then averaged to few texels.
 
-    Equals shrink(rotate(shape, yaw_deg), height) where the map's width is a multiple of the result's,
-    and mixes no texels beforehand where it isn't. The rows are averaged once per environment; each
-    angle then costs only the sums between its new texel edges.
+    A texel narrower than the new ones is first spread to their width along its row, so that a small lamp
+    passes from one new texel to the next evenly over the whole turn from one to the other, where averages
+    alone would hold it still and then let it jump. The mean direction of a row's light is kept, and a map
+    of the result's own resolution is not spread. The rows are averaged and spread once per environment;
+    each angle then costs only the sums between its new texel edges.
 
     Returns:
         (height, 2 * height, 3) float32, mean luminance over the sphere 1.
@@ -161,8 +163,7 @@ def network_light(environment: Environment, yaw_deg: float = 0.0, height: int = 
     turn = _turn_fraction(yaw_deg)
     sums = environment._column_sums.get(height)
     if sums is None:
-        rows = _shrink_rows(environment.shape, height)
-        sums = np.concatenate([np.zeros_like(rows[:, :1]), np.cumsum(rows, axis=1)], axis=1)
+        sums = _running_sums(_spread(_shrink_rows(environment.shape, height), 2 * height))
         environment._column_sums[height] = sums
     width = sums.shape[1] - 1
     edges = (np.arange(2 * height + 1) / (2 * height) - turn) * width
@@ -260,6 +261,20 @@ def _shrink_rows(radiance: np.ndarray, height: int) -> np.ndarray:
         rows = radiance[block].reshape(-1, width * channels).astype(np.float64)
         result[touched] += overlaps[touched, block] @ rows
     return result.reshape(height, width, channels)
+
+
+def _spread(rows: np.ndarray, new_width: int) -> np.ndarray:
+    """Every texel of (H, W, C) spread along its row to the width of one of `new_width`, where that is wider."""
+    span = rows.shape[1] / new_width
+    if span <= 1:
+        return rows
+    sums, centres = _running_sums(rows), np.arange(rows.shape[1]) + 0.5
+    return (_sum_up_to(sums, centres + span / 2) - _sum_up_to(sums, centres - span / 2)) / span
+
+
+def _running_sums(rows: np.ndarray) -> np.ndarray:
+    """(H, W + 1, C) sums of the columns to the left of each texel edge."""
+    return np.concatenate([np.zeros_like(rows[:, :1]), np.cumsum(rows, axis=1)], axis=1)
 
 
 def _sum_up_to(sums: np.ndarray, positions: np.ndarray) -> np.ndarray:

@@ -21,6 +21,7 @@ _REACH = 1.3
 _BIAS = 0.002
 _PENUMBRA = 0.15
 _NOTHING = -1e3
+_GRAZING = 0.05
 
 
 @dataclass(frozen=True)
@@ -40,14 +41,17 @@ class ReliefTransport:
     def shadow_fraction(self, light: torch.Tensor) -> torch.Tensor:
         """Fraction of the unoccluded grey irradiance that is lost: (B, 1, S, S) in [0, 1].
 
+        It fades to 0 where the light only grazes the surface, which loses nothing worth the name there: the
+        fraction of next to nothing would flip between 0 and 1 while a lamp sets.
+
         Args:
-            light: (B, H, 2H, 3) of the texels the transport was made for.
+            light: (B, H, 2H, 3) normalised radiance of the texels the transport was made for.
         """
         grey = light.float() @ torch.tensor([0.2126, 0.7152, 0.0722])
         grey = grey.flatten(1).T
         opened = self.open @ grey
-        fraction = torch.where(opened > 1e-6, 1 - (self.closed @ grey) / opened.clamp_min(1e-6), 0.0)
-        return fraction.clamp(0, 1).T.reshape(-1, 1, self.size, self.size)
+        fraction = (1 - (self.closed @ grey) / opened.clamp_min(1e-6)).clamp(0, 1)
+        return (fraction * (opened / _GRAZING).clamp_max(1)).T.reshape(-1, 1, self.size, self.size)
 
 
 @torch.no_grad()
