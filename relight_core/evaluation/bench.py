@@ -70,7 +70,7 @@ class Editor:
         """The channels "specular", "shadow" and "composition" at the photo's size."""
         effects, image = self.light(found.surface, found.relief, radiance)
         change = ViewChange(fit_detail(found.small, image), None, None, 1.0)
-        return light_channels(effects, change, found.photo, torch.from_numpy(radiance)[None])
+        return light_channels(effects, change, found.photo)
 
 
 class Bench:

@@ -16,14 +16,16 @@ class Stage:
     """What became of one stage in the last update.
 
     Attributes:
-        ms: wall-clock milliseconds spent in this update.
+        ms: wall-clock milliseconds spent in this update, stages that it started not counted.
         state: computed now, reused from an earlier update, or skipped as needless.
         why: the reason in words.
+        start_ms: when it began, from the beginning of the update.
     """
 
     ms: float
     state: State
     why: str
+    start_ms: float = 0.0
 
 
 @dataclass
@@ -31,14 +33,34 @@ class StageCache:
     """Keeps the newest results of every stage, each under the key it belongs to.
 
     A key names everything the stage reads: fields of the edit, the light, the keys of the stages before.
+
+    Attributes:
+        remembers: False keeps nothing beyond an update, to see what reuse is worth.
+        typical_ms: what each stage took when it last ran; outlives `clear`.
     """
 
+    remembers: bool = True
     _kept: dict[str, OrderedDict[Hashable, Any]] = field(default_factory=dict)
     stages: dict[str, Stage] = field(default_factory=dict)
+    typical_ms: dict[str, float] = field(default_factory=dict)
+    _began: float = field(default_factory=time.perf_counter)
+    _nested_ms: float = 0.0
 
     def begin_update(self) -> None:
         """Forget the last update's record; results stay."""
         self.stages = {}
+        self._began = time.perf_counter()
+        if not self.remembers:
+            self._kept.clear()
+
+    def clear(self) -> None:
+        """Forget all results."""
+        self._kept.clear()
+        self.stages = {}
+
+    def has(self, name: str, key: Hashable) -> bool:
+        """Whether `run` would reuse."""
+        return key in self._kept.get(name, ())
 
     def run(self, name: str, key: Hashable, make: Callable[[], Any], why: str, keep: int = 1) -> Any:
         """The stage's result for this key, made by `make` unless it is kept.
@@ -49,13 +71,19 @@ class StageCache:
                 editor goes back and forth between them.
         """
         kept = self._kept.setdefault(name, OrderedDict())
+        started = time.perf_counter()
+        start_ms = (started - self._began) * 1e3
         if key in kept:
             kept.move_to_end(key)
-            self.stages.setdefault(name, Stage(0.0, "reused", "nothing it reads has changed"))
+            self.stages.setdefault(name, Stage(0.0, "reused", "nothing it reads has changed", start_ms))
             return kept[key]
-        started = time.perf_counter()
+        outside, self._nested_ms = self._nested_ms, 0.0
         result = make()
-        self.stages[name] = Stage((time.perf_counter() - started) * 1e3, "computed", why)
+        whole_ms = (time.perf_counter() - started) * 1e3
+        own_ms = max(whole_ms - self._nested_ms, 0.0)
+        self._nested_ms = outside + whole_ms
+        self.typical_ms[name] = own_ms
+        self.stages[name] = Stage(own_ms, "computed", why, start_ms)
         kept[key] = result
         while len(kept) > keep:
             kept.popitem(last=False)
@@ -63,4 +91,4 @@ class StageCache:
 
     def skip(self, name: str, why: str) -> None:
         """Record that a stage was not needed."""
-        self.stages[name] = Stage(0.0, "skipped", why)
+        self.stages[name] = Stage(0.0, "skipped", why, (time.perf_counter() - self._began) * 1e3)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import dataclass
 
 import numpy as np
@@ -37,35 +38,45 @@ class ViewChange:
         return relit * np.float32(self.level)
 
 
-def surface_channels(surface: Surface, photo_view: np.ndarray, photo_small: np.ndarray) -> dict[str, np.ndarray]:
-    """What no light changes: "photo", "albedo", "normal" and "parsing".
+SURFACE_CHANNELS = ("photo", "albedo", "normal", "parsing")
+LIGHT_CHANNELS = ("specular", "shadow", "composition")
+
+
+def surface_channel(name: str, surface: Surface, photo_view: np.ndarray, photo_small: np.ndarray) -> np.ndarray:
+    """One of SURFACE_CHANNELS, which no light changes.
 
     Args:
         photo_view: (S, S, 3) linear, the view at the size of the channels.
         photo_small: (s, s, 3) linear, the view as the networks saw it.
     """
     size = photo_view.shape[0]
-    normal = F.normalize(enlarge(surface.normal, size), dim=1, eps=1e-4)
-    albedo = carry_detail(np.clip(photo_view, 0, 1), photo_small, as_image(surface.albedo))
-    return {
-        "photo": photo_view,
-        "albedo": np.clip(albedo, 0, 1),
-        "normal": as_image(normal),
-        "parsing": enlarge(surface.parsing, size)[0].argmax(0).cpu().numpy().astype(np.int32),
-    }
+    if name == "photo":
+        return photo_view
+    if name == "albedo":
+        return np.clip(carry_detail(np.clip(photo_view, 0, 1), photo_small, as_image(surface.albedo)), 0, 1)
+    if name == "normal":
+        return as_image(F.normalize(enlarge(surface.normal, size), dim=1, eps=1e-4))
+    return enlarge(surface.parsing, size)[0].argmax(0).cpu().numpy().astype(np.int32)
+
+
+def surface_channels(surface: Surface, photo_view: np.ndarray, photo_small: np.ndarray) -> dict[str, np.ndarray]:
+    """All of SURFACE_CHANNELS; arguments as in `surface_channel`."""
+    return {name: surface_channel(name, surface, photo_view, photo_small) for name in SURFACE_CHANNELS}
 
 
 def light_channels(
-    effects: Effects, change: ViewChange, photo_view: np.ndarray, light: torch.Tensor
+    effects: Effects, change: ViewChange, photo_view: np.ndarray, names: Collection[str] = LIGHT_CHANNELS
 ) -> dict[str, np.ndarray]:
-    """What a light makes: "specular", "shadow", "composition" and "target_light", at the light's level."""
+    """What a light makes, as far as it is named: "specular", "shadow" and "composition", at the light's level."""
     size, level = photo_view.shape[0], np.float32(change.level)
-    return {
-        "specular": as_image(enlarge(effects.specular, size)) * level,
-        "shadow": as_image(enlarge(effects.shadow, size)) * level,
-        "composition": change.apply(photo_view),
-        "target_light": light[0].cpu().numpy() * level,
+    channels = {
+        name: as_image(enlarge(getattr(effects, name), size)) * level
+        for name in ("specular", "shadow")
+        if name in names
     }
+    if "composition" in names:
+        channels["composition"] = change.apply(photo_view)
+    return channels
 
 
 def enlarge(tensor: torch.Tensor, size: int) -> torch.Tensor:

@@ -4,10 +4,28 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from relight_core.errors import InputError
+
+EFFECTS = (
+    "source_light",
+    "relief",
+    "shadow",
+    "specular",
+    "correction",
+    "sliders",
+    "detail",
+    "background",
+    "channels",
+)
+"""What a plan decides about, in the order in which it would run."""
+
+TOLERANCE = 1 / 255
+"""The largest change of a displayed value in [0, 1] that leaving something out may cause."""
+
 
 @dataclass(frozen=True)
 class Edit:
-    """The state of every slider.
+    """The state of every control.
 
     Attributes:
         yaw_deg: turn of the environment map; positive moves its content to the right.
@@ -16,6 +34,10 @@ class Edit:
         shadow: gain on the shadow channel, [0, 2]; 1 is as estimated (paper, Figure 12).
         background: "keep", "light", "transparent" or "#rrggbb" (sRGB).
         quality: "draft", "live" or "final".
+        channels: the channels that are looked at; None for all of them.
+        forced_on: effects (see EFFECTS) that the plan may not skip, nor reuse from a light that is not the same.
+        forced_off: effects that are left out whatever the scene calls for.
+        tolerance: the largest change of the displayed picture, of [0, 1], that the plan may cause.
     """
 
     yaw_deg: float = 0.0
@@ -24,3 +46,24 @@ class Edit:
     shadow: float = 1.0
     background: str = "keep"
     quality: str = "live"
+    channels: tuple[str, ...] | None = None
+    forced_on: frozenset[str] = frozenset()
+    forced_off: frozenset[str] = frozenset()
+    tolerance: float = TOLERANCE
+
+    def looks_at(self, channel: str) -> bool:
+        """Whether a channel is asked for."""
+        return self.channels is None or channel in self.channels
+
+    def forced(self, effect: str) -> bool | None:
+        """True or False where the user has decided about an effect; None where the plan may."""
+        if effect in self.forced_off:
+            return False
+        return True if effect in self.forced_on else None
+
+
+def check_effects(names: frozenset[str]) -> None:
+    """Raise InputError for a name that is no effect."""
+    for name in sorted(names):
+        if name not in EFFECTS:
+            raise InputError(f"unknown effect {name!r}: the effects are {', '.join(EFFECTS)}")

@@ -11,9 +11,6 @@ from relight_core.face.crop import Crop
 from relight_core.face.paste import paste_crop, soft_edge
 from relight_core.imaging.colour import srgb_decode
 from relight_core.imaging.matte import replace_background
-from relight_core.lighting.background import panorama_background
-from relight_core.lighting.environment import Environment
-from relight_core.pipeline.edit import Edit
 
 _EDGE_SHARE = 0.12
 
@@ -52,23 +49,22 @@ def _fading_edge(size: int, view: Crop, photo_size: tuple[int, int]) -> np.ndarr
 
 
 def over_background(
-    image: np.ndarray, matte: np.ndarray, environment: Environment, edit: Edit
+    image: np.ndarray, matte: np.ndarray, background: str, panorama: np.ndarray | None = None
 ) -> tuple[np.ndarray, np.ndarray | None]:
-    """The picture over the background of the edit: image (H, W, 3) linear and alpha (H, W) or None.
+    """The picture over another background: image (H, W, 3) linear and alpha (H, W) or None.
+
+    Args:
+        background: "keep", "light", "transparent" or "#rrggbb".
+        panorama: (H, W, 3) linear, what is behind the person where the background is "light".
 
     Raises:
-        InputError: a background that is none of "keep", "light", "transparent" or "#rrggbb".
+        InputError: a background that is none of these.
     """
-    if edit.background == "keep":
+    if background == "keep":
         return image, None
-    if edit.background == "transparent":
+    if background == "transparent":
         return image, matte
-    if edit.background == "light":
-        height, width = image.shape[:2]
-        behind = panorama_background(environment, edit.yaw_deg, height, width) * environment.level
-    else:
-        behind = _colour(edit.background)
-    return replace_background(image, matte, behind), None
+    return replace_background(image, matte, panorama if background == "light" else _colour(background)), None
 
 
 def _colour(text: str) -> np.ndarray:

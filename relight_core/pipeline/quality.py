@@ -1,4 +1,4 @@
-"""The quality tiers: how large a portrait is seen, and how often."""
+"""The quality tiers: how large a portrait is seen, how often, and by which networks."""
 
 from __future__ import annotations
 
@@ -17,12 +17,17 @@ class Tier:
             images of 128 pixels, and a face much larger than there confuses them.
         relief_size: side of the relief that is marched for cast shadow.
         mirrored: de-light the mirrored view too, and average.
+        shadow_network: what the surface hides from the light is seen by the SS network; else the relief's
+            horizons alone say it, and a new light costs a matrix product.
+        correction: the composition network corrects the sum of the channels; else the sum is the picture.
     """
 
     size: int
     network_size: int
     relief_size: int
     mirrored: bool
+    shadow_network: bool = True
+    correction: bool = True
 
 
 TIERS = {

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Hashable
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -10,24 +11,38 @@ import torch
 
 from relight_core.errors import InputError
 from relight_core.face.find import FaceBox
-from relight_core.imaging.guided_detail import fit_detail
+from relight_core.imaging.guided_detail import DetailFit, fit_detail
 from relight_core.imaging.matte import refine_matte
 from relight_core.imaging.photo import Photo
 from relight_core.imaging.resampling import resize_area
+from relight_core.lighting.background import panorama_background
 from relight_core.lighting.environment import Environment, network_light
 from relight_core.lighting.reflection import ReflectionTable
 from relight_core.lighting.relief import ReliefTransport
 from relight_core.networks.bundle import load_bundle
 from relight_core.pipeline import stages
 from relight_core.pipeline.cache import Stage, StageCache
-from relight_core.pipeline.channels import ViewChange, as_image, light_channels, surface_channels
+from relight_core.pipeline.channels import (
+    LIGHT_CHANNELS,
+    SURFACE_CHANNELS,
+    ViewChange,
+    as_image,
+    light_channels,
+    surface_channel,
+)
 from relight_core.pipeline.edit import Edit
 from relight_core.pipeline.finish import finish, over_background
+from relight_core.pipeline.hints import Effects
+from relight_core.pipeline.kept_lights import KeptLights, ServingLight
+from relight_core.pipeline.plan import Effect, Plan, Scene, make_plan
 from relight_core.pipeline.portrait import Portrait, choose_face, frame, refine
 from relight_core.pipeline.quality import TIERS, Tier, tier_of
 from relight_core.resources import resource_path
 
 WEIGHTS = ("weights", "relight.safetensors")
+
+_KEPT_LIGHTS = 24
+"""Results of this many lights stay: a light that is turned there and back, or two that are compared."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,11 +52,13 @@ class Relit:
     Attributes:
         image: (H, W, 3) float32 linear radiance at the photo's size, without `Edit.exposure_ev`.
         alpha: (H, W) float32 in [0, 1] where the background was taken away, else None.
-        channels: views (S, S, 3) or (S, S) float32 by name: "photo", "albedo", "normal" (unit vectors,
-            camera space), "parsing" (int labels), "specular", "shadow" and "composition" (linear, at the
-            light's level), and the lights "source_light" and "target_light" (16, 32, 3).
+        channels: views (S, S, 3) or (S, S) float32 by name, as far as `Edit.channels` asks for them: "photo",
+            "albedo", "normal" (unit vectors, camera space), "parsing" (int labels), "specular", "shadow" and
+            "composition" (linear, at the light's level), and the lights "source_light" and "target_light"
+            (16, 32, 3).
         faces: the boxes of the faces that were relit, in photo pixels.
-        stages: what each stage did, in the order in which they ran.
+        stages: what each stage did, in the order in which they ended.
+        plan: what was decided about each effect, and why.
     """
 
     image: np.ndarray
@@ -49,18 +66,27 @@ class Relit:
     channels: dict[str, np.ndarray]
     faces: list[FaceBox]
     stages: dict[str, Stage] = field(default_factory=dict)
+    plan: tuple[Effect, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)
 class _Prepared:
-    """A portrait as one tier of quality sees it, with everything that no light changes."""
+    """A portrait as one tier of quality sees it."""
 
     portrait: Portrait
+    tier: Tier
     surface: stages.Surface
-    relief: ReliefTransport
     photo_view: np.ndarray
     photo_small: np.ndarray
-    source_light: np.ndarray
+
+
+@dataclass(frozen=True, eq=False)
+class _Lit:
+    """A prepared portrait under a light, at the networks' size."""
+
+    reflected: torch.Tensor
+    effects: Effects
+    composed: stages.Composed
 
 
 class Relighter:
@@ -69,12 +95,13 @@ class Relighter:
     Not thread-safe: one thread at a time.
     """
 
-    def __init__(self, weights_path: Path | None = None, device: str = "cpu"):
+    def __init__(self, weights_path: Path | None = None, device: str = "cpu", *, remembers: bool = True):
         """Load the networks.
 
         Args:
             weights_path: a file written by `save_bundle`; None takes the bundled one.
             device: "cpu" or "cuda".
+            remembers: False computes everything anew for every picture, to see what reuse is worth.
 
         Raises:
             InputError: the weights are missing or damaged.
@@ -83,7 +110,8 @@ class Relighter:
         self._device = device
         self._bundle = load_bundle(path).for_inference().to(device)
         self._table = ReflectionTable().to(device)
-        self._cache = StageCache()
+        self._cache = StageCache(remembers)
+        self._lights = KeptLights(_KEPT_LIGHTS)
         self._portrait: Portrait | None = None
 
     def set_portrait(self, photo: Photo, face_index: int | None = None) -> None:
@@ -99,7 +127,8 @@ class Relighter:
         small = portrait.view.extract(photo.linear, tier_of("live").network_size)
         labels = stages.delight(self._bundle, small, self._device).parsing[0].argmax(0).cpu().numpy()
         self._portrait = refine(portrait, labels)
-        self._cache = StageCache()
+        self._cache.clear()
+        self._lights.clear()
 
     def estimated_light(self, quality: str = "live") -> Environment:
         """The light the photo was taken under, as de-lighting sees it, at the photo's own exposure.
@@ -107,85 +136,80 @@ class Relighter:
         Raises:
             InputError: no portrait has been set.
         """
-        return Environment.from_radiance(self._prepare(tier_of(quality)).source_light, "borrowed")
+        return Environment.from_radiance(self._source_light(self._prepare(tier_of(quality))), "borrowed")
+
+    def plan(self, environment: Environment, edit: Edit) -> Plan:
+        """What `relight` would do now; computes nothing.
+
+        Raises:
+            InputError: as `relight`.
+        """
+        return self._planned(environment, edit)[0]
 
     def relight(self, environment: Environment, edit: Edit) -> Relit:
         """Light the portrait.
 
-        Only stages whose inputs changed run; `Relit.stages` says which. The light's level scales the
-        result like exposure and never reaches a network.
+        Only what the scene calls for and what is not known yet is computed; `Relit.plan` says which effects,
+        `Relit.stages` which steps. The light's level scales the result like exposure and never reaches a
+        network.
 
         Raises:
             InputError: no portrait has been set, or the edit asks for something unknown.
         """
         self._cache.begin_update()
-        tier = tier_of(edit.quality)
-        ready = self._prepare(tier)
-        light_key = (tier, environment.fingerprint, edit.yaw_deg)
-        light = torch.from_numpy(network_light(environment, edit.yaw_deg))[None].to(self._device)
-        reflected = self._cache.run(
-            "irradiance", light_key, lambda: stages.reflect(self._table, ready.surface, light), "new light"
-        )
-        effects = self._effects(ready, reflected, light, light_key, environment, edit)
-        composed = self._cache.run(
-            "compose",
-            (light_key, effects is None),
-            lambda: stages.compose(
-                self._bundle,
-                ready.surface,
-                reflected,
-                effects or stages.no_effects(ready.surface),
-                light,
-                self._device,
-            ),
-            "new light",
-        )
-        effects = effects or stages.no_effects(ready.surface)
-        sliders = (light_key, edit.specular, edit.shadow, environment.level)
+        plan, light = self._planned(environment, edit)
+        ready = self._prepare(tier_of(edit.quality))
+        lit = self._lit(ready, light, plan)
         change = self._cache.run(
             "sliders",
-            sliders,
-            lambda: self._change(composed, light_key, ready, reflected, effects, edit, environment.level),
+            plan.keys["sliders"],
+            lambda: self._change(ready, lit, plan, edit, environment.level),
             "new light or slider",
         )
-        image, alpha = self._finished(ready, change, sliders, environment, edit)
-        channels = self._cache.run(
-            "channels",
-            sliders,
-            lambda: light_channels(effects, change, ready.photo_view, light),
-            "new light or slider",
-        )
-        fixed = self._cache.run(
-            "surface_channels",
-            tier,
-            lambda: (
-                surface_channels(ready.surface, ready.photo_view, ready.photo_small)
-                | {"source_light": ready.source_light}
-            ),
-            "new photo or quality",
-            keep=len(TIERS),
-        )
-        return Relit(image, alpha, fixed | channels, [ready.portrait.face], dict(self._cache.stages))
+        image, alpha = self._finished(ready, change, plan, environment, edit)
+        channels = self._channels(ready, lit, change, plan, edit)
+        if edit.looks_at("target_light") and plan.runs("channels"):
+            channels["target_light"] = network_light(environment, edit.yaw_deg) * np.float32(environment.level)
+        faces = [ready.portrait.face]
+        return Relit(image, alpha, channels, faces, dict(self._cache.stages), plan.effects)
+
+    def _planned(self, environment: Environment, edit: Edit) -> tuple[Plan, ServingLight]:
+        if self._portrait is None:
+            raise InputError("no portrait is open: choose a photo first")
+        tier = tier_of(edit.quality)
+        exact = not self._cache.remembers or bool(edit.forced_on)
+        light = self._lights.match(tier, network_light(environment, edit.yaw_deg), 0.0 if exact else edit.tolerance)
+        backdrop = (environment.fingerprint, edit.yaw_deg)
+        scene = Scene(tier, light.name, light.bound, backdrop, environment.level)
+        return make_plan(scene, edit, self._cache.has, self._cache.typical_ms), light
+
+    def _once(self, name: str, key: Hashable, make):
+        """A stage that only a new photo or another quality makes run again."""
+        return self._cache.run(name, key, make, "new photo or quality", keep=len(TIERS))
 
     def _prepare(self, tier: Tier) -> _Prepared:
         portrait = self._portrait
         if portrait is None:
             raise InputError("no portrait is open: choose a photo first")
-
-        def once(name: str, key: Tier | int, make):
-            return self._cache.run(name, key, make, "new photo or quality", keep=len(TIERS))
-
-        photo_view = once("view", tier.size, lambda: portrait.view.extract(portrait.photo.linear, tier.size))
+        photo_view = self._once("view", tier.size, lambda: portrait.view.extract(portrait.photo.linear, tier.size))
         small = (tier.network_size, tier.network_size)
-        photo_small = once("network_view", tier, lambda: resize_area(photo_view, small))
-        surface = once(
+        photo_small = self._once("network_view", tier, lambda: resize_area(photo_view, small))
+        surface = self._once(
             "delight",
             tier,
             lambda: stages.delight(self._bundle, photo_small, self._device, mirrored=tier.mirrored),
         )
-        relief = once("relief", tier, lambda: stages.march(surface, tier.relief_size))
-        light = once("source_light", tier, lambda: stages.explain_source_light(surface, self._table, relief))
-        return _Prepared(portrait, surface, relief, photo_view, photo_small, light[0].cpu().numpy())
+        return _Prepared(portrait, tier, surface, photo_view, photo_small)
+
+    def _relief(self, ready: _Prepared) -> ReliefTransport:
+        return self._once("relief", ready.tier, lambda: stages.march(ready.surface, ready.tier.relief_size))
+
+    def _source_light(self, ready: _Prepared) -> np.ndarray:
+        relief = self._relief(ready)
+        light = self._once(
+            "source_light", ready.tier, lambda: stages.explain_source_light(ready.surface, self._table, relief)
+        )
+        return light[0].cpu().numpy()
 
     def _matte(self, portrait: Portrait) -> np.ndarray:
         """The person at the photo's resolution; from one tier for all, so that it depends on no history."""
@@ -193,47 +217,122 @@ class Relighter:
         person = surface.person[0, 0].cpu().numpy()
         return refine_matte(portrait.photo.linear, person, portrait.view, portrait.photo.alpha)
 
-    def _effects(self, ready: _Prepared, reflected, light, light_key, environment: Environment, edit: Edit):
-        """Specular and shadow, or None where nothing asks for them."""
-        if environment.level == 0:
-            self._cache.skip("specular_shadow", "the light is black")
-            return None
-        return self._cache.run(
-            "specular_shadow",
-            light_key,
-            lambda: stages.estimate_effects(self._bundle, ready.surface, reflected, ready.relief, light, self._device),
+    def _lit(self, ready: _Prepared, serving: ServingLight, plan: Plan) -> _Lit:
+        light = torch.from_numpy(serving.radiance)[None].to(self._device)
+        reflected = self._cache.run(
+            "irradiance",
+            plan.keys["irradiance"],
+            lambda: stages.reflect(self._table, ready.surface, light),
             "new light",
         )
+        effects = self._effects(ready, reflected, light, plan)
+        composed = self._cache.run(
+            "compose",
+            plan.keys["compose"],
+            lambda: stages.compose(
+                self._bundle,
+                ready.surface,
+                reflected,
+                effects,
+                light,
+                self._device,
+                corrected=plan.runs("correction"),
+                parts=(plan.runs("specular"), plan.runs("shadow")),
+            ),
+            "new light",
+            keep=_KEPT_LIGHTS,
+        )
+        return _Lit(reflected, effects, composed)
 
-    def _change(
-        self, composed, light_key, ready: _Prepared, reflected, effects, edit: Edit, level: float
-    ) -> ViewChange:
+    def _effects(self, ready: _Prepared, reflected: torch.Tensor, light: torch.Tensor, plan: Plan) -> Effects:
+        """Specular and shadow; none where the plan has neither."""
+        if not (plan.runs("shadow") or plan.runs("specular")):
+            self._cache.skip("specular_shadow", plan.effect("shadow").why)
+            return stages.no_effects(ready.surface)
+        relief = self._relief(ready) if plan.runs("relief") else None
+        return self._cache.run(
+            "specular_shadow",
+            plan.keys["specular_shadow"],
+            lambda: stages.estimate_effects(
+                self._bundle, ready.surface, reflected, relief, light, self._device, by_network=plan.shadow_network
+            ),
+            "new light",
+            keep=_KEPT_LIGHTS,
+        )
+
+    def _change(self, ready: _Prepared, lit: _Lit, plan: Plan, edit: Edit, level: float) -> ViewChange:
         """How the relit view differs from the photo's, at the sliders' gains and the light's level."""
         fit = self._cache.run(
             "detail_fit",
-            light_key,
-            lambda: fit_detail(ready.photo_small, as_image(composed.image)),
+            plan.keys["detail_fit"],
+            lambda: _detail_fit(ready.photo_small, as_image(lit.composed.image), plan.runs("detail")),
             "new light",
         )
-        moved = stages.move_sliders(composed, ready.surface, reflected, effects, edit.specular, edit.shadow)
-        if moved is None:
+        if not plan.runs("sliders"):
             return ViewChange(fit, None, None, level)
+        specular, shadow = edit.specular * plan.runs("specular"), edit.shadow * plan.runs("shadow")
+        moved = stages.move_sliders(lit.composed, ready.surface, lit.reflected, lit.effects, specular, shadow)
         return ViewChange(fit, as_image(moved.kept), as_image(moved.added), level)
 
-    def _finished(self, ready: _Prepared, change: ViewChange, sliders, environment: Environment, edit: Edit):
+    def _finished(self, ready: _Prepared, change: ViewChange, plan: Plan, environment: Environment, edit: Edit):
         """Full resolution: the photo's detail, then the background. (H, W, 3) and alpha or None."""
         photo, place = ready.portrait.photo, ready.portrait.view
-        matte = self._cache.run("matte", "photo", lambda: self._matte(ready.portrait), "new photo")
-        full_view = self._cache.run(
-            "full_view", "photo", lambda: place.extract(photo.linear, round(place.side)), "new photo"
-        )
-        relit = self._cache.run("detail", sliders, lambda: change.apply(full_view), "new light or slider")
-        pasted = self._cache.run(
-            "paste", sliders, lambda: finish(photo.linear, relit, place, matte), "new light or slider"
-        )
+        matte = self._once("matte", "photo", lambda: self._matte(ready.portrait))
+        full_view = self._once("full_view", "photo", lambda: place.extract(photo.linear, round(place.side)))
+        why = "new light or slider"
+        relit = self._cache.run("detail", plan.keys["detail"], lambda: change.apply(full_view), why)
+        pasted = self._cache.run("paste", plan.keys["paste"], lambda: finish(photo.linear, relit, place, matte), why)
+        if not plan.runs("background"):
+            return pasted, None
+        behind = self._panorama(photo.linear.shape[:2], plan, environment, edit)
         return self._cache.run(
             "background",
-            (sliders, edit.background, edit.yaw_deg),
-            lambda: over_background(pasted, matte, environment, edit),
-            "new light or background",
+            plan.keys["background"],
+            lambda: over_background(pasted, matte, edit.background, behind),
+            "new light, slider or background",
         )
+
+    def _panorama(self, size: tuple[int, int], plan: Plan, environment: Environment, edit: Edit) -> np.ndarray | None:
+        """What the camera sees of the light (H, W, 3), where that is the background."""
+        if edit.background != "light":
+            return None
+        return self._cache.run(
+            "panorama",
+            plan.keys["panorama"],
+            lambda: panorama_background(environment, edit.yaw_deg, *size) * np.float32(environment.level),
+            "new light",
+        )
+
+    def _channels(self, ready: _Prepared, lit: _Lit, change: ViewChange, plan: Plan, edit: Edit) -> dict:
+        """The channels that are looked at, all but "target_light"."""
+        if not plan.runs("channels"):
+            self._cache.skip("channels", plan.effect("channels").why)
+            return {}
+        fixed = {
+            name: self._once(
+                f"{name}_channel",
+                ready.tier,
+                lambda name=name: surface_channel(name, ready.surface, ready.photo_view, ready.photo_small),
+            )
+            for name in SURFACE_CHANNELS
+            if edit.looks_at(name)
+        }
+        if plan.runs("source_light"):
+            fixed["source_light"] = self._source_light(ready)
+        shown = Effects(lit.effects.specular * plan.runs("specular"), lit.effects.shadow * plan.runs("shadow"))
+        lighted = self._cache.run(
+            "channels",
+            plan.keys["channels"],
+            lambda: light_channels(
+                shown, change, ready.photo_view, [name for name in LIGHT_CHANNELS if edit.looks_at(name)]
+            ),
+            "new light or slider",
+        )
+        return fixed | lighted
+
+
+def _detail_fit(photo_small: np.ndarray, relit_small: np.ndarray, with_detail: bool) -> DetailFit:
+    """The relit view as gain and offset of the photo; without detail, offset only."""
+    if with_detail:
+        return fit_detail(photo_small, relit_small)
+    return DetailFit(np.zeros_like(relit_small), relit_small)

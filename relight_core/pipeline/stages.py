@@ -16,6 +16,7 @@ from relight_core.lighting.inverse import explain_photo
 from relight_core.lighting.reflection import ReflectionTable
 from relight_core.lighting.relief import ReliefTransport, march_relief
 from relight_core.networks.bundle import NetworkBundle
+from relight_core.networks.specular_shadow import Occlusion
 from relight_core.pipeline.hints import Effects, effects_of, explicit_sum, grey, specular_shadow_hints
 
 _RELIEF_UNIT_PX = 64.0
@@ -122,13 +123,25 @@ def estimate_effects(
     bundle: NetworkBundle,
     surface: Surface,
     reflected: torch.Tensor,
-    transport: ReliefTransport,
+    transport: ReliefTransport | None,
     light: torch.Tensor,
     device: str = "cpu",
+    *,
+    by_network: bool = True,
 ) -> Effects:
-    """Specular and shadow of a light (1, 16, 32, 3)."""
-    fraction = transport.shadow_fraction(light.cpu()).to(device)
-    fraction = F.interpolate(fraction, size=surface.normal.shape[-2:], mode="bilinear", align_corners=False)
+    """Specular and shadow of a light (1, 16, 32, 3).
+
+    Args:
+        transport: of the surface's relief; None leaves its shadow out.
+        by_network: the SS network says what is hidden; else the relief alone, of gloss as of irradiance.
+    """
+    fraction = torch.zeros_like(surface.relief)
+    if transport is not None:
+        fraction = transport.shadow_fraction(light.cpu()).to(device)
+        fraction = F.interpolate(fraction, size=surface.normal.shape[-2:], mode="bilinear", align_corners=False)
+    if not by_network:
+        logit = torch.logit(fraction, eps=1e-6)
+        return effects_of(Occlusion(logit, logit), reflected, surface.albedo)
     hints = specular_shadow_hints(bundle.config.specular_shadow, reflected, fraction)
     with inference_precision(device):
         occlusion = bundle.specular_shadow(surface.normal, light, hints)
@@ -136,14 +149,14 @@ def estimate_effects(
 
 
 def no_effects(surface: Surface) -> Effects:
-    """No gloss and no shadow, for a light or sliders that ask for none."""
+    """No gloss and no shadow."""
     zero = torch.zeros_like(surface.relief)
     return Effects(zero, zero)
 
 
 @dataclass(frozen=True)
 class Composed:
-    """The composition network's image and the explicit sum it corrected, both (1, 3, S, S), linear."""
+    """A relit image and the explicit sum it is, or that the network corrected; both (1, 3, S, S), linear."""
 
     image: torch.Tensor
     plain: torch.Tensor
@@ -157,11 +170,23 @@ def compose(
     effects: Effects,
     light: torch.Tensor,
     device: str = "cpu",
+    *,
+    corrected: bool = True,
+    parts: tuple[bool, bool] = (True, True),
 ) -> Composed:
-    """The relit view at slider positions of 1, in units of the normalised light."""
-    plain = explicit_sum(surface.albedo, reflected, effects)
+    """The relit view at slider positions of 1, in units of the normalised light.
+
+    Args:
+        corrected: by the composition network; else it is the explicit sum.
+        parts: whether specular and shadow are part of it.
+    """
+    specular, shadow = (float(part) for part in parts)
+    plain = explicit_sum(surface.albedo, reflected, effects, specular, shadow)
+    if not corrected:
+        return Composed(plain, plain)
+    shown = (surface.albedo, surface.normal, effects.specular * specular, effects.shadow * shadow, plain)
     with inference_precision(device):
-        image = bundle.composition(surface.albedo, surface.normal, effects.specular, effects.shadow, plain, light)
+        image = bundle.composition(*shown, light)
     return Composed(image, plain)
 
 

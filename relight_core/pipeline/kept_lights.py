@@ -1,0 +1,63 @@
+"""The lights whose results are kept, so that a light that is nearly one of them finds it."""
+
+from __future__ import annotations
+
+from collections import OrderedDict
+from collections.abc import Hashable
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from relight_core.pipeline.plan import displayed_change, light_change
+
+
+@dataclass(frozen=True, eq=False)
+class ServingLight:
+    """The light that results are computed for.
+
+    Attributes:
+        name: of its contents.
+        radiance: (16, 32, 3) normalised.
+        bound: how much a displayed value in [0, 1] may differ from that under the light that was asked for.
+    """
+
+    name: Hashable
+    radiance: np.ndarray
+    bound: float
+
+
+@dataclass
+class KeptLights:
+    """The newest lights of every group; one group is what was computed alike."""
+
+    most: int
+    _groups: dict[Hashable, OrderedDict[bytes, np.ndarray]] = field(default_factory=dict)
+
+    def clear(self) -> None:
+        """Forget all lights."""
+        self._groups.clear()
+
+    def match(self, group: Hashable, light: np.ndarray, tolerance: float) -> ServingLight:
+        """The same light if it is kept, else the nearest within the tolerance, else the light itself.
+
+        A light that serves itself is kept from now on. Results always belong to the light they were computed
+        for, so small changes don't add up.
+
+        Args:
+            light: (16, 32, 3) normalised radiance.
+            tolerance: of displayed values in [0, 1].
+        """
+        lights = self._groups.setdefault(group, OrderedDict())
+        name = light.tobytes()
+        bound = 0.0
+        if name not in lights:
+            changes = {kept: displayed_change(light_change(other, light)) for kept, other in lights.items()}
+            nearest = min(changes, key=changes.get, default=None)
+            if nearest is not None and changes[nearest] <= tolerance:
+                name, bound = nearest, changes[nearest]
+            else:
+                lights[name] = light.copy()
+        lights.move_to_end(name)
+        while len(lights) > self.most:
+            lights.popitem(last=False)
+        return ServingLight(name, lights[name], bound)

@@ -1,0 +1,283 @@
+"""The plan: what this light, this portrait and this edit call for, decided before anything runs.
+
+A rule leaves something out only where it can say by how much the displayed picture could change. Most say
+"not at all": black light needs no shadow, sliders at rest move nothing, what nobody looks at is not made.
+
+One rule allows a change: a light that is nearly one that was computed before gives that one's picture.
+All that a surface sends to the camera is a sum over the light's texels with weights that no light changes
+and that are not negative, whatever hides whatever. So if every texel of two lights agrees within a factor
+exp(e), so does every pixel under them, and a displayed value, whose steepest slope over the logarithm of
+radiance is 0.44 (the sRGB curve, at white), differs by no more than 0.44 e. The networks learned that
+physics and don't obey it to the letter: `AMPLIFICATION` is what they may add. Turning a sky without a sun
+changes nothing, and so computes nothing.
+
+Two rules that look natural are missing, because they would not hold. An even light needs shadow too:
+shadow is what the surface hides from the light (paper, section 3.2), and an even light is hidden in every
+fold. And the networks don't give the same shadow at half the resolution under soft light.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Hashable, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from relight_core.pipeline.cache import State
+from relight_core.pipeline.edit import EFFECTS, Edit, check_effects
+from relight_core.pipeline.quality import Tier
+
+STEEPEST_DISPLAY_SLOPE = 0.44
+"""Largest derivative of the sRGB curve by the natural logarithm of radiance: 1.055 / 2.4, at white."""
+
+AMPLIFICATION = 3.0
+"""By how much more than physics the networks may answer a small change of the light; measured, with margin."""
+
+_DARKEST_TEXEL = 1e-5
+_INVISIBLE = 1e-5
+
+
+@dataclass(frozen=True)
+class Effect:
+    """What the plan says about one effect.
+
+    Attributes:
+        state: computed now, reused from an earlier update, or skipped.
+        why: the reason in words.
+        bound: the largest change of a displayed value in [0, 1] against computing it; None where the user or
+            the quality tier has decided, which no rule answers for.
+        forced: the user's decision about it: on, off or none.
+        saved_ms: what computing it took when it last ran on this machine; 0 where it is computed now, None
+            where it never ran.
+    """
+
+    name: str
+    state: State
+    why: str
+    bound: float | None = 0.0
+    forced: bool | None = None
+    saved_ms: float | None = None
+
+
+@dataclass(frozen=True)
+class Scene:
+    """What the plan reads besides the edit.
+
+    Attributes:
+        tier: of the edit's quality.
+        light: names the light whose results serve; see `KeptLights`.
+        light_bound: how much displaying the results of that light instead of the true one may change.
+        backdrop: names the panorama behind the person: a light and its turn.
+        level: of the light.
+    """
+
+    tier: Tier
+    light: Hashable
+    light_bound: float
+    backdrop: Hashable
+    level: float
+
+
+@dataclass(frozen=True)
+class Plan:
+    """Decisions about every effect.
+
+    Attributes:
+        keys: by stage, under which key it keeps its result.
+        shadow_network: the SS network says what is hidden from the light, not the relief alone.
+    """
+
+    effects: tuple[Effect, ...]
+    keys: Mapping[str, Hashable]
+    shadow_network: bool
+
+    def effect(self, name: str) -> Effect:
+        """What is said about one effect."""
+        return next(effect for effect in self.effects if effect.name == name)
+
+    def runs(self, name: str) -> bool:
+        """Whether an effect is part of the picture."""
+        return self.effect(name).state != "skipped"
+
+
+@dataclass(frozen=True)
+class _Verdict:
+    needed: bool
+    why: str
+    bound: float | None = 0.0
+
+
+_STAGE_OF = {
+    "source_light": "source_light",
+    "relief": "relief",
+    "shadow": "specular_shadow",
+    "specular": "specular_shadow",
+    "correction": "compose",
+    "sliders": "sliders",
+    "detail": "detail",
+    "background": "background",
+    "channels": "channels",
+}
+_ANSWERS_THE_LIGHT = ("shadow", "specular", "correction", "sliders", "detail", "channels")
+
+
+def make_plan(
+    scene: Scene,
+    edit: Edit,
+    kept: Callable[[str, Hashable], bool] = lambda stage, key: False,
+    typical_ms: Mapping[str, float] | None = None,
+) -> Plan:
+    """Decide about every effect.
+
+    Args:
+        kept: whether a stage's result for a key is still there.
+        typical_ms: what each stage took when it last ran.
+
+    Raises:
+        InputError: the edit forces something that is no effect.
+    """
+    check_effects(edit.forced_on | edit.forced_off)
+    verdicts = _verdicts(scene, edit)
+    network = scene.tier.shadow_network or bool(edit.forced_on & {"shadow", "specular"})
+    keys = _keys(scene, edit, {name for name, verdict in verdicts.items() if verdict.needed}, network)
+    times = typical_ms or {}
+    effects = tuple(_effect(name, verdicts[name], scene, edit, keys, kept, times) for name in EFFECTS)
+    return Plan(effects, keys, network)
+
+
+def light_change(before: np.ndarray, after: np.ndarray) -> float:
+    """The largest |log| of the ratio of two lights' texels, each (16, 32, 3); radiance below 1e-5 counts as that."""
+    floor = np.float32(_DARKEST_TEXEL)
+    return float(np.abs(np.log(np.maximum(after, floor) / np.maximum(before, floor))).max())
+
+
+def displayed_change(log_ratio: float) -> float:
+    """By how much a displayed value may change where no texel of the light changed by more than exp(log_ratio)."""
+    return AMPLIFICATION * STEEPEST_DISPLAY_SLOPE * log_ratio
+
+
+def _verdicts(scene: Scene, edit: Edit) -> dict[str, _Verdict]:
+    verdicts = {name: _forced(edit, name) or rule(scene, edit) for name, rule in _RULES.items()}
+    verdicts["relief"] = _forced(edit, "relief") or _relief(verdicts)
+    return verdicts
+
+
+def _forced(edit: Edit, name: str) -> _Verdict | None:
+    wish = edit.forced(name)
+    if wish is None:
+        return None
+    return _Verdict(True, "turned on by you") if wish else _Verdict(False, "turned off by you", None)
+
+
+def _source_light(scene: Scene, edit: Edit) -> _Verdict:
+    if edit.looks_at("source_light"):
+        return _Verdict(True, "it is looked at")
+    return _Verdict(False, "nobody looks at it, and the picture does not depend on it")
+
+
+def _occlusion(scene: Scene, edit: Edit) -> _Verdict:
+    if scene.level == 0:
+        return _Verdict(False, "the light is black")
+    if scene.tier.shadow_network:
+        return _Verdict(True, "what the surface hides from the light, seen by the network")
+    return _Verdict(True, "what the relief hides from the light: no network at this quality")
+
+
+def _correction(scene: Scene, edit: Edit) -> _Verdict:
+    if scene.level == 0:
+        return _Verdict(False, "the light is black")
+    if not scene.tier.correction:
+        return _Verdict(False, "not at this quality", None)
+    return _Verdict(True, "the network corrects the sum of the channels")
+
+
+def _sliders(scene: Scene, edit: Edit) -> _Verdict:
+    if edit.specular == 1 and edit.shadow == 1:
+        return _Verdict(False, "both sliders are where they change nothing")
+    return _Verdict(True, "a slider is moved")
+
+
+def _detail(scene: Scene, edit: Edit) -> _Verdict:
+    return _Verdict(True, "the photo has more pixels than the networks see")
+
+
+def _background(scene: Scene, edit: Edit) -> _Verdict:
+    if edit.background == "keep":
+        return _Verdict(False, "the photo's own background stays")
+    return _Verdict(True, "another background is asked for")
+
+
+def _channels(scene: Scene, edit: Edit) -> _Verdict:
+    if edit.channels is not None and not edit.channels:
+        return _Verdict(False, "nobody looks at them")
+    return _Verdict(True, "they are looked at")
+
+
+def _relief(verdicts: Mapping[str, _Verdict]) -> _Verdict:
+    readers = [name for name in ("source_light", "shadow", "specular") if verdicts[name].needed]
+    if not readers:
+        return _Verdict(False, "nothing that is computed reads it")
+    return _Verdict(True, "horizons of the face, once for a photo")
+
+
+_RULES: dict[str, Callable[[Scene, Edit], _Verdict]] = {
+    "source_light": _source_light,
+    "shadow": _occlusion,
+    "specular": _occlusion,
+    "correction": _correction,
+    "sliders": _sliders,
+    "detail": _detail,
+    "background": _background,
+    "channels": _channels,
+}
+
+
+def _keys(scene: Scene, edit: Edit, needed: set[str], network: bool) -> dict[str, Hashable]:
+    """What every stage reads, and nothing else, so that nothing else makes it run again."""
+    shown = tuple(sorted(needed & {"shadow", "specular"}))
+    light = (scene.tier, scene.light)
+    occlusion = (light, bool(shown), network, "relief" in needed)
+    compose = (occlusion, shown, "correction" in needed)
+    gains = (edit.specular, edit.shadow) if "sliders" in needed else (1.0, 1.0)
+    change = (compose, gains, "detail" in needed, scene.level)
+    backdrop = scene.backdrop if edit.background == "light" else None
+    behind = (edit.background, backdrop) if "background" in needed else None
+    return {
+        "source_light": scene.tier,
+        "relief": scene.tier,
+        "irradiance": light,
+        "specular_shadow": occlusion,
+        "compose": compose,
+        "detail_fit": (compose, "detail" in needed),
+        "sliders": change,
+        "detail": change,
+        "paste": change,
+        "panorama": backdrop,
+        "background": (change, behind),
+        "channels": (change, edit.channels),
+    }
+
+
+def _effect(
+    name: str,
+    verdict: _Verdict,
+    scene: Scene,
+    edit: Edit,
+    keys: Mapping[str, Hashable],
+    kept: Callable[[str, Hashable], bool],
+    times: Mapping[str, float],
+) -> Effect:
+    stage, forced = _STAGE_OF[name], edit.forced(name)
+    # One network finds both, so the time is told once.
+    saved_ms = 0.0 if name == "specular" else times.get(stage)
+    if not verdict.needed:
+        return Effect(name, "skipped", verdict.why, verdict.bound, forced, saved_ms)
+    if not kept(stage, keys[stage]):
+        return Effect(name, "computed", verdict.why, 0.0, forced, 0.0)
+    bound = scene.light_bound if name in _ANSWERS_THE_LIGHT else 0.0
+    why = "nothing it reads has changed"
+    if bound > _INVISIBLE:
+        why = f"the light is nearly the same: it could change no pixel by more than {100 * bound:.2g} %"
+    elif bound > 0:
+        why = "the turn leaves the light as it was"
+    return Effect(name, "reused", why, bound, forced, saved_ms)
