@@ -8,7 +8,7 @@ import re
 from typing import NoReturn
 
 from relight_core.errors import InputError
-from relight_core.pipeline.edit import Edit
+from relight_core.pipeline.edit import EFFECTS, TOLERANCE, Edit
 
 EXPOSURE_LIMIT_EV = 16.0
 GAIN_LIMIT = 2.0
@@ -39,9 +39,7 @@ def add_sliders(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--yaw", metavar="DEG", type=_finite, default=0.0, help="turn the light; positive moves it right"
     )
-    parser.add_argument(
-        "--exposure", metavar="EV", type=_exposure, default=0.0, help="brighten by stops, -16 to 16"
-    )
+    parser.add_argument("--exposure", metavar="EV", type=_exposure, default=0.0, help="brighten by stops, -16 to 16")
     parser.add_argument("--specular", metavar="S", type=_gain, default=1.0, help="gain on highlights, 0 to 2")
     parser.add_argument("--shadow", metavar="S", type=_gain, default=1.0, help="gain on shadows, 0 to 2")
     parser.add_argument(
@@ -52,6 +50,21 @@ def add_sliders(parser: argparse.ArgumentParser) -> None:
         help="keep, light, transparent, #rrggbb",
     )
     parser.add_argument("--quality", choices=("draft", "live", "final"), default="final")
+    parser.add_argument(
+        "--force",
+        metavar="EFFECT=on|off",
+        type=_forced,
+        action="append",
+        default=[],
+        help=f"compute an effect whatever the plan says, or leave it out; may be repeated: {', '.join(EFFECTS)}",
+    )
+    parser.add_argument(
+        "--tolerance",
+        metavar="T",
+        type=_tolerance,
+        default=255 * TOLERANCE,
+        help="how much leaving something out may change the picture, in 255ths; 1 by default",
+    )
     add_face(parser)
 
 
@@ -64,9 +77,7 @@ def add_face(parser: argparse.ArgumentParser) -> None:
 
 def add_json(parser: argparse.ArgumentParser) -> None:
     """--json, for programs that read us."""
-    parser.add_argument(
-        "--json", action="store_true", help="print one JSON object and nothing else on stdout"
-    )
+    parser.add_argument("--json", action="store_true", help="print one JSON object and nothing else on stdout")
 
 
 def edit_from(arguments: argparse.Namespace) -> Edit:
@@ -78,6 +89,9 @@ def edit_from(arguments: argparse.Namespace) -> Edit:
         shadow=arguments.shadow,
         background=arguments.background,
         quality=arguments.quality,
+        forced_on=frozenset(name for name, on in arguments.force if on),
+        forced_off=frozenset(name for name, on in arguments.force if not on),
+        tolerance=arguments.tolerance / 255,
     )
 
 
@@ -104,6 +118,17 @@ def _exposure(text: str) -> float:
 
 def _gain(text: str) -> float:
     return _within(text, 0.0, GAIN_LIMIT)
+
+
+def _tolerance(text: str) -> float:
+    return _within(text, 0.0, 255.0)
+
+
+def _forced(text: str) -> tuple[str, bool]:
+    name, _, wish = text.partition("=")
+    if name not in EFFECTS or wish not in ("on", "off"):
+        raise argparse.ArgumentTypeError(f"{text!r} is not one of {', '.join(EFFECTS)} followed by =on or =off")
+    return name, wish == "on"
 
 
 def _index(text: str) -> int:

@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import argparse
 import sys
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -30,9 +31,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("photos", metavar="PHOTO", nargs="+", type=Path, help="a portrait photo")
     add_light(parser, required=True)
     add_sliders(parser)
-    parser.add_argument(
-        "-o", "--output", metavar="OUT", required=True, help="file, folder/ or {name} pattern"
-    )
+    parser.add_argument("-o", "--output", metavar="OUT", required=True, help="file, folder/ or {name} pattern")
     parser.add_argument(
         "--bits",
         type=int,
@@ -96,7 +95,8 @@ def _render(
 ) -> dict:
     from relight_core.imaging.write import write_image
 
-    edit = edit_from(arguments)
+    # Only the picture is written: no channel is looked at.
+    edit = replace(edit_from(arguments), channels=())
     session.open(photo, arguments.face)
     relit = session.relighter.relight(light, edit)
     if _is_folder(arguments.output):

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 from relight_core.pipeline.edit import Edit
 
 if TYPE_CHECKING:
+    from relight_core.pipeline.plan import Effect
     from relight_core.pipeline.relighter import Relit
 
 
@@ -85,6 +86,19 @@ def relit_record(input_name: str, output_name: str, relit: Relit) -> dict:
             name: {"ms": round(float(stage.ms), 3), "state": stage.state, "why": stage.why}
             for name, stage in relit.stages.items()
         },
+        "plan": [effect_record(effect) for effect in relit.plan],
+    }
+
+
+def effect_record(effect: Effect) -> dict:
+    """One effect of a plan; `bound` is of a displayed value in [0, 1], null where no rule answers for it."""
+    return {
+        "effect": effect.name,
+        "state": effect.state,
+        "why": effect.why,
+        "bound": None if effect.bound is None else round(effect.bound, 6),
+        "forced": effect.forced,
+        "saved_ms": None if effect.saved_ms is None else round(effect.saved_ms, 3),
     }
 
 

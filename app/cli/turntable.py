@@ -45,7 +45,7 @@ def run(arguments: argparse.Namespace) -> int:
         session = Session()
         light = session.light(arguments.light)
         session.open(arguments.photo, arguments.face)
-        edit = edit_from(arguments)
+        edit = replace(edit_from(arguments), channels=())
         last = write_turntable(session, light, edit, arguments.output)
         report.line(f"wrote {arguments.output}")
         report.record(relit_record(str(arguments.photo), str(arguments.output), last))

@@ -206,15 +206,13 @@ def move_sliders(
     effects: Effects,
     specular_gain: float,
     shadow_gain: float,
-) -> SliderChange | None:
-    """The change of the image with its effects scaled (paper, Figure 12); None at gains of 1.
+) -> SliderChange:
+    """The change of the image with its effects scaled (paper, Figure 12); none at gains of 1.
 
     The network's correction is learned at gains of 1. The sliders move the explicit sum, and the image
     with it: darker by the sum's ratio, brighter by its difference, so that more shadow never brightens
     and more gloss never darkens a pixel, and the network need not run again.
     """
-    if specular_gain == 1 and shadow_gain == 1:
-        return None
     moved = explicit_sum(surface.albedo, reflected, effects, specular_gain, shadow_gain)
     kept = ((moved + 1e-3) / (composed.plain + 1e-3)).clamp(0, 1)
     return SliderChange(kept, (moved - composed.plain).clamp_min(0))

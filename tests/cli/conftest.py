@@ -53,6 +53,9 @@ class FakeRelighter:
                 "delight": SimpleNamespace(ms=1.25, state="computed", why="new photo"),
                 "compose": SimpleNamespace(ms=0.5, state="skipped", why="nothing to do"),
             },
+            plan=[
+                SimpleNamespace(name="relief", state="skipped", why="no need", bound=0.001, forced=None, saved_ms=2.5)
+            ],
         )
 
 

@@ -31,6 +31,16 @@ def test_json_is_one_object_and_all_of_stdout(relight, photo, tmp_path):
             "delight": {"ms": 1.25, "state": "computed", "why": "new photo"},
             "compose": {"ms": 0.5, "state": "skipped", "why": "nothing to do"},
         },
+        "plan": [
+            {
+                "effect": "relief",
+                "state": "skipped",
+                "why": "no need",
+                "bound": 0.001,
+                "forced": None,
+                "saved_ms": 2.5,
+            }
+        ],
     }
 
 
@@ -53,6 +63,26 @@ def test_sliders_reach_the_edit(relight, relighter, photo, tmp_path):
     (edit,) = relighter.edits
     assert (edit.yaw_deg, edit.exposure_ev, edit.specular, edit.shadow) == (-90.5, 1.5, 0.0, 2.0)
     assert (edit.background, edit.quality) == ("#ff8000", "draft")
+
+
+def test_forced_effects_and_the_tolerance_reach_the_edit(relight, relighter, photo, tmp_path):
+    words = "--force shadow=on --force detail=off --tolerance 2.55"
+    assert relight("render", photo, "--light", "ring", *words.split(), "-o", tmp_path / "o.png").code == 0
+    (edit,) = relighter.edits
+    assert (edit.forced_on, edit.forced_off) == ({"shadow"}, {"detail"})
+    assert edit.tolerance == pytest.approx(0.01)
+
+
+@pytest.mark.parametrize("wish", ["shadow", "shadow=maybe", "glow=on"])
+def test_a_wish_that_is_none_names_the_effects(relight, photo, tmp_path, wish):
+    done = relight("render", photo, "--light", "ring", "--force", wish, "-o", tmp_path / "o.png")
+    assert done.code == 2
+    assert "correction" in done.err
+
+
+def test_a_picture_alone_asks_for_no_channels(relight, relighter, photo, tmp_path):
+    relight("render", photo, "--light", "ring", "-o", tmp_path / "o.png")
+    assert relighter.edits[0].channels == ()
 
 
 def test_exposure_multiplies_the_radiance_in_an_exr(relight, photo, tmp_path):

@@ -142,6 +142,91 @@ def test_a_new_photo_and_another_quality_run_everything(relighter):
     assert computed(relighter.relight(some_light(), EDIT)) >= NETWORK_STAGES
 
 
+def test_a_turn_that_leaves_the_light_as_it_was_computes_nothing(relighter):
+    rows = np.random.default_rng(4).random((32, 1, 3)).astype(np.float32)
+    sky = Environment.from_radiance(np.repeat(rows, 64, axis=1))
+    relighter.relight(sky, EDIT)
+    turned = relighter.relight(sky, replace(EDIT, yaw_deg=33.3))
+    assert not computed(turned) & {"specular_shadow", "compose", "detail", "paste"}
+    assert {effect.state for effect in turned.plan if effect.name in ("shadow", "correction")} == {"reused"}
+
+
+def test_only_the_level_of_a_light_runs_no_network(relighter):
+    relighter.relight(some_light(), EDIT)
+    assert not computed(relighter.relight(some_light(level=3.0), EDIT)) & NETWORK_STAGES
+
+
+def test_going_back_to_a_light_runs_no_network(relighter):
+    for seed in range(5):
+        relighter.relight(some_light(seed), EDIT)
+    assert not computed(relighter.relight(some_light(0), EDIT)) & NETWORK_STAGES
+
+
+def test_only_the_channels_that_are_looked_at_are_made(relighter):
+    relit = relighter.relight(some_light(), replace(EDIT, channels=("normal", "shadow")))
+    assert set(relit.channels) == {"normal", "shadow"}
+    assert "source_light" not in computed(relit)
+    alone = relighter.relight(some_light(1), replace(EDIT, channels=()))
+    assert alone.channels == {}
+    assert states(alone)["channels"] == "skipped"
+
+
+def test_the_plan_says_beforehand_what_is_done(relighter):
+    for edit in (EDIT, replace(EDIT, shadow=0.4), replace(EDIT, background="light"), replace(EDIT, channels=())):
+        foretold = {effect.name: effect.state for effect in relighter.plan(some_light(), edit).effects}
+        relit = relighter.relight(some_light(), edit)
+        assert {effect.name: effect.state for effect in relit.plan} == foretold
+        assert (foretold["correction"] == "computed") == ("compose" in computed(relit))
+
+
+@pytest.mark.parametrize(
+    "edits",
+    [
+        [EDIT, replace(EDIT, shadow=0.2), replace(EDIT, specular=2.0, channels=())],
+        [EDIT, replace(EDIT, yaw_deg=25.0), EDIT],
+        [replace(EDIT, channels=()), replace(EDIT, background="light"), replace(EDIT, background="light", yaw_deg=9.0)],
+    ],
+)
+def test_what_is_left_out_or_reused_changes_nothing(weights, relighter, edits):
+    """With the plan's rules and without: every picture is the same."""
+    without = Relighter(weights, remembers=False)
+    without.set_portrait(some_photo())
+    everything = frozenset({"source_light", "relief", "shadow", "specular", "correction", "sliders", "channels"})
+    for edit in edits:
+        thorough = without.relight(some_light(), replace(edit, channels=None, forced_on=everything))
+        np.testing.assert_allclose(relighter.relight(some_light(), edit).image, thorough.image, atol=1e-6)
+
+
+@pytest.mark.parametrize("effect", ["shadow", "specular", "correction", "detail", "relief"])
+def test_an_effect_turned_off_is_gone_and_comes_back(relighter, effect):
+    first = relighter.relight(some_light(), EDIT)
+    off = relighter.relight(some_light(), replace(EDIT, forced_off=frozenset({effect})))
+    assert np.abs(off.image - first.image).max() > 1e-4
+    if effect in ("shadow", "specular"):
+        assert off.channels[effect].max() == 0
+    np.testing.assert_array_equal(relighter.relight(some_light(), EDIT).image, first.image)
+
+
+def test_without_shadow_and_specular_their_network_rests(relighter):
+    relit = relighter.relight(some_light(), replace(EDIT, forced_off=frozenset({"shadow", "specular"})))
+    assert states(relit)["specular_shadow"] == "skipped"
+
+
+def test_forced_on_a_near_light_does_not_serve(relighter):
+    light = some_light()
+    relighter.relight(light, EDIT)
+    near = Environment(light.shape * np.float32(1.0001), 1.0, "near")
+    assert not computed(relighter.relight(near, EDIT)) & NETWORK_STAGES
+    forced = relighter.relight(near, replace(EDIT, forced_on=frozenset({"shadow"})))
+    assert "specular_shadow" in computed(forced)
+
+
+def test_times_of_stages_within_stages_are_not_counted_twice(relighter):
+    relit = relighter.relight(some_light(), EDIT)
+    ended = max(stage.start_ms + stage.ms for stage in relit.stages.values())
+    assert sum(stage.ms for stage in relit.stages.values()) <= ended + 1
+
+
 def test_every_stage_says_why(relighter):
     for stage in relighter.relight(some_light(), EDIT).stages.values():
         assert stage.why

@@ -1,0 +1,179 @@
+"""The plan: what is left out and why, and that no rule errs by more than it says."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from relight_core.errors import InputError
+from relight_core.pipeline.edit import Edit
+from relight_core.pipeline.kept_lights import KeptLights
+from relight_core.pipeline.plan import Scene, displayed_change, light_change, make_plan
+from relight_core.pipeline.quality import Tier
+
+TIER = Tier(64, 32, 16, False)
+SCENE = Scene(TIER, b"light", 0.0, "backdrop", 1.0)
+EFFECTS = {
+    "source_light",
+    "relief",
+    "shadow",
+    "specular",
+    "correction",
+    "sliders",
+    "detail",
+    "background",
+    "channels",
+}
+
+
+def states(plan):
+    return {effect.name: effect.state for effect in plan.effects}
+
+
+def everything(stage, key):
+    return True
+
+
+def test_every_effect_is_decided_about_in_words():
+    plan = make_plan(SCENE, Edit())
+    assert set(states(plan)) == EFFECTS
+    assert all(effect.why for effect in plan.effects)
+
+
+def test_what_changes_nothing_is_skipped_and_says_so():
+    plan = make_plan(SCENE, Edit(channels=()))
+    skipped = {name for name, state in states(plan).items() if state == "skipped"}
+    assert skipped == {"source_light", "sliders", "background", "channels"}
+    assert all(plan.effect(name).bound == 0 for name in skipped)
+
+
+def test_black_light_needs_no_network():
+    plan = make_plan(replace(SCENE, level=0.0), Edit(channels=()))
+    for name in ("shadow", "specular", "correction", "relief"):
+        assert states(plan)[name] == "skipped"
+
+
+def test_a_channel_that_is_looked_at_is_made():
+    assert make_plan(SCENE, Edit(channels=("source_light",))).runs("source_light")
+    assert not make_plan(SCENE, Edit(channels=("albedo",))).runs("source_light")
+
+
+def test_the_user_has_the_last_word():
+    off = make_plan(SCENE, Edit(forced_off=frozenset({"shadow", "detail", "background"}), background="light"))
+    assert [off.effect(name).state for name in ("shadow", "detail", "background")] == ["skipped"] * 3
+    assert off.effect("shadow").bound is None
+    on = make_plan(replace(SCENE, level=0.0), Edit(channels=(), forced_on=frozenset({"correction", "source_light"})))
+    assert on.runs("correction")
+    assert on.runs("source_light")
+    assert on.runs("relief")
+
+
+def test_a_cheap_tier_has_no_networks_until_the_user_wants_them():
+    scene = replace(SCENE, tier=replace(TIER, shadow_network=False, correction=False))
+    plan = make_plan(scene, Edit())
+    assert not plan.shadow_network
+    assert not plan.runs("correction")
+    assert plan.runs("shadow")
+    forced = make_plan(scene, Edit(forced_on=frozenset({"shadow", "correction"})))
+    assert forced.shadow_network
+    assert forced.runs("correction")
+
+
+def test_an_effect_that_does_not_exist_names_those_that_do():
+    with pytest.raises(InputError, match="correction"):
+        make_plan(SCENE, Edit(forced_off=frozenset({"glow"})))
+
+
+def test_what_is_kept_is_reused_within_the_bound_of_its_light():
+    plan = make_plan(replace(SCENE, light_bound=0.003), Edit(), everything, {"compose": 7.0})
+    correction, relief = plan.effect("correction"), plan.effect("relief")
+    assert (correction.state, correction.bound, correction.saved_ms) == ("reused", 0.003, 7.0)
+    assert "0.3 %" in correction.why
+    assert (relief.state, relief.bound) == ("reused", 0.0)
+
+
+@pytest.mark.parametrize(
+    ("change", "untouched", "touched"),
+    [
+        ({"exposure_ev": 2.0}, {"compose", "sliders", "background", "channels"}, set()),
+        ({"shadow": 0.5}, {"compose", "specular_shadow", "panorama"}, {"sliders", "detail", "background"}),
+        ({"background": "transparent"}, {"compose", "paste"}, {"background"}),
+        ({"forced_off": frozenset({"correction"})}, {"specular_shadow"}, {"compose", "paste"}),
+        ({"forced_off": frozenset({"relief"})}, {"irradiance"}, {"specular_shadow", "compose"}),
+    ],
+)
+def test_a_key_names_what_its_stage_reads_and_nothing_else(change, untouched, touched):
+    edit = Edit(background="#102030")
+    before, after = make_plan(SCENE, edit).keys, make_plan(SCENE, replace(edit, **change)).keys
+    assert all(before[name] == after[name] for name in untouched)
+    assert all(before[name] != after[name] for name in touched)
+
+
+def test_a_turn_of_a_panorama_that_nobody_sees_moves_no_background():
+    turned = replace(SCENE, backdrop="turned")
+    for background, same in (("#102030", True), ("light", False)):
+        edit = Edit(background=background)
+        keys = [make_plan(scene, edit).keys["background"] for scene in (SCENE, turned)]
+        assert (keys[0] == keys[1]) is same
+
+
+LIGHT = np.random.default_rng(0).gamma(0.5, 1.0, (16, 32, 3)).astype(np.float32)
+
+
+@given(st.floats(0.0, 0.2), st.integers(0, 99))
+def test_no_sum_over_texels_changes_by_more_than_the_texels(size, seed):
+    rng = np.random.default_rng(seed)
+    other = LIGHT * np.exp(rng.uniform(-size, size, LIGHT.shape)).astype(np.float32)
+    weights = rng.random((50, 512)) * (rng.random((50, 512)) < 0.1)
+    before, after = (np.maximum(weights @ light.reshape(512, 3), 1e-3) for light in (LIGHT, other))
+    change = light_change(LIGHT, other)
+    assert np.abs(np.log(after / before)).max() <= change + 1e-4
+    codes = [np.clip(1.055 * np.clip(x, 0.0031308, 1) ** (1 / 2.4) - 0.055, 0, 1) for x in (before, after)]
+    assert np.abs(codes[0] - codes[1]).max() <= displayed_change(change) + 1e-4
+
+
+def test_nearly_the_same_light_finds_the_kept_one():
+    lights = KeptLights(4)
+    first = lights.match("tier", LIGHT, 1 / 255)
+    again = lights.match("tier", LIGHT * np.float32(1.0001), 1 / 255)
+    assert again.name == first.name
+    assert 0 < again.bound < 1 / 255
+    np.testing.assert_array_equal(again.radiance, LIGHT)
+
+
+def test_another_light_serves_itself():
+    lights = KeptLights(4)
+    first = lights.match("tier", LIGHT, 1 / 255)
+    other = np.roll(LIGHT, 1, axis=1)
+    second = lights.match("tier", other, 1 / 255)
+    assert second.name != first.name
+    assert second.bound == 0
+    np.testing.assert_array_equal(second.radiance, other)
+
+
+def test_small_changes_do_not_add_up():
+    lights = KeptLights(100)
+    tolerance, drift = 1 / 255, LIGHT
+    for _ in range(200):
+        drift = drift * np.float32(1.001)
+        serving = lights.match("tier", drift, tolerance)
+        assert displayed_change(light_change(serving.radiance, drift)) <= tolerance + 1e-6
+
+
+def test_without_tolerance_only_the_same_light_serves():
+    lights = KeptLights(4)
+    lights.match("tier", LIGHT, 0.0)
+    assert lights.match("tier", LIGHT * np.float32(1.0001), 0.0).bound == 0
+    assert lights.match("tier", LIGHT, 0.0).bound == 0
+
+
+def test_groups_and_age_part_lights():
+    lights = KeptLights(2)
+    lights.match("one tier", LIGHT, 0.0)
+    near = LIGHT * np.float32(1.0001)
+    assert lights.match("another tier", near, 1 / 255).bound == 0
+    for number in (2, 3):
+        lights.match("one tier", LIGHT * np.float32(number), 0.0)
+    assert lights.match("one tier", near, 1 / 255).bound == 0
