@@ -17,13 +17,19 @@ from relight_core.evaluation.scoring import (
     score_unchanged,
 )
 from relight_core.face.parsing import CLASSES, INDEX, PAPER_CLASSES
-from relight_core.imaging.guided_detail import fit_detail
 from relight_core.imaging.resampling import resize_area
 from relight_core.lighting.reflection import ReflectionTable
 from relight_core.lighting.relief import ReliefTransport
 from relight_core.networks.bundle import NetworkBundle
 from relight_core.pipeline import stages
-from relight_core.pipeline.channels import ViewChange, as_image, light_channels, surface_channels
+from relight_core.pipeline.channels import (
+    as_image,
+    enlarge_change,
+    fit_view,
+    light_channels,
+    surface_channels,
+    upsampler_for,
+)
 from relight_core.pipeline.quality import Tier
 
 _WHOLE_PIXEL = 0.99
@@ -59,17 +65,18 @@ class Editor:
         return _TakenApart(photo, small, surface, relief, surface_channels(surface, photo, small) | lights)
 
     def light(self, surface: stages.Surface, relief: ReliefTransport, radiance: np.ndarray):
-        """Effects and image at the networks' size, in units of the normalised light (16, 32, 3)."""
+        """Irradiance and gloss, effects and image at the networks' size, in units of the normalised light."""
         light = torch.from_numpy(radiance)[None].to(self.device)
         reflected = stages.reflect(self.table, surface, light)
         effects = stages.estimate_effects(self.bundle, surface, reflected, relief, light, self.device)
         composed = stages.compose(self.bundle, surface, reflected, effects, light, self.device)
-        return effects, as_image(composed.image)
+        return reflected, effects, composed.image
 
     def relight(self, found: _TakenApart, radiance: np.ndarray) -> dict[str, np.ndarray]:
         """The channels "specular", "shadow" and "composition" at the photo's size."""
-        effects, image = self.light(found.surface, found.relief, radiance)
-        change = ViewChange(fit_detail(found.small, image), None, None, 1.0)
+        reflected, effects, image = self.light(found.surface, found.relief, radiance)
+        fit = fit_view(found.small, found.surface, reflected, effects, image)
+        change = enlarge_change(fit, None, upsampler_for(found.photo, found.small), 1.0)
         return light_channels(effects, change, found.photo)
 
 
@@ -106,17 +113,14 @@ class Bench:
         }
         return figures | {f"true surface, {group}": self._score_from_truth(target.radiance, truth, exposure)}
 
-    def _score_from_truth(
-        self, radiance: np.ndarray, truth: dict[str, np.ndarray], exposure: float
-    ) -> Figures:
+    def _score_from_truth(self, radiance: np.ndarray, truth: dict[str, np.ndarray], exposure: float) -> Figures:
         """SS and composition alone, from the true surface, at the networks' size."""
-        effects, image = self._editor.light(self._perfect, self._perfect_relief, radiance)
+        _, effects, image = self._editor.light(self._perfect, self._perfect_relief, radiance)
+        image = as_image(image)
         small = {name: self._shrunk(truth[name]) for name in ("image", "specular", "shadow")}
         covered = self._shrunk(self._covered.astype(np.float32)) > _WHOLE_PIXEL
         estimated = {"specular": as_image(effects.specular), "shadow": as_image(effects.shadow)}
-        return score_effects(estimated, small, covered) | score_relit(
-            image, small["image"], exposure, covered, covered
-        )
+        return score_effects(estimated, small, covered) | score_relit(image, small["image"], exposure, covered, covered)
 
     def _true_surface(self, light: np.ndarray) -> stages.Surface:
         """What perfect de-lighting would find; all of the head counts as skin, as it was rendered."""

@@ -9,33 +9,68 @@ import numpy as np
 import torch
 import torch.nn.functional as F
 
-from relight_core.imaging.guided_detail import DetailFit, apply_detail, carry_detail
-from relight_core.imaging.resampling import resize_smooth
-from relight_core.pipeline.hints import Effects
-from relight_core.pipeline.stages import Surface
+from relight_core.face.parsing import INDEX
+from relight_core.imaging.guided_detail import carry_detail
+from relight_core.imaging.joint_upsampling import JointUpsampler
+from relight_core.imaging.light_change import LightChange, fit_light_change
+from relight_core.imaging.resampling import resize_area, resize_smooth
+from relight_core.pipeline.hints import Effects, grey
+from relight_core.pipeline.stages import SliderChange, Surface
+
+_PATTERNED = [
+    INDEX[name]
+    for name in ("left_eye", "right_eye", "left_brow", "right_brow", "lips", "inner_mouth", "hair", "hat")
+    + ("glasses", "cloth")
+]
 
 
 @dataclass(frozen=True, eq=False)
 class ViewChange:
-    """What a light makes of a photo's view, to be applied at any resolution.
+    """What a light makes of a photo's view, to be applied at any resolution: gain * photo + offset.
 
     Attributes:
-        fit: the relit view as gain and offset of the photo, sliders at 1, normalised light.
-        kept, added: (s, s, 3) what the sliders leave of it, in [0, 1], and add to it; None at gains of 1.
+        gain, offset: (S, S, 3) float32, >= 0, at the light's level and the sliders' gains.
         level: of the light.
     """
 
-    fit: DetailFit
-    kept: np.ndarray | None
-    added: np.ndarray | None
+    gain: np.ndarray
+    offset: np.ndarray
     level: float
 
     def apply(self, photo: np.ndarray) -> np.ndarray:
-        """The view (S, S, 3), linear, relit."""
-        relit = apply_detail(self.fit, photo)
-        if self.kept is not None:
-            relit = relit * resize_smooth(self.kept, photo.shape[:2]) + resize_smooth(self.added, photo.shape[:2])
-        return relit * np.float32(self.level)
+        """The view (T, T, 3), linear, relit; any T."""
+        size = photo.shape[:2]
+        return resize_smooth(self.gain, size) * photo + resize_smooth(self.offset, size)
+
+
+def upsampler_for(photo_view: np.ndarray, photo_small: np.ndarray) -> JointUpsampler:
+    """What carries a light's change from the networks' size to (about) the view's."""
+    size = photo_small.shape[0]
+    factor = max(photo_view.shape[0] // size, 1)
+    lattice = (factor * size, factor * size)
+    large = photo_view if photo_view.shape[:2] == lattice else resize_area(photo_view, lattice)
+    return JointUpsampler(photo_small, large)
+
+
+def fit_view(
+    photo_small: np.ndarray, surface: Surface, reflected: torch.Tensor, effects: Effects, relit: torch.Tensor
+) -> LightChange:
+    """The composed view (1, 3, s, s) as gain and offset of the photo's, normalised light."""
+    gloss = effects.specular * reflected[:, 3:] / grey(reflected[:, 3:]).clamp_min(1e-6)
+    patterned = surface.parsing[:, _PATTERNED].sum(1, keepdim=True)
+    return fit_light_change(photo_small, as_image(relit), as_image(gloss), as_image(patterned))
+
+
+def enlarge_change(
+    change: LightChange, moved: SliderChange | None, upsample: JointUpsampler, level: float
+) -> ViewChange:
+    """The change at the view's size, after the sliders and at the light's level."""
+    gain, offset = change.gain, change.offset
+    if moved is not None:
+        kept = as_image(moved.kept)
+        gain, offset = gain * kept, offset * kept + as_image(moved.added)
+    both = upsample(np.concatenate([gain, offset], axis=-1)) * np.float32(level)
+    return ViewChange(np.ascontiguousarray(both[..., :3]), np.ascontiguousarray(both[..., 3:]), level)
 
 
 SURFACE_CHANNELS = ("photo", "albedo", "normal", "parsing")

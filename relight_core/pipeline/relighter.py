@@ -11,7 +11,8 @@ import torch
 
 from relight_core.errors import InputError
 from relight_core.face.find import FaceBox
-from relight_core.imaging.guided_detail import DetailFit, fit_detail
+from relight_core.imaging.joint_upsampling import JointUpsampler
+from relight_core.imaging.light_change import LightChange
 from relight_core.imaging.matte import refine_matte
 from relight_core.imaging.photo import Photo
 from relight_core.imaging.resampling import resize_area
@@ -27,8 +28,11 @@ from relight_core.pipeline.channels import (
     SURFACE_CHANNELS,
     ViewChange,
     as_image,
+    enlarge_change,
+    fit_view,
     light_channels,
     surface_channel,
+    upsampler_for,
 )
 from relight_core.pipeline.edit import Edit
 from relight_core.pipeline.finish import finish, over_background
@@ -262,17 +266,22 @@ class Relighter:
 
     def _change(self, ready: _Prepared, lit: _Lit, plan: Plan, edit: Edit, level: float) -> ViewChange:
         """How the relit view differs from the photo's, at the sliders' gains and the light's level."""
-        fit = self._cache.run(
-            "detail_fit",
-            plan.keys["detail_fit"],
-            lambda: _detail_fit(ready.photo_small, as_image(lit.composed.image), plan.runs("detail")),
-            "new light",
-        )
-        if not plan.runs("sliders"):
-            return ViewChange(fit, None, None, level)
-        specular, shadow = edit.specular * plan.runs("specular"), edit.shadow * plan.runs("shadow")
-        moved = stages.move_sliders(lit.composed, ready.surface, lit.reflected, lit.effects, specular, shadow)
-        return ViewChange(fit, as_image(moved.kept), as_image(moved.added), level)
+        fit = self._cache.run("detail_fit", plan.keys["detail_fit"], lambda: self._fit(ready, lit, plan), "new light")
+        moved = None
+        if plan.runs("sliders"):
+            specular, shadow = edit.specular * plan.runs("specular"), edit.shadow * plan.runs("shadow")
+            moved = stages.move_sliders(lit.composed, ready.surface, lit.reflected, lit.effects, specular, shadow)
+        return enlarge_change(fit, moved, self._upsampler(ready), level)
+
+    def _fit(self, ready: _Prepared, lit: _Lit, plan: Plan) -> LightChange:
+        """The relit view as gain and offset of the photo; without detail, offset only."""
+        if plan.runs("detail"):
+            return fit_view(ready.photo_small, ready.surface, lit.reflected, lit.effects, lit.composed.image)
+        relit = as_image(lit.composed.image)
+        return LightChange(np.zeros_like(relit), relit)
+
+    def _upsampler(self, ready: _Prepared) -> JointUpsampler:
+        return self._once("edges", ready.tier, lambda: upsampler_for(ready.photo_view, ready.photo_small))
 
     def _finished(self, ready: _Prepared, change: ViewChange, plan: Plan, environment: Environment, edit: Edit):
         """Full resolution: the photo's detail, then the background. (H, W, 3) and alpha or None."""
@@ -329,10 +338,3 @@ class Relighter:
             "new light or slider",
         )
         return fixed | lighted
-
-
-def _detail_fit(photo_small: np.ndarray, relit_small: np.ndarray, with_detail: bool) -> DetailFit:
-    """The relit view as gain and offset of the photo; without detail, offset only."""
-    if with_detail:
-        return fit_detail(photo_small, relit_small)
-    return DetailFit(np.zeros_like(relit_small), relit_small)

@@ -1,0 +1,77 @@
+"""Enlarging small maps along the edges of a picture: joint bilateral upsampling (Kopf et al. 2007).
+
+The weights follow from the picture alone, so they are computed once per photo and then serve every light.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import torch
+import torch.nn.functional as F
+
+_COLOUR_DEVIATION = 0.05
+_PLACE_DEVIATION = 0.5
+_FAR = 1e-6
+_TAPS = 9
+
+
+class JointUpsampler:
+    """Each new pixel is the mean of the 3 x 3 small ones around it, weighted by nearness and by likeness.
+
+    Likeness is that of the picture's colours, square roots of linear light. A pixel like none of its
+    neighbours takes their mean by nearness. All weights are positive and sum to 1.
+    """
+
+    def __init__(self, small: np.ndarray, large: np.ndarray):
+        """Compute the weights.
+
+        Args:
+            small: (s, s, 3) linear, the picture at the maps' size.
+            large: (f s, f s, 3) linear, the same picture; f is a whole number.
+
+        Raises:
+            ValueError: sizes that are no whole multiple.
+        """
+        size, factor = small.shape[0], large.shape[0] // small.shape[0]
+        if large.shape[:2] != (factor * size, factor * size) or small.shape[:2] != (size, size):
+            raise ValueError(f"{large.shape[:2]} is no whole multiple of {small.shape[:2]}")
+        self.size, self.factor = size, factor
+        self._weights = None if factor == 1 else self._likeness(small, large)
+
+    def __call__(self, maps: np.ndarray) -> np.ndarray:
+        """Enlarge maps (s, s, C) to (f s, f s, C) float32."""
+        maps = np.ascontiguousarray(maps, np.float32)
+        if self._weights is None:
+            return maps
+        size, factor, channels = self.size, self.factor, maps.shape[2]
+        around = _neighbours(torch.from_numpy(maps)).reshape(size * size, _TAPS, channels)
+        cells = torch.bmm(self._weights, around).reshape(size, size, factor, factor, channels)
+        return np.ascontiguousarray(cells.permute(0, 2, 1, 3, 4).reshape(size * factor, size * factor, channels))
+
+    def _likeness(self, small: np.ndarray, large: np.ndarray) -> torch.Tensor:
+        """(s * s, f * f, 9) weights of the neighbours of every new pixel."""
+        size, factor = self.size, self.factor
+        cells = _as_seen(large).reshape(size, factor, size, factor, 3).permute(0, 2, 1, 3, 4)
+        cells = cells.reshape(size * size, factor * factor, 1, 3)
+        around = _neighbours(_as_seen(small)).reshape(size * size, 1, _TAPS, 3)
+        likeness = torch.exp((cells - around).square().sum(-1) / (-2 * _COLOUR_DEVIATION**2))
+        weights = (likeness + _FAR) * _nearness(factor)
+        return weights / weights.sum(-1, keepdim=True)
+
+
+def _as_seen(linear: np.ndarray) -> torch.Tensor:
+    return torch.from_numpy(np.sqrt(np.clip(np.nan_to_num(linear, nan=0.0), 0, 1), dtype=np.float32))
+
+
+def _neighbours(image: torch.Tensor) -> torch.Tensor:
+    """(s, s, C) to (s, s, 9, C), rows first; the border repeats."""
+    padded = F.pad(image.permute(2, 0, 1)[None], (1, 1, 1, 1), mode="replicate")[0]
+    windows = padded.unfold(1, 3, 1).unfold(2, 3, 1)
+    return windows.permute(1, 2, 3, 4, 0).reshape(*image.shape[:2], _TAPS, image.shape[2])
+
+
+def _nearness(factor: int) -> torch.Tensor:
+    """(f * f, 9) weights by distance, in small pixels, between the centres of new pixels and neighbours."""
+    within = (torch.arange(factor) + 0.5) / factor - 0.5
+    along = torch.exp((within[:, None] - torch.tensor([-1.0, 0.0, 1.0])).square() / (-2 * _PLACE_DEVIATION**2))
+    return torch.einsum("ai,bj->abij", along, along).reshape(factor * factor, _TAPS)

@@ -1,0 +1,86 @@
+"""What a light does to a photo, as a gain and an offset of its pixels, in linear light.
+
+Light multiplies what a surface shows and adds gloss to it. So the relit picture without its gloss, over the
+photo, is the gain, and the gloss is the offset. A photo has more pixels than the networks see; gain and
+offset are enlarged along its edges (`joint_upsampling`) and then meet its own pixels. docs/detail.md
+compares this with other ways.
+
+A network blurs small things that it sees in a few pixels only. Where an eye, a brow or hair lost contrast on
+the way, the gain would paint the blur over the photo: pupils turn milky, dark hair hazy. There the gain
+follows what the photo's own pattern doesn't explain, and the pattern keeps its contrast.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+
+LARGEST_GAIN = 16.0
+_DARK = 1e-3
+_CALM = 0.1
+_LOSS = 0.3
+_BRIGHTEST = 65504.0
+
+
+@dataclass(frozen=True, eq=False)
+class LightChange:
+    """relit = gain * photo + offset.
+
+    Attributes:
+        gain: (S, S, 3) float32, >= 0.
+        offset: (S, S, 3) float32, >= 0.
+    """
+
+    gain: np.ndarray
+    offset: np.ndarray
+
+    def apply(self, photo: np.ndarray) -> np.ndarray:
+        """A picture of the maps' size relit: (S, S, 3), linear."""
+        return self.gain * photo + self.offset
+
+
+def fit_light_change(photo: np.ndarray, relit: np.ndarray, gloss: np.ndarray, patterned: np.ndarray) -> LightChange:
+    """Take a relit view apart into gain and offset.
+
+    Args:
+        photo: (s, s, 3) linear, the view as the networks saw it.
+        relit: (s, s, 3) linear, the same relit. NaN and infinities in either are cleaned.
+        gloss: (s, s, 3) linear, how much of `relit` is mirrored light.
+        patterned: (s, s) in [0, 1], where contrast comes from colour rather than from shading: eyes, brows,
+            lips, hair, cloth.
+
+    Returns:
+        Both of size (s, s).
+    """
+    photo, relit = _cleaned(photo), _cleaned(relit)
+    offset = np.minimum(_cleaned(gloss), relit)
+    matt = relit - offset
+    gain = (matt + _DARK) / (photo + _DARK)
+    kept = _pattern_kept(photo, matt, gain, patterned)
+    gain = np.clip(kept, 0.0, LARGEST_GAIN)
+    return LightChange(gain, offset + _DARK * np.maximum(gain - 1.0, 0.0))
+
+
+def _pattern_kept(photo: np.ndarray, matt: np.ndarray, gain: np.ndarray, patterned: np.ndarray) -> np.ndarray:
+    """The gain, but where the photo's pattern lost contrast, the gain of its surroundings."""
+    mean_photo, mean_matt = _mean(photo), _mean(matt)
+    variance = np.maximum(_mean(photo * photo) - mean_photo**2, 0.0)
+    covariance = _mean(photo * matt) - mean_photo * mean_matt
+    ratio = (mean_matt + _DARK) / (mean_photo + _DARK)
+    calm = (_CALM * np.maximum(mean_photo, _DARK)) ** 2
+    slope = (covariance + calm * ratio) / (variance + calm)
+    unexplained = matt - mean_matt - slope * (photo - mean_photo)
+    around = np.maximum(mean_matt + unexplained, 0.0) / (mean_photo + _DARK)
+    lost = np.clip((ratio - slope) / (_LOSS * ratio + 1e-6), 0.0, 1.0)
+    return gain + (around - gain) * (lost * np.clip(patterned, 0.0, 1.0)[..., None])
+
+
+def _mean(image: np.ndarray) -> np.ndarray:
+    return cv2.blur(image, (3, 3), borderType=cv2.BORDER_REFLECT)
+
+
+def _cleaned(image: np.ndarray) -> np.ndarray:
+    cleaned = np.nan_to_num(np.asarray(image, np.float32), nan=0.0, posinf=_BRIGHTEST, neginf=0.0)
+    return np.clip(cleaned, 0.0, _BRIGHTEST)

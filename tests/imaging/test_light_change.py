@@ -1,0 +1,108 @@
+"""Taking a relit view apart into gain and offset, and enlarging both along the photo's edges."""
+
+import numpy as np
+import pytest
+
+from relight_core.imaging.joint_upsampling import JointUpsampler
+from relight_core.imaging.light_change import fit_light_change
+from relight_core.imaging.resampling import resize_area
+
+
+def checked_photo(size=64, dark=0.05, bright=0.8):
+    """Two halves of different colour with some texture."""
+    rng = np.random.default_rng(0)
+    photo = np.full((size, size, 3), dark, np.float32)
+    photo[:, size // 2 :] = bright
+    return photo * rng.uniform(0.9, 1.1, (size, size, 1)).astype(np.float32)
+
+
+def nothing(size=16):
+    return np.zeros((size, size, 3), np.float32), np.zeros((size, size), np.float32)
+
+
+def test_a_constant_change_is_found_and_keeps_every_texture():
+    photo = checked_photo()
+    small = resize_area(photo, (16, 16))
+    gloss, pattern = nothing()
+    change = fit_light_change(small, small * 2.5, gloss, pattern)
+    gain = JointUpsampler(small, photo)(change.gain)
+    np.testing.assert_allclose(gain * photo, 2.5 * photo, rtol=0.06)
+
+
+def test_gloss_is_added_and_not_multiplied():
+    photo = np.full((16, 16, 3), 0.2, np.float32)
+    gloss = np.zeros((16, 16, 3), np.float32)
+    gloss[4:8, 4:8] = 0.5
+    change = fit_light_change(photo, photo + gloss, gloss, nothing()[1])
+    np.testing.assert_allclose(change.gain, 1.0, atol=1e-3)
+    np.testing.assert_allclose(change.offset, gloss, atol=1e-3)
+
+
+def test_a_pupil_that_the_network_blurred_stays_dark_where_contrast_is_colour():
+    photo = np.full((16, 16, 3), 0.5, np.float32)
+    photo[8, 8] = 0.01
+    blurred = np.full((16, 16, 3), 0.5, np.float32)
+    blurred[8, 8] = 0.3
+    gloss, pattern = nothing()
+    milky = fit_light_change(photo, blurred, gloss, pattern).apply(photo)[8, 8]
+    dark = fit_light_change(photo, blurred, gloss, pattern + 1).apply(photo)[8, 8]
+    assert milky.min() > 0.1
+    assert dark.max() < 0.03
+
+
+def test_a_shadow_edge_that_the_photo_lacks_survives():
+    photo = np.full((16, 16, 3), 0.4, np.float32)
+    relit = photo.copy()
+    relit[:, 8:] *= 0.1
+    gloss, pattern = nothing()
+    result = fit_light_change(photo, relit, gloss, pattern + 1).apply(photo)
+    np.testing.assert_allclose(result, relit, atol=0.01)
+
+
+@pytest.mark.parametrize("bad", [np.nan, np.inf, -1.0, 1e30])
+def test_hostile_values_stay_finite_and_positive(bad):
+    photo, relit = np.full((2, 16, 16, 3), 0.3, np.float32)
+    relit[3, 3] = bad
+    photo[9, 9] = bad
+    change = fit_light_change(photo, relit, np.full((16, 16, 3), bad, np.float32), np.ones((16, 16), np.float32))
+    for part in (change.gain, change.offset):
+        assert np.isfinite(part).all()
+        assert part.min() >= 0
+    assert change.gain.max() <= 16
+
+
+def test_enlarged_maps_keep_to_the_side_of_an_edge_that_small_pixels_straddle():
+    """The edge lies within a small pixel; bilinear enlargement would blur across it."""
+    photo = np.full((64, 64, 3), 0.02, np.float32)
+    photo[:, 34:] = 0.9
+    small = resize_area(photo, (16, 16))
+    maps = np.where(resize_area(photo, (16, 16))[..., :1] < 0.1, 1.0, 5.0).astype(np.float32)
+    large = JointUpsampler(small, photo)(maps)[..., 0]
+    assert large[:, :32].max() < 1.2
+    assert large[:, 40:].min() > 4.8
+
+
+def test_enlarging_keeps_constants_range_and_order():
+    rng = np.random.default_rng(1)
+    photo = rng.random((32, 32, 3), np.float32)
+    small = resize_area(photo, (16, 16))
+    upsample = JointUpsampler(small, photo)
+    np.testing.assert_allclose(upsample(np.full((16, 16, 2), 3.0, np.float32)), 3.0, rtol=1e-5)
+    low = rng.random((16, 16, 1), np.float32)
+    high = low + rng.random((16, 16, 1), np.float32)
+    assert (upsample(high) >= upsample(low) - 1e-6).all()
+    assert upsample(low).min() >= low.min() - 1e-6
+    assert upsample(low).max() <= low.max() + 1e-6
+
+
+def test_each_small_pixel_lands_on_its_own_place():
+    photo = np.full((12, 12, 3), 0.5, np.float32)
+    maps = np.zeros((4, 4, 1), np.float32)
+    maps[1, 2] = 1
+    large = JointUpsampler(np.full((4, 4, 3), 0.5, np.float32), photo)(maps)[..., 0]
+    assert np.unravel_index(large.argmax(), large.shape) == (4, 7)
+
+
+def test_sizes_must_be_whole_multiples():
+    with pytest.raises(ValueError, match="multiple"):
+        JointUpsampler(np.zeros((16, 16, 3), np.float32), np.zeros((40, 40, 3), np.float32))
