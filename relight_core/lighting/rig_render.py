@@ -29,7 +29,7 @@ def render_rig(rig: Rig, height: int = 64) -> np.ndarray:
     surround = _sky if isinstance(rig.surround, Sky) else _room
     radiance = surround(rig.surround, toward)
     for light in rig.area_lights:
-        radiance += _area_light(light, toward, areas)
+        radiance += area_light_radiance(light, toward, areas)
     return shrink(radiance, height)
 
 
@@ -44,8 +44,16 @@ def direction_of(azimuth_deg: float, elevation_deg: float) -> np.ndarray:
     return np.array([level * np.sin(azimuth), np.sin(elevation), level * np.cos(azimuth)], np.float32)
 
 
-def _area_light(light: AreaLight, toward: np.ndarray, areas: np.ndarray) -> np.ndarray:
-    """Radiance (H, W, 3) of one lamp; a white card facing its centre reflects colour * intensity."""
+def area_light_radiance(light: AreaLight, toward: np.ndarray, areas: np.ndarray) -> np.ndarray:
+    """Radiance of one lamp on a map; a white card facing its centre reflects colour * intensity.
+
+    Args:
+        light: the lamp.
+        toward, areas: (H, W, 3) directions and (H, W) solid angles of the map's texels.
+
+    Returns:
+        (H, W, 3) float32 linear Rec.709.
+    """
     forward = direction_of(light.azimuth_deg, light.elevation_deg)
     ahead = toward @ forward
     cover = _disc_cover(light, ahead) if light.form == "disc" else _rectangle_cover(light, toward, ahead)

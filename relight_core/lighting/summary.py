@@ -43,6 +43,15 @@ def contrast(environment: Environment) -> float:
     return max(brightest - darkest, 0.0) / (brightest + darkest)
 
 
+def meter_reading(environment: Environment) -> float:
+    """What an incident-light meter reads on the brightest side: the luminance of a white matte card there.
+
+    In units of the light's level: at least 1, and 0 for a map without light. Does not change with the yaw.
+    """
+    light = network_light(environment)
+    return float((_relative_cosines(*light.shape[:2]) @ (light @ _REC709).ravel()).max())
+
+
 @lru_cache(maxsize=2)
 def _relative_cosines(height: int, width: int) -> np.ndarray:
     """Clamped cosine times solid angle, (normals, texels); rows sum to 1 and keep even light even."""

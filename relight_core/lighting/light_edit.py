@@ -1,0 +1,113 @@
+"""A light as the user has changed it: level, colour and blur of a base light, and soft boxes added to it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from relight_core.lighting.colour_temperature import kelvin_to_rgb
+from relight_core.lighting.environment import Environment, mean_luminance, shrink
+from relight_core.lighting.light_blur import blur_light
+from relight_core.lighting.soft_box import SoftBox, soft_box_radiance
+from relight_core.lighting.summary import meter_reading
+
+MOST_BOXES = 16
+DRAWN_HEIGHT = 256
+"""Rows that soft boxes are drawn with, for edges smoother than any light the networks read."""
+
+DRAFT_HEIGHT = 64
+"""Rows that are enough while a hand moves something."""
+
+_REC709 = np.array([0.2126, 0.7152, 0.0722])
+_NEUTRAL_KELVIN = 5600.0
+_TINT_STOPS = 0.7
+
+
+@dataclass(frozen=True)
+class LightEdit:
+    """What the user changed about a light; the defaults change nothing.
+
+    Attributes:
+        level_ev: stops, [-10, 10], over the whole light.
+        base: how much of the light stays beneath the soft boxes, [0, 2]; 0 leaves only them.
+        saturation: [0, 2]; 0 is grey.
+        warmth: [-1, 1]: 1 makes daylight look like a 2800 K lamp, -1 like 11200 K.
+        tint: [-1, 1], from green to magenta.
+        blur_deg: standard deviation of the blur, [0, 90].
+        boxes: soft boxes, at most 16; neither colour, blur nor base touch them.
+    """
+
+    level_ev: float = 0.0
+    base: float = 1.0
+    saturation: float = 1.0
+    warmth: float = 0.0
+    tint: float = 0.0
+    blur_deg: float = 0.0
+    boxes: tuple[SoftBox, ...] = ()
+
+    @property
+    def changes_shape(self) -> bool:
+        """Whether more than the level is changed."""
+        return replace(self, level_ev=0.0) != LightEdit()
+
+
+def edit_light(light: Environment, edit: LightEdit, draft: bool = False) -> Environment:
+    """The light with the edit applied.
+
+    Colour and blur keep the mean luminance of the base; a soft box of intensity 1 lights a card that faces it
+    as brightly as the unedited light does on its brightest side.
+
+    Args:
+        light: the base.
+        edit: what to change.
+        draft: draw coarsely, in a fraction of the time.
+
+    Returns:
+        The same object where nothing changes.
+    """
+    if edit.changes_shape:
+        height = DRAFT_HEIGHT if draft else max(DRAWN_HEIGHT, light.height)
+        radiance = _coloured(_at_most(light.shape, height), edit)
+        radiance = blur_light(radiance, edit.blur_deg) * np.float32(edit.base)
+        if edit.boxes:
+            radiance = _with_boxes(radiance, edit.boxes, meter_reading(light), draft)
+        level = light.level or 1.0
+        edited = Environment.from_radiance(radiance, light.name)
+        light = replace(edited, level=edited.level * level)
+    return light if edit.level_ev == 0.0 else replace(light, level=light.level * 2.0**edit.level_ev)
+
+
+def _at_most(shape: np.ndarray, height: int) -> np.ndarray:
+    return shrink(shape, height) if shape.shape[0] > height else shape
+
+
+def _coloured(shape: np.ndarray, edit: LightEdit) -> np.ndarray:
+    """Saturation, warmth and tint at the mean luminance the shape had."""
+    if (edit.saturation, edit.warmth, edit.tint) == (1.0, 0.0, 0.0):
+        return shape
+    before = mean_luminance(shape)
+    grey = (shape @ _REC709.astype(np.float32))[..., None]
+    mixed = np.maximum(grey + np.float32(edit.saturation) * (shape - grey), 0.0)
+    mixed *= grey / np.maximum((mixed @ _REC709.astype(np.float32))[..., None], np.float32(1e-20))
+    mixed *= colour_gain(edit.warmth, edit.tint).astype(np.float32)
+    after = mean_luminance(mixed)
+    return mixed * np.float32(before / after if after > 0 else 1.0)
+
+
+def colour_gain(warmth: float, tint: float) -> np.ndarray:
+    """(3,) gains of luminance 1 that warm or cool a white light and push it to green or magenta."""
+    warm = kelvin_to_rgb(_NEUTRAL_KELVIN * 2.0**-warmth)
+    gain = warm * np.exp2(_TINT_STOPS * tint * np.array([0.5, -0.5, 0.5]))
+    return gain / (gain @ _REC709)
+
+
+def _with_boxes(radiance: np.ndarray, boxes: tuple[SoftBox, ...], unit: float, draft: bool) -> np.ndarray:
+    height = DRAFT_HEIGHT if draft else DRAWN_HEIGHT
+    lamps = sum(soft_box_radiance(box, height, unit or 1.0) for box in boxes)
+    larger = max(height, radiance.shape[0])
+    return _grown(radiance, larger) + _grown(lamps, larger)
+
+
+def _grown(radiance: np.ndarray, height: int) -> np.ndarray:
+    return radiance if radiance.shape[0] == height else shrink(radiance, height)

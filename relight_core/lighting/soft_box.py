@@ -1,0 +1,183 @@
+"""A lamp the user puts into a light: where it is on the sphere, what of it the mouse touches, what it radiates.
+
+Angles are those of the rigs: azimuth 0 is the camera's side of the face, positive azimuth the right of the image,
+positive elevation above. They are in the light's own frame, so that a turn of the light moves its soft boxes too.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from relight_core.lighting.colour_temperature import kelvin_to_rgb
+from relight_core.lighting.rig_description import AreaLight
+from relight_core.lighting.rig_render import area_light_radiance, direction_of
+from relight_core.lighting.sphere import directions, solid_angles
+
+SMALLEST_DEG, LARGEST_DEG = 3.0, 150.0
+_REC709 = np.array([0.2126, 0.7152, 0.0722])
+
+
+@dataclass(frozen=True)
+class SoftBox:
+    """A flat rectangular lamp that faces the subject.
+
+    Attributes:
+        azimuth_deg, elevation_deg: of its centre, [-180, 180] and [-90, 90].
+        width_deg, height_deg: its angular size as seen from the face, [3, 150].
+        softness: share of its half size over which the edge fades, [0, 1].
+        kelvin: its colour temperature, [1667, 25000]; 5600 is white.
+        colour: linear Rec.709 of a coloured gel instead of a temperature, or None. Only its hue and saturation
+            count: its luminance is divided out.
+        intensity: what a white card facing the lamp reflects, as a multiple of what it would on the brightest
+            side of the light that the box is added to; [0, 16].
+    """
+
+    azimuth_deg: float = -45.0
+    elevation_deg: float = 35.0
+    width_deg: float = 30.0
+    height_deg: float = 30.0
+    softness: float = 0.4
+    kelvin: float = 5600.0
+    colour: tuple[float, float, float] | None = None
+    intensity: float = 1.0
+
+    @property
+    def direction(self) -> np.ndarray:
+        """(3,) unit vector from the face toward its centre, in the light's frame."""
+        return direction_of(self.azimuth_deg, self.elevation_deg).astype(np.float64)
+
+    @property
+    def rgb(self) -> np.ndarray:
+        """(3,) linear Rec.709 of luminance 1; black gels come out white."""
+        if self.colour is None:
+            return kelvin_to_rgb(self.kelvin)
+        luminance = float(np.dot(self.colour, _REC709))
+        return np.array(self.colour) / luminance if luminance > 0 else np.ones(3)
+
+
+def soft_box_radiance(box: SoftBox, height: int, unit: float = 1.0) -> np.ndarray:
+    """The box alone on a panorama. Its irradiance on a card facing it is pi * intensity * unit, exactly.
+
+    Args:
+        height: rows of the map.
+        unit: luminance that an intensity of 1 stands for.
+
+    Returns:
+        (height, 2 * height, 3) float32 linear radiance.
+    """
+    lamp = AreaLight(
+        box.azimuth_deg,
+        box.elevation_deg,
+        box.width_deg,
+        box.height_deg,
+        tuple(float(value) for value in box.rgb),
+        box.intensity * unit,
+        box.softness,
+    )
+    return area_light_radiance(lamp, directions(height, 2 * height), solid_angles(height, 2 * height))
+
+
+def moved_to(box: SoftBox, direction: np.ndarray) -> SoftBox:
+    """The box with its centre in a direction (3,), which needs no unit length."""
+    x, y, z = (float(value) for value in direction)
+    level = math.hypot(x, z)
+    azimuth_deg = math.degrees(math.atan2(x, z)) if level > 1e-9 else box.azimuth_deg
+    return replace(box, azimuth_deg=azimuth_deg, elevation_deg=math.degrees(math.atan2(y, level)))
+
+
+def resized_to(box: SoftBox, direction: np.ndarray) -> SoftBox:
+    """The box with its size such that a corner lies in a direction (3,); its centre stays."""
+    across, along, _ = _angles(box, direction)
+    return replace(box, width_deg=_size(2 * abs(across)), height_deg=_size(2 * abs(along)))
+
+
+def contains(box: SoftBox, direction: np.ndarray) -> bool:
+    """Whether a direction (3,) meets the box; the same near the seam and the poles as anywhere."""
+    across, along, ahead = _angles(box, direction)
+    return ahead > 0 and abs(across) <= box.width_deg / 2 and abs(along) <= box.height_deg / 2
+
+
+def corners(box: SoftBox) -> np.ndarray:
+    """(4, 3) unit vectors toward its corners, in order around it."""
+    signs = np.array([(-1, 1), (1, 1), (1, -1), (-1, -1)])
+    return _toward(box, signs[:, 0], signs[:, 1])
+
+
+def outline(box: SoftBox, per_side: int = 12) -> np.ndarray:
+    """(4 * per_side, 3) unit vectors along its edge, in order around it."""
+    run = np.linspace(-1.0, 1.0, per_side, endpoint=False)
+    one = np.ones_like(run)
+    across = np.concatenate([run, one, -run, -one])
+    along = np.concatenate([one, -run, -one, run])
+    return _toward(box, across, along)
+
+
+def uv_of(direction: np.ndarray) -> tuple[float, float]:
+    """Where a direction (3,) lies on a panorama: u in [0, 1), v in [0, 1]."""
+    x, y, z = (float(value) for value in direction)
+    u = math.atan2(x, -z) / (2 * math.pi) + 0.5
+    return u % 1.0 % 1.0, math.atan2(math.hypot(x, z), y) / math.pi
+
+
+def direction_at(u: float, v: float) -> np.ndarray:
+    """(3,) unit vector toward a point of a panorama; u repeats, v in [0, 1]."""
+    theta, phi = math.pi * v, 2 * math.pi * (u - 0.5)
+    level = math.sin(theta)
+    return np.array([level * math.sin(phi), math.cos(theta), -level * math.cos(phi)])
+
+
+def turned(direction: np.ndarray, yaw_deg: float) -> np.ndarray:
+    """A direction (3,) of the light's frame, in camera space after a turn of the light by yaw_deg."""
+    angle = math.radians(yaw_deg)
+    x, y, z = (float(value) for value in direction)
+    return np.array([x * math.cos(angle) - z * math.sin(angle), y, x * math.sin(angle) + z * math.cos(angle)])
+
+
+def lamp_direction(normal: np.ndarray, aim: str) -> np.ndarray:
+    """Where a lamp has to be for a point of a face to be bright or to shine, seen from the camera.
+
+    Args:
+        normal: (3,) unit, camera space.
+        aim: "bright" puts the lamp straight above the surface; "highlight" where the surface mirrors it
+            toward a far camera, the reflection of +z about the normal.
+
+    Returns:
+        (3,) float64 unit, camera space.
+
+    Raises:
+        ValueError: another aim, or a normal of no length.
+    """
+    length = float(np.linalg.norm(normal))
+    if aim not in ("bright", "highlight") or not length > 0:
+        raise ValueError(f"no lamp for {aim!r} at a normal of length {length}")
+    unit = np.asarray(normal, np.float64) / length
+    return unit if aim == "bright" else 2 * unit[2] * unit - np.array([0.0, 0.0, 1.0])
+
+
+def _axes(box: SoftBox) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    azimuth = math.radians(box.azimuth_deg)
+    forward = box.direction
+    right = np.array([math.cos(azimuth), 0.0, -math.sin(azimuth)])
+    return right, np.cross(forward, right), forward
+
+
+def _angles(box: SoftBox, direction: np.ndarray) -> tuple[float, float, float]:
+    """Degrees across and along the box, and how far ahead."""
+    right, up, forward = _axes(box)
+    ahead = float(direction @ forward)
+    across = math.degrees(math.atan2(float(direction @ right), ahead))
+    return across, math.degrees(math.atan2(float(direction @ up), ahead)), ahead
+
+
+def _toward(box: SoftBox, across: np.ndarray, along: np.ndarray) -> np.ndarray:
+    right, up, forward = _axes(box)
+    half_width, half_height = (math.tan(math.radians(size / 2)) for size in (box.width_deg, box.height_deg))
+    points = forward + np.outer(across * half_width, right) + np.outer(along * half_height, up)
+    return points / np.linalg.norm(points, axis=1, keepdims=True)
+
+
+def _size(degrees: float) -> float:
+    return min(max(degrees, SMALLEST_DEG), LARGEST_DEG)

@@ -1,0 +1,126 @@
+"""Edited lights: energy that is kept, soft boxes that add what they say, blur alike everywhere."""
+
+import numpy as np
+import pytest
+
+from relight_core.lighting.environment import Environment, network_light
+from relight_core.lighting.light_blur import blur_light
+from relight_core.lighting.light_edit import LightEdit, colour_gain, edit_light
+from relight_core.lighting.soft_box import SoftBox, soft_box_radiance
+from relight_core.lighting.sphere import directions, solid_angles
+
+REC709 = np.array([0.2126, 0.7152, 0.0722])
+
+
+def random_light(height=32, seed=1):
+    radiance = np.random.default_rng(seed).gamma(0.3, 1.0, (height, 2 * height, 3))
+    return Environment.from_radiance(radiance * [3.0, 2.0, 1.0], "noise")
+
+
+def radiance_of(light):
+    return light.shape.astype(np.float64) * light.level
+
+
+def energy(radiance):
+    return np.einsum("hwc,hw->c", radiance.astype(np.float64), solid_angles(*radiance.shape[:2]))
+
+
+def irradiance(radiance, normal):
+    height, width = radiance.shape[:2]
+    cosine = np.maximum(directions(height, width) @ np.asarray(normal, np.float32), 0.0)
+    return np.einsum("hwc,hw->c", radiance.astype(np.float64), cosine * solid_angles(height, width))
+
+
+def brightest_direction(radiance):
+    height, width = radiance.shape[:2]
+    return directions(height, width).reshape(-1, 3)[radiance.sum(axis=2).argmax()]
+
+
+def test_an_edit_of_nothing_is_the_same_light():
+    light = random_light()
+    assert edit_light(light, LightEdit()) is light
+
+
+def test_the_level_scales_and_leaves_the_shape_alone():
+    light = random_light()
+    brighter = edit_light(light, LightEdit(level_ev=2.0))
+    assert brighter.shape is light.shape
+    assert brighter.level == 4.0 * light.level
+
+
+@pytest.mark.parametrize("place", [(0, 0), (-45, 35), (180, 0), (120, 88), (30, -90)])
+@pytest.mark.parametrize("size", [(4, 4), (40, 15), (120, 90)])
+def test_a_box_adds_exactly_its_irradiance(place, size):
+    box = SoftBox(*place, *size, intensity=2.5, kelvin=3200.0)
+    added = irradiance(soft_box_radiance(box, 64), box.direction)
+    assert added @ REC709 == pytest.approx(np.pi * 2.5, rel=1e-4)
+    assert added[0] > added[1] > added[2]
+
+
+def test_an_intensity_of_one_doubles_the_brightest_side_of_a_lone_lamp():
+    lamp = soft_box_radiance(SoftBox(50.0, 20.0, 24.0, 24.0, softness=0.0), 128)
+    light = Environment.from_radiance(lamp * 7.0, "lamp")
+    doubled = edit_light(light, LightEdit(boxes=(SoftBox(50.0, 20.0, 24.0, 24.0),)))
+    normal = SoftBox(50.0, 20.0).direction
+    before, after = (irradiance(radiance_of(each), normal) @ REC709 for each in (light, doubled))
+    assert after / before == pytest.approx(2.0, rel=0.03)
+
+
+def test_boxes_survive_without_a_base_and_over_a_black_one():
+    boxes = (SoftBox(intensity=0.5),)
+    alone = edit_light(random_light(), LightEdit(base=0.0, boxes=boxes))
+    assert brightest_direction(alone.shape) @ boxes[0].direction > 0.95
+    black = Environment.from_radiance(np.zeros((16, 32, 3)), "black")
+    lit = edit_light(black, LightEdit(boxes=boxes))
+    assert irradiance(radiance_of(lit), boxes[0].direction) @ REC709 == pytest.approx(np.pi * 0.5, rel=1e-3)
+
+
+def test_turning_the_light_moves_its_boxes():
+    light = edit_light(random_light(), LightEdit(base=0.0, boxes=(SoftBox(0.0, 0.0, 20.0, 20.0),)))
+    quarter = network_light(light, 90.0)
+    assert brightest_direction(quarter) @ [-1.0, 0.0, 0.0] > 0.9
+
+
+@pytest.mark.parametrize("draft", [False, True])
+def test_colour_and_blur_keep_the_mean_luminance(draft):
+    light = random_light()
+    edit = LightEdit(saturation=1.8, warmth=0.7, tint=-0.5, blur_deg=12.0)
+    edited = edit_light(light, edit, draft)
+    assert edited.level == pytest.approx(light.level, rel=1e-4)
+    assert edited.shape.min() >= 0
+
+
+def test_no_saturation_is_grey_and_warmth_is_warm():
+    grey = edit_light(random_light(), LightEdit(saturation=0.0)).shape
+    assert np.allclose(grey, grey[..., :1], rtol=1e-4)
+    warm, cool, magenta = colour_gain(1.0, 0.0), colour_gain(-1.0, 0.0), colour_gain(0.0, 1.0)
+    assert warm[0] > 1 > warm[2]
+    assert cool[0] < 1 < cool[2]
+    assert magenta[1] < 1 < magenta[0]
+    assert all(gain @ REC709 == pytest.approx(1.0) for gain in (warm, cool, magenta))
+
+
+@pytest.mark.parametrize("blur_deg", [0.5, 5.0, 30.0, 90.0])
+def test_blur_keeps_the_energy_and_an_even_light(blur_deg):
+    radiance = random_light(24).shape
+    assert np.allclose(energy(blur_light(radiance, blur_deg)), energy(radiance), rtol=1e-4)
+    even = blur_light(np.ones((24, 48, 3), np.float32), blur_deg)
+    assert np.abs(even - 1.0).max() < 2e-3
+
+
+@pytest.mark.parametrize("row", [1, 16, 30])
+def test_blur_spreads_alike_in_all_directions_at_the_poles_too(row):
+    lamp = np.zeros((32, 64, 1), np.float32)
+    lamp[row, 63] = 1.0
+    spread = blur_light(lamp, 15.0)[..., 0] * 1.0
+    toward = directions(32, 64)
+    angles = np.degrees(np.arccos(np.clip(toward @ toward[row, 63], -1, 1)))
+    ring = spread[(angles > 14) & (angles < 17)]
+    assert ring.std() / ring.mean() < 0.15
+    assert spread[angles > 75].max() < 1e-3 * spread.max()
+
+
+def test_blur_refuses_what_is_no_angle():
+    for wrong in (-1.0, 91.0, np.nan):
+        with pytest.raises(ValueError, match="blur"):
+            blur_light(np.ones((4, 8, 3), np.float32), wrong)

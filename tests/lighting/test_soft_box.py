@@ -1,0 +1,86 @@
+"""Soft boxes under the mouse: across the seam, at the poles, by their corners, and placed on a face."""
+
+import numpy as np
+import pytest
+
+from relight_core.lighting.soft_box import (
+    SoftBox,
+    contains,
+    corners,
+    direction_at,
+    lamp_direction,
+    moved_to,
+    outline,
+    resized_to,
+    turned,
+    uv_of,
+)
+from relight_core.lighting.sphere import directions
+
+PLACES = [(0, 0), (179, 10), (-180, -30), (45, 89), (10, -90), (90, 45)]
+
+
+@pytest.mark.parametrize("place", PLACES)
+def test_a_box_contains_its_middle_and_what_lies_inside_its_edge_only(place):
+    box = SoftBox(*place, width_deg=30.0, height_deg=20.0)
+    assert contains(box, box.direction)
+    assert not contains(box, -box.direction)
+    middle = box.direction
+    for edge in outline(box):
+        assert contains(box, 0.9 * edge + 0.1 * middle)
+        assert not contains(box, 1.15 * edge - 0.15 * middle)
+
+
+def test_the_seam_cuts_no_box_in_two():
+    box = SoftBox(0.0, 0.0, 40.0, 40.0)
+    for u in (0.96, 0.999, 0.0, 0.001, 0.04, 1.04):
+        assert contains(box, direction_at(u, 0.5))
+    assert not contains(box, direction_at(0.5, 0.5))
+
+
+def test_a_box_over_the_pole_is_hit_at_every_azimuth():
+    box = SoftBox(77.0, 90.0, 30.0, 30.0)
+    assert all(contains(box, direction_at(u, 0.03)) for u in np.linspace(0, 1, 17))
+    assert not any(contains(box, direction_at(u, 0.2)) for u in np.linspace(0, 1, 17))
+
+
+@pytest.mark.parametrize("place", PLACES)
+def test_dragging_a_corner_makes_the_box_reach_it(place):
+    box = SoftBox(*place, width_deg=30.0, height_deg=20.0)
+    wider = SoftBox(*place, width_deg=50.0, height_deg=12.0)
+    for corner in corners(wider):
+        resized = resized_to(box, corner)
+        assert resized.width_deg == pytest.approx(50.0, abs=1e-3)
+        assert resized.height_deg == pytest.approx(12.0, abs=1e-3)
+    tiny = resized_to(box, box.direction)
+    assert (tiny.width_deg, tiny.height_deg) == (3.0, 3.0)
+
+
+@pytest.mark.parametrize("place", [*PLACES, (30, 90)])
+def test_a_moved_box_lies_where_it_was_put(place):
+    target = SoftBox(*place).direction
+    assert moved_to(SoftBox(12.0, 5.0), 3.0 * target).direction @ target == pytest.approx(1.0, abs=1e-6)
+
+
+def test_panorama_positions_and_directions_are_each_others_inverse():
+    grid = directions(8, 16)
+    for row in range(8):
+        for column in range(16):
+            u, v = (column + 0.5) / 16, (row + 0.5) / 8
+            assert np.allclose(direction_at(u, v), grid[row, column], atol=1e-6)
+            assert uv_of(grid[row, column]) == pytest.approx((u, v), abs=1e-6)
+    assert 0.0 <= uv_of([-1e-17, 0.0, 1.0])[0] < 1.0
+
+
+def test_a_turn_moves_directions_as_it_moves_the_panorama():
+    u, v = 0.3, 0.4
+    assert np.allclose(turned(direction_at(u, v), 36.0), direction_at(u + 0.1, v))
+
+
+def test_a_lamp_for_the_bright_side_stands_on_the_normal_and_one_for_a_highlight_where_it_mirrors():
+    tilted = np.array([np.sin(0.4), 0.0, np.cos(0.4)])
+    assert np.allclose(lamp_direction(2 * tilted, "bright"), tilted)
+    assert np.allclose(lamp_direction(tilted, "highlight"), [np.sin(0.8), 0.0, np.cos(0.8)])
+    assert np.allclose(lamp_direction([0, 0, 1], "highlight"), [0, 0, 1])
+    with pytest.raises(ValueError, match="lamp"):
+        lamp_direction([0, 0, 0], "bright")
