@@ -21,9 +21,11 @@ from relight_core.face.find import find_faces
 from relight_core.imaging.photo import Photo
 from relight_core.imaging.read import read_photo
 from relight_core.lighting.environment import Environment, read_environment
+from relight_core.lighting.light_edit import LightEdit, edit_light
 from relight_core.pipeline.edit import Edit
 
 _OWN = LightSource("own")
+_KEPT_LIGHTS = 8
 _AT_REST = "final"
 """The quality of pictures at rest: de-lighting at that quality is needed anyway, and then reused."""
 
@@ -56,6 +58,7 @@ class Desk:
         self._loading: tuple[PhotoSource, Photo] | None = None
         self._portrait: OpenPhoto | None = None
         self._failed: tuple | None = None
+        self._lights: dict[LightSource, OpenLight] = {}
 
     def next_step(self, request: Request, now: Snapshot) -> Step | None:
         """The next step toward the request, or None when what is in force answers it."""
@@ -67,6 +70,9 @@ class Desk:
             return Step(f"Reading {now.opened.source.name}", self._return_to_portrait, _without_portrait)
         if light is not None and self._light_is_due(light, now):
             return self._toward_light(light)
+        if light is not None and self._light_is_undrawn(request, now):
+            draw = partial(self._draw_light, request.light_edit, _is_drafted(request))
+            return Step("Drawing the light", draw, partial(_as_if_drawn, request.light_edit))
         if now.opened is None or now.light is None:
             return None
         key = _picture_key(now.opened, now.light, request.edit)
@@ -87,6 +93,20 @@ class Desk:
         if light.kind == "own":
             return now.opened is not None and (now.light is None or now.light.source is not light)
         return light is not _source(now.light)
+
+    def _light_is_undrawn(self, request: Request, now: Snapshot) -> bool:
+        light = now.light
+        if light is None or not request.light.same_as(light.source):
+            return False
+        return light.edit != request.light_edit or (light.is_draft and not _is_drafted(request))
+
+    def _draw_light(self, edit: LightEdit, draft: bool, now: Snapshot) -> Snapshot:
+        environment = edit_light(now.light.base, edit, draft)
+        panorama = panorama_for_screen(environment)
+        return replace(
+            now,
+            light=replace(now.light, environment=environment, panorama=panorama, edit=edit, is_draft=draft),
+        )
 
     def _toward_photo(self, source: PhotoSource) -> Step:
         refuse = _refusing(source)
@@ -131,9 +151,15 @@ class Desk:
         if source.kind == "own" and now.own_light is not None:
             return replace(now, light=replace(now.own_light, source=source))
         if source.kind == "rig":
-            return replace(now, light=OpenLight(source, *rig_for_screen(source.name)))
+            environment, panorama, ball = rig_for_screen(source.name)
+            return replace(now, light=OpenLight(source, environment, panorama, ball, environment))
+        if source in self._lights:
+            return replace(now, light=self._lights[source])
         light = _for_screen(source, self._environment(source))
-        return replace(now, light=light, own_light=light if source.kind == "own" else now.own_light)
+        if source.kind == "own":
+            return replace(now, light=light, own_light=light)
+        self._lights = dict([*self._lights.items(), (source, light)][-_KEPT_LIGHTS:])
+        return replace(now, light=light)
 
     def _estimate_own_light(self, now: Snapshot) -> Snapshot:
         return replace(now, own_light=_for_screen(_OWN, self._environment(_OWN)))
@@ -159,6 +185,14 @@ class Desk:
         return replace(now, picture=picture)
 
 
+def _is_drafted(request: Request) -> bool:
+    return request.edit.quality != _AT_REST and request.light_edit.changes_shape
+
+
+def _as_if_drawn(edit: LightEdit, now: Snapshot) -> Snapshot:
+    return replace(now, light=replace(now.light, edit=edit, is_draft=False))
+
+
 def _refusing(source: PhotoSource | LightSource) -> Callable[[Snapshot], Snapshot]:
     return lambda now: replace(now, refused=now.refused | {source})
 
@@ -173,7 +207,8 @@ def _count_faces(now: Snapshot) -> Snapshot:
 
 
 def _for_screen(source: LightSource, environment: Environment) -> OpenLight:
-    return OpenLight(source, environment, panorama_for_screen(environment), ball_for_screen(environment))
+    panorama, ball = panorama_for_screen(environment), ball_for_screen(environment)
+    return OpenLight(source, environment, panorama, ball, environment)
 
 
 def error_line(error: Exception) -> str:

@@ -16,7 +16,7 @@ from relight_core.pipeline.channel_view import channel_to_srgb
 LARGEST_SIDE = 8192
 """Pixels; every OpenGL 3.3 driver in use takes textures of this size."""
 
-PANORAMA_HEIGHT = 128
+PANORAMA_HEIGHT = 256
 BALL_SIZE = 96
 _HALF_MAX = 65504.0
 _PANORAMA_EV = -1.0
@@ -38,7 +38,7 @@ def channels_for_screen(channels: dict[str, np.ndarray]) -> dict[str, np.ndarray
 
 
 def panorama_for_screen(environment: Environment) -> np.ndarray:
-    """(128, 256, 3) uint8 sRGB of a light's shape, unturned."""
+    """(h, 2h, 3) uint8 sRGB of a light's shape, unturned; h is at most 256."""
     shape = environment.shape
     if environment.height > PANORAMA_HEIGHT:
         shape = shrink(shape, PANORAMA_HEIGHT)

@@ -10,6 +10,7 @@ from app.engine.sources import LightSource, PhotoSource, RelitLike
 from relight_core.face.find import FaceBox
 from relight_core.imaging.photo import Photo
 from relight_core.lighting.environment import Environment
+from relight_core.lighting.light_edit import LightEdit
 from relight_core.pipeline.edit import Edit
 
 
@@ -34,15 +35,21 @@ class OpenLight:
 
     Attributes:
         source: the wish it answers.
-        environment: the light.
-        panorama: (h, 2h, 3) uint8 sRGB, unturned.
-        ball: (s, s, 4) uint8 sRGB and coverage.
+        environment: the light, edited.
+        panorama: (h, 2h, 3) uint8 sRGB, edited and unturned.
+        ball: (s, s, 4) uint8 sRGB and coverage, of the light before it was edited.
+        base: the light before it was edited.
+        edit: what was changed about it.
+        is_draft: it was drawn coarsely, while the hand was moving.
     """
 
     source: LightSource
     environment: Environment
     panorama: np.ndarray
     ball: np.ndarray
+    base: Environment
+    edit: LightEdit = field(default_factory=LightEdit)
+    is_draft: bool = False
 
 
 @dataclass(frozen=True, eq=False)

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
+from relight_core.lighting.light_edit import LightEdit
 from relight_core.pipeline.edit import Edit
 
 if TYPE_CHECKING:
@@ -106,9 +107,16 @@ class Request:
     Attributes:
         photo: None before anything is opened.
         light: None keeps the light in force.
+        light_edit: what is changed about that light.
         edit: the sliders. Its exposure is the shader's business and makes the engine do nothing.
     """
 
     photo: PhotoSource | None = None
     light: LightSource | None = None
     edit: Edit = field(default_factory=Edit)
+    light_edit: LightEdit = field(default_factory=LightEdit)
+
+    def same_as(self, other: Request) -> bool:
+        """Whether the other asks for the same: the same wishes, at the same settings."""
+        same_wishes = self.photo is other.photo and self.light is other.light
+        return same_wishes and (self.edit, self.light_edit) == (other.edit, other.light_edit)

@@ -36,6 +36,7 @@ ACTIONS: tuple[Action, ...] = (
     *look_actions.LOOKING,
     *look_actions.SHOWING,
     *edit_actions.LIGHT,
+    *edit_actions.HISTORY,
     *edit_actions.FILE,
     *look_actions.PANELS,
     *PROGRAM,

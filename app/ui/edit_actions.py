@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from app.ui.actions import Action, Gesture
 from app.ui.state import EditorState
-from relight_core.pipeline.edit import Edit
 
-_LIGHT, _FILE = "Light and effects", "File"
+_LIGHT, _EDIT, _FILE = "Light and effects", "Edit", "File"
 
 
 def _turn(degrees: float):
@@ -24,16 +23,33 @@ def _relit(state: EditorState) -> bool:
     return state.snapshot.picture is not None
 
 
-def _reset(state: EditorState) -> None:
-    state.edit = Edit()
-
-
 LIGHT = (
     Action("Turn the light left", _LIGHT, ("Left",), "Turn it by 5°", _turn(-5.0), repeats=True),
     Action("Turn the light right", _LIGHT, ("Right",), "Turn it by 5°", _turn(5.0), repeats=True),
     Action("Nudge the light left", _LIGHT, ("Shift+Left",), "Turn it by 1°", _turn(-1.0), repeats=True),
     Action("Nudge the light right", _LIGHT, ("Shift+Right",), "Turn it by 1°", _turn(1.0), repeats=True),
-    Action("Reset all", _LIGHT, ("Ctrl+R",), "Put every slider and the rotation back", _reset),
+    Action("Reset all", _LIGHT, ("Ctrl+R",), "Put every slider and the light back", EditorState.reset),
+)
+
+HISTORY = (
+    Action(
+        "Undo",
+        _EDIT,
+        ("Ctrl+Z",),
+        "Take the last step back",
+        lambda state: state.restore(state.history.undo()),
+        available=lambda state: state.history.can_undo,
+        repeats=True,
+    ),
+    Action(
+        "Redo",
+        _EDIT,
+        ("Ctrl+Shift+Z", "Ctrl+Y"),
+        "Do again what was taken back",
+        lambda state: state.restore(state.history.redo()),
+        available=lambda state: state.history.can_redo,
+        repeats=True,
+    ),
 )
 
 FILE = (

@@ -6,8 +6,9 @@ from pathlib import Path
 
 from imgui_bundle import imgui
 
-from app.ui import theme, widgets
+from app.ui import history_panel, theme, widgets
 from app.ui.state import EditorState
+from relight_core.lighting.light_edit import LightEdit
 from relight_core.pipeline.edit import Edit
 
 SHADOW = widgets.Slider(
@@ -31,6 +32,8 @@ def draw(state: EditorState, fonts: theme.Fonts) -> None:
     widgets.gap(0.8)
     _faces(state, fonts)
     _export(state, fonts)
+    widgets.gap(0.8)
+    history_panel.draw(state, fonts)
 
 
 def _effects(state: EditorState, fonts: theme.Fonts) -> None:
@@ -42,12 +45,12 @@ def _effects(state: EditorState, fonts: theme.Fonts) -> None:
     imgui.text_disabled("Background")
     state.change(background=widgets.segmented(BACKGROUNDS, state.edit.background))
     widgets.gap(0.1)
-    untouched = state.edit == Edit(quality=state.edit.quality)
+    untouched = state.edit == Edit(quality=state.edit.quality) and state.light_edit == LightEdit()
     imgui.begin_disabled(untouched)
     if imgui.button("Reset all", imgui.ImVec2(-1.0, 0.0)):
-        state.edit = Edit()
+        state.reset()
     imgui.end_disabled()
-    imgui.set_item_tooltip("Puts every slider and the rotation back.")
+    imgui.set_item_tooltip("Puts every slider and the light back.")
 
 
 def _faces(state: EditorState, fonts: theme.Fonts) -> None:

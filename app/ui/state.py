@@ -5,12 +5,15 @@ from __future__ import annotations
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
+from app.document.document import Document, LightRef, PhotoRef
+from app.document.history import History
 from app.engine.exporting import default_export_path
 from app.engine.snapshot import Message, Snapshot
 from app.engine.sources import LightSource, PhotoSource, Request
 from app.ui.layout import Panels
 from app.ui.look import LookState
 from app.ui.view import View
+from relight_core.lighting.light_edit import LightEdit
 from relight_core.pipeline.edit import Edit
 
 FIRST_LIGHT = "rembrandt"
@@ -38,6 +41,9 @@ class EditorState:
         photo, light: what the user wants to see; the engine says in `snapshot` what is in force.
         extra_lights: lights beyond the bundled ones, newest first.
         edit: the sliders.
+        light_edit: what the user changed about the light.
+        history: for undo and redo.
+        history_seen: how many steps the list had, and which was in force, when it last scrolled to it.
         shown: which entry of CHANNELS fills the viewport.
         before: the photo is shown instead while this is held.
         view: zoom and pan.
@@ -51,7 +57,7 @@ class EditorState:
         typing_began: the typing field still has to take the keyboard.
         hand_on_control: a slider or the panorama is being dragged, so speed counts more than finish.
         pointing_at_faces: the mouse is on the choice of faces, so that the viewport shows which is which.
-        asked: the edit last asked of the engine.
+        asked, asked_light: the edit, and the light's, last asked of the engine.
         snapshot: the engine's newest.
         light_panel: the light panel's rectangle (x0, y0, x1, y1) in the window, for drops.
     """
@@ -60,6 +66,9 @@ class EditorState:
     light: LightSource = field(default_factory=lambda: LightSource("rig", FIRST_LIGHT))
     extra_lights: list[LightSource] = field(default_factory=list)
     edit: Edit = field(default_factory=Edit)
+    light_edit: LightEdit = field(default_factory=LightEdit)
+    history: History = field(default_factory=History)
+    history_seen: tuple[int, int] = (0, -1)
     shown: str = RESULT
     before: bool = False
     view: View = field(default_factory=View)
@@ -74,6 +83,7 @@ class EditorState:
     hand_on_control: bool = False
     pointing_at_faces: bool = False
     asked: Edit = field(default_factory=Edit)
+    asked_light: LightEdit = field(default_factory=LightEdit)
     snapshot: Snapshot = field(default_factory=Snapshot)
     light_panel: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 0.0)
 
@@ -81,14 +91,41 @@ class EditorState:
         """What the engine is to work toward: quick while the hand moves something, finished when it rests."""
         edit = replace(self.edit, quality="final", exposure_ev=0.0)
         if self.hand_on_control:
-            unchanged = replace(edit, quality=self.asked.quality) == self.asked
+            same_edit = replace(edit, quality=self.asked.quality) == self.asked
+            unchanged = same_edit and self.light_edit == self.asked_light
             edit = self.asked if unchanged else replace(edit, quality="live")
-        self.asked = edit
-        return Request(self.photo, self.light, edit)
+        self.asked, self.asked_light = edit, self.light_edit
+        return Request(self.photo, self.light, edit, self.light_edit)
+
+    def document(self) -> Document:
+        """What undo and sessions keep of all this."""
+        photo = PhotoRef(self.photo.path, self.photo.face_index) if self.photo and self.photo.path else None
+        light = LightRef(self.light.kind, self.light.name)
+        return Document(photo, light, self.light_edit, replace(self.edit, quality="final", channels=None))
+
+    def remember(self, now_s: float) -> None:
+        """Let the history see what was changed; once a frame."""
+        self.history.observe(self.document(), not self.hand_on_control and self._is_in_force(), now_s)
+
+    def restore(self, document: Document | None) -> None:
+        """Put a document back, as undo does; None changes nothing."""
+        if document is None:
+            return
+        self.edit, self.light_edit = replace(document.edit, quality=self.edit.quality), document.light_edit
+        if not document.light.source().same_as(self.light):
+            self.light = self._known(document.light.source())
+        if document.photo is not None and document.photo != self.document().photo:
+            opened = self.snapshot.opened
+            decoded = opened.photo if opened and opened.source.path == document.photo.path else document.photo.path
+            self.photo = PhotoSource(decoded, document.photo.face_index)
 
     def change(self, **fields) -> None:
         """Set fields of the edit."""
         self.edit = replace(self.edit, **fields)
+
+    def reset(self) -> None:
+        """Put every slider and the light back."""
+        self.edit, self.light_edit = Edit(), LightEdit()
 
     def turn(self, degrees: float) -> None:
         """Turn the light; the angle stays within (-180, 180]."""
@@ -104,8 +141,9 @@ class EditorState:
             self.photo = PhotoSource(self.snapshot.opened.photo, index)
 
     def choose_light(self, light: LightSource) -> None:
-        """Ask for another light; one already in the list is the one in the list."""
-        self.light = next((known for known in self.extra_lights if known.same_as(light)), light)
+        """Ask for another light, as it is; one already in the list is the one in the list."""
+        if not light.same_as(self.light):
+            self.light, self.light_edit = self._known(light), LightEdit()
 
     def accept(self, snapshot: Snapshot) -> None:
         """Take over what the engine published; wishes it refused fall back to what is in force."""
@@ -115,6 +153,7 @@ class EditorState:
             self.photo = snapshot.opened.source if snapshot.opened else None
         if self.light in snapshot.refused:
             self.light = snapshot.light.source if snapshot.light else LightSource("rig", FIRST_LIGHT)
+            self.light_edit = snapshot.light.edit if snapshot.light else LightEdit()
         if snapshot.light and snapshot.light.source.kind in ("panorama", "portrait"):
             self._remember(snapshot.light.source)
         if snapshot.opened and (opened_before is None or snapshot.opened.photo is not opened_before.photo):
@@ -134,6 +173,15 @@ class EditorState:
         if self.shown == PHOTO or picture is None or picture.opened is not self.snapshot.opened:
             return PHOTO
         return self.shown if self.shown == RESULT or self.shown in picture.channels else RESULT
+
+    def _is_in_force(self) -> bool:
+        """Whether the photo and the light that were asked for are there, so that neither can still be refused."""
+        snapshot = self.snapshot
+        photo_is = self.photo is None or (snapshot.opened is not None and snapshot.opened.source is self.photo)
+        return photo_is and snapshot.light is not None and self.light.same_as(snapshot.light.source)
+
+    def _known(self, light: LightSource) -> LightSource:
+        return next((known for known in self.extra_lights if known.same_as(light)), light)
 
     def _remember(self, light: LightSource) -> None:
         if not any(known.same_as(light) for known in self.extra_lights):

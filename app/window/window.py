@@ -212,8 +212,8 @@ class EditorWindow:
     def _act(self) -> None:
         """Do what the panels have asked for."""
         request, last = self.state.request(), self._submitted
-        same = request.photo is last.photo and request.light is last.light and request.edit == last.edit
-        if not same:
+        self.state.remember(time.monotonic())
+        if not request.same_as(last):
             self._submitted = request
             self.engine.submit(request)
         if self.state.export_wanted:

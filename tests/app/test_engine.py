@@ -10,6 +10,8 @@ from app.engine.engine import Engine
 from app.engine.sources import LightSource, PhotoSource, Request
 from relight_core.errors import InputError
 from relight_core.imaging.photo import Photo
+from relight_core.lighting.light_edit import LightEdit
+from relight_core.lighting.soft_box import SoftBox
 from relight_core.pipeline.edit import Edit
 
 LONG_S = 60
@@ -243,3 +245,33 @@ def test_submit_never_waits_for_the_networks_and_close_ends_the_thread(relighter
     engine.close()
     assert len(relighter.relights) <= 1
     assert not any(thread.name == "relight-engine" for thread in threading.enumerate())
+
+
+def test_an_edited_light_relights_once_and_its_draft_is_drawn_again_at_rest(engine, relighter):
+    source = PhotoSource(grey_photo())
+    answered(engine, Request(source, SPLIT, Edit(quality="final")))
+    calls = len(relighter.relights)
+    boxes = LightEdit(boxes=(SoftBox(),))
+    draft = answered(engine, Request(source, SPLIT, Edit(quality="live"), boxes))
+    assert (draft.light.is_draft, draft.light.edit) == (True, boxes)
+    assert draft.light.source is SPLIT
+    final = answered(engine, Request(source, SPLIT, Edit(quality="final"), boxes))
+    assert not final.light.is_draft
+    assert final.light.environment.height > draft.light.environment.height
+    assert len(relighter.relights) == calls + 2
+    back = answered(engine, Request(source, SPLIT, Edit(quality="final")))
+    assert back.light.environment is back.light.base
+    assert np.array_equal(back.light.ball, final.light.ball)
+
+
+def test_a_light_that_cannot_be_drawn_is_told_once_and_the_picture_stays(engine, relighter, monkeypatch):
+    source = PhotoSource(grey_photo())
+    before = answered(engine, Request(source, SPLIT, Edit()))
+
+    def fail(*_):
+        raise InputError("no such light")
+
+    monkeypatch.setattr("app.engine.desk.edit_light", fail)
+    after = answered(engine, Request(source, SPLIT, Edit(), LightEdit(level_ev=1.0)))
+    assert after.message.text == "no such light"
+    assert np.array_equal(after.picture.relit.image, before.picture.relit.image)

@@ -1,17 +1,27 @@
 """The editor's record: angles, quality, wishes that were refused."""
 
+from dataclasses import replace
+from pathlib import Path
+
 import numpy as np
 import pytest
 
-from app.engine.snapshot import Message, OpenPhoto, Snapshot
+from app.engine.snapshot import Message, OpenLight, OpenPhoto, Snapshot
 from app.engine.sources import LightSource, PhotoSource
 from app.ui.state import CHANNELS, EditorState, wrap_degrees
 from relight_core.imaging.photo import Photo
+from relight_core.lighting.environment import Environment
+from relight_core.lighting.light_edit import LightEdit
 
 
 def opened_photo(path=None):
     photo = Photo(np.full((4, 4, 3), 0.5, np.float32), path=path)
     return OpenPhoto(PhotoSource(photo), photo, photo.linear.astype(np.float16))
+
+
+def open_light(source):
+    environment = Environment.from_radiance(np.ones((4, 8, 3)), "even")
+    return OpenLight(source, environment, np.zeros((4, 8, 3), np.uint8), np.zeros((4, 4, 4), np.uint8), environment)
 
 
 @pytest.mark.parametrize(
@@ -57,6 +67,67 @@ def test_refused_wishes_fall_back_to_what_is_in_force():
     state.accept(Snapshot(opened=opened, refused=frozenset({bad_photo, bad_light})))
     assert state.photo is opened.source
     assert state.light.kind == "rig"
+
+
+def test_undo_puts_the_light_its_edit_and_the_sliders_back():
+    state = EditorState()
+    state.accept(Snapshot(opened=opened_photo(Path("/p/me.png")), light=open_light(state.light)))
+    state.photo = state.snapshot.opened.source
+    state.remember(0.0)
+    state.change(shadow=0.5)
+    state.remember(1.0)
+    state.light_edit = LightEdit(warmth=0.5)
+    state.remember(2.0)
+    ring = LightSource("rig", "ring")
+    state.choose_light(ring)
+    state.remember(3.0)
+    assert len(state.history.steps) == 3, "a light that may still be refused is no step"
+    state.accept(replace(state.snapshot, light=open_light(ring)))
+    state.remember(4.0)
+    assert [step.name for step in state.history.steps][1:] == ["Shadow 0.50", "Light warmth +0.50", "Light: Ring"]
+    assert state.light_edit == LightEdit()
+    state.restore(state.history.undo())
+    assert (state.light.name, state.light_edit.warmth) == ("rembrandt", 0.5)
+    state.restore(state.history.undo())
+    state.restore(state.history.undo())
+    assert state.edit.shadow == 1.0
+    state.restore(state.history.go(3))
+    assert (state.light.name, state.edit.shadow) == ("ring", 0.5)
+
+
+def test_undoing_an_opening_asks_for_the_photo_before(tmp_path):
+    state = EditorState()
+    for name in ("one.png", "two.png"):
+        opened = opened_photo(tmp_path / name)
+        state.photo = opened.source
+        state.accept(Snapshot(opened=opened, light=open_light(state.light)))
+        state.remember(0.0)
+    state.restore(state.history.undo())
+    assert state.photo.path == tmp_path / "one.png"
+
+
+def test_a_refused_light_brings_back_the_edit_of_the_one_in_force():
+    state = EditorState()
+    boxes = LightEdit(level_ev=1.0)
+    light = replace(open_light(state.light), edit=boxes)
+    state.accept(Snapshot(light=light))
+    state.light_edit = boxes
+    bad = LightSource("panorama", "no.exr")
+    state.choose_light(bad)
+    state.accept(Snapshot(light=light, refused=frozenset({bad})))
+    assert state.light is light.source
+    assert state.light_edit == boxes
+
+
+def test_a_light_edit_counts_as_moved_by_the_hand():
+    state = EditorState()
+    state.request()
+    state.hand_on_control = True
+    state.light_edit = LightEdit(level_ev=1.0)
+    assert state.request().edit.quality == "live"
+    state.hand_on_control = False
+    assert state.request().edit.quality == "final"
+    assert state.request().light_edit.level_ev == 1.0
 
 
 def test_a_message_stays_away_once_put_away_but_the_next_one_shows():

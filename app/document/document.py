@@ -1,0 +1,47 @@
+"""Everything undo and a session keep: which photo, which light, and all that was set."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from app.engine.sources import LightSource
+from relight_core.lighting.light_edit import LightEdit
+from relight_core.pipeline.edit import Edit
+
+
+@dataclass(frozen=True)
+class PhotoRef:
+    """A portrait by its file; face_index None is the largest face."""
+
+    path: Path
+    face_index: int | None = None
+
+
+@dataclass(frozen=True)
+class LightRef:
+    """A light by its kind and name, as of app.engine.sources.LightSource."""
+
+    kind: str
+    name: str = ""
+
+    def source(self) -> LightSource:
+        """A wish for this light."""
+        return LightSource(self.kind, self.name)
+
+
+@dataclass(frozen=True)
+class Document:
+    """One state of the user's work. Equal documents give the same picture.
+
+    Attributes:
+        photo: None before anything is opened.
+        light: the base of the light.
+        light_edit: what was changed about it.
+        edit: the sliders; always of quality "final", with every channel.
+    """
+
+    photo: PhotoRef | None = None
+    light: LightRef = LightRef("rig", "rembrandt")
+    light_edit: LightEdit = field(default_factory=LightEdit)
+    edit: Edit = field(default_factory=lambda: Edit(quality="final"))

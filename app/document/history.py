@@ -1,0 +1,98 @@
+"""Undo and redo: documents in the order in which they came about, one step for each movement of the hand."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from app.document.document import Document
+from app.document.naming import Change, change_between
+
+MOST_STEPS = 300
+TOGETHER_S = 0.8
+"""Wheel steps and key presses that change the same thing within this time are one step."""
+
+
+@dataclass(frozen=True)
+class Step:
+    """One entry of the list.
+
+    Attributes:
+        name: what was done.
+        document: what it led to.
+        touched: what it changed, as of app.document.naming.Change.
+        last_s: when it was last added to.
+    """
+
+    name: str
+    document: Document
+    touched: tuple[str, ...] = ()
+    last_s: float = 0.0
+
+
+class History:
+    """The steps so far and which of them is in force."""
+
+    def __init__(self) -> None:
+        self.steps: list[Step] = []
+        self.at = -1
+
+    @property
+    def can_undo(self) -> bool:
+        """Whether there is an earlier step."""
+        return self.at > 0
+
+    @property
+    def can_redo(self) -> bool:
+        """Whether a step was undone that can come back."""
+        return self.at + 1 < len(self.steps)
+
+    def observe(self, document: Document, resting: bool, now_s: float) -> None:
+        """Look at the document, as often as one likes; changes become steps once the hand rests.
+
+        Args:
+            document: as it is now.
+            resting: no control is being dragged and nothing that was asked for is still awaited.
+            now_s: a clock that never goes back.
+        """
+        if not resting:
+            return
+        if self.at < 0 or (self.at == 0 and self.steps[0].document.photo is None):
+            opened = f"Open {document.photo.path.name}" if document.photo else "Start"
+            self.steps, self.at = [Step(opened, document)], 0
+            return
+        change = change_between(self.steps[self.at].document, document)
+        if change is not None:
+            self._add(change, document, now_s)
+
+    def undo(self) -> Document | None:
+        """Go one step back; the document to show, or None where there is none."""
+        return self.go(self.at - 1) if self.can_undo else None
+
+    def redo(self) -> Document | None:
+        """Go one step forward again; the document to show, or None."""
+        return self.go(self.at + 1) if self.can_redo else None
+
+    def go(self, index: int) -> Document:
+        """Go to any step of the list.
+
+        Raises:
+            IndexError: there is no such step.
+        """
+        if not 0 <= index < len(self.steps):
+            raise IndexError(f"no step {index} of {len(self.steps)}")
+        self.at = index
+        return self.steps[index].document
+
+    def _add(self, change: Change, document: Document, now_s: float) -> None:
+        del self.steps[self.at + 1 :]
+        last = self.steps[self.at]
+        if self.at > 0 and last.touched == change.touched and now_s - last.last_s <= TOGETHER_S:
+            whole = change_between(self.steps[self.at - 1].document, document)
+            del self.steps[self.at]
+            self.at -= 1
+            if whole is None:
+                return
+            change = Change(change.touched, whole.name)
+        self.steps.append(Step(change.name, document, change.touched, now_s))
+        del self.steps[: max(0, len(self.steps) - MOST_STEPS)]
+        self.at = len(self.steps) - 1

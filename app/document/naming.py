@@ -1,0 +1,117 @@
+"""The name of a change, as the history lists it: "Turn light to 35°", "Shadow 0.60"."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, fields
+
+from app.document.document import Document
+from relight_core.lighting.light_edit import LightEdit
+from relight_core.pipeline.edit import Edit
+
+_MINUS = "\N{MINUS SIGN}"
+_BACKGROUNDS = {"keep": "photo", "light": "light", "transparent": "none"}
+
+
+@dataclass(frozen=True)
+class Change:
+    """What differs between two documents.
+
+    Attributes:
+        touched: the names of what changed; two changes that touch the same can be one step.
+        name: for people.
+    """
+
+    touched: tuple[str, ...]
+    name: str
+
+
+def change_between(before: Document, after: Document) -> Change | None:
+    """What was done between the two; None where nothing was."""
+    if before == after:
+        return None
+    if before.photo != after.photo:
+        return _photo_change(before, after)
+    if before.light != after.light:
+        return Change(("light",), f"Light: {after.light.source().title}")
+    edited = _differing(before.edit, after.edit, "edit")
+    lit = _differing(before.light_edit, after.light_edit, "light")
+    touched = (*edited, *lit)
+    if len(touched) > 1:
+        return Change(touched, _several(after))
+    if touched == ("light.boxes",):
+        return _box_change(before.light_edit, after.light_edit)
+    return Change(touched, _setting(touched[0], after))
+
+
+def _photo_change(before: Document, after: Document) -> Change:
+    if before.photo and after.photo and before.photo.path == after.photo.path:
+        return Change(("face",), f"Face {(after.photo.face_index or 0) + 1}")
+    return Change(("photo",), f"Open {after.photo.path.name}" if after.photo else "Close the photo")
+
+
+def _differing(before: object, after: object, prefix: str) -> list[str]:
+    return [
+        f"{prefix}.{entry.name}"
+        for entry in fields(before)
+        if getattr(before, entry.name) != getattr(after, entry.name)
+    ]
+
+
+def _several(after: Document) -> str:
+    at_rest = after.edit == Edit(quality=after.edit.quality) and after.light_edit == LightEdit()
+    return "Reset all" if at_rest else "Change several settings"
+
+
+def _box_change(before: LightEdit, after: LightEdit) -> Change:
+    if len(after.boxes) > len(before.boxes):
+        return Change(("light.boxes.add",), "Add soft box")
+    if len(after.boxes) < len(before.boxes):
+        return Change(("light.boxes.delete",), "Delete soft box")
+    moved = [index for index, (old, new) in enumerate(zip(before.boxes, after.boxes, strict=True)) if old != new]
+    if len(moved) != 1:
+        return Change(("light.boxes",), "Change soft boxes")
+    index = moved[0]
+    touched = {name.removeprefix("box.") for name in _differing(before.boxes[index], after.boxes[index], "box")}
+    verb = next(verb for names, verb in _BOX_VERBS if touched <= names)
+    key = "".join(sorted(touched))
+    return Change((f"light.boxes.{index}.{key}",), f"{verb} soft box {index + 1}")
+
+
+_BOX_VERBS = (
+    ({"azimuth_deg", "elevation_deg"}, "Move"),
+    ({"width_deg", "height_deg"}, "Resize"),
+    ({"softness"}, "Soften"),
+    ({"kelvin", "colour"}, "Colour of"),
+    ({"intensity"}, "Brightness of"),
+    (
+        {"azimuth_deg", "elevation_deg", "width_deg", "height_deg", "softness", "kelvin", "colour", "intensity"},
+        "Change",
+    ),
+)
+
+
+def _setting(touched: str, after: Document) -> str:
+    owner, _, field = touched.partition(".")
+    value = getattr(after.edit if owner == "edit" else after.light_edit, field)
+    words = _SETTINGS.get(touched)
+    return words(value).replace("-", _MINUS) if words else field.replace("_", " ").capitalize()
+
+
+def _number(label: str, form: str) -> Callable[[float], str]:
+    return lambda value: f"{label} {value:{form}}"
+
+
+_SETTINGS: dict[str, Callable] = {
+    "edit.yaw_deg": lambda value: f"Turn light to {round(value) + 0}°",
+    "edit.exposure_ev": lambda value: f"Exposure {value:+.2f} EV",
+    "edit.specular": _number("Specular", ".2f"),
+    "edit.shadow": _number("Shadow", ".2f"),
+    "edit.background": lambda value: f"Background: {_BACKGROUNDS.get(value, value)}",
+    "light.level_ev": lambda value: f"Light level {value:+.2f} EV",
+    "light.base": _number("Room light", ".2f"),
+    "light.saturation": _number("Light saturation", ".2f"),
+    "light.warmth": _number("Light warmth", "+.2f"),
+    "light.tint": _number("Light tint", "+.2f"),
+    "light.blur_deg": lambda value: f"Light blur {value:.0f}°",
+}

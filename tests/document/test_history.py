@@ -1,0 +1,138 @@
+"""Undo: one step per movement of the hand, names a person reads, any step in reach."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from app.document.document import Document, LightRef, PhotoRef
+from app.document.history import History
+from app.document.naming import change_between
+from relight_core.lighting.light_edit import LightEdit
+from relight_core.lighting.soft_box import SoftBox
+from relight_core.pipeline.edit import Edit
+
+START = Document(PhotoRef(Path("/p/me.jpg")))
+
+
+def edited(**fields):
+    return replace(START, edit=replace(START.edit, **fields))
+
+
+def lit(**fields):
+    return replace(START, light_edit=LightEdit(**fields))
+
+
+@pytest.fixture
+def history():
+    history = History()
+    history.observe(START, True, 0.0)
+    return history
+
+
+def names(history):
+    return [step.name for step in history.steps]
+
+
+def test_a_drag_is_one_step_however_many_frames_it_takes(history):
+    for index in range(50):
+        history.observe(edited(yaw_deg=index * 0.7), False, index * 0.1)
+    history.observe(edited(yaw_deg=35.0), True, 6.0)
+    history.observe(edited(yaw_deg=35.0), True, 6.1)
+    assert names(history) == ["Open me.jpg", "Turn light to 35°"]
+    assert history.undo() == START
+    assert history.redo() == edited(yaw_deg=35.0)
+
+
+def test_wheel_steps_in_a_row_are_one_step_and_later_ones_another(history):
+    for index, now_s in enumerate((1.0, 1.5, 2.0), 1):
+        history.observe(edited(yaw_deg=5.0 * index), True, now_s)
+    history.observe(edited(yaw_deg=20.0), True, 9.0)
+    assert names(history) == ["Open me.jpg", "Turn light to 15°", "Turn light to 20°"]
+
+
+def test_there_and_back_at_once_leaves_no_step(history):
+    history.observe(edited(yaw_deg=5.0), True, 1.0)
+    history.observe(START, True, 1.3)
+    assert names(history) == ["Open me.jpg"]
+    assert not history.can_undo
+
+
+def test_other_things_changed_in_quick_succession_stay_apart(history):
+    history.observe(edited(shadow=0.6), True, 1.0)
+    history.observe(edited(shadow=0.6, specular=2.0), True, 1.1)
+    assert names(history) == ["Open me.jpg", "Shadow 0.60", "Specular 2.00"]
+
+
+def test_a_change_after_undo_drops_what_was_undone(history):
+    history.observe(edited(shadow=0.6), True, 1.0)
+    history.observe(edited(shadow=0.6, specular=2.0), True, 3.0)
+    history.undo()
+    history.undo()
+    history.observe(edited(exposure_ev=-1.0), True, 9.0)
+    assert names(history) == ["Open me.jpg", "Exposure \N{MINUS SIGN}1.00 EV"]
+    assert not history.can_redo
+
+
+def test_observing_what_undo_brought_back_adds_nothing(history):
+    history.observe(edited(shadow=0.6), True, 1.0)
+    history.observe(history.undo(), True, 1.1)
+    assert history.can_redo
+    assert len(history.steps) == 2
+
+
+def test_any_step_can_be_gone_to(history):
+    for index in range(1, 5):
+        history.observe(edited(shadow=index / 4), True, 10.0 * index)
+    assert history.go(2) == edited(shadow=0.5)
+    with pytest.raises(IndexError):
+        history.go(5)
+    with pytest.raises(IndexError):
+        history.go(-1)
+
+
+def test_before_the_first_photo_there_is_nothing_to_go_back_to():
+    history = History()
+    history.observe(Document(), True, 0.0)
+    history.observe(replace(Document(), edit=Edit(yaw_deg=9.0, quality="final")), True, 1.0)
+    history.observe(START, True, 2.0)
+    assert names(history) == ["Open me.jpg"]
+    assert not history.can_undo
+
+
+def test_the_list_does_not_grow_for_ever(history):
+    for index in range(1000):
+        history.observe(edited(yaw_deg=index % 7 + 1.0), True, 10.0 * (index + 1))
+    assert len(history.steps) == 300
+    assert history.at == 299
+
+
+BOX = SoftBox()
+NAMES = [
+    (START, replace(START, photo=PhotoRef(Path("/q/you.png"))), "Open you.png"),
+    (START, replace(START, photo=PhotoRef(Path("/p/me.jpg"), 1)), "Face 2"),
+    (START, replace(START, light=LightRef("rig", "soft-window")), "Light: Soft window"),
+    (START, replace(START, light=LightRef("panorama", "/h/studio.hdr")), "Light: studio"),
+    (START, edited(background="transparent"), "Background: none"),
+    (START, edited(background="#30343a"), "Background: #30343a"),
+    (START, edited(yaw_deg=-0.3), "Turn light to 0°"),
+    (edited(shadow=0.2, yaw_deg=3.0), START, "Reset all"),
+    (START, edited(shadow=0.2, yaw_deg=3.0), "Change several settings"),
+    (START, lit(boxes=(BOX,)), "Add soft box"),
+    (lit(boxes=(BOX,)), START, "Delete soft box"),
+    (lit(boxes=(BOX,)), lit(boxes=(replace(BOX, azimuth_deg=3.0),)), "Move soft box 1"),
+    (lit(boxes=(BOX, BOX)), lit(boxes=(BOX, replace(BOX, width_deg=9.0, height_deg=4.0))), "Resize soft box 2"),
+    (lit(boxes=(BOX,)), lit(boxes=(replace(BOX, kelvin=3000.0),)), "Colour of soft box 1"),
+    (lit(boxes=(BOX,)), lit(boxes=(SoftBox(1, 2, 3, 4, 0.5, 6000, None, 7),)), "Change soft box 1"),
+    (START, lit(warmth=-0.5), "Light warmth \N{MINUS SIGN}0.50"),
+    (START, lit(blur_deg=12.0), "Light blur 12°"),
+]
+
+
+@pytest.mark.parametrize(("before", "after", "name"), NAMES)
+def test_changes_have_names_that_a_person_reads(before, after, name):
+    assert change_between(before, after).name == name
+
+
+def test_no_change_has_no_name():
+    assert change_between(START, edited()) is None
