@@ -22,6 +22,7 @@ from relight_core.lighting.reflection import ReflectionTable
 from relight_core.lighting.relief import ReliefTransport
 from relight_core.networks.bundle import NetworkBundle
 from relight_core.pipeline import stages
+from relight_core.pipeline.albedo import flatten_albedo
 from relight_core.pipeline.channels import (
     as_image,
     enlarge_change,
@@ -57,10 +58,11 @@ class Editor:
 
     def take_apart(self, photo: np.ndarray) -> _TakenApart:
         """De-light a photo (S, S, 3), linear."""
-        small = resize_area(photo, (self.tier.network_size,) * 2)
-        surface = stages.delight(self.bundle, small, self.device, mirrored=self.tier.mirrored)
-        relief = stages.march(surface, self.tier.relief_size)
-        light = stages.explain_source_light(surface, self.table, relief)
+        small, seen = (resize_area(photo, (size, size)) for size in (self.tier.network_size, self.tier.delight_size))
+        found = stages.delight(self.bundle, seen, self.tier.network_size, self.device, mirrored=self.tier.mirrored)
+        relief = stages.march(found, self.tier.relief_size)
+        light = stages.explain_source_light(found, self.table, relief)
+        surface = flatten_albedo(found, relief, light)
         lights = {"guess": surface.source_light[0].cpu().numpy(), "source_light": light[0].cpu().numpy()}
         return _TakenApart(photo, small, surface, relief, surface_channels(surface, photo, small) | lights)
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from relight_core.errors import InputError
 
 EFFECTS = (
+    "flattening",
     "source_light",
     "relief",
     "shadow",

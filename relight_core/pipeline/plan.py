@@ -108,6 +108,7 @@ class _Verdict:
 
 
 _STAGE_OF = {
+    "flattening": "albedo",
     "source_light": "source_light",
     "relief": "relief",
     "shadow": "specular_shadow",
@@ -158,6 +159,7 @@ def displayed_change(log_ratio: float) -> float:
 
 def _verdicts(scene: Scene, edit: Edit) -> dict[str, _Verdict]:
     verdicts = {name: _forced(edit, name) or rule(scene, edit) for name, rule in _RULES.items()}
+    verdicts["source_light"] = _forced(edit, "source_light") or _source_light(verdicts, edit)
     verdicts["relief"] = _forced(edit, "relief") or _relief(verdicts)
     return verdicts
 
@@ -169,9 +171,17 @@ def _forced(edit: Edit, name: str) -> _Verdict | None:
     return _Verdict(True, "turned on by you") if wish else _Verdict(False, "turned off by you", None)
 
 
-def _source_light(scene: Scene, edit: Edit) -> _Verdict:
+def _flattening(scene: Scene, edit: Edit) -> _Verdict:
+    if scene.level == 0 and not edit.looks_at("albedo"):
+        return _Verdict(False, "the light is black")
+    return _Verdict(True, "skin that follows the photo's own light is cleared of it, once for a photo")
+
+
+def _source_light(verdicts: Mapping[str, _Verdict], edit: Edit) -> _Verdict:
     if edit.looks_at("source_light"):
         return _Verdict(True, "it is looked at")
+    if verdicts["flattening"].needed:
+        return _Verdict(True, "flattening divides by its shading")
     return _Verdict(False, "nobody looks at it, and the picture does not depend on it")
 
 
@@ -214,14 +224,14 @@ def _channels(scene: Scene, edit: Edit) -> _Verdict:
 
 
 def _relief(verdicts: Mapping[str, _Verdict]) -> _Verdict:
-    readers = [name for name in ("source_light", "shadow", "specular") if verdicts[name].needed]
+    readers = [name for name in ("flattening", "source_light", "shadow", "specular") if verdicts[name].needed]
     if not readers:
         return _Verdict(False, "nothing that is computed reads it")
     return _Verdict(True, "horizons of the face, once for a photo")
 
 
 _RULES: dict[str, Callable[[Scene, Edit], _Verdict]] = {
-    "source_light": _source_light,
+    "flattening": _flattening,
     "shadow": _occlusion,
     "specular": _occlusion,
     "correction": _correction,
@@ -235,7 +245,8 @@ _RULES: dict[str, Callable[[Scene, Edit], _Verdict]] = {
 def _keys(scene: Scene, edit: Edit, needed: set[str], network: bool) -> dict[str, Hashable]:
     """What every stage reads, and nothing else, so that nothing else makes it run again."""
     shown = tuple(sorted(needed & {"shadow", "specular"}))
-    light = (scene.tier, scene.light)
+    surface = (scene.tier, "flattening" in needed)
+    light = (surface, scene.light)
     occlusion = (light, bool(shown), network, "relief" in needed)
     compose = (occlusion, shown, "correction" in needed)
     gains = (edit.specular, edit.shadow) if "sliders" in needed else (1.0, 1.0)
@@ -243,6 +254,8 @@ def _keys(scene: Scene, edit: Edit, needed: set[str], network: bool) -> dict[str
     backdrop = scene.backdrop if edit.background == "light" else None
     behind = (edit.background, backdrop) if "background" in needed else None
     return {
+        "surface": surface,
+        "albedo": scene.tier,
         "source_light": scene.tier,
         "relief": scene.tier,
         "irradiance": light,

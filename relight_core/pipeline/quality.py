@@ -13,8 +13,9 @@ class Tier:
 
     Attributes:
         size: side of the view of the portrait, in pixels; channels have it.
-        network_size: side at which the networks see that view, a multiple of 32. They were trained on
-            images of 128 pixels, and a face much larger than there confuses them.
+        delight_size: side at which the de-lighting network sees that view, a multiple of 64.
+        network_size: side at which the others see it, a multiple of 32. They were trained on images of 128
+            pixels, and a face much larger than there confuses them.
         relief_size: side of the relief that is marched for cast shadow.
         mirrored: de-light the mirrored view too, and average.
         shadow_network: what the surface hides from the light is seen by the SS network; else the relief's
@@ -23,6 +24,7 @@ class Tier:
     """
 
     size: int
+    delight_size: int
     network_size: int
     relief_size: int
     mirrored: bool
@@ -31,9 +33,9 @@ class Tier:
 
 
 TIERS = {
-    "draft": Tier(192, 96, 48, False),
-    "live": Tier(256, 128, 64, False),
-    "final": Tier(512, 128, 96, True),
+    "draft": Tier(192, 96, 96, 48, False),
+    "live": Tier(256, 128, 128, 64, False),
+    "final": Tier(512, 128, 128, 96, True),
 }
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Hashable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
@@ -22,6 +22,7 @@ from relight_core.lighting.reflection import ReflectionTable
 from relight_core.lighting.relief import ReliefTransport
 from relight_core.networks.bundle import load_bundle
 from relight_core.pipeline import stages
+from relight_core.pipeline.albedo import flatten_albedo
 from relight_core.pipeline.cache import Stage, StageCache
 from relight_core.pipeline.channels import (
     LIGHT_CHANNELS,
@@ -75,10 +76,16 @@ class Relit:
 
 @dataclass(frozen=True, eq=False)
 class _Prepared:
-    """A portrait as one tier of quality sees it."""
+    """A portrait as one tier of quality sees it.
+
+    Attributes:
+        found: what de-lighting found.
+        surface: the same, its albedo flattened where the plan wants that.
+    """
 
     portrait: Portrait
     tier: Tier
+    found: stages.Surface
     surface: stages.Surface
     photo_view: np.ndarray
     photo_small: np.ndarray
@@ -128,8 +135,9 @@ class Relighter:
             InputError: no face is found, or there is none of that index. The previous portrait stays.
         """
         portrait = frame(photo, choose_face(photo, face_index))
-        small = portrait.view.extract(photo.linear, tier_of("live").network_size)
-        labels = stages.delight(self._bundle, small, self._device).parsing[0].argmax(0).cpu().numpy()
+        live = tier_of("live")
+        found = self._delight(portrait.view.extract(photo.linear, live.size), live)
+        labels = found.parsing[0].argmax(0).cpu().numpy()
         self._portrait = refine(portrait, labels)
         self._cache.clear()
         self._lights.clear()
@@ -140,7 +148,8 @@ class Relighter:
         Raises:
             InputError: no portrait has been set.
         """
-        return Environment.from_radiance(self._source_light(self._prepare(tier_of(quality))), "borrowed")
+        light = self._source_light(self._prepare(tier_of(quality)))
+        return Environment.from_radiance(light[0].cpu().numpy(), "borrowed")
 
     def plan(self, environment: Environment, edit: Edit) -> Plan:
         """What `relight` would do now; computes nothing.
@@ -163,6 +172,8 @@ class Relighter:
         self._cache.begin_update()
         plan, light = self._planned(environment, edit)
         ready = self._prepare(tier_of(edit.quality))
+        if plan.runs("flattening"):
+            ready = self._flattened(ready)
         lit = self._lit(ready, light, plan)
         change = self._cache.run(
             "sliders",
@@ -198,22 +209,26 @@ class Relighter:
         photo_view = self._once("view", tier.size, lambda: portrait.view.extract(portrait.photo.linear, tier.size))
         small = (tier.network_size, tier.network_size)
         photo_small = self._once("network_view", tier, lambda: resize_area(photo_view, small))
-        surface = self._once(
-            "delight",
-            tier,
-            lambda: stages.delight(self._bundle, photo_small, self._device, mirrored=tier.mirrored),
-        )
-        return _Prepared(portrait, tier, surface, photo_view, photo_small)
+        found = self._once("delight", tier, lambda: self._delight(photo_view, tier))
+        return _Prepared(portrait, tier, found, found, photo_view, photo_small)
+
+    def _delight(self, photo_view: np.ndarray, tier: Tier) -> stages.Surface:
+        seen = resize_area(photo_view, (tier.delight_size, tier.delight_size))
+        return stages.delight(self._bundle, seen, tier.network_size, self._device, mirrored=tier.mirrored)
+
+    def _flattened(self, ready: _Prepared) -> _Prepared:
+        relief, light = self._relief(ready), self._source_light(ready)
+        surface = self._once("albedo", ready.tier, lambda: flatten_albedo(ready.found, relief, light))
+        return replace(ready, surface=surface)
 
     def _relief(self, ready: _Prepared) -> ReliefTransport:
         return self._once("relief", ready.tier, lambda: stages.march(ready.surface, ready.tier.relief_size))
 
-    def _source_light(self, ready: _Prepared) -> np.ndarray:
+    def _source_light(self, ready: _Prepared) -> torch.Tensor:
         relief = self._relief(ready)
-        light = self._once(
-            "source_light", ready.tier, lambda: stages.explain_source_light(ready.surface, self._table, relief)
+        return self._once(
+            "source_light", ready.tier, lambda: stages.explain_source_light(ready.found, self._table, relief)
         )
-        return light[0].cpu().numpy()
 
     def _matte(self, portrait: Portrait) -> np.ndarray:
         """The person at the photo's resolution; from one tier for all, so that it depends on no history."""
@@ -320,14 +335,14 @@ class Relighter:
         fixed = {
             name: self._once(
                 f"{name}_channel",
-                ready.tier,
+                plan.keys["surface"],
                 lambda name=name: surface_channel(name, ready.surface, ready.photo_view, ready.photo_small),
             )
             for name in SURFACE_CHANNELS
             if edit.looks_at(name)
         }
         if plan.runs("source_light"):
-            fixed["source_light"] = self._source_light(ready)
+            fixed["source_light"] = self._source_light(ready)[0].cpu().numpy()
         shown = Effects(lit.effects.specular * plan.runs("specular"), lit.effects.shadow * plan.runs("shadow"))
         lighted = self._cache.run(
             "channels",

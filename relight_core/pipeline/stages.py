@@ -63,11 +63,14 @@ def inference_precision(device: str) -> AbstractContextManager:
 
 
 @torch.inference_mode()
-def delight(bundle: NetworkBundle, photo: np.ndarray, device: str = "cpu", *, mirrored: bool = False) -> Surface:
+def delight(
+    bundle: NetworkBundle, photo: np.ndarray, size: int, device: str = "cpu", *, mirrored: bool = False
+) -> Surface:
     """Take a view of a photo apart.
 
     Args:
-        photo: (S, S, 3) linear; clipped to [0, 1] as the camera's own file would be.
+        photo: (D, D, 3) linear, as the network sees it; clipped to [0, 1] as the camera's own file would be.
+        size: side S of the surface, at most D.
         mirrored: also de-light the mirrored view and average both.
     """
     linear = torch.from_numpy(np.ascontiguousarray(photo)).permute(2, 0, 1)[None].float().clamp(0, 1).to(device)
@@ -79,10 +82,16 @@ def delight(bundle: NetworkBundle, photo: np.ndarray, device: str = "cpu", *, mi
     parts.append(found.light.float())
     if mirrored:
         parts = _mean_of_both(*parts)
-    albedo, normal, relief, parsing, light = parts
+    *images, light = parts
+    linear, albedo, normal, relief, parsing = (_shrunk(image, size) for image in (linear, *images))
+    normal = F.normalize(normal, dim=1, eps=1e-4)
     person = torch.from_numpy(solid_person(parsing[0].cpu().numpy()))[None, None].to(device)
     unit_relief = relief * (2 * _RELIEF_UNIT_PX / photo.shape[0])
     return Surface(linear, albedo, normal, unit_relief, parsing, person, light)
+
+
+def _shrunk(image: torch.Tensor, size: int) -> torch.Tensor:
+    return image if image.shape[-1] == size else F.interpolate(image, size=size, mode="area")
 
 
 def _mean_of_both(albedo, normal, relief, parsing, light) -> list[torch.Tensor]:

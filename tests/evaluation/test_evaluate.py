@@ -31,7 +31,7 @@ def settings(tmp_path_factory):
     write_balls(folder / "heads", 2_000_000, 2, size=16)
     write_balls(folder / "heads", 0, 1, size=16)
     write_lights(folder / "lights.npz", 3)
-    return Settings(folder / "heads", folder / "lights.npz", tier=Tier(16, 16, 8, False))
+    return Settings(folder / "heads", folder / "lights.npz", tier=Tier(16, 16, 16, 8, False))
 
 
 @pytest.fixture(scope="module")

@@ -13,9 +13,10 @@ from relight_core.pipeline.kept_lights import KeptLights
 from relight_core.pipeline.plan import Scene, displayed_change, light_change, make_plan
 from relight_core.pipeline.quality import Tier
 
-TIER = Tier(64, 32, 16, False)
+TIER = Tier(64, 32, 32, 16, False)
 SCENE = Scene(TIER, b"light", 0.0, "backdrop", 1.0)
 EFFECTS = {
+    "flattening",
     "source_light",
     "relief",
     "shadow",
@@ -45,19 +46,28 @@ def test_every_effect_is_decided_about_in_words():
 def test_what_changes_nothing_is_skipped_and_says_so():
     plan = make_plan(SCENE, Edit(channels=()))
     skipped = {name for name, state in states(plan).items() if state == "skipped"}
-    assert skipped == {"source_light", "sliders", "background", "channels"}
+    assert skipped == {"sliders", "background", "channels"}
     assert all(plan.effect(name).bound == 0 for name in skipped)
 
 
 def test_black_light_needs_no_network():
     plan = make_plan(replace(SCENE, level=0.0), Edit(channels=()))
-    for name in ("shadow", "specular", "correction", "relief"):
+    for name in ("flattening", "source_light", "shadow", "specular", "correction", "relief"):
         assert states(plan)[name] == "skipped"
 
 
 def test_a_channel_that_is_looked_at_is_made():
     assert make_plan(SCENE, Edit(channels=("source_light",))).runs("source_light")
-    assert not make_plan(SCENE, Edit(channels=("albedo",))).runs("source_light")
+    unflattened = frozenset({"flattening"})
+    assert not make_plan(SCENE, Edit(channels=("albedo",), forced_off=unflattened)).runs("source_light")
+    black = replace(SCENE, level=0.0)
+    assert make_plan(black, Edit(channels=("albedo",))).runs("flattening")
+
+
+def test_flattening_needs_the_light_the_photo_was_taken_under():
+    plan = make_plan(SCENE, Edit(channels=()))
+    assert plan.runs("source_light")
+    assert "flattening" in plan.effect("source_light").why
 
 
 def test_the_user_has_the_last_word():

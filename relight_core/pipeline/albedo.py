@@ -1,0 +1,58 @@
+"""Shading that de-lighting left in the albedo, taken out by what is known of the light.
+
+Whatever a person's skin looks like, its colour has no reason to follow the light: where it does, the
+network has mistaken one for the other. Once the source light is explained, that is measured over the skin
+and divided out.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import torch
+import torch.nn.functional as F
+
+from relight_core.face.parsing import INDEX
+from relight_core.lighting.relief import ReliefTransport
+from relight_core.pipeline.hints import grey
+from relight_core.pipeline.stages import Surface
+
+_SKIN = ("skin", "nose", "neck")
+_STRONGEST = 1.0
+_FLOOR = 0.02
+_CLIPPED = 0.95
+_FEWEST_PIXELS = 100
+
+
+@torch.inference_mode()
+def flatten_albedo(surface: Surface, relief: ReliefTransport, light: torch.Tensor) -> Surface:
+    """The surface with its skin's albedo divided by the shading that is left in it.
+
+    The slope of log albedo over log shading, by least squares over the skin, is the power of the shading
+    that went into the albedo.
+
+    Args:
+        relief: transport of the surface's own relief.
+        light: (1, 16, 32, 3) the source light, at the photo's exposure.
+    """
+    shading = (grey_irradiance(relief, light) + _FLOOR).log().to(surface.albedo.device)
+    shading = F.interpolate(shading, size=surface.albedo.shape[-2:], mode="bilinear", align_corners=False)
+    skin = sum(surface.parsing[:, INDEX[name], None] for name in _SKIN)
+    albedo = grey(surface.albedo).clamp_min(1e-3).log()
+    known = (skin > 0.6) & (surface.photo.amax(1, keepdim=True) < _CLIPPED)
+    if int(known.sum()) < _FEWEST_PIXELS:
+        return surface
+    centred = shading - shading[known].mean()
+    variance = centred[known].square().mean()
+    if float(variance) < 1e-4:
+        return surface
+    slope = float((centred[known] * (albedo[known] - albedo[known].mean())).mean() / variance)
+    power = min(max(slope, 0.0), _STRONGEST)
+    divided = surface.albedo * torch.exp(-power * centred * skin)
+    return replace(surface, albedo=divided.clamp(0, 1))
+
+
+def grey_irradiance(relief: ReliefTransport, light: torch.Tensor) -> torch.Tensor:
+    """Rec.709 irradiance / pi behind the relief's own shadows, (1, 1, S, S), of one light (1, 16, 32, 3)."""
+    image = (relief.closed @ light.cpu().flatten(1, 2)[0]).T.reshape(1, 3, relief.size, relief.size)
+    return grey(image)

@@ -1,0 +1,77 @@
+"""Shading left in the albedo, on planes and balls whose true albedo is known."""
+
+import numpy as np
+import pytest
+import torch
+
+from relight_core.lighting.relief import ReliefTransport
+from relight_core.lighting.sphere import directions, solid_angles
+from relight_core.pipeline.albedo import flatten_albedo
+from relight_core.pipeline.stages import Surface
+
+SIZE = 32
+SKIN, HAIR = 1, 10
+
+
+def ball_surface(albedo, photo=None, label=SKIN):
+    axis = (torch.arange(SIZE) + 0.5) / SIZE * 1.6 - 0.8
+    y, x = torch.meshgrid(-axis, axis, indexing="ij")
+    normal = torch.stack([x, y, (1 - x**2 - y**2).clamp_min(0.01).sqrt()])[None]
+    normal = torch.nn.functional.normalize(normal, dim=1)
+    parsing = torch.zeros(1, 14, SIZE, SIZE)
+    parsing[:, label] = 1
+    one = torch.ones(1, 1, SIZE, SIZE)
+    photo = torch.full((1, 3, SIZE, SIZE), 0.4) if photo is None else photo
+    return Surface(photo, albedo, normal, 0 * one, parsing, one, torch.ones(1, 16, 32, 3))
+
+
+def open_transport(surface):
+    toward = torch.from_numpy(directions(16, 32).reshape(-1, 3))
+    weight = torch.from_numpy(solid_angles(16, 32).reshape(-1))
+    opened = (surface.normal[0].flatten(1).T @ toward.T).clamp_min(0) * weight / np.pi
+    return ReliefTransport(opened, opened, SIZE)
+
+
+def side_light():
+    light = torch.full((1, 16, 32, 3), 0.2)
+    light[:, 5:9, 22:28] = 8.0
+    return light
+
+
+def shading_of(surface):
+    return (open_transport(surface).closed @ side_light()[0].flatten(0, 1)).T.reshape(1, 3, SIZE, SIZE)
+
+
+@pytest.mark.parametrize("power", [0.2, 0.5])
+def test_shading_that_was_left_in_is_taken_out(power):
+    true = torch.full((1, 3, SIZE, SIZE), 0.3)
+    clean = ball_surface(true)
+    shaded = true * (shading_of(clean) + 0.02) ** power
+    flat = flatten_albedo(ball_surface(shaded), open_transport(clean), side_light()).albedo
+    spread = [float(a.log().std()) for a in (shaded, flat)]
+    assert spread[1] < 0.02 < 0.1 < spread[0]
+    assert float(flat.log().mean()) == pytest.approx(float(shaded.log().mean()), abs=0.02)
+
+
+def test_texture_that_does_not_follow_the_light_stays():
+    texture = torch.rand(1, 1, SIZE, SIZE, generator=torch.Generator().manual_seed(0)) * 0.4 + 0.2
+    surface = ball_surface(texture.expand(1, 3, SIZE, SIZE))
+    flat = flatten_albedo(surface, open_transport(surface), side_light()).albedo
+    torch.testing.assert_close(flat, surface.albedo, rtol=0.08, atol=0)
+
+
+def test_darker_toward_the_light_is_left_alone():
+    true = torch.full((1, 3, SIZE, SIZE), 0.3)
+    clean = ball_surface(true)
+    odd = ball_surface(true * (shading_of(clean) + 0.02) ** -0.4)
+    assert torch.equal(flatten_albedo(odd, open_transport(clean), side_light()).albedo, odd.albedo)
+
+
+@pytest.mark.parametrize("case", ["hair only", "clipped", "even light", "black light"])
+def test_where_nothing_can_be_said_nothing_changes(case):
+    albedo = torch.full((1, 3, SIZE, SIZE), 0.3) * torch.linspace(0.5, 1.5, SIZE)
+    light = {"even light": torch.ones(1, 16, 32, 3), "black light": torch.zeros(1, 16, 32, 3)}.get(case, side_light())
+    photo = torch.ones(1, 3, SIZE, SIZE) if case == "clipped" else None
+    surface = ball_surface(albedo, photo, HAIR if case == "hair only" else SKIN)
+    flat = flatten_albedo(surface, open_transport(surface), light).albedo
+    torch.testing.assert_close(flat, albedo, rtol=0.02, atol=0)
