@@ -59,7 +59,14 @@ class Editor:
     def take_apart(self, photo: np.ndarray) -> _TakenApart:
         """De-light a photo (S, S, 3), linear."""
         small, seen = (resize_area(photo, (size, size)) for size in (self.tier.network_size, self.tier.delight_size))
-        found = stages.delight(self.bundle, seen, self.tier.network_size, self.device, mirrored=self.tier.mirrored)
+        found = stages.delight(
+            self.bundle,
+            seen,
+            self.tier.network_size,
+            self.device,
+            mirrored=self.tier.mirrored,
+            precision=self.tier.precision,
+        )
         relief = stages.march(found, self.tier.relief_size)
         light = stages.explain_source_light(found, self.table, relief)
         surface = flatten_albedo(found, relief, light)
@@ -70,8 +77,27 @@ class Editor:
         """Irradiance and gloss, effects and image at the networks' size, in units of the normalised light."""
         light = torch.from_numpy(radiance)[None].to(self.device)
         reflected = stages.reflect(self.table, surface, light)
-        effects = stages.estimate_effects(self.bundle, surface, reflected, relief, light, self.device)
-        composed = stages.compose(self.bundle, surface, reflected, effects, light, self.device)
+        tier = self.tier
+        effects = stages.estimate_effects(
+            self.bundle,
+            surface,
+            reflected,
+            relief,
+            light,
+            self.device,
+            by_network=tier.shadow_network,
+            precision=tier.precision,
+        )
+        composed = stages.compose(
+            self.bundle,
+            surface,
+            reflected,
+            effects,
+            light,
+            self.device,
+            corrected=tier.correction,
+            precision=tier.precision,
+        )
         return reflected, effects, composed.image
 
     def relight(self, found: _TakenApart, radiance: np.ndarray) -> dict[str, np.ndarray]:

@@ -58,6 +58,10 @@ class StageCache:
         self._kept.clear()
         self.stages = {}
 
+    def forget(self, name: str) -> None:
+        """Forget one stage's results."""
+        self._kept.pop(name, None)
+
     def has(self, name: str, key: Hashable) -> bool:
         """Whether `run` would reuse."""
         return key in self._kept.get(name, ())

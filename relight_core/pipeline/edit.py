@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from relight_core.errors import InputError
+from relight_core.pipeline.quality import Tier
 
 EFFECTS = (
     "flattening",
@@ -34,7 +35,7 @@ class Edit:
         specular: gain on the specular channel, [0, 2]; 1 is as estimated (paper, Figure 12).
         shadow: gain on the shadow channel, [0, 2]; 1 is as estimated (paper, Figure 12).
         background: "keep", "light", "transparent" or "#rrggbb" (sRGB).
-        quality: "draft", "live" or "final".
+        quality: "draft", "live" or "final", or a tier of one's own.
         channels: the channels that are looked at; None for all of them.
         forced_on: effects (see EFFECTS) that the plan may not skip, nor reuse from a light that is not the same.
         forced_off: effects that are left out whatever the scene calls for.
@@ -46,7 +47,7 @@ class Edit:
     specular: float = 1.0
     shadow: float = 1.0
     background: str = "keep"
-    quality: str = "live"
+    quality: str | Tier = "live"
     channels: tuple[str, ...] | None = None
     forced_on: frozenset[str] = frozenset()
     forced_off: frozenset[str] = frozenset()

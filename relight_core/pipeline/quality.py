@@ -21,6 +21,7 @@ class Tier:
         shadow_network: what the surface hides from the light is seen by the SS network; else the relief's
             horizons alone say it, and a new light costs a matrix product.
         correction: the composition network corrects the sum of the channels; else the sum is the picture.
+        precision: of the networks, "bf16" where the processor has it, or "fp32".
     """
 
     size: int
@@ -30,6 +31,17 @@ class Tier:
     mirrored: bool
     shadow_network: bool = True
     correction: bool = True
+    precision: str = "bf16"
+
+    @property
+    def surface_key(self) -> tuple:
+        """What de-lighting depends on; tiers that agree in it share its result."""
+        return self.size, self.delight_size, self.network_size, self.mirrored, self.precision
+
+    @property
+    def relief_key(self) -> tuple:
+        """What the relief's horizons depend on."""
+        return self.surface_key, self.relief_size
 
 
 TIERS = {
@@ -39,8 +51,10 @@ TIERS = {
 }
 
 
-def tier_of(quality: str) -> Tier:
-    """The tier of a name; raises InputError naming the known ones."""
+def tier_of(quality: str | Tier) -> Tier:
+    """The tier of a name, or the tier itself; raises InputError naming the known ones."""
+    if isinstance(quality, Tier):
+        return quality
     if quality not in TIERS:
         raise InputError(f"unknown quality {quality!r}: choose one of {', '.join(TIERS)}")
     return TIERS[quality]

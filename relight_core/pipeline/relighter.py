@@ -41,13 +41,16 @@ from relight_core.pipeline.hints import Effects
 from relight_core.pipeline.kept_lights import KeptLights, ServingLight
 from relight_core.pipeline.plan import Effect, Plan, Scene, make_plan
 from relight_core.pipeline.portrait import Portrait, choose_face, frame, refine
-from relight_core.pipeline.quality import TIERS, Tier, tier_of
+from relight_core.pipeline.quality import Tier, tier_of
 from relight_core.resources import resource_path
 
 WEIGHTS = ("weights", "relight.safetensors")
 
 _KEPT_LIGHTS = 24
 """Results of this many lights stay: a light that is turned there and back, or two that are compared."""
+
+_KEPT_TIERS = 16
+"""As many tiers may be compared side by side without any of them being prepared twice."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -188,6 +191,10 @@ class Relighter:
         faces = [ready.portrait.face]
         return Relit(image, alpha, channels, faces, dict(self._cache.stages), plan.effects)
 
+    def forget(self, stage: str) -> None:
+        """Drop a stage's results, so that it runs again when next needed; for measuring it."""
+        self._cache.forget(stage)
+
     def _planned(self, environment: Environment, edit: Edit) -> tuple[Plan, ServingLight]:
         if self._portrait is None:
             raise InputError("no portrait is open: choose a photo first")
@@ -200,7 +207,7 @@ class Relighter:
 
     def _once(self, name: str, key: Hashable, make):
         """A stage that only a new photo or another quality makes run again."""
-        return self._cache.run(name, key, make, "new photo or quality", keep=len(TIERS))
+        return self._cache.run(name, key, make, "new photo or quality", keep=_KEPT_TIERS)
 
     def _prepare(self, tier: Tier) -> _Prepared:
         portrait = self._portrait
@@ -208,26 +215,32 @@ class Relighter:
             raise InputError("no portrait is open: choose a photo first")
         photo_view = self._once("view", tier.size, lambda: portrait.view.extract(portrait.photo.linear, tier.size))
         small = (tier.network_size, tier.network_size)
-        photo_small = self._once("network_view", tier, lambda: resize_area(photo_view, small))
-        found = self._once("delight", tier, lambda: self._delight(photo_view, tier))
+        photo_small = self._once("network_view", (tier.size, tier.network_size), lambda: resize_area(photo_view, small))
+        found = self._once("delight", tier.surface_key, lambda: self._delight(photo_view, tier))
         return _Prepared(portrait, tier, found, found, photo_view, photo_small)
 
     def _delight(self, photo_view: np.ndarray, tier: Tier) -> stages.Surface:
         seen = resize_area(photo_view, (tier.delight_size, tier.delight_size))
-        return stages.delight(self._bundle, seen, tier.network_size, self._device, mirrored=tier.mirrored)
+        return stages.delight(
+            self._bundle, seen, tier.network_size, self._device, mirrored=tier.mirrored, precision=tier.precision
+        )
 
     def _flattened(self, ready: _Prepared) -> _Prepared:
         relief, light = self._relief(ready), self._source_light(ready)
-        surface = self._once("albedo", ready.tier, lambda: flatten_albedo(ready.found, relief, light))
+        surface = self._once("albedo", ready.tier.relief_key, lambda: flatten_albedo(ready.found, relief, light))
         return replace(ready, surface=surface)
 
     def _relief(self, ready: _Prepared) -> ReliefTransport:
-        return self._once("relief", ready.tier, lambda: stages.march(ready.surface, ready.tier.relief_size))
+        return self._once(
+            "relief", ready.tier.relief_key, lambda: stages.march(ready.found, ready.tier.relief_size)
+        )
 
     def _source_light(self, ready: _Prepared) -> torch.Tensor:
         relief = self._relief(ready)
         return self._once(
-            "source_light", ready.tier, lambda: stages.explain_source_light(ready.found, self._table, relief)
+            "source_light",
+            ready.tier.relief_key,
+            lambda: stages.explain_source_light(ready.found, self._table, relief),
         )
 
     def _matte(self, portrait: Portrait) -> np.ndarray:
@@ -257,6 +270,7 @@ class Relighter:
                 self._device,
                 corrected=plan.runs("correction"),
                 parts=(plan.runs("specular"), plan.runs("shadow")),
+                precision=ready.tier.precision,
             ),
             "new light",
             keep=_KEPT_LIGHTS,
@@ -273,7 +287,14 @@ class Relighter:
             "specular_shadow",
             plan.keys["specular_shadow"],
             lambda: stages.estimate_effects(
-                self._bundle, ready.surface, reflected, relief, light, self._device, by_network=plan.shadow_network
+                self._bundle,
+                ready.surface,
+                reflected,
+                relief,
+                light,
+                self._device,
+                by_network=plan.shadow_network,
+                precision=ready.tier.precision,
             ),
             "new light",
             keep=_KEPT_LIGHTS,
@@ -296,7 +317,7 @@ class Relighter:
         return LightChange(np.zeros_like(relit), relit)
 
     def _upsampler(self, ready: _Prepared) -> JointUpsampler:
-        return self._once("edges", ready.tier, lambda: upsampler_for(ready.photo_view, ready.photo_small))
+        return self._once("edges", ready.tier.surface_key, lambda: upsampler_for(ready.photo_view, ready.photo_small))
 
     def _finished(self, ready: _Prepared, change: ViewChange, plan: Plan, environment: Environment, edit: Edit):
         """Full resolution: the photo's detail, then the background. (H, W, 3) and alpha or None."""

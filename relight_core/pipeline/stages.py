@@ -55,8 +55,10 @@ class Surface:
     source_light: torch.Tensor
 
 
-def inference_precision(device: str) -> AbstractContextManager:
-    """bf16 where the hardware multiplies it natively, else fp32."""
+def inference_precision(device: str, wish: str = "bf16") -> AbstractContextManager:
+    """bf16 where it is wished for and the hardware multiplies it natively, else fp32."""
+    if wish == "fp32":
+        return nullcontext()
     if device == "cpu" and not torch.cpu._is_avx512_bf16_supported():
         return nullcontext()
     return torch.autocast(device, torch.bfloat16)
@@ -64,7 +66,13 @@ def inference_precision(device: str) -> AbstractContextManager:
 
 @torch.inference_mode()
 def delight(
-    bundle: NetworkBundle, photo: np.ndarray, size: int, device: str = "cpu", *, mirrored: bool = False
+    bundle: NetworkBundle,
+    photo: np.ndarray,
+    size: int,
+    device: str = "cpu",
+    *,
+    mirrored: bool = False,
+    precision: str = "bf16",
 ) -> Surface:
     """Take a view of a photo apart.
 
@@ -75,7 +83,7 @@ def delight(
     """
     linear = torch.from_numpy(np.ascontiguousarray(photo)).permute(2, 0, 1)[None].float().clamp(0, 1).to(device)
     views = torch.cat([linear, linear.flip(-1)]) if mirrored else linear
-    with inference_precision(device):
+    with inference_precision(device, precision):
         found = bundle.delight(srgb_encode(views).contiguous(memory_format=torch.channels_last))
     parsing = torch.softmax(found.parsing_logits.float(), 1)
     parts = [srgb_decode(found.albedo_srgb.float()), found.normal.float(), found.relief.float(), parsing]
@@ -137,6 +145,7 @@ def estimate_effects(
     device: str = "cpu",
     *,
     by_network: bool = True,
+    precision: str = "bf16",
 ) -> Effects:
     """Specular and shadow of a light (1, 16, 32, 3).
 
@@ -152,7 +161,7 @@ def estimate_effects(
         logit = torch.logit(fraction, eps=1e-6)
         return effects_of(Occlusion(logit, logit), reflected, surface.albedo)
     hints = specular_shadow_hints(bundle.config.specular_shadow, reflected, fraction)
-    with inference_precision(device):
+    with inference_precision(device, precision):
         occlusion = bundle.specular_shadow(surface.normal, light, hints)
     return effects_of(occlusion, reflected, surface.albedo)
 
@@ -182,6 +191,7 @@ def compose(
     *,
     corrected: bool = True,
     parts: tuple[bool, bool] = (True, True),
+    precision: str = "bf16",
 ) -> Composed:
     """The relit view at slider positions of 1, in units of the normalised light.
 
@@ -194,7 +204,7 @@ def compose(
     if not corrected:
         return Composed(plain, plain)
     shown = (surface.albedo, surface.normal, effects.specular * specular, effects.shadow * shadow, plain)
-    with inference_precision(device):
+    with inference_precision(device, precision):
         image = bundle.composition(*shown, light)
     return Composed(image, plain)
 

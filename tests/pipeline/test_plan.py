@@ -147,7 +147,7 @@ def test_no_sum_over_texels_changes_by_more_than_the_texels(size, seed):
 def test_nearly_the_same_light_finds_the_kept_one():
     lights = KeptLights(4)
     first = lights.match("tier", LIGHT, 1 / 255)
-    again = lights.match("tier", LIGHT * np.float32(1.0001), 1 / 255)
+    again = lights.match("tier", LIGHT * np.float32(1.00001), 1 / 255)
     assert again.name == first.name
     assert 0 < again.bound < 1 / 255
     np.testing.assert_array_equal(again.radiance, LIGHT)
@@ -167,7 +167,7 @@ def test_small_changes_do_not_add_up():
     lights = KeptLights(100)
     tolerance, drift = 1 / 255, LIGHT
     for _ in range(200):
-        drift = drift * np.float32(1.001)
+        drift = drift * np.float32(1.00001)
         serving = lights.match("tier", drift, tolerance)
         assert displayed_change(light_change(serving.radiance, drift)) <= tolerance + 1e-6
 
@@ -175,14 +175,14 @@ def test_small_changes_do_not_add_up():
 def test_without_tolerance_only_the_same_light_serves():
     lights = KeptLights(4)
     lights.match("tier", LIGHT, 0.0)
-    assert lights.match("tier", LIGHT * np.float32(1.0001), 0.0).bound == 0
+    assert lights.match("tier", LIGHT * np.float32(1.00001), 0.0).bound == 0
     assert lights.match("tier", LIGHT, 0.0).bound == 0
 
 
 def test_groups_and_age_part_lights():
     lights = KeptLights(2)
     lights.match("one tier", LIGHT, 0.0)
-    near = LIGHT * np.float32(1.0001)
+    near = LIGHT * np.float32(1.00001)
     assert lights.match("another tier", near, 1 / 255).bound == 0
     for number in (2, 3):
         lights.match("one tier", LIGHT * np.float32(number), 0.0)

@@ -216,7 +216,7 @@ def test_without_shadow_and_specular_their_network_rests(relighter):
 def test_forced_on_a_near_light_does_not_serve(relighter):
     light = some_light()
     relighter.relight(light, EDIT)
-    near = Environment(light.shape * np.float32(1.0001), 1.0, "near")
+    near = Environment(light.shape * np.float32(1.00001), 1.0, "near")
     assert not computed(relighter.relight(near, EDIT)) & NETWORK_STAGES
     forced = relighter.relight(near, replace(EDIT, forced_on=frozenset({"shadow"})))
     assert "specular_shadow" in computed(forced)

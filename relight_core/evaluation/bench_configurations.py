@@ -1,0 +1,71 @@
+"""What the bench compares: the quality tiers, and each of them with one thing changed."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+from relight_core.pipeline.quality import TIERS, Tier
+
+_MULTIPLE = 64
+
+
+@dataclass(frozen=True)
+class Configuration:
+    """One setting of everything that trades accuracy for time.
+
+    Attributes:
+        name: in words.
+        tier: what runs.
+        tier_name: the quality tier that is exactly this, or the one it was derived from.
+        is_tier: whether it is that tier itself.
+    """
+
+    name: str
+    tier: Tier
+    tier_name: str
+    is_tier: bool
+
+
+def configurations(*, quick: bool = False) -> list[Configuration]:
+    """The tiers first, then their variants; no two are the same setting.
+
+    Args:
+        quick: only the tiers and the variants of "live" that leave a network out.
+    """
+    found = [Configuration(name, tier, name, True) for name, tier in TIERS.items()]
+    known = {tier for tier in TIERS.values()}
+    live = replace(TIERS["live"], shadow_network=True, correction=True)
+    for name, tier in _variants(live, quick):
+        if tier not in known:
+            known.add(tier)
+            found.append(Configuration(f"live, {name}", tier, "live", False))
+    return found
+
+
+def _variants(live: Tier, quick: bool) -> list[tuple[str, Tier]]:
+    fewer = [
+        ("no correction", replace(live, correction=False)),
+        ("relief's shadow, corrected", replace(live, shadow_network=False)),
+        ("no network per light", replace(live, shadow_network=False, correction=False)),
+    ]
+    if quick:
+        return fewer
+    smaller, larger = (_scaled(live.network_size, factor) for factor in (0.75, 1.5))
+    return [
+        *fewer,
+        ("networks in fp32", replace(live, precision="fp32")),
+        (f"light at {smaller}", replace(live, network_size=smaller)),
+        (f"light at {larger}", replace(live, network_size=larger, delight_size=max(live.delight_size, larger))),
+        ("relief at 32", replace(live, relief_size=32)),
+        ("relief at 96", replace(live, relief_size=96)),
+        ("mirrored", replace(live, mirrored=True)),
+        (
+            "no network per light, relief at 128",
+            replace(live, shadow_network=False, correction=False, relief_size=128),
+        ),
+    ]
+
+
+def _scaled(size: int, factor: float) -> int:
+    """A size the networks take."""
+    return max(round(size * factor / _MULTIPLE), 1) * _MULTIPLE

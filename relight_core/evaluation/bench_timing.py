@@ -1,0 +1,150 @@
+"""Milliseconds of every configuration, measured in one process, in turns and in random order."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
+from time import perf_counter
+
+import numpy as np
+
+from relight_core.evaluation.bench_configurations import Configuration
+from relight_core.evaluation.bench_machine import peak_memory_mib, reset_peak_memory, wait_for
+from relight_core.lighting.environment import Environment
+from relight_core.pipeline.edit import Edit
+from relight_core.pipeline.relighter import Relighter, Relit
+
+ACTIONS = ("delight", "rotation", "slider")
+"""De-lighting alone; all of an update after the light turned; all of one after a slider moved."""
+
+_WARM_UPS = 2
+
+
+@dataclass(frozen=True)
+class Spread:
+    """Milliseconds over all runs."""
+
+    median: float
+    p95: float
+
+
+@dataclass
+class Timing:
+    """One configuration's times.
+
+    Attributes:
+        actions: by name of ACTIONS.
+        stages: every stage that an update after a turn of the light runs, "delight" and "display" besides.
+        memory_mib: most memory the process used while it ran; None where the system does not tell.
+    """
+
+    actions: dict[str, Spread]
+    stages: dict[str, Spread]
+    memory_mib: float | None
+
+
+@dataclass
+class _Runs:
+    ms: dict[str, list[float]] = field(default_factory=lambda: defaultdict(list))
+    stages: dict[str, list[float]] = field(default_factory=lambda: defaultdict(list))
+    memory_mib: float | None = None
+
+
+def time_configurations(
+    relighter: Relighter,
+    environment: Environment,
+    configurations: Sequence[Configuration],
+    *,
+    rounds: int,
+    display: Callable[[Relit], object] = lambda relit: None,
+    report: Callable[[int, int], None] = lambda done, total: None,
+    device: str = "cpu",
+    seed: int = 0,
+) -> dict[str, Timing]:
+    """Time a portrait that is set.
+
+    Every configuration warms up; then in each round all of them take their turn, in a new random order, so
+    that whatever else the machine does falls on all alike. No channel but the picture is looked at.
+
+    Args:
+        rounds: turns of each.
+        display: what a picture goes through before it is on the screen; counted with every update.
+
+    Returns:
+        by the configuration's name.
+    """
+    rng = np.random.default_rng(seed)
+    runs = {configuration.name: _Runs() for configuration in configurations}
+    hand = _Hand(relighter, environment, display, device, rng)
+    for number in range(_WARM_UPS + rounds):
+        for index in rng.permutation(len(configurations)):
+            configuration = configurations[index]
+            into = runs[configuration.name] if number >= _WARM_UPS else _Runs()
+            hand.turn(configuration, into)
+        report(number + 1, _WARM_UPS + rounds)
+    return {name: _summary(found) for name, found in runs.items()}
+
+
+@dataclass
+class _Hand:
+    """A user who turns the light by a random angle and moves a slider to a random place."""
+
+    relighter: Relighter
+    environment: Environment
+    display: Callable[[Relit], object]
+    device: str
+    rng: np.random.Generator
+
+    def turn(self, configuration: Configuration, runs: _Runs) -> None:
+        edit = Edit(yaw_deg=float(self.rng.uniform(-180, 180)), quality=configuration.tier, channels=())
+        reset_peak_memory()
+        self._update(edit, runs, "rotation")
+        self.relighter.forget("delight")
+        opened = self.relighter.relight(self.environment, edit)
+        runs.ms["delight"].append(opened.stages["delight"].ms)
+        runs.stages["delight"].append(opened.stages["delight"].ms)
+        self._update(replace(edit, shadow=float(self.rng.uniform(0.1, 0.9))), runs, "slider")
+        memory = peak_memory_mib(self.device)
+        runs.memory_mib = None if memory is None else max(memory, runs.memory_mib or 0.0)
+
+    def _update(self, edit: Edit, runs: _Runs, action: str) -> None:
+        wait_for(self.device)
+        started = perf_counter()
+        relit = self.relighter.relight(self.environment, edit)
+        relit_at = perf_counter()
+        self.display(relit)
+        ended = perf_counter()
+        # A first visit also takes the portrait apart, which is the photo's cost and not the light's.
+        once = sum(relit.stages[name].ms for name in _ONCE if name in relit.stages)
+        runs.ms[action].append(1e3 * (ended - started) - once)
+        if action == "rotation":
+            for name, stage in relit.stages.items():
+                if stage.state == "computed" and name not in _ONCE:
+                    runs.stages[name].append(stage.ms)
+            runs.stages["display"].append(1e3 * (ended - relit_at))
+
+
+_ONCE = (
+    "view",
+    "network_view",
+    "delight",
+    "relief",
+    "source_light",
+    "albedo",
+    "edges",
+    "matte",
+    "full_view",
+)
+
+
+def _summary(runs: _Runs) -> Timing:
+    return Timing(
+        {name: _spread(runs.ms[name]) for name in ACTIONS},
+        {name: _spread(times) for name, times in runs.stages.items()},
+        runs.memory_mib,
+    )
+
+
+def _spread(times: list[float]) -> Spread:
+    return Spread(float(np.median(times)), float(np.percentile(times, 95)))
