@@ -33,7 +33,7 @@ def configurations(*, quick: bool = False) -> list[Configuration]:
         quick: only the tiers and the variants of "live" that leave a network out.
     """
     found = [Configuration(name, tier, name, True) for name, tier in TIERS.items()]
-    known = {tier for tier in TIERS.values()}
+    known = set(TIERS.values())
     live = replace(TIERS["live"], shadow_network=True, correction=True)
     for name, tier in _variants(live, quick):
         if tier not in known:
@@ -50,7 +50,7 @@ def _variants(live: Tier, quick: bool) -> list[tuple[str, Tier]]:
     ]
     if quick:
         return fewer
-    smaller, larger = (_scaled(live.network_size, factor) for factor in (0.75, 1.5))
+    smaller, larger = (_scaled(live.network_size, factor) for factor in (0.5, 1.5))
     return [
         *fewer,
         ("networks in fp32", replace(live, precision="fp32")),

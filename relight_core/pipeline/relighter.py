@@ -231,9 +231,7 @@ class Relighter:
         return replace(ready, surface=surface)
 
     def _relief(self, ready: _Prepared) -> ReliefTransport:
-        return self._once(
-            "relief", ready.tier.relief_key, lambda: stages.march(ready.found, ready.tier.relief_size)
-        )
+        return self._once("relief", ready.tier.relief_key, lambda: stages.march(ready.found, ready.tier.relief_size))
 
     def _source_light(self, ready: _Prepared) -> torch.Tensor:
         relief = self._relief(ready)

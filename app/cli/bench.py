@@ -1,0 +1,186 @@
+"""Measure what accuracy costs in time on this machine.
+
+Every quality tier and its variants are timed in one process, in turns and in random order, from a turned light
+to the picture on the screen, and compared with the final tier on photos and, where baked test heads and a
+light library are given, with the truth. Into the folder go bench.json, bench.md and bench.png.
+
+With --session, an editing session is replayed instead (open, turn every light a full circle, drag both sliders,
+swap lights): how many stage runs the plan avoids, what time that saves, and the largest error it makes.
+
+Run it on a machine that does nothing else; the load average is part of the report.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from app.cli.arguments import add_json
+from app.cli.maker_inputs import check_heads_and_lights, count_at_least_one, progress
+from app.cli.outputs import make_folder
+from app.cli.report import Report, reporting
+from app.cli.session import sample_portrait
+from relight_core.errors import InputError
+
+if TYPE_CHECKING:
+    from relight_core.evaluation.bench_report import BenchResult
+    from relight_core.imaging.photo import Photo
+    from relight_core.lighting.environment import Environment
+
+_PICTURES = (".jpg", ".jpeg", ".png", ".tif", ".tiff", ".webp")
+_QUICK_ROUNDS, _ROUNDS = 5, 30
+_BENCH_LIGHTS = ("rembrandt", "overcast", "golden-hour")
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Declare the arguments of `relight bench`."""
+    parser.add_argument("--quick", action="store_true", help="a minute: fewer settings and fewer rounds")
+    parser.add_argument("--session", action="store_true", help="replay an editing session instead")
+    parser.add_argument("--photos", metavar="FOLDER", type=Path, help="portraits; the sample portrait without")
+    parser.add_argument("--heads", metavar="DIR", type=Path, help="test heads from relight dataset bake")
+    parser.add_argument("--lights", metavar="FILE", type=Path, help="a light library, an .npz")
+    parser.add_argument("--weights", metavar="W", type=Path, help="a .safetensors file; the bundled ones without")
+    parser.add_argument("--count", metavar="N", type=count_at_least_one, default=8, help="test heads (8)")
+    parser.add_argument("--rounds", metavar="N", type=count_at_least_one, help=f"turns of each setting ({_ROUNDS})")
+    parser.add_argument("--turns", metavar="N", type=count_at_least_one, default=72, help="stops of a full circle (72)")
+    parser.add_argument("--device", choices=("cpu", "cuda"), default="cpu")
+    parser.add_argument("-o", "--output", metavar="DIR", type=Path, default=Path("bench"), help="a folder (bench)")
+    add_json(parser)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Measure; returns the exit code."""
+    if arguments.heads is not None:
+        if arguments.lights is None:
+            raise InputError("--heads needs --lights: the truth is rendered from both")
+        check_heads_and_lights(arguments.heads, arguments.lights, "test")
+    with reporting(arguments.json) as report:
+        photos = _photos(arguments.photos)
+        make_folder(arguments.output)
+        return (_session if arguments.session else _bench)(arguments, photos, report)
+
+
+def _photos(folder: Path | None) -> list[Photo]:
+    from relight_core.imaging.read import read_photo
+
+    if folder is None:
+        return [read_photo(sample_portrait())]
+    if not folder.is_dir():
+        raise InputError(f"{folder}: no such folder; give one with portrait photos in it")
+    paths = sorted(path for path in folder.iterdir() if path.suffix.lower() in _PICTURES)
+    if not paths:
+        raise InputError(f"{folder}: no photos in it ({', '.join(_PICTURES)})")
+    return [read_photo(path) for path in paths]
+
+
+def _bench(arguments: argparse.Namespace, photos: list[Photo], report: Report) -> int:
+    from relight_core.evaluation.bench_report import as_full_record, as_markdown, as_record, plot
+    from relight_core.imaging.files import whole_file
+
+    result = _measured(arguments, photos)
+    page = as_markdown(result)
+    _write_text(arguments.output / "bench.json", json.dumps(as_full_record(result), indent=1))
+    _write_text(arguments.output / "bench.md", page)
+    with whole_file(arguments.output / "bench.png") as partial:
+        plot(result, partial)
+    report.line(page)
+    report.record(as_record(result))
+    return 0
+
+
+def _measured(arguments: argparse.Namespace, photos: list[Photo]) -> BenchResult:
+    from app.engine.screen import radiance_for_screen
+    from relight_core.evaluation.bench_accuracy import Accuracy, TestData, against_final, against_truth
+    from relight_core.evaluation.bench_configurations import configurations
+    from relight_core.evaluation.bench_machine import demands, describe_machine, measure_peaks
+    from relight_core.evaluation.bench_report import BenchResult, Row
+    from relight_core.evaluation.bench_timing import time_configurations
+    from relight_core.lighting.rigs import load_rig
+    from relight_core.networks.bundle import load_bundle
+    from relight_core.pipeline.relighter import WEIGHTS, Relighter
+    from relight_core.resources import resource_path
+
+    device, quick = arguments.device, arguments.quick
+    weights = arguments.weights or resource_path(*WEIGHTS)
+    settings = configurations(quick=quick)
+    machine, peaks = describe_machine(device), measure_peaks(device)
+    relighter, bundle = Relighter(weights, device), load_bundle(weights).for_inference().to(device)
+    accuracy = {setting.name: Accuracy() for setting in settings}
+    if arguments.heads is not None:
+        data = TestData(arguments.heads, arguments.lights, 1 if quick else arguments.count, 3 if quick else 20)
+        with progress("against the truth", 1.0) as show:
+            accuracy = against_truth(bundle, data, settings, _onto(show), device)
+    with progress("against final", 1.0) as show:
+        lights = [load_rig(name) for name in _BENCH_LIGHTS]
+        for name, error in against_final(relighter, photos, lights, settings, _onto(show)).items():
+            accuracy[name].against_final = error
+    with progress("timing", 1.0) as show:
+        rounds = arguments.rounds or (_QUICK_ROUNDS if quick else _ROUNDS)
+        timing = time_configurations(
+            relighter,
+            load_rig("rembrandt"),
+            settings,
+            rounds=rounds,
+            display=lambda relit: radiance_for_screen(relit.image, relit.alpha),
+            report=_onto(show),
+            device=device,
+        )
+    asked = {setting.name: demands(bundle, setting.tier, device) for setting in settings}
+    rows = [Row(s, timing[s.name], accuracy[s.name], asked[s.name]) for s in settings]
+    return BenchResult(machine, peaks, rows)
+
+
+def _session(arguments: argparse.Namespace, photos: list[Photo], report: Report) -> int:
+    from relight_core.evaluation.bench_machine import describe_machine
+    from relight_core.evaluation.bench_session import Savings, as_markdown, recorded_session, replay
+    from relight_core.pipeline.relighter import Relighter
+
+    lights = _session_lights(arguments.lights, 3 if arguments.quick else None)
+    session = recorded_session(lights, 12 if arguments.quick else arguments.turns)
+    relighter, thorough = (Relighter(arguments.weights, arguments.device) for _ in range(2))
+    savings, total = Savings(), len(session) * len(photos)
+    with progress("replaying", 1.0) as show:
+        for photo in photos:
+            replay(
+                relighter,
+                thorough,
+                photo,
+                session,
+                savings,
+                report=lambda: show(savings.updates / total, f"{savings.updates} of {total}"),
+            )
+    record = {"machine": describe_machine(arguments.device), "lights": len(lights), "photos": len(photos)}
+    record |= savings.as_record()
+    _write_text(arguments.output / "session.json", json.dumps(record, indent=1))
+    report.line(as_markdown(savings))
+    report.record(record)
+    return 0
+
+
+def _session_lights(library: Path | None, most: int | None) -> list[Environment]:
+    """The library's panoramas, if one is given, then the bundled rigs."""
+    from relight_core.dataset.archive import read_arrays
+    from relight_core.lighting.environment import Environment
+    from relight_core.lighting.rigs import load_rig, rig_names
+
+    lights = []
+    if library is not None:
+        data = read_arrays(library, ("env64", "names"), "a light library", "give an .npz with env64 and names")
+        lights = [
+            Environment.from_radiance(radiance.astype("float32"), str(name))
+            for radiance, name in zip(data["env64"], data["names"], strict=True)
+        ]
+    return (lights + [load_rig(name) for name in rig_names()])[:most]
+
+
+def _onto(show):
+    return lambda done, total: show(done / total, f"{done} of {total}")
+
+
+def _write_text(path: Path, text: str) -> None:
+    from relight_core.imaging.files import whole_file
+
+    with whole_file(path) as partial:
+        partial.write_text(text, encoding="utf-8")
