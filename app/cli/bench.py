@@ -92,7 +92,7 @@ def _bench(arguments: argparse.Namespace, photos: list[Photo], report: Report) -
 
 def _measured(arguments: argparse.Namespace, photos: list[Photo]) -> BenchResult:
     from app.engine.screen import radiance_for_screen
-    from relight_core.evaluation.bench_accuracy import Accuracy, TestData, against_final, against_truth
+    from relight_core.evaluation.bench_accuracy import Accuracy, HeldOutData, against_final, against_truth
     from relight_core.evaluation.bench_configurations import configurations
     from relight_core.evaluation.bench_machine import demands, describe_machine, measure_peaks
     from relight_core.evaluation.bench_report import BenchResult, Row
@@ -109,7 +109,7 @@ def _measured(arguments: argparse.Namespace, photos: list[Photo]) -> BenchResult
     relighter, bundle = Relighter(weights, device), load_bundle(weights).for_inference().to(device)
     accuracy = {setting.name: Accuracy() for setting in settings}
     if arguments.heads is not None:
-        data = TestData(arguments.heads, arguments.lights, 1 if quick else arguments.count, 3 if quick else 20)
+        data = HeldOutData(arguments.heads, arguments.lights, 1 if quick else arguments.count, 3 if quick else 20)
         with progress("against the truth", 1.0) as show:
             accuracy = against_truth(bundle, data, settings, _onto(show), device)
     with progress("against final", 1.0) as show:
@@ -172,7 +172,8 @@ def _session_lights(library: Path | None, most: int | None) -> list[Environment]
             Environment.from_radiance(radiance.astype("float32"), str(name))
             for radiance, name in zip(data["env64"], data["names"], strict=True)
         ]
-    return (lights + [load_rig(name) for name in rig_names()])[:most]
+    lights += [load_rig(name) for name in rig_names()]
+    return lights[:: max(len(lights) // most, 1)][:most] if most else lights
 
 
 def _onto(show):

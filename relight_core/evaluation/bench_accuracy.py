@@ -52,7 +52,7 @@ class _Sums:
 
 
 @dataclass(frozen=True)
-class TestData:
+class HeldOutData:
     """Baked heads of the test split and the light library; `cases` relightings of each head."""
 
     heads: Path
@@ -63,7 +63,7 @@ class TestData:
 
 def against_truth(
     bundle: NetworkBundle,
-    data: TestData,
+    data: HeldOutData,
     configurations: Sequence[Configuration],
     report: Callable[[int, int], None] = lambda done, total: None,
     device: str = "cpu",

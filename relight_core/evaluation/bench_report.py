@@ -10,6 +10,8 @@ from relight_core.evaluation.bench_configurations import Configuration
 from relight_core.evaluation.bench_machine import Demand, Peaks
 from relight_core.evaluation.bench_timing import ACTIONS, Spread, Timing
 
+_BEST, _BEATEN = "#c8842c", "#b0b0b0"
+
 
 @dataclass(frozen=True)
 class Row:
@@ -74,17 +76,6 @@ def pareto(points: list[tuple[float, float]]) -> list[bool]:
     ]
 
 
-def errors_of(rows: list[Row]) -> tuple[str, list[float]] | None:
-    """The error to rank by: against the truth where it was measured, else against the final tier."""
-    for title, values in (
-        ("RMSE against the truth, sRGB", [row.accuracy.rmse for row in rows]),
-        ("RMSE against the final tier, sRGB", [row.accuracy.against_final for row in rows]),
-    ):
-        if all(value is not None for value in values):
-            return title, values
-    return None
-
-
 def as_markdown(result: BenchResult) -> str:
     """Tables of the actions, the stages and the limits."""
     machine = result.machine
@@ -103,10 +94,10 @@ def as_markdown(result: BenchResult) -> str:
 
 
 def _actions(result: BenchResult) -> list[str]:
-    ranking = errors_of(result.rows)
+    kinds = _measured_errors(result.rows)
     best = [True] * len(result.rows)
-    if ranking is not None:
-        best = pareto([(_rotation(row), e) for row, e in zip(result.rows, ranking[1], strict=True)])
+    if kinds:
+        best = pareto([(_rotation(row), error) for row, error in zip(result.rows, kinds[0][1], strict=True)])
     table = ["Milliseconds, median (95th percentile); * is on the Pareto front of rotation against error.", ""]
     table += [
         "| | de-light | rotation | slider | RMSE | PSNR | against final | MiB |",
@@ -150,51 +141,65 @@ def _limits(result: BenchResult) -> list[str]:
 
 
 def plot(result: BenchResult, path: Path) -> None:
-    """Error against milliseconds of a turn of the light, the Pareto front drawn, what it beats in grey."""
+    """Errors against milliseconds of a turn of the light, the Pareto front drawn, what it beats in grey. PNG."""
     import matplotlib
 
     matplotlib.use("Agg")
     from matplotlib import pyplot
 
-    title, errors = errors_of(result.rows) or ("", [0.0] * len(result.rows))
-    points = [(_rotation(row), error) for row, error in zip(result.rows, errors, strict=True)]
-    front = pareto(points)
-    figure, axes = pyplot.subplots(figsize=(9, 5.5), constrained_layout=True)
-    line = sorted(point for point, best in zip(points, front, strict=True) if best)
-    axes.plot(*zip(*line, strict=True), color="#c8842c", linewidth=1.5, zorder=1)
-    for row, point, best in zip(result.rows, points, front, strict=True):
-        colour = "#c8842c" if best else "#b0b0b0"
-        marker = "s" if row.configuration.is_tier else "o"
-        axes.scatter(*point, color=colour, marker=marker, s=55 if row.configuration.is_tier else 30, zorder=2)
-    _label(axes, result.rows, points, front)
-    axes.set(xlabel="milliseconds from a turned light to the picture, median", ylabel=title)
-    axes.set_title(f"{result.machine['processor']}, {result.machine['threads']} threads", fontsize=9)
-    axes.set_xlim(left=0)
-    axes.set_ylim(bottom=0)
-    axes.grid(alpha=0.25)
-    figure.savefig(path, dpi=140, format="png")
+    kinds = _measured_errors(result.rows)
+    figure, places = pyplot.subplots(
+        1, max(len(kinds), 1), figsize=(8 * max(len(kinds), 1), 5.5), constrained_layout=True, squeeze=False
+    )
+    for axes, (title, errors) in zip(places[0], kinds, strict=False):
+        _scatter(axes, result.rows, errors)
+        axes.set(xlabel="milliseconds from a turned light to the picture, median", ylabel=title)
+    load = result.machine.get("load_average")
+    words = f"{result.machine['processor']}, {result.machine['threads']} threads, load {load}"
+    figure.suptitle(words, fontsize=9)
+    figure.savefig(path, dpi=120, format="png")
     pyplot.close(figure)
 
 
-def _label(axes, rows: list[Row], points: list[tuple[float, float]], front: list[bool]) -> None:
-    """Names beside the points, from the top down, each moved down as far as the one above it asks."""
-    top = max((error for _, error in points), default=0.0) or 1.0
-    free: dict[int, float] = {}
-    right = max(ms for ms, _ in points)
-    for index in sorted(range(len(points)), key=lambda i: -points[i][1]):
-        ms, error = points[index]
-        column = int(4 * ms / right)
-        height = min(error, free.get(column, 2 * top) - 0.04 * top)
-        free[column] = height
-        axes.annotate(
-            rows[index].configuration.name,
-            (ms, error),
-            (ms + 0.012 * right, height),
-            fontsize=8,
-            color="#303030" if front[index] else "#909090",
-            va="center",
-            annotation_clip=False,
-        )
+def _scatter(axes, rows: list[Row], errors: list[float]) -> None:
+    points = [(_rotation(row), error) for row, error in zip(rows, errors, strict=True)]
+    front = pareto(points)
+    line = sorted(point for point, best in zip(points, front, strict=True) if best)
+    axes.plot(*zip(*line, strict=True), color=_BEST, linewidth=1.5, zorder=1)
+    low, high = min(errors), max(errors)
+    span = max(high - low, 1e-4)
+    rightmost = max(ms for ms, _ in points)
+    axes.set_xlim(0, 1.35 * rightmost)
+    axes.set_ylim(low - 0.1 * span, high + 0.1 * span)
+    axes.grid(alpha=0.25)
+    taken: list[tuple[float, float]] = []
+    for row, point, best in sorted(zip(rows, points, front, strict=True), key=lambda entry: -entry[1][1]):
+        marker, size = ("s", 55) if row.configuration.is_tier else ("o", 30)
+        axes.scatter(*point, color=_BEST if best else _BEATEN, marker=marker, s=size, zorder=2)
+        height = _free_height(point, taken, 0.35 * rightmost, 0.045 * span)
+        taken.append((point[0], height))
+        place = (point[0] + 0.015 * rightmost, height)
+        axes.annotate(row.configuration.name, place, fontsize=8, color="#303030" if best else "#808080", va="center")
+
+
+def _free_height(point: tuple[float, float], taken: list[tuple[float, float]], width: float, line: float) -> float:
+    """Where a label beside the point meets none that is placed already: at its height or below."""
+    height = point[1]
+    for _ in range(len(taken) + 1):
+        near = [y for x, y in taken if abs(x - point[0]) < width and abs(y - height) < 0.99 * line]
+        if not near:
+            break
+        height = min(near) - line
+    return height
+
+
+def _measured_errors(rows: list[Row]) -> list[tuple[str, list[float]]]:
+    """Every kind of error that was measured for all rows, with its title."""
+    kinds = (
+        ("RMSE against the truth, sRGB", [row.accuracy.rmse for row in rows]),
+        ("RMSE against the final tier, sRGB", [row.accuracy.against_final for row in rows]),
+    )
+    return [(title, values) for title, values in kinds if all(value is not None for value in values)]
 
 
 def _rotation(row: Row) -> float:
