@@ -15,20 +15,57 @@ void main() {
 
 #include "view_transform.glsl"
 
+const int PLAIN = 0, SCALE = 1, DIFFERENCE = 2;
+
 uniform sampler2D picture;
+uniform sampler2D photo;     // what a difference is taken to; lies where the picture lies
+uniform sampler2D colours;   // a row of colours, from the least value to the largest
 uniform vec4 place;          // x, y, width, height of the picture
 uniform bool encoded;        // the picture is sRGB already, not radiance
 uniform bool has_alpha;
 uniform float exposure_ev;
 uniform vec3 canvas_srgb;
+uniform int paint;           // PLAIN, SCALE or DIFFERENCE
+uniform float range_ev;      // at the ends of a difference's colours
+uniform bool clipping;       // stripes over what the screen can't show
+uniform float stripe_px;
 
 const float CHECK_PX = 12.0;
+const float DARKEST = 0.002; // radiance below which a difference in stops means nothing
+const vec3 LUMINANCE = vec3(0.2126, 0.7152, 0.0722);
+const vec3 TOO_BRIGHT = vec3(0.95, 0.22, 0.16), TOO_DARK = vec3(0.22, 0.45, 1.0), NO_NUMBER = vec3(1.0, 0.0, 0.85);
 
 out vec4 shown;
 
 vec3 checks(vec2 pixel) {
     vec2 cell = floor(pixel / CHECK_PX);
     return vec3(mod(cell.x + cell.y, 2.0) < 0.5 ? 0.32 : 0.42);
+}
+
+bool no_number(float value) {
+    // By bits, since a compiler may assume that no number is NaN. Infinity was stored as the largest half.
+    return (floatBitsToUint(value) & 0x7fffffffu) > 0x7f800000u || value >= 65504.0;
+}
+
+float stops_brighter(vec3 radiance, vec3 reference) {
+    float now = dot(max(radiance, 0.0), LUMINANCE) * exp2(exposure_ev);
+    float before = dot(max(reference, 0.0), LUMINANCE);
+    return log2((now + DARKEST) / (before + DARKEST));
+}
+
+vec3 from_colours(float along) {
+    float width = float(textureSize(colours, 0).x);
+    return texture(colours, vec2((clamp(along, 0.0, 1.0) * (width - 1.0) + 0.5) / width, 0.5)).rgb;
+}
+
+vec3 striped(vec3 srgb, vec3 radiance, vec2 pixel) {
+    if (no_number(radiance.r) || no_number(radiance.g) || no_number(radiance.b)) return NO_NUMBER;
+    vec3 code = view_transform(radiance, exposure_ev) * 255.0;
+    float peak = max(radiance.r, max(radiance.g, radiance.b)) * exp2(exposure_ev);
+    bool bright = peak >= 1.0, dark = max(code.r, max(code.g, code.b)) < 0.5;
+    if (!bright && !dark) return srgb;
+    bool on = mod(bright ? pixel.x + pixel.y : pixel.x - pixel.y, 2.0 * stripe_px) < stripe_px;
+    return on ? (bright ? TOO_BRIGHT : TOO_DARK) : srgb;
 }
 
 void main() {
@@ -40,6 +77,12 @@ void main() {
     }
     vec4 texel = texture(picture, uv);
     vec3 srgb = encoded ? texel.rgb : view_transform(texel.rgb, exposure_ev);
+    if (paint == SCALE) srgb = from_colours(texel.g);
+    if (paint == DIFFERENCE) {
+        float stops = stops_brighter(texel.rgb, texture(photo, uv).rgb);
+        srgb = from_colours(0.5 + 0.5 * stops / range_ev);
+    }
+    if (clipping && !encoded) srgb = striped(srgb, texel.rgb, pixel);
     if (has_alpha) srgb = mix(checks(pixel - place.xy), srgb, clamp(texel.a, 0.0, 1.0));
     shown = vec4(srgb, 1.0);
 }

@@ -39,6 +39,7 @@ class RelitLike(Protocol):
     channels: dict[str, np.ndarray]
     faces: list
     stages: dict
+    window: tuple[float, float, float, float] | None
 
 
 @dataclass(frozen=True, eq=False)

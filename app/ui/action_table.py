@@ -34,7 +34,9 @@ PROGRAM = (
 
 ACTIONS: tuple[Action, ...] = (
     *look_actions.LOOKING,
+    *look_actions.COMPARING,
     *look_actions.SHOWING,
+    *look_actions.READING,
     *edit_actions.LIGHT,
     *edit_actions.HISTORY,
     *edit_actions.FILE,

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from app.ui.state import EditorState
 
 MODIFIERS = ("Ctrl", "Shift", "Alt")
-_SHOWN_KEYS = {"=": "+", "-": "\N{MINUS SIGN}", "Left": "←", "Right": "→", "Up": "↑", "Down": "↓", "Escape": "Esc"}
+_SHOWN_KEYS = {"=": "+", "-": "\N{MINUS SIGN}", "Escape": "Esc"}
 
 
 @dataclass(frozen=True)
@@ -39,7 +39,7 @@ class Chord:
 
     @property
     def label(self) -> str:
-        """As a person reads it: "Ctrl + P", "←"."""
+        """As a person reads it: "Ctrl + P", "Esc"."""
         held = [name for name in MODIFIERS if getattr(self, name.lower())]
         return " + ".join([*held, _SHOWN_KEYS.get(self.key, self.key)])
 

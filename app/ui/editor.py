@@ -14,6 +14,7 @@ from app.ui import (
     help_overlay,
     light_panel,
     palette,
+    scope_panel,
     shortcuts,
     status_line,
     theme,
@@ -36,11 +37,11 @@ _FLAGS = (
 def draw(state: EditorState, fonts: theme.Fonts, pictures: Pictures, shelf: light_panel.Shelf) -> None:
     """Draw every panel; between new_frame and render."""
     io = imgui.get_io()
+    state.hand_on_control = False
+    shortcuts.apply(state)
     scope = state.look.scope != "off"
     layout = arrange(io.display_size.x, io.display_size.y, imgui.get_font_size(), state.panels, scope)
-    state.hand_on_control = False
     state.light_panel = layout.light.corners if layout.light else (0.0, 0.0, 0.0, 0.0)
-    shortcuts.apply(state)
     _sides(state, fonts, pictures, shelf, layout)
     with _panel("viewport", layout.viewport, padding=(0.0, 0.0)):
         viewport_panel.draw(state, fonts, pictures, layout.viewport)
@@ -63,7 +64,7 @@ def _sides(
             light_panel.draw(state, fonts, pictures, shelf)
     if layout.scope:
         with _panel("scope", layout.scope, padding=(14.0, 10.0)):
-            pass
+            scope_panel.draw(state, pictures)
     if layout.effects:
         with _panel("effects", layout.effects):
             imgui.begin_child("controls")

@@ -14,7 +14,7 @@ def draw(state: EditorState, pictures: Pictures) -> None:
     em = imgui.get_font_size()
     room = imgui.get_content_region_avail()
     spacing = 0.4 * em
-    width = min(7.2 * em, (room.x - spacing * (len(CHANNELS) - 1)) / len(CHANNELS))
+    width = min(1.35 * (room.y - 1.4 * em), (room.x - spacing * (len(CHANNELS) - 1)) / len(CHANNELS))
     indent = (room.x - len(CHANNELS) * width - spacing * (len(CHANNELS) - 1)) / 2
     imgui.set_cursor_pos_x(imgui.get_cursor_pos_x() + max(0.0, indent))
     for index, (name, title, explanation) in enumerate(CHANNELS):
@@ -24,9 +24,7 @@ def draw(state: EditorState, pictures: Pictures) -> None:
         imgui.set_item_tooltip(f"{explanation}  {index + 1}")
 
 
-def _frame(
-    state: EditorState, shown: Shown | None, index: int, title: str, width: float, height: float
-) -> None:
+def _frame(state: EditorState, shown: Shown | None, index: int, title: str, width: float, height: float) -> None:
     em = imgui.get_font_size()
     name = CHANNELS[index][0]
     corner = imgui.get_cursor_screen_pos()

@@ -46,6 +46,9 @@ def draw(state: EditorState, fonts: theme.Fonts, window: Rect) -> None:
         for title, rows in part:
             _group(fonts, title, rows)
         imgui.end_group()
+    foot = "Click anywhere or press Esc to close.  Ctrl + P finds a command by its name."
+    imgui.set_cursor_pos(imgui.ImVec2((window.width - imgui.calc_text_size(foot).x) / 2, window.height - 2.2 * em))
+    imgui.text_disabled(foot)
     imgui.end()
 
 

@@ -17,6 +17,8 @@ class LookState:
         pointer_px: the mouse in the viewport, in framebuffer pixels; None while it is elsewhere.
         compare: the photo beside the picture, one of COMPARISONS.
         wipe_at: where the wipe divides, along the picture from 0 at its left edge to 1.
+        wipe_held: the wipe's line is being dragged.
+        spot: the point of the photo under the mouse, in its pixels; None while there is none.
         clipping: stripes over what is too bright or too dark for the screen or not a number.
         false_colour: specular and shadow as a colour scale.
         difference: how many stops the result is brighter or darker than the photo, in colour.
@@ -33,11 +35,13 @@ class LookState:
     pointer_px: tuple[float, float] | None = None
     compare: str = "off"
     wipe_at: float = 0.5
+    wipe_held: bool = False
+    spot: tuple[float, float] | None = None
     clipping: bool = False
     false_colour: bool = False
     difference: bool = False
     probe: bool = False
-    scope: str = "off"
+    scope: str = "histogram"
     light_ball: bool = True
     timings: bool = False
     help: bool = False

@@ -5,9 +5,9 @@ from __future__ import annotations
 from app.ui.actions import Action, Gesture
 from app.ui.state import CHANNELS, PHOTO, EditorState
 from app.ui.view import View
-from app.ui.viewport_panel import ZOOM_PER_STEP, zoom_by
+from app.ui.viewport_panel import ZOOM_PER_STEP, toggle_actual_size, zoom_by
 
-_LOOK, _PICTURES, _PANELS = "Look", "Pictures", "Panels"
+_LOOK, _PICTURES, _READ, _PANELS = "Look", "Pictures", "Read", "Panels"
 
 
 def _opened(state: EditorState) -> bool:
@@ -61,6 +61,14 @@ LOOKING = (
         repeats=True,
     ),
     Action(
+        "Actual size",
+        _LOOK,
+        ("Z",),
+        "One photo pixel on one screen pixel, where the mouse is; once more fits the picture",
+        toggle_actual_size,
+        available=_opened,
+    ),
+    Action(
         "See the photo",
         _LOOK,
         ("Space",),
@@ -68,6 +76,45 @@ LOOKING = (
         _set_before(True),
         let_go=_set_before(False),
     ),
+)
+
+
+def _switch(name: str, key: str, title: str, help_text: str) -> Action:
+    return Action(
+        title,
+        _READ,
+        (key,),
+        help_text,
+        lambda state: state.look.switch(name),
+        is_on=lambda state: getattr(state.look, name),
+    )
+
+
+def _choose(field: str, value: str, key: str, title: str, group: str, help_text: str) -> Action:
+    return Action(
+        title,
+        group,
+        (key,),
+        help_text,
+        lambda state: state.look.choose(field, value),
+        is_on=lambda state: getattr(state.look, field) == value,
+    )
+
+
+COMPARING = (
+    _choose("compare", "wipe", "W", "Wipe", _LOOK, "The photo left of a line that you drag, the picture right of it"),
+    _choose("compare", "side", "Y", "Side by side", _LOOK, "The photo beside the picture; they move together"),
+)
+
+READING = (
+    _switch("probe", "I", "Pixel values", "The values of every channel under the mouse"),
+    _choose("scope", "histogram", "H", "Histogram", _READ, "How much of the picture is dark and how much bright"),
+    _choose("scope", "waveform", "V", "Waveform", _READ, "How bright each column of the picture is"),
+    _switch("clipping", "J", "Clipping warning", "Stripes where the screen shows only white (red) or black (blue)"),
+    _switch("false_colour", "C", "False colour", "Specular and shadow as a scale of colours"),
+    _switch("difference", "D", "Difference to the photo", "Where the result is darker (blue) or brighter (orange)"),
+    _switch("light_ball", "L", "Lit ball and compass", "Where the light comes from, in the picture's corner"),
+    _switch("timings", "T", "Timings", "What each step of the last update took, and why it ran"),
 )
 
 SHOWING = tuple(
@@ -120,6 +167,6 @@ PANELS = (
 GESTURES = (
     Gesture("Ctrl + wheel", _LOOK, "Zoom about the mouse"),
     Gesture("Drag the picture", _LOOK, "Move it"),
-    Gesture("Double-click the picture", _LOOK, "Fit it to the window"),
+    Gesture("Double-click the picture", _LOOK, "Actual size there, or fit again"),
     Gesture("Drag a panel's edge", _PANELS, "Resize it; a double click puts it back"),
 )

@@ -76,7 +76,7 @@ def _row(state: EditorState, action: Action, row: int) -> None:
         imgui.set_scroll_here_y()
     draw = imgui.get_window_draw_list()
     colour = theme.TEXT if action.available(state) else theme.FAINT
-    tick = "✓ " if action.is_on and action.is_on(state) else ""
+    tick = "• " if action.is_on and action.is_on(state) else ""
     draw.add_text(imgui.ImVec2(left.x + 0.4 * em, left.y), theme.packed(colour), tick + action.name)
     keys_width = imgui.calc_text_size(action.label).x
     at = imgui.ImVec2(left.x + width - keys_width - 0.8 * em, left.y)

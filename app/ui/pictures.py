@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
 from app.engine.sources import LightSource
-from app.ui.view import Placement
+from app.ui.panes import Pane
+from relight_core.imaging.scopes import Extremes
 
 
 @dataclass(frozen=True)
@@ -18,6 +20,20 @@ class Shown:
     height: int
 
 
+@dataclass(frozen=True)
+class Paint:
+    """How pictures are painted beyond showing them as they are; the fields are those of LookState.
+
+    Attributes:
+        stripe_px: width of the clipping stripes, in framebuffer pixels.
+    """
+
+    clipping: bool = False
+    false_colour: bool = False
+    difference: bool = False
+    stripe_px: float = 4.0
+
+
 class Pictures(Protocol):
     """Textures of what the engine has published."""
 
@@ -27,11 +43,23 @@ class Pictures(Protocol):
     def thumbnail(self, name: str) -> Shown | None:
         """A picture or channel, small and ready to look at."""
 
-    def viewport(self, name: str | None, placement: Placement | None, size: tuple[int, int]) -> Shown:
-        """The viewport, `size` pixels large, with the picture at its place; drawn now if anything changed."""
+    def viewport(self, panes: Sequence[Pane], size: tuple[int, int], paint: Paint) -> Shown:
+        """The viewport, `size` pixels large, with the panes' pictures; drawn now if anything changed."""
+
+    def colours(self, kind: str) -> Shown:
+        """The colours of "scale" (false colour) or "difference", from the least to the most."""
+
+    def scope(self, kind: str, name: str) -> Shown | None:
+        """The "histogram" or "waveform" of a picture or channel; computed now if it is another one."""
+
+    def extremes(self, name: str) -> Extremes | None:
+        """How much of the photo or the result the screen can't show; None for a channel."""
 
     def panorama(self) -> Shown | None:
         """The light in force; repeats sideways."""
 
     def ball(self, light: LightSource) -> Shown | None:
         """A ball lit by a light, as far as it has been drawn yet."""
+
+    def light_ball(self, side: int, yaw_deg: float) -> Shown | None:
+        """A ball in the light in force, turned, `side` pixels large; None while there is no light."""

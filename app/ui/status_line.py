@@ -5,6 +5,7 @@ from __future__ import annotations
 from imgui_bundle import imgui
 
 from app.ui import theme, widgets
+from app.ui.probe import reading
 from app.ui.state import EditorState
 
 
@@ -38,9 +39,19 @@ def _words(state: EditorState, width: float) -> None:
         imgui.text_disabled(f"{activity}…")
     elif opened:
         height, width_px = opened.photo.linear.shape[:2]
-        imgui.text_disabled(f"{opened.source.name}   {width_px} × {height}")
+        imgui.text_disabled(f"{opened.source.name}   {width_px} × {height}{_under_the_mouse(state)}")
     else:
-        imgui.text_disabled("Ready")
+        imgui.text_disabled("Press ? for all keys, Ctrl + P to find a command")
+
+
+def _under_the_mouse(state: EditorState) -> str:
+    """Where the mouse points at the photo and what the screen shows there."""
+    if state.look.spot is None:
+        return ""
+    x, y = state.look.spot
+    found = reading(state.snapshot, state.shown_name(), state.edit.exposure_ev, x, y)
+    codes = "  ".join(f"{name} {code}" for name, code in zip("RGB", found.codes, strict=False)) if found else ""
+    return f"      {int(x)}, {int(y)}   {codes}"
 
 
 def _timing(state: EditorState) -> str:

@@ -2,10 +2,21 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 
 SMALLEST_ZOOM, LARGEST_ZOOM = 0.02, 64.0
 MARGIN_PX = 16
+
+
+@dataclass(frozen=True)
+class Frame:
+    """Where a picture lies in the photo, in the photo's pixels: the photo itself at 0, 0, a channel at its crop."""
+
+    x: float
+    y: float
+    width: float
+    height: float
 
 
 @dataclass(frozen=True)
@@ -14,8 +25,8 @@ class View:
 
     Attributes:
         fit: the whole picture, as large as it goes; the other fields are then unused.
-        zoom: screen pixels per picture pixel.
-        centre_x, centre_y: the point of the picture, in its pixels, at the viewport's centre.
+        zoom: screen pixels per photo pixel.
+        centre_x, centre_y: the point of the photo, in its pixels, at the viewport's centre.
     """
 
     fit: bool = True
@@ -30,7 +41,7 @@ class Placement:
 
     Attributes:
         x, y: its top left corner.
-        zoom: screen pixels per picture pixel.
+        zoom: screen pixels per photo pixel.
         width, height: of the picture on the screen.
     """
 
@@ -41,31 +52,30 @@ class Placement:
     height: float
 
 
-def place(view: View, picture: tuple[int, int], viewport: tuple[int, int]) -> Placement:
-    """The rectangle of a picture (width, height) in a viewport (width, height).
+def place(view: View, frame: Frame, viewport: tuple[int, int]) -> Placement:
+    """The rectangle of a picture in a viewport (width, height).
 
-    Where the zoom is a whole number the corner lies on a whole pixel, so that pixels stay crisp.
+    The corner lies on a whole pixel, so that pixels stay crisp where the zoom is a whole number.
     """
-    view = settled(view, picture, viewport)
-    x = viewport[0] / 2 - view.centre_x * view.zoom
-    y = viewport[1] / 2 - view.centre_y * view.zoom
-    return Placement(round(x), round(y), view.zoom, picture[0] * view.zoom, picture[1] * view.zoom)
+    view = settled(view, frame, viewport)
+    x = viewport[0] / 2 + (frame.x - view.centre_x) * view.zoom
+    y = viewport[1] / 2 + (frame.y - view.centre_y) * view.zoom
+    corner_x, corner_y = math.floor(x + 0.5), math.floor(y + 0.5)
+    return Placement(corner_x, corner_y, view.zoom, frame.width * view.zoom, frame.height * view.zoom)
 
 
-def settled(view: View, picture: tuple[int, int], viewport: tuple[int, int]) -> View:
+def settled(view: View, frame: Frame, viewport: tuple[int, int]) -> View:
     """The same view with its zoom and centre worked out, no longer bound to fit."""
     if not view.fit:
         return view
     room = (max(1, viewport[0] - 2 * MARGIN_PX), max(1, viewport[1] - 2 * MARGIN_PX))
-    zoom = min(room[0] / picture[0], room[1] / picture[1])
-    return View(False, zoom, picture[0] / 2, picture[1] / 2)
+    zoom = min(room[0] / frame.width, room[1] / frame.height)
+    return View(False, zoom, frame.x + frame.width / 2, frame.y + frame.height / 2)
 
 
-def zoom_about(
-    view: View, factor: float, at: tuple[float, float], picture: tuple[int, int], viewport: tuple[int, int]
-) -> View:
+def zoom_about(view: View, factor: float, at: tuple[float, float], frame: Frame, viewport: tuple[int, int]) -> View:
     """Zoom by a factor while the point of the picture at the viewport's position `at` stays there."""
-    view = settled(view, picture, viewport)
+    view = settled(view, frame, viewport)
     zoom = min(max(view.zoom * factor, SMALLEST_ZOOM), LARGEST_ZOOM)
     away_x, away_y = at[0] - viewport[0] / 2, at[1] - viewport[1] / 2
     return View(
@@ -76,9 +86,21 @@ def zoom_about(
     )
 
 
-def pan(view: View, dx: float, dy: float, picture: tuple[int, int], viewport: tuple[int, int]) -> View:
+def actual_size(view: View, at: tuple[float, float], frame: Frame, viewport: tuple[int, int]) -> View:
+    """One screen pixel for each of the photo's, the point at `at` staying there; fit again where it is so already."""
+    if not view.fit and view.zoom == 1.0:
+        return View()
+    return replace(zoom_about(view, 1.0 / settled(view, frame, viewport).zoom, at, frame, viewport), zoom=1.0)
+
+
+def pan(view: View, dx: float, dy: float, frame: Frame, viewport: tuple[int, int]) -> View:
     """Move the picture by screen pixels; some of it always stays in sight."""
-    view = settled(view, picture, viewport)
-    centre_x = min(max(view.centre_x - dx / view.zoom, 0.0), float(picture[0]))
-    centre_y = min(max(view.centre_y - dy / view.zoom, 0.0), float(picture[1]))
+    view = settled(view, frame, viewport)
+    centre_x = min(max(view.centre_x - dx / view.zoom, frame.x), frame.x + frame.width)
+    centre_y = min(max(view.centre_y - dy / view.zoom, frame.y), frame.y + frame.height)
     return replace(view, centre_x=centre_x, centre_y=centre_y)
+
+
+def photo_point(placement: Placement, frame: Frame, at: tuple[float, float]) -> tuple[float, float]:
+    """The point of the photo, in its pixels, at the viewport's position `at`."""
+    return frame.x + (at[0] - placement.x) / placement.zoom, frame.y + (at[1] - placement.y) / placement.zoom

@@ -9,20 +9,25 @@ _TYPES = {np.dtype(np.uint8): "f1", np.dtype(np.float16): "f2", np.dtype(np.floa
 
 
 class TextureSlot:
-    """One texture that follows an array (h, w, channels) of uint8, float16 or float32."""
+    """One texture that follows an array (h, w, channels) of uint8, float16 or float32.
+
+    Attributes:
+        array: what the texture holds; None while there is none.
+        texture: None while there is no array.
+    """
 
     def __init__(self, context: moderngl.Context, *, mipmaps: bool = False, repeat_x: bool = False) -> None:
         self._context = context
         self._mipmaps = mipmaps
         self._repeat_x = repeat_x
-        self._array: np.ndarray | None = None
+        self.array: np.ndarray | None = None
         self.texture: moderngl.Texture | None = None
 
     def show(self, array: np.ndarray | None) -> bool:
         """Upload the array unless it is the one already there; None frees the texture. True if it changed."""
-        if array is self._array:
+        if array is self.array:
             return False
-        self._array = array
+        self.array = array
         if array is None:
             self.close()
             return True
@@ -40,7 +45,7 @@ class TextureSlot:
 
     def close(self) -> None:
         """Free the texture; the slot can be used again."""
-        self._array = None
+        self.array = None
         if self.texture is not None:
             self.texture.release()
             self.texture = None

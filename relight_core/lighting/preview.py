@@ -12,6 +12,8 @@ _ALBEDO = 0.7
 _REFLECTANCE = 0.05
 _LOBE_DOUBLINGS = 7
 """The gloss lobe is cos ** 128, by repeated squaring."""
+_TABLE_DOUBLINGS = 6
+"""That of the tables is wider, since their light has 16 rows only."""
 _BRIGHT = 0.85
 _DARK_LEVEL = 1e-12
 _BLOCK = 2048
@@ -40,6 +42,33 @@ def lit_ball(environment: Environment, size: int, yaw_deg: float = 0.0) -> np.nd
     return np.concatenate([radiance, coverage[..., None]], axis=-1)
 
 
+def ball_tables(environment: Environment, height: int = 24) -> tuple[np.ndarray, np.ndarray]:
+    """What a ball that turns under a light needs: look them up by a direction turned against the light's yaw.
+
+    Exposed so that the matte card facing the light has a luminance of 0.85, wherever the light is: a light
+    behind the ball leaves it dark.
+
+    Returns:
+        Two (height, 2 height, 3) float32 lat-long tables for yaw 0: the matte card's radiance over its
+        normal, and the light over the mirrored direction, blurred by the varnish (fresnel not applied).
+    """
+    toward, power_and_area = _flat(network_light(environment))
+    at = directions(height, 2 * height).reshape(-1, 3)
+    matte = _matte(at, toward, power_and_area)
+    gloss = _gloss(at, toward, power_and_area, _TABLE_DOUBLINGS)
+    brightest = float((matte @ np.array([0.2126, 0.7152, 0.0722], np.float32)).max())
+    scale = _BRIGHT / brightest if brightest > _DARK_LEVEL else 0.0
+    return tuple((table * scale).reshape(height, 2 * height, 3).astype(np.float32) for table in (matte, gloss))
+
+
+def _flat(light: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Directions (N, 3) of a light's texels, and power and solid angle (N, 4) in each."""
+    height, width = light.shape[:2]
+    areas = solid_angles(height, width).reshape(-1, 1)
+    power_and_area = np.concatenate([light.reshape(-1, 3) * areas, areas], axis=1)
+    return directions(height, width).reshape(-1, 3), power_and_area
+
+
 def _ball(size: int) -> tuple[np.ndarray, np.ndarray]:
     """Coverage (size, size) and unit normals (size, size, 3) of a ball that fills the image."""
     steps = (np.arange(size) + 0.5) * 2 / size - 1
@@ -54,20 +83,25 @@ def _ball(size: int) -> tuple[np.ndarray, np.ndarray]:
 
 def _shade(normals: np.ndarray, light: np.ndarray) -> np.ndarray:
     """Radiance (N, 3) toward the camera of a matte surface under a gloss coat, all of the light in view."""
-    height, width = light.shape[:2]
-    toward = directions(height, width).reshape(-1, 3)
-    areas = solid_angles(height, width).reshape(-1, 1)
-    power_and_area = np.concatenate([light.reshape(-1, 3) * areas, areas], axis=1)
+    toward, power_and_area = _flat(light)
     blocks = np.split(normals, range(_BLOCK, len(normals), _BLOCK))
     return np.concatenate([_shade_block(block, toward, power_and_area) for block in blocks])
 
 
 def _shade_block(normals: np.ndarray, toward: np.ndarray, power_and_area: np.ndarray) -> np.ndarray:
-    matte = np.maximum(normals @ toward.T, 0) @ power_and_area[:, :3] * (_ALBEDO / np.pi)
     mirrored = 2 * normals[:, 2:3] * normals - np.array([0, 0, 1], np.float32)
+    fresnel = _REFLECTANCE + (1 - _REFLECTANCE) * (1 - normals[:, 2:3]) ** 5
+    return _matte(normals, toward, power_and_area) + fresnel * _gloss(mirrored, toward, power_and_area, _LOBE_DOUBLINGS)
+
+
+def _matte(normals: np.ndarray, toward: np.ndarray, power_and_area: np.ndarray) -> np.ndarray:
+    return np.maximum(normals @ toward.T, 0) @ power_and_area[:, :3] * (_ALBEDO / np.pi)
+
+
+def _gloss(mirrored: np.ndarray, toward: np.ndarray, power_and_area: np.ndarray, doublings: int) -> np.ndarray:
+    """The light about a direction, averaged over a lobe of cos ** (2 ** doublings)."""
     lobe = np.maximum(mirrored @ toward.T, 0)
-    for _ in range(_LOBE_DOUBLINGS):
+    for _ in range(doublings):
         np.square(lobe, out=lobe)
     gathered = lobe @ power_and_area
-    fresnel = _REFLECTANCE + (1 - _REFLECTANCE) * (1 - normals[:, 2:3]) ** 5
-    return matte + fresnel * gathered[:, :3] / np.maximum(gathered[:, 3:], 1e-6)
+    return gathered[:, :3] / np.maximum(gathered[:, 3:], 1e-6)

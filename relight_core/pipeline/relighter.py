@@ -67,6 +67,7 @@ class Relit:
         faces: the boxes of the faces that were relit, in photo pixels.
         stages: what each stage did, in the order in which they ended.
         plan: what was decided about each effect, and why.
+        window: x0, y0, x1, y1 of the square the channels show, in photo pixels; it may reach beyond the photo.
     """
 
     image: np.ndarray
@@ -75,6 +76,7 @@ class Relit:
     faces: list[FaceBox]
     stages: dict[str, Stage] = field(default_factory=dict)
     plan: tuple[Effect, ...] = ()
+    window: tuple[float, float, float, float] | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -188,8 +190,8 @@ class Relighter:
         channels = self._channels(ready, lit, change, plan, edit)
         if edit.looks_at("target_light") and plan.runs("channels"):
             channels["target_light"] = network_light(environment, edit.yaw_deg) * np.float32(environment.level)
-        faces = [ready.portrait.face]
-        return Relit(image, alpha, channels, faces, dict(self._cache.stages), plan.effects)
+        faces, window = [ready.portrait.face], ready.portrait.view.window
+        return Relit(image, alpha, channels, faces, dict(self._cache.stages), plan.effects, window)
 
     def forget(self, stage: str) -> None:
         """Drop a stage's results, so that it runs again when next needed; for measuring it."""

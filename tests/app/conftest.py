@@ -1,10 +1,16 @@
-"""A display for the window's tests: an Xvfb of their own, or the machine's where there is no Xvfb."""
+"""What the window's tests share: a display (an Xvfb, or the machine's own), a window on it, a photo in it."""
 
 import os
 import shutil
 import subprocess
 
+import numpy as np
 import pytest
+from fake_relighter import FakeRelighter
+from window_hand import HEIGHT, WIDTH, Hand
+
+from app.window.window import EditorWindow
+from relight_core.imaging.write import write_image
 
 
 @pytest.fixture(scope="session")
@@ -18,9 +24,7 @@ def display():
         pytest.skip("no Xvfb and no display to open a window on")
     read_end, write_end = os.pipe()
     command = [program, "-displayfd", str(write_end), "-screen", "0", "1600x1000x24", "-nolisten", "tcp", "-noreset"]
-    server = subprocess.Popen(
-        command, pass_fds=[write_end], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
-    )
+    server = subprocess.Popen(command, pass_fds=[write_end], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
     os.close(write_end)
     with os.fdopen(read_end) as answer:
         number = answer.readline().strip()
@@ -38,3 +42,33 @@ def display():
             os.environ[name] = value
     server.terminate()
     server.wait()
+
+
+@pytest.fixture
+def photo_path(tmp_path):
+    rows, columns = np.mgrid[0:96, 0:128].astype(np.float32)
+    linear = np.dstack([0.2 + columns / 400, 0.25 + rows / 500, np.full_like(rows, 0.3)])
+    path = tmp_path / "person.png"
+    write_image(path, linear)
+    return path
+
+
+@pytest.fixture
+def relighter():
+    return FakeRelighter()
+
+
+@pytest.fixture
+def hand(display, relighter, photo_path):
+    window = EditorWindow(lambda: relighter, size=(WIDTH, HEIGHT))
+    hand = Hand(window, (WIDTH, HEIGHT))
+    yield hand
+    relighter.gate.set()
+    window.close()
+
+
+@pytest.fixture
+def opened(hand, photo_path):
+    hand.drop(photo_path)
+    hand.see_every_pixel()
+    return hand

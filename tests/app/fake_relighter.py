@@ -27,6 +27,7 @@ class FakeRelit:
     channels: dict
     faces: list
     stages: dict = field(default_factory=lambda: {"compose": FakeStage(1.0)})
+    window: tuple | None = None
 
 
 class FakeRelighter:
@@ -74,7 +75,9 @@ class FakeRelighter:
         if edit.background == "transparent":
             alpha = np.ones((height, width), np.float32)
             alpha[: height // 4] = 0.0
-        return FakeRelit(image, alpha, self._channels(edit, light), [])
+        half = SIZE // 2
+        window = (width / 2 - half, height / 2 - half, width / 2 + half, height / 2 + half)
+        return FakeRelit(image, alpha, self._channels(edit, light), [], window=window)
 
     def _channels(self, edit, light):
         rows, columns = np.mgrid[0:SIZE, 0:SIZE].astype(np.float32) / (SIZE - 1)

@@ -1,55 +1,14 @@
 """The real window on a real X display, driven as a user would, judged by its pixels."""
 
-import time
-from types import SimpleNamespace
-
 import glfw
 import numpy as np
 import pytest
-from fake_relighter import FakeRelighter
 from PIL import Image
-from window_hand import Hand
+from window_hand import close_to
 
-from app.window.window import EditorWindow
 from relight_core.imaging.read import read_photo
 from relight_core.imaging.view_transform import apply_view
 from relight_core.imaging.write import write_image
-
-WIDTH, HEIGHT = 1024, 700
-
-
-@pytest.fixture
-def photo_path(tmp_path):
-    rows, columns = np.mgrid[0:96, 0:128].astype(np.float32)
-    linear = np.dstack([0.2 + columns / 400, 0.25 + rows / 500, np.full_like(rows, 0.3)])
-    path = tmp_path / "person.png"
-    write_image(path, linear)
-    return path
-
-
-@pytest.fixture
-def relighter():
-    return FakeRelighter()
-
-
-@pytest.fixture
-def hand(display, relighter, photo_path):
-    window = EditorWindow(lambda: relighter, size=(WIDTH, HEIGHT))
-    hand = Hand(window, (WIDTH, HEIGHT))
-    yield hand
-    relighter.gate.set()
-    window.close()
-
-
-@pytest.fixture
-def opened(hand, photo_path):
-    hand.drop(photo_path)
-    hand.see_every_pixel()
-    return hand
-
-
-def close_to(shown, expected_srgb):
-    return np.abs(shown.astype(np.float32) - expected_srgb * 255).max() <= 1.0
 
 
 def test_the_empty_window_shows_no_picture_and_invites_one(hand):
@@ -275,84 +234,3 @@ def test_another_photo_replaces_the_first_at_once(opened, tmp_path):
     red, green, blue = opened.picture_pixels(50, 40).reshape(-1, 3).mean(axis=0)
     assert green > 1.5 * max(red, blue)
     assert opened.window.state.export_path.endswith("other-relit.png")
-
-
-def test_the_palette_finds_and_runs_a_command_with_the_keyboard_alone(opened):
-    opened.key(glfw.KEY_P, ctrl=True)
-    assert opened.window.state.look.palette
-    opened.type("norm")
-    assert opened.window.state.shown == "result"
-    opened.key(glfw.KEY_ENTER)
-    assert not opened.window.state.look.palette
-    assert opened.window.state.shown == "normal"
-
-
-def test_typing_in_the_palette_triggers_no_shortcut_and_escape_closes_it(opened):
-    calls = opened.window.state.edit
-    opened.key(glfw.KEY_P, ctrl=True)
-    opened.type("2")
-    opened.key(glfw.KEY_LEFT)
-    assert opened.window.state.shown == "result"
-    assert opened.window.state.edit == calls
-    opened.key(glfw.KEY_ESCAPE)
-    assert not opened.window.state.look.palette
-    opened.key(glfw.KEY_2)
-    assert opened.window.state.shown == "albedo"
-
-
-def test_the_overview_opens_with_a_question_mark_and_a_click_closes_it(opened):
-    before = opened.window.screenshot()
-    opened.window.on_character(None, ord("?"))
-    opened.frames(2)
-    assert opened.window.state.look.help
-    assert np.abs(opened.window.screenshot().astype(int) - before).mean() > 10
-    opened.click(opened.centre())
-    assert not opened.window.state.look.help
-
-
-def test_the_panels_can_be_hidden_and_resized_and_are_remembered(display, relighter, tmp_path):
-    path = tmp_path / "settings" / "settings.json"
-    window = EditorWindow(lambda: relighter, size=(WIDTH, HEIGHT), settings_path=path)
-    hand = Hand(window, (WIDTH, HEIGHT))
-    width = hand.viewport_width()
-    hand.drag((255, 300), (305, 300))
-    assert hand.viewport_width() == width - 50
-    hand.key(glfw.KEY_F8)
-    assert hand.viewport_width() == width - 50 + 240
-    hand.key(glfw.KEY_TAB)
-    assert hand.viewport_width() == WIDTH
-    hand.key(glfw.KEY_TAB)
-    hand.key(glfw.KEY_F8)
-    window.close()
-    again = EditorWindow(lambda: relighter, size=(WIDTH, HEIGHT), settings_path=path)
-    try:
-        hand = Hand(again, (WIDTH, HEIGHT))
-        hand.settle()
-        assert hand.viewport_width() == WIDTH - 305
-        hand.key(glfw.KEY_F8)
-        assert hand.viewport_width() == width - 50
-        hand.double_click((305, 300))
-        assert hand.viewport_width() == width
-    finally:
-        again.close()
-
-
-def test_at_rest_the_window_sleeps_until_something_happens(opened, monkeypatch):
-    waits = []
-
-    def wait_events():
-        waits.append("asleep")
-        glfw.set_window_should_close(opened.window.handle, True)
-
-    def wait_events_timeout(_seconds):
-        waits.append("ticking")
-        clock[0] += 1.0
-
-    clock = [time.monotonic()]
-    monkeypatch.setattr("app.window.window.time", SimpleNamespace(monotonic=lambda: clock[0]))
-    monkeypatch.setattr(glfw, "wait_events", wait_events)
-    monkeypatch.setattr(glfw, "wait_events_timeout", wait_events_timeout)
-    opened.window.run()
-    assert waits[-1] == "asleep"
-    assert waits.count("asleep") == 1
-    assert len(waits) < 5

@@ -18,12 +18,16 @@ LIGHT_PANEL, EFFECTS_PANEL, STRIPS = 255, 240, 141
 PANORAMA_X, PANORAMA_WIDTH, PANORAMA_Y = 14, 227, 90
 KNOB_GREY = 194
 LONG_S = 60
+WIDTH, HEIGHT = 1024, 700
+"""Of the window, in pixels."""
 
 
 class Hand:
     def __init__(self, window, size):
         self.window = window
         self.width, self.height = size
+        # However slow a frame is, a key that was pressed once counts once.
+        imgui.get_io().key_repeat_delay = LONG_S
 
     def frames(self, count=1):
         for _ in range(count):
@@ -146,9 +150,13 @@ class Hand:
     def picture_pixels(self, height, width):
         """The picture's own pixels while every one of them is seen."""
         shown = self.viewport()
-        top, left = round(shown.shape[0] / 2 - height / 2), round(shown.shape[1] / 2 - width / 2)
+        top, left = (shown.shape[0] - height + 1) // 2, (shown.shape[1] - width + 1) // 2
         return shown[top : top + height, left : left + width]
 
     def status_has_error_colour(self):
         line = self.window.screenshot()[-28:].astype(int)
         return ((line[..., 0] > 150) & (line[..., 0] - line[..., 2] > 60)).any()
+
+
+def close_to(shown, expected_srgb):
+    return np.abs(shown.astype(np.float32) - expected_srgb * 255).max() <= 1.0

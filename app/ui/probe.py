@@ -1,0 +1,93 @@
+"""The values of every picture and channel at one spot of the photo."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from app.engine.snapshot import Snapshot
+from app.ui.panes import LIGHTS
+from app.ui.state import CHANNELS, PHOTO, RESULT
+from relight_core.face.parsing import CLASSES
+from relight_core.imaging.view_transform import apply_view
+from relight_core.pipeline.channel_view import channel_to_srgb
+
+
+@dataclass(frozen=True)
+class Reading:
+    """One row of the probe.
+
+    Attributes:
+        name: of app.ui.state.CHANNELS.
+        linear: one or three numbers as the channel holds them; none where the spot lies outside it.
+        codes: what the screen shows, 0 to 255.
+        word: instead of numbers, for parsing.
+    """
+
+    name: str
+    linear: tuple[float, ...] = ()
+    codes: tuple[int, ...] = ()
+    word: str = ""
+
+
+def readings(snapshot: Snapshot, exposure_ev: float, x: float, y: float) -> list[Reading]:
+    """Every picture and channel at a spot of the photo, in the filmstrip's order; see `reading`."""
+    found = (reading(snapshot, name, exposure_ev, x, y) for name, _, _ in CHANNELS)
+    return [row for row in found if row is not None]
+
+
+def reading(snapshot: Snapshot, name: str, exposure_ev: float, x: float, y: float) -> Reading | None:
+    """One picture or channel at a spot of the photo; None where there is no such picture yet, and for lights.
+
+    Args:
+        exposure_ev: of the result; only what the screen shows of it follows.
+        x, y: in photo pixels, pixel i spanning i to i + 1.
+    """
+    if snapshot.opened is None or name in LIGHTS:
+        return None
+    if name == PHOTO:
+        return _of_picture(PHOTO, snapshot.opened.photo.linear, x, y, 0.0)
+    picture = snapshot.picture
+    if picture is None or picture.opened is not snapshot.opened:
+        return None
+    if name == RESULT:
+        return _of_picture(RESULT, picture.relit.image, x, y, exposure_ev)
+    channel = picture.relit.channels.get(name)
+    return None if channel is None else _of_channel(name, channel, picture.relit.window, x, y)
+
+
+def _of_picture(name: str, linear: np.ndarray, x: float, y: float, exposure_ev: float) -> Reading:
+    texel = _texel(linear, x, y)
+    if texel is None:
+        return Reading(name)
+    return Reading(name, _numbers(texel), _codes(apply_view(texel[None], exposure_ev)))
+
+
+def _of_channel(name: str, channel: np.ndarray, window: tuple | None, x: float, y: float) -> Reading:
+    if window is None:
+        return Reading(name)
+    x0, y0, x1, y1 = window
+    height, width = channel.shape[:2]
+    texel = _texel(channel, (x - x0) / (x1 - x0) * width, (y - y0) / (y1 - y0) * height)
+    if texel is None:
+        return Reading(name)
+    shown = _codes(channel_to_srgb(name, texel.reshape(1, 1, *channel.shape[2:])))
+    if name == "parsing":
+        return Reading(name, codes=shown, word=CLASSES[min(max(int(texel), 0), len(CLASSES) - 1)])
+    return Reading(name, _numbers(texel), shown)
+
+
+def _texel(image: np.ndarray, x: float, y: float) -> np.ndarray | None:
+    column, row = math.floor(x), math.floor(y)
+    inside = 0 <= row < image.shape[0] and 0 <= column < image.shape[1]
+    return np.asarray(image[row, column]) if inside else None
+
+
+def _numbers(texel: np.ndarray) -> tuple[float, ...]:
+    return tuple(float(value) for value in np.atleast_1d(texel))
+
+
+def _codes(srgb: np.ndarray) -> tuple[int, ...]:
+    return tuple(int(round(float(value) * 255)) for value in np.clip(srgb, 0, 1).ravel()[:3])

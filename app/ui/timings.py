@@ -1,0 +1,64 @@
+"""What each stage of the last update took, and why it ran or did not."""
+
+from __future__ import annotations
+
+from imgui_bundle import imgui
+
+from app.ui import theme
+from app.ui.layout import Rect
+from app.ui.state import EditorState
+
+_NAME_EM, _MS_EM, _BAR_EM, _WHY_EM = 7.6, 3.6, 4.6, 12.5
+_PAD_EM, _LINE_EM = 0.7, 1.25
+
+
+def draw(state: EditorState, rect: Rect) -> None:
+    """A card in the viewport's upper right corner, while it is switched on."""
+    picture = state.snapshot.picture
+    if not state.look.timings or picture is None or not picture.relit.stages:
+        return
+    imgui.push_font(None, 0.88 * theme.FONT_PX)
+    em = imgui.get_font_size()
+    stages = picture.relit.stages
+    wide = rect.width > 2 * (_NAME_EM + _MS_EM + _BAR_EM + _WHY_EM) * em * 0.6
+    width = (_NAME_EM + _MS_EM + _BAR_EM + (_WHY_EM if wide else 0.0) + 2 * _PAD_EM) * em
+    height = (_LINE_EM * (len(stages) + 1) + 2 * _PAD_EM) * em
+    x, y = rect.x + rect.width - width - 0.6 * em, rect.y + 0.6 * em
+    draw_list = imgui.get_window_draw_list()
+    corner, end = imgui.ImVec2(x, y), imgui.ImVec2(x + width, y + height)
+    draw_list.add_rect_filled(corner, end, theme.packed((0.05, 0.05, 0.05, 1.0), 0.82), 0.27 * em)
+    longest = max(stage.ms for stage in stages.values() if stage.state == "computed") if _any(stages) else 1.0
+    for row, (name, stage) in enumerate(stages.items()):
+        at = imgui.ImVec2(x + _PAD_EM * em, y + (_PAD_EM + row * _LINE_EM) * em)
+        _row(draw_list, at, name, stage, longest, wide)
+    total = sum(stage.ms for stage in stages.values() if stage.state == "computed")
+    foot = y + (_PAD_EM + len(stages) * _LINE_EM) * em
+    draw_list.add_text(imgui.ImVec2(x + _PAD_EM * em, foot), theme.packed(theme.TEXT), "all together")
+    _right_aligned(draw_list, f"{total:.1f} ms", x + (_PAD_EM + _NAME_EM + _MS_EM) * em, foot, theme.TEXT)
+    imgui.pop_font()
+
+
+def _any(stages: dict) -> bool:
+    return any(stage.state == "computed" for stage in stages.values())
+
+
+def _row(draw_list: imgui.ImDrawList, at: imgui.ImVec2, name: str, stage, longest: float, wide: bool) -> None:
+    em = imgui.get_font_size()
+    computed = stage.state == "computed"
+    colour = theme.TEXT if computed else theme.FAINT
+    draw_list.add_text(at, theme.packed(colour), name.replace("_", " "))
+    if computed:
+        _right_aligned(draw_list, f"{stage.ms:.1f} ms", at.x + (_NAME_EM + _MS_EM) * em, at.y, colour)
+        length = (_BAR_EM - 1.0) * em * stage.ms / max(longest, 1e-6)
+        left, middle = at.x + (_NAME_EM + _MS_EM + 0.6) * em, at.y + 0.55 * em
+        end = imgui.ImVec2(left + max(length, 1.0), middle + 0.2 * em)
+        draw_list.add_rect_filled(imgui.ImVec2(left, middle - 0.2 * em), end, theme.packed(theme.ACCENT), 1.0)
+    else:
+        draw_list.add_text(imgui.ImVec2(at.x + (_NAME_EM + 0.6) * em, at.y), theme.packed(colour), stage.state)
+    if wide and stage.why:
+        why = imgui.ImVec2(at.x + (_NAME_EM + _MS_EM + _BAR_EM) * em, at.y)
+        draw_list.add_text(why, theme.packed(theme.DIM if computed else theme.FAINT), stage.why)
+
+
+def _right_aligned(draw_list: imgui.ImDrawList, words: str, right: float, y: float, colour: theme.Colour) -> None:
+    draw_list.add_text(imgui.ImVec2(right - imgui.calc_text_size(words).x, y), theme.packed(colour), words)

@@ -1,0 +1,133 @@
+"""What is written over the picture: its name and zoom, what runs, what the colours mean, and the first words."""
+
+from __future__ import annotations
+
+from imgui_bundle import imgui
+
+from app.ui import theme, widgets
+from app.ui.effects_panel import MOST_FACES
+from app.ui.layout import Rect
+from app.ui.panes import Arrangement, Pane
+from app.ui.pictures import Pictures
+from app.ui.state import CHANNELS, PHOTO, RESULT, EditorState
+
+TITLES = {name: title for name, title, _ in CHANNELS}
+_DIFFERENCE_ENDS = ("3 stops darker", "same", "3 stops brighter")
+_SCALE_ENDS = {"specular": ("0", "0.25"), "shadow": ("0", "0.5")}
+_LEGEND_EM = (17.0, 0.55)
+
+
+def note(words: str, x: float, y: float, colour: theme.Colour = theme.TEXT) -> None:
+    """Words on a dark pill, their rectangle's top left corner at x, y."""
+    em = imgui.get_font_size()
+    corner = imgui.ImVec2(x, y)
+    end = imgui.ImVec2(x + note_width(words), y + 1.5 * em)
+    draw = imgui.get_window_draw_list()
+    draw.add_rect_filled(corner, end, theme.packed((0.05, 0.05, 0.05, 1.0), 0.72), 0.27 * em)
+    draw.add_text(imgui.ImVec2(corner.x + 0.5 * em, corner.y + 0.22 * em), theme.packed(colour), words)
+
+
+def note_width(words: str) -> float:
+    """How wide the pill is."""
+    return imgui.calc_text_size(words).x + imgui.get_font_size()
+
+
+def corner_note(state: EditorState, arranged: Arrangement, rect: Rect) -> None:
+    """The picture's name, unless it is the result, and its zoom."""
+    pane = arranged.main
+    words = f"{pane.placement.zoom * 100:.0f} %"
+    if state.before:
+        words = f"Before   {words}"
+    elif pane.name != RESULT and len(arranged.panes) == 1:
+        words = f"{TITLES[pane.name]}   {words}"
+    em = imgui.get_font_size()
+    note(words, rect.x + rect.width - note_width(words) - 0.6 * em, rect.y + rect.height - 2.1 * em)
+
+
+def pane_titles(arranged: Arrangement, rect: Rect, scale: float) -> None:
+    """Which picture is which, on either side of the line between two."""
+    if len(arranged.panes) < 2:
+        return
+    em = imgui.get_font_size()
+    before, after = arranged.panes
+    left = TITLES[before.name]
+    x = rect.x + before.right / scale - note_width(left) - 0.6 * em
+    if x > rect.x:
+        note(left, x, rect.y + 0.6 * em)
+    right = TITLES[after.name]
+    x = rect.x + after.left / scale + 0.6 * em
+    if x + note_width(right) < rect.x + rect.width:
+        note(right, x, rect.y + 0.6 * em)
+
+
+def faces(state: EditorState, pane: Pane, rect: Rect, scale: float) -> None:
+    """A numbered frame around every face, while the mouse is on the choice of faces."""
+    if not state.pointing_at_faces or pane.name not in (PHOTO, RESULT):
+        return
+    spot = pane.placement
+    draw = imgui.get_window_draw_list()
+    for index, box in enumerate(state.snapshot.faces[:MOST_FACES]):
+        x0, x1 = (rect.x + (spot.x + edge * spot.zoom) / scale for edge in (box.x0, box.x1))
+        y0, y1 = (rect.y + (spot.y + edge * spot.zoom) / scale for edge in (box.y0, box.y1))
+        draw.add_rect(imgui.ImVec2(x0, y0), imgui.ImVec2(x1, y1), theme.packed(theme.ACCENT), 4.0, 2.0)
+        note(str(index + 1), x0 + 4.0, y0 + 4.0)
+
+
+def progress(state: EditorState, rect: Rect) -> None:
+    """What runs, over the photo, as long as there is nothing newer of it to look at."""
+    snapshot = state.snapshot
+    if snapshot.activity is None or (snapshot.picture and snapshot.picture.opened is snapshot.opened):
+        return
+    words = f"{snapshot.activity}…"
+    note(words, rect.x + (rect.width - note_width(words)) / 2, rect.y + rect.height - 2.1 * imgui.get_font_size())
+
+
+def legend(state: EditorState, pictures: Pictures, pane: Pane, rect: Rect) -> None:
+    """What the colours of a difference or of false colour mean."""
+    look = state.look
+    if look.difference and pane.name == RESULT:
+        kind, ends = "difference", _DIFFERENCE_ENDS
+    elif look.false_colour and pane.name in _SCALE_ENDS:
+        kind, ends = "scale", _SCALE_ENDS[pane.name]
+    else:
+        return
+    em = imgui.get_font_size()
+    width, height = min(_LEGEND_EM[0] * em, rect.width - 2 * em), _LEGEND_EM[1] * em
+    x, y = rect.x + (rect.width - width) / 2, rect.y + rect.height - 3.1 * em
+    draw = imgui.get_window_draw_list()
+    corner, end = imgui.ImVec2(x - 0.7 * em, y - 0.6 * em), imgui.ImVec2(x + width + 0.7 * em, y + 2.3 * em)
+    draw.add_rect_filled(corner, end, theme.packed((0.05, 0.05, 0.05, 1.0), 0.8), 0.27 * em)
+    widgets.draw_image(pictures.colours(kind), x, y, width, height)
+    imgui.push_font(None, 0.86 * theme.FONT_PX)
+    for index, words in enumerate(ends):
+        words_width = imgui.calc_text_size(words).x
+        share = index / (len(ends) - 1)
+        at = imgui.ImVec2(x + share * (width - words_width), y + height + 0.25 * em)
+        draw.add_text(at, theme.packed(theme.TEXT), words)
+    imgui.pop_font()
+
+
+def invitation(state: EditorState, fonts: theme.Fonts, rect: Rect) -> None:
+    """What to do while nothing is open, or what is being opened."""
+    busy = state.snapshot.activity
+    em = imgui.get_font_size()
+    middle_x, middle_y = rect.x + rect.width / 2, rect.y + rect.height / 2
+    title = f"{busy}…" if busy and state.photo else "Drop a portrait here"
+    waits = title == "Drop a portrait here"
+    if waits:
+        reach_x, reach_y = min(15 * em, 0.42 * rect.width), min(8 * em, 0.36 * rect.height)
+        corner = imgui.ImVec2(middle_x - reach_x, middle_y - reach_y)
+        end = imgui.ImVec2(middle_x + reach_x, middle_y + reach_y)
+        imgui.get_window_draw_list().add_rect(corner, end, theme.packed(theme.PRESSED), 10.0, 1.5)
+    imgui.push_font(fonts.regular, 1.5 * theme.FONT_PX)
+    _centred(title, middle_x, middle_y - 2.4 * em, theme.TEXT)
+    imgui.pop_font()
+    if waits:
+        _centred("JPEG, PNG, TIFF, WebP or EXR", middle_x, middle_y - 0.3 * em, theme.DIM)
+        _centred("An .hdr or .exr panorama becomes the light.", middle_x, middle_y + 1.8 * em, theme.DIM)
+        _centred("A portrait dropped on the light panel lends its light.", middle_x, middle_y + 3.2 * em, theme.DIM)
+
+
+def _centred(text: str, x: float, y: float, colour: theme.Colour) -> None:
+    width = imgui.calc_text_size(text).x
+    imgui.get_window_draw_list().add_text(imgui.ImVec2(x - width / 2, y), theme.packed(colour), text)

@@ -1,0 +1,115 @@
+"""Histogram and waveform of a picture as the screen shows it, and how much of it the screen can't show."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from relight_core.imaging.view_transform import expose
+
+LEVELS = 256
+_GAMMA = 0.55
+"""Of the waveform's brightness: so that a few pixels of a value are seen beside thousands of another."""
+
+
+@dataclass(frozen=True)
+class Extremes:
+    """What share of a picture the screen shows wrongly, each in [0, 1].
+
+    Attributes:
+        too_dark: black in every channel though light may be there.
+        too_bright: at least one channel as bright as the screen gets, or beyond.
+        no_number: NaN or infinite in at least one channel.
+    """
+
+    too_dark: float
+    too_bright: float
+    no_number: float
+
+
+def thinned(pixels: np.ndarray, most: int = 1 << 16) -> np.ndarray:
+    """Every n-th row and column of (H, W, ...), such that about `most` pixels are left; a view."""
+    height, width = pixels.shape[:2]
+    step = max(1, int(np.ceil(np.sqrt(height * width / most))))
+    return pixels[::step, ::step]
+
+
+def histogram(codes: np.ndarray) -> np.ndarray:
+    """How many pixels have each code.
+
+    Args:
+        codes: (H, W, 3) uint8 sRGB.
+
+    Returns:
+        (3, 256) int64: red, green, blue.
+    """
+    return np.stack([np.bincount(codes[..., channel].ravel(), minlength=LEVELS) for channel in range(3)])
+
+
+def waveform(codes: np.ndarray, columns: int = 256, rows: int = 128) -> np.ndarray:
+    """How many pixels of each column of the picture have each code.
+
+    Args:
+        codes: (H, W, 3) uint8 sRGB.
+        columns, rows: of the result; row 0 is the brightest code.
+
+    Returns:
+        (rows, columns, 3) int64. Where the picture has fewer columns than the result, they repeat.
+    """
+    if codes.shape[1] < columns:
+        codes = codes[:, np.arange(columns) * codes.shape[1] // columns]
+    across = np.arange(codes.shape[1]) * columns // codes.shape[1]
+    result = np.empty((rows, columns, 3), np.int64)
+    for channel in range(3):
+        down = rows - 1 - codes[..., channel].astype(np.int64) * rows // LEVELS
+        counts = np.bincount((down * columns + across).ravel(), minlength=rows * columns)
+        result[..., channel] = counts.reshape(rows, columns)
+    return result
+
+
+def histogram_picture(codes: np.ndarray, height: int = 96) -> np.ndarray:
+    """The histogram as columns of light: where red, green and blue overlap they add up to white.
+
+    Codes 0 and 255 do not set the scale, since a black or white backdrop would flatten all the rest.
+
+    Returns:
+        (height, 256, 4) uint8: colour, and coverage.
+    """
+    counts = histogram(codes).astype(np.float64)
+    smooth = (np.roll(counts, 1, 1) + 2 * counts + np.roll(counts, -1, 1)) / 4
+    smooth[:, [0, -1]] = counts[:, [0, -1]]
+    top = max(smooth[:, 2:-2].max(), 1.0)
+    heights = np.minimum(smooth / top, 1.0) * height
+    from_below = np.arange(height, 0, -1)[:, None, None] - 0.5
+    filled = np.clip(heights.T[None] - from_below + 0.5, 0, 1)
+    coverage = filled.max(axis=-1, keepdims=True)
+    colour = 0.12 + 0.5 * filled
+    return _codes(np.concatenate([colour, coverage], axis=-1))
+
+
+def waveform_picture(codes: np.ndarray, columns: int = 256, rows: int = 128) -> np.ndarray:
+    """The waveform as light: the more pixels, the brighter. (rows, columns, 4) uint8: colour, and coverage."""
+    counts = waveform(codes, columns, rows).astype(np.float64)
+    share = counts * rows / max(codes.shape[0] * max(codes.shape[1] / columns, 1.0), 1.0)
+    light = np.clip(share / 6.0, 0, 1) ** _GAMMA
+    return _codes(np.concatenate([light, light.max(axis=-1, keepdims=True)], axis=-1))
+
+
+def extremes(linear: np.ndarray, exposure_ev: float = 0.0) -> Extremes:
+    """What share of a picture the screen can't show.
+
+    Args:
+        linear: (H, W, 3) radiance, any float type.
+        exposure_ev: stops.
+    """
+    # Half floats hold infinity as their largest number, 65504.
+    bad = ~np.isfinite(linear).all(axis=-1) | (linear >= 65504.0).any(axis=-1)
+    peak = expose(linear, exposure_ev).max(axis=-1)
+    bright = (peak >= 1.0) & ~bad
+    dark = (peak * (12.92 * 255) < 0.5) & ~bad
+    return Extremes(float(dark.mean()), float(bright.mean()), float(bad.mean()))
+
+
+def _codes(values: np.ndarray) -> np.ndarray:
+    return np.ascontiguousarray(np.rint(np.clip(values, 0, 1) * 255).astype(np.uint8))

@@ -1,0 +1,282 @@
+"""Looking at pictures in the real window: keys, panels, zoom, comparisons and overlays, judged by pixels."""
+
+import time
+from types import SimpleNamespace
+
+import glfw
+import numpy as np
+import pytest
+from PIL import Image
+from window_hand import HEIGHT, WIDTH, Hand, close_to
+
+from app.window.window import EditorWindow
+
+
+def test_the_palette_finds_and_runs_a_command_with_the_keyboard_alone(opened):
+    opened.key(glfw.KEY_P, ctrl=True)
+    assert opened.window.state.look.palette
+    opened.type("norm")
+    assert opened.window.state.shown == "result"
+    opened.key(glfw.KEY_ENTER)
+    assert not opened.window.state.look.palette
+    assert opened.window.state.shown == "normal"
+
+
+def test_typing_in_the_palette_triggers_no_shortcut_and_escape_closes_it(opened):
+    calls = opened.window.state.edit
+    opened.key(glfw.KEY_P, ctrl=True)
+    opened.type("2")
+    opened.key(glfw.KEY_LEFT)
+    assert opened.window.state.shown == "result"
+    assert opened.window.state.edit == calls
+    opened.key(glfw.KEY_ESCAPE)
+    assert not opened.window.state.look.palette
+    opened.key(glfw.KEY_2)
+    assert opened.window.state.shown == "albedo"
+
+
+def test_the_overview_opens_with_a_question_mark_and_a_click_closes_it(opened):
+    before = opened.window.screenshot()
+    opened.window.on_character(None, ord("?"))
+    opened.frames(2)
+    assert opened.window.state.look.help
+    assert np.abs(opened.window.screenshot().astype(int) - before).mean() > 10
+    opened.click(opened.centre())
+    assert not opened.window.state.look.help
+
+
+def test_the_panels_can_be_hidden_and_resized_and_are_remembered(display, relighter, tmp_path):
+    path = tmp_path / "settings" / "settings.json"
+    window = EditorWindow(lambda: relighter, size=(WIDTH, HEIGHT), settings_path=path)
+    hand = Hand(window, (WIDTH, HEIGHT))
+    width = hand.viewport_width()
+    hand.drag((255, 300), (305, 300))
+    assert hand.viewport_width() == width - 50
+    hand.key(glfw.KEY_F8)
+    assert hand.viewport_width() == width - 50 + 240
+    hand.key(glfw.KEY_TAB)
+    assert hand.viewport_width() == WIDTH
+    hand.key(glfw.KEY_TAB)
+    hand.key(glfw.KEY_F8)
+    window.close()
+    again = EditorWindow(lambda: relighter, size=(WIDTH, HEIGHT), settings_path=path)
+    try:
+        hand = Hand(again, (WIDTH, HEIGHT))
+        hand.settle()
+        assert hand.viewport_width() == WIDTH - 305
+        hand.key(glfw.KEY_F8)
+        assert hand.viewport_width() == width - 50
+        hand.double_click((305, 300))
+        assert hand.viewport_width() == width
+    finally:
+        again.close()
+
+
+def test_at_rest_the_window_sleeps_until_something_happens(opened, monkeypatch):
+    waits = []
+
+    def wait_events():
+        waits.append("asleep")
+        glfw.set_window_should_close(opened.window.handle, True)
+
+    def wait_events_timeout(_seconds):
+        waits.append("ticking")
+        clock[0] += 1.0
+
+    clock = [time.monotonic()]
+    monkeypatch.setattr("app.window.window.time", SimpleNamespace(monotonic=lambda: clock[0]))
+    monkeypatch.setattr(glfw, "wait_events", wait_events)
+    monkeypatch.setattr(glfw, "wait_events_timeout", wait_events_timeout)
+    opened.window.run()
+    assert waits[-1] == "asleep"
+    assert waits.count("asleep") == 1
+    assert len(waits) < 5
+
+
+def test_zooming_keeps_the_spot_under_the_mouse_and_z_shows_every_pixel_there(opened):
+    x, y = opened.centre()
+    at = (x + 90, y - 60)
+    opened.key(glfw.KEY_F)
+    opened.move(at)
+    spot = opened.window.state.look.spot
+    opened.wheel(5, ctrl=True)
+    assert opened.window.state.look.spot == pytest.approx(spot, abs=0.7)
+    opened.key(glfw.KEY_Z)
+    assert opened.window.state.view.zoom == 1.0
+    assert opened.window.state.look.spot == pytest.approx(spot, abs=1.5)
+    opened.key(glfw.KEY_Z)
+    assert opened.window.state.view.fit
+
+
+def test_plus_and_minus_zoom_about_the_mouse(opened):
+    x, y = opened.centre()
+    opened.move((x - 40, y + 30))
+    spot, zoom = opened.window.state.look.spot, opened.window.state.view.zoom
+    opened.key(glfw.KEY_EQUAL)
+    assert opened.window.state.view.zoom == pytest.approx(1.2 * zoom)
+    opened.move((x - 40, y + 30))
+    assert opened.window.state.look.spot == pytest.approx(spot, abs=1.0)
+    opened.key(glfw.KEY_MINUS)
+    assert opened.window.state.view.zoom == pytest.approx(zoom)
+
+
+def test_every_number_key_shows_its_picture(opened):
+    names = ["photo", "albedo", "normal", "parsing", "source_light", "specular", "shadow", "composition", "result"]
+    seen = []
+    for number, name in enumerate(names, 1):
+        opened.key(glfw.KEY_0 + number)
+        assert opened.window.state.shown == name
+        seen.append(opened.viewport())
+    # The fake's photo and composition differ from each other, and so do all the rest.
+    for one in range(len(seen)):
+        for other in range(one):
+            assert (seen[one] != seen[other]).any(), (names[one], names[other])
+
+
+def test_clicking_a_thumbnail_shows_it_large(opened):
+    opened.click((WIDTH / 2, HEIGHT - 80))
+    assert opened.window.state.shown == "source_light"
+
+
+def test_a_wipe_shows_the_photo_left_of_its_line_and_the_result_right_of_it(opened, photo_path):
+    result = opened.picture_pixels(96, 128)
+    photo = np.asarray(Image.open(photo_path), np.float32) / 255
+    opened.key(glfw.KEY_W)
+    wiped = opened.picture_pixels(96, 128)
+    assert close_to(wiped[:, :62], photo[:, :62])
+    assert (wiped[:, 66:] == result[:, 66:]).all()
+    x, y = opened.centre()
+    opened.drag((x, y), (x + 40, y))
+    assert opened.window.state.look.wipe_at == pytest.approx(104 / 128, abs=0.02)
+    wiped = opened.picture_pixels(96, 128)
+    assert close_to(wiped[:, :100], photo[:, :100])
+    assert (wiped[:, 108:] == result[:, 108:]).all()
+    opened.key(glfw.KEY_W)
+    assert (opened.picture_pixels(96, 128) == result).all()
+
+
+def test_dragging_beside_the_wipes_line_moves_the_picture_and_the_line_with_it(opened):
+    opened.key(glfw.KEY_W)
+    x, y = opened.centre()
+    opened.drag((x + 60, y), (x + 100, y + 10))
+    assert opened.window.state.look.wipe_at == 0.5
+    assert opened.window.state.view.centre_x == pytest.approx(64 - 40)
+    opened.drag((x + 40, y), (x, y))
+    assert opened.window.state.look.wipe_at == pytest.approx(0.5 - 40 / 128, abs=0.02)
+
+
+def test_side_by_side_moves_both_pictures_together(opened, photo_path):
+    opened.key(glfw.KEY_Y)
+    opened.see_every_pixel()
+    photo = np.asarray(Image.open(photo_path), np.float32) / 255
+    shown = opened.viewport()
+    half = (shown.shape[1] - 2) // 2
+    top, left = round(shown.shape[0] / 2) - 48, round(half / 2) - 64
+    assert close_to(shown[top : top + 96, left : left + 128], photo)
+    x, y = opened.centre()
+    opened.drag((x + 100, y), (x + 80, y + 15))
+    moved = opened.viewport()
+    assert (moved[15:, : half - 20] == shown[:-15, 20:half]).all()
+    assert (moved[15:, half + 2 : -20] == shown[:-15, half + 22 :]).all()
+
+
+def test_clipping_stripes_appear_only_where_the_screen_runs_out(opened):
+    opened.window.state.change(exposure_ev=1.2)
+    opened.frames(1)
+    plain = opened.picture_pixels(96, 128).astype(int)
+    opened.key(glfw.KEY_J)
+    striped = opened.picture_pixels(96, 128).astype(int)
+    radiance = opened.window.state.snapshot.picture.relit.image * 2**1.2
+    over = (radiance >= 1.0).any(axis=2)
+    clear = (radiance < 0.99).all(axis=2)
+    assert over.any()
+    assert (striped[clear] == plain[clear]).all()
+    changed = np.abs(striped - plain).sum(axis=2) > 30
+    assert 0.3 < changed[over].mean() < 0.8
+
+
+def test_what_is_no_number_is_painted_magenta(opened, relighter, monkeypatch):
+    relight = relighter.relight
+
+    def broken(environment, edit):
+        relit = relight(environment, edit)
+        relit.image[40:50, 60:70] = np.nan
+        return relit
+
+    monkeypatch.setattr(relighter, "relight", broken)
+    opened.key(glfw.KEY_J)
+    opened.key(glfw.KEY_RIGHT)
+    shown = opened.picture_pixels(96, 128)
+    assert (shown[41:49, 61:69] == (255, 0, 217)).all()
+    assert not (shown[:38] == (255, 0, 217)).all(axis=2).any()
+
+
+def test_the_difference_is_grey_where_nothing_changed_and_coloured_where_light_did(opened, relighter, monkeypatch):
+    relight = relighter.relight
+
+    def two_stops(environment, edit):
+        relit = relight(environment, edit)
+        relit.image[:] = relighter.photo.linear
+        relit.image[:, :40] *= 4.0
+        relit.image[:, 80:] *= 0.25
+        return relit
+
+    monkeypatch.setattr(relighter, "relight", two_stops)
+    opened.key(glfw.KEY_D)
+    opened.key(glfw.KEY_RIGHT)
+    shown = opened.picture_pixels(96, 128).astype(int)
+    brighter, same, darker = (shown[20:80, start : start + 30].reshape(-1, 3) for start in (5, 45, 90))
+    assert np.abs(same - 44).max() <= 2
+    assert (brighter[:, 0] - brighter[:, 2] > 100).all()
+    assert (darker[:, 2] - darker[:, 0] > 100).all()
+
+
+def test_false_colour_paints_specular_and_leaves_other_pictures_alone(opened):
+    opened.key(glfw.KEY_6)
+    grey = opened.viewport().astype(int)
+    opened.key(glfw.KEY_C)
+    coloured = opened.viewport().astype(int)
+    middle = grey.shape[0] // 2
+    assert np.ptp(grey[middle - 20 : middle + 20], axis=2).max() == 0
+    assert np.ptp(coloured[middle - 20 : middle + 20], axis=2).max() > 100
+    opened.key(glfw.KEY_2)
+    assert np.abs(opened.viewport()[middle, opened.viewport().shape[1] // 2].astype(int) - (255, 0, 0)).max() <= 2
+
+
+def test_histogram_and_waveform_follow_the_exposure_and_can_be_put_away(opened):
+    panel = (slice(10, 90), slice(WIDTH - 226, WIDTH - 14))
+    opened.key(glfw.KEY_F)
+    before = opened.window.screenshot()[panel]
+    opened.window.state.change(exposure_ev=-2.0)
+    assert (opened.window.screenshot()[panel] != before).any()
+    opened.key(glfw.KEY_V)
+    assert opened.window.state.look.scope == "waveform"
+    opened.key(glfw.KEY_V)
+    assert opened.window.state.look.scope == "off"
+    opened.key(glfw.KEY_H)
+    opened.click((WIDTH - 120, 50))
+    assert opened.window.state.look.scope == "waveform"
+
+
+def test_dragging_the_lit_ball_turns_the_light_and_the_ball_follows(opened):
+    opened.light("split")
+    ball = (255 + 12 + 39, HEIGHT - 141 - 12 - 39)
+    around = (slice(ball[1] - 25, ball[1] + 25), slice(ball[0] - 25, ball[0] + 25))
+    before = opened.window.screenshot()[around].astype(int)
+    opened.drag(ball, (ball[0] + 30, ball[1]))
+    assert opened.window.state.edit.yaw_deg > 30
+    turned = opened.window.screenshot()[around].astype(int)
+    assert np.abs(turned - before).mean() > 5
+    opened.key(glfw.KEY_L)
+    hidden = opened.window.screenshot()[around]
+    assert hidden.std() < 1
+
+
+def test_probe_and_timings_are_drawn_only_while_switched_on(opened):
+    opened.move(opened.centre())
+    for key in (glfw.KEY_I, glfw.KEY_T):
+        before = opened.window.screenshot().astype(int)
+        opened.key(key)
+        assert np.abs(opened.window.screenshot() - before).sum() > 10000
+        opened.key(key)
+        assert (opened.window.screenshot() == before).all()
