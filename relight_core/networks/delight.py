@@ -136,7 +136,7 @@ class DelightNetwork(nn.Module):
         sharp, relief, parsing = self.head(x).split([_SHARP, 1, self.config.classes], 1)
         if self.detail is not None:
             sharp = _doubled(sharp) + self.detail(photo, x)
-            relief, parsing = _doubled(relief), _doubled(parsing)
+            relief, parsing = 2 * _doubled(relief), _doubled(parsing)  # relief counts pixels
         change, normal = sharp.split(3, 1)
         return Delit(self._albedo(photo_srgb, change), _unit(normal), relief, parsing, light)
 
