@@ -13,6 +13,7 @@ import torch
 
 from relight_core.lighting.reflection import ReflectionTable
 from relight_core.networks.bundle import NetworkBundle, save_bundle
+from relight_core.training.sheet import draw_samples
 from relight_core.training.stages import Stage
 from relight_core.training.state import Progress, load_state, save_state
 
@@ -120,11 +121,12 @@ def train_stage(
     saved_state = state_path(checkpoint)
     progress = load_state(saved_state, bundle, average.state, optimiser) if saved_state.exists() else Progress()
     batches = batches_from(progress.step)
-    started, saved = time.monotonic() - progress.seconds, time.monotonic()
+    started, saved, batch = time.monotonic() - progress.seconds, time.monotonic(), None
     while (elapsed := budget.spent(progress.step, progress.seconds)) < 1:
         for group in optimiser.param_groups:
             group["lr"] = budget.rate(progress.step, elapsed)
-        progress.take(_step(stage, bundle, table, next(batches), optimiser, parameters, device))
+        batch = next(batches)
+        progress.take(_step(stage, bundle, table, batch, optimiser, parameters, device))
         if progress.in_a_row > _MOST_SKIPPED_IN_A_ROW:
             raise TrainingDiverged(f"{progress.in_a_row} non-finite batches in a row at step {progress.step}")
         average.update(bundle, progress.step)
@@ -134,13 +136,20 @@ def train_stage(
             progress.log.append({"step": progress.step, "elapsed": elapsed, **progress.smoothed})
         if time.monotonic() - saved > budget.checkpoint_seconds:
             saved = time.monotonic()
-            save_bundle(checkpoint, average.bundle(bundle), half=False)
+            _save(checkpoint, average.bundle(bundle), batch)
             save_state(saved_state, progress, bundle, average.state, optimiser)
     result = average.bundle(bundle)
-    save_bundle(checkpoint, result, half=False)
+    _save(checkpoint, result, batch)
     checkpoint.with_suffix(".log.json").write_text(json.dumps(progress.log))
     saved_state.unlink(missing_ok=True)
     return result
+
+
+def _save(checkpoint: Path, bundle: NetworkBundle, batch: dict[str, torch.Tensor] | None) -> None:
+    """The weights, and a look at what they do with the last batch."""
+    save_bundle(checkpoint, bundle, half=False)
+    if batch is not None:
+        draw_samples(bundle.eval(), ReflectionTable(), batch, checkpoint.with_suffix(".samples.png"))
 
 
 def state_path(checkpoint: Path) -> Path:

@@ -4,6 +4,8 @@ import itertools
 import json
 from dataclasses import replace
 
+import cv2
+import numpy as np
 import pytest
 import torch
 
@@ -158,8 +160,10 @@ def test_a_run_that_was_killed_goes_on_as_if_it_had_not_been(name, tmp_path):
     assert sorted(p.name for p in tmp_path.iterdir()) == [
         "halves.log.json",
         "halves.safetensors",
+        "halves.samples.png",
         "whole.log.json",
         "whole.safetensors",
+        "whole.samples.png",
     ]
 
 
@@ -199,6 +203,20 @@ def test_a_head_that_fills_nothing_of_the_image_does_no_harm(tmp_path):
     path = tmp_path / "w.safetensors"
     run(STAGES["tune-relight"], itertools.repeat(batch), budget(9), path)
     assert path.exists()
+
+
+@pytest.mark.parametrize(("name", "columns"), [("warm-delight", 13), ("warm-relight", 6)])
+def test_a_sheet_shows_every_channel_beside_the_truth(name, columns, tmp_path):
+    batch = some_batch(pairs=2)
+    if not STAGES[name].photographs:
+        del batch["photo_srgb"]
+    run(STAGES[name], itertools.repeat(batch), budget(2), tmp_path / "w.safetensors")
+    sheet = cv2.imread(str(tmp_path / "w.samples.png"))
+    assert sheet.shape == (4 * SIZE, columns * SIZE, 3)
+    true_image = batch["image"].flatten(0, 1).permute(0, 2, 3, 1)[0].numpy()
+    encoded = np.where(true_image <= 0.0031308, 12.92 * true_image, 1.055 * true_image ** (1 / 2.4) - 0.055)
+    shown = sheet[:SIZE, -SIZE:, ::-1] / 255
+    np.testing.assert_allclose(shown, encoded, atol=1.5 / 255)
 
 
 def test_rate_rises_then_falls_to_its_final_fraction():
