@@ -31,7 +31,10 @@ from relight_core.pipeline.channels import (
     surface_channels,
     upsampler_for,
 )
+from relight_core.pipeline.hints import Effects
+from relight_core.pipeline.model import light_surface
 from relight_core.pipeline.quality import Tier
+from relight_core.pipeline.residual import Residual, add_residual, find_residual
 
 _WHOLE_PIXEL = 0.99
 
@@ -44,6 +47,7 @@ class _TakenApart:
     small: np.ndarray
     surface: stages.Surface
     relief: ReliefTransport
+    residual: Residual
     channels: Mapping[str, np.ndarray]
 
 
@@ -70,40 +74,25 @@ class Editor:
         relief = stages.march(found, self.tier.relief_size)
         light = stages.explain_source_light(found, self.table, relief)
         surface = flatten_albedo(found, relief, light)
+        residual = find_residual(surface, light, lambda own: self.light(surface, relief, own)[2])
         lights = {"guess": surface.source_light[0].cpu().numpy(), "source_light": light[0].cpu().numpy()}
-        return _TakenApart(photo, small, surface, relief, surface_channels(surface, photo, small) | lights)
+        channels = surface_channels(surface, photo, small) | lights
+        return _TakenApart(photo, small, surface, relief, residual, channels)
 
-    def light(self, surface: stages.Surface, relief: ReliefTransport, radiance: np.ndarray):
-        """Irradiance and gloss, effects and image at the networks' size, in units of the normalised light."""
-        light = torch.from_numpy(radiance)[None].to(self.device)
-        reflected = stages.reflect(self.table, surface, light)
+    def light(
+        self, surface: stages.Surface, relief: ReliefTransport, light: torch.Tensor
+    ) -> tuple[torch.Tensor, Effects, stages.Composed]:
+        """Irradiance and gloss, effects and image at the networks' size, of a normalised light (1, 16, 32, 3)."""
         tier = self.tier
-        effects = stages.estimate_effects(
-            self.bundle,
-            surface,
-            reflected,
-            relief,
-            light,
-            self.device,
-            by_network=tier.shadow_network,
-            precision=tier.precision,
-        )
-        composed = stages.compose(
-            self.bundle,
-            surface,
-            reflected,
-            effects,
-            light,
-            self.device,
-            corrected=tier.correction,
-            precision=tier.precision,
-        )
-        return reflected, effects, composed.image
+        how = {"by_network": tier.shadow_network, "corrected": tier.correction, "precision": tier.precision}
+        return light_surface(self.bundle, self.table, surface, relief, light, **how)
 
     def relight(self, found: _TakenApart, radiance: np.ndarray) -> dict[str, np.ndarray]:
         """The channels "specular", "shadow" and "composition" at the photo's size."""
-        reflected, effects, image = self.light(found.surface, found.relief, radiance)
-        fit = fit_view(found.small, found.surface, reflected, effects, image)
+        light = torch.from_numpy(radiance)[None].to(self.device)
+        reflected, effects, composed = self.light(found.surface, found.relief, light)
+        image, shown = add_residual(found.residual, composed, effects)
+        fit = fit_view(found.small, found.surface, reflected, shown, image)
         change = enlarge_change(fit, None, upsampler_for(found.photo, found.small), 1.0)
         return light_channels(effects, change, found.photo)
 
@@ -143,8 +132,9 @@ class Bench:
 
     def _score_from_truth(self, radiance: np.ndarray, truth: dict[str, np.ndarray], exposure: float) -> Figures:
         """SS and composition alone, from the true surface, at the networks' size."""
-        _, effects, image = self._editor.light(self._perfect, self._perfect_relief, radiance)
-        image = as_image(image)
+        light = torch.from_numpy(radiance)[None].to(self._editor.device)
+        _, effects, composed = self._editor.light(self._perfect, self._perfect_relief, light)
+        image = as_image(composed.image)
         small = {name: self._shrunk(truth[name]) for name in ("image", "specular", "shadow")}
         covered = self._shrunk(self._covered.astype(np.float32)) > _WHOLE_PIXEL
         estimated = {"specular": as_image(effects.specular), "shadow": as_image(effects.shadow)}

@@ -14,6 +14,7 @@ EFFECTS = (
     "shadow",
     "specular",
     "correction",
+    "residual",
     "sliders",
     "detail",
     "background",

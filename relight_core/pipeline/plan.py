@@ -117,6 +117,7 @@ _STAGE_OF = {
     "shadow": "specular_shadow",
     "specular": "specular_shadow",
     "correction": "compose",
+    "residual": "residual",
     "sliders": "sliders",
     "detail": "detail",
     "background": "background",
@@ -183,6 +184,8 @@ def _flattening(scene: Scene, edit: Edit) -> _Verdict:
 def _source_light(verdicts: Mapping[str, _Verdict], edit: Edit) -> _Verdict:
     if edit.looks_at("source_light"):
         return _Verdict(True, "it is looked at")
+    if verdicts["residual"].needed:
+        return _Verdict(True, "what the model misses of the photo is measured under it")
     if verdicts["flattening"].needed:
         return _Verdict(True, "flattening divides by its shading")
     return _Verdict(False, "nobody looks at it, and the picture does not depend on it")
@@ -202,6 +205,12 @@ def _correction(scene: Scene, edit: Edit) -> _Verdict:
     if not scene.tier.correction:
         return _Verdict(False, "not at this quality", None)
     return _Verdict(True, "the network corrects the sum of the channels")
+
+
+def _residual(scene: Scene, edit: Edit) -> _Verdict:
+    if scene.level == 0:
+        return _Verdict(False, "the light is black")
+    return _Verdict(True, "what the model misses of the photo, measured once for a photo")
 
 
 def _sliders(scene: Scene, edit: Edit) -> _Verdict:
@@ -238,6 +247,7 @@ _RULES: dict[str, Callable[[Scene, Edit], _Verdict]] = {
     "shadow": _occlusion,
     "specular": _occlusion,
     "correction": _correction,
+    "residual": _residual,
     "sliders": _sliders,
     "detail": _detail,
     "background": _background,
@@ -253,7 +263,8 @@ def _keys(scene: Scene, edit: Edit, needed: set[str], network: bool) -> dict[str
     occlusion = (light, bool(shown), network, "relief" in needed)
     compose = (occlusion, shown, "correction" in needed)
     gains = (edit.specular, edit.shadow) if "sliders" in needed else (1.0, 1.0)
-    change = (compose, gains, "detail" in needed, scene.level)
+    image = (compose, "residual" in needed)
+    change = (image, gains, "detail" in needed, scene.level)
     backdrop = scene.backdrop if edit.background == "light" else None
     behind = (edit.background, backdrop) if "background" in needed else None
     return {
@@ -264,7 +275,8 @@ def _keys(scene: Scene, edit: Edit, needed: set[str], network: bool) -> dict[str
         "irradiance": light,
         "specular_shadow": occlusion,
         "compose": compose,
-        "detail_fit": (compose, "detail" in needed),
+        "residual": (surface, network, "relief" in needed, "correction" in needed),
+        "detail_fit": (image, "detail" in needed),
         "sliders": change,
         "detail": change,
         "paste": change,

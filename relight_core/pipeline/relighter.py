@@ -17,7 +17,7 @@ from relight_core.imaging.matte import refine_matte
 from relight_core.imaging.photo import Photo
 from relight_core.imaging.resampling import resize_area
 from relight_core.lighting.background import panorama_background
-from relight_core.lighting.environment import Environment, network_light
+from relight_core.lighting.environment import Environment, mean_luminance, network_light
 from relight_core.lighting.reflection import ReflectionTable
 from relight_core.lighting.relief import ReliefTransport
 from relight_core.networks.bundle import load_bundle
@@ -39,9 +39,11 @@ from relight_core.pipeline.edit import Edit
 from relight_core.pipeline.finish import finish, over_background
 from relight_core.pipeline.hints import Effects
 from relight_core.pipeline.kept_lights import KeptLights, ServingLight
+from relight_core.pipeline.model import light_surface
 from relight_core.pipeline.plan import Effect, Plan, Scene, make_plan
 from relight_core.pipeline.portrait import Portrait, choose_face, frame, refine
 from relight_core.pipeline.quality import Tier, tier_of
+from relight_core.pipeline.residual import Residual, add_residual, find_residual
 from relight_core.resources import resource_path
 
 WEIGHTS = ("weights", "relight.safetensors")
@@ -153,8 +155,10 @@ class Relighter:
         Raises:
             InputError: no portrait has been set.
         """
-        light = self._source_light(self._prepare(tier_of(quality)))
-        return Environment.from_radiance(light[0].cpu().numpy(), "borrowed")
+        tier = tier_of(quality)
+        plan = make_plan(Scene(tier, "own", 0.0, None, 1.0), Edit(quality=quality))
+        ready = self._flattened(self._prepare(tier))
+        return Environment.from_radiance(self._own_light(ready, plan), "borrowed")
 
     def plan(self, environment: Environment, edit: Edit) -> Plan:
         """What `relight` would do now; computes nothing.
@@ -243,6 +247,25 @@ class Relighter:
             lambda: stages.explain_source_light(ready.found, self._table, relief),
         )
 
+    def _own_light(self, ready: _Prepared, plan: Plan) -> np.ndarray:
+        """The source light (16, 32, 3), as bright as makes the whole model of the photo as bright as the photo."""
+        light = self._source_light(ready)[0].cpu().numpy()
+        if not plan.runs("residual"):
+            return light
+        return light * np.float32(self._residual(ready, plan).level / max(mean_luminance(light), 1e-12))
+
+    def _residual(self, ready: _Prepared, plan: Plan) -> Residual:
+        """What the model, as far as the plan runs it, misses of the photo."""
+
+        def compose(light: torch.Tensor) -> stages.Composed:
+            relief = self._relief(ready) if plan.runs("relief") else None
+            how = {"by_network": plan.shadow_network, "corrected": plan.runs("correction")}
+            precision = ready.tier.precision
+            return light_surface(self._bundle, self._table, ready.surface, relief, light, precision=precision, **how)[2]
+
+        source = self._source_light(ready)
+        return self._once("residual", plan.keys["residual"], lambda: find_residual(ready.surface, source, compose))
+
     def _matte(self, portrait: Portrait) -> np.ndarray:
         """The person at the photo's resolution; from one tier for all, so that it depends on no history."""
         surface = self._prepare(tier_of("live")).surface
@@ -311,9 +334,12 @@ class Relighter:
 
     def _fit(self, ready: _Prepared, lit: _Lit, plan: Plan) -> LightChange:
         """The relit view as gain and offset of the photo; without detail, offset only."""
+        image, effects = lit.composed.image, lit.effects
+        if plan.runs("residual"):
+            image, effects = add_residual(self._residual(ready, plan), lit.composed, effects)
         if plan.runs("detail"):
-            return fit_view(ready.photo_small, ready.surface, lit.reflected, lit.effects, lit.composed.image)
-        relit = as_image(lit.composed.image)
+            return fit_view(ready.photo_small, ready.surface, lit.reflected, effects, image)
+        relit = as_image(image)
         return LightChange(np.zeros_like(relit), relit)
 
     def _upsampler(self, ready: _Prepared) -> JointUpsampler:
@@ -362,8 +388,8 @@ class Relighter:
             for name in SURFACE_CHANNELS
             if edit.looks_at(name)
         }
-        if plan.runs("source_light"):
-            fixed["source_light"] = self._source_light(ready)[0].cpu().numpy()
+        if plan.runs("source_light") and edit.looks_at("source_light"):
+            fixed["source_light"] = self._own_light(ready, plan)
         shown = Effects(lit.effects.specular * plan.runs("specular"), lit.effects.shadow * plan.runs("shadow"))
         lighted = self._cache.run(
             "channels",

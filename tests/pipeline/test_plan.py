@@ -22,6 +22,7 @@ EFFECTS = {
     "shadow",
     "specular",
     "correction",
+    "residual",
     "sliders",
     "detail",
     "background",
@@ -58,16 +59,18 @@ def test_black_light_needs_no_network():
 
 def test_a_channel_that_is_looked_at_is_made():
     assert make_plan(SCENE, Edit(channels=("source_light",))).runs("source_light")
-    unflattened = frozenset({"flattening"})
-    assert not make_plan(SCENE, Edit(channels=("albedo",), forced_off=unflattened)).runs("source_light")
+    without = frozenset({"flattening", "residual"})
+    assert not make_plan(SCENE, Edit(channels=("albedo",), forced_off=without)).runs("source_light")
     black = replace(SCENE, level=0.0)
     assert make_plan(black, Edit(channels=("albedo",))).runs("flattening")
 
 
-def test_flattening_needs_the_light_the_photo_was_taken_under():
-    plan = make_plan(SCENE, Edit(channels=()))
+@pytest.mark.parametrize(("reader", "word"), [("flattening", "flattening"), ("residual", "misses")])
+def test_each_reader_needs_the_light_the_photo_was_taken_under(reader, word):
+    other = {"flattening", "residual"} - {reader}
+    plan = make_plan(SCENE, Edit(channels=(), forced_off=frozenset(other)))
     assert plan.runs("source_light")
-    assert "flattening" in plan.effect("source_light").why
+    assert word in plan.effect("source_light").why
 
 
 def test_the_user_has_the_last_word():

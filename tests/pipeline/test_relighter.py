@@ -163,8 +163,8 @@ def test_going_back_to_a_light_runs_no_network(relighter):
 
 
 def test_only_the_channels_that_are_looked_at_are_made(relighter):
-    unflattened = frozenset({"flattening"})
-    relit = relighter.relight(some_light(), replace(EDIT, channels=("normal", "shadow"), forced_off=unflattened))
+    unread = frozenset({"flattening", "residual"})
+    relit = relighter.relight(some_light(), replace(EDIT, channels=("normal", "shadow"), forced_off=unread))
     assert set(relit.channels) == {"normal", "shadow"}
     assert not computed(relit) & {"source_light", "albedo"}
     alone = relighter.relight(some_light(1), replace(EDIT, channels=()))

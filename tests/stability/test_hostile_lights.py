@@ -168,3 +168,12 @@ def test_mirroring_the_portrait_mirrors_the_light(portrait):
     assert difference.max() < 0.4
     assert difference.mean() < 0.02
     assert np.percentile(difference, 99) < 0.2
+
+
+@pytest.mark.parametrize("quality", ["draft", "live"])
+def test_relighting_with_its_own_light_returns_the_photo(relighter, portrait, quality):
+    """Up to the photo's detail that the networks' size does not hold, in sRGB values of [0, 1]."""
+    relit = relighter.relight(relighter.estimated_light(quality), Edit(quality=quality)).image
+    difference = np.abs(apply_view(relit) - apply_view(portrait.linear))
+    assert difference.mean() < 0.01
+    assert np.percentile(difference, 99) < 0.06

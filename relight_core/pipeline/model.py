@@ -1,0 +1,38 @@
+"""A surface under a light in one go, where nobody asks for the steps."""
+
+from __future__ import annotations
+
+import torch
+
+from relight_core.lighting.reflection import ReflectionTable
+from relight_core.lighting.relief import ReliefTransport
+from relight_core.networks.bundle import NetworkBundle
+from relight_core.pipeline import stages
+from relight_core.pipeline.hints import Effects
+
+
+def light_surface(
+    bundle: NetworkBundle,
+    table: ReflectionTable,
+    surface: stages.Surface,
+    relief: ReliefTransport | None,
+    light: torch.Tensor,
+    *,
+    by_network: bool,
+    corrected: bool,
+    precision: str,
+) -> tuple[torch.Tensor, Effects, stages.Composed]:
+    """Irradiance and gloss, effects and image at the networks' size of a normalised light (1, 16, 32, 3).
+
+    Args:
+        by_network, corrected, precision: as in `stages.estimate_effects` and `stages.compose`.
+    """
+    device = str(light.device)
+    reflected = stages.reflect(table, surface, light)
+    effects = stages.estimate_effects(
+        bundle, surface, reflected, relief, light, device, by_network=by_network, precision=precision
+    )
+    composed = stages.compose(
+        bundle, surface, reflected, effects, light, device, corrected=corrected, precision=precision
+    )
+    return reflected, effects, composed

@@ -1,0 +1,75 @@
+"""What the model misses of the photo, carried over to other lights.
+
+Under the light that the photo was taken in, the model's picture should be the photo. Where it isn't, the
+surface differs from what de-lighting believes (brows, lashes, stubble, dark cloth), and will differ by about as
+much under another light: a ratio image (Liu, Shan and Zhang 2001), of the photo over its model. It multiplies
+what the model makes of another light, by its full strength where the place is lit as in the photo, and by
+less the less alike the two are: a highlight or a cast shadow that the model missed belongs to the photo's light
+and not to the surface. So a portrait under its own estimated light is the photo again.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import torch
+
+from relight_core.lighting.environment import mean_luminance
+from relight_core.pipeline.hints import Effects, grey
+from relight_core.pipeline.stages import Composed, Surface
+
+_BLACK = 0.005
+_LARGEST_LOG = 3.0
+_CLIPPED = 0.97
+_FEWEST_PIXELS = 50
+
+
+@dataclass(frozen=True)
+class Residual:
+    """Photo over model under the photo's own light.
+
+    Attributes:
+        log_ratio: (1, 3, S, S), [-3, 3].
+        shading: (1, 1, S, S) the model's grey explicit sum there, normalised light.
+        level: of the photo's own light, such that model and photo are equally bright over the person.
+    """
+
+    log_ratio: torch.Tensor
+    shading: torch.Tensor
+    level: float
+
+
+@torch.inference_mode()
+def find_residual(
+    surface: Surface, source_light: torch.Tensor, compose: Callable[[torch.Tensor], Composed]
+) -> Residual:
+    """Compare a photo with its model.
+
+    Args:
+        source_light: (1, 16, 32, 3) the photo's estimated light.
+        compose: the model: a normalised light to a composed image.
+    """
+    level = mean_luminance(source_light[0].cpu().numpy())
+    model = compose(source_light / max(level, 1e-12))
+    image = model.image.float()
+    known = (surface.person > 0.5) & (surface.photo.amax(1, keepdim=True) < _CLIPPED)
+    lit = float(grey(image)[known].sum())
+    if int(known.sum()) >= _FEWEST_PIXELS and lit > 0:
+        level = float(grey(surface.photo)[known].sum()) / lit
+    photo = surface.photo / max(level, 1e-4)
+    # A clipped channel was at least as bright as it looks: a model that is brighter still is not wrong.
+    clipped = (surface.photo >= 1) & (image > photo)
+    log_ratio = torch.log((photo + _BLACK) / (image + _BLACK)).clamp(-_LARGEST_LOG, _LARGEST_LOG)
+    return Residual(torch.where(clipped, 0.0, log_ratio), grey(model.plain), level)
+
+
+@torch.inference_mode()
+def add_residual(residual: Residual, composed: Composed, effects: Effects) -> tuple[torch.Tensor, Effects]:
+    """Another light's image (1, 3, S, S), linear >= 0, with the residual in it, and its effects changed alike."""
+    shading = grey(composed.plain)
+    darker, brighter = torch.minimum(shading, residual.shading), torch.maximum(shading, residual.shading)
+    alike = (darker + _BLACK) / (brighter + _BLACK)
+    ratio = torch.exp(residual.log_ratio * alike)
+    image = ((composed.image.float() + _BLACK) * ratio - _BLACK).clamp_min(0)
+    return image, Effects(effects.specular * grey(ratio), effects.shadow * grey(ratio))
