@@ -12,12 +12,13 @@ from relight_core.dataset.appearance import Appearance
 from relight_core.dataset.bake import BakedHead
 from relight_core.dataset.illumination import Illumination, blocked_by_itself, bounced, illuminate
 from relight_core.face.parsing import MIRRORED
+from relight_core.imaging.colour import REC709_LUMINANCE
 from relight_core.lighting.relief import march_relief
 
 RELIEF_SIZE = 64
 """Side at which reliefs are marched; shadows wider than a few pixels survive it, SS sharpens the rest."""
 
-_GREY = np.array([0.2126, 0.7152, 0.0722], np.float32)
+_GREY = REC709_LUMINANCE.astype(np.float32)
 _MIRRORED_LABELS = np.array(MIRRORED, np.uint8)
 
 

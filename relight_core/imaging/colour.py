@@ -6,7 +6,10 @@ from functools import lru_cache
 
 import numpy as np
 
-_LUMINANCE = np.array([0.2126, 0.7152, 0.0722], np.float32)
+REC709_LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
+"""What linear red, green and blue of Rec.709 add to luminance (ITU-R BT.709). float64."""
+
+_LUMINANCE = REC709_LUMINANCE.astype(np.float32)
 
 
 def srgb_encode(linear: np.ndarray) -> np.ndarray:

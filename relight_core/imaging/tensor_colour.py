@@ -1,8 +1,10 @@
-"""sRGB encoding of tensors, with finite gradients at 0."""
+"""sRGB encoding and luminance of tensors, with finite gradients at 0."""
 
 from __future__ import annotations
 
 import torch
+
+from relight_core.imaging.colour import REC709_LUMINANCE
 
 
 def srgb_encode(linear: torch.Tensor) -> torch.Tensor:
@@ -18,3 +20,9 @@ def srgb_decode(encoded: torch.Tensor) -> torch.Tensor:
     low = encoded / 12.92
     high = ((encoded.clamp_min(0.04045) + 0.055) / 1.055).pow(2.4)
     return torch.where(encoded <= 0.04045, low, high)
+
+
+def grey(image: torch.Tensor) -> torch.Tensor:
+    """Rec.709 luminance (B, 1, H, W) of linear (B, 3, H, W)."""
+    weights = torch.tensor(REC709_LUMINANCE, device=image.device, dtype=image.dtype)
+    return (image * weights[None, :, None, None]).sum(1, keepdim=True)

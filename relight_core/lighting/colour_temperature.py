@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from relight_core.imaging.colour import REC709_LUMINANCE
+
 COOLEST_KELVIN = 1667.0
 HOTTEST_KELVIN = 25000.0
 
@@ -14,7 +16,6 @@ _XYZ_TO_REC709 = np.array(
         [0.0556434, -0.2040259, 1.0572252],
     ]
 )
-_REC709 = np.array([0.2126, 0.7152, 0.0722])
 
 
 def kelvin_to_rgb(kelvin: float, white_balance_kelvin: float = 5600.0) -> np.ndarray:
@@ -31,7 +32,7 @@ def kelvin_to_rgb(kelvin: float, white_balance_kelvin: float = 5600.0) -> np.nda
         ValueError: a temperature out of range.
     """
     balanced = _black_body(kelvin) / _black_body(white_balance_kelvin)
-    return balanced / (balanced @ _REC709)
+    return balanced / (balanced @ REC709_LUMINANCE)
 
 
 def _black_body(kelvin: float) -> np.ndarray:

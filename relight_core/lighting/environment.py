@@ -17,6 +17,7 @@ from pathlib import Path
 import numpy as np
 
 from relight_core.errors import InputError
+from relight_core.imaging.colour import REC709_LUMINANCE
 
 WORKING_HEIGHT = 1024
 """Rows a map keeps at most: enough for a background, small enough to turn while the user drags."""
@@ -24,7 +25,6 @@ WORKING_HEIGHT = 1024
 NETWORK_HEIGHT = 16
 """Rows of the light that the networks read (paper, sec. 3.2: 16 x 32)."""
 
-_REC709 = np.array([0.2126, 0.7152, 0.0722])
 _BLOCK_ROWS = 64
 
 
@@ -176,7 +176,7 @@ def mean_luminance(radiance: np.ndarray) -> float:
     height = radiance.shape[0]
     weights = -np.diff(np.cos(np.pi * np.arange(height + 1) / height)) / 2
     per_row = radiance.mean(axis=1, dtype=np.float64)
-    return float(weights @ (per_row @ _REC709))
+    return float(weights @ (per_row @ REC709_LUMINANCE))
 
 
 def _as_panorama(radiance: np.ndarray, name: str) -> np.ndarray:

@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from relight_core.imaging.colour import REC709_LUMINANCE
 from relight_core.lighting.colour_temperature import kelvin_to_rgb
 from relight_core.lighting.environment import Environment, mean_luminance, shrink
 from relight_core.lighting.light_blur import blur_light
@@ -19,7 +20,6 @@ DRAWN_HEIGHT = 256
 DRAFT_HEIGHT = 64
 """Rows that are enough while a hand moves something."""
 
-_REC709 = np.array([0.2126, 0.7152, 0.0722])
 _NEUTRAL_KELVIN = 5600.0
 _TINT_STOPS = 0.7
 
@@ -87,9 +87,9 @@ def _coloured(shape: np.ndarray, edit: LightEdit) -> np.ndarray:
     if (edit.saturation, edit.warmth, edit.tint) == (1.0, 0.0, 0.0):
         return shape
     before = mean_luminance(shape)
-    grey = (shape @ _REC709.astype(np.float32))[..., None]
+    grey = (shape @ REC709_LUMINANCE.astype(np.float32))[..., None]
     mixed = np.maximum(grey + np.float32(edit.saturation) * (shape - grey), 0.0)
-    mixed *= grey / np.maximum((mixed @ _REC709.astype(np.float32))[..., None], np.float32(1e-20))
+    mixed *= grey / np.maximum((mixed @ REC709_LUMINANCE.astype(np.float32))[..., None], np.float32(1e-20))
     mixed *= colour_gain(edit.warmth, edit.tint).astype(np.float32)
     after = mean_luminance(mixed)
     return mixed * np.float32(before / after if after > 0 else 1.0)
@@ -99,7 +99,7 @@ def colour_gain(warmth: float, tint: float) -> np.ndarray:
     """(3,) gains of luminance 1 that warm or cool a white light and push it to green or magenta."""
     warm = kelvin_to_rgb(_NEUTRAL_KELVIN * 2.0**-warmth)
     gain = warm * np.exp2(_TINT_STOPS * tint * np.array([0.5, -0.5, 0.5]))
-    return gain / (gain @ _REC709)
+    return gain / (gain @ REC709_LUMINANCE)
 
 
 def _with_boxes(radiance: np.ndarray, boxes: tuple[SoftBox, ...], unit: float, draft: bool) -> np.ndarray:

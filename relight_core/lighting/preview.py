@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from relight_core.imaging.colour import REC709_LUMINANCE
 from relight_core.lighting.environment import Environment, network_light
 from relight_core.lighting.sphere import directions, solid_angles
 
@@ -37,7 +38,7 @@ def lit_ball(environment: Environment, size: int, yaw_deg: float = 0.0) -> np.nd
     inside = coverage > 0
     radiance = np.zeros((size, size, 3), np.float32)
     shaded = _shade(normals[inside], light)
-    bright = np.percentile(shaded @ np.array([0.2126, 0.7152, 0.0722], np.float32), 98)
+    bright = np.percentile(shaded @ REC709_LUMINANCE.astype(np.float32), 98)
     radiance[inside] = shaded * (_BRIGHT / bright if bright > _DARK_LEVEL else 0.0)
     return np.concatenate([radiance, coverage[..., None]], axis=-1)
 
@@ -56,7 +57,7 @@ def ball_tables(environment: Environment, height: int = 24) -> tuple[np.ndarray,
     at = directions(height, 2 * height).reshape(-1, 3)
     matte = _matte(at, toward, power_and_area)
     gloss = _gloss(at, toward, power_and_area, _TABLE_DOUBLINGS)
-    brightest = float((matte @ np.array([0.2126, 0.7152, 0.0722], np.float32)).max())
+    brightest = float((matte @ REC709_LUMINANCE.astype(np.float32)).max())
     scale = _BRIGHT / brightest if brightest > _DARK_LEVEL else 0.0
     return tuple((table * scale).reshape(height, 2 * height, 3).astype(np.float32) for table in (matte, gloss))
 

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 import torch
 import torch.nn.functional as F
 
+from relight_core.imaging.colour import REC709_LUMINANCE
 from relight_core.lighting.sphere import directions, solid_angles
 
 _AZIMUTHS = 48
@@ -47,7 +48,7 @@ class ReliefTransport:
         Args:
             light: (B, H, 2H, 3) normalised radiance of the texels the transport was made for.
         """
-        grey = light.float() @ torch.tensor([0.2126, 0.7152, 0.0722])
+        grey = light.float() @ torch.tensor(REC709_LUMINANCE, dtype=torch.float32)
         grey = grey.flatten(1).T
         opened = self.open @ grey
         fraction = (1 - (self.closed @ grey) / opened.clamp_min(1e-6)).clamp(0, 1)

@@ -11,13 +11,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from relight_core.imaging.colour import REC709_LUMINANCE
 from relight_core.lighting.colour_temperature import kelvin_to_rgb
 from relight_core.lighting.rig_description import AreaLight
 from relight_core.lighting.rig_render import area_light_radiance, direction_of
 from relight_core.lighting.sphere import directions, solid_angles
 
 SMALLEST_DEG, LARGEST_DEG = 3.0, 150.0
-_REC709 = np.array([0.2126, 0.7152, 0.0722])
 
 
 @dataclass(frozen=True)
@@ -54,7 +54,7 @@ class SoftBox:
         """(3,) linear Rec.709 of luminance 1; black gels come out white."""
         if self.colour is None:
             return kelvin_to_rgb(self.kelvin)
-        luminance = float(np.dot(self.colour, _REC709))
+        luminance = float(np.dot(self.colour, REC709_LUMINANCE))
         return np.array(self.colour) / luminance if luminance > 0 else np.ones(3)
 
 

@@ -6,10 +6,9 @@ from functools import lru_cache
 
 import numpy as np
 
+from relight_core.imaging.colour import REC709_LUMINANCE
 from relight_core.lighting.environment import Environment, mean_luminance, network_light
 from relight_core.lighting.sphere import directions, solid_angles
-
-_REC709 = np.array([0.2126, 0.7152, 0.0722])
 
 
 def average_direction(environment: Environment, yaw_deg: float = 0.0) -> np.ndarray:
@@ -21,7 +20,7 @@ def average_direction(environment: Environment, yaw_deg: float = 0.0) -> np.ndar
     """
     light = network_light(environment, yaw_deg)
     height, width = light.shape[:2]
-    power = (light @ _REC709) * solid_angles(height, width)
+    power = (light @ REC709_LUMINANCE) * solid_angles(height, width)
     total = power.sum()
     if total <= 0:
         return np.zeros(3, np.float32)
@@ -38,7 +37,7 @@ def contrast(environment: Environment) -> float:
     light = network_light(environment)
     if mean_luminance(light) <= 0:
         return 0.0
-    irradiance = _relative_cosines(*light.shape[:2]) @ (light @ _REC709).ravel()
+    irradiance = _relative_cosines(*light.shape[:2]) @ (light @ REC709_LUMINANCE).ravel()
     brightest, darkest = float(irradiance.max()), float(irradiance.min())
     return max(brightest - darkest, 0.0) / (brightest + darkest)
 
@@ -49,7 +48,7 @@ def meter_reading(environment: Environment) -> float:
     In units of the light's level: at least 1, and 0 for a map without light. Does not change with the yaw.
     """
     light = network_light(environment)
-    return float((_relative_cosines(*light.shape[:2]) @ (light @ _REC709).ravel()).max())
+    return float((_relative_cosines(*light.shape[:2]) @ (light @ REC709_LUMINANCE).ravel()).max())
 
 
 @lru_cache(maxsize=2)

@@ -13,8 +13,8 @@ import torch
 import torch.nn.functional as F
 
 from relight_core.face.parsing import INDEX
+from relight_core.imaging.tensor_colour import grey
 from relight_core.lighting.relief import ReliefTransport
-from relight_core.pipeline.hints import grey
 from relight_core.pipeline.stages import Surface
 
 _SKIN = ("skin", "nose", "neck")

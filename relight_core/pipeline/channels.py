@@ -14,7 +14,8 @@ from relight_core.imaging.guided_detail import carry_detail
 from relight_core.imaging.joint_upsampling import JointUpsampler
 from relight_core.imaging.light_change import LightChange, fit_light_change
 from relight_core.imaging.resampling import resize_area, resize_smooth
-from relight_core.pipeline.hints import Effects, grey
+from relight_core.imaging.tensor_colour import grey
+from relight_core.pipeline.hints import Effects
 from relight_core.pipeline.stages import SliderChange, Surface
 
 _PATTERNED = [

@@ -9,15 +9,8 @@ from dataclasses import dataclass
 
 import torch
 
+from relight_core.imaging.tensor_colour import grey
 from relight_core.networks.specular_shadow import Occlusion, SpecularShadowConfig
-
-_GREY = (0.2126, 0.7152, 0.0722)
-
-
-def grey(image: torch.Tensor) -> torch.Tensor:
-    """Rec.709 luminance (B, 1, H, W) of linear (B, 3, H, W)."""
-    weights = torch.tensor(_GREY, device=image.device, dtype=image.dtype)
-    return (image * weights[None, :, None, None]).sum(1, keepdim=True)
 
 
 def specular_shadow_hints(

@@ -11,13 +11,13 @@ import torch.nn.functional as F
 
 from relight_core.face.parsing import INDEX, MIRRORED
 from relight_core.face.silhouette import solid_person
-from relight_core.imaging.tensor_colour import srgb_decode, srgb_encode
+from relight_core.imaging.tensor_colour import grey, srgb_decode, srgb_encode
 from relight_core.lighting.inverse import explain_photo
 from relight_core.lighting.reflection import ReflectionTable
 from relight_core.lighting.relief import ReliefTransport, march_relief
 from relight_core.networks.bundle import NetworkBundle
 from relight_core.networks.specular_shadow import Occlusion
-from relight_core.pipeline.hints import Effects, effects_of, explicit_sum, grey, specular_shadow_hints
+from relight_core.pipeline.hints import Effects, effects_of, explicit_sum, specular_shadow_hints
 
 _RELIEF_UNIT_PX = 64.0
 _DULLNESS = {

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import torch
 
-from relight_core.imaging.tensor_colour import srgb_encode
+from relight_core.imaging.tensor_colour import grey, srgb_encode
 from relight_core.lighting.reflection import ReflectionTable
 from relight_core.networks.composition import CompositionNetwork, encode_radiance
 from relight_core.networks.specular_shadow import SpecularShadowNetwork
-from relight_core.pipeline.hints import Effects, effects_of, explicit_sum, grey, specular_shadow_hints
+from relight_core.pipeline.hints import Effects, effects_of, explicit_sum, specular_shadow_hints
 from relight_core.training.losses import fraction_loss, masked_l1
 
 

@@ -3,8 +3,9 @@
 import pytest
 import torch
 
+from relight_core.imaging.tensor_colour import grey
 from relight_core.networks.specular_shadow import Occlusion, SpecularShadowConfig
-from relight_core.pipeline.hints import Effects, effects_of, explicit_sum, grey, specular_shadow_hints
+from relight_core.pipeline.hints import Effects, effects_of, explicit_sum, specular_shadow_hints
 from relight_core.pipeline.stages import Composed, move_sliders
 
 GAINS = (0.0, 0.5, 1.0, 1.5, 2.0)
