@@ -16,6 +16,8 @@ if TYPE_CHECKING:
     from relight_core.lighting.environment import Environment
 
 PANORAMA_SUFFIXES = (".hdr", ".exr")
+PHOTO_SUFFIXES = (".jpg", ".jpeg", ".png", ".tif", ".tiff", ".webp", ".bmp", ".exr")
+PICTURE_SUFFIXES = (*PHOTO_SUFFIXES, ".hdr")
 
 
 class RelighterLike(Protocol):

@@ -1,0 +1,198 @@
+"""Reading a JSON file that anyone may have written: every value is checked, and nothing of it is ever run.
+
+Wrong kinds, NaN and infinities are refused; numbers that are merely out of range are moved to the nearest end of it
+and noted; unknown settings are left out and noted.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+import stat
+from collections.abc import Mapping
+from pathlib import Path, PurePosixPath, PureWindowsPath
+
+from relight_core.errors import InputError
+from relight_core.imaging.files import file_bytes, whole_file
+
+LARGEST_BYTES = 1_000_000
+MARK = "relight"
+
+
+class Fields:
+    """One object of the file.
+
+    Args:
+        values: what JSON gave.
+        where: for messages, "photo.relight.json, light".
+        notes: what was changed in reading, one line each; added to.
+
+    Raises:
+        InputError: not an object.
+    """
+
+    def __init__(self, values: object, where: str, notes: list[str]) -> None:
+        if not isinstance(values, Mapping):
+            raise InputError(f"{where}: is not a group of settings; the file is damaged")
+        self._values, self._where, self._notes = dict(values), where, notes
+
+    def number(self, key: str, low: float, high: float, default: float) -> float:
+        """A finite number, moved into the range."""
+        value = self._values.pop(key, default)
+        if isinstance(value, bool) or not isinstance(value, int | float) or not _is_finite(value):
+            raise InputError(f"{self._where}: {key} is not a number; mend the file or delete that line")
+        kept = min(max(float(value), low), high)
+        if kept != value:
+            self._notes.append(f"{key} {value:g} is out of range and became {kept:g}")
+        return kept
+
+    def index(self, key: str) -> int | None:
+        """A whole number from 0 to 999, or None."""
+        value = self._values.pop(key, None)
+        if value is None:
+            return None
+        if type(value) is not int or not 0 <= value < 1000:
+            raise InputError(f"{self._where}: {key} is not a count; mend the file or delete that line")
+        return value
+
+    def text(self, key: str, default: str | None = None) -> str:
+        """A string of reasonable length; without a default it has to be there."""
+        value = self._values.pop(key, default)
+        if not isinstance(value, str) or len(value) > 4096 or "\0" in value:
+            raise InputError(f"{self._where}: {key} is missing or not text; the file is damaged")
+        return value
+
+    def group(self, key: str) -> Fields:
+        """An object inside; an empty one where it is missing."""
+        return Fields(self._values.pop(key, {}), f"{self._where}, {key}", self._notes)
+
+    def groups(self, key: str, most: int) -> list[Fields]:
+        """A list of objects, of which at most `most` are read."""
+        values = self._values.pop(key, [])
+        if not isinstance(values, list):
+            raise InputError(f"{self._where}: {key} is not a list; the file is damaged")
+        if len(values) > most:
+            self._notes.append(f"only the first {most} of {len(values)} {key} were read")
+        return [
+            Fields(value, f"{self._where}, {key} {index}", self._notes) for index, value in enumerate(values[:most], 1)
+        ]
+
+    def triple(self, key: str) -> tuple[float, float, float] | None:
+        """Three numbers from 0 to 10000, or None."""
+        values = self._values.pop(key, None)
+        if values is None:
+            return None
+        if not isinstance(values, list) or len(values) != 3:
+            raise InputError(f"{self._where}: {key} is not three numbers; the file is damaged")
+        parts = Fields({f"{key} {index}": value for index, value in enumerate(values)}, self._where, self._notes)
+        red, green, blue = (parts.number(f"{key} {index}", 0.0, 1e4, 0.0) for index in range(3))
+        return red, green, blue
+
+    def finish(self) -> None:
+        """Note what nobody asked for."""
+        for key in sorted(str(key) for key in self._values):
+            self._notes.append(f"unknown setting {key[:40]} was left out")
+
+
+def read_json(path: Path, kind: str, version: int, notes: list[str]) -> Fields:
+    """The top of a file that says it is of this kind and of a version that is known.
+
+    Raises:
+        InputError: unreadable, no JSON, of another kind or of a newer version.
+    """
+    if _is_odd(path):
+        raise InputError(f"{path}: not a {kind} file, or too large for one; choose another")
+    data = file_bytes(path)
+    try:
+        content = json.loads(data.decode("utf-8-sig"), parse_constant=_no_constant)
+    except (ValueError, RecursionError) as error:
+        raise InputError(f"{path}: not a readable {kind} file ({_first_line(error)})") from None
+    fields = Fields(content, str(path), notes)
+    if fields.text(MARK, "") != kind:
+        raise InputError(f"{path}: not a relight {kind} file; choose another")
+    found = fields.index("version")
+    if found is None or found > version:
+        raise InputError(f"{path}: not of a version this relight knows (version {found}); update relight to open it")
+    return fields
+
+
+def write_json(path: Path, kind: str, version: int, content: dict) -> None:
+    """Write a file of this kind, whole or not at all.
+
+    Raises:
+        InputError: a place that can't be written.
+    """
+    text = json.dumps({MARK: kind, "version": version, **content}, indent=1, allow_nan=False, ensure_ascii=False)
+    with whole_file(path) as part:
+        part.write_text(text + "\n", encoding="utf-8")
+
+
+def kind_of(path: Path) -> str | None:
+    """Which kind of file it says it is; None where it isn't one of ours."""
+    if _is_odd(path):
+        return None
+    try:
+        content = json.loads(path.read_text(encoding="utf-8-sig"), parse_constant=_no_constant)
+    except (OSError, ValueError, RecursionError):
+        return None
+    kind = content.get(MARK) if isinstance(content, dict) else None
+    return kind if isinstance(kind, str) else None
+
+
+def path_for_file(target: Path, folder: Path | None) -> str:
+    """How a file names another: relative to its folder, with slashes; in full where that can't be, or for None."""
+    target = Path(os.path.abspath(target))
+    if folder is None:
+        return str(target)
+    try:
+        return Path(os.path.relpath(target, os.path.abspath(folder))).as_posix()
+    except ValueError:
+        # Another drive.
+        return str(target)
+
+
+def path_from_file(text: str, folder: Path, suffixes: tuple[str, ...], where: str) -> Path:
+    """The file that another names. It has to be an ordinary file whose name ends as a picture's does.
+
+    Raises:
+        InputError: a place on the network, a device, no such file, or no picture.
+    """
+    if text.startswith(("//", "\\\\", "~")) or "://" in text:
+        raise InputError(f"{where}: {text:.200} is not a file beside it; mend the file's paths")
+    if os.sep == "/" and PureWindowsPath(text).drive:
+        raise InputError(f"{where}: {text:.200} is a path of another system; mend the file's paths")
+    path = Path(os.path.abspath(folder / PurePosixPath(text)))
+    if path.suffix.lower() not in suffixes:
+        raise InputError(f"{where}: {path.name} is not a kind of picture relight opens; mend the file's paths")
+    try:
+        regular = stat.S_ISREG(os.stat(path).st_mode)
+    except (OSError, ValueError):
+        raise InputError(f"{where}: {path} is not there; move it back, or open it by itself") from None
+    if not regular:
+        raise InputError(f"{where}: {path} is not a regular file; mend the file's paths")
+    return path
+
+
+def _is_odd(path: Path) -> bool:
+    """Whether it is there, but as a device, a pipe or a file far too large."""
+    try:
+        found = os.stat(path)
+    except (OSError, ValueError):
+        return False
+    return not stat.S_ISREG(found.st_mode) or found.st_size > LARGEST_BYTES
+
+
+def _is_finite(value: float) -> bool:
+    try:
+        return math.isfinite(value)
+    except OverflowError:
+        return False
+
+
+def _no_constant(name: str) -> None:
+    raise ValueError(f"{name} is no number")
+
+
+def _first_line(error: Exception) -> str:
+    return (str(error) or type(error).__name__).splitlines()[0][:120]

@@ -1,0 +1,120 @@
+"""A light as the user made it, as JSON: the base it starts from, what was changed, and the soft boxes.
+
+A light file carries one light and its turn; a session carries the same group under "light".
+"""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+
+from app.document.document import LightRef
+from app.document.json_fields import Fields, path_for_file, path_from_file, read_json, write_json
+from app.engine.sources import PICTURE_SUFFIXES
+from relight_core.errors import InputError
+from relight_core.lighting.light_edit import MOST_BOXES, LightEdit
+from relight_core.lighting.rigs import rig_names
+from relight_core.lighting.soft_box import LARGEST_DEG, SMALLEST_DEG, SoftBox
+
+KIND, VERSION = "light", 1
+LIGHT_SUFFIX = ".light.json"
+_LIGHT_RANGES = {
+    "level_ev": (-10.0, 10.0),
+    "base": (0.0, 2.0),
+    "saturation": (0.0, 2.0),
+    "warmth": (-1.0, 1.0),
+    "tint": (-1.0, 1.0),
+    "blur_deg": (0.0, 90.0),
+}
+_BOX_RANGES = {
+    "azimuth_deg": (-180.0, 180.0),
+    "elevation_deg": (-90.0, 90.0),
+    "width_deg": (SMALLEST_DEG, LARGEST_DEG),
+    "height_deg": (SMALLEST_DEG, LARGEST_DEG),
+    "softness": (0.0, 1.0),
+    "kelvin": (1667.0, 25000.0),
+    "intensity": (0.0, 16.0),
+}
+
+
+@dataclass(frozen=True)
+class SavedLight:
+    """What a light file holds.
+
+    Attributes:
+        light: the base.
+        light_edit: what was changed about it.
+        yaw_deg: its turn, [-180, 180].
+        notes: what was mended in reading, a line each.
+    """
+
+    light: LightRef
+    light_edit: LightEdit = field(default_factory=LightEdit)
+    yaw_deg: float = 0.0
+    notes: tuple[str, ...] = ()
+
+
+def write_light(path: Path, saved: SavedLight) -> None:
+    """Write a light file.
+
+    Raises:
+        InputError: a place that can't be written, or a light that only exists inside an open photo.
+    """
+    if saved.light.kind == "own":
+        raise InputError("the photo's own light belongs to that photo; save the session instead")
+    content = {"yaw_deg": saved.yaw_deg, "light": light_content(saved.light, saved.light_edit, path.parent)}
+    write_json(path, KIND, VERSION, content)
+
+
+def read_light(path: Path) -> SavedLight:
+    """Read a light file.
+
+    Raises:
+        InputError: not a light file, or one that can't be used; the line says why.
+    """
+    notes: list[str] = []
+    fields = read_json(path, KIND, VERSION, notes)
+    yaw_deg = fields.number("yaw_deg", -180.0, 180.0, 0.0)
+    light, light_edit = read_light_content(fields.group("light"), path)
+    fields.finish()
+    return SavedLight(light, light_edit, yaw_deg, tuple(notes))
+
+
+def light_content(light: LightRef, edit: LightEdit, folder: Path | None) -> dict:
+    """A light as JSON holds it; file names relative to `folder`, or in full for None."""
+    name = light.name
+    if light.kind in ("panorama", "portrait"):
+        name = path_for_file(Path(name), folder)
+    return {"kind": light.kind, "name": name} | asdict(edit)
+
+
+def read_light_content(fields: Fields, path: Path) -> tuple[LightRef, LightEdit]:
+    """The light in a file's group.
+
+    Args:
+        path: of the file, which names in it are relative to.
+
+    Raises:
+        InputError: a light that isn't there, or values that are none.
+    """
+    kind = fields.text("kind")
+    name = fields.text("name", "")
+    if kind not in ("rig", "panorama", "portrait", "own"):
+        raise InputError(f"{path}: an unknown kind of light {kind[:40]!r}; update relight, or mend the file")
+    if kind == "rig" and name not in rig_names():
+        raise InputError(f"{path}: there is no bundled light {name[:80]!r}; choose another in the file")
+    if kind in ("panorama", "portrait"):
+        name = str(path_from_file(name, path.parent, PICTURE_SUFFIXES, str(path)))
+    defaults = LightEdit()
+    values = {key: fields.number(key, *_LIGHT_RANGES[key], getattr(defaults, key)) for key in _LIGHT_RANGES}
+    boxes = tuple(_box(group) for group in fields.groups("boxes", MOST_BOXES))
+    fields.finish()
+    return LightRef(kind, name if kind != "own" else ""), LightEdit(**values, boxes=boxes)
+
+
+def _box(fields: Fields) -> SoftBox:
+    defaults = SoftBox()
+    values = {key: fields.number(key, *_BOX_RANGES[key], getattr(defaults, key)) for key in _BOX_RANGES}
+    colour = fields.triple("colour")
+    fields.finish()
+    return SoftBox(**values, colour=colour)

@@ -1,0 +1,97 @@
+"""A session: the photo, its light and every slider, as JSON beside the photo."""
+
+from __future__ import annotations
+
+import os
+import re
+from dataclasses import dataclass
+from pathlib import Path
+
+from app.document.document import Document, PhotoRef
+from app.document.json_fields import Fields, path_for_file, path_from_file, read_json, write_json
+from app.document.light_file import light_content, read_light_content
+from app.engine.sources import PICTURE_SUFFIXES
+from relight_core.errors import InputError
+from relight_core.pipeline.edit import Edit
+
+KIND, VERSION = "session", 1
+SESSION_SUFFIX = ".relight.json"
+_EDIT_RANGES = {
+    "yaw_deg": (-180.0, 180.0),
+    "exposure_ev": (-16.0, 16.0),
+    "specular": (0.0, 2.0),
+    "shadow": (0.0, 2.0),
+}
+
+
+@dataclass(frozen=True)
+class Session:
+    """What a session file holds.
+
+    Attributes:
+        document: the work.
+        notes: what was mended in reading, a line each.
+    """
+
+    document: Document
+    notes: tuple[str, ...] = ()
+
+
+def session_path(photo: Path) -> Path:
+    """Where a photo's session is saved: beside it."""
+    return photo.with_name(photo.stem + SESSION_SUFFIX)
+
+
+def write_session(path: Path, document: Document, *, relative: bool = True) -> None:
+    """Write a session file, whole or not at all; replaces an earlier one.
+
+    Args:
+        relative: name files relative to the session, so that a folder can be moved as a whole.
+
+    Raises:
+        InputError: a place that can't be written, or a document without a photo.
+    """
+    if document.photo is None:
+        raise InputError("there is no photo to save a session of; open one first")
+    folder = path.parent if relative else None
+    edit = document.edit
+    content = {
+        "photo": path_for_file(document.photo.path, folder),
+        "face": document.photo.face_index,
+        "light": light_content(document.light, document.light_edit, folder),
+        "edit": {key: getattr(edit, key) for key in _EDIT_RANGES} | {"background": edit.background},
+    }
+    write_json(path, KIND, VERSION, content)
+
+
+def read_session(path: Path) -> Session:
+    """Read a session file and check every value in it.
+
+    Raises:
+        InputError: not a session, or one that can't be used; the line says why.
+    """
+    notes: list[str] = []
+    fields = read_json(path, KIND, VERSION, notes)
+    photo = path_from_file(fields.text("photo"), path.parent, PICTURE_SUFFIXES, str(path))
+    face_index = fields.index("face")
+    light, light_edit = read_light_content(fields.group("light"), path)
+    edit = _edit(fields.group("edit"), path)
+    fields.finish()
+    return Session(Document(PhotoRef(photo, face_index), light, light_edit, edit), tuple(notes))
+
+
+def is_session_place(path: Path) -> bool:
+    """Whether a session may be written there: nothing is there yet, or a session."""
+    from app.document.json_fields import kind_of
+
+    return not os.path.lexists(path) or kind_of(path) == KIND
+
+
+def _edit(fields: Fields, path: Path) -> Edit:
+    defaults = Edit(quality="final")
+    values = {key: fields.number(key, *_EDIT_RANGES[key], getattr(defaults, key)) for key in _EDIT_RANGES}
+    background = fields.text("background", defaults.background)
+    if background not in ("keep", "light", "transparent") and not re.fullmatch(r"#[0-9a-f]{6}", background):
+        raise InputError(f"{path}: unknown background {background[:40]!r}; use keep, light, transparent or #30343a")
+    fields.finish()
+    return Edit(**values, background=background, quality="final")

@@ -1,0 +1,193 @@
+"""Sessions and light files: what was saved comes back; what nobody should trust is refused or mended aloud."""
+
+import json
+import os
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from app.document.document import Document, LightRef, PhotoRef
+from app.document.light_file import SavedLight, read_light, write_light
+from app.document.session_file import is_session_place, read_session, session_path, write_session
+from relight_core.errors import InputError
+from relight_core.lighting.light_edit import LightEdit
+from relight_core.lighting.soft_box import SoftBox
+from relight_core.pipeline.edit import Edit
+
+BOXES = (SoftBox(-60.0, 20.0, 44.0, 12.0, 0.1, 3200.0, None, 1.7), SoftBox(colour=(0.9, 0.1, 0.2)))
+
+
+@pytest.fixture
+def folder(tmp_path):
+    (tmp_path / "shoot").mkdir()
+    for name in ("shoot/me.jpg", "studio.hdr"):
+        (tmp_path / name).write_bytes(b"pixels")
+    return tmp_path / "shoot"
+
+
+@pytest.fixture
+def document(folder):
+    return Document(
+        PhotoRef(folder / "me.jpg", 1),
+        LightRef("panorama", str(folder.parent / "studio.hdr")),
+        LightEdit(1.5, 0.4, 0.7, 0.2, -0.1, 12.0, BOXES),
+        Edit(-35.5, 0.25, 1.5, 0.5, "#30343a", "final"),
+    )
+
+
+def saved(folder, document):
+    path = session_path(folder / "me.jpg")
+    write_session(path, document)
+    return path
+
+
+def tampered(path, **changes):
+    content = json.loads(path.read_text())
+    for key, value in changes.items():
+        *groups, last = key.split("__")
+        place = content
+        for group in groups:
+            place = place[group]
+        place[last] = value
+    path.write_text(json.dumps(content))
+    return path
+
+
+def test_a_session_comes_back_as_it_was(folder, document):
+    path = saved(folder, document)
+    assert path.name == "me.relight.json"
+    session = read_session(path)
+    assert session.document == document
+    assert session.notes == ()
+
+
+def test_a_session_names_files_relative_to_itself_and_moves_with_them(folder, document, tmp_path):
+    path = saved(folder, document)
+    content = json.loads(path.read_text())
+    assert (content["photo"], content["light"]["name"]) == ("me.jpg", "../studio.hdr")
+    assert str(tmp_path) not in path.read_text()
+    moved = tmp_path.parent / f"{tmp_path.name}-moved"
+    tmp_path.rename(moved)
+    assert read_session(moved / "shoot" / path.name).document.photo.path == moved / "shoot" / "me.jpg"
+    moved.rename(tmp_path)
+
+
+@pytest.mark.parametrize("name", ["rembrandt", "ring"])
+def test_a_light_file_carries_the_light_and_its_turn(tmp_path, name):
+    light = SavedLight(LightRef("rig", name), LightEdit(boxes=BOXES, warmth=-1.0), 120.0)
+    write_light(tmp_path / "my.light.json", light)
+    assert read_light(tmp_path / "my.light.json") == light
+
+
+def test_the_light_of_an_open_photo_is_not_one_to_file(tmp_path):
+    with pytest.raises(InputError, match="session"):
+        write_light(tmp_path / "own.light.json", SavedLight(LightRef("own")))
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_values_out_of_range_are_moved_in_and_noted(folder, document):
+    path = tampered(saved(folder, document), edit__shadow=7, light__boxes=[{"width_deg": 900}], light__level_ev=-99)
+    session = read_session(path)
+    assert session.document.edit.shadow == 2.0
+    assert session.document.light_edit.boxes[0].width_deg == 150.0
+    assert session.document.light_edit.level_ev == -10.0
+    assert len(session.notes) == 3
+    assert "shadow 7 is out of range and became 2" in session.notes
+
+
+def test_unknown_settings_are_left_out_and_noted(folder, document):
+    session = read_session(tampered(saved(folder, document), edit__sparkle=3, surprise=[1]))
+    assert session.document == document
+    assert sorted(session.notes) == ["unknown setting sparkle was left out", "unknown setting surprise was left out"]
+
+
+WRONG = [
+    {"edit__shadow": "1"},
+    {"edit__shadow": None},
+    {"edit__shadow": True},
+    {"edit__yaw_deg": 10**400},
+    {"edit": [1]},
+    {"edit__background": "red"},
+    {"light__boxes": {"0": 1}},
+    {"light__boxes": [3]},
+    {"light__boxes": [{"colour": [1, 2]}]},
+    {"light__kind": "spell"},
+    {"light__kind": "rig"},
+    {"face": -1},
+    {"face": 1.5},
+    {"version": 2},
+    {"version": None},
+    {"relight": "light"},
+    {"photo": None},
+    {"photo": "me\0.jpg"},
+]
+
+
+@pytest.mark.parametrize("changes", WRONG, ids=str)
+def test_wrong_values_are_refused_in_one_line_that_names_the_file(folder, document, changes):
+    path = tampered(saved(folder, document), **changes)
+    with pytest.raises(InputError) as refusal:
+        read_session(path)
+    assert str(path) in str(refusal.value)
+    assert "\n" not in str(refusal.value)
+
+
+@pytest.mark.parametrize(
+    "text", ["", "{", "[]", "null", "NaN", '{"relight": "session", "version": 1}', "\x80", "[" * 99999]
+)
+def test_what_is_no_session_is_refused(tmp_path, text):
+    path = tmp_path / "x.relight.json"
+    path.write_text(text, encoding="latin-1")
+    with pytest.raises(InputError):
+        read_session(path)
+
+
+@pytest.mark.parametrize("number", ["NaN", "Infinity", "-Infinity", "1e999"])
+def test_numbers_that_are_none_are_refused(folder, document, number):
+    path = saved(folder, document)
+    path.write_text(path.read_text().replace('"shadow": 0.5', f'"shadow": {number}'))
+    assert number in path.read_text()
+    with pytest.raises(InputError):
+        read_session(path)
+
+
+ESCAPES = ["/etc/passwd", "../../../../etc/passwd", "//host/share/me.jpg", "\\\\host\\share\\me.jpg", "~/me.jpg"]
+ESCAPES += ["https://host/me.jpg", "C:\\me.jpg", ".", "", "missing.jpg", "pipe.jpg", "/dev/zero", "folder.jpg"]
+
+
+@pytest.mark.parametrize("name", ESCAPES)
+def test_a_session_can_only_name_pictures(folder, document, name):
+    os.mkfifo(folder / "pipe.jpg")
+    (folder / "folder.jpg").mkdir()
+    path = tampered(saved(folder, document), photo=name)
+    with pytest.raises(InputError):
+        read_session(path)
+
+
+def test_a_session_replaces_only_a_session(folder, document):
+    path = session_path(folder / "me.jpg")
+    assert is_session_place(path)
+    write_session(path, document)
+    assert is_session_place(path)
+    assert not is_session_place(folder / "me.jpg")
+    path.write_text("my notes")
+    assert not is_session_place(path)
+
+
+def test_there_is_no_session_without_a_photo(tmp_path):
+    with pytest.raises(InputError, match="photo"):
+        write_session(tmp_path / "x.relight.json", Document())
+
+
+def test_a_too_large_file_is_not_read(tmp_path):
+    path = tmp_path / "x.relight.json"
+    path.write_bytes(b" " * 1_000_001)
+    with pytest.raises(InputError, match="too large"):
+        read_session(path)
+
+
+def test_the_quality_of_a_saved_edit_is_final(folder, document):
+    hasty = replace(document, edit=replace(document.edit, quality="live"))
+    assert read_session(saved(folder, hasty)).document == document
+    assert Path(document.photo.path).exists()
