@@ -15,7 +15,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from app.document.document import Document
-from app.document.session_file import read_session, write_session
+from app.document.json_fields import kind_of
+from app.document.session_file import KIND, read_session, write_session
 from relight_core.errors import InputError
 
 QUIET_S, PATIENCE_S = 1.5, 10.0
@@ -87,6 +88,11 @@ class Autosave:
         """Whether something still waits to be written."""
         return self._pending is not None
 
+    @property
+    def keeps(self) -> bool:
+        """Whether the newest document is in the file, or on its way there."""
+        return self._written is not None and self._pending is None
+
     def flush(self) -> None:
         """Write at once what waits."""
         if self._pending is not None:
@@ -137,8 +143,10 @@ def leftovers(folder: Path) -> list[Leftover]:
         try:
             leftover = Leftover(path, read_session(path).document, path.stat().st_mtime)
         except (InputError, OSError) as error:
+            # A photo that is only out of reach for now is no reason to forget the work.
             _log.warning("unsaved work can't be recovered: %s", error)
-            leftover.forget()
+            if kind_of(path) != KIND:
+                leftover.forget()
         else:
             found.append(leftover)
     return sorted(found, key=lambda leftover: -leftover.saved_s)

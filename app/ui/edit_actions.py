@@ -19,6 +19,10 @@ def _save(suffix: str):
     return run
 
 
+def _opened(state: EditorState) -> bool:
+    return state.snapshot.opened is not None
+
+
 def _relit(state: EditorState) -> bool:
     return state.snapshot.picture is not None
 
@@ -52,7 +56,43 @@ HISTORY = (
     ),
 )
 
+
+def _wish(kind: str):
+    return lambda state: state.asking.wish(kind)
+
+
 FILE = (
+    Action("Open a file", _FILE, ("Ctrl+O",), "A portrait, a panorama for the light, or a session", _wish("open_file")),
+    Action(
+        "Open a light",
+        _FILE,
+        ("Ctrl+L",),
+        "A panorama, a light file, or a portrait to borrow it from",
+        _wish("open_light"),
+    ),
+    Action(
+        "Save the session",
+        _FILE,
+        ("Ctrl+S",),
+        "Beside the photo, to go on later",
+        _wish("save_session"),
+        available=_opened,
+    ),
+    Action(
+        "Save the session as",
+        _FILE,
+        ("Ctrl+Shift+S",),
+        "Under another name",
+        _wish("save_session_as"),
+        available=_opened,
+    ),
+    Action("Save the light", _FILE, ("Ctrl+Shift+L",), "The light alone, for other photos", _wish("save_light")),
+    Action(
+        "Next photo", _FILE, ("PageDown",), "Of those that were dropped together", lambda state: state.step_photo(1)
+    ),
+    Action(
+        "Previous photo", _FILE, ("PageUp",), "Of those that were dropped together", lambda state: state.step_photo(-1)
+    ),
     Action("Save a PNG", _FILE, ("E",), "The picture as you see it, 8 bits", _save(".png"), available=_relit),
     Action(
         "Save an EXR",
@@ -69,6 +109,6 @@ GESTURES = (
     Gesture("Drag the panorama", _LIGHT, "Turn the light"),
     Gesture("Double-click a slider", _LIGHT, "Reset it"),
     Gesture("Ctrl-click a slider", _LIGHT, "Type a number"),
-    Gesture("Drop a file", _FILE, "A portrait opens; an .hdr or .exr becomes the light"),
-    Gesture("Drop on the light panel", _FILE, "A portrait lends its light"),
+    Gesture("Drop files", _FILE, "Portraits and sessions open; an .hdr or .exr becomes the light"),
+    Gesture("Drop on the light panel", _FILE, "A portrait lends its light; so with Shift anywhere"),
 )

@@ -10,10 +10,12 @@ from imgui_bundle import imgui
 from app.ui import (
     dividers,
     effects_panel,
+    file_picker,
     filmstrip,
     help_overlay,
     light_panel,
     palette,
+    questions,
     scope_panel,
     shortcuts,
     status_line,
@@ -51,6 +53,8 @@ def draw(state: EditorState, fonts: theme.Fonts, pictures: Pictures, shelf: ligh
     with _panel("status", layout.status, padding=(14.0, 5.0)):
         status_line.draw(state)
     dividers.draw(state, layout)
+    questions.draw(state, layout.viewport)
+    file_picker.draw(state, fonts)
     whole = Rect(0.0, 0.0, io.display_size.x, io.display_size.y)
     help_overlay.draw(state, fonts, whole)
     palette.draw(state, whole)

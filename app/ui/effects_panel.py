@@ -28,12 +28,30 @@ MOST_FACES = 6
 
 def draw(state: EditorState, fonts: theme.Fonts) -> None:
     """The panel's contents, inside its window."""
+    _queue(state)
     _effects(state, fonts)
     widgets.gap(0.8)
     _faces(state, fonts)
     _export(state, fonts)
     widgets.gap(0.8)
     history_panel.draw(state, fonts)
+
+
+def _queue(state: EditorState) -> None:
+    """Which of the photos that were brought together is open, and the way to the others."""
+    if len(state.queue.paths) < 2:
+        return
+    em = imgui.get_font_size()
+    for label, by, tooltip in (("‹", -1, "The photo before.  Page up"), ("›", 1, "The next photo.  Page down")):
+        imgui.begin_disabled(state.queue.step(by) is None)
+        if imgui.button(label, imgui.ImVec2(2.0 * em, 0.0)):
+            state.step_photo(by)
+        imgui.end_disabled()
+        imgui.set_item_tooltip(tooltip)
+        imgui.same_line(0.0, 4.0)
+    imgui.align_text_to_frame_padding()
+    imgui.text_disabled(f"Photo {state.queue.label}")
+    widgets.gap(0.4)
 
 
 def _effects(state: EditorState, fonts: theme.Fonts) -> None:

@@ -16,6 +16,8 @@ _NAMED = {
     "=": "equal",
     "-": "minus",
     "\\": "backslash",
+    "PageDown": "page_down",
+    "PageUp": "page_up",
 }
 _ALSO = {"=": "keypad_add", "-": "keypad_subtract"} | {str(digit): f"keypad{digit}" for digit in range(10)}
 

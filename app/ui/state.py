@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
@@ -10,8 +11,10 @@ from app.document.history import History
 from app.engine.exporting import default_export_path
 from app.engine.snapshot import Message, Snapshot
 from app.engine.sources import LightSource, PhotoSource, Request
+from app.ui.asking import Asking, FileRequest
 from app.ui.layout import Panels
 from app.ui.look import LookState
+from app.ui.photo_queue import PhotoQueue
 from app.ui.view import View
 from relight_core.lighting.light_edit import LightEdit
 from relight_core.pipeline.edit import Edit
@@ -33,6 +36,16 @@ CHANNELS: tuple[tuple[str, str, str], ...] = (
 """Name, title and explanation of everything the filmstrip shows, in its order; number keys count along."""
 
 
+@dataclass(frozen=True)
+class _Opening:
+    """A session that was asked for: the wish, its file, what the file holds, and the work before."""
+
+    wish: PhotoSource
+    path: Path | None
+    document: Document
+    before: Document
+
+
 @dataclass
 class EditorState:
     """The editor at one moment.
@@ -42,6 +55,11 @@ class EditorState:
         extra_lights: lights beyond the bundled ones, newest first.
         edit: the sliders.
         light_edit: what the user changed about the light.
+        queue: the photos that were brought together.
+        session_path: the file the work was last saved to or opened from.
+        kept: the document as that file has it, or as the photo was opened; None before there is a photo.
+        asking: what the window and the user ask each other.
+        picking: what our own file dialog asks for, while it is open.
         history: for undo and redo.
         history_seen: how many steps the list had, and which was in force, when it last scrolled to it.
         shown: which entry of CHANNELS fills the viewport.
@@ -67,6 +85,11 @@ class EditorState:
     extra_lights: list[LightSource] = field(default_factory=list)
     edit: Edit = field(default_factory=Edit)
     light_edit: LightEdit = field(default_factory=LightEdit)
+    queue: PhotoQueue = field(default_factory=PhotoQueue)
+    session_path: Path | None = None
+    kept: Document | None = None
+    asking: Asking = field(default_factory=Asking)
+    picking: FileRequest | None = None
     history: History = field(default_factory=History)
     history_seen: tuple[int, int] = (0, -1)
     shown: str = RESULT
@@ -86,6 +109,7 @@ class EditorState:
     asked_light: LightEdit = field(default_factory=LightEdit)
     snapshot: Snapshot = field(default_factory=Snapshot)
     light_panel: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 0.0)
+    _opening: _Opening | None = None
 
     def request(self) -> Request:
         """What the engine is to work toward: quick while the hand moves something, finished when it rests."""
@@ -135,6 +159,39 @@ class EditorState:
         """Ask for another portrait."""
         self.photo = PhotoSource(path, face_index)
 
+    def open_photos(self, paths: Sequence[Path]) -> None:
+        """Ask for the first of several portraits; the others wait in the queue."""
+        self.queue = PhotoQueue(tuple(paths))
+        self.open_photo(paths[0])
+
+    def step_photo(self, by: int) -> None:
+        """Ask for a photo further on in the queue."""
+        queue = self.queue.step(by)
+        if queue is not None:
+            self.queue = queue
+            self.open_photo(queue.current)
+
+    def open_session(self, document: Document, path: Path | None) -> None:
+        """Ask for work that was saved; everything comes back as it is now if its photo can't be opened.
+
+        Args:
+            path: its file, where it will be saved again; None for work that no session file holds.
+        """
+        before = self.document()
+        self.photo = PhotoSource(document.photo.path, document.photo.face_index)
+        self._opening = _Opening(self.photo, path, document, before)
+        self.restore(document)
+
+    def use_light(self, light: LightRef, light_edit: LightEdit, yaw_deg: float) -> None:
+        """Ask for a light with everything that was changed about it."""
+        self.choose_light(light.source())
+        self.light_edit = light_edit
+        self.change(yaw_deg=yaw_deg)
+
+    def is_unsaved(self) -> bool:
+        """Whether there is work that no session file holds."""
+        return self.kept is not None and self.photo is not None and self.document() != self.kept
+
     def choose_face(self, index: int) -> None:
         """Ask for another face of the open photo."""
         if self.snapshot.opened:
@@ -150,6 +207,7 @@ class EditorState:
         opened_before = self.snapshot.opened
         self.snapshot = snapshot
         if self.photo in snapshot.refused:
+            self._give_up_opening()
             self.photo = snapshot.opened.source if snapshot.opened else None
         if self.light in snapshot.refused:
             self.light = snapshot.light.source if snapshot.light else LightSource("rig", FIRST_LIGHT)
@@ -159,6 +217,7 @@ class EditorState:
         if snapshot.opened and (opened_before is None or snapshot.opened.photo is not opened_before.photo):
             self.export_path = str(default_export_path(snapshot.opened.source.path))
             self.shown = RESULT
+            self._begin_work()
 
     def message(self) -> Message | None:
         """The line to show: the engine's newest, unless it was put away."""
@@ -173,6 +232,21 @@ class EditorState:
         if self.shown == PHOTO or picture is None or picture.opened is not self.snapshot.opened:
             return PHOTO
         return self.shown if self.shown == RESULT or self.shown in picture.channels else RESULT
+
+    def _give_up_opening(self) -> None:
+        if self._opening and self._opening.wish is self.photo:
+            self.restore(replace(self._opening.before, photo=None))
+            self._opening = None
+
+    def _begin_work(self) -> None:
+        """A photo has been opened: from here on, changes are work."""
+        opening = self._opening
+        if opening and opening.wish is self.photo:
+            self.session_path = opening.path
+            self.kept = opening.document if opening.path else Document()
+        else:
+            self.session_path, self.kept = None, self.document()
+        self._opening = None
 
     def _is_in_force(self) -> bool:
         """Whether the photo and the light that were asked for are there, so that neither can still be refused."""

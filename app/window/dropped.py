@@ -5,28 +5,105 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-from app.engine.sources import LightSource
+from app.document.json_fields import kind_of
+from app.document.light_file import read_light
+from app.document.session_file import read_session
+from app.engine.sources import PHOTO_SUFFIXES, LightSource
 from app.ui.state import EditorState
+from relight_core.errors import InputError
+
+_USABLE = "a photo (JPEG, PNG, TIFF, WebP, EXR), a panorama (.hdr, .exr) or a session"
 
 
-def take_files(state: EditorState, paths: Sequence[Path], x: float, y: float) -> None:
-    """Open dropped files: the first photo as the portrait, the first panorama as the light.
+def take_files(state: EditorState, paths: Sequence[Path], x: float, y: float, as_light: bool = False) -> None:
+    """Open dropped files: photos as portraits, the first panorama as the light, a session as it was saved.
 
-    A file dropped on the light panel is a light, a portrait there being one whose light is borrowed.
+    On the light panel, or `as_light`, the first file is a light: a portrait there lends the one it was taken in.
+    Several photos, or a folder of them, become a queue. What can't be used is told; the rest stays as it is.
 
     Args:
         x, y: where they were dropped, in window units.
     """
     x0, y0, x1, y1 = state.light_panel
-    if x0 <= x < x1 and y0 <= y < y1:
-        state.choose_light(LightSource.named(str(paths[0])))
-        return
-    lights = [path for path in paths if is_panorama(path)]
-    photos = [path for path in paths if path not in lights]
+    try:
+        if as_light or (x0 <= x < x1 and y0 <= y < y1):
+            use_as_light(state, paths[0])
+        else:
+            _open(state, paths)
+    except InputError as error:
+        state.asking.tell(str(error), True)
+
+
+def use_as_light(state: EditorState, path: Path) -> None:
+    """Make a file the light: a panorama, a portrait to borrow from, a light file, or a session's light.
+
+    Raises:
+        InputError: a folder, or a light file or session that can't be read.
+    """
+    if path.is_dir():
+        raise InputError(f"{path.name} is a folder; drop a panorama or a portrait on the light panel")
+    kind = kind_of(path) if path.suffix.lower() == ".json" else None
+    if kind == "session":
+        document = read_session(path).document
+        state.use_light(document.light, document.light_edit, document.edit.yaw_deg)
+    elif path.suffix.lower() == ".json":
+        saved = read_light(path)
+        state.use_light(saved.light, saved.light_edit, saved.yaw_deg)
+        _tell_notes(state, path, saved.notes)
+    else:
+        state.choose_light(LightSource.named(str(path)))
+
+
+def open_session(state: EditorState, path: Path) -> None:
+    """Open a session file.
+
+    Raises:
+        InputError: it can't be read, or its photo isn't there.
+    """
+    session = read_session(path)
+    state.open_session(session.document, path)
+    _tell_notes(state, path, session.notes)
+
+
+def _open(state: EditorState, paths: Sequence[Path]) -> None:
+    files = [file for path in paths for file in (_photos_in(path) if path.is_dir() else [path])]
+    ours = [path for path in files if path.suffix.lower() == ".json"]
+    lights = [path for path in files if path not in ours and is_panorama(path)]
+    photos = [path for path in files if path not in ours and path not in lights]
+    if len(photos) > 1:
+        odd = [path for path in photos if path.suffix.lower() not in PHOTO_SUFFIXES]
+        photos = [path for path in photos if path not in odd]
+        if odd:
+            more = f" and {len(odd) - 1} more" if len(odd) > 1 else ""
+            state.asking.tell(f"{odd[0].name}{more} left out; relight opens {_USABLE}", True)
+    if not files:
+        raise InputError(f"{paths[0].name}: there are no photos in this folder; drop {_USABLE}")
+    for path in ours[:1]:
+        if kind_of(path) == "light":
+            use_as_light(state, path)
+        else:
+            open_session(state, path)
     if lights:
         state.choose_light(LightSource("panorama", str(lights[0])))
     if photos:
-        state.open_photo(photos[0])
+        state.open_photos(photos)
+
+
+def _photos_in(folder: Path) -> list[Path]:
+    try:
+        inside = sorted(folder.iterdir())
+    except OSError as error:
+        raise InputError(f"{folder}: can't be read ({error.strerror}); check its permissions") from error
+    return [
+        path
+        for path in inside
+        if path.suffix.lower() in PHOTO_SUFFIXES and not path.name.startswith(".") and not is_panorama(path)
+    ]
+
+
+def _tell_notes(state: EditorState, path: Path, notes: Sequence[str]) -> None:
+    if notes:
+        state.asking.tell(f"{path.name}: {'; '.join(notes)}", True)
 
 
 def is_panorama(path: Path) -> bool:

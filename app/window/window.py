@@ -19,6 +19,7 @@ from app.ui.binding import Binding
 from app.ui.effects_panel import export_path
 from app.ui.light_panel import Shelf
 from app.ui.state import EditorState
+from app.window.deeds import Deeds
 from app.window.dropped import take_files
 from app.window.gl_pictures import GlPictures
 from app.window.gl_textures import Canvas
@@ -29,6 +30,7 @@ SIZE = (1440, 900)
 _LIVELY_S = 0.7
 _LIVELY_STEP_S = 0.03
 _CURSOR_BLINK_S = 0.25
+_DEEDS_STEP_S = 0.1
 
 
 class EditorWindow:
@@ -71,6 +73,7 @@ class EditorWindow:
         self.exporter = Exporter(self.engine.say)
         self.pictures = GlPictures(self.context, self.shelf, theme.CANVAS_SRGB)
         self._binding = Binding(self.handle, self._scale(glfw.get_window_content_scale(self.handle)[0]))
+        self._deeds = Deeds(self.state, self.engine.say, settings_path.parent if settings_path else None)
         self._submitted = Request()
         self._lively_until = time.monotonic() + _LIVELY_S
         self._title = ""
@@ -119,6 +122,7 @@ class EditorWindow:
         """Keep the settings, finish exports, end the threads, free everything."""
         self._memory.keep(self.state, glfw.get_window_size(self.handle))
         glfw.hide_window(self.handle)
+        self._deeds.close()
         self.shelf.close()
         self.engine.close()
         self.exporter.close()
@@ -165,7 +169,8 @@ class EditorWindow:
         """Files were dropped, where the mouse is unless `position` says otherwise."""
         x, y = position or glfw.get_cursor_pos(self.handle)
         if paths:
-            take_files(self.state, [Path(path) for path in paths], x, y)
+            shift = any(glfw.get_key(self.handle, key) for key in (glfw.KEY_LEFT_SHIFT, glfw.KEY_RIGHT_SHIFT))
+            take_files(self.state, [Path(path) for path in paths], x, y, as_light=shift)
 
     def _listen(self) -> None:
         handle = self.handle
@@ -193,6 +198,8 @@ class EditorWindow:
                 self._lively_until = time.monotonic() + _LIVELY_S
         elif self._binding.wants_text():
             glfw.wait_events_timeout(_CURSOR_BLINK_S)
+        elif self._deeds.waiting:
+            glfw.wait_events_timeout(_DEEDS_STEP_S)
         else:
             self._memory.keep(self.state, glfw.get_window_size(self.handle))
             glfw.wait_events()
@@ -213,6 +220,7 @@ class EditorWindow:
         """Do what the panels have asked for."""
         request, last = self.state.request(), self._submitted
         self.state.remember(time.monotonic())
+        self._deeds.act(time.monotonic())
         if not request.same_as(last):
             self._submitted = request
             self.engine.submit(request)

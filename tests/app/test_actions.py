@@ -7,7 +7,23 @@ from app.ui.actions import Action, Chord, matching, parse_chord
 from app.ui.help_overlay import groups
 from app.ui.state import EditorState
 
-NAMED_KEYS = {"Left", "Right", "Up", "Down", "Space", "Escape", "Tab", "F1", "F6", "F7", "F8", "Home", "Delete"}
+NAMED_KEYS = {
+    "Left",
+    "Right",
+    "Up",
+    "Down",
+    "Space",
+    "Escape",
+    "PageDown",
+    "PageUp",
+    "Tab",
+    "F1",
+    "F6",
+    "F7",
+    "F8",
+    "Home",
+    "Delete",
+}
 
 
 def named(name):

@@ -42,3 +42,39 @@ def test_what_falls_on_the_light_panel_is_a_light(state):
     take_files(state, [Path("friend.jpg")], 100.0, 100.0)
     assert state.photo is None
     assert (state.light.kind, state.light.name) == ("portrait", "friend.jpg")
+
+
+def test_several_photos_and_folders_become_a_queue_without_what_is_no_photo(state, tmp_path):
+    folder = tmp_path / "shoot"
+    folder.mkdir()
+    for name in ("b.jpg", "a.PNG", "notes.txt", ".hidden.jpg"):
+        (folder / name).touch()
+    take_files(state, [folder, Path("c.tif"), Path("d.doc")], *ELSEWHERE)
+    assert [path.name for path in state.queue.paths] == ["a.PNG", "b.jpg", "c.tif"]
+    assert state.photo.path.name == "a.PNG"
+    assert "d.doc" in state.asking.notices[0][0]
+    state.step_photo(1)
+    state.step_photo(1)
+    state.step_photo(1)
+    assert state.photo.path.name == "c.tif"
+    assert state.queue.label == "3 of 3"
+    state.step_photo(-1)
+    assert state.photo.path.name == "b.jpg"
+
+
+def test_an_empty_folder_and_a_bad_session_are_told_and_change_nothing(state, tmp_path):
+    (tmp_path / "empty").mkdir()
+    (tmp_path / "x.relight.json").write_text("{")
+    before = state.document()
+    for path in (tmp_path / "empty", tmp_path / "x.relight.json"):
+        take_files(state, [path], *ELSEWHERE)
+        take_files(state, [path], 100.0, 100.0)
+    assert len(state.asking.notices) == 4
+    assert all(is_error and "\n" not in text for text, is_error in state.asking.notices)
+    assert state.document() == before
+
+
+def test_with_shift_a_portrait_lends_its_light_anywhere(state):
+    take_files(state, [Path("friend.jpg")], *ELSEWHERE, as_light=True)
+    assert state.photo is None
+    assert (state.light.kind, state.light.name) == ("portrait", "friend.jpg")

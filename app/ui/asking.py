@@ -1,0 +1,95 @@
+"""What the program asks the user, what it tells, and what the user asks of the window: plain records."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+_DIALOGS = ("open", "save", "folder")
+
+
+@dataclass(frozen=True)
+class Wish:
+    """Something only the window can do: it touches files, threads or the system.
+
+    Attributes:
+        kind: the name of a method of app.window.deeds.Deeds.
+        path: what it is about, if anything.
+    """
+
+    kind: str
+    path: Path | None = None
+
+
+@dataclass(frozen=True)
+class Question:
+    """A line with a few buttons; it waits in the viewport and blocks nothing.
+
+    Attributes:
+        key: names it; asking the same again replaces it.
+        text: one or two plain sentences.
+        choices: label and what is done of each button; the first is the one Enter would mean.
+    """
+
+    key: str
+    text: str
+    choices: tuple[tuple[str, Callable[[], None]], ...]
+
+
+@dataclass
+class FileRequest:
+    """A file the user is asked for.
+
+    Attributes:
+        kind: "open" (one or more files), "save" (one that may not exist) or "folder".
+        title: what for.
+        start: the folder, or for "save" the file, to start from.
+        suffixes: of the files that are of use, each with its dot; none for all.
+        then: given what was chosen, at least one path; not called when the user thought better of it.
+        text: what is typed in our own dialog.
+    """
+
+    kind: str
+    title: str
+    start: Path
+    then: Callable[[list[Path]], None]
+    suffixes: Sequence[str] = ()
+    text: str = field(default="")
+
+    def __post_init__(self) -> None:
+        if self.kind not in _DIALOGS:
+            raise ValueError(f"no dialog of kind {self.kind!r}")
+        self.text = self.text or str(self.start)
+
+
+@dataclass
+class Asking:
+    """The talk between the window and the user.
+
+    Attributes:
+        wishes: to be done after this frame.
+        questions: open ones, oldest first.
+        notices: lines to tell, with whether each is an error.
+    """
+
+    wishes: list[Wish] = field(default_factory=list)
+    questions: list[Question] = field(default_factory=list)
+    notices: list[tuple[str, bool]] = field(default_factory=list)
+
+    def wish(self, kind: str, path: Path | None = None) -> None:
+        """Ask the window to do something."""
+        self.wishes.append(Wish(kind, path))
+
+    def tell(self, text: str, is_error: bool = False) -> None:
+        """Put a line into the status line, where it stays."""
+        self.notices.append((text, is_error))
+
+    def ask(self, question: Question) -> None:
+        """Ask something."""
+        self.drop(question.key)
+        self.questions.append(question)
+
+    def drop(self, key: str) -> None:
+        """Take a question back."""
+        self.questions = [question for question in self.questions if question.key != key]

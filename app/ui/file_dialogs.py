@@ -1,0 +1,103 @@
+"""The system's own file dialogs, or a small one of ours where it has none. Never waits."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+from imgui_bundle import portable_file_dialogs as native
+
+from app.ui.asking import FileRequest
+
+_LINUX_HELPERS = ("zenity", "kdialog", "matedialog", "qarma")
+
+
+class FileDialogs:
+    """At most one dialog at a time; a second wish while one is open is ignored.
+
+    Args:
+        has_native: whether the system's dialogs may be used; None finds out.
+    """
+
+    def __init__(self, has_native: bool | None = None) -> None:
+        self._has_native = has_native_dialogs() if has_native is None else has_native
+        self._dialog: object | None = None
+        self._request: FileRequest | None = None
+
+    @property
+    def waiting(self) -> bool:
+        """Whether a dialog of the system is open, so that `poll` has to be called now and then."""
+        return self._dialog is not None
+
+    def ask(self, request: FileRequest) -> FileRequest | None:
+        """Open a dialog; returns the request back where ours is to be drawn instead."""
+        if self._dialog is not None:
+            return None
+        if not self._has_native:
+            return request
+        self._request, self._dialog = request, _opened(request)
+        return None
+
+    def poll(self) -> None:
+        """Take over what the user has chosen, if he has."""
+        if self._dialog is None or not self._dialog.ready(0):
+            return
+        dialog, request = self._dialog, self._request
+        self._dialog = self._request = None
+        chosen = dialog.result()
+        paths = [Path(text) for text in ([chosen] if isinstance(chosen, str) else chosen) if text]
+        if paths:
+            request.then(paths)
+
+    def close(self) -> None:
+        """Put an open dialog away."""
+        if self._dialog is not None:
+            self._dialog.kill()
+            self._dialog = None
+
+
+def has_native_dialogs() -> bool:
+    """Whether this system can show its own dialogs; elsewhere than on Linux it always can."""
+    if sys.platform in ("darwin", "win32"):
+        return True
+    return any(shutil.which(helper) for helper in _LINUX_HELPERS)
+
+
+def candidates(text: str, suffixes: Sequence[str], most: int = 200) -> list[Path]:
+    """What our own dialog lists for a typed path: folders first, then files of use whose names begin as typed.
+
+    Hidden ones are left out unless the typed name begins with a dot.
+    """
+    typed = Path(os.path.expanduser(text or "."))
+    is_folder = text.endswith((os.sep, "/")) or not text
+    folder, begins = (typed, "") if is_folder else (typed.parent, typed.name.lower())
+    try:
+        inside = sorted(folder.iterdir(), key=lambda path: path.name.lower())
+    except OSError:
+        return []
+    shown = [
+        path
+        for path in inside
+        if path.name.lower().startswith(begins) and (begins.startswith(".") or not path.name.startswith("."))
+    ]
+    folders = [path for path in shown if path.is_dir()]
+    files = [
+        path for path in shown if path not in folders and (not suffixes or path.name.lower().endswith(tuple(suffixes)))
+    ]
+    return (folders + files)[:most]
+
+
+def _opened(request: FileRequest) -> object:
+    start = str(request.start)
+    filters = (
+        ["Files relight opens", " ".join(f"*{suffix}" for suffix in request.suffixes)] if request.suffixes else None
+    )
+    if request.kind == "folder":
+        return native.select_folder(request.title, start)
+    if request.kind == "save":
+        # relight asks itself before it replaces anything.
+        return native.save_file(request.title, start, filters, native.opt.force_overwrite)
+    return native.open_file(request.title, start, filters, native.opt.multiselect)

@@ -1,0 +1,70 @@
+"""Our own file dialog, for systems that have none: a path that is typed, and what there is to click."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+from imgui_bundle import imgui
+
+from app.ui import theme, widgets
+from app.ui.asking import FileRequest
+from app.ui.file_dialogs import candidates
+from app.ui.state import EditorState
+
+_FLAGS = imgui.WindowFlags_.no_decoration | imgui.WindowFlags_.no_move | imgui.WindowFlags_.no_saved_settings
+_ROWS = 12
+
+
+def draw(state: EditorState, fonts: theme.Fonts) -> None:
+    """The dialog, in the middle of the window, while there is something to ask for."""
+    request = state.picking
+    if request is None:
+        return
+    io, em = imgui.get_io(), imgui.get_font_size()
+    width = min(40 * em, io.display_size.x - 2 * em)
+    imgui.set_next_window_pos(
+        imgui.ImVec2(io.display_size.x / 2, io.display_size.y / 2), imgui.Cond_.always, imgui.ImVec2(0.5, 0.5)
+    )
+    imgui.set_next_window_size(imgui.ImVec2(width, (_ROWS + 7) * 1.5 * em))
+    imgui.push_style_var(imgui.StyleVar_.window_border_size, 1.0)
+    imgui.begin("file", None, _FLAGS)
+    widgets.heading(fonts, request.title)
+    if imgui.is_window_appearing():
+        imgui.set_keyboard_focus_here()
+    imgui.set_next_item_width(-1.0)
+    entered, request.text = imgui.input_text("##path", request.text, imgui.InputTextFlags_.enter_returns_true)
+    _rows(request)
+    _buttons(state, request, entered)
+    imgui.end()
+    imgui.pop_style_var()
+
+
+def _rows(request: FileRequest) -> None:
+    em = imgui.get_font_size()
+    imgui.begin_child("rows", imgui.ImVec2(0.0, _ROWS * 1.5 * em))
+    folder = Path(os.path.expanduser(request.text))
+    above = folder.parent if request.text.endswith(os.sep) else folder.parent.parent
+    if imgui.selectable("..", False)[0]:
+        request.text = os.path.join(above, "")
+    for path in candidates(request.text, request.suffixes):
+        is_folder = path.is_dir()
+        if imgui.selectable(f"{path.name}{os.sep if is_folder else ''}", False)[0]:
+            request.text = os.path.join(path, "") if is_folder else str(path)
+    imgui.end_child()
+
+
+def _buttons(state: EditorState, request: FileRequest, entered: bool) -> None:
+    path = Path(os.path.expanduser(request.text))
+    fits = path.is_dir() if request.kind == "folder" else bool(path.name) and not path.is_dir()
+    if request.kind == "open":
+        fits = fits and path.exists()
+    imgui.begin_disabled(not fits)
+    chosen = imgui.button({"open": "Open", "save": "Save", "folder": "Choose"}[request.kind])
+    imgui.end_disabled()
+    imgui.same_line()
+    if imgui.button("Cancel") or imgui.is_key_pressed(imgui.Key.escape):
+        state.picking = None
+    elif fits and (chosen or entered):
+        state.picking = None
+        request.then([path])

@@ -1,0 +1,34 @@
+"""The photos that were brought together, one of which is open."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+
+@dataclass(frozen=True)
+class PhotoQueue:
+    """Photos in the order in which they were dropped.
+
+    Attributes:
+        paths: the files.
+        at: which of them was asked for last.
+    """
+
+    paths: tuple[Path, ...] = ()
+    at: int = 0
+
+    @property
+    def current(self) -> Path | None:
+        """The file that was asked for last."""
+        return self.paths[self.at] if self.paths else None
+
+    def step(self, by: int) -> PhotoQueue | None:
+        """The queue some photos further on, or None beyond its ends."""
+        at = self.at + by
+        return PhotoQueue(self.paths, at) if 0 <= at < len(self.paths) else None
+
+    @property
+    def label(self) -> str:
+        """ "2 of 7"."""
+        return f"{self.at + 1} of {len(self.paths)}"

@@ -1,0 +1,65 @@
+"""Open questions, as cards at the top of the viewport."""
+
+from __future__ import annotations
+
+from imgui_bundle import imgui
+
+from app.ui import theme
+from app.ui.asking import Question
+from app.ui.layout import Rect
+from app.ui.state import EditorState
+
+_FLAGS = (
+    imgui.WindowFlags_.no_decoration
+    | imgui.WindowFlags_.no_move
+    | imgui.WindowFlags_.no_saved_settings
+    | imgui.WindowFlags_.always_auto_resize
+    | imgui.WindowFlags_.no_nav
+)
+
+
+def draw(state: EditorState, viewport: Rect) -> None:
+    """Every open question, one under the other."""
+    em = imgui.get_font_size()
+    top = viewport.y + em
+    for question in list(state.asking.questions):
+        top += _card(state, question, viewport, top) + 0.5 * em
+
+
+def _card(state: EditorState, question: Question, viewport: Rect, top: float) -> float:
+    em = imgui.get_font_size()
+    width = min(34 * em, viewport.width - 2 * em)
+    imgui.set_next_window_pos(imgui.ImVec2(viewport.x + (viewport.width - width) / 2, top))
+    imgui.set_next_window_size(imgui.ImVec2(width, 0.0))
+    imgui.push_style_color(imgui.Col_.window_bg, imgui.ImVec4(0.17, 0.17, 0.17, 0.98))
+    imgui.push_style_var(imgui.StyleVar_.window_rounding, 6.0)
+    imgui.push_style_var(imgui.StyleVar_.window_border_size, 1.0)
+    imgui.begin(f"question {question.key}", None, _FLAGS)
+    imgui.push_text_wrap_pos(0.0)
+    imgui.text(question.text)
+    imgui.pop_text_wrap_pos()
+    _buttons(state, question)
+    height = imgui.get_window_height()
+    imgui.end()
+    imgui.pop_style_var(2)
+    imgui.pop_style_color()
+    return height
+
+
+def _buttons(state: EditorState, question: Question) -> None:
+    padding = 1.6 * imgui.get_font_size()
+    widths = [imgui.calc_text_size(label).x + padding for label, _ in question.choices]
+    spacing = imgui.get_style().item_spacing.x
+    room = imgui.get_content_region_avail().x - sum(widths) - spacing * (len(widths) - 1)
+    imgui.set_cursor_pos_x(imgui.get_cursor_pos_x() + max(0.0, room))
+    for index, (label, act) in enumerate(question.choices):
+        if index:
+            imgui.same_line()
+        else:
+            imgui.push_style_color(imgui.Col_.text, imgui.ImVec4(*theme.ACCENT))
+        clicked = imgui.button(label, imgui.ImVec2(widths[index], 0.0))
+        if not index:
+            imgui.pop_style_color()
+        if clicked:
+            state.asking.drop(question.key)
+            act()

@@ -1,0 +1,238 @@
+"""What the panels ask of the window: files, dialogs, sessions, recovery. One method for each kind of wish."""
+
+from __future__ import annotations
+
+import os
+import time
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+from app.document.autosave import Autosave, Leftover, leftovers
+from app.document.json_fields import kind_of
+from app.document.light_file import LIGHT_SUFFIX, SavedLight, write_light
+from app.document.session_file import SESSION_SUFFIX, is_session_place, session_path, write_session
+from app.engine.exporting import free_path
+from app.engine.sources import PICTURE_SUFFIXES
+from app.ui.asking import FileRequest, Question
+from app.ui.file_dialogs import FileDialogs
+from app.ui.state import EditorState
+from app.window.dropped import take_files, use_as_light
+from app.window.recent_lights import RecentLights
+from relight_core.errors import InputError
+
+_NOWHERE = (-1.0, -1.0)
+
+
+class Deeds:
+    """Carries out the wishes of a state.
+
+    Args:
+        state: whose wishes.
+        say: tells a line, and whether it is an error.
+        folder: where unsaved work and recent lights are kept; None keeps neither.
+        dialogs: the file dialogs.
+    """
+
+    def __init__(
+        self,
+        state: EditorState,
+        say: Callable[[str, bool], None],
+        folder: Path | None,
+        dialogs: FileDialogs | None = None,
+    ) -> None:
+        self._state, self._say = state, say
+        self._dialogs = dialogs or FileDialogs()
+        self._pool = ThreadPoolExecutor(max_workers=1, thread_name_prefix="relight-autosave")
+        self._autosave = Autosave(folder / "unsaved", self._pool.submit) if folder else None
+        self._recent = RecentLights(folder / "recent-lights.json") if folder else None
+        self._restored: Leftover | None = None
+        self._photo: object | None = None
+        self._closed = False
+        if folder:
+            self._recent.recall(state)
+            for leftover in leftovers(folder / "unsaved")[:3]:
+                self._offer(leftover)
+
+    @property
+    def waiting(self) -> bool:
+        """Whether `act` has to be called now and then although nothing happens."""
+        return self._dialogs.waiting or (self._autosave is not None and self._autosave.due)
+
+    def act(self, now_s: float) -> None:
+        """Do what was asked for in this frame, and look after unsaved work."""
+        asking = self._state.asking
+        wishes, asking.wishes = asking.wishes, []
+        for wish in wishes:
+            try:
+                getattr(self, wish.kind)(*([wish.path] if wish.path else []))
+            except InputError as error:
+                asking.tell(str(error), True)
+        self._dialogs.poll()
+        self._look_for_a_session()
+        self._keep(now_s)
+        notices, asking.notices = asking.notices, []
+        for text, is_error in notices:
+            self._say(text, is_error)
+
+    def close(self) -> None:
+        """Let go of everything; unsaved work stays in its file. Safe to call twice."""
+        self._dialogs.close()
+        if self._autosave is not None and not self._closed:
+            self._autosave.update(self._state.document(), self._state.is_unsaved(), time.monotonic())
+            self._autosave.close()
+        self._closed = True
+        self._pool.shutdown(wait=True)
+
+    def open_file(self) -> None:
+        """Choose files to open, as if they were dropped on the picture."""
+        suffixes = (*PICTURE_SUFFIXES, ".json")
+        self._ask("open", "Open a photo, a light or a session", suffixes, lambda paths: self._take(paths))
+
+    def open_light(self) -> None:
+        """Choose a light."""
+        self._ask("open", "Open a light", (*PICTURE_SUFFIXES, ".json"), lambda paths: self._take_light(paths[0]))
+
+    def save_session(self) -> None:
+        """Save to the session's file; the first time beside the photo."""
+        state = self._state
+        photo = state.document().photo
+        if photo is None:
+            raise InputError("there is no photo to save a session of; open one first")
+        path = state.session_path
+        if path is None:
+            path = session_path(photo.path)
+            if os.path.lexists(path):
+                self._ask_to_replace(path, self._write_session)
+                return
+        self._write_session(path)
+
+    def save_session_as(self) -> None:
+        """Choose where to save the session."""
+        photo = self._state.document().photo
+        if photo is None:
+            raise InputError("there is no photo to save a session of; open one first")
+        start = self._state.session_path or session_path(photo.path)
+        self._ask("save", "Save the session", (SESSION_SUFFIX,), self._save_session_there, start)
+
+    def save_light(self) -> None:
+        """Choose where to save the light alone."""
+        document = self._state.document()
+        if document.light.kind == "own":
+            raise InputError("the photo's own light belongs to that photo; save the session instead")
+        start = self._folder() / f"{document.light.source().title.lower().replace(' ', '-')}{LIGHT_SUFFIX}"
+        self._ask("save", "Save the light", (LIGHT_SUFFIX,), self._save_light_there, start)
+
+    def replace_file(self, path: Path, write: Callable[[Path], None]) -> None:
+        """Write to a path, after asking where something is there already."""
+        if os.path.lexists(path):
+            self._ask_to_replace(path, write)
+        else:
+            self._tried(write, path)
+
+    def _ask(
+        self,
+        kind: str,
+        title: str,
+        suffixes: tuple[str, ...],
+        then: Callable[[list[Path]], None],
+        start: Path | None = None,
+    ) -> None:
+        request = FileRequest(kind, title, start or Path(os.path.join(self._folder(), "")), then, suffixes)
+        if start is None:
+            request.text = os.path.join(self._folder(), "")
+        self._state.picking = self._dialogs.ask(request) or self._state.picking
+
+    def _folder(self) -> Path:
+        photo = self._state.document().photo
+        return photo.path.absolute().parent if photo else Path.cwd()
+
+    def _take(self, paths: list[Path]) -> None:
+        take_files(self._state, paths, *_NOWHERE)
+
+    def _take_light(self, path: Path) -> None:
+        self._tried(lambda chosen: use_as_light(self._state, chosen), path)
+
+    def _save_session_there(self, paths: list[Path]) -> None:
+        path = _with_suffix(paths[0], SESSION_SUFFIX)
+        if path == self._state.session_path:
+            self._tried(self._write_session, path)
+        else:
+            self.replace_file(path, self._write_session)
+
+    def _save_light_there(self, paths: list[Path]) -> None:
+        document = self._state.document()
+        saved = SavedLight(document.light, document.light_edit, document.edit.yaw_deg)
+
+        def write(path: Path) -> None:
+            write_light(path, saved)
+            self._state.asking.tell(f"Saved {path}")
+
+        self.replace_file(_with_suffix(paths[0], LIGHT_SUFFIX), write)
+
+    def _write_session(self, path: Path) -> None:
+        if not is_session_place(path):
+            raise InputError(f"{path}: is not a session; relight replaces only its own files, choose another name")
+        state = self._state
+        document = state.document()
+        write_session(path, document)
+        state.session_path, state.kept = path, document
+        state.asking.tell(f"Saved {path}")
+
+    def _ask_to_replace(self, path: Path, write: Callable[[Path], None]) -> None:
+        choices = (
+            ("Keep both", lambda: self._tried(write, free_path(path))),
+            ("Replace", lambda: self._tried(write, path)),
+            ("Cancel", lambda: None),
+        )
+        text = f"{path.name} is already there, in {path.absolute().parent}."
+        self._state.asking.ask(Question(f"replace {path}", text, choices))
+
+    def _tried(self, act: Callable[[Path], None], path: Path) -> None:
+        try:
+            act(path)
+        except InputError as error:
+            self._state.asking.tell(str(error), True)
+
+    def _look_for_a_session(self) -> None:
+        """Offer the session that lies beside a photo that was opened by itself."""
+        opened = self._state.snapshot.opened
+        if opened is None or opened.photo is self._photo:
+            return
+        self._photo = opened.photo
+        self._state.asking.drop("session")
+        path = opened.source.path
+        if path is None or self._state.session_path is not None or self._state.kept != self._state.document():
+            return
+        saved = session_path(path)
+        if kind_of(saved) != "session":
+            return
+        choices = (("Continue", lambda: self._take([saved])), ("Start afresh", lambda: None))
+        self._state.asking.ask(Question("session", f"{path.name} has a saved session beside it.", choices))
+
+    def _offer(self, leftover: Leftover) -> None:
+        when = time.strftime("%H:%M on %d %B", time.localtime(leftover.saved_s))
+        text = f"Your work on {leftover.document.photo.path.name}, of {when}, was not saved before relight ended."
+
+        def restore() -> None:
+            self._restored = leftover
+            self._state.open_session(leftover.document, None)
+
+        choices = (("Restore", restore), ("Discard", leftover.forget))
+        self._state.asking.ask(Question(f"leftover {leftover.path.name}", text, choices))
+
+    def _keep(self, now_s: float) -> None:
+        if self._recent is not None:
+            self._recent.keep(self._state)
+        if self._autosave is None:
+            return
+        if not self._state.hand_on_control:
+            self._autosave.update(self._state.document(), self._state.is_unsaved(), now_s)
+        if self._restored is not None and self._autosave.keeps:
+            # Only now is the work in a file of our own.
+            self._restored.forget()
+            self._restored = None
+
+
+def _with_suffix(path: Path, suffix: str) -> Path:
+    return path if path.name.endswith(".json") else path.with_name(path.name + suffix)

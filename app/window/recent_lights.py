@@ -1,0 +1,61 @@
+"""The panoramas and portraits whose light was used last, from one run to the next."""
+
+from __future__ import annotations
+
+import json
+import logging
+import os
+from pathlib import Path
+
+from app.engine.sources import LightSource
+from app.ui.state import EditorState
+from relight_core.errors import InputError
+from relight_core.imaging.files import whole_file
+
+MOST = 12
+_KINDS = ("panorama", "portrait")
+_log = logging.getLogger(__name__)
+
+
+class RecentLights:
+    """A small file of lights; a damaged one counts as empty.
+
+    Args:
+        path: the file.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self._path = path
+        self._kept: list[tuple[str, str]] = []
+
+    def recall(self, state: EditorState) -> None:
+        """Put the lights that are still there into the list, newest first."""
+        self._kept = [entry for entry in _read(self._path) if os.path.isfile(entry[1])][:MOST]
+        known = [LightSource(*entry) for entry in self._kept]
+        new = [light for light in known if not any(light.same_as(other) for other in state.extra_lights)]
+        state.extra_lights = [*state.extra_lights, *new]
+
+    def keep(self, state: EditorState) -> None:
+        """Write the list if it is another one than was written last."""
+        now = [(light.kind, os.path.abspath(light.name)) for light in state.extra_lights if light.kind in _KINDS][:MOST]
+        if now == self._kept:
+            return
+        self._kept = now
+        try:
+            self._path.parent.mkdir(parents=True, exist_ok=True)
+            with whole_file(self._path) as part:
+                part.write_text(json.dumps(now, indent=1) + "\n", encoding="utf-8")
+        except (OSError, InputError) as error:
+            _log.warning("recent lights are not kept: %s", error)
+
+
+def _read(path: Path) -> list[tuple[str, str]]:
+    try:
+        content = json.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError, RecursionError):
+        return []
+    entries = content if isinstance(content, list) else []
+    pairs = [entry for entry in entries if isinstance(entry, list) and len(entry) == 2]
+    return [
+        (kind, name) for kind, name in pairs if kind in _KINDS and isinstance(name, str) and "\0" not in name and name
+    ]

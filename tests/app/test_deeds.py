@@ -1,0 +1,252 @@
+"""What the window does for its panels: sessions, recovery, recent lights, dialogs; no window is needed for it."""
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from app.document.session_file import read_session
+from app.engine.snapshot import OpenLight, OpenPhoto
+from app.engine.sources import LightSource
+from app.ui.asking import FileRequest
+from app.ui.file_dialogs import FileDialogs, candidates
+from app.ui.state import EditorState
+from app.window.deeds import Deeds
+from app.window.recent_lights import RecentLights
+from relight_core.imaging.photo import Photo
+from relight_core.lighting.environment import Environment
+from relight_core.lighting.light_edit import LightEdit
+
+
+class Editor:
+    """A state whose every wish for a photo or a light comes true at once, and the deeds that go with it."""
+
+    def __init__(self, folder, state=None):
+        self.state = state or EditorState()
+        self.said = []
+        self.deeds = Deeds(
+            self.state, lambda text, is_error: self.said.append((text, is_error)), folder, FileDialogs(False)
+        )
+        self.now_s = 0.0
+
+    def live(self, seconds=20):
+        for _ in range(seconds):
+            self.now_s += 1.0
+            self._answer()
+            self.state.remember(self.now_s)
+            self.deeds.act(self.now_s)
+        self.deeds._pool.submit(lambda: None).result()
+
+    def _answer(self):
+        state, now = self.state, self.state.snapshot
+        opened, light = now.opened, now.light
+        if state.photo is not None and (opened is None or opened.source is not state.photo):
+            photo = Photo(np.full((4, 4, 3), 0.5, np.float32), path=state.photo.path)
+            opened = OpenPhoto(state.photo, photo, photo.linear.astype(np.float16))
+        if light is None or not light.source.same_as(state.light):
+            even = Environment.from_radiance(np.ones((4, 8, 3)), "even")
+            light = OpenLight(state.light, even, np.zeros((4, 8, 3), np.uint8), np.zeros((4, 4, 4), np.uint8), even)
+        if (opened, light) != (now.opened, now.light):
+            state.accept(replace(now, opened=opened, light=light))
+
+    def answer_question(self, label):
+        question = self.state.asking.questions[0]
+        act = dict(question.choices)[label]
+        self.state.asking.drop(question.key)
+        act()
+        self.live()
+
+
+@pytest.fixture
+def photo(tmp_path):
+    (tmp_path / "shoot").mkdir()
+    path = tmp_path / "shoot" / "me.jpg"
+    path.write_bytes(b"pixels")
+    return path
+
+
+@pytest.fixture
+def folder(tmp_path):
+    return tmp_path / "settings"
+
+
+@pytest.fixture
+def editor(folder, photo):
+    editor = Editor(folder)
+    editor.state.open_photo(photo)
+    editor.live()
+    yield editor
+    editor.deeds.close()
+
+
+def unsaved_files(folder):
+    return list((folder / "unsaved").glob("*.json")) if (folder / "unsaved").exists() else []
+
+
+def test_a_session_is_saved_beside_the_photo_and_opens_again(editor, photo, folder):
+    editor.state.change(shadow=0.5)
+    editor.state.light_edit = LightEdit(warmth=0.4)
+    editor.state.asking.wish("save_session")
+    editor.live()
+    saved = photo.with_name("me.relight.json")
+    assert editor.said == [(f"Saved {saved}", False)]
+    assert not editor.state.is_unsaved()
+    other = Editor(None)
+    other.deeds._take([saved])
+    other.live()
+    assert other.state.document() == editor.state.document()
+    assert other.state.session_path == saved
+    assert not other.state.is_unsaved()
+
+
+def test_saving_again_replaces_the_own_file_without_asking_but_asks_for_another(editor, photo):
+    for shadow in (0.5, 0.6):
+        editor.state.change(shadow=shadow)
+        editor.state.asking.wish("save_session")
+        editor.live()
+    assert read_session(photo.with_name("me.relight.json")).document.edit.shadow == 0.6
+    editor.state.session_path = None
+    editor.state.change(shadow=0.7)
+    editor.state.asking.wish("save_session")
+    editor.live()
+    assert read_session(photo.with_name("me.relight.json")).document.edit.shadow == 0.6
+    editor.answer_question("Keep both")
+    assert read_session(photo.with_name("me.relight-2.json")).document.edit.shadow == 0.7
+
+
+def test_a_file_that_is_no_session_is_never_replaced(editor, photo):
+    notes = photo.with_name("me.relight.json")
+    notes.write_text("my notes")
+    editor.state.asking.wish("save_session")
+    editor.live()
+    editor.answer_question("Replace")
+    assert notes.read_text() == "my notes"
+    assert editor.said[-1][1]
+
+
+def test_a_session_whose_photo_is_refused_leaves_everything_as_it_was(editor, photo):
+    editor.state.change(shadow=0.5)
+    editor.live()
+    before = editor.state.document()
+    bad = photo.with_name("bad.jpg")
+    bad.write_bytes(b"no pixels")
+    editor.state.open_session(
+        replace(before, photo=replace(before.photo, path=bad), edit=replace(before.edit, yaw_deg=90.0)), None
+    )
+    wish = editor.state.photo
+    editor.state.accept(replace(editor.state.snapshot, refused=frozenset({wish})))
+    editor.live()
+    assert editor.state.document() == before
+    assert editor.state.is_unsaved()
+
+
+def test_unsaved_work_is_kept_offered_and_comes_back(editor, folder, photo):
+    assert unsaved_files(folder) == []
+    editor.state.change(shadow=0.25)
+    editor.live()
+    assert len(unsaved_files(folder)) == 1
+    editor.deeds.close()
+    again = Editor(folder)
+    again.live()
+    assert "me.jpg" in again.state.asking.questions[0].text
+    again.answer_question("Restore")
+    assert again.state.edit.shadow == 0.25
+    assert again.state.photo.path == photo
+    assert again.state.is_unsaved()
+    assert len(unsaved_files(folder)) == 1
+    again.state.asking.wish("save_session")
+    again.live()
+    again.deeds.close()
+    assert unsaved_files(folder) == []
+    assert Editor(folder).state.asking.questions == []
+
+
+def test_discarded_work_is_offered_no_more(editor, folder):
+    editor.state.change(shadow=0.25)
+    editor.live()
+    editor.deeds.close()
+    again = Editor(folder)
+    again.answer_question("Discard")
+    again.deeds.close()
+    assert Editor(folder).state.asking.questions == []
+
+
+def test_opening_a_photo_alone_is_no_work(editor, folder):
+    editor.live(60)
+    assert not editor.state.is_unsaved()
+    assert not editor.deeds.waiting
+    assert unsaved_files(folder) == []
+
+
+def test_a_photo_with_a_session_beside_it_offers_to_go_on(editor, photo):
+    editor.state.change(shadow=0.5)
+    editor.state.asking.wish("save_session")
+    editor.live()
+    other = Editor(None)
+    other.state.open_photo(photo)
+    other.live()
+    assert other.state.edit.shadow == 1.0
+    other.answer_question("Continue")
+    assert other.state.edit.shadow == 0.5
+
+
+def test_recent_lights_come_back_while_their_files_are_there(tmp_path):
+    state = EditorState()
+    for name in ("a.hdr", "gone.hdr"):
+        (tmp_path / name).write_bytes(b"light")
+        state.extra_lights.append(LightSource("panorama", str(tmp_path / name)))
+    RecentLights(tmp_path / "recent.json").keep(state)
+    (tmp_path / "gone.hdr").unlink()
+    later = EditorState()
+    RecentLights(tmp_path / "recent.json").recall(later)
+    assert [light.title for light in later.extra_lights] == ["a"]
+
+
+@pytest.mark.parametrize(
+    "content", ["{", "[[1, 2]]", '[["spell", "x"]]', '[["panorama", "a\\u0000b"]]', "[" * 99999, "7"]
+)
+def test_a_damaged_list_of_recent_lights_is_empty(tmp_path, content):
+    (tmp_path / "recent.json").write_text(content)
+    state = EditorState()
+    RecentLights(tmp_path / "recent.json").recall(state)
+    assert state.extra_lights == []
+
+
+def test_without_native_dialogs_ours_is_drawn(editor, photo):
+    editor.state.asking.wish("open_file")
+    editor.live(1)
+    request = editor.state.picking
+    assert request.kind == "open"
+    assert photo in candidates(request.text, request.suffixes)
+    request.then([photo.with_name("missing.json")])
+    editor.live(1)
+    assert editor.said[-1][1]
+
+
+def test_our_dialog_lists_folders_then_fitting_files_and_hides_dot_files(tmp_path):
+    for name in ("b.jpg", "B2.JPG", "c.txt", ".h.jpg"):
+        (tmp_path / name).touch()
+    (tmp_path / "sub").mkdir()
+    names = [path.name for path in candidates(f"{tmp_path}/", (".jpg",))]
+    assert names == ["sub", "b.jpg", "B2.JPG"]
+    assert [path.name for path in candidates(f"{tmp_path}/b2", (".jpg",))] == ["B2.JPG"]
+    assert candidates(f"{tmp_path}/nowhere/", ()) == []
+
+
+def test_a_dialog_is_of_a_known_kind(tmp_path):
+    with pytest.raises(ValueError, match="kind"):
+        FileRequest("guess", "", tmp_path, print)
+
+
+def test_a_saved_light_can_be_opened_alone(editor, tmp_path):
+    editor.state.light_edit = LightEdit(tint=0.3)
+    editor.state.asking.wish("save_light")
+    editor.live(1)
+    target = tmp_path / "mine.light.json"
+    editor.state.picking.then([target])
+    editor.live(1)
+    assert json.loads(target.read_text())["light"]["tint"] == 0.3
+    editor.state.light_edit = LightEdit()
+    editor.deeds._take_light(target)
+    assert editor.state.light_edit.tint == 0.3
