@@ -22,6 +22,8 @@ def _close(state: EditorState) -> None:
     """Close the overlay that is open, else put the message away."""
     if state.look.help:
         state.look.help = False
+    elif state.aim:
+        state.aim = ""
     elif state.snapshot.message:
         state.dismissed = state.snapshot.message.number
 
@@ -38,6 +40,7 @@ ACTIONS: tuple[Action, ...] = (
     *look_actions.SHOWING,
     *look_actions.READING,
     *edit_actions.LIGHT,
+    *edit_actions.BOXES,
     *edit_actions.HISTORY,
     *edit_actions.FILE,
     *look_actions.PANELS,

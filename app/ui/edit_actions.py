@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from app.ui.actions import Action, Gesture
+from app.ui.panorama import add_box
 from app.ui.state import EditorState
 
 _LIGHT, _EDIT, _FILE = "Light and effects", "Edit", "File"
@@ -27,12 +28,55 @@ def _relit(state: EditorState) -> bool:
     return state.snapshot.picture is not None
 
 
+def _aim(aim: str):
+    def run(state: EditorState) -> None:
+        state.aim = "" if state.aim == aim else aim
+
+    return run
+
+
 LIGHT = (
     Action("Turn the light left", _LIGHT, ("Left",), "Turn it by 5°", _turn(-5.0), repeats=True),
     Action("Turn the light right", _LIGHT, ("Right",), "Turn it by 5°", _turn(5.0), repeats=True),
     Action("Nudge the light left", _LIGHT, ("Shift+Left",), "Turn it by 1°", _turn(-1.0), repeats=True),
     Action("Nudge the light right", _LIGHT, ("Shift+Right",), "Turn it by 1°", _turn(1.0), repeats=True),
     Action("Reset all", _LIGHT, ("Ctrl+R",), "Put every slider and the light back", EditorState.reset),
+)
+
+BOXES = (
+    Action(
+        "Add a soft box",
+        _LIGHT,
+        ("L",),
+        "A lamp of your own, on the panorama",
+        lambda state: add_box(state, 0.125, 0.3),
+    ),
+    Action(
+        "Place the highlight",
+        _LIGHT,
+        ("K",),
+        "Then click on the face where the shine should be",
+        _aim("highlight"),
+        available=_relit,
+        is_on=lambda state: state.aim == "highlight",
+    ),
+    Action(
+        "Place the bright side",
+        _LIGHT,
+        ("B",),
+        "Then click on the face where it should be brightest",
+        _aim("bright"),
+        available=_relit,
+        is_on=lambda state: state.aim == "bright",
+    ),
+    Action(
+        "Delete the soft box",
+        _LIGHT,
+        ("Delete",),
+        "The one that is selected",
+        EditorState.delete_box,
+        available=lambda state: 0 <= state.selected_box < len(state.light_edit.boxes),
+    ),
 )
 
 HISTORY = (
@@ -106,7 +150,8 @@ FILE = (
 
 GESTURES = (
     Gesture("Wheel over the picture", _LIGHT, "Turn the light; with Shift in small steps"),
-    Gesture("Drag the panorama", _LIGHT, "Turn the light"),
+    Gesture("Drag the panorama", _LIGHT, "Turn the light; with Shift in small steps"),
+    Gesture("Double-click the panorama", _LIGHT, "Add a soft box; drag it, or its corners"),
     Gesture("Double-click a slider", _LIGHT, "Reset it"),
     Gesture("Ctrl-click a slider", _LIGHT, "Type a number"),
     Gesture("Drop files", _FILE, "Portraits and sessions open; an .hdr or .exr becomes the light"),

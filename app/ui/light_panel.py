@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from imgui_bundle import imgui
 
 from app.engine.sources import LightSource
-from app.ui import theme, widgets
+from app.ui import light_controls, panorama, theme, widgets
 from app.ui.pictures import Pictures, Shown
 from app.ui.state import EditorState
 
@@ -16,7 +16,6 @@ ROTATION = widgets.Slider(
     "Rotation", -180.0, 180.0, 0.0, "%.0f°", "Turns the light around the person; to the right is positive."
 )
 _COLUMNS = 3
-_COMPASS = ((0.0, "front"), (0.25, "left"), (0.5, "behind"), (0.75, "right"), (1.0, "front"))
 
 
 @dataclass(frozen=True)
@@ -35,59 +34,15 @@ class Shelf:
 def draw(state: EditorState, fonts: theme.Fonts, pictures: Pictures, shelf: Shelf) -> None:
     """The panel's contents, inside its window."""
     widgets.heading(fonts, "Light")
-    _panorama(state, pictures)
+    panorama.draw(state, pictures)
+    light_controls.tools(state)
     state.change(yaw_deg=widgets.slider(state, ROTATION, state.edit.yaw_deg))
-    widgets.gap(0.3)
     imgui.begin_child("lights", imgui.ImVec2(0.0, 0.0))
+    light_controls.box(state, fonts)
+    light_controls.light(state)
+    widgets.gap(0.2)
     _lights(state, pictures, shelf)
     imgui.end_child()
-
-
-def _panorama(state: EditorState, pictures: Pictures) -> None:
-    left = imgui.get_cursor_screen_pos()
-    width = imgui.get_content_region_avail().x
-    height = width / 2
-    imgui.invisible_button("panorama", imgui.ImVec2(width, height))
-    if imgui.is_item_hovered():
-        imgui.set_mouse_cursor(imgui.MouseCursor_.resize_ew)
-        imgui.set_item_tooltip(
-            "Everything around the person: the middle lies behind them, the edges in front.\n"
-            "Drag sideways to turn the light. Drop an .hdr, an .exr or another portrait here."
-        )
-    if imgui.is_item_hovered() and imgui.is_mouse_double_clicked(0):
-        state.change(yaw_deg=0.0)
-    elif imgui.is_item_active():
-        state.hand_on_control = True
-        state.turn(imgui.get_io().mouse_delta.x / width * 360.0)
-    corner = imgui.ImVec2(left.x + width, left.y + height)
-    draw = imgui.get_window_draw_list()
-    shown = pictures.panorama()
-    if shown is None:
-        draw.add_rect_filled(left, corner, theme.packed(theme.RAISED), 4.0)
-    else:
-        turned = -state.edit.yaw_deg / 360.0
-        white = theme.packed((1.0, 1.0, 1.0, 1.0))
-        uv0, uv1 = imgui.ImVec2(turned, 0.0), imgui.ImVec2(turned + 1.0, 1.0)
-        draw.add_image(imgui.ImTextureRef(shown.number), left, corner, uv0, uv1, white)
-    _compass(left, width, height)
-
-
-def _compass(left: imgui.ImVec2, width: float, height: float) -> None:
-    draw = imgui.get_window_draw_list()
-    small = 0.8 * imgui.get_font_size()
-    imgui.push_font(None, 0.8 * theme.FONT_PX)
-    for along, word in _COMPASS:
-        x = left.x + along * width
-        word_width = imgui.calc_text_size(word).x
-        draw.add_line(
-            imgui.ImVec2(x, left.y + height),
-            imgui.ImVec2(x, left.y + height + 3.0),
-            theme.packed(theme.FAINT),
-        )
-        at = min(max(x - word_width / 2, left.x), left.x + width - word_width)
-        draw.add_text(imgui.ImVec2(at, left.y + height + 4.0), theme.packed(theme.DIM), word)
-    imgui.pop_font()
-    imgui.dummy(imgui.ImVec2(1.0, small + 2.0))
 
 
 def _lights(state: EditorState, pictures: Pictures, shelf: Shelf) -> None:
@@ -102,9 +57,7 @@ def _lights(state: EditorState, pictures: Pictures, shelf: Shelf) -> None:
         _light_button(state, pictures, source, description, width)
 
 
-def _light_button(
-    state: EditorState, pictures: Pictures, source: LightSource, description: str, width: float
-) -> None:
+def _light_button(state: EditorState, pictures: Pictures, source: LightSource, description: str, width: float) -> None:
     em = imgui.get_font_size()
     corner = imgui.get_cursor_screen_pos()
     height = width + 0.6 * em

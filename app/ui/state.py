@@ -12,6 +12,7 @@ from app.engine.exporting import default_export_path
 from app.engine.snapshot import Message, Snapshot
 from app.engine.sources import LightSource, PhotoSource, Request
 from app.ui.asking import Asking, FileRequest
+from app.ui.box_tools import Grab, without_box
 from app.ui.layout import Panels
 from app.ui.look import LookState
 from app.ui.photo_queue import PhotoQueue
@@ -70,6 +71,9 @@ class EditorState:
         panels: how large the panels are and which are in sight.
         export_path: where the next export goes, without a number; its suffix follows the button.
         export_wanted: ".png" or ".exr" for one frame after the user asked for it.
+        selected_box: which soft box is worked on, or -1.
+        held: what the mouse holds on the panorama.
+        aim: what the next click on the face places a lamp for: "highlight", "bright", or "" for none.
         dismissed: number of the newest message the user has put away.
         typing: which slider has its number typed in, if any.
         typing_began: the typing field still has to take the keyboard.
@@ -100,6 +104,9 @@ class EditorState:
     panels: Panels = field(default_factory=Panels)
     export_path: str = ""
     export_wanted: str | None = None
+    selected_box: int = -1
+    held: Grab | None = None
+    aim: str = ""
     dismissed: int = 0
     typing: str | None = None
     typing_began: bool = False
@@ -150,6 +157,12 @@ class EditorState:
     def reset(self) -> None:
         """Put every slider and the light back."""
         self.edit, self.light_edit = Edit(), LightEdit()
+
+    def delete_box(self) -> None:
+        """Take the selected soft box away."""
+        if 0 <= self.selected_box < len(self.light_edit.boxes):
+            boxes = without_box(self.light_edit.boxes, self.selected_box)
+            self.light_edit, self.selected_box = replace(self.light_edit, boxes=boxes), -1
 
     def turn(self, degrees: float) -> None:
         """Turn the light; the angle stays within (-180, 180]."""

@@ -1,0 +1,136 @@
+"""Soft boxes under the mouse: what a press means, what a drag does, and lamps placed by a spot on the face.
+
+Positions on the panorama are u and v of the picture as it is seen, turned by the light's yaw.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from relight_core.lighting.light_edit import MOST_BOXES, LightEdit
+from relight_core.lighting.soft_box import (
+    SoftBox,
+    contains,
+    corners,
+    direction_at,
+    lamp_direction,
+    moved_to,
+    resized_to,
+    turned,
+    uv_of,
+)
+
+_PATCH = 0.012
+"""Half the side of the patch of normals that is averaged, as a share of the channel's side."""
+
+
+@dataclass(frozen=True)
+class Grab:
+    """What the mouse took hold of.
+
+    Attributes:
+        kind: "turn", "move" or "resize".
+        index: of the box; -1 for "turn".
+        du, dv: from the mouse to the box's centre, for "move".
+    """
+
+    kind: str
+    index: int = -1
+    du: float = 0.0
+    dv: float = 0.0
+
+
+def grab(boxes: tuple[SoftBox, ...], selected: int, u: float, v: float, yaw_deg: float, reach_deg: float) -> Grab:
+    """What a press at a point of the panorama takes hold of: a corner, a box, or the panorama itself.
+
+    Corners can be taken of the selected box only, and come first; of boxes that overlap, the selected one comes
+    first and then the newest.
+
+    Args:
+        selected: index of the selected box, or -1.
+        reach_deg: how near a corner counts.
+    """
+    u = u - yaw_deg / 360.0
+    direction = direction_at(u, v)
+    if 0 <= selected < len(boxes):
+        nearest = float((corners(boxes[selected]) @ direction).max())
+        if nearest >= np.cos(np.radians(reach_deg)):
+            return Grab("resize", selected)
+    order = sorted(range(len(boxes)), key=lambda index: (index == selected, index), reverse=True)
+    for index in order:
+        if contains(boxes[index], direction):
+            centre_u, centre_v = uv_of(boxes[index].direction)
+            return Grab("move", index, (centre_u - u + 0.5) % 1.0 - 0.5, centre_v - v)
+    return Grab("turn")
+
+
+def dragged(boxes: tuple[SoftBox, ...], held: Grab, u: float, v: float, yaw_deg: float) -> tuple[SoftBox, ...]:
+    """The boxes after the mouse has moved to a point while it holds one."""
+    u = u - yaw_deg / 360.0
+    box = boxes[held.index]
+    if held.kind == "move":
+        box = moved_to(box, direction_at(u + held.du, min(max(v + held.dv, 0.0), 1.0)))
+    elif held.kind == "resize":
+        box = resized_to(box, direction_at(u, min(max(v, 0.0), 1.0)))
+    return with_box(boxes, held.index, box)
+
+
+def with_box(boxes: tuple[SoftBox, ...], index: int, box: SoftBox) -> tuple[SoftBox, ...]:
+    """The boxes with one replaced."""
+    return (*boxes[:index], box, *boxes[index + 1 :])
+
+
+def without_box(boxes: tuple[SoftBox, ...], index: int) -> tuple[SoftBox, ...]:
+    """The boxes without one."""
+    return (*boxes[:index], *boxes[index + 1 :])
+
+
+def aimed(edit: LightEdit, selected: int, direction: np.ndarray, yaw_deg: float) -> tuple[LightEdit, int]:
+    """Put the selected box, or a new one where none is selected, into a direction.
+
+    Args:
+        direction: (3,) from the face toward the lamp, camera space.
+        yaw_deg: the light's turn.
+
+    Returns:
+        The edit and the index of the box; unchanged and -1 where there are as many boxes as there may be.
+    """
+    inside = turned(direction, -yaw_deg)
+    if 0 <= selected < len(edit.boxes):
+        moved = moved_to(edit.boxes[selected], inside)
+        return replace(edit, boxes=with_box(edit.boxes, selected, moved)), selected
+    if len(edit.boxes) >= MOST_BOXES:
+        return edit, -1
+    return replace(edit, boxes=(*edit.boxes, moved_to(SoftBox(), inside))), len(edit.boxes)
+
+
+def lamp_for_spot(
+    channels: dict[str, np.ndarray], window: tuple[float, float, float, float] | None, x: float, y: float, aim: str
+) -> np.ndarray | None:
+    """Where a lamp has to be for a spot of the person to be bright or to shine.
+
+    The normal is averaged over a small patch, which steadies it against the network's grain.
+
+    Args:
+        channels: a Relit's, of which "normal" and "parsing" are read.
+        window: of the channels in the photo.
+        x, y: the spot, in photo pixels.
+        aim: "bright" or "highlight".
+
+    Returns:
+        (3,) unit vector in camera space, or None where there is no person.
+    """
+    normal, labels = channels.get("normal"), channels.get("parsing")
+    if normal is None or labels is None or window is None:
+        return None
+    x0, y0, x1, y1 = window
+    size = normal.shape[0]
+    column, row = int((x - x0) / (x1 - x0) * size // 1), int((y - y0) / (y1 - y0) * size // 1)
+    if not (0 <= row < size and 0 <= column < size) or labels[row, column] == 0:
+        return None
+    reach = max(1, round(_PATCH * size))
+    patch = (slice(max(0, row - reach), row + reach + 1), slice(max(0, column - reach), column + reach + 1))
+    mean = normal[patch][labels[patch] != 0].mean(axis=0, dtype=np.float64)
+    return lamp_direction(mean, aim) if np.linalg.norm(mean) > 1e-6 else None

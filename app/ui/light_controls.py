@@ -1,0 +1,112 @@
+"""What can be set about a light and its soft boxes."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from imgui_bundle import imgui
+
+from app.ui import theme, widgets
+from app.ui.box_tools import with_box
+from app.ui.panorama import add_box
+from app.ui.state import EditorState
+from relight_core.lighting.light_edit import LightEdit
+
+_BOX = {
+    "intensity": widgets.Slider(
+        "Brightness", 0.0, 4.0, 1.0, "%.2f ×", "How strong this lamp is; 1 is as strong as the light's brightest side."
+    ),
+    "softness": widgets.Slider("Soft edge", 0.0, 1.0, 0.4, "%.2f", "0 has a crisp edge, 1 fades from the middle out."),
+    "kelvin": widgets.Slider("Colour", 2000.0, 12000.0, 5600.0, "%.0f K", "From candle to blue sky; 5600 is daylight."),
+}
+_LIGHT = {
+    "level_ev": widgets.Slider("Level", -4.0, 4.0, 0.0, "%+.2f EV", "Brightens or dims the whole light, in stops."),
+    "base": widgets.Slider(
+        "Room", 0.0, 2.0, 1.0, "%.2f", "How much of the light stays besides your soft boxes; 0 leaves only them."
+    ),
+    "saturation": widgets.Slider("Saturation", 0.0, 2.0, 1.0, "%.2f", "How colourful the light is; 0 is grey."),
+    "warmth": widgets.Slider("Warmth", -1.0, 1.0, 0.0, "%+.2f", "Left is cool and blue, right is warm like a bulb."),
+    "tint": widgets.Slider("Tint", -1.0, 1.0, 0.0, "%+.2f", "Left is greenish, right is pinkish."),
+    "blur_deg": widgets.Slider(
+        "Blur", 0.0, 60.0, 0.0, "%.0f°", "Spreads the light as a diffuser does: softer shadows, wider highlights."
+    ),
+}
+_AIMS = (
+    ("highlight", "Highlight", "Then click on the face where the shine should be; drag to fine-tune.  K"),
+    ("bright", "Bright side", "Then click on the face where it should be brightest; drag to fine-tune.  B"),
+)
+_NEW_AT = (0.125, 0.3)
+
+
+def tools(state: EditorState) -> None:
+    """Adding a soft box, on the panorama or by the face."""
+    spacing = 4.0
+    third = (imgui.get_content_region_avail().x - 2 * spacing) / 3
+    if imgui.button("+ Soft box", imgui.ImVec2(third, 0.0)):
+        add_box(state, *_NEW_AT)
+    imgui.set_item_tooltip("Add a lamp. Drag it on the panorama; its corners resize it.  N")
+    imgui.begin_disabled(state.snapshot.picture is None)
+    for aim, label, tooltip in _AIMS:
+        imgui.same_line(0.0, spacing)
+        if widgets.toggle(label, state.aim == aim, third):
+            state.aim = "" if state.aim == aim else aim
+        imgui.set_item_tooltip(("Moves the selected soft box. " if state.selected_box >= 0 else "") + tooltip)
+    imgui.end_disabled()
+
+
+def box(state: EditorState, fonts: theme.Fonts) -> None:
+    """The selected soft box."""
+    index, boxes = state.selected_box, state.light_edit.boxes
+    if not 0 <= index < len(boxes):
+        return
+    widgets.gap(0.2)
+    left = imgui.get_cursor_screen_pos()
+    width = imgui.get_content_region_avail().x
+    imgui.align_text_to_frame_padding()
+    widgets.heading(fonts, f"Soft box {index + 1}")
+    delete = imgui.calc_text_size("Delete").x + imgui.get_font_size()
+    imgui.same_line()
+    imgui.set_cursor_screen_pos(imgui.ImVec2(left.x + width - delete, left.y))
+    if imgui.button("Delete", imgui.ImVec2(delete, 0.0)):
+        state.delete_box()
+        return
+    imgui.set_item_tooltip("Take this lamp away.  Delete")
+    changed = {field: widgets.slider(state, spec, getattr(boxes[index], field)) for field, spec in _BOX.items()}
+    if changed["kelvin"] != boxes[index].kelvin:
+        changed["colour"] = None
+    new = replace(boxes[index], **changed)
+    new = replace(new, colour=_gel(state, new.colour))
+    if new != boxes[index]:
+        state.light_edit = replace(state.light_edit, boxes=with_box(boxes, index, new))
+
+
+def light(state: EditorState) -> None:
+    """The whole light."""
+    edited = replace(state.light_edit, boxes=()) != LightEdit()
+    opened = imgui.collapsing_header("Adjust the light" + ("  ·" if edited else "") + "###adjust")
+    imgui.set_item_tooltip("Level, colour and blur of the light.")
+    if not opened:
+        return
+    fields = [field for field in _LIGHT if field != "base" or state.light_edit.boxes or state.light_edit.base != 1.0]
+    changed = {field: widgets.slider(state, _LIGHT[field], getattr(state.light_edit, field)) for field in fields}
+    new = replace(state.light_edit, **changed)
+    if new != state.light_edit:
+        state.light_edit = new
+    widgets.gap(0.2)
+
+
+def _gel(state: EditorState, colour: tuple[float, float, float] | None) -> tuple[float, float, float] | None:
+    """A coloured gel instead of a temperature."""
+    flags = imgui.ColorEditFlags_.no_inputs | imgui.ColorEditFlags_.no_label | imgui.ColorEditFlags_.float
+    changed, picked = imgui.color_edit3("gel", list(colour or (1.0, 1.0, 1.0)), flags)
+    if imgui.is_item_active():
+        state.hand_on_control = True
+    imgui.set_item_tooltip("A coloured gel in front of this lamp.")
+    imgui.same_line()
+    imgui.align_text_to_frame_padding()
+    imgui.text_disabled("Coloured gel" if colour is None else "Gel")
+    if colour is not None:
+        imgui.same_line()
+        if imgui.small_button("Remove"):
+            return None
+    return tuple(float(value) for value in picked) if changed else colour

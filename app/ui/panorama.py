@@ -1,0 +1,142 @@
+"""The light's panorama: drag it to turn the light, and the soft boxes on it to move and resize them."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from imgui_bundle import imgui
+
+from app.ui import theme
+from app.ui.box_tools import dragged, grab
+from app.ui.pictures import Pictures
+from app.ui.state import EditorState
+from relight_core.lighting.light_edit import MOST_BOXES
+from relight_core.lighting.soft_box import SoftBox, corners, direction_at, moved_to, outline, turned, uv_of
+
+FINE = 0.2
+_COMPASS = ((0.0, "front"), (0.25, "left"), (0.5, "behind"), (0.75, "right"), (1.0, "front"))
+_REACH_PX = 9.0
+
+
+def draw(state: EditorState, pictures: Pictures) -> None:
+    """The panorama as wide as there is room, the boxes on it, and where front and behind are."""
+    left = imgui.get_cursor_screen_pos()
+    width = imgui.get_content_region_avail().x
+    height = width / 2
+    imgui.invisible_button("panorama", imgui.ImVec2(width, height))
+    io = imgui.get_io()
+    u, v = (io.mouse_pos.x - left.x) / width, (io.mouse_pos.y - left.y) / height
+    reach_deg = _REACH_PX * 180.0 / height
+    if imgui.is_item_hovered():
+        _point(state, u, v, reach_deg)
+    _hold(state, u, v, io.mouse_delta.x / width, reach_deg)
+    _picture(state, pictures, left, width, height)
+    for index in range(len(state.light_edit.boxes)):
+        _box(state, index, left, width, height)
+    _compass(left, width, height)
+
+
+def add_box(state: EditorState, u: float, v: float) -> None:
+    """A new soft box at a point of the panorama as it is seen, selected."""
+    boxes = state.light_edit.boxes
+    if len(boxes) >= MOST_BOXES:
+        state.asking.tell(f"A light has at most {MOST_BOXES} soft boxes; delete one first", True)
+        return
+    box = moved_to(SoftBox(), turned(direction_at(u, v), -state.edit.yaw_deg))
+    state.light_edit = replace(state.light_edit, boxes=(*boxes, box))
+    state.selected_box = len(boxes)
+
+
+def _point(state: EditorState, u: float, v: float, reach_deg: float) -> None:
+    found = grab(state.light_edit.boxes, state.selected_box, u, v, state.edit.yaw_deg, reach_deg)
+    turn = imgui.MouseCursor_.resize_ew
+    imgui.set_mouse_cursor(
+        {"turn": turn, "move": imgui.MouseCursor_.hand, "resize": imgui.MouseCursor_.hand}[found.kind]
+    )
+    if found.kind == "turn":
+        imgui.set_item_tooltip(
+            "Everything around the person: the middle lies behind them, the edges in front.\n"
+            "Drag sideways to turn the light, with Shift in small steps.\n"
+            "Double-click to add a soft box."
+        )
+    elif imgui.is_mouse_clicked(1):
+        state.selected_box = found.index
+        state.delete_box()
+    else:
+        imgui.set_item_tooltip("Drag to move it, a corner to resize it. Right-click to delete it.")
+    if found.kind == "turn" and imgui.is_mouse_double_clicked(0):
+        add_box(state, u, v)
+        state.held = None
+
+
+def _hold(state: EditorState, u: float, v: float, moved: float, reach_deg: float) -> None:
+    """Press, drag and release on the panorama."""
+    if imgui.is_item_activated() and not imgui.is_mouse_double_clicked(0):
+        state.held = grab(state.light_edit.boxes, state.selected_box, u, v, state.edit.yaw_deg, reach_deg)
+        state.selected_box = state.held.index
+    if not imgui.is_item_active() or state.held is None:
+        state.held = None
+        return
+    state.hand_on_control = True
+    if state.held.kind == "turn":
+        state.turn(moved * 360.0 * (FINE if imgui.get_io().key_shift else 1.0))
+    elif moved or imgui.get_io().mouse_delta.y:
+        boxes = dragged(state.light_edit.boxes, state.held, u, v, state.edit.yaw_deg)
+        state.light_edit = replace(state.light_edit, boxes=boxes)
+
+
+def _picture(state: EditorState, pictures: Pictures, left: imgui.ImVec2, width: float, height: float) -> None:
+    corner = imgui.ImVec2(left.x + width, left.y + height)
+    draw_list = imgui.get_window_draw_list()
+    shown = pictures.panorama()
+    if shown is None:
+        draw_list.add_rect_filled(left, corner, theme.packed(theme.RAISED), 4.0)
+        return
+    turned_by = -state.edit.yaw_deg / 360.0
+    uv0, uv1 = imgui.ImVec2(turned_by, 0.0), imgui.ImVec2(turned_by + 1.0, 1.0)
+    white = theme.packed((1.0, 1.0, 1.0, 1.0))
+    draw_list.add_image(imgui.ImTextureRef(shown.number), left, corner, uv0, uv1, white)
+
+
+def _box(state: EditorState, index: int, left: imgui.ImVec2, width: float, height: float) -> None:
+    """A box's outline, and the corners of the selected one; drawn three times, so that the seam cuts none."""
+    box, selected = state.light_edit.boxes[index], index == state.selected_box
+    draw_list = imgui.get_window_draw_list()
+    draw_list.push_clip_rect(left, imgui.ImVec2(left.x + width, left.y + height), True)
+    edge = _unwrapped(outline(box), state.edit.yaw_deg)
+    colour = theme.ACCENT if selected else theme.TEXT
+    for turn in (-1, 0, 1):
+        points = [imgui.ImVec2(left.x + (u + turn) * width, left.y + v * height) for u, v in edge]
+        draw_list.add_polyline(points, theme.packed((0.0, 0.0, 0.0, 1.0), 0.5), 3.5)
+        draw_list.add_polyline(points, theme.packed(colour), 2.0 if selected else 1.2)
+        for u, v in _unwrapped(corners(box), state.edit.yaw_deg)[:-1] if selected else ():
+            at = imgui.ImVec2(left.x + (u + turn) * width, left.y + v * height)
+            draw_list.add_circle_filled(at, 4.0, theme.packed(theme.ACCENT))
+    draw_list.pop_clip_rect()
+
+
+def _unwrapped(directions: np.ndarray, yaw_deg: float) -> list[tuple[float, float]]:
+    """The points of a closed line on the panorama as it is seen, with no jump at the seam, the first one again last."""
+    points: list[tuple[float, float]] = []
+    for direction in [*directions, directions[0]]:
+        u, v = uv_of(direction)
+        u += yaw_deg / 360.0
+        u += round(points[-1][0] - u) if points else -np.floor(u)
+        points.append((u, v))
+    return points
+
+
+def _compass(left: imgui.ImVec2, width: float, height: float) -> None:
+    draw_list = imgui.get_window_draw_list()
+    small = 0.8 * imgui.get_font_size()
+    imgui.push_font(None, 0.8 * theme.FONT_PX)
+    for along, word in _COMPASS:
+        x = left.x + along * width
+        word_width = imgui.calc_text_size(word).x
+        foot = imgui.ImVec2(x, left.y + height)
+        draw_list.add_line(foot, imgui.ImVec2(x, foot.y + 3.0), theme.packed(theme.FAINT))
+        at = min(max(x - word_width / 2, left.x), left.x + width - word_width)
+        draw_list.add_text(imgui.ImVec2(at, left.y + height + 4.0), theme.packed(theme.DIM), word)
+    imgui.pop_font()
+    imgui.dummy(imgui.ImVec2(1.0, small + 2.0))

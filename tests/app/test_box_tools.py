@@ -1,0 +1,108 @@
+"""The mouse on soft boxes, and lamps placed by a click on a face."""
+
+import numpy as np
+import pytest
+
+from app.ui.box_tools import Grab, aimed, dragged, grab, lamp_for_spot, with_box, without_box
+from relight_core.lighting.light_edit import LightEdit
+from relight_core.lighting.soft_box import SoftBox, corners, turned, uv_of
+
+FRONT = SoftBox(0.0, 0.0, 40.0, 40.0)
+LEFT = SoftBox(-90.0, 0.0, 30.0, 30.0)
+POLE = SoftBox(20.0, 90.0, 30.0, 30.0)
+
+
+def seen_at(box, yaw_deg):
+    u, v = uv_of(box.direction)
+    return u + yaw_deg / 360.0, v
+
+
+@pytest.mark.parametrize("yaw_deg", [0.0, 35.0, -170.0, 179.0])
+@pytest.mark.parametrize("index", [0, 1, 2])
+def test_a_press_finds_the_box_however_the_light_is_turned(yaw_deg, index):
+    boxes = (FRONT, LEFT, POLE)
+    u, v = seen_at(boxes[index], yaw_deg)
+    for turns in (0, 1, -1):
+        assert grab(boxes, -1, u + turns, v, yaw_deg, 2.0).index == index
+    assert grab(boxes, -1, u + 0.5, 0.8, yaw_deg, 2.0) == Grab("turn")
+
+
+def test_a_box_at_the_seam_is_grabbed_on_both_sides_of_it():
+    for u in (0.97, 0.03):
+        assert grab((FRONT,), -1, u, 0.5, 0.0, 2.0).kind == "move"
+
+
+def test_only_the_selected_box_has_corners():
+    u, v = uv_of(corners(LEFT)[0])
+    assert grab((LEFT,), 0, u, v, 0.0, 2.0).kind == "resize"
+    assert grab((LEFT,), -1, u + 0.001, v - 0.02, 0.0, 2.0).kind == "turn"
+
+
+def test_of_boxes_that_overlap_the_selected_one_is_taken():
+    boxes = (FRONT, FRONT)
+    assert grab(boxes, -1, 0.0, 0.5, 0.0, 2.0).index == 1
+    assert grab(boxes, 0, 0.0, 0.5, 0.0, 2.0).index == 0
+
+
+@pytest.mark.parametrize("yaw_deg", [0.0, 120.0])
+def test_a_box_follows_the_mouse_without_jumping_across_the_seam(yaw_deg):
+    u, v = 0.95 + yaw_deg / 360.0, 0.55
+    held = grab((FRONT,), -1, u, v, yaw_deg, 2.0)
+    (still,) = dragged((FRONT,), held, u, v, yaw_deg)
+    assert np.allclose(still.direction, FRONT.direction, atol=1e-6)
+    (moved,) = dragged((FRONT,), held, u + 0.25, v - 0.1, yaw_deg)
+    assert moved.azimuth_deg == pytest.approx(-90.0)
+    assert moved.elevation_deg == pytest.approx(18.0)
+    (above,) = dragged((FRONT,), held, u, v - 3.0, yaw_deg)
+    assert above.elevation_deg == pytest.approx(90.0)
+
+
+def test_dragging_a_corner_resizes_about_the_middle():
+    u, v = uv_of(corners(LEFT)[0])
+    held = grab((LEFT,), 0, u, v, 0.0, 2.0)
+    u, v = uv_of(corners(SoftBox(-90.0, 0.0, 60.0, 20.0))[0])
+    (resized,) = dragged((LEFT,), held, u, v, 0.0)
+    assert (resized.width_deg, resized.height_deg) == pytest.approx((60.0, 20.0))
+    assert (resized.azimuth_deg, resized.elevation_deg) == (-90.0, 0.0)
+
+
+def test_boxes_are_replaced_and_removed_by_index():
+    assert with_box((FRONT, LEFT), 0, POLE) == (POLE, LEFT)
+    assert without_box((FRONT, LEFT, POLE), 1) == (FRONT, POLE)
+
+
+def test_a_lamp_is_aimed_in_camera_space_whatever_the_lights_turn():
+    toward = np.array([0.6, 0.0, 0.8])
+    edit, index = aimed(LightEdit(), -1, toward, 70.0)
+    assert index == 0
+    assert np.allclose(turned(edit.boxes[0].direction, 70.0), toward, atol=1e-6)
+    again, index = aimed(edit, 0, np.array([0.0, 1.0, 0.0]), 70.0)
+    assert (len(again.boxes), index) == (1, 0)
+    assert again.boxes[0].elevation_deg == pytest.approx(90.0)
+    full = LightEdit(boxes=(FRONT,) * 16)
+    assert aimed(full, -1, toward, 0.0) == (full, -1)
+
+
+def face():
+    normal = np.zeros((50, 50, 3), np.float32)
+    normal[..., 2] = 1.0
+    normal[:, 25:] = [np.sin(0.5), 0.0, np.cos(0.5)]
+    labels = np.ones((50, 50), np.int32)
+    labels[:5] = 0
+    return {"normal": normal, "parsing": labels}
+
+
+def test_a_click_on_the_face_reads_the_normal_there():
+    window = (100.0, 200.0, 200.0, 300.0)
+    bright = lamp_for_spot(face(), window, 190.0, 250.0, "bright")
+    assert np.allclose(bright, [np.sin(0.5), 0.0, np.cos(0.5)], atol=1e-6)
+    shine = lamp_for_spot(face(), window, 190.0, 250.0, "highlight")
+    assert np.allclose(shine, [np.sin(1.0), 0.0, np.cos(1.0)], atol=1e-6)
+    assert np.allclose(lamp_for_spot(face(), window, 120.0, 250.0, "highlight"), [0, 0, 1])
+
+
+@pytest.mark.parametrize("spot", [(150, 203), (99, 250), (201, 250), (150, 400)])
+def test_a_click_beside_the_person_places_nothing(spot):
+    assert lamp_for_spot(face(), (100.0, 200.0, 200.0, 300.0), *spot, "bright") is None
+    assert lamp_for_spot({}, (100.0, 200.0, 200.0, 300.0), 150, 250, "bright") is None
+    assert lamp_for_spot(face(), None, 150, 250, "bright") is None
