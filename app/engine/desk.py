@@ -102,7 +102,9 @@ class Desk:
 
     def _draw_light(self, edit: LightEdit, draft: bool, now: Snapshot) -> Snapshot:
         environment = edit_light(now.light.base, edit, draft)
-        panorama = panorama_for_screen(environment)
+        # As bright as the base is shown, so that a lamp that is added darkens nothing.
+        gain = environment.level / now.light.base.level if now.light.base.level > 0 else 1.0
+        panorama = panorama_for_screen(environment, gain)
         return replace(
             now,
             light=replace(now.light, environment=environment, panorama=panorama, edit=edit, is_draft=draft),

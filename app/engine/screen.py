@@ -37,12 +37,12 @@ def channels_for_screen(channels: dict[str, np.ndarray]) -> dict[str, np.ndarray
     return {name: _codes(channel_to_srgb(name, array)) for name, array in channels.items()}
 
 
-def panorama_for_screen(environment: Environment) -> np.ndarray:
-    """(h, 2h, 3) uint8 sRGB of a light's shape, unturned; h is at most 256."""
+def panorama_for_screen(environment: Environment, gain: float = 1.0) -> np.ndarray:
+    """(h, 2h, 3) uint8 sRGB of a light's shape, unturned, `gain` times as bright; h is at most 256."""
     shape = environment.shape
     if environment.height > PANORAMA_HEIGHT:
         shape = shrink(shape, PANORAMA_HEIGHT)
-    return _codes(apply_view(shape, _PANORAMA_EV))
+    return _codes(apply_view(shape * np.float32(gain), _PANORAMA_EV))
 
 
 def ball_for_screen(environment: Environment) -> np.ndarray:

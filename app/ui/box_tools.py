@@ -22,6 +22,9 @@ from relight_core.lighting.soft_box import (
     uv_of,
 )
 
+NEW_BOX = SoftBox(intensity=0.6)
+"""Weaker than the light it is added to, so that skin does not blow out at once."""
+
 _PATCH = 0.012
 """Half the side of the patch of normals that is averaged, as a share of the channel's side."""
 
@@ -103,7 +106,7 @@ def aimed(edit: LightEdit, selected: int, direction: np.ndarray, yaw_deg: float)
         return replace(edit, boxes=with_box(edit.boxes, selected, moved)), selected
     if len(edit.boxes) >= MOST_BOXES:
         return edit, -1
-    return replace(edit, boxes=(*edit.boxes, moved_to(SoftBox(), inside))), len(edit.boxes)
+    return replace(edit, boxes=(*edit.boxes, moved_to(NEW_BOX, inside))), len(edit.boxes)
 
 
 def lamp_for_spot(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from app.ui.actions import Action, Gesture
-from app.ui.panorama import add_box
+from app.ui.panorama import NEW_AT, add_box
 from app.ui.state import EditorState
 
 _LIGHT, _EDIT, _FILE = "Light and effects", "Edit", "File"
@@ -49,7 +49,7 @@ BOXES = (
         _LIGHT,
         ("L",),
         "A lamp of your own, on the panorama",
-        lambda state: add_box(state, 0.125, 0.3),
+        lambda state: add_box(state, *NEW_AT),
     ),
     Action(
         "Place the highlight",

@@ -8,7 +8,7 @@ from imgui_bundle import imgui
 
 from app.ui import theme, widgets
 from app.ui.box_tools import with_box
-from app.ui.panorama import add_box
+from app.ui.panorama import NEW_AT, add_box
 from app.ui.state import EditorState
 from relight_core.lighting.light_edit import LightEdit
 
@@ -35,20 +35,23 @@ _AIMS = (
     ("highlight", "Highlight", "Then click on the face where the shine should be; drag to fine-tune.  K"),
     ("bright", "Bright side", "Then click on the face where it should be brightest; drag to fine-tune.  B"),
 )
-_NEW_AT = (0.125, 0.3)
 
 
 def tools(state: EditorState) -> None:
     """Adding a soft box, on the panorama or by the face."""
     spacing = 4.0
-    third = (imgui.get_content_region_avail().x - 2 * spacing) / 3
-    if imgui.button("+ Soft box", imgui.ImVec2(third, 0.0)):
-        add_box(state, *_NEW_AT)
+    if imgui.button("+  Soft box", imgui.ImVec2(-1.0, 0.0)):
+        add_box(state, *NEW_AT)
     imgui.set_item_tooltip("Add a lamp. Drag it on the panorama; its corners resize it.  N")
     imgui.begin_disabled(state.snapshot.picture is None)
-    for aim, label, tooltip in _AIMS:
-        imgui.same_line(0.0, spacing)
-        if widgets.toggle(label, state.aim == aim, third):
+    imgui.align_text_to_frame_padding()
+    imgui.text_disabled("On the face")
+    imgui.same_line()
+    half = (imgui.get_content_region_avail().x - spacing) / 2
+    for index, (aim, label, tooltip) in enumerate(_AIMS):
+        if index:
+            imgui.same_line(0.0, spacing)
+        if widgets.toggle(label, state.aim == aim, half):
             state.aim = "" if state.aim == aim else aim
         imgui.set_item_tooltip(("Moves the selected soft box. " if state.selected_box >= 0 else "") + tooltip)
     imgui.end_disabled()

@@ -8,13 +8,16 @@ import numpy as np
 from imgui_bundle import imgui
 
 from app.ui import theme
-from app.ui.box_tools import dragged, grab
+from app.ui.box_tools import NEW_BOX, dragged, grab
 from app.ui.pictures import Pictures
 from app.ui.state import EditorState
 from relight_core.lighting.light_edit import MOST_BOXES
-from relight_core.lighting.soft_box import SoftBox, corners, direction_at, moved_to, outline, turned, uv_of
+from relight_core.lighting.soft_box import corners, direction_at, moved_to, outline, turned, uv_of
 
 FINE = 0.2
+NEW_AT = (0.125, 0.3)
+"""Where a new soft box is put: from the front, left and above."""
+
 _COMPASS = ((0.0, "front"), (0.25, "left"), (0.5, "behind"), (0.75, "right"), (1.0, "front"))
 _REACH_PX = 9.0
 
@@ -43,7 +46,7 @@ def add_box(state: EditorState, u: float, v: float) -> None:
     if len(boxes) >= MOST_BOXES:
         state.asking.tell(f"A light has at most {MOST_BOXES} soft boxes; delete one first", True)
         return
-    box = moved_to(SoftBox(), turned(direction_at(u, v), -state.edit.yaw_deg))
+    box = moved_to(NEW_BOX, turned(direction_at(u, v), -state.edit.yaw_deg))
     state.light_edit = replace(state.light_edit, boxes=(*boxes, box))
     state.selected_box = len(boxes)
 
@@ -108,8 +111,8 @@ def _box(state: EditorState, index: int, left: imgui.ImVec2, width: float, heigh
     colour = theme.ACCENT if selected else theme.TEXT
     for turn in (-1, 0, 1):
         points = [imgui.ImVec2(left.x + (u + turn) * width, left.y + v * height) for u, v in edge]
-        draw_list.add_polyline(points, theme.packed((0.0, 0.0, 0.0, 1.0), 0.5), 3.5)
-        draw_list.add_polyline(points, theme.packed(colour), 2.0 if selected else 1.2)
+        draw_list.add_polyline(points, theme.packed((0.0, 0.0, 0.0, 1.0), 0.5), 3.5, 0)
+        draw_list.add_polyline(points, theme.packed(colour), 2.0 if selected else 1.2, 0)
         for u, v in _unwrapped(corners(box), state.edit.yaw_deg)[:-1] if selected else ():
             at = imgui.ImVec2(left.x + (u + turn) * width, left.y + v * height)
             draw_list.add_circle_filled(at, 4.0, theme.packed(theme.ACCENT))

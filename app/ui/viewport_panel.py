@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from imgui_bundle import imgui
 
-from app.ui import light_ball, probe_card, theme, timings, viewport_notes, widgets, wipe
+from app.ui import light_ball, placing, probe_card, theme, timings, viewport_notes, widgets, wipe
 from app.ui.layout import Rect
 from app.ui.panes import LIGHTS, Arrangement, arrange_panes, frame_of
 from app.ui.pictures import Paint, Pictures
@@ -29,7 +29,7 @@ def draw(state: EditorState, fonts: theme.Fonts, pictures: Pictures, rect: Rect)
     state.look.viewport_px = size
     state.look.pointer_px = at if imgui.is_item_hovered() else None
     arranged = arrange_panes(state, size)
-    if arranged.main and not wipe.drag(state, arranged, at, scale):
+    if arranged.main and not placing.drag(state, arranged, at) and not wipe.drag(state, arranged, at, scale):
         _navigate(state, arranged, at, scale)
     arranged = arrange_panes(state, size)
     stripe_px = max(2.0, round(_STRIPE_EM * imgui.get_font_size() * scale))
@@ -101,6 +101,7 @@ def _over_the_picture(state: EditorState, pictures: Pictures, arranged: Arrangem
     wipe.draw(state, arranged, rect, scale)
     viewport_notes.legend(state, pictures, arranged.main, rect)
     viewport_notes.progress(state, rect)
+    placing.hint(state, rect)
     viewport_notes.corner_note(state, arranged, rect)
     light_ball.draw(state, pictures, rect, scale)
     timings.draw(state, rect)

@@ -1,0 +1,61 @@
+"""A click on the face that puts a lamp where the face asks for it; dragging moves the lamp along."""
+
+from __future__ import annotations
+
+from imgui_bundle import imgui
+
+from app.ui.box_tools import aimed, lamp_for_spot
+from app.ui.layout import Rect
+from app.ui.panes import LIGHTS, Arrangement
+from app.ui.state import EditorState
+from app.ui.view import photo_point
+from app.ui.viewport_notes import note, note_width
+
+_WORDS = {
+    "highlight": "Click where the highlight should be",
+    "bright": "Click where the face should be brightest",
+}
+
+
+def drag(state: EditorState, arranged: Arrangement, at: tuple[float, float]) -> bool:
+    """Follow the mouse on the viewport's item; True while it belongs to the lamp and moves no picture.
+
+    Args:
+        at: the mouse in the viewport, in framebuffer pixels.
+    """
+    if not state.aim or arranged.main is None or arranged.main.name in LIGHTS:
+        return False
+    if imgui.is_item_hovered():
+        imgui.set_mouse_cursor(imgui.MouseCursor_.hand)
+    if imgui.is_item_active():
+        state.hand_on_control = True
+        _place(state, arranged, at, pressed=imgui.is_item_activated())
+    elif imgui.is_item_deactivated():
+        state.aim = ""
+    return imgui.is_item_active() or not imgui.get_io().mouse_wheel
+
+
+def hint(state: EditorState, rect: Rect) -> None:
+    """What the next click does."""
+    if state.aim:
+        em = imgui.get_font_size()
+        words = f"{_WORDS[state.aim]}.  Esc to leave it"
+        note(words, rect.x + (rect.width - note_width(words)) / 2, rect.y + em)
+
+
+def _place(state: EditorState, arranged: Arrangement, at: tuple[float, float], pressed: bool) -> None:
+    picture = state.snapshot.picture
+    pane = arranged.pane_at(at[0]) or arranged.main
+    if picture is None or pane.name in LIGHTS:
+        return
+    x, y = photo_point(pane.placement, pane.frame, at)
+    direction = lamp_for_spot(picture.relit.channels, picture.relit.window, x, y, state.aim)
+    if direction is None:
+        if pressed:
+            state.asking.tell("There is no face there; click on skin, hair or clothes")
+        return
+    edit, index = aimed(state.light_edit, state.selected_box, direction, state.edit.yaw_deg)
+    if index < 0:
+        state.asking.tell("A light has at most 16 soft boxes; delete one first", True)
+        return
+    state.light_edit, state.selected_box = edit, index
