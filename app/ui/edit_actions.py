@@ -47,7 +47,7 @@ BOXES = (
     Action(
         "Add a soft box",
         _LIGHT,
-        ("L",),
+        ("N",),
         "A lamp of your own, on the panorama",
         lambda state: add_box(state, *NEW_AT),
     ),
