@@ -41,7 +41,7 @@ def _frame(state: EditorState, shown: Shown | None, index: int, title: str, widt
         _centred(shown, corner, width, image_height)
     if chosen or (shown is not None and imgui.is_item_hovered()):
         outline = theme.ACCENT if chosen else theme.FAINT
-        draw_list.add_rect(corner, end, theme.packed(outline), 4.0, 2.0 if chosen else 1.0)
+        draw_list.add_rect(corner, end, theme.packed(outline), 4.0, (0.13 if chosen else 0.07) * em)
     _label(index, title, chosen, shown is not None, corner, width, image_height)
 
 

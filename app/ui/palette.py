@@ -72,7 +72,10 @@ def _row(state: EditorState, action: Action, row: int) -> None:
     if imgui.selectable(f"##{action.name}", chosen)[0]:
         _run(state, action)
     imgui.end_disabled()
-    if chosen and (imgui.is_window_appearing() or _moved()):
+    mouse = imgui.get_io().mouse_delta
+    if imgui.is_item_hovered() and (mouse.x or mouse.y):
+        state.look.palette_row = row
+    if chosen and _moved():
         imgui.set_scroll_here_y()
     draw = imgui.get_window_draw_list()
     colour = theme.TEXT if action.available(state) else theme.FAINT

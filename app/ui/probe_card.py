@@ -27,6 +27,16 @@ def spot(state: EditorState, arranged: Arrangement) -> tuple[float, float] | Non
     return (x, y) if 0 <= x < width and 0 <= y < height else None
 
 
+def width_em() -> float:
+    """Of the card, in heights of its font."""
+    return _NAME_EM + _LINEAR_EM + _CODES_EM + _SWATCH_EM + 2 * _PAD_EM
+
+
+def height_em() -> float:
+    """Of the card with all its rows, in heights of its font."""
+    return _LINE_EM * len(TITLES) + 2 * _PAD_EM
+
+
 def draw(state: EditorState, arranged: Arrangement, rect: Rect) -> None:
     """The card in the viewport's upper left corner, while it is switched on."""
     point = spot(state, arranged)
@@ -36,7 +46,7 @@ def draw(state: EditorState, arranged: Arrangement, rect: Rect) -> None:
     rows = readings(state.snapshot, state.edit.exposure_ev, *point) if point else []
     imgui.push_font(None, 0.88 * theme.FONT_PX)
     em = imgui.get_font_size()
-    width = (_NAME_EM + _LINEAR_EM + _CODES_EM + _SWATCH_EM + 2 * _PAD_EM) * em
+    width = width_em() * em
     height = (_LINE_EM * (len(rows) + 1) + 2 * _PAD_EM) * em
     x, y = rect.x + 0.6 * em, rect.y + 0.6 * em
     draw_list = imgui.get_window_draw_list()

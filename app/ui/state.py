@@ -17,6 +17,7 @@ from app.ui.layout import Panels
 from app.ui.look import LookState
 from app.ui.photo_queue import PhotoQueue
 from app.ui.view import View
+from relight_core.imaging.photo import Photo
 from relight_core.lighting.light_edit import LightEdit
 from relight_core.pipeline.edit import Edit
 
@@ -66,7 +67,7 @@ class EditorState:
         shown: which entry of CHANNELS fills the viewport.
         before: the photo is shown instead while this is held.
         view: zoom and pan.
-        view_of: the size, width and height in pixels, of the picture that `view` was made for.
+        view_of: the photo that `view` was made for.
         look: what is switched on for looking.
         panels: how large the panels are and which are in sight.
         export_path: where the next export goes, without a number; its suffix follows the button.
@@ -99,7 +100,7 @@ class EditorState:
     shown: str = RESULT
     before: bool = False
     view: View = field(default_factory=View)
-    view_of: tuple[int, int] = (0, 0)
+    view_of: Photo | None = None
     look: LookState = field(default_factory=LookState)
     panels: Panels = field(default_factory=Panels)
     export_path: str = ""

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from imgui_bundle import imgui
 
-from app.ui import theme
+from app.ui import probe_card, theme
 from app.ui.layout import Rect
 from app.ui.state import EditorState
 
 _NAME_EM, _MS_EM, _BAR_EM, _WHY_EM = 7.6, 3.6, 4.6, 12.5
 _PAD_EM, _LINE_EM = 0.7, 1.25
+_ROOM_FOR_WHY_EM = 46.0
 
 
 def draw(state: EditorState, rect: Rect) -> None:
@@ -20,10 +21,12 @@ def draw(state: EditorState, rect: Rect) -> None:
     imgui.push_font(None, 0.88 * theme.FONT_PX)
     em = imgui.get_font_size()
     stages = picture.relit.stages
-    wide = rect.width > 2 * (_NAME_EM + _MS_EM + _BAR_EM + _WHY_EM) * em * 0.6
+    wide = rect.width > _ROOM_FOR_WHY_EM * em
     width = (_NAME_EM + _MS_EM + _BAR_EM + (_WHY_EM if wide else 0.0) + 2 * _PAD_EM) * em
     height = (_LINE_EM * (len(stages) + 1) + 2 * _PAD_EM) * em
     x, y = rect.x + rect.width - width - 0.6 * em, rect.y + 0.6 * em
+    if state.look.probe and x < rect.x + probe_card.width_em() * em + 1.2 * em:
+        y += probe_card.height_em() * em + 0.6 * em
     draw_list = imgui.get_window_draw_list()
     corner, end = imgui.ImVec2(x, y), imgui.ImVec2(x + width, y + height)
     draw_list.add_rect_filled(corner, end, theme.packed((0.05, 0.05, 0.05, 1.0), 0.82), 0.27 * em)

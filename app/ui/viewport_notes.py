@@ -7,7 +7,7 @@ from imgui_bundle import imgui
 from app.ui import theme, widgets
 from app.ui.effects_panel import MOST_FACES
 from app.ui.layout import Rect
-from app.ui.panes import Arrangement, Pane
+from app.ui.panes import LIGHTS, Arrangement, Pane
 from app.ui.pictures import Pictures
 from app.ui.state import CHANNELS, PHOTO, RESULT, EditorState
 
@@ -35,29 +35,31 @@ def note_width(words: str) -> float:
 def corner_note(state: EditorState, arranged: Arrangement, rect: Rect) -> None:
     """The picture's name, unless it is the result, and its zoom."""
     pane = arranged.main
-    words = f"{pane.placement.zoom * 100:.0f} %"
+    words = f"{pane.placement.zoom * 100:.0f} %" if pane.name not in LIGHTS else ""
     if state.before:
         words = f"Before   {words}"
     elif pane.name != RESULT and len(arranged.panes) == 1:
-        words = f"{TITLES[pane.name]}   {words}"
+        words = f"{TITLES[pane.name]}   {words}".rstrip()
     em = imgui.get_font_size()
     note(words, rect.x + rect.width - note_width(words) - 0.6 * em, rect.y + rect.height - 2.1 * em)
 
 
-def pane_titles(arranged: Arrangement, rect: Rect, scale: float) -> None:
-    """Which picture is which, on either side of the line between two."""
+def pane_titles(state: EditorState, arranged: Arrangement, rect: Rect, scale: float) -> None:
+    """Which picture is which, on either side of the line between two; below where cards cover the top."""
     if len(arranged.panes) < 2:
         return
     em = imgui.get_font_size()
     before, after = arranged.panes
+    covered = state.look.probe or state.look.timings
+    y = rect.y + (rect.height - 2.1 * em if covered else 0.6 * em)
     left = TITLES[before.name]
     x = rect.x + before.right / scale - note_width(left) - 0.6 * em
     if x > rect.x:
-        note(left, x, rect.y + 0.6 * em)
+        note(left, x, y)
     right = TITLES[after.name]
     x = rect.x + after.left / scale + 0.6 * em
     if x + note_width(right) < rect.x + rect.width:
-        note(right, x, rect.y + 0.6 * em)
+        note(right, x, y)
 
 
 def faces(state: EditorState, pane: Pane, rect: Rect, scale: float) -> None:

@@ -6,7 +6,7 @@ from imgui_bundle import imgui
 
 from app.ui import light_ball, placing, probe_card, theme, timings, viewport_notes, widgets, wipe
 from app.ui.layout import Rect
-from app.ui.panes import LIGHTS, Arrangement, arrange_panes, frame_of
+from app.ui.panes import LIGHTS, Arrangement, arrange_panes
 from app.ui.pictures import Paint, Pictures
 from app.ui.state import EditorState
 from app.ui.view import View, actual_size, pan, zoom_about
@@ -60,11 +60,9 @@ def toggle_actual_size(state: EditorState) -> None:
 
 def _forget_the_last_photo(state: EditorState) -> None:
     """Fit a new photo; another face of the same photo keeps the view."""
-    if state.snapshot.opened is None:
-        return
-    whole = frame_of(state, "photo")
-    if state.view_of != (whole.width, whole.height):
-        state.view, state.view_of = View(), (int(whole.width), int(whole.height))
+    opened = state.snapshot.opened
+    if opened is not None and state.view_of is not opened.photo:
+        state.view, state.view_of = View(), opened.photo
 
 
 def _in_pane(arranged: Arrangement, at: tuple[float, float] | None) -> tuple[float, float]:
@@ -106,4 +104,4 @@ def _over_the_picture(state: EditorState, pictures: Pictures, arranged: Arrangem
     light_ball.draw(state, pictures, rect, scale)
     timings.draw(state, rect)
     probe_card.draw(state, arranged, rect)
-    viewport_notes.pane_titles(arranged, rect, scale)
+    viewport_notes.pane_titles(state, arranged, rect, scale)

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import moderngl
 
-from app.ui.panes import Pane
+from app.ui.panes import LIGHTS, Pane
 from app.ui.pictures import Paint
 from app.ui.state import PHOTO, RESULT
 from app.ui.view import Placement
@@ -75,7 +75,8 @@ class PicturePainter:
         self, slots: dict[str, TextureSlot], name: str, place: Placement, mode: int, exposure_ev: float
     ) -> None:
         slot, program = slots[name], self._program
-        slot.smooth(place.width / slot.texture.width < _CRISP_FROM_ZOOM)
+        # A light has so few texels that only their blend can be read as a place.
+        slot.smooth(name in LIGHTS or place.width / slot.texture.width < _CRISP_FROM_ZOOM)
         program["place"].value = (place.x, place.y, place.width, place.height)
         program["encoded"].value = name not in (PHOTO, RESULT)
         program["has_alpha"].value = slot.texture.components == 4

@@ -28,7 +28,7 @@ class Extremes:
     no_number: float
 
 
-def thinned(pixels: np.ndarray, most: int = 1 << 16) -> np.ndarray:
+def thinned(pixels: np.ndarray, most: int = 1 << 15) -> np.ndarray:
     """Every n-th row and column of (H, W, ...), such that about `most` pixels are left; a view."""
     height, width = pixels.shape[:2]
     step = max(1, int(np.ceil(np.sqrt(height * width / most))))

@@ -136,7 +136,7 @@ class Hand:
 
     def see_every_pixel(self):
         """One screen pixel for each of the picture's."""
-        picture_width, picture_height = self.window.state.view_of
+        picture_height, picture_width = self.window.state.snapshot.opened.photo.linear.shape[:2]
         self.window.state.view = View(False, 1.0, picture_width / 2, picture_height / 2)
         self.frames(1)
 
