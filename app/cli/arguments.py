@@ -47,7 +47,7 @@ def add_sliders(parser: argparse.ArgumentParser) -> None:
         metavar="B",
         type=_background,
         default="keep",
-        help="keep, light, transparent, #rrggbb",
+        help="keep, match (kept, but lit like the person), light, transparent, #rrggbb",
     )
     parser.add_argument("--quality", choices=("draft", "live", "final"), default="final")
     parser.add_argument(
@@ -138,8 +138,8 @@ def _index(text: str) -> int:
 
 
 def _background(text: str) -> str:
-    if text in ("keep", "light", "transparent"):
+    if text in ("keep", "match", "light", "transparent"):
         return text
     if re.fullmatch(r"#[0-9a-fA-F]{6}", text):
         return text.lower()
-    raise argparse.ArgumentTypeError(f"{text!r} is none of keep, light, transparent, #rrggbb")
+    raise argparse.ArgumentTypeError(f"{text!r} is none of keep, match, light, transparent, #rrggbb")

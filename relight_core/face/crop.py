@@ -2,31 +2,34 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import cv2
 import numpy as np
 
 from relight_core.face.find import FaceBox
 from relight_core.face.parsing import INDEX, PAPER_CLASSES
-from relight_core.imaging.resampling import resample_window
+from relight_core.imaging.resampling import resample_window, resize_area
 
 FOREHEAD = 0.25
 """From the brows up to the hairline, as a fraction of a face's height from brow to chin."""
 
 _SMALLEST_FACE_SHARE = 0.01
+_DIAGONAL = 2**0.5
 _FACE_LABELS = [INDEX[name] for name in PAPER_CLASSES]
 
 
 @dataclass(frozen=True)
 class Crop:
-    """A square window of a photo, which may reach beyond it.
+    """A square window of a photo, which may reach beyond it and may be turned about its middle.
 
     Positions are in pixel edges, in the photo as in the crop: pixel i spans i to i + 1.
 
     Attributes:
         centre_x, centre_y: its middle, in photo pixels.
         side: its width and height, in photo pixels; positive.
+        roll_deg: how far it is turned counterclockwise as one looks at the photo: the roll of a head that
+            leans to the left of the photo is positive, and in its crop it stands upright.
 
     Raises:
         ValueError: a side that is not positive and finite.
@@ -35,14 +38,15 @@ class Crop:
     centre_x: float
     centre_y: float
     side: float
+    roll_deg: float = 0.0
 
     def __post_init__(self) -> None:
-        if not (self.side > 0.0 and np.isfinite([self.centre_x, self.centre_y, self.side]).all()):
+        if not (self.side > 0.0 and np.isfinite([self.centre_x, self.centre_y, self.side, self.roll_deg]).all()):
             raise ValueError(f"a crop has a finite centre and a positive side, not {self}")
 
     @property
     def window(self) -> tuple[float, float, float, float]:
-        """x0, y0, x1, y1 in photo pixels."""
+        """x0, y0, x1, y1 in photo pixels, before the turn."""
         half = self.side / 2.0
         return self.centre_x - half, self.centre_y - half, self.centre_x + half, self.centre_y + half
 
@@ -58,15 +62,42 @@ class Crop:
         Returns:
             (size, size) or (size, size, C) float32.
         """
-        return resample_window(image, self.window, (size, size))
+        if self.roll_deg == 0:
+            return resample_window(image, self.window, (size, size))
+        return self._extract_turned(image, size)
 
     def to_photo(self, points: np.ndarray, size: int) -> np.ndarray:
         """Points (..., 2) as x, y in the size x size crop to photo positions."""
-        return np.asarray(points, np.float64) * (self.side / size) + self.window[:2]
+        inverse = cv2.invertAffineTransform(self.from_photo_matrix(size))
+        return np.asarray(points, np.float64) @ inverse[:, :2].T + inverse[:, 2]
 
     def from_photo(self, points: np.ndarray, size: int) -> np.ndarray:
         """Points (..., 2) as x, y in the photo to positions in the size x size crop."""
-        return (np.asarray(points, np.float64) - self.window[:2]) * (size / self.side)
+        matrix = self.from_photo_matrix(size)
+        return np.asarray(points, np.float64) @ matrix[:, :2].T + matrix[:, 2]
+
+    def from_photo_matrix(self, size: int) -> np.ndarray:
+        """(2, 3) affine map from photo positions to positions in the size x size crop."""
+        angle = np.radians(self.roll_deg)
+        turn = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]]) * (size / self.side)
+        return np.column_stack([turn, size / 2 - turn @ [self.centre_x, self.centre_y]])
+
+    def _extract_turned(self, image: np.ndarray, size: int) -> np.ndarray:
+        """The turned window, through an upright one about it at twice the resolution."""
+        around = replace(self, side=self.side * _DIAGONAL, roll_deg=0.0)
+        fine = max(round(2 * size * _DIAGONAL), 1)
+        matrix = self.from_photo_matrix(2 * size)
+        corner, step = np.array(around.window[:2]), around.side / fine
+        linear = matrix[:, :2] * step
+        offset = matrix[:, :2] @ corner + matrix[:, 2] + linear @ [0.5, 0.5] - 0.5
+        turned = cv2.warpAffine(
+            around.extract(image, fine),
+            np.column_stack([linear, offset]),
+            (2 * size, 2 * size),
+            flags=cv2.INTER_LINEAR,
+            borderMode=cv2.BORDER_REPLICATE,
+        )
+        return resize_area(turned, (size, size))
 
 
 def crop_for_face(box: FaceBox, padding_px: float = 30.0, size: int = 256) -> Crop:
@@ -74,7 +105,7 @@ def crop_for_face(box: FaceBox, padding_px: float = 30.0, size: int = 256) -> Cr
 
     `box_from_parsing` and `crop_with_padding` refine it once the parsing map is known.
     """
-    whole = FaceBox(box.x0, box.y0 - FOREHEAD * box.height, box.x1, box.y1)
+    whole = FaceBox(box.x0, box.y0 - FOREHEAD * box.height, box.x1, box.y1, box.roll_deg)
     return crop_with_padding(whole, padding_px, size)
 
 
@@ -97,7 +128,7 @@ def crop_with_padding(box: FaceBox, padding_px: float = 30.0, size: int = 256) -
     side = float(max(round(max(box.width, box.height) * size / (size - 2.0 * padding_px)), 1))
     x0 = float(round((box.x0 + box.x1 - side) / 2.0))
     y0 = float(round((box.y0 + box.y1 - side) / 2.0))
-    return Crop(x0 + side / 2.0, y0 + side / 2.0, side)
+    return Crop(x0 + side / 2.0, y0 + side / 2.0, side, box.roll_deg)
 
 
 def box_from_parsing(labels: np.ndarray, crop: Crop) -> FaceBox | None:

@@ -22,13 +22,18 @@ _TILTS_DEG = (-30.0, 30.0)
 class FaceBox:
     """A face from brow to chin and from cheek to cheek, in pixel edges: pixel i spans i to i + 1.
 
-    A box may reach beyond the photo where the face does.
+    A box may reach beyond the photo where the face does. It is upright about the face's middle also where
+    the face is not.
+
+    Attributes:
+        roll_deg: by how much the head leans to the left of the photo.
     """
 
     x0: float
     y0: float
     x1: float
     y1: float
+    roll_deg: float = 0.0
 
     @property
     def width(self) -> float:

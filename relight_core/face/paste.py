@@ -1,49 +1,100 @@
-"""The relit crop back into the photo."""
+"""A crop's maps where its pixels lie in the photo, a band of rows at a time."""
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
+import cv2
 import numpy as np
 
 from relight_core.face.crop import Crop
-from relight_core.imaging.resampling import resample_window
-
-SOFT_EDGE = 0.1
-"""Width of the default soft edge, as a fraction of the crop's side."""
 
 
-def paste_crop(
-    base: np.ndarray, relit: np.ndarray, crop: Crop, weight: np.ndarray | None = None
-) -> np.ndarray:
-    """Blend a crop into the photo at its place.
+@dataclass(frozen=True)
+class Band:
+    """Rows `top` to `bottom` of a picture of `size`; the picture may be a smaller copy of the photo.
+
+    Attributes:
+        top, bottom: rows of the picture, the latter not included.
+        size: (height, width) of the picture.
+        photo_size: (height, width) of the photo.
+    """
+
+    top: int
+    bottom: int
+    size: tuple[int, int]
+    photo_size: tuple[int, int]
+
+    @property
+    def rows(self) -> slice:
+        """The band in an array of the picture's size."""
+        return slice(self.top, self.bottom)
+
+
+def bands(size: tuple[int, int], photo_size: tuple[int, int], rows: int = 64) -> list[Band]:
+    """A picture cut into bands of at most so many rows."""
+    return [Band(top, min(top + rows, size[0]), size, photo_size) for top in range(0, size[0], rows)]
+
+
+def whole_photo(photo_size: tuple[int, int]) -> tuple[float, float, float, float]:
+    """The window of a map that covers all of the photo."""
+    return 0.0, 0.0, float(photo_size[1]), float(photo_size[0])
+
+
+def spread_window(maps: np.ndarray, window: tuple[float, float, float, float], band: Band) -> np.ndarray:
+    """Maps that cover a window of the photo, bilinearly at every pixel of a band; edges continue outward.
+
+    What a pixel gets does not depend on how the picture is cut into bands. In a picture smaller than the
+    photo the window is rounded to whole pixels of the picture.
 
     Args:
-        base: (H, W, 3) or (H, W) linear.
-        relit: (S, S, 3) or (S, S) linear, any S.
-        crop: where `relit` lies; parts beyond the photo are left out.
-        weight: (T, T) in [0, 1], any T: 1 shows `relit`, 0 `base`. None fades towards the crop's edges.
+        maps: (h, w) or (h, w, C).
+        window: x0, y0, x1, y1 in photo pixels.
 
     Returns:
-        A new float32 array of the shape of `base`.
+        (rows, width) or (rows, width, C) float32.
     """
-    pasted = np.array(base, np.float32, order="C")
-    place = _covered_pixels(crop, base.shape[:2])
-    if place is None:
-        return pasted
-    x0, y0, x1, y1 = place
-    if weight is None:
-        weight = soft_edge(relit.shape[0])
-    share = np.clip(_fit(weight, crop, place), 0.0, 1.0)
-    share *= _coverage(crop.window[1], crop.window[3], y0, y1)[:, None]
-    share *= _coverage(crop.window[0], crop.window[2], x0, x1)[None, :]
-    if base.ndim == 3:
-        share = share[..., None]
-    under = pasted[y0:y1, x0:x1]
-    under *= 1.0 - share
-    under += share * _fit(relit, crop, place)
-    return pasted
+    along_y, along_x = band.size[0] / band.photo_size[0], band.size[1] / band.photo_size[1]
+    y0, y1 = _whole(window[1] * along_y, window[3] * along_y)
+    x0, x1 = _whole(window[0] * along_x, window[2] * along_x)
+    maps = np.ascontiguousarray(maps, np.float32)
+    place = np.clip((np.arange(band.top, band.bottom) + 0.5 - y0) * (len(maps) / (y1 - y0)) - 0.5, 0, len(maps) - 1)
+    upper = np.floor(place).astype(np.intp)
+    share = (place - upper).astype(np.float32).reshape(-1, *[1] * (maps.ndim - 1))
+    rows = maps[upper] * (1 - share) + maps[np.minimum(upper + 1, len(maps) - 1)] * share
+    wide = cv2.resize(np.ascontiguousarray(rows), (x1 - x0, len(rows)), interpolation=cv2.INTER_LINEAR)
+    wide = wide.reshape(len(rows), x1 - x0, *maps.shape[2:])
+    if (x0, x1) == (0, band.size[1]):
+        return wide
+    columns = np.clip(np.arange(band.size[1]) - x0, 0, x1 - x0 - 1)
+    inside = slice(max(x0, 0), max(min(x1, band.size[1]), 0))
+    if inside.start >= inside.stop:
+        return wide[:, columns]
+    result = np.empty((len(rows), band.size[1], *maps.shape[2:]), np.float32)
+    result[:, inside] = wide[:, inside.start - x0 : inside.stop - x0]
+    result[:, : inside.start] = wide[:, columns[: inside.start]]
+    result[:, inside.stop :] = wide[:, columns[inside.stop :]]
+    return result
 
 
-def soft_edge(size: int, width: float = SOFT_EDGE) -> np.ndarray:
+def spread_crop(maps: np.ndarray, crop: Crop, band: Band) -> np.ndarray:
+    """Maps (s, s, C) of a crop, bilinearly at every pixel of a band; edges continue outward."""
+    if crop.roll_deg == 0:
+        return spread_window(maps, crop.window, band)
+    matrix = crop.from_photo_matrix(maps.shape[0])
+    step = np.array([band.photo_size[1] / band.size[1], band.photo_size[0] / band.size[0]])
+    linear = matrix[:, :2] * step
+    offset = linear @ np.array([0.5, band.top + 0.5]) + matrix[:, 2] - 0.5
+    return cv2.warpAffine(
+        np.ascontiguousarray(maps, np.float32),
+        np.column_stack([linear, offset]),
+        (band.size[1], band.bottom - band.top),
+        flags=cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP,
+        borderMode=cv2.BORDER_REPLICATE,
+    )
+
+
+def soft_edge(size: int, width: float) -> np.ndarray:
     """A weight that is 1 inside and falls smoothly to 0 at the edges of a crop.
 
     Args:
@@ -53,28 +104,21 @@ def soft_edge(size: int, width: float = SOFT_EDGE) -> np.ndarray:
     Returns:
         (size, size) float32, [0, 1].
     """
-    position = (np.arange(size) + 0.5) / size
-    ramp = np.clip(np.minimum(position, 1.0 - position) / width, 0.0, 1.0)
-    smooth = (ramp * ramp * (3.0 - 2.0 * ramp)).astype(np.float32)
+    smooth = fade((np.arange(size) + 0.5) / size, width)
     return smooth[:, None] * smooth[None, :]
 
 
-def _covered_pixels(crop: Crop, size: tuple[int, int]) -> tuple[int, int, int, int] | None:
-    """x0, y0, x1, y1 of the photo's pixels that the crop touches, or None."""
-    low_x, low_y, high_x, high_y = crop.window
-    x0, y0 = max(int(np.floor(low_x)), 0), max(int(np.floor(low_y)), 0)
-    x1, y1 = min(int(np.ceil(high_x)), size[1]), min(int(np.ceil(high_y)), size[0])
-    return (x0, y0, x1, y1) if x1 > x0 and y1 > y0 else None
+def fade(position: np.ndarray, width: float, low: bool = True, high: bool = True) -> np.ndarray:
+    """1 inside [0, 1], falling smoothly to 0 toward the low and the high end over `width`; 0 outside."""
+    distance = np.full(np.shape(position), width)
+    if low:
+        distance = np.minimum(distance, position)
+    if high:
+        distance = np.minimum(distance, 1.0 - np.asarray(position))
+    ramp = np.clip(distance / width, 0.0, 1.0)
+    return (ramp * ramp * (3.0 - 2.0 * ramp)).astype(np.float32)
 
 
-def _fit(image: np.ndarray, crop: Crop, place: tuple[int, int, int, int]) -> np.ndarray:
-    """The crop's image resampled to the photo's pixels."""
-    x0, y0, x1, y1 = place
-    corners = crop.from_photo(np.array([[x0, y0], [x1, y1]]), image.shape[0])
-    return resample_window(image, tuple(corners.ravel()), (y1 - y0, x1 - x0))
-
-
-def _coverage(low: float, high: float, first: int, last: int) -> np.ndarray:
-    """(last - first,) share of each pixel that lies in [low, high]."""
-    edges = np.arange(first, last)
-    return np.clip(np.minimum(edges + 1, high) - np.maximum(edges, low), 0.0, 1.0).astype(np.float32)
+def _whole(low: float, high: float) -> tuple[int, int]:
+    first = round(low)
+    return first, max(round(high), first + 1)

@@ -23,19 +23,35 @@ def panorama_background(
 ) -> np.ndarray:
     """The part of the panorama in front of a camera at the person's place that looks along -z.
 
+    `panorama_view`, which see, enlarged to the picture's size.
+    """
+    picture = panorama_view(environment, yaw_deg, height, width, field_of_view_deg, blur_deg)
+    return cv2.resize(picture, (width, height), interpolation=cv2.INTER_LINEAR)
+
+
+def panorama_view(
+    environment: Environment,
+    yaw_deg: float,
+    height: int,
+    width: int,
+    field_of_view_deg: float = 50.0,
+    blur_deg: float = 1.0,
+) -> np.ndarray:
+    """What a camera at the person's place sees that looks along -z, as large as it has something to show.
+
     A map coarser than the picture is drawn at a size that suits its texels, blurred by at least half
     a texel, and enlarged, so that no texel shows.
 
     Args:
         environment: the light.
         yaw_deg: its turn; positive moves the background to the right.
-        height, width: pixels of the result.
+        height, width: pixels of the picture that it will be part of.
         field_of_view_deg: of the picture's longer side, in (0, 170].
         blur_deg: standard deviation of the blur, in [0, 20].
 
     Returns:
-        (height, width, 3) float32 linear radiance of the light's shape: multiply by its level for the
-        map's own units.
+        (h, w, 3) float32 linear radiance of the light's shape, h and w at most height and width: multiply
+        by its level for the map's own units.
 
     Raises:
         ValueError: a field of view, a blur or a yaw out of range.
@@ -53,8 +69,7 @@ def panorama_background(
     directions = _view_directions(drawn_height, drawn_width, longer * focal / side, height, width, margin)
     picture = _sample(environment.shape, directions, yaw_deg)
     picture = cv2.GaussianBlur(picture, (0, 0), sigma, borderType=cv2.BORDER_REPLICATE)
-    picture = picture[margin : margin + drawn_height, margin : margin + drawn_width]
-    return cv2.resize(picture, (width, height), interpolation=cv2.INTER_LINEAR)
+    return np.ascontiguousarray(picture[margin : margin + drawn_height, margin : margin + drawn_width])
 
 
 def _view_directions(

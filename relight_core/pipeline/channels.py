@@ -18,11 +18,12 @@ from relight_core.imaging.tensor_colour import grey
 from relight_core.pipeline.hints import Effects
 from relight_core.pipeline.stages import SliderChange, Surface
 
-_PATTERNED = [
+PATTERNED = [
     INDEX[name]
     for name in ("left_eye", "right_eye", "left_brow", "right_brow", "lips", "inner_mouth", "hair", "hat")
     + ("glasses", "cloth")
 ]
+"""Labels of what gets its contrast from colour rather than from shading."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,7 +59,7 @@ def fit_view(
 ) -> LightChange:
     """The composed view (1, 3, s, s) as gain and offset of the photo's, normalised light."""
     gloss = effects.specular * reflected[:, 3:] / grey(reflected[:, 3:]).clamp_min(1e-6)
-    patterned = surface.parsing[:, _PATTERNED].sum(1, keepdim=True)
+    patterned = surface.parsing[:, PATTERNED].sum(1, keepdim=True)
     return fit_light_change(photo_small, as_image(relit), as_image(gloss), as_image(patterned))
 
 

@@ -35,7 +35,10 @@ class Edit:
         exposure_ev: display and export exposure in stops; read by no network.
         specular: gain on the specular channel, [0, 2]; 1 is as estimated (paper, Figure 12).
         shadow: gain on the shadow channel, [0, 2]; 1 is as estimated (paper, Figure 12).
-        background: "keep", "light", "transparent" or "#rrggbb" (sRGB).
+        background: "keep", "match" (kept, dimmed and tinted as the person is), "light" (the panorama that
+            the camera sees), "transparent" or "#rrggbb" (sRGB).
+        background_fov_deg: field of view of the picture's longer side, for "light", in (0, 170].
+        background_blur_deg: standard deviation of the blur of what is seen, for "light", in [0, 20].
         quality: "draft", "live" or "final", or a tier of one's own.
         channels: the channels that are looked at; None for all of them.
         forced_on: effects (see EFFECTS) that the plan may not skip, nor reuse from a light that is not the same.
@@ -48,6 +51,8 @@ class Edit:
     specular: float = 1.0
     shadow: float = 1.0
     background: str = "keep"
+    background_fov_deg: float = 50.0
+    background_blur_deg: float = 1.0
     quality: str | Tier = "live"
     channels: tuple[str, ...] | None = None
     forced_on: frozenset[str] = frozenset()

@@ -1,75 +1,114 @@
-"""From a relit view to a finished picture: pasted into the photo, over the background that was asked for."""
+"""From relit views to a finished picture: which view counts where, and what the rest of the person gets."""
 
 from __future__ import annotations
 
-import re
+from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
+import torch
 
-from relight_core.errors import InputError
 from relight_core.face.crop import Crop
-from relight_core.face.paste import paste_crop, soft_edge
-from relight_core.imaging.colour import srgb_decode
-from relight_core.imaging.matte import replace_background
+from relight_core.face.paste import Band, fade, spread_crop
+from relight_core.imaging.matte import Matte
+from relight_core.imaging.photo import Photo
+from relight_core.imaging.resampling import resize_area
+from relight_core.lighting.reflection import ReflectionTable
+from relight_core.pipeline.channels import ViewChange
+from relight_core.pipeline.picture import PlacedChange, canvas_of, whole_person
+from relight_core.pipeline.rest_of_person import Body, body_gain, body_size, make_body
 
 _EDGE_SHARE = 0.12
+_WEIGHT_LONGEST = 512
+_NEARNESS_POWER = 4
 
 
-def finish(photo: np.ndarray, relit: np.ndarray, view: Crop, matte: np.ndarray) -> np.ndarray:
-    """The relit view in the photo: the person changes, what is behind stays.
+@dataclass(frozen=True, eq=False)
+class Placement:
+    """Where every face's view counts, and the body around them; once per photo.
+
+    Attributes:
+        views: of the faces.
+        weights: (k, l) for each, over the whole photo; they sum to at most 1.
+        body: what no view covers.
+        photo_size: (height, width).
+    """
+
+    views: tuple[Crop, ...]
+    weights: tuple[np.ndarray, ...]
+    body: Body
+    photo_size: tuple[int, int]
+
+
+def place_views(photo: Photo, views: Sequence[Crop], matte: Matte) -> Placement:
+    """Share the photo out among the views of its faces."""
+    photo_size = photo.linear.shape[:2]
+    scale = min(_WEIGHT_LONGEST / max(photo_size), 1.0)
+    size = tuple(max(round(length * scale), 1) for length in photo_size)
+    fading, nearness = zip(*(_weight(view, size, photo_size) for view in views), strict=True)
+    total = np.maximum(sum(f * n for f, n in zip(fading, nearness, strict=True)), 1e-20)
+    together = np.maximum.reduce(fading)
+    weights = tuple((f * n / total * together).astype(np.float32) for f, n in zip(fading, nearness, strict=True))
+    if len(views) == 1:
+        weights = (fading[0],)
+    small = body_size(photo_size)
+    canvas = canvas_of(photo, max(small))
+    person = whole_person(canvas, matte)
+    known = resize_area(np.minimum(sum(weights), 1), canvas.size)
+    return Placement(tuple(views), weights, make_body(canvas.linear, person.share, known), photo_size)
+
+
+def placed(placement: Placement, changes: Sequence[ViewChange]) -> tuple[PlacedChange, ...]:
+    """The faces' changes at their places."""
+    return tuple(PlacedChange(*parts) for parts in zip(changes, placement.views, placement.weights, strict=True))
+
+
+def gain_of_rest(
+    placement: Placement, changes: Sequence[ViewChange], table: ReflectionTable, light: torch.Tensor
+) -> np.ndarray:
+    """Gain (h, w, 3) over the whole photo for what no view covers, at the light's level.
 
     Args:
-        photo: (H, W, 3) linear.
-        relit: (S, S, 3) linear, the view at the photo's resolution.
-        matte: (H, W) person in [0, 1].
-
-    Returns:
-        (H, W, 3) float32 linear.
+        light: (1, 16, 32, 3) normalised.
     """
-    pasted = paste_crop(photo, relit, view, _fading_edge(relit.shape[0], view, photo.shape[:2]))
-    return photo + matte[..., None] * (pasted - photo)
+    body, level = placement.body, max(changes[0].level, 1e-30)
+    size = body.photo.shape[:2]
+    if changes[0].level == 0:
+        return np.zeros((*size, 3), np.float32)
+    relit, total = np.zeros_like(body.photo), np.zeros((*size, 1), np.float32)
+    for change, view, weight in zip(changes, placement.views, placement.weights, strict=True):
+        share = resize_area(weight, size)[..., None]
+        gain, offset = (_coarse(part, view, size, placement.photo_size) for part in (change.gain, change.offset))
+        relit += share * (gain * body.photo + offset)
+        total += share
+    relit = relit / np.maximum(total, 1e-6) / np.float32(level)
+    return body_gain(body, table, light, relit) * np.float32(level)
 
 
-def _fading_edge(size: int, view: Crop, photo_size: tuple[int, int]) -> np.ndarray:
-    """A soft edge only on the sides where the photo goes on: nothing fades at its own border."""
-    ramp = soft_edge(size, _EDGE_SHARE)
-    middle = ramp[size // 2]
-    across, down = middle.copy(), middle.copy()
+def mean_gain(placement: Placement, rest: np.ndarray) -> np.ndarray:
+    """(3,) by how much the person changes, as a geometric mean."""
+    weight = placement.body.share[..., None] + 1e-6
+    return np.exp((np.log(rest + 1e-6) * weight).sum((0, 1)) / weight.sum((0, 1)))
+
+
+def _coarse(maps: np.ndarray, view: Crop, size: tuple[int, int], photo_size: tuple[int, int]) -> np.ndarray:
+    """A view's maps on the body's grid, averaged as far as that is coarser. (h, w, 3)."""
+    longest = max(size)
+    shrunk = resize_area(maps, (min(len(maps), longest),) * 2)
+    return spread_crop(shrunk, view, Band(0, size[0], size, photo_size))
+
+
+def _weight(view: Crop, size: tuple[int, int], photo_size: tuple[int, int]) -> tuple[np.ndarray, np.ndarray]:
+    """How far a view counts at all, and how near its middle each place is; (k, l) each.
+
+    Nothing fades at the photo's own border, beyond which there is no rest.
+    """
+    x = (np.arange(size[1]) + 0.5) * photo_size[1] / size[1]
+    y = (np.arange(size[0]) + 0.5) * photo_size[0] / size[0]
+    across, down = np.moveaxis(view.from_photo(np.stack(np.meshgrid(x, y), axis=-1), 1), -1, 0)
     x0, y0, x1, y1 = view.window
-    half = size // 2
-    if x0 <= 0:
-        across[:half] = 1
-    if x1 >= photo_size[1]:
-        across[half:] = 1
-    if y0 <= 0:
-        down[:half] = 1
-    if y1 >= photo_size[0]:
-        down[half:] = 1
-    return down[:, None] * across[None, :]
-
-
-def over_background(
-    image: np.ndarray, matte: np.ndarray, background: str, panorama: np.ndarray | None = None
-) -> tuple[np.ndarray, np.ndarray | None]:
-    """The picture over another background: image (H, W, 3) linear and alpha (H, W) or None.
-
-    Args:
-        background: "keep", "light", "transparent" or "#rrggbb".
-        panorama: (H, W, 3) linear, what is behind the person where the background is "light".
-
-    Raises:
-        InputError: a background that is none of these.
-    """
-    if background == "keep":
-        return image, None
-    if background == "transparent":
-        return image, matte
-    return replace_background(image, matte, panorama if background == "light" else _colour(background)), None
-
-
-def _colour(text: str) -> np.ndarray:
-    """Linear (3,) of "#rrggbb"."""
-    if not re.fullmatch(r"#[0-9a-fA-F]{6}", text):
-        raise InputError(f"unknown background {text!r}: use keep, light, transparent or a colour such as #30343a")
-    codes = np.array([int(text[i : i + 2], 16) for i in (1, 3, 5)], np.float32)
-    return srgb_decode(codes / 255)
+    turned = view.roll_deg != 0
+    fading = fade(across, _EDGE_SHARE, turned or x0 > 0, turned or x1 < photo_size[1])
+    fading = fading * fade(down, _EDGE_SHARE, turned or y0 > 0, turned or y1 < photo_size[0])
+    distance = np.hypot(across - 0.5, down - 0.5)
+    return fading.astype(np.float32), (1 / (0.05 + distance)) ** _NEARNESS_POWER

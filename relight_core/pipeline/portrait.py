@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import astuple, dataclass, replace
 
 import numpy as np
 
@@ -37,8 +37,8 @@ class Portrait:
     view: Crop
 
 
-def choose_face(photo: Photo, face_index: int | None) -> FaceBox:
-    """The largest face, or the one of an index in order of size.
+def choose_faces(photo: Photo, face_index: int | None) -> list[FaceBox]:
+    """All faces, the largest first, or only the one of an index in order of size.
 
     Raises:
         InputError: no face, or no such index.
@@ -48,17 +48,30 @@ def choose_face(photo: Photo, face_index: int | None) -> FaceBox:
     if not faces:
         raise InputError(f"{name}: no face found; use a photo in which a face is upright and not too small")
     if face_index is None:
-        return faces[0]
+        return faces
     if not 0 <= face_index < len(faces):
         count = "1 face, number 0" if len(faces) == 1 else f"{len(faces)} faces, numbers 0 to {len(faces) - 1}"
         raise InputError(f"{name}: there is no face number {face_index}; it has {count}")
-    return faces[face_index]
+    return [faces[face_index]]
 
 
 def frame(photo: Photo, found: FaceBox) -> Portrait:
     """A first framing, from the finder's box alone."""
     crop = crop_for_face(found, PADDING_PX)
     return Portrait(photo, found, found, crop, _view_around(crop, photo))
+
+
+def frame_by_hand(photo: Photo, box: FaceBox) -> Portrait:
+    """A first framing from a box that the user drew.
+
+    Raises:
+        InputError: an empty box, or one outside the photo.
+    """
+    height, width = photo.linear.shape[:2]
+    inside = box.x1 > 0 and box.y1 > 0 and box.x0 < width and box.y0 < height
+    if not (np.isfinite(astuple(box)).all() and box.width >= 1 and box.height >= 1 and inside):
+        raise InputError(f"{photo.path or 'the photo'}: the box of a face is empty or outside; draw it over the face")
+    return frame(photo, box)
 
 
 def refine(portrait: Portrait, labels: np.ndarray) -> Portrait:
@@ -82,6 +95,8 @@ def _view_around(crop: Crop, photo: Photo) -> Crop:
     Continued border pixels are streaks that no network has seen, so as few as possible are shown to it.
     """
     height, width = photo.linear.shape[:2]
+    if crop.roll_deg:
+        return replace(crop, side=float(round(max(min(crop.side * SURROUNDINGS, height, width), crop.side, 1))))
     side = float(round(max(min(crop.side * SURROUNDINGS, height, width), crop.side, 1)))
     x0 = _kept_inside(crop.centre_x - side / 2, side, width)
     y0 = _kept_inside(crop.centre_y - side / 2, side, height)

@@ -48,9 +48,7 @@ def test_a_padded_crop_copies_whole_pixels():
     crop = crop_with_padding(FaceBox(100.3, 90.2, 190.8, 185.9))
     x0, y0, x1, y1 = crop.window
     assert all(edge == int(edge) for edge in crop.window)
-    np.testing.assert_array_equal(
-        crop.extract(image, int(crop.side)), image[int(y0) : int(y1), int(x0) : int(x1)]
-    )
+    np.testing.assert_array_equal(crop.extract(image, int(crop.side)), image[int(y0) : int(y1), int(x0) : int(x1)])
 
 
 POSITION, LENGTH = st.floats(-100, 2000), st.floats(40, 900)
@@ -123,3 +121,26 @@ def test_refining_a_crop_settles_at_once():
     x1, y1 = np.rint(crop.from_photo(np.array([315, 330]), 256)).astype(int)
     box = box_from_parsing(parsing(face=(x0, y0, x1, y1)), crop)
     assert (box.x0, box.y0, box.x1, box.y1) == pytest.approx((205, 150, 315, 330), abs=1.0)
+
+
+def test_a_turned_crop_stands_a_leaning_head_upright():
+    """A bar that leans to the left by 30 degrees is vertical in a crop of roll 30."""
+    y, x = np.mgrid[0:200, 0:200] + 0.5 - 100
+    angle = np.radians(30)
+    along, across = -(x * np.sin(angle)) - y * np.cos(angle), x * np.cos(angle) - y * np.sin(angle)
+    bar = ((np.abs(across) < 4) & (along > 0) & (along < 60)).astype(np.float32)
+    upright = Crop(100.0, 100.0, 140.0, 30.0).extract(bar, 70)
+    assert upright[10:30, 33:37].min() > 0.6
+    assert upright[40:].max() < 0.1
+
+
+def test_points_of_a_turned_crop_go_to_the_photo_and_back():
+    crop = Crop(50.0, 60.0, 40.0, 25.0)
+    points = np.random.default_rng(0).uniform(0, 64, (10, 2))
+    np.testing.assert_allclose(crop.from_photo(crop.to_photo(points, 64), 64), points, atol=1e-9)
+    np.testing.assert_allclose(crop.to_photo(np.array([32, 32]), 64), (50, 60))
+
+
+def test_a_turned_crop_keeps_the_mean_of_an_even_picture():
+    even = np.full((80, 90, 3), 0.4, np.float32)
+    np.testing.assert_allclose(Crop(40.0, 40.0, 60.0, -45.0).extract(even, 32), 0.4, atol=1e-6)

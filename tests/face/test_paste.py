@@ -1,90 +1,96 @@
+"""Maps of crops at the photo's pixels, band by band."""
+
 import numpy as np
 import pytest
 
 from relight_core.face.crop import Crop
-from relight_core.face.paste import paste_crop, soft_edge
+from relight_core.face.paste import Band, bands, fade, soft_edge, spread_crop, spread_window, whole_photo
 
 RNG = np.random.default_rng(5)
+SIZE = (180, 220)
 
 
-def smooth_photo(height=180, width=220):
-    y, x = np.mgrid[0:height, 0:width] / 40.0
+def smooth_photo():
+    y, x = np.mgrid[0 : SIZE[0], 0 : SIZE[1]] / 40.0
     return np.dstack([np.sin(x) + 1.5, np.cos(y) + 1.5, np.sin(x + y) + 1.5]).astype(np.float32)
 
 
+def inside(crop, margin=4.0):
+    """Pixels well within a crop."""
+    y, x = np.mgrid[0 : SIZE[0], 0 : SIZE[1]] + 0.5
+    local = crop.from_photo(np.stack([x, y], -1), 1) * crop.side
+    return ((local > margin) & (local < crop.side - margin)).all(-1)
+
+
 @pytest.mark.parametrize(
-    ("crop", "size"),
+    "crop",
     [
-        (Crop(100.0, 90.0, 64.0), 64),
-        (Crop(100.3, 90.7, 71.5), 128),
-        (Crop(101.7, 88.2, 150.0), 100),
-        (Crop(5.0, 170.0, 90.0), 64),
+        Crop(100.0, 90.0, 64.0),
+        Crop(101.0, 88.0, 150.0),
+        Crop(5.0, 170.0, 90.0),
+        Crop(100.0, 90.0, 90.0, 30.0),
+        Crop(110.0, 80.0, 120.0, -45.0),
     ],
 )
-def test_extract_and_paste_gives_a_smooth_photo_back(crop, size):
+def test_extract_and_spread_gives_a_smooth_photo_back(crop):
     photo = smooth_photo()
-    back = paste_crop(photo, crop.extract(photo, size), crop, np.ones((size, size)))
-    assert np.abs(back - photo).max() < 0.02
+    whole = Band(0, SIZE[0], SIZE, SIZE)
+    back = spread_crop(crop.extract(photo, 96), crop, whole)
+    assert back.shape == photo.shape
+    assert np.abs(back - photo)[inside(crop)].max() < 0.04
 
 
-def test_a_crop_on_whole_pixels_is_pasted_pixel_by_pixel():
-    photo = RNG.random((60, 70, 3)).astype(np.float32)
-    relit = RNG.random((20, 20, 3)).astype(np.float32)
-    pasted = paste_crop(photo, relit, Crop(30.0, 25.0, 20.0), np.ones((20, 20)))
-    np.testing.assert_array_equal(pasted[15:35, 20:40], relit)
-    pasted[15:35, 20:40] = photo[15:35, 20:40]
-    np.testing.assert_array_equal(pasted, photo)
+@pytest.mark.parametrize("crop", [Crop(100.0, 90.0, 150.0), Crop(100.0, 90.0, 90.0, 20.0), Crop(3.0, 4.0, 300.0)])
+@pytest.mark.parametrize("rows", [1, 7, 64, 500])
+def test_cutting_into_bands_changes_nothing(crop, rows):
+    maps = RNG.random((32, 32, 3), np.float32)
+    whole = spread_crop(maps, crop, Band(0, SIZE[0], SIZE, SIZE))
+    cut = np.concatenate([spread_crop(maps, crop, band) for band in bands(SIZE, SIZE, rows)])
+    np.testing.assert_allclose(cut, whole, atol=1e-3)
 
 
-def test_outside_the_crop_nothing_changes_and_the_base_is_kept():
-    photo = smooth_photo()
-    before = photo.copy()
-    crop = Crop(100.5, 90.5, 40.0)
-    pasted = paste_crop(photo, np.full((32, 32, 3), 9.0), crop)
-    np.testing.assert_array_equal(photo, before)
-    changed = np.abs(pasted - photo).max(axis=2) > 0
-    assert changed[90, 100]
-    rows, columns = np.flatnonzero(changed.any(axis=1)), np.flatnonzero(changed.any(axis=0))
-    assert rows.min() >= 70
-    assert rows.max() <= 110
-    assert columns.min() >= 80
-    assert columns.max() <= 120
+def test_bands_cover_every_row_once():
+    rows = [row for band in bands((130, 10), (130, 10), 64) for row in range(band.top, band.bottom)]
+    assert rows == list(range(130))
 
 
-def test_the_default_edge_is_soft():
-    pasted = paste_crop(np.zeros((100, 100)), np.ones((64, 64)), Crop(50.0, 50.0, 80.0))
-    middle_row = pasted[50]
-    assert middle_row[50] == pytest.approx(1.0)
-    assert middle_row[10] < 0.05
-    assert np.abs(np.diff(middle_row)).max() < 0.25
+def test_maps_of_the_whole_photo_are_enlarged_to_it():
+    maps = RNG.random((18, 22), np.float32)
+    large = spread_window(maps, whole_photo(SIZE), Band(0, SIZE[0], SIZE, SIZE))
+    assert large.shape == SIZE
+    assert large.min() >= maps.min() - 1e-6
+    assert large.max() <= maps.max() + 1e-6
+    np.testing.assert_allclose(large[5::10, 5::10], maps, atol=0.25)
+    assert abs(float(large.mean()) - float(maps.mean())) < 0.01
 
 
-def test_the_weight_decides_and_may_have_its_own_size():
-    base, relit = np.zeros((40, 40, 3)), np.ones((32, 32, 3))
-    weight = np.zeros((8, 8))
-    weight[:, 4:] = 1.0
-    pasted = paste_crop(base, relit, Crop(20.0, 20.0, 40.0), weight)
-    np.testing.assert_allclose(pasted[:, :14], 0.0)
-    np.testing.assert_allclose(pasted[:, 27:], 1.0, atol=1e-6)
-    np.testing.assert_allclose(paste_crop(base, relit, Crop(20.0, 20.0, 40.0), np.full((4, 4), 0.25)), 0.25)
+def test_beyond_a_window_its_edges_go_on():
+    maps = np.arange(4, dtype=np.float32)[None].repeat(4, 0)
+    row = spread_window(maps, (10, 10, 20, 20), Band(0, 30, (30, 40), (30, 40)))[3]
+    assert (row[:10] == 0).all()
+    assert (row[20:] == 3).all()
 
 
-def test_a_crop_beside_the_photo_changes_nothing():
-    photo = smooth_photo(20, 30)
-    for crop in (Crop(-50.0, 10.0, 20.0), Crop(10.0, 500.0, 100.0), Crop(30.0 + 10.0, 10.0, 20.0)):
-        np.testing.assert_array_equal(paste_crop(photo, np.ones((8, 8, 3)), crop), photo)
+def test_a_smaller_picture_shows_the_same_at_half_the_size():
+    maps = RNG.random((8, 8, 3), np.float32)
+    crop = Crop(100.0, 90.0, 80.0)
+    full = spread_crop(maps, crop, Band(0, 180, (180, 220), (180, 220)))
+    half = spread_crop(maps, crop, Band(0, 90, (90, 110), (180, 220)))
+    shrunk = full.reshape(90, 2, 110, 2, 3).mean((1, 3))
+    np.testing.assert_allclose(half, shrunk, atol=0.1)
 
 
-def test_partly_covered_pixels_are_partly_changed():
-    pasted = paste_crop(np.zeros((10, 10)), np.ones((8, 8)), Crop(5.0, 5.0, 5.0), np.ones((8, 8)))
-    assert pasted[5, 2] == pytest.approx(0.5, abs=1e-6)
-    assert pasted.sum() == pytest.approx(25.0, abs=1e-4)
+def test_the_soft_edge_falls_to_nothing_and_never_rises():
+    weight = soft_edge(64, 0.2)
+    assert weight[32, 32] == 1
+    assert weight[0].max() < 0.05
+    assert (np.diff(weight[32, :32]) >= 0).all()
 
 
-def test_the_soft_edge_is_whole_inside_and_nothing_at_the_rim():
-    edge = soft_edge(100, 0.1)
-    assert edge[50, 50] == 1.0
-    assert edge[20:80, 20:80].min() == 1.0
-    assert edge[0].max() < 0.02
-    assert edge[:, -1].max() < 0.02
-    np.testing.assert_array_equal(edge, edge[::-1, ::-1])
+def test_fading_only_where_it_is_asked_for():
+    position = np.array([-0.5, 0.01, 0.5, 0.99, 1.5])
+    assert fade(position, 0.1).tolist()[2] == 1
+    assert fade(position, 0.1)[0] == 0
+    assert fade(position, 0.1)[4] == 0
+    np.testing.assert_array_equal(fade(position, 0.1, low=False)[:3], 1)
+    np.testing.assert_array_equal(fade(position, 0.1, high=False)[2:], 1)

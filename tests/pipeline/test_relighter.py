@@ -39,9 +39,7 @@ def _small_and_seeing_faces(monkeypatch):
         "final": quality.Tier(96, 32, 32, 16, True),
     }
     monkeypatch.setattr(quality, "TIERS", tiers)
-    monkeypatch.setattr(
-        portrait, "find_faces", lambda photo: [FaceBox(24, 20, 72, 76), FaceBox(4, 4, 20, 20)]
-    )
+    monkeypatch.setattr(portrait, "find_faces", lambda photo: [FaceBox(24, 20, 72, 76), FaceBox(4, 4, 20, 20)])
 
 
 def some_photo(seed=0, size=(96, 112)):
@@ -76,7 +74,7 @@ def test_result_has_the_photo_s_size_and_every_channel(relighter):
     assert relit.image.shape == (96, 112, 3)
     assert relit.image.dtype == np.float32
     assert relit.alpha is None
-    assert len(relit.faces) == 1
+    assert len(relit.faces) == 2
     shapes = {name: channel.shape for name, channel in relit.channels.items()}
     assert shapes == {
         "photo": (64, 64, 3),
@@ -285,11 +283,54 @@ def test_sliders_move_one_way_only(relighter, slider, sign):
         assert (sign * (next_one - one)).min() >= -1e-6
 
 
+def test_one_face_may_be_relit_alone(relighter):
+    relighter.set_portrait(some_photo(), 0)
+    assert len(relighter.relight(some_light(), EDIT).faces) == 1
+
+
+def test_a_second_face_changes_with_the_first(relighter):
+    both = relighter.relight(some_light(), EDIT).image
+    relighter.set_portrait(some_photo(), 0)
+    alone = relighter.relight(some_light(), EDIT).image
+    assert np.abs(both - alone)[4:20, 4:20].mean() > 1e-4
+
+
+def test_a_box_by_hand_needs_no_finder(relighter, monkeypatch):
+    monkeypatch.setattr(portrait, "find_faces", lambda photo: [])
+    relighter.set_portrait(some_photo(), box=FaceBox(20, 20, 60, 70, roll_deg=20.0))
+    relit = relighter.relight(some_light(), EDIT)
+    assert np.isfinite(relit.image).all()
+    assert relit.faces[0].x1 > 20
+    for box in (FaceBox(5, 5, 5, 40), FaceBox(500, 10, 600, 90), FaceBox(np.nan, 0, 5, 5)):
+        with pytest.raises(InputError, match="box"):
+            relighter.set_portrait(some_photo(), box=box)
+
+
+def test_a_smaller_picture_for_the_screen_and_the_full_one_for_a_file(relighter):
+    relit = relighter.relight(some_light(), EDIT, longest_side_px=56)
+    assert relit.image.shape == (48, 56, 3)
+    full, alpha = relit.full.render()
+    assert full.shape == (96, 112, 3)
+    assert alpha is None
+    np.testing.assert_array_equal(relighter.relight(some_light(), EDIT).image, full)
+
+
+def test_a_smaller_picture_is_reused_too(relighter):
+    relighter.relight(some_light(), EDIT, longest_side_px=56)
+    assert computed(relighter.relight(some_light(), EDIT, longest_side_px=56)) == set()
+
+
+def test_the_view_of_the_panorama_is_checked(relighter):
+    for wrong in ({"background_fov_deg": 0.0}, {"background_fov_deg": 200.0}, {"background_blur_deg": -1.0}):
+        with pytest.raises(InputError, match="degrees"):
+            relighter.relight(some_light(), replace(EDIT, background="light", **wrong))
+
+
 def test_backgrounds(relighter):
     transparent = relighter.relight(some_light(), replace(EDIT, background="transparent"))
     assert transparent.alpha.shape == (96, 112)
     assert ((transparent.alpha >= 0) & (transparent.alpha <= 1)).all()
-    for background in ("light", "#30343a"):
+    for background in ("light", "#30343a", "match"):
         relit = relighter.relight(some_light(), replace(EDIT, background=background))
         assert np.isfinite(relit.image).all()
     with pytest.raises(InputError, match="background"):

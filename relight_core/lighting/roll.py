@@ -1,0 +1,38 @@
+"""A light as a camera sees it that is turned about its own axis."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from relight_core.lighting.environment import mean_luminance, shrink
+from relight_core.lighting.sphere import directions
+
+_FINER = 4
+
+
+def roll_light(radiance: np.ndarray, roll_deg: float) -> np.ndarray:
+    """What a panorama becomes in the view of a camera that is turned counterclockwise as it looks.
+
+    A lamp above the upright camera moves to the right of the turned one. The mean luminance stays.
+
+    Args:
+        radiance: (H, 2H, 3) linear.
+        roll_deg: of the camera; the roll of a crop.
+
+    Returns:
+        (H, 2H, 3) float32; the same array for a roll of 0.
+    """
+    if roll_deg == 0:
+        return radiance
+    height = radiance.shape[0]
+    fine = _FINER * height
+    x, y, z = np.moveaxis(directions(fine, 2 * fine).astype(np.float64), -1, 0)
+    angle = np.radians(roll_deg)
+    across, up = np.cos(angle) * x - np.sin(angle) * y, np.sin(angle) * x + np.cos(angle) * y
+    column = (np.arctan2(across, -z) / (2 * np.pi) + 0.5) * 2 * height
+    row = np.arccos(np.clip(up, -1, 1)) / np.pi * height
+    columns = np.floor(column).astype(np.intp) % (2 * height)
+    rows = np.clip(np.floor(row).astype(np.intp), 0, height - 1)
+    rolled = shrink(radiance[rows, columns], height)
+    before, after = mean_luminance(radiance), mean_luminance(rolled)
+    return rolled * np.float32(before / after if after > 0 else 1.0)

@@ -1,0 +1,100 @@
+"""What is behind the person in the finished picture."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+
+from relight_core.errors import InputError
+from relight_core.imaging.colour import srgb_decode
+from relight_core.imaging.resampling import resize_area
+from relight_core.lighting.background import panorama_view
+from relight_core.lighting.environment import Environment
+from relight_core.pipeline.edit import Edit
+
+BACKGROUNDS = ("keep", "match", "light", "transparent")
+"""Beside colours: the photo's own, the same dimmed and tinted as the person is, the light itself, none."""
+
+_DIMMEST, _BRIGHTEST = 0.1, 2.0
+_SOFT_SIDE = 48
+_SOFTNESS = 0.1
+
+
+@dataclass(frozen=True, eq=False)
+class Backdrop:
+    """A background.
+
+    Attributes:
+        kept: the photo's own stays as it is.
+        transparent: there is none.
+        gain: (3,) of the photo's own, or None.
+        picture, soft: (h, w, 3) over the whole picture or (3,), linear radiance, and the same blurred; None
+            where the photo's own stays.
+    """
+
+    kept: bool = False
+    transparent: bool = False
+    gain: np.ndarray | None = None
+    picture: np.ndarray | None = None
+    soft: np.ndarray | None = None
+
+
+def check_background(background: str) -> None:
+    """Raise InputError unless it is "keep", "match", "light", "transparent" or "#rrggbb"."""
+    if background not in BACKGROUNDS and not re.fullmatch(r"#[0-9a-fA-F]{6}", background):
+        names = ", ".join(BACKGROUNDS)
+        raise InputError(f"unknown background {background!r}: use {names} or a colour such as #30343a")
+
+
+def make_backdrop(background: str, panorama: np.ndarray | None, person_gain: np.ndarray) -> Backdrop:
+    """The background of a name.
+
+    Args:
+        background: as in `Edit`.
+        panorama: (h, w, 3) linear, for "light".
+        person_gain: (3,) by how much the light changes the person, for "match".
+
+    Raises:
+        InputError: a background that is none.
+    """
+    check_background(background)
+    if background == "keep":
+        return Backdrop(kept=True)
+    if background == "transparent":
+        return Backdrop(transparent=True)
+    if background == "match":
+        return Backdrop(gain=np.clip(person_gain, _DIMMEST, _BRIGHTEST).astype(np.float32))
+    if background == "light":
+        return Backdrop(picture=panorama, soft=_softened(panorama))
+    codes = np.array([int(background[i : i + 2], 16) for i in (1, 3, 5)], np.float32)
+    colour = srgb_decode(codes / 255)
+    return Backdrop(picture=colour, soft=colour)
+
+
+def backdrop_panorama(edit: Edit, environment: Environment, size: tuple[int, int]) -> np.ndarray:
+    """What the camera sees of the light behind the person, (h, w, 3) linear at the light's level.
+
+    Args:
+        size: (height, width) of the photo.
+
+    Raises:
+        InputError: a view that no camera has.
+    """
+    try:
+        view = panorama_view(environment, edit.yaw_deg, *size, edit.background_fov_deg, edit.background_blur_deg)
+    except ValueError:
+        raise InputError(
+            f"no view of {edit.background_fov_deg:g} degrees blurred by {edit.background_blur_deg:g}: "
+            "the field of view is up to 170 degrees, the blur up to 20"
+        ) from None
+    return view * np.float32(environment.level)
+
+
+def _softened(picture: np.ndarray) -> np.ndarray:
+    height, width = picture.shape[:2]
+    scale = min(_SOFT_SIDE / max(height, width), 1.0)
+    small = resize_area(picture, (max(round(height * scale), 1), max(round(width * scale), 1)))
+    return cv2.GaussianBlur(small, (0, 0), max(_SOFTNESS * max(small.shape[:2]), 0.5)).reshape(small.shape)

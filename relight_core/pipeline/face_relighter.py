@@ -1,0 +1,254 @@
+"""One face of a photo: taken apart once, and put together at the networks' size under any light."""
+
+from __future__ import annotations
+
+from collections.abc import Hashable
+from dataclasses import dataclass, replace
+
+import numpy as np
+import torch
+
+from relight_core.imaging.joint_upsampling import JointUpsampler
+from relight_core.imaging.light_change import LightChange
+from relight_core.imaging.resampling import resize_area
+from relight_core.lighting.environment import mean_luminance
+from relight_core.lighting.reflection import ReflectionTable
+from relight_core.lighting.relief import ReliefTransport
+from relight_core.lighting.roll import roll_light
+from relight_core.networks.bundle import NetworkBundle
+from relight_core.pipeline import stages
+from relight_core.pipeline.albedo import flatten_albedo
+from relight_core.pipeline.cache import StageCache
+from relight_core.pipeline.channels import (
+    LIGHT_CHANNELS,
+    SURFACE_CHANNELS,
+    ViewChange,
+    as_image,
+    enlarge_change,
+    fit_view,
+    light_channels,
+    surface_channel,
+    upsampler_for,
+)
+from relight_core.pipeline.edit import Edit
+from relight_core.pipeline.hints import Effects
+from relight_core.pipeline.model import light_surface
+from relight_core.pipeline.plan import Plan
+from relight_core.pipeline.portrait import Portrait
+from relight_core.pipeline.quality import Tier
+from relight_core.pipeline.residual import Residual, add_residual, find_residual
+
+KEPT_LIGHTS = 24
+"""Results of this many lights stay: a light that is turned there and back, or two that are compared."""
+
+_KEPT_TIERS = 16
+"""As many tiers may be compared side by side without any of them being prepared twice."""
+
+
+@dataclass(frozen=True, eq=False)
+class Workshop:
+    """What all faces share: the networks, what open surfaces reflect, and where both live."""
+
+    bundle: NetworkBundle
+    table: ReflectionTable
+    device: str
+
+    def delight(self, photo_view: np.ndarray, tier: Tier) -> stages.Surface:
+        """Take a view (S, S, 3) apart."""
+        seen = resize_area(photo_view, (tier.delight_size, tier.delight_size))
+        return stages.delight(
+            self.bundle, seen, tier.network_size, self.device, mirrored=tier.mirrored, precision=tier.precision
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class Prepared:
+    """A portrait as one tier of quality sees it.
+
+    Attributes:
+        found: what de-lighting found.
+        surface: the same, its albedo flattened where the plan wants that.
+    """
+
+    portrait: Portrait
+    tier: Tier
+    found: stages.Surface
+    surface: stages.Surface
+    photo_view: np.ndarray
+    photo_small: np.ndarray
+
+
+@dataclass(frozen=True, eq=False)
+class Lit:
+    """A prepared portrait under a light, at the networks' size."""
+
+    reflected: torch.Tensor
+    effects: Effects
+    composed: stages.Composed
+
+
+class FaceRelighter:
+    """The stages of one face, each result kept in a cache under what it was made from."""
+
+    def __init__(self, workshop: Workshop, portrait: Portrait, cache: StageCache):
+        """Compute nothing yet."""
+        self.portrait = portrait
+        self._shop = workshop
+        self._cache = cache
+
+    def _once(self, name: str, key: Hashable, make):
+        """A stage that only a new photo or another quality makes run again."""
+        return self._cache.run(name, key, make, "new photo or quality", keep=_KEPT_TIERS)
+
+    def prepare(self, tier: Tier) -> Prepared:
+        """The face as one tier of quality sees it."""
+        portrait = self.portrait
+        photo_view = self._once("view", tier.size, lambda: portrait.view.extract(portrait.photo.linear, tier.size))
+        small = (tier.network_size, tier.network_size)
+        photo_small = self._once("network_view", (tier.size, tier.network_size), lambda: resize_area(photo_view, small))
+        found = self._once("delight", tier.surface_key, lambda: self._shop.delight(photo_view, tier))
+        return Prepared(portrait, tier, found, found, photo_view, photo_small)
+
+    def flattened(self, ready: Prepared) -> Prepared:
+        """The same with its albedo flattened (see `pipeline.albedo`)."""
+        relief, light = self._relief(ready), self._source_light(ready)
+        surface = self._once("albedo", ready.tier.relief_key, lambda: flatten_albedo(ready.found, relief, light))
+        return replace(ready, surface=surface)
+
+    def _relief(self, ready: Prepared) -> ReliefTransport:
+        return self._once("relief", ready.tier.relief_key, lambda: stages.march(ready.found, ready.tier.relief_size))
+
+    def _source_light(self, ready: Prepared) -> torch.Tensor:
+        relief = self._relief(ready)
+        return self._once(
+            "source_light",
+            ready.tier.relief_key,
+            lambda: stages.explain_source_light(ready.found, self._shop.table, relief),
+        )
+
+    def own_light(self, ready: Prepared, plan: Plan) -> np.ndarray:
+        """The source light (16, 32, 3) as the photo's camera sees it, so bright that model and photo agree."""
+        light = roll_light(self._source_light(ready)[0].cpu().numpy(), -self.portrait.view.roll_deg)
+        if not plan.runs("residual"):
+            return light
+        return light * np.float32(self._residual(ready, plan).level / max(mean_luminance(light), 1e-12))
+
+    def _residual(self, ready: Prepared, plan: Plan) -> Residual:
+        """What the model, as far as the plan runs it, misses of the photo."""
+
+        def compose(light: torch.Tensor) -> stages.Composed:
+            relief = self._relief(ready) if plan.runs("relief") else None
+            how = {"by_network": plan.shadow_network, "corrected": plan.runs("correction")}
+            precision = ready.tier.precision
+            return light_surface(
+                self._shop.bundle, self._shop.table, ready.surface, relief, light, precision=precision, **how
+            )[2]
+
+        source = self._source_light(ready)
+        return self._once("residual", plan.keys["residual"], lambda: find_residual(ready.surface, source, compose))
+
+    def lit(self, ready: Prepared, radiance: np.ndarray, plan: Plan) -> Lit:
+        """The face under a normalised light (16, 32, 3), as the photo's camera sees it."""
+        turned = roll_light(radiance, self.portrait.view.roll_deg)
+        light = torch.from_numpy(turned)[None].to(self._shop.device)
+        reflected = self._cache.run(
+            "irradiance",
+            plan.keys["irradiance"],
+            lambda: stages.reflect(self._shop.table, ready.surface, light),
+            "new light",
+        )
+        effects = self._effects(ready, reflected, light, plan)
+        composed = self._cache.run(
+            "compose",
+            plan.keys["compose"],
+            lambda: stages.compose(
+                self._shop.bundle,
+                ready.surface,
+                reflected,
+                effects,
+                light,
+                self._shop.device,
+                corrected=plan.runs("correction"),
+                parts=(plan.runs("specular"), plan.runs("shadow")),
+                precision=ready.tier.precision,
+            ),
+            "new light",
+            keep=KEPT_LIGHTS,
+        )
+        return Lit(reflected, effects, composed)
+
+    def _effects(self, ready: Prepared, reflected: torch.Tensor, light: torch.Tensor, plan: Plan) -> Effects:
+        """Specular and shadow; none where the plan has neither."""
+        if not (plan.runs("shadow") or plan.runs("specular")):
+            self._cache.skip("specular_shadow", plan.effect("shadow").why)
+            return stages.no_effects(ready.surface)
+        relief = self._relief(ready) if plan.runs("relief") else None
+        return self._cache.run(
+            "specular_shadow",
+            plan.keys["specular_shadow"],
+            lambda: stages.estimate_effects(
+                self._shop.bundle,
+                ready.surface,
+                reflected,
+                relief,
+                light,
+                self._shop.device,
+                by_network=plan.shadow_network,
+                precision=ready.tier.precision,
+            ),
+            "new light",
+            keep=KEPT_LIGHTS,
+        )
+
+    def change(self, ready: Prepared, lit: Lit, plan: Plan, edit: Edit, level: float) -> ViewChange:
+        """How the relit view differs from the photo's, at the sliders' gains and the light's level."""
+        fit = self._cache.run("detail_fit", plan.keys["detail_fit"], lambda: self._fit(ready, lit, plan), "new light")
+        moved = None
+        if plan.runs("sliders"):
+            specular, shadow = edit.specular * plan.runs("specular"), edit.shadow * plan.runs("shadow")
+            moved = stages.move_sliders(lit.composed, ready.surface, lit.reflected, lit.effects, specular, shadow)
+        return enlarge_change(fit, moved, self._upsampler(ready), level)
+
+    def _fit(self, ready: Prepared, lit: Lit, plan: Plan) -> LightChange:
+        """The relit view as gain and offset of the photo; without detail, offset only."""
+        image, effects = lit.composed.image, lit.effects
+        if plan.runs("residual"):
+            image, effects = add_residual(self._residual(ready, plan), lit.composed, effects)
+        if plan.runs("detail"):
+            return fit_view(ready.photo_small, ready.surface, lit.reflected, effects, image)
+        relit = as_image(image)
+        return LightChange(np.zeros_like(relit), relit)
+
+    def _upsampler(self, ready: Prepared) -> JointUpsampler:
+        return self._once(
+            "edges",
+            (ready.tier.size, ready.tier.network_size),
+            lambda: upsampler_for(ready.photo_view, ready.photo_small),
+        )
+
+    def channels(self, ready: Prepared, lit: Lit, change: ViewChange, plan: Plan, edit: Edit) -> dict:
+        """The channels that are looked at, all but "target_light"."""
+        if not plan.runs("channels"):
+            self._cache.skip("channels", plan.effect("channels").why)
+            return {}
+        fixed = {
+            name: self._once(
+                f"{name}_channel",
+                plan.keys["surface"],
+                lambda name=name: surface_channel(name, ready.surface, ready.photo_view, ready.photo_small),
+            )
+            for name in SURFACE_CHANNELS
+            if edit.looks_at(name)
+        }
+        if plan.runs("source_light") and edit.looks_at("source_light"):
+            fixed["source_light"] = self.own_light(ready, plan)
+        shown = Effects(lit.effects.specular * plan.runs("specular"), lit.effects.shadow * plan.runs("shadow"))
+        lighted = self._cache.run(
+            "channels",
+            plan.keys["channels"],
+            lambda: light_channels(
+                shown, change, ready.photo_view, [name for name in LIGHT_CHANNELS if edit.looks_at(name)]
+            ),
+            "new light or slider",
+        )
+        return fixed | lighted

@@ -1,0 +1,33 @@
+"""Comparing ways to carry a relit view to the photo's size, on balls."""
+
+import numpy as np
+import pytest
+from synthetic_heads import write_balls, write_lights
+
+from relight_core.evaluation import detail
+from relight_core.evaluation.detail_methods import METHODS, DetailTask
+from relight_core.imaging.resampling import resize_area
+
+
+@pytest.mark.parametrize("name", METHODS)
+def test_every_method_finds_a_uniform_change_of_a_smooth_photo(name):
+    x = np.linspace(0.2, 0.6, 64, dtype=np.float32)
+    photo = np.repeat((x[:, None] * x[None, :])[..., None], 3, axis=2)
+    small = resize_area(photo, (32, 32))
+    task = DetailTask(photo, small, 1.5 * small, np.zeros_like(small), np.zeros((32, 32), np.float32))
+    result = METHODS[name](task)
+    assert result.shape == photo.shape
+    np.testing.assert_allclose(result, 1.5 * photo, atol=0.02)
+
+
+def test_the_comparison_names_every_method_and_region(tmp_path, monkeypatch):
+    monkeypatch.setattr(detail, "_NETWORK_SIZE", 16)
+    write_balls(tmp_path / "heads", 2_000_000, 1, size=32)
+    write_lights(tmp_path / "lights.npz", 3)
+    scores = detail.compare_detail(tmp_path / "heads", tmp_path / "lights.npz", "test", 1)
+    assert scores.size == 32
+    assert scores.pictures == 6
+    assert set(scores.errors) == set(METHODS)
+    assert all(np.isfinite(errors["head"]) for errors in scores.errors.values())
+    table = detail.detail_table(scores)
+    assert all(name in table for name in METHODS)

@@ -1,0 +1,163 @@
+"""The finished picture: the same however it is cut, without rims, and honest where nothing is known."""
+
+import numpy as np
+import pytest
+import torch
+
+from relight_core.errors import InputError
+from relight_core.face.crop import Crop
+from relight_core.imaging.matte import make_matte
+from relight_core.imaging.photo import Photo
+from relight_core.lighting.reflection import ReflectionTable
+from relight_core.pipeline.backdrop import Backdrop, make_backdrop
+from relight_core.pipeline.channels import ViewChange
+from relight_core.pipeline.finish import gain_of_rest, mean_gain, place_views, placed
+from relight_core.pipeline.picture import Picture, canvas_of, whole_person
+
+CROP = Crop(100.0, 85.0, 130.0)
+EVEN = torch.ones(1, 16, 32, 3)
+
+
+def portrait(height=240, width=200):
+    """A head on shoulders before a bright wall, and its true matte."""
+    y, x = np.mgrid[0:height, 0:width] + 0.5
+    head = np.hypot((x - 100) / 38, (y - 80) / 50) < 1
+    body = (y > 120) & (np.abs(x - 100) < 30 + 0.5 * (y - 120))
+    truth = (head | body).astype(np.float32)
+    noise = np.random.default_rng(0).normal(1.0, 0.05, (height, width, 1))
+    linear = np.where(truth[..., None] > 0, (0.5, 0.25, 0.15), (0.2, 0.5, 0.9)) * noise
+    return Photo(np.maximum(linear, 0).astype(np.float32)), truth
+
+
+def change_of(gain, offset=0.0, size=64):
+    maps = [np.full((size, size, 3), value, np.float32) for value in (gain, offset)]
+    return ViewChange(*maps, level=1.0)
+
+
+def picture_of(gain=0.5, backdrop=None, views=(CROP,), photo=None, change=None):
+    if photo is None:
+        photo, truth = portrait()
+    else:
+        _, truth = portrait()
+    matte = make_matte(photo.linear, [(view.extract(truth, 64), view) for view in views], photo.alpha)
+    placement = place_views(photo, views, matte)
+    changes = [change or change_of(gain) for _ in views]
+    rest = gain_of_rest(placement, changes, ReflectionTable(), EVEN)
+    return Picture(canvas_of(photo), matte, placed(placement, changes), rest, backdrop or Backdrop(kept=True))
+
+
+@pytest.mark.parametrize("backdrop", ["keep", "match", "transparent", "#203040"])
+@pytest.mark.parametrize("rows", [13, 100])
+def test_bands_are_the_picture(backdrop, rows):
+    photo, _ = portrait()
+    picture = picture_of(backdrop=make_backdrop(backdrop, None, np.float32([0.5, 0.5, 0.5])), photo=photo)
+    image, alpha = picture.render()
+    for band, part, share in picture.in_bands(rows):
+        np.testing.assert_allclose(part, image[band], atol=1e-5)
+        assert (share is None) == (alpha is None)
+        if alpha is not None:
+            np.testing.assert_allclose(share, alpha[band], atol=1e-6)
+
+
+def test_a_kept_person_gives_the_same_picture():
+    picture = picture_of()
+    person = whole_person(picture.canvas, picture.matte)
+    kept = Picture(picture.canvas, picture.matte, picture.changes, picture.rest, picture.backdrop, person)
+    np.testing.assert_allclose(kept.render()[0], picture.render()[0], atol=1e-6)
+
+
+def test_a_change_of_nothing_gives_the_photo_back():
+    photo, _ = portrait()
+    image, _ = picture_of(gain=1.0, photo=photo).render()
+    np.testing.assert_allclose(image, photo.linear, atol=0.02)
+
+
+def test_the_whole_person_changes_and_the_wall_stays():
+    photo, truth = portrait()
+    image, _ = picture_of(gain=0.5, photo=photo).render()
+    ratio = image / np.maximum(photo.linear, 1e-3)
+    inner = (np.abs(np.mgrid[0:240, 0:200][1] - 100) < 20) & (np.mgrid[0:240, 0:200][0] > 60)
+    np.testing.assert_allclose(ratio[inner & (truth > 0)].mean(), 0.5, atol=0.03)
+    assert ratio[225:, 80:120].mean() < 0.65
+    np.testing.assert_allclose(image[:20, :40], photo.linear[:20, :40], atol=1e-3)
+
+
+def test_a_preview_is_the_picture_shrunk():
+    photo, _ = portrait()
+    picture = picture_of(photo=photo)
+    full, _ = picture.render()
+    small = Picture(canvas_of(photo, 120), picture.matte, picture.changes, picture.rest, picture.backdrop)
+    image, _ = small.render()
+    assert image.shape == (120, 100, 3)
+    shrunk = full.reshape(120, 2, 100, 2, 3).mean((1, 3))
+    assert np.abs(image - shrunk).mean() < 0.01
+
+
+def test_no_bright_rim_of_the_old_wall_before_a_dark_background():
+    photo, truth = portrait()
+    image, _ = picture_of(gain=1.0, backdrop=make_backdrop("#000000", None, np.ones(3)), photo=photo).render()
+    outside = truth == 0
+    assert image[outside].mean() < 0.02
+    assert (image[outside][:, 2] > 0.45).mean() < 0.01
+
+
+def test_light_of_the_background_wraps_round_the_edge_only():
+    photo, truth = portrait()
+    dark, bright = (
+        picture_of(gain=1.0, backdrop=make_backdrop(c, None, np.ones(3)), photo=photo).render()[0]
+        for c in ("#000000", "#ffffff")
+    )
+    np.testing.assert_allclose(bright[80, 90:110], dark[80, 90:110], atol=0.01)
+    assert (bright >= dark - 1e-5).all()
+
+
+def test_a_matched_background_is_dimmed_as_the_person_is():
+    photo, _ = portrait()
+    picture = picture_of(gain=0.3, photo=photo)
+    gain = np.float32([0.3, 0.3, 0.3])
+    picture = Picture(picture.canvas, picture.matte, picture.changes, picture.rest, make_backdrop("match", None, gain))
+    image, _ = picture.render()
+    np.testing.assert_allclose(image[:20, :40], 0.3 * photo.linear[:20, :40], rtol=1e-3)
+
+
+def test_the_photos_own_alpha_is_the_matte():
+    photo, truth = portrait()
+    alpha = np.where(truth > 0, 1.0, 0.25).astype(np.float32)
+    own = Photo(photo.linear, alpha)
+    image, share = picture_of(gain=2.0, backdrop=Backdrop(transparent=True), photo=own).render()
+    np.testing.assert_array_equal(share, alpha)
+    np.testing.assert_allclose(image[80, 100], 2 * photo.linear[80, 100], rtol=1e-4)
+
+
+def test_two_views_share_the_photo_by_nearness():
+    photo, truth = portrait()
+    views = (Crop(60.0, 100.0, 110.0), Crop(140.0, 100.0, 110.0))
+    matte = make_matte(photo.linear, [(view.extract(truth, 64), view) for view in views])
+    placement = place_views(photo, views, matte)
+    left, right = placement.weights
+    assert (left + right).max() <= 1 + 1e-5
+    rows, columns = left.shape
+    assert left[int(rows * 100 / 240), int(columns * 60 / 200)] > 0.95
+    assert right[int(rows * 100 / 240), int(columns * 140 / 200)] > 0.95
+
+
+def test_darkness_everywhere_makes_the_person_black():
+    photo, _ = portrait()
+    matte = make_matte(photo.linear, [(np.ones((8, 8), np.float32), CROP)])
+    placement = place_views(photo, [CROP], matte)
+    dark = ViewChange(*[np.zeros((64, 64, 3), np.float32)] * 2, level=0.0)
+    rest = gain_of_rest(placement, [dark], ReflectionTable(), EVEN)
+    assert rest.max() == 0
+    assert np.isfinite(mean_gain(placement, rest)).all()
+
+
+def test_a_turned_view_changes_what_lies_in_it():
+    photo, _ = portrait()
+    view = Crop(100.0, 85.0, 110.0, 30.0)
+    image, _ = picture_of(gain=0.5, views=(view,), photo=photo).render()
+    np.testing.assert_allclose(image[70:90, 90:110], 0.5 * photo.linear[70:90, 90:110], rtol=0.05)
+
+
+def test_unknown_backgrounds_are_refused():
+    with pytest.raises(InputError, match="match"):
+        make_backdrop("beach", None, np.ones(3))
