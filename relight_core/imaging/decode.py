@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import logging
 import struct
 import threading
 import warnings
@@ -20,6 +21,9 @@ MAX_PIXELS = 400_000_000
 
 _FORMATS = ("JPEG", "PNG", "TIFF", "WEBP", "BMP", "GIF", "AVIF")
 _pillow_limit = threading.Lock()
+
+# It tells of every odd tag; what can't be read is told by our own errors.
+logging.getLogger("tifffile").setLevel(logging.CRITICAL)
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,0 +1,143 @@
+"""Portraits that try to break the pipeline, on the shipped networks; framed where the sample's face is."""
+
+from dataclasses import replace
+from io import BytesIO
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from relight_core.face.find import FaceBox
+from relight_core.imaging.colour import srgb_encode
+from relight_core.imaging.photo import Photo
+from relight_core.imaging.resampling import resize_area
+from relight_core.imaging.view_transform import apply_view
+from relight_core.lighting.environment import Environment
+from relight_core.lighting.rigs import load_rig
+from relight_core.pipeline import portrait as framing
+from relight_core.pipeline.edit import Edit
+from relight_core.pipeline.quality import tier_of
+from relight_core.pipeline.relighter import Relighter
+
+DRAFT = Edit(quality="draft")
+FACE = (0.44, 0.25, 0.66, 0.6)
+"""Of the sample portrait, as fractions of its width and height."""
+
+
+def flash(image):
+    rows, columns = np.mgrid[-1 : 1 : image.shape[0] * 1j, -1 : 1 : image.shape[1] * 1j]
+    return image + 4 * np.exp(-4 * (rows**2 + columns**2))[..., None]
+
+
+def heavy_jpeg(image):
+    buffer = BytesIO()
+    Image.fromarray((srgb_encode(np.clip(image, 0, 1)) * 255).astype(np.uint8)).save(buffer, "JPEG", quality=3)
+    return Photo.from_srgb(np.array(Image.open(buffer))).linear
+
+
+def noise(image):
+    return np.random.default_rng(0).random(image.shape)
+
+
+ATTACKS = {
+    "as it is": lambda image: image,
+    "black": np.zeros_like,
+    "white": np.ones_like,
+    "one colour": lambda image: np.ones_like(image) * [0.5, 0.2, 0.1],
+    "noise": noise,
+    "flash": flash,
+    "2 EV under": lambda image: image / 4,
+    "4 EV over": lambda image: np.minimum(image * 16, 1),
+    "monochrome": lambda image: image.mean(-1, keepdims=True).repeat(3, -1),
+    "neon": lambda image: np.clip(image - image.min(-1, keepdims=True), 0, 1) * [4, 0, 1],
+    "40 pixels of face": lambda image: resize_area(image, (110, 122)),
+    "1 to 10": lambda image: np.tile(image[:, 80:160], (4, 1, 1)),
+    "upside down": lambda image: image[::-1],
+    "heavy JPEG": heavy_jpeg,
+    "radiance up to 60,000": lambda image: image * 60000,
+    "subnormal": lambda image: image * 1e-40,
+}
+
+
+@pytest.fixture(scope="module")
+def attacked():
+    """One Relighter for all: nothing of one portrait may show in the next."""
+    return Relighter()
+
+
+def framed(relighter, image, monkeypatch, alpha=None, face=FACE):
+    """The portrait with a face at a given place, found or not."""
+    height, width = image.shape[:2]
+    box = FaceBox(face[0] * width, face[1] * height, face[2] * width, face[3] * height)
+    monkeypatch.setattr(framing, "find_faces", lambda photo: [box])
+    photo = Photo(np.ascontiguousarray(image, np.float32), alpha)
+    relighter.set_portrait(photo)
+    return photo
+
+
+def assert_lawful(relit, photo):
+    assert relit.image.shape == photo.linear.shape
+    assert np.isfinite(relit.image).all()
+    assert relit.image.min() >= 0
+    for name, channel in relit.channels.items():
+        assert np.isfinite(channel).all(), name
+    shown = apply_view(relit.image)
+    assert 0 <= shown.min() <= shown.max() <= 1
+
+
+@pytest.mark.parametrize("name", ATTACKS)
+def test_everything_stays_finite_and_the_own_light_gives_the_photo_back(attacked, portrait, name, monkeypatch):
+    photo = framed(attacked, ATTACKS[name](portrait.linear), monkeypatch)
+    assert_lawful(attacked.relight(load_rig("hard-side"), replace(DRAFT, specular=2.0, shadow=2.0)), photo)
+    own = attacked.relight(attacked.estimated_light("draft"), DRAFT)
+    assert_lawful(own, photo)
+    difference = np.abs(apply_view(own.image) - apply_view(photo.linear))
+    assert difference.mean() < 0.015
+
+
+@pytest.mark.parametrize("face", [(-0.1, -0.2, 0.2, 0.3), (0.8, 0.7, 1.2, 1.3), (0, 0, 1, 1), (0.5, 0.5, 0.51, 0.51)])
+def test_faces_at_and_beyond_the_border(attacked, portrait, face, monkeypatch):
+    photo = framed(attacked, portrait.linear, monkeypatch, face=face)
+    assert_lawful(attacked.relight(load_rig("split"), DRAFT), photo)
+
+
+def test_alpha_with_holes_is_the_matte(attacked, portrait, monkeypatch):
+    alpha = np.random.default_rng(1).integers(0, 2, portrait.linear.shape[:2]).astype(np.float32)
+    photo = framed(attacked, portrait.linear, monkeypatch, alpha)
+    relit = attacked.relight(load_rig("split"), replace(DRAFT, background="transparent"))
+    assert_lawful(relit, photo)
+    np.testing.assert_array_equal(relit.alpha, alpha)
+
+
+def test_sliders_beyond_their_ends_and_no_numbers(attacked, portrait, monkeypatch):
+    photo = framed(attacked, portrait.linear, monkeypatch)
+    for value in (-5.0, 50.0, 1e30):
+        assert_lawful(attacked.relight(load_rig("split"), replace(DRAFT, specular=value, shadow=value)), photo)
+    for yaw_deg in (1e9, -1e-9):
+        assert_lawful(attacked.relight(load_rig("split"), replace(DRAFT, yaw_deg=yaw_deg)), photo)
+
+
+def test_the_same_input_gives_the_same_bytes(portrait, monkeypatch):
+    images = []
+    for _ in range(2):
+        relighter = Relighter()
+        framed(relighter, portrait.linear, monkeypatch)
+        images.append(relighter.relight(load_rig("rembrandt"), DRAFT).image)
+    np.testing.assert_array_equal(images[0], images[1])
+
+
+def test_half_precision_stays_near_single(portrait, monkeypatch):
+    """In sRGB values; a sun is the hardest light for few bits."""
+    sun = np.full((16, 32, 3), 0.01, np.float32)
+    sun[5, 3] = 1e4
+    environment = Environment(Environment.from_radiance(sun).shape, 0.5)
+    tier = tier_of("draft")
+    results = []
+    for precision in ("bf16", "fp32"):
+        relighter = Relighter()
+        framed(relighter, portrait.linear, monkeypatch)
+        relit = relighter.relight(environment, Edit(quality=replace(tier, precision=precision)))
+        results.append(apply_view(relit.image))
+    difference = np.abs(results[0] - results[1])
+    assert difference.mean() < 0.005
+    assert np.percentile(difference, 99.9) < 0.06
