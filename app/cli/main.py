@@ -33,6 +33,7 @@ COMMANDS = {
     "train": "train the networks",
     "evaluate": "measure the networks",
     "bench": "time the stages",
+    "measure": "measure how quick the window is",
 }
 
 _TRAIN_EXTRAS = {"mitsuba", "drjit", "rich", "matplotlib"}

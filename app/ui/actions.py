@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from app.ui.state import EditorState
 
 MODIFIERS = ("Ctrl", "Shift", "Alt")
-_SHOWN_KEYS = {"=": "+", "-": "\N{MINUS SIGN}", "Escape": "Esc"}
+_SHOWN_KEYS = {"=": "+", "-": "\N{MINUS SIGN}", "Escape": "Esc", "PageUp": "Page Up", "PageDown": "Page Down"}
 
 
 @dataclass(frozen=True)

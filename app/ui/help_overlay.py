@@ -9,7 +9,8 @@ from app.ui.action_table import ACTIONS, GESTURES
 from app.ui.layout import Rect
 from app.ui.state import EditorState
 
-_KEY_COLUMN_EM, _WORDS_COLUMN_EM = 11.0, 19.0
+_LEAST_COLUMN_EM, _WIDEST_COLUMN_EM = 22.0, 30.0
+_KEYS_SHARE = 0.4
 
 
 def groups() -> dict[str, list[tuple[str, str]]]:
@@ -37,14 +38,15 @@ def draw(state: EditorState, fonts: theme.Fonts, window: Rect) -> None:
     imgui.pop_style_color()
     if imgui.is_window_hovered() and imgui.is_mouse_clicked(0):
         state.look.help = False
-    column = (_KEY_COLUMN_EM + _WORDS_COLUMN_EM) * em
-    count = max(1, min(3, int((window.width - 2 * em) // column)))
-    left = (window.width - count * column) / 2 + em
+    room = window.width - 2 * em
+    count = max(1, min(3, int(room // (_LEAST_COLUMN_EM * em))))
+    column = min(room / count, _WIDEST_COLUMN_EM * em)
+    left = (window.width - count * column) / 2
     for index, part in enumerate(_columns(count)):
         imgui.set_cursor_pos(imgui.ImVec2(left + index * column, 2.2 * em))
         imgui.begin_group()
         for title, rows in part:
-            _group(fonts, title, rows)
+            _group(fonts, title, rows, column)
         imgui.end_group()
     foot = "Click anywhere or press Esc to close.  Ctrl + P finds a command by its name."
     imgui.set_cursor_pos(imgui.ImVec2((window.width - imgui.calc_text_size(foot).x) / 2, window.height - 2.2 * em))
@@ -52,7 +54,7 @@ def draw(state: EditorState, fonts: theme.Fonts, window: Rect) -> None:
     imgui.end()
 
 
-def _group(fonts: theme.Fonts, title: str, rows: list[tuple[str, str]]) -> None:
+def _group(fonts: theme.Fonts, title: str, rows: list[tuple[str, str]], width: float) -> None:
     em = imgui.get_font_size()
     imgui.push_font(fonts.bold, 0.0)
     imgui.text_colored(imgui.ImVec4(*theme.ACCENT), title)
@@ -60,12 +62,18 @@ def _group(fonts: theme.Fonts, title: str, rows: list[tuple[str, str]]) -> None:
     left = imgui.get_cursor_pos_x()
     imgui.push_style_var(imgui.StyleVar_.item_spacing, imgui.ImVec2(0.5 * em, 0.18 * em))
     for keys, words in rows:
-        imgui.text(keys)
+        _wrapped(keys, left + _KEYS_SHARE * width - 0.5 * em, theme.TEXT)
         imgui.same_line()
-        imgui.set_cursor_pos_x(left + _KEY_COLUMN_EM * em)
-        imgui.text_disabled(words)
+        imgui.set_cursor_pos_x(left + _KEYS_SHARE * width)
+        _wrapped(words, left + width - em, theme.DIM)
     imgui.pop_style_var()
     imgui.dummy(imgui.ImVec2(1.0, 0.5 * em))
+
+
+def _wrapped(words: str, right: float, colour: theme.Colour) -> None:
+    imgui.push_text_wrap_pos(right)
+    imgui.text_colored(imgui.ImVec4(*colour), words)
+    imgui.pop_text_wrap_pos()
 
 
 def _columns(count: int) -> list[list[tuple[str, list[tuple[str, str]]]]]:

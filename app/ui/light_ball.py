@@ -33,6 +33,7 @@ def draw(state: EditorState, pictures: Pictures, rect: Rect, scale: float) -> No
     shown = pictures.light_ball(max(1, round(side * scale)), state.edit.yaw_deg)
     reach = _RING * side / 2
     x, y = rect.x + _MARGIN_EM * em + reach, rect.y + rect.height - _MARGIN_EM * em - reach
+    state.look.ball_at = (x, y)
     _turn_by_dragging(state, x, y, reach)
     draw_list = imgui.get_window_draw_list()
     draw_list.add_circle_filled((x, y), reach + 0.25 * em, theme.packed((0.05, 0.05, 0.05, 1.0), 0.6), 48)

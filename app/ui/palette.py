@@ -55,7 +55,8 @@ def _rows(state: EditorState, found: list[Action]) -> None:
         return
     line = imgui.get_text_line_height_with_spacing()
     height = line * min(_ROWS, len(found))
-    imgui.begin_child("commands", imgui.ImVec2(0.0, height + 0.3 * line))
+    imgui.begin_child("commands", imgui.ImVec2(0.0, height + 0.4 * line))
+    imgui.set_cursor_pos_y(imgui.get_cursor_pos_y() + 0.2 * line)
     for row, action in enumerate(found):
         _row(state, action, row)
     imgui.end_child()

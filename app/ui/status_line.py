@@ -8,19 +8,31 @@ from app.ui import theme, widgets
 from app.ui.probe import reading
 from app.ui.state import EditorState
 
+_KEYS = "? for all keys"
+
 
 def draw(state: EditorState) -> None:
     """The line's contents, inside its window."""
     timing = _timing(state)
-    timing_width = imgui.calc_text_size(timing).x if timing else 0.0
+    em = imgui.get_font_size()
+    timing_width = imgui.calc_text_size(timing).x + em if timing else 0.0
+    keys_width = imgui.calc_text_size(_KEYS).x
     room = imgui.get_content_region_avail().x
     left = imgui.get_cursor_pos_x()
-    _words(state, room - timing_width - 2 * imgui.get_font_size())
+    _words(state, room - timing_width - keys_width - 2 * em)
     if timing:
         imgui.same_line()
-        imgui.set_cursor_pos_x(left + room - timing_width)
+        imgui.set_cursor_pos_x(left + room - timing_width - keys_width)
         imgui.text_disabled(timing)
-        imgui.set_item_tooltip(_stages(state))
+        imgui.set_item_tooltip(f"{_stages(state)}\nClick to keep this in sight.")
+        if imgui.is_item_clicked():
+            state.look.switch("timings")
+    imgui.same_line()
+    imgui.set_cursor_pos_x(left + room - keys_width)
+    imgui.text_disabled(_KEYS)
+    imgui.set_item_tooltip("Shows all keys.")
+    if imgui.is_item_clicked():
+        state.look.help = True
 
 
 def _words(state: EditorState, width: float) -> None:
@@ -41,7 +53,7 @@ def _words(state: EditorState, width: float) -> None:
         height, width_px = opened.photo.linear.shape[:2]
         imgui.text_disabled(f"{opened.source.name}   {width_px} × {height}{_under_the_mouse(state)}")
     else:
-        imgui.text_disabled("Press ? for all keys, Ctrl + P to find a command")
+        imgui.text_disabled("Ready")
 
 
 def _under_the_mouse(state: EditorState) -> str:

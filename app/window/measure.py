@@ -1,0 +1,213 @@
+"""Measures how quick the window is for the one who sits before it, with real networks and synthetic events."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import glfw
+import numpy as np
+
+from app.engine.sources import RelighterLike
+from app.window.window import EditorWindow
+
+_STEP_DEG = 7.0
+_GIVE_UP_S = 60.0
+
+
+@dataclass(frozen=True)
+class Spread:
+    """Median and 95th percentile of many measurements, in milliseconds."""
+
+    median_ms: float
+    p95_ms: float
+
+    @classmethod
+    def of(cls, seconds: list[float]) -> Spread:
+        """The spread of durations in seconds, at least one."""
+        median, high = np.percentile(np.array(seconds) * 1000.0, [50.0, 95.0])
+        return cls(float(median), float(high))
+
+
+@dataclass(frozen=True)
+class WindowSpeed:
+    """What was measured.
+
+    Attributes:
+        frame: one frame while a drag makes the networks run again and again.
+        rotation, shadow, exposure: from the hand's movement to the end of the frame that shows its result.
+        frames, updates: how many frames were drawn during the drag, and how many results came.
+        idle_cpu: share of one core used while nothing happens.
+        memory_mb: resident memory after each opening of a photo.
+    """
+
+    frame: Spread
+    rotation: Spread
+    shadow: Spread
+    exposure: Spread
+    frames: int
+    updates: int
+    idle_cpu: float
+    memory_mb: tuple[float, ...]
+
+
+def measure_window(
+    make_relighter: Callable[[], RelighterLike],
+    photos: list[Path],
+    *,
+    size: tuple[int, int] = (1440, 900),
+    drag_s: float = 8.0,
+    repeats: int = 40,
+    idle_s: float = 6.0,
+    openings: int = 0,
+) -> WindowSpeed:
+    """Open the editor on the first photo, drag, wait, and open photos in turn.
+
+    Args:
+        photos: at least one.
+        drag_s: how long the light is dragged.
+        repeats: movements timed for each slider.
+        idle_s: how long the window is left alone.
+        openings: how many photos are opened in turn, over and over, for the memory.
+
+    Raises:
+        NoDisplayError: no display, or one without OpenGL 3.3.
+        TimeoutError: a result took longer than a minute.
+    """
+    window = EditorWindow(make_relighter, photos[0], size=size)
+    try:
+        window.shelf.wait()
+        _settle(window)
+        with_hand = _Hand(window)
+        frames, updates = with_hand.drag(drag_s)
+        spreads = [Spread.of(with_hand.latencies(change, repeats)) for change in (_turn, _deepen, _brighten)]
+        with_hand.rest()
+        idle = _idle_cpu(window, idle_s)
+        memory = tuple(_open_in_turn(window, photos, openings))
+        return WindowSpeed(Spread.of(frames), *spreads, len(frames), updates, idle, memory)
+    finally:
+        window.close()
+
+
+class _Hand:
+    """Holds the mouse down on the lit ball, so that the window works at the quality of a drag."""
+
+    def __init__(self, window: EditorWindow) -> None:
+        self._window = window
+        window.state.look.light_ball = True
+        window.frame()
+        self._at = window.state.look.ball_at
+        window.on_mouse_move(None, *self._at)
+        window.frame()
+        window.on_mouse_button(None, glfw.MOUSE_BUTTON_LEFT, glfw.PRESS, 0)
+        window.frame()
+
+    def drag(self, seconds: float) -> tuple[list[float], int]:
+        """Seconds of each frame while the mouse moves, and how many pictures came meanwhile."""
+        window, x, y = self._window, *self._at
+        durations, updates, shown = [], 0, window.state.snapshot.picture
+        end, step = time.perf_counter() + seconds, 0
+        while time.perf_counter() < end:
+            step += 1
+            window.on_mouse_move(None, x + step % 40, y)
+            began = time.perf_counter()
+            window.frame()
+            glfw.poll_events()
+            durations.append(time.perf_counter() - began)
+            updates += window.state.snapshot.picture is not shown
+            shown = window.state.snapshot.picture
+        window.on_mouse_move(None, x, y)
+        _until(window, lambda: _is_answered(window))
+        return durations, updates
+
+    def latencies(self, change: Callable[[EditorWindow, int], None], repeats: int) -> list[float]:
+        """Seconds from each change to the end of the frame that shows its result."""
+        durations = []
+        for index in range(repeats):
+            began = time.perf_counter()
+            change(self._window, index)
+            _until(self._window, lambda: _is_answered(self._window))
+            self._window.context.finish()
+            durations.append(time.perf_counter() - began)
+        return durations
+
+    def rest(self) -> None:
+        """Let go, and wait for the finished picture."""
+        self._window.on_mouse_button(None, glfw.MOUSE_BUTTON_LEFT, glfw.RELEASE, 0)
+        self._window.frame()
+        _settle(self._window)
+
+
+def _turn(window: EditorWindow, _index: int) -> None:
+    window.state.turn(_STEP_DEG)
+
+
+def _deepen(window: EditorWindow, index: int) -> None:
+    window.state.change(shadow=0.2 + 0.37 * (index % 5))
+
+
+def _brighten(window: EditorWindow, index: int) -> None:
+    window.state.change(exposure_ev=-0.8 + 0.4 * (index % 5))
+
+
+def _is_answered(window: EditorWindow) -> bool:
+    picture, edit = window.state.snapshot.picture, window.state.edit
+    return picture is not None and (picture.edit.yaw_deg, picture.edit.shadow) == (edit.yaw_deg, edit.shadow)
+
+
+def _until(window: EditorWindow, reached: Callable[[], bool]) -> None:
+    """Draw frames as the window's own loop does, until one was drawn with this true."""
+    give_up = time.perf_counter() + _GIVE_UP_S
+    while True:
+        window.frame()
+        if reached():
+            return
+        if time.perf_counter() > give_up:
+            raise TimeoutError("no result within a minute")
+        glfw.wait_events_timeout(0.03)
+
+
+def _settle(window: EditorWindow) -> None:
+    if not window.settle(_GIVE_UP_S):
+        raise TimeoutError("no result within a minute")
+
+
+def _idle_cpu(window: EditorWindow, seconds: float) -> float:
+    """Share of a core while the window's loop runs and nothing happens; its first second does not count."""
+
+    def bell() -> None:
+        time.sleep(1.0)
+        marks.append((time.perf_counter(), time.process_time()))
+        time.sleep(seconds)
+        marks.append((time.perf_counter(), time.process_time()))
+        glfw.set_window_should_close(window.handle, True)
+        glfw.post_empty_event()
+
+    marks: list[tuple[float, float]] = []
+    ringer = threading.Thread(target=bell)
+    ringer.start()
+    window.run()
+    ringer.join()
+    (wall_start, cpu_start), (wall_end, cpu_end) = marks
+    return (cpu_end - cpu_start) / (wall_end - wall_start)
+
+
+def _open_in_turn(window: EditorWindow, photos: list[Path], openings: int) -> Iterator[float]:
+    for index in range(openings):
+        window.state.open_photo(photos[index % len(photos)])
+        _settle(window)
+        yield _resident_mb()
+
+
+def _resident_mb() -> float:
+    """Memory of this process that is in use now, in MiB; the largest so far where the system does not tell."""
+    try:
+        kilobytes = next(line for line in Path("/proc/self/status").read_text().splitlines() if "VmRSS" in line)
+        return int(kilobytes.split()[1]) / 1024
+    except (OSError, StopIteration):
+        import resource
+
+        return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
