@@ -108,6 +108,8 @@ _SETTINGS: dict[str, Callable] = {
     "edit.specular": _number("Specular", ".2f"),
     "edit.shadow": _number("Shadow", ".2f"),
     "edit.background": lambda value: f"Background: {_BACKGROUNDS.get(value, value)}",
+    "edit.forced_on": lambda value: f"Always computed: {', '.join(sorted(value)) or 'nothing'}",
+    "edit.forced_off": lambda value: f"Left out: {', '.join(sorted(value)) or 'nothing'}",
     "light.level_ev": lambda value: f"Light level {value:+.2f} EV",
     "light.base": _number("Room light", ".2f"),
     "light.saturation": _number("Light saturation", ".2f"),

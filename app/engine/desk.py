@@ -16,6 +16,7 @@ from app.engine.screen import (
 )
 from app.engine.snapshot import OpenLight, OpenPhoto, Picture, Snapshot
 from app.engine.sources import LightSource, PhotoSource, RelighterLike, Request
+from app.engine.tier_meter import TierMeter
 from relight_core.errors import InputError
 from relight_core.face.find import find_faces
 from relight_core.imaging.photo import Photo
@@ -52,13 +53,14 @@ class Desk:
     count: a photo that was replaced while it was being decoded never reaches the networks.
     """
 
-    def __init__(self, make_relighter: Callable[[], RelighterLike]) -> None:
+    def __init__(self, make_relighter: Callable[[], RelighterLike], calibration_path: Path | None = None) -> None:
         self._make_relighter = make_relighter
         self._relighter: RelighterLike | None = None
         self._loading: tuple[PhotoSource, Photo] | None = None
         self._portrait: OpenPhoto | None = None
         self._failed: tuple | None = None
         self._lights: dict[LightSource, OpenLight] = {}
+        self._tiers = TierMeter(calibration_path)
 
     def next_step(self, request: Request, now: Snapshot) -> Step | None:
         """The next step toward the request, or None when what is in force answers it."""
@@ -87,7 +89,13 @@ class Desk:
             return Step("Estimating the photo's own light", self._estimate_own_light, _refusing(_OWN))
         if now.faces is None:
             return Step("Counting the faces", _count_faces, lambda now: replace(now, faces=()))
+        if self._tiers.is_due:
+            return Step("Measuring the quality tiers", self._measure_tier, self._tiers.give_up)
         return None
+
+    def _measure_tier(self, now: Snapshot) -> Snapshot:
+        self._tiers.measure_next(self._relighter, now.light.environment)
+        return replace(now, tier_costs=self._tiers.costs())
 
     def _light_is_due(self, light: LightSource, now: Snapshot) -> bool:
         if light.kind == "own":
@@ -125,11 +133,13 @@ class Desk:
 
     def _load_networks(self, now: Snapshot) -> Snapshot:
         self._relighter = self._make_relighter()
+        self._tiers.read()
         return now
 
     def _set_portrait(self, now: Snapshot) -> Snapshot:
         source, photo = self._loading
         self._relighter.set_portrait(photo, source.face_index)
+        self._tiers.forget_photo()
         self._loading = None
         self._portrait = OpenPhoto(source, photo, radiance_for_screen(photo.linear))
         keep_light = now.light is not None and now.light.source.kind != "own"
@@ -183,8 +193,16 @@ class Desk:
         relit = self._relighter.relight(now.light.environment, replace(edit, exposure_ev=0.0))
         screen = radiance_for_screen(relit.image, relit.alpha)
         self._failed = None
-        picture = Picture(now.opened, now.light, edit, relit, screen, channels_for_screen(relit.channels))
-        return replace(now, picture=picture)
+        channels = _former_channels(now) | channels_for_screen(relit.channels)
+        picture = Picture(now.opened, now.light, edit, relit, screen, channels)
+        self._tiers.observe(edit.quality, relit.stages)
+        return replace(now, picture=picture, tier_costs=self._tiers.costs())
+
+
+def _former_channels(now: Snapshot) -> dict:
+    """What the last picture of the same portrait showed; stays until a channel is looked at again."""
+    picture = now.picture
+    return picture.channels if picture is not None and picture.opened is now.opened else {}
 
 
 def _is_drafted(request: Request) -> bool:

@@ -6,6 +6,7 @@ import logging
 import threading
 from collections.abc import Callable
 from dataclasses import replace
+from pathlib import Path
 
 from app.engine.desk import Desk, Step, error_line
 from app.engine.snapshot import Message, Snapshot
@@ -26,6 +27,7 @@ class Engine:
         make_relighter: called once, on the engine's thread, when the first photo is opened.
         wake: called, on the engine's thread, after every change of the snapshot.
         on_start: called first on the engine's thread; the place to set how many threads the networks use.
+        calibration_path: where the costs of the quality tiers are kept; None neither measures nor keeps them.
     """
 
     def __init__(
@@ -33,8 +35,9 @@ class Engine:
         make_relighter: Callable[[], RelighterLike],
         wake: Callable[[], None] = lambda: None,
         on_start: Callable[[], None] = lambda: None,
+        calibration_path: Path | None = None,
     ) -> None:
-        self._desk = Desk(make_relighter)
+        self._desk = Desk(make_relighter, calibration_path)
         self._wake = wake
         self._on_start = on_start
         self._changed = threading.Condition()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -11,6 +12,7 @@ from relight_core.face.find import FaceBox
 from relight_core.imaging.photo import Photo
 from relight_core.lighting.environment import Environment
 from relight_core.lighting.light_edit import LightEdit
+from relight_core.pipeline.auto_quality import TierCost
 from relight_core.pipeline.edit import Edit
 
 
@@ -91,6 +93,7 @@ class Snapshot:
         own_light: the light of the open photo, once it has been estimated.
         faces: everyone in the open photo, largest first, once they have been counted; else None.
         refused: wishes that failed since the engine started and must not be wished again.
+        tier_costs: what the quality tiers cost on this machine, as far as it is known.
         activity: what runs now, or None.
         message: the newest line for the user, or None.
     """
@@ -101,5 +104,6 @@ class Snapshot:
     own_light: OpenLight | None = None
     faces: tuple[FaceBox, ...] | None = None
     refused: frozenset[PhotoSource | LightSource] = field(default_factory=frozenset)
+    tier_costs: Mapping[str, TierCost] = field(default_factory=dict)
     activity: str | None = None
     message: Message | None = None

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from imgui_bundle import imgui
 
-from app.ui import history_panel, theme, widgets
+from app.ui import history_panel, plan_panel, quality_panel, theme, widgets
 from app.ui.state import EditorState
 from relight_core.lighting.light_edit import LightEdit
 from relight_core.pipeline.edit import Edit
@@ -30,6 +30,9 @@ def draw(state: EditorState, fonts: theme.Fonts) -> None:
     """The panel's contents, inside its window."""
     _queue(state)
     _effects(state, fonts)
+    widgets.gap(0.8)
+    quality_panel.draw(state, fonts)
+    plan_panel.draw(state, fonts)
     widgets.gap(0.8)
     _faces(state, fonts)
     _export(state, fonts)

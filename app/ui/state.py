@@ -19,6 +19,7 @@ from app.ui.photo_queue import PhotoQueue
 from app.ui.view import View
 from relight_core.imaging.photo import Photo
 from relight_core.lighting.light_edit import LightEdit
+from relight_core.pipeline.auto_quality import QualityChoice
 from relight_core.pipeline.edit import Edit
 
 FIRST_LIGHT = "rembrandt"
@@ -62,6 +63,8 @@ class EditorState:
         kept: the document as that file has it, or as the photo was opened; None before there is a photo.
         asking: what the window and the user ask each other.
         picking: what our own file dialog asks for, while it is open.
+        quality: the tier the user wants, or what an update may take.
+        plan_open: the list of effects with their reasons is unfolded.
         history: for undo and redo.
         history_seen: how many steps the list had, and which was in force, when it last scrolled to it.
         shown: which entry of CHANNELS fills the viewport.
@@ -95,6 +98,8 @@ class EditorState:
     kept: Document | None = None
     asking: Asking = field(default_factory=Asking)
     picking: FileRequest | None = None
+    quality: QualityChoice = field(default_factory=QualityChoice)
+    plan_open: bool = False
     history: History = field(default_factory=History)
     history_seen: tuple[int, int] = (0, -1)
     shown: str = RESULT
@@ -121,11 +126,12 @@ class EditorState:
 
     def request(self) -> Request:
         """What the engine is to work toward: quick while the hand moves something, finished when it rests."""
-        edit = replace(self.edit, quality="final", exposure_ev=0.0)
+        edit = replace(self.edit, quality=self.quality.at_rest(), exposure_ev=0.0)
         if self.hand_on_control:
-            same_edit = replace(edit, quality=self.asked.quality) == self.asked
+            quick = replace(edit, quality=self.quality.moving(self.snapshot.tier_costs), channels=self._looked_at())
+            same_edit = replace(edit, quality=self.asked.quality, channels=self.asked.channels) == self.asked
             unchanged = same_edit and self.light_edit == self.asked_light
-            edit = self.asked if unchanged else replace(edit, quality="live")
+            edit = self.asked if unchanged else quick
         self.asked, self.asked_light = edit, self.light_edit
         return Request(self.photo, self.light, edit, self.light_edit)
 
@@ -261,6 +267,10 @@ class EditorState:
         else:
             self.session_path, self.kept = None, self.document()
         self._opening = None
+
+    def _looked_at(self) -> tuple[str, ...]:
+        """The channels that must follow the hand: the one in the viewport. The filmstrip's wait until it rests."""
+        return () if self.shown in (RESULT, PHOTO) else (self.shown,)
 
     def _is_in_force(self) -> bool:
         """Whether the photo and the light that were asked for are there, so that neither can still be refused."""

@@ -36,12 +36,14 @@ def run_editor(
     Raises:
         NoDisplayError: there is no display, or none with OpenGL 3.3; nothing was opened.
     """
+    from app.engine.calibration_file import cache_path
     from app.settings import settings_path
     from app.window.window import EditorWindow
 
     source = LightSource.named(light) if light else None
     photo = Path(photo_path) if photo_path else None
-    window = EditorWindow(relighter_factory, photo, source, settings_path=settings_path())
+    kept = {"settings_path": settings_path(), "calibration_path": cache_path()}
+    window = EditorWindow(relighter_factory, photo, source, **kept)
     try:
         window.run()
     finally:

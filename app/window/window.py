@@ -43,6 +43,7 @@ class EditorWindow:
         visible: False keeps it off the screen.
         on_engine_start: called first on the engine's thread.
         settings_path: where panels and window size are kept between runs; None keeps nothing.
+        calibration_path: where the costs of the quality tiers are kept; None does not measure them.
 
     Raises:
         NoDisplayError: no display, or one without OpenGL 3.3.
@@ -58,6 +59,7 @@ class EditorWindow:
         visible: bool = True,
         on_engine_start: Callable[[], None] = lambda: None,
         settings_path: Path | None = None,
+        calibration_path: Path | None = None,
     ) -> None:
         self._memory = Memory(settings_path)
         self.handle = open_window("relight", size or self._memory.window_size or SIZE, visible)
@@ -69,7 +71,7 @@ class EditorWindow:
         if photo is not None:
             self.state.open_photo(photo)
         self.shelf = LightShelf(glfw.post_empty_event)
-        self.engine = Engine(make_relighter, glfw.post_empty_event, on_engine_start)
+        self.engine = Engine(make_relighter, glfw.post_empty_event, on_engine_start, calibration_path)
         self.exporter = Exporter(self.engine.say)
         self.pictures = GlPictures(self.context, self.shelf, theme.CANVAS_SRGB)
         self._binding = Binding(self.handle, self._scale(glfw.get_window_content_scale(self.handle)[0]))

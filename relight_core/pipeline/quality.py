@@ -45,7 +45,8 @@ class Tier:
 
 
 TIERS = {
-    "draft": Tier(192, 96, 96, 48, False),
+    # The same surface as "live", so that changing over between the two while dragging costs nothing.
+    "draft": Tier(256, 128, 128, 64, False, shadow_network=False, correction=False),
     "live": Tier(256, 128, 128, 64, False),
     "final": Tier(512, 128, 128, 96, True),
 }

@@ -12,6 +12,7 @@ from app.ui.state import CHANNELS, EditorState, wrap_degrees
 from relight_core.imaging.photo import Photo
 from relight_core.lighting.environment import Environment
 from relight_core.lighting.light_edit import LightEdit
+from relight_core.pipeline.auto_quality import QualityChoice, TierCost
 
 
 def opened_photo(path=None):
@@ -151,3 +152,26 @@ def test_choosing_a_face_keeps_the_decoded_photo_and_the_export_path(tmp_path):
     again = OpenPhoto(state.photo, opened.photo, opened.screen)
     state.accept(Snapshot(opened=again))
     assert state.export_path == "elsewhere.png"
+
+
+def test_while_the_hand_moves_only_what_fills_the_viewport_is_asked_for():
+    state = EditorState()
+    state.hand_on_control = True
+    state.change(yaw_deg=5.0)
+    assert state.request().edit.channels == ()
+    state.shown = "shadow"
+    state.change(yaw_deg=6.0)
+    assert state.request().edit.channels == ("shadow",)
+    state.hand_on_control = False
+    assert state.request().edit.channels is None
+
+
+def test_the_budget_decides_the_quality_while_the_hand_moves():
+    costs = {"draft": TierCost(8.0, 0.03), "live": TierCost(25.0, 0.01), "final": TierCost(60.0, 0.0)}
+    state = EditorState(snapshot=Snapshot(tier_costs=costs), hand_on_control=True)
+    for budget_ms, quality in ((10.0, "draft"), (33.0, "live"), (100.0, "final")):
+        state.quality = QualityChoice("auto", budget_ms)
+        state.change(yaw_deg=budget_ms)
+        assert state.request().edit.quality == quality
+    state.quality, state.hand_on_control = QualityChoice("draft"), False
+    assert state.request().edit.quality == "draft"

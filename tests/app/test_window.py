@@ -51,7 +51,7 @@ def test_the_wheel_over_the_picture_turns_the_light_and_with_ctrl_zooms(opened):
 def test_exposure_brightens_without_another_relight(opened, relighter):
     calls = len(relighter.relights)
     before = opened.picture_pixels(96, 128)
-    shadow, specular, exposure = opened.knobs()
+    shadow, specular, exposure, _ = opened.knobs()
     opened.drag(exposure, (exposure[0] + 20, exposure[1]))
     assert opened.window.state.edit.exposure_ev > 0.3
     after = opened.picture_pixels(96, 128)
