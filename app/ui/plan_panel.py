@@ -11,18 +11,6 @@ from app.ui.state import EditorState
 from relight_core.pipeline.edit import Edit
 from relight_core.pipeline.plan import Effect
 
-TITLES = {
-    "flattening": "Flattening",
-    "source_light": "Source light",
-    "relief": "Relief",
-    "shadow": "Shadow",
-    "specular": "Specular",
-    "correction": "Correction",
-    "sliders": "Sliders",
-    "detail": "Detail",
-    "background": "Background",
-    "channels": "Channels",
-}
 _DOTS = {"computed": theme.ACCENT, "reused": theme.DIM, "skipped": theme.FAINT}
 _NEXT = {None: True, True: False, False: None}
 _WORDS = {None: "auto", True: "on", False: "off"}
@@ -55,6 +43,11 @@ def duration(ms: float) -> str:
     return f"{ms:.0f} ms" if ms < 1000 else f"{ms / 1000:.1f} s"
 
 
+def title(effect: Effect) -> str:
+    """The effect's name as it stands in the list."""
+    return effect.name.replace("_", " ").capitalize()
+
+
 def explanation(effect: Effect) -> str:
     """State, reason, what it may change, and the time saved, in words."""
     words = f"{effect.state}: {effect.why}"
@@ -79,7 +72,7 @@ def _row(state: EditorState, effect: Effect) -> None:
     imgui.get_window_draw_list().add_circle_filled(middle, 0.22 * em, theme.packed(_DOTS[effect.state]), 16)
     imgui.dummy(imgui.ImVec2(0.7 * em, em))
     imgui.same_line()
-    imgui.text(TITLES.get(effect.name, effect.name))
+    imgui.text(title(effect))
     wish = state.edit.forced(effect.name)
     button_width = 2.8 * em
     imgui.same_line(width - button_width)
