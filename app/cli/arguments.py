@@ -49,6 +49,16 @@ def add_sliders(parser: argparse.ArgumentParser) -> None:
         default="keep",
         help="keep, match (kept, but lit like the person), light, transparent, #rrggbb",
     )
+    parser.add_argument(
+        "--background-fov",
+        metavar="DEG",
+        type=_finite,
+        default=50.0,
+        help="how wide the camera sees the light behind, up to 170; 50 by default",
+    )
+    parser.add_argument(
+        "--background-blur", metavar="DEG", type=_finite, default=1.0, help="blur of the light behind, 0 to 20"
+    )
     parser.add_argument("--quality", choices=("draft", "live", "final"), default="final")
     parser.add_argument(
         "--force",
@@ -71,7 +81,7 @@ def add_sliders(parser: argparse.ArgumentParser) -> None:
 def add_face(parser: argparse.ArgumentParser) -> None:
     """--face, for photos of several people."""
     parser.add_argument(
-        "--face", metavar="N", type=_index, default=None, help="which face; 0, the default, is the largest"
+        "--face", metavar="N", type=_index, default=None, help="only this face; 0 is the largest; all of them without"
     )
 
 
@@ -88,6 +98,8 @@ def edit_from(arguments: argparse.Namespace) -> Edit:
         specular=arguments.specular,
         shadow=arguments.shadow,
         background=arguments.background,
+        background_fov_deg=arguments.background_fov,
+        background_blur_deg=arguments.background_blur,
         quality=arguments.quality,
         forced_on=frozenset(name for name, on in arguments.force if on),
         forced_off=frozenset(name for name, on in arguments.force if not on),

@@ -25,6 +25,8 @@ from relight_core.errors import InputError
 if TYPE_CHECKING:
     from relight_core.lighting.environment import Environment
 
+_UNSEEN_PX = 64
+
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments of `relight render`."""
@@ -38,6 +40,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         choices=(8, 16, 32),
         default=8,
         help="a channel: 8 or 16 in PNG and TIFF; EXR holds halves unless 32",
+    )
+    parser.add_argument(
+        "--profile",
+        choices=("srgb", "photo"),
+        default="srgb",
+        help="colours of PNG, JPEG and TIFF: sRGB, or the photo's own profile",
     )
     add_json(parser)
 
@@ -93,14 +101,16 @@ def _render(
     output: Path,
     report: Report,
 ) -> dict:
-    from relight_core.imaging.write import write_image
+    from relight_core.imaging.write import FileStyle, write_bands
 
-    # Only the picture is written: no channel is looked at.
+    # Only the picture is written, and only in bands: no channel is looked at, no screen wants it.
     edit = replace(edit_from(arguments), channels=())
-    session.open(photo, arguments.face)
-    relit = session.relighter.relight(light, edit)
+    opened = session.open(photo, arguments.face)
+    relit = session.relighter.relight(light, edit, longest_side_px=_UNSEEN_PX)
     if _is_folder(arguments.output):
         make_folder(output.parent)
-    write_image(output, relit.image, relit.alpha, bits=arguments.bits, exposure_ev=edit.exposure_ev)
+    icc = opened.icc if arguments.profile == "photo" else None
+    style = FileStyle(arguments.bits, exposure_ev=edit.exposure_ev, icc=icc, exif=opened.exif)
+    write_bands(output, relit.full.size, relit.full.in_bands(), relit.full.has_alpha, style)
     report.line(relit_line(str(output), relit, edit))
     return relit_record(str(photo), str(output), relit)

@@ -76,7 +76,7 @@ def _flush_c_streams() -> None:
 
 def relit_record(input_name: str, output_name: str, relit: Relit) -> dict:
     """What `--json` says of one relighting; `size` is [width, height], boxes and size in pixels."""
-    height, width = relit.image.shape[:2]
+    height, width = relit.size
     return {
         "input": input_name,
         "output": output_name,
@@ -104,6 +104,6 @@ def effect_record(effect: Effect) -> dict:
 
 def relit_line(output_name: str, relit: Relit, edit: Edit) -> str:
     """The same for people, in a line."""
-    height, width = relit.image.shape[:2]
+    height, width = relit.size
     total_ms = sum(stage.ms for stage in relit.stages.values())
     return f"wrote {output_name} ({width} x {height}, {edit.quality} quality, {total_ms:.0f} ms)"

@@ -7,7 +7,7 @@ import logging
 import struct
 import threading
 import warnings
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import cv2
@@ -16,6 +16,7 @@ import tifffile
 from PIL import Image, ImageCms
 
 from relight_core.errors import InputError
+from relight_core.imaging.metadata import carried_exif, raw_message
 
 MAX_PIXELS = 400_000_000
 
@@ -36,6 +37,7 @@ class Raster:
         icc: the embedded profile that `values` still are in, or None.
         orientation: EXIF orientation still to be applied, 1 to 8.
         premultiplied: whether `values` have alpha multiplied in.
+        exif: see `Photo.exif`.
     """
 
     values: np.ndarray
@@ -43,6 +45,7 @@ class Raster:
     icc: bytes | None = None
     orientation: int = 1
     premultiplied: bool = False
+    exif: bytes | None = None
 
 
 def decode_raster(data: bytes, path: Path) -> Raster:
@@ -51,14 +54,17 @@ def decode_raster(data: bytes, path: Path) -> Raster:
     Raises:
         InputError: not an image, damaged, too large or of an unsupported kind.
     """
+    unread = raw_message(data, path)
+    if unread is not None:
+        raise InputError(f"{path}: {unread}")
     if data[:4] in (b"II*\0", b"MM\0*", b"II+\0", b"MM\0+"):
         raster = _decode_deep_tiff(data, path)
         if raster is not None:
             return raster
     image = _open_with_pillow(data, path)
     if data[:8] == b"\x89PNG\r\n\x1a\n" and data[24] == 16:
-        return _decode_deep_png(data, image, path)
-    return _from_pillow(image)
+        return replace(_decode_deep_png(data, image, path), exif=carried_exif(image))
+    return replace(_from_pillow(image), exif=carried_exif(image))
 
 
 def decode_radiance_hdr(data: bytes, path: Path) -> np.ndarray:

@@ -54,25 +54,25 @@ def read_exr(path: Path) -> tuple[np.ndarray, np.ndarray | None]:
     return np.ascontiguousarray(_to_rec709(colour, header)), alpha
 
 
-def write_channels(path: Path, layers: dict[str, np.ndarray], *, half: bool, header: dict) -> None:
+def write_channels(path: Path, layers: dict[str, np.ndarray], *, header: dict) -> None:
     """Write named layers, ZIP-compressed scanlines, to exactly this path.
 
     Args:
         path: overwritten.
-        layers: (H, W) or (H, W, 3 or 4) float arrays; "RGB" and "RGBA" are the main layer.
-        half: 16-bit floats, with values limited to +-65504; else 32-bit.
+        layers: (H, W) or (H, W, 3 or 4) float16 or float32 arrays; "RGB" and "RGBA" are the main layer.
         header: attributes beside the standard ones: str, int or float.
     """
-    kind = np.float16 if half else np.float32
     attributes = {**header, "compression": OpenEXR.ZIP_COMPRESSION, "type": OpenEXR.scanlineimage}
-    channels = {name: np.ascontiguousarray(_limited(array, half), kind) for name, array in layers.items()}
+    channels = {name: np.ascontiguousarray(array) for name, array in layers.items()}
     with _quiet(), OpenEXR.File(attributes, channels) as file:
         file.write(str(path))
 
 
-def _limited(array: np.ndarray, half: bool) -> np.ndarray:
-    array = np.asarray(array, np.float32)
-    return np.clip(array, -LARGEST_HALF, LARGEST_HALF) if half else array
+def limited(array: np.ndarray, kind: type) -> np.ndarray:
+    """The array as float16, limited to +-65504 where it would become infinite, or as float32."""
+    if kind == np.float16:
+        array = np.clip(array, -LARGEST_HALF, LARGEST_HALF)
+    return np.asarray(array, kind)
 
 
 def _check_size(header: dict, path: Path) -> None:

@@ -52,6 +52,19 @@ class MatrixProfile:
             linear = linear @ self.matrix.T.astype(np.float32)
         return np.clip(linear, 0.0, 1.0)
 
+    def encode(self, linear: np.ndarray) -> np.ndarray:
+        """(H, W, 3) linear Rec.709 in [0, 1] to encoded values of the profile, float32 in [0, 1].
+
+        Raises:
+            ValueError: a grey profile.
+        """
+        if self.matrix is None:
+            raise ValueError("a grey profile holds no colour")
+        mixed = np.clip(linear @ np.linalg.inv(self.matrix).T.astype(np.float32), 0.0, 1.0)
+        positions = np.linspace(0.0, 1.0, _CURVE_SAMPLES)
+        layers = [np.interp(mixed[..., i], self.curves[i], positions) for i in range(3)]
+        return np.stack(layers, axis=-1).astype(np.float32)
+
     def _curve(self, channel: np.ndarray, index: int) -> np.ndarray:
         positions = np.linspace(0.0, 1.0, _CURVE_SAMPLES)
         if channel.dtype.kind == "u":

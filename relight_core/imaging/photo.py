@@ -19,6 +19,8 @@ class Photo:
         alpha: (H, W) float32 in [0, 1], or None where the file has none.
         path: where it came from, or None.
         bits: bits per channel of its source: 8, 16 or 32 (floating point).
+        icc: the profile its file was in, where that is an RGB profile that is not sRGB; for writing it back.
+        exif: its file's EXIF, upright and without thumbnail, or None.
 
     Raises:
         ValueError: an array of another shape or type.
@@ -28,6 +30,8 @@ class Photo:
     alpha: np.ndarray | None = None
     path: Path | None = None
     bits: int = 8
+    icc: bytes | None = None
+    exif: bytes | None = None
 
     def __post_init__(self) -> None:
         linear, alpha = self.linear, self.alpha

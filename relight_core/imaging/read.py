@@ -38,7 +38,8 @@ def read_photo(path: str | Path) -> Photo:
     linear, alpha = _upright(linear, raster.orientation), raster.alpha
     if alpha is not None:
         alpha = np.clip(_upright(alpha, raster.orientation), 0.0, 1.0)
-    return Photo(linear, alpha, path, bits)
+    coloured = raster.icc is not None and raster.values.shape[2] == 3 and matrix_profile(raster.icc, 3) is not None
+    return Photo(linear, alpha, path, bits, raster.icc if coloured else None, raster.exif)
 
 
 def read_radiance(path: str | Path) -> np.ndarray:

@@ -5,6 +5,8 @@ from __future__ import annotations
 import io
 import struct
 import zlib
+from collections.abc import Iterable
+from dataclasses import dataclass
 from pathlib import Path
 
 import cv2
@@ -16,9 +18,36 @@ from relight_core.errors import InputError
 from relight_core.imaging import exr
 from relight_core.imaging.colour import srgb_decode, srgb_encode
 from relight_core.imaging.files import whole_file
+from relight_core.imaging.icc import MatrixProfile, matrix_profile
 from relight_core.imaging.view_transform import apply_view, expose
 
 _BITS = {".png": (8, 16), ".jpg": (8,), ".jpeg": (8,), ".tif": (8, 16), ".tiff": (8, 16), ".exr": (8, 16, 32)}
+_TO_BGR = {3: cv2.COLOR_RGB2BGR, 4: cv2.COLOR_RGBA2BGRA}
+
+
+@dataclass(frozen=True)
+class FileStyle:
+    """How a file is written beside its kind.
+
+    Attributes:
+        bits: per channel.
+        quality: of a JPEG, 1 to 100.
+        exposure_ev: stops.
+        icc: an RGB matrix profile to convert to and to embed; None is sRGB. EXR stays linear Rec.709.
+        exif: a block of EXIF for PNG and JPEG, or None; see `metadata.carried_exif`.
+    """
+
+    bits: int = 8
+    quality: int = 92
+    exposure_ev: float = 0.0
+    icc: bytes | None = None
+    exif: bytes | None = None
+
+
+_PLAIN = FileStyle()
+
+Bands = Iterable[tuple[slice, np.ndarray, np.ndarray | None]]
+"""Rows, linear (h, W, 3) and alpha (h, W) or None, from the top down without gaps."""
 
 
 def write_image(
@@ -48,19 +77,67 @@ def write_image(
         InputError: unknown extension, bits the format can't hold, or a place that can't be written.
         ValueError: arrays of the wrong shape.
     """
-    path = Path(path)
-    suffix = check_output(path, bits)
     linear, alpha = _checked(linear, alpha)
+    style = FileStyle(bits, quality, exposure_ev)
+    write_bands(path, linear.shape[:2], [(slice(0, linear.shape[0]), linear, alpha)], alpha is not None, style)
+
+
+def write_bands(
+    path: str | Path, size: tuple[int, int], bands: Bands, has_alpha: bool, style: FileStyle = _PLAIN
+) -> None:
+    """Write an image that comes in bands of rows, as `write_image`; it is held only as the file's codes.
+
+    Args:
+        size: (height, width).
+        has_alpha: whether the bands have alpha.
+
+    Raises:
+        InputError: as `write_image`, or a profile that pixels can't be converted to.
+    """
+    path = Path(path)
+    suffix = check_output(path, style.bits)
+    opaque = suffix in (".jpg", ".jpeg")
+    pixels = np.empty((*size, 4 if has_alpha and not opaque else 3), _code_type(suffix, style.bits))
+    profile = None if suffix == ".exr" else _target_profile(style.icc)
+    for rows, linear, alpha in bands:
+        linear, alpha = _checked(linear, alpha)
+        if suffix == ".exr":
+            pixels[rows] = exr.limited(_premultiplied(expose(linear, style.exposure_ev), alpha), pixels.dtype)
+            continue
+        shown = apply_view(linear, style.exposure_ev)
+        if opaque:
+            shown, alpha = _flattened(shown, alpha), None
+        if profile is not None:
+            shown = profile.encode(srgb_decode(shown))
+        pixels[rows] = _codes(shown, alpha, style.bits)
     if suffix == ".exr":
-        write_exr_layers(path, _main_layer(expose(linear, exposure_ev), alpha), half=bits != 32)
+        _write_exr(path, {"RGBA" if has_alpha else "RGB": pixels}, {})
         return
-    if suffix in (".jpg", ".jpeg"):
-        encoded = _jpeg(_flattened(apply_view(linear, exposure_ev), alpha), quality)
-    else:
-        pixels = _codes(apply_view(linear, exposure_ev), alpha, bits)
-        encoded = _png(pixels) if suffix == ".png" else _tiff(pixels)
+    icc = style.icc if profile is not None else None
     with whole_file(path) as beside:
-        beside.write_bytes(encoded)
+        beside.write_bytes(_encoded(suffix, pixels, style, icc))
+
+
+def _code_type(suffix: str, bits: int) -> type:
+    if suffix == ".exr":
+        return np.float32 if bits == 32 else np.float16
+    return np.uint8 if bits == 8 else np.uint16
+
+
+def _target_profile(icc: bytes | None) -> MatrixProfile | None:
+    """The profile to convert to; None for sRGB."""
+    if icc is None:
+        return None
+    profile = matrix_profile(icc, 3)
+    if profile is None:
+        raise InputError("the photo's colour profile can't be written back: it is no RGB matrix profile; write sRGB")
+    return None if profile.is_srgb else profile
+
+
+def _encoded(suffix: str, pixels: np.ndarray, style: FileStyle, icc: bytes | None) -> bytes:
+    if suffix in (".jpg", ".jpeg"):
+        return _jpeg(pixels, style.quality, icc, style.exif)
+    return _png(pixels, icc, style.exif) if suffix == ".png" else _tiff(pixels, icc)
 
 
 def check_output(path: str | Path, bits: int = 8) -> str:
@@ -107,13 +184,17 @@ def write_exr_layers(
     path = Path(path)
     if path.suffix.lower() != ".exr":
         raise InputError(f"{path}: layers need an EXR file; name a .exr file")
-    arrays = {name: _layer(name, array) for name, array in layers.items()}
+    kind = np.float16 if half else np.float32
+    arrays = {name: exr.limited(_layer(name, array), kind) for name, array in layers.items()}
     if len({array.shape[:2] for array in arrays.values()}) != 1:
         raise ValueError("layers of one EXR have one size, and there is at least one")
-    attributes = {name: _attribute(value) for name, value in (header or {}).items() if value is not None}
+    _write_exr(path, arrays, {name: _attribute(value) for name, value in (header or {}).items() if value is not None})
+
+
+def _write_exr(path: Path, arrays: dict[str, np.ndarray], attributes: dict) -> None:
     with whole_file(path) as beside:
         try:
-            exr.write_channels(beside, arrays, half=half, header=attributes)
+            exr.write_channels(beside, arrays, header=attributes)
         except RuntimeError as error:
             raise OSError("OpenEXR can't write it") from error
 
@@ -130,10 +211,8 @@ def _checked(linear: np.ndarray, alpha: np.ndarray | None) -> tuple[np.ndarray, 
     return linear, alpha
 
 
-def _main_layer(linear: np.ndarray, alpha: np.ndarray | None) -> dict[str, np.ndarray]:
-    if alpha is None:
-        return {"RGB": linear}
-    return {"RGBA": np.dstack([linear * alpha[..., None], alpha])}
+def _premultiplied(linear: np.ndarray, alpha: np.ndarray | None) -> np.ndarray:
+    return linear if alpha is None else np.dstack([linear * alpha[..., None], alpha])
 
 
 def _codes(srgb: np.ndarray, alpha: np.ndarray | None, bits: int) -> np.ndarray:
@@ -143,38 +222,48 @@ def _codes(srgb: np.ndarray, alpha: np.ndarray | None, bits: int) -> np.ndarray:
 
 
 def _flattened(srgb: np.ndarray, alpha: np.ndarray | None) -> np.ndarray:
-    if alpha is not None:
-        srgb = srgb_encode(srgb_decode(srgb) * alpha[..., None] + (1.0 - alpha[..., None]))
-    return _codes(np.clip(srgb, 0.0, 1.0), None, 8)
+    if alpha is None:
+        return srgb
+    return np.clip(srgb_encode(srgb_decode(srgb) * alpha[..., None] + (1.0 - alpha[..., None])), 0.0, 1.0)
 
 
 def _srgb_profile() -> bytes:
     return ImageCms.ImageCmsProfile(ImageCms.createProfile("sRGB")).tobytes()
 
 
-def _jpeg(pixels: np.ndarray, quality: int) -> bytes:
+def _jpeg(pixels: np.ndarray, quality: int, icc: bytes | None, exif: bytes | None) -> bytes:
     buffer = io.BytesIO()
     quality = min(max(int(quality), 1), 100)
     subsampling = 0 if quality >= 90 else 2
     Image.fromarray(pixels).save(
-        buffer, "JPEG", quality=quality, subsampling=subsampling, optimize=True, icc_profile=_srgb_profile()
+        buffer,
+        "JPEG",
+        quality=quality,
+        subsampling=subsampling,
+        optimize=True,
+        icc_profile=icc or _srgb_profile(),
+        exif=exif or b"",
     )
     return buffer.getvalue()
 
 
-def _png(pixels: np.ndarray) -> bytes:
-    order = [2, 1, 0, 3][: pixels.shape[2]]
-    done, encoded = cv2.imencode(".png", np.ascontiguousarray(pixels[..., order]))
+def _png(pixels: np.ndarray, icc: bytes | None, exif: bytes | None) -> bytes:
+    done, encoded = cv2.imencode(".png", cv2.cvtColor(pixels, _TO_BGR[pixels.shape[2]]))
     if not done:
         raise RuntimeError("OpenCV could not encode a PNG")
     png = encoded.tobytes()
-    chunk = b"sRGB" + b"\x00"
-    marked = struct.pack(">I", 1) + chunk + struct.pack(">I", zlib.crc32(chunk))
+    chunks = _chunk(b"sRGB", b"\x00") if icc is None else _chunk(b"iCCP", b"icc\x00\x00" + zlib.compress(icc))
+    if exif is not None:
+        chunks += _chunk(b"eXIf", exif.removeprefix(b"Exif\x00\x00"))
     after_header = 8 + 12 + 13
-    return png[:after_header] + marked + png[after_header:]
+    return png[:after_header] + chunks + png[after_header:]
 
 
-def _tiff(pixels: np.ndarray) -> bytes:
+def _chunk(kind: bytes, data: bytes) -> bytes:
+    return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+
+
+def _tiff(pixels: np.ndarray, icc: bytes | None) -> bytes:
     buffer = io.BytesIO()
     extra = ["unassalpha"] if pixels.shape[2] == 4 else None
     tifffile.imwrite(
@@ -183,7 +272,7 @@ def _tiff(pixels: np.ndarray) -> bytes:
         photometric="rgb",
         extrasamples=extra,
         compression="zlib",
-        iccprofile=_srgb_profile(),
+        iccprofile=icc or _srgb_profile(),
         metadata=None,
         software="relight",
     )

@@ -61,6 +61,11 @@ class Relit:
     full: Picture | None = None
     window: tuple[float, float, float, float] | None = None
 
+    @property
+    def size(self) -> tuple[int, int]:
+        """(height, width) at the photo's own size."""
+        return self.full.size if self.full is not None else self.image.shape[:2]
+
 
 class Relighter:
     """Takes a portrait apart once and puts it together under any light.

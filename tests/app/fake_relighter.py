@@ -58,7 +58,7 @@ class FakeRelighter:
         radiance = np.ones((height, width, 3), np.float32) * self.photo.linear.mean(axis=(0, 1))
         return Environment.from_radiance(radiance, "estimated")
 
-    def relight(self, environment, edit):
+    def relight(self, environment, edit, longest_side_px=None):
         self.entered.release()
         assert self.gate.wait(30)
         if self.fail_with is not None:

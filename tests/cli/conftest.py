@@ -28,15 +28,20 @@ class FakeRelighter:
     def estimated_light(self):
         return Environment.from_radiance(np.full((16, 32, 3), 0.25, np.float32), "borrowed")
 
-    def relight(self, environment, edit):
+    def relight(self, environment, edit, longest_side_px=None):
         self.edits.append(edit)
         height, width = self.photo.linear.shape[:2]
         alpha = np.full((height, width), 0.5, np.float32) if edit.background == "transparent" else None
         crop = np.full((8, 8, 3), 0.25, np.float32)
         grey = crop[..., 0]
+        image = self.photo.linear * np.float32(edit.shadow)
         return SimpleNamespace(
-            image=self.photo.linear * np.float32(edit.shadow),
+            image=image,
             alpha=alpha,
+            size=(height, width),
+            full=SimpleNamespace(
+                size=(height, width), has_alpha=alpha is not None, in_bands=lambda: [(slice(None), image, alpha)]
+            ),
             channels={
                 "photo": crop,
                 "albedo": crop,
