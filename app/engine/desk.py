@@ -79,7 +79,10 @@ class Desk:
             return None
         key = _picture_key(now.opened, now.light, request.edit)
         if key != self._failed and (now.picture is None or key != _key_of(now.picture)):
-            relight, skip = partial(self._relight, request.edit), partial(self._skip, key)
+            relight, skip = (
+                partial(self._relight, request.edit, request.longest_side_px),
+                partial(self._skip, key),
+            )
             return Step("Relighting", relight, skip)
         return self._when_the_hand_rests(now)
 
@@ -189,8 +192,9 @@ class Desk:
         self._failed = key
         return now
 
-    def _relight(self, edit: Edit, now: Snapshot) -> Snapshot:
-        relit = self._relighter.relight(now.light.environment, replace(edit, exposure_ev=0.0))
+    def _relight(self, edit: Edit, longest_side_px: int | None, now: Snapshot) -> Snapshot:
+        edit = replace(edit, exposure_ev=0.0)
+        relit = self._relighter.relight(now.light.environment, edit, longest_side_px)
         screen = radiance_for_screen(relit.image, relit.alpha)
         self._failed = None
         channels = _former_channels(now) | channels_for_screen(relit.channels)

@@ -80,7 +80,7 @@ def export(job: ExportJob) -> list[Path]:
     relit = job.picture.relit
     if job.path.suffix.lower() != ".exr":
         path = free_path(job.path)
-        write_image(path, relit.image, relit.alpha, exposure_ev=job.exposure_ev)
+        write_image(path, *_whole(job), exposure_ev=job.exposure_ev)
         return [path]
     path = free_path(job.path, _CHANNELS)
     beside = companion_path(path, _CHANNELS)
@@ -131,10 +131,16 @@ def _taken(path: Path) -> bool:
 
 
 def _premultiplied(job: ExportJob) -> np.ndarray:
+    image, alpha = _whole(job)
+    return image if alpha is None else np.dstack([image * alpha[..., None], alpha])
+
+
+def _whole(job: ExportJob) -> tuple[np.ndarray, np.ndarray | None]:
+    """The result at the photo's size, which a preview made while the hand moved does not have."""
     relit = job.picture.relit
-    if relit.alpha is None:
-        return relit.image
-    return np.dstack([relit.image * relit.alpha[..., None], relit.alpha])
+    if relit.image.shape[:2] == job.picture.opened.photo.linear.shape[:2]:
+        return relit.image, relit.alpha
+    return relit.full.render()
 
 
 def _header(job: ExportJob) -> dict[str, str | float | int]:

@@ -26,8 +26,8 @@ class RelighterLike(Protocol):
     def set_portrait(self, photo: Photo, face_index: int | None = None) -> None:
         """Make a photo the portrait; slow. InputError leaves the previous portrait in place."""
 
-    def relight(self, environment: Environment, edit: Edit) -> RelitLike:
-        """The portrait under a light; fast."""
+    def relight(self, environment: Environment, edit: Edit, longest_side_px: int | None = None) -> RelitLike:
+        """The portrait under a light, no larger than that; fast."""
 
     def estimated_light(self, quality: str = "live") -> Environment:
         """The light the portrait was taken under, as de-lighting at that quality sees it."""
@@ -112,12 +112,14 @@ class Request:
         light: None keeps the light in force.
         light_edit: what is changed about that light.
         edit: the sliders. Its exposure is the shader's business and makes the engine do nothing.
+        longest_side_px: the picture may be this small; None wants it as large as the photo.
     """
 
     photo: PhotoSource | None = None
     light: LightSource | None = None
     edit: Edit = field(default_factory=Edit)
     light_edit: LightEdit = field(default_factory=LightEdit)
+    longest_side_px: int | None = None
 
     def same_as(self, other: Request) -> bool:
         """Whether the other asks for the same: the same wishes, at the same settings."""

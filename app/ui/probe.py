@@ -53,7 +53,9 @@ def reading(snapshot: Snapshot, name: str, exposure_ev: float, x: float, y: floa
     if picture is None or picture.opened is not snapshot.opened:
         return None
     if name == RESULT:
-        return _of_picture(RESULT, picture.relit.image, x, y, exposure_ev)
+        # While the hand moves the picture may be smaller than the photo.
+        scale = picture.relit.image.shape[1] / snapshot.opened.photo.linear.shape[1]
+        return _of_picture(RESULT, picture.relit.image, x * scale, y * scale, exposure_ev)
     channel = picture.relit.channels.get(name)
     return None if channel is None else _of_channel(name, channel, picture.relit.window, x, y)
 

@@ -23,6 +23,9 @@ from relight_core.pipeline.auto_quality import QualityChoice
 from relight_core.pipeline.edit import Edit
 
 FIRST_LIGHT = "rembrandt"
+PREVIEW_PX = 1600
+"""Longest side of what is shown while the hand moves and the whole picture is in sight: about a screen's."""
+
 RESULT, PHOTO = "result", "photo"
 
 CHANNELS: tuple[tuple[str, str, str], ...] = (
@@ -133,7 +136,8 @@ class EditorState:
             unchanged = same_edit and self.light_edit == self.asked_light
             edit = self.asked if unchanged else quick
         self.asked, self.asked_light = edit, self.light_edit
-        return Request(self.photo, self.light, edit, self.light_edit)
+        is_preview = edit.channels is not None and self.view.fit
+        return Request(self.photo, self.light, edit, self.light_edit, PREVIEW_PX if is_preview else None)
 
     def document(self) -> Document:
         """What undo and sessions keep of all this."""

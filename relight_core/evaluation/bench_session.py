@@ -125,7 +125,19 @@ def _compare(thorough: Relighter, relit: Relit, bound: float, light: Environment
         savings.broken.append(f"{light.name} at {edit.yaw_deg:g} degrees: {error:.5f}, not {bound:.5f}")
 
 
-_PER_LIGHT = ("irradiance", "specular_shadow", "compose", "detail_fit", "sliders", "detail", "paste", "channels")
+_PER_LIGHT = (
+    "irradiance",
+    "specular_shadow",
+    "compose",
+    "detail_fit",
+    "sliders",
+    "other_faces",
+    "detail",
+    "panorama",
+    "background",
+    "paste",
+    "channels",
+)
 
 
 def as_markdown(savings: Savings) -> str:

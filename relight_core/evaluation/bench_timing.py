@@ -19,6 +19,7 @@ ACTIONS = ("delight", "rotation", "slider")
 """De-lighting alone; all of an update after the light turned; all of one after a slider moved."""
 
 _WARM_UPS = 2
+_SCREEN_PX = 1600
 
 
 @dataclass(frozen=True)
@@ -101,7 +102,7 @@ class _Hand:
         reset_peak_memory()
         self._update(edit, runs, "rotation")
         self.relighter.forget("delight")
-        opened = self.relighter.relight(self.environment, edit)
+        opened = self.relighter.relight(self.environment, edit, _SCREEN_PX)
         runs.ms["delight"].append(opened.stages["delight"].ms)
         runs.stages["delight"].append(opened.stages["delight"].ms)
         self._update(replace(edit, shadow=float(self.rng.uniform(0.1, 0.9))), runs, "slider")
@@ -111,7 +112,7 @@ class _Hand:
     def _update(self, edit: Edit, runs: _Runs, action: str) -> None:
         wait_for(self.device)
         started = perf_counter()
-        relit = self.relighter.relight(self.environment, edit)
+        relit = self.relighter.relight(self.environment, edit, _SCREEN_PX)
         relit_at = perf_counter()
         self.display(relit)
         ended = perf_counter()
@@ -132,9 +133,12 @@ _ONCE = (
     "relief",
     "source_light",
     "albedo",
+    "residual",
     "edges",
     "matte",
-    "full_view",
+    "placement",
+    "canvas",
+    "person",
 )
 
 

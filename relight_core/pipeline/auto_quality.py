@@ -20,6 +20,7 @@ FRAME_BUDGET_MS = 33.0
 _AT_REST, _UNMEASURED = "final", "live"
 _YAWS_DEG = (-70.0, 40.0, 150.0, -130.0, 100.0)
 _COMPARED = 2
+_PREVIEW_PX = 1600
 
 
 @dataclass(frozen=True)
@@ -71,7 +72,7 @@ class QualityChoice:
 class Relights(Protocol):
     """The part of the Relighter that is measured."""
 
-    def relight(self, environment: Environment, edit: Edit): ...
+    def relight(self, environment: Environment, edit: Edit, longest_side_px: int | None = None): ...
 
 
 class Calibration:
@@ -90,12 +91,12 @@ class Calibration:
     def measure_next(self, relighter: Relights, environment: Environment) -> None:
         """Measure one more tier: one update to prepare it, then one for each of five angles."""
         name = self._pending[0]
-        relighter.relight(environment, Edit(quality=name, channels=()))
+        relighter.relight(environment, Edit(quality=name, channels=()), _PREVIEW_PX)
         times, pictures = [], []
         for yaw_deg in _YAWS_DEG:
             edit = Edit(yaw_deg=yaw_deg, quality=name, channels=(), tolerance=0.0)
             started = time.perf_counter()
-            relit = relighter.relight(environment, edit)
+            relit = relighter.relight(environment, edit, _PREVIEW_PX)
             times.append(1e3 * (time.perf_counter() - started))
             if len(pictures) < _COMPARED:
                 pictures.append(apply_view(relit.image))

@@ -235,10 +235,10 @@ class Relighter:
         )
         backdrop = self._backdrop(plan, environment, edit, mean_gain(placement, rest))
         full = Picture(canvas_of(photo), matte, placed(placement, changes), rest, backdrop)
-        canvas = run("canvas", longest_side_px, lambda: canvas_of(photo, longest_side_px), "new photo or size")
+        canvas = run("canvas", longest_side_px, lambda: canvas_of(photo, longest_side_px), "new photo or size", 2)
         person = None
         if canvas.linear.shape[0] * canvas.linear.shape[1] <= _KEPT_PIXELS:
-            person = run("person", longest_side_px, lambda: whole_person(canvas, matte), "new photo or size")
+            person = run("person", longest_side_px, lambda: whole_person(canvas, matte), "new photo or size", 2)
         picture = replace(full, canvas=canvas, person=person)
         key = (plan.keys["background"], longest_side_px)
         return full, *run("paste", key, picture.render, "new light, slider or background")

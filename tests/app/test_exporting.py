@@ -2,8 +2,12 @@
 
 import sys
 from pathlib import Path
+from types import SimpleNamespace
 
-from app.engine.exporting import default_export_path, free_path
+import numpy as np
+from PIL import Image
+
+from app.engine.exporting import ExportJob, default_export_path, export, free_path
 
 
 def test_the_first_free_number_is_taken(tmp_path):
@@ -34,3 +38,13 @@ def test_exports_of_an_installed_photo_lie_in_the_current_folder(tmp_path, monke
     installed = Path(sys.prefix) / "lib" / "sample.png"
     assert default_export_path(installed) == tmp_path / "sample-relit.png"
     assert default_export_path(tmp_path / "gone" / "me.png") == tmp_path / "me-relit.png"
+
+
+def test_an_export_has_the_photo_s_size_though_a_preview_is_in_force(tmp_path):
+    large, small = np.full((40, 60, 3), 0.5, np.float32), np.full((20, 30, 3), 0.5, np.float32)
+    full = SimpleNamespace(render=lambda: (large, None))
+    relit = SimpleNamespace(image=small, alpha=None, channels={}, full=full)
+    opened = SimpleNamespace(photo=SimpleNamespace(linear=large))
+    job = ExportJob(SimpleNamespace(relit=relit, opened=opened), 0.0, tmp_path / "out.png")
+    (written,) = export(job)
+    assert Image.open(written).size == (60, 40)

@@ -1,5 +1,7 @@
 """The pixel probe, the panes and the words of the compass: no window needed."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from fake_relighter import FakeRelighter
@@ -29,7 +31,7 @@ def snapshot():
     environment = Environment.from_radiance(np.ones((16, 32, 3), np.float32))
     relit = relighter.relight(environment, Edit())
     opened = OpenPhoto(PhotoSource(photo), photo, radiance_for_screen(photo.linear))
-    light = OpenLight(LightSource("rig", "even"), environment, None, None)
+    light = OpenLight(LightSource("rig", "even"), environment, None, None, environment)
     channels = channels_for_screen(relit.channels)
     picture = Picture(opened, light, Edit(), relit, radiance_for_screen(relit.image), channels)
     return Snapshot(opened=opened, light=light, picture=picture)
@@ -156,3 +158,11 @@ def test_the_compass_says_where_a_lamp_is(u, v, expected):
 
 def test_light_from_everywhere_has_no_side():
     assert words(np.zeros(3, np.float32)) == "From all sides"
+
+
+def test_a_preview_that_is_smaller_than_the_photo_is_read_at_the_same_spot(snapshot):
+    picture = snapshot.picture
+    half = replace(picture.relit, image=picture.relit.image[::2, ::2].copy())
+    preview = replace(snapshot, picture=replace(picture, relit=half))
+    x, y = 90.0, 60.0
+    assert reading(preview, "result", 0.0, x, y).linear == reading(snapshot, "result", 0.0, x, y).linear

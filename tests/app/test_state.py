@@ -9,6 +9,7 @@ import pytest
 from app.engine.snapshot import Message, OpenLight, OpenPhoto, Snapshot
 from app.engine.sources import LightSource, PhotoSource
 from app.ui.state import CHANNELS, EditorState, wrap_degrees
+from app.ui.view import View
 from relight_core.imaging.photo import Photo
 from relight_core.lighting.environment import Environment
 from relight_core.lighting.light_edit import LightEdit
@@ -175,3 +176,13 @@ def test_the_budget_decides_the_quality_while_the_hand_moves():
         assert state.request().edit.quality == quality
     state.quality, state.hand_on_control = QualityChoice("draft"), False
     assert state.request().edit.quality == "draft"
+
+
+def test_a_preview_is_enough_while_the_hand_moves_and_all_is_in_sight():
+    state = EditorState(hand_on_control=True)
+    state.change(yaw_deg=5.0)
+    assert 500 < state.request().longest_side_px < 4000
+    state.view = View(fit=False, zoom=2.0)
+    assert state.request().longest_side_px is None
+    state.view, state.hand_on_control = View(), False
+    assert state.request().longest_side_px is None
