@@ -15,25 +15,14 @@ void main() {
 
 #include "view_transform.glsl"
 
-const int PLAIN = 0, SCALE = 1, DIFFERENCE = 2;
-
 uniform sampler2D picture;
-uniform sampler2D photo;     // what a difference is taken to; lies where the picture lies
-uniform sampler2D colours;   // a row of colours, from the least value to the largest
 uniform vec4 place;          // x, y, width, height of the picture
 uniform bool encoded;        // the picture is sRGB already, not radiance
 uniform bool has_alpha;
 uniform float exposure_ev;
 uniform vec3 canvas_srgb;
-uniform int paint;           // PLAIN, SCALE or DIFFERENCE
-uniform float range_ev;      // at the ends of a difference's colours
-uniform bool clipping;       // stripes over what the screen can't show
-uniform float stripe_px;
 
 const float CHECK_PX = 12.0;
-const float DARKEST = 0.002; // radiance below which a difference in stops means nothing
-const vec3 LUMINANCE = vec3(0.2126, 0.7152, 0.0722);
-const vec3 TOO_BRIGHT = vec3(0.95, 0.22, 0.16), TOO_DARK = vec3(0.22, 0.45, 1.0), NO_NUMBER = vec3(1.0, 0.0, 0.85);
 
 out vec4 shown;
 
@@ -41,6 +30,22 @@ vec3 checks(vec2 pixel) {
     vec2 cell = floor(pixel / CHECK_PX);
     return vec3(mod(cell.x + cell.y, 2.0) < 0.5 ? 0.32 : 0.42);
 }
+
+// Apart, since drawing in software pays for a branch that is not taken.
+#ifdef INSPECTED
+
+const int SCALE = 1, DIFFERENCE = 2;
+
+uniform sampler2D photo;     // what a difference is taken to; lies where the picture lies
+uniform sampler2D colours;   // a row of colours, from the least value to the largest
+uniform int paint;           // SCALE, DIFFERENCE or neither
+uniform float range_ev;      // at the ends of a difference's colours
+uniform bool clipping;       // stripes over what the screen can't show
+uniform float stripe_px;
+
+const float DARKEST = 0.002; // radiance below which a difference in stops means nothing
+const vec3 LUMINANCE = vec3(0.2126, 0.7152, 0.0722);
+const vec3 TOO_BRIGHT = vec3(0.95, 0.22, 0.16), TOO_DARK = vec3(0.22, 0.45, 1.0), NO_NUMBER = vec3(1.0, 0.0, 0.85);
 
 bool no_number(float value) {
     // By bits, since a compiler may assume that no number is NaN. Infinity was stored as the largest half.
@@ -68,6 +73,17 @@ vec3 striped(vec3 srgb, vec3 radiance, vec2 pixel) {
     return on ? (bright ? TOO_BRIGHT : TOO_DARK) : srgb;
 }
 
+vec3 inspected(vec3 srgb, vec3 texel, vec2 uv, vec2 pixel) {
+    if (paint == SCALE) srgb = from_colours(texel.g);
+    if (paint == DIFFERENCE) {
+        float stops = stops_brighter(texel, texture(photo, uv).rgb);
+        srgb = from_colours(0.5 + 0.5 * stops / range_ev);
+    }
+    return clipping && !encoded ? striped(srgb, texel, pixel) : srgb;
+}
+
+#endif
+
 void main() {
     vec2 pixel = gl_FragCoord.xy;
     vec2 uv = (pixel - place.xy) / place.zw;
@@ -77,12 +93,9 @@ void main() {
     }
     vec4 texel = texture(picture, uv);
     vec3 srgb = encoded ? texel.rgb : view_transform(texel.rgb, exposure_ev);
-    if (paint == SCALE) srgb = from_colours(texel.g);
-    if (paint == DIFFERENCE) {
-        float stops = stops_brighter(texel.rgb, texture(photo, uv).rgb);
-        srgb = from_colours(0.5 + 0.5 * stops / range_ev);
-    }
-    if (clipping && !encoded) srgb = striped(srgb, texel.rgb, pixel);
+#ifdef INSPECTED
+    srgb = inspected(srgb, texel.rgb, uv, pixel);
+#endif
     if (has_alpha) srgb = mix(checks(pixel - place.xy), srgb, clamp(texel.a, 0.0, 1.0));
     shown = vec4(srgb, 1.0);
 }

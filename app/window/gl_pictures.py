@@ -40,7 +40,7 @@ class GlPictures:
         self._slots = {name: TextureSlot(context, mipmaps=True) for name in (PHOTO, RESULT)}
         self._balls: dict[tuple[str, str], TextureSlot] = {}
         self._panorama = TextureSlot(context, repeat_x=True)
-        self._viewport = Canvas(context)
+        self._viewport = Canvas(context, smooth=False)
         self._thumbnails = {name: Canvas(context) for name in (PHOTO, RESULT)}
         self._scopes = Scopes(context)
         self._light_ball = LightBall(context)

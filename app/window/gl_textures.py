@@ -67,10 +67,16 @@ class TextureSlot:
 
 
 class Canvas:
-    """A framebuffer of 8-bit RGBA that grows and shrinks with what is asked of it."""
+    """A framebuffer of 8-bit RGBA that grows and shrinks with what is asked of it.
 
-    def __init__(self, context: moderngl.Context) -> None:
+    Args:
+        smooth: its pixels are blended where it is drawn at another size; one shown pixel by pixel is drawn
+            faster without.
+    """
+
+    def __init__(self, context: moderngl.Context, *, smooth: bool = True) -> None:
         self._context = context
+        self._filter = moderngl.LINEAR if smooth else moderngl.NEAREST
         self.framebuffer: moderngl.Framebuffer | None = None
 
     @property
@@ -84,7 +90,7 @@ class Canvas:
             return False
         self.close()
         texture = self._context.texture(size, 4)
-        texture.filter = (moderngl.LINEAR, moderngl.LINEAR)
+        texture.filter = (self._filter, self._filter)
         texture.repeat_x = texture.repeat_y = False
         self.framebuffer = self._context.framebuffer([texture])
         return True

@@ -23,7 +23,7 @@ _CRISP_FROM_ZOOM = 4.0
 
 
 class PicturePainter:
-    """The program of shaders/viewport.glsl.
+    """The two programs of shaders/viewport.glsl: one that shows, and one that warns and colours besides.
 
     Args:
         context: the window's; current whenever a method is called.
@@ -33,16 +33,20 @@ class PicturePainter:
     def __init__(self, context: moderngl.Context, canvas_srgb: tuple[float, float, float]) -> None:
         self._context = context
         self._canvas_srgb = canvas_srgb
-        stages = (stage_source("viewport", stage) for stage in ("VERTEX_STAGE", "FRAGMENT_STAGE"))
-        self._program = context.program(*stages)
-        for unit, name in enumerate(("picture", "photo", "colours")):
-            self._program[name].value = unit
-        self._program["canvas_srgb"].value = canvas_srgb
-        self._program["range_ev"].value = RANGE_EV
-        self._triangle = context.vertex_array(self._program, [])
+        self._plain = self._program()
+        self._inspecting = self._program("INSPECTED")
+        for unit, name in ((1, "photo"), (2, "colours")):
+            self._inspecting.program[name].value = unit
+        self._inspecting.program["range_ev"].value = RANGE_EV
         self.colours = {"scale": TextureSlot(context), "difference": TextureSlot(context)}
         self.colours["scale"].show(scale_colours())
         self.colours["difference"].show(difference_colours())
+
+    def _program(self, *switches: str) -> moderngl.VertexArray:
+        stages = (stage_source("viewport", stage, *switches) for stage in ("VERTEX_STAGE", "FRAGMENT_STAGE"))
+        program = self._context.program(*stages)
+        program["canvas_srgb"].value = self._canvas_srgb
+        return self._context.vertex_array(program, [])
 
     def clear(self, canvas: Canvas) -> None:
         """Nothing but the canvas."""
@@ -58,9 +62,11 @@ class PicturePainter:
         for pane in panes:
             canvas.framebuffer.scissor = (pane.left, 0, pane.right - pane.left, height)
             mode = _mode(pane.name, paint)
-            self._program["clipping"].value = paint.clipping
-            self._program["stripe_px"].value = paint.stripe_px
-            self._picture(slots, pane.name, pane.placement, mode, exposure_ev)
+            if mode == _PLAIN and not paint.clipping:
+                self._picture(self._plain, slots, pane.name, pane.placement, exposure_ev)
+            else:
+                self._inspect(slots, paint, mode)
+                self._picture(self._inspecting, slots, pane.name, pane.placement, exposure_ev)
         canvas.framebuffer.scissor = None
 
     def thumbnail(
@@ -68,32 +74,44 @@ class PicturePainter:
     ) -> None:
         """One picture that fills its canvas."""
         canvas.framebuffer.use()
-        self._program["clipping"].value = False
-        self._picture(slots, name, Placement(0, 0, scale, *canvas.framebuffer.size), _PLAIN, exposure_ev)
+        whole = Placement(0, 0, scale, *canvas.framebuffer.size)
+        self._picture(self._plain, slots, name, whole, exposure_ev)
+
+    def _inspect(self, slots: dict[str, TextureSlot], paint: Paint, mode: int) -> None:
+        program = self._inspecting.program
+        program["paint"].value = mode
+        program["clipping"].value = paint.clipping
+        program["stripe_px"].value = paint.stripe_px
+        slots[PHOTO].texture.use(1)
+        self.colours["difference" if mode == _DIFFERENCE else "scale"].texture.use(2)
 
     def _picture(
-        self, slots: dict[str, TextureSlot], name: str, place: Placement, mode: int, exposure_ev: float
+        self,
+        triangle: moderngl.VertexArray,
+        slots: dict[str, TextureSlot],
+        name: str,
+        place: Placement,
+        exposure_ev: float,
     ) -> None:
-        slot, program = slots[name], self._program
+        slot, program = slots[name], triangle.program
         # A light has so few texels that only their blend can be read as a place.
         slot.smooth(name in LIGHTS or place.width / slot.texture.width < _CRISP_FROM_ZOOM)
         program["place"].value = (place.x, place.y, place.width, place.height)
         program["encoded"].value = name not in (PHOTO, RESULT)
         program["has_alpha"].value = slot.texture.components == 4
         program["exposure_ev"].value = exposure_ev if name == RESULT else 0.0
-        program["paint"].value = mode
         slot.texture.use(0)
-        slots[PHOTO].texture.use(1)
-        self.colours["difference" if mode == _DIFFERENCE else "scale"].texture.use(2)
         self._context.disable(moderngl.BLEND | moderngl.DEPTH_TEST | moderngl.CULL_FACE)
-        self._triangle.render(moderngl.TRIANGLES, vertices=3)
+        triangle.render(moderngl.TRIANGLES, vertices=3)
 
     def close(self) -> None:
         """Free everything."""
         for slot in self.colours.values():
             slot.close()
-        self._triangle.release()
-        self._program.release()
+        for triangle in (self._plain, self._inspecting):
+            program = triangle.program
+            triangle.release()
+            program.release()
 
 
 def _mode(name: str, paint: Paint) -> int:
