@@ -9,19 +9,13 @@ from importlib.resources import files
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from app.making import make_relighter
 from relight_core.errors import InputError
 
 if TYPE_CHECKING:
     from relight_core.imaging.photo import Photo
     from relight_core.lighting.environment import Environment
     from relight_core.pipeline.relighter import Relighter
-
-
-def make_relighter() -> Relighter:
-    """The Relighter with the bundled weights; loading it takes seconds."""
-    from relight_core.pipeline.relighter import Relighter
-
-    return Relighter()
 
 
 def sample_portrait() -> Path:

@@ -1,25 +1,53 @@
-"""Saving what is shown: file names that overwrite nothing, and the writing itself on its own thread."""
+"""Saving what is shown: kinds of file, names that overwrite nothing, and what is noted in the file."""
 
 from __future__ import annotations
 
-import logging
 import os
 import sys
-from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
 
-from app.engine.desk import error_line
+from app.engine.jobs import JobControl, Jobs
 from app.engine.snapshot import Picture
+from app.engine.sources import RelitLike
 from relight_core import __version__
-from relight_core.errors import InputError
 from relight_core.imaging.write import write_exr_layers, write_image
+from relight_core.pipeline.edit import Edit
+from relight_core.pipeline.layers import LAYERS, photo_layers, shrunk_picture
 
-_CHANNELS = "-channels"
-_log = logging.getLogger(__name__)
+FORMS = (".png", ".jpg", ".tif", ".exr")
+SIDES = (None, 4096, 2048, 1080)
+"""Longest sides to choose from; None is the photo's own size."""
+
+
+@dataclass(frozen=True)
+class ExportSettings:
+    """How a picture is saved.
+
+    Attributes:
+        form: of FORMS.
+        deep: 16 bits in PNG and TIFF, 32-bit floats in EXR; else 8 bits and halves.
+        quality: of a JPEG, 1 to 100.
+        longest_side: pixels, or None for the photo's own size.
+        layers: of relight_core.pipeline.layers.LAYERS, for EXR.
+    """
+
+    form: str = ".png"
+    deep: bool = False
+    quality: int = 92
+    longest_side: int | None = None
+    layers: tuple[str, ...] = LAYERS
+
+    @property
+    def bits(self) -> int:
+        """For `write_image`."""
+        if self.form == ".jpg":
+            return 8
+        if self.form == ".exr":
+            return 32 if self.deep else 16
+        return 16 if self.deep else 8
 
 
 @dataclass(frozen=True, eq=False)
@@ -28,69 +56,74 @@ class ExportJob:
 
     Attributes:
         picture: what to save.
-        exposure_ev: stops, baked into 8-bit files and noted in EXR ones.
-        path: the wished name; a number is added rather than anything overwritten.
+        exposure_ev: stops, baked into 8- and 16-bit files and noted in EXR ones.
+        path: its suffix is that of the settings' form.
+        settings: how.
+        replaces: the user has agreed to replace what is there; else a number is added to the name.
     """
 
     picture: Picture
     exposure_ev: float
     path: Path
+    settings: ExportSettings = field(default_factory=ExportSettings)
+    replaces: bool = False
 
 
-class Exporter:
-    """Writes files one after the other, off the window's thread.
-
-    Args:
-        say: told what became of each job: a line, and whether it is an error.
-    """
-
-    def __init__(self, say: Callable[[str, bool], None]) -> None:
-        self._say = say
-        self._pool = ThreadPoolExecutor(max_workers=1, thread_name_prefix="relight-export")
+class Exporter(Jobs):
+    """The jobs of a window, among them exports."""
 
     def submit(self, job: ExportJob) -> None:
-        """Queue a job."""
-        self._pool.submit(self._run, job)
+        """Queue an export."""
 
-    def close(self) -> None:
-        """Finish what was queued."""
-        self._pool.shutdown(wait=True)
+        def work(control: JobControl) -> str:
+            path = export(job)
+            return f"Saved {path}"
 
-    def _run(self, job: ExportJob) -> None:
-        try:
-            written = export(job)
-        except InputError as error:
-            self._say(error_line(error), True)
-        except Exception as error:
-            _log.error("export failed", exc_info=error)
-            self._say(error_line(error), True)
-        else:
-            self._say("Saved " + " and ".join(str(path) for path in written), False)
+        self.start("Export", work)
 
 
-def export(job: ExportJob) -> list[Path]:
-    """Write the job's file, and for an EXR the channels beside it; returns what was written.
-
-    The channels have the size of the face crop and the light maps a third one, while the layers of one EXR
-    share a size: so the result is one file and the channels another.
+def export(job: ExportJob) -> Path:
+    """Write the job's file; returns its path.
 
     Raises:
         InputError: a place or kind of file that can't be written.
     """
-    relit = job.picture.relit
-    if job.path.suffix.lower() != ".exr":
-        path = free_path(job.path)
-        write_image(path, *_whole(job), exposure_ev=job.exposure_ev)
-        return [path]
-    path = free_path(job.path, _CHANNELS)
-    beside = companion_path(path, _CHANNELS)
-    header = _header(job)
-    write_exr_layers(path, {"RGB" if relit.alpha is None else "RGBA": _premultiplied(job)}, header=header)
-    channels = channel_layers(relit.channels)
-    if not channels:
-        return [path]
-    write_exr_layers(beside, channels, header=header)
-    return [path, beside]
+    path = job.path.expanduser() if job.replaces else free_path(job.path)
+    note = export_note(job.picture.light.source.title, replace(job.picture.edit, exposure_ev=job.exposure_ev))
+    write_relit(path, job.picture.relit, job.settings, job.exposure_ev, note)
+    return path
+
+
+def write_relit(
+    path: Path, relit: RelitLike, settings: ExportSettings, exposure_ev: float, note: dict[str, str | float]
+) -> None:
+    """Write a relit portrait as the settings say, replacing what is there.
+
+    Raises:
+        InputError: a place or kind of file that can't be written.
+    """
+    if settings.form == ".exr":
+        layers = photo_layers(relit, settings.layers, settings.longest_side)
+        write_exr_layers(path, layers, half=not settings.deep, header=note)
+        return
+    image, alpha = shrunk_picture(relit, settings.longest_side)
+    text = {key: str(value) for key, value in note.items()}
+    write_image(
+        path, image, alpha, bits=settings.bits, quality=settings.quality, exposure_ev=exposure_ev, metadata=text
+    )
+
+
+def export_note(light: str, edit: Edit) -> dict[str, str | float]:
+    """What a file says of how it was made."""
+    return {
+        "software": f"relight {__version__}",
+        "relightLight": light,
+        "relightYawDeg": float(edit.yaw_deg),
+        "relightExposureEv": float(edit.exposure_ev),
+        "relightSpecular": float(edit.specular),
+        "relightShadow": float(edit.shadow),
+        "relightBackground": edit.background,
+    }
 
 
 def channel_layers(channels: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
@@ -110,47 +143,12 @@ def default_export_path(photo_path: Path | None) -> Path:
     return folder / f"{photo_path.stem}-relit.png"
 
 
-def free_path(path: Path, companion: str = "") -> Path:
-    """The path, or the first of path-2, path-3 ... that doesn't exist, nor its companion."""
+def free_path(path: Path) -> Path:
+    """The path, or the first of path-2, path-3 ... that doesn't exist."""
     path = path.expanduser()
     number = 1
     candidate = path
-    while _taken(candidate) or (companion and _taken(companion_path(candidate, companion))):
+    while os.path.lexists(candidate):
         number += 1
         candidate = path.with_name(f"{path.stem}-{number}{path.suffix}")
     return candidate
-
-
-def companion_path(path: Path, companion: str) -> Path:
-    """The file that goes with another: its name with the companion's ending, an EXR."""
-    return path.with_name(f"{path.stem}{companion}.exr")
-
-
-def _taken(path: Path) -> bool:
-    return os.path.lexists(path)
-
-
-def _premultiplied(job: ExportJob) -> np.ndarray:
-    image, alpha = _whole(job)
-    return image if alpha is None else np.dstack([image * alpha[..., None], alpha])
-
-
-def _whole(job: ExportJob) -> tuple[np.ndarray, np.ndarray | None]:
-    """The result at the photo's size, which a preview made while the hand moved does not have."""
-    relit = job.picture.relit
-    if relit.image.shape[:2] == job.picture.opened.photo.linear.shape[:2]:
-        return relit.image, relit.alpha
-    return relit.full.render()
-
-
-def _header(job: ExportJob) -> dict[str, str | float | int]:
-    edit = job.picture.edit
-    return {
-        "software": f"relight {__version__}",
-        "relightLight": job.picture.light.source.title,
-        "relightYawDeg": float(edit.yaw_deg),
-        "relightExposureEv": float(job.exposure_ev),
-        "relightSpecular": float(edit.specular),
-        "relightShadow": float(edit.shadow),
-        "relightBackground": edit.background,
-    }

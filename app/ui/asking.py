@@ -15,11 +15,9 @@ class Wish:
 
     Attributes:
         kind: the name of a method of app.window.deeds.Deeds.
-        path: what it is about, if anything.
     """
 
     kind: str
-    path: Path | None = None
 
 
 @dataclass(frozen=True)
@@ -77,9 +75,9 @@ class Asking:
     questions: list[Question] = field(default_factory=list)
     notices: list[tuple[str, bool]] = field(default_factory=list)
 
-    def wish(self, kind: str, path: Path | None = None) -> None:
+    def wish(self, kind: str) -> None:
         """Ask the window to do something."""
-        self.wishes.append(Wish(kind, path))
+        self.wishes.append(Wish(kind))
 
     def tell(self, text: str, is_error: bool = False) -> None:
         """Put a line into the status line, where it stays."""

@@ -8,7 +8,8 @@ from pathlib import Path
 
 from app.document.document import Document, LightRef, PhotoRef
 from app.document.history import History
-from app.engine.exporting import default_export_path
+from app.engine.exporting import ExportSettings, default_export_path
+from app.engine.jobs import JobStatus
 from app.engine.snapshot import Message, Snapshot
 from app.engine.sources import LightSource, PhotoSource, Request
 from app.ui.asking import Asking, FileRequest
@@ -76,6 +77,10 @@ class EditorState:
         view_of: the photo that `view` was made for.
         look: what is switched on for looking.
         panels: how large the panels are and which are in sight.
+        export: how pictures are saved.
+        cancel_wanted: the user wants that work stopped, for one frame.
+        job: the long work that runs, if any.
+        playing: the light turns by itself.
         export_path: where the next export goes, without a number; its suffix follows the button.
         export_wanted: ".png" or ".exr" for one frame after the user asked for it.
         selected_box: which soft box is worked on, or -1.
@@ -111,6 +116,10 @@ class EditorState:
     view_of: Photo | None = None
     look: LookState = field(default_factory=LookState)
     panels: Panels = field(default_factory=Panels)
+    export: ExportSettings = field(default_factory=ExportSettings)
+    job: JobStatus | None = None
+    cancel_wanted: bool = False
+    playing: bool = False
     export_path: str = ""
     export_wanted: str | None = None
     selected_box: int = -1

@@ -18,6 +18,7 @@ from app.ui.asking import FileRequest, Question
 from app.ui.file_dialogs import FileDialogs
 from app.ui.state import EditorState
 from app.window.dropped import take_files, use_as_light
+from app.window.outputs import BATCH_FOLDER, Outputs
 from app.window.recent_lights import RecentLights
 from relight_core.errors import InputError
 
@@ -32,6 +33,7 @@ class Deeds:
         say: tells a line, and whether it is an error.
         folder: where unsaved work and recent lights are kept; None keeps neither.
         dialogs: the file dialogs.
+        outputs: makes files of pictures.
     """
 
     def __init__(
@@ -40,9 +42,11 @@ class Deeds:
         say: Callable[[str, bool], None],
         folder: Path | None,
         dialogs: FileDialogs | None = None,
+        outputs: Outputs | None = None,
     ) -> None:
         self._state, self._say = state, say
         self._dialogs = dialogs or FileDialogs()
+        self._outputs = outputs
         self._pool = ThreadPoolExecutor(max_workers=1, thread_name_prefix="relight-autosave")
         self._autosave = Autosave(folder / "unsaved", self._pool.submit) if folder else None
         self._recent = RecentLights(folder / "recent-lights.json") if folder else None
@@ -65,7 +69,7 @@ class Deeds:
         wishes, asking.wishes = asking.wishes, []
         for wish in wishes:
             try:
-                getattr(self, wish.kind)(*([wish.path] if wish.path else []))
+                getattr(self, wish.kind)()
             except InputError as error:
                 asking.tell(str(error), True)
         self._dialogs.poll()
@@ -123,6 +127,33 @@ class Deeds:
         start = self._folder() / f"{document.light.source().title.lower().replace(' ', '-')}{LIGHT_SUFFIX}"
         self._ask("save", "Save the light", (LIGHT_SUFFIX,), self._save_light_there, start)
 
+    def export_as(self) -> None:
+        """Choose where to save the picture."""
+        form = self._state.export.form
+        start = self._outputs.suggested(form)
+        self._ask("save", "Export the picture", (form,), lambda paths: self._export_there(paths[0], form), start)
+
+    def copy_picture(self) -> None:
+        """Put the picture on the clipboard."""
+        self._outputs.copy_picture()
+
+    def turntable_film(self) -> None:
+        """Choose where to save the turning light as a film."""
+        start = self._outputs.suggested(".mp4", "-turntable")
+        self._ask("save", "Save the turntable as a film", (".mp4",), lambda paths: self._film_there(paths[0]), start)
+
+    def turntable_pictures(self) -> None:
+        """Save the turning light as numbered pictures in a new folder beside the photo."""
+        self._outputs.film_to(self._outputs.suggested("", "-turntable"))
+
+    def batch(self) -> None:
+        """Relight the queue's other photos, or those of a folder, as this one is."""
+        queue = self._state.queue.paths
+        if len(queue) > 1:
+            self._outputs.batch_over(list(queue), queue[0].absolute().parent / BATCH_FOLDER)
+        else:
+            self._ask("folder", "Relight all photos of a folder like this one", (), self._batch_there)
+
     def replace_file(self, path: Path, write: Callable[[Path], None]) -> None:
         """Write to a path, after asking where something is there already."""
         if os.path.lexists(path):
@@ -146,6 +177,17 @@ class Deeds:
     def _folder(self) -> Path:
         photo = self._state.document().photo
         return photo.path.absolute().parent if photo else Path.cwd()
+
+    def _export_there(self, path: Path, form: str) -> None:
+        path = path if path.suffix.lower() == form else path.with_name(path.name + form)
+        self._state.export_path = str(path)
+        self.replace_file(path, lambda chosen: self._outputs.export_to(chosen, replaces=chosen == path))
+
+    def _film_there(self, path: Path) -> None:
+        self.replace_file(path if path.suffix else path.with_suffix(".mp4"), self._outputs.film_to)
+
+    def _batch_there(self, paths: list[Path]) -> None:
+        self._tried(self._outputs.batch_folder, paths[0])
 
     def _take(self, paths: list[Path]) -> None:
         take_files(self._state, paths, *_NOWHERE)

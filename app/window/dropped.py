@@ -8,6 +8,7 @@ from pathlib import Path
 from app.document.json_fields import kind_of
 from app.document.light_file import read_light
 from app.document.session_file import read_session
+from app.engine.batch import photos_in
 from app.engine.sources import PHOTO_SUFFIXES, LightSource
 from app.ui.state import EditorState
 from relight_core.errors import InputError
@@ -66,7 +67,7 @@ def open_session(state: EditorState, path: Path) -> None:
 
 
 def _open(state: EditorState, paths: Sequence[Path]) -> None:
-    files = [file for path in paths for file in (_photos_in(path) if path.is_dir() else [path])]
+    files = [file for path in paths for file in (photos_in(path) if path.is_dir() else [path])]
     ours = [path for path in files if path.suffix.lower() == ".json"]
     lights = [path for path in files if path not in ours and is_panorama(path)]
     photos = [path for path in files if path not in ours and path not in lights]
@@ -76,8 +77,6 @@ def _open(state: EditorState, paths: Sequence[Path]) -> None:
         if odd:
             more = f" and {len(odd) - 1} more" if len(odd) > 1 else ""
             state.asking.tell(f"{odd[0].name}{more} left out; relight opens {_USABLE}", True)
-    if not files:
-        raise InputError(f"{paths[0].name}: there are no photos in this folder; drop {_USABLE}")
     for path in ours[:1]:
         if kind_of(path) == "light":
             use_as_light(state, path)
@@ -87,18 +86,6 @@ def _open(state: EditorState, paths: Sequence[Path]) -> None:
         state.choose_light(LightSource("panorama", str(lights[0])))
     if photos:
         state.open_photos(photos)
-
-
-def _photos_in(folder: Path) -> list[Path]:
-    try:
-        inside = sorted(folder.iterdir())
-    except OSError as error:
-        raise InputError(f"{folder}: can't be read ({error.strerror}); check its permissions") from error
-    return [
-        path
-        for path in inside
-        if path.suffix.lower() in PHOTO_SUFFIXES and not path.name.startswith(".") and not is_panorama(path)
-    ]
 
 
 def _tell_notes(state: EditorState, path: Path, notes: Sequence[str]) -> None:

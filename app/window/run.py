@@ -6,16 +6,10 @@ from collections.abc import Callable
 from pathlib import Path
 
 from app.engine.sources import LightSource, RelighterLike
+from app.making import make_relighter
 from app.window.glfw_window import NoDisplayError
 
 __all__ = ["NoDisplayError", "run_editor"]
-
-
-def make_relighter() -> RelighterLike:
-    """The Relighter with the bundled weights."""
-    from relight_core.pipeline.relighter import Relighter
-
-    return Relighter()
 
 
 def run_editor(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import glfw
@@ -25,12 +26,14 @@ from app.window.gl_pictures import GlPictures
 from app.window.gl_textures import Canvas
 from app.window.glfw_window import close_window, open_window
 from app.window.memory import Memory
+from app.window.outputs import Outputs
 
 SIZE = (1440, 900)
 _LIVELY_S = 0.7
 _LIVELY_STEP_S = 0.03
 _CURSOR_BLINK_S = 0.25
 _DEEDS_STEP_S = 0.1
+_PLAYING_STEP_S = 1 / 60
 
 
 class EditorWindow:
@@ -72,10 +75,12 @@ class EditorWindow:
             self.state.open_photo(photo)
         self.shelf = LightShelf(glfw.post_empty_event)
         self.engine = Engine(make_relighter, glfw.post_empty_event, on_engine_start, calibration_path)
-        self.exporter = Exporter(self.engine.say)
+        self.exporter = Exporter(self.engine.say, glfw.post_empty_event)
         self.pictures = GlPictures(self.context, self.shelf, theme.CANVAS_SRGB)
         self._binding = Binding(self.handle, self._scale(glfw.get_window_content_scale(self.handle)[0]))
-        self._deeds = Deeds(self.state, self.engine.say, settings_path.parent if settings_path else None)
+        folder = settings_path.parent if settings_path else None
+        outputs = Outputs(self.state, self.exporter, make_relighter)
+        self._deeds = Deeds(self.state, self.engine.say, folder, outputs=outputs)
         self._submitted = Request()
         self._lively_until = time.monotonic() + _LIVELY_S
         self._title = ""
@@ -127,7 +132,7 @@ class EditorWindow:
         self._deeds.close()
         self.shelf.close()
         self.engine.close()
-        self.exporter.close()
+        self.exporter.close(cancel=True)
         glfw.make_context_current(self.handle)
         self.pictures.close()
         self._binding.close()
@@ -194,12 +199,14 @@ class EditorWindow:
     def _wait(self) -> None:
         """Sleep until something happens; for a moment after it, tick on, for what needs several frames."""
         now = time.monotonic()
-        if now < self._lively_until:
+        if now < self._lively_until and not self.state.playing:
             glfw.wait_events_timeout(_LIVELY_STEP_S)
             if time.monotonic() - now < 0.9 * _LIVELY_STEP_S:
                 self._lively_until = time.monotonic() + _LIVELY_S
         elif self._binding.wants_text():
             glfw.wait_events_timeout(_CURSOR_BLINK_S)
+        elif self.state.playing:
+            glfw.wait_events_timeout(_PLAYING_STEP_S)
         elif self._deeds.waiting:
             glfw.wait_events_timeout(_DEEDS_STEP_S)
         else:
@@ -213,6 +220,7 @@ class EditorWindow:
         if snapshot is not state.snapshot:
             state.accept(snapshot)
             self.pictures.update(snapshot)
+        state.job = self.exporter.status()
         self.pictures.exposure_ev = state.edit.exposure_ev
         self._binding.begin()
         editor.draw(state, self._binding.fonts, self.pictures, Shelf(self.shelf.names, self.shelf.words))
@@ -226,6 +234,9 @@ class EditorWindow:
         if not request.same_as(last):
             self._submitted = request
             self.engine.submit(request)
+        if self.state.cancel_wanted:
+            self.state.cancel_wanted = False
+            self.exporter.cancel()
         if self.state.export_wanted:
             self._export(self.state.export_wanted)
             self.state.export_wanted = None
@@ -239,5 +250,6 @@ class EditorWindow:
     def _export(self, suffix: str) -> None:
         picture = self.state.snapshot.picture
         if picture is not None:
+            settings = replace(self.state.export, form=suffix)
             path = export_path(self.state, suffix)
-            self.exporter.submit(ExportJob(picture, self.state.edit.exposure_ev, path))
+            self.exporter.submit(ExportJob(picture, self.state.edit.exposure_ev, path, settings))

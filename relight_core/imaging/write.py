@@ -6,7 +6,7 @@ import io
 import struct
 import zlib
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import cv2
@@ -35,6 +35,7 @@ class FileStyle:
         exposure_ev: stops.
         icc: an RGB matrix profile to convert to and to embed; None is sRGB. EXR stays linear Rec.709.
         exif: a block of EXIF for PNG and JPEG, or None; see `metadata.carried_exif`.
+        texts: short texts by name, for PNG text chunks and EXR headers; other formats leave them out.
     """
 
     bits: int = 8
@@ -42,6 +43,7 @@ class FileStyle:
     exposure_ev: float = 0.0
     icc: bytes | None = None
     exif: bytes | None = None
+    texts: dict[str, str] = field(default_factory=dict)
 
 
 _PLAIN = FileStyle()
@@ -58,6 +60,7 @@ def write_image(
     bits: int = 8,
     quality: int = 92,
     exposure_ev: float = 0.0,
+    texts: dict[str, str] | None = None,
 ) -> None:
     """Write an image; the extension says how.
 
@@ -72,13 +75,14 @@ def write_image(
         bits: per channel.
         quality: of a JPEG, 1 to 100.
         exposure_ev: stops.
+        texts: see `FileStyle`.
 
     Raises:
         InputError: unknown extension, bits the format can't hold, or a place that can't be written.
         ValueError: arrays of the wrong shape.
     """
     linear, alpha = _checked(linear, alpha)
-    style = FileStyle(bits, quality, exposure_ev)
+    style = FileStyle(bits, quality, exposure_ev, texts=texts or {})
     write_bands(path, linear.shape[:2], [(slice(0, linear.shape[0]), linear, alpha)], alpha is not None, style)
 
 
@@ -111,7 +115,7 @@ def write_bands(
             shown = profile.encode(srgb_decode(shown))
         pixels[rows] = _codes(shown, alpha, style.bits)
     if suffix == ".exr":
-        _write_exr(path, {"RGBA" if has_alpha else "RGB": pixels}, {})
+        _write_exr(path, {"RGBA" if has_alpha else "RGB": pixels}, style.texts)
         return
     icc = style.icc if profile is not None else None
     with whole_file(path) as beside:
@@ -137,7 +141,7 @@ def _target_profile(icc: bytes | None) -> MatrixProfile | None:
 def _encoded(suffix: str, pixels: np.ndarray, style: FileStyle, icc: bytes | None) -> bytes:
     if suffix in (".jpg", ".jpeg"):
         return _jpeg(pixels, style.quality, icc, style.exif)
-    return _png(pixels, icc, style.exif) if suffix == ".png" else _tiff(pixels, icc)
+    return _png(pixels, icc, style) if suffix == ".png" else _tiff(pixels, icc)
 
 
 def check_output(path: str | Path, bits: int = 8) -> str:
@@ -247,14 +251,17 @@ def _jpeg(pixels: np.ndarray, quality: int, icc: bytes | None, exif: bytes | Non
     return buffer.getvalue()
 
 
-def _png(pixels: np.ndarray, icc: bytes | None, exif: bytes | None) -> bytes:
+def _png(pixels: np.ndarray, icc: bytes | None, style: FileStyle) -> bytes:
     done, encoded = cv2.imencode(".png", cv2.cvtColor(pixels, _TO_BGR[pixels.shape[2]]))
     if not done:
         raise RuntimeError("OpenCV could not encode a PNG")
     png = encoded.tobytes()
     chunks = _chunk(b"sRGB", b"\x00") if icc is None else _chunk(b"iCCP", b"icc\x00\x00" + zlib.compress(icc))
-    if exif is not None:
-        chunks += _chunk(b"eXIf", exif.removeprefix(b"Exif\x00\x00"))
+    if style.exif is not None:
+        chunks += _chunk(b"eXIf", style.exif.removeprefix(b"Exif\x00\x00"))
+    for name, text in style.texts.items():
+        # International text, uncompressed, of no named language.
+        chunks += _chunk(b"iTXt", name.encode("latin-1")[:79] + b"\x00" * 5 + text.encode("utf-8"))
     after_header = 8 + 12 + 13
     return png[:after_header] + chunks + png[after_header:]
 

@@ -19,11 +19,6 @@ def test_the_first_free_number_is_taken(tmp_path):
     assert free_path(wish).name == "a.b-relit-3.png"
 
 
-def test_a_name_whose_companion_exists_is_not_free(tmp_path):
-    (tmp_path / "x-channels.exr").touch()
-    assert free_path(tmp_path / "x.exr", "-channels").name == "x-2.exr"
-
-
 def test_a_dangling_link_is_not_free(tmp_path):
     (tmp_path / "x.png").symlink_to(tmp_path / "nowhere")
     assert free_path(tmp_path / "x.png").name == "x-2.png"

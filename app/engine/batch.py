@@ -1,0 +1,86 @@
+"""One edit for many photos: goes on past bad ones, and where it was interrupted."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from app.engine.sources import PHOTO_SUFFIXES
+from relight_core.errors import InputError
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What became of one photo.
+
+    Attributes:
+        photo, output: the files.
+        state: "written", "kept" (it was there already and is newer than the photo) or "failed".
+        error: why it failed.
+        result: what the work returned.
+    """
+
+    photo: Path
+    output: Path
+    state: str
+    error: str = ""
+    result: object = None
+
+
+def relight_each(
+    tasks: Sequence[tuple[Path, Path]], relight_one: Callable[[Path, Path], object], resume: bool = False
+) -> Iterator[Outcome]:
+    """Do the work for photo after photo; an InputError of one doesn't stop the others.
+
+    Args:
+        tasks: photo and output of each.
+        relight_one: writes one output from one photo.
+        resume: leave outputs alone that are newer than their photos.
+    """
+    for photo, output in tasks:
+        if resume and _is_done(photo, output):
+            yield Outcome(photo, output, "kept")
+            continue
+        try:
+            result = relight_one(photo, output)
+        except InputError as error:
+            yield Outcome(photo, output, "failed", str(error))
+        else:
+            yield Outcome(photo, output, "written", result=result)
+
+
+def photos_in(folder: Path) -> list[Path]:
+    """The photos right inside a folder, by name; hidden ones and panoramas (.hdr) are left out.
+
+    Raises:
+        InputError: the folder can't be read, or has no photo in it.
+    """
+    try:
+        inside = sorted(folder.iterdir())
+    except OSError as error:
+        raise InputError(f"{folder}: can't be read ({error.strerror}); check its permissions") from error
+    photos = [path for path in inside if path.suffix.lower() in PHOTO_SUFFIXES and not path.name.startswith(".")]
+    if not photos:
+        raise InputError(f"{folder}: no photos in this folder; choose one with JPEG, PNG, TIFF, WebP or EXR files")
+    return photos
+
+
+def summary(outcomes: Sequence[Outcome]) -> str:
+    """One line for people."""
+    counts = {state: sum(outcome.state == state for outcome in outcomes) for state in ("written", "kept", "failed")}
+    words = [f"{counts['written']} photos relit"]
+    if counts["kept"]:
+        words.append(f"{counts['kept']} were done already")
+    if counts["failed"]:
+        names = ", ".join(outcome.photo.name for outcome in outcomes if outcome.state == "failed")
+        words.append(f"{counts['failed']} could not be relit: {names}")
+    return "; ".join(words)
+
+
+def _is_done(photo: Path, output: Path) -> bool:
+    try:
+        return os.path.getsize(output) > 0 and os.path.getmtime(output) >= os.path.getmtime(photo)
+    except OSError:
+        return False

@@ -1,0 +1,127 @@
+"""Long work beside the window: one job at a time, with how far it is, how long it takes, and Cancel."""
+
+from __future__ import annotations
+
+import logging
+import threading
+import time
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+
+from app.engine.desk import error_line
+from relight_core.errors import InputError
+
+_log = logging.getLogger(__name__)
+
+
+class Cancelled(Exception):
+    """The user thought better of it."""
+
+
+@dataclass(frozen=True)
+class JobStatus:
+    """How far a job is.
+
+    Attributes:
+        name: for people: "Turntable".
+        done, total: steps; total is 0 before it is known.
+        left_s: estimate of what is left, or None.
+        cancelling: the user has cancelled it, and it will stop at its next step.
+    """
+
+    name: str
+    done: int = 0
+    total: int = 0
+    left_s: float | None = None
+    cancelling: bool = False
+
+    @property
+    def share(self) -> float:
+        """Of the whole, [0, 1]."""
+        return self.done / self.total if self.total else 0.0
+
+
+class JobControl:
+    """What a job's work uses to say how far it is."""
+
+    def __init__(self, jobs: Jobs, name: str) -> None:
+        self._jobs, self._name = jobs, name
+        self._began_s = time.monotonic()
+
+    def step(self, done: int, total: int) -> None:
+        """So many steps are done.
+
+        Raises:
+            Cancelled: the user has cancelled the job.
+        """
+        if self._jobs.is_cancelled():
+            raise Cancelled
+        elapsed_s = time.monotonic() - self._began_s
+        left_s = elapsed_s / done * (total - done) if done else None
+        self._jobs.publish(JobStatus(self._name, done, total, left_s))
+
+
+class Jobs:
+    """Runs jobs one after the other.
+
+    Args:
+        say: told what became of each: a line, and whether it is an error.
+        wake: called when the status has changed.
+    """
+
+    def __init__(self, say: Callable[[str, bool], None], wake: Callable[[], None] = lambda: None) -> None:
+        self._say, self._wake = say, wake
+        self._pool = ThreadPoolExecutor(max_workers=1, thread_name_prefix="relight-job")
+        self._lock = threading.Lock()
+        self._status: JobStatus | None = None
+        self._cancel = threading.Event()
+
+    def start(self, name: str, work: Callable[[JobControl], str]) -> None:
+        """Queue a job; `work` returns the line to say when it is done."""
+        self._pool.submit(self._run, name, work)
+
+    def status(self) -> JobStatus | None:
+        """The job that runs, or None."""
+        with self._lock:
+            return self._status
+
+    def cancel(self) -> None:
+        """Stop the job that runs at its next step."""
+        with self._lock:
+            if self._status is None:
+                return
+            self._cancel.set()
+            self._status = JobStatus(self._status.name, self._status.done, self._status.total, None, True)
+        self._wake()
+
+    def close(self, cancel: bool = False) -> None:
+        """Finish what was queued, or only what can't be stopped; safe to call twice."""
+        if cancel:
+            self.cancel()
+        self._pool.shutdown(wait=True, cancel_futures=cancel)
+
+    def is_cancelled(self) -> bool:
+        """Whether the job that runs is to stop."""
+        return self._cancel.is_set()
+
+    def publish(self, status: JobStatus | None) -> None:
+        """For the job that runs: how far it is."""
+        with self._lock:
+            self._status = status
+        self._wake()
+
+    def _run(self, name: str, work: Callable[[JobControl], str]) -> None:
+        self._cancel.clear()
+        self.publish(JobStatus(name))
+        try:
+            line, is_error = work(JobControl(self, name)), False
+        except Cancelled:
+            line, is_error = f"{name}: cancelled", False
+        except InputError as error:
+            line, is_error = error_line(error), True
+        except Exception as error:
+            _log.error("%s failed", name, exc_info=error)
+            line, is_error = error_line(error), True
+        self.publish(None)
+        self._say(line, is_error)

@@ -1,0 +1,15 @@
+"""Makes the Relighter that the command line and the window work with."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from relight_core.pipeline.relighter import Relighter
+
+
+def make_relighter() -> Relighter:
+    """The Relighter with the bundled weights; loading it takes seconds."""
+    from relight_core.pipeline.relighter import Relighter
+
+    return Relighter()

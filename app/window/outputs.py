@@ -1,0 +1,165 @@
+"""Wishes that make files of pictures: export, copy, turntable, batch. The work itself runs as jobs."""
+
+from __future__ import annotations
+
+import os
+import tempfile
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from app.document.document import Document
+from app.engine.batch import photos_in, relight_each, summary
+from app.engine.exporting import Exporter, ExportJob, ExportSettings, export_note, free_path, write_relit
+from app.engine.jobs import JobControl
+from app.engine.sources import RelighterLike
+from app.engine.turntable import FRAMES, turning, write_film, write_pictures
+from app.ui.state import EditorState
+from app.window.clipboard import copy_png
+from relight_core.errors import InputError
+from relight_core.imaging.read import read_photo
+from relight_core.imaging.write import write_image
+from relight_core.lighting.environment import Environment
+from relight_core.pipeline.edit import Edit
+
+BATCH_FOLDER = "relit"
+
+
+class Outputs:
+    """Starts jobs from what the state holds now.
+
+    Args:
+        state: what is shown and set.
+        exporter: runs the jobs.
+        make_relighter: makes one for jobs that relight, so that the window's own stays free.
+    """
+
+    def __init__(self, state: EditorState, exporter: Exporter, make_relighter: Callable[[], RelighterLike]) -> None:
+        self._state, self._exporter, self._make_relighter = state, exporter, make_relighter
+
+    def export_to(self, path: Path, replaces: bool) -> None:
+        """Save the picture as the settings say."""
+        picture = self._picture()
+        settings = replace(self._state.export, form=path.suffix.lower() or self._state.export.form)
+        self._exporter.submit(ExportJob(picture, self._state.edit.exposure_ev, path, settings, replaces))
+
+    def copy_picture(self) -> None:
+        """Put the picture on the clipboard, at its own size, 8 bits."""
+        relit, exposure_ev = self._picture().relit, self._state.edit.exposure_ev
+
+        def work(control: JobControl) -> str:
+            with tempfile.TemporaryDirectory(prefix="relight-") as folder:
+                path = Path(folder) / "picture.png"
+                write_image(path, relit.image, relit.alpha, exposure_ev=exposure_ev)
+                copy_png(path.read_bytes())
+            return "Copied the picture"
+
+        self._exporter.start("Copy", work)
+
+    def film_to(self, path: Path) -> None:
+        """Save the turntable: an .mp4 file, else a folder of pictures."""
+        picture = self._picture()
+        photo, face_index = picture.opened.photo, picture.opened.source.face_index
+        light, edit = picture.light.environment, replace(self._state.edit, quality="final")
+        side = self._state.export.longest_side or 1080
+
+        def work(control: JobControl) -> str:
+            relighter = self._make_relighter()
+            relighter.set_portrait(photo, face_index)
+            control.step(0, FRAMES)
+            frames = turning(relighter, light, edit, side)
+            if path.suffix.lower() == ".mp4":
+                write_film(path, frames, FRAMES, control)
+            else:
+                write_pictures(path, frames, FRAMES, control, _write_frame)
+            return f"Saved {path}"
+
+        self._exporter.start("Turntable", work)
+
+    def batch_over(self, photos: list[Path], folder: Path) -> None:
+        """Relight photos as this one is, into a folder; those that are done already are left alone."""
+        document, settings = self._state.document(), self._state.export
+        environment = self._picture().light.environment
+        title = document.light.source().title
+
+        def work(control: JobControl) -> str:
+            try:
+                folder.mkdir(exist_ok=True)
+            except OSError as error:
+                raise InputError(f"{folder}: can't be made ({error.strerror}); choose another folder") from error
+            relighter = self._make_relighter()
+            tasks = [(photo, folder / f"{photo.stem}{settings.form}") for photo in photos]
+
+            def one(photo: Path, output: Path) -> None:
+                relight_like(document, environment, relighter, photo, output, settings, title)
+
+            outcomes = []
+            control.step(0, len(tasks))
+            for outcome in relight_each(tasks, one, resume=True):
+                outcomes.append(outcome)
+                control.step(len(outcomes), len(tasks))
+            return f"{summary(outcomes)}. They are in {folder}"
+
+        self._exporter.start("Batch", work)
+
+    def batch_folder(self, folder: Path) -> None:
+        """Relight every photo of a folder into a folder inside it.
+
+        Raises:
+            InputError: there are no photos in it.
+        """
+        self.batch_over(photos_in(folder), folder / BATCH_FOLDER)
+
+    def suggested(self, suffix: str, ending: str = "") -> Path:
+        """A free name for an output beside the photo."""
+        path = Path(self._state.export_path or "portrait-relit.png").expanduser()
+        return free_path(path.with_name(f"{path.stem}{ending}{suffix}"))
+
+    def _picture(self):
+        picture = self._state.snapshot.picture
+        if picture is None:
+            raise InputError("there is no relit picture yet; open a photo first")
+        return picture
+
+
+def relight_like(
+    document: Document,
+    environment: Environment,
+    relighter: RelighterLike,
+    photo: Path,
+    output: Path,
+    settings: ExportSettings,
+    title: str,
+) -> None:
+    """Relight one photo under a document's light and sliders, and write it.
+
+    Args:
+        environment: the document's light, edited; not used where that is the photo's own.
+        title: of the light, to be noted in the file.
+
+    Raises:
+        InputError: no photo, no face, or a place that can't be written.
+    """
+    from relight_core.lighting.light_edit import edit_light
+
+    if os.path.realpath(photo) == os.path.realpath(output):
+        raise InputError(f"{output}: that is the photo itself; choose another folder")
+    relighter.set_portrait(read_photo(photo))
+    if document.light.kind == "own":
+        environment = edit_light(relighter.estimated_light("final"), document.light_edit)
+    channels = None if settings.form == ".exr" and settings.layers else ()
+    edit = replace(document.edit, quality="final", channels=channels)
+    relit = relighter.relight(environment, _without_exposure(edit))
+    write_relit(output, relit, settings, edit.exposure_ev, export_note(title, edit))
+
+
+def _without_exposure(edit: Edit) -> Edit:
+    return replace(edit, exposure_ev=0.0)
+
+
+def _write_frame(path: Path, frame: np.ndarray) -> None:
+    from relight_core.imaging.photo import Photo
+
+    write_image(path, Photo.from_srgb(frame).linear)

@@ -1,0 +1,64 @@
+"""Layers of one size: every channel lies in the photo where the face is."""
+
+import numpy as np
+import pytest
+
+from relight_core.pipeline.layers import photo_layers, shrunk_picture
+from relight_core.pipeline.relighter import Relit
+
+HEIGHT, WIDTH, SIDE = 60, 80, 20
+
+
+def relit(alpha=None):
+    image = np.full((HEIGHT, WIDTH, 3), 0.5, np.float32)
+    labels = np.full((SIDE, SIDE), 3, np.int32)
+    labels[:, SIDE // 2 :] = 7
+    channels = {
+        "albedo": np.full((SIDE, SIDE, 3), 0.8, np.float32),
+        "normal": np.broadcast_to(np.float32([0.6, 0.0, 0.8]), (SIDE, SIDE, 3)),
+        "specular": np.full((SIDE, SIDE), 0.2, np.float32),
+        "parsing": labels,
+    }
+    matte = np.zeros((HEIGHT, WIDTH), np.float32)
+    matte[10:50, 20:60] = 1.0
+    return Relit(image, alpha, channels, [], window=(20.0, 10.0, 60.0, 50.0), matte=matte)
+
+
+@pytest.mark.parametrize(("longest", "scale"), [(None, 1), (40, 0.5), (500, 1)])
+def test_every_layer_has_the_pictures_size_and_lies_where_the_view_is(longest, scale):
+    layers = photo_layers(relit(), ["albedo", "normal", "specular", "parsing", "matte", "background"], longest)
+    assert {layer.shape[:2] for layer in layers.values()} == {(HEIGHT * scale, WIDTH * scale)}
+    inside, outside = (int(30 * scale), int(40 * scale)), (int(4 * scale), int(4 * scale))
+    assert np.allclose(layers["albedo"][inside], 0.8, atol=1e-5)
+    assert np.allclose(layers["normal"][inside], [0.6, 0.0, 0.8], atol=1e-5)
+    assert layers["specular"][inside] == pytest.approx(0.2)
+    assert (layers["matte"][inside], layers["matte"][outside]) == (1.0, 0.0)
+    assert layers["background"][inside].max() == 0.0
+    assert np.allclose(layers["background"][outside], 0.5)
+    for name in ("albedo", "normal", "specular", "parsing"):
+        assert np.all(layers[name][outside] == 0)
+
+
+def test_labels_are_not_mixed():
+    labels = photo_layers(relit(), ["parsing"])["parsing"]
+    assert set(np.unique(labels)) == {0.0, 3.0, 7.0}
+    assert labels[30, 39] == 3.0
+    assert labels[30, 40] == 7.0
+    assert (labels != 0).sum() == 1600
+
+
+def test_alpha_is_multiplied_in_once_and_divided_out_for_straight_files():
+    alpha = np.zeros((HEIGHT, WIDTH), np.float32)
+    alpha[:, 40:] = 0.5
+    cut_out = relit(alpha)
+    assert np.allclose(photo_layers(cut_out, [])["RGBA"][30, 70], [0.25, 0.25, 0.25, 0.5])
+    image, small_alpha = shrunk_picture(cut_out, 40)
+    assert image.shape == (30, 40, 3)
+    assert np.allclose(image[15, 30], 0.5)
+    assert small_alpha[15, 30] == 0.5
+
+
+def test_layers_that_are_not_there_are_left_out_and_unknown_ones_refused():
+    assert "shadow" not in photo_layers(relit(), ["shadow"])
+    with pytest.raises(ValueError, match="sparkle"):
+        photo_layers(relit(), ["sparkle"])
