@@ -10,7 +10,7 @@ import json
 import math
 import os
 import stat
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path, PurePosixPath, PureWindowsPath
 
 from relight_core.errors import InputError
@@ -88,6 +88,15 @@ class Fields:
         parts = Fields({f"{key} {index}": value for index, value in enumerate(values)}, self._where, self._notes)
         red, green, blue = (parts.number(f"{key} {index}", 0.0, 1e4, 0.0) for index in range(3))
         return red, green, blue
+
+    def words(self, key: str, known: Sequence[str]) -> frozenset[str]:
+        """A list of words of which only the known ones are kept."""
+        values = self._values.pop(key, [])
+        if not isinstance(values, list) or not all(isinstance(value, str) for value in values):
+            raise InputError(f"{self._where}: {key} is not a list of words; the file is damaged")
+        for value in sorted(set(values) - set(known)):
+            self._notes.append(f"unknown {key} {value[:40]} was left out")
+        return frozenset(values) & frozenset(known)
 
     def finish(self) -> None:
         """Note what nobody asked for."""

@@ -10,7 +10,7 @@ from relight_core.lighting.light_edit import LightEdit
 from relight_core.pipeline.edit import Edit
 
 _MINUS = "\N{MINUS SIGN}"
-_BACKGROUNDS = {"keep": "photo", "light": "light", "transparent": "none"}
+_BACKGROUNDS = {"keep": "photo", "match": "matched", "light": "light", "transparent": "none"}
 
 
 @dataclass(frozen=True)
@@ -110,6 +110,8 @@ _SETTINGS: dict[str, Callable] = {
     "edit.background": lambda value: f"Background: {_BACKGROUNDS.get(value, value)}",
     "edit.forced_on": lambda value: f"Always computed: {', '.join(sorted(value)) or 'nothing'}",
     "edit.forced_off": lambda value: f"Left out: {', '.join(sorted(value)) or 'nothing'}",
+    "edit.background_fov_deg": lambda value: f"Background width {value:.0f}°",
+    "edit.background_blur_deg": lambda value: f"Background blur {value:.1f}°",
     "light.level_ev": lambda value: f"Light level {value:+.2f} EV",
     "light.base": _number("Room light", ".2f"),
     "light.saturation": _number("Light saturation", ".2f"),

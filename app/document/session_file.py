@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import re
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -12,7 +11,8 @@ from app.document.json_fields import Fields, path_for_file, path_from_file, read
 from app.document.light_file import light_content, read_light_content
 from app.engine.sources import PICTURE_SUFFIXES
 from relight_core.errors import InputError
-from relight_core.pipeline.edit import Edit
+from relight_core.pipeline.backdrop import check_background
+from relight_core.pipeline.edit import EFFECTS, Edit
 
 KIND, VERSION = "session", 1
 SESSION_SUFFIX = ".relight.json"
@@ -21,7 +21,10 @@ _EDIT_RANGES = {
     "exposure_ev": (-16.0, 16.0),
     "specular": (0.0, 2.0),
     "shadow": (0.0, 2.0),
+    "background_fov_deg": (5.0, 170.0),
+    "background_blur_deg": (0.0, 20.0),
 }
+_FORCED = ("forced_on", "forced_off")
 
 
 @dataclass(frozen=True)
@@ -59,7 +62,9 @@ def write_session(path: Path, document: Document, *, relative: bool = True) -> N
         "photo": path_for_file(document.photo.path, folder),
         "face": document.photo.face_index,
         "light": light_content(document.light, document.light_edit, folder),
-        "edit": {key: getattr(edit, key) for key in _EDIT_RANGES} | {"background": edit.background},
+        "edit": {key: getattr(edit, key) for key in _EDIT_RANGES} 
+        | {"background": edit.background}
+        | {key: sorted(getattr(edit, key)) for key in _FORCED},
     }
     write_json(path, KIND, VERSION, content)
 
@@ -91,7 +96,10 @@ def _edit(fields: Fields, path: Path) -> Edit:
     defaults = Edit(quality="final")
     values = {key: fields.number(key, *_EDIT_RANGES[key], getattr(defaults, key)) for key in _EDIT_RANGES}
     background = fields.text("background", defaults.background)
-    if background not in ("keep", "light", "transparent") and not re.fullmatch(r"#[0-9a-f]{6}", background):
-        raise InputError(f"{path}: unknown background {background[:40]!r}; use keep, light, transparent or #30343a")
+    try:
+        check_background(background)
+    except InputError as error:
+        raise InputError(f"{path}: {error}") from None
+    forced = {key: fields.words(key, EFFECTS) for key in _FORCED}
     fields.finish()
-    return Edit(**values, background=background, quality="final")
+    return Edit(**values, **forced, background=background, quality="final")

@@ -109,7 +109,7 @@ def write_relit(
     image, alpha = shrunk_picture(relit, settings.longest_side)
     text = {key: str(value) for key, value in note.items()}
     write_image(
-        path, image, alpha, bits=settings.bits, quality=settings.quality, exposure_ev=exposure_ev, metadata=text
+        path, image, alpha, bits=settings.bits, quality=settings.quality, exposure_ev=exposure_ev, texts=text
     )
 
 

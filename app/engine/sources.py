@@ -42,7 +42,7 @@ class RelitLike(Protocol):
     faces: list
     stages: dict
     window: tuple[float, float, float, float] | None
-    matte: np.ndarray | None
+    full: object | None
 
 
 @dataclass(frozen=True, eq=False)

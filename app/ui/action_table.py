@@ -22,8 +22,8 @@ def _close(state: EditorState) -> None:
     """Close the overlay that is open, else put the message away."""
     if state.look.help:
         state.look.help = False
-    elif state.aim:
-        state.aim = ""
+    elif state.aim or state.playing:
+        state.aim, state.playing = "", False
     elif state.snapshot.message:
         state.dismissed = state.snapshot.message.number
 

@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from relight_core.face.crop import Crop
 from relight_core.lighting.light_edit import MOST_BOXES, LightEdit
 from relight_core.lighting.soft_box import (
     SoftBox,
@@ -21,6 +22,7 @@ from relight_core.lighting.soft_box import (
     turned,
     uv_of,
 )
+from relight_core.pipeline.layers import unrolled
 
 NEW_BOX = SoftBox(intensity=0.6)
 """Weaker than the light it is added to, so that skin does not blow out at once."""
@@ -110,7 +112,7 @@ def aimed(edit: LightEdit, selected: int, direction: np.ndarray, yaw_deg: float)
 
 
 def lamp_for_spot(
-    channels: dict[str, np.ndarray], window: tuple[float, float, float, float] | None, x: float, y: float, aim: str
+    channels: dict[str, np.ndarray], view: Crop | None, x: float, y: float, aim: str
 ) -> np.ndarray | None:
     """Where a lamp has to be for a spot of the person to be bright or to shine.
 
@@ -118,7 +120,7 @@ def lamp_for_spot(
 
     Args:
         channels: a Relit's, of which "normal" and "parsing" are read.
-        window: of the channels in the photo.
+        view: where the channels lie in the photo.
         x, y: the spot, in photo pixels.
         aim: "bright" or "highlight".
 
@@ -126,14 +128,14 @@ def lamp_for_spot(
         (3,) unit vector in camera space, or None where there is no person.
     """
     normal, labels = channels.get("normal"), channels.get("parsing")
-    if normal is None or labels is None or window is None:
+    if normal is None or labels is None or view is None:
         return None
-    x0, y0, x1, y1 = window
     size = normal.shape[0]
-    column, row = int((x - x0) / (x1 - x0) * size // 1), int((y - y0) / (y1 - y0) * size // 1)
+    column, row = (int(position) for position in np.floor(view.from_photo(np.array([x, y]), size)))
     if not (0 <= row < size and 0 <= column < size) or labels[row, column] == 0:
         return None
     reach = max(1, round(_PATCH * size))
     patch = (slice(max(0, row - reach), row + reach + 1), slice(max(0, column - reach), column + reach + 1))
     mean = normal[patch][labels[patch] != 0].mean(axis=0, dtype=np.float64)
+    mean = unrolled(mean, view.roll_deg)
     return lamp_direction(mean, aim) if np.linalg.norm(mean) > 1e-6 else None

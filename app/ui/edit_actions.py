@@ -36,6 +36,15 @@ def _aim(aim: str):
 
 
 LIGHT = (
+    Action(
+        "Play the rotation",
+        _LIGHT,
+        ("P",),
+        "The light turns by itself until you stop it",
+        lambda state: setattr(state, "playing", not state.playing),
+        available=_relit,
+        is_on=lambda state: state.playing,
+    ),
     Action("Turn the light left", _LIGHT, ("Left",), "Turn it by 5°", _turn(-5.0), repeats=True),
     Action("Turn the light right", _LIGHT, ("Right",), "Turn it by 5°", _turn(5.0), repeats=True),
     Action("Nudge the light left", _LIGHT, ("Shift+Left",), "Turn it by 1°", _turn(-1.0), repeats=True),
@@ -106,6 +115,14 @@ def _wish(kind: str):
 
 
 FILE = (
+    Action("Export as", _FILE, ("Ctrl+E",), "Choose where to save the picture", _wish("export_as"), available=_relit),
+    Action("Copy the picture", _FILE, ("Ctrl+C",), "To paste it elsewhere", _wish("copy_picture"), available=_relit),
+    Action(
+        "Save a film", _FILE, ("Ctrl+T",), "The light turning once around", _wish("turntable_film"), available=_relit
+    ),
+    Action(
+        "Batch", _FILE, ("Ctrl+B",), "Relight all photos of a folder like this one", _wish("batch"), available=_relit
+    ),
     Action("Open a file", _FILE, ("Ctrl+O",), "A portrait, a panorama for the light, or a session", _wish("open_file")),
     Action(
         "Open a light",
@@ -142,7 +159,7 @@ FILE = (
         "Save an EXR",
         _FILE,
         ("Shift+E",),
-        "Linear radiance for compositing, the channels in a second file",
+        "Linear radiance for compositing, the channels as layers",
         _save(".exr"),
         available=_relit,
     ),

@@ -15,6 +15,7 @@ from app.ui import (
     help_overlay,
     light_panel,
     palette,
+    progress_card,
     questions,
     scope_panel,
     shortcuts,
@@ -41,6 +42,7 @@ def draw(state: EditorState, fonts: theme.Fonts, pictures: Pictures, shelf: ligh
     io = imgui.get_io()
     state.hand_on_control = False
     shortcuts.apply(state)
+    progress_card.play(state)
     scope = state.look.scope != "off"
     layout = arrange(io.display_size.x, io.display_size.y, imgui.get_font_size(), state.panels, scope)
     state.light_panel = layout.light.corners if layout.light else (0.0, 0.0, 0.0, 0.0)
@@ -54,6 +56,7 @@ def draw(state: EditorState, fonts: theme.Fonts, pictures: Pictures, shelf: ligh
         status_line.draw(state)
     dividers.draw(state, layout)
     questions.draw(state, layout.viewport)
+    progress_card.draw(state, layout.viewport)
     file_picker.draw(state, fonts)
     whole = Rect(0.0, 0.0, io.display_size.x, io.display_size.y)
     help_overlay.draw(state, fonts, whole)

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from imgui_bundle import imgui
 
-from app.ui import history_panel, plan_panel, quality_panel, theme, widgets
+from app.ui import export_panel, history_panel, plan_panel, quality_panel, theme, widgets
 from app.ui.state import EditorState
 from relight_core.lighting.light_edit import LightEdit
 from relight_core.pipeline.edit import Edit
@@ -20,8 +20,12 @@ SPECULAR = widgets.Slider(
 EXPOSURE = widgets.Slider("Exposure", -5.0, 5.0, 0.0, "%+.2f EV", "Brightens or darkens the whole picture, in stops.")
 BACKGROUNDS = (
     ("keep", "Photo", "Keep the photo's own background."),
+    ("match", "Match", "Keep it, as bright and as tinted as the new light makes the person."),
     ("light", "Light", "Show what the light looks like behind the person."),
     ("transparent", "None", "Cut the person out: a transparent background."),
+)
+BACKGROUND_BLUR = widgets.Slider(
+    "Background blur", 0.0, 20.0, 1.0, "%.1f°", "How far out of focus the light behind the person is."
 )
 MOST_FACES = 6
 
@@ -35,7 +39,7 @@ def draw(state: EditorState, fonts: theme.Fonts) -> None:
     plan_panel.draw(state, fonts)
     widgets.gap(0.8)
     _faces(state, fonts)
-    _export(state, fonts)
+    export_panel.draw(state, fonts)
     widgets.gap(0.8)
     history_panel.draw(state, fonts)
 
@@ -65,6 +69,7 @@ def _effects(state: EditorState, fonts: theme.Fonts) -> None:
     widgets.gap(0.1)
     imgui.text_disabled("Background")
     state.change(background=widgets.segmented(BACKGROUNDS, state.edit.background))
+    _background(state)
     widgets.gap(0.1)
     untouched = state.edit == Edit(quality=state.edit.quality) and state.light_edit == LightEdit()
     imgui.begin_disabled(untouched)
@@ -72,6 +77,25 @@ def _effects(state: EditorState, fonts: theme.Fonts) -> None:
         state.reset()
     imgui.end_disabled()
     imgui.set_item_tooltip("Puts every slider and the light back.")
+
+
+def _background(state: EditorState) -> None:
+    """A colour behind the person; what of the light is seen there."""
+    background = state.edit.background
+    colour = background if background.startswith("#") else "#30343a"
+    shown = [int(colour[index : index + 2], 16) / 255 for index in (1, 3, 5)]
+    flags = imgui.ColorEditFlags_.no_inputs | imgui.ColorEditFlags_.no_label
+    changed, picked = imgui.color_edit3("background colour", shown, flags)
+    if imgui.is_item_active():
+        state.hand_on_control = True
+    imgui.set_item_tooltip("A plain colour behind the person.")
+    if changed:
+        state.change(background="#" + "".join(f"{round(value * 255):02x}" for value in picked))
+    imgui.same_line()
+    imgui.align_text_to_frame_padding()
+    imgui.text_disabled("Colour" if not background.startswith("#") else background)
+    if background == "light":
+        state.change(background_blur_deg=widgets.slider(state, BACKGROUND_BLUR, state.edit.background_blur_deg))
 
 
 def _faces(state: EditorState, fonts: theme.Fonts) -> None:
@@ -92,24 +116,6 @@ def _faces(state: EditorState, fonts: theme.Fonts) -> None:
     if chosen != current:
         state.choose_face(int(chosen))
     widgets.gap(0.8)
-
-
-def _export(state: EditorState, fonts: theme.Fonts) -> None:
-    widgets.heading(fonts, "Export")
-    imgui.begin_disabled(state.snapshot.picture is None)
-    imgui.set_next_item_width(-1.0)
-    _, state.export_path = imgui.input_text("##path", state.export_path, imgui.InputTextFlags_.elide_left)
-    if state.export_path:
-        imgui.set_item_tooltip(f"{state.export_path}\nA number is added to the name if there is such a file.")
-    half = (imgui.get_content_region_avail().x - 4.0) / 2
-    if imgui.button("Save PNG", imgui.ImVec2(half, 0.0)):
-        state.export_wanted = ".png"
-    imgui.set_item_tooltip("The picture as you see it, 8 bits.  E")
-    imgui.same_line(0.0, 4.0)
-    if imgui.button("Save EXR", imgui.ImVec2(half, 0.0)):
-        state.export_wanted = ".exr"
-    imgui.set_item_tooltip("Linear radiance for compositing; the channels in a second file.  Shift + E")
-    imgui.end_disabled()
 
 
 def export_path(state: EditorState, suffix: str) -> Path:

@@ -37,6 +37,12 @@ def draw(state: EditorState, fonts: theme.Fonts, pictures: Pictures, shelf: Shel
     panorama.draw(state, pictures)
     light_controls.tools(state)
     state.change(yaw_deg=widgets.slider(state, ROTATION, state.edit.yaw_deg))
+    label = "Stop" if state.playing else "Play the rotation"
+    imgui.begin_disabled(state.snapshot.picture is None)
+    if widgets.toggle(label, state.playing, imgui.get_content_region_avail().x):
+        state.playing = not state.playing
+    imgui.end_disabled()
+    imgui.set_item_tooltip("The light turns by itself; save it as a film under Export.  P")
     imgui.begin_child("lights", imgui.ImVec2(0.0, 0.0))
     light_controls.box(state, fonts)
     light_controls.light(state)

@@ -10,6 +10,7 @@ from app.ui.panes import LIGHTS, Arrangement
 from app.ui.state import EditorState
 from app.ui.view import photo_point
 from app.ui.viewport_notes import note, note_width
+from relight_core.pipeline.layers import channel_view_of
 
 _WORDS = {
     "highlight": "Click where the highlight should be",
@@ -48,8 +49,13 @@ def _place(state: EditorState, arranged: Arrangement, at: tuple[float, float], p
     pane = arranged.pane_at(at[0]) or arranged.main
     if picture is None or pane.name in LIGHTS:
         return
+    if "normal" in picture.relit.channels:
+        # While the hand moves, only what is looked at is made; the face stays the same meanwhile.
+        state.aim_at = picture.relit
+    if state.aim_at is None:
+        return
     x, y = photo_point(pane.placement, pane.frame, at)
-    direction = lamp_for_spot(picture.relit.channels, picture.relit.window, x, y, state.aim)
+    direction = lamp_for_spot(state.aim_at.channels, channel_view_of(state.aim_at), x, y, state.aim)
     if direction is None:
         if pressed:
             state.asking.tell("There is no face there; click on skin, hair or clothes")

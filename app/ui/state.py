@@ -11,7 +11,7 @@ from app.document.history import History
 from app.engine.exporting import ExportSettings, default_export_path
 from app.engine.jobs import JobStatus
 from app.engine.snapshot import Message, Snapshot
-from app.engine.sources import LightSource, PhotoSource, Request
+from app.engine.sources import LightSource, PhotoSource, RelitLike, Request
 from app.ui.asking import Asking, FileRequest
 from app.ui.box_tools import Grab, without_box
 from app.ui.layout import Panels
@@ -86,6 +86,7 @@ class EditorState:
         selected_box: which soft box is worked on, or -1.
         held: what the mouse holds on the panorama.
         aim: what the next click on the face places a lamp for: "highlight", "bright", or "" for none.
+        aim_at: the relit picture whose normals the click reads.
         dismissed: number of the newest message the user has put away.
         typing: which slider has its number typed in, if any.
         typing_began: the typing field still has to take the keyboard.
@@ -125,6 +126,7 @@ class EditorState:
     selected_box: int = -1
     held: Grab | None = None
     aim: str = ""
+    aim_at: RelitLike | None = None
     dismissed: int = 0
     typing: str | None = None
     typing_began: bool = False
@@ -250,6 +252,7 @@ class EditorState:
         if snapshot.opened and (opened_before is None or snapshot.opened.photo is not opened_before.photo):
             self.export_path = str(default_export_path(snapshot.opened.source.path))
             self.shown = RESULT
+            self.aim_at = None
             self._begin_work()
 
     def message(self) -> Message | None:

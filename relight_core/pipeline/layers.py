@@ -8,8 +8,8 @@ import cv2
 import numpy as np
 
 from relight_core.face.crop import Crop
-from relight_core.face.paste import paste_crop
 from relight_core.imaging.resampling import resize_area
+from relight_core.pipeline.picture import whole_person
 from relight_core.pipeline.relighter import Relit
 
 CHANNEL_LAYERS = ("albedo", "normal", "specular", "shadow", "parsing", "composition")
@@ -36,13 +36,13 @@ def photo_layers(relit: Relit, names: Iterable[str], longest_side: int | None = 
     unknown = [name for name in wanted if name not in LAYERS]
     if unknown:
         raise ValueError(f"no layer {unknown[0]!r}; there are {', '.join(LAYERS)}")
-    size = shrunk_size(relit.image.shape[:2], longest_side)
-    layers = {"RGB": _sized(relit.image, size)}
-    if relit.alpha is not None:
-        premultiplied = np.dstack([relit.image * relit.alpha[..., None], relit.alpha])
-        layers = {"RGBA": _sized(premultiplied, size)}
+    image, alpha = _whole(relit)
+    size = shrunk_size(image.shape[:2], longest_side)
+    layers = {"RGB": _sized(image, size)}
+    if alpha is not None:
+        layers = {"RGBA": _sized(np.dstack([image * alpha[..., None], alpha]), size)}
     for name in wanted:
-        layer = _layer(relit, name, size)
+        layer = _beside(relit, name, image, size) if name in ("matte", "background") else _channel(relit, name, size)
         if layer is not None:
             layers[name] = layer
     return layers
@@ -59,44 +59,68 @@ def shrunk_size(size: tuple[int, int], longest_side: int | None) -> tuple[int, i
 
 def shrunk_picture(relit: Relit, longest_side: int | None) -> tuple[np.ndarray, np.ndarray | None]:
     """Image (H, W, 3) linear, not premultiplied, and alpha (H, W) or None, no side longer than asked."""
-    size = shrunk_size(relit.image.shape[:2], longest_side)
-    if relit.alpha is None:
-        return _sized(relit.image, size), None
-    alpha = _sized(relit.alpha, size)
-    colour = _sized(relit.image * relit.alpha[..., None], size) / np.maximum(alpha, 1e-4)[..., None]
-    return np.ascontiguousarray(colour), alpha
+    image, alpha = _whole(relit)
+    size = shrunk_size(image.shape[:2], longest_side)
+    if alpha is None:
+        return _sized(image, size), None
+    small = _sized(alpha, size)
+    colour = _sized(image * alpha[..., None], size) / np.maximum(small, 1e-4)[..., None]
+    return np.ascontiguousarray(colour), small
 
 
-def _layer(relit: Relit, name: str, size: tuple[int, int]) -> np.ndarray | None:
-    if name in ("matte", "background"):
-        if relit.matte is None:
-            return None
-        behind = relit.matte if name == "matte" else relit.image * (1.0 - relit.matte)[..., None]
-        return _sized(behind, size)
-    channel = relit.channels.get(name)
-    if channel is None or relit.window is None:
+def channel_view_of(relit: Relit) -> Crop | None:
+    """Where the channels lie in the photo."""
+    if relit.full is not None and relit.full.changes:
+        return relit.full.changes[0].view
+    if relit.window is None:
         return None
     x0, y0, x1, y1 = relit.window
-    height, width = relit.image.shape[:2]
-    scale = size[1] / width
-    crop = Crop((x0 + x1) / 2 * scale, (y0 + y1) / 2 * scale, (x1 - x0) * scale)
-    if name == "parsing":
-        return _nearest(channel, crop, size)
-    canvas = np.zeros((*size, *channel.shape[2:]), np.float32)
-    placed = paste_crop(canvas, channel, crop, np.ones((2, 2), np.float32))
+    return Crop((x0 + x1) / 2, (y0 + y1) / 2, x1 - x0)
+
+
+def unrolled(normals: np.ndarray, roll_deg: float) -> np.ndarray:
+    """Normals (..., 3) of a view that is turned counterclockwise in the photo, in camera space."""
+    angle = np.radians(roll_deg)
+    turn = np.array([[np.cos(angle), np.sin(angle), 0], [-np.sin(angle), np.cos(angle), 0], [0, 0, 1]])
+    return normals if roll_deg == 0 else (normals @ turn).astype(normals.dtype)
+
+
+def _whole(relit: Relit) -> tuple[np.ndarray, np.ndarray | None]:
+    """Image and alpha at the photo's size, whatever size they were made for the screen."""
+    if relit.full is None or relit.full.size == relit.image.shape[:2]:
+        return relit.image, relit.alpha
+    return relit.full.render()
+
+
+def _beside(relit: Relit, name: str, image: np.ndarray, size: tuple[int, int]) -> np.ndarray | None:
+    """The matte, or what is seen beside the person."""
+    if relit.full is None:
+        return None
+    matte = whole_person(relit.full.canvas, relit.full.matte).share
+    return _sized(matte if name == "matte" else image * (1.0 - matte)[..., None], size)
+
+
+def _channel(relit: Relit, name: str, size: tuple[int, int]) -> np.ndarray | None:
+    channel, view = relit.channels.get(name), channel_view_of(relit)
+    if channel is None or view is None:
+        return None
+    photo_size = relit.full.canvas.photo_size if relit.full is not None else relit.image.shape[:2]
+    steps = np.array([photo_size[1] / size[1], photo_size[0] / size[0]])
+    matrix = view.from_photo_matrix(channel.shape[0])
+    linear = matrix[:, :2] * steps
+    # From pixel centres to pixel centres: half a pixel in on the one side, half a pixel out on the other.
+    offset = linear @ np.array([0.5, 0.5]) + matrix[:, 2] - 0.5
+    sampling = cv2.INTER_NEAREST if name == "parsing" else cv2.INTER_LINEAR
+    placed = cv2.warpAffine(
+        np.ascontiguousarray(channel, np.float32),
+        np.column_stack([linear, offset]),
+        (size[1], size[0]),
+        flags=sampling | cv2.WARP_INVERSE_MAP,
+    )
     if name == "normal":
         length = np.linalg.norm(placed, axis=2, keepdims=True)
-        return placed / np.maximum(length, 1e-6) * (length > 0.25)
-    return np.maximum(placed, 0.0)
-
-
-def _nearest(labels: np.ndarray, crop: Crop, size: tuple[int, int]) -> np.ndarray:
-    scale = crop.side / labels.shape[0]
-    x0, y0 = crop.window[:2]
-    # Pixel centres: i + 0.5 in the one is (i + 0.5) * scale + x0 in the other.
-    place = np.float32([[scale, 0.0, x0 + 0.5 * scale - 0.5], [0.0, scale, y0 + 0.5 * scale - 0.5]])
-    flags = cv2.INTER_NEAREST
-    return cv2.warpAffine(labels.astype(np.float32), place, (size[1], size[0]), flags=flags)
+        return unrolled(placed / np.maximum(length, 1e-6) * (length > 0.25), view.roll_deg)
+    return placed
 
 
 def _sized(image: np.ndarray, size: tuple[int, int]) -> np.ndarray:

@@ -28,7 +28,7 @@ class FakeRelit:
     faces: list
     stages: dict = field(default_factory=lambda: {"compose": FakeStage(1.0)})
     window: tuple | None = None
-    matte: np.ndarray | None = None
+    full: object = None
 
 
 class FakeRelighter:
@@ -78,9 +78,7 @@ class FakeRelighter:
             alpha[: height // 4] = 0.0
         half = SIZE // 2
         window = (width / 2 - half, height / 2 - half, width / 2 + half, height / 2 + half)
-        return FakeRelit(
-            image, alpha, self._channels(edit, light), [], window=window, matte=np.ones((height, width), np.float32)
-        )
+        return FakeRelit(image, alpha, self._channels(edit, light), [], window=window)
 
     def _channels(self, edit, light):
         rows, columns = np.mgrid[0:SIZE, 0:SIZE].astype(np.float32) / (SIZE - 1)

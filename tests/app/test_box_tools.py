@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from app.ui.box_tools import Grab, aimed, dragged, grab, lamp_for_spot, with_box, without_box
+from relight_core.face.crop import Crop
 from relight_core.lighting.light_edit import LightEdit
 from relight_core.lighting.soft_box import SoftBox, corners, turned, uv_of
 
@@ -93,16 +94,23 @@ def face():
 
 
 def test_a_click_on_the_face_reads_the_normal_there():
-    window = (100.0, 200.0, 200.0, 300.0)
-    bright = lamp_for_spot(face(), window, 190.0, 250.0, "bright")
+    view = Crop(150.0, 250.0, 100.0)
+    bright = lamp_for_spot(face(), view, 190.0, 250.0, "bright")
     assert np.allclose(bright, [np.sin(0.5), 0.0, np.cos(0.5)], atol=1e-6)
-    shine = lamp_for_spot(face(), window, 190.0, 250.0, "highlight")
+    shine = lamp_for_spot(face(), view, 190.0, 250.0, "highlight")
     assert np.allclose(shine, [np.sin(1.0), 0.0, np.cos(1.0)], atol=1e-6)
-    assert np.allclose(lamp_for_spot(face(), window, 120.0, 250.0, "highlight"), [0, 0, 1])
+    assert np.allclose(lamp_for_spot(face(), view, 120.0, 250.0, "highlight"), [0, 0, 1])
+
+
+def test_a_tilted_heads_normals_are_turned_back_to_the_camera():
+    up_in_the_head = {"normal": np.zeros((8, 8, 3), np.float32), "parsing": np.ones((8, 8), np.int32)}
+    up_in_the_head["normal"][..., 1] = 1.0
+    tilted = Crop(50.0, 50.0, 100.0, roll_deg=90.0)
+    assert np.allclose(lamp_for_spot(up_in_the_head, tilted, 50, 50, "bright"), [-1.0, 0.0, 0.0], atol=1e-6)
 
 
 @pytest.mark.parametrize("spot", [(150, 203), (99, 250), (201, 250), (150, 400)])
 def test_a_click_beside_the_person_places_nothing(spot):
-    assert lamp_for_spot(face(), (100.0, 200.0, 200.0, 300.0), *spot, "bright") is None
-    assert lamp_for_spot({}, (100.0, 200.0, 200.0, 300.0), 150, 250, "bright") is None
+    assert lamp_for_spot(face(), Crop(150.0, 250.0, 100.0), *spot, "bright") is None
+    assert lamp_for_spot({}, Crop(150.0, 250.0, 100.0), 150, 250, "bright") is None
     assert lamp_for_spot(face(), None, 150, 250, "bright") is None

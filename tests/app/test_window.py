@@ -188,8 +188,10 @@ def test_an_exr_export_holds_the_radiance_and_every_channel(opened, photo_path):
     picture = read_photo(photo_path.with_name("person-relit.exr"))
     expected = opened.window.state.snapshot.picture.relit.image
     assert np.allclose(picture.linear, expected, rtol=2e-3, atol=1e-4)
-    with OpenEXR.File(str(photo_path.with_name("person-relit-channels.exr"))) as file:
+    with OpenEXR.File(str(photo_path.with_name("person-relit.exr"))) as file:
         assert {"RGB", "albedo", "normal", "parsing", "specular", "shadow"} <= set(file.channels())
+        assert file.header()["relightLight"] == "Rembrandt"
+    assert len(list(photo_path.parent.iterdir())) == 2
 
 
 def test_an_export_to_a_folder_that_is_not_there_is_told(opened, tmp_path):

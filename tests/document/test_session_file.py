@@ -32,7 +32,7 @@ def document(folder):
         PhotoRef(folder / "me.jpg", 1),
         LightRef("panorama", str(folder.parent / "studio.hdr")),
         LightEdit(1.5, 0.4, 0.7, 0.2, -0.1, 12.0, BOXES),
-        Edit(-35.5, 0.25, 1.5, 0.5, "#30343a", "final"),
+        Edit(-35.5, 0.25, 1.5, 0.5, "#30343a", 70.0, 3.0, "final", forced_off=frozenset({"shadow"})),
     )
 
 
@@ -109,6 +109,7 @@ WRONG = [
     {"edit__yaw_deg": 10**400},
     {"edit": [1]},
     {"edit__background": "red"},
+    {"edit__forced_on": "shadow"},
     {"light__boxes": {"0": 1}},
     {"light__boxes": [3]},
     {"light__boxes": [{"colour": [1, 2]}]},

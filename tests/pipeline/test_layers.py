@@ -1,8 +1,12 @@
 """Layers of one size: every channel lies in the photo where the face is."""
 
+from dataclasses import replace
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
+from relight_core.pipeline import layers as layers_module
 from relight_core.pipeline.layers import photo_layers, shrunk_picture
 from relight_core.pipeline.relighter import Relit
 
@@ -19,14 +23,22 @@ def relit(alpha=None):
         "specular": np.full((SIDE, SIDE), 0.2, np.float32),
         "parsing": labels,
     }
-    matte = np.zeros((HEIGHT, WIDTH), np.float32)
-    matte[10:50, 20:60] = 1.0
-    return Relit(image, alpha, channels, [], window=(20.0, 10.0, 60.0, 50.0), matte=matte)
+    return Relit(image, alpha, channels, [], window=(20.0, 10.0, 60.0, 50.0))
+
+
+def with_matte(picture, monkeypatch):
+    """The same with a person in the middle, at the size of a photo that `image` is the whole of."""
+    share = np.zeros((HEIGHT, WIDTH), np.float32)
+    share[10:50, 20:60] = 1.0
+    monkeypatch.setattr(layers_module, "whole_person", lambda canvas, matte: SimpleNamespace(share=share))
+    canvas = SimpleNamespace(photo_size=(HEIGHT, WIDTH))
+    return replace(picture, full=SimpleNamespace(size=(HEIGHT, WIDTH), changes=(), canvas=canvas, matte=None))
 
 
 @pytest.mark.parametrize(("longest", "scale"), [(None, 1), (40, 0.5), (500, 1)])
-def test_every_layer_has_the_pictures_size_and_lies_where_the_view_is(longest, scale):
-    layers = photo_layers(relit(), ["albedo", "normal", "specular", "parsing", "matte", "background"], longest)
+def test_every_layer_has_the_pictures_size_and_lies_where_the_view_is(longest, scale, monkeypatch):
+    picture = with_matte(relit(), monkeypatch)
+    layers = photo_layers(picture, ["albedo", "normal", "specular", "parsing", "matte", "background"], longest)
     assert {layer.shape[:2] for layer in layers.values()} == {(HEIGHT * scale, WIDTH * scale)}
     inside, outside = (int(30 * scale), int(40 * scale)), (int(4 * scale), int(4 * scale))
     assert np.allclose(layers["albedo"][inside], 0.8, atol=1e-5)
@@ -56,6 +68,16 @@ def test_alpha_is_multiplied_in_once_and_divided_out_for_straight_files():
     assert image.shape == (30, 40, 3)
     assert np.allclose(image[15, 30], 0.5)
     assert small_alpha[15, 30] == 0.5
+
+
+def test_a_picture_made_small_for_the_screen_is_exported_at_the_photos_size():
+    whole = np.full((HEIGHT, WIDTH, 3), 0.25, np.float32)
+    canvas = SimpleNamespace(photo_size=(HEIGHT, WIDTH))
+    full = SimpleNamespace(size=(HEIGHT, WIDTH), changes=(), render=lambda: (whole, None), canvas=canvas)
+    small = replace(relit(), image=np.zeros((6, 8, 3), np.float32), full=full)
+    assert np.array_equal(photo_layers(small, ["albedo"])["RGB"], whole)
+    assert photo_layers(small, ["albedo"])["albedo"][30, 40].min() == pytest.approx(0.8)
+    assert np.array_equal(shrunk_picture(small, None)[0], whole)
 
 
 def test_layers_that_are_not_there_are_left_out_and_unknown_ones_refused():

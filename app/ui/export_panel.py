@@ -1,0 +1,107 @@
+"""Saving: kind of file, size, place; copying; the turntable; many photos at once."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from imgui_bundle import imgui
+
+from app.engine.exporting import SIDES
+from app.ui import theme, widgets
+from app.ui.state import EditorState
+from relight_core.pipeline.layers import LAYERS
+
+_FORMS = (
+    (".png", "PNG", "Lossless, for everything. Keeps transparency."),
+    (".jpg", "JPEG", "Small, for sharing. No transparency."),
+    (".tif", "TIFF", "Lossless, for print and other editors."),
+    (".exr", "EXR", "Linear radiance and the channels as layers, for compositing."),
+)
+_DEPTHS = {
+    ".exr": (("", "Half", "16-bit floats: enough for light."), ("deep", "Float", "32-bit floats.")),
+    "": (("", "8 bit", "For screens."), ("deep", "16 bit", "For further editing.")),
+}
+_QUALITY = widgets.Slider("Quality", 50.0, 100.0, 92.0, "%.0f", "Higher is larger and better; 92 is hard to tell.")
+_LAYER_WORDS = {
+    "albedo": "Colour without light",
+    "normal": "Which way each spot faces",
+    "specular": "Shine",
+    "shadow": "Shadow",
+    "parsing": "Parts of the head, as numbers",
+    "composition": "The relit view",
+    "matte": "Where the person is",
+    "background": "What is seen beside the person",
+}
+
+
+def draw(state: EditorState, fonts: theme.Fonts) -> None:
+    """The group's contents, inside its panel."""
+    widgets.heading(fonts, "Export")
+    imgui.begin_disabled(state.snapshot.picture is None)
+    form = widgets.segmented(_FORMS, state.export.form)
+    if form != state.export.form:
+        state.export = replace(state.export, form=form)
+    _depth(state)
+    _size(state)
+    imgui.set_next_item_width(-1.0)
+    _, state.export_path = imgui.input_text("##path", state.export_path, imgui.InputTextFlags_.elide_left)
+    if state.export_path:
+        imgui.set_item_tooltip(f"{state.export_path}\nA number is added to the name if there is such a file.")
+    _buttons(state)
+    imgui.end_disabled()
+
+
+def _depth(state: EditorState) -> None:
+    export = state.export
+    if export.form == ".jpg":
+        quality = round(widgets.slider(state, _QUALITY, float(export.quality)))
+        state.export = replace(export, quality=quality)
+        return
+    chosen = widgets.segmented(_DEPTHS.get(export.form, _DEPTHS[""]), "deep" if export.deep else "")
+    state.export = replace(export, deep=chosen == "deep")
+    if export.form == ".exr":
+        _layers(state)
+
+
+def _layers(state: EditorState) -> None:
+    count = len(state.export.layers)
+    if not imgui.collapsing_header(f"Layers: {count} of {len(LAYERS)}###layers"):
+        return
+    for name in LAYERS:
+        changed, on = imgui.checkbox(name.capitalize(), name in state.export.layers)
+        imgui.set_item_tooltip(_LAYER_WORDS[name])
+        if changed:
+            layers = tuple(entry for entry in LAYERS if (on if entry == name else entry in state.export.layers))
+            state.export = replace(state.export, layers=layers)
+
+
+def _size(state: EditorState) -> None:
+    choices = tuple(
+        (
+            str(side or ""),
+            str(side) if side else "Full size",
+            "Pixels along the longer side." if side else "As the photo.",
+        )
+        for side in SIDES
+    )
+    chosen = widgets.segmented(choices, str(state.export.longest_side or ""))
+    state.export = replace(state.export, longest_side=int(chosen) if chosen else None)
+
+
+def _buttons(state: EditorState) -> None:
+    width = (imgui.get_content_region_avail().x - 8.0) / 3
+    if imgui.button("Export", imgui.ImVec2(width, 0.0)):
+        state.export_wanted = state.export.form
+    imgui.set_item_tooltip("Save it there at once.  E")
+    for label, kind, tooltip in (
+        ("Save as…", "export_as", "Choose the place; asks before it replaces a file.  Ctrl + E"),
+        ("Copy", "copy_picture", "Put the picture on the clipboard.  Ctrl + C"),
+        ("Film", "turntable_film", "The light turning once around, as an MP4.  Ctrl + T"),
+        ("Frames", "turntable_pictures", "The light turning once around, as numbered PNG files in a new folder."),
+        ("Batch…", "batch", "Relight all photos of a folder, or of those dropped together, like this one.  Ctrl + B"),
+    ):
+        if label != "Film":
+            imgui.same_line(0.0, 4.0)
+        if imgui.button(label, imgui.ImVec2(width, 0.0)):
+            state.asking.wish(kind)
+        imgui.set_item_tooltip(tooltip)

@@ -1,0 +1,190 @@
+"""Long work: how far it is, cancelling it, and going on past what fails."""
+
+import threading
+from types import SimpleNamespace
+
+import cv2
+import numpy as np
+import pytest
+from fake_relighter import FakeRelighter
+from PIL import Image
+
+from app.engine.batch import photos_in, relight_each, summary
+from app.engine.jobs import Jobs
+from app.engine.turntable import turning, write_film, write_pictures
+from app.ui.progress_card import words
+from app.window.clipboard import copy_png
+from relight_core.errors import InputError
+from relight_core.imaging.photo import Photo
+from relight_core.imaging.write import write_image
+from relight_core.lighting.rigs import load_rig
+from relight_core.pipeline.edit import Edit
+
+LONG_S = 60
+
+
+@pytest.fixture
+def said():
+    return []
+
+
+@pytest.fixture
+def jobs(said):
+    jobs = Jobs(lambda text, is_error: said.append((text, is_error)))
+    yield jobs
+    jobs.close(cancel=True)
+
+
+def test_a_job_tells_how_far_it_is_and_what_became_of_it(jobs, said):
+    middle, go_on = threading.Event(), threading.Event()
+
+    def work(control):
+        control.step(3, 12)
+        middle.set()
+        assert go_on.wait(LONG_S)
+        return "Saved it"
+
+    jobs.start("Film", work)
+    assert middle.wait(LONG_S)
+    status = jobs.status()
+    assert (status.name, status.done, status.total, status.share) == ("Film", 3, 12, 0.25)
+    assert status.left_s >= 0
+    assert words(status).startswith("Film   3 of 12, about ")
+    go_on.set()
+    jobs.close()
+    assert said == [("Saved it", False)]
+    assert jobs.status() is None
+
+
+def test_a_cancelled_job_stops_at_its_next_step_and_the_next_job_runs(jobs, said):
+    begun, go_on, steps = threading.Event(), threading.Event(), []
+
+    def work(control):
+        begun.set()
+        assert go_on.wait(LONG_S)
+        for index in range(5):
+            steps.append(index)
+            control.step(index, 5)
+        return "never"
+
+    jobs.start("Film", work)
+    jobs.start("Copy", lambda control: control.step(1, 1) or "Copied")
+    assert begun.wait(LONG_S)
+    jobs.cancel()
+    assert "stopping" in words(jobs.status())
+    go_on.set()
+    jobs.close()
+    assert steps == [0]
+    assert said == [("Film: cancelled", False), ("Copied", False)]
+
+
+@pytest.mark.parametrize(
+    ("error", "words_said"), [(InputError("x.png: full"), "x.png: full"), (OSError("no"), "went wrong")]
+)
+def test_a_failing_job_is_told_in_a_line(jobs, said, error, words_said):
+    def work(control):
+        raise error
+
+    jobs.start("Film", work)
+    jobs.close()
+    ((text, is_error),) = said
+    assert words_said in text
+    assert is_error
+
+
+def test_a_batch_goes_on_past_bad_photos_and_resumes(tmp_path):
+    for name in ("a.jpg", "bad.jpg", "c.jpg"):
+        (tmp_path / name).write_bytes(b"pixels")
+    tasks = [(path, tmp_path / f"{path.stem}-relit.png") for path in photos_in(tmp_path)]
+    worked = []
+
+    def one(photo, output):
+        worked.append(photo.stem)
+        if photo.stem == "bad":
+            raise InputError("no face")
+        output.write_bytes(b"relit")
+
+    outcomes = list(relight_each(tasks, one))
+    assert [outcome.state for outcome in outcomes] == ["written", "failed", "written"]
+    assert summary(outcomes) == "2 photos relit; 1 could not be relit: bad.jpg"
+    again = list(relight_each(tasks, one, resume=True))
+    assert [outcome.state for outcome in again] == ["kept", "failed", "kept"]
+    assert worked == ["a", "bad", "c", "bad"]
+
+
+def test_an_empty_output_is_not_done(tmp_path):
+    (tmp_path / "a.jpg").write_bytes(b"pixels")
+    (tmp_path / "a.png").touch()
+    (outcome,) = relight_each([(tmp_path / "a.jpg", tmp_path / "a.png")], lambda *_: None, resume=True)
+    assert outcome.state == "written"
+
+
+def test_a_folder_without_photos_is_told(tmp_path):
+    (tmp_path / "notes.txt").touch()
+    with pytest.raises(InputError, match="no photos"):
+        photos_in(tmp_path)
+    with pytest.raises(InputError, match="can't be read"):
+        photos_in(tmp_path / "missing")
+
+
+class Steps:
+    def __init__(self, cancel_at=None):
+        self.done, self._cancel_at = [], cancel_at
+
+    def step(self, done, total):
+        self.done.append((done, total))
+        if done == self._cancel_at:
+            raise InterruptedError
+
+
+def frames(count, size=(31, 40)):
+    relighter = FakeRelighter()
+    relighter.set_portrait(Photo(np.full((*size, 3), 0.5, np.float32)))
+    return relighter, turning(relighter, load_rig("split"), Edit(yaw_deg=10.0), None, count)
+
+
+def test_the_turntable_goes_round_once_in_even_frames():
+    relighter, turn = frames(4)
+    pictures = list(turn)
+    assert [edit.yaw_deg for edit in relighter.relights] == [10.0, 100.0, 190.0, 280.0]
+    assert {picture.shape for picture in pictures} == {(30, 40, 3)}
+    assert not np.array_equal(pictures[0], pictures[2])
+
+
+def test_a_film_has_every_frame_and_a_cancelled_one_leaves_nothing(tmp_path):
+    control = Steps()
+    write_film(tmp_path / "turn.mp4", frames(6)[1], 6, control)
+    film = cv2.VideoCapture(str(tmp_path / "turn.mp4"))
+    assert int(film.get(cv2.CAP_PROP_FRAME_COUNT)) == 6
+    assert control.done[-1] == (6, 6)
+    with pytest.raises((InterruptedError, InputError)):
+        write_film(tmp_path / "half.mp4", frames(6)[1], 6, Steps(cancel_at=3))
+    assert [path.name for path in tmp_path.iterdir()] == ["turn.mp4"]
+
+
+def test_a_picture_sequence_is_a_new_folder_or_nothing(tmp_path):
+    def write(path, frame):
+        Image.fromarray(frame).save(path)
+
+    write_pictures(tmp_path / "turn", frames(3)[1], 3, Steps(), write)
+    assert sorted(path.name for path in (tmp_path / "turn").iterdir()) == ["0001.png", "0002.png", "0003.png"]
+    with pytest.raises(InputError, match="made"):
+        write_pictures(tmp_path / "turn", frames(3)[1], 3, Steps(), write)
+    with pytest.raises(InterruptedError):
+        write_pictures(tmp_path / "half", frames(3)[1], 3, Steps(cancel_at=2), write)
+    assert [path.name for path in tmp_path.iterdir()] == ["turn"]
+
+
+def test_without_a_clipboard_tool_that_is_told(monkeypatch):
+    monkeypatch.setattr("app.window.clipboard.sys", SimpleNamespace(platform="linux"))
+    monkeypatch.setattr("app.window.clipboard.shutil.which", lambda name: None)
+    with pytest.raises(InputError, match="xclip"):
+        copy_png(b"png")
+
+
+def test_a_png_carries_its_notes(tmp_path):
+    note = {"relightLight": "Rembrandt – à côté", "relightYawDeg": "-35.5"}
+    write_image(tmp_path / "x.png", np.full((4, 4, 3), 0.5, np.float32), texts=note)
+    with Image.open(tmp_path / "x.png") as picture:
+        picture.load()
+        assert {key: picture.text[key] for key in note} == note

@@ -1,0 +1,69 @@
+"""The real window: a photo opened, its light turned and added to, undone, saved, exported."""
+
+import glfw
+import numpy as np
+from PIL import Image
+
+from app.document.session_file import read_session
+from relight_core.lighting.soft_box import SoftBox, uv_of
+
+
+def test_open_turn_slide_undo_save_and_export(opened, photo_path):
+    state = opened.window.state
+    opened.light("split")
+    first = opened.picture_pixels(96, 128)
+    opened.drag(opened.panorama(0.25), opened.panorama(0.75))
+    turned = opened.picture_pixels(96, 128)
+    yaw_deg = state.edit.yaw_deg
+    opened.drag(opened.knobs()[0], (opened.width, opened.knobs()[0][1]))
+    assert state.edit.shadow > 1.5
+    names = [step.name for step in state.history.steps]
+    assert names[:2] == ["Open person.png", "Light: Split"]
+    assert names[2] == f"Turn light to {round(yaw_deg)}°".replace("-", "\N{MINUS SIGN}")
+    assert len(names) == 4
+    opened.key(glfw.KEY_Z, ctrl=True)
+    assert state.edit.shadow == 1.0
+    assert np.array_equal(opened.picture_pixels(96, 128), turned)
+    opened.key(glfw.KEY_Z, ctrl=True)
+    assert np.array_equal(opened.picture_pixels(96, 128), first)
+    opened.key(glfw.KEY_Y, ctrl=True)
+    assert state.edit.yaw_deg == yaw_deg
+    opened.key(glfw.KEY_S, ctrl=True)
+    assert read_session(photo_path.with_name("person.relight.json")).document == state.document()
+    assert not state.is_unsaved()
+    opened.key(glfw.KEY_E)
+    opened.window.exporter.close()
+    with Image.open(photo_path.with_name("person-relit.png")) as saved:
+        assert np.abs(np.asarray(saved.convert("RGB"), int) - opened.picture_pixels(96, 128)).max() <= 1
+        assert float(saved.text["relightYawDeg"]) == yaw_deg
+
+
+def test_a_soft_box_is_added_moved_and_deleted_on_the_panorama(opened):
+    state = opened.window.state
+    opened.double_click(opened.panorama(0.5))
+    (box,) = state.light_edit.boxes
+    assert abs(abs(box.azimuth_deg) - 180.0) < 3.0
+    assert opened.window.engine.snapshot().light.edit == state.light_edit
+    u, _ = uv_of(box.direction)
+    opened.drag(opened.panorama(u), opened.panorama(u + 0.25))
+    (moved,) = state.light_edit.boxes
+    assert abs(moved.azimuth_deg - 90.0) < 4.0
+    assert state.edit.yaw_deg == 0.0
+    opened.key(glfw.KEY_DELETE)
+    assert state.light_edit.boxes == ()
+    opened.key(glfw.KEY_Z, ctrl=True)
+    assert state.light_edit.boxes == (moved,)
+
+
+def test_a_click_on_the_face_places_a_lamp_and_the_picture_answers(opened):
+    state = opened.window.state
+    before = opened.picture_pixels(96, 128).astype(float)
+    opened.key(glfw.KEY_B)
+    assert state.aim == "bright"
+    opened.click((opened.centre()[0] + 20, opened.centre()[1] + 10))
+    opened.settle()
+    assert state.aim == ""
+    (box,) = state.light_edit.boxes
+    assert box != SoftBox()
+    assert box.direction[0] > 0.2
+    assert np.abs(opened.picture_pixels(96, 128) - before).max() > 5
