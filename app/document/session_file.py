@@ -62,7 +62,7 @@ def write_session(path: Path, document: Document, *, relative: bool = True) -> N
         "photo": path_for_file(document.photo.path, folder),
         "face": document.photo.face_index,
         "light": light_content(document.light, document.light_edit, folder),
-        "edit": {key: getattr(edit, key) for key in _EDIT_RANGES} 
+        "edit": {key: getattr(edit, key) for key in _EDIT_RANGES}
         | {"background": edit.background}
         | {key: sorted(getattr(edit, key)) for key in _FORCED},
     }

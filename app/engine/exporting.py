@@ -108,9 +108,7 @@ def write_relit(
         return
     image, alpha = shrunk_picture(relit, settings.longest_side)
     text = {key: str(value) for key, value in note.items()}
-    write_image(
-        path, image, alpha, bits=settings.bits, quality=settings.quality, exposure_ev=exposure_ev, texts=text
-    )
+    write_image(path, image, alpha, bits=settings.bits, quality=settings.quality, exposure_ev=exposure_ev, texts=text)
 
 
 def export_note(light: str, edit: Edit) -> dict[str, str | float]:

@@ -53,7 +53,6 @@ class FakeRelighter:
                 "source_light": np.ones((16, 32, 3), np.float32),
                 "target_light": np.ones((16, 32, 3), np.float32),
             },
-            full=None,
             window=(0.0, 0.0, 16.0, 16.0),
             faces=[SimpleNamespace(x0=1.0, y0=2.0, x1=11.0, y1=14.0)],
             stages={
