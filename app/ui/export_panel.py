@@ -79,8 +79,8 @@ def _size(state: EditorState) -> None:
     choices = tuple(
         (
             str(side or ""),
-            str(side) if side else "Full size",
-            "Pixels along the longer side." if side else "As the photo.",
+            str(side) if side else "Full",
+            "Pixels along the longer side." if side else "As large as the photo.",
         )
         for side in SIDES
     )
