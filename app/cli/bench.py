@@ -137,7 +137,7 @@ def _session(arguments: argparse.Namespace, photos: list[Photo], report: Report)
     from relight_core.evaluation.bench_session import Savings, as_markdown, recorded_session, replay
     from relight_core.pipeline.relighter import Relighter
 
-    lights = _session_lights(arguments.lights, 3 if arguments.quick else None)
+    lights = _session_lights(arguments.lights, arguments.quick)
     session = recorded_session(lights, 12 if arguments.quick else arguments.turns)
     relighter, thorough = (Relighter(arguments.weights, arguments.device) for _ in range(2))
     savings, total = Savings(), len(session) * len(photos)
@@ -159,12 +159,14 @@ def _session(arguments: argparse.Namespace, photos: list[Photo], report: Report)
     return 0
 
 
-def _session_lights(library: Path | None, most: int | None) -> list[Environment]:
-    """The library's panoramas, if one is given, then the bundled rigs."""
+def _session_lights(library: Path | None, quick: bool) -> list[Environment]:
+    """The library's panoramas, if one is given, then the bundled rigs; a few rigs where it must be quick."""
     from relight_core.dataset.archive import read_arrays
     from relight_core.lighting.environment import Environment
     from relight_core.lighting.rigs import load_rig, rig_names
 
+    if quick:
+        return [load_rig(name) for name in _BENCH_LIGHTS]
     lights = []
     if library is not None:
         data = read_arrays(library, ("env64", "names"), "a light library", "give an .npz with env64 and names")
@@ -172,8 +174,7 @@ def _session_lights(library: Path | None, most: int | None) -> list[Environment]
             Environment.from_radiance(radiance.astype("float32"), str(name))
             for radiance, name in zip(data["env64"], data["names"], strict=True)
         ]
-    lights += [load_rig(name) for name in rig_names()]
-    return lights[:: max(len(lights) // most, 1)][:most] if most else lights
+    return lights + [load_rig(name) for name in rig_names()]
 
 
 def _onto(show):
