@@ -18,12 +18,19 @@ class Band:
         top, bottom: rows of the picture, the latter not included.
         size: (height, width) of the picture.
         photo_size: (height, width) of the photo.
+        columns: first and last, the latter not included; None is all of them.
     """
 
     top: int
     bottom: int
     size: tuple[int, int]
     photo_size: tuple[int, int]
+    columns: tuple[int, int] | None = None
+
+    @property
+    def span(self) -> tuple[int, int]:
+        """First column and the one after the last."""
+        return self.columns or (0, self.size[1])
 
     @property
     def rows(self) -> slice:
@@ -52,7 +59,7 @@ def spread_window(maps: np.ndarray, window: tuple[float, float, float, float], b
         window: x0, y0, x1, y1 in photo pixels.
 
     Returns:
-        (rows, width) or (rows, width, C) float32.
+        (rows, columns) or (rows, columns, C) float32.
     """
     along_y, along_x = band.size[0] / band.photo_size[0], band.size[1] / band.photo_size[1]
     y0, y1 = _whole(window[1] * along_y, window[3] * along_y)
@@ -64,16 +71,18 @@ def spread_window(maps: np.ndarray, window: tuple[float, float, float, float], b
     rows = maps[upper] * (1 - share) + maps[np.minimum(upper + 1, len(maps) - 1)] * share
     wide = cv2.resize(np.ascontiguousarray(rows), (x1 - x0, len(rows)), interpolation=cv2.INTER_LINEAR)
     wide = wide.reshape(len(rows), x1 - x0, *maps.shape[2:])
-    if (x0, x1) == (0, band.size[1]):
-        return wide
-    columns = np.clip(np.arange(band.size[1]) - x0, 0, x1 - x0 - 1)
-    inside = slice(max(x0, 0), max(min(x1, band.size[1]), 0))
+    first, last = band.span
+    if x0 <= first and last <= x1:
+        return wide[:, first - x0 : last - x0]
+    columns = np.clip(np.arange(first, last) - x0, 0, x1 - x0 - 1)
+    inside = slice(max(x0, first), max(min(x1, last), first))
     if inside.start >= inside.stop:
         return wide[:, columns]
-    result = np.empty((len(rows), band.size[1], *maps.shape[2:]), np.float32)
-    result[:, inside] = wide[:, inside.start - x0 : inside.stop - x0]
-    result[:, : inside.start] = wide[:, columns[: inside.start]]
-    result[:, inside.stop :] = wide[:, columns[inside.stop :]]
+    result = np.empty((len(rows), last - first, *maps.shape[2:]), np.float32)
+    before, after = inside.start - first, inside.stop - first
+    result[:, before:after] = wide[:, inside.start - x0 : inside.stop - x0]
+    result[:, :before] = wide[:, columns[:before]]
+    result[:, after:] = wide[:, columns[after:]]
     return result
 
 
@@ -85,13 +94,15 @@ def spread_crop(maps: np.ndarray, crop: Crop, band: Band) -> np.ndarray:
     step = np.array([band.photo_size[1] / band.size[1], band.photo_size[0] / band.size[0]])
     linear = matrix[:, :2] * step
     offset = linear @ np.array([0.5, band.top + 0.5]) + matrix[:, 2] - 0.5
-    return cv2.warpAffine(
+    wide = cv2.warpAffine(
         np.ascontiguousarray(maps, np.float32),
         np.column_stack([linear, offset]),
         (band.size[1], band.bottom - band.top),
         flags=cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP,
         borderMode=cv2.BORDER_REPLICATE,
     )
+    # Places are rounded to fractions of a pixel from the first column on, so that one is always the same.
+    return wide[:, slice(*band.span)]
 
 
 def soft_edge(size: int, width: float) -> np.ndarray:

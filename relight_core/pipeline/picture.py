@@ -9,7 +9,7 @@ from __future__ import annotations
 import os
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -158,18 +158,27 @@ class Picture:
             person = person_in(self.canvas, self.matte, band)
         else:
             person = Person(self.person.share[band.rows], self.person.colour[band.rows])
-        if self.backdrop.kept and not person.share.any():
-            return linear.copy(), None
+        if self.backdrop.kept:
+            return self._beside_the_photo(linear, person, band), None
         relit = self._relit(person.colour, band)
         if self.backdrop.transparent:
             return relit, person.share
-        share = person.share[..., None]
-        if self.backdrop.kept:
-            relit -= person.colour
-            relit *= share
-            relit += linear
-            return np.maximum(relit, 0, out=relit), None
         return self._over(relit, linear, person, band), None
+
+    def _beside_the_photo(self, linear: np.ndarray, person: Person, band: Band) -> np.ndarray:
+        """The person in the new light before the photo's own background; only the person's columns are computed."""
+        result = linear.copy()
+        held = np.flatnonzero(person.share.any(axis=0))
+        if not held.size:
+            return result
+        first, last = int(held[0]), int(held[-1]) + 1
+        colour, share = person.colour[:, first:last], person.share[:, first:last, None]
+        relit = self._relit(colour, replace(band, columns=(first, last)))
+        relit -= colour
+        relit *= share
+        relit += linear[:, first:last]
+        np.maximum(relit, 0, out=result[:, first:last])
+        return result
 
     def _relit(self, colour: np.ndarray, band: Band) -> np.ndarray:
         """The person's own colour (h, W, 3) in the new light."""

@@ -49,6 +49,14 @@ def test_cutting_into_bands_changes_nothing(crop, rows):
     np.testing.assert_allclose(cut, whole, atol=1e-3)
 
 
+@pytest.mark.parametrize("columns", [(0, 220), (0, 1), (60, 130), (200, 220)])
+@pytest.mark.parametrize("crop", [Crop(100.0, 90.0, 150.0), Crop(100.0, 90.0, 90.0, 20.0), Crop(150.0, 60.0, 60.0)])
+def test_some_columns_are_those_of_all(crop, columns):
+    maps, first, last = RNG.random((32, 32, 3), np.float32), *columns
+    whole, part = (spread_crop(maps, crop, Band(20, 70, SIZE, SIZE, chosen)) for chosen in (None, columns))
+    np.testing.assert_array_equal(part, whole[:, first:last])
+
+
 def test_bands_cover_every_row_once():
     rows = [row for band in bands((130, 10), (130, 10), 64) for row in range(band.top, band.bottom)]
     assert rows == list(range(130))
