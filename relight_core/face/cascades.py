@@ -38,11 +38,13 @@ class Candidate:
         box: (4,) x0, y0, x1, y1 in pixel edges of the grey image, brow to chin and cheek to cheek.
         votes: raw hits that were merged into it, over all cascades.
         cascades: how many different cascades hit it.
+        roll_deg: by how much the head leans to the left of the image.
     """
 
     box: np.ndarray
     votes: int
     cascades: int
+    roll_deg: float = 0.0
 
 
 def frontal_candidates(grey: np.ndarray) -> list[Candidate]:

@@ -66,6 +66,7 @@ def test_a_tilted_head_is_found():
     centre = np.array([boxes[0].x0 + boxes[0].x1, boxes[0].y0 + boxes[0].y1]) / 2
     angle = np.radians(33)
     offset = np.array([(FACE[0] + FACE[2]) / 2 - 70 - 150, (FACE[1] + FACE[3]) / 2 - 150])
+    assert boxes[0].roll_deg == 30
     turn = np.array([[np.cos(angle), np.sin(angle)], [-np.sin(angle), np.cos(angle)]])
     assert np.hypot(*(centre - 150 - turn @ offset)) < 20
 
@@ -89,3 +90,12 @@ def test_flat_pictures_have_no_face(level):
 def test_noise_has_no_face():
     noise = np.random.default_rng(0).integers(0, 256, (200, 300, 3)).astype(np.uint8)
     assert found_in(noise) == []
+
+
+def test_a_face_of_40_pixels_in_a_large_photo():
+    small = ASTRONAUT[::2, ::2]
+    photo = np.full((900, 1300, 3), 120, np.uint8)
+    photo[300:556, 600:856] = small
+    boxes = found_in(photo)
+    assert len(boxes) == 1
+    assert share_in_common(boxes[0], (693, 346, 731, 385)) > 0.5
