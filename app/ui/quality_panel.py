@@ -50,7 +50,7 @@ def _budget(state: EditorState, budget_ms: float) -> float:
 def _costs(costs: dict[str, TierCost], left: float, width: float, in_use: str) -> None:
     """Milliseconds and error of each tier, centred below its button; the tier in use while moving is lit."""
     if not costs:
-        imgui.text_disabled("Measured on this machine when it rests")
+        imgui.text_disabled("Measured when at rest")
         return
     imgui.push_font(None, 0.85 * theme.FONT_PX)
     line = imgui.get_text_line_height()

@@ -125,7 +125,7 @@ def invitation(state: EditorState, fonts: theme.Fonts, rect: Rect) -> None:
     _centred(title, middle_x, middle_y - 2.4 * em, theme.TEXT)
     imgui.pop_font()
     if waits:
-        _centred("JPEG, PNG, TIFF, WebP or EXR", middle_x, middle_y - 0.3 * em, theme.DIM)
+        _centred("or press Ctrl + O: JPEG, PNG, TIFF, WebP, EXR", middle_x, middle_y - 0.3 * em, theme.DIM)
         _centred("An .hdr or .exr panorama becomes the light.", middle_x, middle_y + 1.8 * em, theme.DIM)
         _centred("A portrait dropped on the light panel lends its light.", middle_x, middle_y + 3.2 * em, theme.DIM)
 
