@@ -19,6 +19,7 @@ _DAMAGE = (
     TypeError,
     EOFError,
     RuntimeError,
+    MemoryError,
     SyntaxError,
     OverflowError,
     struct.error,

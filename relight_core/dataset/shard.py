@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from pathlib import Path
 
 import numpy as np
@@ -10,6 +9,7 @@ import numpy as np
 from relight_core.dataset.archive import read_arrays
 from relight_core.dataset.bake import BakedHead
 from relight_core.errors import InputError
+from relight_core.imaging.files import whole_file
 
 VERSION = 1
 
@@ -19,8 +19,7 @@ _MEND = "delete it and run 'relight dataset bake' again"
 
 def write_shard(path: Path, head: BakedHead) -> None:
     """Store a head; normals and depth as half floats, texture coordinates as 16-bit fractions."""
-    beside = path.with_suffix(".partial")
-    with open(beside, "wb") as file:
+    with whole_file(path) as beside, open(beside, "wb") as file:
         np.savez_compressed(
             file,
             version=np.int32(VERSION),
@@ -33,9 +32,6 @@ def write_shard(path: Path, head: BakedHead) -> None:
             label=head.label,
             visibility=head.visibility,
         )
-        file.flush()
-        os.fsync(file.fileno())
-    os.replace(beside, path)
 
 
 def read_shard(path: Path) -> BakedHead:

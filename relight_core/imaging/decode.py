@@ -64,7 +64,10 @@ def decode_raster(data: bytes, path: Path) -> Raster:
     image = _open_with_pillow(data, path)
     if data[:8] == b"\x89PNG\r\n\x1a\n" and data[24] == 16:
         return replace(_decode_deep_png(data, image, path), exif=carried_exif(image))
-    return replace(_from_pillow(image), exif=carried_exif(image))
+    try:
+        return replace(_from_pillow(image), exif=carried_exif(image))
+    except Exception:
+        raise InputError(f"{path}: a damaged image; fetch or export it again") from None
 
 
 def decode_radiance_hdr(data: bytes, path: Path) -> np.ndarray:
@@ -74,7 +77,7 @@ def decode_radiance_hdr(data: bytes, path: Path) -> np.ndarray:
         InputError: damaged or too large.
     """
     header = data[:65536].decode("latin-1").partition("\n\n")[2].split("\n", 1)[0].split()
-    if len(header) != 4 or not header[1].isdigit() or not header[3].isdigit():
+    if len(header) != 4 or not all(side.isdecimal() and len(side) < 10 for side in header[1::2]):
         raise InputError(f"{path}: not a complete Radiance file; export it again")
     _check_size(int(header[1]), int(header[3]), path)
     bgr = _imdecode(data)
@@ -145,9 +148,7 @@ def _through_library_profile(image: Image.Image, icc: bytes | None) -> np.ndarra
             pass
     if image.mode == "LAB":
         lab = ImageCms.createProfile("LAB")
-        return np.asarray(
-            ImageCms.profileToProfile(image, lab, ImageCms.createProfile("sRGB"), outputMode="RGB")
-        )
+        return np.asarray(ImageCms.profileToProfile(image, lab, ImageCms.createProfile("sRGB"), outputMode="RGB"))
     return np.asarray(image.convert("RGB"))
 
 
@@ -193,7 +194,7 @@ def _decode_deep_tiff(data: bytes, path: Path) -> Raster | None:
         page = tifffile.TiffFile(io.BytesIO(data)).pages[0]
         bits, photometric, samples = int(page.bitspersample), int(page.photometric), int(page.samplesperpixel)
         end = max(np.add(page.dataoffsets, page.databytecounts))
-        width, height = page.imagewidth, page.imagelength
+        width, height = int(page.imagewidth), int(page.imagelength)
     except Exception:
         raise InputError(f"{path}: a truncated or damaged image; fetch or export it again") from None
     _check_size(width, height, path)

@@ -14,6 +14,7 @@ import OpenEXR
 from relight_core.errors import InputError
 
 MAX_PIXELS = 400_000_000
+MAX_SAMPLES = 4 * MAX_PIXELS
 LARGEST_HALF = 65504.0
 
 MAGIC = b"\x76\x2f\x31\x01"
@@ -37,6 +38,8 @@ def read_exr(path: Path) -> tuple[np.ndarray, np.ndarray | None]:
         _check_size(header, path)
         with _quiet(), OpenEXR.File(str(path), separate_channels=True) as file:
             channels = {name: np.array(channel.pixels) for name, channel in file.channels().items()}
+    except InputError:
+        raise
     except (RuntimeError, ValueError, TypeError, IndexError, MemoryError):
         raise InputError(f"{path}: not a complete EXR file; export it again") from None
     names = _colour_names(channels)
@@ -83,6 +86,9 @@ def _check_size(header: dict, path: Path) -> None:
             raise InputError(f"{path}: an EXR of no pixels; export it again")
         if width * height > MAX_PIXELS:
             raise InputError(f"{path}: {width} x {height} is above 400 megapixels; make it smaller")
+        channels = len(header.get("channels", ()))
+        if width * height * channels > MAX_SAMPLES:
+            raise InputError(f"{path}: {channels} channels of {width} x {height} are too many; export fewer layers")
 
 
 def _colour_names(channels: dict) -> tuple[str, str, str] | None:
@@ -105,9 +111,7 @@ def _on_display_window(data: np.ndarray, header: dict) -> np.ndarray:
     canvas = np.zeros((height, width, data.shape[2]), np.float32)
     rows = slice(max(top, 0), max(min(top + data.shape[0], height), 0))
     columns = slice(max(left, 0), max(min(left + data.shape[1], width), 0))
-    canvas[rows, columns] = data[
-        rows.start - top : rows.stop - top, columns.start - left : columns.stop - left
-    ]
+    canvas[rows, columns] = data[rows.start - top : rows.stop - top, columns.start - left : columns.stop - left]
     return canvas
 
 

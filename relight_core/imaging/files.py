@@ -4,20 +4,26 @@ from __future__ import annotations
 
 import os
 import secrets
+import stat
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from relight_core.errors import InputError
 
+LARGEST_FILE = 8 << 30
+"""Bytes; what is larger is no photo, no light and no weights."""
+
 
 def file_bytes(path: Path) -> bytes:
     """The content of a file.
 
     Raises:
-        InputError: missing, a folder, empty or unreadable.
+        InputError: missing, a folder, no regular file (a pipe or a device would never end), larger than
+            8 GiB, empty or unreadable.
     """
     try:
+        check_regular(path)
         data = path.read_bytes()
     except FileNotFoundError:
         raise InputError(f"{path}: no such file; check the path") from None
@@ -25,11 +31,27 @@ def file_bytes(path: Path) -> bytes:
         raise InputError(f"{path}: this is a folder; name a file in it") from None
     except PermissionError:
         raise InputError(f"{path}: no permission to read it; change the file's permissions") from None
-    except (OSError, ValueError) as error:
+    except InputError:
+        raise
+    except (OSError, ValueError, MemoryError) as error:
         raise InputError(f"{path!s:.200}: can't be read ({_reason(error)}); check the path") from None
     if not data:
         raise InputError(f"{path}: the file is empty; fetch or export it again")
     return data
+
+
+def check_regular(path: Path) -> None:
+    """Say early that a path leads to no file that can be read to its end.
+
+    Raises:
+        InputError: neither a regular file nor a folder, or larger than 8 GiB.
+        OSError: missing, or behind a folder that may not be entered.
+    """
+    found = path.stat()
+    if not stat.S_ISREG(found.st_mode) and not stat.S_ISDIR(found.st_mode):
+        raise InputError(f"{path}: not a regular file; name a file")
+    if found.st_size > LARGEST_FILE:
+        raise InputError(f"{path}: {found.st_size / 2**30:.0f} GiB is too large; make it smaller")
 
 
 @contextmanager

@@ -35,6 +35,7 @@ from pathlib import Path
 from typing import Any
 
 from relight_core.errors import InputError
+from relight_core.imaging.files import file_bytes
 from relight_core.lighting.colour_temperature import COOLEST_KELVIN, HOTTEST_KELVIN, kelvin_to_rgb
 
 Colour = tuple[float, float, float]
@@ -120,8 +121,8 @@ def read_rig(path: str | Path) -> Rig:
     """
     path = Path(path)
     try:
-        tables = tomllib.loads(path.read_text(encoding="utf-8"))
-    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
+        tables = tomllib.loads(file_bytes(path).decode("utf-8"))
+    except (UnicodeDecodeError, tomllib.TOMLDecodeError, RecursionError) as error:
         raise InputError(f"{path}: not a readable light rig ({error})") from error
     try:
         return parse_rig(tables)

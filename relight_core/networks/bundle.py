@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import dataclasses
+import hashlib
 import json
-import os
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -14,12 +14,16 @@ from safetensors.torch import save_file
 from torch import nn
 
 from relight_core.errors import InputError
+from relight_core.imaging.files import check_regular, whole_file
 from relight_core.networks.blocks import fold_normalisation
 from relight_core.networks.composition import CompositionConfig, CompositionNetwork
 from relight_core.networks.delight import DelightConfig, DelightNetwork
 from relight_core.networks.specular_shadow import SpecularShadowConfig, SpecularShadowNetwork
 
 FORMAT = "relight-networks-1"
+
+_CHECKSUM = "sha256"
+_DAMAGE = (OSError, SafetensorError, RuntimeError, KeyError, TypeError, ValueError, MemoryError, OverflowError)
 
 
 @dataclass(frozen=True)
@@ -87,10 +91,11 @@ def with_detail_pass(bundle: NetworkBundle, width: int) -> NetworkBundle:
 
 
 def save_bundle(path: Path, bundle: NetworkBundle, *, half: bool = True) -> None:
-    """Write weights whole or not at all; floats as fp16 unless `half` is False.
+    """Write weights whole or not at all, with their own checksum; floats as fp16 unless `half` is False.
 
     Raises:
         ValueError: when a weight is not finite.
+        InputError: the place can't be written.
     """
     tensors = {}
     for name, value in bundle.state_dict().items():
@@ -101,22 +106,37 @@ def save_bundle(path: Path, bundle: NetworkBundle, *, half: bool = True) -> None
             keep = not half or name.endswith(("running_var", "running_mean"))
             value = value.float() if keep else value.half()
         tensors[name] = value.contiguous()
-    header = {"format": FORMAT, "config": bundle.config.to_json(), **bundle.card}
-    beside = path.with_name(path.name + ".partial")
-    save_file(tensors, beside, metadata=header)
-    os.replace(beside, path)
+    header = {"format": FORMAT, "config": bundle.config.to_json(), _CHECKSUM: _checksum(tensors), **bundle.card}
+    with whole_file(path) as beside:
+        save_file(tensors, beside, metadata=header)
+
+
+def _checksum(tensors: dict[str, torch.Tensor]) -> str:
+    """Hex digest of names, types, shapes and values."""
+    digest = hashlib.sha256()
+    for name in sorted(tensors):
+        value = tensors[name]
+        digest.update(repr((name, str(value.dtype), tuple(value.shape))).encode())
+        digest.update(value.contiguous().reshape(-1).view(torch.uint8).numpy())
+    return digest.hexdigest()
 
 
 def load_bundle(path: Path) -> NetworkBundle:
     """Read weights; raises InputError when the file is missing, damaged or of another format."""
     try:
+        check_regular(path)
         with safe_open(path, framework="pt") as file:
             header = dict(file.metadata() or {})
             if header.pop("format", None) != FORMAT:
                 raise InputError(f"{path}: not a file of relight weights; use one written by 'relight train'")
             bundle = NetworkBundle(BundleConfig.from_json(header.pop("config")))
-            bundle.load_state_dict({name: file.get_tensor(name).float() for name in file.keys()}, strict=True)  # noqa: SIM118
-    except (OSError, SafetensorError, RuntimeError, KeyError, TypeError, json.JSONDecodeError) as error:
+            tensors = {name: file.get_tensor(name) for name in file.keys()}  # noqa: SIM118
+            if header.pop(_CHECKSUM, None) not in (None, _checksum(tensors)):
+                raise InputError(f"{path}: these weights are damaged (their checksum differs); install them again")
+            bundle.load_state_dict({name: value.float() for name, value in tensors.items()}, strict=True)
+    except InputError:
+        raise
+    except _DAMAGE as error:
         reason = str(error).splitlines()[0] if str(error) else type(error).__name__
         raise InputError(f"{path}: these weights can't be read ({reason}); install them again") from error
     bundle.card = header

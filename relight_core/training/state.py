@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -13,6 +12,7 @@ from safetensors.torch import save_file
 from torch import nn
 
 from relight_core.errors import InputError
+from relight_core.imaging.files import whole_file
 
 _FORMAT = "relight-training-1"
 
@@ -54,9 +54,8 @@ def save_state(path: Path, progress: Progress, weights: nn.Module, average: dict
         tensors |= {f"optimiser.{index}.{name}": torch.as_tensor(value) for name, value in moments.items()}
     tensors["random"] = torch.get_rng_state()
     tensors = {name: value.detach().cpu().contiguous().clone() for name, value in tensors.items()}
-    beside = path.with_name(path.name + ".partial")
-    save_file(tensors, beside, metadata={"format": _FORMAT, "progress": json.dumps(progress.__dict__)})
-    os.replace(beside, path)
+    with whole_file(path) as beside:
+        save_file(tensors, beside, metadata={"format": _FORMAT, "progress": json.dumps(progress.__dict__)})
 
 
 def load_state(path: Path, weights: nn.Module, average: dict[str, torch.Tensor], optimiser) -> Progress:

@@ -11,10 +11,13 @@ import pytest
 sys.path.insert(0, str(Path(__file__).parent))
 
 import fuzz
-from fuzz_corpus import Reader
+from fuzz_corpus import Reader, readers
 from fuzz_mutations import damaged
 
 from relight_core.errors import InputError
+from relight_core.imaging import exr
+from relight_core.imaging.read import read_radiance
+from relight_core.imaging.write import write_exr_layers
 
 SCRIPT = Path(__file__).with_name("fuzz.py")
 
@@ -55,3 +58,30 @@ def test_faults_and_deaths_are_found_and_the_next_files_still_tried(read, word):
 
 def test_refusing_is_no_fault():
     assert fuzz.fuzz_reader(Reader(refuses, [b"abc"], ".x"), 10, seed=0) == {}
+
+
+@pytest.mark.parametrize(("name", "number"), [("photo", 3376), ("photo", 9379), ("hdr", 5897)])
+def test_files_that_once_did_harm(tmp_path, name, number):
+    reader = readers(tmp_path)[name]
+    path = tmp_path / f"mutant{reader.suffix}"
+    path.write_bytes(fuzz.mutant(reader.seeds, 0, number))
+    with pytest.raises(InputError):
+        reader.read(path)
+
+
+@pytest.mark.parametrize("resolution", ["-Y 8 +X \u00b9\u00b9", "-Y 8 +X " + "9" * 5000, "-Y 99999999 +X 99999999"])
+def test_radiance_headers_that_claim_no_size(tmp_path, resolution):
+    path = tmp_path / "a.hdr"
+    path.write_bytes(f"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n{resolution}\n".encode("latin-1") + bytes(64))
+    with pytest.raises(InputError):
+        read_radiance(path)
+
+
+def test_an_exr_of_too_many_channels_is_refused_before_it_is_read(tmp_path, monkeypatch):
+    monkeypatch.setattr(exr, "MAX_SAMPLES", 8 * 16 * 6)
+    noise = np.ones((8, 16, 3), np.float32)
+    write_exr_layers(tmp_path / "a.exr", {"RGB": noise, "albedo": noise})
+    assert read_radiance(tmp_path / "a.exr").shape == (8, 16, 3)
+    write_exr_layers(tmp_path / "b.exr", {"RGB": noise, "albedo": noise, "normal": noise})
+    with pytest.raises(InputError, match="9 channels"):
+        read_radiance(tmp_path / "b.exr")

@@ -1,0 +1,133 @@
+"""Killed, full, read-only, hostile places: the old file or the new one is there, and the message is clear."""
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from relight_core.errors import InputError
+from relight_core.imaging.files import file_bytes, whole_file
+from relight_core.imaging.read import read_photo
+from relight_core.imaging.write import write_image
+from relight_core.lighting.environment import read_environment
+from relight_core.lighting.rig_description import read_rig
+from relight_core.networks.bundle import BundleConfig, NetworkBundle, load_bundle, save_bundle
+
+ROOT = Path(__file__).resolve().parents[2]
+WRITE_FOR_EVER = """
+import sys
+sys.path.insert(0, {root!r})
+import numpy as np
+from pathlib import Path
+from relight_core.imaging.write import write_image
+from relight_core.networks.bundle import BundleConfig, NetworkBundle, save_bundle
+folder, kind = Path({folder!r}), {kind!r}
+bundle = NetworkBundle(BundleConfig.tiny())
+image = np.random.default_rng(0).random((200, 200, 3), np.float32)
+print("ready", flush=True)
+while True:
+    if kind == "weights":
+        save_bundle(folder / "saved.safetensors", bundle)
+    else:
+        write_image(folder / f"saved.{{kind}}", image)
+"""
+
+
+@pytest.mark.parametrize("kind", ["png", "exr", "weights"])
+def test_killed_at_any_moment_the_file_is_whole(tmp_path, kind):
+    name = "saved.safetensors" if kind == "weights" else f"saved.{kind}"
+    read = load_bundle if kind == "weights" else read_photo
+    script = WRITE_FOR_EVER.format(root=str(ROOT), folder=str(tmp_path), kind=kind)
+    for _ in range(2):
+        writer = subprocess.Popen([sys.executable, "-c", script], stdout=subprocess.PIPE)
+        writer.stdout.readline()
+        while not (tmp_path / name).exists():
+            time.sleep(0.01)
+        os.kill(writer.pid, signal.SIGKILL)
+        writer.wait()
+        writer.stdout.close()
+        read(tmp_path / name)
+
+
+def test_a_disk_that_fills_up_leaves_the_old_file(tmp_path, monkeypatch):
+    path = tmp_path / "a.png"
+    write_image(path, np.full((8, 8, 3), 0.25, np.float32))
+    before = path.read_bytes()
+
+    def full(*_):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(os, "fsync", full)
+    with pytest.raises(InputError, match="no space left"):
+        write_image(path, np.full((8, 8, 3), 0.5, np.float32))
+    with pytest.raises(InputError, match="no space left"):
+        save_bundle(tmp_path / "w.safetensors", NetworkBundle(BundleConfig.tiny()))
+    assert path.read_bytes() == before
+    assert os.listdir(tmp_path) == ["a.png"]
+
+
+READERS = [read_photo, read_environment, read_rig, load_bundle, file_bytes]
+
+
+@pytest.mark.parametrize("read", READERS)
+def test_a_pipe_never_blocks_a_reader(tmp_path, read):
+    os.mkfifo(tmp_path / "pipe.png")
+    with pytest.raises(InputError, match="not a regular file"):
+        read(tmp_path / "pipe.png")
+
+
+@pytest.mark.skipif(not os.path.exists("/dev/zero"), reason="no such device here")
+@pytest.mark.parametrize("read", READERS)
+def test_a_device_without_end_is_refused(read):
+    with pytest.raises(InputError, match="not a regular file"):
+        read(Path("/dev/zero"))
+
+
+@pytest.mark.parametrize("read", READERS)
+@pytest.mark.parametrize("kind", ["folder", "loop", "dangling", "empty", "missing"])
+def test_odd_places_get_one_line(tmp_path, read, kind):
+    path = tmp_path / "odd.hdr"
+    if kind == "folder":
+        path.mkdir()
+    elif kind == "loop":
+        path.symlink_to(path)
+    elif kind == "dangling":
+        path.symlink_to(tmp_path / "nowhere")
+    elif kind == "empty":
+        path.touch()
+    with pytest.raises(InputError) as refusal:
+        read(path)
+    assert "\n" not in str(refusal.value)
+    assert "odd.hdr" in str(refusal.value)
+
+
+@pytest.mark.parametrize("name", ["new\nline.png", "tab\t.png", b"\xff\xfe.png", "\N{PILE OF POO} \u202e.png"])
+def test_names_that_are_no_plain_text(tmp_path, name):
+    path = tmp_path / (os.fsdecode(name) if isinstance(name, bytes) else name)
+    write_image(path, np.full((4, 4, 3), 0.25, np.float32))
+    assert read_photo(path).linear.shape == (4, 4, 3)
+
+
+def test_two_writers_of_one_file_leave_one_of_them_whole(tmp_path):
+    path = tmp_path / "a.txt"
+    with whole_file(path) as one, whole_file(path) as other:
+        assert one != other
+        one.write_text("one")
+        other.write_text("other")
+    assert path.read_text() in ("one", "other")
+    assert os.listdir(tmp_path) == ["a.txt"]
+
+
+def test_a_bit_flipped_in_the_weights_is_noticed(tmp_path):
+    path = tmp_path / "w.safetensors"
+    save_bundle(path, NetworkBundle(BundleConfig.tiny()))
+    data = bytearray(path.read_bytes())
+    data[-50] ^= 1
+    path.write_bytes(data)
+    with pytest.raises(InputError, match="checksum"):
+        load_bundle(path)
