@@ -16,7 +16,8 @@ void main() {
 #include "view_transform.glsl"
 
 uniform sampler2D picture;
-uniform vec4 place;          // x, y, width, height of the picture
+uniform vec4 place;          // x, y, width, height of the picture before its turn
+uniform float roll;          // its turn about its middle, counterclockwise, in radians
 uniform bool encoded;        // the picture is sRGB already, not radiance
 uniform bool has_alpha;
 uniform float exposure_ev;
@@ -86,7 +87,10 @@ vec3 inspected(vec3 srgb, vec3 texel, vec2 uv, vec2 pixel) {
 
 void main() {
     vec2 pixel = gl_FragCoord.xy;
-    vec2 uv = (pixel - place.xy) / place.zw;
+    vec2 from_middle = pixel - place.xy - 0.5 * place.zw;
+    // Without a turn exactly the pixel's own place, so that crisp pixels stay so.
+    if (roll != 0.0) from_middle = mat2(cos(roll), sin(roll), -sin(roll), cos(roll)) * from_middle;
+    vec2 uv = (from_middle + 0.5 * place.zw) / place.zw;
     if (any(lessThan(uv, vec2(0.0))) || any(greaterThanEqual(uv, vec2(1.0)))) {
         shown = vec4(canvas_srgb, 1.0);
         return;

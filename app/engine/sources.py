@@ -42,6 +42,7 @@ class RelitLike(Protocol):
     faces: list
     stages: dict
     window: tuple[float, float, float, float] | None
+    roll_deg: float
     full: object | None
 
 

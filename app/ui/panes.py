@@ -5,7 +5,7 @@ All positions are in framebuffer pixels from the viewport's top left corner.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from app.ui.state import PHOTO, RESULT, EditorState
 from app.ui.view import Frame, Placement, View, place
@@ -69,7 +69,7 @@ def frame_of(state: EditorState, name: str) -> Frame:
     if name in LIGHTS:
         return Frame(0.0, 0.0, 2.0, 1.0)
     x0, y0, x1, y1 = picture.relit.window
-    return Frame(x0, y0, x1 - x0, y1 - y0)
+    return Frame(x0, y0, x1 - x0, y1 - y0, picture.relit.roll_deg)
 
 
 def arrange_panes(state: EditorState, size: tuple[int, int]) -> Arrangement:
@@ -119,4 +119,4 @@ def _photo_placement(state: EditorState, frame: Frame, placement: Placement) -> 
 
 
 def _moved(placement: Placement, dx: float) -> Placement:
-    return Placement(placement.x + dx, placement.y, placement.zoom, placement.width, placement.height)
+    return replace(placement, x=placement.x + dx)

@@ -8,8 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from app.engine.snapshot import Snapshot
+from app.engine.sources import RelitLike
 from app.ui.panes import LIGHTS
 from app.ui.state import CHANNELS, PHOTO, RESULT
+from relight_core.face.crop import Crop
 from relight_core.face.parsing import CLASSES
 from relight_core.imaging.view_transform import apply_view
 from relight_core.pipeline.channel_view import channel_to_srgb
@@ -57,7 +59,7 @@ def reading(snapshot: Snapshot, name: str, exposure_ev: float, x: float, y: floa
         scale = picture.relit.image.shape[1] / snapshot.opened.photo.linear.shape[1]
         return _of_picture(RESULT, picture.relit.image, x * scale, y * scale, exposure_ev)
     channel = picture.relit.channels.get(name)
-    return None if channel is None else _of_channel(name, channel, picture.relit.window, x, y)
+    return None if channel is None else _of_channel(name, channel, picture.relit, x, y)
 
 
 def _of_picture(name: str, linear: np.ndarray, x: float, y: float, exposure_ev: float) -> Reading:
@@ -67,12 +69,12 @@ def _of_picture(name: str, linear: np.ndarray, x: float, y: float, exposure_ev: 
     return Reading(name, _numbers(texel), _codes(apply_view(texel[None], exposure_ev)))
 
 
-def _of_channel(name: str, channel: np.ndarray, window: tuple | None, x: float, y: float) -> Reading:
-    if window is None:
+def _of_channel(name: str, channel: np.ndarray, relit: RelitLike, x: float, y: float) -> Reading:
+    if relit.window is None:
         return Reading(name)
-    x0, y0, x1, y1 = window
-    height, width = channel.shape[:2]
-    texel = _texel(channel, (x - x0) / (x1 - x0) * width, (y - y0) / (y1 - y0) * height)
+    x0, y0, x1, y1 = relit.window
+    crop = Crop((x0 + x1) / 2, (y0 + y1) / 2, x1 - x0, relit.roll_deg)
+    texel = _texel(channel, *crop.from_photo(np.array([x, y]), channel.shape[0]))
     if texel is None:
         return Reading(name)
     shown = _codes(channel_to_srgb(name, texel.reshape(1, 1, *channel.shape[2:])))

@@ -11,12 +11,18 @@ MARGIN_PX = 16
 
 @dataclass(frozen=True)
 class Frame:
-    """Where a picture lies in the photo, in the photo's pixels: the photo itself at 0, 0, a channel at its crop."""
+    """Where a picture lies in the photo, in the photo's pixels: the photo itself at 0, 0, a channel at its crop.
+
+    Attributes:
+        x, y, width, height: its rectangle before the turn.
+        roll_deg: how far it is turned about its middle, counterclockwise as one looks at the photo.
+    """
 
     x: float
     y: float
     width: float
     height: float
+    roll_deg: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -42,7 +48,8 @@ class Placement:
     Attributes:
         x, y: its top left corner.
         zoom: screen pixels per photo pixel.
-        width, height: of the picture on the screen.
+        width, height: of the picture on the screen, before its turn.
+        roll_deg: how far it is turned about its middle, counterclockwise.
     """
 
     x: float
@@ -50,6 +57,7 @@ class Placement:
     zoom: float
     width: float
     height: float
+    roll_deg: float = 0.0
 
 
 def place(view: View, frame: Frame, viewport: tuple[int, int]) -> Placement:
@@ -61,7 +69,8 @@ def place(view: View, frame: Frame, viewport: tuple[int, int]) -> Placement:
     x = viewport[0] / 2 + (frame.x - view.centre_x) * view.zoom
     y = viewport[1] / 2 + (frame.y - view.centre_y) * view.zoom
     corner_x, corner_y = math.floor(x + 0.5), math.floor(y + 0.5)
-    return Placement(corner_x, corner_y, view.zoom, frame.width * view.zoom, frame.height * view.zoom)
+    width, height = frame.width * view.zoom, frame.height * view.zoom
+    return Placement(corner_x, corner_y, view.zoom, width, height, frame.roll_deg)
 
 
 def settled(view: View, frame: Frame, viewport: tuple[int, int]) -> View:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 import moderngl
@@ -97,6 +98,7 @@ class PicturePainter:
         # A light has so few texels that only their blend can be read as a place.
         slot.smooth(name in LIGHTS or place.width / slot.texture.width < _CRISP_FROM_ZOOM)
         program["place"].value = (place.x, place.y, place.width, place.height)
+        program["roll"].value = math.radians(place.roll_deg)
         program["encoded"].value = name not in (PHOTO, RESULT)
         program["has_alpha"].value = slot.texture.components == 4
         program["exposure_ev"].value = exposure_ev if name == RESULT else 0.0

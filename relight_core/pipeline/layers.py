@@ -75,7 +75,7 @@ def channel_view_of(relit: Relit) -> Crop | None:
     if relit.window is None:
         return None
     x0, y0, x1, y1 = relit.window
-    return Crop((x0 + x1) / 2, (y0 + y1) / 2, x1 - x0)
+    return Crop((x0 + x1) / 2, (y0 + y1) / 2, x1 - x0, relit.roll_deg)
 
 
 def unrolled(normals: np.ndarray, roll_deg: float) -> np.ndarray:

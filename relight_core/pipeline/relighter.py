@@ -50,6 +50,7 @@ class Relit:
         stages: what each stage did, in the order in which they ended.
         plan: what was decided about each effect, and why.
         window: x0, y0, x1, y1 of the square the channels show, in photo pixels; it may reach beyond the photo.
+        roll_deg: how far that square is turned about its middle, as `Crop.roll_deg`.
     """
 
     image: np.ndarray
@@ -60,6 +61,7 @@ class Relit:
     plan: tuple[Effect, ...] = ()
     full: Picture | None = None
     window: tuple[float, float, float, float] | None = None
+    roll_deg: float = 0.0
 
     @property
     def size(self) -> tuple[int, int]:
@@ -168,8 +170,8 @@ class Relighter:
         if edit.looks_at("target_light") and plan.runs("channels"):
             channels["target_light"] = network_light(environment, edit.yaw_deg) * np.float32(level)
         boxes = [face.portrait.face for face in self._faces]
-        window = face.portrait.view.window
-        return Relit(image, alpha, channels, boxes, dict(self._cache.stages), plan.effects, full, window)
+        view, done = face.portrait.view, dict(self._cache.stages)
+        return Relit(image, alpha, channels, boxes, done, plan.effects, full, view.window, view.roll_deg)
 
     def _first(self) -> FaceRelighter:
         if not self._faces:

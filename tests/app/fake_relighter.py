@@ -28,6 +28,7 @@ class FakeRelit:
     faces: list
     stages: dict = field(default_factory=lambda: {"compose": FakeStage(1.0)})
     window: tuple | None = None
+    roll_deg: float = 0.0
     full: object = None
 
 

@@ -166,3 +166,16 @@ def test_a_preview_that_is_smaller_than_the_photo_is_read_at_the_same_spot(snaps
     preview = replace(snapshot, picture=replace(picture, relit=half))
     x, y = 90.0, 60.0
     assert reading(preview, "result", 0.0, x, y).linear == reading(snapshot, "result", 0.0, x, y).linear
+
+
+@pytest.mark.parametrize("roll_deg", [30.0, -90.0])
+def test_in_a_turned_crop_the_probe_finds_the_turned_place(snapshot, roll_deg):
+    turned = replace(snapshot.picture, relit=replace(snapshot.picture.relit, roll_deg=roll_deg))
+    now = replace(snapshot, picture=turned)
+    middle = reading(now, "specular", 0.0, 64.0, 48.0)
+    assert middle.linear == reading(snapshot, "specular", 0.0, 64.0, 48.0).linear
+    # 20 pixels above the middle of the crop, turned back counterclockwise with it.
+    angle = np.radians(roll_deg)
+    x, y = 64.5 - 20 * np.sin(angle), 48.5 - 20 * np.cos(angle)
+    found = reading(now, "shadow", 0.0, x, y).linear
+    assert found == pytest.approx(reading(snapshot, "shadow", 0.0, 64.5, 28.5).linear, abs=0.3 / 63)

@@ -1,6 +1,7 @@
 """Looking at pictures in the real window: keys, panels, zoom, comparisons and overlays, judged by pixels."""
 
 import time
+from dataclasses import replace
 from types import SimpleNamespace
 
 import glfw
@@ -280,3 +281,14 @@ def test_probe_and_timings_are_drawn_only_while_switched_on(opened):
         assert np.abs(opened.window.screenshot() - before).sum() > 10000
         opened.key(key)
         assert (opened.window.screenshot() == before).all()
+
+
+def test_a_channel_of_a_leaning_head_lies_turned_on_the_photo(opened, relighter, monkeypatch):
+    opened.key(glfw.KEY_3)
+    upright = opened.picture_pixels(64, 64)
+    relight = relighter.relight
+    monkeypatch.setattr(relighter, "relight", lambda *asked: replace(relight(*asked), roll_deg=90.0))
+    opened.key(glfw.KEY_RIGHT)
+    turned = opened.picture_pixels(64, 64)
+    assert (upright != np.rot90(upright)).any()
+    assert np.abs(turned.astype(int) - np.rot90(upright)).max() <= 1
