@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import math
 import re
+from pathlib import Path
 from typing import NoReturn
 
 from relight_core.errors import InputError
@@ -25,13 +26,23 @@ class OneLineParser(argparse.ArgumentParser):
 
 
 def add_light(parser: argparse.ArgumentParser, *, required: bool) -> None:
-    """--light, in the three forms that app.cli.session.Session.light understands."""
+    """--light, in the forms that app.cli.session.Session.light understands."""
     parser.add_argument(
         "--light",
         metavar="L",
         required=required,
-        help="a bundled rig's name (see relight rigs), an .hdr or .exr map, or a portrait to borrow from",
+        help="a bundled rig's name (see relight rigs), an .hdr or .exr map, a portrait to borrow from, or a light or "
+        "session (.json) saved in the editor",
     )
+
+
+def add_one_photo(parser: argparse.ArgumentParser, metavar: str, output_help: str) -> None:
+    """What the commands take that relight one photo: PHOTO, light, sliders, -o and --json."""
+    parser.add_argument("photo", metavar="PHOTO", type=Path, help="a portrait photo")
+    add_light(parser, required=True)
+    add_sliders(parser)
+    parser.add_argument("-o", "--output", metavar=metavar, type=Path, required=True, help=output_help)
+    add_json(parser)
 
 
 def add_sliders(parser: argparse.ArgumentParser) -> None:

@@ -12,7 +12,7 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from app.cli.arguments import add_json, add_light, add_sliders, edit_from
+from app.cli.arguments import add_one_photo, edit_from
 from app.cli.outputs import check_folder, check_place, folder_filled_at_once
 from app.cli.report import relit_record, reporting
 from app.cli.session import Session, light_file
@@ -29,11 +29,7 @@ LIGHTS = ("source_light", "target_light")
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments of `relight channels`."""
-    parser.add_argument("photo", metavar="PHOTO", type=Path, help="a portrait photo")
-    add_light(parser, required=True)
-    add_sliders(parser)
-    parser.add_argument("-o", "--output", metavar="DIR", type=Path, required=True, help="a folder")
-    add_json(parser)
+    add_one_photo(parser, "DIR", "a folder")
 
 
 def run(arguments: argparse.Namespace) -> int:

@@ -5,7 +5,8 @@ or a pattern in which {name} stands for the photo's name: -o 'out/{name}.exr'. P
 look at; EXR holds linear radiance. Nothing is ever written over an input.
 
 With --json, one photo gives one object; several give {"results": [...], "errors": [{"input", "error"}]}.
-A photo that can't be relit doesn't stop the others, but makes the exit code 2.
+A photo that can't be relit doesn't stop the others, but makes the exit code 2; --resume takes up where an
+earlier run was interrupted.
 """
 
 from __future__ import annotations
@@ -20,6 +21,7 @@ from app.cli.arguments import add_json, add_light, add_sliders, edit_from
 from app.cli.outputs import OPAQUE_SUFFIXES, check_place, make_folder, plan_outputs
 from app.cli.report import Report, relit_line, relit_record, reporting
 from app.cli.session import Session, light_file
+from app.engine.batch import photos_in, relight_each, summary
 from relight_core.errors import InputError
 
 if TYPE_CHECKING:
@@ -30,7 +32,7 @@ _UNSEEN_PX = 64
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments of `relight render`."""
-    parser.add_argument("photos", metavar="PHOTO", nargs="+", type=Path, help="a portrait photo")
+    parser.add_argument("photos", metavar="PHOTO", nargs="+", type=Path, help="a portrait photo, or a folder of them")
     add_light(parser, required=True)
     add_sliders(parser)
     parser.add_argument("-o", "--output", metavar="OUT", required=True, help="file, folder/ or {name} pattern")
@@ -47,16 +49,21 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         default="srgb",
         help="colours of PNG, JPEG and TIFF: sRGB, or the photo's own profile",
     )
+    parser.add_argument(
+        "--resume", action="store_true", help="leave results alone that are there and newer than their photos"
+    )
     add_json(parser)
 
 
 def run(arguments: argparse.Namespace) -> int:
     """Render every photo; returns the exit code."""
+    several = len(arguments.photos) > 1 or arguments.photos[0].is_dir() or arguments.resume
+    arguments.photos = _photos(arguments.photos)
     outputs = _checked_outputs(arguments)
     with reporting(arguments.json) as report:
         session = Session()
         light = session.light(arguments.light)
-        if len(outputs) == 1:
+        if not several:
             report.record(_render(session, light, arguments, arguments.photos[0], outputs[0], report))
             return 0
         return _render_each(session, light, arguments, outputs, report)
@@ -82,15 +89,32 @@ def _is_folder(out: str) -> bool:
 def _render_each(
     session: Session, light: Environment, arguments: argparse.Namespace, outputs: list[Path], report: Report
 ) -> int:
-    results, errors = [], []
-    for photo, output in zip(arguments.photos, outputs, strict=True):
-        try:
-            results.append(_render(session, light, arguments, photo, output, report))
-        except InputError as error:
-            print(f"relight render: {error}", file=sys.stderr, flush=True)
-            errors.append({"input": str(photo), "error": str(error)})
-    report.record({"results": results, "errors": errors})
-    return 2 if errors else 0
+    def one(photo: Path, output: Path) -> dict:
+        return _render(session, light, arguments, photo, output, report)
+
+    outcomes = []
+    tasks = list(zip(arguments.photos, outputs, strict=True))
+    for outcome in relight_each(tasks, one, arguments.resume):
+        outcomes.append(outcome)
+        if outcome.state == "failed":
+            print(f"relight render: {outcome.error}", file=sys.stderr, flush=True)
+        elif outcome.state == "kept":
+            report.line(f"kept {outcome.output}")
+    failed = [outcome for outcome in outcomes if outcome.state == "failed"]
+    record = {
+        "results": [outcome.result for outcome in outcomes if outcome.state == "written"],
+        "errors": [{"input": str(outcome.photo), "error": outcome.error} for outcome in failed],
+    }
+    kept = [str(outcome.output) for outcome in outcomes if outcome.state == "kept"]
+    report.record(record | ({"kept": kept} if arguments.resume else {}))
+    if failed and len(outcomes) > 2:
+        print(f"relight render: {summary(outcomes)}", file=sys.stderr, flush=True)
+    return 2 if failed else 0
+
+
+def _photos(given: list[Path]) -> list[Path]:
+    """The photos, with folders replaced by what is in them."""
+    return [photo for path in given for photo in (photos_in(path) if path.is_dir() else [path])]
 
 
 def _render(

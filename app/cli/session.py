@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import difflib
 import os
+import warnings
 from functools import cached_property
 from importlib.resources import files
 from pathlib import Path
@@ -32,7 +33,7 @@ class Session:
         return make_relighter()
 
     def light(self, text: str) -> Environment:
-        """The light that L names: a bundled rig, an .hdr or .exr panorama, or a portrait's own light.
+        """The light that L names: a bundled rig, an .hdr or .exr panorama, a portrait's own light, or a saved one.
 
         Raises:
             InputError: L is none of these, or its file is bad.
@@ -41,12 +42,33 @@ class Session:
         from relight_core.lighting.rigs import load_rig
 
         kind = light_kind(text)
+        if kind == "saved":
+            return self._saved_light(Path(text))
         if kind == "rig":
             return load_rig(text)
         if kind == "panorama":
             return read_environment(Path(text))
         self.open(Path(text))
         return self.relighter.estimated_light()
+
+    def _saved_light(self, path: Path) -> Environment:
+        """A light file's light, or a session's, with all that was changed about it and its turn."""
+        from app.document.json_fields import kind_of
+        from app.document.light_file import SavedLight, read_light
+        from app.document.session_file import read_session
+        from relight_core.lighting.light_edit import edit_light, turned_light
+
+        if kind_of(path) == "session":
+            session = read_session(path)
+            document = session.document
+            saved = SavedLight(document.light, document.light_edit, document.edit.yaw_deg, session.notes)
+        else:
+            saved = read_light(path)
+        if saved.light.kind == "own":
+            raise InputError(f"{path}: its light is the photo's own; name the portrait itself after --light")
+        for note in saved.notes:
+            warnings.warn(f"{path}: {note}", stacklevel=2)
+        return turned_light(edit_light(self.light(saved.light.name), saved.light_edit), saved.yaw_deg)
 
     def open(self, path: Path, face_index: int | None = None) -> Photo:
         """Read a photo and make it the Relighter's portrait.
@@ -62,7 +84,7 @@ class Session:
 
 
 def light_kind(text: str) -> str:
-    """What L is: "rig", "panorama" or "portrait".
+    """What L is: "rig", "panorama", "portrait" or "saved", a light or session of the editor's.
 
     Raises:
         InputError: neither a rig nor a file.
@@ -73,7 +95,7 @@ def light_kind(text: str) -> str:
     kind = LightSource.named(text).kind
     if kind != "rig" and not os.path.lexists(text):
         raise InputError(_no_such_light(text, rig_names()))
-    return kind
+    return "saved" if text.lower().endswith(".json") else kind
 
 
 def light_file(text: str) -> list[Path]:

@@ -7,7 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from app.cli.arguments import add_json, add_light, add_sliders, edit_from
+from app.cli.arguments import add_one_photo, edit_from
 from app.cli.outputs import check_place
 from app.cli.report import relit_record, reporting
 from app.cli.session import Session, light_file
@@ -28,11 +28,7 @@ _REACH = 1.1
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments of `relight turntable`."""
-    parser.add_argument("photo", metavar="PHOTO", type=Path, help="a portrait photo")
-    add_light(parser, required=True)
-    add_sliders(parser)
-    parser.add_argument("-o", "--output", metavar="SHEET", type=Path, required=True, help="a picture file")
-    add_json(parser)
+    add_one_photo(parser, "SHEET", "a picture file")
 
 
 def run(arguments: argparse.Namespace) -> int:

@@ -13,7 +13,7 @@ from app.engine.jobs import JobControl, Jobs
 from app.engine.snapshot import Picture
 from app.engine.sources import RelitLike
 from relight_core import __version__
-from relight_core.imaging.write import write_exr_layers, write_image
+from relight_core.imaging.write import FileStyle, write_bands, write_exr_layers
 from relight_core.pipeline.edit import Edit
 from relight_core.pipeline.layers import LAYERS, photo_layers, shrunk_picture
 
@@ -90,14 +90,24 @@ def export(job: ExportJob) -> Path:
     """
     path = job.path.expanduser() if job.replaces else free_path(job.path)
     note = export_note(job.picture.light.source.title, replace(job.picture.edit, exposure_ev=job.exposure_ev))
-    write_relit(path, job.picture.relit, job.settings, job.exposure_ev, note)
+    exif = job.picture.opened.photo.exif
+    write_relit(path, job.picture.relit, job.settings, job.exposure_ev, note, exif)
     return path
 
 
 def write_relit(
-    path: Path, relit: RelitLike, settings: ExportSettings, exposure_ev: float, note: dict[str, str | float]
+    path: Path,
+    relit: RelitLike,
+    settings: ExportSettings,
+    exposure_ev: float,
+    note: dict[str, str | float],
+    exif: bytes | None = None,
 ) -> None:
     """Write a relit portrait as the settings say, replacing what is there.
+
+    Args:
+        note: what the file says of how it was made; see `export_note`.
+        exif: of the photo, for PNG and JPEG.
 
     Raises:
         InputError: a place or kind of file that can't be written.
@@ -107,8 +117,9 @@ def write_relit(
         write_exr_layers(path, layers, half=not settings.deep, header=note)
         return
     image, alpha = shrunk_picture(relit, settings.longest_side)
-    text = {key: str(value) for key, value in note.items()}
-    write_image(path, image, alpha, bits=settings.bits, quality=settings.quality, exposure_ev=exposure_ev, texts=text)
+    texts = {key: str(value) for key, value in note.items()}
+    style = FileStyle(settings.bits, settings.quality, exposure_ev, exif=exif, texts=texts)
+    write_bands(path, image.shape[:2], [(slice(0, image.shape[0]), image, alpha)], alpha is not None, style)
 
 
 def export_note(light: str, edit: Edit) -> dict[str, str | float]:

@@ -146,13 +146,14 @@ def relight_like(
 
     if os.path.realpath(photo) == os.path.realpath(output):
         raise InputError(f"{output}: that is the photo itself; choose another folder")
-    relighter.set_portrait(read_photo(photo))
+    opened = read_photo(photo)
+    relighter.set_portrait(opened)
     if document.light.kind == "own":
         environment = edit_light(relighter.estimated_light("final"), document.light_edit)
     channels = None if settings.form == ".exr" and settings.layers else ()
     edit = replace(document.edit, quality="final", channels=channels)
     relit = relighter.relight(environment, _without_exposure(edit))
-    write_relit(output, relit, settings, edit.exposure_ev, export_note(title, edit))
+    write_relit(output, relit, settings, edit.exposure_ev, export_note(title, edit), opened.exif)
 
 
 def _without_exposure(edit: Edit) -> Edit:

@@ -20,8 +20,9 @@ def run_editor(
     """Open the editor and return when the user closes it.
 
     Args:
-        photo_path: the portrait to open at once; one that can't be opened is told in the window.
-        light: a bundled rig's name, an .hdr or .exr panorama, or a portrait whose light is borrowed.
+        photo_path: the portrait or session to open at once; one that can't be opened is told in the window.
+        light: a bundled rig's name, an .hdr or .exr panorama, a portrait whose light is borrowed, or a light
+            or session file.
         relighter_factory: makes the Relighter, on the engine's thread, when the first photo is opened.
 
     Returns:
@@ -32,13 +33,17 @@ def run_editor(
     """
     from app.engine.calibration_file import cache_path
     from app.settings import settings_path
+    from app.window.dropped import take_files
     from app.window.window import EditorWindow
 
-    source = LightSource.named(light) if light else None
-    photo = Path(photo_path) if photo_path else None
+    saved = [Path(text) for text in (photo_path, light) if text and str(text).lower().endswith(".json")]
+    source = LightSource.named(light) if light and Path(light) not in saved else None
+    photo = Path(photo_path) if photo_path and Path(photo_path) not in saved else None
     kept = {"settings_path": settings_path(), "calibration_path": cache_path()}
     window = EditorWindow(relighter_factory, photo, source, **kept)
     try:
+        for path in saved:
+            take_files(window.state, [path], 0.0, 0.0, as_light=str(path) == light)
         window.run()
     finally:
         window.close()

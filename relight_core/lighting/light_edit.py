@@ -8,7 +8,7 @@ import numpy as np
 
 from relight_core.imaging.colour import REC709_LUMINANCE
 from relight_core.lighting.colour_temperature import kelvin_to_rgb
-from relight_core.lighting.environment import Environment, mean_luminance, shrink
+from relight_core.lighting.environment import Environment, mean_luminance, rotate, shrink
 from relight_core.lighting.light_blur import blur_light
 from relight_core.lighting.soft_box import SoftBox, soft_box_radiance
 from relight_core.lighting.summary import meter_reading
@@ -76,6 +76,17 @@ def edit_light(light: Environment, edit: LightEdit, draft: bool = False) -> Envi
         edited = Environment.from_radiance(radiance, light.name)
         light = replace(edited, level=edited.level * level)
     return light if edit.level_ev == 0.0 else replace(light, level=light.level * 2.0**edit.level_ev)
+
+
+def turned_light(light: Environment, yaw_deg: float) -> Environment:
+    """The light with its content moved to the right for good.
+
+    Coarse maps are drawn finer first, so that a turn by part of a texel blurs nothing.
+    """
+    if yaw_deg % 360.0 == 0.0:
+        return light
+    shape = rotate(_grown(light.shape, max(light.height, DRAWN_HEIGHT)), yaw_deg)
+    return replace(Environment.from_radiance(shape, light.name), level=light.level)
 
 
 def _at_most(shape: np.ndarray, height: int) -> np.ndarray:

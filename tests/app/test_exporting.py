@@ -40,7 +40,7 @@ def test_an_export_has_the_photo_s_size_though_a_preview_is_in_force(tmp_path):
     large, small = np.full((40, 60, 3), 0.5, np.float32), np.full((20, 30, 3), 0.5, np.float32)
     full = SimpleNamespace(render=lambda: (large, None), size=(40, 60))
     relit = SimpleNamespace(image=small, alpha=None, channels={}, full=full)
-    opened = SimpleNamespace(photo=SimpleNamespace(linear=large))
+    opened = SimpleNamespace(photo=SimpleNamespace(linear=large, exif=None))
     light = SimpleNamespace(source=SimpleNamespace(title="Ring"))
     picture = SimpleNamespace(relit=relit, opened=opened, light=light, edit=Edit())
     written = export(ExportJob(picture, 0.0, tmp_path / "out.png"))

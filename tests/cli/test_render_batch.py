@@ -1,0 +1,81 @@
+"""relight render over folders: past bad files, resumed, and under a light saved in the editor."""
+
+import json
+import os
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from app.cli.main import main
+from app.cli.session import Session
+from app.document.document import Document, LightRef, PhotoRef
+from app.document.light_file import SavedLight, write_light
+from app.document.session_file import write_session
+from relight_core.lighting.environment import network_light
+from relight_core.lighting.light_edit import LightEdit
+from relight_core.lighting.rigs import load_rig
+from relight_core.lighting.soft_box import SoftBox
+from relight_core.pipeline.edit import Edit
+
+
+@pytest.fixture
+def folder(tmp_path):
+    folder = tmp_path / "shoot"
+    folder.mkdir()
+    for index, name in enumerate(("a.png", "b.png")):
+        pixels = np.random.default_rng(index).integers(40, 200, (16, 24, 3), dtype=np.uint8)
+        Image.fromarray(pixels).save(folder / name)
+    (folder / "bad.jpg").write_bytes(b"no pixels")
+    (folder / "notes.txt").touch()
+    return folder
+
+
+def render(folder, tmp_path, *more):
+    return main(["render", str(folder), "--light", "ring", "-o", f"{tmp_path / 'out'}/", *more])
+
+
+def test_a_folder_is_relit_past_its_bad_file_and_resumed(relighter, folder, tmp_path, capsys):
+    assert render(folder, tmp_path) == 2
+    assert sorted(path.name for path in (tmp_path / "out").iterdir()) == ["a.png", "b.png"]
+    told = capsys.readouterr().err
+    assert "bad.jpg" in told
+    assert "2 photos relit; 1 could not be relit: bad.jpg" in told
+    (folder / "bad.jpg").unlink()
+    (tmp_path / "out" / "b.png").unlink()
+    done = len(relighter.edits)
+    assert render(folder, tmp_path, "--resume", "--json") == 0
+    record = json.loads(capsys.readouterr().out)
+    assert len(relighter.edits) == done + 1
+    assert [os.path.basename(result["output"]) for result in record["results"]] == ["b.png"]
+    assert [os.path.basename(path) for path in record["kept"]] == ["a.png"]
+
+
+def test_an_empty_folder_is_told(relighter, tmp_path, capsys):
+    (tmp_path / "empty").mkdir()
+    assert render(tmp_path / "empty", tmp_path) == 2
+    assert "no photos" in capsys.readouterr().err
+
+
+def test_a_saved_light_lights_with_its_boxes_and_turn(tmp_path):
+    edit = LightEdit(base=0.0, boxes=(SoftBox(0.0, 0.0, 20.0, 20.0),))
+    write_light(tmp_path / "mine.light.json", SavedLight(LightRef("rig", "ring"), edit, 90.0))
+    light = network_light(Session().light(str(tmp_path / "mine.light.json")))
+    assert abs(int(light.sum(axis=(0, 2)).argmax()) - 7.5) <= 1
+    (tmp_path / "me.jpg").write_bytes(b"pixels")
+    document = Document(PhotoRef(tmp_path / "me.jpg"), LightRef("rig", "ring"), LightEdit(), Edit(quality="final"))
+    write_session(tmp_path / "me.relight.json", document)
+    assert np.array_equal(
+        network_light(Session().light(str(tmp_path / "me.relight.json"))), network_light(load_rig("ring"))
+    )
+
+
+def test_a_damaged_or_missing_light_file_is_told_in_a_line(relighter, folder, tmp_path, capsys):
+    (tmp_path / "x.json").write_text("{")
+    for name in ("x.json", "missing.json"):
+        assert (
+            main(["render", str(folder / "a.png"), "--light", str(tmp_path / name), "-o", str(tmp_path / "o.png")]) == 2
+        )
+        told = capsys.readouterr().err
+        assert told.count("\n") == 1
+        assert name in told
