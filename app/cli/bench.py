@@ -7,6 +7,9 @@ light library are given, with the truth. Into the folder go bench.json, bench.md
 With --session, an editing session is replayed instead (open, turn every light a full circle, drag both sliders,
 swap lights): how many stage runs the plan avoids, what time that saves, and the largest error it makes.
 
+With --stability, hostile portraits are relit under hostile lights instead, and every error is set against its
+bound: stability.json, stability.md and stability.png. The exit code is 1 if one is above it.
+
 Run it on a machine that does nothing else; the load average is part of the report.
 """
 
@@ -38,6 +41,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments of `relight bench`."""
     parser.add_argument("--quick", action="store_true", help="a minute: fewer settings and fewer rounds")
     parser.add_argument("--session", action="store_true", help="replay an editing session instead")
+    parser.add_argument("--stability", action="store_true", help="attack the pipeline instead")
     parser.add_argument("--photos", metavar="FOLDER", type=Path, help="portraits; the sample portrait without")
     parser.add_argument("--heads", metavar="DIR", type=Path, help="test heads from relight dataset bake")
     parser.add_argument("--lights", metavar="FILE", type=Path, help="a light library, an .npz")
@@ -59,6 +63,8 @@ def run(arguments: argparse.Namespace) -> int:
     with reporting(arguments.json) as report:
         photos = _photos(arguments.photos)
         make_folder(arguments.output)
+        if arguments.stability:
+            return _stability(arguments, photos[0], report)
         return (_session if arguments.session else _bench)(arguments, photos, report)
 
 
@@ -130,6 +136,23 @@ def _measured(arguments: argparse.Namespace, photos: list[Photo]) -> BenchResult
     asked = {setting.name: demands(bundle, setting.tier, device) for setting in settings}
     rows = [Row(s, timing[s.name], accuracy[s.name], asked[s.name]) for s in settings]
     return BenchResult(machine, peaks, rows)
+
+
+def _stability(arguments: argparse.Namespace, photo: Photo, report: Report) -> int:
+    from relight_core.evaluation.stability import run_stability
+    from relight_core.evaluation.stability_plot import plot_stability
+    from relight_core.imaging.files import whole_file
+
+    with progress("attacking", 1.0) as show:
+        result = run_stability(photo, quick=arguments.quick, weights=arguments.weights, report=_onto(show))
+    page = result.as_markdown()
+    _write_text(arguments.output / "stability.json", json.dumps(result.as_record(), indent=1))
+    _write_text(arguments.output / "stability.md", page + "\n")
+    with whole_file(arguments.output / "stability.png") as partial:
+        plot_stability(result, partial)
+    report.line("\n".join([page, *result.failures]))
+    report.record(result.as_record())
+    return 1 if result.failures else 0
 
 
 def _session(arguments: argparse.Namespace, photos: list[Photo], report: Report) -> int:

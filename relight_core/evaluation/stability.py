@@ -1,0 +1,206 @@
+"""The stability report: hostile portraits under hostile lights, and how far every output leaves the lawful.
+
+Each case relights one portrait; each check is a number that would be 0 in a perfect program and has a stated
+bound. Pictures are compared as the screen shows them, sRGB in [0, 1].
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from relight_core.errors import InputError
+from relight_core.imaging.photo import Photo
+from relight_core.imaging.view_transform import apply_view
+from relight_core.lighting.environment import Environment
+from relight_core.pipeline.edit import Edit
+from relight_core.pipeline.quality import Tier, tier_of
+from relight_core.pipeline.relighter import Relighter, Relit
+
+BOUNDS = {
+    "not finite": 0.0,
+    "out of range": 0.0,
+    "level law": 1e-5,
+    "full turn": 1e-3,
+    "half a degree": 0.25,
+    "half precision": 0.01,
+    "own light": 0.02,
+}
+"""The largest value of each check that is not a failure."""
+
+_YAW_DEG = 33.0
+_LEVEL = 64.0
+
+
+@dataclass(frozen=True)
+class StabilityReport:
+    """Worst errors.
+
+    Attributes:
+        cases: names of the rows: portrait, light.
+        checks: names of the columns, see BOUNDS.
+        errors: (cases, checks); NaN where the portrait could not be framed.
+    """
+
+    cases: tuple[str, ...]
+    checks: tuple[str, ...]
+    errors: np.ndarray
+
+    @property
+    def failures(self) -> list[str]:
+        """One line for each error above its bound."""
+        return [
+            f"{case}: {check} {self.errors[row, column]:.3g} is above {BOUNDS[check]:g}"
+            for row, case in enumerate(self.cases)
+            for column, check in enumerate(self.checks)
+            if self.errors[row, column] > BOUNDS[check]
+        ]
+
+    def as_record(self) -> dict:
+        """For JSON."""
+        rows = {
+            case: {
+                check: None if np.isnan(error) else float(error) for check, error in zip(self.checks, row, strict=True)
+            }
+            for case, row in zip(self.cases, self.errors, strict=True)
+        }
+        return {"bounds": BOUNDS, "cases": rows, "failures": self.failures}
+
+    def as_markdown(self) -> str:
+        """A table: the worst case of every check, then every case."""
+        head = ["| | " + " | ".join(self.checks) + " |", "|---|" + "---|" * len(self.checks)]
+        worst = np.nanmax(self.errors, axis=0)
+        named = [("bound", [BOUNDS[check] for check in self.checks]), ("**worst**", worst)]
+        rows = [f"| {name} | " + " | ".join(f"{v:.2g}" for v in values) + " |" for name, values in named]
+        rows += [
+            f"| {case} | " + " | ".join("–" if np.isnan(v) else f"{v:.2g}" for v in row) + " |"
+            for case, row in zip(self.cases, self.errors, strict=True)
+        ]
+        return "\n".join([*head, *rows])
+
+
+def hostile_lights() -> dict[str, np.ndarray]:
+    """Panoramas (H, 2H, 3) by name."""
+    rng = np.random.default_rng(0)
+
+    def sun(row: int, column: int) -> np.ndarray:
+        panorama = np.zeros((64, 128, 3), np.float32)
+        panorama[row, column] = 1e6
+        return panorama
+
+    return {
+        "even": np.ones((16, 32, 3), np.float32),
+        "noise": rng.gamma(0.3, 1, (32, 64, 3)).astype(np.float32),
+        "sun ahead": sun(28, 2),
+        "sun at the seam": sun(20, 127),
+        "sun at the pole": sun(0, 9),
+        "blue lamp": sun(24, 20) * np.float32([0.02, 0.1, 1]),
+        "1 x 2": np.float32([[[4, 1, 0], [0, 1, 4]]]),
+        "black": np.zeros((16, 32, 3), np.float32),
+    }
+
+
+def hostile_portraits(photo: Photo) -> dict[str, Photo]:
+    """What may have happened to a portrait on its way here, by name; its face stays where it was."""
+    image = photo.linear
+
+    def changed(linear: np.ndarray) -> Photo:
+        return replace(photo, linear=np.ascontiguousarray(linear, np.float32))
+
+    noise = np.random.default_rng(1).normal(0, 0.1, image.shape)
+    return {
+        "as it is": photo,
+        "2 EV under": changed(image / 4),
+        "4 EV over": changed(np.minimum(image * 16, 1)),
+        "grainy": changed(np.clip(image + noise, 0, 1)),
+        "monochrome": changed(image.mean(-1, keepdims=True).repeat(3, -1)),
+        "red only": changed(image * [1, 0, 0]),
+    }
+
+
+def run_stability(
+    photo: Photo,
+    quality: str | Tier = "draft",
+    *,
+    quick: bool = False,
+    weights: Path | None = None,
+    report: Callable[[int, int], None] = lambda done, total: None,
+) -> StabilityReport:
+    """Run every check on every case.
+
+    Args:
+        photo: a portrait whose face is found.
+        quick: three portraits and three lights.
+        weights: a file of networks; None takes the bundled one.
+        report: called with the cases done and all cases.
+
+    Raises:
+        InputError: no face in the photo as it is.
+    """
+    portraits, lights = hostile_portraits(photo), hostile_lights()
+    if quick:
+        portraits = {name: portraits[name] for name in ("as it is", "4 EV over", "red only")}
+        lights = {name: lights[name] for name in ("noise", "sun at the seam", "black")}
+    relighter, tier = Relighter(weights), tier_of(quality)
+    cases, errors = [], []
+    for portrait_name, portrait in portraits.items():
+        try:
+            relighter.set_portrait(portrait)
+        except InputError:
+            if portrait is photo:
+                raise
+            portrait = None
+        for light_name, panorama in lights.items():
+            cases.append(f"{portrait_name}, {light_name}")
+            environment = Environment.from_radiance(panorama, light_name)
+            errors.append(
+                [np.nan] * len(BOUNDS) if portrait is None else _errors(relighter, portrait, environment, tier)
+            )
+            report(len(cases), len(portraits) * len(lights))
+    return StabilityReport(tuple(cases), tuple(BOUNDS), np.array(errors, np.float64))
+
+
+def _errors(relighter: Relighter, photo: Photo, environment: Environment, tier: Tier) -> list[float]:
+    """In the order of BOUNDS."""
+    edit = Edit(quality=tier, yaw_deg=_YAW_DEG, tolerance=0.0)
+    shown_level = min(environment.level, 0.5)
+    light = Environment(environment.shape, shown_level, environment.name)
+    relit = relighter.relight(light, edit)
+    extreme = relighter.relight(light, replace(edit, specular=2.0, shadow=2.0))
+    brighter = relighter.relight(Environment(environment.shape, shown_level * _LEVEL), edit)
+    around = relighter.relight(light, replace(edit, yaw_deg=_YAW_DEG + 360))
+    beside = relighter.relight(light, replace(edit, yaw_deg=_YAW_DEG + 0.5))
+    single = relighter.relight(light, replace(edit, quality=replace(tier, precision="fp32")))
+    own = relighter.relight(relighter.estimated_light(tier), replace(edit, yaw_deg=0.0))
+    view = relit.channels["composition"]
+    law = np.abs(brighter.channels["composition"] / np.float32(_LEVEL) - view).max() / max(float(view.max()), 1e-12)
+    return [
+        max(_not_finite(relit), _not_finite(extreme)),
+        max(_out_of_range(relit), _out_of_range(extreme)),
+        float(law),
+        float(_difference(relit, around).max()),
+        float(_difference(relit, beside).max()),
+        float(_difference(relit, single).mean()),
+        float(np.abs(apply_view(own.image) - apply_view(photo.linear)).mean()),
+    ]
+
+
+def _difference(one: Relit, other: Relit) -> np.ndarray:
+    return np.abs(apply_view(one.channels["composition"]) - apply_view(other.channels["composition"]))
+
+
+def _not_finite(relit: Relit) -> float:
+    """Share of values that are none, over the image and all channels."""
+    arrays = [relit.image, *relit.channels.values()]
+    return max(float(1 - np.isfinite(array).mean()) for array in arrays)
+
+
+def _out_of_range(relit: Relit) -> float:
+    """How far anything that can't be negative is below 0, or anything shown outside [0, 1]."""
+    lows = [relit.image] + [array for name, array in relit.channels.items() if name != "normal"]
+    shown = apply_view(relit.image)
+    below = max(float(-np.nanmin(array)) for array in lows)
+    return max(0.0, below, float(-shown.min()), float(shown.max() - 1))
