@@ -12,7 +12,7 @@ from relight_core.pipeline.edit import Edit
 
 @dataclass(frozen=True)
 class PhotoRef:
-    """A portrait by its file; face_index None is the largest face."""
+    """A portrait by its file; face_index None is all faces."""
 
     path: Path
     face_index: int | None = None

@@ -46,7 +46,8 @@ def change_between(before: Document, after: Document) -> Change | None:
 
 def _photo_change(before: Document, after: Document) -> Change:
     if before.photo and after.photo and before.photo.path == after.photo.path:
-        return Change(("face",), f"Face {(after.photo.face_index or 0) + 1}")
+        index = after.photo.face_index
+        return Change(("face",), "All faces" if index is None else f"Face {index + 1}")
     return Change(("photo",), f"Open {after.photo.path.name}" if after.photo else "Close the photo")
 
 

@@ -105,16 +105,16 @@ def _faces(state: EditorState, fonts: theme.Fonts) -> None:
         return
     widgets.heading(fonts, "Face")
     count = min(len(faces), MOST_FACES)
-    choices = tuple(
-        (str(index), str(index + 1), "Relight this person; 1 is the largest face.") for index in range(count)
-    )
-    current = str(opened.source.face_index or 0)
+    everyone = ("", "All", "Relight everyone.")
+    single = ((str(i), str(i + 1), "Relight this person alone; 1 is the largest face.") for i in range(count))
+    choices = (everyone, *single)
+    current = "" if opened.source.face_index is None else str(opened.source.face_index)
     imgui.begin_group()
     chosen = widgets.segmented(choices, current)
     imgui.end_group()
     state.pointing_at_faces = imgui.is_item_hovered()
     if chosen != current:
-        state.choose_face(int(chosen))
+        state.choose_face(int(chosen) if chosen else None)
     widgets.gap(0.8)
 
 

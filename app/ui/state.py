@@ -227,8 +227,8 @@ class EditorState:
         """Whether there is work that no session file holds."""
         return self.kept is not None and self.photo is not None and self.document() != self.kept
 
-    def choose_face(self, index: int) -> None:
-        """Ask for another face of the open photo."""
+    def choose_face(self, index: int | None) -> None:
+        """Ask for one face of the open photo, or for all of them."""
         if self.snapshot.opened:
             self.photo = PhotoSource(self.snapshot.opened.photo, index)
 

@@ -111,6 +111,7 @@ BOX = SoftBox()
 NAMES = [
     (START, replace(START, photo=PhotoRef(Path("/q/you.png"))), "Open you.png"),
     (START, replace(START, photo=PhotoRef(Path("/p/me.jpg"), 1)), "Face 2"),
+    (replace(START, photo=PhotoRef(Path("/p/me.jpg"), 1)), START, "All faces"),
     (START, replace(START, light=LightRef("rig", "soft-window")), "Light: Soft window"),
     (START, replace(START, light=LightRef("panorama", "/h/studio.hdr")), "Light: studio"),
     (START, edited(background="transparent"), "Background: none"),
