@@ -33,6 +33,9 @@ class Reader:
 
 def readers(folder: Path) -> dict[str, Reader]:
     """Every reader by name; `folder` is scratch space."""
+    from app.document.document import Document, LightRef, PhotoRef
+    from app.document.light_file import SavedLight, read_light, write_light
+    from app.document.session_file import read_session, write_session
     from app.settings import Settings, read_settings, write_settings
     from relight_core.dataset.lights import load_lights
     from relight_core.dataset.shard import read_shard
@@ -40,15 +43,22 @@ def readers(folder: Path) -> dict[str, Reader]:
     from relight_core.lighting.environment import read_environment
     from relight_core.lighting.rig_description import read_rig
     from relight_core.networks.bundle import load_bundle
+    from relight_core.training import recipe
 
     exr = _exr(folder)
     write_settings(folder / "settings.json", Settings(window_size=(800, 600)))
+    write_session(folder / "seed.relight.json", Document(photo=PhotoRef(folder / "photo.png")))
+    write_light(folder / "seed.light.json", SavedLight(LightRef("rig", "rembrandt"), yaw_deg=20.0))
+    recipes = (Path(recipe.__file__).parent / "recipes").glob("*.toml")
     rigs = [path.read_bytes() for path in sorted(resource_path("rigs").glob("*.toml"))]
     return {
         "photo": Reader(read_photo, [*_photos(), *exr], ".image"),
         "hdr": Reader(read_environment, [_hdr()], ".hdr"),
         "exr": Reader(read_environment, exr, ".exr"),
         "rig": Reader(read_rig, rigs, ".toml"),
+        "recipe": Reader(lambda path: recipe.load_recipe(str(path)), [path.read_bytes() for path in recipes], ".toml"),
+        "session": Reader(read_session, [(folder / "seed.relight.json").read_bytes()], ".relight.json"),
+        "light": Reader(read_light, [(folder / "seed.light.json").read_bytes()], ".json"),
         "weights": Reader(load_bundle, [_weights(folder)], ".safetensors"),
         "shard": Reader(read_shard, [_shard(folder)], ".npz"),
         "lights": Reader(lambda path: load_lights(path, "train"), [_light_library(folder)], ".npz"),
