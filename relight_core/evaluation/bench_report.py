@@ -179,6 +179,8 @@ def _scatter(axes, rows: list[Row], errors: list[float]) -> None:
         height = _free_height(point, taken, 0.35 * rightmost, 0.045 * span)
         taken.append((point[0], height))
         place = (point[0] + 0.015 * rightmost, height)
+        if height != point[1]:
+            axes.plot(*zip(point, place, strict=True), color="#d8d8d8", linewidth=0.6, zorder=0)
         axes.annotate(row.configuration.name, place, fontsize=8, color="#303030" if best else "#808080", va="center")
 
 

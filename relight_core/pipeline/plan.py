@@ -10,7 +10,8 @@ exp(e), so does every pixel under them, and a displayed value, whose steepest sl
 radiance is 0.44 (the sRGB curve, at white), differs by no more than 0.44 e. The networks learned that
 physics and don't obey it to the letter: they answer up to ten times as much (`AMPLIFICATION` keeps a margin),
 and because they round to 8 bits, any difference at all may move a pixel by up to `ROUNDING`. So by default
-only a light that is the same but for rounding serves: turning a sky without a sun computes nothing.
+only a light that is the same but for rounding serves, such as a panorama at another exposure. Turning a
+sky without a sun gives the very same light, and so computes nothing.
 
 Two rules that look natural are missing, because they would not hold. An even light needs shadow too:
 shadow is what the surface hides from the light (paper, section 3.2), and an even light is hidden in every
