@@ -170,7 +170,6 @@ def _scatter(axes, rows: list[Row], errors: list[float]) -> None:
     span = max(high - low, 1e-4)
     rightmost = max(ms for ms, _ in points)
     axes.set_xlim(0, 1.35 * rightmost)
-    axes.set_ylim(low - 0.1 * span, high + 0.1 * span)
     axes.grid(alpha=0.25)
     taken: list[tuple[float, float]] = []
     for row, point, best in sorted(zip(rows, points, front, strict=True), key=lambda entry: -entry[1][1]):
@@ -182,6 +181,7 @@ def _scatter(axes, rows: list[Row], errors: list[float]) -> None:
         if height != point[1]:
             axes.plot(*zip(point, place, strict=True), color="#d8d8d8", linewidth=0.6, zorder=0)
         axes.annotate(row.configuration.name, place, fontsize=8, color="#303030" if best else "#808080", va="center")
+    axes.set_ylim(min(low, *(y for _, y in taken)) - 0.1 * span, high + 0.1 * span)
 
 
 def _free_height(point: tuple[float, float], taken: list[tuple[float, float]], width: float, line: float) -> float:
