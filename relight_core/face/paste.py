@@ -105,20 +105,6 @@ def spread_crop(maps: np.ndarray, crop: Crop, band: Band) -> np.ndarray:
     return wide[:, slice(*band.span)]
 
 
-def soft_edge(size: int, width: float) -> np.ndarray:
-    """A weight that is 1 inside and falls smoothly to 0 at the edges of a crop.
-
-    Args:
-        size: of the crop.
-        width: of the falling part, as a fraction of the crop's side, above 0 and up to 0.5.
-
-    Returns:
-        (size, size) float32, [0, 1].
-    """
-    smooth = fade((np.arange(size) + 0.5) / size, width)
-    return smooth[:, None] * smooth[None, :]
-
-
 def fade(position: np.ndarray, width: float, low: bool = True, high: bool = True) -> np.ndarray:
     """1 inside [0, 1], falling smoothly to 0 toward the low and the high end over `width`; 0 outside."""
     distance = np.full(np.shape(position), width)
