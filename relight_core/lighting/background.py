@@ -13,22 +13,6 @@ _SMALLEST_SIDE = 64
 _WIDEST_BLUR_DEG = 20.0
 
 
-def panorama_background(
-    environment: Environment,
-    yaw_deg: float,
-    height: int,
-    width: int,
-    field_of_view_deg: float = 50.0,
-    blur_deg: float = 1.0,
-) -> np.ndarray:
-    """The part of the panorama in front of a camera at the person's place that looks along -z.
-
-    `panorama_view`, which see, enlarged to the picture's size.
-    """
-    picture = panorama_view(environment, yaw_deg, height, width, field_of_view_deg, blur_deg)
-    return cv2.resize(picture, (width, height), interpolation=cv2.INTER_LINEAR)
-
-
 def panorama_view(
     environment: Environment,
     yaw_deg: float,

@@ -1,10 +1,17 @@
 """The part of the light's panorama that the camera sees."""
 
+import cv2
 import numpy as np
 import pytest
 
-from relight_core.lighting.background import panorama_background
+from relight_core.lighting.background import panorama_view
 from relight_core.lighting.environment import Environment
+
+
+def panorama_background(environment, yaw_deg, height, width, *view, **options):
+    """What is seen, at the picture's size."""
+    seen = panorama_view(environment, yaw_deg, height, width, *view, **options)
+    return cv2.resize(seen, (width, height), interpolation=cv2.INTER_LINEAR)
 
 
 def stripes(height=128):
