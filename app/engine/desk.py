@@ -26,7 +26,9 @@ from relight_core.lighting.light_edit import LightEdit, edit_light
 from relight_core.pipeline.edit import Edit
 
 _OWN = LightSource("own")
-_KEPT_LIGHTS = 8
+_KEPT_LIGHTS = 3
+"""Lights from files that stay open, for going back and forth; a large panorama takes tens of megabytes."""
+
 _AT_REST = "final"
 """The quality of pictures at rest: de-lighting at that quality is needed anyway, and then reused."""
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import os
 import time
 from collections.abc import Callable
@@ -12,6 +13,7 @@ from app.document.autosave import Autosave, Leftover, leftovers
 from app.document.json_fields import kind_of
 from app.document.light_file import LIGHT_SUFFIX, SavedLight, write_light
 from app.document.session_file import SESSION_SUFFIX, is_session_place, session_path, write_session
+from app.engine.desk import error_line
 from app.engine.exporting import free_path
 from app.engine.sources import PICTURE_SUFFIXES
 from app.ui.asking import FileRequest, Question
@@ -22,6 +24,7 @@ from app.window.outputs import BATCH_FOLDER, Outputs
 from app.window.recent_lights import RecentLights
 from relight_core.errors import InputError
 
+_log = logging.getLogger(__name__)
 _NOWHERE = (-1.0, -1.0)
 
 
@@ -72,6 +75,9 @@ class Deeds:
                 getattr(self, wish.kind)()
             except InputError as error:
                 asking.tell(str(error), True)
+            except Exception as error:
+                _log.error("%s failed", wish.kind, exc_info=error)
+                asking.tell(error_line(error), True)
         self._dialogs.poll()
         self._look_for_a_session()
         self._keep(now_s)

@@ -250,3 +250,13 @@ def test_a_saved_light_can_be_opened_alone(editor, tmp_path):
     editor.state.light_edit = LightEdit()
     editor.deeds._take_light(target)
     assert editor.state.light_edit.tint == 0.3
+
+
+def test_a_wish_that_fails_unforeseen_is_told_and_the_window_goes_on(editor, monkeypatch):
+    def fail():
+        raise OSError("the disk is gone")
+
+    monkeypatch.setattr(editor.deeds, "save_session", fail)
+    editor.state.asking.wish("save_session")
+    editor.live(2)
+    assert any("disk is gone" in text and is_error for text, is_error in editor.said)
