@@ -34,6 +34,9 @@ WEIGHTS = ("weights", "relight.safetensors")
 _KEPT_PIXELS = 6_000_000
 """Up to this size the person's matte and colour stay for the next light; above they are made band by band."""
 
+_BRIGHTEST_LEVEL = 1e20
+"""Lights beyond it count as this bright: sums over their pictures stay within single precision."""
+
 
 @dataclass(frozen=True, eq=False)
 class Relit:
@@ -153,6 +156,8 @@ class Relighter:
         Raises:
             InputError: no portrait has been set, or the edit asks for something unknown.
         """
+        if environment.level > _BRIGHTEST_LEVEL:
+            environment = Environment(environment.shape, _BRIGHTEST_LEVEL, environment.name)
         self._cache.begin_update()
         plan, serving = self._planned(environment, edit)
         face = self._first()
