@@ -115,20 +115,20 @@ def mirrored(sample: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
 def relief_shadows(lit: LitHead, rng: np.random.Generator) -> np.ndarray:
     """Shadow fractions (K, S, S) that a relief casts which is as rough as a predicted one.
 
-    The true relief is stretched, smoothed and bent a little, so that the SS network learns to correct
-    the hint rather than to copy it.
+    The true relief is flattened, smoothed and bent by as much as de-lighting's are (they have 0.4 to 0.8 of
+    the true height, and no edges), so that the SS network learns to correct the hint rather than to copy it.
     """
     size = lit.head.size
     covered = lit.head.covered.astype(np.float32)
-    weight = cv2.GaussianBlur(covered, (0, 0), deviation := size / 128 * rng.uniform(0.4, 1.6))
+    weight = cv2.GaussianBlur(covered, (0, 0), deviation := size / 128 * rng.uniform(0.5, 4.0))
     smooth = cv2.GaussianBlur(lit.head.scatter(lit.head.depth), (0, 0), deviation) / np.maximum(weight, 1e-3)
     bend = cv2.resize(rng.standard_normal((5, 5)).astype(np.float32), (size, size), interpolation=cv2.INTER_CUBIC)
-    rough = smooth * rng.uniform(0.75, 1.2) + 0.02 * bend
+    rough = smooth * rng.uniform(0.4, 1.15) + 0.03 * bend
 
     def shrunk(image: np.ndarray) -> torch.Tensor:
         return torch.from_numpy(cv2.resize(image, (RELIEF_SIZE, RELIEF_SIZE), interpolation=cv2.INTER_AREA))
 
-    normal = shrunk(lit.head.scatter(lit.normal)).permute(2, 0, 1)
+    normal = shrunk(cv2.GaussianBlur(lit.head.scatter(lit.normal), (0, 0), deviation / 2)).permute(2, 0, 1)
     normal = torch.nn.functional.normalize(normal, dim=0, eps=1e-3)
     transport = march_relief(shrunk(rough), normal, shrunk(covered))
     fraction = transport.shadow_fraction(torch.from_numpy(lit.lights))[:, 0].numpy()

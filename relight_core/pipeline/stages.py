@@ -13,6 +13,7 @@ from relight_core.face.parsing import INDEX, MIRRORED
 from relight_core.face.silhouette import solid_person
 from relight_core.imaging.tensor_colour import grey, srgb_decode, srgb_encode
 from relight_core.lighting.inverse import explain_photo
+from relight_core.lighting.normal_integration import integrate_normals
 from relight_core.lighting.reflection import ReflectionTable
 from relight_core.lighting.relief import ReliefTransport, march_relief
 from relight_core.networks.bundle import NetworkBundle
@@ -94,8 +95,14 @@ def delight(
     linear, albedo, normal, relief, parsing = (_shrunk(image, size) for image in (linear, *images))
     normal = F.normalize(normal, dim=1, eps=1e-4)
     person = torch.from_numpy(solid_person(parsing[0].cpu().numpy()))[None, None].to(device)
-    unit_relief = relief * (2 * _RELIEF_UNIT_PX / photo.shape[0])
-    return Surface(linear, albedo, normal, unit_relief, parsing, person, light)
+    height = relief * (2 * _RELIEF_UNIT_PX / photo.shape[0])
+    return Surface(linear, albedo, normal, _sharpened(height, normal, person), parsing, person, light)
+
+
+def _sharpened(height: torch.Tensor, normal: torch.Tensor, person: torch.Tensor) -> torch.Tensor:
+    """The network's relief is a soft one; its normals know more (see `lighting.normal_integration`)."""
+    heights, normals, trust = (image[0].cpu().numpy() for image in (height, normal, person))
+    return torch.from_numpy(integrate_normals(heights[0], normals, trust[0]))[None, None].to(height.device)
 
 
 def _shrunk(image: torch.Tensor, size: int) -> torch.Tensor:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import torch
+import torch.nn.functional as F
 
 from relight_core.imaging.tensor_colour import grey, srgb_encode
 from relight_core.lighting.reflection import ReflectionTable
@@ -17,6 +18,14 @@ def flatten_pairs(batch: dict[str, torch.Tensor]) -> dict[str, torch.Tensor]:
     return {
         name: value.flatten(0, 1) if value.ndim == 5 else value.repeat_interleave(2, 0) for name, value in batch.items()
     }
+
+
+def as_smooth_as_predicted(normal: torch.Tensor) -> torch.Tensor:
+    """Normals (B, 3, H, W) smoothed by a random amount for the batch, as de-lighting's are."""
+    reach = int(torch.randint(0, 3, ()))
+    for _ in range(2 if reach else 0):
+        normal = F.avg_pool2d(normal, 2 * reach + 1, 1, reach, count_include_pad=False)
+    return F.normalize(normal, dim=1, eps=1e-4)
 
 
 def specular_shadow_losses(

@@ -18,7 +18,12 @@ from relight_core.lighting.reflection import ReflectionTable
 from relight_core.networks.bundle import NetworkBundle
 from relight_core.networks.delight import Delit
 from relight_core.training.delight_step import delight_losses
-from relight_core.training.relight_steps import composition_losses, flatten_pairs, specular_shadow_losses
+from relight_core.training.relight_steps import (
+    as_smooth_as_predicted,
+    composition_losses,
+    flatten_pairs,
+    specular_shadow_losses,
+)
 
 Losses = dict[str, torch.Tensor]
 Batch = dict[str, torch.Tensor]
@@ -47,7 +52,11 @@ def _warm_delight(bundle: NetworkBundle, table: ReflectionTable, batch: Batch) -
 
 
 def _warm_specular_shadow(bundle: NetworkBundle, table: ReflectionTable, batch: Batch) -> Losses:
-    return specular_shadow_losses(bundle.specular_shadow, table, flatten_pairs(batch))[1]
+    return specular_shadow_losses(bundle.specular_shadow, table, _smoothed(flatten_pairs(batch)))[1]
+
+
+def _smoothed(flat: Batch) -> Batch:
+    return flat | {"normal": as_smooth_as_predicted(flat["normal"])}
 
 
 def _warm_composition(bundle: NetworkBundle, table: ReflectionTable, batch: Batch) -> Losses:
@@ -57,7 +66,7 @@ def _warm_composition(bundle: NetworkBundle, table: ReflectionTable, batch: Batc
 def _warm_relight(bundle: NetworkBundle, table: ReflectionTable, batch: Batch) -> Losses:
     """SS and composition together: the latter learns on the former's output, which carries no gradient."""
     flat = flatten_pairs(batch)
-    effects, losses = specular_shadow_losses(bundle.specular_shadow, table, flat)
+    effects, losses = specular_shadow_losses(bundle.specular_shadow, table, _smoothed(flat))
     effects.specular, effects.shadow = effects.specular.detach(), effects.shadow.detach()
     return losses | composition_losses(bundle.composition, table, flat, effects)[1]
 
