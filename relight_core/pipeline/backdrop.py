@@ -13,6 +13,7 @@ from relight_core.imaging.colour import srgb_decode
 from relight_core.imaging.resampling import resize_area
 from relight_core.lighting.background import panorama_view
 from relight_core.lighting.environment import Environment
+from relight_core.pipeline.channels import at_level
 from relight_core.pipeline.edit import Edit
 
 BACKGROUNDS = ("keep", "match", "light", "transparent")
@@ -90,7 +91,7 @@ def backdrop_panorama(edit: Edit, environment: Environment, size: tuple[int, int
             f"no view of {edit.background_fov_deg:g} degrees blurred by {edit.background_blur_deg:g}: "
             "the field of view is up to 170 degrees, the blur up to 20"
         ) from None
-    return view * np.float32(environment.level)
+    return at_level(view, environment.level)
 
 
 def _softened(picture: np.ndarray) -> np.ndarray:

@@ -26,6 +26,10 @@ PATTERNED = [
 """Labels of what gets its contrast from colour rather than from shading."""
 
 
+BRIGHTEST_CHANGE = 1e30
+"""No gain or offset is larger."""
+
+
 @dataclass(frozen=True, eq=False)
 class ViewChange:
     """What a light makes of a photo's view, to be applied at any resolution: gain * photo + offset.
@@ -43,6 +47,12 @@ class ViewChange:
         """The view (T, T, 3), linear, relit; any T."""
         size = photo.shape[:2]
         return resize_smooth(self.gain, size) * photo + resize_smooth(self.offset, size)
+
+
+def at_level(change: np.ndarray, level: float) -> np.ndarray:
+    """A gain or offset at a light's level, >= 0 and finite: infinity times a black pixel would be no number."""
+    with np.errstate(over="ignore"):
+        return np.clip(change * np.float32(level), 0, np.float32(BRIGHTEST_CHANGE))
 
 
 def upsampler_for(photo_view: np.ndarray, photo_small: np.ndarray) -> JointUpsampler:
@@ -71,7 +81,7 @@ def enlarge_change(
     if moved is not None:
         kept = as_image(moved.kept)
         gain, offset = gain * kept, offset * kept + as_image(moved.added)
-    both = upsample(np.concatenate([gain, offset], axis=-1)) * np.float32(level)
+    both = at_level(upsample(np.concatenate([gain, offset], axis=-1)), level)
     return ViewChange(np.ascontiguousarray(both[..., :3]), np.ascontiguousarray(both[..., 3:]), level)
 
 

@@ -14,7 +14,7 @@ from relight_core.imaging.matte import Matte
 from relight_core.imaging.photo import Photo
 from relight_core.imaging.resampling import resize_area
 from relight_core.lighting.reflection import ReflectionTable
-from relight_core.pipeline.channels import ViewChange
+from relight_core.pipeline.channels import ViewChange, at_level
 from relight_core.pipeline.picture import PlacedChange, canvas_of, whole_person
 from relight_core.pipeline.rest_of_person import Body, body_gain, body_size, make_body
 
@@ -82,7 +82,7 @@ def gain_of_rest(
         relit += share * (gain * body.photo + offset)
         total += share
     relit = relit / np.maximum(total, 1e-6) / np.float32(level)
-    return body_gain(body, table, light, relit) * np.float32(level)
+    return at_level(body_gain(body, table, light, relit), level)
 
 
 def mean_gain(placement: Placement, rest: np.ndarray) -> np.ndarray:
