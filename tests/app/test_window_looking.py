@@ -199,8 +199,8 @@ def test_clipping_stripes_appear_only_where_the_screen_runs_out(opened):
 def test_what_is_no_number_is_painted_magenta(opened, relighter, monkeypatch):
     relight = relighter.relight
 
-    def broken(environment, edit):
-        relit = relight(environment, edit)
+    def broken(*asked):
+        relit = relight(*asked)
         relit.image[40:50, 60:70] = np.nan
         return relit
 
@@ -215,8 +215,8 @@ def test_what_is_no_number_is_painted_magenta(opened, relighter, monkeypatch):
 def test_the_difference_is_grey_where_nothing_changed_and_coloured_where_light_did(opened, relighter, monkeypatch):
     relight = relighter.relight
 
-    def two_stops(environment, edit):
-        relit = relight(environment, edit)
+    def two_stops(*asked):
+        relit = relight(*asked)
         relit.image[:] = relighter.photo.linear
         relit.image[:, :40] *= 4.0
         relit.image[:, 80:] *= 0.25
