@@ -1,0 +1,64 @@
+"""Files that another program drops on the window, as the desktop hands them over."""
+
+import ctypes.util
+import sys
+
+import glfw
+import numpy as np
+import pytest
+from x11_drag import FileManager
+
+from relight_core.imaging.write import write_image
+
+pytestmark = pytest.mark.skipif(
+    not sys.platform.startswith("linux") or ctypes.util.find_library("X11") is None, reason="drag and drop of X11"
+)
+
+
+@pytest.fixture
+def file_manager(hand, display):
+    manager = FileManager(display)
+    yield manager
+    manager.close()
+
+
+def dropped(hand, manager, paths, at):
+    hand.frames(2)
+    left, top = glfw.get_window_pos(hand.window.handle)
+    target = glfw.get_x11_window(hand.window.handle)
+    manager.drop(paths, target, (round(left + at[0]), round(top + at[1])))
+    hand.settle()
+
+
+def test_a_photo_from_the_file_manager_is_opened_and_relit(hand, file_manager, photo_path):
+    dropped(hand, file_manager, [photo_path], hand.centre())
+    snapshot = hand.window.state.snapshot
+    assert snapshot.opened.source.place == photo_path.resolve()
+    assert snapshot.picture is not None
+
+
+def test_a_name_with_a_space_and_an_umlaut_arrives_whole(hand, file_manager, tmp_path):
+    path = tmp_path / "Änne's portrait 100%.png"
+    write_image(path, np.full((64, 64, 3), 0.3, np.float32))
+    dropped(hand, file_manager, [path], hand.centre())
+    assert hand.window.state.snapshot.opened.source.place == path.resolve()
+
+
+def test_several_photos_become_a_queue(hand, file_manager, tmp_path):
+    paths = [tmp_path / f"{number}.png" for number in range(3)]
+    for path in paths:
+        write_image(path, np.full((64, 64, 3), 0.3, np.float32))
+    dropped(hand, file_manager, paths, hand.centre())
+    assert hand.window.state.snapshot.opened.source.place == paths[0]
+    hand.key(glfw.KEY_PAGE_DOWN)
+    assert hand.window.state.snapshot.opened.source.place == paths[1]
+
+
+def test_a_portrait_on_the_light_panel_lends_its_light(hand, file_manager, photo_path):
+    dropped(hand, file_manager, [photo_path], hand.centre())
+    lender = photo_path.with_name("lender.png")
+    write_image(lender, np.full((64, 64, 3), 0.5, np.float32))
+    dropped(hand, file_manager, [lender], hand.panorama(0.5))
+    snapshot = hand.window.state.snapshot
+    assert snapshot.opened.source.place == photo_path.resolve()
+    assert snapshot.light.source.name == str(lender)
