@@ -111,11 +111,6 @@ def _landmark_places() -> np.ndarray:
     nose = [(0.5, s) for s in np.linspace(0.7, 0.52, 4)] + [(s, 0.47) for s in np.linspace(0.42, 0.58, 5)]
     turns = np.linspace(0, 2 * np.pi, 6, endpoint=False)
     eyes = [(c + 0.07 * np.cos(t), 0.66 + 0.03 * np.sin(t)) for c in (0.33, 0.67) for t in turns]
-    lips = [
-        (0.5 + 0.14 * np.cos(t), 0.33 + 0.06 * np.sin(t))
-        for t in np.linspace(0, 2 * np.pi, 12, endpoint=False)
-    ]
-    mouth = [
-        (0.5 + 0.1 * np.cos(t), 0.33 + 0.02 * np.sin(t)) for t in np.linspace(0, 2 * np.pi, 8, endpoint=False)
-    ]
+    lips = [(0.5 + 0.14 * np.cos(t), 0.33 + 0.06 * np.sin(t)) for t in np.linspace(0, 2 * np.pi, 12, endpoint=False)]
+    mouth = [(0.5 + 0.1 * np.cos(t), 0.33 + 0.02 * np.sin(t)) for t in np.linspace(0, 2 * np.pi, 8, endpoint=False)]
     return np.array(jaw + brows + nose + eyes + lips + mouth)

@@ -115,9 +115,7 @@ def _lines(facts: dict) -> list[str]:
     lines = [f"relight {facts['relight']}, Python {facts['python']}, {facts['system']}"]
     lines += [f"  {name:<32}{number or 'not installed'}" for name, number in facts["packages"].items()]
     lines.append(f"devices   {', '.join(facts['devices'])}")
-    lines.append(
-        f"threads   {facts['threads']['torch']} for the networks, of {facts['threads']['cores']} cores"
-    )
+    lines.append(f"threads   {facts['threads']['torch']} for the networks, of {facts['threads']['cores']} cores")
     lines.append(f"graphics  {', '.join(facts['graphics'].values())}")
     for weights in facts["weights"]:
         lines.append(f"weights   {weights['file']}, {weights['bytes']} bytes, sha256 {weights['sha256']}")

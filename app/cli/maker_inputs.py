@@ -15,12 +15,8 @@ SPLITS = ("train", "validation", "test")
 
 def add_heads_and_lights(parser: argparse.ArgumentParser) -> None:
     """--heads and --lights, the data of training and evaluation."""
-    parser.add_argument(
-        "--heads", metavar="DIR", type=Path, required=True, help="heads from relight dataset bake"
-    )
-    parser.add_argument(
-        "--lights", metavar="FILE", type=Path, required=True, help="the light library, an .npz"
-    )
+    parser.add_argument("--heads", metavar="DIR", type=Path, required=True, help="heads from relight dataset bake")
+    parser.add_argument("--lights", metavar="FILE", type=Path, required=True, help="the light library, an .npz")
 
 
 def count_at_least_one(text: str) -> int:

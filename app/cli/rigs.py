@@ -24,7 +24,5 @@ def run(arguments: argparse.Namespace) -> int:
         for name, rig in rigs:
             text = textwrap.fill(rig.description, 100 - width, subsequent_indent=" " * width)
             report.line(f"{name:<{width}}{text}")
-        report.record(
-            {"rigs": [{"name": n, "title": r.title, "description": r.description} for n, r in rigs]}
-        )
+        report.record({"rigs": [{"name": n, "title": r.title, "description": r.description} for n, r in rigs]})
     return 0

@@ -127,9 +127,7 @@ def held_out_lights(path: Path, split: str) -> list[HeldOutLight]:
     ]
     if not lights:
         raise InputError(f"{path}: too few lights for a {split} split")
-    return lights + [
-        HeldOutLight(f"lamp-{off:g}-{around:g}", lamp(off, around), True) for off, around in LAMPS
-    ]
+    return lights + [HeldOutLight(f"lamp-{off:g}-{around:g}", lamp(off, around), True) for off, around in LAMPS]
 
 
 def lamp(off_axis_deg: float, around_deg: float) -> np.ndarray:

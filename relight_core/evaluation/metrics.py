@@ -158,9 +158,7 @@ def _check_vectors(normals: np.ndarray) -> None:
         raise ValueError(f"normals are (H, W, 3), not {normals.shape}")
 
 
-def _chosen(
-    estimate: np.ndarray, reference: np.ndarray, mask: np.ndarray | None
-) -> tuple[np.ndarray, np.ndarray]:
+def _chosen(estimate: np.ndarray, reference: np.ndarray, mask: np.ndarray | None) -> tuple[np.ndarray, np.ndarray]:
     """Both images' chosen pixels in float64."""
     _check(estimate, reference, mask)
     if mask is not None:

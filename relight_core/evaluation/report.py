@@ -129,8 +129,4 @@ def _text(interval: Interval | None) -> str:
         return ""
     digits = 3 if interval.mean >= 1 else 4 if interval.mean >= 0.05 else 5
     text = f"{interval.mean:.{digits}f}"
-    return (
-        text
-        if math.isnan(interval.low)
-        else f"{text} ({interval.low:.{digits}f} to {interval.high:.{digits}f})"
-    )
+    return text if math.isnan(interval.low) else f"{text} ({interval.low:.{digits}f} to {interval.high:.{digits}f})"

@@ -40,9 +40,7 @@ def score_surface(
     }
 
 
-def score_effects(
-    effects: Mapping[str, np.ndarray], truth: Mapping[str, np.ndarray], mask: np.ndarray
-) -> Figures:
+def score_effects(effects: Mapping[str, np.ndarray], truth: Mapping[str, np.ndarray], mask: np.ndarray) -> Figures:
     """RMSE of the additive channels, linear, in units of the normalised light; and the mean squares of
     error and truth, from which an error relative to the channel's own size is pooled over pictures."""
     figures = {}
@@ -54,9 +52,7 @@ def score_effects(
     return figures
 
 
-def score_relit(
-    relit: np.ndarray, truth: np.ndarray, gain: float, covered: np.ndarray, mask: np.ndarray
-) -> Figures:
+def score_relit(relit: np.ndarray, truth: np.ndarray, gain: float, covered: np.ndarray, mask: np.ndarray) -> Figures:
     """Errors of a relit picture in sRGB.
 
     Args:

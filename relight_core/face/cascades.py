@@ -78,9 +78,7 @@ def profile_candidates(grey: np.ndarray) -> list[Candidate]:
     return [
         found
         for found in _merge(hits)
-        if found.votes >= _SURE_VOTES or (
-            found.votes >= _FEWEST_VOTES and _has_eyes(grey, found.box, wanted=1)
-        )
+        if found.votes >= _SURE_VOTES or (found.votes >= _FEWEST_VOTES and _has_eyes(grey, found.box, wanted=1))
     ]
 
 
@@ -88,9 +86,7 @@ def _hits(
     grey: np.ndarray, name: str, face_within: tuple[float, float, float, float]
 ) -> list[tuple[np.ndarray, int, str]]:
     with _detecting:
-        boxes, votes = _cascade(name).detectMultiScale2(
-            grey, _SCALE_STEP, 3, 0, (_SMALLEST_PX, _SMALLEST_PX)
-        )
+        boxes, votes = _cascade(name).detectMultiScale2(grey, _SCALE_STEP, 3, 0, (_SMALLEST_PX, _SMALLEST_PX))
     hits = []
     for (x, y, side, _), count in zip(np.asarray(boxes).reshape(-1, 4), np.ravel(votes), strict=True):
         box = np.array([x, y, x, y], np.float64) + side * np.array(face_within)

@@ -124,10 +124,8 @@ def _from_pillow(image: Image.Image) -> Raster:
     if image.has_transparency_data:
         image = image.convert("RGBA")
         alpha = np.asarray(image.getchannel("A"), np.float32) / 255.0
-    if image.mode in ("1", "L"):
-        values = np.asarray(image.convert("L"))[..., None]
-    else:
-        values = np.asarray(image.convert("RGB"))
+    is_grey = image.mode in ("1", "L")
+    values = np.asarray(image.convert("L"))[..., None] if is_grey else np.asarray(image.convert("RGB"))
     return Raster(values, alpha, icc, orientation)
 
 

@@ -179,9 +179,7 @@ def _body_guess(x: np.ndarray, y: np.ndarray, crop: Crop, placed: np.ndarray) ->
     return guess
 
 
-def _continued(
-    guide: np.ndarray, placed: np.ndarray, inside: np.ndarray, guess: np.ndarray, reach: int
-) -> np.ndarray:
+def _continued(guide: np.ndarray, placed: np.ndarray, inside: np.ndarray, guess: np.ndarray, reach: int) -> np.ndarray:
     """The mask after GrabCut, where colours allow it; else the crop's mask continued outward.
 
     Colours decide also within the crop near the mask's edge, up to `reach` pixels outside it.

@@ -40,9 +40,7 @@ def resize_smooth(image: np.ndarray, size: tuple[int, int]) -> np.ndarray:
     return resized.reshape(*size, *image.shape[2:])
 
 
-def resample_window(
-    image: np.ndarray, window: tuple[float, float, float, float], size: tuple[int, int]
-) -> np.ndarray:
+def resample_window(image: np.ndarray, window: tuple[float, float, float, float], size: tuple[int, int]) -> np.ndarray:
     """Resample a rectangle of an image, which may reach beyond it; its edge pixels continue outward.
 
     Along an axis that shrinks, each new pixel is the exact mean of the area it covers, fractions of

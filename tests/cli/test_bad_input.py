@@ -190,7 +190,5 @@ def test_a_mistyped_command_or_photo(relight, tmp_path):
 
 
 def test_odd_file_names_stay_on_one_line(relight, tmp_path):
-    assert refused(
-        relight("render", tmp_path / "two\nlines.jpg", "--light", "ring", "-o", tmp_path / "out.png")
-    )
+    assert refused(relight("render", tmp_path / "two\nlines.jpg", "--light", "ring", "-o", tmp_path / "out.png"))
     assert refused(relight("render", tmp_path / "\udcff.jpg", "--light", "ring", "-o", tmp_path / "out.png"))

@@ -96,9 +96,7 @@ def test_light_work_loads_no_network_library(words):
 def test_a_reader_that_leaves_early_is_no_fault():
     script = "import sys; from app.cli.main import main; sys.exit(main(['rigs']))"
     command = f"'{sys.executable}' -c \"{script}\""
-    done = subprocess.run(
-        ["bash", "-c", f"{command} | true; exit ${{PIPESTATUS[0]}}"], capture_output=True, text=True
-    )
+    done = subprocess.run(["bash", "-c", f"{command} | true; exit ${{PIPESTATUS[0]}}"], capture_output=True, text=True)
     assert done.returncode in (0, 141)
     assert done.stderr == ""
 

@@ -82,9 +82,7 @@ def test_bake_without_its_model_or_wardrobe(run, tmp_path):
 @pytest.mark.parametrize("content", [b"", b"PK\x03\x04", b"words" * 50])
 def test_bake_with_a_broken_model(run, tmp_path, content):
     (tmp_path / "m.npz").write_bytes(content)
-    refused(
-        run("dataset", "bake", "--heads", tmp_path / "m.npz", "--out", tmp_path / "o", "--count", 1), "m.npz"
-    )
+    refused(run("dataset", "bake", "--heads", tmp_path / "m.npz", "--out", tmp_path / "o", "--count", 1), "m.npz")
 
 
 def test_preview_draws_a_sheet(run, data):
@@ -154,14 +152,10 @@ def test_training_leaves_weights_and_log(run, data, monkeypatch):
 
     # One process and a small pool of textures: the command's own path is what is under test.
     loader = training.DataLoader
-    monkeypatch.setattr(
-        training, "DataLoader", lambda samples, **settings: loader(samples, settings["batch_size"])
-    )
+    monkeypatch.setattr(training, "DataLoader", lambda samples, **settings: loader(samples, settings["batch_size"]))
     pool = stream.TexturePool
     monkeypatch.setattr(stream, "TexturePool", lambda rng, panoramas=None: pool(rng, None, count=2))
-    words = train_words(
-        data, **{"--minutes": 0.001, "--size": 16, "--pairs": 1, "--start": data / "tiny.safetensors"}
-    )
+    words = train_words(data, **{"--minutes": 0.001, "--size": 16, "--pairs": 1, "--start": data / "tiny.safetensors"})
     code, out, err = run(*words)
     assert code == 0, err
     assert "wrote" in out
@@ -194,9 +188,7 @@ def test_evaluation_refuses(run, data):
     words = ["evaluate", "--heads", data / "heads", "--lights", data / "lights.npz"]
     refused(run(*words, "--weights", data / "none.safetensors"), "none.safetensors")
     refused(run(*words, "--weights", data / "lights.npz"), "lights.npz")
-    refused(
-        run(*words, "--weights", data / "tiny.safetensors", "--split", "validation"), "validation", "bake"
-    )
+    refused(run(*words, "--weights", data / "tiny.safetensors", "--split", "validation"), "validation", "bake")
     refused(run(*words, "--weights", data / "tiny.safetensors", "-o", data / "r.pdf"), ".md")
     refused(run(*words, "--split", "train"))
     (data / "heads" / "head-2000000.npz").write_bytes(b"PK\x03\x04")

@@ -35,8 +35,7 @@ def truth(covered):
         "shadow": rng.random((SIZE, SIZE)) * 0.2,
     }
     images = {
-        name: np.float32(image * (covered[..., None] if image.ndim == 3 else covered))
-        for name, image in images.items()
+        name: np.float32(image * (covered[..., None] if image.ndim == 3 else covered)) for name, image in images.items()
     }
     return images | {"covered": covered.astype(np.float32)}
 
@@ -150,10 +149,7 @@ def test_dark_skin_is_shown_darker_than_pale_skin(covered):
 def test_the_unchanged_photo(truth, covered):
     photo = truth["image"] * 2.0
     assert score_unchanged(photo, truth["image"], 2.0, covered, covered)["relit.rmse_of_unchanged_photo"] == 0
-    assert (
-        score_unchanged(photo * 0.2, truth["image"], 2.0, covered, covered)["relit.rmse_of_unchanged_photo"]
-        > 0.1
-    )
+    assert score_unchanged(photo * 0.2, truth["image"], 2.0, covered, covered)["relit.rmse_of_unchanged_photo"] > 0.1
 
 
 def test_black_estimates_give_figures(truth, covered):

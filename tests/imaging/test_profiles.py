@@ -56,9 +56,7 @@ def test_srgb_profile_changes_nothing(tmp_path):
     pixels = np.random.default_rng(0).integers(0, 256, (8, 9, 3)).astype(np.uint8)
     Image.fromarray(pixels).save(tmp_path / "with.png", icc_profile=SRGB)
     Image.fromarray(pixels).save(tmp_path / "without.png")
-    np.testing.assert_array_equal(
-        read_photo(tmp_path / "with.png").linear, read_photo(tmp_path / "without.png").linear
-    )
+    np.testing.assert_array_equal(read_photo(tmp_path / "with.png").linear, read_photo(tmp_path / "without.png").linear)
 
 
 def test_matrix_profile_agrees_with_littlecms(tmp_path):

@@ -43,9 +43,7 @@ def facing_normals(count=60, seed=0):
 
 
 def random_light(seed, sharpness=1.0):
-    return torch.from_numpy(
-        np.random.default_rng(seed).gamma(sharpness, 1, (1, 16, 32, 3)).astype(np.float32)
-    )
+    return torch.from_numpy(np.random.default_rng(seed).gamma(sharpness, 1, (1, 16, 32, 3)).astype(np.float32))
 
 
 def test_uniform_light_gives_every_normal_an_irradiance_of_one(table):
@@ -83,9 +81,7 @@ def test_is_linear_in_the_light(table):
     _, normals = facing_normals()
     one, other = random_light(4), random_light(5)
     both = table(2 * one + 3 * other, normals)
-    torch.testing.assert_close(
-        both, 2 * table(one, normals) + 3 * table(other, normals), rtol=1e-4, atol=1e-5
-    )
+    torch.testing.assert_close(both, 2 * table(one, normals) + 3 * table(other, normals), rtol=1e-4, atol=1e-5)
 
 
 def test_tables_of_a_batch_are_those_of_its_lights(table):
@@ -124,9 +120,7 @@ def test_highlight_mirrors_the_camera(table):
     lamp = np.argmax(toward @ [math.sin(math.pi / 3), 0, math.cos(math.pi / 3)])
     radiance.view(-1, 3)[lamp] = 100
     angles = np.radians(np.arange(-80, 81, 2))
-    normals = torch.tensor(
-        np.stack([np.sin(angles), np.zeros_like(angles), np.cos(angles)]), dtype=torch.float32
-    )
+    normals = torch.tensor(np.stack([np.sin(angles), np.zeros_like(angles), np.cos(angles)]), dtype=torch.float32)
     gloss = table(radiance, normals[None, :, None])[0, 3, 0].numpy()
     assert np.degrees(angles[gloss.argmax()]) == pytest.approx(30, abs=8)
 

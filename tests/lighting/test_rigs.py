@@ -57,9 +57,7 @@ def luminance(colour):
 @pytest.mark.parametrize("form", ["rectangle", "disc"])
 def test_a_lamp_shines_from_its_azimuth_and_elevation(azimuth_deg, elevation_deg, direction, form):
     height_deg = 6 if form == "rectangle" else None
-    rig = one_lamp(
-        azimuth_deg=azimuth_deg, elevation_deg=elevation_deg, width_deg=6, height_deg=height_deg, form=form
-    )
+    rig = one_lamp(azimuth_deg=azimuth_deg, elevation_deg=elevation_deg, width_deg=6, height_deg=height_deg, form=form)
     panorama = render_rig(rig, 32)
     toward, areas = directions(32, 64), solid_angles(32, 64)
     mean = np.einsum("hwc,hw->c", toward, panorama[..., 1] * areas)

@@ -84,9 +84,7 @@ class TestConfidenceWeightedLight:
 
     def test_lies_between_the_places_own_proposals(self):
         network, features = self.network(), torch.randn(1, 4, 2, 3)
-        alone = torch.stack(
-            [network(features[:, :, y : y + 1, x : x + 1]) for y in range(2) for x in range(3)]
-        )
+        alone = torch.stack([network(features[:, :, y : y + 1, x : x + 1]) for y in range(2) for x in range(3)])
         together = network(features)
         assert (together >= alone.amin(0) - 1e-5).all()
         assert (together <= alone.amax(0) + 1e-5).all()
@@ -214,9 +212,7 @@ def test_folding_the_normalisation_changes_no_output():
     after = bundle.delight(photo)
     for name in ("albedo_srgb", "normal", "relief", "parsing_logits", "light"):
         torch.testing.assert_close(getattr(after, name), getattr(before, name), rtol=1e-3, atol=1e-4)
-    torch.testing.assert_close(
-        bundle.specular_shadow(photo, target, photo).shadow, shadow_before, rtol=1e-3, atol=1e-4
-    )
+    torch.testing.assert_close(bundle.specular_shadow(photo, target, photo).shadow, shadow_before, rtol=1e-3, atol=1e-4)
     assert not any(isinstance(module, nn.BatchNorm2d) for module in bundle.modules())
 
 
