@@ -242,7 +242,9 @@ class FaceRelighter:
         }
         if plan.runs("source_light") and edit.looks_at("source_light"):
             fixed["source_light"] = self.own_light(ready, plan)
-        shown = Effects(lit.effects.specular * plan.runs("specular"), lit.effects.shadow * plan.runs("shadow"))
+        # Behind the person the networks see no surface, and what they say there is no part of the picture.
+        specular, shadow = (ready.surface.person * plan.runs(name) for name in ("specular", "shadow"))
+        shown = Effects(lit.effects.specular * specular, lit.effects.shadow * shadow)
         lighted = self._cache.run(
             "channels",
             plan.keys["channels"],

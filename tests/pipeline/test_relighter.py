@@ -11,7 +11,7 @@ from relight_core.face.find import FaceBox
 from relight_core.imaging.photo import Photo
 from relight_core.lighting.environment import Environment
 from relight_core.networks.bundle import BundleConfig, NetworkBundle, save_bundle
-from relight_core.pipeline import portrait, quality
+from relight_core.pipeline import portrait, quality, stages
 from relight_core.pipeline.edit import Edit
 from relight_core.pipeline.relighter import Relighter
 
@@ -420,3 +420,17 @@ def test_the_photo_itself_is_never_changed(relighter):
     relighter.set_portrait(photo)
     relighter.relight(some_light(), replace(EDIT, background="light"))
     np.testing.assert_array_equal(photo.linear, before)
+
+
+def test_behind_the_person_the_effects_are_black(weights, monkeypatch):
+    left_half = np.zeros((32, 32), np.float32)
+    left_half[:, :16] = 1
+    monkeypatch.setattr(stages, "solid_person", lambda parsing: left_half)
+    relighter = Relighter(weights)
+    relighter.set_portrait(some_photo())
+    relit = relighter.relight(some_light(), EDIT)
+    for name in ("specular", "shadow"):
+        channel = relit.channels[name]
+        middle = channel.shape[1] // 2
+        assert np.abs(channel[:, middle + 4 :]).max() < 1e-4
+        assert channel[:, : middle - 4].max() > 1e-3
