@@ -6,8 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-import torch
 from synthetic_heads import write_balls, write_lights
+from tiny_networks import write_tiny_weights
 
 from relight_core.evaluation import bench_configurations
 from relight_core.evaluation.bench_accuracy import Accuracy, HeldOutData, against_final, against_truth
@@ -28,7 +28,7 @@ from relight_core.evaluation.bench_timing import Spread, Timing, time_configurat
 from relight_core.face.find import FaceBox
 from relight_core.imaging.photo import Photo
 from relight_core.lighting.environment import Environment
-from relight_core.networks.bundle import BundleConfig, NetworkBundle, save_bundle
+from relight_core.networks.bundle import BundleConfig, NetworkBundle
 from relight_core.pipeline import portrait, quality
 from relight_core.pipeline.quality import Tier
 from relight_core.pipeline.relighter import Relighter
@@ -46,13 +46,7 @@ def _small_tiers(monkeypatch):
 
 @pytest.fixture(scope="module")
 def weights(tmp_path_factory):
-    torch.manual_seed(3)
-    path = tmp_path_factory.mktemp("weights") / "tiny.safetensors"
-    bundle = NetworkBundle(BundleConfig.tiny())
-    bundle.composition.head.weight.data.normal_(0, 0.02)
-    bundle.delight.head.bias.data[8] = 6.0
-    save_bundle(path, bundle)
-    return path
+    return write_tiny_weights(tmp_path_factory.mktemp("weights"))
 
 
 @pytest.fixture

@@ -1,0 +1,32 @@
+"""A Relighter with tiny random networks, small tiers and a finder that sees two faces."""
+
+import pytest
+from tiny_networks import write_tiny_weights
+from tiny_relighter import some_photo
+
+from relight_core.face.find import FaceBox
+from relight_core.pipeline import portrait, quality
+from relight_core.pipeline.relighter import Relighter
+
+
+@pytest.fixture(scope="module")
+def weights(tmp_path_factory):
+    return write_tiny_weights(tmp_path_factory.mktemp("weights"))
+
+
+@pytest.fixture
+def small_and_seeing_faces(monkeypatch):
+    tiers = {
+        "draft": quality.Tier(48, 32, 32, 16, False),
+        "live": quality.Tier(64, 32, 32, 16, False),
+        "final": quality.Tier(96, 32, 32, 16, True),
+    }
+    monkeypatch.setattr(quality, "TIERS", tiers)
+    monkeypatch.setattr(portrait, "find_faces", lambda photo: [FaceBox(24, 20, 72, 76), FaceBox(4, 4, 20, 20)])
+
+
+@pytest.fixture
+def relighter(weights, small_and_seeing_faces):
+    relighter = Relighter(weights)
+    relighter.set_portrait(some_photo())
+    return relighter
