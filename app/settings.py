@@ -8,13 +8,12 @@ from __future__ import annotations
 
 import json
 import logging
-import os
-import sys
 from dataclasses import asdict, dataclass, field, fields
 from pathlib import Path
 
 from app.ui.layout import SIDE_EM, STRIP_EM, Panels
 from app.ui.look import SCOPES, LookState
+from app.user_folders import config_folder
 from relight_core.errors import InputError
 from relight_core.imaging.files import whole_file
 
@@ -46,17 +45,6 @@ class Settings:
     panels: Panels = field(default_factory=Panels)
     looking: Looking = field(default_factory=Looking)
     window_size: tuple[int, int] | None = None
-
-
-def config_folder() -> Path:
-    """relight's folder for the user's settings, where this system keeps such things; it may not exist yet."""
-    if sys.platform == "win32":
-        base = os.environ.get("APPDATA") or Path.home() / "AppData" / "Roaming"
-    elif sys.platform == "darwin":
-        base = Path.home() / "Library" / "Application Support"
-    else:
-        base = os.environ.get("XDG_CONFIG_HOME") or Path.home() / ".config"
-    return Path(base) / "relight"
 
 
 def settings_path() -> Path:

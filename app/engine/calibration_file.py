@@ -7,11 +7,11 @@ import json
 import math
 import os
 import platform
-import sys
 from collections.abc import Mapping
 from dataclasses import asdict
 from pathlib import Path
 
+from app.user_folders import cache_folder
 from relight_core.errors import InputError
 from relight_core.imaging.files import whole_file
 from relight_core.pipeline.auto_quality import TierCost
@@ -22,13 +22,7 @@ _VERSION = 1
 
 def cache_path() -> Path:
     """The file, where this system keeps what can be made again; it may not exist yet."""
-    if sys.platform == "win32":
-        base = os.environ.get("LOCALAPPDATA") or Path.home() / "AppData" / "Local"
-    elif sys.platform == "darwin":
-        base = Path.home() / "Library" / "Caches"
-    else:
-        base = os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
-    return Path(base) / "relight" / "tiers.json"
+    return cache_folder() / "tiers.json"
 
 
 def read_costs(path: Path, key: str) -> dict[str, TierCost] | None:

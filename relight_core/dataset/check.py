@@ -10,13 +10,12 @@ import numpy as np
 from relight_core.dataset.pathtrace import PathTracer
 from relight_core.dataset.recipe import Casting
 from relight_core.dataset.samples import LitHead, channels_of, light_head
-from relight_core.face.parsing import INDEX, PAPER_CLASSES
+from relight_core.face.parsing import FACE_LABELS
 from relight_core.imaging.colour import srgb_encode
 
 SKIN = (0.50, 0.36, 0.29)
 """Linear reflectance of the whole head while it is checked: what is compared is light, not paint."""
 
-_FACE = [INDEX[name] for name in PAPER_CLASSES]
 _BOUNCES = 4
 
 
@@ -47,7 +46,7 @@ def check_heads(
         lit = light_head(head, head.normal, lights)
         albedo = np.tile(np.float32(SKIN), (len(head.normal), 1))
         tracers = [PathTracer(posed.scene, SKIN, bounces) for bounces in (1, _BOUNCES)]
-        face = head.scatter(np.isin(head.label, _FACE))
+        face = head.scatter(np.isin(head.label, FACE_LABELS))
         for k, light in enumerate(lights):
             direct = [tracers[0].render(light, posed.framing, size, rays_per_pixel, noise) for noise in (0, 1)]
             bounced = [tracers[1].render(light, posed.framing, size, rays_per_pixel, noise) for noise in (2, 3)]

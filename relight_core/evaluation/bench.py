@@ -16,7 +16,7 @@ from relight_core.evaluation.scoring import (
     score_surface,
     score_unchanged,
 )
-from relight_core.face.parsing import CLASSES, INDEX, PAPER_CLASSES
+from relight_core.face.parsing import CLASSES, FACE_LABELS, INDEX
 from relight_core.imaging.resampling import resize_area
 from relight_core.lighting.reflection import ReflectionTable
 from relight_core.lighting.relief import ReliefTransport
@@ -103,7 +103,7 @@ class Bench:
     def __init__(self, editor: Editor, head: HeldOutHead, lights: list[HeldOutLight], photos: Photos):
         self._editor, self._head, self._lights, self._photos = editor, head, lights, photos
         self._truth, self._covered = head.surface(), head.lit.head.covered
-        self._face = self._covered & np.isin(self._truth["label"], [INDEX[name] for name in PAPER_CLASSES])
+        self._face = self._covered & np.isin(self._truth["label"], FACE_LABELS)
         self._found: dict[int, _TakenApart] = {}
         self._perfect = self._true_surface(lights[0].radiance)
         self._perfect_relief = stages.march(self._perfect, editor.tier.relief_size)

@@ -8,7 +8,7 @@ import cv2
 import numpy as np
 
 from relight_core.face.find import FaceBox
-from relight_core.face.parsing import INDEX, PAPER_CLASSES
+from relight_core.face.parsing import FACE_LABELS
 from relight_core.imaging.resampling import resample_window, resize_area
 
 FOREHEAD = 0.25
@@ -16,7 +16,6 @@ FOREHEAD = 0.25
 
 _SMALLEST_FACE_SHARE = 0.01
 _DIAGONAL = 2**0.5
-_FACE_LABELS = [INDEX[name] for name in PAPER_CLASSES]
 
 
 @dataclass(frozen=True)
@@ -143,7 +142,7 @@ def box_from_parsing(labels: np.ndarray, crop: Crop) -> FaceBox | None:
     Returns:
         None where less than 1 % of the crop is face.
     """
-    face = np.isin(labels, _FACE_LABELS).astype(np.uint8)
+    face = np.isin(labels, FACE_LABELS).astype(np.uint8)
     face = cv2.morphologyEx(face, cv2.MORPH_OPEN, np.ones((3, 3), np.uint8))
     count, _, parts, _ = cv2.connectedComponentsWithStats(face, connectivity=8)
     if count < 2:

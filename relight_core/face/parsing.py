@@ -26,6 +26,9 @@ INDEX = {name: index for index, name in enumerate(CLASSES)}
 PAPER_CLASSES = CLASSES[1:9]
 """The eight regions of the paper; everything else is its black background."""
 
+FACE_LABELS = tuple(INDEX[name] for name in PAPER_CLASSES)
+"""The labels of those regions."""
+
 _OTHER_SIDE = {"left_brow": "right_brow", "left_eye": "right_eye", "right_brow": "left_brow", "right_eye": "left_eye"}
 
 MIRRORED = tuple(INDEX[_OTHER_SIDE.get(name, name)] for name in CLASSES)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import cv2
 import numpy as np
 
-from relight_core.face.parsing import INDEX, PAPER_CLASSES
+from relight_core.face.parsing import FACE_LABELS, INDEX
 
 _CLOSING_SHARE = 1 / 24
 
@@ -20,7 +20,7 @@ def solid_person(parsing: np.ndarray) -> np.ndarray:
         (S, S) float32 in [0, 1]; as the parsing has it where it finds no face.
     """
     person = np.clip(1 - parsing[INDEX["background"]], 0, 1).astype(np.float32)
-    face = parsing[[INDEX[name] for name in PAPER_CLASSES]].sum(0) > 0.5
+    face = parsing[list(FACE_LABELS)].sum(0) > 0.5
     solid = (person > 0.5).astype(np.uint8)
     _, parts = cv2.connectedComponents(solid)
     counts = np.bincount(parts[face & (solid > 0)], minlength=2)

@@ -4,13 +4,11 @@ from __future__ import annotations
 
 import torch
 
+from relight_core.face.parsing import FACE_LABELS
 from relight_core.imaging.tensor_colour import srgb_encode
 from relight_core.lighting.reflection import ReflectionTable
 from relight_core.networks.delight import DelightNetwork, Delit
 from relight_core.training.losses import focal_parsing, irradiance_l1, masked_l1, slope_l1, wlog_l2
-
-_LAST_OF_FACE = 8
-"""The paper's labels come first (see `face.parsing`), background as 0, which nothing covers."""
 
 
 def delight_losses(
@@ -42,4 +40,5 @@ def delight_losses(
 
 def _face_first(covered: torch.Tensor, label: torch.Tensor) -> torch.Tensor:
     """Weights of the pixels: a face, which everyone looks at, counts twice as much as hair and cloth."""
-    return covered * (1 + (label <= _LAST_OF_FACE).float()[:, None])
+    face = torch.isin(label, torch.tensor(FACE_LABELS, device=label.device))
+    return covered * (1 + face.float()[:, None])

@@ -11,6 +11,7 @@ from pathlib import Path
 
 import torch
 
+from relight_core.imaging.files import whole_file
 from relight_core.lighting.reflection import ReflectionTable
 from relight_core.networks.bundle import NetworkBundle, save_bundle
 from relight_core.training.sheet import draw_samples
@@ -140,7 +141,8 @@ def train_stage(
             save_state(saved_state, progress, bundle, average.state, optimiser)
     result = average.bundle(bundle)
     _save(checkpoint, result, batch)
-    checkpoint.with_suffix(".log.json").write_text(json.dumps(progress.log))
+    with whole_file(checkpoint.with_suffix(".log.json")) as log:
+        log.write_text(json.dumps(progress.log))
     saved_state.unlink(missing_ok=True)
     return result
 
