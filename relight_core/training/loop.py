@@ -14,6 +14,7 @@ import torch
 from relight_core.imaging.files import whole_file
 from relight_core.lighting.reflection import ReflectionTable
 from relight_core.networks.bundle import NetworkBundle, save_bundle
+from relight_core.training.optimiser import Optimiser
 from relight_core.training.sheet import draw_samples
 from relight_core.training.stages import Stage
 from relight_core.training.state import Progress, load_state, save_state
@@ -116,18 +117,17 @@ def train_stage(
         TrainingDiverged: after 20 non-finite batches in a row.
         InputError: the state of an earlier run beside the checkpoint does not fit.
     """
-    parameters = _prepare(stage, bundle, device)
-    optimiser = torch.optim.AdamW(parameters, lr=budget.learning_rate, weight_decay=1e-4, fused=True)
+    _prepare(stage, bundle, device)
+    optimiser = Optimiser(bundle, budget.learning_rate)
     table, average = ReflectionTable().to(device), AveragedWeights(bundle)
     saved_state = state_path(checkpoint)
     progress = load_state(saved_state, bundle, average.state, optimiser) if saved_state.exists() else Progress()
     batches = batches_from(progress.step)
     started, saved, batch = time.monotonic() - progress.seconds, time.monotonic(), None
     while (elapsed := budget.spent(progress.step, progress.seconds)) < 1:
-        for group in optimiser.param_groups:
-            group["lr"] = budget.rate(progress.step, elapsed)
+        optimiser.set_learning_rate(budget.rate(progress.step, elapsed))
         batch = next(batches)
-        progress.take(_step(stage, bundle, table, batch, optimiser, parameters, device))
+        progress.take(_step(stage, bundle, table, batch, optimiser, device))
         if progress.in_a_row > _MOST_SKIPPED_IN_A_ROW:
             raise TrainingDiverged(f"{progress.in_a_row} non-finite batches in a row at step {progress.step}")
         average.update(bundle, progress.step)
@@ -159,27 +159,27 @@ def state_path(checkpoint: Path) -> Path:
     return checkpoint.with_suffix(".state.safetensors")
 
 
-def _prepare(stage: Stage, bundle: NetworkBundle, device: str) -> list[torch.nn.Parameter]:
-    """Set the stage's networks to training and the others to rest; the parameters that will change."""
+def _prepare(stage: Stage, bundle: NetworkBundle, device: str) -> None:
+    """Set the stage's networks to training and the others to rest."""
     bundle.train().requires_grad_(False).to(device, memory_format=torch.channels_last)
-    trained = [getattr(bundle, name).requires_grad_(True) for name in stage.trains]
+    for name in stage.trains:
+        getattr(bundle, name).requires_grad_(True)
     for name in {"delight", "specular_shadow", "composition"} - set(stage.trains):
         getattr(bundle, name).eval()
-    return [p for network in trained for p in network.parameters()]
 
 
-def _step(stage, bundle, table, batch, optimiser, parameters, device) -> dict[str, float]:
+def _step(stage, bundle, table, batch, optimiser, device) -> dict[str, float]:
     """One optimiser step; the losses by name, or nothing when the batch had to be skipped."""
     batch = {name: value.to(device, non_blocking=True) for name, value in batch.items()}
     statistics = [buffer.clone() for buffer in bundle.buffers()]
     with torch.autocast(device, torch.bfloat16):
         losses = stage.losses(bundle, table, batch)
     total = torch.stack([value.float() for value in losses.values()]).sum()
-    optimiser.zero_grad(set_to_none=True)
+    optimiser.zero_grad()
     if not torch.isfinite(total):
         return _skipped(bundle, statistics)
     total.backward()
-    norm = torch.nn.utils.clip_grad_norm_(parameters, _GRADIENT_LIMIT)
+    norm = torch.nn.utils.clip_grad_norm_(optimiser.parameters, _GRADIENT_LIMIT)
     if not torch.isfinite(norm):
         return _skipped(bundle, statistics)
     optimiser.step()

@@ -13,8 +13,9 @@ from torch import nn
 
 from relight_core.errors import InputError
 from relight_core.imaging.files import whole_file
+from relight_core.training.optimiser import Optimiser
 
-_FORMAT = "relight-training-1"
+_FORMAT = "relight-training-2"
 
 
 @dataclass
@@ -46,19 +47,20 @@ class Progress:
             self.smoothed[name] = 0.98 * self.smoothed.get(name, value) + 0.02 * value
 
 
-def save_state(path: Path, progress: Progress, weights: nn.Module, average: dict[str, torch.Tensor], optimiser) -> None:
+def save_state(
+    path: Path, progress: Progress, weights: nn.Module, average: dict[str, torch.Tensor], optimiser: Optimiser
+) -> None:
     """Write everything a run's next step depends on, whole or not at all."""
     tensors = {f"weights.{name}": value for name, value in weights.state_dict().items()}
     tensors |= {f"average.{name}": value for name, value in average.items()}
-    for index, moments in optimiser.state_dict()["state"].items():
-        tensors |= {f"optimiser.{index}.{name}": torch.as_tensor(value) for name, value in moments.items()}
+    tensors |= {f"optimiser.{name}": value for name, value in optimiser.moments().items()}
     tensors["random"] = torch.get_rng_state()
     tensors = {name: value.detach().cpu().contiguous().clone() for name, value in tensors.items()}
     with whole_file(path) as beside:
         save_file(tensors, beside, metadata={"format": _FORMAT, "progress": json.dumps(progress.__dict__)})
 
 
-def load_state(path: Path, weights: nn.Module, average: dict[str, torch.Tensor], optimiser) -> Progress:
+def load_state(path: Path, weights: nn.Module, average: dict[str, torch.Tensor], optimiser: Optimiser) -> Progress:
     """Read what `save_state` wrote into the run's own objects.
 
     Raises:
@@ -74,7 +76,7 @@ def load_state(path: Path, weights: nn.Module, average: dict[str, torch.Tensor],
         weights.load_state_dict(_below("weights.", tensors))
         for name, value in _below("average.", tensors).items():
             average[name].copy_(value)
-        optimiser.load_state_dict({**optimiser.state_dict(), "state": _moments(tensors, optimiser)})
+        optimiser.load_moments(_below("optimiser.", tensors))
         torch.set_rng_state(tensors["random"])
     except (OSError, SafetensorError, RuntimeError, KeyError, IndexError, TypeError, ValueError) as error:
         if isinstance(error, InputError):
@@ -85,23 +87,3 @@ def load_state(path: Path, weights: nn.Module, average: dict[str, torch.Tensor],
 
 def _below(prefix: str, tensors: dict[str, torch.Tensor]) -> dict[str, torch.Tensor]:
     return {name.removeprefix(prefix): value for name, value in tensors.items() if name.startswith(prefix)}
-
-
-def _moments(tensors: dict[str, torch.Tensor], optimiser) -> dict[int, dict[str, torch.Tensor]]:
-    """The optimiser's moments, laid out in memory as their weights are: fused steps pair them by address."""
-    weights = [weight for group in optimiser.param_groups for weight in group["params"]]
-    moments: dict[int, dict[str, torch.Tensor]] = {}
-    for name, value in _below("optimiser.", tensors).items():
-        index, moment = name.split(".", 1)
-        moments.setdefault(int(index), {})[moment] = _laid_out_like(weights[int(index)].detach(), value)
-    if len(moments) not in (0, len(weights)):
-        raise ValueError(f"it is about {len(moments)} weights, this stage changes {len(weights)}")
-    return moments
-
-
-def _laid_out_like(weight: torch.Tensor, moment: torch.Tensor) -> torch.Tensor:
-    if moment.ndim == 0:
-        return moment
-    if moment.shape != weight.shape:
-        raise ValueError("it is about other networks or another stage")
-    return torch.empty_like(weight).copy_(moment)
