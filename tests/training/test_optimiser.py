@@ -28,7 +28,8 @@ def test_a_hidden_convolution_moves_equally_far_in_all_directions():
     optimiser.step()
     moved = (network[1].conv.weight.detach() - before).flatten(1)
     lengths = torch.linalg.svdvals(moved) / 0.02
-    assert lengths.min() > 0.5 and lengths.max() < 1.5
+    assert lengths.min() > 0.5
+    assert lengths.max() < 1.5
 
 
 @pytest.mark.parametrize("layer", [0, 2])
