@@ -11,13 +11,13 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import torch
-import torch.nn.functional as F
 
 from relight_core.imaging.tensor_colour import srgb_decode
 from relight_core.lighting.reflection import ReflectionTable
 from relight_core.networks.bundle import NetworkBundle
 from relight_core.networks.delight import Delit
 from relight_core.training.delight_step import delight_losses
+from relight_core.training.predicted import on_predicted_surface
 from relight_core.training.relight_steps import (
     as_smooth_as_predicted,
     composition_losses,
@@ -88,10 +88,10 @@ def _tune_delight(bundle: NetworkBundle, table: ReflectionTable, batch: Batch) -
 
 
 def _tune_relight(bundle: NetworkBundle, table: ReflectionTable, batch: Batch) -> Losses:
-    with torch.no_grad():
-        found = bundle.delight(batch["photo_srgb"].flatten(0, 1).contiguous(memory_format=torch.channels_last))
-        found.normal = F.normalize(found.normal, dim=1, eps=1e-4)
-    return _relit_from_photo(bundle, table, batch, found)
+    flat = on_predicted_surface(bundle, batch)
+    effects, losses = specular_shadow_losses(bundle.specular_shadow, table, flat)
+    effects.specular, effects.shadow = effects.specular.detach(), effects.shadow.detach()
+    return losses | composition_losses(bundle.composition, table, flat, effects)[1]
 
 
 STAGES = {
@@ -100,7 +100,7 @@ STAGES = {
     "warm-composition": Stage(("composition",), _warm_composition, False, False, 2e-3),
     "warm-relight": Stage(("specular_shadow", "composition"), _warm_relight, False, True, 2e-3),
     "tune-delight": Stage(("delight",), _tune_delight, True, True, 2e-4),
-    "tune-relight": Stage(("specular_shadow", "composition"), _tune_relight, True, True, 2e-4),
+    "tune-relight": Stage(("specular_shadow", "composition"), _tune_relight, True, False, 1e-3),
 }
 """By name, in the order they are run. "warm-relight" does the second and third warm-up in one pass over
 the data, which is what a CPU has time for."""

@@ -1,0 +1,60 @@
+"""Batches whose surface is found in the photo: shapes, which light goes with which truth, no gradient."""
+
+import pytest
+import torch
+
+from relight_core.networks.bundle import BundleConfig, NetworkBundle, with_detail_pass
+from relight_core.training.predicted import on_predicted_surface
+
+
+@pytest.fixture
+def bundle():
+    torch.manual_seed(5)
+    return NetworkBundle(BundleConfig.tiny()).eval()
+
+
+def pairs(count, size):
+    """Photos of noise; every truth is a constant that tells its pair and its light."""
+    number = torch.arange(2.0 * count).reshape(count, 2)
+
+    def told(channels):
+        return number[..., None, None, None].expand(count, 2, channels, size, size).clone()
+
+    return {
+        "photo_srgb": torch.rand(count, 2, 3, size, size),
+        "image": told(3),
+        "shadow_fraction": told(1),
+        "light": number[..., None, None, None].expand(count, 2, 16, 32, 3) + 1,
+        "albedo": torch.full((count, 3, size, size), 0.25),
+        "normal": torch.zeros(count, 3, size, size),
+        "covered": torch.ones(count, 1, size, size),
+        "label": torch.zeros(count, size, size, dtype=torch.long),
+    }
+
+
+def test_each_photo_gets_the_truth_and_the_light_of_its_pair_s_other_one(bundle):
+    flat = on_predicted_surface(bundle, pairs(2, 32))
+    assert flat["image"][:, 0, 0, 0].tolist() == [1, 0, 3, 2]
+    assert flat["light"][:, 0, 0, 0].tolist() == [2, 1, 4, 3]
+    assert flat["relief_shadow"].shape == (4, 1, 32, 32)
+
+
+def test_normals_are_those_found_in_the_photo(bundle):
+    batch = pairs(1, 32)
+    normal = on_predicted_surface(bundle, batch)["normal"]
+    torch.testing.assert_close(normal.norm(dim=1), torch.ones(2, 32, 32), rtol=0, atol=1e-3)
+    assert not torch.equal(normal[0], normal[1])
+
+
+def test_with_a_sharpening_pass_the_relighting_networks_work_at_half_the_size(bundle):
+    flat = on_predicted_surface(with_detail_pass(bundle, 4).eval(), pairs(1, 64))
+    for name in ("image", "albedo", "normal", "relief_shadow", "covered", "shadow_fraction"):
+        assert flat[name].shape[-2:] == (32, 32)
+    torch.testing.assert_close(flat["albedo"], torch.full((2, 3, 32, 32), 0.25))
+
+
+def test_what_it_gives_can_be_learnt_on(bundle):
+    flat = on_predicted_surface(bundle, pairs(1, 32))
+    weight = torch.ones(1, requires_grad=True)
+    (weight * flat["normal"] * flat["relief_shadow"]).square().sum().backward()
+    assert torch.isfinite(weight.grad).all()
