@@ -28,7 +28,7 @@ _DAMAGE = (OSError, SafetensorError, RuntimeError, KeyError, TypeError, ValueErr
 
 @dataclass(frozen=True)
 class BundleConfig:
-    """Configurations of the three networks; the defaults are the shipped model's."""
+    """Configurations of the three networks."""
 
     delight: DelightConfig = field(default_factory=DelightConfig)
     specular_shadow: SpecularShadowConfig = field(default_factory=SpecularShadowConfig)

@@ -19,17 +19,26 @@ class SpecularShadowConfig:
         width, levels: as in DelightConfig.
         per_pixel_light: also see the unoccluded irradiance and gloss at each normal.
         relief_shadow: also see the shadow that the predicted relief casts.
+        parsing_classes: also see the relief itself and the parsing, of so many classes: a chin and the neck
+            behind it may face the same way, and a brim shades what is under it. 0 for neither.
     """
 
     width: int = 16
     levels: int = 5
     per_pixel_light: bool = True
     relief_shadow: bool = True
+    parsing_classes: int = 0
 
     @property
     def inputs(self) -> int:
         """Input channels."""
-        return 3 + 2 * self.per_pixel_light + self.relief_shadow
+        return 3 + self.hints
+
+    @property
+    def hints(self) -> int:
+        """Those beside the normal."""
+        shape = 1 + self.parsing_classes if self.parsing_classes else 0
+        return shape + 2 * self.per_pixel_light + self.relief_shadow
 
 
 @dataclass
@@ -63,8 +72,8 @@ class SpecularShadowNetwork(nn.Module):
         Args:
             normal: (B, 3, H, W) unit vectors.
             light: (B, 16, 32, 3) normalised radiance.
-            hints: (B, inputs - 3, H, W): log(1 + irradiance), log(1 + gloss), shadow fraction from relief,
-                as far as the configuration asks for them.
+            hints: (B, hints, H, W): relief, parsing, log(1 + irradiance), log(1 + gloss), shadow fraction from
+                relief, as far as the configuration asks for them.
         """
         x = normal if hints is None else torch.cat([normal, hints], 1)
         encoded_light = encode_light(light)

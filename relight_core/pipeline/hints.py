@@ -14,15 +14,25 @@ from relight_core.networks.specular_shadow import Occlusion, SpecularShadowConfi
 
 
 def specular_shadow_hints(
-    config: SpecularShadowConfig, reflected: torch.Tensor, relief_shadow: torch.Tensor | None
+    config: SpecularShadowConfig,
+    reflected: torch.Tensor,
+    relief_shadow: torch.Tensor | None,
+    relief: torch.Tensor | None = None,
+    parsing: torch.Tensor | None = None,
 ) -> torch.Tensor | None:
     """The SS network's inputs beside the normal.
 
     Args:
         reflected: (B, 6, H, W) unoccluded irradiance and gloss (see `lighting.reflection`).
         relief_shadow: (B, 1, H, W) shadow fraction cast by the relief; needed when configured.
+        relief: (B, 1, H, W) height toward the camera in half-widths of the view, and
+        parsing: (B, classes, H, W) probabilities, the background first; both needed when configured.
     """
     hints = []
+    if config.parsing_classes:
+        if relief is None or parsing is None:
+            raise ValueError("this SS network expects the relief and the parsing")
+        hints += [relief * (1 - parsing[:, :1]), parsing]
     if config.per_pixel_light:
         hints += [torch.log1p(grey(reflected[:, :3])), torch.log1p(4 * grey(reflected[:, 3:]))]
     if config.relief_shadow:

@@ -167,7 +167,8 @@ def estimate_effects(
     if not by_network:
         logit = torch.logit(fraction, eps=1e-6)
         return effects_of(Occlusion(logit, logit), reflected, surface.albedo)
-    hints = specular_shadow_hints(bundle.config.specular_shadow, reflected, fraction)
+    config = bundle.config.specular_shadow
+    hints = specular_shadow_hints(config, reflected, fraction, surface.relief, surface.parsing)
     with inference_precision(device, precision):
         occlusion = bundle.specular_shadow(surface.normal, light, hints)
     return effects_of(occlusion, reflected, surface.albedo)

@@ -29,16 +29,16 @@ def on_predicted_surface(bundle: NetworkBundle, batch: dict[str, torch.Tensor]) 
     photo = batch["photo_srgb"].flatten(0, 1)
     flat = {name: _both_lights_swapped(value) for name, value in batch.items() if name != "photo_srgb"}
     size = photo.shape[-1] // (1 if bundle.delight.detail is None else 2)
-    normals, shadows = [], []
+    surfaces, shadows = [], []
     for linear, light in zip(srgb_decode(photo), flat["light"], strict=True):
         view = linear.permute(1, 2, 0).float().cpu().numpy()
         surface = stages.delight(bundle, view, size, photo.device.type)
         transport = stages.march(surface, _RELIEF_SIZE)
-        normals.append(surface.normal)
+        surfaces.append(surface)
         shadows.append(transport.shadow_fraction(light[None].cpu()))
     shadow = torch.cat(shadows).to(photo.device)
     return {name: _shrunk(value, size) for name, value in flat.items() if name != "label"} | {
-        "normal": torch.cat(normals),
+        **{name: torch.cat([getattr(s, name) for s in surfaces]) for name in ("normal", "relief", "parsing")},
         "relief_shadow": F.interpolate(shadow, size=size, mode="bilinear", align_corners=False),
     }
 

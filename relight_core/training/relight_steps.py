@@ -5,6 +5,7 @@ from __future__ import annotations
 import torch
 import torch.nn.functional as F
 
+from relight_core.face.parsing import CLASSES
 from relight_core.imaging.tensor_colour import grey, srgb_encode
 from relight_core.lighting.reflection import ReflectionTable
 from relight_core.networks.composition import CompositionNetwork, encode_radiance
@@ -14,10 +15,11 @@ from relight_core.training.losses import fraction_loss, masked_l1
 
 
 def flatten_pairs(batch: dict[str, torch.Tensor]) -> dict[str, torch.Tensor]:
-    """Both lights of every pair as one batch; what the lights share is repeated."""
-    return {
+    """Both lights of every pair as one batch; what the lights share is repeated, labels become a parsing."""
+    flat = {
         name: value.flatten(0, 1) if value.ndim == 5 else value.repeat_interleave(2, 0) for name, value in batch.items()
     }
+    return flat | {"parsing": F.one_hot(flat["label"], len(CLASSES)).movedim(-1, 1).float()}
 
 
 def as_smooth_as_predicted(normal: torch.Tensor) -> torch.Tensor:
@@ -34,7 +36,8 @@ def specular_shadow_losses(
     """Eq. 6 on the additive channels, with the cross-entropy of the fractions that keeps shadow alive."""
     normal, albedo, covered = flat["normal"], flat["albedo"], flat["covered"]
     reflected = table(flat["light"], normal)
-    hints = specular_shadow_hints(network.config, reflected, flat.get("relief_shadow"))
+    seen = (flat.get("relief_shadow"), flat.get("relief"), flat.get("parsing"))
+    hints = specular_shadow_hints(network.config, reflected, *seen)
     occlusion = network(normal.contiguous(memory_format=torch.channels_last), flat["light"], hints)
     effects = effects_of(occlusion, reflected, albedo)
     irradiance = grey(reflected[:, :3]) * covered

@@ -90,10 +90,24 @@ def test_sliders_are_monotone_pixel_by_pixel(scene, slider):
 def test_hints_of_every_variant():
     reflected, relief = torch.rand(1, 6, 4, 4), torch.rand(1, 1, 4, 4)
     assert specular_shadow_hints(SpecularShadowConfig(), reflected, relief).shape == (1, 3, 4, 4)
+    parsing = torch.softmax(torch.rand(1, 14, 4, 4), 1)
+    told = SpecularShadowConfig(parsing_classes=14)
+    assert specular_shadow_hints(told, reflected, relief, relief, parsing).shape == (1, 18, 4, 4)
     bare = SpecularShadowConfig(per_pixel_light=False, relief_shadow=False)
     assert specular_shadow_hints(bare, reflected, None) is None
     with pytest.raises(ValueError):
         specular_shadow_hints(SpecularShadowConfig(), reflected, None)
+    with pytest.raises(ValueError):
+        specular_shadow_hints(told, reflected, relief)
+
+
+def test_relief_behind_the_person_tells_the_shadow_network_nothing():
+    reflected, shadow, parsing = torch.rand(1, 6, 4, 4), torch.rand(1, 1, 4, 4), torch.zeros(1, 14, 4, 4)
+    parsing[:, 0, :2], parsing[:, 1, 2:] = 1, 1
+    config = SpecularShadowConfig(parsing_classes=14)
+    one, other = (specular_shadow_hints(config, reflected, shadow, r, parsing) for r in torch.rand(2, 1, 1, 4, 4))
+    assert torch.equal(one[:, 0, :2], other[:, 0, :2])
+    assert not torch.equal(one[:, 0, 2:], other[:, 0, 2:])
 
 
 def test_grey_weighs_as_rec709():
