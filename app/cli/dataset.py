@@ -1,6 +1,7 @@
 """Make the training data: bake heads, check their light against a path tracer, look at samples.
 
 relight dataset bake --heads MODEL.npz [--wardrobe FOLDER] --out DIR --split train --count N
+relight dataset skins --heads MODEL.npz --wardrobe FOLDER --out DIR
 relight dataset check --heads MODEL.npz [--wardrobe FOLDER] --lights FILE [--count N]
 relight dataset preview --shards DIR --lights FILE -o SHEET.png
 
@@ -29,7 +30,7 @@ _CELL_PX = 160
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments of `relight dataset`."""
-    actions = parser.add_subparsers(dest="action", metavar="bake|check|preview", required=True)
+    actions = parser.add_subparsers(dest="action", metavar="bake|skins|check|preview", required=True)
     bake = actions.add_parser("bake", description="Bake heads: everything that any light needs to light them.")
     bake.add_argument("--heads", metavar="MODEL", type=Path, required=True, help="the head model, an .npz")
     bake.add_argument("--wardrobe", metavar="FOLDER", type=Path, help="unpacked MakeHuman data; heads are bare without")
@@ -37,6 +38,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     bake.add_argument("--split", choices=SPLITS, default="train")
     bake.add_argument("--count", metavar="N", type=count_at_least_one, required=True, help="how many heads in all")
     bake.add_argument("--size", metavar="PX", type=_size, default=256, help="side of the images (256)")
+    skins = actions.add_parser("skins", description="Carry MakeHuman's skins onto the head model, beside baked heads.")
+    skins.add_argument("--heads", metavar="MODEL", type=Path, required=True, help="the head model, an .npz")
+    skins.add_argument("--wardrobe", metavar="FOLDER", type=Path, required=True, help="unpacked MakeHuman data")
+    skins.add_argument("--out", metavar="DIR", type=Path, required=True, help="the folder of the heads")
     check = actions.add_parser("check", description="Compare baked light with a path tracer's, head by head.")
     check.add_argument("--heads", metavar="MODEL", type=Path, required=True, help="the head model, an .npz")
     check.add_argument("--wardrobe", metavar="FOLDER", type=Path, help="unpacked MakeHuman data")
@@ -53,8 +58,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Bake, check or preview; returns the exit code."""
-    return {"bake": _bake, "check": _check, "preview": _preview}[arguments.action](arguments)
+    """Bake, write skins, check or preview; returns the exit code."""
+    return {"bake": _bake, "skins": _skins, "check": _check, "preview": _preview}[arguments.action](arguments)
 
 
 def _bake(arguments: argparse.Namespace) -> int:
@@ -62,6 +67,8 @@ def _bake(arguments: argparse.Namespace) -> int:
 
     casting = _casting(arguments.heads, arguments.wardrobe)
     make_folder(arguments.out)
+    if arguments.split == "train" and arguments.wardrobe is not None:
+        _add_skins(casting, arguments.wardrobe, arguments.out)
     first = SPLIT_SEEDS[arguments.split]
     seeds = range(first, first + arguments.count)
     size_bytes = 0
@@ -70,6 +77,31 @@ def _bake(arguments: argparse.Namespace) -> int:
             size_bytes += path.stat().st_size
             show(done, f"{done} of {arguments.count}")
     print(f"{arguments.out}: {arguments.count} {arguments.split} heads, {size_bytes / 1e6:.1f} MB", flush=True)
+    return 0
+
+
+def _add_skins(casting, wardrobe: Path, folder: Path) -> None:
+    """Write MakeHuman's skins beside the heads unless they are there or the wardrobe has none."""
+    from relight_core.dataset.skin_textures import load_skins, write_skins
+    from relight_core.dataset.skin_transfer import transfer_skins
+
+    if load_skins(folder) is None:
+        skins = transfer_skins(wardrobe, casting.model)
+        if skins.names:
+            write_skins(folder, skins)
+
+
+def _skins(arguments: argparse.Namespace) -> int:
+    from relight_core.dataset.skin_textures import write_skins
+    from relight_core.dataset.skin_transfer import transfer_skins
+
+    casting = _casting(arguments.heads, arguments.wardrobe)
+    make_folder(arguments.out)
+    skins = transfer_skins(arguments.wardrobe, casting.model)
+    if not skins.names:
+        raise InputError(f"{arguments.wardrobe}: no skins here; give the whole MakeHuman archive, unpacked")
+    path = write_skins(arguments.out, skins)
+    print(f"{path}: {len(skins.names)} skins", flush=True)
     return 0
 
 

@@ -37,17 +37,29 @@ def find_root(folder: Path) -> Path:
 
 def read_base(root: Path) -> tuple[np.ndarray, np.ndarray]:
     """Base mesh: vertices (19158, 3) float32 in cm with helpers, and triangles (F, 3) of the body."""
-    vertices, faces, group = [], [], ""
+    vertices, faces, _ = read_textured_base(root)
+    return vertices, faces
+
+
+def read_textured_base(root: Path) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """`read_base` and the texture coordinates of the triangles' corners, (F, 3, 2) float32, v up."""
+    vertices, texture, faces, faces_uv, group = [], [], [], [], ""
     for line in (root / "3dobjs" / "base.obj").read_text().splitlines():
         kind, *fields = line.split() or [""]
         if kind == "v":
             vertices.append([float(field) for field in fields[:3]])
+        elif kind == "vt":
+            texture.append([float(field) for field in fields[:2]])
         elif kind == "g":
             group = fields[0]
         elif kind == "f" and group == "body":
-            corner = [int(field.split("/")[0]) - 1 for field in fields]
-            faces += [(corner[0], corner[i], corner[i + 1]) for i in range(1, len(corner) - 1)]
-    return np.array(vertices, np.float32) * _CM_PER_UNIT, np.array(faces, np.int32)
+            corner = np.array([field.split("/")[:2] for field in fields], int) - 1
+            fan = [[0, i, i + 1] for i in range(1, len(corner) - 1)]
+            faces += corner[fan, 0].tolist()
+            faces_uv += corner[fan, 1].tolist()
+    faces, uv = np.array(faces, np.int32), np.array(texture, np.float32).reshape(-1, 2)
+    corner_uv = uv[faces_uv] if len(uv) else np.zeros((*faces.shape, 2), np.float32)
+    return np.array(vertices, np.float32) * _CM_PER_UNIT, faces, corner_uv
 
 
 def read_item(path: Path, base: np.ndarray) -> Item:

@@ -1,7 +1,8 @@
 """Albedo of a dressed head in linear reflectance: skin from its pigments, and everything else from paint.
 
 Skin is Beer-Lambert absorption by melanin and haemoglobin over a pale base, which covers the range of
-human skin evenly when melanin is drawn uniformly. In most samples arbitrary pictures are laid over it or
+human skin evenly when melanin is drawn uniformly; where there are painted skins, half of the samples take
+their detail or their colouring instead. In most samples arbitrary pictures are laid over it or
 instead of it: a network that has seen wild albedo learns what light does, not what skin looks like.
 """
 
@@ -11,12 +12,14 @@ import numpy as np
 
 from relight_core.dataset.bake import BakedHead
 from relight_core.dataset.scene import Material
+from relight_core.dataset.skin_textures import SkinTextures
 from relight_core.dataset.texture import TexturePool, look_up
 from relight_core.face.parsing import INDEX
 
 _PALE = np.array([0.70, 0.49, 0.39], np.float32)
 _MELANIN = np.array([1.75, 2.1, 2.45], np.float32)
 _HAEMOGLOBIN = np.array([0.10, 0.55, 0.45], np.float32)
+_PAINTED_SHARE = 0.5
 _DARKEST, _BRIGHTEST = 0.015, 0.95
 
 # Centres and radii in the face tile of what blood colours: cheeks, nose tip, chin.
@@ -62,9 +65,28 @@ def _skin(head: BakedHead, pool: TexturePool, rng: np.random.Generator) -> np.nd
         spots = look_up(pool.noise(rng), uv, rng.uniform(2, 5)) + look_up(pool.noise(rng), uv, 6)
         melanin = melanin + 0.25 * np.clip(spots - rng.uniform(1.5, 2.8), 0, 1)
     skin = skin_tone(np.clip(melanin, -0.1, 1.2), np.clip(haemoglobin, 0, 1.3))
-    _paint_lips(skin, head, rng)
+    painted = pool.skins is not None and rng.random() < _PAINTED_SHARE
+    if painted:
+        _lay_painted_skin(skin, head, pool.skins, rng)
+    _paint_lips(skin, head, rng, has_colour=painted)
     _paint_hair_on_skin(skin, head, pool, rng)
     return skin * rng.uniform(0.9, 1.1)
+
+
+def _lay_painted_skin(skin: np.ndarray, head: BakedHead, skins: SkinTextures, rng: np.random.Generator) -> None:
+    """A painted skin in place of the procedural one: its detail alone, all its variation, or its own tone too."""
+    number = int(rng.integers(len(skins.names)))
+    on_back = head.material != Material.FACE
+    fine = np.log(skins.colour(number, head.uv, on_back) + 1e-3)
+    chance = rng.random()
+    if chance < 0.4:
+        smooth = np.log(skins.smooth_colour(number, head.uv, on_back) + 1e-3)
+        skin *= np.exp((fine - smooth) * rng.uniform(0.6, 1.6))
+    elif chance < 0.7:
+        skin *= np.exp((fine - np.log(skins.tone(number) + 1e-3)) * rng.uniform(0.6, 1.1))
+    else:
+        jitter = rng.normal(0, 0.15) + rng.normal(0, 0.05, 3)
+        skin[:] = np.exp(fine + jitter)
 
 
 def _flush(uv: np.ndarray) -> np.ndarray:
@@ -74,12 +96,13 @@ def _flush(uv: np.ndarray) -> np.ndarray:
     return total
 
 
-def _paint_lips(skin: np.ndarray, head: BakedHead, rng: np.random.Generator) -> None:
+def _paint_lips(skin: np.ndarray, head: BakedHead, rng: np.random.Generator, has_colour: bool) -> None:
+    """Lipstick at times, else the lips' own colour where the skin has none for them yet."""
     lips = head.label == INDEX["lips"]
     if rng.random() < 0.3:
         lipstick = rng.beta(1, 2, 3).astype(np.float32) * [1, 0.5, 0.6]
         skin[lips] = skin[lips] * 0.3 + lipstick * 0.7
-    else:
+    elif not has_colour:
         skin[lips] *= np.array([0.85, 0.6, 0.65], np.float32) ** rng.uniform(0.3, 1.5)
 
 
@@ -104,8 +127,10 @@ def _paint_hair_on_skin(skin: np.ndarray, head: BakedHead, pool: TexturePool, rn
         lids = np.exp(-((np.abs(u - 0.5) - 0.145) ** 2 / 0.003 + (v - 0.74) ** 2 / 0.001))
         _blend(skin, rng.beta(1, 3, 3).astype(np.float32), on_face * lids * rng.uniform(0.2, 0.8))
     if rng.random() < 0.4:
-        scalp = (head.material == Material.HEAD) | (on_face & (v > 0.93))
-        _blend(skin, hair, scalp * (v > 0.3) * np.clip(rng.uniform(0.2, 1.0) + 0.25 * fine, 0, 1))
+        # The outer parts of the second tile are the front of the chest.
+        skull = (head.material == Material.HEAD) & (v > 0.33) & (np.abs(u - 0.5) < 0.36)
+        scalp = skull | (on_face & (v > 0.93))
+        _blend(skin, hair, scalp * np.clip(rng.uniform(0.2, 1.0) + 0.25 * fine, 0, 1))
 
 
 def _blend(skin: np.ndarray, colour: np.ndarray, weight: np.ndarray) -> None:

@@ -29,6 +29,7 @@ from relight_core.dataset.samples import (
 )
 from relight_core.dataset.shard import read_shard
 from relight_core.dataset.skin import paint
+from relight_core.dataset.skin_textures import load_skins
 from relight_core.dataset.texture import TexturePool
 from relight_core.errors import InputError
 from relight_core.lighting.reflection import Gloss
@@ -49,7 +50,7 @@ class SampleStream(IterableDataset):
     if it had never stopped.
 
     Args:
-        folder: baked shards, the heads that are there when the stream starts.
+        folder: baked shards, the heads that are there when the stream starts, and painted skins if there are any.
         size: side of the images; the shards' own size or a divisor of it.
         photographs: also take photos (de-lighting needs them, the other networks do not).
         relief_shadow: also march a relief as rough as a predicted one ("relief_shadow", a hint to SS).
@@ -87,7 +88,7 @@ class SampleStream(IterableDataset):
         if not paths:
             raise InputError(f"{self.folder}: no baked heads; run 'relight dataset bake' first")
         library = load_lights(self.lights, self.split)
-        pool = TexturePool(self._random(lane), library.panoramas)
+        pool = TexturePool(self._random(lane), library.panoramas, skins=load_skins(self.folder))
         round_number, first = divmod(turn * self.pairs, self.heads_at_once * self.paints_per_head)
         while True:
             yield from self._round(lane, round_number, first, paths, library, pool)

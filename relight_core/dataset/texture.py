@@ -5,6 +5,8 @@ from __future__ import annotations
 import cv2
 import numpy as np
 
+from relight_core.dataset.skin_textures import SkinTextures
+
 SIZE = 256
 _REMAP_WIDTH = 1024  # cv2.remap takes at most 32,766 rows or columns
 
@@ -86,9 +88,19 @@ def photographs() -> list[np.ndarray]:
 
 
 class TexturePool:
-    """Noise and pictures made once per process and drawn from at random, flipped, cropped, recoloured."""
+    """Noise and pictures made once per process and drawn from at random, flipped, cropped, recoloured.
 
-    def __init__(self, rng: np.random.Generator, panoramas: np.ndarray | None = None, count: int = 64):
+    `skins` are painted skins to draw from beside the procedural one; None where there are none.
+    """
+
+    def __init__(
+        self,
+        rng: np.random.Generator,
+        panoramas: np.ndarray | None = None,
+        count: int = 64,
+        skins: SkinTextures | None = None,
+    ):
+        self.skins = skins
         self._noises = [fractal_noise(rng, SIZE, rng.uniform(0.3, 1.8)) for _ in range(count)]
         pictures = photographs() + ([] if panoramas is None else [_tone_mapped(p) for p in panoramas])
         self._pictures = [cv2.resize(p, (SIZE * 2, SIZE * 2), interpolation=cv2.INTER_AREA) for p in pictures]

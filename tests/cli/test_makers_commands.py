@@ -154,7 +154,7 @@ def test_training_leaves_weights_and_log(run, data, monkeypatch):
     loader = training.DataLoader
     monkeypatch.setattr(training, "DataLoader", lambda samples, **settings: loader(samples, settings["batch_size"]))
     pool = stream.TexturePool
-    monkeypatch.setattr(stream, "TexturePool", lambda rng, panoramas=None: pool(rng, None, count=2))
+    monkeypatch.setattr(stream, "TexturePool", lambda rng, panoramas=None, **_: pool(rng, None, count=2))
     words = train_words(data, **{"--minutes": 0.001, "--size": 16, "--pairs": 1, "--start": data / "tiny.safetensors"})
     code, out, err = run(*words)
     assert code == 0, err
