@@ -15,20 +15,22 @@ _STEEPEST = 2.0
 _LEAST_FACING = 0.15
 
 
-def integrate_normals(relief: np.ndarray, normal: np.ndarray, trust: np.ndarray) -> np.ndarray:
+def integrate_normals(relief: np.ndarray, normal: np.ndarray, trust: np.ndarray, slope_gain: float = 1.0) -> np.ndarray:
     """Sharpen a relief by normals.
 
     Args:
         relief: (S, S) height toward the camera, in half-widths of the image.
         normal: (3, S, S) unit vectors, camera space.
         trust: (S, S) in [0, 1]: where normals are known; elsewhere the relief keeps its own slopes.
+        slope_gain: the normals' slopes are multiplied by it.
 
     Returns:
         (S, S) float32, of the same mean as `relief`.
     """
     size = len(relief)
     facing = np.maximum(normal[2], _LEAST_FACING)
-    to_right, down = (np.clip(s / facing, -_STEEPEST, _STEEPEST) * (2 / size) for s in (-normal[0], normal[1]))
+    slopes = (slope_gain * s / facing for s in (-normal[0], normal[1]))
+    to_right, down = (np.clip(slope, -_STEEPEST, _STEEPEST) * (2 / size) for slope in slopes)
     divergence = _divergence(_steps(relief, to_right, trust, 1), 1) + _divergence(_steps(relief, down, trust, 0), 0)
     frequency = 2 - 2 * np.cos(np.pi * np.arange(size) / size)
     laplacian = frequency[:, None] + frequency[None]

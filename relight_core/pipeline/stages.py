@@ -21,6 +21,9 @@ from relight_core.networks.specular_shadow import Occlusion
 from relight_core.pipeline.hints import Effects, effects_of, explicit_sum, specular_shadow_hints
 
 _RELIEF_UNIT_PX = 64.0
+_SLOPE_GAIN = 1.35
+"""Estimates shrink toward the mean: against face landmarks in depth, found noses stood out by 0.7 of what they
+should on photographs (correlation 0.94), by 0.5 to 0.7 of the truth on held-out frontal heads."""
 _DULLNESS = {
     "hair": 0.75,
     "cloth": 0.85,
@@ -102,7 +105,7 @@ def delight(
 def _sharpened(height: torch.Tensor, normal: torch.Tensor, person: torch.Tensor) -> torch.Tensor:
     """The network's relief is a soft one; its normals know more (see `lighting.normal_integration`)."""
     heights, normals, trust = (image[0].cpu().numpy() for image in (height, normal, person))
-    return torch.from_numpy(integrate_normals(heights[0], normals, trust[0]))[None, None].to(height.device)
+    return torch.from_numpy(integrate_normals(heights[0], normals, trust[0], _SLOPE_GAIN))[None, None].to(height.device)
 
 
 def _shrunk(image: torch.Tensor, size: int) -> torch.Tensor:

@@ -54,3 +54,13 @@ def test_normals_that_look_away_stay_finite():
     found = integrate_normals(0 * X, normal, np.ones((SIZE, SIZE)))
     assert np.isfinite(found).all()
     assert np.abs(found).max() < 4
+
+
+def test_a_slope_gain_makes_the_relief_stand_out_as_much_more():
+    y, x = np.mgrid[-1:1:48j, -1:1:48j]
+    bump = 0.2 * np.exp(-8 * (x**2 + y**2))
+    down, right = np.gradient(bump, 2 / 47)
+    normal = np.stack([-right, down, np.ones_like(bump)]) / np.sqrt(right**2 + down**2 + 1)
+    trust = np.ones_like(bump)
+    once, twice = (integrate_normals(np.zeros((48, 48)), normal, trust, gain) for gain in (1.0, 2.0))
+    assert np.ptp(twice) == pytest.approx(2 * np.ptp(once), rel=0.02)
