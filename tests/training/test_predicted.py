@@ -32,25 +32,26 @@ def pairs(count, size):
     }
 
 
-def test_each_photo_gets_the_truth_and_the_light_of_its_pair_s_other_one(bundle):
+def test_each_photo_gets_the_truth_under_both_lights_of_its_pair(bundle):
     flat = on_predicted_surface(bundle, pairs(2, 32))
-    assert flat["image"][:, 0, 0, 0].tolist() == [1, 0, 3, 2]
-    assert flat["light"][:, 0, 0, 0].tolist() == [2, 1, 4, 3]
-    assert flat["relief_shadow"].shape == (4, 1, 32, 32)
+    assert flat["image"][:, 0, 0, 0].tolist() == [0, 1, 0, 1, 2, 3, 2, 3]
+    assert flat["light"][:, 0, 0, 0].tolist() == [1, 2, 1, 2, 3, 4, 3, 4]
+    assert flat["relief_shadow"].shape == (8, 1, 32, 32)
 
 
 def test_normals_are_those_found_in_the_photo(bundle):
     batch = pairs(1, 32)
     normal = on_predicted_surface(bundle, batch)["normal"]
-    torch.testing.assert_close(normal.norm(dim=1), torch.ones(2, 32, 32), rtol=0, atol=1e-3)
-    assert not torch.equal(normal[0], normal[1])
+    torch.testing.assert_close(normal.norm(dim=1), torch.ones(4, 32, 32), rtol=0, atol=1e-3)
+    assert torch.equal(normal[0], normal[1])
+    assert not torch.equal(normal[0], normal[2])
 
 
 def test_with_a_sharpening_pass_the_relighting_networks_work_at_half_the_size(bundle):
     flat = on_predicted_surface(with_detail_pass(bundle, 4).eval(), pairs(1, 64))
     for name in ("image", "albedo", "normal", "relief_shadow", "covered", "shadow_fraction"):
         assert flat[name].shape[-2:] == (32, 32)
-    torch.testing.assert_close(flat["albedo"], torch.full((2, 3, 32, 32), 0.25))
+    torch.testing.assert_close(flat["albedo"], torch.full((4, 3, 32, 32), 0.25))
 
 
 def test_what_it_gives_can_be_learnt_on(bundle):
