@@ -4,8 +4,9 @@ Every quality tier and its variants are timed in one process, in turns and in ra
 to the picture on the screen, and compared with the final tier on photos and, where baked test heads and a
 light library are given, with the truth. Into the folder go bench.json, bench.md and bench.png.
 
-With --session, an editing session is replayed instead (open, turn every light a full circle, drag both sliders,
-swap lights): how many stage runs the plan avoids, what time that saves, and the largest error it makes.
+With --session, an editing session is replayed on every photo instead (open, turn the light a full circle, drag
+both sliders, swap lights), then every light of the library is visited: how many stage runs the plan avoids, what
+time that saves, and the largest error that each of its rules makes. Into the folder go session.json and session.md.
 
 With --stability, hostile portraits are relit under hostile lights instead, and every error is set against its
 bound: stability.json, stability.md and stability.png. The exit code is 1 if one is above it.
@@ -29,6 +30,7 @@ from relight_core.errors import InputError
 
 if TYPE_CHECKING:
     from relight_core.evaluation.bench_report import BenchResult
+    from relight_core.evaluation.bench_session import Savings
     from relight_core.imaging.photo import Photo
     from relight_core.lighting.environment import Environment
 
@@ -48,7 +50,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--weights", metavar="W", type=Path, help="a .safetensors file; the bundled ones without")
     parser.add_argument("--count", metavar="N", type=count_at_least_one, default=8, help="test heads (8)")
     parser.add_argument("--rounds", metavar="N", type=count_at_least_one, help=f"turns of each setting ({_ROUNDS})")
-    parser.add_argument("--turns", metavar="N", type=count_at_least_one, default=72, help="stops of a full circle (72)")
+    parser.add_argument("--turns", metavar="N", type=count_at_least_one, default=24, help="stops of a full circle (24)")
     parser.add_argument("--device", choices=("cpu", "cuda"), default="cpu")
     parser.add_argument("-o", "--output", metavar="DIR", type=Path, default=Path("bench"), help="a folder (bench)")
     add_json(parser)
@@ -157,47 +159,60 @@ def _stability(arguments: argparse.Namespace, photo: Photo, report: Report) -> i
 
 def _session(arguments: argparse.Namespace, photos: list[Photo], report: Report) -> int:
     from relight_core.evaluation.bench_machine import describe_machine
-    from relight_core.evaluation.bench_session import Savings, as_markdown, recorded_session, replay
+    from relight_core.evaluation.bench_session import Savings, recorded_session, replay, visits
+    from relight_core.lighting.rigs import load_rig
     from relight_core.pipeline.relighter import Relighter
 
-    lights = _session_lights(arguments.lights, arguments.quick)
-    session = recorded_session(lights, 12 if arguments.quick else arguments.turns)
+    turns = 12 if arguments.quick else arguments.turns
+    few = [load_rig(name) for name in _BENCH_LIGHTS]
+    many = few if arguments.quick else _visited_lights(arguments.lights)
+    plays = {"session": recorded_session(few, turns), "visits": visits(many, turns)}
     relighter, thorough = (Relighter(arguments.weights, arguments.device) for _ in range(2))
-    savings, total = Savings(), len(session) * len(photos)
+    found, machine = {name: Savings() for name in plays}, describe_machine(arguments.device)
+    total = sum(map(len, plays.values())) * len(photos)
+
     with progress("replaying", 1.0) as show:
-        for photo in photos:
-            replay(
-                relighter,
-                thorough,
-                photo,
-                session,
-                savings,
-                report=lambda: show(savings.updates / total, f"{savings.updates} of {total}"),
-            )
-    record = {"machine": describe_machine(arguments.device), "lights": len(lights), "photos": len(photos)}
-    record |= savings.as_record()
-    _write_text(arguments.output / "session.json", json.dumps(record, indent=1))
-    report.line(as_markdown(savings))
-    report.record(record)
+
+        def show_updates() -> None:
+            done = sum(savings.updates for savings in found.values())
+            show(done / total, f"{done} of {total}")
+
+        for number, photo in enumerate(photos):
+            for name, steps in plays.items():
+                replay(relighter, thorough, photo, steps, found[name], report=show_updates)
+            page, record = _session_pages(number + 1, plays, found)
+            _write_text(arguments.output / "session.json", json.dumps({"machine": machine} | record, indent=1))
+            _write_text(arguments.output / "session.md", page)
+    report.line(page)
+    report.record({"machine": machine} | record)
     return 0
 
 
-def _session_lights(library: Path | None, quick: bool) -> list[Environment]:
-    """The library's panoramas, if one is given, then the bundled rigs; a few rigs where it must be quick."""
+def _session_pages(photos: int, plays: dict, found: dict[str, Savings]) -> tuple[str, dict]:
+    """Markdown and a JSON-ready record of what was replayed so far."""
+    from relight_core.evaluation.bench_session import as_markdown
+
+    page, record = "", {"photos": photos}
+    for name, steps in plays.items():
+        lights = len({light.name for light, _ in steps})
+        record[name] = {"lights": lights} | found[name].as_record()
+        page += f"{name}: {photos} photos, {lights} lights\n\n{as_markdown(found[name])}\n\n"
+    return page, record
+
+
+def _visited_lights(library: Path | None) -> list[Environment]:
+    """The library's panoramas, or, where none is given, the bundled rigs."""
     from relight_core.dataset.archive import read_arrays
     from relight_core.lighting.environment import Environment
     from relight_core.lighting.rigs import load_rig, rig_names
 
-    if quick:
-        return [load_rig(name) for name in _BENCH_LIGHTS]
-    lights = []
-    if library is not None:
-        data = read_arrays(library, ("env64", "names"), "a light library", "give an .npz with env64 and names")
-        lights = [
-            Environment.from_radiance(radiance.astype("float32"), str(name))
-            for radiance, name in zip(data["env64"], data["names"], strict=True)
-        ]
-    return lights + [load_rig(name) for name in rig_names()]
+    if library is None:
+        return [load_rig(name) for name in rig_names()]
+    data = read_arrays(library, ("env64", "names"), "a light library", "give an .npz with env64 and names")
+    return [
+        Environment.from_radiance(radiance.astype("float32"), str(name))
+        for radiance, name in zip(data["env64"], data["names"], strict=True)
+    ]
 
 
 def _onto(show):

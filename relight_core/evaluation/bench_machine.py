@@ -16,7 +16,7 @@ from torch.utils.flop_counter import FlopCounterMode
 from relight_core.networks.bundle import NetworkBundle
 from relight_core.networks.lfm import LIGHT_SHAPE
 from relight_core.pipeline.quality import Tier
-from relight_core.pipeline.stages import inference_precision
+from relight_core.pipeline.stages import in_precision
 
 _MATRIX, _STREAM_MIB = 1024, 64
 _SECONDS = 0.25
@@ -77,6 +77,7 @@ def measure_peaks(device: str = "cpu") -> Peaks:
 def demands(bundle: NetworkBundle, tier: Tier, device: str = "cpu") -> dict[str, Demand]:
     """What the three networks ask for at a tier's sizes, by stage."""
     size, lit = tier.delight_size, tier.network_size
+    bundle = in_precision(bundle, device, tier.precision)
     light = torch.ones(1, *LIGHT_SHAPE, device=device)
 
     def image(channels: int, side: int) -> torch.Tensor:
@@ -114,7 +115,7 @@ def _demand(network: torch.nn.Module, inputs: tuple, width: int, device: str) ->
     layers = [m for m in network.modules() if isinstance(m, torch.nn.Conv2d | torch.nn.Linear)]
     hooks = [layer.register_forward_hook(add) for layer in layers]
     try:
-        with FlopCounterMode(display=False) as counter, inference_precision(device):
+        with FlopCounterMode(display=False) as counter:
             network(*inputs)
     finally:
         for hook in hooks:

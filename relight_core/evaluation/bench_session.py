@@ -1,9 +1,9 @@
-"""A recorded editing session, replayed: what the plan saves, and what it costs in accuracy."""
+"""An editing session and short visits of many lights, replayed: what the plan saves, and what it costs in accuracy."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import asdict, dataclass, field, replace
 
 import numpy as np
 
@@ -15,6 +15,28 @@ from relight_core.pipeline.relighter import Relighter, Relit
 
 _EVERYTHING = frozenset(EFFECTS) - {"background"}
 _SLIDER_STOPS = 10
+_VISITED_STOPS = 2
+_SPREAD = 7
+_BRIGHTER = 1.7
+
+
+@dataclass
+class RuleRecord:
+    """What one reason for not computing an effect did.
+
+    Attributes:
+        times: updates in which it held.
+        saved_ms: what the effect took when it was last computed, summed over those.
+        bound: the largest it stated, of displayed values in [0, 1]; None where the tier decided, not a rule.
+        compared: pictures made with it that were compared with those made without any rule.
+        largest_error: of those pictures.
+    """
+
+    times: int = 0
+    saved_ms: float = 0.0
+    bound: float | None = None
+    compared: int = 0
+    largest_error: float = 0.0
 
 
 @dataclass
@@ -40,6 +62,22 @@ class Savings:
     largest_bound: float = 0.0
     compared: int = 0
     broken: list[str] = field(default_factory=list)
+    rules: dict[tuple[str, str, str], RuleRecord] = field(default_factory=dict)
+
+    def note_rules(self, relit: Relit, error: float | None) -> None:
+        """Count every effect that was not computed; `error` is the picture's where it was compared."""
+        for effect in relit.plan:
+            if effect.state == "computed":
+                continue
+            why = effect.why.split(":")[0]
+            rule = self.rules.setdefault((effect.name, effect.state, why), RuleRecord())
+            rule.times += 1
+            rule.saved_ms += effect.saved_ms or 0.0
+            if effect.bound is not None:
+                rule.bound = max(rule.bound or 0.0, effect.bound)
+            if error is not None:
+                rule.compared += 1
+                rule.largest_error = max(rule.largest_error, error)
 
     def as_record(self) -> dict:
         """JSON-ready."""
@@ -55,6 +93,10 @@ class Savings:
             "largest_bound": round(self.largest_bound, 6),
             "compared": self.compared,
             "broken": self.broken,
+            "rules": [
+                {"effect": effect, "state": state, "why": why, **_rounded(asdict(rule))}
+                for (effect, state, why), rule in sorted(self.rules.items())
+            ],
         }
 
 
@@ -76,6 +118,25 @@ def recorded_session(lights: Sequence[Environment], turns: int) -> list[tuple[En
             steps += [(light, replace(moving, **{slider: float(gain)})) for gain in way]
         steps.append((light, Edit(quality="final")))
     return steps
+
+
+def visits(lights: Sequence[Environment], turns: int) -> list[tuple[Environment, Edit]]:
+    """Each of many lights looked at, turned to two of the circle's stops, both sliders moved, and made brighter.
+
+    The stops differ from light to light, so that together they cover the circle. At the end all light goes out.
+
+    Args:
+        turns: stops of the full circle.
+    """
+    moving, steps = Edit(quality="live", channels=()), []
+    for number, light in enumerate(lights):
+        steps.append((light, Edit(quality="final")))
+        stops = [(_VISITED_STOPS * number + visit) * _SPREAD % turns for visit in range(_VISITED_STOPS)]
+        steps += [(light, replace(moving, yaw_deg=360.0 * stop / turns)) for stop in stops]
+        turned = steps[-1][1]
+        steps += [(light, replace(turned, shadow=1.6)), (light, replace(turned, specular=0.3))]
+        steps.append((Environment.from_radiance(light.shape * (_BRIGHTER * light.level), light.name), turned))
+    return [*steps, (Environment.from_radiance(np.zeros((16, 32, 3), np.float32), "darkness"), moving)]
 
 
 def replay(
@@ -108,12 +169,14 @@ def replay(
         savings.ms += sum(stage.ms for stage in relit.stages.values())
         savings.ms_of_everything += sum(seen.values())
         bound = max((effect.bound or 0.0 for effect in relit.plan), default=0.0)
-        if thorough is not None and (bound > 0 or number % compare_every == 0):
-            _compare(thorough, relit, bound, light, edit, savings)
+        compared = thorough is not None and (bound > 0 or number % compare_every == 0)
+        savings.note_rules(relit, _compare(thorough, relit, bound, light, edit, savings) if compared else None)
         report()
 
 
-def _compare(thorough: Relighter, relit: Relit, bound: float, light: Environment, edit: Edit, savings: Savings) -> None:
+def _compare(
+    thorough: Relighter, relit: Relit, bound: float, light: Environment, edit: Edit, savings: Savings
+) -> float:
     for stage in _PER_LIGHT:
         thorough.forget(stage)
     reference = thorough.relight(light, replace(edit, channels=None, forced_on=_EVERYTHING))
@@ -123,6 +186,7 @@ def _compare(thorough: Relighter, relit: Relit, bound: float, light: Environment
     savings.largest_bound = max(savings.largest_bound, bound)
     if error > bound + 1e-4:
         savings.broken.append(f"{light.name} at {edit.yaw_deg:g} degrees: {error:.5f}, not {bound:.5f}")
+    return error
 
 
 _PER_LIGHT = (
@@ -151,4 +215,16 @@ def as_markdown(savings: Savings) -> str:
         f"largest bound given {255 * savings.largest_bound:.2f} / 255.",
     ]
     lines += [f"OUT OF BOUNDS: {line}" for line in savings.broken]
+    lines += ["", "| effect | | because | times | saved, s | bound / 255 | compared | largest error / 255 |"]
+    lines.append("|---|---|---|---|---|---|---|---|")
+    for (effect, state, why), rule in sorted(savings.rules.items()):
+        bound = "–" if rule.bound is None else f"{255 * rule.bound:.2f}"
+        lines.append(
+            f"| {effect} | {state} | {why} | {rule.times} | {rule.saved_ms / 1e3:.2f} | {bound} "
+            f"| {rule.compared} | {255 * rule.largest_error:.2f} |"
+        )
     return "\n".join(lines)
+
+
+def _rounded(record: dict) -> dict:
+    return {name: round(value, 6) if isinstance(value, float) else value for name, value in record.items()}

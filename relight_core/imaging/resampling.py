@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import cv2
 import numpy as np
 from scipy import sparse
@@ -76,6 +78,7 @@ def _lies_on_pixels(window: tuple[float, float, float, float], size: tuple[int, 
     return whole and 0 <= x0 < x1 <= size[1] and 0 <= y0 < y1 <= size[0]
 
 
+@lru_cache(maxsize=64)
 def _axis_weights(start: float, stop: float, length: int, count: int) -> sparse.csr_array:
     """(count, length) weights that resample [start, stop] of an axis to `count` pixels; rows sum to 1."""
     step = (stop - start) / count

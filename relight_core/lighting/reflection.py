@@ -92,6 +92,46 @@ class ReflectionTable(torch.nn.Module):
         return self.look_up(self.tabulate(light), normal)
 
 
+class NormalLookup:
+    """Normals made ready for many lights: of every light's table, only the cells that they read are filled in."""
+
+    def __init__(self, table: ReflectionTable, normal: torch.Tensor, *, gloss: bool = True):
+        """Find the cells.
+
+        Args:
+            normal: (1, 3, H, W) unit vectors.
+            gloss: False looks up the irradiance alone.
+        """
+        self._position = table_position(normal.float())
+        self._cells = _cells_read(self._position)
+        parts = 2 if gloss else 1
+        transport = table.transport.reshape(-1, 2, TABLE_SIZE**2)[:, :parts]
+        self._transport = transport[:, :, self._cells].flatten(1)
+        self._parts = parts
+
+    @torch.autocast("cpu", enabled=False)
+    def __call__(self, light: torch.Tensor) -> torch.Tensor:
+        """Irradiance rgb and gloss rgb as `ReflectionTable` has them under a light (1, h, 2h, 3): (1, 6, H, W)."""
+        read = light.float().reshape(-1, 3).T @ self._transport
+        table = read.new_zeros(self._parts, 3, TABLE_SIZE**2)
+        table[:, :, self._cells] = read.reshape(3, self._parts, -1).transpose(0, 1)
+        table = table.reshape(1, 3 * self._parts, TABLE_SIZE, TABLE_SIZE)
+        return F.grid_sample(table, self._position, mode="bilinear", padding_mode="border", align_corners=True)
+
+
+def _cells_read(position: torch.Tensor) -> torch.Tensor:
+    """Indices of the table's cells that bilinear lookups at positions (1, H, W, 2) touch."""
+    place = ((position.reshape(-1, 2) + 1) / 2 * (TABLE_SIZE - 1)).clamp(0, TABLE_SIZE - 1)
+    first = place.floor().long()
+    # One cell to spare on each side, since grid_sample rounds by itself.
+    touched = torch.zeros(TABLE_SIZE, TABLE_SIZE, dtype=torch.bool, device=position.device)
+    for down in range(-1, 3):
+        for right in range(-1, 3):
+            x, y = ((first[:, axis] + step).clamp(0, TABLE_SIZE - 1) for axis, step in ((0, right), (1, down)))
+            touched[y, x] = True
+    return touched.flatten().nonzero()[:, 0]
+
+
 def table_position(normal: torch.Tensor) -> torch.Tensor:
     """Where unit normals (B, 3, H, W) lie in the table, as grid_sample wants it: (B, H, W, 2) in [-1, 1]."""
     scale = (1 + normal[:, 2:3]).clamp_min(0.1).rsqrt() / _TABLE_EXTENT

@@ -9,6 +9,7 @@ shadow here, and what it sees has no back: the SS network corrects both.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import torch
 import torch.nn.functional as F
@@ -49,10 +50,18 @@ class ReliefTransport:
             light: (B, H, 2H, 3) normalised radiance of the texels the transport was made for.
         """
         grey = light.float() @ torch.tensor(REC709_LUMINANCE, dtype=torch.float32)
-        grey = grey.flatten(1).T
-        opened = self.open @ grey
-        fraction = (1 - (self.closed @ grey) / opened.clamp_min(1e-6)).clamp(0, 1)
-        return (fraction * (opened / _GRAZING).clamp_max(1)).T.reshape(-1, 1, self.size, self.size)
+        points, both = self._at_surface
+        opened, closed = (both @ grey.flatten(1).T).chunk(2)
+        lost = (1 - closed / opened.clamp_min(1e-6)).clamp(0, 1) * (opened / _GRAZING).clamp_max(1)
+        fraction = lost.new_zeros(len(self.open), lost.shape[1])
+        fraction[points] = lost
+        return fraction.T.reshape(-1, 1, self.size, self.size)
+
+    @cached_property
+    def _at_surface(self) -> tuple[torch.Tensor, torch.Tensor]:
+        """Which points have a surface at all, and their rows of `open` above those of `closed`."""
+        points = self.open.any(dim=1).nonzero()[:, 0]
+        return points, torch.cat([self.open[points], self.closed[points]])
 
 
 @torch.no_grad()

@@ -37,8 +37,8 @@ class Encoder(nn.Module):
         )
 
     def forward(self, x: torch.Tensor) -> list[torch.Tensor]:
-        """Features of every level, finest first."""
-        features = [self.stem(x)]
+        """Features of every level, finest first, in the weights' precision."""
+        features = [self.stem(x.to(self.stem.conv.weight.dtype))]
         for level in self.levels:
             features.append(level(features[-1]))
         return features
@@ -84,6 +84,14 @@ def decoder_levels(widths: list[int]) -> nn.ModuleList:
 def level_widths(width: int, levels: int, widest: int = 256) -> list[int]:
     """Channels per level: doubling from `width`, capped."""
     return [min(width * 2**level, widest) for level in range(levels)]
+
+
+def round_convolutions(network: nn.Module) -> nn.Module:
+    """Every convolution but the heads in bf16, in place: what autocast does, without doing it at every run."""
+    for module in network.modules():
+        if isinstance(module, nn.Conv2d) and not isinstance(module, Head):
+            module.to(torch.bfloat16)
+    return network
 
 
 def fold_normalisation(network: nn.Module) -> nn.Module:

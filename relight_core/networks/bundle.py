@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import dataclasses
 import hashlib
 import json
@@ -15,7 +16,7 @@ from torch import nn
 
 from relight_core.errors import InputError
 from relight_core.imaging.files import check_regular, whole_file
-from relight_core.networks.blocks import fold_normalisation
+from relight_core.networks.blocks import fold_normalisation, round_convolutions
 from relight_core.networks.composition import CompositionConfig, CompositionNetwork
 from relight_core.networks.delight import DelightConfig, DelightNetwork
 from relight_core.networks.specular_shadow import SpecularShadowConfig, SpecularShadowNetwork
@@ -68,12 +69,19 @@ class NetworkBundle(nn.Module):
         self.specular_shadow = SpecularShadowNetwork(self.config.specular_shadow)
         self.composition = CompositionNetwork(self.config.composition)
         self.card: dict[str, str] = {}
+        self._rounded: list[NetworkBundle] = []
 
     def for_inference(self) -> NetworkBundle:
         """Evaluation mode, normalisation folded, channels last, no gradients; in place."""
         self.eval().requires_grad_(False)
         fold_normalisation(self)
         return self.to(memory_format=torch.channels_last)
+
+    def rounded(self) -> NetworkBundle:
+        """A copy that computes in bf16, made once; what `for_inference` made ready."""
+        if not self._rounded:
+            self._rounded.append(round_convolutions(copy.deepcopy(self)))
+        return self._rounded[0]
 
 
 def with_detail_pass(bundle: NetworkBundle, width: int) -> NetworkBundle:

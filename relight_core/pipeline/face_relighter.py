@@ -154,7 +154,7 @@ class FaceRelighter:
         reflected = self._cache.run(
             "irradiance",
             plan.keys["irradiance"],
-            lambda: stages.reflect(self._shop.table, ready.surface, light),
+            lambda: stages.reflect(self._reflector(ready), light),
             "new light",
         )
         effects = self._effects(ready, reflected, light, plan)
@@ -199,6 +199,10 @@ class FaceRelighter:
             "new light",
             keep=KEPT_LIGHTS,
         )
+
+    def _reflector(self, ready: Prepared) -> stages.Reflector:
+        make = lambda: stages.reflector(self._shop.table, ready.found)  # noqa: E731
+        return self._once("normals", ready.tier.surface_key, make)
 
     def change(self, ready: Prepared, lit: Lit, plan: Plan, edit: Edit, level: float) -> ViewChange:
         """How the relit view differs from the photo's, at the sliders' gains and the light's level."""

@@ -30,17 +30,19 @@ class Placement:
     Attributes:
         views: of the faces.
         weights: (k, l) for each, over the whole photo; they sum to at most 1.
+        small: (h, w, 1), the same at the size of the body's photo.
         body: what no view covers.
         photo_size: (height, width).
     """
 
     views: tuple[Crop, ...]
     weights: tuple[np.ndarray, ...]
+    small: tuple[np.ndarray, ...]
     body: Body
     photo_size: tuple[int, int]
 
 
-def place_views(photo: Photo, views: Sequence[Crop], matte: Matte) -> Placement:
+def place_views(photo: Photo, views: Sequence[Crop], matte: Matte, table: ReflectionTable) -> Placement:
     """Share the photo out among the views of its faces."""
     photo_size = photo.linear.shape[:2]
     scale = min(_WEIGHT_LONGEST / max(photo_size), 1.0)
@@ -51,11 +53,11 @@ def place_views(photo: Photo, views: Sequence[Crop], matte: Matte) -> Placement:
     weights = tuple((f * n / total * together).astype(np.float32) for f, n in zip(fading, nearness, strict=True))
     if len(views) == 1:
         weights = (fading[0],)
-    small = body_size(photo_size)
-    canvas = canvas_of(photo, max(small))
-    person = whole_person(canvas, matte)
+    canvas = canvas_of(photo, max(body_size(photo_size)))
     known = resize_area(np.minimum(sum(weights), 1), canvas.size)
-    return Placement(tuple(views), weights, make_body(canvas.linear, person.share, known), photo_size)
+    body = make_body(canvas.linear, whole_person(canvas, matte).share, known, table)
+    small = tuple(resize_area(weight, body.photo.shape[:2])[..., None] for weight in weights)
+    return Placement(tuple(views), weights, small, body, photo_size)
 
 
 def placed(placement: Placement, changes: Sequence[ViewChange]) -> tuple[PlacedChange, ...]:
@@ -63,9 +65,7 @@ def placed(placement: Placement, changes: Sequence[ViewChange]) -> tuple[PlacedC
     return tuple(PlacedChange(*parts) for parts in zip(changes, placement.views, placement.weights, strict=True))
 
 
-def gain_of_rest(
-    placement: Placement, changes: Sequence[ViewChange], table: ReflectionTable, light: torch.Tensor
-) -> np.ndarray:
+def gain_of_rest(placement: Placement, changes: Sequence[ViewChange], light: torch.Tensor) -> np.ndarray:
     """Gain (h, w, 3) over the whole photo for what no view covers, at the light's level.
 
     Args:
@@ -74,15 +74,14 @@ def gain_of_rest(
     body, level = placement.body, max(changes[0].level, 1e-30)
     size = body.photo.shape[:2]
     if changes[0].level == 0:
-        return np.zeros((*size, 3), np.float32)
+        return np.zeros((*body.share.shape, 3), np.float32)
     relit, total = np.zeros_like(body.photo), np.zeros((*size, 1), np.float32)
-    for change, view, weight in zip(changes, placement.views, placement.weights, strict=True):
-        share = resize_area(weight, size)[..., None]
+    for change, view, share in zip(changes, placement.views, placement.small, strict=True):
         gain, offset = (_coarse(part, view, size, placement.photo_size) for part in (change.gain, change.offset))
         relit += share * (gain * body.photo + offset)
         total += share
     relit = relit / np.maximum(total, 1e-6) / np.float32(level)
-    return at_level(body_gain(body, table, light, relit), level)
+    return at_level(body_gain(body, light, relit), level)
 
 
 def mean_gain(placement: Placement, rest: np.ndarray) -> np.ndarray:

@@ -28,7 +28,7 @@ def light_surface(
         by_network, corrected, precision: as in `stages.estimate_effects` and `stages.compose`.
     """
     device = str(light.device)
-    reflected = stages.reflect(table, surface, light)
+    reflected = stages.reflect(stages.reflector(table, surface), light)
     effects = stages.estimate_effects(
         bundle, surface, reflected, relief, light, device, by_network=by_network, precision=precision
     )

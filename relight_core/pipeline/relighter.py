@@ -232,12 +232,12 @@ class Relighter:
         photo, run = self._faces[0].portrait.photo, self._cache.run
         views = [face.portrait.view for face in self._faces]
         matte = run("matte", "photo", self._matte, "new photo")
-        placement = run("placement", "photo", lambda: place_views(photo, views, matte), "new photo")
+        placement = run("placement", "photo", lambda: place_views(photo, views, matte, self._shop.table), "new photo")
         light = torch.from_numpy(serving.radiance)[None].to(self._shop.device)
         rest = run(
             "detail",
             plan.keys["detail"],
-            lambda: gain_of_rest(placement, changes, self._shop.table, light),
+            lambda: gain_of_rest(placement, changes, light),
             "new light or slider",
         )
         backdrop = self._backdrop(plan, environment, edit, mean_gain(placement, rest))

@@ -14,65 +14,76 @@ import numpy as np
 import torch
 
 from relight_core.imaging.colour import luminance
-from relight_core.lighting.reflection import ReflectionTable
+from relight_core.imaging.resampling import resize_area
+from relight_core.lighting.reflection import NormalLookup, ReflectionTable
 
-_LONGEST = 128
+_LONGEST, _LONGEST_KNOWN = 128, 64
 _DARK = 1e-3
 _WELL_SEEN = 0.1
 _FLOOR = 0.02
 _LARGEST_GAIN = 16.0
 _FILL = 0.15
-_REACHES = (1.5, 4.0, 10.0, 25.0)
+_REACHES = (0.0125, 0.03, 0.08, 0.2)
 
 
 @dataclass(frozen=True, eq=False)
 class Body:
-    """What no light changes; maps over the whole photo, h and w at most 128.
+    """What no light changes; maps over the whole photo.
 
     Attributes:
-        photo: (h, w, 3) linear.
-        share: (h, w) how much of each cell is person.
-        known: (h, w) how much of it the networks' views cover, in [0, 1].
-        normal: (1, 3, h, w) unit, camera space.
+        share: (h, w) how much of each cell is person; h and w at most 128.
+        light_of: what falls on the body's normals under a light.
+        photo: (k, l, 3) linear; k and l at most 64.
+        onward: carries on what is known, (k, l).
     """
 
-    photo: np.ndarray
     share: np.ndarray
-    known: np.ndarray
-    normal: torch.Tensor
+    light_of: NormalLookup
+    photo: np.ndarray
+    onward: Continuation
 
 
 def body_size(photo_size: tuple[int, int]) -> tuple[int, int]:
     """Size of a body's maps for a photo."""
-    scale = min(_LONGEST / max(photo_size), 1.0)
-    return max(round(photo_size[0] * scale), 1), max(round(photo_size[1] * scale), 1)
+    return _limited(photo_size, _LONGEST)
 
 
-def make_body(photo: np.ndarray, share: np.ndarray, known: np.ndarray) -> Body:
+def make_body(photo: np.ndarray, share: np.ndarray, known: np.ndarray, table: ReflectionTable) -> Body:
     """Guess a body from its outline.
 
     Args:
-        photo: (h, w, 3) linear.
-        share, known: as in `Body`.
+        photo: (h, w, 3) linear, of `body_size`.
+        share: (h, w) how much of each cell is person.
+        known: (h, w) how much of it the networks' views cover, in [0, 1].
     """
-    return Body(photo, share, known, torch.from_numpy(_bulging(share)).permute(2, 0, 1)[None])
+    normal = torch.from_numpy(_bulging(share)).permute(2, 0, 1)[None].to(table.transport.device)
+    small = _limited(share.shape, _LONGEST_KNOWN)
+    photo, body, known = (resize_area(image, small) for image in (photo, share, known))
+    trusted = np.clip(luminance(photo) / _WELL_SEEN, _FLOOR, 1.0)
+    weight = known * np.maximum(body - 0.5, 0.0) * trusted
+    return Body(share, NormalLookup(table, normal, gloss=False), photo, Continuation(weight))
 
 
 @torch.inference_mode()
-def body_gain(body: Body, table: ReflectionTable, light: torch.Tensor, relit: np.ndarray) -> np.ndarray:
+def body_gain(body: Body, light: torch.Tensor, relit: np.ndarray) -> np.ndarray:
     """Gain of the photo over the whole photo, (h, w, 3), in units of the normalised light.
 
     Args:
         light: (1, 16, 32, 3), mean luminance 1.
-        relit: (h, w, 3) linear, the photo as the networks relit it; only read where they saw it.
+        relit: (k, l, 3) linear, the photo as the networks relit it; only read where they saw it.
     """
-    irradiance = table(light, body.normal)[0, :3].permute(1, 2, 0).cpu().numpy()
-    guess = np.log(irradiance + _FILL * light.mean((0, 1, 2)).cpu().numpy() + _DARK)
-    gain = np.log((relit + _DARK) / (body.photo + _DARK))
-    trusted = np.clip(luminance(body.photo) / _WELL_SEEN, _FLOOR, 1.0)
-    weight = body.known * np.maximum(body.share - 0.5, 0.0) * trusted
-    correction = _continued(gain - guess, weight)
-    return np.clip(np.exp(guess + correction), 0.0, _LARGEST_GAIN).astype(np.float32)
+    irradiance = body.light_of(light)[0].permute(1, 2, 0).cpu().numpy()
+    guess = irradiance + (_FILL * light.mean((0, 1, 2)).cpu().numpy() + _DARK)
+    small = guess if guess.shape == relit.shape else resize_area(guess, relit.shape[:2])
+    found = (relit + _DARK) / (body.photo + _DARK)
+    correction = np.exp(body.onward(np.log(found / small)))
+    correction = cv2.resize(correction, guess.shape[1::-1], interpolation=cv2.INTER_LINEAR).reshape(guess.shape)
+    return np.clip(guess * correction, 0.0, _LARGEST_GAIN).astype(np.float32)
+
+
+def _limited(size: tuple[int, int], longest: int) -> tuple[int, int]:
+    scale = min(longest / max(size), 1.0)
+    return max(round(size[0] * scale), 1), max(round(size[1] * scale), 1)
 
 
 def _bulging(share: np.ndarray) -> np.ndarray:
@@ -88,16 +99,40 @@ def _bulging(share: np.ndarray) -> np.ndarray:
     return (normal / np.linalg.norm(normal, axis=-1, keepdims=True)).astype(np.float32)
 
 
-def _continued(values: np.ndarray, weight: np.ndarray) -> np.ndarray:
+class Continuation:
     """Values where they are known, and means over ever wider surroundings where they are not."""
-    total = float(weight.sum())
-    if total < 1e-3:
-        return np.zeros_like(values)
-    result = np.broadcast_to((values * weight[..., None]).sum((0, 1)) / total, values.shape)
-    weighted = np.ascontiguousarray(values * weight[..., None], np.float32)
-    for reach in reversed(_REACHES):
-        near = cv2.GaussianBlur(weight.astype(np.float32), (0, 0), reach)[..., None]
-        mean = cv2.GaussianBlur(weighted, (0, 0), reach) / np.maximum(near, 1e-9)
-        trust = np.clip(near / 0.02, 0.0, 1.0)
-        result = result + (mean - result) * trust
-    return result
+
+    def __init__(self, weight: np.ndarray):
+        """Work out all that depends on where something is known.
+
+        Args:
+            weight: (k, l) >= 0, how much the values are worth there.
+        """
+        self._weight = weight.astype(np.float32)[..., None]
+        self._total = float(weight.sum())
+        reaches = [reach * max(weight.shape) for reach in reversed(_REACHES)]
+        self._down, self._across = (np.stack([_blur(side, reach) for reach in reaches]) for side in weight.shape)
+        near = self._blurred(self._weight)
+        self._nearness = 1 / np.maximum(near, 1e-9)
+        self._trust = np.clip(near / 0.02, 0.0, 1.0)
+
+    def __call__(self, values: np.ndarray) -> np.ndarray:
+        """The values (k, l, C) carried on."""
+        if self._total < 1e-3:
+            return np.zeros_like(values)
+        weighted = values * self._weight
+        result = np.broadcast_to(weighted.sum((0, 1)) / self._total, values.shape)
+        for mean, trust in zip(self._blurred(weighted) * self._nearness, self._trust, strict=True):
+            result = result + (mean - result) * trust
+        return result.astype(np.float32)
+
+    def _blurred(self, image: np.ndarray) -> np.ndarray:
+        """(k, l, C) over every reach, the widest first: (reaches, k, l, C)."""
+        height, width, channels = image.shape
+        rows = (self._down.reshape(-1, height) @ image.reshape(height, -1)).reshape(-1, height, width, channels)
+        return self._across[:, None] @ rows
+
+
+def _blur(side: int, deviation: float) -> np.ndarray:
+    """(side, side) weights that blur an axis as cv2 does, which is quicker than to blur each time."""
+    return cv2.GaussianBlur(np.eye(side, dtype=np.float32), (1, 2 * round(4 * deviation) + 1), 0, sigmaY=deviation)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,7 +13,7 @@ from relight_core.face.silhouette import solid_person
 from relight_core.imaging.tensor_colour import grey, srgb_decode, srgb_encode
 from relight_core.lighting.inverse import explain_photo
 from relight_core.lighting.normal_integration import integrate_normals
-from relight_core.lighting.reflection import ReflectionTable
+from relight_core.lighting.reflection import NormalLookup, ReflectionTable
 from relight_core.lighting.relief import ReliefTransport, march_relief
 from relight_core.networks.bundle import NetworkBundle
 from relight_core.networks.specular_shadow import Occlusion
@@ -59,13 +58,11 @@ class Surface:
     source_light: torch.Tensor
 
 
-def inference_precision(device: str, wish: str = "bf16") -> AbstractContextManager:
-    """bf16 where it is wished for and the hardware multiplies it natively, else fp32."""
-    if wish == "fp32":
-        return nullcontext()
-    if device == "cpu" and not torch.cpu._is_avx512_bf16_supported():
-        return nullcontext()
-    return torch.autocast(device, torch.bfloat16)
+def in_precision(bundle: NetworkBundle, device: str, wish: str = "bf16") -> NetworkBundle:
+    """The networks in bf16 where it is wished for and the hardware multiplies it natively, else in fp32."""
+    if wish == "fp32" or device == "cpu" and not torch.cpu._is_avx512_bf16_supported():
+        return bundle
+    return bundle.rounded()
 
 
 @torch.inference_mode()
@@ -87,8 +84,8 @@ def delight(
     """
     linear = torch.from_numpy(np.ascontiguousarray(photo)).permute(2, 0, 1)[None].float().clamp(0, 1).to(device)
     views = torch.cat([linear, linear.flip(-1)]) if mirrored else linear
-    with inference_precision(device, precision):
-        found = bundle.delight(srgb_encode(views).contiguous(memory_format=torch.channels_last))
+    network = in_precision(bundle, device, precision).delight
+    found = network(srgb_encode(views).contiguous(memory_format=torch.channels_last))
     parsing = torch.softmax(found.parsing_logits.float(), 1)
     parts = [srgb_decode(found.albedo_srgb.float()), found.normal.float(), found.relief.float(), parsing]
     parts.append(found.light.float())
@@ -130,15 +127,34 @@ def march(surface: Surface, size: int) -> ReliefTransport:
     return march_relief(relief[0, 0].cpu(), normal[0].cpu(), person[0, 0].cpu())
 
 
-@torch.inference_mode()
-def reflect(table: ReflectionTable, surface: Surface, light: torch.Tensor) -> torch.Tensor:
-    """Unoccluded irradiance and gloss at every pixel's normal, (1, 6, S, S).
+@dataclass(frozen=True, eq=False)
+class Reflector:
+    """What a surface reflects where nothing is hidden from it, made ready for many lights.
 
     The paper gives everything the gloss of skin (section 3.2) and says what that costs (5.4). Hair and
     cloth scatter more than they mirror: theirs is turned down by the parsing's probabilities.
+
+    Attributes:
+        light_of: irradiance and gloss at every pixel's normal.
+        shares: (1, 6, S, S) of both that the surface gives back: 1 of irradiance, less of gloss.
     """
-    reflected = table(light, surface.normal)
-    return torch.cat([reflected[:, :3], reflected[:, 3:] * (1 - _dullness(surface))], 1)
+
+    light_of: NormalLookup
+    shares: torch.Tensor
+
+
+@torch.inference_mode()
+def reflector(table: ReflectionTable, surface: Surface) -> Reflector:
+    """Make a surface's normals and parts ready."""
+    shares = torch.ones_like(surface.normal).repeat(1, 2, 1, 1)
+    shares[:, 3:] -= _dullness(surface)
+    return Reflector(NormalLookup(table, surface.normal), shares)
+
+
+@torch.inference_mode()
+def reflect(surface: Reflector, light: torch.Tensor) -> torch.Tensor:
+    """Unoccluded irradiance and gloss, (1, 6, S, S)."""
+    return surface.light_of(light) * surface.shares
 
 
 def _dullness(surface: Surface) -> torch.Tensor:
@@ -172,8 +188,7 @@ def estimate_effects(
         return effects_of(Occlusion(logit, logit), reflected, surface.albedo)
     config = bundle.config.specular_shadow
     hints = specular_shadow_hints(config, reflected, fraction, surface.relief, surface.parsing)
-    with inference_precision(device, precision):
-        occlusion = bundle.specular_shadow(surface.normal, light, hints)
+    occlusion = in_precision(bundle, device, precision).specular_shadow(surface.normal, light, hints)
     return effects_of(occlusion, reflected, surface.albedo)
 
 
@@ -215,9 +230,7 @@ def compose(
     if not corrected:
         return Composed(plain, plain)
     shown = (surface.albedo, surface.normal, effects.specular * specular, effects.shadow * shadow, plain)
-    with inference_precision(device, precision):
-        image = bundle.composition(*shown, light)
-    return Composed(image, plain)
+    return Composed(in_precision(bundle, device, precision).composition(*shown, light), plain)
 
 
 @dataclass(frozen=True)

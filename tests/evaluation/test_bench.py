@@ -22,7 +22,7 @@ from relight_core.evaluation.bench_report import (
     pareto,
     plot,
 )
-from relight_core.evaluation.bench_session import Savings, recorded_session, replay
+from relight_core.evaluation.bench_session import Savings, recorded_session, replay, visits
 from relight_core.evaluation.bench_session import as_markdown as session_words
 from relight_core.evaluation.bench_timing import Spread, Timing, time_configurations
 from relight_core.face.find import FaceBox
@@ -197,3 +197,19 @@ def test_a_picture_out_of_bounds_is_told(weights, photo, monkeypatch):
     replay(relighter, Relighter(weights), photo, recorded_session([some_light()], 2)[:1], savings)
     assert len(savings.broken) == 1
     assert "OUT OF BOUNDS" in session_words(savings)
+
+
+def test_visits_try_every_rule_under_every_light(weights, photo):
+    lights = [some_light(), some_sky()]
+    steps = visits(lights, turns=24)
+    assert len(steps) == 2 * 6 + 1
+    assert len({edit.yaw_deg for light, edit in steps if light in lights and edit.channels == ()}) == 4
+    savings = Savings()
+    replay(Relighter(weights), Relighter(weights), photo, [*steps[:6], steps[-1]], savings, compare_every=1)
+    assert savings.compared == 7
+    assert savings.broken == []
+    rules = {(effect, why): rule for (effect, _, why), rule in savings.rules.items()}
+    assert rules["shadow", "the light is black"].compared == 1
+    assert rules["sliders", "both sliders are where they change nothing"].largest_error <= 1 / 255
+    assert rules["relief", "nothing it reads has changed"].times > 0
+    assert "| the light is black |" in session_words(savings)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import torch
 
-from relight_core.lighting.reflection import Gloss, ReflectionTable, specular_lobe
+from relight_core.lighting.reflection import Gloss, NormalLookup, ReflectionTable, specular_lobe
 
 HEIGHT, WIDTH = 16, 32
 
@@ -141,3 +141,26 @@ def test_stays_in_whole_precision_under_autocast(table):
         found = table(radiance, normals)
     assert found.dtype == torch.float32
     torch.testing.assert_close(found, table(radiance, normals))
+
+
+class TestNormalsMadeReady:
+    """`NormalLookup` reads what the whole table says, of the cells that its normals need."""
+
+    @pytest.mark.parametrize("gloss", [True, False])
+    def test_agrees_with_the_whole_table(self, table, gloss):
+        _, facing = facing_normals()
+        # Also straight ahead, at the silhouette and turned away, where the table ends.
+        edge = torch.tensor([[0, 0, 1.0], [1, 0, 0], [0, -1, 0], [0.6, 0, -0.8], [0, 0, -1]]).T[None, :, None]
+        for normals in (facing, edge):
+            lookup = NormalLookup(table, normals, gloss=gloss)
+            for seed in (1, 2):
+                radiance = random_light(seed, sharpness=0.05)
+                expected = table(radiance, normals)[:, : 6 if gloss else 3]
+                torch.testing.assert_close(lookup(radiance), expected, rtol=1e-4, atol=1e-5)
+
+    def test_stays_in_whole_precision_under_autocast(self, table):
+        lookup = NormalLookup(table, facing_normals()[1])
+        with torch.autocast("cpu", torch.bfloat16):
+            found = lookup(random_light(9) * 1000)
+        torch.testing.assert_close(found, lookup(random_light(9) * 1000))
+        assert found.dtype == torch.float32

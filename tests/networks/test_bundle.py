@@ -126,3 +126,28 @@ def test_inference_form_computes_the_same(bundle, tmp_path):
     after = bundle.for_inference().delight(photo).albedo_srgb
     torch.testing.assert_close(after, before, rtol=1e-3, atol=1e-4)
     assert not after.requires_grad
+
+
+def test_rounded_networks_compute_in_bf16_what_the_others_compute_in_fp32():
+    torch.manual_seed(0)
+    bundle = NetworkBundle(BundleConfig.tiny()).for_inference()
+    rounded = bundle.rounded()
+    assert rounded is bundle.rounded()
+    normal, light = torch.nn.functional.normalize(torch.randn(1, 3, 32, 32), dim=1), torch.rand(1, 16, 32, 3)
+    hints = torch.rand(1, 3, 32, 32)
+    with torch.inference_mode():
+        exact = bundle.specular_shadow(normal, light, hints).shadow
+        near = rounded.specular_shadow(normal, light, hints).shadow
+        with torch.autocast("cpu", torch.bfloat16):
+            autocast = bundle.specular_shadow(normal, light, hints).shadow
+    assert near.dtype == torch.float32
+    assert 0 < (near - exact).abs().max() < 0.05
+    assert (near - autocast).abs().max() < 0.02
+
+
+def test_a_rounded_bundle_leaves_the_original_whole():
+    bundle = NetworkBundle(BundleConfig.tiny()).for_inference()
+    rounded = bundle.rounded()
+    assert {p.dtype for p in bundle.parameters()} == {torch.float32}
+    assert rounded.composition.head.weight.dtype == torch.float32
+    assert rounded.composition.encoder.stem.conv.weight.dtype == torch.bfloat16

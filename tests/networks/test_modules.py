@@ -56,6 +56,13 @@ class TestModulation:
         middle = modulation((a + b) / 2, encoded)
         torch.testing.assert_close(middle, (modulation(a, encoded) + modulation(b, encoded)) / 2)
 
+    @pytest.mark.parametrize("batch", [1, 3])
+    def test_does_the_same_whichever_way_features_lie_in_memory(self, batch):
+        modulation, encoded = LightModulation(5), encode_light(light(batch))
+        features = torch.randn(batch, 5, 4, 7)
+        beside = features.contiguous(memory_format=torch.channels_last)
+        torch.testing.assert_close(modulation(beside, encoded), modulation(features, encoded))
+
     def test_light_is_encoded_as_log_of_one_plus_radiance(self):
         encoded = encode_light(torch.full((1, 16, 32, 3), math.e - 1))
         assert encoded.shape == (1, 1536)

@@ -1,0 +1,57 @@
+"""What is carried on beyond the networks' view."""
+
+import numpy as np
+import pytest
+import torch
+
+from relight_core.lighting.reflection import ReflectionTable
+from relight_core.pipeline.rest_of_person import Continuation, body_gain, body_size, make_body
+
+EVEN = torch.ones(1, 16, 32, 3)
+
+
+def known_left(size=32):
+    weight = np.zeros((size, size + 8), np.float32)
+    weight[:, : size // 2] = 0.5
+    return weight
+
+
+def test_a_constant_is_carried_on_unchanged():
+    values = np.full((32, 40, 3), (0.3, -1.0, 2.0), np.float32)
+    np.testing.assert_allclose(Continuation(known_left())(values), values, atol=1e-5)
+
+
+def test_what_is_not_known_is_never_read():
+    weight = known_left()
+    values = np.random.default_rng(0).normal(size=(32, 40, 3)).astype(np.float32)
+    other = np.where(weight[..., None] > 0, values, 1e3).astype(np.float32)
+    carry = Continuation(weight)
+    np.testing.assert_array_equal(carry(values), carry(other))
+
+
+def test_stays_within_the_range_of_what_is_known_and_follows_the_nearest():
+    values = np.zeros((32, 40, 1), np.float32)
+    values[:16] = 1.0
+    carried = Continuation(known_left())(values)[..., 0]
+    assert carried.min() > -1e-5
+    assert carried.max() < 1 + 1e-5
+    assert carried[2, 18] > 0.8
+    assert carried[29, 18] < 0.2
+
+
+def test_nothing_known_carries_nothing():
+    assert Continuation(np.zeros((8, 9), np.float32))(np.ones((8, 9, 3), np.float32)).max() == 0
+
+
+@pytest.mark.parametrize("size", [(128, 96), (40, 128), (1, 1), (20, 12)])
+def test_a_body_that_is_all_seen_gets_the_networks_gain(size):
+    photo = np.full((*size, 3), 0.4, np.float32)
+    body = make_body(photo, np.ones(size, np.float32), np.ones(size, np.float32), ReflectionTable())
+    gain = body_gain(body, EVEN, 1.5 * body.photo)
+    assert gain.shape == (*size, 3)
+    np.testing.assert_allclose(gain, 1.5, rtol=0.15)
+
+
+def test_sizes_keep_the_photos_shape():
+    assert body_size((6000, 4000)) == (128, 85)
+    assert body_size((30, 50)) == (30, 50)
