@@ -11,7 +11,7 @@ import logging
 from dataclasses import asdict, dataclass, field, fields
 from pathlib import Path
 
-from app.ui.layout import SIDE_EM, STRIP_EM, Panels
+from app.ui.layout import SIDE_EM, STRIP_EM, OpenGroups, Panels
 from app.ui.look import SCOPES, LookState
 from app.user_folders import config_folder
 from relight_core.errors import InputError
@@ -45,6 +45,7 @@ class Settings:
     panels: Panels = field(default_factory=Panels)
     looking: Looking = field(default_factory=Looking)
     window_size: tuple[int, int] | None = None
+    groups: OpenGroups = field(default_factory=OpenGroups)
 
 
 def settings_path() -> Path:
@@ -64,6 +65,7 @@ def read_settings(path: Path) -> Settings:
         _checked(Panels, content.get("panels")),
         _checked(Looking, content.get("looking")),
         _size(content.get("window_size")),
+        _checked(OpenGroups, content.get("groups")),
     )
 
 

@@ -54,6 +54,12 @@ def add_sliders(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--specular", metavar="S", type=_gain, default=1.0, help="gain on highlights, 0 to 2")
     parser.add_argument("--shadow", metavar="S", type=_gain, default=1.0, help="gain on shadows, 0 to 2")
     parser.add_argument(
+        "--specular-tint", metavar="T", type=_tint, default=0.0, help="colour of highlights, -1 cool to 1 warm"
+    )
+    parser.add_argument(
+        "--shadow-softness", metavar="S", type=_share, default=0.0, help="softer edges of shadows, 0 to 1"
+    )
+    parser.add_argument(
         "--background",
         metavar="B",
         type=_background,
@@ -108,6 +114,8 @@ def edit_from(arguments: argparse.Namespace) -> Edit:
         exposure_ev=arguments.exposure,
         specular=arguments.specular,
         shadow=arguments.shadow,
+        specular_tint=arguments.specular_tint,
+        shadow_softness=arguments.shadow_softness,
         background=arguments.background,
         background_fov_deg=arguments.background_fov,
         background_blur_deg=arguments.background_blur,
@@ -133,6 +141,14 @@ def _within(text: str, low: float, high: float) -> float:
     if not low <= value <= high:
         raise argparse.ArgumentTypeError(f"{text} lies outside {low:g} to {high:g}")
     return value
+
+
+def _tint(text: str) -> float:
+    return _within(text, -1.0, 1.0)
+
+
+def _share(text: str) -> float:
+    return _within(text, 0.0, 1.0)
 
 
 def _exposure(text: str) -> float:

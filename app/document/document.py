@@ -7,6 +7,7 @@ from pathlib import Path
 
 from app.engine.sources import LightSource
 from relight_core.lighting.light_edit import LightEdit
+from relight_core.pipeline.auto_quality import AUTO
 from relight_core.pipeline.edit import Edit
 
 
@@ -39,9 +40,11 @@ class Document:
         light: the base of the light.
         light_edit: what was changed about it.
         edit: the sliders; always of quality "final", with every channel.
+        quality: the tier the user works at, or "auto".
     """
 
     photo: PhotoRef | None = None
     light: LightRef = LightRef("rig", "rembrandt")
     light_edit: LightEdit = field(default_factory=LightEdit)
     edit: Edit = field(default_factory=lambda: Edit(quality="final"))
+    quality: str = AUTO

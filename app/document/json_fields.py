@@ -63,6 +63,14 @@ class Fields:
             raise InputError(f"{self._where}: {key} is missing or not text; the file is damaged")
         return value
 
+    def word(self, key: str, known: Sequence[str], default: str) -> str:
+        """One of the known words; the default, and a note, for another."""
+        value = self.text(key, default)
+        if value in known:
+            return value
+        self._notes.append(f"unknown {key} {value[:40]} became {default}")
+        return default
+
     def group(self, key: str) -> Fields:
         """An object inside; an empty one where it is missing."""
         return Fields(self._values.pop(key, {}), f"{self._where}, {key}", self._notes)

@@ -34,6 +34,8 @@ def change_between(before: Document, after: Document) -> Change | None:
         return _photo_change(before, after)
     if before.light != after.light:
         return Change(("light",), f"Light: {after.light.source().title}")
+    if before.quality != after.quality:
+        return Change(("quality",), f"Quality: {after.quality}")
     edited = _differing(before.edit, after.edit, "edit")
     lit = _differing(before.light_edit, after.light_edit, "light")
     touched = (*edited, *lit)
@@ -108,6 +110,8 @@ _SETTINGS: dict[str, Callable] = {
     "edit.exposure_ev": lambda value: f"Exposure {value:+.2f} EV",
     "edit.specular": _number("Specular", ".2f"),
     "edit.shadow": _number("Shadow", ".2f"),
+    "edit.specular_tint": _number("Shine colour", "+.2f"),
+    "edit.shadow_softness": _number("Shadow softness", ".2f"),
     "edit.background": lambda value: f"Background: {_BACKGROUNDS.get(value, value)}",
     "edit.forced_on": lambda value: f"Always computed: {', '.join(sorted(value)) or 'nothing'}",
     "edit.forced_off": lambda value: f"Left out: {', '.join(sorted(value)) or 'nothing'}",

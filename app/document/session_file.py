@@ -11,8 +11,10 @@ from app.document.json_fields import Fields, path_for_file, path_from_file, read
 from app.document.light_file import light_content, read_light_content
 from app.engine.sources import PICTURE_SUFFIXES
 from relight_core.errors import InputError
+from relight_core.pipeline.auto_quality import AUTO
 from relight_core.pipeline.backdrop import check_background
 from relight_core.pipeline.edit import EFFECTS, Edit
+from relight_core.pipeline.quality import TIERS
 
 KIND, VERSION = "session", 1
 SESSION_SUFFIX = ".relight.json"
@@ -21,6 +23,8 @@ _EDIT_RANGES = {
     "exposure_ev": (-16.0, 16.0),
     "specular": (0.0, 2.0),
     "shadow": (0.0, 2.0),
+    "specular_tint": (-1.0, 1.0),
+    "shadow_softness": (0.0, 1.0),
     "background_fov_deg": (5.0, 170.0),
     "background_blur_deg": (0.0, 20.0),
 }
@@ -62,6 +66,7 @@ def write_session(path: Path, document: Document, *, relative: bool = True) -> N
         "photo": path_for_file(document.photo.path, folder),
         "face": document.photo.face_index,
         "light": light_content(document.light, document.light_edit, folder),
+        "quality": document.quality,
         "edit": {key: getattr(edit, key) for key in _EDIT_RANGES}
         | {"background": edit.background}
         | {key: sorted(getattr(edit, key)) for key in _FORCED},
@@ -81,8 +86,9 @@ def read_session(path: Path) -> Session:
     face_index = fields.index("face")
     light, light_edit = read_light_content(fields.group("light"), path)
     edit = _edit(fields.group("edit"), path)
+    quality = fields.word("quality", (AUTO, *TIERS), AUTO)
     fields.finish()
-    return Session(Document(PhotoRef(photo, face_index), light, light_edit, edit), tuple(notes))
+    return Session(Document(PhotoRef(photo, face_index), light, light_edit, edit, quality), tuple(notes))
 
 
 def is_session_place(path: Path) -> bool:

@@ -131,6 +131,8 @@ def export_note(light: str, edit: Edit) -> dict[str, str | float]:
         "relightExposureEv": float(edit.exposure_ev),
         "relightSpecular": float(edit.specular),
         "relightShadow": float(edit.shadow),
+        "relightSpecularTint": float(edit.specular_tint),
+        "relightShadowSoftness": float(edit.shadow_softness),
         "relightBackground": edit.background,
     }
 

@@ -1,11 +1,11 @@
-"""Dear ImGui itself: its context, its input, its drawing through OpenGL."""
+"""Dear ImGui itself: its context, its input, its frames."""
 
 from __future__ import annotations
 
 import glfw
 from imgui_bundle import imgui
-from imgui_bundle.python_backends.glfw_backend import GlfwRenderer
 
+from app.ui.glfw_keys import KEYS
 from app.ui.theme import Fonts, apply_theme, load_fonts
 
 _MODIFIERS = (
@@ -20,10 +20,13 @@ _CURSORS = {
     imgui.MouseCursor_.resize_ns: glfw.VRESIZE_CURSOR,
     imgui.MouseCursor_.hand: glfw.HAND_CURSOR,
 }
+_SHORTEST_FRAME_S = 1e-3
 
 
 class Binding:
-    """A Dear ImGui context on a glfw window whose OpenGL context is current.
+    """A Dear ImGui context for a glfw window.
+
+    Events come from the window; what a frame lists is drawn by app.window.gl_interface.
 
     Args:
         window: the glfw window.
@@ -36,7 +39,9 @@ class Binding:
         self._io.set_ini_filename("")
         self._io.set_log_filename("")
         self._io.config_input_trickle_event_queue = True
-        self._renderer = GlfwRenderer(window, attach_callbacks=False)
+        self._window = window
+        self._last_frame_s = glfw.get_time()
+        self._share_the_clipboard()
         self._cursors: dict[int, object] = {}
         self._cursor = glfw.ARROW_CURSOR
         self.fonts: Fonts = load_fonts()
@@ -52,8 +57,8 @@ class Binding:
         # Modifiers as the event states them: their own events can be lost to another window.
         for bit, modifier in _MODIFIERS:
             self._io.add_key_event(modifier, bool(mods & bit))
-        if key in self._renderer.key_map:
-            self._renderer.keyboard_callback(None, key, 0, action, mods)
+        if key in KEYS:
+            self._io.add_key_event(KEYS[key], action != glfw.RELEASE)
 
     def character(self, code: int) -> None:
         """A glfw character event."""
@@ -94,21 +99,35 @@ class Binding:
 
     def begin(self) -> None:
         """Start a frame."""
-        self._renderer.process_inputs()
+        width, height = glfw.get_window_size(self._window)
+        across, down = glfw.get_framebuffer_size(self._window)
+        self._io.display_size = imgui.ImVec2(width, height)
+        self._io.display_framebuffer_scale = imgui.ImVec2(across / max(width, 1), down / max(height, 1))
+        now_s = glfw.get_time()
+        self._io.delta_time = max(now_s - self._last_frame_s, _SHORTEST_FRAME_S)
+        self._last_frame_s = now_s
         imgui.new_frame()
 
     def end(self) -> None:
         """End a frame; nothing is drawn yet."""
         imgui.render()
 
-    def paint(self) -> None:
-        """Draw the frame that ended into the framebuffer in use."""
-        self._renderer.render(imgui.get_draw_data())
+    def listed(self) -> imgui.ImDrawData:
+        """What the frame that ended wants drawn; valid until the next begins."""
+        return imgui.get_draw_data()
 
     def close(self) -> None:
         """Free everything."""
-        self._renderer.shutdown()
         imgui.destroy_context(self._context)
+
+    def _share_the_clipboard(self) -> None:
+        platform, window = imgui.get_platform_io(), self._window
+
+        def read(_context: object) -> str:
+            return (glfw.get_clipboard_string(window) or b"").decode("utf-8", "replace")
+
+        platform.platform_get_clipboard_text_fn = read
+        platform.platform_set_clipboard_text_fn = lambda _context, text: glfw.set_clipboard_string(window, text)
 
 
 def _as_labelled(key: int) -> int:

@@ -28,7 +28,9 @@ from app.ui.pictures import Pictures
 from app.ui.state import EditorState
 
 _FLAGS = (
-    imgui.WindowFlags_.no_decoration
+    # Drawn on the cleared window: without a GPU, filling every panel once more is a third of a frame.
+    imgui.WindowFlags_.no_background
+    | imgui.WindowFlags_.no_decoration
     | imgui.WindowFlags_.no_move
     | imgui.WindowFlags_.no_saved_settings
     | imgui.WindowFlags_.no_bring_to_front_on_focus

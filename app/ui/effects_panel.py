@@ -6,7 +6,8 @@ from pathlib import Path
 
 from imgui_bundle import imgui
 
-from app.ui import export_panel, history_panel, plan_panel, quality_panel, theme, widgets
+from app.ui import export_panel, history_panel, quality_panel, theme, widgets
+from app.ui.groups import Tool, group
 from app.ui.state import EditorState
 from relight_core.lighting.light_edit import LightEdit
 from relight_core.pipeline.edit import Edit
@@ -16,6 +17,12 @@ SHADOW = widgets.Slider(
 )
 SPECULAR = widgets.Slider(
     "Specular", 0.0, 2.0, 1.0, "%.2f", "Strengthens or mattes the shine on the skin; 0 removes it."
+)
+SOFTNESS = widgets.Slider(
+    "Shadow softness", 0.0, 1.0, 0.0, "%.2f", "Softens the edges of the shadows, as a larger lamp would; 0 leaves them."
+)
+TINT = widgets.Slider(
+    "Specular tint", -1.0, 1.0, 0.0, "%+.2f", "Colour of the shine: left is cool, right is warm; 0 is the light's own."
 )
 EXPOSURE = widgets.Slider("Exposure", -5.0, 5.0, 0.0, "%+.2f EV", "Brightens or darkens the whole picture, in stops.")
 BACKGROUNDS = (
@@ -34,13 +41,10 @@ def draw(state: EditorState, fonts: theme.Fonts) -> None:
     """The panel's contents, inside its window."""
     _queue(state)
     _effects(state, fonts)
-    widgets.gap(0.8)
-    quality_panel.draw(state, fonts)
-    plan_panel.draw(state, fonts)
-    widgets.gap(0.8)
+    _backgrounds(state, fonts)
     _faces(state, fonts)
+    quality_panel.draw(state, fonts)
     export_panel.draw(state, fonts)
-    widgets.gap(0.8)
     history_panel.draw(state, fonts)
 
 
@@ -62,40 +66,54 @@ def _queue(state: EditorState) -> None:
 
 
 def _effects(state: EditorState, fonts: theme.Fonts) -> None:
-    widgets.heading(fonts, "Effects")
-    state.change(shadow=widgets.slider(state, SHADOW, state.edit.shadow))
-    state.change(specular=widgets.slider(state, SPECULAR, state.edit.specular))
-    state.change(exposure_ev=widgets.slider(state, EXPOSURE, state.edit.exposure_ev))
-    widgets.gap(0.1)
-    imgui.text_disabled("Background")
-    state.change(background=widgets.segmented(BACKGROUNDS, state.edit.background))
-    _background(state)
-    widgets.gap(0.1)
     untouched = state.edit == Edit(quality=state.edit.quality) and state.light_edit == LightEdit()
-    imgui.begin_disabled(untouched)
-    if imgui.button("Reset all", imgui.ImVec2(-1.0, 0.0)):
+    reset = Tool("Reset all", "Puts every slider and the light back.  Ctrl + R", not untouched)
+    is_open, pressed = group(state, fonts, "effects", "Effects", tools=(reset,))
+    if pressed:
         state.reset()
-    imgui.end_disabled()
-    imgui.set_item_tooltip("Puts every slider and the light back.")
+    if not is_open:
+        return
+    edit = state.edit
+    state.change(
+        shadow=widgets.slider(state, SHADOW, edit.shadow),
+        shadow_softness=widgets.slider(state, SOFTNESS, edit.shadow_softness),
+        specular=widgets.slider(state, SPECULAR, edit.specular),
+        specular_tint=widgets.slider(state, TINT, edit.specular_tint),
+        exposure_ev=widgets.slider(state, EXPOSURE, edit.exposure_ev),
+    )
 
 
-def _background(state: EditorState) -> None:
-    """A colour behind the person; what of the light is seen there."""
+def _backgrounds(state: EditorState, fonts: theme.Fonts) -> None:
     background = state.edit.background
-    colour = background if background.startswith("#") else "#30343a"
+    words = next((label for value, label, _ in BACKGROUNDS if value == background), background)
+    if not group(state, fonts, "background", "Background", words)[0]:
+        return
+    swatch = imgui.get_frame_height()
+    spacing = 2.0
+    width = imgui.get_content_region_avail().x - swatch - spacing
+    state.change(background=widgets.segmented(BACKGROUNDS, background, width))
+    imgui.same_line(0.0, spacing)
+    _colour(state)
+    if state.edit.background == "light":
+        state.change(background_blur_deg=widgets.slider(state, BACKGROUND_BLUR, state.edit.background_blur_deg))
+
+
+def _colour(state: EditorState) -> None:
+    """A plain colour behind the person; outlined while it is what is seen there."""
+    background = state.edit.background
+    is_colour = background.startswith("#")
+    colour = background if is_colour else "#30343a"
     shown = [int(colour[index : index + 2], 16) / 255 for index in (1, 3, 5)]
-    flags = imgui.ColorEditFlags_.no_inputs | imgui.ColorEditFlags_.no_label
+    flags = imgui.ColorEditFlags_.no_inputs | imgui.ColorEditFlags_.no_label | imgui.ColorEditFlags_.no_tooltip
     changed, picked = imgui.color_edit3("background colour", shown, flags)
     if imgui.is_item_active():
         state.hand_on_control = True
-    imgui.set_item_tooltip("A plain colour behind the person.")
+    imgui.set_item_tooltip("A plain colour behind the person: click to choose it.")
+    if is_colour:
+        corner, end = imgui.get_item_rect_min(), imgui.get_item_rect_max()
+        imgui.get_window_draw_list().add_rect(corner, end, theme.packed(theme.ACCENT), 4.0, 1.5)
     if changed:
         state.change(background="#" + "".join(f"{round(value * 255):02x}" for value in picked))
-    imgui.same_line()
-    imgui.align_text_to_frame_padding()
-    imgui.text_disabled("Colour" if not background.startswith("#") else background)
-    if background == "light":
-        state.change(background_blur_deg=widgets.slider(state, BACKGROUND_BLUR, state.edit.background_blur_deg))
 
 
 def _faces(state: EditorState, fonts: theme.Fonts) -> None:
@@ -115,7 +133,6 @@ def _faces(state: EditorState, fonts: theme.Fonts) -> None:
     state.pointing_at_faces = imgui.is_item_hovered()
     if chosen != current:
         state.choose_face(int(chosen) if chosen else None)
-    widgets.gap(0.8)
 
 
 def export_path(state: EditorState, suffix: str) -> Path:

@@ -8,6 +8,7 @@ from imgui_bundle import imgui
 
 from app.engine.exporting import SIDES
 from app.ui import theme, widgets
+from app.ui.groups import group
 from app.ui.state import EditorState
 from relight_core.pipeline.layers import LAYERS
 
@@ -36,7 +37,9 @@ _LAYER_WORDS = {
 
 def draw(state: EditorState, fonts: theme.Fonts) -> None:
     """The group's contents, inside its panel."""
-    widgets.heading(fonts, "Export")
+    kind = next(label for suffix, label, _ in _FORMS if suffix == state.export.form)
+    if not group(state, fonts, "export", "Export", kind)[0]:
+        return
     imgui.begin_disabled(state.snapshot.picture is None)
     form = widgets.segmented(_FORMS, state.export.form)
     if form != state.export.form:

@@ -5,28 +5,25 @@ from __future__ import annotations
 from imgui_bundle import imgui
 
 from app.ui import theme, widgets
+from app.ui.groups import Tool, group
 from app.ui.state import EditorState
 
-_ROWS = 7
+_LEAST_ROWS = 4
 
 
 def draw(state: EditorState, fonts: theme.Fonts) -> None:
-    """The heading, undo and redo, and the list, inside a panel."""
-    widgets.heading(fonts, "History")
+    """The title with undo and redo, and the list, inside a panel."""
     history = state.history
-    half = (imgui.get_content_region_avail().x - 4.0) / 2
-    imgui.begin_disabled(not history.can_undo)
-    if imgui.button("Undo", imgui.ImVec2(half, 0.0)):
-        state.restore(history.undo())
-    imgui.end_disabled()
-    imgui.set_item_tooltip("Take the last step back.  Ctrl + Z")
-    imgui.same_line(0.0, 4.0)
-    imgui.begin_disabled(not history.can_redo)
-    if imgui.button("Redo", imgui.ImVec2(half, 0.0)):
-        state.restore(history.redo())
-    imgui.end_disabled()
-    imgui.set_item_tooltip("Do again what was taken back.  Ctrl + Shift + Z")
-    _list(state)
+    tools = (
+        Tool("Undo", "Take the last step back.  Ctrl + Z", history.can_undo),
+        Tool("Redo", "Do again what was taken back.  Ctrl + Shift + Z", history.can_redo),
+    )
+    last = history.steps[history.at].name if history.steps else ""
+    is_open, pressed = group(state, fonts, "history", "History", last, tools)
+    if pressed:
+        state.restore(history.undo() if pressed == "Undo" else history.redo())
+    if is_open:
+        _list(state)
 
 
 def _list(state: EditorState) -> None:
@@ -34,7 +31,8 @@ def _list(state: EditorState) -> None:
     if not history.steps:
         return
     row = imgui.get_text_line_height_with_spacing()
-    height = row * min(len(history.steps), _ROWS) + 2.0
+    room = imgui.get_content_region_avail().y
+    height = max(room, row * min(len(history.steps), _LEAST_ROWS) + 2.0)
     imgui.begin_child("steps", imgui.ImVec2(0.0, height))
     for index, step in enumerate(history.steps):
         undone = index > history.at
@@ -48,5 +46,5 @@ def _list(state: EditorState) -> None:
             state.restore(history.go(index))
     if state.history_seen != (len(history.steps), history.at):
         state.history_seen = (len(history.steps), history.at)
-        imgui.set_scroll_y(max(0.0, (history.at - _ROWS + 2) * row))
+        imgui.set_scroll_y(max(0.0, (history.at + 2) * row - height))
     imgui.end_child()

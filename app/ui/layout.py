@@ -67,6 +67,18 @@ class Panels:
 
 
 @dataclass(frozen=True)
+class OpenGroups:
+    """Which groups of the panels are open; the others show only their title."""
+
+    effects: bool = True
+    background: bool = True
+    quality: bool = False
+    export: bool = True
+    history: bool = True
+    adjust: bool = False
+
+
+@dataclass(frozen=True)
 class Divider:
     """The draggable line at a panel's inner edge.
 

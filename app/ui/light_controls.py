@@ -8,6 +8,7 @@ from imgui_bundle import imgui
 
 from app.ui import theme, widgets
 from app.ui.box_tools import with_box
+from app.ui.groups import Tool, group
 from app.ui.panorama import NEW_AT, add_box
 from app.ui.state import EditorState
 from relight_core.lighting.light_edit import LightEdit
@@ -83,11 +84,13 @@ def box(state: EditorState, fonts: theme.Fonts) -> None:
         state.light_edit = replace(state.light_edit, boxes=with_box(boxes, index, new))
 
 
-def light(state: EditorState) -> None:
+def light(state: EditorState, fonts: theme.Fonts) -> None:
     """The whole light."""
     edited = replace(state.light_edit, boxes=()) != LightEdit()
-    opened = imgui.collapsing_header("Adjust the light" + ("  ·" if edited else "") + "###adjust")
-    imgui.set_item_tooltip("Level, colour and blur of the light.")
+    back = Tool("Reset", "Puts level, colour and blur of the light back.", edited)
+    opened, pressed = group(state, fonts, "adjust", "Adjust the light", "changed" if edited else "", (back,))
+    if pressed:
+        state.light_edit = LightEdit(boxes=state.light_edit.boxes)
     if not opened:
         return
     fields = [field for field in _LIGHT if field != "base" or state.light_edit.boxes or state.light_edit.base != 1.0]

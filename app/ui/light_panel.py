@@ -45,8 +45,7 @@ def draw(state: EditorState, fonts: theme.Fonts, pictures: Pictures, shelf: Shel
     imgui.set_item_tooltip("The light turns by itself; save it as a film under Export.  P")
     imgui.begin_child("lights", imgui.ImVec2(0.0, 0.0))
     light_controls.box(state, fonts)
-    light_controls.light(state)
-    widgets.gap(0.2)
+    light_controls.light(state, fonts)
     _lights(state, pictures, shelf)
     imgui.end_child()
 
@@ -66,7 +65,7 @@ def _lights(state: EditorState, pictures: Pictures, shelf: Shelf) -> None:
 def _light_button(state: EditorState, pictures: Pictures, source: LightSource, description: str, width: float) -> None:
     em = imgui.get_font_size()
     corner = imgui.get_cursor_screen_pos()
-    height = width + 0.6 * em
+    height = width
     if imgui.invisible_button(f"{source.kind}:{source.name}", imgui.ImVec2(width, height)):
         state.choose_light(source)
     imgui.set_item_tooltip(f"{source.title}\n{description}" if description else source.title)
@@ -85,8 +84,8 @@ def _light_button(state: EditorState, pictures: Pictures, source: LightSource, d
 
 
 def _ball(shown: Shown | None, corner: imgui.ImVec2, width: float, em: float) -> None:
-    side = width - 1.5 * em
-    x, y = corner.x + (width - side) / 2, corner.y + 0.45 * em
+    side = width - 1.9 * em
+    x, y = corner.x + (width - side) / 2, corner.y + 0.3 * em
     if shown is not None:
         widgets.draw_image(shown, x, y, side, side)
         return

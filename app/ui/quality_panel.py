@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from imgui_bundle import imgui
 
-from app.ui import theme, widgets
+from app.ui import plan_panel, theme, widgets
+from app.ui.groups import group
 from app.ui.state import EditorState
 from relight_core.pipeline.auto_quality import AUTO, QualityChoice, TierCost
 
@@ -26,8 +27,9 @@ BUDGET = widgets.Slider(
 
 def draw(state: EditorState, fonts: theme.Fonts) -> None:
     """The heading, the tiers, and their costs below them, inside a panel."""
-    widgets.heading(fonts, "Quality")
     choice, costs = state.quality, state.snapshot.tier_costs
+    if not group(state, fonts, "quality", "Quality", _summary(choice, costs))[0]:
+        return
     corner = imgui.get_cursor_screen_pos()
     width = imgui.get_content_region_avail().x
     wish = widgets.segmented(TIERS, choice.wish)
@@ -36,7 +38,13 @@ def draw(state: EditorState, fonts: theme.Fonts) -> None:
     if wish == AUTO:
         budget_ms = _budget(state, budget_ms)
     state.quality = QualityChoice(wish, budget_ms)
-    widgets.gap(0.4)
+    plan_panel.draw(state, fonts)
+
+
+def _summary(choice: QualityChoice, costs: dict[str, TierCost]) -> str:
+    """The choice, and what it means while something moves."""
+    title = next(title for name, title, _ in TIERS if name == choice.wish)
+    return f"{title}: {choice.moving(costs)} while moving" if choice.wish == AUTO and costs else title
 
 
 def _budget(state: EditorState, budget_ms: float) -> float:

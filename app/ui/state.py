@@ -14,7 +14,7 @@ from app.engine.snapshot import Message, Snapshot
 from app.engine.sources import LightSource, PhotoSource, RelitLike, Request
 from app.ui.asking import Asking, FileRequest
 from app.ui.box_tools import Grab, without_box
-from app.ui.layout import Panels
+from app.ui.layout import OpenGroups, Panels
 from app.ui.look import LookState
 from app.ui.photo_queue import PhotoQueue
 from app.ui.view import View
@@ -77,6 +77,7 @@ class EditorState:
         view_of: the photo that `view` was made for.
         look: what is switched on for looking.
         panels: how large the panels are and which are in sight.
+        groups: which groups in them are open.
         export: how pictures are saved.
         cancel_wanted: the user wants that work stopped, for one frame.
         job: the long work that runs, if any.
@@ -117,6 +118,7 @@ class EditorState:
     view_of: Photo | None = None
     look: LookState = field(default_factory=LookState)
     panels: Panels = field(default_factory=Panels)
+    groups: OpenGroups = field(default_factory=OpenGroups)
     export: ExportSettings = field(default_factory=ExportSettings)
     job: JobStatus | None = None
     cancel_wanted: bool = False
@@ -154,7 +156,8 @@ class EditorState:
         """What undo and sessions keep of all this."""
         photo = PhotoRef(self.photo.path, self.photo.face_index) if self.photo and self.photo.path else None
         light = LightRef(self.light.kind, self.light.name)
-        return Document(photo, light, self.light_edit, replace(self.edit, quality="final", channels=None))
+        edit = replace(self.edit, quality="final", channels=None)
+        return Document(photo, light, self.light_edit, edit, self.quality.wish)
 
     def remember(self, now_s: float) -> None:
         """Let the history see what was changed; once a frame."""
@@ -165,6 +168,7 @@ class EditorState:
         if document is None:
             return
         self.edit, self.light_edit = replace(document.edit, quality=self.edit.quality), document.light_edit
+        self.quality = replace(self.quality, wish=document.quality)
         if not document.light.source().same_as(self.light):
             self.light = self._known(document.light.source())
         if document.photo is not None and document.photo != self.document().photo:

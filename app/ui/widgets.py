@@ -52,8 +52,11 @@ def slider(state: EditorState, spec: Slider, value: float, enabled: bool = True)
     imgui.begin_disabled(not enabled)
     imgui.push_id(spec.label)
     row = _typed if state.typing == spec.label else _title_row
+    spacing = imgui.get_style().item_spacing
+    imgui.push_style_var(imgui.StyleVar_.item_spacing, imgui.ImVec2(spacing.x, 0.25 * spacing.y))
     value = row(state, spec, value)
     value = _track(state, spec, value)
+    imgui.pop_style_var()
     imgui.pop_id()
     imgui.end_disabled()
     return value
@@ -158,18 +161,19 @@ def _draw_track(
     draw.add_circle_filled(imgui.ImVec2(at(value), middle), radius, theme.packed(knob), 24)
 
 
-def segmented(choices: Sequence[tuple[str, str, str]], chosen: str) -> str:
+def segmented(choices: Sequence[tuple[str, str, str]], chosen: str, width: float | None = None) -> str:
     """A row of buttons of which one is down.
 
     Args:
         choices: (value, label, tooltip) each.
         chosen: the value that is down.
+        width: of the row; None takes all there is.
 
     Returns:
         The value that is down now.
     """
     spacing = 2.0
-    width = (imgui.get_content_region_avail().x - spacing * (len(choices) - 1)) / len(choices)
+    width = ((width or imgui.get_content_region_avail().x) - spacing * (len(choices) - 1)) / len(choices)
     for index, (value, label, tooltip) in enumerate(choices):
         if index:
             imgui.same_line(0.0, spacing)

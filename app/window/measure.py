@@ -11,11 +11,14 @@ from pathlib import Path
 import glfw
 import numpy as np
 
+from app.engine.pace import set_pace, yield_to_the_window
 from app.engine.sources import RelighterLike
 from app.window.window import EditorWindow
 
 _STEP_DEG = 7.0
 _GIVE_UP_S = 60.0
+_DISPLAY_HZ = 60.0
+"""No display shows more pictures a second; without one, frames would be drawn as fast as the processor can."""
 
 
 @dataclass(frozen=True)
@@ -37,7 +40,7 @@ class WindowSpeed:
     """What was measured.
 
     Attributes:
-        frame: one frame while a drag makes the networks run again and again.
+        frame: one frame, of 60 a second at most, while a drag makes the networks run again and again.
         rotation, shadow, exposure: from the hand's movement to the end of the frame that shows its result.
         frames, updates: how many frames were drawn during the drag, and how many results came.
         idle_cpu: share of one core used while nothing happens.
@@ -77,7 +80,7 @@ def measure_window(
         NoDisplayError: no display, or one without OpenGL 3.3.
         TimeoutError: a result took longer than a minute.
     """
-    window = EditorWindow(make_relighter, photos[0], size=size)
+    window = EditorWindow(make_relighter, photos[0], size=size, on_engine_start=yield_to_the_window, set_pace=set_pace)
     try:
         window.shelf.wait()
         _settle(window)
@@ -117,6 +120,7 @@ class _Hand:
             window.frame()
             glfw.poll_events()
             durations.append(time.perf_counter() - began)
+            _await_the_display(began)
             updates += window.state.snapshot.picture is not shown
             shown = window.state.snapshot.picture
         window.on_mouse_move(None, x, y)
@@ -168,6 +172,13 @@ def _until(window: EditorWindow, reached: Callable[[], bool]) -> None:
         if time.perf_counter() > give_up:
             raise TimeoutError("no result within a minute")
         glfw.wait_events_timeout(0.03)
+
+
+def _await_the_display(began: float) -> None:
+    """Rest until the display would show the next frame."""
+    left = 1.0 / _DISPLAY_HZ - (time.perf_counter() - began)
+    if left > 0:
+        time.sleep(left)
 
 
 def _settle(window: EditorWindow) -> None:

@@ -27,13 +27,13 @@ class Memory:
 
     def recall(self, state: EditorState) -> None:
         """Put the remembered arrangement into the state."""
-        state.panels = self._kept.panels
+        state.panels, state.groups = self._kept.panels, self._kept.groups
         for entry in fields(Looking):
             setattr(state.look, entry.name, getattr(self._kept.looking, entry.name))
 
     def keep(self, state: EditorState, window_size: tuple[int, int]) -> None:
         """Write the arrangement if it is another one than was written last."""
-        now = Settings(state.panels, Looking.of(state.look), tuple(window_size))
+        now = Settings(state.panels, Looking.of(state.look), tuple(window_size), state.groups)
         if self._path is not None and now != self._kept:
             # Remembered even where writing fails, so that a full disk is told once and not in every frame.
             self._kept = now

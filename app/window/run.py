@@ -32,6 +32,7 @@ def run_editor(
         NoDisplayError: there is no display, or none with OpenGL 3.3; nothing was opened.
     """
     from app.engine.calibration_file import cache_path
+    from app.engine.pace import set_pace, yield_to_the_window
     from app.settings import settings_path
     from app.window.dropped import take_files
     from app.window.window import EditorWindow
@@ -40,7 +41,8 @@ def run_editor(
     source = LightSource.named(light) if light and Path(light) not in saved else None
     photo = Path(photo_path) if photo_path and Path(photo_path) not in saved else None
     kept = {"settings_path": settings_path(), "calibration_path": cache_path()}
-    window = EditorWindow(relighter_factory, photo, source, **kept)
+    paced = {"on_engine_start": yield_to_the_window, "set_pace": set_pace}
+    window = EditorWindow(relighter_factory, photo, source, **kept, **paced)
     try:
         for path in saved:
             take_files(window.state, [path], 0.0, 0.0, as_light=str(path) == light)

@@ -22,6 +22,7 @@ from app.ui.light_panel import Shelf
 from app.ui.state import EditorState
 from app.window.deeds import Deeds
 from app.window.dropped import take_files
+from app.window.gl_interface import InterfacePainter
 from app.window.gl_pictures import GlPictures
 from app.window.gl_textures import Canvas
 from app.window.glfw_window import close_window, open_window
@@ -44,7 +45,7 @@ class EditorWindow:
         photo, light: what to open at once.
         size: of the window; None is the last one's.
         visible: False keeps it off the screen.
-        on_engine_start: called first on the engine's thread.
+        on_engine_start, set_pace: as of app.engine.engine.Engine.
         settings_path: where panels and window size are kept between runs; None keeps nothing.
         calibration_path: where the costs of the quality tiers are kept; None does not measure them.
 
@@ -61,6 +62,7 @@ class EditorWindow:
         size: tuple[int, int] | None = None,
         visible: bool = True,
         on_engine_start: Callable[[], None] = lambda: None,
+        set_pace: Callable[[bool], None] = lambda hurried: None,
         settings_path: Path | None = None,
         calibration_path: Path | None = None,
     ) -> None:
@@ -74,10 +76,11 @@ class EditorWindow:
         if photo is not None:
             self.state.open_photo(photo)
         self.shelf = LightShelf(glfw.post_empty_event)
-        self.engine = Engine(make_relighter, glfw.post_empty_event, on_engine_start, calibration_path)
+        self.engine = Engine(make_relighter, glfw.post_empty_event, on_engine_start, calibration_path, set_pace)
         self.exporter = Exporter(self.engine.say, glfw.post_empty_event)
         self.pictures = GlPictures(self.context, self.shelf, theme.CANVAS_SRGB)
         self._binding = Binding(self.handle, self._scale(glfw.get_window_content_scale(self.handle)[0]))
+        self._painter = InterfacePainter(self.context)
         folder = settings_path.parent if settings_path else None
         outputs = Outputs(self.state, self.exporter, make_relighter)
         self._deeds = Deeds(self.state, self.engine.say, folder, outputs=outputs)
@@ -99,9 +102,7 @@ class EditorWindow:
         if width == 0 or height == 0:
             return
         self._draw()
-        self.context.screen.use()
-        self.context.clear(*theme.CANVAS_SRGB, 1.0)
-        self._binding.paint()
+        self._paint(self.context.screen)
         glfw.swap_buffers(self.handle)
         self._act()
 
@@ -118,9 +119,7 @@ class EditorWindow:
         canvas = Canvas(self.context)
         canvas.fit(glfw.get_framebuffer_size(self.handle))
         self._draw()
-        canvas.framebuffer.use()
-        self.context.clear(*theme.CANVAS_SRGB, 1.0)
-        self._binding.paint()
+        self._paint(canvas.framebuffer)
         pixels = canvas.pixels()[::-1].copy()
         canvas.close()
         return pixels
@@ -135,6 +134,7 @@ class EditorWindow:
         self.exporter.close(cancel=True)
         glfw.make_context_current(self.handle)
         self.pictures.close()
+        self._painter.close()
         self._binding.close()
         self.context.release()
         close_window(self.handle)
@@ -225,6 +225,10 @@ class EditorWindow:
         self._binding.begin()
         editor.draw(state, self._binding.fonts, self.pictures, Shelf(self.shelf.names, self.shelf.words))
         self._binding.end()
+
+    def _paint(self, target: moderngl.Framebuffer) -> None:
+        target.clear(*theme.PANEL)
+        self._painter.paint(self._binding.listed(), target)
 
     def _act(self) -> None:
         """Do what the panels have asked for."""

@@ -44,6 +44,8 @@ class Edit:
         forced_on: effects (see EFFECTS) that the plan may not skip, nor reuse from a light that is not the same.
         forced_off: effects that are left out whatever the scene calls for.
         tolerance: the largest change of the displayed picture, of [0, 1], that the plan may cause.
+        specular_tint: colour of the specular channel, [-1, 1], from cool to warm; 0 is the light's own.
+        shadow_softness: how far the edges of shadows are softened, [0, 1]; 0 is as estimated.
     """
 
     yaw_deg: float = 0.0
@@ -58,6 +60,13 @@ class Edit:
     forced_on: frozenset[str] = frozenset()
     forced_off: frozenset[str] = frozenset()
     tolerance: float = TOLERANCE
+    specular_tint: float = 0.0
+    shadow_softness: float = 0.0
+
+    @property
+    def sliders(self) -> tuple[float, ...]:
+        """What only the slider stage reads: the gains of specular and shadow, the specular's tint, the softness."""
+        return self.specular, self.shadow, self.specular_tint, self.shadow_softness
 
     def looks_at(self, channel: str) -> bool:
         """Whether a channel is asked for."""

@@ -37,6 +37,7 @@ from relight_core.pipeline.plan import Plan
 from relight_core.pipeline.portrait import Portrait
 from relight_core.pipeline.quality import Tier
 from relight_core.pipeline.residual import Residual, add_residual, find_residual
+from relight_core.pipeline.sliders import soften_shadow, specular_gain
 
 KEPT_LIGHTS = 24
 """Results of this many lights stay: a light that is turned there and back, or two that are compared."""
@@ -209,8 +210,10 @@ class FaceRelighter:
         fit = self._cache.run("detail_fit", plan.keys["detail_fit"], lambda: self._fit(ready, lit, plan), "new light")
         moved = None
         if plan.runs("sliders"):
-            specular, shadow = edit.specular * plan.runs("specular"), edit.shadow * plan.runs("shadow")
-            moved = stages.move_sliders(lit.composed, ready.surface, lit.reflected, lit.effects, specular, shadow)
+            specular = specular_gain(edit.specular * plan.runs("specular"), edit.specular_tint)
+            effects = soften_shadow(lit.effects, ready.surface, lit.reflected, edit.shadow_softness)
+            shadow = edit.shadow * plan.runs("shadow")
+            moved = stages.move_sliders(lit.composed, ready.surface, lit.reflected, effects, specular, shadow)
         return enlarge_change(fit, moved, self._upsampler(ready), level)
 
     def _fit(self, ready: Prepared, lit: Lit, plan: Plan) -> LightChange:

@@ -215,8 +215,8 @@ def _residual(scene: Scene, edit: Edit) -> _Verdict:
 
 
 def _sliders(scene: Scene, edit: Edit) -> _Verdict:
-    if edit.specular == 1 and edit.shadow == 1:
-        return _Verdict(False, "both sliders are where they change nothing")
+    if edit.sliders == Edit().sliders:
+        return _Verdict(False, "all sliders are where they change nothing")
     return _Verdict(True, "a slider is moved")
 
 
@@ -263,7 +263,7 @@ def _keys(scene: Scene, edit: Edit, needed: set[str], network: bool) -> dict[str
     light = (surface, scene.light)
     occlusion = (light, bool(shown), network, "relief" in needed)
     compose = (occlusion, shown, "correction" in needed)
-    gains = (edit.specular, edit.shadow) if "sliders" in needed else (1.0, 1.0)
+    gains = edit.sliders if "sliders" in needed else Edit().sliders
     image = (compose, "residual" in needed)
     change = (image, gains, "detail" in needed, scene.level)
     backdrop = scene.backdrop if edit.background == "light" else None

@@ -6,11 +6,12 @@ from dataclasses import replace
 import pytest
 
 from app.settings import Looking, Settings, config_folder, read_settings, write_settings
-from app.ui.layout import Panels
+from app.ui.layout import OpenGroups, Panels
 from app.ui.state import EditorState
 from app.window.memory import Memory
 
-CHANGED = Settings(Panels(20.0, 18.5, 9.0, light=False), Looking("waveform", False, True, True), (1200, 800))
+GROUPS = OpenGroups(effects=False, quality=True)
+CHANGED = Settings(Panels(20.0, 18.5, 9.0, light=False), Looking("waveform", False, True, True), (1200, 800), GROUPS)
 
 
 def test_settings_come_back_as_they_were(tmp_path):

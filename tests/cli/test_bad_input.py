@@ -97,6 +97,8 @@ def test_numbers_that_are_none(relight, photo, tmp_path, option, value):
     [
         ("--specular", "2.01"),
         ("--shadow", "-0.1"),
+        ("--specular-tint", "1.1"),
+        ("--shadow-softness", "-0.1"),
         ("--exposure", "17"),
         ("--background", "#12345"),
         ("--background", "beige"),

@@ -188,6 +188,18 @@ def test_a_too_large_file_is_not_read(tmp_path):
         read_session(path)
 
 
+def test_the_quality_that_was_chosen_comes_back(folder, document):
+    path = saved(folder, replace(document, quality="draft"))
+    assert read_session(path).document.quality == "draft"
+    assert read_session(saved(folder, document)).document.quality == "auto"
+
+
+def test_an_unknown_quality_becomes_auto_and_is_noted(folder, document):
+    session = read_session(tampered(saved(folder, document), quality="best"))
+    assert session.document.quality == "auto"
+    assert any("quality" in note for note in session.notes)
+
+
 def test_the_quality_of_a_saved_edit_is_final(folder, document):
     hasty = replace(document, edit=replace(document.edit, quality="live"))
     assert read_session(saved(folder, hasty)).document == document

@@ -30,10 +30,12 @@ def test_exposure_computes_nothing(relighter):
     np.testing.assert_array_equal(brighter.image, first.image)
 
 
-@pytest.mark.parametrize("slider", ["specular", "shadow"])
-def test_a_slider_runs_no_network(relighter, slider):
+@pytest.mark.parametrize(
+    ("slider", "value"), [("specular", 1.7), ("shadow", 1.7), ("specular_tint", 0.8), ("shadow_softness", 1.0)]
+)
+def test_a_slider_runs_no_network(relighter, slider, value):
     first = relighter.relight(some_light(), EDIT)
-    moved = relighter.relight(some_light(), replace(EDIT, **{slider: 1.7}))
+    moved = relighter.relight(some_light(), replace(EDIT, **{slider: value}))
     assert computed(moved)
     assert not computed(moved) & (NETWORK_STAGES | {"relief", "irradiance", "matte"})
     assert np.abs(moved.image - first.image).max() > 1e-4

@@ -1,0 +1,100 @@
+"""Softer shadows and tinted shine: what they change, and what they leave alone."""
+
+from types import SimpleNamespace
+
+import pytest
+import torch
+
+from relight_core.imaging.tensor_colour import grey
+from relight_core.pipeline.edit import Edit
+from relight_core.pipeline.hints import Effects, explicit_sum
+from relight_core.pipeline.sliders import soften_shadow, specular_gain
+
+SIZE = 64
+
+
+def scene(relief=None, person=None):
+    """A card of even albedo, its right half in shadow, without gloss."""
+    shape = (1, 1, SIZE, SIZE)
+    surface = SimpleNamespace(
+        albedo=torch.full((1, 3, SIZE, SIZE), 0.5),
+        relief=torch.zeros(shape) if relief is None else relief,
+        person=torch.ones(shape) if person is None else person,
+    )
+    reflected = torch.cat([torch.ones(1, 3, SIZE, SIZE), torch.zeros(1, 3, SIZE, SIZE)], 1)
+    shadow = torch.zeros(shape)
+    shadow[..., SIZE // 2 :] = 0.5
+    return surface, reflected, Effects(torch.zeros(shape), shadow)
+
+
+def step(relief_height):
+    relief = torch.zeros(1, 1, SIZE, SIZE)
+    relief[..., SIZE // 2 :] = relief_height
+    return relief
+
+
+def test_at_rest_nothing_is_touched():
+    surface, reflected, effects = scene()
+    assert soften_shadow(effects, surface, reflected, 0.0) is effects
+    assert specular_gain(1.3, 0.0) == 1.3
+    assert Edit().sliders == (1.0, 1.0, 0.0, 0.0)
+
+
+def test_a_shadows_edge_gets_wider_and_wider():
+    surface, reflected, effects = scene()
+    steepest = []
+    for softness in (0.0, 0.25, 0.5, 1.0):
+        shadow = soften_shadow(effects, surface, reflected, softness).shadow
+        assert shadow.min() >= 0
+        assert shadow.max() <= 0.5 + 1e-5
+        steepest.append(float(shadow.diff(dim=-1).abs().max()))
+    assert all(later < 0.8 * earlier for earlier, later in zip(steepest, steepest[1:], strict=False))
+    assert shadow[0, 0, SIZE // 2, 0] < 0.01
+    assert shadow[0, 0, SIZE // 2, -1] > 0.49
+
+
+def test_the_amount_of_shadow_stays():
+    surface, reflected, effects = scene()
+    softened = soften_shadow(effects, surface, reflected, 0.7).shadow
+    assert float(softened.sum()) == pytest.approx(float(effects.shadow.sum()), rel=0.02)
+
+
+def test_no_shadow_creeps_over_a_step_in_the_surface():
+    for surface, reflected, effects in (scene(relief=step(0.5)), scene(person=1 - step(1.0))):
+        softened = soften_shadow(effects, surface, reflected, 1.0).shadow
+        assert (softened - effects.shadow).abs().max() < 0.03
+
+
+def test_skin_keeps_its_pattern_under_a_softened_shadow():
+    surface, reflected, effects = scene()
+    surface.albedo = surface.albedo * (0.5 + torch.rand(1, 1, SIZE, SIZE))
+    effects.shadow = 0.6 * grey(surface.albedo)
+    softened = soften_shadow(effects, surface, reflected, 1.0)
+    torch.testing.assert_close(softened.shadow, effects.shadow, rtol=1e-3, atol=1e-4)
+
+
+def test_gloss_that_was_hidden_stays_hidden():
+    surface, reflected, effects = scene()
+    reflected[:, 3:] = 0.3
+    effects = Effects(torch.full_like(effects.shadow, 0.1), effects.shadow + 0.2)
+    before, after = (
+        explicit_sum(surface.albedo, reflected, found, 1.0, 1.0)
+        for found in (effects, soften_shadow(effects, surface, reflected, 0.5))
+    )
+    assert float(after.mean()) == pytest.approx(float(before.mean()), rel=0.02)
+    assert (after >= 0).all()
+
+
+@pytest.mark.parametrize("tint", [-1.0, -0.4, 0.4, 1.0])
+def test_a_tint_keeps_the_brightness_and_warms_or_cools(tint):
+    gain = specular_gain(1.5, tint).flatten()
+    red, green, blue = (float(part) for part in gain)
+    assert 0.2126 * red + 0.7152 * green + 0.0722 * blue == pytest.approx(1.5, rel=1e-3)
+    assert (red > blue) == (tint > 0)
+    assert (gain > 0).all()
+
+
+def test_numbers_that_are_none_stay_out_of_the_picture():
+    surface, reflected, effects = scene()
+    effects.shadow[0, 0, 3, 3] = float("nan")
+    assert torch.isfinite(soften_shadow(effects, surface, reflected, 0.5).shadow).all()
