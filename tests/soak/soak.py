@@ -3,11 +3,15 @@
     python tests/soak/soak.py --minutes 120 -o soak.json
 
 Photos are opened (some of them broken), the light is turned and changed, sliders are dragged, steps undone,
-pictures looked at and exported, with the mouse and the keys and the shipped networks. Where DISPLAY is not
-set, an Xvfb is started. Every light and photo is visited once before the clock starts, and the first quarter
-counts as warm-up. Exit code 1 if memory grew by more than 5 %
-from the second quarter to the last, the 95th percentile of frame times by more than half, anything was
-logged as an error, or the engine stopped answering.
+pictures looked at and exported, with the mouse and the keys and the shipped networks, while unsaved work and
+settings are kept in a folder of their own. Where DISPLAY is not set, an Xvfb is started. Every light and photo
+is visited once before the clock starts, and the first quarter counts as warm-up. `--core 0.3` makes the user
+think between two actions until the process has used no more than that share of one core; the time a frame takes
+then depends on what else the machine does, its processor time does not.
+
+Exit code 1 if memory changed by more than 5 % from the second quarter to the last, the 95th percentile of the
+frames' times or processor times by more than half, anything was logged as an error, or the engine stopped
+answering.
 """
 
 from __future__ import annotations
@@ -29,32 +33,46 @@ import numpy as np
 _SIZE = (1100, 760)
 _PANORAMA = ((20, 235), 90)
 _SLOWEST_ANSWER_S = 120.0
+_THINKING_STEP_S = 0.05
+_MEMORY_EVERY_S, _REPORT_EVERY_S = 10.0, 120.0
 _OUR_FAULT = "Something went wrong"
 
 
 class Soak:
-    """A random user and a notebook."""
+    """A random user and a notebook.
 
-    def __init__(self, folder: Path, seed: int):
+    Args:
+        folder: for photos, lights, exports and settings.
+        seed: of the user.
+        core: the share of one processor core the process may use on average; None never thinks.
+    """
+
+    def __init__(self, folder: Path, seed: int, core: float | None = None):
         from app.window.window import EditorWindow
         from relight_core.lighting.rigs import rig_names
         from relight_core.pipeline.relighter import Relighter
 
-        self.rng = np.random.default_rng(seed)
+        self.rng, self.core = np.random.default_rng(seed), core
         self.folder, self.rigs = folder, rig_names()
         self.photos, self.lights = _material(folder)
-        self.window = EditorWindow(Relighter, self.photos[0], size=_SIZE)
+        settings = folder / "config" / "settings.json"
+        self.window = EditorWindow(Relighter, self.photos[0], size=_SIZE, settings_path=settings)
         self.frame_ms: list[tuple[float, float]] = []
+        self.frame_cpu_ms: list[tuple[float, float]] = []
         self.memory_mb: list[tuple[float, float]] = []
         self.faults: list[str] = []
+        self.warnings: dict[str, int] = {}
         self.counts: dict[str, int] = {}
         self._message = 0
-        self._started = time.monotonic()
+        self._started, self._cpu_started = time.monotonic(), time.process_time()
 
-    def run(self, seconds: float) -> None:
+    def run(self, seconds: float, report=lambda: None) -> None:
+        """Work for so long; `report` is called every few minutes."""
         self._visit_everything()
-        self._started = time.monotonic()
+        self._started, self._cpu_started = time.monotonic(), time.process_time()
+        noted_s = reported_s = 0.0
         self.frame_ms.clear()
+        self.frame_cpu_ms.clear()
         actions = [self.turn, self.drag, self.keys, self.change_light, self.undo, self.export, self.open, self.look]
         chances = np.array([6, 6, 4, 3, 3, 1, 1, 3], float)
         while time.monotonic() - self._started < seconds:
@@ -62,12 +80,30 @@ class Soak:
             action()
             self.counts[action.__name__] = self.counts.get(action.__name__, 0) + 1
             self.frames(int(self.rng.integers(1, 12)))
-            if self.rng.random() < 0.1:
+            self._think(seconds)
+            if self._now() - noted_s > _MEMORY_EVERY_S:
                 if not self.window.engine.wait_until_idle(_SLOWEST_ANSWER_S):
                     self.faults.append("the engine did not answer")
                     break
                 self._note_memory()
+                noted_s = self._now()
+            if self._now() - reported_s > _REPORT_EVERY_S:
+                report()
+                reported_s = self._now()
         self.window.close()
+
+    def cpu_share(self) -> float:
+        """Of one core, since the clock started."""
+        return (time.process_time() - self._cpu_started) / max(self._now(), 1e-3)
+
+    def _think(self, seconds: float) -> None:
+        """Sit still until the process has used no more than its share; what the engine publishes is drawn."""
+        snapshot = self.window.engine.snapshot()
+        while self.core is not None and self.cpu_share() > self.core and self._now() < seconds:
+            time.sleep(_THINKING_STEP_S)
+            if self.window.engine.snapshot() is not snapshot:
+                snapshot = self.window.engine.snapshot()
+                self.frames(1)
 
     def _visit_everything(self) -> None:
         """What is made once and kept, so that it does not look like a leak."""
@@ -83,9 +119,10 @@ class Soak:
     def frames(self, count: int) -> None:
         for _ in range(count):
             glfw.poll_events()
-            before = time.perf_counter()
+            before, cpu_before = time.perf_counter(), time.thread_time()
             self.window.frame()
             self.frame_ms.append((self._now(), (time.perf_counter() - before) * 1e3))
+            self.frame_cpu_ms.append((self._now(), (time.thread_time() - cpu_before) * 1e3))
         message = self.window.state.snapshot.message
         if message is not None and message.number != self._message:
             self._message = message.number
@@ -152,6 +189,10 @@ class Soak:
         self.window.on_key(None, key, 0, glfw.RELEASE, 0)
         self.frames(1)
 
+    def seconds(self) -> float:
+        """Since the clock started, up to the last frame."""
+        return self.frame_ms[-1][0] if self.frame_ms else 0.0
+
     def _now(self) -> float:
         return time.monotonic() - self._started
 
@@ -185,12 +226,18 @@ def _material(folder: Path) -> tuple[list[Path], list[Path]]:
 
 
 class _Log(logging.Handler):
-    def __init__(self, faults: list[str]):
-        super().__init__(logging.ERROR)
-        self._faults = faults
+    """Errors are faults; warnings are counted."""
+
+    def __init__(self, soak: Soak):
+        super().__init__(logging.WARNING)
+        self._soak = soak
 
     def emit(self, record: logging.LogRecord) -> None:
-        self._faults.append(self.format(record))
+        if record.levelno >= logging.ERROR:
+            self._soak.faults.append(self.format(record))
+        else:
+            kind = f"{record.name}: {record.msg}"
+            self._soak.warnings[kind] = self._soak.warnings.get(kind, 0) + 1
 
 
 def summary(soak: Soak, seconds: float) -> dict:
@@ -201,21 +248,32 @@ def summary(soak: Soak, seconds: float) -> dict:
         return [round(float(measure(v)), 2) if v else float("nan") for v in values]
 
     memory = quarters(soak.memory_mb, np.mean)
-    p95 = quarters(soak.frame_ms, lambda v: np.percentile(v, 95))
+    p95, cpu_p95 = (quarters(samples, lambda v: np.percentile(v, 95)) for samples in (soak.frame_ms, soak.frame_cpu_ms))
     verdicts = {
-        "memory flat": memory[3] <= 1.05 * memory[1],
-        "frame times flat": p95[3] <= 1.5 * p95[1],
+        "memory flat": 0.95 * memory[1] <= memory[3] <= 1.05 * memory[1],
+        "frame times flat": p95[3] <= 1.5 * p95[1] or cpu_p95[3] <= 1.5 * cpu_p95[1],
         "no errors": not soak.faults,
     }
     return {
-        "minutes": seconds / 60,
+        "minutes": round(soak.seconds() / 60, 1),
+        "cpu_share": round(soak.cpu_share(), 3),
         "frames": len(soak.frame_ms),
         "actions": soak.counts,
         "memory_mb": memory,
+        "memory_each_mb": [[round(t), round(mb)] for t, mb in soak.memory_mb],
+        "frame_median_ms": quarters(soak.frame_ms, np.median),
         "frame_p95_ms": p95,
+        "frame_cpu_median_ms": quarters(soak.frame_cpu_ms, np.median),
+        "frame_cpu_p95_ms": cpu_p95,
         "verdicts": verdicts,
+        "warnings": soak.warnings,
         "faults": soak.faults[:20],
     }
+
+
+def _write(path: Path | None, figures: dict) -> None:
+    if path is not None:
+        path.write_text(json.dumps(figures) + "\n")
 
 
 def _with_display() -> subprocess.Popen | None:
@@ -238,24 +296,25 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--minutes", type=float, default=120.0)
     parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--core", type=float, help="use at most this share of one processor core, by thinking")
     parser.add_argument("-o", "--output", type=Path, help="also write the figures, a .json file")
     arguments = parser.parse_args()
     sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
     server = _with_display()
     try:
         with tempfile.TemporaryDirectory(prefix="relight-soak-") as folder:
-            soak = Soak(Path(folder), arguments.seed)
-            logging.getLogger().addHandler(_Log(soak.faults))
-            soak.run(60 * arguments.minutes)
-            figures = summary(soak, 60 * arguments.minutes)
+            seconds = 60 * arguments.minutes
+            soak = Soak(Path(folder), arguments.seed, arguments.core)
+            logging.getLogger().addHandler(_Log(soak))
+            soak.run(seconds, lambda: _write(arguments.output, summary(soak, seconds)))
+            figures = summary(soak, seconds)
     finally:
         if server is not None:
             server.terminate()
             server.wait()
-    text = json.dumps(figures, indent=2)
-    print(text)
-    if arguments.output:
-        arguments.output.write_text(text + "\n")
+    _write(arguments.output, figures)
+    del figures["memory_each_mb"]
+    print(json.dumps(figures, indent=2))
     return 0 if all(figures["verdicts"].values()) else 1
 
 
