@@ -30,7 +30,7 @@ class RecentLights:
 
     def recall(self, state: EditorState) -> None:
         """Put the lights that are still there into the list, newest first."""
-        self._kept = [entry for entry in _read(self._path) if os.path.isfile(entry[1])][:MOST]
+        self._kept = [entry for entry in read_recent(self._path) if os.path.isfile(entry[1])][:MOST]
         known = [LightSource(*entry) for entry in self._kept]
         new = [light for light in known if not any(light.same_as(other) for other in state.extra_lights)]
         state.extra_lights = [*state.extra_lights, *new]
@@ -49,7 +49,8 @@ class RecentLights:
             _log.warning("recent lights are not kept: %s", error)
 
 
-def _read(path: Path) -> list[tuple[str, str]]:
+def read_recent(path: Path) -> list[tuple[str, str]]:
+    """Kind and name of each light in the file; none where it is damaged."""
     try:
         content = json.loads(path.read_text(encoding="utf-8"))
     except (OSError, ValueError, RecursionError):

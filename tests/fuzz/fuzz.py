@@ -4,20 +4,22 @@
     python tests/fuzz/fuzz.py --readers photo exr --count 500 --seed 1
 
 Each reader works in a process of its own with a limit on its memory. A file that raises anything else than
-InputError, takes more than 5 s of processor time, exhausts the memory or kills the process is kept under
---keep, and the next one follows. Exit code 1 if there was one.
+InputError, takes more than 5 s of processor time, takes more than 1 GiB of memory or kills the process is kept
+under --keep, and the next one follows. Exit code 1 if there was one.
 """
 
 from __future__ import annotations
 
 import argparse
 import multiprocessing
+import os
 import resource
 import sys
 import tempfile
 import time
 import traceback
 import warnings
+from dataclasses import dataclass, field
 from multiprocessing.connection import Connection
 from pathlib import Path
 
@@ -31,9 +33,29 @@ from fuzz_mutations import damaged  # noqa: E402
 
 from relight_core.errors import InputError  # noqa: E402
 
-MEMORY_GIB = 8
+ADDRESSES_GIB = 8
+"""What a process may reserve; the libraries alone reserve some of it."""
+
+LARGEST_MIB = 1024
 SLOWEST_S = 5.0
 _HUNG_S = 60.0
+
+
+@dataclass
+class Findings:
+    """What became of one reader's files.
+
+    Attributes:
+        faults: by the number of the file.
+        refused: how many files were refused, as they should be.
+        slowest_s: processor time of the slowest file.
+        most_mib: memory that reading them took at the most.
+    """
+
+    faults: dict[int, str] = field(default_factory=dict)
+    refused: int = 0
+    slowest_s: float = 0.0
+    most_mib: float = 0.0
 
 
 def mutant(seeds: list[bytes], seed: int, number: int) -> bytes:
@@ -43,32 +65,30 @@ def mutant(seeds: list[bytes], seed: int, number: int) -> bytes:
 
 
 def attack(reader: Reader, seed: int, first: int, count: int, folder: Path, report: Connection) -> None:
-    """The child's work: say each file's number before it is read, and after it what went wrong."""
+    """The child's work: say each file's number before it is read, and after it how that went."""
     warnings.simplefilter("ignore")
-    resource.setrlimit(resource.RLIMIT_AS, (MEMORY_GIB << 30, MEMORY_GIB << 30))
+    nowhere = os.open(os.devnull, os.O_WRONLY)
+    os.dup2(nowhere, 2)
+    resource.setrlimit(resource.RLIMIT_AS, (ADDRESSES_GIB << 30, ADDRESSES_GIB << 30))
     path = folder / f"mutant{reader.suffix}"
+    started_mib = _peak_mib()
     for number in range(first, first + count):
         path.write_bytes(mutant(reader.seeds, seed, number))
         report.send((number, None))
-        before, fault = time.process_time(), None
+        before, fault, refused = time.process_time(), "", False
         try:
             reader.read(path)
         except InputError:
-            pass
+            refused = True
         except BaseException:
             fault = traceback.format_exc(limit=-3)
-        spent = time.process_time() - before
-        if spent > SLOWEST_S:
-            fault = f"{spent:.1f} s of processor time\n{fault or ''}"
-        if fault:
-            report.send((number, fault))
+        report.send((number, (refused, time.process_time() - before, _peak_mib() - started_mib, fault)))
     report.send((first + count, None))
 
 
-def fuzz_reader(reader: Reader, count: int, seed: int) -> dict[int, str]:
-    """All faults of one reader, by number of the file."""
-    faults: dict[int, str] = {}
-    number = 0
+def fuzz_reader(reader: Reader, count: int, seed: int) -> Findings:
+    """Read `count` damaged files in a child process, in further ones where that dies or hangs."""
+    findings, number = Findings(), 0
     while number < count:
         ours, theirs = multiprocessing.Pipe(duplex=False)
         with tempfile.TemporaryDirectory(prefix="relight-fuzz-") as folder:
@@ -76,29 +96,46 @@ def fuzz_reader(reader: Reader, count: int, seed: int) -> dict[int, str]:
             child = multiprocessing.get_context("fork").Process(target=attack, args=arguments)
             child.start()
             theirs.close()
-            number = _follow(ours, child, number, faults)
+            number = _follow(ours, child, number, findings)
             child.kill()
             child.join()
         if number < count:
             number += 1
-    return faults
+    return findings
 
 
-def _follow(report: Connection, child: multiprocessing.Process, number: int, faults: dict[int, str]) -> int:
+def _follow(report: Connection, child: multiprocessing.Process, number: int, findings: Findings) -> int:
     """Read the child's report to its end; the number of the file at which it ended or hung."""
     while True:
         if not report.poll(_HUNG_S):
-            faults[number] = f"no answer within {_HUNG_S:g} s"
+            findings.faults[number] = f"no answer within {_HUNG_S:g} s"
             return number
         try:
-            number, fault = report.recv()
+            number, outcome = report.recv()
         except EOFError:
             child.join()
             if child.exitcode != 0:
-                faults[number] = f"the process died ({child.exitcode})"
+                findings.faults[number] = f"the process died ({child.exitcode})"
             return number
-        if fault:
-            faults[number] = fault
+        if outcome is not None:
+            _note(findings, number, *outcome)
+
+
+def _note(findings: Findings, number: int, refused: bool, spent_s: float, grown_mib: float, fault: str) -> None:
+    if spent_s > SLOWEST_S:
+        fault = f"{spent_s:.1f} s of processor time\n{fault}"
+    # The peak never falls again, so only the file that raised it above the limit is at fault.
+    if grown_mib > LARGEST_MIB >= findings.most_mib:
+        fault = f"{grown_mib:.0f} MiB of memory\n{fault}"
+    if fault:
+        findings.faults[number] = fault
+    findings.refused += refused
+    findings.slowest_s = max(findings.slowest_s, spent_s)
+    findings.most_mib = max(findings.most_mib, grown_mib)
+
+
+def _peak_mib() -> float:
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
 
 
 def main() -> int:
@@ -112,10 +149,11 @@ def main() -> int:
     arguments = parser.parse_args()
     bad = 0
     for name in arguments.readers:
-        faults = fuzz_reader(corpus[name], arguments.count, arguments.seed)
-        bad += len(faults)
-        print(f"{name}: {arguments.count} files, {len(faults)} faults", flush=True)
-        for number, fault in sorted(faults.items()):
+        found = fuzz_reader(corpus[name], arguments.count, arguments.seed)
+        bad += len(found.faults)
+        line = f"{name}: {arguments.count} files, {len(found.faults)} faults, {found.refused} refused"
+        print(f"{line}, {1e3 * found.slowest_s:.0f} ms and {found.most_mib:.0f} MiB at the most", flush=True)
+        for number, fault in sorted(found.faults.items()):
             print(f"--- {name} {number}\n{fault}", flush=True)
             if arguments.keep:
                 arguments.keep.mkdir(parents=True, exist_ok=True)

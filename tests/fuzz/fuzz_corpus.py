@@ -1,18 +1,13 @@
-"""Small good files of every kind that the program reads: what the fuzzer starts from."""
+"""Every reader of the program, each with small good files: what the fuzzer starts from."""
 
 from __future__ import annotations
 
-import io
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
-import cv2
-import numpy as np
-import tifffile
-from PIL import Image, ImageCms
+from fuzz_images import coded_exrs, exrs, hdrs, photos, pictures_by_kind
 
-from relight_core.imaging.write import write_exr_layers
 from relight_core.resources import resource_path
 
 
@@ -36,7 +31,10 @@ def readers(folder: Path) -> dict[str, Reader]:
     from app.document.document import Document, LightRef, PhotoRef
     from app.document.light_file import SavedLight, read_light, write_light
     from app.document.session_file import read_session, write_session
+    from app.engine.calibration_file import read_costs
     from app.settings import Settings, read_settings, write_settings
+    from app.window.recent_lights import read_recent
+    from relight_core.dataset.heads import load_head_model
     from relight_core.dataset.lights import load_lights
     from relight_core.dataset.shard import read_shard
     from relight_core.imaging.read import read_photo
@@ -45,16 +43,20 @@ def readers(folder: Path) -> dict[str, Reader]:
     from relight_core.networks.bundle import load_bundle
     from relight_core.training import recipe
 
-    exr = _exr(folder)
+    exr = exrs(folder)
+    coded = coded_exrs(folder)
+    kinds = pictures_by_kind()
     write_settings(folder / "settings.json", Settings(window_size=(800, 600)))
     write_session(folder / "seed.relight.json", Document(photo=PhotoRef(folder / "photo.png")))
     write_light(folder / "seed.light.json", SavedLight(LightRef("rig", "rembrandt"), yaw_deg=20.0))
     recipes = (Path(recipe.__file__).parent / "recipes").glob("*.toml")
     rigs = [path.read_bytes() for path in sorted(resource_path("rigs").glob("*.toml"))]
     return {
-        "photo": Reader(read_photo, [*_photos(), *exr], ".image"),
-        "hdr": Reader(read_environment, [_hdr()], ".hdr"),
+        "photo": Reader(read_photo, [*photos(), *exr], ".image"),
+        **{name: Reader(read_photo, files, f".{name}") for name, files in kinds.items()},
+        "hdr": Reader(read_environment, hdrs(), ".hdr"),
         "exr": Reader(read_environment, exr, ".exr"),
+        "exr-codecs": Reader(read_environment, coded, ".exr"),
         "rig": Reader(read_rig, rigs, ".toml"),
         "recipe": Reader(lambda path: recipe.load_recipe(str(path)), [path.read_bytes() for path in recipes], ".toml"),
         "session": Reader(read_session, [(folder / "seed.relight.json").read_bytes()], ".relight.json"),
@@ -62,57 +64,18 @@ def readers(folder: Path) -> dict[str, Reader]:
         "weights": Reader(load_bundle, [_weights(folder)], ".safetensors"),
         "shard": Reader(read_shard, [_shard(folder)], ".npz"),
         "lights": Reader(lambda path: load_lights(path, "train"), [_light_library(folder)], ".npz"),
+        "heads": Reader(load_head_model, [_head_model(folder)], ".npz"),
+        "run": Reader(_load_run, [_run(folder)], ".safetensors"),
+        "recent": Reader(read_recent, [b'[["panorama", "/tmp/a.exr"], ["portrait", "/tmp/b.png"]]'], ".json"),
+        "costs": Reader(lambda path: read_costs(path, "key"), [_COSTS], ".json"),
         "settings": Reader(read_settings, [(folder / "settings.json").read_bytes()], ".json"),
     }
 
 
-def _picture(kind: type = np.uint8, channels: int = 3) -> np.ndarray:
-    noise = np.random.default_rng(0).integers(0, 256, (20, 24, channels))
-    return (noise * (257 if kind is np.uint16 else 1)).astype(kind)
-
-
-def _photos() -> list[bytes]:
-    colour, alpha = Image.fromarray(_picture()), Image.fromarray(_picture(channels=4))
-    profile = ImageCms.ImageCmsProfile(ImageCms.createProfile("sRGB")).tobytes()
-    exif = Image.Exif()
-    exif[274] = 6
-    pictures = [
-        (colour, "JPEG", {"icc_profile": profile, "exif": exif}),
-        (colour, "JPEG", {"progressive": True}),
-        (colour.convert("CMYK"), "JPEG", {}),
-        (alpha, "PNG", {"icc_profile": profile}),
-        (colour.quantize(16), "PNG", {}),
-        (colour, "TIFF", {"compression": "tiff_lzw"}),
-        (alpha, "WEBP", {"lossless": True}),
-        (colour, "BMP", {}),
-        (colour.quantize(16), "GIF", {}),
-    ]
-    encoded = []
-    for image, kind, options in pictures:
-        buffer = io.BytesIO()
-        image.save(buffer, kind, **options)
-        encoded.append(buffer.getvalue())
-    encoded.append(cv2.imencode(".png", _picture(np.uint16))[1].tobytes())
-    for array in (_picture(np.uint16), (_picture() / 255).astype(np.float32)):
-        buffer = io.BytesIO()
-        tifffile.imwrite(buffer, array, photometric="rgb", compression="zlib")
-        encoded.append(buffer.getvalue())
-    return [*encoded, _hdr()]
-
-
-def _hdr() -> bytes:
-    return cv2.imencode(".hdr", np.random.default_rng(1).random((8, 16, 3)).astype(np.float32) * 4)[1].tobytes()
-
-
-def _exr(folder: Path) -> list[bytes]:
-    noise = np.random.default_rng(2).random((8, 16, 3)).astype(np.float32)
-    rgba = np.dstack([noise, noise[..., 0]])
-    found = []
-    for half, layers in ((True, {"RGB": noise}), (False, {"RGBA": rgba, "albedo": noise})):
-        path = folder / "seed.exr"
-        write_exr_layers(path, layers, half=half, header={"software": "relight"})
-        found.append(path.read_bytes())
-    return found
+_COSTS = (
+    b'{"version": 1, "key": "key", "tiers": {"draft": {"ms": 1.5, "error": 0.02}, '
+    b'"live": {"ms": 2, "error": 0.01}, "final": {"ms": 3, "error": 0}}}'
+)
 
 
 def _weights(folder: Path) -> bytes:
@@ -137,3 +100,34 @@ def _light_library(folder: Path) -> bytes:
 
     write_lights(folder / "lights.npz", 40)
     return (folder / "lights.npz").read_bytes()
+
+
+def _head_model(folder: Path) -> bytes:
+    from synthetic_heads import write_head_model
+
+    write_head_model(folder / "model.npz")
+    return (folder / "model.npz").read_bytes()
+
+
+def _training() -> tuple:
+    """Something small to train: weights, their running average and an optimiser that has stepped."""
+    import torch
+
+    weights = torch.nn.Linear(3, 2)
+    optimiser = torch.optim.Adam(weights.parameters())
+    weights(torch.ones(1, 3)).sum().backward()
+    optimiser.step()
+    return weights, {name: value.clone() for name, value in weights.state_dict().items()}, optimiser
+
+
+def _run(folder: Path) -> bytes:
+    from relight_core.training.state import Progress, save_state
+
+    save_state(folder / "run.safetensors", Progress(step=3, smoothed={"l1": 0.5}), *_training())
+    return (folder / "run.safetensors").read_bytes()
+
+
+def _load_run(path: Path) -> object:
+    from relight_core.training.state import load_state
+
+    return load_state(path, *_training())

@@ -23,9 +23,9 @@ SCRIPT = Path(__file__).with_name("fuzz.py")
 
 
 def test_no_reader_lets_anything_but_an_input_error_out():
-    run = subprocess.run([sys.executable, SCRIPT, "--count", "15", "--seed", "7"], capture_output=True, text=True)
+    run = subprocess.run([sys.executable, SCRIPT, "--count", "12", "--seed", "7"], capture_output=True, text=True)
     assert run.returncode == 0, run.stdout + run.stderr
-    assert run.stdout.count("15 files, 0 faults") == 11
+    assert run.stdout.count("12 files, 0 faults") == 21
 
 
 def test_damage_is_the_same_for_the_same_seed():
@@ -51,13 +51,25 @@ def dies_on_some(path):
 
 @pytest.mark.parametrize(("read", "word"), [(fails_on_some, "KeyError"), (dies_on_some, "died")])
 def test_faults_and_deaths_are_found_and_the_next_files_still_tried(read, word):
-    faults = fuzz.fuzz_reader(Reader(read, [b"\x80" * 8, b"\xff" * 8], ".x"), 30, seed=0)
+    faults = fuzz.fuzz_reader(Reader(read, [b"\x80" * 8, b"\xff" * 8], ".x"), 30, seed=0).faults
     assert 3 < len(faults) < 30
     assert all(word in fault for fault in faults.values())
 
 
 def test_refusing_is_no_fault():
-    assert fuzz.fuzz_reader(Reader(refuses, [b"abc"], ".x"), 10, seed=0) == {}
+    found = fuzz.fuzz_reader(Reader(refuses, [b"abc"], ".x"), 10, seed=0)
+    assert (found.faults, found.refused) == ({}, 10)
+
+
+def takes_200_mib(path):
+    return np.ones(200 << 17)
+
+
+def test_a_reader_that_takes_too_much_memory_is_found(monkeypatch):
+    monkeypatch.setattr(fuzz, "LARGEST_MIB", 100)
+    found = fuzz.fuzz_reader(Reader(takes_200_mib, [b"abc"], ".x"), 2, seed=0)
+    assert "MiB of memory" in found.faults[0]
+    assert found.most_mib > 150
 
 
 @pytest.mark.parametrize(("name", "number"), [("photo", 3376), ("photo", 9379), ("hdr", 5897)])
