@@ -34,12 +34,15 @@ def run(arguments: argparse.Namespace) -> int:
         light_kind(arguments.light)
     if not has_display():
         return _write_pictures(photo, arguments.light, "there is no display")
-    from app.window.run import NoDisplayError, run_editor
+    from app.window.run import GraphicsLostError, NoDisplayError, run_editor
 
     try:
         return run_editor(photo, arguments.light)
     except NoDisplayError as error:
         return _write_pictures(photo, arguments.light, str(error))
+    except GraphicsLostError as error:
+        print(f"relight: {error}", file=sys.stderr, flush=True)
+        return 1
 
 
 def _write_pictures(photo: Path, light: str | None, reason: str) -> int:

@@ -52,6 +52,9 @@ class Autosave:
     Args:
         folder: made if it is missing.
         write: runs the writing, on another thread if it likes; called in order.
+
+    Attributes:
+        problem: why the newest document could not be written, one line; None where it could.
     """
 
     def __init__(self, folder: Path, write: Callable[[Callable[[], None]], object]) -> None:
@@ -60,6 +63,8 @@ class Autosave:
         self._lock: object | None = None
         self._written: Document | None = None
         self._pending: Document | None = None
+        self._on_disk: Document | None = None
+        self.problem: str | None = None
         self._changed_s = self._pending_since_s = 0.0
 
     def update(self, document: Document, unsaved: bool, now_s: float) -> None:
@@ -90,8 +95,8 @@ class Autosave:
 
     @property
     def keeps(self) -> bool:
-        """Whether the newest document is in the file, or on its way there."""
-        return self._written is not None and self._pending is None
+        """Whether the newest document is in the file."""
+        return self._written is not None and self._pending is None and self._on_disk is self._written
 
     def flush(self) -> None:
         """Write at once what waits."""
@@ -121,7 +126,10 @@ class Autosave:
                 self._lock = _locked(self._path.with_suffix(".lock"))
             write_session(self._path, document, relative=False)
         except (OSError, InputError) as error:
+            self.problem = str(error)
             _log.warning("work is not kept for recovery: %s", error)
+        else:
+            self._on_disk, self.problem = document, None
 
     def _unlock(self) -> None:
         if self._lock is not None:

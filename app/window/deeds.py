@@ -56,6 +56,7 @@ class Deeds:
         self._restored: Leftover | None = None
         self._photo: object | None = None
         self._closed = False
+        self._told_problem: str | None = None
         if folder:
             self._recent.recall(state)
             for leftover in leftovers(folder / "unsaved")[:3]:
@@ -84,6 +85,15 @@ class Deeds:
         notices, asking.notices = asking.notices, []
         for text, is_error in notices:
             self._say(text, is_error)
+
+    def keep_now(self) -> bool:
+        """Write unsaved work at once and wait for it; False if there is none, or no place to keep it."""
+        if self._autosave is None:
+            return False
+        self._autosave.update(self._state.document(), self._state.is_unsaved(), time.monotonic())
+        self._autosave.flush()
+        self._pool.submit(lambda: None).result()
+        return self._autosave.keeps
 
     def close(self) -> None:
         """Let go of everything; unsaved work stays in its file. Safe to call twice."""
@@ -276,6 +286,11 @@ class Deeds:
             return
         if not self._state.hand_on_control:
             self._autosave.update(self._state.document(), self._state.is_unsaved(), now_s)
+        problem = self._autosave.problem
+        if problem != self._told_problem:
+            self._told_problem = problem
+            if problem is not None:
+                self._state.asking.tell(f"Unsaved work is not kept for recovery: {problem}", True)
         if self._restored is not None and self._autosave.keeps:
             # Only now is the work in a file of our own.
             self._restored.forget()

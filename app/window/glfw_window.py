@@ -54,6 +54,8 @@ def _hint(visible: bool) -> None:
     glfw.window_hint(glfw.CONTEXT_VERSION_MINOR, 3)
     glfw.window_hint(glfw.OPENGL_PROFILE, glfw.OPENGL_CORE_PROFILE)
     glfw.window_hint(glfw.OPENGL_FORWARD_COMPAT, glfw.TRUE)
+    # A context that was lost says so in its errors; without this, what happens then is anyone's guess.
+    glfw.window_hint(glfw.CONTEXT_ROBUSTNESS, glfw.LOSE_CONTEXT_ON_RESET)
     glfw.window_hint(glfw.SCALE_TO_MONITOR, glfw.TRUE)
     glfw.window_hint(glfw.VISIBLE, glfw.TRUE if visible else glfw.FALSE)
     glfw.window_hint_string(glfw.X11_CLASS_NAME, "relight")

@@ -8,8 +8,9 @@ from pathlib import Path
 from app.engine.sources import LightSource, RelighterLike
 from app.making import make_relighter
 from app.window.glfw_window import NoDisplayError
+from app.window.graphics import GraphicsLostError
 
-__all__ = ["NoDisplayError", "run_editor"]
+__all__ = ["GraphicsLostError", "NoDisplayError", "run_editor"]
 
 
 def run_editor(
@@ -30,6 +31,7 @@ def run_editor(
 
     Raises:
         NoDisplayError: there is no display, or none with OpenGL 3.3; nothing was opened.
+        GraphicsLostError: the driver failed while the editor ran, and again when it was started anew.
     """
     from app.engine.calibration_file import cache_path
     from app.engine.pace import set_pace, yield_to_the_window

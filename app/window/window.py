@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import logging
+import threading
 import time
 from collections.abc import Callable
 from dataclasses import replace
@@ -16,16 +18,15 @@ from app.engine.exporting import Exporter, ExportJob
 from app.engine.light_shelf import LightShelf
 from app.engine.sources import LightSource, RelighterLike, Request
 from app.ui import editor, theme
-from app.ui.binding import Binding
 from app.ui.effects_panel import export_path
 from app.ui.light_panel import Shelf
 from app.ui.state import EditorState
 from app.window.deeds import Deeds
 from app.window.dropped import take_files
-from app.window.gl_interface import InterfacePainter
 from app.window.gl_pictures import GlPictures
 from app.window.gl_textures import Canvas
-from app.window.glfw_window import close_window, open_window
+from app.window.glfw_window import NoDisplayError
+from app.window.graphics import DRIVER_FAULTS, Graphics, GraphicsLostError, Restarts, one_line
 from app.window.memory import Memory
 from app.window.outputs import Outputs
 
@@ -35,6 +36,7 @@ _LIVELY_STEP_S = 0.03
 _CURSOR_BLINK_S = 0.25
 _DEEDS_STEP_S = 0.1
 _PLAYING_STEP_S = 1 / 60
+_log = logging.getLogger(__name__)
 
 
 class EditorWindow:
@@ -67,44 +69,78 @@ class EditorWindow:
         calibration_path: Path | None = None,
     ) -> None:
         self._memory = Memory(settings_path)
-        self.handle = open_window("relight", size or self._memory.window_size or SIZE, visible)
-        self.context = moderngl.create_context(require=330)
+        self._graphics: Graphics | None = None
+        self._graphics_lock, self._restarts = threading.Lock(), Restarts()
+        self.shelf = LightShelf(self._wake)
+        self._visible = visible
+        self._open_graphics(size or self._memory.window_size or SIZE)
         self.state = EditorState()
         self._memory.recall(self.state)
         if light is not None:
             self.state.choose_light(light)
         if photo is not None:
             self.state.open_photo(photo)
-        self.shelf = LightShelf(glfw.post_empty_event)
-        self.engine = Engine(make_relighter, glfw.post_empty_event, on_engine_start, calibration_path, set_pace)
-        self.exporter = Exporter(self.engine.say, glfw.post_empty_event)
-        self.pictures = GlPictures(self.context, self.shelf, theme.CANVAS_SRGB)
-        self._binding = Binding(self.handle, self._scale(glfw.get_window_content_scale(self.handle)[0]))
-        self._painter = InterfacePainter(self.context)
+        self.engine = Engine(make_relighter, self._wake, on_engine_start, calibration_path, set_pace)
+        self.exporter = Exporter(self.engine.say, self._wake)
         folder = settings_path.parent if settings_path else None
         outputs = Outputs(self.state, self.exporter, make_relighter)
         self._deeds = Deeds(self.state, self.engine.say, folder, outputs=outputs)
         self._submitted = Request()
         self._lively_until = time.monotonic() + _LIVELY_S
         self._title = ""
-        self._listen()
+
+    @property
+    def handle(self) -> object:
+        """The glfw window."""
+        return self._graphics.handle
+
+    @property
+    def context(self) -> moderngl.Context:
+        """The window's OpenGL."""
+        return self._graphics.context
+
+    @property
+    def pictures(self) -> GlPictures:
+        """The textures on show."""
+        return self._graphics.pictures
 
     def run(self) -> None:
-        """Draw until the user closes the window."""
+        """Draw until the user closes the window.
+
+        Raises:
+            GraphicsLostError: the driver gave up for good; unsaved work is kept.
+        """
         while not glfw.window_should_close(self.handle):
             self._wait()
             self.frame()
 
     def frame(self) -> None:
-        """Take over what the engine published, draw one frame, and tell the engine what is wanted."""
+        """Take over what the engine published, draw one frame, and tell the engine what is wanted.
+
+        Where the driver fails, the window is opened again.
+
+        Raises:
+            GraphicsLostError: that did not help; unsaved work is kept.
+        """
+        try:
+            shown = self._show()
+        except DRIVER_FAULTS as error:
+            self._start_again(error)
+        else:
+            if shown:
+                self._act()
+
+    def _show(self) -> bool:
+        """Draw one frame; False while the window has no size."""
         glfw.make_context_current(self.handle)
         width, height = glfw.get_framebuffer_size(self.handle)
         if width == 0 or height == 0:
-            return
+            return False
         self._draw()
         self._paint(self.context.screen)
         glfw.swap_buffers(self.handle)
-        self._act()
+        self._graphics.check()
+        return True
 
     def settle(self, timeout_s: float = 60.0) -> bool:
         """Draw until the engine has answered all that is wanted; False if it took too long."""
@@ -126,51 +162,47 @@ class EditorWindow:
 
     def close(self) -> None:
         """Keep the settings, finish exports, end the threads, free everything."""
-        self._memory.keep(self.state, glfw.get_window_size(self.handle))
-        glfw.hide_window(self.handle)
+        if self._graphics is not None:
+            self._memory.keep(self.state, glfw.get_window_size(self.handle))
+            glfw.hide_window(self.handle)
         self._deeds.close()
         self.shelf.close()
         self.engine.close()
         self.exporter.close(cancel=True)
-        glfw.make_context_current(self.handle)
-        self.pictures.close()
-        self._painter.close()
-        self._binding.close()
-        self.context.release()
-        close_window(self.handle)
+        self._close_graphics()
 
     def on_key(self, _handle, key: int, _scancode: int, action: int, mods: int) -> None:
         """A key went down, repeats or went up."""
-        self._binding.key(key, action, mods)
+        self._graphics.binding.key(key, action, mods)
 
     def on_character(self, _handle, code: int) -> None:
         """A character was typed."""
-        self._binding.character(code)
+        self._graphics.binding.character(code)
 
     def on_mouse_move(self, _handle, x: float, y: float) -> None:
         """The mouse moved, in window units."""
-        self._binding.mouse_position(x, y)
+        self._graphics.binding.mouse_position(x, y)
 
     def on_mouse_enter(self, _handle, entered: bool) -> None:
         """The mouse came or left; away from the window it points at nothing."""
         if not entered and glfw.get_mouse_button(self.handle, glfw.MOUSE_BUTTON_LEFT) == glfw.RELEASE:
-            self._binding.mouse_position(-1e9, -1e9)
+            self._graphics.binding.mouse_position(-1e9, -1e9)
 
     def on_mouse_button(self, _handle, button: int, action: int, mods: int) -> None:
         """A mouse button went down or up."""
-        self._binding.mouse_button(button, action == glfw.PRESS, mods)
+        self._graphics.binding.mouse_button(button, action == glfw.PRESS, mods)
 
     def on_wheel(self, _handle, dx: float, dy: float) -> None:
         """The wheel turned."""
-        self._binding.wheel(dx, dy)
+        self._graphics.binding.wheel(dx, dy)
 
     def on_focus(self, _handle, has_focus: bool) -> None:
         """The window gained or lost the keyboard."""
-        self._binding.focus(bool(has_focus))
+        self._graphics.binding.focus(bool(has_focus))
 
     def on_scale(self, _handle, x: float, _y: float) -> None:
         """The window moved to a display of another scale."""
-        self._binding.set_scale(self._scale(x))
+        self._graphics.binding.set_scale(self._graphics.scale(x))
 
     def on_drop(self, _handle, paths: list[str], position: tuple[float, float] | None = None) -> None:
         """Files were dropped, where the mouse is unless `position` says otherwise."""
@@ -191,10 +223,45 @@ class EditorWindow:
         glfw.set_window_content_scale_callback(handle, self.on_scale)
         glfw.set_drop_callback(handle, self.on_drop)
 
-    def _scale(self, content: float) -> float:
-        """Window units per unit of the design; systems that scale the framebuffer instead have 1."""
-        framebuffer, window = glfw.get_framebuffer_size(self.handle)[0], glfw.get_window_size(self.handle)[0]
-        return max(1.0, content * window / framebuffer) if framebuffer and window else 1.0
+    def _open_graphics(self, size: tuple[int, int]) -> None:
+        graphics = Graphics(size, self._visible, self.shelf)
+        with self._graphics_lock:
+            self._graphics = graphics
+        self._title = ""
+        self._listen()
+
+    def _close_graphics(self) -> None:
+        with self._graphics_lock:
+            graphics, self._graphics = self._graphics, None
+            if graphics is not None:
+                graphics.close()
+
+    def _wake(self) -> None:
+        """For other threads: end the window's sleep."""
+        with self._graphics_lock:
+            if self._graphics is not None:
+                glfw.post_empty_event()
+
+    def _start_again(self, error: Exception) -> None:
+        """Open the window again after the driver has failed; the state of the edit is none of its business."""
+        _log.warning("the graphics driver failed: %s", one_line(error))
+        kept = self._deeds.keep_now()
+        size = glfw.get_window_size(self.handle)
+        self._close_graphics()
+        while self._restarts.allow(time.monotonic()):
+            try:
+                self._open_graphics(size)
+            except NoDisplayError as failure:
+                error = failure
+                continue
+            # Whatever is said makes a new snapshot, whose pictures the new window then uploads.
+            self.engine.say("The graphics driver failed and was started again. Nothing is lost.", is_error=True)
+            return
+        work = "unsaved work is kept, and offered at the next start" if kept else "there was no unsaved work"
+        if self.state.is_unsaved() and not kept:
+            work = "unsaved work could not be kept"
+        mend = "update or restart the graphics driver, or use relight render, which needs none"
+        raise GraphicsLostError(f"the graphics driver failed ({one_line(error)}); {work}; {mend}") from error
 
     def _wait(self) -> None:
         """Sleep until something happens; for a moment after it, tick on, for what needs several frames."""
@@ -203,7 +270,7 @@ class EditorWindow:
             glfw.wait_events_timeout(_LIVELY_STEP_S)
             if time.monotonic() - now < 0.9 * _LIVELY_STEP_S:
                 self._lively_until = time.monotonic() + _LIVELY_S
-        elif self._binding.wants_text():
+        elif self._graphics.binding.wants_text():
             glfw.wait_events_timeout(_CURSOR_BLINK_S)
         elif self.state.playing:
             glfw.wait_events_timeout(_PLAYING_STEP_S)
@@ -222,13 +289,13 @@ class EditorWindow:
             self.pictures.update(snapshot)
         state.job = self.exporter.status()
         self.pictures.exposure_ev = state.edit.exposure_ev
-        self._binding.begin()
-        editor.draw(state, self._binding.fonts, self.pictures, Shelf(self.shelf.names, self.shelf.words))
-        self._binding.end()
+        self._graphics.binding.begin()
+        editor.draw(state, self._graphics.binding.fonts, self.pictures, Shelf(self.shelf.names, self.shelf.words))
+        self._graphics.binding.end()
 
     def _paint(self, target: moderngl.Framebuffer) -> None:
         target.clear(*theme.PANEL)
-        self._painter.paint(self._binding.listed(), target)
+        self._graphics.painter.paint(self._graphics.binding.listed(), target)
 
     def _act(self) -> None:
         """Do what the panels have asked for."""
@@ -244,7 +311,7 @@ class EditorWindow:
         if self.state.export_wanted:
             self._export(self.state.export_wanted)
             self.state.export_wanted = None
-        self._binding.show_cursor(self.handle)
+        self._graphics.binding.show_cursor(self.handle)
         opened = self.state.snapshot.opened
         title = f"{opened.source.name} \N{EN DASH} relight" if opened else "relight"
         if title != self._title:

@@ -16,11 +16,12 @@ import tifffile
 from PIL import Image, ImageCms
 
 from relight_core.errors import InputError
+from relight_core.imaging.limits import check_pixels
 from relight_core.imaging.metadata import carried_exif, raw_message
 
-MAX_PIXELS = 400_000_000
-
 _FORMATS = ("JPEG", "PNG", "TIFF", "WEBP", "BMP", "GIF", "AVIF")
+_BLOCK_ROWS = 256
+_RADIANCE_BYTES_PER_PIXEL = 16
 _pillow_limit = threading.Lock()
 
 # It tells of every odd tag; what can't be read is told by our own errors.
@@ -79,11 +80,14 @@ def decode_radiance_hdr(data: bytes, path: Path) -> np.ndarray:
     header = data[:65536].decode("latin-1").partition("\n\n")[2].split("\n", 1)[0].split()
     if len(header) != 4 or not all(side.isdecimal() and len(side) < 10 for side in header[1::2]):
         raise InputError(f"{path}: not a complete Radiance file; export it again")
-    _check_size(int(header[1]), int(header[3]), path)
+    check_pixels(int(header[3]), int(header[1]), path, _RADIANCE_BYTES_PER_PIXEL)
     bgr = _imdecode(data)
     if bgr is None or bgr.dtype != np.float32:
         raise InputError(f"{path}: not a complete Radiance file; export it again")
-    return np.ascontiguousarray(bgr[..., ::-1])
+    for start in range(0, len(bgr), _BLOCK_ROWS):
+        rows = bgr[start : start + _BLOCK_ROWS]
+        rows[:] = rows[..., ::-1].copy()
+    return bgr
 
 
 def _open_with_pillow(data: bytes, path: Path) -> Image.Image:
@@ -93,7 +97,7 @@ def _open_with_pillow(data: bytes, path: Path) -> Image.Image:
         limit, Image.MAX_IMAGE_PIXELS = Image.MAX_IMAGE_PIXELS, None
         try:
             image = Image.open(io.BytesIO(data), formats=_FORMATS)
-            _check_size(*image.size, path)
+            check_pixels(*image.size, path)
             image.load()
         except Image.UnidentifiedImageError:
             raise InputError(f"{path}: not an image; use a JPEG, PNG, TIFF, WebP, EXR or HDR file") from None
@@ -104,13 +108,6 @@ def _open_with_pillow(data: bytes, path: Path) -> Image.Image:
         finally:
             Image.MAX_IMAGE_PIXELS = limit
     return image
-
-
-def _check_size(width: int, height: int, path: Path) -> None:
-    if width * height > MAX_PIXELS:
-        raise InputError(f"{path}: {width} x {height} is above 400 megapixels; make it smaller")
-    if width * height == 0:
-        raise InputError(f"{path}: an image of no pixels; export it again")
 
 
 def _from_pillow(image: Image.Image) -> Raster:
@@ -195,7 +192,7 @@ def _decode_deep_tiff(data: bytes, path: Path) -> Raster | None:
         width, height = int(page.imagewidth), int(page.imagelength)
     except Exception:
         raise InputError(f"{path}: a truncated or damaged image; fetch or export it again") from None
-    _check_size(width, height, path)
+    check_pixels(width, height, path)
     if end > len(data):
         raise InputError(f"{path}: a truncated or damaged image; fetch or export it again")
     if bits <= 8:

@@ -5,26 +5,37 @@ from __future__ import annotations
 import contextlib
 import os
 import sys
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator, Sequence
 from pathlib import Path
 
+import Imath
 import numpy as np
 import OpenEXR
 
 from relight_core.errors import InputError
+from relight_core.imaging.limits import MAX_PIXELS, check_pixels
 
-MAX_PIXELS = 400_000_000
 MAX_SAMPLES = 4 * MAX_PIXELS
 LARGEST_HALF = 65504.0
 
 MAGIC = b"\x76\x2f\x31\x01"
+
+_MAX_CHANNELS = 4096
+_BLOCK_ROWS = 256
+_LARGEST_SPARE_TILE = 1024
+_BYTES_PER_PIXEL = 18
+"""Colour and alpha as float32, and what one block of rows takes."""
+
+_FLOAT = Imath.PixelType(Imath.PixelType.FLOAT)
+_DAMAGE = (RuntimeError, ValueError, TypeError, IndexError, KeyError, AttributeError, OSError, MemoryError)
 
 
 def read_exr(path: Path) -> tuple[np.ndarray, np.ndarray | None]:
     """The colour of an EXR file as it is stored: values are not cleaned, alpha stays multiplied in.
 
     Reads R, G, B (or Y, or the first layer that has colour) over the display window; what lies outside
-    the data window is 0. Other primaries are converted to Rec.709.
+    the data window is 0. Other primaries are converted to Rec.709. Rows are read some hundred at a time,
+    and only the channels that are wanted: memory holds the result and little more.
 
     Returns:
         (H, W, 3) float32 linear, and (H, W) float32 alpha or None.
@@ -36,25 +47,43 @@ def read_exr(path: Path) -> tuple[np.ndarray, np.ndarray | None]:
         with _quiet(), OpenEXR.File(str(path), header_only=True) as file:
             header = dict(file.header())
         _check_size(header, path)
-        with _quiet(), OpenEXR.File(str(path), separate_channels=True) as file:
-            channels = {name: np.array(channel.pixels) for name, channel in file.channels().items()}
+        sampling = {channel.name: (channel.xSampling, channel.ySampling) for channel in header["channels"]}
+        names = _colour_names(sampling)
+        if names is None:
+            raise InputError(f"{path}: no channels R, G, B or Y in it; export it with colour")
+        if any(sampling[name] != (1, 1) for name in names):
+            raise InputError(f"{path}: its colour channels differ in size; export it as RGB")
+        alpha_name = names[0].rpartition(".")[0] + "." + "A" if "." in names[0] else "A"
+        with_alpha = sampling.get(alpha_name) == (1, 1)
+        with _quiet():
+            values = _read_rows(path, header, [*names, alpha_name] if with_alpha else names)
     except InputError:
         raise
-    except (RuntimeError, ValueError, TypeError, IndexError, MemoryError):
+    except _DAMAGE:
         raise InputError(f"{path}: not a complete EXR file; export it again") from None
-    names = _colour_names(channels)
-    if names is None:
-        raise InputError(f"{path}: no channels R, G, B or Y in it; export it with colour") from None
-    if any(channels[name].shape != channels[names[0]].shape for name in names):
-        raise InputError(f"{path}: its colour channels differ in size; export it as RGB")
-    colour = np.stack([channels[name].astype(np.float32) for name in names], axis=-1)
-    alpha = channels.get(names[0].rpartition(".")[0] + "." + "A" if "." in names[0] else "A")
-    if alpha is not None and alpha.shape == colour.shape[:2]:
-        layers = _on_display_window(np.dstack([colour, alpha.astype(np.float32)]), header)
-        colour, alpha = layers[..., :3], np.ascontiguousarray(layers[..., 3])
-    else:
-        colour, alpha = _on_display_window(colour, header), None
-    return np.ascontiguousarray(_to_rec709(colour, header)), alpha
+    values = _on_display_window(values, header)
+    colour = _to_rec709(values[..., :3], header)
+    return np.ascontiguousarray(colour), np.ascontiguousarray(values[..., 3]) if with_alpha else None
+
+
+def _read_rows(path: Path, header: dict, names: Sequence[str]) -> np.ndarray:
+    """(rows, columns, names) float32 over the data window."""
+    (left, top), (right, bottom) = (tuple(int(v) for v in corner) for corner in header["dataWindow"])
+    file = OpenEXR.InputFile(str(path))
+    try:
+        if not file.isComplete():
+            raise ValueError("rows are missing")
+        width = right - left + 1
+        values = np.empty((bottom - top + 1, width, len(names)), np.float32)
+        for start in range(top, bottom + 1, _BLOCK_ROWS):
+            end = min(start + _BLOCK_ROWS - 1, bottom)
+            wanted = list(dict.fromkeys(names))
+            rows = dict(zip(wanted, file.channels(wanted, _FLOAT, start, end), strict=True))
+            for index, name in enumerate(names):
+                values[start - top : end - top + 1, :, index] = np.frombuffer(rows[name], np.float32).reshape(-1, width)
+    finally:
+        file.close()
+    return values
 
 
 def write_channels(path: Path, layers: dict[str, np.ndarray], *, header: dict) -> None:
@@ -79,19 +108,28 @@ def limited(array: np.ndarray, kind: type) -> np.ndarray:
 
 
 def _check_size(header: dict, path: Path) -> None:
+    channels = len(header.get("channels", ()))
+    if channels > _MAX_CHANNELS:
+        raise InputError(f"{path}: {channels} channels are too many; export fewer layers")
     for window in ("dataWindow", "displayWindow"):
         low, high = header[window]
         width, height = (int(high[i]) - int(low[i]) + 1 for i in (0, 1))
-        if width < 1 or height < 1:
-            raise InputError(f"{path}: an EXR of no pixels; export it again")
-        if width * height > MAX_PIXELS:
-            raise InputError(f"{path}: {width} x {height} is above 400 megapixels; make it smaller")
-        channels = len(header.get("channels", ()))
+        check_pixels(width, height, path, _BYTES_PER_PIXEL)
         if width * height * channels > MAX_SAMPLES:
             raise InputError(f"{path}: {channels} channels of {width} x {height} are too many; export fewer layers")
+        if window == "dataWindow":
+            _check_tiles(header.get("tiles"), width, height, path)
 
 
-def _colour_names(channels: dict) -> tuple[str, str, str] | None:
+def _check_tiles(tiles: object, width: int, height: int, path: Path) -> None:
+    """A tile is decoded as a whole, so one far larger than the picture takes any time and memory."""
+    if tiles is None:
+        return
+    if tiles.xSize > max(width, _LARGEST_SPARE_TILE) or tiles.ySize > max(height, _LARGEST_SPARE_TILE):
+        raise InputError(f"{path}: its tiles of {tiles.xSize} x {tiles.ySize} exceed the picture; export it in lines")
+
+
+def _colour_names(channels: Collection[str]) -> tuple[str, str, str] | None:
     prefixes = [""] + sorted({name.rpartition(".")[0] + "." for name in channels if "." in name})
     for prefix in prefixes:
         if all(prefix + letter in channels for letter in "RGB"):

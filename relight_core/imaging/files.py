@@ -22,9 +22,19 @@ def file_bytes(path: Path) -> bytes:
         InputError: missing, a folder, no regular file (a pipe or a device would never end), larger than
             8 GiB, empty or unreadable.
     """
+    return _bytes(path, -1)
+
+
+def file_head(path: Path) -> bytes:
+    """The first bytes of a file, by which its kind is known; raises as `file_bytes`."""
+    return _bytes(path, 32)
+
+
+def _bytes(path: Path, count: int) -> bytes:
     try:
         check_regular(path)
-        data = path.read_bytes()
+        with open(path, "rb") as file:
+            data = file.read(count)
     except FileNotFoundError:
         raise InputError(f"{path}: no such file; check the path") from None
     except IsADirectoryError:

@@ -9,7 +9,7 @@ import numpy as np
 from relight_core.errors import InputError
 from relight_core.imaging import decode, exr
 from relight_core.imaging.colour import srgb_decode_integers
-from relight_core.imaging.files import file_bytes
+from relight_core.imaging.files import file_bytes, file_head
 from relight_core.imaging.icc import matrix_profile
 from relight_core.imaging.photo import Photo
 
@@ -27,11 +27,11 @@ def read_photo(path: str | Path) -> Photo:
         InputError: missing, a folder, empty, truncated, not an image, above 400 megapixels or unreadable.
     """
     path = Path(path)
-    data = file_bytes(path)
-    if _is_radiance(data):
-        linear, alpha = _decode_radiance(data, path)
+    head = file_head(path)
+    if _is_radiance(head):
+        linear, alpha = _decode_radiance(head, path)
         return _float_photo(linear, alpha, premultiplied=True, path=path)
-    raster = decode.decode_raster(data, path)
+    raster = decode.decode_raster(file_bytes(path), path)
     if raster.values.dtype == np.float32 and raster.icc is None:
         return _float_photo(raster.values, raster.alpha, raster.premultiplied, path)
     linear, bits = _to_linear(_straight(raster), raster.icc)
@@ -52,20 +52,20 @@ def read_radiance(path: str | Path) -> np.ndarray:
         InputError: as `read_photo`, or not a radiance format.
     """
     path = Path(path)
-    data = file_bytes(path)
-    if not _is_radiance(data):
+    head = file_head(path)
+    if not _is_radiance(head):
         raise InputError(f"{path}: not a radiance map; use an .hdr or .exr file")
-    return _decode_radiance(data, path)[0]
+    return _decode_radiance(head, path)[0]
 
 
-def _is_radiance(data: bytes) -> bool:
-    return data.startswith((exr.MAGIC, b"#?RADIANCE", b"#?RGBE"))
+def _is_radiance(head: bytes) -> bool:
+    return head.startswith((exr.MAGIC, b"#?RADIANCE", b"#?RGBE"))
 
 
-def _decode_radiance(data: bytes, path: Path) -> tuple[np.ndarray, np.ndarray | None]:
-    if data.startswith(exr.MAGIC):
+def _decode_radiance(head: bytes, path: Path) -> tuple[np.ndarray, np.ndarray | None]:
+    if head.startswith(exr.MAGIC):
         return exr.read_exr(path)
-    return decode.decode_radiance_hdr(data, path), None
+    return decode.decode_radiance_hdr(file_bytes(path), path), None
 
 
 def _float_photo(linear: np.ndarray, alpha: np.ndarray | None, premultiplied: bool, path: Path) -> Photo:

@@ -12,7 +12,7 @@ from safetensors.torch import save_file
 from torch import nn
 
 from relight_core.errors import InputError
-from relight_core.imaging.files import whole_file
+from relight_core.imaging.files import check_regular, whole_file
 from relight_core.training.optimiser import Optimiser
 
 _FORMAT = "relight-training-2"
@@ -50,9 +50,16 @@ class Progress:
 def save_state(
     path: Path, progress: Progress, weights: nn.Module, average: dict[str, torch.Tensor], optimiser: Optimiser
 ) -> None:
-    """Write everything a run's next step depends on, whole or not at all."""
+    """Write everything a run's next step depends on, whole or not at all.
+
+    Raises:
+        ValueError: a weight or its running average is not finite; the file stays as it was.
+    """
     tensors = {f"weights.{name}": value for name, value in weights.state_dict().items()}
     tensors |= {f"average.{name}": value for name, value in average.items()}
+    broken = [name for name, value in tensors.items() if not torch.isfinite(value).all()]
+    if broken:
+        raise ValueError(f"{broken[0]} is not finite: not saved")
     tensors |= {f"optimiser.{name}": value for name, value in optimiser.moments().items()}
     tensors["random"] = torch.get_rng_state()
     tensors = {name: value.detach().cpu().contiguous().clone() for name, value in tensors.items()}
@@ -67,6 +74,7 @@ def load_state(path: Path, weights: nn.Module, average: dict[str, torch.Tensor],
         InputError: the file is damaged, or belongs to networks of another shape or another stage.
     """
     try:
+        check_regular(path)
         with safe_open(path, framework="pt") as file:
             header = file.metadata() or {}
             if header.get("format") != _FORMAT:

@@ -14,7 +14,8 @@ def opened(monkeypatch):
     """What the editor was opened with."""
     calls = []
     window = ModuleType("app.window.run")
-    window.NoDisplayError = type("NoDisplayError", (RuntimeError,), {})
+    for name in ("NoDisplayError", "GraphicsLostError"):
+        setattr(window, name, type(name, (RuntimeError,), {}))
     window.run_editor = lambda photo, light: calls.append((photo, light)) or 0
     monkeypatch.setitem(sys.modules, "app.window.run", window)
     return calls
@@ -73,6 +74,19 @@ def test_a_display_that_fails_is_as_none(relight, opened, photo, tmp_path, monke
     assert done.code == 0
     assert "the display has no OpenGL" in done.out
     assert (tmp_path / "out" / "relit-ring.png").is_file()
+
+
+def test_graphics_that_are_lost_for_good_end_the_editor_with_one_line(relight, opened, photo, monkeypatch):
+    window = sys.modules["app.window.run"]
+
+    def fail(_photo, _light):
+        raise window.GraphicsLostError("the graphics driver failed; unsaved work is kept")
+
+    monkeypatch.setattr(window, "run_editor", fail)
+    monkeypatch.setattr(edit, "has_display", lambda: True)
+    done = relight(photo)
+    assert done.code == 1
+    assert done.err == "relight: the graphics driver failed; unsaved work is kept\n"
 
 
 def test_an_unknown_light_is_told_before_anything_opens(relight, opened, photo, monkeypatch):

@@ -47,7 +47,9 @@ def readers(folder: Path) -> dict[str, Reader]:
     coded = coded_exrs(folder)
     kinds = pictures_by_kind()
     write_settings(folder / "settings.json", Settings(window_size=(800, 600)))
-    write_session(folder / "seed.relight.json", Document(photo=PhotoRef(folder / "photo.png")))
+    # A photo that is there, so that an unharmed session would be accepted.
+    photo = PhotoRef(resource_path("icon", "icon.png"))
+    write_session(folder / "seed.relight.json", Document(photo=photo), relative=False)
     write_light(folder / "seed.light.json", SavedLight(LightRef("rig", "rembrandt"), yaw_deg=20.0))
     recipes = (Path(recipe.__file__).parent / "recipes").glob("*.toml")
     rigs = [path.read_bytes() for path in sorted(resource_path("rigs").glob("*.toml"))]
@@ -113,8 +115,10 @@ def _training() -> tuple:
     """Something small to train: weights, their running average and an optimiser that has stepped."""
     import torch
 
+    from relight_core.training.optimiser import Optimiser
+
     weights = torch.nn.Linear(3, 2)
-    optimiser = torch.optim.Adam(weights.parameters())
+    optimiser = Optimiser(weights, 1e-3)
     weights(torch.ones(1, 3)).sum().backward()
     optimiser.step()
     return weights, {name: value.clone() for name, value in weights.state_dict().items()}, optimiser
