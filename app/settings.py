@@ -15,7 +15,7 @@ from app.ui.layout import SIDE_EM, STRIP_EM, OpenGroups, Panels
 from app.ui.look import SCOPES, LookState
 from app.user_folders import config_folder
 from relight_core.errors import InputError
-from relight_core.imaging.files import whole_file
+from relight_core.imaging.files import file_bytes, whole_file
 
 VERSION = 1
 _LIMITS = {"light_em": SIDE_EM, "effects_em": SIDE_EM, "filmstrip_em": STRIP_EM}
@@ -56,7 +56,7 @@ def settings_path() -> Path:
 def read_settings(path: Path) -> Settings:
     """The settings in a file; the defaults for whatever is missing, damaged or out of range."""
     try:
-        content = json.loads(path.read_text(encoding="utf-8"))
+        content = json.loads(file_bytes(path).decode("utf-8"))
     except (OSError, ValueError, RecursionError):
         return Settings()
     if not isinstance(content, dict) or content.get("version") != VERSION:

@@ -13,7 +13,7 @@ from pathlib import Path
 
 from app.user_folders import cache_folder
 from relight_core.errors import InputError
-from relight_core.imaging.files import whole_file
+from relight_core.imaging.files import file_bytes, whole_file
 from relight_core.pipeline.auto_quality import TierCost
 from relight_core.pipeline.quality import TIERS
 
@@ -28,7 +28,7 @@ def cache_path() -> Path:
 def read_costs(path: Path, key: str) -> dict[str, TierCost] | None:
     """The costs kept under a key; None where there are none, or the file is damaged."""
     try:
-        content = json.loads(path.read_text(encoding="utf-8"))
+        content = json.loads(file_bytes(path).decode("utf-8"))
         if content["version"] != _VERSION or content["key"] != key:
             return None
         tiers = content["tiers"].items()

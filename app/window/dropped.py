@@ -12,6 +12,7 @@ from app.engine.batch import photos_in
 from app.engine.sources import PHOTO_SUFFIXES, LightSource
 from app.ui.state import EditorState
 from relight_core.errors import InputError
+from relight_core.imaging.exr import exr_size
 
 _USABLE = "a photo (JPEG, PNG, TIFF, WebP, EXR), a panorama (.hdr, .exr) or a session"
 
@@ -98,17 +99,8 @@ def is_panorama(path: Path) -> bool:
     suffix = path.suffix.lower()
     if suffix != ".exr":
         return suffix == ".hdr"
-    size = _exr_size(path)
-    return size is not None and size[0] == 2 * size[1]
-
-
-def _exr_size(path: Path) -> tuple[int, int] | None:
-    """Width and height as the header states them; None if it can't be read."""
-    import OpenEXR
-
     try:
-        with OpenEXR.File(str(path), header_only=True) as file:
-            low, high = file.header()["dataWindow"]
-    except Exception:
-        return None
-    return int(high[0] - low[0] + 1), int(high[1] - low[1] + 1)
+        width, height = exr_size(path)
+    except InputError:
+        return False
+    return width == 2 * height

@@ -10,7 +10,7 @@ from pathlib import Path
 from app.engine.sources import LightSource
 from app.ui.state import EditorState
 from relight_core.errors import InputError
-from relight_core.imaging.files import whole_file
+from relight_core.imaging.files import file_bytes, whole_file
 
 MOST = 12
 _KINDS = ("panorama", "portrait")
@@ -52,7 +52,7 @@ class RecentLights:
 def read_recent(path: Path) -> list[tuple[str, str]]:
     """Kind and name of each light in the file; none where it is damaged."""
     try:
-        content = json.loads(path.read_text(encoding="utf-8"))
+        content = json.loads(file_bytes(path).decode("utf-8"))
     except (OSError, ValueError, RecursionError):
         return []
     entries = content if isinstance(content, list) else []

@@ -14,6 +14,7 @@ from relight_core.dataset.garment_mesh import compact
 from relight_core.dataset.heads import HeadModel
 from relight_core.dataset.makehuman import Item, cut_by_opacity, find_root, read_base, read_item, refine
 from relight_core.dataset.makehuman_fit import HeadWarp
+from relight_core.imaging.files import whole_file
 
 _CACHE_VERSION = 3
 _FOLDERS = {"hair": "hair", "eyebrows": "brow"}
@@ -136,9 +137,8 @@ def _write_cache(path: Path, stored: list[tuple[str, Item]]) -> None:
             value = getattr(item, field)
             if value is not None:
                 arrays[f"{number}/{field}"] = value
-    temporary = path.with_suffix(".part.npz")
-    np.savez(temporary, **arrays)
-    temporary.replace(path)
+    with whole_file(path) as beside, open(beside, "wb") as file:
+        np.savez(file, **arrays)
 
 
 def _read_cache(path: Path) -> list[tuple[str, Item]] | None:

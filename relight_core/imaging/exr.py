@@ -13,6 +13,7 @@ import numpy as np
 import OpenEXR
 
 from relight_core.errors import InputError
+from relight_core.imaging.files import check_regular
 from relight_core.imaging.limits import MAX_PIXELS, check_pixels
 
 MAX_SAMPLES = 4 * MAX_PIXELS
@@ -43,10 +44,8 @@ def read_exr(path: Path) -> tuple[np.ndarray, np.ndarray | None]:
     Raises:
         InputError: damaged, too large, or without colour channels.
     """
+    header = _read_header(path)
     try:
-        with _quiet(), OpenEXR.File(str(path), header_only=True) as file:
-            header = dict(file.header())
-        _check_size(header, path)
         sampling = {channel.name: (channel.xSampling, channel.ySampling) for channel in header["channels"]}
         names = _colour_names(sampling)
         if names is None:
@@ -64,6 +63,29 @@ def read_exr(path: Path) -> tuple[np.ndarray, np.ndarray | None]:
     values = _on_display_window(values, header)
     colour = _to_rec709(values[..., :3], header)
     return np.ascontiguousarray(colour), np.ascontiguousarray(values[..., 3]) if with_alpha else None
+
+
+def exr_size(path: Path) -> tuple[int, int]:
+    """Width and height of the display window as the header states it.
+
+    Raises:
+        InputError: no regular file, no EXR, or one that is too large.
+    """
+    low, high = _read_header(path)["displayWindow"]
+    return int(high[0] - low[0] + 1), int(high[1] - low[1] + 1)
+
+
+def _read_header(path: Path) -> dict:
+    try:
+        check_regular(path)
+        with _quiet(), OpenEXR.File(str(path), header_only=True) as file:
+            header = dict(file.header())
+        _check_size(header, path)
+    except InputError:
+        raise
+    except _DAMAGE:
+        raise InputError(f"{path}: not a complete EXR file; export it again") from None
+    return header
 
 
 def _read_rows(path: Path, header: dict, names: Sequence[str]) -> np.ndarray:

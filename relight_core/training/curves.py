@@ -6,7 +6,7 @@ import json
 from pathlib import Path
 
 from relight_core.errors import InputError
-from relight_core.imaging.files import whole_file
+from relight_core.imaging.files import file_bytes, whole_file
 
 
 def draw_curves(log: Path, picture: Path) -> None:
@@ -23,10 +23,12 @@ def draw_curves(log: Path, picture: Path) -> None:
     from matplotlib.figure import Figure
 
     try:
-        rows = json.loads(log.read_text())
-    except (OSError, ValueError) as error:
+        rows = json.loads(file_bytes(log).decode("utf-8"))
+        names = [name for name in rows[0] if name not in ("step", "elapsed")] if rows else []
+    except InputError:
+        raise
+    except (ValueError, KeyError, TypeError, RecursionError) as error:
         raise InputError(f"{log}: not a log of losses ({error}); train again") from error
-    names = [name for name in rows[0] if name not in ("step", "elapsed")] if rows else []
     if not names:
         raise InputError(f"{log}: holds no losses yet; a log begins at step 50")
     figure = Figure(figsize=(7, 2.2 * len(names)), layout="constrained")

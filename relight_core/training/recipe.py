@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from relight_core.errors import InputError
+from relight_core.imaging.files import check_regular
 from relight_core.networks.bundle import BundleConfig, NetworkBundle, load_bundle, save_bundle
 from relight_core.training.loop import state_path
 from relight_core.training.run import Run, train
@@ -61,7 +62,10 @@ def load_recipe(name_or_path: str) -> Recipe:
     bundled = Path(__file__).parent / "recipes" / f"{name_or_path}.toml"
     path = bundled if name_or_path in recipe_names() else Path(name_or_path)
     try:
+        check_regular(path)
         return _parsed(tomllib.loads(path.read_text(encoding="utf-8")))
+    except InputError:
+        raise
     except OSError as error:
         known = ", ".join(recipe_names())
         raise InputError(f"{path}: can't be read ({error.strerror}); give a file or one of {known}") from error
