@@ -94,9 +94,14 @@ class Autosave:
         return self._pending is not None
 
     @property
+    def handed_on(self) -> bool:
+        """Whether the newest document was given to be written."""
+        return self._written is not None and self._pending is None
+
+    @property
     def keeps(self) -> bool:
         """Whether the newest document is in the file."""
-        return self._written is not None and self._pending is None and self._on_disk is self._written
+        return self.handed_on and self._on_disk is self._written
 
     def flush(self) -> None:
         """Write at once what waits."""

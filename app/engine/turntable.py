@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
 import os
 import secrets
 import shutil
@@ -16,6 +15,7 @@ import numpy as np
 from app.engine.jobs import JobControl
 from app.engine.sources import RelighterLike
 from relight_core.errors import InputError
+from relight_core.imaging.files import whole_file
 from relight_core.imaging.view_transform import apply_view
 from relight_core.lighting.environment import Environment
 from relight_core.pipeline.edit import Edit
@@ -49,23 +49,18 @@ def write_film(path: Path, frames: Iterator[np.ndarray], count: int, control: Jo
     Raises:
         InputError: this system has no codec for it, or the place can't be written.
     """
-    beside = path.with_name(f".{path.stem[:100]}-{secrets.token_hex(6)}.mp4")
     writer = None
-    try:
-        for index, frame in enumerate(frames):
-            if writer is None:
-                writer = _film_writer(beside, (frame.shape[1], frame.shape[0]))
-            writer.write(frame[..., ::-1])
-            control.step(index + 1, count)
-        writer.release()
-        os.replace(beside, path)
-    except OSError as error:
-        raise InputError(f"{path}: can't be written ({error.strerror}); choose another place") from error
-    finally:
-        if writer is not None:
-            writer.release()
-        with contextlib.suppress(OSError):
-            beside.unlink(missing_ok=True)
+    with whole_file(path, ".mp4") as beside:
+        try:
+            for index, frame in enumerate(frames):
+                if writer is None:
+                    writer = _film_writer(beside, (frame.shape[1], frame.shape[0]))
+                writer.write(frame[..., ::-1])
+                control.step(index + 1, count)
+        finally:
+            if writer is not None:
+                writer.release()
+        _check_film(beside, path, index + 1)
 
 
 def write_pictures(
@@ -75,7 +70,7 @@ def write_pictures(
     control: JobControl,
     write: Callable[[Path, np.ndarray], None],
 ) -> None:
-    """Write numbered PNG files into a new folder, which is taken away again if anything goes wrong.
+    """Write numbered PNG files into a new folder, which takes its name once all of them are in it.
 
     Args:
         write: writes one frame.
@@ -83,19 +78,28 @@ def write_pictures(
     Raises:
         InputError: the folder is there already or can't be made.
     """
+    if os.path.lexists(folder):
+        raise InputError(f"{folder}: is there already; choose another name")
+    beside = folder.with_name(f".{folder.name[:100]}-{secrets.token_hex(6)}.part")
     try:
-        folder.mkdir()
+        beside.mkdir()
+        for index, frame in enumerate(frames):
+            write(beside / f"{index + 1:04d}.png", frame)
+            control.step(index + 1, count)
+        os.rename(beside, folder)
     except OSError as error:
         raise InputError(f"{folder}: can't be made ({error.strerror}); choose another place") from error
-    done = False
-    try:
-        for index, frame in enumerate(frames):
-            write(folder / f"{index + 1:04d}.png", frame)
-            control.step(index + 1, count)
-        done = True
     finally:
-        if not done:
-            shutil.rmtree(folder, ignore_errors=True)
+        shutil.rmtree(beside, ignore_errors=True)
+
+
+def _check_film(film: Path, path: Path, count: int) -> None:
+    """The codec says nothing when the disk is full; a film that is short of frames does."""
+    reader = cv2.VideoCapture(str(film))
+    found = round(reader.get(cv2.CAP_PROP_FRAME_COUNT))
+    reader.release()
+    if found != count:
+        raise InputError(f"{path}: only {max(found, 0)} of {count} frames could be written; make room on the disk")
 
 
 def _film_writer(path: Path, size: tuple[int, int]) -> cv2.VideoWriter:

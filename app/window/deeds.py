@@ -291,10 +291,14 @@ class Deeds:
             self._told_problem = problem
             if problem is not None:
                 self._state.asking.tell(f"Unsaved work is not kept for recovery: {problem}", True)
-        if self._restored is not None and self._autosave.keeps:
-            # Only now is the work in a file of our own.
-            self._restored.forget()
+        if self._restored is not None and self._autosave.handed_on:
+            self._pool.submit(self._forget_if_kept, self._restored)
             self._restored = None
+
+    def _forget_if_kept(self, leftover: Leftover) -> None:
+        """Called once the writing is over: only then is the work in a file of our own."""
+        if self._autosave.keeps:
+            leftover.forget()
 
 
 def _with_suffix(path: Path, suffix: str) -> Path:

@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
+import torch
 
 from relight_core.errors import InputError
 from relight_core.imaging.photo import Photo
@@ -26,10 +27,17 @@ BOUNDS = {
     "level law": 1e-5,
     "full turn": 1e-3,
     "half a degree": 0.25,
-    "half precision": 0.01,
+    "draft in bf16": 0.01,
+    "live in bf16": 0.01,
+    "final in bf16": 0.01,
+    "threads": 0.02,
     "own light": 0.02,
 }
 """The largest value of each check that is not a failure."""
+
+_TIERS = ("draft", "live", "final")
+_THREADS = (1, 2, 4)
+_THREADED_LIGHT = "noise"
 
 _YAW_DEG = 33.0
 _LEVEL = 64.0
@@ -42,7 +50,7 @@ class StabilityReport:
     Attributes:
         cases: names of the rows: portrait, light.
         checks: names of the columns, see BOUNDS.
-        errors: (cases, checks); NaN where the portrait could not be framed.
+        errors: (cases, checks); NaN where the portrait could not be framed, or the check was not made.
     """
 
     cases: tuple[str, ...]
@@ -123,7 +131,7 @@ def hostile_portraits(photo: Photo) -> dict[str, Photo]:
 
 def run_stability(
     photo: Photo,
-    quality: str | Tier = "draft",
+    quality: str | Tier = "live",
     *,
     quick: bool = False,
     weights: Path | None = None,
@@ -133,6 +141,7 @@ def run_stability(
 
     Args:
         photo: a portrait whose face is found.
+        quality: of all checks but those that name a tier.
         quick: three portraits and three lights.
         weights: a file of networks; None takes the bundled one.
         report: called with the cases done and all cases.
@@ -156,9 +165,10 @@ def run_stability(
         for light_name, panorama in lights.items():
             cases.append(f"{portrait_name}, {light_name}")
             environment = Environment.from_radiance(panorama, light_name)
-            errors.append(
-                [np.nan] * len(BOUNDS) if portrait is None else _errors(relighter, portrait, environment, tier)
-            )
+            found = [np.nan] * len(BOUNDS) if portrait is None else _errors(relighter, portrait, environment, tier)
+            if portrait is not None and light_name == _THREADED_LIGHT:
+                found[tuple(BOUNDS).index("threads")] = _thread_error(portrait, environment, tier, weights)
+            errors.append(found)
             report(len(cases), len(portraits) * len(lights))
     return StabilityReport(tuple(cases), tuple(BOUNDS), np.array(errors, np.float64))
 
@@ -173,7 +183,6 @@ def _errors(relighter: Relighter, photo: Photo, environment: Environment, tier: 
     brighter = relighter.relight(Environment(environment.shape, shown_level * _LEVEL), edit)
     around = relighter.relight(light, replace(edit, yaw_deg=_YAW_DEG + 360))
     beside = relighter.relight(light, replace(edit, yaw_deg=_YAW_DEG + 0.5))
-    single = relighter.relight(light, replace(edit, quality=replace(tier, precision="fp32")))
     own = relighter.relight(relighter.estimated_light(tier), replace(edit, yaw_deg=0.0))
     view = relit.channels["composition"]
     law = np.abs(brighter.channels["composition"] / np.float32(_LEVEL) - view).max() / max(float(view.max()), 1e-12)
@@ -183,9 +192,33 @@ def _errors(relighter: Relighter, photo: Photo, environment: Environment, tier: 
         float(law),
         float(_difference(relit, around).max()),
         float(_difference(relit, beside).max()),
-        float(_difference(relit, single).mean()),
+        *(_precision_error(relighter, light, edit, tier_of(name)) for name in _TIERS),
+        float("nan"),
         float(np.abs(apply_view(own.image) - apply_view(photo.linear)).mean()),
     ]
+
+
+def _precision_error(relighter: Relighter, light: Environment, edit: Edit, tier: Tier) -> float:
+    """Mean difference between a tier's networks in bf16 and in fp32."""
+    half, single = (
+        relighter.relight(light, replace(edit, quality=replace(tier, precision=precision)))
+        for precision in ("bf16", "fp32")
+    )
+    return float(_difference(half, single).mean())
+
+
+def _thread_error(photo: Photo, light: Environment, tier: Tier, weights: Path | None) -> float:
+    """Largest difference that the number of threads makes, over the whole way from the photo."""
+    edit, results, before = Edit(quality=tier, yaw_deg=_YAW_DEG, tolerance=0.0), [], torch.get_num_threads()
+    try:
+        for count in _THREADS:
+            torch.set_num_threads(count)
+            relighter = Relighter(weights)
+            relighter.set_portrait(photo)
+            results.append(relighter.relight(light, edit))
+    finally:
+        torch.set_num_threads(before)
+    return max(float(_difference(results[0], other).max()) for other in results[1:])
 
 
 def _difference(one: Relit, other: Relit) -> np.ndarray:

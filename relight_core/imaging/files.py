@@ -65,11 +65,14 @@ def check_regular(path: Path) -> None:
 
 
 @contextmanager
-def whole_file(path: Path) -> Iterator[Path]:
+def whole_file(path: Path, suffix: str = ".part") -> Iterator[Path]:
     """A new file that takes its name only once it is complete and on disk.
 
     Yields the path of an empty file beside `path`. When the block ends, that file is flushed to disk and
     renamed; when the block raises, it is removed and `path` keeps its former content.
+
+    Args:
+        suffix: of the file beside it, for writers that go by it.
 
     Raises:
         InputError: the folder is missing, not writable or full, or `path` is a folder.
@@ -79,7 +82,7 @@ def whole_file(path: Path) -> Iterator[Path]:
         raise InputError(f"{path}: this is a folder; name a file in it")
     if not path.parent.is_dir():
         raise InputError(f"{path}: there is no folder {path.parent}; create it or choose another")
-    beside = path.parent / f".{path.name[:100]}-{secrets.token_hex(6)}.part"
+    beside = path.parent / f".{path.name[:100]}-{secrets.token_hex(6)}{suffix}"
     try:
         os.close(os.open(beside, os.O_CREAT | os.O_EXCL | os.O_WRONLY, 0o666))
         yield beside

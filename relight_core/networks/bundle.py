@@ -11,7 +11,7 @@ from pathlib import Path
 
 import torch
 from safetensors import SafetensorError, safe_open
-from safetensors.torch import save_file
+from safetensors.torch import save
 from torch import nn
 
 from relight_core.errors import InputError
@@ -116,7 +116,8 @@ def save_bundle(path: Path, bundle: NetworkBundle, *, half: bool = True) -> None
         tensors[name] = value.contiguous()
     header = {"format": FORMAT, "config": bundle.config.to_json(), _CHECKSUM: _checksum(tensors), **bundle.card}
     with whole_file(path) as beside:
-        save_file(tensors, beside, metadata=header)
+        # Not its own writing to files, which reports a full disk as damage.
+        beside.write_bytes(save(tensors, metadata=header))
 
 
 def _checksum(tensors: dict[str, torch.Tensor]) -> str:

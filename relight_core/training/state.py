@@ -8,7 +8,7 @@ from pathlib import Path
 
 import torch
 from safetensors import SafetensorError, safe_open
-from safetensors.torch import save_file
+from safetensors.torch import save
 from torch import nn
 
 from relight_core.errors import InputError
@@ -64,7 +64,8 @@ def save_state(
     tensors["random"] = torch.get_rng_state()
     tensors = {name: value.detach().cpu().contiguous().clone() for name, value in tensors.items()}
     with whole_file(path) as beside:
-        save_file(tensors, beside, metadata={"format": _FORMAT, "progress": json.dumps(progress.__dict__)})
+        header = {"format": _FORMAT, "progress": json.dumps(progress.__dict__)}
+        beside.write_bytes(save(tensors, metadata=header))
 
 
 def load_state(path: Path, weights: nn.Module, average: dict[str, torch.Tensor], optimiser: Optimiser) -> Progress:

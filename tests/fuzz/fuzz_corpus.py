@@ -111,7 +111,7 @@ def _head_model(folder: Path) -> bytes:
     return (folder / "model.npz").read_bytes()
 
 
-def _training() -> tuple:
+def training() -> tuple:
     """Something small to train: weights, their running average and an optimiser that has stepped."""
     import torch
 
@@ -127,11 +127,11 @@ def _training() -> tuple:
 def _run(folder: Path) -> bytes:
     from relight_core.training.state import Progress, save_state
 
-    save_state(folder / "run.safetensors", Progress(step=3, smoothed={"l1": 0.5}), *_training())
+    save_state(folder / "run.safetensors", Progress(step=3, smoothed={"l1": 0.5}), *training())
     return (folder / "run.safetensors").read_bytes()
 
 
 def _load_run(path: Path) -> object:
     from relight_core.training.state import load_state
 
-    return load_state(path, *_training())
+    return load_state(path, *training())

@@ -1,5 +1,6 @@
 """Killed, full, read-only, hostile places: the old file or the new one is there, and the message is clear."""
 
+import json
 import os
 import signal
 import subprocess
@@ -52,6 +53,15 @@ def test_killed_at_any_moment_the_file_is_whole(tmp_path, kind):
         writer.wait()
         writer.stdout.close()
         read(tmp_path / name)
+
+
+def test_killed_before_each_of_its_steps_every_writer_leaves_the_old_or_the_new():
+    script = Path(__file__).with_name("kill_everywhere.py")
+    done = subprocess.run([sys.executable, script], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    counts = json.loads(done.stdout)
+    assert len(counts) == 11
+    assert min(counts.values()) >= 3, counts
 
 
 def test_a_disk_that_fills_up_leaves_the_old_file(tmp_path, monkeypatch):
