@@ -52,6 +52,8 @@ HOSTILE = {
     "odd": noise(23),
     "broken": with_broken_texels(),
     "of least values": np.full((16, 32, 3), 1e-45, np.float32),
+    "a sun between two texels": rotate(sun(20, 100), 360 / 256),
+    "of levels from 1e-8 to 1e8": noise() * np.float32(10) ** np.linspace(-8, 8, 32, dtype=np.float32)[None, :, None],
     "of greatest values": np.full((16, 32, 3), 3e38, np.float32),
 }
 

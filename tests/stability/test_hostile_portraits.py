@@ -5,13 +5,16 @@ from io import BytesIO
 
 import numpy as np
 import pytest
+import torch
 from PIL import Image
 
 from relight_core.face.find import FaceBox
 from relight_core.imaging.colour import srgb_encode
 from relight_core.imaging.photo import Photo
+from relight_core.imaging.read import read_photo
 from relight_core.imaging.resampling import resize_area
 from relight_core.imaging.view_transform import apply_view
+from relight_core.imaging.write import write_image
 from relight_core.lighting.environment import Environment
 from relight_core.lighting.rigs import load_rig
 from relight_core.pipeline import portrait as framing
@@ -27,6 +30,14 @@ FACE = (0.44, 0.25, 0.66, 0.6)
 def flash(image):
     rows, columns = np.mgrid[-1 : 1 : image.shape[0] * 1j, -1 : 1 : image.shape[1] * 1j]
     return image + 4 * np.exp(-4 * (rows**2 + columns**2))[..., None]
+
+
+def glare(image):
+    """A blown-out bar where glasses would be, hundreds of times as bright as skin."""
+    result = image.copy()
+    height, width = image.shape[:2]
+    result[int(0.38 * height) : int(0.44 * height), int(0.46 * width) : int(0.64 * width)] = [300, 290, 280]
+    return result
 
 
 def heavy_jpeg(image):
@@ -54,6 +65,7 @@ ATTACKS = {
     "1 to 10": lambda image: np.tile(image[:, 80:160], (4, 1, 1)),
     "upside down": lambda image: image[::-1],
     "heavy JPEG": heavy_jpeg,
+    "glare on glasses": glare,
     "radiance up to 60,000": lambda image: image * 60000,
     "subnormal": lambda image: image * 1e-40,
 }
@@ -101,6 +113,36 @@ def test_faces_at_and_beyond_the_border(attacked, portrait, face, monkeypatch):
     assert_lawful(attacked.relight(load_rig("split"), DRAFT), photo)
 
 
+@pytest.mark.parametrize("apart", [0.0, 0.05, 0.12])
+def test_faces_that_overlap_are_each_relit(attacked, portrait, apart, monkeypatch):
+    """Two faces, one in front of the other or the same one found twice."""
+    height, width = portrait.linear.shape[:2]
+    left, top, right, bottom = FACE
+    boxes = [
+        FaceBox((left + shift) * width, top * height, (right + shift) * width, bottom * height)
+        for shift in (0.0, apart)
+    ]
+    monkeypatch.setattr(framing, "find_faces", lambda photo: boxes)
+    attacked.set_portrait(portrait)
+    relit = attacked.relight(load_rig("split"), DRAFT)
+    assert len(relit.faces) == 2
+    assert_lawful(relit, portrait)
+    framed(attacked, portrait.linear, monkeypatch)
+    alone = attacked.relight(load_rig("split"), DRAFT).image
+    # The same face twice is not lit twice.
+    if apart == 0.0:
+        assert np.abs(apply_view(relit.image) - apply_view(alone)).mean() < 0.01
+
+
+def test_sixteen_bits_are_the_same_person_as_eight(attacked, portrait, tmp_path, monkeypatch):
+    results = []
+    for bits in (8, 16):
+        write_image(tmp_path / f"{bits}.png", portrait.linear, bits=bits)
+        framed(attacked, read_photo(tmp_path / f"{bits}.png").linear, monkeypatch)
+        results.append(apply_view(attacked.relight(load_rig("split"), DRAFT).image))
+    assert np.abs(results[0] - results[1]).mean() < 0.005
+
+
 def test_alpha_with_holes_is_the_matte(attacked, portrait, monkeypatch):
     alpha = np.random.default_rng(1).integers(0, 2, portrait.linear.shape[:2]).astype(np.float32)
     photo = framed(attacked, portrait.linear, monkeypatch, alpha)
@@ -115,6 +157,31 @@ def test_sliders_beyond_their_ends_and_no_numbers(attacked, portrait, monkeypatc
         assert_lawful(attacked.relight(load_rig("split"), replace(DRAFT, specular=value, shadow=value)), photo)
     for yaw_deg in (1e9, -1e-9):
         assert_lawful(attacked.relight(load_rig("split"), replace(DRAFT, yaw_deg=yaw_deg)), photo)
+
+
+@pytest.mark.parametrize("quality", ["draft", "live", "final"])
+def test_every_tier_is_lawful_on_the_hardest_portraits(attacked, portrait, quality, monkeypatch):
+    edit = Edit(quality=quality, specular=2.0, shadow=2.0)
+    for name in ("black", "4 EV over", "noise"):
+        photo = framed(attacked, ATTACKS[name](portrait.linear), monkeypatch)
+        assert_lawful(attacked.relight(load_rig("hard-side"), edit), photo)
+
+
+def test_the_number_of_threads_changes_next_to_nothing(portrait, monkeypatch):
+    """In sRGB values of [0, 1]: sums are split differently, and rounded to bf16."""
+    before, results = torch.get_num_threads(), []
+    try:
+        for count in (1, 2, 4):
+            torch.set_num_threads(count)
+            relighter = Relighter()
+            framed(relighter, portrait.linear, monkeypatch)
+            results.append(apply_view(relighter.relight(load_rig("rembrandt"), Edit(quality="live")).image))
+    finally:
+        torch.set_num_threads(before)
+    for other in results[1:]:
+        difference = np.abs(results[0] - other)
+        assert difference.max() < 0.02
+        assert difference.mean() < 0.001
 
 
 def test_the_same_input_gives_the_same_bytes(portrait, monkeypatch):

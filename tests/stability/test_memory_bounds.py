@@ -1,0 +1,136 @@
+"""Large and lying files: memory stays bounded by the pixels there are, whatever a header claims."""
+
+import resource
+import struct
+import subprocess
+import sys
+import zlib
+from pathlib import Path
+
+import cv2
+import numpy as np
+import OpenEXR
+import pytest
+
+from relight_core.errors import InputError
+from relight_core.imaging import limits
+from relight_core.imaging.read import read_photo, read_radiance
+from relight_core.imaging.write import write_image
+
+ROOT = Path(__file__).resolve().parents[2]
+READ_AND_TELL = """
+import resource, sys
+from pathlib import Path
+sys.path.insert(0, {root!r})
+import torch
+from relight_core.errors import InputError
+from relight_core.lighting.environment import read_environment
+from relight_core.imaging.read import read_photo
+before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+try:
+    print(read_environment(Path({path!r})).height)
+except InputError as error:
+    print("refused")
+print((resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before) // 1024)
+"""
+
+
+def read_in_child(path):
+    """What reading says, and by how many MiB it raised the peak of memory."""
+    program = READ_AND_TELL.format(root=str(ROOT), path=str(path))
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
+    said, mib = done.stdout.split()
+    return said, int(mib)
+
+
+@pytest.mark.parametrize("suffix", [".exr", ".hdr"])
+def test_a_large_panorama_takes_little_more_than_its_own_floats(tmp_path, suffix):
+    """2048 rows: 96 MiB as float32, and as many again while it is shrunk to 1024."""
+    path, pixels = tmp_path / f"large{suffix}", np.zeros((2048, 4096, 3), np.float16)
+    pixels[300:400, 77:500] = 100
+    if suffix == ".exr":
+        OpenEXR.File({"compression": OpenEXR.ZIP_COMPRESSION, "type": OpenEXR.scanlineimage}, {"RGB": pixels}).write(
+            str(path)
+        )
+    else:
+        path.write_bytes(cv2.imencode(".hdr", pixels.astype(np.float32))[1].tobytes())
+    said, mib = read_in_child(path)
+    assert said == "1024"
+    assert mib < 600
+
+
+def exr_claiming(path, width, height, channels=("B", "G", "R")):
+    """An EXR whose header claims a size and layers, and that ends there."""
+
+    def attribute(name, kind, data):
+        return name.encode() + b"\0" + kind.encode() + b"\0" + struct.pack("<i", len(data)) + data
+
+    layers = b"".join(name.encode() + b"\0" + struct.pack("<iBxxxii", 1, 0, 1, 1) for name in channels) + b"\0"
+    box = struct.pack("<4i", 0, 0, width - 1, height - 1)
+    header = [
+        attribute("channels", "chlist", layers),
+        attribute("compression", "compression", b"\0"),
+        attribute("dataWindow", "box2i", box),
+        attribute("displayWindow", "box2i", box),
+        attribute("lineOrder", "lineOrder", b"\0"),
+        attribute("pixelAspectRatio", "float", struct.pack("<f", 1)),
+        attribute("screenWindowCenter", "v2f", struct.pack("<2f", 0, 0)),
+        attribute("screenWindowWidth", "float", struct.pack("<f", 1)),
+    ]
+    path.write_bytes(b"\x76\x2f\x31\x01\x02\0\0\0" + b"".join(header) + b"\0" + bytes(4096))
+    return path
+
+
+@pytest.mark.parametrize(
+    ("width", "height"), [(2**31 - 1, 1), (2**31 - 1, 2**31 - 1), (65536, 32768), (2, 2**30), (20000, 19999)]
+)
+def test_an_exr_that_claims_two_thousand_million_pixels(tmp_path, width, height):
+    before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    with pytest.raises(InputError):
+        read_radiance(exr_claiming(tmp_path / "a.exr", width, height))
+    assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before < 300 << 10
+
+
+def test_an_exr_of_a_hundred_thousand_layers(tmp_path):
+    names = sorted(f"layer{index:06d}.R" for index in range(100_000))
+    with pytest.raises(InputError):
+        read_radiance(exr_claiming(tmp_path / "a.exr", 8, 4, names))
+
+
+def test_a_tile_far_larger_than_its_picture(tmp_path):
+    path, pixels = tmp_path / "a.exr", np.ones((32, 64, 3), np.float16)
+    header = {"type": OpenEXR.tiledimage, "tiles": OpenEXR.TileDescription()}
+    OpenEXR.File(header, {"RGB": pixels}).write(str(path))
+    data = path.read_bytes()
+    at = data.index(b"tiledesc\0") + len(b"tiledesc\0") + 4
+    path.write_bytes(data[: at + 4] + struct.pack("<I", 8388640) + data[at + 8 :])
+    with pytest.raises(InputError, match="tiles of"):
+        read_radiance(path)
+
+
+def png_bomb(path, side):
+    """A PNG of one colour, a thousandth as large as its pixels."""
+
+    def chunk(kind, body):
+        return struct.pack(">I", len(body)) + kind + body + struct.pack(">I", zlib.crc32(kind + body))
+
+    packer = zlib.compressobj(9)
+    rows = b"".join(packer.compress(b"\0" * (side * 4 + 1)) for _ in range(side)) + packer.flush()
+    header = struct.pack(">IIBBBBB", side, side, 8, 6, 0, 0, 0)
+    path.write_bytes(b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", header) + chunk(b"IDAT", rows) + chunk(b"IEND", b""))
+    return path
+
+
+def test_a_png_that_unpacks_to_more_memory_than_is_free_is_refused(tmp_path, monkeypatch):
+    path = png_bomb(tmp_path / "bomb.png", 3000)
+    assert path.stat().st_size < 100_000
+    monkeypatch.setattr(limits, "free_bytes", lambda: 100 << 20)
+    with pytest.raises(InputError, match=r"3000 x 3000 needs about 0\.3 GB of memory and 0\.1 GB are free"):
+        read_photo(path)
+
+
+def test_free_memory_is_known_here_and_nothing_is_refused_where_it_is_not(tmp_path, monkeypatch):
+    assert limits.free_bytes() > 1 << 20
+    monkeypatch.setattr(limits, "free_bytes", lambda: None)
+    write_image(tmp_path / "a.png", np.full((4, 4, 3), 0.5, np.float32))
+    assert read_photo(tmp_path / "a.png").linear.shape == (4, 4, 3)
