@@ -140,6 +140,9 @@ def shrink(radiance: np.ndarray, height: int) -> np.ndarray:
     Returns:
         (height, 2 * height, C) float32.
     """
+    whole = radiance.shape[1] // (2 * height)
+    if whole * 2 * height == radiance.shape[1]:
+        return _shrink_rows(radiance, height, whole).astype(np.float32)
     rows = _shrink_rows(radiance, height)
     overlaps = _column_overlaps(rows.shape[1], 2 * height)
     return np.einsum("ij,hjc->hic", overlaps, rows, optimize=True).astype(np.float32)
@@ -250,16 +253,21 @@ def _column_overlaps(width: int, new_width: int) -> np.ndarray:
     return _overlap_weights(np.arange(width + 1) / width, np.arange(new_width + 1) / new_width)
 
 
-def _shrink_rows(radiance: np.ndarray, height: int) -> np.ndarray:
-    """(H, W, C) to (height, W, C) float64; a few rows at a time, since a map may fill gigabytes."""
+def _shrink_rows(radiance: np.ndarray, height: int, columns: int = 1) -> np.ndarray:
+    """(H, W, C) to (height, W / columns, C) float64; a few rows at a time, since a map may fill gigabytes.
+
+    Args:
+        columns: how many are averaged into one; divides W.
+    """
     old_height, width, channels = radiance.shape
+    width //= columns
     overlaps = _row_overlaps(old_height, height)
     result = np.zeros((height, width * channels))
     for start in range(0, old_height, _BLOCK_ROWS):
         block = slice(start, min(start + _BLOCK_ROWS, old_height))
         touched = np.flatnonzero(overlaps[:, block].any(axis=1))
-        rows = radiance[block].reshape(-1, width * channels).astype(np.float64)
-        result[touched] += overlaps[touched, block] @ rows
+        rows = radiance[block].reshape(-1, width, columns, channels).mean(axis=2, dtype=np.float64)
+        result[touched] += overlaps[touched, block] @ rows.reshape(-1, width * channels)
     return result.reshape(height, width, channels)
 
 

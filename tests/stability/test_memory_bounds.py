@@ -45,7 +45,7 @@ def read_in_child(path):
 
 @pytest.mark.parametrize("suffix", [".exr", ".hdr"])
 def test_a_large_panorama_takes_little_more_than_its_own_floats(tmp_path, suffix):
-    """2048 rows: 96 MiB as float32, and as many again while it is shrunk to 1024."""
+    """2048 rows: 96 MiB as float32; the rest is a few rows, and the map of 1024 that stays."""
     path, pixels = tmp_path / f"large{suffix}", np.zeros((2048, 4096, 3), np.float16)
     pixels[300:400, 77:500] = 100
     if suffix == ".exr":
@@ -56,7 +56,7 @@ def test_a_large_panorama_takes_little_more_than_its_own_floats(tmp_path, suffix
         path.write_bytes(cv2.imencode(".hdr", pixels.astype(np.float32))[1].tobytes())
     said, mib = read_in_child(path)
     assert said == "1024"
-    assert mib < 600
+    assert mib < 300
 
 
 def exr_claiming(path, width, height, channels=("B", "G", "R")):
@@ -91,8 +91,9 @@ def test_an_exr_that_claims_two_thousand_million_pixels(tmp_path, width, height)
     assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before < 300 << 10
 
 
-def test_an_exr_of_a_hundred_thousand_layers(tmp_path):
-    names = sorted(f"layer{index:06d}.R" for index in range(100_000))
+@pytest.mark.parametrize("count", [10_000, 100_000])
+def test_an_exr_of_a_hundred_thousand_layers(tmp_path, count):
+    names = sorted(f"layer{index:06d}.R" for index in range(count))
     with pytest.raises(InputError):
         read_radiance(exr_claiming(tmp_path / "a.exr", 8, 4, names))
 
