@@ -9,7 +9,7 @@ import torch
 from torch import nn
 
 from relight_core.networks.blocks import Encoder, Head, decoder_levels, level_widths
-from relight_core.networks.lfm import LightModulation, encode_light
+from relight_core.networks.lfm import BottleneckLight, LightModulation, decode_lit, encode_light
 
 _KNEE = 20.0
 
@@ -22,16 +22,21 @@ class CompositionConfig:
         width, levels: as in DelightConfig.
         explicit_sum: correct albedo * irradiance - shadow + specular; when false, as in the paper, the
             image comes from the four channels and the light alone.
+        effects: specular and shadow are inputs; without, it is the relighting half of the paper's baseline
+            (Table 2, "DL-RL").
+        modulated: the light acts through LFM; when false it enters at the bottleneck alone.
     """
 
     width: int = 12
     levels: int = 4
     explicit_sum: bool = True
+    effects: bool = True
+    modulated: bool = True
 
     @property
     def inputs(self) -> int:
         """Input channels: albedo, normal, specular, shadow, and the explicit sum."""
-        return 3 + 3 + 1 + 1 + 3 * self.explicit_sum
+        return 3 + 3 + 2 * self.effects + 3 * self.explicit_sum
 
 
 def encode_radiance(radiance: torch.Tensor) -> torch.Tensor:
@@ -53,7 +58,9 @@ class CompositionNetwork(nn.Module):
         widths = level_widths(self.config.width, self.config.levels, widest=128)
         self.encoder = Encoder(self.config.inputs, widths)
         self.decoder = decoder_levels(widths)
-        self.modulations = nn.ModuleList(LightModulation(width) for width in widths[-2::-1])
+        lit = widths[-2::-1] if self.config.modulated else []
+        self.modulations = nn.ModuleList(LightModulation(width) for width in lit)
+        self.bottleneck = None if self.config.modulated else BottleneckLight(widths[-1])
         self.head = Head(widths[0], 3)
         if self.config.explicit_sum:
             nn.init.zeros_(self.head.weight)
@@ -73,21 +80,22 @@ class CompositionNetwork(nn.Module):
         Args:
             albedo: (B, 3, H, W) linear.
             normal: (B, 3, H, W) unit vectors.
-            specular, shadow: (B, 1, H, W) >= 0, linear, in units of the normalised light.
+            specular, shadow: (B, 1, H, W) >= 0, linear, in units of the normalised light; only read when
+                configured.
             explicit: (B, 3, H, W) albedo * irradiance - shadow + specular; only read when configured.
             light: (B, 16, 32, 3) normalised radiance.
 
         Returns:
             (B, 3, H, W) linear radiance >= 0, fp32.
         """
-        channels = [encode_radiance(albedo), normal, encode_radiance(specular), encode_radiance(shadow)]
+        channels = [encode_radiance(albedo), normal]
+        if self.config.effects:
+            channels += [encode_radiance(specular), encode_radiance(shadow)]
         encoded_sum = encode_radiance(explicit.float())
         if self.config.explicit_sum:
             channels.append(encoded_sum)
         encoded_light = encode_light(light)
         features = self.encoder(torch.cat(channels, 1))
-        x = features[-1]
-        for level, modulation, skip in zip(self.decoder, self.modulations, features[-2::-1], strict=True):
-            x = level.refine(modulation(level.join(x, skip), encoded_light))
+        x = decode_lit(self.decoder, features, encoded_light, self.modulations, self.bottleneck)
         change = self.head(x)
         return decode_radiance(encoded_sum + change if self.config.explicit_sum else torch.relu(change))

@@ -28,10 +28,11 @@ class DelightConfig:
     Attributes:
         width: channels at full resolution.
         levels: resolutions of the encoder-decoder.
-        classes: parsing classes.
+        classes: parsing classes; 0 leaves parsing out (paper, Table 2, all rows but "Full").
         anchored: albedo = sigmoid(logit(photo) + change) when true; the paper's plain sigmoid when false.
         detail_width: channels of a pass that sharpens albedo and normal at full resolution, while the
             encoder-decoder works at half of it; 0 runs the latter at full resolution, as the paper does.
+        relief: height is found too; the paper's network does not.
     """
 
     width: int = 16
@@ -39,6 +40,7 @@ class DelightConfig:
     classes: int = 14
     anchored: bool = True
     detail_width: int = 0
+    relief: bool = True
 
     @property
     def multiple(self) -> int:
@@ -53,7 +55,8 @@ class Delit:
     Attributes:
         albedo_srgb: (B, 3, H, W) in [0, 1], sRGB-encoded.
         normal: (B, 3, H, W) unit vectors, camera space, fp32.
-        relief: (B, 1, H, W) height toward the camera in units of 64 pixels, about 0 on the face.
+        relief: (B, 1, H, W) height toward the camera in units of 64 pixels, about 0 on the face; 0
+            everywhere where the network finds none.
         parsing_logits: (B, classes, H, W).
         light: (B, 16, 32, 3) radiance >= 0 of mean about 1, fp32.
     """
@@ -116,7 +119,7 @@ class DelightNetwork(nn.Module):
         self.encoder = Encoder(3, widths)
         self.light = ConfidenceWeightedLight(widths[-1])
         self.decoder = decoder_levels(widths)
-        self.head = Head(widths[0], _SHARP + 1 + self.config.classes)
+        self.head = Head(widths[0], _SHARP + self.config.relief + self.config.classes)
         self.detail = None
         if self.config.detail_width:
             self.detail = DetailPass(widths[0], self.config.detail_width, _SHARP)
@@ -133,7 +136,9 @@ class DelightNetwork(nn.Module):
         x = features[-1]
         for level, skip in zip(self.decoder, features[-2::-1], strict=True):
             x = level(x, skip)
-        sharp, relief, parsing = self.head(x).split([_SHARP, 1, self.config.classes], 1)
+        sharp, relief, parsing = self.head(x).split([_SHARP, int(self.config.relief), self.config.classes], 1)
+        if not self.config.relief:
+            relief = torch.zeros_like(sharp[:, :1])
         if self.detail is not None:
             sharp = _doubled(sharp) + self.detail(photo, x)
             relief, parsing = 2 * _doubled(relief), _doubled(parsing)  # relief counts pixels

@@ -1,9 +1,12 @@
-"""Lighting guided Feature Modulation (paper, section 4.2.2, Eq. 7, Figure 6)."""
+"""How a light enters a decoder: Lighting guided Feature Modulation (paper, section 4.2.2, Eq. 7, Figure 6),
+or beside the features of the bottleneck, as the paper's baselines have it (sections 4.2.2 and 5.1.1)."""
 
 from __future__ import annotations
 
 import torch
 from torch import nn
+
+from relight_core.networks.blocks import ConvBlock
 
 LIGHT_SHAPE = (16, 32, 3)
 _LIGHT_FEATURES = 128
@@ -49,3 +52,45 @@ def _modulated(features: torch.Tensor, gamma: torch.Tensor, beta: torch.Tensor) 
     rows = features.permute(0, 2, 3, 1).reshape(batch, height, width * channels)
     rows = rows * gamma.repeat(1, width)[:, None] + beta.repeat(1, width)[:, None]
     return rows.view(batch, height, width, channels).permute(0, 3, 1, 2)
+
+
+class BottleneckLight(nn.Module):
+    """The light's 128 features at every place of the bottleneck, beside the image's own.
+
+    What LFM replaces: Sun et al. 2019 and Zhou et al. 2019 tell a decoder of the light in this one place.
+    """
+
+    def __init__(self, channels: int):
+        super().__init__()
+        self.fc1 = nn.Linear(LIGHT_SHAPE[0] * LIGHT_SHAPE[1] * LIGHT_SHAPE[2], _LIGHT_FEATURES)
+        self.blend = ConvBlock(channels + _LIGHT_FEATURES, channels)
+
+    def forward(self, features: torch.Tensor, encoded_light: torch.Tensor) -> torch.Tensor:
+        """Features (B, C, h, w) that know of an encoded light (B, 1536)."""
+        with torch.autocast(features.device.type, enabled=False):
+            hidden = torch.relu(self.fc1(encoded_light.float()))
+        tiled = hidden.to(features.dtype)[..., None, None].expand(-1, -1, *features.shape[-2:])
+        return self.blend(torch.cat([features, tiled], 1))
+
+
+def decode_lit(
+    decoder: nn.ModuleList,
+    features: list[torch.Tensor],
+    encoded_light: torch.Tensor,
+    modulations: nn.ModuleList,
+    bottleneck: BottleneckLight | None,
+) -> torch.Tensor:
+    """Go back up through a decoder that the light acts on.
+
+    Args:
+        decoder: of `blocks.UpLevel`, coarsest first.
+        features: of `blocks.Encoder`, finest first.
+        encoded_light: (B, 1536).
+        modulations: one `LightModulation` for each level, or none.
+        bottleneck: where the light enters without them.
+    """
+    x = features[-1] if bottleneck is None else bottleneck(features[-1], encoded_light)
+    for index, (level, skip) in enumerate(zip(decoder, features[-2::-1], strict=True)):
+        x = level.join(x, skip)
+        x = level.refine(modulations[index](x, encoded_light) if modulations else x)
+    return x

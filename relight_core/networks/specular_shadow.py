@@ -8,7 +8,10 @@ import torch
 from torch import nn
 
 from relight_core.networks.blocks import Encoder, Head, decoder_levels, level_widths
-from relight_core.networks.lfm import LightModulation, encode_light
+from relight_core.networks.lfm import BottleneckLight, LightModulation, decode_lit, encode_light
+
+_SMALL_LOGIT = -3.0
+"""Where additive maps begin: near zero after softplus, which is what most of their pixels are."""
 
 
 @dataclass(frozen=True)
@@ -21,6 +24,8 @@ class SpecularShadowConfig:
         relief_shadow: also see the shadow that the predicted relief casts.
         parsing_classes: also see the relief itself and the parsing, of so many classes: a chin and the neck
             behind it may face the same way, and a brim shades what is under it. 0 for neither.
+        additive: the maps themselves come out, as in the paper, instead of occluded fractions.
+        modulated: the light acts through LFM; when false it enters at the bottleneck alone.
     """
 
     width: int = 16
@@ -28,6 +33,8 @@ class SpecularShadowConfig:
     per_pixel_light: bool = True
     relief_shadow: bool = True
     parsing_classes: int = 0
+    additive: bool = False
+    modulated: bool = True
 
     @property
     def inputs(self) -> int:
@@ -47,7 +54,8 @@ class Occlusion:
 
     `shadow` is the fraction of the unoccluded irradiance that self-occlusion takes, `gloss` that of the
     unoccluded specular reflection. Fractions are trained instead of the additive maps themselves: shadow
-    is sparse, and a plain L1 on it collapses to no shadow anywhere.
+    is sparse, and a plain L1 on it collapses to no shadow anywhere. Of an additive network (see
+    `SpecularShadowConfig`) they are the shadow and specular maps before `pipeline.hints` makes them positive.
     """
 
     shadow: torch.Tensor
@@ -63,8 +71,12 @@ class SpecularShadowNetwork(nn.Module):
         widths = level_widths(self.config.width, self.config.levels, widest=128)
         self.encoder = Encoder(self.config.inputs, widths)
         self.decoder = decoder_levels(widths)
-        self.modulations = nn.ModuleList(LightModulation(width) for width in widths[-2::-1])
+        lit = widths[-2::-1] if self.config.modulated else []
+        self.modulations = nn.ModuleList(LightModulation(width) for width in lit)
+        self.bottleneck = None if self.config.modulated else BottleneckLight(widths[-1])
         self.head = Head(widths[0], 2)
+        if self.config.additive:
+            nn.init.constant_(self.head.bias, _SMALL_LOGIT)
 
     def forward(self, normal: torch.Tensor, light: torch.Tensor, hints: torch.Tensor | None = None) -> Occlusion:
         """Estimate occlusion.
@@ -77,10 +89,7 @@ class SpecularShadowNetwork(nn.Module):
         """
         x = normal if hints is None else torch.cat([normal, hints], 1)
         encoded_light = encode_light(light)
-        features = self.encoder(x)
-        x = features[-1]
-        for level, modulation, skip in zip(self.decoder, self.modulations, features[-2::-1], strict=True):
-            x = level.refine(modulation(level.join(x, skip), encoded_light))
+        x = decode_lit(self.decoder, self.encoder(x), encoded_light, self.modulations, self.bottleneck)
         shadow, gloss = self.head(x).split(1, 1)
         if self.config.relief_shadow and hints is not None:
             shadow = shadow + torch.logit(hints[:, -1:].float().clamp(0.02, 0.98))

@@ -8,6 +8,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import torch
+import torch.nn.functional as F
 
 from relight_core.imaging.tensor_colour import grey
 from relight_core.networks.specular_shadow import Occlusion, SpecularShadowConfig
@@ -60,6 +61,15 @@ def effects_of(occlusion: Occlusion, reflected: torch.Tensor, albedo: torch.Tens
     specular = gloss * (1 - gloss_fraction)
     shadow = grey(albedo * reflected[:, :3]) * shadow_fraction + gloss * gloss_fraction
     return Effects(specular, shadow)
+
+
+def estimated_effects(
+    config: SpecularShadowConfig, estimate: Occlusion, reflected: torch.Tensor, albedo: torch.Tensor
+) -> Effects:
+    """The effect channels from what an SS network of this configuration says."""
+    if config.additive:
+        return Effects(F.softplus(estimate.gloss.float()), F.softplus(estimate.shadow.float()))
+    return effects_of(estimate, reflected, albedo)
 
 
 def explicit_sum(

@@ -17,7 +17,13 @@ from relight_core.lighting.reflection import NormalLookup, ReflectionTable
 from relight_core.lighting.relief import ReliefTransport, march_relief
 from relight_core.networks.bundle import NetworkBundle
 from relight_core.networks.specular_shadow import Occlusion
-from relight_core.pipeline.hints import Effects, effects_of, explicit_sum, specular_shadow_hints
+from relight_core.pipeline.hints import (
+    Effects,
+    effects_of,
+    estimated_effects,
+    explicit_sum,
+    specular_shadow_hints,
+)
 
 _RELIEF_UNIT_PX = 64.0
 _SLOPE_GAIN = 1.35
@@ -189,7 +195,7 @@ def estimate_effects(
     config = bundle.config.specular_shadow
     hints = specular_shadow_hints(config, reflected, fraction, surface.relief, surface.parsing)
     occlusion = in_precision(bundle, device, precision).specular_shadow(surface.normal, light, hints)
-    return effects_of(occlusion, reflected, surface.albedo)
+    return estimated_effects(config, occlusion, reflected, surface.albedo)
 
 
 def no_effects(surface: Surface) -> Effects:

@@ -17,7 +17,7 @@ def delight_losses(
     """Losses of both photos of every pair, each term by name; their sum is Eq. 5, plus the relief's.
 
     The weights bring terms of different units to the same order: the paper sums them as they are, on its
-    own units.
+    own units. What the network is configured not to find is not asked for.
     """
     photo = batch["photo_srgb"].flatten(0, 1)
     found = network(photo.contiguous(memory_format=torch.channels_last))
@@ -30,11 +30,13 @@ def delight_losses(
         "albedo_edges": slope_l1(found.albedo_srgb, albedo_srgb, covered),
         "normal": masked_l1(found.normal, twice["normal"], covered),
         "normal_edges": slope_l1(found.normal, twice["normal"], covered),
-        "parsing": focal_parsing(found.parsing_logits, twice["label"]),
         "light": wlog_l2(found.light, light),
         "irradiance": irradiance_l1(found.light, light, table),
-        "relief": 0.3 * masked_l1(found.relief, relief, covered) + 4.0 * slope_l1(found.relief, relief, covered),
     }
+    if network.config.classes:
+        losses["parsing"] = focal_parsing(found.parsing_logits, twice["label"])
+    if network.config.relief:
+        losses["relief"] = 0.3 * masked_l1(found.relief, relief, covered) + 4.0 * slope_l1(found.relief, relief, covered)
     return found, losses
 
 

@@ -49,8 +49,9 @@ class Recipe:
 
 
 def recipe_names() -> list[str]:
-    """Names of the recipes that come with the project."""
-    return sorted(path.stem for path in (Path(__file__).parent / "recipes").glob("*.toml"))
+    """Names of the recipes that come with the project; one in a folder has the folder's name before its own."""
+    folder = Path(__file__).parent / "recipes"
+    return sorted(path.relative_to(folder).with_suffix("").as_posix() for path in folder.rglob("*.toml"))
 
 
 def load_recipe(name_or_path: str) -> Recipe:
@@ -114,6 +115,7 @@ def follow(
     folder: Path,
     report: Callable[[int, float, Progress], None],
     start: Path | None = None,
+    kept: Path | None = None,
 ) -> NetworkBundle:
     """Train all stages into a folder; a run that was stopped goes on where it was.
 
@@ -123,6 +125,7 @@ def follow(
     Args:
         report: called with the stage's place in the recipe, the fraction of it that is done, its progress.
         start: weights to begin from; random ones without.
+        kept: see `run.Run`.
 
     Raises:
         TrainingDiverged, InputError: as `loop.train_stage`.
@@ -133,7 +136,7 @@ def follow(
         checkpoint = folder / f"{number + 1:02d}-{plan.name}.safetensors"
         if state_path(checkpoint).exists() or not checkpoint.exists():
             settings = _run(recipe, plan, number, heads, lights, checkpoint, before)
-            train(settings, partial(report, number))
+            train(replace(settings, kept=kept), partial(report, number))
         before = checkpoint
     result = load_bundle(before)
     save_bundle(folder / "relight.safetensors", result)

@@ -10,7 +10,7 @@ from relight_core.imaging.tensor_colour import grey, srgb_encode
 from relight_core.lighting.reflection import ReflectionTable
 from relight_core.networks.composition import CompositionNetwork, encode_radiance
 from relight_core.networks.specular_shadow import SpecularShadowNetwork
-from relight_core.pipeline.hints import Effects, effects_of, explicit_sum, specular_shadow_hints
+from relight_core.pipeline.hints import Effects, estimated_effects, explicit_sum, specular_shadow_hints
 from relight_core.training.losses import fraction_loss, masked_l1
 
 
@@ -33,21 +33,24 @@ def as_smooth_as_predicted(normal: torch.Tensor) -> torch.Tensor:
 def specular_shadow_losses(
     network: SpecularShadowNetwork, table: ReflectionTable, flat: dict[str, torch.Tensor]
 ) -> tuple[Effects, dict[str, torch.Tensor]]:
-    """Eq. 6 on the additive channels, with the cross-entropy of the fractions that keeps shadow alive."""
+    """Eq. 6 on the additive channels, with the cross-entropy of the fractions that keeps shadow alive.
+
+    A network that gives the additive maps themselves has no fractions, and Eq. 6 alone.
+    """
     normal, albedo, covered = flat["normal"], flat["albedo"], flat["covered"]
     reflected = table(flat["light"], normal)
     seen = (flat.get("relief_shadow"), flat.get("relief"), flat.get("parsing"))
     hints = specular_shadow_hints(network.config, reflected, *seen)
     occlusion = network(normal.contiguous(memory_format=torch.channels_last), flat["light"], hints)
-    effects = effects_of(occlusion, reflected, albedo)
-    irradiance = grey(reflected[:, :3]) * covered
-    gloss = grey(reflected[:, 3:]) * covered
+    effects = estimated_effects(network.config, occlusion, reflected, albedo)
     losses = {
         "specular": 10 * masked_l1(effects.specular, flat["specular"], covered),
         "shadow": 5 * masked_l1(effects.shadow, flat["shadow"], covered),
-        "shadow_fraction": 0.5 * fraction_loss(occlusion.shadow, flat["shadow_fraction"], irradiance),
-        "gloss_fraction": 0.25 * fraction_loss(occlusion.gloss, flat["gloss_fraction"], 8 * gloss),
     }
+    if not network.config.additive:
+        irradiance, gloss = (grey(part) * covered for part in (reflected[:, :3], reflected[:, 3:]))
+        losses["shadow_fraction"] = 0.5 * fraction_loss(occlusion.shadow, flat["shadow_fraction"], irradiance)
+        losses["gloss_fraction"] = 0.25 * fraction_loss(occlusion.gloss, flat["gloss_fraction"], 8 * gloss)
     return effects, losses
 
 

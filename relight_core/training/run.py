@@ -12,6 +12,7 @@ from torch.utils.data import DataLoader
 
 from relight_core.dataset.stream import SampleStream
 from relight_core.networks.bundle import BundleConfig, NetworkBundle, load_bundle, with_detail_pass
+from relight_core.training.kept_batches import kept_batches
 from relight_core.training.loop import Budget, train_stage
 from relight_core.training.stages import STAGES, Stage
 
@@ -30,6 +31,7 @@ class Run:
         size, pairs, seed: image side, pairs per batch, random seed.
         learning_rate: None takes the stage's own.
         detail_width: give the de-lighting network a sharpening pass of this width, if it has none; 0 leaves it.
+        kept: a folder of batches that runs share: the same ones in every stage and for all networks.
     """
 
     stage: str
@@ -45,6 +47,7 @@ class Run:
     workers: int = 1
     learning_rate: float | None = None
     detail_width: int = 0
+    kept: Path | None = None
     config: BundleConfig = BundleConfig()
 
 
@@ -67,17 +70,21 @@ def train(run: Run, report) -> NetworkBundle:
         torch.set_flush_denormal(False)
 
 
+def shared_batches(run: Run, first_batch: int) -> Iterator[dict[str, torch.Tensor]]:
+    """The batches that `run.kept` holds, with everything that any stage asks for; made as far as they are missing."""
+    folder = run.kept / f"{run.size}px-{run.pairs}-pairs"
+    return kept_batches(folder, lambda first: _stream(run, first, photographs=True, relief_shadow=True), first_batch)
+
+
 def _batches(run: Run, stage: Stage, first_batch: int) -> Iterator[dict[str, torch.Tensor]]:
+    if run.kept is not None:
+        return shared_batches(run, first_batch)
+    return _stream(run, first_batch, photographs=stage.photographs, relief_shadow=stage.relief_shadow)
+
+
+def _stream(run: Run, first_batch: int, **contents: bool) -> Iterator[dict[str, torch.Tensor]]:
     stream = SampleStream(
-        run.heads,
-        run.lights,
-        "train",
-        run.size,
-        run.seed,
-        photographs=stage.photographs,
-        relief_shadow=stage.relief_shadow,
-        first_batch=first_batch,
-        pairs=run.pairs,
+        run.heads, run.lights, "train", run.size, run.seed, first_batch=first_batch, pairs=run.pairs, **contents
     )
     loader = DataLoader(
         stream,

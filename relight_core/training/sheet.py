@@ -43,16 +43,17 @@ def _taken_apart(bundle: NetworkBundle, flat: dict[str, torch.Tensor]) -> list[l
     if "photo_srgb" not in flat:
         return []
     found = bundle.delight(flat["photo_srgb"])
-    labels = found.parsing_logits.argmax(1)
-    return [
+    columns = [
         list(_images(flat["photo_srgb"])),
         list(_images(found.albedo_srgb)),
         list(_images(srgb_encode(flat["albedo"]))),
         _shown("normal", _images(found.normal)),
         _shown("normal", _images(flat["normal"])),
-        _shown("parsing", labels.numpy()),
-        _shown("parsing", flat["label"].numpy()),
     ]
+    if bundle.config.delight.classes:
+        labels = found.parsing_logits.argmax(1)
+        columns += [_shown("parsing", labels.numpy()), _shown("parsing", flat["label"].numpy())]
+    return columns
 
 
 def _put_together(

@@ -77,7 +77,9 @@ def _relit_from_photo(bundle: NetworkBundle, table: ReflectionTable, batch: Batc
     swapped = {n: v.unflatten(0, (-1, 2)).flip(1).flatten(0, 1) for n, v in flat.items()}
     swapped["albedo"] = srgb_decode(found.albedo_srgb)
     swapped["normal"] = found.normal
-    effects, losses = specular_shadow_losses(bundle.specular_shadow, table, swapped)
+    effects, losses = None, {}
+    if bundle.config.composition.effects:
+        effects, losses = specular_shadow_losses(bundle.specular_shadow, table, swapped)
     return losses | composition_losses(bundle.composition, table, swapped, effects)[1]
 
 
@@ -89,8 +91,10 @@ def _tune_delight(bundle: NetworkBundle, table: ReflectionTable, batch: Batch) -
 
 def _tune_relight(bundle: NetworkBundle, table: ReflectionTable, batch: Batch) -> Losses:
     flat = on_predicted_surface(bundle, batch)
-    effects, losses = specular_shadow_losses(bundle.specular_shadow, table, flat)
-    effects.specular, effects.shadow = effects.specular.detach(), effects.shadow.detach()
+    effects, losses = None, {}
+    if bundle.config.composition.effects:
+        effects, losses = specular_shadow_losses(bundle.specular_shadow, table, flat)
+        effects.specular, effects.shadow = effects.specular.detach(), effects.shadow.detach()
     return losses | composition_losses(bundle.composition, table, flat, effects)[1]
 
 

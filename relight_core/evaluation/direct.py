@@ -1,0 +1,93 @@
+"""The networks alone, without what the editor does before and after them.
+
+This is what variants are compared by: no mirrored second look, no flattening of the albedo, no residual, no
+enlarging, and the gloss of skin everywhere, as the test's truth has it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import torch
+import torch.nn.functional as F
+
+from relight_core.face.parsing import INDEX
+from relight_core.imaging.tensor_colour import srgb_decode, srgb_encode
+from relight_core.lighting.normal_integration import integrate_normals
+from relight_core.lighting.reflection import ReflectionTable
+from relight_core.lighting.relief import ReliefTransport, march_relief
+from relight_core.networks.bundle import NetworkBundle
+from relight_core.pipeline.channels import as_image
+from relight_core.pipeline.hints import Effects, estimated_effects, explicit_sum, specular_shadow_hints
+
+_RELIEF_UNIT_PX = 64.0
+
+
+@dataclass(frozen=True)
+class TakenApart:
+    """What de-lighting found in one photo, (1, C, S, S); `relief` only where SS asks for it."""
+
+    albedo: torch.Tensor
+    normal: torch.Tensor
+    light: torch.Tensor
+    relief: ReliefTransport | None
+
+
+class DirectRelighter:
+    """De-light, estimate effects, compose: three forward passes in fp32."""
+
+    def __init__(self, bundle: NetworkBundle, table: ReflectionTable):
+        """Take networks in evaluation mode and the table, both on one device."""
+        self._bundle, self._table = bundle, table
+        self._device = table.transport.device
+
+    @torch.inference_mode()
+    def take_apart(self, photo: np.ndarray) -> TakenApart:
+        """De-light a photo (S, S, 3), linear, [0, 1]; S a multiple of what the network wants."""
+        linear = torch.from_numpy(np.ascontiguousarray(photo)).permute(2, 0, 1)[None].float().to(self._device)
+        found = self._bundle.delight(srgb_encode(linear).contiguous(memory_format=torch.channels_last))
+        normal = F.normalize(found.normal.float(), dim=1, eps=1e-4)
+        relief = None
+        if self._bundle.config.specular_shadow.relief_shadow:
+            person = 1 - torch.softmax(found.parsing_logits.float(), 1)[:, INDEX["background"], None]
+            relief = _marched(found.relief.float() * (2 * _RELIEF_UNIT_PX / photo.shape[0]), normal, person)
+        return TakenApart(srgb_decode(found.albedo_srgb.float()), normal, found.light.float(), relief)
+
+    @torch.inference_mode()
+    def relight(self, found: TakenApart, radiance: np.ndarray) -> dict[str, np.ndarray]:
+        """Relight by a normalised light (16, 32, 3).
+
+        Returns:
+            images: "composition" (S, S, 3) linear; "specular" and "shadow" (S, S) where the networks have them.
+        """
+        light = torch.from_numpy(np.ascontiguousarray(radiance))[None].float().to(self._device)
+        reflected, config = self._table(light, found.normal), self._bundle.config
+        effects, channels = None, {}
+        if config.composition.effects:
+            effects = self._effects(found, reflected, light)
+            channels = {"specular": as_image(effects.specular), "shadow": as_image(effects.shadow)}
+        shown = effects or Effects(*[torch.zeros_like(found.albedo[:, :1])] * 2)
+        explicit = explicit_sum(found.albedo, reflected, shown)
+        image = self._bundle.composition(found.albedo, found.normal, shown.specular, shown.shadow, explicit, light)
+        return channels | {"composition": as_image(image)}
+
+    def _effects(self, found: TakenApart, reflected: torch.Tensor, light: torch.Tensor) -> Effects:
+        config, fraction = self._bundle.config.specular_shadow, None
+        if found.relief is not None:
+            fraction = found.relief.shadow_fraction(light.cpu()).to(self._device)
+        hints = specular_shadow_hints(config, reflected, fraction)
+        estimate = self._bundle.specular_shadow(found.normal, light, hints)
+        return estimated_effects(config, estimate, reflected, found.albedo)
+
+
+def found_channels(found: TakenApart) -> dict[str, np.ndarray]:
+    """What `scoring.score_surface` compares; these networks' one light stands for both it asks for."""
+    light = found.light[0].cpu().numpy()
+    return {"albedo": as_image(found.albedo), "normal": as_image(found.normal), "guess": light, "source_light": light}
+
+
+def _marched(relief: torch.Tensor, normal: torch.Tensor, person: torch.Tensor) -> ReliefTransport:
+    heights, normals, trust = (image[0].cpu().numpy() for image in (relief, normal, person))
+    sharpened = torch.from_numpy(integrate_normals(heights[0], normals, trust[0]))
+    return march_relief(sharpened, normal[0].cpu(), person[0, 0].cpu())
