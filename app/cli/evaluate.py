@@ -4,6 +4,13 @@ Every photo of a held-out head is taken apart and relit by the editor's own stag
 compared with the true one. The test split wants 8 baked heads:
 relight dataset bake --heads MODEL.npz --out DIR --split test --count 8
 Choose between variants on --split validation, so that the test stays unseen.
+
+relight evaluate ablation --heads DIR --lights FILE [--steps N] -o FOLDER
+relight evaluate peers --heads DIR --lights FILE [--steps N] [--dpr FILE] -o FOLDER
+
+The paper's Tables 2 and 3 at a budget of your choice: the first trains the paper's variants and ours alike
+and compares them; the second trains Sun et al.'s network on the same batches and sets everybody beside the
+others. Both go on where they were when given again, and share a folder.
 """
 
 from __future__ import annotations
@@ -12,6 +19,7 @@ import argparse
 from pathlib import Path
 
 from app.cli.arguments import add_json
+from app.cli.comparisons import add_budget, run_comparison
 from app.cli.maker_inputs import (
     add_heads_and_lights,
     check_heads_and_lights,
@@ -24,6 +32,9 @@ from app.cli.report import reporting
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments of `relight evaluate`."""
+    parser.add_argument(
+        "what", nargs="?", choices=("networks", "ablation", "peers"), default="networks", help="networks by default"
+    )
     add_heads_and_lights(parser)
     parser.add_argument("--weights", metavar="W", type=Path, help="a .safetensors file; the bundled ones without")
     parser.add_argument("--split", choices=("test", "validation"), default="test")
@@ -40,8 +51,15 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         action="store_true",
         help="compare ways to carry a relit view to the photo's size instead, on heads baked with --size 1024",
     )
-    parser.add_argument("-o", "--output", metavar="REPORT", type=Path, help="also write the tables, a .md file")
+    parser.add_argument(
+        "-o",
+        "--output",
+        metavar="REPORT",
+        type=Path,
+        help="also write the tables, a .md file; for the paper's tables a folder",
+    )
     add_json(parser)
+    add_budget(parser)
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -54,6 +72,8 @@ def run(arguments: argparse.Namespace) -> int:
     from relight_core.pipeline.relighter import WEIGHTS
     from relight_core.resources import resource_path
 
+    if arguments.what != "networks":
+        return run_comparison(arguments)
     if arguments.output is not None:
         check_output_file(arguments.output, (".md",))
     if arguments.detail:

@@ -84,7 +84,7 @@ class _Tally:
         return {group: len(rows) for group, rows in self._rows.items()}
 
     def intervals(self) -> dict[str, dict[str, Interval]]:
-        return {group: _intervals(rows) for group, rows in self._rows.items()}
+        return {group: intervals_over_heads(rows) for group, rows in self._rows.items()}
 
 
 def evaluate(
@@ -121,7 +121,12 @@ def evaluate(
     return Evaluation(tally.intervals(), tally.samples(), len(paths), panoramas, size, seconds, settings)
 
 
-def _intervals(rows: list[tuple[str, Figures]]) -> dict[str, Interval]:
+def intervals_over_heads(rows: list[tuple[str, Figures]]) -> dict[str, Interval]:
+    """Means of every figure with their confidence intervals, and errors relative to a channel's own size.
+
+    Args:
+        rows: the head and the figures of every picture; all have the same names.
+    """
     heads = np.array([head for head, _ in rows])
     intervals = {}
     for name in rows[0][1]:

@@ -16,7 +16,7 @@ from relight_core.dataset.bake import add_relief
 from relight_core.dataset.camera import photograph
 from relight_core.dataset.lights import load_lights
 from relight_core.dataset.recipe import load_split
-from relight_core.dataset.samples import LitHead, channels_of, light_head, surface_of
+from relight_core.dataset.samples import LitHead, channels_of, light_head, subsample, surface_of
 from relight_core.dataset.shard import read_shard
 from relight_core.dataset.skin import paint
 from relight_core.dataset.texture import TexturePool
@@ -161,10 +161,21 @@ def held_out_textures() -> TexturePool:
     return TexturePool(np.random.default_rng(_SKIN_SEED))
 
 
-def load_head(path: Path, lights: list[HeldOutLight], pool: TexturePool) -> HeldOutHead:
-    """Read, paint (natural skin only) and light one head."""
+def load_head(path: Path, lights: list[HeldOutLight], pool: TexturePool, size: int | None = None) -> HeldOutHead:
+    """Read, paint (natural skin only) and light one head.
+
+    Args:
+        size: of its images, the baked size or a divisor of it; pixels between are left out, as in training.
+
+    Raises:
+        InputError: the file is damaged, or its head can't have this size.
+    """
     head, seed = read_shard(path), int(path.stem.split("-")[1])
     rng = np.random.default_rng([_SKIN_SEED, seed])
+    if size is not None:
+        if head.size % size:
+            raise InputError(f"{path}: a head of {head.size} pixels has no size of {size}; bake it larger")
+        head = subsample(head, head.size // size, rng)
     normal = add_relief(head, pool.noise(rng), _RELIEF_STRENGTH)
     albedo = paint(head, pool, rng, wild=False)
     lit = light_head(head, normal, np.stack([light.radiance for light in lights]))

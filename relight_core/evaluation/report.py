@@ -23,11 +23,13 @@ _TITLES = {
     "relit.rmse": "relit RMSE (sRGB)",
     "relit.psnr": "relit PSNR (dB)",
     "relit.ssim": "relit SSIM",
-    "relit.rmse_aligned": "relit RMSE, one gain per picture",
+    "relit.rmse_aligned": "relit RMSE, one exposure per picture",
+    "relit.psnr_aligned": "relit PSNR (dB), one exposure per picture",
+    "relit.ssim_aligned": "relit SSIM, one exposure per picture",
     "relit.rmse_as_lit": "relit RMSE, not metered",
     "relit.rmse_of_unchanged_photo": "RMSE of the photo left as it is",
     "albedo.rmse": "albedo RMSE (sRGB)",
-    "albedo.rmse_aligned": "albedo RMSE, one gain per picture",
+    "albedo.rmse_aligned": "albedo RMSE, one exposure per picture",
     "normal.rmse": "normal RMSE ([-1, 1])",
     "normal.angle_deg": "normal angle (degrees)",
     "specular.rmse": "specular RMSE (linear)",
@@ -57,12 +59,9 @@ def as_record(evaluation: Evaluation, weights: str) -> dict:
         if group not in evaluation.figures:
             continue
         place = record if key is None else record.setdefault(key, {"samples": evaluation.samples[group]})
-        place.update(_nested({name: interval.mean for name, interval in evaluation.figures[group].items()}))
-        place["intervals"] = _nested(
-            {
-                name: [_known(interval.low), _known(interval.high)]
-                for name, interval in evaluation.figures[group].items()
-            }
+        place.update(nested({name: interval.mean for name, interval in evaluation.figures[group].items()}))
+        place["intervals"] = nested(
+            {name: [known(interval.low), known(interval.high)] for name, interval in evaluation.figures[group].items()}
         )
     settings = evaluation.settings
     return record | {
@@ -93,13 +92,13 @@ def as_markdown(evaluation: Evaluation, weights: str) -> str:
         "|---|---|---|",
     ]
     whole = evaluation.figures["panoramas"]
-    lines += [f"| {_TITLES[name]} | {_text(whole[name])} | {value:g} |" for name, value in PAPER_FULL.items()]
+    lines += [f"| {_TITLES[name]} | {interval_text(whole[name])} | {value:g} |" for name, value in PAPER_FULL.items()]
     lines += ["", _NOTE, "", "## In detail", ""]
     groups = [group for group in _KEYS if group in evaluation.figures]
     lines += ["| | " + " | ".join(f"{group} ({evaluation.samples[group]})" for group in groups) + " |"]
     lines += ["|---" * (len(groups) + 1) + "|"]
     for name, title in _TITLES.items():
-        cells = [_text(evaluation.figures[group].get(name)) for group in groups]
+        cells = [interval_text(evaluation.figures[group].get(name)) for group in groups]
         if any(cells):
             lines.append(f"| {title} | " + " | ".join(cells) + " |")
     return "\n".join(lines) + "\n"
@@ -112,7 +111,8 @@ paper's eight regions only; "lamps" are single small lamps at 50 to 70 degrees f
 surface" starts from true albedo, normals and relief, and so shows the relighting networks alone."""
 
 
-def _nested(flat: dict) -> dict:
+def nested(flat: dict) -> dict:
+    """{"a.b": 1} as {"a": {"b": 1}}."""
     nested: dict = {}
     for name, value in flat.items():
         channel, measure = name.split(".")
@@ -120,11 +120,13 @@ def _nested(flat: dict) -> dict:
     return nested
 
 
-def _known(value: float) -> float | None:
+def known(value: float) -> float | None:
+    """The value, None for NaN: JSON has none."""
     return None if math.isnan(value) else value
 
 
-def _text(interval: Interval | None) -> str:
+def interval_text(interval: Interval | None) -> str:
+    """A mean with its interval in brackets; nothing for None."""
     if interval is None:
         return ""
     digits = 3 if interval.mean >= 1 else 4 if interval.mean >= 0.05 else 5

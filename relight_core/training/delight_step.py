@@ -36,7 +36,9 @@ def delight_losses(
     if network.config.classes:
         losses["parsing"] = focal_parsing(found.parsing_logits, twice["label"])
     if network.config.relief:
-        losses["relief"] = 0.3 * masked_l1(found.relief, relief, covered) + 4.0 * slope_l1(found.relief, relief, covered)
+        losses["relief"] = 0.3 * masked_l1(found.relief, relief, covered) + 4.0 * slope_l1(
+            found.relief, relief, covered
+        )
     return found, losses
 
 

@@ -85,7 +85,7 @@ class AveragedWeights:
 
     def bundle(self, like: NetworkBundle) -> NetworkBundle:
         """A bundle of its own with the averaged weights."""
-        copy = NetworkBundle(like.config)
+        copy = type(like)(like.config)
         copy.load_state_dict(self.state)
         copy.card = dict(like.card)
         return copy
@@ -150,7 +150,7 @@ def train_stage(
 def _save(checkpoint: Path, bundle: NetworkBundle, batch: dict[str, torch.Tensor] | None) -> None:
     """The weights, and a look at what they do with the last batch."""
     save_bundle(checkpoint, bundle, half=False)
-    if batch is not None:
+    if batch is not None and isinstance(bundle, NetworkBundle):
         draw_samples(bundle.eval(), ReflectionTable(), batch, checkpoint.with_suffix(".samples.png"))
 
 
@@ -162,10 +162,11 @@ def state_path(checkpoint: Path) -> Path:
 def _prepare(stage: Stage, bundle: NetworkBundle, device: str) -> None:
     """Set the stage's networks to training and the others to rest."""
     bundle.train().requires_grad_(False).to(device, memory_format=torch.channels_last)
-    for name in stage.trains:
-        getattr(bundle, name).requires_grad_(True)
-    for name in {"delight", "specular_shadow", "composition"} - set(stage.trains):
-        getattr(bundle, name).eval()
+    for name, network in bundle.named_children():
+        if name in stage.trains:
+            network.requires_grad_(True)
+        else:
+            network.eval()
 
 
 def _step(stage, bundle, table, batch, optimiser, device) -> dict[str, float]:

@@ -16,6 +16,9 @@ from relight_core.training.kept_batches import kept_batches
 from relight_core.training.loop import Budget, train_stage
 from relight_core.training.stages import STAGES, Stage
 
+_LONGEST_RISE = 200
+"""Steps in which the learning rate rises; a short run rises in a tenth of its own."""
+
 
 @dataclass(frozen=True)
 class Run:
@@ -58,7 +61,12 @@ def train(run: Run, report) -> NetworkBundle:
     bundle = load_bundle(run.start) if run.start else NetworkBundle(run.config)
     if run.detail_width:
         bundle = with_detail_pass(bundle, run.detail_width)
-    budget = Budget(run.learning_rate or stage.learning_rate, minutes=run.minutes, steps=run.steps)
+    budget = Budget(
+        run.learning_rate or stage.learning_rate,
+        minutes=run.minutes,
+        steps=run.steps,
+        warm_up_steps=_LONGEST_RISE if run.steps is None else min(_LONGEST_RISE, max(run.steps // 10, 1)),
+    )
     device = "cuda" if torch.cuda.is_available() else "cpu"
     run.checkpoint.parent.mkdir(parents=True, exist_ok=True)
     # Denormals slow a CPU's convolutions manyfold; the setting is the process's, so it is given back.

@@ -11,6 +11,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import torch
+import torch.nn.functional as F
 
 from relight_core.imaging.tensor_colour import srgb_decode
 from relight_core.lighting.reflection import ReflectionTable
@@ -98,6 +99,14 @@ def _tune_relight(bundle: NetworkBundle, table: ReflectionTable, batch: Batch) -
     return losses | composition_losses(bundle.composition, table, flat, effects)[1]
 
 
+def _tune_on_predictions(bundle: NetworkBundle, table: ReflectionTable, batch: Batch) -> Losses:
+    """The paper's own fine-tuning: the albedo, too, is de-lighting's."""
+    with torch.no_grad():
+        found = bundle.delight(batch["photo_srgb"].flatten(0, 1).contiguous(memory_format=torch.channels_last))
+        found.normal = F.normalize(found.normal, dim=1, eps=1e-4)
+    return _relit_from_photo(bundle, table, batch, found)
+
+
 STAGES = {
     "warm-delight": Stage(("delight",), _warm_delight, True, False, 1.5e-3),
     "warm-specular-shadow": Stage(("specular_shadow",), _warm_specular_shadow, False, True, 2e-3),
@@ -105,6 +114,7 @@ STAGES = {
     "warm-relight": Stage(("specular_shadow", "composition"), _warm_relight, False, True, 2e-3),
     "tune-delight": Stage(("delight",), _tune_delight, True, True, 2e-4),
     "tune-relight": Stage(("specular_shadow", "composition"), _tune_relight, True, False, 1e-3),
+    "tune-on-predictions": Stage(("specular_shadow", "composition"), _tune_on_predictions, True, True, 2e-4),
 }
 """By name, in the order they are run. "warm-relight" does the second and third warm-up in one pass over
-the data, which is what a CPU has time for."""
+the data, which is what a CPU has time for; "tune-on-predictions" is the paper's form of "tune-relight"."""

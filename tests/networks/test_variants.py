@@ -91,8 +91,10 @@ def test_an_additive_network_s_maps_owe_nothing_to_albedo_or_looked_up_light():
         estimate = network(normal, torch.rand(1, 16, 32, 3))
         maps = [
             estimated_effects(network.config, estimate, reflected, albedo)
-            for reflected, albedo in ((torch.zeros(1, 6, SIZE, SIZE), torch.zeros(1, 3, SIZE, SIZE)),
-                                      (torch.ones(1, 6, SIZE, SIZE), torch.ones(1, 3, SIZE, SIZE)))
+            for reflected, albedo in (
+                (torch.zeros(1, 6, SIZE, SIZE), torch.zeros(1, 3, SIZE, SIZE)),
+                (torch.ones(1, 6, SIZE, SIZE), torch.ones(1, 3, SIZE, SIZE)),
+            )
         ]
     for one, other in ((maps[0].specular, maps[1].specular), (maps[0].shadow, maps[1].shadow)):
         assert torch.equal(one, other)

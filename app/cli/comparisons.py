@@ -1,0 +1,96 @@
+"""`relight evaluate ablation` and `relight evaluate peers`: the paper's Tables 2 and 3."""
+
+from __future__ import annotations
+
+import argparse
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from app.cli.maker_inputs import check_heads_and_lights, count_at_least_one, progress
+from app.cli.outputs import make_folder
+from app.cli.report import Report, reporting
+from relight_core.errors import InputError
+
+if TYPE_CHECKING:
+    from relight_core.evaluation.ablation.variants import Budget
+    from relight_core.evaluation.contest import Contest, Outcome
+
+
+def add_budget(parser: argparse.ArgumentParser) -> None:
+    """Declare what only the tables take."""
+    group = parser.add_argument_group("with ablation and peers")
+    group.add_argument(
+        "--steps", metavar="N", type=count_at_least_one, help="of each warm-up; fine-tuning takes a third of them (300)"
+    )
+    group.add_argument(
+        "--size", metavar="PX", type=count_at_least_one, default=64, help="side of the images, a multiple of 32 (64)"
+    )
+    group.add_argument(
+        "--pairs", metavar="N", type=count_at_least_one, default=4, help="pairs of lights in a batch (4)"
+    )
+    group.add_argument(
+        "--every", metavar="N", type=count_at_least_one, default=1, help="take every N-th relighting of a head (1)"
+    )
+    group.add_argument("--dpr", metavar="FILE", type=Path, help="peers: DPR's own weights, trained_model_03.t7")
+
+
+def run_comparison(arguments: argparse.Namespace) -> int:
+    """Train what is missing, compare, write; returns the exit code."""
+    from relight_core.evaluation.ablation.variants import Budget
+    from relight_core.evaluation.contest import Contest
+
+    if arguments.output is None:
+        raise InputError(f"evaluate {arguments.what} wants a folder after -o")
+    if arguments.size % 32:
+        raise InputError(f"--size {arguments.size} is not a multiple of 32")
+    for split in ("train", arguments.split):
+        check_heads_and_lights(arguments.heads, arguments.lights, split)
+    make_folder(arguments.output)
+    budget = Budget(arguments.steps, arguments.size, arguments.pairs)
+    contest = Contest(
+        arguments.heads, arguments.lights, arguments.size, arguments.split, arguments.count, arguments.every
+    )
+    compare = {"ablation": _ablation, "peers": _peers}[arguments.what]
+    with reporting(arguments.json) as report:
+        compare(arguments, budget, contest, report)
+    return 0
+
+
+def _ablation(arguments: argparse.Namespace, budget: Budget, contest: Contest, report: Report) -> None:
+    from relight_core.evaluation.ablation.table import as_markdown, score_variants
+    from relight_core.evaluation.ablation.variants import in_words, train_variants
+
+    with progress("training", 1.0) as show:
+        weights = train_variants(contest.heads, contest.lights, arguments.output, budget, show)
+    with progress("relighting", 1.0) as show:
+        outcome = score_variants(weights, contest, show)
+    _write(arguments.output / "ablation", outcome, as_markdown(outcome, in_words(budget)), in_words(budget), report)
+
+
+def _peers(arguments: argparse.Namespace, budget: Budget, contest: Contest, report: Report) -> None:
+    from relight_core.evaluation.ablation.variants import in_words, trained_variants
+    from relight_core.evaluation.contest import hold
+    from relight_core.evaluation.peers.table import as_markdown, contenders, trained_sun
+
+    networks = trained_variants(arguments.output)
+    if arguments.weights is not None:
+        networks[arguments.weights.stem] = arguments.weights
+    with progress("training", 1.0) as show:
+        sun = trained_sun(contest.heads, contest.lights, arguments.output, budget, show)
+    everybody = contenders(networks, sun, arguments.dpr)
+    with progress("relighting", 1.0) as show:
+        outcome = hold(everybody, contest, show)
+    _write(arguments.output / "peers", outcome, as_markdown(outcome, in_words(budget)), in_words(budget), report)
+
+
+def _write(place: Path, outcome: Outcome, page: str, training: str, report: Report) -> None:
+    from relight_core.evaluation.contest_report import as_record
+    from relight_core.imaging.files import whole_file
+
+    record = as_record(outcome, training)
+    for path, text in ((place.with_suffix(".md"), page), (place.with_suffix(".json"), json.dumps(record, indent=1))):
+        with whole_file(path) as beside:
+            beside.write_text(text)
+    report.line(page)
+    report.record(record)

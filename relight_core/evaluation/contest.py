@@ -1,0 +1,178 @@
+"""Several ways to relight on the same held-out pictures, at the size at which they were trained."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, Protocol
+
+import numpy as np
+
+from relight_core.evaluation.direct import DirectRelighter, TakenApart, found_channels
+from relight_core.evaluation.evaluate import intervals_over_heads
+from relight_core.evaluation.held_out import (
+    Case,
+    HeldOutHead,
+    HeldOutLight,
+    cases_of,
+    held_out_lights,
+    held_out_paths,
+    held_out_textures,
+    load_head,
+)
+from relight_core.evaluation.metrics import Interval, wlog_l2
+from relight_core.evaluation.scoring import Figures, score_effects, score_relit, score_surface
+from relight_core.lighting.environment import mean_luminance
+from relight_core.lighting.reflection import ReflectionTable
+from relight_core.networks.bundle import NetworkBundle
+
+
+@dataclass(frozen=True)
+class Task:
+    """One relighting.
+
+    Attributes:
+        light: (16, 32, 3) the target, of mean luminance 1.
+        gain: the exposure at which a meter would show the truth.
+        reference: (S, S, 3) linear, [0, 1]: the truth as photographed, for whoever needs an example.
+        covered: (S, S) bool, the head.
+        surface: true images "normal" and "relief", for whoever needs a fitted model of the head.
+    """
+
+    light: np.ndarray
+    gain: float
+    reference: np.ndarray
+    covered: np.ndarray
+    surface: Mapping[str, np.ndarray]
+
+
+class Contender(Protocol):
+    """A way to relight."""
+
+    def look(self, photo: np.ndarray) -> Any:
+        """Whatever a photo (S, S, 3), linear, [0, 1] tells, once for all its relightings."""
+
+    def relight(self, seen: Any, task: Task) -> Mapping[str, np.ndarray]:
+        """ "composition": linear, in units of the normalised light; "specular" and "shadow" where there are such."""
+
+    def channels(self, seen: Any) -> Mapping[str, np.ndarray]:
+        """ "guess", the photo's light, and "albedo" and "normal", as far as they are found."""
+
+
+class OurNetworks:
+    """The three networks, as a contender."""
+
+    def __init__(self, bundle: NetworkBundle, table: ReflectionTable):
+        self._direct = DirectRelighter(bundle, table)
+
+    def look(self, photo: np.ndarray) -> TakenApart:
+        return self._direct.take_apart(photo)
+
+    def relight(self, seen: TakenApart, task: Task) -> Mapping[str, np.ndarray]:
+        return self._direct.relight(seen, task.light)
+
+    def channels(self, seen: TakenApart) -> Mapping[str, np.ndarray]:
+        return found_channels(seen)
+
+
+@dataclass(frozen=True)
+class Contest:
+    """What is contested.
+
+    Attributes:
+        heads, lights, split: as in `evaluate.Settings`.
+        size: side of the pictures; the baked size or a divisor of it.
+        count: heads.
+        every: take only every so-many-th relighting of a head, each head beginning with another.
+    """
+
+    heads: Path
+    lights: Path
+    size: int
+    split: str = "test"
+    count: int = 8
+    every: int = 1
+
+    def cases(self, head_number: int, lights: list[HeldOutLight]) -> list[Case]:
+        """The relightings of one head."""
+        return cases_of(head_number, lights)[head_number % self.every :: self.every]
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """Figures of every contender, by its name and theirs, with 95 % intervals over heads.
+
+    Beside those of `scoring`: "borrowed.wlog_l2" is the target light as estimated from a portrait of another
+    head in it, "borrowed.rmse" the error when the photo is relit with that estimate (paper, Figure 11, below).
+    """
+
+    figures: dict[str, dict[str, Interval]]
+    samples: int
+    heads: int
+    contest: Contest = field(repr=False)
+
+
+def hold(
+    contenders: Mapping[str, Contender], contest: Contest, report: Callable[[float], None] = lambda done: None
+) -> Outcome:
+    """Relight every held-out photo by every contender; panoramas only.
+
+    Args:
+        report: called with the fraction that is done.
+
+    Raises:
+        InputError: heads or lights are missing, damaged, or of a size that does not fit.
+    """
+    lights = [light for light in held_out_lights(contest.lights, contest.split) if not light.lamp]
+    paths = held_out_paths(contest.heads, contest.split, contest.count)
+    textures = held_out_textures()
+    rows: dict[str, list[tuple[str, Figures]]] = defaultdict(list)
+    portraits = _portraits_of_others(paths, lambda path: load_head(path, lights, textures, contest.size))
+    for number, (head, other) in enumerate(portraits):
+        for place, (name, contender) in enumerate(contenders.items()):
+            scored = _score_head(contender, contest.cases(number, lights), head, other, lights)
+            rows[name] += [(head.name, figures) for figures in scored]
+            report((number + (place + 1) / len(contenders)) / len(paths))
+    figures = {name: intervals_over_heads(scored) for name, scored in rows.items()}
+    return Outcome(figures, len(next(iter(rows.values()))), len(paths), contest)
+
+
+def _portraits_of_others(
+    paths: Sequence[Path], load: Callable[[Path], HeldOutHead]
+) -> Iterator[tuple[HeldOutHead, HeldOutHead]]:
+    """Every head, and the one before it (before the first: the last) as the portrait that lends its light."""
+    other = load(paths[-1])
+    for path in paths:
+        head = load(path)
+        yield head, other
+        other = head
+
+
+def _score_head(
+    contender: Contender, cases: list[Case], head: HeldOutHead, other: HeldOutHead, lights: list[HeldOutLight]
+) -> Iterator[Figures]:
+    truth, covered = head.surface(), head.lit.head.covered
+    for case in cases:
+        seen, target = contender.look(head.photo(case.source, "clean")), lights[case.target].radiance
+        true, gain = head.channels(case.target), head.exposure(case.target)
+        task = Task(target, gain, np.clip(true["image"] * gain, 0, 1), covered, truth)
+        made, found = contender.relight(seen, task), contender.channels(seen)
+        figures = score_relit(made["composition"], true["image"], gain, covered, covered)
+        if "shadow" in made:
+            figures |= score_effects(made, true, covered)
+        if "albedo" in found:
+            figures |= score_surface(found, lights[case.source].radiance, truth, covered)
+        elif "guess" in found:
+            figures["light.wlog_l2"] = wlog_l2(_levelled(found["guess"]), lights[case.source].radiance)
+        if "guess" in found:
+            lent = _levelled(contender.channels(contender.look(other.photo(case.target, "clean")))["guess"])
+            image = contender.relight(seen, Task(lent, gain, task.reference, covered, truth))["composition"]
+            figures["borrowed.wlog_l2"] = wlog_l2(lent, target)
+            figures["borrowed.rmse"] = score_relit(image, true["image"], gain, covered, covered)["relit.rmse"]
+        yield figures
+
+
+def _levelled(light: np.ndarray) -> np.ndarray:
+    return light / max(mean_luminance(light), 1e-6)

@@ -1,0 +1,85 @@
+"""Outcomes of a contest as an object for programs and as tables of Markdown for people."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+from relight_core.evaluation.contest import Outcome
+from relight_core.evaluation.report import interval_text, known, nested
+
+Columns = Mapping[str, str]
+
+RELIT: Columns = {
+    "relit.rmse": "relit RMSE",
+    "relit.psnr": "PSNR",
+    "relit.ssim": "SSIM",
+    "relit.rmse_aligned": "RMSE, one exposure",
+    "relit.psnr_aligned": "PSNR, one exposure",
+}
+
+CHANNELS: Columns = {
+    "albedo.rmse": "albedo RMSE",
+    "albedo.rmse_aligned": "albedo, one exposure",
+    "normal.rmse": "normal RMSE",
+    "specular.rmse": "specular RMSE",
+    "shadow.rmse": "shadow RMSE",
+    "shadow.relative": "shadow over its RMS",
+    "light.wlog_l2": "light wlog-L2",
+}
+
+BORROWED: Columns = {
+    "borrowed.wlog_l2": "estimated light, wlog-L2",
+    "borrowed.rmse": "relit RMSE with it",
+    "relit.rmse": "with the true light",
+}
+
+
+def as_record(outcome: Outcome, training: str) -> dict:
+    """One JSON-ready object: for each contender the means and 95 % intervals, and how all were trained."""
+    contest = outcome.contest
+    rows = {}
+    for name, figures in outcome.figures.items():
+        intervals = {figure: [known(value.low), known(value.high)] for figure, value in figures.items()}
+        rows[name] = nested({figure: value.mean for figure, value in figures.items()}) | {
+            "intervals": nested(intervals)
+        }
+    return {
+        "rows": rows,
+        "samples": outcome.samples,
+        "heads": outcome.heads,
+        "split": contest.split,
+        "size": contest.size,
+        "training": training,
+    }
+
+
+def table(outcome: Outcome, columns: Columns, names: Sequence[str] | None = None) -> list[str]:
+    """Lines of Markdown: a row for each contender that has one of the columns, a dash for what it has not."""
+    lines = ["| | " + " | ".join(columns.values()) + " |", "|---" * (len(columns) + 1) + "|"]
+    for name in names or outcome.figures:
+        figures = outcome.figures[name]
+        if any(column in figures for column in columns):
+            cells = [interval_text(figures.get(column)) or "–" for column in columns]
+            lines.append(f"| {name} | " + " | ".join(cells) + " |")
+    return lines
+
+
+def paper_table(title: str, columns: Sequence[str], rows: Mapping[str, Sequence[float | None]]) -> list[str]:
+    """The paper's own figures, for the order of their size."""
+    lines = ["", f"{title}:", "", "| | " + " | ".join(columns) + " |", "|---" * (len(columns) + 1) + "|"]
+    for name, values in rows.items():
+        lines.append(f"| {name} | " + " | ".join("–" if v is None else f"{v:g}" for v in values) + " |")
+    return lines
+
+
+def heading(title: str, outcome: Outcome, training: str) -> list[str]:
+    """A title and what was measured."""
+    contest = outcome.contest
+    return [
+        f"# {title}",
+        "",
+        f"{contest.split} split: {outcome.heads} heads, {outcome.samples} relightings under panoramas at "
+        f"{contest.size} x {contest.size} pixels, clean photos, over all of the head. {training} "
+        "In brackets: 95 % intervals over heads.",
+        "",
+    ]

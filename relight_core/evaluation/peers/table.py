@@ -1,0 +1,77 @@
+"""Table 3: ours beside what others have published, on the same pictures."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from pathlib import Path
+
+from relight_core.evaluation.ablation.variants import VARIANTS, Budget, check_budget
+from relight_core.evaluation.contest import Contender, OurNetworks, Outcome
+from relight_core.evaluation.contest_report import BORROWED, RELIT, heading, paper_table, table
+from relight_core.evaluation.peers.dpr import Dpr, load_dpr
+from relight_core.evaluation.peers.shih import Shih
+from relight_core.evaluation.peers.shu import Shu
+from relight_core.evaluation.peers.sun import Sun, SunConfig, load_sun, train_sun
+from relight_core.lighting.reflection import ReflectionTable
+from relight_core.networks.bundle import load_bundle
+from relight_core.training.loop import state_path
+from relight_core.training.recipe import load_recipe
+from relight_core.training.run import Run
+
+GIVEN_TRUTH = ("Shih et al. 2014", "Shu et al. 2017")
+"""Whoever is given the truth as an example."""
+
+PAPER_TABLE_3 = {
+    "Shih et al. 2014": (0.0389, 29.4, 0.877),
+    "Shu et al. 2017": (0.0717, 25.1, 0.884),
+    "DPR (Zhou et al. 2019)": (0.1128, 19.8, 0.675),
+    "Sun et al. 2019": (0.0518, 26.4, 0.865),
+    "Full": (0.0281, 31.8, 0.914),
+}
+"""RMSE, PSNR and SSIM of the paper's Table 3; "Full" is its own model."""
+
+
+def trained_sun(heads: Path, lights: Path, folder: Path, budget: Budget, report: Callable[[float, str], None]) -> Sun:
+    """Sun et al.'s network from a folder, trained first where it is not there or not finished.
+
+    As wide and deep as the variants' de-lighting networks; it takes as many steps as a variant does in all its
+    stages, on the same batches.
+    """
+    check_budget(folder, budget)
+    checkpoint, like = folder / "sun" / "sun.safetensors", budget.of(load_recipe(VARIANTS["Full"]))
+    if not checkpoint.exists() or state_path(checkpoint).exists():
+        run = Run("", heads, lights, checkpoint, size=budget.size, pairs=budget.pairs, kept=folder / "batches")
+        steps = [plan.steps for plan in like.stages]
+        config = SunConfig(like.networks.delight.width, like.networks.delight.levels)
+        train_sun(run, sum(steps), max(steps), config, report)
+    return Sun(load_sun(checkpoint))
+
+
+def contenders(networks: Mapping[str, Path], sun: Sun | None, dpr: Path | None) -> dict[str, Contender]:
+    """Everybody, in the order of the paper's Table 3.
+
+    Args:
+        networks: weights of ours by name.
+        dpr: the checkpoint that the user supplies.
+
+    Raises:
+        InputError: a file is missing or damaged.
+    """
+    table = ReflectionTable()
+    everybody: dict[str, Contender] = {"Shih et al. 2014": Shih(), "Shu et al. 2017": Shu()}
+    if dpr is not None:
+        everybody["DPR (Zhou et al. 2019)"] = Dpr(load_dpr(dpr))
+    if sun is not None:
+        everybody["Sun et al. 2019"] = sun
+    return everybody | {name: OurNetworks(load_bundle(path).eval(), table) for name, path in networks.items()}
+
+
+def as_markdown(outcome: Outcome, training: str) -> str:
+    """Everybody's relit pictures, light borrowed from a portrait, and the paper's own figures."""
+    shown = [f"{name} (given the truth)" if name in GIVEN_TRUTH else name for name in outcome.figures]
+    told = replace(outcome, figures=dict(zip(shown, outcome.figures.values(), strict=True)))
+    lines = heading("Comparison (paper, Table 3)", told, training) + table(told, RELIT)
+    lines += ["", "Light from a portrait of somebody else (paper, Figure 11, below):", "", *table(told, BORROWED)]
+    lines += paper_table("The paper's Table 3, on its own data", ("RMSE", "PSNR", "SSIM"), PAPER_TABLE_3)
+    return "\n".join(lines) + "\n"

@@ -1,0 +1,107 @@
+"""Several ways to relight on the same pictures: balls under random panoramas."""
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import torch
+from synthetic_heads import write_balls, write_lights
+
+from relight_core.errors import InputError
+from relight_core.evaluation.contest import Contest, OurNetworks, hold
+from relight_core.evaluation.contest_report import BORROWED, CHANNELS, RELIT, as_record, table
+from relight_core.lighting.reflection import ReflectionTable
+from relight_core.networks.bundle import BundleConfig, NetworkBundle
+from relight_core.networks.composition import CompositionConfig
+from relight_core.networks.delight import DelightConfig
+from relight_core.networks.specular_shadow import SpecularShadowConfig
+
+EVEN = np.ones((16, 32, 3), np.float32)
+
+
+@pytest.fixture(scope="module")
+def contest(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("contest")
+    write_balls(folder / "heads", 2_000_000, 2, size=32)
+    write_lights(folder / "lights.npz", 4)
+    return Contest(folder / "heads", folder / "lights.npz", 16, count=2)
+
+
+class Given:
+    """Returns the truth, told a light that it did not see."""
+
+    def __init__(self, guess=EVEN, gain=1.0):
+        self.guess, self.gain, self.tasks = guess, gain, []
+
+    def look(self, photo):
+        return photo
+
+    def relight(self, seen, task):
+        self.tasks.append((seen, task))
+        return {"composition": task.reference / task.gain * self.gain}
+
+    def channels(self, seen):
+        return {"guess": self.guess} if self.guess is not None else {}
+
+
+def test_the_truth_has_no_error_and_half_of_it_none_after_alignment(contest):
+    outcome = hold({"truth": Given(None), "dim": Given(None, 0.5)}, contest)
+    truth, dim = outcome.figures["truth"], outcome.figures["dim"]
+    assert truth["relit.rmse"].mean < 2e-3
+    assert dim["relit.rmse"].mean > 0.05
+    assert dim["relit.rmse_aligned"].mean < 5e-3
+    assert dim["relit.psnr_aligned"].mean > dim["relit.psnr"].mean + 10
+    assert (outcome.samples, outcome.heads) == (8, 2)
+    assert "light.wlog_l2" not in truth
+
+
+def test_light_is_borrowed_from_the_other_head_in_the_target_light(contest):
+    found = Given()
+    figures = hold({"even": found}, contest).figures["even"]
+    assert len(found.tasks) == 16
+    for (_, task), (_, borrowed) in zip(found.tasks[::2], found.tasks[1::2], strict=True):
+        assert not np.allclose(task.light, EVEN)
+        np.testing.assert_allclose(borrowed.light, EVEN, rtol=1e-5)
+        assert borrowed.gain == task.gain
+    assert figures["borrowed.wlog_l2"].mean > 0
+    assert figures["light.wlog_l2"].mean > 0
+
+
+def test_fewer_relightings_begin_elsewhere_for_each_head(contest):
+    found = Given(None)
+    outcome = hold({"truth": found}, replace(contest, every=2))
+    assert outcome.samples == 4
+    assert hold({"truth": Given(None)}, replace(contest, every=4)).samples == 2
+    sources = [task.light for _, task in found.tasks]
+    assert not np.allclose(sources[0], sources[2])
+
+
+@pytest.mark.parametrize("plain", [False, True])
+def test_networks_of_any_variant_take_part(plain, contest):
+    torch.manual_seed(0)
+    config = BundleConfig.tiny()
+    if plain:
+        config = BundleConfig(
+            DelightConfig(width=4, levels=3, anchored=False, classes=0, relief=False),
+            SpecularShadowConfig(4, 3, per_pixel_light=False, relief_shadow=False, additive=True, modulated=False),
+            CompositionConfig(4, 2, explicit_sum=False, effects=False, modulated=False),
+        )
+    networks = OurNetworks(NetworkBundle(config).eval(), ReflectionTable())
+    outcome = hold({"networks": networks, "truth": Given(None)}, replace(contest, every=2))
+    figures = outcome.figures["networks"]
+    assert all(np.isfinite(value.mean) for value in figures.values())
+    assert ("shadow.rmse" in figures) is not plain
+    assert {"albedo.rmse_aligned", "normal.rmse", "light.wlog_l2", "borrowed.rmse"} <= set(figures)
+    record = json.loads(json.dumps(as_record(outcome, "for no time"), allow_nan=False))
+    assert record["rows"]["networks"]["relit"]["rmse"] == pytest.approx(figures["relit.rmse"].mean)
+    assert record["training"] == "for no time"
+    assert len(table(outcome, RELIT)) == 4
+    assert len(table(outcome, BORROWED)) == 4
+    row = next(line for line in table(outcome, CHANNELS) if line.startswith("| networks"))
+    assert row.count("–") == (3 if plain else 0)
+
+
+def test_a_size_that_the_heads_have_not_is_refused(contest):
+    with pytest.raises(InputError, match="24"):
+        hold({"truth": Given()}, replace(contest, size=24))
