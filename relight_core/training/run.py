@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -69,11 +70,17 @@ def train(run: Run, report) -> NetworkBundle:
     )
     device = "cuda" if torch.cuda.is_available() else "cpu"
     run.checkpoint.parent.mkdir(parents=True, exist_ok=True)
-    # Denormals slow a CPU's convolutions manyfold; the setting is the process's, so it is given back.
-    torch.set_flush_denormal(True)
-    try:
+    with denormals_flushed():
         batches_from = partial(_batches, run, stage)
         return train_stage(stage, bundle, batches_from, budget, run.checkpoint, report, device)
+
+
+@contextmanager
+def denormals_flushed() -> Iterator[None]:
+    """Denormals slow a CPU's convolutions manyfold; the setting is the process's, so it is given back."""
+    torch.set_flush_denormal(True)
+    try:
+        yield
     finally:
         torch.set_flush_denormal(False)
 

@@ -34,7 +34,7 @@ from relight_core.networks.lfm import BottleneckLight, decode_lit, encode_light
 from relight_core.pipeline.channels import as_image
 from relight_core.training.loop import Budget, train_stage
 from relight_core.training.losses import irradiance_l1, masked_l1, wlog_l2
-from relight_core.training.run import Run, shared_batches
+from relight_core.training.run import Run, denormals_flushed, shared_batches
 from relight_core.training.stages import Stage
 
 LEARNING_RATE = 2e-3
@@ -125,15 +125,16 @@ def train_sun(
     torch.manual_seed(run.seed)
     run.checkpoint.parent.mkdir(parents=True, exist_ok=True)
     budget = Budget(LEARNING_RATE, steps=steps, warm_up_steps=max(min(200, steps // 10), 1))
-    return train_stage(
-        SUN_STAGE,
-        SunModel(config),
-        lambda first: _round_and_round(run, first % distinct, distinct),
-        budget,
-        run.checkpoint,
-        lambda done, state: report(done, f"Sun et al. 2019, step {state.step}"),
-        "cuda" if torch.cuda.is_available() else "cpu",
-    )
+    with denormals_flushed():
+        return train_stage(
+            SUN_STAGE,
+            SunModel(config),
+            lambda first: _round_and_round(run, first % distinct, distinct),
+            budget,
+            run.checkpoint,
+            lambda done, state: report(done, f"Sun et al. 2019, step {state.step}"),
+            "cuda" if torch.cuda.is_available() else "cpu",
+        )
 
 
 def _round_and_round(run: Run, first: int, distinct: int) -> Iterator[dict[str, torch.Tensor]]:
