@@ -193,3 +193,13 @@ def test_evaluation_refuses(run, data):
     refused(run(*words, "--split", "train"))
     (data / "heads" / "head-2000000.npz").write_bytes(b"PK\x03\x04")
     refused(run(*words, "--weights", data / "tiny.safetensors"), "head-2000000")
+
+
+@pytest.mark.parametrize("table", ["ablation", "peers"])
+def test_the_paper_s_tables_refuse_before_anything_slow(run, data, table):
+    words = ["evaluate", table, "--heads", data / "heads", "--lights", data / "lights.npz"]
+    refused(run(*words), "-o")
+    refused(run(*words, "-o", data / "tables", "--size", 48), "48", "32")
+    refused(run(*words, "-o", data / "tables", "--steps", "0"), "whole number")
+    refused(run(*words, "-o", data / "lights.npz"), "lights.npz")
+    refused(run(*words[:2], "--heads", data / "none", *words[4:], "-o", data / "tables"), "none")

@@ -120,6 +120,27 @@ def test_a_darker_picture_is_worse_but_aligned(truth, covered):
     figures = score_relit(truth["image"] * 0.8, truth["image"], 2.0, covered, covered)
     assert figures["relit.rmse"] > 0.03
     assert figures["relit.rmse_aligned"] < 1e-3
+    assert figures["relit.psnr_aligned"] > figures["relit.psnr"] + 20
+    assert figures["relit.ssim_aligned"] > figures["relit.ssim"]
+
+
+def test_one_exposure_mends_no_tint(truth, covered):
+    figures = score_relit(truth["image"] * np.float32([1.3, 1, 0.7]), truth["image"], 2.0, covered, covered)
+    assert figures["relit.rmse_aligned"] > 0.03
+
+
+def test_the_best_exposure_is_of_what_is_seen(truth, covered):
+    """A glint that both show as white weighs nothing, however wrong its radiance is."""
+    estimate, true = truth["image"] * 0.5, truth["image"].copy()
+    estimate[10, 10], true[10, 10] = 900, 50
+    figures = score_relit(estimate, true, 1.0, covered, covered)
+    assert figures["relit.rmse_aligned"] < 1e-2
+
+
+def test_alignment_never_makes_a_picture_worse(truth, covered):
+    estimate = truth["image"][::-1].copy()
+    figures = score_relit(estimate, truth["image"], 1.5, covered, covered)
+    assert figures["relit.rmse_aligned"] <= figures["relit.rmse"] + 1e-6
 
 
 def test_the_exposure_brings_out_errors_in_dim_pictures(truth, covered):
