@@ -22,7 +22,7 @@ from relight_core.evaluation.held_out import (
     held_out_textures,
     load_head,
 )
-from relight_core.evaluation.metrics import Interval, wlog_l2
+from relight_core.evaluation.metrics import Interval, bootstrap_interval, wlog_l2
 from relight_core.evaluation.scoring import Figures, score_effects, score_relit, score_surface
 from relight_core.lighting.environment import mean_luminance
 from relight_core.lighting.reflection import ReflectionTable
@@ -104,6 +104,8 @@ class Contest:
 class Outcome:
     """Figures of every contender, by its name and theirs, with 95 % intervals over heads.
 
+    "relit.psnr_gain" is the mean difference in PSNR from the contender before, picture by picture: its
+    interval tells whether an order holds, where those of the figures themselves overlap.
     Beside those of `scoring`: "borrowed.wlog_l2" is the target light as estimated from a portrait of another
     head in it, "borrowed.rmse" the error when the photo is relit with that estimate (paper, Figure 11, below).
     """
@@ -136,7 +138,14 @@ def hold(
             rows[name] += [(head.name, figures) for figures in scored]
             report((number + (place + 1) / len(contenders)) / len(paths))
     figures = {name: intervals_over_heads(scored) for name, scored in rows.items()}
+    for name, before in zip(list(rows)[1:], rows, strict=False):
+        figures[name]["relit.psnr_gain"] = _gain(rows[name], rows[before])
     return Outcome(figures, len(next(iter(rows.values()))), len(paths), contest)
+
+
+def _gain(rows: list[tuple[str, Figures]], before: list[tuple[str, Figures]]) -> Interval:
+    differences = [one["relit.psnr"] - other["relit.psnr"] for (_, one), (_, other) in zip(rows, before, strict=True)]
+    return bootstrap_interval(np.array(differences), np.array([head for head, _ in rows]))
 
 
 def _portraits_of_others(

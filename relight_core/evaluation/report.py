@@ -129,6 +129,6 @@ def interval_text(interval: Interval | None) -> str:
     """A mean with its interval in brackets; nothing for None."""
     if interval is None:
         return ""
-    digits = 3 if interval.mean >= 1 else 4 if interval.mean >= 0.05 else 5
+    digits = 3 if abs(interval.mean) >= 1 else 4 if abs(interval.mean) >= 0.05 else 5
     text = f"{interval.mean:.{digits}f}"
     return text if math.isnan(interval.low) else f"{text} ({interval.low:.{digits}f} to {interval.high:.{digits}f})"

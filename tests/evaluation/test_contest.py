@@ -53,6 +53,9 @@ def test_the_truth_has_no_error_and_half_of_it_none_after_alignment(contest):
     assert dim["relit.rmse_aligned"].mean < 5e-3
     assert dim["relit.psnr_aligned"].mean > dim["relit.psnr"].mean + 10
     assert (outcome.samples, outcome.heads) == (8, 2)
+    assert "relit.psnr_gain" not in truth
+    assert dim["relit.psnr_gain"].mean == pytest.approx(dim["relit.psnr"].mean - truth["relit.psnr"].mean)
+    assert dim["relit.psnr_gain"].high < 0
     assert "light.wlog_l2" not in truth
 
 
