@@ -26,7 +26,6 @@ PACKAGES = (
     "moderngl",
     "glfw",
     "imgui-bundle",
-    "PyOpenGL",
     "mitsuba",
 )
 

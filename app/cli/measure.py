@@ -7,6 +7,8 @@ import json
 from dataclasses import asdict
 from pathlib import Path
 
+from relight_core.pipeline.quality import TIERS
+
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments of `relight measure`."""
@@ -14,6 +16,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--openings", type=int, default=0, metavar="N", help="open N photos in turn for the memory")
     parser.add_argument("--seconds", type=float, default=8.0, help="how long the light is dragged (8)")
     parser.add_argument("--repeats", type=int, default=40, help="movements timed for each slider (40)")
+    parser.add_argument(
+        "--quality", choices=("auto", *TIERS), default="auto", help="the tier to work at; draft opens photos soonest"
+    )
     parser.add_argument("--json", action="store_true", help="one JSON object on stdout")
 
 
@@ -30,6 +35,7 @@ def run(arguments: argparse.Namespace) -> int:
             drag_s=arguments.seconds,
             repeats=arguments.repeats,
             openings=arguments.openings,
+            quality=arguments.quality,
         )
     except (NoDisplayError, TimeoutError) as error:
         raise InputError(f"the window can't be measured: {error}") from error
@@ -47,6 +53,8 @@ def run(arguments: argparse.Namespace) -> int:
     print(f"{speed.frames} frames and {speed.updates} pictures during the drag")
     print(f"at rest {speed.idle_cpu:.2%} of a core")
     if speed.memory_mb:
-        first, last = speed.memory_mb[0], speed.memory_mb[-1]
-        print(f"memory after the first photo {first:.0f} MiB, after the last {last:.0f} MiB")
+        most = max(speed.memory_mb)
+        shown = sorted({0, *(len(speed.memory_mb) * part // 4 - 1 for part in (1, 2, 3, 4))} - {-1})
+        places = ", ".join(f"{index + 1}: {speed.memory_mb[index]:.0f}" for index in shown)
+        print(f"MiB of memory after opening number {places}; {most:.0f} at the most")
     return 0

@@ -174,11 +174,15 @@ def segmented(choices: Sequence[tuple[str, str, str]], chosen: str, width: float
     """
     spacing = 2.0
     width = ((width or imgui.get_content_region_avail().x) - spacing * (len(choices) - 1)) / len(choices)
+    padding = imgui.get_style().frame_padding
     for index, (value, label, tooltip) in enumerate(choices):
         if index:
             imgui.same_line(0.0, spacing)
+        # Narrow, so that words are not cut where the panel is.
+        imgui.push_style_var(imgui.StyleVar_.frame_padding, imgui.ImVec2(1.0, padding.y))
         if toggle(label, value == chosen, width):
             chosen = value
+        imgui.pop_style_var()
         imgui.set_item_tooltip(tooltip)
     return chosen
 

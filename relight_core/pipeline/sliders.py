@@ -11,10 +11,10 @@ from relight_core.lighting.light_edit import colour_gain
 from relight_core.pipeline.hints import Effects
 from relight_core.pipeline.stages import Surface
 
-_WIDEST = 0.06
+_WIDEST = 0.09
 """Standard deviation of the blur at softness 1, as a share of the view's side."""
 
-_STEP = 0.06
+_STEP = 0.09
 """A change of height, in half-widths of the view, that keeps the blur from crossing it about as two deviations do."""
 
 _OUTLINE = 0.5
