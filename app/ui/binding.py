@@ -121,13 +121,13 @@ class Binding:
         imgui.destroy_context(self._context)
 
     def _share_the_clipboard(self) -> None:
-        platform, window = imgui.get_platform_io(), self._window
+        platform = imgui.get_platform_io()
 
         def read(_context: object) -> str:
-            return (glfw.get_clipboard_string(window) or b"").decode("utf-8", "replace")
+            return (glfw.get_clipboard_string(None) or b"").decode("utf-8", "replace")
 
         platform.platform_get_clipboard_text_fn = read
-        platform.platform_set_clipboard_text_fn = lambda _context, text: glfw.set_clipboard_string(window, text)
+        platform.platform_set_clipboard_text_fn = lambda _context, text: glfw.set_clipboard_string(None, text)
 
 
 def _as_labelled(key: int) -> int:
