@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import threading
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import partial
@@ -144,6 +145,9 @@ class Desk:
         return now
 
     def _load_networks(self, now: Snapshot) -> Snapshot:
+        if self._loading is not None:
+            # Importing torch keeps one core busy for a second; the faces are found meanwhile, and remembered.
+            threading.Thread(target=find_faces, args=(self._loading[1],), daemon=True).start()
         self._relighter = self._make_relighter()
         self._set_pace(True)
         self._tiers.read()

@@ -1,4 +1,4 @@
-"""What each stage of the last update took, and why it ran or did not."""
+"""When each stage of the last update ran and what it took, and why it ran or did not."""
 
 from __future__ import annotations
 
@@ -8,9 +8,9 @@ from app.ui import probe_card, theme
 from app.ui.layout import Rect
 from app.ui.state import EditorState
 
-_NAME_EM, _MS_EM, _BAR_EM, _WHY_EM = 7.6, 3.6, 4.6, 12.5
+_NAME_EM, _MS_EM, _BAR_EM, _WHY_EM = 7.6, 3.6, 8.0, 12.5
 _PAD_EM, _LINE_EM = 0.7, 1.25
-_ROOM_FOR_WHY_EM = 46.0
+_ROOM_FOR_WHY_EM = 49.0
 
 
 def draw(state: EditorState, rect: Rect) -> None:
@@ -30,10 +30,10 @@ def draw(state: EditorState, rect: Rect) -> None:
     draw_list = imgui.get_window_draw_list()
     corner, end = imgui.ImVec2(x, y), imgui.ImVec2(x + width, y + height)
     draw_list.add_rect_filled(corner, end, theme.packed((0.05, 0.05, 0.05, 1.0), 0.82), 0.27 * em)
-    longest = max(stage.ms for stage in stages.values() if stage.state == "computed") if _any(stages) else 1.0
+    end_ms = max((stage.start_ms + stage.ms for stage in stages.values() if stage.state == "computed"), default=1.0)
     for row, (name, stage) in enumerate(stages.items()):
         at = imgui.ImVec2(x + _PAD_EM * em, y + (_PAD_EM + row * _LINE_EM) * em)
-        _row(draw_list, at, name, stage, longest, wide)
+        _row(draw_list, at, name, stage, end_ms, wide)
     total = sum(stage.ms for stage in stages.values() if stage.state == "computed")
     foot = y + (_PAD_EM + len(stages) * _LINE_EM) * em
     draw_list.add_text(imgui.ImVec2(x + _PAD_EM * em, foot), theme.packed(theme.TEXT), "all together")
@@ -41,20 +41,17 @@ def draw(state: EditorState, rect: Rect) -> None:
     imgui.pop_font()
 
 
-def _any(stages: dict) -> bool:
-    return any(stage.state == "computed" for stage in stages.values())
-
-
-def _row(draw_list: imgui.ImDrawList, at: imgui.ImVec2, name: str, stage, longest: float, wide: bool) -> None:
+def _row(draw_list: imgui.ImDrawList, at: imgui.ImVec2, name: str, stage, end_ms: float, wide: bool) -> None:
+    """One stage; its bar lies where it ran between the update's begin and `end_ms`."""
     em = imgui.get_font_size()
     computed = stage.state == "computed"
     colour = theme.TEXT if computed else theme.FAINT
     draw_list.add_text(at, theme.packed(colour), name.replace("_", " "))
     if computed:
         _right_aligned(draw_list, f"{stage.ms:.1f} ms", at.x + (_NAME_EM + _MS_EM) * em, at.y, colour)
-        length = (_BAR_EM - 1.0) * em * stage.ms / max(longest, 1e-6)
-        left, middle = at.x + (_NAME_EM + _MS_EM + 0.6) * em, at.y + 0.55 * em
-        end = imgui.ImVec2(left + max(length, 1.0), middle + 0.2 * em)
+        per_ms = (_BAR_EM - 1.0) * em / max(end_ms, 1e-6)
+        left, middle = at.x + (_NAME_EM + _MS_EM + 0.6) * em + per_ms * stage.start_ms, at.y + 0.55 * em
+        end = imgui.ImVec2(left + max(per_ms * stage.ms, 1.0), middle + 0.2 * em)
         draw_list.add_rect_filled(imgui.ImVec2(left, middle - 0.2 * em), end, theme.packed(theme.ACCENT), 1.0)
     else:
         draw_list.add_text(imgui.ImVec2(at.x + (_NAME_EM + 0.6) * em, at.y), theme.packed(colour), stage.state)

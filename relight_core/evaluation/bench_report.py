@@ -83,6 +83,7 @@ def as_markdown(result: BenchResult) -> str:
     lines = [
         f"{machine['processor']}, {machine['threads']} threads of {machine['cores']} cores{load}; "
         f"torch {machine['torch']} on {machine['device']}, {machine['system']}",
+        *_start(machine),
         "",
         *_actions(result),
         "",
@@ -91,6 +92,11 @@ def as_markdown(result: BenchResult) -> str:
         *_limits(result),
     ]
     return "\n".join(lines) + "\n"
+
+
+def _start(machine: dict) -> list[str]:
+    seconds = machine.get("first_picture_s")
+    return [] if seconds is None else ["", f"From the start of the program to a relit picture in a file: {seconds} s."]
 
 
 def _actions(result: BenchResult) -> list[str]:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import threading
 from dataclasses import dataclass, replace
+from weakref import WeakKeyDictionary
 
 import cv2
 import numpy as np
@@ -17,6 +19,9 @@ _LONG_SIDE_FOR_SMALL_PX = 2800
 _LARGEST_GROWTH = 3.0
 _BEYOND_DOUBT_VOTES = 40
 _TILTS_DEG = (-30.0, 30.0)
+
+_known: WeakKeyDictionary[Photo, list[FaceBox]] = WeakKeyDictionary()
+_finding = threading.Lock()
 
 
 @dataclass(frozen=True)
@@ -52,11 +57,18 @@ def find_faces(photo: Photo) -> list[FaceBox]:
 
     Upright frontal faces; where none of them is beyond doubt, faces in profile, and faces that lean by up to
     about 45 degrees, on turned copies. Where there is none at all, smaller ones are looked for, down to about
-    40 pixels of a photo of 12 megapixels.
+    40 pixels of a photo of 12 megapixels. A photo is searched once, however many threads ask.
 
     Returns:
         Largest first, small doubtful ones last; empty when there is none.
     """
+    with _finding:
+        if photo not in _known:
+            _known[photo] = _search(photo)
+        return list(_known[photo])
+
+
+def _search(photo: Photo) -> list[FaceBox]:
     for long_side_px, growth in ((_LONG_SIDE_PX, _LARGEST_GROWTH), (_LONG_SIDE_FOR_SMALL_PX, 1.0)):
         grey, scale = _detection_view(photo.linear, long_side_px, growth)
         if min(grey.shape) < 24:

@@ -1,8 +1,11 @@
+from concurrent.futures import ThreadPoolExecutor
+
 import numpy as np
 import pytest
 import skimage.data
 
-from relight_core.face.find import find_faces
+from relight_core.face import find
+from relight_core.face.find import FaceBox, find_faces
 from relight_core.imaging.photo import Photo
 
 ASTRONAUT = skimage.data.astronaut()
@@ -99,3 +102,14 @@ def test_a_face_of_40_pixels_in_a_large_photo():
     boxes = found_in(photo)
     assert len(boxes) == 1
     assert share_in_common(boxes[0], (693, 346, 731, 385)) > 0.5
+
+
+def test_a_photo_is_searched_once_and_answers_are_copies(monkeypatch):
+    searched = []
+    monkeypatch.setattr(find, "_search", lambda photo: searched.append(photo) or [FaceBox(1, 2, 3, 4)])
+    one, other = (Photo(np.zeros((8, 8, 3), np.float32)) for _ in range(2))
+    with ThreadPoolExecutor(4) as pool:
+        answers = list(pool.map(find_faces, [one, one, other, one]))
+    assert searched.count(one) == searched.count(other) == 1
+    answers[0].clear()
+    assert find_faces(one) == [FaceBox(1, 2, 3, 4)]
