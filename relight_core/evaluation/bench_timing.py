@@ -131,6 +131,8 @@ _ONCE = (
     "network_view",
     "delight",
     "relief",
+    "normals",
+    "begun",
     "source_light",
     "albedo",
     "residual",

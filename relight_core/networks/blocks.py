@@ -36,12 +36,28 @@ class Encoder(nn.Module):
             for above, below in zip(widths, widths[1:], strict=False)
         )
 
-    def forward(self, x: torch.Tensor) -> list[torch.Tensor]:
-        """Features of every level, finest first, in the weights' precision."""
-        features = [self.stem(x.to(self.stem.conv.weight.dtype))]
+    def begin(self, first: torch.Tensor) -> torch.Tensor:
+        """What the first of the input channels add to the first convolution; normalisation must be folded."""
+        conv = self.stem.conv
+        weight = conv.weight[:, : first.shape[1]].contiguous(memory_format=torch.channels_last)
+        return F.conv2d(first.to(weight.dtype), weight, conv.bias, padding=1)
+
+    def forward(self, x: torch.Tensor, begun: torch.Tensor | None = None) -> list[torch.Tensor]:
+        """Features of every level, finest first, in the weights' precision.
+
+        Args:
+            x: (B, inputs, H, W), or only the last of those channels where the others have begun.
+        """
+        features = [self._stem(x.to(self.stem.conv.weight.dtype), begun)]
         for level in self.levels:
             features.append(level(features[-1]))
         return features
+
+    def _stem(self, x: torch.Tensor, begun: torch.Tensor | None) -> torch.Tensor:
+        if begun is None:
+            return self.stem(x)
+        weight = self.stem.conv.weight[:, -x.shape[1] :].contiguous(memory_format=torch.channels_last)
+        return F.leaky_relu(F.conv2d(x, weight, padding=1) + begun, 0.1, inplace=True)
 
 
 class UpLevel(nn.Module):

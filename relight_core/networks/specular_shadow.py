@@ -78,7 +78,17 @@ class SpecularShadowNetwork(nn.Module):
         if self.config.additive:
             nn.init.constant_(self.head.bias, _SMALL_LOGIT)
 
-    def forward(self, normal: torch.Tensor, light: torch.Tensor, hints: torch.Tensor | None = None) -> Occlusion:
+    def begin(self, normal: torch.Tensor, hints: torch.Tensor | None = None) -> torch.Tensor:
+        """What no light changes, once per surface: normal, and hints up to the parsing. For `forward`'s `begun`."""
+        return self.encoder.begin(normal if hints is None else torch.cat([normal, hints], 1))
+
+    def forward(
+        self,
+        normal: torch.Tensor,
+        light: torch.Tensor,
+        hints: torch.Tensor | None = None,
+        begun: torch.Tensor | None = None,
+    ) -> Occlusion:
         """Estimate occlusion.
 
         Args:
@@ -86,10 +96,11 @@ class SpecularShadowNetwork(nn.Module):
             light: (B, 16, 32, 3) normalised radiance.
             hints: (B, hints, H, W): relief, parsing, log(1 + irradiance), log(1 + gloss), shadow fraction from
                 relief, as far as the configuration asks for them.
+            begun: of `begin`; `hints` are then only those that it has not seen, and `normal` is not read.
         """
-        x = normal if hints is None else torch.cat([normal, hints], 1)
+        x = normal if hints is None else hints if begun is not None else torch.cat([normal, hints], 1)
         encoded_light = encode_light(light)
-        x = decode_lit(self.decoder, self.encoder(x), encoded_light, self.modulations, self.bottleneck)
+        x = decode_lit(self.decoder, self.encoder(x, begun), encoded_light, self.modulations, self.bottleneck)
         shadow, gloss = self.head(x).split(1, 1)
         if self.config.relief_shadow and hints is not None:
             shadow = shadow + torch.logit(hints[:, -1:].float().clamp(0.02, 0.98))

@@ -196,10 +196,16 @@ class FaceRelighter:
                 self._shop.device,
                 by_network=plan.shadow_network,
                 precision=ready.tier.precision,
+                begun=self._begun(ready) if plan.shadow_network else None,
             ),
             "new light",
             keep=KEPT_LIGHTS,
         )
+
+    def _begun(self, ready: Prepared) -> torch.Tensor:
+        shop, precision = self._shop, ready.tier.precision
+        make = lambda: stages.begin_effects(shop.bundle, ready.found, shop.device, precision=precision)  # noqa: E731
+        return self._once("begun", ready.tier.surface_key, make)
 
     def _reflector(self, ready: Prepared) -> stages.Reflector:
         make = lambda: stages.reflector(self._shop.table, ready.found)  # noqa: E731

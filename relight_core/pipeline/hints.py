@@ -29,11 +29,27 @@ def specular_shadow_hints(
         relief: (B, 1, H, W) height toward the camera in half-widths of the view, and
         parsing: (B, classes, H, W) probabilities, the background first; both needed when configured.
     """
+    both = (surface_hints(config, relief, parsing), light_hints(config, reflected, relief_shadow))
+    hints = [part for part in both if part is not None]
+    return torch.cat(hints, 1) if hints else None
+
+
+def surface_hints(
+    config: SpecularShadowConfig, relief: torch.Tensor | None, parsing: torch.Tensor | None
+) -> torch.Tensor | None:
+    """Those of `specular_shadow_hints` that no light changes; they come first."""
+    if not config.parsing_classes:
+        return None
+    if relief is None or parsing is None:
+        raise ValueError("this SS network expects the relief and the parsing")
+    return torch.cat([relief * (1 - parsing[:, :1]), parsing], 1)
+
+
+def light_hints(
+    config: SpecularShadowConfig, reflected: torch.Tensor, relief_shadow: torch.Tensor | None
+) -> torch.Tensor | None:
+    """Those of `specular_shadow_hints` that follow the light."""
     hints = []
-    if config.parsing_classes:
-        if relief is None or parsing is None:
-            raise ValueError("this SS network expects the relief and the parsing")
-        hints += [relief * (1 - parsing[:, :1]), parsing]
     if config.per_pixel_light:
         hints += [torch.log1p(grey(reflected[:, :3])), torch.log1p(4 * grey(reflected[:, 3:]))]
     if config.relief_shadow:

@@ -22,7 +22,8 @@ from relight_core.pipeline.hints import (
     effects_of,
     estimated_effects,
     explicit_sum,
-    specular_shadow_hints,
+    light_hints,
+    surface_hints,
 )
 
 _RELIEF_UNIT_PX = 64.0
@@ -168,6 +169,15 @@ def _dullness(surface: Surface) -> torch.Tensor:
 
 
 @torch.inference_mode()
+def begin_effects(
+    bundle: NetworkBundle, surface: Surface, device: str = "cpu", *, precision: str = "bf16"
+) -> torch.Tensor:
+    """The part of the SS network's work that no light changes."""
+    network = in_precision(bundle, device, precision).specular_shadow
+    return network.begin(surface.normal, surface_hints(network.config, surface.relief, surface.parsing))
+
+
+@torch.inference_mode()
 def estimate_effects(
     bundle: NetworkBundle,
     surface: Surface,
@@ -178,12 +188,14 @@ def estimate_effects(
     *,
     by_network: bool = True,
     precision: str = "bf16",
+    begun: torch.Tensor | None = None,
 ) -> Effects:
     """Specular and shadow of a light (1, 16, 32, 3).
 
     Args:
         transport: of the surface's relief; None leaves its shadow out.
         by_network: the SS network says what is hidden; else the relief alone, of gloss as of irradiance.
+        begun: `begin_effects` of the surface, where that is kept.
     """
     fraction = torch.zeros_like(surface.relief)
     if transport is not None:
@@ -193,8 +205,14 @@ def estimate_effects(
         logit = torch.logit(fraction, eps=1e-6)
         return effects_of(Occlusion(logit, logit), reflected, surface.albedo)
     config = bundle.config.specular_shadow
-    hints = specular_shadow_hints(config, reflected, fraction, surface.relief, surface.parsing)
-    occlusion = in_precision(bundle, device, precision).specular_shadow(surface.normal, light, hints)
+    network = in_precision(bundle, device, precision).specular_shadow
+    hints = light_hints(config, reflected, fraction)
+    if hints is None:
+        occlusion = network(surface.normal, light, surface_hints(config, surface.relief, surface.parsing))
+    else:
+        if begun is None:
+            begun = begin_effects(bundle, surface, device, precision=precision)
+        occlusion = network(surface.normal, light, hints, begun)
     return estimated_effects(config, occlusion, reflected, surface.albedo)
 
 

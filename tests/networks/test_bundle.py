@@ -5,8 +5,10 @@ import torch
 from safetensors.torch import load_file, save_file
 
 from relight_core.errors import InputError
+from relight_core.networks.blocks import fold_normalisation
 from relight_core.networks.bundle import BundleConfig, NetworkBundle, load_bundle, save_bundle
 from relight_core.networks.delight import DelightConfig
+from relight_core.networks.specular_shadow import SpecularShadowConfig, SpecularShadowNetwork
 
 
 @pytest.fixture
@@ -151,3 +153,21 @@ def test_a_rounded_bundle_leaves_the_original_whole():
     assert {p.dtype for p in bundle.parameters()} == {torch.float32}
     assert rounded.composition.head.weight.dtype == torch.float32
     assert rounded.composition.encoder.stem.conv.weight.dtype == torch.bfloat16
+
+
+@pytest.mark.parametrize("classes", [0, 5])
+def test_what_was_begun_without_the_light_is_gone_on_with(classes):
+    torch.manual_seed(0)
+    network = SpecularShadowNetwork(SpecularShadowConfig(width=4, levels=3, parsing_classes=classes))
+    for name, buffer in network.named_buffers():
+        if name.endswith("running_var"):
+            buffer.uniform_(0.5, 2)
+    network = fold_normalisation(network.eval().requires_grad_(False))
+    normal, light = torch.nn.functional.normalize(torch.randn(1, 3, 32, 32), dim=1), torch.rand(1, 16, 32, 3)
+    fixed, hints = torch.rand(1, classes + 1, 32, 32) if classes else None, torch.rand(1, 3, 32, 32)
+    whole = network(normal, light, torch.cat([fixed, hints], 1) if classes else hints)
+    begun = network.begin(normal, fixed)
+    resumed = network(normal, light, hints, begun)
+    torch.testing.assert_close(resumed.shadow, whole.shadow, rtol=1e-4, atol=1e-5)
+    torch.testing.assert_close(resumed.gloss, whole.gloss, rtol=1e-4, atol=1e-5)
+    assert (network(normal, light, 1 - hints, begun).shadow - whole.shadow).abs().max() > 1e-3
