@@ -203,3 +203,29 @@ def test_the_paper_s_tables_refuse_before_anything_slow(run, data, table):
     refused(run(*words, "-o", data / "tables", "--steps", "0"), "whole number")
     refused(run(*words, "-o", data / "lights.npz"), "lights.npz")
     refused(run(*words[:2], "--heads", data / "none", *words[4:], "-o", data / "tables"), "none")
+
+
+def test_the_paper_s_tables_are_written_whole(run, data, monkeypatch):
+    from relight_core.evaluation.ablation import variants
+    from relight_core.evaluation.peers import table
+    from relight_core.evaluation.peers.sun import Sun, SunConfig, SunModel
+
+    # Trainings have tests of their own: here they are as if done.
+    weights = {"DL-RL": data / "tiny.safetensors", "Full": data / "tiny.safetensors"}
+    monkeypatch.setattr(variants, "train_variants", lambda *given: weights)
+    monkeypatch.setattr(variants, "trained_variants", lambda folder: dict(weights))
+    monkeypatch.setattr(table, "trained_sun", lambda *given: Sun(SunModel(SunConfig(4, 3)).eval()))
+    write_lights(data / "few.npz", 3)
+    words = ["--heads", data / "heads", "--lights", data / "few.npz", "--size", 32, "-o", data / "tables"]
+    code, out, _ = run("evaluate", "ablation", *words, "--steps", 7)
+    assert code == 0
+    assert "7 of warm-delight" in out
+    assert "| DL-RL |" in out
+    assert (data / "tables" / "ablation.md").read_text() in out
+    code, out, _ = run("evaluate", "peers", *words, "--every", 2, "--json", "--weights", data / "tiny.safetensors")
+    assert code == 0
+    record = json.loads(out)
+    assert record == json.loads((data / "tables" / "peers.json").read_text())
+    assert list(record["rows"]) == ["Shih et al. 2014", "Shu et al. 2017", "Sun et al. 2019", "DL-RL", "Full", "tiny"]
+    assert "Shu et al. 2017 (given the truth)" in (data / "tables" / "peers.md").read_text()
+    refused(run("evaluate", "peers", *words, "--dpr", data / "none.t7"), "none.t7", "not shipped")
