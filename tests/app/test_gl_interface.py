@@ -17,13 +17,13 @@ def painted(hand):
     window = hand.window
 
     def paint(list_it):
-        window._binding.begin()
+        window._graphics.binding.begin()
         list_it(imgui.get_foreground_draw_list())
-        window._binding.end()
+        window._graphics.binding.end()
         canvas = Canvas(window.context)
         canvas.fit((hand.width, hand.height))
         canvas.framebuffer.clear()
-        window._painter.paint(window._binding.listed(), canvas.framebuffer)
+        window._graphics.painter.paint(window._graphics.binding.listed(), canvas.framebuffer)
         pixels = canvas.pixels()[::-1][: SIZE[1], : SIZE[0]].copy()
         canvas.close()
         return pixels
