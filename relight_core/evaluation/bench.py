@@ -16,7 +16,7 @@ from relight_core.evaluation.scoring import (
     score_surface,
     score_unchanged,
 )
-from relight_core.face.parsing import CLASSES, FACE_LABELS, INDEX
+from relight_core.face.parsing import CLASSES, FACE_LABELS
 from relight_core.imaging.resampling import resize_area
 from relight_core.lighting.reflection import ReflectionTable
 from relight_core.lighting.relief import ReliefTransport
@@ -141,10 +141,9 @@ class Bench:
         return score_effects(estimated, small, covered) | score_relit(image, small["image"], exposure, covered, covered)
 
     def _true_surface(self, light: np.ndarray) -> stages.Surface:
-        """What perfect de-lighting would find; all of the head counts as skin, as it was rendered."""
+        """What perfect de-lighting would find."""
         person = self._tensor(self._truth["covered"])
-        parsing = torch.zeros(1, len(CLASSES), *person.shape[-2:], device=person.device)
-        parsing[:, INDEX["background"]], parsing[:, INDEX["skin"]] = 1 - person[:, 0], person[:, 0]
+        parsing = self._tensor(np.eye(len(CLASSES), dtype=np.float32)[self._truth["label"]])
         normal = torch.nn.functional.normalize(self._tensor(self._truth["normal"]), dim=1, eps=1e-4)
         return stages.Surface(
             photo=torch.zeros_like(normal),
