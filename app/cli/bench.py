@@ -51,7 +51,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--stability", action="store_true", help="attack the pipeline instead")
     parser.add_argument("--photos", metavar="FOLDER", type=Path, help="portraits; the sample portrait without")
     parser.add_argument("--heads", metavar="DIR", type=Path, help="test heads from relight dataset bake")
-    parser.add_argument("--lights", metavar="FILE", type=Path, help="a light library, an .npz")
+    parser.add_argument("--lights", metavar="LIGHTS", type=Path, help="a light library, or a folder of panoramas")
     parser.add_argument("--weights", metavar="W", type=Path, help="a .safetensors file; the bundled ones without")
     parser.add_argument("--count", metavar="N", type=count_at_least_one, default=8, help="test heads (8)")
     parser.add_argument("--rounds", metavar="N", type=count_at_least_one, help=f"turns of each setting ({_ROUNDS})")

@@ -1,12 +1,16 @@
 """Make the training data: bake heads, check their light against a path tracer, look at samples.
 
-relight dataset bake --heads MODEL.npz [--wardrobe FOLDER] --out DIR --split train --count N
+relight dataset bake --heads HEADS [--wardrobe FOLDER] --out DIR --split train --count N
 relight dataset skins --heads MODEL.npz --wardrobe FOLDER --out DIR
-relight dataset check --heads MODEL.npz [--wardrobe FOLDER] --lights FILE [--count N]
-relight dataset preview --shards DIR --lights FILE -o SHEET.png
+relight dataset lights FOLDER -o LIGHTS.npz
+relight dataset check --heads HEADS [--wardrobe FOLDER] --lights LIGHTS [--count N]
+relight dataset preview --shards DIR --lights LIGHTS -o SHEET.png
+relight dataset speed --shards DIR --lights LIGHTS
+relight dataset effect --shards DIR --bare DIR --lights LIGHTS --photos FOLDER -o SHEET.png
 
 A head belongs to its seed, and every split has its own seeds, so no identity is in two splits. Baking that
-was interrupted goes on where it stopped.
+was interrupted goes on where it stopped. HEADS is a head model (.npz) or a folder of scans, LIGHTS a light library
+(.npz) or a folder of panoramas; docs/dataset.md says how both are laid out.
 """
 
 from __future__ import annotations
@@ -14,9 +18,10 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
+from app.cli.dataset_studies import STUDIES, add_study_arguments
 from app.cli.maker_inputs import (
+    LIGHTS_HELP,
     SPLITS,
-    check_heads_and_lights,
     check_output_file,
     count_at_least_one,
     progress,
@@ -24,15 +29,14 @@ from app.cli.maker_inputs import (
 from app.cli.outputs import make_folder
 from relight_core.errors import InputError
 
-_COLUMNS = 12
-_CELL_PX = 160
+_HEADS = "a head model, an .npz, or a folder of scans"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments of `relight dataset`."""
-    actions = parser.add_subparsers(dest="action", metavar="bake|skins|check|preview", required=True)
+    actions = parser.add_subparsers(dest="action", metavar="ACTION", required=True)
     bake = actions.add_parser("bake", description="Bake heads: everything that any light needs to light them.")
-    bake.add_argument("--heads", metavar="MODEL", type=Path, required=True, help="the head model, an .npz")
+    bake.add_argument("--heads", metavar="HEADS", type=Path, required=True, help=_HEADS)
     bake.add_argument("--wardrobe", metavar="FOLDER", type=Path, help="unpacked MakeHuman data; heads are bare without")
     bake.add_argument("--out", metavar="DIR", type=Path, required=True, help="where the heads go")
     bake.add_argument("--split", choices=SPLITS, default="train")
@@ -42,24 +46,21 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     skins.add_argument("--heads", metavar="MODEL", type=Path, required=True, help="the head model, an .npz")
     skins.add_argument("--wardrobe", metavar="FOLDER", type=Path, required=True, help="unpacked MakeHuman data")
     skins.add_argument("--out", metavar="DIR", type=Path, required=True, help="the folder of the heads")
+    lights = actions.add_parser("lights", description="Keep a folder of panoramas as one file that opens quickly.")
+    lights.add_argument("folder", metavar="FOLDER", type=Path, help=".hdr and .exr panoramas, a sub-folder per place")
+    lights.add_argument("-o", "--output", metavar="LIGHTS", type=Path, required=True, help="an .npz file")
     check = actions.add_parser("check", description="Compare baked light with a path tracer's, head by head.")
-    check.add_argument("--heads", metavar="MODEL", type=Path, required=True, help="the head model, an .npz")
+    check.add_argument("--heads", metavar="HEADS", type=Path, required=True, help=_HEADS)
     check.add_argument("--wardrobe", metavar="FOLDER", type=Path, help="unpacked MakeHuman data")
-    check.add_argument("--lights", metavar="FILE", type=Path, required=True, help="the light library, an .npz")
+    check.add_argument("--lights", metavar="LIGHTS", type=Path, required=True, help=LIGHTS_HELP)
     check.add_argument("--count", metavar="N", type=count_at_least_one, default=10, help="heads (10)")
     check.add_argument("--lights-per-head", metavar="N", type=count_at_least_one, default=10, help="(10)")
-    preview = actions.add_parser("preview", description="Draw every channel of samples as training sees them.")
-    preview.add_argument("--shards", metavar="DIR", type=Path, required=True, help="heads that bake made")
-    preview.add_argument("--lights", metavar="FILE", type=Path, required=True, help="the light library, an .npz")
-    preview.add_argument("--split", choices=SPLITS, default="train")
-    preview.add_argument("--count", metavar="N", type=count_at_least_one, default=8, help="samples, one in a row (8)")
-    preview.add_argument("--seed", metavar="N", type=int, default=0, help="another seed draws other samples")
-    preview.add_argument("-o", "--output", metavar="SHEET", type=Path, required=True, help="a .png or .jpg file")
+    add_study_arguments(actions)
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Bake, write skins, check or preview; returns the exit code."""
-    return {"bake": _bake, "skins": _skins, "check": _check, "preview": _preview}[arguments.action](arguments)
+    """Do what the action says; returns the exit code."""
+    return _ACTIONS[arguments.action](arguments)
 
 
 def _bake(arguments: argparse.Namespace) -> int:
@@ -95,6 +96,8 @@ def _skins(arguments: argparse.Namespace) -> int:
     from relight_core.dataset.skin_textures import write_skins
     from relight_core.dataset.skin_transfer import transfer_skins
 
+    if arguments.heads.is_dir():
+        raise InputError(f"{arguments.heads}: skins are carried onto a head model; give its .npz")
     casting = _casting(arguments.heads, arguments.wardrobe)
     make_folder(arguments.out)
     skins = transfer_skins(arguments.wardrobe, casting.model)
@@ -128,33 +131,26 @@ def _check(arguments: argparse.Namespace) -> int:
     return 0
 
 
-def _casting(model: Path, wardrobe: Path | None):
-    from relight_core.dataset.recipe import Casting
+def _casting(heads: Path, wardrobe: Path | None):
+    from relight_core.dataset.recipe import load_casting
 
-    if not model.is_file():
-        raise InputError(f"{model}: no such file; give the head model's .npz after --heads")
+    if not heads.exists():
+        raise InputError(f"{heads}: no such file; give a head model's .npz or a folder of scans after --heads")
     if wardrobe is not None and not wardrobe.is_dir():
         raise InputError(f"{wardrobe}: no such folder; give the unpacked MakeHuman data, or leave --wardrobe out")
-    return Casting.load(model, wardrobe)
+    return load_casting(heads, wardrobe)
 
 
-def _preview(arguments: argparse.Namespace) -> int:
-    from app.cli.sheet import contact_sheet
-    from relight_core.dataset.preview import sample_pictures
-    from relight_core.imaging.photo import Photo
-    from relight_core.imaging.write import write_image
+def _lights(arguments: argparse.Namespace) -> int:
+    from relight_core.dataset.light_folder import read_light_folder, write_light_library
 
-    check_output_file(arguments.output, (".png", ".jpg", ".jpeg"))
-    check_heads_and_lights(arguments.shards, arguments.lights, arguments.split)
-    pictures = []
-    with progress("drawing samples", arguments.count) as show:
-        samples = sample_pictures(arguments.shards, arguments.lights, arguments.split, arguments.count, arguments.seed)
-        for done, row in enumerate(samples, 1):
-            pictures += row
-            show(done)
-    sheet = contact_sheet(pictures, _COLUMNS, _CELL_PX)
-    write_image(arguments.output, Photo.from_srgb(sheet).linear)
-    print(f"wrote {arguments.output}", flush=True)
+    check_output_file(arguments.output, (".npz",))
+    if not arguments.folder.is_dir():
+        raise InputError(f"{arguments.folder}: no such folder; give the folder of the panoramas")
+    arrays = read_light_folder(arguments.folder)
+    write_light_library(arguments.output, arrays)
+    places = len(set(arrays["group"].tolist()))
+    print(f"{arguments.output}: {len(arrays['names'])} panoramas of {places} places", flush=True)
     return 0
 
 
@@ -162,3 +158,6 @@ def _size(text: str) -> int:
     if not text.isdecimal() or int(text) < 32 or int(text) % 32:
         raise argparse.ArgumentTypeError(f"{text!r} is not a multiple of 32")
     return int(text)
+
+
+_ACTIONS = {"bake": _bake, "skins": _skins, "lights": _lights, "check": _check, **STUDIES}

@@ -10,13 +10,14 @@ from pathlib import Path
 from app.cli.outputs import check_folder
 from relight_core.errors import InputError
 
+LIGHTS_HELP = "a light library, an .npz, or a folder of .hdr and .exr panoramas"
 SPLITS = ("train", "validation", "test")
 
 
 def add_heads_and_lights(parser: argparse.ArgumentParser) -> None:
     """--heads and --lights, the data of training and evaluation."""
     parser.add_argument("--heads", metavar="DIR", type=Path, required=True, help="heads from relight dataset bake")
-    parser.add_argument("--lights", metavar="FILE", type=Path, required=True, help="the light library, an .npz")
+    parser.add_argument("--lights", metavar="LIGHTS", type=Path, required=True, help=LIGHTS_HELP)
 
 
 def count_at_least_one(text: str) -> int:

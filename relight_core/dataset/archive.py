@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import lzma
 import struct
 import zlib
 from pathlib import Path
@@ -26,6 +27,7 @@ _DAMAGE = (
     TokenError,
     BadZipFile,
     zlib.error,
+    lzma.LZMAError,
 )
 
 

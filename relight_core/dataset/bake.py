@@ -34,6 +34,7 @@ class BakedHead:
         uv: (P, 2) float32 in the material's own texture.
         material, label: (P,) uint8.
         visibility: (512, ceil(P / 8)) uint8, packed bits over pixels, one row per texel of the light.
+        albedo: (P, 3) float32 linear, of a scan; None where albedo is painted.
     """
 
     covered: np.ndarray
@@ -43,6 +44,7 @@ class BakedHead:
     material: np.ndarray
     label: np.ndarray
     visibility: np.ndarray
+    albedo: np.ndarray | None = None
 
     @property
     def size(self) -> int:
@@ -61,7 +63,7 @@ class BakedHead:
 
 
 def bake(scene: Scene, framing: Framing, face_labels: np.ndarray, size: int, rng: np.random.Generator) -> BakedHead:
-    """Cast primary rays through the framing, then one jittered shadow ray per pixel and light texel.
+    """Cast primary rays through the framing, then a shadow ray per pixel and texel toward a random place in it.
 
     Args:
         face_labels: label map of the face tile (see `face_map.face_label_map`).
@@ -116,6 +118,9 @@ def _labels(label: np.ndarray, uv: np.ndarray, face_labels: np.ndarray) -> np.nd
 def _visibility(caster: RayCaster, points: np.ndarray, normal: np.ndarray, rng: np.random.Generator) -> np.ndarray:
     """Packed (512, ceil(P / 8)) bits; texels below a pixel's own horizon count as visible, cos n.l says 0."""
     centres = directions(LIGHT_HEIGHT, LIGHT_WIDTH).reshape(-1, 3)
+    # One direction for all pixels: a ray of its own for each would be noise, which nothing can compress and
+    # which is farther from the mean over a texel than a hard edge in the right place is.
+    toward = _jittered(np.arange(len(centres)), rng)
     count = len(points)
     visible = np.ones((len(centres), count), bool)
     batch = max(1, _RAYS_AT_ONCE // max(count, 1))
@@ -125,8 +130,7 @@ def _visibility(caster: RayCaster, points: np.ndarray, normal: np.ndarray, rng: 
         texel, pixel = np.nonzero(facing)
         if len(texel) == 0:
             continue
-        toward = _jittered(texels[texel], rng)
-        visible[texels[texel], pixel] = ~caster.occluded(points[pixel], toward)
+        visible[texels[texel], pixel] = ~caster.occluded(points[pixel], toward[texels[texel]])
     return np.packbits(visible, axis=1)
 
 

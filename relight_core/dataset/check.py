@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from relight_core.dataset.pathtrace import PathTracer
-from relight_core.dataset.recipe import Casting
+from relight_core.dataset.recipe import Casting, ScanCasting
 from relight_core.dataset.samples import LitHead, channels_of, light_head
 from relight_core.face.parsing import FACE_LABELS
 from relight_core.imaging.colour import srgb_encode
@@ -37,12 +37,12 @@ class Difference:
 
 
 def check_heads(
-    casting: Casting, seeds: range, lights: np.ndarray, size: int = 128, rays_per_pixel: int = 128
+    casting: Casting | ScanCasting, seeds: range, lights: np.ndarray, size: int = 128, rays_per_pixel: int = 128
 ) -> Iterator[Difference]:
     """Render heads both ways under lights (K, 16, 32, 3), one difference per head and light."""
     for seed in seeds:
         posed = casting.pose_head(seed, size)
-        head = casting.bake(posed, size)
+        head = posed.bake(size)
         lit = light_head(head, head.normal, lights)
         albedo = np.tile(np.float32(SKIN), (len(head.normal), 1))
         tracers = [PathTracer(posed.scene, SKIN, bounces) for bounces in (1, _BOUNCES)]

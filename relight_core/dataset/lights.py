@@ -8,6 +8,8 @@ from pathlib import Path
 import numpy as np
 
 from relight_core.dataset.archive import read_arrays
+from relight_core.dataset.light_folder import read_light_folder
+from relight_core.errors import InputError
 from relight_core.lighting.environment import mean_luminance, rotate, shrink
 from relight_core.lighting.sphere import directions
 
@@ -26,30 +28,42 @@ class LightLibrary:
 
 
 def load_lights(path: Path, split: str) -> LightLibrary:
-    """Panoramas of one split: "train", "validation" or "test".
+    """Panoramas of one split: "train", "validation" or "test", of a library or of a folder of panoramas.
 
-    Places (`group` in the file) never straddle a split: test holds 20 lights as in the paper
-    (section 3.2), validation 8, training the rest.
+    Places (`group` in the file, see `light_folder`) never straddle a split: test holds 20 lights as in the
+    paper (section 3.2), validation 8, but from six lights up no more than a third and a sixth of all; training
+    has the rest.
 
     Raises:
-        InputError: the file is missing, damaged or no light library.
+        InputError: missing, damaged, no light library, or too few lights for this split to have any.
     """
-    mend = "give an .npz of panoramas with env64, names and group"
-    data = read_arrays(path, ("env64", "names", "group"), "a light library", mend)
+    data = _read(path)
     groups = data["group"]
+    test, validation = _TEST_LIGHTS, _VALIDATION_LIGHTS
+    if len(groups) >= 6:
+        test, validation = min(test, len(groups) // 3), min(validation, len(groups) // 6)
     order = np.random.default_rng(_SPLIT_SEED).permutation(np.unique(groups))
     held_out: dict[str, list[int]] = {"test": [], "validation": []}
     for group in order:
         members = np.flatnonzero(groups == group).tolist()
-        for name, wanted in (("test", _TEST_LIGHTS), ("validation", _VALIDATION_LIGHTS)):
+        for name, wanted in (("test", test), ("validation", validation)):
             if len(held_out[name]) + len(members) <= wanted:
                 held_out[name] += members
                 break
     reserved = set(held_out["test"]) | set(held_out["validation"])
     training = [index for index in range(len(groups)) if index not in reserved]
     chosen = {**held_out, "train": training}[split]
+    if not chosen:
+        raise InputError(f"{path}: too few places for the {split} split to have any; add panoramas of other places")
     panoramas = np.clip(data["env64"][chosen].astype(np.float32), 0, None)
     return LightLibrary(panoramas, tuple(str(data["names"][index]) for index in chosen))
+
+
+def _read(path: Path) -> dict[str, np.ndarray]:
+    if path.is_dir():
+        return read_light_folder(path)
+    mend = "give an .npz of panoramas with env64, names and group, or a folder of .hdr and .exr panoramas"
+    return read_arrays(path, ("env64", "names", "group"), "a light library", mend)
 
 
 def normalise_light(light: np.ndarray) -> np.ndarray:

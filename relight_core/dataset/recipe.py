@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -20,8 +20,11 @@ from relight_core.dataset.heads import (
     shape_head,
     turn_eyes,
 )
-from relight_core.dataset.scene import Scene, build_scene
+from relight_core.dataset.scans import people_of, read_scan
+from relight_core.dataset.scene import FROM_FACE_MAP, Scene, build_scene
 from relight_core.dataset.shard import read_shard, write_shard
+from relight_core.dataset.texture import look_up
+from relight_core.errors import InputError
 
 SPLIT_SEEDS = {"train": 0, "validation": 1_000_000, "test": 2_000_000}
 """First seed of each split: identities never repeat across splits."""
@@ -30,16 +33,43 @@ _WIDEST_IDENTITY = 2.5
 
 @dataclass(frozen=True)
 class PosedHead:
-    """A dressed head before the camera; `rng` goes on to the shadow rays' jitter."""
+    """A head before the camera.
+
+    Attributes:
+        face_labels: label map of what the scene labels `FROM_FACE_MAP`.
+        rng: goes on to the shadow rays' jitter.
+        texture: (T, T, 3) linear albedo of a scan; None where albedo is painted.
+    """
 
     scene: Scene
     framing: Framing
+    face_labels: np.ndarray
     rng: np.random.Generator
+    texture: np.ndarray | None = None
+
+    def bake(self, size: int) -> BakedHead:
+        """Everything that any light needs, as an image of size x size pixels."""
+        head = bake(self.scene, self.framing, self.face_labels, size, self.rng)
+        return head if self.texture is None else replace(head, albedo=look_up(self.texture, head.uv))
+
+
+def load_casting(heads: Path, makehuman: Path | None) -> Casting | ScanCasting:
+    """Whoever heads are made from: a head model (.npz), dressed from MakeHuman, or a folder of scans.
+
+    Raises:
+        InputError: neither, or damaged, or a wardrobe for scans, which wear what they were scanned in.
+    """
+    if not heads.is_dir():
+        return Casting.load(heads, makehuman)
+    if makehuman is not None:
+        raise InputError(f"{heads}: scans wear what they were scanned in; leave --wardrobe out")
+    people_of(heads, "train")
+    return ScanCasting(heads)
 
 
 @dataclass
 class Casting:
-    """Everything that is loaded once to make heads; `wardrobe` None leaves them bald and bare."""
+    """A head model and what dresses it, loaded once; `wardrobe` None leaves heads bald and bare."""
 
     model: HeadModel
     wardrobe: Wardrobe | None
@@ -56,11 +86,7 @@ class Casting:
 
     def bake_head(self, seed: int, size: int = 256) -> BakedHead:
         """The head that belongs to a seed: the same on every machine with the same sources."""
-        return self.bake(self.pose_head(seed, size), size)
-
-    def bake(self, posed: PosedHead, size: int) -> BakedHead:
-        """Bake a head that stands before the camera."""
-        return bake(posed.scene, posed.framing, self.face_labels, size, posed.rng)
+        return self.pose_head(seed, size).bake(size)
 
     def pose_head(self, seed: int, size: int = 256) -> PosedHead:
         """The person of a seed, dressed, before the camera."""
@@ -72,7 +98,40 @@ class Casting:
         rotation = sample_pose(rng)
         garments = self.wardrobe.dress(vertices, rng) if self.wardrobe is not None else []
         framing = sample_framing(pose(vertices, rotation)[self.face_vertices], rng, size)
-        return PosedHead(build_scene(self.model, vertices, garments, rotation), framing, rng)
+        scene = build_scene(self.model, vertices, garments, rotation)
+        return PosedHead(scene, framing, self.face_labels, rng)
+
+
+@dataclass
+class ScanCasting:
+    """A folder of scanned people (see `scans`)."""
+
+    folder: Path
+
+    def bake_head(self, seed: int, size: int = 256) -> BakedHead:
+        """The scan that belongs to a seed: the same on every machine with the same folder."""
+        return self.pose_head(seed, size).bake(size)
+
+    def pose_head(self, seed: int, size: int = 256) -> PosedHead:
+        """One scan of the person of a seed, before the camera; people take turns.
+
+        Raises:
+            InputError: the scan can't be read, or nobody is in the seed's split.
+        """
+        rng = np.random.default_rng(seed)
+        split = max((name for name in SPLIT_SEEDS if SPLIT_SEEDS[name] <= seed), key=SPLIT_SEEDS.get)
+        people = people_of(self.folder, split)
+        meshes = people[(seed - SPLIT_SEEDS[split]) % len(people)]
+        scan = read_scan(meshes[rng.integers(len(meshes))])
+        vertices = pose(scan.vertices, sample_pose(rng))
+        scene = Scene(
+            vertices,
+            scan.triangles,
+            scan.corner_uv,
+            scan.material,
+            np.full(len(scan.triangles), FROM_FACE_MAP, np.uint8),
+        )
+        return PosedHead(scene, sample_framing(vertices[scan.face], rng, size), scan.labels, rng, scan.albedo)
 
 
 def shard_path(folder: Path, seed: int) -> Path:
@@ -80,7 +139,7 @@ def shard_path(folder: Path, seed: int) -> Path:
     return folder / f"head-{seed:07d}.npz"
 
 
-def bake_missing(casting: Casting, folder: Path, seeds: range, size: int = 256):
+def bake_missing(casting: Casting | ScanCasting, folder: Path, seeds: range, size: int = 256):
     """Bake the heads that are not there yet; a killed run goes on where it stopped.
 
     Yields:
@@ -102,4 +161,13 @@ def load_split(folder: Path, split: str) -> list[Path]:
     return [path for path in paths if first <= int(path.stem.split("-")[1]) < last]
 
 
-__all__ = ["SPLIT_SEEDS", "Casting", "bake_missing", "load_split", "read_shard", "shard_path"]
+__all__ = [
+    "SPLIT_SEEDS",
+    "Casting",
+    "ScanCasting",
+    "bake_missing",
+    "load_casting",
+    "load_split",
+    "read_shard",
+    "shard_path",
+]

@@ -58,6 +58,7 @@ def subsample(head: BakedHead, step: int, rng: np.random.Generator) -> BakedHead
         material=head.material[chosen],
         label=head.label[chosen],
         visibility=np.packbits(head.visible()[:, chosen], axis=1),
+        albedo=None if head.albedo is None else head.albedo[chosen],
     )
 
 

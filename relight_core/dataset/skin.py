@@ -32,6 +32,20 @@ def paint(head: BakedHead, pool: TexturePool, rng: np.random.Generator, *, wild:
     Args:
         wild: lay arbitrary pictures over most heads, as training wants; False keeps to what people wear.
     """
+    albedo = _worn(head, pool, rng) if head.albedo is None else _scanned(head.albedo, rng)
+    if wild:
+        _lay_pictures(albedo, head, pool, rng)
+    return np.clip(albedo, _DARKEST, _BRIGHTEST)
+
+
+def _scanned(albedo: np.ndarray, rng: np.random.Generator) -> np.ndarray:
+    """A scan's own albedo; half the time in another tone, for scans are few and people are many."""
+    if rng.random() < 0.5:
+        return albedo.copy()
+    return albedo * np.exp(rng.normal(0, 0.25) + rng.normal(0, 0.06, 3)).astype(np.float32)
+
+
+def _worn(head: BakedHead, pool: TexturePool, rng: np.random.Generator) -> np.ndarray:
     albedo = np.empty((len(head.uv), 3), np.float32)
     skin = _skin(head, pool, rng)
     is_skin = np.isin(head.material, (Material.FACE, Material.HEAD))
@@ -45,8 +59,15 @@ def paint(head: BakedHead, pool: TexturePool, rng: np.random.Generator, *, wild:
     for material in (Material.HAT, Material.CLOTH, Material.GLASSES):
         where = head.material == material
         albedo[where] = _fabric(head.uv[where], pool, rng)
-    if wild:
-        _lay_pictures(albedo, head, pool, rng)
+    return albedo
+
+
+def paint_smooth(head: BakedHead, pool: TexturePool, rng: np.random.Generator) -> np.ndarray:
+    """The simplest albedo, to measure against: smooth skin with lips, mouth and eyes. (P, 3) as `paint`."""
+    albedo = skin_tone(rng.random() ** 1.3 + 0.04 * look_up(pool.noise(rng), head.uv), rng.uniform(0, 0.5))
+    _paint_lips(albedo, head, rng, has_colour=False)
+    _paint_mouth(albedo, head, rng)
+    _paint_eyes(albedo, head, rng)
     return np.clip(albedo, _DARKEST, _BRIGHTEST)
 
 

@@ -28,11 +28,11 @@ from relight_core.dataset.samples import (
     without_hidden,
 )
 from relight_core.dataset.shard import read_shard
-from relight_core.dataset.skin import paint
+from relight_core.dataset.skin import paint, paint_smooth
 from relight_core.dataset.skin_textures import load_skins
 from relight_core.dataset.texture import TexturePool
 from relight_core.errors import InputError
-from relight_core.lighting.reflection import Gloss
+from relight_core.lighting.reflection import GLOSS, Gloss
 
 _OCCLUDED_SHARE, _SCATTERING_SHARE = 0.25, 0.6
 _EPOCH_STREAM = 1 << 30
@@ -54,6 +54,7 @@ class SampleStream(IterableDataset):
         size: side of the images; the shards' own size or a divisor of it.
         photographs: also take photos (de-lighting needs them, the other networks do not).
         relief_shadow: also march a relief as rough as a predicted one ("relief_shadow", a hint to SS).
+        plain: smooth skin, the reference gloss and nothing in front, to measure what the rest is worth.
         first_batch, pairs: go on at this batch of so many pairs (the loader's batch size).
     """
 
@@ -67,6 +68,7 @@ class SampleStream(IterableDataset):
         *,
         photographs: bool = True,
         relief_shadow: bool = False,
+        plain: bool = False,
         lights_per_head: int = 10,
         paints_per_head: int = 24,
         heads_at_once: int = 8,
@@ -76,6 +78,7 @@ class SampleStream(IterableDataset):
         super().__init__()
         self.folder, self.lights, self.split, self.size, self.seed = folder, lights, split, size, seed
         self.photographs, self.relief_shadow = photographs, relief_shadow
+        self.plain = plain
         self.lights_per_head, self.paints_per_head = lights_per_head, paints_per_head
         self.heads_at_once = heads_at_once
         self.first_batch, self.pairs = first_batch, pairs
@@ -117,7 +120,7 @@ class SampleStream(IterableDataset):
     def _light(self, path: Path, library: LightLibrary, pool: TexturePool, rng: np.random.Generator) -> LitHead:
         head = read_shard(path)
         head = subsample(head, head.size // self.size, rng)
-        normal = add_relief(head, pool.noise(rng), rng.uniform(0, 0.2))
+        normal = head.normal if self.plain else add_relief(head, pool.noise(rng), rng.uniform(0, 0.2))
         lights = np.stack([sample_light(library, rng) for _ in range(self.lights_per_head)])
         lit = light_head(head, normal, lights)
         if self.photographs:
@@ -125,13 +128,15 @@ class SampleStream(IterableDataset):
         return replace(lit, relief_shadow=relief_shadows(lit, rng)) if self.relief_shadow else lit
 
     def _appearance(self, lit: LitHead, rng: np.random.Generator) -> Appearance:
+        if self.plain:
+            return appear(lit.head, lit.normal, lit.lights, lit.illumination, GLOSS)
         gloss = Gloss(rng.uniform(0.2, 1.2), rng.uniform(0.3, 0.65))
         occluder = sample_occluder(rng) if rng.random() < _OCCLUDED_SHARE else None
         scatter_px = rng.uniform(0.3, 2.0) * self.size / 128 if rng.random() < _SCATTERING_SHARE else 0.0
         return appear(lit.head, lit.normal, lit.lights, lit.illumination, gloss, occluder, scatter_px)
 
     def _sample(self, lit: LitHead, pool: TexturePool, rng: np.random.Generator) -> dict[str, torch.Tensor]:
-        albedo = paint(lit.head, pool, rng)
+        albedo = (paint_smooth if self.plain else paint)(lit.head, pool, rng)
         mirror = rng.random() < 0.5
         surface = surface_of(lit, albedo)
         pair = []

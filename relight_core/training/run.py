@@ -71,7 +71,7 @@ def train(run: Run, report) -> NetworkBundle:
     device = "cuda" if torch.cuda.is_available() else "cpu"
     run.checkpoint.parent.mkdir(parents=True, exist_ok=True)
     with denormals_flushed():
-        batches_from = partial(_batches, run, stage)
+        batches_from = partial(training_batches, run, stage)
         return train_stage(stage, bundle, batches_from, budget, run.checkpoint, report, device)
 
 
@@ -91,7 +91,8 @@ def shared_batches(run: Run, first_batch: int) -> Iterator[dict[str, torch.Tenso
     return kept_batches(folder, lambda first: _stream(run, first, photographs=True, relief_shadow=True), first_batch)
 
 
-def _batches(run: Run, stage: Stage, first_batch: int) -> Iterator[dict[str, torch.Tensor]]:
+def training_batches(run: Run, stage: Stage, first_batch: int) -> Iterator[dict[str, torch.Tensor]]:
+    """Batches of a stage's samples from the `first_batch` on, as a run takes them."""
     if run.kept is not None:
         return shared_batches(run, first_batch)
     return _stream(run, first_batch, photographs=stage.photographs, relief_shadow=stage.relief_shadow)

@@ -2,12 +2,15 @@
 
 import json
 
+import cv2
+import numpy as np
 import pytest
 import torch
 from PIL import Image
 from synthetic_heads import write_balls, write_lights
 
 from app.cli.main import main
+from relight_core.dataset.lights import load_lights
 from relight_core.networks.bundle import BundleConfig, NetworkBundle, load_bundle, save_bundle
 
 
@@ -229,3 +232,52 @@ def test_the_paper_s_tables_are_written_whole(run, data, monkeypatch):
     assert list(record["rows"]) == ["Shih et al. 2014", "Shu et al. 2017", "Sun et al. 2019", "DL-RL", "Full", "tiny"]
     assert "Shu et al. 2017 (given the truth)" in (data / "tables" / "peers.md").read_text()
     refused(run("evaluate", "peers", *words, "--dpr", data / "none.t7"), "none.t7", "not shipped")
+
+
+def test_a_folder_of_panoramas_becomes_a_library(run, tmp_path):
+    places = tmp_path / "places"
+    places.mkdir()
+    words = ["dataset", "lights", places, "-o", tmp_path / "lights.npz"]
+    refused(run(*words), "places", "no .hdr")
+    for number in range(2):
+        cv2.imwrite(str(places / f"yard_{number}.hdr"), np.ones((4, 8, 3), np.float32))
+    code, out, _ = run(*words)
+    assert code == 0
+    assert "2 panoramas of 1 places" in out
+    assert load_lights(tmp_path / "lights.npz", "test").names == ("yard_0", "yard_1")
+    refused(run("dataset", "lights", tmp_path / "gone", "-o", tmp_path / "l.npz"), "gone")
+    refused(run("dataset", "lights", places, "-o", tmp_path / "l.exr"), ".npz")
+
+
+def test_baking_scans_refuses(run, tmp_path):
+    scans = tmp_path / "scans"
+    scans.mkdir()
+    words = ["dataset", "bake", "--heads", scans, "--out", tmp_path / "heads", "--count", 1]
+    refused(run(*words), "no scans")
+    refused(run(*words, "--wardrobe", tmp_path), "wardrobe")
+    refused(run("dataset", "skins", "--heads", scans, "--wardrobe", tmp_path, "--out", tmp_path), "head model")
+
+
+def test_speed_is_a_table_and_says_when_the_machine_is_busy(run, data, monkeypatch):
+    from relight_core.dataset import stream
+
+    pool = stream.TexturePool
+    monkeypatch.setattr(stream, "TexturePool", lambda rng, panoramas=None, **_: pool(rng, None, count=2))
+    monkeypatch.setattr("os.getloadavg", lambda: (3.0, 1.0, 1.0))
+    words = ["dataset", "speed", "--shards", data / "heads", "--lights", data / "lights.npz", "--steps", 0]
+    code, out, err = run(*words, "--size", 16)
+    assert code == 0, err
+    assert "busy" in out
+    row = out.strip().splitlines()[-1].split("|")
+    assert row[1].strip() == "16"
+    assert float(row[3]) > 0
+    refused_line = run(*words, "--size", 24)
+    assert refused_line[0] == 2
+    assert "divisor" in refused_line[2]
+
+
+def test_effect_refuses(run, data):
+    words = ["dataset", "effect", "--shards", data / "heads", "--lights", data / "lights.npz", "-o", data / "s.png"]
+    refused(run(*words, "--bare", data / "heads", "--photos", data / "gone"), "gone")
+    refused(run(*words, "--bare", data / "none", "--photos", data), "none")
+    refused(run(*words, "--bare", data / "heads", "--photos", data, "--size", 65), "multiple")

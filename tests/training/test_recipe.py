@@ -52,7 +52,7 @@ def data(monkeypatch):
         torch.manual_seed(run.seed)
         return itertools.repeat(some_batch())
 
-    monkeypatch.setattr(run_module, "_batches", batches)
+    monkeypatch.setattr(run_module, "training_batches", batches)
     return asked
 
 

@@ -1,0 +1,225 @@
+"""What a data set teaches: the same small de-lighting network, trained alike on two, shown photos of people.
+
+Photos have no truth, so two things are measured that a network which paints everyone alike gets wrong: how
+far the albedo's edges are the photo's, and how far people differ from each other. A third guards against
+copying the photo: what of the light's difference between the sides of the face is left in the albedo.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+import torch
+from torch.utils.data import DataLoader
+
+from relight_core.dataset.stream import SampleStream
+from relight_core.errors import InputError
+from relight_core.face.find import find_faces
+from relight_core.face.parsing import FACE_LABELS
+from relight_core.imaging.colour import luminance, srgb_decode, srgb_encode
+from relight_core.imaging.photo import Photo
+from relight_core.imaging.read import read_photo
+from relight_core.networks.bundle import BundleConfig, NetworkBundle, load_bundle
+from relight_core.networks.delight import DelightConfig
+from relight_core.pipeline.channel_view import channel_to_srgb
+from relight_core.pipeline.portrait import choose_faces, frame
+from relight_core.pipeline.relighter import WEIGHTS
+from relight_core.resources import resource_path
+from relight_core.training.loop import Budget, state_path, train_stage
+from relight_core.training.run import denormals_flushed
+from relight_core.training.stages import STAGES
+
+
+@dataclass(frozen=True)
+class Lesson:
+    """How the network is trained.
+
+    Attributes:
+        size: side of the images in pixels.
+        pairs: pairs of photos in a batch.
+        width: the network's channels at full resolution.
+    """
+
+    steps: int = 600
+    size: int = 64
+    pairs: int = 8
+    width: int = 12
+    seed: int = 0
+    learning_rate: float = 1.5e-3
+
+
+@dataclass(frozen=True)
+class Seen:
+    """One face as a network takes it apart; images are float32 (S, S, 3).
+
+    Attributes:
+        photo_srgb, albedo_srgb: in [0, 1].
+        normal: unit vectors.
+        face: (S, S) bool, the same for every network.
+    """
+
+    photo_srgb: np.ndarray
+    albedo_srgb: np.ndarray
+    normal: np.ndarray
+    face: np.ndarray
+
+
+@dataclass(frozen=True)
+class Figures:
+    """Means over photos.
+
+    Attributes:
+        detail: correlation of the gradients of log luminance of photo and albedo within the face.
+        spread: standard deviation between people of the mean log luminance of the face's albedo.
+        light_left: the difference in log luminance of the face's halves that stays in the albedo, as a part
+            of the photo's, over the photos whose halves differ by more than a quarter of a stop.
+    """
+
+    detail: float
+    spread: float
+    light_left: float
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """Networks side by side.
+
+    Attributes:
+        figures: by network.
+        pictures: labelled, (S, S, 3) sRGB; for every photo itself, then albedos, then normals.
+        photos: how many had a face.
+    """
+
+    figures: dict[str, Figures]
+    pictures: list[tuple[str, np.ndarray]]
+    photos: int
+
+
+def taught(heads: Path, lights: Path, lesson: Lesson, checkpoint: Path, report, *, plain: bool) -> NetworkBundle:
+    """A de-lighting network after its lesson; `plain` takes the samples as the simplest data set would make them.
+
+    Args:
+        checkpoint: where the weights go (.safetensors). Weights that are there are not trained again, and a run
+            that was stopped goes on.
+        report: see `training.loop.train_stage`.
+    """
+    if checkpoint.exists() and not state_path(checkpoint).exists():
+        return load_bundle(checkpoint).eval()
+    torch.manual_seed(lesson.seed)
+    config = replace(BundleConfig.tiny(), delight=DelightConfig(width=lesson.width, levels=5))
+
+    def batches_from(first_batch: int) -> Iterator[dict[str, torch.Tensor]]:
+        stream = SampleStream(
+            heads,
+            lights,
+            "train",
+            lesson.size,
+            lesson.seed,
+            plain=plain,
+            first_batch=first_batch,
+            pairs=lesson.pairs,
+        )
+        return iter(DataLoader(stream, batch_size=lesson.pairs))
+
+    budget = Budget(lesson.learning_rate, steps=lesson.steps, warm_up_steps=min(100, max(1, lesson.steps // 6)))
+    stage = STAGES["warm-delight"]
+    with denormals_flushed():
+        return train_stage(stage, NetworkBundle(config), batches_from, budget, checkpoint, report).eval()
+
+
+def compare_photos(pupils: dict[str, NetworkBundle], paths: list[Path], size: int) -> Comparison:
+    """Show every photo's largest face to every network; photos in which no face is found are left out.
+
+    Raises:
+        InputError: a photo can't be read, or none has a face.
+    """
+    parser = load_bundle(resource_path(*WEIGHTS)).for_inference()
+    seen: dict[str, list[Seen]] = {name: [] for name in pupils}
+    pictures: list[tuple[str, np.ndarray]] = []
+    for path in paths:
+        photo = read_photo(path)
+        if not find_faces(photo):
+            continue
+        row = {name: look(pupil, parser, photo, size) for name, pupil in pupils.items()}
+        for name, found in row.items():
+            seen[name].append(found)
+        pictures.append(("photo", next(iter(row.values())).photo_srgb))
+        pictures += [(f"albedo, {name}", found.albedo_srgb) for name, found in row.items()]
+        pictures += [(f"normal, {name}", channel_to_srgb("normal", found.normal)) for name, found in row.items()]
+    if not pictures:
+        raise InputError("no face in any of the photos; give photos of people")
+    return Comparison({name: measure(found) for name, found in seen.items()}, pictures, len(seen[next(iter(seen))]))
+
+
+@torch.no_grad()
+def look(pupil: NetworkBundle, parser: NetworkBundle, photo: Photo, size: int) -> Seen:
+    """Take the photo's largest face apart.
+
+    Args:
+        parser: the networks whose parsing says where the face is, at 128 pixels.
+
+    Raises:
+        InputError: no face.
+    """
+    view = frame(photo, choose_faces(photo, None)[0]).view
+    linear = np.clip(view.extract(photo.linear, size), 0, None)
+    photo_srgb = srgb_encode(np.clip(linear, 0, 1))
+    found = pupil.delight(_batch(photo_srgb))
+    labels = parser.delight(_batch(srgb_encode(np.clip(view.extract(photo.linear, 128), 0, 1)))).parsing_logits
+    labels = labels.argmax(1)[0].numpy()
+    at = (np.arange(size) + 0.5) * len(labels) / size
+    face = np.isin(labels[np.ix_(at.astype(int), at.astype(int))], FACE_LABELS)
+    return Seen(photo_srgb, _image(found.albedo_srgb), _image(found.normal), face)
+
+
+def measure(seen: list[Seen]) -> Figures:
+    """Figures of a network over photos, one face each; NaN where no photo allows one."""
+    details = [_gradient_correlation(s) for s in seen if s.face.sum() > 30]
+    tones = [_log_luminance(s.albedo_srgb)[s.face].mean() for s in seen if s.face.any()]
+    sides = [_sides(s) for s in seen]
+    left = [albedo / photo for photo, albedo in sides if abs(photo) > 0.25]
+    return Figures(
+        float(np.mean(details)) if details else np.nan,
+        float(np.std(tones)) if tones else np.nan,
+        float(np.mean(left)) if left else np.nan,
+    )
+
+
+def _gradient_correlation(seen: Seen) -> float:
+    inner = seen.face[:-1, :-1] & seen.face[1:, :-1] & seen.face[:-1, 1:]
+    slopes = []
+    for image in (seen.photo_srgb, seen.albedo_srgb):
+        level = _log_luminance(image)
+        down, right = level[1:, :-1] - level[:-1, :-1], level[:-1, 1:] - level[:-1, :-1]
+        slopes.append(np.concatenate([down[inner], right[inner]]))
+    return float(np.corrcoef(*slopes)[0, 1]) if min(s.std() for s in slopes) > 0 else 0.0
+
+
+def _sides(seen: Seen) -> tuple[float, float]:
+    """Left half less right half of the face, in stops: of the photo and of the albedo."""
+    columns = np.nonzero(seen.face)[1]
+    if len(columns) == 0:
+        return 0.0, 0.0
+    left = seen.face & (np.arange(seen.face.shape[1]) < np.median(columns))
+    right = seen.face & ~left
+    if not (left.any() and right.any()):
+        return 0.0, 0.0
+    levels = [_log_luminance(image) for image in (seen.photo_srgb, seen.albedo_srgb)]
+    photo, albedo = (float(level[left].mean() - level[right].mean()) for level in levels)
+    return photo, albedo
+
+
+def _log_luminance(srgb: np.ndarray) -> np.ndarray:
+    """Stops; what is darker than 1 % counts as 1 %."""
+    return np.log2(np.maximum(luminance(srgb_decode(srgb)), 0.01))
+
+
+def _batch(image: np.ndarray) -> torch.Tensor:
+    return torch.from_numpy(np.ascontiguousarray(image, np.float32)).permute(2, 0, 1)[None]
+
+
+def _image(batch: torch.Tensor) -> np.ndarray:
+    return batch[0].permute(1, 2, 0).float().numpy()

@@ -1,0 +1,69 @@
+"""A folder of panoramas in place of a light library."""
+
+import cv2
+import numpy as np
+import pytest
+
+from relight_core.dataset.light_folder import read_light_folder, write_light_library
+from relight_core.dataset.lights import load_lights
+from relight_core.errors import InputError
+
+
+def write_panorama(path, value, height=4):
+    path.parent.mkdir(parents=True, exist_ok=True)
+    picture = np.full((height, 2 * height, 3), value, np.float32)
+    assert cv2.imwrite(str(path), picture)
+
+
+@pytest.fixture
+def folder(tmp_path):
+    places = tmp_path / "places"
+    for place in range(6):
+        for number in range(2):
+            write_panorama(places / f"place {place}" / f"{number}.hdr", 1.0 + place)
+    write_panorama(places / "kitchen_01_1k.hdr", 0.5)
+    write_panorama(places / "kitchen_02_4k.HDR", 0.5)
+    (places / "notes.txt").write_text("bought in spring")
+    return places
+
+
+def test_panoramas_of_a_place_share_a_group(folder):
+    arrays = read_light_folder(folder)
+    groups = dict(zip(arrays["names"].tolist(), arrays["group"].tolist(), strict=True))
+    assert groups["place 3/0"] == groups["place 3/1"] == "place 3"
+    assert groups["kitchen_01_1k"] == groups["kitchen_02_4k"] == "kitchen"
+    assert arrays["env64"].shape == (14, 64, 128, 3)
+    at = arrays["names"].tolist().index("place 4/1")
+    np.testing.assert_allclose(arrays["env64"][at], 5.0, rtol=0.02)
+
+
+def test_a_folder_is_split_by_place_and_every_split_has_light(folder):
+    names = {split: load_lights(folder, split).names for split in ("train", "validation", "test")}
+    assert sorted(sum(names.values(), ())) == sorted(read_light_folder(folder)["names"].tolist())
+    assert all(names.values())
+    places = [{name.split("/")[0].split("_")[0] for name in names[split]} for split in names]
+    assert not places[0] & places[1] | places[0] & places[2] | places[1] & places[2]
+
+
+def test_a_packed_folder_is_the_same_library(folder, tmp_path):
+    write_light_library(tmp_path / "lights.npz", read_light_folder(folder))
+    packed, loose = load_lights(tmp_path / "lights.npz", "train"), load_lights(folder, "train")
+    assert packed.names == loose.names
+    np.testing.assert_array_equal(packed.panoramas, loose.panoramas)
+
+
+def test_folders_that_are_no_library(tmp_path, folder):
+    empty = tmp_path / "empty"
+    empty.mkdir()
+    with pytest.raises(InputError, match="no .hdr"):
+        load_lights(empty, "train")
+    write_panorama(empty / "one.hdr", 1.0)
+    assert load_lights(empty, "test").names == ("one",)
+    with pytest.raises(InputError, match="too few places"):
+        load_lights(empty, "train")
+    cv2.imwrite(str(folder / "portrait.hdr"), np.ones((8, 8, 3), np.float32))
+    with pytest.raises(InputError, match=r"portrait\.hdr"):
+        load_lights(folder, "train")
+    (folder / "portrait.hdr").write_bytes(b"#?RADIANCE\n")
+    with pytest.raises(InputError, match=r"portrait\.hdr"):
+        load_lights(folder, "train")

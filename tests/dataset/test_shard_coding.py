@@ -1,0 +1,75 @@
+"""Integers that compress well, and what rounding to them costs; shards of the first version."""
+
+import numpy as np
+import pytest
+from synthetic_heads import ball
+
+from relight_core.dataset import shard_coding as coding
+from relight_core.dataset.shard import read_shard, write_shard
+
+
+def test_normals_of_every_direction_come_back_within_0_06_degrees():
+    normals = np.random.default_rng(0).standard_normal((20_000, 3))
+    normals = np.concatenate([normals / np.linalg.norm(normals, axis=1, keepdims=True), np.eye(3), -np.eye(3)])
+    back = coding.decode_normals(coding.code_normals(normals))
+    np.testing.assert_allclose(np.linalg.norm(back, axis=1), 1, atol=1e-6)
+    assert np.degrees(np.linalg.norm(back - normals, axis=1)).max() < 0.06
+
+
+def test_coordinates_and_depth_come_back():
+    uv = np.random.default_rng(1).random((500, 2))
+    np.testing.assert_allclose(coding.decode_uv(coding.code_uv(uv)), uv, atol=0.5 / 8000)
+    depth = np.random.default_rng(2).uniform(-7.5, 7.5, 500)
+    np.testing.assert_allclose(coding.decode_depth(coding.code_depth(depth)), depth, atol=0.5 / 4000)
+    assert np.abs(coding.decode_depth(coding.code_depth(np.array([-1e9, 1e9])))).max() < 8
+
+
+@pytest.mark.parametrize("shape", [(0,), (1,), (7, 2), (300,)])
+def test_differences_are_undone(shape):
+    codes = np.random.default_rng(3).integers(0, 65536, shape).astype(np.uint16)
+    planes = coding.differences(codes)
+    assert planes.dtype == np.uint8
+    np.testing.assert_array_equal(coding.summed(planes), codes)
+
+
+def test_small_steps_of_either_sign_leave_the_high_bytes_empty():
+    codes = (1000 + np.array([0, 1, -1, 60, -60, 0])).astype(np.uint16)
+    assert coding.differences(codes)[0, 1:].max() == 0
+
+
+def test_blocks_of_pixels_stay_together():
+    order = coding.blockwise(np.ones((8, 8), bool))
+    assert sorted(order.tolist()) == list(range(64))
+    assert sorted(order[:4].tolist()) == [0, 1, 8, 9]
+    assert sorted(order[:16].tolist()) == [8 * y + x for y in range(4) for x in range(4)]
+
+
+def test_a_shard_of_the_first_version_is_still_read(tmp_path):
+    head = ball(16, dark_side="right")
+    path = tmp_path / "head-0000000.npz"
+    np.savez_compressed(
+        path,
+        version=np.int32(1),
+        covered=np.packbits(head.covered),
+        size=np.int32(16),
+        normal=head.normal.astype(np.float16),
+        depth=head.depth.astype(np.float16),
+        uv=np.round(head.uv * 65535).astype(np.uint16),
+        material=head.material,
+        label=head.label,
+        visibility=head.visibility,
+    )
+    back = read_shard(path)
+    np.testing.assert_array_equal(back.visibility, head.visibility)
+    np.testing.assert_allclose(back.normal, head.normal, atol=2e-3)
+    np.testing.assert_allclose(back.depth, head.depth, atol=2e-3)
+    assert back.albedo is None
+
+
+def test_a_scans_albedo_comes_back(tmp_path):
+    head = ball(16)
+    own = np.random.default_rng(0).random((len(head.normal), 3)).astype(np.float32)
+    write_shard(tmp_path / "head-0000000.npz", type(head)(**{**head.__dict__, "albedo": own}))
+    back = read_shard(tmp_path / "head-0000000.npz")
+    np.testing.assert_allclose(back.albedo, own, atol=0.006)
+    np.testing.assert_array_equal(back.visibility, head.visibility)

@@ -1,0 +1,72 @@
+"""Two data sets by what a network learns from them: the measures, and training that is done once."""
+
+from functools import partial
+
+import numpy as np
+import pytest
+from synthetic_heads import write_balls, write_lights
+
+from relight_core.dataset import stream
+from relight_core.dataset.texture import TexturePool
+from relight_core.evaluation.dataset_effect import Lesson, Seen, measure, taught
+
+SIZE = 32
+
+
+def person(tone, contrast=1.0, slope=0.0, albedo_slope=0.0):
+    """A face of one tone with a pattern on it, lit more from one side by `slope` stops from edge to edge."""
+    pattern = np.random.default_rng(0).normal(0, 0.3, (SIZE, SIZE))
+    across = np.linspace(-0.5, 0.5, SIZE)
+    photo = 2.0 ** (tone + pattern + slope * across)
+    albedo = 2.0 ** (tone + contrast * pattern + albedo_slope * across)
+    face = np.zeros((SIZE, SIZE), bool)
+    face[4:-4, 4:-4] = True
+    return Seen(*(encode(np.repeat(x[..., None], 3, -1)) for x in (photo, albedo)), np.zeros((SIZE, SIZE, 3)), face)
+
+
+def encode(linear):
+    return np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055).astype(np.float32)
+
+
+def test_an_albedo_with_the_photos_edges_keeps_all_detail_and_a_flat_one_none():
+    assert measure([person(-2)]).detail == pytest.approx(1, abs=1e-3)
+    assert measure([person(-2, contrast=0.0)]).detail == pytest.approx(0, abs=1e-3)
+    assert measure([person(-2, contrast=-1.0)]).detail == pytest.approx(-1, abs=1e-3)
+
+
+def test_people_of_one_tone_have_no_spread_and_of_two_half_their_distance():
+    assert measure([person(-2), person(-2)]).spread == pytest.approx(0, abs=1e-5)
+    assert measure([person(-1.5), person(-3.5)]).spread == pytest.approx(1, abs=0.01)
+
+
+def test_light_left_is_the_part_of_the_sides_difference_that_the_albedo_keeps():
+    assert measure([person(-2, slope=2, albedo_slope=1)]).light_left == pytest.approx(0.5, abs=0.05)
+    assert measure([person(-2, slope=-2, albedo_slope=0)]).light_left == pytest.approx(0, abs=0.1)
+    assert np.isnan(measure([person(-2)]).light_left)
+
+
+def test_no_face_gives_no_figures():
+    nobody = person(-2)
+    nobody.face[:] = False
+    figures = measure([nobody])
+    assert np.isnan([figures.detail, figures.spread, figures.light_left]).all()
+
+
+@pytest.mark.parametrize("plain", [True, False])
+def test_a_lesson_is_learnt_once_and_gives_the_same_weights_again(tmp_path, monkeypatch, plain):
+    monkeypatch.setattr(stream, "TexturePool", partial(TexturePool, count=2))
+    write_balls(tmp_path / "heads", 0, 2)
+    write_lights(tmp_path / "lights.npz", 6)
+    lesson = Lesson(steps=2, size=16, pairs=1, width=4)
+    reports = []
+
+    def learn(name):
+        where = tmp_path / f"{name}.safetensors"
+        return taught(tmp_path / "heads", tmp_path / "lights.npz", lesson, where, reports.append, plain=plain)
+
+    first, again = learn("one").state_dict(), learn("two").state_dict()
+    assert all((first[name] == again[name]).all() for name in first)
+    written = (tmp_path / "one.safetensors").stat().st_mtime_ns
+    kept = learn("one").state_dict()
+    assert (tmp_path / "one.safetensors").stat().st_mtime_ns == written
+    assert all((first[name] == kept[name]).all() for name in first)
