@@ -47,7 +47,7 @@ def data():
         return batches()
 
     with pytest.MonkeyPatch.context() as patched:
-        patched.setattr(run_module, "_batches", make)
+        patched.setattr(run_module, "training_batches", make)
         patched.setattr("relight_core.evaluation.peers.sun.shared_batches", make)
         yield asked
 
