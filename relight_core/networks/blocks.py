@@ -37,7 +37,13 @@ class Encoder(nn.Module):
         )
 
     def begin(self, first: torch.Tensor) -> torch.Tensor:
-        """What the first of the input channels add to the first convolution; normalisation must be folded."""
+        """What the first of the input channels add to the first convolution.
+
+        Raises:
+            ValueError: the normalisation is not folded (see `fold_normalisation`).
+        """
+        if not isinstance(self.stem.norm, nn.Identity):
+            raise ValueError("fold the normalisation first: it follows all channels together")
         conv = self.stem.conv
         weight = conv.weight[:, : first.shape[1]].contiguous(memory_format=torch.channels_last)
         return F.conv2d(first.to(weight.dtype), weight, conv.bias, padding=1)

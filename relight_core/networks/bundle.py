@@ -77,6 +77,11 @@ class NetworkBundle(nn.Module):
         fold_normalisation(self)
         return self.to(memory_format=torch.channels_last)
 
+    @property
+    def is_for_inference(self) -> bool:
+        """Whether `for_inference` has made these networks ready, after which no weight changes."""
+        return isinstance(self.delight.encoder.stem.norm, nn.Identity)
+
     def rounded(self) -> NetworkBundle:
         """A copy that computes in bf16, made once; what `for_inference` made ready."""
         if not self._rounded:

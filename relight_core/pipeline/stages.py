@@ -66,8 +66,12 @@ class Surface:
 
 
 def in_precision(bundle: NetworkBundle, device: str, wish: str = "bf16") -> NetworkBundle:
-    """The networks in bf16 where it is wished for and the hardware multiplies it natively, else in fp32."""
-    if wish == "fp32" or device == "cpu" and not torch.cpu._is_avx512_bf16_supported():
+    """The networks in bf16 where it is wished for and the hardware multiplies it natively, else in fp32.
+
+    Networks that are still being trained stay as they are; training has its own autocast.
+    """
+    native = device != "cpu" or torch.cpu._is_avx512_bf16_supported()
+    if wish == "fp32" or not native or not bundle.is_for_inference:
         return bundle
     return bundle.rounded()
 

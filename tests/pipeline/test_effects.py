@@ -4,7 +4,9 @@ import pytest
 import torch
 
 from relight_core.imaging.tensor_colour import grey
+from relight_core.networks.bundle import BundleConfig, NetworkBundle
 from relight_core.networks.specular_shadow import Occlusion, SpecularShadowConfig
+from relight_core.pipeline import stages
 from relight_core.pipeline.hints import Effects, effects_of, explicit_sum, specular_shadow_hints
 from relight_core.pipeline.stages import Composed, move_sliders
 
@@ -113,3 +115,11 @@ def test_relief_behind_the_person_tells_the_shadow_network_nothing():
 def test_grey_weighs_as_rec709():
     colours = torch.eye(3)[None, :, :, None]
     assert grey(colours).flatten().tolist() == pytest.approx([0.2126, 0.7152, 0.0722])
+
+
+def test_networks_in_training_are_not_copied():
+    bundle = NetworkBundle(BundleConfig.tiny()).eval()
+    assert stages.in_precision(bundle, "cuda") is bundle
+    ready = bundle.for_inference()
+    assert stages.in_precision(ready, "cuda") is ready.rounded()
+    assert stages.in_precision(ready, "cuda", "fp32") is ready
