@@ -13,13 +13,14 @@ import numpy as np
 
 from app.engine.pace import set_pace, yield_to_the_window
 from app.engine.sources import RelighterLike
+from app.window.frame_limit import FrameLimit
 from app.window.window import EditorWindow
 from relight_core.pipeline.auto_quality import AUTO, QualityChoice
 
 _STEP_DEG = 7.0
 _GIVE_UP_S = 300.0
 _DISPLAY_HZ = 60.0
-"""No display shows more pictures a second; without one, frames would be drawn as fast as the processor can."""
+"""As the window's own loop holds frames back on a usual display."""
 
 
 @dataclass(frozen=True)
@@ -116,15 +117,15 @@ class _Hand:
         """Seconds of each frame while the mouse moves, and how many pictures came meanwhile."""
         window, x, y = self._window, *self._at
         durations, updates, shown = [], 0, window.state.snapshot.picture
-        end, step = time.perf_counter() + seconds, 0
+        end, step, limit = time.perf_counter() + seconds, 0, FrameLimit(_DISPLAY_HZ)
         while time.perf_counter() < end:
             step += 1
+            limit.wait()
             window.on_mouse_move(None, x + step % 40, y)
             began = time.perf_counter()
             window.frame()
             glfw.poll_events()
             durations.append(time.perf_counter() - began)
-            _await_the_display(began)
             updates += window.state.snapshot.picture is not shown
             shown = window.state.snapshot.picture
         window.on_mouse_move(None, x, y)
@@ -176,13 +177,6 @@ def _until(window: EditorWindow, reached: Callable[[], bool]) -> None:
         if time.perf_counter() > give_up:
             raise TimeoutError("no result within five minutes")
         glfw.wait_events_timeout(0.03)
-
-
-def _await_the_display(began: float) -> None:
-    """Rest until the display would show the next frame."""
-    left = 1.0 / _DISPLAY_HZ - (time.perf_counter() - began)
-    if left > 0:
-        time.sleep(left)
 
 
 def _settle(window: EditorWindow) -> None:

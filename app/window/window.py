@@ -23,6 +23,7 @@ from app.ui.light_panel import Shelf
 from app.ui.state import EditorState
 from app.window.deeds import Deeds
 from app.window.dropped import take_files
+from app.window.frame_limit import FrameLimit, display_hz
 from app.window.gl_pictures import GlPictures
 from app.window.gl_textures import Canvas
 from app.window.glfw_window import NoDisplayError
@@ -110,8 +111,11 @@ class EditorWindow:
         Raises:
             GraphicsLostError: the driver gave up for good; unsaved work is kept.
         """
+        limit = FrameLimit(display_hz())
         while not glfw.window_should_close(self.handle):
             self._wait()
+            if limit.wait():
+                glfw.poll_events()
             self.frame()
 
     def frame(self) -> None:
