@@ -15,7 +15,11 @@ void main() {
 
 #include "view_transform.glsl"
 
+#ifdef RECIPE
+#include "recipe.glsl"
+#else
 uniform sampler2D picture;
+#endif
 uniform vec4 place;          // x, y, width, height of the picture before its turn
 uniform float roll;          // its turn about its middle, counterclockwise, in radians
 uniform bool encoded;        // the picture is sRGB already, not radiance
@@ -95,7 +99,11 @@ void main() {
         shown = vec4(canvas_srgb, 1.0);
         return;
     }
+#ifdef RECIPE
+    vec4 texel = relit_at(uv);
+#else
     vec4 texel = texture(picture, uv);
+#endif
     vec3 srgb = encoded ? texel.rgb : view_transform(texel.rgb, exposure_ev);
 #ifdef INSPECTED
     srgb = inspected(srgb, texel.rgb, uv, pixel);

@@ -86,7 +86,7 @@ class Desk:
             return Step("Drawing the light", draw, partial(_as_if_drawn, request.light_edit))
         if now.opened is None or now.light is None:
             return None
-        key = _picture_key(now.opened, now.light, request.edit)
+        key = _picture_key(now.opened, now.light, request.edit, request.longest_side_px)
         if key != self._failed and (now.picture is None or key != _key_of(now.picture)):
             relight, skip = (
                 partial(self._relight, request.edit, request.longest_side_px),
@@ -210,11 +210,11 @@ class Desk:
     def _relight(self, edit: Edit, longest_side_px: int | None, now: Snapshot) -> Snapshot:
         self._set_pace(_is_hurried(edit))
         edit = replace(edit, exposure_ev=0.0)
-        relit = self._relighter.relight(now.light.environment, edit, longest_side_px)
-        screen = radiance_for_screen(relit.image, relit.alpha)
+        relit = self._relighter.relight(now.light.environment, edit, longest_side_px, for_shader=True)
+        screen = relit.recipe or radiance_for_screen(relit.image, relit.alpha)
         self._failed = None
         channels = _former_channels(now) | channels_for_screen(relit.channels)
-        picture = Picture(now.opened, now.light, edit, relit, screen, channels)
+        picture = Picture(now.opened, now.light, edit, longest_side_px, relit, screen, channels)
         self._tiers.observe(edit.quality, relit.stages)
         return replace(now, picture=picture, tier_costs=self._tiers.costs())
 
@@ -267,9 +267,9 @@ def _source(opened: OpenPhoto | OpenLight | None) -> PhotoSource | LightSource |
     return opened.source if opened else None
 
 
-def _picture_key(opened: OpenPhoto, light: OpenLight, edit: Edit) -> tuple:
-    return opened, light, replace(edit, exposure_ev=0.0)
+def _picture_key(opened: OpenPhoto, light: OpenLight, edit: Edit, longest_side_px: int | None) -> tuple:
+    return opened, light, replace(edit, exposure_ev=0.0), longest_side_px
 
 
 def _key_of(picture: Picture) -> tuple:
-    return _picture_key(picture.opened, picture.light, picture.edit)
+    return _picture_key(picture.opened, picture.light, picture.edit, picture.longest_side_px)

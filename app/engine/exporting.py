@@ -13,9 +13,9 @@ from app.engine.jobs import JobControl, Jobs
 from app.engine.snapshot import Picture
 from app.engine.sources import RelitLike
 from relight_core import __version__
-from relight_core.imaging.write import FileStyle, write_bands, write_exr_layers
+from relight_core.imaging.write import FileStyle, cut, write_bands, write_exr_layers
 from relight_core.pipeline.edit import Edit
-from relight_core.pipeline.layers import LAYERS, photo_layers, shrunk_picture
+from relight_core.pipeline.layers import LAYERS, photo_layers, shrunk_picture, shrunk_size
 
 FORMS = (".png", ".jpg", ".tif", ".exr")
 SIDES = (None, 4096, 2048, 1080)
@@ -112,14 +112,19 @@ def write_relit(
     Raises:
         InputError: a place or kind of file that can't be written.
     """
-    if settings.form == ".exr":
+    is_exr = settings.form == ".exr"
+    if is_exr and (settings.layers or settings.longest_side is not None):
         layers = photo_layers(relit, settings.layers, settings.longest_side)
         write_exr_layers(path, layers, half=not settings.deep, header=note)
         return
-    image, alpha = shrunk_picture(relit, settings.longest_side)
     texts = {key: str(value) for key, value in note.items()}
-    style = FileStyle(settings.bits, settings.quality, exposure_ev, exif=exif, texts=texts)
-    write_bands(path, image.shape[:2], [(slice(0, image.shape[0]), image, alpha)], alpha is not None, style)
+    # Radiance carries no exposure; what the file says of it is enough.
+    style = FileStyle(settings.bits, settings.quality, 0.0 if is_exr else exposure_ev, exif=exif, texts=texts)
+    if relit.full is not None and shrunk_size(relit.full.size, settings.longest_side) == relit.full.size:
+        write_bands(path, relit.full.size, relit.full.in_bands(), relit.full.has_alpha, style)
+        return
+    image, alpha = shrunk_picture(relit, settings.longest_side)
+    write_bands(path, image.shape[:2], cut(image, alpha), alpha is not None, style)
 
 
 def export_note(light: str, edit: Edit) -> dict[str, str | float]:

@@ -13,6 +13,7 @@ from relight_core.imaging.photo import Photo
 from relight_core.lighting.environment import Environment
 from relight_core.lighting.light_edit import LightEdit
 from relight_core.pipeline.auto_quality import TierCost
+from relight_core.pipeline.display import DisplayRecipe
 from relight_core.pipeline.edit import Edit
 
 
@@ -62,16 +63,18 @@ class Picture:
         opened: the portrait it shows.
         light: the light it shows it under.
         edit: the edit it was computed with; exposure not applied.
+        longest_side_px: how large it was made; None is as large as the photo.
         relit: the result as the library gave it.
-        screen: (h, w, 3 or 4) float16 linear radiance, small enough for a texture.
+        screen: what a shader draws it from, or (h, w, 3 or 4) float16 linear radiance, small enough for a texture.
         channels: name -> (h, w, 3) uint8 sRGB, as channels are looked at.
     """
 
     opened: OpenPhoto
     light: OpenLight
     edit: Edit
+    longest_side_px: int | None
     relit: RelitLike
-    screen: np.ndarray
+    screen: DisplayRecipe | np.ndarray
     channels: dict[str, np.ndarray]
 
 

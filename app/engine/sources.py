@@ -14,6 +14,8 @@ from relight_core.pipeline.edit import Edit
 if TYPE_CHECKING:
     from relight_core.imaging.photo import Photo
     from relight_core.lighting.environment import Environment
+    from relight_core.pipeline.display import DisplayRecipe
+    from relight_core.pipeline.picture import Picture
 
 PANORAMA_SUFFIXES = (".hdr", ".exr")
 PHOTO_SUFFIXES = (".jpg", ".jpeg", ".png", ".tif", ".tiff", ".webp", ".bmp", ".exr")
@@ -26,8 +28,10 @@ class RelighterLike(Protocol):
     def set_portrait(self, photo: Photo, face_index: int | None = None) -> None:
         """Make a photo the portrait; slow. InputError leaves the previous portrait in place."""
 
-    def relight(self, environment: Environment, edit: Edit, longest_side_px: int | None = None) -> RelitLike:
-        """The portrait under a light, no larger than that; fast."""
+    def relight(
+        self, environment: Environment, edit: Edit, longest_side_px: int | None = None, *, for_shader: bool = False
+    ) -> RelitLike:
+        """The portrait under a light, no larger than that, as pixels or as what a shader draws; fast."""
 
     def estimated_light(self, quality: str = "live") -> Environment:
         """The light the portrait was taken under, as de-lighting at that quality sees it."""
@@ -36,14 +40,15 @@ class RelighterLike(Protocol):
 class RelitLike(Protocol):
     """The part of relight_core.pipeline.relighter.Relit that the window uses."""
 
-    image: np.ndarray
+    image: np.ndarray | None
     alpha: np.ndarray | None
+    recipe: DisplayRecipe | None
     channels: dict[str, np.ndarray]
     faces: list
     stages: dict
     window: tuple[float, float, float, float] | None
     roll_deg: float
-    full: object | None
+    full: Picture | None
 
 
 @dataclass(frozen=True, eq=False)
@@ -126,4 +131,5 @@ class Request:
     def same_as(self, other: Request) -> bool:
         """Whether the other asks for the same: the same wishes, at the same settings."""
         same_wishes = self.photo is other.photo and self.light is other.light
-        return same_wishes and (self.edit, self.light_edit) == (other.edit, other.light_edit)
+        mine, its = ((r.edit, r.light_edit, r.longest_side_px) for r in (self, other))
+        return same_wishes and mine == its

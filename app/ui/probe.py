@@ -55,11 +55,22 @@ def reading(snapshot: Snapshot, name: str, exposure_ev: float, x: float, y: floa
     if picture is None or picture.opened is not snapshot.opened:
         return None
     if name == RESULT:
-        # While the hand moves the picture may be smaller than the photo.
-        scale = picture.relit.image.shape[1] / snapshot.opened.photo.linear.shape[1]
-        return _of_picture(RESULT, picture.relit.image, x * scale, y * scale, exposure_ev)
+        return _of_result(snapshot, x, y, exposure_ev)
     channel = picture.relit.channels.get(name)
     return None if channel is None else _of_channel(name, channel, picture.relit, x, y)
+
+
+def _of_result(snapshot: Snapshot, x: float, y: float, exposure_ev: float) -> Reading:
+    """The result at the photo's own size, whatever size is on the screen."""
+    relit = snapshot.picture.relit
+    if relit.full is None:
+        scale = relit.image.shape[1] / snapshot.opened.photo.linear.shape[1]
+        return _of_picture(RESULT, relit.image, x * scale, y * scale, exposure_ev)
+    try:
+        texel, _ = relit.full.pixel(math.floor(y), math.floor(x))
+    except IndexError:
+        return Reading(RESULT)
+    return Reading(RESULT, _numbers(texel), _codes(apply_view(texel[None], exposure_ev)))
 
 
 def _of_picture(name: str, linear: np.ndarray, x: float, y: float, exposure_ev: float) -> Reading:

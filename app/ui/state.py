@@ -24,8 +24,11 @@ from relight_core.pipeline.auto_quality import QualityChoice
 from relight_core.pipeline.edit import Edit
 
 FIRST_LIGHT = "rembrandt"
-PREVIEW_PX = 1600
-"""Longest side of what is shown while the hand moves and the whole picture is in sight: about a screen's."""
+PREVIEW_PX = 2560
+"""Longest side of what is shown of a large photo while it is all in sight or the hand moves: about a screen's."""
+
+_SMALL_PHOTO_PX = 6_000_000
+"""Photos of no more pixels are always shown at their own size."""
 
 RESULT, PHOTO = "result", "photo"
 
@@ -149,8 +152,7 @@ class EditorState:
             unchanged = same_edit and self.light_edit == self.asked_light
             edit = self.asked if unchanged else quick
         self.asked, self.asked_light = edit, self.light_edit
-        is_preview = edit.channels is not None and self.view.fit
-        return Request(self.photo, self.light, edit, self.light_edit, PREVIEW_PX if is_preview else None)
+        return Request(self.photo, self.light, edit, self.light_edit, self._longest_side_px(edit))
 
     def document(self) -> Document:
         """What undo and sessions keep of all this."""
@@ -291,6 +293,13 @@ class EditorState:
     def _looked_at(self) -> tuple[str, ...]:
         """The channels that must follow the hand: the one in the viewport. The filmstrip's wait until it rests."""
         return () if self.shown in (RESULT, PHOTO) else (self.shown,)
+
+    def _longest_side_px(self, edit: Edit) -> int | None:
+        """How large the picture need be; None is as large as the photo."""
+        opened = self.snapshot.opened
+        size = opened.photo.linear.shape[:2] if opened else (0, 0)
+        is_quick = edit.channels is not None
+        return PREVIEW_PX if size[0] * size[1] > _SMALL_PHOTO_PX and (self.view.fit or is_quick) else None
 
     def _is_in_force(self) -> bool:
         """Whether the photo and the light that were asked for are there, so that neither can still be refused."""

@@ -14,6 +14,7 @@ from app.ui.panes import Pane
 from app.ui.pictures import Paint, Shown
 from app.ui.state import PHOTO, RESULT
 from app.window.gl_light_ball import LightBall
+from app.window.gl_recipe import RelitSlot
 from app.window.gl_scopes import Scopes
 from app.window.gl_textures import Canvas, TextureSlot
 from app.window.gl_viewport import PicturePainter
@@ -37,7 +38,7 @@ class GlPictures:
         self._context = context
         self._shelf = shelf
         self._painter = PicturePainter(context, canvas_srgb)
-        self._slots = {name: TextureSlot(context, mipmaps=True) for name in (PHOTO, RESULT)}
+        self._slots = {PHOTO: TextureSlot(context, mipmaps=True), RESULT: RelitSlot(context)}
         self._balls: dict[tuple[str, str], TextureSlot] = {}
         self._panorama = TextureSlot(context, repeat_x=True)
         self._viewport = Canvas(context, smooth=False)

@@ -43,6 +43,19 @@ class TextureSlot:
         small = moderngl.LINEAR_MIPMAP_LINEAR if self._mipmaps else moderngl.LINEAR
         self.texture.filter = (small, moderngl.LINEAR if magnified_smoothly else moderngl.NEAREST)
 
+    @property
+    def has_alpha(self) -> bool:
+        """Whether what is behind the texture shows through."""
+        return self.texture.components == 4
+
+    def switches(self) -> tuple[str, ...]:
+        """Which parts of the viewport's shader draw it: none beyond what all have."""
+        return ()
+
+    def bind(self, program: moderngl.Program, width_px: float) -> None:
+        """Hand the texture to the viewport's program, on unit 0; how wide it is drawn is seen to by the sampler."""
+        self.texture.use(0)
+
     def close(self) -> None:
         """Free the texture; the slot can be used again."""
         self.array = None

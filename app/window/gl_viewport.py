@@ -11,6 +11,7 @@ from app.ui.panes import LIGHTS, Pane
 from app.ui.pictures import Paint
 from app.ui.state import PHOTO, RESULT
 from app.ui.view import Placement
+from app.window.gl_recipe import RelitSlot
 from app.window.gl_textures import Canvas, TextureSlot
 from app.window.shader_source import stage_source
 from relight_core.imaging.false_colour import difference_colours, scale_colours
@@ -18,13 +19,15 @@ from relight_core.imaging.false_colour import difference_colours, scale_colours
 RANGE_EV = 3.0
 """How many stops brighter or darker the ends of the difference's colours stand for."""
 
+Slots = dict[str, TextureSlot | RelitSlot]
+
 _PLAIN, _SCALE, _DIFFERENCE = 0, 1, 2
 _SCALED = ("specular", "shadow")
 _CRISP_FROM_ZOOM = 4.0
 
 
 class PicturePainter:
-    """The two programs of shaders/viewport.glsl: one that shows, and one that warns and colours besides.
+    """The programs of shaders/viewport.glsl, with and without warnings and colours, from pixels and from recipes.
 
     Args:
         context: the window's; current whenever a method is called.
@@ -34,52 +37,51 @@ class PicturePainter:
     def __init__(self, context: moderngl.Context, canvas_srgb: tuple[float, float, float]) -> None:
         self._context = context
         self._canvas_srgb = canvas_srgb
-        self._plain = self._program()
-        self._inspecting = self._program("INSPECTED")
-        for unit, name in ((1, "photo"), (2, "colours")):
-            self._inspecting.program[name].value = unit
-        self._inspecting.program["range_ev"].value = RANGE_EV
+        self._triangles: dict[tuple[str, ...], moderngl.VertexArray] = {}
         self.colours = {"scale": TextureSlot(context), "difference": TextureSlot(context)}
         self.colours["scale"].show(scale_colours())
         self.colours["difference"].show(difference_colours())
 
-    def _program(self, *switches: str) -> moderngl.VertexArray:
+    def _triangle(self, *switches: str) -> moderngl.VertexArray:
+        """The program with so many parts of shaders/viewport.glsl, made when it is first used."""
+        if switches in self._triangles:
+            return self._triangles[switches]
         stages = (stage_source("viewport", stage, *switches) for stage in ("VERTEX_STAGE", "FRAGMENT_STAGE"))
         program = self._context.program(*stages)
         program["canvas_srgb"].value = self._canvas_srgb
-        return self._context.vertex_array(program, [])
+        if "INSPECTED" in switches:
+            for unit, name in ((1, "photo"), (2, "colours")):
+                program[name].value = unit
+            program["range_ev"].value = RANGE_EV
+        self._triangles[switches] = triangle = self._context.vertex_array(program, [])
+        return triangle
 
     def clear(self, canvas: Canvas) -> None:
         """Nothing but the canvas."""
         canvas.framebuffer.use()
         canvas.framebuffer.clear(*self._canvas_srgb, 1.0)
 
-    def panes(
-        self, canvas: Canvas, panes: Sequence[Pane], slots: dict[str, TextureSlot], paint: Paint, exposure_ev: float
-    ) -> None:
+    def panes(self, canvas: Canvas, panes: Sequence[Pane], slots: Slots, paint: Paint, exposure_ev: float) -> None:
         """Each pane's picture in its columns; what lies between them stays canvas."""
         self.clear(canvas)
         height = canvas.framebuffer.size[1]
         for pane in panes:
             canvas.framebuffer.scissor = (pane.left, 0, pane.right - pane.left, height)
             mode = _mode(pane.name, paint)
-            if mode == _PLAIN and not paint.clipping:
-                self._picture(self._plain, slots, pane.name, pane.placement, exposure_ev)
-            else:
-                self._inspect(slots, paint, mode)
-                self._picture(self._inspecting, slots, pane.name, pane.placement, exposure_ev)
+            switches = slots[pane.name].switches()
+            if mode != _PLAIN or paint.clipping:
+                switches = ("INSPECTED", *switches)
+                self._inspect(self._triangle(*switches).program, slots, paint, mode)
+            self._picture(self._triangle(*switches), slots, pane.name, pane.placement, exposure_ev)
         canvas.framebuffer.scissor = None
 
-    def thumbnail(
-        self, canvas: Canvas, slots: dict[str, TextureSlot], name: str, scale: float, exposure_ev: float
-    ) -> None:
+    def thumbnail(self, canvas: Canvas, slots: Slots, name: str, scale: float, exposure_ev: float) -> None:
         """One picture that fills its canvas."""
         canvas.framebuffer.use()
         whole = Placement(0, 0, scale, *canvas.framebuffer.size)
-        self._picture(self._plain, slots, name, whole, exposure_ev)
+        self._picture(self._triangle(*slots[name].switches()), slots, name, whole, exposure_ev)
 
-    def _inspect(self, slots: dict[str, TextureSlot], paint: Paint, mode: int) -> None:
-        program = self._inspecting.program
+    def _inspect(self, program: moderngl.Program, slots: Slots, paint: Paint, mode: int) -> None:
         program["paint"].value = mode
         program["clipping"].value = paint.clipping
         program["stripe_px"].value = paint.stripe_px
@@ -89,20 +91,21 @@ class PicturePainter:
     def _picture(
         self,
         triangle: moderngl.VertexArray,
-        slots: dict[str, TextureSlot],
+        slots: Slots,
         name: str,
         place: Placement,
         exposure_ev: float,
     ) -> None:
         slot, program = slots[name], triangle.program
         # A light has so few texels that only their blend can be read as a place.
-        slot.smooth(name in LIGHTS or place.width / slot.texture.width < _CRISP_FROM_ZOOM)
+        zoom = place.width / slot.texture.width
+        slot.smooth(name in LIGHTS or (zoom != 1.0 and zoom < _CRISP_FROM_ZOOM))
         program["place"].value = (place.x, place.y, place.width, place.height)
         program["roll"].value = math.radians(place.roll_deg)
         program["encoded"].value = name not in (PHOTO, RESULT)
-        program["has_alpha"].value = slot.texture.components == 4
+        program["has_alpha"].value = slot.has_alpha
         program["exposure_ev"].value = exposure_ev if name == RESULT else 0.0
-        slot.texture.use(0)
+        slot.bind(program, place.width)
         self._context.disable(moderngl.BLEND | moderngl.DEPTH_TEST | moderngl.CULL_FACE)
         triangle.render(moderngl.TRIANGLES, vertices=3)
 
@@ -110,7 +113,7 @@ class PicturePainter:
         """Free everything."""
         for slot in self.colours.values():
             slot.close()
-        for triangle in (self._plain, self._inspecting):
+        for triangle in self._triangles.values():
             program = triangle.program
             triangle.release()
             program.release()

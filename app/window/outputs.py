@@ -23,6 +23,7 @@ from relight_core.imaging.read import read_photo
 from relight_core.imaging.write import write_image
 from relight_core.lighting.environment import Environment
 from relight_core.pipeline.edit import Edit
+from relight_core.pipeline.layers import shrunk_picture
 
 BATCH_FOLDER = "relit"
 
@@ -52,7 +53,7 @@ class Outputs:
         def work(control: JobControl) -> str:
             with tempfile.TemporaryDirectory(prefix="relight-") as folder:
                 path = Path(folder) / "picture.png"
-                write_image(path, relit.image, relit.alpha, exposure_ev=exposure_ev)
+                write_image(path, *shrunk_picture(relit, None), exposure_ev=exposure_ev)
                 copy_png(path.read_bytes())
             return "Copied the picture"
 

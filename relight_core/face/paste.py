@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import cv2
 import numpy as np
@@ -19,6 +19,7 @@ class Band:
         size: (height, width) of the picture.
         photo_size: (height, width) of the photo.
         columns: first and last, the latter not included; None is all of them.
+        step: only every so many rows, from `top` on.
     """
 
     top: int
@@ -26,6 +27,7 @@ class Band:
     size: tuple[int, int]
     photo_size: tuple[int, int]
     columns: tuple[int, int] | None = None
+    step: int = 1
 
     @property
     def span(self) -> tuple[int, int]:
@@ -35,7 +37,18 @@ class Band:
     @property
     def rows(self) -> slice:
         """The band in an array of the picture's size."""
-        return slice(self.top, self.bottom)
+        return slice(self.top, self.bottom, self.step)
+
+    @property
+    def pixels(self) -> tuple[slice, slice]:
+        """The band's rows and columns in an array of the picture's size."""
+        return self.rows, slice(*self.span)
+
+    def part(self, rows: slice, columns: slice) -> Band:
+        """Some of the band's own rows and columns, counted from its first."""
+        top, left = self.top + rows.start * self.step, self.span[0]
+        bottom = min(self.top + (rows.stop - 1) * self.step + 1, self.bottom)
+        return replace(self, top=top, bottom=bottom, columns=(left + columns.start, left + columns.stop))
 
 
 def bands(size: tuple[int, int], photo_size: tuple[int, int], rows: int = 64) -> list[Band]:
@@ -61,11 +74,11 @@ def spread_window(maps: np.ndarray, window: tuple[float, float, float, float], b
     Returns:
         (rows, columns) or (rows, columns, C) float32.
     """
-    along_y, along_x = band.size[0] / band.photo_size[0], band.size[1] / band.photo_size[1]
-    y0, y1 = _whole(window[1] * along_y, window[3] * along_y)
-    x0, x1 = _whole(window[0] * along_x, window[2] * along_x)
+    x0, y0, x1, y1 = _on_pixels(window, band.size, band.photo_size)
     maps = np.ascontiguousarray(maps, np.float32)
-    place = np.clip((np.arange(band.top, band.bottom) + 0.5 - y0) * (len(maps) / (y1 - y0)) - 0.5, 0, len(maps) - 1)
+    place = np.clip(
+        (np.arange(band.top, band.bottom, band.step) + 0.5 - y0) * (len(maps) / (y1 - y0)) - 0.5, 0, len(maps) - 1
+    )
     upper = np.floor(place).astype(np.intp)
     share = (place - upper).astype(np.float32).reshape(-1, *[1] * (maps.ndim - 1))
     rows = maps[upper] * (1 - share) + maps[np.minimum(upper + 1, len(maps) - 1)] * share
@@ -94,15 +107,28 @@ def spread_crop(maps: np.ndarray, crop: Crop, band: Band) -> np.ndarray:
     step = np.array([band.photo_size[1] / band.size[1], band.photo_size[0] / band.size[0]])
     linear = matrix[:, :2] * step
     offset = linear @ np.array([0.5, band.top + 0.5]) + matrix[:, 2] - 0.5
+    linear[:, 1] *= band.step
     wide = cv2.warpAffine(
         np.ascontiguousarray(maps, np.float32),
         np.column_stack([linear, offset]),
-        (band.size[1], band.bottom - band.top),
+        (band.size[1], len(range(band.top, band.bottom, band.step))),
         flags=cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP,
         borderMode=cv2.BORDER_REPLICATE,
     )
     # Places are rounded to fractions of a pixel from the first column on, so that one is always the same.
     return wide[:, slice(*band.span)]
+
+
+def unit_matrix(crop: Crop, size: tuple[int, int], photo_size: tuple[int, int]) -> np.ndarray:
+    """(2, 3) affine map from pixel positions in a picture of the photo to [0, 1] across and down a crop.
+
+    It says where `spread_crop` puts the crop's maps.
+    """
+    if crop.roll_deg == 0:
+        x0, y0, x1, y1 = _on_pixels(crop.window, size, photo_size)
+        return np.array([[1 / (x1 - x0), 0, -x0 / (x1 - x0)], [0, 1 / (y1 - y0), -y0 / (y1 - y0)]])
+    matrix = crop.from_photo_matrix(1)
+    return matrix * np.array([photo_size[1] / size[1], photo_size[0] / size[0], 1.0])
 
 
 def fade(position: np.ndarray, width: float, low: bool = True, high: bool = True) -> np.ndarray:
@@ -114,6 +140,16 @@ def fade(position: np.ndarray, width: float, low: bool = True, high: bool = True
         distance = np.minimum(distance, 1.0 - np.asarray(position))
     ramp = np.clip(distance / width, 0.0, 1.0)
     return (ramp * ramp * (3.0 - 2.0 * ramp)).astype(np.float32)
+
+
+def _on_pixels(
+    window: tuple[float, float, float, float], size: tuple[int, int], photo_size: tuple[int, int]
+) -> tuple[int, int, int, int]:
+    """A window of the photo in whole pixels of a picture of it: x0, y0, x1, y1."""
+    along_y, along_x = size[0] / photo_size[0], size[1] / photo_size[1]
+    y0, y1 = _whole(window[1] * along_y, window[3] * along_y)
+    x0, x1 = _whole(window[0] * along_x, window[2] * along_x)
+    return x0, y0, x1, y1
 
 
 def _whole(low: float, high: float) -> tuple[int, int]:

@@ -44,19 +44,27 @@ class JointUpsampler:
         if self._weights is None:
             return maps
         size, factor, channels = self.size, self.factor, maps.shape[2]
-        around = _neighbours(torch.from_numpy(maps)).reshape(size * size, _TAPS, channels)
-        cells = torch.bmm(self._weights, around).reshape(size, size, factor, factor, channels)
-        return np.ascontiguousarray(cells.permute(0, 2, 1, 3, 4).reshape(size * factor, size * factor, channels))
+        around = F.pad(torch.from_numpy(maps).permute(2, 0, 1)[None], (1, 1, 1, 1), mode="replicate")[0]
+        taps = [around[:, y : y + size, x : x + size].contiguous() for y in range(3) for x in range(3)]
+        # Plane by plane: whole rows at a time keep the processor busier than one small product per pixel.
+        cells = torch.empty(factor, factor, channels, size, size)
+        for cell, weights in zip(cells.flatten(0, 1), self._weights, strict=True):
+            torch.mul(taps[0], weights[0], out=cell)
+            for tap, weight in zip(taps[1:], weights[1:], strict=True):
+                cell.addcmul_(tap, weight)
+        rows = cells.permute(3, 0, 4, 1, 2)
+        return np.ascontiguousarray(rows.reshape(size * factor, size * factor, channels))
 
     def _likeness(self, small: np.ndarray, large: np.ndarray) -> torch.Tensor:
-        """(s * s, f * f, 9) weights of the neighbours of every new pixel."""
+        """(f * f, 9, s, s) weights of the neighbours of every new pixel."""
         size, factor = self.size, self.factor
         cells = _as_seen(large).reshape(size, factor, size, factor, 3).permute(0, 2, 1, 3, 4)
         cells = cells.reshape(size * size, factor * factor, 1, 3)
         around = _neighbours(_as_seen(small)).reshape(size * size, 1, _TAPS, 3)
         likeness = torch.exp((cells - around).square().sum(-1) / (-2 * _COLOUR_DEVIATION**2))
         weights = (likeness + _FAR) * _nearness(factor)
-        return weights / weights.sum(-1, keepdim=True)
+        weights = weights / weights.sum(-1, keepdim=True)
+        return weights.permute(1, 2, 0).reshape(factor * factor, _TAPS, size, size).contiguous()
 
 
 def _as_seen(linear: np.ndarray) -> torch.Tensor:

@@ -57,16 +57,18 @@ def own_colour(linear: np.ndarray, share: np.ndarray, person: np.ndarray, behind
         person, behind: (h, w, 3) mean colours of both sides.
 
     Returns:
-        (h, w, 3) linear, >= 0; the pixels themselves where the matte is 0 or 1.
+        (h, w, 3) linear, >= 0, its share no brighter than the pixel; the pixels themselves where the matte is
+        0 or 1.
     """
     soft = (share > 0.0) & (share < 1.0)
     if not soft.any():
         return linear
     alpha = share[soft][:, None]
     mean = person[soft]
-    remainder = linear[soft] - alpha * mean - (1.0 - alpha) * behind[soft]
+    mixed = linear[soft]
+    remainder = mixed - alpha * mean - (1.0 - alpha) * behind[soft]
     colour = linear.copy()
-    colour[soft] = np.maximum(mean + alpha * remainder, 0.0)
+    colour[soft] = np.clip(mean + alpha * remainder, 0.0, np.maximum(mixed, 0.0) / alpha)
     return colour
 
 

@@ -61,6 +61,8 @@ def resample_window(image: np.ndarray, window: tuple[float, float, float, float]
     source = np.asarray(image, np.float32)
     if (x1 - x0, y1 - y0) == (size[1], size[0]) and _lies_on_pixels(window, source.shape[:2]):
         return source[int(y0) : int(y1), int(x0) : int(x1)].copy()
+    if _is_whole_and_shrinks(source, window, size):
+        return _shrunk(source, size)
     flat = source.reshape(*source.shape[:2], -1)
     vertical = _axis_weights(y0, y1, source.shape[0], size[0])
     horizontal = _axis_weights(x0, x1, source.shape[1], size[1])
@@ -70,6 +72,20 @@ def resample_window(image: np.ndarray, window: tuple[float, float, float, float]
     if (x1 - x0) < size[1] or (y1 - y0) < size[0]:
         result = np.clip(result, source.min(), source.max())
     return np.ascontiguousarray(result).reshape(*size, *source.shape[2:])
+
+
+def _is_whole_and_shrinks(source: np.ndarray, window: tuple[float, float, float, float], size: tuple[int, int]) -> bool:
+    height, width = source.shape[:2]
+    return window == (0, 0, width, height) and height >= size[0] and width >= size[1]
+
+
+def _shrunk(source: np.ndarray, size: tuple[int, int]) -> np.ndarray:
+    """Exact area means of all of an image; OpenCV takes four channels at a time."""
+    if source.ndim == 3 and source.shape[2] > 4:
+        parts = np.split(source, range(4, source.shape[2], 4), axis=2)
+        return np.concatenate([_shrunk(np.ascontiguousarray(part), size) for part in parts], axis=2)
+    small = cv2.resize(source, (size[1], size[0]), interpolation=cv2.INTER_AREA)
+    return small.reshape(*size, *source.shape[2:])
 
 
 def _lies_on_pixels(window: tuple[float, float, float, float], size: tuple[int, int]) -> bool:

@@ -30,9 +30,13 @@ class Extremes:
 
 def thinned(pixels: np.ndarray, most: int = 1 << 15) -> np.ndarray:
     """Every n-th row and column of (H, W, ...), such that about `most` pixels are left; a view."""
-    height, width = pixels.shape[:2]
-    step = max(1, int(np.ceil(np.sqrt(height * width / most))))
+    step = thinning_step(pixels.shape[:2], most)
     return pixels[::step, ::step]
+
+
+def thinning_step(size: tuple[int, int], most: int = 1 << 15) -> int:
+    """Which n leaves about `most` pixels of a picture of (height, width)."""
+    return max(1, int(np.ceil(np.sqrt(size[0] * size[1] / most))))
 
 
 def histogram(codes: np.ndarray) -> np.ndarray:

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import io
-import struct
 import zlib
 from collections.abc import Iterable
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 
-import cv2
 import numpy as np
 import tifffile
 from PIL import Image, ImageCms
@@ -19,10 +18,12 @@ from relight_core.imaging import exr
 from relight_core.imaging.colour import srgb_decode, srgb_encode
 from relight_core.imaging.files import whole_file
 from relight_core.imaging.icc import MatrixProfile, matrix_profile
+from relight_core.imaging.in_order import in_order
+from relight_core.imaging.png import chunk, write_png
 from relight_core.imaging.view_transform import apply_view, expose
 
 _BITS = {".png": (8, 16), ".jpg": (8,), ".jpeg": (8,), ".tif": (8, 16), ".tiff": (8, 16), ".exr": (8, 16, 32)}
-_TO_BGR = {3: cv2.COLOR_RGB2BGR, 4: cv2.COLOR_RGBA2BGRA}
+_OPAQUE = (".jpg", ".jpeg")
 
 
 @dataclass(frozen=True)
@@ -83,7 +84,14 @@ def write_image(
     """
     linear, alpha = _checked(linear, alpha)
     style = FileStyle(bits, quality, exposure_ev, texts=texts or {})
-    write_bands(path, linear.shape[:2], [(slice(0, linear.shape[0]), linear, alpha)], alpha is not None, style)
+    write_bands(path, linear.shape[:2], cut(linear, alpha), alpha is not None, style)
+
+
+def cut(linear: np.ndarray, alpha: np.ndarray | None, rows: int = 64) -> Bands:
+    """An image in bands of rows."""
+    for top in range(0, linear.shape[0], rows):
+        band = slice(top, min(top + rows, linear.shape[0]))
+        yield band, linear[band], None if alpha is None else alpha[band]
 
 
 def write_bands(
@@ -100,26 +108,41 @@ def write_bands(
     """
     path = Path(path)
     suffix = check_output(path, style.bits)
-    opaque = suffix in (".jpg", ".jpeg")
-    pixels = np.empty((*size, 4 if has_alpha and not opaque else 3), _code_type(suffix, style.bits))
     profile = None if suffix == ".exr" else _target_profile(style.icc)
-    for rows, linear, alpha in bands:
-        linear, alpha = _checked(linear, alpha)
-        if suffix == ".exr":
-            pixels[rows] = exr.limited(_premultiplied(expose(linear, style.exposure_ev), alpha), pixels.dtype)
-            continue
-        shown = apply_view(linear, style.exposure_ev)
-        if opaque:
-            shown, alpha = _flattened(shown, alpha), None
-        if profile is not None:
-            shown = profile.encode(srgb_decode(shown))
-        pixels[rows] = _codes(shown, alpha, style.bits)
+    coded = in_order(partial(_coded, suffix=suffix, profile=profile, style=style), bands)
+    channels = 4 if has_alpha and suffix not in _OPAQUE else 3
+    if suffix == ".png":
+        notes = _png_notes(style, profile)
+        with whole_file(path) as beside, beside.open("wb") as file:
+            write_png(file, size, channels, style.bits, (codes for _, codes in coded), notes)
+        return
+    pixels = np.empty((*size, channels), _code_type(suffix, style.bits))
+    for rows, codes in coded:
+        pixels[rows] = codes
     if suffix == ".exr":
         _write_exr(path, {"RGBA" if has_alpha else "RGB": pixels}, style.texts)
         return
     icc = style.icc if profile is not None else None
     with whole_file(path) as beside:
-        beside.write_bytes(_encoded(suffix, pixels, style, icc))
+        encoded = _jpeg(pixels, style.quality, icc, style.exif) if suffix in _OPAQUE else _tiff(pixels, icc)
+        beside.write_bytes(encoded)
+
+
+def _coded(
+    band: tuple[slice, np.ndarray, np.ndarray | None], suffix: str, profile: MatrixProfile | None, style: FileStyle
+) -> tuple[slice, np.ndarray]:
+    """A band as the file has it."""
+    rows, linear, alpha = band
+    linear, alpha = _checked(linear, alpha)
+    if suffix == ".exr":
+        exposed = _premultiplied(expose(linear, style.exposure_ev), alpha)
+        return rows, exr.limited(exposed, _code_type(suffix, style.bits))
+    shown = apply_view(linear, style.exposure_ev)
+    if suffix in _OPAQUE:
+        shown, alpha = _flattened(shown, alpha), None
+    if profile is not None:
+        shown = profile.encode(srgb_decode(shown))
+    return rows, _codes(shown, alpha, style.bits)
 
 
 def _code_type(suffix: str, bits: int) -> type:
@@ -136,12 +159,6 @@ def _target_profile(icc: bytes | None) -> MatrixProfile | None:
     if profile is None:
         raise InputError("the photo's colour profile can't be written back: it is no RGB matrix profile; write sRGB")
     return None if profile.is_srgb else profile
-
-
-def _encoded(suffix: str, pixels: np.ndarray, style: FileStyle, icc: bytes | None) -> bytes:
-    if suffix in (".jpg", ".jpeg"):
-        return _jpeg(pixels, style.quality, icc, style.exif)
-    return _png(pixels, icc, style) if suffix == ".png" else _tiff(pixels, icc)
 
 
 def check_output(path: str | Path, bits: int = 8) -> str:
@@ -251,23 +268,16 @@ def _jpeg(pixels: np.ndarray, quality: int, icc: bytes | None, exif: bytes | Non
     return buffer.getvalue()
 
 
-def _png(pixels: np.ndarray, icc: bytes | None, style: FileStyle) -> bytes:
-    done, encoded = cv2.imencode(".png", cv2.cvtColor(pixels, _TO_BGR[pixels.shape[2]]))
-    if not done:
-        raise RuntimeError("OpenCV could not encode a PNG")
-    png = encoded.tobytes()
-    chunks = _chunk(b"sRGB", b"\x00") if icc is None else _chunk(b"iCCP", b"icc\x00\x00" + zlib.compress(icc))
+def _png_notes(style: FileStyle, profile: MatrixProfile | None) -> bytes:
+    """The chunks that say what the pixels are and where they come from."""
+    is_srgb = profile is None
+    chunks = chunk(b"sRGB", b"\x00") if is_srgb else chunk(b"iCCP", b"icc\x00\x00" + zlib.compress(style.icc))
     if style.exif is not None:
-        chunks += _chunk(b"eXIf", style.exif.removeprefix(b"Exif\x00\x00"))
+        chunks += chunk(b"eXIf", style.exif.removeprefix(b"Exif\x00\x00"))
     for name, text in style.texts.items():
         # International text, uncompressed, of no named language.
-        chunks += _chunk(b"iTXt", name.encode("latin-1")[:79] + b"\x00" * 5 + text.encode("utf-8"))
-    after_header = 8 + 12 + 13
-    return png[:after_header] + chunks + png[after_header:]
-
-
-def _chunk(kind: bytes, data: bytes) -> bytes:
-    return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+        chunks += chunk(b"iTXt", name.encode("latin-1")[:79] + b"\x00" * 5 + text.encode("utf-8"))
+    return chunks
 
 
 def _tiff(pixels: np.ndarray, icc: bytes | None) -> bytes:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import cv2
@@ -50,13 +51,15 @@ def check_background(background: str) -> None:
         raise InputError(f"unknown background {background!r}: use {names} or a colour such as #30343a")
 
 
-def make_backdrop(background: str, panorama: np.ndarray | None, person_gain: np.ndarray) -> Backdrop:
+def make_backdrop(
+    background: str, panorama: np.ndarray | None, person_gain: Callable[[], np.ndarray] = lambda: np.ones(3)
+) -> Backdrop:
     """The background of a name.
 
     Args:
         background: as in `Edit`.
         panorama: (h, w, 3) linear, for "light".
-        person_gain: (3,) by how much the light changes the person, for "match".
+        person_gain: gives (3,), by how much the light changes the person; called for "match" only.
 
     Raises:
         InputError: a background that is none.
@@ -67,7 +70,7 @@ def make_backdrop(background: str, panorama: np.ndarray | None, person_gain: np.
     if background == "transparent":
         return Backdrop(transparent=True)
     if background == "match":
-        return Backdrop(gain=np.clip(person_gain, _DIMMEST, _BRIGHTEST).astype(np.float32))
+        return Backdrop(gain=np.clip(person_gain(), _DIMMEST, _BRIGHTEST).astype(np.float32))
     if background == "light":
         return Backdrop(picture=panorama, soft=_softened(panorama))
     codes = np.array([int(background[i : i + 2], 16) for i in (1, 3, 5)], np.float32)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+import cv2
 import numpy as np
 import torch
 
@@ -15,7 +16,8 @@ from relight_core.imaging.photo import Photo
 from relight_core.imaging.resampling import resize_area
 from relight_core.lighting.reflection import ReflectionTable
 from relight_core.pipeline.channels import ViewChange, at_level
-from relight_core.pipeline.picture import PlacedChange, canvas_of, whole_person
+from relight_core.pipeline.person import canvas_of, whole_person
+from relight_core.pipeline.picture import PlacedChange
 from relight_core.pipeline.rest_of_person import Body, body_gain, body_size, make_body
 
 _EDGE_SHARE = 0.12
@@ -60,9 +62,31 @@ def place_views(photo: Photo, views: Sequence[Crop], matte: Matte, table: Reflec
     return Placement(tuple(views), weights, small, body, photo_size)
 
 
-def placed(placement: Placement, changes: Sequence[ViewChange]) -> tuple[PlacedChange, ...]:
-    """The faces' changes at their places."""
-    return tuple(PlacedChange(*parts) for parts in zip(changes, placement.views, placement.weights, strict=True))
+@dataclass(frozen=True, eq=False)
+class ViewWeights:
+    """How much each view counts at every place of one of them; (S, S, 1) each, None where it counts nowhere."""
+
+    of_views: tuple[np.ndarray | None, ...]
+    of_rest: np.ndarray | None
+
+
+def weights_on_views(placement: Placement, size: int) -> tuple[ViewWeights, ...]:
+    """For each view, the weights of all of them on its own maps of `size` pixels."""
+    return tuple(_weights_on(placement, view, size) for view in placement.views)
+
+
+def placed(
+    placement: Placement, weights: Sequence[ViewWeights], changes: Sequence[ViewChange], rest: np.ndarray
+) -> tuple[PlacedChange, ...]:
+    """The faces' changes at their places, mixed with each other's and with the rest's where they meet.
+
+    Args:
+        weights: of `weights_on_views`, at the size of the changes' maps.
+        rest: (h, w, 3) gain over the whole photo.
+    """
+    if len(changes) == 1 and weights[0].of_rest is None:
+        return (PlacedChange(changes[0].gain, changes[0].offset, placement.views[0]),)
+    return tuple(_mixed(placement, index, weights[index], changes, rest) for index in range(len(changes)))
 
 
 def gain_of_rest(placement: Placement, changes: Sequence[ViewChange], light: torch.Tensor) -> np.ndarray:
@@ -84,10 +108,75 @@ def gain_of_rest(placement: Placement, changes: Sequence[ViewChange], light: tor
     return at_level(body_gain(body, light, relit), level)
 
 
+def place_changes(
+    placement: Placement,
+    weights: Sequence[ViewWeights],
+    changes: Sequence[ViewChange],
+    light: torch.Tensor,
+) -> tuple[np.ndarray, tuple[PlacedChange, ...]]:
+    """`gain_of_rest` and `placed`."""
+    rest = gain_of_rest(placement, changes, light)
+    return rest, placed(placement, weights, changes, rest)
+
+
 def mean_gain(placement: Placement, rest: np.ndarray) -> np.ndarray:
     """(3,) by how much the person changes, as a geometric mean."""
     weight = placement.body.share[..., None] + 1e-6
     return np.exp((np.log(rest + 1e-6) * weight).sum((0, 1)) / weight.sum((0, 1)))
+
+
+def _weights_on(placement: Placement, view: Crop, size: int) -> ViewWeights:
+    of_views = [_seen_from(view, size, weight, placement.photo_size)[..., None] for weight in placement.weights]
+    of_rest = 1 - np.minimum(sum(of_views), 1)
+    return ViewWeights(
+        tuple(weight if weight.any() else None for weight in of_views), of_rest if of_rest.max() > 1e-6 else None
+    )
+
+
+def _mixed(
+    placement: Placement, index: int, weights: ViewWeights, changes: Sequence[ViewChange], rest: np.ndarray
+) -> PlacedChange:
+    """One view's change where others or the rest count too."""
+    view, size = placement.views[index], changes[index].gain.shape[0]
+    gain, offset = np.zeros((2, size, size, 3), np.float32)
+    for other, (change, weight) in enumerate(zip(changes, weights.of_views, strict=True)):
+        if weight is None:
+            continue
+        for total, part in ((gain, change.gain), (offset, change.offset)):
+            if other != index:
+                part = _seen_across(view, size, part, placement.views[other])
+            total += part * weight
+    if weights.of_rest is not None:
+        gain += _seen_from(view, size, rest, placement.photo_size) * weights.of_rest
+    return PlacedChange(gain, offset, view)
+
+
+def _seen_from(view: Crop, size: int, maps: np.ndarray, photo_size: tuple[int, int]) -> np.ndarray:
+    """Maps over the whole photo, bilinearly at the places of a view's maps."""
+    to_maps = np.diag([maps.shape[1] / photo_size[1], maps.shape[0] / photo_size[0], 1.0])
+    return _looked_up(maps, to_maps @ _square(_to_photo(view, size)), size)
+
+
+def _seen_across(view: Crop, size: int, maps: np.ndarray, other: Crop) -> np.ndarray:
+    """Another view's maps, bilinearly at the places of a view's maps."""
+    return _looked_up(maps, _square(other.from_photo_matrix(maps.shape[0])) @ _square(_to_photo(view, size)), size)
+
+
+def _looked_up(maps: np.ndarray, matrix: np.ndarray, size: int) -> np.ndarray:
+    """Maps at (size, size) places; the (3, 3) matrix takes those to the maps, in pixel edges. Borders continue."""
+    centred = matrix[:2].copy()
+    centred[:, 2] += centred[:, :2] @ [0.5, 0.5] - 0.5
+    flags = cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP
+    source = np.ascontiguousarray(maps, np.float32)
+    return cv2.warpAffine(source, centred, (size, size), flags=flags, borderMode=cv2.BORDER_REPLICATE)
+
+
+def _to_photo(view: Crop, size: int) -> np.ndarray:
+    return cv2.invertAffineTransform(view.from_photo_matrix(size))
+
+
+def _square(matrix: np.ndarray) -> np.ndarray:
+    return np.vstack([matrix, [0.0, 0.0, 1.0]])
 
 
 def _coarse(maps: np.ndarray, view: Crop, size: tuple[int, int], photo_size: tuple[int, int]) -> np.ndarray:

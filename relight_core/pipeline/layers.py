@@ -9,7 +9,7 @@ import numpy as np
 
 from relight_core.face.crop import Crop
 from relight_core.imaging.resampling import resize_area
-from relight_core.pipeline.picture import whole_person
+from relight_core.pipeline.person import whole_person
 from relight_core.pipeline.relighter import Relit
 
 CHANNEL_LAYERS = ("albedo", "normal", "specular", "shadow", "parsing", "composition")
@@ -87,7 +87,7 @@ def unrolled(normals: np.ndarray, roll_deg: float) -> np.ndarray:
 
 def _whole(relit: Relit) -> tuple[np.ndarray, np.ndarray | None]:
     """Image and alpha at the photo's size, whatever size they were made for the screen."""
-    if relit.full is None or relit.full.size == relit.image.shape[:2]:
+    if relit.full is None or (relit.image is not None and relit.full.size == relit.image.shape[:2]):
         return relit.image, relit.alpha
     return relit.full.render()
 

@@ -1,106 +1,40 @@
 """The finished picture, a band of rows at a time: every pixel is a function of the photo's own and of small maps.
 
 So a picture of any size, a preview of the screen's size, and a file too large to hold twice in memory are
-all the same computation, and how it is cut changes nothing.
+all the same computation, and how it is cut changes nothing. `pipeline.display` hands the same maps to a shader.
 """
 
 from __future__ import annotations
 
-import os
 from collections.abc import Iterator
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from relight_core.face.crop import Crop
-from relight_core.face.paste import Band, bands, spread_crop, spread_window, whole_photo
-from relight_core.imaging.matte import Matte, guide_of, own_colour
-from relight_core.imaging.photo import Photo
-from relight_core.imaging.resampling import resize_area
+from relight_core.face.paste import Band, bands, spread_crop, spread_window, unit_matrix, whole_photo
+from relight_core.imaging.in_order import in_order
+from relight_core.imaging.matte import Matte
 from relight_core.pipeline.backdrop import Backdrop
-from relight_core.pipeline.channels import ViewChange
+from relight_core.pipeline.person import Canvas, Person, person_in
 
-_WORKERS = min(os.cpu_count() or 1, 4)
-_LIGHT_WRAP = 0.25
-
-
-@dataclass(frozen=True, eq=False)
-class Canvas:
-    """The photo at the picture's size.
-
-    Attributes:
-        linear: (h, w, 3) linear.
-        alpha: (h, w) the photo's own, or None.
-        photo_size: (height, width) of the photo.
-    """
-
-    linear: np.ndarray
-    alpha: np.ndarray | None
-    photo_size: tuple[int, int]
-
-    @property
-    def size(self) -> tuple[int, int]:
-        """(height, width) of the picture."""
-        return self.linear.shape[:2]
-
-
-def canvas_of(photo: Photo, longest_side_px: int | None = None) -> Canvas:
-    """The photo itself, or a copy of it that is no longer than so many pixels."""
-    size = photo.linear.shape[:2]
-    if longest_side_px is None or max(size) <= longest_side_px:
-        return Canvas(photo.linear, photo.alpha, size)
-    small = tuple(max(round(length * longest_side_px / max(size)), 1) for length in size)
-    alpha = None if photo.alpha is None else resize_area(photo.alpha, small)
-    return Canvas(resize_area(photo.linear, small), alpha, size)
-
-
-@dataclass(frozen=True, eq=False)
-class Person:
-    """What no light changes: the matte and the person's own colour at every pixel of a canvas.
-
-    Attributes:
-        share: (h, w) in [0, 1]
-        colour: (h, w, 3) linear.
-    """
-
-    share: np.ndarray
-    colour: np.ndarray
-
-
-def person_in(canvas: Canvas, matte: Matte, band: Band) -> Person:
-    """The person in a band of a canvas."""
-    linear = canvas.linear[band.rows]
-    if matte.own_alpha:
-        return Person(np.clip(np.nan_to_num(canvas.alpha[band.rows]), 0, 1), linear)
-    everywhere = whole_photo(canvas.photo_size)
-    share = spread_window(matte.slope, everywhere, band)
-    share *= guide_of(linear)
-    share += spread_window(matte.level, everywhere, band)
-    np.clip(share, 0, 1, out=share)
-    sides = (spread_window(side, everywhere, band) for side in (matte.person, matte.behind))
-    return Person(share, own_colour(linear, share, *sides))
-
-
-def whole_person(canvas: Canvas, matte: Matte) -> Person:
-    """The person in all of a canvas, for a picture that is made many times."""
-    parts = _in_parallel(lambda band: person_in(canvas, matte, band), bands(canvas.size, canvas.photo_size))
-    return Person(np.concatenate([p.share for p in parts]), np.concatenate([p.colour for p in parts]))
+LIGHT_WRAP = 0.25
+"""How much of a new background's light comes round the person's edge."""
 
 
 @dataclass(frozen=True, eq=False)
 class PlacedChange:
-    """What a light makes of one face's view, and where it counts.
+    """What a light does within the view of one face, all faces and the rest of the person considered.
 
     Attributes:
-        change: of the view.
+        gain, offset: (S, S, 3) float32, at the light's level; toward the view's edges they become those of
+            whatever lies beyond, so that views can be laid side by side.
         view: where it lies.
-        weight: (k, l) over the whole photo, in [0, 1]; those of all faces sum to at most 1.
     """
 
-    change: ViewChange
+    gain: np.ndarray
+    offset: np.ndarray
     view: Crop
-    weight: np.ndarray
 
 
 @dataclass(frozen=True, eq=False)
@@ -110,8 +44,8 @@ class Picture:
     Attributes:
         canvas: the photo at the picture's size.
         matte: of the photo.
-        changes: one for each face.
-        rest: (h, w, 3) gain over the whole photo where no view counts, at the light's level.
+        changes: one for each face; a place in several views takes the one whose middle is nearest.
+        rest: (h, w, 3) gain over the whole photo beyond the views, at the light's level.
         backdrop: what is behind the person.
         person: of the whole canvas, where it is kept; else it is worked out band by band.
     """
@@ -143,21 +77,37 @@ class Picture:
             if alpha is not None:
                 alpha[band.rows] = share
 
-        _in_parallel(make, bands(self.size, self.canvas.photo_size))
+        for _ in in_order(make, bands(self.size, self.canvas.photo_size)):
+            pass
         return image, alpha
 
-    def in_bands(self, rows: int = 256) -> Iterator[tuple[slice, np.ndarray, np.ndarray | None]]:
-        """Rows, image and alpha of one band after the other, from the top."""
-        for band in bands(self.size, self.canvas.photo_size, rows):
-            yield (band.rows, *self.band(band))
+    def in_bands(self, rows: int = 64) -> Iterator[tuple[slice, np.ndarray, np.ndarray | None]]:
+        """Rows, image and alpha of one band after the other, from the top, worked out a little ahead."""
+        return in_order(lambda band: (band.rows, *self.band(band)), bands(self.size, self.canvas.photo_size, rows))
+
+    def thinned(self, step: int) -> tuple[np.ndarray, np.ndarray | None]:
+        """Every `step`-th row and column of `render`."""
+        image, alpha = self.band(Band(0, self.size[0], self.size, self.canvas.photo_size, step=step))
+        return image[:, ::step], None if alpha is None else alpha[:, ::step]
+
+    def pixel(self, row: int, column: int) -> tuple[np.ndarray, float]:
+        """Radiance (3,) and alpha of one pixel.
+
+        Raises:
+            IndexError: it lies outside.
+        """
+        if not (0 <= row < self.size[0] and 0 <= column < self.size[1]):
+            raise IndexError(f"row {row}, column {column} of {self.size}")
+        image, alpha = self.band(Band(row, row + 1, self.size, self.canvas.photo_size, (column, column + 1)))
+        return image[0, 0], 1.0 if alpha is None else float(alpha[0, 0])
 
     def band(self, band: Band) -> tuple[np.ndarray, np.ndarray | None]:
-        """Some rows: (h, W, 3) float32 linear, and (h, W) alpha or None."""
-        linear = self.canvas.linear[band.rows]
+        """Some rows: (h, w, 3) float32 linear, and (h, w) alpha or None."""
+        linear = self.canvas.linear[band.pixels]
         if self.person is None:
             person = person_in(self.canvas, self.matte, band)
         else:
-            person = Person(self.person.share[band.rows], self.person.colour[band.rows])
+            person = Person(self.person.share[band.pixels], self.person.colour[band.pixels])
         if self.backdrop.kept:
             return self._beside_the_photo(linear, person, band), None
         relit = self._relit(person.colour, band)
@@ -173,7 +123,8 @@ class Picture:
             return result
         first, last = int(held[0]), int(held[-1]) + 1
         colour, share = person.colour[:, first:last], person.share[:, first:last, None]
-        relit = self._relit(colour, replace(band, columns=(first, last)))
+        start = band.span[0]
+        relit = self._relit(colour, replace(band, columns=(start + first, start + last)))
         relit -= colour
         relit *= share
         relit += linear[:, first:last]
@@ -181,27 +132,37 @@ class Picture:
         return result
 
     def _relit(self, colour: np.ndarray, band: Band) -> np.ndarray:
-        """The person's own colour (h, W, 3) in the new light."""
-        everywhere = whole_photo(self.canvas.photo_size)
-        gain, offset, known = None, None, np.zeros(colour.shape[:2], np.float32)
-        for placed in self.changes:
-            weight = spread_window(placed.weight, everywhere, band)
-            if not weight.any():
-                continue
-            parts = (spread_crop(part, placed.view, band) for part in (placed.change.gain, placed.change.offset))
-            if weight.min() == 1:
-                gain, offset = parts
-                known = weight
-                break
-            weighted = [part * weight[..., None] for part in parts]
-            gain, offset = weighted if gain is None else (gain + weighted[0], offset + weighted[1])
-            known = known + weight
-        if gain is None:
-            return spread_window(self.rest, everywhere, band) * colour
-        if known.min() < 1:
-            gain = gain + spread_window(self.rest, everywhere, band) * (1 - known[..., None])
-        relit = gain * colour
-        relit += offset
+        """The person's own colour (h, w, 3) in the new light."""
+        nearest = np.full(colour.shape[:2], 0.5, np.float32)
+        inside = [self._nearer(placed.view, band, nearest) for placed in self.changes]
+        if len(inside) == 1 and inside[0].all():
+            return self._within(self.changes[0], colour, band)
+        relit = spread_window(self.rest, whole_photo(self.canvas.photo_size), band)
+        relit *= colour
+        for placed, chosen in zip(self.changes, inside, strict=True):
+            rows, columns = (np.flatnonzero(chosen.any(axis=axis)) for axis in (1, 0))
+            if rows.size:
+                part = slice(rows[0], rows[-1] + 1), slice(columns[0], columns[-1] + 1)
+                lit = self._within(placed, colour[part], band.part(*part))
+                np.copyto(relit[part], lit, where=chosen[part][..., None])
+        return relit
+
+    def _nearer(self, view: Crop, band: Band, nearest: np.ndarray) -> np.ndarray:
+        """(h, w) where a view's middle is nearer than `nearest`, in sides of the view; that is brought up to date."""
+        matrix = unit_matrix(view, band.size, band.photo_size)
+        y = np.arange(band.top, band.bottom, band.step, dtype=np.float64)[:, None] + 0.5
+        x = np.arange(*band.span, dtype=np.float64)[None, :] + 0.5
+        away = (np.abs(row[0] * x + row[1] * y + row[2] - 0.5) for row in matrix)
+        distance = np.maximum(*away).astype(np.float32)
+        nearer = distance < nearest
+        np.copyto(nearest, distance, where=nearer)
+        return nearer
+
+    @staticmethod
+    def _within(placed: PlacedChange, colour: np.ndarray, band: Band) -> np.ndarray:
+        relit = spread_crop(placed.gain, placed.view, band)
+        relit = relit * colour
+        relit += spread_crop(placed.offset, placed.view, band)
         return relit
 
     def _over(self, relit: np.ndarray, linear: np.ndarray, person: Person, band: Band) -> np.ndarray:
@@ -216,12 +177,5 @@ class Picture:
             for layer in (self.backdrop.picture, self.backdrop.soft)
         )
         near = share if self.matte.own_alpha else spread_window(self.matte.nearby, everywhere, band)[..., None]
-        wrap = _LIGHT_WRAP * share * (1.0 - near)
+        wrap = LIGHT_WRAP * share * (1.0 - near)
         return share * relit + (1.0 - share) * picture + wrap * soft
-
-
-def _in_parallel(work, parts: list[Band]) -> list:
-    if len(parts) == 1 or _WORKERS == 1:
-        return [work(part) for part in parts]
-    with ThreadPoolExecutor(_WORKERS) as pool:
-        return list(pool.map(work, parts))

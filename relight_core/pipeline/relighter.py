@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Hashable, Sequence
 from dataclasses import dataclass, field, replace
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -19,11 +20,13 @@ from relight_core.networks.bundle import load_bundle
 from relight_core.pipeline.backdrop import Backdrop, backdrop_panorama, make_backdrop
 from relight_core.pipeline.cache import Stage, StageCache
 from relight_core.pipeline.channels import ViewChange
+from relight_core.pipeline.display import DisplayRecipe, person_layers, recipe_of
 from relight_core.pipeline.edit import Edit
 from relight_core.pipeline.face_relighter import KEPT_LIGHTS, FaceRelighter, Workshop
-from relight_core.pipeline.finish import gain_of_rest, mean_gain, place_views, placed
+from relight_core.pipeline.finish import Placement, mean_gain, place_changes, place_views, weights_on_views
 from relight_core.pipeline.kept_lights import KeptLights, ServingLight
-from relight_core.pipeline.picture import Picture, canvas_of, whole_person
+from relight_core.pipeline.person import canvas_of, whole_person
+from relight_core.pipeline.picture import Picture
 from relight_core.pipeline.plan import Effect, Plan, Scene, make_plan
 from relight_core.pipeline.portrait import choose_faces, frame, frame_by_hand, refine
 from relight_core.pipeline.quality import tier_of
@@ -43,7 +46,8 @@ class Relit:
     """A relit portrait.
 
     Attributes:
-        image: (H, W, 3) float32 linear radiance at the size that was asked for, without `Edit.exposure_ev`.
+        image: (H, W, 3) float32 linear radiance at the size that was asked for, without `Edit.exposure_ev`; None
+            where there is a recipe instead.
         alpha: (H, W) float32 in [0, 1] where the background was taken away, else None.
         channels: views (S, S, 3) or (S, S) float32 by name, as far as `Edit.channels` asks for them: "photo",
             "albedo", "normal" (unit vectors, camera space), "parsing" (int labels), "specular", "shadow" and
@@ -52,11 +56,13 @@ class Relit:
         faces: the boxes of the faces that were relit, in photo pixels; the channels are the first one's.
         stages: what each stage did, in the order in which they ended.
         plan: what was decided about each effect, and why.
+        full: the picture at the photo's own size, computed where it is asked for.
         window: x0, y0, x1, y1 of the square the channels show, in photo pixels; it may reach beyond the photo.
         roll_deg: how far that square is turned about its middle, as `Crop.roll_deg`.
+        recipe: what a shader needs to draw the picture, at the size that was asked for.
     """
 
-    image: np.ndarray
+    image: np.ndarray | None
     alpha: np.ndarray | None
     channels: dict[str, np.ndarray]
     faces: list[FaceBox]
@@ -65,6 +71,7 @@ class Relit:
     full: Picture | None = None
     window: tuple[float, float, float, float] | None = None
     roll_deg: float = 0.0
+    recipe: DisplayRecipe | None = None
 
     @property
     def size(self) -> tuple[int, int]:
@@ -142,7 +149,9 @@ class Relighter:
         """
         return self._planned(environment, edit)[0]
 
-    def relight(self, environment: Environment, edit: Edit, longest_side_px: int | None = None) -> Relit:
+    def relight(
+        self, environment: Environment, edit: Edit, longest_side_px: int | None = None, *, for_shader: bool = False
+    ) -> Relit:
         """Light the portrait.
 
         Only what the scene calls for and what is not known yet is computed; `Relit.plan` says which effects,
@@ -152,6 +161,7 @@ class Relighter:
         Args:
             longest_side_px: `Relit.image` is made no larger than this, for a screen; None makes it as large
                 as the photo. `Relit.full` gives the full size in any case.
+            for_shader: give a recipe instead of an image, unless there are too many faces or pixels for one.
 
         Raises:
             InputError: no portrait has been set, or the edit asks for something unknown.
@@ -170,13 +180,16 @@ class Relighter:
             "sliders", plan.keys["sliders"], lambda: face.change(ready, lit, plan, edit, level), "new light or slider"
         )
         changes = [change, *self._other_changes(serving, plan, edit, level)]
-        full, image, alpha = self._finished(changes, serving, plan, environment, edit, longest_side_px)
+        full, shown = self._finished(changes, serving, plan, environment, edit, longest_side_px)
+        key = (plan.keys["background"], longest_side_px)
+        recipe = self._recipe(shown, key) if for_shader else None
+        image, alpha = (None, None) if recipe else self._rendered(shown, key)
         channels = face.channels(ready, lit, change, plan, edit)
         if edit.looks_at("target_light") and plan.runs("channels"):
             channels["target_light"] = network_light(environment, edit.yaw_deg) * np.float32(level)
         boxes = [face.portrait.face for face in self._faces]
         view, done = face.portrait.view, dict(self._cache.stages)
-        return Relit(image, alpha, channels, boxes, done, plan.effects, full, view.window, view.roll_deg)
+        return Relit(image, alpha, channels, boxes, done, plan.effects, full, view.window, view.roll_deg, recipe)
 
     def _first(self) -> FaceRelighter:
         if not self._faces:
@@ -227,30 +240,45 @@ class Relighter:
         environment: Environment,
         edit: Edit,
         longest_side_px: int | None,
-    ) -> tuple[Picture, np.ndarray, np.ndarray | None]:
-        """The picture at the photo's size, uncomputed, and its rendering at the size that was asked for."""
+    ) -> tuple[Picture, Picture]:
+        """The picture at the photo's size, and at the size that was asked for; nothing of either is computed."""
         photo, run = self._faces[0].portrait.photo, self._cache.run
         views = [face.portrait.view for face in self._faces]
         matte = run("matte", "photo", self._matte, "new photo")
         placement = run("placement", "photo", lambda: place_views(photo, views, matte, self._shop.table), "new photo")
+        size = changes[0].gain.shape[0]
+        weights = run("weights", size, lambda: weights_on_views(placement, size), "new photo or quality", 3)
         light = torch.from_numpy(serving.radiance)[None].to(self._shop.device)
-        rest = run(
+        rest, placed_changes = run(
             "detail",
             plan.keys["detail"],
-            lambda: gain_of_rest(placement, changes, light),
+            lambda: place_changes(placement, weights, changes, light),
             "new light or slider",
         )
-        backdrop = self._backdrop(plan, environment, edit, mean_gain(placement, rest))
-        full = Picture(canvas_of(photo), matte, placed(placement, changes), rest, backdrop)
+        backdrop = self._backdrop(plan, environment, edit, placement, rest)
+        full = Picture(canvas_of(photo), matte, placed_changes, rest, backdrop)
         canvas = run("canvas", longest_side_px, lambda: canvas_of(photo, longest_side_px), "new photo or size", 2)
-        person = None
-        if canvas.linear.shape[0] * canvas.linear.shape[1] <= _KEPT_PIXELS:
-            person = run("person", longest_side_px, lambda: whole_person(canvas, matte), "new photo or size", 2)
-        picture = replace(full, canvas=canvas, person=person)
-        key = (plan.keys["background"], longest_side_px)
-        return full, *run("paste", key, picture.render, "new light, slider or background")
+        return full, replace(full, canvas=canvas)
 
-    def _backdrop(self, plan: Plan, environment: Environment, edit: Edit, person_gain: np.ndarray) -> Backdrop:
+    def _recipe(self, picture: Picture, key: Hashable) -> DisplayRecipe | None:
+        """How a shader draws a picture; None where it can't."""
+        if picture.size[0] * picture.size[1] > _KEPT_PIXELS:
+            return None
+        canvas, matte, run = picture.canvas, picture.matte, self._cache.run
+        layers = run("layers", picture.size, lambda: person_layers(canvas, matte), "new photo or size", 2)
+        return run("recipe", key, lambda: recipe_of(picture, layers), "new light, slider or background")
+
+    def _rendered(self, picture: Picture, key: Hashable) -> tuple[np.ndarray, np.ndarray | None]:
+        """A picture's image and alpha."""
+        if picture.size[0] * picture.size[1] <= _KEPT_PIXELS:
+            canvas, matte = picture.canvas, picture.matte
+            make = partial(whole_person, canvas, matte)
+            picture = replace(picture, person=self._cache.run("person", picture.size, make, "new photo or size", 2))
+        return self._cache.run("paste", key, picture.render, "new light, slider or background")
+
+    def _backdrop(
+        self, plan: Plan, environment: Environment, edit: Edit, placement: Placement, rest: np.ndarray
+    ) -> Backdrop:
         """What is behind the people."""
         if not plan.runs("background"):
             return Backdrop(kept=True)
@@ -263,6 +291,6 @@ class Relighter:
         return self._cache.run(
             "background",
             plan.keys["background"],
-            lambda: make_backdrop(edit.background, panorama, person_gain),
+            lambda: make_backdrop(edit.background, panorama, lambda: mean_gain(placement, rest)),
             "new light, slider or background",
         )

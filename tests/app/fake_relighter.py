@@ -30,6 +30,7 @@ class FakeRelit:
     window: tuple | None = None
     roll_deg: float = 0.0
     full: object = None
+    recipe: object = None
 
 
 class FakeRelighter:
@@ -60,7 +61,7 @@ class FakeRelighter:
         radiance = np.ones((height, width, 3), np.float32) * self.photo.linear.mean(axis=(0, 1))
         return Environment.from_radiance(radiance, "estimated")
 
-    def relight(self, environment, edit, longest_side_px=None):
+    def relight(self, environment, edit, longest_side_px=None, *, for_shader=False):
         self.entered.release()
         assert self.gate.wait(30)
         if self.fail_with is not None:

@@ -33,7 +33,7 @@ def snapshot():
     opened = OpenPhoto(PhotoSource(photo), photo, radiance_for_screen(photo.linear))
     light = OpenLight(LightSource("rig", "even"), environment, None, None, environment)
     channels = channels_for_screen(relit.channels)
-    picture = Picture(opened, light, Edit(), relit, radiance_for_screen(relit.image), channels)
+    picture = Picture(opened, light, Edit(), None, relit, radiance_for_screen(relit.image), channels)
     return Snapshot(opened=opened, light=light, picture=picture)
 
 

@@ -178,11 +178,22 @@ def test_the_budget_decides_the_quality_while_the_hand_moves():
     assert state.request().edit.quality == "draft"
 
 
-def test_a_preview_is_enough_while_the_hand_moves_and_all_is_in_sight():
-    state = EditorState(hand_on_control=True)
-    state.change(yaw_deg=5.0)
-    assert 500 < state.request().longest_side_px < 4000
+def of_size(height, width):
+    photo = Photo(np.zeros((height, width, 3), np.float32))
+    return Snapshot(opened=OpenPhoto(PhotoSource(photo), photo, np.zeros((1, 1, 3), np.float16)))
+
+
+def test_a_large_photo_is_shown_whole_only_when_one_looks_closer_and_waits():
+    state = EditorState(snapshot=of_size(2600, 2600))
+    assert 1000 < state.request().longest_side_px < 4000
     state.view = View(fit=False, zoom=2.0)
     assert state.request().longest_side_px is None
-    state.view, state.hand_on_control = View(), False
+    state.hand_on_control = True
+    state.change(yaw_deg=5.0)
+    assert 1000 < state.request().longest_side_px < 4000
+
+
+def test_a_small_photo_is_always_shown_at_its_own_size():
+    state = EditorState(snapshot=of_size(600, 900), hand_on_control=True)
+    state.change(yaw_deg=5.0)
     assert state.request().longest_side_px is None

@@ -21,7 +21,7 @@ class FakeRelighter:
     def __init__(self):
         self.count = 0
 
-    def relight(self, environment, edit, longest_side_px=None):
+    def relight(self, environment, edit, longest_side_px=None, *, for_shader=False):
         self.count += 1
         return SimpleNamespace(image=np.full((2, 2, 3), 0.5, np.float32))
 

@@ -11,8 +11,9 @@ from relight_core.imaging.photo import Photo
 from relight_core.lighting.reflection import ReflectionTable
 from relight_core.pipeline.backdrop import Backdrop, make_backdrop
 from relight_core.pipeline.channels import ViewChange
-from relight_core.pipeline.finish import gain_of_rest, mean_gain, place_views, placed
-from relight_core.pipeline.picture import Picture, canvas_of, whole_person
+from relight_core.pipeline.finish import gain_of_rest, mean_gain, place_changes, place_views, weights_on_views
+from relight_core.pipeline.person import canvas_of, whole_person
+from relight_core.pipeline.picture import Picture
 
 CROP = Crop(100.0, 85.0, 130.0)
 EVEN = torch.ones(1, 16, 32, 3)
@@ -42,15 +43,16 @@ def picture_of(gain=0.5, backdrop=None, views=(CROP,), photo=None, change=None):
     matte = make_matte(photo.linear, [(view.extract(truth, 64), view) for view in views], photo.alpha)
     placement = place_views(photo, views, matte, ReflectionTable())
     changes = [change or change_of(gain) for _ in views]
-    rest = gain_of_rest(placement, changes, EVEN)
-    return Picture(canvas_of(photo), matte, placed(placement, changes), rest, backdrop or Backdrop(kept=True))
+    weights = weights_on_views(placement, changes[0].gain.shape[0])
+    rest, placed = place_changes(placement, weights, changes, EVEN)
+    return Picture(canvas_of(photo), matte, placed, rest, backdrop or Backdrop(kept=True))
 
 
 @pytest.mark.parametrize("backdrop", ["keep", "match", "transparent", "#203040"])
 @pytest.mark.parametrize("rows", [13, 100])
 def test_bands_are_the_picture(backdrop, rows):
     photo, _ = portrait()
-    picture = picture_of(backdrop=make_backdrop(backdrop, None, np.float32([0.5, 0.5, 0.5])), photo=photo)
+    picture = picture_of(backdrop=make_backdrop(backdrop, None, lambda: np.float32([0.5, 0.5, 0.5])), photo=photo)
     image, alpha = picture.render()
     for band, part, share in picture.in_bands(rows):
         np.testing.assert_allclose(part, image[band], atol=1e-5)
@@ -95,7 +97,7 @@ def test_a_preview_is_the_picture_shrunk():
 
 def test_no_bright_rim_of_the_old_wall_before_a_dark_background():
     photo, truth = portrait()
-    image, _ = picture_of(gain=1.0, backdrop=make_backdrop("#000000", None, np.ones(3)), photo=photo).render()
+    image, _ = picture_of(gain=1.0, backdrop=make_backdrop("#000000", None), photo=photo).render()
     outside = truth == 0
     assert image[outside].mean() < 0.02
     assert (image[outside][:, 2] > 0.45).mean() < 0.01
@@ -104,8 +106,7 @@ def test_no_bright_rim_of_the_old_wall_before_a_dark_background():
 def test_light_of_the_background_wraps_round_the_edge_only():
     photo, truth = portrait()
     dark, bright = (
-        picture_of(gain=1.0, backdrop=make_backdrop(c, None, np.ones(3)), photo=photo).render()[0]
-        for c in ("#000000", "#ffffff")
+        picture_of(gain=1.0, backdrop=make_backdrop(c, None), photo=photo).render()[0] for c in ("#000000", "#ffffff")
     )
     np.testing.assert_allclose(bright[80, 90:110], dark[80, 90:110], atol=0.01)
     assert (bright >= dark - 1e-5).all()
@@ -115,7 +116,9 @@ def test_a_matched_background_is_dimmed_as_the_person_is():
     photo, _ = portrait()
     picture = picture_of(gain=0.3, photo=photo)
     gain = np.float32([0.3, 0.3, 0.3])
-    picture = Picture(picture.canvas, picture.matte, picture.changes, picture.rest, make_backdrop("match", None, gain))
+    picture = Picture(
+        picture.canvas, picture.matte, picture.changes, picture.rest, make_backdrop("match", None, lambda: gain)
+    )
     image, _ = picture.render()
     np.testing.assert_allclose(image[:20, :40], 0.3 * photo.linear[:20, :40], rtol=1e-3)
 
@@ -160,4 +163,4 @@ def test_a_turned_view_changes_what_lies_in_it():
 
 def test_unknown_backgrounds_are_refused():
     with pytest.raises(InputError, match="match"):
-        make_backdrop("beach", None, np.ones(3))
+        make_backdrop("beach", None)

@@ -1,0 +1,121 @@
+"""A relit picture on the graphics side: as pixels, or as the maps that a shader makes it from."""
+
+from __future__ import annotations
+
+import math
+
+import moderngl
+import numpy as np
+
+from app.window.gl_textures import TextureSlot
+from relight_core.imaging.scopes import thinning_step
+from relight_core.pipeline.display import MOST_VIEWS, DisplayRecipe
+
+MAPS = ("behind", "gain", "offset", "rest", "backdrop", "soft", "nearby")
+"""The recipe's textures beside the person, as shaders/recipe.glsl calls them."""
+
+_FIRST_UNIT = 3
+"""The units before hold the picture or the person, the photo, and colours."""
+
+
+class RelitSlot:
+    """The textures of one relit picture.
+
+    Attributes:
+        recipe: what is drawn from; None while there are pixels, or nothing.
+    """
+
+    def __init__(self, context: moderngl.Context) -> None:
+        self.recipe: DisplayRecipe | None = None
+        self._pixels = TextureSlot(context, mipmaps=True)
+        self._person = TextureSlot(context, mipmaps=True)
+        self._maps = {name: TextureSlot(context, mipmaps=name == "behind") for name in MAPS}
+        self._thinned: np.ndarray | None = None
+
+    def show(self, screen: np.ndarray | DisplayRecipe | None) -> bool:
+        """Upload what is not there yet; True if anything changed."""
+        if isinstance(screen, DisplayRecipe):
+            return self._show_recipe(screen)
+        changed = self.recipe is not None
+        if changed:
+            self._free_recipe()
+        return self._pixels.show(screen) or changed
+
+    @property
+    def texture(self) -> moderngl.Texture | None:
+        """The one that has the picture's size."""
+        return self._person.texture if self.recipe else self._pixels.texture
+
+    @property
+    def has_alpha(self) -> bool:
+        """Whether the canvas shows through."""
+        return self.recipe.transparent if self.recipe else self._pixels.texture.components == 4
+
+    @property
+    def array(self) -> np.ndarray | None:
+        """(h, w, 3 or 4) float16 linear pixels: all of them, or as many of a recipe's as the scopes read."""
+        if self.recipe is None:
+            return self._pixels.array
+        if self._thinned is None:
+            step = thinning_step(self.recipe.size)
+            image, alpha = self.recipe.picture.thinned(step)
+            pixels = image if alpha is None else np.dstack([image, alpha])
+            self._thinned = np.minimum(pixels, np.float32(65504.0)).astype(np.float16)
+        return self._thinned
+
+    def smooth(self, magnified_smoothly: bool) -> None:
+        """As of TextureSlot, for what has the picture's size."""
+        for slot in (self._person, self._maps["behind"]) if self.recipe else (self._pixels,):
+            if slot.texture is not None:
+                slot.smooth(magnified_smoothly)
+
+    def switches(self) -> tuple[str, ...]:
+        """Which parts of the shader draw it."""
+        if self.recipe is None:
+            return ()
+        return ("RECIPE",) if self.recipe.backdrop is None else ("RECIPE", "OVER")
+
+    def bind(self, program: moderngl.Program, width_px: float) -> None:
+        """Hand textures and numbers to a program compiled with `switches`, for a picture drawn so wide."""
+        self.texture.use(0)
+        recipe = self.recipe
+        if recipe is None:
+            return
+        for unit, name in enumerate(MAPS, _FIRST_UNIT):
+            if name in program and self._maps[name].texture is not None:
+                self._maps[name].texture.use(unit)
+                program[name].value = unit
+        matrices = np.zeros((MOST_VIEWS, 3, 2), np.float32)
+        for matrix, view in zip(matrices, recipe.views, strict=False):
+            matrix[:] = view.T
+        program["to_view"].write(matrices.tobytes())
+        program["level"].value = max(math.log2(self.texture.width / max(width_px, 1e-3)), 0.0)
+        program["views"].value = len(recipe.views)
+        program["transparent"].value = recipe.transparent
+        if "dimmed" in program:
+            program["dimmed"].value = recipe.behind_gain is not None
+            gain = (1.0, 1.0, 1.0) if recipe.behind_gain is None else recipe.behind_gain
+            program["behind_gain"].value = tuple(map(float, gain))
+        if "own_alpha" in program:
+            program["own_alpha"].value = recipe.nearby is None
+
+    def close(self) -> None:
+        """Free everything; the slot can be used again."""
+        self._free_recipe()
+        self._pixels.close()
+
+    def _show_recipe(self, recipe: DisplayRecipe) -> bool:
+        if recipe is self.recipe:
+            return False
+        self._pixels.close()
+        self._thinned, self.recipe = None, recipe
+        self._person.show(recipe.layers.person)
+        self._maps["behind"].show(recipe.layers.behind)
+        for name in MAPS[1:]:
+            self._maps[name].show(getattr(recipe, name))
+        return True
+
+    def _free_recipe(self) -> None:
+        self.recipe = self._thinned = None
+        for slot in (self._person, *self._maps.values()):
+            slot.close()

@@ -1,0 +1,132 @@
+"""What a viewport needs to draw a picture by itself: textures made once per photo, small maps per light.
+
+A `Picture` is a function of the photo's pixel and of small maps. Here the same maps are laid out for
+shaders/recipe.glsl, which evaluates them where the viewport looks; `Picture.render` is its twin on the CPU.
+
+    share * relit + behind,   where   share * relit = gain * (share * colour) + share * offset
+
+The person's colour is stored times its share, so that everything up to the sum is linear and may be averaged
+where the picture is shown smaller than it is.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from relight_core.face.crop import Crop
+from relight_core.face.paste import Band, bands, unit_matrix
+from relight_core.imaging.in_order import in_order
+from relight_core.imaging.matte import Matte
+from relight_core.pipeline.person import Canvas, person_in
+from relight_core.pipeline.picture import Picture
+
+MOST_VIEWS = 8
+"""Faces that one recipe holds; pictures with more are rendered."""
+
+_HALF_MAX = 65504.0
+
+
+@dataclass(frozen=True, eq=False)
+class PersonLayers:
+    """A canvas taken apart; no light changes it.
+
+    Attributes:
+        person: (h, w, 4) float16 linear, the person's own colour times the matte, and the matte.
+        behind: (h, w, 3) float16 linear, what the photo holds beside that.
+    """
+
+    person: np.ndarray
+    behind: np.ndarray
+
+
+def person_layers(canvas: Canvas, matte: Matte) -> PersonLayers:
+    """Take a canvas apart."""
+    layers = PersonLayers(np.empty((*canvas.size, 4), np.float16), np.empty((*canvas.size, 3), np.float16))
+
+    def make(band: Band) -> None:
+        found = person_in(canvas, matte, band)
+        colour = found.colour * found.share[..., None]
+        layers.person[band.rows, :, :3] = np.minimum(colour, np.float32(_HALF_MAX))
+        layers.person[band.rows, :, 3] = found.share
+        layers.behind[band.rows] = np.clip(canvas.linear[band.rows] - colour, 0, np.float32(_HALF_MAX))
+
+    for _ in in_order(make, bands(canvas.size, canvas.photo_size)):
+        pass
+    return layers
+
+
+@dataclass(frozen=True, eq=False)
+class DisplayRecipe:
+    """A picture as a shader draws it. Maps are bilinear, with their borders continued.
+
+    Attributes:
+        layers: the canvas, taken apart; the same object as long as photo and size are.
+        views: (2, 3) each: from places in the picture, [0, 1] across and down, to those in a face's view.
+        gain, offset: (n S, S, 3) float32, the views' maps one below the other.
+        rest: (k, l, 3) float32, gain over the whole picture beyond the views.
+        behind_gain: (3,) of what is behind the person, which is then no darker than black; None keeps it.
+        backdrop: (k, l, 3) float16 linear, what is behind the person instead; or None.
+        soft: (k, l, 3) float16, the same blurred; or None.
+        nearby: (k, l, 1) float32, the matte averaged about each place; None where the matte itself serves.
+        transparent: nothing is behind the person.
+        picture: the same for the CPU.
+    """
+
+    layers: PersonLayers
+    views: tuple[np.ndarray, ...]
+    gain: np.ndarray
+    offset: np.ndarray
+    rest: np.ndarray
+    behind_gain: np.ndarray | None
+    backdrop: np.ndarray | None
+    soft: np.ndarray | None
+    nearby: np.ndarray | None
+    transparent: bool
+    picture: Picture
+
+    @property
+    def size(self) -> tuple[int, int]:
+        """(height, width) of the canvas."""
+        return self.picture.size
+
+
+def recipe_of(picture: Picture, layers: PersonLayers) -> DisplayRecipe | None:
+    """The recipe of a picture; None where it has too many faces for one.
+
+    Args:
+        layers: of the picture's canvas and matte.
+    """
+    if not 0 < len(picture.changes) <= MOST_VIEWS:
+        return None
+    backdrop, own_alpha = picture.backdrop, picture.matte.own_alpha
+    replaced = backdrop.picture is not None
+    return DisplayRecipe(
+        layers,
+        tuple(_view_matrix(picture, placed.view) for placed in picture.changes),
+        _stacked([placed.gain for placed in picture.changes]),
+        _stacked([placed.offset for placed in picture.changes]),
+        picture.rest,
+        backdrop.gain,
+        _as_map(backdrop.picture) if replaced else None,
+        _as_map(backdrop.soft) if replaced else None,
+        picture.matte.nearby[..., None] if replaced and not own_alpha else None,
+        backdrop.transparent,
+        picture,
+    )
+
+
+def _view_matrix(picture: Picture, view: Crop) -> np.ndarray:
+    height, width = picture.size
+    return unit_matrix(view, picture.size, picture.canvas.photo_size) * np.array([width, height, 1.0])
+
+
+def _stacked(maps: list[np.ndarray]) -> np.ndarray:
+    return maps[0] if len(maps) == 1 else np.concatenate(maps)
+
+
+def _as_map(layer: np.ndarray) -> np.ndarray:
+    """A picture or a colour as a float16 map."""
+    filled = layer if layer.ndim == 3 else layer[None, None]
+    return np.minimum(filled, np.float32(_HALF_MAX)).astype(np.float16)

@@ -1,0 +1,76 @@
+"""The person in a photo, at any size of picture: what no light changes."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from relight_core.face.paste import Band, bands, spread_window, whole_photo
+from relight_core.imaging.in_order import in_order
+from relight_core.imaging.matte import Matte, guide_of, own_colour
+from relight_core.imaging.photo import Photo
+from relight_core.imaging.resampling import resize_area
+
+
+@dataclass(frozen=True, eq=False)
+class Canvas:
+    """The photo at the picture's size.
+
+    Attributes:
+        linear: (h, w, 3) linear.
+        alpha: (h, w) the photo's own, or None.
+        photo_size: (height, width) of the photo.
+    """
+
+    linear: np.ndarray
+    alpha: np.ndarray | None
+    photo_size: tuple[int, int]
+
+    @property
+    def size(self) -> tuple[int, int]:
+        """(height, width) of the picture."""
+        return self.linear.shape[:2]
+
+
+def canvas_of(photo: Photo, longest_side_px: int | None = None) -> Canvas:
+    """The photo itself, or a copy of it that is no longer than so many pixels."""
+    size = photo.linear.shape[:2]
+    if longest_side_px is None or max(size) <= longest_side_px:
+        return Canvas(photo.linear, photo.alpha, size)
+    small = tuple(max(round(length * longest_side_px / max(size)), 1) for length in size)
+    alpha = None if photo.alpha is None else resize_area(photo.alpha, small)
+    return Canvas(resize_area(photo.linear, small), alpha, size)
+
+
+@dataclass(frozen=True, eq=False)
+class Person:
+    """What no light changes: the matte and the person's own colour at every pixel of a canvas.
+
+    Attributes:
+        share: (h, w) in [0, 1]
+        colour: (h, w, 3) linear.
+    """
+
+    share: np.ndarray
+    colour: np.ndarray
+
+
+def person_in(canvas: Canvas, matte: Matte, band: Band) -> Person:
+    """The person in a band of a canvas."""
+    linear = canvas.linear[band.pixels]
+    if matte.own_alpha:
+        return Person(np.clip(np.nan_to_num(canvas.alpha[band.pixels]), 0, 1), linear)
+    everywhere = whole_photo(canvas.photo_size)
+    share = spread_window(matte.slope, everywhere, band)
+    share *= guide_of(linear)
+    share += spread_window(matte.level, everywhere, band)
+    np.clip(share, 0, 1, out=share)
+    sides = (spread_window(side, everywhere, band) for side in (matte.person, matte.behind))
+    return Person(share, own_colour(linear, share, *sides))
+
+
+def whole_person(canvas: Canvas, matte: Matte) -> Person:
+    """The person in all of a canvas, for a picture that is made many times."""
+    parts = list(in_order(lambda band: person_in(canvas, matte, band), bands(canvas.size, canvas.photo_size)))
+    return Person(np.concatenate([p.share for p in parts]), np.concatenate([p.colour for p in parts]))

@@ -1,0 +1,58 @@
+// A relit picture from small maps; the twin of relight_core/pipeline/picture.py.
+// To be pasted into a fragment shader. OVER: something else is behind the person than in the photo.
+
+const int MOST_VIEWS = 8;
+
+uniform sampler2D person;       // the person's own colour times the matte, and the matte; linear
+uniform sampler2D behind;       // what the photo holds beside that
+uniform sampler2D gain;         // of the faces' views, one below the other
+uniform sampler2D offset;
+uniform sampler2D rest;         // gain beyond the views, over the whole picture
+uniform int views;
+uniform mat3x2 to_view[MOST_VIEWS];
+uniform bool dimmed;            // what is behind is multiplied by behind_gain
+uniform vec3 behind_gain;
+uniform bool transparent;
+uniform float level;            // of the averages to read where the picture is shown smaller than it is
+
+#ifdef OVER
+
+uniform sampler2D backdrop;     // what is behind the person instead
+uniform sampler2D soft;         // the same blurred
+uniform sampler2D nearby;       // the matte averaged about each place
+uniform bool own_alpha;         // the matte itself serves for that
+
+const float LIGHT_WRAP = 0.25;
+
+#endif
+
+// Radiance and coverage at a place in the picture, [0, 1] across and down.
+vec4 relit_at(vec2 uv) {
+    float nearest = 0.5;
+    vec3 spot = vec3(0.0, 0.0, -1.0);
+    for (int i = 0; i < views; i++) {
+        vec2 within = to_view[i] * vec3(uv, 1.0);
+        float away = max(abs(within.x - 0.5), abs(within.y - 0.5));
+        if (away < nearest) {
+            nearest = away;
+            spot = vec3(within, float(i));
+        }
+    }
+    // Not into the neighbour's map: half a texel from the edge is where the border's value is reached.
+    float half_texel = 0.5 / float(textureSize(gain, 0).x);
+    vec2 at = vec2(spot.x, (max(spot.z, 0.0) + clamp(spot.y, half_texel, 1.0 - half_texel)) / float(views));
+    bool known = spot.z >= 0.0;
+    vec4 own = textureLod(person, uv, level);
+    vec3 lit = own.rgb * (known ? textureLod(gain, at, 0.0).rgb : textureLod(rest, uv, 0.0).rgb);
+    lit += own.a * (known ? textureLod(offset, at, 0.0).rgb : vec3(0.0));
+    if (transparent) return vec4(lit / max(own.a, 1e-6), own.a);
+#ifdef OVER
+    float near = own_alpha ? own.a : textureLod(nearby, uv, 0.0).r;
+    vec3 wrapped = LIGHT_WRAP * own.a * (1.0 - near) * textureLod(soft, uv, 0.0).rgb;
+    return vec4(lit + (1.0 - own.a) * textureLod(backdrop, uv, 0.0).rgb + wrapped, 1.0);
+#else
+    vec3 beside = textureLod(behind, uv, level).rgb;
+    beside = dimmed ? max(beside, 0.0) * behind_gain : beside;
+    return vec4(max(lit + beside, 0.0), 1.0);
+#endif
+}

@@ -1,0 +1,196 @@
+"""The shader that draws a relit picture from its recipe, against the picture computed on the CPU."""
+
+from dataclasses import replace
+
+import moderngl
+import numpy as np
+import pytest
+
+from app.ui.panes import Pane
+from app.ui.pictures import Paint
+from app.ui.state import PHOTO, RESULT
+from app.ui.view import Frame, Placement
+from app.window.gl_recipe import RelitSlot
+from app.window.gl_textures import Canvas as Target
+from app.window.gl_textures import TextureSlot
+from app.window.gl_viewport import PicturePainter
+from relight_core.face.crop import Crop
+from relight_core.imaging.matte import Matte
+from relight_core.imaging.view_transform import apply_view
+from relight_core.pipeline.backdrop import Backdrop
+from relight_core.pipeline.display import person_layers, recipe_of
+from relight_core.pipeline.person import Canvas
+from relight_core.pipeline.picture import Picture, PlacedChange
+
+HEIGHT, WIDTH = 83, 71
+ONE_CODE = 1.0 + 0.5
+ONE = (Crop(35.0, 40.0, 120.0),)
+SMALL = (Crop(30.0, 45.0, 37.0),)
+SEVERAL = (Crop(20.0, 30.0, 40.0), Crop(48.0, 36.0, 44.0), Crop(36.0, 60.0, 30.0))
+
+
+@pytest.fixture(scope="module")
+def context():
+    context = moderngl.create_context(standalone=True, backend="egl")
+    context.painter = PicturePainter(context, (0.1, 0.1, 0.1))
+    yield context
+    context.painter.close()
+    context.release()
+
+
+def smooth(rng, size, channels, high):
+    coarse = rng.random((4, 4, channels)) * high
+    rows, columns = (np.linspace(0, 3, n) for n in size)
+    low = np.floor(rows).clip(0, 2).astype(int), np.floor(columns).clip(0, 2).astype(int)
+    y, x = (rows - low[0])[:, None, None], (columns - low[1])[None, :, None]
+    at = [coarse[low[0] + i][:, low[1] + j] for i in (0, 1) for j in (0, 1)]
+    mixed = (at[0] * (1 - x) + at[1] * x) * (1 - y) + (at[2] * (1 - x) + at[3] * x) * y
+    return mixed.astype(np.float32)
+
+
+def some_picture(backdrop, views=ONE, seed=0, hostile=False, own_alpha=False):
+    """Random pixels and maps; hostile ones jump by orders of magnitude from one to the next."""
+    rng = np.random.default_rng(seed)
+    linear = (0.05 + 0.9 * rng.random((HEIGHT, WIDTH, 3)) ** 2).astype(np.float32)
+    level = smooth(rng, (40, 30), 1, 2.0)[..., 0] - 0.5
+    if hostile:
+        linear *= rng.choice([0, 1e-4, 1, 60], (HEIGHT, WIDTH, 1)).astype(np.float32)
+        level = rng.uniform(-2, 3, (40, 30)).astype(np.float32)
+    sides = (rng.random((5, 4, 3)).astype(np.float32) for _ in range(2))
+    matte = Matte(np.zeros_like(level), level, *sides, rng.random((9, 7)).astype(np.float32), own_alpha)
+
+    def maps(high):
+        if not hostile:
+            return smooth(rng, (32, 32), 3, high)
+        return (rng.random((32, 32, 3)) * rng.choice([0, 1, 16], (32, 32, 1)) * high).astype(np.float32)
+
+    changes = tuple(PlacedChange(maps(2.0), maps(0.3), view) for view in views)
+    alpha = rng.random((HEIGHT, WIDTH)).astype(np.float32) if own_alpha else None
+    canvas = Canvas(linear, alpha, (HEIGHT, WIDTH))
+    return Picture(canvas, matte, changes, smooth(rng, (13, 11), 3, 2.0), backdrop)
+
+
+def drawn(context, screen, place=None, paint=None, exposure_ev=0.0):
+    """What the viewport shows of a picture, [0, 1]."""
+    target = Target(context, smooth=False)
+    slots = {PHOTO: TextureSlot(context, mipmaps=True), RESULT: RelitSlot(context)}
+    slots[PHOTO].show(np.zeros((HEIGHT, WIDTH, 3), np.float16))
+    slots[RESULT].show(screen)
+    place = place or Placement(0, 0, 1.0, WIDTH, HEIGHT)
+    target.fit((round(place.width), round(place.height)))
+    pane = Pane(RESULT, Frame(0, 0, WIDTH, HEIGHT), place, 0, round(place.width))
+    context.painter.panes(target, [pane], slots, paint or Paint(), exposure_ev)
+    pixels = target.pixels() / 255
+    for slot in slots.values():
+        slot.close()
+    return pixels
+
+
+def worst(context, picture, exposure_ev=0.0):
+    """The largest difference in codes of 255; half a code of it is the canvas's 8 bits."""
+    recipe = recipe_of(picture, person_layers(picture.canvas, picture.matte))
+    image, alpha = picture.render()
+    expected = apply_view(image, exposure_ev)
+    if alpha is not None:
+        y, x = np.mgrid[0:HEIGHT, 0:WIDTH] + 0.5
+        checks = np.where((np.floor(x / 12) + np.floor(y / 12)) % 2 < 0.5, 0.32, 0.42)[..., None]
+        expected = checks + (expected - checks) * alpha[..., None]
+    return np.abs(drawn(context, recipe, exposure_ev=exposure_ev) - expected).max() * 255
+
+
+BACKDROPS = {
+    "keep": Backdrop(kept=True),
+    "match": Backdrop(gain=np.float32([0.2, 1.1, 0.7])),
+    "transparent": Backdrop(transparent=True),
+    "colour": Backdrop(picture=np.float32([0.1, 0.4, 0.2]), soft=np.float32([0.1, 0.4, 0.2])),
+    "light": Backdrop(
+        picture=np.random.default_rng(1).random((20, 17, 3)).astype(np.float32) * 3,
+        soft=np.random.default_rng(2).random((6, 5, 3)).astype(np.float32),
+    ),
+}
+
+
+@pytest.mark.parametrize("views", [ONE, SMALL, SEVERAL], ids=["one", "small", "several"])
+@pytest.mark.parametrize("backdrop", BACKDROPS)
+def test_the_shader_draws_what_the_cpu_computes(context, backdrop, views):
+    assert worst(context, some_picture(BACKDROPS[backdrop], views)) < ONE_CODE
+
+
+@pytest.mark.parametrize("backdrop", BACKDROPS)
+@pytest.mark.parametrize("seed", range(3))
+def test_it_does_for_maps_without_any_smoothness(context, backdrop, seed):
+    assert worst(context, some_picture(BACKDROPS[backdrop], SEVERAL[:1], seed, hostile=True)) < ONE_CODE
+
+
+@pytest.mark.parametrize("backdrop", ["keep", "light"])
+def test_it_does_for_a_leaning_head(context, backdrop):
+    # On the CPU a turned map is read in steps of a 32nd of its pixels.
+    assert worst(context, some_picture(BACKDROPS[backdrop], (Crop(35.0, 40.0, 50.0, 30.0),))) < ONE_CODE + 1.0
+
+
+@pytest.mark.parametrize("backdrop", BACKDROPS)
+def test_it_does_for_a_photo_with_its_own_alpha(context, backdrop):
+    assert worst(context, some_picture(BACKDROPS[backdrop], own_alpha=True)) < ONE_CODE
+
+
+@pytest.mark.parametrize("exposure_ev", [-8.0, 3.0])
+def test_it_does_at_another_exposure(context, exposure_ev):
+    assert worst(context, some_picture(BACKDROPS["keep"]), exposure_ev) < ONE_CODE
+
+
+@pytest.mark.parametrize("value", [0.0, 1e30])
+def test_it_does_in_darkness_and_under_a_blinding_light(context, value):
+    picture = some_picture(BACKDROPS["keep"])
+    extreme = np.full((32, 32, 3), value, np.float32)
+    # Half floats know no share of a person below 1e-7, however bright.
+    matte = replace(picture.matte, level=np.full_like(picture.matte.level, 0.9))
+    picture = replace(picture, matte=matte, changes=(PlacedChange(extreme, extreme, ONE[0]),))
+    assert worst(context, picture) < ONE_CODE
+
+
+def test_clipping_stripes_and_differences_see_the_drawn_picture(context):
+    picture = some_picture(BACKDROPS["keep"])
+    recipe = recipe_of(picture, person_layers(picture.canvas, picture.matte))
+    pixels = picture.render()[0].astype(np.float16)
+    for paint in (Paint(clipping=True), Paint(difference=True)):
+        from_recipe, from_pixels = (drawn(context, screen, paint=paint) for screen in (recipe, pixels))
+        differing = (np.abs(from_recipe - from_pixels) > 2 / 255).any(-1)
+        assert differing.mean() < 0.01
+
+
+def test_a_picture_shown_smaller_is_an_average(context):
+    picture = some_picture(BACKDROPS["keep"])
+    recipe = recipe_of(picture, person_layers(picture.canvas, picture.matte))
+    pixels = picture.render()[0].astype(np.float16)
+    small = Placement(0, 0, 0.25, WIDTH / 4, HEIGHT / 4)
+    from_recipe, from_pixels = (drawn(context, screen, small) for screen in (recipe, pixels))
+    assert np.abs(from_recipe - from_pixels).mean() < 3 / 255
+
+
+def test_scopes_read_the_recipes_own_pixels(context):
+    picture = some_picture(BACKDROPS["keep"])
+    slot = RelitSlot(context)
+    slot.show(recipe_of(picture, person_layers(picture.canvas, picture.matte)))
+    np.testing.assert_array_equal(slot.array, picture.render()[0].astype(np.float16))
+    assert slot.array is slot.array
+    slot.close()
+
+
+def test_from_recipe_to_pixels_and_back(context):
+    picture = some_picture(BACKDROPS["keep"])
+    recipe = recipe_of(picture, person_layers(picture.canvas, picture.matte))
+    slot = RelitSlot(context)
+    assert slot.show(recipe)
+    assert not slot.show(recipe)
+    assert slot.show(np.zeros((9, 7, 3), np.float16))
+    assert slot.texture.size == (7, 9)
+    assert slot.show(recipe)
+    assert slot.texture.size == (WIDTH, HEIGHT)
+    assert slot.show(None)
+    assert slot.texture is None
+    slot.close()
+
+
+def test_too_many_faces_make_no_recipe():
+    picture = some_picture(BACKDROPS["keep"], SEVERAL * 3)
+    assert recipe_of(picture, person_layers(picture.canvas, picture.matte)) is None
