@@ -139,7 +139,7 @@ def _measured(arguments: argparse.Namespace, photos: list[Photo]) -> BenchResult
             load_rig("rembrandt"),
             settings,
             rounds=rounds,
-            display=lambda relit: radiance_for_screen(relit.image, relit.alpha),
+            display=lambda relit: relit.recipe or radiance_for_screen(relit.image, relit.alpha),
             report=_onto(show),
             device=device,
         )

@@ -70,7 +70,7 @@ def time_configurations(
 
     Args:
         rounds: turns of each.
-        display: what a picture goes through before it is on the screen; counted with every update.
+        display: what a picture goes through before the viewport's shader draws it; counted with every update.
 
     Returns:
         by the configuration's name.
@@ -102,7 +102,7 @@ class _Hand:
         reset_peak_memory()
         self._update(edit, runs, "rotation")
         self.relighter.forget("delight")
-        opened = self.relighter.relight(self.environment, edit, _SCREEN_PX)
+        opened = self.relighter.relight(self.environment, edit, _SCREEN_PX, for_shader=True)
         runs.ms["delight"].append(opened.stages["delight"].ms)
         runs.stages["delight"].append(opened.stages["delight"].ms)
         self._update(replace(edit, shadow=float(self.rng.uniform(0.1, 0.9))), runs, "slider")
@@ -112,7 +112,7 @@ class _Hand:
     def _update(self, edit: Edit, runs: _Runs, action: str) -> None:
         wait_for(self.device)
         started = perf_counter()
-        relit = self.relighter.relight(self.environment, edit, _SCREEN_PX)
+        relit = self.relighter.relight(self.environment, edit, _SCREEN_PX, for_shader=True)
         relit_at = perf_counter()
         self.display(relit)
         ended = perf_counter()
@@ -139,8 +139,9 @@ _ONCE = (
     "edges",
     "matte",
     "placement",
+    "weights",
     "canvas",
-    "person",
+    "layers",
 )
 
 

@@ -18,6 +18,7 @@ from PIL import Image, ImageCms
 from relight_core.errors import InputError
 from relight_core.imaging.limits import check_pixels
 from relight_core.imaging.metadata import carried_exif, raw_message
+from relight_core.imaging.tiff_exif import exif_of_page
 
 _FORMATS = ("JPEG", "PNG", "TIFF", "WEBP", "BMP", "GIF", "AVIF")
 _BLOCK_ROWS = 256
@@ -204,7 +205,8 @@ def _decode_deep_tiff(data: bytes, path: Path) -> Raster | None:
     values, alpha = _split(values)
     icc = page.tags.get(34675)
     associated = 1 in [int(kind) for kind in (page.extrasamples or ())]
-    return Raster(values, alpha, bytes(icc.value) if icc else None, 1, alpha is not None and associated)
+    premultiplied = alpha is not None and associated
+    return Raster(values, alpha, bytes(icc.value) if icc else None, 1, premultiplied, exif_of_page(page))
 
 
 def _split(values: np.ndarray) -> tuple[np.ndarray, np.ndarray | None]:

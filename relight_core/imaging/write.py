@@ -20,6 +20,7 @@ from relight_core.imaging.files import whole_file
 from relight_core.imaging.icc import MatrixProfile, matrix_profile
 from relight_core.imaging.in_order import in_order
 from relight_core.imaging.png import chunk, write_png
+from relight_core.imaging.tiff_exif import tags_of_block, with_exif
 from relight_core.imaging.view_transform import apply_view, expose
 
 _BITS = {".png": (8, 16), ".jpg": (8,), ".jpeg": (8,), ".tif": (8, 16), ".tiff": (8, 16), ".exr": (8, 16, 32)}
@@ -35,7 +36,7 @@ class FileStyle:
         quality: of a JPEG, 1 to 100.
         exposure_ev: stops.
         icc: an RGB matrix profile to convert to and to embed; None is sRGB. EXR stays linear Rec.709.
-        exif: a block of EXIF for PNG and JPEG, or None; see `metadata.carried_exif`.
+        exif: a block of EXIF for PNG, JPEG and TIFF, or None; see `metadata.carried_exif`.
         texts: short texts by name, for PNG text chunks and EXR headers; other formats leave them out.
     """
 
@@ -124,7 +125,7 @@ def write_bands(
         return
     icc = style.icc if profile is not None else None
     with whole_file(path) as beside:
-        encoded = _jpeg(pixels, style.quality, icc, style.exif) if suffix in _OPAQUE else _tiff(pixels, icc)
+        encoded = _jpeg(pixels, style.quality, icc, style.exif) if suffix in _OPAQUE else _tiff(pixels, icc, style.exif)
         beside.write_bytes(encoded)
 
 
@@ -280,7 +281,7 @@ def _png_notes(style: FileStyle, profile: MatrixProfile | None) -> bytes:
     return chunks
 
 
-def _tiff(pixels: np.ndarray, icc: bytes | None) -> bytes:
+def _tiff(pixels: np.ndarray, icc: bytes | None, exif: bytes | None) -> bytes:
     buffer = io.BytesIO()
     extra = ["unassalpha"] if pixels.shape[2] == 4 else None
     tifffile.imwrite(
@@ -292,8 +293,10 @@ def _tiff(pixels: np.ndarray, icc: bytes | None) -> bytes:
         iccprofile=icc or _srgb_profile(),
         metadata=None,
         software="relight",
+        byteorder="<",
+        extratags=tags_of_block(exif),
     )
-    return buffer.getvalue()
+    return with_exif(buffer.getvalue(), exif)
 
 
 def _layer(name: str, array: np.ndarray) -> np.ndarray:

@@ -72,7 +72,9 @@ class QualityChoice:
 class Relights(Protocol):
     """The part of the Relighter that is measured."""
 
-    def relight(self, environment: Environment, edit: Edit, longest_side_px: int | None = None): ...
+    def relight(
+        self, environment: Environment, edit: Edit, longest_side_px: int | None = None, *, for_shader: bool = False
+    ): ...
 
 
 class Calibration:
@@ -91,12 +93,12 @@ class Calibration:
     def measure_next(self, relighter: Relights, environment: Environment) -> None:
         """Measure one more tier: one update to prepare it, then one for each of five angles."""
         name = self._pending[0]
-        relighter.relight(environment, Edit(quality=name, channels=()), _PREVIEW_PX)
+        relighter.relight(environment, Edit(quality=name, channels=()), _PREVIEW_PX, for_shader=True)
         times, pictures = [], []
         for yaw_deg in _YAWS_DEG:
             edit = Edit(yaw_deg=yaw_deg, quality=name, channels=(), tolerance=0.0)
             started = time.perf_counter()
-            relit = relighter.relight(environment, edit, _PREVIEW_PX)
+            relit = relighter.relight(environment, edit, _PREVIEW_PX, for_shader=True)
             times.append(1e3 * (time.perf_counter() - started))
             if len(pictures) < _COMPARED:
                 pictures.append(apply_view(relit.image))

@@ -9,6 +9,7 @@ import numpy as np
 from relight_core.errors import InputError
 from relight_core.face.crop import Crop, box_from_parsing, crop_for_face, crop_with_padding
 from relight_core.face.find import FaceBox, find_faces
+from relight_core.face.lean import remaining_roll
 from relight_core.imaging.photo import Photo
 
 PADDING_PX = 30.0
@@ -16,6 +17,11 @@ PADDING_PX = 30.0
 
 SURROUNDINGS = 1.9
 """The networks' view is up to this many times the paper's crop: hair, neck and shoulders change with the light too."""
+
+_TURNED_FROM_DEG = 10.0
+"""A head that leans by less is seen in an upright view, as the networks saw many."""
+
+_FINER_FROM_DEG = 3.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,6 +93,18 @@ def refine(portrait: Portrait, labels: np.ndarray) -> Portrait:
         return portrait
     crop = crop_with_padding(box, PADDING_PX)
     return replace(portrait, face=box, crop=crop, view=_view_around(crop, portrait.photo))
+
+
+def straightened(portrait: Portrait, labels: np.ndarray) -> Portrait | None:
+    """The first framing again, turned by how far the head leans more than the finder saw; None where it hardly does.
+
+    Args:
+        labels: (S, S) parsing labels of the view.
+    """
+    roll_deg = remaining_roll(labels)
+    if abs(roll_deg) < (_TURNED_FROM_DEG if portrait.found.roll_deg == 0 else _FINER_FROM_DEG):
+        return None
+    return frame(portrait.photo, replace(portrait.found, roll_deg=portrait.found.roll_deg + roll_deg))
 
 
 def _view_around(crop: Crop, photo: Photo) -> Crop:

@@ -28,8 +28,8 @@ from relight_core.pipeline.kept_lights import KeptLights, ServingLight
 from relight_core.pipeline.person import canvas_of, whole_person
 from relight_core.pipeline.picture import Picture
 from relight_core.pipeline.plan import Effect, Plan, Scene, make_plan
-from relight_core.pipeline.portrait import choose_faces, frame, frame_by_hand, refine
-from relight_core.pipeline.quality import tier_of
+from relight_core.pipeline.portrait import Portrait, choose_faces, frame, frame_by_hand, refine, straightened
+from relight_core.pipeline.quality import Tier, tier_of
 from relight_core.resources import resource_path
 
 WEIGHTS = ("weights", "relight.safetensors")
@@ -118,13 +118,21 @@ class Relighter:
         framed = [frame_by_hand(photo, box)] if box else [frame(photo, f) for f in choose_faces(photo, face_index)]
         portraits = []
         for portrait in framed:
-            found = self._shop.delight(portrait.view.extract(photo.linear, live.size), live)
-            portraits.append(refine(portrait, found.parsing[0].argmax(0).cpu().numpy()))
+            labels = self._parsed(portrait, live)
+            turned = straightened(portrait, labels)
+            if turned is not None:
+                portrait, labels = turned, self._parsed(turned, live)
+            portraits.append(refine(portrait, labels))
         self._cache.clear()
         self._lights.clear()
         first, *others = portraits
         self._faces = [FaceRelighter(self._shop, first, self._cache)]
         self._faces += [FaceRelighter(self._shop, other, StageCache(self._cache.remembers)) for other in others]
+
+    def _parsed(self, portrait: Portrait, tier: Tier) -> np.ndarray:
+        """(S, S) parsing labels of a portrait's view."""
+        found = self._shop.delight(portrait.view.extract(portrait.photo.linear, tier.size), tier)
+        return found.parsing[0].argmax(0).cpu().numpy()
 
     def estimated_light(self, quality: str = "live") -> Environment:
         """The light the photo was taken under, as de-lighting sees it, at the photo's own exposure.

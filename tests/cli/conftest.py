@@ -28,7 +28,7 @@ class FakeRelighter:
     def estimated_light(self):
         return Environment.from_radiance(np.full((16, 32, 3), 0.25, np.float32), "borrowed")
 
-    def relight(self, environment, edit, longest_side_px=None):
+    def relight(self, environment, edit, longest_side_px=None, *, for_shader=False):
         self.edits.append(edit)
         height, width = self.photo.linear.shape[:2]
         alpha = np.full((height, width), 0.5, np.float32) if edit.background == "transparent" else None

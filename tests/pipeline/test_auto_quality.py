@@ -44,7 +44,7 @@ class FakeRelighter:
     def __init__(self):
         self.edits = []
 
-    def relight(self, environment, edit, longest_side_px=None):
+    def relight(self, environment, edit, longest_side_px=None, *, for_shader=False):
         self.edits.append(edit)
         return SimpleNamespace(image=np.full((4, 4, 3), 0.4 + self.OFFSET[edit.quality], np.float32))
 

@@ -1,0 +1,40 @@
+"""How far a head leans, read off its parsing map."""
+
+import numpy as np
+import pytest
+
+from relight_core.face.lean import remaining_roll
+from relight_core.face.parsing import INDEX
+
+
+def leaning(roll_deg, without=()):
+    """A face of discs whose own left is on the right of the picture, turned counterclockwise by the roll."""
+    labels = np.zeros((128, 128), np.int64)
+    angle = np.radians(roll_deg)
+    y, x = np.mgrid[0:128, 0:128]
+    for name, across, up in (
+        ("right_eye", -14, 4),
+        ("left_eye", 14, 4),
+        ("right_brow", -15, 13),
+        ("left_brow", 15, 13),
+    ):
+        if name in without:
+            continue
+        centre = 64 + across * np.cos(angle) - up * np.sin(angle), 64 - across * np.sin(angle) - up * np.cos(angle)
+        labels[np.hypot(x - centre[0], y - centre[1]) < 3.5] = INDEX[name]
+    return labels
+
+
+@pytest.mark.parametrize("roll_deg", [0, 8, -8, 22, -30])
+def test_the_lean_is_the_eyes_and_brows(roll_deg):
+    assert remaining_roll(leaning(roll_deg)) == pytest.approx(roll_deg, abs=1.5)
+
+
+@pytest.mark.parametrize("without", [("left_eye",), ("right_brow",), ("left_eye", "right_eye")])
+def test_where_one_side_is_out_of_sight_nothing_is_said(without):
+    assert remaining_roll(leaning(20, without)) == 0.0
+
+
+def test_an_absurd_lean_is_not_believed():
+    assert remaining_roll(leaning(80)) == 0.0
+    assert remaining_roll(np.zeros((16, 16), np.int64)) == 0.0
