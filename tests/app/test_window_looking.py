@@ -199,8 +199,8 @@ def test_clipping_stripes_appear_only_where_the_screen_runs_out(opened):
 def test_what_is_no_number_is_painted_magenta(opened, relighter, monkeypatch):
     relight = relighter.relight
 
-    def broken(*asked):
-        relit = relight(*asked)
+    def broken(*asked, **how):
+        relit = relight(*asked, **how)
         relit.image[40:50, 60:70] = np.nan
         return relit
 
@@ -215,8 +215,8 @@ def test_what_is_no_number_is_painted_magenta(opened, relighter, monkeypatch):
 def test_the_difference_is_grey_where_nothing_changed_and_coloured_where_light_did(opened, relighter, monkeypatch):
     relight = relighter.relight
 
-    def two_stops(*asked):
-        relit = relight(*asked)
+    def two_stops(*asked, **how):
+        relit = relight(*asked, **how)
         relit.image[:] = relighter.photo.linear
         relit.image[:, :40] *= 4.0
         relit.image[:, 80:] *= 0.25
@@ -287,7 +287,7 @@ def test_a_channel_of_a_leaning_head_lies_turned_on_the_photo(opened, relighter,
     opened.key(glfw.KEY_3)
     upright = opened.picture_pixels(64, 64)
     relight = relighter.relight
-    monkeypatch.setattr(relighter, "relight", lambda *asked: replace(relight(*asked), roll_deg=90.0))
+    monkeypatch.setattr(relighter, "relight", lambda *asked, **how: replace(relight(*asked, **how), roll_deg=90.0))
     opened.key(glfw.KEY_RIGHT)
     turned = opened.picture_pixels(64, 64)
     assert (upright != np.rot90(upright)).any()
