@@ -122,3 +122,20 @@ def test_every_switch_is_saved_with_the_weights(tmp_path):
     )
     save_bundle(tmp_path / "w.safetensors", NetworkBundle(config))
     assert load_bundle(tmp_path / "w.safetensors").config == config
+
+
+def test_a_network_without_lfm_works_in_half_precision_too():
+    config = BundleConfig(
+        DelightConfig(width=4, levels=3),
+        SpecularShadowConfig(4, 3, per_pixel_light=False, relief_shadow=False, additive=True, modulated=False),
+        CompositionConfig(4, 2, explicit_sum=False, modulated=False),
+    )
+    bundle = NetworkBundle(config).for_inference()
+    albedo, normal, specular, shadow = surface()
+    light = torch.rand(1, 16, 32, 3)
+    images = []
+    for networks in (bundle, bundle.rounded()):
+        estimate = networks.specular_shadow(normal, light)
+        images.append(networks.composition(albedo, normal, specular, shadow, albedo, light))
+        assert estimate.shadow.dtype == torch.float32
+    torch.testing.assert_close(*images, atol=0.05, rtol=0.05)
