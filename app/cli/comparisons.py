@@ -87,10 +87,12 @@ def _peers(arguments: argparse.Namespace, budget: Budget, contest: Contest, repo
 def _write(place: Path, outcome: Outcome, page: str, training: str, report: Report) -> None:
     from relight_core.evaluation.contest_report import as_record
     from relight_core.imaging.files import whole_file
+    from relight_core.imaging.write import write_image
 
     record = as_record(outcome, training)
     for path, text in ((place.with_suffix(".md"), page), (place.with_suffix(".json"), json.dumps(record, indent=1))):
         with whole_file(path) as beside:
             beside.write_text(text)
+    write_image(place.with_suffix(".png"), outcome.sheet)
     report.line(page)
     report.record(record)

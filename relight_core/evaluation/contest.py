@@ -108,11 +108,13 @@ class Outcome:
     interval tells whether an order holds, where those of the figures themselves overlap.
     Beside those of `scoring`: "borrowed.wlog_l2" is the target light as estimated from a portrait of another
     head in it, "borrowed.rmse" the error when the photo is relit with that estimate (paper, Figure 11, below).
+    `sheet` is linear: a row for each head's first relighting, with the photo, every contender's and the truth.
     """
 
     figures: dict[str, dict[str, Interval]]
     samples: int
     heads: int
+    sheet: np.ndarray = field(repr=False)
     contest: Contest = field(repr=False)
 
 
@@ -132,15 +134,21 @@ def hold(
     textures = held_out_textures()
     rows: dict[str, list[tuple[str, Figures]]] = defaultdict(list)
     portraits = _portraits_of_others(paths, lambda path: load_head(path, lights, textures, contest.size))
+    strips = []
     for number, (head, other) in enumerate(portraits):
+        cases, pictures = contest.cases(number, lights), []
         for place, (name, contender) in enumerate(contenders.items()):
-            scored = _score_head(contender, contest.cases(number, lights), head, other, lights)
-            rows[name] += [(head.name, figures) for figures in scored]
+            scored = list(_score_head(contender, cases, head, other, lights))
+            rows[name] += [(head.name, figures) for figures, _ in scored]
+            pictures += [picture for _, picture in scored[:1]]
             report((number + (place + 1) / len(contenders)) / len(paths))
+        if cases:
+            photo, truth = (head.photo(light, "clean") for light in (cases[0].source, cases[0].target))
+            strips.append(np.hstack([photo, *pictures, truth]))
     figures = {name: intervals_over_heads(scored) for name, scored in rows.items()}
     for name, before in zip(list(rows)[1:], rows, strict=False):
         figures[name]["relit.psnr_gain"] = _gain(rows[name], rows[before])
-    return Outcome(figures, len(next(iter(rows.values()))), len(paths), contest)
+    return Outcome(figures, len(next(iter(rows.values()))), len(paths), np.vstack(strips), contest)
 
 
 def _gain(rows: list[tuple[str, Figures]], before: list[tuple[str, Figures]]) -> Interval:
@@ -161,7 +169,8 @@ def _portraits_of_others(
 
 def _score_head(
     contender: Contender, cases: list[Case], head: HeldOutHead, other: HeldOutHead, lights: list[HeldOutLight]
-) -> Iterator[Figures]:
+) -> Iterator[tuple[Figures, np.ndarray]]:
+    """Figures of every relighting, and the picture (S, S, 3), linear, as it is shown."""
     truth, covered = head.surface(), head.lit.head.covered
     for case in cases:
         seen, target = contender.look(head.photo(case.source, "clean")), lights[case.target].radiance
@@ -180,7 +189,7 @@ def _score_head(
             image = contender.relight(seen, Task(lent, gain, task.reference, covered, truth))["composition"]
             figures["borrowed.wlog_l2"] = wlog_l2(lent, target)
             figures["borrowed.rmse"] = score_relit(image, true["image"], gain, covered, covered)["relit.rmse"]
-        yield figures
+        yield figures, np.clip(made["composition"] * gain, 0, 1) * covered[..., None]
 
 
 def _levelled(light: np.ndarray) -> np.ndarray:

@@ -225,6 +225,7 @@ def test_the_paper_s_tables_are_written_whole(run, data, monkeypatch):
     assert "7 of warm-delight" in out
     assert "| DL-RL |" in out
     assert (data / "tables" / "ablation.md").read_text() in out
+    assert Image.open(data / "tables" / "ablation.png").size == (4 * 32, 32)
     code, out, _ = run("evaluate", "peers", *words, "--every", 2, "--json", "--weights", data / "tiny.safetensors")
     assert code == 0
     record = json.loads(out)

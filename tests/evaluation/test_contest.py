@@ -57,6 +57,11 @@ def test_the_truth_has_no_error_and_half_of_it_none_after_alignment(contest):
     assert dim["relit.psnr_gain"].mean == pytest.approx(dim["relit.psnr"].mean - truth["relit.psnr"].mean)
     assert dim["relit.psnr_gain"].high < 0
     assert "light.wlog_l2" not in truth
+    assert outcome.sheet.shape == (2 * 16, 4 * 16, 3)
+    photo, perfect, dimmed, true = np.hsplit(outcome.sheet, 4)
+    np.testing.assert_allclose(perfect, true, atol=1e-5)
+    np.testing.assert_allclose(dimmed, true / 2, atol=1e-5)
+    assert not np.allclose(photo, true, atol=0.02)
 
 
 def test_light_is_borrowed_from_the_other_head_in_the_target_light(contest):
