@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 from relight_core.pipeline.quality import TIERS, Tier
 
-_MULTIPLE = 64
+_MULTIPLE = 32
 
 
 @dataclass(frozen=True)
@@ -50,10 +50,11 @@ def _variants(live: Tier, quick: bool) -> list[tuple[str, Tier]]:
     ]
     if quick:
         return fewer
-    smaller, larger = (_scaled(live.network_size, factor) for factor in (0.5, 1.5))
+    half, smaller, larger = (_scaled(live.network_size, factor) for factor in (0.5, 0.75, 1.5))
     return [
         *fewer,
         ("networks in fp32", replace(live, precision="fp32")),
+        (f"light at {half}", replace(live, network_size=half)),
         (f"light at {smaller}", replace(live, network_size=smaller)),
         (f"light at {larger}", replace(live, network_size=larger, delight_size=max(live.delight_size, larger))),
         ("relief at 32", replace(live, relief_size=32)),

@@ -74,7 +74,7 @@ def test_the_tiers_come_first_and_no_setting_twice():
 def test_sizes_follow_the_tier_table(monkeypatch):
     monkeypatch.setitem(bench_configurations.TIERS, "live", Tier(512, 512, 256, 64, False))
     sizes = {setting.tier.network_size for setting in configurations() if setting.tier_name == "live"}
-    assert sizes == {256, 128, 384}
+    assert sizes == {256, 128, 192, 384}
 
 
 def test_the_front_is_what_nothing_beats():
