@@ -218,7 +218,7 @@ def test_the_paper_s_tables_are_written_whole(run, data, monkeypatch):
     monkeypatch.setattr(variants, "train_variants", lambda *given: weights)
     monkeypatch.setattr(variants, "trained_variants", lambda folder: dict(weights))
     monkeypatch.setattr(table, "trained_sun", lambda *given: Sun(SunModel(SunConfig(4, 3)).eval()))
-    write_lights(data / "few.npz", 3)
+    write_lights(data / "few.npz", 6)
     words = ["--heads", data / "heads", "--lights", data / "few.npz", "--size", 32, "-o", data / "tables"]
     code, out, _ = run("evaluate", "ablation", *words, "--steps", 7)
     assert code == 0
