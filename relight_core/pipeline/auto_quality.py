@@ -98,10 +98,10 @@ class Calibration:
         for yaw_deg in _YAWS_DEG:
             edit = Edit(yaw_deg=yaw_deg, quality=name, channels=(), tolerance=0.0)
             started = time.perf_counter()
-            relit = relighter.relight(environment, edit, _PREVIEW_PX, for_shader=True)
+            relighter.relight(environment, edit, _PREVIEW_PX, for_shader=True)
             times.append(1e3 * (time.perf_counter() - started))
             if len(pictures) < _COMPARED:
-                pictures.append(apply_view(relit.image))
+                pictures.append(apply_view(relighter.relight(environment, edit, _PREVIEW_PX).image))
         if name == _AT_REST:
             self._references = pictures
         squares = [np.mean((a - b) ** 2) for a, b in zip(pictures, self._references, strict=True)]

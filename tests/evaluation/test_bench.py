@@ -110,7 +110,7 @@ def test_every_setting_is_timed_in_every_action(weights, photo):
     for found in timing.values():
         assert set(found.actions) == {"delight", "rotation", "slider"}
         assert all(spread.p95 >= spread.median > 0 for spread in found.actions.values())
-        assert {"delight", "compose", "specular_shadow", "detail", "paste", "display"} <= set(found.stages)
+        assert {"delight", "compose", "specular_shadow", "detail", "recipe", "display"} <= set(found.stages)
         assert "matte" not in found.stages
     assert len(shown) == 3 * 2 * (2 + 2)
 

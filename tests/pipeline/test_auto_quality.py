@@ -46,7 +46,8 @@ class FakeRelighter:
 
     def relight(self, environment, edit, longest_side_px=None, *, for_shader=False):
         self.edits.append(edit)
-        return SimpleNamespace(image=np.full((4, 4, 3), 0.4 + self.OFFSET[edit.quality], np.float32))
+        picture = np.full((4, 4, 3), 0.4 + self.OFFSET[edit.quality], np.float32)
+        return SimpleNamespace(image=None if for_shader else picture)
 
 
 def test_every_tier_is_measured_once_against_the_final_one():
