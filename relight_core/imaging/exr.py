@@ -14,7 +14,11 @@ import OpenEXR
 
 from relight_core.errors import InputError
 from relight_core.imaging.files import check_regular
+from relight_core.imaging.in_order import WORKERS
 from relight_core.imaging.limits import MAX_PIXELS, check_pixels
+
+# Left alone it packs and unpacks on one thread.
+OpenEXR.set_global_thread_count(WORKERS)
 
 MAX_SAMPLES = 4 * MAX_PIXELS
 LARGEST_HALF = 65504.0
