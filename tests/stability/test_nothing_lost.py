@@ -10,6 +10,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import torch
+from safetensors import safe_open
 
 from relight_core.errors import InputError
 from relight_core.imaging.files import file_bytes, whole_file
@@ -18,6 +20,10 @@ from relight_core.imaging.write import write_image
 from relight_core.lighting.environment import read_environment
 from relight_core.lighting.rig_description import read_rig
 from relight_core.networks.bundle import BundleConfig, NetworkBundle, load_bundle, save_bundle
+from relight_core.pipeline.relighter import WEIGHTS
+from relight_core.resources import resource_path
+from relight_core.training.optimiser import Optimiser
+from relight_core.training.state import Progress, save_state
 
 ROOT = Path(__file__).resolve().parents[2]
 WRITE_FOR_EVER = """
@@ -131,6 +137,24 @@ def test_two_writers_of_one_file_leave_one_of_them_whole(tmp_path):
         other.write_text("other")
     assert path.read_text() in ("one", "other")
     assert os.listdir(tmp_path) == ["a.txt"]
+
+
+def test_the_shipped_weights_carry_their_checksum():
+    with safe_open(resource_path(*WEIGHTS), framework="pt") as file:
+        assert len(file.metadata()["sha256"]) == 64
+
+
+def test_a_training_run_never_writes_what_is_not_finite(tmp_path):
+    weights = torch.nn.Linear(2, 2)
+    average, optimiser = {"a": torch.ones(1)}, Optimiser(weights, 1e-3)
+    path = tmp_path / "run.safetensors"
+    save_state(path, Progress(step=1), weights, average, optimiser)
+    before = path.read_bytes()
+    average["a"][0] = float("nan")
+    with pytest.raises(ValueError, match="not finite"):
+        save_state(path, Progress(step=2), weights, average, optimiser)
+    assert path.read_bytes() == before
+    assert os.listdir(tmp_path) == ["run.safetensors"]
 
 
 def test_a_bit_flipped_in_the_weights_is_noticed(tmp_path):
