@@ -13,11 +13,12 @@ from pathlib import Path
 import numpy as np
 import torch
 
-from relight_core.errors import InputError
+from relight_core.face.find import FaceBox
 from relight_core.imaging.photo import Photo
 from relight_core.imaging.view_transform import apply_view
 from relight_core.lighting.environment import Environment
 from relight_core.pipeline.edit import Edit
+from relight_core.pipeline.portrait import choose_faces
 from relight_core.pipeline.quality import Tier, tier_of
 from relight_core.pipeline.relighter import Relighter, Relit
 
@@ -50,7 +51,7 @@ class StabilityReport:
     Attributes:
         cases: names of the rows: portrait, light.
         checks: names of the columns, see BOUNDS.
-        errors: (cases, checks); NaN where the portrait could not be framed, or the check was not made.
+        errors: (cases, checks); NaN where a check was not made.
     """
 
     cases: tuple[str, ...]
@@ -112,7 +113,7 @@ def hostile_lights() -> dict[str, np.ndarray]:
 
 
 def hostile_portraits(photo: Photo) -> dict[str, Photo]:
-    """What may have happened to a portrait on its way here, by name; its face stays where it was."""
+    """What may have happened to a portrait on its way here, by name."""
     image = photo.linear
 
     def changed(linear: np.ndarray) -> Photo:
@@ -153,21 +154,17 @@ def run_stability(
     if quick:
         portraits = {name: portraits[name] for name in ("as it is", "4 EV over", "red only")}
         lights = {name: lights[name] for name in ("noise", "sun at the seam", "black")}
-    relighter, tier = Relighter(weights), tier_of(quality)
+    relighter, tier, face = Relighter(weights), tier_of(quality), choose_faces(photo, None)[0]
     cases, errors = [], []
     for portrait_name, portrait in portraits.items():
-        try:
-            relighter.set_portrait(portrait)
-        except InputError:
-            if portrait is photo:
-                raise
-            portrait = None
+        # Framed by hand: what the finder makes of such pictures is another question.
+        relighter.set_portrait(portrait, box=face)
         for light_name, panorama in lights.items():
             cases.append(f"{portrait_name}, {light_name}")
             environment = Environment.from_radiance(panorama, light_name)
-            found = [np.nan] * len(BOUNDS) if portrait is None else _errors(relighter, portrait, environment, tier)
-            if portrait is not None and light_name == _THREADED_LIGHT:
-                found[tuple(BOUNDS).index("threads")] = _thread_error(portrait, environment, tier, weights)
+            found = _errors(relighter, portrait, environment, tier)
+            if light_name == _THREADED_LIGHT:
+                found[tuple(BOUNDS).index("threads")] = _thread_error(portrait, face, environment, tier, weights)
             errors.append(found)
             report(len(cases), len(portraits) * len(lights))
     return StabilityReport(tuple(cases), tuple(BOUNDS), np.array(errors, np.float64))
@@ -207,14 +204,14 @@ def _precision_error(relighter: Relighter, light: Environment, edit: Edit, tier:
     return float(_difference(half, single).mean())
 
 
-def _thread_error(photo: Photo, light: Environment, tier: Tier, weights: Path | None) -> float:
+def _thread_error(photo: Photo, face: FaceBox, light: Environment, tier: Tier, weights: Path | None) -> float:
     """Largest difference that the number of threads makes, over the whole way from the photo."""
     edit, results, before = Edit(quality=tier, yaw_deg=_YAW_DEG, tolerance=0.0), [], torch.get_num_threads()
     try:
         for count in _THREADS:
             torch.set_num_threads(count)
             relighter = Relighter(weights)
-            relighter.set_portrait(photo)
+            relighter.set_portrait(photo, box=face)
             results.append(relighter.relight(light, edit))
     finally:
         torch.set_num_threads(before)

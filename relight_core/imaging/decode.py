@@ -22,7 +22,6 @@ from relight_core.imaging.tiff_exif import exif_of_page
 
 _FORMATS = ("JPEG", "PNG", "TIFF", "WEBP", "BMP", "GIF", "AVIF")
 _BLOCK_ROWS = 256
-_RADIANCE_BYTES_PER_PIXEL = 16
 _pillow_limit = threading.Lock()
 
 # It tells of every odd tag; what can't be read is told by our own errors.
@@ -81,7 +80,7 @@ def decode_radiance_hdr(data: bytes, path: Path) -> np.ndarray:
     header = data[:65536].decode("latin-1").partition("\n\n")[2].split("\n", 1)[0].split()
     if len(header) != 4 or not all(side.isdecimal() and len(side) < 10 for side in header[1::2]):
         raise InputError(f"{path}: not a complete Radiance file; export it again")
-    check_pixels(int(header[3]), int(header[1]), path, _RADIANCE_BYTES_PER_PIXEL)
+    check_pixels(int(header[3]), int(header[1]), path)
     bgr = _imdecode(data)
     if bgr is None or bgr.dtype != np.float32:
         raise InputError(f"{path}: not a complete Radiance file; export it again")
