@@ -22,7 +22,6 @@ READ_AND_TELL = """
 import resource, sys
 from pathlib import Path
 sys.path.insert(0, {root!r})
-import torch
 from relight_core.errors import InputError
 from relight_core.lighting.environment import read_environment
 from relight_core.imaging.read import read_photo
