@@ -18,6 +18,7 @@ class FakeStage:
     ms: float
     state: str = "computed"
     why: str = ""
+    start_ms: float = 0.0
 
 
 @dataclass(frozen=True, eq=False)
