@@ -274,6 +274,7 @@ def test_dragging_the_lit_ball_turns_the_light_and_the_ball_follows(opened):
 
 
 def test_probe_and_timings_are_drawn_only_while_switched_on(opened):
+    opened.window.shelf.wait()
     opened.move(opened.centre())
     for key in (glfw.KEY_I, glfw.KEY_T):
         before = opened.window.screenshot().astype(int)
