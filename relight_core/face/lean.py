@@ -6,33 +6,33 @@ import numpy as np
 
 from relight_core.face.parsing import INDEX
 
-_SIDES = (("right_eye", "right_brow"), ("left_eye", "left_brow"))
-_FEWEST_PIXELS = 6
+_PAIRS = (("right_eye", "left_eye"), ("right_brow", "left_brow"))
+_FEWEST_PIXELS = 2
 _LARGEST_DEG = 35.0
 
 
 def remaining_roll(labels: np.ndarray) -> float:
     """How far the head in a view still leans to the left of it, in degrees; 0 where that can't be seen.
 
-    Where both eyes are in sight, they and the brows above them lie on a line across the head.
+    The line through both eyes and that through both brows lie across the head; one of them is enough.
 
     Args:
         labels: (S, S) parsing labels of the view.
     """
-    middles = [_middle(labels, names) for names in _SIDES]
-    if any(middle is None for middle in middles):
+    lines = [line for line in (_between(labels, *pair) for pair in _PAIRS) if line is not None]
+    if not lines:
         return 0.0
-    across, down = middles[1] - middles[0]
+    across, down = np.sum(lines, axis=0)
     angle = float(np.degrees(np.arctan2(-down, across)))
     return angle if abs(angle) <= _LARGEST_DEG else 0.0
 
 
-def _middle(labels: np.ndarray, names: tuple[str, str]) -> np.ndarray | None:
-    """x, y halfway between an eye and its brow; None where either is out of sight."""
+def _between(labels: np.ndarray, first: str, second: str) -> np.ndarray | None:
+    """x, y from the middle of one part of the face to that of another; None where either is out of sight."""
     middles = []
-    for name in names:
+    for name in (first, second):
         rows, columns = np.nonzero(labels == INDEX[name])
         if rows.size < _FEWEST_PIXELS:
             return None
-        middles.append((columns.mean(), rows.mean()))
-    return np.mean(middles, axis=0)
+        middles.append(np.array([columns.mean(), rows.mean()]))
+    return middles[1] - middles[0]
