@@ -32,6 +32,8 @@ from relight_core.training.loop import Budget, state_path, train_stage
 from relight_core.training.run import denormals_flushed
 from relight_core.training.stages import STAGES
 
+_PARSED_SIZE = 256
+
 
 @dataclass(frozen=True)
 class Lesson:
@@ -159,7 +161,7 @@ def look(pupil: NetworkBundle, parser: NetworkBundle, photo: Photo, size: int) -
     """Take the photo's largest face apart.
 
     Args:
-        parser: the networks whose parsing says where the face is, at 128 pixels.
+        parser: the networks whose parsing says where the face is, at 256 pixels.
 
     Raises:
         InputError: no face.
@@ -168,7 +170,7 @@ def look(pupil: NetworkBundle, parser: NetworkBundle, photo: Photo, size: int) -
     linear = np.clip(view.extract(photo.linear, size), 0, None)
     photo_srgb = srgb_encode(np.clip(linear, 0, 1))
     found = pupil.delight(_batch(photo_srgb))
-    labels = parser.delight(_batch(srgb_encode(np.clip(view.extract(photo.linear, 128), 0, 1)))).parsing_logits
+    labels = parser.delight(_batch(srgb_encode(np.clip(view.extract(photo.linear, _PARSED_SIZE), 0, 1)))).parsing_logits
     labels = labels.argmax(1)[0].numpy()
     at = (np.arange(size) + 0.5) * len(labels) / size
     face = np.isin(labels[np.ix_(at.astype(int), at.astype(int))], FACE_LABELS)
