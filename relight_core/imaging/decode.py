@@ -22,6 +22,9 @@ from relight_core.imaging.tiff_exif import exif_of_page
 
 _FORMATS = ("JPEG", "PNG", "TIFF", "WEBP", "BMP", "GIF", "AVIF")
 _BLOCK_ROWS = 256
+_PNG_SAMPLES = {0: 1, 2: 3, 3: 1, 4: 2, 6: 4}
+_MOST_DEFLATED = 1032
+"""Bytes that one byte of deflated data can stand for at the most (zlib's technical notes)."""
 _pillow_limit = threading.Lock()
 
 # It tells of every odd tag; what can't be read is told by our own errors.
@@ -98,6 +101,7 @@ def _open_with_pillow(data: bytes, path: Path) -> Image.Image:
         try:
             image = Image.open(io.BytesIO(data), formats=_FORMATS)
             check_pixels(*image.size, path)
+            _check_plausible(data, image, path)
             image.load()
         except Image.UnidentifiedImageError:
             raise InputError(f"{path}: not an image; use a JPEG, PNG, TIFF, WebP, EXR or HDR file") from None
@@ -108,6 +112,16 @@ def _open_with_pillow(data: bytes, path: Path) -> Image.Image:
         finally:
             Image.MAX_IMAGE_PIXELS = limit
     return image
+
+
+def _check_plausible(data: bytes, image: Image.Image, path: Path) -> None:
+    """Refuse a PNG that is too short for the pixels it claims, before memory is taken for them."""
+    if image.format != "PNG" or len(data) < 26:
+        return
+    samples = _PNG_SAMPLES.get(data[25], 1)
+    claimed = image.width * image.height * samples * data[24] // 8
+    if claimed > _MOST_DEFLATED * len(data):
+        raise InputError(f"{path}: a truncated or damaged image; fetch or export it again")
 
 
 def _from_pillow(image: Image.Image) -> Raster:

@@ -129,6 +129,18 @@ def test_a_png_that_unpacks_to_more_memory_than_is_free_is_refused(tmp_path, mon
         read_photo(path)
 
 
+def test_a_png_too_short_for_the_pixels_it_claims_takes_no_memory_for_them(tmp_path):
+    path = png_bomb(tmp_path / "bomb.png", 300)
+    data = bytearray(path.read_bytes())
+    data[16:24] = struct.pack(">II", 19_000, 20_000)
+    data[29:33] = struct.pack(">I", zlib.crc32(bytes(data[12:29])))
+    path.write_bytes(data)
+    before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    with pytest.raises(InputError, match="truncated"):
+        read_photo(path)
+    assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before < 300 << 10
+
+
 def test_free_memory_is_known_here_and_nothing_is_refused_where_it_is_not(tmp_path, monkeypatch):
     assert limits.free_bytes() > 1 << 20
     monkeypatch.setattr(limits, "free_bytes", lambda: None)
