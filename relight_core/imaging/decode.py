@@ -190,11 +190,23 @@ def _orientation(image: Image.Image) -> int:
 
 def _decode_deep_png(data: bytes, image: Image.Image, path: Path) -> Raster:
     """A PNG of 16 bits per channel, which Pillow would cut to 8."""
-    values = _imdecode(data)
+    # OpenCV takes the memory that a chunk claims, up to 4 GiB, before it looks for its bytes.
+    values = _imdecode(data) if _chunks_fit(data) else None
     if values is None or values.dtype != np.uint16:
         raise InputError(f"{path}: a truncated or damaged image; fetch or export it again")
     values, alpha = _split(values)
     return Raster(values, alpha, image.info.get("icc_profile") or None, _orientation(image))
+
+
+def _chunks_fit(data: bytes) -> bool:
+    """Whether every chunk of a PNG up to its end is as long as it says."""
+    at = 8
+    while at + 12 <= len(data):
+        (length,) = struct.unpack_from(">I", data, at)
+        if data[at + 4 : at + 8] == b"IEND":
+            return True
+        at += 12 + length
+    return False
 
 
 def _decode_deep_tiff(data: bytes, path: Path) -> Raster | None:

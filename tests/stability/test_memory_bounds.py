@@ -141,6 +141,18 @@ def test_a_png_too_short_for_the_pixels_it_claims_takes_no_memory_for_them(tmp_p
     assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before < 300 << 10
 
 
+def test_a_chunk_that_claims_4_gib_takes_no_memory_for_them(tmp_path):
+    path = tmp_path / "a.png"
+    write_image(path, np.full((40, 48, 3), 0.5, np.float32), bits=16)
+    data = path.read_bytes()
+    end = data.rindex(b"IEND") - 4
+    path.write_bytes(data[:end] + struct.pack(">I", 0xFFFFFF00) + b"eXIf" + data[end:])
+    before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    with pytest.raises(InputError):
+        read_photo(path)
+    assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before < 300 << 10
+
+
 def test_free_memory_is_known_here_and_nothing_is_refused_where_it_is_not(tmp_path, monkeypatch):
     assert limits.free_bytes() > 1 << 20
     monkeypatch.setattr(limits, "free_bytes", lambda: None)
