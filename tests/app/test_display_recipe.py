@@ -14,6 +14,7 @@ from app.window.gl_recipe import RelitSlot
 from app.window.gl_textures import Canvas as Target
 from app.window.gl_textures import TextureSlot
 from app.window.gl_viewport import PicturePainter
+from app.window.glfw_window import close_window, open_window
 from relight_core.face.crop import Crop
 from relight_core.imaging.matte import Matte
 from relight_core.imaging.view_transform import apply_view
@@ -30,12 +31,15 @@ SEVERAL = (Crop(20.0, 30.0, 40.0), Crop(48.0, 36.0, 44.0), Crop(36.0, 60.0, 30.0
 
 
 @pytest.fixture(scope="module")
-def context():
-    context = moderngl.create_context(standalone=True, backend="egl")
+def context(display):
+    """A hidden window's own: a context without a window, made in another way, breaks the windows after it."""
+    window = open_window("relight", (64, 64), visible=False)
+    context = moderngl.create_context(require=330)
     context.painter = PicturePainter(context, (0.1, 0.1, 0.1))
     yield context
     context.painter.close()
     context.release()
+    close_window(window)
 
 
 def smooth(rng, size, channels, high):
