@@ -16,7 +16,8 @@ class Tier:
         delight_size: side at which the de-lighting network sees that view, a multiple of 64.
         network_size: side at which the others see it, a multiple of 32. They were trained on images of 128
             pixels, and a face much larger than there confuses them.
-        relief_size: side of the relief that is marched for cast shadow.
+        relief_size: side of the relief that is marched for cast shadow. It divides `network_size`: else its
+            lattice shows where the light grazes the surface.
         mirrored: de-light the mirrored view too, and average.
         shadow_network: what the surface hides from the light is seen by the SS network; else the relief's
             horizons alone say it, and a new light costs a matrix product.

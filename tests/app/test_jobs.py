@@ -168,7 +168,7 @@ def test_a_picture_sequence_is_a_new_folder_or_nothing(tmp_path):
 
     write_pictures(tmp_path / "turn", frames(3)[1], 3, Steps(), write)
     assert sorted(path.name for path in (tmp_path / "turn").iterdir()) == ["0001.png", "0002.png", "0003.png"]
-    with pytest.raises(InputError, match="made"):
+    with pytest.raises(InputError, match="already"):
         write_pictures(tmp_path / "turn", frames(3)[1], 3, Steps(), write)
     with pytest.raises(InterruptedError):
         write_pictures(tmp_path / "half", frames(3)[1], 3, Steps(cancel_at=2), write)

@@ -12,7 +12,8 @@ from app.engine import pace
 @pytest.fixture
 def switch_interval_kept():
     before = sys.getswitchinterval()
-    yield before
+    sys.setswitchinterval(0.005)
+    yield 0.005
     sys.setswitchinterval(before)
 
 

@@ -149,18 +149,27 @@ def test_no_sum_over_texels_changes_by_more_than_the_texels(size, seed):
 
 def test_nearly_the_same_light_finds_the_kept_one():
     lights = KeptLights(4)
-    first = lights.match("tier", LIGHT, 1 / 255)
-    again = lights.match("tier", LIGHT * np.float32(1.00001), 1 / 255)
+    first = lights.match("tier", LIGHT, 2 / 255)
+    again = lights.match("tier", LIGHT * np.float32(1.00001), 2 / 255)
     assert again.name == first.name
-    assert 0 < again.bound < 1 / 255
+    assert 0 < again.bound < 2 / 255
     np.testing.assert_array_equal(again.radiance, LIGHT)
+
+
+def test_within_a_code_value_nothing_serves_but_the_same_light():
+    lights = KeptLights(4)
+    lights.match("tier", LIGHT, 1 / 255)
+    near = LIGHT * np.float32(1.0000002)
+    served = lights.match("tier", near, 1 / 255)
+    assert served.bound == 0
+    np.testing.assert_array_equal(served.radiance, near)
 
 
 def test_another_light_serves_itself():
     lights = KeptLights(4)
-    first = lights.match("tier", LIGHT, 1 / 255)
+    first = lights.match("tier", LIGHT, 2 / 255)
     other = np.roll(LIGHT, 1, axis=1)
-    second = lights.match("tier", other, 1 / 255)
+    second = lights.match("tier", other, 2 / 255)
     assert second.name != first.name
     assert second.bound == 0
     np.testing.assert_array_equal(second.radiance, other)
@@ -168,7 +177,7 @@ def test_another_light_serves_itself():
 
 def test_small_changes_do_not_add_up():
     lights = KeptLights(100)
-    tolerance, drift = 1 / 255, LIGHT
+    tolerance, drift = 2 / 255, LIGHT
     for _ in range(200):
         drift = drift * np.float32(1.00001)
         serving = lights.match("tier", drift, tolerance)
@@ -186,7 +195,7 @@ def test_groups_and_age_part_lights():
     lights = KeptLights(2)
     lights.match("one tier", LIGHT, 0.0)
     near = LIGHT * np.float32(1.00001)
-    assert lights.match("another tier", near, 1 / 255).bound == 0
+    assert lights.match("another tier", near, 2 / 255).bound == 0
     for number in (2, 3):
         lights.match("one tier", LIGHT * np.float32(number), 0.0)
-    assert lights.match("one tier", near, 1 / 255).bound == 0
+    assert lights.match("one tier", near, 2 / 255).bound == 0

@@ -23,6 +23,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+import OpenEXR
+import torch
 
 _ROOT = Path(__file__).resolve().parents[2]
 sys.path[:0] = [str(_ROOT), str(_ROOT / "tests"), str(_ROOT / "tests/fuzz")]
@@ -38,6 +40,10 @@ from relight_core.imaging.read import read_photo  # noqa: E402
 from relight_core.imaging.write import write_image  # noqa: E402
 from relight_core.networks.bundle import BundleConfig, NetworkBundle, load_bundle, save_bundle  # noqa: E402
 from relight_core.pipeline.edit import Edit  # noqa: E402
+
+# A fork has none of its parent's threads, for which OpenEXR and PyTorch would wait.
+OpenEXR.set_global_thread_count(0)
+torch.set_num_threads(1)
 
 _WRITES = {"open", "os.rename", "os.remove", "os.mkdir", "os.rmdir", "os.link", "os.truncate", "os.chmod"}
 _REFUSED, _BROKEN = 3, 4
