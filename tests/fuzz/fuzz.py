@@ -24,6 +24,7 @@ from multiprocessing.connection import Connection
 from pathlib import Path
 
 import numpy as np
+import OpenEXR
 
 _HERE = Path(__file__).resolve().parent
 sys.path[:0] = [str(_HERE.parents[1]), str(_HERE.parent), str(_HERE)]
@@ -32,6 +33,9 @@ from fuzz_corpus import Reader, readers  # noqa: E402
 from fuzz_mutations import damaged  # noqa: E402
 
 from relight_core.errors import InputError  # noqa: E402
+
+# A fork has none of its parent's threads, for which OpenEXR would wait.
+OpenEXR.set_global_thread_count(0)
 
 ADDRESSES_GIB = 8
 """What a process may reserve; the libraries alone reserve some of it."""
