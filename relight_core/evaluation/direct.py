@@ -14,24 +14,24 @@ import torch.nn.functional as F
 
 from relight_core.face.parsing import INDEX
 from relight_core.imaging.tensor_colour import srgb_decode, srgb_encode
-from relight_core.lighting.normal_integration import integrate_normals
 from relight_core.lighting.reflection import ReflectionTable
 from relight_core.lighting.relief import ReliefTransport, march_relief
 from relight_core.networks.bundle import NetworkBundle
+from relight_core.pipeline import stages
 from relight_core.pipeline.channels import as_image
 from relight_core.pipeline.hints import Effects, estimated_effects, explicit_sum, specular_shadow_hints
-
-_RELIEF_UNIT_PX = 64.0
 
 
 @dataclass(frozen=True)
 class TakenApart:
-    """What de-lighting found in one photo, (1, C, S, S); `relief` only where SS asks for it."""
+    """What de-lighting found in one photo, (1, C, S, S); the last three only where SS asks for them."""
 
     albedo: torch.Tensor
     normal: torch.Tensor
     light: torch.Tensor
-    relief: ReliefTransport | None
+    transport: ReliefTransport | None = None
+    relief: torch.Tensor | None = None
+    parsing: torch.Tensor | None = None
 
 
 class DirectRelighter:
@@ -48,11 +48,14 @@ class DirectRelighter:
         linear = torch.from_numpy(np.ascontiguousarray(photo)).permute(2, 0, 1)[None].float().to(self._device)
         found = self._bundle.delight(srgb_encode(linear).contiguous(memory_format=torch.channels_last))
         normal = F.normalize(found.normal.float(), dim=1, eps=1e-4)
-        relief = None
-        if self._bundle.config.specular_shadow.relief_shadow:
-            person = 1 - torch.softmax(found.parsing_logits.float(), 1)[:, INDEX["background"], None]
-            relief = _marched(found.relief.float() * (2 * _RELIEF_UNIT_PX / photo.shape[0]), normal, person)
-        return TakenApart(srgb_decode(found.albedo_srgb.float()), normal, found.light.float(), relief)
+        parts = (srgb_decode(found.albedo_srgb.float()), normal, found.light.float())
+        if not self._bundle.config.specular_shadow.relief_shadow:
+            return TakenApart(*parts)
+        parsing = torch.softmax(found.parsing_logits.float(), 1)
+        person = 1 - parsing[:, INDEX["background"], None]
+        relief = stages.sharpened_relief(found.relief.float(), normal, person, photo.shape[0])
+        transport = march_relief(relief[0, 0].cpu(), normal[0].cpu(), person[0, 0].cpu())
+        return TakenApart(*parts, transport, relief, parsing)
 
     @torch.inference_mode()
     def relight(self, found: TakenApart, radiance: np.ndarray) -> dict[str, np.ndarray]:
@@ -74,9 +77,9 @@ class DirectRelighter:
 
     def _effects(self, found: TakenApart, reflected: torch.Tensor, light: torch.Tensor) -> Effects:
         config, fraction = self._bundle.config.specular_shadow, None
-        if found.relief is not None:
-            fraction = found.relief.shadow_fraction(light.cpu()).to(self._device)
-        hints = specular_shadow_hints(config, reflected, fraction)
+        if found.transport is not None:
+            fraction = found.transport.shadow_fraction(light.cpu()).to(self._device)
+        hints = specular_shadow_hints(config, reflected, fraction, found.relief, found.parsing)
         estimate = self._bundle.specular_shadow(found.normal, light, hints)
         return estimated_effects(config, estimate, reflected, found.albedo)
 
@@ -85,9 +88,3 @@ def found_channels(found: TakenApart) -> dict[str, np.ndarray]:
     """What `scoring.score_surface` compares; these networks' one light stands for both it asks for."""
     light = found.light[0].cpu().numpy()
     return {"albedo": as_image(found.albedo), "normal": as_image(found.normal), "guess": light, "source_light": light}
-
-
-def _marched(relief: torch.Tensor, normal: torch.Tensor, person: torch.Tensor) -> ReliefTransport:
-    heights, normals, trust = (image[0].cpu().numpy() for image in (relief, normal, person))
-    sharpened = torch.from_numpy(integrate_normals(heights[0], normals, trust[0]))
-    return march_relief(sharpened, normal[0].cpu(), person[0, 0].cpu())

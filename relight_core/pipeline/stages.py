@@ -106,12 +106,21 @@ def delight(
     linear, albedo, normal, relief, parsing = (_shrunk(image, size) for image in (linear, *images))
     normal = F.normalize(normal, dim=1, eps=1e-4)
     person = torch.from_numpy(solid_person(parsing[0].cpu().numpy()))[None, None].to(device)
-    height = relief * (2 * _RELIEF_UNIT_PX / photo.shape[0])
-    return Surface(linear, albedo, normal, _sharpened(height, normal, person), parsing, person, light)
+    height = sharpened_relief(relief, normal, person, photo.shape[0])
+    return Surface(linear, albedo, normal, height, parsing, person, light)
 
 
-def _sharpened(height: torch.Tensor, normal: torch.Tensor, person: torch.Tensor) -> torch.Tensor:
-    """The network's relief is a soft one; its normals know more (see `lighting.normal_integration`)."""
+def sharpened_relief(relief: torch.Tensor, normal: torch.Tensor, person: torch.Tensor, side_px: int) -> torch.Tensor:
+    """The network's relief is a soft one; its normals know more (see `lighting.normal_integration`).
+
+    Args:
+        relief: (1, 1, S, S) as `networks.delight.Delit` has it, of a photo of `side_px` pixels.
+        normal, person: (1, 3, S, S) and (1, 1, S, S).
+
+    Returns:
+        (1, 1, S, S) height toward the camera, in half-widths of the view.
+    """
+    height = relief * (2 * _RELIEF_UNIT_PX / side_px)
     heights, normals, trust = (image[0].cpu().numpy() for image in (height, normal, person))
     return torch.from_numpy(integrate_normals(heights[0], normals, trust[0], _SLOPE_GAIN))[None, None].to(height.device)
 
