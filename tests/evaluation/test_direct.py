@@ -11,7 +11,9 @@ from relight_core.lighting.reflection import ReflectionTable
 from relight_core.networks.bundle import BundleConfig, NetworkBundle
 
 
-@pytest.mark.parametrize("told", [{}, {"relief_shadow": False}, {"parsing_classes": 14}])
+@pytest.mark.parametrize(
+    "told", [{}, {"relief_shadow": False}, {"parsing_classes": 14}, {"relief_shadow": False, "parsing_classes": 14}]
+)
 def test_a_shadow_network_told_more_or_less_relights(told):
     torch.manual_seed(2)
     tiny = BundleConfig.tiny()
