@@ -49,7 +49,7 @@ TIERS = {
     # The same surface as "live", so that changing over between the two while dragging costs nothing.
     "draft": Tier(256, 256, 128, 64, False, shadow_network=False, correction=False),
     "live": Tier(256, 256, 128, 64, False),
-    "final": Tier(512, 256, 128, 96, True),
+    "final": Tier(512, 256, 128, 64, True),
 }
 
 
