@@ -41,6 +41,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     bake.add_argument("--out", metavar="DIR", type=Path, required=True, help="where the heads go")
     bake.add_argument("--split", choices=SPLITS, default="train")
     bake.add_argument("--count", metavar="N", type=count_at_least_one, required=True, help="how many heads in all")
+    bake.add_argument("--skip", metavar="N", type=_count, default=0, help="leave the split's first N people out")
+    bake.add_argument("--headwear", metavar="SHARE", type=_share, help="how many heads wear something on them, 0 to 1")
     bake.add_argument("--size", metavar="PX", type=_size, default=256, help="side of the images (256)")
     skins = actions.add_parser("skins", description="Carry MakeHuman's skins onto the head model, beside baked heads.")
     skins.add_argument("--heads", metavar="MODEL", type=Path, required=True, help="the head model, an .npz")
@@ -66,11 +68,11 @@ def run(arguments: argparse.Namespace) -> int:
 def _bake(arguments: argparse.Namespace) -> int:
     from relight_core.dataset.recipe import SPLIT_SEEDS, bake_missing
 
-    casting = _casting(arguments.heads, arguments.wardrobe)
+    casting = _casting(arguments.heads, arguments.wardrobe, arguments.headwear)
     make_folder(arguments.out)
     if arguments.split == "train" and arguments.wardrobe is not None:
         _add_skins(casting, arguments.wardrobe, arguments.out)
-    first = SPLIT_SEEDS[arguments.split]
+    first = SPLIT_SEEDS[arguments.split] + arguments.skip
     seeds = range(first, first + arguments.count)
     size_bytes = 0
     with progress(f"baking {arguments.split} heads", arguments.count) as show:
@@ -131,14 +133,18 @@ def _check(arguments: argparse.Namespace) -> int:
     return 0
 
 
-def _casting(heads: Path, wardrobe: Path | None):
+def _casting(heads: Path, wardrobe: Path | None, headwear_share: float | None = None):
     from relight_core.dataset.recipe import load_casting
 
     if not heads.exists():
         raise InputError(f"{heads}: no such file; give a head model's .npz or a folder of scans after --heads")
     if wardrobe is not None and not wardrobe.is_dir():
         raise InputError(f"{wardrobe}: no such folder; give the unpacked MakeHuman data, or leave --wardrobe out")
-    return load_casting(heads, wardrobe)
+    if headwear_share is None:
+        return load_casting(heads, wardrobe)
+    if wardrobe is None:
+        raise InputError("--headwear needs --wardrobe: heads are bare without")
+    return load_casting(heads, wardrobe, headwear_share)
 
 
 def _lights(arguments: argparse.Namespace) -> int:
@@ -152,6 +158,22 @@ def _lights(arguments: argparse.Namespace) -> int:
     places = len(set(arrays["group"].tolist()))
     print(f"{arguments.output}: {len(arrays['names'])} panoramas of {places} places", flush=True)
     return 0
+
+
+def _count(text: str) -> int:
+    if not text.isdecimal():
+        raise argparse.ArgumentTypeError(f"{text!r} is not a whole number")
+    return int(text)
+
+
+def _share(text: str) -> float:
+    try:
+        value = float(text)
+    except ValueError:
+        value = -1.0
+    if not 0 <= value <= 1:
+        raise argparse.ArgumentTypeError(f"{text!r} is not a number from 0 to 1")
+    return value
 
 
 def _size(text: str) -> int:

@@ -14,11 +14,15 @@ import numpy as np
 
 from relight_core.dataset.framing import Framing
 from relight_core.dataset.raycast import RayCaster
-from relight_core.dataset.scene import FROM_FACE_MAP, Scene
+from relight_core.dataset.scene import FROM_FACE_MAP, Material, Scene
 from relight_core.dataset.texture import look_up
 from relight_core.lighting.sphere import directions
 
 LIGHT_HEIGHT, LIGHT_WIDTH = 16, 32
+SKIN = (Material.FACE, Material.HEAD)
+"""Materials with pores."""
+FABRIC = (Material.HAT, Material.TRIM, Material.CLOTH)
+"""Materials with threads."""
 _OFFSET_CM = 0.03
 _RAYS_AT_ONCE = 1 << 22
 
@@ -144,19 +148,28 @@ def _jittered(texel: np.ndarray, rng: np.random.Generator) -> np.ndarray:
     return np.stack([ring * np.sin(phi), height, -ring * np.cos(phi)], 1)
 
 
-def add_relief(head: BakedHead, height_map: np.ndarray, strength: float) -> np.ndarray:
-    """Normals (P, 3) with pores and wrinkles that the mesh lacks, tilted by a height map's slope on screen.
+def add_relief(
+    head: BakedHead,
+    normal: np.ndarray,
+    height_map: np.ndarray,
+    strength: float,
+    materials: tuple[int, ...] = SKIN,
+    repeat: int = 1,
+) -> np.ndarray:
+    """Normals (P, 3) with pores, wrinkles or threads that the mesh lacks, tilted by a height map's slope on screen.
 
     Args:
-        height_map: (T, T) float32, about [-1, 1], looked up by the texture coordinates of skin.
+        normal: (P, 3) unit normals to start from.
+        height_map: (T, T) float32, about [-1, 1], looked up by texture coordinates times `repeat`.
         strength: tilt per unit of slope.
+        materials: what it lies on.
     """
-    heights = look_up(height_map, head.uv)
+    heights = look_up(height_map, head.uv, repeat)
     image = head.scatter(heights)
     group = head.scatter(head.material + 1)
     down, right = np.gradient(image)
     inside = cv2.erode((cv2.morphologyEx(group, cv2.MORPH_GRADIENT, np.ones((3, 3))) == 0).astype(np.uint8), None)
-    smooth = (inside[head.covered] > 0) & (head.material <= 1)
+    smooth = (inside[head.covered] > 0) & np.isin(head.material, materials)
     tilt = np.stack([-right[head.covered], down[head.covered], np.zeros(len(heights))], 1) * strength
-    normal = head.normal + np.clip(tilt, -0.4, 0.4) * smooth[:, None]
-    return (normal / np.linalg.norm(normal, axis=1, keepdims=True)).astype(np.float32)
+    tilted = normal + np.clip(tilt, -0.4, 0.4) * smooth[:, None]
+    return (tilted / np.linalg.norm(tilted, axis=1, keepdims=True)).astype(np.float32)

@@ -13,12 +13,15 @@ from relight_core.dataset.garment import Garment
 from relight_core.dataset.garment_binding import HeadSurface, fit_affine
 from relight_core.dataset.garment_mesh import fractal, smoothstep, vertex_normals
 from relight_core.dataset.hair_shell import ScalpGrid, grow_hair, sample_style
-from relight_core.dataset.hats import brimmed_hat, knit_beanie
 from relight_core.dataset.heads import HeadModel
+from relight_core.dataset.headwear.wardrobe import Headwear, put_on, sample_kind
 
 __all__ = ["Garment", "Wardrobe"]
 
-_HAIR, _BEARD, _GLASSES, _HAT, _CLOTH, _BROWS = 0.90, 0.20, 0.15, 0.08, 0.95, 0.85
+HEADWEAR_SHARE = 0.15
+"""How many heads wear something on them, unless a wardrobe is told otherwise."""
+_HAIR, _BEARD, _GLASSES, _CLOTH, _BROWS = 0.90, 0.20, 0.15, 0.95, 0.85
+_FEDORA_SHARE = 0.04
 _SHELL_SHARE = 0.5
 _UNDER_HAT = ("long01", "ponytail01", "Braid01", "short04")
 _DARK_LENSES = 0.3
@@ -30,22 +33,24 @@ _GLASSES_LANDMARKS = (0, 1, 15, 16, 27, 28, 36, 39, 42, 45)
 class Wardrobe:
     """Everything to wear, fitted to the mean head of a model; `dress` puts a random outfit on any head."""
 
-    def __init__(self, makehuman_folder: Path, model: HeadModel):
+    def __init__(self, makehuman_folder: Path, model: HeadModel, headwear_share: float = HEADWEAR_SHARE):
         """Fit all items; the first time takes a while, later ones read a cache beside the data.
 
         Args:
             makehuman_folder: where the MakeHuman archive was unpacked.
+            headwear_share: how many of the heads wear something on them, [0, 1].
 
         Raises:
             OSError: the folder holds no MakeHuman data.
         """
-        self._model = model
+        self._model, self._headwear_share = model, headwear_share
         self._skin_triangles = model.triangles[
             np.isin(model.triangle_region, [model.region_names.index(n) for n in ("face", "head_neck")])
         ]
         self._skin_vertices = np.unique(self._skin_triangles)
         self.items = load_fitted_items(Path(makehuman_folder), model)
         self._grid, self._beards = ScalpGrid(model), BeardPatch(model)
+        self._ears = [np.flatnonzero(_on_ear(model.mean) & (sign * model.mean[:, 0] > 0)) for sign in (-1, 1)]
 
     def dress(self, head_vertices: np.ndarray, rng: np.random.Generator) -> list[Garment]:
         """A random outfit.
@@ -59,12 +64,13 @@ class Wardrobe:
         head = head_vertices.astype(np.float32)
         normals = vertex_normals(head, self._skin_triangles)
         skin = HeadSurface(head[self._skin_vertices], normals[self._skin_vertices])
-        wears_hat = rng.random() < _HAT
+        wears_headwear = rng.random() < self._headwear_share
+        headwear = self._headwear(head, skin, rng.spawn(1)[0]) if wears_headwear else None
         worn = []
-        if rng.random() < _HAIR:
-            worn.append(self._hair(head, skin, wears_hat, rng))
-        if wears_hat:
-            worn.append(self._hat(head, skin, rng))
+        if rng.random() < _HAIR and not (headwear is not None and headwear.hides_hair):
+            worn.append(self._hair(head, skin, headwear, rng))
+        if headwear is not None:
+            worn += headwear.garments
         if rng.random() < _BEARD:
             worn.append(self._beard(head, normals, skin, rng))
         if rng.random() < _GLASSES:
@@ -95,15 +101,15 @@ class Wardrobe:
         vertices = item.binding.follow(item.vertices, head - self._model.mean)
         return item.as_garment(skin.push_out(vertices, margin_cm))
 
-    def _hair(self, head, skin, wears_hat, rng) -> Garment:
+    def _hair(self, head, skin, headwear: Headwear | None, rng) -> Garment:
+        flat = headwear is not None and headwear.presses
         if rng.random() < _SHELL_SHARE:
             worn = grow_hair(self._grid, head, skin, sample_style(rng), rng)
         else:
-            worn = self._follow(self._pick("hair", rng, _UNDER_HAT if wears_hat else None), head, skin, 0.15)
-        if not wears_hat:
+            worn = self._follow(self._pick("hair", rng, _UNDER_HAT if flat else None), head, skin, 0.15)
+        if headwear is None:
             return worn
-        ceiling = 0.25 + 0.6 * np.maximum(3 - worn.vertices[:, 1], 0)
-        return replace(worn, vertices=skin.press_down(worn.vertices, ceiling))
+        return replace(worn, vertices=skin.press_down(worn.vertices, headwear.ceiling_cm(worn.vertices)))
 
     def _beard(self, head, normals, skin, rng) -> Garment:
         if rng.random() < 0.7:
@@ -123,13 +129,11 @@ class Wardrobe:
         scale, shift = fit_affine(self._model.mean[at], head[at], 0.1)
         return item.as_garment(item.vertices * scale + shift)
 
-    def _hat(self, head, skin, rng) -> Garment:
-        kind = rng.choice(["beanie", "brimmed", "fedora"], p=[0.4, 0.4, 0.2])
-        if kind == "beanie":
-            return knit_beanie(self._grid, head, skin, rng)
-        if kind == "brimmed":
-            return brimmed_hat(self._grid, head, skin, rng)
-        return self._place_hat(self._pick("hat", rng), head, skin)
+    def _headwear(self, head, skin, rng) -> Headwear:
+        if rng.random() < _FEDORA_SHARE:
+            return Headwear("fedora", [self._place_hat(self._pick("hat", rng), head, skin)], False, True)
+        ears = np.stack([head[ear].mean(0) for ear in self._ears])
+        return put_on(sample_kind(rng), head, ears, self._grid, skin, rng)
 
     def _place_hat(self, item: FittedItem, head: np.ndarray, skin: HeadSurface) -> Garment:
         """A stiff hat, drawn lower and wider than its maker set it, scaled and shifted with the skull."""
@@ -150,3 +154,8 @@ class Wardrobe:
         normals = vertex_normals(vertices, worn.faces)
         vertices += normals * (folds * smoothstep(-10, -17, vertices[:, 1]))[:, None]
         return replace(worn, vertices=skin.push_out(vertices, 0.3))
+
+
+def _on_ear(mean: np.ndarray) -> np.ndarray:
+    """(V,) bool: the outer sides of the ears of a mean head."""
+    return (np.abs(mean[:, 0]) > 7.9) & (mean[:, 1] > -6) & (mean[:, 1] < 7)

@@ -22,6 +22,8 @@ class Garment:
         opacity: (h, w) uint8 or None; faces where it is low are already gone from `faces`.
         colour_srgb: (h, w, 3) uint8 encoded colour, or None.
         name: which item it is, for records and previews.
+        made_of: "trim" where it is of another stuff than the rest of its label (a hatband, a badge), or the label
+            whose stuff it is (the cloth of a headscarf below the chin is the hat's); None for its own label's.
     """
 
     vertices: np.ndarray
@@ -31,3 +33,4 @@ class Garment:
     opacity: np.ndarray | None = None
     colour_srgb: np.ndarray | None = None
     name: str = ""
+    made_of: str | None = None

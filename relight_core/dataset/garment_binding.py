@@ -65,14 +65,14 @@ class HeadSurface:
     """Where a head's skin is, for pushing things out of it."""
 
     def __init__(self, points: np.ndarray, normals: np.ndarray):
-        self._points, self._normals = points, normals
+        self.points, self._normals = points, normals
         self._tree = cKDTree(points)
 
     def height(self, vertices: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Height (V,) above the nearest skin point's tangent plane, that point's normal, and its distance."""
         distance, nearest = self._tree.query(vertices)
         normal = self._normals[nearest]
-        return ((vertices - self._points[nearest]) * normal).sum(1), normal, distance
+        return ((vertices - self.points[nearest]) * normal).sum(1), normal, distance
 
     def push_out(self, vertices: np.ndarray, margin_cm: float | np.ndarray, reach_cm: float = 4.0) -> np.ndarray:
         """Vertices (V, 3), those lower than `margin_cm` lifted to it; those beyond `reach_cm` stay."""

@@ -14,6 +14,13 @@ def vertex_normals(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
     return (normals / np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-12)).astype(np.float32)
 
 
+def grid_faces(rows: int, columns: int) -> np.ndarray:
+    """Triangles (2 (rows - 1) (columns - 1), 3) int32 over a grid of vertices in row order."""
+    at = np.arange(rows * columns).reshape(rows, columns)
+    a, b, c, d = at[:-1, :-1].ravel(), at[1:, :-1].ravel(), at[1:, 1:].ravel(), at[:-1, 1:].ravel()
+    return np.concatenate([np.stack([a, b, c], 1), np.stack([a, c, d], 1)]).astype(np.int32)
+
+
 def subdivide(faces: np.ndarray, vertex_count: int) -> tuple[np.ndarray, np.ndarray]:
     """Split every triangle into four at its edges' midpoints.
 

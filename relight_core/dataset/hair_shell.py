@@ -11,7 +11,7 @@ from scipy.spatial import cKDTree
 
 from relight_core.dataset.garment import Garment
 from relight_core.dataset.garment_binding import HeadSurface
-from relight_core.dataset.garment_mesh import clip, fractal, smoothstep, waves
+from relight_core.dataset.garment_mesh import clip, fractal, grid_faces, smoothstep, waves
 from relight_core.dataset.heads import HeadModel
 
 _ROWS, _COLUMNS = 118, 240
@@ -103,7 +103,7 @@ class ScalpGrid:
         rows = np.repeat(np.arange(len(toward)), 8)
         shape = (len(toward), len(self._anchors))
         self._weights = csr_matrix((weight.ravel(), (rows, nearest.ravel())), shape)
-        self._faces = _grid_faces(*self.polar_deg.shape)
+        self._faces = grid_faces(*self.polar_deg.shape)
         u, v = self.azimuth_deg / 360 + 0.5, 1 - self.polar_deg / _LOWEST_POLAR_DEG
         self._uv = np.stack([u.ravel(), v.ravel()], 1).astype(np.float32)
 
@@ -135,12 +135,6 @@ class ScalpGrid:
         faces, values = clip(self._faces, field, np.concatenate([points, self._uv], 1))
         values = values.astype(np.float32)
         return Garment(values[:, :3], faces, np.clip(values[:, 3:], 0, 1), label, name=name)
-
-
-def _grid_faces(rows: int, columns: int) -> np.ndarray:
-    at = np.arange(rows * columns).reshape(rows, columns)
-    a, b, c, d = at[:-1, :-1].ravel(), at[1:, :-1].ravel(), at[1:, 1:].ravel(), at[:-1, 1:].ravel()
-    return np.concatenate([np.stack([a, b, c], 1), np.stack([a, c, d], 1)]).astype(np.int32)
 
 
 def around(azimuth_deg: np.ndarray, values: np.ndarray) -> np.ndarray:

@@ -30,6 +30,7 @@ class Material(IntEnum):
     GLASSES = 8
     CLOTH = 9
     BROW = 10
+    TRIM = 11
 
 
 _REGION_MATERIALS = {
@@ -48,6 +49,7 @@ _GARMENT_MATERIALS = {
     "glasses": Material.GLASSES,
     "cloth": Material.CLOTH,
     "brow": Material.BROW,
+    "trim": Material.TRIM,
 }
 
 
@@ -110,6 +112,6 @@ def _garment_scene(garment: Garment, rotation: np.ndarray) -> Scene:
         vertices=vertices,
         triangles=garment.faces.astype(np.int64),
         corner_uv=garment.uv[garment.faces].astype(np.float32),
-        material=np.full(count, _GARMENT_MATERIALS[garment.label], np.uint8),
+        material=np.full(count, _GARMENT_MATERIALS[garment.made_of or garment.label], np.uint8),
         label=label,
     )

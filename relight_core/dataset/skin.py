@@ -11,6 +11,7 @@ from __future__ import annotations
 import numpy as np
 
 from relight_core.dataset.bake import BakedHead
+from relight_core.dataset.fabric import fabric, frame
 from relight_core.dataset.scene import Material
 from relight_core.dataset.skin_textures import SkinTextures
 from relight_core.dataset.texture import TexturePool, look_up
@@ -56,9 +57,11 @@ def _worn(head: BakedHead, pool: TexturePool, rng: np.random.Generator) -> np.nd
     for material in (Material.HAIR, Material.BROW):
         where = head.material == material
         albedo[where] = _strands(head.uv[where], hair, pool, rng)
-    for material in (Material.HAT, Material.CLOTH, Material.GLASSES):
+    for material in (Material.HAT, Material.TRIM, Material.CLOTH):
         where = head.material == material
-        albedo[where] = _fabric(head.uv[where], pool, rng)
+        albedo[where] = fabric(head.uv[where], pool, rng)
+    glasses = head.material == Material.GLASSES
+    albedo[glasses] = frame(head.uv[glasses], pool, rng)
     return albedo
 
 
@@ -175,13 +178,6 @@ def _strands(uv: np.ndarray, colour: np.ndarray, pool: TexturePool, rng: np.rand
     along = np.stack([uv[:, 0] * rng.uniform(2, 8), uv[:, 1] * rng.uniform(0.2, 1)], 1)
     streaks = 0.35 * look_up(pool.noise(rng), along) + 0.25 * look_up(pool.noise(rng), uv, 2)
     return colour * np.exp(np.clip(streaks, -1.2, 1.2))[:, None]
-
-
-def _fabric(uv: np.ndarray, pool: TexturePool, rng: np.random.Generator) -> np.ndarray:
-    if rng.random() < 0.5:
-        return look_up(pool.picture(rng), uv, rng.uniform(1, 5))
-    shade = np.exp(rng.uniform(0, 0.2) * look_up(pool.noise(rng), uv, 4))
-    return rng.beta(0.7, 0.9, 3).astype(np.float32) * shade[:, None]
 
 
 def _paint_mouth(albedo: np.ndarray, head: BakedHead, rng: np.random.Generator) -> None:

@@ -11,7 +11,7 @@ import torch
 from torch.utils.data import IterableDataset, get_worker_info
 
 from relight_core.dataset.appearance import Appearance, appear
-from relight_core.dataset.bake import add_relief
+from relight_core.dataset.bake import FABRIC, BakedHead, add_relief
 from relight_core.dataset.camera import photograph
 from relight_core.dataset.lights import LightLibrary, load_lights, sample_light
 from relight_core.dataset.occluders import sample_occluder
@@ -120,7 +120,7 @@ class SampleStream(IterableDataset):
     def _light(self, path: Path, library: LightLibrary, pool: TexturePool, rng: np.random.Generator) -> LitHead:
         head = read_shard(path)
         head = subsample(head, head.size // self.size, rng)
-        normal = head.normal if self.plain else add_relief(head, pool.noise(rng), rng.uniform(0, 0.2))
+        normal = head.normal if self.plain else _textured(head, pool, rng)
         lights = np.stack([sample_light(library, rng) for _ in range(self.lights_per_head)])
         lit = light_head(head, normal, lights)
         if self.photographs:
@@ -157,3 +157,11 @@ class SampleStream(IterableDataset):
                 channels["relief_shadow"] = lit.relief_shadow[k]
             pair.append(mirrored(channels) if mirror else channels)
         return as_tensors(pair, shared=set(surface))
+
+
+def _textured(head: BakedHead, pool: TexturePool, rng: np.random.Generator) -> np.ndarray:
+    """Normals (P, 3) with pores in the skin and threads and small folds in what is worn."""
+    normal = add_relief(head, head.normal, pool.noise(rng), rng.uniform(0, 0.2))
+    if rng.random() < 0.4:
+        return normal
+    return add_relief(head, normal, pool.noise(rng), rng.uniform(0, 0.25), FABRIC, int(rng.integers(1, 5)))

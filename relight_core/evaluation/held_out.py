@@ -176,7 +176,7 @@ def load_head(path: Path, lights: list[HeldOutLight], pool: TexturePool, size: i
         if head.size % size:
             raise InputError(f"{path}: a head of {head.size} pixels has no size of {size}; bake it larger")
         head = subsample(head, head.size // size, rng)
-    normal = add_relief(head, pool.noise(rng), _RELIEF_STRENGTH)
+    normal = add_relief(head, head.normal, pool.noise(rng), _RELIEF_STRENGTH)
     albedo = paint(head, pool, rng, wild=False)
     lit = light_head(head, normal, np.stack([light.radiance for light in lights]))
     return HeldOutHead(path.stem, seed, lit, albedo, pool)

@@ -2,51 +2,21 @@ import json
 
 import numpy as np
 import pytest
+from ball_heads import CENTRE, RADIUS, assert_well_formed, ball_head, sphere, surface
 from PIL import Image
-from scipy.spatial import ConvexHull
 
 from relight_core.dataset.beard_shell import BeardPatch
 from relight_core.dataset.garment_binding import HeadSurface, bind, fit_affine
 from relight_core.dataset.garment_mesh import clip, compact, subdivide, vertex_normals
 from relight_core.dataset.hair_shell import ScalpGrid, grow_hair, sample_style
-from relight_core.dataset.hats import brimmed_hat, knit_beanie
 from relight_core.dataset.heads import HeadModel
 from relight_core.dataset.makehuman import cut_by_opacity, find_root, read_base, read_item
 from relight_core.dataset.makehuman_fit import HeadWarp
 
-RADIUS = 9.0
-CENTRE = np.array([0.0, 3.0, 1.5])
 
-
-def sphere(count: int) -> tuple[np.ndarray, np.ndarray]:
-    """Points evenly over the unit sphere, and triangles wound outward."""
-    height = 1 - 2 * (np.arange(count) + 0.5) / count
-    angle = np.arange(count) * np.pi * (3 - np.sqrt(5))
-    ring = np.sqrt(1 - height**2)
-    points = np.stack([ring * np.cos(angle), height, ring * np.sin(angle)], 1)
-    faces = ConvexHull(points).simplices
-    corners = points[faces]
-    inward = np.linalg.det(corners) < 0
-    faces[inward] = faces[inward][:, ::-1]
-    return points, faces
-
-
-@pytest.fixture(scope="module")
-def ball_head() -> HeadModel:
-    points, faces = sphere(3000)
-    return HeadModel(
-        mean=(points * RADIUS + CENTRE).astype(np.float32),
-        identity=np.zeros((0, len(points), 3)),
-        expression=np.zeros((0, len(points), 3)),
-        expression_names=(),
-        triangles=faces.astype(np.int64),
-        triangles_uv=faces.astype(np.int64),
-        triangle_region=np.zeros(len(faces), np.uint8),
-        vertex_region=np.zeros(len(points), np.uint8),
-        region_names=("face", "head_neck"),
-        uv=np.zeros((len(points), 2), np.float32),
-        landmarks=np.arange(68),
-    )
+@pytest.fixture(scope="module", name="ball_head")
+def a_ball_head() -> HeadModel:
+    return ball_head()
 
 
 @pytest.fixture(scope="module")
@@ -54,24 +24,10 @@ def grid(ball_head) -> ScalpGrid:
     return ScalpGrid(ball_head)
 
 
-def surface(model: HeadModel, head: np.ndarray) -> HeadSurface:
-    return HeadSurface(head, vertex_normals(head, model.triangles))
-
-
 def area(vertices, faces) -> float:
     corners = vertices[faces]
     doubled = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     return np.linalg.norm(doubled, axis=1).sum() / 2
-
-
-def assert_well_formed(garment):
-    assert np.isfinite(garment.vertices).all()
-    assert garment.vertices.dtype == np.float32
-    assert garment.faces.dtype == np.int32
-    assert set(np.unique(garment.faces)) == set(range(len(garment.vertices)))
-    assert garment.uv.shape == (len(garment.vertices), 2)
-    assert garment.uv.min() >= 0
-    assert garment.uv.max() <= 1
 
 
 def test_subdividing_keeps_the_surface_and_quarters_the_triangles():
@@ -155,16 +111,6 @@ def test_hair_follows_a_wider_head(ball_head, grid):
         worn = grow_hair(grid, head, surface(ball_head, head), style, np.random.default_rng(4))
         widths.append(np.ptp(worn.vertices[:, 0]))
     assert widths[1] > widths[0] + 2
-
-
-@pytest.mark.parametrize("make", [knit_beanie, brimmed_hat])
-@pytest.mark.parametrize("seed", range(2))
-def test_hats_enclose_the_crown(ball_head, grid, make, seed):
-    hat = make(grid, ball_head.mean, surface(ball_head, ball_head.mean), np.random.default_rng(seed))
-    assert_well_formed(hat)
-    assert hat.label == "hat"
-    assert hat.vertices[:, 1].max() > CENTRE[1] + RADIUS + 0.3
-    assert np.linalg.norm(hat.vertices - CENTRE, axis=1).min() > RADIUS
 
 
 def test_beards_are_hair_on_the_lower_face(ball_head):
