@@ -25,6 +25,10 @@ _BLOCK_ROWS = 256
 _PNG_SAMPLES = {0: 1, 2: 3, 3: 1, 4: 2, 6: 4}
 _MOST_DEFLATED = 1032
 """Bytes that one byte of deflated data can stand for at the most (zlib's technical notes)."""
+
+_LARGE_PIXELS = 16_000_000
+_MOST_PIXELS_A_BYTE = 4096
+"""Pixels that one byte of a large photo can stand for: a lossy WebP's modes alone take a byte for 600 (RFC 6386)."""
 _pillow_limit = threading.Lock()
 
 # It tells of every odd tag; what can't be read is told by our own errors.
@@ -115,11 +119,14 @@ def _open_with_pillow(data: bytes, path: Path) -> Image.Image:
 
 
 def _check_plausible(data: bytes, image: Image.Image, path: Path) -> None:
-    """Refuse a PNG that is too short for the pixels it claims, before memory is taken for them."""
+    """Refuse a file that is too short for the pixels it claims, before memory is taken for them."""
+    pixels = image.width * image.height
+    if pixels > max(_LARGE_PIXELS, _MOST_PIXELS_A_BYTE * len(data)):
+        claim = f"{image.width} x {image.height} pixels in {len(data)} bytes"
+        raise InputError(f"{path}: a damaged or empty image ({claim}); fetch or export it again")
     if image.format != "PNG" or len(data) < 26:
         return
-    samples = _PNG_SAMPLES.get(data[25], 1)
-    claimed = image.width * image.height * samples * data[24] // 8
+    claimed = pixels * _PNG_SAMPLES.get(data[25], 1) * data[24] // 8
     if claimed > _MOST_DEFLATED * len(data):
         raise InputError(f"{path}: a truncated or damaged image; fetch or export it again")
 

@@ -11,6 +11,7 @@ import cv2
 import numpy as np
 import OpenEXR
 import pytest
+from PIL import Image
 
 from relight_core.errors import InputError
 from relight_core.imaging import limits
@@ -139,6 +140,28 @@ def test_a_png_too_short_for_the_pixels_it_claims_takes_no_memory_for_them(tmp_p
     with pytest.raises(InputError, match="truncated"):
         read_photo(path)
     assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before < 300 << 10
+
+
+@pytest.mark.parametrize("lossless", [False, True])
+def test_a_webp_too_short_for_the_pixels_it_claims_takes_no_memory_for_them(tmp_path, lossless):
+    path = tmp_path / "a.webp"
+    Image.new("RGB", (40, 48), (90, 120, 200)).save(path, lossless=lossless)
+    data, side = bytearray(path.read_bytes()), 16_383
+    if lossless:
+        data[21:25] = struct.pack("<I", (side - 1) | (side - 1) << 14)
+    else:
+        data[26:30] = struct.pack("<HH", side, side)
+    path.write_bytes(data)
+    with pytest.raises(InputError, match="16383 x 16383 pixels in"):
+        read_photo(path)
+
+
+def test_an_even_picture_may_be_a_short_file(tmp_path):
+    """A million pixels in some hundred bytes: strange, and no danger."""
+    path = tmp_path / "a.webp"
+    Image.new("RGB", (1000, 1000), (90, 120, 200)).save(path, lossless=True)
+    assert path.stat().st_size < 200
+    assert read_photo(path).linear.shape == (1000, 1000, 3)
 
 
 def test_a_chunk_that_claims_4_gib_takes_no_memory_for_them(tmp_path):
