@@ -74,7 +74,7 @@ class Editor:
         relief = stages.march(found, self.tier.relief_size)
         light = stages.explain_source_light(found, self.table, relief)
         surface = flatten_albedo(found, relief, light)
-        residual = find_residual(surface, light, lambda own: self.light(surface, relief, own)[2])
+        residual = find_residual(surface, surface.photo, light, lambda own: self.light(surface, relief, own)[2])
         lights = {"guess": surface.source_light[0].cpu().numpy(), "source_light": light[0].cpu().numpy()}
         channels = surface_channels(surface, photo, small) | lights
         return _TakenApart(photo, small, surface, relief, residual, channels)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import logging
+import math
 import struct
 import threading
 import warnings
@@ -223,10 +224,12 @@ def _decode_deep_tiff(data: bytes, path: Path) -> Raster | None:
         bits, photometric, samples = int(page.bitspersample), int(page.photometric), int(page.samplesperpixel)
         end = max(np.add(page.dataoffsets, page.databytecounts))
         width, height = int(page.imagewidth), int(page.imagelength)
+        is_whole = len(page.dataoffsets) >= math.prod(page.chunked) and end <= len(data)
     except Exception:
         raise InputError(f"{path}: a truncated or damaged image; fetch or export it again") from None
     check_pixels(width, height, path)
-    if end > len(data):
+    # Pillow takes strips that are missing for black ones.
+    if not is_whole:
         raise InputError(f"{path}: a truncated or damaged image; fetch or export it again")
     if bits <= 8:
         return None

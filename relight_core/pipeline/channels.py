@@ -135,3 +135,9 @@ def as_image(tensor: torch.Tensor) -> np.ndarray:
     """(1, C, S, S) to (S, S, C), or (S, S) for one channel; float32."""
     array = np.ascontiguousarray(tensor[0].permute(1, 2, 0).float().cpu().numpy())
     return array[..., 0] if array.shape[-1] == 1 else array
+
+
+def as_tensor(image: np.ndarray) -> torch.Tensor:
+    """(S, S, C) to (1, C, S, S) float32, finite: what is brighter than a half float can say counts as that."""
+    finite = np.nan_to_num(image, nan=0.0, posinf=65504.0, neginf=0.0).clip(0.0, 65504.0)
+    return torch.from_numpy(np.ascontiguousarray(finite, np.float32)).permute(2, 0, 1)[None]

@@ -24,6 +24,7 @@ from relight_core.pipeline.channels import (
     SURFACE_CHANNELS,
     ViewChange,
     as_image,
+    as_tensor,
     enlarge_change,
     fit_view,
     light_channels,
@@ -146,7 +147,9 @@ class FaceRelighter:
             )[2]
 
         source = self._source_light(ready)
-        return self._once("residual", plan.keys["residual"], lambda: find_residual(ready.surface, source, compose))
+        recorded = as_tensor(ready.photo_small).to(self._shop.device)
+        make = lambda: find_residual(ready.surface, recorded, source, compose)  # noqa: E731
+        return self._once("residual", plan.keys["residual"], make)
 
     def lit(self, ready: Prepared, radiance: np.ndarray, plan: Plan) -> Lit:
         """The face under a normalised light (16, 32, 3), as the photo's camera sees it."""

@@ -42,11 +42,16 @@ class Residual:
 
 @torch.inference_mode()
 def find_residual(
-    surface: Surface, source_light: torch.Tensor, compose: Callable[[torch.Tensor], Composed]
+    surface: Surface,
+    recorded: torch.Tensor,
+    source_light: torch.Tensor,
+    compose: Callable[[torch.Tensor], Composed],
 ) -> Residual:
     """Compare a photo with its model.
 
     Args:
+        recorded: (1, 3, S, S) the view at the surface's size, linear, with the radiance above 1 that the surface's
+            own photo was clipped to, where the file holds any.
         source_light: (1, 16, 32, 3) the photo's estimated light.
         compose: the model: a normalised light to a composed image.
     """
@@ -57,9 +62,10 @@ def find_residual(
     lit = float(grey(image)[known].sum())
     if int(known.sum()) >= _FEWEST_PIXELS and lit > 0:
         level = float(grey(surface.photo)[known].sum()) / lit
-    photo = surface.photo / max(level, 1e-4)
+    photo = recorded / max(level, 1e-4)
     # A clipped channel was at least as bright as it looks: a model that is brighter still is not wrong.
-    clipped = (surface.photo >= 1) & (image > photo)
+    is_clipped_at_1 = bool(recorded.max() <= 1.001)
+    clipped = (recorded >= 1) & (image > photo) & is_clipped_at_1
     log_ratio = torch.log((photo + _BLACK) / (image + _BLACK)).clamp(-_LARGEST_LOG, _LARGEST_LOG)
     return Residual(torch.where(clipped, 0.0, log_ratio), grey(model.plain), level)
 

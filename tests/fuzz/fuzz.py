@@ -43,6 +43,7 @@ ADDRESSES_GIB = 8
 LARGEST_MIB = 1024
 SLOWEST_S = 5.0
 _HUNG_S = 60.0
+"""Of processor time, so that a busy machine hangs nothing; of the clock ten times as much."""
 
 
 @dataclass
@@ -111,7 +112,7 @@ def fuzz_reader(reader: Reader, count: int, seed: int) -> Findings:
 def _follow(report: Connection, child: multiprocessing.Process, number: int, findings: Findings) -> int:
     """Read the child's report to its end; the number of the file at which it ended or hung."""
     while True:
-        if not report.poll(_HUNG_S):
+        if not _answers(report, child.pid):
             findings.faults[number] = f"no answer within {_HUNG_S:g} s"
             return number
         try:
@@ -123,6 +124,24 @@ def _follow(report: Connection, child: multiprocessing.Process, number: int, fin
             return number
         if outcome is not None:
             _note(findings, number, *outcome)
+
+
+def _answers(report: Connection, process: int) -> bool:
+    """Whether the child reports before it has worked, or waited, too long."""
+    began, spent_s = time.monotonic(), _processor_s(process)
+    while not report.poll(1.0):
+        if _processor_s(process) - spent_s > _HUNG_S or time.monotonic() - began > 10 * _HUNG_S:
+            return False
+    return True
+
+
+def _processor_s(process: int) -> float:
+    """What a child has used so far; 0 once it has ended."""
+    try:
+        user, system = Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()[11:13]
+    except (OSError, ValueError):
+        return 0.0
+    return (int(user) + int(system)) / os.sysconf("SC_CLK_TCK")
 
 
 def _note(findings: Findings, number: int, refused: bool, spent_s: float, grown_mib: float, fault: str) -> None:

@@ -56,6 +56,18 @@ def test_faults_and_deaths_are_found_and_the_next_files_still_tried(read, word):
     assert all(word in fault for fault in faults.values())
 
 
+def hangs_on_some(path):
+    while path.read_bytes()[:1] > b"\x80":
+        pass
+
+
+def test_a_reader_that_hangs_is_found_and_the_next_files_still_tried(monkeypatch):
+    monkeypatch.setattr(fuzz, "_HUNG_S", 0.3)
+    found = fuzz.fuzz_reader(Reader(hangs_on_some, [b"\x80" * 8, b"\xff" * 8], ".x"), 4, seed=3)
+    assert 0 < len(found.faults) < 4
+    assert all("no answer" in fault for fault in found.faults.values())
+
+
 def test_refusing_is_no_fault():
     found = fuzz.fuzz_reader(Reader(refuses, [b"abc"], ".x"), 10, seed=0)
     assert (found.faults, found.refused) == ({}, 10)
@@ -72,7 +84,7 @@ def test_a_reader_that_takes_too_much_memory_is_found(monkeypatch):
     assert found.most_mib > 150
 
 
-@pytest.mark.parametrize(("name", "number"), [("photo", 3376), ("photo", 9379), ("hdr", 5897)])
+@pytest.mark.parametrize(("name", "number"), [("photo", 3376), ("photo", 9379), ("hdr", 5897), ("tiff", 2622)])
 def test_files_that_once_did_harm(tmp_path, name, number):
     reader = readers(tmp_path)[name]
     path = tmp_path / f"mutant{reader.suffix}"

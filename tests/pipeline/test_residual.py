@@ -30,27 +30,27 @@ def light(level=1.0):
 
 def test_under_its_own_light_the_photo_comes_back():
     photo, model = images(0), Composed(images(1), images(2))
-    residual = find_residual(surface(photo), light(3.0), lambda own: model)
+    residual = find_residual(surface(photo), photo, light(3.0), lambda own: model)
     image, _ = add_residual(residual, model, no_effects())
     torch.testing.assert_close(image * residual.level, photo, rtol=1e-4, atol=1e-5)
 
 
 def test_the_model_sees_a_normalised_light():
     seen = []
-    find_residual(surface(images(0)), light(7.0), lambda own: seen.append(own) or Composed(images(1), images(1)))
+    find_residual(surface(images(0)), images(0), light(7.0), lambda own: seen.append(own) or Composed(images(1), images(1)))
     torch.testing.assert_close(seen[0], light(1.0))
 
 
 def test_a_model_that_only_has_the_wrong_level_leaves_no_residual():
     photo = images(0)
-    residual = find_residual(surface(photo), light(), lambda own: Composed(2 * photo, photo))
+    residual = find_residual(surface(photo), photo, light(), lambda own: Composed(2 * photo, photo))
     assert residual.log_ratio.abs().max() < 1e-3
     assert abs(residual.level - 0.5) < 1e-4
 
 
 def test_it_fades_as_a_place_is_lit_less_like_in_the_photo():
     photo, model = images(0), Composed(images(1), torch.full((1, 3, SIZE, SIZE), 1.0))
-    residual = find_residual(surface(photo), light(), lambda own: model)
+    residual = find_residual(surface(photo), photo, light(), lambda own: model)
     changes = []
     for brightness in (1.0, 0.5, 0.1, 0.0):
         plain = torch.full((1, 3, SIZE, SIZE), brightness)
@@ -64,17 +64,25 @@ def test_a_clipped_photo_does_not_darken_a_brighter_model():
     photo, model = torch.ones(1, 3, SIZE, SIZE), Composed(images(1), images(1))
     photo[:, :, : SIZE // 2] = model.image[:, :, : SIZE // 2] * 0.5
     model.image[:, :, SIZE // 2 :] = 5.0
-    residual = find_residual(surface(photo), light(), lambda own: model)
+    residual = find_residual(surface(photo), photo, light(), lambda own: model)
     assert residual.log_ratio[:, :, SIZE // 2 :].min() >= 0
+
+
+def test_radiance_above_1_comes_back_where_the_file_holds_it():
+    photo, model = images(0), Composed(images(1).clamp_min(0.4), images(2))
+    recorded = photo.clone()
+    recorded[:, :, :4] = 3.0
+    residual = find_residual(surface(photo.clamp_max(1)), recorded, light(), lambda own: model)
+    image, _ = add_residual(residual, model, no_effects())
+    torch.testing.assert_close(image * residual.level, recorded, rtol=1e-4, atol=1e-5)
 
 
 def test_black_and_blown_out_photos_stay_finite():
     for value in (0.0, 1.0):
         for modelled in (0.0, 1e4):
             model = Composed(torch.full((1, 3, SIZE, SIZE), modelled), torch.zeros(1, 3, SIZE, SIZE))
-            residual = find_residual(
-                surface(torch.full((1, 3, SIZE, SIZE), value)), light(0.0), lambda own, model=model: model
-            )
+            photo = torch.full((1, 3, SIZE, SIZE), value)
+            residual = find_residual(surface(photo), photo, light(0.0), lambda own, model=model: model)
             image, effects = add_residual(residual, model, no_effects())
             assert torch.isfinite(image).all()
             assert image.min() >= 0
