@@ -36,8 +36,9 @@ def test_under_its_own_light_the_photo_comes_back():
 
 
 def test_the_model_sees_a_normalised_light():
-    seen = []
-    find_residual(surface(images(0)), images(0), light(7.0), lambda own: seen.append(own) or Composed(images(1), images(1)))
+    seen, photo = [], images(0)
+    model = Composed(images(1), images(1))
+    find_residual(surface(photo), photo, light(7.0), lambda own: seen.append(own) or model)
     torch.testing.assert_close(seen[0], light(1.0))
 
 
