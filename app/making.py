@@ -9,7 +9,9 @@ if TYPE_CHECKING:
 
 
 def make_relighter() -> Relighter:
-    """The Relighter with the bundled weights; loading it takes seconds."""
+    """The Relighter with the bundled weights, for the calling thread; loading it takes seconds."""
+    from app.engine.pace import leave_a_core
     from relight_core.pipeline.relighter import Relighter
 
+    leave_a_core()
     return Relighter()

@@ -11,7 +11,8 @@ time that saves, and the largest error that each of its rules makes. Into the fo
 With --stability, hostile portraits are relit under hostile lights instead, and every error is set against its
 bound: stability.json, stability.md and stability.png. The exit code is 1 if one is above it.
 
-Run it on a machine that does nothing else; the load average is part of the report.
+The networks have as many threads as in the editor. Run it on a machine that does nothing else; the load average
+is part of the report.
 """
 
 from __future__ import annotations
@@ -30,6 +31,7 @@ from app.cli.maker_inputs import check_heads_and_lights, count_at_least_one, pro
 from app.cli.outputs import make_folder
 from app.cli.report import Report, reporting
 from app.cli.session import sample_portrait
+from app.engine.pace import leave_a_core
 from relight_core.errors import InputError
 
 if TYPE_CHECKING:
@@ -67,6 +69,7 @@ def run(arguments: argparse.Namespace) -> int:
         if arguments.lights is None:
             raise InputError("--heads needs --lights: the truth is rendered from both")
         check_heads_and_lights(arguments.heads, arguments.lights, "test")
+    leave_a_core()
     with reporting(arguments.json) as report:
         photos = _photos(arguments.photos)
         make_folder(arguments.output)

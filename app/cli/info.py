@@ -75,8 +75,11 @@ def _packages() -> dict[str, str | None]:
 def _compute() -> dict:
     import torch
 
+    from app.engine.pace import leave_a_core
+
     cards = [torch.cuda.get_device_name(index) for index in range(torch.cuda.device_count())]
     devices = ["cpu", *(f"cuda:{index} ({name})" for index, name in enumerate(cards))]
+    leave_a_core()
     return {"devices": devices, "threads": {"torch": torch.get_num_threads(), "cores": os.cpu_count()}}
 
 

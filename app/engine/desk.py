@@ -60,10 +60,8 @@ class Desk:
         self,
         make_relighter: Callable[[], RelighterLike],
         calibration_path: Path | None = None,
-        set_pace: Callable[[bool], None] = lambda hurried: None,
     ) -> None:
         self._make_relighter = make_relighter
-        self._set_pace = set_pace
         self._relighter: RelighterLike | None = None
         self._loading: tuple[PhotoSource, Photo] | None = None
         self._portrait: OpenPhoto | None = None
@@ -106,7 +104,6 @@ class Desk:
         return None
 
     def _measure_tier(self, now: Snapshot) -> Snapshot:
-        self._set_pace(True)
         self._tiers.measure_next(self._relighter, now.light.environment)
         return replace(now, tier_costs=self._tiers.costs())
 
@@ -149,13 +146,11 @@ class Desk:
             # Importing torch keeps one core busy for a second; the faces are found meanwhile, and remembered.
             threading.Thread(target=find_faces, args=(self._loading[1],), daemon=True).start()
         self._relighter = self._make_relighter()
-        self._set_pace(True)
         self._tiers.read()
         return now
 
     def _set_portrait(self, now: Snapshot) -> Snapshot:
         source, photo = self._loading
-        self._set_pace(False)
         self._relighter.set_portrait(photo, source.face_index)
         self._tiers.forget_photo()
         self._loading = None
@@ -208,7 +203,6 @@ class Desk:
         return now
 
     def _relight(self, edit: Edit, longest_side_px: int | None, now: Snapshot) -> Snapshot:
-        self._set_pace(_is_hurried(edit))
         edit = replace(edit, exposure_ev=0.0)
         relit = self._relighter.relight(now.light.environment, edit, longest_side_px, for_shader=True)
         screen = relit.recipe or radiance_for_screen(relit.image, relit.alpha)
@@ -223,11 +217,6 @@ def _former_channels(now: Snapshot) -> dict:
     """What the last picture of the same portrait showed; stays until a channel is looked at again."""
     picture = now.picture
     return picture.channels if picture is not None and picture.opened is now.opened else {}
-
-
-def _is_hurried(edit: Edit) -> bool:
-    """Whether a hand is moving something: then only the channels that are looked at are asked for."""
-    return edit.channels is not None
 
 
 def _is_drafted(request: Request) -> bool:

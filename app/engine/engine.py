@@ -28,7 +28,6 @@ class Engine:
         wake: called, on the engine's thread, after every change of the snapshot.
         on_start: called first on the engine's thread.
         calibration_path: where the costs of the quality tiers are kept; None neither measures nor keeps them.
-        set_pace: called on the engine's thread before slow work, with whether a hand is moving something meanwhile.
     """
 
     def __init__(
@@ -37,9 +36,8 @@ class Engine:
         wake: Callable[[], None] = lambda: None,
         on_start: Callable[[], None] = lambda: None,
         calibration_path: Path | None = None,
-        set_pace: Callable[[bool], None] = lambda hurried: None,
     ) -> None:
-        self._desk = Desk(make_relighter, calibration_path, set_pace)
+        self._desk = Desk(make_relighter, calibration_path)
         self._wake = wake
         self._on_start = on_start
         self._changed = threading.Condition()

@@ -30,18 +30,15 @@ def yield_to_the_window() -> None:
         _log.info("the engine keeps the window's priority: %s", error)
 
 
-def set_pace(hurried: bool) -> None:
-    """Choose how many cores the networks use; called on the engine's thread before each picture.
+def leave_a_core() -> None:
+    """Let the networks use all cores but one; called on the thread that runs them, for the choice is a thread's own.
 
-    Args:
-        hurried: a hand is moving something, so that one core is left to the window, which draws all the while.
+    The window draws on that one, and NumPy and OpenCV have threads of their own: where these wait for a core that
+    PyTorch's idle threads still hold, an update takes longer with all cores than with one fewer.
     """
     import torch
 
-    cores = available_cores()
-    wanted = max(1, cores - 1) if hurried else cores
-    if torch.get_num_threads() != wanted:
-        torch.set_num_threads(wanted)
+    torch.set_num_threads(max(1, available_cores() - 1))
 
 
 def available_cores() -> int:

@@ -11,7 +11,7 @@ from pathlib import Path
 import glfw
 import numpy as np
 
-from app.engine.pace import set_pace, yield_to_the_window
+from app.engine.pace import yield_to_the_window
 from app.engine.sources import RelighterLike
 from app.window.frame_limit import FrameLimit
 from app.window.window import EditorWindow
@@ -84,7 +84,7 @@ def measure_window(
         NoDisplayError: no display, or one without OpenGL 3.3.
         TimeoutError: a result took longer than five minutes.
     """
-    window = EditorWindow(make_relighter, photos[0], size=size, on_engine_start=yield_to_the_window, set_pace=set_pace)
+    window = EditorWindow(make_relighter, photos[0], size=size, on_engine_start=yield_to_the_window)
     window.state.quality = QualityChoice(quality)
     try:
         window.shelf.wait()

@@ -34,7 +34,7 @@ def run_editor(
         GraphicsLostError: the driver failed while the editor ran, and again when it was started anew.
     """
     from app.engine.calibration_file import cache_path
-    from app.engine.pace import set_pace, yield_to_the_window
+    from app.engine.pace import yield_to_the_window
     from app.settings import settings_path
     from app.window.dropped import take_files
     from app.window.window import EditorWindow
@@ -43,8 +43,7 @@ def run_editor(
     source = LightSource.named(light) if light and Path(light) not in saved else None
     photo = Path(photo_path) if photo_path and Path(photo_path) not in saved else None
     kept = {"settings_path": settings_path(), "calibration_path": cache_path()}
-    paced = {"on_engine_start": yield_to_the_window, "set_pace": set_pace}
-    window = EditorWindow(relighter_factory, photo, source, **kept, **paced)
+    window = EditorWindow(relighter_factory, photo, source, on_engine_start=yield_to_the_window, **kept)
     try:
         for path in saved:
             take_files(window.state, [path], 0.0, 0.0, as_light=str(path) == light)

@@ -48,7 +48,7 @@ class EditorWindow:
         photo, light: what to open at once.
         size: of the window; None is the last one's.
         visible: False keeps it off the screen.
-        on_engine_start, set_pace: as of app.engine.engine.Engine.
+        on_engine_start: as of app.engine.engine.Engine.
         settings_path: where panels and window size are kept between runs; None keeps nothing.
         calibration_path: where the costs of the quality tiers are kept; None does not measure them.
 
@@ -65,7 +65,6 @@ class EditorWindow:
         size: tuple[int, int] | None = None,
         visible: bool = True,
         on_engine_start: Callable[[], None] = lambda: None,
-        set_pace: Callable[[bool], None] = lambda hurried: None,
         settings_path: Path | None = None,
         calibration_path: Path | None = None,
     ) -> None:
@@ -81,7 +80,7 @@ class EditorWindow:
             self.state.choose_light(light)
         if photo is not None:
             self.state.open_photo(photo)
-        self.engine = Engine(make_relighter, self._wake, on_engine_start, calibration_path, set_pace)
+        self.engine = Engine(make_relighter, self._wake, on_engine_start, calibration_path)
         self.exporter = Exporter(self.engine.say, self._wake)
         folder = settings_path.parent if settings_path else None
         outputs = Outputs(self.state, self.exporter, make_relighter)

@@ -233,16 +233,6 @@ def test_the_start_hook_runs_on_the_engines_thread_before_anything_else(relighte
     assert order[0][1] is not threading.main_thread()
 
 
-def test_the_pace_follows_the_hand(relighter):
-    paces = []
-    engine = Engine(lambda: relighter, set_pace=paces.append)
-    source = PhotoSource(grey_photo())
-    for channels, hurried in ((None, False), ((), True), (None, False)):
-        answered(engine, Request(source, SPLIT, Edit(channels=channels)))
-        assert paces[-1] is hurried
-    engine.close()
-
-
 def test_submit_never_waits_for_the_networks_and_close_ends_the_thread(relighter):
     engine = Engine(lambda: relighter)
     relighter.gate.clear()

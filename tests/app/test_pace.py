@@ -1,4 +1,4 @@
-"""The engine's thread steps back behind the window's, and leaves it a core while a hand moves something."""
+"""The engine's thread steps back behind the window's, and leaves it a core."""
 
 import os
 import sys
@@ -42,13 +42,12 @@ def test_a_priority_that_cannot_be_had_is_survived(switch_interval_kept, monkeyp
     pace.yield_to_the_window()
 
 
-@pytest.mark.parametrize(("cores", "hurried", "threads"), [(1, True, 1), (2, True, 1), (2, False, 2), (8, True, 7)])
-def test_a_hand_that_moves_leaves_the_window_a_core(monkeypatch, cores, hurried, threads):
+@pytest.mark.parametrize(("cores", "threads"), [(1, 1), (2, 1), (8, 7)])
+def test_the_networks_leave_a_core(monkeypatch, cores, threads):
     import torch
 
     chosen = []
     monkeypatch.setattr(pace, "available_cores", lambda: cores)
-    monkeypatch.setattr(torch, "get_num_threads", lambda: 99)
     monkeypatch.setattr(torch, "set_num_threads", chosen.append)
-    pace.set_pace(hurried)
+    pace.leave_a_core()
     assert chosen == [threads]
