@@ -8,7 +8,7 @@ from relight_core.face.parsing import FACE_LABELS
 from relight_core.imaging.tensor_colour import srgb_encode
 from relight_core.lighting.reflection import ReflectionTable
 from relight_core.networks.delight import DelightNetwork, Delit
-from relight_core.training.losses import focal_parsing, irradiance_l1, masked_l1, slope_l1, wlog_l2
+from relight_core.training.losses import focal_parsing, irradiance_l1, masked_l1, relief_l1, slope_l1, wlog_l2
 
 
 def delight_losses(
@@ -36,9 +36,7 @@ def delight_losses(
     if network.config.classes:
         losses["parsing"] = focal_parsing(found.parsing_logits, twice["label"])
     if network.config.relief:
-        losses["relief"] = 0.3 * masked_l1(found.relief, relief, covered) + 4.0 * slope_l1(
-            found.relief, relief, covered
-        )
+        losses["relief"] = relief_l1(found.relief, relief, covered)
     return found, losses
 
 

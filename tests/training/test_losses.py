@@ -5,7 +5,7 @@ import math
 import pytest
 import torch
 
-from relight_core.training.losses import focal_parsing, fraction_loss, masked_l1, slope_l1, wlog_l2
+from relight_core.training.losses import focal_parsing, fraction_loss, masked_l1, relief_l1, slope_l1, wlog_l2
 
 
 def row(*values):
@@ -85,6 +85,27 @@ class TestSlopeL1:
     def test_counts_steps_between_covered_neighbours(self):
         """Along the row steps are 1 and 2, the second of them into the uncovered pixel."""
         assert float(slope_l1(row(0, 1, 3), row(0, 0, 0), row(1, 1, 0))) == pytest.approx(1)
+
+    def test_counts_steps_between_pixels_farther_apart(self):
+        """Two apart, the row steps by 3 from its first pixel and by 2 from its second."""
+        rows = row(0, 1, 3, 3).expand(1, 1, 4, 4)
+        assert float(slope_l1(rows, 0 * rows, torch.ones(1, 1, 4, 4), 2)) == pytest.approx((3 + 2) / 2)
+
+
+class TestReliefL1:
+    def test_a_step_costs_more_than_the_same_height_everywhere(self):
+        """Half of a surface raised by 1 against all of it."""
+        flat, covered = torch.zeros(1, 1, 32, 32), torch.ones(1, 1, 32, 32)
+        step = flat.clone()
+        step[..., 16:] = 1
+        assert float(relief_l1(step, flat, covered)) > 2 * float(relief_l1(flat + 1, flat, covered)) > 0
+
+    def test_is_finite_where_nothing_is_covered(self):
+        flat = torch.zeros(1, 1, 32, 32, requires_grad=True)
+        loss = relief_l1(flat, flat.detach() + 1, torch.zeros(1, 1, 32, 32))
+        loss.backward()
+        assert float(loss) == 0
+        assert torch.isfinite(flat.grad).all()
 
 
 class TestFractionLoss:
