@@ -31,3 +31,22 @@ def solid_angles(height: int, width: int) -> np.ndarray:
     edges = np.cos(np.pi * np.arange(height + 1) / height)
     rows = (2 * np.pi / width) * (edges[:-1] - edges[1:])
     return np.broadcast_to(rows[:, None], (height, width)).astype(np.float32)
+
+
+def even_rows(height: int, width: int) -> np.ndarray:
+    """Averages along each row of a lat-long map over the width that a texel has at the equator.
+
+    Toward the poles texels shrink to slivers, too narrow for anything learnt or measured to tell apart.
+
+    Returns:
+        (height, width, width) float32: row r of a map times matrix r is that row, averaged. Symmetric, every
+        row and column summing to 1, so that a row keeps its mean.
+    """
+    theta = np.pi * (np.arange(height) + 0.5) / height
+    reach = np.minimum(width, 1 / np.sin(theta))[:, None] / 2
+    apart = np.arange(width)
+    apart = np.minimum(apart, width - apart)
+    overlap = np.clip(np.minimum(apart + 0.5, reach) - np.maximum(apart - 0.5, -reach), 0, 1)
+    overlap /= overlap.sum(axis=1, keepdims=True)
+    around = (np.arange(width)[:, None] - np.arange(width)) % width
+    return overlap[:, around].astype(np.float32)

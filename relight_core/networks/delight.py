@@ -8,6 +8,7 @@ import torch
 import torch.nn.functional as F
 from torch import nn
 
+from relight_core.lighting.sphere import even_rows
 from relight_core.networks.blocks import ConvBlock, Encoder, Head, decoder_levels, level_widths
 from relight_core.networks.lfm import LIGHT_SHAPE
 
@@ -71,7 +72,9 @@ class Delit:
 class ConfidenceWeightedLight(nn.Module):
     """Every place of the bottleneck proposes a light with a confidence per texel; their weighted mean wins.
 
-    Sun et al. 2019, Single image portrait relighting, section 3.2. Proposals are log(1 + radiance).
+    Sun et al. 2019, Single image portrait relighting, section 3.2. Proposals are log(1 + radiance). Rows are
+    averaged to texels of even width (see `lighting.sphere.even_rows`): a sliver at a pole weighs next to
+    nothing in any loss, and alone it would drift to any brightness.
     """
 
     def __init__(self, channels: int):
@@ -79,13 +82,15 @@ class ConfidenceWeightedLight(nn.Module):
         self.hidden = ConvBlock(channels, channels)
         self.propose = nn.Conv2d(channels, _TEXELS * 3, 1)
         self.confide = nn.Conv2d(channels, _TEXELS, 1)
+        self.register_buffer("even_rows", torch.from_numpy(even_rows(*LIGHT_SHAPE[:2])), persistent=False)
 
     def forward(self, features: torch.Tensor) -> torch.Tensor:
         features = self.hidden(features)
         proposal = _OUTPUT_GAIN * self.propose(features).float().flatten(2).unflatten(1, (_TEXELS, 3))
         weight = torch.softmax(_OUTPUT_GAIN * self.confide(features).float().flatten(2), dim=-1)
-        log_light = F.softplus((proposal * weight[:, :, None]).sum(-1))
-        return torch.expm1(log_light.clamp_max(9.0)).unflatten(1, LIGHT_SHAPE[:2])
+        mean = (proposal * weight[:, :, None]).sum(-1).unflatten(1, LIGHT_SHAPE[:2])
+        log_light = F.softplus((self.even_rows[..., None] * mean[:, :, None]).sum(3))
+        return torch.expm1(log_light.clamp_max(9.0))
 
 
 class DetailPass(nn.Module):
