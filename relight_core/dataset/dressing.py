@@ -15,12 +15,14 @@ from relight_core.dataset.garment_mesh import fractal, smoothstep, vertex_normal
 from relight_core.dataset.hair_shell import ScalpGrid, grow_hair, sample_style
 from relight_core.dataset.heads import HeadModel
 from relight_core.dataset.headwear.wardrobe import Headwear, put_on, sample_kind
+from relight_core.dataset.lashes import LashStrips
 
 __all__ = ["Garment", "Wardrobe"]
 
 HEADWEAR_SHARE = 0.15
 """How many heads wear something on them, unless a wardrobe is told otherwise."""
 _HAIR, _BEARD, _GLASSES, _CLOTH, _BROWS = 0.90, 0.20, 0.15, 0.95, 0.85
+_LASHES = 0.8
 _FEDORA_SHARE = 0.04
 _SHELL_SHARE = 0.5
 _UNDER_HAT = ("long01", "ponytail01", "Braid01", "short04")
@@ -50,6 +52,7 @@ class Wardrobe:
         self._skin_vertices = np.unique(self._skin_triangles)
         self.items = load_fitted_items(Path(makehuman_folder), model)
         self._grid, self._beards = ScalpGrid(model), BeardPatch(model)
+        self._lashes = LashStrips(model)
         self._ears = [np.flatnonzero(_on_ear(model.mean) & (sign * model.mean[:, 0] > 0)) for sign in (-1, 1)]
 
     def dress(self, head_vertices: np.ndarray, rng: np.random.Generator) -> list[Garment]:
@@ -79,6 +82,9 @@ class Wardrobe:
             worn.append(self._cloth(head, skin, rng))
         if rng.random() < _BROWS:
             worn.append(self._follow(self._pick("brow", rng), head, skin, 0.05))
+        extra = rng.spawn(1)[0]
+        if extra.random() < _LASHES:
+            worn += self._lashes.grow(head, extra)
         return worn
 
     def wear(self, name: str, head_vertices: np.ndarray) -> Garment:

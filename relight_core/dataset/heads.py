@@ -77,6 +77,8 @@ class HeadModel:
         triangles_uv: (F, 3) indices into `uv` (tiles: face 0-1, back of the head 1-2, teeth 3-4 ...).
         triangle_region: (F,) index into `region_names`.
         landmarks: (68,) vertex indices in the common 68-point order.
+        lashes: by side, "L" and "R", triangles (F, 3) of the strips for lashes and their corners' texture
+            coordinates (F, 3, 2); None where the model has none. They are transparent, and not in `triangles`.
     """
 
     mean: np.ndarray
@@ -90,6 +92,7 @@ class HeadModel:
     region_names: tuple[str, ...]
     uv: np.ndarray
     landmarks: np.ndarray
+    lashes: dict[str, tuple[np.ndarray, np.ndarray]] | None = None
 
     def vertices_of(self, region: str) -> np.ndarray:
         """Indices of the vertices of a named region."""
@@ -113,7 +116,15 @@ def load_head_model(path: Path) -> HeadModel:
         region_names=names,
         uv=data["uv"],
         landmarks=data["landmarks68"].astype(np.int64),
+        lashes=_lashes(data, names),
     )
+
+
+def _lashes(data: dict[str, np.ndarray], names: tuple[str, ...]) -> dict[str, tuple[np.ndarray, np.ndarray]] | None:
+    if not {"eyelashes_L", "eyelashes_R"} <= set(names):
+        return None
+    strips = {side: data["face_region"] == names.index(f"eyelashes_{side}") for side in "LR"}
+    return {side: (data["faces"][here], data["uv"][data["faces_uv"][here]]) for side, here in strips.items()}
 
 
 def expression_weights(model: HeadModel, named: dict[str, float]) -> np.ndarray:

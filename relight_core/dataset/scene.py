@@ -50,7 +50,10 @@ _GARMENT_MATERIALS = {
     "cloth": Material.CLOTH,
     "brow": Material.BROW,
     "trim": Material.TRIM,
+    "lash": Material.BROW,
 }
+# Of these garments the person's left and right are labelled apart.
+_SIDED = {"brow": ("left_brow", "right_brow"), "lash": ("left_eye", "right_eye")}
 
 
 @dataclass(frozen=True)
@@ -103,9 +106,10 @@ def _head_scene(model: HeadModel, vertices: np.ndarray) -> Scene:
 def _garment_scene(garment: Garment, rotation: np.ndarray) -> Scene:
     vertices = pose(garment.vertices, rotation)
     count = len(garment.faces)
-    if garment.label == "brow":
+    if garment.label in _SIDED:
+        left, right = (INDEX[name] for name in _SIDED[garment.label])
         right_of_image = garment.vertices[garment.faces[:, 0], 0] > 0
-        label = np.where(right_of_image, INDEX["left_brow"], INDEX["right_brow"]).astype(np.uint8)
+        label = np.where(right_of_image, left, right).astype(np.uint8)
     else:
         label = np.full(count, INDEX[garment.label], np.uint8)
     return Scene(

@@ -13,6 +13,7 @@ import numpy as np
 from relight_core.dataset.bake import BakedHead
 from relight_core.dataset.fabric import fabric, frame
 from relight_core.dataset.scene import Material
+from relight_core.dataset.skin_marks import mark_skin
 from relight_core.dataset.skin_textures import SkinTextures
 from relight_core.dataset.texture import TexturePool, look_up
 from relight_core.face.parsing import INDEX
@@ -93,6 +94,7 @@ def _skin(head: BakedHead, pool: TexturePool, rng: np.random.Generator) -> np.nd
     if painted:
         _lay_painted_skin(skin, head, pool.skins, rng)
     _paint_lips(skin, head, rng, has_colour=painted)
+    mark_skin(skin, head, pool, rng)
     _paint_hair_on_skin(skin, head, pool, rng)
     return skin * rng.uniform(0.9, 1.1)
 

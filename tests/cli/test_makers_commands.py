@@ -62,6 +62,33 @@ def test_bake_wants_a_count(run, tmp_path, count):
     refused(run("dataset", "bake", "--heads", "m.npz", "--out", tmp_path, "--count", count), "whole number")
 
 
+@pytest.mark.parametrize(
+    "words", [("--headwear", "1.2"), ("--headwear", "nan"), ("--headwear", "few"), ("--skip", "-1")]
+)
+def test_bake_wants_a_share_and_a_place_to_start(run, tmp_path, words):
+    refused(run("dataset", "bake", "--heads", "m.npz", "--out", tmp_path, "--count", 1, *words), words[1])
+
+
+def test_bake_takes_the_people_after_those_left_out(run, tmp_path, monkeypatch):
+    from relight_core.dataset import recipe
+
+    asked = {}
+    monkeypatch.setattr(recipe, "load_casting", lambda *words: asked.update(casting=words))
+    monkeypatch.setattr(recipe, "bake_missing", lambda casting, folder, seeds, size: asked.update(seeds=seeds) or [])
+    (tmp_path / "m.npz").write_bytes(b"")
+    words = ["--heads", tmp_path / "m.npz", "--wardrobe", tmp_path, "--out", tmp_path / "o"]
+    code, _, _ = run("dataset", "bake", *words, "--split", "test", "--count", 3, "--skip", 20, "--headwear", 0.7)
+    assert code == 0
+    assert list(asked["seeds"]) == [2_000_020, 2_000_021, 2_000_022]
+    assert asked["casting"][2] == 0.7
+
+
+def test_headwear_needs_a_wardrobe(run, tmp_path):
+    (tmp_path / "m.npz").write_bytes(b"")
+    words = ["--heads", tmp_path / "m.npz", "--out", tmp_path, "--count", 1, "--headwear", 0.5]
+    refused(run("dataset", "bake", *words), "--wardrobe")
+
+
 def test_bake_without_its_model_or_wardrobe(run, tmp_path):
     refused(run("dataset", "bake", "--heads", tmp_path / "no.npz", "--out", tmp_path, "--count", 1), "no.npz")
     (tmp_path / "m.npz").write_bytes(b"")

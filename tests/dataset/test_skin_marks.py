@@ -1,0 +1,80 @@
+import numpy as np
+import pytest
+from synthetic_heads import ball
+
+from relight_core.dataset import skin_marks
+from relight_core.dataset.texture import TexturePool
+
+MARKS = [skin_marks.add_moles, skin_marks.add_freckles, skin_marks.add_birthmark, skin_marks.add_scar]
+SIZE = 64
+
+
+@pytest.fixture(scope="module")
+def head():
+    """A ball of skin: 20 cm across by its texture coordinates, which run evenly over the picture."""
+    made = ball(SIZE)
+    row, column = np.nonzero(made.covered)
+    uv = np.stack([column, SIZE - row], 1) / SIZE * (20 / 0.8 / 29)
+    return made.__class__(**(made.__dict__ | {"uv": uv.astype(np.float32), "material": np.zeros_like(made.material)}))
+
+
+@pytest.fixture(scope="module")
+def pool():
+    return TexturePool(np.random.default_rng(0), count=4)
+
+
+def marked(mark, head, pool, seed, tone=0.4):
+    skin = np.full((len(head.uv), 3), tone, np.float32)
+    mark(skin, skin_marks.skin_surface(head), pool, np.random.default_rng(seed))
+    return skin
+
+
+@pytest.mark.parametrize("mark", [*MARKS, skin_marks.add_tattoo])
+def test_marks_change_a_part_of_the_skin_and_stay_reflectances(head, pool, mark):
+    changed = np.zeros(len(head.uv))
+    for seed in range(12):
+        skin = marked(mark, head, pool, seed)
+        assert skin.dtype == np.float32
+        assert np.isfinite(skin).all()
+        assert skin.min() > 0
+        assert skin.max() <= 1
+        changed += np.abs(skin - 0.4).max(1) > 0.02
+    assert 0 < changed.mean() < 0.7 * 12
+
+
+def test_sizes_are_in_centimetres(head):
+    places = skin_marks.skin_surface(head).places
+    assert np.ptp(places[:, 0]) == pytest.approx(20, rel=0.2)
+    assert np.ptp(places[:, 1]) == pytest.approx(20, rel=0.2)
+
+
+def test_moles_are_small_dark_and_brown(head, pool):
+    for seed in range(6):
+        skin = marked(skin_marks.add_moles, head, pool, seed)
+        assert (skin <= 0.4 + 1e-6).all()
+        dark = skin[skin[:, 0] < 0.38]
+        assert (dark[:, 0] >= dark[:, 1]).all()
+        assert (dark[:, 1] >= dark[:, 2]).all()
+        assert len(dark) < 0.02 * len(skin)
+
+
+def test_nothing_is_marked_that_is_not_skin(head, pool):
+    material = np.where(head.normal[:, 0] > 0, 7, 0).astype(np.uint8)
+    half = head.__class__(**(head.__dict__ | {"material": material}))
+    for seed in range(20):
+        skin = np.full((len(half.uv), 3), 0.4, np.float32)
+        skin_marks.mark_skin(skin, half, pool, np.random.default_rng(seed))
+        assert (skin[material == 7] == np.float32(0.4)).all()
+
+
+def test_a_head_without_skin_is_left_alone(head, pool):
+    hat = head.__class__(**(head.__dict__ | {"material": np.full_like(head.material, 7)}))
+    skin = np.full((len(hat.uv), 3), 0.4, np.float32)
+    for seed in range(8):
+        skin_marks.mark_skin(skin, hat, pool, np.random.default_rng(seed))
+    assert (skin == np.float32(0.4)).all()
+
+
+def test_the_same_seed_marks_the_same(head, pool):
+    for mark in MARKS:
+        np.testing.assert_array_equal(marked(mark, head, pool, 3), marked(mark, head, pool, 3))
