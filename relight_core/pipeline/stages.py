@@ -8,9 +8,11 @@ import numpy as np
 import torch
 import torch.nn.functional as F
 
+from relight_core.face.eyeballs import eye_sockets, with_eyeballs
 from relight_core.face.parsing import INDEX, MIRRORED
 from relight_core.face.silhouette import solid_person
 from relight_core.imaging.tensor_colour import grey, srgb_decode, srgb_encode
+from relight_core.lighting.bounce import Bounce, gather_bounce
 from relight_core.lighting.inverse import explain_photo
 from relight_core.lighting.normal_integration import integrate_normals
 from relight_core.lighting.reflection import NormalLookup, ReflectionTable
@@ -104,7 +106,8 @@ def delight(
         parts = _mean_of_both(*parts)
     *images, light = parts
     linear, albedo, normal, relief, parsing = (_shrunk(image, size) for image in (linear, *images))
-    normal = F.normalize(normal, dim=1, eps=1e-4)
+    balls = with_eyeballs(F.normalize(normal, dim=1, eps=1e-4)[0].cpu().numpy(), parsing[0].cpu().numpy())
+    normal = torch.from_numpy(balls)[None].to(device)
     person = torch.from_numpy(solid_person(parsing[0].cpu().numpy()))[None, None].to(device)
     height = sharpened_relief(relief, normal, person, photo.shape[0])
     return Surface(linear, albedo, normal, height, parsing, person, light)
@@ -157,10 +160,12 @@ class Reflector:
     Attributes:
         light_of: irradiance and gloss at every pixel's normal.
         shares: (1, 6, S, S) of both that the surface gives back: 1 of irradiance, less of gloss.
+        sockets: the light that comes back to the eyes from around them.
     """
 
     light_of: NormalLookup
     shares: torch.Tensor
+    sockets: Bounce
 
 
 @torch.inference_mode()
@@ -168,13 +173,16 @@ def reflector(table: ReflectionTable, surface: Surface) -> Reflector:
     """Make a surface's normals and parts ready."""
     shares = torch.ones_like(surface.normal).repeat(1, 2, 1, 1)
     shares[:, 3:] -= _dullness(surface)
-    return Reflector(NormalLookup(table, surface.normal), shares)
+    receives = torch.from_numpy(eye_sockets(surface.parsing[0].cpu().numpy())).to(shares.device)
+    sockets = gather_bounce(surface.normal, surface.relief, surface.albedo, surface.person, receives)
+    return Reflector(NormalLookup(table, surface.normal), shares, sockets)
 
 
 @torch.inference_mode()
 def reflect(surface: Reflector, light: torch.Tensor) -> torch.Tensor:
     """Unoccluded irradiance and gloss, (1, 6, S, S)."""
-    return surface.light_of(light) * surface.shares
+    reflected = surface.light_of(light) * surface.shares
+    return torch.cat([surface.sockets.add_to(reflected[:, :3]), reflected[:, 3:]], 1)
 
 
 def _dullness(surface: Surface) -> torch.Tensor:

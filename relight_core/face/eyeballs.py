@@ -1,0 +1,95 @@
+"""Eyes bulge: where the parsing sees an eye there is a ball, whatever a network made of its few pixels.
+
+Networks see an eye in some ten pixels and take the dark socket for a hollow: its normals turn away from the
+cheekbone, and a lamp exactly from the side leaves a black patch. The eyeball stands out beyond the outer rim of
+its socket (by 16 to 20 mm in adults: Hertel's exophthalmometry), so such light does reach it. An opened eye shows
+about 30 mm of a ball of 12 mm radius, lids included.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+
+from relight_core.face.parsing import INDEX
+
+_RADIUS_IN_HALF_WIDTHS = 1.4
+_STEEPEST = 0.85
+_FEWEST_PIXELS = 4
+_LID_REACH = 0.35
+_SOCKET_REACH = 0.3
+
+
+@dataclass(frozen=True)
+class _Eye:
+    """An eye in a view: its probability (S, S), its middle, half its width, and where its normals point."""
+
+    share: np.ndarray
+    middle_x: float
+    middle_y: float
+    half_width: float
+    facing: np.ndarray
+
+
+def with_eyeballs(normal: np.ndarray, parsing: np.ndarray) -> np.ndarray:
+    """Normals with those of a ball over each eye, fading out over its lids.
+
+    A ball looks halfway between where its own normals point on average and where both eyes' do: a turned head keeps
+    its eyes, and hollows that face each other cancel out.
+
+    Args:
+        normal: (3, S, S) unit vectors, camera space.
+        parsing: (classes, S, S) probabilities.
+
+    Returns:
+        (3, S, S) float32 unit vectors; the normals themselves where no eye is seen in enough pixels.
+    """
+    found = (_eye(normal, parsing[INDEX[name]]) for name in ("left_eye", "right_eye"))
+    eyes = [eye for eye in found if eye is not None]
+    if not eyes:
+        return normal
+    together = _unit(np.sum([eye.facing for eye in eyes], axis=0))
+    for eye in eyes:
+        normal = _with_ball(normal, eye, _unit(together + eye.facing))
+    return normal.astype(np.float32)
+
+
+def eye_sockets(parsing: np.ndarray) -> np.ndarray:
+    """(S, S) float32 in [0, 1]: how much each pixel of a parsing (classes, S, S) lies in an eye's socket."""
+    eyes = parsing[[INDEX["left_eye"], INDEX["right_eye"]]].sum(0).astype(np.float32)
+    across = 2 * np.sqrt(max(float((eyes > 0.5).sum()), 1.0) / np.pi)
+    return np.clip(2.5 * cv2.GaussianBlur(eyes, (0, 0), max(_SOCKET_REACH * across, 0.5)), 0, 1)
+
+
+def _eye(normal: np.ndarray, share: np.ndarray) -> _Eye | None:
+    """The largest connected part of an eye's probability; None where there is none to speak of."""
+    count, parts, stats, _ = cv2.connectedComponentsWithStats((share > 0.5).astype(np.uint8))
+    if count < 2:
+        return None
+    largest = 1 + int(stats[1:, cv2.CC_STAT_AREA].argmax())
+    if stats[largest, cv2.CC_STAT_AREA] < _FEWEST_PIXELS:
+        return None
+    share = (share * cv2.dilate((parts == largest).astype(np.uint8), np.ones((3, 3), np.uint8))).astype(np.float32)
+    total, place = float(share.sum()), np.arange(len(share), dtype=np.float32)
+    across, down = share.sum(0) / total, share.sum(1) / total
+    middle_x, middle_y = float(across @ place), float(down @ place)
+    # A filled ellipse is twice as wide to either side as its positions deviate.
+    half_width = max(2 * np.sqrt(float(across @ (place - middle_x) ** 2)), 1.0)
+    return _Eye(share, middle_x, middle_y, half_width, _unit((normal * share).sum((1, 2))))
+
+
+def _with_ball(normal: np.ndarray, eye: _Eye, facing: np.ndarray) -> np.ndarray:
+    place, radius = np.arange(len(eye.share), dtype=np.float32), _RADIUS_IN_HALF_WIDTHS * eye.half_width
+    x = np.broadcast_to((place - eye.middle_x)[None] / radius + facing[0], eye.share.shape)
+    y = np.broadcast_to((eye.middle_y - place)[:, None] / radius + facing[1], eye.share.shape)
+    shrunk = np.minimum(1, _STEEPEST / np.maximum(np.hypot(x, y), 1e-6))
+    x, y = x * shrunk, y * shrunk
+    ball = np.stack([x, y, np.sqrt(1 - x * x - y * y)])
+    lids = cv2.GaussianBlur(eye.share, (0, 0), max(_LID_REACH * eye.half_width, 0.5))
+    return _unit(normal + (ball - normal) * np.clip(eye.share + lids, 0, 1))
+
+
+def _unit(vectors: np.ndarray) -> np.ndarray:
+    return vectors / np.maximum(np.linalg.norm(vectors, axis=0, keepdims=True), 1e-6)

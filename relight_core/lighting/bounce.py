@@ -1,0 +1,78 @@
+"""Light that reaches a spot by way of its surroundings: one bounce, gathered from what the camera sees.
+
+Networks and relief know direct light alone. In a socket beside a nose that is lit from the side that is not enough:
+skin gives back more than half of the light, and the corner of the eye looks straight at it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import torch
+import torch.nn.functional as F
+
+_SOURCES = 32
+_NEAREST = 0.75
+"""Of a source cell's width: nearer than that it is a surface around the spot and no longer a point."""
+
+
+@dataclass(frozen=True, eq=False)
+class Bounce:
+    """What some pixels of a surface get back from all of it.
+
+    Attributes:
+        places: (R,) their indices in the flattened image.
+        weights: (R, 32 * 32) of what each cell of the surface sends out: form factors (cosine * cosine * area over
+            pi r^2).
+        reflecting: (1, 3, 32, 32) albedo, 0 beside the surface.
+    """
+
+    places: torch.Tensor
+    weights: torch.Tensor
+    reflecting: torch.Tensor
+
+    def add_to(self, irradiance: torch.Tensor) -> torch.Tensor:
+        """The irradiance (1, 3, S, S), over pi, with what is thrown back; shadows on the surroundings are not known."""
+        if len(self.places) == 0:
+            return irradiance
+        sent = F.interpolate(irradiance, size=_SOURCES, mode="area") * self.reflecting
+        result = irradiance.clone()
+        result.flatten(2)[0, :, self.places] += (self.weights @ sent[0].flatten(1).T).T
+        return result
+
+
+@torch.no_grad()
+def gather_bounce(
+    normal: torch.Tensor, relief: torch.Tensor, albedo: torch.Tensor, person: torch.Tensor, receives: torch.Tensor
+) -> Bounce:
+    """Form factors between the pixels that receive and coarse cells of the whole surface.
+
+    Args:
+        normal: (1, 3, S, S) unit vectors, camera space.
+        relief: (1, 1, S, S) height toward the camera, in half-widths of the image.
+        albedo: (1, 3, S, S) linear.
+        person: (1, 1, S, S) in [0, 1]: where there is a surface.
+        receives: (S, S) in [0, 1], how much of the bounce each pixel gets.
+    """
+    places = (receives.flatten() > 0.02).nonzero()[:, 0]
+    small = (F.interpolate(image, size=_SOURCES, mode="area") for image in (normal, relief, albedo, person))
+    cell_normal, cell_relief, cell_albedo, cell_person = small
+    here, facing = _points(relief)[places], normal[0].flatten(1).T[places]
+    there, away = _points(cell_relief), F.normalize(cell_normal, dim=1)[0].flatten(1).T
+    between = there - here[:, None]
+    distance = between.norm(dim=-1).clamp_min(1e-6)
+    leaving = (-(between * away).sum(-1) / distance).clamp_min(0)
+    arriving = ((between * facing[:, None]).sum(-1) / distance).clamp_min(0)
+    width = 2.0 / _SOURCES
+    area = width * width / away[:, 2].clamp_min(0.25)
+    weights = leaving * arriving * area / (torch.pi * distance.clamp_min(_NEAREST * width).square())
+    weights *= receives.flatten()[places, None] / weights.sum(1, keepdim=True).clamp_min(1)
+    return Bounce(places, weights, cell_albedo * cell_person)
+
+
+def _points(relief: torch.Tensor) -> torch.Tensor:
+    """(S * S, 3) camera space, the view from -1 to 1."""
+    size = relief.shape[-1]
+    axis = (torch.arange(size, device=relief.device) + 0.5) / size * 2 - 1
+    y, x = torch.meshgrid(axis, axis, indexing="ij")
+    return torch.stack([x, -y, relief[0, 0]], -1).flatten(0, 1)

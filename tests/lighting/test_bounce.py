@@ -1,0 +1,57 @@
+import torch
+
+from relight_core.lighting.bounce import gather_bounce
+
+SIZE = 64
+
+
+def step(height=0.25, albedo=0.6):
+    """A floor that faces the camera, left, below a wall in the middle that leans toward the left."""
+    normal = torch.zeros(1, 3, SIZE, SIZE)
+    normal[:, 2] = 1
+    x = (torch.arange(SIZE) + 0.5) / SIZE * 2 - 1
+    relief = (x.clamp(0, height))[None, None, None].expand(1, 1, SIZE, SIZE)
+    wall = (x > 0) & (x < height)
+    normal[:, :, :, wall] = torch.tensor([-1.0, 0.0, 1.0])[None, :, None, None] / 2**0.5
+    return normal, relief, torch.full((1, 3, SIZE, SIZE), albedo), torch.ones(1, 1, SIZE, SIZE), wall
+
+
+def test_a_lit_wall_lights_the_floor_beside_it_and_less_farther_off():
+    normal, relief, albedo, person, wall = step()
+    bounce = gather_bounce(normal, relief, albedo, person, torch.ones(SIZE, SIZE))
+    irradiance = torch.zeros(1, 3, SIZE, SIZE)
+    irradiance[..., wall] = 1.0
+    lit = bounce.add_to(irradiance)
+    row = lit[0, 0, SIZE // 2]
+    near, middle, far = row[30], row[22], row[4]
+    assert 0.02 < near < 0.5
+    assert near > 2 * middle > 4 * far > 0
+    assert (lit >= irradiance).all()
+    assert torch.equal(irradiance[..., wall], torch.ones_like(irradiance[..., wall]))
+
+
+def test_it_is_linear_in_the_light_and_gives_back_no_more_than_falls_in():
+    normal, relief, albedo, person, _ = step(albedo=1.0)
+    bounce = gather_bounce(normal, relief, albedo, person, torch.ones(SIZE, SIZE))
+    light = torch.rand(1, 3, SIZE, SIZE, generator=torch.Generator().manual_seed(0))
+    once, twice = (bounce.add_to(scale * light) for scale in (1, 2))
+    torch.testing.assert_close(twice, 2 * once)
+    white = torch.ones(1, 3, SIZE, SIZE)
+    assert bounce.add_to(white).max() <= 2.0
+
+
+def test_what_receives_nothing_stays_as_it_is():
+    normal, relief, albedo, person, _ = step()
+    receives = torch.zeros(SIZE, SIZE)
+    light = torch.ones(1, 3, SIZE, SIZE)
+    assert gather_bounce(normal, relief, albedo, person, receives).add_to(light) is light
+    receives[:, :8] = 1
+    lit = gather_bounce(normal, relief, albedo, person, receives).add_to(light)
+    assert torch.equal(lit[..., 8:], light[..., 8:])
+
+
+def test_behind_the_person_nothing_is_sent():
+    normal, relief, albedo, person, wall = step()
+    bounce = gather_bounce(normal, relief, albedo, person * 0, torch.ones(SIZE, SIZE))
+    light = torch.ones(1, 3, SIZE, SIZE)
+    torch.testing.assert_close(bounce.add_to(light), light)
