@@ -106,6 +106,7 @@ def delight(
         parts = _mean_of_both(*parts)
     *images, light = parts
     linear, albedo, normal, relief, parsing = (_shrunk(image, size) for image in (linear, *images))
+    normal, relief = _without_rim(normal), _without_rim(relief)
     balls = with_eyeballs(F.normalize(normal, dim=1, eps=1e-4)[0].cpu().numpy(), parsing[0].cpu().numpy())
     normal = torch.from_numpy(balls)[None].to(device)
     person = torch.from_numpy(solid_person(parsing[0].cpu().numpy()))[None, None].to(device)
@@ -126,6 +127,11 @@ def sharpened_relief(relief: torch.Tensor, normal: torch.Tensor, person: torch.T
     height = relief * (2 * _RELIEF_UNIT_PX / side_px)
     heights, normals, trust = (image[0].cpu().numpy() for image in (height, normal, person))
     return torch.from_numpy(integrate_normals(heights[0], normals, trust[0], _SLOPE_GAIN))[None, None].to(height.device)
+
+
+def _without_rim(image: torch.Tensor) -> torch.Tensor:
+    """The outermost pixels as those beside them: convolutions take the nothing around a view for an edge."""
+    return F.pad(image[..., 1:-1, 1:-1], (1, 1, 1, 1), mode="replicate")
 
 
 def _shrunk(image: torch.Tensor, size: int) -> torch.Tensor:
