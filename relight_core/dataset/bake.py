@@ -37,7 +37,8 @@ class BakedHead:
         depth: (P,) float32, +z toward the camera, in half-widths of the crop, 0 at the face's mean.
         uv: (P, 2) float32 in the material's own texture.
         material, label: (P,) uint8.
-        visibility: (512, ceil(P / 8)) uint8, packed bits over pixels, one row per texel of the light.
+        visibility: (512, ceil(P / 8)) uint8, packed bits over pixels, one row per texel of the light; means nothing
+            where the texel is below the pixel's horizon.
         albedo: (P, 3) float32 linear, of a scan; None where albedo is painted.
     """
 
@@ -120,7 +121,10 @@ def _labels(label: np.ndarray, uv: np.ndarray, face_labels: np.ndarray) -> np.nd
 
 
 def _visibility(caster: RayCaster, points: np.ndarray, normal: np.ndarray, rng: np.random.Generator) -> np.ndarray:
-    """Packed (512, ceil(P / 8)) bits; texels below a pixel's own horizon count as visible, cos n.l says 0."""
+    """Packed (512, ceil(P / 8)) bits; texels below a pixel's own horizon are seen as the texel before them is.
+
+    cos n.l makes those nothing; like this they compress best.
+    """
     centres = directions(LIGHT_HEIGHT, LIGHT_WIDTH).reshape(-1, 3)
     # One direction for all pixels: a ray of its own for each would be noise, which nothing can compress and
     # which is farther from the mean over a texel than a hard edge in the right place is.
@@ -130,12 +134,18 @@ def _visibility(caster: RayCaster, points: np.ndarray, normal: np.ndarray, rng: 
     batch = max(1, _RAYS_AT_ONCE // max(count, 1))
     for start in range(0, len(centres), batch):
         texels = np.arange(start, min(start + batch, len(centres)))
-        facing = centres[texels] @ normal.T > -0.1
+        facing = centres[texels] @ normal.T > 0
         texel, pixel = np.nonzero(facing)
-        if len(texel) == 0:
-            continue
-        visible[texels[texel], pixel] = ~caster.occluded(points[pixel], toward[texels[texel]])
+        if len(texel):
+            visible[texels[texel], pixel] = ~caster.occluded(points[pixel], toward[texels[texel]])
+        for number, above_horizon in zip(texels, facing, strict=True):
+            visible[number] = np.where(above_horizon, visible[number], visible[_before(number)])
     return np.packbits(visible, axis=1)
+
+
+def _before(texel: int) -> int:
+    """The texel to the left in its row, above at the start of a row; the first texel itself."""
+    return texel - 1 if texel % LIGHT_WIDTH else max(texel - LIGHT_WIDTH, 0)
 
 
 def _jittered(texel: np.ndarray, rng: np.random.Generator) -> np.ndarray:

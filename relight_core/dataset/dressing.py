@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
+from relight_core.dataset.adornments import NeckAndEars
 from relight_core.dataset.beard_shell import BeardPatch
 from relight_core.dataset.fitted_items import FittedItem, load_fitted_items
 from relight_core.dataset.garment import Garment
@@ -27,6 +28,7 @@ _FEDORA_SHARE = 0.04
 _SHELL_SHARE = 0.5
 _UNDER_HAT = ("long01", "ponytail01", "Braid01", "short04")
 _DARK_LENSES = 0.3
+_THICKEST_FRAME_CM = 0.14
 _HAT_SCALE = np.array([1.1, 1.05, 1.08])
 _HAT_SHIFT_CM = np.array([0.0, -1.6, -0.4])
 _GLASSES_LANDMARKS = (0, 1, 15, 16, 27, 28, 36, 39, 42, 45)
@@ -52,7 +54,7 @@ class Wardrobe:
         self._skin_vertices = np.unique(self._skin_triangles)
         self.items = load_fitted_items(Path(makehuman_folder), model)
         self._grid, self._beards = ScalpGrid(model), BeardPatch(model)
-        self._lashes = LashStrips(model)
+        self._lashes, self._neck_and_ears = LashStrips(model), NeckAndEars(model)
         self._ears = [np.flatnonzero(_on_ear(model.mean) & (sign * model.mean[:, 0] > 0)) for sign in (-1, 1)]
 
     def dress(self, head_vertices: np.ndarray, rng: np.random.Generator) -> list[Garment]:
@@ -85,6 +87,8 @@ class Wardrobe:
         extra = rng.spawn(1)[0]
         if extra.random() < _LASHES:
             worn += self._lashes.grow(head, extra)
+        if headwear is None or not headwear.hides_hair:
+            worn += self._neck_and_ears.adorn(head, skin, extra)
         return worn
 
     def wear(self, name: str, head_vertices: np.ndarray) -> Garment:
@@ -126,7 +130,8 @@ class Wardrobe:
         dark = rng.random() < _DARK_LENSES
         item = self._pick("glasses", rng, ("sunglasses",) if dark else ("glasses",))
         bridge = self._model.mean[self._model.landmarks[28]]
-        reshaped = (item.vertices - bridge) * [1, rng.uniform(0.8, 1.25), 1] + bridge
+        thicker = vertex_normals(item.vertices, item.faces) * rng.spawn(1)[0].uniform(0, _THICKEST_FRAME_CM)
+        reshaped = (item.vertices + thicker - bridge) * [1, rng.uniform(0.8, 1.25), 1] + bridge
         return self._place_glasses(replace(item, vertices=reshaped), head)
 
     def _place_glasses(self, item: FittedItem, head: np.ndarray) -> Garment:

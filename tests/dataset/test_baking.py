@@ -8,6 +8,7 @@ from relight_core.dataset.recipe import Casting, bake_missing, shard_path
 from relight_core.dataset.scene import Scene
 from relight_core.dataset.shard import read_shard
 from relight_core.errors import InputError
+from relight_core.lighting.sphere import directions
 
 
 @pytest.fixture(scope="module")
@@ -60,6 +61,16 @@ def test_a_baked_head_is_whole(casting):
     assert head.visibility.shape == (512, -(-count // 8))
     assert 0.3 < head.visible().mean() <= 1
     assert head.label.max() < 14
+
+
+def test_below_their_horizon_pixels_repeat_the_texel_before(casting):
+    head = casting.bake_head(6, 32)
+    visible = head.visible()
+    below = directions(16, 32).reshape(-1, 3) @ head.normal.T < -0.01
+    for texel in range(1, 512):
+        before = texel - 1 if texel % 32 else texel - 32
+        np.testing.assert_array_equal(visible[texel][below[texel]], visible[before][below[texel]])
+    assert 0.05 < below.mean() < 0.7
 
 
 def test_baking_goes_on_where_it_stopped(casting, tmp_path):

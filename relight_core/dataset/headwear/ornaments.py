@@ -34,7 +34,7 @@ def crown(ring: HatRing, skin: HeadSurface, rng: np.random.Generator) -> list[Ga
     worn = [sheet(ring.place(ring.radius + flare * level + 0.2, level), "crown")]
     if rng.random() < 0.6:
         at = ring.place(ring.radius + 0.5, foot * 0.5)[:-1][:: rng.integers(6, 16)]
-        worn += [_blob(place, rng.uniform(0.25, 0.6), 0.0, rng, "jewel", "trim") for place in at]
+        worn += [blob(place, rng.uniform(0.25, 0.6), 0.0, rng, "jewel", "trim") for place in at]
     return worn
 
 
@@ -46,13 +46,19 @@ def wreath(ring: HatRing, skin: HeadSurface, rng: np.random.Generator) -> list[G
     at = at + rng.uniform(low, high, (count, 1)) * ring.axes[1] + rng.normal(0, 0.3, (count, 3))
     stuff = [None if rng.random() < 0.6 else "trim" for _ in at]
     return [
-        _blob(place, size * rng.uniform(0.6, 1.2), 0.35, rng, "flower", made_of)
+        blob(place, size * rng.uniform(0.6, 1.2), 0.35, rng, "flower", made_of)
         for place, made_of in zip(at, stuff, strict=True)
     ]
 
 
-def _blob(
-    middle: np.ndarray, radius: float, rough: float, rng: np.random.Generator, name: str, made_of: str | None
+def blob(
+    middle: np.ndarray,
+    radius: float,
+    rough: float,
+    rng: np.random.Generator,
+    name: str,
+    made_of: str | None,
+    label: str = "hat",
 ) -> Garment:
     """A ball of a random stretch, about (3,) `middle`, with petals as `rough` makes them."""
     theta, phi = np.meshgrid(np.linspace(0.05, np.pi - 0.05, 11), np.linspace(-np.pi, np.pi, 19), indexing="ij")
@@ -60,7 +66,7 @@ def _blob(
     petals = 1 + rough * np.cos(phi * rng.integers(3, 7) + rng.uniform(0, 6)) * np.sin(theta)
     turn, _ = np.linalg.qr(rng.standard_normal((3, 3)))
     shape = (ball * petals[..., None] * rng.uniform(0.5, 1.0, 3)) @ turn.T
-    return sheet(middle + radius * shape, name, made_of=made_of)
+    return sheet(middle + radius * shape, name, label=label, made_of=made_of)
 
 
 def feathers(ring: HatRing, skin: HeadSurface, rng: np.random.Generator) -> list[Garment]:

@@ -69,10 +69,10 @@ def fit_ring(
     middle = (front + back) / 2 * [0, 1, 1]
     local = (points[polar < _LOWEST_SCALP_DEG] - middle) @ axes.T
     near = local[(local[:, 1] > -1.5) & (local[:, 1] < 4)]
-    return HatRing(middle, axes, _outline(near) + ease_cm, float(local[:, 1].max()))
+    return HatRing(middle, axes, outline(near) + ease_cm, float(local[:, 1].max()))
 
 
-def _outline(points: np.ndarray) -> np.ndarray:
+def outline(points: np.ndarray) -> np.ndarray:
     """Largest distance from the axis of points (N, 3) at each of `AZIMUTH_DEG`, smooth."""
     bins = ((np.degrees(np.arctan2(points[:, 0], points[:, 2])) + 180) / 360 * _BINS).astype(int) % _BINS
     farthest = np.zeros(_BINS)
