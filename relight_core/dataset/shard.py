@@ -1,7 +1,8 @@
 """One baked head as one file: compressed, checksummed (by the zip's CRC), versioned, written whole or not at all.
 
-Version 2 stores differences between neighbouring pixels as integers, visibility in blocks of pixels, and
-compresses with LZMA. Version 1, half floats and rows of pixels under deflate, is still read.
+Version 3 stores how far each pixel is from what its neighbours lead to expect, as integers, visibility in blocks
+of pixels, and compresses with LZMA. Version 2, finer differences from one pixel to the next, and version 1, half
+floats and rows of pixels under deflate, are still read.
 """
 
 from __future__ import annotations
@@ -18,11 +19,12 @@ from relight_core.errors import InputError
 from relight_core.imaging.colour import srgb_decode_integers, srgb_encode
 from relight_core.imaging.files import whole_file
 
-VERSION = 2
+VERSION = 3
 
 _ARRAYS = {
     1: ("covered", "size", "normal", "depth", "uv", "material", "label", "visibility"),
     2: ("covered", "size", "normal", "depth", "uv", "material", "label", "visibility", "albedo"),
+    3: ("covered", "size", "normal", "depth", "uv", "material", "label", "visibility", "albedo"),
 }
 _MEND = "delete it and run 'relight dataset bake' again"
 
@@ -35,9 +37,9 @@ def write_shard(path: Path, head: BakedHead) -> None:
         "version": np.int32(VERSION),
         "covered": np.packbits(head.covered),
         "size": np.int32(head.size),
-        "normal": coding.differences(coding.code_normals(head.normal)),
-        "depth": coding.differences(coding.code_depth(head.depth)),
-        "uv": coding.differences(coding.code_uv(head.uv)),
+        "normal": coding.curvature(coding.code_normals(head.normal), head.covered),
+        "depth": coding.curvature(coding.code_depth(head.depth)[:, None], head.covered),
+        "uv": coding.curvature(coding.code_uv(head.uv), head.covered),
         "material": head.material,
         "label": head.label,
         "visibility": coding.reorder_bits(head.visibility, len(order), order),
@@ -58,7 +60,7 @@ def read_shard(path: Path) -> BakedHead:
     try:
         size = int(data["size"])
         covered = np.unpackbits(data["covered"], count=size * size).view(bool).reshape(size, size)
-        head = BakedHead(covered=covered, **(_plain(data) if version == 1 else _coded(data, covered)))
+        head = BakedHead(covered=covered, **_DECODERS[version](data, covered))
     except (ValueError, TypeError, IndexError) as error:
         raise InputError(f"{path}: damaged head ({error}); {_MEND}") from error
     if len(head.normal) != covered.sum():
@@ -66,7 +68,7 @@ def read_shard(path: Path) -> BakedHead:
     return head
 
 
-def _plain(data: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
+def _plain(data: dict[str, np.ndarray], covered: np.ndarray) -> dict[str, np.ndarray]:
     normal = data["normal"].astype(np.float32)
     return {
         "normal": normal / np.linalg.norm(normal, axis=1, keepdims=True),
@@ -78,14 +80,30 @@ def _plain(data: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
     }
 
 
-def _coded(data: dict[str, np.ndarray], covered: np.ndarray) -> dict[str, np.ndarray | None]:
+def _differenced(data: dict[str, np.ndarray], covered: np.ndarray) -> dict[str, np.ndarray | None]:
+    normal, depth, uv = (coding.summed(data[name]) for name in ("normal", "depth", "uv"))
+    return _decoded(data, covered, (normal, depth, uv), coding.FINE)
+
+
+def _curved(data: dict[str, np.ndarray], covered: np.ndarray) -> dict[str, np.ndarray | None]:
+    normal, depth, uv = (coding.uncurved(data[name], covered) for name in ("normal", "depth", "uv"))
+    return _decoded(data, covered, (normal, depth[:, 0], uv), coding.ENOUGH)
+
+
+def _decoded(
+    data: dict[str, np.ndarray], covered: np.ndarray, codes: tuple[np.ndarray, ...], precision: coding.Precision
+) -> dict[str, np.ndarray | None]:
     back = np.argsort(coding.blockwise(covered))
+    normal, depth, uv = codes
     return {
-        "normal": coding.decode_normals(coding.summed(data["normal"])),
-        "depth": coding.decode_depth(coding.summed(data["depth"])),
-        "uv": coding.decode_uv(coding.summed(data["uv"])),
+        "normal": coding.decode_normals(normal, precision.normal),
+        "depth": coding.decode_depth(depth, precision.depth),
+        "uv": coding.decode_uv(uv, precision.uv),
         "material": data["material"],
         "label": data["label"],
         "visibility": coding.reorder_bits(data["visibility"], len(back), back),
         "albedo": srgb_decode_integers(data["albedo"]) if len(data["albedo"]) else None,
     }
+
+
+_DECODERS = {1: _plain, 2: _differenced, 3: _curved}

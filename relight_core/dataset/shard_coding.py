@@ -2,65 +2,101 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
-_OCTAHEDRAL_STEPS = 4095
-_UV_STEPS = 8191
-_DEPTH_STEPS = 4096  # per half-width of the crop
+_DEEPEST = 7.9
 
 
-def code_normals(normal: np.ndarray) -> np.ndarray:
-    """Unit vectors (P, 3) to (P, 2) uint16, off by less than 0.06 degrees (octahedral map, 12 bits a side)."""
+@dataclass(frozen=True)
+class Precision:
+    """How finely things are told apart: steps along a side of the octahedral map, of the texture, of a half-width."""
+
+    normal: int
+    uv: int
+    depth: int
+
+
+FINE = Precision(4095, 8191, 4096)
+"""Shards of version 2."""
+ENOUGH = Precision(2047, 4095, 2048)
+"""Shards of version 3: normals within 0.12 degrees."""
+
+
+def code_normals(normal: np.ndarray, steps: int = ENOUGH.normal) -> np.ndarray:
+    """Unit vectors (P, 3) to (P, 2) uint16 on the octahedral map."""
     flat = normal / np.maximum(np.abs(normal).sum(1, keepdims=True), 1e-12)
     folded = (1 - np.abs(flat[:, 1::-1])) * np.where(flat[:, :2] >= 0, 1, -1)
     sides = np.where(normal[:, 2:] < 0, folded, flat[:, :2])
-    return np.round((sides + 1) / 2 * _OCTAHEDRAL_STEPS).astype(np.uint16)
+    return np.round((sides + 1) / 2 * steps).astype(np.uint16)
 
 
-def decode_normals(codes: np.ndarray) -> np.ndarray:
+def decode_normals(codes: np.ndarray, steps: int = ENOUGH.normal) -> np.ndarray:
     """Inverse of `code_normals`: (P, 3) float32."""
-    sides = codes.astype(np.float32) / _OCTAHEDRAL_STEPS * 2 - 1
+    sides = codes.astype(np.float32) / steps * 2 - 1
     height = 1 - np.abs(sides).sum(1, keepdims=True)
     unfolded = (1 - np.abs(sides[:, ::-1])) * np.where(sides >= 0, 1, -1)
     normal = np.concatenate([np.where(height < 0, unfolded, sides), height], 1).astype(np.float32)
     return normal / np.linalg.norm(normal, axis=1, keepdims=True)
 
 
-def code_uv(uv: np.ndarray) -> np.ndarray:
-    """Texture coordinates in [0, 1] to uint16: 1 / 8191 of the texture apart."""
-    return np.round(np.clip(uv, 0, 1) * _UV_STEPS).astype(np.uint16)
+def code_uv(uv: np.ndarray, steps: int = ENOUGH.uv) -> np.ndarray:
+    """Texture coordinates in [0, 1] to uint16."""
+    return np.round(np.clip(uv, 0, 1) * steps).astype(np.uint16)
 
 
-def decode_uv(codes: np.ndarray) -> np.ndarray:
+def decode_uv(codes: np.ndarray, steps: int = ENOUGH.uv) -> np.ndarray:
     """Inverse of `code_uv`, float32."""
-    return codes.astype(np.float32) / _UV_STEPS
+    return codes.astype(np.float32) / steps
 
 
-def code_depth(depth: np.ndarray) -> np.ndarray:
-    """Depth within 8 half-widths of 0 to uint16: 1 / 4096 of a half-width apart."""
-    return np.round((np.clip(depth, -7.9, 7.9) + 8) * _DEPTH_STEPS).astype(np.uint16)
+def code_depth(depth: np.ndarray, steps: int = ENOUGH.depth) -> np.ndarray:
+    """Depth within 8 half-widths of 0 to uint16."""
+    return np.round((np.clip(depth, -_DEEPEST, _DEEPEST) + 8) * steps).astype(np.uint16)
 
 
-def decode_depth(codes: np.ndarray) -> np.ndarray:
+def decode_depth(codes: np.ndarray, steps: int = ENOUGH.depth) -> np.ndarray:
     """Inverse of `code_depth`, float32."""
-    return codes.astype(np.float32) / _DEPTH_STEPS - 8
+    return codes.astype(np.float32) / steps - 8
 
 
-def differences(codes: np.ndarray) -> np.ndarray:
-    """Each of (P, ...) uint16 less the one before, small numbers of either sign made small: (2, P, ...) uint8.
+def curvature(codes: np.ndarray, covered: np.ndarray) -> np.ndarray:
+    """Codes (P, C) uint16 of the covered pixels less what the neighbours above and to the left lead to expect.
 
-    High bytes come first, then low ones; neighbours on the surface are alike, so the former are mostly 0.
+    Where a surface is smooth, hardly anything remains. High bytes come first, then low ones.
+
+    Returns:
+        (2, C, S, S) uint8, small numbers of either sign made small.
     """
-    step = np.diff(codes, axis=0, prepend=np.zeros_like(codes[:1])).astype(np.int16)
-    folded = ((step << 1) ^ (step >> 15)).astype(np.uint16)
-    return np.stack([folded >> 8, folded & 255]).astype(np.uint8)
+    image = np.zeros((*covered.shape, codes.shape[1]), np.uint16)
+    image[covered] = codes
+    planes = np.moveaxis(image, -1, 0)
+    for axis in (1, 2):
+        planes = np.diff(planes, axis=axis, prepend=np.zeros_like(planes.take([0], axis)))
+    step = planes.astype(np.int16)
+    return _in_bytes(((step << 1) ^ (step >> 15)).astype(np.uint16))
+
+
+def uncurved(planes: np.ndarray, covered: np.ndarray) -> np.ndarray:
+    """Inverse of `curvature`: (P, C) uint16."""
+    step = _unfolded(planes)
+    image = np.cumsum(np.cumsum(step, axis=1, dtype=np.uint16), axis=2, dtype=np.uint16)
+    return image[:, covered].T
 
 
 def summed(planes: np.ndarray) -> np.ndarray:
-    """Inverse of `differences`."""
+    """Codes (P, ...) uint16 from the differences (2, P, ...) uint8 between one and the next, as in version 2."""
+    return np.cumsum(_unfolded(planes), axis=0, dtype=np.uint16)
+
+
+def _in_bytes(numbers: np.ndarray) -> np.ndarray:
+    return np.stack([numbers >> 8, numbers & 255]).astype(np.uint8)
+
+
+def _unfolded(planes: np.ndarray) -> np.ndarray:
     folded = planes[0].astype(np.uint16) << 8 | planes[1]
-    step = (folded >> 1) ^ (0 - (folded & 1)).astype(np.uint16)
-    return np.cumsum(step, axis=0, dtype=np.uint16)
+    return (folded >> 1) ^ (0 - (folded & 1)).astype(np.uint16)
 
 
 def blockwise(covered: np.ndarray) -> np.ndarray:

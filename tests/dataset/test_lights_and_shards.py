@@ -98,7 +98,7 @@ def test_a_shard_comes_back(tmp_path):
     np.testing.assert_allclose(back.normal, head.normal, atol=2e-3)
     np.testing.assert_allclose(np.linalg.norm(back.normal, axis=1), 1, atol=1e-5)
     np.testing.assert_allclose(back.depth, head.depth, atol=2e-3)
-    np.testing.assert_allclose(back.uv, head.uv, atol=1e-4)
+    np.testing.assert_allclose(back.uv, head.uv, atol=1.3e-4)
     assert [p.name for p in tmp_path.iterdir()] == ["head-0000000.npz"]
 
 
