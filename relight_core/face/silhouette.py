@@ -8,6 +8,9 @@ import numpy as np
 from relight_core.face.parsing import FACE_LABELS, INDEX
 
 _CLOSING_SHARE = 1 / 24
+_FAINT_HAT, _PLAIN_HAT = 0.02, 0.032
+_HAT_ODDS = 1.5
+_RAMP_SHARE = 0.05
 
 
 def solid_person(parsing: np.ndarray) -> np.ndarray:
@@ -32,6 +35,30 @@ def solid_person(parsing: np.ndarray) -> np.ndarray:
     edge = np.maximum(person, cv2.GaussianBlur(filled.astype(np.float32), (0, 0), 0.8) * filled)
     near = cv2.dilate(filled, np.ones((5, 5), np.uint8))
     return (edge * near).astype(np.float32)
+
+
+def person_with_headwear(parsing: np.ndarray) -> np.ndarray:
+    """Probability of person as the parsing has it, but above the eyes raised where it sees a hat at least faintly.
+
+    A large or unusual hat is taken for background more often than not. A few hundredths of "hat" over the whole view
+    give it away: bare heads stay below.
+
+    Args:
+        parsing: (classes, S, S) probabilities.
+
+    Returns:
+        (S, S) float32 in [0, 1].
+    """
+    person = np.clip(1 - parsing[INDEX["background"]], 0, 1).astype(np.float32)
+    hat = float(parsing[INDEX["hat"]].mean())
+    eyes = parsing[[INDEX["left_eye"], INDEX["right_eye"]]].sum((0, 2))
+    plainly = min(max((hat - _FAINT_HAT) / (_PLAIN_HAT - _FAINT_HAT), 0.0), 1.0)
+    if plainly == 0 or not eyes.sum() > 1e-3:
+        return person
+    rows = np.arange(len(person))
+    above = np.clip((float(eyes @ rows) / float(eyes.sum()) - rows) / (_RAMP_SHARE * len(person)), 0, 1)[:, None]
+    odds = np.exp(_HAT_ODDS * plainly * above).astype(np.float32)
+    return odds * person / (1 + (odds - 1) * person)
 
 
 def _without_holes(body: np.ndarray) -> np.ndarray:

@@ -8,17 +8,18 @@ import cv2
 import numpy as np
 
 from relight_core.face.crop import Crop
-from relight_core.face.paste import Band, spread_crop
+from relight_core.imaging.closed_form import closed_form_matte
 from relight_core.imaging.colour import luminance
+from relight_core.imaging.likely_person import likely_person
 from relight_core.imaging.resampling import resize_area, resize_smooth
 from relight_core.imaging.view_transform import apply_view
 
 _WORKING_PX = 1024
-_SEGMENT_PX = 320
+_MATTING_PX = 224
 _FUSION_PX = 512
-_BAND_SHARE = 0.05
 _NEAR_SHARE = 0.015
 _EDGE_CODES = 3.0
+_EDGE_WINDOWS = 128
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,9 +76,10 @@ def own_colour(linear: np.ndarray, share: np.ndarray, person: np.ndarray, behind
 def make_matte(linear: np.ndarray, masks: list[tuple[np.ndarray, Crop]], alpha: np.ndarray | None = None) -> Matte:
     """Carry coarse person masks to the whole photo, their edges moved onto the photo's.
 
-    Beyond the crops the mask is continued by colour (GrabCut: Rother, Kolmogorov and Blake 2004), from
-    where a crop is sure and from where a body must be; a guided filter (He, Sun and Tang 2013) then fits the
-    edges. Costs some tenths of a second: once per photo.
+    Where a person may be follows from the masks, beyond their crops from how bodies hang together, and from the
+    colours of what is surely person and surely not (`likely_person`). Closed-form matting makes a soft matte of
+    that in a small copy, whose edges a guided filter (He, Sun and Tang 2013) then fits to the photo's. Costs some
+    tenths of a second: once per photo.
 
     Args:
         linear: (H, W, 3) linear, the photo.
@@ -91,12 +93,10 @@ def make_matte(linear: np.ndarray, masks: list[tuple[np.ndarray, Crop]], alpha: 
         return Matte(nothing, nothing, black, black, nothing, True)
     small = resize_area(linear, _at_most(size, _WORKING_PX))
     guide = np.ascontiguousarray(apply_view(small))
-    coarse = np.zeros(_at_most(size, _SEGMENT_PX), np.float32)
-    for person, crop in masks:
-        person = np.clip(np.nan_to_num(np.asarray(person, np.float32)), 0.0, 1.0)
-        coarse = np.maximum(coarse, _whole_person(guide, person, crop, size))
-    edges = _guided(guide, resize_smooth(coarse, guide.shape[:2]), max(round(max(guide.shape) / 50), 2))
-    share = np.clip((edges - 0.1) / 0.8, 0.0, 1.0)
+    seen = np.clip(resize_area(guide, _at_most(size, _MATTING_PX)), 0, 1)
+    coarse = closed_form_matte(seen, likely_person(seen, masks, size))
+    edges = _guided(guide, resize_smooth(coarse, guide.shape[:2]), max(round(max(guide.shape) / _EDGE_WINDOWS), 2))
+    share = np.clip((edges - 0.2) / 0.6, 0.0, 1.0)
     slope, level = np.zeros_like(share), share
     if guide.shape[:2] != size:
         slope, level = _guided_coefficients(guide_of(small), share)
@@ -154,60 +154,3 @@ def _guided(guide: np.ndarray, mask: np.ndarray, radius: int) -> np.ndarray:
     """
     codes = np.ascontiguousarray(guide * np.float32(255.0))
     return cv2.ximgproc.guidedFilter(codes, np.ascontiguousarray(mask, np.float32), radius, _EDGE_CODES**2)
-
-
-def _whole_person(guide: np.ndarray, person: np.ndarray, crop: Crop, photo_size: tuple[int, int]) -> np.ndarray:
-    """(h, w) coarse mask of the whole photo, h and w at most 320."""
-    size = _at_most(photo_size, _SEGMENT_PX)
-    placed = spread_crop(person, crop, Band(0, size[0], size, photo_size))
-    x = (np.arange(size[1]) + 0.5) * photo_size[1] / size[1]
-    y = (np.arange(size[0]) + 0.5) * photo_size[0] / size[0]
-    within = crop.from_photo(np.stack(np.meshgrid(x, y), axis=-1), 1)
-    inside = ((within >= 0) & (within < 1)).all(-1)
-    reach = max(round(_BAND_SHARE * crop.side * size[0] / photo_size[0]), 1)
-    return _continued(guide, placed, inside, _body_guess(x, y, crop, placed), reach)
-
-
-def _body_guess(x: np.ndarray, y: np.ndarray, crop: Crop, placed: np.ndarray) -> np.ndarray:
-    """(h, w) GrabCut labels outside the crop: shoulders widen below it, hair and hats go on above it,
-    nobody is far above or beside."""
-    across = np.abs(x - crop.centre_x)[None, :] / crop.side
-    below = (y - crop.window[3])[:, None] / crop.side
-    guess = np.full((len(y), len(x)), cv2.GC_PR_BGD, np.uint8)
-    guess[(below < -1.0) & (placed > 0.5)] = cv2.GC_PR_FGD
-    guess[(across < 0.45 + np.clip(below + 0.15, 0.0, 0.6)) & (below > -0.2)] = cv2.GC_PR_FGD
-    guess[(across < 0.2) & (below > 0.0) & (below < 1.0)] = cv2.GC_FGD
-    guess[(across > 2.0) | (below < -1.35)] = cv2.GC_BGD
-    return guess
-
-
-def _continued(guide: np.ndarray, placed: np.ndarray, inside: np.ndarray, guess: np.ndarray, reach: int) -> np.ndarray:
-    """The mask after GrabCut, where colours allow it; else the crop's mask continued outward.
-
-    Colours decide also within the crop near the mask's edge, up to `reach` pixels outside it.
-    """
-    narrow, wide = (np.ones((2 * r + 1,) * 2, np.uint8) for r in (max(reach // 3, 1), reach))
-    coarse = (placed > 0.5).astype(np.uint8)
-    labels = np.where(coarse, cv2.GC_PR_FGD, cv2.GC_PR_BGD).astype(np.uint8)
-    labels[cv2.erode(coarse, narrow) > 0] = cv2.GC_FGD
-    labels[(cv2.dilate(coarse, wide) == 0) & (guess != cv2.GC_PR_FGD)] = cv2.GC_BGD
-    labels = np.where(inside, labels, guess).astype(np.uint8)
-    likely_person = (labels & 1) == 1
-    if likely_person.sum() < 20 or (~likely_person).sum() < 20:
-        return placed
-    colours = np.rint(resize_area(guide, placed.shape) * 255.0).astype(np.uint8)
-    cv2.setRNGSeed(0)
-    cv2.grabCut(colours, labels, None, np.zeros((1, 65)), np.zeros((1, 65)), 4, cv2.GC_INIT_WITH_MASK)
-    mask = ((labels & 1) == 1).astype(np.uint8)
-    mask = cv2.morphologyEx(mask, cv2.MORPH_OPEN, np.ones((3, 3), np.uint8))
-    return _joined_to(mask, (placed > 0.5) & inside).astype(np.float32)
-
-
-def _joined_to(mask: np.ndarray, seed: np.ndarray) -> np.ndarray:
-    """The connected parts of a mask that touch the seed, holes of less than 1 % filled."""
-    _, parts = cv2.connectedComponents(mask)
-    touched = np.unique(parts[seed & (mask > 0)])
-    joined = np.isin(parts, touched[touched > 0])
-    _, holes, stats, _ = cv2.connectedComponentsWithStats((~joined).astype(np.uint8))
-    small = np.flatnonzero(stats[:, cv2.CC_STAT_AREA] < 0.01 * mask.size)
-    return joined | np.isin(holes, small[small > 0])

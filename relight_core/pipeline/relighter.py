@@ -12,7 +12,7 @@ import torch
 
 from relight_core.errors import InputError
 from relight_core.face.find import FaceBox
-from relight_core.face.parsing import INDEX
+from relight_core.face.silhouette import person_with_headwear
 from relight_core.imaging.matte import Matte, make_matte
 from relight_core.imaging.photo import Photo
 from relight_core.lighting.environment import Environment, network_light
@@ -236,9 +236,9 @@ class Relighter:
         """The people in the photo; from one tier for all, so that it depends on no history."""
         masks = []
         for face in self._faces:
-            # The parsing as it is: gaps between hair and shoulders are background, which relief and shadow bridge.
+            # Not the solid person: gaps between hair and shoulders are background, which relief and shadow bridge.
             parsing = face.prepare(tier_of("live")).found.parsing[0].cpu().numpy()
-            masks.append((1.0 - parsing[INDEX["background"]], face.portrait.view))
+            masks.append((person_with_headwear(parsing), face.portrait.view))
         photo = self._faces[0].portrait.photo
         return make_matte(photo.linear, masks, photo.alpha)
 

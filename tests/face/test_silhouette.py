@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from relight_core.face.silhouette import solid_person
+from relight_core.face.silhouette import person_with_headwear, solid_person
 
-BACKGROUND, SKIN, HAIR, CLASSES = 0, 1, 10, 14
+BACKGROUND, SKIN, HAIR, HAT, CLASSES = 0, 1, 10, 11, 14
 
 
 def parsing_of(labels: np.ndarray) -> np.ndarray:
@@ -48,3 +48,27 @@ def test_unsure_parsing_stays_within_bounds():
     assert np.isfinite(person).all()
     assert person.min() >= 0
     assert person.max() <= 1
+
+
+def faint_hat(share: float) -> np.ndarray:
+    """A face with eyes, above it a quarter of the view that is hat by so much."""
+    parsing = parsing_of(head_with_hole())
+    parsing[:, 40:43, 36:44] = np.eye(CLASSES, dtype=np.float32)[4][:, None, None]
+    parsing[HAT, :24] = share * parsing[BACKGROUND, :24]
+    parsing[BACKGROUND, :24] -= parsing[HAT, :24]
+    return parsing
+
+
+def test_a_hat_that_is_faintly_seen_counts_for_more_above_the_eyes_only():
+    parsing = faint_hat(0.25)
+    plain, raised = 1 - parsing[BACKGROUND], person_with_headwear(parsing)
+    assert plain[10, 10] == 0.25
+    assert 0.5 < raised[10, 10] < 0.75
+    np.testing.assert_array_equal(raised[42:], plain[42:])
+    assert raised.min() >= 0.0
+    assert raised.max() <= 1.0
+
+
+def test_next_to_no_hat_and_a_hat_without_eyes_change_nothing():
+    for parsing in (faint_hat(0.02), parsing_of(np.full((32, 32), HAT))):
+        np.testing.assert_array_equal(person_with_headwear(parsing), 1 - parsing[BACKGROUND])

@@ -1,0 +1,84 @@
+"""Where in a photo a person probably is: what a parsing says within its crop, a body's outline beyond, and colours."""
+
+from __future__ import annotations
+
+import cv2
+import numpy as np
+
+from relight_core.face.crop import Crop
+from relight_core.face.paste import Band, spread_crop
+
+_SURELY_BODY, _PROBABLY_BODY, _PERHAPS_BODY, _NOBODY = 0.97, 0.6, 0.2, 0.02
+_LEAST = 0.01
+_BINS = 16
+_BIN_BLUR = 0.8
+_SURE_FROM = 0.7
+_UNSEEN = 2e-4
+_MOST_COLOURS_SAY = 2.0
+_ROUNDS = 2
+
+
+def likely_person(guide: np.ndarray, masks: list[tuple[np.ndarray, Crop]], photo_size: tuple[int, int]) -> np.ndarray:
+    """Probability of person over a whole photo.
+
+    Args:
+        guide: (h, w, 3) sRGB in [0, 1], a small copy of the photo.
+        masks: for each person (S, S) probability in [0, 1] that the crop's pixels are person, and where it lies.
+        photo_size: (height, width).
+
+    Returns:
+        (h, w) float32 in (0, 1).
+    """
+    likely = np.full(guide.shape[:2], _LEAST, np.float32)
+    for person, crop in masks:
+        person = np.clip(np.nan_to_num(np.asarray(person, np.float32)), 0.0, 1.0)
+        likely = np.maximum(likely, _placed(person, crop, guide.shape[:2], photo_size))
+    likely = np.clip(cv2.GaussianBlur(likely, (0, 0), 1.0), _LEAST, 1 - _LEAST)
+    return _as_colours_say(guide, np.log(likely / (1 - likely)))
+
+
+def _placed(person: np.ndarray, crop: Crop, size: tuple[int, int], photo_size: tuple[int, int]) -> np.ndarray:
+    """The crop's mask at its place, and beyond it what is likely of a body below and a head above."""
+    placed = spread_crop(person, crop, Band(0, size[0], size, photo_size))
+    x = (np.arange(size[1]) + 0.5) * photo_size[1] / size[1]
+    y = (np.arange(size[0]) + 0.5) * photo_size[0] / size[0]
+    within = crop.from_photo(np.stack(np.meshgrid(x, y), axis=-1), 1)
+    inside = ((within >= 0) & (within < 1)).all(-1)
+    return np.where(inside, placed, _around(x, y, crop, placed)).astype(np.float32)
+
+
+def _around(x: np.ndarray, y: np.ndarray, crop: Crop, placed: np.ndarray) -> np.ndarray:
+    """(h, w): shoulders widen below a crop, hair and hats go on above it, nobody is far above or beside."""
+    across = np.abs(x - crop.centre_x)[None, :] / crop.side
+    below = (y - crop.window[3])[:, None] / crop.side
+    guess = np.full((len(y), len(x)), _PERHAPS_BODY, np.float32)
+    guess[(below < -1.0) & (placed > 0.5)] = _PROBABLY_BODY
+    guess[(across < 0.45 + np.clip(below + 0.15, 0.0, 0.6)) & (below > -0.2)] = _PROBABLY_BODY
+    guess[(across < 0.2) & (below > 0.0) & (below < 1.0)] = _SURELY_BODY
+    guess[(across > 2.0) | (below < -1.35)] = _NOBODY
+    return guess
+
+
+def _as_colours_say(guide: np.ndarray, prior: np.ndarray) -> np.ndarray:
+    """Log odds plus those of each pixel's colour among what is surely person and surely not."""
+    bins = tuple(np.minimum((guide * _BINS).astype(np.intp), _BINS - 1).reshape(-1, 3).T)
+    odds = prior
+    for _ in range(_ROUNDS):
+        likely = 1 / (1 + np.exp(-odds))
+        person, rest = (
+            _colours(bins, np.clip((p - _SURE_FROM) / (1 - _SURE_FROM), 0, 1)) for p in (likely, 1 - likely)
+        )
+        told = np.log((person + _UNSEEN) / (rest + _UNSEEN))[bins].reshape(prior.shape)
+        odds = prior + np.clip(told, -_MOST_COLOURS_SAY, _MOST_COLOURS_SAY)
+    return (1 / (1 + np.exp(-odds))).astype(np.float32)
+
+
+def _colours(bins: tuple[np.ndarray, ...], weight: np.ndarray) -> np.ndarray:
+    """How often each colour occurs, (16, 16, 16), somewhat blurred; sums to 1 unless nothing weighs."""
+    counts = np.zeros((_BINS,) * 3)
+    np.add.at(counts, bins, weight.ravel())
+    for axis in range(3):
+        flat = np.ascontiguousarray(np.moveaxis(counts, axis, 0).reshape(_BINS, -1))
+        flat = cv2.GaussianBlur(flat, (1, 7), 0, sigmaY=_BIN_BLUR, borderType=cv2.BORDER_REPLICATE)
+        counts = np.moveaxis(flat.reshape((_BINS,) * 3), 0, axis)
+    return counts / max(float(counts.sum()), 1e-9)

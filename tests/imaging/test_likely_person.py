@@ -1,0 +1,43 @@
+import numpy as np
+
+from relight_core.face.crop import Crop
+from relight_core.imaging.likely_person import likely_person
+
+CROP = Crop(50.0, 40.0, 60.0)
+
+
+def photo(person=(0.8, 0.5, 0.4), wall=(0.1, 0.3, 0.7)):
+    guide = np.broadcast_to(np.float32(wall), (100, 100, 3)).copy()
+    guide[30:, 30:70] = person
+    return guide
+
+
+def mask(value=0.95):
+    """What a network says of the crop: its left third and top are wall."""
+    found = np.zeros((30, 30), np.float32)
+    found[10:, 5:25] = value
+    return found
+
+
+def test_a_body_goes_on_below_the_crop_and_nobody_stands_beside_it():
+    likely = likely_person(photo(), [(mask(), CROP)], (100, 100))
+    assert likely.dtype == np.float32
+    assert 0 < likely.min() <= likely.max() < 1
+    assert likely[90, 50] > 0.9
+    assert likely[50, 50] > 0.9
+    assert likely[60, 5] < 0.3
+    assert likely[15, 50] < 0.3
+
+
+def test_colours_decide_what_the_mask_leaves_open():
+    unsure = mask()
+    unsure[10:, 15:25] = 0.5
+    assert likely_person(photo(), [(unsure, CROP)], (100, 100))[45, 62] > 0.8
+    wall = photo()
+    wall[30:, 52:70] = wall[0, 0]
+    assert likely_person(wall, [(unsure, CROP)], (100, 100))[45, 62] < 0.2
+
+
+def test_a_mask_of_no_numbers_says_nothing():
+    likely = likely_person(photo(), [(np.full((8, 8), np.nan, np.float32), CROP)], (100, 100))
+    assert np.isfinite(likely).all()
