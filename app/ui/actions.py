@@ -111,8 +111,8 @@ def parse_chord(text: str) -> Chord:
 def matching(actions: Sequence[Action], typed: str) -> list[Action]:
     """The actions the palette lists for what was typed, best first; all of them for nothing typed.
 
-    Every typed word must occur in the name, the group or the help; actions whose name starts with the words
-    come first, then those with all words in the name. Case does not matter.
+    Every typed word must occur in the name, or begin a word of the group or the help; actions whose name starts
+    with the words come first, then those with all words in the name. Case does not matter.
     """
     words = typed.lower().split()
     ranked = []
@@ -120,8 +120,8 @@ def matching(actions: Sequence[Action], typed: str) -> list[Action]:
         if action.let_go is not None:
             continue
         name = action.name.lower()
-        everything = f"{name} {action.group.lower()} {action.help.lower()}"
-        if all(word in everything for word in words):
+        hints = f"{action.group} {action.help}".lower().split()
+        if all(word in name or any(hint.startswith(word) for hint in hints) for word in words):
             rank = 0 if name.startswith(" ".join(words)) else 1 if all(word in name for word in words) else 2
             ranked.append((rank, order, action))
     return [action for _, _, action in sorted(ranked, key=lambda entry: entry[:2])]

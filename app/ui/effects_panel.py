@@ -137,6 +137,6 @@ def _faces(state: EditorState, fonts: theme.Fonts) -> None:
 
 def export_path(state: EditorState, suffix: str) -> Path:
     """Where an export with this suffix goes, as the path line says."""
-    path = Path(state.export_path or "portrait-relit")
+    path = state.export_place()
     known = path.suffix.lower() in (".png", ".exr", ".jpg", ".jpeg", ".tif", ".tiff")
     return path.with_suffix(suffix) if known else path.with_name(path.name + suffix)

@@ -49,7 +49,7 @@ def draw(state: EditorState, fonts: theme.Fonts) -> None:
     imgui.set_next_item_width(-1.0)
     _, state.export_path = imgui.input_text("##path", state.export_path, imgui.InputTextFlags_.elide_left)
     if state.export_path:
-        imgui.set_item_tooltip(f"{state.export_path}\nA number is added to the name if there is such a file.")
+        imgui.set_item_tooltip(f"{state.export_place()}\nA number is added to the name if there is such a file.")
     _buttons(state)
     imgui.end_disabled()
 

@@ -26,7 +26,7 @@ def draw(state: EditorState, fonts: theme.Fonts) -> None:
     imgui.set_next_window_pos(
         imgui.ImVec2(io.display_size.x / 2, io.display_size.y / 2), imgui.Cond_.always, imgui.ImVec2(0.5, 0.5)
     )
-    imgui.set_next_window_size(imgui.ImVec2(width, (_ROWS + 7) * 1.5 * em))
+    imgui.set_next_window_size(imgui.ImVec2(width, (_ROWS + 6) * 1.5 * em))
     imgui.push_style_var(imgui.StyleVar_.window_border_size, 1.0)
     imgui.begin("file", None, _FLAGS)
     widgets.heading(fonts, request.title)
@@ -41,11 +41,10 @@ def draw(state: EditorState, fonts: theme.Fonts) -> None:
 
 
 def _rows(request: FileRequest) -> None:
-    em = imgui.get_font_size()
-    imgui.begin_child("rows", imgui.ImVec2(0.0, _ROWS * 1.5 * em))
+    imgui.begin_child("rows", imgui.ImVec2(0.0, -imgui.get_frame_height_with_spacing()))
     folder = Path(os.path.expanduser(request.text))
     above = folder.parent if request.text.endswith(os.sep) else folder.parent.parent
-    if imgui.selectable("..", False)[0]:
+    if imgui.selectable("..   the folder above", False)[0]:
         request.text = os.path.join(above, "")
     for path in candidates(request.text, request.suffixes):
         is_folder = path.is_dir()

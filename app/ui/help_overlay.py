@@ -33,7 +33,7 @@ def draw(state: EditorState, fonts: theme.Fonts, window: Rect) -> None:
     imgui.set_next_window_pos(imgui.ImVec2(window.x, window.y))
     imgui.set_next_window_size(imgui.ImVec2(window.width, window.height))
     imgui.set_next_window_focus()
-    imgui.push_style_color(imgui.Col_.window_bg, imgui.ImVec4(0.05, 0.05, 0.05, 0.94))
+    imgui.push_style_color(imgui.Col_.window_bg, imgui.ImVec4(*theme.SHADE))
     imgui.begin("help", None, imgui.WindowFlags_.no_decoration | imgui.WindowFlags_.no_saved_settings)
     imgui.pop_style_color()
     if imgui.is_window_hovered() and imgui.is_mouse_clicked(0):

@@ -16,6 +16,9 @@ _VIEWPORT_EM = (14.0, 10.0)
 
 _LEAST_EM = 9.0
 
+_LIGHT_SHARE, _WIDE_LIGHT_EM = 0.2, 26.0
+"""Where the user has not sized the light panel, it takes this share of a wide window, up to that many font heights."""
+
 
 @dataclass(frozen=True)
 class Rect:
@@ -142,12 +145,18 @@ def _strip(panels: Panels, room: float, em: float) -> int:
 
 
 def _sides(panels: Panels, width: float, em: float) -> tuple[int, int]:
-    left = panels.light_em * em if panels.light else 0.0
+    left = _light_em(panels, width / em) * em if panels.light else 0.0
     right = panels.effects_em * em if panels.effects else 0.0
     room = max(width - _VIEWPORT_EM[0] * em, 0.0)
     if left + right > room:
         left, right = (side and max(side * room / (left + right), _LEAST_EM * em) for side in (left, right))
     return round(left), round(right)
+
+
+def _light_em(panels: Panels, width_em: float) -> float:
+    if panels.light_em != Panels().light_em:
+        return panels.light_em
+    return max(panels.light_em, min(_LIGHT_SHARE * width_em, _WIDE_LIGHT_EM))
 
 
 def _dividers(left: int, right: int, strip: int, width: float, middle: float, em: float) -> tuple[Divider, ...]:

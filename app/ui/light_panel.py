@@ -16,6 +16,8 @@ ROTATION = widgets.Slider(
     "Rotation", -180.0, 180.0, 0.0, "%.0f°", "Turns the light around the person; to the right is positive."
 )
 _COLUMNS = 3
+_WIDE_EM, _HIGH_EM = 6.0, 5.0
+"""From this width on there are more columns of lights; none is higher than that."""
 
 
 @dataclass(frozen=True)
@@ -55,9 +57,11 @@ def _lights(state: EditorState, pictures: Pictures, shelf: Shelf) -> None:
     if state.snapshot.opened:
         entries.append((LightSource("own"), "The photo's own light, as estimated from the face."))
     entries += [(LightSource("rig", name), shelf.words(name)[1]) for name in shelf.names]
-    width = imgui.get_content_region_avail().x / _COLUMNS
+    room = imgui.get_content_region_avail().x
+    columns = max(_COLUMNS, int(room // (_WIDE_EM * imgui.get_font_size())))
+    width = room / columns
     for index, (source, description) in enumerate(entries):
-        if index % _COLUMNS:
+        if index % columns:
             imgui.same_line(0.0, 0.0)
         _light_button(state, pictures, source, description, width)
 
@@ -65,7 +69,7 @@ def _lights(state: EditorState, pictures: Pictures, shelf: Shelf) -> None:
 def _light_button(state: EditorState, pictures: Pictures, source: LightSource, description: str, width: float) -> None:
     em = imgui.get_font_size()
     corner = imgui.get_cursor_screen_pos()
-    height = width
+    height = min(width, _HIGH_EM * em)
     if imgui.invisible_button(f"{source.kind}:{source.name}", imgui.ImVec2(width, height)):
         state.choose_light(source)
     imgui.set_item_tooltip(f"{source.title}\n{description}" if description else source.title)
@@ -74,7 +78,7 @@ def _light_button(state: EditorState, pictures: Pictures, source: LightSource, d
     if chosen or imgui.is_item_hovered():
         inside = imgui.ImVec2(corner.x + 2, corner.y), imgui.ImVec2(corner.x + width - 2, corner.y + height)
         draw.add_rect_filled(*inside, theme.packed(theme.HOVERED if chosen else theme.RAISED), 6.0)
-    _ball(pictures.ball(source), corner, width, em)
+    _ball(pictures.ball(source), corner, width, height - 1.9 * em)
     imgui.push_font(None, 0.86 * theme.FONT_PX)
     title = widgets.shortened(source.title, width - 8.0)
     text_x = corner.x + (width - imgui.calc_text_size(title).x) / 2
@@ -83,9 +87,8 @@ def _light_button(state: EditorState, pictures: Pictures, source: LightSource, d
     imgui.pop_font()
 
 
-def _ball(shown: Shown | None, corner: imgui.ImVec2, width: float, em: float) -> None:
-    side = width - 1.9 * em
-    x, y = corner.x + (width - side) / 2, corner.y + 0.3 * em
+def _ball(shown: Shown | None, corner: imgui.ImVec2, width: float, side: float) -> None:
+    x, y = corner.x + (width - side) / 2, corner.y + 0.3 * imgui.get_font_size()
     if shown is not None:
         widgets.draw_image(shown, x, y, side, side)
         return

@@ -25,6 +25,7 @@ class LookState:
         probe: the values of every channel under the mouse.
         scope: one of SCOPES.
         light_ball: the lit ball and the compass.
+        covered: how far down the viewport open questions reach, in window units.
         ball_at: the ball's middle, in window units.
         timings: what each stage took.
         help, palette: these overlays are open.
@@ -44,6 +45,7 @@ class LookState:
     probe: bool = False
     scope: str = "histogram"
     light_ball: bool = True
+    covered: float = 0.0
     ball_at: tuple[float, float] = (0.0, 0.0)
     timings: bool = False
     help: bool = False

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from app.ui.actions import Action, Gesture
-from app.ui.state import CHANNELS, PHOTO, EditorState
+from app.ui.state import CHANNELS, PHOTO, RESULT, EditorState
 from app.ui.view import View
 from app.ui.viewport_panel import ZOOM_PER_STEP, toggle_actual_size, zoom_by
 
@@ -79,13 +79,20 @@ LOOKING = (
 )
 
 
-def _switch(name: str, key: str, title: str, help_text: str) -> Action:
+def _switch(name: str, key: str, title: str, help_text: str, tells_of: tuple[str, ...] = ()) -> Action:
+    """A switch; what tells of certain pictures only brings the first of them into sight where none is."""
+
+    def run(state: EditorState) -> None:
+        state.look.switch(name)
+        if tells_of and getattr(state.look, name) and state.shown not in tells_of:
+            state.shown = tells_of[0]
+
     return Action(
         title,
         _READ,
         (key,),
         help_text,
-        lambda state: state.look.switch(name),
+        run,
         is_on=lambda state: getattr(state.look, name),
     )
 
@@ -111,8 +118,14 @@ READING = (
     _choose("scope", "histogram", "H", "Histogram", _READ, "How much of the picture is dark and how much bright"),
     _choose("scope", "waveform", "V", "Waveform", _READ, "How bright each column of the picture is"),
     _switch("clipping", "J", "Clipping warning", "Stripes where the screen shows only white (red) or black (blue)"),
-    _switch("false_colour", "C", "False colour", "Specular and shadow as a scale of colours"),
-    _switch("difference", "D", "Difference to the photo", "Where the result is darker (blue) or brighter (orange)"),
+    _switch("false_colour", "C", "False colour", "Specular and shadow as a scale of colours", ("specular", "shadow")),
+    _switch(
+        "difference",
+        "D",
+        "Difference to the photo",
+        "Where the result is darker (blue) or brighter (orange)",
+        (RESULT,),
+    ),
     _switch("light_ball", "L", "Lit ball and compass", "Where the light comes from, in the picture's corner"),
     _switch("timings", "T", "Timings", "What each step of the last update took, and why it ran"),
 )

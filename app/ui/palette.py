@@ -70,8 +70,12 @@ def _row(state: EditorState, action: Action, row: int) -> None:
     left = imgui.get_cursor_screen_pos()
     width = imgui.get_content_region_avail().x
     imgui.begin_disabled(not action.available(state))
+    # Only one row is lit: the one that Enter runs, which follows the mouse once that moves.
+    nothing = imgui.get_style().color_(imgui.Col_.header if chosen else imgui.Col_.child_bg)
+    imgui.push_style_color(imgui.Col_.header_hovered, nothing)
     if imgui.selectable(f"##{action.name}", chosen)[0]:
         _run(state, action)
+    imgui.pop_style_color()
     imgui.end_disabled()
     mouse = imgui.get_io().mouse_delta
     if imgui.is_item_hovered() and (mouse.x or mouse.y):

@@ -51,7 +51,7 @@ def draw(state: EditorState, arranged: Arrangement, rect: Rect) -> None:
     x, y = rect.x + 0.6 * em, rect.y + 0.6 * em
     draw_list = imgui.get_window_draw_list()
     corner, end = imgui.ImVec2(x, y), imgui.ImVec2(x + width, y + height)
-    draw_list.add_rect_filled(corner, end, theme.packed((0.05, 0.05, 0.05, 1.0), 0.86), 0.27 * em)
+    draw_list.add_rect_filled(corner, end, theme.packed(theme.SHADE, 0.92), 0.27 * em)
     left, top = x + _PAD_EM * em, y + _PAD_EM * em
     _heading(draw_list, left, top, point)
     under = arranged.pane_at(state.look.pointer_px[0]).name if point else None

@@ -11,14 +11,6 @@ from app.ui.state import EditorState
 
 TURN_DEG_PER_S = 40.0
 _LONGEST_STEP_S = 0.1
-_FLAGS = (
-    imgui.WindowFlags_.no_decoration
-    | imgui.WindowFlags_.no_move
-    | imgui.WindowFlags_.no_saved_settings
-    | imgui.WindowFlags_.always_auto_resize
-    | imgui.WindowFlags_.no_nav
-    | imgui.WindowFlags_.no_focus_on_appearing
-)
 
 
 def draw(state: EditorState, viewport: Rect) -> None:
@@ -31,23 +23,18 @@ def draw(state: EditorState, viewport: Rect) -> None:
     foot = imgui.ImVec2(viewport.x + viewport.width / 2, viewport.y + viewport.height - 3 * em)
     imgui.set_next_window_pos(foot, imgui.Cond_.always, imgui.ImVec2(0.5, 1.0))
     imgui.set_next_window_size(imgui.ImVec2(width, 0.0))
-    imgui.push_style_color(imgui.Col_.window_bg, imgui.ImVec4(0.17, 0.17, 0.17, 0.98))
     imgui.push_style_color(imgui.Col_.plot_histogram, imgui.ImVec4(*theme.ACCENT))
-    imgui.push_style_var(imgui.StyleVar_.window_border_size, 1.0)
-    imgui.push_style_var(imgui.StyleVar_.window_rounding, 6.0)
-    imgui.begin("job", None, _FLAGS)
-    imgui.text(words(job))
-    room = imgui.get_content_region_avail().x
-    button = imgui.calc_text_size("Cancel").x + 1.6 * em
-    imgui.progress_bar(job.share, imgui.ImVec2(room - button - imgui.get_style().item_spacing.x, 0.0), "")
-    imgui.same_line()
-    imgui.begin_disabled(job.cancelling)
-    if imgui.button("Cancel", imgui.ImVec2(button, 0.0)):
-        state.cancel_wanted = True
-    imgui.end_disabled()
-    imgui.end()
-    imgui.pop_style_var(2)
-    imgui.pop_style_color(2)
+    with theme.card("job", imgui.WindowFlags_.no_focus_on_appearing):
+        imgui.text(words(job))
+        room = imgui.get_content_region_avail().x
+        button = imgui.calc_text_size("Cancel").x + 1.6 * em
+        imgui.progress_bar(job.share, imgui.ImVec2(room - button - imgui.get_style().item_spacing.x, 0.0), "")
+        imgui.same_line()
+        imgui.begin_disabled(job.cancelling)
+        if imgui.button("Cancel", imgui.ImVec2(button, 0.0)):
+            state.cancel_wanted = True
+        imgui.end_disabled()
+    imgui.pop_style_color()
 
 
 def words(job: JobStatus) -> str:

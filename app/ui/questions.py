@@ -9,14 +9,6 @@ from app.ui.asking import Question
 from app.ui.layout import Rect
 from app.ui.state import EditorState
 
-_FLAGS = (
-    imgui.WindowFlags_.no_decoration
-    | imgui.WindowFlags_.no_move
-    | imgui.WindowFlags_.no_saved_settings
-    | imgui.WindowFlags_.always_auto_resize
-    | imgui.WindowFlags_.no_nav
-)
-
 
 def draw(state: EditorState, viewport: Rect) -> None:
     """Every open question, one under the other."""
@@ -24,6 +16,7 @@ def draw(state: EditorState, viewport: Rect) -> None:
     top = viewport.y + em
     for question in list(state.asking.questions):
         top += _card(state, question, viewport, top) + 0.5 * em
+    state.look.covered = top - viewport.y - em
 
 
 def _card(state: EditorState, question: Question, viewport: Rect, top: float) -> float:
@@ -31,19 +24,12 @@ def _card(state: EditorState, question: Question, viewport: Rect, top: float) ->
     width = min(34 * em, viewport.width - 2 * em)
     imgui.set_next_window_pos(imgui.ImVec2(viewport.x + (viewport.width - width) / 2, top))
     imgui.set_next_window_size(imgui.ImVec2(width, 0.0))
-    imgui.push_style_color(imgui.Col_.window_bg, imgui.ImVec4(0.17, 0.17, 0.17, 0.98))
-    imgui.push_style_var(imgui.StyleVar_.window_rounding, 6.0)
-    imgui.push_style_var(imgui.StyleVar_.window_border_size, 1.0)
-    imgui.begin(f"question {question.key}", None, _FLAGS)
-    imgui.push_text_wrap_pos(0.0)
-    imgui.text(question.text)
-    imgui.pop_text_wrap_pos()
-    _buttons(state, question)
-    height = imgui.get_window_height()
-    imgui.end()
-    imgui.pop_style_var(2)
-    imgui.pop_style_color()
-    return height
+    with theme.card(f"question {question.key}"):
+        imgui.push_text_wrap_pos(0.0)
+        imgui.text(question.text)
+        imgui.pop_text_wrap_pos()
+        _buttons(state, question)
+        return imgui.get_window_height()
 
 
 def _buttons(state: EditorState, question: Question) -> None:

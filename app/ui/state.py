@@ -85,7 +85,7 @@ class EditorState:
         cancel_wanted: the user wants that work stopped, for one frame.
         job: the long work that runs, if any.
         playing: the light turns by itself.
-        export_path: where the next export goes, without a number; its suffix follows the button.
+        export_path: where the next export goes, from the photo's folder; its suffix follows the button.
         export_wanted: ".png" or ".exr" for one frame after the user asked for it.
         selected_box: which soft box is worked on, or -1.
         held: what the mouse holds on the panorama.
@@ -256,10 +256,23 @@ class EditorState:
         if snapshot.light and snapshot.light.source.kind in ("panorama", "portrait"):
             self._remember(snapshot.light.source)
         if snapshot.opened and (opened_before is None or snapshot.opened.photo is not opened_before.photo):
-            self.export_path = str(default_export_path(snapshot.opened.source.path))
+            self.export_path = self._export_beside().name
             self.shown = RESULT
             self.aim_at = None
             self._begin_work()
+
+    def export_place(self) -> Path:
+        """Where the next export goes, as a whole path, without a number."""
+        beside = self._export_beside()
+        return beside.parent / Path(self.export_path or beside.name).expanduser()
+
+    def export_to(self, path: Path) -> None:
+        """Let the next export go there; a place beside the photo is kept as a name alone."""
+        self.export_path = path.name if path.parent == self._export_beside().parent else str(path)
+
+    def _export_beside(self) -> Path:
+        opened = self.snapshot.opened
+        return default_export_path(opened.source.path if opened else None)
 
     def message(self) -> Message | None:
         """The line to show: the engine's newest, unless it was put away."""

@@ -2,37 +2,66 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 from imgui_bundle import imgui
 
 from app.ui import theme, widgets
 from app.ui.probe import reading
 from app.ui.state import EditorState
 
-_KEYS = "? for all keys"
+
+def _ask_for_keys(state: EditorState) -> None:
+    state.look.help = True
+
+
+def _keep_timings(state: EditorState) -> None:
+    state.look.switch("timings")
+
+
+_LINKS = (
+    ("Open…", "Choose a portrait, a panorama or a session.  Ctrl + O", lambda state: state.asking.wish("open_file")),
+    ("Save", "Save the work as a session beside the photo.  Ctrl + S", lambda state: state.asking.wish("save_session")),
+    ("? for all keys", "Shows all keys.", _ask_for_keys),
+)
+"""Words to click at the line's end: label, tooltip, what is done."""
+
+_APART_EM = 1.2
 
 
 def draw(state: EditorState) -> None:
     """The line's contents, inside its window."""
+    links = list(_LINKS)
+    if state.snapshot.opened is None:
+        links = [link for link in links if link[0] != "Save"]
     timing = _timing(state)
-    em = imgui.get_font_size()
-    timing_width = imgui.calc_text_size(timing).x + em if timing else 0.0
-    keys_width = imgui.calc_text_size(_KEYS).x
-    room = imgui.get_content_region_avail().x
-    left = imgui.get_cursor_pos_x()
-    _words(state, room - timing_width - keys_width - 2 * em)
     if timing:
+        links.insert(0, (timing, f"{_stages(state)}\nClick to keep this in sight.", _keep_timings))
+    apart = _APART_EM * imgui.get_font_size()
+    room, left = imgui.get_content_region_avail().x, imgui.get_cursor_pos_x()
+    widths = [imgui.calc_text_size(label).x for label, _, _ in links]
+    x = left + room - sum(widths) - apart * (len(widths) - 1)
+    _words(state, x - left - apart)
+    for (label, tooltip, act), width in zip(links, widths, strict=True):
         imgui.same_line()
-        imgui.set_cursor_pos_x(left + room - timing_width - keys_width)
-        imgui.text_disabled(timing)
-        imgui.set_item_tooltip(f"{_stages(state)}\nClick to keep this in sight.")
-        if imgui.is_item_clicked():
-            state.look.switch("timings")
-    imgui.same_line()
-    imgui.set_cursor_pos_x(left + room - keys_width)
-    imgui.text_disabled(_KEYS)
-    imgui.set_item_tooltip("Shows all keys.")
-    if imgui.is_item_clicked():
-        state.look.help = True
+        imgui.set_cursor_pos_x(x)
+        if _link(label, tooltip):
+            act(state)
+        x += width + apart
+
+
+def _link(label: str, tooltip: str) -> bool:
+    """Words that light up under the mouse; whether they were clicked."""
+    corner = imgui.get_cursor_screen_pos()
+    size = imgui.calc_text_size(label)
+    clicked = imgui.invisible_button(label, size)
+    hovered = imgui.is_item_hovered()
+    imgui.set_item_tooltip(tooltip)
+    if hovered:
+        imgui.set_mouse_cursor(imgui.MouseCursor_.hand)
+    colour = theme.TEXT if hovered else theme.DIM
+    imgui.get_window_draw_list().add_text(corner, theme.packed(colour), label)
+    return clicked
 
 
 def _words(state: EditorState, width: float) -> None:
@@ -40,7 +69,7 @@ def _words(state: EditorState, width: float) -> None:
     if message is not None:
         colour = theme.ERROR if message.is_error else theme.TEXT
         imgui.push_style_color(imgui.Col_.text, imgui.ImVec4(*colour))
-        imgui.text(widgets.shortened(message.text, width))
+        imgui.text(widgets.shortened(brief(message.text), width))
         imgui.pop_style_color()
         imgui.set_item_tooltip(f"{message.text}\nClick to put this message away.")
         if imgui.is_item_clicked():
@@ -54,6 +83,12 @@ def _words(state: EditorState, width: float) -> None:
         imgui.text_disabled(f"{opened.source.name}   {width_px} × {height}{_under_the_mouse(state)}")
     else:
         imgui.text_disabled("Ready")
+
+
+def brief(message: str) -> str:
+    """A message about a file with the file's name alone, so that what is wrong and the mend are in sight."""
+    place, colon, rest = message.partition(": ")
+    return f"{Path(place).name}{colon}{rest}" if colon and Path(place).is_absolute() else message
 
 
 def _under_the_mouse(state: EditorState) -> str:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 
 from imgui_bundle import imgui
@@ -24,6 +26,17 @@ DIM: Colour = (0.60, 0.60, 0.59, 1.0)
 FAINT: Colour = (0.42, 0.42, 0.42, 1.0)
 ACCENT: Colour = (0.93, 0.67, 0.34, 1.0)
 ERROR: Colour = (0.96, 0.52, 0.44, 1.0)
+CARD: Colour = (0.17, 0.17, 0.17, 0.98)
+SHADE: Colour = (0.05, 0.05, 0.05, 1.0)
+"""Behind words over the picture, more or less opaque."""
+
+_CARD_FLAGS = (
+    imgui.WindowFlags_.no_decoration
+    | imgui.WindowFlags_.no_move
+    | imgui.WindowFlags_.no_saved_settings
+    | imgui.WindowFlags_.always_auto_resize
+    | imgui.WindowFlags_.no_nav
+)
 
 
 @dataclass(frozen=True)
@@ -55,6 +68,24 @@ def apply_theme(scale: float) -> None:
         style.set_color_(getattr(imgui.Col_, name), imgui.ImVec4(*colour))
     style.hover_delay_normal = 0.45
     style.hover_stationary_delay = 0.1
+
+
+@contextmanager
+def card(name: str, flags: int = 0) -> Iterator[None]:
+    """A window of its own over the picture, where and as wide as the next window was set to be.
+
+    Args:
+        name: unique.
+        flags: of the window, beside those of every card.
+    """
+    imgui.push_style_color(imgui.Col_.window_bg, imgui.ImVec4(*CARD))
+    imgui.push_style_var(imgui.StyleVar_.window_rounding, 6.0)
+    imgui.push_style_var(imgui.StyleVar_.window_border_size, 1.0)
+    imgui.begin(name, None, _CARD_FLAGS | flags)
+    yield
+    imgui.end()
+    imgui.pop_style_var(2)
+    imgui.pop_style_color()
 
 
 def packed(colour: Colour, opacity: float = 1.0) -> int:

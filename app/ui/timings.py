@@ -29,7 +29,7 @@ def draw(state: EditorState, rect: Rect) -> None:
         y += probe_card.height_em() * em + 0.6 * em
     draw_list = imgui.get_window_draw_list()
     corner, end = imgui.ImVec2(x, y), imgui.ImVec2(x + width, y + height)
-    draw_list.add_rect_filled(corner, end, theme.packed((0.05, 0.05, 0.05, 1.0), 0.82), 0.27 * em)
+    draw_list.add_rect_filled(corner, end, theme.packed(theme.SHADE, 0.92), 0.27 * em)
     end_ms = max((stage.start_ms + stage.ms for stage in stages.values() if stage.state == "computed"), default=1.0)
     for row, (name, stage) in enumerate(stages.items()):
         at = imgui.ImVec2(x + _PAD_EM * em, y + (_PAD_EM + row * _LINE_EM) * em)
@@ -45,7 +45,7 @@ def _row(draw_list: imgui.ImDrawList, at: imgui.ImVec2, name: str, stage, end_ms
     """One stage; its bar lies where it ran between the update's begin and `end_ms`."""
     em = imgui.get_font_size()
     computed = stage.state == "computed"
-    colour = theme.TEXT if computed else theme.FAINT
+    colour = theme.TEXT if computed else theme.DIM
     draw_list.add_text(at, theme.packed(colour), name.replace("_", " "))
     if computed:
         _right_aligned(draw_list, f"{stage.ms:.1f} ms", at.x + (_NAME_EM + _MS_EM) * em, at.y, colour)
@@ -57,7 +57,7 @@ def _row(draw_list: imgui.ImDrawList, at: imgui.ImVec2, name: str, stage, end_ms
         draw_list.add_text(imgui.ImVec2(at.x + (_NAME_EM + 0.6) * em, at.y), theme.packed(colour), stage.state)
     if wide and stage.why:
         why = imgui.ImVec2(at.x + (_NAME_EM + _MS_EM + _BAR_EM) * em, at.y)
-        draw_list.add_text(why, theme.packed(theme.DIM if computed else theme.FAINT), stage.why)
+        draw_list.add_text(why, theme.packed(theme.DIM), stage.why)
 
 
 def _right_aligned(draw_list: imgui.ImDrawList, words: str, right: float, y: float, colour: theme.Colour) -> None:

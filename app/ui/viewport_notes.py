@@ -23,7 +23,7 @@ def note(words: str, x: float, y: float, colour: theme.Colour = theme.TEXT) -> N
     corner = imgui.ImVec2(x, y)
     end = imgui.ImVec2(x + note_width(words), y + 1.5 * em)
     draw = imgui.get_window_draw_list()
-    draw.add_rect_filled(corner, end, theme.packed((0.05, 0.05, 0.05, 1.0), 0.72), 0.27 * em)
+    draw.add_rect_filled(corner, end, theme.packed(theme.SHADE, 0.72), 0.27 * em)
     draw.add_text(imgui.ImVec2(corner.x + 0.5 * em, corner.y + 0.22 * em), theme.packed(colour), words)
 
 
@@ -98,7 +98,7 @@ def legend(state: EditorState, pictures: Pictures, pane: Pane, rect: Rect) -> No
     x, y = rect.x + (rect.width - width) / 2, rect.y + rect.height - 3.1 * em
     draw = imgui.get_window_draw_list()
     corner, end = imgui.ImVec2(x - 0.7 * em, y - 0.6 * em), imgui.ImVec2(x + width + 0.7 * em, y + 2.3 * em)
-    draw.add_rect_filled(corner, end, theme.packed((0.05, 0.05, 0.05, 1.0), 0.8), 0.27 * em)
+    draw.add_rect_filled(corner, end, theme.packed(theme.SHADE, 0.8), 0.27 * em)
     widgets.draw_image(pictures.colours(kind), x, y, width, height)
     imgui.push_font(None, 0.86 * theme.FONT_PX)
     for index, words in enumerate(ends):
@@ -109,25 +109,37 @@ def legend(state: EditorState, pictures: Pictures, pane: Pane, rect: Rect) -> No
     imgui.pop_font()
 
 
-def invitation(state: EditorState, fonts: theme.Fonts, rect: Rect) -> None:
-    """What to do while nothing is open, or what is being opened."""
-    busy = state.snapshot.activity
+_FIRST_WORDS = (
+    (-0.3, "or click to choose one: JPEG, PNG, TIFF, WebP, EXR"),
+    (1.8, "Several photos or a folder become a queue; a session goes on."),
+    (3.2, "An .hdr or .exr panorama becomes the light."),
+    (4.6, "A portrait dropped on the light panel lends its light."),
+)
+"""Their places below the middle, in font heights."""
+
+
+def invitation(state: EditorState, fonts: theme.Fonts, rect: Rect) -> bool:
+    """What to do while nothing is open, or what is being opened; whether the mouse is on an invitation to open."""
+    busy = state.snapshot.activity if state.photo else None
     em = imgui.get_font_size()
     middle_x, middle_y = rect.x + rect.width / 2, rect.y + rect.height / 2
-    title = f"{busy}…" if busy and state.photo else "Drop a portrait here"
-    waits = title == "Drop a portrait here"
-    if waits:
-        reach_x, reach_y = min(15 * em, 0.42 * rect.width), min(8 * em, 0.36 * rect.height)
+    reach_x, reach_y = min(16 * em, 0.46 * rect.width), min(8 * em, 0.36 * rect.height)
+    mouse = imgui.get_io().mouse_pos
+    inside = abs(mouse.x - middle_x) < reach_x and abs(mouse.y - middle_y) < reach_y
+    pointed_at = not busy and inside and imgui.is_item_hovered()
+    if pointed_at:
+        imgui.set_mouse_cursor(imgui.MouseCursor_.hand)
+    imgui.push_font(fonts.regular, 1.5 * theme.FONT_PX)
+    _centred(f"{busy}…" if busy else "Drop a portrait here", middle_x, middle_y - 3.6 * em, theme.TEXT)
+    imgui.pop_font()
+    if not busy:
         corner = imgui.ImVec2(middle_x - reach_x, middle_y - reach_y)
         end = imgui.ImVec2(middle_x + reach_x, middle_y + reach_y)
-        imgui.get_window_draw_list().add_rect(corner, end, theme.packed(theme.PRESSED), 10.0, 1.5)
-    imgui.push_font(fonts.regular, 1.5 * theme.FONT_PX)
-    _centred(title, middle_x, middle_y - 2.4 * em, theme.TEXT)
-    imgui.pop_font()
-    if waits:
-        _centred("or press Ctrl + O: JPEG, PNG, TIFF, WebP, EXR", middle_x, middle_y - 0.3 * em, theme.DIM)
-        _centred("An .hdr or .exr panorama becomes the light.", middle_x, middle_y + 1.8 * em, theme.DIM)
-        _centred("A portrait dropped on the light panel lends its light.", middle_x, middle_y + 3.2 * em, theme.DIM)
+        line = theme.packed(theme.DIM if pointed_at else theme.PRESSED)
+        imgui.get_window_draw_list().add_rect(corner, end, line, 10.0, 1.5)
+        for down_em, words in _FIRST_WORDS:
+            _centred(words, middle_x, middle_y + (down_em - 1.2) * em, theme.DIM)
+    return pointed_at
 
 
 def _centred(text: str, x: float, y: float, colour: theme.Colour) -> None:

@@ -23,7 +23,7 @@ def draw(state: EditorState, fonts: theme.Fonts, pictures: Pictures, rect: Rect)
     _forget_the_last_photo(state)
     imgui.set_cursor_screen_pos(imgui.ImVec2(rect.x, rect.y))
     imgui.set_next_item_allow_overlap()
-    imgui.invisible_button("viewport", imgui.ImVec2(rect.width, rect.height))
+    clicked = imgui.invisible_button("viewport", imgui.ImVec2(rect.width, rect.height))
     mouse = imgui.get_io().mouse_pos
     at = (mouse.x - rect.x) * scale, (mouse.y - rect.y) * scale
     state.look.viewport_px = size
@@ -37,7 +37,8 @@ def draw(state: EditorState, fonts: theme.Fonts, pictures: Pictures, rect: Rect)
     shown = pictures.viewport(arranged.panes, size, Paint(look.clipping, look.false_colour, look.difference, stripe_px))
     widgets.draw_image(shown, rect.x, rect.y, rect.width, rect.height)
     if arranged.main is None:
-        viewport_notes.invitation(state, fonts, rect)
+        if viewport_notes.invitation(state, fonts, rect) and clicked:
+            state.asking.wish("open_file")
         return
     _over_the_picture(state, pictures, arranged, rect, scale)
 
@@ -102,6 +103,8 @@ def _over_the_picture(state: EditorState, pictures: Pictures, arranged: Arrangem
     placing.hint(state, rect)
     viewport_notes.corner_note(state, arranged, rect)
     light_ball.draw(state, pictures, rect, scale)
-    timings.draw(state, rect)
-    probe_card.draw(state, arranged, rect)
-    viewport_notes.pane_titles(state, arranged, rect, scale)
+    covered = min(state.look.covered, rect.height)
+    below = Rect(rect.x, rect.y + covered, rect.width, rect.height - covered)
+    timings.draw(state, below)
+    probe_card.draw(state, arranged, below)
+    viewport_notes.pane_titles(state, arranged, below, scale)

@@ -49,7 +49,7 @@ def draw(state: EditorState, arranged: Arrangement, rect: Rect, scale: float) ->
     for width, shown in ((0.2 * em, shade), (0.08 * em, colour)):
         draw_list.add_line((x, top), (x, middle - radius), shown, width)
         draw_list.add_line((x, middle + radius), (x, bottom), shown, width)
-    draw_list.add_circle_filled((x, middle), radius, theme.packed((0.05, 0.05, 0.05, 1.0), 0.72), 32)
+    draw_list.add_circle_filled((x, middle), radius, theme.packed(theme.SHADE, 0.72), 32)
     draw_list.add_circle((x, middle), radius, colour, 32, 0.1 * em)
     for side in (-1.0, 1.0):
         tip, base, half = x + side * 0.62 * radius, x + side * 0.2 * radius, 0.36 * radius

@@ -196,7 +196,7 @@ class Deeds:
 
     def _export_there(self, path: Path, form: str) -> None:
         path = path if path.suffix.lower() == form else path.with_name(path.name + form)
-        self._state.export_path = str(path)
+        self._state.export_to(path)
         self.replace_file(path, lambda chosen: self._outputs.export_to(chosen, replaces=chosen == path))
 
     def _film_there(self, path: Path) -> None:

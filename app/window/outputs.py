@@ -115,7 +115,7 @@ class Outputs:
 
     def suggested(self, suffix: str, ending: str = "") -> Path:
         """A free name for an output beside the photo."""
-        path = Path(self._state.export_path or "portrait-relit.png").expanduser()
+        path = self._state.export_place()
         return free_path(path.with_name(f"{path.stem}{ending}{suffix}"))
 
     def _picture(self):

@@ -68,6 +68,23 @@ def test_the_palette_prefers_names_that_start_with_what_was_typed():
     assert matching([words, start], "nothing of the kind") == []
 
 
+def test_what_tells_of_certain_pictures_brings_one_into_sight():
+    state = EditorState()
+    named("False colour").run(state)
+    assert state.shown == "specular"
+    state.shown = "shadow"
+    named("Difference to the photo").run(state)
+    assert state.shown == "result"
+    named("False colour").run(state)
+    assert state.shown == "result"
+
+
+def test_letters_inside_a_word_of_the_help_find_nothing():
+    inside = Action("Alpha", "G", ("A",), "The whole picture", print)
+    assert matching([inside], "ture") == []
+    assert matching([inside], "pict") == [inside]
+
+
 def test_the_palette_finds_common_wishes():
     found = {typed: matching(ACTIONS, typed)[0].name for typed in ("albedo", "fit", "reset", "png")}
     assert found == {"albedo": "Show albedo", "fit": "Fit the picture", "reset": "Reset all", "png": "Save a PNG"}

@@ -58,3 +58,10 @@ def test_dragging_an_edge_resizes_its_panel_between_limits():
     assert layout.effects.width == 300
     assert [divider.panel for divider in layout.dividers] == ["light", "effects", "filmstrip"]
     assert [divider.sign for divider in layout.dividers] == [1.0, -1.0, -1.0]
+
+
+def test_a_wide_window_gives_the_panorama_more_room_until_the_user_says_how_much():
+    assert arrange(1024, 700, EM).light.width == 255
+    assert arrange(1440, 900, EM).light.width == 288
+    assert arrange(3840, 2160, EM).light.width == 390
+    assert arrange(3840, 2160, EM, Panels(light_em=20.0)).light.width == 300

@@ -155,6 +155,18 @@ def test_choosing_a_face_keeps_the_decoded_photo_and_the_export_path(tmp_path):
     assert state.export_path == "elsewhere.png"
 
 
+def test_an_export_is_named_from_the_photos_folder(tmp_path):
+    state = EditorState()
+    state.accept(Snapshot(opened=opened_photo(tmp_path / "me.png")))
+    assert (state.export_path, state.export_place()) == ("me-relit.png", tmp_path / "me-relit.png")
+    state.export_path = "best.png"
+    assert state.export_place() == tmp_path / "best.png"
+    state.export_to(tmp_path / "other.png")
+    assert state.export_path == "other.png"
+    state.export_to(tmp_path.parent / "far.png")
+    assert state.export_place() == tmp_path.parent / "far.png"
+
+
 def test_while_the_hand_moves_only_what_fills_the_viewport_is_asked_for():
     state = EditorState()
     state.hand_on_control = True

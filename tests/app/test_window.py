@@ -19,6 +19,14 @@ def test_the_empty_window_shows_no_picture_and_invites_one(hand):
     assert hand.window.state.snapshot.picture is None
 
 
+def test_a_click_on_the_invitation_asks_for_a_file(hand, monkeypatch):
+    monkeypatch.setattr(hand.window._deeds._dialogs, "_has_native", False)
+    hand.click((hand.centre()[0], 3))
+    assert hand.window.state.picking is None
+    hand.click(hand.centre())
+    assert hand.window.state.picking.kind == "open"
+
+
 def test_a_dropped_photo_appears_relit(opened, relighter):
     picture = opened.window.state.snapshot.picture
     assert close_to(opened.picture_pixels(96, 128), apply_view(picture.relit.image))

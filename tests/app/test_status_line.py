@@ -1,0 +1,18 @@
+"""The status line's words."""
+
+import pytest
+
+from app.ui.status_line import brief
+
+
+@pytest.mark.parametrize(
+    ("message", "shown"),
+    [
+        ("/home/me/photos/a.jpg: not an image; use a JPEG", "a.jpg: not an image; use a JPEG"),
+        ("Saved /home/me/a.png", "Saved /home/me/a.png"),
+        ("a.jpg: no face found", "a.jpg: no face found"),
+        ("The graphics driver failed: it was started again", "The graphics driver failed: it was started again"),
+    ],
+)
+def test_a_file_is_told_by_its_name(message, shown):
+    assert brief(message) == shown
