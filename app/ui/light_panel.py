@@ -16,7 +16,7 @@ ROTATION = widgets.Slider(
     "Rotation", -180.0, 180.0, 0.0, "%.0f°", "Turns the light around the person; to the right is positive."
 )
 _COLUMNS = 3
-_WIDE_EM, _HIGH_EM = 6.0, 5.0
+_WIDE_EM, _HIGH_EM = 6.0, 4.75
 """From this width on there are more columns of lights; none is higher than that."""
 
 

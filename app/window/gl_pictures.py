@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Sequence
 
 import moderngl
@@ -23,6 +24,9 @@ from relight_core.lighting.environment import Environment
 
 THUMBNAIL_SIDE = 320
 
+_LAG_S = 0.25
+"""How far scopes and thumbnails may be behind while a hand moves something: each takes time from the picture."""
+
 
 class GlPictures:
     """Textures of the engine's newest snapshot, the viewport, and the thumbnails.
@@ -31,10 +35,14 @@ class GlPictures:
         context: the window's; current whenever a method is called.
         shelf: where the bundled lights' thumbnails come from.
         canvas_srgb: the colour around the picture.
+
+    Attributes:
+        exposure_ev: at which the result is shown.
+        hurried: a hand is moving something, so that what is only read may lag a little behind.
     """
 
     def __init__(self, context: moderngl.Context, shelf: LightShelf, canvas_srgb: tuple[float, float, float]) -> None:
-        self.exposure_ev = 0.0
+        self.exposure_ev, self.hurried = 0.0, False
         self._context = context
         self._shelf = shelf
         self._painter = PicturePainter(context, canvas_srgb)
@@ -45,28 +53,29 @@ class GlPictures:
         self._thumbnails = {name: Canvas(context) for name in (PHOTO, RESULT)}
         self._scopes = Scopes(context)
         self._light_ball = LightBall(context)
+        self._read: tuple[str, np.ndarray] | None = None
+        self._followed_s: dict[str, float] = {}
         self._environment: Environment | None = None
         self._drawn: dict[str, tuple] = {}
-        self._generation = 0
+        self._versions: dict[str, int] = {}
 
     def update(self, snapshot: Snapshot) -> None:
         """Upload what the snapshot holds that is not there yet."""
         opened, light, picture = snapshot.opened, snapshot.light, snapshot.picture
         if picture is not None and picture.opened is not opened:
             picture = None
-        changed = self._slots[PHOTO].show(opened.screen if opened else None)
-        changed |= self._slots[RESULT].show(picture.screen if picture else None)
+        self._show(PHOTO, opened.screen if opened else None)
+        self._show(RESULT, picture.screen if picture else None)
         # The channel called photo is the face's crop; here the name means the whole photo.
         channels = {name: codes for name, codes in picture.channels.items() if name != PHOTO} if picture else {}
         for name in self._slots.keys() - {PHOTO, RESULT} | channels.keys():
-            slot = self._slots.setdefault(name, TextureSlot(self._context))
-            changed |= slot.show(channels.get(name))
+            self._slots.setdefault(name, TextureSlot(self._context))
+            self._show(name, channels.get(name))
         self._panorama.show(light.panorama if light else None)
         self._environment = light.environment if light else None
         for known in (light, snapshot.own_light):
             if known is not None and known.source.kind != "rig":
                 self._ball_slot(known.source).show(known.ball)
-        self._generation += changed
 
     def size(self, name: str) -> tuple[int, int] | None:
         """Width and height of a picture or channel; None while there is none."""
@@ -82,16 +91,20 @@ class GlPictures:
             return _shown(self._slots[name].texture)
         scale = min(1.0, THUMBNAIL_SIDE / max(size))
         small = (max(1, round(size[0] * scale)), max(1, round(size[1] * scale)))
-        canvas = self._thumbnails[name]
-        if self._is_due(f"thumbnail {name}", canvas, small, self._exposure_of(name)):
+        canvas, key = self._thumbnails[name], f"thumbnail {name}"
+        wanted = self._exposure_of(name), self._versions[name]
+        if not self._may_lag(key) and self._is_due(key, canvas, small, wanted):
             self._painter.thumbnail(canvas, self._slots, name, scale, self.exposure_ev)
+            self._followed_s[key] = time.monotonic()
         return _shown(canvas.texture)
 
     def viewport(self, panes: Sequence[Pane], size: tuple[int, int], paint: Paint) -> Shown:
         """The viewport, `size` pixels large, with the panes' pictures; drawn now if anything changed."""
         panes = tuple(pane for pane in panes if self.size(pane.name))
         exposures = tuple(self._exposure_of(pane.name) for pane in panes)
-        if self._is_due("viewport", self._viewport, size, (panes, paint, exposures)):
+        # A difference reads the photo too.
+        versions = tuple(self._versions.get(name, 0) for name in (PHOTO, *(pane.name for pane in panes)))
+        if self._is_due("viewport", self._viewport, size, (panes, paint, exposures, versions)):
             self._painter.panes(self._viewport, panes, self._slots, paint, self.exposure_ev)
         return _shown(self._viewport.texture)
 
@@ -107,13 +120,30 @@ class GlPictures:
         """The "histogram" or "waveform" of a picture or channel; computed now if it is another one."""
         if self.size(name) is None:
             return None
-        return _shown(self._scopes.scope(kind, self._slots[name].array, self._exposure_of(name)))
+        return _shown(self._scopes.scope(kind, self._readable(name), self._exposure_of(name)))
 
     def extremes(self, name: str) -> Extremes | None:
         """How much of the photo or the result the screen can't show; None for a channel."""
         if name not in (PHOTO, RESULT) or self.size(name) is None:
             return None
-        return self._scopes.extremes(self._slots[name].array, self._exposure_of(name))
+        return self._scopes.extremes(self._readable(name), self._exposure_of(name))
+
+    def _readable(self, name: str) -> np.ndarray:
+        """A picture's pixels for the scopes; in a hurry those of the one before, for a moment."""
+        is_other = self._read is None or self._read[0] != name
+        if is_other or not self._may_lag("scopes"):
+            array = self._slots[name].array
+            if is_other or array is not self._read[1]:
+                self._read, self._followed_s["scopes"] = (name, array), time.monotonic()
+        return self._read[1]
+
+    def _may_lag(self, key: str) -> bool:
+        """Whether something follows the picture so closely that, in a hurry, it need not be brought up to date."""
+        followed_s = self._followed_s.get(key)
+        return self.hurried and followed_s is not None and time.monotonic() - followed_s < _LAG_S
+
+    def _show(self, name: str, content: object) -> None:
+        self._versions[name] = self._versions.get(name, 0) + self._slots[name].show(content)
 
     def panorama(self) -> Shown | None:
         """The light in force; repeats sideways."""
@@ -145,7 +175,7 @@ class GlPictures:
 
     def _is_due(self, key: str, canvas: Canvas, size: tuple[int, int], what: object) -> bool:
         """Whether a canvas must be drawn: it has a new size, or shows something else than this."""
-        wanted = (size, what, self._generation)
+        wanted = (size, what)
         same = not canvas.fit(size) and self._drawn.get(key) == wanted
         self._drawn[key] = wanted
         return not same

@@ -291,7 +291,7 @@ class EditorWindow:
             state.accept(snapshot)
             self.pictures.update(snapshot)
         state.job = self.exporter.status()
-        self.pictures.exposure_ev = state.edit.exposure_ev
+        self.pictures.exposure_ev, self.pictures.hurried = state.edit.exposure_ev, state.hand_on_control
         self._graphics.binding.begin()
         editor.draw(state, self._graphics.binding.fonts, self.pictures, Shelf(self.shelf.names, self.shelf.words))
         self._graphics.binding.end()

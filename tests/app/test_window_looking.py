@@ -10,6 +10,7 @@ import pytest
 from PIL import Image
 from window_hand import HEIGHT, WIDTH, Hand, close_to
 
+from app.window import gl_pictures
 from app.window.window import EditorWindow
 
 
@@ -257,6 +258,23 @@ def test_histogram_and_waveform_follow_the_exposure_and_can_be_put_away(opened):
     opened.key(glfw.KEY_H)
     opened.click((WIDTH - 120, 50))
     assert opened.window.state.look.scope == "waveform"
+
+
+def test_the_scopes_may_lag_while_a_hand_moves_something_and_follow_when_it_rests(opened, monkeypatch):
+    pictures, snapshot = opened.window.pictures, opened.window.state.snapshot
+    before = pictures.extremes("result")
+    white = np.full_like(snapshot.picture.screen, 4.0)
+    pictures.update(replace(snapshot, picture=replace(snapshot.picture, screen=white)))
+    clock = time.monotonic()
+    monkeypatch.setattr(gl_pictures.time, "monotonic", lambda: clock)
+    pictures._followed_s["scopes"] = clock
+    pictures.hurried = True
+    assert pictures.extremes("result") == before
+    clock += 1.0
+    assert pictures.extremes("result").too_bright == 1.0
+    pictures.update(snapshot)
+    pictures.hurried = False
+    assert pictures.extremes("result") == before
 
 
 def test_dragging_the_lit_ball_turns_the_light_and_the_ball_follows(opened):
