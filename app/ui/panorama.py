@@ -19,7 +19,7 @@ NEW_AT = (0.125, 0.3)
 """Where a new soft box is put: from the front, left and above."""
 
 _COMPASS = ((0.0, "front"), (0.25, "left"), (0.5, "behind"), (0.75, "right"), (1.0, "front"))
-_REACH_PX = 9.0
+_REACH_EM, _KNOB_EM = 0.6, 0.27
 
 
 def draw(state: EditorState, pictures: Pictures) -> None:
@@ -30,7 +30,7 @@ def draw(state: EditorState, pictures: Pictures) -> None:
     imgui.invisible_button("panorama", imgui.ImVec2(width, height))
     io = imgui.get_io()
     u, v = (io.mouse_pos.x - left.x) / width, (io.mouse_pos.y - left.y) / height
-    reach_deg = _REACH_PX * 180.0 / height
+    reach_deg = _REACH_EM * imgui.get_font_size() * 180.0 / height
     if imgui.is_item_hovered():
         _point(state, u, v, reach_deg)
     _hold(state, u, v, io.mouse_delta.x / width, reach_deg)
@@ -108,14 +108,14 @@ def _box(state: EditorState, index: int, left: imgui.ImVec2, width: float, heigh
     draw_list = imgui.get_window_draw_list()
     draw_list.push_clip_rect(left, imgui.ImVec2(left.x + width, left.y + height), True)
     edge = _unwrapped(outline(box), state.edit.yaw_deg)
-    colour = theme.ACCENT if selected else theme.TEXT
+    colour, em = theme.ACCENT if selected else theme.TEXT, imgui.get_font_size()
     for turn in (-1, 0, 1):
         points = [imgui.ImVec2(left.x + (u + turn) * width, left.y + v * height) for u, v in edge]
-        draw_list.add_polyline(points, theme.packed((0.0, 0.0, 0.0, 1.0), 0.5), 3.5, 0)
-        draw_list.add_polyline(points, theme.packed(colour), 2.0 if selected else 1.2, 0)
+        draw_list.add_polyline(points, theme.packed((0.0, 0.0, 0.0, 1.0), 0.5), 0.23 * em, 0)
+        draw_list.add_polyline(points, theme.packed(colour), (0.13 if selected else 0.08) * em, 0)
         for u, v in _unwrapped(corners(box), state.edit.yaw_deg)[:-1] if selected else ():
             at = imgui.ImVec2(left.x + (u + turn) * width, left.y + v * height)
-            draw_list.add_circle_filled(at, 4.0, theme.packed(theme.ACCENT))
+            draw_list.add_circle_filled(at, _KNOB_EM * em, theme.packed(theme.ACCENT))
     draw_list.pop_clip_rect()
 
 

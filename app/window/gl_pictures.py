@@ -18,11 +18,14 @@ from app.window.gl_light_ball import LightBall
 from app.window.gl_recipe import RelitSlot
 from app.window.gl_scopes import Scopes
 from app.window.gl_textures import Canvas, TextureSlot
-from app.window.gl_viewport import PicturePainter
+from app.window.gl_viewport import PicturePainter, coarser, draws_in_software
 from relight_core.imaging.scopes import Extremes
 from relight_core.lighting.environment import Environment
 
 THUMBNAIL_SIDE = 320
+
+_COARSER = 2
+"""Where the processor itself draws, the viewport has so many times fewer rows and columns while a hand moves."""
 
 _LAG_S = 0.25
 """How far scopes and thumbnails may be behind while a hand moves something: each takes time from the picture."""
@@ -49,7 +52,9 @@ class GlPictures:
         self._slots = {PHOTO: TextureSlot(context, mipmaps=True), RESULT: RelitSlot(context)}
         self._balls: dict[tuple[str, str], TextureSlot] = {}
         self._panorama = TextureSlot(context, repeat_x=True)
-        self._viewport = Canvas(context, smooth=False)
+        self._viewport, self._coarse_viewport = Canvas(context, smooth=False), Canvas(context)
+        self._seen = self._viewport
+        self._in_software = draws_in_software(context)
         self._thumbnails = {name: Canvas(context) for name in (PHOTO, RESULT)}
         self._scopes = Scopes(context)
         self._light_ball = LightBall(context)
@@ -100,17 +105,21 @@ class GlPictures:
 
     def viewport(self, panes: Sequence[Pane], size: tuple[int, int], paint: Paint) -> Shown:
         """The viewport, `size` pixels large, with the panes' pictures; drawn now if anything changed."""
-        panes = tuple(pane for pane in panes if self.size(pane.name))
+        panes, key, canvas = tuple(pane for pane in panes if self.size(pane.name)), "viewport", self._viewport
+        if self.hurried and self._in_software:
+            key, canvas = "coarse viewport", self._coarse_viewport
+            panes, size, paint = coarser(panes, size, paint, _COARSER)
+        self._seen = canvas
         exposures = tuple(self._exposure_of(pane.name) for pane in panes)
         # A difference reads the photo too.
         versions = tuple(self._versions.get(name, 0) for name in (PHOTO, *(pane.name for pane in panes)))
-        if self._is_due("viewport", self._viewport, size, (panes, paint, exposures, versions)):
-            self._painter.panes(self._viewport, panes, self._slots, paint, self.exposure_ev)
-        return _shown(self._viewport.texture)
+        if self._is_due(key, canvas, size, (panes, paint, exposures, versions)):
+            self._painter.panes(canvas, panes, self._slots, paint, self.exposure_ev)
+        return _shown(canvas.texture)
 
     def viewport_pixels(self) -> np.ndarray:
         """(h, w, 3) uint8 sRGB of the viewport as drawn last, row 0 at its top."""
-        return self._viewport.pixels()
+        return self._seen.pixels()
 
     def colours(self, kind: str) -> Shown:
         """The colours of "scale" (false colour) or "difference", from the least to the most."""
@@ -163,7 +172,7 @@ class GlPictures:
     def close(self) -> None:
         """Free everything."""
         slots = [*self._slots.values(), *self._balls.values(), self._panorama]
-        canvases = [self._viewport, *self._thumbnails.values()]
+        canvases = [self._viewport, self._coarse_viewport, *self._thumbnails.values()]
         for item in [*slots, *canvases, self._scopes, self._light_ball, self._painter]:
             item.close()
 

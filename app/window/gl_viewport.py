@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 
 import moderngl
 
@@ -117,6 +118,27 @@ class PicturePainter:
             program = triangle.program
             triangle.release()
             program.release()
+
+
+def draws_in_software(context: moderngl.Context) -> bool:
+    """Whether the processor does the graphics' work, for which every pixel counts."""
+    renderer = context.info["GL_RENDERER"].lower()
+    return any(name in renderer for name in ("llvmpipe", "softpipe", "swiftshader", "swrast"))
+
+
+def coarser(
+    panes: Sequence[Pane], size: tuple[int, int], paint: Paint, by: int
+) -> tuple[tuple[Pane, ...], tuple[int, int], Paint]:
+    """The same viewport with `by` times fewer rows and columns."""
+
+    def shrunk(pane: Pane) -> Pane:
+        spot = pane.placement
+        lengths = {name: getattr(spot, name) / by for name in ("x", "y", "zoom", "width", "height")}
+        left, right = round(pane.left / by), math.ceil(pane.right / by)
+        return replace(pane, placement=replace(spot, **lengths), left=left, right=right)
+
+    smaller = tuple(math.ceil(length / by) for length in size)
+    return tuple(map(shrunk, panes)), smaller, replace(paint, stripe_px=paint.stripe_px / by)
 
 
 def _mode(name: str, paint: Paint) -> int:

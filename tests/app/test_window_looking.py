@@ -277,6 +277,22 @@ def test_the_scopes_may_lag_while_a_hand_moves_something_and_follow_when_it_rest
     assert pictures.extremes("result") == before
 
 
+def test_drawn_in_software_the_viewport_is_coarser_only_while_a_hand_moves_something(opened):
+    opened.frames()
+    finest = opened.viewport()
+    opened.window.state.hand_on_control = True
+    opened.frames()
+    coarse = opened.viewport()
+    assert coarse.shape[:2] == tuple(-(-length // 2) for length in finest.shape[:2])
+    middle = (slice(coarse.shape[0] // 2 - 20, coarse.shape[0] // 2 + 20),) * 2
+    averages = finest[: coarse.shape[0] * 2, : coarse.shape[1] * 2]
+    averages = averages[: averages.shape[0] // 2 * 2, : averages.shape[1] // 2 * 2]
+    averages = averages.reshape(averages.shape[0] // 2, 2, -1, 2, 3).mean((1, 3))
+    assert np.abs(coarse[middle].astype(float) - averages[middle]).mean() < 3
+    opened.frames(2)
+    assert (opened.viewport() == finest).all()
+
+
 def test_dragging_the_lit_ball_turns_the_light_and_the_ball_follows(opened):
     opened.light("split")
     ball = (255 + 12 + 39, HEIGHT - 141 - 12 - 39)
