@@ -1,6 +1,6 @@
 """Make the training data: bake heads, check their light against a path tracer, look at samples.
 
-relight dataset bake --heads HEADS [--wardrobe FOLDER] --out DIR --split train --count N
+relight dataset bake --heads HEADS [--wardrobe FOLDER [--headwear SHARE]] --out DIR --split train [--skip N] --count N
 relight dataset skins --heads MODEL.npz --wardrobe FOLDER --out DIR
 relight dataset lights FOLDER -o LIGHTS.npz
 relight dataset check --heads HEADS [--wardrobe FOLDER] --lights LIGHTS [--count N]
