@@ -42,6 +42,9 @@ _DULLNESS = {
     "left_eye": 0.5,
     "right_eye": 0.5,
 }
+_BLACK, _DARKEST_SKIN, _BLACK_GLOSS = 0.015, 0.045, 0.08
+"""Albedo that is darker than any skin is cloth or hair, whatever the parsing takes it for (a black collar for a
+neck), and gloss would lie over it as haze."""
 
 
 @dataclass(frozen=True)
@@ -161,7 +164,8 @@ class Reflector:
     """What a surface reflects where nothing is hidden from it, made ready for many lights.
 
     The paper gives everything the gloss of skin (section 3.2) and says what that costs (5.4). Hair and
-    cloth scatter more than they mirror: theirs is turned down by the parsing's probabilities.
+    cloth scatter more than they mirror: theirs is turned down by the parsing's probabilities, and that of
+    what is too dark for skin.
 
     Attributes:
         light_of: irradiance and gloss at every pixel's normal.
@@ -179,6 +183,7 @@ def reflector(table: ReflectionTable, surface: Surface) -> Reflector:
     """Make a surface's normals and parts ready."""
     shares = torch.ones_like(surface.normal).repeat(1, 2, 1, 1)
     shares[:, 3:] -= _dullness(surface)
+    shares[:, 3:] *= ((grey(surface.albedo) - _BLACK) / (_DARKEST_SKIN - _BLACK)).clamp(_BLACK_GLOSS, 1)
     receives = torch.from_numpy(eye_sockets(surface.parsing[0].cpu().numpy())).to(shares.device)
     sockets = gather_bounce(surface.normal, surface.relief, surface.albedo, surface.person, receives)
     return Reflector(NormalLookup(table, surface.normal), shares, sockets)

@@ -1,0 +1,42 @@
+"""What of a light a surface gives back, by what it is made of."""
+
+import pytest
+import torch
+
+from relight_core.lighting.reflection import ReflectionTable
+from relight_core.pipeline.stages import Surface, reflect, reflector
+
+SIZE, SKIN, RIGHT_EYE, NECK, CLOTH = 16, 1, 5, 9, 13
+
+
+def surface_of(label, albedo):
+    """A wall that faces the camera, all of one kind and colour."""
+    one = torch.ones(1, 1, SIZE, SIZE)
+    parsing = torch.zeros(1, 14, SIZE, SIZE)
+    parsing[:, label] = 1
+    normal = torch.cat([0 * one, 0 * one, one], 1)
+    colour = (albedo * one).expand(1, 3, SIZE, SIZE)
+    return Surface(colour, colour, normal, 0 * one, parsing, one, torch.ones(1, 16, 32, 3))
+
+
+def reflected(label, albedo):
+    """Irradiance and gloss under light from everywhere."""
+    both = reflect(reflector(ReflectionTable(), surface_of(label, albedo)), torch.ones(1, 16, 32, 3))
+    return both[:, :3].mean().item(), both[:, 3:].mean().item()
+
+
+def test_black_cloth_taken_for_a_neck_hardly_mirrors_and_dark_skin_does():
+    light, skin_gloss = reflected(SKIN, 0.4)
+    assert reflected(NECK, 0.06) == pytest.approx((light, skin_gloss), rel=1e-4)
+    black_light, black_gloss = reflected(NECK, 0.015)
+    assert black_light == pytest.approx(light, rel=1e-4)
+    assert 0 < black_gloss < 0.1 * skin_gloss
+    assert black_gloss < reflected(NECK, 0.03)[1] < skin_gloss
+
+
+def test_cloth_is_duller_than_skin():
+    assert reflected(CLOTH, 0.4)[1] < 0.2 * reflected(SKIN, 0.4)[1]
+
+
+def test_a_flat_eye_gets_no_light_thrown_back():
+    assert reflected(RIGHT_EYE, 0.4)[0] == pytest.approx(reflected(SKIN, 0.4)[0], rel=1e-4)
