@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 from imgui_bundle import imgui
 
 from app.ui import theme, widgets
@@ -17,10 +19,11 @@ def draw(state: EditorState, pictures: Pictures) -> None:
     width = min(1.35 * (room.y - 1.4 * em), (room.x - spacing * (len(CHANNELS) - 1)) / len(CHANNELS))
     indent = (room.x - len(CHANNELS) * width - spacing * (len(CHANNELS) - 1)) / 2
     imgui.set_cursor_pos_x(imgui.get_cursor_pos_x() + max(0.0, indent))
+    side_px = max(1, math.ceil(max(width, room.y) * imgui.get_io().display_framebuffer_scale.x))
     for index, (name, title, explanation) in enumerate(CHANNELS):
         if index:
             imgui.same_line(0.0, spacing)
-        _frame(state, pictures.thumbnail(name), index, title, width, room.y)
+        _frame(state, pictures.thumbnail(name, side_px), index, title, width, room.y)
         imgui.set_item_tooltip(f"{explanation}  {index + 1}")
 
 

@@ -40,8 +40,8 @@ class Pictures(Protocol):
     def size(self, name: str) -> tuple[int, int] | None:
         """Width and height of a picture or channel; None while there is none."""
 
-    def thumbnail(self, name: str) -> Shown | None:
-        """A picture or channel, small and ready to look at."""
+    def thumbnail(self, name: str, side_px: int) -> Shown | None:
+        """A picture or channel, ready to look at, no more than `side_px` high and wide where it has to be drawn."""
 
     def viewport(self, panes: Sequence[Pane], size: tuple[int, int], paint: Paint) -> Shown:
         """The viewport, `size` pixels large, with the panes' pictures; drawn now if anything changed."""

@@ -22,12 +22,10 @@ from app.window.gl_viewport import PicturePainter, coarser, draws_in_software
 from relight_core.imaging.scopes import Extremes
 from relight_core.lighting.environment import Environment
 
-THUMBNAIL_SIDE = 320
-
 _COARSER = 2
 """Where the processor itself draws, the viewport has so many times fewer rows and columns while a hand moves."""
 
-_LAG_S = 0.25
+_LAG_S = 0.5
 """How far scopes and thumbnails may be behind while a hand moves something: each takes time from the picture."""
 
 
@@ -87,14 +85,14 @@ class GlPictures:
         slot = self._slots.get(name)
         return slot.texture.size if slot and slot.texture else None
 
-    def thumbnail(self, name: str) -> Shown | None:
-        """A picture or channel, small and ready to look at."""
+    def thumbnail(self, name: str, side_px: int) -> Shown | None:
+        """A picture or channel, ready to look at, no more than `side_px` high and wide where it has to be drawn."""
         size = self.size(name)
         if size is None:
             return None
         if name not in self._thumbnails:
             return _shown(self._slots[name].texture)
-        scale = min(1.0, THUMBNAIL_SIDE / max(size))
+        scale = min(1.0, side_px / max(size))
         small = (max(1, round(size[0] * scale)), max(1, round(size[1] * scale)))
         canvas, key = self._thumbnails[name], f"thumbnail {name}"
         wanted = self._exposure_of(name), self._versions[name]
