@@ -124,7 +124,7 @@ def _check_plausible(data: bytes, image: Image.Image, path: Path) -> None:
     pixels = image.width * image.height
     if pixels > max(_LARGE_PIXELS, _MOST_PIXELS_A_BYTE * len(data)):
         claim = f"{image.width} x {image.height} pixels in {len(data)} bytes"
-        raise InputError(f"{path}: a damaged or empty image ({claim}); fetch or export it again")
+        raise InputError(f"{path}: a truncated or damaged image ({claim}); fetch or export it again")
     if image.format != "PNG" or len(data) < 26:
         return
     claimed = pixels * _PNG_SAMPLES.get(data[25], 1) * data[24] // 8
