@@ -34,6 +34,7 @@ from app.window.outputs import Outputs
 SIZE = (1440, 900)
 _LIVELY_S = 0.7
 _LIVELY_STEP_S = 0.03
+_QUIET_FRAMES, _MOST_SETTLING_FRAMES = 4, 60
 _CURSOR_BLINK_S = 0.25
 _DEEDS_STEP_S = 0.1
 _PLAYING_STEP_S = 1 / 60
@@ -146,12 +147,19 @@ class EditorWindow:
         return True
 
     def settle(self, timeout_s: float = 60.0) -> bool:
-        """Draw until the engine has answered all that is wanted; False if it took too long."""
-        self.frame()
-        answered = self.engine.wait_until_idle(timeout_s)
-        for _ in range(3):
+        """Draw until the engine has answered all that is wanted; False if it took too long.
+
+        What a frame shows may make the next one want more, so some frames in a row have to find the engine idle.
+        """
+        until, quiet = time.monotonic() + timeout_s, 0
+        for _ in range(_MOST_SETTLING_FRAMES):
             self.frame()
-        return answered
+            quiet = quiet + 1 if self.engine.wait_until_idle(0) else 0
+            if quiet == _QUIET_FRAMES:
+                break
+            if not self.engine.wait_until_idle(until - time.monotonic()):
+                return False
+        return True
 
     def screenshot(self) -> np.ndarray:
         """(h, w, 3) uint8 sRGB of the whole window."""
