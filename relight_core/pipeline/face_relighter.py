@@ -147,9 +147,12 @@ class FaceRelighter:
             )[2]
 
         source = self._source_light(ready)
-        recorded = as_tensor(ready.photo_small).to(self._shop.device)
-        make = lambda: find_residual(ready.surface, recorded, source, compose)  # noqa: E731
-        return self._once("residual", plan.keys["residual"], make)
+
+        def find() -> Residual:
+            recorded = as_tensor(ready.photo_small).to(self._shop.device)
+            return find_residual(ready.surface, recorded, source, compose)
+
+        return self._once("residual", plan.keys["residual"], find)
 
     def lit(self, ready: Prepared, radiance: np.ndarray, plan: Plan) -> Lit:
         """The face under a normalised light (16, 32, 3), as the photo's camera sees it."""

@@ -110,9 +110,10 @@ def delight(
     *images, light = parts
     linear, albedo, normal, relief, parsing = (_shrunk(image, size) for image in (linear, *images))
     normal, relief = _without_rim(normal), _without_rim(relief)
-    balls = with_eyeballs(F.normalize(normal, dim=1, eps=1e-4)[0].cpu().numpy(), parsing[0].cpu().numpy())
+    parts_seen = parsing[0].cpu().numpy()
+    balls = with_eyeballs(F.normalize(normal, dim=1, eps=1e-4)[0].cpu().numpy(), parts_seen)
     normal = torch.from_numpy(balls)[None].to(device)
-    person = torch.from_numpy(solid_person(parsing[0].cpu().numpy()))[None, None].to(device)
+    person = torch.from_numpy(solid_person(parts_seen))[None, None].to(device)
     height = sharpened_relief(relief, normal, person, photo.shape[0])
     return Surface(linear, albedo, normal, height, parsing, person, light)
 
