@@ -57,6 +57,18 @@ class ReliefTransport:
         fraction[points] = lost
         return fraction.T.reshape(-1, 1, self.size, self.size)
 
+    def visibility(self, grey: torch.Tensor) -> torch.Tensor:
+        """Share of a light's irradiance that reaches each point, (1, 1, S, S) in [0, 1]; 1 where there is none.
+
+        Args:
+            grey: (H, 2H) radiance of the texels the transport was made for.
+        """
+        points, both = self._at_surface
+        opened, closed = (both @ grey.float().flatten()).chunk(2)
+        share = opened.new_ones(len(self.open))
+        share[points] = torch.where(opened > 1e-6, closed / opened.clamp_min(1e-6), 1.0)
+        return share.reshape(1, 1, self.size, self.size)
+
     @cached_property
     def _at_surface(self) -> tuple[torch.Tensor, torch.Tensor]:
         """Which points have a surface at all, and their rows of `open` above those of `closed`."""

@@ -95,11 +95,18 @@ class Head(nn.Conv2d):
             return super().forward(x.float())
 
 
-def decoder_levels(widths: list[int]) -> nn.ModuleList:
-    """Levels back up, coarsest first; the finest has one convolution only."""
-    pairs = list(zip(widths[:0:-1], widths[-2::-1], strict=True))
+def decoder_levels(widths: list[int], least: int = 0) -> nn.ModuleList:
+    """Levels back up, coarsest first.
+
+    Args:
+        widths: of the encoder's levels, finest first; the decoder's are as wide.
+        least: channels that no level has fewer of. Where it is 0 the finest level has one convolution only.
+    """
+    outputs = [max(width, least) for width in widths[:-1]]
+    below = [*outputs[1:], widths[-1]]
+    finest = list(zip(below, widths, outputs, range(len(outputs)), strict=False))
     return nn.ModuleList(
-        UpLevel(below, skip, skip, refined=index < len(pairs) - 1) for index, (below, skip) in enumerate(pairs)
+        UpLevel(under, skip, output, refined=level > 0 or least > 0) for under, skip, output, level in reversed(finest)
     )
 
 

@@ -34,6 +34,8 @@ class DelightConfig:
         detail_width: channels of a pass that sharpens albedo and normal at full resolution, while the
             encoder-decoder works at half of it; 0 runs the latter at full resolution, as the paper does.
         relief: height is found too; the paper's network does not.
+        decoder_least: channels that no level of the decoder has fewer of. The outputs are more than the encoder's
+            channels at full resolution, and what they share there is blurred in all of them.
     """
 
     width: int = 16
@@ -42,6 +44,7 @@ class DelightConfig:
     anchored: bool = True
     detail_width: int = 0
     relief: bool = True
+    decoder_least: int = 0
 
     @property
     def multiple(self) -> int:
@@ -123,11 +126,12 @@ class DelightNetwork(nn.Module):
         widths = level_widths(self.config.width, self.config.levels)
         self.encoder = Encoder(3, widths)
         self.light = ConfidenceWeightedLight(widths[-1])
-        self.decoder = decoder_levels(widths)
-        self.head = Head(widths[0], _SHARP + self.config.relief + self.config.classes)
+        self.decoder = decoder_levels(widths, self.config.decoder_least)
+        finest = max(widths[0], self.config.decoder_least)
+        self.head = Head(finest, _SHARP + self.config.relief + self.config.classes)
         self.detail = None
         if self.config.detail_width:
-            self.detail = DetailPass(widths[0], self.config.detail_width, _SHARP)
+            self.detail = DetailPass(finest, self.config.detail_width, _SHARP)
 
     def forward(self, photo_srgb: torch.Tensor) -> Delit:
         """Take a photo apart.

@@ -12,6 +12,7 @@ EFFECTS = (
     "source_light",
     "relief",
     "shadow",
+    "hard_shadow",
     "specular",
     "correction",
     "residual",

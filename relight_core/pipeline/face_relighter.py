@@ -12,6 +12,7 @@ from relight_core.imaging.joint_upsampling import JointUpsampler
 from relight_core.imaging.light_change import LightChange
 from relight_core.imaging.resampling import resize_area
 from relight_core.lighting.environment import mean_luminance
+from relight_core.lighting.lamps import Lamp
 from relight_core.lighting.reflection import ReflectionTable
 from relight_core.lighting.relief import ReliefTransport
 from relight_core.lighting.roll import roll_light
@@ -32,7 +33,9 @@ from relight_core.pipeline.channels import (
     upsampler_for,
 )
 from relight_core.pipeline.edit import Edit
+from relight_core.pipeline.hard_shadow import harden_shadow, horizon_of
 from relight_core.pipeline.hints import Effects
+from relight_core.pipeline.kept_lights import ServingLight
 from relight_core.pipeline.model import light_surface
 from relight_core.pipeline.plan import Plan
 from relight_core.pipeline.portrait import Portrait
@@ -154,9 +157,9 @@ class FaceRelighter:
 
         return self._once("residual", plan.keys["residual"], find)
 
-    def lit(self, ready: Prepared, radiance: np.ndarray, plan: Plan) -> Lit:
-        """The face under a normalised light (16, 32, 3), as the photo's camera sees it."""
-        turned = roll_light(radiance, self.portrait.view.roll_deg)
+    def lit(self, ready: Prepared, serving: ServingLight, plan: Plan) -> Lit:
+        """The face under a normalised light, as the photo's camera sees it."""
+        turned = roll_light(serving.radiance, self.portrait.view.roll_deg)
         light = torch.from_numpy(turned)[None].to(self._shop.device)
         reflected = self._cache.run(
             "irradiance",
@@ -165,6 +168,8 @@ class FaceRelighter:
             "new light",
         )
         effects = self._effects(ready, reflected, light, plan)
+        if plan.runs("hard_shadow") and plan.runs("relief"):
+            effects = self._hardened(ready, effects, reflected, serving.lamps, plan)
         composed = self._cache.run(
             "compose",
             plan.keys["compose"],
@@ -204,6 +209,21 @@ class FaceRelighter:
                 precision=ready.tier.precision,
                 begun=self._begun(ready) if plan.shadow_network else None,
             ),
+            "new light",
+            keep=KEPT_LIGHTS,
+        )
+
+    def _hardened(
+        self, ready: Prepared, effects: Effects, reflected: torch.Tensor, lamps: tuple[Lamp, ...], plan: Plan
+    ) -> Effects:
+        """The effects with the edges of small lamps' shadows."""
+        seen = [lamp.rolled(self.portrait.view.roll_deg) for lamp in lamps]
+        relief = self._relief(ready)
+        horizon = self._once("horizon", ready.tier.surface_key, lambda: horizon_of(ready.found))
+        return self._cache.run(
+            "hard_shadow",
+            plan.keys["hard_shadow"],
+            lambda: harden_shadow(effects, ready.surface, reflected, relief, horizon, seen),
             "new light",
             keep=KEPT_LIGHTS,
         )

@@ -88,17 +88,27 @@ def estimated_effects(
     return effects_of(estimate, reflected, albedo)
 
 
+def hidden_share(effects: Effects, diffuse: torch.Tensor, gloss: torch.Tensor) -> torch.Tensor:
+    """Share of the diffuse light that the shadow takes, (B, 1, H, W) in [0, 1].
+
+    Args:
+        diffuse, gloss: (B, 1, H, W) grey albedo times irradiance, and gloss, both unoccluded. Gloss that is hidden is
+            part of the shadow, not of the diffuse light.
+    """
+    lost_gloss = (gloss - effects.specular).clamp_min(0)
+    return ((effects.shadow - lost_gloss) / diffuse.clamp_min(1e-4)).clamp(0, 1)
+
+
 def explicit_sum(
     albedo: torch.Tensor, reflected: torch.Tensor, effects: Effects, specular_gain=1.0, shadow_gain=1.0
 ) -> torch.Tensor:
     """albedo * irradiance - shadow + specular, (B, 3, H, W) >= 0.
 
     The additive shadow is grey; it darkens each colour in proportion, so that it can take no more than
-    there is and does not tint. Gloss that occlusion took is part of the shadow, not of the diffuse sum.
+    there is and does not tint.
     """
     diffuse = albedo * reflected[:, :3]
     gloss = grey(reflected[:, 3:])
-    lost_gloss = (gloss - effects.specular).clamp_min(0)
-    fraction = ((effects.shadow - lost_gloss) / grey(diffuse).clamp_min(1e-4)).clamp(0, 1)
+    fraction = hidden_share(effects, grey(diffuse), gloss)
     colour = reflected[:, 3:] / gloss.clamp_min(1e-6)
     return diffuse * (1 - shadow_gain * fraction).clamp_min(0) + specular_gain * effects.specular * colour

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from relight_core.lighting.lamps import Lamp
 from relight_core.pipeline.plan import displayed_change, light_change
 
 
@@ -19,11 +20,13 @@ class ServingLight:
         name: of its contents.
         radiance: (16, 32, 3) normalised.
         bound: how much a displayed value in [0, 1] may differ from that under the light that was asked for.
+        lamps: the small ones of the light that was asked for.
     """
 
     name: Hashable
     radiance: np.ndarray
     bound: float
+    lamps: tuple[Lamp, ...] = ()
 
 
 @dataclass

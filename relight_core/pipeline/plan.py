@@ -25,6 +25,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from relight_core.lighting.lamps import Lamp
 from relight_core.pipeline.cache import State
 from relight_core.pipeline.edit import EFFECTS, Edit, check_effects
 from relight_core.pipeline.quality import Tier
@@ -73,6 +74,7 @@ class Scene:
         light_bound: how much displaying the results of that light instead of the true one may change.
         backdrop: names the panorama behind the person: a light and its turn.
         level: of the light.
+        lamps: the light's small ones, turned as it is.
     """
 
     tier: Tier
@@ -80,6 +82,7 @@ class Scene:
     light_bound: float
     backdrop: Hashable
     level: float
+    lamps: tuple[Lamp, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -116,6 +119,7 @@ _STAGE_OF = {
     "source_light": "source_light",
     "relief": "relief",
     "shadow": "specular_shadow",
+    "hard_shadow": "hard_shadow",
     "specular": "specular_shadow",
     "correction": "compose",
     "residual": "residual",
@@ -124,7 +128,7 @@ _STAGE_OF = {
     "background": "background",
     "channels": "channels",
 }
-_ANSWERS_THE_LIGHT = ("shadow", "specular", "correction", "sliders", "detail", "channels")
+_ANSWERS_THE_LIGHT = ("shadow", "hard_shadow", "specular", "correction", "sliders", "detail", "channels")
 
 
 def make_plan(
@@ -166,6 +170,7 @@ def _verdicts(scene: Scene, edit: Edit) -> dict[str, _Verdict]:
     verdicts = {name: _forced(edit, name) or rule(scene, edit) for name, rule in _RULES.items()}
     verdicts["source_light"] = _forced(edit, "source_light") or _source_light(verdicts, edit)
     verdicts["relief"] = _forced(edit, "relief") or _relief(verdicts)
+    verdicts["hard_shadow"] = _forced(edit, "hard_shadow") or _hard_shadow(verdicts, scene)
     return verdicts
 
 
@@ -243,6 +248,17 @@ def _relief(verdicts: Mapping[str, _Verdict]) -> _Verdict:
     return _Verdict(True, "horizons of the face, once for a photo")
 
 
+def _hard_shadow(verdicts: Mapping[str, _Verdict], scene: Scene) -> _Verdict:
+    if not scene.lamps:
+        return _Verdict(False, "no lamp of this light is small enough to cast an edge")
+    if not verdicts["shadow"].needed:
+        return _Verdict(False, "there is no shadow to give an edge")
+    if not verdicts["relief"].needed:
+        return _Verdict(False, "the relief that would cast it is left out", None)
+    count = len(scene.lamps)
+    return _Verdict(True, f"{count} lamp{'s' * (count > 1)} so small that shadows have edges")
+
+
 _RULES: dict[str, Callable[[Scene, Edit], _Verdict]] = {
     "flattening": _flattening,
     "shadow": _occlusion,
@@ -262,7 +278,8 @@ def _keys(scene: Scene, edit: Edit, needed: set[str], network: bool) -> dict[str
     surface = (scene.tier, "flattening" in needed)
     light = (surface, scene.light)
     occlusion = (light, bool(shown), network, "relief" in needed)
-    compose = (occlusion, shown, "correction" in needed)
+    edges = (occlusion, scene.lamps if "hard_shadow" in needed else None)
+    compose = (edges, shown, "correction" in needed)
     gains = edit.sliders if "sliders" in needed else Edit().sliders
     image = (compose, "residual" in needed)
     change = (image, gains, "detail" in needed, scene.level)
@@ -275,6 +292,7 @@ def _keys(scene: Scene, edit: Edit, needed: set[str], network: bool) -> dict[str
         "relief": scene.tier.relief_key,
         "irradiance": light,
         "specular_shadow": occlusion,
+        "hard_shadow": edges,
         "compose": compose,
         "residual": (surface, network, "relief" in needed, "correction" in needed),
         "detail_fit": (image, "detail" in needed),

@@ -16,6 +16,7 @@ from relight_core.face.silhouette import person_with_headwear
 from relight_core.imaging.matte import Matte, make_matte
 from relight_core.imaging.photo import Photo
 from relight_core.lighting.environment import Environment, network_light
+from relight_core.lighting.lamps import lamps_of
 from relight_core.lighting.reflection import ReflectionTable
 from relight_core.networks.bundle import load_bundle
 from relight_core.pipeline.backdrop import Backdrop, backdrop_panorama, make_backdrop
@@ -183,7 +184,7 @@ class Relighter:
         ready = face.prepare(tier_of(edit.quality))
         if plan.runs("flattening"):
             ready = face.flattened(ready)
-        lit = face.lit(ready, serving.radiance, plan)
+        lit = face.lit(ready, serving, plan)
         level = environment.level
         change = self._cache.run(
             "sliders", plan.keys["sliders"], lambda: face.change(ready, lit, plan, edit, level), "new light or slider"
@@ -210,8 +211,9 @@ class Relighter:
         tier = tier_of(edit.quality)
         exact = not self._cache.remembers or bool(edit.forced_on)
         light = self._lights.match(tier, network_light(environment, edit.yaw_deg), 0.0 if exact else edit.tolerance)
+        light = replace(light, lamps=lamps_of(environment, edit.yaw_deg))
         backdrop = (environment.fingerprint, edit.yaw_deg, edit.background_fov_deg, edit.background_blur_deg)
-        scene = Scene(tier, light.name, light.bound, backdrop, environment.level)
+        scene = Scene(tier, light.name, light.bound, backdrop, environment.level, light.lamps)
         return make_plan(scene, edit, self._cache.has, self._cache.typical_ms), light
 
     def _other_changes(self, serving: ServingLight, plan: Plan, edit: Edit, level: float) -> list[ViewChange]:
@@ -223,7 +225,7 @@ class Relighter:
             ready = face.prepare(tier_of(edit.quality))
             if plan.runs("flattening"):
                 ready = face.flattened(ready)
-            return face.change(ready, face.lit(ready, serving.radiance, plan), plan, edit, level)
+            return face.change(ready, face.lit(ready, serving, plan), plan, edit, level)
 
         return self._cache.run(
             "other_faces",

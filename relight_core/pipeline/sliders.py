@@ -8,7 +8,7 @@ import torch
 
 from relight_core.imaging.tensor_colour import grey
 from relight_core.lighting.light_edit import colour_gain
-from relight_core.pipeline.hints import Effects
+from relight_core.pipeline.hints import Effects, hidden_share
 from relight_core.pipeline.stages import Surface
 
 _WIDEST = 0.09
@@ -35,9 +35,10 @@ def soften_shadow(effects: Effects, surface: Surface, reflected: torch.Tensor, s
     if softness <= 0:
         return effects
     diffuse = grey(surface.albedo * reflected[:, :3])
-    lost_gloss = (grey(reflected[:, 3:]) - effects.specular).clamp_min(0)
-    hidden = ((effects.shadow - lost_gloss) / diffuse.clamp_min(1e-4)).clamp(0, 1)
+    gloss = grey(reflected[:, 3:])
+    hidden = hidden_share(effects, diffuse, gloss)
     soft = _within_surfaces(_plane(hidden), _plane(surface.relief), _plane(surface.person), softness)
+    lost_gloss = (gloss - effects.specular).clamp_min(0)
     return Effects(effects.specular, torch.from_numpy(soft)[None, None].to(diffuse) * diffuse + lost_gloss)
 
 

@@ -8,6 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from relight_core.errors import InputError
+from relight_core.lighting.lamps import Lamp
 from relight_core.pipeline.edit import Edit
 from relight_core.pipeline.kept_lights import KeptLights
 from relight_core.pipeline.plan import Scene, displayed_change, light_change, make_plan
@@ -20,6 +21,7 @@ EFFECTS = {
     "source_light",
     "relief",
     "shadow",
+    "hard_shadow",
     "specular",
     "correction",
     "residual",
@@ -47,7 +49,7 @@ def test_every_effect_is_decided_about_in_words():
 def test_what_changes_nothing_is_skipped_and_says_so():
     plan = make_plan(SCENE, Edit(channels=()))
     skipped = {name for name, state in states(plan).items() if state == "skipped"}
-    assert skipped == {"sliders", "background", "channels"}
+    assert skipped == {"hard_shadow", "sliders", "background", "channels"}
     assert all(plan.effect(name).bound == 0 for name in skipped)
 
 
@@ -55,6 +57,27 @@ def test_black_light_needs_no_network():
     plan = make_plan(replace(SCENE, level=0.0), Edit(channels=()))
     for name in ("flattening", "source_light", "shadow", "specular", "correction", "relief"):
         assert states(plan)[name] == "skipped"
+
+
+def test_only_small_lamps_call_for_edges_and_another_lamp_for_other_edges():
+    near, far = (Lamp((x, 0.0, 0.8), 1.0, 2.0, 1.0) for x in (0.6, -0.6))
+    none, one, other = (make_plan(replace(SCENE, lamps=lamps), Edit()) for lamps in ((), (near,), (far,)))
+    assert not none.runs("hard_shadow")
+    assert none.effect("hard_shadow").bound == 0
+    assert one.runs("hard_shadow")
+    assert one.keys["specular_shadow"] == other.keys["specular_shadow"]
+    assert one.keys["compose"] != other.keys["compose"]
+
+
+@pytest.mark.parametrize("effect", ["shadow", "relief", "hard_shadow"])
+def test_edges_need_a_shadow_and_a_relief(effect):
+    scene = replace(SCENE, lamps=(Lamp((0.6, 0.0, 0.8), 1.0, 2.0, 1.0),))
+    plan = make_plan(scene, Edit(forced_off=frozenset({effect})))
+    assert not plan.runs("hard_shadow")
+    assert (
+        plan.keys["compose"]
+        == make_plan(replace(scene, lamps=()), Edit(forced_off=frozenset({effect}))).keys["compose"]
+    )
 
 
 def test_a_channel_that_is_looked_at_is_made():

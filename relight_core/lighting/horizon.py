@@ -1,0 +1,70 @@
+"""Horizons of a relief, direction by direction, for shadows with edges (horizon mapping: Max 1988).
+
+`lighting.relief` answers for whole panoramas at once and is coarse. A lamp comes from one direction, which
+asks for the horizon in two directions of the image plane only; they are marched when first asked for.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import cv2
+import numpy as np
+
+_AZIMUTHS = 96
+_STEPS = 40
+_REACH = 1.3
+_BIAS = 0.002
+_NOTHING = -1e3
+
+
+@dataclass(eq=False)
+class Horizon:
+    """What a height field hides from small lamps.
+
+    Attributes:
+        relief: (S, S) float32 height toward the camera, in half-widths of the image.
+        covered: (S, S) bool: where there is a surface; elsewhere nothing casts a shadow.
+    """
+
+    relief: np.ndarray
+    covered: np.ndarray
+    _slopes: dict[int, np.ndarray] = field(default_factory=dict, init=False, repr=False)
+
+    def visibility(self, toward: tuple[float, float, float], radius_deg: float) -> np.ndarray:
+        """How much of a lamp's disc each point sees, (S, S) float32 in [0, 1].
+
+        Args:
+            toward: unit vector to the lamp, camera space.
+            radius_deg: of the disc, positive.
+        """
+        x, y, z = toward
+        turn = np.arctan2(y, x) / (2 * np.pi) * _AZIMUTHS
+        first = int(np.floor(turn))
+        before, after = (np.arctan(self._slope((first + step) % _AZIMUTHS)) for step in (0, 1))
+        above = np.arctan2(z, np.hypot(x, y)) - (before + (after - before) * np.float32(turn - first))
+        return np.clip(above / (2 * np.radians(radius_deg)) + 0.5, 0, 1).astype(np.float32)
+
+    def _slope(self, azimuth: int) -> np.ndarray:
+        """The steepest rise from each point in a direction of the image plane; azimuth 0 is +x, a quarter +y."""
+        if azimuth not in self._slopes:
+            self._slopes[azimuth] = self._marched(2 * np.pi * azimuth / _AZIMUTHS)
+        return self._slopes[azimuth]
+
+    def _marched(self, angle: float) -> np.ndarray:
+        size = len(self.relief)
+        height = np.where(self.covered, self.relief, np.float32(_NOTHING))
+        steepest = np.full_like(height, _NOTHING)
+        for step in range(1, _STEPS + 1):
+            distance = 2.0 / size + _REACH * (step / _STEPS) ** 1.8
+            shift = np.float32(distance * size / 2) * np.float32([np.cos(angle), -np.sin(angle)])
+            seen = cv2.warpAffine(
+                height,
+                np.float32([[1, 0, shift[0]], [0, 1, shift[1]]]),
+                (size, size),
+                flags=cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP,
+                borderMode=cv2.BORDER_CONSTANT,
+                borderValue=_NOTHING,
+            )
+            np.maximum(steepest, (seen - self.relief - np.float32(_BIAS)) / np.float32(distance), out=steepest)
+        return steepest

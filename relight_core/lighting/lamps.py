@@ -1,0 +1,139 @@
+"""The small lamps of a light: suns, bulbs and spots, whose shadows have edges.
+
+The light that the networks read has texels of 11 degrees, so that a sun in it is as soft as a window. Here the
+places that are smaller than that are found in the panorama itself, with their direction, size and strength.
+Nothing switches: a lamp that is enlarged, or dimmed against the rest, loses its `hardness` evenly.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from weakref import WeakKeyDictionary
+
+import numpy as np
+
+from relight_core.imaging.colour import luminance
+from relight_core.imaging.resampling import resize_area
+from relight_core.lighting.environment import Environment
+from relight_core.lighting.sphere import directions, solid_angles
+
+_ROWS = 128
+_MOST = 4
+_AROUND_DEG, _BEYOND_DEG = 12.0, 18.0
+_DIMMEST = 4.0
+_CENTRINGS = 3
+_SMALLEST_DEG = 0.5
+_RADIUS_DEG = (8.0, 4.0)
+_SHARE = (0.02, 0.06)
+
+_found: WeakKeyDictionary[Environment, tuple[Lamp, ...]] = WeakKeyDictionary()
+
+
+@dataclass(frozen=True)
+class Lamp:
+    """A small bright place of a light whose mean luminance is 1.
+
+    Attributes:
+        toward: unit vector, camera space.
+        radius_deg: of a disc as spread out as it is.
+        irradiance: that it gives a surface facing it, over pi.
+        hardness: in (0, 1], how far it counts as small; 0 would be a window or next to no light.
+    """
+
+    toward: tuple[float, float, float]
+    radius_deg: float
+    irradiance: float
+    hardness: float
+
+    def turned(self, yaw_deg: float) -> Lamp:
+        """As of the environment turned about +y; positive moves it to the right in the panorama."""
+        x, y, z = self.toward
+        angle = np.radians(yaw_deg)
+        return self._moved(x * np.cos(angle) - z * np.sin(angle), y, x * np.sin(angle) + z * np.cos(angle))
+
+    def rolled(self, roll_deg: float) -> Lamp:
+        """As a camera sees it that is turned counterclockwise as it looks (see `lighting.roll`)."""
+        x, y, z = self.toward
+        angle = np.radians(roll_deg)
+        return self._moved(x * np.cos(angle) + y * np.sin(angle), y * np.cos(angle) - x * np.sin(angle), z)
+
+    def _moved(self, x: float, y: float, z: float) -> Lamp:
+        return replace(self, toward=(float(x), float(y), float(z)))
+
+
+def lamps_of(environment: Environment, yaw_deg: float = 0.0) -> tuple[Lamp, ...]:
+    """The small lamps of a light, the brightest first, at most 4; sought once per environment."""
+    lamps = _found.get(environment)
+    if lamps is None:
+        lamps = _found[environment] = _find(environment.shape)
+    return tuple(lamp.turned(yaw_deg) for lamp in lamps)
+
+
+def footprint(lamp: Lamp, height: int = 16) -> np.ndarray:
+    """Where a lamp's light lies in the light that the networks read, (height, 2 * height) float32, sum 1.
+
+    As `network_light` spreads it: along a row over the width of a texel, and over the texels that it touches.
+    """
+    share = np.zeros((height, 2 * height), np.float32)
+    for x, y, z in _disc(lamp):
+        column = (np.arctan2(x, -z) / (2 * np.pi) + 0.5) * 2 * height - 0.5
+        row = min(int(np.arccos(np.clip(y, -1, 1)) / np.pi * height), height - 1)
+        left = int(np.floor(column))
+        share[row, left % (2 * height)] += 1 - (column - left)
+        share[row, (left + 1) % (2 * height)] += column - left
+    return share / share.sum()
+
+
+def _disc(lamp: Lamp) -> np.ndarray:
+    """(16, 3) unit vectors spread over a lamp's disc, as a sunflower spreads its seeds."""
+    toward = np.array(lamp.toward)
+    across = np.cross(toward, (0.0, 1.0, 0.0) if abs(toward[1]) < 0.9 else (1.0, 0.0, 0.0))
+    across /= np.linalg.norm(across)
+    seed = np.arange(16)
+    distance = np.tan(np.radians(lamp.radius_deg)) * np.sqrt((seed + 0.5) / 16)
+    angle = seed * np.pi * (3 - np.sqrt(5))
+    points = toward + (distance * np.cos(angle))[:, None] * across
+    points += (distance * np.sin(angle))[:, None] * np.cross(toward, across)
+    return points / np.linalg.norm(points, axis=1, keepdims=True)
+
+
+def _find(shape: np.ndarray) -> tuple[Lamp, ...]:
+    fine = resize_area(shape, (_ROWS, 2 * _ROWS)) if len(shape) > _ROWS else shape
+    grey = luminance(fine).astype(np.float64)
+    toward = directions(*grey.shape).astype(np.float64)
+    areas = solid_angles(*grey.shape).astype(np.float64)
+    left, lamps = grey.copy(), []
+    for _ in range(_MOST):
+        peak = np.unravel_index(left.argmax(), left.shape)
+        if left[peak] < _DIMMEST:
+            break
+        centre = toward[peak]
+        # The brightest texel of a disc may be at its rim: what lies around it is sought anew around its middle.
+        for _ in range(_CENTRINGS):
+            apart = toward @ centre
+            around = apart > np.cos(np.radians(_AROUND_DEG))
+            lamp = _measured(grey, toward, areas, around, ~around & (apart > np.cos(np.radians(_BEYOND_DEG))))
+            centre = np.array(lamp.toward)
+        if lamp.hardness > 0:
+            lamps.append(lamp)
+        left[around] = 0
+        left[peak] = 0
+    return tuple(lamps)
+
+
+def _measured(grey: np.ndarray, toward: np.ndarray, areas: np.ndarray, around: np.ndarray, beyond: np.ndarray) -> Lamp:
+    """What stands out `around` a place from what is `beyond` it, as one lamp."""
+    behind = (grey * areas)[beyond].sum() / max(areas[beyond].sum(), 1e-12)
+    power = np.maximum(grey - behind, 0)[around] * areas[around]
+    total = max(power.sum(), 1e-12)
+    mean = power @ toward[around]
+    mean /= max(np.linalg.norm(mean), 1e-12)
+    off_deg = np.degrees(np.arccos(np.clip(toward[around] @ mean, -1, 1)))
+    # A disc's mean squared distance from its middle is half its radius squared.
+    radius_deg = max(float(np.sqrt(2 * (power @ off_deg**2) / total)), _SMALLEST_DEG)
+    hardness = _ramp(radius_deg, *_RADIUS_DEG) * _ramp(total / (4 * np.pi), *_SHARE)
+    return Lamp(tuple(float(part) for part in mean), radius_deg, float(total / np.pi), hardness)
+
+
+def _ramp(value: float, none: float, full: float) -> float:
+    return float(np.clip((value - none) / (full - none), 0, 1))

@@ -1,0 +1,73 @@
+"""Hard shadows of a height field under one small lamp."""
+
+import numpy as np
+import pytest
+
+from relight_core.lighting.horizon import Horizon
+
+SIZE = 64
+
+
+def toward(azimuth_deg, elevation_deg):
+    """Azimuth 0 is the right of the image, 90 its top; elevation 90 is the camera."""
+    a, e = np.radians([azimuth_deg, elevation_deg])
+    return float(np.cos(a) * np.cos(e)), float(np.sin(a) * np.cos(e)), float(np.sin(e))
+
+
+def horizon(relief, covered=None):
+    covered = np.ones((SIZE, SIZE), bool) if covered is None else covered
+    return Horizon(relief.astype(np.float32), covered)
+
+
+def wall(height):
+    relief = np.zeros((SIZE, SIZE))
+    relief[:, 31:35] = height
+    return relief
+
+
+@pytest.mark.parametrize("elevation_deg", [30.0, 45.0])
+def test_a_wall_throws_a_shadow_as_long_as_its_height_asks_for(elevation_deg):
+    seen = horizon(wall(0.25)).visibility(toward(0, elevation_deg), 1.0)[SIZE // 2]
+    length_px = 0.25 / np.tan(np.radians(elevation_deg)) * SIZE / 2
+    dark = np.flatnonzero(seen < 0.5)
+    assert dark.max() <= 34
+    assert 31 - dark.min() == pytest.approx(length_px, abs=2)
+    assert seen[35:].min() > 0.99
+
+
+@pytest.mark.parametrize(
+    ("azimuth_deg", "axis", "flip"), [(0, 1, False), (180, 1, True), (90, 0, False), (270, 0, True)]
+)
+def test_the_shadow_lies_away_from_the_lamp(azimuth_deg, axis, flip):
+    relief = wall(0.3) if axis == 1 else wall(0.3).T
+    seen = horizon(relief).visibility(toward(azimuth_deg, 40), 1.0).mean(1 - axis)
+    before, behind = seen[11:31].mean(), seen[35:55].mean()
+    # Rows run downward: a lamp at the top throws the shadow to higher rows.
+    lamp_is_at_high_index = (axis == 1) != flip
+    assert (before < behind) == lamp_is_at_high_index
+
+
+def test_a_larger_lamp_has_a_wider_penumbra():
+    widths = []
+    for radius_deg in (1.0, 3.0, 6.0):
+        seen = horizon(wall(0.4)).visibility(toward(0, 40), radius_deg)[SIZE // 2]
+        widths.append(int(((seen > 0.02) & (seen < 0.98)).sum()))
+    assert widths[0] < widths[1] < widths[2]
+
+
+def test_planes_and_the_border_throw_none():
+    slope = np.linspace(-0.5, 0.5, SIZE)[None].repeat(SIZE, 0)
+    assert horizon(np.full((SIZE, SIZE), 7.0)).visibility(toward(30, 20), 1.0).min() > 0.99
+    assert horizon(slope).visibility(toward(0, 60), 1.0).min() > 0.99
+
+
+def test_what_is_not_covered_throws_none():
+    covered = np.ones((SIZE, SIZE), bool)
+    covered[:, 31:35] = False
+    assert horizon(wall(0.5), covered).visibility(toward(0, 40), 1.0)[:, :30].min() > 0.99
+
+
+def test_the_shadow_moves_evenly_with_the_lamp():
+    seen = horizon(wall(0.3))
+    shares = [float((1 - seen.visibility(toward(turn, 40), 2.0)).mean()) for turn in np.linspace(0, 12, 25)]
+    assert np.abs(np.diff(shares)).max() < 0.01

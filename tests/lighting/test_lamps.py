@@ -1,0 +1,98 @@
+"""Small lamps found in panoramas: direction, size and strength, and that nothing about them jumps."""
+
+import numpy as np
+import pytest
+
+from relight_core.lighting.environment import Environment, network_light, rotate
+from relight_core.lighting.lamps import Lamp, footprint, lamps_of
+from relight_core.lighting.roll import roll_light
+from relight_core.lighting.sphere import directions, solid_angles
+
+
+def unit(x, y, z):
+    return np.array([x, y, z]) / np.linalg.norm([x, y, z])
+
+
+def panorama(discs, fill=0.3, height=256):
+    """Discs of (direction, radius in degrees, radiance) before an even light."""
+    toward = directions(height, 2 * height)
+    image = np.full((height, 2 * height, 3), fill, np.float32)
+    for direction, radius_deg, radiance in discs:
+        image[toward @ unit(*direction) > np.cos(np.radians(radius_deg))] += radiance
+    return image
+
+
+def light(*discs, **how):
+    return Environment.from_radiance(panorama(discs, **how))
+
+
+def test_a_lamp_is_found_where_it_is_as_large_as_it_is():
+    sun = ((0.5, 0.4, 0.7), 2.5, 900.0)
+    environment = light(sun)
+    (lamp,) = lamps_of(environment)
+    assert np.dot(lamp.toward, unit(*sun[0])) > np.cos(np.radians(0.3))
+    assert lamp.radius_deg == pytest.approx(2.5, abs=0.4)
+    assert lamp.hardness == 1
+    solid_angle = 2 * np.pi * (1 - np.cos(np.radians(2.5)))
+    assert lamp.irradiance * environment.level == pytest.approx(900 * solid_angle / np.pi, rel=0.06)
+
+
+@pytest.mark.parametrize("discs", [(), (((1, 0, 1), 25.0, 40.0),), (((0, 1, 0), 90.0, 3.0),)])
+def test_even_light_windows_and_skies_have_none(discs):
+    assert lamps_of(light(*discs)) == ()
+
+
+def test_light_without_any_light_has_none():
+    assert lamps_of(Environment.from_radiance(np.zeros((16, 32, 3)))) == ()
+
+
+def test_several_lamps_come_by_brightness():
+    lamps = lamps_of(light(((1, 0, 0.3), 2.0, 400.0), ((-1, 0.5, 0.3), 2.0, 1500.0), ((0, 1, 0.2), 2.0, 800.0)))
+    assert [round(lamp.toward[0], 1) for lamp in lamps] == [-0.9, 0.0, 1.0]
+
+
+def test_an_enlarged_lamp_loses_its_hardness_evenly():
+    radii = np.linspace(3, 9, 13)
+    power = 25.0
+    found = [lamps_of(light(((0.4, 0.3, 1), radius, power * (9 / radius) ** 2))) for radius in radii]
+    hardness = [lamps[0].hardness if lamps else 0.0 for lamps in found]
+    assert hardness[0] == 1
+    assert hardness[-1] == 0
+    assert np.diff(hardness).max() < 0.02
+    assert np.diff(hardness).min() > -0.3
+
+
+def test_a_dimmed_lamp_loses_its_hardness():
+    hardness = [max((lamp.hardness for lamp in lamps_of(light(((1, 0, 1), 2.0, r)))), default=0) for r in (600, 40, 5)]
+    assert hardness[0] == 1 > hardness[1] > 0 == hardness[2]
+
+
+@pytest.mark.parametrize("yaw_deg", [45.0, -120.0, 360.0])
+def test_lamps_turn_with_their_panorama(yaw_deg):
+    image = panorama([((0.3, 0.5, 0.8), 3.0, 500.0)])
+    (turned,) = lamps_of(Environment.from_radiance(image), yaw_deg)
+    (found,) = lamps_of(Environment.from_radiance(rotate(image, yaw_deg)))
+    assert np.dot(turned.toward, found.toward) > np.cos(np.radians(0.5))
+
+
+@pytest.mark.parametrize("roll_deg", [30.0, -70.0])
+def test_a_rolled_lamp_lies_where_the_rolled_light_has_it(roll_deg):
+    environment = light(((0.2, 0.7, 0.6), 3.0, 3000.0), fill=0.0)
+    (lamp,) = lamps_of(environment)
+    rolled = roll_light(network_light(environment), roll_deg).mean(-1)
+    power = (rolled * solid_angles(16, 32))[..., None] * directions(16, 32)
+    assert np.dot(lamp.rolled(roll_deg).toward, unit(*power.sum((0, 1)))) > np.cos(np.radians(6))
+
+
+@pytest.mark.parametrize("yaw_deg", [0.0, 3.0, 97.0])
+def test_the_footprint_is_what_the_networks_see_of_it(yaw_deg):
+    environment = light(((0.6, 0.33, 0.7), 2.0, 2000.0), fill=0.0)
+    (lamp,) = lamps_of(environment, yaw_deg)
+    seen = network_light(environment, yaw_deg).mean(-1)
+    assert np.abs(footprint(lamp) - seen / seen.sum()).max() < 0.08
+
+
+def test_the_footprint_wraps_around_behind_the_camera():
+    share = footprint(Lamp((0.0, 0.0, 1.0), 1.0, 1.0, 1.0))
+    assert share.sum() == pytest.approx(1)
+    assert share[:, 0].sum() == pytest.approx(share[:, -1].sum(), abs=0.1)

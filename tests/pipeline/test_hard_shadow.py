@@ -1,0 +1,98 @@
+"""The edges that small lamps give to shadows."""
+
+import numpy as np
+import pytest
+import torch
+
+from relight_core.lighting.lamps import Lamp
+from relight_core.lighting.relief import march_relief
+from relight_core.pipeline.hard_shadow import harden_shadow, horizon_of
+from relight_core.pipeline.hints import Effects, hidden_share
+from relight_core.pipeline.stages import Surface
+
+SIZE = 64
+SIDE = (0.7660, 0.0, 0.6428)
+
+
+def surface():
+    """A grey wall that faces the camera, with an upright bar on it."""
+    relief = torch.zeros(1, 1, SIZE, SIZE)
+    relief[..., 31:33] = 0.25
+    normal = torch.zeros(1, 3, SIZE, SIZE)
+    normal[:, 2] = 1
+    grey, one = torch.full_like(normal, 0.5), torch.ones_like(relief)
+    return Surface(grey, grey, normal, relief, one, one, torch.ones(1, 16, 32, 3))
+
+
+def reflected(irradiance=2.0, gloss=0.1):
+    return torch.cat([torch.full((1, 3, SIZE, SIZE), irradiance), torch.full((1, 3, SIZE, SIZE), gloss)], 1)
+
+
+def hardened(effects, lamps, light=None):
+    found = surface()
+    transport = march_relief(
+        found.relief[0, 0, ::2, ::2], found.normal[0, :, ::2, ::2], torch.ones(SIZE // 2, SIZE // 2)
+    )
+    return harden_shadow(effects, found, reflected() if light is None else light, transport, horizon_of(found), lamps)
+
+
+def half_shadow():
+    """Half the diffuse light hidden everywhere, and half the gloss."""
+    one = torch.ones(1, 1, SIZE, SIZE)
+    return Effects(0.05 * one, (0.5 * 0.5 * 2.0 + 0.05) * one)
+
+
+def share(effects):
+    return hidden_share(effects, torch.full((1, 1, SIZE, SIZE), 1.0), torch.full((1, 1, SIZE, SIZE), 0.1))[0, 0].numpy()
+
+
+def lamp(irradiance=3.0, hardness=1.0, radius_deg=1.0, toward=SIDE):
+    return Lamp(toward, radius_deg, irradiance, hardness)
+
+
+def test_without_lamps_nothing_changes():
+    before = half_shadow()
+    after = hardened(before, [])
+    torch.testing.assert_close(after.shadow, before.shadow)
+    torch.testing.assert_close(after.specular, before.specular)
+
+
+def test_the_edge_becomes_steeper_and_lies_where_the_geometry_says():
+    after = share(hardened(half_shadow(), [lamp()]))[SIZE // 2]
+    edge = 31 - 0.25 * (SIDE[0] / SIDE[2]) * SIZE / 2
+    steepest = int(np.abs(np.diff(after[10:30])).argmax()) + 10
+    assert steepest == pytest.approx(edge, abs=2)
+    assert np.abs(np.diff(after[10:30])).max() > 0.15
+    assert after[40:60].std() < 0.02
+
+
+def test_less_hardness_and_less_light_change_less():
+    change = [
+        np.abs(share(hardened(half_shadow(), [lamp(**how)])) - 0.5).max()
+        for how in ({}, {"hardness": 0.4}, {"irradiance": 0.2}, {"hardness": 0.0})
+    ]
+    assert change[0] > change[1] > change[3] == pytest.approx(0, abs=1e-6)
+    assert change[0] > change[2]
+
+
+@pytest.mark.parametrize("toward", [SIDE, (-0.6, 0.6, 0.529), (0.0, 0.0, 1.0), (0.0, -1.0, 0.0), (0.0, 0.0, -1.0)])
+@pytest.mark.parametrize("light", [reflected(), reflected(1e-6, 0.0), reflected(1e4, 1e3), reflected(0.0, 0.0)])
+def test_effects_stay_physical(toward, light):
+    zero = torch.zeros(1, 1, SIZE, SIZE)
+    for effects in (half_shadow(), Effects(zero, zero)):
+        after = hardened(effects, [lamp(toward=toward), lamp(radius_deg=3.0)], light)
+        for channel in (after.specular, after.shadow):
+            assert torch.isfinite(channel).all()
+            assert channel.min() >= 0
+        assert (after.shadow <= 0.5 * light[:, :1] + light[:, 3:4] + 1e-3).all()
+
+
+def test_gloss_goes_where_the_lamp_is_hidden():
+    """A highlight can't lie in the shadow of the lamp that makes it."""
+    zero = torch.zeros(1, 1, SIZE, SIZE)
+    soft = Effects(zero + 0.1, zero)
+    after = hardened(soft, [lamp()])
+    dark = share(after)[SIZE // 2] > 0.4
+    assert dark.any()
+    assert after.specular[0, 0, SIZE // 2].numpy()[dark].max() < 0.07
+    assert after.specular.max() <= 0.1 + 1e-6
