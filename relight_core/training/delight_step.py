@@ -8,7 +8,7 @@ from relight_core.face.parsing import FACE_LABELS
 from relight_core.imaging.tensor_colour import srgb_encode
 from relight_core.lighting.reflection import ReflectionTable
 from relight_core.networks.delight import DelightNetwork, Delit
-from relight_core.training.losses import focal_parsing, irradiance_l1, masked_l1, relief_l1, slope_l1, wlog_l2
+from relight_core.training.losses import edges_l1, focal_parsing, irradiance_l1, masked_l1, relief_l1, wlog_l2
 
 
 def delight_losses(
@@ -27,9 +27,9 @@ def delight_losses(
     relief = twice["relief"] * (photo.shape[-1] / 128)  # half-widths to units of 64 pixels
     losses = {
         "albedo": 2.0 * masked_l1(found.albedo_srgb, albedo_srgb, covered),
-        "albedo_edges": slope_l1(found.albedo_srgb, albedo_srgb, covered),
+        "albedo_edges": edges_l1(found.albedo_srgb, albedo_srgb, covered),
         "normal": masked_l1(found.normal, twice["normal"], covered),
-        "normal_edges": slope_l1(found.normal, twice["normal"], covered),
+        "normal_edges": edges_l1(found.normal, twice["normal"], covered),
         "light": wlog_l2(found.light, light),
         "irradiance": irradiance_l1(found.light, light, table),
     }
