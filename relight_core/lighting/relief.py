@@ -57,17 +57,20 @@ class ReliefTransport:
         fraction[points] = lost
         return fraction.T.reshape(-1, 1, self.size, self.size)
 
-    def visibility(self, grey: torch.Tensor) -> torch.Tensor:
-        """Share of a light's irradiance that reaches each point, (1, 1, S, S) in [0, 1]; 1 where there is none.
+    def visibility(self, grey: torch.Tensor, size: int) -> torch.Tensor:
+        """Share of a light's irradiance that reaches each point, (1, 1, size, size) in [0, 1]; 1 where it has none.
 
         Args:
             grey: (H, 2H) radiance of the texels the transport was made for.
         """
         points, both = self._at_surface
         opened, closed = (both @ grey.float().flatten()).chunk(2)
-        share = opened.new_ones(len(self.open))
-        share[points] = torch.where(opened > 1e-6, closed / opened.clamp_min(1e-6), 1.0)
-        return share.reshape(1, 1, self.size, self.size)
+        field = opened.new_zeros(2, len(self.open))
+        field[:, points] = torch.stack([opened, closed])
+        # Enlarged before they are divided: else what faces away would leak into the edge of what does not.
+        field = field.reshape(1, 2, self.size, self.size)
+        opened, closed = F.interpolate(field, size=size, mode="bilinear", align_corners=False).chunk(2, 1)
+        return torch.where(opened > 1e-6, closed / opened.clamp_min(1e-6), 1.0)
 
     @cached_property
     def _at_surface(self) -> tuple[torch.Tensor, torch.Tensor]:

@@ -10,7 +10,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import torch
-import torch.nn.functional as F
 
 from relight_core.imaging.tensor_colour import grey
 from relight_core.lighting.horizon import Horizon
@@ -58,9 +57,8 @@ def _newly_hidden(
     surface: Surface, reflected: torch.Tensor, transport: ReliefTransport, horizon: Horizon, lamp: Lamp
 ) -> torch.Tensor:
     """(1, 1, S, S) share of the irradiance that the lamp's hard shadow takes and its soft one did not."""
-    device, size = reflected.device, reflected.shape[-1]
-    soft = transport.visibility(torch.from_numpy(footprint(lamp))).to(device)
-    soft = F.interpolate(soft, size=size, mode="bilinear", align_corners=False)
+    device = reflected.device
+    soft = transport.visibility(torch.from_numpy(footprint(lamp)), reflected.shape[-1]).to(device)
     hard = torch.from_numpy(horizon.visibility(lamp.toward, lamp.radius_deg))[None, None].to(device)
     facing = (surface.normal * torch.tensor(lamp.toward, device=device)[:, None, None]).sum(1, keepdim=True)
     part = facing.clamp_min(0) * lamp.irradiance / grey(reflected[:, :3]).clamp_min(1e-3)

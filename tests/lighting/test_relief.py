@@ -99,3 +99,17 @@ def test_fractions_do_not_depend_on_the_level_and_stay_in_range():
     assert fraction.shape == (2, 1, SIZE, SIZE)
     assert ((fraction >= 0) & (fraction <= 1)).all()
     torch.testing.assert_close(transport.shadow_fraction(light * 7), fraction, rtol=1e-3, atol=1e-4)
+
+
+def test_visibility_is_what_the_shadow_leaves():
+    transport, light = march_relief(wall(), facing_camera(), covered()), lamp("right")
+    lost = transport.shadow_fraction(light)
+    seen = transport.visibility(light[0, ..., 0], SIZE)
+    torch.testing.assert_close(seen, 1 - lost, atol=1e-4, rtol=0)
+    assert transport.visibility(light[0, ..., 0], 3 * SIZE).shape == (1, 1, 3 * SIZE, 3 * SIZE)
+
+
+def test_light_from_behind_hides_nothing():
+    behind = torch.zeros(16, 32)
+    behind[8, 15] = 100
+    assert march_relief(wall(), facing_camera(), covered()).visibility(behind, SIZE).min() == 1

@@ -116,6 +116,16 @@ class TestDelight:
         assert ((found.albedo_srgb >= 0) & (found.albedo_srgb <= 1)).all()
         torch.testing.assert_close(found.normal.norm(dim=1), torch.ones(2, 16, 24))
 
+    @pytest.mark.parametrize("detail_width", [0, 4])
+    def test_a_wider_decoder_has_the_same_outputs(self, detail_width):
+        plain, wide = (self.network(detail_width=detail_width, decoder_least=least) for least in (0, 12))
+        found = wide(torch.rand(1, 3, 16, 24))
+        assert found.normal.shape == (1, 3, 16, 24)
+        assert found.parsing_logits.shape == (1, 14, 16, 24)
+        assert plain.head.in_channels == 4
+        assert wide.head.in_channels == 12
+        assert {level.blend.conv.out_channels for level in wide.decoder} == {12}
+
     def test_anchored_albedo_without_change_is_the_photo(self):
         network = self.network()
         nn.init.zeros_(network.head.weight)

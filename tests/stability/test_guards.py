@@ -11,7 +11,7 @@ from relight_core.lighting.reflection import ReflectionTable, specular_lobe, tab
 from relight_core.networks.composition import decode_radiance, encode_radiance
 from relight_core.networks.lfm import encode_light
 from relight_core.pipeline.hints import Effects, effects_of, explicit_sum
-from relight_core.training.losses import focal_parsing, fraction_loss, irradiance_l1, masked_l1, slope_l1, wlog_l2
+from relight_core.training.losses import edges_l1, focal_parsing, fraction_loss, irradiance_l1, masked_l1, wlog_l2
 
 EDGES = (0.0, 1e-45, 1e-8, 0.0031308, 0.04045, 1.0, 1e4, 1e30)
 CURVES = {
@@ -70,12 +70,12 @@ def test_effects_of_no_light_and_a_black_surface():
 @pytest.mark.parametrize("covered", [0.0, 1.0])
 @pytest.mark.parametrize("constant", [0.0, 1.0])
 def test_losses_of_empty_masks_and_constant_images(covered, constant):
-    mask, image = torch.full((2, 1, 6, 6), covered), torch.full((2, 3, 6, 6), constant)
+    mask, image = torch.full((2, 1, 8, 8), covered), torch.full((2, 3, 8, 8), constant)
     finite_gradient(lambda x: masked_l1(x, image, mask), image)
-    finite_gradient(lambda x: slope_l1(x, image, mask), image)
+    finite_gradient(lambda x: edges_l1(x, image, mask), image)
     finite_gradient(lambda x: fraction_loss(x, mask * constant, mask), 1e4 * (image[:, :1] - 0.5))
-    labels = torch.zeros(2, 6, 6, dtype=torch.int64)
-    finite_gradient(lambda x: focal_parsing(x, labels), torch.full((2, 14, 6, 6), 1e3 * constant))
+    labels = torch.zeros(2, 8, 8, dtype=torch.int64)
+    finite_gradient(lambda x: focal_parsing(x, labels), torch.full((2, 14, 8, 8), 1e3 * constant))
 
 
 @pytest.mark.parametrize("radiance", [0.0, 1e-45, 1e6])

@@ -5,7 +5,7 @@ import math
 import pytest
 import torch
 
-from relight_core.training.losses import focal_parsing, fraction_loss, masked_l1, relief_l1, slope_l1, wlog_l2
+from relight_core.training.losses import edges_l1, focal_parsing, fraction_loss, masked_l1, relief_l1, slope_l1, wlog_l2
 
 
 def row(*values):
@@ -90,6 +90,26 @@ class TestSlopeL1:
         """Two apart, the row steps by 3 from its first pixel and by 2 from its second."""
         rows = row(0, 1, 3, 3).expand(1, 1, 4, 4)
         assert float(slope_l1(rows, 0 * rows, torch.ones(1, 1, 4, 4), 2)) == pytest.approx((3 + 2) / 2)
+
+
+class TestEdgesL1:
+    def test_a_wide_edge_costs_more_than_as_much_noise(self):
+        """Checks of plus and minus a half against one step of 1 in the middle."""
+        covered, flat = torch.ones(1, 1, 16, 16), torch.zeros(1, 1, 16, 16)
+        noise = (torch.arange(16)[:, None] + torch.arange(16)) % 2 - 0.5
+        step = flat.clone()
+        step[..., 8:] = 1
+        fine = [float(slope_l1(image, flat, covered)) for image in (noise[None, None], step)]
+        both = [float(edges_l1(image, flat, covered)) for image in (noise[None, None], step)]
+        assert both[0] == pytest.approx(fine[0])
+        assert both[1] > 3 * fine[1]
+
+    def test_what_is_half_covered_does_not_count(self):
+        covered = torch.ones(1, 1, 16, 16)
+        covered[..., 9:] = 0
+        outside = torch.zeros(1, 1, 16, 16)
+        outside[..., 9:] = 100
+        assert float(edges_l1(outside, 0 * outside, covered)) == 0
 
 
 class TestReliefL1:
