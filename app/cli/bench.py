@@ -35,10 +35,15 @@ from app.engine.pace import leave_a_core
 from relight_core.errors import InputError
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from relight_core.evaluation.bench_configurations import Configuration
     from relight_core.evaluation.bench_report import BenchResult
     from relight_core.evaluation.bench_session import Savings
+    from relight_core.evaluation.bench_timing import Timing
     from relight_core.imaging.photo import Photo
     from relight_core.lighting.environment import Environment
+    from relight_core.pipeline.relighter import Relighter
 
 _PICTURES = (".jpg", ".jpeg", ".png", ".tif", ".tiff", ".webp")
 _QUICK_ROUNDS, _ROUNDS = 5, 30
@@ -95,24 +100,23 @@ def _bench(arguments: argparse.Namespace, photos: list[Photo], report: Report) -
     from relight_core.evaluation.bench_report import as_full_record, as_markdown, as_record, plot
     from relight_core.imaging.files import whole_file
 
-    result = _measured(arguments, photos)
-    page = as_markdown(result)
-    _write_text(arguments.output / "bench.json", json.dumps(as_full_record(result), indent=1))
-    _write_text(arguments.output / "bench.md", page)
-    with whole_file(arguments.output / "bench.png") as partial:
-        plot(result, partial)
+    for result in _measured(arguments, photos):
+        page = as_markdown(result)
+        _write_text(arguments.output / "bench.json", json.dumps(as_full_record(result), indent=1))
+        _write_text(arguments.output / "bench.md", page)
+        with whole_file(arguments.output / "bench.png") as partial:
+            plot(result, partial)
     report.line(page)
     report.record(as_record(result))
     return 0
 
 
-def _measured(arguments: argparse.Namespace, photos: list[Photo]) -> BenchResult:
-    from app.engine.screen import radiance_for_screen
+def _measured(arguments: argparse.Namespace, photos: list[Photo]) -> Iterator[BenchResult]:
+    """What is known after the timing, then the same with the truth where there are heads: that takes far longer."""
     from relight_core.evaluation.bench_accuracy import Accuracy, HeldOutData, against_final, against_truth
     from relight_core.evaluation.bench_configurations import configurations
     from relight_core.evaluation.bench_machine import demands, describe_machine, measure_peaks
     from relight_core.evaluation.bench_report import BenchResult, Row
-    from relight_core.evaluation.bench_timing import time_configurations
     from relight_core.lighting.rigs import load_rig
     from relight_core.networks.bundle import load_bundle
     from relight_core.pipeline.relighter import WEIGHTS, Relighter
@@ -121,34 +125,43 @@ def _measured(arguments: argparse.Namespace, photos: list[Photo]) -> BenchResult
     device, quick = arguments.device, arguments.quick
     weights = arguments.weights or resource_path(*WEIGHTS)
     settings = configurations(quick=quick)
-    machine, peaks = (
-        describe_machine(device) | {"first_picture_s": _first_picture_s(1 if quick else _STARTS)},
-        measure_peaks(device),
-    )
+    machine = describe_machine(device) | {"first_picture_s": _first_picture_s(1 if quick else _STARTS)}
+    peaks = measure_peaks(device)
     relighter, bundle = Relighter(weights, device), load_bundle(weights).for_inference().to(device)
-    accuracy = {setting.name: Accuracy() for setting in settings}
+    with progress("against final", 1.0) as show:
+        lights = [load_rig(name) for name in _BENCH_LIGHTS]
+        to_final = against_final(relighter, photos, lights, settings, _onto(show))
+    timing = _timed(arguments, relighter, settings)
+    asked = {setting.name: demands(bundle, setting.tier, device) for setting in settings}
+
+    def result(accuracy: dict[str, Accuracy]) -> BenchResult:
+        for name, error in to_final.items():
+            accuracy[name].against_final = error
+        return BenchResult(machine, peaks, [Row(s, timing[s.name], accuracy[s.name], asked[s.name]) for s in settings])
+
+    yield result({setting.name: Accuracy() for setting in settings})
     if arguments.heads is not None:
         data = HeldOutData(arguments.heads, arguments.lights, 1 if quick else arguments.count, 3 if quick else 20)
         with progress("against the truth", 1.0) as show:
             accuracy = against_truth(bundle, data, settings, _onto(show), device)
-    with progress("against final", 1.0) as show:
-        lights = [load_rig(name) for name in _BENCH_LIGHTS]
-        for name, error in against_final(relighter, photos, lights, settings, _onto(show)).items():
-            accuracy[name].against_final = error
+        yield result(accuracy)
+
+
+def _timed(arguments: argparse.Namespace, relighter: Relighter, settings: list[Configuration]) -> dict[str, Timing]:
+    from app.engine.screen import radiance_for_screen
+    from relight_core.evaluation.bench_timing import time_configurations
+    from relight_core.lighting.rigs import load_rig
+
     with progress("timing", 1.0) as show:
-        rounds = arguments.rounds or (_QUICK_ROUNDS if quick else _ROUNDS)
-        timing = time_configurations(
+        return time_configurations(
             relighter,
             load_rig("rembrandt"),
             settings,
-            rounds=rounds,
+            rounds=arguments.rounds or (_QUICK_ROUNDS if arguments.quick else _ROUNDS),
             display=lambda relit: relit.recipe or radiance_for_screen(relit.image, relit.alpha),
             report=_onto(show),
-            device=device,
+            device=arguments.device,
         )
-    asked = {setting.name: demands(bundle, setting.tier, device) for setting in settings}
-    rows = [Row(s, timing[s.name], accuracy[s.name], asked[s.name]) for s in settings]
-    return BenchResult(machine, peaks, rows)
 
 
 def _first_picture_s(starts: int) -> float | None:
