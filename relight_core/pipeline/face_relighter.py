@@ -169,7 +169,7 @@ class FaceRelighter:
         )
         effects = self._effects(ready, reflected, light, plan)
         if plan.runs("hard_shadow") and plan.runs("relief"):
-            effects = self._hardened(ready, effects, reflected, serving.lamps, plan)
+            effects = self._hardened(ready, effects, reflected, light, serving.lamps, plan)
         composed = self._cache.run(
             "compose",
             plan.keys["compose"],
@@ -214,7 +214,13 @@ class FaceRelighter:
         )
 
     def _hardened(
-        self, ready: Prepared, effects: Effects, reflected: torch.Tensor, lamps: tuple[Lamp, ...], plan: Plan
+        self,
+        ready: Prepared,
+        effects: Effects,
+        reflected: torch.Tensor,
+        light: torch.Tensor,
+        lamps: tuple[Lamp, ...],
+        plan: Plan,
     ) -> Effects:
         """The effects with the edges of small lamps' shadows."""
         seen = [lamp.rolled(self.portrait.view.roll_deg) for lamp in lamps]
@@ -223,7 +229,7 @@ class FaceRelighter:
         return self._cache.run(
             "hard_shadow",
             plan.keys["hard_shadow"],
-            lambda: harden_shadow(effects, ready.surface, reflected, relief, horizon, seen),
+            lambda: harden_shadow(effects, ready.surface, reflected, light, relief, horizon, seen),
             "new light",
             keep=KEPT_LIGHTS,
         )

@@ -1,8 +1,10 @@
 """Shadows with the edges that small lamps give them.
 
-The SS network sees a light in texels of 11 degrees and a relief marched as coarsely; what it says of a sun's
-shadow is right in the large and soft at the edge. Where a light has small lamps, the same relief is asked
-again, finely and for exactly their direction and size, and the difference between both answers is added.
+The SS network sees a light in texels of 11 degrees and a relief marched as coarsely, and has learnt to hedge:
+what it says of a sun's shadow is right in the large, pale and soft at the edge. It knows whether there is a
+shadow, geometry knows where a shadow ends. So where a light has small lamps and the network sees their shadow, the
+same relief is asked again, finely and for exactly their direction and size, and its answer takes the place of the
+network's.
 """
 
 from __future__ import annotations
@@ -11,6 +13,7 @@ from collections.abc import Sequence
 
 import torch
 
+from relight_core.imaging.colour import REC709_LUMINANCE
 from relight_core.imaging.tensor_colour import grey
 from relight_core.lighting.horizon import Horizon
 from relight_core.lighting.lamps import Lamp, footprint
@@ -19,6 +22,9 @@ from relight_core.pipeline.hints import Effects, hidden_share
 from relight_core.pipeline.stages import Surface
 
 _LEAST_OPEN = 0.05
+_SURE = 0.5
+"""Share of a lamp's light that the network takes for hidden from which on geometry alone decides."""
+_DOUBT = 0.05
 
 
 def horizon_of(surface: Surface) -> Horizon:
@@ -31,6 +37,7 @@ def harden_shadow(
     effects: Effects,
     surface: Surface,
     reflected: torch.Tensor,
+    light: torch.Tensor,
     transport: ReliefTransport,
     horizon: Horizon,
     lamps: Sequence[Lamp],
@@ -41,25 +48,33 @@ def harden_shadow(
 
     Args:
         effects, reflected: as of `hints.explicit_sum`.
-        transport: the relief as the effects were made with.
-        lamps: of the same light, in the view's camera space.
+        light: (1, 16, 32, 3) that they are the effects of.
+        transport: the relief as they were made with.
+        lamps: of the light, in the view's camera space.
     """
     diffuse, gloss = grey(surface.albedo * reflected[:, :3]), grey(reflected[:, 3:])
     hidden = hidden_share(effects, diffuse, gloss)
-    change = sum(_newly_hidden(surface, reflected, transport, horizon, lamp) for lamp in lamps)
-    hardened = (hidden + change).clamp(0, 1)
+    size = reflected.shape[-1]
+    radiance = light[0].float().cpu() @ torch.tensor(REC709_LUMINANCE, dtype=torch.float32)
+    lost = 1 - transport.visibility(radiance, size).to(hidden)
+    hardened = hidden
+    for lamp in lamps:
+        part = _part(lamp, surface, reflected)
+        soft = 1 - transport.visibility(torch.from_numpy(footprint(lamp)), size).to(hidden)
+        of_lamp = torch.minimum(hidden * (part * (soft + _DOUBT) / (lost + _DOUBT)).clamp(0, 1), part)
+        sure = lamp.hardness * (of_lamp / (_SURE * part).clamp_min(1e-4)).clamp(0, 1)
+        seen = torch.from_numpy(horizon.visibility(lamp.toward, lamp.radius_deg))[None, None].to(hidden)
+        change = part * (1 - seen) - of_lamp
+        # A shadow that the relief knows nothing of, of a brim or a lock of hair, is not its to take away.
+        hardened = hardened + sure * torch.where(change > 0, change, change * (soft / _SURE).clamp_max(1))
+    hardened = hardened.clamp(0, 1)
     left = (1 - hardened) / (1 - hidden).clamp_min(_LEAST_OPEN)
     specular = torch.minimum(effects.specular * left, torch.maximum(gloss, effects.specular))
     return Effects(specular, diffuse * hardened + (gloss - specular).clamp_min(0))
 
 
-def _newly_hidden(
-    surface: Surface, reflected: torch.Tensor, transport: ReliefTransport, horizon: Horizon, lamp: Lamp
-) -> torch.Tensor:
-    """(1, 1, S, S) share of the irradiance that the lamp's hard shadow takes and its soft one did not."""
-    device = reflected.device
-    soft = transport.visibility(torch.from_numpy(footprint(lamp)), reflected.shape[-1]).to(device)
-    hard = torch.from_numpy(horizon.visibility(lamp.toward, lamp.radius_deg))[None, None].to(device)
-    facing = (surface.normal * torch.tensor(lamp.toward, device=device)[:, None, None]).sum(1, keepdim=True)
-    part = facing.clamp_min(0) * lamp.irradiance / grey(reflected[:, :3]).clamp_min(1e-3)
-    return lamp.hardness * part.clamp(0, 1) * (soft - hard)
+def _part(lamp: Lamp, surface: Surface, reflected: torch.Tensor) -> torch.Tensor:
+    """(1, 1, S, S) in [0, 1]: the lamp's share of the irradiance where nothing is hidden."""
+    toward = torch.tensor(lamp.toward, device=reflected.device)[:, None, None]
+    facing = (surface.normal * toward).sum(1, keepdim=True).clamp_min(0)
+    return (facing * lamp.irradiance / grey(reflected[:, :3]).clamp_min(1e-3)).clamp(0, 1)

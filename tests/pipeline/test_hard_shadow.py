@@ -28,12 +28,19 @@ def reflected(irradiance=2.0, gloss=0.1):
     return torch.cat([torch.full((1, 3, SIZE, SIZE), irradiance), torch.full((1, 3, SIZE, SIZE), gloss)], 1)
 
 
-def hardened(effects, lamps, light=None):
+def side_light():
+    """A lamp at SIDE in texels, with a little light from everywhere."""
+    light = torch.full((1, 16, 32, 3), 0.05)
+    light[:, 7:9, 28] = 60
+    return light
+
+
+def hardened(effects, lamps, irradiance=None, light=None):
     found = surface()
-    transport = march_relief(
-        found.relief[0, 0, ::2, ::2], found.normal[0, :, ::2, ::2], torch.ones(SIZE // 2, SIZE // 2)
-    )
-    return harden_shadow(effects, found, reflected() if light is None else light, transport, horizon_of(found), lamps)
+    coarse = found.relief[0, 0, ::2, ::2], found.normal[0, :, ::2, ::2], torch.ones(SIZE // 2, SIZE // 2)
+    reflection = reflected() if irradiance is None else irradiance
+    light = side_light() if light is None else light
+    return harden_shadow(effects, found, reflection, light, march_relief(*coarse), horizon_of(found), lamps)
 
 
 def half_shadow():
@@ -66,6 +73,12 @@ def test_the_edge_becomes_steeper_and_lies_where_the_geometry_says():
     assert after[40:60].std() < 0.02
 
 
+def test_a_shadow_that_the_relief_knows_nothing_of_stays():
+    """Far from the bar, toward the lamp, nothing on the relief could hide it."""
+    after = share(hardened(half_shadow(), [lamp()]))
+    assert np.abs(after[:, 48:] - 0.5).max() < 0.1
+
+
 def test_less_hardness_and_less_light_change_less():
     change = [
         np.abs(share(hardened(half_shadow(), [lamp(**how)])) - 0.5).max()
@@ -87,12 +100,23 @@ def test_effects_stay_physical(toward, light):
         assert (after.shadow <= 0.5 * light[:, :1] + light[:, 3:4] + 1e-3).all()
 
 
+def test_where_the_network_sees_no_shadow_there_is_none():
+    """The relief may be wrong; it says where an edge lies, not whether there is one."""
+    zero = torch.zeros(1, 1, SIZE, SIZE)
+    after = hardened(Effects(zero + 0.1, zero), [lamp()])
+    assert share(after).max() < 1e-5
+
+
+def test_shadow_of_other_lights_stays():
+    """The lamp gives a tenth of the light; what else is hidden is none of its business."""
+    after = share(hardened(half_shadow(), [lamp(irradiance=0.3)]))
+    assert np.abs(after - 0.5).max() < 0.1
+
+
 def test_gloss_goes_where_the_lamp_is_hidden():
     """A highlight can't lie in the shadow of the lamp that makes it."""
-    zero = torch.zeros(1, 1, SIZE, SIZE)
-    soft = Effects(zero + 0.1, zero)
-    after = hardened(soft, [lamp()])
-    dark = share(after)[SIZE // 2] > 0.4
-    assert dark.any()
-    assert after.specular[0, 0, SIZE // 2].numpy()[dark].max() < 0.07
-    assert after.specular.max() <= 0.1 + 1e-6
+    after = hardened(half_shadow(), [lamp()])
+    middle = share(after)[SIZE // 2]
+    gloss = after.specular[0, 0, SIZE // 2].numpy()
+    assert gloss[middle > 0.8].max() < 0.03
+    assert gloss.max() <= 0.1 + 1e-6
