@@ -31,6 +31,7 @@ from relight_core.dataset.shard import read_shard
 from relight_core.dataset.skin import paint, paint_smooth
 from relight_core.dataset.skin_textures import load_skins
 from relight_core.dataset.texture import TexturePool
+from relight_core.dataset.warp import sample_warp, warped
 from relight_core.errors import InputError
 from relight_core.lighting.reflection import GLOSS, Gloss
 
@@ -54,7 +55,8 @@ class SampleStream(IterableDataset):
         size: side of the images; the shards' own size or a divisor of it.
         photographs: also take photos (de-lighting needs them, the other networks do not).
         relief_shadow: also march a relief as rough as a predicted one ("relief_shadow", a hint to SS).
-        plain: smooth skin, the reference gloss and nothing in front, to measure what the rest is worth.
+        plain: smooth skin, the reference gloss, nothing in front and nothing warped, to measure what the rest is
+            worth.
         first_batch, pairs: go on at this batch of so many pairs (the loader's batch size).
     """
 
@@ -138,6 +140,7 @@ class SampleStream(IterableDataset):
     def _sample(self, lit: LitHead, pool: TexturePool, rng: np.random.Generator) -> dict[str, torch.Tensor]:
         albedo = (paint_smooth if self.plain else paint)(lit.head, pool, rng)
         mirror = rng.random() < 0.5
+        warp = None if self.plain else sample_warp(rng)
         surface = surface_of(lit, albedo)
         pair = []
         for k in rng.choice(self.lights_per_head, 2, replace=False):
@@ -155,7 +158,8 @@ class SampleStream(IterableDataset):
                 channels |= without_hidden(channels, lit.appearance.hidden)
             if lit.relief_shadow is not None:
                 channels["relief_shadow"] = lit.relief_shadow[k]
-            pair.append(mirrored(channels) if mirror else channels)
+            channels = mirrored(channels) if mirror else channels
+            pair.append(channels if warp is None else warped(channels, warp))
         return as_tensors(pair, shared=set(surface))
 
 

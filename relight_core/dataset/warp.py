@@ -1,0 +1,85 @@
+"""Samples turned, enlarged, moved and slightly stretched in the image plane.
+
+A baked head has one pose in one crop, and a network that sees a thousand of them for days knows them by heart.
+Turned about the camera's axis, with its light, or enlarged, a head stays exactly as true as it was; stretched by
+a few percent it is another head whose shading is off by a few degrees.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+
+from relight_core.lighting.roll import roll_light
+
+_TURN_DEG, _WIDEST_TURN_DEG = 8.0, 25.0
+_ZOOM, _STRETCH, _SHIFT = 0.1, 0.035, 0.04
+
+
+@dataclass(frozen=True)
+class Warp:
+    """A change of the image plane.
+
+    Attributes:
+        turn_deg: counterclockwise.
+        linear: (2, 2) of places relative to the middle, x to the right and y upward.
+        shift: (2,) in half-widths, after that.
+    """
+
+    turn_deg: float
+    linear: np.ndarray
+    shift: np.ndarray
+
+    @property
+    def scale(self) -> float:
+        """By how much lengths grow in the mean."""
+        return float(np.sqrt(np.linalg.det(self.linear)))
+
+
+def sample_warp(rng: np.random.Generator) -> Warp:
+    """A small random one."""
+    turn_deg = float(np.clip(rng.normal(0, _TURN_DEG), -_WIDEST_TURN_DEG, _WIDEST_TURN_DEG))
+    angle = np.radians(turn_deg)
+    turn = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
+    stretch = np.clip(rng.normal(0, _STRETCH), -2 * _STRETCH, 2 * _STRETCH)
+    zoom = np.exp(np.clip(rng.normal(0, _ZOOM), -2 * _ZOOM, 2 * _ZOOM))
+    return Warp(turn_deg, turn @ np.diag([zoom * np.exp(stretch), zoom * np.exp(-stretch)]), rng.normal(0, _SHIFT, 2))
+
+
+def warped(sample: dict[str, np.ndarray], warp: Warp) -> dict[str, np.ndarray]:
+    """A sample of `dataset.samples` seen through a warp.
+
+    What comes into view from beyond the border repeats the border and counts as not covered.
+    """
+    size = sample["covered"].shape[0]
+    changed = {name: _image(value, warp, size) for name, value in sample.items() if name not in ("light", "label")}
+    changed["light"] = roll_light(sample["light"], -warp.turn_deg)
+    changed["label"] = _moved(sample["label"], warp, cv2.INTER_NEAREST, cv2.BORDER_REPLICATE)
+    inside = _moved(np.ones((size, size), np.float32), warp, cv2.INTER_LINEAR, cv2.BORDER_CONSTANT)
+    changed["covered"] = ((changed["covered"] > 0.5) & (inside > 0.99)).astype(np.float32)
+    changed["normal"] = _normals(changed["normal"], warp)
+    changed["relief"] = changed["relief"] * np.float32(warp.scale)
+    return changed
+
+
+def _image(value: np.ndarray, warp: Warp, size: int) -> np.ndarray:
+    return _moved(value, warp, cv2.INTER_LINEAR, cv2.BORDER_REPLICATE).reshape(size, size, *value.shape[2:])
+
+
+def _normals(normal: np.ndarray, warp: Warp) -> np.ndarray:
+    """Height grows with the image, so slopes change only by what is not a similarity."""
+    across = normal[..., :2] @ (warp.scale * np.linalg.inv(warp.linear)).astype(np.float32)
+    turned = np.concatenate([across, normal[..., 2:]], -1)
+    return turned / np.maximum(np.linalg.norm(turned, axis=-1, keepdims=True), 1e-6)
+
+
+def _moved(image: np.ndarray, warp: Warp, interpolation: int, border: int) -> np.ndarray:
+    """Pixels count from the top: y is turned over on the way in and out."""
+    size = image.shape[0]
+    over = np.diag([1.0, -1.0])
+    linear, middle = over @ warp.linear @ over, np.full(2, (size - 1) / 2)
+    offset = middle - linear @ middle + over @ warp.shift * size / 2
+    matrix = np.column_stack([linear, offset])
+    return cv2.warpAffine(np.ascontiguousarray(image), matrix, (size, size), flags=interpolation, borderMode=border)
