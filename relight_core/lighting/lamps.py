@@ -22,8 +22,7 @@ _MOST = 4
 _AROUND_DEG, _BEYOND_DEG = 12.0, 18.0
 _DIMMEST = 4.0
 _CENTRINGS = 3
-_SMALLEST_DEG = 0.5
-_RADIUS_DEG = (8.0, 4.0)
+_RADIUS_DEG = (7.5, 4.0)
 _SHARE = (0.02, 0.06)
 
 _found: WeakKeyDictionary[Environment, tuple[Lamp, ...]] = WeakKeyDictionary()
@@ -129,8 +128,10 @@ def _measured(grey: np.ndarray, toward: np.ndarray, areas: np.ndarray, around: n
     mean = power @ toward[around]
     mean /= max(np.linalg.norm(mean), 1e-12)
     off_deg = np.degrees(np.arccos(np.clip(toward[around] @ mean, -1, 1)))
-    # A disc's mean squared distance from its middle is half its radius squared.
-    radius_deg = max(float(np.sqrt(2 * (power @ off_deg**2) / total)), _SMALLEST_DEG)
+    # A disc's mean squared distance from its middle is half its radius squared. What is smaller than a texel may
+    # be as large as one.
+    texel_deg = 180 / len(grey)
+    radius_deg = float(np.sqrt(2 * ((power @ off_deg**2) / total + texel_deg**2 / 4)))
     hardness = _ramp(radius_deg, *_RADIUS_DEG) * _ramp(total / (4 * np.pi), *_SHARE)
     return Lamp(tuple(float(part) for part in mean), radius_deg, float(total / np.pi), hardness)
 

@@ -46,6 +46,13 @@ def test_light_without_any_light_has_none():
     assert lamps_of(Environment.from_radiance(np.zeros((16, 32, 3)))) == ()
 
 
+def test_a_map_of_few_texels_has_none():
+    """A light that was estimated from a portrait can't tell a sun from a window."""
+    texels = np.full((16, 32, 3), 0.3, np.float32)
+    texels[5, 20] = 200
+    assert lamps_of(Environment.from_radiance(texels)) == ()
+
+
 def test_several_lamps_come_by_brightness():
     lamps = lamps_of(light(((1, 0, 0.3), 2.0, 400.0), ((-1, 0.5, 0.3), 2.0, 1500.0), ((0, 1, 0.2), 2.0, 800.0)))
     assert [round(lamp.toward[0], 1) for lamp in lamps] == [-0.9, 0.0, 1.0]
