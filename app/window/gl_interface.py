@@ -8,6 +8,8 @@ import moderngl
 import numpy as np
 from imgui_bundle import imgui
 
+from app.window.damage import Piece, Rect, Sheet, cut, damage, seen_in
+from app.window.gl_textures import ledger_of
 from app.window.shader_source import stage_source
 
 _LAYOUT = "2f 2f 4f1"
@@ -27,6 +29,8 @@ class InterfacePainter:
         self._program = context.program(*stages)
         self._vertices = self._indices = self._array = None
         self._reserve(_ROOM, _ROOM)
+        self._ledger = ledger_of(context)
+        self._shown: tuple | None = None
         self._own: dict[int, moderngl.Texture] = {}
         self._others: dict[int, moderngl.Texture] = {}
         imgui.get_io().backend_flags |= imgui.BackendFlags_.renderer_has_textures
@@ -37,26 +41,67 @@ class InterfacePainter:
     def paint(self, data: imgui.ImDrawData, target: moderngl.Framebuffer) -> None:
         """Draw a frame over what is in the target, which is as large as the window's framebuffer."""
         self._follow_textures()
-        size, scale = data.display_size, data.framebuffer_scale
-        if size.x <= 0 or size.y <= 0:
-            return
+        sheets, size, _ = _read(data)
+        self._draw(sheets, self._upload(sheets), target, (0, 0, *size))
+
+    def repaint(
+        self, data: imgui.ImDrawData, target: moderngl.Framebuffer, background: tuple[float, ...], kept: bool
+    ) -> bool:
+        """Draw a frame, or only where it differs from the one repainted before; False where it does nowhere.
+
+        Args:
+            background: the colour behind all.
+            kept: the target still holds that frame. Where it does not, all is drawn if anything is.
+        """
+        self._follow_textures()
+        sheets, size, scale = _read(data)
+        touched, self._ledger.touched = self._ledger.touched, {}
+        rects = [(0, 0, *size)]
+        if self._shown is not None and self._shown[1:] == (size, scale):
+            changed = damage(self._shown[0], sheets, touched, size)
+            rects = changed if kept or not changed else rects
+        self._shown = (sheets, size, scale)
+        starts = self._upload(sheets) if rects else []
+        for rect in rects:
+            # The window's own framebuffer is not told when the window's size changes.
+            target.viewport = (0, 0, *size)
+            self._draw(sheets, starts, target, rect, background)
+        return bool(rects)
+
+    def forget(self) -> None:
+        """Draw all at the next repainting: what the target holds may have been lost."""
+        self._shown = None
+
+    def _draw(
+        self,
+        sheets: tuple[Sheet, ...],
+        starts: list[int],
+        target: moderngl.Framebuffer,
+        rect: Rect,
+        background: tuple[float, ...] | None = None,
+    ) -> None:
+        """What lies in a rectangle of the target, which is as large as its viewport; None clears nothing first."""
+        width, height = target.viewport[2:]
+        pieces, hides = seen_in(rect, sheets, self._ledger.opaque)
+        if background is not None and not hides:
+            target.clear(*background, viewport=(rect[0], height - rect[3], rect[2] - rect[0], rect[3] - rect[1]))
         target.use()
-        height = round(size.y * scale.y)
-        self._program["window_size"].value = (size.x, size.y)
+        self._program["window_size"].value = (width, height)
         self._context.disable(moderngl.DEPTH_TEST | moderngl.CULL_FACE)
-        self._context.enable(moderngl.BLEND)
         self._context.blend_func = moderngl.SRC_ALPHA, moderngl.ONE_MINUS_SRC_ALPHA
-        lists = data.cmd_lists
-        for commands, first in zip(lists, self._upload(lists), strict=True):
-            for command in commands.cmd_buffer:
-                x0, y0, x1, y1 = command.clip_rect
-                left, low = max(int(x0 * scale.x), 0), max(int(height - y1 * scale.y), 0)
-                wide, high = int(x1 * scale.x) - left, int(height - y0 * scale.y) - low
-                if wide > 0 and high > 0 and command.elem_count:
-                    target.scissor = left, low, wide, high
-                    self._texture(command.tex_ref.get_tex_id()).use(0)
-                    self._array.render(moderngl.TRIANGLES, command.elem_count, first=first + command.idx_offset)
+        for index, piece, (x0, y0, x1, y1) in pieces:
+            self._prepare(piece)
+            target.scissor = x0, height - y1, x1 - x0, y1 - y0
+            self._array.render(moderngl.TRIANGLES, piece.count, first=starts[index] + piece.first)
         target.scissor = None
+
+    def _prepare(self, piece: Piece) -> None:
+        """Texture and blending of a piece; in software, mixing with what is there costs time."""
+        self._texture(piece.texture).use(0)
+        if piece.texture in self._ledger.opaque:
+            self._context.disable(moderngl.BLEND)
+        else:
+            self._context.enable(moderngl.BLEND)
 
     def close(self) -> None:
         """Free everything; before the Dear ImGui context goes."""
@@ -67,23 +112,21 @@ class InterfacePainter:
             item.release()
         imgui.get_io().backend_flags &= ~imgui.BackendFlags_.renderer_has_textures
 
-    def _upload(self, lists: list) -> list[int]:
-        """All vertices and indices of a frame; where each list's indices begin."""
-        vertices = [_bytes_of(commands.vtx_buffer, imgui.VERTEX_SIZE) for commands in lists]
+    def _upload(self, sheets: tuple[Sheet, ...]) -> list[int]:
+        """All vertices and indices of a frame; where each sheet's indices begin."""
         indices, starts, first_vertex, first_index = [], [], 0, 0
-        for commands, data in zip(lists, vertices, strict=True):
-            numbers = np.frombuffer(_bytes_of(commands.idx_buffer, imgui.INDEX_SIZE), f"u{imgui.INDEX_SIZE}")
-            indices.append(numbers.astype(np.uint32) + np.uint32(first_vertex))
+        for sheet in sheets:
+            indices.append(sheet.indices.astype(np.uint32) + np.uint32(first_vertex))
             starts.append(first_index)
-            first_vertex += len(data) // imgui.VERTEX_SIZE
-            first_index += len(numbers)
+            first_vertex += len(sheet.vertices)
+            first_index += len(sheet.indices)
         self._reserve(first_vertex * imgui.VERTEX_SIZE, 4 * first_index)
         # A new store each frame, so that nobody waits for the last one to be drawn.
         for buffer in (self._vertices, self._indices):
             buffer.orphan()
         if first_index:
-            self._vertices.write(b"".join(vertices))
-            self._indices.write(np.concatenate(indices).tobytes())
+            self._vertices.write(np.concatenate([sheet.vertices for sheet in sheets]))
+            self._indices.write(np.concatenate(indices))
         return starts
 
     def _reserve(self, vertex_bytes: int, index_bytes: int) -> None:
@@ -112,6 +155,7 @@ class InterfacePainter:
                 texture = self._context.texture((data.width, data.height), 4, data.get_pixels_array().tobytes())
                 texture.repeat_x = texture.repeat_y = False
                 self._own[texture.glo] = texture
+                self._ledger.touch(texture)
                 data.set_tex_id(texture.glo)
                 data.status = status.ok
             elif data.status == status.want_updates:
@@ -128,6 +172,27 @@ class InterfacePainter:
         for part in data.updates:
             block = np.ascontiguousarray(pixels[part.y : part.y + part.h, part.x : part.x + part.w])
             texture.write(block, viewport=(part.x, part.y, part.w, part.h))
+
+
+def _read(data: imgui.ImDrawData) -> tuple[tuple[Sheet, ...], tuple[int, int], tuple[float, float]]:
+    """A frame as sheets in framebuffer pixels, the framebuffer's size, and the scale it was listed at."""
+    across, down = data.framebuffer_scale.x, data.framebuffer_scale.y
+    size = round(data.display_size.x * across), round(data.display_size.y * down)
+    return tuple(_sheet(commands, across, down, size) for commands in data.cmd_lists), size, (across, down)
+
+
+def _sheet(commands: imgui.ImDrawList, across: float, down: float, size: tuple[int, int]) -> Sheet:
+    vertices = np.frombuffer(_bytes_of(commands.vtx_buffer, imgui.VERTEX_SIZE), np.uint32).reshape(-1, 5).copy()
+    if (across, down) != (1.0, 1.0):
+        vertices[:, :2].view(np.float32)[...] *= np.float32((across, down))
+    indices = np.frombuffer(_bytes_of(commands.idx_buffer, imgui.INDEX_SIZE), f"u{imgui.INDEX_SIZE}").copy()
+    pieces = []
+    for command in commands.cmd_buffer:
+        x0, y0, x1, y1 = command.clip_rect
+        clip = cut((int(x0 * across), int(y0 * down), int(x1 * across), int(y1 * down)), (0, 0, *size))
+        if clip and command.elem_count:
+            pieces.append(Piece(clip, command.tex_ref.get_tex_id(), command.idx_offset, command.elem_count))
+    return Sheet(commands._owner_name, vertices, indices, tuple(pieces))
 
 
 def _bytes_of(buffer: object, item_size: int) -> memoryview | bytes:

@@ -47,7 +47,7 @@ class LightBall:
         self._program.release()
 
     def _draw(self, side: int, yaw_deg: float) -> None:
-        self._canvas.framebuffer.use()
+        self._canvas.begin()
         self._program["side_px"].value = float(side)
         self._program["yaw_turns"].value = yaw_deg / 360.0
         for unit, slot in enumerate(self._tables):

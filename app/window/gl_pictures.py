@@ -14,11 +14,12 @@ from app.engine.sources import LightSource
 from app.ui.panes import Pane
 from app.ui.pictures import Paint, Shown
 from app.ui.state import PHOTO, RESULT
+from app.window.damage import WHOLE, Part
 from app.window.gl_light_ball import LightBall
 from app.window.gl_recipe import RelitSlot
 from app.window.gl_scopes import Scopes
 from app.window.gl_textures import Canvas, TextureSlot
-from app.window.gl_viewport import PicturePainter, coarser, draws_in_software
+from app.window.gl_viewport import PicturePainter, coarser, covered, draws_in_software
 from relight_core.imaging.scopes import Extremes
 from relight_core.lighting.environment import Environment
 
@@ -50,7 +51,7 @@ class GlPictures:
         self._slots = {PHOTO: TextureSlot(context, mipmaps=True), RESULT: RelitSlot(context)}
         self._balls: dict[tuple[str, str], TextureSlot] = {}
         self._panorama = TextureSlot(context, repeat_x=True)
-        self._viewport, self._coarse_viewport = Canvas(context, smooth=False), Canvas(context)
+        self._viewport, self._coarse_viewport = Canvas(context, smooth=False, opaque=True), Canvas(context, opaque=True)
         self._seen = self._viewport
         self._in_software = draws_in_software(context)
         self._thumbnails = {name: Canvas(context) for name in (PHOTO, RESULT)}
@@ -111,8 +112,9 @@ class GlPictures:
         exposures = tuple(self._exposure_of(pane.name) for pane in panes)
         # A difference reads the photo too.
         versions = tuple(self._versions.get(name, 0) for name in (PHOTO, *(pane.name for pane in panes)))
+        part = _changing_part(self._drawn.get(key), size, panes)
         if self._is_due(key, canvas, size, (panes, paint, exposures, versions)):
-            self._painter.panes(canvas, panes, self._slots, paint, self.exposure_ev)
+            self._painter.panes(canvas, panes, self._slots, paint, self.exposure_ev, part)
         return _shown(canvas.texture)
 
     def viewport_pixels(self) -> np.ndarray:
@@ -186,6 +188,14 @@ class GlPictures:
         same = not canvas.fit(size) and self._drawn.get(key) == wanted
         self._drawn[key] = wanted
         return not same
+
+
+def _changing_part(drawn: tuple | None, size: tuple[int, int], panes: tuple[Pane, ...]) -> Part:
+    """What of the viewport can look other than before: where its pictures lie, if they lay there before."""
+    if drawn is None or drawn[0] != size or drawn[1][0] != panes or not panes:
+        return WHOLE
+    x0, y0, x1, y1 = zip(*(covered(pane, size) for pane in panes), strict=True)
+    return min(x0) / size[0], min(y0) / size[1], max(x1) / size[0], max(y1) / size[1]
 
 
 def _shown(texture: moderngl.Texture | None) -> Shown | None:

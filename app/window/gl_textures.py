@@ -5,7 +5,35 @@ from __future__ import annotations
 import moderngl
 import numpy as np
 
+from app.window.damage import WHOLE, Part
+
 _TYPES = {np.dtype(np.uint8): "f1", np.dtype(np.float16): "f2", np.dtype(np.float32): "f4"}
+
+
+class Ledger:
+    """What the interface's painter has to know of textures that Dear ImGui tells it only the numbers of.
+
+    Attributes:
+        touched: those whose contents have changed since the painter last looked, and in which part: x0, y0, x1, y1
+            as shares of the texture. The painter empties it.
+        opaque: those that nothing shines through.
+    """
+
+    def __init__(self) -> None:
+        self.touched: dict[int, Part] = {}
+        self.opaque: set[int] = set()
+
+    def touch(self, texture: moderngl.Texture, part: Part = WHOLE) -> None:
+        """Note that a part of a texture has other contents now."""
+        x0, y0, x1, y1 = self.touched.get(texture.glo, part)
+        self.touched[texture.glo] = min(x0, part[0]), min(y0, part[1]), max(x1, part[2]), max(y1, part[3])
+
+
+def ledger_of(context: moderngl.Context) -> Ledger:
+    """The one ledger of a context."""
+    if context.extra is None:
+        context.extra = Ledger()
+    return context.extra
 
 
 class TextureSlot:
@@ -36,6 +64,7 @@ class TextureSlot:
         if self._mipmaps:
             self.texture.build_mipmaps()
         self.smooth(True)
+        ledger_of(self._context).touch(self.texture)
         return True
 
     def smooth(self, magnified_smoothly: bool) -> None:
@@ -85,10 +114,12 @@ class Canvas:
     Args:
         smooth: its pixels are blended where it is drawn at another size; one shown pixel by pixel is drawn
             faster without.
+        opaque: whatever is drawn on it has alpha 1.
     """
 
-    def __init__(self, context: moderngl.Context, *, smooth: bool = True) -> None:
+    def __init__(self, context: moderngl.Context, *, smooth: bool = True, opaque: bool = False) -> None:
         self._context = context
+        self._opaque = opaque
         self._filter = moderngl.LINEAR if smooth else moderngl.NEAREST
         self.framebuffer: moderngl.Framebuffer | None = None
 
@@ -106,7 +137,14 @@ class Canvas:
         texture.filter = (self._filter, self._filter)
         texture.repeat_x = texture.repeat_y = False
         self.framebuffer = self._context.framebuffer([texture])
+        if self._opaque:
+            ledger_of(self._context).opaque.add(texture.glo)
         return True
+
+    def begin(self, part: Part = WHOLE) -> None:
+        """Let what is drawn from now on be drawn here; it will differ from what was there in this part at most."""
+        self.framebuffer.use()
+        ledger_of(self._context).touch(self.texture, part)
 
     def pixels(self) -> np.ndarray:
         """(h, w, 3) uint8, in the order it was drawn: row 0 is y = 0 of the drawing."""
@@ -119,6 +157,7 @@ class Canvas:
         if self.framebuffer is not None:
             # moderngl binds what was in use again when it makes a framebuffer; that must not be a freed one.
             self._context.screen.use()
+            ledger_of(self._context).opaque.discard(self.texture.glo)
             self.texture.release()
             self.framebuffer.release()
             self.framebuffer = None

@@ -12,6 +12,7 @@ from app.ui.panes import LIGHTS, Pane
 from app.ui.pictures import Paint
 from app.ui.state import PHOTO, RESULT
 from app.ui.view import Placement
+from app.window.damage import WHOLE, Part, Rect
 from app.window.gl_recipe import RelitSlot
 from app.window.gl_textures import Canvas, TextureSlot
 from app.window.shader_source import stage_source
@@ -57,17 +58,31 @@ class PicturePainter:
         self._triangles[switches] = triangle = self._context.vertex_array(program, [])
         return triangle
 
-    def clear(self, canvas: Canvas) -> None:
+    def clear(self, canvas: Canvas, part: Part = WHOLE) -> None:
         """Nothing but the canvas."""
-        canvas.framebuffer.use()
+        canvas.begin(part)
         canvas.framebuffer.clear(*self._canvas_srgb, 1.0)
 
-    def panes(self, canvas: Canvas, panes: Sequence[Pane], slots: Slots, paint: Paint, exposure_ev: float) -> None:
-        """Each pane's picture in its columns; what lies between them stays canvas."""
-        self.clear(canvas)
-        height = canvas.framebuffer.size[1]
+    def panes(
+        self,
+        canvas: Canvas,
+        panes: Sequence[Pane],
+        slots: Slots,
+        paint: Paint,
+        exposure_ev: float,
+        part: Part = WHOLE,
+    ) -> None:
+        """Each pane's picture in its columns; what lies between them stays canvas.
+
+        Args:
+            part: what of the canvas may look other than before.
+        """
+        self.clear(canvas, part)
         for pane in panes:
-            canvas.framebuffer.scissor = (pane.left, 0, pane.right - pane.left, height)
+            x0, y0, x1, y1 = covered(pane, canvas.framebuffer.size)
+            if x0 >= x1 or y0 >= y1:
+                continue
+            canvas.framebuffer.scissor = (x0, y0, x1 - x0, y1 - y0)
             mode = _mode(pane.name, paint)
             switches = slots[pane.name].switches()
             if mode != _PLAIN or paint.clipping:
@@ -78,7 +93,7 @@ class PicturePainter:
 
     def thumbnail(self, canvas: Canvas, slots: Slots, name: str, scale: float, exposure_ev: float) -> None:
         """One picture that fills its canvas."""
-        canvas.framebuffer.use()
+        canvas.begin()
         whole = Placement(0, 0, scale, *canvas.framebuffer.size)
         self._picture(self._triangle(*slots[name].switches()), slots, name, whole, exposure_ev)
 
@@ -124,6 +139,17 @@ def draws_in_software(context: moderngl.Context) -> bool:
     """Whether the processor does the graphics' work, for which every pixel counts."""
     renderer = context.info["GL_RENDERER"].lower()
     return any(name in renderer for name in ("llvmpipe", "softpipe", "swiftshader", "swrast"))
+
+
+def covered(pane: Pane, size: tuple[int, int]) -> Rect:
+    """The pixels of a viewport that a pane's picture can lie on; empty where the picture is out of sight."""
+    spot = pane.placement
+    turn = math.radians(spot.roll_deg)
+    across = abs(spot.width * math.cos(turn)) + abs(spot.height * math.sin(turn))
+    down = abs(spot.width * math.sin(turn)) + abs(spot.height * math.cos(turn))
+    left, top = spot.x + (spot.width - across) / 2, spot.y + (spot.height - down) / 2
+    x0, y0 = max(math.floor(left), pane.left, 0), max(math.floor(top), 0)
+    return x0, y0, min(math.ceil(left + across), pane.right, size[0]), min(math.ceil(top + down), size[1])
 
 
 def coarser(

@@ -12,10 +12,15 @@ from app.ui import theme
 from app.ui.binding import Binding
 from app.window.gl_interface import InterfacePainter
 from app.window.gl_pictures import GlPictures
+from app.window.gl_textures import Canvas
+from app.window.gl_viewport import draws_in_software
 from app.window.glfw_window import NoDisplayError, close_window, open_window
 
 FORGIVEN_S = 60.0
 """After so long without a fault the next one counts as the first."""
+
+_TRIAL_SHADES = (theme.PANEL[0], theme.PANEL[0] + 0.02)
+"""Seen for a moment in the empty window, so hardly to be told from it."""
 
 _SOFTWARE = {"LIBGL_ALWAYS_SOFTWARE": "1", "__GLX_VENDOR_LIBRARY_NAME": "mesa"}
 
@@ -51,6 +56,7 @@ class Graphics:
             self.pictures = GlPictures(self.context, shelf, theme.CANVAS_SRGB)
             self.binding = Binding(self.handle, self.scale(glfw.get_window_content_scale(self.handle)[0]))
             self.painter = InterfacePainter(self.context)
+            self._keeps_frames = draws_in_software(self.context) and keeps_frames(self.context, self.handle)
         except Exception as error:
             # What moderngl raises for a version that is too old is no class of its own.
             close_window(self.handle)
@@ -60,6 +66,12 @@ class Graphics:
         """Window units per unit of the design; systems that scale the framebuffer instead have 1."""
         framebuffer, window = glfw.get_framebuffer_size(self.handle)[0], glfw.get_window_size(self.handle)[0]
         return max(1.0, content * window / framebuffer) if framebuffer and window else 1.0
+
+    def show(self) -> None:
+        """Bring the frame that was listed last onto the screen, as far as it differs from what is there."""
+        screen = self.context.screen
+        if self.painter.repaint(self.binding.listed(), screen, theme.PANEL, self._keeps_frames):
+            glfw.swap_buffers(self.handle)
 
     def check(self) -> None:
         """Look for what the driver has noted since the last time, a lost context among it.
@@ -82,6 +94,24 @@ class Graphics:
         with contextlib.suppress(*DRIVER_FAULTS):
             self.context.release()
         close_window(self.handle)
+
+
+def keeps_frames(context: moderngl.Context, handle: object) -> bool:
+    """Whether a frame is still there to be drawn on once it has been shown.
+
+    OpenGL promises nothing about it, so it is tried out. Graphics in software mostly copy a frame to the screen;
+    others change to another buffer, with an older frame in it.
+    """
+    sample, found = Canvas(context), []
+    sample.fit((1, 1))
+    for shade in _TRIAL_SHADES:
+        context.screen.clear(shade, shade, shade)
+        glfw.swap_buffers(handle)
+        sample.framebuffer.clear()
+        context.copy_framebuffer(sample.framebuffer, context.screen)
+        found.append(abs(int(sample.pixels()[0, 0, 0]) - 255 * shade) < 1.0)
+    sample.close()
+    return all(found)
 
 
 class Restarts:

@@ -141,8 +141,7 @@ class EditorWindow:
         if width == 0 or height == 0:
             return False
         self._draw()
-        self._paint(self.context.screen)
-        glfw.swap_buffers(self.handle)
+        self._graphics.show()
         self._graphics.check()
         return True
 
@@ -166,7 +165,8 @@ class EditorWindow:
         canvas = Canvas(self.context)
         canvas.fit(glfw.get_framebuffer_size(self.handle))
         self._draw()
-        self._paint(canvas.framebuffer)
+        canvas.framebuffer.clear(*theme.PANEL)
+        self._graphics.painter.paint(self._graphics.binding.listed(), canvas.framebuffer)
         pixels = canvas.pixels()[::-1].copy()
         canvas.close()
         return pixels
@@ -215,6 +215,10 @@ class EditorWindow:
         """The window moved to a display of another scale."""
         self._graphics.binding.set_scale(self._graphics.scale(x))
 
+    def on_refresh(self, _handle) -> None:
+        """What the window showed has to be drawn again, as after another window lay over it."""
+        self._graphics.painter.forget()
+
     def on_drop(self, _handle, paths: list[str], position: tuple[float, float] | None = None) -> None:
         """Files were dropped, where the mouse is unless `position` says otherwise."""
         x, y = position or glfw.get_cursor_pos(self.handle)
@@ -232,6 +236,7 @@ class EditorWindow:
         glfw.set_scroll_callback(handle, self.on_wheel)
         glfw.set_window_focus_callback(handle, self.on_focus)
         glfw.set_window_content_scale_callback(handle, self.on_scale)
+        glfw.set_window_refresh_callback(handle, self.on_refresh)
         glfw.set_drop_callback(handle, self.on_drop)
 
     def _open_graphics(self, size: tuple[int, int]) -> None:
@@ -289,6 +294,8 @@ class EditorWindow:
             glfw.wait_events_timeout(_DEEDS_STEP_S)
         else:
             self._memory.keep(self.state, glfw.get_window_size(self.handle))
+            # Whatever was lost unnoticed meanwhile is mended by the next frame.
+            self._graphics.painter.forget()
             glfw.wait_events()
             self._lively_until = time.monotonic() + _LIVELY_S
 
@@ -303,10 +310,6 @@ class EditorWindow:
         self._graphics.binding.begin()
         editor.draw(state, self._graphics.binding.fonts, self.pictures, Shelf(self.shelf.names, self.shelf.words))
         self._graphics.binding.end()
-
-    def _paint(self, target: moderngl.Framebuffer) -> None:
-        target.clear(*theme.PANEL)
-        self._graphics.painter.paint(self._graphics.binding.listed(), target)
 
     def _act(self) -> None:
         """Do what the panels have asked for."""

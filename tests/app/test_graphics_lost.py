@@ -66,7 +66,7 @@ def once(function, error):
     [
         (GlPictures, "update", moderngl.Error("cannot create texture")),
         (GlPictures, "viewport", moderngl.Error("out of memory")),
-        (InterfacePainter, "paint", DriverError("GL_UNKNOWN_ERROR")),
+        (InterfacePainter, "repaint", DriverError("GL_UNKNOWN_ERROR")),
     ],
     ids=["uploading", "drawing", "context lost"],
 )
