@@ -9,7 +9,7 @@ from weakref import WeakKeyDictionary
 import cv2
 import numpy as np
 
-from relight_core.face.cascades import Candidate, frontal_candidates, overlap, profile_candidates
+from relight_core.face.cascades import Candidate, every_hit, frontal_candidates, overlap, profile_candidates
 from relight_core.imaging.colour import luminance, srgb_encode
 from relight_core.imaging.photo import Photo
 from relight_core.imaging.resampling import resize_area
@@ -19,6 +19,10 @@ _LONG_SIDE_FOR_SMALL_PX = 2800
 _LARGEST_GROWTH = 3.0
 _BEYOND_DOUBT_VOTES = 40
 _TILTS_DEG = (-30.0, 30.0)
+_ALL_TILTS_DEG = (0.0, -30.0, 30.0, -60.0, 60.0, -90.0, 90.0, -120.0, 120.0, -150.0, 150.0, 180.0)
+_LONG_SIDE_FOR_GUESSES_PX = 400
+_MOST_GUESSES = 16
+_SAME_PLACE = 0.3
 
 _known: WeakKeyDictionary[Photo, list[FaceBox]] = WeakKeyDictionary()
 _finding = threading.Lock()
@@ -33,6 +37,7 @@ class FaceBox:
 
     Attributes:
         roll_deg: by how much the head leans to the left of the photo.
+        doubtful: whether the cascades alone don't settle that this is a face.
     """
 
     x0: float
@@ -40,6 +45,7 @@ class FaceBox:
     x1: float
     y1: float
     roll_deg: float = 0.0
+    doubtful: bool = False
 
     @property
     def width(self) -> float:
@@ -68,6 +74,33 @@ def find_faces(photo: Photo) -> list[FaceBox]:
         return list(_known[photo])
 
 
+def remember_faces(photo: Photo, faces: list[FaceBox]) -> None:
+    """What `find_faces` answers for a photo from now on, once somebody knows better."""
+    with _finding:
+        _known[photo] = list(faces)
+
+
+def guess_faces(photo: Photo) -> list[FaceBox]:
+    """Where there might be faces, leaning by any angle: whatever any cascade hits, for a better judge to choose from.
+
+    Returns:
+        At most 16, the likeliest first; the same place may be there at several angles.
+    """
+    grey, scale = _detection_view(photo.linear, _LONG_SIDE_FOR_GUESSES_PX, _LARGEST_GROWTH)
+    if min(grey.shape) < 24:
+        return []
+    hits = []
+    for tilt_deg in _ALL_TILTS_DEG:
+        turned, back = _turned(grey, tilt_deg)
+        hits += [replace(_moved(hit, back), roll_deg=-tilt_deg) for hit in every_hit(turned)]
+    guesses: list[Candidate] = []
+    for hit in sorted(hits, key=lambda hit: -hit.votes):
+        # The same place may be right at another angle.
+        if all(overlap(hit.box, known.box) < _SAME_PLACE or hit.roll_deg != known.roll_deg for known in guesses):
+            guesses.append(hit)
+    return [_in_photo(guess, scale) for guess in guesses[:_MOST_GUESSES]]
+
+
 def _search(photo: Photo) -> list[FaceBox]:
     for long_side_px, growth in ((_LONG_SIDE_PX, _LARGEST_GROWTH), (_LONG_SIDE_FOR_SMALL_PX, 1.0)):
         grey, scale = _detection_view(photo.linear, long_side_px, growth)
@@ -75,10 +108,15 @@ def _search(photo: Photo) -> list[FaceBox]:
             return []
         found = _candidates(grey)
         if found:
-            return [FaceBox(*(float(edge) / scale for edge in c.box), c.roll_deg) for c in found]
+            return [_in_photo(candidate, scale) for candidate in found]
         if max(photo.linear.shape[:2]) <= _LONG_SIDE_PX:
             break
     return []
+
+
+def _in_photo(candidate: Candidate, scale: float) -> FaceBox:
+    edges = (float(edge) / scale for edge in candidate.box)
+    return FaceBox(*edges, candidate.roll_deg, candidate.votes < _BEYOND_DOUBT_VOTES)
 
 
 def _candidates(grey: np.ndarray) -> list[Candidate]:
@@ -131,12 +169,11 @@ def _detection_view(linear: np.ndarray, long_side_px: int, growth: float) -> tup
 
 def _leaning_candidates(grey: np.ndarray) -> list[Candidate]:
     """Faces in the image turned by each tilt; boxes stay upright, about the face's true centre."""
+    found = []
     for tilt_deg in _TILTS_DEG:
         turned, back = _turned(grey, tilt_deg)
-        found = frontal_candidates(turned)
-        if found:
-            return [replace(_moved(candidate, back), roll_deg=-tilt_deg) for candidate in found]
-    return []
+        found += [replace(_moved(candidate, back), roll_deg=-tilt_deg) for candidate in frontal_candidates(turned)]
+    return found
 
 
 def _turned(grey: np.ndarray, tilt_deg: float) -> tuple[np.ndarray, np.ndarray]:

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import astuple, dataclass, replace
 
 import numpy as np
 
 from relight_core.errors import InputError
 from relight_core.face.crop import Crop, box_from_parsing, crop_for_face, crop_with_padding
-from relight_core.face.find import FaceBox, find_faces
+from relight_core.face.find import FaceBox, find_faces, guess_faces, remember_faces
 from relight_core.face.lean import remaining_roll
 from relight_core.imaging.photo import Photo
 
@@ -22,6 +23,7 @@ _TURNED_FROM_DEG = 10.0
 """A head that leans by less is seen in an upright view, as the networks saw many."""
 
 _FINER_FROM_DEG = 3.0
+_ENOUGH_EVIDENCE = 2
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,22 +45,45 @@ class Portrait:
     view: Crop
 
 
-def choose_faces(photo: Photo, face_index: int | None) -> list[FaceBox]:
+def choose_faces(
+    photo: Photo, face_index: int | None, evidence: Callable[[FaceBox], int] | None = None
+) -> list[FaceBox]:
     """All faces, the largest first, or only the one of an index in order of size.
+
+    Args:
+        evidence: says how many of brows, eyes and mouth are seen in a box. With it, doubtful boxes count only if
+            there are two, and where no face is left, less likely places are judged by it, also those of faces that
+            lie or stand on their heads.
 
     Raises:
         InputError: no face, or no such index.
     """
     faces = find_faces(photo)
+    if evidence is not None and (not faces or any(face.doubtful for face in faces)):
+        faces = _confirmed(photo, faces, evidence)
     name = photo.path or "the photo"
     if not faces:
-        raise InputError(f"{name}: no face found; use a photo in which a face is upright and not too small")
+        raise InputError(f"{name}: no face found; use a photo in which a face is larger, sharper or better lit")
     if face_index is None:
         return faces
     if not 0 <= face_index < len(faces):
         count = "1 face, number 0" if len(faces) == 1 else f"{len(faces)} faces, numbers 0 to {len(faces) - 1}"
         raise InputError(f"{name}: there is no face number {face_index}; it has {count}")
     return [faces[face_index]]
+
+
+def _confirmed(photo: Photo, found: list[FaceBox], evidence: Callable[[FaceBox], int]) -> list[FaceBox]:
+    """The boxes that are beyond doubt or confirmed, else the best guess; the found ones where nothing is."""
+    faces = [face for face in found if not face.doubtful or evidence(face) >= _ENOUGH_EVIDENCE]
+    if not faces:
+        judged = [(evidence(guess), guess) for guess in guess_faces(photo)]
+        most, best = max(judged, key=lambda pair: pair[0], default=(0, None))
+        faces = [best] if most >= _ENOUGH_EVIDENCE else []
+    if not faces:
+        return found
+    faces = [replace(face, doubtful=False) for face in faces]
+    remember_faces(photo, faces)
+    return faces
 
 
 def frame(photo: Photo, found: FaceBox) -> Portrait:

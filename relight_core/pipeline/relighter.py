@@ -11,6 +11,7 @@ import numpy as np
 import torch
 
 from relight_core.errors import InputError
+from relight_core.face.evidence import evidence_of_face
 from relight_core.face.find import FaceBox
 from relight_core.face.silhouette import person_with_headwear
 from relight_core.imaging.matte import Matte, make_matte
@@ -117,7 +118,15 @@ class Relighter:
                 photo. The previous portrait stays.
         """
         live = tier_of("live")
-        framed = [frame_by_hand(photo, box)] if box else [frame(photo, f) for f in choose_faces(photo, face_index)]
+
+        def evidence(found: FaceBox) -> int:
+            portrait = frame(photo, found)
+            return evidence_of_face(self._parsed(portrait, live), portrait.view, portrait.crop)
+
+        if box is not None:
+            framed = [frame_by_hand(photo, box)]
+        else:
+            framed = [frame(photo, found) for found in choose_faces(photo, face_index, evidence)]
         portraits = []
         for portrait in framed:
             labels = self._parsed(portrait, live)

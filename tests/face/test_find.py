@@ -5,7 +5,7 @@ import pytest
 import skimage.data
 
 from relight_core.face import find
-from relight_core.face.find import FaceBox, find_faces
+from relight_core.face.find import FaceBox, find_faces, guess_faces, remember_faces
 from relight_core.imaging.photo import Photo
 
 ASTRONAUT = skimage.data.astronaut()
@@ -113,3 +113,30 @@ def test_a_photo_is_searched_once_and_answers_are_copies(monkeypatch):
     assert searched.count(one) == searched.count(other) == 1
     answers[0].clear()
     assert find_faces(one) == [FaceBox(1, 2, 3, 4)]
+
+
+@pytest.mark.parametrize("quarters", [1, 2, 3])
+def test_a_face_that_lies_is_among_the_guesses(quarters):
+    lying = Photo.from_srgb(np.ascontiguousarray(np.rot90(ASTRONAUT[20:260, 100:340], quarters)))
+    assert not any(not box.doubtful for box in find_faces(lying))
+    middle = np.array([(FACE[0] + FACE[2]) / 2 - 100 - 120, (FACE[1] + FACE[3]) / 2 - 20 - 120])
+    for _ in range(quarters):
+        middle = np.array([middle[1], -middle[0]])
+    expected = {1: 90, 2: 180, 3: -90}[quarters]
+    near = [
+        guess
+        for guess in guess_faces(lying)
+        if np.hypot((guess.x0 + guess.x1) / 2 - 120 - middle[0], (guess.y0 + guess.y1) / 2 - 120 - middle[1]) < 25
+    ]
+    assert any(abs((guess.roll_deg - expected + 180) % 360 - 180) <= 30 for guess in near)
+    assert all(guess.doubtful for guess in near)
+
+
+def test_a_clear_portrait_is_beyond_doubt():
+    assert not found_in(ASTRONAUT)[0].doubtful
+
+
+def test_what_is_known_better_is_remembered():
+    photo = Photo(np.zeros((8, 8, 3), np.float32))
+    remember_faces(photo, [FaceBox(1, 2, 3, 4)])
+    assert find_faces(photo) == [FaceBox(1, 2, 3, 4)]

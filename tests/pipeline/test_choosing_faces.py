@@ -1,0 +1,50 @@
+import numpy as np
+import pytest
+
+from relight_core.errors import InputError
+from relight_core.face.find import FaceBox, find_faces
+from relight_core.imaging.photo import Photo
+from relight_core.pipeline import portrait
+from relight_core.pipeline.portrait import choose_faces
+
+SURE, DOUBTFUL = FaceBox(0, 0, 9, 9), FaceBox(10, 0, 15, 5, doubtful=True)
+GUESSES = [FaceBox(1, 1, 3, 3, 90.0, True), FaceBox(4, 4, 8, 8, 180.0, True)]
+
+
+@pytest.fixture
+def photo():
+    return Photo(np.zeros((20, 20, 3), np.float32))
+
+
+def seeing(monkeypatch, found, guesses=()):
+    monkeypatch.setattr(portrait, "find_faces", lambda photo: list(found))
+    monkeypatch.setattr(portrait, "guess_faces", lambda photo: list(guesses))
+
+
+def test_a_doubtful_box_needs_two_parts_of_a_face(monkeypatch, photo):
+    seeing(monkeypatch, [SURE, DOUBTFUL])
+    assert choose_faces(photo, None, lambda box: 1) == [SURE]
+    assert len(choose_faces(photo, None, lambda box: 2)) == 2
+
+
+def test_a_box_beyond_doubt_is_not_judged(monkeypatch, photo):
+    seeing(monkeypatch, [SURE])
+    assert choose_faces(photo, None, lambda box: pytest.fail("judged")) == [SURE]
+
+
+def test_the_best_guess_takes_the_place_of_what_is_no_face(monkeypatch, photo):
+    seeing(monkeypatch, [DOUBTFUL], GUESSES)
+    chosen = choose_faces(photo, None, lambda box: {90.0: 2, 180.0: 3}.get(box.roll_deg, 0))
+    assert [face.roll_deg for face in chosen] == [180.0]
+    assert find_faces(photo) == chosen
+
+
+def test_where_nothing_is_confirmed_the_finder_is_believed(monkeypatch, photo):
+    seeing(monkeypatch, [DOUBTFUL], GUESSES)
+    assert choose_faces(photo, None, lambda box: 0) == [DOUBTFUL]
+
+
+def test_no_face_at_all(monkeypatch, photo):
+    seeing(monkeypatch, [], GUESSES)
+    with pytest.raises(InputError, match="no face found"):
+        choose_faces(photo, None, lambda box: 1)
