@@ -29,7 +29,7 @@ class Horizon:
 
     relief: np.ndarray
     covered: np.ndarray
-    _slopes: dict[int, np.ndarray] = field(default_factory=dict, init=False, repr=False)
+    _elevations: dict[int, np.ndarray] = field(default_factory=dict, init=False, repr=False)
 
     def visibility(self, toward: tuple[float, float, float], radius_deg: float) -> np.ndarray:
         """How much of a lamp's disc each point sees, (S, S) float32 in [0, 1].
@@ -41,17 +41,17 @@ class Horizon:
         x, y, z = toward
         turn = np.arctan2(y, x) / (2 * np.pi) * _AZIMUTHS
         first = int(np.floor(turn))
-        before, after = (np.arctan(self._slope((first + step) % _AZIMUTHS)) for step in (0, 1))
+        before, after = (self._elevation((first + step) % _AZIMUTHS) for step in (0, 1))
         above = np.arctan2(z, np.hypot(x, y)) - (before + (after - before) * np.float32(turn - first))
         return np.clip(above / (2 * np.radians(radius_deg)) + 0.5, 0, 1).astype(np.float32)
 
-    def _slope(self, azimuth: int) -> np.ndarray:
-        """The steepest rise from each point in a direction of the image plane; azimuth 0 is +x, a quarter +y."""
-        if azimuth not in self._slopes:
-            self._slopes[azimuth] = self._marched(2 * np.pi * azimuth / _AZIMUTHS)
-        return self._slopes[azimuth]
+    def _elevation(self, azimuth: int) -> np.ndarray:
+        """(S, S) radians of the horizon in a direction of the image plane; azimuth 0 is +x, a quarter of them +y."""
+        if azimuth not in self._elevations:
+            self._elevations[azimuth] = np.arctan(self._steepest(2 * np.pi * azimuth / _AZIMUTHS))
+        return self._elevations[azimuth]
 
-    def _marched(self, angle: float) -> np.ndarray:
+    def _steepest(self, angle: float) -> np.ndarray:
         size = len(self.relief)
         height = np.where(self.covered, self.relief, np.float32(_NOTHING))
         steepest = np.full_like(height, _NOTHING)

@@ -58,17 +58,20 @@ class ReliefTransport:
         return fraction.T.reshape(-1, 1, self.size, self.size)
 
     def visibility(self, grey: torch.Tensor, size: int) -> torch.Tensor:
-        """Share of a light's irradiance that reaches each point, (1, 1, size, size) in [0, 1]; 1 where it has none.
+        """Share of each light's irradiance that reaches a point, (B, 1, size, size) in [0, 1]; 1 where it has none.
 
         Args:
-            grey: (H, 2H) radiance of the texels the transport was made for.
+            grey: (B, H, 2H) radiance of the texels the transport was made for.
         """
         points, both = self._at_surface
-        opened, closed = (both @ grey.float().flatten()).chunk(2)
-        field = opened.new_zeros(2, len(self.open))
-        field[:, points] = torch.stack([opened, closed])
+        field = torch.zeros(len(grey), 2, len(self.open))
+        for answer, light in zip(field, grey.float().flatten(1), strict=True):
+            lit = light.nonzero()[:, 0]
+            # A lamp lies in a few texels of hundreds.
+            seen = both[:, lit] @ light[lit] if len(lit) < len(light) // 8 else both @ light
+            answer[:, points] = seen.unflatten(0, (2, -1))
         # Enlarged before they are divided: else what faces away would leak into the edge of what does not.
-        field = field.reshape(1, 2, self.size, self.size)
+        field = field.unflatten(2, (self.size, self.size))
         opened, closed = F.interpolate(field, size=size, mode="bilinear", align_corners=False).chunk(2, 1)
         return torch.where(opened > 1e-6, closed / opened.clamp_min(1e-6), 1.0)
 

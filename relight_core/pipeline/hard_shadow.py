@@ -54,13 +54,12 @@ def harden_shadow(
     """
     diffuse, gloss = grey(surface.albedo * reflected[:, :3]), grey(reflected[:, 3:])
     hidden = hidden_share(effects, diffuse, gloss)
-    size = reflected.shape[-1]
     radiance = light[0].float().cpu() @ torch.tensor(REC709_LUMINANCE, dtype=torch.float32)
-    lost = 1 - transport.visibility(radiance, size).to(hidden)
+    all_and_each = torch.stack([radiance, *(torch.from_numpy(footprint(lamp)) for lamp in lamps)])
+    lost, *lost_of_each = 1 - transport.visibility(all_and_each, reflected.shape[-1]).to(hidden)
     hardened = hidden
-    for lamp in lamps:
+    for lamp, soft in zip(lamps, lost_of_each, strict=True):
         part = _part(lamp, surface, reflected)
-        soft = 1 - transport.visibility(torch.from_numpy(footprint(lamp)), size).to(hidden)
         of_lamp = torch.minimum(hidden * (part * (soft + _DOUBT) / (lost + _DOUBT)).clamp(0, 1), part)
         sure = lamp.hardness * (of_lamp / (_SURE * part).clamp_min(1e-4)).clamp(0, 1)
         seen = torch.from_numpy(horizon.visibility(lamp.toward, lamp.radius_deg))[None, None].to(hidden)

@@ -104,12 +104,12 @@ def test_fractions_do_not_depend_on_the_level_and_stay_in_range():
 def test_visibility_is_what_the_shadow_leaves():
     transport, light = march_relief(wall(), facing_camera(), covered()), lamp("right")
     lost = transport.shadow_fraction(light)
-    seen = transport.visibility(light[0, ..., 0], SIZE)
+    seen = transport.visibility(light[..., 0], SIZE)
     torch.testing.assert_close(seen, 1 - lost, atol=1e-4, rtol=0)
-    assert transport.visibility(light[0, ..., 0], 3 * SIZE).shape == (1, 1, 3 * SIZE, 3 * SIZE)
+    assert transport.visibility(light[..., 0].repeat(2, 1, 1), 3 * SIZE).shape == (2, 1, 3 * SIZE, 3 * SIZE)
 
 
 def test_light_from_behind_hides_nothing():
-    behind = torch.zeros(16, 32)
-    behind[8, 15] = 100
+    behind = torch.zeros(1, 16, 32)
+    behind[:, 8, 15] = 100
     assert march_relief(wall(), facing_camera(), covered()).visibility(behind, SIZE).min() == 1
