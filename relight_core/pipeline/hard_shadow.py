@@ -52,6 +52,8 @@ def harden_shadow(
         transport: the relief as they were made with.
         lamps: of the light, in the view's camera space.
     """
+    if not lamps:
+        return effects
     diffuse, gloss = grey(surface.albedo * reflected[:, :3]), grey(reflected[:, 3:])
     hidden = hidden_share(effects, diffuse, gloss)
     radiance = light[0].float().cpu() @ torch.tensor(REC709_LUMINANCE, dtype=torch.float32)

@@ -59,9 +59,7 @@ def lamp(irradiance=3.0, hardness=1.0, radius_deg=1.0, toward=SIDE):
 
 def test_without_lamps_nothing_changes():
     before = half_shadow()
-    after = hardened(before, [])
-    torch.testing.assert_close(after.shadow, before.shadow)
-    torch.testing.assert_close(after.specular, before.specular)
+    assert hardened(before, []) is before
 
 
 def test_the_edge_becomes_steeper_and_lies_where_the_geometry_says():
