@@ -37,7 +37,7 @@ class FaceBox:
 
     Attributes:
         roll_deg: by how much the head leans to the left of the photo.
-        doubtful: whether the cascades alone don't settle that this is a face.
+        doubtful: whether nothing but cascades says that this is a face.
     """
 
     x0: float
@@ -115,8 +115,7 @@ def _search(photo: Photo) -> list[FaceBox]:
 
 
 def _in_photo(candidate: Candidate, scale: float) -> FaceBox:
-    edges = (float(edge) / scale for edge in candidate.box)
-    return FaceBox(*edges, candidate.roll_deg, candidate.votes < _BEYOND_DOUBT_VOTES)
+    return FaceBox(*(float(edge) / scale for edge in candidate.box), candidate.roll_deg, doubtful=True)
 
 
 def _candidates(grey: np.ndarray) -> list[Candidate]:

@@ -10,8 +10,8 @@ from relight_core.face.paste import Band, spread_crop
 
 _SURELY_BODY, _PROBABLY_BODY, _PERHAPS_BODY, _NOBODY = 0.97, 0.6, 0.2, 0.02
 _LEAST = 0.01
-_BINS = 16
-_BIN_BLUR = 0.8
+_BINS = 32
+_BIN_BLUR = 1.6
 _SURE_FROM = 0.7
 _UNSEEN = 2e-4
 _MOST_COLOURS_SAY = 2.0
@@ -35,6 +35,38 @@ def likely_person(guide: np.ndarray, masks: list[tuple[np.ndarray, Crop]], photo
         likely = np.maximum(likely, _placed(person, crop, guide.shape[:2], photo_size))
     likely = np.clip(cv2.GaussianBlur(likely, (0, 0), 1.0), _LEAST, 1 - _LEAST)
     return _as_colours_say(guide, np.log(likely / (1 - likely)))
+
+
+def attached(matte: np.ndarray, masks: list[tuple[np.ndarray, Crop]], photo_size: tuple[int, int]) -> np.ndarray:
+    """A matte without what hangs together with no person: nowhere more than on the best way there from a person.
+
+    Things of a person's colours lie about in photos. Hair that flies and hands hang on by something.
+
+    Args:
+        matte: (h, w) in [0, 1], over the whole photo.
+        masks, photo_size: as for `likely_person`; the largest part of each mask is a person.
+
+    Returns:
+        (h, w) float32, nowhere above the matte; the matte itself where no mask shows anybody.
+    """
+    surely = np.zeros_like(matte)
+    for person, crop in masks:
+        seen = _placed(np.nan_to_num(np.asarray(person, np.float32)), crop, matte.shape, photo_size)
+        count, parts, stats, _ = cv2.connectedComponentsWithStats((seen > 0.5).astype(np.uint8))
+        if count > 1:
+            largest = parts == 1 + stats[1:, cv2.CC_STAT_AREA].argmax()
+            surely = np.maximum(surely, np.where(largest, matte, 0))
+    return _spread_within(surely, matte) if surely.any() else matte
+
+
+def _spread_within(seed: np.ndarray, limit: np.ndarray) -> np.ndarray:
+    """Grey-scale reconstruction (Vincent 1993): the seed grows over its neighbours, nowhere above the limit."""
+    kernel = np.ones((3, 3), np.uint8)
+    while True:
+        grown = np.minimum(cv2.dilate(seed, kernel), limit)
+        if np.array_equal(grown, seed):
+            return seed
+        seed = grown
 
 
 def _placed(person: np.ndarray, crop: Crop, size: tuple[int, int], photo_size: tuple[int, int]) -> np.ndarray:
@@ -74,11 +106,11 @@ def _as_colours_say(guide: np.ndarray, prior: np.ndarray) -> np.ndarray:
 
 
 def _colours(bins: tuple[np.ndarray, ...], weight: np.ndarray) -> np.ndarray:
-    """How often each colour occurs, (16, 16, 16), somewhat blurred; sums to 1 unless nothing weighs."""
+    """How often each colour occurs, (32, 32, 32), somewhat blurred; sums to 1 unless nothing weighs."""
     counts = np.zeros((_BINS,) * 3)
     np.add.at(counts, bins, weight.ravel())
     for axis in range(3):
         flat = np.ascontiguousarray(np.moveaxis(counts, axis, 0).reshape(_BINS, -1))
-        flat = cv2.GaussianBlur(flat, (1, 7), 0, sigmaY=_BIN_BLUR, borderType=cv2.BORDER_REPLICATE)
+        flat = cv2.GaussianBlur(flat, (1, 13), 0, sigmaY=_BIN_BLUR, borderType=cv2.BORDER_REPLICATE)
         counts = np.moveaxis(flat.reshape((_BINS,) * 3), 0, axis)
     return counts / max(float(counts.sum()), 1e-9)

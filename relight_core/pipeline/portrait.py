@@ -51,9 +51,9 @@ def choose_faces(
     """All faces, the largest first, or only the one of an index in order of size.
 
     Args:
-        evidence: says how many of brows, eyes and mouth are seen in a box. With it, doubtful boxes count only if
-            there are two, and where no face is left, less likely places are judged by it, also those of faces that
-            lie or stand on their heads.
+        evidence: says how many of brows, eyes and mouth are seen in a box. With it, what only cascades take for a
+            face counts only if there are two, and where no face is left, less likely places are judged by it, also
+            those of faces that lie or stand on their heads.
 
     Raises:
         InputError: no face, or no such index.
@@ -73,7 +73,7 @@ def choose_faces(
 
 
 def _confirmed(photo: Photo, found: list[FaceBox], evidence: Callable[[FaceBox], int]) -> list[FaceBox]:
-    """The boxes that are beyond doubt or confirmed, else the best guess; the found ones where nothing is."""
+    """The boxes that are confirmed, else the best guess; the found ones where nothing is."""
     faces = [face for face in found if not face.doubtful or evidence(face) >= _ENOUGH_EVIDENCE]
     if not faces:
         judged = [(evidence(guess), guess) for guess in guess_faces(photo)]

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Hashable, Sequence
 from dataclasses import dataclass, field, replace
-from functools import partial
+from functools import lru_cache, partial
 from pathlib import Path
 
 import numpy as np
 import torch
 
 from relight_core.errors import InputError
+from relight_core.face.crop import Crop
 from relight_core.face.evidence import evidence_of_face
 from relight_core.face.find import FaceBox
 from relight_core.face.silhouette import person_with_headwear
@@ -31,7 +32,7 @@ from relight_core.pipeline.kept_lights import KeptLights, ServingLight
 from relight_core.pipeline.person import canvas_of, whole_person
 from relight_core.pipeline.picture import Picture
 from relight_core.pipeline.plan import Effect, Plan, Scene, make_plan
-from relight_core.pipeline.portrait import Portrait, choose_faces, frame, frame_by_hand, refine, straightened
+from relight_core.pipeline.portrait import choose_faces, frame, frame_by_hand, refine, straightened
 from relight_core.pipeline.quality import Tier, tier_of
 from relight_core.resources import resource_path
 
@@ -118,10 +119,11 @@ class Relighter:
                 photo. The previous portrait stays.
         """
         live = tier_of("live")
+        parsed = lru_cache(maxsize=None)(lambda view: self._parsed(photo, view, live))
 
         def evidence(found: FaceBox) -> int:
             portrait = frame(photo, found)
-            return evidence_of_face(self._parsed(portrait, live), portrait.view, portrait.crop)
+            return evidence_of_face(parsed(portrait.view), portrait.view, portrait.crop)
 
         if box is not None:
             framed = [frame_by_hand(photo, box)]
@@ -129,20 +131,18 @@ class Relighter:
             framed = [frame(photo, found) for found in choose_faces(photo, face_index, evidence)]
         portraits = []
         for portrait in framed:
-            labels = self._parsed(portrait, live)
-            turned = straightened(portrait, labels)
-            if turned is not None:
-                portrait, labels = turned, self._parsed(turned, live)
-            portraits.append(refine(portrait, labels))
+            turned = straightened(portrait, parsed(portrait.view))
+            portrait = turned or portrait
+            portraits.append(refine(portrait, parsed(portrait.view)))
         self._cache.clear()
         self._lights.clear()
         first, *others = portraits
         self._faces = [FaceRelighter(self._shop, first, self._cache)]
         self._faces += [FaceRelighter(self._shop, other, StageCache(self._cache.remembers)) for other in others]
 
-    def _parsed(self, portrait: Portrait, tier: Tier) -> np.ndarray:
-        """(S, S) parsing labels of a portrait's view."""
-        found = self._shop.delight(portrait.view.extract(portrait.photo.linear, tier.size), tier)
+    def _parsed(self, photo: Photo, view: Crop, tier: Tier) -> np.ndarray:
+        """(S, S) parsing labels of a view."""
+        found = self._shop.delight(view.extract(photo.linear, tier.size), tier)
         return found.parsing[0].argmax(0).cpu().numpy()
 
     def estimated_light(self, quality: str = "live") -> Environment:

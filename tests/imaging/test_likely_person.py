@@ -1,7 +1,7 @@
 import numpy as np
 
 from relight_core.face.crop import Crop
-from relight_core.imaging.likely_person import likely_person
+from relight_core.imaging.likely_person import attached, likely_person
 
 CROP = Crop(50.0, 40.0, 60.0)
 
@@ -41,3 +41,21 @@ def test_colours_decide_what_the_mask_leaves_open():
 def test_a_mask_of_no_numbers_says_nothing():
     likely = likely_person(photo(), [(np.full((8, 8), np.nan, np.float32), CROP)], (100, 100))
     assert np.isfinite(likely).all()
+
+
+def test_what_hangs_on_to_nobody_is_taken_out():
+    matte = np.zeros((100, 100), np.float32)
+    matte[35:, 30:60] = 1.0
+    matte[36:40, 60:85] = 0.3
+    matte[30:45, 85:97] = 0.9
+    matte[5:15, 5:15] = 0.8
+    left = attached(matte, [(mask(), CROP)], (100, 100))
+    assert left[60, 45] == 1.0
+    np.testing.assert_allclose(left[35, 90], 0.3, atol=1e-6)
+    assert left[10, 10] == 0.0
+    assert (left <= matte).all()
+
+
+def test_where_no_mask_shows_anybody_the_matte_stays():
+    matte = np.full((40, 40), 0.4, np.float32)
+    np.testing.assert_array_equal(attached(matte, [(np.zeros((8, 8)), CROP)], (100, 100)), matte)
