@@ -4,10 +4,25 @@ from __future__ import annotations
 
 import argparse
 import json
+import sys
 from dataclasses import asdict
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from relight_core.pipeline.quality import TIERS
+
+if TYPE_CHECKING:
+    from app.window.measure import WindowSpeed
+
+_EVERY = 10
+"""Openings between two lines that tell how far it is."""
+
+_SPREADS = (
+    ("frame", "a frame while the networks run"),
+    ("rotation", "rotation, hand to picture"),
+    ("shadow", "shadow, hand to picture"),
+    ("exposure", "exposure, hand to picture"),
+)
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -20,41 +35,76 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--quality", choices=("auto", *TIERS), default="auto", help="the tier to work at; draft opens photos soonest"
     )
     parser.add_argument("--json", action="store_true", help="one JSON object on stdout")
+    parser.add_argument(
+        "-o", "--output", type=Path, metavar="FILE.json", help="write it there too, again after each part and opening"
+    )
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Run the command and return its exit code."""
-    from app.window.measure import measure_window
+    """Run the command and return its exit code. What was measured before an interruption is told all the same."""
+    from app.window.measure import WindowSpeed, measure_window
     from app.window.run import NoDisplayError, make_relighter
     from relight_core.errors import InputError
 
+    speed, told = WindowSpeed(), sys.stderr if arguments.json else sys.stdout
+    print("                                        median      p95", file=told, flush=True)
     try:
-        speed = measure_window(
+        for now in measure_window(
             make_relighter,
             arguments.photos,
             drag_s=arguments.seconds,
             repeats=arguments.repeats,
             openings=arguments.openings,
             quality=arguments.quality,
-        )
+        ):
+            for line in news(speed, now):
+                print(line, file=told, flush=True)
+            speed = now
+            if arguments.output:
+                _write(arguments.output, speed)
+            _tell_progress(speed, arguments.openings)
     except (NoDisplayError, TimeoutError) as error:
         raise InputError(f"the window can't be measured: {error}") from error
-    if arguments.json:
-        print(json.dumps(asdict(speed)))
-        return 0
-    print("                                        median      p95")
-    for name, spread in (
-        ("a frame while the networks run", speed.frame),
-        ("rotation, hand to picture", speed.rotation),
-        ("shadow, hand to picture", speed.shadow),
-        ("exposure, hand to picture", speed.exposure),
-    ):
-        print(f"{name:36s} {spread.median_ms:7.1f} ms {spread.p95_ms:7.1f} ms")
-    print(f"{speed.frames} frames and {speed.updates} pictures during the drag")
-    print(f"at rest {speed.idle_cpu:.2%} of a core")
-    if speed.memory_mb:
-        most = max(speed.memory_mb)
-        shown = sorted({0, *(len(speed.memory_mb) * part // 4 - 1 for part in (1, 2, 3, 4))} - {-1})
-        places = ", ".join(f"{index + 1}: {speed.memory_mb[index]:.0f}" for index in shown)
-        print(f"MiB of memory after opening number {places}; {most:.0f} at the most")
+    finally:
+        if speed.memory_mb:
+            print(memory_line(speed.memory_mb), file=told, flush=True)
+        if arguments.json and speed.frame:
+            print(json.dumps(asdict(speed)))
     return 0
+
+
+def news(before: WindowSpeed, now: WindowSpeed) -> list[str]:
+    """What `now` tells beyond `before`, a line each."""
+    lines = []
+    for field, title in _SPREADS:
+        spread = getattr(now, field)
+        if spread is not None and spread != getattr(before, field):
+            lines.append(f"{title:36s} {spread.median_ms:7.1f} ms {spread.p95_ms:7.1f} ms")
+    if before.frames is None and now.frames is not None:
+        lines.append(f"{now.frames} frames and {now.updates} pictures during the drag")
+    if before.idle_cpu is None and now.idle_cpu is not None:
+        lines.append(f"at rest {now.idle_cpu:.2%} of a core")
+    return lines
+
+
+def memory_line(memory_mb: tuple[float, ...]) -> str:
+    """The memory after some of the openings, the first and the last among them."""
+    shown = sorted({0, *(len(memory_mb) * part // 4 - 1 for part in (1, 2, 3, 4))} - {-1})
+    places = ", ".join(f"{index + 1}: {memory_mb[index]:.0f}" for index in shown)
+    return f"MiB of memory after opening number {places}; {max(memory_mb):.0f} at the most"
+
+
+def _tell_progress(speed: WindowSpeed, openings: int) -> None:
+    done = len(speed.opening_s)
+    if done and (done % _EVERY == 0 or done == openings):
+        each_s = sum(speed.opening_s) / done
+        left = f"{each_s * (openings - done) / 60:.1f} min left"
+        words = f"opened {done} of {openings}, {speed.memory_mb[-1]:.0f} MiB, {each_s:.1f} s each, {left}"
+        print(words, file=sys.stderr, flush=True)
+
+
+def _write(path: Path, speed: WindowSpeed) -> None:
+    from relight_core.imaging.files import whole_file
+
+    with whole_file(path) as partial:
+        partial.write_text(json.dumps(asdict(speed), indent=1), encoding="utf-8")

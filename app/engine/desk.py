@@ -73,6 +73,9 @@ class Desk:
         """The next step toward the request, or None when what is in force answers it."""
         photo = None if request.photo in now.refused else request.photo
         light = None if request.light in now.refused else request.light
+        if now.light is None and light is not None and light.kind == "rig":
+            # At once there, to be looked at while the networks load.
+            return self._toward_light(light)
         if photo is not None and photo is not _source(now.opened):
             return self._toward_photo(photo)
         if now.opened is not None and self._portrait is not now.opened:
@@ -91,12 +94,14 @@ class Desk:
                 partial(self._skip, key),
             )
             return Step("Relighting", relight, skip)
-        return self._when_the_hand_rests(now)
+        return self._when_the_hand_rests(request.edit, now)
 
-    def _when_the_hand_rests(self, now: Snapshot) -> Step | None:
+    def _when_the_hand_rests(self, edit: Edit, now: Snapshot) -> Step | None:
         """What nobody waits for but the panels show once it is known."""
         if now.own_light is None and _OWN not in now.refused:
-            return Step("Estimating the photo's own light", self._estimate_own_light, _refusing(_OWN))
+            # At the tier that has de-lit the photo already, unless that was only for a moving hand.
+            quality = edit.quality if edit.channels is None else _AT_REST
+            return Step("Estimating the photo's own light", partial(self._estimate_own_light, quality), _refusing(_OWN))
         if now.faces is None:
             return Step("Counting the faces", _count_faces, lambda now: replace(now, faces=()))
         if self._tiers.is_due:
@@ -170,7 +175,8 @@ class Desk:
         refuse = _refusing(light)
         if light.kind == "portrait" and self._relighter is None:
             return Step("Loading the networks", self._load_networks, refuse)
-        return Step(f"Reading the light {light.title}", partial(self._open_light, light), refuse)
+        words = "Borrowing the light of" if light.kind == "portrait" else "Reading the light"
+        return Step(f"{words} {light.title}", partial(self._open_light, light), refuse)
 
     def _open_light(self, source: LightSource, now: Snapshot) -> Snapshot:
         if source.kind == "own" and now.own_light is not None:
@@ -186,17 +192,17 @@ class Desk:
         self._lights = dict([*self._lights.items(), (source, light)][-_KEPT_LIGHTS:])
         return replace(now, light=light)
 
-    def _estimate_own_light(self, now: Snapshot) -> Snapshot:
-        return replace(now, own_light=_for_screen(_OWN, self._environment(_OWN)))
+    def _estimate_own_light(self, quality: str, now: Snapshot) -> Snapshot:
+        return replace(now, own_light=_for_screen(_OWN, self._environment(_OWN, quality)))
 
-    def _environment(self, source: LightSource) -> Environment:
+    def _environment(self, source: LightSource, quality: str = _AT_REST) -> Environment:
         if source.kind == "panorama":
             return read_environment(Path(source.name))
         if source.kind == "portrait":
             photo = read_photo(Path(source.name))
             self._portrait = None
             self._relighter.set_portrait(photo)
-        return self._relighter.estimated_light(_AT_REST)
+        return self._relighter.estimated_light(quality)
 
     def _skip(self, key: tuple, now: Snapshot) -> Snapshot:
         self._failed = key

@@ -118,10 +118,20 @@ FILE = (
     Action("Export as", _FILE, ("Ctrl+E",), "Choose where to save the picture", _wish("export_as"), available=_relit),
     Action("Copy the picture", _FILE, ("Ctrl+C",), "To paste it elsewhere", _wish("copy_picture"), available=_relit),
     Action(
-        "Save a film", _FILE, ("Ctrl+T",), "The light turning once around", _wish("turntable_film"), available=_relit
+        "Export a film",
+        _FILE,
+        ("Ctrl+T",),
+        "The light turning once around, as an MP4",
+        _wish("turntable_film"),
+        available=_relit,
     ),
     Action(
-        "Batch", _FILE, ("Ctrl+B",), "Relight all photos of a folder like this one", _wish("batch"), available=_relit
+        "Batch over a folder",
+        _FILE,
+        ("Ctrl+B",),
+        "Relight and export all photos of a folder like this one",
+        _wish("batch"),
+        available=_relit,
     ),
     Action("Open a file", _FILE, ("Ctrl+O",), "A portrait, a panorama for the light, or a session", _wish("open_file")),
     Action(
@@ -154,9 +164,9 @@ FILE = (
     Action(
         "Previous photo", _FILE, ("PageUp",), "Of those that were dropped together", lambda state: state.step_photo(-1)
     ),
-    Action("Save a PNG", _FILE, ("E",), "The picture as you see it, 8 bits", _save(".png"), available=_relit),
+    Action("Export a PNG", _FILE, ("E",), "The picture as you see it, 8 bits", _save(".png"), available=_relit),
     Action(
-        "Save an EXR",
+        "Export an EXR",
         _FILE,
         ("Shift+E",),
         "Linear radiance for compositing, the channels as layers",

@@ -21,7 +21,9 @@ from app.ui import (
     shortcuts,
     status_line,
     theme,
+    toolbar,
     viewport_panel,
+    widgets,
 )
 from app.ui.layout import Layout, Rect, arrange
 from app.ui.pictures import Pictures
@@ -49,6 +51,9 @@ def draw(state: EditorState, fonts: theme.Fonts, pictures: Pictures, shelf: ligh
     layout = arrange(io.display_size.x, io.display_size.y, imgui.get_font_size(), state.panels, scope)
     state.light_panel = layout.light.corners if layout.light else (0.0, 0.0, 0.0, 0.0)
     _sides(state, fonts, pictures, shelf, layout)
+    if layout.toolbar:
+        with _panel("toolbar", layout.toolbar, padding=(8.0, 5.0)):
+            toolbar.draw(state)
     with _panel("viewport", layout.viewport, padding=(0.0, 0.0)):
         viewport_panel.draw(state, fonts, pictures, layout.viewport)
     if layout.filmstrip:
@@ -75,10 +80,8 @@ def _sides(
         with _panel("scope", layout.scope, padding=(14.0, 10.0)):
             scope_panel.draw(state, pictures)
     if layout.effects:
-        with _panel("effects", layout.effects):
-            imgui.begin_child("controls")
+        with _panel("effects", layout.effects), widgets.scrolling("controls"):
             effects_panel.draw(state, fonts)
-            imgui.end_child()
 
 
 @contextmanager

@@ -44,8 +44,7 @@ def draw(state: EditorState, fonts: theme.Fonts) -> None:
     form = widgets.segmented(_FORMS, state.export.form)
     if form != state.export.form:
         state.export = replace(state.export, form=form)
-    _depth(state)
-    _size(state)
+    _depth_and_size(state)
     imgui.set_next_item_width(-1.0)
     _, state.export_path = imgui.input_text("##path", state.export_path, imgui.InputTextFlags_.elide_left)
     if state.export_path:
@@ -54,14 +53,18 @@ def draw(state: EditorState, fonts: theme.Fonts) -> None:
     imgui.end_disabled()
 
 
-def _depth(state: EditorState) -> None:
+def _depth_and_size(state: EditorState) -> None:
     export = state.export
     if export.form == ".jpg":
         quality = round(widgets.slider(state, _QUALITY, float(export.quality)))
         state.export = replace(export, quality=quality)
+        _size(state)
         return
-    chosen = widgets.segmented(_DEPTHS.get(export.form, _DEPTHS[""]), "deep" if export.deep else "")
+    half = (imgui.get_content_region_avail().x - 4.0) / 2
+    chosen = widgets.segmented(_DEPTHS.get(export.form, _DEPTHS[""]), "deep" if export.deep else "", half)
     state.export = replace(export, deep=chosen == "deep")
+    imgui.same_line(0.0, 4.0)
+    _size(state)
     if export.form == ".exr":
         _layers(state)
 
@@ -79,32 +82,39 @@ def _layers(state: EditorState) -> None:
 
 
 def _size(state: EditorState) -> None:
-    choices = tuple(
-        (
-            str(side or ""),
-            str(side) if side else "Full",
-            "Pixels along the longer side." if side else "As large as the photo.",
-        )
-        for side in SIDES
-    )
-    chosen = widgets.segmented(choices, str(state.export.longest_side or ""))
-    state.export = replace(state.export, longest_side=int(chosen) if chosen else None)
+    words = [f"{side} px" if side else "Full size" for side in SIDES]
+    imgui.set_next_item_width(-1.0)
+    changed, index = imgui.combo("##size", SIDES.index(state.export.longest_side), words)
+    imgui.set_item_tooltip("As large as the photo, or so many pixels along the longer side.")
+    if changed:
+        state.export = replace(state.export, longest_side=SIDES[index])
 
 
 def _buttons(state: EditorState) -> None:
-    width = (imgui.get_content_region_avail().x - 8.0) / 3
-    if imgui.button("Export", imgui.ImVec2(width, 0.0)):
+    spacing = 4.0
+    third = (imgui.get_content_region_avail().x - 2.0 * spacing) / 3
+    if imgui.button("Export", imgui.ImVec2(third, 0.0)):
         state.export_wanted = state.export.form
     imgui.set_item_tooltip("Save it there at once.  E")
     for label, kind, tooltip in (
         ("Save as…", "export_as", "Choose the place; asks before it replaces a file.  Ctrl + E"),
         ("Copy", "copy_picture", "Put the picture on the clipboard.  Ctrl + C"),
-        ("Film", "turntable_film", "The light turning once around, as an MP4.  Ctrl + T"),
-        ("Frames", "turntable_pictures", "The light turning once around, as numbered PNG files in a new folder."),
-        ("Batch…", "batch", "Relight all photos of a folder, or of those dropped together, like this one.  Ctrl + B"),
     ):
-        if label != "Film":
-            imgui.same_line(0.0, 4.0)
-        if imgui.button(label, imgui.ImVec2(width, 0.0)):
-            state.asking.wish(kind)
-        imgui.set_item_tooltip(tooltip)
+        imgui.same_line(0.0, spacing)
+        _wish(state, label, kind, tooltip, third)
+    imgui.align_text_to_frame_padding()
+    imgui.text_disabled("Turntable")
+    imgui.same_line()
+    half = (imgui.get_content_region_avail().x - spacing) / 2
+    _wish(state, "MP4", "turntable_film", "A film of the light turning once around.  Ctrl + T", half)
+    imgui.same_line(0.0, spacing)
+    words = "The light turning once around, as numbered PNG files in a new folder."
+    _wish(state, "PNGs", "turntable_pictures", words, half)
+    words = "Relight all photos of a folder, or of those dropped together, like this one.  Ctrl + B"
+    _wish(state, "Batch over a folder…" if len(state.queue.paths) < 2 else "Batch over the queue", "batch", words, -1.0)
+
+
+def _wish(state: EditorState, label: str, kind: str, tooltip: str, width: float) -> None:
+    if imgui.button(label, imgui.ImVec2(width, 0.0)):
+        state.asking.wish(kind)
+    imgui.set_item_tooltip(tooltip)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-STATUS_EM, SCOPE_EM = 2.0, 7.4
+STATUS_EM, SCOPE_EM, TOOLBAR_EM = 2.0, 7.4, 2.1
 SIDE_EM = (13.0, 34.0)
 """Narrowest and widest a side panel can be drawn, in font heights."""
 
@@ -106,6 +106,7 @@ class Layout:
     effects: Rect | None
     scope: Rect | None
     filmstrip: Rect | None
+    toolbar: Rect | None
     viewport: Rect
     status: Rect
     dividers: tuple[Divider, ...]
@@ -126,13 +127,15 @@ def arrange(width: float, height: float, em: float, panels: Panels | None = None
     left, right = _sides(panels, width, em)
     middle = max(1.0, height - strip - line)
     centre = max(1.0, width - left - right)
+    bar = round(TOOLBAR_EM * em) if panels.any_shown else 0
     scope_height = min(round(SCOPE_EM * em), middle) if scope and right else 0
     return Layout(
         light=Rect(0, 0, left, middle) if left else None,
         effects=Rect(left + centre, scope_height, right, middle - scope_height) if right else None,
         scope=Rect(left + centre, 0, right, scope_height) if scope_height else None,
         filmstrip=Rect(0, middle, width, strip) if strip else None,
-        viewport=Rect(left, 0, centre, middle),
+        toolbar=Rect(left, 0, centre, bar) if bar else None,
+        viewport=Rect(left, bar, centre, max(1, middle - bar)),
         status=Rect(0, middle + strip, width, line),
         dividers=_dividers(left, right, strip, width, middle, em),
     )

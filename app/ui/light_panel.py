@@ -44,12 +44,11 @@ def draw(state: EditorState, fonts: theme.Fonts, pictures: Pictures, shelf: Shel
     if widgets.toggle(label, state.playing, imgui.get_content_region_avail().x):
         state.playing = not state.playing
     imgui.end_disabled()
-    imgui.set_item_tooltip("The light turns by itself; save it as a film under Export.  P")
-    imgui.begin_child("lights", imgui.ImVec2(0.0, 0.0))
-    light_controls.box(state, fonts)
-    light_controls.light(state, fonts)
-    _lights(state, pictures, shelf)
-    imgui.end_child()
+    imgui.set_item_tooltip("The light turns by itself; save it as a film under Export, Turntable.  P")
+    with widgets.scrolling("lights"):
+        light_controls.box(state, fonts)
+        light_controls.light(state, fonts)
+        _lights(state, pictures, shelf)
 
 
 def _lights(state: EditorState, pictures: Pictures, shelf: Shelf) -> None:

@@ -11,6 +11,7 @@ from app.ui import theme
 from app.ui.box_tools import NEW_BOX, dragged, grab
 from app.ui.pictures import Pictures
 from app.ui.state import EditorState
+from app.ui.viewport_notes import note
 from relight_core.lighting.light_edit import MOST_BOXES
 from relight_core.lighting.soft_box import corners, direction_at, moved_to, outline, turned, uv_of
 
@@ -37,6 +38,7 @@ def draw(state: EditorState, pictures: Pictures) -> None:
     _picture(state, pictures, left, width, height)
     for index in range(len(state.light_edit.boxes)):
         _box(state, index, left, width, height)
+    _what_comes(state, left, height)
     _compass(left, width, height)
 
 
@@ -128,6 +130,13 @@ def _unwrapped(directions: np.ndarray, yaw_deg: float) -> list[tuple[float, floa
         u += round(points[-1][0] - u) if points else -np.floor(u)
         points.append((u, v))
     return points
+
+
+def _what_comes(state: EditorState, left: imgui.ImVec2, height: float) -> None:
+    """What is done about a light that was asked for and is not there yet."""
+    light, activity, em = state.snapshot.light, state.snapshot.activity, imgui.get_font_size()
+    if activity and light is not None and not state.light.same_as(light.source):
+        note(f"{activity}…", left.x + 0.4 * em, left.y + height - 1.9 * em)
 
 
 def _compass(left: imgui.ImVec2, width: float, height: float) -> None:

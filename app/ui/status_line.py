@@ -19,11 +19,7 @@ def _keep_timings(state: EditorState) -> None:
     state.look.switch("timings")
 
 
-_LINKS = (
-    ("Open…", "Choose a portrait, a panorama or a session.  Ctrl + O", lambda state: state.asking.wish("open_file")),
-    ("Save", "Save the work as a session beside the photo.  Ctrl + S", lambda state: state.asking.wish("save_session")),
-    ("? for all keys", "Shows all keys.", _ask_for_keys),
-)
+_LINKS = (("? for all keys", "Shows all keys.", _ask_for_keys),)
 """Words to click at the line's end: label, tooltip, what is done."""
 
 _APART_EM = 1.2
@@ -32,8 +28,6 @@ _APART_EM = 1.2
 def draw(state: EditorState) -> None:
     """The line's contents, inside its window."""
     links = list(_LINKS)
-    if state.snapshot.opened is None:
-        links = [link for link in links if link[0] != "Save"]
     timing = _timing(state)
     if timing:
         links.insert(0, (timing, f"{_stages(state)}\nClick to keep this in sight.", _keep_timings))

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 
 from imgui_bundle import imgui
@@ -195,6 +196,20 @@ def toggle(label: str, down: bool, width: float) -> bool:
     clicked = imgui.button(label, imgui.ImVec2(width, 0.0))
     imgui.pop_style_color(2)
     return clicked
+
+
+@contextmanager
+def scrolling(name: str) -> Iterator[None]:
+    """What scrolls, over all the room there is; as wide with a scroll bar as without, so that nothing jumps aside."""
+    kept, key = imgui.get_state_storage(), imgui.get_id(name)
+    colours = () if kept.get_bool(key, True) else (imgui.Col_.scrollbar_grab, imgui.Col_.scrollbar_grab_hovered)
+    for colour in colours:
+        imgui.push_style_color(colour, imgui.ImVec4(0.0, 0.0, 0.0, 0.0))
+    imgui.begin_child(name, imgui.ImVec2(0.0, 0.0), 0, imgui.WindowFlags_.always_vertical_scrollbar)
+    imgui.pop_style_color(len(colours))
+    kept.set_bool(key, imgui.get_scroll_max_y() > 0.0)
+    yield
+    imgui.end_child()
 
 
 def draw_image(shown: Shown, x: float, y: float, width: float, height: float, rounding: float = 0.0) -> None:

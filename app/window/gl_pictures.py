@@ -19,15 +19,13 @@ from app.window.gl_light_ball import LightBall
 from app.window.gl_recipe import RelitSlot
 from app.window.gl_scopes import Scopes
 from app.window.gl_textures import Canvas, TextureSlot
-from app.window.gl_viewport import PicturePainter, coarser, covered, draws_in_software
+from app.window.gl_viewport import PicturePainter, coarseness, coarser, covered, draws_in_software
 from relight_core.imaging.scopes import Extremes
 from relight_core.lighting.environment import Environment
 
-_COARSER = 2
-"""Where the processor itself draws, the viewport has so many times fewer rows and columns while a hand moves."""
-
 _LAG_S = 0.5
-"""How far scopes and thumbnails may be behind while a hand moves something: each takes time from the picture."""
+"""How far scopes and thumbnails may be behind while a hand moves something, and twice that in frames that have much
+to draw already: each takes time from the picture."""
 
 
 class GlPictures:
@@ -44,7 +42,7 @@ class GlPictures:
     """
 
     def __init__(self, context: moderngl.Context, shelf: LightShelf, canvas_srgb: tuple[float, float, float]) -> None:
-        self.exposure_ev, self.hurried = 0.0, False
+        self.exposure_ev, self.hurried, self._busy = 0.0, False, False
         self._context = context
         self._shelf = shelf
         self._painter = PicturePainter(context, canvas_srgb)
@@ -57,11 +55,16 @@ class GlPictures:
         self._thumbnails = {name: Canvas(context) for name in (PHOTO, RESULT)}
         self._scopes = Scopes(context)
         self._light_ball = LightBall(context)
-        self._read: tuple[str, np.ndarray] | None = None
+        self._read: tuple[str, tuple[np.ndarray, float]] | None = None
         self._followed_s: dict[str, float] = {}
         self._environment: Environment | None = None
         self._drawn: dict[str, tuple] = {}
         self._versions: dict[str, int] = {}
+
+    def begin_frame(self, exposure_ev: float, hurried: bool) -> None:
+        """What is shown from now on is one frame; before `update`."""
+        self._busy = exposure_ev != self.exposure_ev
+        self.exposure_ev, self.hurried = exposure_ev, hurried
 
     def update(self, snapshot: Snapshot) -> None:
         """Upload what the snapshot holds that is not there yet."""
@@ -99,7 +102,7 @@ class GlPictures:
         wanted = self._exposure_of(name), self._versions[name]
         if not self._may_lag(key) and self._is_due(key, canvas, small, wanted):
             self._painter.thumbnail(canvas, self._slots, name, scale, self.exposure_ev)
-            self._followed_s[key] = time.monotonic()
+            self._follows_now(key)
         return _shown(canvas.texture)
 
     def viewport(self, panes: Sequence[Pane], size: tuple[int, int], paint: Paint) -> Shown:
@@ -107,7 +110,7 @@ class GlPictures:
         panes, key, canvas = tuple(pane for pane in panes if self.size(pane.name)), "viewport", self._viewport
         if self.hurried and self._in_software:
             key, canvas = "coarse viewport", self._coarse_viewport
-            panes, size, paint = coarser(panes, size, paint, _COARSER)
+            panes, size, paint = coarser(panes, size, paint, coarseness(panes, size))
         self._seen = canvas
         exposures = tuple(self._exposure_of(pane.name) for pane in panes)
         # A difference reads the photo too.
@@ -129,30 +132,38 @@ class GlPictures:
         """The "histogram" or "waveform" of a picture or channel; computed now if it is another one."""
         if self.size(name) is None:
             return None
-        return _shown(self._scopes.scope(kind, self._readable(name), self._exposure_of(name)))
+        return _shown(self._scopes.scope(kind, *self._readable(name)))
 
     def extremes(self, name: str) -> Extremes | None:
         """How much of the photo or the result the screen can't show; None for a channel."""
         if name not in (PHOTO, RESULT) or self.size(name) is None:
             return None
-        return self._scopes.extremes(self._readable(name), self._exposure_of(name))
+        return self._scopes.extremes(*self._readable(name))
 
-    def _readable(self, name: str) -> np.ndarray:
-        """A picture's pixels for the scopes; in a hurry those of the one before, for a moment."""
+    def _readable(self, name: str) -> tuple[np.ndarray, float]:
+        """A picture's pixels and exposure for the scopes; in a hurry those of the one before, for a moment."""
+        wanted = self._slots[name].array, self._exposure_of(name)
         is_other = self._read is None or self._read[0] != name
-        if is_other or not self._may_lag("scopes"):
-            array = self._slots[name].array
-            if is_other or array is not self._read[1]:
-                self._read, self._followed_s["scopes"] = (name, array), time.monotonic()
+        if is_other or (not self._may_lag("scopes") and not _is_same_reading(wanted, self._read[1])):
+            self._read = name, wanted
+            self._follows_now("scopes")
         return self._read[1]
 
     def _may_lag(self, key: str) -> bool:
         """Whether something follows the picture so closely that, in a hurry, it need not be brought up to date."""
         followed_s = self._followed_s.get(key)
-        return self.hurried and followed_s is not None and time.monotonic() - followed_s < _LAG_S
+        if not self.hurried or followed_s is None:
+            return False
+        behind_s = time.monotonic() - followed_s
+        return behind_s < (2.0 * _LAG_S if self._busy else _LAG_S)
+
+    def _follows_now(self, key: str) -> None:
+        self._followed_s[key], self._busy = time.monotonic(), True
 
     def _show(self, name: str, content: object) -> None:
-        self._versions[name] = self._versions.get(name, 0) + self._slots[name].show(content)
+        changed = self._slots[name].show(content)
+        self._busy |= changed
+        self._versions[name] = self._versions.get(name, 0) + changed
 
     def panorama(self) -> Shown | None:
         """The light in force; repeats sideways."""
@@ -196,6 +207,10 @@ def _changing_part(drawn: tuple | None, size: tuple[int, int], panes: tuple[Pane
         return WHOLE
     x0, y0, x1, y1 = zip(*(covered(pane, size) for pane in panes), strict=True)
     return min(x0) / size[0], min(y0) / size[1], max(x1) / size[0], max(y1) / size[1]
+
+
+def _is_same_reading(one: tuple[np.ndarray, float], other: tuple[np.ndarray, float]) -> bool:
+    return one[0] is other[0] and one[1] == other[1]
 
 
 def _shown(texture: moderngl.Texture | None) -> Shown | None:

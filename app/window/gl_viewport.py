@@ -21,6 +21,9 @@ from relight_core.imaging.false_colour import difference_colours, scale_colours
 RANGE_EV = 3.0
 """How many stops brighter or darker the ends of the difference's colours stand for."""
 
+LEAST_COARSENESS, HURRIED_PIXELS = 2.0, 90_000
+"""How coarse the viewport gets at least where it has to be quick, and about how many pixels its pictures then have."""
+
 Slots = dict[str, TextureSlot | RelitSlot]
 
 _PLAIN, _SCALE, _DIFFERENCE = 0, 1, 2
@@ -152,18 +155,27 @@ def covered(pane: Pane, size: tuple[int, int]) -> Rect:
     return x0, y0, min(math.ceil(left + across), pane.right, size[0]), min(math.ceil(top + down), size[1])
 
 
+def coarseness(panes: Sequence[Pane], size: tuple[int, int]) -> float:
+    """How many times fewer rows and columns a viewport gets while a hand moves and the processor draws."""
+    rects = [covered(pane, size) for pane in panes]
+    pixels = sum(max(x1 - x0, 0) * max(y1 - y0, 0) for x0, y0, x1, y1 in rects)
+    return max(LEAST_COARSENESS, math.sqrt(pixels / HURRIED_PIXELS))
+
+
 def coarser(
-    panes: Sequence[Pane], size: tuple[int, int], paint: Paint, by: int
+    panes: Sequence[Pane], size: tuple[int, int], paint: Paint, by: float
 ) -> tuple[tuple[Pane, ...], tuple[int, int], Paint]:
-    """The same viewport with `by` times fewer rows and columns."""
+    """The same viewport with `by` times fewer rows and columns, or a little more to be whole ones."""
+    smaller = tuple(math.ceil(length / by) for length in size)
+    across, down = (length / less for length, less in zip(size, smaller, strict=True))
 
     def shrunk(pane: Pane) -> Pane:
         spot = pane.placement
-        lengths = {name: getattr(spot, name) / by for name in ("x", "y", "zoom", "width", "height")}
-        left, right = round(pane.left / by), math.ceil(pane.right / by)
-        return replace(pane, placement=replace(spot, **lengths), left=left, right=right)
+        corner = {"x": spot.x / across, "y": spot.y / down}
+        lengths = {"zoom": spot.zoom / across, "width": spot.width / across, "height": spot.height / down}
+        left, right = round(pane.left / across), math.ceil(pane.right / across)
+        return replace(pane, placement=replace(spot, **corner, **lengths), left=left, right=right)
 
-    smaller = tuple(math.ceil(length / by) for length in size)
     return tuple(map(shrunk, panes)), smaller, replace(paint, stripe_px=paint.stripe_px / by)
 
 

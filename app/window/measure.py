@@ -5,7 +5,7 @@ from __future__ import annotations
 import threading
 import time
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import glfw
@@ -39,7 +39,7 @@ class Spread:
 
 @dataclass(frozen=True)
 class WindowSpeed:
-    """What was measured.
+    """What was measured; None and the empty tuple stand for what was not, or not yet.
 
     Attributes:
         frame: one frame, of 60 a second at most, while a drag makes the networks run again and again.
@@ -47,16 +47,18 @@ class WindowSpeed:
         frames, updates: how many frames were drawn during the drag, and how many results came.
         idle_cpu: share of one core used while nothing happens.
         memory_mb: resident memory after each opening of a photo.
+        opening_s: how long each opening took, until all of the photo was known and shown.
     """
 
-    frame: Spread
-    rotation: Spread
-    shadow: Spread
-    exposure: Spread
-    frames: int
-    updates: int
-    idle_cpu: float
-    memory_mb: tuple[float, ...]
+    frame: Spread | None = None
+    rotation: Spread | None = None
+    shadow: Spread | None = None
+    exposure: Spread | None = None
+    frames: int | None = None
+    updates: int | None = None
+    idle_cpu: float | None = None
+    memory_mb: tuple[float, ...] = ()
+    opening_s: tuple[float, ...] = ()
 
 
 def measure_window(
@@ -69,7 +71,7 @@ def measure_window(
     idle_s: float = 6.0,
     openings: int = 0,
     quality: str = AUTO,
-) -> WindowSpeed:
+) -> Iterator[WindowSpeed]:
     """Open the editor on the first photo, drag, wait, and open photos in turn.
 
     Args:
@@ -79,6 +81,9 @@ def measure_window(
         idle_s: how long the window is left alone.
         openings: how many photos are opened in turn, over and over, for the memory.
         quality: the tier, or "auto".
+
+    Yields:
+        All that was measured so far, after each part and after each opening.
 
     Raises:
         NoDisplayError: no display, or one without OpenGL 3.3.
@@ -91,11 +96,18 @@ def measure_window(
         _settle(window)
         with_hand = _Hand(window)
         frames, updates = with_hand.drag(drag_s)
-        spreads = [Spread.of(with_hand.latencies(change, repeats)) for change in (_turn, _deepen, _brighten)]
+        speed = WindowSpeed(frame=Spread.of(frames), frames=len(frames), updates=updates)
+        yield speed
+        for name, change in (("rotation", _turn), ("shadow", _deepen), ("exposure", _brighten)):
+            speed = replace(speed, **{name: Spread.of(with_hand.latencies(change, repeats))})
+            yield speed
         with_hand.rest()
-        idle = _idle_cpu(window, idle_s)
-        memory = tuple(_open_in_turn(window, photos, openings))
-        return WindowSpeed(Spread.of(frames), *spreads, len(frames), updates, idle, memory)
+        speed = replace(speed, idle_cpu=_idle_cpu(window, idle_s))
+        yield speed
+        for seconds, memory_mb in _open_in_turn(window, photos, openings):
+            opened = {"memory_mb": (*speed.memory_mb, memory_mb), "opening_s": (*speed.opening_s, seconds)}
+            speed = replace(speed, **opened)
+            yield speed
     finally:
         window.close()
 
@@ -204,11 +216,13 @@ def _idle_cpu(window: EditorWindow, seconds: float) -> float:
     return (cpu_end - cpu_start) / (wall_end - wall_start)
 
 
-def _open_in_turn(window: EditorWindow, photos: list[Path], openings: int) -> Iterator[float]:
+def _open_in_turn(window: EditorWindow, photos: list[Path], openings: int) -> Iterator[tuple[float, float]]:
+    """Seconds, and the memory after it, of each opening."""
     for index in range(openings):
+        began = time.perf_counter()
         window.state.open_photo(photos[index % len(photos)])
         _settle(window)
-        yield _resident_mb()
+        yield time.perf_counter() - began, _resident_mb()
 
 
 def _resident_mb() -> float:

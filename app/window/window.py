@@ -302,11 +302,13 @@ class EditorWindow:
     def _draw(self) -> None:
         state = self.state
         snapshot = self.engine.snapshot()
-        if snapshot is not state.snapshot:
+        is_new = snapshot is not state.snapshot
+        if is_new:
             state.accept(snapshot)
+        self.pictures.begin_frame(state.edit.exposure_ev, state.hand_on_control)
+        if is_new:
             self.pictures.update(snapshot)
         state.job = self.exporter.status()
-        self.pictures.exposure_ev, self.pictures.hurried = state.edit.exposure_ev, state.hand_on_control
         self._graphics.binding.begin()
         editor.draw(state, self._graphics.binding.fonts, self.pictures, Shelf(self.shelf.names, self.shelf.words))
         self._graphics.binding.end()

@@ -1,8 +1,13 @@
 """The measurement of the window's speed runs through and measures what it says."""
 
+import argparse
+import json
+
+import pytest
 from fake_relighter import FakeRelighter
 
-from app.window.measure import Spread, measure_window
+from app.cli import measure
+from app.window.measure import Spread, WindowSpeed, measure_window
 
 
 def test_a_spread_is_median_and_95th_percentile_in_milliseconds():
@@ -13,14 +18,64 @@ def test_a_spread_is_median_and_95th_percentile_in_milliseconds():
 def test_every_movement_is_answered_and_counted(display, photo_path, monkeypatch):
     monkeypatch.setattr("app.window.measure.time.sleep", lambda _seconds: None)
     relighter = FakeRelighter()
-    speed = measure_window(
-        lambda: relighter, [photo_path], size=(1024, 700), drag_s=0.05, repeats=3, idle_s=0.0, openings=2
+    parts = list(
+        measure_window(
+            lambda: relighter, [photo_path], size=(1024, 700), drag_s=0.05, repeats=3, idle_s=0.0, openings=2
+        )
     )
+    assert [(part.rotation is None, part.idle_cpu is None, len(part.memory_mb)) for part in parts] == [
+        (True, True, 0),
+        *[(False, True, 0)] * 3,
+        *[(False, False, opened) for opened in (0, 1, 2)],
+    ]
+    speed = parts[-1]
     assert speed.frames > 0
     for spread in (speed.frame, speed.rotation, speed.shadow, speed.exposure):
         assert 0 < spread.median_ms <= spread.p95_ms
     shadows = [edit.shadow for edit in relighter.relights if edit.quality == "live"]
     assert {0.2, 0.57, 0.94} <= {round(shadow, 2) for shadow in shadows}
-    assert len(speed.memory_mb) == 2
+    assert len(speed.memory_mb) == len(speed.opening_s) == 2
     assert min(speed.memory_mb) > 10
+    assert min(speed.opening_s) > 0
     assert len(relighter.portraits) == 3
+
+
+PARTS = (
+    WindowSpeed(frame=Spread(8.0, 12.0), frames=90, updates=20),
+    WindowSpeed(frame=Spread(8.0, 12.0), frames=90, updates=20, rotation=Spread(50.0, 70.0)),
+    WindowSpeed(
+        Spread(8.0, 12.0), Spread(50.0, 70.0), frames=90, updates=20, memory_mb=(300.0, 310.0), opening_s=(1.0, 1.5)
+    ),
+)
+
+
+def run_measure(monkeypatch, parts, *words):
+    monkeypatch.setattr("app.window.measure.measure_window", lambda *_, **__: iter(parts()))
+    parser = argparse.ArgumentParser()
+    measure.add_arguments(parser)
+    return measure.run(parser.parse_args(["a.jpg", *words]))
+
+
+def test_each_part_is_told_once_it_is_there_and_told_once(monkeypatch, capsys):
+    assert run_measure(monkeypatch, lambda: PARTS, "--openings", "2") == 0
+    told = capsys.readouterr()
+    assert told.out.count("a frame while the networks run") == 1
+    assert told.out.count("rotation, hand to picture") == 1
+    assert "90 frames and 20 pictures" in told.out
+    assert "after opening number 1: 300, 2: 310; 310 at the most" in told.out
+    assert told.err == "opened 2 of 2, 310 MiB, 1.2 s each, 0.0 min left\n"
+
+
+def test_what_was_measured_before_an_interruption_is_told_and_kept(monkeypatch, capsys, tmp_path):
+    def interrupted():
+        yield PARTS[0]
+        yield PARTS[2]
+        raise KeyboardInterrupt
+
+    path = tmp_path / "speed.json"
+    with pytest.raises(KeyboardInterrupt):
+        run_measure(monkeypatch, interrupted, "--openings", "200", "--json", "-o", str(path))
+    told = json.loads(capsys.readouterr().out)
+    assert told == json.loads(path.read_text())
+    assert told["memory_mb"] == [300.0, 310.0]
+    assert told["shadow"] is None

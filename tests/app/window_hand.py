@@ -12,8 +12,8 @@ from imgui_bundle import imgui
 from app.engine.sources import LightSource
 from app.ui.view import View
 
-LIGHT_PANEL, EFFECTS_PANEL, STRIPS = 255, 240, 141
-"""Pixels: the panels' widths, and the height of filmstrip and status line, at scale 1."""
+LIGHT_PANEL, EFFECTS_PANEL, STRIPS, TOOLBAR = 255, 240, 141, 32
+"""Pixels: the panels' widths, the height of filmstrip and status line, and of the toolbar, at scale 1."""
 
 PANORAMA_X, PANORAMA_WIDTH, PANORAMA_Y = 14, 227, 90
 KNOB_GREY = 194
@@ -37,7 +37,7 @@ class Hand:
         assert self.window.settle(LONG_S)
 
     def centre(self):
-        return (LIGHT_PANEL + self.width - EFFECTS_PANEL) / 2, (self.height - STRIPS) / 2
+        return (LIGHT_PANEL + self.width - EFFECTS_PANEL) / 2, (self.height - STRIPS + TOOLBAR) / 2
 
     def panorama(self, along):
         return PANORAMA_X + along * PANORAMA_WIDTH, PANORAMA_Y

@@ -1,0 +1,167 @@
+"""The bar over the picture: opening and saving, comparing, what is shown about the picture, and its zoom."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from imgui_bundle import imgui
+
+from app.ui import look_actions, theme
+from app.ui.actions import Action
+from app.ui.state import EditorState
+from app.ui.view import View
+from app.ui.viewport_panel import toggle_actual_size
+
+_PADDING_EM, _APART_EM = 0.55, 0.25
+_BETWEEN_GROUPS_EM = 1.2
+
+
+@dataclass(frozen=True)
+class _Button:
+    """One word of the bar.
+
+    Attributes:
+        act: what a click does.
+        is_on: it looks pressed.
+        held: what is done in every frame in which the button is down.
+    """
+
+    label: str
+    tooltip: str
+    act: Callable[[EditorState], None] = lambda state: None
+    is_on: Callable[[EditorState], bool] = lambda state: False
+    held: Callable[[EditorState], None] | None = None
+    available: Callable[[EditorState], bool] = lambda state: True
+
+
+def _opened(state: EditorState) -> bool:
+    return state.snapshot.opened is not None
+
+
+def _relit(state: EditorState) -> bool:
+    return state.snapshot.picture is not None
+
+
+def _compare(value: str) -> tuple[Callable, Callable]:
+    return (lambda state: state.look.choose("compare", value)), (lambda state: state.look.compare == value)
+
+
+def _see_the_photo(state: EditorState) -> None:
+    state.before = True
+
+
+def _fit(state: EditorState) -> None:
+    state.view = View()
+
+
+def _full_size(state: EditorState) -> None:
+    if state.view.fit:
+        toggle_actual_size(state)
+    else:
+        state.view = View(False, 1.0, state.view.centre_x, state.view.centre_y)
+
+
+_FILES = (
+    _Button("Open…", "A portrait, a panorama or a session.  Ctrl + O", lambda state: state.asking.wish("open_file")),
+    _Button(
+        "Save",
+        "The work as a session beside the photo, to go on later.  Ctrl + S",
+        lambda state: state.asking.wish("save_session"),
+        available=_opened,
+    ),
+)
+_COMPARING = (
+    _Button("Before", "Hold to see the photo as it was.  Space", held=_see_the_photo, available=_relit),
+    _Button(
+        "Wipe", "A line to drag: the photo left of it, the picture right of it.  W", *_compare("wipe"), None, _relit
+    ),
+    _Button("Side by side", "The photo beside the picture.  Y", *_compare("side"), None, _relit),
+)
+_ZOOM = (
+    _Button("Fit", "The whole picture.  F", _fit, lambda state: state.view.fit, available=_opened),
+    _Button("100 %", "One photo pixel on one screen pixel.  Z", _full_size, available=_opened),
+)
+_MENU = "Show"
+
+
+def draw(state: EditorState) -> None:
+    """The bar's contents, inside its window."""
+    em = imgui.get_font_size()
+    room, start = imgui.get_content_region_avail().x, imgui.get_cursor_pos()
+    menu_width = _width(_MENU) + 0.9 * em
+    right_width = menu_width + _APART_EM * em + _group_width(_ZOOM)
+    left, right = _FILES, _ZOOM
+    if _group_width(left) + _group_width(_COMPARING) + right_width + 2 * _BETWEEN_GROUPS_EM * em > room:
+        left = ()
+    if _group_width(_COMPARING) + right_width + _BETWEEN_GROUPS_EM * em > room:
+        right, right_width = (), menu_width
+    _group(state, left, start.x, start.y)
+    first = _group_width(left) + _BETWEEN_GROUPS_EM * em if left else 0.0
+    last = room - right_width - _group_width(_COMPARING) - _BETWEEN_GROUPS_EM * em
+    _group(state, _COMPARING, start.x + max(first, min((room - _group_width(_COMPARING)) / 2, last)), start.y)
+    x = start.x + max(0.0, room - right_width)
+    _menu(state, x, start.y, menu_width)
+    _group(state, right, x + menu_width + _APART_EM * em, start.y)
+
+
+def _width(label: str) -> float:
+    return imgui.calc_text_size(label).x + 2.0 * _PADDING_EM * imgui.get_font_size()
+
+
+def _group_width(buttons: tuple[_Button, ...]) -> float:
+    apart = _APART_EM * imgui.get_font_size() * max(0, len(buttons) - 1)
+    return sum(_width(button.label) for button in buttons) + apart
+
+
+def _group(state: EditorState, buttons: tuple[_Button, ...], x: float, y: float) -> None:
+    for button in buttons:
+        imgui.set_cursor_pos(imgui.ImVec2(x, y))
+        imgui.begin_disabled(not button.available(state))
+        if _flat(button.label, _width(button.label), button.is_on(state)):
+            button.act(state)
+        if button.held is not None and imgui.is_item_active():
+            button.held(state)
+        imgui.end_disabled()
+        imgui.set_item_tooltip(button.tooltip)
+        x += _width(button.label) + _APART_EM * imgui.get_font_size()
+
+
+def _flat(label: str, width: float, down: bool) -> bool:
+    """A button without a face until the mouse is on it, or it is down."""
+    face = theme.PRESSED if down else (0.0, 0.0, 0.0, 0.0)
+    imgui.push_style_color(imgui.Col_.button, imgui.ImVec4(*face))
+    imgui.push_style_var(imgui.StyleVar_.frame_padding, imgui.ImVec2(0.0, 0.2 * imgui.get_font_size()))
+    clicked = imgui.button(label, imgui.ImVec2(width, 0.0))
+    imgui.pop_style_var()
+    imgui.pop_style_color()
+    return clicked
+
+
+def _menu(state: EditorState, x: float, y: float, width: float) -> None:
+    em = imgui.get_font_size()
+    imgui.set_cursor_pos(imgui.ImVec2(x, y))
+    corner = imgui.get_cursor_screen_pos()
+    if _flat("##show", width, imgui.is_popup_open("show")):
+        imgui.open_popup("show")
+    imgui.set_item_tooltip("Histogram, pixel values, clipping and more, and the panels.")
+    below = imgui.ImVec2(imgui.get_item_rect_min().x, imgui.get_item_rect_max().y + 2.0)
+    draw = imgui.get_window_draw_list()
+    draw.add_text(imgui.ImVec2(corner.x + _PADDING_EM * em, corner.y + 0.2 * em), theme.packed(theme.TEXT), _MENU)
+    tip_x, tip_y, reach = corner.x + width - 0.85 * em, corner.y + 0.72 * em, 0.22 * em
+    points = (tip_x - reach, tip_y - 0.5 * reach), (tip_x + reach, tip_y - 0.5 * reach), (tip_x, tip_y + 0.8 * reach)
+    draw.add_triangle_filled(*(imgui.ImVec2(*point) for point in points), theme.packed(theme.DIM))
+    imgui.set_next_window_pos(below)
+    if imgui.begin_popup("show"):
+        _entries(state, look_actions.READING)
+        imgui.separator()
+        _entries(state, look_actions.PANELS)
+        imgui.end_popup()
+
+
+def _entries(state: EditorState, actions: tuple[Action, ...]) -> None:
+    for action in actions:
+        on = action.is_on is not None and action.is_on(state)
+        if imgui.menu_item(action.name, action.label, on, action.available(state))[0]:
+            action.run(state)
+        imgui.set_item_tooltip(f"{action.help}.")
