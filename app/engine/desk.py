@@ -73,10 +73,11 @@ class Desk:
         """The next step toward the request, or None when what is in force answers it."""
         photo = None if request.photo in now.refused else request.photo
         light = None if request.light in now.refused else request.light
-        if now.light is None and light is not None and light.kind == "rig":
-            # At once there, to be looked at while the networks load.
-            return self._toward_light(light)
         if photo is not None and photo is not _source(now.opened):
+            is_read = self._loading is not None and self._loading[0] is photo
+            if is_read and now.light is None and light is not None and light.kind == "rig":
+                # Soon there, to be looked at while the networks load.
+                return self._toward_light(light)
             return self._toward_photo(photo)
         if now.opened is not None and self._portrait is not now.opened:
             return Step(f"Reading {now.opened.source.name}", self._return_to_portrait, _without_portrait)
@@ -144,7 +145,9 @@ class Desk:
     def _read(self, source: PhotoSource, now: Snapshot) -> Snapshot:
         photo = read_photo(source.place) if isinstance(source.place, Path) else source.place
         self._loading = (source, photo)
-        return now
+        if now.opened is not None:
+            return now
+        return replace(now, coming=OpenPhoto(source, photo, radiance_for_screen(photo.linear)))
 
     def _load_networks(self, now: Snapshot) -> Snapshot:
         if self._loading is not None:
@@ -159,11 +162,12 @@ class Desk:
         self._relighter.set_portrait(photo, source.face_index)
         self._tiers.forget_photo()
         self._loading = None
-        self._portrait = OpenPhoto(source, photo, radiance_for_screen(photo.linear))
+        seen = now.coming is not None and now.coming.photo is photo
+        self._portrait = OpenPhoto(source, photo, now.coming.screen if seen else radiance_for_screen(photo.linear))
         keep_light = now.light is not None and now.light.source.kind != "own"
         light = now.light if keep_light else None
         faces = now.faces if now.opened and now.opened.photo is photo else None
-        now = replace(now, opened=self._portrait, light=light, own_light=None, faces=faces)
+        now = replace(now, opened=self._portrait, coming=None, light=light, own_light=None, faces=faces)
         return replace(now, refused=now.refused - {_OWN})
 
     def _return_to_portrait(self, now: Snapshot) -> Snapshot:
@@ -234,7 +238,11 @@ def _as_if_drawn(edit: LightEdit, now: Snapshot) -> Snapshot:
 
 
 def _refusing(source: PhotoSource | LightSource) -> Callable[[Snapshot], Snapshot]:
-    return lambda now: replace(now, refused=now.refused | {source})
+    def refuse(now: Snapshot) -> Snapshot:
+        coming = None if now.coming is not None and now.coming.source is source else now.coming
+        return replace(now, refused=now.refused | {source}, coming=coming)
+
+    return refuse
 
 
 def _without_portrait(now: Snapshot) -> Snapshot:

@@ -7,7 +7,7 @@ import threading
 import time
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from app.engine.desk import error_line
 from relight_core.errors import InputError
@@ -28,6 +28,7 @@ class JobStatus:
         done, total: steps; total is 0 before it is known.
         left_s: estimate of what is left, or None.
         cancelling: the user has cancelled it, and it will stop at its next step.
+        waiting: how many jobs come after it.
     """
 
     name: str
@@ -35,6 +36,7 @@ class JobStatus:
     total: int = 0
     left_s: float | None = None
     cancelling: bool = False
+    waiting: int = 0
 
     @property
     def share(self) -> float:
@@ -75,16 +77,19 @@ class Jobs:
         self._pool = ThreadPoolExecutor(max_workers=1, thread_name_prefix="relight-job")
         self._lock = threading.Lock()
         self._status: JobStatus | None = None
+        self._waiting = 0
         self._cancel = threading.Event()
 
     def start(self, name: str, work: Callable[[JobControl], str]) -> None:
         """Queue a job; `work` returns the line to say when it is done."""
+        with self._lock:
+            self._waiting += 1
         self._pool.submit(self._run, name, work)
 
     def status(self) -> JobStatus | None:
         """The job that runs, or None."""
         with self._lock:
-            return self._status
+            return self._status and replace(self._status, waiting=self._waiting)
 
     def cancel(self) -> None:
         """Stop the job that runs at its next step."""
@@ -113,6 +118,8 @@ class Jobs:
 
     def _run(self, name: str, work: Callable[[JobControl], str]) -> None:
         self._cancel.clear()
+        with self._lock:
+            self._waiting -= 1
         self.publish(JobStatus(name))
         try:
             line, is_error = work(JobControl(self, name)), False

@@ -93,6 +93,7 @@ class Snapshot:
 
     Attributes:
         opened, light, picture: in force; None until there is one.
+        coming: the first photo, to be looked at while its face is being read; None once it is open.
         own_light: the light of the open photo, once it has been estimated.
         faces: everyone in the open photo, largest first, once they have been counted; else None.
         refused: wishes that failed since the engine started and must not be wished again.
@@ -102,6 +103,7 @@ class Snapshot:
     """
 
     opened: OpenPhoto | None = None
+    coming: OpenPhoto | None = None
     light: OpenLight | None = None
     picture: Picture | None = None
     own_light: OpenLight | None = None

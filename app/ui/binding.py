@@ -9,11 +9,12 @@ from app.ui.glfw_keys import KEYS
 from app.ui.theme import Fonts, apply_theme, load_fonts
 
 _MODIFIERS = (
-    (glfw.MOD_CONTROL, imgui.Key.mod_ctrl),
-    (glfw.MOD_SHIFT, imgui.Key.mod_shift),
-    (glfw.MOD_ALT, imgui.Key.mod_alt),
-    (glfw.MOD_SUPER, imgui.Key.mod_super),
+    (glfw.MOD_CONTROL, imgui.Key.mod_ctrl, (glfw.KEY_LEFT_CONTROL, glfw.KEY_RIGHT_CONTROL)),
+    (glfw.MOD_SHIFT, imgui.Key.mod_shift, (glfw.KEY_LEFT_SHIFT, glfw.KEY_RIGHT_SHIFT)),
+    (glfw.MOD_ALT, imgui.Key.mod_alt, (glfw.KEY_LEFT_ALT, glfw.KEY_RIGHT_ALT)),
+    (glfw.MOD_SUPER, imgui.Key.mod_super, (glfw.KEY_LEFT_SUPER, glfw.KEY_RIGHT_SUPER)),
 )
+"""The bit in an event, Dear ImGui's name, and the keys themselves."""
 _CURSORS = {
     imgui.MouseCursor_.text_input: glfw.IBEAM_CURSOR,
     imgui.MouseCursor_.resize_ew: glfw.HRESIZE_CURSOR,
@@ -55,8 +56,10 @@ class Binding:
         """A glfw key event; a letter counts as what the keyboard's layout has on that key."""
         key = _as_labelled(key)
         # Modifiers as the event states them: their own events can be lost to another window.
-        for bit, modifier in _MODIFIERS:
-            self._io.add_key_event(modifier, bool(mods & bit))
+        for bit, modifier, keys in _MODIFIERS:
+            # With a modifier's own event X11 states what was held before it.
+            held = action != glfw.RELEASE if key in keys else bool(mods & bit)
+            self._io.add_key_event(modifier, held)
         if key in KEYS:
             self._io.add_key_event(KEYS[key], action != glfw.RELEASE)
 
@@ -70,7 +73,7 @@ class Binding:
 
     def mouse_button(self, button: int, down: bool, mods: int) -> None:
         """A mouse button went down or up."""
-        for bit, modifier in _MODIFIERS:
+        for bit, modifier, _ in _MODIFIERS:
             self._io.add_key_event(modifier, bool(mods & bit))
         if 0 <= button < 5:
             self._io.add_mouse_button_event(button, down)

@@ -14,6 +14,7 @@ from app.ui.state import EditorState
 
 _FLAGS = imgui.WindowFlags_.no_decoration | imgui.WindowFlags_.no_move | imgui.WindowFlags_.no_saved_settings
 _ROWS = 12
+_WRONG = {"open": "There is no such file", "save": "That is a folder; add a name", "folder": "There is no such folder"}
 
 
 def draw(state: EditorState, fonts: theme.Fonts) -> None:
@@ -30,7 +31,7 @@ def draw(state: EditorState, fonts: theme.Fonts) -> None:
     imgui.push_style_var(imgui.StyleVar_.window_border_size, 1.0)
     imgui.begin("file", None, _FLAGS)
     widgets.heading(fonts, request.title)
-    if imgui.is_window_appearing():
+    if imgui.is_window_appearing() or not imgui.is_any_item_active():
         imgui.set_keyboard_focus_here()
     imgui.set_next_item_width(-1.0)
     entered, request.text = imgui.input_text("##path", request.text, imgui.InputTextFlags_.enter_returns_true)
@@ -62,7 +63,11 @@ def _buttons(state: EditorState, request: FileRequest, entered: bool) -> None:
     chosen = imgui.button({"open": "Open", "save": "Save", "folder": "Choose"}[request.kind])
     imgui.end_disabled()
     imgui.same_line()
-    if imgui.button("Cancel") or imgui.is_key_pressed(imgui.Key.escape):
+    cancelled = imgui.button("Cancel")
+    if not fits and path.name:
+        imgui.same_line()
+        imgui.text_disabled(_WRONG[request.kind])
+    if cancelled or imgui.is_key_pressed(imgui.Key.escape):
         state.picking = None
     elif fits and (chosen or entered):
         state.picking = None

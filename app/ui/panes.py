@@ -75,7 +75,7 @@ def frame_of(state: EditorState, name: str) -> Frame:
 def arrange_panes(state: EditorState, size: tuple[int, int]) -> Arrangement:
     """The panes of a viewport of `size` pixels."""
     if state.snapshot.opened is None:
-        return Arrangement((), size)
+        return _arrange_the_coming(state, size)
     name = state.shown_name()
     compare = state.look.compare if _has_partner(state, name) else "off"
     if name == PHOTO and compare != "off":
@@ -88,6 +88,16 @@ def arrange_panes(state: EditorState, size: tuple[int, int]) -> Arrangement:
     if compare == "off":
         return Arrangement((Pane(name, frame, placement, 0, size[0]),), size)
     return _wiped(state, name, frame, placement, size)
+
+
+def _arrange_the_coming(state: EditorState, size: tuple[int, int]) -> Arrangement:
+    """The photo that is being read, all of it, if there is one."""
+    coming = state.snapshot.coming
+    if coming is None:
+        return Arrangement((), size)
+    height, width = coming.photo.linear.shape[:2]
+    frame = Frame(0.0, 0.0, width, height)
+    return Arrangement((Pane(PHOTO, frame, place(View(), frame, size), 0, size[0]),), size)
 
 
 def _has_partner(state: EditorState, name: str) -> bool:

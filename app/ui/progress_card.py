@@ -26,6 +26,9 @@ def draw(state: EditorState, viewport: Rect) -> None:
     imgui.push_style_color(imgui.Col_.plot_histogram, imgui.ImVec4(*theme.ACCENT))
     with theme.card("job", imgui.WindowFlags_.no_focus_on_appearing):
         imgui.text(words(job))
+        if job.waiting:
+            imgui.same_line()
+            imgui.text_disabled(f"then {job.waiting} more")
         room = imgui.get_content_region_avail().x
         button = imgui.calc_text_size("Cancel").x + 1.6 * em
         imgui.progress_bar(job.share, imgui.ImVec2(room - button - imgui.get_style().item_spacing.x, 0.0), "")

@@ -25,7 +25,7 @@ _ALSO = {"=": "keypad_add", "-": "keypad_subtract"} | {str(digit): f"keypad{digi
 def apply(state: EditorState) -> None:
     """Run the actions whose keys went down in this frame."""
     io = imgui.get_io()
-    typing = io.want_text_input or state.look.palette
+    typing = io.want_text_input or state.look.palette or state.picking is not None
     for action in ACTIONS:
         if action.let_go is not None:
             _hold(state, action, typing)

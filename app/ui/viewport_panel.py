@@ -29,7 +29,13 @@ def draw(state: EditorState, fonts: theme.Fonts, pictures: Pictures, rect: Rect)
     state.look.viewport_px = size
     state.look.pointer_px = at if imgui.is_item_hovered() else None
     arranged = arrange_panes(state, size)
-    if arranged.main and not placing.drag(state, arranged, at) and not wipe.drag(state, arranged, at, scale):
+    is_open = state.snapshot.opened is not None
+    if (
+        is_open
+        and arranged.main
+        and not placing.drag(state, arranged, at)
+        and not wipe.drag(state, arranged, at, scale)
+    ):
         _navigate(state, arranged, at, scale)
     arranged = arrange_panes(state, size)
     stripe_px = max(2.0, round(_STRIPE_EM * imgui.get_font_size() * scale))
@@ -40,7 +46,10 @@ def draw(state: EditorState, fonts: theme.Fonts, pictures: Pictures, rect: Rect)
         if viewport_notes.invitation(state, fonts, rect) and clicked:
             state.asking.wish("open_file")
         return
-    _over_the_picture(state, pictures, arranged, rect, scale)
+    if is_open:
+        _over_the_picture(state, pictures, arranged, rect, scale)
+    else:
+        viewport_notes.progress(state, rect)
 
 
 def zoom_by(state: EditorState, factor: float) -> None:

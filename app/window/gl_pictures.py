@@ -71,7 +71,8 @@ class GlPictures:
         opened, light, picture = snapshot.opened, snapshot.light, snapshot.picture
         if picture is not None and picture.opened is not opened:
             picture = None
-        self._show(PHOTO, opened.screen if opened else None)
+        seen = opened or snapshot.coming
+        self._show(PHOTO, seen.screen if seen else None)
         self._show(RESULT, picture.screen if picture else None)
         # The channel called photo is the face's crop; here the name means the whole photo.
         channels = {name: codes for name, codes in picture.channels.items() if name != PHOTO} if picture else {}

@@ -49,6 +49,7 @@ def test_a_job_tells_how_far_it_is_and_what_became_of_it(jobs, said):
     status = jobs.status()
     assert (status.name, status.done, status.total, status.share) == ("Film", 3, 12, 0.25)
     assert status.left_s >= 0
+    assert status.waiting == 0
     assert words(status).startswith("Film   3 of 12, about ")
     go_on.set()
     jobs.close()
@@ -72,6 +73,7 @@ def test_a_cancelled_job_stops_at_its_next_step_and_the_next_job_runs(jobs, said
     assert begun.wait(LONG_S)
     jobs.cancel()
     assert "stopping" in words(jobs.status())
+    assert jobs.status().waiting == 1
     go_on.set()
     jobs.close()
     assert steps == [0]

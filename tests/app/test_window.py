@@ -1,5 +1,7 @@
 """The real window on a real X display, driven as a user would, judged by its pixels."""
 
+import threading
+
 import glfw
 import numpy as np
 import pytest
@@ -21,10 +23,21 @@ def test_the_empty_window_shows_no_picture_and_invites_one(hand):
 
 def test_a_click_on_the_invitation_asks_for_a_file(hand, monkeypatch):
     monkeypatch.setattr(hand.window._deeds._dialogs, "_has_native", False)
-    hand.click((hand.centre()[0], 3))
+    hand.click((hand.centre()[0], 40))
     assert hand.window.state.picking is None
     hand.click(hand.centre())
     assert hand.window.state.picking.kind == "open"
+
+
+def test_what_is_typed_into_the_file_dialog_does_nothing_to_the_picture_behind_it(opened, monkeypatch, tmp_path):
+    window = opened.window
+    monkeypatch.setattr(window._deeds._dialogs, "_has_native", False)
+    opened.key(glfw.KEY_B, ctrl=True)
+    opened.type("5")
+    opened.key(glfw.KEY_ENTER)
+    opened.type("5")
+    assert window.state.shown == "result"
+    assert window.state.picking.text.endswith("5")
 
 
 def test_a_dropped_photo_appears_relit(opened, relighter):
@@ -154,6 +167,37 @@ def test_a_portrait_dropped_on_the_light_panel_lends_its_light(opened, relighter
     opened.drop(photo_path, at=opened.panorama(0.5))
     assert relighter.environments[-1].name == "estimated"
     assert [source.title for source in opened.window.state.extra_lights] == ["person"]
+
+
+def test_the_first_photo_is_seen_while_its_face_is_being_read(hand, relighter, photo_path, monkeypatch):
+    reading, go_on, read = threading.Event(), threading.Event(), relighter.set_portrait
+
+    def read_slowly(*asked):
+        reading.set()
+        assert go_on.wait(30)
+        read(*asked)
+
+    monkeypatch.setattr(relighter, "set_portrait", read_slowly)
+    hand.window.on_drop(None, [str(photo_path)], hand.centre())
+    hand.frames(1)
+    assert reading.wait(30)
+    hand.frames(2)
+    seen = hand.viewport()
+    go_on.set()
+    hand.settle()
+    hand.key(glfw.KEY_1)
+    assert (hand.viewport() == seen).all()
+    assert len(np.unique(seen)) > 20
+
+
+def test_a_first_photo_without_a_face_goes_again(hand, tmp_path):
+    path = tmp_path / "black.png"
+    write_image(path, np.zeros((20, 30, 3), np.float32))
+    hand.drop(path)
+    snapshot = hand.window.state.snapshot
+    assert (snapshot.opened, snapshot.coming) == (None, None)
+    assert "no face" in snapshot.message.text
+    assert len(np.unique(hand.viewport())) == 1
 
 
 def test_the_window_goes_on_drawing_while_the_networks_are_stuck(opened, relighter):

@@ -327,3 +327,19 @@ def test_a_channel_of_a_leaning_head_lies_turned_on_the_photo(opened, relighter,
     turned = opened.picture_pixels(64, 64)
     assert (upright != np.rot90(upright)).any()
     assert np.abs(turned.astype(int) - np.rot90(upright)).max() <= 1
+
+
+def test_ctrl_counts_as_soon_as_it_is_pressed_and_no_longer_than_it_is_held(opened):
+    """X11 states with a modifier's own event what was held before it."""
+    window = opened.window
+    opened.move(opened.centre())
+    window.on_key(None, glfw.KEY_LEFT_CONTROL, 0, glfw.PRESS, 0)
+    window.on_wheel(None, 0.0, 1.0)
+    opened.frames(3)
+    zoomed = window.state.view
+    assert (zoomed.zoom > 1.0, window.state.edit.yaw_deg) == (True, 0.0)
+    window.on_key(None, glfw.KEY_LEFT_CONTROL, 0, glfw.RELEASE, glfw.MOD_CONTROL)
+    window.on_wheel(None, 0.0, 1.0)
+    opened.frames(3)
+    assert window.state.view == zoomed
+    assert window.state.edit.yaw_deg != 0.0
