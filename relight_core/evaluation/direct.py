@@ -54,7 +54,7 @@ class DirectRelighter:
             return TakenApart(*parts)
         parsing = torch.softmax(found.parsing_logits.float(), 1)
         person = 1 - parsing[:, INDEX["background"], None]
-        relief = stages.sharpened_relief(found.relief.float(), normal, person, photo.shape[0])
+        relief = stages.height_of(found.relief.float(), photo.shape[0])
         transport = march_relief(relief[0, 0].cpu(), normal[0].cpu(), person[0, 0].cpu())
         return TakenApart(*parts, transport, relief, parsing)
 

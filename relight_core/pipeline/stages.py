@@ -14,7 +14,6 @@ from relight_core.face.silhouette import solid_person
 from relight_core.imaging.tensor_colour import grey, srgb_decode, srgb_encode
 from relight_core.lighting.bounce import Bounce, gather_bounce
 from relight_core.lighting.inverse import explain_photo
-from relight_core.lighting.normal_integration import integrate_normals
 from relight_core.lighting.reflection import NormalLookup, ReflectionTable
 from relight_core.lighting.relief import ReliefTransport, march_relief
 from relight_core.networks.bundle import NetworkBundle
@@ -29,9 +28,9 @@ from relight_core.pipeline.hints import (
 )
 
 _RELIEF_UNIT_PX = 64.0
-_SLOPE_GAIN = 1.35
-"""Estimates shrink toward the mean: against face landmarks in depth, found noses stood out by 0.7 of what they
-should on photographs (correlation 0.94), by 0.5 to 0.7 of the truth on held-out frontal heads."""
+_HEIGHT_GAIN = 1.2
+"""Estimates shrink toward the mean: against face landmarks in depth, found faces stood out by 0.82 of what they
+should on photographs (correlation 0.94), against the truth of held-out heads by 0.77."""
 _DULLNESS = {
     "hair": 0.85,
     "cloth": 0.92,
@@ -114,23 +113,16 @@ def delight(
     balls = with_eyeballs(F.normalize(normal, dim=1, eps=1e-4)[0].cpu().numpy(), parts_seen)
     normal = torch.from_numpy(balls)[None].to(device)
     person = torch.from_numpy(solid_person(parts_seen))[None, None].to(device)
-    height = sharpened_relief(relief, normal, person, photo.shape[0])
-    return Surface(linear, albedo, normal, height, parsing, person, light)
+    return Surface(linear, albedo, normal, height_of(relief, photo.shape[0]), parsing, person, light)
 
 
-def sharpened_relief(relief: torch.Tensor, normal: torch.Tensor, person: torch.Tensor, side_px: int) -> torch.Tensor:
-    """The network's relief is a soft one; its normals know more (see `lighting.normal_integration`).
+def height_of(relief: torch.Tensor, side_px: int) -> torch.Tensor:
+    """Height toward the camera, in half-widths of the view.
 
     Args:
-        relief: (1, 1, S, S) as `networks.delight.Delit` has it, of a photo of `side_px` pixels.
-        normal, person: (1, 3, S, S) and (1, 1, S, S).
-
-    Returns:
-        (1, 1, S, S) height toward the camera, in half-widths of the view.
+        relief: as `networks.delight.Delit` has it, of a photo of `side_px` pixels.
     """
-    height = relief * (2 * _RELIEF_UNIT_PX / side_px)
-    heights, normals, trust = (image[0].cpu().numpy() for image in (height, normal, person))
-    return torch.from_numpy(integrate_normals(heights[0], normals, trust[0], _SLOPE_GAIN))[None, None].to(height.device)
+    return relief * (2 * _RELIEF_UNIT_PX * _HEIGHT_GAIN / side_px)
 
 
 def _without_rim(image: torch.Tensor) -> torch.Tensor:
