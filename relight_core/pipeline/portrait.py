@@ -73,14 +73,14 @@ def choose_faces(
 
 
 def _confirmed(photo: Photo, found: list[FaceBox], evidence: Callable[[FaceBox], int]) -> list[FaceBox]:
-    """The boxes that are confirmed, else the best guess; the found ones where nothing is."""
+    """The boxes that are confirmed, else the best guess, else those with a hint of a face."""
     faces = [face for face in found if not face.doubtful or evidence(face) >= _ENOUGH_EVIDENCE]
     if not faces:
         judged = [(evidence(guess), guess) for guess in guess_faces(photo)]
         most, best = max(judged, key=lambda pair: pair[0], default=(0, None))
         faces = [best] if most >= _ENOUGH_EVIDENCE else []
     if not faces:
-        return found
+        return [face for face in found if evidence(face) > 0]
     faces = [replace(face, doubtful=False) for face in faces]
     remember_faces(photo, faces)
     return faces

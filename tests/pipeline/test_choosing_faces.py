@@ -39,9 +39,15 @@ def test_the_best_guess_takes_the_place_of_what_is_no_face(monkeypatch, photo):
     assert find_faces(photo) == chosen
 
 
-def test_where_nothing_is_confirmed_the_finder_is_believed(monkeypatch, photo):
+def test_where_nothing_is_confirmed_a_hint_of_a_face_is_enough(monkeypatch, photo):
     seeing(monkeypatch, [DOUBTFUL], GUESSES)
-    assert choose_faces(photo, None, lambda box: 0) == [DOUBTFUL]
+    assert choose_faces(photo, None, lambda box: int(box == DOUBTFUL)) == [DOUBTFUL]
+
+
+def test_what_shows_nothing_of_a_face_is_none(monkeypatch, photo):
+    seeing(monkeypatch, [DOUBTFUL], GUESSES)
+    with pytest.raises(InputError, match="no face found"):
+        choose_faces(photo, None, lambda box: 0)
 
 
 def test_no_face_at_all(monkeypatch, photo):
