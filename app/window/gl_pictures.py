@@ -143,11 +143,13 @@ class GlPictures:
 
     def _readable(self, name: str) -> tuple[np.ndarray, float]:
         """A picture's pixels and exposure for the scopes; in a hurry those of the one before, for a moment."""
-        wanted = self._slots[name].array, self._exposure_of(name)
         is_other = self._read is None or self._read[0] != name
-        if is_other or (not self._may_lag("scopes") and not _is_same_reading(wanted, self._read[1])):
-            self._read = name, wanted
-            self._follows_now("scopes")
+        if is_other or not self._may_lag("scopes"):
+            # A recipe's pixels are computed when they are asked for.
+            wanted = self._slots[name].array, self._exposure_of(name)
+            if is_other or not _is_same_reading(wanted, self._read[1]):
+                self._read = name, wanted
+                self._follows_now("scopes")
         return self._read[1]
 
     def _may_lag(self, key: str) -> bool:

@@ -343,3 +343,23 @@ def test_ctrl_counts_as_soon_as_it_is_pressed_and_no_longer_than_it_is_held(open
     opened.frames(3)
     assert window.state.view == zoomed
     assert window.state.edit.yaw_deg != 0.0
+
+
+def test_in_a_hurry_the_pixels_of_a_new_picture_are_not_asked_for_at_once(opened, monkeypatch):
+    window, asked = opened.window, []
+    opened.frames(2)
+    slot = type(window.pictures._slots["result"])
+    array = slot.array.fget
+    monkeypatch.setattr(slot, "array", property(lambda self: asked.append(self) or array(self)))
+    window.pictures._followed_s["scopes"] = time.monotonic() + 60.0
+    opened.move(opened.panorama(0.5))
+    opened.button(True)
+    asked.clear()
+    opened.window.on_mouse_move(None, *opened.panorama(0.6))
+    picture = window.state.snapshot.picture
+    opened.settle()
+    assert window.state.snapshot.picture is not picture
+    assert asked == []
+    opened.button(False)
+    opened.settle()
+    assert asked
