@@ -10,8 +10,8 @@ from relight_core.face.paste import Band, spread_crop
 
 _SURELY_BODY, _PROBABLY_BODY, _PERHAPS_BODY, _NOBODY = 0.97, 0.6, 0.2, 0.02
 _LEAST = 0.01
-_BINS = 32
-_BIN_BLUR = 1.6
+_BINS = 16
+_BIN_BLUR = 0.8
 _SURE_FROM = 0.7
 _UNSEEN = 2e-4
 _MOST_COLOURS_SAY = 2.0
@@ -106,11 +106,11 @@ def _as_colours_say(guide: np.ndarray, prior: np.ndarray) -> np.ndarray:
 
 
 def _colours(bins: tuple[np.ndarray, ...], weight: np.ndarray) -> np.ndarray:
-    """How often each colour occurs, (32, 32, 32), somewhat blurred; sums to 1 unless nothing weighs."""
+    """How often each colour occurs, (16, 16, 16), somewhat blurred; sums to 1 unless nothing weighs."""
     counts = np.zeros((_BINS,) * 3)
     np.add.at(counts, bins, weight.ravel())
     for axis in range(3):
         flat = np.ascontiguousarray(np.moveaxis(counts, axis, 0).reshape(_BINS, -1))
-        flat = cv2.GaussianBlur(flat, (1, 13), 0, sigmaY=_BIN_BLUR, borderType=cv2.BORDER_REPLICATE)
+        flat = cv2.GaussianBlur(flat, (1, 7), 0, sigmaY=_BIN_BLUR, borderType=cv2.BORDER_REPLICATE)
         counts = np.moveaxis(flat.reshape((_BINS,) * 3), 0, axis)
     return counts / max(float(counts.sum()), 1e-9)
