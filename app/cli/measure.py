@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from app.window.measure import WindowSpeed
 
 _EVERY = 10
-"""Openings between two lines that tell how far it is."""
+"""Openings between two lines that tell how far it is, after a first one."""
 
 _SPREADS = (
     ("frame", "a frame while the networks run"),
@@ -96,7 +96,7 @@ def memory_line(memory_mb: tuple[float, ...]) -> str:
 
 def _tell_progress(speed: WindowSpeed, openings: int) -> None:
     done = len(speed.opening_s)
-    if done and (done % _EVERY == 0 or done == openings):
+    if done and (done == 1 or done % _EVERY == 0 or done == openings):
         each_s = sum(speed.opening_s) / done
         left = f"{each_s * (openings - done) / 60:.1f} min left"
         words = f"opened {done} of {openings}, {speed.memory_mb[-1]:.0f} MiB, {each_s:.1f} s each, {left}"
