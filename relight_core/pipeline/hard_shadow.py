@@ -12,7 +12,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import torch
+import torch.nn.functional as F
 
+from relight_core.face.parsing import FACE_LABELS, INDEX
 from relight_core.imaging.colour import REC709_LUMINANCE
 from relight_core.imaging.tensor_colour import grey
 from relight_core.lighting.horizon import Horizon
@@ -25,6 +27,7 @@ _LEAST_OPEN = 0.05
 _SURE = 0.5
 """Share of a lamp's light that the network takes for hidden from which on geometry alone decides."""
 _DOUBT = 0.05
+_MARGIN_PX = 5
 
 
 def horizon_of(surface: Surface) -> Horizon:
@@ -59,11 +62,11 @@ def harden_shadow(
     radiance = light[0].float().cpu() @ torch.tensor(REC709_LUMINANCE, dtype=torch.float32)
     all_and_each = torch.stack([radiance, *(torch.from_numpy(footprint(lamp)) for lamp in lamps)])
     lost, *lost_of_each = 1 - transport.visibility(all_and_each, reflected.shape[-1]).to(hidden)
-    hardened = hidden
+    hardened, skin = hidden, _bare_skin(surface)
     for lamp, soft in zip(lamps, lost_of_each, strict=True):
         part = _part(lamp, surface, reflected)
         of_lamp = torch.minimum(hidden * (part * (soft + _DOUBT) / (lost + _DOUBT)).clamp(0, 1), part)
-        sure = lamp.hardness * (of_lamp / (_SURE * part).clamp_min(1e-4)).clamp(0, 1)
+        sure = lamp.hardness * skin * (of_lamp / (_SURE * part).clamp_min(1e-4)).clamp(0, 1)
         seen = torch.from_numpy(horizon.visibility(lamp.toward, lamp.radius_deg))[None, None].to(hidden)
         change = part * (1 - seen) - of_lamp
         # A shadow that the relief knows nothing of, of a brim or a lock of hair, is not its to take away.
@@ -72,6 +75,17 @@ def harden_shadow(
     left = (1 - hardened) / (1 - hidden).clamp_min(_LEAST_OPEN)
     specular = torch.minimum(effects.specular * left, torch.maximum(gloss, effects.specular))
     return Effects(specular, diffuse * hardened + (gloss - specular).clamp_min(0))
+
+
+def _bare_skin(surface: Surface) -> torch.Tensor:
+    """(1, 1, S, S) in [0, 1]: well within the face and the neck.
+
+    Where a strand of hair or a collar stands out, and by how much, the relief only guesses, pixel by pixel; its
+    edges there would be notches.
+    """
+    share = surface.parsing[:, [*FACE_LABELS, INDEX["neck"]]].sum(1, keepdim=True)
+    near = F.avg_pool2d(share, _MARGIN_PX, stride=1, padding=_MARGIN_PX // 2, count_include_pad=False)
+    return (2 * near - 1).clamp(0, 1)
 
 
 def _part(lamp: Lamp, surface: Surface, reflected: torch.Tensor) -> torch.Tensor:

@@ -12,16 +12,18 @@ from relight_core.pipeline.stages import Surface
 
 SIZE = 64
 SIDE = (0.7660, 0.0, 0.6428)
+SKIN, HAIR = 1, 10
 
 
-def surface():
+def surface(label):
     """A grey wall that faces the camera, with an upright bar on it."""
     relief = torch.zeros(1, 1, SIZE, SIZE)
     relief[..., 31:33] = 0.25
     normal = torch.zeros(1, 3, SIZE, SIZE)
     normal[:, 2] = 1
-    grey, one = torch.full_like(normal, 0.5), torch.ones_like(relief)
-    return Surface(grey, grey, normal, relief, one, one, torch.ones(1, 16, 32, 3))
+    grey, parsing = torch.full_like(normal, 0.5), torch.zeros(1, 14, SIZE, SIZE)
+    parsing[:, label] = 1
+    return Surface(grey, grey, normal, relief, parsing, torch.ones_like(relief), torch.ones(1, 16, 32, 3))
 
 
 def reflected(irradiance=2.0, gloss=0.1):
@@ -35,8 +37,8 @@ def side_light():
     return light
 
 
-def hardened(effects, lamps, irradiance=None, light=None):
-    found = surface()
+def hardened(effects, lamps, irradiance=None, light=None, label=SKIN):
+    found = surface(label)
     coarse = found.relief[0, 0, ::2, ::2], found.normal[0, :, ::2, ::2], torch.ones(SIZE // 2, SIZE // 2)
     reflection = reflected() if irradiance is None else irradiance
     light = side_light() if light is None else light
@@ -103,6 +105,11 @@ def test_where_the_network_sees_no_shadow_there_is_none():
     zero = torch.zeros(1, 1, SIZE, SIZE)
     after = hardened(Effects(zero + 0.1, zero), [lamp()])
     assert share(after).max() < 1e-5
+
+
+def test_hair_keeps_its_soft_shadows():
+    after = hardened(half_shadow(), [lamp()], label=HAIR)
+    assert np.abs(share(after) - 0.5).max() < 1e-5
 
 
 def test_shadow_of_other_lights_stays():
