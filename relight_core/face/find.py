@@ -23,6 +23,7 @@ _ALL_TILTS_DEG = (0.0, -30.0, 30.0, -60.0, 60.0, -90.0, 90.0, -120.0, 120.0, -15
 _LONG_SIDE_FOR_GUESSES_PX = 400
 _MOST_GUESSES = 16
 _SAME_PLACE = 0.3
+_FILLING_SHARE = 0.9
 
 _known: WeakKeyDictionary[Photo, list[FaceBox]] = WeakKeyDictionary()
 _finding = threading.Lock()
@@ -84,7 +85,8 @@ def guess_faces(photo: Photo) -> list[FaceBox]:
     """Where there might be faces, leaning by any angle: whatever any cascade hits, for a better judge to choose from.
 
     Returns:
-        At most 16, the likeliest first; the same place may be there at several angles.
+        At most 17, the likeliest first; the same place may be there at several angles. The last is a face that fills
+        the photo, of which cascades see too little.
     """
     grey, scale = _detection_view(photo.linear, _LONG_SIDE_FOR_GUESSES_PX, _LARGEST_GROWTH)
     if min(grey.shape) < 24:
@@ -98,7 +100,7 @@ def guess_faces(photo: Photo) -> list[FaceBox]:
         # The same place may be right at another angle.
         if all(overlap(hit.box, known.box) < _SAME_PLACE or hit.roll_deg != known.roll_deg for known in guesses):
             guesses.append(hit)
-    return [_in_photo(guess, scale) for guess in guesses[:_MOST_GUESSES]]
+    return [*(_in_photo(guess, scale) for guess in guesses[:_MOST_GUESSES]), _filling(photo)]
 
 
 def _search(photo: Photo) -> list[FaceBox]:
@@ -112,6 +114,12 @@ def _search(photo: Photo) -> list[FaceBox]:
         if max(photo.linear.shape[:2]) <= _LONG_SIDE_PX:
             break
     return []
+
+
+def _filling(photo: Photo) -> FaceBox:
+    height, width = photo.linear.shape[:2]
+    half = _FILLING_SHARE * min(height, width) / 2
+    return FaceBox(width / 2 - half, height / 2 - half, width / 2 + half, height / 2 + half, doubtful=True)
 
 
 def _in_photo(candidate: Candidate, scale: float) -> FaceBox:

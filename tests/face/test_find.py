@@ -135,3 +135,9 @@ def test_what_is_known_better_is_remembered():
     photo = Photo(np.zeros((8, 8, 3), np.float32))
     remember_faces(photo, [FaceBox(1, 2, 3, 4)])
     assert find_faces(photo) == [FaceBox(1, 2, 3, 4)]
+
+
+def test_a_face_that_fills_the_photo_is_the_last_guess():
+    last = guess_faces(Photo.from_srgb(ASTRONAUT[100:172, 186:262]))[-1]
+    assert last.doubtful
+    assert share_in_common(last, (0, 0, 76, 72)) > 0.7
