@@ -10,6 +10,7 @@ network's.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import torch
 import torch.nn.functional as F
@@ -74,7 +75,7 @@ def harden_shadow(
     hardened = hardened.clamp(0, 1)
     left = (1 - hardened) / (1 - hidden).clamp_min(_LEAST_OPEN)
     specular = torch.minimum(effects.specular * left, torch.maximum(gloss, effects.specular))
-    return Effects(specular, diffuse * hardened + (gloss - specular).clamp_min(0))
+    return replace(effects, specular=specular, shadow=diffuse * hardened + (gloss - specular).clamp_min(0))
 
 
 def _bare_skin(surface: Surface) -> torch.Tensor:

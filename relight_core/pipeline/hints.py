@@ -61,10 +61,16 @@ def light_hints(
 
 @dataclass
 class Effects:
-    """The paper's two additive effect channels, (B, 1, H, W) >= 0, in units of the normalised light."""
+    """The paper's two additive effect channels, (B, 1, H, W) >= 0, in units of the normalised light.
+
+    Attributes:
+        tint: (B, 3, H, W) by how much more than its mean the shadow takes of each colour, around 1; None where it
+            takes all alike. The mean of what it takes, weighted by luminance, stays `shadow`.
+    """
 
     specular: torch.Tensor
     shadow: torch.Tensor
+    tint: torch.Tensor | None = None
 
 
 def effects_of(occlusion: Occlusion, reflected: torch.Tensor, albedo: torch.Tensor) -> Effects:
@@ -104,11 +110,13 @@ def explicit_sum(
 ) -> torch.Tensor:
     """albedo * irradiance - shadow + specular, (B, 3, H, W) >= 0.
 
-    The additive shadow is grey; it darkens each colour in proportion, so that it can take no more than
-    there is and does not tint.
+    The additive shadow is grey; it darkens each colour in proportion to what there is of it and to its tint, so
+    that it can take no more than there is.
     """
     diffuse = albedo * reflected[:, :3]
     gloss = grey(reflected[:, 3:])
     fraction = hidden_share(effects, grey(diffuse), gloss)
+    if effects.tint is not None:
+        fraction = (fraction * effects.tint).clamp(0, 1)
     colour = reflected[:, 3:] / gloss.clamp_min(1e-6)
     return diffuse * (1 - shadow_gain * fraction).clamp_min(0) + specular_gain * effects.specular * colour

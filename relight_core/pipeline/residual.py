@@ -11,7 +11,7 @@ and not to the surface. So a portrait under its own estimated light is the photo
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import torch
 
@@ -78,4 +78,4 @@ def add_residual(residual: Residual, composed: Composed, effects: Effects) -> tu
     alike = (darker + _BLACK) / (brighter + _BLACK)
     ratio = torch.exp(residual.log_ratio * alike)
     image = ((composed.image.float() + _BLACK) * ratio - _BLACK).clamp_min(0)
-    return image, Effects(effects.specular * grey(ratio), effects.shadow * grey(ratio))
+    return image, replace(effects, specular=effects.specular * grey(ratio), shadow=effects.shadow * grey(ratio))

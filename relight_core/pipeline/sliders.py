@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import cv2
 import numpy as np
 import torch
@@ -39,7 +41,7 @@ def soften_shadow(effects: Effects, surface: Surface, reflected: torch.Tensor, s
     hidden = hidden_share(effects, diffuse, gloss)
     soft = _within_surfaces(_plane(hidden), _plane(surface.relief), _plane(surface.person), softness)
     lost_gloss = (gloss - effects.specular).clamp_min(0)
-    return Effects(effects.specular, torch.from_numpy(soft)[None, None].to(diffuse) * diffuse + lost_gloss)
+    return replace(effects, shadow=torch.from_numpy(soft)[None, None].to(diffuse) * diffuse + lost_gloss)
 
 
 def specular_gain(gain: float, tint: float) -> float | torch.Tensor:

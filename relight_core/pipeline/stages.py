@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import torch
@@ -26,6 +26,7 @@ from relight_core.pipeline.hints import (
     light_hints,
     surface_hints,
 )
+from relight_core.pipeline.shadow_colour import shadow_tint
 
 _RELIEF_UNIT_PX = 64.0
 _HEIGHT_GAIN = 1.2
@@ -218,17 +219,18 @@ def estimate_effects(
     """Specular and shadow of a light (1, 16, 32, 3).
 
     Args:
-        transport: of the surface's relief; None leaves its shadow out.
+        transport: of the surface's relief; None leaves its shadow out, and the shadow without a tint.
         by_network: the SS network says what is hidden; else the relief alone, of gloss as of irradiance.
         begun: `begin_effects` of the surface, where that is kept.
     """
-    fraction = torch.zeros_like(surface.relief)
+    fraction, tint = torch.zeros_like(surface.relief), None
     if transport is not None:
+        tint = shadow_tint(transport, light, reflected)
         fraction = transport.shadow_fraction(light.cpu()).to(device)
         fraction = F.interpolate(fraction, size=surface.normal.shape[-2:], mode="bilinear", align_corners=False)
     if not by_network:
         logit = torch.logit(fraction, eps=1e-6)
-        return effects_of(Occlusion(logit, logit), reflected, surface.albedo)
+        return replace(effects_of(Occlusion(logit, logit), reflected, surface.albedo), tint=tint)
     config = bundle.config.specular_shadow
     network = in_precision(bundle, device, precision).specular_shadow
     hints = light_hints(config, reflected, fraction)
@@ -238,7 +240,7 @@ def estimate_effects(
         if begun is None:
             begun = begin_effects(bundle, surface, device, precision=precision)
         occlusion = network(surface.normal, light, hints, begun)
-    return estimated_effects(config, occlusion, reflected, surface.albedo)
+    return replace(estimated_effects(config, occlusion, reflected, surface.albedo), tint=tint)
 
 
 def no_effects(surface: Surface) -> Effects:
