@@ -34,7 +34,7 @@ class RayCaster:
         ray = mitsuba.Ray3f(mitsuba.Point3f(*[float(c) for c in origin]), mitsuba.Vector3f(toward.T))
         hit = self._scene.ray_intersect_preliminary(ray)
         valid = np.array(hit.is_valid())
-        uv = np.array(hit.prim_uv).T
+        uv = np.where(valid[:, None], np.array(hit.prim_uv).T, 0)
         barycentric = np.stack([1 - uv[:, 0] - uv[:, 1], uv[:, 0], uv[:, 1]], 1)
         triangle = np.where(valid, np.array(hit.prim_index).astype(np.int64), -1)
         return triangle, barycentric.astype(np.float32), np.array(hit.t)
