@@ -104,9 +104,9 @@ def decoder_levels(widths: list[int], least: int = 0) -> nn.ModuleList:
     """
     outputs = [max(width, least) for width in widths[:-1]]
     below = [*outputs[1:], widths[-1]]
-    finest = list(zip(below, widths, outputs, range(len(outputs)), strict=False))
     return nn.ModuleList(
-        UpLevel(under, skip, output, refined=level > 0 or least > 0) for under, skip, output, level in reversed(finest)
+        UpLevel(below[level], widths[level], outputs[level], refined=level > 0 or least > 0)
+        for level in reversed(range(len(outputs)))
     )
 
 

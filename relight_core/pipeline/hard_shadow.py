@@ -16,12 +16,11 @@ import torch
 import torch.nn.functional as F
 
 from relight_core.face.parsing import FACE_LABELS, INDEX
-from relight_core.imaging.colour import REC709_LUMINANCE
 from relight_core.imaging.tensor_colour import grey
 from relight_core.lighting.horizon import Horizon
 from relight_core.lighting.lamps import Lamp, footprint
 from relight_core.lighting.relief import ReliefTransport
-from relight_core.pipeline.hints import Effects, hidden_share
+from relight_core.pipeline.hints import Effects, hidden_share, with_hidden_share
 from relight_core.pipeline.stages import Surface
 
 _LEAST_OPEN = 0.05
@@ -60,12 +59,12 @@ def harden_shadow(
         return effects
     diffuse, gloss = grey(surface.albedo * reflected[:, :3]), grey(reflected[:, 3:])
     hidden = hidden_share(effects, diffuse, gloss)
-    radiance = light[0].float().cpu() @ torch.tensor(REC709_LUMINANCE, dtype=torch.float32)
+    radiance = grey(light.float().cpu().permute(0, 3, 1, 2))[0, 0]
     all_and_each = torch.stack([radiance, *(torch.from_numpy(footprint(lamp)) for lamp in lamps)])
     lost, *lost_of_each = 1 - transport.visibility(all_and_each, reflected.shape[-1]).to(hidden)
-    hardened, skin = hidden, _bare_skin(surface)
+    hardened, skin, irradiance = hidden, _bare_skin(surface), grey(reflected[:, :3]).clamp_min(1e-3)
     for lamp, soft in zip(lamps, lost_of_each, strict=True):
-        part = _part(lamp, surface, reflected)
+        part = _part(lamp, surface, irradiance)
         of_lamp = torch.minimum(hidden * (part * (soft + _DOUBT) / (lost + _DOUBT)).clamp(0, 1), part)
         sure = lamp.hardness * skin * (of_lamp / (_SURE * part).clamp_min(1e-4)).clamp(0, 1)
         seen = torch.from_numpy(horizon.visibility(lamp.toward, lamp.radius_deg))[None, None].to(hidden)
@@ -75,7 +74,7 @@ def harden_shadow(
     hardened = hardened.clamp(0, 1)
     left = (1 - hardened) / (1 - hidden).clamp_min(_LEAST_OPEN)
     specular = torch.minimum(effects.specular * left, torch.maximum(gloss, effects.specular))
-    return replace(effects, specular=specular, shadow=diffuse * hardened + (gloss - specular).clamp_min(0))
+    return with_hidden_share(replace(effects, specular=specular), hardened, diffuse, gloss)
 
 
 def _bare_skin(surface: Surface) -> torch.Tensor:
@@ -89,8 +88,8 @@ def _bare_skin(surface: Surface) -> torch.Tensor:
     return (2 * near - 1).clamp(0, 1)
 
 
-def _part(lamp: Lamp, surface: Surface, reflected: torch.Tensor) -> torch.Tensor:
-    """(1, 1, S, S) in [0, 1]: the lamp's share of the irradiance where nothing is hidden."""
-    toward = torch.tensor(lamp.toward, device=reflected.device)[:, None, None]
+def _part(lamp: Lamp, surface: Surface, irradiance: torch.Tensor) -> torch.Tensor:
+    """(1, 1, S, S) in [0, 1]: the lamp's share of all grey irradiance where nothing is hidden."""
+    toward = torch.tensor(lamp.toward, device=irradiance.device)[:, None, None]
     facing = (surface.normal * toward).sum(1, keepdim=True).clamp_min(0)
-    return (facing * lamp.irradiance / grey(reflected[:, :3]).clamp_min(1e-3)).clamp(0, 1)
+    return (facing * lamp.irradiance / irradiance).clamp(0, 1)

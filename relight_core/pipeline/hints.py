@@ -5,7 +5,7 @@ The training steps and the editor share these functions, so that a network meets
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import torch
 import torch.nn.functional as F
@@ -103,6 +103,11 @@ def hidden_share(effects: Effects, diffuse: torch.Tensor, gloss: torch.Tensor) -
     """
     lost_gloss = (gloss - effects.specular).clamp_min(0)
     return ((effects.shadow - lost_gloss) / diffuse.clamp_min(1e-4)).clamp(0, 1)
+
+
+def with_hidden_share(effects: Effects, hidden: torch.Tensor, diffuse: torch.Tensor, gloss: torch.Tensor) -> Effects:
+    """The effects with another shadow, of which `hidden_share` says `hidden`."""
+    return replace(effects, shadow=hidden * diffuse + (gloss - effects.specular).clamp_min(0))
 
 
 def explicit_sum(

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import torch
 
-from relight_core.imaging.colour import REC709_LUMINANCE
+from relight_core.imaging.tensor_colour import grey
 from relight_core.lighting.relief import ReliefTransport
 from relight_core.lighting.sphere import solid_angles
 
@@ -33,8 +33,8 @@ def shadow_tint(transport: ReliefTransport, light: torch.Tensor, reflected: torc
     if amount == 0:
         return None
     hidden = 1 - transport.visibility(light[0].permute(2, 0, 1).cpu(), reflected.shape[-1])[:, 0].to(reflected)[None]
-    weight = torch.tensor(REC709_LUMINANCE).to(reflected)[:, None, None] * reflected[:, :3]
-    mean = (weight * hidden).sum(1, keepdim=True) / weight.sum(1, keepdim=True).clamp_min(1e-6)
+    irradiance = reflected[:, :3]
+    mean = grey(irradiance * hidden) / grey(irradiance).clamp_min(1e-6)
     tint = ((hidden + _DOUBT) / (mean + _DOUBT)).clamp(0, _STRONGEST)
     return 1 + amount * (tint - 1)
 
@@ -43,9 +43,9 @@ def colourfulness(light: torch.Tensor) -> float:
     """How far a light (1, H, 2H, 3) is from having one colour everywhere: 0, up to 4 / 3 for pure primaries."""
     areas = torch.from_numpy(solid_angles(*light.shape[1:3])).to(light)[None, ..., None]
     power = light.float() * areas
-    grey = power.mean(-1, keepdim=True)
-    total = float(grey.sum())
+    mean = power.mean(-1, keepdim=True)
+    total = float(mean.sum())
     if total <= 0:
         return 0.0
     colour = power.sum((1, 2), keepdim=True) / total
-    return float((power - grey * colour).abs().sum()) / (3 * total)
+    return float((power - mean * colour).abs().sum()) / (3 * total)

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import cv2
 import numpy as np
 import torch
 
 from relight_core.imaging.tensor_colour import grey
 from relight_core.lighting.light_edit import colour_gain
-from relight_core.pipeline.hints import Effects, hidden_share
+from relight_core.pipeline.hints import Effects, hidden_share, with_hidden_share
 from relight_core.pipeline.stages import Surface
 
 _WIDEST = 0.09
@@ -40,8 +38,7 @@ def soften_shadow(effects: Effects, surface: Surface, reflected: torch.Tensor, s
     gloss = grey(reflected[:, 3:])
     hidden = hidden_share(effects, diffuse, gloss)
     soft = _within_surfaces(_plane(hidden), _plane(surface.relief), _plane(surface.person), softness)
-    lost_gloss = (gloss - effects.specular).clamp_min(0)
-    return replace(effects, shadow=torch.from_numpy(soft)[None, None].to(diffuse) * diffuse + lost_gloss)
+    return with_hidden_share(effects, torch.from_numpy(soft)[None, None].to(diffuse), diffuse, gloss)
 
 
 def specular_gain(gain: float, tint: float) -> float | torch.Tensor:
