@@ -5,6 +5,7 @@ from __future__ import annotations
 import cv2
 import numpy as np
 
+from relight_core.dataset.surroundings import Neighbour, behind
 from relight_core.dataset.texture import TexturePool
 
 
@@ -16,6 +17,7 @@ def photograph(
     pool: TexturePool,
     rng: np.random.Generator,
     hidden: np.ndarray | None = None,
+    neighbour: Neighbour | None = None,
 ) -> np.ndarray:
     """A photo of a lit head on a random background.
 
@@ -25,13 +27,15 @@ def photograph(
         light: (16, 32, 3) the light it is lit by, for the white balance.
         white_level: mean radiance that a white head would have in its place, for the exposure.
         hidden: (S, S) bool where something stands between the camera and the head.
+        neighbour: somebody before the background, in the same light.
 
     Returns:
         (S, S, 3) float32 sRGB in [0, 1].
     """
-    image = radiance * _white_balance(light, rng) * _exposure_gain(radiance, covered, white_level, rng)
+    gain = _white_balance(light, rng) * _exposure_gain(radiance, covered, white_level, rng)
     coverage = covered.astype(np.float32)[..., None]
-    image = image * coverage + _background(len(image), pool, rng) * (1 - coverage)
+    background = behind(_background(len(radiance), pool, rng), neighbour, gain)
+    image = radiance * gain * coverage + background * (1 - coverage)
     if hidden is not None:
         image = np.where(hidden[..., None], _background(len(image), pool, rng) * 0.5, image)
     image = _lens(image, rng)

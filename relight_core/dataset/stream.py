@@ -30,12 +30,14 @@ from relight_core.dataset.samples import (
 from relight_core.dataset.shard import read_shard
 from relight_core.dataset.skin import paint, paint_smooth
 from relight_core.dataset.skin_textures import load_skins
+from relight_core.dataset.surroundings import Neighbour, sample_local_light, sample_neighbour, with_local_light
 from relight_core.dataset.texture import TexturePool
 from relight_core.dataset.warp import sample_warp, warped
 from relight_core.errors import InputError
 from relight_core.lighting.reflection import GLOSS, Gloss
 
 _OCCLUDED_SHARE, _SCATTERING_SHARE = 0.25, 0.6
+_LOCALLY_LIT_SHARE, _ACCOMPANIED_SHARE = 0.2, 0.2
 _EPOCH_STREAM = 1 << 30
 """Sets the shuffles of the heads apart from the other random streams."""
 
@@ -110,7 +112,7 @@ class SampleStream(IterableDataset):
         lit = [self._light(path, library, pool, rng) for path in self._heads_of(lane, number, paths)]
         order = rng.permutation(self.heads_at_once * self.paints_per_head)
         for place in range(first, len(order)):
-            yield self._sample(lit[order[place] % len(lit)], pool, self._random(lane, number, place))
+            yield self._sample(lit, order[place] % len(lit), pool, self._random(lane, number, place))
 
     def _heads_of(self, lane: int, number: int, paths: list[Path]) -> list[Path]:
         """Which heads a round lights: each comes once before any comes again."""
@@ -137,30 +139,63 @@ class SampleStream(IterableDataset):
         scatter_px = rng.uniform(0.3, 2.0) * self.size / 128 if rng.random() < _SCATTERING_SHARE else 0.0
         return appear(lit.head, lit.normal, lit.lights, lit.illumination, gloss, occluder, scatter_px)
 
-    def _sample(self, lit: LitHead, pool: TexturePool, rng: np.random.Generator) -> dict[str, torch.Tensor]:
+    def _sample(
+        self, heads: list[LitHead], index: int, pool: TexturePool, rng: np.random.Generator
+    ) -> dict[str, torch.Tensor]:
+        lit = heads[index]
         albedo = (paint_smooth if self.plain else paint)(lit.head, pool, rng)
         mirror = rng.random() < 0.5
         warp = None if self.plain else sample_warp(rng)
         surface = surface_of(lit, albedo)
+        neighbour = self._neighbour(heads, pool, rng)
         pair = []
         for k in rng.choice(self.lights_per_head, 2, replace=False):
             channels = channels_of(lit, albedo, k) | surface
             if lit.appearance is not None:
-                channels["photo_srgb"] = photograph(
-                    lit.head.scatter(lit.appearance.radiance(lit.head, albedo, lit.blocked, k)),
-                    lit.head.covered,
-                    lit.lights[k],
-                    float(lit.illumination.irradiance[k].mean()),
-                    pool,
-                    rng,
-                    hidden=lit.appearance.hidden,
-                )
+                channels["photo_srgb"] = self._photo(lit, albedo, k, pool, neighbour, rng)
                 channels |= without_hidden(channels, lit.appearance.hidden)
             if lit.relief_shadow is not None:
                 channels["relief_shadow"] = lit.relief_shadow[k]
             channels = mirrored(channels) if mirror else channels
             pair.append(channels if warp is None else warped(channels, warp))
         return as_tensors(pair, shared=set(surface))
+
+    def _photo(
+        self,
+        lit: LitHead,
+        albedo: np.ndarray,
+        k: int,
+        pool: TexturePool,
+        neighbour: Neighbour | None,
+        rng: np.random.Generator,
+    ) -> np.ndarray:
+        radiance = _radiance(lit, albedo, k)
+        if not self.plain and rng.random() < _LOCALLY_LIT_SHARE:
+            other = _radiance(lit, albedo, rng.integers(self.lights_per_head))
+            radiance = with_local_light(radiance, other, sample_local_light(self.size, pool, rng))
+        return photograph(
+            radiance,
+            lit.head.covered,
+            lit.lights[k],
+            float(lit.illumination.irradiance[k].mean()),
+            pool,
+            rng,
+            hidden=lit.appearance.hidden,
+            neighbour=neighbour,
+        )
+
+    def _neighbour(self, heads: list[LitHead], pool: TexturePool, rng: np.random.Generator) -> Neighbour | None:
+        """Somebody of the same round, in a light of their own, where photos are taken."""
+        if self.plain or not self.photographs or rng.random() >= _ACCOMPANIED_SHARE:
+            return None
+        other = heads[rng.integers(len(heads))]
+        radiance = _radiance(other, paint(other.head, pool, rng), rng.integers(self.lights_per_head))
+        return sample_neighbour(radiance, other.head.covered, rng)
+
+
+def _radiance(lit: LitHead, albedo: np.ndarray, k: int) -> np.ndarray:
+    """What a photo sees of a head under light `k`, (S, S, 3)."""
+    return lit.head.scatter(lit.appearance.radiance(lit.head, albedo, lit.blocked, k))
 
 
 def _textured(head: BakedHead, pool: TexturePool, rng: np.random.Generator) -> np.ndarray:
