@@ -11,7 +11,8 @@ import cv2
 import numpy as np
 
 from relight_core.dataset.bake import BakedHead
-from relight_core.dataset.illumination import Illumination, bounced, illuminate_past, reflect
+from relight_core.dataset.illumination import Illumination, illuminate_past, reflect
+from relight_core.dataset.interreflection import OwnView, bounced
 from relight_core.dataset.occluders import Occluder, positions, silhouette, transmission
 from relight_core.dataset.scene import Material
 from relight_core.lighting.reflection import GLOSS, Gloss
@@ -35,9 +36,9 @@ class Appearance:
     scatter_px: float
     hidden: np.ndarray | None
 
-    def radiance(self, head: BakedHead, albedo: np.ndarray, blocked: np.ndarray, k: int) -> np.ndarray:
+    def radiance(self, head: BakedHead, albedo: np.ndarray, own: OwnView, k: int) -> np.ndarray:
         """What leaves each pixel toward the camera under light `k`, (P, 3)."""
-        irradiance = self.irradiance[k] + bounced(blocked, albedo, self.irradiance[k])
+        irradiance = self.irradiance[k] + bounced(head, own, albedo, self.irradiance[k])
         if self.scatter_px > 0:
             irradiance = _through_skin(head, irradiance, self.scatter_px)
         return albedo * irradiance + self.specular[k]

@@ -86,14 +86,6 @@ def blocked_by_itself(head: BakedHead, normal: np.ndarray) -> np.ndarray:
     return 1 - (seen / np.maximum(whole, 1e-6))[0, :, 0].clip(0, 1)
 
 
-def bounced(blocked: np.ndarray, albedo: np.ndarray, irradiance: np.ndarray) -> np.ndarray:
-    """Irradiance over pi (P, 3) that the head sends to itself: the first bounce, to its lowest order.
-
-    What a pixel sees of the head instead of the light is taken to be as bright as the head's mean.
-    """
-    return blocked[:, None] * (albedo * irradiance).mean(0)
-
-
 def _accumulate(
     head: BakedHead, normal: np.ndarray, lights: np.ndarray, count: int, transports, free=None
 ) -> list[np.ndarray]:

@@ -10,7 +10,8 @@ import torch
 
 from relight_core.dataset.appearance import Appearance
 from relight_core.dataset.bake import BakedHead
-from relight_core.dataset.illumination import Illumination, blocked_by_itself, bounced, illuminate
+from relight_core.dataset.illumination import Illumination, illuminate
+from relight_core.dataset.interreflection import OwnView, bounced, own_view
 from relight_core.face.parsing import MIRRORED
 from relight_core.imaging.colour import REC709_LUMINANCE
 from relight_core.lighting.relief import march_relief
@@ -27,7 +28,7 @@ class LitHead:
     """A head under K lights, before paint and camera; what several samples share.
 
     Attributes:
-        blocked: (P,) part of each pixel's hemisphere that the head itself fills.
+        own: what its pixels see of it instead of the light.
         appearance: what its photos show, where photos are taken.
         relief_shadow: (K, S, S) the hint to SS, where it is asked for.
     """
@@ -36,7 +37,7 @@ class LitHead:
     normal: np.ndarray
     lights: np.ndarray
     illumination: Illumination
-    blocked: np.ndarray
+    own: OwnView
     appearance: Appearance | None = None
     relief_shadow: np.ndarray | None = None
 
@@ -64,13 +65,13 @@ def subsample(head: BakedHead, step: int, rng: np.random.Generator) -> BakedHead
 
 def light_head(head: BakedHead, normal: np.ndarray, lights: np.ndarray) -> LitHead:
     """Light a head with the reference gloss."""
-    return LitHead(head, normal, lights, illuminate(head, normal, lights), blocked_by_itself(head, normal))
+    return LitHead(head, normal, lights, illuminate(head, normal, lights), own_view(head, normal))
 
 
 def channels_of(lit: LitHead, albedo: np.ndarray, k: int) -> dict[str, np.ndarray]:
     """The paper's channels (section 3.2) of one light as images, linear, black outside the head."""
     light = lit.illumination
-    irradiance = light.irradiance[k] + bounced(lit.blocked, albedo, light.irradiance[k])
+    irradiance = light.irradiance[k] + bounced(lit.head, lit.own, albedo, light.irradiance[k])
     image = albedo * irradiance + light.specular[k]
     unshadowed = albedo * light.irradiance_open[k] + light.specular_open[k]
     shadow_fraction = 1 - (irradiance @ _GREY) / np.maximum(light.irradiance_open[k] @ _GREY, 1e-6)

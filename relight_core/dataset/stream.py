@@ -195,7 +195,7 @@ class SampleStream(IterableDataset):
 
 def _radiance(lit: LitHead, albedo: np.ndarray, k: int) -> np.ndarray:
     """What a photo sees of a head under light `k`, (S, S, 3)."""
-    return lit.head.scatter(lit.appearance.radiance(lit.head, albedo, lit.blocked, k))
+    return lit.head.scatter(lit.appearance.radiance(lit.head, albedo, lit.own, k))
 
 
 def _textured(head: BakedHead, pool: TexturePool, rng: np.random.Generator) -> np.ndarray:

@@ -59,15 +59,27 @@ def gather_bounce(
     cell_normal, cell_relief, cell_albedo, cell_person = small
     here, facing = _points(relief)[places], normal[0].flatten(1).T[places]
     there, away = _points(cell_relief), F.normalize(cell_normal, dim=1)[0].flatten(1).T
+    weights = form_factors(here, facing, there, away, 2.0 / _SOURCES)
+    weights *= receives.flatten()[places, None] / weights.sum(1, keepdim=True).clamp_min(1)
+    return Bounce(places, weights, cell_albedo * cell_person)
+
+
+def form_factors(
+    here: torch.Tensor, facing: torch.Tensor, there: torch.Tensor, away: torch.Tensor, width: float
+) -> torch.Tensor:
+    """How much of what points see is each cell of a surface: (R, C), cosine * cosine * area over pi r^2.
+
+    Args:
+        here, facing: (R, 3) points and the unit normals there.
+        there, away: (C, 3) middles of the cells and their unit normals.
+        width: of a cell as the camera sees it, in the points' units.
+    """
     between = there - here[:, None]
     distance = between.norm(dim=-1).clamp_min(1e-6)
     leaving = (-(between * away).sum(-1) / distance).clamp_min(0)
     arriving = ((between * facing[:, None]).sum(-1) / distance).clamp_min(0)
-    width = 2.0 / _SOURCES
     area = width * width / away[:, 2].clamp_min(0.25)
-    weights = leaving * arriving * area / (torch.pi * distance.clamp_min(_NEAREST * width).square())
-    weights *= receives.flatten()[places, None] / weights.sum(1, keepdim=True).clamp_min(1)
-    return Bounce(places, weights, cell_albedo * cell_person)
+    return leaving * arriving * area / (torch.pi * distance.clamp_min(_NEAREST * width).square())
 
 
 def _points(relief: torch.Tensor) -> torch.Tensor:

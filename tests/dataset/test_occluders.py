@@ -6,6 +6,7 @@ from synthetic_heads import ball
 
 from relight_core.dataset.appearance import appear
 from relight_core.dataset.illumination import illuminate
+from relight_core.dataset.interreflection import own_view
 from relight_core.dataset.occluders import Occluder, positions, sample_occluder, silhouette, transmission
 from relight_core.lighting.reflection import Gloss
 from relight_core.lighting.sphere import directions, solid_angles
@@ -54,9 +55,9 @@ def test_light_through_skin_keeps_its_amount_and_softens_red_the_most():
     light = np.random.default_rng(0).gamma(0.1, 1, (1, 16, 32, 3)).astype(np.float32)
     light[...] = light[..., :1]
     reference = illuminate(head, head.normal, light)
-    albedo, blocked = np.ones((len(head.normal), 3), np.float32), np.zeros(len(head.normal), np.float32)
-    soft = appear(head, head.normal, light, reference, GLOSS, scatter_px=3.0).radiance(head, albedo, blocked, 0)
-    hard = appear(head, head.normal, light, reference, GLOSS).radiance(head, albedo, blocked, 0)
+    albedo, own = np.ones((len(head.normal), 3), np.float32), own_view(head, head.normal)
+    soft = appear(head, head.normal, light, reference, GLOSS, scatter_px=3.0).radiance(head, albedo, own, 0)
+    hard = appear(head, head.normal, light, reference, GLOSS).radiance(head, albedo, own, 0)
     np.testing.assert_allclose(soft.mean(0), hard.mean(0), rtol=0.1)
     deviation = soft.std(0)
     assert deviation[0] < deviation[1] < deviation[2] < hard.std(0)[2]
