@@ -39,6 +39,8 @@ def change_between(before: Document, after: Document) -> Change | None:
     edited = _differing(before.edit, after.edit, "edit")
     lit = _differing(before.light_edit, after.light_edit, "light")
     touched = (*edited, *lit)
+    if before.light_edit.boxes and not after.light_edit.boxes and set(touched) <= {"light.boxes", "light.base"}:
+        return Change(("light.boxes.delete",), _without_boxes(before.light_edit))
     if len(touched) > 1:
         return Change(touched, _several(after))
     if touched == ("light.boxes",):
@@ -64,6 +66,10 @@ def _differing(before: object, after: object, prefix: str) -> list[str]:
 def _several(after: Document) -> str:
     at_rest = after.edit == Edit(quality=after.edit.quality) and after.light_edit == LightEdit()
     return "Reset all" if at_rest else "Change several settings"
+
+
+def _without_boxes(before: LightEdit) -> str:
+    return "Delete soft box" if len(before.boxes) == 1 else "Remove all soft boxes"
 
 
 def _box_change(before: LightEdit, after: LightEdit) -> Change:

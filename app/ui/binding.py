@@ -45,6 +45,9 @@ class Binding:
         self._share_the_clipboard()
         self._cursors: dict[int, object] = {}
         self._cursor = glfw.ARROW_CURSOR
+        self._held = {modifier: False for _, modifier, _ in _MODIFIERS}
+        self._pressed = False
+        self._later: list[tuple[int, int, int]] = []
         self.fonts: Fonts = load_fonts()
         apply_theme(scale)
 
@@ -53,15 +56,33 @@ class Binding:
         apply_theme(scale)
 
     def key(self, key: int, action: int, mods: int) -> None:
-        """A glfw key event; a letter counts as what the keyboard's layout has on that key."""
-        key = _as_labelled(key)
-        # Modifiers as the event states them: their own events can be lost to another window.
-        for bit, modifier, keys in _MODIFIERS:
-            # With a modifier's own event X11 states what was held before it.
-            held = action != glfw.RELEASE if key in keys else bool(mods & bit)
+        """A glfw key event; a letter counts as what the keyboard's layout has on that key.
+
+        A modifier let go within the frame in which a key was pressed waits for the next one, and all after it, or a
+        quick Ctrl + Z would be a Z wherever a frame takes its time.
+        """
+        self._take(_as_labelled(key), action, mods)
+
+    def _take(self, *event: int) -> None:
+        if self._later or (self._pressed and self._modifiers(*event) != self._held):
+            self._later.append(event)
+        else:
+            self._feed(*event)
+
+    def _feed(self, key: int, action: int, mods: int) -> None:
+        self._held = self._modifiers(key, action, mods)
+        for modifier, held in self._held.items():
             self._io.add_key_event(modifier, held)
         if key in KEYS:
             self._io.add_key_event(KEYS[key], action != glfw.RELEASE)
+            self._pressed |= action == glfw.PRESS
+
+    def _modifiers(self, key: int, action: int, mods: int) -> dict[imgui.Key, bool]:
+        """What an event says is held: their own events can be lost to another window."""
+        # With a modifier's own event X11 states what was held before it.
+        return {
+            modifier: action != glfw.RELEASE if key in keys else bool(mods & bit) for bit, modifier, keys in _MODIFIERS
+        }
 
     def character(self, code: int) -> None:
         """A glfw character event."""
@@ -73,8 +94,9 @@ class Binding:
 
     def mouse_button(self, button: int, down: bool, mods: int) -> None:
         """A mouse button went down or up."""
-        for bit, modifier, _ in _MODIFIERS:
-            self._io.add_key_event(modifier, bool(mods & bit))
+        self._held = {modifier: bool(mods & bit) for bit, modifier, _ in _MODIFIERS}
+        for modifier, held in self._held.items():
+            self._io.add_key_event(modifier, held)
         if 0 <= button < 5:
             self._io.add_mouse_button_event(button, down)
 
@@ -110,6 +132,9 @@ class Binding:
         self._io.delta_time = max(now_s - self._last_frame_s, _SHORTEST_FRAME_S)
         self._last_frame_s = now_s
         imgui.new_frame()
+        self._pressed, waiting, self._later = False, self._later, []
+        for event in waiting:
+            self._take(*event)
 
     def end(self) -> None:
         """End a frame; nothing is drawn yet."""

@@ -86,6 +86,14 @@ BOXES = (
         EditorState.delete_box,
         available=lambda state: 0 <= state.selected_box < len(state.light_edit.boxes),
     ),
+    Action(
+        "Remove all soft boxes",
+        _LIGHT,
+        ("Shift+Delete",),
+        "Leaves the light without them",
+        EditorState.delete_boxes,
+        available=lambda state: bool(state.light_edit.boxes),
+    ),
 )
 
 HISTORY = (

@@ -35,23 +35,33 @@ def draw(state: EditorState, fonts: theme.Fonts) -> None:
         imgui.set_keyboard_focus_here()
     imgui.set_next_item_width(-1.0)
     entered, request.text = imgui.input_text("##path", request.text, imgui.InputTextFlags_.enter_returns_true)
-    _rows(request)
+    entered |= _rows(request)
     _buttons(state, request, entered)
     imgui.end()
     imgui.pop_style_var()
 
 
-def _rows(request: FileRequest) -> None:
+def _rows(request: FileRequest) -> bool:
+    """What there is to click; True where a file was double-clicked, which takes it at once."""
+    taken = False
     imgui.begin_child("rows", imgui.ImVec2(0.0, -imgui.get_frame_height_with_spacing()))
     folder = Path(os.path.expanduser(request.text))
     above = folder.parent if request.text.endswith(os.sep) else folder.parent.parent
     if imgui.selectable("..   the folder above", False)[0]:
         request.text = os.path.join(above, "")
-    for path in candidates(request.text, request.suffixes):
+    # A file that is chosen stays among its neighbours, where a second click meets it.
+    chosen = str(folder) if folder.is_file() else None
+    for path in candidates(os.path.join(folder.parent, "") if chosen else request.text, request.suffixes):
         is_folder = path.is_dir()
-        if imgui.selectable(f"{path.name}{os.sep if is_folder else ''}", False)[0]:
+        label = f"{path.name}{os.sep if is_folder else ''}"
+        # Where a folder is wanted, files only show which folder this is.
+        imgui.begin_disabled(request.kind == "folder" and not is_folder)
+        if imgui.selectable(label, str(path) == chosen, imgui.SelectableFlags_.allow_double_click)[0]:
+            taken = str(path) == chosen and imgui.is_mouse_double_clicked(0)
             request.text = os.path.join(path, "") if is_folder else str(path)
+        imgui.end_disabled()
     imgui.end_child()
+    return taken
 
 
 def _buttons(state: EditorState, request: FileRequest, entered: bool) -> None:

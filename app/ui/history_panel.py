@@ -1,4 +1,4 @@
-"""The steps that can be undone, newest last; a click goes to any of them."""
+"""The steps that can be undone, newest first; a click goes to any of them."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ def _list(state: EditorState) -> None:
     room = imgui.get_content_region_avail().y
     height = max(room, row * min(len(history.steps), _LEAST_ROWS) + 2.0)
     imgui.begin_child("steps", imgui.ImVec2(0.0, height))
-    for index, step in enumerate(history.steps):
+    for index, step in reversed(list(enumerate(history.steps))):
         undone = index > history.at
         colour = theme.FAINT if undone else theme.ACCENT if index == history.at else theme.TEXT
         imgui.push_style_color(imgui.Col_.text, imgui.ImVec4(*colour))
@@ -46,5 +46,6 @@ def _list(state: EditorState) -> None:
             state.restore(history.go(index))
     if state.history_seen != (len(history.steps), history.at):
         state.history_seen = (len(history.steps), history.at)
-        imgui.set_scroll_y(max(0.0, (history.at + 2) * row - height))
+        above = len(history.steps) - 1 - history.at
+        imgui.set_scroll_y(max(0.0, (above + 2) * row - height))
     imgui.end_child()

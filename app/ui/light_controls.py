@@ -32,6 +32,7 @@ _LIGHT = {
         "Blur", 0.0, 60.0, 0.0, "%.0f°", "Spreads the light as a diffuser does: softer shadows, wider highlights."
     ),
 }
+_REMOVE = "Remove all"
 _AIMS = (
     ("highlight", "Highlight", "Then click on the face where the shine should be; drag to fine-tune.  K"),
     ("bright", "Bright side", "Then click on the face where it should be brightest; drag to fine-tune.  B"),
@@ -41,9 +42,16 @@ _AIMS = (
 def tools(state: EditorState) -> None:
     """Adding a soft box, on the panorama or by the face."""
     spacing = 4.0
-    if imgui.button("+  Soft box", imgui.ImVec2(-1.0, 0.0)):
+    has_boxes = bool(state.light_edit.boxes)
+    remove = imgui.calc_text_size(_REMOVE).x + imgui.get_font_size()
+    if imgui.button("+  Soft box", imgui.ImVec2(-remove - spacing if has_boxes else -1.0, 0.0)):
         add_box(state, *NEW_AT)
     imgui.set_item_tooltip("Add a lamp. Drag it on the panorama; its corners resize it.  N")
+    if has_boxes:
+        imgui.same_line(0.0, spacing)
+        if imgui.button(_REMOVE, imgui.ImVec2(remove, 0.0)):
+            state.delete_boxes()
+        imgui.set_item_tooltip("Leaves the light without soft boxes.  Shift + Delete")
     imgui.begin_disabled(state.snapshot.picture is None)
     imgui.align_text_to_frame_padding()
     imgui.text_disabled("On the face")

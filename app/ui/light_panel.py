@@ -15,6 +15,10 @@ from app.ui.state import EditorState
 ROTATION = widgets.Slider(
     "Rotation", -180.0, 180.0, 0.0, "%.0f°", "Turns the light around the person; to the right is positive."
 )
+_FROM_FILE = {
+    "panorama": "A panorama you used. Right-click takes it off this list.",
+    "portrait": "The light of a portrait you used. Right-click takes it off this list.",
+}
 _COLUMNS = 3
 _WIDE_EM, _HIGH_EM = 6.0, 4.75
 """From this width on there are more columns of lights; none is higher than that."""
@@ -52,7 +56,7 @@ def draw(state: EditorState, fonts: theme.Fonts, pictures: Pictures, shelf: Shel
 
 
 def _lights(state: EditorState, pictures: Pictures, shelf: Shelf) -> None:
-    entries = [(source, "") for source in state.extra_lights]
+    entries = [(source, _FROM_FILE[source.kind]) for source in state.extra_lights]
     if state.snapshot.opened:
         entries.append((LightSource("own"), "The photo's own light, as estimated from the face."))
     entries += [(LightSource("rig", name), shelf.words(name)[1]) for name in shelf.names]
@@ -71,6 +75,8 @@ def _light_button(state: EditorState, pictures: Pictures, source: LightSource, d
     height = min(width, _HIGH_EM * em)
     if imgui.invisible_button(f"{source.kind}:{source.name}", imgui.ImVec2(width, height)):
         state.choose_light(source)
+    if source in state.extra_lights and imgui.is_item_clicked(1):
+        state.forget_light(source)
     imgui.set_item_tooltip(f"{source.title}\n{description}" if description else source.title)
     chosen = source.same_as(state.light)
     draw = imgui.get_window_draw_list()

@@ -192,9 +192,18 @@ class EditorState:
             boxes = without_box(self.light_edit.boxes, self.selected_box)
             self.light_edit, self.selected_box = replace(self.light_edit, boxes=boxes), -1
 
+    def delete_boxes(self) -> None:
+        """Take every soft box away, and let the light itself be as it is without them."""
+        self.light_edit, self.selected_box = replace(self.light_edit, boxes=(), base=1.0), -1
+
     def turn(self, degrees: float) -> None:
         """Turn the light; the angle stays within (-180, 180]."""
         self.change(yaw_deg=wrap_degrees(self.edit.yaw_deg + degrees))
+
+    def forget_light(self, light: LightSource) -> None:
+        """Take a file's light off the list, unless it is the one in use."""
+        if not light.same_as(self.light):
+            self.extra_lights = [known for known in self.extra_lights if not known.same_as(light)]
 
     def open_photo(self, path: Path, face_index: int | None = None) -> None:
         """Ask for another portrait."""
@@ -239,9 +248,13 @@ class EditorState:
             self.photo = PhotoSource(self.snapshot.opened.photo, index)
 
     def choose_light(self, light: LightSource) -> None:
-        """Ask for another light, as it is; one already in the list is the one in the list."""
+        """Ask for another light, as it is, around the user's own soft boxes; one in the list is the one in the list.
+
+        The room's share stays with the boxes; level, colour and blur were changes to the light before.
+        """
         if not light.same_as(self.light):
-            self.light, self.light_edit = self._known(light), LightEdit()
+            kept = self.light_edit if self.light_edit.boxes else LightEdit()
+            self.light, self.light_edit = self._known(light), LightEdit(base=kept.base, boxes=kept.boxes)
 
     def accept(self, snapshot: Snapshot) -> None:
         """Take over what the engine published; wishes it refused fall back to what is in force."""

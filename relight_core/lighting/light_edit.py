@@ -8,6 +8,7 @@ import numpy as np
 
 from relight_core.imaging.colour import REC709_LUMINANCE
 from relight_core.lighting.colour_temperature import kelvin_to_rgb
+from relight_core.lighting.enlarge import enlarge
 from relight_core.lighting.environment import Environment, mean_luminance, rotate, shrink
 from relight_core.lighting.light_blur import blur_light
 from relight_core.lighting.soft_box import SoftBox, soft_box_radiance
@@ -19,6 +20,9 @@ DRAWN_HEIGHT = 256
 
 DRAFT_HEIGHT = 64
 """Rows that are enough while a hand moves something."""
+
+_COARSE_HEIGHT = 64
+"""Up to so many rows, as estimated lights have, the texels would be seen as blocks."""
 
 _NEUTRAL_KELVIN = 5600.0
 _TINT_STOPS = 0.7
@@ -121,4 +125,9 @@ def _with_boxes(radiance: np.ndarray, boxes: tuple[SoftBox, ...], unit: float, d
 
 
 def _grown(radiance: np.ndarray, height: int) -> np.ndarray:
-    return radiance if radiance.shape[0] == height else shrink(radiance, height)
+    """The map with at least as many rows, blended where it is coarse; each old texel's average stays."""
+    rows = radiance.shape[0]
+    if rows == height:
+        return radiance
+    is_coarse = rows < _COARSE_HEIGHT and height % rows == 0
+    return enlarge(radiance, height) if is_coarse else shrink(radiance, height)

@@ -139,6 +139,8 @@ def load_bundle(path: Path) -> NetworkBundle:
     """Read weights; raises InputError when the file is missing, damaged or of another format."""
     try:
         check_regular(path)
+        if path.is_dir():
+            raise InputError(f"{path}: this is a folder; name a file of weights in it")
         with safe_open(path, framework="pt") as file:
             header = dict(file.metadata() or {})
             if header.pop("format", None) != FORMAT:

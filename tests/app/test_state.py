@@ -13,6 +13,7 @@ from app.ui.view import View
 from relight_core.imaging.photo import Photo
 from relight_core.lighting.environment import Environment
 from relight_core.lighting.light_edit import LightEdit
+from relight_core.lighting.soft_box import SoftBox
 from relight_core.pipeline.auto_quality import QualityChoice, TierCost
 
 
@@ -119,6 +120,51 @@ def test_a_refused_light_brings_back_the_edit_of_the_one_in_force():
     state.accept(Snapshot(light=light, refused=frozenset({bad})))
     assert state.light is light.source
     assert state.light_edit == boxes
+
+
+def test_another_light_keeps_the_soft_boxes_and_undo_takes_it_back_in_one_step():
+    state = EditorState()
+    state.accept(Snapshot(opened=opened_photo(Path("/p/me.png")), light=open_light(state.light)))
+    state.photo = state.snapshot.opened.source
+    state.remember(0.0)
+    state.light_edit = LightEdit(level_ev=1.0, base=0.3, boxes=(SoftBox(azimuth_deg=70.0),))
+    state.remember(2.0)
+    state.choose_light(LightSource("rig", "ring"))
+    assert state.light_edit == LightEdit(base=0.3, boxes=(SoftBox(azimuth_deg=70.0),))
+    state.accept(replace(state.snapshot, light=open_light(state.light)))
+    state.remember(4.0)
+    assert state.history.steps[-1].name == "Light: Ring"
+    state.restore(state.history.undo())
+    assert (state.light.name, state.light_edit.level_ev, len(state.light_edit.boxes)) == ("rembrandt", 1.0, 1)
+
+
+def test_without_soft_boxes_another_light_comes_as_it_is():
+    state = EditorState()
+    state.light_edit = LightEdit(base=0.3, warmth=0.5)
+    state.choose_light(LightSource("rig", "ring"))
+    assert state.light_edit == LightEdit()
+
+
+def test_all_soft_boxes_go_at_once_and_the_room_is_whole_again():
+    state = EditorState()
+    state.accept(Snapshot(opened=opened_photo(Path("/p/me.png")), light=open_light(state.light)))
+    state.photo = state.snapshot.opened.source
+    state.remember(0.0)
+    state.light_edit = LightEdit(base=0.0, tint=0.5, boxes=(SoftBox(), SoftBox(azimuth_deg=70.0)))
+    state.remember(1.0)
+    state.delete_boxes()
+    assert state.light_edit == LightEdit(tint=0.5)
+    state.remember(3.0)
+    assert state.history.steps[-1].name == "Remove all soft boxes"
+
+
+def test_a_light_from_a_file_can_be_taken_off_the_list_unless_it_is_in_use():
+    state = EditorState()
+    used, other = LightSource("panorama", "used.exr"), LightSource("portrait", "friend.jpg")
+    state.extra_lights, state.light = [used, other], used
+    state.forget_light(used)
+    state.forget_light(LightSource("portrait", "friend.jpg"))
+    assert state.extra_lights == [used]
 
 
 def test_a_light_edit_counts_as_moved_by_the_hand():

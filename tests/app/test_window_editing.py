@@ -38,6 +38,24 @@ def test_open_turn_slide_undo_save_and_export(opened, photo_path):
         assert float(saved.text["relightYawDeg"]) == yaw_deg
 
 
+def test_keys_let_go_within_one_frame_are_still_a_chord(opened):
+    state, window = opened.window.state, opened.window
+    opened.light("split")
+    fits = state.view
+    window.on_key(None, glfw.KEY_LEFT_CONTROL, 0, glfw.PRESS, 0)
+    opened.frames(1)
+    window.on_key(None, glfw.KEY_Z, 0, glfw.PRESS, glfw.MOD_CONTROL)
+    window.on_key(None, glfw.KEY_LEFT_CONTROL, 0, glfw.RELEASE, glfw.MOD_CONTROL)
+    window.on_key(None, glfw.KEY_Z, 0, glfw.RELEASE, 0)
+    window.on_key(None, glfw.KEY_W, 0, glfw.PRESS, 0)
+    window.on_key(None, glfw.KEY_W, 0, glfw.RELEASE, 0)
+    opened.frames(5)
+    opened.settle()
+    assert state.light.name == "rembrandt", "Ctrl + Z undid"
+    assert state.view == fits, "and was no Z"
+    assert state.look.compare == "wipe", "nor was the W after it a Ctrl + W"
+
+
 def test_a_soft_box_is_added_moved_and_deleted_on_the_panorama(opened):
     state = opened.window.state
     opened.double_click(opened.panorama(0.5))

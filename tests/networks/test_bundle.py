@@ -78,8 +78,8 @@ def test_damaged_file(bundle, tmp_path, kept):
 
 def test_a_folder_and_a_text_are_refused(tmp_path):
     (tmp_path / "text.safetensors").write_text("weights?" * 100)
-    for path in (tmp_path, tmp_path / "text.safetensors"):
-        with pytest.raises(InputError):
+    for path, why in ((tmp_path, "is a folder; name a file"), (tmp_path / "text.safetensors", "can't be read")):
+        with pytest.raises(InputError, match=why):
             load_bundle(path)
 
 

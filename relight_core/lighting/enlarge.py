@@ -1,0 +1,58 @@
+"""A coarse panorama drawn finer: smooth to look at, and exactly as bright in every texel it had."""
+
+from __future__ import annotations
+
+import cv2
+import numpy as np
+
+from relight_core.lighting.environment import shrink
+
+_ROUNDS = 4
+_TINY = np.float32(1e-12)
+
+
+def enlarge(radiance: np.ndarray, height: int) -> np.ndarray:
+    """Blend the texels of a panorama into each other on a finer grid, round its seam and over its poles.
+
+    A blend alone takes light from bright texels. It is multiplied by the blend of what each old texel lacks, a few
+    times over, and at last each old texel's average is restored exactly: whoever averages the result over the old
+    texels, as the networks' light is made, gets the old map back. Nothing becomes negative.
+
+    Args:
+        radiance: (H, 2H, C) linear, >= 0.
+        height: rows of the result, a multiple of H; H itself copies.
+
+    Returns:
+        (height, 2 * height, C) float32.
+
+    Raises:
+        ValueError: another height.
+    """
+    coarse = radiance.shape[0]
+    if height % coarse:
+        raise ValueError(f"{height} rows are no multiple of {coarse}")
+    old = np.maximum(radiance, np.float32(0.0)).astype(np.float32)
+    if height == coarse:
+        return old
+    fine = _blended(old, height)
+    for _ in range(_ROUNDS):
+        fine *= _blended(_lacking(old, fine), height)
+    fine *= shrink(_lacking(old, fine), height)
+    return fine
+
+
+def _lacking(old: np.ndarray, fine: np.ndarray) -> np.ndarray:
+    """By how much each old texel is brighter than the fine map is there on average."""
+    return old / np.maximum(shrink(fine, old.shape[0]), _TINY)
+
+
+def _blended(coarse: np.ndarray, height: int) -> np.ndarray:
+    """Linear between the centres of the texels; beyond a pole lies what is half a turn away."""
+    rows, columns = coarse.shape[:2]
+    over = np.roll(coarse, columns // 2, axis=1)
+    padded = np.concatenate([over[:1], coarse, over[-1:]])
+    padded = np.concatenate([padded[:, -1:], padded, padded[:, :1]], axis=1)
+    times = height // rows
+    size = (padded.shape[1] * times, padded.shape[0] * times)
+    grown = cv2.resize(padded, size, interpolation=cv2.INTER_LINEAR).reshape(size[1], size[0], -1)
+    return np.ascontiguousarray(grown[times:-times, times:-times])
