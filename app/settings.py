@@ -11,7 +11,7 @@ import logging
 from dataclasses import asdict, dataclass, field, fields
 from pathlib import Path
 
-from app.ui.layout import SIDE_EM, STRIP_EM, OpenGroups, Panels
+from app.ui.layout import EDGES, SIDE_EM, STRIP_EM, OpenGroups, Panels
 from app.ui.look import SCOPES, LookState
 from app.user_folders import config_folder
 from relight_core.errors import InputError
@@ -19,6 +19,7 @@ from relight_core.imaging.files import file_bytes, whole_file
 
 VERSION = 1
 _LIMITS = {"light_em": SIDE_EM, "effects_em": SIDE_EM, "filmstrip_em": STRIP_EM}
+_WORDS = {"scope": SCOPES} | {f"{name}_at": edges for name, edges in EDGES.items()}
 _SIZE_LIMITS = (200, 20000)
 _log = logging.getLogger(__name__)
 
@@ -100,7 +101,7 @@ def _fits(name: str, value: object, default: object) -> bool:
     if isinstance(default, float):
         low, high = _LIMITS[name]
         return isinstance(value, int | float) and not isinstance(value, bool) and low <= value <= high
-    return value in SCOPES
+    return value in _WORDS[name]
 
 
 def _size(content: object) -> tuple[int, int] | None:

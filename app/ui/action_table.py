@@ -44,6 +44,7 @@ ACTIONS: tuple[Action, ...] = (
     *edit_actions.HISTORY,
     *edit_actions.FILE,
     *look_actions.PANELS,
+    *look_actions.ARRANGING,
     *PROGRAM,
 )
 """In the order of the palette and, group by group, of the overlay."""

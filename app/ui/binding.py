@@ -75,7 +75,7 @@ class Binding:
             self._io.add_key_event(modifier, held)
         if key in KEYS:
             self._io.add_key_event(KEYS[key], action != glfw.RELEASE)
-            self._pressed |= action == glfw.PRESS
+            self._pressed |= action == glfw.PRESS and not any(key in keys for _, _, keys in _MODIFIERS)
 
     def _modifiers(self, key: int, action: int, mods: int) -> dict[imgui.Key, bool]:
         """What an event says is held: their own events can be lost to another window."""

@@ -12,6 +12,7 @@ from app.ui import (
     effects_panel,
     file_picker,
     filmstrip,
+    grips,
     help_overlay,
     light_panel,
     palette,
@@ -62,6 +63,7 @@ def draw(state: EditorState, fonts: theme.Fonts, pictures: Pictures, shelf: ligh
     with _panel("status", layout.status, padding=(14.0, 5.0)):
         status_line.draw(state)
     dividers.draw(state, layout)
+    grips.draw(state, layout)
     questions.draw(state, layout.viewport)
     progress_card.draw(state, layout.viewport)
     file_picker.draw(state, fonts)

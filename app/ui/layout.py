@@ -1,4 +1,4 @@
-"""Where the panels lie, and how the lines between them move."""
+"""Where the panels lie, how the lines between them move, and to which edges they can be moved."""
 
 from __future__ import annotations
 
@@ -15,6 +15,9 @@ _VIEWPORT_EM = (14.0, 10.0)
 """What is always left of the viewport, across and down, in font heights; panels give way to it."""
 
 _LEAST_EM = 9.0
+
+EDGES = {"light": ("left", "right"), "effects": ("left", "right"), "filmstrip": ("top", "bottom")}
+"""The edges of the window at which each panel can be."""
 
 _LIGHT_SHARE, _WIDE_LIGHT_EM = 0.2, 26.0
 """Where the user has not sized the light panel, it takes this share of a wide window, up to that many font heights."""
@@ -37,7 +40,7 @@ class Rect:
 
 @dataclass(frozen=True)
 class Panels:
-    """How large the user made the panels, in font heights, and which of them are in sight."""
+    """How large the user made the panels, in font heights, which of them are in sight, and at which edges they are."""
 
     light_em: float = 17.0
     effects_em: float = 16.0
@@ -45,6 +48,9 @@ class Panels:
     light: bool = True
     effects: bool = True
     filmstrip: bool = True
+    light_at: str = "left"
+    effects_at: str = "right"
+    filmstrip_at: str = "bottom"
 
     @property
     def any_shown(self) -> bool:
@@ -58,6 +64,15 @@ class Panels:
     def all_shown(self, shown: bool) -> Panels:
         """The same with every panel shown or hidden."""
         return replace(self, light=shown, effects=shown, filmstrip=shown)
+
+    def moved(self, name: str, edge: str) -> Panels:
+        """The same with one panel at another edge, one of its EDGES."""
+        return replace(self, **{f"{name}_at": edge})
+
+    def across(self, name: str) -> Panels:
+        """The same with one panel at the edge opposite to where it is."""
+        first, second = EDGES[name]
+        return self.moved(name, second if getattr(self, f"{name}_at") == first else first)
 
     def dragged(self, name: str, em: float) -> Panels:
         """The same with one panel's size changed, within its limits."""
@@ -100,7 +115,11 @@ class Divider:
 
 @dataclass(frozen=True)
 class Layout:
-    """The rectangle of every panel; None for one that is hidden."""
+    """The rectangle of every panel; None for one that is hidden.
+
+    Attributes:
+        parts: what can be moved and is in sight, by name: light, filmstrip, and the effects with the scope above them.
+    """
 
     light: Rect | None
     effects: Rect | None
@@ -110,13 +129,14 @@ class Layout:
     viewport: Rect
     status: Rect
     dividers: tuple[Divider, ...]
+    parts: dict[str, Rect]
 
 
 def arrange(width: float, height: float, em: float, panels: Panels | None = None, scope: bool = False) -> Layout:
     """Divide a window of the given size; `em` is the font's height.
 
     The viewport keeps a least size: in a small window the panels are drawn smaller than the user made
-    them, and come back when there is room.
+    them, and come back when there is room. Panels at the same side stand beside each other, the light on the left.
 
     Args:
         scope: whether histogram or waveform stand above the effects.
@@ -124,21 +144,45 @@ def arrange(width: float, height: float, em: float, panels: Panels | None = None
     panels = panels or Panels()
     line = round(STATUS_EM * em)
     strip = _strip(panels, height - line, em)
-    left, right = _sides(panels, width, em)
     middle = max(1.0, height - strip - line)
-    centre = max(1.0, width - left - right)
+    top = strip if panels.filmstrip_at == "top" else 0
+    light, effects, left, centre = _columns(panels, width, em)
+    right, lower = left + centre, top + middle
     bar = round(TOOLBAR_EM * em) if panels.any_shown else 0
-    scope_height = min(round(SCOPE_EM * em), middle) if scope and right else 0
+    scope_height = min(round(SCOPE_EM * em), middle) if scope and effects else 0
+    strip_y = 0 if panels.filmstrip_at == "top" else lower
+    parts = {
+        "light": Rect(light[0], top, light[1], middle) if light else None,
+        "effects": Rect(effects[0], top, effects[1], middle) if effects else None,
+        "filmstrip": Rect(0, strip_y, width, strip) if strip else None,
+    }
+    below = effects and Rect(effects[0], top + scope_height, effects[1], middle - scope_height)
     return Layout(
-        light=Rect(0, 0, left, middle) if left else None,
-        effects=Rect(left + centre, scope_height, right, middle - scope_height) if right else None,
-        scope=Rect(left + centre, 0, right, scope_height) if scope_height else None,
-        filmstrip=Rect(0, middle, width, strip) if strip else None,
-        toolbar=Rect(left, 0, centre, bar) if bar else None,
-        viewport=Rect(left, bar, centre, max(1, middle - bar)),
-        status=Rect(0, middle + strip, width, line),
-        dividers=_dividers(left, right, strip, width, middle, em),
+        light=parts["light"],
+        effects=below,
+        scope=Rect(effects[0], top, effects[1], scope_height) if scope_height else None,
+        filmstrip=parts["filmstrip"],
+        toolbar=Rect(left, top, right - left, bar) if bar else None,
+        viewport=Rect(left, top + bar, centre, max(1, middle - bar)),
+        status=Rect(0, height - line, width, line),
+        dividers=tuple(_divider(panels, name, rect, em) for name, rect in parts.items() if rect),
+        parts={name: rect for name, rect in parts.items() if rect},
     )
+
+
+Column = tuple[float, float]
+"""x and width."""
+
+
+def _columns(panels: Panels, width: float, em: float) -> tuple[Column | None, Column | None, float, float]:
+    """The light's and the effects' columns, where the centre begins, and how wide it is."""
+    light, effects = _sides(panels, width, em)
+    centre = max(1.0, width - light - effects)
+    at_left = {name: getattr(panels, f"{name}_at") == "left" for name in ("light", "effects")}
+    left = light * at_left["light"] + effects * at_left["effects"]
+    light_x = 0.0 if at_left["light"] else left + centre
+    effects_x = light * at_left["light"] if at_left["effects"] else width - effects
+    return (light_x, light) if light else None, (effects_x, effects) if effects else None, left, centre
 
 
 def _strip(panels: Panels, room: float, em: float) -> int:
@@ -162,10 +206,12 @@ def _light_em(panels: Panels, width_em: float) -> float:
     return max(panels.light_em, min(_LIGHT_SHARE * width_em, _WIDE_LIGHT_EM))
 
 
-def _dividers(left: int, right: int, strip: int, width: float, middle: float, em: float) -> tuple[Divider, ...]:
-    every = (
-        Divider("light", Rect(left, 0, 1, middle), left / em, 1.0) if left else None,
-        Divider("effects", Rect(width - right, 0, 1, middle), right / em, -1.0) if right else None,
-        Divider("filmstrip", Rect(0, middle, width, 1), strip / em, -1.0) if strip else None,
-    )
-    return tuple(divider for divider in every if divider)
+def _divider(panels: Panels, name: str, rect: Rect, em: float) -> Divider:
+    """The line at the edge of a panel that looks toward the picture."""
+    edge = getattr(panels, f"{name}_at")
+    x0, y0, x1, y1 = rect.corners
+    if name == "filmstrip":
+        line = Rect(x0, y1 if edge == "top" else y0, rect.width, 1)
+        return Divider(name, line, rect.height / em, 1.0 if edge == "top" else -1.0)
+    line = Rect(x1 if edge == "left" else x0, y0, 1, rect.height)
+    return Divider(name, line, rect.width / em, 1.0 if edge == "left" else -1.0)

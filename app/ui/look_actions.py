@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from app.ui.actions import Action, Gesture
+from app.ui.layout import Panels
 from app.ui.state import CHANNELS, PHOTO, RESULT, EditorState
 from app.ui.view import View
 from app.ui.viewport_panel import ZOOM_PER_STEP, toggle_actual_size, zoom_by
@@ -159,6 +160,17 @@ def _switch_panels(state: EditorState) -> None:
     state.panels = state.panels.all_shown(not state.panels.any_shown)
 
 
+def _move_panel(name: str, key: str, title: str) -> Action:
+    def run(state: EditorState) -> None:
+        state.panels = state.panels.across(name)
+
+    return Action(title, _PANELS, (key,), "To the opposite edge of the window", run, available=_panel_shown(name))
+
+
+def _reset_layout(state: EditorState) -> None:
+    state.panels = Panels()
+
+
 PANELS = (
     Action(
         "Only the picture",
@@ -177,9 +189,17 @@ PANELS = (
     ),
 )
 
+ARRANGING = (
+    _move_panel("filmstrip", "Shift+F6", "Move the filmstrip"),
+    _move_panel("light", "Shift+F7", "Move the light panel"),
+    _move_panel("effects", "Shift+F8", "Move the effects panel"),
+    Action("Reset the layout", _PANELS, ("F9",), "Every panel in its first place and size", _reset_layout),
+)
+
 GESTURES = (
     Gesture("Ctrl + wheel", _LOOK, "Zoom about the mouse"),
     Gesture("Drag the picture", _LOOK, "Move it"),
     Gesture("Double-click the picture", _LOOK, "Actual size there, or fit again"),
+    Gesture("Drag a panel's grip", _PANELS, "Move it to the other edge of the window; a double click does so too"),
     Gesture("Drag a panel's edge", _PANELS, "Resize it; a double click puts it back"),
 )

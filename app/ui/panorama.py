@@ -34,6 +34,8 @@ def draw(state: EditorState, pictures: Pictures) -> None:
     reach_deg = _REACH_EM * imgui.get_font_size() * 180.0 / height
     if imgui.is_item_hovered():
         _point(state, u, v, reach_deg)
+    else:
+        state.hint_spent = False
     _hold(state, u, v, io.mouse_delta.x / width, reach_deg)
     _picture(state, pictures, left, width, height)
     for index in range(len(state.light_edit.boxes)):
@@ -59,20 +61,25 @@ def _point(state: EditorState, u: float, v: float, reach_deg: float) -> None:
     imgui.set_mouse_cursor(
         {"turn": turn, "move": imgui.MouseCursor_.hand, "resize": imgui.MouseCursor_.hand}[found.kind]
     )
-    if found.kind == "turn":
+    if found.kind != "turn" and imgui.is_mouse_clicked(1):
+        state.selected_box = found.index
+        state.delete_box()
+    elif not state.hint_spent:
+        _explain(found.kind)
+    if found.kind == "turn" and imgui.is_mouse_double_clicked(0):
+        add_box(state, u, v)
+        state.held = None
+
+
+def _explain(kind: str) -> None:
+    if kind == "turn":
         imgui.set_item_tooltip(
             "Everything around the person: the middle lies behind them, the edges in front.\n"
             "Drag sideways to turn the light, with Shift in small steps.\n"
             "Double-click to add a soft box."
         )
-    elif imgui.is_mouse_clicked(1):
-        state.selected_box = found.index
-        state.delete_box()
     else:
         imgui.set_item_tooltip("Drag to move it, a corner to resize it. Right-click to delete it.")
-    if found.kind == "turn" and imgui.is_mouse_double_clicked(0):
-        add_box(state, u, v)
-        state.held = None
 
 
 def _hold(state: EditorState, u: float, v: float, moved: float, reach_deg: float) -> None:
@@ -83,7 +90,7 @@ def _hold(state: EditorState, u: float, v: float, moved: float, reach_deg: float
     if not imgui.is_item_active() or state.held is None:
         state.held = None
         return
-    state.hand_on_control = True
+    state.hand_on_control = state.hint_spent = True
     if state.held.kind == "turn":
         state.turn(moved * 360.0 * (FINE if imgui.get_io().key_shift else 1.0))
     elif moved or imgui.get_io().mouse_delta.y:

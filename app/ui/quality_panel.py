@@ -44,7 +44,7 @@ def draw(state: EditorState, fonts: theme.Fonts) -> None:
 def _summary(choice: QualityChoice, costs: dict[str, TierCost]) -> str:
     """The choice, and what it means while something moves."""
     title = next(title for name, title, _ in TIERS if name == choice.wish)
-    return f"{title}: {choice.moving(costs)} while moving" if choice.wish == AUTO and costs else title
+    return f"{title}: {choice.moving(costs)} in motion" if choice.wish == AUTO and costs else title
 
 
 def _budget(state: EditorState, budget_ms: float) -> float:

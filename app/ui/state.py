@@ -89,6 +89,7 @@ class EditorState:
         export_wanted: ".png" or ".exr" for one frame after the user asked for it.
         selected_box: which soft box is worked on, or -1.
         held: what the mouse holds on the panorama.
+        hint_spent: the mouse has held something there and not left since, so that it needs no explanation.
         aim: what the next click on the face places a lamp for: "highlight", "bright", or "" for none.
         aim_at: the relit picture whose normals the click reads.
         dismissed: number of the newest message the user has put away.
@@ -130,6 +131,7 @@ class EditorState:
     export_wanted: str | None = None
     selected_box: int = -1
     held: Grab | None = None
+    hint_spent: bool = False
     aim: str = ""
     aim_at: RelitLike | None = None
     dismissed: int = 0

@@ -156,6 +156,8 @@ def _menu(state: EditorState, x: float, y: float, width: float) -> None:
         _entries(state, look_actions.READING)
         imgui.separator()
         _entries(state, look_actions.PANELS)
+        imgui.separator()
+        _entries(state, look_actions.ARRANGING)
         imgui.end_popup()
 
 

@@ -23,9 +23,9 @@ from app.window.gl_viewport import PicturePainter, coarseness, coarser, covered,
 from relight_core.imaging.scopes import Extremes
 from relight_core.lighting.environment import Environment
 
-_LAG_S = 0.5
-"""How far scopes and thumbnails may be behind while a hand moves something, and twice that in frames that have much
-to draw already: each takes time from the picture."""
+_LAG_S, _BUSY_LAG_S = 0.5, 2.0
+"""How far scopes and thumbnails may be behind while a hand moves something, and in frames that have a new picture or
+another of them to draw already: each takes time from the picture, so there is one in a frame where that can be."""
 
 
 class GlPictures:
@@ -139,14 +139,21 @@ class GlPictures:
         """How much of the photo or the result the screen can't show; None for a channel."""
         if name not in (PHOTO, RESULT) or self.size(name) is None:
             return None
-        return self._scopes.extremes(*self._readable(name))
+        known, is_other = self._scopes.found, self._read is None or self._read[0] != name
+        if known is not None and not is_other and self._may_lag("extremes"):
+            return known
+        found = self._scopes.extremes(*self._readable(name))
+        if found is not known:
+            self._follows_now("extremes")
+        return found
 
     def _readable(self, name: str) -> tuple[np.ndarray, float]:
         """A picture's pixels and exposure for the scopes; in a hurry those of the one before, for a moment."""
         is_other = self._read is None or self._read[0] != name
         if is_other or not self._may_lag("scopes"):
             # A recipe's pixels are computed when they are asked for.
-            wanted = self._slots[name].array, self._exposure_of(name)
+            slot = self._slots[name]
+            wanted = slot.glimpse if self.hurried else slot.array, self._exposure_of(name)
             if is_other or not _is_same_reading(wanted, self._read[1]):
                 self._read = name, wanted
                 self._follows_now("scopes")
@@ -158,7 +165,7 @@ class GlPictures:
         if not self.hurried or followed_s is None:
             return False
         behind_s = time.monotonic() - followed_s
-        return behind_s < (2.0 * _LAG_S if self._busy else _LAG_S)
+        return behind_s < (_BUSY_LAG_S if self._busy else _LAG_S)
 
     def _follows_now(self, key: str) -> None:
         self._followed_s[key], self._busy = time.monotonic(), True

@@ -30,7 +30,7 @@ class RelitSlot:
         self._pixels = TextureSlot(context, mipmaps=True)
         self._person = TextureSlot(context, mipmaps=True)
         self._maps = {name: TextureSlot(context, mipmaps=name == "behind") for name in MAPS}
-        self._thinned: np.ndarray | None = None
+        self._thinned: dict[int, np.ndarray] = {}
 
     def show(self, screen: np.ndarray | DisplayRecipe | None) -> bool:
         """Upload what is not there yet; True if anything changed."""
@@ -56,12 +56,19 @@ class RelitSlot:
         """(h, w, 3 or 4) float16 linear pixels: all of them, or as many of a recipe's as the scopes read."""
         if self.recipe is None:
             return self._pixels.array
-        if self._thinned is None:
-            step = thinning_step(self.recipe.size)
+        return self._every(thinning_step(self.recipe.size))
+
+    @property
+    def glimpse(self) -> np.ndarray | None:
+        """The same of a recipe with half the rows and columns: enough while a hand moves something."""
+        return self.array if self.recipe is None else self._every(2 * thinning_step(self.recipe.size))
+
+    def _every(self, step: int) -> np.ndarray:
+        if step not in self._thinned:
             image, alpha = self.recipe.picture.thinned(step)
             pixels = image if alpha is None else np.dstack([image, alpha])
-            self._thinned = np.minimum(pixels, np.float32(65504.0)).astype(np.float16)
-        return self._thinned
+            self._thinned[step] = np.minimum(pixels, np.float32(65504.0)).astype(np.float16)
+        return self._thinned[step]
 
     def smooth(self, magnified_smoothly: bool) -> None:
         """As of TextureSlot, for what has the picture's size."""
@@ -108,7 +115,7 @@ class RelitSlot:
         if recipe is self.recipe:
             return False
         self._pixels.close()
-        self._thinned, self.recipe = None, recipe
+        self._thinned, self.recipe = {}, recipe
         self._person.show(recipe.layers.person)
         self._maps["behind"].show(recipe.layers.behind)
         for name in MAPS[1:]:
@@ -116,6 +123,6 @@ class RelitSlot:
         return True
 
     def _free_recipe(self) -> None:
-        self.recipe = self._thinned = None
+        self.recipe, self._thinned = None, {}
         for slot in (self._person, *self._maps.values()):
             slot.close()

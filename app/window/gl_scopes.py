@@ -34,6 +34,11 @@ class Scopes:
             slot.show(_DRAW[kind](_codes(thinned(pixels), exposure_ev)))
         return slot.texture
 
+    @property
+    def found(self) -> Extremes | None:
+        """The extremes that were counted last."""
+        return self._extremes[1] if self._extremes else None
+
     def extremes(self, pixels: np.ndarray, exposure_ev: float) -> Extremes:
         """What share of (h, w, 3 or 4) linear pixels the screen can't show."""
         if self._extremes is None or not _same(self._extremes[0], pixels, exposure_ev):

@@ -73,6 +73,11 @@ class TextureSlot:
         self.texture.filter = (small, moderngl.LINEAR if magnified_smoothly else moderngl.NEAREST)
 
     @property
+    def glimpse(self) -> np.ndarray | None:
+        """What the scopes read while a hand moves something: the array itself, which is there already."""
+        return self.array
+
+    @property
     def has_alpha(self) -> bool:
         """Whether what is behind the texture shows through."""
         return self.texture.components == 4

@@ -26,8 +26,9 @@ class Memory:
         return self._kept.window_size
 
     def recall(self, state: EditorState) -> None:
-        """Put the remembered arrangement into the state."""
-        state.panels, state.groups = self._kept.panels, self._kept.groups
+        """Put the remembered arrangement into the state; a window without any panel would tell nobody what to do."""
+        kept = self._kept.panels
+        state.panels, state.groups = kept if kept.any_shown else kept.all_shown(True), self._kept.groups
         for entry in fields(Looking):
             setattr(state.look, entry.name, getattr(self._kept.looking, entry.name))
 

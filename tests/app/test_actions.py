@@ -21,6 +21,7 @@ NAMED_KEYS = {
     "F6",
     "F7",
     "F8",
+    "F9",
     "Home",
     "Delete",
 }

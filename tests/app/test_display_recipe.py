@@ -177,6 +177,8 @@ def test_scopes_read_the_recipes_own_pixels(context):
     slot.show(recipe_of(picture, person_layers(picture.canvas, picture.matte)))
     np.testing.assert_array_equal(slot.array, picture.render()[0].astype(np.float16))
     assert slot.array is slot.array
+    assert slot.glimpse is slot.glimpse
+    np.testing.assert_array_equal(slot.glimpse, slot.array[::2, ::2])
     slot.close()
 
 

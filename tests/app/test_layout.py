@@ -17,6 +17,9 @@ panels = st.builds(
     st.booleans(),
     st.booleans(),
     st.booleans(),
+    st.sampled_from(["left", "right"]),
+    st.sampled_from(["left", "right"]),
+    st.sampled_from(["top", "bottom"]),
 )
 
 
@@ -67,3 +70,28 @@ def test_a_wide_window_gives_the_panorama_more_room_until_the_user_says_how_much
     assert arrange(1440, 900, EM).light.width == 288
     assert arrange(3840, 2160, EM).light.width == 390
     assert arrange(3840, 2160, EM, Panels(light_em=20.0)).light.width == 300
+
+
+def test_a_panel_can_be_at_either_edge_and_its_line_looks_toward_the_picture():
+    moved = Panels().across("light").across("effects").across("filmstrip")
+    layout = arrange(1440, 900, EM, moved, scope=True)
+    assert layout.filmstrip.y == 0
+    assert (layout.effects.x, layout.scope.y) == (0, layout.filmstrip.height)
+    assert layout.light.corners[2] == 1440
+    assert layout.status.corners[3] == 900
+    lines = {divider.panel: (divider.line.x, divider.line.y, divider.sign) for divider in layout.dividers}
+    assert lines["light"] == (layout.light.x, layout.light.y, -1.0)
+    assert lines["effects"] == (layout.effects.width, layout.light.y, 1.0)
+    assert lines["filmstrip"] == (0, layout.filmstrip.height, 1.0)
+    assert moved.across("light").across("effects").across("filmstrip") == Panels()
+
+
+def test_panels_at_the_same_side_stand_beside_each_other():
+    layout = arrange(1440, 900, EM, Panels().moved("effects", "left"))
+    assert (layout.light.x, layout.effects.x) == (0, layout.light.width)
+    assert layout.viewport.x == layout.light.width + layout.effects.width
+    assert layout.viewport.corners[2] == 1440
+    layout = arrange(1440, 900, EM, Panels().moved("light", "right"))
+    assert layout.viewport.x == 0
+    assert layout.light.x == layout.viewport.width
+    assert layout.effects.corners[2] == 1440

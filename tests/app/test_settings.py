@@ -11,7 +11,12 @@ from app.ui.state import EditorState
 from app.window.memory import Memory
 
 GROUPS = OpenGroups(effects=False, quality=True)
-CHANGED = Settings(Panels(20.0, 18.5, 9.0, light=False), Looking("waveform", False, True, True), (1200, 800), GROUPS)
+CHANGED = Settings(
+    Panels(20.0, 18.5, 9.0, light=False, light_at="right", filmstrip_at="top"),
+    Looking("waveform", False, True, True),
+    (1200, 800),
+    GROUPS,
+)
 
 
 def test_settings_come_back_as_they_were(tmp_path):
@@ -41,7 +46,7 @@ def test_each_wrong_value_alone_falls_back(tmp_path, bad):
     path = tmp_path / "settings.json"
     content = {
         "version": 1,
-        "panels": {"light_em": bad, "effects_em": 20, "light": bad if bad is not True else 1, "unknown": 3},
+        "panels": {"light_em": bad, "effects_em": 20, "light": bad if bad is not True else 1, "light_at": bad, "x": 3},
         "looking": {"scope": bad, "timings": True},
         "window_size": [bad, 700],
     }
@@ -64,6 +69,13 @@ def test_the_folder_follows_the_systems_setting(monkeypatch, tmp_path):
     monkeypatch.delenv("XDG_CONFIG_HOME")
     monkeypatch.setenv("HOME", str(tmp_path))
     assert config_folder() == tmp_path / ".config" / "relight"
+
+
+def test_a_window_that_was_left_without_panels_comes_back_with_them(tmp_path):
+    path, state = tmp_path / "settings.json", EditorState()
+    write_settings(path, Settings(Panels(light_em=20.0).all_shown(False)))
+    Memory(path).recall(state)
+    assert state.panels == Panels(light_em=20.0)
 
 
 def test_the_memory_writes_only_what_changed(tmp_path):

@@ -270,11 +270,35 @@ def test_the_scopes_may_lag_while_a_hand_moves_something_and_follow_when_it_rest
     pictures._followed_s["scopes"] = clock
     pictures.hurried = True
     assert pictures.extremes("result") == before
-    clock += 1.0
+    clock += 2.0
     assert pictures.extremes("result").too_bright == 1.0
     pictures.update(snapshot)
     pictures.hurried = False
     assert pictures.extremes("result") == before
+
+
+def test_in_a_hurry_a_frame_brings_one_thing_that_only_follows_up_to_date(opened, monkeypatch):
+    window, pictures, counted = opened.window, opened.window.pictures, []
+    opened.frames(2)
+    clock = time.monotonic() + 60.0
+    monkeypatch.setattr(gl_pictures.time, "monotonic", lambda: clock)
+    for name in ("scope", "extremes"):
+        real = getattr(pictures._scopes, name)
+        monkeypatch.setattr(
+            pictures._scopes, name, lambda *a, name=name, real=real: (counted.append(name), real(*a))[1]
+        )
+    pictures.begin_frame(window.state.edit.exposure_ev, True)
+    for key in ("scopes", "extremes"):
+        pictures._follows_now(key)
+    clock += 0.6
+    pictures.begin_frame(window.state.edit.exposure_ev, True)
+    pictures.scope("histogram", "result")
+    pictures._follows_now("scopes")
+    assert pictures.extremes("result") is not None
+    assert "extremes" not in counted, "the scopes have had this frame"
+    pictures.begin_frame(window.state.edit.exposure_ev, True)
+    pictures.extremes("result")
+    assert "extremes" in counted
 
 
 def test_drawn_in_software_the_viewport_is_coarser_only_while_a_hand_moves_something(opened):

@@ -1,0 +1,47 @@
+"""Panels moved about in the real window."""
+
+import glfw
+
+from app.ui.layout import Panels
+
+
+def test_a_panel_is_dragged_by_its_grip_to_the_other_side_and_f9_puts_it_back(opened):
+    state = opened.window.state
+    opened.move((127, 5))
+    opened.button(True)
+    opened.move((400, 200))
+    opened.move((900, 300))
+    shown = opened.window.screenshot()
+    assert state.panels == Panels(), "nothing moves before it is let go"
+    assert int(shown[500, 700, 0]) - int(shown[500, 700, 2]) > 5, "where it would go is tinted"
+    opened.button(False)
+    opened.settle()
+    assert state.panels == Panels(light_at="right")
+    opened.frames(1)
+    assert state.light_panel[0] > opened.width / 2
+    opened.key(glfw.KEY_F9)
+    assert state.panels == Panels()
+    opened.frames(1)
+    assert state.light_panel[0] == 0
+
+
+def test_the_panorama_works_on_the_other_side(opened, photo_path):
+    state = opened.window.state
+    opened.key(glfw.KEY_F7, shift=True)
+    x0, _, x1, _ = state.light_panel
+    opened.drag((x0 + 60, 90), (x0 + 150, 90))
+    assert state.edit.yaw_deg > 60.0
+    opened.drop(photo_path, at=((x0 + x1) / 2, 300))
+    assert state.light.kind == "portrait"
+
+
+def test_a_click_or_a_twitch_on_a_grip_moves_nothing_and_a_double_click_does(opened):
+    state = opened.window.state
+    opened.move((127, 5))
+    opened.button(True)
+    opened.move((129, 6))
+    opened.button(False)
+    opened.settle()
+    assert state.panels == Panels()
+    opened.double_click((127, 5))
+    assert state.panels == Panels(light_at="right")
