@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from functools import lru_cache
 
+import cv2
 import numpy as np
 
 REC709_LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
@@ -22,11 +23,18 @@ def srgb_encode(linear: np.ndarray) -> np.ndarray:
         float32 of the same shape.
     """
     linear = np.asarray(linear, np.float32)
-    curve = np.maximum(linear, np.float32(0.0031308))
-    np.power(curve, np.float32(1 / 2.4), out=curve)
+    curve = _raised(np.maximum(linear, np.float32(0.0031308)), 1 / 2.4)
     curve *= np.float32(1.055)
     curve -= np.float32(0.055)
-    return np.where(linear <= 0.0031308, linear * np.float32(12.92), curve)
+    # The foot lies below the curve up to where they meet, and above it from there on.
+    return np.minimum(curve, linear * np.float32(12.92))
+
+
+def _raised(values: np.ndarray, power: float) -> np.ndarray:
+    """Positive numbers to a power, float32; OpenCV's is several times as quick as numpy's."""
+    if not (values.ndim and values.size):
+        return np.power(values, np.float32(power))
+    return cv2.pow(np.ascontiguousarray(values).reshape(1, -1), power).reshape(values.shape)
 
 
 def srgb_decode(srgb: np.ndarray) -> np.ndarray:
@@ -42,8 +50,7 @@ def srgb_decode(srgb: np.ndarray) -> np.ndarray:
     curve = np.maximum(srgb, np.float32(0.04045))
     curve += np.float32(0.055)
     curve /= np.float32(1.055)
-    np.power(curve, np.float32(2.4), out=curve)
-    return np.where(srgb <= 0.04045, srgb / np.float32(12.92), curve)
+    return np.where(srgb <= 0.04045, srgb / np.float32(12.92), _raised(curve, 2.4))
 
 
 def srgb_decode_integers(codes: np.ndarray) -> np.ndarray:
@@ -55,7 +62,10 @@ def srgb_decode_integers(codes: np.ndarray) -> np.ndarray:
     Returns:
         float32 of the same shape, [0, 1].
     """
-    return _decode_table(codes.dtype.itemsize)[codes]
+    table = _decode_table(codes.dtype.itemsize)
+    if codes.dtype != np.uint8 or not (codes.ndim and codes.size):
+        return table[codes]
+    return cv2.LUT(np.ascontiguousarray(codes).reshape(len(codes), -1), table).reshape(codes.shape)
 
 
 def luminance(rgb: np.ndarray) -> np.ndarray:

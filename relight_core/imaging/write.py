@@ -240,7 +240,9 @@ def _premultiplied(linear: np.ndarray, alpha: np.ndarray | None) -> np.ndarray:
 def _codes(srgb: np.ndarray, alpha: np.ndarray | None, bits: int) -> np.ndarray:
     values = srgb if alpha is None else np.dstack([srgb, alpha])
     kind = np.uint8 if bits == 8 else np.uint16
-    return np.rint(values * np.float32(np.iinfo(kind).max)).astype(kind)
+    rounded = values * np.float32(np.iinfo(kind).max)
+    rounded += np.float32(0.5)
+    return rounded.astype(kind)
 
 
 def _flattened(srgb: np.ndarray, alpha: np.ndarray | None) -> np.ndarray:

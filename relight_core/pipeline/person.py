@@ -66,6 +66,8 @@ def person_in(canvas: Canvas, matte: Matte, band: Band) -> Person:
     share *= guide_of(linear)
     share += spread_window(matte.level, everywhere, band)
     np.clip(share, 0, 1, out=share)
+    if not ((share > 0) & (share < 1)).any():
+        return Person(share, linear)
     sides = (spread_window(side, everywhere, band) for side in (matte.person, matte.behind))
     return Person(share, own_colour(linear, share, *sides))
 

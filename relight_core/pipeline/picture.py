@@ -152,8 +152,11 @@ class Picture:
         matrix = unit_matrix(view, band.size, band.photo_size)
         y = np.arange(band.top, band.bottom, band.step, dtype=np.float64)[:, None] + 0.5
         x = np.arange(*band.span, dtype=np.float64)[None, :] + 0.5
-        away = (np.abs(row[0] * x + row[1] * y + row[2] - 0.5) for row in matrix)
-        distance = np.maximum(*away).astype(np.float32)
+        if view.roll_deg == 0:
+            places = matrix[0, 0] * x + matrix[0, 2], matrix[1, 1] * y + matrix[1, 2]
+        else:
+            places = tuple(row[0] * x + row[1] * y + row[2] for row in matrix)
+        distance = np.maximum(*(np.abs(place - 0.5).astype(np.float32) for place in places))
         nearer = distance < nearest
         np.copyto(nearest, distance, where=nearer)
         return nearer

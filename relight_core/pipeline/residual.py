@@ -16,6 +16,7 @@ from dataclasses import dataclass, replace
 import torch
 
 from relight_core.lighting.environment import mean_luminance
+from relight_core.pipeline.blown import clipped_share, skin_share
 from relight_core.pipeline.hints import Effects, grey
 from relight_core.pipeline.stages import Composed, Surface
 
@@ -63,11 +64,25 @@ def find_residual(
     if int(known.sum()) >= _FEWEST_PIXELS and lit > 0:
         level = float(grey(surface.photo)[known].sum()) / lit
     photo = recorded / max(level, 1e-4)
-    # A clipped channel was at least as bright as it looks: a model that is brighter still is not wrong.
-    is_clipped_at_1 = bool(recorded.max() <= 1.001)
-    clipped = (recorded >= 1) & (image > photo) & is_clipped_at_1
     log_ratio = torch.log((photo + _BLACK) / (image + _BLACK)).clamp(-_LARGEST_LOG, _LARGEST_LOG)
-    return Residual(torch.where(clipped, 0.0, log_ratio), grey(model.plain), level)
+    if bool(recorded.max() <= 1.001):
+        log_ratio = _at_least(log_ratio, clipped_share(recorded), skin_share(surface.parsing))
+    return Residual(log_ratio, grey(model.plain), level)
+
+
+def _at_least(log_ratio: torch.Tensor, clipped: torch.Tensor, skin: torch.Tensor) -> torch.Tensor:
+    """The log ratio where clipped channels may have been brighter than they look.
+
+    A clipped channel was off by as much as those that are not clipped, if that makes it brighter. Where all are
+    clipped, skin has the model's colour and anything else is white; a model that is brighter still is not wrong.
+    """
+    reliable = 1 - clipped
+    known = reliable.sum(1, keepdim=True)
+    others = torch.maximum(log_ratio, (log_ratio * reliable).sum(1, keepdim=True) / known.clamp_min(1e-3))
+    white = log_ratio - log_ratio.mean(1, keepdim=True).clamp_max(0)
+    blown = white + skin * (log_ratio.amax(1, keepdim=True).clamp_min(0) - white)
+    brighter = blown + (others - blown) * known.clamp_max(1)
+    return log_ratio + (brighter - log_ratio) * clipped
 
 
 @torch.inference_mode()

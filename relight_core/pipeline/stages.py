@@ -18,6 +18,7 @@ from relight_core.lighting.reflection import NormalLookup, ReflectionTable
 from relight_core.lighting.relief import ReliefTransport, march_relief
 from relight_core.networks.bundle import NetworkBundle
 from relight_core.networks.specular_shadow import Occlusion
+from relight_core.pipeline.blown import mend_blown
 from relight_core.pipeline.hints import (
     Effects,
     effects_of,
@@ -110,6 +111,7 @@ def delight(
     *images, light = parts
     linear, albedo, normal, relief, parsing = (_shrunk(image, size) for image in (linear, *images))
     normal, relief = _without_rim(normal), _without_rim(relief)
+    albedo = mend_blown(linear, albedo, parsing)
     parts_seen = parsing[0].cpu().numpy()
     balls = with_eyeballs(F.normalize(normal, dim=1, eps=1e-4)[0].cpu().numpy(), parts_seen)
     normal = torch.from_numpy(balls)[None].to(device)

@@ -9,14 +9,17 @@ from relight_core.pipeline.residual import add_residual, find_residual
 from relight_core.pipeline.stages import Composed
 
 SIZE = 12
+SKIN, CLOTH = 1, 13
 
 
 def images(seed):
     return torch.rand(1, 3, SIZE, SIZE, generator=torch.Generator().manual_seed(seed)) * 0.8 + 0.05
 
 
-def surface(photo):
-    return SimpleNamespace(photo=photo, person=torch.ones(1, 1, SIZE, SIZE))
+def surface(photo, label=SKIN):
+    parsing = torch.zeros(1, 14, SIZE, SIZE)
+    parsing[:, label] = 1
+    return SimpleNamespace(photo=photo, person=torch.ones(1, 1, SIZE, SIZE), parsing=parsing)
 
 
 def no_effects():
@@ -88,3 +91,25 @@ def test_black_and_blown_out_photos_stay_finite():
             assert torch.isfinite(image).all()
             assert image.min() >= 0
             assert torch.isfinite(effects.specular).all()
+
+
+def blown(label, model_colour):
+    photo, model = torch.full((1, 3, SIZE, SIZE), 0.4), torch.full((1, 3, SIZE, SIZE), 0.4)
+    photo[:, :, :6] = 1.0
+    model[:, :, :6] = torch.tensor(model_colour)[None, :, None, None]
+    residual = find_residual(surface(photo, label), photo, light(), lambda own: Composed(model, model))
+    return residual.log_ratio[0, :, 3, 3]
+
+
+def test_blown_skin_is_made_brighter_in_its_own_colour():
+    red, green, blue = blown(SKIN, (0.8, 0.5, 0.4))
+    assert red > 0
+    torch.testing.assert_close(green, red)
+    torch.testing.assert_close(blue, red)
+
+
+def test_other_things_that_are_blown_become_white_and_no_darker():
+    log_ratio = blown(CLOTH, (1.6, 1.4, 2.0))
+    relit = torch.tensor([1.6, 1.4, 2.0]) * log_ratio.exp()
+    torch.testing.assert_close(relit, relit[:1].expand(3), atol=0.02, rtol=0)
+    assert relit.mean() > 1.4

@@ -1,0 +1,73 @@
+"""Where a photo is blown out it says nothing of a surface's colour, and the networks' guess there is noise in colours.
+
+Blown skin has the colour of the skin around it. Other things that are blown are white: a cap, a collar, a wall.
+"""
+
+from __future__ import annotations
+
+import torch
+import torch.nn.functional as F
+
+from relight_core.face.parsing import INDEX
+from relight_core.imaging.tensor_colour import grey
+
+_SKIN = ("skin", "nose", "neck")
+_FROM, _TO = 0.9, 0.99
+_LITTLE = 1e-4
+_BRIGHTER = 1.4
+_ENOUGH = 0.02
+
+
+def clipped_share(photo: torch.Tensor) -> torch.Tensor:
+    """How far each channel of a photo (1, 3, S, S), linear, counts as clipped, [0, 1]."""
+    return ((photo - _FROM) / (_TO - _FROM)).clamp(0, 1)
+
+
+def skin_share(parsing: torch.Tensor) -> torch.Tensor:
+    """(1, 1, S, S) probability of bare skin, of (1, classes, S, S)."""
+    return sum(parsing[:, INDEX[name], None] for name in _SKIN).clamp(0, 1)
+
+
+def mend_blown(photo: torch.Tensor, albedo: torch.Tensor, parsing: torch.Tensor) -> torch.Tensor:
+    """The albedo with colours that don't come from noise where the photo is blown out.
+
+    Two clipped channels count as blown, one as half so. A single one is lifted to where the others leave it in the
+    colour of the skin around: red is clipped first, and what is left of skin without it is yellow.
+
+    Args:
+        photo: (1, 3, S, S) linear, clipped to [0, 1].
+        albedo: (1, 3, S, S) linear.
+        parsing: (1, classes, S, S) probabilities.
+    """
+    clipped = clipped_share(photo)
+    blown = (1.5 * clipped.mean(1, keepdim=True)).clamp(0, 1)
+    if not bool((blown > 0).any()):
+        return albedo
+    skin = skin_share(parsing)
+    known = (1 - clipped.amax(1, keepdim=True)).square() + _LITTLE * (1 - blown) + _LITTLE**2
+    around = fill_in(albedo, skin.square() * known + _LITTLE**3).clamp_min(1e-3)
+    level = (albedo / around * (1 - clipped)).sum(1, keepdim=True) / (1 - clipped).sum(1, keepdim=True).clamp_min(1e-3)
+    lifted = torch.maximum(albedo, (around * level).clamp_max(1))
+    bare = albedo + clipped * (lifted - albedo)
+    seen = fill_in(level.clamp_max(_BRIGHTER), skin * (1 - blown) + _LITTLE**2)
+    bare = bare + blown * ((around * seen).clamp_max(1) - bare)
+    white = albedo + blown * (grey(albedo) - albedo)
+    return skin * bare + (1 - skin) * white
+
+
+def fill_in(image: torch.Tensor, weight: torch.Tensor) -> torch.Tensor:
+    """Means over as wide surroundings as it takes to know something: push and pull (Gortler et al. 1996).
+
+    Args:
+        image: (1, C, S, S).
+        weight: (1, 1, S, S) >= 0, how much each pixel is known; not 0 everywhere.
+    """
+    sums, weights = [image * weight], [weight]
+    while weights[-1].shape[-1] > 1:
+        sums.append(F.avg_pool2d(sums[-1], 2, ceil_mode=True))
+        weights.append(F.avg_pool2d(weights[-1], 2, ceil_mode=True))
+    result = sums[-1] / weights[-1].clamp_min(1e-12)
+    for total, known in zip(reversed(sums[:-1]), reversed(weights[:-1]), strict=True):
+        result = F.interpolate(result, size=total.shape[-2:], mode="bilinear", align_corners=False)
+        result = result + (total / known.clamp_min(1e-12) - result) * (known / _ENOUGH).clamp(0, 1)
+    return result
