@@ -12,12 +12,11 @@ from dataclasses import replace
 import torch
 import torch.nn.functional as F
 
-from relight_core.face.parsing import INDEX
 from relight_core.imaging.tensor_colour import grey
 from relight_core.lighting.relief import ReliefTransport
+from relight_core.pipeline.blown import skin_share
 from relight_core.pipeline.stages import Surface
 
-_SKIN = ("skin", "nose", "neck")
 _STRONGEST = 1.0
 _FLOOR = 0.02
 _CLIPPED = 0.95
@@ -37,7 +36,7 @@ def flatten_albedo(surface: Surface, relief: ReliefTransport, light: torch.Tenso
     """
     shading = (grey_irradiance(relief, light) + _FLOOR).log().to(surface.albedo.device)
     shading = F.interpolate(shading, size=surface.albedo.shape[-2:], mode="bilinear", align_corners=False)
-    skin = sum(surface.parsing[:, INDEX[name], None] for name in _SKIN)
+    skin = skin_share(surface.parsing)
     albedo = grey(surface.albedo).clamp_min(1e-3).log()
     known = (skin > 0.6) & (surface.photo.amax(1, keepdim=True) < _CLIPPED)
     if int(known.sum()) < _FEWEST_PIXELS:
