@@ -5,10 +5,14 @@ from __future__ import annotations
 import logging
 import threading
 from collections.abc import Callable
+from pathlib import Path
 
 import numpy as np
 
+from app.engine.kept_balls import KeptBalls
 from app.engine.screen import rig_for_screen
+from app.engine.snapshot import OpenLight
+from app.engine.sources import LightSource
 from relight_core.lighting.rigs import read_bundled_rig, rig_names
 
 _log = logging.getLogger(__name__)
@@ -19,9 +23,11 @@ class LightShelf:
 
     Args:
         wake: called, on the shelf's thread, when another thumbnail is ready.
+        folder: where the thumbnails of lights from files are kept; None keeps none.
     """
 
-    def __init__(self, wake: Callable[[], None] = lambda: None) -> None:
+    def __init__(self, wake: Callable[[], None] = lambda: None, folder: Path | None = None) -> None:
+        self._kept = KeptBalls(folder) if folder else None
         self.names: tuple[str, ...] = tuple(rig_names())
         self._wake = wake
         self._balls: dict[str, np.ndarray] = {}
@@ -30,9 +36,19 @@ class LightShelf:
         self._thread = threading.Thread(target=self._draw, name="relight-lights", daemon=True)
         self._thread.start()
 
-    def ball(self, name: str) -> np.ndarray | None:
-        """(96, 96, 4) uint8: sRGB of a ball in that light and its coverage; None until it is drawn."""
-        return self._balls.get(name)
+    def ball(self, light: LightSource) -> np.ndarray | None:
+        """(96, 96, 4) uint8: sRGB of a ball in that light and its coverage; None until it is drawn.
+
+        For a light from a file as it was kept, by this run or one before.
+        """
+        if light.kind == "rig":
+            return self._balls.get(light.name)
+        return self._kept.ball(light.kind, light.name) if self._kept and light.name else None
+
+    def keep(self, light: OpenLight | None) -> None:
+        """Remember what a light from a file looks like."""
+        if self._kept and light is not None and light.source.kind in ("panorama", "portrait"):
+            self._kept.keep(light.source.kind, light.source.name, light.ball)
 
     def words(self, name: str) -> tuple[str, str]:
         """Title and description."""

@@ -20,6 +20,10 @@ def _save(suffix: str):
     return run
 
 
+def _export(state: EditorState) -> None:
+    state.export_wanted = state.export.form
+
+
 def _opened(state: EditorState) -> bool:
     return state.snapshot.opened is not None
 
@@ -172,7 +176,7 @@ FILE = (
     Action(
         "Previous photo", _FILE, ("PageUp",), "Of those that were dropped together", lambda state: state.step_photo(-1)
     ),
-    Action("Export a PNG", _FILE, ("E",), "The picture as you see it, 8 bits", _save(".png"), available=_relit),
+    Action("Export the picture", _FILE, ("E",), "At once, as set: PNG, JPEG, TIFF or EXR", _export, available=_relit),
     Action(
         "Export an EXR",
         _FILE,

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 from imgui_bundle import imgui
 
 from app.ui import export_panel, history_panel, quality_panel, theme, widgets
@@ -133,10 +131,3 @@ def _faces(state: EditorState, fonts: theme.Fonts) -> None:
     state.pointing_at_faces = imgui.is_item_hovered()
     if chosen != current:
         state.choose_face(int(chosen) if chosen else None)
-
-
-def export_path(state: EditorState, suffix: str) -> Path:
-    """Where an export with this suffix goes, as the path line says."""
-    path = state.export_place()
-    known = path.suffix.lower() in (".png", ".exr", ".jpg", ".jpeg", ".tif", ".tiff")
-    return path.with_suffix(suffix) if known else path.with_name(path.name + suffix)

@@ -43,7 +43,7 @@ def draw(state: EditorState, fonts: theme.Fonts) -> None:
     imgui.begin_disabled(state.snapshot.picture is None)
     form = widgets.segmented(_FORMS, state.export.form)
     if form != state.export.form:
-        state.export = replace(state.export, form=form)
+        state.choose_form(form)
     _depth_and_size(state)
     imgui.set_next_item_width(-1.0)
     _, state.export_path = imgui.input_text("##path", state.export_path, imgui.InputTextFlags_.elide_left)

@@ -31,6 +31,7 @@ _SMALL_PHOTO_PX = 6_000_000
 """Photos of no more pixels are always shown at their own size."""
 
 RESULT, PHOTO = "result", "photo"
+_EXPORT_SUFFIXES = (".png", ".exr", ".jpg", ".jpeg", ".tif", ".tiff")
 
 CHANNELS: tuple[tuple[str, str, str], ...] = (
     (PHOTO, "Photo", "The photo as it was opened."),
@@ -86,7 +87,7 @@ class EditorState:
         job: the long work that runs, if any.
         playing: the light turns by itself.
         export_path: where the next export goes, from the photo's folder; its suffix follows the button.
-        export_wanted: ".png" or ".exr" for one frame after the user asked for it.
+        export_wanted: a suffix, for one frame after the user asked for it.
         selected_box: which soft box is worked on, or -1.
         held: what the mouse holds on the panorama.
         hint_spent: the mouse has held something there and not left since, so that it needs no explanation.
@@ -271,15 +272,25 @@ class EditorState:
         if snapshot.light and snapshot.light.source.kind in ("panorama", "portrait"):
             self._remember(snapshot.light.source)
         if snapshot.opened and (opened_before is None or snapshot.opened.photo is not opened_before.photo):
-            self.export_path = self._export_beside().name
+            self.export_path = self._export_beside().with_suffix(self.export.form).name
             self.shown = RESULT
             self.aim_at = None
             self._begin_work()
 
-    def export_place(self) -> Path:
-        """Where the next export goes, as a whole path, without a number."""
+    def export_place(self, suffix: str | None = None) -> Path:
+        """Where the next export goes, as a whole path, without a number; of another kind, with its suffix."""
         beside = self._export_beside()
-        return beside.parent / Path(self.export_path or beside.name).expanduser()
+        path = beside.parent / Path(self.export_path or beside.name).expanduser()
+        if suffix is None:
+            return path
+        is_ours = path.suffix.lower() in _EXPORT_SUFFIXES
+        return path.with_suffix(suffix) if is_ours else path.with_name(path.name + suffix)
+
+    def choose_form(self, suffix: str) -> None:
+        """Export another kind of file from now on; the name in sight says so."""
+        self.export = replace(self.export, form=suffix)
+        if self.export_path:
+            self.export_to(self.export_place(suffix))
 
     def export_to(self, path: Path) -> None:
         """Let the next export go there; a place beside the photo is kept as a name alone."""

@@ -182,8 +182,8 @@ class GlPictures:
     def ball(self, light: LightSource) -> Shown | None:
         """A ball lit by a light, as far as it has been drawn yet."""
         slot = self._ball_slot(light)
-        if light.kind == "rig":
-            slot.show(self._shelf.ball(light.name))
+        if light.kind == "rig" or slot.texture is None:
+            slot.show(self._shelf.ball(light))
         return _shown(slot.texture)
 
     def light_ball(self, side: int, yaw_deg: float) -> Shown | None:

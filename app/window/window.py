@@ -18,7 +18,6 @@ from app.engine.exporting import Exporter, ExportJob
 from app.engine.light_shelf import LightShelf
 from app.engine.sources import LightSource, RelighterLike, Request
 from app.ui import editor, theme
-from app.ui.effects_panel import export_path
 from app.ui.light_panel import Shelf
 from app.ui.state import EditorState
 from app.window.deeds import Deeds
@@ -72,7 +71,8 @@ class EditorWindow:
         self._memory = Memory(settings_path)
         self._graphics: Graphics | None = None
         self._graphics_lock, self._restarts = threading.Lock(), Restarts()
-        self.shelf = LightShelf(self._wake)
+        folder = settings_path.parent if settings_path else None
+        self.shelf = LightShelf(self._wake, folder and folder / "recent-lights")
         self._visible = visible
         self._open_graphics(size or self._memory.window_size or SIZE)
         self.state = EditorState()
@@ -83,7 +83,6 @@ class EditorWindow:
             self.state.open_photo(photo)
         self.engine = Engine(make_relighter, self._wake, on_engine_start, calibration_path)
         self.exporter = Exporter(self.engine.say, self._wake)
-        folder = settings_path.parent if settings_path else None
         outputs = Outputs(self.state, self.exporter, make_relighter)
         self._deeds = Deeds(self.state, self.engine.say, folder, outputs=outputs)
         self._submitted = Request()
@@ -305,6 +304,7 @@ class EditorWindow:
         is_new = snapshot is not state.snapshot
         if is_new:
             state.accept(snapshot)
+            self.shelf.keep(snapshot.light)
         self.pictures.begin_frame(state.edit.exposure_ev, state.hand_on_control)
         if is_new:
             self.pictures.update(snapshot)
@@ -338,5 +338,5 @@ class EditorWindow:
         picture = self.state.snapshot.picture
         if picture is not None:
             settings = replace(self.state.export, form=suffix)
-            path = export_path(self.state, suffix)
+            path = self.state.export_place(suffix)
             self.exporter.submit(ExportJob(picture, self.state.edit.exposure_ev, path, settings))

@@ -188,6 +188,19 @@ def test_a_message_stays_away_once_put_away_but_the_next_one_shows():
     assert state.message().number == 2
 
 
+def test_the_name_in_sight_follows_the_kind_of_file(tmp_path):
+    state = EditorState()
+    state.accept(Snapshot(opened=opened_photo(tmp_path / "me.png")))
+    state.choose_form(".jpg")
+    assert state.export_path == "me-relit.jpg"
+    assert state.export_place() == tmp_path / "me-relit.jpg"
+    state.accept(Snapshot(opened=opened_photo(tmp_path / "you.png")))
+    assert state.export_path == "you-relit.jpg"
+    state.export_path = "version.2"
+    state.choose_form(".exr")
+    assert state.export_path == "version.2.exr"
+
+
 def test_choosing_a_face_keeps_the_decoded_photo_and_the_export_path(tmp_path):
     state = EditorState()
     opened = opened_photo(tmp_path / "two.png")
