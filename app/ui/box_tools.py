@@ -50,18 +50,19 @@ class Grab:
 def grab(boxes: tuple[SoftBox, ...], selected: int, u: float, v: float, yaw_deg: float, reach_deg: float) -> Grab:
     """What a press at a point of the panorama takes hold of: a corner, a box, or the panorama itself.
 
-    Corners can be taken of the selected box only, and come first; of boxes that overlap, the selected one comes
-    first and then the newest.
+    Corners can be taken of the selected box only, and come first where its middle is not nearer, so that a small box
+    can still be moved; of boxes that overlap, the selected one comes first and then the newest.
 
     Args:
         selected: index of the selected box, or -1.
-        reach_deg: how near a corner counts.
+        reach_deg: how near a corner counts, on the panorama, of whose height 180 degrees are.
     """
     u = u - yaw_deg / 360.0
     direction = direction_at(u, v)
     if 0 <= selected < len(boxes):
-        nearest = float((corners(boxes[selected]) @ direction).max())
-        if nearest >= np.cos(np.radians(reach_deg)):
+        box = boxes[selected]
+        nearest = min(_apart_deg(corner, u, v) for corner in corners(box))
+        if nearest <= reach_deg and nearest < _apart_deg(box.direction, u, v):
             return Grab("resize", selected)
     order = sorted(range(len(boxes)), key=lambda index: (index == selected, index), reverse=True)
     for index in order:
@@ -69,6 +70,12 @@ def grab(boxes: tuple[SoftBox, ...], selected: int, u: float, v: float, yaw_deg:
             centre_u, centre_v = uv_of(boxes[index].direction)
             return Grab("move", index, (centre_u - u + 0.5) % 1.0 - 0.5, centre_v - v)
     return Grab("turn")
+
+
+def _apart_deg(direction: np.ndarray, u: float, v: float) -> float:
+    """How far a direction lies from a point of the panorama as it is drawn, with 360 degrees to its width."""
+    its_u, its_v = uv_of(direction)
+    return float(np.hypot(((its_u - u + 0.5) % 1.0 - 0.5) * 360.0, (its_v - v) * 180.0))
 
 
 def dragged(boxes: tuple[SoftBox, ...], held: Grab, u: float, v: float, yaw_deg: float) -> tuple[SoftBox, ...]:

@@ -39,6 +39,20 @@ def test_only_the_selected_box_has_corners():
     assert grab((LEFT,), -1, u + 0.001, v - 0.02, 0.0, 2.0).kind == "turn"
 
 
+def test_corners_reach_no_farther_on_the_panorama_where_the_sphere_is_narrow():
+    high = SoftBox(-45.0, 60.0, 30.0, 30.0)
+    u, v = uv_of(corners(high)[0])
+    assert grab((high,), 0, u + 5.0 / 360.0, v, 0.0, 6.0).kind == "resize"
+    assert grab((high,), 0, u + 9.0 / 360.0, v, 0.0, 6.0).kind != "resize"
+
+
+def test_a_box_smaller_than_its_corners_reach_can_still_be_moved():
+    small = SoftBox(-90.0, 0.0, 4.0, 4.0)
+    u, v = uv_of(small.direction)
+    assert grab((small,), 0, u + 0.5 / 360.0, v, 0.0, 10.0).kind == "move"
+    assert grab((small,), 0, u + 2.0 / 360.0, v - 2.0 / 180.0, 0.0, 10.0).kind == "resize"
+
+
 def test_of_boxes_that_overlap_the_selected_one_is_taken():
     boxes = (FRONT, FRONT)
     assert grab(boxes, -1, 0.0, 0.5, 0.0, 2.0).index == 1
