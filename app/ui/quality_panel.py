@@ -12,8 +12,8 @@ from relight_core.pipeline.auto_quality import AUTO, QualityChoice, TierCost
 TIERS = (
     (AUTO, "Auto", "The finest picture at rest; while something moves, the finest that keeps up with the hand."),
     ("draft", "Draft", "No network looks at a new light: shadows from the shape of the face alone."),
-    ("live", "Live", "The networks look at every new light."),
-    ("final", "Final", "The photo is read twice, and shapes are followed more closely."),
+    ("live", "Live", "Small networks look at every new light."),
+    ("final", "Final", "The photo is read twice, and large networks look at every new light."),
 )
 BUDGET = widgets.Slider(
     "Frame budget",

@@ -84,7 +84,8 @@ class Editor:
     ) -> tuple[torch.Tensor, Effects, stages.Composed]:
         """Irradiance and gloss, effects and image at the networks' size, of a normalised light (1, 16, 32, 3)."""
         tier = self.tier
-        how = {"by_network": tier.shadow_network, "corrected": tier.correction, "precision": tier.precision}
+        how = {"by_network": tier.shadow_network, "corrected": tier.correction}
+        how |= {"precision": tier.precision, "pair": tier.pair}
         return light_surface(self.bundle, self.table, surface, relief, light, **how)
 
     def relight(self, found: _TakenApart, radiance: np.ndarray) -> dict[str, np.ndarray]:

@@ -53,6 +53,7 @@ def _variants(live: Tier, quick: bool) -> list[tuple[str, Tier]]:
     half, smaller, larger = (_scaled(live.network_size, factor) for factor in (0.5, 0.75, 1.5))
     return [
         *fewer,
+        ("wide networks", replace(live, pair="wide")),
         ("networks in fp32", replace(live, precision="fp32")),
         (f"light at {half}", replace(live, network_size=half)),
         (f"light at {smaller}", replace(live, network_size=smaller)),

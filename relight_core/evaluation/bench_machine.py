@@ -78,17 +78,18 @@ def demands(bundle: NetworkBundle, tier: Tier, device: str = "cpu") -> dict[str,
     """What the three networks ask for at a tier's sizes, by stage."""
     size, lit = tier.delight_size, tier.network_size
     bundle = in_precision(bundle, device, tier.precision)
+    pair = bundle.pair(tier.pair)
     light = torch.ones(1, *LIGHT_SHAPE, device=device)
 
     def image(channels: int, side: int) -> torch.Tensor:
         return torch.rand(1, channels, side, side, device=device)
 
-    hints = image(bundle.config.specular_shadow.inputs - 3, lit)
+    hints = image(pair.specular_shadow.config.inputs - 3, lit)
     runs: dict[str, tuple[torch.nn.Module, tuple]] = {
         "delight": (bundle.delight, (image(3, size),)),
-        "specular_shadow": (bundle.specular_shadow, (image(3, lit), light, hints if hints.shape[1] else None)),
+        "specular_shadow": (pair.specular_shadow, (image(3, lit), light, hints if hints.shape[1] else None)),
         "compose": (
-            bundle.composition,
+            pair.composition,
             (image(3, lit), image(3, lit), image(1, lit), image(1, lit), image(3, lit), light),
         ),
     }

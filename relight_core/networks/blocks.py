@@ -90,9 +90,14 @@ class Head(nn.Conv2d):
     def __init__(self, inputs: int, outputs: int):
         super().__init__(inputs, outputs, 3, padding=1)
 
-    def forward(self, x: torch.Tensor) -> torch.Tensor:
+    def forward(self, x: torch.Tensor, exact: int | None = None) -> torch.Tensor:
+        """All outputs in fp32, or only the first so many of them, and the others in the features' own precision."""
         with torch.autocast(x.device.type, enabled=False):
-            return super().forward(x.float())
+            if exact is None or x.dtype == torch.float32:
+                return super().forward(x.float())
+            first = F.conv2d(x.float(), self.weight[:exact], self.bias[:exact], padding=1)
+            weight = self.weight[exact:].to(x.dtype)
+            return torch.cat([first, F.conv2d(x, weight, self.bias[exact:].to(x.dtype), padding=1).float()], 1)
 
 
 def decoder_levels(widths: list[int], least: int = 0) -> nn.ModuleList:

@@ -1,4 +1,7 @@
-"""The three networks as one file of weights: safetensors, with their configuration in its header."""
+"""The networks as one file of weights: safetensors, with their configuration in its header.
+
+De-lighting, and SS and composition in one width or two: a wide pair, and a narrow one that was taught by it.
+"""
 
 from __future__ import annotations
 
@@ -19,6 +22,7 @@ from relight_core.imaging.files import check_regular, whole_file
 from relight_core.networks.blocks import fold_normalisation, round_convolutions
 from relight_core.networks.composition import CompositionConfig, CompositionNetwork
 from relight_core.networks.delight import DelightConfig, DelightNetwork
+from relight_core.networks.pair import PairConfig, PairName, RelightingPair, Relights
 from relight_core.networks.specular_shadow import SpecularShadowConfig, SpecularShadowNetwork
 
 FORMAT = "relight-networks-1"
@@ -29,11 +33,16 @@ _DAMAGE = (OSError, SafetensorError, RuntimeError, KeyError, TypeError, ValueErr
 
 @dataclass(frozen=True)
 class BundleConfig:
-    """Configurations of the three networks."""
+    """Configurations of the networks.
+
+    Attributes:
+        narrow: of the narrow pair; None where there is none.
+    """
 
     delight: DelightConfig = field(default_factory=DelightConfig)
     specular_shadow: SpecularShadowConfig = field(default_factory=SpecularShadowConfig)
     composition: CompositionConfig = field(default_factory=CompositionConfig)
+    narrow: PairConfig | None = None
 
     @classmethod
     def tiny(cls) -> BundleConfig:
@@ -44,11 +53,18 @@ class BundleConfig:
     def from_json(cls, text: str) -> BundleConfig:
         """Inverse of `to_json`; raises KeyError or TypeError for anything else."""
         parts = json.loads(text)
+        wide, narrow = PairConfig.from_parts(parts), parts.get("narrow")
         return cls(
             DelightConfig(**parts["delight"]),
-            SpecularShadowConfig(**parts["specular_shadow"]),
-            CompositionConfig(**parts["composition"]),
+            wide.specular_shadow,
+            wide.composition,
+            PairConfig.from_parts(narrow) if narrow is not None else None,
         )
+
+    @property
+    def wide(self) -> PairConfig:
+        """Of the wide pair."""
+        return PairConfig(self.specular_shadow, self.composition)
 
     def to_json(self) -> str:
         """One line of JSON."""
@@ -59,6 +75,7 @@ class NetworkBundle(nn.Module):
     """De-lighting, SS and composition networks together.
 
     Attributes:
+        narrow: a second pair of SS and composition, quicker than the first; None where there is none.
         card: free text entries saved beside the weights (data, steps, scores).
     """
 
@@ -68,8 +85,13 @@ class NetworkBundle(nn.Module):
         self.delight = DelightNetwork(self.config.delight)
         self.specular_shadow = SpecularShadowNetwork(self.config.specular_shadow)
         self.composition = CompositionNetwork(self.config.composition)
+        self.narrow = RelightingPair(self.config.narrow) if self.config.narrow else None
         self.card: dict[str, str] = {}
         self._rounded: list[NetworkBundle] = []
+
+    def pair(self, name: PairName) -> Relights:
+        """SS and composition of a width; the wide ones where there is no other."""
+        return self.narrow if name == "narrow" and self.narrow is not None else self
 
     def for_inference(self) -> NetworkBundle:
         """Evaluation mode, normalisation folded, channels last, no gradients; in place."""
@@ -101,6 +123,23 @@ def with_detail_pass(bundle: NetworkBundle, width: int) -> NetworkBundle:
     grown.load_state_dict(bundle.state_dict(), strict=False)
     grown.card = dict(bundle.card)
     return grown
+
+
+def with_narrow_pair(bundle: NetworkBundle, narrow: RelightingPair) -> NetworkBundle:
+    """The same networks with another narrow pair, or their first."""
+    joined = NetworkBundle(dataclasses.replace(bundle.config, narrow=narrow.config))
+    kept = {name: value for name, value in bundle.state_dict().items() if not name.startswith("narrow.")}
+    joined.load_state_dict(kept | {f"narrow.{name}": value for name, value in narrow.state_dict().items()})
+    joined.card = bundle.card | {"widths": f"wide: {bundle.config.wide}; narrow: {narrow.config}"}
+    return joined
+
+
+def with_narrow_width(bundle: NetworkBundle, width: int) -> NetworkBundle:
+    """The same networks with an untrained narrow pair of so many channels, unless they have one of that size."""
+    config = bundle.config.wide.narrowed(width)
+    if bundle.config.narrow == config:
+        return bundle
+    return with_narrow_pair(bundle, RelightingPair(config).told_of_light_like(bundle))
 
 
 def save_bundle(path: Path, bundle: NetworkBundle, *, half: bool = True) -> None:

@@ -15,6 +15,7 @@ from relight_core.imaging.joint_upsampling import JointUpsampler
 from relight_core.imaging.light_change import LightChange, fit_light_change
 from relight_core.imaging.resampling import resize_area, resize_smooth
 from relight_core.imaging.tensor_colour import grey
+from relight_core.imaging.tensor_normals import unit_normals
 from relight_core.pipeline.hints import Effects
 from relight_core.pipeline.stages import SliderChange, Surface
 
@@ -102,7 +103,7 @@ def surface_channel(name: str, surface: Surface, photo_view: np.ndarray, photo_s
     if name == "albedo":
         return np.clip(carry_detail(np.clip(photo_view, 0, 1), photo_small, as_image(surface.albedo)), 0, 1)
     if name == "normal":
-        return as_image(F.normalize(enlarge(surface.normal, size), dim=1, eps=1e-4))
+        return as_image(unit_normals(enlarge(surface.normal, size)))
     return enlarge(surface.parsing, size)[0].argmax(0).cpu().numpy().astype(np.int32)
 
 

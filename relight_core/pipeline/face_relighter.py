@@ -144,10 +144,8 @@ class FaceRelighter:
         def compose(light: torch.Tensor) -> stages.Composed:
             relief = self._relief(ready) if plan.runs("relief") else None
             how = {"by_network": plan.shadow_network, "corrected": plan.runs("correction")}
-            precision = ready.tier.precision
-            return light_surface(
-                self._shop.bundle, self._shop.table, ready.surface, relief, light, precision=precision, **how
-            )[2]
+            how |= {"precision": ready.tier.precision, "pair": ready.tier.pair}
+            return light_surface(self._shop.bundle, self._shop.table, ready.surface, relief, light, **how)[2]
 
         source = self._source_light(ready)
 
@@ -183,6 +181,7 @@ class FaceRelighter:
                 corrected=plan.runs("correction"),
                 parts=(plan.runs("specular"), plan.runs("shadow")),
                 precision=ready.tier.precision,
+                pair=ready.tier.pair,
             ),
             "new light",
             keep=KEPT_LIGHTS,
@@ -207,6 +206,7 @@ class FaceRelighter:
                 self._shop.device,
                 by_network=plan.shadow_network,
                 precision=ready.tier.precision,
+                pair=ready.tier.pair,
                 begun=self._begun(ready) if plan.shadow_network else None,
             ),
             "new light",
@@ -235,9 +235,10 @@ class FaceRelighter:
         )
 
     def _begun(self, ready: Prepared) -> torch.Tensor:
-        shop, precision = self._shop, ready.tier.precision
-        make = lambda: stages.begin_effects(shop.bundle, ready.found, shop.device, precision=precision)  # noqa: E731
-        return self._once("begun", ready.tier.surface_key, make)
+        shop, tier = self._shop, ready.tier
+        how = {"precision": tier.precision, "pair": tier.pair}
+        make = lambda: stages.begin_effects(shop.bundle, ready.found, shop.device, **how)  # noqa: E731
+        return self._once("begun", tier.begun_key, make)
 
     def _reflector(self, ready: Prepared) -> stages.Reflector:
         make = lambda: stages.reflector(self._shop.table, ready.found)  # noqa: E731

@@ -7,6 +7,7 @@ import torch
 from relight_core.lighting.reflection import ReflectionTable
 from relight_core.lighting.relief import ReliefTransport
 from relight_core.networks.bundle import NetworkBundle
+from relight_core.networks.pair import PairName
 from relight_core.pipeline import stages
 from relight_core.pipeline.hints import Effects
 
@@ -21,18 +22,19 @@ def light_surface(
     by_network: bool,
     corrected: bool,
     precision: str,
+    pair: PairName,
 ) -> tuple[torch.Tensor, Effects, stages.Composed]:
     """Irradiance and gloss, effects and image at the networks' size of a normalised light (1, 16, 32, 3).
 
     Args:
-        by_network, corrected, precision: as in `stages.estimate_effects` and `stages.compose`.
+        by_network, corrected, precision, pair: as in `stages.estimate_effects` and `stages.compose`.
     """
     device = str(light.device)
     reflected = stages.reflect(stages.reflector(table, surface), light)
     effects = stages.estimate_effects(
-        bundle, surface, reflected, relief, light, device, by_network=by_network, precision=precision
+        bundle, surface, reflected, relief, light, device, by_network=by_network, precision=precision, pair=pair
     )
     composed = stages.compose(
-        bundle, surface, reflected, effects, light, device, corrected=corrected, precision=precision
+        bundle, surface, reflected, effects, light, device, corrected=corrected, precision=precision, pair=pair
     )
     return reflected, effects, composed

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from relight_core.errors import InputError
+from relight_core.networks.pair import PairName
 
 
 @dataclass(frozen=True)
@@ -23,6 +24,7 @@ class Tier:
             horizons alone say it, and a new light costs a matrix product.
         correction: the composition network corrects the sum of the channels; else the sum is the picture.
         precision: of the networks, "bf16" where the processor has it, or "fp32".
+        pair: which width of the SS and composition networks; "wide" serves where a file has no other.
     """
 
     size: int
@@ -33,11 +35,17 @@ class Tier:
     shadow_network: bool = True
     correction: bool = True
     precision: str = "bf16"
+    pair: PairName = "wide"
 
     @property
     def surface_key(self) -> tuple:
         """What de-lighting depends on; tiers that agree in it share its result."""
         return self.size, self.delight_size, self.network_size, self.mirrored, self.precision
+
+    @property
+    def begun_key(self) -> tuple:
+        """What the light-independent part of the SS network's work depends on."""
+        return self.surface_key, self.pair
 
     @property
     def relief_key(self) -> tuple:
@@ -47,8 +55,8 @@ class Tier:
 
 TIERS = {
     # The same surface as "live", so that changing over between the two while dragging costs nothing.
-    "draft": Tier(256, 256, 128, 64, False, shadow_network=False, correction=False),
-    "live": Tier(256, 256, 128, 64, False),
+    "draft": Tier(256, 256, 128, 64, False, shadow_network=False, correction=False, pair="narrow"),
+    "live": Tier(256, 256, 128, 64, False, pair="narrow"),
     "final": Tier(512, 256, 128, 64, True),
 }
 

@@ -11,12 +11,16 @@ import torch.nn.functional as F
 from relight_core.face.eyeballs import eye_sockets, with_eyeballs
 from relight_core.face.parsing import INDEX, MIRRORED
 from relight_core.face.silhouette import solid_person
+from relight_core.imaging.resampling import resize_area
 from relight_core.imaging.tensor_colour import grey, srgb_decode, srgb_encode
+from relight_core.imaging.tensor_normals import unit_normals
 from relight_core.lighting.bounce import Bounce, gather_bounce
 from relight_core.lighting.inverse import explain_photo
 from relight_core.lighting.reflection import NormalLookup, ReflectionTable
 from relight_core.lighting.relief import ReliefTransport, march_relief
 from relight_core.networks.bundle import NetworkBundle
+from relight_core.networks.delight import DelightNetwork, DelitSmall
+from relight_core.networks.pair import PairName
 from relight_core.networks.specular_shadow import Occlusion
 from relight_core.pipeline.blown import mend_blown
 from relight_core.pipeline.hints import (
@@ -99,24 +103,38 @@ def delight(
         size: side S of the surface, at most D.
         mirrored: also de-light the mirrored view and average both.
     """
-    linear = torch.from_numpy(np.ascontiguousarray(photo)).permute(2, 0, 1)[None].float().clamp(0, 1).to(device)
+    photo = np.clip(np.asarray(photo, np.float32), 0, 1)
+    linear = _as_tensor(photo, device)
     views = torch.cat([linear, linear.flip(-1)]) if mirrored else linear
     network = in_precision(bundle, device, precision).delight
-    found = network(srgb_encode(views).contiguous(memory_format=torch.channels_last))
+    found = _found_in(network, srgb_encode(views), size)
     parsing = torch.softmax(found.parsing_logits.float(), 1)
-    parts = [srgb_decode(found.albedo_srgb.float()), found.normal.float(), found.relief.float(), parsing]
-    parts.append(found.light.float())
+    parts = [found.albedo.float(), found.normal.float(), found.relief.float(), parsing, found.light.float()]
     if mirrored:
         parts = _mean_of_both(*parts)
     *images, light = parts
-    linear, albedo, normal, relief, parsing = (_shrunk(image, size) for image in (linear, *images))
+    albedo, normal, relief, parsing = (_shrunk(image, size) for image in images)
+    linear = _as_tensor(resize_area(photo, (size, size)), device)
     normal, relief = _without_rim(normal), _without_rim(relief)
     albedo = mend_blown(linear, albedo, parsing)
     parts_seen = parsing[0].cpu().numpy()
-    balls = with_eyeballs(F.normalize(normal, dim=1, eps=1e-4)[0].cpu().numpy(), parts_seen)
+    balls = with_eyeballs(unit_normals(normal)[0].cpu().numpy(), parts_seen)
     normal = torch.from_numpy(balls)[None].to(device)
     person = torch.from_numpy(solid_person(parts_seen))[None, None].to(device)
     return Surface(linear, albedo, normal, height_of(relief, photo.shape[0]), parsing, person, light)
+
+
+def _found_in(network: DelightNetwork, views_srgb: torch.Tensor, size: int) -> DelitSmall:
+    """What the network finds, at half the views' size where that is what is wanted, else at the views' own."""
+    if network.detail is not None and views_srgb.shape[-1] == 2 * size:
+        return network.forward_small(views_srgb)
+    found = network(views_srgb.contiguous(memory_format=torch.channels_last))
+    albedo = srgb_decode(found.albedo_srgb.float())
+    return DelitSmall(albedo, found.normal, found.relief, found.parsing_logits, found.light)
+
+
+def _as_tensor(image: np.ndarray, device: str) -> torch.Tensor:
+    return torch.from_numpy(np.ascontiguousarray(image)).permute(2, 0, 1)[None].to(device)
 
 
 def height_of(relief: torch.Tensor, side_px: int) -> torch.Tensor:
@@ -140,7 +158,7 @@ def _shrunk(image: torch.Tensor, size: int) -> torch.Tensor:
 def _mean_of_both(albedo, normal, relief, parsing, light) -> list[torch.Tensor]:
     """What was found in a view (first) and in its mirror image (second), averaged."""
     sideways = torch.tensor([-1.0, 1.0, 1.0], device=normal.device)[None, :, None, None]
-    normal = F.normalize(normal[:1] + normal[1:].flip(-1) * sideways, dim=1, eps=1e-4)
+    normal = unit_normals(normal[:1] + normal[1:].flip(-1) * sideways)
     parsing = (parsing[:1] + parsing[1:, MIRRORED].flip(-1)) / 2
     albedo, relief = ((both[:1] + both[1:].flip(-1)) / 2 for both in (albedo, relief))
     return [albedo, normal, relief, parsing, (light[:1] + light[1:].flip(2)) / 2]
@@ -149,7 +167,7 @@ def _mean_of_both(albedo, normal, relief, parsing, light) -> list[torch.Tensor]:
 @torch.inference_mode()
 def march(surface: Surface, size: int) -> ReliefTransport:
     """March the surface's relief once toward every texel of the light (see `lighting.relief`)."""
-    normal = F.normalize(F.interpolate(surface.normal, size=size, mode="area"), dim=1, eps=1e-4)
+    normal = unit_normals(F.interpolate(surface.normal, size=size, mode="area"))
     relief = F.interpolate(surface.relief, size=size, mode="area")
     person = F.interpolate(surface.person, size=size, mode="area")
     return march_relief(relief[0, 0].cpu(), normal[0].cpu(), person[0, 0].cpu())
@@ -198,10 +216,15 @@ def _dullness(surface: Surface) -> torch.Tensor:
 
 @torch.inference_mode()
 def begin_effects(
-    bundle: NetworkBundle, surface: Surface, device: str = "cpu", *, precision: str = "bf16"
+    bundle: NetworkBundle,
+    surface: Surface,
+    device: str = "cpu",
+    *,
+    precision: str = "bf16",
+    pair: PairName = "wide",
 ) -> torch.Tensor:
     """The part of the SS network's work that no light changes."""
-    network = in_precision(bundle, device, precision).specular_shadow
+    network = in_precision(bundle, device, precision).pair(pair).specular_shadow
     return network.begin(surface.normal, surface_hints(network.config, surface.relief, surface.parsing))
 
 
@@ -216,6 +239,7 @@ def estimate_effects(
     *,
     by_network: bool = True,
     precision: str = "bf16",
+    pair: PairName = "wide",
     begun: torch.Tensor | None = None,
 ) -> Effects:
     """Specular and shadow of a light (1, 16, 32, 3).
@@ -223,7 +247,7 @@ def estimate_effects(
     Args:
         transport: of the surface's relief; None leaves its shadow out, and the shadow without a tint.
         by_network: the SS network says what is hidden; else the relief alone, of gloss as of irradiance.
-        begun: `begin_effects` of the surface, where that is kept.
+        begun: `begin_effects` of the surface by the same networks, where that is kept.
     """
     fraction, tint = torch.zeros_like(surface.relief), None
     if transport is not None:
@@ -233,14 +257,14 @@ def estimate_effects(
     if not by_network:
         logit = torch.logit(fraction, eps=1e-6)
         return replace(effects_of(Occlusion(logit, logit), reflected, surface.albedo), tint=tint)
-    config = bundle.config.specular_shadow
-    network = in_precision(bundle, device, precision).specular_shadow
+    network = in_precision(bundle, device, precision).pair(pair).specular_shadow
+    config = network.config
     hints = light_hints(config, reflected, fraction)
     if hints is None:
         occlusion = network(surface.normal, light, surface_hints(config, surface.relief, surface.parsing))
     else:
         if begun is None:
-            begun = begin_effects(bundle, surface, device, precision=precision)
+            begun = begin_effects(bundle, surface, device, precision=precision, pair=pair)
         occlusion = network(surface.normal, light, hints, begun)
     return replace(estimated_effects(config, occlusion, reflected, surface.albedo), tint=tint)
 
@@ -271,6 +295,7 @@ def compose(
     corrected: bool = True,
     parts: tuple[bool, bool] = (True, True),
     precision: str = "bf16",
+    pair: PairName = "wide",
 ) -> Composed:
     """The relit view at slider positions of 1, in units of the normalised light.
 
@@ -283,7 +308,8 @@ def compose(
     if not corrected:
         return Composed(plain, plain)
     shown = (surface.albedo, surface.normal, effects.specular * specular, effects.shadow * shadow, plain)
-    return Composed(in_precision(bundle, device, precision).composition(*shown, light), plain)
+    network = in_precision(bundle, device, precision).pair(pair).composition
+    return Composed(network(*shown, light), plain)
 
 
 @dataclass(frozen=True)

@@ -1,13 +1,18 @@
 """Weights on disk: what comes back, and what is refused."""
 
+import json
+
 import pytest
 import torch
+from safetensors import safe_open
 from safetensors.torch import load_file, save_file
 
 from relight_core.errors import InputError
 from relight_core.networks.blocks import fold_normalisation
-from relight_core.networks.bundle import BundleConfig, NetworkBundle, load_bundle, save_bundle
+from relight_core.networks.bundle import BundleConfig, NetworkBundle, load_bundle, save_bundle, with_narrow_pair
+from relight_core.networks.composition import CompositionConfig
 from relight_core.networks.delight import DelightConfig
+from relight_core.networks.pair import PairConfig, RelightingPair
 from relight_core.networks.specular_shadow import SpecularShadowConfig, SpecularShadowNetwork
 
 
@@ -171,3 +176,72 @@ def test_what_was_begun_without_the_light_is_gone_on_with(classes):
     torch.testing.assert_close(resumed.shadow, whole.shadow, rtol=1e-4, atol=1e-5)
     torch.testing.assert_close(resumed.gloss, whole.gloss, rtol=1e-4, atol=1e-5)
     assert (network(normal, light, 1 - hints, begun).shadow - whole.shadow).abs().max() > 1e-3
+
+
+def two_pairs(bundle):
+    torch.manual_seed(2)
+    narrow = RelightingPair(PairConfig(SpecularShadowConfig(width=3, levels=2), CompositionConfig(2, 2)))
+    narrow.composition.head.weight.data.normal_(0, 0.1)
+    return with_narrow_pair(bundle, narrow)
+
+
+def test_two_pairs_come_back_with_their_widths(bundle, tmp_path):
+    both = two_pairs(bundle)
+    save_bundle(tmp_path / "w.safetensors", both, half=False)
+    loaded = load_bundle(tmp_path / "w.safetensors")
+    assert loaded.pair("narrow").specular_shadow.config.width == 3
+    assert loaded.pair("wide").specular_shadow.config.width == 4
+    assert "SS 4 channels in 3 levels" in loaded.card["widths"]
+    assert "SS 3 channels in 2 levels" in loaded.card["widths"]
+    for name, value in both.state_dict().items():
+        torch.testing.assert_close(loaded.state_dict()[name], value, rtol=0, atol=0)
+
+
+def test_where_there_is_one_pair_it_serves_for_both(bundle, tmp_path):
+    save_bundle(tmp_path / "w.safetensors", bundle)
+    loaded = load_bundle(tmp_path / "w.safetensors")
+    assert loaded.narrow is None
+    assert loaded.pair("narrow") is loaded.pair("wide")
+
+
+def test_another_narrow_pair_takes_the_first_one_s_place(bundle):
+    both = two_pairs(bundle)
+    other = RelightingPair(PairConfig(SpecularShadowConfig(width=2, levels=2), CompositionConfig(2, 2)))
+    again = with_narrow_pair(both, other)
+    assert again.narrow.specular_shadow.config.width == 2
+    assert torch.equal(again.specular_shadow.head.weight, bundle.specular_shadow.head.weight)
+
+
+def test_a_narrow_pair_of_another_size_than_its_configuration_is_refused(bundle, tmp_path):
+    both = two_pairs(bundle)
+    save_bundle(tmp_path / "w.safetensors", both)
+    with safe_open(tmp_path / "w.safetensors", framework="pt") as file:
+        header = file.metadata()
+    tensors = load_file(tmp_path / "w.safetensors")
+    del header["sha256"]
+    header["config"] = header["config"].replace('"width": 3', '"width": 5')
+    save_file(tensors, tmp_path / "bad.safetensors", metadata=header)
+    with pytest.raises(InputError, match="can't be read"):
+        load_bundle(tmp_path / "bad.safetensors")
+
+
+def test_a_file_written_before_there_were_pairs_is_read(bundle, tmp_path):
+    save_bundle(tmp_path / "w.safetensors", bundle)
+    with safe_open(tmp_path / "w.safetensors", framework="pt") as file:
+        header = file.metadata()
+    config = json.loads(header["config"])
+    del config["narrow"]
+    header["config"] = json.dumps(config)
+    save_file(load_file(tmp_path / "w.safetensors"), tmp_path / "old.safetensors", metadata=header)
+    assert load_bundle(tmp_path / "old.safetensors").config == bundle.config
+
+
+def test_both_pairs_are_made_ready_and_rounded(bundle):
+    ready = two_pairs(bundle).for_inference()
+    light, normal = torch.rand(1, 16, 32, 3), torch.rand(1, 3, 16, 16)
+    hints = torch.rand(1, 3, 16, 16)
+    exact = ready.pair("narrow").specular_shadow(normal, light, hints).shadow
+    rounded = ready.rounded().pair("narrow").specular_shadow(normal, light, hints).shadow
+    assert not any(block.conv.weight.requires_grad for block in ready.narrow.modules() if hasattr(block, "conv"))
+    assert not torch.equal(exact, rounded)
+    torch.testing.assert_close(rounded, exact, rtol=0, atol=0.05)
