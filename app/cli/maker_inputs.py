@@ -14,10 +14,10 @@ LIGHTS_HELP = "a light library, an .npz, or a folder of .hdr and .exr panoramas"
 SPLITS = ("train", "validation", "test")
 
 
-def add_heads_and_lights(parser: argparse.ArgumentParser) -> None:
+def add_heads_and_lights(parser: argparse.ArgumentParser, *, required: bool = True) -> None:
     """--heads and --lights, the data of training and evaluation."""
-    parser.add_argument("--heads", metavar="DIR", type=Path, required=True, help="heads from relight dataset bake")
-    parser.add_argument("--lights", metavar="LIGHTS", type=Path, required=True, help=LIGHTS_HELP)
+    parser.add_argument("--heads", metavar="DIR", type=Path, required=required, help="heads from relight dataset bake")
+    parser.add_argument("--lights", metavar="LIGHTS", type=Path, required=required, help=LIGHTS_HELP)
 
 
 def count_at_least_one(text: str) -> int:

@@ -2,12 +2,14 @@
 
 relight train --recipe shipped --heads DIR --lights FILE -o FOLDER
 relight train --stage STAGE --minutes M --heads DIR --lights FILE -o WEIGHTS.safetensors
+relight train --join NARROW.safetensors --start WEIGHTS.safetensors -o BOTH.safetensors
 
 A run that was stopped goes on where it was when it is given again. A recipe is a TOML file, or the name of
 one that comes with relight. The stages, in their order: warm-delight, warm-relight (or
-warm-specular-shadow and warm-composition, one after the other), tune-delight, tune-relight. Each goes on
-from the weights that --start names. A log of the losses and a picture of their curves are written beside
-the weights; a checkpoint every two minutes.
+warm-specular-shadow and warm-composition, one after the other), tune-delight, tune-relight, distil-relight.
+Each goes on from the weights that --start names. The last teaches a narrow pair of relighting networks, which
+--join puts beside the other networks of another file. A log of the losses and a picture of their curves are
+written beside the weights; a checkpoint every two minutes.
 """
 
 from __future__ import annotations
@@ -36,7 +38,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     what = parser.add_mutually_exclusive_group(required=True)
     what.add_argument("--recipe", metavar="RECIPE", help="a .toml file, or the name of a bundled recipe")
     what.add_argument("--stage", metavar="STAGE", help="one of those above")
-    add_heads_and_lights(parser)
+    what.add_argument(
+        "--join", metavar="NARROW", type=Path, help="weights whose narrow pair goes into those of --start"
+    )
+    add_heads_and_lights(parser, required=False)
     parser.add_argument("--start", metavar="WEIGHTS", type=Path, help="weights to go on from; random ones without")
     parser.add_argument(
         "-o", "--output", metavar="PLACE", type=Path, required=True, help="a folder; with --stage a .safetensors file"
@@ -51,6 +56,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Train; returns the exit code."""
+    if arguments.join is not None:
+        return _join(arguments)
+    if arguments.heads is None or arguments.lights is None:
+        raise InputError("give --heads and --lights: what to train on")
     from relight_core.training.loop import TrainingDiverged
 
     train = _follow_recipe if arguments.recipe else _train_stage
@@ -58,6 +67,20 @@ def run(arguments: argparse.Namespace) -> int:
         return train(arguments)
     except TrainingDiverged as error:
         raise InputError(f"{arguments.output}: training stopped ({error}); try a lower learning rate") from error
+
+
+def _join(arguments: argparse.Namespace) -> int:
+    from relight_core.networks.bundle import load_bundle, save_bundle, with_narrow_pair
+
+    if arguments.start is None:
+        raise InputError("give --start: the weights that the narrow pair goes into")
+    check_output_file(arguments.output, (".safetensors",))
+    narrow = load_bundle(arguments.join).narrow
+    if narrow is None:
+        raise InputError(f"{arguments.join}: has no narrow pair; train one with: relight train --stage distil-relight")
+    save_bundle(arguments.output, with_narrow_pair(load_bundle(arguments.start), narrow))
+    print(f"wrote {arguments.output}", flush=True)
+    return 0
 
 
 def _follow_recipe(arguments: argparse.Namespace) -> int:

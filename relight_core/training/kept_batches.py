@@ -16,7 +16,9 @@ from relight_core.imaging.files import whole_file
 Batch = dict[str, torch.Tensor]
 
 
-def kept_batches(folder: Path, make: Callable[[int], Iterator[Batch]], first: int = 0) -> Iterator[Batch]:
+def kept_batches(
+    folder: Path, make: Callable[[int], Iterator[Batch]], first: int = 0, among: int | None = None
+) -> Iterator[Batch]:
     """Batches from a number on: read where they are kept, else made and kept.
 
     Images are kept in half precision, labels in a byte; who makes a batch meets it as rounded as who reads
@@ -24,13 +26,15 @@ def kept_batches(folder: Path, make: Callable[[int], Iterator[Batch]], first: in
 
     Args:
         make: gives the batches from a number on; asked only when one is missing.
+        among: so many there are, over and over; None for no end.
 
     Raises:
         InputError: a kept batch is damaged.
     """
     folder.mkdir(parents=True, exist_ok=True)
     making = None
-    for number in count(first):
+    for place in count(first):
+        number = place if among is None else place % among
         path = folder / f"batch-{number:06d}.safetensors"
         if path.exists():
             making = None

@@ -9,7 +9,15 @@ from relight_core.imaging.tensor_colour import srgb_decode
 from relight_core.networks.bundle import NetworkBundle
 from relight_core.pipeline import stages
 
-_RELIEF_SIZE = 64
+RELIEF_SIZE = 64
+
+
+def surface_size(bundle: NetworkBundle, photo: torch.Tensor) -> int:
+    """Side of the surfaces that are found in photos (..., S, S): S, or half of it where de-lighting sharpens.
+
+    The relighting networks work at the size of de-lighting's encoder-decoder.
+    """
+    return photo.shape[-1] // (1 if bundle.delight.detail is None else 2)
 
 
 def on_predicted_surface(bundle: NetworkBundle, batch: dict[str, torch.Tensor]) -> dict[str, torch.Tensor]:
@@ -23,17 +31,16 @@ def on_predicted_surface(bundle: NetworkBundle, batch: dict[str, torch.Tensor]) 
         batch: pairs as `dataset.stream` gives them, of S x S pixels.
 
     Returns:
-        (4 * pairs, C, T, T): by pair, photo and light; T being S, or half of it where de-lighting has a
-        sharpening pass, since the relighting networks work at the size of its encoder-decoder.
+        (4 * pairs, C, T, T): by pair, photo and light; T as `surface_size` has it.
     """
     photo = batch["photo_srgb"].flatten(0, 1)
-    size = photo.shape[-1] // (1 if bundle.delight.detail is None else 2)
+    size = surface_size(bundle, photo)
     surfaces, shadows = [], []
     for linear, lights in zip(srgb_decode(photo), batch["light"].repeat_interleave(2, 0), strict=True):
         view = linear.permute(1, 2, 0).float().cpu().numpy()
         surface = stages.delight(bundle, view, size, photo.device.type)
         surfaces.append(surface)
-        shadows.append(stages.march(surface, _RELIEF_SIZE).shadow_fraction(lights.cpu()))
+        shadows.append(stages.march(surface, RELIEF_SIZE).shadow_fraction(lights.cpu()))
     found = {name: torch.cat([getattr(s, name) for s in surfaces]) for name in ("normal", "relief", "parsing")}
     truth = {name: _shrunk(_for_both_photos(batch[name]), size) for name in batch.keys() - {"photo_srgb", "label"}}
     shadow = torch.cat(shadows).to(photo.device)

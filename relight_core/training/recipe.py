@@ -28,6 +28,7 @@ class StagePlan:
         size, pairs: image side in pixels and pairs of lights per batch.
         learning_rate: peak; None takes the stage's own.
         detail_width: from here on de-lighting has a sharpening pass of this width; 0 leaves it as it is.
+        narrow_width, examples: of "distil-relight", see `run.Run`.
     """
 
     name: str
@@ -37,6 +38,8 @@ class StagePlan:
     pairs: int = 8
     learning_rate: float | None = None
     detail_width: int = 0
+    narrow_width: int | None = None
+    examples: int = 150
 
 
 @dataclass(frozen=True)
@@ -157,5 +160,7 @@ def _run(recipe: Recipe, plan: StagePlan, number: int, heads, lights, checkpoint
         seed=recipe.seed + number,
         learning_rate=plan.learning_rate,
         detail_width=plan.detail_width,
+        narrow_width=plan.narrow_width,
+        examples=plan.examples,
         config=recipe.networks,
     )

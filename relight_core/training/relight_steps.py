@@ -38,7 +38,7 @@ def specular_shadow_losses(
     A network that gives the additive maps themselves has no fractions, and Eq. 6 alone.
     """
     normal, albedo, covered = flat["normal"], flat["albedo"], flat["covered"]
-    reflected = table(flat["light"], normal)
+    reflected = _reflected(table, flat)
     seen = (flat.get("relief_shadow"), flat.get("relief"), flat.get("parsing"))
     hints = specular_shadow_hints(network.config, reflected, *seen)
     occlusion = network(normal.contiguous(memory_format=torch.channels_last), flat["light"], hints)
@@ -54,6 +54,11 @@ def specular_shadow_losses(
     return effects, losses
 
 
+def _reflected(table: ReflectionTable, flat: dict[str, torch.Tensor]) -> torch.Tensor:
+    """Unoccluded irradiance and gloss: the batch's own, or what any surface of such normals reflects."""
+    return flat["reflected"] if "reflected" in flat else table(flat["light"], flat["normal"])
+
+
 def composition_losses(
     network: CompositionNetwork,
     table: ReflectionTable,
@@ -62,7 +67,7 @@ def composition_losses(
 ) -> tuple[torch.Tensor, dict[str, torch.Tensor]]:
     """Eq. 8 in the invertible encoding, on estimated effects or, for None, on the true ones (warm-up)."""
     normal, albedo, covered = flat["normal"], flat["albedo"], flat["covered"]
-    reflected = table(flat["light"], normal)
+    reflected = _reflected(table, flat)
     if effects is None:
         effects = Effects(flat["specular"], flat["shadow"])
     explicit = explicit_sum(albedo, reflected, effects)

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import shutil
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 
@@ -12,10 +13,15 @@ import torch
 from torch.utils.data import DataLoader
 
 from relight_core.dataset.stream import SampleStream
-from relight_core.networks.bundle import BundleConfig, NetworkBundle, load_bundle, with_detail_pass
+from relight_core.errors import InputError
+from relight_core.lighting.reflection import ReflectionTable
+from relight_core.networks.bundle import BundleConfig, NetworkBundle, load_bundle, with_detail_pass, with_narrow_width
+from relight_core.training.distillation import Teacher
 from relight_core.training.kept_batches import kept_batches
 from relight_core.training.loop import Budget, train_stage
 from relight_core.training.stages import STAGES, Stage
+
+Batches = Callable[[int], Iterator[dict[str, torch.Tensor]]]
 
 _LONGEST_RISE = 200
 """Steps in which the learning rate rises; a short run rises in a tenth of its own."""
@@ -35,6 +41,9 @@ class Run:
         size, pairs, seed: image side, pairs per batch, random seed.
         learning_rate: None takes the stage's own.
         detail_width: give the de-lighting network a sharpening pass of this width, if it has none; 0 leaves it.
+        narrow_width: channels of the narrow pair that "distil-relight" trains; None keeps the one that is there, or
+            takes half as many as the wide pair has.
+        examples: how many batches of answers that stage learns from, over and over.
         kept: a folder of batches that runs share: the same ones in every stage and for all networks.
     """
 
@@ -51,17 +60,27 @@ class Run:
     workers: int = 1
     learning_rate: float | None = None
     detail_width: int = 0
+    narrow_width: int | None = None
+    examples: int = 150
     kept: Path | None = None
     config: BundleConfig = BundleConfig()
 
 
 def train(run: Run, report) -> NetworkBundle:
-    """Run a stage; see `loop.train_stage` for `report` and what is raised."""
+    """Run a stage; see `loop.train_stage` for `report` and what is raised.
+
+    Raises:
+        InputError: nobody has taught the networks that a stage learns from.
+    """
     torch.manual_seed(run.seed)
     stage = STAGES[run.stage]
+    if stage.distilled and run.start is None:
+        raise InputError(f"{run.stage} learns from trained networks: give their weights to start from")
     bundle = load_bundle(run.start) if run.start else NetworkBundle(run.config)
     if run.detail_width:
         bundle = with_detail_pass(bundle, run.detail_width)
+    if stage.distilled:
+        bundle = with_narrow_width(bundle, _narrow_width(run, bundle))
     budget = Budget(
         run.learning_rate or stage.learning_rate,
         minutes=run.minutes,
@@ -71,8 +90,32 @@ def train(run: Run, report) -> NetworkBundle:
     device = "cuda" if torch.cuda.is_available() else "cpu"
     run.checkpoint.parent.mkdir(parents=True, exist_ok=True)
     with denormals_flushed():
-        batches_from = partial(training_batches, run, stage)
-        return train_stage(stage, bundle, batches_from, budget, run.checkpoint, report, device)
+        if not stage.distilled:
+            batches_from = partial(training_batches, run, stage)
+            return train_stage(stage, bundle, batches_from, budget, run.checkpoint, report, device)
+        with _example_batches(run, stage, bundle, device) as batches_from:
+            return train_stage(stage, bundle, batches_from, budget, run.checkpoint, report, device)
+
+
+def _narrow_width(run: Run, bundle: NetworkBundle) -> int:
+    if run.narrow_width is None and bundle.config.narrow is not None:
+        return bundle.config.narrow.specular_shadow.width
+    return run.narrow_width or bundle.config.specular_shadow.width // 2
+
+
+@contextmanager
+def _example_batches(run: Run, stage: Stage, bundle: NetworkBundle, device: str) -> Iterator[Batches]:
+    """The wide pair's answers; they lie beside the checkpoint until the stage ends, or in `run.kept` for good."""
+    teacher = Teacher(bundle, ReflectionTable().to(device), device)
+    place = run.kept or run.checkpoint.with_suffix(".examples")
+    folder = place / f"{run.size}px-{run.pairs}-pairs-seed-{run.seed}-by-{teacher.name}"
+
+    def make(first: int) -> Iterator[dict[str, torch.Tensor]]:
+        return map(teacher.examples, training_batches(replace(run, kept=None), stage, first))
+
+    yield lambda first: kept_batches(folder, make, first, among=run.examples)
+    if run.kept is None:
+        shutil.rmtree(place)
 
 
 @contextmanager

@@ -12,7 +12,9 @@ from relight_core.imaging.tensor_colour import srgb_encode
 from relight_core.imaging.write import write_image
 from relight_core.lighting.reflection import ReflectionTable
 from relight_core.networks.bundle import NetworkBundle
+from relight_core.networks.pair import Relights
 from relight_core.pipeline.channel_view import channel_to_srgb
+from relight_core.training.distillation import under_some_lights
 from relight_core.training.relight_steps import composition_losses, flatten_pairs, specular_shadow_losses
 
 _ROWS = 6
@@ -22,7 +24,8 @@ _ROWS = 6
 def draw_samples(bundle: NetworkBundle, table: ReflectionTable, batch: dict[str, torch.Tensor], path: Path) -> None:
     """Write a picture with a row for each of the first samples, every channel followed by the true one.
 
-    De-lighting starts from the photo where the batch has photos; specular, shadow and the image start
+    Of examples for a narrow pair (see `training.distillation`), it is that pair's answers beside the wide one's. Else
+    de-lighting starts from the photo where the batch has photos; specular, shadow and the image start
     from the true surface, as in the warm-ups.
 
     Args:
@@ -30,11 +33,13 @@ def draw_samples(bundle: NetworkBundle, table: ReflectionTable, batch: dict[str,
         batch: pairs from `dataset.stream.SampleStream`.
         path: a .png, written whole or not at all.
     """
+    taught = "reflected" in batch
+    flattened = (under_some_lights if taught else flatten_pairs)({name: value.cpu() for name, value in batch.items()})
     flat = {
-        name: value[:_ROWS].float() if value.is_floating_point() else value[:_ROWS]
-        for name, value in flatten_pairs({name: value.cpu() for name, value in batch.items()}).items()
+        name: value[:_ROWS].float() if value.is_floating_point() else value[:_ROWS] for name, value in flattened.items()
     }
-    columns = _taken_apart(bundle, flat) + _put_together(bundle, table, flat)
+    pair = bundle.pair("narrow" if taught else "wide")
+    columns = _taken_apart(bundle, flat) + _put_together(pair, table, flat)
     rows = [np.hstack([column[row] for column in columns]) for row in range(len(columns[0]))]
     write_image(path, srgb_decode(np.vstack(rows)))
 
@@ -56,11 +61,9 @@ def _taken_apart(bundle: NetworkBundle, flat: dict[str, torch.Tensor]) -> list[l
     return columns
 
 
-def _put_together(
-    bundle: NetworkBundle, table: ReflectionTable, flat: dict[str, torch.Tensor]
-) -> list[list[np.ndarray]]:
-    effects, _ = specular_shadow_losses(bundle.specular_shadow, table, _with_hint(flat))
-    image, _ = composition_losses(bundle.composition, table, flat, effects)
+def _put_together(pair: Relights, table: ReflectionTable, flat: dict[str, torch.Tensor]) -> list[list[np.ndarray]]:
+    effects, _ = specular_shadow_losses(pair.specular_shadow, table, _with_hint(flat))
+    image, _ = composition_losses(pair.composition, table, flat, effects)
     pairs = ((effects.specular, "specular"), (effects.shadow, "shadow"), (image, "image"))
     columns = []
     for estimate, name in pairs:

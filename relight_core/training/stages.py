@@ -18,6 +18,7 @@ from relight_core.lighting.reflection import ReflectionTable
 from relight_core.networks.bundle import NetworkBundle
 from relight_core.networks.delight import Delit
 from relight_core.training.delight_step import delight_losses
+from relight_core.training.distillation import distillation_losses
 from relight_core.training.predicted import on_predicted_surface
 from relight_core.training.relight_steps import (
     as_smooth_as_predicted,
@@ -39,6 +40,7 @@ class Stage:
         losses: (bundle, reflection table, batch of pairs) -> loss terms.
         photographs, relief_shadow: what its samples need (see `dataset.samples.SampleStream`).
         learning_rate: the peak of its schedule.
+        distilled: its batches are what the wide pair of networks says (see `training.distillation`).
     """
 
     trains: tuple[str, ...]
@@ -46,6 +48,7 @@ class Stage:
     photographs: bool
     relief_shadow: bool
     learning_rate: float
+    distilled: bool = False
 
 
 def _warm_delight(bundle: NetworkBundle, table: ReflectionTable, batch: Batch) -> Losses:
@@ -115,6 +118,7 @@ STAGES = {
     "tune-delight": Stage(("delight",), _tune_delight, True, True, 2e-4),
     "tune-relight": Stage(("specular_shadow", "composition"), _tune_relight, True, False, 1e-3),
     "tune-on-predictions": Stage(("specular_shadow", "composition"), _tune_on_predictions, True, True, 2e-4),
+    "distil-relight": Stage(("narrow",), distillation_losses, True, False, 1e-3, distilled=True),
 }
 """By name, in the order they are run. "warm-relight" does the second and third warm-up in one pass over
 the data, which is what a CPU has time for; "tune-on-predictions" is the paper's form of "tune-relight"."""

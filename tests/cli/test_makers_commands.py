@@ -11,7 +11,8 @@ from synthetic_heads import write_balls, write_lights
 
 from app.cli.main import main
 from relight_core.dataset.lights import load_lights
-from relight_core.networks.bundle import BundleConfig, NetworkBundle, load_bundle, save_bundle
+from relight_core.networks.bundle import BundleConfig, NetworkBundle, load_bundle, save_bundle, with_narrow_pair
+from relight_core.networks.pair import RelightingPair
 
 
 @pytest.fixture
@@ -191,6 +192,21 @@ def test_training_leaves_weights_and_log(run, data, monkeypatch):
     assert "wrote" in out
     assert load_bundle(data / "w.safetensors").config == BundleConfig.tiny()
     assert json.loads((data / "w.log.json").read_text()) == []
+
+
+def test_a_narrow_pair_is_joined_to_other_weights(run, data):
+    tiny = load_bundle(data / "tiny.safetensors")
+    narrow = with_narrow_pair(tiny, RelightingPair(tiny.config.wide.narrowed(2)))
+    save_bundle(data / "narrow.safetensors", narrow)
+    words = ["train", "--start", data / "tiny.safetensors", "-o", data / "both.safetensors", "--join"]
+    code, _, err = run(*words, data / "narrow.safetensors")
+    assert code == 0, err
+    both = load_bundle(data / "both.safetensors")
+    assert both.narrow.specular_shadow.config.width == 2
+    assert torch.equal(both.delight.head.weight, tiny.delight.head.weight)
+    refused(run(*words, data / "tiny.safetensors"), "no narrow pair")
+    refused(run("train", "--join", data / "narrow.safetensors", "-o", data / "x.safetensors"), "--start")
+    refused(run("train", "--stage", "warm-delight", "--minutes", 1, "-o", data / "x.safetensors"), "--heads")
 
 
 def test_evaluation_as_json_is_one_object_and_as_text_a_table(run, data):

@@ -56,3 +56,10 @@ def test_a_damaged_batch_is_named(tmp_path):
     (tmp_path / "batch-000000.safetensors").write_bytes(b"x")
     with pytest.raises(InputError, match="batch-000000"):
         some(tmp_path, [], 1)
+
+
+def test_so_many_come_over_and_over_from_any_place_on(tmp_path):
+    asked = []
+    batches = kept_batches(tmp_path, maker(asked), first=5, among=3)
+    assert [int(batch["image"].mean()) for batch in itertools.islice(batches, 5)] == [2, 0, 1, 2, 0]
+    assert asked == [2, 0]

@@ -71,7 +71,7 @@ def quiet(elapsed, progress):
     pass
 
 
-@pytest.mark.parametrize("name", list(STAGES))
+@pytest.mark.parametrize("name", [name for name, stage in STAGES.items() if not stage.distilled])
 def test_ten_steps_on_one_batch_lower_the_loss(name, tmp_path):
     totals = []
     batch = some_batch()

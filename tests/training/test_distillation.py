@@ -1,0 +1,138 @@
+"""A narrow pair of relighting networks learns what the wide one says, and nothing else changes."""
+
+import itertools
+
+import pytest
+import torch
+from test_loop import some_batch
+
+from relight_core.errors import InputError
+from relight_core.lighting.reflection import ReflectionTable
+from relight_core.networks.bundle import BundleConfig, NetworkBundle, load_bundle, save_bundle
+from relight_core.training import run as run_module
+from relight_core.training.distillation import Teacher, distillation_losses
+from relight_core.training.recipe import load_recipe
+from relight_core.training.run import Run, train
+
+
+def quiet(elapsed, progress):
+    pass
+
+
+@pytest.fixture
+def start(tmp_path):
+    """Untrained networks that see a person everywhere."""
+    torch.manual_seed(7)
+    bundle = NetworkBundle(BundleConfig.tiny())
+    bundle.composition.head.weight.data.normal_(0, 0.05)
+    bundle.delight.head.bias.data[8] = 6.0
+    save_bundle(tmp_path / "start.safetensors", bundle, half=False)
+    return tmp_path / "start.safetensors"
+
+
+@pytest.fixture
+def made(monkeypatch):
+    """Batches without heads or lights, and how many were made."""
+    numbers = []
+
+    def batches(run, stage, first_batch):
+        for number in itertools.count(first_batch):
+            numbers.append(number)
+            with torch.random.fork_rng():
+                torch.manual_seed(number)
+                batch = some_batch(pairs=2)
+            yield batch
+
+    monkeypatch.setattr(run_module, "training_batches", batches)
+    return numbers
+
+
+def run_of(start, place, **settings):
+    settings = {"steps": 30, "size": 16, "pairs": 2, "narrow_width": 4, "examples": 2, "learning_rate": 4e-3} | settings
+    return Run("distil-relight", place, place, place / "narrow.safetensors", start=start, **settings)
+
+
+def error(bundle, examples):
+    """What the narrow pair misses of the wide pair's answers."""
+    torch.manual_seed(0)
+    with torch.no_grad():
+        losses = distillation_losses(bundle.eval(), ReflectionTable(), examples)
+    return float(sum(losses[name] for name in ("specular", "shadow", "encoded", "display")))
+
+
+def test_it_comes_nearer_to_the_wide_pair_on_surfaces_it_has_not_seen(start, made, tmp_path):
+    torch.manual_seed(99)
+    unseen = Teacher(load_bundle(start), ReflectionTable()).examples(some_batch(pairs=2))
+    short, long = (train(run_of(start, tmp_path / str(n), steps=n, narrow_width=8), quiet) for n in (1, 25))
+    assert error(long, unseen) < 0.7 * error(short, unseen)
+
+
+def test_only_the_narrow_pair_changes_and_examples_are_made_once_and_gone_at_the_end(start, made, tmp_path):
+    before, after = load_bundle(start), train(run_of(start, tmp_path, steps=4), quiet)
+    assert after.config.narrow is not None
+    for name, value in before.state_dict().items():
+        assert torch.equal(after.state_dict()[name], value), name
+    assert made == [0, 1]
+    assert not list(tmp_path.glob("*.examples"))
+
+
+def test_examples_that_runs_share_stay_and_serve_the_same_teacher_again(start, made, tmp_path):
+    other = load_bundle(start)
+    other.specular_shadow.head.bias.data += 1
+    save_bundle(tmp_path / "other.safetensors", other)
+    for place in (start, start, tmp_path / "other.safetensors"):
+        train(run_of(place, tmp_path, steps=1, kept=tmp_path / "kept"), quiet)
+    assert made == [0, 0]
+
+
+class Killed(Exception):
+    pass
+
+
+def test_a_run_that_was_killed_goes_on_as_if_it_had_not_been(start, made, tmp_path, monkeypatch):
+    whole = train(run_of(start, tmp_path / "whole", steps=5), quiet).state_dict()
+    learnt = run_module.train_stage
+
+    def stops(stage, bundle, batches_from, budget, checkpoint, report, device):
+        def some(first):
+            yield from itertools.islice(batches_from(first), 3)
+            raise Killed
+
+        budget = run_module.Budget(budget.learning_rate, steps=5, warm_up_steps=1, checkpoint_seconds=0.0)
+        return learnt(stage, bundle, some, budget, checkpoint, report, device)
+
+    monkeypatch.setattr(run_module, "train_stage", stops)
+    with pytest.raises(Killed):
+        train(run_of(start, tmp_path / "halves", steps=5), quiet)
+    monkeypatch.setattr(run_module, "train_stage", learnt)
+    monkeypatch.setattr(Teacher, "examples", lambda *_: pytest.fail("the examples are there"))
+    halves = train(run_of(start, tmp_path / "halves", steps=5), quiet).state_dict()
+    for name, value in whole.items():
+        torch.testing.assert_close(halves[name], value, rtol=0, atol=0)
+
+
+def test_a_pair_that_is_there_goes_on_learning(start, made, tmp_path):
+    first = train(run_of(start, tmp_path, steps=1), quiet)
+    second = train(run_of(tmp_path / "narrow.safetensors", tmp_path / "2", steps=4, narrow_width=None), quiet)
+    assert second.config == first.config
+    moved = (second.narrow.specular_shadow.head.weight - first.narrow.specular_shadow.head.weight).abs().max()
+    assert 0 < moved < 0.1
+
+
+def test_light_is_read_as_the_wide_pair_reads_it(start):
+    from relight_core.networks.bundle import with_narrow_width
+
+    bundle = with_narrow_width(load_bundle(start), 2)
+    for mine, given in zip(
+        reversed(bundle.narrow.specular_shadow.modulations), reversed(bundle.specular_shadow.modulations), strict=False
+    ):
+        assert torch.equal(mine.fc1.weight, given.fc1.weight)
+
+
+def test_networks_that_nobody_taught_teach_nobody(made, tmp_path):
+    with pytest.raises(InputError, match="weights to start from"):
+        train(run_of(None, tmp_path), quiet)
+
+
+def test_the_shipped_recipe_ends_with_a_narrow_pair():
+    assert load_recipe("shipped").stages[-1].name == "distil-relight"
