@@ -6,7 +6,7 @@ from dataclasses import replace
 
 from imgui_bundle import imgui
 
-from app.engine.exporting import SIDES
+from app.engine.exporting import SIDES, ExportSettings
 from app.ui import theme, widgets
 from app.ui.groups import group
 from app.ui.state import EditorState
@@ -22,7 +22,8 @@ _DEPTHS = {
     ".exr": (("", "Half", "16-bit floats: enough for light."), ("deep", "Float", "32-bit floats.")),
     "": (("", "8 bit", "For screens."), ("deep", "16 bit", "For further editing.")),
 }
-_QUALITY = widgets.Slider("Quality", 50.0, 100.0, 92.0, "%.0f", "Higher is larger and better; 92 is hard to tell.")
+_QUALITIES = (50, 100)
+_USUAL_QUALITY = ExportSettings().quality
 _LAYER_WORDS = {
     "albedo": "Colour without light",
     "normal": "Which way each spot faces",
@@ -55,18 +56,31 @@ def draw(state: EditorState, fonts: theme.Fonts) -> None:
 
 def _depth_and_size(state: EditorState) -> None:
     export = state.export
-    if export.form == ".jpg":
-        quality = round(widgets.slider(state, _QUALITY, float(export.quality)))
-        state.export = replace(export, quality=quality)
-        _size(state)
-        return
     half = (imgui.get_content_region_avail().x - 4.0) / 2
-    chosen = widgets.segmented(_DEPTHS.get(export.form, _DEPTHS[""]), "deep" if export.deep else "", half)
-    state.export = replace(export, deep=chosen == "deep")
+    if export.form == ".jpg":
+        state.export = replace(export, quality=_quality(export.quality, half))
+    else:
+        chosen = widgets.segmented(_DEPTHS.get(export.form, _DEPTHS[""]), "deep" if export.deep else "", half)
+        state.export = replace(export, deep=chosen == "deep")
     imgui.same_line(0.0, 4.0)
     _size(state)
     if export.form == ".exr":
         _layers(state)
+
+
+def _quality(quality: int, width: float) -> int:
+    """As high as the row of other files has it, so that the buttons below stay where they are."""
+    imgui.set_next_item_width(width)
+    for name, colour in (("slider_grab", theme.FAINT), ("slider_grab_active", theme.ACCENT)):
+        imgui.push_style_color(getattr(imgui.Col_, name), imgui.ImVec4(*colour))
+    low, high = _QUALITIES
+    _, chosen = imgui.slider_int("##quality", quality, low, high, "Quality %d", imgui.SliderFlags_.always_clamp)
+    imgui.pop_style_color(2)
+    if imgui.is_item_hovered() and imgui.is_mouse_double_clicked(0):
+        imgui.internal.clear_active_id()
+        chosen = _USUAL_QUALITY
+    imgui.set_item_tooltip("Higher is larger and better; 92 is hard to tell. Double-click resets it.")
+    return chosen
 
 
 def _layers(state: EditorState) -> None:
