@@ -27,6 +27,7 @@ from app.window.gl_pictures import GlPictures
 from app.window.gl_textures import Canvas
 from app.window.glfw_window import NoDisplayError
 from app.window.graphics import DRIVER_FAULTS, Graphics, GraphicsLostError, Restarts, one_line
+from app.window.held_shift import shift_is_held
 from app.window.memory import Memory
 from app.window.outputs import Outputs
 
@@ -222,8 +223,7 @@ class EditorWindow:
         """Files were dropped, where the mouse is unless `position` says otherwise."""
         x, y = position or glfw.get_cursor_pos(self.handle)
         if paths:
-            shift = any(glfw.get_key(self.handle, key) for key in (glfw.KEY_LEFT_SHIFT, glfw.KEY_RIGHT_SHIFT))
-            take_files(self.state, [Path(path) for path in paths], x, y, as_light=shift)
+            take_files(self.state, [Path(path) for path in paths], x, y, as_light=shift_is_held(self.handle))
 
     def _listen(self) -> None:
         handle = self.handle

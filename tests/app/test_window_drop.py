@@ -1,6 +1,8 @@
 """Files that another program drops on the window, as the desktop hands them over."""
 
 import ctypes.util
+import shutil
+import subprocess
 import sys
 
 import glfw
@@ -62,3 +64,24 @@ def test_a_portrait_on_the_light_panel_lends_its_light(hand, file_manager, photo
     snapshot = hand.window.state.snapshot
     assert snapshot.opened.source.place == photo_path.resolve()
     assert snapshot.light.source.name == str(lender)
+
+
+@pytest.mark.skipif(shutil.which("xdotool") is None, reason="xdotool is not installed")
+def test_with_shift_a_portrait_lends_its_light_although_the_file_manager_has_the_keyboard(
+    hand, file_manager, photo_path
+):
+    dropped(hand, file_manager, [photo_path], hand.centre())
+    lender = photo_path.with_name("lender.png")
+    write_image(lender, np.full((64, 64, 3), 0.5, np.float32))
+    nobody = ctypes.c_ulong(0)
+    file_manager.x.XSetInputFocus(file_manager.display, nobody, 0, nobody)
+    file_manager.x.XSync(file_manager.display, 0)
+    subprocess.run(["xdotool", "keydown", "shift"], check=True)
+    try:
+        dropped(hand, file_manager, [lender], hand.centre())
+    finally:
+        subprocess.run(["xdotool", "keyup", "shift"], check=True)
+    state = hand.window.state
+    assert (state.light.kind, state.snapshot.opened.source.place) == ("portrait", photo_path.resolve())
+    dropped(hand, file_manager, [lender], hand.centre())
+    assert state.snapshot.opened.source.place == lender.resolve()
