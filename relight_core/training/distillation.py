@@ -28,22 +28,18 @@ _LIGHTS_PER_STEP = 1
 
 
 class Teacher:
-    """De-lighting and the wide pair of a bundle, as the editor runs them."""
+    """De-lighting and the wide pair of a bundle, as the editor runs them.
+
+    Attributes:
+        name: of its weights; other ones have another.
+    """
 
     def __init__(self, bundle: NetworkBundle, table: ReflectionTable, device: str = "cpu"):
         """Copy the networks; what the bundle learns from now on changes nothing here."""
+        self.name = _name_of(bundle)
         self._bundle = copy.deepcopy(bundle).for_inference().to(device)
         self._table = table
         self._device = device
-
-    @property
-    def name(self) -> str:
-        """Of its weights: other ones have another."""
-        digest = hashlib.sha256()
-        for key, value in sorted(self._bundle.state_dict().items()):
-            if not key.startswith("narrow."):
-                digest.update(value.cpu().contiguous().reshape(-1).view(torch.uint8).numpy())
-        return digest.hexdigest()[:16]
 
     @torch.inference_mode()
     def examples(self, batch: Batch) -> Batch:
@@ -92,6 +88,16 @@ class Teacher:
             "gloss_fraction": torch.sigmoid(occlusion.gloss),
             "image": image,
         }
+
+
+def _name_of(bundle: NetworkBundle) -> str:
+    """The same for the same weights, whatever narrow pair lies beside them."""
+    digest = hashlib.sha256()
+    for key, value in sorted(bundle.state_dict().items()):
+        if not key.startswith("narrow."):
+            unsigned_zeros = value.cpu() + 0  # Averaged weights have no -0.
+            digest.update(unsigned_zeros.contiguous().reshape(-1).view(torch.uint8).numpy())
+    return digest.hexdigest()[:16]
 
 
 def _some_from(lights: torch.Tensor, first: int) -> torch.Tensor:

@@ -26,6 +26,7 @@ def start(tmp_path):
     bundle = NetworkBundle(BundleConfig.tiny())
     bundle.composition.head.weight.data.normal_(0, 0.05)
     bundle.delight.head.bias.data[8] = 6.0
+    bundle.delight.head.bias.data[9] = -0.0
     save_bundle(tmp_path / "start.safetensors", bundle, half=False)
     return tmp_path / "start.safetensors"
 
@@ -80,8 +81,8 @@ def test_examples_that_runs_share_stay_and_serve_the_same_teacher_again(start, m
     other = load_bundle(start)
     other.specular_shadow.head.bias.data += 1
     save_bundle(tmp_path / "other.safetensors", other)
-    for place in (start, start, tmp_path / "other.safetensors"):
-        train(run_of(place, tmp_path, steps=1, kept=tmp_path / "kept"), quiet)
+    for number, place in enumerate((start, tmp_path / "0" / "narrow.safetensors", tmp_path / "other.safetensors")):
+        train(run_of(place, tmp_path / str(number), steps=4, examples=1, kept=tmp_path / "kept"), quiet)
     assert made == [0, 0]
 
 
