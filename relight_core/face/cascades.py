@@ -80,15 +80,24 @@ def profile_candidates(grey: np.ndarray) -> list[Candidate]:
     Args:
         grey: (h, w) uint8, contrast evened out.
     """
+    return [
+        found
+        for found in every_profile_hit(grey)
+        if found.votes >= _SURE_VOTES or (found.votes >= _FEWEST_VOTES and _has_eyes(grey, found.box, wanted=1))
+    ]
+
+
+def every_profile_hit(grey: np.ndarray) -> list[Candidate]:
+    """Whatever the profile cascade takes for a face that looks left or right.
+
+    Args:
+        grey: (h, w) uint8, contrast evened out.
+    """
     hits = _hits(grey, PROFILE[0], _PROFILE_FACE)
     for box, votes, _ in _hits(np.ascontiguousarray(grey[:, ::-1]), PROFILE[0], _PROFILE_FACE):
         mirrored = np.array([grey.shape[1] - box[2], box[1], grey.shape[1] - box[0], box[3]])
         hits.append((mirrored, votes, "profileface mirrored"))
-    return [
-        found
-        for found in _merge(hits)
-        if found.votes >= _SURE_VOTES or (found.votes >= _FEWEST_VOTES and _has_eyes(grey, found.box, wanted=1))
-    ]
+    return _merge(hits)
 
 
 def _hits(

@@ -9,7 +9,14 @@ from weakref import WeakKeyDictionary
 import cv2
 import numpy as np
 
-from relight_core.face.cascades import Candidate, every_hit, frontal_candidates, overlap, profile_candidates
+from relight_core.face.cascades import (
+    Candidate,
+    every_hit,
+    every_profile_hit,
+    frontal_candidates,
+    overlap,
+    profile_candidates,
+)
 from relight_core.imaging.colour import luminance, srgb_encode
 from relight_core.imaging.photo import Photo
 from relight_core.imaging.resampling import resize_area
@@ -22,6 +29,7 @@ _TILTS_DEG = (-30.0, 30.0)
 _ALL_TILTS_DEG = (0.0, -30.0, 30.0, -60.0, 60.0, -90.0, 90.0, -120.0, 120.0, -150.0, 150.0, 180.0)
 _LONG_SIDE_FOR_GUESSES_PX = 400
 _MOST_GUESSES = 16
+_MOST_PROFILE_GUESSES = 3
 _SAME_PLACE = 0.3
 _FILLING_SHARE = 0.9
 
@@ -85,8 +93,8 @@ def guess_faces(photo: Photo) -> list[FaceBox]:
     """Where there might be faces, leaning by any angle: whatever any cascade hits, for a better judge to choose from.
 
     Returns:
-        At most 17, the likeliest first; the same place may be there at several angles. The last is a face that fills
-        the photo, of which cascades see too little.
+        At most 17: up to three from the side, then the likeliest first; the same place may be there at several
+        angles. The last is a face that fills the photo, of which cascades see too little.
     """
     grey, scale = _detection_view(photo.linear, _LONG_SIDE_FOR_GUESSES_PX, _LARGEST_GROWTH)
     if min(grey.shape) < 24:
@@ -95,8 +103,10 @@ def guess_faces(photo: Photo) -> list[FaceBox]:
     for tilt_deg in _ALL_TILTS_DEG:
         turned, back = _turned(grey, tilt_deg)
         hits += [replace(_moved(hit, back), roll_deg=-tilt_deg) for hit in every_hit(turned)]
+    # The cascade for profiles sees fewer and would always be outvoted: its best come first.
+    sides = sorted(every_profile_hit(grey), key=lambda hit: -hit.votes)[:_MOST_PROFILE_GUESSES]
     guesses: list[Candidate] = []
-    for hit in sorted(hits, key=lambda hit: -hit.votes):
+    for hit in [*sides, *sorted(hits, key=lambda hit: -hit.votes)]:
         # The same place may be right at another angle.
         if all(overlap(hit.box, known.box) < _SAME_PLACE or hit.roll_deg != known.roll_deg for known in guesses):
             guesses.append(hit)

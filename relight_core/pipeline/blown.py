@@ -28,18 +28,17 @@ def skin_share(parsing: torch.Tensor) -> torch.Tensor:
     return sum(parsing[:, INDEX[name], None] for name in _SKIN).clamp(0, 1)
 
 
-def mend_blown(photo: torch.Tensor, albedo: torch.Tensor, parsing: torch.Tensor) -> torch.Tensor:
+def mend_blown(clipped: torch.Tensor, albedo: torch.Tensor, parsing: torch.Tensor) -> torch.Tensor:
     """The albedo with colours that don't come from noise where the photo is blown out.
 
     Two clipped channels count as blown, one as half so. A single one is lifted to where the others leave it in the
     colour of the skin around: red is clipped first, and what is left of skin without it is yellow.
 
     Args:
-        photo: (1, 3, S, S) linear, clipped to [0, 1].
+        clipped: (1, 3, S, S) how far each channel of the photo is clipped there, see `clipped_share`.
         albedo: (1, 3, S, S) linear.
         parsing: (1, classes, S, S) probabilities.
     """
-    clipped = clipped_share(photo)
     blown = (1.5 * clipped.mean(1, keepdim=True)).clamp(0, 1)
     if not bool((blown > 0).any()):
         return albedo

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import astuple, dataclass, replace
 
 import numpy as np
@@ -11,6 +11,7 @@ from relight_core.errors import InputError
 from relight_core.face.crop import Crop, box_from_parsing, crop_for_face, crop_with_padding
 from relight_core.face.find import FaceBox, find_faces, guess_faces, remember_faces
 from relight_core.face.lean import remaining_roll
+from relight_core.face.windows import search_windows
 from relight_core.imaging.photo import Photo
 
 PADDING_PX = 30.0
@@ -23,7 +24,8 @@ _TURNED_FROM_DEG = 10.0
 """A head that leans by less is seen in an upright view, as the networks saw many."""
 
 _FINER_FROM_DEG = 3.0
-_ENOUGH_EVIDENCE = 2
+_LOOKS = 3
+_ENOUGH_EVIDENCE, _ALL_EVIDENCE = 2, 3
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,7 +48,10 @@ class Portrait:
 
 
 def choose_faces(
-    photo: Photo, face_index: int | None, evidence: Callable[[FaceBox], int] | None = None
+    photo: Photo,
+    face_index: int | None,
+    evidence: Callable[[FaceBox], int] | None = None,
+    locate: Callable[[Crop], FaceBox | None] = lambda view: None,
 ) -> list[FaceBox]:
     """All faces, the largest first, or only the one of an index in order of size.
 
@@ -54,13 +59,14 @@ def choose_faces(
         evidence: says how many of brows, eyes and mouth are seen in a box. With it, what only cascades take for a
             face counts only if there are two, and where no face is left, less likely places are judged by it, also
             those of faces that lie or stand on their heads.
+        locate: says where a view of the photo shows a face; asked where nothing else finds any.
 
     Raises:
         InputError: no face, or no such index.
     """
     faces = find_faces(photo)
     if evidence is not None and (not faces or any(face.doubtful for face in faces)):
-        faces = _confirmed(photo, faces, evidence)
+        faces = _confirmed(photo, faces, evidence, locate)
     name = photo.path or "the photo"
     if not faces:
         raise InputError(f"{name}: no face found; use a photo in which a face is larger, sharper or better lit")
@@ -72,18 +78,52 @@ def choose_faces(
     return [faces[face_index]]
 
 
-def _confirmed(photo: Photo, found: list[FaceBox], evidence: Callable[[FaceBox], int]) -> list[FaceBox]:
-    """The boxes that are confirmed, else the best guess, else those with a hint of a face."""
+def _confirmed(
+    photo: Photo,
+    found: list[FaceBox],
+    evidence: Callable[[FaceBox], int],
+    locate: Callable[[Crop], FaceBox | None],
+) -> list[FaceBox]:
+    """The boxes that are confirmed, else the best guess, else what is located, else those with a hint of a face."""
     faces = [face for face in found if not face.doubtful or evidence(face) >= _ENOUGH_EVIDENCE]
     if not faces:
-        judged = [(evidence(guess), guess) for guess in guess_faces(photo)]
-        most, best = max(judged, key=lambda pair: pair[0], default=(0, None))
-        faces = [best] if most >= _ENOUGH_EVIDENCE else []
+        faces = _best(guess_faces(photo), evidence, _ENOUGH_EVIDENCE)
+    if not faces:
+        # No cascade has a say here, so all parts of a face must be seen.
+        places = (locate(window) for window in search_windows(photo.linear.shape[:2]))
+        faces = _best((place for place in places if place is not None), evidence, _ALL_EVIDENCE)
     if not faces:
         return [face for face in found if evidence(face) > 0]
     faces = [replace(face, doubtful=False) for face in faces]
     remember_faces(photo, faces)
     return faces
+
+
+def _best(guesses: Iterable[FaceBox], evidence: Callable[[FaceBox], int], least: int) -> list[FaceBox]:
+    """The guess that shows most of a face, if it shows enough; the first that shows all of one."""
+    best, most = None, least - 1
+    for guess in guesses:
+        seen = evidence(guess)
+        if seen > most:
+            best, most = guess, seen
+        if most == _ALL_EVIDENCE:
+            break
+    return [] if best is None else [best]
+
+
+def located(photo: Photo, view: Crop, parsed: Callable[[Crop], np.ndarray]) -> FaceBox | None:
+    """Where the parsing sees a face in a view, looked at again from as near as a face should be.
+
+    Args:
+        parsed: gives the labels (S, S) of a view.
+    """
+    place = None
+    for _ in range(_LOOKS):
+        nearer = box_from_parsing(parsed(view), view)
+        if nearer is None:
+            break
+        place, view = nearer, frame(photo, nearer).view
+    return place
 
 
 def frame(photo: Photo, found: FaceBox) -> Portrait:

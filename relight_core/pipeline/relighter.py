@@ -32,7 +32,7 @@ from relight_core.pipeline.kept_lights import KeptLights, ServingLight
 from relight_core.pipeline.person import canvas_of, whole_person
 from relight_core.pipeline.picture import Picture
 from relight_core.pipeline.plan import Effect, Plan, Scene, make_plan
-from relight_core.pipeline.portrait import choose_faces, frame, frame_by_hand, refine, straightened
+from relight_core.pipeline.portrait import choose_faces, frame, frame_by_hand, located, refine, straightened
 from relight_core.pipeline.quality import Tier, tier_of
 from relight_core.resources import resource_path
 
@@ -125,10 +125,11 @@ class Relighter:
             portrait = frame(photo, found)
             return evidence_of_face(parsed(portrait.view), portrait.view, portrait.crop)
 
+        locate = partial(located, photo, parsed=parsed)
         if box is not None:
             framed = [frame_by_hand(photo, box)]
         else:
-            framed = [frame(photo, found) for found in choose_faces(photo, face_index, evidence)]
+            framed = [frame(photo, found) for found in choose_faces(photo, face_index, evidence, locate)]
         portraits = []
         for portrait in framed:
             turned = straightened(portrait, parsed(portrait.view))

@@ -22,7 +22,7 @@ from relight_core.networks.bundle import NetworkBundle
 from relight_core.networks.delight import DelightNetwork, DelitSmall
 from relight_core.networks.pair import PairName
 from relight_core.networks.specular_shadow import Occlusion
-from relight_core.pipeline.blown import mend_blown
+from relight_core.pipeline.blown import clipped_share, mend_blown
 from relight_core.pipeline.hints import (
     Effects,
     effects_of,
@@ -113,10 +113,12 @@ def delight(
     if mirrored:
         parts = _mean_of_both(*parts)
     *images, light = parts
+    # Averaged with what is beside them, clipped pixels would no longer look clipped.
+    clipped = _shrunk(clipped_share(linear), size)
     albedo, normal, relief, parsing = (_shrunk(image, size) for image in images)
     linear = _as_tensor(resize_area(photo, (size, size)), device)
     normal, relief = _without_rim(normal), _without_rim(relief)
-    albedo = mend_blown(linear, albedo, parsing)
+    albedo = mend_blown(clipped, albedo, parsing)
     parts_seen = parsing[0].cpu().numpy()
     balls = with_eyeballs(unit_normals(normal)[0].cpu().numpy(), parts_seen)
     normal = torch.from_numpy(balls)[None].to(device)

@@ -5,6 +5,7 @@ import pytest
 import skimage.data
 
 from relight_core.face import find
+from relight_core.face.cascades import Candidate
 from relight_core.face.find import FaceBox, find_faces, guess_faces, remember_faces
 from relight_core.imaging.photo import Photo
 
@@ -141,3 +142,13 @@ def test_a_face_that_fills_the_photo_is_the_last_guess():
     last = guess_faces(Photo.from_srgb(ASTRONAUT[100:172, 186:262]))[-1]
     assert last.doubtful
     assert share_in_common(last, (0, 0, 76, 72)) > 0.7
+
+
+def test_faces_from_the_side_are_guessed_though_others_get_more_votes(monkeypatch):
+    side = Candidate(np.array([100.0, 200.0, 160.0, 280.0]), 3, 1)
+    loud = [Candidate(np.array([left, 0.0, left + 10.0, 10.0]), 50, 2) for left in range(0, 380, 12)]
+    monkeypatch.setattr(find, "every_profile_hit", lambda grey: [side])
+    monkeypatch.setattr(find, "every_hit", lambda grey: list(loud))
+    guesses = guess_faces(Photo(np.zeros((400, 400, 3), np.float32)))
+    assert guesses[0] == FaceBox(100.0, 200.0, 160.0, 280.0, doubtful=True)
+    assert len(guesses) == 17

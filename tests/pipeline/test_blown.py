@@ -3,7 +3,7 @@
 import pytest
 import torch
 
-from relight_core.pipeline.blown import fill_in, mend_blown
+from relight_core.pipeline.blown import clipped_share, fill_in, mend_blown
 
 SIZE = 24
 SKIN, CLOTH = 1, 13
@@ -28,14 +28,14 @@ def with_middle(image, colour):
 def test_blown_skin_takes_the_colour_of_the_skin_around():
     photo = with_middle(flat((0.6, 0.4, 0.3)), (1.0, 1.0, 1.0))
     albedo = with_middle(SKIN_COLOUR.expand(1, 3, SIZE, SIZE).clone(), (0.9, 0.95, 0.7))
-    mended = mend_blown(photo, albedo, parsing_of(SKIN))
+    mended = mend_blown(clipped_share(photo), albedo, parsing_of(SKIN))
     torch.testing.assert_close(mended, SKIN_COLOUR.expand_as(mended), atol=0.01, rtol=0)
 
 
 def test_skin_whose_red_alone_is_clipped_is_not_yellow():
     photo = with_middle(flat((0.6, 0.4, 0.3)), (1.0, 0.8, 0.6))
     albedo = with_middle(SKIN_COLOUR.expand(1, 3, SIZE, SIZE).clone(), (0.6, 0.5, 0.37))
-    red, green, blue = mend_blown(photo, albedo, parsing_of(SKIN))[0, :, 12, 12]
+    red, green, blue = mend_blown(clipped_share(photo), albedo, parsing_of(SKIN))[0, :, 12, 12]
     assert red / green == pytest.approx(1.5, rel=0.04)
     assert green / blue == pytest.approx(4 / 3, rel=0.04)
 
@@ -43,7 +43,7 @@ def test_skin_whose_red_alone_is_clipped_is_not_yellow():
 def test_other_things_that_are_blown_are_white_and_keep_their_brightness():
     photo = with_middle(flat((0.3, 0.3, 0.3)), (1.0, 1.0, 1.0))
     albedo = with_middle(flat((0.3, 0.2, 0.3)), (0.7, 0.6, 0.9))
-    mended = mend_blown(photo, albedo, parsing_of(CLOTH))
+    mended = mend_blown(clipped_share(photo), albedo, parsing_of(CLOTH))
     blown = mended[0, :, 12, 12]
     torch.testing.assert_close(blown, blown[:1].expand(3))
     assert blown[0] == pytest.approx(0.2126 * 0.7 + 0.7152 * 0.6 + 0.0722 * 0.9, abs=1e-3)
@@ -53,12 +53,12 @@ def test_other_things_that_are_blown_are_white_and_keep_their_brightness():
 @pytest.mark.parametrize("label", [SKIN, CLOTH])
 def test_a_photo_that_is_not_blown_keeps_its_albedo(label):
     albedo = torch.rand(1, 3, SIZE, SIZE, generator=torch.Generator().manual_seed(0))
-    assert torch.equal(mend_blown(flat((0.89, 0.5, 0.4)), albedo, parsing_of(label)), albedo)
+    assert torch.equal(mend_blown(clipped_share(flat((0.89, 0.5, 0.4))), albedo, parsing_of(label)), albedo)
 
 
 def test_a_face_that_is_blown_throughout_stays_finite():
     albedo = torch.rand(1, 3, SIZE, SIZE, generator=torch.Generator().manual_seed(1))
-    mended = mend_blown(flat((1.0, 1.0, 1.0)), albedo, parsing_of(SKIN))
+    mended = mend_blown(clipped_share(flat((1.0, 1.0, 1.0))), albedo, parsing_of(SKIN))
     assert torch.isfinite(mended).all()
     assert mended.min() >= 0
     assert mended.max() <= 1

@@ -54,3 +54,17 @@ def test_no_face_at_all(monkeypatch, photo):
     seeing(monkeypatch, [], GUESSES)
     with pytest.raises(InputError, match="no face found"):
         choose_faces(photo, None, lambda box: 1)
+
+
+def test_a_face_that_no_cascade_sees_is_located_by_its_parsing(monkeypatch, photo):
+    seeing(monkeypatch, [DOUBTFUL], GUESSES)
+    located = FaceBox(2, 2, 12, 14, doubtful=True)
+    places = iter([None, located])
+    chosen = choose_faces(photo, None, lambda box: 3 if box == located else 1, lambda view: next(places, None))
+    assert [(face.x0, face.y1, face.doubtful) for face in chosen] == [(2, 14, False)]
+
+
+def test_what_is_located_must_show_parts_of_a_face(monkeypatch, photo):
+    seeing(monkeypatch, [])
+    with pytest.raises(InputError, match="no face"):
+        choose_faces(photo, None, lambda box: 1, lambda view: FaceBox(2, 2, 12, 14))
