@@ -96,9 +96,17 @@ def add_sliders(parser: argparse.ArgumentParser) -> None:
 
 
 def add_face(parser: argparse.ArgumentParser) -> None:
-    """--face, for photos of several people."""
-    parser.add_argument(
+    """--face and --box, for photos of several people and for faces that are not found."""
+    which = parser.add_mutually_exclusive_group()
+    which.add_argument(
         "--face", metavar="N", type=_index, default=None, help="only this face; 0 is the largest; all of them without"
+    )
+    which.add_argument(
+        "--box",
+        metavar="X0,Y0,X1,Y1",
+        type=_box,
+        default=None,
+        help="where the face is, in pixels of the photo, brow to chin and cheek to cheek, if it isn't found",
     )
 
 
@@ -174,6 +182,13 @@ def _index(text: str) -> int:
     if not text.isdecimal():
         raise argparse.ArgumentTypeError(f"{text!r} is not a face's number; the largest is 0")
     return int(text)
+
+
+def _box(text: str) -> tuple[float, ...]:
+    box = tuple(_finite(part) for part in text.split(","))
+    if len(box) != 4:
+        raise argparse.ArgumentTypeError(f"{text!r} is no box; it is four numbers: left,top,right,bottom")
+    return box
 
 
 def _background(text: str) -> str:

@@ -39,7 +39,7 @@ def run(arguments: argparse.Namespace) -> int:
     with reporting(arguments.json) as report:
         session = Session()
         light = session.light(arguments.light)
-        session.open(arguments.photo, arguments.face)
+        session.open(arguments.photo, arguments.face, arguments.box)
         relit = session.relighter.relight(light, edit)
         written = write_channels(relit, edit, folder, [arguments.photo, *light_file(arguments.light)])
         for path in written:

@@ -129,7 +129,7 @@ def _render(
 
     # Only the picture is written, and only in bands: no channel is looked at, no screen wants it.
     edit = replace(edit_from(arguments), channels=())
-    opened = session.open(photo, arguments.face)
+    opened = session.open(photo, arguments.face, arguments.box)
     relit = session.relighter.relight(light, edit, longest_side_px=_UNSEEN_PX)
     if _is_folder(arguments.output):
         make_folder(output.parent)

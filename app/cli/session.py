@@ -5,6 +5,7 @@ from __future__ import annotations
 import difflib
 import os
 import warnings
+from collections.abc import Sequence
 from functools import cached_property
 from importlib.resources import files
 from pathlib import Path
@@ -70,16 +71,20 @@ class Session:
             warnings.warn(f"{path}: {note}", stacklevel=2)
         return turned_light(edit_light(self.light(saved.light.name), saved.light_edit), saved.yaw_deg)
 
-    def open(self, path: Path, face_index: int | None = None) -> Photo:
+    def open(self, path: Path, face_index: int | None = None, box: Sequence[float] | None = None) -> Photo:
         """Read a photo and make it the Relighter's portrait.
+
+        Args:
+            box: left, top, right and bottom of the face in photo pixels, where it is not to be looked for.
 
         Raises:
             InputError: not a photo, or no such face in it.
         """
+        from relight_core.face.find import FaceBox
         from relight_core.imaging.read import read_photo
 
         photo = read_photo(path)
-        self.relighter.set_portrait(photo, face_index)
+        self.relighter.set_portrait(photo, face_index, None if box is None else FaceBox(*box))
         return photo
 
 

@@ -40,7 +40,7 @@ def run(arguments: argparse.Namespace) -> int:
     with reporting(arguments.json) as report:
         session = Session()
         light = session.light(arguments.light)
-        session.open(arguments.photo, arguments.face)
+        session.open(arguments.photo, arguments.face, arguments.box)
         edit = replace(edit_from(arguments), channels=())
         last = write_turntable(session, light, edit, arguments.output)
         report.line(f"wrote {arguments.output}")

@@ -145,3 +145,13 @@ def test_two_photos_of_one_name_do_not_share_a_file(relight, photo, tmp_path):
     done = relight("render", photo, twin, "--light", "ring", "-o", f"{tmp_path}/out/")
     assert done.code == 2
     assert not (tmp_path / "out").exists()
+
+
+def test_a_box_says_where_the_face_is(relight, relighter, photo, tmp_path):
+    assert relight("render", photo, "--light", "rembrandt", "--box", "4,5.5,40,50", "-o", tmp_path / "a.png").code == 0
+    assert (relighter.box.x0, relighter.box.y0, relighter.box.x1, relighter.box.y1) == (4, 5.5, 40, 50)
+
+
+@pytest.mark.parametrize("wish", [("--box", "1,2,3"), ("--box", "a,b,c,d"), ("--box", "1,2,3,4", "--face", "0")])
+def test_a_box_that_is_none_is_wrong_usage(relight, photo, tmp_path, wish):
+    assert relight("render", photo, "--light", "rembrandt", *wish, "-o", tmp_path / "a.png").code == 2
