@@ -45,7 +45,7 @@ def test_json_is_one_object_and_all_of_stdout(relight, photo, tmp_path):
 
 
 def test_json_shares_stdout_with_nobody(relight, relighter, photo, tmp_path, monkeypatch):
-    def chatter(portrait, _face_index):
+    def chatter(portrait, *_which):
         print("printed")
         os.write(1, b"written to the descriptor\n")
         relighter.photo = portrait
