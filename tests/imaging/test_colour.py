@@ -45,3 +45,23 @@ def test_photo_from_bytes_in_memory():
     np.testing.assert_allclose(photo.linear, [[[0.0, 0.21586, 1.0]]], atol=1e-5)
     assert photo.bits == 8
     assert photo.alpha is None
+
+
+@pytest.mark.parametrize("shape", [(1000,), (10, 100), (10, 20, 5), (1, 1, 1000)])
+def test_encoding_is_the_formula_whatever_the_shape_and_the_memory_layout(shape):
+    linear = np.geomspace(1e-6, 6e4, 1000).astype(np.float32).reshape(shape)
+    exact = linear.astype(np.float64)
+    formula = np.where(exact <= 0.0031308, 12.92 * exact, 1.055 * exact ** (1 / 2.4) - 0.055)
+    np.testing.assert_allclose(srgb_encode(linear), formula, rtol=1e-5, atol=1e-6)
+    np.testing.assert_allclose(srgb_encode(linear.T), formula.T, rtol=1e-5, atol=1e-6)
+    np.testing.assert_allclose(srgb_encode(linear[::2]), formula[::2], rtol=1e-5, atol=1e-6)
+
+
+@pytest.mark.parametrize(
+    "codes", [np.zeros((0, 3), np.uint8), np.uint8(255), np.full((4, 5, 3), 255, np.uint8)[:, ::2]]
+)
+def test_codes_of_any_shape_are_decoded(codes):
+    decoded = srgb_decode_integers(np.asarray(codes))
+    assert decoded.shape == np.shape(codes)
+    assert decoded.dtype == np.float32
+    assert (decoded == 1).all()
