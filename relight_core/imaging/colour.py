@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from functools import lru_cache
 
-import cv2
 import numpy as np
 
 REC709_LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
@@ -34,6 +33,8 @@ def _raised(values: np.ndarray, power: float) -> np.ndarray:
     """Positive numbers to a power, float32; OpenCV's is several times as quick as numpy's."""
     if not (values.ndim and values.size):
         return np.power(values, np.float32(power))
+    import cv2  # commands that touch no picture know luminance and colours too, and start without it
+
     return cv2.pow(np.ascontiguousarray(values).reshape(1, -1), power).reshape(values.shape)
 
 
@@ -65,6 +66,8 @@ def srgb_decode_integers(codes: np.ndarray) -> np.ndarray:
     table = _decode_table(codes.dtype.itemsize)
     if codes.dtype != np.uint8 or not (codes.ndim and codes.size):
         return table[codes]
+    import cv2
+
     return cv2.LUT(np.ascontiguousarray(codes).reshape(len(codes), -1), table).reshape(codes.shape)
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import cv2
 import numpy as np
 
 from relight_core.lighting.environment import shrink
@@ -53,6 +52,8 @@ def _blended(coarse: np.ndarray, height: int) -> np.ndarray:
     padded = np.concatenate([over[:1], coarse, over[-1:]])
     padded = np.concatenate([padded[:, -1:], padded, padded[:, :1]], axis=1)
     times = height // rows
+    import cv2  # the command line names lights without drawing any
+
     size = (padded.shape[1] * times, padded.shape[0] * times)
     grown = cv2.resize(padded, size, interpolation=cv2.INTER_LINEAR).reshape(size[1], size[0], -1)
     return np.ascontiguousarray(grown[times:-times, times:-times])

@@ -200,8 +200,8 @@ class DelightNetwork(nn.Module):
 
     def _read(self, x: torch.Tensor) -> tuple[torch.Tensor, torch.Tensor, torch.Tensor]:
         """What is sharp, relief and parsing logits; the last as exact as the features, which is enough for them."""
-        exact = _SHARP + self.config.relief
-        found = self.head(x, None if self.training else exact)
+        all_exact = self.training or not self.config.classes
+        found = self.head(x, None if all_exact else _SHARP + self.config.relief)
         sharp, relief, parsing = found.split([_SHARP, int(self.config.relief), self.config.classes], 1)
         return sharp, relief if self.config.relief else torch.zeros_like(sharp[:, :1]), parsing
 

@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from relight_core.errors import InputError
-from relight_core.networks.pair import PairName
+
+if TYPE_CHECKING:  # PyTorch takes a second, and the command line knows the tiers by name
+    from relight_core.networks.pair import PairName
 
 
 @dataclass(frozen=True)

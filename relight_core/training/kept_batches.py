@@ -32,15 +32,14 @@ def kept_batches(
         InputError: a kept batch is damaged.
     """
     folder.mkdir(parents=True, exist_ok=True)
-    making = None
+    making, comes_next = iter(()), None
     for place in count(first):
         number = place if among is None else place % among
         path = folder / f"batch-{number:06d}.safetensors"
-        if path.exists():
-            making = None
-        else:
-            making = make(number) if making is None else making
+        if not path.exists():
+            making = making if number == comes_next else make(number)
             _keep(path, next(making))
+            comes_next = number + 1
         yield _read(path)
 
 
