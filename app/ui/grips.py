@@ -5,18 +5,12 @@ from __future__ import annotations
 from imgui_bundle import imgui
 
 from app.ui import theme
+from app.ui.handles import handle
 from app.ui.layout import EDGES, Layout, Rect, arrange
 from app.ui.state import EditorState
 
 _LONG_EM, _THICK_EM, _APART_EM = 2.2, 0.22, 0.22
 _REACH_EM = 0.3
-_FLAGS = (
-    imgui.WindowFlags_.no_decoration
-    | imgui.WindowFlags_.no_background
-    | imgui.WindowFlags_.no_move
-    | imgui.WindowFlags_.no_saved_settings
-    | imgui.WindowFlags_.no_nav
-)
 
 
 def draw(state: EditorState, layout: Layout) -> None:
@@ -29,27 +23,19 @@ def _grip(state: EditorState, name: str, panel: Rect) -> None:
     em = imgui.get_font_size()
     bar, reach = bar_of(name, panel, em), _REACH_EM * em
     size = imgui.ImVec2(bar.width + 2 * reach, bar.height + 2 * reach)
-    imgui.set_next_window_pos(imgui.ImVec2(bar.x - reach, bar.y - reach))
-    imgui.set_next_window_size(size)
-    imgui.push_style_var(imgui.StyleVar_.window_padding, imgui.ImVec2(0.0, 0.0))
-    imgui.push_style_var(imgui.StyleVar_.window_min_size, imgui.ImVec2(1.0, 1.0))
-    imgui.begin(f"grip {name}", None, _FLAGS)
-    imgui.pop_style_var(2)
-    imgui.invisible_button("bar", size)
-    hovered, active = imgui.is_item_hovered(), imgui.is_item_active()
-    if hovered or active:
-        imgui.set_mouse_cursor(imgui.MouseCursor_.hand)
-    colour = theme.ACCENT if active else theme.TEXT if hovered else theme.TRACK
-    x0, y0, x1, y1 = bar.corners
-    imgui.get_window_draw_list().add_rect_filled(imgui.ImVec2(x0, y0), imgui.ImVec2(x1, y1), theme.packed(colour), em)
-    if hovered and imgui.is_mouse_double_clicked(0):
-        imgui.internal.clear_active_id()
-        state.panels = state.panels.across(name)
-    elif active or imgui.is_item_deactivated():
-        _drag(state, name, imgui.is_item_deactivated())
-    else:
-        imgui.set_item_tooltip("Drag this panel to the other edge, or double-click.  F9 puts all panels back")
-    imgui.end()
+    with handle(f"grip {name}", bar.x - reach, bar.y - reach, size) as grab:
+        if grab.hovered or grab.active:
+            imgui.set_mouse_cursor(imgui.MouseCursor_.hand)
+        colour = theme.ACCENT if grab.active else theme.TEXT if grab.hovered else theme.TRACK
+        x0, y0, x1, y1 = bar.corners
+        draw_list = imgui.get_window_draw_list()
+        draw_list.add_rect_filled(imgui.ImVec2(x0, y0), imgui.ImVec2(x1, y1), theme.packed(colour), em)
+        if grab.twice:
+            state.panels = state.panels.across(name)
+        elif grab.active or imgui.is_item_deactivated():
+            _drag(state, name, imgui.is_item_deactivated())
+        else:
+            imgui.set_item_tooltip("Drag this panel to the other edge, or double-click.  F9 puts all panels back")
 
 
 def bar_of(name: str, panel: Rect, em: float) -> Rect:
