@@ -8,7 +8,7 @@ import numpy as np
 
 from relight_core.imaging.resampling import resize_area
 from relight_core.imaging.view_transform import apply_view
-from relight_core.lighting.enlarge import enlarge
+from relight_core.lighting.enlarge import COARSE_HEIGHT, enlarge
 from relight_core.lighting.environment import Environment, shrink
 from relight_core.lighting.preview import lit_ball
 from relight_core.lighting.rigs import load_rig
@@ -18,9 +18,6 @@ LARGEST_SIDE = 8192
 """Pixels; every OpenGL 3.3 driver in use takes textures of this size."""
 
 PANORAMA_HEIGHT = 256
-_COARSE_HEIGHT = 64
-"""A panorama of fewer rows, as estimated lights have, is blended, or its texels would be seen as blocks."""
-
 BALL_SIZE = 96
 _HALF_MAX = 65504.0
 _PANORAMA_EV = -1.0
@@ -46,7 +43,7 @@ def panorama_for_screen(environment: Environment, gain: float = 1.0) -> np.ndarr
     shape = environment.shape
     if environment.height > PANORAMA_HEIGHT:
         shape = shrink(shape, PANORAMA_HEIGHT)
-    elif environment.height < _COARSE_HEIGHT:
+    elif environment.height < COARSE_HEIGHT:
         shape = enlarge(shape, environment.height * (PANORAMA_HEIGHT // environment.height))
     return _codes(apply_view(shape * np.float32(gain), _PANORAMA_EV))
 

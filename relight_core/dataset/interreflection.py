@@ -15,7 +15,7 @@ import torch.nn.functional as F
 
 from relight_core.dataset.bake import BakedHead
 from relight_core.dataset.illumination import blocked_by_itself
-from relight_core.lighting.bounce import form_factors
+from relight_core.lighting.bounce import form_factors, points_of
 
 _CELLS = 32
 _UNSEEN = 0.3
@@ -44,12 +44,9 @@ class OwnView:
 def own_view(head: BakedHead, normal: np.ndarray) -> OwnView:
     """What does not depend on light and paint; `normal` (P, 3) may have relief added."""
     coverage = cv2.resize(head.covered.astype(np.float32), (_CELLS, _CELLS), interpolation=cv2.INTER_AREA)
-    away = torch.from_numpy(_cells(head, normal, coverage).reshape(-1, 3))
-    away = F.normalize(away, dim=1, eps=1e-4)
-    depth = _cells(head, np.repeat(head.depth[:, None], 3, 1), coverage)[..., 0]
-    axis = ((np.arange(_CELLS) + 0.5) / _CELLS * 2 - 1).astype(np.float32)
-    x, y = np.meshgrid(axis, -axis)
-    there = torch.from_numpy(np.stack([x, y, depth], -1).reshape(-1, 3))
+    cells = torch.from_numpy(_cells(head, np.column_stack([head.depth, normal]), coverage))
+    there = points_of(cells[None, None, ..., 0])
+    away = F.normalize(cells[..., 1:].flatten(0, 1), dim=1, eps=1e-4)
     seen = form_factors(there, away, there, away, 2.0 / _CELLS) * torch.from_numpy(coverage.reshape(1, -1))
     seen /= seen.sum(1, keepdim=True).clamp_min(1)
     return OwnView(blocked_by_itself(head, normal), seen.numpy(), coverage)
@@ -68,6 +65,6 @@ def bounced(head: BakedHead, view: OwnView, albedo: np.ndarray, irradiance: np.n
 
 
 def _cells(head: BakedHead, values: np.ndarray, coverage: np.ndarray) -> np.ndarray:
-    """Means (32, 32, 3) of values (P, 3) over the covered part of each cell."""
+    """Means (32, 32, C) of values (P, C) over the covered part of each cell."""
     sums = cv2.resize(head.scatter(values), (_CELLS, _CELLS), interpolation=cv2.INTER_AREA)
     return (sums / np.maximum(coverage, 1e-3)[..., None]).astype(np.float32)

@@ -73,8 +73,9 @@ def sample_neighbour(radiance: np.ndarray, covered: np.ndarray, rng: np.random.G
     # Over the border goes what is there already: a bust ends at the picture's lower edge, wherever that lies.
     both = np.dstack([radiance, covered.astype(np.float32)])
     moved = cv2.warpAffine(both, matrix, (size, size), flags=cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
-    moved[:, : max(0, int(np.ceil(min(shift_x, shift_x + scale * mirror * (size - 1)))))] = 0
-    moved[:, int(max(shift_x, shift_x + scale * mirror * (size - 1))) + 1 :] = 0
+    left, right = sorted((shift_x, shift_x + scale * mirror * (size - 1)))
+    moved[:, : max(0, int(np.ceil(left)))] = 0
+    moved[:, int(max(right, -1)) + 1 :] = 0
     moved[: max(0, int(np.ceil(shift_y)))] = 0
     if rng.random() < 0.7:
         moved = cv2.GaussianBlur(moved, (0, 0), size * 10 ** rng.uniform(-2.5, -1.3))

@@ -57,8 +57,8 @@ def gather_bounce(
     places = (receives.flatten() > 0.02).nonzero()[:, 0]
     small = (F.interpolate(image, size=_SOURCES, mode="area") for image in (normal, relief, albedo, person))
     cell_normal, cell_relief, cell_albedo, cell_person = small
-    here, facing = _points(relief)[places], normal[0].flatten(1).T[places]
-    there, away = _points(cell_relief), F.normalize(cell_normal, dim=1)[0].flatten(1).T
+    here, facing = points_of(relief)[places], normal[0].flatten(1).T[places]
+    there, away = points_of(cell_relief), F.normalize(cell_normal, dim=1)[0].flatten(1).T
     weights = form_factors(here, facing, there, away, 2.0 / _SOURCES)
     weights *= receives.flatten()[places, None] / weights.sum(1, keepdim=True).clamp_min(1)
     return Bounce(places, weights, cell_albedo * cell_person)
@@ -82,8 +82,8 @@ def form_factors(
     return leaving * arriving * area / (torch.pi * distance.clamp_min(_NEAREST * width).square())
 
 
-def _points(relief: torch.Tensor) -> torch.Tensor:
-    """(S * S, 3) camera space, the view from -1 to 1."""
+def points_of(relief: torch.Tensor) -> torch.Tensor:
+    """A relief (1, 1, S, S) as points (S * S, 3) in camera space, the view from -1 to 1."""
     size = relief.shape[-1]
     axis = (torch.arange(size, device=relief.device) + 0.5) / size * 2 - 1
     y, x = torch.meshgrid(axis, axis, indexing="ij")

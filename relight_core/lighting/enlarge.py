@@ -6,6 +6,9 @@ import numpy as np
 
 from relight_core.lighting.environment import shrink
 
+COARSE_HEIGHT = 64
+"""The texels of a panorama with fewer rows, as estimated lights have, would be seen as blocks."""
+
 _ROUNDS = 4
 _TINY = np.float32(1e-12)
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from relight_core.imaging.colour import REC709_LUMINANCE
 from relight_core.lighting.colour_temperature import kelvin_to_rgb
-from relight_core.lighting.enlarge import enlarge
+from relight_core.lighting.enlarge import COARSE_HEIGHT, enlarge
 from relight_core.lighting.environment import Environment, mean_luminance, rotate, shrink
 from relight_core.lighting.light_blur import blur_light
 from relight_core.lighting.soft_box import SoftBox, soft_box_radiance
@@ -20,9 +20,6 @@ DRAWN_HEIGHT = 256
 
 DRAFT_HEIGHT = 64
 """Rows that are enough while a hand moves something."""
-
-_COARSE_HEIGHT = 64
-"""Up to so many rows, as estimated lights have, the texels would be seen as blocks."""
 
 _NEUTRAL_KELVIN = 5600.0
 _TINT_STOPS = 0.7
@@ -129,5 +126,5 @@ def _grown(radiance: np.ndarray, height: int) -> np.ndarray:
     rows = radiance.shape[0]
     if rows == height:
         return radiance
-    is_coarse = rows < _COARSE_HEIGHT and height % rows == 0
+    is_coarse = rows < COARSE_HEIGHT and height % rows == 0
     return enlarge(radiance, height) if is_coarse else shrink(radiance, height)
