@@ -63,7 +63,7 @@ def photos_in(folder: Path) -> list[Path]:
         raise InputError(f"{folder}: can't be read ({error.strerror}); check its permissions") from error
     photos = [path for path in inside if path.suffix.lower() in PHOTO_SUFFIXES and not path.name.startswith(".")]
     if not photos:
-        raise InputError(f"{folder}: no photos in this folder; choose one with JPEG, PNG, TIFF, WebP or EXR files")
+        raise InputError(f"{folder}: no photos in this folder; choose one with JPEG, PNG, TIFF, HEIC or EXR files")
     return photos
 
 

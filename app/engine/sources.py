@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
+from relight_core.imaging.raster import RAW_SUFFIXES
 from relight_core.lighting.light_edit import LightEdit
 from relight_core.pipeline.edit import Edit
 
@@ -18,8 +19,10 @@ if TYPE_CHECKING:
     from relight_core.pipeline.picture import Picture
 
 PANORAMA_SUFFIXES = (".hdr", ".exr")
-PHOTO_SUFFIXES = (".jpg", ".jpeg", ".png", ".tif", ".tiff", ".webp", ".bmp", ".exr")
-PICTURE_SUFFIXES = (*PHOTO_SUFFIXES, ".hdr")
+PHOTO_SUFFIXES = (".jpg", ".jpeg", ".png", ".tif", ".tiff", ".heic", ".heif", ".hif", ".webp", ".avif", ".bmp", ".exr")
+"""Taken from folders. Raw files are not: most lie there beside a JPEG of the same name."""
+
+PICTURE_SUFFIXES = (*PHOTO_SUFFIXES, *RAW_SUFFIXES, ".hdr")
 
 
 class RelighterLike(Protocol):

@@ -110,7 +110,7 @@ def legend(state: EditorState, pictures: Pictures, pane: Pane, rect: Rect) -> No
 
 
 _FIRST_WORDS = (
-    (-0.3, "or click to choose one: JPEG, PNG, TIFF, WebP, EXR"),
+    (-0.3, "or click to choose one: JPEG, PNG, TIFF, HEIC, WebP, EXR, raw"),
     (1.8, "Several photos or a folder become a queue; a session goes on."),
     (3.2, "An .hdr or .exr panorama becomes the light."),
     (4.6, "A portrait dropped on the light panel lends its light."),

@@ -13,8 +13,9 @@ from app.engine.sources import PHOTO_SUFFIXES, LightSource
 from app.ui.state import EditorState
 from relight_core.errors import InputError
 from relight_core.imaging.exr import exr_size
+from relight_core.imaging.raster import RAW_SUFFIXES
 
-_USABLE = "a photo (JPEG, PNG, TIFF, WebP, EXR), a panorama (.hdr, .exr) or a session"
+_USABLE = "a photo (JPEG, PNG, TIFF, HEIC, WebP, EXR, raw), a panorama (.hdr, .exr) or a session"
 
 
 def take_files(state: EditorState, paths: Sequence[Path], x: float, y: float, as_light: bool = False) -> None:
@@ -73,7 +74,7 @@ def _open(state: EditorState, paths: Sequence[Path]) -> None:
     lights = [path for path in files if path not in ours and is_panorama(path)]
     photos = [path for path in files if path not in ours and path not in lights]
     if len(photos) > 1:
-        odd = [path for path in photos if path.suffix.lower() not in PHOTO_SUFFIXES]
+        odd = [path for path in photos if path.suffix.lower() not in PHOTO_SUFFIXES + RAW_SUFFIXES]
         photos = [path for path in photos if path not in odd]
         if odd:
             more = f" and {len(odd) - 1} more" if len(odd) > 1 else ""

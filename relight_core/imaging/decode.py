@@ -8,7 +8,7 @@ import math
 import struct
 import threading
 import warnings
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 
 import cv2
@@ -17,8 +17,11 @@ import tifffile
 from PIL import Image, ImageCms
 
 from relight_core.errors import InputError
+from relight_core.imaging.camera_raw import develop_raw, is_raw
+from relight_core.imaging.heif import decode_heif, is_heif, stated_profile
 from relight_core.imaging.limits import check_pixels
-from relight_core.imaging.metadata import carried_exif, raw_message
+from relight_core.imaging.metadata import carried_exif
+from relight_core.imaging.raster import Raster
 from relight_core.imaging.tiff_exif import exif_of_page
 
 _FORMATS = ("JPEG", "PNG", "TIFF", "WEBP", "BMP", "GIF", "AVIF")
@@ -36,36 +39,16 @@ _pillow_limit = threading.Lock()
 logging.getLogger("tifffile").setLevel(logging.CRITICAL)
 
 
-@dataclass(frozen=True, eq=False)
-class Raster:
-    """A decoded file.
-
-    Attributes:
-        values: (H, W, 1 or 3) uint8 or uint16 encoded values, or float32 linear ones.
-        alpha: (H, W) float32 in [0, 1], or None.
-        icc: the embedded profile that `values` still are in, or None.
-        orientation: EXIF orientation still to be applied, 1 to 8.
-        premultiplied: whether `values` have alpha multiplied in.
-        exif: see `Photo.exif`.
-    """
-
-    values: np.ndarray
-    alpha: np.ndarray | None = None
-    icc: bytes | None = None
-    orientation: int = 1
-    premultiplied: bool = False
-    exif: bytes | None = None
-
-
 def decode_raster(data: bytes, path: Path) -> Raster:
-    """Decode JPEG, PNG, TIFF, WebP and what else Pillow reads safely.
+    """Decode JPEG, PNG, TIFF, WebP, AVIF, HEIC, raw files and what else Pillow reads safely.
 
     Raises:
         InputError: not an image, damaged, too large or of an unsupported kind.
     """
-    unread = raw_message(data, path)
-    if unread is not None:
-        raise InputError(f"{path}: {unread}")
+    if is_raw(data, path):
+        return develop_raw(data, path)
+    if is_heif(data):
+        return decode_heif(data, path)
     if data[:4] in (b"II*\0", b"MM\0*", b"II+\0", b"MM\0+"):
         raster = _decode_deep_tiff(data, path)
         if raster is not None:
@@ -73,8 +56,10 @@ def decode_raster(data: bytes, path: Path) -> Raster:
     image = _open_with_pillow(data, path)
     if data[:8] == b"\x89PNG\r\n\x1a\n" and data[24] == 16:
         return replace(_decode_deep_png(data, image, path), exif=carried_exif(image))
+    stated = stated_profile(data, path) if image.format == "AVIF" and not image.info.get("icc_profile") else None
     try:
-        return replace(_from_pillow(image), exif=carried_exif(image))
+        raster = _from_pillow(image)
+        return replace(raster, icc=raster.icc or stated, exif=carried_exif(image))
     except Exception:
         raise InputError(f"{path}: a damaged image; fetch or export it again") from None
 
@@ -109,7 +94,7 @@ def _open_with_pillow(data: bytes, path: Path) -> Image.Image:
             _check_plausible(data, image, path)
             image.load()
         except Image.UnidentifiedImageError:
-            raise InputError(f"{path}: not an image; use a JPEG, PNG, TIFF, WebP, EXR or HDR file") from None
+            raise InputError(f"{path}: not an image; use a JPEG, PNG, TIFF, HEIC, WebP, EXR or HDR file") from None
         except InputError:
             raise
         except Exception:

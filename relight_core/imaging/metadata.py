@@ -1,8 +1,6 @@
-"""What a photo's file says beside its pixels, as far as a result may say it too; and files that need developing."""
+"""What a photo's file says beside its pixels, as far as a result may say it too."""
 
 from __future__ import annotations
-
-from pathlib import Path
 
 from PIL import Image
 
@@ -10,8 +8,6 @@ _ORIENTATION = 274
 _PICTURE_ITSELF = (256, 257, 258, 259, 262, 273, 277, 278, 279, 284, 338, 320, 700, 34675, 0x8773)
 _UPRIGHT = 1
 _LARGEST_BLOCK = 60_000
-_RAW_SUFFIXES = (".cr2", ".cr3", ".nef", ".arw", ".dng", ".raf", ".orf", ".rw2", ".pef", ".srw", ".x3f", ".nrw")
-_HEIF_BRANDS = (b"heic", b"heix", b"mif1", b"msf1", b"hevc")
 
 
 def carried_exif(image: Image.Image) -> bytes | None:
@@ -33,10 +29,10 @@ def carried_exif(image: Image.Image) -> bytes | None:
     return block if len(block) <= _LARGEST_BLOCK else None
 
 
-def raw_message(data: bytes, path: Path) -> str | None:
-    """What to do with a camera's raw file or an iPhone's HEIC; None for other files."""
-    if path.suffix.lower() in _RAW_SUFFIXES or data.startswith((b"FUJIFILMCCD-RAW", b"IIRO", b"FOVb")):
-        return "a camera's raw file, which must be developed first; export it as a 16-bit TIFF from your raw converter"
-    if data[4:8] == b"ftyp" and data[8:12] in _HEIF_BRANDS:
-        return "HEIC isn't read here; export it as JPEG, PNG or TIFF"
-    return None
+def carried_block(block: bytes | None) -> bytes | None:
+    """The same for a file's EXIF as a block of bytes."""
+    if not block:
+        return None
+    image = Image.new("L", (1, 1))
+    image.info["exif"] = block
+    return carried_exif(image)

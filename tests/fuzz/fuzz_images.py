@@ -13,6 +13,7 @@ from PIL import Image, ImageCms
 
 from relight_core.imaging.write import write_exr_layers
 
+_HEIC = Path(__file__).resolve().parents[1] / "imaging" / "heic"
 _TIFF_CODECS = ("raw", "tiff_lzw", "packbits", "tiff_deflate", "jpeg", "zstd", "lzma")
 
 
@@ -92,6 +93,7 @@ def pictures_by_kind() -> dict[str, list[bytes]]:
         "tiff": [*tiffs, _saved(bits, "TIFF", compression="group4"), _saved(alpha, "TIFF"), _saved(grey, "TIFF")],
         "webp": [_saved(alpha, "WEBP", lossless=True), _saved(alpha, "WEBP", quality=60), _saved(colour, "WEBP")],
         "avif": [_saved(colour, "AVIF"), _saved(alpha, "AVIF")],
+        "heic": [path.read_bytes() for path in sorted(_HEIC.glob("*.heic"))],
     }
 
 

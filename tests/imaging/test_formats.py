@@ -148,18 +148,3 @@ def test_grey_photos_become_grey_colour(tmp_path, depth):
         linear = read_photo(tmp_path / name).linear
         assert linear.shape == (10, 12, 3)
         np.testing.assert_allclose(linear, 0.212, atol=0.003)
-
-
-@pytest.mark.parametrize(
-    ("name", "data"), [("a.nef", b"II*\0" + bytes(64)), ("a.CR3", bytes(64)), ("a.dng", b"MM\0*" + bytes(9))]
-)
-def test_raw_files_say_what_to_do(tmp_path, name, data):
-    (tmp_path / name).write_bytes(data)
-    with pytest.raises(InputError, match="raw file.*TIFF"):
-        read_photo(tmp_path / name)
-
-
-def test_heic_says_what_to_do(tmp_path):
-    (tmp_path / "a.heic").write_bytes(b"\0\0\0\x18ftypheic" + bytes(32))
-    with pytest.raises(InputError, match="HEIC.*JPEG"):
-        read_photo(tmp_path / "a.heic")

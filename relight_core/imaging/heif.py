@@ -1,0 +1,135 @@
+"""HEIC and HEIF photos, as phones and some cameras write them, through libheif (decoding only)."""
+
+from __future__ import annotations
+
+import struct
+from pathlib import Path
+
+import numpy as np
+import pi_heif
+
+from relight_core.errors import InputError
+from relight_core.imaging.icc_making import DISPLAY_P3, REC2020, primaries_profile
+from relight_core.imaging.limits import check_pixels
+from relight_core.imaging.metadata import carried_block
+from relight_core.imaging.raster import Raster
+
+_BRANDS = (b"heic", b"heix", b"heim", b"heis", b"hevc", b"hevx", b"mif1", b"msf1")
+_LUMINOUS_TRANSFERS = {16: "PQ", 18: "HLG"}
+"""Transfer functions of high dynamic range (ITU-T H.273, table 3)."""
+
+_PRIMARIES = {9: REC2020, 12: DISPLAY_P3}
+"""By their number in ITU-T H.273, table 2."""
+
+
+def is_heif(data: bytes) -> bool:
+    """Whether a file says that it is HEIC or HEIF."""
+    # Some AVIFs name themselves by the container alone, and themselves only among what they are compatible with.
+    return data[4:8] == b"ftyp" and data[8:12] in _BRANDS and b"avif" not in data[16:64]
+
+
+def decode_heif(data: bytes, path: Path) -> Raster:
+    """Decode the main picture, upright, at its own depth.
+
+    What the file says of turning and mirroring the decoder itself applies; EXIF's orientation only repeats it.
+
+    Raises:
+        InputError: damaged, too large, or of a kind that can't be read.
+    """
+    image = _opened(data, path)
+    check_pixels(*image.size, path)
+    icc = image.info.get("icc_profile") or _stated_profile(image.info.get("nclx_profile"), path)
+    try:
+        # A copy: the library's own memory goes with its image.
+        codes = np.array(image)
+        codes = _full_scale(codes.reshape(*codes.shape[:2], -1), int(image.info.get("bit_depth") or 8))
+    except Exception:
+        raise _damaged(path) from None
+    values, alpha = codes, None
+    if image.has_alpha:
+        values, alpha = codes[..., :-1], codes[..., -1].astype(np.float32) / np.iinfo(codes.dtype).max
+    exif = carried_block(image.info.get("exif"))
+    return Raster(np.ascontiguousarray(values), alpha, icc, 1, image.premultiplied_alpha, exif)
+
+
+def stated_profile(data: bytes, path: Path) -> bytes | None:
+    """The profile for what an AVIF or HEIF says of its colours by number; None for sRGB or where it says nothing.
+
+    Raises:
+        InputError: it is of high dynamic range.
+    """
+    try:
+        info = _opened(data, path).info
+    except InputError:
+        return None
+    return _stated_profile(info.get("nclx_profile"), path)
+
+
+def _opened(data: bytes, path: Path) -> pi_heif.HeifImage:
+    """The main picture, not yet decoded."""
+    if not _items_are_named(data):
+        raise _damaged(path)
+    try:
+        file = pi_heif.open_heif(data, convert_hdr_to_8bit=False, hdr_to_16bit=False)
+        return file[file.primary_index]
+    except Exception:
+        raise _damaged(path) from None
+
+
+def _damaged(path: Path) -> InputError:
+    return InputError(f"{path}: a truncated or damaged HEIC; fetch or export it again")
+
+
+def _items_are_named(data: bytes) -> bool:
+    """Whether kinds and names of all items are text, as pi_heif takes for granted: others would end the process.
+
+    Items are boxes "infe" within the box "meta" (ISO/IEC 14496-12, 8.11.6): version, flags, number, protection,
+    four letters of kind, names.
+    """
+    items = _top_box(data, b"meta")
+    at = items.find(b"infe")
+    while at >= 0:
+        (size,) = struct.unpack_from(">I", items, at - 4) if at >= 4 else (0,)
+        version = items[at + 4] if at + 4 < len(items) else 0
+        try:
+            items[at + (12 if version < 3 else 14) : at - 4 + size].decode("utf-8")
+        except UnicodeDecodeError:
+            return False
+        at = items.find(b"infe", at + 4)
+    return bool(items)
+
+
+def _top_box(data: bytes, name: bytes) -> bytes:
+    """The content of a box that lies in no other; nothing where there is none or sizes make no sense."""
+    at = 0
+    while at + 16 <= len(data):
+        size, found = struct.unpack_from(">I4s", data, at)
+        head = 8
+        if size == 1:
+            (size,), head = struct.unpack_from(">Q", data, at + 8), 16
+        size = len(data) - at if size == 0 else size
+        if size < head:
+            break
+        if found == name:
+            return data[at + head : at + size]
+        at += size
+    return b""
+
+
+def _stated_profile(nclx: dict | None, path: Path) -> bytes | None:
+    if not nclx:
+        return None
+    transfer = _LUMINOUS_TRANSFERS.get(nclx["transfer_characteristics"])
+    if transfer is not None:
+        raise InputError(f"{path}: an HDR picture ({transfer}), which isn't read here; export it as SDR or as EXR")
+    primaries = _PRIMARIES.get(nclx["color_primaries"])
+    return None if primaries is None else primaries_profile(primaries)
+
+
+def _full_scale(codes: np.ndarray, bits: int) -> np.ndarray:
+    """10 and 12 bits as 16, white staying white."""
+    if codes.dtype == np.uint8:
+        return codes
+    most = min(2**bits, 65536) - 1
+    table = np.rint(np.minimum(np.arange(65536) / most, 1.0) * 65535).astype(np.uint16)
+    return table[codes]

@@ -1,0 +1,73 @@
+"""ICC profiles of RGB spaces that are known by name (ICC.1:2022): a matrix and the sRGB curve."""
+
+from __future__ import annotations
+
+import struct
+from dataclasses import dataclass
+from functools import lru_cache
+
+_D50 = (0.9642, 1.0, 0.8249)
+_SRGB_CURVE = (2.4, 1 / 1.055, 0.055 / 1.055, 1 / 12.92, 0.04045)
+_D65_TO_D50 = (1.047882, 0.022919, -0.050217, 0.029587, 0.990479, -0.017059, -0.009232, 0.015076, 0.751678)
+"""Bradford's adaptation, as the sRGB profiles of the ICC have it."""
+
+
+@dataclass(frozen=True)
+class Primaries:
+    """An RGB space with the white of D65.
+
+    Attributes:
+        name: for people.
+        columns: X, Y, Z of red, green and blue, adapted to D50.
+    """
+
+    name: str
+    columns: tuple[tuple[float, float, float], ...]
+
+
+DISPLAY_P3 = Primaries(
+    "Display P3", ((0.51512, 0.24120, -0.00105), (0.29198, 0.69225, 0.04189), (0.15710, 0.06657, 0.78407))
+)
+REC2020 = Primaries(
+    "Rec. 2020 primaries", ((0.67345, 0.27903, -0.00193), (0.16565, 0.67535, 0.02998), (0.12510, 0.04562, 0.79685))
+)
+
+
+@lru_cache(maxsize=4)
+def primaries_profile(primaries: Primaries) -> bytes:
+    """A display profile of version 4 with the curve of sRGB."""
+    curve = b"para" + bytes(4) + struct.pack(">HH", 3, 0) + _fixed(*_SRGB_CURVE)
+    tags = {
+        b"desc": _text(primaries.name),
+        b"cprt": _text("No copyright"),
+        b"wtpt": _xyz(_D50),
+        b"chad": b"sf32" + bytes(4) + _fixed(*_D65_TO_D50),
+    }
+    for letter, column in zip("rgb", primaries.columns, strict=True):
+        tags[f"{letter}XYZ".encode()] = _xyz(column)
+        tags[f"{letter}TRC".encode()] = curve
+    table, body = struct.pack(">I", len(tags)), b""
+    start = 132 + 12 * len(tags)
+    for name, content in tags.items():
+        table += struct.pack(">4sII", name, start + len(body), len(content))
+        body += content.ljust(-(-len(content) // 4) * 4, b"\0")
+    return _header(start + len(body)) + table + body
+
+
+def _header(size: int) -> bytes:
+    head = struct.pack(">I4xI4s4s4s", size, 0x04300000, b"mntr", b"RGB ", b"XYZ ")
+    head += struct.pack(">6H", 2026, 1, 1, 0, 0, 0) + b"acsp"
+    return head.ljust(68, b"\0") + _fixed(*_D50) + bytes(48)
+
+
+def _fixed(*numbers: float) -> bytes:
+    return struct.pack(f">{len(numbers)}i", *(round(number * 65536) for number in numbers))
+
+
+def _xyz(values: tuple[float, float, float]) -> bytes:
+    return b"XYZ " + bytes(4) + _fixed(*values)
+
+
+def _text(text: str) -> bytes:
+    coded = text.encode("utf-16-be")
+    return b"mluc" + bytes(4) + struct.pack(">II2s2sII", 1, 12, b"en", b"US", len(coded), 28) + coded

@@ -1,0 +1,31 @@
+"""What decoders hand over: pixel values as a file has them, with what is needed to make light of them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+RAW_SUFFIXES = (".cr2", ".cr3", ".nef", ".arw", ".dng", ".raf", ".orf", ".rw2", ".pef", ".srw", ".x3f", ".nrw")
+"""Of cameras' raw files."""
+
+
+@dataclass(frozen=True, eq=False)
+class Raster:
+    """A decoded file.
+
+    Attributes:
+        values: (H, W, 1 or 3) uint8 or uint16 encoded values, or float32 linear ones.
+        alpha: (H, W) float32 in [0, 1], or None.
+        icc: the embedded profile that `values` still are in, or None.
+        orientation: EXIF orientation still to be applied, 1 to 8.
+        premultiplied: whether `values` have alpha multiplied in.
+        exif: see `Photo.exif`.
+    """
+
+    values: np.ndarray
+    alpha: np.ndarray | None = None
+    icc: bytes | None = None
+    orientation: int = 1
+    premultiplied: bool = False
+    exif: bytes | None = None
