@@ -134,7 +134,8 @@ def _render(
     if _is_folder(arguments.output):
         make_folder(output.parent)
     icc = opened.icc if arguments.profile == "photo" else None
+    wide = icc is not None or output.suffix.lower() == ".exr"
     style = FileStyle(arguments.bits, exposure_ev=edit.exposure_ev, icc=icc, exif=opened.exif)
-    write_bands(output, relit.full.size, relit.full.in_bands(), relit.full.has_alpha, style)
+    write_bands(output, relit.full.size, relit.full.in_bands(wide=wide), relit.full.has_alpha, style)
     report.line(relit_line(str(output), relit, edit))
     return relit_record(str(photo), str(output), relit)

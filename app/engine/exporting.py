@@ -121,7 +121,7 @@ def write_relit(
     # Radiance carries no exposure; what the file says of it is enough.
     style = FileStyle(settings.bits, settings.quality, 0.0 if is_exr else exposure_ev, exif=exif, texts=texts)
     if relit.full is not None and shrunk_size(relit.full.size, settings.longest_side) == relit.full.size:
-        write_bands(path, relit.full.size, relit.full.in_bands(), relit.full.has_alpha, style)
+        write_bands(path, relit.full.size, relit.full.in_bands(wide=is_exr), relit.full.has_alpha, style)
         return
     image, alpha = shrunk_picture(relit, settings.longest_side)
     write_bands(path, image.shape[:2], cut(image, alpha), alpha is not None, style)

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from relight_core.imaging.colour import srgb_decode
+from relight_core.imaging.colour import REC709_LUMINANCE, srgb_decode
 
 _REC709_TO_XYZ_D50 = np.array(
     [
@@ -44,26 +44,42 @@ class MatrixProfile:
         return bool(same_curve and (self.matrix is None or np.abs(self.matrix - np.eye(3)).max() < _SAME))
 
     def decode(self, encoded: np.ndarray) -> np.ndarray:
-        """(H, W, 1 or 3) integers or floats in [0, 1] to (H, W, 3) float32 linear Rec.709, in [0, 1]."""
+        """(H, W, 1 or 3) integers or floats in [0, 1] to (H, W, 3) float32 linear Rec.709.
+
+        Colours that Rec.709 doesn't hold come out below 0 or above 1.
+        """
         linear = np.stack([self._curve(encoded[..., i], i) for i in range(encoded.shape[-1])], axis=-1)
         if linear.shape[-1] == 1:
             linear = np.repeat(linear, 3, axis=-1)
-        if self.matrix is not None:
-            linear = linear @ self.matrix.T.astype(np.float32)
-        return np.clip(linear, 0.0, 1.0)
+        return linear if self.matrix is None else linear @ self.matrix.T.astype(np.float32)
 
-    def encode(self, linear: np.ndarray) -> np.ndarray:
-        """(H, W, 3) linear Rec.709 in [0, 1] to encoded values of the profile, float32 in [0, 1].
+    @property
+    def luminance(self) -> np.ndarray:
+        """(3,) what its linear red, green and blue add to luminance.
 
         Raises:
             ValueError: a grey profile.
         """
-        if self.matrix is None:
-            raise ValueError("a grey profile holds no colour")
-        mixed = np.clip(linear @ np.linalg.inv(self.matrix).T.astype(np.float32), 0.0, 1.0)
+        return REC709_LUMINANCE @ self._colours()
+
+    def mix(self, linear: np.ndarray) -> np.ndarray:
+        """(..., 3) linear Rec.709, not clipped, in the profile's primaries.
+
+        Raises:
+            ValueError: a grey profile.
+        """
+        return linear @ np.linalg.inv(self._colours()).T.astype(np.float32)
+
+    def encode(self, mixed: np.ndarray) -> np.ndarray:
+        """(..., 3) linear in the profile's primaries, [0, 1], to its encoded values, float32 in [0, 1]."""
         positions = np.linspace(0.0, 1.0, _CURVE_SAMPLES)
         layers = [np.interp(mixed[..., i], self.curves[i], positions) for i in range(3)]
         return np.stack(layers, axis=-1).astype(np.float32)
+
+    def _colours(self) -> np.ndarray:
+        if self.matrix is None:
+            raise ValueError("a grey profile holds no colour")
+        return self.matrix
 
     def _curve(self, channel: np.ndarray, index: int) -> np.ndarray:
         positions = np.linspace(0.0, 1.0, _CURVE_SAMPLES)

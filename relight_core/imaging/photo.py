@@ -15,12 +15,15 @@ class Photo:
     """A decoded photo. Two photos are equal only if they are the same object.
 
     Attributes:
-        linear: (H, W, 3) float32 C-contiguous, linear Rec.709, >= 0 and finite; not premultiplied.
+        linear: (H, W, 3) float32 C-contiguous, linear Rec.709, >= 0 and finite; not premultiplied. Colours that
+            Rec.709 doesn't hold are clipped to it.
         alpha: (H, W) float32 in [0, 1], or None where the file has none.
         path: where it came from, or None.
         bits: bits per channel of its source: 8, 16 or 32 (floating point).
-        icc: the profile its file was in, where that is an RGB profile that is not sRGB; for writing it back.
+        icc: the profile its file was in, where that is an RGB matrix profile; for writing it back.
         exif: its file's EXIF, upright and without thumbnail, or None.
+        beyond: (H, W, 3) float16, finite, what clipping took from `linear`: their sum is the file's own colour.
+            None where it took nothing.
 
     Raises:
         ValueError: an array of another shape or type.
@@ -32,6 +35,7 @@ class Photo:
     bits: int = 8
     icc: bytes | None = None
     exif: bytes | None = None
+    beyond: np.ndarray | None = None
 
     def __post_init__(self) -> None:
         linear, alpha = self.linear, self.alpha
@@ -41,6 +45,8 @@ class Photo:
             raise ValueError("a photo is float32 and C-contiguous")
         if alpha is not None and (alpha.shape != linear.shape[:2] or alpha.dtype != np.float32):
             raise ValueError(f"alpha is float32 of shape {linear.shape[:2]}, not {alpha.dtype} {alpha.shape}")
+        if self.beyond is not None and (self.beyond.shape != linear.shape or self.beyond.dtype != np.float16):
+            raise ValueError(f"what lies beyond is float16 of shape {linear.shape}")
         if self.bits not in (8, 16, 32):
             raise ValueError(f"bits is 8, 16 or 32, not {self.bits}")
 

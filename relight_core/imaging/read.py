@@ -10,18 +10,25 @@ from relight_core.errors import InputError
 from relight_core.imaging import decode, exr
 from relight_core.imaging.colour import srgb_decode_integers
 from relight_core.imaging.files import file_bytes, file_head
-from relight_core.imaging.icc import matrix_profile
+from relight_core.imaging.icc import MatrixProfile, matrix_profile
+from relight_core.imaging.in_order import in_order
 from relight_core.imaging.photo import Photo
+
+_BLOCK_ROWS = 128
+_NEGLIGIBLE = 1e-5
+"""Rounding takes colours this far outside Rec.709."""
+
+_LARGEST_HALF = 65504.0
 
 
 def read_photo(path: str | Path) -> Photo:
-    """Read JPEG, PNG, TIFF, WebP, EXR or Radiance HDR, upright and in linear Rec.709.
+    """Read JPEG, PNG, TIFF, HEIC, AVIF, WebP, raw files, EXR or Radiance HDR, upright and in linear Rec.709.
 
     Integer files are sRGB unless they embed an ICC profile, from which they are converted: matrix and
-    grey profiles in floating point at the file's own depth, table-based ones (CMYK among them) at 8 bits
-    through LittleCMS. What lies outside Rec.709 is clipped. Floating-point TIFFs are linear unless they
-    embed a profile. In floating-point files NaN and negative values become 0 and infinity the largest
-    finite value. Alpha multiplied into the colour is divided out.
+    grey profiles in floating point at the file's own depth, with what lies outside Rec.709 in `Photo.beyond`;
+    table-based ones (CMYK among them) at 8 bits through LittleCMS, clipped to sRGB. Floating-point TIFFs are
+    linear unless they embed a profile. In floating-point files NaN becomes 0 and infinity the largest finite
+    value; what is negative goes to `Photo.beyond`. Alpha multiplied into the colour is divided out.
 
     Raises:
         InputError: missing, a folder, empty, truncated, not an image, above 400 megapixels or unreadable.
@@ -34,12 +41,14 @@ def read_photo(path: str | Path) -> Photo:
     raster = decode.decode_raster(file_bytes(path), path)
     if raster.values.dtype == np.float32 and raster.icc is None:
         return _float_photo(raster.values, raster.alpha, raster.premultiplied, path)
-    linear, bits = _to_linear(_straight(raster), raster.icc)
+    linear, beyond, bits = _to_linear(_straight(raster), raster.icc)
     linear, alpha = _upright(linear, raster.orientation), raster.alpha
     if alpha is not None:
         alpha = np.clip(_upright(alpha, raster.orientation), 0.0, 1.0)
+    if beyond is not None:
+        beyond = _upright(beyond, raster.orientation)
     coloured = raster.icc is not None and raster.values.shape[2] == 3 and matrix_profile(raster.icc, 3) is not None
-    return Photo(linear, alpha, path, bits, raster.icc if coloured else None, raster.exif)
+    return Photo(linear, alpha, path, bits, raster.icc if coloured else None, raster.exif, beyond)
 
 
 def read_radiance(path: str | Path) -> np.ndarray:
@@ -76,14 +85,17 @@ def _float_photo(linear: np.ndarray, alpha: np.ndarray | None, premultiplied: bo
         alpha = np.clip(np.nan_to_num(alpha.astype(np.float32)), 0.0, 1.0)
         if premultiplied:
             linear = linear / np.where(alpha > 0.0, alpha, 1.0)[..., None]
-            linear = np.minimum(linear, np.float32(3e38))
-    return Photo(np.ascontiguousarray(linear, np.float32), alpha, path, 32)
+            linear = np.clip(linear, np.float32(-3e38), np.float32(3e38))
+    linear, beyond = np.ascontiguousarray(linear, np.float32), None
+    if linear.min() < -_NEGLIGIBLE:
+        beyond = np.clip(linear, -_LARGEST_HALF, 0.0).astype(np.float16)
+    return Photo(np.maximum(linear, 0.0, out=linear), alpha, path, 32, beyond=beyond)
 
 
 def _finite(linear: np.ndarray) -> np.ndarray:
     finite = np.isfinite(linear)
     brightest = float(linear.max(initial=0.0, where=finite))
-    return np.maximum(np.nan_to_num(linear, nan=0.0, posinf=brightest, neginf=0.0), 0.0)
+    return np.nan_to_num(linear, nan=0.0, posinf=brightest, neginf=0.0)
 
 
 def _straight(raster: decode.Raster) -> np.ndarray:
@@ -97,24 +109,43 @@ def _straight(raster: decode.Raster) -> np.ndarray:
     return divided.astype(np.float32)
 
 
-def _to_linear(values: np.ndarray, icc: bytes | None) -> tuple[np.ndarray, int]:
-    """(H, W, 1 or 3) encoded to (H, W, 3) linear, and the bits that are left."""
+def _to_linear(values: np.ndarray, icc: bytes | None) -> tuple[np.ndarray, np.ndarray | None, int]:
+    """(H, W, 1 or 3) encoded to (H, W, 3) linear, what lies beyond Rec.709, and the bits that are left."""
     bits = 8 * values.dtype.itemsize
     profile = matrix_profile(icc, values.shape[2]) if icc else None
     if values.dtype.kind == "f":
         values = np.clip(np.nan_to_num(values), 0.0, 1.0)
         if profile is None:
-            return np.broadcast_to(values, (*values.shape[:2], 3)), bits
-        return profile.decode(values), bits
+            return np.broadcast_to(values, (*values.shape[:2], 3)), None, bits
+        return *_from_profile(values, profile), bits
     if profile is not None and not profile.is_srgb:
-        return profile.decode(values), bits
+        return *_from_profile(values, profile), bits
     if profile is None and icc:
         codes = values if bits == 8 else (values >> 8).astype(np.uint8)
         converted = decode.convert_8_bit(codes, icc)
         if converted is not None:
-            return srgb_decode_integers(converted), 8
+            return srgb_decode_integers(converted), None, 8
     linear = srgb_decode_integers(values)
-    return (np.repeat(linear, 3, axis=2) if linear.shape[2] == 1 else linear), bits
+    return (np.repeat(linear, 3, axis=2) if linear.shape[2] == 1 else linear), None, bits
+
+
+def _from_profile(values: np.ndarray, profile: MatrixProfile) -> tuple[np.ndarray, np.ndarray | None]:
+    """(H, W, 1 or 3) encoded to (H, W, 3) linear within Rec.709, and what lies beyond it."""
+    size = (*values.shape[:2], 3)
+    linear, beyond = np.empty(size, np.float32), None
+
+    def decode(top: int) -> tuple[slice, np.ndarray]:
+        rows = slice(top, top + _BLOCK_ROWS)
+        wide = profile.decode(values[rows])
+        np.clip(wide, 0.0, 1.0, out=linear[rows])
+        wide -= linear[rows]
+        return rows, wide
+
+    for rows, part in in_order(decode, range(0, len(values), _BLOCK_ROWS)):
+        if max(part.max(), -part.min()) > _NEGLIGIBLE:
+            beyond = np.zeros(size, np.float16) if beyond is None else beyond
+            beyond[rows] = part
+    return linear, beyond
 
 
 def _upright(image: np.ndarray, orientation: int) -> np.ndarray:

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from relight_core.imaging.colour import luminance, srgb_encode
+from relight_core.imaging.colour import REC709_LUMINANCE, srgb_encode
 
 BRIGHTEST = 65504.0
 """Radiance above this is shown as this; also what infinity becomes (the largest half float)."""
@@ -31,34 +31,53 @@ def apply_view(linear: np.ndarray, exposure_ev: float = 0.0) -> np.ndarray:
     Returns:
         (..., 3) float32 sRGB, [0, 1]; at exposure 0 exactly the sRGB curve for colours in [0, 1].
     """
-    shown = expose(linear, exposure_ev)
-    if shown.size and shown.max() > 1.0:
-        # A maximum along an axis of three takes numpy ten times as long.
-        peak = np.maximum(np.maximum(shown[..., 0], shown[..., 1]), shown[..., 2])
-        over = peak > 1.0
-        shown[over] = _into_range(shown[over], peak[over])
-    encoded = srgb_encode(shown)
+    encoded = srgb_encode(displayable(expose(linear, exposure_ev)))
     return np.clip(encoded, 0.0, 1.0, out=encoded)
 
 
-def expose(linear: np.ndarray, exposure_ev: float) -> np.ndarray:
-    """Radiance times 2 ** exposure_ev, cleaned of NaN, negative and infinite values; a new float32 array."""
+def displayable(exposed: np.ndarray, weights: np.ndarray = REC709_LUMINANCE) -> np.ndarray:
+    """Exposed radiance as a display has it, before its transfer curve; changed in place and returned.
+
+    Args:
+        exposed: (..., 3) float32, [0, inf), in the display's primaries.
+        weights: (3,) what those add to luminance.
+
+    Returns:
+        (..., 3) linear, [0, 1].
+    """
+    if exposed.size and exposed.max() > 1.0:
+        # A maximum along an axis of three takes numpy ten times as long.
+        peak = np.maximum(np.maximum(exposed[..., 0], exposed[..., 1]), exposed[..., 2])
+        over = peak > 1.0
+        exposed[over] = _into_range(exposed[over], peak[over], weights.astype(np.float32))
+    return exposed
+
+
+def expose(linear: np.ndarray, exposure_ev: float, *, darkest: float = 0.0) -> np.ndarray:
+    """Radiance times 2 ** exposure_ev, cleaned of NaN and infinite values and of those below `darkest`.
+
+    Args:
+        darkest: 0, or -BRIGHTEST to keep colours outside Rec.709.
+
+    Returns:
+        a new float32 array.
+    """
     stops = min(max(float(np.nan_to_num(exposure_ev)), -MAX_EXPOSURE_EV), MAX_EXPOSURE_EV)
     cleaned = np.array(linear, np.float32, order="C")
     # NaN compares as neither.
-    if cleaned.size and not (cleaned.min() >= 0.0 and cleaned.max() <= BRIGHTEST):
-        np.nan_to_num(cleaned, copy=False, nan=0.0, posinf=BRIGHTEST, neginf=0.0)
-        np.clip(cleaned, 0.0, BRIGHTEST, out=cleaned)
+    if cleaned.size and not (cleaned.min() >= darkest and cleaned.max() <= BRIGHTEST):
+        np.nan_to_num(cleaned, copy=False, nan=0.0, posinf=BRIGHTEST, neginf=darkest)
+        np.clip(cleaned, darkest, BRIGHTEST, out=cleaned)
     if stops == 0:
         return cleaned
     cleaned *= np.float32(2.0**stops)
-    return np.minimum(cleaned, np.float32(BRIGHTEST), out=cleaned)
+    return np.clip(cleaned, np.float32(darkest), np.float32(BRIGHTEST), out=cleaned)
 
 
-def _into_range(linear: np.ndarray, peak: np.ndarray) -> np.ndarray:
+def _into_range(linear: np.ndarray, peak: np.ndarray, weights: np.ndarray) -> np.ndarray:
     """(N, 3) colours whose largest channel `peak` (N,) is above 1, brought to [0, 1]."""
     scaled = linear / peak[:, None]
-    dimmed = luminance(scaled)
+    dimmed = scaled @ weights
     missing = dimmed * (peak - 1.0) / np.maximum(1.0 - dimmed, np.float32(1e-4))
     white = -np.expm1(-missing)[:, None]
     return scaled + (1.0 - scaled) * white

@@ -15,13 +15,13 @@ from PIL import Image, ImageCms
 
 from relight_core.errors import InputError
 from relight_core.imaging import exr
-from relight_core.imaging.colour import srgb_decode, srgb_encode
+from relight_core.imaging.colour import srgb_encode
 from relight_core.imaging.files import whole_file
 from relight_core.imaging.icc import MatrixProfile, matrix_profile
 from relight_core.imaging.in_order import in_order
 from relight_core.imaging.png import chunk, write_png
 from relight_core.imaging.tiff_exif import tags_of_block, with_exif
-from relight_core.imaging.view_transform import apply_view, expose
+from relight_core.imaging.view_transform import BRIGHTEST, displayable, expose
 
 _BITS = {".png": (8, 16), ".jpg": (8,), ".jpeg": (8,), ".tif": (8, 16), ".tiff": (8, 16), ".exr": (8, 16, 32)}
 _OPAQUE = (".jpg", ".jpeg")
@@ -51,7 +51,10 @@ class FileStyle:
 _PLAIN = FileStyle()
 
 Bands = Iterable[tuple[slice, np.ndarray, np.ndarray | None]]
-"""Rows, linear (h, W, 3) and alpha (h, W) or None, from the top down without gaps."""
+"""Rows, linear (h, W, 3) and alpha (h, W) or None, from the top down without gaps.
+
+What is outside Rec.709 is kept by EXR and by profiles that hold it.
+"""
 
 
 def write_image(
@@ -72,7 +75,7 @@ def write_image(
 
     Args:
         path: .png, .jpg, .jpeg, .tif, .tiff or .exr; replaced if it exists.
-        linear: (H, W, 3) linear Rec.709, [0, inf).
+        linear: (H, W, 3) linear Rec.709, [0, inf); what is negative, outside Rec.709, only EXR keeps.
         alpha: (H, W) in [0, 1], or None.
         bits: per channel.
         quality: of a JPEG, 1 to 100.
@@ -136,14 +139,17 @@ def _coded(
     rows, linear, alpha = band
     linear, alpha = _checked(linear, alpha)
     if suffix == ".exr":
-        exposed = _premultiplied(expose(linear, style.exposure_ev), alpha)
+        exposed = _premultiplied(expose(linear, style.exposure_ev, darkest=-BRIGHTEST), alpha)
         return rows, exr.limited(exposed, _code_type(suffix, style.bits))
-    shown = apply_view(linear, style.exposure_ev)
-    if suffix in _OPAQUE:
-        shown, alpha = _flattened(shown, alpha), None
-    if profile is not None:
-        shown = profile.encode(srgb_decode(shown))
-    return rows, _codes(shown, alpha, style.bits)
+    if profile is None:
+        shown = displayable(expose(linear, style.exposure_ev))
+    else:
+        # In the profile's own primaries, where what is outside Rec.709 may lie inside.
+        shown = displayable(expose(profile.mix(linear), style.exposure_ev), profile.luminance)
+    if suffix in _OPAQUE and alpha is not None:
+        shown, alpha = shown * alpha[..., None] + (1.0 - alpha[..., None]), None
+    encoded = srgb_encode(shown) if profile is None else profile.encode(shown)
+    return rows, _codes(np.clip(encoded, 0.0, 1.0, out=encoded), alpha, style.bits)
 
 
 def _code_type(suffix: str, bits: int) -> type:
@@ -243,12 +249,6 @@ def _codes(srgb: np.ndarray, alpha: np.ndarray | None, bits: int) -> np.ndarray:
     rounded = values * np.float32(np.iinfo(kind).max)
     rounded += np.float32(0.5)
     return rounded.astype(kind)
-
-
-def _flattened(srgb: np.ndarray, alpha: np.ndarray | None) -> np.ndarray:
-    if alpha is None:
-        return srgb
-    return np.clip(srgb_encode(srgb_decode(srgb) * alpha[..., None] + (1.0 - alpha[..., None])), 0.0, 1.0)
 
 
 def _srgb_profile() -> bytes:

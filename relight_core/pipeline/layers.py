@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from dataclasses import replace
 
 import cv2
 import numpy as np
@@ -36,7 +37,7 @@ def photo_layers(relit: Relit, names: Iterable[str], longest_side: int | None = 
     unknown = [name for name in wanted if name not in LAYERS]
     if unknown:
         raise ValueError(f"no layer {unknown[0]!r}; there are {', '.join(LAYERS)}")
-    image, alpha = _whole(relit)
+    image, alpha = _whole(relit, wide=True)
     size = shrunk_size(image.shape[:2], longest_side)
     layers = {"RGB": _sized(image, size)}
     if alpha is not None:
@@ -85,8 +86,14 @@ def unrolled(normals: np.ndarray, roll_deg: float) -> np.ndarray:
     return normals if roll_deg == 0 else (normals @ turn).astype(normals.dtype)
 
 
-def _whole(relit: Relit) -> tuple[np.ndarray, np.ndarray | None]:
-    """Image and alpha at the photo's size, whatever size they were made for the screen."""
+def _whole(relit: Relit, wide: bool = False) -> tuple[np.ndarray, np.ndarray | None]:
+    """Image and alpha at the photo's size, whatever size they were made for the screen.
+
+    Args:
+        wide: colours outside Rec.709 stay.
+    """
+    if wide and relit.full is not None and relit.full.canvas.beyond is not None:
+        return replace(relit.full, wide=True).render()
     if relit.full is None or (relit.image is not None and relit.full.size == relit.image.shape[:2]):
         return relit.image, relit.alpha
     return relit.full.render()

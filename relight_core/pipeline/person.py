@@ -21,11 +21,13 @@ class Canvas:
         linear: (h, w, 3) linear.
         alpha: (h, w) the photo's own, or None.
         photo_size: (height, width) of the photo.
+        beyond: (h, w, 3) float16, what lies outside Rec.709 (see `Photo`), or None. Smaller copies have none.
     """
 
     linear: np.ndarray
     alpha: np.ndarray | None
     photo_size: tuple[int, int]
+    beyond: np.ndarray | None = None
 
     @property
     def size(self) -> tuple[int, int]:
@@ -37,7 +39,7 @@ def canvas_of(photo: Photo, longest_side_px: int | None = None) -> Canvas:
     """The photo itself, or a copy of it that is no longer than so many pixels."""
     size = photo.linear.shape[:2]
     if longest_side_px is None or max(size) <= longest_side_px:
-        return Canvas(photo.linear, photo.alpha, size)
+        return Canvas(photo.linear, photo.alpha, size, photo.beyond)
     small = tuple(max(round(length * longest_side_px / max(size)), 1) for length in size)
     alpha = None if photo.alpha is None else resize_area(photo.alpha, small)
     return Canvas(resize_area(photo.linear, small), alpha, size)

@@ -48,6 +48,7 @@ class Picture:
         rest: (h, w, 3) gain over the whole photo beyond the views, at the light's level.
         backdrop: what is behind the person.
         person: of the whole canvas, where it is kept; else it is worked out band by band.
+        wide: colours outside Rec.709 stay, with values below 0 or above 1; else all are within it, as on a screen.
     """
 
     canvas: Canvas
@@ -56,6 +57,7 @@ class Picture:
     rest: np.ndarray
     backdrop: Backdrop
     person: Person | None = field(default=None, repr=False)
+    wide: bool = False
 
     @property
     def size(self) -> tuple[int, int]:
@@ -81,9 +83,14 @@ class Picture:
             pass
         return image, alpha
 
-    def in_bands(self, rows: int = 64) -> Iterator[tuple[slice, np.ndarray, np.ndarray | None]]:
-        """Rows, image and alpha of one band after the other, from the top, worked out a little ahead."""
-        return in_order(lambda band: (band.rows, *self.band(band)), bands(self.size, self.canvas.photo_size, rows))
+    def in_bands(self, rows: int = 64, *, wide: bool = False) -> Iterator[tuple[slice, np.ndarray, np.ndarray | None]]:
+        """Rows, image and alpha of one band after the other, from the top, worked out a little ahead.
+
+        Args:
+            wide: see there.
+        """
+        picture = replace(self, wide=wide)
+        return in_order(lambda band: (band.rows, *picture.band(band)), bands(self.size, self.canvas.photo_size, rows))
 
     def thinned(self, step: int) -> tuple[np.ndarray, np.ndarray | None]:
         """Every `step`-th row and column of `render`."""
@@ -109,11 +116,27 @@ class Picture:
         else:
             person = Person(self.person.share[band.pixels], self.person.colour[band.pixels])
         if self.backdrop.kept:
-            return self._beside_the_photo(linear, person, band), None
-        relit = self._relit(person.colour, band)
-        if self.backdrop.transparent:
-            return relit, person.share
-        return self._over(relit, linear, person, band), None
+            image = self._beside_the_photo(linear, person, band)
+        else:
+            image = self._relit(person.colour, band)
+            if not self.backdrop.transparent:
+                image = self._over(image, linear, person, band)
+        if self.wide and self.canvas.beyond is not None:
+            self._add_beyond(image, person.share[..., None], band)
+        return image, person.share if self.backdrop.transparent else None
+
+    def _add_beyond(self, image: np.ndarray, share: np.ndarray, band: Band) -> None:
+        """Add what of the photo's colours lies outside Rec.709, relit as the rest of each pixel is."""
+        beyond = self.canvas.beyond[band.pixels].astype(np.float32)
+        if not beyond.any():
+            return
+        gain = self._relit(np.ones_like(beyond), band, gloss=False)
+        if not self.backdrop.transparent:
+            behind = 1.0 if self.backdrop.kept else self.backdrop.gain
+            gain *= share
+            gain += 0.0 if behind is None else (1.0 - share) * behind
+        gain *= beyond
+        image += gain
 
     def _beside_the_photo(self, linear: np.ndarray, person: Person, band: Band) -> np.ndarray:
         """The person in the new light before the photo's own background; only the person's columns are computed."""
@@ -131,19 +154,19 @@ class Picture:
         np.maximum(relit, 0, out=result[:, first:last])
         return result
 
-    def _relit(self, colour: np.ndarray, band: Band) -> np.ndarray:
-        """The person's own colour (h, w, 3) in the new light."""
+    def _relit(self, colour: np.ndarray, band: Band, gloss: bool = True) -> np.ndarray:
+        """The person's own colour (h, w, 3) in the new light, with or without what that adds to any colour."""
         nearest = np.full(colour.shape[:2], 0.5, np.float32)
         inside = [self._nearer(placed.view, band, nearest) for placed in self.changes]
         if len(inside) == 1 and inside[0].all():
-            return self._within(self.changes[0], colour, band)
+            return self._within(self.changes[0], colour, band, gloss)
         relit = spread_window(self.rest, whole_photo(self.canvas.photo_size), band)
         relit *= colour
         for placed, chosen in zip(self.changes, inside, strict=True):
             rows, columns = (np.flatnonzero(chosen.any(axis=axis)) for axis in (1, 0))
             if rows.size:
                 part = slice(rows[0], rows[-1] + 1), slice(columns[0], columns[-1] + 1)
-                lit = self._within(placed, colour[part], band.part(*part))
+                lit = self._within(placed, colour[part], band.part(*part), gloss)
                 np.copyto(relit[part], lit, where=chosen[part][..., None])
         return relit
 
@@ -162,10 +185,11 @@ class Picture:
         return nearer
 
     @staticmethod
-    def _within(placed: PlacedChange, colour: np.ndarray, band: Band) -> np.ndarray:
+    def _within(placed: PlacedChange, colour: np.ndarray, band: Band, gloss: bool) -> np.ndarray:
         relit = spread_crop(placed.gain, placed.view, band)
         relit = relit * colour
-        relit += spread_crop(placed.offset, placed.view, band)
+        if gloss:
+            relit += spread_crop(placed.offset, placed.view, band)
         return relit
 
     def _over(self, relit: np.ndarray, linear: np.ndarray, person: Person, band: Band) -> np.ndarray:

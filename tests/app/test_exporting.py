@@ -39,7 +39,7 @@ def test_exports_of_an_installed_photo_lie_in_the_current_folder(tmp_path, monke
 
 def test_an_export_has_the_photo_s_size_though_a_preview_is_in_force(tmp_path):
     large, small = np.full((40, 60, 3), 0.5, np.float32), np.full((20, 30, 3), 0.5, np.float32)
-    full = SimpleNamespace(in_bands=lambda: cut(large, None), has_alpha=False, size=(40, 60))
+    full = SimpleNamespace(in_bands=lambda wide: cut(large, None), has_alpha=False, size=(40, 60))
     relit = SimpleNamespace(image=small, alpha=None, channels={}, full=full)
     opened = SimpleNamespace(photo=SimpleNamespace(linear=large, exif=None))
     light = SimpleNamespace(source=SimpleNamespace(title="Ring"))

@@ -41,7 +41,7 @@ class FakeRelighter:
             alpha=alpha,
             size=(height, width),
             full=SimpleNamespace(
-                size=(height, width), has_alpha=alpha is not None, in_bands=lambda: [(slice(None), image, alpha)]
+                size=(height, width), has_alpha=alpha is not None, in_bands=lambda wide: [(slice(None), image, alpha)]
             ),
             channels={
                 "photo": crop,

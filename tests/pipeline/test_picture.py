@@ -1,5 +1,7 @@
 """The finished picture: the same however it is cut, without rims, and honest where nothing is known."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import torch
@@ -164,3 +166,41 @@ def test_a_turned_view_changes_what_lies_in_it():
 def test_unknown_backgrounds_are_refused():
     with pytest.raises(InputError, match="match"):
         make_backdrop("beach", None)
+
+
+def wide_portrait():
+    """The portrait, of which a strip across wall and person lies outside Rec.709."""
+    photo, _ = portrait()
+    beyond = np.zeros(photo.linear.shape, np.float16)
+    beyond[70:90] = (0.25, -0.0625, -0.03125)
+    return Photo(photo.linear, beyond=beyond)
+
+
+@pytest.mark.parametrize(
+    ("backdrop", "of_wall"),
+    [("keep", 1.0), ("match", 0.5), ("#203040", 0.0)],
+)
+def test_what_lies_outside_rec709_is_relit_with_its_pixel(backdrop, of_wall):
+    photo = wide_portrait()
+    made = make_backdrop(backdrop, None, lambda: np.float32([0.5, 0.5, 0.5]))
+    picture = picture_of(gain=3.0, backdrop=made, photo=photo, change=change_of(3.0, 0.1))
+    within, all_of_it = picture.render()[0], replace(picture, wide=True).render()[0]
+    np.testing.assert_allclose((all_of_it - within)[80, 5], of_wall * photo.beyond[80, 5], atol=2e-3)
+    np.testing.assert_allclose((all_of_it - within)[80, 100], 3 * photo.beyond[80, 100], rtol=1e-2)
+    np.testing.assert_array_equal(all_of_it[:60], within[:60])
+    assert within.min() >= 0
+
+
+def test_a_cut_out_person_keeps_what_lies_outside_rec709():
+    photo = wide_portrait()
+    picture = picture_of(gain=2.0, backdrop=Backdrop(transparent=True), photo=photo)
+    colour, share = replace(picture, wide=True).render()
+    assert share[80, 100] == 1
+    np.testing.assert_allclose(colour[80, 100], 2 * (photo.linear + photo.beyond)[80, 100], rtol=1e-3)
+
+
+def test_a_screens_picture_never_leaves_rec709():
+    photo = wide_portrait()
+    picture = picture_of(photo=photo)
+    plain = picture_of(photo=Photo(photo.linear))
+    np.testing.assert_array_equal(picture.render()[0], plain.render()[0])
