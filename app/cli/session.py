@@ -15,6 +15,7 @@ from app.making import make_relighter
 from relight_core.errors import InputError
 
 if TYPE_CHECKING:
+    from relight_core.face.find import FaceBox
     from relight_core.imaging.photo import Photo
     from relight_core.lighting.environment import Environment
     from relight_core.pipeline.relighter import Relighter
@@ -27,6 +28,9 @@ def sample_portrait() -> Path:
 
 class Session:
     """One command's Relighter, made when first needed so that bad input is told before it loads."""
+
+    def __init__(self) -> None:
+        self._boxes: dict[str, tuple[FaceBox, ...] | None] = {}
 
     @cached_property
     def relighter(self) -> Relighter:
@@ -63,6 +67,7 @@ class Session:
             session = read_session(path)
             document = session.document
             saved = SavedLight(document.light, document.light_edit, document.edit.yaw_deg, session.notes)
+            self._boxes[os.path.realpath(document.photo.path)] = document.photo.boxes
         else:
             saved = read_light(path)
         if saved.light.kind == "own":
@@ -74,6 +79,8 @@ class Session:
     def open(self, path: Path, face_index: int | None = None, box: Sequence[float] | None = None) -> Photo:
         """Read a photo and make it the Relighter's portrait.
 
+        Boxes that a session given as the light has count for the photo they were drawn on.
+
         Args:
             box: left, top, right and bottom of the face in photo pixels, where it is not to be looked for.
 
@@ -84,7 +91,8 @@ class Session:
         from relight_core.imaging.read import read_photo
 
         photo = read_photo(path)
-        self.relighter.set_portrait(photo, face_index, None if box is None else FaceBox(*box))
+        boxes = self._boxes.get(os.path.realpath(path)) if box is None else [FaceBox(*box)]
+        self.relighter.set_portrait(photo, face_index, boxes)
         return photo
 
 

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from app.engine.sources import LightSource
+from relight_core.face.find import FaceBox
 from relight_core.lighting.light_edit import LightEdit
 from relight_core.pipeline.auto_quality import AUTO
 from relight_core.pipeline.edit import Edit
@@ -13,10 +14,23 @@ from relight_core.pipeline.edit import Edit
 
 @dataclass(frozen=True)
 class PhotoRef:
-    """A portrait by its file; face_index None is all faces."""
+    """A portrait by its file, and who in it is relit.
+
+    Attributes:
+        face_index: of the faces, the only one; None is all of them.
+        boxes: where the faces are, once the user has corrected that; None is wherever the finder sees them.
+        found: what the finder saw, for the names of changes; no part of what is equal.
+    """
 
     path: Path
     face_index: int | None = None
+    boxes: tuple[FaceBox, ...] | None = None
+    found: tuple[FaceBox, ...] = field(default=(), compare=False)
+
+    @property
+    def faces(self) -> tuple[FaceBox, ...]:
+        """Where the faces are, by hand or as found."""
+        return self.found if self.boxes is None else self.boxes
 
 
 @dataclass(frozen=True)

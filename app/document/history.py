@@ -86,7 +86,8 @@ class History:
     def _add(self, change: Change, document: Document, now_s: float) -> None:
         del self.steps[self.at + 1 :]
         last = self.steps[self.at]
-        if self.at > 0 and last.touched == change.touched and now_s - last.last_s <= TOGETHER_S:
+        same = last.touched == change.touched and not change.alone
+        if self.at > 0 and same and now_s - last.last_s <= TOGETHER_S:
             whole = change_between(self.steps[self.at - 1].document, document)
             del self.steps[self.at]
             self.at -= 1

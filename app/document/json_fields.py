@@ -71,6 +71,13 @@ class Fields:
         self._notes.append(f"unknown {key} {value[:40]} became {default}")
         return default
 
+    def is_nothing(self, key: str) -> bool:
+        """Whether a setting is missing or null; it is then read."""
+        missing = self._values.get(key) is None
+        if missing:
+            self._values.pop(key, None)
+        return missing
+
     def group(self, key: str) -> Fields:
         """An object inside; an empty one where it is missing."""
         return Fields(self._values.pop(key, {}), f"{self._where}, {key}", self._notes)

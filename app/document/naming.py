@@ -5,11 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, fields
 
-from app.document.document import Document
+from app.document.document import Document, PhotoRef
 from relight_core.lighting.light_edit import LightEdit
 from relight_core.pipeline.edit import Edit
 
 _MINUS = "\N{MINUS SIGN}"
+_SAME_PX = 0.01
 _BACKGROUNDS = {"keep": "photo", "match": "matched", "light": "light", "transparent": "none"}
 
 
@@ -20,10 +21,12 @@ class Change:
     Attributes:
         touched: the names of what changed; two changes that touch the same can be one step.
         name: for people.
+        alone: it is a step of its own, however soon it follows the one before.
     """
 
     touched: tuple[str, ...]
     name: str
+    alone: bool = False
 
 
 def change_between(before: Document, after: Document) -> Change | None:
@@ -50,9 +53,27 @@ def change_between(before: Document, after: Document) -> Change | None:
 
 def _photo_change(before: Document, after: Document) -> Change:
     if before.photo and after.photo and before.photo.path == after.photo.path:
+        if before.photo.boxes != after.photo.boxes:
+            return Change(("faces",), _face_boxes(before.photo, after.photo), alone=True)
         index = after.photo.face_index
         return Change(("face",), "All faces" if index is None else f"Face {index + 1}")
     return Change(("photo",), f"Open {after.photo.path.name}" if after.photo else "Close the photo")
+
+
+def _face_boxes(before: PhotoRef, after: PhotoRef) -> str:
+    if after.boxes is None:
+        return "Find the faces again"
+    old, new = before.faces, after.faces
+    if len(new) == len(old) + 1 and new[:-1] == old:
+        return f"Add face {len(new)}"
+    gone = [index for index, box in enumerate(old) if box not in new]
+    if len(new) == len(old) - 1 and len(gone) == 1:
+        return f"Remove face {gone[0] + 1}"
+    if len(new) != len(old) or len(gone) != 1:
+        return "Change the faces"
+    was, now = old[gone[0]], new[gone[0]]
+    same_size = abs(was.width - now.width) < _SAME_PX and abs(was.height - now.height) < _SAME_PX
+    return f"{'Move' if same_size else 'Resize'} face {gone[0] + 1}"
 
 
 def _differing(before: object, after: object, prefix: str) -> list[str]:

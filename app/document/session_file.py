@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from app.document.document import Document, PhotoRef
+from app.document.face_boxes import face_boxes_content, read_face_boxes
 from app.document.json_fields import Fields, path_for_file, path_from_file, read_json, write_json
 from app.document.light_file import light_content, read_light_content
 from app.engine.sources import PICTURE_SUFFIXES
@@ -16,7 +17,9 @@ from relight_core.pipeline.backdrop import check_background
 from relight_core.pipeline.edit import EFFECTS, Edit
 from relight_core.pipeline.quality import TIERS
 
-KIND, VERSION = "session", 1
+KIND, VERSION = "session", 2
+"""Version 1 knew no boxes of faces."""
+
 SESSION_SUFFIX = ".relight.json"
 _EDIT_RANGES = {
     "yaw_deg": (-180.0, 180.0),
@@ -65,6 +68,7 @@ def write_session(path: Path, document: Document, *, relative: bool = True) -> N
     content = {
         "photo": path_for_file(document.photo.path, folder),
         "face": document.photo.face_index,
+        "face_boxes": face_boxes_content(document.photo.boxes),
         "light": light_content(document.light, document.light_edit, folder),
         "quality": document.quality,
         "edit": {key: getattr(edit, key) for key in _EDIT_RANGES}
@@ -84,11 +88,12 @@ def read_session(path: Path) -> Session:
     fields = read_json(path, KIND, VERSION, notes)
     photo = path_from_file(fields.text("photo"), path.parent, PICTURE_SUFFIXES, str(path))
     face_index = fields.index("face")
+    boxes = read_face_boxes(fields, path)
     light, light_edit = read_light_content(fields.group("light"), path)
     edit = _edit(fields.group("edit"), path)
     quality = fields.word("quality", (AUTO, *TIERS), AUTO)
     fields.finish()
-    return Session(Document(PhotoRef(photo, face_index), light, light_edit, edit, quality), tuple(notes))
+    return Session(Document(PhotoRef(photo, face_index, boxes), light, light_edit, edit, quality), tuple(notes))
 
 
 def is_session_place(path: Path) -> bool:

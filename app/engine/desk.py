@@ -18,8 +18,8 @@ from app.engine.screen import (
 from app.engine.snapshot import OpenLight, OpenPhoto, Picture, Snapshot
 from app.engine.sources import LightSource, PhotoSource, RelighterLike, Request
 from app.engine.tier_meter import TierMeter
-from relight_core.errors import InputError
-from relight_core.face.find import find_faces
+from relight_core.errors import InputError, NoFaceError
+from relight_core.face.find import FaceBox, find_faces
 from relight_core.imaging.photo import Photo
 from relight_core.imaging.read import read_photo
 from relight_core.lighting.environment import Environment, read_environment
@@ -79,14 +79,14 @@ class Desk:
                 # Soon there, to be looked at while the networks load.
                 return self._toward_light(light)
             return self._toward_photo(photo)
-        if now.opened is not None and self._portrait is not now.opened:
+        if now.faces and self._portrait is not now.opened:
             return Step(f"Reading {now.opened.source.name}", self._return_to_portrait, _without_portrait)
         if light is not None and self._light_is_due(light, now):
             return self._toward_light(light)
         if light is not None and self._light_is_undrawn(request, now):
             draw = partial(self._draw_light, request.light_edit, _is_drafted(request))
             return Step("Drawing the light", draw, partial(_as_if_drawn, request.light_edit))
-        if now.opened is None or now.light is None:
+        if not now.faces or now.light is None:
             return None
         key = _picture_key(now.opened, now.light, request.edit, request.longest_side_px)
         if key != self._failed and (now.picture is None or key != _key_of(now.picture)):
@@ -103,8 +103,6 @@ class Desk:
             # At the tier that has de-lit the photo already, unless that was only for a moving hand.
             quality = edit.quality if edit.channels is None else _AT_REST
             return Step("Estimating the photo's own light", partial(self._estimate_own_light, quality), _refusing(_OWN))
-        if now.faces is None:
-            return Step("Counting the faces", _count_faces, lambda now: replace(now, faces=()))
         if self._tiers.is_due:
             return Step("Measuring the quality tiers", self._measure_tier, self._tiers.give_up)
         return None
@@ -159,19 +157,31 @@ class Desk:
 
     def _set_portrait(self, now: Snapshot) -> Snapshot:
         source, photo = self._loading
-        self._relighter.set_portrait(photo, source.face_index)
-        self._tiers.forget_photo()
+        faces = self._faces_of(source, photo)
         self._loading = None
-        seen = now.coming is not None and now.coming.photo is photo
-        self._portrait = OpenPhoto(source, photo, now.coming.screen if seen else radiance_for_screen(photo.linear))
-        keep_light = now.light is not None and now.light.source.kind != "own"
-        light = now.light if keep_light else None
-        faces = now.faces if now.opened and now.opened.photo is photo else None
+        seen = next((known for known in (now.coming, now.opened) if known is not None and known.photo is photo), None)
+        is_same = seen is not None and seen is now.opened
+        if not is_same:
+            self._tiers.forget_photo()
+        self._portrait = OpenPhoto(source, photo, seen.screen if seen else radiance_for_screen(photo.linear))
+        is_own = now.light is not None and now.light.source.kind == "own"
+        # Where the last face was taken away there is nothing to estimate it anew from.
+        light = None if is_own and (faces or not is_same) else now.light
+        picture = _as_of_before(now, self._portrait) if faces else None
         now = replace(now, opened=self._portrait, coming=None, light=light, own_light=None, faces=faces)
-        return replace(now, refused=now.refused - {_OWN})
+        return replace(now, picture=picture, refused=now.refused - {_OWN})
+
+    def _faces_of(self, source: PhotoSource, photo: Photo) -> tuple[FaceBox, ...]:
+        """Make a photo the portrait; everyone in it, or nobody, and then the portrait before stays."""
+        try:
+            self._relighter.set_portrait(photo, source.face_index, source.boxes)
+        except NoFaceError:
+            return ()
+        return tuple(self._relighter.people)
 
     def _return_to_portrait(self, now: Snapshot) -> Snapshot:
-        self._relighter.set_portrait(now.opened.photo, now.opened.source.face_index)
+        source = now.opened.source
+        self._relighter.set_portrait(now.opened.photo, source.face_index, source.boxes)
         self._portrait = now.opened
         return now
 
@@ -185,6 +195,8 @@ class Desk:
     def _open_light(self, source: LightSource, now: Snapshot) -> Snapshot:
         if source.kind == "own" and now.own_light is not None:
             return replace(now, light=replace(now.own_light, source=source))
+        if source.kind == "own" and not now.faces:
+            raise InputError(f"{now.opened.source.name}: there is no face to tell its light by; draw a box over one")
         if source.kind == "rig":
             environment, panorama, ball = rig_for_screen(source.name)
             return replace(now, light=OpenLight(source, environment, panorama, ball, environment))
@@ -210,7 +222,8 @@ class Desk:
 
     def _skip(self, key: tuple, now: Snapshot) -> Snapshot:
         self._failed = key
-        return now
+        stale = now.picture is not None and now.picture.is_stale
+        return replace(now, picture=None) if stale else now
 
     def _relight(self, edit: Edit, longest_side_px: int | None, now: Snapshot) -> Snapshot:
         edit = replace(edit, exposure_ev=0.0)
@@ -221,6 +234,14 @@ class Desk:
         picture = Picture(now.opened, now.light, edit, longest_side_px, relit, screen, channels)
         self._tiers.observe(edit.quality, relit.stages)
         return replace(now, picture=picture, tier_costs=self._tiers.costs())
+
+
+def _as_of_before(now: Snapshot, opened: OpenPhoto) -> Picture | None:
+    """The picture in force, to be looked at until the same photo's faces are relit anew; None for another photo."""
+    picture = now.picture
+    if picture is None or picture.opened.photo is not opened.photo:
+        return picture
+    return replace(picture, opened=opened, is_stale=True)
 
 
 def _former_channels(now: Snapshot) -> dict:
@@ -247,11 +268,7 @@ def _refusing(source: PhotoSource | LightSource) -> Callable[[Snapshot], Snapsho
 
 def _without_portrait(now: Snapshot) -> Snapshot:
     refused = now.refused | {now.opened.source}
-    return replace(now, opened=None, picture=None, own_light=None, faces=None, refused=refused)
-
-
-def _count_faces(now: Snapshot) -> Snapshot:
-    return replace(now, faces=tuple(find_faces(now.opened.photo)))
+    return replace(now, opened=None, picture=None, own_light=None, faces=(), refused=refused)
 
 
 def _for_screen(source: LightSource, environment: Environment) -> OpenLight:
@@ -274,5 +291,7 @@ def _picture_key(opened: OpenPhoto, light: OpenLight, edit: Edit, longest_side_p
     return opened, light, replace(edit, exposure_ev=0.0), longest_side_px
 
 
-def _key_of(picture: Picture) -> tuple:
+def _key_of(picture: Picture) -> tuple | None:
+    if picture.is_stale:
+        return None
     return _picture_key(picture.opened, picture.light, picture.edit, picture.longest_side_px)

@@ -31,6 +31,10 @@ class OpenPhoto:
     photo: Photo
     screen: np.ndarray
 
+    def shows(self, source: PhotoSource) -> bool:
+        """Whether a wish is for these pixels, whoever in them is to be relit."""
+        return source is self.source or source.place is self.photo
+
 
 @dataclass(frozen=True, eq=False)
 class OpenLight:
@@ -67,6 +71,7 @@ class Picture:
         relit: the result as the library gave it.
         screen: what a shader draws it from, or (h, w, 3 or 4) float16 linear radiance, small enough for a texture.
         channels: name -> (h, w, 3) uint8 sRGB, as channels are looked at.
+        is_stale: it shows the faces as they were before; the next one is on its way.
     """
 
     opened: OpenPhoto
@@ -76,6 +81,7 @@ class Picture:
     relit: RelitLike
     screen: DisplayRecipe | np.ndarray
     channels: dict[str, np.ndarray]
+    is_stale: bool = False
 
 
 @dataclass(frozen=True)
@@ -95,7 +101,7 @@ class Snapshot:
         opened, light, picture: in force; None until there is one.
         coming: the first photo, to be looked at while its face is being read; None once it is open.
         own_light: the light of the open photo, once it has been estimated.
-        faces: everyone in the open photo, largest first, once they have been counted; else None.
+        faces: everyone in the open photo, by hand or as found; none where nobody is seen and nobody was shown.
         refused: wishes that failed since the engine started and must not be wished again.
         tier_costs: what the quality tiers cost on this machine, as far as it is known.
         activity: what runs now, or None.
@@ -107,7 +113,7 @@ class Snapshot:
     light: OpenLight | None = None
     picture: Picture | None = None
     own_light: OpenLight | None = None
-    faces: tuple[FaceBox, ...] | None = None
+    faces: tuple[FaceBox, ...] = ()
     refused: frozenset[PhotoSource | LightSource] = field(default_factory=frozenset)
     tier_costs: Mapping[str, TierCost] = field(default_factory=dict)
     activity: str | None = None

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Protocol
@@ -13,6 +14,7 @@ from relight_core.lighting.light_edit import LightEdit
 from relight_core.pipeline.edit import Edit
 
 if TYPE_CHECKING:
+    from relight_core.face.find import FaceBox
     from relight_core.imaging.photo import Photo
     from relight_core.lighting.environment import Environment
     from relight_core.pipeline.display import DisplayRecipe
@@ -28,8 +30,12 @@ PICTURE_SUFFIXES = (*PHOTO_SUFFIXES, *RAW_SUFFIXES, ".hdr")
 class RelighterLike(Protocol):
     """The part of relight_core.pipeline.relighter.Relighter that the engine uses."""
 
-    def set_portrait(self, photo: Photo, face_index: int | None = None) -> None:
-        """Make a photo the portrait; slow. InputError leaves the previous portrait in place."""
+    def set_portrait(self, photo: Photo, face_index: int | None = None, boxes: Sequence[FaceBox] | None = None) -> None:
+        """Make a photo the portrait; slow. InputError, NoFaceError too, leaves the previous portrait in place."""
+
+    @property
+    def people(self) -> Sequence[FaceBox]:
+        """Everyone in the portrait, as face_index counts them."""
 
     def relight(
         self, environment: Environment, edit: Edit, longest_side_px: int | None = None, *, for_shader: bool = False
@@ -60,11 +66,13 @@ class PhotoSource:
 
     Attributes:
         place: the file, or a decoded photo.
-        face_index: which face; None is the largest.
+        face_index: which face alone; None is all of them.
+        boxes: where the faces are; None is wherever the finder sees them.
     """
 
     place: Path | Photo
     face_index: int | None = None
+    boxes: tuple[FaceBox, ...] | None = None
 
     @property
     def path(self) -> Path | None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from app.ui import edit_actions, look_actions
+from app.ui import edit_actions, face_actions, face_edits, look_actions
 from app.ui.actions import Action, Gesture
 from app.ui.state import EditorState
 
@@ -19,9 +19,11 @@ def _switch_help(state: EditorState) -> None:
 
 
 def _close(state: EditorState) -> None:
-    """Close the overlay that is open, else put the message away."""
+    """Close what is open, taking back what it is for taking back, else put the message away."""
     if state.look.help:
         state.look.help = False
+    elif state.faces.is_open:
+        face_edits.cancel(state)
     elif state.aim or state.playing:
         state.aim, state.playing = "", False
     elif state.snapshot.message:
@@ -41,6 +43,7 @@ ACTIONS: tuple[Action, ...] = (
     *look_actions.READING,
     *edit_actions.LIGHT,
     *edit_actions.BOXES,
+    *face_actions.FACES,
     *edit_actions.HISTORY,
     *edit_actions.FILE,
     *look_actions.PANELS,
@@ -49,4 +52,4 @@ ACTIONS: tuple[Action, ...] = (
 )
 """In the order of the palette and, group by group, of the overlay."""
 
-GESTURES: tuple[Gesture, ...] = (*look_actions.GESTURES, *edit_actions.GESTURES)
+GESTURES: tuple[Gesture, ...] = (*look_actions.GESTURES, *edit_actions.GESTURES, *face_actions.GESTURES)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import warnings
+
 import glfw
 from imgui_bundle import imgui
 
@@ -20,6 +22,9 @@ _CURSORS = {
     imgui.MouseCursor_.resize_ew: glfw.HRESIZE_CURSOR,
     imgui.MouseCursor_.resize_ns: glfw.VRESIZE_CURSOR,
     imgui.MouseCursor_.hand: glfw.HAND_CURSOR,
+    imgui.MouseCursor_.resize_all: glfw.RESIZE_ALL_CURSOR,
+    imgui.MouseCursor_.resize_nwse: glfw.RESIZE_NWSE_CURSOR,
+    imgui.MouseCursor_.resize_nesw: glfw.RESIZE_NESW_CURSOR,
 }
 _SHORTEST_FRAME_S = 1e-3
 
@@ -119,7 +124,7 @@ class Binding:
             return
         self._cursor = wanted
         if wanted not in self._cursors:
-            self._cursors[wanted] = glfw.create_standard_cursor(wanted)
+            self._cursors[wanted] = _standard_cursor(wanted)
         glfw.set_cursor(window, self._cursors[wanted])
 
     def begin(self) -> None:
@@ -156,6 +161,17 @@ class Binding:
 
         platform.platform_get_clipboard_text_fn = read
         platform.platform_set_clipboard_text_fn = lambda _context, text: glfw.set_clipboard_string(None, text)
+
+
+def _standard_cursor(shape: int) -> object | None:
+    """A shape of the mouse; that for all directions where a desktop has none for a diagonal, the arrow without that."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", glfw.GLFWError)
+        for known in (shape, glfw.RESIZE_ALL_CURSOR):
+            cursor = glfw.create_standard_cursor(known)
+            if cursor:
+                return cursor
+    return None
 
 
 def _as_labelled(key: int) -> int:

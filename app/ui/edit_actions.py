@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from app.ui import face_edits
 from app.ui.actions import Action, Gesture
 from app.ui.panorama import NEW_AT, add_box
 from app.ui.state import EditorState
@@ -34,9 +35,24 @@ def _relit(state: EditorState) -> bool:
 
 def _aim(aim: str):
     def run(state: EditorState) -> None:
+        face_edits.done(state)
         state.aim = "" if state.aim == aim else aim
 
     return run
+
+
+def _delete(state: EditorState) -> None:
+    """What is worked on: a face's box, else a soft box."""
+    if state.faces.is_open:
+        face_edits.remove(state)
+    else:
+        state.delete_box()
+
+
+def _can_delete(state: EditorState) -> bool:
+    if state.faces.is_open:
+        return state.faces.selected >= 0
+    return 0 <= state.selected_box < len(state.light_edit.boxes)
 
 
 LIGHT = (
@@ -83,12 +99,12 @@ BOXES = (
         is_on=lambda state: state.aim == "bright",
     ),
     Action(
-        "Delete the soft box",
+        "Delete the box",
         _LIGHT,
         ("Delete",),
-        "The one that is selected",
-        EditorState.delete_box,
-        available=lambda state: 0 <= state.selected_box < len(state.light_edit.boxes),
+        "The soft box that is selected, or the face's while the face boxes are in sight",
+        _delete,
+        available=_can_delete,
     ),
     Action(
         "Remove all soft boxes",

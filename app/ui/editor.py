@@ -10,6 +10,7 @@ from imgui_bundle import imgui
 from app.ui import (
     dividers,
     effects_panel,
+    face_card,
     file_picker,
     filmstrip,
     grips,
@@ -66,6 +67,7 @@ def draw(state: EditorState, fonts: theme.Fonts, pictures: Pictures, shelf: ligh
     grips.draw(state, layout)
     questions.draw(state, layout.viewport)
     progress_card.draw(state, layout.viewport)
+    face_card.draw(state, layout.viewport)
     file_picker.draw(state, fonts)
     whole = Rect(0.0, 0.0, io.display_size.x, io.display_size.y)
     help_overlay.draw(state, fonts, whole)

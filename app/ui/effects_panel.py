@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from imgui_bundle import imgui
 
-from app.ui import export_panel, history_panel, quality_panel, theme, widgets
+from app.ui import export_panel, face_edits, history_panel, quality_panel, theme, widgets
 from app.ui.groups import Tool, group
 from app.ui.state import EditorState
 from relight_core.lighting.light_edit import LightEdit
@@ -115,19 +115,34 @@ def _colour(state: EditorState) -> None:
 
 
 def _faces(state: EditorState, fonts: theme.Fonts) -> None:
+    """Who is relit, and the way to correct where they are."""
     opened, faces = state.snapshot.opened, state.snapshot.faces
     state.pointing_at_faces = False
-    if opened is None or not faces or len(faces) < 2:
+    if opened is None:
         return
-    widgets.heading(fonts, "Face")
-    count = min(len(faces), MOST_FACES)
-    everyone = ("", "All", "Relight everyone.")
-    single = ((str(i), str(i + 1), "Relight this person alone; 1 is the largest face.") for i in range(count))
-    choices = (everyone, *single)
-    current = "" if opened.source.face_index is None else str(opened.source.face_index)
     imgui.begin_group()
-    chosen = widgets.segmented(choices, current)
+    _faces_title(state, fonts, len(faces))
+    if len(faces) > 1:
+        count = min(len(faces), MOST_FACES)
+        everyone = ("", "All", "Relight everyone.")
+        single = ((str(i), str(i + 1), "Relight this person alone.") for i in range(count))
+        choices = (everyone, *single)
+        current = "" if opened.source.face_index is None else str(opened.source.face_index)
+        chosen = widgets.segmented(choices, current)
+        if chosen != current:
+            state.choose_face(int(chosen) if chosen else None)
     imgui.end_group()
     state.pointing_at_faces = imgui.is_item_hovered()
-    if chosen != current:
-        state.choose_face(int(chosen) if chosen else None)
+
+
+def _faces_title(state: EditorState, fonts: theme.Fonts, count: int) -> None:
+    """How many there are, and the button that shows their boxes."""
+    label, em = "Edit boxes…", imgui.get_font_size()
+    width = imgui.calc_text_size(label).x + 1.2 * em
+    right = imgui.get_cursor_pos_x() + imgui.get_content_region_avail().x
+    imgui.align_text_to_frame_padding()
+    widgets.heading(fonts, "No face" if count == 0 else "Face" if count == 1 else f"{count} faces")
+    imgui.same_line(right - width)
+    if widgets.toggle(label, state.faces.is_open, width):
+        face_edits.switch(state)
+    imgui.set_item_tooltip("Move or resize the boxes of the faces, add one that was missed.  Shift + F")

@@ -19,7 +19,8 @@ _NAMED = {
     "PageDown": "page_down",
     "PageUp": "page_up",
 }
-_ALSO = {"=": "keypad_add", "-": "keypad_subtract"} | {str(digit): f"keypad{digit}" for digit in range(10)}
+_ALSO = {"Enter": "keypad_enter", "=": "keypad_add", "-": "keypad_subtract"}
+_ALSO |= {str(digit): f"keypad{digit}" for digit in range(10)}
 
 
 def apply(state: EditorState) -> None:

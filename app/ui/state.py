@@ -14,10 +14,12 @@ from app.engine.snapshot import Message, Snapshot
 from app.engine.sources import LightSource, PhotoSource, RelitLike, Request
 from app.ui.asking import Asking, FileRequest
 from app.ui.box_tools import Grab, without_box
+from app.ui.face_edits import FaceTool
 from app.ui.layout import OpenGroups, Panels
 from app.ui.look import LookState
 from app.ui.photo_queue import PhotoQueue
 from app.ui.view import View
+from relight_core.face.find import FaceBox
 from relight_core.imaging.photo import Photo
 from relight_core.lighting.light_edit import LightEdit
 from relight_core.pipeline.auto_quality import QualityChoice
@@ -98,6 +100,7 @@ class EditorState:
         typing_began: the typing field still has to take the keyboard.
         hand_on_control: a slider or the panorama is being dragged, so speed counts more than finish.
         pointing_at_faces: the mouse is on the choice of faces, so that the viewport shows which is which.
+        faces: the boxes of the faces, while they are corrected.
         asked, asked_light: the edit, and the light's, last asked of the engine.
         snapshot: the engine's newest.
         light_panel: the light panel's rectangle (x0, y0, x1, y1) in the window, for drops.
@@ -140,11 +143,14 @@ class EditorState:
     typing_began: bool = False
     hand_on_control: bool = False
     pointing_at_faces: bool = False
+    faces: FaceTool = field(default_factory=FaceTool)
     asked: Edit = field(default_factory=Edit)
     asked_light: LightEdit = field(default_factory=LightEdit)
     snapshot: Snapshot = field(default_factory=Snapshot)
     light_panel: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 0.0)
     _opening: _Opening | None = None
+    _found: dict[Path, tuple[FaceBox, ...]] = field(default_factory=dict)
+    _boxes: dict[Path, tuple[FaceBox, ...] | None] = field(default_factory=dict)
 
     def request(self) -> Request:
         """What the engine is to work toward: quick while the hand moves something, finished when it rests."""
@@ -159,7 +165,9 @@ class EditorState:
 
     def document(self) -> Document:
         """What undo and sessions keep of all this."""
-        photo = PhotoRef(self.photo.path, self.photo.face_index) if self.photo and self.photo.path else None
+        photo, path = None, self.photo.path if self.photo else None
+        if path:
+            photo = PhotoRef(path, self.photo.face_index, self.photo.boxes, self._found.get(path, ()))
         light = LightRef(self.light.kind, self.light.name)
         edit = replace(self.edit, quality="final", channels=None)
         return Document(photo, light, self.light_edit, edit, self.quality.wish)
@@ -179,7 +187,7 @@ class EditorState:
         if document.photo is not None and document.photo != self.document().photo:
             opened = self.snapshot.opened
             decoded = opened.photo if opened and opened.source.path == document.photo.path else document.photo.path
-            self.photo = PhotoSource(decoded, document.photo.face_index)
+            self.photo = PhotoSource(decoded, document.photo.face_index, document.photo.boxes)
 
     def change(self, **fields) -> None:
         """Set fields of the edit."""
@@ -208,9 +216,9 @@ class EditorState:
         if not light.same_as(self.light):
             self.extra_lights = [known for known in self.extra_lights if not known.same_as(light)]
 
-    def open_photo(self, path: Path, face_index: int | None = None) -> None:
+    def open_photo(self, path: Path) -> None:
         """Ask for another portrait."""
-        self.photo = PhotoSource(path, face_index)
+        self.photo = PhotoSource(path)
 
     def open_photos(self, paths: Sequence[Path]) -> None:
         """Ask for the first of several portraits; the others wait in the queue."""
@@ -218,11 +226,18 @@ class EditorState:
         self.open_photo(paths[0])
 
     def step_photo(self, by: int) -> None:
-        """Ask for a photo further on in the queue."""
+        """Ask for a photo further on in the queue; where its faces were corrected, they stay so."""
         queue = self.queue.step(by)
         if queue is not None:
             self.queue = queue
-            self.open_photo(queue.current)
+            boxes = self.boxes_of(queue.current)
+            self.photo = PhotoSource(queue.current, None, boxes)
+
+    def boxes_of(self, path: Path) -> tuple[FaceBox, ...] | None:
+        """Where the faces in a photo of this run are, if that was corrected; else None."""
+        if self.photo and self.photo.path:
+            self._boxes[self.photo.path.absolute()] = self.photo.boxes
+        return self._boxes.get(path.absolute())
 
     def open_session(self, document: Document, path: Path | None) -> None:
         """Ask for work that was saved; everything comes back as it is now if its photo can't be opened.
@@ -231,7 +246,7 @@ class EditorState:
             path: its file, where it will be saved again; None for work that no session file holds.
         """
         before = self.document()
-        self.photo = PhotoSource(document.photo.path, document.photo.face_index)
+        self.photo = PhotoSource(document.photo.path, document.photo.face_index, document.photo.boxes)
         self._opening = _Opening(self.photo, path, document, before)
         self.restore(document)
 
@@ -248,7 +263,7 @@ class EditorState:
     def choose_face(self, index: int | None) -> None:
         """Ask for one face of the open photo, or for all of them."""
         if self.snapshot.opened:
-            self.photo = PhotoSource(self.snapshot.opened.photo, index)
+            self.photo = PhotoSource(self.snapshot.opened.photo, index, self.photo.boxes if self.photo else None)
 
     def choose_light(self, light: LightSource) -> None:
         """Ask for another light, as it is, around the user's own soft boxes; one in the list is the one in the list.
@@ -275,7 +290,10 @@ class EditorState:
             self.export_path = self._export_beside().with_suffix(self.export.form).name
             self.shown = RESULT
             self.aim_at = None
+            self.faces = FaceTool(not snapshot.faces, snapshot.opened.source)
             self._begin_work()
+        if snapshot.opened and snapshot.opened.source.path and snapshot.opened.source.boxes is None:
+            self._found[snapshot.opened.source.path] = snapshot.faces
 
     def export_place(self, suffix: str | None = None) -> Path:
         """Where the next export goes, as a whole path, without a number; of another kind, with its suffix."""
@@ -314,6 +332,11 @@ class EditorState:
             return PHOTO
         return self.shown if self.shown == RESULT or self.shown in picture.channels else RESULT
 
+    def show_in_the_photo(self) -> None:
+        """Show the result, unless what is shown lies over the whole photo too."""
+        if self.shown not in (RESULT, PHOTO):
+            self.shown = RESULT
+
     def _give_up_opening(self) -> None:
         if self._opening and self._opening.wish is self.photo:
             self.restore(replace(self._opening.before, photo=None))
@@ -343,7 +366,7 @@ class EditorState:
     def _is_in_force(self) -> bool:
         """Whether the photo and the light that were asked for are there, so that neither can still be refused."""
         snapshot = self.snapshot
-        photo_is = self.photo is None or (snapshot.opened is not None and snapshot.opened.source is self.photo)
+        photo_is = self.photo is None or (snapshot.opened is not None and snapshot.opened.shows(self.photo))
         return photo_is and snapshot.light is not None and self.light.same_as(snapshot.light.source)
 
     def _known(self, light: LightSource) -> LightSource:

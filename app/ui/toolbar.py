@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from imgui_bundle import imgui
 
-from app.ui import look_actions, theme
+from app.ui import face_actions, look_actions, theme
 from app.ui.actions import Action
 from app.ui.state import EditorState
 from app.ui.view import View
@@ -158,6 +158,8 @@ def _menu(state: EditorState, x: float, y: float, width: float) -> None:
         _entries(state, look_actions.PANELS)
         imgui.separator()
         _entries(state, look_actions.ARRANGING)
+        imgui.separator()
+        _entries(state, face_actions.FACES[:1])
         imgui.end_popup()
 
 

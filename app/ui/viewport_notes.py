@@ -5,11 +5,10 @@ from __future__ import annotations
 from imgui_bundle import imgui
 
 from app.ui import theme, widgets
-from app.ui.effects_panel import MOST_FACES
 from app.ui.layout import Rect
 from app.ui.panes import LIGHTS, Arrangement, Pane
 from app.ui.pictures import Pictures
-from app.ui.state import CHANNELS, PHOTO, RESULT, EditorState
+from app.ui.state import CHANNELS, RESULT, EditorState
 
 TITLES = {name: title for name, title, _ in CHANNELS}
 _DIFFERENCE_ENDS = ("3 stops darker", "same", "3 stops brighter")
@@ -60,19 +59,6 @@ def pane_titles(state: EditorState, arranged: Arrangement, rect: Rect, scale: fl
     x = rect.x + after.left / scale + 0.6 * em
     if x + note_width(right) < rect.x + rect.width:
         note(right, x, y)
-
-
-def faces(state: EditorState, pane: Pane, rect: Rect, scale: float) -> None:
-    """A numbered frame around every face, while the mouse is on the choice of faces."""
-    if not state.pointing_at_faces or pane.name not in (PHOTO, RESULT):
-        return
-    spot = pane.placement
-    draw = imgui.get_window_draw_list()
-    for index, box in enumerate(state.snapshot.faces[:MOST_FACES]):
-        x0, x1 = (rect.x + (spot.x + edge * spot.zoom) / scale for edge in (box.x0, box.x1))
-        y0, y1 = (rect.y + (spot.y + edge * spot.zoom) / scale for edge in (box.y0, box.y1))
-        draw.add_rect(imgui.ImVec2(x0, y0), imgui.ImVec2(x1, y1), theme.packed(theme.ACCENT), 4.0, 2.0)
-        note(str(index + 1), x0 + 4.0, y0 + 4.0)
 
 
 def progress(state: EditorState, rect: Rect) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from imgui_bundle import imgui
 
-from app.ui import light_ball, placing, probe_card, theme, timings, viewport_notes, widgets, wipe
+from app.ui import face_tool, light_ball, placing, probe_card, theme, timings, viewport_notes, widgets, wipe
 from app.ui.layout import Rect
 from app.ui.panes import LIGHTS, Arrangement, arrange_panes
 from app.ui.pictures import Paint, Pictures
@@ -30,9 +30,12 @@ def draw(state: EditorState, fonts: theme.Fonts, pictures: Pictures, rect: Rect)
     state.look.pointer_px = at if imgui.is_item_hovered() else None
     arranged = arrange_panes(state, size)
     is_open = state.snapshot.opened is not None
+    if is_open and arranged.main:
+        _move_by_the_wheel_button(state, arranged, scale)
     if (
         is_open
         and arranged.main
+        and not face_tool.drag(state, arranged, at, scale)
         and not placing.drag(state, arranged, at)
         and not wipe.drag(state, arranged, at, scale)
     ):
@@ -85,6 +88,13 @@ def _in_pane(arranged: Arrangement, at: tuple[float, float] | None) -> tuple[flo
     return at[0] - pane.left, at[1]
 
 
+def _move_by_the_wheel_button(state: EditorState, arranged: Arrangement, scale: float) -> None:
+    """Pressing the wheel and dragging moves the picture, whatever the left button does."""
+    delta = imgui.get_io().mouse_delta
+    if imgui.is_item_hovered() and imgui.is_mouse_down(2) and arranged.main.name not in LIGHTS:
+        state.view = pan(state.view, delta.x * scale, delta.y * scale, arranged.main.frame, arranged.pane_px)
+
+
 def _navigate(state: EditorState, arranged: Arrangement, at: tuple[float, float], scale: float) -> None:
     io = imgui.get_io()
     frame, pane_px = arranged.main.frame, arranged.pane_px
@@ -105,7 +115,7 @@ def _navigate(state: EditorState, arranged: Arrangement, at: tuple[float, float]
 
 
 def _over_the_picture(state: EditorState, pictures: Pictures, arranged: Arrangement, rect: Rect, scale: float) -> None:
-    viewport_notes.faces(state, arranged.main, rect, scale)
+    face_tool.draw(state, arranged, rect, scale)
     wipe.draw(state, arranged, rect, scale)
     viewport_notes.legend(state, pictures, arranged.main, rect)
     viewport_notes.progress(state, rect)

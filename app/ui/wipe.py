@@ -19,8 +19,7 @@ def drag(state: EditorState, arranged: Arrangement, at: tuple[float, float], sca
     if arranged.wipe_x is None:
         look.wipe_held = False
         return False
-    reach = _REACH_EM * imgui.get_font_size() * scale
-    near = imgui.is_item_hovered() and abs(at[0] - arranged.wipe_x) < reach
+    near = is_near(arranged, at, scale)
     if imgui.is_item_activated():
         look.wipe_held = near
     if not imgui.is_item_active():
@@ -34,6 +33,12 @@ def drag(state: EditorState, arranged: Arrangement, at: tuple[float, float], sca
         spot = arranged.main.placement
         look.wipe_at = min(max((at[0] - spot.x) / spot.width, 0.0), 1.0)
     return look.wipe_held
+
+
+def is_near(arranged: Arrangement, at: tuple[float, float], scale: float) -> bool:
+    """Whether the mouse, on the viewport's item, is near enough to the line to take it."""
+    reach = _REACH_EM * imgui.get_font_size() * scale
+    return arranged.wipe_x is not None and imgui.is_item_hovered() and abs(at[0] - arranged.wipe_x) < reach
 
 
 def draw(state: EditorState, arranged: Arrangement, rect: Rect, scale: float) -> None:

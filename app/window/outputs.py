@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -19,6 +19,7 @@ from app.engine.turntable import FRAMES, turning, write_film, write_pictures
 from app.ui.state import EditorState
 from app.window.clipboard import copy_png
 from relight_core.errors import InputError
+from relight_core.face.find import FaceBox
 from relight_core.imaging.read import read_photo
 from relight_core.imaging.write import write_image
 from relight_core.lighting.environment import Environment
@@ -62,13 +63,13 @@ class Outputs:
     def film_to(self, path: Path) -> None:
         """Save the turntable: an .mp4 file, else a folder of pictures."""
         picture = self._picture()
-        photo, face_index = picture.opened.photo, picture.opened.source.face_index
+        photo, source = picture.opened.photo, picture.opened.source
         light, edit = picture.light.environment, replace(self._state.edit, quality="final")
         side = self._state.export.longest_side or 1080
 
         def work(control: JobControl) -> str:
             relighter = self._make_relighter()
-            relighter.set_portrait(photo, face_index)
+            relighter.set_portrait(photo, source.face_index, source.boxes)
             control.step(0, FRAMES)
             frames = turning(relighter, light, edit, side)
             if path.suffix.lower() == ".mp4":
@@ -84,6 +85,7 @@ class Outputs:
         document, settings = self._state.document(), self._state.export
         environment = self._picture().light.environment
         title = document.light.source().title
+        boxes = {photo: self._state.boxes_of(photo) for photo in photos}
 
         def work(control: JobControl) -> str:
             try:
@@ -94,7 +96,7 @@ class Outputs:
             tasks = [(photo, folder / f"{photo.stem}{settings.form}") for photo in photos]
 
             def one(photo: Path, output: Path) -> None:
-                relight_like(document, environment, relighter, photo, output, settings, title)
+                relight_like(document, environment, relighter, photo, output, settings, title, boxes[photo])
 
             outcomes = []
             control.step(0, len(tasks))
@@ -133,12 +135,14 @@ def relight_like(
     output: Path,
     settings: ExportSettings,
     title: str,
+    boxes: Sequence[FaceBox] | None = None,
 ) -> None:
     """Relight one photo under a document's light and sliders, and write it.
 
     Args:
         environment: the document's light, edited; not used where that is the photo's own.
         title: of the light, to be noted in the file.
+        boxes: where the faces in this photo are; None lets the finder say so.
 
     Raises:
         InputError: no photo, no face, or a place that can't be written.
@@ -148,7 +152,7 @@ def relight_like(
     if os.path.realpath(photo) == os.path.realpath(output):
         raise InputError(f"{output}: that is the photo itself; choose another folder")
     opened = read_photo(photo)
-    relighter.set_portrait(opened)
+    relighter.set_portrait(opened, None, boxes)
     if document.light.kind == "own":
         environment = edit_light(relighter.estimated_light("final"), document.light_edit)
     channels = None if settings.form == ".exr" and settings.layers else ()

@@ -158,7 +158,7 @@ def run_stability(
     cases, errors = [], []
     for portrait_name, portrait in portraits.items():
         # Framed by hand: what the finder makes of such pictures is another question.
-        relighter.set_portrait(portrait, box=face)
+        relighter.set_portrait(portrait, boxes=[face])
         for light_name, panorama in lights.items():
             cases.append(f"{portrait_name}, {light_name}")
             environment = Environment.from_radiance(panorama, light_name)
@@ -211,7 +211,7 @@ def _thread_error(photo: Photo, face: FaceBox, light: Environment, tier: Tier, w
         for count in _THREADS:
             torch.set_num_threads(count)
             relighter = Relighter(weights)
-            relighter.set_portrait(photo, box=face)
+            relighter.set_portrait(photo, boxes=[face])
             results.append(relighter.relight(light, edit))
     finally:
         torch.set_num_threads(before)

@@ -29,34 +29,43 @@ class Stage:
 
 
 @dataclass
+class Record:
+    """What became of the stages; caches that work on one picture share one.
+
+    Attributes:
+        stages: of the last update, in the order in which they ended.
+        typical_ms: what each stage took when it last ran, in whatever update.
+        began: when the update began, as of time.perf_counter.
+        nested_ms: spent in stages that the running one started.
+    """
+
+    stages: dict[str, Stage] = field(default_factory=dict)
+    typical_ms: dict[str, float] = field(default_factory=dict)
+    began: float = field(default_factory=time.perf_counter)
+    nested_ms: float = 0.0
+
+    def begin_update(self) -> None:
+        """Forget the last update's stages."""
+        self.stages = {}
+        self.began = time.perf_counter()
+
+
+@dataclass
 class StageCache:
     """Keeps the newest results of every stage, each under the key it belongs to.
 
     A key names everything the stage reads: fields of the edit, the light, the keys of the stages before.
 
     Attributes:
-        remembers: False keeps nothing beyond an update, to see what reuse is worth.
-        typical_ms: what each stage took when it last ran; outlives `clear`.
+        record: what the stages did; outlives results.
     """
 
-    remembers: bool = True
+    record: Record = field(default_factory=Record)
     _kept: dict[str, OrderedDict[Hashable, Any]] = field(default_factory=dict)
-    stages: dict[str, Stage] = field(default_factory=dict)
-    typical_ms: dict[str, float] = field(default_factory=dict)
-    _began: float = field(default_factory=time.perf_counter)
-    _nested_ms: float = 0.0
-
-    def begin_update(self) -> None:
-        """Forget the last update's record; results stay."""
-        self.stages = {}
-        self._began = time.perf_counter()
-        if not self.remembers:
-            self._kept.clear()
 
     def clear(self) -> None:
         """Forget all results."""
         self._kept.clear()
-        self.stages = {}
 
     def forget(self, name: str) -> None:
         """Forget one stage's results."""
@@ -76,18 +85,18 @@ class StageCache:
         """
         kept = self._kept.setdefault(name, OrderedDict())
         started = time.perf_counter()
-        start_ms = (started - self._began) * 1e3
+        start_ms = (started - self.record.began) * 1e3
         if key in kept:
             kept.move_to_end(key)
-            self.stages.setdefault(name, Stage(0.0, "reused", "nothing it reads has changed", start_ms))
+            self.record.stages.setdefault(name, Stage(0.0, "reused", "nothing it reads has changed", start_ms))
             return kept[key]
-        outside, self._nested_ms = self._nested_ms, 0.0
+        outside, self.record.nested_ms = self.record.nested_ms, 0.0
         result = make()
         whole_ms = (time.perf_counter() - started) * 1e3
-        own_ms = max(whole_ms - self._nested_ms, 0.0)
-        self._nested_ms = outside + whole_ms
-        self.typical_ms[name] = own_ms
-        self.stages[name] = Stage(own_ms, "computed", why, start_ms)
+        own_ms = max(whole_ms - self.record.nested_ms, 0.0)
+        self.record.nested_ms = outside + whole_ms
+        self.record.typical_ms[name] = own_ms
+        self.record.stages[name] = Stage(own_ms, "computed", why, start_ms)
         kept[key] = result
         while len(kept) > keep:
             kept.popitem(last=False)
@@ -95,4 +104,4 @@ class StageCache:
 
     def skip(self, name: str, why: str) -> None:
         """Record that a stage was not needed."""
-        self.stages[name] = Stage(0.0, "skipped", why, (time.perf_counter() - self._began) * 1e3)
+        self.record.stages[name] = Stage(0.0, "skipped", why, (time.perf_counter() - self.record.began) * 1e3)

@@ -93,17 +93,22 @@ class Lit:
 
 
 class FaceRelighter:
-    """The stages of one face, each result kept in a cache under what it was made from."""
+    """The stages of one face, each result kept in a cache under what it was made from.
+
+    Attributes:
+        portrait: the photo and where the face is in it.
+        cache: of this face alone.
+    """
 
     def __init__(self, workshop: Workshop, portrait: Portrait, cache: StageCache):
         """Compute nothing yet."""
         self.portrait = portrait
         self._shop = workshop
-        self._cache = cache
+        self.cache = cache
 
     def _once(self, name: str, key: Hashable, make):
         """A stage that only a new photo or another quality makes run again."""
-        return self._cache.run(name, key, make, "new photo or quality", keep=_KEPT_TIERS)
+        return self.cache.run(name, key, make, "new photo or quality", keep=_KEPT_TIERS)
 
     def prepare(self, tier: Tier) -> Prepared:
         """The face as one tier of quality sees it."""
@@ -159,7 +164,7 @@ class FaceRelighter:
         """The face under a normalised light, as the photo's camera sees it."""
         turned = roll_light(serving.radiance, self.portrait.view.roll_deg)
         light = torch.from_numpy(turned)[None].to(self._shop.device)
-        reflected = self._cache.run(
+        reflected = self.cache.run(
             "irradiance",
             plan.keys["irradiance"],
             lambda: stages.reflect(self._reflector(ready), light),
@@ -168,7 +173,7 @@ class FaceRelighter:
         effects = self._effects(ready, reflected, light, plan)
         if plan.runs("hard_shadow") and plan.runs("relief"):
             effects = self._hardened(ready, effects, reflected, light, serving.lamps, plan)
-        composed = self._cache.run(
+        composed = self.cache.run(
             "compose",
             plan.keys["compose"],
             lambda: stages.compose(
@@ -191,10 +196,10 @@ class FaceRelighter:
     def _effects(self, ready: Prepared, reflected: torch.Tensor, light: torch.Tensor, plan: Plan) -> Effects:
         """Specular and shadow; none where the plan has neither."""
         if not (plan.runs("shadow") or plan.runs("specular")):
-            self._cache.skip("specular_shadow", plan.effect("shadow").why)
+            self.cache.skip("specular_shadow", plan.effect("shadow").why)
             return stages.no_effects(ready.surface)
         relief = self._relief(ready) if plan.runs("relief") else None
-        return self._cache.run(
+        return self.cache.run(
             "specular_shadow",
             plan.keys["specular_shadow"],
             lambda: stages.estimate_effects(
@@ -226,7 +231,7 @@ class FaceRelighter:
         seen = [lamp.rolled(self.portrait.view.roll_deg) for lamp in lamps]
         relief = self._relief(ready)
         horizon = self._once("horizon", ready.tier.surface_key, lambda: horizon_of(ready.found))
-        return self._cache.run(
+        return self.cache.run(
             "hard_shadow",
             plan.keys["hard_shadow"],
             lambda: harden_shadow(effects, ready.surface, reflected, light, relief, horizon, seen),
@@ -246,7 +251,7 @@ class FaceRelighter:
 
     def change(self, ready: Prepared, lit: Lit, plan: Plan, edit: Edit, level: float) -> ViewChange:
         """How the relit view differs from the photo's, at the sliders' gains and the light's level."""
-        fit = self._cache.run("detail_fit", plan.keys["detail_fit"], lambda: self._fit(ready, lit, plan), "new light")
+        fit = self.cache.run("detail_fit", plan.keys["detail_fit"], lambda: self._fit(ready, lit, plan), "new light")
         moved = None
         if plan.runs("sliders"):
             specular = specular_gain(edit.specular * plan.runs("specular"), edit.specular_tint)
@@ -275,7 +280,7 @@ class FaceRelighter:
     def channels(self, ready: Prepared, lit: Lit, change: ViewChange, plan: Plan, edit: Edit) -> dict:
         """The channels that are looked at, all but "target_light"."""
         if not plan.runs("channels"):
-            self._cache.skip("channels", plan.effect("channels").why)
+            self.cache.skip("channels", plan.effect("channels").why)
             return {}
         fixed = {
             name: self._once(
@@ -291,7 +296,7 @@ class FaceRelighter:
         # Behind the person the networks see no surface, and what they say there is no part of the picture.
         specular, shadow = (ready.surface.person * plan.runs(name) for name in ("specular", "shadow"))
         shown = Effects(lit.effects.specular * specular, lit.effects.shadow * shadow)
-        lighted = self._cache.run(
+        lighted = self.cache.run(
             "channels",
             plan.keys["channels"],
             lambda: light_channels(

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import astuple, dataclass, replace
 
 import numpy as np
 
-from relight_core.errors import InputError
+from relight_core.errors import InputError, NoFaceError
 from relight_core.face.crop import Crop, box_from_parsing, crop_for_face, crop_with_padding
 from relight_core.face.find import FaceBox, find_faces, guess_faces, remember_faces
 from relight_core.face.lean import remaining_roll
@@ -62,16 +62,27 @@ def choose_faces(
         locate: says where a view of the photo shows a face; asked where nothing else finds any.
 
     Raises:
-        InputError: no face, or no such index.
+        NoFaceError: no face.
+        InputError: no such index.
     """
     faces = find_faces(photo)
     if evidence is not None and (not faces or any(face.doubtful for face in faces)):
         faces = _confirmed(photo, faces, evidence, locate)
+    return those_chosen(photo, faces, face_index)
+
+
+def those_chosen(photo: Photo, faces: Sequence[FaceBox], face_index: int | None) -> list[FaceBox]:
+    """All of a photo's faces, or only the one of an index.
+
+    Raises:
+        NoFaceError: there are none.
+        InputError: no such index.
+    """
     name = photo.path or "the photo"
     if not faces:
-        raise InputError(f"{name}: no face found; use a photo in which a face is larger, sharper or better lit")
+        raise NoFaceError(f"{name}: no face found; use a photo in which a face is larger, sharper or better lit")
     if face_index is None:
-        return faces
+        return list(faces)
     if not 0 <= face_index < len(faces):
         count = "1 face, number 0" if len(faces) == 1 else f"{len(faces)} faces, numbers 0 to {len(faces) - 1}"
         raise InputError(f"{name}: there is no face number {face_index}; it has {count}")
@@ -132,17 +143,19 @@ def frame(photo: Photo, found: FaceBox) -> Portrait:
     return Portrait(photo, found, found, crop, _view_around(crop, photo))
 
 
-def frame_by_hand(photo: Photo, box: FaceBox) -> Portrait:
-    """A first framing from a box that the user drew.
+def checked_boxes(photo: Photo, boxes: Sequence[FaceBox]) -> Sequence[FaceBox]:
+    """The boxes that a user drew.
 
     Raises:
         InputError: an empty box, or one outside the photo.
     """
     height, width = photo.linear.shape[:2]
-    inside = box.x1 > 0 and box.y1 > 0 and box.x0 < width and box.y0 < height
-    if not (np.isfinite(astuple(box)).all() and box.width >= 1 and box.height >= 1 and inside):
-        raise InputError(f"{photo.path or 'the photo'}: the box of a face is empty or outside; draw it over the face")
-    return frame(photo, box)
+    for box in boxes:
+        inside = box.x1 > 0 and box.y1 > 0 and box.x0 < width and box.y0 < height
+        if not (np.isfinite(astuple(box)).all() and box.width >= 1 and box.height >= 1 and inside):
+            name = photo.path or "the photo"
+            raise InputError(f"{name}: the box of a face is empty or outside; draw it over the face")
+    return boxes
 
 
 def refine(portrait: Portrait, labels: np.ndarray) -> Portrait:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Sequence
+from collections.abc import Callable, Hashable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import lru_cache, partial
 from pathlib import Path
@@ -22,7 +22,7 @@ from relight_core.lighting.lamps import lamps_of
 from relight_core.lighting.reflection import ReflectionTable
 from relight_core.networks.bundle import load_bundle
 from relight_core.pipeline.backdrop import Backdrop, backdrop_panorama, make_backdrop
-from relight_core.pipeline.cache import Stage, StageCache
+from relight_core.pipeline.cache import Record, Stage, StageCache
 from relight_core.pipeline.channels import ViewChange
 from relight_core.pipeline.display import DisplayRecipe, person_layers, recipe_of
 from relight_core.pipeline.edit import Edit
@@ -32,7 +32,16 @@ from relight_core.pipeline.kept_lights import KeptLights, ServingLight
 from relight_core.pipeline.person import canvas_of, whole_person
 from relight_core.pipeline.picture import Picture
 from relight_core.pipeline.plan import Effect, Plan, Scene, make_plan
-from relight_core.pipeline.portrait import choose_faces, frame, frame_by_hand, located, refine, straightened
+from relight_core.pipeline.portrait import (
+    Portrait,
+    checked_boxes,
+    choose_faces,
+    frame,
+    located,
+    refine,
+    straightened,
+    those_chosen,
+)
 from relight_core.pipeline.quality import Tier, tier_of
 from relight_core.resources import resource_path
 
@@ -103,43 +112,57 @@ class Relighter:
         path = Path(weights_path) if weights_path else resource_path(*WEIGHTS)
         bundle = load_bundle(path).for_inference().to(device)
         self._shop = Workshop(bundle, ReflectionTable().to(device), device)
-        self._cache = StageCache(remembers)
+        self._remembers, self._record = remembers, Record()
+        self._cache = StageCache(self._record)
         self._lights = KeptLights(KEPT_LIGHTS)
+        self._people: tuple[FaceBox, ...] = ()
         self._faces: list[FaceRelighter] = []
+        self._face_at: dict[FaceBox, FaceRelighter] = {}
 
-    def set_portrait(self, photo: Photo, face_index: int | None = None, box: FaceBox | None = None) -> None:
+    def set_portrait(self, photo: Photo, face_index: int | None = None, boxes: Sequence[FaceBox] | None = None) -> None:
         """Choose the photo to relight; finds its faces and frames them by their parsing maps.
 
+        Of the photo that is the portrait already, faces whose boxes are as before keep all that is known of them.
+
         Args:
-            face_index: which face alone, in order of size; None for all of them, the largest first.
-            box: where the face is, brow to chin and cheek to cheek, where the finder is wrong or sees none.
+            face_index: which face alone, in order of size or of `boxes`; None for all of them, the largest first.
+            boxes: where the faces are, brow to chin and cheek to cheek, where the finder is wrong or sees none.
 
         Raises:
-            InputError: no face is found, there is none of that index, or the box is empty or outside the
-                photo. The previous portrait stays.
+            NoFaceError: no face is found, or `boxes` is empty. The previous portrait stays, here and below.
+            InputError: there is no face of that index, or a box is empty or outside the photo.
         """
         live = tier_of("live")
         parsed = lru_cache(maxsize=None)(lambda view: self._parsed(photo, view, live))
+        people = tuple(self._found(photo, parsed) if boxes is None else checked_boxes(photo, boxes))
+        known = self._face_at if self._faces and self._faces[0].portrait.photo is photo else {}
+
+        def face_at(box: FaceBox) -> FaceRelighter:
+            return known.get(box) or FaceRelighter(self._shop, _framed(photo, box, parsed), StageCache())
+
+        chosen = those_chosen(photo, people, face_index)
+        faces = {box: face_at(box) for box in dict.fromkeys(chosen)}
+        self._people, self._face_at, self._faces = people, faces, [faces[box] for box in chosen]
+        for face in self._faces:
+            face.cache.record = Record()
+        self._faces[0].cache.record = self._record
+        self._cache.clear()
+        self._lights.clear()
+
+    @property
+    def people(self) -> tuple[FaceBox, ...]:
+        """Everyone in the photo, as `face_index` counts them, also those who are not relit; in photo pixels."""
+        return self._people
+
+    def _found(self, photo: Photo, parsed: Callable[[Crop], np.ndarray]) -> list[FaceBox]:
+        """The faces that the finder sees and the parsing confirms."""
 
         def evidence(found: FaceBox) -> int:
             portrait = frame(photo, found)
             return evidence_of_face(parsed(portrait.view), portrait.view, portrait.crop)
 
-        locate = partial(located, photo, parsed=parsed)
-        if box is not None:
-            framed = [frame_by_hand(photo, box)]
-        else:
-            framed = [frame(photo, found) for found in choose_faces(photo, face_index, evidence, locate)]
-        portraits = []
-        for portrait in framed:
-            turned = straightened(portrait, parsed(portrait.view))
-            portrait = turned or portrait
-            portraits.append(refine(portrait, parsed(portrait.view)))
-        self._cache.clear()
-        self._lights.clear()
-        first, *others = portraits
-        self._faces = [FaceRelighter(self._shop, first, self._cache)]
-        self._faces += [FaceRelighter(self._shop, other, StageCache(self._cache.remembers)) for other in others]
+        found = choose_faces(photo, None, evidence, partial(located, photo, parsed=parsed))
+        return [replace(face, doubtful=False) for face in found]
 
     def _parsed(self, photo: Photo, view: Crop, tier: Tier) -> np.ndarray:
         """(S, S) parsing labels of a view."""
@@ -159,7 +182,8 @@ class Relighter:
 
     def forget(self, stage: str) -> None:
         """Drop a stage's results, so that it runs again when next needed; for measuring it."""
-        self._cache.forget(stage)
+        for cache in (self._cache, self._first().cache):
+            cache.forget(stage)
 
     def plan(self, environment: Environment, edit: Edit) -> Plan:
         """What `relight` would do now; computes nothing.
@@ -188,7 +212,7 @@ class Relighter:
         """
         if environment.level > _BRIGHTEST_LEVEL:
             environment = Environment(environment.shape, _BRIGHTEST_LEVEL, environment.name)
-        self._cache.begin_update()
+        self._begin_update()
         plan, serving = self._planned(environment, edit)
         face = self._first()
         ready = face.prepare(tier_of(edit.quality))
@@ -196,7 +220,7 @@ class Relighter:
             ready = face.flattened(ready)
         lit = face.lit(ready, serving, plan)
         level = environment.level
-        change = self._cache.run(
+        change = face.cache.run(
             "sliders", plan.keys["sliders"], lambda: face.change(ready, lit, plan, edit, level), "new light or slider"
         )
         changes = [change, *self._other_changes(serving, plan, edit, level)]
@@ -208,8 +232,14 @@ class Relighter:
         if edit.looks_at("target_light") and plan.runs("channels"):
             channels["target_light"] = network_light(environment, edit.yaw_deg) * np.float32(level)
         boxes = [face.portrait.face for face in self._faces]
-        view, done = face.portrait.view, dict(self._cache.stages)
+        view, done = face.portrait.view, dict(self._record.stages)
         return Relit(image, alpha, channels, boxes, done, plan.effects, full, view.window, view.roll_deg, recipe)
+
+    def _begin_update(self) -> None:
+        self._record.begin_update()
+        if not self._remembers:
+            for cache in (self._cache, *(face.cache for face in self._faces)):
+                cache.clear()
 
     def _first(self) -> FaceRelighter:
         if not self._faces:
@@ -217,14 +247,18 @@ class Relighter:
         return self._faces[0]
 
     def _planned(self, environment: Environment, edit: Edit) -> tuple[Plan, ServingLight]:
-        self._first()
+        caches = self._cache, self._first().cache
         tier = tier_of(edit.quality)
-        exact = not self._cache.remembers or bool(edit.forced_on)
+        exact = not self._remembers or bool(edit.forced_on)
         light = self._lights.match(tier, network_light(environment, edit.yaw_deg), 0.0 if exact else edit.tolerance)
         light = replace(light, lamps=lamps_of(environment, edit.yaw_deg))
         backdrop = (environment.fingerprint, edit.yaw_deg, edit.background_fov_deg, edit.background_blur_deg)
         scene = Scene(tier, light.name, light.bound, backdrop, environment.level, light.lamps)
-        return make_plan(scene, edit, self._cache.has, self._cache.typical_ms), light
+
+        def is_kept(stage: str, key: Hashable) -> bool:
+            return any(cache.has(stage, key) for cache in caches)
+
+        return make_plan(scene, edit, is_kept, self._record.typical_ms), light
 
     def _other_changes(self, serving: ServingLight, plan: Plan, edit: Edit, level: float) -> list[ViewChange]:
         """What the light makes of the faces beside the first one."""
@@ -316,3 +350,10 @@ class Relighter:
             lambda: make_backdrop(edit.background, panorama, lambda: mean_gain(placement, rest)),
             "new light, slider or background",
         )
+
+
+def _framed(photo: Photo, box: FaceBox, parsed: Callable[[Crop], np.ndarray]) -> Portrait:
+    """A face framed by its parsing map, upright as far as that says how it leans."""
+    portrait = frame(photo, box)
+    portrait = straightened(portrait, parsed(portrait.view)) or portrait
+    return refine(portrait, parsed(portrait.view))

@@ -7,7 +7,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from relight_core.errors import InputError
+from relight_core.errors import InputError, NoFaceError
+from relight_core.face.find import FaceBox
 from relight_core.lighting.environment import Environment, network_light
 
 SIZE = 64
@@ -38,11 +39,12 @@ class FakeRelighter:
     """Lights the photo's left and right halves by what comes from the left and the right.
 
     Counts its calls. `gate`, while cleared, holds every relight; `entered` tells that one has begun.
-    A photo that is black all over has no face.
+    In a photo that is black all over no face is found, while it is `blind` in none; else there is one in the middle.
     """
 
     def __init__(self) -> None:
-        self.photo = None
+        self.photo, self.people = None, ()
+        self.blind = False
         self.portraits: list = []
         self.relights: list = []
         self.environments: list = []
@@ -51,11 +53,15 @@ class FakeRelighter:
         self.entered = threading.Semaphore(0)
         self.fail_with: Exception | None = None
 
-    def set_portrait(self, photo, face_index=None):
-        if photo.linear.max() == 0.0:
-            raise InputError(f"{photo.path}: no face found; use another photo")
-        self.photo = photo
-        self.portraits.append((photo, face_index))
+    def set_portrait(self, photo, face_index=None, boxes=None):
+        if boxes is None:
+            boxes = [] if self.blind or photo.linear.max() == 0.0 else [FaceBox(32, 16, 96, 80)]
+        if not boxes:
+            raise NoFaceError(f"{photo.path}: no face found; use another photo")
+        if any(box.x1 <= 0 for box in boxes):
+            raise InputError(f"{photo.path}: the box of a face is outside")
+        self.photo, self.people = photo, tuple(boxes)
+        self.portraits.append((photo, face_index, tuple(boxes)))
 
     def estimated_light(self, quality="live"):
         height, width = 16, 32

@@ -14,6 +14,7 @@ NAMED_KEYS = {
     "Down",
     "Space",
     "Escape",
+    "Enter",
     "PageDown",
     "PageUp",
     "Tab",

@@ -9,6 +9,7 @@ from fake_relighter import FakeRelighter
 from app.engine.engine import Engine
 from app.engine.sources import LightSource, PhotoSource, Request
 from relight_core.errors import InputError
+from relight_core.face.find import FaceBox
 from relight_core.imaging.photo import Photo
 from relight_core.lighting.light_edit import LightEdit
 from relight_core.lighting.soft_box import SoftBox
@@ -120,25 +121,29 @@ def test_a_result_for_a_photo_that_was_replaced_meanwhile_is_never_published(rel
     assert sources == {second}
 
 
-def test_a_photo_without_a_face_leaves_everything_as_it_was_and_says_why(engine, relighter):
-    good, bad = PhotoSource(grey_photo()), PhotoSource(grey_photo(0.0))
+OUTSIDE = (FaceBox(-40, 0, -8, 30),)
+"""What no Relighter takes for the box of a face."""
+
+
+def test_a_photo_that_can_not_be_used_leaves_everything_as_it_was_and_says_why(engine, relighter):
+    good, bad = PhotoSource(grey_photo()), PhotoSource(grey_photo(), None, OUTSIDE)
     before = answered(engine, Request(good, SPLIT, Edit()))
     after = answered(engine, Request(bad, SPLIT, Edit()))
     assert after.picture is before.picture
     assert after.opened is before.opened
     assert bad in after.refused
     assert after.message.is_error
-    assert "no face found" in after.message.text
+    assert "box of a face" in after.message.text
     on = answered(engine, Request(good, SPLIT, Edit(shadow=0.0)))
     assert on.picture.edit.shadow == 0.0
     assert on.message is after.message
 
 
 def test_a_refused_photo_is_tried_once_only(engine, relighter):
-    bad = PhotoSource(grey_photo(0.0))
+    bad = PhotoSource(grey_photo(), None, OUTSIDE)
     number = answered(engine, Request(bad, SPLIT, Edit())).message.number
     assert answered(engine, Request(bad, SPLIT, Edit(shadow=0.1))).message.number == number
-    again = answered(engine, Request(PhotoSource(bad.place), SPLIT, Edit()))
+    again = answered(engine, Request(PhotoSource(bad.place, None, OUTSIDE), SPLIT, Edit()))
     assert again.message.number == number + 1
 
 

@@ -8,6 +8,7 @@ import pytest
 from PIL import Image
 from window_hand import close_to
 
+from relight_core.errors import InputError
 from relight_core.imaging.read import read_photo
 from relight_core.imaging.view_transform import apply_view
 from relight_core.imaging.write import write_image
@@ -190,13 +191,15 @@ def test_the_first_photo_is_seen_while_its_face_is_being_read(hand, relighter, p
     assert len(np.unique(seen)) > 20
 
 
-def test_a_first_photo_without_a_face_goes_again(hand, tmp_path):
-    path = tmp_path / "black.png"
-    write_image(path, np.zeros((20, 30, 3), np.float32))
-    hand.drop(path)
+def test_a_first_photo_that_can_not_be_used_goes_again(hand, photo_path, relighter, monkeypatch):
+    def refuse(photo, face_index=None, boxes=None):
+        raise InputError(f"{photo.path}: not today")
+
+    monkeypatch.setattr(relighter, "set_portrait", refuse)
+    hand.drop(photo_path)
     snapshot = hand.window.state.snapshot
     assert (snapshot.opened, snapshot.coming) == (None, None)
-    assert "no face" in snapshot.message.text
+    assert "not today" in snapshot.message.text
     assert len(np.unique(hand.viewport())) == 1
 
 

@@ -20,8 +20,8 @@ class FakeRelighter:
     def __init__(self) -> None:
         self.edits = []
 
-    def set_portrait(self, photo, face_index=None, box=None):
-        self.box = box
+    def set_portrait(self, photo, face_index=None, boxes=None):
+        self.boxes = boxes
         if photo.linear.std() < 1e-3:
             raise InputError(f"{photo.path}: no face found; choose a photo that shows a face")
         self.photo = photo

@@ -12,6 +12,7 @@ from app.cli.session import Session
 from app.document.document import Document, LightRef, PhotoRef
 from app.document.light_file import SavedLight, write_light
 from app.document.session_file import write_session
+from relight_core.face.find import FaceBox
 from relight_core.lighting.environment import network_light
 from relight_core.lighting.light_edit import LightEdit
 from relight_core.lighting.rigs import load_rig
@@ -68,6 +69,21 @@ def test_a_saved_light_lights_with_its_boxes_and_turn(tmp_path):
     assert np.array_equal(
         network_light(Session().light(str(tmp_path / "me.relight.json"))), network_light(load_rig("ring"))
     )
+
+
+def test_boxes_of_a_session_that_lends_its_light_count_for_their_own_photo_only(relighter, folder, tmp_path):
+    boxes = (FaceBox(1.0, 2.0, 9.0, 10.0),)
+    document = Document(PhotoRef(folder / "a.png", 0, boxes), LightRef("rig", "ring"), LightEdit(), Edit())
+    write_session(tmp_path / "a.relight.json", document)
+
+    def boxes_for(photo, *more):
+        command = ["render", str(photo), "--light", str(tmp_path / "a.relight.json"), "-o", str(tmp_path / "o.png")]
+        assert main([*command, *more]) == 0
+        return relighter.boxes
+
+    assert boxes_for(folder / "b.png") is None
+    assert boxes_for(folder / "a.png") == boxes
+    assert boxes_for(folder / "a.png", "--box", "3,3,8,8") == [FaceBox(3, 3, 8, 8)]
 
 
 def test_a_damaged_or_missing_light_file_is_told_in_a_line(relighter, folder, tmp_path, capsys):

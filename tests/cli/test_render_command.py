@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from relight_core.face.find import FaceBox
 from relight_core.imaging.read import read_radiance
 
 
@@ -149,7 +150,7 @@ def test_two_photos_of_one_name_do_not_share_a_file(relight, photo, tmp_path):
 
 def test_a_box_says_where_the_face_is(relight, relighter, photo, tmp_path):
     assert relight("render", photo, "--light", "rembrandt", "--box", "4,5.5,40,50", "-o", tmp_path / "a.png").code == 0
-    assert (relighter.box.x0, relighter.box.y0, relighter.box.x1, relighter.box.y1) == (4, 5.5, 40, 50)
+    assert relighter.boxes == [FaceBox(4, 5.5, 40, 50)]
 
 
 @pytest.mark.parametrize("wish", [("--box", "1,2,3"), ("--box", "a,b,c,d"), ("--box", "1,2,3,4", "--face", "0")])

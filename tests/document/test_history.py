@@ -8,6 +8,7 @@ import pytest
 from app.document.document import Document, LightRef, PhotoRef
 from app.document.history import History
 from app.document.naming import change_between
+from relight_core.face.find import FaceBox
 from relight_core.lighting.light_edit import LightEdit
 from relight_core.lighting.soft_box import SoftBox
 from relight_core.pipeline.edit import Edit
@@ -108,7 +109,23 @@ def test_the_list_does_not_grow_for_ever(history):
 
 
 BOX = SoftBox()
+ONE, TWO, BESIDE = FaceBox(0, 0, 9, 9), FaceBox(10, 0, 15, 5), FaceBox(20, 0, 30, 10)
+
+
+def with_faces(boxes, face_index=None, found=(ONE, TWO)):
+    return replace(START, photo=PhotoRef(START.photo.path, face_index, boxes, found))
+
+
 NAMES = [
+    (with_faces(None), with_faces((ONE, replace(TWO, x0=12, x1=17))), "Move face 2"),
+    (with_faces((ONE,)), with_faces((replace(ONE, x1=12, y1=12),)), "Resize face 1"),
+    (with_faces(None), with_faces((ONE, TWO, BESIDE)), "Add face 3"),
+    (with_faces(None, found=()), with_faces((ONE,)), "Add face 1"),
+    (with_faces(None, 0), with_faces((TWO,)), "Remove face 1"),
+    (with_faces((ONE,)), with_faces(()), "Remove face 1"),
+    (with_faces((ONE,)), with_faces(None, 1), "Find the faces again"),
+    (with_faces((ONE, TWO)), with_faces((BESIDE, BESIDE)), "Change the faces"),
+    (with_faces((ONE, TWO)), with_faces((ONE, TWO), 1), "Face 2"),
     (START, replace(START, photo=PhotoRef(Path("/q/you.png"))), "Open you.png"),
     (START, replace(START, photo=PhotoRef(Path("/p/me.jpg"), 1)), "Face 2"),
     (replace(START, photo=PhotoRef(Path("/p/me.jpg"), 1)), START, "All faces"),
@@ -137,3 +154,14 @@ def test_changes_have_names_that_a_person_reads(before, after, name):
 
 def test_no_change_has_no_name():
     assert change_between(START, edited()) is None
+
+
+def test_every_correction_of_the_faces_is_a_step_however_quick(history):
+    for at, boxes in enumerate(((ONE,), (TWO,), (BESIDE,)), 1):
+        history.observe(with_faces(boxes), True, 0.01 * at)
+    assert len(history.steps) == 4
+    assert history.undo().photo.boxes == (TWO,)
+
+
+def test_what_the_finder_saw_makes_no_other_document():
+    assert with_faces(None, found=(ONE,)) == with_faces(None, found=())

@@ -11,6 +11,7 @@ from app.document.document import Document, LightRef, PhotoRef
 from app.document.light_file import SavedLight, read_light, write_light
 from app.document.session_file import is_session_place, read_session, session_path, write_session
 from relight_core.errors import InputError
+from relight_core.face.find import FaceBox
 from relight_core.lighting.light_edit import LightEdit
 from relight_core.lighting.soft_box import SoftBox
 from relight_core.pipeline.edit import Edit
@@ -29,7 +30,7 @@ def folder(tmp_path):
 @pytest.fixture
 def document(folder):
     return Document(
-        PhotoRef(folder / "me.jpg", 1),
+        PhotoRef(folder / "me.jpg", 1, (FaceBox(-3.5, 10.25, 50.0, 63.75, 12.5), FaceBox(80.1, 2.0, 90.1, 12.0))),
         LightRef("panorama", str(folder.parent / "studio.hdr")),
         LightEdit(1.5, 0.4, 0.7, 0.2, -0.1, 12.0, BOXES),
         Edit(-35.5, 0.25, 1.5, 0.5, "#30343a", 70.0, 3.0, "final", forced_off=frozenset({"shadow"})),
@@ -60,6 +61,22 @@ def test_a_session_comes_back_as_it_was(folder, document):
     session = read_session(path)
     assert session.document == document
     assert session.notes == ()
+
+
+def test_a_session_from_before_there_were_boxes_opens(folder, document):
+    path = tampered(saved(folder, document), version=1)
+    content = json.loads(path.read_text())
+    del content["face_boxes"]
+    path.write_text(json.dumps(content))
+    session = read_session(path)
+    assert session.document == replace(document, photo=replace(document.photo, boxes=None))
+    assert session.notes == ()
+
+
+@pytest.mark.parametrize("boxes", [None, ()])
+def test_a_session_tells_no_boxes_from_no_faces(folder, document, boxes):
+    document = replace(document, photo=replace(document.photo, boxes=boxes))
+    assert read_session(saved(folder, document)).document == document
 
 
 def test_a_session_names_files_relative_to_itself_and_moves_with_them(folder, document, tmp_path):
@@ -117,7 +134,11 @@ WRONG = [
     {"light__kind": "rig"},
     {"face": -1},
     {"face": 1.5},
-    {"version": 2},
+    {"face_boxes": {"x0": 1}},
+    {"face_boxes": [4]},
+    {"face_boxes": [{"x0": 1, "y0": 2, "x1": "9", "y1": 9}]},
+    {"face_boxes": [{"x0": 9, "y0": 9, "x1": 9, "y1": 20}]},
+    {"version": 3},
     {"version": None},
     {"relight": "light"},
     {"photo": None},

@@ -88,13 +88,13 @@ def test_a_second_face_changes_with_the_first(relighter):
 
 def test_a_box_by_hand_needs_no_finder(relighter, monkeypatch):
     monkeypatch.setattr(portrait, "find_faces", lambda photo: [])
-    relighter.set_portrait(some_photo(), box=FaceBox(20, 20, 60, 70, roll_deg=20.0))
+    relighter.set_portrait(some_photo(), boxes=[FaceBox(20, 20, 60, 70, roll_deg=20.0)])
     relit = relighter.relight(some_light(), EDIT)
     assert np.isfinite(relit.image).all()
     assert relit.faces[0].x1 > 20
     for box in (FaceBox(5, 5, 5, 40), FaceBox(500, 10, 600, 90), FaceBox(np.nan, 0, 5, 5)):
         with pytest.raises(InputError, match="box"):
-            relighter.set_portrait(some_photo(), box=box)
+            relighter.set_portrait(some_photo(), boxes=[box])
 
 
 def test_a_smaller_picture_for_the_screen_and_the_full_one_for_a_file(relighter):

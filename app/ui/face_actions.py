@@ -1,0 +1,47 @@
+"""The actions that correct where the faces are."""
+
+from __future__ import annotations
+
+from app.ui import face_edits
+from app.ui.actions import Action, Gesture
+from app.ui.state import EditorState
+
+_FACES = "Faces"
+
+
+def _opened(state: EditorState) -> bool:
+    return state.snapshot.opened is not None
+
+
+FACES = (
+    Action(
+        "Edit the face boxes",
+        _FACES,
+        ("Shift+F",),
+        "Move, resize, add and remove the boxes of the faces that are relit",
+        face_edits.switch,
+        available=_opened,
+        is_on=lambda state: state.faces.is_open,
+    ),
+    Action(
+        "Done with the face boxes",
+        _FACES,
+        ("Enter",),
+        "Keeps them as they are; Esc puts them back as they were",
+        face_edits.done,
+        available=lambda state: state.faces.is_open,
+    ),
+    Action(
+        "Find the faces again",
+        _FACES,
+        ("Ctrl+Shift+F",),
+        "Forgets the boxes drawn by hand",
+        face_edits.find_again,
+        available=lambda state: state.photo is not None and state.photo.boxes is not None,
+    ),
+)
+
+GESTURES = (
+    Gesture("Drag a face's box", _FACES, "Move it; at its edge, resize it"),
+    Gesture("Drag beside the boxes", _FACES, "Add a face that was not found"),
+)

@@ -1,0 +1,125 @@
+"""The engine and the faces of a photo: none found, boxes by hand, and what stays in sight meanwhile."""
+
+import numpy as np
+import pytest
+from fake_relighter import FakeRelighter
+
+from app.engine.engine import Engine
+from app.engine.sources import LightSource, PhotoSource, Request
+from relight_core.face.find import FaceBox
+from relight_core.imaging.photo import Photo
+from relight_core.imaging.write import write_image
+from relight_core.pipeline.edit import Edit
+
+LONG_S = 60
+SPLIT = LightSource("rig", "split")
+BOX, OTHER = FaceBox(4, 4, 20, 20), FaceBox(10, 2, 22, 14)
+
+
+def a_photo():
+    return Photo(np.full((24, 32, 3), 0.5, np.float32))
+
+
+@pytest.fixture
+def relighter():
+    return FakeRelighter()
+
+
+@pytest.fixture
+def published():
+    return []
+
+
+@pytest.fixture
+def engine(relighter, published):
+    engine = Engine(lambda: relighter, lambda: published.append(engine.snapshot()))
+    yield engine
+    relighter.gate.set()
+    engine.close()
+
+
+def answered(engine, photo, light=SPLIT, edit=None):
+    engine.submit(Request(photo, light, edit or Edit()))
+    assert engine.wait_until_idle(LONG_S)
+    return engine.snapshot()
+
+
+def test_a_photo_in_which_nobody_is_found_is_shown_without_a_picture(engine, relighter):
+    answered(engine, PhotoSource(a_photo()))
+    relighter.blind = True
+    nobody = PhotoSource(a_photo())
+    snapshot = answered(engine, nobody)
+    assert snapshot.opened.source is nobody
+    assert snapshot.opened.screen.shape == (24, 32, 3)
+    assert (snapshot.faces, snapshot.picture, snapshot.own_light) == ((), None, None)
+    assert nobody not in snapshot.refused
+    calls = len(relighter.relights)
+    assert answered(engine, nobody, edit=Edit(shadow=0.1)).picture is None
+    assert len(relighter.relights) == calls
+
+
+def test_a_box_by_hand_makes_its_picture(engine, relighter):
+    relighter.blind = True
+    nobody = PhotoSource(a_photo())
+    screen = answered(engine, nobody).opened.screen
+    snapshot = answered(engine, PhotoSource(nobody.place, None, (BOX,)))
+    assert relighter.portraits == [(nobody.place, None, (BOX,))]
+    assert snapshot.faces == (BOX,)
+    assert snapshot.picture.opened is snapshot.opened
+    assert snapshot.opened.screen is screen, "the photo is the same, and not uploaded again"
+
+
+def test_the_picture_before_stays_in_sight_until_the_faces_are_relit_anew(engine, relighter, published):
+    first = PhotoSource(a_photo())
+    before = answered(engine, first).picture
+    published.clear()
+    moved = PhotoSource(first.place, None, (BOX, OTHER))
+    after = answered(engine, moved).picture
+    assert after.relit is not before.relit
+    assert not after.is_stale
+    between = [snapshot for snapshot in published if snapshot.picture is not after]
+    assert {snapshot.picture.relit for snapshot in between} == {before.relit}
+    assert all(snapshot.picture.opened is snapshot.opened for snapshot in between)
+
+
+def test_where_the_faces_can_not_be_relit_their_former_picture_goes(engine, relighter):
+    first = PhotoSource(a_photo())
+    answered(engine, first)
+    relighter.fail_with = MemoryError("no room")
+    snapshot = answered(engine, PhotoSource(first.place, None, (BOX,)))
+    assert snapshot.picture is None
+    assert snapshot.message.is_error
+
+
+def test_without_a_face_there_is_no_own_light_but_the_one_in_force_stays(engine, relighter):
+    own = LightSource("own")
+    relighter.blind = True
+    nobody = PhotoSource(a_photo())
+    refused = answered(engine, nobody, own)
+    assert own in refused.refused
+    assert "draw a box" in refused.message.text
+    own = LightSource("own")
+    light = answered(engine, PhotoSource(nobody.place, None, (BOX,)), own).light
+    assert light.source is own
+    none_left = answered(engine, PhotoSource(nobody.place, None, ()), own)
+    assert none_left.light is light
+    assert none_left.picture is None
+    again = answered(engine, PhotoSource(nobody.place, None, (OTHER,)), own)
+    assert again.light is not light
+    assert again.picture.light is again.light
+
+
+def test_borrowing_a_light_needs_no_face_in_the_photo_that_is_open(engine, relighter, tmp_path):
+    path = tmp_path / "friend.png"
+    write_image(path, np.broadcast_to(np.float32([0.8, 0.2, 0.2]), (20, 20, 3)))
+    relighter.blind = True
+    nobody = PhotoSource(a_photo())
+    answered(engine, nobody)
+    relighter.blind = False
+    borrowed = LightSource("portrait", str(path))
+    snapshot = answered(engine, nobody, borrowed)
+    assert snapshot.light.source is borrowed
+    assert snapshot.opened.source is nobody
+    drawn = answered(engine, PhotoSource(nobody.place, None, (BOX,)), borrowed)
+    assert relighter.portraits[-1] == (nobody.place, None, (BOX,))
+    assert drawn.picture.light is drawn.light

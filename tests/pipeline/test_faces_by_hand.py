@@ -1,0 +1,76 @@
+"""Boxes drawn by hand: what they change, and what they leave as it is."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from tiny_relighter import EDIT, NETWORK_STAGES, computed, some_light, some_photo
+
+from relight_core.errors import InputError, NoFaceError
+from relight_core.face.find import FaceBox
+from relight_core.pipeline.face_relighter import Workshop
+from relight_core.pipeline.relighter import Relighter
+
+LARGE, SMALL, MOVED = FaceBox(24, 20, 72, 76), FaceBox(4, 4, 20, 20), FaceBox(80, 60, 104, 84)
+
+
+@pytest.fixture
+def photo():
+    return some_photo()
+
+
+@pytest.fixture
+def delighted(monkeypatch):
+    """The views that de-lighting saw."""
+    seen, delight = [], Workshop.delight
+    monkeypatch.setattr(Workshop, "delight", lambda shop, *args: seen.append(args[0]) or delight(shop, *args))
+    return seen
+
+
+def test_everyone_is_told_also_who_is_not_relit(relighter, photo):
+    relighter.set_portrait(photo, 1)
+    assert relighter.people == (LARGE, SMALL)
+    relighter.set_portrait(photo, None, [MOVED])
+    assert relighter.people == (MOVED,)
+
+
+def test_only_the_face_that_moved_is_read_again(relighter, photo, delighted):
+    relighter.set_portrait(photo, None, [LARGE, SMALL])
+    relighter.relight(some_light(), EDIT)
+    delighted.clear()
+    relighter.set_portrait(photo, None, [LARGE, MOVED])
+    assert len(delighted) in (1, 2), "framed, and once more if it leans"
+    delighted.clear()
+    relit = relighter.relight(some_light(), EDIT)
+    assert len(delighted) == 1
+    assert not computed(relit) & NETWORK_STAGES, "those of the first face"
+    assert computed(relit) >= {"other_faces", "matte", "detail", "paste"}
+
+
+def test_what_is_kept_of_faces_changes_no_picture(relighter, weights, photo):
+    fresh = Relighter(weights)
+    wishes = [(None, [LARGE, SMALL]), (None, [LARGE, MOVED]), (1, [LARGE, MOVED]), (None, [MOVED, LARGE]), (None, None)]
+    for face_index, boxes in wishes:
+        relighter.set_portrait(photo, face_index, boxes)
+        fresh.set_portrait(replace(photo), face_index, boxes)
+        one, other = (r.relight(some_light(), EDIT) for r in (relighter, fresh))
+        np.testing.assert_array_equal(one.image, other.image)
+        np.testing.assert_array_equal(one.channels["shadow"], other.channels["shadow"])
+        assert one.faces == other.faces
+
+
+def test_another_photo_keeps_nothing(relighter, photo):
+    relighter.set_portrait(photo, None, [LARGE])
+    relighter.relight(some_light(), EDIT)
+    relighter.set_portrait(some_photo(7), None, [LARGE])
+    assert computed(relighter.relight(some_light(), EDIT)) >= NETWORK_STAGES
+
+
+def test_no_boxes_are_no_faces(relighter, photo):
+    with pytest.raises(NoFaceError, match="no face"):
+        relighter.set_portrait(photo, None, [])
+    with pytest.raises(InputError, match="face number"):
+        relighter.set_portrait(photo, 2, [LARGE, SMALL])
+    with pytest.raises(InputError, match="box"):
+        relighter.set_portrait(photo, 0, [LARGE, FaceBox(500, 10, 600, 90)])
+    assert relighter.people == (LARGE, SMALL), "the portrait before stays"
