@@ -237,7 +237,7 @@ class Desk:
 
 
 def _as_of_before(now: Snapshot, opened: OpenPhoto) -> Picture | None:
-    """The picture in force, to be looked at until the same photo's faces are relit anew; None for another photo."""
+    """The picture in force; one of the same photo is to be looked at until its faces are relit anew."""
     picture = now.picture
     if picture is None or picture.opened.photo is not opened.photo:
         return picture
