@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -51,6 +52,22 @@ def relight_each(
             yield Outcome(photo, output, "written", result=result)
 
 
+def batch_tasks(photos: Sequence[Path], folder: Path, suffix: str) -> list[tuple[Path, Path]]:
+    """Each photo with its own output in a folder: its name, and of a.jpg and a.png "a-jpg" and "a-png"."""
+    counts = Counter(photo.stem.lower() for photo in photos)
+    taken: set[str] = set()
+    tasks = []
+    for photo in photos:
+        name = photo.stem if counts[photo.stem.lower()] == 1 else f"{photo.stem}-{photo.suffix[1:]}"
+        number, free = 1, name
+        while free.lower() in taken:
+            number += 1
+            free = f"{name}-{number}"
+        taken.add(free.lower())
+        tasks.append((photo, folder / f"{free}{suffix}"))
+    return tasks
+
+
 def photos_in(folder: Path) -> list[Path]:
     """The photos right inside a folder, by name; hidden ones and panoramas (.hdr) are left out.
 
@@ -70,13 +87,18 @@ def photos_in(folder: Path) -> list[Path]:
 def summary(outcomes: Sequence[Outcome]) -> str:
     """One line for people."""
     counts = {state: sum(outcome.state == state for outcome in outcomes) for state in ("written", "kept", "failed")}
-    words = [f"{counts['written']} photos relit"]
+    words = [f"{counts['written']} photo{'s' * (counts['written'] != 1)} relit"]
     if counts["kept"]:
-        words.append(f"{counts['kept']} were done already")
+        words.append(f"{counts['kept']} {'was' if counts['kept'] == 1 else 'were'} done already")
     if counts["failed"]:
         names = ", ".join(outcome.photo.name for outcome in outcomes if outcome.state == "failed")
         words.append(f"{counts['failed']} could not be relit: {names}")
     return "; ".join(words)
+
+
+def reasons(outcomes: Sequence[Outcome]) -> list[str]:
+    """Why photos could not be relit, a line each."""
+    return [outcome.error for outcome in outcomes if outcome.state == "failed"]
 
 
 def _is_done(photo: Path, output: Path) -> bool:

@@ -113,6 +113,14 @@ class Binding:
         """The window gained or lost the keyboard; keys held then are let go."""
         self._io.add_focus_event(has_focus)
 
+    def heard(self) -> bool:
+        """Whether the frame that has begun took anything in from the keyboard or the mouse, or left some of it."""
+        return self._context.input_events_trail.size() > 0 or self.has_more()
+
+    def has_more(self) -> bool:
+        """Whether something waits for the next frame: of several events of a key or a button each frame takes one."""
+        return self._context.input_events_queue.size() > 0 or bool(self._later)
+
     def wants_text(self) -> bool:
         """Whether something is being typed, so that a cursor blinks."""
         return self._io.want_text_input

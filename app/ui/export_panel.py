@@ -23,6 +23,7 @@ _DEPTHS = {
     "": (("", "8 bit", "For screens."), ("deep", "16 bit", "For further editing.")),
 }
 _QUALITIES = (50, 100)
+_SPACING, _LAYERS_SHARE = 4.0, 0.44
 _USUAL_QUALITY = ExportSettings().quality
 _LAYER_WORDS = {
     "albedo": "Colour without light",
@@ -46,25 +47,32 @@ def draw(state: EditorState, fonts: theme.Fonts) -> None:
     if form != state.export.form:
         state.choose_form(form)
     _depth_and_size(state)
-    imgui.set_next_item_width(-1.0)
-    _, state.export_path = imgui.input_text("##path", state.export_path, imgui.InputTextFlags_.elide_left)
-    if state.export_path:
-        imgui.set_item_tooltip(f"{state.export_place()}\nA number is added to the name if there is such a file.")
+    _place_and_layers(state)
     _buttons(state)
     imgui.end_disabled()
 
 
 def _depth_and_size(state: EditorState) -> None:
     export = state.export
-    half = (imgui.get_content_region_avail().x - 4.0) / 2
+    half = (imgui.get_content_region_avail().x - _SPACING) / 2
     if export.form == ".jpg":
         state.export = replace(export, quality=_quality(export.quality, half))
     else:
         chosen = widgets.segmented(_DEPTHS.get(export.form, _DEPTHS[""]), "deep" if export.deep else "", half)
         state.export = replace(export, deep=chosen == "deep")
-    imgui.same_line(0.0, 4.0)
+    imgui.same_line(0.0, _SPACING)
     _size(state)
-    if export.form == ".exr":
+
+
+def _place_and_layers(state: EditorState) -> None:
+    """The file's name; for an EXR its layers beside it, so that the buttons below stay where they are."""
+    room = imgui.get_content_region_avail().x
+    imgui.set_next_item_width(room if state.export.form != ".exr" else (1.0 - _LAYERS_SHARE) * room - _SPACING)
+    _, state.export_path = imgui.input_text("##path", state.export_path, imgui.InputTextFlags_.elide_left)
+    if state.export_path:
+        imgui.set_item_tooltip(f"{state.export_place()}\nA number is added to the name if there is such a file.")
+    if state.export.form == ".exr":
+        imgui.same_line(0.0, _SPACING)
         _layers(state)
 
 
@@ -84,8 +92,12 @@ def _quality(quality: int, width: float) -> int:
 
 
 def _layers(state: EditorState) -> None:
+    """A list of check boxes that unfolds over the panel."""
     count = len(state.export.layers)
-    if not imgui.collapsing_header(f"Layers: {count} of {len(LAYERS)}###layers"):
+    imgui.set_next_item_width(-1.0)
+    is_open = imgui.begin_combo("##layers", f"{count} layer{'s' * (count != 1)}", imgui.ComboFlags_.height_largest)
+    if not is_open:
+        imgui.set_item_tooltip("What the file holds beside the picture.")
         return
     for name in LAYERS:
         changed, on = imgui.checkbox(name.capitalize(), name in state.export.layers)
@@ -93,6 +105,7 @@ def _layers(state: EditorState) -> None:
         if changed:
             layers = tuple(entry for entry in LAYERS if (on if entry == name else entry in state.export.layers))
             state.export = replace(state.export, layers=layers)
+    imgui.end_combo()
 
 
 def _size(state: EditorState) -> None:
@@ -105,8 +118,7 @@ def _size(state: EditorState) -> None:
 
 
 def _buttons(state: EditorState) -> None:
-    spacing = 4.0
-    third = (imgui.get_content_region_avail().x - 2.0 * spacing) / 3
+    third = (imgui.get_content_region_avail().x - 2.0 * _SPACING) / 3
     if imgui.button("Export", imgui.ImVec2(third, 0.0)):
         state.export_wanted = state.export.form
     imgui.set_item_tooltip("Save it there at once.  E")
@@ -114,14 +126,14 @@ def _buttons(state: EditorState) -> None:
         ("Save as…", "export_as", "Choose the place; asks before it replaces a file.  Ctrl + E"),
         ("Copy", "copy_picture", "Put the picture on the clipboard.  Ctrl + C"),
     ):
-        imgui.same_line(0.0, spacing)
+        imgui.same_line(0.0, _SPACING)
         _wish(state, label, kind, tooltip, third)
     imgui.align_text_to_frame_padding()
     imgui.text_disabled("Turntable")
     imgui.same_line()
-    half = (imgui.get_content_region_avail().x - spacing) / 2
+    half = (imgui.get_content_region_avail().x - _SPACING) / 2
     _wish(state, "MP4", "turntable_film", "A film of the light turning once around.  Ctrl + T", half)
-    imgui.same_line(0.0, spacing)
+    imgui.same_line(0.0, _SPACING)
     words = "The light turning once around, as numbered PNG files in a new folder."
     _wish(state, "PNGs", "turntable_pictures", words, half)
     words = "Relight all photos of a folder, or of those dropped together, like this one.  Ctrl + B"

@@ -27,11 +27,22 @@ def apply(state: EditorState) -> None:
     """Run the actions whose keys went down in this frame."""
     io = imgui.get_io()
     typing = io.want_text_input or state.look.palette or state.picking is not None
+    if not typing and _put_menu_away():
+        return
     for action in ACTIONS:
         if action.let_go is not None:
             _hold(state, action, typing)
         elif not typing and any(_pressed(chord, action.repeats) for chord in action.chords) and action.available(state):
             action.run(state)
+
+
+def _put_menu_away() -> bool:
+    """Escape closes a menu or a list that is open, and does nothing else then."""
+    is_open = imgui.is_popup_open("", imgui.PopupFlags_.any_popup)
+    if not is_open or not imgui.is_key_pressed(imgui.Key.escape, False):
+        return False
+    imgui.internal.close_popup_to_level(0, True)
+    return True
 
 
 def _hold(state: EditorState, action: Action, typing: bool) -> None:

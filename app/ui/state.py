@@ -154,13 +154,18 @@ class EditorState:
 
     def request(self) -> Request:
         """What the engine is to work toward: quick while the hand moves something, finished when it rests."""
-        edit = replace(self.edit, quality=self.quality.at_rest(), exposure_ev=0.0)
+        edit = self.request_at_rest().edit
         if self.hand_on_control:
             quick = replace(edit, quality=self.quality.moving(self.snapshot.tier_costs), channels=self._looked_at())
             same_edit = replace(edit, quality=self.asked.quality, channels=self.asked.channels) == self.asked
             unchanged = same_edit and self.light_edit == self.asked_light
             edit = self.asked if unchanged else quick
         self.asked, self.asked_light = edit, self.light_edit
+        return Request(self.photo, self.light, edit, self.light_edit, self._longest_side_px(edit))
+
+    def request_at_rest(self) -> Request:
+        """What the engine is to work toward once the hand rests."""
+        edit = replace(self.edit, quality=self.quality.at_rest(), exposure_ev=0.0)
         return Request(self.photo, self.light, edit, self.light_edit, self._longest_side_px(edit))
 
     def document(self) -> Document:

@@ -80,7 +80,8 @@ def _words(state: EditorState, width: float) -> None:
 
 
 def brief(message: str) -> str:
-    """A message about a file with the file's name alone, so that what is wrong and the mend are in sight."""
+    """The first line of a message; about a file with the file's name alone, so that what is wrong is in sight."""
+    message = message.splitlines()[0] if message else message
     place, colon, rest = message.partition(": ")
     return f"{Path(place).name}{colon}{rest}" if colon and Path(place).is_absolute() else message
 

@@ -124,6 +124,8 @@ _COLOURS = {
     "button": RAISED,
     "button_hovered": HOVERED,
     "button_active": PRESSED,
+    "check_mark": ACCENT,
+    "checkbox_selected_bg": RAISED,
     "header": RAISED,
     "header_hovered": HOVERED,
     "header_active": PRESSED,

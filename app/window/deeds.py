@@ -13,6 +13,7 @@ from app.document.autosave import Autosave, Leftover, leftovers
 from app.document.json_fields import kind_of
 from app.document.light_file import LIGHT_SUFFIX, SavedLight, write_light
 from app.document.session_file import SESSION_SUFFIX, is_session_place, session_path, write_session
+from app.engine.batch import photos_in
 from app.engine.desk import error_line
 from app.engine.exporting import free_path
 from app.engine.sources import PICTURE_SUFFIXES
@@ -20,11 +21,12 @@ from app.ui.asking import FileRequest, Question
 from app.ui.file_dialogs import FileDialogs
 from app.ui.state import EditorState
 from app.window.dropped import take_files, use_as_light
-from app.window.outputs import BATCH_FOLDER, Outputs
+from app.window.outputs import Outputs
 from app.window.recent_lights import RecentLights
 from relight_core.errors import InputError
 
 _log = logging.getLogger(__name__)
+_BATCH_FOLDER = "relit"
 _NOWHERE = (-1.0, -1.0)
 
 
@@ -166,7 +168,7 @@ class Deeds:
         """Relight the queue's other photos, or those of a folder, as this one is."""
         queue = self._state.queue.paths
         if len(queue) > 1:
-            self._outputs.batch_over(list(queue), queue[0].absolute().parent / BATCH_FOLDER)
+            self._batch_over(list(queue), queue[0].absolute().parent)
         else:
             self._ask("folder", "Relight all photos of a folder like this one", (), self._batch_there)
 
@@ -203,7 +205,24 @@ class Deeds:
         self.replace_file(path if path.suffix else path.with_suffix(".mp4"), self._outputs.film_to)
 
     def _batch_there(self, paths: list[Path]) -> None:
-        self._tried(self._outputs.batch_folder, paths[0])
+        self._tried(lambda folder: self._batch_over(photos_in(folder), folder), paths[0])
+
+    def _batch_over(self, photos: list[Path], beside: Path) -> None:
+        """Relight photos into a folder of their own, after asking where it has pictures of them already."""
+        folder = beside / _BATCH_FOLDER
+        done = self._outputs.done_already(photos, folder)
+        if not done:
+            self._outputs.batch_over(photos, folder)
+            return
+
+        def start(replaces: bool) -> Callable[[], None]:
+            return lambda: self._tried(lambda place: self._outputs.batch_over(photos, place, replaces), folder)
+
+        rest = len(photos) - done
+        only_the_rest = ((f"Relight the other {rest}", start(False)),) if rest else ()
+        text = f"{done} of these {len(photos)} photos {'has a picture' if done == 1 else 'have pictures'} in {folder}."
+        choices = (*only_the_rest, ("Replace", start(True)), ("Cancel", lambda: None))
+        self._state.asking.ask(Question("batch", text, choices))
 
     def _take(self, paths: list[Path]) -> None:
         take_files(self._state, paths, *_NOWHERE)

@@ -6,14 +6,16 @@ import os
 import tempfile
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 
 from app.document.document import Document
-from app.engine.batch import photos_in, relight_each, summary
+from app.engine.batch import Outcome, batch_tasks, reasons, relight_each, summary
 from app.engine.exporting import Exporter, ExportJob, ExportSettings, export_note, free_path, write_relit
 from app.engine.jobs import JobControl
+from app.engine.snapshot import Picture
 from app.engine.sources import RelighterLike
 from app.engine.turntable import FRAMES, turning, write_film, write_pictures
 from app.ui.state import EditorState
@@ -26,46 +28,74 @@ from relight_core.lighting.environment import Environment
 from relight_core.pipeline.edit import Edit
 from relight_core.pipeline.layers import shrunk_picture
 
-BATCH_FOLDER = "relit"
-
 
 class Outputs:
-    """Starts jobs from what the state holds now.
+    """Starts jobs from what the state holds now, once the picture of that is finished.
 
     Args:
         state: what is shown and set.
         exporter: runs the jobs.
         make_relighter: makes one for jobs that relight, so that the window's own stays free.
+        when_finished: calls what it is given with the finished picture of what is wanted now; None takes the picture
+            that is there.
     """
 
-    def __init__(self, state: EditorState, exporter: Exporter, make_relighter: Callable[[], RelighterLike]) -> None:
+    def __init__(
+        self,
+        state: EditorState,
+        exporter: Exporter,
+        make_relighter: Callable[[], RelighterLike],
+        when_finished: Callable[[Callable[[Picture], None]], None] | None = None,
+    ) -> None:
         self._state, self._exporter, self._make_relighter = state, exporter, make_relighter
+        self._when_finished = when_finished or (lambda task: task(state.snapshot.picture))
+
+    def export(self, suffix: str) -> None:
+        """Save the picture as another or the same kind of file where the panel says, if there is one."""
+        if self._state.snapshot.picture is not None:
+            settings, exposure_ev = replace(self._state.export, form=suffix), self._state.edit.exposure_ev
+
+            def save(picture: Picture) -> None:
+                place = self._state.export_place(suffix)
+                self._exporter.submit(ExportJob(picture, exposure_ev, place, settings))
+
+            self._when_finished(save)
 
     def export_to(self, path: Path, replaces: bool) -> None:
         """Save the picture as the settings say."""
-        picture = self._picture()
+        self._need_picture()
         settings = replace(self._state.export, form=path.suffix.lower() or self._state.export.form)
-        self._exporter.submit(ExportJob(picture, self._state.edit.exposure_ev, path, settings, replaces))
+        exposure_ev = self._state.edit.exposure_ev
+        self._when_finished(
+            lambda picture: self._exporter.submit(ExportJob(picture, exposure_ev, path, settings, replaces))
+        )
 
     def copy_picture(self) -> None:
         """Put the picture on the clipboard, at its own size, 8 bits."""
-        relit, exposure_ev = self._picture().relit, self._state.edit.exposure_ev
+        self._need_picture()
+        exposure_ev = self._state.edit.exposure_ev
 
-        def work(control: JobControl) -> str:
-            with tempfile.TemporaryDirectory(prefix="relight-") as folder:
-                path = Path(folder) / "picture.png"
-                write_image(path, *shrunk_picture(relit, None), exposure_ev=exposure_ev)
-                copy_png(path.read_bytes())
-            return "Copied the picture"
+        def start(picture: Picture) -> None:
+            def work(control: JobControl) -> str:
+                with tempfile.TemporaryDirectory(prefix="relight-") as folder:
+                    path = Path(folder) / "picture.png"
+                    write_image(path, *shrunk_picture(picture.relit, None), exposure_ev=exposure_ev)
+                    copy_png(path.read_bytes())
+                return "Copied the picture"
 
-        self._exporter.start("Copy", work)
+            self._exporter.start("Copy", work)
+
+        self._when_finished(start)
 
     def film_to(self, path: Path) -> None:
         """Save the turntable: an .mp4 file, else a folder of pictures."""
-        picture = self._picture()
+        self._need_picture()
+        side, exposure_ev = self._state.export.longest_side or 1080, self._state.edit.exposure_ev
+        self._when_finished(lambda picture: self._start_film(path, picture, side, exposure_ev))
+
+    def _start_film(self, path: Path, picture: Picture, side: int, exposure_ev: float) -> None:
         photo, source = picture.opened.photo, picture.opened.source
-        light, edit = picture.light.environment, replace(self._state.edit, quality="final")
-        side = self._state.export.longest_side or 1080
+        light, edit = picture.light.environment, replace(picture.edit, quality="final", exposure_ev=exposure_ev)
 
         def work(control: JobControl) -> str:
             relighter = self._make_relighter()
@@ -80,51 +110,64 @@ class Outputs:
 
         self._exporter.start("Turntable", work)
 
-    def batch_over(self, photos: list[Path], folder: Path) -> None:
-        """Relight photos as this one is, into a folder; those that are done already are left alone."""
+    def batch_over(self, photos: list[Path], folder: Path, replaces: bool = False) -> None:
+        """Relight photos as this one is, into a folder.
+
+        Args:
+            replaces: pictures that are there already, too; else those are left alone.
+        """
+        self._need_picture()
         document, settings = self._state.document(), self._state.export
-        environment = self._picture().light.environment
-        title = document.light.source().title
         boxes = {photo: self._state.boxes_of(photo) for photo in photos}
+        title = document.light.source().title
 
-        def work(control: JobControl) -> str:
-            try:
-                folder.mkdir(exist_ok=True)
-            except OSError as error:
-                raise InputError(f"{folder}: can't be made ({error.strerror}); choose another folder") from error
-            relighter = self._make_relighter()
-            tasks = [(photo, folder / f"{photo.stem}{settings.form}") for photo in photos]
+        def start(picture: Picture) -> None:
+            environment = picture.light.environment
 
-            def one(photo: Path, output: Path) -> None:
+            def one(relighter: RelighterLike, photo: Path, output: Path) -> None:
                 relight_like(document, environment, relighter, photo, output, settings, title, boxes[photo])
 
-            outcomes = []
-            control.step(0, len(tasks))
-            for outcome in relight_each(tasks, one, resume=True):
+            self._start_batch(batch_tasks(photos, folder, settings.form), one, replaces)
+
+        self._when_finished(start)
+
+    def _start_batch(
+        self,
+        tasks: list[tuple[Path, Path]],
+        one: Callable[[RelighterLike, Path, Path], None],
+        replaces: bool,
+    ) -> None:
+        folder = tasks[0][1].parent
+
+        def work(control: JobControl) -> str:
+            _make_folder(folder)
+            relighter = self._make_relighter()
+            kept = () if replaces else [task for task in tasks if os.path.lexists(task[1])]
+            outcomes = [Outcome(*task, "kept") for task in kept]
+            control.step(len(kept), len(tasks))
+            for outcome in relight_each([task for task in tasks if task not in kept], partial(one, relighter)):
                 outcomes.append(outcome)
                 control.step(len(outcomes), len(tasks))
-            return f"{summary(outcomes)}. They are in {folder}"
+            said = "\n".join([f"{summary(outcomes)}. They are in {folder}", *reasons(outcomes)])
+            if any(outcome.state == "failed" for outcome in outcomes):
+                raise InputError(said)
+            return said
 
         self._exporter.start("Batch", work)
 
-    def batch_folder(self, folder: Path) -> None:
-        """Relight every photo of a folder into a folder inside it.
-
-        Raises:
-            InputError: there are no photos in it.
-        """
-        self.batch_over(photos_in(folder), folder / BATCH_FOLDER)
+    def done_already(self, photos: list[Path], folder: Path) -> int:
+        """How many of the photos have a picture in the folder."""
+        tasks = batch_tasks(photos, folder, self._state.export.form)
+        return sum(os.path.lexists(output) for _, output in tasks)
 
     def suggested(self, suffix: str, ending: str = "") -> Path:
         """A free name for an output beside the photo."""
         path = self._state.export_place()
         return free_path(path.with_name(f"{path.stem}{ending}{suffix}"))
 
-    def _picture(self):
-        picture = self._state.snapshot.picture
-        if picture is None:
+    def _need_picture(self) -> None:
+        if self._state.snapshot.picture is None:
             raise InputError("there is no relit picture yet; open a photo first")
-        return picture
 
 
 def relight_like(
@@ -159,6 +202,13 @@ def relight_like(
     edit = replace(document.edit, quality="final", channels=channels)
     relit = relighter.relight(environment, _without_exposure(edit))
     write_relit(output, relit, settings, edit.exposure_ev, export_note(title, edit), opened.exif)
+
+
+def _make_folder(folder: Path) -> None:
+    try:
+        folder.mkdir(exist_ok=True)
+    except OSError as error:
+        raise InputError(f"{folder}: can't be made ({error.strerror}); choose another folder") from error
 
 
 def _without_exposure(edit: Edit) -> Edit:

@@ -6,7 +6,6 @@ import logging
 import threading
 import time
 from collections.abc import Callable
-from dataclasses import replace
 from pathlib import Path
 
 import glfw
@@ -14,7 +13,7 @@ import moderngl
 import numpy as np
 
 from app.engine.engine import Engine
-from app.engine.exporting import Exporter, ExportJob
+from app.engine.exporting import Exporter
 from app.engine.light_shelf import LightShelf
 from app.engine.sources import LightSource, RelighterLike, Request
 from app.ui import editor, theme
@@ -22,6 +21,7 @@ from app.ui.light_panel import Shelf
 from app.ui.state import EditorState
 from app.window.deeds import Deeds
 from app.window.dropped import take_files
+from app.window.finished import Finished
 from app.window.frame_limit import FrameLimit, display_hz
 from app.window.gl_pictures import GlPictures
 from app.window.gl_textures import Canvas
@@ -30,14 +30,10 @@ from app.window.graphics import DRIVER_FAULTS, Graphics, GraphicsLostError, Rest
 from app.window.held_shift import shift_is_held
 from app.window.memory import Memory
 from app.window.outputs import Outputs
+from app.window.rest import Rest
 
 SIZE = (1440, 900)
-_LIVELY_S = 0.7
-_LIVELY_STEP_S = 0.03
 _QUIET_FRAMES, _MOST_SETTLING_FRAMES = 4, 60
-_CURSOR_BLINK_S = 0.25
-_DEEDS_STEP_S = 0.1
-_PLAYING_STEP_S = 1 / 60
 _log = logging.getLogger(__name__)
 
 
@@ -84,10 +80,11 @@ class EditorWindow:
             self.state.open_photo(photo)
         self.engine = Engine(make_relighter, self._wake, on_engine_start, calibration_path)
         self.exporter = Exporter(self.engine.say, self._wake)
-        outputs = Outputs(self.state, self.exporter, make_relighter)
-        self._deeds = Deeds(self.state, self.engine.say, folder, outputs=outputs)
+        self._finished = Finished(self.state, self.engine.say)
+        self._outputs = Outputs(self.state, self.exporter, make_relighter, self._finished.then)
+        self._deeds = Deeds(self.state, self.engine.say, folder, outputs=self._outputs)
         self._submitted = Request()
-        self._lively_until = time.monotonic() + _LIVELY_S
+        self._rest = Rest()
         self._title = ""
 
     @property
@@ -279,24 +276,17 @@ class EditorWindow:
         raise GraphicsLostError(f"the graphics driver failed ({one_line(error)}); {work}; {mend}") from error
 
     def _wait(self) -> None:
-        """Sleep until something happens; for a moment after it, tick on, for what needs several frames."""
-        now = time.monotonic()
-        if now < self._lively_until and not self.state.playing:
-            glfw.wait_events_timeout(_LIVELY_STEP_S)
-            if time.monotonic() - now < 0.9 * _LIVELY_STEP_S:
-                self._lively_until = time.monotonic() + _LIVELY_S
-        elif self._graphics.binding.wants_text():
-            glfw.wait_events_timeout(_CURSOR_BLINK_S)
-        elif self.state.playing:
-            glfw.wait_events_timeout(_PLAYING_STEP_S)
-        elif self._deeds.waiting:
-            glfw.wait_events_timeout(_DEEDS_STEP_S)
-        else:
+        """Rest until something happens, but for what was heard and not yet told to the panels."""
+        binding = self._graphics.binding
+        if binding.has_more():
+            glfw.poll_events()
+            return
+        reasons = self.state.playing, binding.wants_text(), self._deeds.waiting
+        if self._rest.is_deep(*reasons):
             self._memory.keep(self.state, glfw.get_window_size(self.handle))
             # Whatever was lost unnoticed meanwhile is mended by the next frame.
             self._graphics.painter.forget()
-            glfw.wait_events()
-            self._lively_until = time.monotonic() + _LIVELY_S
+        self._rest.until_due(*reasons)
 
     def _draw(self) -> None:
         state = self.state
@@ -309,24 +299,28 @@ class EditorWindow:
         if is_new:
             self.pictures.update(snapshot)
         state.job = self.exporter.status()
-        self._graphics.binding.begin()
-        editor.draw(state, self._graphics.binding.fonts, self.pictures, Shelf(self.shelf.names, self.shelf.words))
-        self._graphics.binding.end()
+        binding = self._graphics.binding
+        binding.begin()
+        if is_new or binding.heard():
+            self._rest.stir()
+        editor.draw(state, binding.fonts, self.pictures, Shelf(self.shelf.names, self.shelf.words))
+        binding.end()
 
     def _act(self) -> None:
         """Do what the panels have asked for."""
-        request, last = self.state.request(), self._submitted
         self.state.remember(time.monotonic())
+        waited = self._deeds.waiting
         self._deeds.act(time.monotonic())
-        if not request.same_as(last):
-            self._submitted = request
-            self.engine.submit(request)
+        if waited and not self._deeds.waiting:
+            # What a dialog was told may be something to show.
+            self._rest.stir()
+        if self.state.export_wanted:
+            self._outputs.export(self.state.export_wanted)
+            self.state.export_wanted = None
+        self._ask_engine()
         if self.state.cancel_wanted:
             self.state.cancel_wanted = False
             self.exporter.cancel()
-        if self.state.export_wanted:
-            self._export(self.state.export_wanted)
-            self.state.export_wanted = None
         self._graphics.binding.show_cursor(self.handle)
         opened = self.state.snapshot.opened
         title = f"{opened.source.name} \N{EN DASH} relight" if opened else "relight"
@@ -334,9 +328,10 @@ class EditorWindow:
             self._title = title
             glfw.set_window_title(self.handle, title)
 
-    def _export(self, suffix: str) -> None:
-        picture = self.state.snapshot.picture
-        if picture is not None:
-            settings = replace(self.state.export, form=suffix)
-            path = self.state.export_place(suffix)
-            self.exporter.submit(ExportJob(picture, self.state.edit.exposure_ev, path, settings))
+    def _ask_engine(self) -> None:
+        request = self._finished.wanted(self.state.request())
+        if not request.same_as(self._submitted):
+            self._submitted = request
+            self.engine.submit(request)
+        is_idle = self.engine.wait_until_idle(0) and self.engine.snapshot() is self.state.snapshot
+        self._finished.hand_out(self.state.snapshot, is_idle)

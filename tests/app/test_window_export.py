@@ -1,36 +1,58 @@
 """The export's controls in the real window."""
 
+import glfw
 import numpy as np
+import pytest
+from imgui_bundle import imgui
 from window_hand import EFFECTS_PANEL, HEIGHT, STRIPS, WIDTH
 
 from app.ui.layout import OpenGroups
 
+ROW = 32
 
-def test_the_export_buttons_stay_where_they_are_whatever_kind_of_file_is_chosen(opened):
-    state = opened.window.state
+
+def look_and_choose(hand, suffix):
+    """The right panel's pixels before and after another kind of file is chosen, other groups folded."""
+    state = hand.window.state
     state.groups = OpenGroups(effects=False, background=False)
     panel = slice(WIDTH - EFFECTS_PANEL + 2, WIDTH)
-    opened.move((WIDTH / 2, HEIGHT - 3))
-    before = opened.window.screenshot()[: HEIGHT - STRIPS, panel]
-    state.choose_form(".jpg")
-    opened.settle()
-    after = opened.window.screenshot()[: HEIGHT - STRIPS, panel]
+    hand.move((WIDTH / 2, HEIGHT - 3))
+    before = hand.window.screenshot()[: HEIGHT - STRIPS, panel]
+    state.choose_form(suffix)
+    hand.settle()
+    return before, hand.window.screenshot()[: HEIGHT - STRIPS, panel]
+
+
+def changed_rows(before, after):
     (rows,) = (before != after).any(axis=(1, 2)).nonzero()
-    assert len(rows) > 20, "another kind, its quality, another name"
+    return rows
+
+
+@pytest.mark.parametrize("suffix", [".jpg", ".exr"])
+def test_the_export_buttons_stay_where_they_are_whatever_kind_of_file_is_chosen(opened, suffix):
+    rows = changed_rows(*look_and_choose(opened, suffix))
+    assert len(rows) > 20, "another kind, its quality or layers, another name"
     assert np.ptp(rows) < 110, "three rows of controls, and nothing below them"
 
 
 def test_the_quality_of_a_jpeg_is_dragged_and_a_double_click_resets_it(opened):
     state = opened.window.state
-    state.groups = OpenGroups(effects=False, background=False)
-    opened.move((WIDTH / 2, HEIGHT - 3))
-    before = opened.window.screenshot()[: HEIGHT - STRIPS, WIDTH - EFFECTS_PANEL + 2 :]
-    state.choose_form(".jpg")
-    opened.settle()
-    after = opened.window.screenshot()[: HEIGHT - STRIPS, WIDTH - EFFECTS_PANEL + 2 :]
-    (rows,) = (before != after).any(axis=(1, 2)).nonzero()
-    y = rows.min() + 12 + 32
+    y = changed_rows(*look_and_choose(opened, ".jpg")).min() + 12 + ROW
     opened.drag((WIDTH - 180, y), (WIDTH - EFFECTS_PANEL + 16, y))
     assert state.export.quality < 60
     opened.double_click((WIDTH - 150, y))
     assert state.export.quality == 92
+
+
+def test_layers_are_chosen_in_a_list_that_escape_closes_before_anything_else(opened):
+    state = opened.window.state
+    opened.window.engine.say("a line that stays")
+    y = changed_rows(*look_and_choose(opened, ".exr")).min() + 12 + 2 * ROW
+    opened.click((WIDTH - 60, y))
+    opened.click((WIDTH - 122, y + 37))
+    assert state.export.layers == ("normal", "specular", "shadow", "parsing", "composition", "matte", "background")
+    opened.key(glfw.KEY_ESCAPE)
+    assert not imgui.is_popup_open("", imgui.PopupFlags_.any_popup)
+    assert state.message().text == "a line that stays"
+    opened.key(glfw.KEY_ESCAPE)
+    assert state.message() is None

@@ -2,7 +2,6 @@
 
 import time
 from dataclasses import replace
-from types import SimpleNamespace
 
 import glfw
 import numpy as np
@@ -72,27 +71,6 @@ def test_the_panels_can_be_hidden_and_resized_and_are_remembered(display, religh
         assert hand.viewport_width() == width
     finally:
         again.close()
-
-
-def test_at_rest_the_window_sleeps_until_something_happens(opened, monkeypatch):
-    waits = []
-
-    def wait_events():
-        waits.append("asleep")
-        glfw.set_window_should_close(opened.window.handle, True)
-
-    def wait_events_timeout(_seconds):
-        waits.append("ticking")
-        clock[0] += 1.0
-
-    clock = [time.monotonic()]
-    monkeypatch.setattr("app.window.window.time", SimpleNamespace(monotonic=lambda: clock[0]))
-    monkeypatch.setattr(glfw, "wait_events", wait_events)
-    monkeypatch.setattr(glfw, "wait_events_timeout", wait_events_timeout)
-    opened.window.run()
-    assert waits[-1] == "asleep"
-    assert waits.count("asleep") == 1
-    assert len(waits) < 5
 
 
 def test_zooming_keeps_the_spot_under_the_mouse_and_z_shows_every_pixel_there(opened):

@@ -1,0 +1,56 @@
+"""What is done with a finished picture waits for it: an export asked for while the networks still run."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Callable
+from dataclasses import replace
+
+from app.engine.snapshot import Picture, Snapshot
+from app.engine.sources import Request
+from app.ui.state import EditorState
+
+
+class Finished:
+    """Hands each task the picture that was wanted when the task was given, as it is at rest.
+
+    Until that picture is there the engine is asked for it and for nothing newer, so that another photo which is
+    opened meanwhile doesn't end up in the file.
+
+    Args:
+        state: says what is wanted.
+        say: tells a line, and whether it is an error.
+    """
+
+    def __init__(self, state: EditorState, say: Callable[[str, bool], None]) -> None:
+        self._state, self._say = state, say
+        self._tasks: deque[tuple[Request, Callable[[Picture], None]]] = deque()
+
+    def then(self, task: Callable[[Picture], None]) -> None:
+        """Call the task with the finished picture, as soon as it is there."""
+        self._tasks.append((self._state.request_at_rest(), task))
+
+    def wanted(self, newest: Request) -> Request:
+        """What to ask the engine for: what the oldest task waits for, else the newest wish."""
+        return self._tasks[0][0] if self._tasks else newest
+
+    def hand_out(self, snapshot: Snapshot, is_idle: bool) -> None:
+        """Call the tasks whose picture is there.
+
+        Args:
+            is_idle: the engine has done all it can for what it was asked for last.
+        """
+        while self._tasks and _answers(snapshot.picture, self._tasks[0][0]):
+            self._tasks.popleft()[1](snapshot.picture)
+            is_idle = False
+        if self._tasks and is_idle:
+            self._tasks.popleft()
+            self._say("Nothing was saved: this picture can't be relit", True)
+
+
+def _answers(picture: Picture | None, request: Request) -> bool:
+    if picture is None or (request.photo is not None and picture.opened.source is not request.photo):
+        return False
+    light = picture.light
+    is_light = light.source.same_as(request.light) and light.edit == request.light_edit and not light.is_draft
+    return is_light and picture.edit == replace(request.edit, exposure_ev=0.0)

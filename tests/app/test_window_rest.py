@@ -1,0 +1,79 @@
+"""When the window rests, and what it shows before it does."""
+
+import time
+from types import SimpleNamespace
+
+import glfw
+import pytest
+
+
+@pytest.fixture
+def rests(opened, monkeypatch):
+    """What the window's loop waited for; waiting takes no time but the clock's. The loop ends when it sleeps.
+
+    Put callables into `rests.happens` for what a user does after so many waits.
+    """
+    clock, rests = [time.monotonic()], SimpleNamespace(waits=[], happens={})
+
+    def wait_events():
+        rests.waits.append("asleep")
+        glfw.set_window_should_close(opened.window.handle, True)
+
+    def wait_events_timeout(seconds):
+        happens = rests.happens.pop(len(rests.waits), None)
+        rests.waits.append("ticking")
+        clock[0] += 0.1 * seconds if happens else seconds
+        if happens:
+            happens()
+
+    fake = SimpleNamespace(monotonic=lambda: clock[0], sleep=lambda seconds: None)
+    monkeypatch.setattr("app.window.rest.time", fake)
+    monkeypatch.setattr("app.window.frame_limit.time", fake)
+    monkeypatch.setattr(glfw, "wait_events", wait_events)
+    monkeypatch.setattr(glfw, "wait_events_timeout", wait_events_timeout)
+    return rests
+
+
+def test_at_rest_the_window_sleeps_until_something_happens(opened, rests):
+    opened.window.run()
+    assert rests.waits[-1] == "asleep"
+    assert rests.waits.count("asleep") == 1
+    assert len(rests.waits) < 40
+
+
+def test_a_question_that_typing_led_to_is_seen_before_the_window_sleeps(opened, rests, monkeypatch):
+    state = opened.window.state
+    monkeypatch.setattr(opened.window._deeds._dialogs, "_has_native", False)
+    opened.key(glfw.KEY_E, ctrl=True)
+    state.picking.start.write_bytes(b"in the way")
+
+    def enter():
+        assert state.picking is not None
+        for action in (glfw.PRESS, glfw.RELEASE):
+            opened.window.on_key(None, glfw.KEY_ENTER, 0, action, 0)
+
+    rests.happens[60] = enter
+    opened.window.run()
+    assert len(rests.waits) > 60
+    assert len(state.asking.questions) == 1
+    assert state.look.covered > 0, "the card has been drawn"
+
+
+def test_what_is_typed_quickly_is_not_held_up_by_a_frame_for_each_key(opened, rests, monkeypatch):
+    monkeypatch.setattr(opened.window._deeds._dialogs, "_has_native", False)
+    opened.key(glfw.KEY_E, ctrl=True)
+
+    def type_all():
+        for letter in "portrait":
+            opened.window.on_key(None, ord(letter.upper()), 0, glfw.PRESS, 0)
+            opened.window.on_character(None, ord(letter))
+            opened.window.on_key(None, ord(letter.upper()), 0, glfw.RELEASE, 0)
+
+    def look():
+        found.append(opened.window.state.picking.text)
+        opened.window.state.picking = None
+
+    found = []
+    rests.happens[3], rests.happens[4] = type_all, look
+    opened.window.run()
+    assert found == ["portrait"]
