@@ -70,11 +70,17 @@ class Jobs:
     Args:
         say: told what became of each: a line, and whether it is an error.
         wake: called when the status has changed.
+        on_start: called first on the thread the jobs run on.
     """
 
-    def __init__(self, say: Callable[[str, bool], None], wake: Callable[[], None] = lambda: None) -> None:
+    def __init__(
+        self,
+        say: Callable[[str, bool], None],
+        wake: Callable[[], None] = lambda: None,
+        on_start: Callable[[], None] = lambda: None,
+    ) -> None:
         self._say, self._wake = say, wake
-        self._pool = ThreadPoolExecutor(max_workers=1, thread_name_prefix="relight-job")
+        self._pool = ThreadPoolExecutor(max_workers=1, thread_name_prefix="relight-job", initializer=on_start)
         self._lock = threading.Lock()
         self._status: JobStatus | None = None
         self._waiting = 0

@@ -9,20 +9,17 @@ from collections.abc import Callable, Iterator
 from dataclasses import replace
 from pathlib import Path
 
-import cv2
 import numpy as np
 
 from app.engine.jobs import JobControl
 from app.engine.sources import RelighterLike
 from relight_core.errors import InputError
-from relight_core.imaging.files import whole_file
 from relight_core.imaging.view_transform import apply_view
 from relight_core.lighting.environment import Environment
 from relight_core.pipeline.edit import Edit
 from relight_core.pipeline.layers import shrunk_picture
 
-FRAMES, FRAMES_PER_SECOND = 120, 24
-_CODECS = ("avc1", "mp4v")
+FRAMES = 120
 
 
 def turning(
@@ -41,26 +38,6 @@ def turning(
         codes = np.rint(apply_view(image, edit.exposure_ev) * 255).astype(np.uint8)
         height, width = (side - side % 2 for side in codes.shape[:2])
         yield np.ascontiguousarray(codes[:height, :width])
-
-
-def write_film(path: Path, frames: Iterator[np.ndarray], count: int, control: JobControl) -> None:
-    """Write an MP4, whole or not at all; replaces what is there.
-
-    Raises:
-        InputError: this system has no codec for it, or the place can't be written.
-    """
-    writer = None
-    with whole_file(path, ".mp4") as beside:
-        try:
-            for index, frame in enumerate(frames):
-                if writer is None:
-                    writer = _film_writer(beside, (frame.shape[1], frame.shape[0]))
-                writer.write(frame[..., ::-1])
-                control.step(index + 1, count)
-        finally:
-            if writer is not None:
-                writer.release()
-        _check_film(beside, path, index + 1)
 
 
 def write_pictures(
@@ -93,29 +70,3 @@ def write_pictures(
         raise InputError(f"{folder}: can't be made ({error.strerror}); choose another place") from error
     finally:
         shutil.rmtree(beside, ignore_errors=True)
-
-
-def _check_film(film: Path, path: Path, count: int) -> None:
-    """The codec says nothing when the disk is full; a film that is short of frames does."""
-    reader = cv2.VideoCapture(str(film))
-    found = round(reader.get(cv2.CAP_PROP_FRAME_COUNT))
-    reader.release()
-    if found != count:
-        raise InputError(f"{path}: only {max(found, 0)} of {count} frames could be written; make room on the disk")
-
-
-def _film_writer(path: Path, size: tuple[int, int]) -> cv2.VideoWriter:
-    before = cv2.utils.logging.getLogLevel() if hasattr(cv2.utils, "logging") else None
-    if before is not None:
-        cv2.utils.logging.setLogLevel(cv2.utils.logging.LOG_LEVEL_SILENT)
-    try:
-        for codec in _CODECS:
-            writer = cv2.VideoWriter(str(path), cv2.VideoWriter_fourcc(*codec), FRAMES_PER_SECOND, size)
-            if writer.isOpened():
-                return writer
-    finally:
-        if before is not None:
-            cv2.utils.logging.setLogLevel(before)
-    if not os.access(path.parent, os.W_OK | os.X_OK):
-        raise InputError(f"{path.parent}: can't be written to; choose another folder")
-    raise InputError("this system has no codec for MP4; export the turntable as pictures instead")

@@ -11,10 +11,10 @@ from app.engine.snapshot import Snapshot
 from app.engine.sources import RelitLike
 from app.ui.panes import LIGHTS
 from app.ui.state import CHANNELS, PHOTO, RESULT
-from relight_core.face.crop import Crop
 from relight_core.face.parsing import CLASSES
 from relight_core.imaging.view_transform import apply_view
 from relight_core.pipeline.channel_view import channel_to_srgb
+from relight_core.pipeline.layers import channel_at
 
 
 @dataclass(frozen=True)
@@ -23,7 +23,7 @@ class Reading:
 
     Attributes:
         name: of app.ui.state.CHANNELS.
-        linear: one or three numbers as the channel holds them; none where the spot lies outside it.
+        linear: one or three numbers as the channel is exported; none where the spot lies outside it.
         codes: what the screen shows, 0 to 255.
         word: instead of numbers, for parsing.
     """
@@ -56,8 +56,7 @@ def reading(snapshot: Snapshot, name: str, exposure_ev: float, x: float, y: floa
         return None
     if name == RESULT:
         return _of_result(snapshot, x, y, exposure_ev)
-    channel = picture.relit.channels.get(name)
-    return None if channel is None else _of_channel(name, channel, picture.relit, x, y)
+    return _of_channel(name, picture.relit, x, y) if name in picture.relit.channels else None
 
 
 def _of_result(snapshot: Snapshot, x: float, y: float, exposure_ev: float) -> Reading:
@@ -80,18 +79,20 @@ def _of_picture(name: str, linear: np.ndarray, x: float, y: float, exposure_ev: 
     return Reading(name, _numbers(texel), _codes(apply_view(texel[None], exposure_ev)))
 
 
-def _of_channel(name: str, channel: np.ndarray, relit: RelitLike, x: float, y: float) -> Reading:
-    if relit.window is None:
+def _of_channel(name: str, relit: RelitLike, x: float, y: float) -> Reading:
+    """As the channel is exported, and as the screen shows it."""
+    found = channel_at(relit, name, math.floor(x), math.floor(y))
+    if found is None:
         return Reading(name)
-    x0, y0, x1, y1 = relit.window
-    crop = Crop((x0 + x1) / 2, (y0 + y1) / 2, x1 - x0, relit.roll_deg)
-    texel = _texel(channel, *crop.from_photo(np.array([x, y]), channel.shape[0]))
-    if texel is None:
-        return Reading(name)
-    shown = _codes(channel_to_srgb(name, texel.reshape(1, 1, *channel.shape[2:])))
+    held, exported = found
+    shown = _codes(channel_to_srgb(name, _as_held(name, held)[None, None]))
     if name == "parsing":
-        return Reading(name, codes=shown, word=CLASSES[min(max(int(texel), 0), len(CLASSES) - 1)])
-    return Reading(name, _numbers(texel), shown)
+        return Reading(name, codes=shown, word=CLASSES[min(max(int(held), 0), len(CLASSES) - 1)])
+    return Reading(name, _numbers(exported), shown)
+
+
+def _as_held(name: str, value: np.ndarray) -> np.ndarray:
+    return np.asarray(value, np.int64 if name == "parsing" else np.float32)
 
 
 def _texel(image: np.ndarray, x: float, y: float) -> np.ndarray | None:

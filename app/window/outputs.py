@@ -14,10 +14,11 @@ import numpy as np
 from app.document.document import Document
 from app.engine.batch import Outcome, batch_tasks, reasons, relight_each, summary
 from app.engine.exporting import Exporter, ExportJob, ExportSettings, export_note, free_path, write_relit
+from app.engine.film import write_film
 from app.engine.jobs import JobControl
 from app.engine.snapshot import Picture
 from app.engine.sources import RelighterLike
-from app.engine.turntable import FRAMES, turning, write_film, write_pictures
+from app.engine.turntable import FRAMES, turning, write_pictures
 from app.ui.state import EditorState
 from app.window.clipboard import copy_png
 from relight_core.errors import InputError

@@ -45,7 +45,7 @@ class EditorWindow:
         photo, light: what to open at once.
         size: of the window; None is the last one's.
         visible: False keeps it off the screen.
-        on_engine_start: as of app.engine.engine.Engine.
+        on_engine_start: called first on each thread that runs networks, as of app.engine.engine.Engine.
         settings_path: where panels and window size are kept between runs; None keeps nothing.
         calibration_path: where the costs of the quality tiers are kept; None does not measure them.
 
@@ -79,7 +79,7 @@ class EditorWindow:
         if photo is not None:
             self.state.open_photo(photo)
         self.engine = Engine(make_relighter, self._wake, on_engine_start, calibration_path)
-        self.exporter = Exporter(self.engine.say, self._wake)
+        self.exporter = Exporter(self.engine.say, self._wake, on_engine_start)
         self._finished = Finished(self.state, self.engine.say)
         self._outputs = Outputs(self.state, self.exporter, make_relighter, self._finished.then)
         self._deeds = Deeds(self.state, self.engine.say, folder, outputs=self._outputs)

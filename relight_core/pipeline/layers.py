@@ -49,6 +49,23 @@ def photo_layers(relit: Relit, names: Iterable[str], longest_side: int | None = 
     return layers
 
 
+def channel_at(relit: Relit, name: str, column: int, row: int) -> tuple[np.ndarray, np.ndarray] | None:
+    """One of CHANNEL_LAYERS at a pixel of the photo, () or (3,) float32.
+
+    Returns:
+        What the channel holds there, normals in the frame of the view, and what `photo_layers` makes of it; None
+        outside the view and where there is no such channel.
+    """
+    view, channel = channel_view_of(relit), relit.channels.get(name)
+    if view is None or channel is None:
+        return None
+    x, y = view.from_photo(np.array([column + 0.5, row + 0.5]), channel.shape[0])
+    if not (0 <= x < channel.shape[1] and 0 <= y < channel.shape[0]):
+        return None
+    held = _placed(relit, name, _photo_size(relit), (row, column))
+    return held[0, 0], _in_camera_space(name, held, view.roll_deg)[0, 0]
+
+
 def shrunk_size(size: tuple[int, int], longest_side: int | None) -> tuple[int, int]:
     """(height, width) of a picture shrunk so that no side is longer; never enlarged."""
     height, width = size
@@ -108,26 +125,42 @@ def _beside(relit: Relit, name: str, image: np.ndarray, size: tuple[int, int]) -
 
 
 def _channel(relit: Relit, name: str, size: tuple[int, int]) -> np.ndarray | None:
+    placed = _placed(relit, name, size)
+    return None if placed is None else _in_camera_space(name, placed, channel_view_of(relit).roll_deg)
+
+
+def _placed(relit: Relit, name: str, size: tuple[int, int], only: tuple[int, int] | None = None) -> np.ndarray | None:
+    """A channel where it lies in a picture of `size`, as the channel holds it; of one pixel (row, column), `only`."""
     channel, view = relit.channels.get(name), channel_view_of(relit)
     if channel is None or view is None:
         return None
-    photo_size = relit.full.canvas.photo_size if relit.full is not None else relit.image.shape[:2]
+    photo_size = _photo_size(relit)
     steps = np.array([photo_size[1] / size[1], photo_size[0] / size[0]])
     matrix = view.from_photo_matrix(channel.shape[0])
     linear = matrix[:, :2] * steps
     # From pixel centres to pixel centres: half a pixel in on the one side, half a pixel out on the other.
     offset = linear @ np.array([0.5, 0.5]) + matrix[:, 2] - 0.5
+    if only is not None:
+        size, offset = (1, 1), offset + linear @ np.array(only[::-1])
     sampling = cv2.INTER_NEAREST if name == "parsing" else cv2.INTER_LINEAR
-    placed = cv2.warpAffine(
+    return cv2.warpAffine(
         np.ascontiguousarray(channel, np.float32),
         np.column_stack([linear, offset]),
         (size[1], size[0]),
         flags=sampling | cv2.WARP_INVERSE_MAP,
     )
-    if name == "normal":
-        length = np.linalg.norm(placed, axis=2, keepdims=True)
-        return unrolled(placed / np.maximum(length, 1e-6) * (length > 0.25), view.roll_deg)
-    return placed
+
+
+def _in_camera_space(name: str, placed: np.ndarray, roll_deg: float) -> np.ndarray:
+    """Normals of unit length, turned back with their view; other channels as they are."""
+    if name != "normal":
+        return placed
+    length = np.linalg.norm(placed, axis=2, keepdims=True)
+    return unrolled(placed / np.maximum(length, 1e-6) * (length > 0.25), roll_deg)
+
+
+def _photo_size(relit: Relit) -> tuple[int, int]:
+    return relit.full.canvas.photo_size if relit.full is not None else relit.image.shape[:2]
 
 
 def _sized(image: np.ndarray, size: tuple[int, int]) -> np.ndarray:

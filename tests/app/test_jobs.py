@@ -3,15 +3,16 @@
 import threading
 from types import SimpleNamespace
 
-import cv2
+import av
 import numpy as np
 import pytest
 from fake_relighter import FakeRelighter
 from PIL import Image
 
 from app.engine.batch import photos_in, relight_each, summary
+from app.engine.film import write_film
 from app.engine.jobs import Jobs
-from app.engine.turntable import turning, write_film, write_pictures
+from app.engine.turntable import turning, write_pictures
 from app.ui.progress_card import words
 from app.window.clipboard import copy_png
 from relight_core.errors import InputError
@@ -156,12 +157,37 @@ def test_the_turntable_goes_round_once_in_even_frames():
 def test_a_film_has_every_frame_and_a_cancelled_one_leaves_nothing(tmp_path):
     control = Steps()
     write_film(tmp_path / "turn.mp4", frames(6)[1], 6, control)
-    film = cv2.VideoCapture(str(tmp_path / "turn.mp4"))
-    assert int(film.get(cv2.CAP_PROP_FRAME_COUNT)) == 6
+    with av.open(str(tmp_path / "turn.mp4")) as film:
+        assert len(list(film.decode(video=0))) == 6
     assert control.done[-1] == (6, 6)
     with pytest.raises((InterruptedError, InputError)):
         write_film(tmp_path / "half.mp4", frames(6)[1], 6, Steps(cancel_at=3))
     assert [path.name for path in tmp_path.iterdir()] == ["turn.mp4"]
+
+
+def test_a_film_says_what_its_colours_mean_and_holds_those_of_its_frames(tmp_path):
+    colours = [(200, 40, 30), (30, 160, 60), (20, 60, 220)]
+    flat = (np.full((32, 32, 3), colour, np.uint8) for colour in colours)
+    write_film(tmp_path / "flat.mp4", flat, 3, Steps())
+    with av.open(str(tmp_path / "flat.mp4")) as film:
+        coded = film.streams.video[0].codec_context
+        bt709, srgb_curve, limited = 1, 13, 1
+        assert (coded.name, coded.pix_fmt) == ("h264", "yuv420p")
+        assert (coded.colorspace, coded.color_primaries, coded.color_trc) == (bt709, bt709, srgb_curve)
+        assert coded.color_range == limited
+        shown = [bt709_to_rgb(frame.to_ndarray()[[16, 36, 44], 8]) for frame in film.decode(video=0)]
+    assert np.abs(np.array(shown) - colours).max() < 3.0
+
+
+def bt709_to_rgb(yuv):
+    y, u, v = (float(yuv[0]) - 16) / 219, (float(yuv[1]) - 128) / 224, (float(yuv[2]) - 128) / 224
+    red, blue = y + 1.5748 * v, y + 1.8556 * u
+    return 255 * red, 255 * (y - 0.2126 * red - 0.0722 * blue) / 0.7152, 255 * blue
+
+
+def test_a_film_that_can_not_be_written_is_told_in_a_line(tmp_path):
+    with pytest.raises(InputError, match="missing"):
+        write_film(tmp_path / "missing" / "turn.mp4", frames(2)[1], 2, Steps())
 
 
 def test_a_picture_sequence_is_a_new_folder_or_nothing(tmp_path):
