@@ -29,6 +29,8 @@ def rests(opened, monkeypatch):
     fake = SimpleNamespace(monotonic=lambda: clock[0], sleep=lambda seconds: None)
     monkeypatch.setattr("app.window.rest.time", fake)
     monkeypatch.setattr("app.window.frame_limit.time", fake)
+    # What the display itself has to say, such as who has the keyboard, comes at moments of its own.
+    monkeypatch.setattr(glfw, "poll_events", lambda: None)
     monkeypatch.setattr(glfw, "wait_events", wait_events)
     monkeypatch.setattr(glfw, "wait_events_timeout", wait_events_timeout)
     return rests
