@@ -31,7 +31,7 @@ def with_matte(picture, monkeypatch):
     share = np.zeros((HEIGHT, WIDTH), np.float32)
     share[10:50, 20:60] = 1.0
     monkeypatch.setattr(layers_module, "whole_person", lambda canvas, matte: SimpleNamespace(share=share))
-    canvas = SimpleNamespace(photo_size=(HEIGHT, WIDTH))
+    canvas = SimpleNamespace(photo_size=(HEIGHT, WIDTH), beyond=None)
     return replace(picture, full=SimpleNamespace(size=(HEIGHT, WIDTH), changes=(), canvas=canvas, matte=None))
 
 
@@ -72,7 +72,7 @@ def test_alpha_is_multiplied_in_once_and_divided_out_for_straight_files():
 
 def test_a_picture_made_small_for_the_screen_is_exported_at_the_photos_size():
     whole = np.full((HEIGHT, WIDTH, 3), 0.25, np.float32)
-    canvas = SimpleNamespace(photo_size=(HEIGHT, WIDTH))
+    canvas = SimpleNamespace(photo_size=(HEIGHT, WIDTH), beyond=None)
     full = SimpleNamespace(size=(HEIGHT, WIDTH), changes=(), render=lambda: (whole, None), canvas=canvas)
     small = replace(relit(), image=np.zeros((6, 8, 3), np.float32), full=full)
     assert np.array_equal(photo_layers(small, ["albedo"])["RGB"], whole)
