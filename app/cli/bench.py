@@ -55,6 +55,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments of `relight bench`."""
     parser.add_argument("--quick", action="store_true", help="a minute: fewer settings and fewer rounds")
     parser.add_argument("--session", action="store_true", help="replay an editing session instead")
+    parser.add_argument("--files", action="store_true", help="relight 24 megapixels from file to file instead")
     parser.add_argument("--stability", action="store_true", help="attack the pipeline instead")
     parser.add_argument("--photos", metavar="FOLDER", type=Path, help="portraits; the sample portrait without")
     parser.add_argument("--heads", metavar="DIR", type=Path, help="test heads from relight dataset bake")
@@ -78,6 +79,8 @@ def run(arguments: argparse.Namespace) -> int:
     with reporting(arguments.json) as report:
         photos = _photos(arguments.photos)
         make_folder(arguments.output)
+        if arguments.files:
+            return _files(arguments, photos[0], report)
         if arguments.stability:
             return _stability(arguments, photos[0], report)
         return (_session if arguments.session else _bench)(arguments, photos, report)
@@ -176,6 +179,21 @@ def _first_picture_s(starts: int) -> float | None:
                 return None
             taken.append(time.perf_counter() - started)
     return round(min(taken), 2)
+
+
+def _files(arguments: argparse.Namespace, photo: Photo, report: Report) -> int:
+    from app.cli.bench_files import as_markdown, time_files
+    from relight_core.evaluation.bench_machine import describe_machine
+
+    machine, rounds = describe_machine(), arguments.rounds or (1 if arguments.quick else _STARTS)
+    with progress("files", 1.0) as show:
+        found = time_files(photo, rounds, _onto(show))
+    record = {"machine": machine, "files": {kind[1:]: of for kind, of in found.items()}}
+    _write_text(arguments.output / "files.json", json.dumps(record, indent=1))
+    _write_text(arguments.output / "files.md", as_markdown(found))
+    report.line(as_markdown(found))
+    report.record(record)
+    return 0
 
 
 def _stability(arguments: argparse.Namespace, photo: Photo, report: Report) -> int:

@@ -13,21 +13,20 @@ from __future__ import annotations
 
 import argparse
 import sys
+import time
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from app.cli.arguments import add_json, add_light, add_sliders, edit_from
 from app.cli.outputs import OPAQUE_SUFFIXES, check_place, make_folder, plan_outputs
-from app.cli.report import Report, relit_line, relit_record, reporting
+from app.cli.report import FileTimes, Report, relit_line, relit_record, reporting
 from app.cli.session import Session, light_file
 from app.engine.batch import photos_in, relight_each, summary
 from relight_core.errors import InputError
 
 if TYPE_CHECKING:
     from relight_core.lighting.environment import Environment
-
-_UNSEEN_PX = 64
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -130,12 +129,16 @@ def _render(
     # Only the picture is written, and only in bands: no channel is looked at, no screen wants it.
     edit = replace(edit_from(arguments), channels=())
     opened = session.open(photo, arguments.face, arguments.box)
-    relit = session.relighter.relight(light, edit, longest_side_px=_UNSEEN_PX)
+    relit = session.relighter.relight(light, edit, longest_side_px=0)
     if _is_folder(arguments.output):
         make_folder(output.parent)
     icc = opened.icc if arguments.profile == "photo" else None
     wide = icc is not None or output.suffix.lower() == ".exr"
     style = FileStyle(arguments.bits, exposure_ev=edit.exposure_ev, icc=icc, exif=opened.exif)
+    began = time.perf_counter()
     write_bands(output, relit.full.size, relit.full.in_bands(wide=wide), relit.full.has_alpha, style)
+    ended = time.perf_counter()
+    after_networks_s = ended - (relit.networks_ended_s or began)
+    times = FileTimes(session.opening_ms, (ended - began) * 1e3, after_networks_s * 1e3)
     report.line(relit_line(str(output), relit, edit))
-    return relit_record(str(photo), str(output), relit)
+    return relit_record(str(photo), str(output), relit, times)

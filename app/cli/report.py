@@ -8,6 +8,7 @@ import json
 import os
 import sys
 from collections.abc import Iterator
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from relight_core.pipeline.edit import Edit
@@ -74,10 +75,25 @@ def _flush_c_streams() -> None:
         ctypes.CDLL(None).fflush(None)
 
 
-def relit_record(input_name: str, output_name: str, relit: Relit) -> dict:
+@dataclass(frozen=True)
+class FileTimes:
+    """What opening a photo and writing its result took.
+
+    Attributes:
+        opening_ms: of "read" and "find".
+        write_ms: from the first band of rows to the file under its name; most of the picture is computed meanwhile.
+        after_networks_ms: from the end of the last network to the file under its name.
+    """
+
+    opening_ms: dict[str, float]
+    write_ms: float
+    after_networks_ms: float
+
+
+def relit_record(input_name: str, output_name: str, relit: Relit, times: FileTimes | None = None) -> dict:
     """What `--json` says of one relighting; `size` is [width, height], boxes and size in pixels."""
     height, width = relit.size
-    return {
+    record = {
         "input": input_name,
         "output": output_name,
         "size": [int(width), int(height)],
@@ -88,6 +104,15 @@ def relit_record(input_name: str, output_name: str, relit: Relit) -> dict:
         },
         "plan": [effect_record(effect) for effect in relit.plan],
     }
+    if times is not None:
+        opening = {name: _file_stage(ms, "new photo") for name, ms in times.opening_ms.items()}
+        record["stages"] = opening | record["stages"] | {"write": _file_stage(times.write_ms, "new file")}
+        record["after_networks_ms"] = round(times.after_networks_ms, 3)
+    return record
+
+
+def _file_stage(ms: float, why: str) -> dict:
+    return {"ms": round(ms, 3), "state": "computed", "why": why}
 
 
 def effect_record(effect: Effect) -> dict:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import difflib
 import os
+import time
 import warnings
 from collections.abc import Sequence
 from functools import cached_property
@@ -27,9 +28,14 @@ def sample_portrait() -> Path:
 
 
 class Session:
-    """One command's Relighter, made when first needed so that bad input is told before it loads."""
+    """One command's Relighter, made when first needed so that bad input is told before it loads.
+
+    Attributes:
+        opening_ms: what it took to "read" the last photo and to "find" its faces.
+    """
 
     def __init__(self) -> None:
+        self.opening_ms: dict[str, float] = {}
         self._boxes: dict[str, tuple[FaceBox, ...] | None] = {}
 
     @cached_property
@@ -90,9 +96,13 @@ class Session:
         from relight_core.face.find import FaceBox
         from relight_core.imaging.read import read_photo
 
+        began = time.perf_counter()
         photo = read_photo(path)
+        read_ms = (time.perf_counter() - began) * 1e3
         boxes = self._boxes.get(os.path.realpath(path)) if box is None else [FaceBox(*box)]
-        self.relighter.set_portrait(photo, face_index, boxes)
+        relighter, began = self.relighter, time.perf_counter()
+        relighter.set_portrait(photo, face_index, boxes)
+        self.opening_ms = {"read": read_ms, "find": (time.perf_counter() - began) * 1e3}
         return photo
 
 

@@ -14,7 +14,9 @@ from relight_core.imaging.likely_person import attached, likely_person
 from relight_core.imaging.resampling import resize_area, resize_smooth
 from relight_core.imaging.view_transform import apply_view
 
-_WORKING_PX = 1024
+WORKING_PX = 1024
+"""The longest side of the copy in which mattes are made."""
+
 _MATTING_PX = 224
 _FUSION_PX = 512
 _NEAR_SHARE = 0.015
@@ -61,19 +63,26 @@ def own_colour(linear: np.ndarray, share: np.ndarray, person: np.ndarray, behind
         (h, w, 3) linear, >= 0, its share no brighter than the pixel; the pixels themselves where the matte is
         0 or 1.
     """
-    soft = (share > 0.0) & (share < 1.0)
-    if not soft.any():
+    soft = np.flatnonzero((share > 0.0) & (share < 1.0))
+    if not soft.size:
         return linear
-    alpha = share[soft][:, None]
-    mean = person[soft]
-    mixed = linear[soft]
-    remainder = mixed - alpha * mean - (1.0 - alpha) * behind[soft]
-    colour = linear.copy()
-    colour[soft] = np.clip(mean + alpha * remainder, 0.0, np.maximum(mixed, 0.0) / alpha)
+    alpha = share.ravel()[soft]
+    colour = linear.copy(order="C")
+    # Channel by channel: numpy is slow at pixels times shares of pixels.
+    for channel in range(3):
+        mean, mixed, beside = (side[..., channel].ravel()[soft] for side in (person, linear, behind))
+        remainder = mixed - alpha * mean - (1.0 - alpha) * beside
+        own = np.clip(mean + alpha * remainder, 0.0, np.maximum(mixed, 0.0) / alpha)
+        colour.reshape(-1, 3)[soft, channel] = own
     return colour
 
 
-def make_matte(linear: np.ndarray, masks: list[tuple[np.ndarray, Crop]], alpha: np.ndarray | None = None) -> Matte:
+def make_matte(
+    linear: np.ndarray,
+    masks: list[tuple[np.ndarray, Crop]],
+    alpha: np.ndarray | None = None,
+    small: np.ndarray | None = None,
+) -> Matte:
     """Carry coarse person masks to the whole photo, their edges moved onto the photo's.
 
     Where a person may be follows from the masks, beyond their crops from how bodies hang together, and from the
@@ -86,12 +95,13 @@ def make_matte(linear: np.ndarray, masks: list[tuple[np.ndarray, Crop]], alpha: 
         masks: for each person (S, S) probability in [0, 1] that the crop's pixels are person, hair and
             clothes included, and where the crop lies.
         alpha: (H, W) the photo's own alpha. Where given and not opaque throughout, it is the matte.
+        small: the photo no longer than WORKING_PX, where that is there already.
     """
     size = linear.shape[:2]
     if alpha is not None and float(alpha.min()) < 1.0:
         nothing, black = np.zeros((1, 1), np.float32), np.zeros((1, 1, 3), np.float32)
         return Matte(nothing, nothing, black, black, nothing, True)
-    small = resize_area(linear, _at_most(size, _WORKING_PX))
+    small = resize_area(linear, _at_most(size, WORKING_PX)) if small is None else small
     guide = np.ascontiguousarray(apply_view(small))
     seen = np.clip(resize_area(guide, _at_most(size, _MATTING_PX)), 0, 1)
     coarse = attached(closed_form_matte(seen, likely_person(seen, masks, size)), masks, size)

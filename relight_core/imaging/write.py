@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import io
 import zlib
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
@@ -16,14 +17,16 @@ from PIL import Image, ImageCms
 from relight_core.errors import InputError
 from relight_core.imaging import exr
 from relight_core.imaging.colour import srgb_encode
+from relight_core.imaging.display_codes import codes_8_bit
 from relight_core.imaging.files import whole_file
 from relight_core.imaging.icc import MatrixProfile, matrix_profile
-from relight_core.imaging.in_order import in_order
+from relight_core.imaging.in_order import WORKERS, in_order
 from relight_core.imaging.png import chunk, write_png
 from relight_core.imaging.tiff_exif import tags_of_block, with_exif
 from relight_core.imaging.view_transform import BRIGHTEST, displayable, expose
 
 _BITS = {".png": (8, 16), ".jpg": (8,), ".jpeg": (8,), ".tif": (8, 16), ".tiff": (8, 16), ".exr": (8, 16, 32)}
+_STRIP_ROWS = 64
 _OPAQUE = (".jpg", ".jpeg")
 
 
@@ -120,12 +123,14 @@ def write_bands(
         with whole_file(path) as beside, beside.open("wb") as file:
             write_png(file, size, channels, style.bits, (codes for _, codes in coded), notes)
         return
+    if suffix == ".exr":
+        names, kind = "RGBA"[:channels], _code_type(suffix, style.bits)
+        with _exr_beside(path) as beside:
+            exr.write_rows(beside, size, names, kind, (codes for _, codes in coded), style.texts)
+        return
     pixels = np.empty((*size, channels), _code_type(suffix, style.bits))
     for rows, codes in coded:
         pixels[rows] = codes
-    if suffix == ".exr":
-        _write_exr(path, {"RGBA" if has_alpha else "RGB": pixels}, style.texts)
-        return
     icc = style.icc if profile is not None else None
     with whole_file(path) as beside:
         encoded = _jpeg(pixels, style.quality, icc, style.exif) if suffix in _OPAQUE else _tiff(pixels, icc, style.exif)
@@ -148,8 +153,12 @@ def _coded(
         shown = displayable(expose(profile.mix(linear), style.exposure_ev), profile.luminance)
     if suffix in _OPAQUE and alpha is not None:
         shown, alpha = shown * alpha[..., None] + (1.0 - alpha[..., None]), None
+    if style.bits == 8:
+        codes = codes_8_bit(shown, profile)
+        return rows, codes if alpha is None else np.dstack([codes, _codes(alpha, 8)])
     encoded = srgb_encode(shown) if profile is None else profile.encode(shown)
-    return rows, _codes(np.clip(encoded, 0.0, 1.0, out=encoded), alpha, style.bits)
+    codes = _codes(np.clip(encoded, 0.0, 1.0, out=encoded), style.bits)
+    return rows, codes if alpha is None else np.dstack([codes, _codes(alpha, style.bits)])
 
 
 def _code_type(suffix: str, bits: int) -> type:
@@ -216,13 +225,16 @@ def write_exr_layers(
     arrays = {name: exr.limited(_layer(name, array), kind) for name, array in layers.items()}
     if len({array.shape[:2] for array in arrays.values()}) != 1:
         raise ValueError("layers of one EXR have one size, and there is at least one")
-    _write_exr(path, arrays, {name: _attribute(value) for name, value in (header or {}).items() if value is not None})
+    attributes = {name: _attribute(value) for name, value in (header or {}).items() if value is not None}
+    with _exr_beside(path) as beside:
+        exr.write_channels(beside, arrays, header=attributes)
 
 
-def _write_exr(path: Path, arrays: dict[str, np.ndarray], attributes: dict) -> None:
+@contextmanager
+def _exr_beside(path: Path) -> Iterator[Path]:
     with whole_file(path) as beside:
         try:
-            exr.write_channels(beside, arrays, header=attributes)
+            yield beside
         except RuntimeError as error:
             raise OSError("OpenEXR can't write it") from error
 
@@ -243,8 +255,7 @@ def _premultiplied(linear: np.ndarray, alpha: np.ndarray | None) -> np.ndarray:
     return linear if alpha is None else np.dstack([linear * alpha[..., None], alpha])
 
 
-def _codes(srgb: np.ndarray, alpha: np.ndarray | None, bits: int) -> np.ndarray:
-    values = srgb if alpha is None else np.dstack([srgb, alpha])
+def _codes(values: np.ndarray, bits: int) -> np.ndarray:
     kind = np.uint8 if bits == 8 else np.uint16
     rounded = values * np.float32(np.iinfo(kind).max)
     rounded += np.float32(0.5)
@@ -292,6 +303,11 @@ def _tiff(pixels: np.ndarray, icc: bytes | None, exif: bytes | None) -> bytes:
         photometric="rgb",
         extrasamples=extra,
         compression="zlib",
+        compressionargs={"level": 1},
+        # Differences to the pixel on the left: level 1 then makes smaller files than level 6 without.
+        predictor=True,
+        rowsperstrip=_STRIP_ROWS,
+        maxworkers=WORKERS,
         iccprofile=icc or _srgb_profile(),
         metadata=None,
         software="relight",

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections import OrderedDict
-from collections.abc import Callable, Hashable
+from collections.abc import Callable, Collection, Hashable
 from dataclasses import dataclass, field
 from typing import Any, Literal
 
@@ -37,17 +37,23 @@ class Record:
         typical_ms: what each stage took when it last ran, in whatever update.
         began: when the update began, as of time.perf_counter.
         nested_ms: spent in stages that the running one started.
+        ended: when each stage was last computed, as of time.perf_counter.
     """
 
     stages: dict[str, Stage] = field(default_factory=dict)
     typical_ms: dict[str, float] = field(default_factory=dict)
     began: float = field(default_factory=time.perf_counter)
     nested_ms: float = 0.0
+    ended: dict[str, float] = field(default_factory=dict)
 
     def begin_update(self) -> None:
         """Forget the last update's stages."""
         self.stages = {}
         self.began = time.perf_counter()
+
+    def last_end(self, names: Collection[str]) -> float | None:
+        """When the last of these stages was computed, as of time.perf_counter; None if none ever was."""
+        return max((end for name, end in self.ended.items() if name in names), default=None)
 
 
 @dataclass
@@ -96,6 +102,7 @@ class StageCache:
         own_ms = max(whole_ms - self.record.nested_ms, 0.0)
         self.record.nested_ms = outside + whole_ms
         self.record.typical_ms[name] = own_ms
+        self.record.ended[name] = time.perf_counter()
         self.record.stages[name] = Stage(own_ms, "computed", why, start_ms)
         kept[key] = result
         while len(kept) > keep:

@@ -12,11 +12,10 @@ import torch
 from relight_core.face.crop import Crop
 from relight_core.face.paste import Band, fade, spread_crop
 from relight_core.imaging.matte import Matte
-from relight_core.imaging.photo import Photo
 from relight_core.imaging.resampling import resize_area
 from relight_core.lighting.reflection import ReflectionTable
 from relight_core.pipeline.channels import ViewChange, at_level
-from relight_core.pipeline.person import canvas_of, whole_person
+from relight_core.pipeline.person import Canvas, shrunk, whole_person
 from relight_core.pipeline.picture import PlacedChange
 from relight_core.pipeline.rest_of_person import Body, body_gain, body_size, make_body
 
@@ -44,9 +43,13 @@ class Placement:
     photo_size: tuple[int, int]
 
 
-def place_views(photo: Photo, views: Sequence[Crop], matte: Matte, table: ReflectionTable) -> Placement:
-    """Share the photo out among the views of its faces."""
-    photo_size = photo.linear.shape[:2]
+def place_views(photo: Canvas, views: Sequence[Crop], matte: Matte, table: ReflectionTable) -> Placement:
+    """Share the photo out among the views of its faces.
+
+    Args:
+        photo: all of it, at any size.
+    """
+    photo_size = photo.photo_size
     scale = min(_WEIGHT_LONGEST / max(photo_size), 1.0)
     size = tuple(max(round(length * scale), 1) for length in photo_size)
     fading, nearness = zip(*(_weight(view, size, photo_size) for view in views), strict=True)
@@ -55,7 +58,7 @@ def place_views(photo: Photo, views: Sequence[Crop], matte: Matte, table: Reflec
     weights = tuple((f * n / total * together).astype(np.float32) for f, n in zip(fading, nearness, strict=True))
     if len(views) == 1:
         weights = (fading[0],)
-    canvas = canvas_of(photo, max(body_size(photo_size)))
+    canvas = shrunk(photo, max(body_size(photo_size)))
     known = resize_area(np.minimum(sum(weights), 1), canvas.size)
     body = make_body(canvas.linear, whole_person(canvas, matte).share, known, table)
     small = tuple(resize_area(weight, body.photo.shape[:2])[..., None] for weight in weights)

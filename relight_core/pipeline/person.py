@@ -37,12 +37,17 @@ class Canvas:
 
 def canvas_of(photo: Photo, longest_side_px: int | None = None) -> Canvas:
     """The photo itself, or a copy of it that is no longer than so many pixels."""
-    size = photo.linear.shape[:2]
-    if longest_side_px is None or max(size) <= longest_side_px:
-        return Canvas(photo.linear, photo.alpha, size, photo.beyond)
-    small = tuple(max(round(length * longest_side_px / max(size)), 1) for length in size)
-    alpha = None if photo.alpha is None else resize_area(photo.alpha, small)
-    return Canvas(resize_area(photo.linear, small), alpha, size)
+    whole = Canvas(photo.linear, photo.alpha, photo.linear.shape[:2], photo.beyond)
+    return whole if longest_side_px is None else shrunk(whole, longest_side_px)
+
+
+def shrunk(canvas: Canvas, longest_side_px: int) -> Canvas:
+    """A canvas, or a copy of it that is no longer than so many pixels."""
+    if max(canvas.size) <= longest_side_px:
+        return canvas
+    size = tuple(max(round(length * longest_side_px / max(canvas.photo_size)), 1) for length in canvas.photo_size)
+    alpha = None if canvas.alpha is None else resize_area(canvas.alpha, size)
+    return Canvas(resize_area(canvas.linear, size), alpha, canvas.photo_size)
 
 
 @dataclass(frozen=True, eq=False)

@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 
+import cv2
 import numpy as np
 
 from relight_core.face.crop import Crop
@@ -145,11 +146,12 @@ class Picture:
         if not held.size:
             return result
         first, last = int(held[0]), int(held[-1]) + 1
-        colour, share = person.colour[:, first:last], person.share[:, first:last, None]
+        colour, share = person.colour[:, first:last], person.share[:, first:last]
         start = band.span[0]
         relit = self._relit(colour, replace(band, columns=(start + first, start + last)))
         relit -= colour
-        relit *= share
+        # Repeated by hand: numpy takes five times as long for pixels times shares of pixels.
+        relit *= cv2.merge((share, share, share)).reshape(relit.shape)
         relit += linear[:, first:last]
         np.maximum(relit, 0, out=result[:, first:last])
         return result

@@ -15,7 +15,7 @@ from relight_core.face.crop import Crop
 from relight_core.face.evidence import evidence_of_face
 from relight_core.face.find import FaceBox
 from relight_core.face.silhouette import person_with_headwear
-from relight_core.imaging.matte import Matte, make_matte
+from relight_core.imaging.matte import WORKING_PX, Matte, make_matte
 from relight_core.imaging.photo import Photo
 from relight_core.lighting.environment import Environment, network_light
 from relight_core.lighting.lamps import lamps_of
@@ -29,7 +29,7 @@ from relight_core.pipeline.edit import Edit
 from relight_core.pipeline.face_relighter import KEPT_LIGHTS, FaceRelighter, Workshop
 from relight_core.pipeline.finish import Placement, mean_gain, place_changes, place_views, weights_on_views
 from relight_core.pipeline.kept_lights import KeptLights, ServingLight
-from relight_core.pipeline.person import canvas_of, whole_person
+from relight_core.pipeline.person import Canvas, canvas_of, whole_person
 from relight_core.pipeline.picture import Picture
 from relight_core.pipeline.plan import Effect, Plan, Scene, make_plan
 from relight_core.pipeline.portrait import (
@@ -50,6 +50,8 @@ WEIGHTS = ("weights", "relight.safetensors")
 _KEPT_PIXELS = 6_000_000
 """Up to this size the person's matte and colour stay for the next light; above they are made band by band."""
 
+_NETWORK_STAGES = ("delight", "begun", "specular_shadow", "residual", "compose")
+
 _BRIGHTEST_LEVEL = 1e20
 """Lights beyond it count as this bright: sums over their pictures stay within single precision."""
 
@@ -60,7 +62,7 @@ class Relit:
 
     Attributes:
         image: (H, W, 3) float32 linear radiance at the size that was asked for, without `Edit.exposure_ev`; None
-            where there is a recipe instead.
+            where there is a recipe instead, or none was asked for.
         alpha: (H, W) float32 in [0, 1] where the background was taken away, else None.
         channels: views (S, S, 3) or (S, S) float32 by name, as far as `Edit.channels` asks for them: "photo",
             "albedo", "normal" (unit vectors, camera space), "parsing" (int labels), "specular", "shadow" and
@@ -73,6 +75,7 @@ class Relit:
         window: x0, y0, x1, y1 of the square the channels show, in photo pixels; it may reach beyond the photo.
         roll_deg: how far that square is turned about its middle, as `Crop.roll_deg`.
         recipe: what a shader needs to draw the picture, at the size that was asked for.
+        networks_ended_s: when the last network had run, on the clock of `time.perf_counter`.
     """
 
     image: np.ndarray | None
@@ -85,6 +88,7 @@ class Relit:
     window: tuple[float, float, float, float] | None = None
     roll_deg: float = 0.0
     recipe: DisplayRecipe | None = None
+    networks_ended_s: float | None = None
 
     @property
     def size(self) -> tuple[int, int]:
@@ -204,7 +208,7 @@ class Relighter:
 
         Args:
             longest_side_px: `Relit.image` is made no larger than this, for a screen; None makes it as large
-                as the photo. `Relit.full` gives the full size in any case.
+                as the photo, 0 makes none. `Relit.full` gives the full size in any case.
             for_shader: give a recipe instead of an image, unless there are too many faces or pixels for one.
 
         Raises:
@@ -227,13 +231,17 @@ class Relighter:
         full, shown = self._finished(changes, serving, plan, environment, edit, longest_side_px)
         key = (plan.keys["background"], longest_side_px)
         recipe = self._recipe(shown, key) if for_shader else None
-        image, alpha = (None, None) if recipe else self._rendered(shown, key)
+        image, alpha = (None, None) if recipe or longest_side_px == 0 else self._rendered(shown, key)
         channels = face.channels(ready, lit, change, plan, edit)
         if edit.looks_at("target_light") and plan.runs("channels"):
             channels["target_light"] = network_light(environment, edit.yaw_deg) * np.float32(level)
         boxes = [face.portrait.face for face in self._faces]
         view, done = face.portrait.view, dict(self._record.stages)
-        return Relit(image, alpha, channels, boxes, done, plan.effects, full, view.window, view.roll_deg, recipe)
+        place = {"window": view.window, "roll_deg": view.roll_deg}
+        ended = self._record.last_end(_NETWORK_STAGES)
+        return Relit(
+            image, alpha, channels, boxes, done, plan.effects, full, **place, recipe=recipe, networks_ended_s=ended
+        )
 
     def _begin_update(self) -> None:
         self._record.begin_update()
@@ -286,7 +294,12 @@ class Relighter:
             parsing = face.prepare(tier_of("live")).found.parsing[0].cpu().numpy()
             masks.append((person_with_headwear(parsing), face.portrait.view))
         photo = self._faces[0].portrait.photo
-        return make_matte(photo.linear, masks, photo.alpha)
+        return make_matte(photo.linear, masks, photo.alpha, self._small().linear)
+
+    def _small(self) -> Canvas:
+        """The photo no longer than WORKING_PX, from which smaller copies are made."""
+        photo = self._faces[0].portrait.photo
+        return self._cache.run("small", "photo", lambda: canvas_of(photo, WORKING_PX), "new photo")
 
     def _finished(
         self,
@@ -301,7 +314,8 @@ class Relighter:
         photo, run = self._faces[0].portrait.photo, self._cache.run
         views = [face.portrait.view for face in self._faces]
         matte = run("matte", "photo", self._matte, "new photo")
-        placement = run("placement", "photo", lambda: place_views(photo, views, matte, self._shop.table), "new photo")
+        place = partial(place_views, self._small(), views, matte, self._shop.table)
+        placement = run("placement", "photo", place, "new photo")
         size = changes[0].gain.shape[0]
         weights = run("weights", size, lambda: weights_on_views(placement, size), "new photo or quality", 3)
         light = torch.from_numpy(serving.radiance)[None].to(self._shop.device)
@@ -313,6 +327,8 @@ class Relighter:
         )
         backdrop = self._backdrop(plan, environment, edit, placement, rest)
         full = Picture(canvas_of(photo), matte, placed_changes, rest, backdrop)
+        if longest_side_px == 0:
+            return full, full
         canvas = run("canvas", longest_side_px, lambda: canvas_of(photo, longest_side_px), "new photo or size", 2)
         return full, replace(full, canvas=canvas)
 

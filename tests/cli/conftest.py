@@ -40,6 +40,7 @@ class FakeRelighter:
             image=image,
             alpha=alpha,
             size=(height, width),
+            networks_ended_s=None,
             full=SimpleNamespace(
                 size=(height, width), has_alpha=alpha is not None, in_bands=lambda wide: [(slice(None), image, alpha)]
             ),

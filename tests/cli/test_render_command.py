@@ -23,7 +23,11 @@ def test_writes_the_relit_photo_at_its_size(relight, photo, tmp_path):
 def test_json_is_one_object_and_all_of_stdout(relight, photo, tmp_path):
     out = tmp_path / "relit.png"
     done = relight("render", photo, "--light", "ring", "--json", "-o", out)
-    assert json.loads(done.out) == {
+    record = json.loads(done.out)
+    of_file = {name: record["stages"].pop(name) for name in ("read", "find", "write")}
+    assert all(stage["state"] == "computed" and stage["ms"] >= 0 for stage in of_file.values())
+    assert record.pop("after_networks_ms") >= of_file["write"]["ms"]
+    assert record == {
         "input": str(photo),
         "output": str(out),
         "size": [24, 16],

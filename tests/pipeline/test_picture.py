@@ -43,7 +43,7 @@ def picture_of(gain=0.5, backdrop=None, views=(CROP,), photo=None, change=None):
     else:
         _, truth = portrait()
     matte = make_matte(photo.linear, [(view.extract(truth, 64), view) for view in views], photo.alpha)
-    placement = place_views(photo, views, matte, ReflectionTable())
+    placement = place_views(canvas_of(photo), views, matte, ReflectionTable())
     changes = [change or change_of(gain) for _ in views]
     weights = weights_on_views(placement, changes[0].gain.shape[0])
     rest, placed = place_changes(placement, weights, changes, EVEN)
@@ -138,7 +138,7 @@ def test_two_views_share_the_photo_by_nearness():
     photo, truth = portrait()
     views = (Crop(60.0, 100.0, 110.0), Crop(140.0, 100.0, 110.0))
     matte = make_matte(photo.linear, [(view.extract(truth, 64), view) for view in views])
-    placement = place_views(photo, views, matte, ReflectionTable())
+    placement = place_views(canvas_of(photo), views, matte, ReflectionTable())
     left, right = placement.weights
     assert (left + right).max() <= 1 + 1e-5
     rows, columns = left.shape
@@ -149,7 +149,7 @@ def test_two_views_share_the_photo_by_nearness():
 def test_darkness_everywhere_makes_the_person_black():
     photo, _ = portrait()
     matte = make_matte(photo.linear, [(np.ones((8, 8), np.float32), CROP)])
-    placement = place_views(photo, [CROP], matte, ReflectionTable())
+    placement = place_views(canvas_of(photo), [CROP], matte, ReflectionTable())
     dark = ViewChange(*[np.zeros((64, 64, 3), np.float32)] * 2, level=0.0)
     rest = gain_of_rest(placement, [dark], EVEN)
     assert rest.max() == 0

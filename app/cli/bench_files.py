@@ -1,0 +1,96 @@
+"""What it takes to relight a photo of 24 megapixels from file to file: `relight bench --files`."""
+
+from __future__ import annotations
+
+import json
+import os
+import statistics
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+from PIL import Image
+
+from relight_core.errors import InputError
+from relight_core.imaging.photo import Photo
+from relight_core.imaging.view_transform import apply_view
+
+_PIXELS = 24_000_000
+_GRAIN_CODES = 2.0
+_KINDS = (".png", ".jpg", ".tif", ".exr")
+_LIGHT = "rembrandt"
+
+
+def time_files(photo: Photo, rounds: int, report: Callable[[int, int], None]) -> dict[str, dict[str, float]]:
+    """Relight a JPEG of 24 megapixels to every kind of file, each time in a new process; kinds take turns.
+
+    Args:
+        photo: enlarged to that size, with the grain that enlarging takes away.
+        rounds: how often.
+        report: told how many of how many files are done.
+
+    Returns:
+        by suffix, medians: "whole_s" from the start of the program to its end, "after_networks_s" from the end of
+        the last network to the file under its name, "peak_mib" of memory, "file_mb".
+
+    Raises:
+        InputError: the photo can't be relit.
+    """
+    found: dict[str, list[dict[str, float]]] = {kind: [] for kind in _KINDS}
+    with tempfile.TemporaryDirectory() as folder:
+        source = Path(folder) / "photo.jpg"
+        _enlarged(photo).save(source, quality=93)
+        for number in range(rounds):
+            for place, kind in enumerate(_KINDS):
+                found[kind].append(_relit_once(source, Path(folder) / f"relit{kind}"))
+                report(number * len(_KINDS) + place + 1, rounds * len(_KINDS))
+    return {
+        kind: {name: round(statistics.median(run[name] for run in runs), 2) for name in runs[0]}
+        for kind, runs in found.items()
+    }
+
+
+def as_markdown(found: dict[str, dict[str, float]]) -> str:
+    """A table of what `time_files` found."""
+    lines = [
+        "| 24 MP JPEG to | whole program, s | after the networks, s | peak memory, MiB | file, MB |",
+        "|---|---|---|---|---|",
+    ]
+    for kind, of in found.items():
+        figures = (f"{of['whole_s']:.1f}", f"{of['after_networks_s']:.1f}", f"{of['peak_mib']:.0f}")
+        lines.append(f"| {kind[1:].upper()} | {' | '.join(figures)} | {of['file_mb']:.0f} |")
+    return "\n".join(lines) + "\n"
+
+
+def _enlarged(photo: Photo) -> Image.Image:
+    codes = np.rint(apply_view(photo.linear) * 255).astype(np.uint8)
+    scale = (_PIXELS / (codes.shape[0] * codes.shape[1])) ** 0.5
+    size = tuple(round(length * scale) for length in codes.shape[1::-1])
+    large = np.asarray(Image.fromarray(codes).resize(size, Image.Resampling.LANCZOS), np.float32)
+    large = large + np.random.default_rng(0).standard_normal(large.shape, np.float32) * _GRAIN_CODES
+    return Image.fromarray(np.clip(np.rint(large), 0, 255).astype(np.uint8))
+
+
+def _relit_once(source: Path, output: Path) -> dict[str, float]:
+    words = [sys.executable, "-m", "app", "render", str(source), "--light", _LIGHT, "--json", "-o", str(output)]
+    began = time.perf_counter()
+    with tempfile.TemporaryFile() as said:
+        process = subprocess.Popen(words, stdout=said, stderr=subprocess.DEVNULL)
+        _, status, usage = os.wait4(process.pid, 0)
+        process.returncode = os.waitstatus_to_exitcode(status)
+        whole_s = time.perf_counter() - began
+        if process.returncode != 0:
+            raise InputError(f"{source}: can't be relit; choose a photo with a face after --photos")
+        said.seek(0)
+        record = json.load(said)
+    mib = usage.ru_maxrss / (2**20 if sys.platform == "darwin" else 2**10)
+    return {
+        "whole_s": whole_s,
+        "after_networks_s": record["after_networks_ms"] / 1e3,
+        "peak_mib": mib,
+        "file_mb": output.stat().st_size / 1e6,
+    }
