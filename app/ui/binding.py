@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import warnings
+from collections.abc import Callable
+from dataclasses import dataclass
 
 import glfw
 from imgui_bundle import imgui
@@ -29,10 +31,25 @@ _CURSORS = {
 _SHORTEST_FRAME_S = 1e-3
 
 
+@dataclass(frozen=True)
+class _Event:
+    """Something the hand did.
+
+    Attributes:
+        feed: hands it to Dear ImGui.
+        waits: whether it would get lost in the frame to come, beside what that one has got already.
+    """
+
+    feed: Callable[[], None]
+    waits: Callable[[], bool] = lambda: False
+
+
 class Binding:
     """A Dear ImGui context for a glfw window.
 
-    Events come from the window; what a frame lists is drawn by app.window.gl_interface.
+    Events come from the window; what a frame lists is drawn by app.window.gl_interface. An event that would get lost
+    beside others of the same frame waits for the next one, and all after it, so that however long a frame takes, the
+    hand's work counts as it was done.
 
     Args:
         window: the glfw window.
@@ -51,8 +68,8 @@ class Binding:
         self._cursors: dict[int, object] = {}
         self._cursor = glfw.ARROW_CURSOR
         self._held = {modifier: False for _, modifier, _ in _MODIFIERS}
-        self._pressed = False
-        self._later: list[tuple[int, int, int]] = []
+        self._pressed = self._moved = self._clicked = False
+        self._later: list[_Event] = []
         self.fonts: Fonts = load_fonts()
         apply_theme(scale)
 
@@ -63,16 +80,16 @@ class Binding:
     def key(self, key: int, action: int, mods: int) -> None:
         """A glfw key event; a letter counts as what the keyboard's layout has on that key.
 
-        A modifier let go within the frame in which a key was pressed waits for the next one, and all after it, or a
-        quick Ctrl + Z would be a Z wherever a frame takes its time.
+        A modifier let go in the frame in which a key was pressed would make a quick Ctrl + Z a Z.
         """
-        self._take(_as_labelled(key), action, mods)
+        event = _as_labelled(key), action, mods
+        self._take(_Event(lambda: self._feed(*event), lambda: self._pressed and self._modifiers(*event) != self._held))
 
-    def _take(self, *event: int) -> None:
-        if self._later or (self._pressed and self._modifiers(*event) != self._held):
+    def _take(self, event: _Event) -> None:
+        if self._later or event.waits():
             self._later.append(event)
         else:
-            self._feed(*event)
+            event.feed()
 
     def _feed(self, key: int, action: int, mods: int) -> None:
         self._held = self._modifiers(key, action, mods)
@@ -95,19 +112,33 @@ class Binding:
 
     def mouse_position(self, x: float, y: float) -> None:
         """The mouse, in window units."""
-        self._io.add_mouse_pos_event(x, y)
+
+        def feed() -> None:
+            self._io.add_mouse_pos_event(x, y)
+            self._moved = True
+
+        self._take(_Event(feed, lambda: self._clicked))
 
     def mouse_button(self, button: int, down: bool, mods: int) -> None:
-        """A mouse button went down or up."""
-        self._held = {modifier: bool(mods & bit) for bit, modifier, _ in _MODIFIERS}
-        for modifier, held in self._held.items():
-            self._io.add_key_event(modifier, held)
-        if 0 <= button < 5:
-            self._io.add_mouse_button_event(button, down)
+        """A mouse button went down or up.
+
+        In the frame of a movement, a drag would begin with the way to where the button was pressed, and end before
+        the last of its own.
+        """
+
+        def feed() -> None:
+            self._held = {modifier: bool(mods & bit) for bit, modifier, _ in _MODIFIERS}
+            for modifier, held in self._held.items():
+                self._io.add_key_event(modifier, held)
+            if 0 <= button < 5:
+                self._io.add_mouse_button_event(button, down)
+            self._clicked = True
+
+        self._take(_Event(feed, lambda: self._clicked or self._moved))
 
     def wheel(self, dx: float, dy: float) -> None:
         """The wheel, in steps."""
-        self._io.add_mouse_wheel_event(dx, dy)
+        self._take(_Event(lambda: self._io.add_mouse_wheel_event(dx, dy)))
 
     def focus(self, has_focus: bool) -> None:
         """The window gained or lost the keyboard; keys held then are let go."""
@@ -145,9 +176,10 @@ class Binding:
         self._io.delta_time = max(now_s - self._last_frame_s, _SHORTEST_FRAME_S)
         self._last_frame_s = now_s
         imgui.new_frame()
-        self._pressed, waiting, self._later = False, self._later, []
+        self._pressed = self._moved = self._clicked = False
+        waiting, self._later = self._later, []
         for event in waiting:
-            self._take(*event)
+            self._take(event)
 
     def end(self) -> None:
         """End a frame; nothing is drawn yet."""

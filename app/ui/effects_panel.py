@@ -103,7 +103,7 @@ def _colour(state: EditorState) -> None:
     colour = background if is_colour else "#30343a"
     shown = [int(colour[index : index + 2], 16) / 255 for index in (1, 3, 5)]
     flags = imgui.ColorEditFlags_.no_inputs | imgui.ColorEditFlags_.no_label | imgui.ColorEditFlags_.no_tooltip
-    changed, picked = imgui.color_edit3("background colour", shown, flags)
+    changed, picked = imgui.color_edit3("Background colour", shown, flags)
     if imgui.is_item_active():
         state.hand_on_control = True
     imgui.set_item_tooltip("A plain colour behind the person: click to choose it.")

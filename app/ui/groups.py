@@ -44,7 +44,9 @@ def group(
     if imgui.invisible_button(f"group {name}", imgui.ImVec2(max(1.0, room), _HEIGHT_EM * em)):
         state.groups = replace(state.groups, **{name: not is_open})
     lit = imgui.is_item_hovered()
-    imgui.set_item_tooltip("Click to fold this away." if is_open else "Click to open this.")
+    if not is_open:
+        # Of an open one it would lie over the first control, where the mouse rests after the click.
+        imgui.set_item_tooltip("Click to open this.")
     _title(fonts, title, "" if is_open else summary, corner, width, is_open, lit)
     pressed = None
     for tool in tools:

@@ -112,7 +112,7 @@ def light(state: EditorState, fonts: theme.Fonts) -> None:
 def _gel(state: EditorState, colour: tuple[float, float, float] | None) -> tuple[float, float, float] | None:
     """A coloured gel instead of a temperature."""
     flags = imgui.ColorEditFlags_.no_inputs | imgui.ColorEditFlags_.no_label | imgui.ColorEditFlags_.float
-    changed, picked = imgui.color_edit3("gel", list(colour or (1.0, 1.0, 1.0)), flags)
+    changed, picked = imgui.color_edit3("Coloured gel", list(colour or (1.0, 1.0, 1.0)), flags)
     if imgui.is_item_active():
         state.hand_on_control = True
     imgui.set_item_tooltip("A coloured gel in front of this lamp.")

@@ -181,18 +181,23 @@ def segmented(choices: Sequence[tuple[str, str, str]], chosen: str, width: float
             imgui.same_line(0.0, spacing)
         # Narrow, so that words are not cut where the panel is.
         imgui.push_style_var(imgui.StyleVar_.frame_padding, imgui.ImVec2(1.0, padding.y))
-        if toggle(label, value == chosen, width):
+        if toggle(label, value == chosen, width, one_of_many=True):
             chosen = value
         imgui.pop_style_var()
         imgui.set_item_tooltip(tooltip)
     return chosen
 
 
-def toggle(label: str, down: bool, width: float) -> bool:
-    """A button that looks pressed while `down`; True when it is clicked."""
+def toggle(label: str, down: bool, width: float, *, one_of_many: bool = False) -> bool:
+    """A button that looks pressed while `down`; True when it is clicked.
+
+    Among others, of which one is down, those that are not are dimmed; one by itself would look as if it couldn't be
+    clicked.
+    """
     background = theme.PRESSED if down else theme.RAISED
+    words = theme.DIM if one_of_many and not down else theme.TEXT
     imgui.push_style_color(imgui.Col_.button, imgui.ImVec4(*background))
-    imgui.push_style_color(imgui.Col_.text, imgui.ImVec4(*(theme.TEXT if down else theme.DIM)))
+    imgui.push_style_color(imgui.Col_.text, imgui.ImVec4(*words))
     clicked = imgui.button(label, imgui.ImVec2(width, 0.0))
     imgui.pop_style_color(2)
     return clicked

@@ -56,6 +56,28 @@ def test_keys_let_go_within_one_frame_are_still_a_chord(opened):
     assert state.look.compare == "wipe", "nor was the W after it a Ctrl + W"
 
 
+def test_a_drag_that_took_no_longer_than_a_frame_reaches_as_far_as_the_hand(opened):
+    state, window = opened.window.state, opened.window
+    x, y = opened.knobs()[0]
+    opened.move((x, y))
+
+    def quickly(start, *path):
+        window.on_mouse_move(None, *start)
+        window.on_mouse_button(None, glfw.MOUSE_BUTTON_LEFT, glfw.PRESS, 0)
+        for place in path:
+            window.on_mouse_move(None, *place)
+        window.on_mouse_button(None, glfw.MOUSE_BUTTON_LEFT, glfw.RELEASE, 0)
+        opened.frames(4)
+        opened.settle()
+
+    quickly((x, y), (x + 30, y), (opened.width, y))
+    assert state.edit.shadow == 2.0
+    quickly(opened.panorama(0.25), opened.panorama(0.5))
+    assert abs(state.edit.yaw_deg - 90.0) < 1.0
+    opened.move(opened.centre())
+    assert abs(state.edit.yaw_deg - 90.0) < 1.0, "and the hand has let go"
+
+
 def test_a_soft_box_is_added_moved_and_deleted_on_the_panorama(opened):
     state = opened.window.state
     opened.double_click(opened.panorama(0.5))
