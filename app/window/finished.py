@@ -49,7 +49,11 @@ class Finished:
 
 
 def _answers(picture: Picture | None, request: Request) -> bool:
-    if picture is None or (request.photo is not None and picture.opened.source is not request.photo):
+    if (
+        picture is None
+        or picture.is_stale
+        or (request.photo is not None and picture.opened.source is not request.photo)
+    ):
         return False
     light = picture.light
     is_light = light.source.same_as(request.light) and light.edit == request.light_edit and not light.is_draft

@@ -81,6 +81,7 @@ def test_a_batch_takes_the_boxes_of_a_photo_for_that_photo_only(unseen, photo_pa
     boxes = unseen.window.state.photo.boxes
     relighter.portraits.clear()
     unseen.window._deeds._outputs.batch_over([photo_path, other], tmp_path / "relit")
+    unseen.settle()
     unseen.window.exporter.close()
     assert [path.name for path in (tmp_path / "relit").iterdir()] == ["person.png"]
     assert [portrait[1:] for portrait in relighter.portraits] == [(None, boxes)]
