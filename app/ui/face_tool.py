@@ -7,7 +7,7 @@ from imgui_bundle import imgui
 from app.ui import face_edits, theme, wipe
 from app.ui.face_boxes import FaceGrab, corners, dragged, grab
 from app.ui.layout import Rect
-from app.ui.panes import Arrangement, Pane
+from app.ui.panes import Arrangement, Pane, arrange_panes
 from app.ui.state import PHOTO, RESULT, EditorState
 from app.ui.view import photo_point
 from app.ui.viewport_notes import note
@@ -76,6 +76,22 @@ def draw(state: EditorState, arranged: Arrangement, rect: Rect, scale: float) ->
         draw_list.pop_clip_rect()
 
 
+def on_the_screen(state: EditorState, rect: Rect) -> list[tuple[float, float, float, float]]:
+    """Left, top, right and bottom of every box as it lies in the window, in each pane that shows the whole photo."""
+    scale = imgui.get_io().display_framebuffer_scale.x
+    places = []
+    for pane in arrange_panes(state, state.look.viewport_px).panes:
+        for box in face_edits.wished_boxes(state) if pane.name in (PHOTO, RESULT) else ():
+            x, y = zip(*(_in_the_window(corner, pane, rect, scale) for corner in corners(box)), strict=True)
+            places.append((min(x), min(y), max(x), max(y)))
+    return places
+
+
+def _in_the_window(at: Point, pane: Pane, rect: Rect, scale: float) -> Point:
+    spot = pane.placement
+    return rect.x + (spot.x + at[0] * spot.zoom) / scale, rect.y + (spot.y + at[1] * spot.zoom) / scale
+
+
 def _pane(state: EditorState, arranged: Arrangement, at: Point) -> Pane | None:
     """The pane of the photo or the result that the mouse is in; during a drag the one in which it began."""
     if state.faces.held is not None and state.faces.pane < len(arranged.panes):
@@ -111,11 +127,8 @@ def _show_cursor(held: FaceGrab) -> None:
 
 def _box(box: FaceBox, index: int, pane: Pane, rect: Rect, scale: float, colour: theme.Colour, *, knobs: bool) -> None:
     """A box with its number; one that is selected with knobs at its corners."""
-    em, spot, draw_list = imgui.get_font_size(), pane.placement, imgui.get_window_draw_list()
-    edge = [
-        imgui.ImVec2(rect.x + (spot.x + x * spot.zoom) / scale, rect.y + (spot.y + y * spot.zoom) / scale)
-        for x, y in corners(box)
-    ]
+    em, draw_list = imgui.get_font_size(), imgui.get_window_draw_list()
+    edge = [imgui.ImVec2(*_in_the_window(corner, pane, rect, scale)) for corner in corners(box)]
     draw_list.add_polyline(edge, theme.packed(theme.SHADE, 0.55), 0.25 * em, _CLOSED)
     draw_list.add_polyline(edge, theme.packed(colour), (0.13 if knobs else 0.1) * em, _CLOSED)
     for corner in edge if knobs else ():

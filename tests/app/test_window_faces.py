@@ -172,3 +172,14 @@ def test_the_wheel_button_moves_the_picture_while_the_left_one_draws(opened):
     opened.frames(2)
     assert state.view.centre_x == pytest.approx(before.centre_x - 20, abs=1)
     assert state.photo.boxes is None
+
+
+def test_what_is_said_about_the_boxes_covers_none(opened):
+    state = opened.window.state
+    opened.key(glfw.KEY_F, shift=True)
+    opened.frames(2)
+    assert state.look.covered > 0, "at the top, where no box is"
+    height = state.look.viewport_px[1]
+    state.view = type(state.view)(False, 1.0, 64.0, 48.0 + height / 2 - 60)
+    opened.frames(2)
+    assert state.look.covered == 0, "at the foot"
