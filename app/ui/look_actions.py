@@ -198,7 +198,7 @@ ARRANGING = (
 
 GESTURES = (
     Gesture("Ctrl + wheel", _LOOK, "Zoom about the mouse"),
-    Gesture("Drag the picture", _LOOK, "Move it"),
+    Gesture("Drag the picture", _LOOK, "Move it; with the wheel pressed, whatever else is going on"),
     Gesture("Double-click the picture", _LOOK, "Actual size there, or fit again"),
     Gesture("Drag a panel's grip", _PANELS, "Move it to the other edge of the window; a double click does so too"),
     Gesture("Drag a panel's edge", _PANELS, "Resize it; a double click puts it back"),

@@ -80,7 +80,9 @@ def those_chosen(photo: Photo, faces: Sequence[FaceBox], face_index: int | None)
     """
     name = photo.path or "the photo"
     if not faces:
-        raise NoFaceError(f"{name}: no face found; use a photo in which a face is larger, sharper or better lit")
+        raise NoFaceError(
+            f"{name}: no face found; say where it is, or use a photo in which one is larger or better lit"
+        )
     if face_index is None:
         return list(faces)
     if not 0 <= face_index < len(faces):
