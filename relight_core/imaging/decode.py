@@ -3,26 +3,24 @@
 from __future__ import annotations
 
 import io
-import logging
-import math
 import struct
 import threading
 import warnings
 from dataclasses import replace
 from pathlib import Path
 
-import cv2
 import numpy as np
-import tifffile
-from PIL import Image, ImageCms
+from PIL import Image, ImageChops
 
 from relight_core.errors import InputError
 from relight_core.imaging.camera_raw import develop_raw, is_raw
+from relight_core.imaging.deep_tiff import decode_deep_tiff
 from relight_core.imaging.heif import decode_heif, is_heif, stated_profile
+from relight_core.imaging.library_profiles import through_library_profile
 from relight_core.imaging.limits import check_pixels
 from relight_core.imaging.metadata import carried_exif
+from relight_core.imaging.opencv_decoding import decoded_by_opencv, in_rgb_order
 from relight_core.imaging.raster import Raster
-from relight_core.imaging.tiff_exif import exif_of_page
 
 _FORMATS = ("JPEG", "PNG", "TIFF", "WEBP", "BMP", "GIF", "AVIF")
 _BLOCK_ROWS = 256
@@ -34,9 +32,6 @@ _LARGE_PIXELS = 16_000_000
 _MOST_PIXELS_A_BYTE = 4096
 """Pixels that one byte of a large photo can stand for: a lossy WebP's modes alone take a byte for 600 (RFC 6386)."""
 _pillow_limit = threading.Lock()
-
-# It tells of every odd tag; what can't be read is told by our own errors.
-logging.getLogger("tifffile").setLevel(logging.CRITICAL)
 
 
 def decode_raster(data: bytes, path: Path) -> Raster:
@@ -50,7 +45,7 @@ def decode_raster(data: bytes, path: Path) -> Raster:
     if is_heif(data):
         return decode_heif(data, path)
     if data[:4] in (b"II*\0", b"MM\0*", b"II+\0", b"MM\0+"):
-        raster = _decode_deep_tiff(data, path)
+        raster = decode_deep_tiff(data, path)
         if raster is not None:
             return raster
     image = _open_with_pillow(data, path)
@@ -74,7 +69,7 @@ def decode_radiance_hdr(data: bytes, path: Path) -> np.ndarray:
     if len(header) != 4 or not all(side.isdecimal() and len(side) < 10 for side in header[1::2]):
         raise InputError(f"{path}: not a complete Radiance file; export it again")
     check_pixels(int(header[3]), int(header[1]), path)
-    bgr = _imdecode(data)
+    bgr = decoded_by_opencv(data)
     if bgr is None or bgr.dtype != np.float32:
         raise InputError(f"{path}: not a complete Radiance file; export it again")
     for start in range(0, len(bgr), _BLOCK_ROWS):
@@ -122,8 +117,11 @@ def _from_pillow(image: Image.Image) -> Raster:
     orientation = _orientation(image)
     if image.mode in ("I", "I;16", "I;16B", "I;16L", "F"):
         return Raster(_deep_grey(image), None, icc, orientation)
+    if image.format == "JPEG" and image.mode == "CMYK" and "adobe" not in image.info:
+        # Only Adobe's programs store inks the other way round; Pillow takes every file for theirs.
+        image = ImageChops.invert(image)
     if image.mode == "CMYK" or image.mode == "LAB":
-        return Raster(_through_library_profile(image, icc), None, None, orientation)
+        return Raster(through_library_profile(image, icc), None, None, orientation)
     alpha = None
     if image.has_transparency_data:
         image = image.convert("RGBA")
@@ -131,39 +129,6 @@ def _from_pillow(image: Image.Image) -> Raster:
     is_grey = image.mode in ("1", "L")
     values = np.asarray(image.convert("L"))[..., None] if is_grey else np.asarray(image.convert("RGB"))
     return Raster(values, alpha, icc, orientation)
-
-
-def convert_8_bit(values: np.ndarray, icc: bytes) -> np.ndarray | None:
-    """(H, W, 1 or 3) uint8 in any profile to (H, W, 3) uint8 sRGB; None if the profile is unusable."""
-    image = Image.fromarray(values[..., 0] if values.shape[-1] == 1 else values)
-    try:
-        return np.asarray(_convert_image(image, icc))
-    except (ImageCms.PyCMSError, OSError, ValueError):
-        return None
-
-
-def _through_library_profile(image: Image.Image, icc: bytes | None) -> np.ndarray:
-    if icc is not None:
-        try:
-            return np.asarray(_convert_image(image, icc))
-        except (ImageCms.PyCMSError, OSError, ValueError):
-            pass
-    if image.mode == "LAB":
-        lab = ImageCms.createProfile("LAB")
-        return np.asarray(ImageCms.profileToProfile(image, lab, ImageCms.createProfile("sRGB"), outputMode="RGB"))
-    return np.asarray(image.convert("RGB"))
-
-
-def _convert_image(image: Image.Image, icc: bytes) -> Image.Image:
-    profile = ImageCms.ImageCmsProfile(io.BytesIO(icc))
-    return ImageCms.profileToProfile(
-        image,
-        profile,
-        ImageCms.createProfile("sRGB"),
-        renderingIntent=ImageCms.Intent.RELATIVE_COLORIMETRIC,
-        outputMode="RGB",
-        flags=ImageCms.Flags.BLACKPOINTCOMPENSATION,
-    )
 
 
 def _deep_grey(image: Image.Image) -> np.ndarray:
@@ -184,10 +149,12 @@ def _orientation(image: Image.Image) -> int:
 def _decode_deep_png(data: bytes, image: Image.Image, path: Path) -> Raster:
     """A PNG of 16 bits per channel, which Pillow would cut to 8."""
     # OpenCV takes the memory that a chunk claims, up to 4 GiB, before it looks for its bytes.
-    values = _imdecode(data) if _chunks_fit(data) else None
+    values = decoded_by_opencv(data) if _chunks_fit(data) else None
     if values is None or values.dtype != np.uint16:
         raise InputError(f"{path}: a truncated or damaged image; fetch or export it again")
-    values, alpha = _split(values)
+    values, alpha = in_rgb_order(values), None
+    if values.shape[2] == 4:
+        values, alpha = np.ascontiguousarray(values[..., :3]), values[..., 3].astype(np.float32) / np.float32(65535.0)
     return Raster(values, alpha, image.info.get("icc_profile") or None, _orientation(image))
 
 
@@ -200,52 +167,3 @@ def _chunks_fit(data: bytes) -> bool:
             return True
         at += 12 + length
     return False
-
-
-def _decode_deep_tiff(data: bytes, path: Path) -> Raster | None:
-    """A TIFF of 16 or more bits per channel; None for others, which Pillow reads."""
-    try:
-        page = tifffile.TiffFile(io.BytesIO(data)).pages[0]
-        bits, photometric, samples = int(page.bitspersample), int(page.photometric), int(page.samplesperpixel)
-        end = max(np.add(page.dataoffsets, page.databytecounts))
-        width, height = int(page.imagewidth), int(page.imagelength)
-        is_whole = len(page.dataoffsets) >= math.prod(page.chunked) and end <= len(data)
-    except Exception:
-        raise InputError(f"{path}: a truncated or damaged image; fetch or export it again") from None
-    check_pixels(width, height, path)
-    # Pillow takes strips that are missing for black ones.
-    if not is_whole:
-        raise InputError(f"{path}: a truncated or damaged image; fetch or export it again")
-    if bits <= 8:
-        return None
-    values = _imdecode(data) if photometric in (1, 2) and samples in (1, 3, 4) else None
-    if values is None or values.dtype not in (np.uint16, np.float32, np.float64):
-        kind = f"a {bits}-bit TIFF of a kind this program doesn't read"
-        raise InputError(f"{path}: {kind}; save it as 8- or 16-bit or 32-bit float RGB")
-    values, alpha = _split(values)
-    icc = page.tags.get(34675)
-    associated = 1 in [int(kind) for kind in (page.extrasamples or ())]
-    premultiplied = alpha is not None and associated
-    return Raster(values, alpha, bytes(icc.value) if icc else None, 1, premultiplied, exif_of_page(page))
-
-
-def _split(values: np.ndarray) -> tuple[np.ndarray, np.ndarray | None]:
-    """OpenCV's BGR or BGRA or grey to colour in RGB order, and alpha."""
-    if values.ndim == 2:
-        values = values[..., None]
-    if values.dtype == np.float64:
-        values = values.astype(np.float32)
-    if values.shape[2] < 4:
-        return np.ascontiguousarray(values[..., ::-1]), None
-    scale = np.float32(65535.0 if values.dtype == np.uint16 else 1.0)
-    return np.ascontiguousarray(values[..., 2::-1]), values[..., 3].astype(np.float32) / scale
-
-
-def _imdecode(data: bytes) -> np.ndarray | None:
-    level = cv2.utils.logging.setLogLevel(cv2.utils.logging.LOG_LEVEL_SILENT)
-    try:
-        return cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_UNCHANGED)
-    except cv2.error:
-        return None
-    finally:
-        cv2.utils.logging.setLogLevel(level)

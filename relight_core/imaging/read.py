@@ -12,6 +12,7 @@ from relight_core.imaging.colour import srgb_decode_integers
 from relight_core.imaging.files import file_bytes, file_head
 from relight_core.imaging.icc import MatrixProfile, matrix_profile
 from relight_core.imaging.in_order import in_order
+from relight_core.imaging.library_profiles import convert_8_bit
 from relight_core.imaging.photo import Photo
 
 _BLOCK_ROWS = 128
@@ -122,7 +123,7 @@ def _to_linear(values: np.ndarray, icc: bytes | None) -> tuple[np.ndarray, np.nd
         return *_from_profile(values, profile), bits
     if profile is None and icc:
         codes = values if bits == 8 else (values >> 8).astype(np.uint8)
-        converted = decode.convert_8_bit(codes, icc)
+        converted = convert_8_bit(codes, icc)
         if converted is not None:
             return srgb_decode_integers(converted), None, 8
     linear = srgb_decode_integers(values)

@@ -20,6 +20,9 @@ from relight_core.pipeline.edit import Edit
 BACKGROUNDS = ("keep", "match", "light", "transparent")
 """Beside colours: the photo's own, the same dimmed and tinted as the person is, the light itself, none."""
 
+OWN_BACKGROUNDS = ("keep", "match")
+"""Those that are the photo's own; of a photo with alpha, that is none."""
+
 _DIMMEST, _BRIGHTEST = 0.1, 2.0
 _SOFT_SIDE = 48
 _SOFTNESS = 0.1

@@ -21,7 +21,7 @@ from relight_core.lighting.environment import Environment, network_light
 from relight_core.lighting.lamps import lamps_of
 from relight_core.lighting.reflection import ReflectionTable
 from relight_core.networks.bundle import load_bundle
-from relight_core.pipeline.backdrop import Backdrop, backdrop_panorama, make_backdrop
+from relight_core.pipeline.backdrop import OWN_BACKGROUNDS, Backdrop, backdrop_panorama, make_backdrop
 from relight_core.pipeline.cache import Record, Stage, StageCache
 from relight_core.pipeline.channels import ViewChange
 from relight_core.pipeline.display import DisplayRecipe, person_layers, recipe_of
@@ -325,7 +325,11 @@ class Relighter:
             lambda: place_changes(placement, weights, changes, light),
             "new light or slider",
         )
-        backdrop = self._backdrop(plan, environment, edit, placement, rest)
+        if matte.own_alpha and edit.background in OWN_BACKGROUNDS:
+            # Behind a person who was cut out there is nothing but what the cutting left.
+            backdrop = Backdrop(transparent=True)
+        else:
+            backdrop = self._backdrop(plan, environment, edit, placement, rest)
         full = Picture(canvas_of(photo), matte, placed_changes, rest, backdrop)
         if longest_side_px == 0:
             return full, full

@@ -81,6 +81,11 @@ def pictures_by_kind() -> dict[str, list[bytes]]:
         buffer = io.BytesIO()
         tifffile.imwrite(buffer, array, photometric="rgb", compression=codec)
         tiffs.append(buffer.getvalue())
+    for kind in (np.uint16, np.float16):
+        buffer = io.BytesIO()
+        layout = {"photometric": "rgb", "planarconfig": "separate", "compression": "zlib"}
+        tifffile.imwrite(buffer, np.moveaxis(smooth, 2, 0).astype(kind), **layout)
+        tiffs.append(buffer.getvalue())
     return {
         "jpeg": [
             *(_saved(colour, "JPEG", quality=90, subsampling=s) for s in (0, 2)),

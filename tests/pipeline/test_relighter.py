@@ -1,5 +1,6 @@
 """The Relighter with tiny random networks: what comes out, what stays linear, what never breaks."""
 
+import time
 from dataclasses import replace
 
 import numpy as np
@@ -225,3 +226,21 @@ def test_behind_the_person_the_effects_are_black(weights, monkeypatch):
         middle = channel.shape[1] // 2
         assert np.abs(channel[:, middle + 4 :]).max() < 1e-4
         assert channel[:, : middle - 4].max() > 1e-3
+
+
+@pytest.mark.parametrize("background", ["keep", "match"])
+def test_a_photo_that_was_cut_out_stays_so(relighter, background):
+    alpha = np.zeros((96, 112), np.float32)
+    alpha[10:90, 20:60], alpha[10:90, 60:90] = 1.0, 0.5
+    relighter.set_portrait(replace(some_photo(), alpha=alpha))
+    edit = replace(EDIT, background=background)
+    np.testing.assert_array_equal(relighter.relight(some_light(), edit).alpha, alpha)
+    assert relighter.relight(some_light(), replace(edit, background="#203040")).alpha is None
+
+
+def test_no_picture_is_made_where_none_is_asked_for(relighter):
+    relit = relighter.relight(some_light(), EDIT, longest_side_px=0)
+    assert relit.image is None
+    assert not {"paste", "canvas"} & computed(relit)
+    np.testing.assert_array_equal(relit.full.render()[0], relighter.relight(some_light(), EDIT).image)
+    assert 0 < relit.networks_ended_s < time.perf_counter()

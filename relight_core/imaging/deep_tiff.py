@@ -1,0 +1,143 @@
+"""TIFFs of 16 or more bits per channel, which Pillow would cut to 8 or refuse."""
+
+from __future__ import annotations
+
+import io
+import logging
+import math
+import zlib
+from dataclasses import replace
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+import tifffile
+from PIL import Image
+
+from relight_core.errors import InputError
+from relight_core.imaging.library_profiles import through_library_profile
+from relight_core.imaging.limits import check_pixels
+from relight_core.imaging.opencv_decoding import decoded_by_opencv, in_rgb_order
+from relight_core.imaging.raster import Raster
+from relight_core.imaging.tiff_exif import exif_of_page
+
+# It tells of every odd tag; what can't be read is told by our own errors.
+logging.getLogger("tifffile").setLevel(logging.CRITICAL)
+
+_ORIENTATION, _PROFILE = 274, 34675
+_WHITE_IS_0, _BLACK_IS_0, _RGB, _CMYK = 0, 1, 2, 5
+_COLOURS = {_WHITE_IS_0: 1, _BLACK_IS_0: 1, _RGB: 3, _CMYK: 4}
+_IN_PLANES = 2
+_PLAIN, _PACKBITS, _DEFLATE = 1, 32773, (8, 32946)
+
+
+class _Kind(NamedTuple):
+    """How a page stores its picture, by the numbers of TIFF 6.0."""
+
+    bits: int
+    photometric: int
+    samples: int
+    planes: int
+    compression: int
+
+
+def decode_deep_tiff(data: bytes, path: Path) -> Raster | None:
+    """Decode the first picture; None where it has 8 bits or fewer, which Pillow reads.
+
+    Raises:
+        InputError: damaged, too large or of an unsupported kind.
+    """
+    try:
+        page = tifffile.TiffFile(io.BytesIO(data)).pages[0]
+        stored = page.bitspersample, page.photometric, page.samplesperpixel, page.planarconfig, page.compression
+        kind = _Kind(*(int(number) for number in stored))
+        end = max(np.add(page.dataoffsets, page.databytecounts))
+        width, height = int(page.imagewidth), int(page.imagelength)
+        is_whole = len(page.dataoffsets) >= math.prod(page.chunked) and end <= len(data)
+    except Exception:
+        raise _damaged(path) from None
+    check_pixels(width, height, path)
+    # Pillow takes strips that are missing for black ones.
+    if not is_whole:
+        raise _damaged(path)
+    if kind.bits <= 8:
+        return None
+    by_opencv = _opencv_reads(page, kind)
+    values = _by_opencv(data) if by_opencv else _by_tifffile(page, kind, data)
+    if values is None:
+        unread = f"a {kind.bits}-bit TIFF of a kind this program doesn't read"
+        raise InputError(f"{path}: {unread}; save it as 8- or 16-bit or 32-bit float RGB")
+    # OpenCV turns pictures upright by itself.
+    orientation = 1 if by_opencv else _orientation(page)
+    return replace(_as_raster(values, page, kind.photometric), orientation=orientation, exif=exif_of_page(page))
+
+
+def _damaged(path: Path) -> InputError:
+    return InputError(f"{path}: a truncated or damaged image; fetch or export it again")
+
+
+def _opencv_reads(page: tifffile.TiffPage, kind: _Kind) -> bool:
+    """It knows every compression, but takes pictures in planes for others, and those of two channels for none."""
+    if page.dtype is None or page.dtype == np.float16 or kind.planes == _IN_PLANES:
+        return False
+    return kind.photometric in (_BLACK_IS_0, _RGB) and kind.samples in (1, 3, 4)
+
+
+def _by_opencv(data: bytes) -> np.ndarray | None:
+    """(H, W, channels) upright, or None."""
+    values = decoded_by_opencv(data)
+    if values is None or values.dtype not in (np.uint16, np.float32, np.float64):
+        return None
+    return in_rgb_order(values.astype(np.float32) if values.dtype == np.float64 else values)
+
+
+def _by_tifffile(page: tifffile.TiffPage, kind: _Kind, data: bytes) -> np.ndarray | None:
+    """(H, W, channels), or None where it doesn't know the compression or the numbers."""
+    colours = _COLOURS.get(kind.photometric)
+    if page.dtype is None or kind.compression not in (_PLAIN, _PACKBITS, *_DEFLATE) or colours is None:
+        return None
+    if kind.compression in _DEFLATE and not _inflates_as_it_should(page, data):
+        return None
+    try:
+        values = page.asarray(maxworkers=1)
+    except Exception:
+        return None
+    if values.ndim == 3 and kind.planes == _IN_PLANES:
+        values = np.moveaxis(values, 0, -1)
+    values = values[..., None] if values.ndim == 2 else values
+    if values.ndim != 3 or values.shape[2] < colours or values.dtype not in (np.uint16, np.float16, np.float32):
+        return None
+    return np.ascontiguousarray(values, np.uint16 if values.dtype.kind == "u" else np.float32)
+
+
+def _inflates_as_it_should(page: tifffile.TiffPage, data: bytes) -> bool:
+    """Whether no strip or tile inflates to more than its pixels take: tifffile would make room for all of it."""
+    most = math.prod(page.chunks) * page.dtype.itemsize
+    for start, count in zip(page.dataoffsets, page.databytecounts, strict=True):
+        try:
+            if len(zlib.decompressobj().decompress(data[start : start + count], most + 1)) > most:
+                return False
+        except zlib.error:
+            return False
+    return True
+
+
+def _orientation(page: tifffile.TiffPage) -> int:
+    tag = page.tags.get(_ORIENTATION)
+    return int(tag.value) if tag is not None and tag.value in range(1, 9) else 1
+
+
+def _as_raster(values: np.ndarray, page: tifffile.TiffPage, photometric: int) -> Raster:
+    tag = page.tags.get(_PROFILE)
+    icc = tag.value if tag is not None and isinstance(tag.value, bytes) else None
+    colours, alpha = _COLOURS[photometric], None
+    if values.shape[2] > colours:
+        alpha = values[..., colours].astype(np.float32) / np.float32(65535.0 if values.dtype == np.uint16 else 1.0)
+    values = np.ascontiguousarray(values[..., :colours])
+    if photometric == _WHITE_IS_0:
+        values = (65535 if values.dtype == np.uint16 else 1) - values
+    if photometric == _CMYK:
+        inks = values >> 8 if values.dtype == np.uint16 else np.clip(np.nan_to_num(values), 0, 1) * 255
+        values, icc = through_library_profile(Image.fromarray(inks.astype(np.uint8), "CMYK"), icc), None
+    associated = 1 in [int(kind) for kind in (page.extrasamples or ())]
+    return Raster(values, alpha, icc, premultiplied=alpha is not None and associated)

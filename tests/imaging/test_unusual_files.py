@@ -1,0 +1,104 @@
+"""Files that cameras seldom write and programs do: TIFFs in planes, white as 0, inks, grey with alpha."""
+
+import struct
+
+import numpy as np
+import pytest
+import tifffile
+from PIL import Image
+
+from relight_core.errors import InputError
+from relight_core.imaging.photo import Photo
+from relight_core.imaging.read import read_photo
+
+RNG = np.random.default_rng(8)
+CODES = RNG.integers(0, 65536, (24, 40, 3), np.uint16)
+GREY = CODES[..., 0]
+LINEAR = Photo.from_srgb(CODES).linear
+
+
+def planes(codes):
+    return np.ascontiguousarray(np.moveaxis(codes, -1, 0))
+
+
+@pytest.mark.parametrize("options", [{}, {"compression": "zlib"}, {"tile": (16, 16), "compression": "zlib"}])
+@pytest.mark.parametrize("byteorder", ["<", ">"])
+def test_deep_tiffs_in_planes(tmp_path, options, byteorder):
+    kind = {"photometric": "rgb", "planarconfig": "separate", "byteorder": byteorder}
+    tifffile.imwrite(tmp_path / "a.tif", planes(CODES), **kind, **options)
+    photo = read_photo(tmp_path / "a.tif")
+    assert photo.bits == 16
+    np.testing.assert_array_equal(photo.linear, LINEAR)
+
+
+@pytest.mark.parametrize("kind", [np.float16, np.float32])
+@pytest.mark.parametrize("in_planes", [False, True])
+def test_tiffs_of_floats_are_linear(tmp_path, kind, in_planes):
+    values = (4 * RNG.random((8, 10, 3))).astype(kind)
+    stored = planes(values) if in_planes else values
+    config = {"planarconfig": "separate"} if in_planes else {}
+    tifffile.imwrite(tmp_path / "a.tif", stored, photometric="rgb", **config)
+    np.testing.assert_array_equal(read_photo(tmp_path / "a.tif").linear, values.astype(np.float32))
+
+
+def test_deep_grey_whose_white_is_0(tmp_path):
+    tifffile.imwrite(tmp_path / "a.tif", 65535 - GREY, photometric="miniswhite")
+    np.testing.assert_array_equal(read_photo(tmp_path / "a.tif").linear[..., 1], LINEAR[..., 0])
+
+
+def test_deep_grey_with_alpha(tmp_path):
+    stored = np.dstack([GREY, CODES[..., 1]])
+    kind = {"photometric": "minisblack", "planarconfig": "contig", "extrasamples": ["unassalpha"]}
+    tifffile.imwrite(tmp_path / "a.tif", stored, **kind)
+    photo = read_photo(tmp_path / "a.tif")
+    np.testing.assert_array_equal(photo.linear[..., 2], LINEAR[..., 0])
+    np.testing.assert_allclose(photo.alpha, CODES[..., 1] / 65535, atol=1e-6)
+
+
+def test_deep_planes_stand_upright(tmp_path):
+    kind = {"photometric": "rgb", "planarconfig": "separate", "extratags": [(274, "H", 1, 6, True)]}
+    tifffile.imwrite(tmp_path / "a.tif", planes(CODES), **kind)
+    np.testing.assert_array_equal(read_photo(tmp_path / "a.tif").linear, np.rot90(LINEAR, -1))
+
+
+def test_deep_inks(tmp_path):
+    inks = np.zeros((6, 8, 4), np.uint16)
+    inks[..., 1:3] = 60000
+    tifffile.imwrite(tmp_path / "a.tif", inks, photometric="separated")
+    red, green, blue = read_photo(tmp_path / "a.tif").linear.mean((0, 1))
+    assert red > 3 * max(green, blue)
+
+
+def without_adobes_mark(jpeg):
+    at = jpeg.index(b"\xff\xee")
+    (length,) = struct.unpack_from(">H", jpeg, at + 2)
+    return jpeg[:at] + jpeg[at + 2 + length :]
+
+
+def test_inks_of_a_jpeg_are_inverted_only_by_adobe(tmp_path):
+    ink = Image.new("CMYK", (16, 16), (0, 200, 200, 20))
+    ink.save(tmp_path / "adobe.jpg", quality=98)
+    # Saving inverts, as Adobe's programs do.
+    Image.new("CMYK", (16, 16), (255, 55, 55, 235)).save(tmp_path / "other.jpg", quality=98)
+    (tmp_path / "plain.jpg").write_bytes(without_adobes_mark((tmp_path / "other.jpg").read_bytes()))
+    adobe, plain = (read_photo(tmp_path / f"{name}.jpg").linear for name in ("adobe", "plain"))
+    np.testing.assert_allclose(plain, adobe, atol=0.01)
+    assert plain[0, 0, 0] > 3 * plain[0, 0, 1]
+
+
+def test_a_strip_that_inflates_to_more_than_its_pixels_is_refused(tmp_path):
+    tifffile.imwrite(tmp_path / "a.tif", planes(np.zeros((64, 64, 3), np.uint16)), **BOMB)
+    whole = (tmp_path / "a.tif").read_bytes()
+    with tifffile.TiffFile(tmp_path / "a.tif") as file:
+        # Fewer rows than the strips hold.
+        place = file.pages[0].tags["ImageLength"].valueoffset
+        rows = file.pages[0].tags["RowsPerStrip"].valueoffset
+    data = bytearray(whole)
+    for at in (place, rows):
+        struct.pack_into("<H", data, at, 2)
+    (tmp_path / "a.tif").write_bytes(data)
+    with pytest.raises(InputError, match="TIFF of a kind|damaged"):
+        read_photo(tmp_path / "a.tif")
+
+
+BOMB = {"photometric": "rgb", "planarconfig": "separate", "compression": "zlib", "byteorder": "<"}
