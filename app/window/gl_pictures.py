@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import ctypes
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from functools import partial
 
+import glfw
 import moderngl
 import numpy as np
 
@@ -39,6 +42,7 @@ class GlPictures:
     Attributes:
         exposure_ev: at which the result is shown.
         hurried: a hand is moving something, so that what is only read may lag a little behind.
+        is_ahead: the viewport has been drawn for the next frame.
     """
 
     def __init__(self, context: moderngl.Context, shelf: LightShelf, canvas_srgb: tuple[float, float, float]) -> None:
@@ -52,6 +56,7 @@ class GlPictures:
         self._viewport, self._coarse_viewport = Canvas(context, smooth=False, opaque=True), Canvas(context, opaque=True)
         self._seen = self._viewport
         self._in_software = draws_in_software(context)
+        self._flush = ctypes.CFUNCTYPE(None)(glfw.get_proc_address("glFlush"))
         self._thumbnails = {name: Canvas(context) for name in (PHOTO, RESULT)}
         self._scopes = Scopes(context)
         self._light_ball = LightBall(context)
@@ -60,9 +65,12 @@ class GlPictures:
         self._environment: Environment | None = None
         self._drawn: dict[str, tuple] = {}
         self._versions: dict[str, int] = {}
+        self._ahead: Callable[[], None] | None = None
+        self.is_ahead = False
 
     def begin_frame(self, exposure_ev: float, hurried: bool) -> None:
         """What is shown from now on is one frame; before `update`."""
+        self._ahead, self.is_ahead = None, False
         self._busy = exposure_ev != self.exposure_ev
         self.exposure_ev, self.hurried = exposure_ev, hurried
 
@@ -107,7 +115,10 @@ class GlPictures:
         return _shown(canvas.texture)
 
     def viewport(self, panes: Sequence[Pane], size: tuple[int, int], paint: Paint) -> Shown:
-        """The viewport, `size` pixels large, with the panes' pictures; drawn now if anything changed."""
+        """The viewport, `size` pixels large, with the panes' pictures; drawn now if anything changed.
+
+        In a hurry, where the processor draws, a new picture at the same place is left to `draw_ahead`.
+        """
         panes, key, canvas = tuple(pane for pane in panes if self.size(pane.name)), "viewport", self._viewport
         if self.hurried and self._in_software:
             key, canvas = "coarse viewport", self._coarse_viewport
@@ -116,10 +127,32 @@ class GlPictures:
         exposures = tuple(self._exposure_of(pane.name) for pane in panes)
         # A difference reads the photo too.
         versions = tuple(self._versions.get(name, 0) for name in (PHOTO, *(pane.name for pane in panes)))
-        part = _changing_part(self._drawn.get(key), size, panes)
-        if self._is_due(key, canvas, size, (panes, paint, exposures, versions)):
-            self._painter.panes(canvas, panes, self._slots, paint, self.exposure_ev, part)
+        drawn, wanted = self._drawn.get(key), (panes, paint, exposures, versions)
+        part = _changing_part(drawn, size, panes)
+        may_wait = canvas is self._coarse_viewport and _differs_in_picture_alone(drawn, (size, wanted))
+        if self._is_due(key, canvas, size, wanted):
+            draw = partial(self._painter.panes, canvas, panes, self._slots, paint, self.exposure_ev, part)
+            if may_wait:
+                self._ahead, self._drawn[key] = partial(self._draw_viewport, draw, key, self._drawn[key]), drawn
+            else:
+                draw()
         return _shown(canvas.texture)
+
+    def draw_ahead(self) -> bool:
+        """After a frame was shown: draw the viewport for the next one, if it is another; whether it is.
+
+        The processor draws it while the window's thread waits for the display. In one frame with the panels it would
+        take longer than the display's step.
+        """
+        if self._ahead is not None:
+            self._ahead()
+            self._ahead, self.is_ahead = None, True
+            self._flush()
+        return self.is_ahead
+
+    def _draw_viewport(self, draw: Callable[[], None], key: str, drawn: tuple) -> None:
+        draw()
+        self._drawn[key] = drawn
 
     def viewport_pixels(self) -> np.ndarray:
         """(h, w, 3) uint8 sRGB of the viewport as drawn last, row 0 at its top."""
@@ -217,6 +250,11 @@ def _changing_part(drawn: tuple | None, size: tuple[int, int], panes: tuple[Pane
         return WHOLE
     x0, y0, x1, y1 = zip(*(covered(pane, size) for pane in panes), strict=True)
     return min(x0) / size[0], min(y0) / size[1], max(x1) / size[0], max(y1) / size[1]
+
+
+def _differs_in_picture_alone(drawn: tuple | None, wanted: tuple) -> bool:
+    """Whether two entries of what was drawn have all but the versions of their pictures in common."""
+    return drawn is not None and drawn[0] == wanted[0] and drawn[1][:3] == wanted[1][:3]
 
 
 def _is_same_reading(one: tuple[np.ndarray, float], other: tuple[np.ndarray, float]) -> bool:

@@ -175,6 +175,9 @@ def _brighten(window: EditorWindow, index: int) -> None:
 
 
 def _is_answered(window: EditorWindow) -> bool:
+    """Whether the frame that was drawn last shows what is wanted."""
+    if window.pictures.is_ahead:
+        return False
     picture, edit = window.state.snapshot.picture, window.state.edit
     return picture is not None and (picture.edit.yaw_deg, picture.edit.shadow) == (edit.yaw_deg, edit.shadow)
 

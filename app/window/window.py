@@ -139,6 +139,9 @@ class EditorWindow:
             return False
         self._draw()
         self._graphics.show()
+        if self.pictures.draw_ahead():
+            # The frame that shows it follows at once.
+            glfw.post_empty_event()
         self._graphics.check()
         return True
 

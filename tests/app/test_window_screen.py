@@ -11,7 +11,10 @@ pytestmark = pytest.mark.skipif(not features.check("xcb"), reason="no way to see
 
 @pytest.fixture
 def on_screen(hand, display):
-    """The screen after a frame, and after all of the same frame was drawn: a pair of (h, w, 3) codes."""
+    """The screen after a frame, and after all of the same frame was drawn: a pair of (h, w, 3) codes.
+
+    The frame is one after which no other viewport waits to be shown.
+    """
 
     def grab():
         hand.window.context.finish()
@@ -22,6 +25,8 @@ def on_screen(hand, display):
 
     def look():
         hand.frames(1)
+        while hand.window.pictures.is_ahead:
+            hand.frames(1)
         seen = grab()
         hand.window.on_refresh(None)
         hand.window._graphics.show()
