@@ -10,6 +10,7 @@ from imgui_bundle import imgui
 
 from app.ui import theme, widgets
 from app.ui.layout import Rect
+from app.ui.panorama import FINE
 from app.ui.pictures import Pictures
 from app.ui.state import EditorState
 from relight_core.lighting.environment import Environment
@@ -24,7 +25,7 @@ _SECTORS = ("front", "front right", "the right", "behind right", "behind", "behi
 
 
 def draw(state: EditorState, pictures: Pictures, rect: Rect, scale: float) -> None:
-    """The ball in the viewport's lower left corner; dragging it sideways turns the light."""
+    """The ball in the viewport's lower left corner; dragging it sideways turns the light, with Shift in small steps."""
     light = state.snapshot.light
     em = imgui.get_font_size()
     side = _SIDE_EM * em
@@ -67,14 +68,17 @@ def _turn_by_dragging(state: EditorState, x: float, y: float, reach: float) -> N
     imgui.invisible_button("light ball", imgui.ImVec2(2 * reach, 2 * reach))
     if imgui.is_item_active():
         state.hand_on_control = True
-        state.turn(imgui.get_io().mouse_delta.x / (2 * reach) * 180.0)
+        io = imgui.get_io()
+        # The near side of the ball follows the hand; on the panorama, which is seen from within, it goes the other way.
+        state.turn(-io.mouse_delta.x / (2 * reach) * 180.0 * (FINE if io.key_shift else 1.0))
     if imgui.is_item_hovered() or imgui.is_item_active():
         imgui.set_mouse_cursor(imgui.MouseCursor_.resize_ew)
         state.look.pointer_px = None
     light = state.snapshot.light
     described = words(_direction(light.environment, state.edit.yaw_deg))
     imgui.set_item_tooltip(
-        f"{described}.\nThe ring is seen from above, the camera at its foot. Drag to turn the light."
+        f"{described}.\nThe ring is seen from above, the camera at its foot.\n"
+        "Drag to turn the light, with Shift in small steps."
     )
 
 

@@ -6,6 +6,7 @@ from PIL import Image
 
 from app.document.session_file import read_session
 from relight_core.lighting.soft_box import SoftBox, uv_of
+from relight_core.lighting.summary import average_direction
 
 
 def test_open_turn_slide_undo_save_and_export(opened, photo_path):
@@ -76,6 +77,29 @@ def test_a_drag_that_took_no_longer_than_a_frame_reaches_as_far_as_the_hand(open
     assert abs(state.edit.yaw_deg - 90.0) < 1.0
     opened.move(opened.centre())
     assert abs(state.edit.yaw_deg - 90.0) < 1.0, "and the hand has let go"
+
+
+def test_the_highlight_on_the_ball_follows_the_hand(opened):
+    state = opened.window.state
+    opened.frames(2)
+
+    def from_the_right():
+        return average_direction(state.snapshot.light.environment, state.edit.yaw_deg)[0]
+
+    before, (x, y) = from_the_right(), state.look.ball_at
+    opened.drag((x, y), (x - 12, y))
+    assert from_the_right() < before - 0.1
+    far = state.edit.yaw_deg
+    opened.drag((x, y), (x + 12, y))
+    assert abs(state.edit.yaw_deg) < 1e-6
+    opened.hold(glfw.KEY_LEFT_SHIFT, glfw.MOD_SHIFT)
+    opened.window.on_mouse_move(None, x, y)
+    opened.window.on_mouse_button(None, glfw.MOUSE_BUTTON_LEFT, glfw.PRESS, glfw.MOD_SHIFT)
+    opened.window.on_mouse_move(None, x - 12, y)
+    opened.window.on_mouse_button(None, glfw.MOUSE_BUTTON_LEFT, glfw.RELEASE, glfw.MOD_SHIFT)
+    opened.frames(5)
+    opened.release(glfw.KEY_LEFT_SHIFT)
+    assert abs(state.edit.yaw_deg - 0.2 * far) < 0.01
 
 
 def test_a_soft_box_is_added_moved_and_deleted_on_the_panorama(opened):
