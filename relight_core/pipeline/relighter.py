@@ -6,11 +6,12 @@ from collections.abc import Callable, Hashable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import lru_cache, partial
 from pathlib import Path
+from weakref import WeakSet
 
 import numpy as np
 import torch
 
-from relight_core.errors import InputError
+from relight_core.errors import InputError, NoFaceError
 from relight_core.face.crop import Crop
 from relight_core.face.evidence import evidence_of_face
 from relight_core.face.find import FaceBox
@@ -122,6 +123,8 @@ class Relighter:
         self._people: tuple[FaceBox, ...] = ()
         self._faces: list[FaceRelighter] = []
         self._face_at: dict[FaceBox, FaceRelighter] = {}
+        # Searched in vain, which takes longest; a user who undoes a box by hand need not wait for that again.
+        self._deserted: WeakSet[Photo] = WeakSet()
 
     def set_portrait(self, photo: Photo, face_index: int | None = None, boxes: Sequence[FaceBox] | None = None) -> None:
         """Choose the photo to relight; finds its faces and frames them by their parsing maps.
@@ -165,7 +168,13 @@ class Relighter:
             portrait = frame(photo, found)
             return evidence_of_face(parsed(portrait.view), portrait.view, portrait.crop)
 
-        found = choose_faces(photo, None, evidence, partial(located, photo, parsed=parsed))
+        if photo in self._deserted:
+            return []
+        try:
+            found = choose_faces(photo, None, evidence, partial(located, photo, parsed=parsed))
+        except NoFaceError:
+            self._deserted.add(photo)
+            raise
         return [replace(face, doubtful=False) for face in found]
 
     def _parsed(self, photo: Photo, view: Crop, tier: Tier) -> np.ndarray:

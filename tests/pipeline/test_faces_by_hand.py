@@ -8,6 +8,8 @@ from tiny_relighter import EDIT, NETWORK_STAGES, computed, some_light, some_phot
 
 from relight_core.errors import InputError, NoFaceError
 from relight_core.face.find import FaceBox
+from relight_core.pipeline import portrait
+from relight_core.pipeline import relighter as relighter_module
 from relight_core.pipeline.face_relighter import Workshop
 from relight_core.pipeline.relighter import Relighter
 
@@ -74,3 +76,18 @@ def test_no_boxes_are_no_faces(relighter, photo):
     with pytest.raises(InputError, match="box"):
         relighter.set_portrait(photo, 0, [LARGE, FaceBox(500, 10, 600, 90)])
     assert relighter.people == (LARGE, SMALL), "the portrait before stays"
+
+
+def test_a_photo_without_faces_is_searched_once(relighter, monkeypatch, delighted):
+    nobody = some_photo(3)
+    monkeypatch.setattr(portrait, "find_faces", lambda photo: [])
+    monkeypatch.setattr(portrait, "guess_faces", lambda photo: [SMALL])
+    monkeypatch.setattr(relighter_module, "evidence_of_face", lambda labels, view, crop: 0)
+    with pytest.raises(NoFaceError, match="no face found"):
+        relighter.set_portrait(nobody)
+    assert delighted
+    relighter.set_portrait(nobody, None, [LARGE])
+    delighted.clear()
+    with pytest.raises(NoFaceError, match="no face found"):
+        relighter.set_portrait(nobody)
+    assert delighted == []
