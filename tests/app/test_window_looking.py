@@ -301,7 +301,7 @@ def test_dragging_the_lit_ball_turns_the_light_and_the_ball_follows(opened):
     around = (slice(ball[1] - 25, ball[1] + 25), slice(ball[0] - 25, ball[0] + 25))
     before = opened.window.screenshot()[around].astype(int)
     opened.drag(ball, (ball[0] + 30, ball[1]))
-    assert opened.window.state.edit.yaw_deg > 30
+    assert opened.window.state.edit.yaw_deg < -30
     turned = opened.window.screenshot()[around].astype(int)
     assert np.abs(turned - before).mean() > 5
     opened.key(glfw.KEY_L)
