@@ -5,7 +5,7 @@ from __future__ import annotations
 from imgui_bundle import imgui
 
 from app.ui import export_panel, face_edits, history_panel, quality_panel, theme, widgets
-from app.ui.groups import Tool, group
+from app.ui.groups import SPACING_EM, Tool, group, tool_button, tool_width
 from app.ui.state import EditorState
 from relight_core.lighting.light_edit import LightEdit
 from relight_core.pipeline.edit import Edit
@@ -137,12 +137,9 @@ def _faces(state: EditorState, fonts: theme.Fonts) -> None:
 
 def _faces_title(state: EditorState, fonts: theme.Fonts, count: int) -> None:
     """How many there are, and the button that shows their boxes."""
-    label, em = "Edit boxes…", imgui.get_font_size()
-    width = imgui.calc_text_size(label).x + 1.2 * em
+    tool = Tool("Edit boxes…", "Move or resize the boxes of the faces, add one that was missed.  Shift + F")
     right = imgui.get_cursor_pos_x() + imgui.get_content_region_avail().x
-    imgui.align_text_to_frame_padding()
     widgets.heading(fonts, "No face" if count == 0 else "Face" if count == 1 else f"{count} faces")
-    imgui.same_line(right - width)
-    if widgets.toggle(label, state.faces.is_open, width):
+    imgui.same_line(right - tool_width(tool) + SPACING_EM * imgui.get_font_size())
+    if tool_button(tool, state.faces.is_open):
         face_edits.switch(state)
-    imgui.set_item_tooltip("Move or resize the boxes of the faces, add one that was missed.  Shift + F")

@@ -10,7 +10,7 @@ from imgui_bundle import imgui
 from app.ui import theme, widgets
 from app.ui.state import EditorState
 
-_ARROW_EM, _HEIGHT_EM, _SPACING_EM, _GAP_EM = 0.95, 1.45, 0.3, 0.1
+_ARROW_EM, _HEIGHT_EM, SPACING_EM, _GAP_EM = 0.95, 1.45, 0.3, 0.1
 
 
 @dataclass(frozen=True)
@@ -40,7 +40,7 @@ def group(
         widgets.gap(_GAP_EM)
     corner, width = imgui.get_cursor_screen_pos(), imgui.get_content_region_avail().x
     tools = tools if is_open else ()
-    room = width - sum(_tool_width(tool) for tool in tools)
+    room = width - sum(tool_width(tool) for tool in tools)
     if imgui.invisible_button(f"group {name}", imgui.ImVec2(max(1.0, room), _HEIGHT_EM * em)):
         state.groups = replace(state.groups, **{name: not is_open})
     lit = imgui.is_item_hovered()
@@ -50,8 +50,8 @@ def group(
     _title(fonts, title, "" if is_open else summary, corner, width, is_open, lit)
     pressed = None
     for tool in tools:
-        imgui.same_line(0.0, _SPACING_EM * em)
-        if _button(tool):
+        imgui.same_line(0.0, SPACING_EM * em)
+        if tool_button(tool):
             pressed = tool.label
     return is_open, pressed
 
@@ -83,13 +83,17 @@ def _arrow(draw: imgui.ImDrawList, x: float, y: float, reach: float, is_open: bo
     )
 
 
-def _tool_width(tool: Tool) -> float:
+def tool_width(tool: Tool) -> float:
+    """Of its button, with the space before it."""
     em = imgui.get_font_size()
-    return imgui.calc_text_size(tool.label).x * 0.9 + (0.9 + _SPACING_EM) * em
+    return imgui.calc_text_size(tool.label).x * 0.9 + (0.9 + SPACING_EM) * em
 
 
-def _button(tool: Tool) -> bool:
+def tool_button(tool: Tool, down: bool = False) -> bool:
+    """The button, which looks pressed while `down`; True when it is clicked."""
     em = imgui.get_font_size()
+    if down:
+        imgui.push_style_color(imgui.Col_.button, imgui.ImVec4(*theme.PRESSED))
     imgui.push_font(None, 0.9 * theme.FONT_PX)
     imgui.push_style_var(imgui.StyleVar_.frame_padding, imgui.ImVec2(0.0, 0.12 * em))
     imgui.begin_disabled(not tool.enabled)
@@ -97,5 +101,7 @@ def _button(tool: Tool) -> bool:
     imgui.end_disabled()
     imgui.pop_style_var()
     imgui.pop_font()
+    if down:
+        imgui.pop_style_color()
     imgui.set_item_tooltip(tool.tooltip)
     return clicked
