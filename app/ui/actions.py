@@ -111,8 +111,9 @@ def parse_chord(text: str) -> Chord:
 def matching(actions: Sequence[Action], typed: str) -> list[Action]:
     """The actions the palette lists for what was typed, best first; all of them for nothing typed.
 
-    Every typed word must occur in the name, or begin a word of the group or the help; actions whose name starts
-    with the words come first, then those with all words in the name. Case does not matter.
+    Every typed word must occur in the name, or begin a word of the group or the help. Names that start with what was
+    typed come first, then those in which every typed word begins a word, then what only the help tells of or what
+    stands inside a word. Case does not matter.
     """
     words = typed.lower().split()
     ranked = []
@@ -122,6 +123,7 @@ def matching(actions: Sequence[Action], typed: str) -> list[Action]:
         name = action.name.lower()
         hints = f"{action.group} {action.help}".lower().split()
         if all(word in name or any(hint.startswith(word) for hint in hints) for word in words):
-            rank = 0 if name.startswith(" ".join(words)) else 1 if all(word in name for word in words) else 2
+            begins = all(any(part.startswith(word) for part in name.split()) for word in words)
+            rank = 0 if name.startswith(" ".join(words)) else 1 if begins else 2
             ranked.append((rank, order, action))
     return [action for _, _, action in sorted(ranked, key=lambda entry: entry[:2])]

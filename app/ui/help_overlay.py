@@ -11,6 +11,7 @@ from app.ui.state import EditorState
 
 _LEAST_COLUMN_EM, _WIDEST_COLUMN_EM = 22.0, 30.0
 _KEYS_SHARE = 0.4
+_FOOT_EM = 2.4
 
 
 def groups() -> dict[str, list[tuple[str, str]]]:
@@ -34,24 +35,36 @@ def draw(state: EditorState, fonts: theme.Fonts, window: Rect) -> None:
     imgui.set_next_window_size(imgui.ImVec2(window.width, window.height))
     imgui.set_next_window_focus()
     imgui.push_style_color(imgui.Col_.window_bg, imgui.ImVec4(*theme.SHADE))
-    imgui.begin("help", None, imgui.WindowFlags_.no_decoration | imgui.WindowFlags_.no_saved_settings)
+    flags = imgui.WindowFlags_.no_decoration | imgui.WindowFlags_.no_saved_settings
+    imgui.push_style_var(imgui.StyleVar_.window_padding, imgui.ImVec2(0.0, 0.0))
+    imgui.begin("help", None, flags)
+    imgui.pop_style_var()
     imgui.pop_style_color()
-    if imgui.is_window_hovered() and imgui.is_mouse_clicked(0):
+    if imgui.is_window_hovered(imgui.HoveredFlags_.child_windows) and imgui.is_mouse_clicked(0):
         state.look.help = False
-    room = window.width - 2 * em
+    # Scrolls in a window that is too low for all of it.
+    imgui.begin_child("keys", imgui.ImVec2(window.width, window.height - _FOOT_EM * em))
+    _keys(fonts, window.width)
+    imgui.end_child()
+    foot = "Click anywhere or press Esc to close.  Ctrl + P finds a command by its name."
+    y = window.height - (_FOOT_EM + 1.0) / 2 * em
+    imgui.set_cursor_pos(imgui.ImVec2((window.width - imgui.calc_text_size(foot).x) / 2, y))
+    imgui.text_disabled(foot)
+    imgui.end()
+
+
+def _keys(fonts: theme.Fonts, width: float) -> None:
+    em = imgui.get_font_size()
+    room = width - 2 * em
     count = max(1, min(3, int(room // (_LEAST_COLUMN_EM * em))))
     column = min(room / count, _WIDEST_COLUMN_EM * em)
-    left = (window.width - count * column) / 2
+    left = (width - count * column) / 2
     for index, part in enumerate(_columns(count)):
-        imgui.set_cursor_pos(imgui.ImVec2(left + index * column, 2.2 * em))
+        imgui.set_cursor_pos(imgui.ImVec2(left + index * column, 1.2 * em))
         imgui.begin_group()
         for title, rows in part:
             _group(fonts, title, rows, column)
         imgui.end_group()
-    foot = "Click anywhere or press Esc to close.  Ctrl + P finds a command by its name."
-    imgui.set_cursor_pos(imgui.ImVec2((window.width - imgui.calc_text_size(foot).x) / 2, window.height - 2.2 * em))
-    imgui.text_disabled(foot)
-    imgui.end()
 
 
 def _group(fonts: theme.Fonts, title: str, rows: list[tuple[str, str]], width: float) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-STATUS_EM, SCOPE_EM, TOOLBAR_EM = 2.0, 7.4, 2.1
+STATUS_EM, SCOPE_EM, TOOLBAR_EM = 2.0, 7.0, 2.1
 SIDE_EM = (13.0, 34.0)
 """Narrowest and widest a side panel can be drawn, in font heights."""
 

@@ -18,7 +18,7 @@ def draw(state: EditorState, pictures: Pictures) -> None:
     em = imgui.get_font_size()
     look = state.look
     left, room = imgui.get_cursor_screen_pos(), imgui.get_content_region_avail()
-    height = room.y - 1.35 * em
+    height = room.y - 0.95 * em
     if imgui.invisible_button("scope", imgui.ImVec2(room.x, room.y)):
         look.scope = "waveform" if look.scope == "histogram" else "histogram"
     imgui.set_item_tooltip(

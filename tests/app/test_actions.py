@@ -87,6 +87,13 @@ def test_letters_inside_a_word_of_the_help_find_nothing():
     assert matching([inside], "pict") == [inside]
 
 
+def test_what_begins_a_word_comes_before_what_stands_inside_one():
+    inside = Action("Fit the picture", "G", ("A",), "As large as it goes", print)
+    told = Action("Play", "G", ("B",), "The light turns by itself", print)
+    begins = Action("Let it turn", "G", ("C",), "Once round", print)
+    assert matching([inside, told, begins], "tur") == [begins, inside, told]
+
+
 def test_the_palette_finds_common_wishes():
     found = {typed: matching(ACTIONS, typed)[0].name for typed in ("albedo", "fit", "reset", "png", "exp")}
     assert found.pop("exp").startswith("Export")

@@ -294,7 +294,7 @@ def test_another_photo_replaces_the_first_at_once(opened, tmp_path):
 
 
 def test_a_group_folds_away_and_opens_again(opened):
-    title = (opened.width - 150, 111 + 12 + 10)
+    title = (opened.width - 150, 105 + 12 + 10)
     sliders = len(opened.knobs())
     opened.click(title)
     assert not opened.window.state.groups.effects

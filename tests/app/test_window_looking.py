@@ -36,16 +36,6 @@ def test_typing_in_the_palette_triggers_no_shortcut_and_escape_closes_it(opened)
     assert opened.window.state.shown == "albedo"
 
 
-def test_the_overview_opens_with_a_question_mark_and_a_click_closes_it(opened):
-    before = opened.window.screenshot()
-    opened.window.on_character(None, ord("?"))
-    opened.frames(2)
-    assert opened.window.state.look.help
-    assert np.abs(opened.window.screenshot().astype(int) - before).mean() > 10
-    opened.click(opened.centre())
-    assert not opened.window.state.look.help
-
-
 def test_the_panels_can_be_hidden_and_resized_and_are_remembered(display, relighter, tmp_path):
     path = tmp_path / "settings" / "settings.json"
     window = EditorWindow(lambda: relighter, size=(WIDTH, HEIGHT), settings_path=path)
