@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import sys
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
@@ -13,10 +14,11 @@ from app.engine.jobs import JobControl, Jobs
 from app.engine.snapshot import Picture
 from app.engine.sources import RelitLike
 from relight_core import __version__
-from relight_core.imaging.write import FileStyle, cut, write_bands, write_exr_layers
+from relight_core.imaging.write import Bands, FileStyle, cut, write_bands, write_exr_layers
 from relight_core.pipeline.edit import Edit
 from relight_core.pipeline.layers import LAYERS, photo_layers, shrunk_picture, shrunk_size
 
+EXPORT = "Export"
 FORMS = (".png", ".jpg", ".tif", ".exr")
 SIDES = (None, 4096, 2048, 1080)
 """Longest sides to choose from; None is the photo's own size."""
@@ -76,14 +78,21 @@ class Exporter(Jobs):
         """Queue an export."""
 
         def work(control: JobControl) -> str:
-            path = export(job)
+            path = export(job, control.step)
             return f"Saved {path}"
 
-        self.start("Export", work)
+        self.start(EXPORT, work)
 
 
-def export(job: ExportJob) -> Path:
+def _unheeded(done: int, total: int) -> None:
+    """Nobody asks how far it is."""
+
+
+def export(job: ExportJob, step: Callable[[int, int], None] = _unheeded) -> Path:
     """Write the job's file; returns its path.
+
+    Args:
+        step: told how much of the work is done, of how much; what it raises leaves no file.
 
     Raises:
         InputError: a place or kind of file that can't be written.
@@ -91,7 +100,7 @@ def export(job: ExportJob) -> Path:
     path = job.path.expanduser() if job.replaces else free_path(job.path)
     note = export_note(job.picture.light.source.title, replace(job.picture.edit, exposure_ev=job.exposure_ev))
     exif = job.picture.opened.photo.exif
-    write_relit(path, job.picture.relit, job.settings, job.exposure_ev, note, exif)
+    write_relit(path, job.picture.relit, job.settings, job.exposure_ev, note, exif, step)
     return path
 
 
@@ -102,29 +111,41 @@ def write_relit(
     exposure_ev: float,
     note: dict[str, str | float],
     exif: bytes | None = None,
+    step: Callable[[int, int], None] = _unheeded,
 ) -> None:
     """Write a relit portrait as the settings say, replacing what is there.
 
     Args:
         note: what the file says of how it was made; see `export_note`.
         exif: of the photo, for PNG and JPEG.
+        step: as of `export`.
 
     Raises:
         InputError: a place or kind of file that can't be written.
     """
     is_exr = settings.form == ".exr"
     if is_exr and (settings.layers or settings.longest_side is not None):
+        step(0, 2)
         layers = photo_layers(relit, settings.layers, settings.longest_side)
+        step(1, 2)
         write_exr_layers(path, layers, half=not settings.deep, header=note)
         return
     texts = {key: str(value) for key, value in note.items()}
     # Radiance carries no exposure; what the file says of it is enough.
     style = FileStyle(settings.bits, settings.quality, 0.0 if is_exr else exposure_ev, exif=exif, texts=texts)
     if relit.full is not None and shrunk_size(relit.full.size, settings.longest_side) == relit.full.size:
-        write_bands(path, relit.full.size, relit.full.in_bands(wide=is_exr), relit.full.has_alpha, style)
+        rows = _counted(relit.full.in_bands(wide=is_exr), relit.full.size[0], step)
+        write_bands(path, relit.full.size, rows, relit.full.has_alpha, style)
         return
     image, alpha = shrunk_picture(relit, settings.longest_side)
     write_bands(path, image.shape[:2], cut(image, alpha), alpha is not None, style)
+
+
+def _counted(bands: Bands, height: int, step: Callable[[int, int], None]) -> Bands:
+    """The same bands of rows, of which each is told before the next is asked for."""
+    for rows, image, alpha in bands:
+        step(rows.start, height)
+        yield rows, image, alpha
 
 
 def export_note(light: str, edit: Edit) -> dict[str, str | float]:

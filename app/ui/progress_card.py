@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from imgui_bundle import imgui
 
+from app.engine.exporting import EXPORT
 from app.engine.jobs import JobStatus
 from app.ui import theme
 from app.ui.layout import Rect
@@ -11,12 +12,13 @@ from app.ui.state import EditorState
 
 TURN_DEG_PER_S = 40.0
 _LONGEST_STEP_S = 0.1
+_WORTH_A_CARD_S = 0.5
 
 
 def draw(state: EditorState, viewport: Rect) -> None:
-    """The card at the foot of the viewport, while a job of several steps runs."""
+    """The card at the foot of the viewport, while a job runs that takes its time."""
     job = state.job
-    if job is None or (not job.total and job.name == "Export"):
+    if job is None or not _takes_time(job):
         return
     em = imgui.get_font_size()
     width = min(26 * em, viewport.width - 2 * em)
@@ -40,6 +42,11 @@ def draw(state: EditorState, viewport: Rect) -> None:
     imgui.pop_style_color()
 
 
+def _takes_time(job: JobStatus) -> bool:
+    """An export is mostly done at once; a card that comes and goes would only startle."""
+    return job.name != EXPORT or job.cancelling or (job.left_s is not None and job.left_s > _WORTH_A_CARD_S)
+
+
 def words(job: JobStatus) -> str:
     """ "Turntable   34 of 120, about 12 s left"."""
     if job.cancelling:
@@ -47,7 +54,8 @@ def words(job: JobStatus) -> str:
     if not job.total:
         return f"{job.name}   getting ready…"
     left = "" if job.left_s is None else f", about {duration(job.left_s)} left"
-    return f"{job.name}   {job.done} of {job.total}{left}"
+    done = f"{100 * job.share:.0f} %" if job.name == EXPORT else f"{job.done} of {job.total}"
+    return f"{job.name}   {done}{left}"
 
 
 def duration(seconds: float) -> str:

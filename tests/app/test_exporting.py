@@ -5,9 +5,12 @@ from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
+import pytest
 from PIL import Image
 
-from app.engine.exporting import ExportJob, default_export_path, export, free_path
+from app.engine.exporting import ExportJob, ExportSettings, default_export_path, export, free_path
+from app.engine.jobs import Cancelled, JobStatus
+from app.ui import progress_card
 from relight_core.imaging.write import cut
 from relight_core.pipeline.edit import Edit
 
@@ -37,12 +40,42 @@ def test_exports_of_an_installed_photo_lie_in_the_current_folder(tmp_path, monke
     assert default_export_path(tmp_path / "gone" / "me.png") == tmp_path / "me-relit.png"
 
 
-def test_an_export_has_the_photo_s_size_though_a_preview_is_in_force(tmp_path):
-    large, small = np.full((40, 60, 3), 0.5, np.float32), np.full((20, 30, 3), 0.5, np.float32)
-    full = SimpleNamespace(in_bands=lambda wide: cut(large, None), has_alpha=False, size=(40, 60))
+@pytest.fixture
+def picture():
+    """One that was made small for the screen; the whole of it is 200 rows high."""
+    large, small = np.full((200, 60, 3), 0.5, np.float32), np.full((20, 6, 3), 0.5, np.float32)
+    full = SimpleNamespace(in_bands=lambda wide: cut(large, None), has_alpha=False, size=(200, 60))
     relit = SimpleNamespace(image=small, alpha=None, channels={}, full=full)
     opened = SimpleNamespace(photo=SimpleNamespace(linear=large, exif=None))
     light = SimpleNamespace(source=SimpleNamespace(title="Ring"))
-    picture = SimpleNamespace(relit=relit, opened=opened, light=light, edit=Edit())
+    return SimpleNamespace(relit=relit, opened=opened, light=light, edit=Edit())
+
+
+def test_an_export_has_the_photo_s_size_though_a_preview_is_in_force(picture, tmp_path):
     written = export(ExportJob(picture, 0.0, tmp_path / "out.png"))
-    assert Image.open(written).size == (60, 40)
+    assert Image.open(written).size == (60, 200)
+
+
+@pytest.mark.parametrize("form", [".png", ".jpg", ".tif"])
+def test_an_export_says_how_far_it_is_and_one_that_is_cancelled_leaves_nothing(picture, tmp_path, form):
+    def step(done, total):
+        told.append((done, total))
+        if (done, total) == cancel_at:
+            raise Cancelled
+
+    told, cancel_at = [], None
+    job = ExportJob(picture, 0.0, tmp_path / f"out{form}", ExportSettings(form))
+    export(job, step)
+    assert told == [(0, 200), (64, 200), (128, 200), (192, 200)]
+    cancel_at = (128, 200)
+    with pytest.raises(Cancelled):
+        export(job, step)
+    assert [path.name for path in tmp_path.iterdir()] == [f"out{form}"]
+
+
+def test_a_card_is_shown_for_an_export_only_where_it_takes_its_time():
+    quick, long = JobStatus("Export", 150, 200, 0.1), JobStatus("Export", 50, 200, 4.0)
+    assert not progress_card._takes_time(quick)
+    assert progress_card._takes_time(long)
+    assert progress_card.words(long) == "Export   25 %, about 4 s left"
+    assert progress_card._takes_time(JobStatus("Turntable"))
