@@ -10,6 +10,9 @@ from relight_core.face.find import FaceBox
 _LARGEST_SHARE = 2.0
 """A box may be this many times as large as the photo's longer side: faces may fill a photo and reach beyond it."""
 
+_ON_THE_PHOTO = 0.25
+"""At least this share of a box's width, and of its height, lies on the photo: its edge may cut through a face."""
+
 _MIDDLE = 0.5
 """This share of a box can always be taken to move it, however small it is on the screen."""
 
@@ -59,17 +62,17 @@ def dragged(
 ) -> tuple[FaceBox, ...]:
     """The boxes after the mouse has moved to a point while it holds one.
 
-    Boxes keep their proportions and how the head leans; a new one is square and upright. Their middles stay on the
+    Boxes keep their proportions and how the head leans; a new one is square and upright. A quarter of each stays on the
     photo.
 
     Args:
         boxes: as they were when the mouse took hold.
         size: of the photo, height and width.
-        least_px: no box becomes smaller; a new one that would be is none yet.
+        least_px: no box becomes smaller; a new one that would be, or would lie beside the photo, is none yet.
     """
     if held.kind == "draw":
         box = _drawn((held.x, held.y), at, size)
-        return boxes if box.width < least_px else (*boxes, _kept_on(box, size))
+        return boxes if box.width < least_px or _kept_on(box, size) != box else (*boxes, box)
     if held.kind == "move":
         box = _about(held.box, (at[0] + held.x, at[1] + held.y))
     else:
@@ -102,8 +105,7 @@ def _side(along: float, half: float, reach_px: float) -> int:
 
 
 def _drawn(start: Point, at: Point, size: tuple[int, int]) -> FaceBox:
-    height, width = size
-    x, y = min(max(start[0], 0.0), float(width)), min(max(start[1], 0.0), float(height))
+    x, y = start
     across, down = at[0] - x, at[1] - y
     side = min(max(abs(across), abs(down)), _LARGEST_SHARE * max(size))
     x1, y1 = x + math.copysign(side, across), y + math.copysign(side, down)
@@ -129,9 +131,11 @@ def _resized(held: FaceGrab, at: Point, size: tuple[int, int], least_px: float) 
 
 
 def _kept_on(box: FaceBox, size: tuple[int, int]) -> FaceBox:
-    """The box moved so far that its middle lies on the photo."""
+    """The box moved so far that enough of it lies on the photo."""
     (x, y), (height, width) = _centre(box), size
-    return _about(box, (min(max(x, 0.0), float(width)), min(max(y, 0.0), float(height))))
+    beyond_x, beyond_y = ((0.5 - _ON_THE_PHOTO) * side for side in (box.width, box.height))
+    inside = min(max(x, -beyond_x), width + beyond_x), min(max(y, -beyond_y), height + beyond_y)
+    return box if inside == (x, y) else _about(box, inside)
 
 
 def _about(box: FaceBox, centre: Point) -> FaceBox:

@@ -89,11 +89,17 @@ def test_a_click_draws_nothing():
 
 
 @pytest.mark.parametrize("end", [(-5000, 150), (5000, 5000), (150, -900)])
-def test_the_middle_of_a_box_stays_on_the_photo(end):
-    for start in ((150, 150), (300, 240), (200, 200)):
-        for box in after((LEFT,), start, end):
-            assert 0 <= (box.x0 + box.x1) / 2 <= 800
-            assert 0 <= (box.y0 + box.y1) / 2 <= 600
+def test_a_quarter_of_a_box_stays_on_the_photo(end):
+    for start in ((150, 150), (200, 200)):
+        (box,) = after((LEFT,), start, end)
+        assert min(box.x1, 800) - max(box.x0, 0) >= 0.25 * box.width - 1e-6
+        assert min(box.y1, 600) - max(box.y0, 0) >= 0.25 * box.height - 1e-6
+
+
+def test_a_new_box_may_begin_beside_the_photo_where_that_cuts_a_face():
+    assert after((), (-60, 100), (60, 220)) == (FaceBox(-60, 100, 60, 220),)
+    assert after((), (-60, 100), (-20, 140)) == (), "nothing of it is on the photo"
+    assert after((), (5, 5), (-90, -90)) == ()
 
 
 def test_a_leaning_box_is_grabbed_where_the_networks_see_its_edges():
