@@ -61,21 +61,16 @@ def test_a_question_that_typing_led_to_is_seen_before_the_window_sleeps(opened, 
     assert state.look.covered > 0, "the card has been drawn"
 
 
-def test_what_is_typed_quickly_is_not_held_up_by_a_frame_for_each_key(opened, rests, monkeypatch):
-    monkeypatch.setattr(opened.window._deeds._dialogs, "_has_native", False)
-    opened.key(glfw.KEY_E, ctrl=True)
-
-    def type_all():
-        for letter in "portrait":
-            opened.window.on_key(None, ord(letter.upper()), 0, glfw.PRESS, 0)
-            opened.window.on_character(None, ord(letter))
-            opened.window.on_key(None, ord(letter.upper()), 0, glfw.RELEASE, 0)
-
-    def look():
-        found.append(opened.window.state.picking.text)
-        opened.window.state.picking = None
-
-    found = []
-    rests.happens[3], rests.happens[4] = type_all, look
-    opened.window.run()
-    assert found == ["portrait"]
+def test_the_window_does_not_rest_while_keys_wait_to_be_told(opened, rests):
+    window = opened.window
+    for action in (glfw.PRESS, glfw.RELEASE) * 3:
+        window.on_key(None, glfw.KEY_W, 0, action, 0)
+    opened.frames(1)
+    assert window._graphics.binding.has_more(), "a frame takes in one event of a key"
+    while window._graphics.binding.has_more():
+        window._wait()
+        opened.frames(1)
+    assert rests.waits == []
+    assert window.state.look.compare == "wipe"
+    window._wait()
+    assert rests.waits == ["ticking"]
