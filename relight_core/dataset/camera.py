@@ -32,15 +32,25 @@ def photograph(
     Returns:
         (S, S, 3) float32 sRGB in [0, 1].
     """
-    gain = _white_balance(light, rng) * _exposure_gain(radiance, covered, white_level, rng)
+    gain = camera_gain(radiance, covered, light, white_level, rng)
     coverage = covered.astype(np.float32)[..., None]
     background = behind(_background(len(radiance), pool, rng), neighbour, gain)
     image = radiance * gain * coverage + background * (1 - coverage)
     if hidden is not None:
         image = np.where(hidden[..., None], _background(len(image), pool, rng) * 0.5, image)
-    image = _lens(image, rng)
-    image = _sensor(image, rng)
-    return _develop(image, rng)
+    return taken(image, rng)
+
+
+def camera_gain(
+    radiance: np.ndarray, covered: np.ndarray, light: np.ndarray, white_level: float, rng: np.random.Generator
+) -> np.ndarray:
+    """White balance times exposure, (3,): what a camera multiplies radiance by; arguments as of `photograph`."""
+    return _white_balance(light, rng) * _exposure_gain(radiance, covered, white_level, rng)
+
+
+def taken(image: np.ndarray, rng: np.random.Generator) -> np.ndarray:
+    """What lens, sensor and development make of an exposed picture: linear (S, S, 3) to sRGB in [0, 1]."""
+    return _develop(_sensor(_lens(image, rng), rng), rng)
 
 
 def _white_balance(light: np.ndarray, rng: np.random.Generator) -> np.ndarray:

@@ -124,7 +124,7 @@ class SampleStream(IterableDataset):
     def _light(self, path: Path, library: LightLibrary, pool: TexturePool, rng: np.random.Generator) -> LitHead:
         head = read_shard(path)
         head = subsample(head, head.size // self.size, rng)
-        normal = head.normal if self.plain else _textured(head, pool, rng)
+        normal = head.normal if self.plain else textured(head, pool, rng)
         lights = np.stack([sample_light(library, rng) for _ in range(self.lights_per_head)])
         lit = light_head(head, normal, lights)
         if self.photographs:
@@ -198,7 +198,7 @@ def _radiance(lit: LitHead, albedo: np.ndarray, k: int) -> np.ndarray:
     return lit.head.scatter(lit.appearance.radiance(lit.head, albedo, lit.own, k))
 
 
-def _textured(head: BakedHead, pool: TexturePool, rng: np.random.Generator) -> np.ndarray:
+def textured(head: BakedHead, pool: TexturePool, rng: np.random.Generator) -> np.ndarray:
     """Normals (P, 3) with pores in the skin and threads and small folds in what is worn."""
     normal = add_relief(head, head.normal, pool.noise(rng), rng.uniform(0, 0.2))
     if rng.random() < 0.4:

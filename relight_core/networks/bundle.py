@@ -1,6 +1,7 @@
 """The networks as one file of weights: safetensors, with their configuration in its header.
 
-De-lighting, and SS and composition in one width or two: a wide pair, and a narrow one that was taught by it.
+De-lighting; SS and composition in one width or two, a wide pair and a narrow one that was taught by it; and the
+person network, where there is one.
 """
 
 from __future__ import annotations
@@ -23,6 +24,7 @@ from relight_core.networks.blocks import fold_normalisation, round_convolutions
 from relight_core.networks.composition import CompositionConfig, CompositionNetwork
 from relight_core.networks.delight import DelightConfig, DelightNetwork
 from relight_core.networks.pair import PairConfig, PairName, RelightingPair, Relights
+from relight_core.networks.person import PersonConfig, PersonNetwork
 from relight_core.networks.specular_shadow import SpecularShadowConfig, SpecularShadowNetwork
 
 FORMAT = "relight-networks-1"
@@ -37,12 +39,14 @@ class BundleConfig:
 
     Attributes:
         narrow: of the narrow pair; None where there is none.
+        person: of the person network; None where there is none.
     """
 
     delight: DelightConfig = field(default_factory=DelightConfig)
     specular_shadow: SpecularShadowConfig = field(default_factory=SpecularShadowConfig)
     composition: CompositionConfig = field(default_factory=CompositionConfig)
     narrow: PairConfig | None = None
+    person: PersonConfig | None = None
 
     @classmethod
     def tiny(cls) -> BundleConfig:
@@ -53,12 +57,13 @@ class BundleConfig:
     def from_json(cls, text: str) -> BundleConfig:
         """Inverse of `to_json`; raises KeyError or TypeError for anything else."""
         parts = json.loads(text)
-        wide, narrow = PairConfig.from_parts(parts), parts.get("narrow")
+        wide, narrow, person = PairConfig.from_parts(parts), parts.get("narrow"), parts.get("person")
         return cls(
             DelightConfig(**parts["delight"]),
             wide.specular_shadow,
             wide.composition,
             PairConfig.from_parts(narrow) if narrow is not None else None,
+            PersonConfig(**person) if person is not None else None,
         )
 
     @property
@@ -72,10 +77,11 @@ class BundleConfig:
 
 
 class NetworkBundle(nn.Module):
-    """De-lighting, SS and composition networks together.
+    """All networks together.
 
     Attributes:
         narrow: a second pair of SS and composition, quicker than the first; None where there is none.
+        person: None where there is none.
         card: free text entries saved beside the weights (data, steps, scores).
     """
 
@@ -86,6 +92,7 @@ class NetworkBundle(nn.Module):
         self.specular_shadow = SpecularShadowNetwork(self.config.specular_shadow)
         self.composition = CompositionNetwork(self.config.composition)
         self.narrow = RelightingPair(self.config.narrow) if self.config.narrow else None
+        self.person = PersonNetwork(self.config.person) if self.config.person else None
         self.card: dict[str, str] = {}
         self._rounded: list[NetworkBundle] = []
 
@@ -131,6 +138,15 @@ def with_narrow_pair(bundle: NetworkBundle, narrow: RelightingPair) -> NetworkBu
     kept = {name: value for name, value in bundle.state_dict().items() if not name.startswith("narrow.")}
     joined.load_state_dict(kept | {f"narrow.{name}": value for name, value in narrow.state_dict().items()})
     joined.card = bundle.card | {"widths": f"wide: {bundle.config.wide}; narrow: {narrow.config}"}
+    return joined
+
+
+def with_person_network(bundle: NetworkBundle, person: PersonNetwork) -> NetworkBundle:
+    """The same networks with another person network, or their first."""
+    joined = NetworkBundle(dataclasses.replace(bundle.config, person=person.config))
+    kept = {name: value for name, value in bundle.state_dict().items() if not name.startswith("person.")}
+    joined.load_state_dict(kept | {f"person.{name}": value for name, value in person.state_dict().items()})
+    joined.card = dict(bundle.card)
     return joined
 
 

@@ -12,10 +12,19 @@ from pathlib import Path
 import torch
 from torch.utils.data import DataLoader
 
+from relight_core.dataset.outlines import OutlineStream
 from relight_core.dataset.stream import SampleStream
 from relight_core.errors import InputError
 from relight_core.lighting.reflection import ReflectionTable
-from relight_core.networks.bundle import BundleConfig, NetworkBundle, load_bundle, with_detail_pass, with_narrow_width
+from relight_core.networks.bundle import (
+    BundleConfig,
+    NetworkBundle,
+    load_bundle,
+    with_detail_pass,
+    with_narrow_width,
+    with_person_network,
+)
+from relight_core.networks.person import PersonConfig, PersonNetwork
 from relight_core.training.distillation import Teacher
 from relight_core.training.kept_batches import kept_batches
 from relight_core.training.loop import Budget, train_stage
@@ -81,6 +90,8 @@ def train(run: Run, report) -> NetworkBundle:
         bundle = with_detail_pass(bundle, run.detail_width)
     if stage.distilled:
         bundle = with_narrow_width(bundle, _narrow_width(run, bundle))
+    if stage.outlines and bundle.person is None:
+        bundle = with_person_network(bundle, PersonNetwork(run.config.person or PersonConfig()))
     budget = Budget(
         run.learning_rate or stage.learning_rate,
         minutes=run.minutes,
@@ -138,11 +149,19 @@ def training_batches(run: Run, stage: Stage, first_batch: int) -> Iterator[dict[
     """Batches of a stage's samples from the `first_batch` on, as a run takes them."""
     if run.kept is not None:
         return shared_batches(run, first_batch)
+    if stage.outlines:
+        return _loaded(run, OutlineStream, first_batch)
     return _stream(run, first_batch, photographs=stage.photographs, relief_shadow=stage.relief_shadow)
 
 
 def _stream(run: Run, first_batch: int, **contents: bool) -> Iterator[dict[str, torch.Tensor]]:
-    stream = SampleStream(
+    return _loaded(run, SampleStream, first_batch, **contents)
+
+
+def _loaded(
+    run: Run, kind: type[SampleStream], first_batch: int, **contents: bool
+) -> Iterator[dict[str, torch.Tensor]]:
+    stream = kind(
         run.heads, run.lights, "train", run.size, run.seed, first_batch=first_batch, pairs=run.pairs, **contents
     )
     loader = DataLoader(

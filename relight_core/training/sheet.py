@@ -33,6 +33,8 @@ def draw_samples(bundle: NetworkBundle, table: ReflectionTable, batch: dict[str,
         batch: pairs from `dataset.stream.SampleStream`.
         path: a .png, written whole or not at all.
     """
+    if "person" in batch:
+        return _draw_outlines(bundle, batch, path)
     taught = "reflected" in batch
     flattened = (under_some_lights if taught else flatten_pairs)({name: value.cpu() for name, value in batch.items()})
     flat = {
@@ -42,6 +44,13 @@ def draw_samples(bundle: NetworkBundle, table: ReflectionTable, batch: dict[str,
     columns = _taken_apart(bundle, flat) + _put_together(pair, table, flat)
     rows = [np.hstack([column[row] for column in columns]) for row in range(len(columns[0]))]
     write_image(path, srgb_decode(np.vstack(rows)))
+
+
+def _draw_outlines(bundle: NetworkBundle, batch: dict[str, torch.Tensor], path: Path) -> None:
+    few = {name: value[:_ROWS].cpu().float() for name, value in batch.items()}
+    likely = torch.sigmoid(bundle.person(few["photo_srgb"], few["inside"], few["face"]))
+    columns = [_images(values.expand(-1, 3, -1, -1)) for values in (few["photo_srgb"], likely, few["person"])]
+    write_image(path, srgb_decode(np.vstack([np.hstack(row) for row in zip(*columns, strict=True)])))
 
 
 def _taken_apart(bundle: NetworkBundle, flat: dict[str, torch.Tensor]) -> list[list[np.ndarray]]:

@@ -19,6 +19,7 @@ from relight_core.networks.bundle import NetworkBundle
 from relight_core.networks.delight import Delit
 from relight_core.training.delight_step import delight_losses
 from relight_core.training.distillation import distillation_losses
+from relight_core.training.outline_step import outline_losses
 from relight_core.training.predicted import on_predicted_surface
 from relight_core.training.relight_steps import (
     as_smooth_as_predicted,
@@ -41,6 +42,7 @@ class Stage:
         photographs, relief_shadow: what its samples need (see `dataset.samples.SampleStream`).
         learning_rate: the peak of its schedule.
         distilled: its batches are what the wide pair of networks says (see `training.distillation`).
+        outlines: its samples are photos with outlines (see `dataset.outlines`).
     """
 
     trains: tuple[str, ...]
@@ -49,6 +51,7 @@ class Stage:
     relief_shadow: bool
     learning_rate: float
     distilled: bool = False
+    outlines: bool = False
 
 
 def _warm_delight(bundle: NetworkBundle, table: ReflectionTable, batch: Batch) -> Losses:
@@ -110,6 +113,10 @@ def _tune_on_predictions(bundle: NetworkBundle, table: ReflectionTable, batch: B
     return _relit_from_photo(bundle, table, batch, found)
 
 
+def _outline(bundle: NetworkBundle, table: ReflectionTable, batch: Batch) -> Losses:
+    return outline_losses(bundle.person, batch)
+
+
 STAGES = {
     "warm-delight": Stage(("delight",), _warm_delight, True, False, 1.5e-3),
     "warm-specular-shadow": Stage(("specular_shadow",), _warm_specular_shadow, False, True, 2e-3),
@@ -119,6 +126,7 @@ STAGES = {
     "tune-relight": Stage(("specular_shadow", "composition"), _tune_relight, True, False, 1e-3),
     "tune-on-predictions": Stage(("specular_shadow", "composition"), _tune_on_predictions, True, True, 2e-4),
     "distil-relight": Stage(("narrow",), distillation_losses, True, False, 1e-3, distilled=True),
+    "outline": Stage(("person",), _outline, True, False, 1.5e-3, outlines=True),
 }
 """By name, in the order they are run. "warm-relight" does the second and third warm-up in one pass over
 the data, which is what a CPU has time for; "tune-on-predictions" is the paper's form of "tune-relight"."""

@@ -1,0 +1,56 @@
+"""The part of a photo in which the person network looks for the person whose face has been found."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from relight_core.face.crop import Crop
+
+FACE_SHARE = 196 / 256
+"""Of the paper's crop, with its 30 pixels of padding at 256 (section 3.2)."""
+
+_FACES_ACROSS = 3.4
+_FACES_DOWN = 0.35
+
+
+def person_view(crop: Crop, photo_size: tuple[float, float]) -> Crop:
+    """The view about the crop of a face (paper, section 3.2): 3.4 faces wide, or as wide as the photo is.
+
+    Shoulders are wider than hair is high, so its middle lies below the face's. It is turned as the crop is; one
+    that isn't turned is moved to stay within the photo as far as it can.
+
+    Args:
+        photo_size: (height, width).
+    """
+    height, width = photo_size
+    face = crop.side * FACE_SHARE
+    side = max(min(_FACES_ACROSS * face, max(photo_size)), face)
+    turn, down = np.radians(crop.roll_deg), _FACES_DOWN * face
+    # Down in a turned crop is partly aside in the photo.
+    x, y = crop.centre_x + down * np.sin(turn), crop.centre_y + down * np.cos(turn)
+    if crop.roll_deg == 0:
+        x, y = _kept_within(x, side, width), _kept_within(y, side, height)
+    return Crop(x, y, side, crop.roll_deg)
+
+
+def _kept_within(middle: float, side: float, length: float) -> float:
+    return min(max(middle, side / 2), length - side / 2) if side < length else length / 2
+
+
+def inside_photo(view: Crop, photo_size: tuple[float, float], size: int) -> np.ndarray:
+    """(size, size) float32: 1 where a pixel of a view lies within a photo of (height, width)."""
+    height, width = photo_size
+    at = view.to_photo(_pixel_middles(size), size)
+    return ((at >= 0) & (at < [width, height])).all(-1).astype(np.float32)
+
+
+def face_in_view(view: Crop, crop: Crop, size: int) -> np.ndarray:
+    """(size, size) float32: 1 in the square of the face that is meant, which lies in the middle of its crop."""
+    at = crop.from_photo(view.to_photo(_pixel_middles(size), size), 1)
+    return (np.abs(at - 0.5) < FACE_SHARE / 2).all(-1).astype(np.float32)
+
+
+def _pixel_middles(size: int) -> np.ndarray:
+    """(size, size, 2): x, y."""
+    axis = np.arange(size) + 0.5
+    return np.stack(np.meshgrid(axis, axis), -1)
