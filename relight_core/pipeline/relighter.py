@@ -297,13 +297,8 @@ class Relighter:
 
     def _matte(self) -> Matte:
         """The people in the photo; from one tier for all, so that it depends on no history."""
-        masks = []
-        for face in self._faces:
-            # Not the solid person: gaps between hair and shoulders are background, which relief and shadow bridge.
-            parsing = face.prepare(tier_of("live")).found.parsing[0].cpu().numpy()
-            masks.append((person_with_headwear(parsing), face.portrait.view))
         photo = self._faces[0].portrait.photo
-        return make_matte(photo.linear, masks, photo.alpha, self._small().linear)
+        return make_matte(photo.linear, [face.mask() for face in self._faces], photo.alpha, self._small().linear)
 
     def _small(self) -> Canvas:
         """The photo no longer than WORKING_PX, from which smaller copies are made."""

@@ -10,7 +10,8 @@ import pytest
 import torch
 
 from relight_core.errors import InputError
-from relight_core.networks.bundle import BundleConfig, NetworkBundle, load_bundle
+from relight_core.networks.bundle import BundleConfig, NetworkBundle, load_bundle, with_person_network
+from relight_core.networks.person import PersonConfig, PersonNetwork
 from relight_core.training.curves import draw_curves
 from relight_core.training.loop import Budget, TrainingDiverged, train_stage
 from relight_core.training.stages import STAGES
@@ -71,7 +72,7 @@ def quiet(elapsed, progress):
     pass
 
 
-@pytest.mark.parametrize("name", [name for name, stage in STAGES.items() if not stage.distilled])
+@pytest.mark.parametrize("name", [name for name, stage in STAGES.items() if not (stage.distilled or stage.outlines)])
 def test_ten_steps_on_one_batch_lower_the_loss(name, tmp_path):
     totals = []
     batch = some_batch()
@@ -245,3 +246,23 @@ def test_curves_of_nothing(tmp_path):
         with pytest.raises(InputError, match="log"):
             draw_curves(log, tmp_path / "curves.png")
     assert not (tmp_path / "curves.png").exists()
+
+
+def test_the_person_network_learns_and_the_others_stay(tmp_path):
+    bundle = with_person_network(NetworkBundle(BundleConfig.tiny()), PersonNetwork(PersonConfig(4, 3, 8)))
+    person = torch.zeros(2, 1, SIZE, SIZE)
+    person[..., 4:12, 4:12] = 1
+    batch = {
+        "photo_srgb": (person + torch.rand(2, 3, SIZE, SIZE)) / 2,
+        "inside": torch.ones(2, 1, SIZE, SIZE),
+        "face": torch.nn.functional.pad(torch.ones(2, 1, 4, 4), (6, 6, 6, 6)),
+        "person": person,
+    }
+    before = {name: value.clone() for name, value in bundle.state_dict().items()}
+    totals = []
+    stage = recorded(STAGES["outline"], totals)
+    run(stage, itertools.repeat(batch), budget(40), tmp_path / "w.safetensors", bundle)
+    assert totals[-1] < 0.7 * totals[0]
+    for name, value in bundle.state_dict().items():
+        assert name.startswith("person.") or torch.equal(value.cpu(), before[name])
+    assert (tmp_path / "w.samples.png").exists()
