@@ -117,9 +117,7 @@ def place(
     return _with_body(placed, int(shift[1] + scale * cutout.bust_row), face_px, pool, rng)
 
 
-def _with_body(
-    placed: np.ndarray, row: int, face_px: float, pool: TexturePool, rng: np.random.Generator
-) -> np.ndarray:
+def _with_body(placed: np.ndarray, row: int, face_px: float, pool: TexturePool, rng: np.random.Generator) -> np.ndarray:
     """A trunk and arms below the row at which a bust ends, of its own stuff or another."""
     size = len(placed)
     if not 0 < row < size:
