@@ -37,6 +37,7 @@ from relight_core.pipeline.hard_shadow import harden_shadow, horizon_of
 from relight_core.pipeline.hints import Effects
 from relight_core.pipeline.kept_lights import ServingLight
 from relight_core.pipeline.model import light_surface
+from relight_core.pipeline.outline import Outline, outline_person, parsing_within
 from relight_core.pipeline.plan import Plan
 from relight_core.pipeline.portrait import Portrait
 from relight_core.pipeline.quality import Tier
@@ -116,8 +117,23 @@ class FaceRelighter:
         photo_view = self._once("view", tier.size, lambda: portrait.view.extract(portrait.photo.linear, tier.size))
         small = (tier.network_size, tier.network_size)
         photo_small = self._once("network_view", (tier.size, tier.network_size), lambda: resize_area(photo_view, small))
-        found = self._once("delight", tier.surface_key, lambda: self._shop.delight(photo_view, tier))
+        found = self._once("delight", tier.surface_key, lambda: self._within_outline(photo_view, tier))
         return Prepared(portrait, tier, found, found, photo_view, photo_small)
+
+    def _within_outline(self, photo_view: np.ndarray, tier: Tier) -> stages.Surface:
+        found, outline = self._shop.delight(photo_view, tier), self.outline()
+        if outline is None:
+            return found
+        return stages.reparsed(found, parsing_within(found.parsing, outline, self.portrait.view))
+
+    def outline(self) -> Outline | None:
+        """The person as the person network sees them; None where there is no such network."""
+        bundle, portrait = self._shop.bundle, self.portrait
+        if bundle.person is None:
+            return None
+        return self._once(
+            "outline", "photo", lambda: outline_person(bundle, portrait.photo, portrait.crop, self._shop.device)
+        )
 
     def flattened(self, ready: Prepared) -> Prepared:
         """The same with its albedo flattened (see `pipeline.albedo`)."""

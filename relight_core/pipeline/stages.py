@@ -119,11 +119,19 @@ def delight(
     linear = _as_tensor(resize_area(photo, (size, size)), device)
     normal, relief = _without_rim(normal), _without_rim(relief)
     albedo = mend_blown(clipped, albedo, parsing)
-    parts_seen = parsing[0].cpu().numpy()
-    balls = with_eyeballs(unit_normals(normal)[0].cpu().numpy(), parts_seen)
+    balls = with_eyeballs(unit_normals(normal)[0].cpu().numpy(), parsing[0].cpu().numpy())
     normal = torch.from_numpy(balls)[None].to(device)
-    person = torch.from_numpy(solid_person(parts_seen))[None, None].to(device)
-    return Surface(linear, albedo, normal, height_of(relief, photo.shape[0]), parsing, person, light)
+    height = height_of(relief, photo.shape[0])
+    return Surface(linear, albedo, normal, height, parsing, _solid(parsing), light)
+
+
+def reparsed(surface: Surface, parsing: torch.Tensor) -> Surface:
+    """The same surface with another parsing, (1, classes, S, S) probabilities."""
+    return replace(surface, parsing=parsing, person=_solid(parsing))
+
+
+def _solid(parsing: torch.Tensor) -> torch.Tensor:
+    return torch.from_numpy(solid_person(parsing[0].cpu().numpy()))[None, None].to(parsing.device)
 
 
 def _found_in(network: DelightNetwork, views_srgb: torch.Tensor, size: int) -> DelitSmall:
