@@ -2,13 +2,13 @@
 
 relight train --recipe shipped --heads DIR --lights FILE -o FOLDER
 relight train --stage STAGE --minutes M --heads DIR --lights FILE -o WEIGHTS.safetensors
-relight train --join NARROW.safetensors --start WEIGHTS.safetensors -o BOTH.safetensors
+relight train --join OTHER.safetensors --start WEIGHTS.safetensors -o BOTH.safetensors
 
 A run that was stopped goes on where it was when it is given again. A recipe is a TOML file, or the name of
 one that comes with relight. The stages, in their order: warm-delight, warm-relight (or
 warm-specular-shadow and warm-composition, one after the other), tune-delight, tune-relight, distil-relight.
-Each goes on from the weights that --start names. The last teaches a narrow pair of relighting networks, which
---join puts beside the other networks of another file. A log of the losses and a picture of their curves are
+Each goes on from the weights that --start names. The last teaches a narrow pair of relighting networks; the stage
+"outline", beside these, the person network. --join puts both beside the other networks of another file. A log of the losses and a picture of their curves are
 written beside the weights; a checkpoint every two minutes.
 """
 
@@ -39,7 +39,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     what.add_argument("--recipe", metavar="RECIPE", help="a .toml file, or the name of a bundled recipe")
     what.add_argument("--stage", metavar="STAGE", help="one of those above")
     what.add_argument(
-        "--join", metavar="NARROW", type=Path, help="weights whose narrow pair goes into those of --start"
+        "--join", metavar="OTHER", type=Path, help="weights whose narrow pair and person network go into --start's"
     )
     add_heads_and_lights(parser, required=False)
     parser.add_argument("--start", metavar="WEIGHTS", type=Path, help="weights to go on from; random ones without")
@@ -70,15 +70,22 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _join(arguments: argparse.Namespace) -> int:
-    from relight_core.networks.bundle import load_bundle, save_bundle, with_narrow_pair
+    from relight_core.networks.bundle import load_bundle, save_bundle, with_narrow_pair, with_person_network
 
     if arguments.start is None:
-        raise InputError("give --start: the weights that the narrow pair goes into")
+        raise InputError("give --start: the weights that the other networks go into")
     check_output_file(arguments.output, (".safetensors",))
-    narrow = load_bundle(arguments.join).narrow
-    if narrow is None:
-        raise InputError(f"{arguments.join}: has no narrow pair; train one with: relight train --stage distil-relight")
-    save_bundle(arguments.output, with_narrow_pair(load_bundle(arguments.start), narrow))
+    other, joined = load_bundle(arguments.join), load_bundle(arguments.start)
+    if other.narrow is None and other.person is None:
+        raise InputError(
+            f"{arguments.join}: has neither a narrow pair nor a person network; "
+            "train them with: relight train --stage distil-relight, and --stage outline"
+        )
+    if other.narrow is not None:
+        joined = with_narrow_pair(joined, other.narrow)
+    if other.person is not None:
+        joined = with_person_network(joined, other.person)
+    save_bundle(arguments.output, joined)
     print(f"wrote {arguments.output}", flush=True)
     return 0
 

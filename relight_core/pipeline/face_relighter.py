@@ -8,6 +8,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 import torch
 
+from relight_core.face.crop import Crop
+from relight_core.face.parsing import INDEX
+from relight_core.face.silhouette import person_with_headwear
 from relight_core.imaging.joint_upsampling import JointUpsampler
 from relight_core.imaging.light_change import LightChange
 from relight_core.imaging.resampling import resize_area
@@ -40,7 +43,7 @@ from relight_core.pipeline.model import light_surface
 from relight_core.pipeline.outline import Outline, outline_person, parsing_within
 from relight_core.pipeline.plan import Plan
 from relight_core.pipeline.portrait import Portrait
-from relight_core.pipeline.quality import Tier
+from relight_core.pipeline.quality import Tier, tier_of
 from relight_core.pipeline.residual import Residual, add_residual, find_residual
 from relight_core.pipeline.sliders import soften_shadow, specular_gain
 
@@ -125,6 +128,15 @@ class FaceRelighter:
         if outline is None:
             return found
         return stages.reparsed(found, parsing_within(found.parsing, outline, self.portrait.view))
+
+    def mask(self) -> tuple[np.ndarray, Crop]:
+        """Probability (S, S) of person, gaps between hair and shoulders left open, and the view it lies in."""
+        parsing, view = self.prepare(tier_of("live")).found.parsing[0].cpu().numpy(), self.portrait.view
+        outline = self.outline()
+        if outline is None:
+            return person_with_headwear(parsing), view
+        whole = outline.corrected(1 - parsing[INDEX["background"]], view)
+        return whole.likely, whole.view
 
     def outline(self) -> Outline | None:
         """The person as the person network sees them; None where there is no such network."""

@@ -11,12 +11,14 @@ import torch
 from relight_core.face.crop import Crop
 from relight_core.face.parsing import FACE_LABELS, INDEX
 from relight_core.face.person_view import face_in_view, inside_photo, person_view
+from relight_core.face.silhouette import person_with_headwear
 from relight_core.imaging.colour import srgb_encode
 from relight_core.imaging.photo import Photo
 from relight_core.networks.bundle import NetworkBundle
 from relight_core.pipeline.stages import in_precision
 
 _SIZE = 256
+_SURELY = 0.005
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,14 +35,22 @@ class Outline:
 
     def seen_in(self, view: Crop, size: int) -> tuple[np.ndarray, np.ndarray]:
         """Probability (size, size) in another view of the photo, and how much of it is known there, both in [0, 1]."""
-        corners = np.array([[0.0, 0.0], [size, 0.0], [0.0, size]])
-        matrix = cv2.getAffineTransform(
-            self.view.from_photo(view.to_photo(corners, size), len(self.likely)).astype(np.float32) - 0.5,
-            corners.astype(np.float32) - 0.5,
-        )
-        both = np.dstack([self.likely, np.ones_like(self.likely)])
-        moved = cv2.warpAffine(both, matrix, (size, size), flags=cv2.INTER_LINEAR)
-        return moved[..., 0] / np.maximum(moved[..., 1], 1e-3), moved[..., 1]
+        return _moved(self.likely, self.view, view, size)
+
+    def corrected(self, likely: np.ndarray, view: Crop) -> Outline:
+        """The same with another probability (s, s) as far as a view reaches."""
+        known_likely, known = _moved(likely, view, self.view, len(self.likely))
+        return Outline(known * known_likely + (1 - known) * self.likely, self.view)
+
+
+def _moved(image: np.ndarray, view: Crop, other: Crop, size: int) -> tuple[np.ndarray, np.ndarray]:
+    """An image (s, s) of one view as seen in another, (size, size), and how much of that it covers."""
+    corners = np.array([[0.0, 0.0], [size, 0.0], [0.0, size]])
+    source = view.from_photo(other.to_photo(corners, size), len(image))
+    matrix = cv2.getAffineTransform((source - 0.5).astype(np.float32), (corners - 0.5).astype(np.float32))
+    both = np.dstack([image, np.ones_like(image)]).astype(np.float32)
+    moved = cv2.warpAffine(both, matrix, (size, size), flags=cv2.INTER_LINEAR)
+    return moved[..., 0] / np.maximum(moved[..., 1], 1e-3), moved[..., 1]
 
 
 @torch.inference_mode()
@@ -62,19 +72,29 @@ def outline_person(bundle: NetworkBundle, photo: Photo, crop: Crop, device: str)
 
 
 def parsing_within(parsing: torch.Tensor, outline: Outline, view: Crop) -> torch.Tensor:
-    """A parsing whose background is what the outline leaves out: its other classes share the rest as they did.
+    """A parsing that agrees with an outline on what is background; its other classes share the rest as they did.
 
-    De-lighting sees little more than the head, and learns fourteen classes beside albedo and shape; what it takes
-    for a face stays one.
+    Both were trained for it and err in different places: de-lighting sees the head larger and knows hair and hats,
+    the person network sees shoulders and has seen more that lies behind. Their log odds are averaged. What
+    de-lighting takes for a face stays one.
 
     Args:
         parsing: (1, classes, S, S) probabilities in a view of the photo.
     """
-    likely, known = (torch.from_numpy(p).to(parsing)[None, None] for p in outline.seen_in(view, parsing.shape[-1]))
-    background = parsing[:, :1]
-    person = torch.maximum(likely * known + (1 - background) * (1 - known), parsing[:, list(FACE_LABELS)].sum(1, True))
+    by_parsing = person_with_headwear(parsing[0].cpu().numpy())
+    likely, known = outline.seen_in(view, parsing.shape[-1])
+    both = known * _mean_odds(by_parsing, likely) + (1 - known) * by_parsing
+    person = torch.from_numpy(both.astype(np.float32)).to(parsing.device)[None, None]
+    person = torch.maximum(person, parsing[:, list(FACE_LABELS)].sum(1, True))
     others = parsing[:, 1:] + 1e-4 * _by_default(parsing)
     return torch.cat([1 - person, person * others / others.sum(1, keepdim=True)], 1)
+
+
+def _mean_odds(first: np.ndarray, second: np.ndarray) -> np.ndarray:
+    """The probability whose log odds are the mean of two others'."""
+    odds = [np.clip(p, _SURELY, 1 - _SURELY) / (1 - np.clip(p, _SURELY, 1 - _SURELY)) for p in (first, second)]
+    mean = np.sqrt(odds[0] * odds[1])
+    return mean / (1 + mean)
 
 
 def _by_default(parsing: torch.Tensor) -> torch.Tensor:

@@ -15,7 +15,6 @@ from relight_core.errors import InputError, NoFaceError
 from relight_core.face.crop import Crop
 from relight_core.face.evidence import evidence_of_face
 from relight_core.face.find import FaceBox
-from relight_core.face.silhouette import person_with_headwear
 from relight_core.imaging.matte import WORKING_PX, Matte, make_matte
 from relight_core.imaging.photo import Photo
 from relight_core.lighting.environment import Environment, network_light

@@ -204,7 +204,7 @@ def test_a_narrow_pair_is_joined_to_other_weights(run, data):
     both = load_bundle(data / "both.safetensors")
     assert both.narrow.specular_shadow.config.width == 2
     assert torch.equal(both.delight.head.weight, tiny.delight.head.weight)
-    refused(run(*words, data / "tiny.safetensors"), "no narrow pair")
+    refused(run(*words, data / "tiny.safetensors"), "neither a narrow pair nor a person network")
     refused(run("train", "--join", data / "narrow.safetensors", "-o", data / "x.safetensors"), "--start")
     refused(run("train", "--stage", "warm-delight", "--minutes", 1, "-o", data / "x.safetensors"), "--heads")
 

@@ -1,0 +1,87 @@
+"""What the person network says of a photo, and what becomes of the parsing."""
+
+import numpy as np
+import pytest
+import torch
+
+from relight_core.face.crop import Crop
+from relight_core.imaging.photo import Photo
+from relight_core.networks.bundle import BundleConfig, NetworkBundle, with_person_network
+from relight_core.networks.person import PersonConfig, PersonNetwork
+from relight_core.pipeline.outline import Outline, outline_person, parsing_within
+
+BACKGROUND, SKIN, HAIR, CLOTH = 0, 1, 10, 13
+VIEW = Crop(100.0, 100.0, 120.0)
+
+
+def half(size=64):
+    """Person on the left."""
+    likely = np.zeros((size, size), np.float32)
+    likely[:, : size // 2] = 1
+    return likely
+
+
+def parsing_of(**shares):
+    parsing = torch.full((1, 14, 32, 32), 1e-4)
+    for label, share in (
+        (BACKGROUND, shares.get("background", 0)),
+        (HAIR, shares.get("hair", 0)),
+        (SKIN, shares.get("skin", 0)),
+    ):
+        parsing[:, label] += share
+    return parsing / parsing.sum(1, keepdim=True)
+
+
+def test_an_outline_is_the_same_in_its_own_view_at_another_size():
+    likely, known = Outline(half(64), VIEW).seen_in(VIEW, 32)
+    assert (known > 0.99).all()
+    assert (likely[:, :15] > 0.99).all()
+    assert (likely[:, 17:] < 0.01).all()
+
+
+def test_a_view_that_lies_aside_sees_a_part_and_knows_no_more():
+    aside = Crop(160.0, 100.0, 120.0)
+    likely, known = Outline(half(), VIEW).seen_in(aside, 64)
+    assert (known[:, :31] > 0.99).all()
+    assert (known[:, 34:] == 0).all()
+    assert (likely[:, 1:31] < 0.01).all()
+
+
+def test_a_correction_counts_as_far_as_it_reaches():
+    corrected = Outline(half(), VIEW).corrected(np.ones((32, 32), np.float32), Crop(130.0, 100.0, 60.0))
+    assert (corrected.likely[20:44, 36:60] > 0.99).all()
+    np.testing.assert_array_equal(corrected.likely[:4], half()[:4])
+
+
+def test_parsing_and_outline_meet_half_way_and_shares_stay():
+    parsing = parsing_of(background=0.5, hair=0.3, skin=0.2)
+    for likely, more in ((1.0, True), (0.0, False)):
+        within = parsing_within(parsing, Outline(np.full((64, 64), likely, np.float32), VIEW), VIEW)
+        torch.testing.assert_close(within.sum(1), torch.ones(1, 32, 32))
+        assert bool((within[:, BACKGROUND] < 0.2).all()) is more
+        ratio = within[:, HAIR] / within[:, SKIN]
+        torch.testing.assert_close(ratio, torch.full_like(ratio, 1.5), rtol=0.01, atol=0)
+
+
+def test_what_is_a_face_stays_one():
+    within = parsing_within(parsing_of(skin=1.0), Outline(np.zeros((64, 64), np.float32), VIEW), VIEW)
+    assert (within[:, SKIN] > 0.95).all()
+
+
+def test_a_person_of_whom_the_parsing_knows_nothing_wears_something():
+    within = parsing_within(parsing_of(background=1e4), Outline(np.ones((64, 64), np.float32), VIEW), VIEW)
+    assert torch.isfinite(within).all()
+    assert (within[:, 1:].argmax(1) + 1 == CLOTH).all()
+
+
+@pytest.mark.parametrize("roll_deg", [0.0, 30.0])
+def test_the_network_is_asked_about_the_view_of_a_face(roll_deg):
+    torch.manual_seed(0)
+    bundle = with_person_network(NetworkBundle(BundleConfig.tiny()), PersonNetwork(PersonConfig(4, 3, 8)))
+    photo = Photo(np.random.default_rng(0).random((200, 260, 3), np.float32))
+    crop = Crop(130.0, 90.0, 80.0, roll_deg)
+    outline = outline_person(bundle.for_inference(), photo, crop, "cpu")
+    assert outline.likely.shape == (256, 256)
+    assert 0 <= outline.likely.min() <= outline.likely.max() <= 1
+    assert outline.view.roll_deg == roll_deg
+    assert outline.view.side == pytest.approx(min(3.4 * 80 * 196 / 256, 260))
