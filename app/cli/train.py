@@ -8,8 +8,8 @@ A run that was stopped goes on where it was when it is given again. A recipe is 
 one that comes with relight. The stages, in their order: warm-delight, warm-relight (or
 warm-specular-shadow and warm-composition, one after the other), tune-delight, tune-relight, distil-relight.
 Each goes on from the weights that --start names. The last teaches a narrow pair of relighting networks; the stage
-"outline", beside these, the person network. --join puts both beside the other networks of another file. A log of the losses and a picture of their curves are
-written beside the weights; a checkpoint every two minutes.
+"outline", beside these, the person network. --join puts both beside the other networks of another file. A log of
+the losses and a picture of their curves are written beside the weights; a checkpoint every two minutes.
 """
 
 from __future__ import annotations

@@ -11,8 +11,16 @@ from synthetic_heads import write_balls, write_lights
 
 from app.cli.main import main
 from relight_core.dataset.lights import load_lights
-from relight_core.networks.bundle import BundleConfig, NetworkBundle, load_bundle, save_bundle, with_narrow_pair
+from relight_core.networks.bundle import (
+    BundleConfig,
+    NetworkBundle,
+    load_bundle,
+    save_bundle,
+    with_narrow_pair,
+    with_person_network,
+)
 from relight_core.networks.pair import RelightingPair
+from relight_core.networks.person import PersonConfig, PersonNetwork
 
 
 @pytest.fixture
@@ -194,7 +202,7 @@ def test_training_leaves_weights_and_log(run, data, monkeypatch):
     assert json.loads((data / "w.log.json").read_text()) == []
 
 
-def test_a_narrow_pair_is_joined_to_other_weights(run, data):
+def test_a_narrow_pair_and_a_person_network_are_joined_to_other_weights(run, data):
     tiny = load_bundle(data / "tiny.safetensors")
     narrow = with_narrow_pair(tiny, RelightingPair(tiny.config.wide.narrowed(2)))
     save_bundle(data / "narrow.safetensors", narrow)
@@ -204,6 +212,10 @@ def test_a_narrow_pair_is_joined_to_other_weights(run, data):
     both = load_bundle(data / "both.safetensors")
     assert both.narrow.specular_shadow.config.width == 2
     assert torch.equal(both.delight.head.weight, tiny.delight.head.weight)
+    person = with_person_network(tiny, PersonNetwork(PersonConfig(4, 3, 8)))
+    save_bundle(data / "person.safetensors", person)
+    assert run(*words, data / "person.safetensors")[0] == 0
+    assert load_bundle(data / "both.safetensors").config.person == PersonConfig(4, 3, 8)
     refused(run(*words, data / "tiny.safetensors"), "neither a narrow pair nor a person network")
     refused(run("train", "--join", data / "narrow.safetensors", "-o", data / "x.safetensors"), "--start")
     refused(run("train", "--stage", "warm-delight", "--minutes", 1, "-o", data / "x.safetensors"), "--heads")
