@@ -58,6 +58,8 @@ class Binding:
 
     def __init__(self, window: object, scale: float) -> None:
         self._context = imgui.create_context()
+        # A new context is not the current one while there is another, such as that of a window not yet closed.
+        imgui.set_current_context(self._context)
         self._io = imgui.get_io()
         self._io.set_ini_filename("")
         self._io.set_log_filename("")
@@ -168,6 +170,7 @@ class Binding:
 
     def begin(self) -> None:
         """Start a frame."""
+        imgui.set_current_context(self._context)
         width, height = glfw.get_window_size(self._window)
         across, down = glfw.get_framebuffer_size(self._window)
         self._io.display_size = imgui.ImVec2(width, height)

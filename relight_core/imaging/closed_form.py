@@ -12,7 +12,7 @@ import numpy as np
 
 _RADIUS = 1
 _COLOUR_DEVIATION = 0.01
-_PULL = 0.05
+_PULL = 0.15
 _LEAST_PULL = 1e-3
 _STEPS = 80
 _ACCURACY = 1e-3

@@ -5,6 +5,7 @@ from types import SimpleNamespace
 
 import glfw
 import pytest
+from imgui_bundle import imgui
 
 
 @pytest.fixture
@@ -74,3 +75,17 @@ def test_the_window_does_not_rest_while_keys_wait_to_be_told(opened, rests):
     assert window.state.look.compare == "wipe"
     window._wait()
     assert rests.waits == ["ticking"]
+
+
+def test_keys_reach_their_window_while_another_one_s_panels_live(request):
+    other = imgui.create_context()
+    imgui.set_current_context(other)
+    opened = request.getfixturevalue("opened")
+    try:
+        opened.key(glfw.KEY_W)
+        assert opened.window.state.look.compare == "wipe"
+        for action in (glfw.PRESS, glfw.RELEASE) * 2:
+            opened.window.on_key(None, glfw.KEY_W, 0, action, 0)
+        assert opened.window._graphics.binding.has_more()
+    finally:
+        imgui.destroy_context(other)
