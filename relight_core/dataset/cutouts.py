@@ -118,7 +118,7 @@ def place(
 
 
 def _with_body(placed: np.ndarray, row: int, face_px: float, pool: TexturePool, rng: np.random.Generator) -> np.ndarray:
-    """A trunk and arms below the row at which a bust ends, of its own stuff or another."""
+    """A trunk below the row at which a bust ends, of its own stuff or another."""
     size = len(placed)
     if not 0 < row < size:
         return placed
@@ -130,8 +130,8 @@ def _with_body(placed: np.ndarray, row: int, face_px: float, pool: TexturePool, 
     grown = 1 - np.exp(-down / (face_px * rng.uniform(0.1, 0.5)))
     tapering = -rng.uniform(0, 0.15) * down
     wobble = np.interp(down, np.linspace(0, size, 12), rng.normal(0, 0.06 * face_px, 12)) * np.clip(down / 20, 0, 1)
-    left = columns[0] - grown * np.maximum(wide - (columns[-1] - columns[0]) / 2, 0) - tapering + wobble
-    right = columns[-1] + grown * np.maximum(wide - (columns[-1] - columns[0]) / 2, 0) + tapering - wobble
+    beyond = grown * max(wide - (columns[-1] - columns[0]) / 2, 0) + tapering - wobble
+    left, right = columns[0] - beyond, columns[-1] + beyond
     x = np.arange(size, dtype=np.float32)
     alpha = np.clip(np.minimum(x[None] - left[:, None], right[:, None] - x[None]) + 0.5, 0, 1)
     colour = _stuff_of_body(placed, row, columns, (left, right), pool, rng)
@@ -140,7 +140,14 @@ def _with_body(placed: np.ndarray, row: int, face_px: float, pool: TexturePool, 
     return body
 
 
-def _stuff_of_body(placed, row, columns, edges, pool, rng) -> np.ndarray:
+def _stuff_of_body(
+    placed: np.ndarray,
+    row: int,
+    columns: np.ndarray,
+    edges: tuple[np.ndarray, np.ndarray],
+    pool: TexturePool,
+    rng: np.random.Generator,
+) -> np.ndarray:
     """(h, S, 3): what the last rows of the bust show, stretched to the body's width, with folds; or new clothes."""
     size, count = placed.shape[1], len(edges[0])
     last = placed[max(row - 3, 0) : row + 1].mean(0)
