@@ -1,23 +1,10 @@
-from pathlib import Path
-
-import moderngl
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from relight_core.imaging.view_transform import apply_view
-
-SHADERS = Path(__file__).parents[2] / "shaders"
-
-
-def hostile_colours():
-    """(N, 3) random radiance over many magnitudes, and every pair of troublesome values."""
-    rng = np.random.default_rng(7)
-    values = [0.0, -0.0, 1.0, 1.0001, 0.0031308, 1e-30, 65504.0, 1e30, -1.0, np.nan, np.inf, -np.inf]
-    grid = np.array(np.meshgrid(values, values, [0.0, 0.5, 3.0])).reshape(3, -1).T
-    magnitudes = rng.random((3000, 3)) * 10.0 ** rng.uniform(-4, 4, (3000, 1))
-    return np.concatenate([grid, magnitudes, rng.random((3000, 3))]).astype(np.float32)
+from tests.hostile_colours import hostile_colours
 
 
 def test_displayable_colours_are_exactly_srgb():
@@ -77,46 +64,3 @@ def test_the_input_is_not_changed():
     linear = np.array([[np.nan, 5.0, -1.0]], np.float32)
     apply_view(linear, 1.0)
     np.testing.assert_array_equal(linear, np.array([[np.nan, 5.0, -1.0]], np.float32))
-
-
-@pytest.fixture(scope="module")
-def gpu_view():
-    """A function that runs the shader over (N, 3) colours."""
-    context = moderngl.create_context(standalone=True, backend="egl")
-    fragment = f"""#version 330
-        {(SHADERS / "view_transform.glsl").read_text()}
-        uniform sampler2D radiance;
-        uniform float exposure_ev;
-        out vec4 colour;
-        void main() {{
-            vec3 linear = texelFetch(radiance, ivec2(gl_FragCoord.xy), 0).rgb;
-            colour = vec4(view_transform(linear, exposure_ev), 1.0);
-        }}"""
-    vertex = """#version 330
-        void main() {
-            vec2 corner = vec2(gl_VertexID % 2, gl_VertexID / 2);
-            gl_Position = vec4(4.0 * corner - 1.0, 0.0, 1.0);
-        }"""
-    program = context.program(vertex_shader=vertex, fragment_shader=fragment)
-    triangle = context.vertex_array(program, [])
-
-    def run(colours, exposure_ev):
-        size = (len(colours), 1)
-        texture = context.texture(size, 3, np.ascontiguousarray(colours, np.float32).tobytes(), dtype="f4")
-        target = context.framebuffer([context.texture(size, 4, dtype="f4")])
-        target.use()
-        texture.use(0)
-        program["exposure_ev"].value = exposure_ev
-        triangle.render(moderngl.TRIANGLES, vertices=3)
-        return np.frombuffer(target.read(components=4, dtype="f4"), np.float32).reshape(-1, 4)[:, :3]
-
-    yield run
-    context.release()
-
-
-@pytest.mark.parametrize("exposure_ev", [0.0, -3.0, 2.5, 100.0])
-def test_the_shader_is_the_same_function(gpu_view, exposure_ev):
-    colours = hostile_colours()
-    difference = np.abs(gpu_view(colours, exposure_ev) - apply_view(colours, exposure_ev))
-    assert np.isfinite(difference).all()
-    assert difference.max() < 0.5 / 255
