@@ -134,18 +134,20 @@ def with_detail_pass(bundle: NetworkBundle, width: int) -> NetworkBundle:
 
 def with_narrow_pair(bundle: NetworkBundle, narrow: RelightingPair) -> NetworkBundle:
     """The same networks with another narrow pair, or their first."""
-    joined = NetworkBundle(dataclasses.replace(bundle.config, narrow=narrow.config))
-    kept = {name: value for name, value in bundle.state_dict().items() if not name.startswith("narrow.")}
-    joined.load_state_dict(kept | {f"narrow.{name}": value for name, value in narrow.state_dict().items()})
-    joined.card = bundle.card | {"widths": f"wide: {bundle.config.wide}; narrow: {narrow.config}"}
+    joined = _with_part(bundle, "narrow", narrow)
+    joined.card |= {"widths": f"wide: {bundle.config.wide}; narrow: {narrow.config}"}
     return joined
 
 
 def with_person_network(bundle: NetworkBundle, person: PersonNetwork) -> NetworkBundle:
     """The same networks with another person network, or their first."""
-    joined = NetworkBundle(dataclasses.replace(bundle.config, person=person.config))
-    kept = {name: value for name, value in bundle.state_dict().items() if not name.startswith("person.")}
-    joined.load_state_dict(kept | {f"person.{name}": value for name, value in person.state_dict().items()})
+    return _with_part(bundle, "person", person)
+
+
+def _with_part(bundle: NetworkBundle, name: str, part: RelightingPair | PersonNetwork) -> NetworkBundle:
+    joined = NetworkBundle(dataclasses.replace(bundle.config, **{name: part.config}))
+    kept = {key: value for key, value in bundle.state_dict().items() if not key.startswith(f"{name}.")}
+    joined.load_state_dict(kept | {f"{name}.{key}": value for key, value in part.state_dict().items()})
     joined.card = dict(bundle.card)
     return joined
 

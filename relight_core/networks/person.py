@@ -54,7 +54,8 @@ class PersonNetwork(nn.Module):
         """Log odds of person.
 
         Args:
-            photo_srgb: (B, 3, H, W) in [0, 1], of a `face.person_view`; 0 beyond the photo's borders.
+            photo_srgb: (B, 3, H, W) in [0, 1], of a `face.person_view`, 0 beyond the photo's borders; H and W
+                multiples of `PersonConfig.multiple`.
             inside: (B, 1, H, W) 1 where there is a photo.
             face: (B, 1, H, W) 1 in the square of the face that is meant.
 

@@ -92,8 +92,8 @@ def parsing_within(parsing: torch.Tensor, outline: Outline, view: Crop) -> torch
 
 def _mean_odds(first: np.ndarray, second: np.ndarray) -> np.ndarray:
     """The probability whose log odds are the mean of two others'."""
-    odds = [np.clip(p, _SURELY, 1 - _SURELY) / (1 - np.clip(p, _SURELY, 1 - _SURELY)) for p in (first, second)]
-    mean = np.sqrt(odds[0] * odds[1])
+    first, second = (np.clip(p, _SURELY, 1 - _SURELY) for p in (first, second))
+    mean = np.sqrt(first * second / ((1 - first) * (1 - second)))
     return mean / (1 + mean)
 
 
