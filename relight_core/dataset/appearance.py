@@ -15,6 +15,7 @@ from relight_core.dataset.illumination import Illumination, illuminate_past, ref
 from relight_core.dataset.interreflection import OwnView, bounced
 from relight_core.dataset.occluders import Occluder, positions, silhouette, transmission
 from relight_core.dataset.scene import Material
+from relight_core.face.gloss import GLOSS_SHARE
 from relight_core.lighting.reflection import GLOSS, Gloss
 
 _SCATTER = np.array([1.0, 0.45, 0.25], np.float32)
@@ -52,13 +53,20 @@ def appear(
     gloss: Gloss,
     occluder: Occluder | None = None,
     scatter_px: float = 0.0,
+    dullness: float = 1.0,
 ) -> Appearance:
-    """The head as photographed, `reference` being what the same lights do to it undisturbed."""
+    """The head as photographed, `reference` being what the same lights do to it undisturbed.
+
+    Args:
+        dullness: of hair and cloth, the exponent of what they have of the gloss; 0 gives them that of skin.
+    """
+    share = np.array(GLOSS_SHARE, np.float32)[head.label][:, None] ** dullness
     if occluder is None:
-        own = reference.specular if gloss == GLOSS else reflect(head, normal, lights, gloss)
+        own = reference.specular if (gloss, dullness) == (GLOSS, 1) else reflect(head, normal, lights, gloss) * share
         return Appearance(reference.irradiance, own, scatter_px, None)
     free = transmission(occluder, positions(head))
     irradiance, own = illuminate_past(head, normal, lights, gloss, free)
+    own = own * share
     hidden = silhouette(occluder, head)
     return Appearance(irradiance, own, scatter_px, hidden if hidden.any() else None)
 

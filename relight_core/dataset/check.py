@@ -43,7 +43,7 @@ def check_heads(
     for seed in seeds:
         posed = casting.pose_head(seed, size)
         head = posed.bake(size)
-        lit = light_head(head, head.normal, lights)
+        lit = light_head(head, head.normal, lights, dull=False)
         albedo = np.tile(np.float32(SKIN), (len(head.normal), 1))
         tracers = [PathTracer(posed.scene, SKIN, bounces) for bounces in (1, _BOUNCES)]
         face = head.scatter(np.isin(head.label, FACE_LABELS))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import cv2
 import numpy as np
@@ -12,6 +12,7 @@ from relight_core.dataset.appearance import Appearance
 from relight_core.dataset.bake import BakedHead
 from relight_core.dataset.illumination import Illumination, illuminate
 from relight_core.dataset.interreflection import OwnView, bounced, own_view
+from relight_core.face.gloss import GLOSS_SHARE
 from relight_core.face.parsing import MIRRORED
 from relight_core.imaging.colour import REC709_LUMINANCE
 from relight_core.lighting.relief import march_relief
@@ -20,6 +21,7 @@ RELIEF_SIZE = 64
 """Side at which reliefs are marched; shadows wider than a few pixels survive it, SS sharpens the rest."""
 
 _GREY = REC709_LUMINANCE.astype(np.float32)
+_GLOSS_SHARE = np.array(GLOSS_SHARE, np.float32)
 _MIRRORED_LABELS = np.array(MIRRORED, np.uint8)
 
 
@@ -63,9 +65,17 @@ def subsample(head: BakedHead, step: int, rng: np.random.Generator) -> BakedHead
     )
 
 
-def light_head(head: BakedHead, normal: np.ndarray, lights: np.ndarray) -> LitHead:
-    """Light a head with the reference gloss."""
-    return LitHead(head, normal, lights, illuminate(head, normal, lights), own_view(head, normal))
+def light_head(head: BakedHead, normal: np.ndarray, lights: np.ndarray, *, dull: bool = True) -> LitHead:
+    """Light a head with the reference gloss.
+
+    Args:
+        dull: hair and cloth have less of it (see `face.gloss`); else all of the head has the gloss of skin.
+    """
+    light = illuminate(head, normal, lights)
+    if dull:
+        share = _GLOSS_SHARE[head.label][:, None]
+        light = replace(light, specular=light.specular * share, specular_open=light.specular_open * share)
+    return LitHead(head, normal, lights, light, own_view(head, normal))
 
 
 def channels_of(lit: LitHead, albedo: np.ndarray, k: int) -> dict[str, np.ndarray]:

@@ -37,6 +37,7 @@ from relight_core.errors import InputError
 from relight_core.lighting.reflection import GLOSS, Gloss
 
 _OCCLUDED_SHARE, _SCATTERING_SHARE = 0.25, 0.6
+_DULLNESS = (0.4, 1.4)
 _LOCALLY_LIT_SHARE, _ACCOMPANIED_SHARE = 0.2, 0.2
 _EPOCH_STREAM = 1 << 30
 """Sets the shuffles of the heads apart from the other random streams."""
@@ -137,7 +138,8 @@ class SampleStream(IterableDataset):
         gloss = Gloss(rng.uniform(0.2, 1.2), rng.uniform(0.3, 0.65))
         occluder = sample_occluder(rng) if rng.random() < _OCCLUDED_SHARE else None
         scatter_px = rng.uniform(0.3, 2.0) * self.size / 128 if rng.random() < _SCATTERING_SHARE else 0.0
-        return appear(lit.head, lit.normal, lit.lights, lit.illumination, gloss, occluder, scatter_px)
+        dullness = rng.uniform(*_DULLNESS)
+        return appear(lit.head, lit.normal, lit.lights, lit.illumination, gloss, occluder, scatter_px, dullness)
 
     def _sample(
         self, heads: list[LitHead], index: int, pool: TexturePool, rng: np.random.Generator

@@ -1,7 +1,7 @@
 """The networks alone, without what the editor does before and after them.
 
 This is what variants are compared by: no mirrored second look, no flattening of the albedo, no residual, no
-enlarging, and the gloss of skin everywhere, as the test's truth has it.
+enlarging.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from relight_core.lighting.relief import ReliefTransport, march_relief
 from relight_core.networks.bundle import NetworkBundle
 from relight_core.pipeline import stages
 from relight_core.pipeline.channels import as_image
-from relight_core.pipeline.hints import Effects, estimated_effects, explicit_sum, specular_shadow_hints
+from relight_core.pipeline.hints import Effects, estimated_effects, explicit_sum, specular_shadow_hints, with_dull_parts
 
 
 @dataclass(frozen=True)
@@ -67,6 +67,8 @@ class DirectRelighter:
         """
         light = torch.from_numpy(np.ascontiguousarray(radiance))[None].float().to(self._device)
         reflected, config = self._table(light, found.normal), self._bundle.config
+        if found.parsing is not None:
+            reflected = with_dull_parts(reflected, found.parsing)
         effects, channels = None, {}
         if config.composition.effects:
             effects = self._effects(found, reflected, light)

@@ -8,6 +8,9 @@ compares this with other ways.
 A network blurs small things that it sees in a few pixels only. Where an eye, a brow or hair lost contrast on
 the way, the gain would paint the blur over the photo: pupils turn milky, dark hair hazy. There the gain
 follows what the photo's own pattern doesn't explain, and the pattern keeps its contrast.
+
+Of a mouth it sees even less: every tooth would get a gain of its own, and an open corner a gloss. The light
+there is as even as the light around it.
 """
 
 from __future__ import annotations
@@ -21,6 +24,7 @@ LARGEST_GAIN = 16.0
 _DARK = 1e-3
 _CALM = 0.1
 _LOSS = 0.3
+_EVEN_PX = 9
 _BRIGHTEST = 65504.0
 
 
@@ -41,7 +45,13 @@ class LightChange:
         return self.gain * photo + self.offset
 
 
-def fit_light_change(photo: np.ndarray, relit: np.ndarray, gloss: np.ndarray, patterned: np.ndarray) -> LightChange:
+def fit_light_change(
+    photo: np.ndarray,
+    relit: np.ndarray,
+    gloss: np.ndarray,
+    patterned: np.ndarray,
+    evenly_lit: np.ndarray | None = None,
+) -> LightChange:
     """Take a relit view apart into gain and offset.
 
     Args:
@@ -50,16 +60,22 @@ def fit_light_change(photo: np.ndarray, relit: np.ndarray, gloss: np.ndarray, pa
         gloss: (s, s, 3) linear, how much of `relit` is mirrored light.
         patterned: (s, s) in [0, 1], where contrast comes from colour rather than from shading: eyes, brows,
             lips, hair, cloth.
+        evenly_lit: (s, s) in [0, 1], where neither network resolves the surface: teeth and what is behind them.
+            Nowhere without.
 
     Returns:
         Both of size (s, s).
     """
     photo, relit = _cleaned(photo), _cleaned(relit)
     offset = np.minimum(_cleaned(gloss), relit)
+    if evenly_lit is not None:
+        offset = offset * (1 - np.clip(evenly_lit, 0.0, 1.0))[..., None]
     matt = relit - offset
     gain = (matt + _DARK) / (photo + _DARK)
-    kept = _pattern_kept(photo, matt, gain, patterned)
-    gain = np.clip(kept, 0.0, LARGEST_GAIN)
+    gain = _pattern_kept(photo, matt, gain, patterned)
+    if evenly_lit is not None:
+        gain = _evened(photo, matt, gain, evenly_lit)
+    gain = _within_reach(np.maximum(gain, 0.0))
     return LightChange(gain, offset + _DARK * np.maximum(gain - 1.0, 0.0))
 
 
@@ -75,6 +91,20 @@ def _pattern_kept(photo: np.ndarray, matt: np.ndarray, gain: np.ndarray, pattern
     around = np.maximum(mean_matt + unexplained, 0.0) / (mean_photo + _DARK)
     lost = np.clip((ratio - slope) / (_LOSS * ratio + 1e-6), 0.0, 1.0)
     return gain + (around - gain) * (lost * np.clip(patterned, 0.0, 1.0)[..., None])
+
+
+def _evened(photo: np.ndarray, matt: np.ndarray, gain: np.ndarray, share: np.ndarray) -> np.ndarray:
+    """The gain, but where the light is even, that of all such pixels nearby."""
+    share = np.clip(share, 0.0, 1.0)[..., None].astype(np.float32)
+    size = (_EVEN_PX, _EVEN_PX)
+    before, after = (cv2.GaussianBlur((image + _DARK) * share, size, 0) for image in (photo, matt))
+    return gain + (after / np.maximum(before, 1e-9) - gain) * share
+
+
+def _within_reach(gain: np.ndarray) -> np.ndarray:
+    """The gain <= LARGEST_GAIN, its colour kept: dark hair in a warm light would turn green."""
+    largest = gain.max(axis=-1, keepdims=True)
+    return gain * (LARGEST_GAIN / np.maximum(largest, LARGEST_GAIN))
 
 
 def _mean(image: np.ndarray) -> np.ndarray:

@@ -26,6 +26,8 @@ PATTERNED = [
 ]
 """Labels of what gets its contrast from colour rather than from shading."""
 
+MOUTH = [INDEX["inner_mouth"], INDEX["lips"]]
+"""Labels of what is too fine to be lit pixel by pixel."""
 
 BRIGHTEST_CHANGE = 1e30
 """No gain or offset is larger."""
@@ -71,7 +73,8 @@ def fit_view(
     """The composed view (1, 3, s, s) as gain and offset of the photo's, normalised light."""
     gloss = effects.specular * reflected[:, 3:] / grey(reflected[:, 3:]).clamp_min(1e-6)
     patterned = surface.parsing[:, PATTERNED].sum(1, keepdim=True)
-    return fit_light_change(photo_small, as_image(relit), as_image(gloss), as_image(patterned))
+    mouth = surface.parsing[:, MOUTH].sum(1, keepdim=True)
+    return fit_light_change(photo_small, as_image(relit), as_image(gloss), as_image(patterned), as_image(mouth))
 
 
 def enlarge_change(

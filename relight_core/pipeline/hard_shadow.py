@@ -28,6 +28,8 @@ _SURE = 0.5
 """Share of a lamp's light that the network takes for hidden from which on geometry alone decides."""
 _DOUBT = 0.05
 _MARGIN_PX = 5
+_MOUTH = {INDEX["inner_mouth"], INDEX["lips"]}
+_SKIN = [*sorted({*FACE_LABELS, INDEX["neck"]} - _MOUTH)]
 
 
 def horizon_of(surface: Surface) -> Horizon:
@@ -78,12 +80,12 @@ def harden_shadow(
 
 
 def _bare_skin(surface: Surface) -> torch.Tensor:
-    """(1, 1, S, S) in [0, 1]: well within the face and the neck.
+    """(1, 1, S, S) in [0, 1]: well within the face and the neck, the mouth left out.
 
-    Where a strand of hair or a collar stands out, and by how much, the relief only guesses, pixel by pixel; its
-    edges there would be notches.
+    Where a strand of hair, a collar or a tooth stands out, and by how much, the relief only guesses, pixel by pixel;
+    its edges there would be notches.
     """
-    share = surface.parsing[:, [*FACE_LABELS, INDEX["neck"]]].sum(1, keepdim=True)
+    share = surface.parsing[:, _SKIN].sum(1, keepdim=True)
     near = F.avg_pool2d(share, _MARGIN_PX, stride=1, padding=_MARGIN_PX // 2, count_include_pad=False)
     return (2 * near - 1).clamp(0, 1)
 

@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 import torch
 import torch.nn.functional as F
 
+from relight_core.face.gloss import GLOSS_SHARE
 from relight_core.imaging.tensor_colour import grey
 from relight_core.networks.specular_shadow import Occlusion, SpecularShadowConfig
 
@@ -57,6 +58,16 @@ def light_hints(
             raise ValueError("this SS network expects the shadow of the relief")
         hints.append(relief_shadow)
     return torch.cat(hints, 1) if hints else None
+
+
+def gloss_share(parsing: torch.Tensor) -> torch.Tensor:
+    """How much of the gloss of skin there is, (B, 1, H, W) in (0, 1], of parsing probabilities (B, classes, H, W)."""
+    return torch.tensordot(parsing, parsing.new_tensor(GLOSS_SHARE), ([1], [0]))[:, None]
+
+
+def with_dull_parts(reflected: torch.Tensor, parsing: torch.Tensor) -> torch.Tensor:
+    """Irradiance and gloss (B, 6, H, W) of skin, with the gloss of what there is instead."""
+    return torch.cat([reflected[:, :3], reflected[:, 3:] * gloss_share(parsing)], 1)
 
 
 @dataclass

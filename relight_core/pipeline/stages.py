@@ -9,7 +9,7 @@ import torch
 import torch.nn.functional as F
 
 from relight_core.face.eyeballs import eye_sockets, with_eyeballs
-from relight_core.face.parsing import INDEX, MIRRORED
+from relight_core.face.parsing import MIRRORED
 from relight_core.face.silhouette import solid_person
 from relight_core.imaging.resampling import resize_area
 from relight_core.imaging.tensor_colour import grey, srgb_decode, srgb_encode
@@ -28,6 +28,7 @@ from relight_core.pipeline.hints import (
     effects_of,
     estimated_effects,
     explicit_sum,
+    gloss_share,
     light_hints,
     surface_hints,
 )
@@ -37,16 +38,6 @@ _RELIEF_UNIT_PX = 64.0
 _HEIGHT_GAIN = 1.2
 """Estimates shrink toward the mean: against face landmarks in depth, found faces stand out by 0.84 of what they
 should on photographs (correlation 0.94), against the truth of held-out heads by 0.77."""
-_DULLNESS = {
-    "hair": 0.85,
-    "cloth": 0.92,
-    "hat": 0.85,
-    "background": 0.9,
-    "left_brow": 0.6,
-    "right_brow": 0.6,
-    "left_eye": 0.5,
-    "right_eye": 0.5,
-}
 _BLACK, _DARKEST_SKIN, _BLACK_GLOSS = 0.015, 0.045, 0.08
 """Albedo that is darker than any skin is cloth or hair, whatever the parsing takes it for (a black collar for a
 neck), and gloss would lie over it as haze."""
@@ -187,9 +178,7 @@ def march(surface: Surface, size: int) -> ReliefTransport:
 class Reflector:
     """What a surface reflects where nothing is hidden from it, made ready for many lights.
 
-    The paper gives everything the gloss of skin (section 3.2) and says what that costs (5.4). Hair and
-    cloth scatter more than they mirror: theirs is turned down by the parsing's probabilities, and that of
-    what is too dark for skin.
+    The gloss of hair and cloth is turned down by the parsing's probabilities, and that of what is too dark for skin.
 
     Attributes:
         light_of: irradiance and gloss at every pixel's normal.
@@ -206,7 +195,7 @@ class Reflector:
 def reflector(table: ReflectionTable, surface: Surface) -> Reflector:
     """Make a surface's normals and parts ready."""
     shares = torch.ones_like(surface.normal).repeat(1, 2, 1, 1)
-    shares[:, 3:] -= _dullness(surface)
+    shares[:, 3:] *= gloss_share(surface.parsing)
     shares[:, 3:] *= ((grey(surface.albedo) - _BLACK) / (_DARKEST_SKIN - _BLACK)).clamp(_BLACK_GLOSS, 1)
     receives = torch.from_numpy(eye_sockets(surface.parsing[0].cpu().numpy())).to(shares.device)
     sockets = gather_bounce(surface.normal, surface.relief, surface.albedo, surface.person, receives)
@@ -218,10 +207,6 @@ def reflect(surface: Reflector, light: torch.Tensor) -> torch.Tensor:
     """Unoccluded irradiance and gloss, (1, 6, S, S)."""
     reflected = surface.light_of(light) * surface.shares
     return torch.cat([surface.sockets.add_to(reflected[:, :3]), reflected[:, 3:]], 1)
-
-
-def _dullness(surface: Surface) -> torch.Tensor:
-    return sum(share * surface.parsing[:, INDEX[name], None] for name, share in _DULLNESS.items())
 
 
 @torch.inference_mode()
@@ -360,7 +345,7 @@ def explain_source_light(surface: Surface, table: ReflectionTable, relief: Relie
     guess = surface.source_light * _exposure_of_photo(surface, table)
     small = [
         F.interpolate(image, size=relief.size, mode="area").cpu()
-        for image in (surface.photo, surface.albedo, surface.person * (1 - _dullness(surface)))
+        for image in (surface.photo, surface.albedo, surface.person * gloss_share(surface.parsing))
     ]
     photo, albedo, person = (image[0].flatten(1).T for image in small)
     unclipped = (photo.amax(1) < 0.9).float()

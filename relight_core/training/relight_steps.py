@@ -10,7 +10,7 @@ from relight_core.imaging.tensor_colour import grey, srgb_encode
 from relight_core.lighting.reflection import ReflectionTable
 from relight_core.networks.composition import CompositionNetwork, encode_radiance
 from relight_core.networks.specular_shadow import SpecularShadowNetwork
-from relight_core.pipeline.hints import Effects, estimated_effects, explicit_sum, specular_shadow_hints
+from relight_core.pipeline.hints import Effects, estimated_effects, explicit_sum, specular_shadow_hints, with_dull_parts
 from relight_core.training.losses import fraction_loss, masked_l1
 
 
@@ -55,8 +55,10 @@ def specular_shadow_losses(
 
 
 def _reflected(table: ReflectionTable, flat: dict[str, torch.Tensor]) -> torch.Tensor:
-    """Unoccluded irradiance and gloss: the batch's own, or what any surface of such normals reflects."""
-    return flat["reflected"] if "reflected" in flat else table(flat["light"], flat["normal"])
+    """Unoccluded irradiance and gloss: the batch's own, or what a surface of such normals and parts reflects."""
+    if "reflected" in flat:
+        return flat["reflected"]
+    return with_dull_parts(table(flat["light"], flat["normal"]), flat["parsing"])
 
 
 def composition_losses(
