@@ -25,10 +25,10 @@ from relight_core.evaluation.held_out import (
     held_out_textures,
     load_head,
 )
-from relight_core.face.parsing import INDEX
+from relight_core.face.parsing import CLASSES, INDEX
 from relight_core.imaging.colour import srgb_encode
 from relight_core.imaging.resampling import resize_area
-from relight_core.pipeline.channels import PATTERNED
+from relight_core.pipeline.channels import makeup_of
 
 REGIONS = ("head", "eyes", "hair", "cast shadow", "outline, head", "outline, background")
 
@@ -120,8 +120,8 @@ def _score(head: HeldOutHead, source: int, target: int, blurred: bool) -> dict[s
     gloss = np.repeat(channels["specular"][..., None] * exposure, 3, axis=2)
     labels = head.surface()["label"]
     small = (_NETWORK_SIZE,) * 2
-    patterned = np.isin(labels, PATTERNED)
-    task = DetailTask(photo, *(resize_area(image, small) for image in (photo, truth, gloss, patterned)))
+    makeup = makeup_of(resize_area(np.eye(len(CLASSES), dtype=np.float32)[labels], small))
+    task = DetailTask(photo, *(resize_area(image, small) for image in (photo, truth, gloss)), makeup)
     if blurred:
         albedo = resize_area(head.surface()["albedo"] + 2 * behind, small)
         ratio = cv2.GaussianBlur(albedo, (0, 0), _BLUR_PX) / np.maximum(albedo, 1e-3)

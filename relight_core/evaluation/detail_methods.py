@@ -10,7 +10,7 @@ import numpy as np
 
 from relight_core.imaging.guided_detail import carry_detail
 from relight_core.imaging.joint_upsampling import JointUpsampler
-from relight_core.imaging.light_change import LARGEST_GAIN, fit_light_change
+from relight_core.imaging.light_change import LARGEST_GAIN, Makeup, fit_light_change
 from relight_core.imaging.resampling import resize_area, resize_smooth
 
 _DARK = 1e-3
@@ -25,14 +25,14 @@ class DetailTask:
     Attributes:
         photo: (S, S, 3).
         photo_small, relit_small, gloss_small: (s, s, 3).
-        patterned_small: (s, s) in [0, 1], where contrast comes from colour.
+        makeup_small: of (s, s).
     """
 
     photo: np.ndarray
     photo_small: np.ndarray
     relit_small: np.ndarray
     gloss_small: np.ndarray
-    patterned_small: np.ndarray
+    makeup_small: Makeup
 
     def enlarged(self, small: np.ndarray) -> np.ndarray:
         """Bilinearly to the photo's size."""
@@ -76,7 +76,7 @@ def joint_bilateral(task: DetailTask) -> np.ndarray:
 
 def gain_and_gloss(task: DetailTask) -> np.ndarray:
     """Gain and gloss apart, both enlarged along the photo's edges, patterns kept: what the editor does."""
-    change = fit_light_change(task.photo_small, task.relit_small, task.gloss_small, task.patterned_small)
+    change = fit_light_change(task.photo_small, task.relit_small, task.gloss_small, task.makeup_small)
     upsample = _upsampler(task)
     return task.enlarged(upsample(change.gain)) * task.photo + task.enlarged(upsample(change.offset))
 

@@ -11,6 +11,9 @@ follows what the photo's own pattern doesn't explain, and the pattern keeps its 
 
 Of a mouth it sees even less: every tooth would get a gain of its own, and an open corner a gloss. The light
 there is as even as the light around it.
+
+Gloss that is added as smooth as the networks see it lies over skin like a veil. Pores and hairs break a highlight
+as they break all light, so most of the gloss follows the photo's texture: it is part of the gain.
 """
 
 from __future__ import annotations
@@ -25,6 +28,8 @@ _DARK = 1e-3
 _CALM = 0.1
 _LOSS = 0.3
 _EVEN_PX = 9
+_TEXTURED = 0.8
+_PALE = 0.05
 _BRIGHTEST = 65504.0
 
 
@@ -35,48 +40,64 @@ class LightChange:
     Attributes:
         gain: (S, S, 3) float32, >= 0.
         offset: (S, S, 3) float32, >= 0.
+        shine: (S, S, 3) float32, >= 0: by how much a unit of gloss raises the gain.
+        veil: (S, S, 3) float32, [0, 1]: by how much it raises the offset.
     """
 
     gain: np.ndarray
     offset: np.ndarray
+    shine: np.ndarray
+    veil: np.ndarray
 
     def apply(self, photo: np.ndarray) -> np.ndarray:
         """A picture of the maps' size relit: (S, S, 3), linear."""
         return self.gain * photo + self.offset
 
 
-def fit_light_change(
-    photo: np.ndarray,
-    relit: np.ndarray,
-    gloss: np.ndarray,
-    patterned: np.ndarray,
-    evenly_lit: np.ndarray | None = None,
-) -> LightChange:
+@dataclass(frozen=True, eq=False)
+class Makeup:
+    """What a view is made up of; (s, s) each, [0, 1].
+
+    Attributes:
+        patterned: where contrast comes from colour rather than from shading: eyes, brows, lips, hair, cloth.
+        evenly_lit: where neither network resolves the surface: a mouth.
+        textured: where the photo's texture breaks gloss as it breaks all light: all but what is wet or polished.
+    """
+
+    patterned: np.ndarray
+    evenly_lit: np.ndarray
+    textured: np.ndarray
+
+    @classmethod
+    def plain(cls, size: int) -> Makeup:
+        """Smooth and of one colour."""
+        return cls(*np.zeros((3, size, size), np.float32))
+
+
+def fit_light_change(photo: np.ndarray, relit: np.ndarray, gloss: np.ndarray, makeup: Makeup) -> LightChange:
     """Take a relit view apart into gain and offset.
 
     Args:
         photo: (s, s, 3) linear, the view as the networks saw it.
         relit: (s, s, 3) linear, the same relit. NaN and infinities in either are cleaned.
         gloss: (s, s, 3) linear, how much of `relit` is mirrored light.
-        patterned: (s, s) in [0, 1], where contrast comes from colour rather than from shading: eyes, brows,
-            lips, hair, cloth.
-        evenly_lit: (s, s) in [0, 1], where neither network resolves the surface: teeth and what is behind them.
-            Nowhere without.
 
     Returns:
-        Both of size (s, s).
+        Maps of size (s, s).
     """
     photo, relit = _cleaned(photo), _cleaned(relit)
-    offset = np.minimum(_cleaned(gloss), relit)
-    if evenly_lit is not None:
-        offset = offset * (1 - np.clip(evenly_lit, 0.0, 1.0))[..., None]
-    matt = relit - offset
-    gain = (matt + _DARK) / (photo + _DARK)
-    gain = _pattern_kept(photo, matt, gain, patterned)
-    if evenly_lit is not None:
-        gain = _evened(photo, matt, gain, evenly_lit)
-    gain = _within_reach(np.maximum(gain, 0.0))
-    return LightChange(gain, offset + _DARK * np.maximum(gain - 1.0, 0.0))
+    patterned, even, textured = (
+        np.clip(share, 0.0, 1.0)[..., None].astype(np.float32)
+        for share in (makeup.patterned, makeup.evenly_lit, makeup.textured)
+    )
+    gloss = np.minimum(_cleaned(gloss), relit) * (1 - even)
+    matt = relit - gloss
+    gain = _pattern_kept(photo, matt, (matt + _DARK) / (photo + _DARK), patterned)
+    gain = np.maximum(_evened(photo, matt, gain, even), 0.0)
+    carried = _TEXTURED * textured * np.minimum(photo / _PALE, 1.0)
+    shine, veil = carried / np.maximum(photo, _DARK), 1 - carried
+    offset = veil * gloss + _DARK * np.clip(gain - 1.0, 0.0, LARGEST_GAIN)
+    return LightChange(_within_reach(gain + shine * gloss), offset, shine, veil)
 
 
 def _pattern_kept(photo: np.ndarray, matt: np.ndarray, gain: np.ndarray, patterned: np.ndarray) -> np.ndarray:
@@ -90,12 +111,11 @@ def _pattern_kept(photo: np.ndarray, matt: np.ndarray, gain: np.ndarray, pattern
     unexplained = matt - mean_matt - slope * (photo - mean_photo)
     around = np.maximum(mean_matt + unexplained, 0.0) / (mean_photo + _DARK)
     lost = np.clip((ratio - slope) / (_LOSS * ratio + 1e-6), 0.0, 1.0)
-    return gain + (around - gain) * (lost * np.clip(patterned, 0.0, 1.0)[..., None])
+    return gain + (around - gain) * (lost * patterned)
 
 
 def _evened(photo: np.ndarray, matt: np.ndarray, gain: np.ndarray, share: np.ndarray) -> np.ndarray:
     """The gain, but where the light is even, that of all such pixels nearby."""
-    share = np.clip(share, 0.0, 1.0)[..., None].astype(np.float32)
     size = (_EVEN_PX, _EVEN_PX)
     before, after = (cv2.GaussianBlur((image + _DARK) * share, size, 0) for image in (photo, matt))
     return gain + (after / np.maximum(before, 1e-9) - gain) * share

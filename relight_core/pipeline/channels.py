@@ -12,22 +12,25 @@ import torch.nn.functional as F
 from relight_core.face.parsing import INDEX
 from relight_core.imaging.guided_detail import carry_detail
 from relight_core.imaging.joint_upsampling import JointUpsampler
-from relight_core.imaging.light_change import LightChange, fit_light_change
+from relight_core.imaging.light_change import LightChange, Makeup, fit_light_change
 from relight_core.imaging.resampling import resize_area, resize_smooth
 from relight_core.imaging.tensor_colour import grey
 from relight_core.imaging.tensor_normals import unit_normals
 from relight_core.pipeline.hints import Effects
 from relight_core.pipeline.stages import SliderChange, Surface
 
-PATTERNED = [
+_PATTERNED = [
     INDEX[name]
     for name in ("left_eye", "right_eye", "left_brow", "right_brow", "lips", "inner_mouth", "hair", "hat")
     + ("glasses", "cloth")
 ]
 """Labels of what gets its contrast from colour rather than from shading."""
 
-MOUTH = [INDEX["inner_mouth"], INDEX["lips"]]
+_MOUTH = [INDEX["inner_mouth"], INDEX["lips"]]
 """Labels of what is too fine to be lit pixel by pixel."""
+
+_SMOOTH = [INDEX[name] for name in ("left_eye", "right_eye", "inner_mouth", "glasses")]
+"""Labels of what mirrors light whatever its own colour."""
 
 BRIGHTEST_CHANGE = 1e30
 """No gain or offset is larger."""
@@ -72,9 +75,13 @@ def fit_view(
 ) -> LightChange:
     """The composed view (1, 3, s, s) as gain and offset of the photo's, normalised light."""
     gloss = effects.specular * reflected[:, 3:] / grey(reflected[:, 3:]).clamp_min(1e-6)
-    patterned = surface.parsing[:, PATTERNED].sum(1, keepdim=True)
-    mouth = surface.parsing[:, MOUTH].sum(1, keepdim=True)
-    return fit_light_change(photo_small, as_image(relit), as_image(gloss), as_image(patterned), as_image(mouth))
+    return fit_light_change(photo_small, as_image(relit), as_image(gloss), makeup_of(as_image(surface.parsing)))
+
+
+def makeup_of(parsing: np.ndarray) -> Makeup:
+    """What a view of parsing probabilities (s, s, classes) is made up of."""
+    patterned, mouth, smooth = (parsing[..., labels].sum(-1) for labels in (_PATTERNED, _MOUTH, _SMOOTH))
+    return Makeup(patterned, mouth, 1 - smooth)
 
 
 def enlarge_change(
@@ -84,7 +91,8 @@ def enlarge_change(
     gain, offset = change.gain, change.offset
     if moved is not None:
         kept = as_image(moved.kept)
-        gain, offset = gain * kept, offset * kept + as_image(moved.added)
+        added = as_image(moved.added)
+        gain, offset = gain * kept + added * change.shine, offset * kept + added * change.veil
     both = at_level(upsample(np.concatenate([gain, offset], axis=-1)), level)
     return ViewChange(np.ascontiguousarray(both[..., :3]), np.ascontiguousarray(both[..., 3:]), level)
 

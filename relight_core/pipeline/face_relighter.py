@@ -296,7 +296,8 @@ class FaceRelighter:
         if plan.runs("detail"):
             return fit_view(ready.photo_small, ready.surface, lit.reflected, effects, image)
         relit = as_image(image)
-        return LightChange(np.zeros_like(relit), relit)
+        nothing = np.zeros_like(relit)
+        return LightChange(nothing, relit, nothing, nothing + 1)
 
     def _upsampler(self, ready: Prepared) -> JointUpsampler:
         return self._once(

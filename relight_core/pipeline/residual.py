@@ -6,6 +6,8 @@ much under another light: a ratio image (Liu, Shan and Zhang 2001), of the photo
 what the model makes of another light, by its full strength where the place is lit as in the photo, and by
 less the less alike the two are: a highlight or a cast shadow that the model missed belongs to the photo's light
 and not to the surface. So a portrait under its own estimated light is the photo again.
+
+Hair that is darker than its model has strands in each other's shadow, whatever light falls on them: it stays darker.
 """
 
 from __future__ import annotations
@@ -15,6 +17,7 @@ from dataclasses import dataclass, replace
 
 import torch
 
+from relight_core.face.parsing import INDEX
 from relight_core.lighting.environment import mean_luminance
 from relight_core.pipeline.blown import clipped_share, skin_share
 from relight_core.pipeline.hints import Effects, grey
@@ -24,6 +27,7 @@ _BLACK = 0.005
 _LARGEST_LOG = 3.0
 _CLIPPED = 0.97
 _FEWEST_PIXELS = 50
+_DARK_HAIR = 0.8
 
 
 @dataclass(frozen=True)
@@ -33,11 +37,13 @@ class Residual:
     Attributes:
         log_ratio: (1, 3, S, S), [-3, 3].
         shading: (1, 1, S, S) the model's grey explicit sum there, normalised light.
+        stays_dark: (1, 1, S, S) in [0, 1], how much of a darkening stays under whatever light.
         level: of the photo's own light, such that model and photo are equally bright over the person.
     """
 
     log_ratio: torch.Tensor
     shading: torch.Tensor
+    stays_dark: torch.Tensor
     level: float
 
 
@@ -67,7 +73,8 @@ def find_residual(
     log_ratio = torch.log((photo + _BLACK) / (image + _BLACK)).clamp(-_LARGEST_LOG, _LARGEST_LOG)
     if bool(recorded.max() <= 1.001):
         log_ratio = _at_least(log_ratio, clipped_share(recorded), skin_share(surface.parsing))
-    return Residual(log_ratio, grey(model.plain), level)
+    stays_dark = _DARK_HAIR * surface.parsing[:, INDEX["hair"], None]
+    return Residual(log_ratio, grey(model.plain), stays_dark, level)
 
 
 def _at_least(log_ratio: torch.Tensor, clipped: torch.Tensor, skin: torch.Tensor) -> torch.Tensor:
@@ -91,6 +98,7 @@ def add_residual(residual: Residual, composed: Composed, effects: Effects) -> tu
     shading = grey(composed.plain)
     darker, brighter = torch.minimum(shading, residual.shading), torch.maximum(shading, residual.shading)
     alike = (darker + _BLACK) / (brighter + _BLACK)
+    alike = torch.where(residual.log_ratio < 0, torch.maximum(alike, residual.stays_dark), alike)
     ratio = torch.exp(residual.log_ratio * alike)
     image = ((composed.image.float() + _BLACK) * ratio - _BLACK).clamp_min(0)
     return image, replace(effects, specular=effects.specular * grey(ratio), shadow=effects.shadow * grey(ratio))

@@ -6,6 +6,7 @@ from synthetic_heads import write_balls, write_lights
 
 from relight_core.evaluation import detail
 from relight_core.evaluation.detail_methods import METHODS, DetailTask
+from relight_core.imaging.light_change import Makeup
 from relight_core.imaging.resampling import resize_area
 
 
@@ -14,7 +15,7 @@ def test_every_method_finds_a_uniform_change_of_a_smooth_photo(name):
     x = np.linspace(0.2, 0.6, 64, dtype=np.float32)
     photo = np.repeat((x[:, None] * x[None, :])[..., None], 3, axis=2)
     small = resize_area(photo, (32, 32))
-    task = DetailTask(photo, small, 1.5 * small, np.zeros_like(small), np.zeros((32, 32), np.float32))
+    task = DetailTask(photo, small, 1.5 * small, np.zeros_like(small), Makeup.plain(32))
     result = METHODS[name](task)
     assert result.shape == photo.shape
     np.testing.assert_allclose(result, 1.5 * photo, atol=0.02)

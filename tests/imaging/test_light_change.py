@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from relight_core.imaging.joint_upsampling import JointUpsampler
-from relight_core.imaging.light_change import fit_light_change
+from relight_core.imaging.light_change import Makeup, fit_light_change
 from relight_core.imaging.resampling import resize_area
 
 
@@ -16,15 +16,17 @@ def checked_photo(size=64, dark=0.05, bright=0.8):
     return photo * rng.uniform(0.9, 1.1, (size, size, 1)).astype(np.float32)
 
 
-def nothing(size=16):
-    return np.zeros((size, size, 3), np.float32), np.zeros((size, size), np.float32)
+NO_GLOSS = np.zeros((16, 16, 3), np.float32)
+
+
+def made_of(patterned=0.0, evenly_lit=0.0, textured=0.0, size=16):
+    return Makeup(*(np.full((size, size), share, np.float32) for share in (patterned, evenly_lit, textured)))
 
 
 def test_a_constant_change_is_found_and_keeps_every_texture():
     photo = checked_photo()
     small = resize_area(photo, (16, 16))
-    gloss, pattern = nothing()
-    change = fit_light_change(small, small * 2.5, gloss, pattern)
+    change = fit_light_change(small, small * 2.5, NO_GLOSS, made_of())
     gain = JointUpsampler(small, photo)(change.gain)
     np.testing.assert_allclose(gain * photo, 2.5 * photo, rtol=0.06)
 
@@ -33,7 +35,7 @@ def test_gloss_is_added_and_not_multiplied():
     photo = np.full((16, 16, 3), 0.2, np.float32)
     gloss = np.zeros((16, 16, 3), np.float32)
     gloss[4:8, 4:8] = 0.5
-    change = fit_light_change(photo, photo + gloss, gloss, nothing()[1])
+    change = fit_light_change(photo, photo + gloss, gloss, made_of())
     np.testing.assert_allclose(change.gain, 1.0, atol=1e-3)
     np.testing.assert_allclose(change.offset, gloss, atol=1e-3)
 
@@ -43,9 +45,8 @@ def test_a_pupil_that_the_network_blurred_stays_dark_where_contrast_is_colour():
     photo[8, 8] = 0.01
     blurred = np.full((16, 16, 3), 0.5, np.float32)
     blurred[8, 8] = 0.3
-    gloss, pattern = nothing()
-    milky = fit_light_change(photo, blurred, gloss, pattern).apply(photo)[8, 8]
-    dark = fit_light_change(photo, blurred, gloss, pattern + 1).apply(photo)[8, 8]
+    milky = fit_light_change(photo, blurred, NO_GLOSS, made_of()).apply(photo)[8, 8]
+    dark = fit_light_change(photo, blurred, NO_GLOSS, made_of(patterned=1)).apply(photo)[8, 8]
     assert milky.min() > 0.1
     assert dark.max() < 0.03
 
@@ -54,9 +55,50 @@ def test_a_shadow_edge_that_the_photo_lacks_survives():
     photo = np.full((16, 16, 3), 0.4, np.float32)
     relit = photo.copy()
     relit[:, 8:] *= 0.1
-    gloss, pattern = nothing()
-    result = fit_light_change(photo, relit, gloss, pattern + 1).apply(photo)
+    result = fit_light_change(photo, relit, NO_GLOSS, made_of(patterned=1)).apply(photo)
     np.testing.assert_allclose(result, relit, atol=0.01)
+
+
+def test_teeth_that_the_network_lit_one_by_one_get_the_light_around_them():
+    photo = np.full((16, 16, 3), 0.6, np.float32)
+    relit = 0.5 * photo
+    relit[6:9, 6:9] = 0.0
+    relit[6:9, 10:12] = 0.6
+    spotted = fit_light_change(photo, relit, NO_GLOSS, made_of()).apply(photo)[7, 5:12]
+    even = fit_light_change(photo, relit, NO_GLOSS, made_of(evenly_lit=1)).apply(photo)[7, 5:12]
+    assert even.min() > spotted.min() + 0.03
+    assert np.ptp(even) < 0.7 * np.ptp(spotted)
+
+
+def test_an_open_mouth_gets_no_gloss_and_own_light_gives_the_photo_back():
+    photo = np.full((16, 16, 3), 0.3, np.float32)
+    photo[4:12, 4:12] = 0.005
+    gloss = np.full((16, 16, 3), 0.004, np.float32)
+    change = fit_light_change(photo, photo, gloss, made_of(evenly_lit=1))
+    assert change.offset.max() == 0
+    np.testing.assert_allclose(change.apply(photo), photo, atol=1e-3)
+
+
+def test_pores_break_a_highlight_on_skin_but_not_one_on_what_is_wet():
+    photo = np.full((16, 16, 3), 0.3, np.float32)
+    gloss = np.full((16, 16, 3), 0.6, np.float32)
+    pores = photo * np.where(np.indices((16, 16)).sum(0) % 2, 0.8, 1.2)[..., None].astype(np.float32)
+
+    def contrast(textured):
+        shown = fit_light_change(photo, photo + gloss, gloss, made_of(textured=textured)).apply(pores)
+        np.testing.assert_allclose(shown.mean(), 0.9, rtol=0.01)
+        return (shown.max() - shown.min()) / shown.mean()
+
+    assert contrast(1.0) > 0.3
+    assert contrast(0.0) < 0.15
+
+
+def test_a_gain_at_its_limit_keeps_its_colour():
+    photo = np.full((16, 16, 3), 0.01, np.float32)
+    relit = photo * np.float32([60, 30, 12])
+    gain = fit_light_change(photo, relit, NO_GLOSS, made_of()).gain[8, 8]
+    assert gain.max() <= 16
+    np.testing.assert_allclose(gain[1:] / gain[0], [0.5, 0.2], rtol=0.1)
 
 
 @pytest.mark.parametrize("bad", [np.nan, np.inf, -1.0, 1e30])
@@ -64,8 +106,8 @@ def test_hostile_values_stay_finite_and_positive(bad):
     photo, relit = np.full((2, 16, 16, 3), 0.3, np.float32)
     relit[3, 3] = bad
     photo[9, 9] = bad
-    change = fit_light_change(photo, relit, np.full((16, 16, 3), bad, np.float32), np.ones((16, 16), np.float32))
-    for part in (change.gain, change.offset):
+    change = fit_light_change(photo, relit, np.full((16, 16, 3), bad, np.float32), made_of(1, 0.5, 1))
+    for part in (change.gain, change.offset, change.shine, change.veil):
         assert np.isfinite(part).all()
         assert part.min() >= 0
     assert change.gain.max() <= 16

@@ -12,7 +12,7 @@ from relight_core.pipeline.stages import Surface
 
 SIZE = 64
 SIDE = (0.7660, 0.0, 0.6428)
-SKIN, HAIR = 1, 10
+SKIN, INNER_MOUTH, LIPS, HAIR = 1, 7, 8, 10
 
 
 def surface(label):
@@ -107,8 +107,9 @@ def test_where_the_network_sees_no_shadow_there_is_none():
     assert share(after).max() < 1e-5
 
 
-def test_hair_keeps_its_soft_shadows():
-    after = hardened(half_shadow(), [lamp()], label=HAIR)
+@pytest.mark.parametrize("label", [HAIR, INNER_MOUTH, LIPS])
+def test_hair_and_mouth_keep_their_soft_shadows(label):
+    after = hardened(half_shadow(), [lamp()], label=label)
     assert np.abs(share(after) - 0.5).max() < 1e-5
 
 

@@ -9,7 +9,7 @@ from relight_core.pipeline.residual import add_residual, find_residual
 from relight_core.pipeline.stages import Composed
 
 SIZE = 12
-SKIN, CLOTH = 1, 13
+SKIN, HAIR, CLOTH = 1, 10, 13
 
 
 def images(seed):
@@ -62,6 +62,22 @@ def test_it_fades_as_a_place_is_lit_less_like_in_the_photo():
         changes.append(float((image / model.image).log().abs().mean()))
     assert changes == sorted(changes, reverse=True)
     assert changes[-1] < 0.02
+
+
+def test_hair_that_the_model_makes_too_bright_stays_dark_in_a_stronger_light_but_too_dark_hair_does_not_shine():
+    photo = torch.full((1, 3, SIZE, SIZE), 0.1)
+    photo[..., : SIZE // 2] = 0.4
+    model = Composed(torch.full_like(photo, 0.2), torch.full_like(photo, 0.2))
+    brighter = Composed(torch.full_like(photo, 2.0), torch.full_like(photo, 2.0))
+
+    def gains(label):
+        residual = find_residual(surface(photo, label), photo, light(), lambda own: model)
+        image, _ = add_residual(residual, brighter, no_effects())
+        return (image / brighter.image)[0, 0, 0]
+
+    skin, hair = gains(SKIN), gains(HAIR)
+    assert hair[-1] < skin[-1] - 0.1
+    torch.testing.assert_close(hair[0], skin[0])
 
 
 def test_a_clipped_photo_does_not_darken_a_brighter_model():
