@@ -34,11 +34,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Write the channels; returns the exit code."""
-    folder, edit = arguments.output, edit_from(arguments)
+    folder = arguments.output
     check_folder(folder, is_made=True)
     with reporting(arguments.json) as report:
         session = Session()
         light = session.light(arguments.light)
+        edit = edit_from(arguments, session.metered_ev)
         session.open(arguments.photo, arguments.face, arguments.box)
         relit = session.relighter.relight(light, edit)
         written = write_channels(relit, edit, folder, [arguments.photo, *light_file(arguments.light)])

@@ -36,6 +36,7 @@ class Session:
 
     def __init__(self) -> None:
         self.opening_ms: dict[str, float] = {}
+        self._panorama: Environment | None = None
         self._boxes: dict[str, tuple[FaceBox, ...] | None] = {}
 
     @cached_property
@@ -53,14 +54,25 @@ class Session:
         from relight_core.lighting.rigs import load_rig
 
         kind = light_kind(text)
+        self._panorama = None
         if kind == "saved":
             return self._saved_light(Path(text))
         if kind == "rig":
             return load_rig(text)
         if kind == "panorama":
-            return read_environment(Path(text))
+            self._panorama = read_environment(Path(text))
+            return self._panorama
         self.open(Path(text))
         return self.relighter.estimated_light()
+
+    def metered_ev(self) -> float:
+        """The exposure for the last light, in stops; 0 unless it is a panorama or starts from one.
+
+        What was changed about a saved light, soft boxes too, is meant to be seen, and not metered away.
+        """
+        from relight_core.lighting.summary import metered_exposure_ev
+
+        return 0.0 if self._panorama is None else metered_exposure_ev(self._panorama)
 
     def _saved_light(self, path: Path) -> Environment:
         """A light file's light, or a session's, with all that was changed about it and its turn."""

@@ -41,10 +41,11 @@ def run(arguments: argparse.Namespace) -> int:
         session = Session()
         light = session.light(arguments.light)
         session.open(arguments.photo, arguments.face, arguments.box)
-        edit = replace(edit_from(arguments), channels=())
+        edit = replace(edit_from(arguments, session.metered_ev), channels=())
         last = write_turntable(session, light, edit, arguments.output)
         report.line(f"wrote {arguments.output}")
-        report.record(relit_record(str(arguments.photo), str(arguments.output), last))
+        record = relit_record(str(arguments.photo), str(arguments.output), last)
+        report.record(record | {"exposure_ev": edit.exposure_ev})
     return 0
 
 

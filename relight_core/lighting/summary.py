@@ -1,7 +1,8 @@
-"""A light in two numbers: where it comes from and how uneven it is."""
+"""A light in a few numbers: where it comes from, how uneven and how bright it is."""
 
 from __future__ import annotations
 
+import math
 from functools import lru_cache
 
 import numpy as np
@@ -9,6 +10,11 @@ import numpy as np
 from relight_core.imaging.colour import REC709_LUMINANCE
 from relight_core.lighting.environment import Environment, mean_luminance, network_light
 from relight_core.lighting.sphere import directions, solid_angles
+
+METERED_READING = 1.5
+"""What the meter reads, in the photo's units, of light that suits it as it is, such as the bundled rigs'."""
+
+MOST_STOPS = 16.0
 
 
 def average_direction(environment: Environment, yaw_deg: float = 0.0) -> np.ndarray:
@@ -49,6 +55,20 @@ def meter_reading(environment: Environment) -> float:
     """
     light = network_light(environment)
     return float((_relative_cosines(*light.shape[:2]) @ (light @ REC709_LUMINANCE).ravel()).max())
+
+
+def metered_exposure_ev(environment: Environment) -> float:
+    """The exposure at which the light's brightest side is as bright as that of the bundled rigs.
+
+    A panorama comes in units of its own; the rigs are made to suit a photo as it is.
+
+    Returns:
+        stops, to a hundredth, in [-16, 16]; 0 for a map without light. Twice the light gives one stop less.
+    """
+    if environment.level <= 0:
+        return 0.0
+    stops = math.log2(METERED_READING) - math.log2(meter_reading(environment)) - math.log2(environment.level)
+    return round(min(max(stops, -MOST_STOPS), MOST_STOPS), 2)
 
 
 @lru_cache(maxsize=2)
