@@ -24,6 +24,7 @@ from relight_core.imaging.photo import Photo
 from relight_core.imaging.read import read_photo
 from relight_core.lighting.environment import Environment, read_environment
 from relight_core.lighting.light_edit import LightEdit, edit_light
+from relight_core.lighting.summary import metered_exposure_ev
 from relight_core.pipeline.edit import Edit
 
 _OWN = LightSource("own")
@@ -273,7 +274,9 @@ def _without_portrait(now: Snapshot) -> Snapshot:
 
 def _for_screen(source: LightSource, environment: Environment) -> OpenLight:
     panorama, ball = panorama_for_screen(environment), ball_for_screen(environment)
-    return OpenLight(source, environment, panorama, ball, environment)
+    # All other lights are in the photo's units: rigs were made so, and borrowed light comes from a photo.
+    metered_ev = metered_exposure_ev(environment) if source.kind == "panorama" else 0.0
+    return OpenLight(source, environment, panorama, ball, environment, metered_ev=metered_ev)
 
 
 def error_line(error: Exception) -> str:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from app.ui import face_edits
 from app.ui.actions import Action, Gesture
+from app.ui.metering import follow_light
 from app.ui.panorama import NEW_AT, add_box
 from app.ui.state import EditorState
 
@@ -69,6 +70,14 @@ LIGHT = (
     Action("Turn the light right", _LIGHT, ("Right",), "Turn it by 5°", _turn(5.0), repeats=True),
     Action("Nudge the light left", _LIGHT, ("Shift+Left",), "Turn it by 1°", _turn(-1.0), repeats=True),
     Action("Nudge the light right", _LIGHT, ("Shift+Right",), "Turn it by 1°", _turn(1.0), repeats=True),
+    Action(
+        "Meter the light",
+        _LIGHT,
+        ("A",),
+        "The exposure follows the light, a panorama is metered; or stays as it is",
+        lambda state: follow_light(state, not state.metering.follows),
+        is_on=lambda state: state.metering.follows,
+    ),
     Action("Reset all", _LIGHT, ("Ctrl+R",), "Put every slider and the light back", EditorState.reset),
 )
 

@@ -225,3 +225,29 @@ def test_the_quality_of_a_saved_edit_is_final(folder, document):
     hasty = replace(document, edit=replace(document.edit, quality="live"))
     assert read_session(saved(folder, hasty)).document == document
     assert Path(document.photo.path).exists()
+
+
+@pytest.mark.parametrize("follows", [True, False])
+def test_a_session_knows_whether_the_exposure_follows_the_light(folder, document, follows):
+    document = replace(document, exposure_follows=follows)
+    assert read_session(saved(folder, document)).document == document
+
+
+@pytest.mark.parametrize(
+    ("light", "exposure_ev", "follows"),
+    [
+        (LightRef("rig", "ring"), 0.0, True),
+        (LightRef("rig", "ring"), 0.5, False),
+        (None, 0.0, False),
+    ],
+)
+def test_a_session_from_before_there_was_a_meter_opens_as_it_was(folder, document, light, exposure_ev, follows):
+    edit = replace(document.edit, exposure_ev=exposure_ev)
+    document = replace(document, light=light or document.light, edit=edit)
+    path = saved(folder, document)
+    content = json.loads(path.read_text())
+    del content["exposure"]
+    path.write_text(json.dumps(content))
+    session = read_session(path)
+    assert session.document == replace(document, exposure_follows=follows)
+    assert session.notes == ()
