@@ -5,7 +5,6 @@ from __future__ import annotations
 import argparse
 import math
 import re
-from collections.abc import Callable
 from pathlib import Path
 from typing import NoReturn
 
@@ -14,7 +13,6 @@ from relight_core.pipeline.edit import EFFECTS, TOLERANCE, Edit
 
 EXPOSURE_LIMIT_EV = 16.0
 GAIN_LIMIT = 2.0
-AUTO_EXPOSURE = "auto"
 
 
 class OneLineParser(argparse.ArgumentParser):
@@ -48,18 +46,17 @@ def add_one_photo(parser: argparse.ArgumentParser, metavar: str, output_help: st
 
 
 def add_sliders(parser: argparse.ArgumentParser) -> None:
-    """The settings of an Edit, the face and --json."""
+    """--meter, the settings of an Edit, and the face."""
+    parser.add_argument(
+        "--meter",
+        action="store_true",
+        help="make a panorama's brightest side as bright as that of the bundled rigs, whatever units its file is in; "
+        "other lights stay as they are",
+    )
     parser.add_argument(
         "--yaw", metavar="DEG", type=_finite, default=0.0, help="turn the light; positive moves it right"
     )
-    parser.add_argument(
-        "--exposure",
-        metavar="EV",
-        type=_exposure,
-        default=0.0,
-        help="brighten by stops, -16 to 16, 0 by default; auto meters a panorama, also where a saved light or session "
-        "starts from one, and is 0 for bundled rigs and borrowed light, which suit the photo as they are",
-    )
+    parser.add_argument("--exposure", metavar="EV", type=_exposure, default=0.0, help="brighten by stops, -16 to 16")
     parser.add_argument("--specular", metavar="S", type=_gain, default=1.0, help="gain on highlights, 0 to 2")
     parser.add_argument("--shadow", metavar="S", type=_gain, default=1.0, help="gain on shadows, 0 to 2")
     parser.add_argument(
@@ -124,16 +121,11 @@ def add_json(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--json", action="store_true", help="print one JSON object and nothing else on stdout")
 
 
-def edit_from(arguments: argparse.Namespace, metered_ev: Callable[[], float]) -> Edit:
-    """The Edit that the sliders' arguments describe.
-
-    Args:
-        metered_ev: the exposure for the light, in stops; asked only where --exposure is auto.
-    """
-    exposure_ev = metered_ev() if arguments.exposure == AUTO_EXPOSURE else arguments.exposure
+def edit_from(arguments: argparse.Namespace) -> Edit:
+    """The Edit that the sliders' arguments describe."""
     return Edit(
         yaw_deg=arguments.yaw,
-        exposure_ev=exposure_ev,
+        exposure_ev=arguments.exposure,
         specular=arguments.specular,
         shadow=arguments.shadow,
         specular_tint=arguments.specular_tint,
@@ -173,9 +165,7 @@ def _share(text: str) -> float:
     return _within(text, 0.0, 1.0)
 
 
-def _exposure(text: str) -> float | str:
-    if text == AUTO_EXPOSURE:
-        return text
+def _exposure(text: str) -> float:
     return _within(text, -EXPOSURE_LIMIT_EV, EXPOSURE_LIMIT_EV)
 
 

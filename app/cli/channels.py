@@ -34,12 +34,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Write the channels; returns the exit code."""
-    folder = arguments.output
+    folder, edit = arguments.output, edit_from(arguments)
     check_folder(folder, is_made=True)
     with reporting(arguments.json) as report:
         session = Session()
-        light = session.light(arguments.light)
-        edit = edit_from(arguments, session.metered_ev)
+        light = session.light(arguments.light, arguments.meter)
         session.open(arguments.photo, arguments.face, arguments.box)
         relit = session.relighter.relight(light, edit)
         written = write_channels(relit, edit, folder, [arguments.photo, *light_file(arguments.light)])

@@ -26,15 +26,15 @@ def write_demo(photo: Path, light: str | None, folder: Path) -> None:
 
     make_folder(folder)
     inputs = [photo, *light_file(light or "")]
+    edit = Edit(quality="final")
     session = Session()
-    lights = [(name, session.light(name)) for name in ([light] if light else DEMO_LIGHTS)]
-    edit = Edit(quality="final", exposure_ev=session.metered_ev())
+    lights = [(name, session.light(name, metered=True)) for name in ([light] if light else DEMO_LIGHTS)]
     session.open(photo)
     for name, environment in lights:
         output = folder / f"relit-{Path(name).stem}.png"
         check_place(output, inputs)
         relit = session.relighter.relight(environment, edit)
-        write_image(output, relit.image, relit.alpha, exposure_ev=edit.exposure_ev)
+        write_image(output, relit.image, relit.alpha)
         print(f"wrote {output}", flush=True)
     write_channels(relit, edit, folder / "channels", inputs)
     print(f"wrote {folder / 'channels'}/", flush=True)

@@ -61,7 +61,7 @@ def run(arguments: argparse.Namespace) -> int:
     outputs = _checked_outputs(arguments)
     with reporting(arguments.json) as report:
         session = Session()
-        light = session.light(arguments.light)
+        light = session.light(arguments.light, arguments.meter)
         if not several:
             report.record(_render(session, light, arguments, arguments.photos[0], outputs[0], report))
             return 0
@@ -127,7 +127,7 @@ def _render(
     from relight_core.imaging.write import FileStyle, write_bands
 
     # Only the picture is written, and only in bands: no channel is looked at, no screen wants it.
-    edit = replace(edit_from(arguments, session.metered_ev), channels=())
+    edit = replace(edit_from(arguments), channels=())
     opened = session.open(photo, arguments.face, arguments.box)
     relit = session.relighter.relight(light, edit, longest_side_px=0)
     if _is_folder(arguments.output):
@@ -141,4 +141,4 @@ def _render(
     after_networks_s = ended - (relit.networks_ended_s or began)
     times = FileTimes(session.opening_ms, (ended - began) * 1e3, after_networks_s * 1e3)
     report.line(relit_line(str(output), relit, edit))
-    return relit_record(str(photo), str(output), relit, times) | {"exposure_ev": edit.exposure_ev}
+    return relit_record(str(photo), str(output), relit, times)

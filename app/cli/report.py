@@ -131,5 +131,4 @@ def relit_line(output_name: str, relit: Relit, edit: Edit) -> str:
     """The same for people, in a line."""
     height, width = relit.size
     total_ms = sum(stage.ms for stage in relit.stages.values())
-    exposed = f", exposure {edit.exposure_ev:+.2f} EV" if edit.exposure_ev else ""
-    return f"wrote {output_name} ({width} x {height}, {edit.quality} quality{exposed}, {total_ms:.0f} ms)"
+    return f"wrote {output_name} ({width} x {height}, {edit.quality} quality, {total_ms:.0f} ms)"

@@ -36,7 +36,6 @@ class Session:
 
     def __init__(self) -> None:
         self.opening_ms: dict[str, float] = {}
-        self._panorama: Environment | None = None
         self._boxes: dict[str, tuple[FaceBox, ...] | None] = {}
 
     @cached_property
@@ -44,35 +43,28 @@ class Session:
         """The one Relighter of this command."""
         return make_relighter()
 
-    def light(self, text: str) -> Environment:
+    def light(self, text: str, metered: bool = False) -> Environment:
         """The light that L names: a bundled rig, an .hdr or .exr panorama, a portrait's own light, or a saved one.
+
+        Args:
+            metered: bring a panorama to the level that suits a photo; a saved light says that itself.
 
         Raises:
             InputError: L is none of these, or its file is bad.
         """
         from relight_core.lighting.environment import read_environment
+        from relight_core.lighting.light_edit import LightEdit, edit_light
         from relight_core.lighting.rigs import load_rig
 
         kind = light_kind(text)
-        self._panorama = None
         if kind == "saved":
             return self._saved_light(Path(text))
         if kind == "rig":
             return load_rig(text)
         if kind == "panorama":
-            self._panorama = read_environment(Path(text))
-            return self._panorama
+            return edit_light(read_environment(Path(text)), LightEdit(metered=metered))
         self.open(Path(text))
         return self.relighter.estimated_light()
-
-    def metered_ev(self) -> float:
-        """The exposure for the last light, in stops; 0 unless it is a panorama or starts from one.
-
-        What was changed about a saved light, soft boxes too, is meant to be seen, and not metered away.
-        """
-        from relight_core.lighting.summary import metered_exposure_ev
-
-        return 0.0 if self._panorama is None else metered_exposure_ev(self._panorama)
 
     def _saved_light(self, path: Path) -> Environment:
         """A light file's light, or a session's, with all that was changed about it and its turn."""

@@ -39,13 +39,12 @@ def run(arguments: argparse.Namespace) -> int:
     check_place(arguments.output, [arguments.photo, *light_file(arguments.light)])
     with reporting(arguments.json) as report:
         session = Session()
-        light = session.light(arguments.light)
+        light = session.light(arguments.light, arguments.meter)
         session.open(arguments.photo, arguments.face, arguments.box)
-        edit = replace(edit_from(arguments, session.metered_ev), channels=())
+        edit = replace(edit_from(arguments), channels=())
         last = write_turntable(session, light, edit, arguments.output)
         report.line(f"wrote {arguments.output}")
-        record = relit_record(str(arguments.photo), str(arguments.output), last)
-        report.record(record | {"exposure_ev": edit.exposure_ev})
+        report.record(relit_record(str(arguments.photo), str(arguments.output), last))
     return 0
 
 

@@ -55,7 +55,6 @@ class Document:
         light_edit: what was changed about it.
         edit: the sliders; always of quality "final", with every channel.
         quality: the tier the user works at, or "auto".
-        exposure_follows: the exposure is that of the light; else it was set by hand.
     """
 
     photo: PhotoRef | None = None
@@ -63,4 +62,3 @@ class Document:
     light_edit: LightEdit = field(default_factory=LightEdit)
     edit: Edit = field(default_factory=lambda: Edit(quality="final"))
     quality: str = AUTO
-    exposure_follows: bool = True

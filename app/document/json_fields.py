@@ -47,6 +47,13 @@ class Fields:
             self._notes.append(f"{key} {value:g} is out of range and became {kept:g}")
         return kept
 
+    def flag(self, key: str) -> bool:
+        """True or false; false where it is missing."""
+        value = self._values.pop(key, False)
+        if not isinstance(value, bool):
+            raise InputError(f"{self._where}: {key} is neither true nor false; mend the file or delete that line")
+        return value
+
     def index(self, key: str) -> int | None:
         """A whole number from 0 to 999, or None."""
         value = self._values.pop(key, None)

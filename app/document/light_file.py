@@ -108,8 +108,9 @@ def read_light_content(fields: Fields, path: Path) -> tuple[LightRef, LightEdit]
     defaults = LightEdit()
     values = {key: fields.number(key, *_LIGHT_RANGES[key], getattr(defaults, key)) for key in _LIGHT_RANGES}
     boxes = tuple(_box(group) for group in fields.groups("boxes", MOST_BOXES))
+    metered = fields.flag("metered")
     fields.finish()
-    return LightRef(kind, name if kind != "own" else ""), LightEdit(**values, boxes=boxes)
+    return LightRef(kind, name if kind != "own" else ""), LightEdit(**values, boxes=boxes, metered=metered)
 
 
 def _box(fields: Fields) -> SoftBox:

@@ -46,8 +46,6 @@ def change_between(before: Document, after: Document) -> Change | None:
         return Change(("light.boxes.delete",), _without_boxes(before.light_edit))
     if len(touched) > 1:
         return Change(touched, _several(after))
-    if not touched:
-        return Change(("edit.exposure_ev",), f"Exposure {'follows the light' if after.exposure_follows else 'by hand'}")
     if touched == ("light.boxes",):
         return _box_change(before.light_edit, after.light_edit)
     return Change(touched, _setting(touched[0], after))
@@ -87,9 +85,9 @@ def _differing(before: object, after: object, prefix: str) -> list[str]:
 
 
 def _several(after: Document) -> str:
-    at_rest = Edit(quality=after.edit.quality, exposure_ev=after.edit.exposure_ev)
-    is_reset = after.edit == at_rest and after.exposure_follows and after.light_edit == LightEdit()
-    return "Reset all" if is_reset else "Change several settings"
+    is_opened = after.light_edit == after.light.source().opening_edit
+    at_rest = after.edit == Edit(quality=after.edit.quality) and is_opened
+    return "Reset all" if at_rest else "Change several settings"
 
 
 def _without_boxes(before: LightEdit) -> str:
@@ -148,6 +146,7 @@ _SETTINGS: dict[str, Callable] = {
     "edit.background_fov_deg": lambda value: f"Background width {value:.0f}°",
     "edit.background_blur_deg": lambda value: f"Background blur {value:.1f}°",
     "light.level_ev": lambda value: f"Light level {value:+.2f} EV",
+    "light.metered": lambda value: "Meter the light" if value else "Light as its file says",
     "light.base": _number("Room light", ".2f"),
     "light.saturation": _number("Light saturation", ".2f"),
     "light.warmth": _number("Light warmth", "+.2f"),

@@ -32,7 +32,6 @@ _EDIT_RANGES = {
     "background_blur_deg": (0.0, 20.0),
 }
 _FORCED = ("forced_on", "forced_off")
-_FOLLOWS, _BY_HAND = "auto", "hand"
 
 
 @dataclass(frozen=True)
@@ -72,7 +71,6 @@ def write_session(path: Path, document: Document, *, relative: bool = True) -> N
         "face_boxes": face_boxes_content(document.photo.boxes),
         "light": light_content(document.light, document.light_edit, folder),
         "quality": document.quality,
-        "exposure": _FOLLOWS if document.exposure_follows else _BY_HAND,
         "edit": {key: getattr(edit, key) for key in _EDIT_RANGES}
         | {"background": edit.background}
         | {key: sorted(getattr(edit, key)) for key in _FORCED},
@@ -94,13 +92,8 @@ def read_session(path: Path) -> Session:
     light, light_edit = read_light_content(fields.group("light"), path)
     edit = _edit(fields.group("edit"), path)
     quality = fields.word("quality", (AUTO, *TIERS), AUTO)
-    # Where a file doesn't say it, a panorama was not metered and a rig is as the meter leaves it.
-    follows = edit.exposure_ev == 0.0 and light.kind != "panorama"
-    exposure = fields.word("exposure", (_FOLLOWS, _BY_HAND), _FOLLOWS if follows else _BY_HAND)
     fields.finish()
-    photo_ref = PhotoRef(photo, face_index, boxes)
-    document = Document(photo_ref, light, light_edit, edit, quality, exposure == _FOLLOWS)
-    return Session(document, tuple(notes))
+    return Session(Document(PhotoRef(photo, face_index, boxes), light, light_edit, edit, quality), tuple(notes))
 
 
 def is_session_place(path: Path) -> bool:

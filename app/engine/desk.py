@@ -24,7 +24,6 @@ from relight_core.imaging.photo import Photo
 from relight_core.imaging.read import read_photo
 from relight_core.lighting.environment import Environment, read_environment
 from relight_core.lighting.light_edit import LightEdit, edit_light
-from relight_core.lighting.summary import metered_exposure_ev
 from relight_core.pipeline.edit import Edit
 
 _OWN = LightSource("own")
@@ -125,8 +124,9 @@ class Desk:
 
     def _draw_light(self, edit: LightEdit, draft: bool, now: Snapshot) -> Snapshot:
         environment = edit_light(now.light.base, edit, draft)
-        # As bright as the base is shown, so that a lamp that is added darkens nothing.
-        gain = environment.level / now.light.base.level if now.light.base.level > 0 else 1.0
+        # As bright as the base is shown, metered or not, so that a lamp that is added darkens nothing.
+        base = edit_light(now.light.base, LightEdit(metered=edit.metered))
+        gain = environment.level / base.level if base.level > 0 else 1.0
         panorama = panorama_for_screen(environment, gain)
         return replace(
             now,
@@ -272,11 +272,10 @@ def _without_portrait(now: Snapshot) -> Snapshot:
     return replace(now, opened=None, picture=None, own_light=None, faces=(), refused=refused)
 
 
-def _for_screen(source: LightSource, environment: Environment) -> OpenLight:
-    panorama, ball = panorama_for_screen(environment), ball_for_screen(environment)
-    # All other lights are in the photo's units: rigs were made so, and borrowed light comes from a photo.
-    metered_ev = metered_exposure_ev(environment) if source.kind == "panorama" else 0.0
-    return OpenLight(source, environment, panorama, ball, environment, metered_ev=metered_ev)
+def _for_screen(source: LightSource, base: Environment) -> OpenLight:
+    edit = source.opening_edit
+    panorama, ball = panorama_for_screen(base), ball_for_screen(base)
+    return OpenLight(source, edit_light(base, edit), panorama, ball, base, edit)
 
 
 def error_line(error: Exception) -> str:

@@ -48,7 +48,6 @@ class OpenLight:
         base: the light before it was edited.
         edit: what was changed about it.
         is_draft: it was drawn coarsely, while the hand was moving.
-        metered_ev: the exposure for the light before it was edited, in stops.
     """
 
     source: LightSource
@@ -58,7 +57,6 @@ class OpenLight:
     base: Environment
     edit: LightEdit = field(default_factory=LightEdit)
     is_draft: bool = False
-    metered_ev: float = 0.0
 
 
 @dataclass(frozen=True, eq=False)

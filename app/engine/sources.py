@@ -116,6 +116,14 @@ class LightSource:
             return self.name.replace("-", " ").capitalize()
         return Path(self.name).stem
 
+    @property
+    def opening_edit(self) -> LightEdit:
+        """How the light is opened: panoramas, which come in units of their own, are metered.
+
+        All others are in the photo's units: rigs were made so, and borrowed light comes from a photo.
+        """
+        return LightEdit(metered=self.kind == "panorama")
+
     def same_as(self, other: LightSource | None) -> bool:
         """Whether the other wish is for the same light."""
         return other is not None and (self.kind, self.name) == (other.kind, other.name)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from app.ui import face_edits
 from app.ui.actions import Action, Gesture
-from app.ui.metering import follow_light
 from app.ui.panorama import NEW_AT, add_box
 from app.ui.state import EditorState
 
@@ -74,9 +73,10 @@ LIGHT = (
         "Meter the light",
         _LIGHT,
         ("A",),
-        "The exposure follows the light, a panorama is metered; or stays as it is",
-        lambda state: follow_light(state, not state.metering.follows),
-        is_on=lambda state: state.metering.follows,
+        "A panorama as bright as a photo wants it, or at the level its file gives",
+        EditorState.meter_light,
+        available=lambda state: state.light.kind == "panorama",
+        is_on=lambda state: state.light_edit.metered,
     ),
     Action("Reset all", _LIGHT, ("Ctrl+R",), "Put every slider and the light back", EditorState.reset),
 )

@@ -2,15 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 from imgui_bundle import imgui
 
 from app.ui import export_panel, face_edits, history_panel, quality_panel, theme, widgets
 from app.ui.groups import SPACING_EM, Tool, group, tool_button, tool_width
-from app.ui.metering import expose, follow_light, metered_ev
 from app.ui.state import EditorState
-from relight_core.lighting.light_edit import LightEdit
 from relight_core.pipeline.edit import Edit
 
 SHADOW = widgets.Slider(
@@ -26,11 +22,6 @@ TINT = widgets.Slider(
     "Specular tint", -1.0, 1.0, 0.0, "%+.2f", "Colour of the shine: left is cool, right is warm; 0 is the light's own."
 )
 EXPOSURE = widgets.Slider("Exposure", -5.0, 5.0, 0.0, "%+.2f EV", "Brightens or darkens the whole picture, in stops.")
-AUTO_ON = (
-    "The exposure follows the light: a panorama is metered when you open it, the other lights are right at 0.\n"
-    "Click to keep it as it is, whatever light comes next.  A"
-)
-AUTO_OFF = "The exposure was set by hand and stays. Click to let it follow the light: a panorama is metered.  A"
 BACKGROUNDS = (
     ("keep", "Photo", "Keep the photo's own background."),
     ("match", "Match", "Keep it, as bright and as tinted as the new light makes the person."),
@@ -72,8 +63,7 @@ def _queue(state: EditorState) -> None:
 
 
 def _effects(state: EditorState, fonts: theme.Fonts) -> None:
-    at_rest = Edit(quality=state.edit.quality, exposure_ev=state.edit.exposure_ev)
-    untouched = state.edit == at_rest and state.metering.follows and state.light_edit == LightEdit()
+    untouched = state.edit == Edit(quality=state.edit.quality) and state.light_edit == state.light.opening_edit
     reset = Tool("Reset all", "Puts every slider and the light back.  Ctrl + R", not untouched)
     is_open, pressed = group(state, fonts, "effects", "Effects", tools=(reset,))
     if pressed:
@@ -86,24 +76,8 @@ def _effects(state: EditorState, fonts: theme.Fonts) -> None:
         shadow_softness=widgets.slider(state, SOFTNESS, edit.shadow_softness),
         specular=widgets.slider(state, SPECULAR, edit.specular),
         specular_tint=widgets.slider(state, TINT, edit.specular_tint),
+        exposure_ev=widgets.slider(state, EXPOSURE, edit.exposure_ev),
     )
-    _exposure(state)
-
-
-def _exposure(state: EditorState) -> None:
-    """The slider, at rest where the light puts it, and the switch beside its name that lets it follow the light."""
-    follows = state.metering.follows
-    if state.typing != EXPOSURE.label:
-        corner, em = imgui.get_cursor_screen_pos(), imgui.get_font_size()
-        aside = imgui.calc_text_size(EXPOSURE.label).x + 0.6 * em
-        imgui.set_cursor_screen_pos(imgui.ImVec2(corner.x + aside, corner.y - 0.1 * em))
-        if tool_button(Tool("Auto", AUTO_ON if follows else AUTO_OFF), follows):
-            follow_light(state, not follows)
-        imgui.set_cursor_screen_pos(corner)
-    before = state.edit.exposure_ev
-    after = widgets.slider(state, replace(EXPOSURE, rest=metered_ev(state)), before)
-    if after != before:
-        expose(state, after)
 
 
 def _backgrounds(state: EditorState, fonts: theme.Fonts) -> None:

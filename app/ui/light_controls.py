@@ -8,10 +8,10 @@ from imgui_bundle import imgui
 
 from app.ui import theme, widgets
 from app.ui.box_tools import with_box
-from app.ui.groups import Tool, group
+from app.ui.groups import Tool, group, tool_button
 from app.ui.panorama import NEW_AT, add_box
 from app.ui.state import EditorState
-from relight_core.lighting.light_edit import LightEdit
+from relight_core.lighting.summary import metered_level_ev
 
 _BOX = {
     "intensity": widgets.Slider(
@@ -94,19 +94,45 @@ def box(state: EditorState, fonts: theme.Fonts) -> None:
 
 def light(state: EditorState, fonts: theme.Fonts) -> None:
     """The whole light."""
-    edited = replace(state.light_edit, boxes=()) != LightEdit()
+    edited = replace(state.light_edit, boxes=()) != state.light.opening_edit
     back = Tool("Reset", "Puts level, colour and blur of the light back.", edited)
-    opened, pressed = group(state, fonts, "adjust", "Adjust the light", "changed" if edited else "", (back,))
+    summary = "changed" if edited else "metered" if state.light_edit.metered else ""
+    opened, pressed = group(state, fonts, "adjust", "Adjust the light", summary, (back,))
     if pressed:
-        state.light_edit = LightEdit(boxes=state.light_edit.boxes)
+        state.light_edit = replace(state.light.opening_edit, boxes=state.light_edit.boxes)
     if not opened:
         return
+    _meter(state)
     fields = [field for field in _LIGHT if field != "base" or state.light_edit.boxes or state.light_edit.base != 1.0]
     changed = {field: widgets.slider(state, _LIGHT[field], getattr(state.light_edit, field)) for field in fields}
     new = replace(state.light_edit, **changed)
     if new != state.light_edit:
         state.light_edit = new
     widgets.gap(0.2)
+
+
+def _meter(state: EditorState) -> None:
+    """Whether a panorama's level is metered; stands beside the name of the slider that the level is then set with."""
+    level = _LIGHT["level_ev"].label
+    if state.light.kind != "panorama" or state.typing == level:
+        return
+    corner, em = imgui.get_cursor_screen_pos(), imgui.get_font_size()
+    imgui.set_cursor_screen_pos(imgui.ImVec2(corner.x + imgui.calc_text_size(level).x + 0.6 * em, corner.y - 0.1 * em))
+    if tool_button(Tool("Metered", _meter_words(state)), state.light_edit.metered):
+        state.meter_light()
+    imgui.set_cursor_screen_pos(corner)
+
+
+def _meter_words(state: EditorState) -> str:
+    light = state.snapshot.light
+    is_there = light is not None and light.source.same_as(state.light)
+    stops = f" ({metered_level_ev(light.base):+.1f} EV)".replace("-", "\N{MINUS SIGN}") if is_there else ""
+    if state.light_edit.metered:
+        return (
+            f"The panorama is as bright as the bundled lights{stops}, whatever units its file is in.\n"
+            "Click for the level that the file gives.  A"
+        )
+    return f"The panorama is as bright as its file says. Click to make it as bright as the bundled lights{stops}.  A"
 
 
 def _gel(state: EditorState, colour: tuple[float, float, float] | None) -> tuple[float, float, float] | None:

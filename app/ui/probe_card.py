@@ -6,7 +6,6 @@ from imgui_bundle import imgui
 
 from app.ui import theme
 from app.ui.layout import Rect
-from app.ui.metering import exposure_in_sight
 from app.ui.panes import LIGHTS, Arrangement
 from app.ui.probe import Reading, readings
 from app.ui.state import EditorState
@@ -44,7 +43,7 @@ def draw(state: EditorState, arranged: Arrangement, rect: Rect) -> None:
     state.look.spot = point
     if not state.look.probe:
         return
-    rows = readings(state.snapshot, exposure_in_sight(state), *point) if point else []
+    rows = readings(state.snapshot, state.edit.exposure_ev, *point) if point else []
     imgui.push_font(None, 0.88 * theme.FONT_PX)
     em = imgui.get_font_size()
     width = width_em() * em

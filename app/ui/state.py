@@ -17,7 +17,6 @@ from app.ui.box_tools import Grab, without_box
 from app.ui.face_edits import FaceTool
 from app.ui.layout import OpenGroups, Panels
 from app.ui.look import LookState
-from app.ui.metering import Metering, begin, follow_light, meter
 from app.ui.photo_queue import PhotoQueue
 from app.ui.view import View
 from relight_core.face.find import FaceBox
@@ -69,7 +68,6 @@ class EditorState:
         extra_lights: lights beyond the bundled ones, newest first.
         edit: the sliders.
         light_edit: what the user changed about the light.
-        metering: whether the exposure follows the light.
         queue: the photos that were brought together.
         session_path: the file the work was last saved to or opened from.
         kept: the document as that file has it, or as the photo was opened; None before there is a photo.
@@ -113,7 +111,6 @@ class EditorState:
     extra_lights: list[LightSource] = field(default_factory=list)
     edit: Edit = field(default_factory=Edit)
     light_edit: LightEdit = field(default_factory=LightEdit)
-    metering: Metering = field(default_factory=Metering)
     queue: PhotoQueue = field(default_factory=PhotoQueue)
     session_path: Path | None = None
     kept: Document | None = None
@@ -178,7 +175,7 @@ class EditorState:
             photo = PhotoRef(path, self.photo.face_index, self.photo.boxes, self._found.get(path, ()))
         light = LightRef(self.light.kind, self.light.name)
         edit = replace(self.edit, quality="final", channels=None)
-        return Document(photo, light, self.light_edit, edit, self.quality.wish, self.metering.follows)
+        return Document(photo, light, self.light_edit, edit, self.quality.wish)
 
     def remember(self, now_s: float) -> None:
         """Let the history see what was changed; once a frame."""
@@ -190,7 +187,6 @@ class EditorState:
             return
         self.edit, self.light_edit = replace(document.edit, quality=self.edit.quality), document.light_edit
         self.quality = replace(self.quality, wish=document.quality)
-        self.metering = Metering(document.exposure_follows)
         if not document.light.source().same_as(self.light):
             self.light = self._known(document.light.source())
         if document.photo is not None and document.photo != self.document().photo:
@@ -204,8 +200,11 @@ class EditorState:
 
     def reset(self) -> None:
         """Put every slider and the light back."""
-        self.edit, self.light_edit = Edit(), LightEdit()
-        follow_light(self, True)
+        self.edit, self.light_edit = Edit(), self.light.opening_edit
+
+    def meter_light(self) -> None:
+        """Set the light's level by what a meter reads in it, or leave it as its file says."""
+        self.light_edit = replace(self.light_edit, metered=not self.light_edit.metered)
 
     def delete_box(self) -> None:
         """Take the selected soft box away."""
@@ -282,8 +281,8 @@ class EditorState:
         """
         if not light.same_as(self.light):
             kept = self.light_edit if self.light_edit.boxes else LightEdit()
-            self.light, self.light_edit = self._known(light), LightEdit(base=kept.base, boxes=kept.boxes)
-            begin(self)
+            self.light = self._known(light)
+            self.light_edit = replace(light.opening_edit, base=kept.base, boxes=kept.boxes)
 
     def accept(self, snapshot: Snapshot) -> None:
         """Take over what the engine published; wishes it refused fall back to what is in force."""
@@ -295,8 +294,6 @@ class EditorState:
         if self.light in snapshot.refused:
             self.light = snapshot.light.source if snapshot.light else LightSource("rig", FIRST_LIGHT)
             self.light_edit = snapshot.light.edit if snapshot.light else LightEdit()
-            self.metering = Metering(self.metering.follows)
-        meter(self)
         if snapshot.light and snapshot.light.source.kind in ("panorama", "portrait"):
             self._remember(snapshot.light.source)
         if snapshot.opened and (opened_before is None or snapshot.opened.photo is not opened_before.photo):

@@ -7,7 +7,6 @@ from pathlib import Path
 from imgui_bundle import imgui
 
 from app.ui import theme, widgets
-from app.ui.metering import exposure_in_sight, metering_note
 from app.ui.probe import reading
 from app.ui.state import EditorState
 
@@ -74,19 +73,10 @@ def _words(state: EditorState, width: float) -> None:
     if activity:
         imgui.text_disabled(f"{activity}…")
     elif opened:
-        imgui.text_disabled(_about_the_photo(state, width))
+        height, width_px = opened.photo.linear.shape[:2]
+        imgui.text_disabled(f"{opened.source.name}   {width_px} × {height}{_under_the_mouse(state)}")
     else:
         imgui.text_disabled("Ready")
-
-
-def _about_the_photo(state: EditorState, width: float) -> str:
-    """Its name and size, what was metered if there is room, and the value under the mouse."""
-    opened = state.snapshot.opened
-    height, width_px = opened.photo.linear.shape[:2]
-    name, spot = f"{opened.source.name}   {width_px} × {height}", _under_the_mouse(state)
-    note = metering_note(state)
-    whole = f"{name}      {note}{spot}"
-    return whole if note and imgui.calc_text_size(whole).x <= width else name + spot
 
 
 def brief(message: str) -> str:
@@ -101,7 +91,7 @@ def _under_the_mouse(state: EditorState) -> str:
     if state.look.spot is None:
         return ""
     x, y = state.look.spot
-    found = reading(state.snapshot, state.shown_name(), exposure_in_sight(state), x, y)
+    found = reading(state.snapshot, state.shown_name(), state.edit.exposure_ev, x, y)
     codes = "  ".join(f"{name} {code}" for name, code in zip("RGB", found.codes, strict=False)) if found else ""
     return f"      {int(x)}, {int(y)}   {codes}"
 

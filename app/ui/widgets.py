@@ -148,8 +148,7 @@ def _draw_track(
     middle, thick = left.y + height / 2, max(1.5, 0.1 * height)
 
     def at(number: float) -> float:
-        along = (number - spec.low) / (spec.high - spec.low)
-        return left.x + radius + min(max(along, 0.0), 1.0) * (width - 2 * radius)
+        return left.x + radius + (number - spec.low) / (spec.high - spec.low) * (width - 2 * radius)
 
     def bar(x0: float, x1: float, colour: theme.Colour) -> None:
         top, bottom = imgui.ImVec2(min(x0, x1), middle - thick), imgui.ImVec2(max(x0, x1), middle + thick)

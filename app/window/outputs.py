@@ -19,7 +19,6 @@ from app.engine.jobs import JobControl
 from app.engine.snapshot import Picture
 from app.engine.sources import RelighterLike
 from app.engine.turntable import FRAMES, turning, write_pictures
-from app.ui.metering import exposure_when_finished
 from app.ui.state import EditorState
 from app.window.clipboard import copy_png
 from relight_core.errors import InputError
@@ -55,11 +54,11 @@ class Outputs:
     def export(self, suffix: str) -> None:
         """Save the picture as another or the same kind of file where the panel says, if there is one."""
         if self._state.snapshot.picture is not None:
-            settings, exposure = replace(self._state.export, form=suffix), exposure_when_finished(self._state)
+            settings, exposure_ev = replace(self._state.export, form=suffix), self._state.edit.exposure_ev
 
             def save(picture: Picture) -> None:
                 place = self._state.export_place(suffix)
-                self._exporter.submit(ExportJob(picture, exposure(picture), place, settings))
+                self._exporter.submit(ExportJob(picture, exposure_ev, place, settings))
 
             self._when_finished(save)
 
@@ -67,21 +66,21 @@ class Outputs:
         """Save the picture as the settings say."""
         self._need_picture()
         settings = replace(self._state.export, form=path.suffix.lower() or self._state.export.form)
-        exposure = exposure_when_finished(self._state)
+        exposure_ev = self._state.edit.exposure_ev
         self._when_finished(
-            lambda picture: self._exporter.submit(ExportJob(picture, exposure(picture), path, settings, replaces))
+            lambda picture: self._exporter.submit(ExportJob(picture, exposure_ev, path, settings, replaces))
         )
 
     def copy_picture(self) -> None:
         """Put the picture on the clipboard, at its own size, 8 bits."""
         self._need_picture()
-        exposure = exposure_when_finished(self._state)
+        exposure_ev = self._state.edit.exposure_ev
 
         def start(picture: Picture) -> None:
             def work(control: JobControl) -> str:
                 with tempfile.TemporaryDirectory(prefix="relight-") as folder:
                     path = Path(folder) / "picture.png"
-                    write_image(path, *shrunk_picture(picture.relit, None), exposure_ev=exposure(picture))
+                    write_image(path, *shrunk_picture(picture.relit, None), exposure_ev=exposure_ev)
                     copy_png(path.read_bytes())
                 return "Copied the picture"
 
@@ -92,8 +91,8 @@ class Outputs:
     def film_to(self, path: Path) -> None:
         """Save the turntable: an .mp4 file, else a folder of pictures."""
         self._need_picture()
-        side, exposure = self._state.export.longest_side or 1080, exposure_when_finished(self._state)
-        self._when_finished(lambda picture: self._start_film(path, picture, side, exposure(picture)))
+        side, exposure_ev = self._state.export.longest_side or 1080, self._state.edit.exposure_ev
+        self._when_finished(lambda picture: self._start_film(path, picture, side, exposure_ev))
 
     def _start_film(self, path: Path, picture: Picture, side: int, exposure_ev: float) -> None:
         photo, source = picture.opened.photo, picture.opened.source
@@ -120,16 +119,14 @@ class Outputs:
         """
         self._need_picture()
         document, settings = self._state.document(), self._state.export
-        exposure = exposure_when_finished(self._state)
         boxes = {photo: self._state.boxes_of(photo) for photo in photos}
         title = document.light.source().title
 
         def start(picture: Picture) -> None:
             environment = picture.light.environment
-            exposed = replace(document, edit=replace(document.edit, exposure_ev=exposure(picture)))
 
             def one(relighter: RelighterLike, photo: Path, output: Path) -> None:
-                relight_like(exposed, environment, relighter, photo, output, settings, title, boxes[photo])
+                relight_like(document, environment, relighter, photo, output, settings, title, boxes[photo])
 
             self._start_batch(batch_tasks(photos, folder, settings.form), one, replaces)
 

@@ -18,7 +18,6 @@ from app.engine.light_shelf import LightShelf
 from app.engine.sources import LightSource, RelighterLike, Request
 from app.ui import editor, theme
 from app.ui.light_panel import Shelf
-from app.ui.metering import exposure_in_sight
 from app.ui.state import EditorState
 from app.window.deeds import Deeds
 from app.window.dropped import take_files
@@ -299,7 +298,7 @@ class EditorWindow:
         if is_new:
             state.accept(snapshot)
             self.shelf.keep(snapshot.light)
-        self.pictures.begin_frame(exposure_in_sight(state), state.hand_on_control)
+        self.pictures.begin_frame(state.edit.exposure_ev, state.hand_on_control)
         if is_new:
             self.pictures.update(snapshot)
         state.job = self.exporter.status()

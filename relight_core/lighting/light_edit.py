@@ -12,7 +12,7 @@ from relight_core.lighting.enlarge import COARSE_HEIGHT, enlarge
 from relight_core.lighting.environment import Environment, mean_luminance, rotate, shrink
 from relight_core.lighting.light_blur import blur_light
 from relight_core.lighting.soft_box import SoftBox, soft_box_radiance
-from relight_core.lighting.summary import meter_reading
+from relight_core.lighting.summary import meter_reading, metered_level_ev
 
 MOST_BOXES = 16
 DRAWN_HEIGHT = 256
@@ -37,6 +37,7 @@ class LightEdit:
         tint: [-1, 1], from green to magenta.
         blur_deg: standard deviation of the blur, [0, 90].
         boxes: soft boxes, at most 16; neither colour, blur nor base touch them.
+        metered: the light beneath all this is brought to the level that suits a photo, whatever units it came in.
     """
 
     level_ev: float = 0.0
@@ -46,11 +47,12 @@ class LightEdit:
     tint: float = 0.0
     blur_deg: float = 0.0
     boxes: tuple[SoftBox, ...] = ()
+    metered: bool = False
 
     @property
     def changes_shape(self) -> bool:
         """Whether more than the level is changed."""
-        return replace(self, level_ev=0.0) != LightEdit()
+        return replace(self, level_ev=0.0, metered=False) != LightEdit()
 
 
 def edit_light(light: Environment, edit: LightEdit, draft: bool = False) -> Environment:
@@ -67,6 +69,7 @@ def edit_light(light: Environment, edit: LightEdit, draft: bool = False) -> Envi
     Returns:
         The same object where nothing changes.
     """
+    stops = edit.level_ev + (metered_level_ev(light) if edit.metered else 0.0)
     if edit.changes_shape:
         height = DRAFT_HEIGHT if draft else max(DRAWN_HEIGHT, light.height)
         radiance = _coloured(_at_most(light.shape, height), edit)
@@ -76,7 +79,7 @@ def edit_light(light: Environment, edit: LightEdit, draft: bool = False) -> Envi
         level = light.level or 1.0
         edited = Environment.from_radiance(radiance, light.name)
         light = replace(edited, level=edited.level * level)
-    return light if edit.level_ev == 0.0 else replace(light, level=light.level * 2.0**edit.level_ev)
+    return light if stops == 0.0 else replace(light, level=light.level * 2.0**stops)
 
 
 def turned_light(light: Environment, yaw_deg: float) -> Environment:

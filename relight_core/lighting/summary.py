@@ -57,18 +57,18 @@ def meter_reading(environment: Environment) -> float:
     return float((_relative_cosines(*light.shape[:2]) @ (light @ REC709_LUMINANCE).ravel()).max())
 
 
-def metered_exposure_ev(environment: Environment) -> float:
-    """The exposure at which the light's brightest side is as bright as that of the bundled rigs.
+def metered_level_ev(environment: Environment) -> float:
+    """By how much the light's level has to change for its brightest side to be as bright as that of the bundled rigs.
 
     A panorama comes in units of its own; the rigs are made to suit a photo as it is.
 
     Returns:
-        stops, to a hundredth, in [-16, 16]; 0 for a map without light. Twice the light gives one stop less.
+        stops in [-16, 16]; 0 for a map without light. Twice the light gives one stop less.
     """
     if environment.level <= 0:
         return 0.0
     stops = math.log2(METERED_READING) - math.log2(meter_reading(environment)) - math.log2(environment.level)
-    return round(min(max(stops, -MOST_STOPS), MOST_STOPS), 2)
+    return min(max(stops, -MOST_STOPS), MOST_STOPS)
 
 
 @lru_cache(maxsize=2)

@@ -11,6 +11,7 @@ from app.engine.sources import LightSource, PhotoSource, Request
 from relight_core.errors import InputError
 from relight_core.face.find import FaceBox
 from relight_core.imaging.photo import Photo
+from relight_core.imaging.write import write_image
 from relight_core.lighting.light_edit import LightEdit
 from relight_core.lighting.soft_box import SoftBox
 from relight_core.pipeline.edit import Edit
@@ -280,3 +281,25 @@ def test_a_light_that_cannot_be_drawn_is_told_once_and_the_picture_stays(engine,
     after = answered(engine, Request(source, SPLIT, Edit(), LightEdit(level_ev=1.0)))
     assert after.message.text == "no such light"
     assert np.array_equal(after.picture.relit.image, before.picture.relit.image)
+
+
+def test_a_panorama_is_metered_as_it_is_opened_and_looks_the_same_in_any_units(engine, relighter, tmp_path):
+    source = PhotoSource(grey_photo())
+    radiance = np.random.default_rng(0).random((16, 32, 3), np.float32)
+    seen = []
+    for units in (1.0, 16.0):
+        path = tmp_path / f"{units:g}.exr"
+        write_image(path, units * radiance)
+        light = LightSource("panorama", str(path))
+        calls = len(relighter.relights)
+        metered = answered(engine, Request(source, light, Edit(), light.opening_edit))
+        assert len(relighter.relights) == calls + 1
+        plain = answered(engine, Request(source, light, Edit(), LightEdit()))
+        assert plain.light.environment.level == pytest.approx(units * 0.5, rel=0.1)
+        assert np.array_equal(plain.light.panorama, metered.light.panorama)
+        brighter = answered(engine, Request(source, light, Edit(), LightEdit(metered=True, level_ev=1.0)))
+        seen += [(metered.light.environment.level, brighter.light.environment.level, brighter.light.panorama)]
+    assert seen[0][:2] == pytest.approx(seen[1][:2], rel=1e-5)
+    assert seen[0][1] == pytest.approx(2.0 * seen[0][0])
+    assert np.abs(seen[0][2].astype(int) - seen[1][2]).max() <= 1
+    assert seen[0][2].mean() > metered.light.panorama.mean() + 10

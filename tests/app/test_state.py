@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from app.document.document import LightRef
 from app.engine.snapshot import Message, OpenLight, OpenPhoto, Snapshot
 from app.engine.sources import LightSource, PhotoSource
 from app.ui.state import CHANNELS, EditorState, wrap_degrees
@@ -120,6 +121,28 @@ def test_a_refused_light_brings_back_the_edit_of_the_one_in_force():
     state.accept(Snapshot(light=light, refused=frozenset({bad})))
     assert state.light is light.source
     assert state.light_edit == boxes
+
+
+SKY = LightSource("panorama", "/lights/sky.hdr")
+
+
+def test_panoramas_are_metered_and_other_lights_are_not():
+    state = EditorState()
+    for light, metered in ((SKY, True), (LightSource("portrait", "/p/you.jpg"), False), (LightSource("own"), False)):
+        state.choose_light(light)
+        assert state.light_edit == LightEdit(metered=metered)
+    state.use_light(LightRef("panorama", SKY.name), LightEdit(warmth=0.5), 0.0)
+    assert state.light_edit == LightEdit(warmth=0.5), "what was saved says whether it is metered"
+
+
+def test_reset_puts_a_panorama_back_as_it_was_opened():
+    state = EditorState()
+    state.choose_light(SKY)
+    state.meter_light()
+    state.light_edit = replace(state.light_edit, level_ev=1.0, boxes=(SoftBox(),))
+    assert not state.light_edit.metered
+    state.reset()
+    assert state.light_edit == LightEdit(metered=True)
 
 
 def test_another_light_keeps_the_soft_boxes_and_undo_takes_it_back_in_one_step():

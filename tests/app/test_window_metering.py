@@ -1,13 +1,17 @@
-"""The real window: a panorama dropped, metered, and set by hand."""
+"""The real window: a panorama dropped, metered, and put back to what its file says."""
+
+from dataclasses import replace
 
 import glfw
 import numpy as np
 import pytest
-from window_hand import close_to
 
 from app.document.session_file import read_session
-from relight_core.imaging.view_transform import apply_view
 from relight_core.imaging.write import write_image
+from relight_core.lighting.light_edit import LightEdit
+
+METERED, LEVEL_KNOB, LEVEL_NUMBER = (80, 341), (122, 357), (210, 341)
+"""Where in the window they are while *Adjust the light* is open."""
 
 
 @pytest.fixture
@@ -17,64 +21,79 @@ def sunny(tmp_path):
     return tmp_path / "sunny.exr"
 
 
-def exposure_knob(hand):
-    return hand.knobs()[4]
+@pytest.fixture
+def adjusting(opened):
+    opened.window.state.groups = replace(opened.window.state.groups, adjust=True)
+    opened.frames(2)
+    return opened
 
 
-def test_a_dropped_panorama_is_shown_metered_and_undone_in_one_step(opened, sunny):
+def level(hand):
+    """Of the light that the picture in sight was relit with."""
+    return hand.window.state.snapshot.picture.light.environment.level
+
+
+def test_a_dropped_panorama_is_metered_without_touching_the_exposure_and_undone_in_one_step(opened, sunny):
     state = opened.window.state
+    rig = level(opened)
     opened.drop(sunny)
-    assert state.edit.exposure_ev == -2.0
-    assert close_to(opened.picture_pixels(96, 128), apply_view(state.snapshot.picture.relit.image, -2.0))
+    assert level(opened) == pytest.approx(1.5)
+    assert state.edit.exposure_ev == 0.0
     opened.key(glfw.KEY_Z, ctrl=True)
-    assert (state.light.name, state.edit.exposure_ev) == ("rembrandt", 0.0)
-    assert close_to(opened.picture_pixels(96, 128), apply_view(state.snapshot.picture.relit.image))
+    assert (state.light.name, state.light_edit, level(opened)) == ("rembrandt", LightEdit(), rig)
+    opened.key(glfw.KEY_Y, ctrl=True)
+    assert level(opened) == pytest.approx(1.5)
 
 
-def test_the_hand_takes_the_exposure_over_and_a_double_click_gives_it_back(opened, sunny):
-    state = opened.window.state
-    x, y = exposure_knob(opened)
-    opened.drag((x, y), (x + 40, y))
-    by_hand_ev = state.edit.exposure_ev
-    assert by_hand_ev > 0.5
-    opened.drop(sunny)
-    assert state.edit.exposure_ev == by_hand_ev
-    opened.double_click(exposure_knob(opened))
-    assert state.edit.exposure_ev == -2.0
-    opened.light("ring")
-    assert state.edit.exposure_ev == 0.0
+def test_the_switch_and_its_key_turn_metering_off_and_on(adjusting, sunny):
+    adjusting.drop(sunny)
+    adjusting.click(METERED)
+    adjusting.settle()
+    assert level(adjusting) == pytest.approx(6.0)
+    adjusting.key(glfw.KEY_Z, ctrl=True)
+    assert level(adjusting) == pytest.approx(1.5)
+    adjusting.key(glfw.KEY_A)
+    assert level(adjusting) == pytest.approx(6.0)
+    adjusting.click(METERED)
+    adjusting.settle()
+    assert level(adjusting) == pytest.approx(1.5)
 
 
-def test_the_switch_and_its_key_turn_metering_off_and_on(opened, sunny):
-    state = opened.window.state
-    x, y = opened.knobs()[4]
-    auto = opened.width - 165, y - 17
-    opened.click(auto)
-    opened.drop(sunny)
-    assert state.edit.exposure_ev == 0.0
-    opened.click(auto)
-    assert state.edit.exposure_ev == -2.0
-    opened.key(glfw.KEY_A)
-    opened.light("ring")
-    assert state.edit.exposure_ev == -2.0
+def test_the_level_is_set_on_top_and_stays_when_the_meter_is_switched(adjusting, sunny):
+    state = adjusting.window.state
+    adjusting.drop(sunny)
+    x, y = LEVEL_KNOB
+    adjusting.drag((x, y), (x + 40, y))
+    stops = state.light_edit.level_ev
+    assert stops > 0.5
+    assert level(adjusting) == pytest.approx(1.5 * 2.0**stops)
+    adjusting.click(METERED)
+    adjusting.settle()
+    assert level(adjusting) == pytest.approx(6.0 * 2.0**stops)
 
 
-def test_a_soft_box_is_not_metered_away(opened, sunny):
-    opened.drop(sunny)
-    opened.double_click(opened.panorama(0.5))
-    opened.drag(opened.panorama(0.5), opened.panorama(0.75))
-    assert len(opened.window.state.light_edit.boxes) == 1
-    assert opened.window.state.edit.exposure_ev == -2.0
+def test_a_level_is_typed_in_although_the_switch_stands_there(adjusting, sunny):
+    adjusting.drop(sunny)
+    adjusting.click(LEVEL_NUMBER)
+    adjusting.type("2")
+    adjusting.key(glfw.KEY_ENTER)
+    assert adjusting.window.state.light_edit == LightEdit(level_ev=2.0, metered=True)
 
 
-def test_a_saved_session_knows_who_set_the_exposure(opened, sunny, photo_path):
-    opened.drop(sunny)
-    opened.key(glfw.KEY_S, ctrl=True)
+def test_rigs_have_no_switch(adjusting):
+    adjusting.click(METERED)
+    adjusting.key(glfw.KEY_A)
+    assert adjusting.window.state.light_edit == LightEdit()
+
+
+def test_a_saved_session_knows_whether_its_light_is_metered(opened, sunny, photo_path):
     path = photo_path.with_name("person.relight.json")
-    saved = read_session(path).document
-    assert (saved.edit.exposure_ev, saved.exposure_follows) == (-2.0, True)
-    opened.light("ring")
-    opened.drop(path)
-    state = opened.window.state
-    assert state.edit.exposure_ev == -2.0
-    assert not state.is_unsaved()
+    opened.drop(sunny)
+    for metered, shown_level in ((True, 1.5), (False, 6.0)):
+        opened.window.state.light_edit = LightEdit(metered=metered)
+        opened.key(glfw.KEY_S, ctrl=True)
+        assert read_session(path).document.light_edit.metered is metered
+        opened.light("ring")
+        opened.drop(path)
+        assert level(opened) == pytest.approx(shown_level)
+        assert not opened.window.state.is_unsaved()

@@ -15,10 +15,10 @@ from relight_core.lighting.environment import Environment
 
 
 class FakeRelighter:
-    """Multiplies the photo by the light's level and finds a face wherever a photo isn't one flat colour."""
+    """Multiplies the photo by the shadow's gain and finds a face wherever a photo isn't one flat colour."""
 
     def __init__(self) -> None:
-        self.edits = []
+        self.edits, self.lights = [], []
 
     def set_portrait(self, photo, face_index=None, boxes=None):
         self.boxes = boxes
@@ -31,6 +31,7 @@ class FakeRelighter:
 
     def relight(self, environment, edit, longest_side_px=None, *, for_shader=False):
         self.edits.append(edit)
+        self.lights.append(environment)
         height, width = self.photo.linear.shape[:2]
         alpha = np.full((height, width), 0.5, np.float32) if edit.background == "transparent" else None
         crop = np.full((8, 8, 3), 0.25, np.float32)

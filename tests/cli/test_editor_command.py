@@ -3,10 +3,12 @@
 import sys
 from types import ModuleType
 
+import numpy as np
 import pytest
 from PIL import Image
 
 from app.cli import edit
+from relight_core.imaging.write import write_image
 
 
 @pytest.fixture
@@ -36,6 +38,14 @@ def test_without_a_display_pictures_are_written(relight, relighter, photo, tmp_p
         assert Image.open(tmp_path / "out" / name).size
         assert name.partition("/")[0] in done.out
     assert Image.open(tmp_path / "out" / "turntable.png").width > 1000
+
+
+def test_without_a_display_a_panorama_is_metered_as_in_the_window(relight, relighter, photo, tmp_path, monkeypatch):
+    monkeypatch.setattr(edit, "has_display", lambda: False)
+    monkeypatch.chdir(tmp_path)
+    write_image(tmp_path / "sky.exr", np.full((8, 16, 3), 6.0, np.float32))
+    assert relight(photo, "--light", "sky.exr").code == 0
+    assert [light.level for light in relighter.lights] == pytest.approx([1.5] * len(relighter.lights))
 
 
 def test_without_a_display_the_sample_portrait_is_used(relight, relighter, tmp_path, monkeypatch):

@@ -11,8 +11,8 @@ from app.document.document import LightRef
 from app.document.light_file import SavedLight, write_light
 from relight_core.face.find import FaceBox
 from relight_core.imaging.read import read_radiance
+from relight_core.imaging.write import write_image
 from relight_core.lighting.light_edit import LightEdit
-from relight_core.lighting.soft_box import SoftBox
 
 
 def test_writes_the_relit_photo_at_its_size(relight, photo, tmp_path):
@@ -50,7 +50,6 @@ def test_json_is_one_object_and_all_of_stdout(relight, photo, tmp_path):
                 "saved_ms": 2.5,
             }
         ],
-        "exposure_ev": 0.0,
     }
 
 
@@ -170,47 +169,33 @@ def test_a_box_that_is_none_is_wrong_usage(relight, photo, tmp_path, wish):
 @pytest.fixture
 def sky(tmp_path):
     """A panorama four times as bright as the rigs."""
-    from relight_core.imaging.write import write_image
-
     write_image(tmp_path / "sky.exr", np.full((8, 16, 3), 6.0, np.float32))
     return tmp_path / "sky.exr"
 
 
-def test_auto_exposure_meters_a_panorama_and_says_so(relight, photo, sky, tmp_path):
-    plain, metered = tmp_path / "plain.exr", tmp_path / "metered.exr"
-    relight("render", photo, "--light", sky, "--bits", 32, "-o", plain)
-    done = relight("render", photo, "--light", sky, "--bits", 32, "--exposure", "auto", "-o", metered)
-    assert "-2.00 EV" in done.out
-    assert np.allclose(read_radiance(metered), read_radiance(plain) / 4.0, rtol=1e-6)
-    done = relight("render", photo, "--light", sky, "--exposure", "auto", "--json", "-o", tmp_path / "o.png")
-    assert json.loads(done.out)["exposure_ev"] == -2.0
-
-
-def test_auto_exposure_leaves_rigs_and_borrowed_light_alone(relight, relighter, photo, another_photo, tmp_path):
-    for light in ("neon", another_photo):
-        relight("render", photo, "--light", light, "--exposure", "auto", "-o", tmp_path / "o.png")
-        assert relighter.edits[-1].exposure_ev == 0.0
-
-
-def test_auto_exposure_meters_the_panorama_under_a_saved_light_without_its_changes(
-    relight, relighter, photo, sky, tmp_path
+@pytest.mark.parametrize(("command", "output"), [("render", "o.png"), ("turntable", "sheet.png"), ("channels", "all")])
+@pytest.mark.parametrize(("words", "level"), [((), 6.0), (("--meter",), 1.5)])
+def test_a_panorama_is_as_bright_as_its_file_says_unless_it_is_metered(
+    relight, relighter, photo, sky, tmp_path, command, output, words, level
 ):
-    changed = LightEdit(level_ev=1.0, boxes=(SoftBox(intensity=4.0),))
-    for light, stops in ((LightRef("panorama", str(sky)), -2.0), (LightRef("rig", "ring"), 0.0)):
-        write_light(tmp_path / "my.light.json", SavedLight(light, changed))
-        words = ("--light", tmp_path / "my.light.json", "--exposure", "auto", "-o", tmp_path / "o.png")
-        assert relight("render", photo, *words).code == 0
-        assert relighter.edits[-1].exposure_ev == stops
+    assert relight(command, photo, "--light", sky, *words, "-o", tmp_path / output).code == 0
+    assert relighter.lights[-1].level == pytest.approx(level)
+    assert relighter.edits[-1].exposure_ev == 0.0
 
 
-@pytest.mark.parametrize("command", ["turntable", "channels"])
-def test_auto_exposure_is_for_the_other_commands_too(relight, relighter, photo, sky, tmp_path, command):
-    out = tmp_path / ("sheet.png" if command == "turntable" else "channels")
-    assert relight(command, photo, "--light", sky, "--exposure", "auto", "-o", out).code == 0
-    assert relighter.edits[-1].exposure_ev == -2.0
+def test_rigs_and_borrowed_light_are_not_metered(relight, relighter, photo, another_photo, tmp_path):
+    for light in ("neon", another_photo):
+        for words in ((), ("--meter",)):
+            assert relight("render", photo, "--light", light, *words, "-o", tmp_path / "o.png").code == 0
+        assert relighter.lights[-1].level == relighter.lights[-2].level
 
 
-@pytest.mark.parametrize("wish", ["automatic", "17", "nan"])
-def test_an_exposure_that_is_none_is_wrong_usage(relight, photo, tmp_path, wish):
-    done = relight("render", photo, "--light", "ring", "--exposure", wish, "-o", tmp_path / "o.png")
-    assert done.code == 2
+@pytest.mark.parametrize(("metered", "level"), [(False, 12.0), (True, 3.0)])
+@pytest.mark.parametrize("words", [(), ("--meter",)])
+def test_a_saved_light_says_itself_whether_it_is_metered(
+    relight, relighter, photo, sky, tmp_path, metered, level, words
+):
+    saved = SavedLight(LightRef("panorama", str(sky)), LightEdit(level_ev=1.0, metered=metered))
+    write_light(tmp_path / "my.light.json", saved)
+    assert relight("render", photo, "--light", tmp_path / "my.light.json", *words, "-o", tmp_path / "o.png").code == 0
+    assert relighter.lights[-1].level == pytest.approx(level)

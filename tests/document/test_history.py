@@ -116,6 +116,8 @@ def with_faces(boxes, face_index=None, found=(ONE, TWO)):
     return replace(START, photo=PhotoRef(START.photo.path, face_index, boxes, found))
 
 
+SKY = replace(START, light=LightRef("panorama", "/h/sky.hdr"), light_edit=LightEdit(metered=True))
+
 NAMES = [
     (with_faces(None), with_faces((ONE, replace(TWO, x0=12, x1=17))), "Move face 2"),
     (with_faces((ONE,)), with_faces((replace(ONE, x1=12, y1=12),)), "Resize face 1"),
@@ -144,6 +146,10 @@ NAMES = [
     (lit(boxes=(BOX,)), lit(boxes=(SoftBox(1, 2, 3, 4, 0.5, 6000, None, 7),)), "Change soft box 1"),
     (START, lit(warmth=-0.5), "Light warmth \N{MINUS SIGN}0.50"),
     (START, lit(blur_deg=12.0), "Light blur 12°"),
+    (START, lit(metered=True), "Meter the light"),
+    (lit(metered=True), START, "Light as its file says"),
+    (SKY, replace(SKY, light_edit=LightEdit(level_ev=2.0, blur_deg=9.0)), "Change several settings"),
+    (replace(SKY, light_edit=LightEdit(level_ev=2.0)), SKY, "Reset all"),
 ]
 
 

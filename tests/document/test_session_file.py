@@ -32,7 +32,7 @@ def document(folder):
     return Document(
         PhotoRef(folder / "me.jpg", 1, (FaceBox(-3.5, 10.25, 50.0, 63.75, 12.5), FaceBox(80.1, 2.0, 90.1, 12.0))),
         LightRef("panorama", str(folder.parent / "studio.hdr")),
-        LightEdit(1.5, 0.4, 0.7, 0.2, -0.1, 12.0, BOXES),
+        LightEdit(1.5, 0.4, 0.7, 0.2, -0.1, 12.0, BOXES, True),
         Edit(-35.5, 0.25, 1.5, 0.5, "#30343a", 70.0, 3.0, "final", forced_off=frozenset({"shadow"})),
     )
 
@@ -227,27 +227,17 @@ def test_the_quality_of_a_saved_edit_is_final(folder, document):
     assert Path(document.photo.path).exists()
 
 
-@pytest.mark.parametrize("follows", [True, False])
-def test_a_session_knows_whether_the_exposure_follows_the_light(folder, document, follows):
-    document = replace(document, exposure_follows=follows)
-    assert read_session(saved(folder, document)).document == document
-
-
-@pytest.mark.parametrize(
-    ("light", "exposure_ev", "follows"),
-    [
-        (LightRef("rig", "ring"), 0.0, True),
-        (LightRef("rig", "ring"), 0.5, False),
-        (None, 0.0, False),
-    ],
-)
-def test_a_session_from_before_there_was_a_meter_opens_as_it_was(folder, document, light, exposure_ev, follows):
-    edit = replace(document.edit, exposure_ev=exposure_ev)
-    document = replace(document, light=light or document.light, edit=edit)
+def test_a_light_from_before_there_was_a_meter_has_its_own_level(folder, document):
     path = saved(folder, document)
     content = json.loads(path.read_text())
-    del content["exposure"]
+    assert content["light"].pop("metered") is True
     path.write_text(json.dumps(content))
     session = read_session(path)
-    assert session.document == replace(document, exposure_follows=follows)
+    assert session.document == replace(document, light_edit=replace(document.light_edit, metered=False))
     assert session.notes == ()
+
+
+@pytest.mark.parametrize("value", [1, "true", None, []])
+def test_whether_a_light_is_metered_is_yes_or_no(folder, document, value):
+    with pytest.raises(InputError, match="metered"):
+        read_session(tampered(saved(folder, document), light__metered=value))

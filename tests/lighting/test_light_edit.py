@@ -1,5 +1,7 @@
 """Edited lights: energy that is kept, soft boxes that add what they say, blur alike everywhere."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -8,6 +10,7 @@ from relight_core.lighting.light_blur import blur_light
 from relight_core.lighting.light_edit import LightEdit, colour_gain, edit_light
 from relight_core.lighting.soft_box import SoftBox, soft_box_radiance
 from relight_core.lighting.sphere import directions, solid_angles
+from relight_core.lighting.summary import meter_reading
 
 REC709 = np.array([0.2126, 0.7152, 0.0722])
 
@@ -46,6 +49,32 @@ def test_the_level_scales_and_leaves_the_shape_alone():
     brighter = edit_light(light, LightEdit(level_ev=2.0))
     assert brighter.shape is light.shape
     assert brighter.level == 4.0 * light.level
+
+
+def test_a_metered_light_reads_one_and_a_half_and_its_own_level_is_on_top():
+    light = random_light()
+    metered = edit_light(light, LightEdit(metered=True))
+    assert metered.shape is light.shape
+    assert metered.level * meter_reading(metered) == pytest.approx(1.5)
+    assert edit_light(light, LightEdit(metered=True, level_ev=1.0)).level == pytest.approx(2.0 * metered.level)
+    assert edit_light(metered, LightEdit(metered=True)).level == pytest.approx(metered.level)
+
+
+@pytest.mark.parametrize("factor", [2.0, 1e-3])
+def test_the_units_of_a_metered_light_do_not_matter(factor):
+    light = random_light()
+    other = replace(light, level=light.level * factor)
+    edit = LightEdit(metered=True, level_ev=-1.0, base=0.5, warmth=0.4, blur_deg=20.0, boxes=(SoftBox(),))
+    np.testing.assert_allclose(
+        radiance_of(edit_light(other, edit)), radiance_of(edit_light(light, edit)), rtol=1e-6, atol=1e-9
+    )
+    plain = replace(edit, metered=False)
+    assert edit_light(other, plain).level == pytest.approx(factor * edit_light(light, plain).level)
+
+
+def test_metering_no_light_leaves_none():
+    dark = Environment.from_radiance(np.zeros((16, 32, 3)))
+    assert edit_light(dark, LightEdit(metered=True)).level == 0.0
 
 
 @pytest.mark.parametrize("place", [(0, 0), (-45, 35), (180, 0), (120, 88), (30, -90)])

@@ -11,6 +11,7 @@ from relight_core.errors import InputError
 from relight_core.face.find import FaceBox
 from relight_core.imaging.photo import Photo
 from relight_core.lighting.environment import Environment
+from relight_core.lighting.light_edit import LightEdit, edit_light
 from relight_core.pipeline import portrait, stages
 from relight_core.pipeline.relighter import Relighter
 
@@ -127,6 +128,28 @@ def test_backgrounds(relighter):
         assert np.isfinite(relit.image).all()
     with pytest.raises(InputError, match="background"):
         relighter.relight(some_light(), replace(EDIT, background="beach"))
+
+
+def test_metering_lights_the_person_and_the_light_behind_and_leaves_a_kept_background_alone(weights, monkeypatch):
+    left_half = np.zeros((32, 32), np.float32)
+    left_half[:, :16] = 1
+    monkeypatch.setattr(stages, "solid_person", lambda parsing: left_half)
+    relighter, photo = Relighter(weights), some_photo()
+    relighter.set_portrait(photo)
+    bright = some_light(level=6.0)
+    metered = edit_light(bright, LightEdit(metered=True))
+    behind = relighter.relight(bright, replace(EDIT, background="transparent")).alpha == 0.0
+    assert behind.any()
+
+    def relit(light, background):
+        return relighter.relight(light, replace(EDIT, background=background)).image
+
+    kept = relit(metered, "keep")
+    np.testing.assert_array_equal(kept[behind], photo.linear[behind])
+    np.testing.assert_array_equal(kept[behind], relit(bright, "keep")[behind])
+    assert kept[~behind].mean() < 0.8 * relit(bright, "keep")[~behind].mean()
+    factor = metered.level / bright.level
+    np.testing.assert_allclose(relit(metered, "light"), factor * relit(bright, "light"), rtol=1e-3, atol=1e-6)
 
 
 def test_unknown_quality_names_the_known_ones(relighter):
