@@ -3,6 +3,9 @@
 Whatever a person's skin looks like, its colour has no reason to follow the light: where it does, the
 network has mistaken one for the other. Once the source light is explained, that is measured over the skin
 and divided out.
+
+Nor has skin two colours: where a large part of it is purple, there was a purple lamp that the one estimated light
+doesn't have.
 """
 
 from __future__ import annotations
@@ -21,18 +24,27 @@ _STRONGEST = 1.0
 _FLOOR = 0.02
 _CLIPPED = 0.95
 _FEWEST_PIXELS = 100
+_BLUR_SHARE = 0.03
+_COMMON = 0.15
+"""Flush and tan move the log of a ratio of two channels by about as much."""
 
 
 @torch.inference_mode()
 def flatten_albedo(surface: Surface, relief: ReliefTransport, light: torch.Tensor) -> Surface:
-    """The surface with its skin's albedo divided by the shading that is left in it.
-
-    The slope of log albedo over log shading, by least squares over the skin, is the power of the shading
-    that went into the albedo.
+    """The surface without the shading and the light's colours that are left in its skin's albedo.
 
     Args:
         relief: transport of the surface's own relief.
         light: (1, 16, 32, 3) the source light, at the photo's exposure.
+    """
+    return _in_one_colour(_without_shading(surface, relief, light))
+
+
+def _without_shading(surface: Surface, relief: ReliefTransport, light: torch.Tensor) -> Surface:
+    """The surface with its skin's albedo divided by the shading that is left in it.
+
+    The slope of log albedo over log shading, by least squares over the skin, is the power of the shading
+    that went into the albedo.
     """
     shading = (grey_irradiance(relief, light) + _FLOOR).log().to(surface.albedo.device)
     shading = F.interpolate(shading, size=surface.albedo.shape[-2:], mode="bilinear", align_corners=False)
@@ -49,6 +61,39 @@ def flatten_albedo(surface: Surface, relief: ReliefTransport, light: torch.Tenso
     power = min(max(slope, 0.0), _STRONGEST)
     divided = surface.albedo * torch.exp(-power * centred * skin)
     return replace(surface, albedo=divided.clamp(0, 1))
+
+
+def _in_one_colour(surface: Surface) -> Surface:
+    """The surface without the colours that large parts of its skin have and the rest of it hasn't.
+
+    Colour is measured as log ratios of channels, smoothed over some hundredths of the view, so that moles, beards
+    and make-up keep theirs. What lies further from the skin's median than flush and tan explain is taken back to
+    that distance; luminance stays.
+    """
+    skin = skin_share(surface.parsing)
+    known = skin > 0.6
+    if int(known.sum()) < _FEWEST_PIXELS:
+        return surface
+    log_albedo = surface.albedo.clamp_min(1e-3).log()
+    colour = _smoothed(log_albedo - log_albedo[:, 1:2], skin)
+    middle = torch.stack([channel[known[0, 0]].median() for channel in colour[0]])[None, :, None, None]
+    off = colour - middle
+    excess = off - off.clamp(-_COMMON, _COMMON)
+    evened = surface.albedo * torch.exp(-excess * skin)
+    evened = evened * (grey(surface.albedo) / grey(evened).clamp_min(1e-6))
+    return replace(surface, albedo=evened.clamp(0, 1))
+
+
+def _smoothed(image: torch.Tensor, weight: torch.Tensor) -> torch.Tensor:
+    """Weighted local means, (1, C, S, S)."""
+    reach = max(round(_BLUR_SHARE * image.shape[-1]), 1)
+
+    def blur(values: torch.Tensor) -> torch.Tensor:
+        for _ in range(2):
+            values = F.avg_pool2d(values, 2 * reach + 1, 1, reach, count_include_pad=False)
+        return values
+
+    return blur(image * weight) / blur(weight).clamp_min(1e-3)
 
 
 def grey_irradiance(relief: ReliefTransport, light: torch.Tensor) -> torch.Tensor:

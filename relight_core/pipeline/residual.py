@@ -5,7 +5,8 @@ surface differs from what de-lighting believes (brows, lashes, stubble, dark clo
 much under another light: a ratio image (Liu, Shan and Zhang 2001), of the photo over its model. It multiplies
 what the model makes of another light, by its full strength where the place is lit as in the photo, and by
 less the less alike the two are: a highlight or a cast shadow that the model missed belongs to the photo's light
-and not to the surface. So a portrait under its own estimated light is the photo again.
+and not to the surface. Colours that it missed on skin are the light's more often than the surface's, and fade
+faster. So a portrait under its own estimated light is the photo again.
 
 Hair that is darker than its model has strands in each other's shadow, whatever light falls on them: it stays darker.
 """
@@ -28,6 +29,7 @@ _LARGEST_LOG = 3.0
 _CLIPPED = 0.97
 _FEWEST_PIXELS = 50
 _DARK_HAIR = 0.8
+_FADES = 2.0
 
 
 @dataclass(frozen=True)
@@ -38,12 +40,14 @@ class Residual:
         log_ratio: (1, 3, S, S), [-3, 3].
         shading: (1, 1, S, S) the model's grey explicit sum there, normalised light.
         stays_dark: (1, 1, S, S) in [0, 1], how much of a darkening stays under whatever light.
+        skin: (1, 1, S, S) probability of bare skin.
         level: of the photo's own light, such that model and photo are equally bright over the person.
     """
 
     log_ratio: torch.Tensor
     shading: torch.Tensor
     stays_dark: torch.Tensor
+    skin: torch.Tensor
     level: float
 
 
@@ -74,7 +78,7 @@ def find_residual(
     if bool(recorded.max() <= 1.001):
         log_ratio = _at_least(log_ratio, clipped_share(recorded), skin_share(surface.parsing))
     stays_dark = _DARK_HAIR * surface.parsing[:, INDEX["hair"], None]
-    return Residual(log_ratio, grey(model.plain), stays_dark, level)
+    return Residual(log_ratio, grey(model.plain), stays_dark, skin_share(surface.parsing), level)
 
 
 def _at_least(log_ratio: torch.Tensor, clipped: torch.Tensor, skin: torch.Tensor) -> torch.Tensor:
@@ -98,7 +102,9 @@ def add_residual(residual: Residual, composed: Composed, effects: Effects) -> tu
     shading = grey(composed.plain)
     darker, brighter = torch.minimum(shading, residual.shading), torch.maximum(shading, residual.shading)
     alike = (darker + _BLACK) / (brighter + _BLACK)
-    alike = torch.where(residual.log_ratio < 0, torch.maximum(alike, residual.stays_dark), alike)
-    ratio = torch.exp(residual.log_ratio * alike)
+    level = residual.log_ratio.mean(1, keepdim=True)
+    colour = (residual.log_ratio - level) * alike ** (1 + _FADES * residual.skin)
+    alike = torch.where(level < 0, torch.maximum(alike, residual.stays_dark), alike)
+    ratio = torch.exp(level * alike + colour)
     image = ((composed.image.float() + _BLACK) * ratio - _BLACK).clamp_min(0)
     return image, replace(effects, specular=effects.specular * grey(ratio), shadow=effects.shadow * grey(ratio))

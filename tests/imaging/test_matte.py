@@ -101,3 +101,13 @@ def test_two_people_are_one_matte():
     matte = make_matte(both, [(mask, CROP), (mask, second)])
     share = whole_person(canvas_of(Photo(both)), matte).share
     assert np.abs(share - np.concatenate([truth, truth], 1)).mean() < 0.02
+
+
+def test_a_trunk_that_the_mask_doubts_is_not_half_person():
+    linear, truth = portrait()
+    trunk = np.zeros_like(truth)
+    trunk[40:120, 130:170] = 1 - truth[40:120, 130:170]
+    bark = np.random.default_rng(1).normal(1.0, 0.3, (*truth.shape, 1)) * [0.3, 0.2, 0.25]
+    linear = np.maximum(np.where(trunk[..., None] > 0, bark, linear), 0).astype(np.float32)
+    inside = refine_matte(linear, CROP.extract(truth + 0.6 * trunk, 32), CROP)[50:112, 145:165]
+    assert np.mean((inside > 0.15) & (inside < 0.85)) < 0.1

@@ -75,3 +75,29 @@ def test_where_nothing_can_be_said_nothing_changes(case):
     surface = ball_surface(albedo, photo, HAIR if case == "hair only" else SKIN)
     flat = flatten_albedo(surface, open_transport(surface), light).albedo
     torch.testing.assert_close(flat, albedo, rtol=0.02, atol=0)
+
+
+def coloured(patch_colour, size):
+    """Skin of one colour with a square patch of another at its middle."""
+    albedo = torch.tensor([0.5, 0.3, 0.2])[None, :, None, None].expand(1, 3, SIZE, SIZE).clone()
+    low = (SIZE - size) // 2
+    albedo[..., low : low + size, low : low + size] = torch.tensor(patch_colour)[None, :, None, None]
+    return albedo
+
+
+def patch_of(albedo, label):
+    surface = ball_surface(albedo, label=label)
+    return flatten_albedo(surface, open_transport(surface), torch.ones(1, 16, 32, 3)).albedo[0, :, 16, 16]
+
+
+def test_a_purple_cheek_becomes_skin_again_but_purple_hair_stays():
+    purple = coloured((0.35, 0.25, 0.4), 10)
+    red, green, blue = patch_of(purple, SKIN).tolist()
+    assert red > green > blue
+    torch.testing.assert_close(patch_of(purple, HAIR), purple[0, :, 16, 16])
+
+
+def test_a_mole_and_a_flush_keep_their_colours():
+    mole, flush = coloured((0.1, 0.05, 0.05), 1), coloured((0.52, 0.28, 0.19), 10)
+    for albedo in (mole, flush):
+        torch.testing.assert_close(patch_of(albedo, SKIN), albedo[0, :, 16, 16], rtol=0.05, atol=0.005)
