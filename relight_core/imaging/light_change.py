@@ -9,8 +9,8 @@ A network blurs small things that it sees in a few pixels only. Where an eye, a 
 the way, the gain would paint the blur over the photo: pupils turn milky, dark hair hazy. There the gain
 follows what the photo's own pattern doesn't explain, and the pattern keeps its contrast.
 
-Of a mouth it sees even less: every tooth would get a gain of its own, and an open corner a gloss. The light
-there is as even as the light around it.
+Of a mouth or an eye it sees even less: every tooth would get a gain of its own, an open corner a gloss, an iris a
+veil. The light there is as even as the light around it.
 
 Gloss that is added as smooth as the networks see it lies over skin like a veil. Pores and hairs break a highlight
 as they break all light, so most of the gloss follows the photo's texture: it is part of the gain.
@@ -60,7 +60,7 @@ class Makeup:
 
     Attributes:
         patterned: where contrast comes from colour rather than from shading: eyes, brows, lips, hair, cloth.
-        evenly_lit: where neither network resolves the surface: a mouth.
+        evenly_lit: where no network resolves the surface: mouth and eyes.
         textured: where the photo's texture breaks gloss as it breaks all light: all but what is wet or polished.
     """
 
@@ -95,7 +95,7 @@ def fit_light_change(photo: np.ndarray, relit: np.ndarray, gloss: np.ndarray, ma
     gain = _pattern_kept(photo, matt, (matt + _DARK) / (photo + _DARK), patterned)
     gain = np.maximum(_evened(photo, matt, gain, even), 0.0)
     carried = _TEXTURED * textured * np.minimum(photo / _PALE, 1.0)
-    shine, veil = carried / np.maximum(photo, _DARK), 1 - carried
+    shine, veil = carried / np.maximum(photo, _DARK), (1 - carried) * (1 - even)
     offset = veil * gloss + _DARK * np.clip(gain - 1.0, 0.0, LARGEST_GAIN)
     return LightChange(_within_reach(gain + shine * gloss), offset, shine, veil)
 

@@ -26,7 +26,7 @@ _PATTERNED = [
 ]
 """Labels of what gets its contrast from colour rather than from shading."""
 
-_MOUTH = [INDEX["inner_mouth"], INDEX["lips"]]
+_FINE = [INDEX[name] for name in ("left_eye", "right_eye", "inner_mouth", "lips")]
 """Labels of what is too fine to be lit pixel by pixel."""
 
 _SMOOTH = [INDEX[name] for name in ("left_eye", "right_eye", "inner_mouth", "glasses")]
@@ -80,8 +80,8 @@ def fit_view(
 
 def makeup_of(parsing: np.ndarray) -> Makeup:
     """What a view of parsing probabilities (s, s, classes) is made up of."""
-    patterned, mouth, smooth = (parsing[..., labels].sum(-1) for labels in (_PATTERNED, _MOUTH, _SMOOTH))
-    return Makeup(patterned, mouth, 1 - smooth)
+    patterned, fine, smooth = (parsing[..., labels].sum(-1) for labels in (_PATTERNED, _FINE, _SMOOTH))
+    return Makeup(patterned, fine, 1 - smooth)
 
 
 def enlarge_change(
