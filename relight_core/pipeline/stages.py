@@ -204,9 +204,14 @@ def reflector(table: ReflectionTable, surface: Surface) -> Reflector:
 
 @torch.inference_mode()
 def reflect(surface: Reflector, light: torch.Tensor) -> torch.Tensor:
-    """Unoccluded irradiance and gloss, (1, 6, S, S)."""
+    """Unoccluded irradiance and gloss, (1, 6, S, S).
+
+    A small lamp's highlight on a sharp ridge falls on single pixels, which would be streaks and steps once they are
+    enlarged: every pixel has the gloss of all the normals around it.
+    """
     reflected = surface.light_of(light) * surface.shares
-    return torch.cat([surface.sockets.add_to(reflected[:, :3]), reflected[:, 3:]], 1)
+    gloss = F.avg_pool2d(reflected[:, 3:], 3, 1, 1, count_include_pad=False)
+    return torch.cat([surface.sockets.add_to(reflected[:, :3]), gloss], 1)
 
 
 @torch.inference_mode()

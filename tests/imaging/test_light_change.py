@@ -149,3 +149,13 @@ def test_each_small_pixel_lands_on_its_own_place():
 def test_sizes_must_be_whole_multiples():
     with pytest.raises(ValueError, match="multiple"):
         JointUpsampler(np.zeros((16, 16, 3), np.float32), np.zeros((40, 40, 3), np.float32))
+
+
+def test_a_slope_of_light_over_a_slope_of_the_photo_has_no_steps():
+    across = np.linspace(0.2, 1.0, 128, dtype=np.float32)
+    photo = np.broadcast_to((across**2)[None, :, None], (128, 128, 3)).copy()
+    small = resize_area(photo, (16, 16))
+    gain = np.broadcast_to(np.linspace(1, 5, 16, dtype=np.float32)[None, :, None], (16, 16, 1))
+    row = JointUpsampler(small, photo)(gain)[64, 16:-16, 0]
+    steps = np.diff(row)
+    np.testing.assert_allclose(steps, steps.mean(), rtol=0.2)

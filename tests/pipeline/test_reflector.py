@@ -40,3 +40,18 @@ def test_cloth_is_duller_than_skin():
 
 def test_a_flat_eye_gets_no_light_thrown_back():
     assert reflected(RIGHT_EYE, 0.4)[0] == pytest.approx(reflected(SKIN, 0.4)[0], rel=1e-4)
+
+
+def test_a_highlight_on_a_sharp_ridge_is_wider_than_a_pixel_and_as_bright_in_all():
+    """A gable along the middle whose ridge alone mirrors the lamp."""
+    surface = surface_of(SKIN, 0.4)
+    surface.normal[0, 0], surface.normal[0, 2] = -0.8, 0.6
+    surface.normal[0, 0, :, SIZE // 2 :] = 0.8
+    surface.normal[0, 0, :, SIZE // 2], surface.normal[0, 2, :, SIZE // 2] = 0.0, 1.0
+    light = torch.zeros(1, 16, 32, 3)
+    light[:, 7:9, [0, -1]] = 20.0
+    gloss = reflect(reflector(ReflectionTable(), surface), light)[0, 3, 8]
+    alone = ReflectionTable()(light, surface.normal)[0, 3, 8]
+    assert gloss.max() < 0.5 * alone.max()
+    assert gloss[SIZE // 2 - 1] > 5 * alone[SIZE // 2 - 1]
+    assert float(gloss.sum()) == pytest.approx(float(alone.sum()), rel=0.02)
