@@ -5,8 +5,8 @@ surface differs from what de-lighting believes (brows, lashes, stubble, dark clo
 much under another light: a ratio image (Liu, Shan and Zhang 2001), of the photo over its model. It multiplies
 what the model makes of another light, by its full strength where the place is lit as in the photo, and by
 less the less alike the two are: a highlight or a cast shadow that the model missed belongs to the photo's light
-and not to the surface. Colours that it missed on skin are the light's more often than the surface's, and fade
-faster. So a portrait under its own estimated light is the photo again.
+and not to the surface. What is brighter or of another colour than its model on skin is the light's more often than
+the surface's, and fades faster. So a portrait under its own estimated light is the photo again.
 
 Hair that is darker than its model has strands in each other's shadow, whatever light falls on them: it stays darker.
 """
@@ -103,8 +103,8 @@ def add_residual(residual: Residual, composed: Composed, effects: Effects) -> tu
     darker, brighter = torch.minimum(shading, residual.shading), torch.maximum(shading, residual.shading)
     alike = (darker + _BLACK) / (brighter + _BLACK)
     level = residual.log_ratio.mean(1, keepdim=True)
-    colour = (residual.log_ratio - level) * alike ** (1 + _FADES * residual.skin)
-    alike = torch.where(level < 0, torch.maximum(alike, residual.stays_dark), alike)
-    ratio = torch.exp(level * alike + colour)
+    faint = alike ** (1 + _FADES * residual.skin)
+    darker = level.clamp_max(0) * torch.maximum(alike, residual.stays_dark)
+    ratio = torch.exp(darker + (residual.log_ratio - level.clamp_max(0)) * faint)
     image = ((composed.image.float() + _BLACK) * ratio - _BLACK).clamp_min(0)
     return image, replace(effects, specular=effects.specular * grey(ratio), shadow=effects.shadow * grey(ratio))

@@ -75,9 +75,21 @@ def test_hair_that_the_model_makes_too_bright_stays_dark_in_a_stronger_light_but
         image, _ = add_residual(residual, brighter, no_effects())
         return (image / brighter.image)[0, 0, 0]
 
-    skin, hair = gains(SKIN), gains(HAIR)
-    assert hair[-1] < skin[-1] - 0.1
-    torch.testing.assert_close(hair[0], skin[0])
+    cloth, hair = gains(CLOTH), gains(HAIR)
+    assert hair[-1] < cloth[-1] - 0.1
+    torch.testing.assert_close(hair[0], cloth[0])
+
+
+def test_highlights_and_colours_that_the_model_missed_on_skin_fade_faster_than_shadows_do():
+    photo = torch.full((1, 3, SIZE, SIZE), 0.1)
+    photo[..., : SIZE // 2] = 0.4
+    model = Composed(torch.full_like(photo, 0.2), torch.full_like(photo, 0.2))
+    brighter = Composed(torch.full_like(photo, 0.4), torch.full_like(photo, 0.4))
+    residual = find_residual(surface(photo, SKIN), photo, light(), lambda own: model)
+    image, _ = add_residual(residual, brighter, no_effects())
+    kept = ((image + 0.005) / (brighter.image + 0.005)).log() / residual.log_ratio
+    assert kept[0, 0, 0, 0] < 0.2
+    assert 0.4 < kept[0, 0, 0, -1] < 0.6
 
 
 def test_a_clipped_photo_does_not_darken_a_brighter_model():
