@@ -18,6 +18,7 @@ from relight_core.evaluation.scoring import (
 )
 from relight_core.face.parsing import CLASSES, FACE_LABELS
 from relight_core.imaging.resampling import resize_area
+from relight_core.lighting.horizon import Horizon
 from relight_core.lighting.reflection import ReflectionTable
 from relight_core.lighting.relief import ReliefTransport
 from relight_core.networks.bundle import NetworkBundle
@@ -31,6 +32,7 @@ from relight_core.pipeline.channels import (
     surface_channels,
     upsampler_for,
 )
+from relight_core.pipeline.hard_shadow import horizon_of
 from relight_core.pipeline.hints import Effects
 from relight_core.pipeline.model import light_surface
 from relight_core.pipeline.quality import Tier
@@ -47,6 +49,7 @@ class _TakenApart:
     small: np.ndarray
     surface: stages.Surface
     relief: ReliefTransport
+    horizon: Horizon
     residual: Residual
     channels: Mapping[str, np.ndarray]
 
@@ -77,21 +80,26 @@ class Editor:
         residual = find_residual(surface, surface.photo, light, lambda own: self.light(surface, relief, own)[2])
         lights = {"guess": surface.source_light[0].cpu().numpy(), "source_light": light[0].cpu().numpy()}
         channels = surface_channels(surface, photo, small) | lights
-        return _TakenApart(photo, small, surface, relief, residual, channels)
+        return _TakenApart(photo, small, surface, relief, horizon_of(found), residual, channels)
 
     def light(
         self, surface: stages.Surface, relief: ReliefTransport, light: torch.Tensor
     ) -> tuple[torch.Tensor, Effects, stages.Composed]:
         """Irradiance and gloss, effects and image at the networks' size, of a normalised light (1, 16, 32, 3)."""
+        return light_surface(self.bundle, self.table, surface, relief, light, **self._how())
+
+    def _how(self) -> dict[str, object]:
         tier = self.tier
         how = {"by_network": tier.shadow_network, "corrected": tier.correction}
-        how |= {"precision": tier.precision, "pair": tier.pair}
-        return light_surface(self.bundle, self.table, surface, relief, light, **how)
+        return how | {"precision": tier.precision, "pair": tier.pair}
 
-    def relight(self, found: _TakenApart, radiance: np.ndarray) -> dict[str, np.ndarray]:
+    def relight(self, found: _TakenApart, target: HeldOutLight) -> dict[str, np.ndarray]:
         """The channels "specular", "shadow" and "composition" at the photo's size."""
-        light = torch.from_numpy(radiance)[None].to(self.device)
-        reflected, effects, composed = self.light(found.surface, found.relief, light)
+        light = torch.from_numpy(target.radiance)[None].to(self.device)
+        how = {"relief": found.relief, "horizon": found.horizon, "lamps": target.small_lamps}
+        reflected, effects, composed = light_surface(
+            self.bundle, self.table, found.surface, light=light, **how, **self._how()
+        )
         image, shown = add_residual(found.residual, composed, effects)
         fit = fit_view(found.small, found.surface, reflected, shown, image)
         change = enlarge_change(fit, None, upsampler_for(found.photo, found.small), 1.0)
@@ -116,7 +124,7 @@ class Bench:
             self._found[case.source] = self._editor.take_apart(photo)
         found, target = self._found[case.source], self._lights[case.target]
         truth, exposure = self._head.channels(case.target), self._head.exposure(case.target)
-        relit = self._editor.relight(found, target.radiance)
+        relit = self._editor.relight(found, target)
         group = "lamps" if target.lamp else "panoramas"
         masks = {group: self._covered}
         if not target.lamp and self._face.any():

@@ -23,6 +23,7 @@ from relight_core.dataset.texture import TexturePool
 from relight_core.errors import InputError
 from relight_core.imaging.colour import srgb_decode
 from relight_core.lighting.environment import Environment, network_light
+from relight_core.lighting.lamps import Lamp, lamps_of
 from relight_core.lighting.sphere import directions
 
 _YAW_SEED = 391
@@ -41,11 +42,18 @@ Photos = Literal["clean", "camera"]
 
 @dataclass(frozen=True)
 class HeldOutLight:
-    """A light of the test: `radiance` (16, 32, 3) of mean luminance 1; `lamp` when it is one small lamp."""
+    """A light of the test.
+
+    Attributes:
+        radiance: (16, 32, 3) of mean luminance 1.
+        lamp: whether it is one small lamp.
+        small_lamps: what the editor finds in it at its own size.
+    """
 
     name: str
     radiance: np.ndarray
     lamp: bool
+    small_lamps: tuple[Lamp, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -122,16 +130,20 @@ def held_out_lights(path: Path, split: str) -> list[HeldOutLight]:
     library = load_lights(path, split)
     yaws_deg = np.random.default_rng(_YAW_SEED).uniform(0, 360, len(library.names))
     lights = [
-        HeldOutLight(name, network_light(Environment.from_radiance(panorama, name), float(yaw_deg)), False)
+        _held_out(Environment.from_radiance(panorama, name), float(yaw_deg), is_lamp=False)
         for name, panorama, yaw_deg in zip(library.names, library.panoramas, yaws_deg, strict=True)
     ]
     if not lights:
         raise InputError(f"{path}: too few lights for a {split} split")
-    return lights + [HeldOutLight(f"lamp-{off:g}-{around:g}", lamp(off, around), True) for off, around in LAMPS]
+    return lights + [_held_out(lamp(*angles), 0.0, is_lamp=True) for angles in LAMPS]
 
 
-def lamp(off_axis_deg: float, around_deg: float) -> np.ndarray:
-    """One round lamp of 5 degrees' radius with 95 % of the light, the rest from everywhere. (16, 32, 3).
+def _held_out(light: Environment, yaw_deg: float, *, is_lamp: bool) -> HeldOutLight:
+    return HeldOutLight(light.name, network_light(light, yaw_deg), is_lamp, lamps_of(light, yaw_deg))
+
+
+def lamp(off_axis_deg: float, around_deg: float) -> Environment:
+    """One round lamp of 5 degrees' radius with 95 % of the light, the rest from everywhere.
 
     Args:
         off_axis_deg: angle from the camera's axis; 0 is beside the camera, 90 at the person's side.
@@ -142,7 +154,7 @@ def lamp(off_axis_deg: float, around_deg: float) -> np.ndarray:
     cosine = directions(_DRAWN_HEIGHT, 2 * _DRAWN_HEIGHT) @ toward
     disc = Environment.from_radiance((cosine > np.cos(np.radians(_LAMP_RADIUS_DEG))).astype(np.float32))
     grey = _LAMP_SHARE * disc.shape + (1 - _LAMP_SHARE)
-    return network_light(Environment.from_radiance(grey))
+    return Environment.from_radiance(grey, f"lamp-{off_axis_deg:g}-{around_deg:g}")
 
 
 def held_out_paths(folder: Path, split: str, count: int) -> list[Path]:

@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import torch
 
+from relight_core.lighting.horizon import Horizon
+from relight_core.lighting.lamps import Lamp
 from relight_core.lighting.reflection import ReflectionTable
 from relight_core.lighting.relief import ReliefTransport
 from relight_core.networks.bundle import NetworkBundle
 from relight_core.networks.pair import PairName
 from relight_core.pipeline import stages
+from relight_core.pipeline.hard_shadow import harden_shadow
 from relight_core.pipeline.hints import Effects
 
 
@@ -23,17 +28,23 @@ def light_surface(
     corrected: bool,
     precision: str,
     pair: PairName,
+    horizon: Horizon | None = None,
+    lamps: Sequence[Lamp] = (),
 ) -> tuple[torch.Tensor, Effects, stages.Composed]:
     """Irradiance and gloss, effects and image at the networks' size of a normalised light (1, 16, 32, 3).
 
     Args:
         by_network, corrected, precision, pair: as in `stages.estimate_effects` and `stages.compose`.
+        horizon: of the surface's relief, and
+        lamps: the light's small ones, whose shadows get edges; both or neither.
     """
     device = str(light.device)
     reflected = stages.reflect(stages.reflector(table, surface), light)
     effects = stages.estimate_effects(
         bundle, surface, reflected, relief, light, device, by_network=by_network, precision=precision, pair=pair
     )
+    if relief is not None and horizon is not None:
+        effects = harden_shadow(effects, surface, reflected, light, relief, horizon, lamps)
     composed = stages.compose(
         bundle, surface, reflected, effects, light, device, corrected=corrected, precision=precision, pair=pair
     )

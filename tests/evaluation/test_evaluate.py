@@ -21,6 +21,7 @@ from relight_core.evaluation.held_out import (
     load_head,
 )
 from relight_core.evaluation.report import as_markdown, as_record
+from relight_core.lighting.environment import network_light
 from relight_core.networks.bundle import BundleConfig, NetworkBundle
 from relight_core.pipeline.quality import Tier
 
@@ -76,7 +77,7 @@ def test_one_panorama_is_enough():
 
 @pytest.mark.parametrize(("off", "around"), [(50, 0), (60, 145), (70, 180), (60, 35)])
 def test_a_lamp_stands_where_it_should_with_unit_level(off, around):
-    light = lamp(off, around)
+    light = network_light(lamp(off, around))
     theta = np.pi * (np.arange(16) + 0.5) / 16
     phi = 2 * np.pi * ((np.arange(32) + 0.5) / 32 - 0.5)
     x, z = np.outer(np.sin(theta), np.sin(phi)), -np.outer(np.sin(theta), np.cos(phi))
