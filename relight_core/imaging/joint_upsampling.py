@@ -58,12 +58,12 @@ class JointUpsampler:
     def _likeness(self, small: np.ndarray, large: np.ndarray) -> torch.Tensor:
         """(f * f, 9, s, s) weights of the neighbours of every new pixel."""
         size, factor = self.size, self.factor
-        cells = _as_seen(large).reshape(size, factor, size, factor, 3).permute(0, 2, 1, 3, 4)
-        cells = cells.reshape(size * size, factor * factor, 1, 3)
         around = _neighbours(_as_seen(small))
-        down, right = (slope.reshape(size * size, 1, 1, 3) for slope in _slopes(around))
-        below, beside = (offset.reshape(1, factor * factor, _TAPS, 1) for offset in _offsets(factor))
-        unlike = cells - around.reshape(size * size, 1, _TAPS, 3) - down * below - right * beside
+        slopes, around = _slopes(around).reshape(size * size, 1, 2, 3), around.reshape(size * size, _TAPS, 3)
+        cells = _as_seen(large).reshape(size, factor, size, factor, 3).permute(0, 2, 1, 3, 4)
+        cells = cells.reshape(size * size, factor * factor, 3) - _along(slopes, _places(_within(factor)))
+        around = around - _along(slopes, _places(torch.tensor([-1.0, 0.0, 1.0])))
+        unlike = cells[:, :, None] - around[:, None]
         likeness = torch.exp(unlike.square().sum(-1) / (-2 * _COLOUR_DEVIATION**2))
         weights = (likeness + _FAR) * _nearness(factor)
         weights = weights / weights.sum(-1, keepdim=True)
@@ -81,14 +81,14 @@ def _neighbours(image: torch.Tensor) -> torch.Tensor:
     return windows.permute(1, 2, 3, 4, 0).reshape(*image.shape[:2], _TAPS, image.shape[2])
 
 
-def _slopes(around: torch.Tensor) -> tuple[torch.Tensor, torch.Tensor]:
-    """(s, s, C) each, down and to the right, per small pixel; 0 at edges, where the two sides' slopes differ.
+def _slopes(around: torch.Tensor) -> torch.Tensor:
+    """(s, s, 2, C), down and to the right, per small pixel; 0 at edges, where the two sides' slopes differ.
 
     Args:
         around: of `_neighbours`.
     """
     above, left, here, right, below = (around[:, :, tap] for tap in (1, 3, 4, 5, 7))
-    return _lesser(here - above, below - here), _lesser(here - left, right - here)
+    return torch.stack([_lesser(here - above, below - here), _lesser(here - left, right - here)], 2)
 
 
 def _lesser(one: torch.Tensor, other: torch.Tensor) -> torch.Tensor:
@@ -97,17 +97,23 @@ def _lesser(one: torch.Tensor, other: torch.Tensor) -> torch.Tensor:
     return torch.where(one * other > 0, smaller * one.sign(), torch.zeros(()))
 
 
-def _offsets(factor: int) -> tuple[torch.Tensor, torch.Tensor]:
-    """(f, f, 9) each: how far new pixels lie below and to the right of neighbours, in small pixels."""
-    within = (torch.arange(factor) + 0.5) / factor - 0.5
-    along = within[:, None] - torch.tensor([-1.0, 0.0, 1.0])
-    shape = (factor, factor, 3, 3)
-    below, beside = along[:, None, :, None].expand(shape), along[None, :, None, :].expand(shape)
-    return below.reshape(factor, factor, _TAPS), beside.reshape(factor, factor, _TAPS)
+def _along(slopes: torch.Tensor, places: torch.Tensor) -> torch.Tensor:
+    """How much slopes (P, 1, 2, C) rise up to each of some places (N, 2): (P, N, C)."""
+    return places[:, :1] * slopes[:, :, 0] + places[:, 1:] * slopes[:, :, 1]
+
+
+def _within(factor: int) -> torch.Tensor:
+    """(f,) where new pixels lie within a small one, from its middle."""
+    return (torch.arange(factor) + 0.5) / factor - 0.5
+
+
+def _places(along: torch.Tensor) -> torch.Tensor:
+    """(n * n, 2) places down and to the right, rows first."""
+    return torch.cartesian_prod(along, along)
 
 
 def _nearness(factor: int) -> torch.Tensor:
     """(f * f, 9) weights of neighbours by distance: the quadratic B-spline, which keeps slopes straight."""
-    within = (torch.arange(factor) + 0.5) / factor - 0.5
+    within = _within(factor)
     along = torch.stack([(0.5 - within).square() / 2, 0.75 - within.square(), (0.5 + within).square() / 2], -1)
     return torch.einsum("ai,bj->abij", along, along).reshape(factor * factor, _TAPS)
