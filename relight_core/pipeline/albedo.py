@@ -16,6 +16,7 @@ import torch
 import torch.nn.functional as F
 
 from relight_core.imaging.tensor_colour import grey
+from relight_core.imaging.tensor_means import local_means
 from relight_core.lighting.relief import ReliefTransport
 from relight_core.pipeline.blown import skin_share
 from relight_core.pipeline.stages import Surface
@@ -24,7 +25,7 @@ _STRONGEST = 1.0
 _FLOOR = 0.02
 _CLIPPED = 0.95
 _FEWEST_PIXELS = 100
-_BLUR_SHARE = 0.03
+_REACH_SHARE = 0.03
 _COMMON = 0.15
 """Flush and tan move the log of a ratio of two channels by about as much."""
 
@@ -75,25 +76,14 @@ def _in_one_colour(surface: Surface) -> Surface:
     if int(known.sum()) < _FEWEST_PIXELS:
         return surface
     log_albedo = surface.albedo.clamp_min(1e-3).log()
-    colour = _smoothed(log_albedo - log_albedo[:, 1:2], skin)
+    reach_px = max(round(_REACH_SHARE * skin.shape[-1]), 1)
+    colour = local_means(log_albedo - log_albedo[:, 1:2], skin, reach_px)
     middle = torch.stack([channel[known[0, 0]].median() for channel in colour[0]])[None, :, None, None]
     off = colour - middle
     excess = off - off.clamp(-_COMMON, _COMMON)
     evened = surface.albedo * torch.exp(-excess * skin)
     evened = evened * (grey(surface.albedo) / grey(evened).clamp_min(1e-6))
     return replace(surface, albedo=evened.clamp(0, 1))
-
-
-def _smoothed(image: torch.Tensor, weight: torch.Tensor) -> torch.Tensor:
-    """Weighted local means, (1, C, S, S)."""
-    reach = max(round(_BLUR_SHARE * image.shape[-1]), 1)
-
-    def blur(values: torch.Tensor) -> torch.Tensor:
-        for _ in range(2):
-            values = F.avg_pool2d(values, 2 * reach + 1, 1, reach, count_include_pad=False)
-        return values
-
-    return blur(image * weight) / blur(weight).clamp_min(1e-3)
 
 
 def grey_irradiance(relief: ReliefTransport, light: torch.Tensor) -> torch.Tensor:

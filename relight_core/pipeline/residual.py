@@ -5,8 +5,8 @@ surface differs from what de-lighting believes (brows, lashes, stubble, dark clo
 much under another light: a ratio image (Liu, Shan and Zhang 2001), of the photo over its model. It multiplies
 what the model makes of another light, by its full strength where the place is lit as in the photo, and by
 less the less alike the two are: a highlight or a cast shadow that the model missed belongs to the photo's light
-and not to the surface. What is brighter or of another colour than its model on skin is the light's more often than
-the surface's, and fades faster. So a portrait under its own estimated light is the photo again.
+and not to the surface. On skin, what is brighter than its model, of another colour, or off over a whole cheek is
+the light's more often than the surface's, and fades faster. So a portrait under its own estimated light is the photo again.
 
 Hair that is darker than its model has strands in each other's shadow, whatever light falls on them: it stays darker.
 """
@@ -19,6 +19,7 @@ from dataclasses import dataclass, replace
 import torch
 
 from relight_core.face.parsing import INDEX
+from relight_core.imaging.tensor_means import local_means
 from relight_core.lighting.environment import mean_luminance
 from relight_core.pipeline.blown import clipped_share, skin_share
 from relight_core.pipeline.hints import Effects, grey
@@ -30,6 +31,7 @@ _CLIPPED = 0.97
 _FEWEST_PIXELS = 50
 _DARK_HAIR = 0.8
 _FADES = 2.0
+_REACH_SHARE = 0.03
 
 
 @dataclass(frozen=True)
@@ -41,6 +43,7 @@ class Residual:
         shading: (1, 1, S, S) the model's grey explicit sum there, normalised light.
         stays_dark: (1, 1, S, S) in [0, 1], how much of a darkening stays under whatever light.
         skin: (1, 1, S, S) probability of bare skin.
+        broad: (1, 1, S, S) the part of the mean log ratio that whole cheeks share, on skin.
         level: of the photo's own light, such that model and photo are equally bright over the person.
     """
 
@@ -48,6 +51,7 @@ class Residual:
     shading: torch.Tensor
     stays_dark: torch.Tensor
     skin: torch.Tensor
+    broad: torch.Tensor
     level: float
 
 
@@ -78,7 +82,10 @@ def find_residual(
     if bool(recorded.max() <= 1.001):
         log_ratio = _at_least(log_ratio, clipped_share(recorded), skin_share(surface.parsing))
     stays_dark = _DARK_HAIR * surface.parsing[:, INDEX["hair"], None]
-    return Residual(log_ratio, grey(model.plain), stays_dark, skin_share(surface.parsing), level)
+    skin = skin_share(surface.parsing)
+    reach_px = max(round(_REACH_SHARE * skin.shape[-1]), 1)
+    broad = skin * local_means(log_ratio.mean(1, keepdim=True), skin, reach_px)
+    return Residual(log_ratio, grey(model.plain), stays_dark, skin, broad, level)
 
 
 def _at_least(log_ratio: torch.Tensor, clipped: torch.Tensor, skin: torch.Tensor) -> torch.Tensor:
@@ -102,7 +109,7 @@ def add_residual(residual: Residual, composed: Composed, effects: Effects) -> tu
     shading = grey(composed.plain)
     darker, brighter = torch.minimum(shading, residual.shading), torch.maximum(shading, residual.shading)
     alike = (darker + _BLACK) / (brighter + _BLACK)
-    level = residual.log_ratio.mean(1, keepdim=True)
+    level = residual.log_ratio.mean(1, keepdim=True) - residual.broad
     faint = alike ** (1 + _FADES * residual.skin)
     darker = level.clamp_max(0) * torch.maximum(alike, residual.stays_dark)
     ratio = torch.exp(darker + (residual.log_ratio - level.clamp_max(0)) * faint)

@@ -80,16 +80,19 @@ def test_hair_that_the_model_makes_too_bright_stays_dark_in_a_stronger_light_but
     torch.testing.assert_close(hair[0], cloth[0])
 
 
-def test_highlights_and_colours_that_the_model_missed_on_skin_fade_faster_than_shadows_do():
-    photo = torch.full((1, 3, SIZE, SIZE), 0.1)
-    photo[..., : SIZE // 2] = 0.4
+def test_on_skin_a_mole_stays_longer_than_a_highlight_or_a_shaded_cheek():
+    photo = torch.full((1, 3, SIZE, SIZE), 0.2)
+    photo[..., :4] = 0.1
+    photo[..., 3, 9], photo[..., 9, 9] = 0.1, 0.4
     model = Composed(torch.full_like(photo, 0.2), torch.full_like(photo, 0.2))
     brighter = Composed(torch.full_like(photo, 0.4), torch.full_like(photo, 0.4))
     residual = find_residual(surface(photo, SKIN), photo, light(), lambda own: model)
     image, _ = add_residual(residual, brighter, no_effects())
-    kept = ((image + 0.005) / (brighter.image + 0.005)).log() / residual.log_ratio
-    assert kept[0, 0, 0, 0] < 0.2
-    assert 0.4 < kept[0, 0, 0, -1] < 0.6
+    log_kept = ((image + 0.005) / (brighter.image + 0.005)).log() / residual.log_ratio
+    cheek, mole, highlight = (float(log_kept[0, 0, y, x]) for y, x in ((6, 0), (3, 9), (9, 9)))
+    assert cheek < 0.2
+    assert highlight < 0.2
+    assert mole > 0.35
 
 
 def test_a_clipped_photo_does_not_darken_a_brighter_model():

@@ -1,0 +1,22 @@
+"""Weighted local means of image tensors."""
+
+from __future__ import annotations
+
+import torch
+import torch.nn.functional as F
+
+
+def local_means(image: torch.Tensor, weight: torch.Tensor, reach_px: int) -> torch.Tensor:
+    """Means over (about) a tent of 2 * reach_px to each side.
+
+    Args:
+        image: (1, C, S, S).
+        weight: (1, 1, S, S) >= 0, how much each pixel counts; where nothing nearby does, the mean goes to 0.
+    """
+
+    def blur(values: torch.Tensor) -> torch.Tensor:
+        for _ in range(2):
+            values = F.avg_pool2d(values, 2 * reach_px + 1, 1, reach_px, count_include_pad=False)
+        return values
+
+    return blur(image * weight) / blur(weight).clamp_min(1e-3)
