@@ -6,7 +6,8 @@ much under another light: a ratio image (Liu, Shan and Zhang 2001), of the photo
 what the model makes of another light, by its full strength where the place is lit as in the photo, and by
 less the less alike the two are: a highlight or a cast shadow that the model missed belongs to the photo's light
 and not to the surface. On skin, what is brighter than its model, of another colour, or off over a whole cheek is
-the light's more often than the surface's, and fades faster. So a portrait under its own estimated light is the photo again.
+the light's more often than the surface's, and fades faster. So a portrait under its own estimated light is the
+photo again.
 
 Hair that is darker than its model has strands in each other's shadow, whatever light falls on them: it stays darker.
 """
