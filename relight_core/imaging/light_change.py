@@ -94,7 +94,7 @@ def fit_light_change(photo: np.ndarray, relit: np.ndarray, gloss: np.ndarray, ma
     matt = relit - gloss
     gain = _pattern_kept(photo, matt, (matt + _DARK) / (photo + _DARK), patterned)
     gain = np.maximum(_evened(photo, matt, gain, even), 0.0)
-    carried = _TEXTURED * textured * np.minimum(photo / _PALE, 1.0)
+    carried = np.maximum(_TEXTURED * textured, even) * np.minimum(photo / _PALE, 1.0)
     shine, veil = carried / np.maximum(photo, _DARK), (1 - carried) * (1 - even)
     offset = veil * gloss + _DARK * np.clip(gain - 1.0, 0.0, LARGEST_GAIN)
     return LightChange(_within_reach(gain + shine * gloss), offset, shine, veil)

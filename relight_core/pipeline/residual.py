@@ -82,8 +82,7 @@ def find_residual(
     log_ratio = torch.log((photo + _BLACK) / (image + _BLACK)).clamp(-_LARGEST_LOG, _LARGEST_LOG)
     if bool(recorded.max() <= 1.001):
         log_ratio = _at_least(log_ratio, clipped_share(recorded), skin_share(surface.parsing))
-    stays_dark = _DARK_HAIR * surface.parsing[:, INDEX["hair"], None]
-    skin = skin_share(surface.parsing)
+    stays_dark, skin = _DARK_HAIR * surface.parsing[:, INDEX["hair"], None], skin_share(surface.parsing)
     reach_px = max(round(_REACH_SHARE * skin.shape[-1]), 1)
     broad = skin * local_means(log_ratio.mean(1, keepdim=True), skin, reach_px)
     return Residual(log_ratio, grey(model.plain), stays_dark, skin, broad, level)
@@ -112,7 +111,8 @@ def add_residual(residual: Residual, composed: Composed, effects: Effects) -> tu
     alike = (darker + _BLACK) / (brighter + _BLACK)
     level = residual.log_ratio.mean(1, keepdim=True) - residual.broad
     faint = alike ** (1 + _FADES * residual.skin)
-    darker = level.clamp_max(0) * torch.maximum(alike, residual.stays_dark)
-    ratio = torch.exp(darker + (residual.log_ratio - level.clamp_max(0)) * faint)
+    darkening = level.clamp_max(0)
+    kept = darkening * torch.maximum(alike, residual.stays_dark)
+    ratio = torch.exp(kept + (residual.log_ratio - darkening) * faint)
     image = ((composed.image.float() + _BLACK) * ratio - _BLACK).clamp_min(0)
     return image, replace(effects, specular=effects.specular * grey(ratio), shadow=effects.shadow * grey(ratio))

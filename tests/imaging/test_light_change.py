@@ -77,6 +77,7 @@ def test_an_open_mouth_gets_no_gloss_and_own_light_gives_the_photo_back():
     change = fit_light_change(photo, photo, gloss, made_of(evenly_lit=1))
     assert change.offset.max() == 0
     assert change.veil.max() == 0
+    assert change.shine.min() > 0
     np.testing.assert_allclose(change.apply(photo), photo, atol=1e-3)
 
 
