@@ -127,7 +127,8 @@ def explicit_sum(
     """albedo * irradiance - shadow + specular, (B, 3, H, W) >= 0.
 
     The additive shadow is grey; it darkens each colour in proportion to what there is of it and to its tint, so
-    that it can take no more than there is.
+    that it can take no more than there is. Gains above 1 deepen it without an end: twice what is hidden would be
+    black wherever half is.
     """
     diffuse = albedo * reflected[:, :3]
     gloss = grey(reflected[:, 3:])
@@ -135,4 +136,5 @@ def explicit_sum(
     if effects.tint is not None:
         fraction = (fraction * effects.tint).clamp(0, 1)
     colour = reflected[:, 3:] / gloss.clamp_min(1e-6)
-    return diffuse * (1 - shadow_gain * fraction).clamp_min(0) + specular_gain * effects.specular * colour
+    left = 1 - shadow_gain * fraction if shadow_gain <= 1 else (1 - fraction) ** shadow_gain
+    return diffuse * left + specular_gain * effects.specular * colour

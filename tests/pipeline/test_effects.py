@@ -70,6 +70,14 @@ def test_shadow_keeps_the_colour_of_the_diffuse_part(scene):
     assert ((ratio.amax(1, keepdim=True) - ratio.amin(1, keepdim=True))[lit] < 1e-3).all()
 
 
+@pytest.mark.parametrize(("gain", "left"), [(0.0, 1.0), (0.5, 0.75), (1.0, 0.5), (2.0, 0.25)])
+def test_where_half_the_light_is_hidden_a_deeper_shadow_is_not_black(gain, left):
+    albedo, reflected = torch.full((1, 3, 2, 2), 0.5), torch.zeros(1, 6, 2, 2)
+    reflected[:, :3] = 2
+    half = Effects(torch.zeros(1, 1, 2, 2), torch.full((1, 1, 2, 2), 0.5))
+    torch.testing.assert_close(explicit_sum(albedo, reflected, half, 1.0, gain), torch.full((1, 3, 2, 2), left))
+
+
 @pytest.mark.parametrize("slider", ["specular", "shadow"])
 def test_sliders_are_monotone_pixel_by_pixel(scene, slider):
     albedo, reflected, effects = scene
