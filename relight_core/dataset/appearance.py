@@ -15,7 +15,7 @@ from relight_core.dataset.illumination import Illumination, illuminate_past, ref
 from relight_core.dataset.interreflection import OwnView, bounced
 from relight_core.dataset.occluders import Occluder, positions, silhouette, transmission
 from relight_core.dataset.scene import Material
-from relight_core.face.gloss import GLOSS_SHARE
+from relight_core.face.gloss import gloss_of
 from relight_core.lighting.reflection import GLOSS, Gloss
 
 _SCATTER = np.array([1.0, 0.45, 0.25], np.float32)
@@ -60,7 +60,7 @@ def appear(
     Args:
         dullness: of hair and cloth, the exponent of what they have of the gloss; 0 gives them that of skin.
     """
-    share = np.array(GLOSS_SHARE, np.float32)[head.label][:, None] ** dullness
+    share = gloss_of(head.label, dullness)
     if occluder is None:
         own = reference.specular if (gloss, dullness) == (GLOSS, 1) else reflect(head, normal, lights, gloss) * share
         return Appearance(reference.irradiance, own, scatter_px, None)

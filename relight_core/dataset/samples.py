@@ -12,7 +12,7 @@ from relight_core.dataset.appearance import Appearance
 from relight_core.dataset.bake import BakedHead
 from relight_core.dataset.illumination import Illumination, illuminate
 from relight_core.dataset.interreflection import OwnView, bounced, own_view
-from relight_core.face.gloss import GLOSS_SHARE
+from relight_core.face.gloss import gloss_of
 from relight_core.face.parsing import MIRRORED
 from relight_core.imaging.colour import REC709_LUMINANCE
 from relight_core.lighting.relief import march_relief
@@ -21,7 +21,6 @@ RELIEF_SIZE = 64
 """Side at which reliefs are marched; shadows wider than a few pixels survive it, SS sharpens the rest."""
 
 _GREY = REC709_LUMINANCE.astype(np.float32)
-_GLOSS_SHARE = np.array(GLOSS_SHARE, np.float32)
 _MIRRORED_LABELS = np.array(MIRRORED, np.uint8)
 
 
@@ -73,7 +72,7 @@ def light_head(head: BakedHead, normal: np.ndarray, lights: np.ndarray, *, dull:
     """
     light = illuminate(head, normal, lights)
     if dull:
-        share = _GLOSS_SHARE[head.label][:, None]
+        share = gloss_of(head.label)
         light = replace(light, specular=light.specular * share, specular_open=light.specular_open * share)
     return LitHead(head, normal, lights, light, own_view(head, normal))
 

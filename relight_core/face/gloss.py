@@ -6,6 +6,8 @@ more than they mirror, and a sheen as of skin lies over them as haze.
 
 from __future__ import annotations
 
+import numpy as np
+
 from relight_core.face.parsing import CLASSES
 
 _DULL = {
@@ -21,3 +23,8 @@ _DULL = {
 
 GLOSS_SHARE = tuple(_DULL.get(name, 1.0) for name in CLASSES)
 """By label, (0, 1]."""
+
+
+def gloss_of(labels: np.ndarray, dullness: float = 1.0) -> np.ndarray:
+    """The shares of pixels (P,), as (P, 1) float32, to the power of `dullness`: 0 gives all the gloss of skin."""
+    return np.array(GLOSS_SHARE, np.float32)[labels][:, None] ** dullness

@@ -25,7 +25,6 @@ _STRONGEST = 1.0
 _FLOOR = 0.02
 _CLIPPED = 0.95
 _FEWEST_PIXELS = 100
-_REACH_SHARE = 0.03
 _COMMON = 0.15
 """Flush and tan move the log of a ratio of two channels by about as much."""
 
@@ -76,8 +75,7 @@ def _in_one_colour(surface: Surface) -> Surface:
     if int(known.sum()) < _FEWEST_PIXELS:
         return surface
     log_albedo = surface.albedo.clamp_min(1e-3).log()
-    reach_px = max(round(_REACH_SHARE * skin.shape[-1]), 1)
-    colour = local_means(log_albedo - log_albedo[:, 1:2], skin, reach_px)
+    colour = local_means(log_albedo - log_albedo[:, 1:2], skin)
     middle = torch.stack([channel[known[0, 0]].median() for channel in colour[0]])[None, :, None, None]
     off = colour - middle
     excess = off - off.clamp(-_COMMON, _COMMON)

@@ -29,7 +29,7 @@ _SURE = 0.5
 _DOUBT = 0.05
 _MARGIN_PX = 5
 _MOUTH = {INDEX["inner_mouth"], INDEX["lips"]}
-_SKIN = [*sorted({*FACE_LABELS, INDEX["neck"]} - _MOUTH)]
+_SKIN = sorted({*FACE_LABELS, INDEX["neck"]} - _MOUTH)
 
 
 def horizon_of(surface: Surface) -> Horizon:

@@ -32,7 +32,6 @@ _CLIPPED = 0.97
 _FEWEST_PIXELS = 50
 _DARK_HAIR = 0.8
 _FADES = 2.0
-_REACH_SHARE = 0.03
 
 
 @dataclass(frozen=True)
@@ -78,13 +77,12 @@ def find_residual(
     lit = float(grey(image)[known].sum())
     if int(known.sum()) >= _FEWEST_PIXELS and lit > 0:
         level = float(grey(surface.photo)[known].sum()) / lit
-    photo = recorded / max(level, 1e-4)
+    photo, skin = recorded / max(level, 1e-4), skin_share(surface.parsing)
     log_ratio = torch.log((photo + _BLACK) / (image + _BLACK)).clamp(-_LARGEST_LOG, _LARGEST_LOG)
     if bool(recorded.max() <= 1.001):
-        log_ratio = _at_least(log_ratio, clipped_share(recorded), skin_share(surface.parsing))
-    stays_dark, skin = _DARK_HAIR * surface.parsing[:, INDEX["hair"], None], skin_share(surface.parsing)
-    reach_px = max(round(_REACH_SHARE * skin.shape[-1]), 1)
-    broad = skin * local_means(log_ratio.mean(1, keepdim=True), skin, reach_px)
+        log_ratio = _at_least(log_ratio, clipped_share(recorded), skin)
+    stays_dark = _DARK_HAIR * surface.parsing[:, INDEX["hair"], None]
+    broad = skin * local_means(log_ratio.mean(1, keepdim=True), skin)
     return Residual(log_ratio, grey(model.plain), stays_dark, skin, broad, level)
 
 
