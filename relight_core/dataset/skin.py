@@ -2,8 +2,9 @@
 
 Skin is Beer-Lambert absorption by melanin and haemoglobin over a pale base, which covers the range of
 human skin evenly when melanin is drawn uniformly; where there are painted skins, half of the samples take
-their detail or their colouring instead. In most samples arbitrary pictures are laid over it or
-instead of it: a network that has seen wild albedo learns what light does, not what skin looks like.
+their detail or their colouring instead. In some samples arbitrary pictures are laid over it or
+instead of it: a network that has seen wild albedo learns what light does, not what skin looks like. One that
+has seen little else keeps the light's own gradients for paint.
 """
 
 from __future__ import annotations
@@ -22,6 +23,7 @@ _PALE = np.array([0.70, 0.49, 0.39], np.float32)
 _MELANIN = np.array([1.75, 2.1, 2.45], np.float32)
 _HAEMOGLOBIN = np.array([0.10, 0.55, 0.45], np.float32)
 _PAINTED_SHARE = 0.5
+_TINTED_SHARE, _COVERED_SHARE, _PATCHED_SHARE = 0.1, 0.1, 0.1
 _DARKEST, _BRIGHTEST = 0.015, 0.95
 
 # Centres and radii in the face tile of what blood colours: cheeks, nose tip, chin.
@@ -206,15 +208,15 @@ def _paint_eyes(albedo: np.ndarray, head: BakedHead, rng: np.random.Generator) -
 
 
 def _lay_pictures(albedo: np.ndarray, head: BakedHead, pool: TexturePool, rng: np.random.Generator) -> None:
-    """Domain randomisation: pictures as albedo, multiplied over it, or on a part of the head."""
+    """Domain randomisation: pictures multiplied over the albedo, instead of it, or on a part of the head."""
     chance = rng.random()
-    if chance < 0.45:
+    if chance > _TINTED_SHARE + _COVERED_SHARE + _PATCHED_SHARE:
         return
     picture = look_up(pool.picture(rng), head.uv, rng.choice([1, 1, 2, 3]))
-    if chance < 0.65:
+    if chance < _TINTED_SHARE:
         mean = picture.mean(0, keepdims=True)
         albedo *= ((picture + 0.05) / (mean + 0.05)) ** rng.uniform(0.3, 1)
-    elif chance < 0.82:
+    elif chance < _TINTED_SHARE + _COVERED_SHARE:
         blend = rng.uniform(0.5, 1)
         albedo[:] = albedo * (1 - blend) + picture * blend
     else:
