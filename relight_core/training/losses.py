@@ -26,6 +26,12 @@ def masked_l1(estimate: torch.Tensor, truth: torch.Tensor, covered: torch.Tensor
     return error.sum() / (covered.sum() * estimate.shape[1]).clamp_min(1.0)
 
 
+def masked_l2(estimate: torch.Tensor, truth: torch.Tensor, covered: torch.Tensor) -> torch.Tensor:
+    """Mean squared error over covered pixels; arguments, and what is true of none covered, as in `masked_l1`."""
+    error = (estimate - truth).square() * covered
+    return error.sum() / (covered.sum() * estimate.shape[1]).clamp_min(1.0)
+
+
 def focal_parsing(logits: torch.Tensor, label: torch.Tensor, focus: float = 2.0) -> torch.Tensor:
     """Multi-class focal loss, mean over pixels (Eq. 4; Lin et al. 2017).
 

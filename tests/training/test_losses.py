@@ -5,7 +5,19 @@ import math
 import pytest
 import torch
 
-from relight_core.training.losses import edges_l1, focal_parsing, fraction_loss, masked_l1, relief_l1, slope_l1, wlog_l2
+from relight_core.lighting.reflection import ReflectionTable
+from relight_core.networks.specular_shadow import SpecularShadowConfig, SpecularShadowNetwork
+from relight_core.training.losses import (
+    edges_l1,
+    focal_parsing,
+    fraction_loss,
+    masked_l1,
+    masked_l2,
+    relief_l1,
+    slope_l1,
+    wlog_l2,
+)
+from relight_core.training.relight_steps import specular_shadow_losses
 
 
 def row(*values):
@@ -26,6 +38,14 @@ class TestMaskedL1:
         loss.backward()
         assert float(loss.detach()) == 0
         assert estimate.grad.abs().max() == 0
+
+
+class TestMaskedL2:
+    def test_is_the_mean_square_over_covered_pixels(self):
+        assert float(masked_l2(row(1, 5, 2), row(0, 0, 0), row(1, 0, 1))) == pytest.approx(2.5)
+
+    def test_an_empty_mask_gives_zero(self):
+        assert float(masked_l2(row(1, 5), row(0, 0), row(0, 0))) == 0
 
 
 class TestFocalParsing:
@@ -147,3 +167,29 @@ class TestFractionLoss:
         loss.backward()
         assert float(loss.detach()) == 0
         assert torch.isfinite(logit.grad).all()
+
+
+class TestAdditiveShadow:
+    def test_sparse_shadow_wakes_a_network_that_sees_none(self):
+        """A fifth of the pixels is in shadow: the absolute error is least at no shadow, the sum of both isn't."""
+        network = SpecularShadowNetwork(SpecularShadowConfig(2, 2, False, False, additive=True)).train()
+        with torch.no_grad():
+            network.head.weight.zero_()
+        size = 20
+        shadow = torch.zeros(1, 1, size, size)
+        shadow[..., :4, :] = 0.5
+        surface = {
+            "normal": torch.tensor([0.0, 0, 1])[None, :, None, None].expand(1, 3, size, size),
+            "albedo": torch.full((1, 3, size, size), 0.5),
+            "covered": torch.ones(1, 1, size, size),
+            "reflected": torch.ones(1, 6, size, size),
+        }
+        flat = surface | {"light": torch.ones(1, 16, 32, 3), "shadow": shadow, "specular": torch.zeros_like(shadow)}
+        losses = specular_shadow_losses(network, ReflectionTable(), flat)[1]
+
+        def slope(*names: str) -> float:
+            total = sum(losses[name] for name in names)
+            return float(torch.autograd.grad(total, network.head.bias, retain_graph=True)[0].sum())
+
+        assert slope("shadow") > 0
+        assert slope("shadow", "shadow_squared") < 0
