@@ -8,7 +8,15 @@ from relight_core.face.parsing import FACE_LABELS
 from relight_core.imaging.tensor_colour import srgb_encode
 from relight_core.lighting.reflection import ReflectionTable
 from relight_core.networks.delight import DelightNetwork, Delit
-from relight_core.training.losses import edges_l1, focal_parsing, irradiance_l1, masked_l1, relief_l1, wlog_l2
+from relight_core.training.losses import (
+    edges_l1,
+    focal_parsing,
+    irradiance_l1,
+    levelled_l1,
+    masked_l1,
+    relief_l1,
+    wlog_l2,
+)
 
 
 def delight_losses(
@@ -26,7 +34,8 @@ def delight_losses(
     albedo_srgb = srgb_encode(twice["albedo"])
     relief = twice["relief"] * (photo.shape[-1] / 128)  # half-widths to units of 64 pixels
     losses = {
-        "albedo": 2.0 * masked_l1(found.albedo_srgb, albedo_srgb, covered),
+        "albedo": masked_l1(found.albedo_srgb, albedo_srgb, covered),
+        "albedo_levelled": 2.0 * levelled_l1(found.albedo_srgb, albedo_srgb, covered),
         "albedo_edges": edges_l1(found.albedo_srgb, albedo_srgb, covered),
         "normal": masked_l1(found.normal, twice["normal"], covered),
         "normal_edges": edges_l1(found.normal, twice["normal"], covered),

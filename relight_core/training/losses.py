@@ -26,6 +26,19 @@ def masked_l1(estimate: torch.Tensor, truth: torch.Tensor, covered: torch.Tensor
     return error.sum() / (covered.sum() * estimate.shape[1]).clamp_min(1.0)
 
 
+def levelled_l1(estimate: torch.Tensor, truth: torch.Tensor, covered: torch.Tensor) -> torch.Tensor:
+    """`masked_l1` after every channel of every estimate has been brought to the truth's level by one factor.
+
+    The factor is that of least squares over the covered pixels. How light and of which colour all of a photo is, is
+    as much the light's doing as the surface's, and that error drowns the one of shading left in part of it.
+    """
+    weighted = estimate * covered
+    factor = (weighted * truth).sum((2, 3), keepdim=True) / (weighted * estimate).sum((2, 3), keepdim=True).clamp_min(
+        1e-3
+    )
+    return masked_l1(estimate * factor, truth, covered)
+
+
 def masked_l2(estimate: torch.Tensor, truth: torch.Tensor, covered: torch.Tensor) -> torch.Tensor:
     """Mean squared error over covered pixels; arguments, and what is true of none covered, as in `masked_l1`."""
     error = (estimate - truth).square() * covered
