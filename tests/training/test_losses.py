@@ -11,6 +11,7 @@ from relight_core.training.losses import (
     edges_l1,
     focal_parsing,
     fraction_loss,
+    levelled_l1,
     masked_l1,
     masked_l2,
     relief_l1,
@@ -38,6 +39,24 @@ class TestMaskedL1:
         loss.backward()
         assert float(loss.detach()) == 0
         assert estimate.grad.abs().max() == 0
+
+
+class TestLevelledL1:
+    def test_no_error_in_what_is_only_brighter_and_of_another_colour(self):
+        truth = torch.rand(2, 3, 4, 4)
+        tinted = truth * torch.tensor([0.5, 1.5, 2.0])[None, :, None, None]
+        assert float(levelled_l1(tinted, truth, torch.ones(2, 1, 4, 4))) == pytest.approx(0, abs=1e-6)
+
+    def test_shading_left_in_a_part_counts(self):
+        """2 and 1 for 1 and 1: the best factor is 3 / 5, which leaves errors of 0.2 and 0.4."""
+        assert float(levelled_l1(row(2, 1, 9), row(1, 1, 0), row(1, 1, 0))) == pytest.approx(0.3)
+
+    def test_black_and_empty_estimates_have_finite_gradients(self):
+        estimate = torch.zeros(1, 3, 4, 4, requires_grad=True)
+        loss = levelled_l1(estimate, torch.rand(1, 3, 4, 4), torch.ones(1, 1, 4, 4))
+        loss = loss + levelled_l1(estimate, torch.rand(1, 3, 4, 4), torch.zeros(1, 1, 4, 4))
+        loss.backward()
+        assert estimate.grad.isfinite().all()
 
 
 class TestMaskedL2:
