@@ -83,6 +83,11 @@ def luminance(rgb: np.ndarray) -> np.ndarray:
     return np.asarray(rgb, np.float32) @ _LUMINANCE
 
 
+def without_colour(rgb: np.ndarray) -> np.ndarray:
+    """Linear colours (..., 3) as greys of their luminance, of the same shape."""
+    return np.repeat(luminance(rgb)[..., None], 3, axis=-1)
+
+
 @lru_cache(maxsize=2)
 def _decode_table(bytes_per_code: int) -> np.ndarray:
     count = 256**bytes_per_code

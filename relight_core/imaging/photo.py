@@ -3,11 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 
 import numpy as np
 
-from relight_core.imaging.colour import srgb_decode, srgb_decode_integers
+from relight_core.imaging.colour import srgb_decode, srgb_decode_integers, srgb_encode
+
+_LOOKED_AT = 512
+_COLOURLESS = 3 / 255
+_STRAY_SHARE = 0.005
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,6 +54,14 @@ class Photo:
             raise ValueError(f"what lies beyond is float16 of shape {linear.shape}")
         if self.bits not in (8, 16, 32):
             raise ValueError(f"bits is 8, 16 or 32, not {self.bits}")
+
+    @cached_property
+    def monochrome(self) -> bool:
+        """Whether it is black and white: its channels differ by no more than compression explains."""
+        step = max(max(self.linear.shape[:2]) // _LOOKED_AT, 1)
+        codes = srgb_encode(np.clip(self.linear[::step, ::step], 0, 1))
+        coloured = codes.max(-1) - codes.min(-1) > _COLOURLESS
+        return self.beyond is None and float(coloured.mean()) <= _STRAY_SHARE
 
     @classmethod
     def from_srgb(cls, srgb: np.ndarray, path: Path | None = None) -> Photo:

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Collection
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import torch
 import torch.nn.functional as F
 
 from relight_core.face.parsing import INDEX
+from relight_core.imaging.colour import without_colour
 from relight_core.imaging.guided_detail import carry_detail
 from relight_core.imaging.joint_upsampling import JointUpsampler
 from relight_core.imaging.light_change import LightChange, Makeup, fit_light_change
@@ -53,6 +54,10 @@ class ViewChange:
         """The view (T, T, 3), linear, relit; any T."""
         size = photo.shape[:2]
         return resize_smooth(self.gain, size) * photo + resize_smooth(self.offset, size)
+
+    def without_colour(self) -> ViewChange:
+        """The change for a black-and-white photo, in which colours act by their luminance."""
+        return replace(self, gain=without_colour(self.gain), offset=without_colour(self.offset))
 
 
 def at_level(change: np.ndarray, level: float) -> np.ndarray:

@@ -125,6 +125,8 @@ class FaceRelighter:
 
     def _within_outline(self, photo_view: np.ndarray, tier: Tier) -> stages.Surface:
         found, outline = self._shop.delight(photo_view, tier), self.outline()
+        if self.portrait.photo.monochrome:
+            found = stages.without_colour(found)
         if outline is None:
             return found
         return stages.reparsed(found, parsing_within(found.parsing, outline, self.portrait.view))
@@ -286,7 +288,8 @@ class FaceRelighter:
             effects = soften_shadow(lit.effects, ready.surface, lit.reflected, edit.shadow_softness)
             shadow = edit.shadow * plan.runs("shadow")
             moved = stages.move_sliders(lit.composed, ready.surface, lit.reflected, effects, specular, shadow)
-        return enlarge_change(fit, moved, self._upsampler(ready), level)
+        change = enlarge_change(fit, moved, self._upsampler(ready), level)
+        return change.without_colour() if self.portrait.photo.monochrome else change
 
     def _fit(self, ready: Prepared, lit: Lit, plan: Plan) -> LightChange:
         """The relit view as gain and offset of the photo; without detail, offset only."""

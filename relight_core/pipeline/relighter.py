@@ -15,6 +15,7 @@ from relight_core.errors import InputError, NoFaceError
 from relight_core.face.crop import Crop
 from relight_core.face.evidence import evidence_of_face
 from relight_core.face.find import FaceBox
+from relight_core.imaging.colour import without_colour
 from relight_core.imaging.matte import WORKING_PX, Matte, make_matte
 from relight_core.imaging.photo import Photo
 from relight_core.lighting.environment import Environment, network_light
@@ -266,7 +267,10 @@ class Relighter:
         caches = self._cache, self._first().cache
         tier = tier_of(edit.quality)
         exact = not self._remembers or bool(edit.forced_on)
-        light = self._lights.match(tier, network_light(environment, edit.yaw_deg), 0.0 if exact else edit.tolerance)
+        radiance = network_light(environment, edit.yaw_deg)
+        if self._first().portrait.photo.monochrome:
+            radiance = without_colour(radiance)
+        light = self._lights.match(tier, radiance, 0.0 if exact else edit.tolerance)
         light = replace(light, lamps=lamps_of(environment, edit.yaw_deg))
         backdrop = (environment.fingerprint, edit.yaw_deg, edit.background_fov_deg, edit.background_blur_deg)
         scene = Scene(tier, light.name, light.bound, backdrop, environment.level, light.lamps)
@@ -361,18 +365,22 @@ class Relighter:
         """What is behind the people."""
         if not plan.runs("background"):
             return Backdrop(kept=True)
-        size = self._faces[0].portrait.photo.linear.shape[:2]
         panorama = None
         if edit.background == "light":
-            panorama = self._cache.run(
-                "panorama", plan.keys["panorama"], lambda: backdrop_panorama(edit, environment, size), "new light"
-            )
+            make = partial(self._panorama, edit, environment)
+            panorama = self._cache.run("panorama", plan.keys["panorama"], make, "new light")
         return self._cache.run(
             "background",
             plan.keys["background"],
             lambda: make_backdrop(edit.background, panorama, lambda: mean_gain(placement, rest)),
             "new light, slider or background",
         )
+
+    def _panorama(self, edit: Edit, environment: Environment) -> np.ndarray:
+        """What the photo's camera would see of the light behind the people."""
+        photo = self._faces[0].portrait.photo
+        seen = backdrop_panorama(edit, environment, photo.linear.shape[:2])
+        return without_colour(seen) if photo.monochrome else seen
 
 
 def _framed(photo: Photo, box: FaceBox, parsed: Callable[[Crop], np.ndarray]) -> Portrait:

@@ -121,6 +121,12 @@ def reparsed(surface: Surface, parsing: torch.Tensor) -> Surface:
     return replace(surface, parsing=parsing, person=_solid(parsing))
 
 
+def without_colour(surface: Surface) -> Surface:
+    """The surface of a black-and-white photo, with albedo and light of no colour: the networks guess some."""
+    light = grey(surface.source_light.movedim(-1, 1)).movedim(1, -1).expand_as(surface.source_light)
+    return replace(surface, albedo=grey(surface.albedo).expand_as(surface.albedo), source_light=light)
+
+
 def _solid(parsing: torch.Tensor) -> torch.Tensor:
     return torch.from_numpy(solid_person(parsing[0].cpu().numpy()))[None, None].to(parsing.device)
 

@@ -1,0 +1,68 @@
+"""Photos without colour: no network's guess and no light may give them any."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from tiny_relighter import EDIT, some_light, some_photo
+
+from relight_core.imaging.photo import Photo
+from relight_core.lighting.environment import Environment
+from relight_core.pipeline.relighter import Relighter
+
+
+def black_and_white(photo=None):
+    grey = (photo or some_photo()).linear.mean(-1, keepdims=True)
+    return Photo(np.ascontiguousarray(np.repeat(grey, 3, -1)))
+
+
+def of_greys(image):
+    return float(np.ptp(image, axis=-1).max()) < 1e-6
+
+
+class TestRecognition:
+    def test_greys_of_all_levels(self):
+        assert black_and_white().monochrome
+        assert Photo(np.zeros((8, 8, 3), np.float32)).monochrome
+
+    def test_colours_that_compression_makes_are_none(self):
+        codes = np.random.default_rng(0).integers(20, 230, (64, 64, 1)) + np.random.default_rng(1).integers(
+            0, 3, (64, 64, 3)
+        )
+        assert Photo.from_srgb(codes.astype(np.uint8)).monochrome
+
+    def test_one_coloured_part_makes_a_colour_photo(self):
+        linear = black_and_white().linear.copy()
+        linear[:10, :20, 0] *= 1.5
+        assert not Photo(linear).monochrome
+
+    def test_a_faint_tone_all_over_is_a_colour(self):
+        assert not Photo(black_and_white().linear * np.float32([1.15, 1.0, 0.85])).monochrome
+
+
+@pytest.mark.usefixtures("small_and_seeing_faces")
+class TestRelighting:
+    @pytest.mark.parametrize("background", ["keep", "match", "light"])
+    def test_a_coloured_light_leaves_it_without_colour(self, weights, background):
+        relighter = Relighter(weights)
+        relighter.set_portrait(black_and_white())
+        relit = relighter.relight(some_light(), replace(EDIT, background=background, specular_tint=1.0))
+        assert of_greys(relit.image)
+        assert relit.image.std() > 0.01
+        assert of_greys(relit.channels["albedo"])
+        assert of_greys(relit.channels["composition"])
+        assert of_greys(relighter.estimated_light().shape)
+
+    def test_a_light_s_colours_act_by_their_luminance(self, weights):
+        light = some_light()
+        luminance = light.shape @ np.float32([0.2126, 0.7152, 0.0722])
+        colourless = Environment(np.repeat(luminance[..., None], 3, -1), light.level, "grey")
+        relighter = Relighter(weights)
+        relighter.set_portrait(black_and_white())
+        coloured, grey = (relighter.relight(one, EDIT).image for one in (light, colourless))
+        np.testing.assert_allclose(coloured, grey, rtol=1e-3, atol=1e-4)
+
+    def test_a_colour_photo_keeps_its_colours(self, weights):
+        relighter = Relighter(weights)
+        relighter.set_portrait(some_photo())
+        assert not of_greys(relighter.relight(some_light(), EDIT).image)
