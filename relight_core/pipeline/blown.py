@@ -1,6 +1,7 @@
 """Where a photo is blown out it says nothing of a surface's colour, and the networks' guess there is noise in colours.
 
-Blown skin has the colour of the skin around it. Other things that are blown are white: a cap, a collar, a wall.
+Blown skin has the colour of the skin around it, and blown lips that of what is left of them. Other things that are
+blown are white: a cap, a collar, a wall.
 """
 
 from __future__ import annotations
@@ -12,10 +13,12 @@ from relight_core.face.parsing import INDEX
 from relight_core.imaging.tensor_colour import grey
 
 _SKIN = ("skin", "nose", "neck")
+_BROWS = ("left_brow", "right_brow")
 _FROM, _TO = 0.9, 0.99
 _LITTLE = 1e-4
 _BRIGHTER = 1.4
 _ENOUGH = 0.02
+_SKIN_FOR_LIPS = 0.02
 
 
 def clipped_share(photo: torch.Tensor) -> torch.Tensor:
@@ -26,6 +29,11 @@ def clipped_share(photo: torch.Tensor) -> torch.Tensor:
 def skin_share(parsing: torch.Tensor) -> torch.Tensor:
     """(1, 1, S, S) probability of bare skin, of (1, classes, S, S)."""
     return sum(parsing[:, INDEX[name], None] for name in _SKIN).clamp(0, 1)
+
+
+def flesh_share(parsing: torch.Tensor) -> torch.Tensor:
+    """(1, 1, S, S) probability of what isn't white where it is blown out: skin, with lips, and seen between brows."""
+    return (skin_share(parsing) + sum(parsing[:, INDEX[name], None] for name in (*_BROWS, "lips"))).clamp(0, 1)
 
 
 def mend_blown(clipped: torch.Tensor, albedo: torch.Tensor, parsing: torch.Tensor) -> torch.Tensor:
@@ -42,9 +50,9 @@ def mend_blown(clipped: torch.Tensor, albedo: torch.Tensor, parsing: torch.Tenso
     blown = (1.5 * clipped.mean(1, keepdim=True)).clamp(0, 1)
     if not bool((blown > 0).any()):
         return albedo
-    skin = skin_share(parsing)
+    skin = flesh_share(parsing)
     known = (1 - clipped.amax(1, keepdim=True)).square() + _LITTLE * (1 - blown) + _LITTLE**2
-    around = fill_in(albedo, skin.square() * known + _LITTLE**3).clamp_min(1e-3)
+    around = _colour_around(albedo, parsing, known)
     level = (albedo / around * (1 - clipped)).sum(1, keepdim=True) / (1 - clipped).sum(1, keepdim=True).clamp_min(1e-3)
     lifted = torch.maximum(albedo, (around * level).clamp_max(1))
     bare = albedo + clipped * (lifted - albedo)
@@ -52,6 +60,16 @@ def mend_blown(clipped: torch.Tensor, albedo: torch.Tensor, parsing: torch.Tenso
     bare = bare + blown * ((around * seen).clamp_max(1) - bare)
     white = albedo + blown * (grey(albedo) - albedo)
     return skin * bare + (1 - skin) * white
+
+
+def _colour_around(albedo: torch.Tensor, parsing: torch.Tensor, known: torch.Tensor) -> torch.Tensor:
+    """(1, 3, S, S) the albedo of skin all over, and of lips where there are lips."""
+    skin, lips = skin_share(parsing).square() * known, parsing[:, INDEX["lips"], None]
+    around = fill_in(albedo, skin + _LITTLE**3)
+    if bool((lips > 0.5).any()):
+        of_lips = fill_in(albedo, lips.square() * known + _SKIN_FOR_LIPS * skin + _LITTLE**3)
+        around = around + lips * (of_lips - around)
+    return around.clamp_min(1e-3)
 
 
 def fill_in(image: torch.Tensor, weight: torch.Tensor) -> torch.Tensor:

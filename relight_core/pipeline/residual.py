@@ -22,7 +22,7 @@ import torch
 from relight_core.face.parsing import INDEX
 from relight_core.imaging.tensor_means import local_means
 from relight_core.lighting.environment import mean_luminance
-from relight_core.pipeline.blown import clipped_share, skin_share
+from relight_core.pipeline.blown import clipped_share, flesh_share, skin_share
 from relight_core.pipeline.hints import Effects, grey
 from relight_core.pipeline.stages import Composed, Surface
 
@@ -80,7 +80,7 @@ def find_residual(
     photo, skin = recorded / max(level, 1e-4), skin_share(surface.parsing)
     log_ratio = torch.log((photo + _BLACK) / (image + _BLACK)).clamp(-_LARGEST_LOG, _LARGEST_LOG)
     if bool(recorded.max() <= 1.001):
-        log_ratio = _at_least(log_ratio, clipped_share(recorded), skin)
+        log_ratio = _at_least(log_ratio, clipped_share(recorded), flesh_share(surface.parsing))
     stays_dark = _DARK_HAIR * surface.parsing[:, INDEX["hair"], None]
     broad = skin * local_means(log_ratio.mean(1, keepdim=True), skin)
     return Residual(log_ratio, grey(model.plain), stays_dark, skin, broad, level)

@@ -6,7 +6,7 @@ import torch
 from relight_core.pipeline.blown import clipped_share, fill_in, mend_blown
 
 SIZE = 24
-SKIN, CLOTH = 1, 13
+SKIN, LEFT_BROW, LIPS, CLOTH = 1, 2, 8, 13
 SKIN_COLOUR = torch.tensor([0.6, 0.4, 0.3])[None, :, None, None]
 
 
@@ -25,11 +25,36 @@ def with_middle(image, colour):
     return image
 
 
+def with_brow_in_the_middle(parsing):
+    parsing[:, :, 8:16, 8:16] = 0
+    parsing[:, LEFT_BROW, 8:16, 8:16] = 1
+    return parsing
+
+
 def test_blown_skin_takes_the_colour_of_the_skin_around():
     photo = with_middle(flat((0.6, 0.4, 0.3)), (1.0, 1.0, 1.0))
     albedo = with_middle(SKIN_COLOUR.expand(1, 3, SIZE, SIZE).clone(), (0.9, 0.95, 0.7))
     mended = mend_blown(clipped_share(photo), albedo, parsing_of(SKIN))
     torch.testing.assert_close(mended, SKIN_COLOUR.expand_as(mended), atol=0.01, rtol=0)
+
+
+def test_blown_lips_take_the_colour_of_what_is_left_of_them():
+    parsing = parsing_of(SKIN)
+    parsing[:, :, 6:18, 6:18] = 0
+    parsing[:, LIPS, 6:18, 6:18] = 1
+    photo = with_middle(flat((0.6, 0.4, 0.3)), (1.0, 1.0, 1.0))
+    albedo = SKIN_COLOUR.expand(1, 3, SIZE, SIZE).clone()
+    albedo[:, :, 6:18, 6:18] = torch.tensor((0.5, 0.2, 0.2))[None, :, None, None]
+    mended = mend_blown(clipped_share(photo), with_middle(albedo.clone(), (0.8, 0.8, 0.9)), parsing)
+    torch.testing.assert_close(mended[0, :, 12, 12], torch.tensor((0.5, 0.2, 0.2)), atol=0.03, rtol=0)
+
+
+def test_between_blown_brows_there_is_skin():
+    parsing = with_brow_in_the_middle(parsing_of(SKIN))
+    photo = with_middle(flat((0.6, 0.4, 0.3)), (1.0, 1.0, 1.0))
+    albedo = with_middle(SKIN_COLOUR.expand(1, 3, SIZE, SIZE).clone(), (0.9, 0.95, 1.0))
+    red, _, blue = mend_blown(clipped_share(photo), albedo, parsing)[0, :, 12, 12]
+    assert red / blue == pytest.approx(2.0, rel=0.05)
 
 
 def test_skin_whose_red_alone_is_clipped_is_not_yellow():
