@@ -46,6 +46,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "-o", "--output", metavar="PLACE", type=Path, required=True, help="a folder; with --stage a .safetensors file"
     )
+    parser.add_argument(
+        "--workers",
+        metavar="N",
+        type=count_at_least_one,
+        default=1,
+        help="processes that make samples (1); with a GPU one for each core. Other samples for another number",
+    )
     stage = parser.add_argument_group("with --stage")
     stage.add_argument("--minutes", metavar="M", type=_positive, help="how long")
     stage.add_argument("--size", metavar="PX", type=count_at_least_one, default=128, help="side of the images (128)")
@@ -101,7 +108,8 @@ def _follow_recipe(arguments: argparse.Namespace) -> int:
         def report(number: int, elapsed: float, state: Progress) -> None:
             show(number + elapsed, f"{recipe.stages[number].name}: {_note(state)}")
 
-        follow(recipe, arguments.heads, arguments.lights, arguments.output, report, arguments.start)
+        run_of = {"start": arguments.start, "workers": arguments.workers}
+        follow(recipe, arguments.heads, arguments.lights, arguments.output, report, **run_of)
     for log in sorted(arguments.output.glob("*.log.json")):
         _draw_curves(log)
     print(f"wrote {arguments.output / 'relight.safetensors'}", flush=True)
@@ -128,6 +136,7 @@ def _train_stage(arguments: argparse.Namespace) -> int:
         size=arguments.size,
         pairs=arguments.pairs,
         seed=arguments.seed,
+        workers=arguments.workers,
         learning_rate=arguments.rate,
     )
     with progress(arguments.stage, 1.0) as show:

@@ -48,6 +48,7 @@ class Run:
         start: weights to go on from; None starts from random ones.
         minutes, steps: length, one of them.
         size, pairs, seed: image side, pairs per batch, random seed.
+        workers: processes that make samples; which samples come depends on their number. 0 makes them between steps.
         learning_rate: None takes the stage's own.
         detail_width: give the de-lighting network a sharpening pass of this width, if it has none; 0 leaves it.
         narrow_width: channels of the narrow pair that "distil-relight" trains; None keeps the one that is there, or

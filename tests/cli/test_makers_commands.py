@@ -191,13 +191,21 @@ def test_training_leaves_weights_and_log(run, data, monkeypatch):
 
     # One process and a small pool of textures: the command's own path is what is under test.
     loader = training.DataLoader
-    monkeypatch.setattr(training, "DataLoader", lambda samples, **settings: loader(samples, settings["batch_size"]))
+    asked = []
+
+    def loader_here(samples, **settings):
+        asked.append(settings["num_workers"])
+        return loader(samples, settings["batch_size"])
+
+    monkeypatch.setattr(training, "DataLoader", loader_here)
     pool = stream.TexturePool
     monkeypatch.setattr(stream, "TexturePool", lambda rng, panoramas=None, **_: pool(rng, None, count=2))
     words = train_words(data, **{"--minutes": 0.001, "--size": 16, "--pairs": 1, "--start": data / "tiny.safetensors"})
+    words += ["--workers", 3]
     code, out, err = run(*words)
     assert code == 0, err
     assert "wrote" in out
+    assert asked == [3]
     assert load_bundle(data / "w.safetensors").config == BundleConfig.tiny()
     assert json.loads((data / "w.log.json").read_text()) == []
 
