@@ -40,6 +40,7 @@ from relight_core.pipeline.hard_shadow import harden_shadow, horizon_of
 from relight_core.pipeline.hints import Effects
 from relight_core.pipeline.kept_lights import ServingLight
 from relight_core.pipeline.model import light_surface
+from relight_core.pipeline.nearer_look import nearer_view, with_nearer_look
 from relight_core.pipeline.outline import Outline, outline_person, parsing_within
 from relight_core.pipeline.plan import Plan
 from relight_core.pipeline.portrait import Portrait
@@ -124,12 +125,20 @@ class FaceRelighter:
         return Prepared(portrait, tier, found, found, photo_view, photo_small)
 
     def _within_outline(self, photo_view: np.ndarray, tier: Tier) -> stages.Surface:
-        found, outline = self._shop.delight(photo_view, tier), self.outline()
+        found, outline = self._seen(photo_view, tier), self.outline()
         if self.portrait.photo.monochrome:
             found = stages.without_colour(found)
         if outline is None:
             return found
         return stages.reparsed(found, parsing_within(found.parsing, outline, self.portrait.view))
+
+    def _seen(self, photo_view: np.ndarray, tier: Tier) -> stages.Surface:
+        """What de-lighting finds in the view, the face seen from near where it is small there."""
+        found, nearer = self._shop.delight(photo_view, tier), nearer_view(self.portrait)
+        if nearer is None:
+            return found
+        seen_nearer = self._shop.delight(nearer.extract(self.portrait.photo.linear, tier.size), tier)
+        return with_nearer_look(found, seen_nearer, self.portrait.view, nearer)
 
     def mask(self) -> tuple[np.ndarray, Crop]:
         """Probability (S, S) of person, gaps between hair and shoulders left open, and the view it lies in."""

@@ -17,7 +17,7 @@ from relight_core.imaging.photo import Photo
 PADDING_PX = 30.0
 """Around the face in a crop of 256 pixels; the paper draws it from 20 to 40 (section 3.2)."""
 
-SURROUNDINGS = 1.9
+SURROUNDINGS = 1.7
 """The networks' view is up to this many times the paper's crop: hair, neck and shoulders change with the light too."""
 
 _TURNED_FROM_DEG = 10.0

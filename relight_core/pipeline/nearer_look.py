@@ -1,0 +1,96 @@
+"""A second look at a face, from as near as the paper's crop, where its view shows much besides the face.
+
+In a view of a person down to the chest a face is as small for the de-lighting network as it ever saw one in training:
+the bridge of the nose comes out low, its shadow faint, old shading stays in the albedo. The nearer look says what the
+face is like, the view what is around it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import torch
+
+from relight_core.face.crop import Crop
+from relight_core.face.paste import fade
+from relight_core.imaging.resampling import resample_window
+from relight_core.imaging.tensor_normals import unit_normals
+from relight_core.pipeline.portrait import Portrait
+from relight_core.pipeline.stages import Surface, reparsed
+
+_AROUND = 1.1
+"""Side of the nearer view, in sides of the paper's crop."""
+
+_WORTH_IT_FROM = 1.25
+"""The view's side, in sides of the nearer view."""
+
+_EDGE_SHARE = 0.12
+_DARKEST_ALBEDO = 0.01
+_LEVELS = (0.6, 1.6)
+_LITTLE = 1e-3
+
+
+def nearer_view(portrait: Portrait) -> Crop | None:
+    """What a nearer look sees; None where the view is near enough."""
+    nearer = replace(portrait.crop, side=_AROUND * portrait.crop.side)
+    return nearer if portrait.view.side > _WORTH_IT_FROM * nearer.side else None
+
+
+@torch.inference_mode()
+def with_nearer_look(surface: Surface, seen_nearer: Surface, view: Crop, nearer: Crop) -> Surface:
+    """A surface with its face as a nearer look found it.
+
+    How high the relief is and how light the albedo are a guess in either; the albedo takes the nearer one's level
+    throughout, the relief keeps the view's.
+
+    Args:
+        surface: of the view.
+        seen_nearer: of the same size, of the nearer view, whose roll is that of the view.
+    """
+    size = surface.normal.shape[-1]
+    window = _window_of(view, nearer, size)
+    weight = torch.from_numpy(_weight(window, size))[None, None].to(surface.normal)
+    albedo, normal, relief, parsing = (
+        _resampled(image, window)
+        for image in (seen_nearer.albedo, seen_nearer.normal, seen_nearer.relief, seen_nearer.parsing)
+    )
+    counts = weight * surface.person
+    relief = relief * (nearer.side / view.side)
+    relief = relief + _mean(surface.relief - relief, counts)
+    level = _mean((albedo.clamp_min(_DARKEST_ALBEDO) / surface.albedo.clamp_min(_DARKEST_ALBEDO)).log(), counts)
+    around = (surface.albedo * level.exp().clamp(*_LEVELS)).clamp(0, 1)
+    both = replace(
+        surface,
+        albedo=torch.lerp(around, albedo, weight),
+        normal=unit_normals(torch.lerp(surface.normal, normal, weight)),
+        relief=torch.lerp(surface.relief, relief, weight),
+        source_light=(surface.source_light + seen_nearer.source_light) / 2,
+    )
+    return reparsed(both, torch.lerp(surface.parsing, parsing, weight))
+
+
+def _window_of(view: Crop, nearer: Crop, size: int) -> tuple[float, float, float, float]:
+    """Where the view lies in maps of `size` pixels of the nearer one: x0, y0, x1, y1."""
+    x, y = nearer.from_photo(np.array([view.centre_x, view.centre_y]), size)
+    half = view.side / nearer.side * size / 2
+    return x - half, y - half, x + half, y + half
+
+
+def _weight(window: tuple[float, float, float, float], size: int) -> np.ndarray:
+    """(S, S) how much the nearer look counts at each pixel of the view."""
+    places = (np.arange(size) + 0.5) / size
+    across, down = ((low + (high - low) * places) / size for low, high in (window[::2], window[1::2]))
+    return fade(down, _EDGE_SHARE)[:, None] * fade(across, _EDGE_SHARE)[None]
+
+
+def _resampled(image: torch.Tensor, window: tuple[float, float, float, float]) -> torch.Tensor:
+    """A window of (1, C, S, S), at the same size."""
+    channels = np.ascontiguousarray(image[0].permute(1, 2, 0).float().cpu().numpy())
+    seen = resample_window(channels, window, image.shape[-2:]).reshape(channels.shape)
+    return torch.from_numpy(np.ascontiguousarray(seen)).permute(2, 0, 1)[None].to(image.device)
+
+
+def _mean(image: torch.Tensor, weight: torch.Tensor) -> torch.Tensor:
+    """Of all channels, a scalar; 0 where nothing counts."""
+    return (image * weight).sum() / (weight.sum() * image.shape[1]).clamp_min(_LITTLE)
