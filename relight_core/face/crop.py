@@ -133,7 +133,7 @@ def crop_with_padding(box: FaceBox, padding_px: float = 30.0, size: int = 256) -
 def box_from_parsing(labels: np.ndarray, crop: Crop) -> FaceBox | None:
     """The bounding box of the face's regions in a parsing map (paper, section 3.2), in photo pixels.
 
-    Specks don't count: only the largest connected part does.
+    Specks don't count: only the largest connected part does. The box leans as the crop does.
 
     Args:
         labels: (S, S) integers, indices of `relight_core.face.parsing.CLASSES`.
@@ -150,6 +150,8 @@ def box_from_parsing(labels: np.ndarray, crop: Crop) -> FaceBox | None:
     left, top, width, height, area = max(parts[1:], key=lambda part: part[cv2.CC_STAT_AREA])
     if area < _SMALLEST_FACE_SHARE * face.size:
         return None
-    corners = np.array([[left, top], [left + width, top + height]])
-    (x0, y0), (x1, y1) = crop.to_photo(corners, labels.shape[0])
-    return FaceBox(float(x0), float(y0), float(x1), float(y1))
+    middle_x, middle_y = crop.to_photo(np.array([left + width / 2, top + height / 2]), labels.shape[0])
+    scale = crop.side / labels.shape[0]
+    half_x, half_y = width * scale / 2, height * scale / 2
+    sides = (middle_x - half_x, middle_y - half_y, middle_x + half_x, middle_y + half_y)
+    return FaceBox(*(float(side) for side in sides), crop.roll_deg)

@@ -123,6 +123,16 @@ def test_refining_a_crop_settles_at_once():
     assert (box.x0, box.y0, box.x1, box.y1) == pytest.approx((205, 150, 315, 330), abs=1.0)
 
 
+def test_the_box_of_a_leaning_head_leans_and_is_as_large_as_that_of_an_upright_one():
+    upright, turned = Crop(512.0, 300.0, 512.0), Crop(512.0, 300.0, 512.0, 25.0)
+    straight, leaning = (box_from_parsing(parsing(face=(60, 50, 180, 200)), crop) for crop in (upright, turned))
+    assert leaning.roll_deg == 25.0
+    assert (leaning.width, leaning.height) == pytest.approx((straight.width, straight.height))
+    middle = ((leaning.x0 + leaning.x1) / 2, (leaning.y0 + leaning.y1) / 2)
+    np.testing.assert_allclose(turned.from_photo(np.array(middle), 256), [120, 125])
+    assert crop_with_padding(leaning).roll_deg == 25.0
+
+
 def test_a_turned_crop_stands_a_leaning_head_upright():
     """A bar that leans to the left by 30 degrees is vertical in a crop of roll 30."""
     y, x = np.mgrid[0:200, 0:200] + 0.5 - 100
