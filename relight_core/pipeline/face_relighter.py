@@ -40,7 +40,7 @@ from relight_core.pipeline.hard_shadow import harden_shadow, horizon_of
 from relight_core.pipeline.hints import Effects
 from relight_core.pipeline.kept_lights import ServingLight
 from relight_core.pipeline.model import light_surface
-from relight_core.pipeline.nearer_look import nearer_view, with_nearer_look
+from relight_core.pipeline.nearer_look import nearer_view, with_nearer_change, with_nearer_effects, with_nearer_look
 from relight_core.pipeline.outline import Outline, outline_person, parsing_within
 from relight_core.pipeline.plan import Plan
 from relight_core.pipeline.portrait import Portrait
@@ -90,11 +90,12 @@ class Prepared:
 
 @dataclass(frozen=True, eq=False)
 class Lit:
-    """A prepared portrait under a light, at the networks' size."""
+    """A prepared portrait under a light, at the networks' size; the same of its nearer view, where that is lit too."""
 
     reflected: torch.Tensor
     effects: Effects
     composed: stages.Composed
+    nearer: tuple[Prepared, Lit] | None = None
 
 
 class FaceRelighter:
@@ -103,13 +104,28 @@ class FaceRelighter:
     Attributes:
         portrait: the photo and where the face is in it.
         cache: of this face alone.
+        nearer: the same face in a view of little else; None where its own is near enough.
     """
 
-    def __init__(self, workshop: Workshop, portrait: Portrait, cache: StageCache):
-        """Compute nothing yet."""
+    def __init__(self, workshop: Workshop, portrait: Portrait, cache: StageCache, *, outlined: bool = True):
+        """Compute nothing yet.
+
+        Args:
+            outlined: the person network, where there is one, has a say in the parsing.
+        """
         self.portrait = portrait
         self._shop = workshop
         self.cache = cache
+        self._outlined = outlined
+        nearer, self.nearer = nearer_view(portrait), None
+        if nearer is not None:
+            self.nearer = FaceRelighter(workshop, replace(portrait, view=nearer), StageCache(), outlined=False)
+
+    def forget(self, stage: str | None = None) -> None:
+        """Drop a stage's results, or all there are."""
+        caches = (self.cache,) if self.nearer is None else (self.cache, self.nearer.cache)
+        for cache in caches:
+            cache.clear() if stage is None else cache.forget(stage)
 
     def _once(self, name: str, key: Hashable, make):
         """A stage that only a new photo or another quality makes run again."""
@@ -125,20 +141,15 @@ class FaceRelighter:
         return Prepared(portrait, tier, found, found, photo_view, photo_small)
 
     def _within_outline(self, photo_view: np.ndarray, tier: Tier) -> stages.Surface:
-        found, outline = self._seen(photo_view, tier), self.outline()
+        found, outline = self._shop.delight(photo_view, tier), self.outline()
+        if self.nearer is not None:
+            seen_nearer = self.nearer.prepare(tier).found
+            found = with_nearer_look(found, seen_nearer, self.portrait.view, self.nearer.portrait.view)
         if self.portrait.photo.monochrome:
             found = stages.without_colour(found)
         if outline is None:
             return found
         return stages.reparsed(found, parsing_within(found.parsing, outline, self.portrait.view))
-
-    def _seen(self, photo_view: np.ndarray, tier: Tier) -> stages.Surface:
-        """What de-lighting finds in the view, the face seen from near where it is small there."""
-        found, nearer = self._shop.delight(photo_view, tier), nearer_view(self.portrait)
-        if nearer is None:
-            return found
-        seen_nearer = self._shop.delight(nearer.extract(self.portrait.photo.linear, tier.size), tier)
-        return with_nearer_look(found, seen_nearer, self.portrait.view, nearer)
 
     def mask(self) -> tuple[np.ndarray, Crop]:
         """Probability (S, S) of person, gaps between hair and shoulders left open, and the view it lies in."""
@@ -150,9 +161,9 @@ class FaceRelighter:
         return whole.likely, whole.view
 
     def outline(self) -> Outline | None:
-        """The person as the person network sees them; None where there is no such network."""
+        """The person as the person network sees them; None where there is no such network, or it isn't asked."""
         bundle, portrait = self._shop.bundle, self.portrait
-        if bundle.person is None:
+        if bundle.person is None or not self._outlined:
             return None
         return self._once(
             "outline", "photo", lambda: outline_person(bundle, portrait.photo, portrait.crop, self._shop.device)
@@ -230,7 +241,20 @@ class FaceRelighter:
             "new light",
             keep=KEPT_LIGHTS,
         )
-        return Lit(reflected, effects, composed)
+        return Lit(reflected, effects, composed, self._lit_nearer(ready.tier, serving, plan))
+
+    def _lit_nearer(self, tier: Tier, serving: ServingLight, plan: Plan) -> tuple[Prepared, Lit] | None:
+        """The nearer view under the same light, where there is one and the tier has time for it."""
+        nearer = self.nearer
+        if nearer is None or not tier.lights_nearer:
+            return None
+
+        def light() -> tuple[Prepared, Lit]:
+            ready = nearer.prepare(tier)
+            ready = nearer.flattened(ready) if plan.runs("flattening") else ready
+            return ready, nearer.lit(ready, serving, plan)
+
+        return self.cache.run("nearer_face", plan.keys["compose"], light, "new light", keep=KEPT_LIGHTS)
 
     def _effects(self, ready: Prepared, reflected: torch.Tensor, light: torch.Tensor, plan: Plan) -> Effects:
         """Specular and shadow; none where the plan has neither."""
@@ -298,6 +322,9 @@ class FaceRelighter:
             shadow = edit.shadow * plan.runs("shadow")
             moved = stages.move_sliders(lit.composed, ready.surface, lit.reflected, effects, specular, shadow)
         change = enlarge_change(fit, moved, self._upsampler(ready), level)
+        if lit.nearer is not None:
+            from_near = self.nearer.change(*lit.nearer, plan, edit, level)
+            change = with_nearer_change(change, from_near, self.portrait.view, self.nearer.portrait.view)
         return change.without_colour() if self.portrait.photo.monochrome else change
 
     def _fit(self, ready: Prepared, lit: Lit, plan: Plan) -> LightChange:
@@ -336,7 +363,11 @@ class FaceRelighter:
             fixed["source_light"] = self.own_light(ready, plan)
         # Behind the person the networks see no surface, and what they say there is no part of the picture.
         specular, shadow = (ready.surface.person * plan.runs(name) for name in ("specular", "shadow"))
-        shown = Effects(lit.effects.specular * specular, lit.effects.shadow * shadow)
+        effects = lit.effects
+        if lit.nearer is not None:
+            views = self.portrait.view, self.nearer.portrait.view
+            effects = with_nearer_effects(effects, lit.nearer[1].effects, *views)
+        shown = Effects(effects.specular * specular, effects.shadow * shadow)
         lighted = self.cache.run(
             "channels",
             plan.keys["channels"],

@@ -2,13 +2,14 @@
 
 In a view of a person down to the chest a face is as small for the de-lighting network as it ever saw one in training:
 the bridge of the nose comes out low, its shadow faint, old shading stays in the albedo. The nearer look says what the
-face is like, the view what is around it.
+face is like, the view what is around it. SS and composition, too, draw a sharper shadow where the face is larger.
 """
 
 from __future__ import annotations
 
 from dataclasses import replace
 
+import cv2
 import numpy as np
 import torch
 
@@ -16,6 +17,8 @@ from relight_core.face.crop import Crop
 from relight_core.face.paste import fade
 from relight_core.imaging.resampling import resample_window
 from relight_core.imaging.tensor_normals import unit_normals
+from relight_core.pipeline.channels import ViewChange
+from relight_core.pipeline.hints import Effects
 from relight_core.pipeline.portrait import Portrait
 from relight_core.pipeline.stages import Surface, reparsed
 
@@ -70,6 +73,30 @@ def with_nearer_look(surface: Surface, seen_nearer: Surface, view: Crop, nearer:
     return reparsed(both, torch.lerp(surface.parsing, parsing, weight))
 
 
+def with_nearer_change(change: ViewChange, seen_nearer: ViewChange, view: Crop, nearer: Crop) -> ViewChange:
+    """What a light makes of a view, with what it makes of the nearer one in its place; maps of the same size."""
+    size = change.gain.shape[0]
+    window = _window_of(view, nearer, size)
+    weight = _weight(window, size)[..., None]
+    gain, offset = (
+        own + weight * (_enlarged(from_near, window) - own)
+        for own, from_near in ((change.gain, seen_nearer.gain), (change.offset, seen_nearer.offset))
+    )
+    return replace(change, gain=gain, offset=offset)
+
+
+def with_nearer_effects(effects: Effects, seen_nearer: Effects, view: Crop, nearer: Crop) -> Effects:
+    """The additive channels of a view, with those of the nearer one in their place; without a tint."""
+    size = effects.shadow.shape[-1]
+    window = _window_of(view, nearer, size)
+    weight = torch.from_numpy(_weight(window, size))[None, None].to(effects.shadow)
+    specular, shadow = (
+        torch.lerp(own, _resampled(from_near, window), weight)
+        for own, from_near in ((effects.specular, seen_nearer.specular), (effects.shadow, seen_nearer.shadow))
+    )
+    return Effects(specular, shadow)
+
+
 def _window_of(view: Crop, nearer: Crop, size: int) -> tuple[float, float, float, float]:
     """Where the view lies in maps of `size` pixels of the nearer one: x0, y0, x1, y1."""
     x, y = nearer.from_photo(np.array([view.centre_x, view.centre_y]), size)
@@ -89,6 +116,16 @@ def _resampled(image: torch.Tensor, window: tuple[float, float, float, float]) -
     channels = np.ascontiguousarray(image[0].permute(1, 2, 0).float().cpu().numpy())
     seen = resample_window(channels, window, image.shape[-2:]).reshape(channels.shape)
     return torch.from_numpy(np.ascontiguousarray(seen)).permute(2, 0, 1)[None].to(image.device)
+
+
+def _enlarged(maps: np.ndarray, window: tuple[float, float, float, float]) -> np.ndarray:
+    """A window of smooth maps (S, S, 3), at the same size, bilinearly: every frame of a moving slider asks for it."""
+    x0, y0, x1, y1 = window
+    size = maps.shape[0]
+    along_x, along_y = (x1 - x0) / size, (y1 - y0) / size
+    places = np.array([[along_x, 0.0, x0 + along_x / 2 - 0.5], [0.0, along_y, y0 + along_y / 2 - 0.5]])
+    flags = cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP
+    return cv2.warpAffine(maps, places, (size, size), flags=flags, borderMode=cv2.BORDER_REPLICATE)
 
 
 def _mean(image: torch.Tensor, weight: torch.Tensor) -> torch.Tensor:

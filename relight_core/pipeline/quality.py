@@ -27,6 +27,7 @@ class Tier:
             horizons alone say it, and a new light costs a matrix product.
         correction: the composition network corrects the sum of the channels; else the sum is the picture.
         precision: of the networks, "bf16" where the processor has it, or "fp32".
+        lights_nearer: where a face is small in its view, it is also lit in a nearer one (see `pipeline.nearer_look`).
         pair: which width of the SS and composition networks; "wide" serves where a file has no other.
     """
 
@@ -39,6 +40,7 @@ class Tier:
     correction: bool = True
     precision: str = "bf16"
     pair: PairName = "wide"
+    lights_nearer: bool = False
 
     @property
     def surface_key(self) -> tuple:
@@ -60,7 +62,7 @@ TIERS = {
     # The same surface as "live", so that changing over between the two while dragging costs nothing.
     "draft": Tier(256, 256, 128, 64, False, shadow_network=False, correction=False, pair="narrow"),
     "live": Tier(256, 256, 128, 64, False, pair="narrow"),
-    "final": Tier(512, 256, 128, 64, True),
+    "final": Tier(512, 256, 128, 64, True, lights_nearer=True),
 }
 
 

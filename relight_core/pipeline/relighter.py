@@ -51,7 +51,7 @@ WEIGHTS = ("weights", "relight.safetensors")
 _KEPT_PIXELS = 6_000_000
 """Up to this size the person's matte and colour stay for the next light; above they are made band by band."""
 
-_NETWORK_STAGES = ("delight", "begun", "specular_shadow", "residual", "compose")
+_NETWORK_STAGES = ("delight", "begun", "specular_shadow", "residual", "compose", "nearer_face")
 
 _BRIGHTEST_LEVEL = 1e20
 """Lights beyond it count as this bright: sums over their pictures stay within single precision."""
@@ -195,8 +195,8 @@ class Relighter:
 
     def forget(self, stage: str) -> None:
         """Drop a stage's results, so that it runs again when next needed; for measuring it."""
-        for cache in (self._cache, self._first().cache):
-            cache.forget(stage)
+        self._cache.forget(stage)
+        self._first().forget(stage)
 
     def plan(self, environment: Environment, edit: Edit) -> Plan:
         """What `relight` would do now; computes nothing.
@@ -255,8 +255,9 @@ class Relighter:
     def _begin_update(self) -> None:
         self._record.begin_update()
         if not self._remembers:
-            for cache in (self._cache, *(face.cache for face in self._faces)):
-                cache.clear()
+            self._cache.clear()
+            for face in self._faces:
+                face.forget()
 
     def _first(self) -> FaceRelighter:
         if not self._faces:

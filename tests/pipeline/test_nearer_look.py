@@ -5,12 +5,21 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import torch
-from tiny_relighter import some_photo
+from tiny_relighter import EDIT, some_light, some_photo, states
 
 from relight_core.face.crop import Crop
 from relight_core.face.find import FaceBox
-from relight_core.pipeline.nearer_look import nearer_view, with_nearer_look
+from relight_core.pipeline.channels import ViewChange
+from relight_core.pipeline.hints import Effects
+from relight_core.pipeline.nearer_look import (
+    nearer_view,
+    with_nearer_change,
+    with_nearer_effects,
+    with_nearer_look,
+)
 from relight_core.pipeline.portrait import Portrait
+from relight_core.pipeline.quality import Tier
+from relight_core.pipeline.relighter import Relighter
 from relight_core.pipeline.stages import Surface
 
 SIZE = 64
@@ -73,3 +82,57 @@ def test_only_a_small_face_is_looked_at_again(side, looks):
     box, crop = FaceBox(60, 50, 140, 130), Crop(100.0, 90.0, 100.0)
     nearer = nearer_view(Portrait(some_photo(), box, box, crop, Crop(100.0, 90.0, side)))
     assert (nearer is not None) == looks
+
+
+def slope_seen_in(view):
+    places = (np.arange(SIZE) + 0.5) / SIZE * view.side
+    x, y = np.meshgrid(view.centre_x - view.side / 2 + places, view.centre_y - view.side / 2 + places)
+    return np.repeat((0.01 * x + 0.02 * y)[..., None], 3, -1).astype(np.float32)
+
+
+def test_changes_and_effects_of_two_views_lie_on_each_other():
+    wide, near = slope_seen_in(VIEW), slope_seen_in(NEARER)
+    change = with_nearer_change(ViewChange(wide, 2 * wide, 1.0), ViewChange(near, 2 * near, 1.0), VIEW, NEARER)
+    np.testing.assert_allclose(change.gain, wide, atol=2e-3)
+    np.testing.assert_allclose(change.offset, 2 * wide, atol=4e-3)
+    maps = [torch.from_numpy(part[..., :1]).permute(2, 0, 1)[None] for part in (wide, near)]
+    effects = with_nearer_effects(*(Effects(part, 3 * part) for part in maps), VIEW, NEARER)
+    torch.testing.assert_close(effects.specular, maps[0], atol=2e-3, rtol=0)
+    torch.testing.assert_close(effects.shadow, 3 * maps[0], atol=6e-3, rtol=0)
+
+
+@pytest.mark.usefixtures("small_and_seeing_faces")
+class TestLitNearer:
+    NEAR = replace(EDIT, quality=Tier(64, 32, 32, 16, False, lights_nearer=True))
+    ONCE = replace(EDIT, quality=Tier(64, 32, 32, 16, False))
+    SMALL = FaceBox(40, 30, 62, 54)
+
+    @pytest.fixture
+    def relighter(self, weights):
+        relighter = Relighter(weights)
+        relighter.set_portrait(some_photo(), boxes=[self.SMALL])
+        return relighter
+
+    def test_a_small_face_is_lit_by_itself_where_the_tier_has_time(self, relighter):
+        near, once = (relighter.relight(some_light(), edit) for edit in (self.NEAR, self.ONCE))
+        assert "nearer_face" in near.stages
+        assert "nearer_face" not in once.stages
+        changed = np.abs(near.image - once.image).max(-1) > 1e-3
+        assert changed[30:54, 40:62].any()
+        assert np.abs(near.channels["shadow"] - once.channels["shadow"]).max() > 1e-4
+
+    def test_sliders_do_not_light_it_again(self, relighter):
+        relighter.relight(some_light(), self.NEAR)
+        relit = relighter.relight(some_light(), replace(self.NEAR, shadow=0.5))
+        assert states(relit)["nearer_face"] == "reused"
+
+    def test_its_level_is_the_light_s(self, relighter):
+        once, eightfold = (relighter.relight(some_light(level=level), self.NEAR) for level in (1.0, 8.0))
+        for name in ("composition", "shadow"):
+            np.testing.assert_array_equal(eightfold.channels[name], 8 * once.channels[name])
+
+    def test_a_forgotten_stage_runs_again(self, relighter):
+        relighter.relight(some_light(), self.NEAR)
+        for stage in ("nearer_face", "compose"):
+            relighter.forget(stage)
+        assert states(relighter.relight(some_light(), self.NEAR))["nearer_face"] == "computed"
