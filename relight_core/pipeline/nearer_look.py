@@ -77,11 +77,17 @@ def with_nearer_change(change: ViewChange, seen_nearer: ViewChange, view: Crop, 
     """What a light makes of a view, with what it makes of the nearer one in its place; maps of the same size."""
     size = change.gain.shape[0]
     window = _window_of(view, nearer, size)
-    weight = _weight(window, size)[..., None]
-    gain, offset = (
-        own + weight * (_enlarged(from_near, window) - own)
-        for own, from_near in ((change.gain, seen_nearer.gain), (change.offset, seen_nearer.offset))
-    )
+    weight = _weight(window, size)
+    rows, columns = (_nonzero(weight.any(axis=axis)) for axis in (1, 0))
+    if rows.start == rows.stop:
+        return change
+    share = cv2.merge((weight[rows, columns],) * 3)
+    gain, offset = change.gain.copy(), change.offset.copy()
+    for own, from_near in ((gain, seen_nearer.gain), (offset, seen_nearer.offset)):
+        part = own[rows, columns]
+        added = _seen_from(from_near, window, rows, columns) - part
+        added *= share
+        part += added
     return replace(change, gain=gain, offset=offset)
 
 
@@ -118,14 +124,22 @@ def _resampled(image: torch.Tensor, window: tuple[float, float, float, float]) -
     return torch.from_numpy(np.ascontiguousarray(seen)).permute(2, 0, 1)[None].to(image.device)
 
 
-def _enlarged(maps: np.ndarray, window: tuple[float, float, float, float]) -> np.ndarray:
-    """A window of smooth maps (S, S, 3), at the same size, bilinearly: every frame of a moving slider asks for it."""
+def _seen_from(maps: np.ndarray, window: tuple[float, float, float, float], rows: slice, columns: slice) -> np.ndarray:
+    """Part of a window of smooth maps (S, S, 3) at the same size, bilinearly: a slider that moves asks every time."""
     x0, y0, x1, y1 = window
     size = maps.shape[0]
     along_x, along_y = (x1 - x0) / size, (y1 - y0) / size
-    places = np.array([[along_x, 0.0, x0 + along_x / 2 - 0.5], [0.0, along_y, y0 + along_y / 2 - 0.5]])
+    first_x, first_y = (x0 + along_x * (columns.start + 0.5) - 0.5, y0 + along_y * (rows.start + 0.5) - 0.5)
+    places = np.array([[along_x, 0.0, first_x], [0.0, along_y, first_y]])
+    part = (columns.stop - columns.start, rows.stop - rows.start)
     flags = cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP
-    return cv2.warpAffine(maps, places, (size, size), flags=flags, borderMode=cv2.BORDER_REPLICATE)
+    return cv2.warpAffine(maps, places, part, flags=flags, borderMode=cv2.BORDER_REPLICATE)
+
+
+def _nonzero(anywhere: np.ndarray) -> slice:
+    """From the first to the last that is true; empty where none is."""
+    places = np.flatnonzero(anywhere)
+    return slice(int(places[0]), int(places[-1]) + 1) if places.size else slice(0, 0)
 
 
 def _mean(image: torch.Tensor, weight: torch.Tensor) -> torch.Tensor:
