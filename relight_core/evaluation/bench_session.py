@@ -193,6 +193,7 @@ _PER_LIGHT = (
     "irradiance",
     "specular_shadow",
     "compose",
+    "nearer_face",
     "detail_fit",
     "sliders",
     "other_faces",
