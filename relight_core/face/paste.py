@@ -131,6 +131,17 @@ def unit_matrix(crop: Crop, size: tuple[int, int], photo_size: tuple[int, int]) 
     return matrix * np.array([photo_size[1] / size[1], photo_size[0] / size[0], 1.0])
 
 
+def seen_across(view: Crop, size: int, maps: np.ndarray, other: Crop) -> np.ndarray:
+    """Another view's maps (s, s, C), bilinearly at the places of a view's maps, (size, size, C); edges continue."""
+    return _looked_up(maps, _square(other.from_photo_matrix(maps.shape[0])) @ _square(_to_photo(view, size)), size)
+
+
+def seen_from(view: Crop, size: int, maps: np.ndarray, photo_size: tuple[int, int]) -> np.ndarray:
+    """Maps over the whole photo, (h, w) or (h, w, C), bilinearly at the places of a view's maps of `size`."""
+    to_maps = np.diag([maps.shape[1] / photo_size[1], maps.shape[0] / photo_size[0], 1.0])
+    return _looked_up(maps, to_maps @ _square(_to_photo(view, size)), size)
+
+
 def fade(position: np.ndarray, width: float, low: bool = True, high: bool = True) -> np.ndarray:
     """1 inside [0, 1], falling smoothly to 0 toward the low and the high end over `width`; 0 outside."""
     distance = np.full(np.shape(position), width)
@@ -155,3 +166,20 @@ def _on_pixels(
 def _whole(low: float, high: float) -> tuple[int, int]:
     first = round(low)
     return first, max(round(high), first + 1)
+
+
+def _looked_up(maps: np.ndarray, matrix: np.ndarray, size: int) -> np.ndarray:
+    """Maps at (size, size) places; the (3, 3) matrix takes those to the maps, in pixel edges. Borders continue."""
+    centred = matrix[:2].copy()
+    centred[:, 2] += centred[:, :2] @ [0.5, 0.5] - 0.5
+    flags = cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP
+    source = np.ascontiguousarray(maps, np.float32)
+    return cv2.warpAffine(source, centred, (size, size), flags=flags, borderMode=cv2.BORDER_REPLICATE)
+
+
+def _to_photo(view: Crop, size: int) -> np.ndarray:
+    return cv2.invertAffineTransform(view.from_photo_matrix(size))
+
+
+def _square(matrix: np.ndarray) -> np.ndarray:
+    return np.vstack([matrix, [0.0, 0.0, 1.0]])

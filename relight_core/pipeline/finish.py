@@ -5,12 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-import cv2
 import numpy as np
 import torch
 
 from relight_core.face.crop import Crop
-from relight_core.face.paste import Band, fade, spread_crop
+from relight_core.face.paste import Band, fade, seen_across, seen_from, spread_crop
 from relight_core.imaging.matte import Matte
 from relight_core.imaging.resampling import resize_area
 from relight_core.lighting.reflection import ReflectionTable
@@ -129,7 +128,7 @@ def mean_gain(placement: Placement, rest: np.ndarray) -> np.ndarray:
 
 
 def _weights_on(placement: Placement, view: Crop, size: int) -> ViewWeights:
-    of_views = [_seen_from(view, size, weight, placement.photo_size)[..., None] for weight in placement.weights]
+    of_views = [seen_from(view, size, weight, placement.photo_size)[..., None] for weight in placement.weights]
     of_rest = 1 - np.minimum(sum(of_views), 1)
     return ViewWeights(
         tuple(weight if weight.any() else None for weight in of_views), of_rest if of_rest.max() > 1e-6 else None
@@ -147,39 +146,11 @@ def _mixed(
             continue
         for total, part in ((gain, change.gain), (offset, change.offset)):
             if other != index:
-                part = _seen_across(view, size, part, placement.views[other])
+                part = seen_across(view, size, part, placement.views[other])
             total += part * weight
     if weights.of_rest is not None:
-        gain += _seen_from(view, size, rest, placement.photo_size) * weights.of_rest
+        gain += seen_from(view, size, rest, placement.photo_size) * weights.of_rest
     return PlacedChange(gain, offset, view)
-
-
-def _seen_from(view: Crop, size: int, maps: np.ndarray, photo_size: tuple[int, int]) -> np.ndarray:
-    """Maps over the whole photo, bilinearly at the places of a view's maps."""
-    to_maps = np.diag([maps.shape[1] / photo_size[1], maps.shape[0] / photo_size[0], 1.0])
-    return _looked_up(maps, to_maps @ _square(_to_photo(view, size)), size)
-
-
-def _seen_across(view: Crop, size: int, maps: np.ndarray, other: Crop) -> np.ndarray:
-    """Another view's maps, bilinearly at the places of a view's maps."""
-    return _looked_up(maps, _square(other.from_photo_matrix(maps.shape[0])) @ _square(_to_photo(view, size)), size)
-
-
-def _looked_up(maps: np.ndarray, matrix: np.ndarray, size: int) -> np.ndarray:
-    """Maps at (size, size) places; the (3, 3) matrix takes those to the maps, in pixel edges. Borders continue."""
-    centred = matrix[:2].copy()
-    centred[:, 2] += centred[:, :2] @ [0.5, 0.5] - 0.5
-    flags = cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP
-    source = np.ascontiguousarray(maps, np.float32)
-    return cv2.warpAffine(source, centred, (size, size), flags=flags, borderMode=cv2.BORDER_REPLICATE)
-
-
-def _to_photo(view: Crop, size: int) -> np.ndarray:
-    return cv2.invertAffineTransform(view.from_photo_matrix(size))
-
-
-def _square(matrix: np.ndarray) -> np.ndarray:
-    return np.vstack([matrix, [0.0, 0.0, 1.0]])
 
 
 def _coarse(maps: np.ndarray, view: Crop, size: tuple[int, int], photo_size: tuple[int, int]) -> np.ndarray:

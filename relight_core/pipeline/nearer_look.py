@@ -14,7 +14,7 @@ import numpy as np
 import torch
 
 from relight_core.face.crop import Crop
-from relight_core.face.paste import fade
+from relight_core.face.paste import fade, seen_across
 from relight_core.imaging.resampling import resample_window
 from relight_core.imaging.tensor_normals import unit_normals
 from relight_core.pipeline.channels import ViewChange
@@ -76,8 +76,7 @@ def with_nearer_look(surface: Surface, seen_nearer: Surface, view: Crop, nearer:
 def with_nearer_change(change: ViewChange, seen_nearer: ViewChange, view: Crop, nearer: Crop) -> ViewChange:
     """What a light makes of a view, with what it makes of the nearer one in its place; maps of the same size."""
     size = change.gain.shape[0]
-    window = _window_of(view, nearer, size)
-    weight = _weight(window, size)
+    weight = _weight(_window_of(view, nearer, size), size)
     rows, columns = (_nonzero(weight.any(axis=axis)) for axis in (1, 0))
     if rows.start == rows.stop:
         return change
@@ -85,7 +84,7 @@ def with_nearer_change(change: ViewChange, seen_nearer: ViewChange, view: Crop, 
     gain, offset = change.gain.copy(), change.offset.copy()
     for own, from_near in ((gain, seen_nearer.gain), (offset, seen_nearer.offset)):
         part = own[rows, columns]
-        added = _seen_from(from_near, window, rows, columns) - part
+        added = seen_across(view, size, from_near, nearer)[rows, columns] - part
         added *= share
         part += added
     return replace(change, gain=gain, offset=offset)
@@ -122,18 +121,6 @@ def _resampled(image: torch.Tensor, window: tuple[float, float, float, float]) -
     channels = np.ascontiguousarray(image[0].permute(1, 2, 0).float().cpu().numpy())
     seen = resample_window(channels, window, image.shape[-2:]).reshape(channels.shape)
     return torch.from_numpy(np.ascontiguousarray(seen)).permute(2, 0, 1)[None].to(image.device)
-
-
-def _seen_from(maps: np.ndarray, window: tuple[float, float, float, float], rows: slice, columns: slice) -> np.ndarray:
-    """Part of a window of smooth maps (S, S, 3) at the same size, bilinearly: a slider that moves asks every time."""
-    x0, y0, x1, y1 = window
-    size = maps.shape[0]
-    along_x, along_y = (x1 - x0) / size, (y1 - y0) / size
-    first_x, first_y = (x0 + along_x * (columns.start + 0.5) - 0.5, y0 + along_y * (rows.start + 0.5) - 0.5)
-    places = np.array([[along_x, 0.0, first_x], [0.0, along_y, first_y]])
-    part = (columns.stop - columns.start, rows.stop - rows.start)
-    flags = cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP
-    return cv2.warpAffine(maps, places, part, flags=flags, borderMode=cv2.BORDER_REPLICATE)
 
 
 def _nonzero(anywhere: np.ndarray) -> slice:
