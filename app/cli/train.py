@@ -108,8 +108,15 @@ def _follow_recipe(arguments: argparse.Namespace) -> int:
         def report(number: int, elapsed: float, state: Progress) -> None:
             show(number + elapsed, f"{recipe.stages[number].name}: {_note(state)}")
 
-        run_of = {"start": arguments.start, "workers": arguments.workers}
-        follow(recipe, arguments.heads, arguments.lights, arguments.output, report, **run_of)
+        follow(
+            recipe,
+            arguments.heads,
+            arguments.lights,
+            arguments.output,
+            report,
+            arguments.start,
+            workers=arguments.workers,
+        )
     for log in sorted(arguments.output.glob("*.log.json")):
         _draw_curves(log)
     print(f"wrote {arguments.output / 'relight.safetensors'}", flush=True)

@@ -22,8 +22,11 @@ def masked_l1(estimate: torch.Tensor, truth: torch.Tensor, covered: torch.Tensor
         estimate, truth: (B, C, H, W).
         covered: (B, 1, H, W) weights in [0, 1].
     """
-    error = (estimate - truth).abs() * covered
-    return error.sum() / (covered.sum() * estimate.shape[1]).clamp_min(1.0)
+    return _mean_over((estimate - truth).abs(), covered)
+
+
+def _mean_over(error: torch.Tensor, covered: torch.Tensor) -> torch.Tensor:
+    return (error * covered).sum() / (covered.sum() * error.shape[1]).clamp_min(1.0)
 
 
 def levelled_l1(estimate: torch.Tensor, truth: torch.Tensor, covered: torch.Tensor) -> torch.Tensor:
@@ -41,8 +44,7 @@ def levelled_l1(estimate: torch.Tensor, truth: torch.Tensor, covered: torch.Tens
 
 def masked_l2(estimate: torch.Tensor, truth: torch.Tensor, covered: torch.Tensor) -> torch.Tensor:
     """Mean squared error over covered pixels; arguments, and what is true of none covered, as in `masked_l1`."""
-    error = (estimate - truth).square() * covered
-    return error.sum() / (covered.sum() * estimate.shape[1]).clamp_min(1.0)
+    return _mean_over((estimate - truth).square(), covered)
 
 
 def focal_parsing(logits: torch.Tensor, label: torch.Tensor, focus: float = 2.0) -> torch.Tensor:
