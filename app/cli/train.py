@@ -53,6 +53,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         default=1,
         help="processes that make samples (1); with a GPU one for each core. Other samples for another number",
     )
+    parser.add_argument(
+        "--places",
+        metavar="DIR",
+        type=Path,
+        help="panoramas (.hdr, .exr) that the person network's samples are put before, beside drawn scenes",
+    )
     stage = parser.add_argument_group("with --stage")
     stage.add_argument("--minutes", metavar="M", type=_positive, help="how long")
     stage.add_argument("--size", metavar="PX", type=count_at_least_one, default=128, help="side of the images (128)")
@@ -116,6 +122,7 @@ def _follow_recipe(arguments: argparse.Namespace) -> int:
             report,
             arguments.start,
             workers=arguments.workers,
+            places=arguments.places,
         )
     for log in sorted(arguments.output.glob("*.log.json")):
         _draw_curves(log)
@@ -144,6 +151,7 @@ def _train_stage(arguments: argparse.Namespace) -> int:
         pairs=arguments.pairs,
         seed=arguments.seed,
         workers=arguments.workers,
+        places=arguments.places,
         learning_rate=arguments.rate,
     )
     with progress(arguments.stage, 1.0) as show:

@@ -15,7 +15,9 @@ from relight_core.dataset.camera import camera_gain, taken
 from relight_core.dataset.cutouts import Cutout, cut_out, place
 from relight_core.dataset.lights import LightLibrary, sample_light
 from relight_core.dataset.samples import light_head
-from relight_core.dataset.scenery import SceneryPool
+from relight_core.dataset.scenery.behind import with_something_behind
+from relight_core.dataset.scenery.panoramas import read_places
+from relight_core.dataset.scenery.pool import SceneryPool
 from relight_core.dataset.shard import read_shard
 from relight_core.dataset.skin import paint
 from relight_core.dataset.stream import SampleStream, textured
@@ -26,6 +28,7 @@ from relight_core.lighting.reflection import GLOSS
 
 _CUTOUTS_PER_HEAD, _SAMPLES_PER_CUTOUT = 5, 12
 _WILD_SHARE, _ACCOMPANIED_SHARE, _CAMOUFLAGED_SHARE, _TURNED_SHARE = 0.3, 0.35, 0.25, 0.4
+_BACKED_SHARE = 0.3
 _SCENES = 24
 _CLOSEST, _FARTHEST = 0.62, 3.0
 
@@ -36,17 +39,32 @@ class OutlineStream(SampleStream):
     Each item is a dict of tensors: "photo_srgb" (3, S, S), 0 beyond the photo's borders; "inside" (1, S, S), 1
     where there is a photo; "face" (1, S, S), 1 in the square of the face that is meant; "person" (1, S, S). Lit
     heads are cut out and put before drawn scenes, others beside and behind them, bodies below their busts.
+
+    Args:
+        places: a folder of panoramas, views into which are scenes as well; None does without.
     """
 
-    def __init__(self, folder: Path, lights: Path, split: str, size: int, seed: int, **where: int):
+    def __init__(
+        self,
+        folder: Path,
+        lights: Path,
+        split: str,
+        size: int,
+        seed: int,
+        *,
+        places: Path | None = None,
+        **where: int,
+    ):
         super().__init__(folder, lights, split, size, seed, lights_per_head=_CUTOUTS_PER_HEAD, **where)
         self.paints_per_head = _CUTOUTS_PER_HEAD * _SAMPLES_PER_CUTOUT
+        self.places = places
 
     def _round(
         self, lane: int, number: int, first: int, paths: list[Path], library: LightLibrary, pool: TexturePool
     ) -> Iterator[dict[str, torch.Tensor]]:
         rng = self._random(lane, number)
-        scenery = SceneryPool(pool, rng, _SCENES)
+        panoramas = read_places(self.places) if self.places else ()
+        scenery = SceneryPool(pool, rng, _SCENES, panoramas)
         people = [c for path in self._heads_of(lane, number, paths) for c in self._cutouts(path, library, pool, rng)]
         order = rng.permutation(self.heads_at_once * self.paints_per_head)
         for turn in range(first, len(order)):
@@ -81,6 +99,8 @@ def outline_sample(
     face_px, centre = size / view.side, view.from_photo(np.array([left, top]), size)
     placed = place(person, size, centre, face_px, pool, rng)
     image = scenery.view(size, rng)
+    if rng.random() < _BACKED_SHARE:
+        image = with_something_behind(image, scenery.view(size, rng), centre, face_px, rng)
     if rng.random() < _CAMOUFLAGED_SHARE:
         image = _camouflaged(image, placed, rng)
     while rng.random() < _ACCOMPANIED_SHARE:

@@ -120,6 +120,7 @@ def follow(
     start: Path | None = None,
     kept: Path | None = None,
     workers: int = 1,
+    places: Path | None = None,
 ) -> NetworkBundle:
     """Train all stages into a folder; a run that was stopped goes on where it was.
 
@@ -129,7 +130,7 @@ def follow(
     Args:
         report: called with the stage's place in the recipe, the fraction of it that is done, its progress.
         start: weights to begin from; random ones without.
-        kept, workers: see `run.Run`.
+        kept, workers, places: see `run.Run`.
 
     Raises:
         TrainingDiverged, InputError: as `loop.train_stage`.
@@ -140,7 +141,7 @@ def follow(
         checkpoint = folder / f"{number + 1:02d}-{plan.name}.safetensors"
         if state_path(checkpoint).exists() or not checkpoint.exists():
             settings = _run(recipe, plan, number, heads, lights, checkpoint, before)
-            train(replace(settings, kept=kept, workers=workers), partial(report, number))
+            train(replace(settings, kept=kept, workers=workers, places=places), partial(report, number))
         before = checkpoint
     result = load_bundle(before)
     save_bundle(folder / "relight.safetensors", result)

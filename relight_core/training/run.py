@@ -54,6 +54,7 @@ class Run:
         narrow_width: channels of the narrow pair that "distil-relight" trains; None keeps the one that is there, or
             takes half as many as the wide pair has.
         examples: how many batches of answers that stage learns from, over and over.
+        places: a folder of panoramas that the samples of "outline" are put before, beside drawn scenes.
         kept: a folder of batches that runs share: the same ones in every stage and for all networks.
     """
 
@@ -72,6 +73,7 @@ class Run:
     detail_width: int = 0
     narrow_width: int | None = None
     examples: int = 150
+    places: Path | None = None
     kept: Path | None = None
     config: BundleConfig = BundleConfig()
 
@@ -151,7 +153,7 @@ def training_batches(run: Run, stage: Stage, first_batch: int) -> Iterator[dict[
     if run.kept is not None:
         return shared_batches(run, first_batch)
     if stage.outlines:
-        return _loaded(run, OutlineStream, first_batch)
+        return _loaded(run, OutlineStream, first_batch, places=run.places)
     return _stream(run, first_batch, photographs=stage.photographs, relief_shadow=stage.relief_shadow)
 
 
@@ -160,7 +162,7 @@ def _stream(run: Run, first_batch: int, **contents: bool) -> Iterator[dict[str, 
 
 
 def _loaded(
-    run: Run, kind: type[SampleStream], first_batch: int, **contents: bool
+    run: Run, kind: type[SampleStream], first_batch: int, **contents: bool | Path | None
 ) -> Iterator[dict[str, torch.Tensor]]:
     stream = kind(
         run.heads, run.lights, "train", run.size, run.seed, first_batch=first_batch, pairs=run.pairs, **contents

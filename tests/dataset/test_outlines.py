@@ -5,7 +5,7 @@ import pytest
 
 from relight_core.dataset.cutouts import cut_out, place
 from relight_core.dataset.outlines import OutlineStream, outline_sample
-from relight_core.dataset.scenery import SceneryPool
+from relight_core.dataset.scenery.pool import SceneryPool
 from relight_core.dataset.texture import TexturePool
 from tests.synthetic_heads import write_balls, write_lights
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from relight_core.dataset.scenery import SceneryPool
+from relight_core.dataset.scenery.pool import SceneryPool
 from relight_core.dataset.texture import TexturePool
 
 

@@ -1,0 +1,1 @@
+"""What stands behind people in photographs, drawn, or seen in panoramas."""
