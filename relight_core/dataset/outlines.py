@@ -42,6 +42,9 @@ class OutlineStream(SampleStream):
 
     Args:
         places: a folder of panoramas, views into which are scenes as well; None does without.
+
+    Raises:
+        InputError: no panoramas there, or one that can't be read.
     """
 
     def __init__(
@@ -57,14 +60,14 @@ class OutlineStream(SampleStream):
     ):
         super().__init__(folder, lights, split, size, seed, lights_per_head=_CUTOUTS_PER_HEAD, **where)
         self.paints_per_head = _CUTOUTS_PER_HEAD * _SAMPLES_PER_CUTOUT
-        self.places = places
+        # Read here and not where samples are made: OpenEXR's threads don't come along into forked workers.
+        self.panoramas = read_places(places) if places else ()
 
     def _round(
         self, lane: int, number: int, first: int, paths: list[Path], library: LightLibrary, pool: TexturePool
     ) -> Iterator[dict[str, torch.Tensor]]:
         rng = self._random(lane, number)
-        panoramas = read_places(self.places) if self.places else ()
-        scenery = SceneryPool(pool, rng, _SCENES, panoramas)
+        scenery = SceneryPool(pool, rng, _SCENES, self.panoramas)
         people = [c for path in self._heads_of(lane, number, paths) for c in self._cutouts(path, library, pool, rng)]
         order = rng.permutation(self.heads_at_once * self.paints_per_head)
         for turn in range(first, len(order)):

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from functools import lru_cache
 from pathlib import Path
 
 import cv2
@@ -17,7 +16,6 @@ _WIDTHS_OF_VIEW_DEG = (30.0, 100.0)
 _MIDDLE_GREY = 0.25
 
 
-@lru_cache(maxsize=1)
 def read_places(folder: Path) -> tuple[np.ndarray, ...]:
     """The panoramas (.hdr, .exr) of a folder, each (H, W, 3) linear and exposed for its middle half.
 
