@@ -37,6 +37,7 @@ from relight_core.pipeline.hints import Effects
 from relight_core.pipeline.model import light_surface
 from relight_core.pipeline.quality import Tier
 from relight_core.pipeline.residual import Residual, add_residual, find_residual
+from relight_core.pipeline.second_look import take_apart
 
 _WHOLE_PIXEL = 0.99
 
@@ -65,15 +66,8 @@ class Editor:
 
     def take_apart(self, photo: np.ndarray) -> _TakenApart:
         """De-light a photo (S, S, 3), linear."""
-        small, seen = (resize_area(photo, (size, size)) for size in (self.tier.network_size, self.tier.delight_size))
-        found = stages.delight(
-            self.bundle,
-            seen,
-            self.tier.network_size,
-            self.device,
-            mirrored=self.tier.mirrored,
-            precision=self.tier.precision,
-        )
+        small = resize_area(photo, (self.tier.network_size, self.tier.network_size))
+        found = take_apart(self.bundle, photo, self.tier, self.device)
         relief = stages.march(found, self.tier.relief_size)
         light = stages.explain_source_light(found, self.table, relief)
         surface = flatten_albedo(found, relief, light)

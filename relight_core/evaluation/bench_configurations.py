@@ -61,6 +61,7 @@ def _variants(live: Tier, quick: bool) -> list[tuple[str, Tier]]:
         ("relief at 32", replace(live, relief_size=32)),
         ("relief at 96", replace(live, relief_size=96)),
         ("mirrored", replace(live, mirrored=True)),
+        ("second look", replace(live, looks_twice=True)),
         (
             "no network per light, relief at 128",
             replace(live, shadow_network=False, correction=False, relief_size=128),

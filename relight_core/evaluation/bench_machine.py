@@ -95,9 +95,8 @@ def demands(bundle: NetworkBundle, tier: Tier, device: str = "cpu") -> dict[str,
     }
     width = 2 if tier.precision == "bf16" else 4
     asked = {name: _demand(network, inputs, width, device) for name, (network, inputs) in runs.items()}
-    if tier.mirrored:
-        once = asked["delight"]
-        asked["delight"] = Demand(2 * once.gflop, 2 * once.megabytes)
+    looks, once = (1 + tier.mirrored) * (1 + tier.looks_twice), asked["delight"]
+    asked["delight"] = Demand(looks * once.gflop, looks * once.megabytes)
     if not tier.shadow_network:
         del asked["specular_shadow"]
     if not tier.correction:

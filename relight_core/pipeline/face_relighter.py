@@ -46,6 +46,7 @@ from relight_core.pipeline.plan import Plan
 from relight_core.pipeline.portrait import Portrait
 from relight_core.pipeline.quality import Tier, tier_of
 from relight_core.pipeline.residual import Residual, add_residual, find_residual
+from relight_core.pipeline.second_look import take_apart
 from relight_core.pipeline.sliders import soften_shadow, specular_gain
 
 KEPT_LIGHTS = 24
@@ -65,10 +66,7 @@ class Workshop:
 
     def delight(self, photo_view: np.ndarray, tier: Tier) -> stages.Surface:
         """Take a view (S, S, 3) apart."""
-        seen = resize_area(photo_view, (tier.delight_size, tier.delight_size))
-        return stages.delight(
-            self.bundle, seen, tier.network_size, self.device, mirrored=tier.mirrored, precision=tier.precision
-        )
+        return take_apart(self.bundle, photo_view, tier, self.device)
 
 
 @dataclass(frozen=True, eq=False)

@@ -23,6 +23,7 @@ class Tier:
         relief_size: side of the relief that is marched for cast shadow. It divides `network_size`: else its
             lattice shows where the light grazes the surface.
         mirrored: de-light the mirrored view too, and average.
+        looks_twice: de-light it once more, with most of its shading taken out (see `pipeline.second_look`).
         shadow_network: what the surface hides from the light is seen by the SS network; else the relief's
             horizons alone say it, and a new light costs a matrix product.
         correction: the composition network corrects the sum of the channels; else the sum is the picture.
@@ -41,11 +42,12 @@ class Tier:
     precision: str = "bf16"
     pair: PairName = "wide"
     lights_nearer: bool = False
+    looks_twice: bool = False
 
     @property
     def surface_key(self) -> tuple:
         """What de-lighting depends on; tiers that agree in it share its result."""
-        return self.size, self.delight_size, self.network_size, self.mirrored, self.precision
+        return self.size, self.delight_size, self.network_size, self.mirrored, self.looks_twice, self.precision
 
     @property
     def begun_key(self) -> tuple:
@@ -62,7 +64,7 @@ TIERS = {
     # The same surface as "live", so that changing over between the two while dragging costs nothing.
     "draft": Tier(256, 256, 128, 64, False, shadow_network=False, correction=False, pair="narrow"),
     "live": Tier(256, 256, 128, 64, False, pair="narrow"),
-    "final": Tier(512, 256, 128, 64, True, lights_nearer=True),
+    "final": Tier(512, 256, 128, 64, True, lights_nearer=True, looks_twice=True),
 }
 
 

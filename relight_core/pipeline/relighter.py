@@ -179,7 +179,7 @@ class Relighter:
 
     def _parsed(self, photo: Photo, view: Crop, tier: Tier) -> np.ndarray:
         """(S, S) parsing labels of a view."""
-        found = self._shop.delight(view.extract(photo.linear, tier.size), tier)
+        found = self._shop.delight(view.extract(photo.linear, tier.size), replace(tier, looks_twice=False))
         return found.parsing[0].argmax(0).cpu().numpy()
 
     def estimated_light(self, quality: str = "live") -> Environment:
