@@ -16,25 +16,32 @@ _FACES_DOWN = 0.35
 def person_view(crop: Crop, photo_size: tuple[float, float]) -> Crop:
     """The view about the crop of a face (paper, section 3.2): 3.4 faces wide, or as wide as the photo is.
 
-    Shoulders are wider than hair is high, so its middle lies below the face's. It is turned as the crop is; one
-    that isn't turned is moved to stay within the photo as far as it can.
+    Shoulders are wider than hair is high, so its middle lies below the face's. It is turned as the crop is, and moved
+    to stay within the photo, or the upright box about a turned one, as far as it can.
 
     Args:
         photo_size: (height, width).
     """
     height, width = photo_size
     face = crop.side * FACE_SHARE
-    side = max(min(_FACES_ACROSS * face, max(photo_size)), face)
-    turn, down = np.radians(crop.roll_deg), _FACES_DOWN * face
-    # Down in a turned crop is partly aside in the photo.
-    x, y = crop.centre_x + down * np.sin(turn), crop.centre_y + down * np.cos(turn)
-    if crop.roll_deg == 0:
-        x, y = _kept_within(x, side, width), _kept_within(y, side, height)
-    return Crop(x, y, side, crop.roll_deg)
+    turn = np.radians(crop.roll_deg)
+    right, down = np.array([np.cos(turn), -np.sin(turn)]), np.array([np.sin(turn), np.cos(turn)])
+    across, along = (float(np.abs(axis) @ [width, height]) for axis in (right, down))
+    side = max(min(_FACES_ACROSS * face, max(across, along)), face)
+    middle = np.array([width, height]) / 2
+    place = np.array([crop.centre_x, crop.centre_y]) - middle
+    aside, below = (
+        _kept_within(place @ right, side, across),
+        _kept_within(place @ down + _FACES_DOWN * face, side, along),
+    )
+    x, y = middle + aside * right + below * down
+    return Crop(float(x), float(y), side, crop.roll_deg)
 
 
 def _kept_within(middle: float, side: float, length: float) -> float:
-    return min(max(middle, side / 2), length - side / 2) if side < length else length / 2
+    """Where a window's middle goes, both counted from the middle of what it shall stay within."""
+    slack = max(length - side, 0) / 2
+    return min(max(middle, -slack), slack)
 
 
 def inside_photo(view: Crop, photo_size: tuple[float, float], size: int) -> np.ndarray:

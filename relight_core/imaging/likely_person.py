@@ -13,6 +13,7 @@ _LEAST = 0.01
 _BINS = 16
 _BIN_BLUR = 0.8
 _SURE_FROM = 0.7
+_NO_GAP_FROM = 0.5
 _UNSEEN = 2e-4
 _MOST_COLOURS_SAY = 2.0
 _ROUNDS = 2
@@ -57,6 +58,29 @@ def attached(matte: np.ndarray, masks: list[tuple[np.ndarray, Crop]], photo_size
             largest = parts == 1 + stats[1:, cv2.CC_STAT_AREA].argmax()
             surely = np.maximum(surely, np.where(largest, matte, 0))
     return _spread_within(surely, matte) if surely.any() else matte
+
+
+def without_holes(matte: np.ndarray, masks: list[tuple[np.ndarray, Crop]], photo_size: tuple[int, int]) -> np.ndarray:
+    """A matte without gaps that lie all within a person and that their mask knows nothing of.
+
+    Skin may have the colour of the wall. Between an arm and a body, or a curl and a neck, where the mask has a gap
+    as well, one looks through.
+
+    Args:
+        matte, masks, photo_size: as for `attached`.
+
+    Returns:
+        (h, w) float32, nowhere below the matte.
+    """
+    hollow = 1 - matte
+    border = np.ones_like(matte)
+    border[1:-1, 1:-1] = 0
+    filled = 1 - _spread_within(np.minimum(border, hollow), hollow)
+    person = np.zeros_like(matte)
+    for mask, crop in masks:
+        person = np.maximum(person, _placed(np.nan_to_num(np.asarray(mask, np.float32)), crop, matte.shape, photo_size))
+    known = np.clip((person - _NO_GAP_FROM) / (_SURE_FROM - _NO_GAP_FROM), 0, 1)
+    return matte + known * (filled - matte)
 
 
 def _spread_within(seed: np.ndarray, limit: np.ndarray) -> np.ndarray:

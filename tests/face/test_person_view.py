@@ -19,7 +19,7 @@ def test_a_view_in_a_large_photo_is_3_4_faces_wide_and_lies_lower_than_the_face(
 
 def test_a_view_stays_within_the_photo_where_there_is_room():
     x0, y0, x1, _ = person_view(Crop(100.0, 100.0, 128.0), (1000, 1000)).window
-    assert (x0, y0) == (0, 0)
+    assert (x0, y0) == pytest.approx((0, 0), abs=1e-9)
     assert x1 <= 1000
 
 
@@ -50,3 +50,13 @@ def test_a_leaning_head_is_seen_upright_with_its_shoulders_below():
     rows, columns = np.nonzero(face_in_view(view, leaning, 128))
     assert columns.mean() == pytest.approx(63.5, abs=0.6)
     assert rows.mean() < 60
+
+
+@pytest.mark.parametrize("roll_deg", [-25.0, 12.0, 25.0])
+def test_a_leaning_head_that_fills_its_photo_is_seen_whole(roll_deg):
+    """A view as wide as the upright photo, below the face, would cut the top of a head off."""
+    view = person_view(Crop(540.0, 552.0, 920.0, roll_deg), (1024, 1024))
+    corners = np.array([[1, 1], [1023, 1], [1, 1023], [1023, 1023]], float)
+    seen = view.from_photo(corners, 1)
+    assert (seen >= 0).all()
+    assert (seen <= 1).all()

@@ -1,7 +1,7 @@
 import numpy as np
 
 from relight_core.face.crop import Crop
-from relight_core.imaging.likely_person import attached, likely_person
+from relight_core.imaging.likely_person import attached, likely_person, without_holes
 
 CROP = Crop(50.0, 40.0, 60.0)
 
@@ -59,3 +59,23 @@ def test_what_hangs_on_to_nobody_is_taken_out():
 def test_where_no_mask_shows_anybody_the_matte_stays():
     matte = np.full((40, 40), 0.4, np.float32)
     np.testing.assert_array_equal(attached(matte, [(np.zeros((8, 8)), CROP)], (100, 100)), matte)
+
+
+def test_a_gap_within_a_person_is_closed_unless_the_mask_has_it_too():
+    matte = np.zeros((100, 100), np.float32)
+    matte[30:, 30:70] = 1
+    matte[40:44, 40:44] = 0.3
+    matte[50:54, 50:54] = 0.3
+    looked_through = mask()
+    looked_through[19:24, 14:19] = 0.1
+    closed = without_holes(matte, [(looked_through, CROP)], (100, 100))
+    assert closed[42, 42] > 0.95
+    assert closed[52, 52] < 0.35
+    np.testing.assert_array_equal(closed[:30], matte[:30])
+
+
+def test_a_bay_open_to_the_wall_is_no_gap():
+    matte = np.zeros((100, 100), np.float32)
+    matte[30:, 30:70] = 1
+    matte[40:60, 30:50] = 0
+    np.testing.assert_array_equal(without_holes(matte, [(mask(), CROP)], (100, 100)), matte)
