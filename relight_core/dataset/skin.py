@@ -24,6 +24,7 @@ _MELANIN = np.array([1.75, 2.1, 2.45], np.float32)
 _HAEMOGLOBIN = np.array([0.10, 0.55, 0.45], np.float32)
 _PAINTED_SHARE = 0.5
 _TINTED_SHARE, _COVERED_SHARE, _PATCHED_SHARE = 0.1, 0.1, 0.1
+_BARE_SKINNED_SHARE = 0.6
 _DARKEST, _BRIGHTEST = 0.015, 0.95
 
 # Centres and radii in the face tile of what blood colours: cheeks, nose tip, chin.
@@ -208,10 +209,15 @@ def _paint_eyes(albedo: np.ndarray, head: BakedHead, rng: np.random.Generator) -
 
 
 def _lay_pictures(albedo: np.ndarray, head: BakedHead, pool: TexturePool, rng: np.random.Generator) -> None:
-    """Domain randomisation: pictures multiplied over the albedo, instead of it, or on a part of the head."""
+    """Domain randomisation: pictures multiplied over the albedo, instead of it, or on a part of the head.
+
+    Most of them leave the skin alone: it has one colour, and a network that has seen otherwise takes shade for paint.
+    """
     chance = rng.random()
     if chance > _TINTED_SHARE + _COVERED_SHARE + _PATCHED_SHARE:
         return
+    bare = np.isin(head.material, (Material.FACE, Material.HEAD)) & (rng.random() < _BARE_SKINNED_SHARE)
+    skin = albedo[bare]
     picture = look_up(pool.picture(rng), head.uv, rng.choice([1, 1, 2, 3]))
     if chance < _TINTED_SHARE:
         mean = picture.mean(0, keepdims=True)
@@ -223,3 +229,4 @@ def _lay_pictures(albedo: np.ndarray, head: BakedHead, pool: TexturePool, rng: n
         noise = look_up(pool.noise(rng), head.uv, rng.choice([1, 2]))
         weight = np.clip((noise - rng.uniform(-0.5, 1.2)) * rng.uniform(1, 12), 0, 1)[:, None]
         albedo[:] = albedo * (1 - weight) + picture * weight
+    albedo[bare] = skin
