@@ -25,6 +25,7 @@ _HAEMOGLOBIN = np.array([0.10, 0.55, 0.45], np.float32)
 _PAINTED_SHARE = 0.5
 _TINTED_SHARE, _COVERED_SHARE, _PATCHED_SHARE = 0.1, 0.1, 0.1
 _BARE_SKINNED_SHARE = 0.6
+_WHITEST_HAIR = 0.85
 _DARKEST, _BRIGHTEST = 0.015, 0.95
 
 # Centres and radii in the face tile of what blood colours: cheeks, nose tip, chin.
@@ -169,12 +170,15 @@ def _blend(skin: np.ndarray, colour: np.ndarray, weight: np.ndarray) -> None:
 
 
 def _hair_colour(rng: np.random.Generator) -> np.ndarray:
-    """Black through brown and red to blond, grey, and now and then a dyed colour."""
+    """Black through brown and red to blond, grey to white, and now and then a dyed colour.
+
+    White hair is frequent here: a network that has hardly seen any takes it for a brightly lit scalp.
+    """
     chance = rng.random()
     if chance < 0.1:
         return rng.beta(1, 2, 3).astype(np.float32)
-    if chance < 0.25:
-        return np.full(3, rng.uniform(0.08, 0.6), np.float32) * np.array([1, 0.98, 0.95], np.float32)
+    if chance < 0.35:
+        return np.full(3, rng.uniform(0.08, _WHITEST_HAIR), np.float32) * np.array([1, 0.98, 0.95], np.float32)
     pigment = rng.uniform(0, 1) ** 0.6
     return (np.array([0.5, 0.34, 0.18]) * np.exp(-pigment * np.array([3.2, 3.3, 2.9]))).astype(np.float32)
 
