@@ -15,6 +15,7 @@ from dataclasses import replace
 import torch
 import torch.nn.functional as F
 
+from relight_core.face.parsing import INDEX
 from relight_core.imaging.tensor_colour import grey
 from relight_core.imaging.tensor_means import local_means
 from relight_core.lighting.relief import ReliefTransport
@@ -25,6 +26,8 @@ _STRONGEST = 1.0
 _FLOOR = 0.02
 _CLIPPED = 0.95
 _FEWEST_PIXELS = 100
+_FEWEST_EYE_PIXELS = 4
+_EYES = ("left_eye", "right_eye", "left_brow", "right_brow")
 _COMMON = 0.15
 """Flush and tan move the log of a ratio of two channels by about as much."""
 
@@ -48,7 +51,7 @@ def _without_shading(surface: Surface, relief: ReliefTransport, light: torch.Ten
     """
     shading = (grey_irradiance(relief, light) + _FLOOR).log().to(surface.albedo.device)
     shading = F.interpolate(shading, size=surface.albedo.shape[-2:], mode="bilinear", align_corners=False)
-    skin = skin_share(surface.parsing)
+    skin = _skin_below_hair(surface.parsing)
     albedo = grey(surface.albedo).clamp_min(1e-3).log()
     known = (skin > 0.6) & (surface.photo.amax(1, keepdim=True) < _CLIPPED)
     if int(known.sum()) < _FEWEST_PIXELS:
@@ -70,7 +73,7 @@ def _in_one_colour(surface: Surface) -> Surface:
     and make-up keep theirs. What lies further from the skin's median than flush and tan explain is taken back to
     that distance; luminance stays.
     """
-    skin = skin_share(surface.parsing)
+    skin = _skin_below_hair(surface.parsing)
     known = skin > 0.6
     if int(known.sum()) < _FEWEST_PIXELS:
         return surface
@@ -82,6 +85,20 @@ def _in_one_colour(surface: Surface) -> Surface:
     evened = surface.albedo * torch.exp(-excess * skin)
     evened = evened * (grey(surface.albedo) / grey(evened).clamp_min(1e-6))
     return replace(surface, albedo=evened.clamp(0, 1))
+
+
+def _skin_below_hair(parsing: torch.Tensor) -> torch.Tensor:
+    """(1, 1, S, S) probability of bare skin, of (1, classes, S, S), without the scalp.
+
+    A scalp is parsed as neck, bald or with hair that is cropped, and white hair on top of a head would pass for
+    skin that the light's shading and colours are left in.
+    """
+    skin, eyes = skin_share(parsing), sum(parsing[:, INDEX[name]] for name in _EYES).sum(2)[0]
+    if float(eyes.sum()) < _FEWEST_EYE_PIXELS:
+        return skin
+    rows = torch.arange(len(eyes), device=eyes.device)
+    above = rows < (rows * eyes).sum() / eyes.sum()
+    return skin - parsing[:, INDEX["neck"], None] * above[:, None]
 
 
 def grey_irradiance(relief: ReliefTransport, light: torch.Tensor) -> torch.Tensor:

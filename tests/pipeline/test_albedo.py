@@ -10,7 +10,7 @@ from relight_core.pipeline.albedo import flatten_albedo
 from relight_core.pipeline.stages import Surface
 
 SIZE = 32
-SKIN, HAIR = 1, 10
+SKIN, LEFT_EYE, NECK, HAIR = 1, 4, 9, 10
 
 
 def ball_surface(albedo, photo=None, label=SKIN):
@@ -65,6 +65,17 @@ def test_darker_toward_the_light_is_left_alone():
     clean = ball_surface(true)
     odd = ball_surface(true * (shading_of(clean) + 0.02) ** -0.4)
     assert torch.equal(flatten_albedo(odd, open_transport(clean), side_light()).albedo, odd.albedo)
+
+
+def test_white_hair_on_a_scalp_is_not_taken_for_skin():
+    """Cropped hair is parsed as neck, as a bald scalp is; the shading is taken out of the face alone."""
+    face = ball_surface(torch.tensor([0.4, 0.2, 0.15])[None, :, None, None].expand(1, 3, SIZE, SIZE).clone())
+    face.albedo[:, :, :8] = 0.6
+    face.parsing[:, SKIN, :8], face.parsing[:, NECK, :8] = 0, 1
+    face.parsing[:, SKIN, 12:14], face.parsing[:, LEFT_EYE, 12:14] = 0, 1
+    flat = flatten_albedo(face, open_transport(face), side_light()).albedo
+    assert torch.equal(flat[:, :, :8], face.albedo[:, :, :8])
+    torch.testing.assert_close(flat[:, :, 16:], face.albedo[:, :, 16:], rtol=0.02, atol=0)
 
 
 @pytest.mark.parametrize("case", ["hair only", "clipped", "even light", "black light"])

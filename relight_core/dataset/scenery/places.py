@@ -41,7 +41,7 @@ def with_crowns(image: np.ndarray, pool: TexturePool, rng: np.random.Generator) 
     down = (np.arange(SIZE, dtype=np.float32) / SIZE)[:, None]
     ragged = fractal_noise(rng, SIZE, rng.uniform(0.7, 1.4))
     cover = rng.uniform(1, 5) * (rng.uniform(0.1, 0.8) - down) + ragged
-    alpha = 1 / (1 + np.exp(-rng.uniform(2, 12) * cover))
+    alpha = 0.5 + 0.5 * np.tanh(rng.uniform(1, 6) * cover)
     tone = np.array([0.07, 0.09, 0.03], np.float32) * np.exp(rng.normal(0, 0.35, 3)) * 2 ** rng.normal(-0.5, 1.2)
     if rng.random() < 0.3:
         tone = any_colour(rng) * 0.4
