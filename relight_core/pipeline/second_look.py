@@ -24,8 +24,7 @@ _AHEAD = (0.0, 0.2, 0.65)
 """The even light is brightest from ahead and above, and fades linearly to the back: a normal n receives 1 + n . a."""
 _MOST_OF_THE_WAY = 0.7
 _STRONGEST_GAIN = 10.0
-_DARKEST = 4e-3
-_DARKEST_ALBEDO = 1e-3
+_DARKEST_PHOTO, _DARKEST_ALBEDO = 4e-3, 1e-3
 
 
 @torch.inference_mode()
@@ -44,7 +43,7 @@ def evenly_lit(photo: np.ndarray, found: stages.Surface) -> np.ndarray:
     ahead = torch.tensor(_AHEAD, device=found.normal.device)
     received = 1 + (found.normal * ahead[:, None, None]).sum(1, keepdim=True)
     wanted = found.albedo * received / (1 + ahead.norm())
-    gain = (wanted / found.photo.clamp_min(_DARKEST)).clamp(1 / _STRONGEST_GAIN, _STRONGEST_GAIN).log()
+    gain = (wanted / found.photo.clamp_min(_DARKEST_PHOTO)).clamp(1 / _STRONGEST_GAIN, _STRONGEST_GAIN).log()
     gain = _MOST_OF_THE_WAY * torch.where(found.person > 0.5, gain, 0.0)
     gain = F.interpolate(gain, size=photo.shape[:2], mode="bilinear", align_corners=False).exp()
     return np.clip(photo * gain[0].permute(1, 2, 0).cpu().numpy(), 0, 1)
@@ -55,5 +54,5 @@ def with_skin_of(found: stages.Surface, again: stages.Surface) -> stages.Surface
     skin = skin_share(found.parsing)
     first, second = (surface.albedo.clamp_min(_DARKEST_ALBEDO).log() for surface in (found, again))
     change = second - first
-    level = (change * skin).sum() / (3 * skin.sum()).clamp_min(_DARKEST_ALBEDO)
+    level = (change * skin).sum() / (3 * skin.sum()).clamp_min(1)
     return replace(found, albedo=(found.albedo * torch.exp(skin * (change - level))).clamp(0, 1))
