@@ -38,6 +38,7 @@ from relight_core.pipeline.model import light_surface
 from relight_core.pipeline.quality import Tier
 from relight_core.pipeline.residual import Residual, add_residual, find_residual
 from relight_core.pipeline.second_look import take_apart
+from relight_core.pipeline.source_light import explain_source_light
 
 _WHOLE_PIXEL = 0.99
 
@@ -69,7 +70,7 @@ class Editor:
         small = resize_area(photo, (self.tier.network_size, self.tier.network_size))
         found = take_apart(self.bundle, photo, self.tier, self.device)
         relief = stages.march(found, self.tier.relief_size)
-        light = stages.explain_source_light(found, self.table, relief)
+        light = explain_source_light(found, stages.reflector(self.table, found), relief)
         surface = flatten_albedo(found, relief, light)
         residual = find_residual(surface, surface.photo, light, lambda own: self.light(surface, relief, own)[2])
         lights = {"guess": surface.source_light[0].cpu().numpy(), "source_light": light[0].cpu().numpy()}

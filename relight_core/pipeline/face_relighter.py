@@ -48,6 +48,7 @@ from relight_core.pipeline.quality import Tier, tier_of
 from relight_core.pipeline.residual import Residual, add_residual, find_residual
 from relight_core.pipeline.second_look import take_apart
 from relight_core.pipeline.sliders import soften_shadow, specular_gain
+from relight_core.pipeline.source_light import explain_source_light
 
 KEPT_LIGHTS = 24
 """Results of this many lights stay: a light that is turned there and back, or two that are compared."""
@@ -181,7 +182,7 @@ class FaceRelighter:
         return self._once(
             "source_light",
             ready.tier.relief_key,
-            lambda: stages.explain_source_light(ready.found, self._shop.table, relief),
+            lambda: explain_source_light(ready.found, self._reflector(ready), relief),
         )
 
     def own_light(self, ready: Prepared, plan: Plan) -> np.ndarray:

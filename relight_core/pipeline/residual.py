@@ -6,7 +6,8 @@ much under another light: a ratio image (Liu, Shan and Zhang 2001), of the photo
 what the model makes of another light, by its full strength where the place is lit as in the photo, and by
 less the less alike the two are: a highlight or a cast shadow that the model missed belongs to the photo's light
 and not to the surface. On skin, what is brighter than its model, of another colour, or off over a whole cheek is
-the light's more often than the surface's, and fades faster. So a portrait under its own estimated light is the
+the light's more often than the surface's, and fades faster; but what a camera adds to the colour of all skin, or of
+all hair, it adds in any light (see `pipeline.saturation`). So a portrait under its own estimated light is the
 photo again.
 
 Hair that is darker than its model has strands in each other's shadow, whatever light falls on them: it stays darker.
@@ -24,6 +25,7 @@ from relight_core.imaging.tensor_means import local_means
 from relight_core.lighting.environment import mean_luminance
 from relight_core.pipeline.blown import clipped_share, flesh_share, skin_share
 from relight_core.pipeline.hints import Effects, grey
+from relight_core.pipeline.saturation import middle_colour, saturation
 from relight_core.pipeline.stages import Composed, Surface
 
 _BLACK = 0.005
@@ -32,6 +34,7 @@ _CLIPPED = 0.97
 _FEWEST_PIXELS = 50
 _DARK_HAIR = 0.8
 _FADES = 2.0
+_MOST_SATURATED = 0.5
 
 
 @dataclass(frozen=True)
@@ -44,6 +47,7 @@ class Residual:
         stays_dark: (1, 1, S, S) in [0, 1], how much of a darkening stays under whatever light.
         skin: (1, 1, S, S) probability of bare skin.
         broad: (1, 1, S, S) the part of the mean log ratio that whole cheeks share, on skin.
+        tint: (1, 3, S, S) the part of the log ratio, of mean 0, that is the camera's saturation of skin and of hair.
         level: of the photo's own light, such that model and photo are equally bright over the person.
     """
 
@@ -52,6 +56,7 @@ class Residual:
     stays_dark: torch.Tensor
     skin: torch.Tensor
     broad: torch.Tensor
+    tint: torch.Tensor
     level: float
 
 
@@ -83,7 +88,19 @@ def find_residual(
         log_ratio = _at_least(log_ratio, clipped_share(recorded), flesh_share(surface.parsing))
     stays_dark = _DARK_HAIR * surface.parsing[:, INDEX["hair"], None]
     broad = skin * local_means(log_ratio.mean(1, keepdim=True), skin)
-    return Residual(log_ratio, grey(model.plain), stays_dark, skin, broad, level)
+    tint = _shared_tint(log_ratio, surface, known)
+    return Residual(log_ratio, grey(model.plain), stays_dark, skin, broad, tint, level)
+
+
+def _shared_tint(log_ratio: torch.Tensor, surface: Surface, known: torch.Tensor) -> torch.Tensor:
+    """(1, 3, S, S) by how much more than the model the camera shows all skin, and all hair, of its own log colour."""
+    tint = torch.zeros_like(log_ratio)
+    for part in (skin_share(surface.parsing), surface.parsing[:, INDEX["hair"], None]):
+        own, off = (middle_colour(image, part * known, _FEWEST_PIXELS) for image in (surface.albedo, log_ratio.exp()))
+        if own is not None:
+            more = saturation(off, own).clamp(0, _MOST_SATURATED)
+            tint += part * (more * own)[None, :, None, None]
+    return tint
 
 
 def _at_least(log_ratio: torch.Tensor, clipped: torch.Tensor, skin: torch.Tensor) -> torch.Tensor:
@@ -110,7 +127,7 @@ def add_residual(residual: Residual, composed: Composed, effects: Effects) -> tu
     level = residual.log_ratio.mean(1, keepdim=True) - residual.broad
     faint = alike ** (1 + _FADES * residual.skin)
     darkening = level.clamp_max(0)
-    kept = darkening * torch.maximum(alike, residual.stays_dark)
-    ratio = torch.exp(kept + (residual.log_ratio - darkening) * faint)
+    kept = darkening * torch.maximum(alike, residual.stays_dark) + residual.tint
+    ratio = torch.exp(kept + (residual.log_ratio - darkening - residual.tint) * faint)
     image = ((composed.image.float() + _BLACK) * ratio - _BLACK).clamp_min(0)
     return image, replace(effects, specular=effects.specular * grey(ratio), shadow=effects.shadow * grey(ratio))

@@ -15,7 +15,6 @@ from relight_core.imaging.resampling import resize_area
 from relight_core.imaging.tensor_colour import grey, srgb_decode, srgb_encode
 from relight_core.imaging.tensor_normals import unit_normals
 from relight_core.lighting.bounce import Bounce, gather_bounce
-from relight_core.lighting.inverse import explain_photo
 from relight_core.lighting.reflection import NormalLookup, ReflectionTable
 from relight_core.lighting.relief import ReliefTransport, march_relief
 from relight_core.networks.bundle import NetworkBundle
@@ -344,36 +343,3 @@ def move_sliders(
     moved = explicit_sum(surface.albedo, reflected, effects, specular_gain, shadow_gain)
     kept = ((moved + 1e-3) / (composed.plain + 1e-3)).clamp(0, 1)
     return SliderChange(kept, (moved - composed.plain).clamp_min(0))
-
-
-@torch.inference_mode()
-def explain_source_light(surface: Surface, table: ReflectionTable, relief: ReliefTransport) -> torch.Tensor:
-    """The light the photo was taken under, (1, 16, 32, 3), at the level that gives the photo its brightness.
-
-    The network's estimate is the first guess; least squares over the face then turn and colour it until
-    albedo, normals and relief look as they do in the photo (see `lighting.inverse`).
-    """
-    guess = surface.source_light * _exposure_of_photo(surface, table)
-    small = [
-        F.interpolate(image, size=relief.size, mode="area").cpu()
-        for image in (surface.photo, surface.albedo, surface.person * gloss_share(surface.parsing))
-    ]
-    photo, albedo, person = (image[0].flatten(1).T for image in small)
-    unclipped = (photo.amax(1) < 0.9).float()
-    weight = person[:, 0] * unclipped * albedo.mean(1)
-    light = explain_photo(guess[0].flatten(0, 1).cpu(), relief.closed, photo / albedo.clamp_min(0.03), weight)
-    return light.reshape(guess.shape).to(guess.device)
-
-
-def _exposure_of_photo(surface: Surface, table: ReflectionTable) -> float:
-    """The level at which the network's source light gives the photo its brightness.
-
-    The median ratio of photo to albedo * irradiance over the face, where the photo is neither black nor
-    clipped; 1 where nothing can be said.
-    """
-    lit = grey(surface.albedo * table(surface.source_light, surface.normal)[:, :3])
-    seen = grey(surface.photo)
-    known = (surface.person > 0.5) & (seen > 0.02) & (surface.photo.amax(1, keepdim=True) < 0.97) & (lit > 1e-3)
-    if int(known.sum()) < 50:
-        return 1.0
-    return float((seen[known] / lit[known]).median())

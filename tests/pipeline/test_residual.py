@@ -19,7 +19,7 @@ def images(seed):
 def surface(photo, label=SKIN):
     parsing = torch.zeros(1, 14, SIZE, SIZE)
     parsing[:, label] = 1
-    return SimpleNamespace(photo=photo, person=torch.ones(1, 1, SIZE, SIZE), parsing=parsing)
+    return SimpleNamespace(photo=photo, albedo=photo, person=torch.ones(1, 1, SIZE, SIZE), parsing=parsing)
 
 
 def no_effects():
@@ -144,3 +144,31 @@ def test_other_things_that_are_blown_become_white_and_no_darker():
     relit = torch.tensor([1.6, 1.4, 2.0]) * log_ratio.exp()
     torch.testing.assert_close(relit, relit[:1].expand(3), atol=0.02, rtol=0)
     assert relit.mean() > 1.4
+
+
+def reddened(label, share):
+    """The photo of a flat thing of a brown albedo, with more of its own colour than its model, and how it is relit in
+    a light a tenth as strong."""
+    albedo = torch.tensor([0.4, 0.25, 0.16])[None, :, None, None].expand(1, 3, SIZE, SIZE)
+    own = albedo.log() - albedo.log().mean(1, keepdim=True)
+    photo, model = albedo * torch.exp(share * own), Composed(albedo, torch.ones(1, 3, SIZE, SIZE))
+    seen = surface(photo, label)
+    seen.albedo = albedo
+    residual = find_residual(seen, photo, light(), lambda own_light: model)
+    image, _ = add_residual(residual, Composed(0.1 * albedo, 0.1 * model.plain), no_effects())
+    change = (image / (0.1 * albedo)).log()[0, :, 0, 0]
+    return float(change[0] - change[2]), float(share * (own[0, 0, 0, 0] - own[0, 2, 0, 0]))
+
+
+def test_what_a_camera_adds_to_the_colour_of_skin_it_adds_in_any_light():
+    kept, added = reddened(SKIN, 0.2)
+    assert 0.8 * added < kept < 1.2 * added
+    kept, added = reddened(HAIR, 0.2)
+    assert 0.8 * added < kept < 1.2 * added
+
+
+def test_the_colour_of_cloth_and_a_tint_that_takes_from_the_skins_colour_fade():
+    kept, added = reddened(CLOTH, 0.2)
+    assert kept < 0.3 * added
+    kept, missing = reddened(SKIN, -0.2)
+    assert abs(kept) < 0.1 * abs(missing)

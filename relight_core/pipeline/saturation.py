@@ -1,0 +1,40 @@
+"""How much more of its own colour a surface shows in a photo than it has.
+
+Cameras balance the light's colour away, and their curves and their makers' taste make skin redder than its reflectance
+is. To a portrait in another light that belongs as it does to the photo: without it skin is grey.
+A change of colour along the surface's own is taken for the camera's; one across it is a coloured light's.
+"""
+
+from __future__ import annotations
+
+import torch
+
+_BLACK = 0.005
+_SURE = 0.6
+_GREY = 0.01
+"""Squared length of a log colour that is too little of a colour to be followed."""
+
+
+def log_colour(values: torch.Tensor) -> torch.Tensor:
+    """Logarithms of linear colours (..., 3) without their mean: what is left when brightness is not asked for."""
+    logarithm = values.clamp_min(1e-4).log()
+    return logarithm - logarithm.mean(-1, keepdim=True)
+
+
+def saturation(change: torch.Tensor, own: torch.Tensor) -> torch.Tensor:
+    """How far changes of log colour (..., 3) go along a surface's own (3,), (...): 0.2 is a fifth more of it."""
+    return change @ own / (own @ own + _GREY)
+
+
+def middle_colour(image: torch.Tensor, part: torch.Tensor, fewest: int) -> torch.Tensor | None:
+    """The median log colour (3,) of a part of an image, or None where fewer pixels than that surely belong to it.
+
+    Args:
+        image: (1, 3, S, S) linear.
+        part: (1, 1, S, S) probability.
+    """
+    sure = part[0, 0] > _SURE
+    if int(sure.sum()) < fewest:
+        return None
+    middle = log_colour((image[0] + _BLACK).movedim(0, -1)[sure]).median(0).values
+    return middle - middle.mean()

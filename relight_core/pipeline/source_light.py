@@ -1,0 +1,86 @@
+"""The light a photo was taken under: the network's guess, turned and coloured until it explains the photo."""
+
+from __future__ import annotations
+
+import torch
+import torch.nn.functional as F
+
+from relight_core.imaging.colour import REC709_LUMINANCE
+from relight_core.imaging.tensor_colour import grey
+from relight_core.lighting.inverse import explain_photo
+from relight_core.lighting.relief import ReliefTransport
+from relight_core.pipeline.blown import skin_share
+from relight_core.pipeline.hints import gloss_share
+from relight_core.pipeline.saturation import log_colour, middle_colour, saturation
+from relight_core.pipeline.stages import Reflector, Surface, reflect
+
+_FEWEST_PIXELS = 50
+_CLIPPED = 0.9
+_DARKEST_ALBEDO = 0.03
+_LEAST_MATTE = 0.4
+"""Share of a pixel that is not gloss, at the least: where the model has more gloss than that, it is wrong."""
+_BY_CAMERA, _MOST_BY_CAMERA = 0.6, 0.35
+"""How much of skin that is too saturated is the camera's doing and not the light's. Held-out heads, whose lights are
+of all colours, ask for none of it; photographs, which cameras balance and develop, would turn grey in a white light."""
+
+
+@torch.inference_mode()
+def explain_source_light(surface: Surface, reflector: Reflector, relief: ReliefTransport) -> torch.Tensor:
+    """The light the photo was taken under, (1, 16, 32, 3), at the level that gives the photo its brightness.
+
+    The network's estimate is the first guess; least squares over the face then turn and colour it until albedo,
+    normals and relief look as they do in the photo (see `lighting.inverse`). What the guess mirrors is taken off the
+    photo first: gloss has the light's colour, and skin below it would pass for skin in a bluer light.
+
+    Args:
+        reflector: of the same surface.
+        relief: transport of its relief.
+    """
+    reflected = reflect(reflector, surface.source_light)
+    level = _exposure_of_photo(surface, reflected)
+    guess = surface.source_light * level
+    matte = _without_gloss(surface.photo, reflected[:, 3:] * level, relief.shadow_fraction(guess.cpu()))
+    small = [
+        F.interpolate(image, size=relief.size, mode="area").cpu()
+        for image in (surface.photo, matte, surface.albedo, surface.person * gloss_share(surface.parsing))
+    ]
+    photo, matte, albedo, person = (image[0].flatten(1).T for image in small)
+    unclipped = (photo.amax(1) < _CLIPPED).float()
+    weight = person[:, 0] * unclipped * albedo.mean(1)
+    texels = guess[0].flatten(0, 1).cpu()
+    light = explain_photo(texels, relief.closed, matte / albedo.clamp_min(_DARKEST_ALBEDO), weight)
+    light = _left_to_light(surface, texels, light)
+    return light.reshape(guess.shape).to(guess.device)
+
+
+def _without_gloss(photo: torch.Tensor, gloss: torch.Tensor, hidden: torch.Tensor) -> torch.Tensor:
+    """The photo (1, 3, S, S) without gloss that lies over it where the light, (1, 1, R, R), is not hidden."""
+    hidden = F.interpolate(hidden, size=photo.shape[-2:], mode="bilinear", align_corners=False).to(photo.device)
+    return torch.maximum(photo - gloss * (1 - hidden), _LEAST_MATTE * photo)
+
+
+def _left_to_light(surface: Surface, guess: torch.Tensor, explained: torch.Tensor) -> torch.Tensor:
+    """The explained light (T, 3), of a guess (T, 3), without the colours that are the camera's."""
+    skin = middle_colour(surface.albedo, skin_share(surface.parsing), _FEWEST_PIXELS)
+    if skin is None:
+        return explained
+    skin = skin.to(explained.device)
+    more = saturation(log_colour(explained) - log_colour(guess), skin)
+    less = torch.exp(-_BY_CAMERA * more.clamp(0, _MOST_BY_CAMERA)[:, None] * skin)
+    luminance = torch.tensor(REC709_LUMINANCE, dtype=explained.dtype, device=explained.device)
+    balanced = explained * less
+    return balanced * ((explained @ luminance) / (balanced @ luminance).clamp_min(1e-12))[:, None]
+
+
+def _exposure_of_photo(surface: Surface, reflected: torch.Tensor) -> float:
+    """The level at which the network's source light gives the photo its brightness.
+
+    The median ratio over the person of the photo to what the surface reflects of it, (1, 6, S, S), where the photo is
+    neither black nor clipped; 1 where nothing can be said.
+    """
+    lit = grey(surface.albedo * reflected[:, :3] + reflected[:, 3:])
+    seen = grey(surface.photo)
+    known = (surface.person > 0.5) & (seen > 0.02) & (surface.photo.amax(1, keepdim=True) < 0.97) & (lit > 1e-3)
+    if int(known.sum()) < _FEWEST_PIXELS:
+        return 1.0
+    return float((seen[known] / lit[known]).median())

@@ -1,0 +1,76 @@
+"""The light a photo was taken under, found from a head of known surface."""
+
+from dataclasses import replace
+
+import torch
+
+from relight_core.lighting.reflection import ReflectionTable
+from relight_core.pipeline import stages
+from relight_core.pipeline.source_light import explain_source_light
+
+SIZE, SKIN = 32, 1
+ALBEDO = (0.45, 0.27, 0.18)
+
+
+def ball(albedo=ALBEDO):
+    """A ball of skin, photographed in the dark."""
+    y, x = torch.meshgrid(torch.linspace(1, -1, SIZE), torch.linspace(-1, 1, SIZE), indexing="ij")
+    height = (0.9 - x * x - y * y).clamp_min(0.02).sqrt()
+    normal = torch.nn.functional.normalize(torch.stack([x, y, height]), dim=0)[None]
+    person = (x * x + y * y < 0.9).float()[None, None]
+    parsing = torch.zeros(1, 14, SIZE, SIZE)
+    parsing[:, SKIN], parsing[:, 0] = person[:, 0], 1 - person[:, 0]
+    colour = torch.tensor(albedo)[None, :, None, None].expand(1, 3, SIZE, SIZE)
+    guess = torch.ones(1, 16, 32, 3)
+    return stages.Surface(0 * colour, colour, normal, height[None, None] * person, parsing, person, guess)
+
+
+def photographed(surface, light, saturation=1.0):
+    """The ball's photo under a light, gloss and own shadows included, by a camera that saturates its colours."""
+    reflector, relief = stages.reflector(ReflectionTable(), surface), stages.march(surface, 16)
+    reflected = stages.reflect(reflector, light)
+    hidden = torch.nn.functional.interpolate(relief.shadow_fraction(light), size=SIZE, mode="bilinear")
+    seen = (surface.albedo * reflected[:, :3] + reflected[:, 3:]) * (1 - hidden) * surface.person
+    brightness = seen.clamp_min(1e-6).log().mean(1, keepdim=True).exp()
+    return replace(surface, photo=brightness * (seen / brightness) ** saturation), reflector, relief
+
+
+def red_over_blue(light):
+    """Of the light from around the camera, which the ball's middle sees."""
+    mean = light[:, 5:11, [0, 1, 2, -3, -2, -1]].mean((0, 1, 2))
+    return float(mean[0] / mean[2])
+
+
+def coloured(red, green, blue):
+    return 0.8 * torch.tensor([red, green, blue]).expand(1, 16, 32, 3)
+
+
+def explained(light, **how):
+    return explain_source_light(*photographed(ball(), light, **how))
+
+
+def test_glossy_skin_in_a_white_light_is_not_taken_for_skin_in_a_blue_one():
+    light = explained(coloured(1.0, 1.0, 1.0))
+    assert abs(red_over_blue(light) - 1) < 0.03
+    assert abs(float(light.mean()) / 0.8 - 1) < 0.1
+
+
+def test_a_blue_light_is_found_blue():
+    assert abs(red_over_blue(explained(coloured(0.7, 1.0, 1.3))) / (0.7 / 1.3) - 1) < 0.15
+
+
+def test_a_camera_that_saturates_skin_makes_the_light_hardly_warmer():
+    warmer = red_over_blue(explained(coloured(1.0, 1.0, 1.0), saturation=1.3))
+    assert 1.0 < warmer < 1.15
+
+
+def test_of_a_deeply_orange_light_most_is_left_to_the_light():
+    found = red_over_blue(explained(coloured(2.0, 1.0, 0.3)))
+    assert found > 3.0
+
+
+def test_a_photo_without_a_person_keeps_the_guess():
+    surface = ball()
+    nobody = replace(surface, photo=surface.albedo, person=0 * surface.person, parsing=0 * surface.parsing)
+    reflector, relief = stages.reflector(ReflectionTable(), nobody), stages.march(nobody, 16)
+    torch.testing.assert_close(explain_source_light(nobody, reflector, relief), torch.ones(1, 16, 32, 3))
