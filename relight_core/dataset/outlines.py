@@ -11,9 +11,11 @@ import numpy as np
 import torch
 
 from relight_core.dataset.appearance import appear
+from relight_core.dataset.arms import with_arm
 from relight_core.dataset.camera import camera_gain, taken
 from relight_core.dataset.cutouts import Cutout, cut_out, place
 from relight_core.dataset.lights import LightLibrary, sample_light
+from relight_core.dataset.mane import with_mane
 from relight_core.dataset.samples import light_head
 from relight_core.dataset.scenery.behind import with_something_behind
 from relight_core.dataset.scenery.panoramas import read_places
@@ -29,6 +31,7 @@ from relight_core.lighting.reflection import GLOSS
 _CUTOUTS_PER_HEAD, _SAMPLES_PER_CUTOUT = 5, 12
 _WILD_SHARE, _ACCOMPANIED_SHARE, _CAMOUFLAGED_SHARE, _TURNED_SHARE = 0.3, 0.35, 0.25, 0.4
 _BACKED_SHARE = 0.3
+_MANE_SHARE, _ARM_SHARE = 0.15, 0.15
 _SCENES = 24
 _CLOSEST, _FARTHEST = 0.62, 3.0
 
@@ -101,6 +104,10 @@ def outline_sample(
     view = person_view(crop, photo_size)
     face_px, centre = size / view.side, view.from_photo(np.array([left, top]), size)
     placed = place(person, size, centre, face_px, pool, rng)
+    if rng.random() < _MANE_SHARE:
+        placed = with_mane(placed, centre, face_px, pool, rng)
+    if rng.random() < _ARM_SHARE:
+        placed = with_arm(placed, centre, face_px, pool, rng)
     image = scenery.view(size, rng)
     if rng.random() < _BACKED_SHARE:
         image = with_something_behind(image, scenery.view(size, rng), centre, face_px, rng)

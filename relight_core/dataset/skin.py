@@ -58,7 +58,7 @@ def _worn(head: BakedHead, pool: TexturePool, rng: np.random.Generator) -> np.nd
     albedo[is_skin] = skin[is_skin]
     _paint_mouth(albedo, head, rng)
     _paint_eyes(albedo, head, rng)
-    hair = _hair_colour(rng)
+    hair = hair_colour(rng)
     for material in (Material.HAIR, Material.BROW):
         where = head.material == material
         albedo[where] = _strands(head.uv[where], hair, pool, rng)
@@ -138,7 +138,7 @@ def _paint_lips(skin: np.ndarray, head: BakedHead, rng: np.random.Generator, has
 
 def _paint_hair_on_skin(skin: np.ndarray, head: BakedHead, pool: TexturePool, rng: np.random.Generator) -> None:
     """Brows, stubble and beard, eye shadow and a shaved scalp: all darken the skin through a noisy mask."""
-    hair = _hair_colour(rng)
+    hair = hair_colour(rng)
     fine = look_up(pool.noise(rng), head.uv, 4)
     on_face = head.material == Material.FACE
     u, v = head.uv.T
@@ -169,7 +169,7 @@ def _blend(skin: np.ndarray, colour: np.ndarray, weight: np.ndarray) -> None:
     skin += weight * colour
 
 
-def _hair_colour(rng: np.random.Generator) -> np.ndarray:
+def hair_colour(rng: np.random.Generator) -> np.ndarray:
     """Black through brown and red to blond, grey to white, and now and then a dyed colour.
 
     White hair is frequent here: a network that has hardly seen any takes it for a brightly lit scalp.
