@@ -21,13 +21,12 @@ from relight_core.imaging.tensor_means import local_means
 from relight_core.lighting.relief import ReliefTransport
 from relight_core.pipeline.blown import skin_share
 from relight_core.pipeline.stages import Surface
+from relight_core.pipeline.white_hair import above_the_eyes
 
 _STRONGEST = 1.0
 _FLOOR = 0.02
 _CLIPPED = 0.95
 _FEWEST_PIXELS = 100
-_FEWEST_EYE_PIXELS = 4
-_EYES = ("left_eye", "right_eye", "left_brow", "right_brow")
 _COMMON = 0.15
 """Flush and tan move the log of a ratio of two channels by about as much."""
 
@@ -93,12 +92,8 @@ def _skin_below_hair(parsing: torch.Tensor) -> torch.Tensor:
     A scalp is parsed as neck, bald or with hair that is cropped, and white hair on top of a head would pass for
     skin that the light's shading and colours are left in.
     """
-    skin, eyes = skin_share(parsing), sum(parsing[:, INDEX[name]] for name in _EYES).sum(2)[0]
-    if float(eyes.sum()) < _FEWEST_EYE_PIXELS:
-        return skin
-    rows = torch.arange(len(eyes), device=eyes.device)
-    above = rows < (rows * eyes).sum() / eyes.sum()
-    return skin - parsing[:, INDEX["neck"], None] * above[:, None]
+    skin, above = skin_share(parsing), above_the_eyes(parsing)
+    return skin if above is None else skin - parsing[:, INDEX["neck"], None] * above
 
 
 def grey_irradiance(relief: ReliefTransport, light: torch.Tensor) -> torch.Tensor:

@@ -6,9 +6,11 @@ much under another light: a ratio image (Liu, Shan and Zhang 2001), of the photo
 what the model makes of another light, by its full strength where the place is lit as in the photo, and by
 less the less alike the two are: a highlight or a cast shadow that the model missed belongs to the photo's light
 and not to the surface. On skin, what is brighter than its model, of another colour, or off over a whole cheek is
-the light's more often than the surface's, and fades faster; but what a camera adds to the colour of all skin, or of
-all hair, it adds in any light (see `pipeline.saturation`). So a portrait under its own estimated light is the
+the light's more often than the surface's, and fades faster. So a portrait under its own estimated light is the
 photo again.
+
+Two things stay in any light: what a camera adds to the colour of all skin (see `pipeline.saturation`), and the colours
+of all that is not skin, of which photo and skin together say more than the albedo does.
 
 Hair that is darker than its model has strands in each other's shadow, whatever light falls on them: it stays darker.
 """
@@ -47,7 +49,7 @@ class Residual:
         stays_dark: (1, 1, S, S) in [0, 1], how much of a darkening stays under whatever light.
         skin: (1, 1, S, S) probability of bare skin.
         broad: (1, 1, S, S) the part of the mean log ratio that whole cheeks share, on skin.
-        tint: (1, 3, S, S) the part of the log ratio, of mean 0, that is the camera's saturation of skin and of hair.
+        tint: (1, 3, S, S) the part of the log ratio, of mean 0, that stays under whatever light.
         level: of the photo's own light, such that model and photo are equally bright over the person.
     """
 
@@ -88,19 +90,17 @@ def find_residual(
         log_ratio = _at_least(log_ratio, clipped_share(recorded), flesh_share(surface.parsing))
     stays_dark = _DARK_HAIR * surface.parsing[:, INDEX["hair"], None]
     broad = skin * local_means(log_ratio.mean(1, keepdim=True), skin)
-    tint = _shared_tint(log_ratio, surface, known)
+    colour = log_ratio - log_ratio.mean(1, keepdim=True)
+    tint = colour + skin * (_by_camera(log_ratio, surface.albedo, skin * known) - colour)
     return Residual(log_ratio, grey(model.plain), stays_dark, skin, broad, tint, level)
 
 
-def _shared_tint(log_ratio: torch.Tensor, surface: Surface, known: torch.Tensor) -> torch.Tensor:
-    """(1, 3, S, S) by how much more than the model the camera shows all skin, and all hair, of its own log colour."""
-    tint = torch.zeros_like(log_ratio)
-    for part in (skin_share(surface.parsing), surface.parsing[:, INDEX["hair"], None]):
-        own, off = (middle_colour(image, part * known, _FEWEST_PIXELS) for image in (surface.albedo, log_ratio.exp()))
-        if own is not None:
-            more = saturation(off, own).clamp(0, _MOST_SATURATED)
-            tint += part * (more * own)[None, :, None, None]
-    return tint
+def _by_camera(log_ratio: torch.Tensor, albedo: torch.Tensor, skin: torch.Tensor) -> torch.Tensor:
+    """(1, 3, 1, 1) how much more of its own log colour the camera shows all skin to have than the model does."""
+    own, off = (middle_colour(image, skin, _FEWEST_PIXELS) for image in (albedo, log_ratio.exp()))
+    if own is None:
+        return torch.zeros_like(log_ratio[..., :1, :1])
+    return (saturation(off, own).clamp(0, _MOST_SATURATED) * own)[None, :, None, None]
 
 
 def _at_least(log_ratio: torch.Tensor, clipped: torch.Tensor, skin: torch.Tensor) -> torch.Tensor:

@@ -19,6 +19,7 @@ from relight_core.networks.bundle import NetworkBundle
 from relight_core.pipeline import stages
 from relight_core.pipeline.blown import skin_share
 from relight_core.pipeline.quality import Tier
+from relight_core.pipeline.white_hair import with_white_hair
 
 _AHEAD = (0.0, 0.2, 0.65)
 """The even light is brightest from ahead and above, and fades linearly to the back: a normal n receives 1 + n . a."""
@@ -32,7 +33,7 @@ def take_apart(bundle: NetworkBundle, photo_view: np.ndarray, tier: Tier, device
     """De-light a view (S, S, 3), linear, as a tier of quality does: once, or with a second look."""
     seen = resize_area(photo_view, (tier.delight_size, tier.delight_size))
     how = {"mirrored": tier.mirrored, "precision": tier.precision}
-    found = stages.delight(bundle, seen, tier.network_size, device, **how)
+    found = with_white_hair(stages.delight(bundle, seen, tier.network_size, device, **how))
     if not tier.looks_twice:
         return found
     return with_skin_of(found, stages.delight(bundle, evenly_lit(seen, found), tier.network_size, device, **how))

@@ -1,0 +1,55 @@
+"""White hair that de-lighting takes for a bald head.
+
+Cropped close or combed back, it lies on the skull as skin does, and its albedo comes out pink. But white hair has the
+colour of the light where skin has its own, which a bald head's highlights have in places only.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import torch
+
+from relight_core.face.parsing import INDEX
+from relight_core.imaging.tensor_colour import grey
+from relight_core.pipeline.saturation import log_colour, middle_colour, saturation
+from relight_core.pipeline.stages import Surface
+
+_EYES = ("left_eye", "right_eye", "left_brow", "right_brow")
+_FEWEST_PIXELS, _FEWEST_EYE_PIXELS = 50, 4
+_MOSTLY_GREY = -0.5
+_SKIN, _HAIR = -0.25, -0.5
+_BLACK = 0.005
+
+
+def above_the_eyes(parsing: torch.Tensor) -> torch.Tensor | None:
+    """(1, 1, S, 1) 1 in the rows above the middle of the eyes and brows; None where none are seen."""
+    eyes = sum(parsing[:, INDEX[name]] for name in _EYES).sum(2)[0]
+    if float(eyes.sum()) < _FEWEST_EYE_PIXELS:
+        return None
+    rows = torch.arange(len(eyes), device=eyes.device)
+    return (rows < (rows * eyes).sum() / eyes.sum()).float()[None, None, :, None]
+
+
+@torch.inference_mode()
+def with_white_hair(surface: Surface) -> Surface:
+    """The surface with hair where the scalp is bare, by its parsing, and mostly of no colour, in the photo.
+
+    What becomes hair keeps its brightness and gets the colour it has beside the skin's, as skin has its albedo's.
+    """
+    above, face = above_the_eyes(surface.parsing), surface.parsing[:, INDEX["skin"], None]
+    if above is None:
+        return surface
+    scalp = surface.parsing[:, INDEX["neck"], None] * above
+    seen, own = (middle_colour(image, face, _FEWEST_PIXELS) for image in (surface.photo, surface.albedo))
+    on_scalp = middle_colour(surface.photo, scalp, _FEWEST_PIXELS)
+    if seen is None or on_scalp is None or float(saturation(on_scalp - seen, seen)) > _MOSTLY_GREY:
+        return surface
+    off = log_colour((surface.photo[0] + _BLACK).movedim(0, -1)) - seen
+    share = scalp * ((saturation(off, seen) - _SKIN) / (_HAIR - _SKIN)).clamp(0, 1)
+    bare = torch.exp(own + off).movedim(-1, 0)[None]
+    bare = bare * (grey(surface.albedo) / grey(bare))
+    parsing = surface.parsing.clone()
+    parsing[:, INDEX["neck"]] -= share[:, 0]
+    parsing[:, INDEX["hair"]] += share[:, 0]
+    return replace(surface, parsing=parsing, albedo=(surface.albedo + share * (bare - surface.albedo)).clamp(0, 1))
