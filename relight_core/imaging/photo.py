@@ -11,8 +11,9 @@ import numpy as np
 from relight_core.imaging.colour import srgb_decode, srgb_decode_integers, srgb_encode
 
 _LOOKED_AT = 512
-_COLOURLESS = 3 / 255
-_STRAY_SHARE = 0.005
+_TONES = 48
+_COLOURLESS = 4 / 255
+_STRAY_SHARE = 0.01
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,11 +58,10 @@ class Photo:
 
     @cached_property
     def monochrome(self) -> bool:
-        """Whether it is black and white: its channels differ by no more than compression explains."""
+        """Whether it is black and white, or toned: of one colour for each brightness, but for what compression adds."""
         step = max(max(self.linear.shape[:2]) // _LOOKED_AT, 1)
-        codes = srgb_encode(np.clip(self.linear[::step, ::step], 0, 1))
-        coloured = codes.max(-1) - codes.min(-1) > _COLOURLESS
-        return self.beyond is None and float(coloured.mean()) <= _STRAY_SHARE
+        codes = srgb_encode(np.clip(self.linear[::step, ::step], 0, 1)).reshape(-1, 3)
+        return self.beyond is None and _share_off_tone(codes) <= _STRAY_SHARE
 
     @classmethod
     def from_srgb(cls, srgb: np.ndarray, path: Path | None = None) -> Photo:
@@ -76,3 +76,10 @@ class Photo:
             return cls(np.ascontiguousarray(linear), None, path, 8 * srgb.dtype.itemsize)
         clipped = np.clip(np.nan_to_num(srgb.astype(np.float32)), 0.0, 1.0)
         return cls(np.ascontiguousarray(srgb_decode(clipped)), None, path, 32)
+
+
+def _share_off_tone(codes: np.ndarray) -> float:
+    """Of sRGB pixels (N, 3), the share whose colour is not the one that most pixels of their brightness have."""
+    colour = (codes - codes[:, 1:2])[:, [0, 2]][np.argsort(codes.sum(1))]
+    off = [np.abs(part - np.median(part, 0)).max(1) for part in np.array_split(colour, min(_TONES, len(colour)))]
+    return float((np.concatenate(off) > _COLOURLESS).mean())

@@ -36,8 +36,20 @@ class TestRecognition:
         linear[:10, :20, 0] *= 1.5
         assert not Photo(linear).monochrome
 
-    def test_a_faint_tone_all_over_is_a_colour(self):
-        assert not Photo(black_and_white().linear * np.float32([1.15, 1.0, 0.85])).monochrome
+    @pytest.mark.parametrize("tone", [(1.1, 1.0, 0.7), (0.98, 1.0, 1.06)])
+    def test_a_tone_all_over_is_no_colour(self, tone):
+        assert Photo(black_and_white().linear * np.float32(tone)).monochrome
+
+    def test_neither_is_one_in_the_shadows_alone(self):
+        grey = black_and_white().linear
+        assert Photo(np.ascontiguousarray(grey * (1 - np.float32([0, 0, 0.4]) * (1 - grey)))).monochrome
+
+    def test_a_photo_of_pale_colours_is_a_colour_photo(self):
+        rng = np.random.default_rng(0)
+        pale = black_and_white().linear * (1 + 0.15 * rng.standard_normal((1, 1, 3)))
+        half = pale.shape[1] // 2
+        pale[:, :half] = black_and_white().linear[:, :half]
+        assert not Photo(pale.astype(np.float32)).monochrome
 
 
 @pytest.mark.usefixtures("small_and_seeing_faces")
@@ -52,6 +64,15 @@ class TestRelighting:
         assert of_greys(relit.channels["albedo"])
         assert of_greys(relit.channels["composition"])
         assert of_greys(relighter.estimated_light().shape)
+
+    def test_a_toned_photo_keeps_its_tone(self, weights):
+        sepia = black_and_white().linear * np.float32([1.1, 1.0, 0.7])
+        relighter = Relighter(weights)
+        relighter.set_portrait(Photo(sepia))
+        relit = relighter.relight(some_light(), EDIT).image
+        assert relit.std() > 0.01
+        ratio = np.median(relit[..., 2] / np.maximum(relit[..., 0], 1e-3))
+        assert abs(ratio - 0.7 / 1.1) < 0.1
 
     def test_a_light_s_colours_act_by_their_luminance(self, weights):
         light = some_light()
