@@ -19,40 +19,55 @@ _MOST_COLOURS_SAY = 2.0
 _ROUNDS = 2
 
 
-def likely_person(guide: np.ndarray, masks: list[tuple[np.ndarray, Crop]], photo_size: tuple[int, int]) -> np.ndarray:
+def place_masks(
+    masks: list[tuple[np.ndarray, Crop]], size: tuple[int, int], photo_size: tuple[int, int]
+) -> list[np.ndarray]:
+    """Each person's mask at its place in a photo, and around it what is likely of a body below and a head above.
+
+    Args:
+        masks: for each person (S, S) probability in [0, 1] that the crop's pixels are person, and where it lies; what
+            is not finite or out of range is brought into it.
+        size: (h, w) of the result.
+        photo_size: (height, width).
+
+    Returns:
+        (h, w) float32 in [0, 1] for each.
+    """
+    return [
+        _placed(np.clip(np.nan_to_num(np.asarray(person, np.float32)), 0.0, 1.0), crop, size, photo_size)
+        for person, crop in masks
+    ]
+
+
+def likely_person(guide: np.ndarray, placed: list[np.ndarray]) -> np.ndarray:
     """Probability of person over a whole photo.
 
     Args:
         guide: (h, w, 3) sRGB in [0, 1], a small copy of the photo.
-        masks: for each person (S, S) probability in [0, 1] that the crop's pixels are person, and where it lies.
-        photo_size: (height, width).
+        placed: masks of that size (see `place_masks`).
 
     Returns:
         (h, w) float32 in (0, 1).
     """
-    likely = np.full(guide.shape[:2], _LEAST, np.float32)
-    for person, crop in masks:
-        person = np.clip(np.nan_to_num(np.asarray(person, np.float32)), 0.0, 1.0)
-        likely = np.maximum(likely, _placed(person, crop, guide.shape[:2], photo_size))
+    likely = np.maximum.reduce([np.full(guide.shape[:2], _LEAST, np.float32), *placed])
     likely = np.clip(cv2.GaussianBlur(likely, (0, 0), 1.0), _LEAST, 1 - _LEAST)
     return _as_colours_say(guide, np.log(likely / (1 - likely)))
 
 
-def attached(matte: np.ndarray, masks: list[tuple[np.ndarray, Crop]], photo_size: tuple[int, int]) -> np.ndarray:
+def attached(matte: np.ndarray, placed: list[np.ndarray]) -> np.ndarray:
     """A matte without what hangs together with no person: nowhere more than on the best way there from a person.
 
     Things of a person's colours lie about in photos. Hair that flies and hands hang on by something.
 
     Args:
         matte: (h, w) in [0, 1], over the whole photo.
-        masks, photo_size: as for `likely_person`; the largest part of each mask is a person.
+        placed: as for `likely_person`; the largest part of each mask is a person.
 
     Returns:
         (h, w) float32, nowhere above the matte; the matte itself where no mask shows anybody.
     """
     surely = np.zeros_like(matte)
-    for person, crop in masks:
-        seen = _placed(np.nan_to_num(np.asarray(person, np.float32)), crop, matte.shape, photo_size)
+    for seen in placed:
         count, parts, stats, _ = cv2.connectedComponentsWithStats((seen > 0.5).astype(np.uint8))
         if count > 1:
             largest = parts == 1 + stats[1:, cv2.CC_STAT_AREA].argmax()
@@ -60,14 +75,14 @@ def attached(matte: np.ndarray, masks: list[tuple[np.ndarray, Crop]], photo_size
     return _spread_within(surely, matte) if surely.any() else matte
 
 
-def without_holes(matte: np.ndarray, masks: list[tuple[np.ndarray, Crop]], photo_size: tuple[int, int]) -> np.ndarray:
+def without_holes(matte: np.ndarray, placed: list[np.ndarray]) -> np.ndarray:
     """A matte without gaps that lie all within a person and that their mask knows nothing of.
 
     Skin may have the colour of the wall. Between an arm and a body, or a curl and a neck, where the mask has a gap
     as well, one looks through.
 
     Args:
-        matte, masks, photo_size: as for `attached`.
+        matte, placed: as for `attached`.
 
     Returns:
         (h, w) float32, nowhere below the matte.
@@ -76,9 +91,7 @@ def without_holes(matte: np.ndarray, masks: list[tuple[np.ndarray, Crop]], photo
     border = np.ones_like(matte)
     border[1:-1, 1:-1] = 0
     filled = 1 - _spread_within(np.minimum(border, hollow), hollow)
-    person = np.zeros_like(matte)
-    for mask, crop in masks:
-        person = np.maximum(person, _placed(np.nan_to_num(np.asarray(mask, np.float32)), crop, matte.shape, photo_size))
+    person = np.maximum.reduce([np.zeros_like(matte), *placed])
     known = np.clip((person - _NO_GAP_FROM) / (_SURE_FROM - _NO_GAP_FROM), 0, 1)
     return matte + known * (filled - matte)
 

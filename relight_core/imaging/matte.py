@@ -10,7 +10,7 @@ import numpy as np
 from relight_core.face.crop import Crop
 from relight_core.imaging.closed_form import closed_form_matte
 from relight_core.imaging.colour import luminance
-from relight_core.imaging.likely_person import attached, likely_person, without_holes
+from relight_core.imaging.likely_person import attached, likely_person, place_masks, without_holes
 from relight_core.imaging.resampling import resize_area, resize_smooth
 from relight_core.imaging.view_transform import apply_view
 
@@ -105,8 +105,9 @@ def make_matte(
     small = resize_area(linear, _at_most(size, WORKING_PX)) if small is None else small
     guide = np.ascontiguousarray(apply_view(small))
     seen = np.clip(resize_area(guide, _at_most(size, _MATTING_PX)), 0, 1)
-    soft = attached(closed_form_matte(seen, likely_person(seen, masks, size)), masks, size)
-    coarse = _decided(without_holes(soft, masks, size))
+    placed = place_masks(masks, seen.shape[:2], size)
+    soft = attached(closed_form_matte(seen, likely_person(seen, placed)), placed)
+    coarse = _decided(without_holes(soft, placed))
     edges = _guided(guide, resize_smooth(coarse, guide.shape[:2]), max(round(max(guide.shape) / _EDGE_WINDOWS), 2))
     share = np.clip((edges - 0.2) / 0.6, 0.0, 1.0)
     slope, level = np.zeros_like(share), share

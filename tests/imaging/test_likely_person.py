@@ -1,7 +1,7 @@
 import numpy as np
 
 from relight_core.face.crop import Crop
-from relight_core.imaging.likely_person import attached, likely_person, without_holes
+from relight_core.imaging.likely_person import attached, likely_person, place_masks, without_holes
 
 CROP = Crop(50.0, 40.0, 60.0)
 
@@ -12,6 +12,11 @@ def photo(person=(0.8, 0.5, 0.4), wall=(0.1, 0.3, 0.7)):
     return guide
 
 
+def placed(mask):
+    """One person's mask in the crop, over the photo of 100 by 100 pixels."""
+    return place_masks([(mask, CROP)], (100, 100), (100, 100))
+
+
 def mask(value=0.95):
     """What a network says of the crop: its left third and top are wall."""
     found = np.zeros((30, 30), np.float32)
@@ -20,7 +25,7 @@ def mask(value=0.95):
 
 
 def test_a_body_goes_on_below_the_crop_and_nobody_stands_beside_it():
-    likely = likely_person(photo(), [(mask(), CROP)], (100, 100))
+    likely = likely_person(photo(), placed(mask()))
     assert likely.dtype == np.float32
     assert 0 < likely.min() <= likely.max() < 1
     assert likely[90, 50] > 0.9
@@ -32,14 +37,14 @@ def test_a_body_goes_on_below_the_crop_and_nobody_stands_beside_it():
 def test_colours_decide_what_the_mask_leaves_open():
     unsure = mask()
     unsure[10:, 15:25] = 0.5
-    assert likely_person(photo(), [(unsure, CROP)], (100, 100))[45, 62] > 0.8
+    assert likely_person(photo(), placed(unsure))[45, 62] > 0.8
     wall = photo()
     wall[30:, 52:70] = wall[0, 0]
-    assert likely_person(wall, [(unsure, CROP)], (100, 100))[45, 62] < 0.2
+    assert likely_person(wall, placed(unsure))[45, 62] < 0.2
 
 
 def test_a_mask_of_no_numbers_says_nothing():
-    likely = likely_person(photo(), [(np.full((8, 8), np.nan, np.float32), CROP)], (100, 100))
+    likely = likely_person(photo(), placed(np.full((8, 8), np.nan, np.float32)))
     assert np.isfinite(likely).all()
 
 
@@ -49,7 +54,7 @@ def test_what_hangs_on_to_nobody_is_taken_out():
     matte[36:40, 60:85] = 0.3
     matte[30:45, 85:97] = 0.9
     matte[5:15, 5:15] = 0.8
-    left = attached(matte, [(mask(), CROP)], (100, 100))
+    left = attached(matte, placed(mask()))
     assert left[60, 45] == 1.0
     np.testing.assert_allclose(left[35, 90], 0.3, atol=1e-6)
     assert left[10, 10] == 0.0
@@ -57,8 +62,8 @@ def test_what_hangs_on_to_nobody_is_taken_out():
 
 
 def test_where_no_mask_shows_anybody_the_matte_stays():
-    matte = np.full((40, 40), 0.4, np.float32)
-    np.testing.assert_array_equal(attached(matte, [(np.zeros((8, 8)), CROP)], (100, 100)), matte)
+    matte = np.full((100, 100), 0.4, np.float32)
+    np.testing.assert_array_equal(attached(matte, placed(np.zeros((8, 8)))), matte)
 
 
 def test_a_gap_within_a_person_is_closed_unless_the_mask_has_it_too():
@@ -68,7 +73,7 @@ def test_a_gap_within_a_person_is_closed_unless_the_mask_has_it_too():
     matte[50:54, 50:54] = 0.3
     looked_through = mask()
     looked_through[19:24, 14:19] = 0.1
-    closed = without_holes(matte, [(looked_through, CROP)], (100, 100))
+    closed = without_holes(matte, placed(looked_through))
     assert closed[42, 42] > 0.95
     assert closed[52, 52] < 0.35
     np.testing.assert_array_equal(closed[:30], matte[:30])
@@ -78,4 +83,4 @@ def test_a_bay_open_to_the_wall_is_no_gap():
     matte = np.zeros((100, 100), np.float32)
     matte[30:, 30:70] = 1
     matte[40:60, 30:50] = 0
-    np.testing.assert_array_equal(without_holes(matte, [(mask(), CROP)], (100, 100)), matte)
+    np.testing.assert_array_equal(without_holes(matte, placed(mask())), matte)
