@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import threading
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from weakref import WeakKeyDictionary
 
@@ -32,6 +33,10 @@ _MOST_GUESSES = 16
 _MOST_PROFILE_GUESSES = 3
 _SAME_PLACE = 0.3
 _FILLING_SHARE = 0.9
+_LONG_SIDE_FOR_COMPANIONS_PX = 500
+_LARGEST_ALONE = 0.13
+_LIKE_COMPANIONS = (0.5, 1.6)
+_BESIDE = 0.65
 
 _known: WeakKeyDictionary[Photo, list[FaceBox]] = WeakKeyDictionary()
 _finding = threading.Lock()
@@ -111,6 +116,41 @@ def guess_faces(photo: Photo) -> list[FaceBox]:
         if all(overlap(hit.box, known.box) < _SAME_PLACE or hit.roll_deg != known.roll_deg for known in guesses):
             guesses.append(hit)
     return [*(_in_photo(guess, scale) for guess in guesses[:_MOST_GUESSES]), _filling(photo)]
+
+
+def guess_companions(photo: Photo, known: Sequence[FaceBox]) -> list[FaceBox]:
+    """Where there might be more faces beside known ones, for a better judge to choose from.
+
+    Only in photos that have room for others: where several faces are known already, or the largest is small. Faces of
+    about their size, upright, from the side or leaning by up to 45 degrees, that cascades hit however seldom.
+
+    Returns:
+        At most 16, the likeliest first, none where a known face is.
+    """
+    long_side = max(photo.linear.shape[:2])
+    largest = max((face.width for face in known), default=0.0)
+    if not known or (len(known) == 1 and largest > _LARGEST_ALONE * long_side):
+        return []
+    grey, scale = _detection_view(photo.linear, _LONG_SIDE_FOR_COMPANIONS_PX, _LARGEST_GROWTH)
+    if min(grey.shape) < 24:
+        return []
+    hits = [*every_hit(grey), *every_profile_hit(grey)]
+    for tilt_deg in _TILTS_DEG:
+        turned, back = _turned(grey, tilt_deg)
+        hits += [replace(_moved(hit, back), roll_deg=-tilt_deg) for hit in every_hit(turned)]
+    guesses: list[FaceBox] = []
+    for hit in sorted(hits, key=lambda hit: -hit.votes):
+        guess = _in_photo(hit, scale)
+        alike = _LIKE_COMPANIONS[0] < guess.width / largest < _LIKE_COMPANIONS[1]
+        if alike and not any(_in_the_same_place(guess, face) for face in (*known, *guesses)):
+            guesses.append(guess)
+    return guesses[:_MOST_GUESSES]
+
+
+def _in_the_same_place(guess: FaceBox, known: FaceBox) -> bool:
+    across = abs(guess.x0 + guess.x1 - known.x0 - known.x1) / 2
+    down = abs(guess.y0 + guess.y1 - known.y0 - known.y1) / 2
+    return across < _BESIDE * known.width and down < _BESIDE * known.height
 
 
 def _search(photo: Photo) -> list[FaceBox]:

@@ -9,7 +9,7 @@ import numpy as np
 
 from relight_core.errors import InputError, NoFaceError
 from relight_core.face.crop import Crop, box_from_parsing, crop_for_face, crop_with_padding
-from relight_core.face.find import FaceBox, find_faces, guess_faces, remember_faces
+from relight_core.face.find import FaceBox, find_faces, guess_companions, guess_faces, remember_faces
 from relight_core.face.lean import remaining_roll
 from relight_core.face.windows import search_windows
 from relight_core.imaging.photo import Photo
@@ -52,6 +52,7 @@ def choose_faces(
     face_index: int | None,
     evidence: Callable[[FaceBox], int] | None = None,
     locate: Callable[[Crop], FaceBox | None] = lambda view: None,
+    look_closer: Callable[[FaceBox], int] | None = None,
 ) -> list[FaceBox]:
     """All faces, the largest first, or only the one of an index in order of size.
 
@@ -60,6 +61,8 @@ def choose_faces(
             face counts only if there are two, and where no face is left, less likely places are judged by it, also
             those of faces that lie or stand on their heads.
         locate: says where a view of the photo shows a face; asked where nothing else finds any.
+        look_closer: a stricter `evidence`. With it, faces are looked for beside those that were confirmed, where there
+            is room for some.
 
     Raises:
         NoFaceError: no face.
@@ -68,6 +71,8 @@ def choose_faces(
     faces = find_faces(photo)
     if evidence is not None and (not faces or any(face.doubtful for face in faces)):
         faces = _confirmed(photo, faces, evidence, locate)
+        if look_closer is not None:
+            faces = _with_companions(photo, faces, look_closer)
     return those_chosen(photo, faces, face_index)
 
 
@@ -108,6 +113,17 @@ def _confirmed(
     if not faces:
         return [face for face in found if evidence(face) > 0]
     faces = [replace(face, doubtful=False) for face in faces]
+    remember_faces(photo, faces)
+    return faces
+
+
+def _with_companions(photo: Photo, faces: list[FaceBox], look_closer: Callable[[FaceBox], int]) -> list[FaceBox]:
+    """The faces, and those beside them that the finder saw too little of, the largest first."""
+    more = [guess for guess in guess_companions(photo, faces) if look_closer(guess) >= _ENOUGH_EVIDENCE]
+    if not more:
+        return faces
+    faces = [*faces, *(replace(face, doubtful=False) for face in more)]
+    faces.sort(key=lambda face: -face.width * face.height)
     remember_faces(photo, faces)
     return faces
 

@@ -168,10 +168,15 @@ class Relighter:
             portrait = frame(photo, found)
             return evidence_of_face(parsed(portrait.view), portrait.view, portrait.crop)
 
+        def look_closer(found: FaceBox) -> int:
+            portrait = _framed(photo, found, parsed)
+            confirmed = portrait.face != portrait.found
+            return evidence_of_face(parsed(portrait.view), portrait.view, portrait.crop) if confirmed else 0
+
         if photo in self._deserted:
             return []
         try:
-            found = choose_faces(photo, None, evidence, partial(located, photo, parsed=parsed))
+            found = choose_faces(photo, None, evidence, partial(located, photo, parsed=parsed), look_closer)
         except NoFaceError:
             self._deserted.add(photo)
             raise

@@ -1,12 +1,13 @@
 from concurrent.futures import ThreadPoolExecutor
 
+import cv2
 import numpy as np
 import pytest
 import skimage.data
 
 from relight_core.face import find
 from relight_core.face.cascades import Candidate
-from relight_core.face.find import FaceBox, find_faces, guess_faces, remember_faces
+from relight_core.face.find import FaceBox, find_faces, guess_companions, guess_faces, remember_faces
 from relight_core.imaging.photo import Photo
 
 ASTRONAUT = skimage.data.astronaut()
@@ -152,3 +153,25 @@ def test_faces_from_the_side_are_guessed_though_others_get_more_votes(monkeypatc
     guesses = guess_faces(Photo(np.zeros((400, 400, 3), np.float32)))
     assert guesses[0] == FaceBox(100.0, 200.0, 160.0, 280.0, doubtful=True)
     assert len(guesses) == 17
+
+
+def beside_itself(roll_deg):
+    """The sample portrait, and to its right the same, leaning; and where the leaning face's middle is."""
+    matrix = cv2.getRotationMatrix2D((224.0, 131.0), roll_deg, 1.0)
+    leaning = cv2.warpAffine(ASTRONAUT, matrix, (512, 512), borderMode=cv2.BORDER_REPLICATE)
+    return Photo.from_srgb(np.concatenate([ASTRONAUT, leaning], 1)), (512 + 224.0, 131.0)
+
+
+@pytest.mark.parametrize("roll_deg", [-30, 0, 30])
+def test_a_companion_who_leans_is_guessed_and_who_is_known_is_not(roll_deg):
+    photo, (x, y) = beside_itself(roll_deg)
+    known = FaceBox(*FACE)
+    guesses = guess_companions(photo, [known])
+    assert any(np.hypot((g.x0 + g.x1) / 2 - x, (g.y0 + g.y1) / 2 - y) < 25 for g in guesses)
+    assert not any(share_in_common(guess, FACE) > 0.3 for guess in guesses)
+    assert all(0.5 < guess.width / known.width < 1.6 for guess in guesses)
+
+
+def test_a_face_that_leaves_no_room_has_no_companions():
+    assert guess_companions(Photo.from_srgb(ASTRONAUT), [FaceBox(*FACE)]) == []
+    assert guess_companions(beside_itself(0)[0], []) == []

@@ -68,3 +68,20 @@ def test_what_is_located_must_show_parts_of_a_face(monkeypatch, photo):
     seeing(monkeypatch, [])
     with pytest.raises(InputError, match="no face"):
         choose_faces(photo, None, lambda box: 1, lambda view: FaceBox(2, 2, 12, 14))
+
+
+def test_companions_that_show_enough_of_a_face_join_in_by_size(monkeypatch, photo):
+    seeing(monkeypatch, [DOUBTFUL])
+    larger, no_face = FaceBox(9, 9, 19, 19, doubtful=True), FaceBox(10, 0, 14, 4, doubtful=True)
+    monkeypatch.setattr(portrait, "guess_companions", lambda photo, known: [no_face, larger])
+    chosen = choose_faces(photo, None, lambda box: 3, look_closer=lambda box: 2 if box == larger else 1)
+    assert [(face.x0, face.doubtful) for face in chosen] == [(9, False), (10, False)]
+    assert find_faces(photo) == chosen
+
+
+def test_companions_are_looked_for_once_and_not_where_nobody_can_judge_them(monkeypatch, photo):
+    monkeypatch.setattr(portrait, "guess_companions", lambda photo, known: pytest.fail("looked for"))
+    seeing(monkeypatch, [DOUBTFUL])
+    assert len(choose_faces(photo, None, lambda box: 3)) == 1
+    seeing(monkeypatch, [SURE])
+    assert choose_faces(photo, None, lambda box: 3, look_closer=lambda box: 3) == [SURE]
