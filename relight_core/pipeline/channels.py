@@ -36,6 +36,9 @@ _SMOOTH = [INDEX[name] for name in ("left_eye", "right_eye", "inner_mouth", "gla
 BRIGHTEST_CHANGE = 1e30
 """No gain or offset is larger."""
 
+_NO_TONE = 1e-4
+"""A photo that is as dark shows no tone."""
+
 
 @dataclass(frozen=True, eq=False)
 class ViewChange:
@@ -55,9 +58,15 @@ class ViewChange:
         size = photo.shape[:2]
         return resize_smooth(self.gain, size) * photo + resize_smooth(self.offset, size)
 
-    def without_colour(self) -> ViewChange:
-        """The change for a black-and-white photo, in which colours act by their luminance."""
-        return replace(self, gain=without_colour(self.gain), offset=without_colour(self.offset))
+    def toned(self, photo: np.ndarray) -> ViewChange:
+        """The change for a photo without colour: the light's act by their luminance, and what it adds has its tone.
+
+        Args:
+            photo: (S, S, 3) linear, the view, black and white or toned.
+        """
+        grey = without_colour(photo)
+        tone = np.where(grey > _NO_TONE, photo / np.maximum(grey, _NO_TONE), 1)
+        return replace(self, gain=without_colour(self.gain), offset=without_colour(self.offset) * tone)
 
 
 def at_level(change: np.ndarray, level: float) -> np.ndarray:

@@ -11,6 +11,7 @@ import torch
 from relight_core.face.crop import Crop
 from relight_core.face.parsing import INDEX
 from relight_core.face.silhouette import person_with_headwear
+from relight_core.imaging.colour import without_colour
 from relight_core.imaging.joint_upsampling import JointUpsampler
 from relight_core.imaging.light_change import LightChange
 from relight_core.imaging.resampling import resize_area
@@ -135,8 +136,10 @@ class FaceRelighter:
         portrait = self.portrait
         photo_view = self._once("view", tier.size, lambda: portrait.view.extract(portrait.photo.linear, tier.size))
         small = (tier.network_size, tier.network_size)
-        photo_small = self._once("network_view", (tier.size, tier.network_size), lambda: resize_area(photo_view, small))
-        found = self._once("delight", tier.surface_key, lambda: self._within_outline(photo_view, tier))
+        # The networks see a toned photo as the black-and-white one it was.
+        seen = without_colour(photo_view) if portrait.photo.monochrome else photo_view
+        photo_small = self._once("network_view", (tier.size, tier.network_size), lambda: resize_area(seen, small))
+        found = self._once("delight", tier.surface_key, lambda: self._within_outline(seen, tier))
         return Prepared(portrait, tier, found, found, photo_view, photo_small)
 
     def _within_outline(self, photo_view: np.ndarray, tier: Tier) -> stages.Surface:
@@ -324,7 +327,7 @@ class FaceRelighter:
         if lit.nearer is not None:
             from_near = self.nearer.change(*lit.nearer, plan, edit, level)
             change = with_nearer_change(change, from_near, self.portrait.view, self.nearer.portrait.view)
-        return change.without_colour() if self.portrait.photo.monochrome else change
+        return change.toned(ready.photo_view) if self.portrait.photo.monochrome else change
 
     def _fit(self, ready: Prepared, lit: Lit, plan: Plan) -> LightChange:
         """The relit view as gain and offset of the photo; without detail, offset only."""
