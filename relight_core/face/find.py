@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from weakref import WeakKeyDictionary
 
@@ -104,10 +104,7 @@ def guess_faces(photo: Photo) -> list[FaceBox]:
     grey, scale = _detection_view(photo.linear, _LONG_SIDE_FOR_GUESSES_PX, _LARGEST_GROWTH)
     if min(grey.shape) < 24:
         return []
-    hits = []
-    for tilt_deg in _ALL_TILTS_DEG:
-        turned, back = _turned(grey, tilt_deg)
-        hits += [replace(_moved(hit, back), roll_deg=-tilt_deg) for hit in every_hit(turned)]
+    hits = _when_turned(every_hit, grey, _ALL_TILTS_DEG)
     # The cascade for profiles sees fewer and would always be outvoted: its best come first.
     sides = sorted(every_profile_hit(grey), key=lambda hit: -hit.votes)[:_MOST_PROFILE_GUESSES]
     guesses: list[Candidate] = []
@@ -134,10 +131,7 @@ def guess_companions(photo: Photo, known: Sequence[FaceBox]) -> list[FaceBox]:
     grey, scale = _detection_view(photo.linear, _LONG_SIDE_FOR_COMPANIONS_PX, _LARGEST_GROWTH)
     if min(grey.shape) < 24:
         return []
-    hits = [*every_hit(grey), *every_profile_hit(grey)]
-    for tilt_deg in _TILTS_DEG:
-        turned, back = _turned(grey, tilt_deg)
-        hits += [replace(_moved(hit, back), roll_deg=-tilt_deg) for hit in every_hit(turned)]
+    hits = [*every_hit(grey), *every_profile_hit(grey), *_when_turned(every_hit, grey, _TILTS_DEG)]
     guesses: list[FaceBox] = []
     for hit in sorted(hits, key=lambda hit: -hit.votes):
         guess = _in_photo(hit, scale)
@@ -179,7 +173,7 @@ def _in_photo(candidate: Candidate, scale: float) -> FaceBox:
 def _candidates(grey: np.ndarray) -> list[Candidate]:
     found = frontal_candidates(grey)
     if not any(candidate.votes >= _BEYOND_DOUBT_VOTES for candidate in found):
-        found += profile_candidates(grey) or _leaning_candidates(grey)
+        found += profile_candidates(grey) or _when_turned(frontal_candidates, grey, _TILTS_DEG)
     return _plausible(sorted(found, key=_weight, reverse=True))
 
 
@@ -224,12 +218,14 @@ def _detection_view(linear: np.ndarray, long_side_px: int, growth: float) -> tup
     return cv2.createCLAHE(clipLimit=2.0, tileGridSize=(8, 8)).apply(grey), scale
 
 
-def _leaning_candidates(grey: np.ndarray) -> list[Candidate]:
-    """Faces in the image turned by each tilt; boxes stay upright, about the face's true centre."""
+def _when_turned(
+    look: Callable[[np.ndarray], list[Candidate]], grey: np.ndarray, tilts_deg: Iterable[float]
+) -> list[Candidate]:
+    """What is seen in the image turned by each tilt; boxes stay upright, about the face's true centre."""
     found = []
-    for tilt_deg in _TILTS_DEG:
+    for tilt_deg in tilts_deg:
         turned, back = _turned(grey, tilt_deg)
-        found += [replace(_moved(candidate, back), roll_deg=-tilt_deg) for candidate in frontal_candidates(turned)]
+        found += [replace(_moved(candidate, back), roll_deg=-tilt_deg) for candidate in look(turned)]
     return found
 
 
