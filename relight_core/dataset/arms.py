@@ -5,6 +5,7 @@ from __future__ import annotations
 import cv2
 import numpy as np
 
+from relight_core.dataset.around_face import axes_in_faces, white_beside
 from relight_core.dataset.skin import skin_tone
 from relight_core.dataset.texture import TexturePool
 
@@ -30,7 +31,7 @@ def with_arm(
     wide = rng.uniform(0.13, 0.2)
     flesh = [(wrist, hand, wide, 1.3 * wide), *_fingers(wrist, hand, wide, rng)]
     forearm, upper = (elbow, wrist, 1.3 * wide, 0.9 * wide), (shoulder, elbow, 1.6 * wide, 1.3 * wide)
-    level = _level(person)
+    level = white_beside(person)
     skin = level * skin_tone(rng.random() ** 1.3, rng.uniform(0, 0.5))
     sleeve = level * rng.beta(0.8, 1.2, 3) if rng.random() < _SLEEVED_SHARE else skin
     light = rng.normal(0, 0.5, 2)
@@ -55,19 +56,12 @@ def _fingers(wrist: np.ndarray, hand: np.ndarray, wide: float, rng: np.random.Ge
     return made
 
 
-def _level(person: np.ndarray) -> float:
-    """How bright a white thing would be beside this person, roughly."""
-    body = person[person[..., 3] > 0.9]
-    return float(np.median(body[:, :3].mean(1))) / 0.3 if len(body) else 0.5
-
-
 def _with_limb(
     person: np.ndarray, limb: tuple, colour: np.ndarray, light: np.ndarray, centre: np.ndarray, face_px: float
 ) -> np.ndarray:
     """A round limb between two places, given in faces from the face's middle, shaded across."""
     start, end, first, last = limb
-    axis = np.arange(len(person), dtype=np.float32) + 0.5
-    x, y = np.meshgrid((axis - centre[0]) / face_px, (axis - centre[1]) / face_px)
+    x, y = axes_in_faces(len(person), centre, face_px)
     along = end - start
     length = max(float(along @ along), 1e-6)
     share = np.clip(((x - start[0]) * along[0] + (y - start[1]) * along[1]) / length, 0, 1)

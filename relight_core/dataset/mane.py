@@ -8,6 +8,7 @@ from __future__ import annotations
 import cv2
 import numpy as np
 
+from relight_core.dataset.around_face import axes_in_faces, white_beside
 from relight_core.dataset.skin import hair_colour
 from relight_core.dataset.texture import TexturePool
 
@@ -26,20 +27,12 @@ def with_mane(
         centre: (x, y) of the face's middle, in pixels.
         face_px: the longer side of the face's bounding box.
     """
-    size = len(person)
-    x, y = _axes(size, np.asarray(centre), face_px)
+    x, y = np.broadcast_arrays(*axes_in_faces(len(person), centre, face_px))
     alpha = _outline(x, y, face_px, pool, rng)[..., None]
     hair = np.dstack([_strands(person, x, y, face_px, pool, rng), np.ones_like(x)]) * alpha
     front = _before_the_person(x, y, pool, rng)[..., None]
     behind = person + (1 - person[..., 3:]) * hair
     return behind + front * (hair + (1 - alpha) * person - behind)
-
-
-def _axes(size: int, middle: np.ndarray, face_px: float) -> tuple[np.ndarray, np.ndarray]:
-    """How far right of and below a place pixels are, in faces: two of (S, S)."""
-    axis = np.arange(size, dtype=np.float32) + 0.5
-    across, down = np.meshgrid((axis - middle[0]) / face_px, (axis - middle[1]) / face_px)
-    return across, down
 
 
 def _before_the_person(x: np.ndarray, y: np.ndarray, pool: TexturePool, rng: np.random.Generator) -> np.ndarray:
@@ -79,9 +72,7 @@ def _strands(
     fine = np.abs(grain / max(float(grain.std()), 1e-6)) - 0.8
     toward = rng.normal(0, 0.35, 2)
     shade = rng.uniform(0.2, 0.6) * fine + 0.3 * _noise(pool, size, rng) + toward[0] * x + toward[1] * y
-    body = person[person[..., 3] > 0.9]
-    level = float(np.median(body[:, :3].mean(1))) / 0.3 if len(body) else 0.5
-    return (level * hair_colour(rng) * np.exp(np.clip(shade, -2, 1.5))[..., None]).astype(np.float32)
+    return (white_beside(person) * hair_colour(rng) * np.exp(np.clip(shade, -2, 1.5))[..., None]).astype(np.float32)
 
 
 def _noise(pool: TexturePool, size: int, rng: np.random.Generator, times: int = 1) -> np.ndarray:

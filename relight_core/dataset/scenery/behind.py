@@ -8,6 +8,8 @@ from __future__ import annotations
 import cv2
 import numpy as np
 
+from relight_core.dataset.around_face import axes_in_faces
+
 _SHIFT, _SOFTEST = 0.35, 0.012
 
 
@@ -29,15 +31,9 @@ def with_something_behind(
     return image * (1 - mask) + stuff * mask
 
 
-def _axes(size: int, middle: np.ndarray, face_px: float) -> tuple[np.ndarray, np.ndarray]:
-    """How far right of and below a place pixels are, in faces: (1, S), (S, 1)."""
-    axis = np.arange(size, dtype=np.float32) + 0.5
-    return (axis[None] - middle[0]) / face_px, (axis[:, None] - middle[1]) / face_px
-
-
 def _column(size: int, middle: np.ndarray, face_px: float, rng: np.random.Generator) -> np.ndarray:
     """From top to bottom, or as far as the shoulders."""
-    across, down = _axes(size, middle, face_px)
+    across, down = axes_in_faces(size, middle, face_px)
     ends = rng.uniform(0.4, 1.2) if rng.random() < 0.5 else np.inf
     return ((np.abs(across) < rng.uniform(0.45, 1.4)) & (down < ends)).astype(np.float32)
 
@@ -52,14 +48,14 @@ def _ring(size: int, middle: np.ndarray, face_px: float, rng: np.random.Generato
 
 
 def _radius(size: int, middle: np.ndarray, face_px: float, rng: np.random.Generator) -> np.ndarray:
-    across, down = _axes(size, middle, face_px)
+    across, down = axes_in_faces(size, middle, face_px)
     wide = rng.uniform(0.6, 1.6)
     return np.hypot(across / wide, (down + rng.uniform(0, 0.8)) / (wide * np.exp(rng.normal(0, 0.2))))
 
 
 def _board(size: int, middle: np.ndarray, face_px: float, rng: np.random.Generator) -> np.ndarray:
     """Its upper edge somewhere beside or above the head, and down to the bottom or as far as it is wide."""
-    across, down = _axes(size, middle, face_px)
+    across, down = axes_in_faces(size, middle, face_px)
     wide, top = rng.uniform(0.6, 1.6), rng.uniform(-1.3, 0.3)
     bottom = np.inf if rng.random() < 0.6 else top + rng.uniform(0.5, 2)
     slope = 0.15 * rng.normal()
