@@ -64,6 +64,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     stage.add_argument("--size", metavar="PX", type=count_at_least_one, default=128, help="side of the images (128)")
     stage.add_argument("--pairs", metavar="N", type=count_at_least_one, default=8, help="pairs in a batch (8)")
     stage.add_argument("--seed", metavar="N", type=int, default=0)
+    stage.add_argument(
+        "--residual",
+        metavar="N,N,...",
+        type=_counts,
+        default=(),
+        help="residual blocks at each level of de-lighting's encoder, finest first, where the weights have none yet",
+    )
     stage.add_argument("--rate", metavar="R", type=_positive, help="peak learning rate; the stage's own without")
 
 
@@ -153,6 +160,7 @@ def _train_stage(arguments: argparse.Namespace) -> int:
         workers=arguments.workers,
         places=arguments.places,
         learning_rate=arguments.rate,
+        residual=arguments.residual,
     )
     with progress(arguments.stage, 1.0) as show:
         train(settings, lambda elapsed, state: show(elapsed, _note(state)))
@@ -177,6 +185,13 @@ def _note(state: Progress) -> str:
     skipped = f" ({state.skipped} skipped)" if state.skipped else ""
     losses = "  ".join(f"{name} {value:.4f}" for name, value in state.smoothed.items())
     return f"step {state.step}{skipped}  {losses}"
+
+
+def _counts(text: str) -> tuple[int, ...]:
+    parts = text.split(",")
+    if not all(part.strip().isdecimal() for part in parts):
+        raise argparse.ArgumentTypeError(f"{text!r} is not a list of numbers such as 0,0,0,1,1,0")
+    return tuple(int(part) for part in parts)
 
 
 def _positive(text: str) -> float:

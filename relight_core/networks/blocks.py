@@ -2,21 +2,28 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import torch
 import torch.nn.functional as F
 from torch import nn
 
 
 class ConvBlock(nn.Module):
-    """3 x 3 convolution, batch normalisation, leaky ReLU; folded into one convolution for inference."""
+    """3 x 3 convolution, batch normalisation and, unless it is not `rectified`, leaky ReLU.
 
-    def __init__(self, inputs: int, outputs: int, stride: int = 1):
+    Folded into one convolution for inference.
+    """
+
+    def __init__(self, inputs: int, outputs: int, stride: int = 1, *, rectified: bool = True):
         super().__init__()
         self.conv = nn.Conv2d(inputs, outputs, 3, stride, 1, bias=False, padding_mode="zeros")
         self.norm: nn.Module = nn.BatchNorm2d(outputs, momentum=0.05)
+        self.rectified = rectified
 
     def forward(self, x: torch.Tensor) -> torch.Tensor:
-        return F.leaky_relu(self.norm(self.conv(x)), 0.1, inplace=True)
+        x = self.norm(self.conv(x))
+        return F.leaky_relu(x, 0.1, inplace=True) if self.rectified else x
 
     def fold(self) -> None:
         """Merge the normalisation into the convolution's weights (evaluation mode only)."""
@@ -25,15 +32,38 @@ class ConvBlock(nn.Module):
             self.norm = nn.Identity()
 
 
-class Encoder(nn.Module):
-    """Levels of halving resolution, from one convolution at full resolution, where time is spent fastest."""
+class ResidualBlock(nn.Module):
+    """Two convolutions whose result is added to what they read (He et al. 2016); nothing, until they are taught."""
 
-    def __init__(self, inputs: int, widths: list[int]):
+    def __init__(self, width: int):
+        super().__init__()
+        self.first = ConvBlock(width, width)
+        self.second = ConvBlock(width, width, rectified=False)
+        nn.init.zeros_(self.second.norm.weight)
+
+    def forward(self, x: torch.Tensor) -> torch.Tensor:
+        return x + self.second(self.first(x))
+
+
+class Encoder(nn.Module):
+    """Levels of halving resolution, from one convolution at full resolution, where time is spent fastest.
+
+    Args:
+        widths: of the levels, finest first.
+        residual: how many residual blocks each level ends with, finest first; the finest never has any. Empty for none.
+    """
+
+    def __init__(self, inputs: int, widths: list[int], residual: Sequence[int] = ()):
         super().__init__()
         self.stem = ConvBlock(inputs, widths[0])
+        counts = list(residual) or [0] * len(widths)
         self.levels = nn.ModuleList(
-            nn.Sequential(ConvBlock(above, below, stride=2), ConvBlock(below, below))
-            for above, below in zip(widths, widths[1:], strict=False)
+            nn.Sequential(
+                ConvBlock(above, below, stride=2),
+                ConvBlock(below, below),
+                *(ResidualBlock(below) for _ in range(count)),
+            )
+            for above, below, count in zip(widths, widths[1:], counts[1:], strict=False)
         )
 
     def begin(self, first: torch.Tensor) -> torch.Tensor:

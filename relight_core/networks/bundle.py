@@ -123,9 +123,29 @@ def with_detail_pass(bundle: NetworkBundle, width: int) -> NetworkBundle:
 
     The encoder-decoder goes on at the resolution it knows, on photos of twice that.
     """
-    if bundle.config.delight.detail_width == width:
+    return _with_delight(bundle, detail_width=width)
+
+
+def with_residual_blocks(bundle: NetworkBundle, residual: tuple[int, ...]) -> NetworkBundle:
+    """The same networks with residual blocks in de-lighting's encoder, which change nothing until they are trained.
+
+    Args:
+        residual: how many each level has, as `DelightConfig.residual` counts them.
+
+    Raises:
+        InputError: they do not fit the levels that de-lighting has.
+    """
+    try:
+        return _with_delight(bundle, residual=residual)
+    except ValueError as error:
+        raise InputError(str(error)) from error
+
+
+def _with_delight(bundle: NetworkBundle, **changes: int | tuple[int, ...]) -> NetworkBundle:
+    """The same weights in a de-lighting network that has more parts."""
+    delight = dataclasses.replace(bundle.config.delight, **changes)
+    if delight == bundle.config.delight:
         return bundle
-    delight = dataclasses.replace(bundle.config.delight, detail_width=width)
     grown = NetworkBundle(dataclasses.replace(bundle.config, delight=delight))
     grown.load_state_dict(bundle.state_dict(), strict=False)
     grown.card = dict(bundle.card)

@@ -38,6 +38,11 @@ class DelightConfig:
         relief: height is found too; the paper's network does not.
         decoder_least: channels that no level of the decoder has fewer of. The outputs are more than the encoder's
             channels at full resolution, and what they share there is blurred in all of them.
+        residual: residual blocks that the encoder's levels end with, finest level first, which has none; empty for
+            none at all. Coarse levels, where a face is understood, are small: what is added there costs little time.
+
+    Raises:
+        ValueError: `residual` has not one number for each level, or one for the finest.
     """
 
     width: int = 16
@@ -47,6 +52,13 @@ class DelightConfig:
     detail_width: int = 0
     relief: bool = True
     decoder_least: int = 0
+    residual: tuple[int, ...] = ()
+
+    def __post_init__(self):
+        # A list, where it is read from a file.
+        object.__setattr__(self, "residual", tuple(self.residual))
+        if self.residual and (len(self.residual) != self.levels or self.residual[0]):
+            raise ValueError(f"residual blocks {self.residual}: give {self.levels} numbers, of which the first is 0")
 
     @property
     def multiple(self) -> int:
@@ -148,7 +160,7 @@ class DelightNetwork(nn.Module):
         super().__init__()
         self.config = config or DelightConfig()
         widths = level_widths(self.config.width, self.config.levels)
-        self.encoder = Encoder(3, widths)
+        self.encoder = Encoder(3, widths, self.config.residual)
         self.light = ConfidenceWeightedLight(widths[-1])
         self.decoder = decoder_levels(widths, self.config.decoder_least)
         finest = max(widths[0], self.config.decoder_least)

@@ -23,6 +23,7 @@ from relight_core.networks.bundle import (
     with_detail_pass,
     with_narrow_width,
     with_person_network,
+    with_residual_blocks,
 )
 from relight_core.networks.person import PersonConfig, PersonNetwork
 from relight_core.training.distillation import Teacher
@@ -51,6 +52,8 @@ class Run:
         workers: processes that make samples; which samples come depends on their number. 0 makes them between steps.
         learning_rate: None takes the stage's own.
         detail_width: give the de-lighting network a sharpening pass of this width, if it has none; 0 leaves it.
+        residual: give the de-lighting network's encoder so many residual blocks at each level, finest first, which
+            change nothing until they are trained; empty leaves it.
         narrow_width: channels of the narrow pair that "distil-relight" trains; None keeps the one that is there, or
             takes half as many as the wide pair has.
         examples: how many batches of answers that stage learns from, over and over.
@@ -71,6 +74,7 @@ class Run:
     workers: int = 1
     learning_rate: float | None = None
     detail_width: int = 0
+    residual: tuple[int, ...] = ()
     narrow_width: int | None = None
     examples: int = 150
     places: Path | None = None
@@ -91,6 +95,8 @@ def train(run: Run, report) -> NetworkBundle:
     bundle = load_bundle(run.start) if run.start else NetworkBundle(run.config)
     if run.detail_width:
         bundle = with_detail_pass(bundle, run.detail_width)
+    if run.residual:
+        bundle = with_residual_blocks(bundle, run.residual)
     if stage.distilled:
         bundle = with_narrow_width(bundle, _narrow_width(run, bundle))
     if stage.outlines and bundle.person is None:

@@ -126,6 +126,16 @@ class TestDelight:
         assert wide.head.in_channels == 12
         assert {level.blend.conv.out_channels for level in wide.decoder} == {12}
 
+    def test_residual_blocks_sit_where_they_are_told_to(self):
+        network = self.network(residual=[0, 2, 1])
+        assert [len(level) for level in network.encoder.levels] == [4, 3]
+        assert network(torch.rand(1, 3, 16, 24)).normal.shape == (1, 3, 16, 24)
+
+    @pytest.mark.parametrize("residual", [(1,), (0, 1), (1, 0, 0), (0, 0, 0, 0)])
+    def test_residual_blocks_for_other_levels_are_refused(self, residual):
+        with pytest.raises(ValueError, match="3 numbers"):
+            self.network(residual=residual)
+
     def test_anchored_albedo_without_change_is_the_photo(self):
         network = self.network()
         nn.init.zeros_(network.head.weight)

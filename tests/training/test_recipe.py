@@ -7,7 +7,7 @@ import torch
 from test_loop import some_batch
 
 from relight_core.errors import InputError
-from relight_core.networks.bundle import BundleConfig, NetworkBundle, load_bundle, save_bundle
+from relight_core.networks.bundle import BundleConfig, NetworkBundle, load_bundle, save_bundle, with_residual_blocks
 from relight_core.training import run as run_module
 from relight_core.training.recipe import follow, load_recipe, recipe_names
 
@@ -130,3 +130,29 @@ def test_a_detail_pass_changes_nothing_until_it_is_trained(tmp_path):
     again = load_bundle(tmp_path / "f.safetensors").eval()
     with torch.no_grad():
         torch.testing.assert_close(again.delight(photo).normal, large.normal)
+
+
+class TestResidualBlocks:
+    def bundle(self):
+        torch.manual_seed(0)
+        return NetworkBundle(BundleConfig.tiny())
+
+    def test_change_nothing_until_they_are_trained(self, tmp_path):
+        plain, deeper = self.bundle().eval(), with_residual_blocks(self.bundle(), (0, 1, 2)).eval()
+        save_bundle(tmp_path / "d.safetensors", deeper, half=False)
+        again = load_bundle(tmp_path / "d.safetensors").for_inference()
+        photo = torch.rand(1, 3, 32, 32)
+        with torch.no_grad():
+            expected, found, folded = (bundle.delight(photo) for bundle in (plain, deeper, again))
+        torch.testing.assert_close(found.normal, expected.normal)
+        torch.testing.assert_close(folded.normal, expected.normal, atol=1e-4, rtol=1e-4)
+
+    def test_learn(self):
+        deeper = with_residual_blocks(self.bundle(), (0, 0, 1)).train()
+        block = deeper.delight.encoder.levels[-1][-1]
+        deeper.delight(torch.rand(2, 3, 32, 32)).light.sum().backward()
+        assert block.second.norm.weight.grad.abs().sum() > 0
+
+    def test_for_other_levels_are_refused(self):
+        with pytest.raises(InputError, match="3 numbers"):
+            with_residual_blocks(self.bundle(), (0, 1))
