@@ -24,6 +24,7 @@ from relight_core.imaging.resampling import resize_area
 
 _LONG_SIDE_PX = 800
 _LONG_SIDE_FOR_SMALL_PX = 2800
+_LONG_SIDE_FOR_SMALL_TURNED_PX = 1400
 _LARGEST_GROWTH = 3.0
 _BEYOND_DOUBT_VOTES = 40
 _TILTS_DEG = (-30.0, 30.0)
@@ -72,19 +73,26 @@ class FaceBox:
         return self.y1 - self.y0
 
 
-def find_faces(photo: Photo) -> list[FaceBox]:
+Judge = Callable[[FaceBox], bool]
+
+
+def find_faces(photo: Photo, is_face: Judge = lambda box: False) -> list[FaceBox]:
     """Find faces with OpenCV's Haar cascades (Viola and Jones 2001).
 
     Upright frontal faces; where none of them is beyond doubt, faces in profile, and faces that lean by up to
-    about 45 degrees, on turned copies. Where there is none at all, smaller ones are looked for, down to about
-    40 pixels of a photo of 12 megapixels. A photo is searched once, however many threads ask.
+    about 45 degrees, on turned copies, which takes four times as long. Where there is none at all, smaller ones are
+    looked for, upright down to about 40 pixels of a photo of 12 megapixels. A photo is searched once, however many
+    threads ask.
+
+    Args:
+        is_face: a better judge of what cascades doubt; asked before the long search.
 
     Returns:
         Largest first, small doubtful ones last; empty when there is none.
     """
     with _finding:
         if photo not in _known:
-            _known[photo] = _search(photo)
+            _known[photo] = _search(photo, is_face)
         return list(_known[photo])
 
 
@@ -147,17 +155,31 @@ def _in_the_same_place(guess: FaceBox, known: FaceBox) -> bool:
     return across < _BESIDE * known.width and down < _BESIDE * known.height
 
 
-def _search(photo: Photo) -> list[FaceBox]:
-    for long_side_px, growth in ((_LONG_SIDE_PX, _LARGEST_GROWTH), (_LONG_SIDE_FOR_SMALL_PX, 1.0)):
-        grey, scale = _detection_view(photo.linear, long_side_px, growth)
-        if min(grey.shape) < 24:
-            return []
-        found = _candidates(grey)
-        if found:
-            return [_in_photo(candidate, scale) for candidate in found]
-        if max(photo.linear.shape[:2]) <= _LONG_SIDE_PX:
-            break
-    return []
+def _search(photo: Photo, is_face: Judge) -> list[FaceBox]:
+    grey, scale = _detection_view(photo.linear, _LONG_SIDE_PX, _LARGEST_GROWTH)
+    if min(grey.shape) < 24:
+        return []
+    found = frontal_candidates(grey)
+    sure = any(candidate.votes >= _BEYOND_DOUBT_VOTES for candidate in found)
+    if not sure and not any(is_face(_in_photo(candidate, scale)) for candidate in found):
+        found += _turned_away(grey)
+    if not found and max(photo.linear.shape[:2]) > _LONG_SIDE_PX:
+        found, scale = _small_ones(photo.linear)
+    return [_in_photo(candidate, scale) for candidate in _plausible(sorted(found, key=_weight, reverse=True))]
+
+
+def _small_ones(linear: np.ndarray) -> tuple[list[Candidate], float]:
+    """Faces too small for the first search, and the pixels per photo pixel that they are found in."""
+    grey, scale = _detection_view(linear, _LONG_SIDE_FOR_SMALL_PX, 1.0)
+    if found := frontal_candidates(grey):
+        return found, scale
+    grey, scale = _detection_view(linear, _LONG_SIDE_FOR_SMALL_TURNED_PX, 1.0)
+    return _turned_away(grey), scale
+
+
+def _turned_away(grey: np.ndarray) -> list[Candidate]:
+    """Faces in profile, else faces that lean."""
+    return profile_candidates(grey) or _when_turned(frontal_candidates, grey, _TILTS_DEG)
 
 
 def _filling(photo: Photo) -> FaceBox:
@@ -168,13 +190,6 @@ def _filling(photo: Photo) -> FaceBox:
 
 def _in_photo(candidate: Candidate, scale: float) -> FaceBox:
     return FaceBox(*(float(edge) / scale for edge in candidate.box), candidate.roll_deg, doubtful=True)
-
-
-def _candidates(grey: np.ndarray) -> list[Candidate]:
-    found = frontal_candidates(grey)
-    if not any(candidate.votes >= _BEYOND_DOUBT_VOTES for candidate in found):
-        found += profile_candidates(grey) or _when_turned(frontal_candidates, grey, _TILTS_DEG)
-    return _plausible(sorted(found, key=_weight, reverse=True))
 
 
 def _weight(candidate: Candidate) -> float:

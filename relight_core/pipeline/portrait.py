@@ -68,7 +68,7 @@ def choose_faces(
         NoFaceError: no face.
         InputError: no such index.
     """
-    faces = find_faces(photo)
+    faces = find_faces(photo) if evidence is None else find_faces(photo, lambda box: evidence(box) == _ALL_EVIDENCE)
     if evidence is not None and (not faces or any(face.doubtful for face in faces)):
         faces = _confirmed(photo, faces, evidence, locate)
         if look_closer is not None:

@@ -108,7 +108,7 @@ def test_a_face_of_40_pixels_in_a_large_photo():
 
 def test_a_photo_is_searched_once_and_answers_are_copies(monkeypatch):
     searched = []
-    monkeypatch.setattr(find, "_search", lambda photo: searched.append(photo) or [FaceBox(1, 2, 3, 4)])
+    monkeypatch.setattr(find, "_search", lambda photo, is_face: searched.append(photo) or [FaceBox(1, 2, 3, 4)])
     one, other = (Photo(np.zeros((8, 8, 3), np.float32)) for _ in range(2))
     with ThreadPoolExecutor(4) as pool:
         answers = list(pool.map(find_faces, [one, one, other, one]))
@@ -175,3 +175,38 @@ def test_a_companion_who_leans_is_guessed_and_who_is_known_is_not(roll_deg):
 def test_a_face_that_leaves_no_room_has_no_companions():
     assert guess_companions(Photo.from_srgb(ASTRONAUT), [FaceBox(*FACE)]) == []
     assert guess_companions(beside_itself(0)[0], []) == []
+
+
+class TestDoubtfulUprightFaces:
+    """A face that few cascades see: who can tell that it is one spares the search for others."""
+
+    @pytest.fixture
+    def turned(self, monkeypatch):
+        """What was looked at in turned copies, of a photo whose one upright face is doubted."""
+        seen = Candidate(np.array([100.0, 120.0, 160.0, 200.0]), 20, 3)
+        looked = []
+        monkeypatch.setattr(find, "frontal_candidates", lambda grey: [seen])
+        monkeypatch.setattr(find, "profile_candidates", lambda grey: [])
+        monkeypatch.setattr(find, "_when_turned", lambda look, grey, tilts: looked.append(tilts) or [])
+        return looked
+
+    @pytest.mark.parametrize(("is_one", "searches"), [(True, 0), (False, 1)])
+    def test_are_shown_to_the_judge_before_the_long_search(self, turned, is_one, searches):
+        shown = []
+        photo = Photo(np.full((800, 800, 3), 0.2, np.float32))
+        faces = find_faces(photo, lambda box: shown.append(box) or is_one)
+        assert shown == faces == [FaceBox(100.0, 120.0, 160.0, 200.0, doubtful=True)]
+        assert len(turned) == searches
+
+
+def test_small_faces_are_looked_for_last_and_leaning_ones_less_finely(monkeypatch):
+    looked = []
+    monkeypatch.setattr(find, "frontal_candidates", lambda grey: looked.append(("upright", grey.shape)) or [])
+    monkeypatch.setattr(find, "_turned_away", lambda grey: looked.append(("turned", grey.shape)) or [])
+    assert find_faces(Photo(np.full((2000, 3000, 3), 0.2, np.float32))) == []
+    assert looked == [
+        ("upright", (533, 800)),
+        ("turned", (533, 800)),
+        ("upright", (1867, 2800)),
+        ("turned", (933, 1400)),
+    ]
