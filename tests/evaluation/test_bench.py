@@ -41,7 +41,7 @@ SETTINGS = [Configuration(name, tier, name, True) for name, tier in TIERS.items(
 @pytest.fixture(autouse=True)
 def _small_tiers(monkeypatch):
     monkeypatch.setattr(quality, "TIERS", TIERS)
-    monkeypatch.setattr(portrait, "find_faces", lambda photo, is_face=None: [FaceBox(8, 8, 24, 28)])
+    monkeypatch.setattr(portrait, "find_faces", lambda photo, *judge: [FaceBox(8, 8, 24, 28)])
 
 
 @pytest.fixture(scope="module")

@@ -22,7 +22,7 @@ def small_and_seeing_faces(monkeypatch):
         "final": quality.Tier(96, 32, 32, 16, True),
     }
     monkeypatch.setattr(quality, "TIERS", tiers)
-    monkeypatch.setattr(portrait, "find_faces", lambda photo: [FaceBox(24, 20, 72, 76), FaceBox(4, 4, 20, 20)])
+    monkeypatch.setattr(portrait, "find_faces", lambda photo, *judge: [FaceBox(24, 20, 72, 76), FaceBox(4, 4, 20, 20)])
 
 
 @pytest.fixture

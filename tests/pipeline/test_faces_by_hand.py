@@ -80,7 +80,7 @@ def test_no_boxes_are_no_faces(relighter, photo):
 
 def test_a_photo_without_faces_is_searched_once(relighter, monkeypatch, delighted):
     nobody = some_photo(3)
-    monkeypatch.setattr(portrait, "find_faces", lambda photo: [])
+    monkeypatch.setattr(portrait, "find_faces", lambda photo, *judge: [])
     monkeypatch.setattr(portrait, "guess_faces", lambda photo: [SMALL])
     monkeypatch.setattr(relighter_module, "evidence_of_face", lambda labels, view, crop: 0)
     with pytest.raises(NoFaceError, match="no face found"):
