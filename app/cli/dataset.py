@@ -1,6 +1,6 @@
 """Make the training data: bake heads, check their light against a path tracer, look at samples.
 
-relight dataset bake --heads HEADS [--wardrobe FOLDER [--headwear SHARE]] --out DIR --split train [--skip N] --count N
+relight dataset bake --heads HEADS [--wardrobe FOLDER] --out DIR --split train [--skip N] --count N
 relight dataset skins --heads MODEL.npz --wardrobe FOLDER --out DIR
 relight dataset lights FOLDER -o LIGHTS.npz
 relight dataset check --heads HEADS [--wardrobe FOLDER] --lights LIGHTS [--count N]
@@ -43,6 +43,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     bake.add_argument("--count", metavar="N", type=count_at_least_one, required=True, help="how many heads in all")
     bake.add_argument("--skip", metavar="N", type=_count, default=0, help="leave the split's first N people out")
     bake.add_argument("--headwear", metavar="SHARE", type=_share, help="how many heads wear something on them, 0 to 1")
+    bake.add_argument("--arms", metavar="SHARE", type=_share, help="how many have an arm raised to them")
+    bake.add_argument("--hair-mass", metavar="SHARE", type=_share, help="how many without headwear have great hair")
     bake.add_argument("--size", metavar="PX", type=_size, default=256, help="side of the images (256)")
     skins = actions.add_parser("skins", description="Carry MakeHuman's skins onto the head model, beside baked heads.")
     skins.add_argument("--heads", metavar="MODEL", type=Path, required=True, help="the head model, an .npz")
@@ -68,7 +70,7 @@ def run(arguments: argparse.Namespace) -> int:
 def _bake(arguments: argparse.Namespace) -> int:
     from relight_core.dataset.recipe import SPLIT_SEEDS, bake_missing
 
-    casting = _casting(arguments.heads, arguments.wardrobe, arguments.headwear)
+    casting = _casting(arguments.heads, arguments.wardrobe, **_shares(arguments))
     make_folder(arguments.out)
     if arguments.split == "train" and arguments.wardrobe is not None:
         _add_skins(casting, arguments.wardrobe, arguments.out)
@@ -133,18 +135,24 @@ def _check(arguments: argparse.Namespace) -> int:
     return 0
 
 
-def _casting(heads: Path, wardrobe: Path | None, headwear_share: float | None = None):
+def _shares(arguments: argparse.Namespace) -> dict[str, float]:
+    """Those that are given."""
+    asked = {name: getattr(arguments, name) for name in ("headwear", "arms", "hair_mass")}
+    return {name: share for name, share in asked.items() if share is not None}
+
+
+def _casting(heads: Path, wardrobe: Path | None, **shares: float):
+    from relight_core.dataset.dressing import Shares
     from relight_core.dataset.recipe import load_casting
 
     if not heads.exists():
         raise InputError(f"{heads}: no such file; give a head model's .npz or a folder of scans after --heads")
     if wardrobe is not None and not wardrobe.is_dir():
         raise InputError(f"{wardrobe}: no such folder; give the unpacked MakeHuman data, or leave --wardrobe out")
-    if headwear_share is None:
-        return load_casting(heads, wardrobe)
-    if wardrobe is None:
-        raise InputError("--headwear needs --wardrobe: heads are bare without")
-    return load_casting(heads, wardrobe, headwear_share)
+    if shares and wardrobe is None:
+        option = next(iter(shares)).replace("_", "-")
+        raise InputError(f"--{option} needs --wardrobe: heads are bare without")
+    return load_casting(heads, wardrobe, Shares(**shares))
 
 
 def _lights(arguments: argparse.Namespace) -> int:

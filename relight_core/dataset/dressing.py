@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -13,15 +13,15 @@ from relight_core.dataset.fitted_items import FittedItem, load_fitted_items
 from relight_core.dataset.garment import Garment
 from relight_core.dataset.garment_binding import HeadSurface, fit_affine
 from relight_core.dataset.garment_mesh import fractal, smoothstep, vertex_normals
+from relight_core.dataset.hair_mass import grow_mass
 from relight_core.dataset.hair_shell import ScalpGrid, grow_hair, sample_style
 from relight_core.dataset.heads import HeadModel
 from relight_core.dataset.headwear.wardrobe import Headwear, put_on, sample_kind
 from relight_core.dataset.lashes import LashStrips
+from relight_core.dataset.raised_arm import raise_arm
 
-__all__ = ["Garment", "Wardrobe"]
+__all__ = ["Garment", "Shares", "Wardrobe"]
 
-HEADWEAR_SHARE = 0.15
-"""How many heads wear something on them, unless a wardrobe is told otherwise."""
 _HAIR, _BEARD, _GLASSES, _CLOTH, _BROWS = 0.90, 0.20, 0.15, 0.95, 0.85
 _LASHES = 0.8
 _FEDORA_SHARE = 0.04
@@ -34,20 +34,34 @@ _HAT_SHIFT_CM = np.array([0.0, -1.6, -0.4])
 _GLASSES_LANDMARKS = (0, 1, 15, 16, 27, 28, 36, 39, 42, 45)
 
 
+@dataclass(frozen=True)
+class Shares:
+    """How many heads have what most lack, each in [0, 1].
+
+    Attributes:
+        headwear: wear something on them.
+        arms: have an arm raised to them.
+        hair_mass: of those without headwear, have a great mass of hair.
+    """
+
+    headwear: float = 0.15
+    arms: float = 0.1
+    hair_mass: float = 0.08
+
+
 class Wardrobe:
     """Everything to wear, fitted to the mean head of a model; `dress` puts a random outfit on any head."""
 
-    def __init__(self, makehuman_folder: Path, model: HeadModel, headwear_share: float = HEADWEAR_SHARE):
+    def __init__(self, makehuman_folder: Path, model: HeadModel, shares: Shares | None = None):
         """Fit all items; the first time takes a while, later ones read a cache beside the data.
 
         Args:
             makehuman_folder: where the MakeHuman archive was unpacked.
-            headwear_share: how many of the heads wear something on them, [0, 1].
 
         Raises:
             OSError: the folder holds no MakeHuman data.
         """
-        self._model, self._headwear_share = model, headwear_share
+        self._model, self._shares = model, shares or Shares()
         self._skin_triangles = model.triangles[
             np.isin(model.triangle_region, [model.region_names.index(n) for n in ("face", "head_neck")])
         ]
@@ -69,13 +83,28 @@ class Wardrobe:
         head = head_vertices.astype(np.float32)
         normals = vertex_normals(head, self._skin_triangles)
         skin = HeadSurface(head[self._skin_vertices], normals[self._skin_vertices])
-        wears_headwear = rng.random() < self._headwear_share
+        wears_headwear = rng.random() < self._shares.headwear
         headwear = self._headwear(head, skin, rng.spawn(1)[0]) if wears_headwear else None
-        worn = []
+        hair = []
         if rng.random() < _HAIR and not (headwear is not None and headwear.hides_hair):
-            worn.append(self._hair(head, skin, headwear, rng))
-        if headwear is not None:
-            worn += headwear.garments
+            hair.append(self._hair(head, skin, headwear, rng))
+        worn = [] if headwear is None else list(headwear.garments)
+        worn += self._usual(head, normals, skin, rng)
+        extra = rng.spawn(1)[0]
+        if extra.random() < _LASHES:
+            worn += self._lashes.grow(head, extra)
+        if headwear is None or not headwear.hides_hair:
+            worn += self._neck_and_ears.adorn(head, skin, extra)
+        late = rng.spawn(1)[0]
+        if headwear is None and late.random() < self._shares.hair_mass:
+            hair = [grow_mass(late)]
+        if late.random() < self._shares.arms:
+            worn += raise_arm(head, skin, late)
+        return hair + worn
+
+    def _usual(self, head, normals, skin, rng) -> list[Garment]:
+        """Beard, glasses, clothes and brows, each at times."""
+        worn = []
         if rng.random() < _BEARD:
             worn.append(self._beard(head, normals, skin, rng))
         if rng.random() < _GLASSES:
@@ -84,11 +113,6 @@ class Wardrobe:
             worn.append(self._cloth(head, skin, rng))
         if rng.random() < _BROWS:
             worn.append(self._follow(self._pick("brow", rng), head, skin, 0.05))
-        extra = rng.spawn(1)[0]
-        if extra.random() < _LASHES:
-            worn += self._lashes.grow(head, extra)
-        if headwear is None or not headwear.hides_hair:
-            worn += self._neck_and_ears.adorn(head, skin, extra)
         return worn
 
     def wear(self, name: str, head_vertices: np.ndarray) -> Garment:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-GARMENT_LABELS = ("hair", "glasses", "hat", "cloth", "brow", "lash")
+GARMENT_LABELS = ("hair", "glasses", "hat", "cloth", "brow", "lash", "neck")
 
 
 @dataclass(frozen=True)
@@ -18,7 +18,7 @@ class Garment:
             (face toward +z, +y up).
         faces: (F, 3) int32.
         uv: (V, 2) float32 in [0, 1], v upward.
-        label: one of "hair", "glasses", "hat", "cloth", "brow", "lash".
+        label: one of "hair", "glasses", "hat", "cloth", "brow", "lash", "neck", the last for other bare skin too.
         opacity: (h, w) uint8 or None; faces where it is low are already gone from `faces`.
         colour_srgb: (h, w, 3) uint8 encoded colour, or None.
         name: which item it is, for records and previews.

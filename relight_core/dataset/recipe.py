@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from relight_core.dataset.bake import BakedHead, bake
-from relight_core.dataset.dressing import HEADWEAR_SHARE, Wardrobe
+from relight_core.dataset.dressing import Shares, Wardrobe
 from relight_core.dataset.face_map import face_label_map, face_vertices
 from relight_core.dataset.framing import Framing, sample_framing
 from relight_core.dataset.heads import (
@@ -53,17 +53,17 @@ class PosedHead:
         return head if self.texture is None else replace(head, albedo=look_up(self.texture, head.uv))
 
 
-def load_casting(heads: Path, makehuman: Path | None, headwear_share: float = HEADWEAR_SHARE) -> Casting | ScanCasting:
+def load_casting(heads: Path, makehuman: Path | None, shares: Shares | None = None) -> Casting | ScanCasting:
     """Whoever heads are made from: a head model (.npz), dressed from MakeHuman, or a folder of scans.
 
     Args:
-        headwear_share: how many dressed heads wear hats and the like, [0, 1].
+        shares: of what few dressed heads have; None for the usual ones.
 
     Raises:
         InputError: neither, or damaged, or a wardrobe for scans, which wear what they were scanned in.
     """
     if not heads.is_dir():
-        return Casting.load(heads, makehuman, headwear_share)
+        return Casting.load(heads, makehuman, shares)
     if makehuman is not None:
         raise InputError(f"{heads}: scans wear what they were scanned in; leave --wardrobe out")
     people_of(heads, "train")
@@ -80,11 +80,11 @@ class Casting:
     face_vertices: np.ndarray
 
     @classmethod
-    def load(cls, head_model: Path, makehuman: Path | None, headwear_share: float = HEADWEAR_SHARE) -> Casting:
+    def load(cls, head_model: Path, makehuman: Path | None, shares: Shares | None = None) -> Casting:
         """Read the head model (.npz) and, where given, the unpacked MakeHuman folder (see `Wardrobe`)."""
         model = load_head_model(head_model)
         labels = face_label_map(model)
-        wardrobe = Wardrobe(makehuman, model, headwear_share) if makehuman is not None else None
+        wardrobe = Wardrobe(makehuman, model, shares) if makehuman is not None else None
         return cls(model, wardrobe, labels, face_vertices(model, labels))
 
     def bake_head(self, seed: int, size: int = 256) -> BakedHead:

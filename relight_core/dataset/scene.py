@@ -51,6 +51,7 @@ _GARMENT_MATERIALS = {
     "brow": Material.BROW,
     "trim": Material.TRIM,
     "lash": Material.BROW,
+    "neck": Material.HEAD,
 }
 # Of these garments the person's left and right are labelled apart.
 _SIDED = {"brow": ("left_brow", "right_brow"), "lash": ("left_eye", "right_eye")}

@@ -71,9 +71,7 @@ def test_bake_wants_a_count(run, tmp_path, count):
     refused(run("dataset", "bake", "--heads", "m.npz", "--out", tmp_path, "--count", count), "whole number")
 
 
-@pytest.mark.parametrize(
-    "words", [("--headwear", "1.2"), ("--headwear", "nan"), ("--headwear", "few"), ("--skip", "-1")]
-)
+@pytest.mark.parametrize("words", [("--headwear", "1.2"), ("--arms", "nan"), ("--hair-mass", "few"), ("--skip", "-1")])
 def test_bake_wants_a_share_and_a_place_to_start(run, tmp_path, words):
     refused(run("dataset", "bake", "--heads", "m.npz", "--out", tmp_path, "--count", 1, *words), words[1])
 
@@ -86,16 +84,20 @@ def test_bake_takes_the_people_after_those_left_out(run, tmp_path, monkeypatch):
     monkeypatch.setattr(recipe, "bake_missing", lambda casting, folder, seeds, size: asked.update(seeds=seeds) or [])
     (tmp_path / "m.npz").write_bytes(b"")
     words = ["--heads", tmp_path / "m.npz", "--wardrobe", tmp_path, "--out", tmp_path / "o"]
-    code, _, _ = run("dataset", "bake", *words, "--split", "test", "--count", 3, "--skip", 20, "--headwear", 0.7)
+    shares = ["--headwear", 0.7, "--arms", 0]
+    code, _, _ = run("dataset", "bake", *words, "--split", "test", "--count", 3, "--skip", 20, *shares)
     assert code == 0
     assert list(asked["seeds"]) == [2_000_020, 2_000_021, 2_000_022]
-    assert asked["casting"][2] == 0.7
+    shares = asked["casting"][2]
+    assert (shares.headwear, shares.arms) == (0.7, 0)
+    assert 0 < shares.hair_mass < 0.3
 
 
-def test_headwear_needs_a_wardrobe(run, tmp_path):
+@pytest.mark.parametrize("option", ["--headwear", "--hair-mass"])
+def test_what_is_worn_needs_a_wardrobe(run, tmp_path, option):
     (tmp_path / "m.npz").write_bytes(b"")
-    words = ["--heads", tmp_path / "m.npz", "--out", tmp_path, "--count", 1, "--headwear", 0.5]
-    refused(run("dataset", "bake", *words), "--wardrobe")
+    words = ["--heads", tmp_path / "m.npz", "--out", tmp_path, "--count", 1, option, 0.5]
+    refused(run("dataset", "bake", *words), f"{option} needs --wardrobe")
 
 
 def test_bake_without_its_model_or_wardrobe(run, tmp_path):
