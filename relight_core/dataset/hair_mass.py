@@ -14,7 +14,7 @@ from relight_core.dataset.garment_mesh import fractal
 _SKULL_CM, _SKULL_RADII_CM = np.array([0.0, 6.5, -1.0]), np.array([8.5, 10.5, 10.0])
 _FACE_CM, _FACE_RADII_CM = np.array([0.0, -1.5, 13.0]), np.array([8.6, 12.0, 13.0])
 _STEP_CM = 0.5
-_UV_CM = 40.0
+_UV_CM = 90.0
 
 
 def grow_mass(rng: np.random.Generator) -> Garment:
@@ -33,7 +33,7 @@ def grow_mass(rng: np.random.Generator) -> Garment:
     outside = np.maximum(outside, -_beyond(grid, _FACE_CM, free)) + curls
     vertices, faces, _, _ = marching_cubes(-outside, 0.0, spacing=(_STEP_CM,) * 3)
     vertices = (vertices + low).astype(np.float32)
-    uv = ((vertices[:, :2] + vertices[:, 2:]) / _UV_CM % 1.0).astype(np.float32)
+    uv = np.clip((vertices[:, :2] + vertices[:, 2:]) / _UV_CM + 0.5, 0, 1).astype(np.float32)
     return Garment(vertices, faces[:, ::-1].astype(np.int32), uv, "hair", name="mass")
 
 

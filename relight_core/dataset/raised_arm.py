@@ -31,7 +31,9 @@ _FINGER_LENGTHS = (0.95, 1.05, 1.0, 0.8)
 _KNUCKLES_CM = (2.9, 1.0, -1.0, -2.8)
 _FINE_CM, _COARSE_CM = 0.3, 0.6
 _PALM_CM = 1.6
-_UV_CM = 60.0
+_UV_CM = 90.0
+_UNDER_SCALP = 0.3
+"""Below this much of the skin's texture nobody is shaved (see `skin.paint`)."""
 
 Bone = tuple[np.ndarray, np.ndarray, float, float]
 """From where to where, and how thick at both ends, in centimetres."""
@@ -109,7 +111,7 @@ def _sleeve_or_skin(forearm: Bone, upper: Bone, rng: np.random.Generator) -> lis
 
 def _skin(bones: list[Bone], step_cm: float) -> Garment:
     vertices, faces = _melted(bones, step_cm)
-    return Garment(vertices, faces, _uv(vertices), "neck", name="arm")
+    return Garment(vertices, faces, _uv(vertices) * np.float32([1, _UNDER_SCALP]), "neck", name="arm")
 
 
 def _cloth(bones: list[Bone], rng: np.random.Generator) -> Garment:
@@ -141,7 +143,7 @@ def _distance(grid: np.ndarray, bone: Bone) -> np.ndarray:
 
 
 def _uv(vertices: np.ndarray) -> np.ndarray:
-    return ((vertices[:, :2] + vertices[:, 2:]) / _UV_CM % 1.0).astype(np.float32)
+    return np.clip((vertices[:, :2] + vertices[:, 2:]) / _UV_CM + 0.5, 0, 1).astype(np.float32)
 
 
 def _unit(vector: np.ndarray) -> np.ndarray:
