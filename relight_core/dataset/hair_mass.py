@@ -6,6 +6,7 @@ A shell grown from the scalp cannot be it: what stands off by more than a hand's
 from __future__ import annotations
 
 import numpy as np
+from scipy.ndimage import label
 from skimage.measure import marching_cubes
 
 from relight_core.dataset.garment import Garment
@@ -31,10 +32,17 @@ def grow_mass(rng: np.random.Generator) -> Garment:
     locks = rng.uniform(0.1, 0.12) * thick * _noise(grid, rng, rng.uniform(6, 16))
     outside = np.maximum(_beyond(grid, middle, around) + locks, lowest - grid[..., 1] + 2 * locks)
     outside = np.maximum(outside, -_beyond(grid, _FACE_CM, free)) + curls
-    vertices, faces, _, _ = marching_cubes(-outside, 0.0, spacing=(_STEP_CM,) * 3)
+    vertices, faces, _, _ = marching_cubes(_in_one_piece(-outside), 0.0, spacing=(_STEP_CM,) * 3)
     vertices = (vertices + low).astype(np.float32)
     uv = np.clip((vertices[:, :2] + vertices[:, 2:]) / _UV_CM + 0.5, 0, 1).astype(np.float32)
     return Garment(vertices, faces[:, ::-1].astype(np.int32), uv, "hair", name="mass")
+
+
+def _in_one_piece(inside: np.ndarray) -> np.ndarray:
+    """The field (X, Y, Z), positive inside, without the crumbs that noise leaves in the air."""
+    pieces, _ = label(inside > 0)
+    largest = np.bincount(pieces.ravel())[1:].argmax() + 1
+    return np.where((pieces == largest) | (inside <= 0), inside, -1e-3)
 
 
 def _beyond(grid: np.ndarray, middle: np.ndarray, radii: np.ndarray) -> np.ndarray:

@@ -5,6 +5,8 @@ from collections import Counter
 import numpy as np
 import pytest
 from ball_heads import assert_well_formed, ball_head, surface
+from scipy.sparse import coo_matrix
+from scipy.sparse.csgraph import connected_components
 
 from relight_core.dataset.garment_mesh import vertex_normals
 from relight_core.dataset.hair_mass import grow_mass
@@ -70,6 +72,17 @@ class TestHairMass:
         assert np.ptp(x) > 20
         before_the_face = (np.abs(x) < 4) & (np.abs(y + 2) < 5) & (z > 8)
         assert not before_the_face.any()
+
+    def test_is_in_one_piece(self, mass):
+        faces, count = mass.faces, len(mass.vertices)
+        links = coo_matrix(
+            (np.ones(2 * len(faces)), (faces[:, [0, 1]].T.ravel(), faces[:, [1, 2]].T.ravel())), (count,) * 2
+        )
+        pieces, of = connected_components(links, directed=False)
+        # Hollows within it are surfaces of their own; nothing is outside the largest.
+        largest = mass.vertices[of == np.bincount(of).argmax()]
+        assert (mass.vertices >= largest.min(0)).all()
+        assert (mass.vertices <= largest.max(0)).all()
 
     def test_faces_outward(self, mass):
         assert volume(mass) > 2000
