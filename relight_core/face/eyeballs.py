@@ -19,6 +19,8 @@ _RADIUS_IN_HALF_WIDTHS = 1.4
 _STEEPEST = 0.85
 _FEWEST_PIXELS = 4
 _LID_REACH = 0.35
+_BLUR_DEVIATIONS = 4
+"""How far OpenCV's blurs of floats reach."""
 _SOCKET_REACH = 0.3
 
 
@@ -81,14 +83,29 @@ def _eye(normal: np.ndarray, share: np.ndarray) -> _Eye | None:
 
 
 def _with_ball(normal: np.ndarray, eye: _Eye, facing: np.ndarray) -> np.ndarray:
-    place, radius = np.arange(len(eye.share), dtype=np.float32), _RADIUS_IN_HALF_WIDTHS * eye.half_width
-    x = np.broadcast_to((place - eye.middle_x)[None] / radius + facing[0], eye.share.shape)
-    y = np.broadcast_to((eye.middle_y - place)[:, None] / radius + facing[1], eye.share.shape)
+    lid_px, radius = max(_LID_REACH * eye.half_width, 0.5), _RADIUS_IN_HALF_WIDTHS * eye.half_width
+    rows, columns = _around(eye.share, lid_px)
+    share, bare = eye.share[rows, columns], normal[:, rows, columns]
+    place = np.arange(len(eye.share), dtype=np.float32)
+    x = np.broadcast_to((place[columns] - eye.middle_x)[None] / radius + facing[0], share.shape)
+    y = np.broadcast_to((eye.middle_y - place[rows])[:, None] / radius + facing[1], share.shape)
     shrunk = np.minimum(1, _STEEPEST / np.maximum(np.hypot(x, y), 1e-6))
     x, y = x * shrunk, y * shrunk
     ball = np.stack([x, y, np.sqrt(1 - x * x - y * y)])
-    lids = cv2.GaussianBlur(eye.share, (0, 0), max(_LID_REACH * eye.half_width, 0.5))
-    return _unit(normal + (ball - normal) * np.clip(eye.share + lids, 0, 1))
+    lids = cv2.GaussianBlur(share, (0, 0), lid_px)
+    changed = normal.copy()
+    changed[:, rows, columns] = _unit(bare + (ball - bare) * np.clip(share + lids, 0, 1))
+    return changed
+
+
+def _around(share: np.ndarray, lid_px: float) -> tuple[slice, slice]:
+    """Rows and columns of an eye and of all that its lids reach."""
+    reach = int(np.ceil(_BLUR_DEVIATIONS * lid_px)) + 1
+    bounds = []
+    for axis in (1, 0):
+        seen = np.flatnonzero(share.any(axis))
+        bounds.append(slice(max(int(seen[0]) - reach, 0), int(seen[-1]) + reach + 1))
+    return bounds[0], bounds[1]
 
 
 def _unit(vectors: np.ndarray) -> np.ndarray:
