@@ -1,7 +1,7 @@
 """Horizons of a relief, direction by direction, for shadows with edges (horizon mapping: Max 1988).
 
-`lighting.relief` answers for whole panoramas at once and is coarse. A lamp comes from one direction, which
-asks for the horizon in two directions of the image plane only; they are marched when first asked for.
+`lighting.relief` answers for whole panoramas at once and is coarse. A lamp is small, and asks for the horizon in a
+few directions of the image plane only; they are marched when first asked for.
 """
 
 from __future__ import annotations
@@ -16,6 +16,10 @@ _STEPS = 40
 _REACH = 1.3
 _BIAS = 0.002
 _NOTHING = -1e3
+_LEAST_ASIDE = 0.05
+_HALF_STRIP = 0.2
+_STRIPS = (-0.8, -0.4, 0.0, 0.4, 0.8)
+"""Middles of upright strips of a lamp's disc, in its radius: what stands beside a point hides them one by one."""
 
 
 @dataclass(eq=False)
@@ -39,11 +43,23 @@ class Horizon:
             radius_deg: of the disc, positive.
         """
         x, y, z = toward
+        aside = np.hypot(x, y)
+        reach = radius_deg / max(aside, _LEAST_ASIDE) / 360 * _AZIMUTHS
         turn = np.arctan2(y, x) / (2 * np.pi) * _AZIMUTHS
+        seen, whole, right = np.zeros(self.relief.shape, np.float32), 0.0, self._between(turn - reach)
+        for offset in _STRIPS:
+            left, right = right, self._between(turn + (offset + _HALF_STRIP) * reach)
+            height = 2 * np.radians(radius_deg) * np.sqrt(1 - offset * offset)
+            above = np.arctan2(z, aside) - (left + right) / 2
+            seen += height * np.clip(above / (height + np.abs(left - right)) + 0.5, 0, 1)
+            whole += height
+        return seen / np.float32(whole)
+
+    def _between(self, turn: float) -> np.ndarray:
+        """(S, S) radians of the horizon in any direction, `turn` counting azimuths."""
         first = int(np.floor(turn))
         before, after = (self._elevation((first + step) % _AZIMUTHS) for step in (0, 1))
-        above = np.arctan2(z, np.hypot(x, y)) - (before + (after - before) * np.float32(turn - first))
-        return np.clip(above / (2 * np.radians(radius_deg)) + 0.5, 0, 1).astype(np.float32)
+        return before + (after - before) * np.float32(turn - first)
 
     def _elevation(self, azimuth: int) -> np.ndarray:
         """(S, S) radians of the horizon in a direction of the image plane; azimuth 0 is +x, a quarter of them +y."""

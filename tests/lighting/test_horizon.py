@@ -71,3 +71,14 @@ def test_the_shadow_moves_evenly_with_the_lamp():
     seen = horizon(wall(0.3))
     shares = [float((1 - seen.visibility(toward(turn, 40), 2.0)).mean()) for turn in np.linspace(0, 12, 25)]
     assert np.abs(np.diff(shares)).max() < 0.01
+
+
+def test_an_upright_edge_is_as_soft_as_a_level_one():
+    """What a post hides comes back as a lamp of 12 degrees across moves aside, not at once."""
+    relief = np.zeros((SIZE, SIZE))
+    relief[:32, 40:44] = 4.0
+    at = horizon(relief)
+    seen = np.array([at.visibility(toward(turn, 20), 6.0)[32, 10] for turn in np.linspace(-20, 20, 161)])
+    assert seen[0] == 1
+    assert seen[-1] == 0
+    assert np.abs(np.diff(seen)).max() < 0.08
