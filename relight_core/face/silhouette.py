@@ -6,6 +6,7 @@ import cv2
 import numpy as np
 
 from relight_core.face.parsing import FACE_LABELS, INDEX
+from relight_core.face.posterior import posterior
 
 _CLOSING_SHARE = 1 / 24
 _FAINT_HAT, _PLAIN_HAT = 0.02, 0.032
@@ -38,19 +39,20 @@ def solid_person(parsing: np.ndarray) -> np.ndarray:
 
 
 def person_with_headwear(parsing: np.ndarray) -> np.ndarray:
-    """Probability of person as the parsing has it, but above the eyes raised where it sees a hat at least faintly.
+    """Probability of person, above the eyes raised where the parsing sees a hat at least faintly.
 
     A large or unusual hat is taken for background more often than not. A few hundredths of "hat" over the whole view
     give it away: bare heads stay below.
 
     Args:
-        parsing: (classes, S, S) probabilities.
+        parsing: (classes, S, S) as the softmax of the de-lighting network says it (see `face.posterior`).
 
     Returns:
         (S, S) float32 in [0, 1].
     """
-    person = np.clip(1 - parsing[INDEX["background"]], 0, 1).astype(np.float32)
-    hat = float(parsing[INDEX["hat"]].mean())
+    likely = posterior(parsing)
+    person = 1 - likely[INDEX["background"]]
+    hat = float(likely[INDEX["hat"]].mean())
     eyes = parsing[[INDEX["left_eye"], INDEX["right_eye"]]].sum((0, 2))
     plainly = min(max((hat - _FAINT_HAT) / (_PLAIN_HAT - _FAINT_HAT), 0.0), 1.0)
     if plainly == 0 or not eyes.sum() > 1e-3:

@@ -19,6 +19,7 @@ from relight_core.pipeline.stages import in_precision
 
 _SIZE = 256
 _SURELY = 0.005
+_OUTLINE_SHARE = 0.7
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,25 +76,25 @@ def parsing_within(parsing: torch.Tensor, outline: Outline, view: Crop) -> torch
     """A parsing that agrees with an outline on what is background; its other classes share the rest as they did.
 
     Both were trained for it and err in different places: de-lighting sees the head larger and knows hair and hats,
-    the person network sees shoulders and has seen more that lies behind. Their log odds are averaged. What
-    de-lighting takes for a face stays one.
+    the person network sees shoulders, has seen more that lies behind, and has nothing else to learn. It counts for
+    more where their log odds are averaged. What de-lighting takes for a face stays one.
 
     Args:
         parsing: (1, classes, S, S) probabilities in a view of the photo.
     """
     by_parsing = person_with_headwear(parsing[0].cpu().numpy())
     likely, known = outline.seen_in(view, parsing.shape[-1])
-    both = known * _mean_odds(by_parsing, likely) + (1 - known) * by_parsing
+    both = known * _mean_odds(by_parsing, likely, _OUTLINE_SHARE) + (1 - known) * by_parsing
     person = torch.from_numpy(both.astype(np.float32)).to(parsing.device)[None, None]
     person = torch.maximum(person, parsing[:, list(FACE_LABELS)].sum(1, True))
     others = parsing[:, 1:] + 1e-4 * _by_default(parsing)
     return torch.cat([1 - person, person * others / others.sum(1, keepdim=True)], 1)
 
 
-def _mean_odds(first: np.ndarray, second: np.ndarray) -> np.ndarray:
-    """The probability whose log odds are the mean of two others'."""
-    first, second = (np.clip(p, _SURELY, 1 - _SURELY) for p in (first, second))
-    mean = np.sqrt(first * second / ((1 - first) * (1 - second)))
+def _mean_odds(first: np.ndarray, second: np.ndarray, share: float) -> np.ndarray:
+    """The probability whose log odds are a mean of two others', in which the second counts for a share in [0, 1]."""
+    odds = [np.clip(p, _SURELY, 1 - _SURELY) / (1 - np.clip(p, _SURELY, 1 - _SURELY)) for p in (first, second)]
+    mean = odds[0] ** (1 - share) * odds[1] ** share
     return mean / (1 + mean)
 
 
