@@ -19,7 +19,7 @@ from relight_core.pipeline.stages import in_precision
 
 _SIZE = 256
 _SURELY = 0.005
-_OUTLINE_SHARE = 0.7
+_OUTLINE_SHARE = 0.8
 
 
 @dataclass(frozen=True, eq=False)
