@@ -44,13 +44,14 @@ class Horizon:
         """
         x, y, z = toward
         aside = np.hypot(x, y)
+        elevation = np.arctan2(z, aside)
         reach = radius_deg / max(aside, _LEAST_ASIDE) / 360 * _AZIMUTHS
         turn = np.arctan2(y, x) / (2 * np.pi) * _AZIMUTHS
         seen, whole, right = np.zeros(self.relief.shape, np.float32), 0.0, self._between(turn - reach)
         for offset in _STRIPS:
             left, right = right, self._between(turn + (offset + _HALF_STRIP) * reach)
             height = 2 * np.radians(radius_deg) * np.sqrt(1 - offset * offset)
-            above = np.arctan2(z, aside) - (left + right) / 2
+            above = elevation - (left + right) / 2
             seen += height * np.clip(above / (height + np.abs(left - right)) + 0.5, 0, 1)
             whole += height
         return seen / np.float32(whole)

@@ -93,8 +93,8 @@ def parsing_within(parsing: torch.Tensor, outline: Outline, view: Crop) -> torch
 
 def _mean_odds(first: np.ndarray, second: np.ndarray, share: float) -> np.ndarray:
     """The probability whose log odds are a mean of two others', in which the second counts for a share in [0, 1]."""
-    odds = [np.clip(p, _SURELY, 1 - _SURELY) / (1 - np.clip(p, _SURELY, 1 - _SURELY)) for p in (first, second)]
-    mean = odds[0] ** (1 - share) * odds[1] ** share
+    first, second = (np.clip(p, _SURELY, 1 - _SURELY) for p in (first, second))
+    mean = (first / (1 - first)) ** (1 - share) * (second / (1 - second)) ** share
     return mean / (1 + mean)
 
 
