@@ -19,7 +19,8 @@ from relight_core.lighting.reflection import NormalLookup, ReflectionTable
 
 _LONGEST, _LONGEST_KNOWN = 128, 64
 _DARK = 1e-3
-_WELL_SEEN = 0.1
+_WELL_SEEN, _HEADROOM = 0.1, 0.1
+"""Where a photo is darker than the one, or nearer to clipping than the other, its gain says less."""
 _FLOOR = 0.02
 _LARGEST_GAIN = 16.0
 _FILL = 0.15
@@ -59,7 +60,8 @@ def make_body(photo: np.ndarray, share: np.ndarray, known: np.ndarray, table: Re
     normal = torch.from_numpy(_bulging(share)).permute(2, 0, 1)[None].to(table.transport.device)
     small = _limited(share.shape, _LONGEST_KNOWN)
     photo, body, known = (resize_area(image, small) for image in (photo, share, known))
-    trusted = np.clip(luminance(photo) / _WELL_SEEN, _FLOOR, 1.0)
+    dark, clipped = luminance(photo) / _WELL_SEEN, (1 - photo.max(-1)) / _HEADROOM
+    trusted = np.clip(np.minimum(dark, clipped), _FLOOR, 1.0)
     weight = known * np.maximum(body - 0.5, 0.0) * trusted
     return Body(share, NormalLookup(table, normal, gloss=False), photo, Continuation(weight))
 

@@ -55,3 +55,15 @@ def test_a_body_that_is_all_seen_gets_the_networks_gain(size):
 def test_sizes_keep_the_photos_shape():
     assert body_size((6000, 4000)) == (128, 85)
     assert body_size((30, 50)) == (30, 50)
+
+
+def test_what_is_blown_out_does_not_colour_the_rest():
+    size = (64, 48)
+    photo = np.full((*size, 3), (0.6, 0.4, 0.2), np.float32)
+    photo[:, :12] = 1.0
+    known = np.zeros(size, np.float32)
+    known[:, :24] = 1.0
+    body = make_body(photo, np.ones(size, np.float32), known, ReflectionTable())
+    relit = body.photo.copy()
+    relit[:, :12, 2] *= 4
+    np.testing.assert_allclose(body_gain(body, EVEN, relit)[:, 24:], 1.0, rtol=0.15)
