@@ -38,7 +38,7 @@ _OPEN = ("sun visor", "headband", "crown", "wreath", "headphones")
 _SHARES = {
     "beanie": 0.09, "brimmed": 0.13, "turban": 0.05, "bandana": 0.04, "fur hat": 0.03,
     "stiff": 0.28,
-    "peaked cap": 0.05, "flat cap": 0.03, "beret": 0.03, "sun visor": 0.01, "mortarboard": 0.03,
+    "peaked cap": 0.05, "flat cap": 0.03, "beret": 0.03, "sun visor": 0.01, "mortarboard": 0.04,
     "headband": 0.03, "crown": 0.02, "wreath": 0.02, "feathers": 0.03, "headphones": 0.02,
     "headscarf": 0.06, "hood": 0.025, "balaclava": 0.01, "helmet": 0.01, "face helmet": 0.005,
 }  # fmt: skip
@@ -103,13 +103,18 @@ def put_on(kind: str, head: np.ndarray, ears: np.ndarray, grid: ScalpGrid, skin:
 
 
 def _sample_ring(kind: str, grid: ScalpGrid, head: np.ndarray, rng: np.random.Generator) -> HatRing:
-    """Low over the brows or pushed back, a little askew; a cone rests on a wide ring of its own."""
+    """Low over the brows or pushed back, a little askew; a cone rests on a wide ring of its own.
+
+    A mortarboard's band lies at the hairline and low at the back, so that the board is seen from below.
+    """
     front = rng.uniform(55, 70) if rng.random() < 0.8 else rng.uniform(45, 56)
     back = rng.uniform(88, 104) - (8 if front < 56 else 0)
     roll = rng.normal(0, 4) if rng.random() < 0.8 else rng.uniform(-14, 14)
     ease = rng.uniform(0.7, 1.1)
     if kind == "cone":
         return fit_ring(grid, head, rng.uniform(48, 60), rng.uniform(70, 85), roll / 2, rng.uniform(2.5, 4.5))
+    if kind == "mortarboard":
+        front, back = rng.uniform(36, 58), rng.uniform(94, 114)
     if kind in ("headband", "crown", "wreath"):
         return fit_ring(grid, head, rng.uniform(40, 64), rng.uniform(70, 100), roll / 2, ease + rng.uniform(0, 0.6))
     return fit_ring(grid, head, front, back, roll, ease)
