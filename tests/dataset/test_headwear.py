@@ -150,3 +150,14 @@ def test_a_hat_has_no_holes_from_brim_to_top(wear, name):
     lone = hat.vertices[edges[count == 1].ravel()]
     ring_edges = 181 * 2 + 2 * 60
     assert len(lone) // 2 <= ring_edges + 4
+
+
+def test_a_mortarboard_leans_back_so_that_its_underside_shows(model, grid, skin):
+    leans_deg = []
+    for seed in range(8):
+        worn = put_on("mortarboard", model.mean, EARS, grid, skin, np.random.default_rng(seed))
+        board = next(part for part in worn.garments if part.name == "board").vertices
+        along = board[board[:, 2].argmax()] - board[board[:, 2].argmin()]
+        leans_deg.append(np.degrees(np.arctan2(along[1], along[2])))
+    assert min(leans_deg) > 10
+    assert np.mean(leans_deg) > 22
