@@ -6,6 +6,7 @@ import torch
 import torch.nn.functional as F
 
 from relight_core.imaging.tensor_colour import srgb_decode
+from relight_core.imaging.tensor_normals import unit_normals
 from relight_core.networks.bundle import NetworkBundle
 from relight_core.pipeline import stages
 
@@ -18,6 +19,18 @@ def surface_size(bundle: NetworkBundle, photo: torch.Tensor) -> int:
     The relighting networks work at the size of de-lighting's encoder-decoder.
     """
     return photo.shape[-1] // (1 if bundle.delight.detail is None else 2)
+
+
+def at_surface_size(bundle: NetworkBundle, flat: dict[str, torch.Tensor]) -> dict[str, torch.Tensor]:
+    """Photos' channels (B, C, S, S) as the relighting networks get them: (B, C, T, T), T as `surface_size` has it.
+
+    Photos and labels are left out where that is another size.
+    """
+    size = surface_size(bundle, flat["photo_srgb"])
+    if size == flat["photo_srgb"].shape[-1]:
+        return flat
+    small = {name: _shrunk(value, size) for name, value in flat.items() if name not in ("photo_srgb", "label")}
+    return small | {"normal": unit_normals(small["normal"])}
 
 
 def on_predicted_surface(bundle: NetworkBundle, batch: dict[str, torch.Tensor]) -> dict[str, torch.Tensor]:

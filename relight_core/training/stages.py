@@ -20,7 +20,7 @@ from relight_core.networks.delight import Delit
 from relight_core.training.delight_step import delight_losses
 from relight_core.training.distillation import distillation_losses
 from relight_core.training.outline_step import outline_losses
-from relight_core.training.predicted import on_predicted_surface
+from relight_core.training.predicted import at_surface_size, on_predicted_surface
 from relight_core.training.relight_steps import (
     as_smooth_as_predicted,
     composition_losses,
@@ -84,6 +84,7 @@ def _relit_from_photo(bundle: NetworkBundle, table: ReflectionTable, batch: Batc
     swapped = {n: v.unflatten(0, (-1, 2)).flip(1).flatten(0, 1) for n, v in flat.items()}
     swapped["albedo"] = srgb_decode(found.albedo_srgb)
     swapped["normal"] = found.normal
+    swapped = at_surface_size(bundle, swapped)
     effects, losses = None, {}
     if bundle.config.composition.effects:
         effects, losses = specular_shadow_losses(bundle.specular_shadow, table, swapped)
