@@ -18,6 +18,9 @@ from relight_core.training.losses import (
     wlog_l2,
 )
 
+_PARSING_WEIGHT = 0.2
+"""At first the focal loss is ten times any other term, and steps of one size for all weights would follow it alone."""
+
 
 def delight_losses(
     network: DelightNetwork, table: ReflectionTable, batch: dict[str, torch.Tensor]
@@ -43,7 +46,7 @@ def delight_losses(
         "irradiance": irradiance_l1(found.light, light, table),
     }
     if network.config.classes:
-        losses["parsing"] = focal_parsing(found.parsing_logits, twice["label"])
+        losses["parsing"] = _PARSING_WEIGHT * focal_parsing(found.parsing_logits, twice["label"])
     if network.config.relief:
         losses["relief"] = relief_l1(found.relief, relief, covered)
     return found, losses
