@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 
 import torch
 import torch.nn.functional as F
@@ -91,10 +92,10 @@ def _relit_from_photo(bundle: NetworkBundle, table: ReflectionTable, batch: Batc
     return losses | composition_losses(bundle.composition, table, swapped, effects)[1]
 
 
-def _tune_delight(bundle: NetworkBundle, table: ReflectionTable, batch: Batch) -> Losses:
+def _tune_delight(bundle: NetworkBundle, table: ReflectionTable, batch: Batch, relit_weight: float = 1.0) -> Losses:
     found, losses = delight_losses(bundle.delight, table, batch)
     relit = _relit_from_photo(bundle, table, batch, found)
-    return losses | {"relit": relit["encoded"] + relit["display"]}
+    return losses | {"relit": relit_weight * (relit["encoded"] + relit["display"])}
 
 
 def _tune_relight(bundle: NetworkBundle, table: ReflectionTable, batch: Batch) -> Losses:
@@ -124,10 +125,12 @@ STAGES = {
     "warm-composition": Stage(("composition",), _warm_composition, False, False, 2e-3),
     "warm-relight": Stage(("specular_shadow", "composition"), _warm_relight, False, True, 2e-3),
     "tune-delight": Stage(("delight",), _tune_delight, True, True, 2e-4),
+    "tune-delight-strongly": Stage(("delight",), partial(_tune_delight, relit_weight=3.0), True, True, 4e-4),
     "tune-relight": Stage(("specular_shadow", "composition"), _tune_relight, True, False, 1e-3),
     "tune-on-predictions": Stage(("specular_shadow", "composition"), _tune_on_predictions, True, True, 2e-4),
     "distil-relight": Stage(("narrow",), distillation_losses, True, False, 1e-3, distilled=True),
     "outline": Stage(("person",), _outline, True, False, 1.5e-3, outlines=True),
 }
 """By name, in the order they are run. "warm-relight" does the second and third warm-up in one pass over
-the data, which is what a CPU has time for; "tune-on-predictions" is the paper's form of "tune-relight"."""
+the data, which is what a CPU has time for; "tune-on-predictions" is the paper's form of "tune-relight", and
+"tune-delight" that of "tune-delight-strongly", in which the relit picture counts three times."""
