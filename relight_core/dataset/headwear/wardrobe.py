@@ -38,7 +38,7 @@ _OPEN = ("sun visor", "headband", "crown", "wreath", "headphones")
 _SHARES = {
     "beanie": 0.09, "brimmed": 0.13, "turban": 0.05, "bandana": 0.04, "fur hat": 0.03,
     "stiff": 0.28,
-    "peaked cap": 0.05, "flat cap": 0.03, "beret": 0.03, "sun visor": 0.01, "mortarboard": 0.04,
+    "peaked cap": 0.05, "flat cap": 0.03, "beret": 0.03, "sun visor": 0.01, "mortarboard": 0.03,
     "headband": 0.03, "crown": 0.02, "wreath": 0.02, "feathers": 0.03, "headphones": 0.02,
     "headscarf": 0.06, "hood": 0.025, "balaclava": 0.01, "helmet": 0.01, "face helmet": 0.005,
 }  # fmt: skip
