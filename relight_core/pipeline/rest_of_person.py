@@ -60,8 +60,8 @@ def make_body(photo: np.ndarray, share: np.ndarray, known: np.ndarray, table: Re
     normal = torch.from_numpy(_bulging(share)).permute(2, 0, 1)[None].to(table.transport.device)
     small = _limited(share.shape, _LONGEST_KNOWN)
     photo, body, known = (resize_area(image, small) for image in (photo, share, known))
-    dark, clipped = luminance(photo) / _WELL_SEEN, (1 - photo.max(-1)) / _HEADROOM
-    trusted = np.clip(np.minimum(dark, clipped), _FLOOR, 1.0)
+    lit, unclipped = luminance(photo) / _WELL_SEEN, (1 - photo.max(-1)) / _HEADROOM
+    trusted = np.clip(np.minimum(lit, unclipped), _FLOOR, 1.0)
     weight = known * np.maximum(body - 0.5, 0.0) * trusted
     return Body(share, NormalLookup(table, normal, gloss=False), photo, Continuation(weight))
 
