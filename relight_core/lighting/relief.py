@@ -99,7 +99,8 @@ def march_relief(
     weight = torch.from_numpy(solid_angles(light_height, 2 * light_height).reshape(-1))
     cosine = (normal.float().flatten(1).T @ toward.T).clamp_min(0)
     opened = cosine * weight / torch.pi * (covered > 0.5).flatten()[:, None]
-    horizon = _horizons(relief.float(), covered).flatten(1)
+    angle = torch.arange(_AZIMUTHS) * (2 * torch.pi / _AZIMUTHS)
+    horizon = horizon_slopes(relief.float()[None], covered[None], angle)[:, 0].atan().flatten(1)
     across = toward[:, :2].norm(dim=1).clamp_min(1e-4)
     elevation = torch.atan2(toward[:, 2], across)
     turn = torch.atan2(toward[:, 1], toward[:, 0]) / (2 * torch.pi) * _AZIMUTHS
@@ -111,24 +112,27 @@ def march_relief(
     return ReliefTransport(opened, opened * visible, size)
 
 
-def _horizons(relief: torch.Tensor, covered: torch.Tensor) -> torch.Tensor:
-    """Elevation (azimuths, S, S), radians above the image plane, up to which each point's sky is hidden.
+def horizon_slopes(relief: torch.Tensor, covered: torch.Tensor, azimuth_rad: torch.Tensor) -> torch.Tensor:
+    """Slope over the image plane up to which each point's sky is hidden, (azimuths, B, S, S); differentiable.
 
-    Azimuth 0 is +x, a quarter of them later +y. A relief has no back: it hides all that is behind it.
+    Azimuth 0 is +x, a quarter of a turn later +y. A relief has no back: it hides all that is behind it.
+
+    Args:
+        relief: (B, S, S) height toward the camera, in half-widths of the image.
+        covered: (B, S, S) in [0, 1]: where there is a surface; elsewhere nothing casts a shadow.
+        azimuth_rad: (azimuths,) where to look from every point.
     """
     size = relief.shape[-1]
     height = torch.where(covered > 0.5, relief, torch.full_like(relief, _NOTHING))
-    angle = torch.arange(_AZIMUTHS) * (2 * torch.pi / _AZIMUTHS)
-    axis = (torch.arange(size) + 0.5) / size * 2 - 1
+    axis = (torch.arange(size, device=relief.device) + 0.5) / size * 2 - 1
     y, x = torch.meshgrid(axis, axis, indexing="ij")
-    step_x, step_y = angle.cos()[:, None, None], -angle.sin()[:, None, None]
-    field = height.expand(_AZIMUTHS, 1, size, size)
-    steepest = torch.full((_AZIMUTHS, size, size), _NOTHING)
+    step_x, step_y = azimuth_rad.cos()[:, None, None], -azimuth_rad.sin()[:, None, None]
+    field = height.expand(len(azimuth_rad), *height.shape)
+    steepest = torch.full_like(field, _NOTHING)
     for step in range(1, _STEPS + 1):
         distance = 2.0 / size + _REACH * (step / _STEPS) ** 1.8
         position = torch.stack([x + distance * step_x, y + distance * step_y], -1)
         sampled = F.grid_sample(field, position, mode="bilinear", padding_mode="border", align_corners=False)
-        inside = position.abs().amax(-1) < 1
-        slope = torch.where(inside, (sampled[:, 0] - relief - _BIAS) / distance, _NOTHING)
-        torch.maximum(steepest, slope, out=steepest)
-    return steepest.atan()
+        inside = (position.abs().amax(-1) < 1)[:, None]
+        steepest = torch.maximum(steepest, torch.where(inside, (sampled - relief - _BIAS) / distance, _NOTHING))
+    return steepest

@@ -11,6 +11,7 @@ from relight_core.networks.delight import DelightNetwork, Delit
 from relight_core.training.losses import (
     edges_l1,
     focal_parsing,
+    horizon_l1,
     irradiance_l1,
     levelled_l1,
     masked_l1,
@@ -20,6 +21,9 @@ from relight_core.training.losses import (
 
 _PARSING_WEIGHT = 0.2
 """At first the focal loss is ten times any other term, and steps of one size for all weights would follow it alone."""
+
+_HORIZON_WEIGHT, _HORIZON_AZIMUTHS = 4.0, 6
+"""The former makes horizons count about as much as heights; of the latter every step draws others."""
 
 
 def delight_losses(
@@ -35,7 +39,7 @@ def delight_losses(
     twice = {name: batch[name].repeat_interleave(2, 0) for name in ("albedo", "normal", "relief", "label", "covered")}
     covered, light = _face_first(twice["covered"], twice["label"]), batch["light"].flatten(0, 1)
     albedo_srgb = srgb_encode(twice["albedo"])
-    relief = twice["relief"] * (photo.shape[-1] / 128)  # half-widths to units of 64 pixels
+    half_width = photo.shape[-1] / 128  # in de-lighting's unit of relief, 64 pixels
     losses = {
         "albedo": masked_l1(found.albedo_srgb, albedo_srgb, covered),
         "albedo_levelled": 2.0 * levelled_l1(found.albedo_srgb, albedo_srgb, covered),
@@ -48,8 +52,15 @@ def delight_losses(
     if network.config.classes:
         losses["parsing"] = _PARSING_WEIGHT * focal_parsing(found.parsing_logits, twice["label"])
     if network.config.relief:
-        losses["relief"] = relief_l1(found.relief, relief, covered)
+        losses["relief"] = relief_l1(found.relief, twice["relief"] * half_width, covered)
+        horizon = horizon_l1(found.relief / half_width, twice["relief"], twice["covered"], _azimuths().to(photo.device))
+        losses["horizon"] = _HORIZON_WEIGHT * horizon
     return found, losses
+
+
+def _azimuths() -> torch.Tensor:
+    """Evenly around, from a random one on."""
+    return (torch.rand(()) + torch.arange(_HORIZON_AZIMUTHS)) * (2 * torch.pi / _HORIZON_AZIMUTHS)
 
 
 def _face_first(covered: torch.Tensor, label: torch.Tensor) -> torch.Tensor:

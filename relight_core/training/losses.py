@@ -6,6 +6,7 @@ import torch
 import torch.nn.functional as F
 
 from relight_core.lighting.reflection import ReflectionTable
+from relight_core.lighting.relief import horizon_slopes
 from relight_core.lighting.sphere import solid_angles
 
 _EDGE_WEIGHTS = (1.0, 0.7, 0.5)
@@ -13,6 +14,9 @@ _EDGE_WEIGHTS = (1.0, 0.7, 0.5)
 
 _RELIEF_STEPS = ((1, 8.0), (4, 2.0), (16, 0.5))
 """Distances in pixels, and weights that make their errors count about alike."""
+
+_HORIZON_SIZE = 64
+"""Side at which reliefs are compared by their horizons: that at which the editor marches them."""
 
 
 def masked_l1(estimate: torch.Tensor, truth: torch.Tensor, covered: torch.Tensor) -> torch.Tensor:
@@ -123,6 +127,27 @@ def relief_l1(estimate: torch.Tensor, truth: torch.Tensor, covered: torch.Tensor
     for step_px, weight in _RELIEF_STEPS:
         total = total + weight * slope_l1(estimate, truth, covered, step_px)
     return total
+
+
+def horizon_l1(
+    estimate: torch.Tensor, truth: torch.Tensor, covered: torch.Tensor, azimuth_rad: torch.Tensor
+) -> torch.Tensor:
+    """L1 of the sines of the horizons that reliefs raise: of the part of a level light's height that they hide.
+
+    Heights that are right by the median come out flat, and flat noses cast no shadow; this asks for the shadow.
+
+    Args:
+        estimate, truth: (B, 1, H, W) heights, in half-widths of the image.
+        covered: (B, 1, H, W) in [0, 1].
+        azimuth_rad: (azimuths,) where light may come from.
+    """
+    small = [F.interpolate(image.float(), size=_HORIZON_SIZE, mode="area")[:, 0] for image in (estimate, truth, covered)]
+    found, true = (_sine(horizon_slopes(relief, small[2], azimuth_rad)) for relief in small[:2])
+    return masked_l1(found.transpose(0, 1), true.transpose(0, 1), (small[2] > 0.5).float()[:, None])
+
+
+def _sine(slope: torch.Tensor) -> torch.Tensor:
+    return slope * (1 + slope.square()).rsqrt()
 
 
 def fraction_loss(logit: torch.Tensor, fraction: torch.Tensor, weight: torch.Tensor) -> torch.Tensor:
