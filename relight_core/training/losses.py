@@ -141,9 +141,10 @@ def horizon_l1(
         covered: (B, 1, H, W) in [0, 1].
         azimuth_rad: (azimuths,) where light may come from.
     """
-    small = [F.interpolate(image.float(), size=_HORIZON_SIZE, mode="area")[:, 0] for image in (estimate, truth, covered)]
-    found, true = (_sine(horizon_slopes(relief, small[2], azimuth_rad)) for relief in small[:2])
-    return masked_l1(found.transpose(0, 1), true.transpose(0, 1), (small[2] > 0.5).float()[:, None])
+    reliefs = (F.interpolate(relief.float(), size=_HORIZON_SIZE, mode="area")[:, 0] for relief in (estimate, truth))
+    covered = F.interpolate(covered, size=_HORIZON_SIZE, mode="area")
+    found, true = (_sine(horizon_slopes(relief, covered[:, 0], azimuth_rad)).transpose(0, 1) for relief in reliefs)
+    return masked_l1(found, true, (covered > 0.5).float())
 
 
 def _sine(slope: torch.Tensor) -> torch.Tensor:

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import torch
 
-from relight_core.lighting.relief import march_relief
+from relight_core.lighting.relief import horizon_slopes, march_relief
 
 SIZE = 32
 
@@ -113,3 +113,12 @@ def test_light_from_behind_hides_nothing():
     behind = torch.zeros(1, 16, 32)
     behind[:, 8, 15] = 100
     assert march_relief(wall(), facing_camera(), covered()).visibility(behind, SIZE).min() == 1
+
+
+@pytest.mark.parametrize(("azimuth_deg", "rise"), [(0, 1.0), (90, 0.0), (180, 0.0), (270, 0.0)])
+def test_a_terrace_hides_the_sky_on_its_side_up_to_its_rim(azimuth_deg, rise):
+    """Half a half-width high, and as far to the right of a point in the middle: up to 45 degrees."""
+    relief = torch.zeros(1, 64, 64)
+    relief[:, :, 48:] = 0.5
+    slopes = horizon_slopes(relief, torch.ones(1, 64, 64), torch.deg2rad(torch.tensor([float(azimuth_deg)])))
+    assert float(slopes[0, 0, 32, 32]) == pytest.approx(rise, abs=0.15)

@@ -11,6 +11,7 @@ from relight_core.training.losses import (
     edges_l1,
     focal_parsing,
     fraction_loss,
+    horizon_l1,
     levelled_l1,
     masked_l1,
     masked_l2,
@@ -186,6 +187,49 @@ class TestFractionLoss:
         loss.backward()
         assert float(loss.detach()) == 0
         assert torch.isfinite(logit.grad).all()
+
+
+class TestHorizonL1:
+    AROUND = torch.tensor([0.1, 1.6, 3.2, 4.7])
+
+    def terrace(self, height=0.5):
+        """A plane whose right half stands nearer."""
+        relief = torch.zeros(1, 1, 64, 64)
+        relief[..., 32:] = height
+        return relief
+
+    def error(self, estimate, truth, covered=None):
+        return horizon_l1(estimate, truth, torch.ones_like(truth) if covered is None else covered, self.AROUND)
+
+    def test_how_far_away_all_of_a_surface_is_hides_nothing(self):
+        assert float(self.error(self.terrace() + 0.7, self.terrace())) == pytest.approx(0, abs=1e-5)
+
+    def test_a_flatter_one_is_worse_the_flatter_it_is(self):
+        flat, half, most = (float(self.error(self.terrace(height), self.terrace())) for height in (0.0, 0.25, 0.4))
+        assert flat > 1.5 * half > 3 * most
+
+    def test_it_raises_what_is_too_low(self):
+        estimate = self.terrace(0.25).requires_grad_()
+        self.error(estimate, self.terrace()).backward()
+        assert estimate.grad[..., 32:].sum() < 0 < estimate.grad[..., :32].sum()
+
+    def test_counts_only_what_is_covered(self):
+        covered = torch.ones(1, 1, 64, 64)
+        covered[..., 32:] = 0
+        assert float(self.error(self.terrace(0.1), self.terrace(), covered)) == 0
+
+    def test_an_empty_mask_gives_zero_and_finite_gradients(self):
+        estimate = torch.rand(1, 1, 64, 64, requires_grad=True)
+        loss = self.error(estimate, self.terrace(), torch.zeros(1, 1, 64, 64))
+        loss.backward()
+        assert float(loss.detach()) == 0
+        assert torch.isfinite(estimate.grad).all()
+
+    def test_larger_pictures_of_the_same_surface_have_the_same_error(self):
+        small = self.terrace(0.2), self.terrace()
+        large = [relief.repeat_interleave(4, 2).repeat_interleave(4, 3) for relief in small]
+        expected = float(self.error(*small))
+        assert float(self.error(*large)) == pytest.approx(expected, rel=1e-4)
 
 
 class TestAdditiveShadow:
