@@ -5,6 +5,7 @@ from __future__ import annotations
 import torch
 import torch.nn.functional as F
 
+from relight_core.dataset.samples import RELIEF_SIZE
 from relight_core.lighting.reflection import ReflectionTable
 from relight_core.lighting.relief import horizon_slopes
 from relight_core.lighting.sphere import solid_angles
@@ -14,9 +15,6 @@ _EDGE_WEIGHTS = (1.0, 0.7, 0.5)
 
 _RELIEF_STEPS = ((1, 8.0), (4, 2.0), (16, 0.5))
 """Distances in pixels, and weights that make their errors count about alike."""
-
-_HORIZON_SIZE = 64
-"""Side at which reliefs are compared by their horizons: that at which the editor marches them."""
 
 
 def masked_l1(estimate: torch.Tensor, truth: torch.Tensor, covered: torch.Tensor) -> torch.Tensor:
@@ -141,14 +139,11 @@ def horizon_l1(
         covered: (B, 1, H, W) in [0, 1].
         azimuth_rad: (azimuths,) where light may come from.
     """
-    reliefs = (F.interpolate(relief.float(), size=_HORIZON_SIZE, mode="area")[:, 0] for relief in (estimate, truth))
-    covered = F.interpolate(covered, size=_HORIZON_SIZE, mode="area")
-    found, true = (_sine(horizon_slopes(relief, covered[:, 0], azimuth_rad)).transpose(0, 1) for relief in reliefs)
+    reliefs = (F.interpolate(relief.float(), size=RELIEF_SIZE, mode="area")[:, 0] for relief in (estimate, truth))
+    covered = F.interpolate(covered, size=RELIEF_SIZE, mode="area")
+    slopes = (horizon_slopes(relief, covered[:, 0], azimuth_rad) for relief in reliefs)
+    found, true = (slope.atan().sin().transpose(0, 1) for slope in slopes)
     return masked_l1(found, true, (covered > 0.5).float())
-
-
-def _sine(slope: torch.Tensor) -> torch.Tensor:
-    return slope * (1 + slope.square()).rsqrt()
 
 
 def fraction_loss(logit: torch.Tensor, fraction: torch.Tensor, weight: torch.Tensor) -> torch.Tensor:

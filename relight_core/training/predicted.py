@@ -5,12 +5,11 @@ from __future__ import annotations
 import torch
 import torch.nn.functional as F
 
+from relight_core.dataset.samples import RELIEF_SIZE
 from relight_core.imaging.tensor_colour import srgb_decode
 from relight_core.imaging.tensor_normals import unit_normals
 from relight_core.networks.bundle import NetworkBundle
 from relight_core.pipeline import stages
-
-RELIEF_SIZE = 64
 
 
 def surface_size(bundle: NetworkBundle, photo: torch.Tensor) -> int:
