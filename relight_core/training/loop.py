@@ -14,6 +14,7 @@ import torch
 from relight_core.imaging.files import whole_file
 from relight_core.lighting.reflection import ReflectionTable
 from relight_core.networks.bundle import NetworkBundle, save_bundle
+from relight_core.training.ahead import one_ahead
 from relight_core.training.optimiser import Optimiser
 from relight_core.training.sheet import draw_samples
 from relight_core.training.stages import Stage
@@ -122,12 +123,12 @@ def train_stage(
     table, average = ReflectionTable().to(device), AveragedWeights(bundle)
     saved_state = state_path(checkpoint)
     progress = load_state(saved_state, bundle, average.state, optimiser) if saved_state.exists() else Progress()
-    batches = batches_from(progress.step)
+    batches = _prepared(stage, bundle, batches_from(progress.step), device)
     started, saved, batch = time.monotonic() - progress.seconds, time.monotonic(), None
     while (elapsed := budget.spent(progress.step, progress.seconds)) < 1:
         optimiser.set_learning_rate(budget.rate(progress.step, elapsed))
-        batch = next(batches)
-        progress.take(_step(stage, bundle, table, batch, optimiser, device))
+        batch, ready = next(batches)
+        progress.take(_step(stage, bundle, table, ready, optimiser, device))
         if progress.in_a_row > _MOST_SKIPPED_IN_A_ROW:
             raise TrainingDiverged(f"{progress.in_a_row} non-finite batches in a row at step {progress.step}")
         average.update(bundle, progress.step)
@@ -170,9 +171,19 @@ def _prepare(stage: Stage, bundle: NetworkBundle, device: str) -> None:
             network.eval()
 
 
+def _prepared(stage, bundle, batches, device) -> Iterator[tuple[dict, dict]]:
+    """Every batch as it came, and on its device as the stage learns from it."""
+
+    def on_device(batch: dict[str, torch.Tensor]) -> dict[str, torch.Tensor]:
+        return {name: value.to(device, non_blocking=True) for name, value in batch.items()}
+
+    if stage.prepare is None:
+        return ((batch, on_device(batch)) for batch in batches)
+    return one_ahead(lambda batch: stage.prepare(bundle, on_device(batch)), batches)
+
+
 def _step(stage, bundle, table, batch, optimiser, device) -> dict[str, float]:
     """One optimiser step; the losses by name, or nothing when the batch had to be skipped."""
-    batch = {name: value.to(device, non_blocking=True) for name, value in batch.items()}
     statistics = [buffer.clone() for buffer in bundle.buffers()]
     with torch.autocast(device, torch.bfloat16):
         losses = stage.losses(bundle, table, batch)

@@ -44,6 +44,8 @@ class Stage:
         learning_rate: the peak of its schedule.
         distilled: its batches are what the wide pair of networks says (see `training.distillation`).
         outlines: its samples are photos with outlines (see `dataset.outlines`).
+        prepare: (bundle, batch of pairs) -> what `losses` gets in the batch's place. It depends on nothing that the
+            stage changes and carries no gradient, so it is done ahead of the step.
     """
 
     trains: tuple[str, ...]
@@ -53,6 +55,7 @@ class Stage:
     learning_rate: float
     distilled: bool = False
     outlines: bool = False
+    prepare: Callable[[NetworkBundle, Batch], Batch] | None = None
 
 
 def _warm_delight(bundle: NetworkBundle, table: ReflectionTable, batch: Batch) -> Losses:
@@ -98,8 +101,7 @@ def _tune_delight(bundle: NetworkBundle, table: ReflectionTable, batch: Batch, r
     return losses | {"relit": relit_weight * (relit["encoded"] + relit["display"])}
 
 
-def _tune_relight(bundle: NetworkBundle, table: ReflectionTable, batch: Batch) -> Losses:
-    flat = on_predicted_surface(bundle, batch)
+def _tune_relight(bundle: NetworkBundle, table: ReflectionTable, flat: Batch) -> Losses:
     effects, losses = None, {}
     if bundle.config.composition.effects:
         effects, losses = specular_shadow_losses(bundle.specular_shadow, table, flat)
@@ -126,7 +128,9 @@ STAGES = {
     "warm-relight": Stage(("specular_shadow", "composition"), _warm_relight, False, True, 2e-3),
     "tune-delight": Stage(("delight",), _tune_delight, True, True, 2e-4),
     "tune-delight-strongly": Stage(("delight",), partial(_tune_delight, relit_weight=3.0), True, True, 4e-4),
-    "tune-relight": Stage(("specular_shadow", "composition"), _tune_relight, True, False, 1e-3),
+    "tune-relight": Stage(
+        ("specular_shadow", "composition"), _tune_relight, True, False, 1e-3, prepare=on_predicted_surface
+    ),
     "tune-on-predictions": Stage(("specular_shadow", "composition"), _tune_on_predictions, True, True, 2e-4),
     "distil-relight": Stage(("narrow",), distillation_losses, True, False, 1e-3, distilled=True),
     "outline": Stage(("person",), _outline, True, False, 1.5e-3, outlines=True),
