@@ -3,8 +3,8 @@
 import numpy as np
 from scipy.spatial import ConvexHull
 
-from relight_core.dataset.garment_binding import HeadSurface
-from relight_core.dataset.garment_mesh import vertex_normals
+from relight_core.dataset.garments.garment_binding import HeadSurface
+from relight_core.dataset.garments.garment_mesh import vertex_normals
 from relight_core.dataset.heads import HeadModel
 
 RADIUS = 9.0

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from relight_core.dataset.bake import BakedHead
-from relight_core.dataset.shard import write_shard
+from relight_core.dataset.baking.bake import BakedHead
+from relight_core.dataset.baking.shard import write_shard
 from relight_core.lighting.sphere import directions
 
 SKIN, NECK = 1, 9

@@ -87,8 +87,8 @@ def _bake(arguments: argparse.Namespace) -> int:
 
 def _add_skins(casting, wardrobe: Path, folder: Path) -> None:
     """Write MakeHuman's skins beside the heads unless they are there or the wardrobe has none."""
-    from relight_core.dataset.skin_textures import load_skins, write_skins
-    from relight_core.dataset.skin_transfer import transfer_skins
+    from relight_core.dataset.painting.skin_textures import load_skins, write_skins
+    from relight_core.dataset.painting.skin_transfer import transfer_skins
 
     if load_skins(folder) is None:
         skins = transfer_skins(wardrobe, casting.model)
@@ -97,8 +97,8 @@ def _add_skins(casting, wardrobe: Path, folder: Path) -> None:
 
 
 def _skins(arguments: argparse.Namespace) -> int:
-    from relight_core.dataset.skin_textures import write_skins
-    from relight_core.dataset.skin_transfer import transfer_skins
+    from relight_core.dataset.painting.skin_textures import write_skins
+    from relight_core.dataset.painting.skin_transfer import transfer_skins
 
     if arguments.heads.is_dir():
         raise InputError(f"{arguments.heads}: skins are carried onto a head model; give its .npz")
@@ -115,8 +115,8 @@ def _skins(arguments: argparse.Namespace) -> int:
 def _check(arguments: argparse.Namespace) -> int:
     import numpy as np
 
-    from relight_core.dataset.check import check_heads
-    from relight_core.dataset.lights import load_lights, sample_light
+    from relight_core.dataset.baking.check import check_heads
+    from relight_core.dataset.lighting.lights import load_lights, sample_light
     from relight_core.dataset.recipe import SPLIT_SEEDS
 
     casting = _casting(arguments.heads, arguments.wardrobe)
@@ -142,7 +142,7 @@ def _shares(arguments: argparse.Namespace) -> dict[str, float]:
 
 
 def _casting(heads: Path, wardrobe: Path | None, **shares: float):
-    from relight_core.dataset.dressing import Shares
+    from relight_core.dataset.garments.dressing import Shares
     from relight_core.dataset.recipe import load_casting
 
     if not heads.exists():
@@ -156,7 +156,7 @@ def _casting(heads: Path, wardrobe: Path | None, **shares: float):
 
 
 def _lights(arguments: argparse.Namespace) -> int:
-    from relight_core.dataset.light_folder import read_light_folder, write_light_library
+    from relight_core.dataset.lighting.light_folder import read_light_folder, write_light_library
 
     check_output_file(arguments.output, (".npz",))
     if not arguments.folder.is_dir():

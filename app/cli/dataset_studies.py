@@ -70,8 +70,8 @@ def _preview(arguments: argparse.Namespace) -> int:
 
 
 def _speed(arguments: argparse.Namespace) -> int:
+    from relight_core.dataset.baking.shard import read_shard
     from relight_core.dataset.recipe import load_split
-    from relight_core.dataset.shard import read_shard
     from relight_core.evaluation.loader_speed import loader_speed, waiting_share
 
     check_heads_and_lights(arguments.shards, arguments.lights, "train")

@@ -36,7 +36,7 @@ def check_heads_and_lights(heads: Path, lights: Path, split: str) -> int:
     Raises:
         InputError: either is missing or can't be read.
     """
-    from relight_core.dataset.lights import load_lights
+    from relight_core.dataset.lighting.lights import load_lights
     from relight_core.dataset.recipe import load_split
 
     load_lights(lights, split)

@@ -5,8 +5,8 @@ from __future__ import annotations
 import cv2
 import numpy as np
 
+from relight_core.dataset.painting.texture import TexturePool
 from relight_core.dataset.surroundings import Neighbour, behind
-from relight_core.dataset.texture import TexturePool
 
 
 def photograph(

@@ -9,8 +9,8 @@ from pathlib import Path
 import numpy as np
 import torch
 
+from relight_core.dataset.baking.shard import read_shard
 from relight_core.dataset.recipe import load_split
-from relight_core.dataset.shard import read_shard
 from relight_core.dataset.stream import SampleStream
 from relight_core.imaging.colour import srgb_encode
 from relight_core.pipeline.channel_view import channel_to_srgb

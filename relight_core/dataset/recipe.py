@@ -7,10 +7,12 @@ from pathlib import Path
 
 import numpy as np
 
-from relight_core.dataset.bake import BakedHead, bake
-from relight_core.dataset.dressing import Shares, Wardrobe
+from relight_core.dataset.baking.bake import BakedHead, bake
+from relight_core.dataset.baking.framing import Framing, sample_framing
+from relight_core.dataset.baking.scene import FROM_FACE_MAP, Scene, build_scene
+from relight_core.dataset.baking.shard import read_shard, write_shard
 from relight_core.dataset.face_map import face_label_map, face_vertices
-from relight_core.dataset.framing import Framing, sample_framing
+from relight_core.dataset.garments.dressing import Shares, Wardrobe
 from relight_core.dataset.heads import (
     HeadModel,
     load_head_model,
@@ -20,10 +22,8 @@ from relight_core.dataset.heads import (
     shape_head,
     turn_eyes,
 )
+from relight_core.dataset.painting.texture import look_up
 from relight_core.dataset.scans import people_of, read_scan
-from relight_core.dataset.scene import FROM_FACE_MAP, Scene, build_scene
-from relight_core.dataset.shard import read_shard, write_shard
-from relight_core.dataset.texture import look_up
 from relight_core.errors import InputError
 
 SPLIT_SEEDS = {"train": 0, "validation": 1_000_000, "test": 2_000_000}

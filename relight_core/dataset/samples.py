@@ -8,10 +8,10 @@ import cv2
 import numpy as np
 import torch
 
-from relight_core.dataset.appearance import Appearance
-from relight_core.dataset.bake import BakedHead
-from relight_core.dataset.illumination import Illumination, illuminate
-from relight_core.dataset.interreflection import OwnView, bounced, own_view
+from relight_core.dataset.baking.bake import BakedHead
+from relight_core.dataset.lighting.appearance import Appearance
+from relight_core.dataset.lighting.illumination import Illumination, illuminate
+from relight_core.dataset.lighting.interreflection import OwnView, bounced, own_view
 from relight_core.face.gloss import gloss_of
 from relight_core.face.parsing import MIRRORED
 from relight_core.imaging.colour import REC709_LUMINANCE

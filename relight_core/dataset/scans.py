@@ -20,7 +20,7 @@ import cv2
 import numpy as np
 from PIL import Image
 
-from relight_core.dataset.scene import Material
+from relight_core.dataset.baking.scene import Material
 from relight_core.errors import InputError
 from relight_core.face.parsing import CLASSES, FACE_LABELS, INDEX
 from relight_core.imaging.read import read_photo

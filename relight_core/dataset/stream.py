@@ -10,11 +10,15 @@ import numpy as np
 import torch
 from torch.utils.data import IterableDataset, get_worker_info
 
-from relight_core.dataset.appearance import Appearance, appear
-from relight_core.dataset.bake import FABRIC, BakedHead, add_relief
+from relight_core.dataset.baking.bake import FABRIC, BakedHead, add_relief
+from relight_core.dataset.baking.shard import read_shard
 from relight_core.dataset.camera import photograph
-from relight_core.dataset.lights import LightLibrary, load_lights, sample_light
-from relight_core.dataset.occluders import sample_occluder
+from relight_core.dataset.lighting.appearance import Appearance, appear
+from relight_core.dataset.lighting.lights import LightLibrary, load_lights, sample_light
+from relight_core.dataset.lighting.occluders import sample_occluder
+from relight_core.dataset.painting.skin import paint, paint_smooth
+from relight_core.dataset.painting.skin_textures import load_skins
+from relight_core.dataset.painting.texture import TexturePool
 from relight_core.dataset.recipe import load_split
 from relight_core.dataset.samples import (
     LitHead,
@@ -27,11 +31,7 @@ from relight_core.dataset.samples import (
     surface_of,
     without_hidden,
 )
-from relight_core.dataset.shard import read_shard
-from relight_core.dataset.skin import paint, paint_smooth
-from relight_core.dataset.skin_textures import load_skins
 from relight_core.dataset.surroundings import Neighbour, sample_local_light, sample_neighbour, with_local_light
-from relight_core.dataset.texture import TexturePool
 from relight_core.dataset.warp import sample_warp, warped
 from relight_core.errors import InputError
 from relight_core.lighting.reflection import GLOSS, Gloss

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
-from relight_core.dataset.texture import TexturePool
+from relight_core.dataset.painting.texture import TexturePool
 
 
 @dataclass(frozen=True)

@@ -12,14 +12,14 @@ from typing import Literal
 
 import numpy as np
 
-from relight_core.dataset.bake import add_relief
+from relight_core.dataset.baking.bake import add_relief
+from relight_core.dataset.baking.shard import read_shard
 from relight_core.dataset.camera import photograph
-from relight_core.dataset.lights import load_lights
+from relight_core.dataset.lighting.lights import load_lights
+from relight_core.dataset.painting.skin import paint
+from relight_core.dataset.painting.texture import TexturePool
 from relight_core.dataset.recipe import load_split
 from relight_core.dataset.samples import LitHead, channels_of, light_head, subsample, surface_of
-from relight_core.dataset.shard import read_shard
-from relight_core.dataset.skin import paint
-from relight_core.dataset.texture import TexturePool
 from relight_core.errors import InputError
 from relight_core.imaging.colour import srgb_decode
 from relight_core.lighting.environment import Environment, network_light

@@ -12,7 +12,7 @@ from pathlib import Path
 import torch
 from torch.utils.data import DataLoader
 
-from relight_core.dataset.outlines import OutlineStream
+from relight_core.dataset.cutouts.outlines import OutlineStream
 from relight_core.dataset.stream import SampleStream
 from relight_core.errors import InputError
 from relight_core.lighting.reflection import ReflectionTable

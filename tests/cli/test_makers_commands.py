@@ -10,7 +10,7 @@ from PIL import Image
 from synthetic_heads import write_balls, write_lights
 
 from app.cli.main import main
-from relight_core.dataset.lights import load_lights
+from relight_core.dataset.lighting.lights import load_lights
 from relight_core.networks.bundle import (
     BundleConfig,
     NetworkBundle,

@@ -2,8 +2,8 @@ import numpy as np
 import pytest
 from ball_heads import CENTRE, RADIUS, assert_well_formed, ball_head, surface
 
-from relight_core.dataset import adornments
-from relight_core.dataset.headwear.ring import COLUMNS, HatRing
+from relight_core.dataset.garments import adornments
+from relight_core.dataset.garments.headwear.ring import COLUMNS, HatRing
 
 
 @pytest.fixture(scope="module")

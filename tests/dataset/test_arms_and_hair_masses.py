@@ -8,9 +8,9 @@ from ball_heads import assert_well_formed, ball_head, surface
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 
-from relight_core.dataset.garment_mesh import vertex_normals
-from relight_core.dataset.hair_mass import grow_mass
-from relight_core.dataset.raised_arm import raise_arm
+from relight_core.dataset.garments.garment_mesh import vertex_normals
+from relight_core.dataset.garments.hair_mass import grow_mass
+from relight_core.dataset.garments.raised_arm import raise_arm
 
 
 @pytest.fixture(scope="module")

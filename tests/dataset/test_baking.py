@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from synthetic_heads import write_head_model
 
+from relight_core.dataset.baking.scene import Scene
+from relight_core.dataset.baking.shard import read_shard
 from relight_core.dataset.recipe import Casting, bake_missing, shard_path
-from relight_core.dataset.scene import Scene
-from relight_core.dataset.shard import read_shard
 from relight_core.errors import InputError
 from relight_core.lighting.sphere import directions
 
@@ -16,7 +16,7 @@ def casting(tmp_path_factory):
     path = tmp_path_factory.mktemp("model") / "model.npz"
     write_head_model(path)
     try:
-        from relight_core.dataset.raycast import RayCaster
+        from relight_core.dataset.baking.raycast import RayCaster
 
         corners = np.array([[-1, -1, 0], [1, -1, 0], [0, 1, 0]], np.float32)
         RayCaster(Scene(corners, np.array([[0, 1, 2]]), np.zeros((1, 3, 2)), np.zeros(1), np.zeros(1))).closest(
@@ -28,7 +28,7 @@ def casting(tmp_path_factory):
 
 
 def test_rays_hit_what_lies_in_their_way(casting):
-    from relight_core.dataset.raycast import RayCaster
+    from relight_core.dataset.baking.raycast import RayCaster
 
     corners = np.array([[-1, -1, 0], [1, -1, 0], [0, 1, 0]], np.float32)
     scene = Scene(corners, np.array([[0, 1, 2]]), np.zeros((1, 3, 2)), np.zeros(1), np.zeros(1))

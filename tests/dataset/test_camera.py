@@ -5,7 +5,7 @@ import pytest
 from synthetic_heads import ball
 
 from relight_core.dataset.camera import photograph
-from relight_core.dataset.texture import TexturePool, fractal_noise, look_up
+from relight_core.dataset.painting.texture import TexturePool, fractal_noise, look_up
 
 
 @pytest.fixture(scope="module")

@@ -5,13 +5,13 @@ import pytest
 from ball_heads import CENTRE, RADIUS, assert_well_formed, ball_head, sphere, surface
 from PIL import Image
 
-from relight_core.dataset.beard_shell import BeardPatch
-from relight_core.dataset.garment_binding import HeadSurface, bind, fit_affine
-from relight_core.dataset.garment_mesh import clip, compact, subdivide, vertex_normals
-from relight_core.dataset.hair_shell import ScalpGrid, grow_hair, sample_style
+from relight_core.dataset.garments.beard_shell import BeardPatch
+from relight_core.dataset.garments.garment_binding import HeadSurface, bind, fit_affine
+from relight_core.dataset.garments.garment_mesh import clip, compact, subdivide, vertex_normals
+from relight_core.dataset.garments.hair_shell import ScalpGrid, grow_hair, sample_style
+from relight_core.dataset.garments.makehuman import cut_by_opacity, find_root, read_base, read_item
+from relight_core.dataset.garments.makehuman_fit import HeadWarp
 from relight_core.dataset.heads import HeadModel
-from relight_core.dataset.makehuman import cut_by_opacity, find_root, read_base, read_item
-from relight_core.dataset.makehuman_fit import HeadWarp
 
 
 @pytest.fixture(scope="module", name="ball_head")

@@ -7,7 +7,7 @@ import pytest
 import torch
 from synthetic_heads import ball
 
-from relight_core.dataset.appearance import appear
+from relight_core.dataset.lighting.appearance import appear
 from relight_core.dataset.samples import channels_of, light_head
 from relight_core.lighting.reflection import Gloss
 from relight_core.pipeline.hints import with_dull_parts

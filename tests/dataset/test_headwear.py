@@ -2,11 +2,11 @@ import numpy as np
 import pytest
 from ball_heads import CENTRE, RADIUS, assert_well_formed, ball_head, surface
 
-from relight_core.dataset.hair_shell import ScalpGrid, grow_hair, sample_style
-from relight_core.dataset.headwear.drapes import sample_drape, wrap_head
-from relight_core.dataset.headwear.ring import fit_ring
-from relight_core.dataset.headwear.stiff_hats import STIFF_HATS, HatShape, make_stiff_hat
-from relight_core.dataset.headwear.wardrobe import HEADWEAR, put_on, sample_kind
+from relight_core.dataset.garments.hair_shell import ScalpGrid, grow_hair, sample_style
+from relight_core.dataset.garments.headwear.drapes import sample_drape, wrap_head
+from relight_core.dataset.garments.headwear.ring import fit_ring
+from relight_core.dataset.garments.headwear.stiff_hats import STIFF_HATS, HatShape, make_stiff_hat
+from relight_core.dataset.garments.headwear.wardrobe import HEADWEAR, put_on, sample_kind
 
 EARS = np.array([[-RADIUS - 1.5, 2.0, 0.0], [RADIUS + 1.5, 2.0, 0.0]]) + CENTRE * [1, 0, 1]
 OPEN = ("sun visor", "headband", "crown", "wreath", "headphones", "feathers", "bandana")

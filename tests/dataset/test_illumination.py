@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from synthetic_heads import ball
 
-from relight_core.dataset.illumination import blocked_by_itself, illuminate, reflect
-from relight_core.dataset.interreflection import bounced
+from relight_core.dataset.lighting.illumination import blocked_by_itself, illuminate, reflect
+from relight_core.dataset.lighting.interreflection import bounced
 from relight_core.dataset.samples import channels_of, light_head, mirrored, subsample, surface_of
 from relight_core.lighting.reflection import Gloss
 

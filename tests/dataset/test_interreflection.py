@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from synthetic_heads import ball
 
-from relight_core.dataset.bake import BakedHead
-from relight_core.dataset.interreflection import bounced, own_view
+from relight_core.dataset.baking.bake import BakedHead
+from relight_core.dataset.lighting.interreflection import bounced, own_view
 from relight_core.lighting.sphere import directions
 
 SIZE = 64

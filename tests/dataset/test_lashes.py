@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from ball_heads import assert_well_formed, ball_head
 
-from relight_core.dataset.garment_mesh import grid_faces
-from relight_core.dataset.lashes import LashStrips
-from relight_core.dataset.scene import Material, build_scene
+from relight_core.dataset.baking.scene import Material, build_scene
+from relight_core.dataset.garments.garment_mesh import grid_faces
+from relight_core.dataset.garments.lashes import LashStrips
 from relight_core.face.parsing import INDEX
 
 ROWS, COLUMNS = 3, 7

@@ -4,8 +4,8 @@ import cv2
 import numpy as np
 import pytest
 
-from relight_core.dataset.light_folder import read_light_folder, write_light_library
-from relight_core.dataset.lights import load_lights
+from relight_core.dataset.lighting.light_folder import read_light_folder, write_light_library
+from relight_core.dataset.lighting.lights import load_lights
 from relight_core.errors import InputError
 
 

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 from synthetic_heads import ball, write_balls, write_lights
 
-from relight_core.dataset.lights import (
+from relight_core.dataset.baking.shard import read_shard, write_shard
+from relight_core.dataset.lighting.lights import (
     load_lights,
     normalise_light,
     sample_light,
@@ -14,7 +15,6 @@ from relight_core.dataset.lights import (
     sample_rig,
 )
 from relight_core.dataset.recipe import load_split
-from relight_core.dataset.shard import read_shard, write_shard
 from relight_core.dataset.stream import SampleStream
 from relight_core.errors import InputError
 

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from relight_core.dataset.arms import with_arm
-from relight_core.dataset.mane import with_mane
-from relight_core.dataset.texture import TexturePool
+from relight_core.dataset.cutouts.arms import with_arm
+from relight_core.dataset.cutouts.mane import with_mane
+from relight_core.dataset.painting.texture import TexturePool
 
 SIZE, CENTRE, FACE_PX = 96, np.array([48.0, 44.0]), 24.0
 ADDED = [with_mane, with_arm]

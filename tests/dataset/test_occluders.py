@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 from synthetic_heads import ball
 
-from relight_core.dataset.appearance import appear
-from relight_core.dataset.illumination import illuminate
-from relight_core.dataset.interreflection import own_view
-from relight_core.dataset.occluders import Occluder, positions, sample_occluder, silhouette, transmission
+from relight_core.dataset.lighting.appearance import appear
+from relight_core.dataset.lighting.illumination import illuminate
+from relight_core.dataset.lighting.interreflection import own_view
+from relight_core.dataset.lighting.occluders import Occluder, positions, sample_occluder, silhouette, transmission
 from relight_core.lighting.reflection import Gloss
 from relight_core.lighting.sphere import directions, solid_angles
 

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from relight_core.dataset.cutouts import cut_out, place
-from relight_core.dataset.outlines import OutlineStream, outline_sample
-from relight_core.dataset.scenery.pool import SceneryPool
-from relight_core.dataset.texture import TexturePool
+from relight_core.dataset.cutouts.cutouts import cut_out, place
+from relight_core.dataset.cutouts.outlines import OutlineStream, outline_sample
+from relight_core.dataset.cutouts.scenery.pool import SceneryPool
+from relight_core.dataset.painting.texture import TexturePool
 from tests.synthetic_heads import write_balls, write_lights
 
 SIZE = 96

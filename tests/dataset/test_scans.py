@@ -5,11 +5,11 @@ import pytest
 from PIL import Image
 from synthetic_heads import ball
 
+from relight_core.dataset.baking.shard import read_shard
+from relight_core.dataset.painting.skin import paint
+from relight_core.dataset.painting.texture import TexturePool
 from relight_core.dataset.recipe import ScanCasting, bake_missing, load_casting
 from relight_core.dataset.scans import people_of, read_scan
-from relight_core.dataset.shard import read_shard
-from relight_core.dataset.skin import paint
-from relight_core.dataset.texture import TexturePool
 from relight_core.errors import InputError
 
 SKIN, HAIR = 1, 10

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from relight_core.dataset.scenery.pool import SceneryPool
-from relight_core.dataset.texture import TexturePool
+from relight_core.dataset.cutouts.scenery.pool import SceneryPool
+from relight_core.dataset.painting.texture import TexturePool
 
 
 @pytest.fixture(scope="module")

@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 
-from relight_core.dataset.scenery.behind import with_something_behind
-from relight_core.dataset.scenery.panoramas import look_around, read_places
-from relight_core.dataset.scenery.places import park, room, with_crowns
-from relight_core.dataset.scenery.pool import SceneryPool
-from relight_core.dataset.scenery.strokes import put
-from relight_core.dataset.texture import TexturePool
+from relight_core.dataset.cutouts.scenery.behind import with_something_behind
+from relight_core.dataset.cutouts.scenery.panoramas import look_around, read_places
+from relight_core.dataset.cutouts.scenery.places import park, room, with_crowns
+from relight_core.dataset.cutouts.scenery.pool import SceneryPool
+from relight_core.dataset.cutouts.scenery.strokes import put
+from relight_core.dataset.painting.texture import TexturePool
 from relight_core.errors import InputError
 from relight_core.imaging.write import write_image
 

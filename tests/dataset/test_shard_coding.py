@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from synthetic_heads import ball
 
-from relight_core.dataset import shard_coding as coding
-from relight_core.dataset.shard import read_shard, write_shard
+from relight_core.dataset.baking import shard_coding as coding
+from relight_core.dataset.baking.shard import read_shard, write_shard
 
 
 def differences(codes):

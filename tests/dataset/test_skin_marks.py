@@ -2,8 +2,8 @@ import numpy as np
 import pytest
 from synthetic_heads import ball
 
-from relight_core.dataset import skin_marks
-from relight_core.dataset.texture import TexturePool
+from relight_core.dataset.painting import skin_marks
+from relight_core.dataset.painting.texture import TexturePool
 
 MARKS = [skin_marks.add_moles, skin_marks.add_freckles, skin_marks.add_birthmark, skin_marks.add_scar]
 SIZE = 64

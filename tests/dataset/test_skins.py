@@ -7,12 +7,13 @@ import pytest
 from PIL import Image
 from synthetic_heads import ball, write_balls, write_head_model, write_lights
 
-from relight_core.dataset import skin_transfer, stream
+from relight_core.dataset import stream
 from relight_core.dataset.heads import load_head_model
-from relight_core.dataset.skin import paint
-from relight_core.dataset.skin_textures import SkinTextures, load_skins, write_skins
+from relight_core.dataset.painting import skin_transfer
+from relight_core.dataset.painting.skin import paint
+from relight_core.dataset.painting.skin_textures import SkinTextures, load_skins, write_skins
+from relight_core.dataset.painting.texture import TexturePool
 from relight_core.dataset.stream import SampleStream
-from relight_core.dataset.texture import TexturePool
 from relight_core.errors import InputError
 
 

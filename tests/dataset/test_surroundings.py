@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from relight_core.dataset.camera import photograph
+from relight_core.dataset.painting.texture import TexturePool
 from relight_core.dataset.surroundings import (
     LocalLight,
     Neighbour,
@@ -12,7 +13,6 @@ from relight_core.dataset.surroundings import (
     sample_neighbour,
     with_local_light,
 )
-from relight_core.dataset.texture import TexturePool
 
 SIZE = 48
 

@@ -7,7 +7,7 @@ import pytest
 from synthetic_heads import write_balls, write_lights
 
 from relight_core.dataset import stream
-from relight_core.dataset.texture import TexturePool
+from relight_core.dataset.painting.texture import TexturePool
 from relight_core.evaluation.dataset_effect import Lesson, Seen, measure, taught
 
 SIZE = 32

@@ -34,9 +34,9 @@ def readers(folder: Path) -> dict[str, Reader]:
     from app.engine.calibration_file import read_costs
     from app.settings import Settings, read_settings, write_settings
     from app.window.recent_lights import read_recent
+    from relight_core.dataset.baking.shard import read_shard
     from relight_core.dataset.heads import load_head_model
-    from relight_core.dataset.lights import load_lights
-    from relight_core.dataset.shard import read_shard
+    from relight_core.dataset.lighting.lights import load_lights
     from relight_core.imaging.read import read_photo
     from relight_core.lighting.environment import read_environment
     from relight_core.lighting.rig_description import read_rig
@@ -91,7 +91,7 @@ def _weights(folder: Path) -> bytes:
 def _shard(folder: Path) -> bytes:
     from synthetic_heads import ball
 
-    from relight_core.dataset.shard import write_shard
+    from relight_core.dataset.baking.shard import write_shard
 
     write_shard(folder / "seed.npz", ball())
     return (folder / "seed.npz").read_bytes()

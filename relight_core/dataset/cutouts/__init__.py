@@ -1,0 +1,1 @@
+"""The samples of the person network: people cut out and put before scenes."""

@@ -1,0 +1,171 @@
+"""The samples of the person network: a photo with people in it, and the outline of the one that is meant."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+
+import cv2
+import numpy as np
+import torch
+
+from relight_core.dataset.baking.shard import read_shard
+from relight_core.dataset.camera import camera_gain, taken
+from relight_core.dataset.cutouts.arms import with_arm
+from relight_core.dataset.cutouts.cutouts import Cutout, cut_out, place
+from relight_core.dataset.cutouts.mane import with_mane
+from relight_core.dataset.cutouts.scenery.behind import with_something_behind
+from relight_core.dataset.cutouts.scenery.panoramas import read_places
+from relight_core.dataset.cutouts.scenery.pool import SceneryPool
+from relight_core.dataset.lighting.appearance import appear
+from relight_core.dataset.lighting.lights import LightLibrary, sample_light
+from relight_core.dataset.painting.skin import paint
+from relight_core.dataset.painting.texture import TexturePool
+from relight_core.dataset.samples import light_head
+from relight_core.dataset.stream import SampleStream, textured
+from relight_core.face.crop import Crop
+from relight_core.face.person_view import FACE_SHARE, face_in_view, inside_photo, person_view
+from relight_core.lighting.reflection import GLOSS
+
+_CUTOUTS_PER_HEAD, _SAMPLES_PER_CUTOUT = 5, 12
+_WILD_SHARE, _ACCOMPANIED_SHARE, _CAMOUFLAGED_SHARE, _TURNED_SHARE = 0.3, 0.35, 0.25, 0.4
+_BACKED_SHARE = 0.3
+_MANE_SHARE, _ARM_SHARE = 0.15, 0.15
+_SCENES = 24
+_CLOSEST, _FARTHEST = 0.62, 3.0
+
+
+class OutlineStream(SampleStream):
+    """Single photos as the person network sees them, and how much of each pixel is the person that is meant.
+
+    Each item is a dict of tensors: "photo_srgb" (3, S, S), 0 beyond the photo's borders; "inside" (1, S, S), 1
+    where there is a photo; "face" (1, S, S), 1 in the square of the face that is meant; "person" (1, S, S). Lit
+    heads are cut out and put before drawn scenes, others beside and behind them, bodies below their busts.
+
+    Args:
+        places: a folder of panoramas, views into which are scenes as well; None does without.
+
+    Raises:
+        InputError: no panoramas there, or one that can't be read.
+    """
+
+    def __init__(
+        self,
+        folder: Path,
+        lights: Path,
+        split: str,
+        size: int,
+        seed: int,
+        *,
+        places: Path | None = None,
+        **where: int,
+    ):
+        super().__init__(folder, lights, split, size, seed, lights_per_head=_CUTOUTS_PER_HEAD, **where)
+        self.paints_per_head = _CUTOUTS_PER_HEAD * _SAMPLES_PER_CUTOUT
+        # Read here and not where samples are made: OpenEXR's threads don't come along into forked workers.
+        self.panoramas = read_places(places) if places else ()
+
+    def _round(
+        self, lane: int, number: int, first: int, paths: list[Path], library: LightLibrary, pool: TexturePool
+    ) -> Iterator[dict[str, torch.Tensor]]:
+        rng = self._random(lane, number)
+        scenery = SceneryPool(pool, rng, _SCENES, self.panoramas)
+        people = [c for path in self._heads_of(lane, number, paths) for c in self._cutouts(path, library, pool, rng)]
+        order = rng.permutation(self.heads_at_once * self.paints_per_head)
+        for turn in range(first, len(order)):
+            meant = order[turn] % len(people)
+            yield outline_sample(people, meant, self.size, scenery, pool, self._random(lane, number, turn))
+
+    def _cutouts(self, path: Path, library: LightLibrary, pool: TexturePool, rng: np.random.Generator) -> list[Cutout]:
+        """One person in several lights and paints, at the shard's own size, whatever the samples' is."""
+        head = read_shard(path)
+        normal = textured(head, pool, rng)
+        lights = np.stack([sample_light(library, rng) for _ in range(self.lights_per_head)])
+        lit = light_head(head, normal, lights)
+        appearance = appear(head, normal, lights, lit.illumination, GLOSS)
+        found = []
+        for k, light in enumerate(lights):
+            albedo = paint(head, pool, rng, wild=bool(rng.random() < _WILD_SHARE))
+            radiance = head.scatter(appearance.radiance(head, albedo, lit.own, k))
+            white_level = float(lit.illumination.irradiance[k].mean())
+            gain = camera_gain(radiance, head.covered, light, white_level, rng)
+            found.append(cut_out(radiance * gain, head.covered, head.scatter(head.label), rng))
+        return [cutout for cutout in found if cutout is not None]
+
+
+def outline_sample(
+    people: list[Cutout], meant: int, size: int, scenery: SceneryPool, pool: TexturePool, rng: np.random.Generator
+) -> dict[str, torch.Tensor]:
+    """One photo of one of the people; see `OutlineStream`."""
+    person = people[meant].mirrored() if rng.random() < 0.5 else people[meant]
+    left, top, right, bottom = _frame(person.known, rng)
+    crop, photo_size = Crop(left, top, 1 / FACE_SHARE), (top + bottom, left + right)
+    view = person_view(crop, photo_size)
+    face_px, centre = size / view.side, view.from_photo(np.array([left, top]), size)
+    placed = place(person, size, centre, face_px, pool, rng)
+    if rng.random() < _MANE_SHARE:
+        placed = with_mane(placed, centre, face_px, pool, rng)
+    if rng.random() < _ARM_SHARE:
+        placed = with_arm(placed, centre, face_px, pool, rng)
+    image = scenery.view(size, rng)
+    if rng.random() < _BACKED_SHARE:
+        image = with_something_behind(image, scenery.view(size, rng), centre, face_px, rng)
+    if rng.random() < _CAMOUFLAGED_SHARE:
+        image = _camouflaged(image, placed, rng)
+    while rng.random() < _ACCOMPANIED_SHARE:
+        image = _with_neighbour(image, people, centre, face_px, pool, rng)
+    alpha = placed[..., 3:]
+    photo = taken(image * (1 - alpha) + placed[..., :3], rng)
+    inside = inside_photo(view, photo_size, size)[..., None]
+    found = replace(crop, centre_x=left + rng.normal(0, 0.05), centre_y=top + rng.normal(0, 0.05))
+    found = replace(found, side=crop.side * np.exp(rng.normal(0, 0.08)))
+    face = face_in_view(view, found, size)
+    return _as_tensors(np.dstack([photo * inside, inside, face, alpha * inside]), rng)
+
+
+def _as_tensors(stack: np.ndarray, rng: np.random.Generator) -> dict[str, torch.Tensor]:
+    """The planes of a sample, (S, S, 6), turned a little at times: heads lean, and so their views do."""
+    if rng.random() < _TURNED_SHARE:
+        size = len(stack)
+        turn = cv2.getRotationMatrix2D((size / 2, size / 2), float(rng.normal(0, 12)), 1.0)
+        stack = np.dstack([cv2.warpAffine(stack[..., i : i + 3], turn, (size, size)) for i in (0, 3)])
+    planes = torch.from_numpy(np.clip(stack, 0, 1).astype(np.float32)).permute(2, 0, 1).contiguous()
+    return {"photo_srgb": planes[:3], "inside": planes[3:4], "face": planes[4:5], "person": planes[5:6]}
+
+
+def _frame(known: tuple[float, float, float, float], rng: np.random.Generator) -> np.ndarray:
+    """How far the photo reaches to the left, top, right and bottom of the face's middle, in faces."""
+    wide = np.exp(rng.uniform(np.log(_CLOSEST), np.log(_FARTHEST)))
+    reach = np.maximum(wide * rng.uniform(0.8, 1.6, 4), 0.58)
+    return np.minimum(reach, np.maximum(known, 0.5))
+
+
+def _camouflaged(image: np.ndarray, person: np.ndarray, rng: np.random.Generator) -> np.ndarray:
+    """A background of the colour of some part of the person."""
+    rows, columns = np.nonzero(person[..., 3] > 0.9)
+    if len(rows) == 0:
+        return image
+    at = rng.integers(len(rows))
+    wanted = person[rows[at], columns[at], :3]
+    return image * (np.maximum(wanted, 1e-3) / np.maximum(image.mean((0, 1)), 1e-3))
+
+
+def _with_neighbour(
+    image: np.ndarray,
+    people: list[Cutout],
+    centre: np.ndarray,
+    face_px: float,
+    pool: TexturePool,
+    rng: np.random.Generator,
+) -> np.ndarray:
+    """Somebody else behind and beside, or farther off, in focus or not."""
+    size, other = len(image), people[rng.integers(len(people))]
+    if min(other.known) < 1:
+        return image
+    scale = np.exp(rng.uniform(np.log(0.3), np.log(1.1)))
+    aside = [rng.choice([-1.0, 1.0]) * rng.uniform(0.7, 2.2), rng.normal(0, 0.35)]
+    layer = place(other, size, centre + face_px * np.array(aside), face_px * scale, pool, rng)
+    if rng.random() < 0.6:
+        layer = cv2.GaussianBlur(layer, (0, 0), size * 10 ** rng.uniform(-2.6, -1.5))
+    return image * (1 - layer[..., 3:]) + layer[..., :3] * np.float32(2 ** rng.normal(0, 0.6))

@@ -1,0 +1,1 @@
+"""What heads and what they wear are painted with: albedo, and the pictures it is made of."""
