@@ -12,8 +12,8 @@ from app.engine.batch import photos_in
 from app.engine.sources import PHOTO_SUFFIXES, LightSource
 from app.ui.state import EditorState
 from relight_core.errors import InputError
-from relight_core.imaging.exr import exr_size
-from relight_core.imaging.raster import RAW_SUFFIXES
+from relight_core.imaging.formats.exr import exr_size
+from relight_core.imaging.formats.raster import RAW_SUFFIXES
 
 _USABLE = "a photo (JPEG, PNG, TIFF, HEIC, WebP, EXR, raw), a panorama (.hdr, .exr) or a session"
 

@@ -11,7 +11,7 @@ from functools import lru_cache
 import numpy as np
 
 from relight_core.imaging.colour import srgb_encode
-from relight_core.imaging.icc import MatrixProfile
+from relight_core.imaging.formats.icc import MatrixProfile
 
 _BITS_LEFT_OUT = 10
 _HALF_A_STEP = 1 << (_BITS_LEFT_OUT - 1)

@@ -7,12 +7,12 @@ from pathlib import Path
 import numpy as np
 
 from relight_core.errors import InputError
-from relight_core.imaging import decode, exr
 from relight_core.imaging.colour import srgb_decode_integers
 from relight_core.imaging.files import file_bytes, file_head
-from relight_core.imaging.icc import MatrixProfile, matrix_profile
+from relight_core.imaging.formats import decode, exr
+from relight_core.imaging.formats.icc import MatrixProfile, matrix_profile
+from relight_core.imaging.formats.library_profiles import convert_8_bit
 from relight_core.imaging.in_order import in_order
-from relight_core.imaging.library_profiles import convert_8_bit
 from relight_core.imaging.photo import Photo
 
 _BLOCK_ROWS = 128

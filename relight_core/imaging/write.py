@@ -15,14 +15,14 @@ import tifffile
 from PIL import Image, ImageCms
 
 from relight_core.errors import InputError
-from relight_core.imaging import exr
 from relight_core.imaging.colour import srgb_encode
 from relight_core.imaging.display_codes import codes_8_bit
 from relight_core.imaging.files import whole_file
-from relight_core.imaging.icc import MatrixProfile, matrix_profile
+from relight_core.imaging.formats import exr
+from relight_core.imaging.formats.icc import MatrixProfile, matrix_profile
+from relight_core.imaging.formats.png import chunk, write_png
+from relight_core.imaging.formats.tiff_exif import tags_of_block, with_exif
 from relight_core.imaging.in_order import WORKERS, in_order
-from relight_core.imaging.png import chunk, write_png
-from relight_core.imaging.tiff_exif import tags_of_block, with_exif
 from relight_core.imaging.view_transform import BRIGHTEST, displayable, expose
 
 _BITS = {".png": (8, 16), ".jpg": (8,), ".jpeg": (8,), ".tif": (8, 16), ".tiff": (8, 16), ".exr": (8, 16, 32)}

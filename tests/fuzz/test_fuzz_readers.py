@@ -15,7 +15,7 @@ from fuzz_corpus import Reader, readers
 from fuzz_mutations import damaged
 
 from relight_core.errors import InputError
-from relight_core.imaging import exr
+from relight_core.imaging.formats import exr
 from relight_core.imaging.read import read_radiance
 from relight_core.imaging.write import write_exr_layers
 

@@ -5,8 +5,8 @@ import pytest
 
 from relight_core.imaging.colour import srgb_decode_integers, srgb_encode
 from relight_core.imaging.display_codes import codes_8_bit
-from relight_core.imaging.icc import MatrixProfile, matrix_profile
-from relight_core.imaging.icc_making import DISPLAY_P3, primaries_profile
+from relight_core.imaging.formats.icc import MatrixProfile, matrix_profile
+from relight_core.imaging.formats.icc_making import DISPLAY_P3, primaries_profile
 
 ALL = np.repeat(np.arange(256, dtype=np.uint8)[None, :, None], 3, axis=2)
 

@@ -9,9 +9,9 @@ import tifffile
 
 from relight_core.errors import InputError
 from relight_core.imaging.colour import srgb_encode
-from relight_core.imaging.icc import matrix_profile
-from relight_core.imaging.icc_making import DISPLAY_P3, REC2020, primaries_profile
-from relight_core.imaging.metadata import carried_block
+from relight_core.imaging.formats.icc import matrix_profile
+from relight_core.imaging.formats.icc_making import DISPLAY_P3, REC2020, primaries_profile
+from relight_core.imaging.formats.metadata import carried_block
 from relight_core.imaging.read import read_photo
 
 HEIC = Path(__file__).parent / "heic"

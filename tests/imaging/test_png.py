@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from relight_core.imaging.formats.png import write_png
 from relight_core.imaging.in_order import in_order
-from relight_core.imaging.png import write_png
 
 
 def written(pixels, bands, notes=b""):

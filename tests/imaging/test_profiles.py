@@ -8,7 +8,7 @@ import pytest
 import tifffile
 from PIL import Image, ImageCms
 
-from relight_core.imaging.icc import matrix_profile
+from relight_core.imaging.formats.icc import matrix_profile
 from relight_core.imaging.read import read_photo
 
 SRGB = ImageCms.ImageCmsProfile(ImageCms.createProfile("sRGB")).tobytes()

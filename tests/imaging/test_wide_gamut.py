@@ -6,8 +6,8 @@ import pytest
 import tifffile
 from PIL import Image
 
-from relight_core.imaging.exr import read_exr
-from relight_core.imaging.icc_making import DISPLAY_P3, REC2020, primaries_profile
+from relight_core.imaging.formats.exr import read_exr
+from relight_core.imaging.formats.icc_making import DISPLAY_P3, REC2020, primaries_profile
 from relight_core.imaging.photo import Photo
 from relight_core.imaging.read import read_photo
 from relight_core.imaging.write import FileStyle, cut, write_bands, write_exr_layers

@@ -14,7 +14,7 @@ import pytest
 from PIL import Image
 
 from relight_core.errors import InputError
-from relight_core.imaging import limits
+from relight_core.imaging.formats import limits
 from relight_core.imaging.read import read_photo, read_radiance
 from relight_core.imaging.write import write_image
 

@@ -15,8 +15,8 @@ import OpenEXR
 
 from relight_core.errors import InputError
 from relight_core.imaging.files import check_regular
+from relight_core.imaging.formats.limits import MAX_PIXELS, check_pixels
 from relight_core.imaging.in_order import WORKERS
-from relight_core.imaging.limits import MAX_PIXELS, check_pixels
 
 # Left alone it packs and unpacks on one thread.
 OpenEXR.set_global_thread_count(WORKERS)

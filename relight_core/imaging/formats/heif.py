@@ -9,10 +9,10 @@ import numpy as np
 import pi_heif
 
 from relight_core.errors import InputError
-from relight_core.imaging.icc_making import DISPLAY_P3, REC2020, primaries_profile
-from relight_core.imaging.limits import check_pixels
-from relight_core.imaging.metadata import carried_block
-from relight_core.imaging.raster import Raster
+from relight_core.imaging.formats.icc_making import DISPLAY_P3, REC2020, primaries_profile
+from relight_core.imaging.formats.limits import check_pixels
+from relight_core.imaging.formats.metadata import carried_block
+from relight_core.imaging.formats.raster import Raster
 
 _BRANDS = (b"heic", b"heix", b"heim", b"heis", b"hevc", b"hevx", b"mif1", b"msf1")
 _LUMINOUS_TRANSFERS = {16: "PQ", 18: "HLG"}

@@ -15,11 +15,11 @@ import tifffile
 from PIL import Image
 
 from relight_core.errors import InputError
-from relight_core.imaging.library_profiles import through_library_profile
-from relight_core.imaging.limits import check_pixels
-from relight_core.imaging.opencv_decoding import decoded_by_opencv, in_rgb_order
-from relight_core.imaging.raster import Raster
-from relight_core.imaging.tiff_exif import exif_of_page
+from relight_core.imaging.formats.library_profiles import through_library_profile
+from relight_core.imaging.formats.limits import check_pixels
+from relight_core.imaging.formats.opencv_decoding import decoded_by_opencv, in_rgb_order
+from relight_core.imaging.formats.raster import Raster
+from relight_core.imaging.formats.tiff_exif import exif_of_page
 
 # It tells of every odd tag; what can't be read is told by our own errors.
 logging.getLogger("tifffile").setLevel(logging.CRITICAL)

@@ -13,14 +13,14 @@ import numpy as np
 from PIL import Image, ImageChops
 
 from relight_core.errors import InputError
-from relight_core.imaging.camera_raw import develop_raw, is_raw
-from relight_core.imaging.deep_tiff import decode_deep_tiff
-from relight_core.imaging.heif import decode_heif, is_heif, stated_profile
-from relight_core.imaging.library_profiles import through_library_profile
-from relight_core.imaging.limits import check_pixels
-from relight_core.imaging.metadata import carried_exif
-from relight_core.imaging.opencv_decoding import decoded_by_opencv, in_rgb_order
-from relight_core.imaging.raster import Raster
+from relight_core.imaging.formats.camera_raw import develop_raw, is_raw
+from relight_core.imaging.formats.deep_tiff import decode_deep_tiff
+from relight_core.imaging.formats.heif import decode_heif, is_heif, stated_profile
+from relight_core.imaging.formats.library_profiles import through_library_profile
+from relight_core.imaging.formats.limits import check_pixels
+from relight_core.imaging.formats.metadata import carried_exif
+from relight_core.imaging.formats.opencv_decoding import decoded_by_opencv, in_rgb_order
+from relight_core.imaging.formats.raster import Raster
 
 _FORMATS = ("JPEG", "PNG", "TIFF", "WEBP", "BMP", "GIF", "AVIF")
 _BLOCK_ROWS = 256

@@ -9,10 +9,10 @@ import numpy as np
 import tifffile
 
 from relight_core.errors import InputError
-from relight_core.imaging.icc_making import DISPLAY_P3, primaries_profile
-from relight_core.imaging.limits import check_pixels
-from relight_core.imaging.raster import RAW_SUFFIXES, Raster
-from relight_core.imaging.tiff_exif import exif_of_page
+from relight_core.imaging.formats.icc_making import DISPLAY_P3, primaries_profile
+from relight_core.imaging.formats.limits import check_pixels
+from relight_core.imaging.formats.raster import RAW_SUFFIXES, Raster
+from relight_core.imaging.formats.tiff_exif import exif_of_page
 
 _MAGIC = (b"FUJIFILMCCD-RAW", b"IIRO", b"FOVb")
 _SRGB_GAMMA = (2.4, 12.92)
