@@ -78,6 +78,6 @@ def write_channels(relit: Relit, edit: Edit, folder: Path, inputs: list[Path]) -
 def _write_view(path: Path, name: str, channel: np.ndarray) -> None:
     from relight_core.imaging.colour import srgb_decode
     from relight_core.imaging.write import write_image
-    from relight_core.pipeline.channel_view import channel_to_srgb
+    from relight_core.pipeline.results.channel_view import channel_to_srgb
 
     write_image(path, srgb_decode(channel_to_srgb(name, channel)))

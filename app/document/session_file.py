@@ -13,9 +13,9 @@ from app.document.light_file import light_content, read_light_content
 from app.engine.sources import PICTURE_SUFFIXES
 from relight_core.errors import InputError
 from relight_core.pipeline.auto_quality import AUTO
-from relight_core.pipeline.backdrop import check_background
 from relight_core.pipeline.edit import EFFECTS, Edit
 from relight_core.pipeline.quality import TIERS
+from relight_core.pipeline.results.backdrop import check_background
 
 KIND, VERSION = "session", 2
 """Version 1 knew no boxes of faces."""

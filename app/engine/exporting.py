@@ -16,7 +16,7 @@ from app.engine.sources import RelitLike
 from relight_core import __version__
 from relight_core.imaging.write import Bands, FileStyle, cut, write_bands, write_exr_layers
 from relight_core.pipeline.edit import Edit
-from relight_core.pipeline.layers import LAYERS, photo_layers, shrunk_picture, shrunk_size
+from relight_core.pipeline.results.layers import LAYERS, photo_layers, shrunk_picture, shrunk_size
 
 EXPORT = "Export"
 FORMS = (".png", ".jpg", ".tif", ".exr")
@@ -33,7 +33,7 @@ class ExportSettings:
         deep: 16 bits in PNG and TIFF, 32-bit floats in EXR; else 8 bits and halves.
         quality: of a JPEG, 1 to 100.
         longest_side: pixels, or None for the photo's own size.
-        layers: of relight_core.pipeline.layers.LAYERS, for EXR.
+        layers: of relight_core.pipeline.results.layers.LAYERS, for EXR.
     """
 
     form: str = ".png"

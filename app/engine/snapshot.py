@@ -13,8 +13,8 @@ from relight_core.imaging.photo import Photo
 from relight_core.lighting.environment import Environment
 from relight_core.lighting.light_edit import LightEdit
 from relight_core.pipeline.auto_quality import TierCost
-from relight_core.pipeline.display import DisplayRecipe
 from relight_core.pipeline.edit import Edit
+from relight_core.pipeline.results.display import DisplayRecipe
 
 
 @dataclass(frozen=True, eq=False)

@@ -17,8 +17,8 @@ if TYPE_CHECKING:
     from relight_core.face.find import FaceBox
     from relight_core.imaging.photo import Photo
     from relight_core.lighting.environment import Environment
-    from relight_core.pipeline.display import DisplayRecipe
-    from relight_core.pipeline.picture import Picture
+    from relight_core.pipeline.results.display import DisplayRecipe
+    from relight_core.pipeline.results.picture import Picture
 
 PANORAMA_SUFFIXES = (".hdr", ".exr")
 PHOTO_SUFFIXES = (".jpg", ".jpeg", ".png", ".tif", ".tiff", ".heic", ".heif", ".hif", ".webp", ".avif", ".bmp", ".exr")

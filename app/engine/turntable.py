@@ -17,7 +17,7 @@ from relight_core.errors import InputError
 from relight_core.imaging.view_transform import apply_view
 from relight_core.lighting.environment import Environment
 from relight_core.pipeline.edit import Edit
-from relight_core.pipeline.layers import shrunk_picture
+from relight_core.pipeline.results.layers import shrunk_picture
 
 FRAMES = 120
 

@@ -10,7 +10,7 @@ from app.engine.exporting import SIDES, ExportSettings
 from app.ui import theme, widgets
 from app.ui.groups import group
 from app.ui.state import EditorState
-from relight_core.pipeline.layers import LAYERS
+from relight_core.pipeline.results.layers import LAYERS
 
 _FORMS = (
     (".png", "PNG", "Lossless, for everything. Keeps transparency."),

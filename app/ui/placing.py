@@ -10,7 +10,7 @@ from app.ui.panes import LIGHTS, Arrangement
 from app.ui.state import EditorState
 from app.ui.view import photo_point
 from app.ui.viewport_notes import note, note_width
-from relight_core.pipeline.layers import channel_view_of
+from relight_core.pipeline.results.layers import channel_view_of
 
 _WORDS = {
     "highlight": "Click where the highlight should be",

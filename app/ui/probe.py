@@ -13,8 +13,8 @@ from app.ui.panes import LIGHTS
 from app.ui.state import CHANNELS, PHOTO, RESULT
 from relight_core.face.parsing import CLASSES
 from relight_core.imaging.view_transform import apply_view
-from relight_core.pipeline.channel_view import channel_to_srgb
-from relight_core.pipeline.layers import channel_at
+from relight_core.pipeline.results.channel_view import channel_to_srgb
+from relight_core.pipeline.results.layers import channel_at
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,7 @@ import numpy as np
 
 from app.window.gl_textures import TextureSlot
 from relight_core.imaging.scopes import thinning_step
-from relight_core.pipeline.display import MOST_VIEWS, DisplayRecipe
+from relight_core.pipeline.results.display import MOST_VIEWS, DisplayRecipe
 
 MAPS = ("behind", "gain", "offset", "rest", "backdrop", "soft", "nearby")
 """The recipe's textures beside the person, as shaders/recipe.glsl calls them."""

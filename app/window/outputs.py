@@ -27,7 +27,7 @@ from relight_core.imaging.read import read_photo
 from relight_core.imaging.write import write_image
 from relight_core.lighting.environment import Environment
 from relight_core.pipeline.edit import Edit
-from relight_core.pipeline.layers import shrunk_picture
+from relight_core.pipeline.results.layers import shrunk_picture
 
 
 class Outputs:

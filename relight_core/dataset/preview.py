@@ -13,7 +13,7 @@ from relight_core.dataset.baking.shard import read_shard
 from relight_core.dataset.recipe import load_split
 from relight_core.dataset.stream import SampleStream
 from relight_core.imaging.colour import srgb_encode
-from relight_core.pipeline.channel_view import channel_to_srgb
+from relight_core.pipeline.results.channel_view import channel_to_srgb
 
 Picture = tuple[str, np.ndarray]
 

@@ -23,8 +23,15 @@ from relight_core.lighting.reflection import ReflectionTable
 from relight_core.lighting.relief import ReliefTransport
 from relight_core.networks.bundle import NetworkBundle
 from relight_core.pipeline import stages
-from relight_core.pipeline.albedo import flatten_albedo
-from relight_core.pipeline.channels import (
+from relight_core.pipeline.model import light_surface
+from relight_core.pipeline.per_light.hard_shadow import horizon_of
+from relight_core.pipeline.per_light.hints import Effects
+from relight_core.pipeline.per_light.residual import Residual, add_residual, find_residual
+from relight_core.pipeline.per_photo.albedo import flatten_albedo
+from relight_core.pipeline.per_photo.second_look import take_apart
+from relight_core.pipeline.per_photo.source_light import explain_source_light
+from relight_core.pipeline.quality import Tier
+from relight_core.pipeline.results.channels import (
     as_image,
     enlarge_change,
     fit_view,
@@ -32,13 +39,6 @@ from relight_core.pipeline.channels import (
     surface_channels,
     upsampler_for,
 )
-from relight_core.pipeline.hard_shadow import horizon_of
-from relight_core.pipeline.hints import Effects
-from relight_core.pipeline.model import light_surface
-from relight_core.pipeline.quality import Tier
-from relight_core.pipeline.residual import Residual, add_residual, find_residual
-from relight_core.pipeline.second_look import take_apart
-from relight_core.pipeline.source_light import explain_source_light
 
 _WHOLE_PIXEL = 0.99
 

@@ -28,7 +28,7 @@ from relight_core.evaluation.held_out import (
 from relight_core.face.parsing import CLASSES, INDEX
 from relight_core.imaging.colour import srgb_encode
 from relight_core.imaging.resampling import resize_area
-from relight_core.pipeline.channels import makeup_of
+from relight_core.pipeline.results.channels import makeup_of
 
 REGIONS = ("head", "eyes", "hair", "cast shadow", "outline, head", "outline, background")
 

@@ -18,8 +18,14 @@ from relight_core.lighting.reflection import ReflectionTable
 from relight_core.lighting.relief import ReliefTransport, march_relief
 from relight_core.networks.bundle import NetworkBundle
 from relight_core.pipeline import stages
-from relight_core.pipeline.channels import as_image
-from relight_core.pipeline.hints import Effects, estimated_effects, explicit_sum, specular_shadow_hints, with_dull_parts
+from relight_core.pipeline.per_light.hints import (
+    Effects,
+    estimated_effects,
+    explicit_sum,
+    specular_shadow_hints,
+    with_dull_parts,
+)
+from relight_core.pipeline.results.channels import as_image
 
 
 @dataclass(frozen=True)

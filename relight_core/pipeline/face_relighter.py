@@ -22,9 +22,28 @@ from relight_core.lighting.relief import ReliefTransport
 from relight_core.lighting.roll import roll_light
 from relight_core.networks.bundle import NetworkBundle
 from relight_core.pipeline import stages
-from relight_core.pipeline.albedo import flatten_albedo
 from relight_core.pipeline.cache import StageCache
-from relight_core.pipeline.channels import (
+from relight_core.pipeline.edit import Edit
+from relight_core.pipeline.model import light_surface
+from relight_core.pipeline.per_light.hard_shadow import harden_shadow, horizon_of
+from relight_core.pipeline.per_light.hints import Effects
+from relight_core.pipeline.per_light.kept_lights import ServingLight
+from relight_core.pipeline.per_light.residual import Residual, add_residual, find_residual
+from relight_core.pipeline.per_light.sliders import soften_shadow, specular_gain
+from relight_core.pipeline.per_photo.albedo import flatten_albedo
+from relight_core.pipeline.per_photo.nearer_look import (
+    nearer_view,
+    with_nearer_change,
+    with_nearer_effects,
+    with_nearer_look,
+)
+from relight_core.pipeline.per_photo.outline import Outline, outline_person, parsing_within
+from relight_core.pipeline.per_photo.portrait import Portrait
+from relight_core.pipeline.per_photo.second_look import take_apart
+from relight_core.pipeline.per_photo.source_light import explain_source_light
+from relight_core.pipeline.plan import Plan
+from relight_core.pipeline.quality import Tier, tier_of
+from relight_core.pipeline.results.channels import (
     LIGHT_CHANNELS,
     SURFACE_CHANNELS,
     ViewChange,
@@ -36,20 +55,6 @@ from relight_core.pipeline.channels import (
     surface_channel,
     upsampler_for,
 )
-from relight_core.pipeline.edit import Edit
-from relight_core.pipeline.hard_shadow import harden_shadow, horizon_of
-from relight_core.pipeline.hints import Effects
-from relight_core.pipeline.kept_lights import ServingLight
-from relight_core.pipeline.model import light_surface
-from relight_core.pipeline.nearer_look import nearer_view, with_nearer_change, with_nearer_effects, with_nearer_look
-from relight_core.pipeline.outline import Outline, outline_person, parsing_within
-from relight_core.pipeline.plan import Plan
-from relight_core.pipeline.portrait import Portrait
-from relight_core.pipeline.quality import Tier, tier_of
-from relight_core.pipeline.residual import Residual, add_residual, find_residual
-from relight_core.pipeline.second_look import take_apart
-from relight_core.pipeline.sliders import soften_shadow, specular_gain
-from relight_core.pipeline.source_light import explain_source_light
 
 KEPT_LIGHTS = 24
 """Results of this many lights stay: a light that is turned there and back, or two that are compared."""

@@ -13,8 +13,8 @@ from relight_core.lighting.relief import ReliefTransport
 from relight_core.networks.bundle import NetworkBundle
 from relight_core.networks.pair import PairName
 from relight_core.pipeline import stages
-from relight_core.pipeline.hard_shadow import harden_shadow
-from relight_core.pipeline.hints import Effects
+from relight_core.pipeline.per_light.hard_shadow import harden_shadow
+from relight_core.pipeline.per_light.hints import Effects
 
 
 def light_surface(

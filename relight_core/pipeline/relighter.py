@@ -22,18 +22,12 @@ from relight_core.lighting.environment import Environment, network_light
 from relight_core.lighting.lamps import lamps_of
 from relight_core.lighting.reflection import ReflectionTable
 from relight_core.networks.bundle import load_bundle
-from relight_core.pipeline.backdrop import OWN_BACKGROUNDS, Backdrop, backdrop_panorama, make_backdrop
 from relight_core.pipeline.cache import Record, Stage, StageCache
-from relight_core.pipeline.channels import ViewChange
-from relight_core.pipeline.display import DisplayRecipe, person_layers, recipe_of
 from relight_core.pipeline.edit import Edit
 from relight_core.pipeline.face_relighter import KEPT_LIGHTS, FaceRelighter, Workshop
-from relight_core.pipeline.finish import Placement, mean_gain, place_changes, place_views, weights_on_views
-from relight_core.pipeline.kept_lights import KeptLights, ServingLight
-from relight_core.pipeline.person import Canvas, canvas_of, whole_person
-from relight_core.pipeline.picture import Picture
-from relight_core.pipeline.plan import Effect, Plan, Scene, make_plan
-from relight_core.pipeline.portrait import (
+from relight_core.pipeline.per_light.kept_lights import KeptLights, ServingLight
+from relight_core.pipeline.per_photo.person import Canvas, canvas_of, whole_person
+from relight_core.pipeline.per_photo.portrait import (
     Portrait,
     checked_boxes,
     choose_faces,
@@ -43,7 +37,13 @@ from relight_core.pipeline.portrait import (
     straightened,
     those_chosen,
 )
+from relight_core.pipeline.plan import Effect, Plan, Scene, make_plan
 from relight_core.pipeline.quality import Tier, tier_of
+from relight_core.pipeline.results.backdrop import OWN_BACKGROUNDS, Backdrop, backdrop_panorama, make_backdrop
+from relight_core.pipeline.results.channels import ViewChange
+from relight_core.pipeline.results.display import DisplayRecipe, person_layers, recipe_of
+from relight_core.pipeline.results.finish import Placement, mean_gain, place_changes, place_views, weights_on_views
+from relight_core.pipeline.results.picture import Picture
 from relight_core.resources import resource_path
 
 WEIGHTS = ("weights", "relight.safetensors")

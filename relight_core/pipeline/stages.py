@@ -21,8 +21,7 @@ from relight_core.networks.bundle import NetworkBundle
 from relight_core.networks.delight import DelightNetwork, DelitSmall
 from relight_core.networks.pair import PairName
 from relight_core.networks.specular_shadow import Occlusion
-from relight_core.pipeline.blown import clipped_share, mend_blown
-from relight_core.pipeline.hints import (
+from relight_core.pipeline.per_light.hints import (
     Effects,
     effects_of,
     estimated_effects,
@@ -31,7 +30,8 @@ from relight_core.pipeline.hints import (
     light_hints,
     surface_hints,
 )
-from relight_core.pipeline.shadow_colour import shadow_tint
+from relight_core.pipeline.per_light.shadow_colour import shadow_tint
+from relight_core.pipeline.per_photo.blown import clipped_share, mend_blown
 
 _RELIEF_UNIT_PX = 64.0
 _HEIGHT_GAIN = 1.2

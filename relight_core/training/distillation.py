@@ -18,7 +18,7 @@ from relight_core.imaging.tensor_colour import srgb_decode
 from relight_core.lighting.reflection import ReflectionTable
 from relight_core.networks.bundle import NetworkBundle
 from relight_core.pipeline import stages
-from relight_core.pipeline.hints import estimated_effects, specular_shadow_hints
+from relight_core.pipeline.per_light.hints import estimated_effects, specular_shadow_hints
 from relight_core.training.predicted import surface_size
 from relight_core.training.relight_steps import composition_losses, specular_shadow_losses
 

@@ -10,7 +10,13 @@ from relight_core.imaging.tensor_colour import grey, srgb_encode
 from relight_core.lighting.reflection import ReflectionTable
 from relight_core.networks.composition import CompositionNetwork, encode_radiance
 from relight_core.networks.specular_shadow import SpecularShadowNetwork
-from relight_core.pipeline.hints import Effects, estimated_effects, explicit_sum, specular_shadow_hints, with_dull_parts
+from relight_core.pipeline.per_light.hints import (
+    Effects,
+    estimated_effects,
+    explicit_sum,
+    specular_shadow_hints,
+    with_dull_parts,
+)
 from relight_core.training.losses import fraction_loss, masked_l1, masked_l2
 
 

@@ -13,7 +13,7 @@ from relight_core.imaging.write import write_image
 from relight_core.lighting.reflection import ReflectionTable
 from relight_core.networks.bundle import NetworkBundle
 from relight_core.networks.pair import Relights
-from relight_core.pipeline.channel_view import channel_to_srgb
+from relight_core.pipeline.results.channel_view import channel_to_srgb
 from relight_core.training.distillation import under_some_lights
 from relight_core.training.relight_steps import composition_losses, flatten_pairs, specular_shadow_losses
 

@@ -18,10 +18,10 @@ from app.window.glfw_window import close_window, open_window
 from relight_core.face.crop import Crop
 from relight_core.imaging.matte import Matte
 from relight_core.imaging.view_transform import apply_view
-from relight_core.pipeline.backdrop import Backdrop
-from relight_core.pipeline.display import person_layers, recipe_of
-from relight_core.pipeline.person import Canvas
-from relight_core.pipeline.picture import Picture, PlacedChange
+from relight_core.pipeline.per_photo.person import Canvas
+from relight_core.pipeline.results.backdrop import Backdrop
+from relight_core.pipeline.results.display import person_layers, recipe_of
+from relight_core.pipeline.results.picture import Picture, PlacedChange
 
 HEIGHT, WIDTH = 83, 71
 ONE_CODE = 1.0 + 0.5

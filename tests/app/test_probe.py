@@ -18,7 +18,7 @@ from relight_core.imaging.photo import Photo
 from relight_core.lighting.environment import Environment
 from relight_core.lighting.summary import average_direction
 from relight_core.pipeline.edit import Edit
-from relight_core.pipeline.layers import photo_layers
+from relight_core.pipeline.results.layers import photo_layers
 
 HEIGHT, WIDTH = 96, 128
 

@@ -10,7 +10,7 @@ from synthetic_heads import ball
 from relight_core.dataset.lighting.appearance import appear
 from relight_core.dataset.samples import channels_of, light_head
 from relight_core.lighting.reflection import Gloss
-from relight_core.pipeline.hints import with_dull_parts
+from relight_core.pipeline.per_light.hints import with_dull_parts
 
 SKIN, LIPS, HAIR, CLOTH = 1, 8, 10, 13
 LIGHTS = np.random.default_rng(0).gamma(0.5, 1, (1, 16, 32, 3)).astype(np.float32)

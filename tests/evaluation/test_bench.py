@@ -29,7 +29,8 @@ from relight_core.face.find import FaceBox
 from relight_core.imaging.photo import Photo
 from relight_core.lighting.environment import Environment
 from relight_core.networks.bundle import BundleConfig, NetworkBundle
-from relight_core.pipeline import portrait, quality
+from relight_core.pipeline import quality
+from relight_core.pipeline.per_photo import portrait
 from relight_core.pipeline.quality import Tier
 from relight_core.pipeline.relighter import Relighter
 

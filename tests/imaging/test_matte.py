@@ -4,7 +4,7 @@ import pytest
 from relight_core.face.crop import Crop
 from relight_core.imaging.matte import make_matte, own_colour
 from relight_core.imaging.photo import Photo
-from relight_core.pipeline.person import canvas_of, whole_person
+from relight_core.pipeline.per_photo.person import canvas_of, whole_person
 
 
 def refine_matte(linear, mask, crop, alpha=None):

@@ -8,7 +8,7 @@ from relight_core.networks.composition import CompositionConfig, CompositionNetw
 from relight_core.networks.delight import DelightConfig, DelightNetwork
 from relight_core.networks.lfm import BottleneckLight, LightModulation, encode_light
 from relight_core.networks.specular_shadow import SpecularShadowConfig, SpecularShadowNetwork
-from relight_core.pipeline.hints import estimated_effects
+from relight_core.pipeline.per_light.hints import estimated_effects
 
 SIZE = 16
 

@@ -5,7 +5,8 @@ from tiny_networks import write_tiny_weights
 from tiny_relighter import some_photo
 
 from relight_core.face.find import FaceBox
-from relight_core.pipeline import portrait, quality
+from relight_core.pipeline import quality
+from relight_core.pipeline.per_photo import portrait
 from relight_core.pipeline.relighter import Relighter
 
 

@@ -6,7 +6,7 @@ import torch
 
 from relight_core.lighting.relief import ReliefTransport
 from relight_core.lighting.sphere import directions, solid_angles
-from relight_core.pipeline.albedo import flatten_albedo
+from relight_core.pipeline.per_photo.albedo import flatten_albedo
 from relight_core.pipeline.stages import Surface
 
 SIZE = 32

@@ -3,7 +3,7 @@
 import pytest
 import torch
 
-from relight_core.pipeline.blown import clipped_share, fill_in, mend_blown
+from relight_core.pipeline.per_photo.blown import clipped_share, fill_in, mend_blown
 
 SIZE = 24
 SKIN, LEFT_BROW, LIPS, CLOTH = 1, 2, 8, 13

@@ -4,8 +4,8 @@ import pytest
 from relight_core.errors import InputError
 from relight_core.face.find import FaceBox, find_faces
 from relight_core.imaging.photo import Photo
-from relight_core.pipeline import portrait
-from relight_core.pipeline.portrait import choose_faces
+from relight_core.pipeline.per_photo import portrait
+from relight_core.pipeline.per_photo.portrait import choose_faces
 
 SURE, DOUBTFUL = FaceBox(0, 0, 9, 9), FaceBox(10, 0, 15, 5, doubtful=True)
 GUESSES = [FaceBox(1, 1, 3, 3, 90.0, True), FaceBox(4, 4, 8, 8, 180.0, True)]

@@ -7,7 +7,7 @@ from relight_core.imaging.tensor_colour import grey
 from relight_core.networks.bundle import BundleConfig, NetworkBundle
 from relight_core.networks.specular_shadow import Occlusion, SpecularShadowConfig
 from relight_core.pipeline import stages
-from relight_core.pipeline.hints import Effects, effects_of, explicit_sum, specular_shadow_hints
+from relight_core.pipeline.per_light.hints import Effects, effects_of, explicit_sum, specular_shadow_hints
 from relight_core.pipeline.stages import Composed, move_sliders
 
 GAINS = (0.0, 0.5, 1.0, 1.5, 2.0)

@@ -8,9 +8,9 @@ from tiny_relighter import EDIT, NETWORK_STAGES, computed, some_light, some_phot
 
 from relight_core.errors import InputError, NoFaceError
 from relight_core.face.find import FaceBox
-from relight_core.pipeline import portrait
 from relight_core.pipeline import relighter as relighter_module
 from relight_core.pipeline.face_relighter import Workshop
+from relight_core.pipeline.per_photo import portrait
 from relight_core.pipeline.relighter import Relighter
 
 LARGE, SMALL, MOVED = FaceBox(24, 20, 72, 76), FaceBox(4, 4, 20, 20), FaceBox(80, 60, 104, 84)

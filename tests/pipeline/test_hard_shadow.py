@@ -6,8 +6,8 @@ import torch
 
 from relight_core.lighting.lamps import Lamp
 from relight_core.lighting.relief import march_relief
-from relight_core.pipeline.hard_shadow import harden_shadow, horizon_of
-from relight_core.pipeline.hints import Effects, hidden_share
+from relight_core.pipeline.per_light.hard_shadow import harden_shadow, horizon_of
+from relight_core.pipeline.per_light.hints import Effects, hidden_share
 from relight_core.pipeline.stages import Surface
 
 SIZE = 64

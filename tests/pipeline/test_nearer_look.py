@@ -9,17 +9,17 @@ from tiny_relighter import EDIT, some_light, some_photo, states
 
 from relight_core.face.crop import Crop
 from relight_core.face.find import FaceBox
-from relight_core.pipeline.channels import ViewChange
-from relight_core.pipeline.hints import Effects
-from relight_core.pipeline.nearer_look import (
+from relight_core.pipeline.per_light.hints import Effects
+from relight_core.pipeline.per_photo.nearer_look import (
     nearer_view,
     with_nearer_change,
     with_nearer_effects,
     with_nearer_look,
 )
-from relight_core.pipeline.portrait import Portrait
+from relight_core.pipeline.per_photo.portrait import Portrait
 from relight_core.pipeline.quality import Tier
 from relight_core.pipeline.relighter import Relighter
+from relight_core.pipeline.results.channels import ViewChange
 from relight_core.pipeline.stages import Surface
 
 SIZE = 64

@@ -8,7 +8,7 @@ from relight_core.face.crop import Crop
 from relight_core.imaging.photo import Photo
 from relight_core.networks.bundle import BundleConfig, NetworkBundle, with_person_network
 from relight_core.networks.person import PersonConfig, PersonNetwork
-from relight_core.pipeline.outline import Outline, outline_person, parsing_within
+from relight_core.pipeline.per_photo.outline import Outline, outline_person, parsing_within
 
 BACKGROUND, SKIN, HAIR, CLOTH = 0, 1, 10, 13
 VIEW = Crop(100.0, 100.0, 120.0)

@@ -11,11 +11,11 @@ from relight_core.face.crop import Crop
 from relight_core.imaging.matte import make_matte
 from relight_core.imaging.photo import Photo
 from relight_core.lighting.reflection import ReflectionTable
-from relight_core.pipeline.backdrop import Backdrop, make_backdrop
-from relight_core.pipeline.channels import ViewChange
-from relight_core.pipeline.finish import gain_of_rest, mean_gain, place_changes, place_views, weights_on_views
-from relight_core.pipeline.person import canvas_of, whole_person
-from relight_core.pipeline.picture import Picture
+from relight_core.pipeline.per_photo.person import canvas_of, whole_person
+from relight_core.pipeline.results.backdrop import Backdrop, make_backdrop
+from relight_core.pipeline.results.channels import ViewChange
+from relight_core.pipeline.results.finish import gain_of_rest, mean_gain, place_changes, place_views, weights_on_views
+from relight_core.pipeline.results.picture import Picture
 
 CROP = Crop(100.0, 85.0, 130.0)
 EVEN = torch.ones(1, 16, 32, 3)

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from relight_core.errors import InputError
 from relight_core.lighting.lamps import Lamp
 from relight_core.pipeline.edit import Edit
-from relight_core.pipeline.kept_lights import KeptLights
+from relight_core.pipeline.per_light.kept_lights import KeptLights
 from relight_core.pipeline.plan import Scene, displayed_change, light_change, make_plan
 from relight_core.pipeline.quality import Tier
 

@@ -12,7 +12,8 @@ from relight_core.face.find import FaceBox
 from relight_core.imaging.photo import Photo
 from relight_core.lighting.environment import Environment
 from relight_core.lighting.light_edit import LightEdit, edit_light
-from relight_core.pipeline import portrait, stages
+from relight_core.pipeline import stages
+from relight_core.pipeline.per_photo import portrait
 from relight_core.pipeline.relighter import Relighter
 
 pytestmark = pytest.mark.usefixtures("small_and_seeing_faces")

@@ -5,8 +5,8 @@ from types import SimpleNamespace
 import pytest
 import torch
 
-from relight_core.pipeline.hints import Effects
-from relight_core.pipeline.residual import add_residual, find_residual
+from relight_core.pipeline.per_light.hints import Effects
+from relight_core.pipeline.per_light.residual import add_residual, find_residual
 from relight_core.pipeline.stages import Composed
 
 SIZE = 12

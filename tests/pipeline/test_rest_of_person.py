@@ -5,7 +5,7 @@ import pytest
 import torch
 
 from relight_core.lighting.reflection import ReflectionTable
-from relight_core.pipeline.rest_of_person import Continuation, body_gain, body_size, make_body
+from relight_core.pipeline.per_light.rest_of_person import Continuation, body_gain, body_size, make_body
 
 EVEN = torch.ones(1, 16, 32, 3)
 

@@ -7,8 +7,8 @@ import pytest
 import torch
 
 from relight_core.networks.bundle import load_bundle
+from relight_core.pipeline.per_photo.second_look import evenly_lit, take_apart, with_skin_of
 from relight_core.pipeline.quality import Tier
-from relight_core.pipeline.second_look import evenly_lit, take_apart, with_skin_of
 from relight_core.pipeline.stages import Surface
 
 SIZE = 32

@@ -4,8 +4,8 @@ import pytest
 import torch
 
 from relight_core.lighting.relief import march_relief
-from relight_core.pipeline.hints import Effects, explicit_sum
-from relight_core.pipeline.shadow_colour import colourfulness, shadow_tint
+from relight_core.pipeline.per_light.hints import Effects, explicit_sum
+from relight_core.pipeline.per_light.shadow_colour import colourfulness, shadow_tint
 
 SIZE = 32
 LEFT, RIGHT = 3, 28

@@ -7,8 +7,8 @@ import torch
 
 from relight_core.imaging.tensor_colour import grey
 from relight_core.pipeline.edit import Edit
-from relight_core.pipeline.hints import Effects, explicit_sum
-from relight_core.pipeline.sliders import soften_shadow, specular_gain
+from relight_core.pipeline.per_light.hints import Effects, explicit_sum
+from relight_core.pipeline.per_light.sliders import soften_shadow, specular_gain
 
 SIZE = 64
 

@@ -6,7 +6,7 @@ import torch
 
 from relight_core.lighting.reflection import ReflectionTable
 from relight_core.pipeline import stages
-from relight_core.pipeline.source_light import explain_source_light
+from relight_core.pipeline.per_photo.source_light import explain_source_light
 
 SIZE, SKIN = 32, 1
 ALBEDO = (0.45, 0.27, 0.18)

@@ -2,8 +2,8 @@
 
 import torch
 
+from relight_core.pipeline.per_photo.white_hair import with_white_hair
 from relight_core.pipeline.stages import Surface
-from relight_core.pipeline.white_hair import with_white_hair
 
 SIZE, SKIN, LEFT_EYE, NECK, HAIR = 24, 1, 4, 9, 10
 SKIN_ALBEDO = torch.tensor([0.5, 0.3, 0.2])[:, None, None]

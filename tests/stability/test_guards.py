@@ -10,7 +10,7 @@ from relight_core.imaging.tensor_colour import srgb_decode, srgb_encode
 from relight_core.lighting.reflection import ReflectionTable, specular_lobe, table_position
 from relight_core.networks.composition import decode_radiance, encode_radiance
 from relight_core.networks.lfm import encode_light
-from relight_core.pipeline.hints import Effects, effects_of, explicit_sum
+from relight_core.pipeline.per_light.hints import Effects, effects_of, explicit_sum
 from relight_core.training.losses import edges_l1, focal_parsing, fraction_loss, irradiance_l1, masked_l1, wlog_l2
 
 EDGES = (0.0, 1e-45, 1e-8, 0.0031308, 0.04045, 1.0, 1e4, 1e30)

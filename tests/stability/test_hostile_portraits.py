@@ -16,8 +16,8 @@ from relight_core.imaging.view_transform import apply_view
 from relight_core.imaging.write import write_image
 from relight_core.lighting.environment import Environment
 from relight_core.lighting.rigs import load_rig
-from relight_core.pipeline import portrait as framing
 from relight_core.pipeline.edit import Edit
+from relight_core.pipeline.per_photo import portrait as framing
 from relight_core.pipeline.quality import tier_of
 from relight_core.pipeline.relighter import Relighter
 

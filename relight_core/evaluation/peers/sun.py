@@ -31,7 +31,7 @@ from relight_core.networks.blocks import Encoder, Head, decoder_levels, level_wi
 from relight_core.networks.composition import decode_radiance, encode_radiance
 from relight_core.networks.delight import ConfidenceWeightedLight
 from relight_core.networks.lfm import BottleneckLight, decode_lit, encode_light
-from relight_core.pipeline.channels import as_image
+from relight_core.pipeline.results.channels import as_image
 from relight_core.training.loop import Budget, train_stage
 from relight_core.training.losses import irradiance_l1, masked_l1, wlog_l2
 from relight_core.training.run import Run, denormals_flushed, shared_batches

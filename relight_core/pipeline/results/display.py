@@ -19,8 +19,8 @@ from relight_core.face.crop import Crop
 from relight_core.face.paste import Band, bands, unit_matrix
 from relight_core.imaging.in_order import in_order
 from relight_core.imaging.matte import Matte
-from relight_core.pipeline.person import Canvas, person_in
-from relight_core.pipeline.picture import Picture
+from relight_core.pipeline.per_photo.person import Canvas, person_in
+from relight_core.pipeline.results.picture import Picture
 
 MOST_VIEWS = 8
 """Faces that one recipe holds; pictures with more are rendered."""

@@ -9,9 +9,9 @@ from relight_core.imaging.colour import REC709_LUMINANCE
 from relight_core.imaging.tensor_colour import grey
 from relight_core.lighting.inverse import explain_photo
 from relight_core.lighting.relief import ReliefTransport
-from relight_core.pipeline.blown import skin_share
-from relight_core.pipeline.hints import gloss_share
-from relight_core.pipeline.saturation import log_colour, middle_colour, saturation
+from relight_core.pipeline.per_light.hints import gloss_share
+from relight_core.pipeline.per_photo.blown import skin_share
+from relight_core.pipeline.per_photo.saturation import log_colour, middle_colour, saturation
 from relight_core.pipeline.stages import Reflector, Surface, reflect
 
 _FEWEST_PIXELS = 50

@@ -8,7 +8,7 @@ import torch
 
 from relight_core.imaging.tensor_colour import grey
 from relight_core.lighting.light_edit import colour_gain
-from relight_core.pipeline.hints import Effects, hidden_share, with_hidden_share
+from relight_core.pipeline.per_light.hints import Effects, hidden_share, with_hidden_share
 from relight_core.pipeline.stages import Surface
 
 _WIDEST = 0.09

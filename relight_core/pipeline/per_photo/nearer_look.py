@@ -17,9 +17,9 @@ from relight_core.face.crop import Crop
 from relight_core.face.paste import fade, seen_across
 from relight_core.imaging.resampling import resample_window
 from relight_core.imaging.tensor_normals import unit_normals
-from relight_core.pipeline.channels import ViewChange
-from relight_core.pipeline.hints import Effects
-from relight_core.pipeline.portrait import Portrait
+from relight_core.pipeline.per_light.hints import Effects
+from relight_core.pipeline.per_photo.portrait import Portrait
+from relight_core.pipeline.results.channels import ViewChange
 from relight_core.pipeline.stages import Surface, reparsed
 
 _AROUND = 1.1

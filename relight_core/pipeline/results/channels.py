@@ -17,7 +17,7 @@ from relight_core.imaging.light_change import LightChange, Makeup, fit_light_cha
 from relight_core.imaging.resampling import resize_area, resize_smooth
 from relight_core.imaging.tensor_colour import grey
 from relight_core.imaging.tensor_normals import unit_normals
-from relight_core.pipeline.hints import Effects
+from relight_core.pipeline.per_light.hints import Effects
 from relight_core.pipeline.stages import SliderChange, Surface
 
 _PATTERNED = [

@@ -14,8 +14,8 @@ from relight_core.imaging.colour import srgb_decode
 from relight_core.imaging.resampling import resize_area
 from relight_core.lighting.background import panorama_view
 from relight_core.lighting.environment import Environment
-from relight_core.pipeline.channels import at_level
 from relight_core.pipeline.edit import Edit
+from relight_core.pipeline.results.channels import at_level
 
 BACKGROUNDS = ("keep", "match", "light", "transparent")
 """Beside colours: the photo's own, the same dimmed and tinted as the person is, the light itself, none."""

@@ -16,8 +16,8 @@ from relight_core.face.crop import Crop
 from relight_core.face.paste import Band, bands, spread_crop, spread_window, unit_matrix, whole_photo
 from relight_core.imaging.in_order import in_order
 from relight_core.imaging.matte import Matte
-from relight_core.pipeline.backdrop import Backdrop
-from relight_core.pipeline.person import Canvas, Person, person_in
+from relight_core.pipeline.per_photo.person import Canvas, Person, person_in
+from relight_core.pipeline.results.backdrop import Backdrop
 
 LIGHT_WRAP = 0.25
 """How much of a new background's light comes round the person's edge."""

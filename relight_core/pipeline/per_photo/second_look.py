@@ -17,9 +17,9 @@ import torch.nn.functional as F
 from relight_core.imaging.resampling import resize_area
 from relight_core.networks.bundle import NetworkBundle
 from relight_core.pipeline import stages
-from relight_core.pipeline.blown import skin_share
+from relight_core.pipeline.per_photo.blown import skin_share
+from relight_core.pipeline.per_photo.white_hair import with_white_hair
 from relight_core.pipeline.quality import Tier
-from relight_core.pipeline.white_hair import with_white_hair
 
 _AHEAD = (0.0, 0.2, 0.65)
 """The even light is brightest from ahead and above, and fades linearly to the back: a normal n receives 1 + n . a."""

@@ -20,7 +20,7 @@ from relight_core.imaging.tensor_colour import grey
 from relight_core.lighting.horizon import Horizon
 from relight_core.lighting.lamps import Lamp, footprint
 from relight_core.lighting.relief import ReliefTransport
-from relight_core.pipeline.hints import Effects, hidden_share, with_hidden_share
+from relight_core.pipeline.per_light.hints import Effects, hidden_share, with_hidden_share
 from relight_core.pipeline.stages import Surface
 
 _LEAST_OPEN = 0.05

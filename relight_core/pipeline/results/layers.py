@@ -10,7 +10,7 @@ import numpy as np
 
 from relight_core.face.crop import Crop
 from relight_core.imaging.resampling import resize_area
-from relight_core.pipeline.person import whole_person
+from relight_core.pipeline.per_photo.person import whole_person
 from relight_core.pipeline.relighter import Relit
 
 CHANNEL_LAYERS = ("albedo", "normal", "specular", "shadow", "parsing", "composition")

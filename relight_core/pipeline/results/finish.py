@@ -13,10 +13,10 @@ from relight_core.face.paste import Band, fade, seen_across, seen_from, spread_c
 from relight_core.imaging.matte import Matte
 from relight_core.imaging.resampling import resize_area
 from relight_core.lighting.reflection import ReflectionTable
-from relight_core.pipeline.channels import ViewChange, at_level
-from relight_core.pipeline.person import Canvas, shrunk, whole_person
-from relight_core.pipeline.picture import PlacedChange
-from relight_core.pipeline.rest_of_person import Body, body_gain, body_size, make_body
+from relight_core.pipeline.per_light.rest_of_person import Body, body_gain, body_size, make_body
+from relight_core.pipeline.per_photo.person import Canvas, shrunk, whole_person
+from relight_core.pipeline.results.channels import ViewChange, at_level
+from relight_core.pipeline.results.picture import PlacedChange
 
 _EDGE_SHARE = 0.12
 _WEIGHT_LONGEST = 512

@@ -25,9 +25,9 @@ import torch
 from relight_core.face.parsing import INDEX
 from relight_core.imaging.tensor_means import local_means
 from relight_core.lighting.environment import mean_luminance
-from relight_core.pipeline.blown import clipped_share, flesh_share, skin_share
-from relight_core.pipeline.hints import Effects, grey
-from relight_core.pipeline.saturation import middle_colour, saturation
+from relight_core.pipeline.per_light.hints import Effects, grey
+from relight_core.pipeline.per_photo.blown import clipped_share, flesh_share, skin_share
+from relight_core.pipeline.per_photo.saturation import middle_colour, saturation
 from relight_core.pipeline.stages import Composed, Surface
 
 _BLACK = 0.005

@@ -19,9 +19,9 @@ from relight_core.face.parsing import INDEX
 from relight_core.imaging.tensor_colour import grey
 from relight_core.imaging.tensor_means import local_means
 from relight_core.lighting.relief import ReliefTransport
-from relight_core.pipeline.blown import skin_share
+from relight_core.pipeline.per_photo.blown import skin_share
+from relight_core.pipeline.per_photo.white_hair import above_the_eyes
 from relight_core.pipeline.stages import Surface
-from relight_core.pipeline.white_hair import above_the_eyes
 
 _STRONGEST = 1.0
 _FLOOR = 0.02

@@ -12,7 +12,7 @@ import torch
 
 from relight_core.face.parsing import INDEX
 from relight_core.imaging.tensor_colour import grey
-from relight_core.pipeline.saturation import log_colour, middle_colour, saturation
+from relight_core.pipeline.per_photo.saturation import log_colour, middle_colour, saturation
 from relight_core.pipeline.stages import Surface
 
 _EYES = ("left_eye", "right_eye", "left_brow", "right_brow")
