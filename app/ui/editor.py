@@ -7,29 +7,13 @@ from contextlib import contextmanager
 
 from imgui_bundle import imgui
 
-from app.ui import (
-    dividers,
-    effects_panel,
-    face_card,
-    file_picker,
-    filmstrip,
-    grips,
-    help_overlay,
-    light_panel,
-    palette,
-    progress_card,
-    questions,
-    scope_panel,
-    shortcuts,
-    status_line,
-    theme,
-    toolbar,
-    viewport_panel,
-    widgets,
-)
+from app.ui import dividers, file_picker, grips, theme, widgets
+from app.ui.actions import help_overlay, palette, shortcuts
 from app.ui.layout import Layout, Rect, arrange
+from app.ui.panels import effects_panel, filmstrip, light_panel, scope_panel, status_line, toolbar
 from app.ui.pictures import Pictures
 from app.ui.state import EditorState
+from app.ui.viewport import face_card, progress_card, questions, viewport_panel
 
 _FLAGS = (
     # Drawn on the cleared window: without a GPU, filling every panel once more is a third of a frame.

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from app.document.face_boxes import MOST_FACES
 from app.engine.sources import PhotoSource
-from app.ui.face_boxes import FaceGrab
+from app.ui.viewport.face_boxes import FaceGrab
 from relight_core.face.find import FaceBox
 
 if TYPE_CHECKING:

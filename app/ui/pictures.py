@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Protocol
 
 from app.engine.sources import LightSource
-from app.ui.panes import Pane
+from app.ui.viewport.panes import Pane
 from relight_core.imaging.scopes import Extremes
 
 

@@ -13,12 +13,12 @@ from app.engine.jobs import JobStatus
 from app.engine.snapshot import Message, Snapshot
 from app.engine.sources import LightSource, PhotoSource, RelitLike, Request
 from app.ui.asking import Asking, FileRequest
-from app.ui.box_tools import Grab, without_box
 from app.ui.face_edits import FaceTool
 from app.ui.layout import OpenGroups, Panels
 from app.ui.look import LookState
 from app.ui.photo_queue import PhotoQueue
-from app.ui.view import View
+from app.ui.viewport.box_tools import Grab, without_box
+from app.ui.viewport.view import View
 from relight_core.face.find import FaceBox
 from relight_core.imaging.photo import Photo
 from relight_core.lighting.light_edit import LightEdit

@@ -8,10 +8,10 @@ from dataclasses import replace
 
 import moderngl
 
-from app.ui.panes import LIGHTS, Pane
 from app.ui.pictures import Paint
 from app.ui.state import PHOTO, RESULT
-from app.ui.view import Placement
+from app.ui.viewport.panes import LIGHTS, Pane
+from app.ui.viewport.view import Placement
 from app.window.damage import WHOLE, Part, Rect
 from app.window.gl_recipe import RelitSlot
 from app.window.gl_textures import Canvas, TextureSlot

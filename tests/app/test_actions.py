@@ -2,9 +2,9 @@
 
 import pytest
 
-from app.ui.action_table import ACTIONS, GESTURES
-from app.ui.actions import Action, Chord, matching, parse_chord
-from app.ui.help_overlay import groups
+from app.ui.actions.action import Action, Chord, matching, parse_chord
+from app.ui.actions.action_table import ACTIONS, GESTURES
+from app.ui.actions.help_overlay import groups
 from app.ui.state import EditorState
 
 NAMED_KEYS = {

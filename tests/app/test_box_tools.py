@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from app.ui.box_tools import Grab, aimed, dragged, grab, lamp_for_spot, with_box, without_box
+from app.ui.viewport.box_tools import Grab, aimed, dragged, grab, lamp_for_spot, with_box, without_box
 from relight_core.face.crop import Crop
 from relight_core.lighting.light_edit import LightEdit
 from relight_core.lighting.soft_box import SoftBox, corners, turned, uv_of

@@ -2,9 +2,9 @@
 
 import pytest
 
-from app.ui.panes import Pane
 from app.ui.pictures import Paint
-from app.ui.view import Placement
+from app.ui.viewport.panes import Pane
+from app.ui.viewport.view import Placement
 from app.window.gl_viewport import coarseness, coarser, covered
 
 

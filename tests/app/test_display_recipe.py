@@ -6,10 +6,10 @@ import moderngl
 import numpy as np
 import pytest
 
-from app.ui.panes import Pane
 from app.ui.pictures import Paint
 from app.ui.state import PHOTO, RESULT
-from app.ui.view import Frame, Placement
+from app.ui.viewport.panes import Pane
+from app.ui.viewport.view import Frame, Placement
 from app.window.gl_recipe import RelitSlot
 from app.window.gl_textures import Canvas as Target
 from app.window.gl_textures import TextureSlot

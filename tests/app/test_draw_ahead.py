@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from app.ui.panes import arrange_panes
 from app.ui.pictures import Paint
+from app.ui.viewport.panes import arrange_panes
 
 SIZE = (500, 400)
 

@@ -10,7 +10,7 @@ from PIL import Image
 
 from app.engine.exporting import ExportJob, ExportSettings, default_export_path, export, free_path
 from app.engine.jobs import Cancelled, JobStatus
-from app.ui import progress_card
+from app.ui.viewport import progress_card
 from relight_core.imaging.write import cut
 from relight_core.pipeline.edit import Edit
 

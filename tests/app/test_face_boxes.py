@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from app.ui.face_boxes import corners, dragged, grab
+from app.ui.viewport.face_boxes import corners, dragged, grab
 from relight_core.face.crop import Crop
 from relight_core.face.find import FaceBox
 

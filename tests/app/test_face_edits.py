@@ -9,8 +9,8 @@ import pytest
 from app.document.face_boxes import MOST_FACES
 from app.engine.snapshot import OpenPhoto, Snapshot
 from app.ui import face_edits
-from app.ui.face_boxes import FaceGrab
 from app.ui.state import EditorState
+from app.ui.viewport.face_boxes import FaceGrab
 from relight_core.face.find import FaceBox
 from relight_core.imaging.photo import Photo
 

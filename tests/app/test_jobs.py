@@ -13,7 +13,7 @@ from app.engine.batch import photos_in, relight_each, summary
 from app.engine.film import write_film
 from app.engine.jobs import Jobs
 from app.engine.turntable import turning, write_pictures
-from app.ui.progress_card import words
+from app.ui.viewport.progress_card import words
 from app.window.clipboard import copy_png
 from relight_core.errors import InputError
 from relight_core.imaging.photo import Photo

@@ -2,8 +2,8 @@
 
 import pytest
 
-from app.ui.plan_panel import duration, explanation, forced, summary, title
-from app.ui.quality_panel import cost_lines
+from app.ui.panels.plan_panel import duration, explanation, forced, summary, title
+from app.ui.panels.quality_panel import cost_lines
 from relight_core.pipeline.auto_quality import TierCost
 from relight_core.pipeline.edit import Edit
 from relight_core.pipeline.plan import Effect

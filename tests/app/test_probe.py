@@ -9,11 +9,11 @@ from fake_relighter import FakeRelighter
 from app.engine.screen import channels_for_screen, radiance_for_screen
 from app.engine.snapshot import OpenLight, OpenPhoto, Picture, Snapshot
 from app.engine.sources import LightSource, PhotoSource
-from app.ui.light_ball import words
-from app.ui.panes import arrange_panes
-from app.ui.probe import reading, readings
 from app.ui.state import EditorState
-from app.ui.view import View, photo_point
+from app.ui.viewport.light_ball import words
+from app.ui.viewport.panes import arrange_panes
+from app.ui.viewport.probe import reading, readings
+from app.ui.viewport.view import View, photo_point
 from relight_core.imaging.photo import Photo
 from relight_core.lighting.environment import Environment
 from relight_core.lighting.summary import average_direction

@@ -2,7 +2,7 @@
 
 import pytest
 
-from app.ui.status_line import brief
+from app.ui.panels.status_line import brief
 
 
 @pytest.mark.parametrize(

@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from app.ui.view import Frame, View, actual_size, pan, photo_point, place, zoom_about
+from app.ui.viewport.view import Frame, View, actual_size, pan, photo_point, place, zoom_about
 
 VIEWPORT = (800, 500)
 sizes = st.tuples(st.integers(1, 9000), st.integers(1, 9000))

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from app.document.session_file import read_session
-from app.ui.panes import arrange_panes
+from app.ui.viewport.panes import arrange_panes
 from relight_core.imaging.read import read_photo
 from relight_core.imaging.view_transform import apply_view
 

@@ -10,7 +10,7 @@ import numpy as np
 from imgui_bundle import imgui
 
 from app.engine.sources import LightSource
-from app.ui.view import View
+from app.ui.viewport.view import View
 
 LIGHT_PANEL, EFFECTS_PANEL, STRIPS, TOOLBAR = 255, 240, 141, 32
 """Pixels: the panels' widths, the height of filmstrip and status line, and of the toolbar, at scale 1."""

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from imgui_bundle import imgui
 
-from app.ui import plan_panel, theme, widgets
-from app.ui.groups import group
+from app.ui import theme, widgets
+from app.ui.panels import plan_panel
+from app.ui.panels.groups import group
 from app.ui.state import EditorState
 from relight_core.pipeline.auto_quality import AUTO, QualityChoice, TierCost
 

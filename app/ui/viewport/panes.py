@@ -8,7 +8,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 from app.ui.state import PHOTO, RESULT, EditorState
-from app.ui.view import Frame, Placement, View, place
+from app.ui.viewport.view import Frame, Placement, View, place
 
 LIGHTS = ("source_light",)
 """Channels that are panoramas: they have no place in the photo, and are always seen whole."""

@@ -8,7 +8,8 @@ from dataclasses import dataclass
 from imgui_bundle import imgui
 
 from app.engine.sources import LightSource
-from app.ui import light_controls, panorama, theme, widgets
+from app.ui import theme, widgets
+from app.ui.panels import light_controls, panorama
 from app.ui.pictures import Pictures, Shown
 from app.ui.state import EditorState
 

@@ -8,7 +8,7 @@ from imgui_bundle import imgui
 
 from app.engine.exporting import SIDES, ExportSettings
 from app.ui import theme, widgets
-from app.ui.groups import group
+from app.ui.panels.groups import group
 from app.ui.state import EditorState
 from relight_core.pipeline.results.layers import LAYERS
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 from imgui_bundle import imgui
 
 from app.ui import theme
-from app.ui.action_table import ACTIONS
-from app.ui.actions import Action, matching
+from app.ui.actions.action import Action, matching
+from app.ui.actions.action_table import ACTIONS
 from app.ui.layout import Rect
 from app.ui.state import EditorState
 

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from imgui_bundle import imgui
 
-from app.ui import export_panel, face_edits, history_panel, quality_panel, theme, widgets
-from app.ui.groups import SPACING_EM, Tool, group, tool_button, tool_width
+from app.ui import face_edits, theme, widgets
+from app.ui.panels import export_panel, history_panel, quality_panel
+from app.ui.panels.groups import SPACING_EM, Tool, group, tool_button, tool_width
 from app.ui.state import EditorState
 from relight_core.pipeline.edit import Edit
 

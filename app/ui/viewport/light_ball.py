@@ -10,7 +10,7 @@ from imgui_bundle import imgui
 
 from app.ui import theme, widgets
 from app.ui.layout import Rect
-from app.ui.panorama import FINE
+from app.ui.panels.panorama import FINE
 from app.ui.pictures import Pictures
 from app.ui.state import EditorState
 from relight_core.lighting.environment import Environment

@@ -7,10 +7,10 @@ from dataclasses import replace
 from imgui_bundle import imgui
 
 from app.ui import theme, widgets
-from app.ui.box_tools import with_box
-from app.ui.groups import Tool, group, tool_button
-from app.ui.panorama import NEW_AT, add_box
+from app.ui.panels.groups import Tool, group, tool_button
+from app.ui.panels.panorama import NEW_AT, add_box
 from app.ui.state import EditorState
+from app.ui.viewport.box_tools import with_box
 from relight_core.lighting.summary import metered_level_ev
 
 _BOX = {

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from imgui_bundle import imgui
 
-from app.ui import face_tool, light_ball, placing, probe_card, theme, timings, viewport_notes, widgets, wipe
+from app.ui import theme, widgets
 from app.ui.layout import Rect
-from app.ui.panes import LIGHTS, Arrangement, arrange_panes
+from app.ui.panels import timings
 from app.ui.pictures import Paint, Pictures
 from app.ui.state import EditorState
-from app.ui.view import View, actual_size, pan, zoom_about
+from app.ui.viewport import face_tool, light_ball, placing, probe_card, viewport_notes, wipe
+from app.ui.viewport.panes import LIGHTS, Arrangement, arrange_panes
+from app.ui.viewport.view import View, actual_size, pan, zoom_about
 
 DEGREES_PER_STEP = 5.0
 ZOOM_PER_STEP = 1.2

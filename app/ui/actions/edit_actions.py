@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from app.ui import face_edits
-from app.ui.actions import Action, Gesture
-from app.ui.panorama import NEW_AT, add_box
+from app.ui.actions.action import Action, Gesture
+from app.ui.panels.panorama import NEW_AT, add_box
 from app.ui.state import EditorState
 
 _LIGHT, _EDIT, _FILE = "Light and effects", "Edit", "File"

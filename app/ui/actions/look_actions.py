@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from app.ui.actions import Action, Gesture
+from app.ui.actions.action import Action, Gesture
 from app.ui.layout import Panels
 from app.ui.state import CHANNELS, PHOTO, RESULT, EditorState
-from app.ui.view import View
-from app.ui.viewport_panel import ZOOM_PER_STEP, toggle_actual_size, zoom_by
+from app.ui.viewport.view import View
+from app.ui.viewport.viewport_panel import ZOOM_PER_STEP, toggle_actual_size, zoom_by
 
 _LOOK, _PICTURES, _READ, _PANELS = "Look", "Pictures", "Read", "Panels"
 

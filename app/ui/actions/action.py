@@ -1,11 +1,11 @@
 """What an action is: something the user can do, under a name, a key and one plain sentence.
 
-Every action stands once, in the table of app/ui/action_table.py. The keys, the overlay that `?` opens and the
+Every action stands once, in the table of app/ui/actions/action_table.py. The keys, the overlay that `?` opens and the
 command palette all read that table and nothing else. To add actions:
 
 1. In a module of your own, make a tuple of `Action`. `run` gets the `EditorState` and changes only it; what
    needs the window or a file sets a wish in the state, which the window carries out after the frame.
-2. Add the tuple to ACTIONS in app/ui/action_table.py.
+2. Add the tuple to ACTIONS in app/ui/actions/action_table.py.
 
 A test sees to it that no two actions share a key or a name. Nothing here calls Dear ImGui.
 """

@@ -5,7 +5,7 @@ from __future__ import annotations
 from imgui_bundle import imgui
 
 from app.ui import theme, widgets
-from app.ui.groups import Tool, group
+from app.ui.panels.groups import Tool, group
 from app.ui.state import EditorState
 
 _LEAST_ROWS = 4

@@ -6,9 +6,9 @@ from imgui_bundle import imgui
 
 from app.ui import theme, widgets
 from app.ui.layout import Rect
-from app.ui.panes import LIGHTS, Arrangement, Pane
 from app.ui.pictures import Pictures
 from app.ui.state import CHANNELS, RESULT, EditorState
+from app.ui.viewport.panes import LIGHTS, Arrangement, Pane
 
 TITLES = {name: title for name, title, _ in CHANNELS}
 _DIFFERENCE_ENDS = ("3 stops darker", "same", "3 stops brighter")

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from imgui_bundle import imgui
 
-from app.ui.action_table import ACTIONS
-from app.ui.actions import Action, Chord
+from app.ui.actions.action import Action, Chord
+from app.ui.actions.action_table import ACTIONS
 from app.ui.state import EditorState
 
 _NAMED = {

@@ -6,11 +6,11 @@ from imgui_bundle import imgui
 
 from app.ui import theme
 from app.ui.layout import Rect
-from app.ui.panes import LIGHTS, Arrangement
-from app.ui.probe import Reading, readings
 from app.ui.state import EditorState
-from app.ui.view import photo_point
-from app.ui.viewport_notes import TITLES
+from app.ui.viewport.panes import LIGHTS, Arrangement
+from app.ui.viewport.probe import Reading, readings
+from app.ui.viewport.view import photo_point
+from app.ui.viewport.viewport_notes import TITLES
 
 _NAME_EM, _LINEAR_EM, _CODES_EM, _SWATCH_EM = 6.2, 10.2, 7.6, 1.0
 _PAD_EM, _LINE_EM = 0.7, 1.25

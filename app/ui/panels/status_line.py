@@ -7,8 +7,8 @@ from pathlib import Path
 from imgui_bundle import imgui
 
 from app.ui import theme, widgets
-from app.ui.probe import reading
 from app.ui.state import EditorState
+from app.ui.viewport.probe import reading
 
 
 def _ask_for_keys(state: EditorState) -> None:

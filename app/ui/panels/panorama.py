@@ -8,10 +8,10 @@ import numpy as np
 from imgui_bundle import imgui
 
 from app.ui import theme
-from app.ui.box_tools import NEW_BOX, dragged, grab
 from app.ui.pictures import Pictures
 from app.ui.state import EditorState
-from app.ui.viewport_notes import note
+from app.ui.viewport.box_tools import NEW_BOX, dragged, grab
+from app.ui.viewport.viewport_notes import note
 from relight_core.lighting.light_edit import MOST_BOXES
 from relight_core.lighting.soft_box import corners, direction_at, moved_to, outline, turned, uv_of
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from imgui_bundle import imgui
 
 from app.ui import theme
-from app.ui.action_table import ACTIONS, GESTURES
+from app.ui.actions.action_table import ACTIONS, GESTURES
 from app.ui.layout import Rect
 from app.ui.state import EditorState
 

@@ -1,9 +1,10 @@
-"""The one table of everything the user can do; app/ui/actions.py tells how to add to it."""
+"""The one table of everything the user can do; app/ui/actions/action.py tells how to add to it."""
 
 from __future__ import annotations
 
-from app.ui import edit_actions, face_actions, face_edits, look_actions
-from app.ui.actions import Action, Gesture
+from app.ui import face_edits
+from app.ui.actions import edit_actions, face_actions, look_actions
+from app.ui.actions.action import Action, Gesture
 from app.ui.state import EditorState
 
 _PROGRAM = "Program"

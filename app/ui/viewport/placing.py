@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from imgui_bundle import imgui
 
-from app.ui.box_tools import aimed, lamp_for_spot
 from app.ui.layout import Rect
-from app.ui.panes import LIGHTS, Arrangement
 from app.ui.state import EditorState
-from app.ui.view import photo_point
-from app.ui.viewport_notes import note, note_width
+from app.ui.viewport.box_tools import aimed, lamp_for_spot
+from app.ui.viewport.panes import LIGHTS, Arrangement
+from app.ui.viewport.view import photo_point
+from app.ui.viewport.viewport_notes import note, note_width
 from relight_core.pipeline.results.layers import channel_view_of
 
 _WORDS = {

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from app.ui import face_edits
-from app.ui.actions import Action, Gesture
+from app.ui.actions.action import Action, Gesture
 from app.ui.state import EditorState
 
 _FACES = "Faces"

@@ -6,8 +6,8 @@ from imgui_bundle import imgui
 
 from app.ui import theme
 from app.ui.layout import Rect
-from app.ui.panes import Arrangement
 from app.ui.state import EditorState
+from app.ui.viewport.panes import Arrangement
 
 _REACH_EM = 0.6
 _KNOB_EM = 0.85

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from imgui_bundle import imgui
 
-from app.ui import face_edits, theme, wipe
-from app.ui.face_boxes import FaceGrab, corners, dragged, grab
+from app.ui import face_edits, theme
 from app.ui.layout import Rect
-from app.ui.panes import Arrangement, Pane, arrange_panes
 from app.ui.state import PHOTO, RESULT, EditorState
-from app.ui.view import photo_point
-from app.ui.viewport_notes import note
+from app.ui.viewport import wipe
+from app.ui.viewport.face_boxes import FaceGrab, corners, dragged, grab
+from app.ui.viewport.panes import Arrangement, Pane, arrange_panes
+from app.ui.viewport.view import photo_point
+from app.ui.viewport.viewport_notes import note
 from relight_core.face.find import FaceBox
 
 _REACH_EM, _KNOB_EM = 0.5, 0.3

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from imgui_bundle import imgui
 
-from app.ui import probe_card, theme
+from app.ui import theme
 from app.ui.layout import Rect
 from app.ui.state import EditorState
+from app.ui.viewport import probe_card
 
 _NAME_EM, _MS_EM, _BAR_EM, _WHY_EM = 7.6, 3.6, 8.0, 12.5
 _PAD_EM, _LINE_EM = 0.7, 1.25

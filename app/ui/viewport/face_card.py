@@ -8,9 +8,10 @@ from dataclasses import dataclass
 
 from imgui_bundle import imgui
 
-from app.ui import face_edits, face_tool, theme
+from app.ui import face_edits, theme
 from app.ui.layout import Rect
 from app.ui.state import EditorState
+from app.ui.viewport import face_tool
 
 _OVER_NOTES_EM, _OVER_A_JOB_EM = 3.0, 9.0
 _CORRECTING = "Move or resize a box, or draw one from brows to chin."

@@ -7,11 +7,12 @@ from dataclasses import dataclass
 
 from imgui_bundle import imgui
 
-from app.ui import face_actions, look_actions, theme
-from app.ui.actions import Action
+from app.ui import theme
+from app.ui.actions import face_actions, look_actions
+from app.ui.actions.action import Action
 from app.ui.state import EditorState
-from app.ui.view import View
-from app.ui.viewport_panel import toggle_actual_size
+from app.ui.viewport.view import View
+from app.ui.viewport.viewport_panel import toggle_actual_size
 
 _PADDING_EM, _APART_EM = 0.55, 0.25
 _BETWEEN_GROUPS_EM = 1.2
