@@ -59,7 +59,7 @@ def edit_light(light: Environment, edit: LightEdit, draft: bool = False) -> Envi
     """The light with the edit applied.
 
     Colour and blur keep the mean luminance of the base; a soft box of intensity 1 lights a card that faces it
-    as brightly as the unedited light does on its brightest side.
+    as brightly as the unedited light does a face on its brightest side (`summary.meter_reading`).
 
     Args:
         light: the base.

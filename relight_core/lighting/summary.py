@@ -14,6 +14,8 @@ from relight_core.lighting.sphere import directions, solid_angles
 METERED_READING = 1.5
 """What the meter reads, in the photo's units, of light that suits it as it is, such as the bundled rigs'."""
 
+_FACES_TILT_AT_MOST = math.sin(math.radians(30.0))
+
 MOST_STOPS = 16.0
 
 
@@ -49,12 +51,17 @@ def contrast(environment: Environment) -> float:
 
 
 def meter_reading(environment: Environment) -> float:
-    """What an incident-light meter reads on the brightest side: the luminance of a white matte card there.
+    """What an incident-light meter reads before a face on the light's brightest side: a white matte card's luminance.
 
-    In units of the light's level: at least 1, and 0 for a map without light. Does not change with the yaw.
+    A face is upright, and little of it looks more than 30 degrees up or down: what only lights the top of a head,
+    as most of a grey sky does, is not metered.
+
+    In units of the light's level; 0 for a map without light. Does not change with the yaw.
     """
     light = network_light(environment)
-    return float((_relative_cosines(*light.shape[:2]) @ (light @ REC709_LUMINANCE).ravel()).max())
+    height, width = light.shape[:2]
+    upright = np.abs(directions(height, width)[..., 1].ravel()) <= _FACES_TILT_AT_MOST
+    return float((_relative_cosines(height, width)[upright] @ (light @ REC709_LUMINANCE).ravel()).max())
 
 
 def metered_level_ev(environment: Environment) -> float:

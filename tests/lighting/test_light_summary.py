@@ -6,7 +6,7 @@ import pytest
 from relight_core.lighting.environment import Environment, rotate
 from relight_core.lighting.preview import lit_ball
 from relight_core.lighting.rigs import load_rig
-from relight_core.lighting.summary import average_direction, contrast, metered_level_ev
+from relight_core.lighting.summary import average_direction, contrast, meter_reading, metered_level_ev
 
 
 def panorama_with(*lamps, ambient=0.0):
@@ -103,6 +103,21 @@ def test_dark_light_gives_a_black_ball_at_any_size(size):
 def test_a_light_as_bright_as_a_rig_keeps_its_level():
     assert metered_level_ev(Environment.from_radiance(np.full((16, 32, 3), 1.5))) == pytest.approx(0.0, abs=1e-6)
     assert abs(metered_level_ev(load_rig("rembrandt"))) < 0.2
+
+
+def test_a_face_is_metered_and_not_the_top_of_a_head():
+    """Light from straight above gives a card that leans back by 30 degrees half of what it gives a level one."""
+    overhead, before = (np.zeros((64, 128, 3), np.float32) for _ in range(2))
+    overhead[:2] = before[30:34, 62:66] = 1.0
+    above, ahead = (Environment.from_radiance(light) for light in (overhead, before))
+    assert meter_reading(above) == pytest.approx(4.0 * 0.5, rel=0.1)
+    assert meter_reading(ahead) == pytest.approx(4.0, rel=0.06)
+
+
+@pytest.mark.parametrize("rig", ["butterfly", "clamshell", "hard-side", "loop", "overcast", "rembrandt", "soft-window"])
+def test_rigs_that_light_a_face_are_about_equally_bright_to_the_meter(rig):
+    light = load_rig(rig)
+    assert light.level * meter_reading(light) == pytest.approx(1.5, rel=0.15)
 
 
 @pytest.mark.parametrize("stops", [-5, -1, 1, 7])
