@@ -50,7 +50,7 @@ def delight_losses(
         "irradiance": irradiance_l1(found.light, light, table),
     }
     if network.config.classes:
-        losses["parsing"] = _PARSING_WEIGHT * focal_parsing(found.parsing_logits, twice["label"])
+        losses["parsing"] = _PARSING_WEIGHT * focal_parsing(found.coarse_logits, twice["label"])
     if network.config.relief:
         losses["relief"] = relief_l1(found.relief, twice["relief"] * half_width, covered)
         horizon = horizon_l1(found.relief / half_width, twice["relief"], twice["covered"], _azimuths().to(photo.device))

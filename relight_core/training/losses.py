@@ -9,6 +9,7 @@ from relight_core.dataset.samples import RELIEF_SIZE
 from relight_core.lighting.reflection import ReflectionTable
 from relight_core.lighting.relief import horizon_slopes
 from relight_core.lighting.sphere import solid_angles
+from relight_core.training.coarser import label_shares
 
 _EDGE_WEIGHTS = (1.0, 0.7, 0.5)
 """Of steps 1, 2 and 4 pixels wide."""
@@ -53,11 +54,12 @@ def focal_parsing(logits: torch.Tensor, label: torch.Tensor, focus: float = 2.0)
     """Multi-class focal loss, mean over pixels (Eq. 4; Lin et al. 2017).
 
     Args:
-        logits: (B, classes, H, W).
+        logits: (B, classes, H, W), which may be coarser: each then stands for all pixels of its square.
         label: (B, H, W) int64.
     """
-    log_probability = F.log_softmax(logits.float(), 1).gather(1, label[:, None])
-    return -((1 - log_probability.exp()).clamp_min(0).pow(focus) * log_probability).mean()
+    log_probability = F.log_softmax(logits.float(), 1)
+    loss = -(1 - log_probability.exp()).clamp_min(0).pow(focus) * log_probability
+    return (label_shares(label, logits.shape[1], logits.shape[2:]) * loss).sum(1).mean()
 
 
 def wlog_l2(estimate: torch.Tensor, truth: torch.Tensor) -> torch.Tensor:

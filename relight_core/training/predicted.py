@@ -7,9 +7,9 @@ import torch.nn.functional as F
 
 from relight_core.dataset.samples import RELIEF_SIZE
 from relight_core.imaging.tensor_colour import srgb_decode
-from relight_core.imaging.tensor_normals import unit_normals
 from relight_core.networks.bundle import NetworkBundle
 from relight_core.pipeline import stages
+from relight_core.training.coarser import shrunk
 
 
 def surface_size(bundle: NetworkBundle, photo: torch.Tensor) -> int:
@@ -18,18 +18,6 @@ def surface_size(bundle: NetworkBundle, photo: torch.Tensor) -> int:
     The relighting networks work at the size of de-lighting's encoder-decoder.
     """
     return photo.shape[-1] // (1 if bundle.delight.detail is None else 2)
-
-
-def at_surface_size(bundle: NetworkBundle, flat: dict[str, torch.Tensor]) -> dict[str, torch.Tensor]:
-    """Photos' channels (B, C, S, S) as the relighting networks get them: (B, C, T, T), T as `surface_size` has it.
-
-    Photos and labels are left out where that is another size.
-    """
-    size = surface_size(bundle, flat["photo_srgb"])
-    if size == flat["photo_srgb"].shape[-1]:
-        return flat
-    small = {name: _shrunk(value, size) for name, value in flat.items() if name not in ("photo_srgb", "label")}
-    return small | {"normal": unit_normals(small["normal"])}
 
 
 def on_predicted_surface(bundle: NetworkBundle, batch: dict[str, torch.Tensor]) -> dict[str, torch.Tensor]:
@@ -54,7 +42,7 @@ def on_predicted_surface(bundle: NetworkBundle, batch: dict[str, torch.Tensor]) 
         surfaces.append(surface)
         shadows.append(stages.march(surface, RELIEF_SIZE).shadow_fraction(lights.cpu()))
     found = {name: torch.cat([getattr(s, name) for s in surfaces]) for name in ("normal", "relief", "parsing")}
-    truth = {name: _shrunk(_for_both_photos(batch[name]), size) for name in batch.keys() - {"photo_srgb", "label"}}
+    truth = {name: shrunk(_for_both_photos(batch[name]), size) for name in batch.keys() - {"photo_srgb", "label"}}
     shadow = torch.cat(shadows).to(photo.device)
     shadow = F.interpolate(shadow, size=size, mode="bilinear", align_corners=False)
     return truth | {name: value.repeat_interleave(2, 0) for name, value in found.items()} | {"relief_shadow": shadow}
@@ -63,9 +51,3 @@ def on_predicted_surface(bundle: NetworkBundle, batch: dict[str, torch.Tensor]) 
 def _for_both_photos(value: torch.Tensor) -> torch.Tensor:
     """(pairs, 2, ...) of both lights, or (pairs, ...) of all, as one batch by pair, photo and light."""
     return value.repeat_interleave(2, 0).flatten(0, 1) if value.ndim == 5 else value.repeat_interleave(4, 0)
-
-
-def _shrunk(value: torch.Tensor, size: int) -> torch.Tensor:
-    if value.shape[1:] == (16, 32, 3) or value.shape[-1] == size:
-        return value
-    return F.interpolate(value, size=size, mode="area")

@@ -17,15 +17,24 @@ from relight_core.pipeline.per_light.hints import (
     specular_shadow_hints,
     with_dull_parts,
 )
+from relight_core.training.coarser import label_shares, shrunk
 from relight_core.training.losses import fraction_loss, masked_l1, masked_l2
 
 
-def flatten_pairs(batch: dict[str, torch.Tensor]) -> dict[str, torch.Tensor]:
-    """Both lights of every pair as one batch; what the lights share is repeated, labels become a parsing."""
+def flatten_pairs(batch: dict[str, torch.Tensor], size: int | None = None) -> dict[str, torch.Tensor]:
+    """Both lights of every pair as one batch; what the lights share is repeated, labels become a parsing.
+
+    Args:
+        size: the side to which all images are shrunk, whatever the labels' own is; as they are for None.
+    """
+    label = batch["label"].repeat_interleave(2, 0)
+    images = {name: value for name, value in batch.items() if name != "label"}
     flat = {
-        name: value.flatten(0, 1) if value.ndim == 5 else value.repeat_interleave(2, 0) for name, value in batch.items()
+        name: shrunk(value.flatten(0, 1), size) if value.ndim == 5 else shrunk(value, size).repeat_interleave(2, 0)
+        for name, value in images.items()
     }
-    return flat | {"parsing": F.one_hot(flat["label"], len(CLASSES)).movedim(-1, 1).float()}
+    side = size or label.shape[-1]
+    return flat | {"label": label, "parsing": label_shares(label, len(CLASSES), (side, side))}
 
 
 def as_smooth_as_predicted(normal: torch.Tensor) -> torch.Tensor:
@@ -62,6 +71,11 @@ def specular_shadow_losses(
         losses["shadow_fraction"] = 0.5 * fraction_loss(occlusion.shadow, flat["shadow_fraction"], irradiance)
         losses["gloss_fraction"] = 0.25 * fraction_loss(occlusion.gloss, flat["gloss_fraction"], 8 * gloss)
     return effects, losses
+
+
+def with_reflected(table: ReflectionTable, flat: dict[str, torch.Tensor]) -> dict[str, torch.Tensor]:
+    """A batch with the unoccluded irradiance and gloss of its surfaces, for all losses that ask for them."""
+    return flat | {"reflected": _reflected(table, flat)}
 
 
 def _reflected(table: ReflectionTable, flat: dict[str, torch.Tensor]) -> torch.Tensor:

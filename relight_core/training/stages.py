@@ -15,18 +15,21 @@ import torch
 import torch.nn.functional as F
 
 from relight_core.imaging.tensor_colour import srgb_decode
+from relight_core.imaging.tensor_normals import unit_normals
 from relight_core.lighting.reflection import ReflectionTable
 from relight_core.networks.bundle import NetworkBundle
 from relight_core.networks.delight import Delit
+from relight_core.training.coarser import shrunk
 from relight_core.training.delight_step import delight_losses
 from relight_core.training.distillation import distillation_losses
 from relight_core.training.outline_step import outline_losses
-from relight_core.training.predicted import at_surface_size, on_predicted_surface
+from relight_core.training.predicted import on_predicted_surface, surface_size
 from relight_core.training.relight_steps import (
     as_smooth_as_predicted,
     composition_losses,
     flatten_pairs,
     specular_shadow_losses,
+    with_reflected,
 )
 
 Losses = dict[str, torch.Tensor]
@@ -84,11 +87,12 @@ def _warm_relight(bundle: NetworkBundle, table: ReflectionTable, batch: Batch) -
 
 def _relit_from_photo(bundle: NetworkBundle, table: ReflectionTable, batch: Batch, found: Delit) -> Losses:
     """Losses of every photo relit with the other light of its pair, on predicted albedo and normal."""
-    flat = flatten_pairs(batch)
-    swapped = {n: v.unflatten(0, (-1, 2)).flip(1).flatten(0, 1) for n, v in flat.items()}
-    swapped["albedo"] = srgb_decode(found.albedo_srgb)
-    swapped["normal"] = found.normal
-    swapped = at_surface_size(bundle, swapped)
+    size = surface_size(bundle, batch["photo_srgb"])
+    lit = {name: value for name, value in batch.items() if name not in ("photo_srgb", "albedo", "normal")}
+    swapped = {n: v.unflatten(0, (-1, 2)).flip(1).flatten(0, 1) for n, v in flatten_pairs(lit, size).items()}
+    swapped["albedo"] = shrunk(srgb_decode(found.albedo_srgb), size)
+    swapped["normal"] = unit_normals(shrunk(found.normal, size))
+    swapped = with_reflected(table, swapped)
     effects, losses = None, {}
     if bundle.config.composition.effects:
         effects, losses = specular_shadow_losses(bundle.specular_shadow, table, swapped)
@@ -102,6 +106,7 @@ def _tune_delight(bundle: NetworkBundle, table: ReflectionTable, batch: Batch, r
 
 
 def _tune_relight(bundle: NetworkBundle, table: ReflectionTable, flat: Batch) -> Losses:
+    flat = with_reflected(table, flat)
     effects, losses = None, {}
     if bundle.config.composition.effects:
         effects, losses = specular_shadow_losses(bundle.specular_shadow, table, flat)

@@ -15,7 +15,7 @@ def said_of(likely):
 
     def loss():
         optimiser.zero_grad()
-        each = [focal_parsing(logits[None, :, None], torch.full((1, 1), k)) for k in range(len(likely))]
+        each = [focal_parsing(logits[None, :, None, None], torch.full((1, 1, 1), k)) for k in range(len(likely))]
         total = (truth * torch.stack(each)).sum()
         total.backward()
         return total

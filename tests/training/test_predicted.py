@@ -2,10 +2,9 @@
 
 import pytest
 import torch
-import torch.nn.functional as F
 
 from relight_core.networks.bundle import BundleConfig, NetworkBundle, with_detail_pass
-from relight_core.training.predicted import at_surface_size, on_predicted_surface
+from relight_core.training.predicted import on_predicted_surface
 
 
 @pytest.fixture
@@ -60,19 +59,3 @@ def test_what_it_gives_can_be_learnt_on(bundle):
     weight = torch.ones(1, requires_grad=True)
     (weight * flat["normal"] * flat["relief_shadow"]).square().sum().backward()
     assert torch.isfinite(weight.grad).all()
-
-
-def test_channels_shrink_to_the_size_at_which_relighting_works(bundle):
-    flat = {
-        "photo_srgb": torch.rand(2, 3, 64, 64),
-        "albedo": torch.rand(2, 3, 64, 64),
-        "normal": F.normalize(torch.randn(2, 3, 64, 64), dim=1),
-        "light": torch.rand(2, 16, 32, 3),
-        "label": torch.zeros(2, 64, 64, dtype=torch.long),
-    }
-    assert at_surface_size(bundle, flat) is flat
-    small = at_surface_size(with_detail_pass(bundle, 4), flat)
-    assert small.keys() == {"albedo", "normal", "light"}
-    torch.testing.assert_close(small["albedo"][1, 2, 5, 7], flat["albedo"][1, 2, 10:12, 14:16].mean())
-    torch.testing.assert_close(small["normal"].norm(dim=1), torch.ones(2, 32, 32))
-    assert torch.equal(small["light"], flat["light"])
