@@ -87,7 +87,7 @@ class Delit:
 
     @property
     def parsing_logits(self) -> torch.Tensor:
-        """(B, classes, H, W). Enlarged only here: fourteen planes of full size cost training a tenth of a step."""
+        """(B, classes, H, W). Enlarged only here: fourteen planes of full size cost training a twentieth of a step."""
         as_fine = self.coarse_logits.shape[2:] == self.albedo_srgb.shape[2:]
         return self.coarse_logits if as_fine else _doubled(self.coarse_logits)
 
