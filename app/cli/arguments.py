@@ -50,7 +50,7 @@ def add_sliders(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--meter",
         action="store_true",
-        help="make a panorama's brightest side as bright as that of the bundled rigs, whatever units its file is in; "
+        help="let a panorama's brightest side light a face as the bundled rigs do, whatever units its file is in; "
         "other lights stay as they are",
     )
     parser.add_argument(
@@ -65,6 +65,12 @@ def add_sliders(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--shadow-softness", metavar="S", type=_share, default=0.0, help="softer edges of shadows, 0 to 1"
     )
+    _add_background(parser)
+    _add_effort(parser)
+    add_face(parser)
+
+
+def _add_background(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--background",
         metavar="B",
@@ -82,6 +88,10 @@ def add_sliders(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--background-blur", metavar="DEG", type=_finite, default=1.0, help="blur of the light behind, 0 to 20"
     )
+
+
+def _add_effort(parser: argparse.ArgumentParser) -> None:
+    """What is computed at all, and how well."""
     parser.add_argument("--quality", choices=("draft", "live", "final"), default="final")
     parser.add_argument(
         "--force",
@@ -98,7 +108,6 @@ def add_sliders(parser: argparse.ArgumentParser) -> None:
         default=255 * TOLERANCE,
         help="how much leaving something out may change the picture, in 255ths; 1 by default",
     )
-    add_face(parser)
 
 
 def add_face(parser: argparse.ArgumentParser) -> None:
