@@ -1,4 +1,4 @@
-// A relit picture from small maps; the twin of relight_core/pipeline/picture.py.
+// A relit picture from small maps; the twin of relight_core/pipeline/results/picture.py.
 // To be pasted into a fragment shader. OVER: something else is behind the person than in the photo.
 
 const int MOST_VIEWS = 8;

@@ -55,7 +55,7 @@ class Occlusion:
     `shadow` is the fraction of the unoccluded irradiance that self-occlusion takes, `gloss` that of the
     unoccluded specular reflection. Fractions are trained instead of the additive maps themselves: shadow
     is sparse, and a plain L1 on it collapses to no shadow anywhere. Of an additive network (see
-    `SpecularShadowConfig`) they are the shadow and specular maps before `pipeline.hints` makes them positive.
+    `SpecularShadowConfig`) they are the shadow and specular maps before `pipeline.per_light.hints` makes them positive.
     """
 
     shadow: torch.Tensor

@@ -177,7 +177,7 @@ class FaceRelighter:
         )
 
     def flattened(self, ready: Prepared) -> Prepared:
-        """The same with its albedo flattened (see `pipeline.albedo`)."""
+        """The same with its albedo flattened (see `pipeline.per_photo.albedo`)."""
         relief, light = self._relief(ready), self._source_light(ready)
         surface = self._once("albedo", ready.tier.relief_key, lambda: flatten_albedo(ready.found, relief, light))
         return replace(ready, surface=surface)

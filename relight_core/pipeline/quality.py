@@ -23,12 +23,12 @@ class Tier:
         relief_size: side of the relief that is marched for cast shadow. It divides `network_size`: else its
             lattice shows where the light grazes the surface.
         mirrored: de-light the mirrored view too, and average.
-        looks_twice: de-light it once more, with most of its shading taken out (see `pipeline.second_look`).
+        looks_twice: de-light it once more, with most of its shading taken out (see `pipeline.per_photo.second_look`).
         shadow_network: what the surface hides from the light is seen by the SS network; else the relief's
             horizons alone say it, and a new light costs a matrix product.
         correction: the composition network corrects the sum of the channels; else the sum is the picture.
         precision: of the networks, "bf16" where the processor has it, or "fp32".
-        lights_nearer: where a face is small in its view, it is also lit in a nearer one (see `pipeline.nearer_look`).
+        lights_nearer: where a face is small in its view, it is also lit in a nearer one (see `pipeline.per_photo.nearer_look`).
         pair: which width of the SS and composition networks; "wide" serves where a file has no other.
     """
 

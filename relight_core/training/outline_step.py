@@ -1,4 +1,4 @@
-"""What the person network learns from (see `dataset.outlines`)."""
+"""What the person network learns from (see `dataset.cutouts.outlines`)."""
 
 from __future__ import annotations
 

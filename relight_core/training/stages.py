@@ -46,7 +46,7 @@ class Stage:
         photographs, relief_shadow: what its samples need (see `dataset.samples.SampleStream`).
         learning_rate: the peak of its schedule.
         distilled: its batches are what the wide pair of networks says (see `training.distillation`).
-        outlines: its samples are photos with outlines (see `dataset.outlines`).
+        outlines: its samples are photos with outlines (see `dataset.cutouts.outlines`).
         prepare: (bundle, batch of pairs) -> what `losses` gets in the batch's place. It depends on nothing that the
             stage changes and carries no gradient, so it is done ahead of the step.
     """

@@ -1,7 +1,7 @@
 """The finished picture, a band of rows at a time: every pixel is a function of the photo's own and of small maps.
 
 So a picture of any size, a preview of the screen's size, and a file too large to hold twice in memory are
-all the same computation, and how it is cut changes nothing. `pipeline.display` hands the same maps to a shader.
+all the same computation, and how it is cut changes nothing. `pipeline.results.display` hands the same maps to a shader.
 """
 
 from __future__ import annotations
