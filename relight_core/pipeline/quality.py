@@ -28,7 +28,8 @@ class Tier:
             horizons alone say it, and a new light costs a matrix product.
         correction: the composition network corrects the sum of the channels; else the sum is the picture.
         precision: of the networks, "bf16" where the processor has it, or "fp32".
-        lights_nearer: where a face is small in its view, it is also lit in a nearer one (see `pipeline.per_photo.nearer_look`).
+        lights_nearer: where a face is small in its view, it is also lit in a nearer one (see
+            `pipeline.per_photo.nearer_look`).
         pair: which width of the SS and composition networks; "wide" serves where a file has no other.
     """
 

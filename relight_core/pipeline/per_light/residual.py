@@ -9,8 +9,8 @@ and not to the surface. On skin, what is brighter than its model, of another col
 the light's more often than the surface's, and fades faster. So a portrait under its own estimated light is the
 photo again.
 
-Two things stay in any light: what a camera adds to the colour of all skin (see `pipeline.per_photo.saturation`), and the colours
-of all that is not skin, of which photo and skin together say more than the albedo does.
+Two things stay in any light: what a camera adds to the colour of all skin (see `pipeline.per_photo.saturation`), and
+the colours of all that is not skin, of which photo and skin together say more than the albedo does.
 
 Hair that is darker than its model has strands in each other's shadow, whatever light falls on them: it stays darker.
 """
