@@ -16,7 +16,6 @@ from relight_core.face.crop import Crop
 from relight_core.face.evidence import evidence_of_face
 from relight_core.face.find import FaceBox
 from relight_core.imaging.colour import without_colour
-from relight_core.imaging.matte import WORKING_PX, Matte, make_matte
 from relight_core.imaging.photo import Photo
 from relight_core.lighting.environment import Environment, network_light
 from relight_core.lighting.lamps import lamps_of
@@ -26,6 +25,7 @@ from relight_core.pipeline.cache import Record, Stage, StageCache
 from relight_core.pipeline.edit import Edit
 from relight_core.pipeline.face_relighter import KEPT_LIGHTS, FaceRelighter, Workshop
 from relight_core.pipeline.per_light.kept_lights import KeptLights, ServingLight
+from relight_core.pipeline.per_photo.matte import WORKING_PX, Matte, make_matte
 from relight_core.pipeline.per_photo.person import Canvas, canvas_of, whole_person
 from relight_core.pipeline.per_photo.portrait import (
     Portrait,

@@ -16,8 +16,8 @@ from app.window.gl_textures import TextureSlot
 from app.window.gl_viewport import PicturePainter
 from app.window.glfw_window import close_window, open_window
 from relight_core.face.crop import Crop
-from relight_core.imaging.matte import Matte
 from relight_core.imaging.view_transform import apply_view
+from relight_core.pipeline.per_photo.matte import Matte
 from relight_core.pipeline.per_photo.person import Canvas
 from relight_core.pipeline.results.backdrop import Backdrop
 from relight_core.pipeline.results.display import person_layers, recipe_of

@@ -8,9 +8,9 @@ import torch
 
 from relight_core.errors import InputError
 from relight_core.face.crop import Crop
-from relight_core.imaging.matte import make_matte
 from relight_core.imaging.photo import Photo
 from relight_core.lighting.reflection import ReflectionTable
+from relight_core.pipeline.per_photo.matte import make_matte
 from relight_core.pipeline.per_photo.person import canvas_of, whole_person
 from relight_core.pipeline.results.backdrop import Backdrop, make_backdrop
 from relight_core.pipeline.results.channels import ViewChange

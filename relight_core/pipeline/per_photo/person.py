@@ -8,9 +8,9 @@ import numpy as np
 
 from relight_core.face.paste import Band, bands, spread_window, whole_photo
 from relight_core.imaging.in_order import in_order
-from relight_core.imaging.matte import Matte, guide_of, own_colour
 from relight_core.imaging.photo import Photo
 from relight_core.imaging.resampling import resize_area
+from relight_core.pipeline.per_photo.matte import Matte, guide_of, own_colour
 
 
 @dataclass(frozen=True, eq=False)

@@ -18,7 +18,7 @@ import numpy as np
 from relight_core.face.crop import Crop
 from relight_core.face.paste import Band, bands, unit_matrix
 from relight_core.imaging.in_order import in_order
-from relight_core.imaging.matte import Matte
+from relight_core.pipeline.per_photo.matte import Matte
 from relight_core.pipeline.per_photo.person import Canvas, person_in
 from relight_core.pipeline.results.picture import Picture
 

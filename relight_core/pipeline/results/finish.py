@@ -10,10 +10,10 @@ import torch
 
 from relight_core.face.crop import Crop
 from relight_core.face.paste import Band, fade, seen_across, seen_from, spread_crop
-from relight_core.imaging.matte import Matte
 from relight_core.imaging.resampling import resize_area
 from relight_core.lighting.reflection import ReflectionTable
 from relight_core.pipeline.per_light.rest_of_person import Body, body_gain, body_size, make_body
+from relight_core.pipeline.per_photo.matte import Matte
 from relight_core.pipeline.per_photo.person import Canvas, shrunk, whole_person
 from relight_core.pipeline.results.channels import ViewChange, at_level
 from relight_core.pipeline.results.picture import PlacedChange

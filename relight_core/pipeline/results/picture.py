@@ -15,7 +15,7 @@ import numpy as np
 from relight_core.face.crop import Crop
 from relight_core.face.paste import Band, bands, spread_crop, spread_window, unit_matrix, whole_photo
 from relight_core.imaging.in_order import in_order
-from relight_core.imaging.matte import Matte
+from relight_core.pipeline.per_photo.matte import Matte
 from relight_core.pipeline.per_photo.person import Canvas, Person, person_in
 from relight_core.pipeline.results.backdrop import Backdrop
 

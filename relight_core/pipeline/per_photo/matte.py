@@ -10,9 +10,9 @@ import numpy as np
 from relight_core.face.crop import Crop
 from relight_core.imaging.closed_form import closed_form_matte
 from relight_core.imaging.colour import luminance
-from relight_core.imaging.likely_person import attached, likely_person, place_masks, without_holes
 from relight_core.imaging.resampling import resize_area, resize_smooth
 from relight_core.imaging.view_transform import apply_view
+from relight_core.pipeline.per_photo.likely_person import attached, likely_person, place_masks, without_holes
 
 WORKING_PX = 1024
 """The longest side of the copy in which mattes are made."""

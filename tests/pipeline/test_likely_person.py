@@ -1,7 +1,7 @@
 import numpy as np
 
 from relight_core.face.crop import Crop
-from relight_core.imaging.likely_person import attached, likely_person, place_masks, without_holes
+from relight_core.pipeline.per_photo.likely_person import attached, likely_person, place_masks, without_holes
 
 CROP = Crop(50.0, 40.0, 60.0)
 

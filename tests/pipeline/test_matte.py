@@ -2,8 +2,8 @@ import numpy as np
 import pytest
 
 from relight_core.face.crop import Crop
-from relight_core.imaging.matte import make_matte, own_colour
 from relight_core.imaging.photo import Photo
+from relight_core.pipeline.per_photo.matte import make_matte, own_colour
 from relight_core.pipeline.per_photo.person import canvas_of, whole_person
 
 
