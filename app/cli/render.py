@@ -34,6 +34,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("photos", metavar="PHOTO", nargs="+", type=Path, help="a portrait photo, or a folder of them")
     add_light(parser, required=True)
     add_sliders(parser)
+    parser.add_argument(
+        "--match-face",
+        action="store_true",
+        help="as bright a light as leaves the lit part of the face as bright as in the photo",
+    )
     parser.add_argument("-o", "--output", metavar="OUT", required=True, help="file, folder/ or {name} pattern")
     parser.add_argument(
         "--bits",
@@ -130,6 +135,9 @@ def _render(
     edit = replace(edit_from(arguments), channels=())
     opened = session.open(photo, arguments.face, arguments.box)
     relit = session.relighter.relight(light, edit, longest_side_px=0)
+    if arguments.match_face:
+        matched = replace(light, level=light.level * 2.0**relit.level_as_in_photo_ev)
+        relit = session.relighter.relight(matched, edit, longest_side_px=0)
     if _is_folder(arguments.output):
         make_folder(output.parent)
     icc = opened.icc if arguments.profile == "photo" else None

@@ -58,6 +58,7 @@ class RelitLike(Protocol):
     window: tuple[float, float, float, float] | None
     roll_deg: float
     full: Picture | None
+    level_as_in_photo_ev: float
 
 
 @dataclass(frozen=True, eq=False)

@@ -206,6 +206,12 @@ class EditorState:
         """Set the light's level by what a meter reads in it, or leave it as its file says."""
         self.light_edit = replace(self.light_edit, metered=not self.light_edit.metered)
 
+    def match_face(self) -> None:
+        """Set the light's level so that the lit part of the face is as bright as in the photo."""
+        if (picture := self.snapshot.picture) is not None:
+            stops = picture.light.edit.level_ev + picture.relit.level_as_in_photo_ev
+            self.light_edit = replace(self.light_edit, level_ev=round(min(max(stops, -10.0), 10.0), 2))
+
     def delete_box(self) -> None:
         """Take the selected soft box away."""
         if 0 <= self.selected_box < len(self.light_edit.boxes):

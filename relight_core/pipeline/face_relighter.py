@@ -31,6 +31,7 @@ from relight_core.pipeline.per_light.kept_lights import ServingLight
 from relight_core.pipeline.per_light.residual import Residual, add_residual, find_residual
 from relight_core.pipeline.per_light.sliders import soften_shadow, specular_gain
 from relight_core.pipeline.per_photo.albedo import flatten_albedo
+from relight_core.pipeline.per_photo.blown import skin_share
 from relight_core.pipeline.per_photo.nearer_look import (
     nearer_view,
     with_nearer_change,
@@ -55,6 +56,7 @@ from relight_core.pipeline.results.channels import (
     surface_channel,
     upsampler_for,
 )
+from relight_core.pipeline.results.face_level import level_as_in_photo_ev
 
 KEPT_LIGHTS = 24
 """Results of this many lights stay: a light that is turned there and back, or two that are compared."""
@@ -333,6 +335,10 @@ class FaceRelighter:
             from_near = self.nearer.change(*lit.nearer, plan, edit, level)
             change = with_nearer_change(change, from_near, self.portrait.view, self.nearer.portrait.view)
         return change.toned(ready.photo_view) if self.portrait.photo.monochrome else change
+
+    def level_as_in_photo_ev(self, ready: Prepared, change: ViewChange) -> float:
+        """See `pipeline.results.face_level`."""
+        return level_as_in_photo_ev(ready.photo_view, change, skin_share(ready.surface.parsing)[0, 0].cpu().numpy())
 
     def _fit(self, ready: Prepared, lit: Lit, plan: Plan) -> LightChange:
         """The relit view as gain and offset of the photo; without detail, offset only."""

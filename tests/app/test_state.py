@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -143,6 +144,16 @@ def test_reset_puts_a_panorama_back_as_it_was_opened():
     assert not state.light_edit.metered
     state.reset()
     assert state.light_edit == LightEdit(metered=True)
+
+
+def test_the_level_follows_the_face_where_there_is_a_picture():
+    state = EditorState()
+    state.match_face()
+    assert state.light_edit.level_ev == 0.0
+    light, relit = SimpleNamespace(edit=LightEdit(level_ev=1.0)), SimpleNamespace(level_as_in_photo_ev=-0.734)
+    state.accept(Snapshot(picture=SimpleNamespace(light=light, relit=relit)))
+    state.match_face()
+    assert state.light_edit.level_ev == 0.27
 
 
 def test_another_light_keeps_the_soft_boxes_and_undo_takes_it_back_in_one_step():

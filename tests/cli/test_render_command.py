@@ -103,6 +103,14 @@ def test_exposure_multiplies_the_radiance_in_an_exr(relight, photo, tmp_path):
     assert np.allclose(read_radiance(brighter), read_radiance(plain) * 4.0, rtol=1e-6)
 
 
+def test_a_light_is_matched_to_the_face_by_its_level(relight, relighter, photo, tmp_path):
+    """The relit face of these tests is 1.5 stops brighter than the photo's."""
+    relight("render", photo, "--light", "ring", "--match-face", "-o", tmp_path / "o.png")
+    as_it_is, matched = (light.level for light in relighter.lights)
+    assert matched == pytest.approx(as_it_is * 2**-1.5)
+    assert relighter.edits[-1].exposure_ev == 0.0
+
+
 def test_transparency_reaches_the_file(relight, photo, tmp_path):
     out = tmp_path / "relit.png"
     relight("render", photo, "--light", "ring", "--background", "transparent", "-o", out)

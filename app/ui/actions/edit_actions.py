@@ -78,6 +78,14 @@ LIGHT = (
         available=lambda state: state.light.kind == "panorama",
         is_on=lambda state: state.light_edit.metered,
     ),
+    Action(
+        "Match the light to the face",
+        _LIGHT,
+        ("Shift+A",),
+        "A level that leaves the face as bright as in the photo, where the light falls on it",
+        EditorState.match_face,
+        available=_relit,
+    ),
     Action("Reset all", _LIGHT, ("Ctrl+R",), "Put every slider and the light back", EditorState.reset),
 )
 

@@ -105,3 +105,20 @@ def tool_button(tool: Tool, down: bool = False) -> bool:
         imgui.pop_style_color()
     imgui.set_item_tooltip(tool.tooltip)
     return clicked
+
+
+def tools_beside(label: str, *tools: tuple[Tool, bool]) -> str | None:
+    """Buttons beside the name of the slider that is drawn next, each with whether it is pressed down.
+
+    Returns:
+        the label of the one that is clicked, if any.
+    """
+    corner, em = imgui.get_cursor_screen_pos(), imgui.get_font_size()
+    x, clicked = corner.x + imgui.calc_text_size(label).x + 0.6 * em, None
+    for tool, down in tools:
+        imgui.set_cursor_screen_pos(imgui.ImVec2(x, corner.y - 0.1 * em))
+        if tool_button(tool, down):
+            clicked = tool.label
+        x += tool_width(tool)
+    imgui.set_cursor_screen_pos(corner)
+    return clicked

@@ -7,7 +7,7 @@ from dataclasses import replace
 from imgui_bundle import imgui
 
 from app.ui import theme, widgets
-from app.ui.panels.groups import Tool, group, tool_button
+from app.ui.panels.groups import Tool, group, tools_beside
 from app.ui.panels.panorama import NEW_AT, add_box
 from app.ui.state import EditorState
 from app.ui.viewport.box_tools import with_box
@@ -33,6 +33,7 @@ _LIGHT = {
     ),
 }
 _REMOVE = "Remove all"
+_AS_PHOTO = "The level at which the lit part of the face is as bright as in the photo.  Shift + A"
 _AIMS = (
     ("highlight", "Highlight", "Then click on the face where the shine should be; drag to fine-tune.  K"),
     ("bright", "Bright side", "Then click on the face where it should be brightest; drag to fine-tune.  B"),
@@ -102,7 +103,7 @@ def light(state: EditorState, fonts: theme.Fonts) -> None:
         state.light_edit = replace(state.light.opening_edit, boxes=state.light_edit.boxes)
     if not opened:
         return
-    _meter(state)
+    _level_tools(state)
     fields = [field for field in _LIGHT if field != "base" or state.light_edit.boxes or state.light_edit.base != 1.0]
     changed = {field: widgets.slider(state, _LIGHT[field], getattr(state.light_edit, field)) for field in fields}
     new = replace(state.light_edit, **changed)
@@ -111,16 +112,19 @@ def light(state: EditorState, fonts: theme.Fonts) -> None:
     widgets.gap(0.2)
 
 
-def _meter(state: EditorState) -> None:
-    """Whether a panorama's level is metered; stands beside the name of the slider that the level is then set with."""
+def _level_tools(state: EditorState) -> None:
+    """What sets the level by itself: the face in the photo, and for a panorama a meter."""
     level = _LIGHT["level_ev"].label
-    if state.light.kind != "panorama" or state.typing == level:
+    if state.typing == level:
         return
-    corner, em = imgui.get_cursor_screen_pos(), imgui.get_font_size()
-    imgui.set_cursor_screen_pos(imgui.ImVec2(corner.x + imgui.calc_text_size(level).x + 0.6 * em, corner.y - 0.1 * em))
-    if tool_button(Tool("Metered", _meter_words(state)), state.light_edit.metered):
+    as_photo = Tool("As photo", _AS_PHOTO, enabled=state.snapshot.picture is not None)
+    metered = Tool("Metered", _meter_words(state) if state.light.kind == "panorama" else "")
+    tools = [(metered, state.light_edit.metered)] if metered.tooltip else []
+    clicked = tools_beside(level, *tools, (as_photo, False))
+    if clicked == metered.label:
         state.meter_light()
-    imgui.set_cursor_screen_pos(corner)
+    elif clicked == as_photo.label:
+        state.match_face()
 
 
 def _meter_words(state: EditorState) -> str:

@@ -1,0 +1,46 @@
+"""The level of a light at which a face is as bright as in its photo."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from relight_core.imaging.colour import luminance
+from relight_core.imaging.resampling import resize_area
+from relight_core.pipeline.results.channels import ViewChange
+
+MOST_STOPS = 4.0
+_SIDE = 64
+_BLACK = 1e-4
+_FEWEST = 20
+
+
+def level_as_in_photo_ev(photo_view: np.ndarray, change: ViewChange, skin: np.ndarray) -> float:
+    """Stops of light that bring the lit part of a face to the brightness that it has in the photo.
+
+    The lit part is the brighter half of the skin, in either picture its own: what a photographer meters in a face that
+    is half in shadow.
+
+    Args:
+        photo_view: (S, S, 3) linear.
+        change: what the light makes of it.
+        skin: (s, s) probability of skin, s at least 64.
+
+    Returns:
+        stops in [-4, 4]; 0 where there is next to no skin, or where it is black in one of the two.
+    """
+    step = max(photo_view.shape[0] // _SIDE, 1)
+    photo, gain, offset = (image[::step, ::step] for image in (photo_view, change.gain, change.offset))
+    is_skin = resize_area(skin, photo.shape[:2]) > 0.5
+    with np.errstate(over="ignore", invalid="ignore"):
+        before, after = (_of_lit_part(luminance(image)[is_skin]) for image in (photo, gain * photo + offset))
+    if not min(before, after) > _BLACK:
+        return 0.0
+    return min(max(math.log2(before) - math.log2(after), -MOST_STOPS), MOST_STOPS)
+
+
+def _of_lit_part(luminances: np.ndarray) -> float:
+    """Mean of the brighter half, or 0 of too few."""
+    finite = luminances[np.isfinite(luminances)]
+    return float(finite[finite >= np.median(finite)].mean(dtype=np.float64)) if finite.size >= _FEWEST else 0.0
