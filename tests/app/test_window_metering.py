@@ -11,6 +11,7 @@ from relight_core.imaging.write import write_image
 from relight_core.lighting.light_edit import LightEdit
 
 METERED, LEVEL_KNOB, LEVEL_NUMBER = (80, 341), (122, 357), (210, 341)
+AS_PHOTO, AS_PHOTO_OF_PANORAMAS = (80, 341), (150, 341)
 """Where in the window they are while *Adjust the light* is open."""
 
 
@@ -81,9 +82,28 @@ def test_a_level_is_typed_in_although_the_switch_stands_there(adjusting, sunny):
 
 
 def test_rigs_have_no_switch(adjusting):
-    adjusting.click(METERED)
     adjusting.key(glfw.KEY_A)
     assert adjusting.window.state.light_edit == LightEdit()
+    adjusting.click(AS_PHOTO)
+    assert not adjusting.window.state.light_edit.metered
+
+
+def test_the_level_is_matched_to_the_face_by_its_button_and_key_and_undone_in_one_step(adjusting):
+    """The faces of these tests want 1.25 stops more than any light gives them."""
+    rig = level(adjusting)
+    for match in (lambda: adjusting.click(AS_PHOTO), lambda: adjusting.key(glfw.KEY_A, shift=True)):
+        match()
+        adjusting.settle()
+        assert level(adjusting) == pytest.approx(rig * 2.0**1.25)
+        adjusting.key(glfw.KEY_Z, ctrl=True)
+        assert level(adjusting) == pytest.approx(rig)
+
+
+def test_both_ways_to_a_level_stand_side_by_side_for_panoramas(adjusting, sunny):
+    adjusting.drop(sunny)
+    adjusting.click(AS_PHOTO_OF_PANORAMAS)
+    adjusting.settle()
+    assert adjusting.window.state.light_edit == LightEdit(level_ev=1.25, metered=True)
 
 
 def test_a_saved_session_knows_whether_its_light_is_metered(opened, sunny, photo_path):
