@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Protocol
@@ -58,7 +58,7 @@ class RelitLike(Protocol):
     window: tuple[float, float, float, float] | None
     roll_deg: float
     full: Picture | None
-    level_as_in_photo_ev: float
+    level_as_in_photo_ev: Callable[[], float]
 
 
 @dataclass(frozen=True, eq=False)

@@ -209,7 +209,7 @@ class EditorState:
     def match_face(self) -> None:
         """Set the light's level so that the lit part of the face is as bright as in the photo."""
         if (picture := self.snapshot.picture) is not None:
-            stops = picture.light.edit.level_ev + picture.relit.level_as_in_photo_ev
+            stops = picture.light.edit.level_ev + picture.relit.level_as_in_photo_ev()
             self.light_edit = replace(self.light_edit, level_ev=round(min(max(stops, -10.0), 10.0), 2))
 
     def delete_box(self) -> None:

@@ -76,8 +76,8 @@ class Relit:
         window: x0, y0, x1, y1 of the square the channels show, in photo pixels; it may reach beyond the photo.
         roll_deg: how far that square is turned about its middle, as `Crop.roll_deg`.
         recipe: what a shader needs to draw the picture, at the size that was asked for.
-        level_as_in_photo_ev: stops by which the light's level has to change for the first face to be as bright
-            as in the photo.
+        level_as_in_photo_ev: gives the stops by which the light's level has to change for the first face to be as
+            bright as in the photo; worked out where it is asked for.
         networks_ended_s: when the last network had run, on the clock of `time.perf_counter`.
     """
 
@@ -91,7 +91,7 @@ class Relit:
     window: tuple[float, float, float, float] | None = None
     roll_deg: float = 0.0
     recipe: DisplayRecipe | None = None
-    level_as_in_photo_ev: float = 0.0
+    level_as_in_photo_ev: Callable[[], float] = lambda: 0.0
     networks_ended_s: float | None = None
 
     @property
@@ -255,7 +255,7 @@ class Relighter:
         boxes = [face.portrait.face for face in self._faces]
         view, done = face.portrait.view, dict(self._record.stages)
         place = {"window": view.window, "roll_deg": view.roll_deg}
-        ended, matching_ev = self._record.last_end(_NETWORK_STAGES), face.level_as_in_photo_ev(ready, change)
+        ended, matching_ev = self._record.last_end(_NETWORK_STAGES), partial(face.level_as_in_photo_ev, ready, change)
         others = {"recipe": recipe, "level_as_in_photo_ev": matching_ev, "networks_ended_s": ended}
         return Relit(image, alpha, channels, boxes, done, plan.effects, full, **place, **others)
 

@@ -150,7 +150,7 @@ def test_the_level_follows_the_face_where_there_is_a_picture():
     state = EditorState()
     state.match_face()
     assert state.light_edit.level_ev == 0.0
-    light, relit = SimpleNamespace(edit=LightEdit(level_ev=1.0)), SimpleNamespace(level_as_in_photo_ev=-0.734)
+    light, relit = SimpleNamespace(edit=LightEdit(level_ev=1.0)), SimpleNamespace(level_as_in_photo_ev=lambda: -0.734)
     state.accept(Snapshot(picture=SimpleNamespace(light=light, relit=relit)))
     state.match_face()
     assert state.light_edit.level_ev == 0.27

@@ -42,7 +42,7 @@ class FakeRelighter:
             alpha=alpha,
             size=(height, width),
             networks_ended_s=None,
-            level_as_in_photo_ev=-1.5,
+            level_as_in_photo_ev=lambda: -1.5,
             full=SimpleNamespace(
                 size=(height, width), has_alpha=alpha is not None, in_bands=lambda wide: [(slice(None), image, alpha)]
             ),

@@ -24,17 +24,17 @@ def level_as_in_photo_ev(photo_view: np.ndarray, change: ViewChange, skin: np.nd
 
     Args:
         photo_view: (S, S, 3) linear.
-        change: what the light makes of it.
-        skin: (s, s) probability of skin, s at least 64.
+        change: what the light makes of it, of any size.
+        skin: (s, s) probability of skin.
 
     Returns:
         stops in [-4, 4]; 0 where there is next to no skin, or where it is black in one of the two.
     """
-    step = max(photo_view.shape[0] // _SIDE, 1)
-    photo, gain, offset = (image[::step, ::step] for image in (photo_view, change.gain, change.offset))
-    is_skin = resize_area(skin, photo.shape[:2]) > 0.5
+    images = photo_view, change.gain, change.offset, skin
+    side = min(_SIDE, *(len(image) for image in images))
+    photo, gain, offset, skin = (resize_area(image, (side, side)) for image in images)
     with np.errstate(over="ignore", invalid="ignore"):
-        before, after = (_of_lit_part(luminance(image)[is_skin]) for image in (photo, gain * photo + offset))
+        before, after = (_of_lit_part(luminance(image)[skin > 0.5]) for image in (photo, gain * photo + offset))
     if not min(before, after) > _BLACK:
         return 0.0
     return min(max(math.log2(before) - math.log2(after), -MOST_STOPS), MOST_STOPS)
