@@ -95,7 +95,7 @@ class Editor:
         reflected, effects, composed = light_surface(
             self.bundle, self.table, found.surface, light=light, **how, **self._how()
         )
-        image, shown = add_residual(found.residual, composed, effects)
+        image, shown = add_residual(found.residual, composed, effects, light)
         fit = fit_view(found.small, found.surface, reflected, shown, image)
         change = enlarge_change(fit, None, upsampler_for(found.photo, found.small), 1.0)
         return light_channels(effects, change, found.photo)

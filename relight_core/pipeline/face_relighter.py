@@ -99,6 +99,7 @@ class Prepared:
 class Lit:
     """A prepared portrait under a light, at the networks' size; the same of its nearer view, where that is lit too."""
 
+    light: torch.Tensor
     reflected: torch.Tensor
     effects: Effects
     composed: stages.Composed
@@ -250,7 +251,7 @@ class FaceRelighter:
             "new light",
             keep=KEPT_LIGHTS,
         )
-        return Lit(reflected, effects, composed, self._lit_nearer(ready.tier, serving, plan))
+        return Lit(light, reflected, effects, composed, self._lit_nearer(ready.tier, serving, plan))
 
     def _lit_nearer(self, tier: Tier, serving: ServingLight, plan: Plan) -> tuple[Prepared, Lit] | None:
         """The nearer view under the same light, where there is one and the tier has time for it."""
@@ -344,7 +345,7 @@ class FaceRelighter:
         """The relit view as gain and offset of the photo; without detail, offset only."""
         image, effects = lit.composed.image, lit.effects
         if plan.runs("residual"):
-            image, effects = add_residual(self._residual(ready, plan), lit.composed, effects)
+            image, effects = add_residual(self._residual(ready, plan), lit.composed, effects, lit.light)
         if plan.runs("detail"):
             return fit_view(ready.photo_small, ready.surface, lit.reflected, effects, image)
         relit = as_image(image)

@@ -35,7 +35,7 @@ def light(level=1.0):
 def test_under_its_own_light_the_photo_comes_back():
     photo, model = images(0), Composed(images(1), images(2))
     residual = find_residual(surface(photo), photo, light(3.0), lambda own: model)
-    image, _ = add_residual(residual, model, no_effects())
+    image, _ = add_residual(residual, model, no_effects(), light())
     torch.testing.assert_close(image * residual.level, photo, rtol=1e-4, atol=1e-5)
 
 
@@ -59,7 +59,7 @@ def test_it_fades_as_a_place_is_lit_less_like_in_the_photo():
     changes = []
     for brightness in (1.0, 0.5, 0.1, 0.0):
         plain = torch.full((1, 3, SIZE, SIZE), brightness)
-        image, _ = add_residual(residual, Composed(model.image, plain), no_effects())
+        image, _ = add_residual(residual, Composed(model.image, plain), no_effects(), light())
         changes.append(float((image / model.image).log().abs().mean()))
     assert changes == sorted(changes, reverse=True)
     assert changes[-1] < 0.02
@@ -73,7 +73,7 @@ def test_hair_that_the_model_makes_too_bright_stays_dark_in_a_stronger_light_but
 
     def gains(label):
         residual = find_residual(surface(photo, label), photo, light(), lambda own: model)
-        image, _ = add_residual(residual, brighter, no_effects())
+        image, _ = add_residual(residual, brighter, no_effects(), light())
         return (image / brighter.image)[0, 0, 0]
 
     cloth, hair = gains(CLOTH), gains(HAIR)
@@ -88,7 +88,7 @@ def test_on_skin_a_mole_stays_longer_than_a_highlight_or_a_shaded_cheek():
     model = Composed(torch.full_like(photo, 0.2), torch.full_like(photo, 0.2))
     brighter = Composed(torch.full_like(photo, 0.4), torch.full_like(photo, 0.4))
     residual = find_residual(surface(photo, SKIN), photo, light(), lambda own: model)
-    image, _ = add_residual(residual, brighter, no_effects())
+    image, _ = add_residual(residual, brighter, no_effects(), light())
     log_kept = ((image + 0.005) / (brighter.image + 0.005)).log() / residual.log_ratio
     cheek, mole, highlight = (float(log_kept[0, 0, y, x]) for y, x in ((6, 0), (3, 9), (9, 9)))
     assert cheek < 0.2
@@ -109,7 +109,7 @@ def test_radiance_above_1_comes_back_where_the_file_holds_it():
     recorded = photo.clone()
     recorded[:, :, :4] = 3.0
     residual = find_residual(surface(photo.clamp_max(1)), recorded, light(), lambda own: model)
-    image, _ = add_residual(residual, model, no_effects())
+    image, _ = add_residual(residual, model, no_effects(), light())
     torch.testing.assert_close(image * residual.level, recorded, rtol=1e-4, atol=1e-5)
 
 
@@ -119,7 +119,7 @@ def test_black_and_blown_out_photos_stay_finite():
             model = Composed(torch.full((1, 3, SIZE, SIZE), modelled), torch.zeros(1, 3, SIZE, SIZE))
             photo = torch.full((1, 3, SIZE, SIZE), value)
             residual = find_residual(surface(photo), photo, light(0.0), lambda own, model=model: model)
-            image, effects = add_residual(residual, model, no_effects())
+            image, effects = add_residual(residual, model, no_effects(), light())
             assert torch.isfinite(image).all()
             assert image.min() >= 0
             assert torch.isfinite(effects.specular).all()
@@ -156,7 +156,7 @@ def reddened(label, share):
     seen = surface(photo, label)
     seen.albedo = albedo
     residual = find_residual(seen, photo, light(), lambda own_light: model)
-    image, _ = add_residual(residual, Composed(0.25 * albedo, 0.25 * model.plain), no_effects())
+    image, _ = add_residual(residual, Composed(0.25 * albedo, 0.25 * model.plain), no_effects(), light())
     change = (image / (0.25 * albedo)).log()[0, :, 0, 0]
     return float(change[0] - change[2]), float(share * (own[0, 0, 0, 0] - own[0, 2, 0, 0]))
 
@@ -176,3 +176,32 @@ def test_a_light_that_takes_from_the_skins_colour_is_not_the_cameras():
 def test_what_is_not_skin_keeps_the_colour_that_it_has_beside_its_model(label, share):
     kept, off = reddened(label, share)
     assert kept == pytest.approx(off, rel=0.2)
+
+
+def lamp(column):
+    light = torch.full((1, 16, 32, 3), 0.005)
+    light[:, 8, column] = 20.0
+    return light
+
+
+def rim_in(light_of_the_other_picture, label=SKIN, rim=0.9):
+    """How much brighter than the rest a short rim is that the model doesn't know, though all of it is lit alike."""
+    photo, flat = torch.full((1, 3, SIZE, SIZE), 0.2), torch.full((1, 3, SIZE, SIZE), 0.2)
+    photo[..., 5:7, 4] = rim
+    model = Composed(flat, torch.ones_like(flat))
+    residual = find_residual(surface(photo, label), photo, lamp(2), lambda own: model)
+    image, _ = add_residual(residual, model, no_effects(), light_of_the_other_picture)
+    return float(image[..., 5:7, 4].mean() / image[..., 10].mean())
+
+
+@pytest.mark.parametrize("label", [SKIN, HAIR])
+def test_a_rim_of_light_from_behind_stays_only_where_the_light_comes_from_there(label):
+    own, turned, other = (rim_in(lamp(column), label) for column in (2, 3, 18))
+    assert own == pytest.approx(4.5, rel=0.01)
+    assert other < 1.1
+    assert other < turned < own
+
+
+def test_a_pattern_that_the_model_misses_stays_in_any_light():
+    assert rim_in(lamp(18), CLOTH) == pytest.approx(4.5, rel=0.01)
+    assert rim_in(lamp(18), SKIN, rim=0.23) == pytest.approx(1.15, rel=0.02)

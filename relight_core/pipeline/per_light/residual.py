@@ -9,6 +9,10 @@ and not to the surface. On skin, what is brighter than its model, of another col
 the light's more often than the surface's, and fades faster. So a portrait under its own estimated light is the
 photo again.
 
+Skin or hair that is far brighter than its model was grazed by a light from behind, which no model of the face's front
+knows: how a place is lit says little about whether another light does the same, so that much of it fades as the whole
+light becomes another.
+
 Two things stay in any light: what a camera adds to the colour of all skin (see `pipeline.per_photo.saturation`), and
 the colours of all that is not skin, of which photo and skin together say more than the albedo does.
 
@@ -25,8 +29,10 @@ import torch
 from relight_core.face.parsing import INDEX
 from relight_core.imaging.tensor_means import local_means
 from relight_core.lighting.environment import mean_luminance
+from relight_core.lighting.likeness import likeness
 from relight_core.pipeline.per_light.hints import Effects, grey
 from relight_core.pipeline.per_photo.blown import clipped_share, flesh_share, skin_share
+from relight_core.pipeline.per_photo.glare import likely
 from relight_core.pipeline.per_photo.saturation import middle_colour, saturation
 from relight_core.pipeline.stages import Composed, Surface
 
@@ -37,6 +43,9 @@ _FEWEST_PIXELS = 50
 _DARK_HAIR = 0.8
 _FADES = 2.0
 _MOST_SATURATED = 0.5
+_GLARE_OF_SKIN, _GLARE_OF_HAIR = (0.2, 0.5), (0.5, 0.8)
+"""Log ratios from which on brighter than the model counts as glare, in part and altogether."""
+_GLARE_FADES = 6
 
 
 @dataclass(frozen=True)
@@ -50,7 +59,9 @@ class Residual:
         skin: (1, 1, S, S) probability of bare skin.
         broad: (1, 1, S, S) the part of the mean log ratio that whole cheeks share, on skin.
         tint: (1, 3, S, S) the part of the log ratio, of mean 0, that stays under whatever light.
-        level: of the photo's own light, such that model and photo are equally bright over the person.
+        glare: (1, 3, S, S) the part of the log ratio that only the photo's own light or one much like it gives.
+        light: (1, 16, 32, 3) the photo's own.
+        level: of that light, such that model and photo are equally bright over the person.
     """
 
     log_ratio: torch.Tensor
@@ -59,6 +70,8 @@ class Residual:
     skin: torch.Tensor
     broad: torch.Tensor
     tint: torch.Tensor
+    glare: torch.Tensor
+    light: torch.Tensor
     level: float
 
 
@@ -92,7 +105,16 @@ def find_residual(
     broad = skin * local_means(log_ratio.mean(1, keepdim=True), skin)
     colour = log_ratio - log_ratio.mean(1, keepdim=True)
     tint = colour + skin * (_by_camera(log_ratio, surface.albedo, skin * known) - colour)
-    return Residual(log_ratio, grey(model.plain), stays_dark, skin, broad, tint, level)
+    glare = (log_ratio - tint) * _glare_share(log_ratio, skin, surface.parsing[:, INDEX["hair"], None])
+    return Residual(log_ratio, grey(model.plain), stays_dark, skin, broad, tint, glare, source_light, level)
+
+
+def _glare_share(log_ratio: torch.Tensor, skin: torch.Tensor, hair: torch.Tensor) -> torch.Tensor:
+    """(1, 1, S, S) how surely a light from behind has caused a log ratio, [0, 1]."""
+    brighter, share = log_ratio.mean(1, keepdim=True), torch.zeros_like(skin)
+    for kind, (start, full) in ((skin, _GLARE_OF_SKIN), (hair, _GLARE_OF_HAIR)):
+        share = share + likely(kind) * ((brighter - start) / (full - start)).clamp(0, 1)
+    return share.clamp_max(1)
 
 
 def _by_camera(log_ratio: torch.Tensor, albedo: torch.Tensor, skin: torch.Tensor) -> torch.Tensor:
@@ -119,8 +141,14 @@ def _at_least(log_ratio: torch.Tensor, clipped: torch.Tensor, skin: torch.Tensor
 
 
 @torch.inference_mode()
-def add_residual(residual: Residual, composed: Composed, effects: Effects) -> tuple[torch.Tensor, Effects]:
-    """Another light's image (1, 3, S, S), linear >= 0, with the residual in it, and its effects changed alike."""
+def add_residual(
+    residual: Residual, composed: Composed, effects: Effects, light: torch.Tensor
+) -> tuple[torch.Tensor, Effects]:
+    """Another light's image (1, 3, S, S), linear >= 0, with the residual in it, and its effects changed alike.
+
+    Args:
+        light: (1, 16, 32, 3) that other light.
+    """
     shading = grey(composed.plain)
     darker, brighter = torch.minimum(shading, residual.shading), torch.maximum(shading, residual.shading)
     alike = (darker + _BLACK) / (brighter + _BLACK)
@@ -128,6 +156,8 @@ def add_residual(residual: Residual, composed: Composed, effects: Effects) -> tu
     faint = alike ** (1 + _FADES * residual.skin)
     darkening = level.clamp_max(0)
     kept = darkening * torch.maximum(alike, residual.stays_dark) + residual.tint
-    ratio = torch.exp(kept + (residual.log_ratio - darkening - residual.tint) * faint)
+    other_light = 1 - likeness(residual.light, light) ** _GLARE_FADES
+    lightening = residual.log_ratio - darkening - residual.tint - other_light * residual.glare
+    ratio = torch.exp(kept + lightening * faint)
     image = ((composed.image.float() + _BLACK) * ratio - _BLACK).clamp_min(0)
     return image, replace(effects, specular=effects.specular * grey(ratio), shadow=effects.shadow * grey(ratio))

@@ -5,7 +5,7 @@ network has mistaken one for the other. Once the source light is explained, that
 and divided out.
 
 Nor has skin two colours: where a large part of it is purple, there was a purple lamp that the one estimated light
-doesn't have.
+doesn't have. And the rim that a light from behind draws along a jaw is no part of the skin (see `glare`).
 """
 
 from __future__ import annotations
@@ -20,6 +20,7 @@ from relight_core.imaging.tensor_colour import grey
 from relight_core.imaging.tensor_means import local_means
 from relight_core.lighting.relief import ReliefTransport
 from relight_core.pipeline.per_photo.blown import skin_share
+from relight_core.pipeline.per_photo.glare import without_glare
 from relight_core.pipeline.per_photo.white_hair import above_the_eyes
 from relight_core.pipeline.stages import Surface
 
@@ -33,23 +34,24 @@ _COMMON = 0.15
 
 @torch.inference_mode()
 def flatten_albedo(surface: Surface, relief: ReliefTransport, light: torch.Tensor) -> Surface:
-    """The surface without the shading and the light's colours that are left in its skin's albedo.
+    """The surface without the shading, the glare and the light's colours that are left in its skin's albedo.
 
     Args:
         relief: transport of the surface's own relief.
         light: (1, 16, 32, 3) the source light, at the photo's exposure.
     """
-    return _in_one_colour(_without_shading(surface, relief, light))
+    shading = grey_irradiance(relief, light).to(surface.albedo.device) + _FLOOR
+    shading = F.interpolate(shading, size=surface.albedo.shape[-2:], mode="bilinear", align_corners=False)
+    even = _without_shading(surface, shading.log())
+    return _in_one_colour(without_glare(even, shading, _skin_below_hair(surface.parsing)))
 
 
-def _without_shading(surface: Surface, relief: ReliefTransport, light: torch.Tensor) -> Surface:
+def _without_shading(surface: Surface, shading: torch.Tensor) -> Surface:
     """The surface with its skin's albedo divided by the shading that is left in it.
 
-    The slope of log albedo over log shading, by least squares over the skin, is the power of the shading
+    The slope of log albedo over log shading (1, 1, S, S), by least squares over the skin, is the power of the shading
     that went into the albedo.
     """
-    shading = (grey_irradiance(relief, light) + _FLOOR).log().to(surface.albedo.device)
-    shading = F.interpolate(shading, size=surface.albedo.shape[-2:], mode="bilinear", align_corners=False)
     skin = _skin_below_hair(surface.parsing)
     albedo = grey(surface.albedo).clamp_min(1e-3).log()
     known = (skin > 0.6) & (surface.photo.amax(1, keepdim=True) < _CLIPPED)
