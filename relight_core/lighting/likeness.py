@@ -19,28 +19,30 @@ def likeness(first: torch.Tensor, second: torch.Tensor) -> float:
     turned a little is still much like itself.
 
     Args:
-        first, second: (1, H, 2H, 3), linear radiance >= 0; their level doesn't count.
+        first, second: (1, H, 2H, 3), H even, linear radiance >= 0; their level doesn't count.
 
     Returns:
         1 for one light at two levels; 0 for lights that share neither direction nor colour, and for no light.
     """
     lobes, areas = _lobes(first.shape[1])
-    one, other = (_spread(light, lobes, areas) for light in (first, second))
+    one, other = (_spread(light, lobes) for light in (first, second))
     either = float((torch.maximum(one, other) * areas).sum())
     return float((torch.minimum(one, other) * areas).sum()) / either if either > 0 else 0.0
 
 
-def _spread(light: torch.Tensor, lobes: torch.Tensor, areas: torch.Tensor) -> torch.Tensor:
-    """(texels, 3) of mean 1, or of 0 without light."""
-    texels = light[0].flatten(0, 1).cpu().float()
-    total = float((texels * areas).sum()) / (3 * float(areas.sum()))
-    return lobes @ (texels / total) if total > 0 else torch.zeros_like(texels)
+def _spread(light: torch.Tensor, lobes: torch.Tensor) -> torch.Tensor:
+    """(places, 3) in units of their mean; 0 without light."""
+    spread = lobes @ light[0].flatten(0, 1).cpu().float()
+    return spread / spread.mean().clamp_min(1e-12)
 
 
 @lru_cache(maxsize=2)
 def _lobes(height: int) -> tuple[torch.Tensor, torch.Tensor]:
-    """Smoothing (texels, texels), whose rows sum to 1, and the texels' solid angles (texels, 1)."""
-    toward = directions(height, 2 * height).reshape(-1, 3)
-    areas = solid_angles(height, 2 * height).reshape(-1, 1)
-    lobes = np.maximum(toward @ toward.T, 0) ** _LOBE * areas.T
-    return torch.from_numpy(lobes / lobes.sum(1, keepdims=True)), torch.from_numpy(areas.copy())
+    """Smoothing (places, texels), whose rows sum to 1, and the places' solid angles (places, 1).
+
+    The smoothed light is looked at in every other row and column: it has no finer detail.
+    """
+    toward, places = (directions(rows, 2 * rows).reshape(-1, 3) for rows in (height, height // 2))
+    lobes = np.maximum(places @ toward.T, 0) ** _LOBE * solid_angles(height, 2 * height).ravel()
+    areas = solid_angles(height // 2, height).reshape(-1, 1).copy()
+    return torch.from_numpy(lobes / lobes.sum(1, keepdims=True)), torch.from_numpy(areas)
