@@ -12,6 +12,7 @@ _CLOSING_SHARE = 1 / 24
 _FAINT_HAT, _PLAIN_HAT = 0.02, 0.032
 _HAT_ODDS = 1.5
 _RAMP_SHARE = 0.05
+_LEAST_EYES = 5e-4
 
 
 def solid_person(parsing: np.ndarray) -> np.ndarray:
@@ -51,16 +52,22 @@ def person_with_headwear(parsing: np.ndarray) -> np.ndarray:
         (S, S) float32 in [0, 1].
     """
     likely = posterior(parsing)
-    person = 1 - likely[INDEX["background"]]
-    hat = float(likely[INDEX["hat"]].mean())
-    eyes = parsing[[INDEX["left_eye"], INDEX["right_eye"]]].sum((0, 2))
+    person, hat = 1 - likely[INDEX["background"]], float(likely[INDEX["hat"]].mean())
     plainly = min(max((hat - _FAINT_HAT) / (_PLAIN_HAT - _FAINT_HAT), 0.0), 1.0)
-    if plainly == 0 or not eyes.sum() > 1e-3:
+    if plainly == 0:
         return person
-    rows = np.arange(len(person))
-    above = np.clip((float(eyes @ rows) / float(eyes.sum()) - rows) / (_RAMP_SHARE * len(person)), 0, 1)[:, None]
-    odds = np.exp(_HAT_ODDS * plainly * above).astype(np.float32)
+    odds = np.exp(_HAT_ODDS * plainly * rows_above_the_eyes(parsing)).astype(np.float32)
     return odds * person / (1 + (odds - 1) * person)
+
+
+def rows_above_the_eyes(parsing: np.ndarray) -> np.ndarray:
+    """(S, 1) float32, 0 from the eyes of a parsing (classes, S, S) downward, 1 well above them; 0 where none are seen."""
+    eyes = parsing[[INDEX["left_eye"], INDEX["right_eye"]]].sum((0, 2))
+    rows = np.arange(len(eyes), dtype=np.float32)[:, None]
+    if not eyes.sum() > _LEAST_EYES * len(rows) ** 2:
+        return np.zeros_like(rows)
+    middle = float(eyes @ rows[:, 0]) / float(eyes.sum())
+    return np.clip((middle - rows) / (_RAMP_SHARE * len(rows)), 0, 1)
 
 
 def _without_holes(body: np.ndarray) -> np.ndarray:

@@ -10,7 +10,7 @@ from relight_core.networks.bundle import BundleConfig, NetworkBundle, with_perso
 from relight_core.networks.person import PersonConfig, PersonNetwork
 from relight_core.pipeline.per_photo.outline import Outline, outline_person, parsing_within
 
-BACKGROUND, SKIN, HAIR, CLOTH = 0, 1, 10, 13
+BACKGROUND, SKIN, LEFT_EYE, HAIR, CLOTH = 0, 1, 4, 10, 13
 VIEW = Crop(100.0, 100.0, 120.0)
 
 
@@ -61,6 +61,18 @@ def test_parsing_and_outline_meet_half_way_and_shares_stay():
         assert bool((within[:, BACKGROUND] < 0.2).all()) is more
         ratio = within[:, HAIR] / within[:, SKIN]
         torch.testing.assert_close(ratio, torch.full_like(ratio, 1.5), rtol=0.01, atol=0)
+
+
+def test_above_the_eyes_both_must_see_a_person_and_elsewhere_their_mean_counts():
+    by_parsing = parsing_of(background=0.7, hair=0.3)
+    by_parsing[:, :, 15:17] = parsing_of(skin=1.0)[:, :, 15:17]
+    by_parsing[:, LEFT_EYE, 15:17, 12:20] = 1e4
+    by_parsing = by_parsing / by_parsing.sum(1, keepdim=True)
+    for likely in (0.9, 0.1):
+        within = parsing_within(by_parsing, Outline(np.full((64, 64), likely, np.float32), VIEW), VIEW)
+        person = 1 - within[0, BACKGROUND]
+        assert (person[:12] < 0.45).all()
+        assert bool((person[20:] > 0.5).all()) is (likely > 0.5)
 
 
 def test_what_is_a_face_stays_one():

@@ -11,7 +11,7 @@ import torch
 from relight_core.face.crop import Crop
 from relight_core.face.parsing import FACE_LABELS, INDEX
 from relight_core.face.person_view import face_in_view, inside_photo, person_view
-from relight_core.face.silhouette import person_with_headwear
+from relight_core.face.silhouette import person_with_headwear, rows_above_the_eyes
 from relight_core.imaging.colour import srgb_encode
 from relight_core.imaging.photo import Photo
 from relight_core.networks.bundle import NetworkBundle
@@ -77,14 +77,19 @@ def parsing_within(parsing: torch.Tensor, outline: Outline, view: Crop) -> torch
 
     Both were trained for it and err in different places: de-lighting sees the head larger and knows hair and hats,
     the person network sees shoulders, has seen more that lies behind, and has nothing else to learn. It counts for
-    more where their log odds are averaged. What de-lighting takes for a face stays one.
+    more where their log odds are averaged. What de-lighting takes for a face stays one. Above the eyes
+    both must agree: a tree or a window right behind a head passes for hair or a hat with one of them, seldom with both.
 
     Args:
         parsing: (1, classes, S, S) probabilities in a view of the photo.
     """
-    by_parsing = person_with_headwear(parsing[0].cpu().numpy())
+    found = parsing[0].cpu().numpy()
+    by_parsing = person_with_headwear(found)
     likely, known = outline.seen_in(view, parsing.shape[-1])
-    both = known * _mean_odds(by_parsing, likely, _OUTLINE_SHARE) + (1 - known) * by_parsing
+    mean = _mean_odds(by_parsing, likely, _OUTLINE_SHARE)
+    agreed = np.minimum(mean, np.minimum(by_parsing, likely))
+    mean = mean + rows_above_the_eyes(found) * (agreed - mean)
+    both = known * mean + (1 - known) * by_parsing
     person = torch.from_numpy(both.astype(np.float32)).to(parsing.device)[None, None]
     person = torch.maximum(person, parsing[:, list(FACE_LABELS)].sum(1, True))
     others = parsing[:, 1:] + 1e-4 * _by_default(parsing)
