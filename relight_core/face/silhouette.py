@@ -61,8 +61,8 @@ def person_with_headwear(parsing: np.ndarray) -> np.ndarray:
 
 
 def rows_above_the_eyes(parsing: np.ndarray) -> np.ndarray:
-    """(S, 1) float32 of a parsing (classes, S, S): 0 from the eyes down, 1 well above them; 0 where none are seen."""
-    eyes = parsing[[INDEX["left_eye"], INDEX["right_eye"]]].sum((0, 2))
+    """(S, 1) float32 of a parsing (classes, S, S): 0 from eyes or glasses down, 1 well above; 0 where none are seen."""
+    eyes = parsing[[INDEX["left_eye"], INDEX["right_eye"], INDEX["glasses"]]].sum((0, 2))
     rows = np.arange(len(eyes), dtype=np.float32)[:, None]
     if not eyes.sum() > _LEAST_EYES * len(rows) ** 2:
         return np.zeros_like(rows)
