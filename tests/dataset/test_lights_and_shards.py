@@ -8,6 +8,7 @@ from synthetic_heads import ball, write_balls, write_lights
 
 from relight_core.dataset.baking.shard import read_shard, write_shard
 from relight_core.dataset.lighting.lights import (
+    backlit,
     load_lights,
     normalise_light,
     sample_light,
@@ -87,6 +88,16 @@ def test_sampled_lights_are_lights(library):
         assert level(light) == pytest.approx(1, rel=1e-3)
     assert (sample_panorama(lights, rng) >= 0).all()
     assert (sample_rig(rng, 3, 0.1) >= 0).all()
+
+
+def test_half_of_a_backlit_light_or_more_is_new_and_none_of_that_comes_from_the_cameras_side():
+    rng, before = np.random.default_rng(2), np.ones((64, 128, 3), np.float32)
+    before[:, :64] = 0.5
+    camera_side = np.s_[20:44, :16]
+    for _ in range(20):
+        after = backlit(before, rng)
+        assert level(after) > 1.99
+        np.testing.assert_allclose(after[camera_side], before[camera_side] / level(before), rtol=1e-4)
 
 
 def test_a_shard_comes_back(tmp_path):
