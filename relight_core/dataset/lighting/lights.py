@@ -114,7 +114,7 @@ def sample_rig(rng: np.random.Generator, lamps: int, ambient: float) -> np.ndarr
 def backlit(light: np.ndarray, rng: np.random.Generator) -> np.ndarray:
     """A light (64, 128, 3) with a window or a lamp beside or above and behind the person, and more of that than of it.
 
-    It draws a bright rim along hair, ear and jaw, which photographers like and no other light of the training has.
+    It draws a bright rim along hair, ear and jaw, as photographers like it.
     """
     off, around = np.radians([rng.uniform(100, 150), rng.uniform(-20, 200)])
     toward = np.array([np.sin(off) * np.cos(around), np.sin(off) * np.sin(around), np.cos(off)])
