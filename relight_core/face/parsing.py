@@ -2,6 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    import numpy as np
+    import torch
+
 CLASSES = (
     "background",
     "skin",
@@ -51,3 +58,10 @@ PALETTE_SRGB = (
     (90, 110, 90),
 )
 """Display colour of each class, sRGB bytes."""
+
+
+def middle_row(parsing: np.ndarray | torch.Tensor, names: Sequence[str], least_px: float) -> float | None:
+    """The mean row of some classes in a parsing (classes, S, S); None where no more than `least_px` are theirs."""
+    by_row = parsing[[INDEX[name] for name in names]].sum((0, 2)).tolist()
+    total = sum(by_row)
+    return sum(row * share for row, share in enumerate(by_row)) / total if total > least_px else None

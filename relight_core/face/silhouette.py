@@ -5,13 +5,14 @@ from __future__ import annotations
 import cv2
 import numpy as np
 
-from relight_core.face.parsing import FACE_LABELS, INDEX
+from relight_core.face.parsing import FACE_LABELS, INDEX, middle_row
 from relight_core.face.posterior import posterior
 
 _CLOSING_SHARE = 1 / 24
 _FAINT_HAT, _PLAIN_HAT = 0.02, 0.032
 _HAT_ODDS = 1.5
 _RAMP_SHARE = 0.05
+_EYES = ("left_eye", "right_eye", "glasses")
 _LEAST_EYES = 5e-4
 
 
@@ -62,12 +63,9 @@ def person_with_headwear(parsing: np.ndarray) -> np.ndarray:
 
 def rows_above_the_eyes(parsing: np.ndarray) -> np.ndarray:
     """(S, 1) float32 of a parsing (classes, S, S): 0 from eyes or glasses down, 1 well above; 0 where none are seen."""
-    eyes = parsing[[INDEX["left_eye"], INDEX["right_eye"], INDEX["glasses"]]].sum((0, 2))
-    rows = np.arange(len(eyes), dtype=np.float32)[:, None]
-    if not eyes.sum() > _LEAST_EYES * len(rows) ** 2:
-        return np.zeros_like(rows)
-    middle = float(eyes @ rows[:, 0]) / float(eyes.sum())
-    return np.clip((middle - rows) / (_RAMP_SHARE * len(rows)), 0, 1)
+    rows = np.arange(parsing.shape[1], dtype=np.float32)[:, None]
+    eyes = middle_row(parsing, _EYES, _LEAST_EYES * len(rows) ** 2)
+    return np.zeros_like(rows) if eyes is None else np.clip((eyes - rows) / (_RAMP_SHARE * len(rows)), 0, 1)
 
 
 def _without_holes(body: np.ndarray) -> np.ndarray:

@@ -42,22 +42,22 @@ def flatten_albedo(surface: Surface, relief: ReliefTransport, light: torch.Tenso
     """
     shading = grey_irradiance(relief, light).to(surface.albedo.device) + _FLOOR
     shading = F.interpolate(shading, size=surface.albedo.shape[-2:], mode="bilinear", align_corners=False)
-    even = _without_shading(surface, shading.log())
-    return _in_one_colour(without_glare(even, shading, _skin_below_hair(surface.parsing)))
+    skin = _skin_below_hair(surface.parsing)
+    even = _without_shading(surface, shading.log(), skin)
+    return _in_one_colour(without_glare(even, shading, skin), skin)
 
 
-def _without_shading(surface: Surface, shading: torch.Tensor) -> Surface:
+def _without_shading(surface: Surface, log_shading: torch.Tensor, skin: torch.Tensor) -> Surface:
     """The surface with its skin's albedo divided by the shading that is left in it.
 
     The slope of log albedo over log shading (1, 1, S, S), by least squares over the skin, is the power of the shading
     that went into the albedo.
     """
-    skin = _skin_below_hair(surface.parsing)
     albedo = grey(surface.albedo).clamp_min(1e-3).log()
     known = (skin > 0.6) & (surface.photo.amax(1, keepdim=True) < _CLIPPED)
     if int(known.sum()) < _FEWEST_PIXELS:
         return surface
-    centred = shading - shading[known].mean()
+    centred = log_shading - log_shading[known].mean()
     variance = centred[known].square().mean()
     if float(variance) < 1e-4:
         return surface
@@ -67,14 +67,13 @@ def _without_shading(surface: Surface, shading: torch.Tensor) -> Surface:
     return replace(surface, albedo=divided.clamp(0, 1))
 
 
-def _in_one_colour(surface: Surface) -> Surface:
+def _in_one_colour(surface: Surface, skin: torch.Tensor) -> Surface:
     """The surface without the colours that large parts of its skin have and the rest of it hasn't.
 
     Colour is measured as log ratios of channels, smoothed over some hundredths of the view, so that moles, beards
     and make-up keep theirs. What lies further from the skin's median than flush and tan explain is taken back to
     that distance; luminance stays.
     """
-    skin = _skin_below_hair(surface.parsing)
     known = skin > 0.6
     if int(known.sum()) < _FEWEST_PIXELS:
         return surface

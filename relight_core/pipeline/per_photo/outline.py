@@ -77,8 +77,8 @@ def parsing_within(parsing: torch.Tensor, outline: Outline, view: Crop) -> torch
 
     Both were trained for it and err in different places: de-lighting sees the head larger and knows hair and hats,
     the person network sees shoulders, has seen more that lies behind, and has nothing else to learn. It counts for
-    more where their log odds are averaged. What de-lighting takes for a face stays one. Above the eyes
-    both must agree: a tree or a window right behind a head passes for hair or a hat with one of them, seldom with both.
+    more where their log odds are averaged. What de-lighting takes for a face stays one. Above the eyes both must
+    agree: a tree or a window right behind a head passes for hair or a hat with one of them, seldom with both.
 
     Args:
         parsing: (1, classes, S, S) probabilities in a view of the photo.

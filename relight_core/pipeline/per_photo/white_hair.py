@@ -10,7 +10,7 @@ from dataclasses import replace
 
 import torch
 
-from relight_core.face.parsing import INDEX
+from relight_core.face.parsing import INDEX, middle_row
 from relight_core.imaging.tensor_colour import grey
 from relight_core.pipeline.per_photo.saturation import log_colour, middle_colour, saturation
 from relight_core.pipeline.stages import Surface
@@ -24,11 +24,9 @@ _BLACK = 0.005
 
 def above_the_eyes(parsing: torch.Tensor) -> torch.Tensor | None:
     """(1, 1, S, 1) 1 in the rows above the middle of the eyes and brows; None where none are seen."""
-    eyes = sum(parsing[:, INDEX[name]] for name in _EYES).sum(2)[0]
-    if float(eyes.sum()) < _FEWEST_EYE_PIXELS:
-        return None
-    rows = torch.arange(len(eyes), device=eyes.device)
-    return (rows < (rows * eyes).sum() / eyes.sum()).float()[None, None, :, None]
+    eyes = middle_row(parsing[0], _EYES, _FEWEST_EYE_PIXELS)
+    rows = torch.arange(parsing.shape[2], device=parsing.device)
+    return None if eyes is None else (rows < eyes).float()[None, None, :, None]
 
 
 @torch.inference_mode()
