@@ -101,22 +101,23 @@ def _find(shape: np.ndarray) -> tuple[Lamp, ...]:
     grey = luminance(fine).astype(np.float64)
     toward = directions(*grey.shape).astype(np.float64)
     areas = solid_angles(*grey.shape).astype(np.float64)
-    left, lamps = grey.copy(), []
+    left, lamps = np.ones(grey.shape, bool), []
     for _ in range(_MOST):
-        peak = np.unravel_index(left.argmax(), left.shape)
-        if left[peak] < _DIMMEST:
+        peak = np.unravel_index(np.where(left, grey, 0).argmax(), grey.shape)
+        if not left[peak] or grey[peak] < _DIMMEST:
             break
         centre = toward[peak]
         # The brightest texel of a disc may be at its rim: what lies around it is sought anew around its middle.
+        # What belongs to one lamp is no part of another: the haze around a sun would be that sun once more.
         for _ in range(_CENTRINGS):
             apart = toward @ centre
-            around = apart > np.cos(np.radians(_AROUND_DEG))
-            lamp = _measured(grey, toward, areas, around, ~around & (apart > np.cos(np.radians(_BEYOND_DEG))))
+            around = left & (apart > np.cos(np.radians(_AROUND_DEG)))
+            lamp = _measured(grey, toward, areas, around, left & ~around & (apart > np.cos(np.radians(_BEYOND_DEG))))
             centre = np.array(lamp.toward)
         if lamp.hardness > 0:
             lamps.append(lamp)
-        left[around] = 0
-        left[peak] = 0
+        left[around] = False
+        left[peak] = False
     return tuple(lamps)
 
 

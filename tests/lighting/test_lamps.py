@@ -58,6 +58,15 @@ def test_several_lamps_come_by_brightness():
     assert [round(lamp.toward[0], 1) for lamp in lamps] == [-0.9, 0.0, 1.0]
 
 
+def test_the_haze_around_a_sun_is_not_that_sun_again():
+    toward = directions(128, 256)
+    off_deg = np.degrees(np.arccos(np.clip(toward @ unit(0.4, 0.6, -0.5), -1, 1)))
+    haze = 25 * np.exp(-((off_deg / 14) ** 2)) + 0.3
+    image = np.where(off_deg < 3, 1500, haze)[..., None] * np.ones(3)
+    (sun,) = lamps_of(Environment.from_radiance(image))
+    assert 0 < sun.irradiance <= 4, "a light of mean luminance 1 has no more to give"
+
+
 def test_an_enlarged_lamp_loses_its_hardness_evenly():
     radii = np.linspace(3, 9, 13)
     power = 25.0
