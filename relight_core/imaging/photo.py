@@ -60,8 +60,11 @@ class Photo:
     def monochrome(self) -> bool:
         """Whether it is black and white, or toned: of one colour for each brightness, but for what compression adds."""
         step = max(max(self.linear.shape[:2]) // _LOOKED_AT, 1)
-        codes = srgb_encode(np.clip(self.linear[::step, ::step], 0, 1)).reshape(-1, 3)
-        return self.beyond is None and _share_off_tone(codes) <= _STRAY_SHARE
+        seen = self.linear[::step, ::step].reshape(-1, 3)
+        if self.beyond is not None:
+            seen = seen + self.beyond[::step, ::step].reshape(-1, 3)
+        codes = np.copysign(srgb_encode(np.minimum(np.abs(seen), 1)), seen)
+        return _share_off_tone(codes) <= _STRAY_SHARE
 
     @classmethod
     def from_srgb(cls, srgb: np.ndarray, path: Path | None = None) -> Photo:

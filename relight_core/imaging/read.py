@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -28,8 +29,8 @@ def read_photo(path: str | Path) -> Photo:
     Integer files are sRGB unless they embed an ICC profile, from which they are converted: matrix and
     grey profiles in floating point at the file's own depth, with what lies outside Rec.709 in `Photo.beyond`;
     table-based ones (CMYK among them) at 8 bits through LittleCMS, clipped to sRGB. Floating-point TIFFs are
-    linear unless they embed a profile. In floating-point files NaN becomes 0 and infinity the largest finite
-    value; what is negative goes to `Photo.beyond`. Alpha multiplied into the colour is divided out.
+    linear unless they embed a matrix or grey profile. In floating-point files NaN becomes 0 and infinity the
+    largest finite value; what is negative goes to `Photo.beyond`. Alpha multiplied into the colour is divided out.
 
     Raises:
         InputError: missing, a folder, empty, truncated, not an image, above 400 megapixels or unreadable.
@@ -40,16 +41,15 @@ def read_photo(path: str | Path) -> Photo:
         linear, alpha = _decode_radiance(head, path)
         return _float_photo(linear, alpha, premultiplied=True, path=path)
     raster = decode.decode_raster(file_bytes(path), path)
-    if raster.values.dtype == np.float32 and raster.icc is None:
-        return _float_photo(raster.values, raster.alpha, raster.premultiplied, path)
+    if raster.values.dtype.kind == "f":
+        return _photo_of_floats(raster, path)
     linear, beyond, bits = _to_linear(_straight(raster), raster.icc)
     linear, alpha = _upright(linear, raster.orientation), raster.alpha
     if alpha is not None:
         alpha = np.clip(_upright(alpha, raster.orientation), 0.0, 1.0)
     if beyond is not None:
         beyond = _upright(beyond, raster.orientation)
-    coloured = raster.icc is not None and raster.values.shape[2] == 3 and matrix_profile(raster.icc, 3) is not None
-    return Photo(linear, alpha, path, bits, raster.icc if coloured else None, raster.exif, beyond)
+    return Photo(linear, alpha, path, bits, _kept_profile(raster), raster.exif, beyond)
 
 
 def read_radiance(path: str | Path) -> np.ndarray:
@@ -76,6 +76,23 @@ def _decode_radiance(head: bytes, path: Path) -> tuple[np.ndarray, np.ndarray | 
     if head.startswith(exr.MAGIC):
         return exr.read_exr(path)
     return decode.decode_radiance_hdr(file_bytes(path), path), None
+
+
+def _kept_profile(raster: decode.Raster) -> bytes | None:
+    """The profile, for writing it back, if it is an RGB matrix profile."""
+    coloured = raster.icc is not None and raster.values.shape[2] == 3 and matrix_profile(raster.icc, 3) is not None
+    return raster.icc if coloured else None
+
+
+def _photo_of_floats(raster: decode.Raster, path: Path) -> Photo:
+    """Values above 1 and below 0 stay, whatever profile they are in."""
+    linear, premultiplied, alpha = raster.values, raster.premultiplied, raster.alpha
+    profile = matrix_profile(raster.icc, linear.shape[2]) if raster.icc else None
+    if profile is not None:
+        linear, premultiplied = profile.decode(_finite(_straight(raster))), False
+    alpha = None if alpha is None else _upright(alpha, raster.orientation)
+    photo = _float_photo(_upright(linear, raster.orientation), alpha, premultiplied, path)
+    return replace(photo, icc=_kept_profile(raster), exif=raster.exif)
 
 
 def _float_photo(linear: np.ndarray, alpha: np.ndarray | None, premultiplied: bool, path: Path) -> Photo:
@@ -111,14 +128,9 @@ def _straight(raster: decode.Raster) -> np.ndarray:
 
 
 def _to_linear(values: np.ndarray, icc: bytes | None) -> tuple[np.ndarray, np.ndarray | None, int]:
-    """(H, W, 1 or 3) encoded to (H, W, 3) linear, what lies beyond Rec.709, and the bits that are left."""
+    """(H, W, 1 or 3) integers, encoded, to (H, W, 3) linear, what lies beyond Rec.709, and the bits that are left."""
     bits = 8 * values.dtype.itemsize
     profile = matrix_profile(icc, values.shape[2]) if icc else None
-    if values.dtype.kind == "f":
-        values = np.clip(np.nan_to_num(values), 0.0, 1.0)
-        if profile is None:
-            return np.broadcast_to(values, (*values.shape[:2], 3)), None, bits
-        return *_from_profile(values, profile), bits
     if profile is not None and not profile.is_srgb:
         return *_from_profile(values, profile), bits
     if profile is None and icc:
@@ -131,7 +143,7 @@ def _to_linear(values: np.ndarray, icc: bytes | None) -> tuple[np.ndarray, np.nd
 
 
 def _from_profile(values: np.ndarray, profile: MatrixProfile) -> tuple[np.ndarray, np.ndarray | None]:
-    """(H, W, 1 or 3) encoded to (H, W, 3) linear within Rec.709, and what lies beyond it."""
+    """(H, W, 1 or 3) integers, encoded, to (H, W, 3) linear within Rec.709, and what lies beyond it."""
     size = (*values.shape[:2], 3)
     linear, beyond = np.empty(size, np.float32), None
 

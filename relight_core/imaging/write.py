@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import io
 import zlib
-from collections.abc import Iterable, Iterator
-from contextlib import contextmanager
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
@@ -125,7 +124,7 @@ def write_bands(
         return
     if suffix == ".exr":
         names, kind = "RGBA"[:channels], _code_type(suffix, style.bits)
-        with _exr_beside(path) as beside:
+        with whole_file(path) as beside:
             exr.write_rows(beside, size, names, kind, (codes for _, codes in coded), style.texts)
         return
     pixels = np.empty((*size, channels), _code_type(suffix, style.bits))
@@ -226,17 +225,8 @@ def write_exr_layers(
     if len({array.shape[:2] for array in arrays.values()}) != 1:
         raise ValueError("layers of one EXR have one size, and there is at least one")
     attributes = {name: _attribute(value) for name, value in (header or {}).items() if value is not None}
-    with _exr_beside(path) as beside:
-        exr.write_channels(beside, arrays, header=attributes)
-
-
-@contextmanager
-def _exr_beside(path: Path) -> Iterator[Path]:
     with whole_file(path) as beside:
-        try:
-            yield beside
-        except RuntimeError as error:
-            raise OSError("OpenEXR can't write it") from error
+        exr.write_channels(beside, arrays, header=attributes)
 
 
 def _checked(linear: np.ndarray, alpha: np.ndarray | None) -> tuple[np.ndarray, np.ndarray | None]:

@@ -130,3 +130,38 @@ def test_a_broken_or_foreign_profile_counts_as_none(tmp_path):
         path = tmp_path / f"{index}.png"
         Image.fromarray(pixels).save(path, icc_profile=profile)
         np.testing.assert_allclose(read_photo(path).linear, 0.21586, atol=1e-4)
+
+
+def float_tiff(path, pixels, **options):
+    tifffile.imwrite(path, np.asarray(pixels, np.float32), photometric="rgb", **options)
+    return read_photo(path)
+
+
+def test_floats_in_a_profile_keep_highlights_and_what_lies_beyond(tmp_path):
+    bright = np.full((4, 5, 3), 4.0)
+    photo = float_tiff(tmp_path / "a.tif", bright, iccprofile=rgb_profile(gamma(1)))
+    np.testing.assert_allclose(photo.linear, 4.0, rtol=1e-3)
+    assert photo.bits == 32
+    green = np.zeros((4, 5, 3))
+    green[..., 1] = 3.0
+    photo = float_tiff(tmp_path / "b.tif", green, iccprofile=rgb_profile(gamma(1)))
+    whole = photo.linear + photo.beyond
+    # Display P3's green in Rec.709 (Bradford's adaptation makes no difference between whites of D65).
+    np.testing.assert_allclose(whole[0, 0], np.array([-0.2249, 1.0421, -0.0786]) * 3, atol=0.01)
+
+
+def test_floats_in_a_curved_profile_go_on_beyond_white(tmp_path):
+    steps = np.array([0.5, 1.0, 1.25, 1.5])[None, :, None] * np.ones((2, 1, 3))
+    linear = float_tiff(tmp_path / "a.tif", steps, iccprofile=rgb_profile(gamma(2))).linear[0, :, 0]
+    np.testing.assert_allclose(linear, [0.25, 1.0, 1.5, 2.0], atol=0.01)
+
+
+@pytest.mark.parametrize("profile", [None, rgb_profile(gamma(1))])
+def test_floats_are_turned_upright_and_keep_what_the_file_says(tmp_path, profile):
+    pixels = np.zeros((4, 6, 3))
+    pixels[0, 0] = 1.0
+    turned = [(274, "H", 1, 6, True), (271, "s", 7, "Camera", True)]
+    photo = float_tiff(tmp_path / "a.tif", pixels, iccprofile=profile, extratags=turned)
+    assert photo.linear.shape == (6, 4, 3)
+    assert photo.linear[0, 3].min() > 0.99 > photo.linear.sum() / 4
+    assert b"Camera" in photo.exif

@@ -1,5 +1,8 @@
 import os
 import stat
+import sys
+import threading
+from contextlib import suppress
 
 import numpy as np
 import OpenEXR
@@ -8,7 +11,7 @@ from PIL import Image
 
 from relight_core.errors import InputError
 from relight_core.imaging.read import read_photo
-from relight_core.imaging.write import write_exr_layers, write_image
+from relight_core.imaging.write import FileStyle, write_bands, write_exr_layers, write_image
 
 RNG = np.random.default_rng(0)
 LINEAR = RNG.random((12, 17, 3)).astype(np.float32)
@@ -194,3 +197,39 @@ def test_a_new_file_has_ordinary_permissions_and_links_are_followed(tmp_path):
     mask = os.umask(0)
     os.umask(mask)
     assert stat.S_IMODE((tmp_path / "real.png").stat().st_mode) == 0o666 & ~mask
+
+
+@pytest.mark.parametrize("name", ["a.png", "a.exr"])
+def test_a_fault_while_the_picture_is_made_is_no_fault_of_the_place(tmp_path, name):
+    def bands():
+        yield slice(0, 2), np.zeros((2, 4, 3), np.float32), None
+        raise RuntimeError("a fault of ours")
+
+    with pytest.raises(RuntimeError, match="a fault of ours"):
+        write_bands(tmp_path / name, (4, 4), bands(), False, FileStyle(16))
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_two_threads_that_write_exr_files_leave_the_streams_alone(tmp_path, monkeypatch):
+    """The library's own messages are kept off them, for the whole process at once."""
+    both_inside, first_done, real = threading.Barrier(2), threading.Event(), OpenEXR.File
+
+    def file(*arguments, **options):
+        with suppress(threading.BrokenBarrierError):
+            both_inside.wait(timeout=0.2)
+        if threading.current_thread() is not first and not both_inside.broken:
+            first_done.wait(timeout=5)
+        return real(*arguments, **options)
+
+    def write(name):
+        write_exr_layers(tmp_path / name, {"RGB": LINEAR})
+        first_done.set()
+
+    monkeypatch.setattr(OpenEXR, "File", file)
+    streams = sys.stdout, os.fstat(2).st_ino
+    first, second = (threading.Thread(target=write, args=(name,)) for name in ("a.exr", "b.exr"))
+    for thread in (first, second):
+        thread.start()
+    for thread in (first, second):
+        thread.join()
+    assert (sys.stdout, os.fstat(2).st_ino) == streams

@@ -40,6 +40,17 @@ class TestRecognition:
     def test_a_tone_all_over_is_no_colour(self, tone):
         assert Photo(black_and_white().linear * np.float32(tone)).monochrome
 
+    def test_a_tone_that_leaves_the_gamut_here_and_there_is_no_colour(self):
+        toned = black_and_white().linear * np.float32((1.1, 1.0, 0.7)) - np.float32((0, 0, 0.002))
+        toned[:2] = (0.0005, 0.0005, -0.0015)
+        assert Photo(np.maximum(toned, 0), beyond=np.minimum(toned, 0).astype(np.float16)).monochrome
+
+    def test_a_colour_that_lies_beyond_the_gamut_alone_is_one(self):
+        grey = black_and_white().linear
+        beyond = np.zeros(grey.shape, np.float16)
+        beyond[:20, :20, 0] = -0.1
+        assert not Photo(grey, beyond=beyond).monochrome
+
     def test_neither_is_one_in_the_shadows_alone(self):
         grey = black_and_white().linear
         assert Photo(np.ascontiguousarray(grey * (1 - np.float32([0, 0, 0.4]) * (1 - grey)))).monochrome

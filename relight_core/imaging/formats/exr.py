@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import os
 import sys
+import threading
 from collections.abc import Collection, Iterable, Iterator, Sequence
 from pathlib import Path
 
@@ -31,6 +32,9 @@ _BLOCK_ROWS = 256
 _LARGEST_SPARE_TILE = 1024
 _BYTES_PER_PIXEL = 18
 """Colour and alpha as float32, and what one block of rows takes."""
+
+_STREAMS = threading.RLock()
+"""Whoever redirects the process's streams: two at a time would put back what the other had put in their place."""
 
 _FLOAT, _HALF = Imath.PixelType(Imath.PixelType.FLOAT), Imath.PixelType(Imath.PixelType.HALF)
 _DAMAGE = (RuntimeError, ValueError, TypeError, IndexError, KeyError, AttributeError, OSError, MemoryError)
@@ -120,10 +124,13 @@ def write_channels(path: Path, layers: dict[str, np.ndarray], *, header: dict) -
         path: overwritten.
         layers: (H, W) or (H, W, 3 or 4) float16 or float32 arrays; "RGB" and "RGBA" are the main layer.
         header: attributes beside the standard ones: str, int or float.
+
+    Raises:
+        OSError: the library can't write there.
     """
     attributes = {**header, "compression": OpenEXR.ZIP_COMPRESSION, "type": OpenEXR.scanlineimage}
     channels = {name: np.ascontiguousarray(array) for name, array in layers.items()}
-    with _quiet(), OpenEXR.File(attributes, channels) as file:
+    with _refusal_as_os_error(), _quiet(), OpenEXR.File(attributes, channels) as file:
         file.write(str(path))
 
 
@@ -139,19 +146,25 @@ def write_rows(
         kind: float16 or float32.
         bands: arrays (h, width, len(names)) of that type, from the top down.
         header: attributes beside the standard ones.
+
+    Raises:
+        OSError: the library can't write there; what `bands` raises comes through as it is.
     """
     attributes = OpenEXR.Header(size[1], size[0])
     channel = Imath.Channel(_HALF if kind == np.float16 else _FLOAT)
     attributes["channels"] = dict.fromkeys(names, channel)
     attributes["compression"] = Imath.Compression(Imath.Compression.ZIP_COMPRESSION)
     attributes |= {name: text.encode("utf-8") for name, text in header.items()}
-    file = OpenEXR.OutputFile(str(path), attributes)
+    with _refusal_as_os_error():
+        file = OpenEXR.OutputFile(str(path), attributes)
     try:
         for band in bands:
             rows = {name: np.ascontiguousarray(band[..., i]).tobytes() for i, name in enumerate(names)}
-            file.writePixels(rows, len(band))
+            with _refusal_as_os_error():
+                file.writePixels(rows, len(band))
     finally:
-        file.close()
+        with _refusal_as_os_error():
+            file.close()
 
 
 def limited(array: np.ndarray, kind: type) -> np.ndarray:
@@ -242,9 +255,17 @@ def _adapted(chromaticities: np.ndarray, target: np.ndarray) -> np.ndarray:
 
 
 @contextlib.contextmanager
+def _refusal_as_os_error() -> Iterator[None]:
+    try:
+        yield
+    except RuntimeError as error:
+        raise OSError("OpenEXR can't write it") from error
+
+
+@contextlib.contextmanager
 def _quiet() -> Iterator[None]:
     """Keep the library's own messages, printed to both streams, off the terminal; ours say more."""
-    with open(os.devnull, "w") as nowhere, contextlib.redirect_stdout(nowhere):
+    with _STREAMS, open(os.devnull, "w") as nowhere, contextlib.redirect_stdout(nowhere):
         sys.stderr.flush()
         kept = os.dup(2)
         try:

@@ -44,9 +44,10 @@ class MatrixProfile:
         return bool(same_curve and (self.matrix is None or np.abs(self.matrix - np.eye(3)).max() < _SAME))
 
     def decode(self, encoded: np.ndarray) -> np.ndarray:
-        """(H, W, 1 or 3) integers or floats in [0, 1] to (H, W, 3) float32 linear Rec.709.
+        """(H, W, 1 or 3) integers or finite floats to (H, W, 3) float32 linear Rec.709.
 
-        Colours that Rec.709 doesn't hold come out below 0 or above 1.
+        Colours that Rec.709 doesn't hold come out below 0 or above 1. Floats below 0 or above 1 are taken along the
+        curves' tangents there, which is exact for the linear profiles that such files mostly have.
         """
         linear = np.stack([self._curve(encoded[..., i], i) for i in range(encoded.shape[-1])], axis=-1)
         if linear.shape[-1] == 1:
@@ -86,7 +87,10 @@ class MatrixProfile:
         if channel.dtype.kind == "u":
             codes = np.linspace(0.0, 1.0, 256**channel.dtype.itemsize)
             return np.interp(codes, positions, self.curves[index]).astype(np.float32)[channel]
-        return np.interp(channel, positions, self.curves[index]).astype(np.float32)
+        curve = self.curves[index]
+        below, above = np.minimum(channel, 0.0), np.maximum(channel - 1.0, 0.0)
+        outside = (curve[1] - curve[0]) * below + (curve[-1] - curve[-2]) * above
+        return (np.interp(channel, positions, curve) + (len(curve) - 1) * outside).astype(np.float32)
 
 
 def matrix_profile(icc: bytes, channels: int) -> MatrixProfile | None:
