@@ -32,7 +32,9 @@ def with_matte(picture, monkeypatch):
     share[10:50, 20:60] = 1.0
     monkeypatch.setattr(layers_module, "whole_person", lambda canvas, matte: SimpleNamespace(share=share))
     canvas = SimpleNamespace(photo_size=(HEIGHT, WIDTH), beyond=None)
-    return replace(picture, full=SimpleNamespace(size=(HEIGHT, WIDTH), changes=(), canvas=canvas, matte=None))
+    full = SimpleNamespace(size=(HEIGHT, WIDTH), changes=(), canvas=canvas, matte=None)
+    full.behind = lambda band: (0.5 * (1 - share[band.rows, :, None])) * np.ones(3, np.float32)
+    return replace(picture, full=full)
 
 
 @pytest.mark.parametrize(("longest", "scale"), [(None, 1), (40, 0.5), (500, 1)])

@@ -8,6 +8,7 @@ import torch
 
 from relight_core.errors import InputError
 from relight_core.face.crop import Crop
+from relight_core.face.paste import Band
 from relight_core.imaging.photo import Photo
 from relight_core.lighting.reflection import ReflectionTable
 from relight_core.pipeline.per_photo.matte import make_matte
@@ -112,6 +113,25 @@ def test_light_of_the_background_wraps_round_the_edge_only():
     )
     np.testing.assert_allclose(bright[80, 90:110], dark[80, 90:110], atol=0.01)
     assert (bright >= dark - 1e-5).all()
+
+
+@pytest.mark.parametrize("backdrop", ["keep", "match", "#203040"])
+@pytest.mark.parametrize("own_alpha", [False, True])
+def test_what_is_behind_is_the_picture_of_a_person_without_light(backdrop, own_alpha):
+    photo, truth = portrait()
+    if own_alpha:
+        photo = Photo(photo.linear, np.where(truth > 0, 0.75, 0.25).astype(np.float32))
+    scene = make_backdrop(backdrop, None, lambda: np.float32([0.5, 0.6, 0.7]))
+    lit = picture_of(gain=2.0, backdrop=scene, photo=photo)
+    unlit = tuple(replace(change, gain=0 * change.gain, offset=0 * change.offset) for change in lit.changes)
+    dark = replace(lit, changes=unlit, rest=0 * lit.rest)
+    band = Band(30, 200, photo.linear.shape[:2], photo.linear.shape[:2])
+    np.testing.assert_allclose(lit.behind(band), dark.render()[0][30:200], atol=1e-5)
+
+
+def test_nothing_is_behind_whom_the_background_was_taken_from():
+    picture = picture_of(backdrop=Backdrop(transparent=True))
+    assert not picture.behind(Band(0, 240, (240, 200), (240, 200))).any()
 
 
 def test_a_matched_background_is_dimmed_as_the_person_is():

@@ -9,6 +9,8 @@ import cv2
 import numpy as np
 
 from relight_core.face.crop import Crop
+from relight_core.face.paste import bands
+from relight_core.imaging.in_order import in_order
 from relight_core.imaging.resampling import resize_area
 from relight_core.pipeline.per_photo.person import whole_person
 from relight_core.pipeline.relighter import Relit
@@ -28,7 +30,8 @@ def photo_layers(relit: Relit, names: Iterable[str], longest_side: int | None = 
 
     Returns:
         arrays (H, W), (H, W, 3) or (H, W, 4), float32 linear; "normal" in camera space, unit length inside the
-        view; "parsing" labels; "background" what is seen beside the person, premultiplied.
+        view; "parsing" labels; "background" what is seen beside the person: with the person's light times the matte
+        it adds up to the picture, and it is 0 where the background was taken away.
 
     Raises:
         ValueError: a name that is none.
@@ -43,7 +46,7 @@ def photo_layers(relit: Relit, names: Iterable[str], longest_side: int | None = 
     if alpha is not None:
         layers = {"RGBA": _sized(np.dstack([image * alpha[..., None], alpha]), size)}
     for name in wanted:
-        layer = _beside(relit, name, image, size) if name in ("matte", "background") else _channel(relit, name, size)
+        layer = _beside(relit, name, size) if name in ("matte", "background") else _channel(relit, name, size)
         if layer is not None:
             layers[name] = layer
     return layers
@@ -116,12 +119,15 @@ def _whole(relit: Relit, wide: bool = False) -> tuple[np.ndarray, np.ndarray | N
     return relit.full.render()
 
 
-def _beside(relit: Relit, name: str, image: np.ndarray, size: tuple[int, int]) -> np.ndarray | None:
+def _beside(relit: Relit, name: str, size: tuple[int, int]) -> np.ndarray | None:
     """The matte, or what is seen beside the person."""
     if relit.full is None:
         return None
-    matte = whole_person(relit.full.canvas, relit.full.matte).share
-    return _sized(matte if name == "matte" else image * (1.0 - matte)[..., None], size)
+    if name == "matte":
+        return _sized(whole_person(relit.full.canvas, relit.full.matte).share, size)
+    picture = relit.full if relit.full.canvas.beyond is None else replace(relit.full, wide=True)
+    rows = in_order(picture.behind, bands(picture.size, picture.canvas.photo_size))
+    return _sized(np.concatenate(list(rows)), size)
 
 
 def _channel(relit: Relit, name: str, size: tuple[int, int]) -> np.ndarray | None:

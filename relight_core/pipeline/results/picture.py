@@ -111,20 +111,37 @@ class Picture:
 
     def band(self, band: Band) -> tuple[np.ndarray, np.ndarray | None]:
         """Some rows: (h, w, 3) float32 linear, and (h, w) alpha or None."""
-        linear = self.canvas.linear[band.pixels]
-        if self.person is None:
-            person = person_in(self.canvas, self.matte, band)
-        else:
-            person = Person(self.person.share[band.pixels], self.person.colour[band.pixels])
+        person = self._person(band)
         if self.backdrop.kept:
-            image = self._beside_the_photo(linear, person, band)
+            image = self._beside_the_photo(self.canvas.linear[band.pixels], person, band)
         else:
             image = self._relit(person.colour, band)
             if not self.backdrop.transparent:
-                image = self._over(image, linear, person, band)
+                image *= person.share[..., None]
+                image += self._behind(person, band)
         if self.wide and self.canvas.beyond is not None:
             self._add_beyond(image, person.share[..., None], band)
         return image, person.share if self.backdrop.transparent else None
+
+    def behind(self, band: Band) -> np.ndarray:
+        """What is seen beside the person in some rows, (h, w, 3) float32 linear.
+
+        What `band` has besides is the person's own light, times the matte. Light of a new background that wraps round
+        the person's edge counts as background.
+        """
+        person = self._person(band)
+        if self.backdrop.transparent:
+            return np.zeros((*person.share.shape, 3), np.float32)
+        image = self._behind(person, band)
+        gain = 1.0 if self.backdrop.kept else self.backdrop.gain
+        if self.wide and self.canvas.beyond is not None and gain is not None:
+            image += (1.0 - person.share)[..., None] * gain * self.canvas.beyond[band.pixels].astype(np.float32)
+        return image
+
+    def _person(self, band: Band) -> Person:
+        if self.person is None:
+            return person_in(self.canvas, self.matte, band)
+        return Person(self.person.share[band.pixels], self.person.colour[band.pixels])
 
     def _add_beyond(self, image: np.ndarray, share: np.ndarray, band: Band) -> None:
         """Add what of the photo's colours lies outside Rec.709, relit as the rest of each pixel is."""
@@ -194,17 +211,16 @@ class Picture:
             relit += spread_crop(placed.offset, placed.view, band)
         return relit
 
-    def _over(self, relit: np.ndarray, linear: np.ndarray, person: Person, band: Band) -> np.ndarray:
-        """The person over another background, whose light wraps round the edge a little."""
+    def _behind(self, person: Person, band: Band) -> np.ndarray:
+        """What lies behind the person, as far as it is seen; a new background's light wraps round the edge a little."""
         share = person.share[..., None]
-        if self.backdrop.gain is not None:
-            behind = np.maximum(linear - share * person.colour, 0.0)
-            return share * relit + behind * self.backdrop.gain
+        if self.backdrop.picture is None:
+            seen = np.maximum(self.canvas.linear[band.pixels] - share * person.colour, 0.0)
+            return seen if self.backdrop.kept else seen * self.backdrop.gain
         everywhere = whole_photo(self.canvas.photo_size)
         picture, soft = (
             spread_window(layer, everywhere, band) if layer.ndim == 3 else layer
             for layer in (self.backdrop.picture, self.backdrop.soft)
         )
         near = share if self.matte.own_alpha else spread_window(self.matte.nearby, everywhere, band)[..., None]
-        wrap = LIGHT_WRAP * share * (1.0 - near)
-        return share * relit + (1.0 - share) * picture + wrap * soft
+        return (1.0 - share) * picture + LIGHT_WRAP * share * (1.0 - near) * soft
