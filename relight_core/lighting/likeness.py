@@ -25,15 +25,16 @@ def likeness(first: torch.Tensor, second: torch.Tensor) -> float:
         1 for one light at two levels; 0 for lights that share neither direction nor colour, and for no light.
     """
     lobes, areas = _lobes(first.shape[1])
-    one, other = (_spread(light, lobes) for light in (first, second))
+    one, other = (_spread(light, lobes, areas) for light in (first, second))
     either = float((torch.maximum(one, other) * areas).sum())
     return float((torch.minimum(one, other) * areas).sum()) / either if either > 0 else 0.0
 
 
-def _spread(light: torch.Tensor, lobes: torch.Tensor) -> torch.Tensor:
-    """(places, 3) in units of their mean; 0 without light."""
+def _spread(light: torch.Tensor, lobes: torch.Tensor, areas: torch.Tensor) -> torch.Tensor:
+    """(places, 3) in units of their mean over the sphere; 0 without light."""
     spread = lobes @ light[0].flatten(0, 1).cpu().float()
-    return spread / spread.mean().clamp_min(1e-12)
+    mean = (spread * areas).sum() / (3 * areas.sum())
+    return spread / mean.clamp_min(1e-12)
 
 
 @lru_cache(maxsize=2)

@@ -52,6 +52,18 @@ def test_a_body_that_is_all_seen_gets_the_networks_gain(size):
     np.testing.assert_allclose(gain, 1.5, rtol=0.15)
 
 
+@pytest.mark.parametrize("row", [0, 2, 7])
+def test_light_that_reaches_it_by_no_straight_way_counts_by_its_power_not_by_its_height(row):
+    """A lamp behind somebody, of mean radiance 1 over the sphere, leaves the same little everywhere."""
+    size = (32, 32)
+    body = make_body(np.full((*size, 3), 0.4, np.float32), np.ones(size, np.float32), np.zeros(size), ReflectionTable())
+    edges = np.cos(np.pi * np.array([row, row + 1]) / 16)
+    lamp = torch.zeros(1, 16, 32, 3)
+    lamp[0, row, 16] = 64 / float(edges[0] - edges[1])
+    gain = body_gain(body, lamp, body.photo)[16, 16]
+    np.testing.assert_allclose(gain, 0.15, atol=0.01)
+
+
 def test_sizes_keep_the_photos_shape():
     assert body_size((6000, 4000)) == (128, 85)
     assert body_size((30, 50)) == (30, 50)

@@ -16,6 +16,7 @@ import torch
 from relight_core.imaging.colour import luminance
 from relight_core.imaging.resampling import resize_area
 from relight_core.lighting.reflection import NormalLookup, ReflectionTable
+from relight_core.lighting.sphere import solid_angles
 
 _LONGEST, _LONGEST_KNOWN = 128, 64
 _DARK = 1e-3
@@ -75,7 +76,9 @@ def body_gain(body: Body, light: torch.Tensor, relit: np.ndarray) -> np.ndarray:
         relit: (k, l, 3) linear, the photo as the networks relit it; only read where they saw it.
     """
     irradiance = body.light_of(light)[0].permute(1, 2, 0).cpu().numpy()
-    guess = irradiance + (_FILL * light.mean((0, 1, 2)).cpu().numpy() + _DARK)
+    areas = solid_angles(*light.shape[1:3])
+    around = np.tensordot(areas, light[0].cpu().numpy(), 2) / areas.sum()
+    guess = irradiance + (_FILL * around + _DARK)
     small = guess if guess.shape == relit.shape else resize_area(guess, relit.shape[:2])
     found = (relit + _DARK) / (body.photo + _DARK)
     correction = np.exp(body.onward(np.log(found / small)))
