@@ -49,8 +49,8 @@ class Effect:
     Attributes:
         state: computed now, reused from an earlier update, or skipped.
         why: the reason in words.
-        bound: the largest change of a displayed value in [0, 1] against computing it; None where the user or
-            the quality tier has decided, which no rule answers for.
+        bound: the largest change of a displayed value in [0, 1] against computing it for exactly this light; None
+            where the user or the quality tier has decided, which no rule answers for.
         forced: the user's decision about it: on, off or none.
         saved_ms: what computing it took when it last ran on this machine; 0 where it is computed now, None
             where it never ran.
@@ -298,7 +298,6 @@ def _keys(scene: Scene, edit: Edit, needed: set[str], network: bool) -> dict[str
         "detail_fit": (image, "detail" in needed),
         "sliders": change,
         "detail": change,
-        "paste": change,
         "panorama": backdrop,
         "background": (change, behind),
         "channels": (change, edit.channels),
@@ -319,9 +318,10 @@ def _effect(
     saved_ms = 0.0 if name == "specular" else times.get(stage)
     if not verdict.needed:
         return Effect(name, "skipped", verdict.why, verdict.bound, forced, saved_ms)
-    if not kept(stage, keys[stage]):
-        return Effect(name, "computed", verdict.why, 0.0, forced, 0.0)
+    # Also what is computed now is computed for the light that serves.
     bound = scene.light_bound if name in _ANSWERS_THE_LIGHT else 0.0
+    if not kept(stage, keys[stage]):
+        return Effect(name, "computed", verdict.why, bound, forced, 0.0)
     why = "nothing it reads has changed"
     if bound > 0:
         why = f"the light is nearly one seen before: it could change no pixel by more than {100 * bound:.2g} %"

@@ -235,6 +235,7 @@ class Relighter:
             environment = Environment(environment.shape, _BRIGHTEST_LEVEL, environment.name)
         self._begin_update()
         plan, serving = self._planned(environment, edit)
+        self._lights.keep(tier_of(edit.quality), serving)
         face = self._first()
         ready = face.prepare(tier_of(edit.quality))
         if plan.runs("flattening"):

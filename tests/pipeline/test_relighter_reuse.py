@@ -100,6 +100,16 @@ def test_the_plan_says_beforehand_what_is_done(relighter):
         assert (foretold["correction"] == "computed") == ("compose" in computed(relit))
 
 
+def test_asking_for_the_plan_changes_no_picture(relighter, weights):
+    near = Environment(some_light().shape * np.float32(1.00001), 1.0, "near")
+    edit = replace(EDIT, tolerance=2 / 255)
+    relighter.plan(some_light(), edit)
+    asked = relighter.relight(near, edit).image
+    other = Relighter(weights)
+    other.set_portrait(some_photo())
+    np.testing.assert_array_equal(asked, other.relight(near, edit).image)
+
+
 @pytest.mark.parametrize(
     "edits",
     [

@@ -41,26 +41,26 @@ class KeptLights:
         self._groups.clear()
 
     def match(self, group: Hashable, light: np.ndarray, tolerance: float) -> ServingLight:
-        """The same light if it is kept, else the nearest within the tolerance, else the light itself.
+        """The same light if it is kept, else the nearest within the tolerance, else the light itself; keeps nothing.
 
-        A light that serves itself is kept from now on. Results always belong to the light they were computed
-        for, so small changes don't add up.
+        Results always belong to the light they were computed for, so small changes don't add up.
 
         Args:
             light: (16, 32, 3) normalised radiance.
             tolerance: of displayed values in [0, 1].
         """
-        lights = self._groups.setdefault(group, OrderedDict())
-        name = light.tobytes()
-        bound = 0.0
+        lights, name = self._groups.get(group, {}), light.tobytes()
         if name not in lights:
             changes = {kept: displayed_change(light_change(other, light)) for kept, other in lights.items()}
             nearest = min(changes, key=changes.get, default=None)
             if nearest is not None and changes[nearest] <= tolerance:
-                name, bound = nearest, changes[nearest]
-            else:
-                lights[name] = light.copy()
-        lights.move_to_end(name)
+                return ServingLight(nearest, lights[nearest], changes[nearest])
+        return ServingLight(name, light.copy(), 0.0)
+
+    def keep(self, group: Hashable, serving: ServingLight) -> None:
+        """Keep the light that results are about to be computed for, as the newest of its group."""
+        lights = self._groups.setdefault(group, OrderedDict())
+        lights[serving.name] = serving.radiance
+        lights.move_to_end(serving.name)
         while len(lights) > self.most:
             lights.popitem(last=False)
-        return ServingLight(name, lights[name], bound)
