@@ -22,7 +22,7 @@ from relight_core.pipeline.edit import Edit
 if TYPE_CHECKING:
     import numpy as np
 
-    from relight_core.pipeline.relighter import Relit
+    from relight_core.pipeline.results.relit import Relit
 
 LIGHTS = ("source_light", "target_light")
 

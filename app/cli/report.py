@@ -15,7 +15,7 @@ from relight_core.pipeline.edit import Edit
 
 if TYPE_CHECKING:
     from relight_core.pipeline.plan import Effect
-    from relight_core.pipeline.relighter import Relit
+    from relight_core.pipeline.results.relit import Relit
 
 
 class Report:

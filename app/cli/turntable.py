@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
     from relight_core.face.find import FaceBox
     from relight_core.lighting.environment import Environment
-    from relight_core.pipeline.relighter import Relit
+    from relight_core.pipeline.results.relit import Relit
 
 STEPS = 12
 _COLUMNS = 4

@@ -11,7 +11,8 @@ from relight_core.imaging.photo import Photo
 from relight_core.imaging.view_transform import apply_view
 from relight_core.lighting.environment import Environment
 from relight_core.pipeline.edit import EFFECTS, Edit
-from relight_core.pipeline.relighter import Relighter, Relit
+from relight_core.pipeline.relighter import Relighter
+from relight_core.pipeline.results.relit import Relit
 
 _EVERYTHING = frozenset(EFFECTS) - {"background"}
 _SLIDER_STOPS = 10

@@ -13,7 +13,8 @@ from relight_core.evaluation.bench_configurations import Configuration
 from relight_core.evaluation.bench_machine import peak_memory_mib, reset_peak_memory, wait_for
 from relight_core.lighting.environment import Environment
 from relight_core.pipeline.edit import Edit
-from relight_core.pipeline.relighter import Relighter, Relit
+from relight_core.pipeline.relighter import Relighter
+from relight_core.pipeline.results.relit import Relit
 
 ACTIONS = ("delight", "rotation", "slider")
 """De-lighting alone; all of an update after the light turned; all of one after a slider moved."""

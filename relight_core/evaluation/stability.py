@@ -20,7 +20,8 @@ from relight_core.lighting.environment import Environment
 from relight_core.pipeline.edit import Edit
 from relight_core.pipeline.per_photo.portrait import choose_faces
 from relight_core.pipeline.quality import Tier, tier_of
-from relight_core.pipeline.relighter import Relighter, Relit
+from relight_core.pipeline.relighter import Relighter
+from relight_core.pipeline.results.relit import Relit
 
 BOUNDS = {
     "not finite": 0.0,

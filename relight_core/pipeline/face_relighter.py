@@ -129,10 +129,14 @@ class FaceRelighter:
         if nearer is not None:
             self.nearer = FaceRelighter(workshop, replace(portrait, view=nearer), StageCache(), outlined=False)
 
+    @property
+    def caches(self) -> tuple[StageCache, ...]:
+        """Its own, and that of the nearer view."""
+        return (self.cache,) if self.nearer is None else (self.cache, self.nearer.cache)
+
     def forget(self, stage: str | None = None) -> None:
         """Drop a stage's results, or all there are."""
-        caches = (self.cache,) if self.nearer is None else (self.cache, self.nearer.cache)
-        for cache in caches:
+        for cache in self.caches:
             cache.clear() if stage is None else cache.forget(stage)
 
     def _once(self, name: str, key: Hashable, make):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Hashable, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from functools import lru_cache, partial
 from pathlib import Path
 from weakref import WeakSet
@@ -21,29 +21,28 @@ from relight_core.lighting.environment import Environment, network_light
 from relight_core.lighting.lamps import lamps_of
 from relight_core.lighting.reflection import ReflectionTable
 from relight_core.networks.bundle import load_bundle
-from relight_core.pipeline.cache import Record, Stage, StageCache
+from relight_core.pipeline.cache import Record, StageCache
 from relight_core.pipeline.edit import Edit
-from relight_core.pipeline.face_relighter import KEPT_LIGHTS, FaceRelighter, Workshop
+from relight_core.pipeline.face_relighter import KEPT_LIGHTS, FaceRelighter, Lit, Prepared, Workshop
 from relight_core.pipeline.per_light.kept_lights import KeptLights, ServingLight
 from relight_core.pipeline.per_photo.matte import WORKING_PX, Matte, make_matte
 from relight_core.pipeline.per_photo.person import Canvas, canvas_of, whole_person
 from relight_core.pipeline.per_photo.portrait import (
-    Portrait,
     checked_boxes,
     choose_faces,
     frame,
+    framed,
     located,
-    refine,
-    straightened,
     those_chosen,
 )
-from relight_core.pipeline.plan import Effect, Plan, Scene, make_plan
+from relight_core.pipeline.plan import Plan, Scene, make_plan
 from relight_core.pipeline.quality import Tier, tier_of
 from relight_core.pipeline.results.backdrop import OWN_BACKGROUNDS, Backdrop, backdrop_panorama, make_backdrop
 from relight_core.pipeline.results.channels import ViewChange
 from relight_core.pipeline.results.display import DisplayRecipe, person_layers, recipe_of
 from relight_core.pipeline.results.finish import Placement, mean_gain, place_changes, place_views, weights_on_views
 from relight_core.pipeline.results.picture import Picture
+from relight_core.pipeline.results.relit import Relit
 from relight_core.resources import resource_path
 
 WEIGHTS = ("weights", "relight.safetensors")
@@ -55,49 +54,6 @@ _NETWORK_STAGES = ("delight", "begun", "specular_shadow", "residual", "compose",
 
 _BRIGHTEST_LEVEL = 1e20
 """Lights beyond it count as this bright: sums over their pictures stay within single precision."""
-
-
-@dataclass(frozen=True, eq=False)
-class Relit:
-    """A relit portrait.
-
-    Attributes:
-        image: (H, W, 3) float32 linear radiance at the size that was asked for, without `Edit.exposure_ev`; None
-            where there is a recipe instead, or none was asked for.
-        alpha: (H, W) float32 in [0, 1] where the background was taken away, else None.
-        channels: views (S, S, 3) or (S, S) float32 by name, as far as `Edit.channels` asks for them: "photo",
-            "albedo", "normal" (unit vectors, camera space), "parsing" (int labels), "specular", "shadow" and
-            "composition" (linear, at the light's level), and the lights "source_light" and "target_light"
-            (16, 32, 3).
-        faces: the boxes of the faces that were relit, in photo pixels; the channels are the first one's.
-        stages: what each stage did, in the order in which they ended.
-        plan: what was decided about each effect, and why.
-        full: the picture at the photo's own size, computed where it is asked for.
-        window: x0, y0, x1, y1 of the square the channels show, in photo pixels; it may reach beyond the photo.
-        roll_deg: how far that square is turned about its middle, as `Crop.roll_deg`.
-        recipe: what a shader needs to draw the picture, at the size that was asked for.
-        level_as_in_photo_ev: gives the stops by which the light's level has to change for the first face to be as
-            bright as in the photo; worked out where it is asked for.
-        networks_ended_s: when the last network had run, on the clock of `time.perf_counter`.
-    """
-
-    image: np.ndarray | None
-    alpha: np.ndarray | None
-    channels: dict[str, np.ndarray]
-    faces: list[FaceBox]
-    stages: dict[str, Stage] = field(default_factory=dict)
-    plan: tuple[Effect, ...] = ()
-    full: Picture | None = None
-    window: tuple[float, float, float, float] | None = None
-    roll_deg: float = 0.0
-    recipe: DisplayRecipe | None = None
-    level_as_in_photo_ev: Callable[[], float] = lambda: 0.0
-    networks_ended_s: float | None = None
-
-    @property
-    def size(self) -> tuple[int, int]:
-        """(height, width) at the photo's own size."""
-        return self.full.size if self.full is not None else self.image.shape[:2]
 
 
 class Relighter:
@@ -148,7 +104,7 @@ class Relighter:
         known = self._face_at if self._faces and self._faces[0].portrait.photo is photo else {}
 
         def face_at(box: FaceBox) -> FaceRelighter:
-            return known.get(box) or FaceRelighter(self._shop, _framed(photo, box, parsed), StageCache())
+            return known.get(box) or FaceRelighter(self._shop, framed(photo, box, parsed), StageCache())
 
         chosen = those_chosen(photo, people, face_index)
         faces = {box: face_at(box) for box in dict.fromkeys(chosen)}
@@ -172,7 +128,7 @@ class Relighter:
             return evidence_of_face(parsed(portrait.view), portrait.view, portrait.crop)
 
         def look_closer(found: FaceBox) -> int:
-            portrait = _framed(photo, found, parsed)
+            portrait = framed(photo, found, parsed)
             confirmed = portrait.face != portrait.found
             return evidence_of_face(parsed(portrait.view), portrait.view, portrait.crop) if confirmed else 0
 
@@ -204,7 +160,8 @@ class Relighter:
     def forget(self, stage: str) -> None:
         """Drop a stage's results, so that it runs again when next needed; for measuring it."""
         self._cache.forget(stage)
-        self._first().forget(stage)
+        for face in self._faces:
+            face.forget(stage)
 
     def plan(self, environment: Environment, edit: Edit) -> Plan:
         """What `relight` would do now; computes nothing.
@@ -236,15 +193,8 @@ class Relighter:
         self._begin_update()
         plan, serving = self._planned(environment, edit)
         self._lights.keep(tier_of(edit.quality), serving)
-        face = self._first()
-        ready = face.prepare(tier_of(edit.quality))
-        if plan.runs("flattening"):
-            ready = face.flattened(ready)
-        lit = face.lit(ready, serving, plan)
-        level = environment.level
-        change = face.cache.run(
-            "sliders", plan.keys["sliders"], lambda: face.change(ready, lit, plan, edit, level), "new light or slider"
-        )
+        face, level = self._first(), environment.level
+        ready, lit, change = self._first_change(serving, plan, edit, level)
         changes = [change, *self._other_changes(serving, plan, edit, level)]
         full, shown = self._finished(changes, serving, plan, environment, edit, longest_side_px)
         key = (plan.keys["background"], longest_side_px)
@@ -256,9 +206,13 @@ class Relighter:
         boxes = [face.portrait.face for face in self._faces]
         view, done = face.portrait.view, dict(self._record.stages)
         place = {"window": view.window, "roll_deg": view.roll_deg}
-        ended, matching_ev = self._record.last_end(_NETWORK_STAGES), partial(face.level_as_in_photo_ev, ready, change)
-        others = {"recipe": recipe, "level_as_in_photo_ev": matching_ev, "networks_ended_s": ended}
+        others = {"recipe": recipe, "level_as_in_photo_ev": partial(face.level_as_in_photo_ev, ready, change)}
+        others["networks_ended_s"] = self._networks_ended_s()
         return Relit(image, alpha, channels, boxes, done, plan.effects, full, **place, **others)
+
+    def _networks_ended_s(self) -> float | None:
+        ends = [cache.record.last_end(_NETWORK_STAGES) for face in self._faces for cache in face.caches]
+        return max((end for end in ends if end is not None), default=None)
 
     def _begin_update(self) -> None:
         self._record.begin_update()
@@ -288,6 +242,18 @@ class Relighter:
             return any(cache.has(stage, key) for cache in caches)
 
         return make_plan(scene, edit, is_kept, self._record.typical_ms), light
+
+    def _first_change(
+        self, serving: ServingLight, plan: Plan, edit: Edit, level: float
+    ) -> tuple[Prepared, Lit, ViewChange]:
+        """What the light makes of the first face, and what that was made from."""
+        face = self._first()
+        ready = face.prepare(tier_of(edit.quality))
+        if plan.runs("flattening"):
+            ready = face.flattened(ready)
+        lit = face.lit(ready, serving, plan)
+        make = partial(face.change, ready, lit, plan, edit, level)
+        return ready, lit, face.cache.run("sliders", plan.keys["sliders"], make, "new light or slider")
 
     def _other_changes(self, serving: ServingLight, plan: Plan, edit: Edit, level: float) -> list[ViewChange]:
         """What the light makes of the faces beside the first one."""
@@ -390,10 +356,3 @@ class Relighter:
         photo = self._faces[0].portrait.photo
         seen = backdrop_panorama(edit, environment, photo.linear.shape[:2])
         return without_colour(seen) if photo.monochrome else seen
-
-
-def _framed(photo: Photo, box: FaceBox, parsed: Callable[[Crop], np.ndarray]) -> Portrait:
-    """A face framed by its parsing map, upright as far as that says how it leans."""
-    portrait = frame(photo, box)
-    portrait = straightened(portrait, parsed(portrait.view)) or portrait
-    return refine(portrait, parsed(portrait.view))

@@ -1,5 +1,6 @@
 """Boxes drawn by hand: what they change, and what they leave as it is."""
 
+import time
 from dataclasses import replace
 
 import numpy as np
@@ -9,6 +10,7 @@ from tiny_relighter import EDIT, NETWORK_STAGES, computed, some_light, some_phot
 from relight_core.errors import InputError, NoFaceError
 from relight_core.face.find import FaceBox
 from relight_core.pipeline import relighter as relighter_module
+from relight_core.pipeline import stages
 from relight_core.pipeline.face_relighter import Workshop
 from relight_core.pipeline.per_photo import portrait
 from relight_core.pipeline.relighter import Relighter
@@ -47,6 +49,31 @@ def test_only_the_face_that_moved_is_read_again(relighter, photo, delighted):
     assert len(delighted) == 2, "the view, and the small face from near"
     assert not computed(relit) & NETWORK_STAGES, "those of the first face"
     assert computed(relit) >= {"other_faces", "matte", "detail", "paste"}
+
+
+def test_the_networks_have_ended_when_those_of_the_last_face_have(relighter, photo, monkeypatch):
+    ends, compose = [], stages.compose
+
+    def timed(*arguments, **how):
+        composed = compose(*arguments, **how)
+        ends.append(time.perf_counter())
+        return composed
+
+    monkeypatch.setattr(stages, "compose", timed)
+    relighter.set_portrait(photo, None, [LARGE, SMALL])
+    relit = relighter.relight(some_light(), EDIT)
+    assert len(ends) >= 2
+    assert relit.networks_ended_s >= ends[-1]
+
+
+def test_a_forgotten_stage_is_forgotten_of_every_face(relighter, photo, delighted):
+    relighter.set_portrait(photo, None, [LARGE, MOVED])
+    relighter.relight(some_light(), EDIT)
+    seen = len(delighted)
+    for stage in ("delight", "sliders", "other_faces"):
+        relighter.forget(stage)
+    relighter.relight(some_light(), EDIT)
+    assert len(delighted) - seen == 3, "both views, and the small face from near"
 
 
 def test_what_is_kept_of_faces_changes_no_picture(relighter, weights, photo):

@@ -6,9 +6,9 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from relight_core.pipeline.relighter import Relit
 from relight_core.pipeline.results import layers as layers_module
 from relight_core.pipeline.results.layers import photo_layers, shrunk_picture
+from relight_core.pipeline.results.relit import Relit
 
 HEIGHT, WIDTH, SIDE = 60, 80, 20
 

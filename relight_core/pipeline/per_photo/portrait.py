@@ -203,6 +203,17 @@ def straightened(portrait: Portrait, labels: np.ndarray) -> Portrait | None:
     return frame(portrait.photo, replace(portrait.found, roll_deg=portrait.found.roll_deg + roll_deg))
 
 
+def framed(photo: Photo, box: FaceBox, parsed: Callable[[Crop], np.ndarray]) -> Portrait:
+    """A face framed by its parsing map, upright as far as that says how it leans.
+
+    Args:
+        parsed: gives the labels (S, S) of a view.
+    """
+    portrait = frame(photo, box)
+    portrait = straightened(portrait, parsed(portrait.view)) or portrait
+    return refine(portrait, parsed(portrait.view))
+
+
 def _view_around(crop: Crop, photo: Photo) -> Crop:
     """The wider square, moved and shrunk to stay inside the photo as far as the crop itself allows.
 

@@ -13,7 +13,7 @@ from relight_core.face.paste import bands
 from relight_core.imaging.in_order import in_order
 from relight_core.imaging.resampling import resize_area
 from relight_core.pipeline.per_photo.person import whole_person
-from relight_core.pipeline.relighter import Relit
+from relight_core.pipeline.results.relit import Relit
 
 CHANNEL_LAYERS = ("albedo", "normal", "specular", "shadow", "parsing", "composition")
 LAYERS = (*CHANNEL_LAYERS, "matte", "background")

@@ -1,0 +1,57 @@
+"""A relit portrait, with all that was found on the way to it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from relight_core.face.find import FaceBox
+from relight_core.pipeline.cache import Stage
+from relight_core.pipeline.plan import Effect
+from relight_core.pipeline.results.display import DisplayRecipe
+from relight_core.pipeline.results.picture import Picture
+
+
+@dataclass(frozen=True, eq=False)
+class Relit:
+    """A relit portrait.
+
+    Attributes:
+        image: (H, W, 3) float32 linear radiance at the size that was asked for, without `Edit.exposure_ev`; None
+            where there is a recipe instead, or none was asked for.
+        alpha: (H, W) float32 in [0, 1] where the background was taken away, else None.
+        channels: views (S, S, 3) or (S, S) float32 by name, as far as `Edit.channels` asks for them: "photo",
+            "albedo", "normal" (unit vectors, camera space), "parsing" (int labels), "specular", "shadow" and
+            "composition" (linear, at the light's level), and the lights "source_light" and "target_light"
+            (16, 32, 3).
+        faces: the boxes of the faces that were relit, in photo pixels; the channels are the first one's.
+        stages: what each stage did, in the order in which they ended.
+        plan: what was decided about each effect, and why.
+        full: the picture at the photo's own size, computed where it is asked for.
+        window: x0, y0, x1, y1 of the square the channels show, in photo pixels; it may reach beyond the photo.
+        roll_deg: how far that square is turned about its middle, as `Crop.roll_deg`.
+        recipe: what a shader needs to draw the picture, at the size that was asked for.
+        level_as_in_photo_ev: gives the stops by which the light's level has to change for the first face to be as
+            bright as in the photo; worked out where it is asked for.
+        networks_ended_s: when the last network had run, on the clock of `time.perf_counter`.
+    """
+
+    image: np.ndarray | None
+    alpha: np.ndarray | None
+    channels: dict[str, np.ndarray]
+    faces: list[FaceBox]
+    stages: dict[str, Stage] = field(default_factory=dict)
+    plan: tuple[Effect, ...] = ()
+    full: Picture | None = None
+    window: tuple[float, float, float, float] | None = None
+    roll_deg: float = 0.0
+    recipe: DisplayRecipe | None = None
+    level_as_in_photo_ev: Callable[[], float] = lambda: 0.0
+    networks_ended_s: float | None = None
+
+    @property
+    def size(self) -> tuple[int, int]:
+        """(height, width) at the photo's own size."""
+        return self.full.size if self.full is not None else self.image.shape[:2]
