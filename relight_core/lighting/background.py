@@ -11,6 +11,9 @@ from relight_core.lighting.environment import Environment
 
 _SMALLEST_SIDE = 64
 _WIDEST_BLUR_DEG = 20.0
+_NARROWEST_DEG = 0.01
+_WIDEST_BLUR_SIDES = 4
+"""A picture that is blurred by several times its side is of one colour, and more of it would only take longer."""
 
 
 def panorama_view(
@@ -30,7 +33,7 @@ def panorama_view(
         environment: the light.
         yaw_deg: its turn; positive moves the background to the right.
         height, width: pixels of the picture that it will be part of.
-        field_of_view_deg: of the picture's longer side, in (0, 170].
+        field_of_view_deg: of the picture's longer side, in (0, 170]; less than 0.01 counts as that.
         blur_deg: standard deviation of the blur, in [0, 20].
 
     Returns:
@@ -47,8 +50,9 @@ def panorama_view(
     longer = max(height, width)
     side = min(longer, max(_SMALLEST_SIDE, math.ceil(2 * field_of_view_deg / texel_deg)))
     drawn_height, drawn_width = (max(1, round(n * side / longer)) for n in (height, width))
-    focal = side / 2 / math.tan(math.radians(field_of_view_deg / 2))
+    focal = side / 2 / math.tan(math.radians(max(field_of_view_deg, _NARROWEST_DEG) / 2))
     sigma = focal * math.tan(math.radians(min(max(blur_deg, texel_deg / 2), _WIDEST_BLUR_DEG)))
+    sigma = min(sigma, _WIDEST_BLUR_SIDES * side)
     margin = min(math.ceil(3 * sigma), side)
     directions = _view_directions(drawn_height, drawn_width, longer * focal / side, height, width, margin)
     picture = _sample(environment.shape, directions, yaw_deg)

@@ -331,7 +331,7 @@ class FaceRelighter:
         fit = self.cache.run("detail_fit", plan.keys["detail_fit"], lambda: self._fit(ready, lit, plan), "new light")
         moved = None
         if plan.runs("sliders"):
-            specular = specular_gain(edit.specular * plan.runs("specular"), edit.specular_tint)
+            specular = specular_gain(edit.specular * plan.runs("specular"), edit.specular_tint, self._shop.device)
             effects = soften_shadow(lit.effects, ready.surface, lit.reflected, edit.shadow_softness)
             shadow = edit.shadow * plan.runs("shadow")
             moved = stages.move_sliders(lit.composed, ready.surface, lit.reflected, effects, specular, shadow)

@@ -332,7 +332,7 @@ def move_sliders(
     surface: Surface,
     reflected: torch.Tensor,
     effects: Effects,
-    specular_gain: float,
+    specular_gain: float | torch.Tensor,
     shadow_gain: float,
 ) -> SliderChange:
     """The change of the image with its effects scaled (paper, Figure 12); none at gains of 1.

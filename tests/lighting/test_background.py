@@ -101,6 +101,13 @@ def test_any_size_of_picture(size):
     assert np.isfinite(picture).all()
 
 
+@pytest.mark.parametrize("field_of_view_deg", [1e-300, 1e-5, 0.5])
+def test_a_field_of_view_of_next_to_nothing_shows_one_colour(field_of_view_deg):
+    picture = panorama_background(stripes(16), 33, 40, 60, field_of_view_deg, 5.0)
+    assert picture.shape == (40, 60, 3)
+    assert np.ptp(picture, axis=(0, 1)).max() < 0.05
+
+
 @pytest.mark.parametrize(
     "wrong",
     [{"field_of_view_deg": 0}, {"field_of_view_deg": 180}, {"blur_deg": -1}, {"yaw_deg": float("nan")}],

@@ -8,6 +8,7 @@ from tiny_relighter import EDIT, some_light, some_photo
 
 from relight_core.imaging.photo import Photo
 from relight_core.lighting.environment import Environment
+from relight_core.pipeline.quality import Tier
 from relight_core.pipeline.relighter import Relighter
 
 
@@ -84,6 +85,11 @@ class TestRelighting:
         assert relit.std() > 0.01
         lit = relit[..., 0] > 0.02
         np.testing.assert_allclose(relit[lit][:, 2] / relit[lit][:, 0], 0.7 / 1.1, rtol=0.02)
+
+    def test_a_tier_whose_view_no_network_size_divides(self, weights):
+        relighter = Relighter(weights)
+        relighter.set_portrait(black_and_white())
+        assert of_greys(relighter.relight(some_light(), replace(EDIT, quality=Tier(72, 32, 32, 16, False))).image)
 
     def test_a_light_s_colours_act_by_their_luminance(self, weights):
         light = some_light()

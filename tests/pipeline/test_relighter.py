@@ -95,7 +95,7 @@ def test_a_box_by_hand_needs_no_finder(relighter, monkeypatch):
     relit = relighter.relight(some_light(), EDIT)
     assert np.isfinite(relit.image).all()
     assert relit.faces[0].x1 > 20
-    for box in (FaceBox(5, 5, 5, 40), FaceBox(500, 10, 600, 90), FaceBox(np.nan, 0, 5, 5)):
+    for box in (FaceBox(5, 5, 5, 40), FaceBox(500, 10, 600, 90), FaceBox(np.nan, 0, 5, 5), FaceBox(-1e9, 0, 1e9, 9)):
         with pytest.raises(InputError, match="box"):
             relighter.set_portrait(some_photo(), boxes=[box])
 

@@ -40,6 +40,10 @@ def test_at_rest_nothing_is_touched():
     assert Edit().sliders == (1.0, 1.0, 0.0, 0.0)
 
 
+def test_a_tinted_gain_lies_where_the_channel_does():
+    assert specular_gain(1.0, 0.5, "meta").device.type == "meta"
+
+
 def test_a_shadows_edge_gets_wider_and_wider():
     surface, reflected, effects = scene()
     steepest = []

@@ -41,15 +41,16 @@ def soften_shadow(effects: Effects, surface: Surface, reflected: torch.Tensor, s
     return with_hidden_share(effects, torch.from_numpy(soft)[None, None].to(diffuse), diffuse, gloss)
 
 
-def specular_gain(gain: float, tint: float) -> float | torch.Tensor:
+def specular_gain(gain: float, tint: float, device: torch.device | str = "cpu") -> float | torch.Tensor:
     """The gain on the specular channel; with a tint one for each colour, (1, 3, 1, 1), of luminance `gain`.
 
     Args:
         tint: [-1, 1], from cool to warm; 0 leaves the light's own colour.
+        device: where the channel lies.
     """
     if tint == 0:
         return gain
-    return gain * torch.from_numpy(colour_gain(tint, 0.0).astype(np.float32)).reshape(1, 3, 1, 1)
+    return gain * torch.from_numpy(colour_gain(tint, 0.0).astype(np.float32)).reshape(1, 3, 1, 1).to(device)
 
 
 def _within_surfaces(hidden: np.ndarray, relief: np.ndarray, person: np.ndarray, softness: float) -> np.ndarray:

@@ -24,6 +24,10 @@ _TURNED_FROM_DEG = 10.0
 """A head that leans by less is seen in an upright view, as the networks saw many."""
 
 _FINER_FROM_DEG = 3.0
+
+_LARGEST_BOX = 4
+"""In lengths of the photo: what lies outside it is made up of its border, and takes memory."""
+
 _LOOKS = 3
 _ENOUGH_EVIDENCE, _ALL_EVIDENCE = 2, 3
 
@@ -165,14 +169,16 @@ def checked_boxes(photo: Photo, boxes: Sequence[FaceBox]) -> Sequence[FaceBox]:
     """The boxes that a user drew.
 
     Raises:
-        InputError: an empty box, or one outside the photo.
+        InputError: a box that is empty, outside the photo, or many times as large.
     """
     height, width = photo.linear.shape[:2]
+    name = photo.path or "the photo"
     for box in boxes:
         inside = box.x1 > 0 and box.y1 > 0 and box.x0 < width and box.y0 < height
         if not (np.isfinite(astuple(box)).all() and box.width >= 1 and box.height >= 1 and inside):
-            name = photo.path or "the photo"
             raise InputError(f"{name}: the box of a face is empty or outside; draw it over the face")
+        if max(box.width, box.height) > _LARGEST_BOX * max(width, height):
+            raise InputError(f"{name}: the box of a face is much larger than the photo; draw it over the face")
     return boxes
 
 

@@ -62,8 +62,9 @@ class ViewChange:
         """The change for a photo without colour: the light's act by their luminance, and what it adds has its tone.
 
         Args:
-            photo: (S, S, 3) linear, the view, black and white or toned.
+            photo: (T, T, 3) linear, the view, black and white or toned; any T.
         """
+        photo = photo if photo.shape == self.gain.shape else resize_area(photo, self.gain.shape[:2])
         grey = without_colour(photo)
         tone = np.where(grey > _NO_TONE, photo / np.maximum(grey, _NO_TONE), 1)
         return replace(self, gain=without_colour(self.gain), offset=without_colour(self.offset) * tone)
