@@ -7,6 +7,7 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[1]
 MAKERS = ("relight_core.dataset", "relight_core.training", "relight_core.evaluation")
+PHOTOS = tuple(f"relight_core.imaging.{module}" for module in ("photo", "read", "write", "formats"))
 SCREEN = ("glfw", "moderngl", "imgui_bundle")
 RULES = [
     ("relight_core", ("app", *SCREEN)),
@@ -16,7 +17,10 @@ RULES = [
     ),
     ("relight_core/lighting", ("relight_core.face", "relight_core.networks", "relight_core.pipeline", *MAKERS)),
     ("relight_core/face", ("relight_core.networks", "relight_core.pipeline", *MAKERS)),
-    ("relight_core/networks", ("relight_core.face", "relight_core.pipeline", "cv2", "PIL", "OpenEXR", *MAKERS)),
+    (
+        "relight_core/networks",
+        ("relight_core.face", "relight_core.pipeline", "cv2", "PIL", "OpenEXR", *PHOTOS, *MAKERS),
+    ),
     ("relight_core/pipeline", MAKERS),
     ("relight_core/dataset", ("relight_core.networks", "relight_core.training", "relight_core.evaluation")),
     ("relight_core/training", ("relight_core.evaluation",)),

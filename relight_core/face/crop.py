@@ -120,7 +120,7 @@ def crop_with_padding(box: FaceBox, padding_px: float = 30.0, size: int = 256) -
         size: of the crop, more than twice the padding.
 
     Raises:
-        ValueError: an empty box, or padding that leaves no room.
+        ValueError: padding that leaves no room.
     """
     if 2 * padding_px >= size:
         raise ValueError(f"a padding of {padding_px} leaves nothing of {size} pixels")

@@ -13,6 +13,8 @@ _MOST_STEPS = 9
 def search_windows(photo_size: tuple[int, int]) -> list[Crop]:
     """Squares as large as the photo is narrow, then half as large, each half beside the next.
 
+    Along a photo that is very long for its width there are ten at the most, evenly spread, with gaps between them.
+
     Args:
         photo_size: (height, width).
     """
@@ -25,6 +27,6 @@ def search_windows(photo_size: tuple[int, int]) -> list[Crop]:
 
 
 def _centres(length: int, side: float) -> np.ndarray:
-    """Middles of windows that cover a length, from border to border."""
+    """Middles of windows along a length, from border to border."""
     steps = min(int(np.ceil(2 * (length - side) / side)), _MOST_STEPS)
     return np.round(np.linspace(side / 2, length - side / 2, steps + 1)) if steps > 0 else np.array([length / 2])

@@ -1,4 +1,7 @@
-"""The photo's own detail on a crop that was relit at the networks' resolution.
+"""The photo's own detail on a crop that was relit, or freed of its light, at the networks' resolution.
+
+The editor shows the albedo so. What a new light does it carries to the photo in another way, which keeps gloss apart
+(`imaging.light_change`); `relight evaluate --detail` compares the two.
 
 Within a small window the relit crop is close to a linear function of the photo, gain * photo + offset,
 channel by channel (the guided filter's model: He, Sun and Tang 2013). Gain and offset are smooth, so they

@@ -76,7 +76,7 @@ class Effects:
 
     Attributes:
         tint: (B, 3, H, W) by how much more than its mean the shadow takes of each colour, around 1; None where it
-            takes all alike. The mean of what it takes, weighted by luminance, stays `shadow`.
+            takes all alike. Of a white surface the mean of what it takes, weighted by luminance, stays `shadow`.
     """
 
     specular: torch.Tensor

@@ -88,7 +88,7 @@ class Picture:
         """Rows, image and alpha of one band after the other, from the top, worked out a little ahead.
 
         Args:
-            wide: see there.
+            wide: colours outside Rec.709 stay, as with the picture's own `wide`.
         """
         picture = replace(self, wide=wide)
         return in_order(lambda band: (band.rows, *picture.band(band)), bands(self.size, self.canvas.photo_size, rows))
