@@ -14,9 +14,10 @@ from app.engine.jobs import JobControl, Jobs
 from app.engine.snapshot import Picture
 from app.engine.sources import RelitLike
 from relight_core import __version__
+from relight_core.imaging.resampling import shrunk_size
 from relight_core.imaging.write import Bands, FileStyle, cut, write_bands, write_exr_layers
 from relight_core.pipeline.edit import Edit
-from relight_core.pipeline.results.layers import LAYERS, photo_layers, shrunk_picture, shrunk_size
+from relight_core.pipeline.results.layers import LAYERS, photo_layers, shrunk_picture
 
 EXPORT = "Export"
 FORMS = (".png", ".jpg", ".tif", ".exr")

@@ -23,6 +23,15 @@ def resize_area(image: np.ndarray, size: tuple[int, int]) -> np.ndarray:
     return resample_window(image, (0.0, 0.0, width, height), size)
 
 
+def shrunk_size(size: tuple[int, int], longest_side: int | None) -> tuple[int, int]:
+    """(height, width) of a picture shrunk so that no side is longer; never enlarged, and never without pixels."""
+    height, width = size
+    if longest_side is None or max(size) <= longest_side:
+        return height, width
+    scale = longest_side / max(size)
+    return max(1, round(height * scale)), max(1, round(width * scale))
+
+
 def resize_smooth(image: np.ndarray, size: tuple[int, int]) -> np.ndarray:
     """Resize with smooth interpolation: bilinear for growing, by area where it shrinks.
 

@@ -1,4 +1,4 @@
-"""A light in a few numbers: where it comes from, how uneven and how bright it is."""
+"""A light in a few numbers: where it comes from and how bright it is."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from functools import lru_cache
 import numpy as np
 
 from relight_core.imaging.colour import REC709_LUMINANCE
-from relight_core.lighting.environment import Environment, mean_luminance, network_light
+from relight_core.lighting.environment import Environment, network_light
 from relight_core.lighting.sphere import directions, solid_angles
 
 METERED_READING = 1.5
@@ -33,21 +33,6 @@ def average_direction(environment: Environment, yaw_deg: float = 0.0) -> np.ndar
     if total <= 0:
         return np.zeros(3, np.float32)
     return (np.einsum("hw,hwc->c", power, directions(height, width)) / total).astype(np.float32)
-
-
-def contrast(environment: Environment) -> float:
-    """How much the light's irradiance differs between ways a surface may face, whatever its yaw.
-
-    Returns:
-        (brightest - darkest) / (brightest + darkest) over all normals, unshadowed: 0 for light that is
-        even from all sides or for no light, 1 where some normal gets none.
-    """
-    light = network_light(environment)
-    if mean_luminance(light) <= 0:
-        return 0.0
-    irradiance = _relative_cosines(*light.shape[:2]) @ (light @ REC709_LUMINANCE).ravel()
-    brightest, darkest = float(irradiance.max()), float(irradiance.min())
-    return max(brightest - darkest, 0.0) / (brightest + darkest)
 
 
 def meter_reading(environment: Environment) -> float:

@@ -14,7 +14,7 @@ import numpy as np
 import torch
 
 from relight_core.imaging.colour import luminance
-from relight_core.imaging.resampling import resize_area
+from relight_core.imaging.resampling import resize_area, shrunk_size
 from relight_core.lighting.reflection import NormalLookup, ReflectionTable
 from relight_core.lighting.sphere import solid_angles
 
@@ -47,7 +47,7 @@ class Body:
 
 def body_size(photo_size: tuple[int, int]) -> tuple[int, int]:
     """Size of a body's maps for a photo."""
-    return _limited(photo_size, _LONGEST)
+    return shrunk_size(photo_size, _LONGEST)
 
 
 def make_body(photo: np.ndarray, share: np.ndarray, known: np.ndarray, table: ReflectionTable) -> Body:
@@ -59,7 +59,7 @@ def make_body(photo: np.ndarray, share: np.ndarray, known: np.ndarray, table: Re
         known: (h, w) how much of it the networks' views cover, in [0, 1].
     """
     normal = torch.from_numpy(_bulging(share)).permute(2, 0, 1)[None].to(table.transport.device)
-    small = _limited(share.shape, _LONGEST_KNOWN)
+    small = shrunk_size(share.shape, _LONGEST_KNOWN)
     photo, body, known = (resize_area(image, small) for image in (photo, share, known))
     lit, unclipped = luminance(photo) / _WELL_SEEN, (1 - photo.max(-1)) / _HEADROOM
     trusted = np.clip(np.minimum(lit, unclipped), _FLOOR, 1.0)
@@ -84,11 +84,6 @@ def body_gain(body: Body, light: torch.Tensor, relit: np.ndarray) -> np.ndarray:
     correction = np.exp(body.onward(np.log(found / small)))
     correction = cv2.resize(correction, guess.shape[1::-1], interpolation=cv2.INTER_LINEAR).reshape(guess.shape)
     return np.clip(guess * correction, 0.0, _LARGEST_GAIN).astype(np.float32)
-
-
-def _limited(size: tuple[int, int], longest: int) -> tuple[int, int]:
-    scale = min(longest / max(size), 1.0)
-    return max(round(size[0] * scale), 1), max(round(size[1] * scale), 1)
 
 
 def _bulging(share: np.ndarray) -> np.ndarray:

@@ -10,7 +10,7 @@ import numpy as np
 from relight_core.face.crop import Crop
 from relight_core.imaging.closed_form import closed_form_matte
 from relight_core.imaging.colour import luminance
-from relight_core.imaging.resampling import resize_area, resize_smooth
+from relight_core.imaging.resampling import resize_area, resize_smooth, shrunk_size
 from relight_core.imaging.view_transform import apply_view
 from relight_core.pipeline.per_photo.likely_person import attached, likely_person, place_masks, without_holes
 
@@ -102,9 +102,9 @@ def make_matte(
     if alpha is not None and float(alpha.min()) < 1.0:
         nothing, black = np.zeros((1, 1), np.float32), np.zeros((1, 1, 3), np.float32)
         return Matte(nothing, nothing, black, black, nothing, True)
-    small = resize_area(linear, _at_most(size, WORKING_PX)) if small is None else small
+    small = resize_area(linear, shrunk_size(size, WORKING_PX)) if small is None else small
     guide = np.ascontiguousarray(apply_view(small))
-    seen = np.clip(resize_area(guide, _at_most(size, _MATTING_PX)), 0, 1)
+    seen = np.clip(resize_area(guide, shrunk_size(size, _MATTING_PX)), 0, 1)
     placed = place_masks(masks, seen.shape[:2], size)
     soft = attached(closed_form_matte(seen, likely_person(seen, placed)), placed)
     coarse = _decided(without_holes(soft, placed))
@@ -113,7 +113,7 @@ def make_matte(
     slope, level = np.zeros_like(share), share
     if guide.shape[:2] != size:
         slope, level = _guided_coefficients(guide_of(small), share)
-    fused = _at_most(size, _FUSION_PX)
+    fused = shrunk_size(size, _FUSION_PX)
     nearby = cv2.GaussianBlur(resize_area(share, fused), (0, 0), max(max(fused) * _NEAR_SHARE, 0.5))
     return Matte(slope, level, *_sides(small, share), np.clip(nearby, 0.0, 1.0))
 
@@ -145,7 +145,7 @@ def _guided_coefficients(guide: np.ndarray, mask: np.ndarray) -> tuple[np.ndarra
 
 def _sides(image: np.ndarray, share: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Mean colours of person and background about each place, by blur fusion (Forte 2021, two passes)."""
-    size = _at_most(share.shape, _FUSION_PX)
+    size = shrunk_size(share.shape, _FUSION_PX)
     small, small_share = resize_area(image, size), np.clip(resize_area(share, size), 0.0, 1.0)
     wide = max(round(max(size) / 24), 12)
     person, behind = _side_means(small, small, small_share, wide)
@@ -165,11 +165,6 @@ def _side_means(
         total = cv2.blur(weight, window)[..., None]
         means.append(cv2.blur(colour * weight[..., None], window) / (total + 1e-5))
     return means[0], means[1]
-
-
-def _at_most(size: tuple[int, int], longest: int) -> tuple[int, int]:
-    scale = min(longest / max(size), 1.0)
-    return max(round(size[0] * scale), 1), max(round(size[1] * scale), 1)
 
 
 def _guided(guide: np.ndarray, mask: np.ndarray, radius: int) -> np.ndarray:

@@ -11,7 +11,7 @@ import numpy as np
 
 from relight_core.errors import InputError
 from relight_core.imaging.colour import srgb_decode
-from relight_core.imaging.resampling import resize_area
+from relight_core.imaging.resampling import resize_area, shrunk_size
 from relight_core.lighting.background import panorama_view
 from relight_core.lighting.environment import Environment
 from relight_core.pipeline.edit import Edit
@@ -101,7 +101,5 @@ def backdrop_panorama(edit: Edit, environment: Environment, size: tuple[int, int
 
 
 def _softened(picture: np.ndarray) -> np.ndarray:
-    height, width = picture.shape[:2]
-    scale = min(_SOFT_SIDE / max(height, width), 1.0)
-    small = resize_area(picture, (max(round(height * scale), 1), max(round(width * scale), 1)))
+    small = resize_area(picture, shrunk_size(picture.shape[:2], _SOFT_SIDE))
     return cv2.GaussianBlur(small, (0, 0), max(_SOFTNESS * max(small.shape[:2]), 0.5)).reshape(small.shape)

@@ -10,7 +10,7 @@ import torch
 
 from relight_core.face.crop import Crop
 from relight_core.face.paste import Band, fade, seen_across, seen_from, spread_crop
-from relight_core.imaging.resampling import resize_area
+from relight_core.imaging.resampling import resize_area, shrunk_size
 from relight_core.lighting.reflection import ReflectionTable
 from relight_core.pipeline.per_light.rest_of_person import Body, body_gain, body_size, make_body
 from relight_core.pipeline.per_photo.matte import Matte
@@ -49,8 +49,7 @@ def place_views(photo: Canvas, views: Sequence[Crop], matte: Matte, table: Refle
         photo: all of it, at any size.
     """
     photo_size = photo.photo_size
-    scale = min(_WEIGHT_LONGEST / max(photo_size), 1.0)
-    size = tuple(max(round(length * scale), 1) for length in photo_size)
+    size = shrunk_size(photo_size, _WEIGHT_LONGEST)
     fading, nearness = zip(*(_weight(view, size, photo_size) for view in views), strict=True)
     total = np.maximum(sum(f * n for f, n in zip(fading, nearness, strict=True)), 1e-20)
     together = np.maximum.reduce(fading)

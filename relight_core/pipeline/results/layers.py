@@ -11,7 +11,7 @@ import numpy as np
 from relight_core.face.crop import Crop
 from relight_core.face.paste import bands
 from relight_core.imaging.in_order import in_order
-from relight_core.imaging.resampling import resize_area
+from relight_core.imaging.resampling import resize_area, shrunk_size
 from relight_core.pipeline.per_photo.person import whole_person
 from relight_core.pipeline.results.relit import Relit
 
@@ -67,15 +67,6 @@ def channel_at(relit: Relit, name: str, column: int, row: int) -> tuple[np.ndarr
         return None
     held = _placed(relit, name, _photo_size(relit), (row, column))
     return held[0, 0], _in_camera_space(name, held, view.roll_deg)[0, 0]
-
-
-def shrunk_size(size: tuple[int, int], longest_side: int | None) -> tuple[int, int]:
-    """(height, width) of a picture shrunk so that no side is longer; never enlarged."""
-    height, width = size
-    if longest_side is None or max(size) <= longest_side:
-        return height, width
-    scale = longest_side / max(size)
-    return max(1, round(height * scale)), max(1, round(width * scale))
 
 
 def shrunk_picture(relit: Relit, longest_side: int | None) -> tuple[np.ndarray, np.ndarray | None]:
