@@ -136,7 +136,7 @@ def _render(
     opened = session.open(photo, arguments.face, arguments.box)
     relit = session.relighter.relight(light, edit, longest_side_px=0)
     if arguments.match_face:
-        matched = replace(light, level=light.level * 2.0 ** relit.level_as_in_photo_ev())
+        matched = light.at_level(light.level * 2.0 ** relit.level_as_in_photo_ev())
         relit = session.relighter.relight(matched, edit, longest_side_px=0)
     if _is_folder(arguments.output):
         make_folder(output.parent)

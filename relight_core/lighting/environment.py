@@ -9,10 +9,12 @@ from __future__ import annotations
 
 import math
 import warnings
-from dataclasses import dataclass, field
-from functools import cached_property, lru_cache
+from collections.abc import Callable, Hashable
+from dataclasses import dataclass, field, replace
+from functools import lru_cache
 from hashlib import blake2b
 from pathlib import Path
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -26,6 +28,8 @@ NETWORK_HEIGHT = 16
 """Rows of the light that the networks read (paper, sec. 3.2: 16 x 32)."""
 
 _BLOCK_ROWS = 64
+
+_T = TypeVar("_T")
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,7 +48,7 @@ class Environment:
     shape: np.ndarray = field(repr=False)
     level: float
     name: str = ""
-    _column_sums: dict[int, np.ndarray] = field(default_factory=dict, init=False, repr=False)
+    _found: dict[Hashable, Any] = field(default_factory=dict, init=False, repr=False)
 
     @classmethod
     def from_radiance(
@@ -77,13 +81,32 @@ class Environment:
         """Rows of the map."""
         return self.shape.shape[0]
 
-    @cached_property
+    def at_level(self, level: float) -> Environment:
+        """The same light at another level; what is found of its shape is shared."""
+        other = replace(self, level=level)
+        object.__setattr__(other, "_found", self._found)
+        return other
+
+    def of_shape(self, name: Hashable, find: Callable[[np.ndarray], _T]) -> _T:
+        """What `find` makes of the shape, found once for all levels of it.
+
+        Args:
+            name: of what is found.
+        """
+        if name not in self._found:
+            self._found[name] = find(self.shape)
+        return self._found[name]
+
+    @property
     def fingerprint(self) -> str:
-        """Hex digest of shape and level, for keeping results under."""
-        digest = blake2b(digest_size=16)
-        digest.update(repr((self.shape.shape, self.level)).encode())
-        digest.update(np.ascontiguousarray(self.shape))
-        return digest.hexdigest()
+        """Names shape and level by their contents, for keeping results under."""
+        return f"{self.of_shape('digest', _digest)} at {self.level!r}"
+
+
+def _digest(shape: np.ndarray) -> str:
+    digest = blake2b(repr(shape.shape).encode(), digest_size=16)
+    digest.update(np.ascontiguousarray(shape))
+    return digest.hexdigest()
 
 
 def read_environment(path: str | Path) -> Environment:
@@ -154,7 +177,7 @@ def network_light(environment: Environment, yaw_deg: float = 0.0, height: int = 
     A texel narrower than the new ones is first spread to their width along its row, so that a small lamp
     passes from one new texel to the next evenly over the whole turn from one to the other, where averages
     alone would hold it still and then let it jump. The mean direction of a row's light is kept, and a map
-    of the result's own resolution is not spread. The rows are averaged and spread once per environment;
+    of the result's own resolution is not spread. The rows are averaged and spread once per shape;
     each angle then costs only the sums between its new texel edges.
 
     Returns:
@@ -164,10 +187,9 @@ def network_light(environment: Environment, yaw_deg: float = 0.0, height: int = 
         ValueError: the angle is NaN or infinite.
     """
     turn = _turn_fraction(yaw_deg)
-    sums = environment._column_sums.get(height)
-    if sums is None:
-        sums = _running_sums(_spread(_shrink_rows(environment.shape, height), 2 * height))
-        environment._column_sums[height] = sums
+    sums = environment.of_shape(
+        ("column sums", height), lambda shape: _running_sums(_spread(_shrink_rows(shape, height), 2 * height))
+    )
     width = sums.shape[1] - 1
     edges = (np.arange(2 * height + 1) / (2 * height) - turn) * width
     means = np.diff(_sum_up_to(sums, edges), axis=1) * (2 * height / width)

@@ -8,7 +8,6 @@ Nothing switches: a lamp that is enlarged, or dimmed against the rest, loses its
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from weakref import WeakKeyDictionary
 
 import numpy as np
 
@@ -24,8 +23,6 @@ _DIMMEST = 4.0
 _CENTRINGS = 3
 _RADIUS_DEG = (7.5, 4.0)
 _SHARE = (0.02, 0.06)
-
-_found: WeakKeyDictionary[Environment, tuple[Lamp, ...]] = WeakKeyDictionary()
 
 
 @dataclass(frozen=True)
@@ -61,11 +58,8 @@ class Lamp:
 
 
 def lamps_of(environment: Environment, yaw_deg: float = 0.0) -> tuple[Lamp, ...]:
-    """The small lamps of a light, the brightest first, at most 4; sought once per environment."""
-    lamps = _found.get(environment)
-    if lamps is None:
-        lamps = _found[environment] = _find(environment.shape)
-    return tuple(lamp.turned(yaw_deg) for lamp in lamps)
+    """The small lamps of a light, the brightest first, at most 4; sought once per shape."""
+    return tuple(lamp.turned(yaw_deg) for lamp in environment.of_shape("lamps", _find))
 
 
 def footprint(lamp: Lamp, height: int = 16) -> np.ndarray:

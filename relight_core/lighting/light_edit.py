@@ -78,8 +78,8 @@ def edit_light(light: Environment, edit: LightEdit, draft: bool = False) -> Envi
             radiance = _with_boxes(radiance, edit.boxes, meter_reading(light), draft)
         level = light.level or 1.0
         edited = Environment.from_radiance(radiance, light.name)
-        light = replace(edited, level=edited.level * level)
-    return light if stops == 0.0 else replace(light, level=light.level * 2.0**stops)
+        light = edited.at_level(edited.level * level)
+    return light if stops == 0.0 else light.at_level(light.level * 2.0**stops)
 
 
 def turned_light(light: Environment, yaw_deg: float) -> Environment:
@@ -90,7 +90,7 @@ def turned_light(light: Environment, yaw_deg: float) -> Environment:
     if yaw_deg % 360.0 == 0.0:
         return light
     shape = rotate(_grown(light.shape, max(light.height, DRAWN_HEIGHT)), yaw_deg)
-    return replace(Environment.from_radiance(shape, light.name), level=light.level)
+    return Environment.from_radiance(shape, light.name).at_level(light.level)
 
 
 def _at_most(shape: np.ndarray, height: int) -> np.ndarray:

@@ -189,7 +189,7 @@ class Relighter:
             InputError: no portrait has been set, or the edit asks for something unknown.
         """
         if environment.level > _BRIGHTEST_LEVEL:
-            environment = Environment(environment.shape, _BRIGHTEST_LEVEL, environment.name)
+            environment = environment.at_level(_BRIGHTEST_LEVEL)
         self._begin_update()
         plan, serving = self._planned(environment, edit)
         self._lights.keep(tier_of(edit.quality), serving)
@@ -235,7 +235,9 @@ class Relighter:
             radiance = without_colour(radiance)
         light = self._lights.match(tier, radiance, 0.0 if exact else edit.tolerance)
         light = replace(light, lamps=lamps_of(environment, edit.yaw_deg))
-        backdrop = (environment.fingerprint, edit.yaw_deg, edit.background_fov_deg, edit.background_blur_deg)
+        backdrop = None
+        if edit.background == "light":
+            backdrop = (environment.fingerprint, edit.yaw_deg, edit.background_fov_deg, edit.background_blur_deg)
         scene = Scene(tier, light.name, light.bound, backdrop, environment.level, light.lamps)
 
         def is_kept(stage: str, key: Hashable) -> bool:

@@ -129,6 +129,16 @@ def test_fingerprints_tell_contents_apart():
     assert first.fingerprint != Environment.from_radiance(panorama[:, ::-1]).fingerprint
 
 
+def test_what_is_found_of_a_shape_is_found_once_for_all_its_levels():
+    light, asked = Environment.from_radiance(noise(6)), []
+    brighter = light.at_level(8 * light.level)
+    for one in (brighter, light, brighter.at_level(1.0)):
+        assert one.of_shape("rows", lambda shape: asked.append(1) or len(shape)) == 6
+    assert len(asked) == 1
+    assert (brighter.shape is light.shape, brighter.level) == (True, 8 * light.level)
+    assert brighter.fingerprint != light.fingerprint == brighter.at_level(light.level).fingerprint
+
+
 # Broken maps
 
 
