@@ -50,6 +50,7 @@ class _TakenApart:
     photo: np.ndarray
     small: np.ndarray
     surface: stages.Surface
+    reflector: stages.Reflector
     relief: ReliefTransport
     horizon: Horizon
     residual: Residual
@@ -69,19 +70,20 @@ class Editor:
         """De-light a photo (S, S, 3), linear."""
         small = resize_area(photo, (self.tier.network_size, self.tier.network_size))
         found = take_apart(self.bundle, photo, self.tier, self.device)
-        relief = stages.march(found, self.tier.relief_size)
-        light = explain_source_light(found, stages.reflector(self.table, found), relief)
+        relief, reflector = stages.march(found, self.tier.relief_size), stages.reflector(self.table, found)
+        light = explain_source_light(found, reflector, relief)
         surface = flatten_albedo(found, relief, light)
-        residual = find_residual(surface, surface.photo, light, lambda own: self.light(surface, relief, own)[2])
+        compose = lambda own: self.light(surface, reflector, relief, own)[2]  # noqa: E731
+        residual = find_residual(surface, surface.photo, light, compose)
         lights = {"guess": surface.source_light[0].cpu().numpy(), "source_light": light[0].cpu().numpy()}
         channels = surface_channels(surface, photo, small) | lights
-        return _TakenApart(photo, small, surface, relief, horizon_of(found), residual, channels)
+        return _TakenApart(photo, small, surface, reflector, relief, horizon_of(found), residual, channels)
 
     def light(
-        self, surface: stages.Surface, relief: ReliefTransport, light: torch.Tensor
+        self, surface: stages.Surface, reflector: stages.Reflector, relief: ReliefTransport, light: torch.Tensor
     ) -> tuple[torch.Tensor, Effects, stages.Composed]:
         """Irradiance and gloss, effects and image at the networks' size, of a normalised light (1, 16, 32, 3)."""
-        return light_surface(self.bundle, self.table, surface, relief, light, **self._how())
+        return light_surface(self.bundle, reflector, surface, relief, light, **self._how())
 
     def _how(self) -> dict[str, object]:
         tier = self.tier
@@ -93,7 +95,7 @@ class Editor:
         light = torch.from_numpy(target.radiance)[None].to(self.device)
         how = {"relief": found.relief, "horizon": found.horizon, "lamps": target.small_lamps}
         reflected, effects, composed = light_surface(
-            self.bundle, self.table, found.surface, light=light, **how, **self._how()
+            self.bundle, found.reflector, found.surface, light=light, **how, **self._how()
         )
         image, shown = add_residual(found.residual, composed, effects, light)
         fit = fit_view(found.small, found.surface, reflected, shown, image)
@@ -111,6 +113,7 @@ class Bench:
         self._found: dict[int, _TakenApart] = {}
         self._perfect = self._true_surface(lights[0].radiance)
         self._perfect_relief = stages.march(self._perfect, editor.tier.relief_size)
+        self._perfect_reflector = stages.reflector(editor.table, self._perfect)
 
     def score(self, case: Case) -> dict[str, Figures]:
         """Figures of one relighting, by group (see `Evaluation.figures`)."""
@@ -137,7 +140,8 @@ class Bench:
     def _score_from_truth(self, radiance: np.ndarray, truth: dict[str, np.ndarray], exposure: float) -> Figures:
         """SS and composition alone, from the true surface, at the networks' size."""
         light = torch.from_numpy(radiance)[None].to(self._editor.device)
-        _, effects, composed = self._editor.light(self._perfect, self._perfect_relief, light)
+        perfect = self._perfect, self._perfect_reflector, self._perfect_relief
+        _, effects, composed = self._editor.light(*perfect, light)
         image = as_image(composed.image)
         small = {name: self._shrunk(truth[name]) for name in ("image", "specular", "shadow")}
         covered = self._shrunk(self._covered.astype(np.float32)) > _WHOLE_PIXEL

@@ -214,7 +214,7 @@ class FaceRelighter:
             relief = self._relief(ready) if plan.runs("relief") else None
             how = {"by_network": plan.shadow_network, "corrected": plan.runs("correction")}
             how |= {"precision": ready.tier.precision, "pair": ready.tier.pair}
-            return light_surface(self._shop.bundle, self._shop.table, ready.surface, relief, light, **how)[2]
+            return light_surface(self._shop.bundle, self._reflector(ready), ready.surface, relief, light, **how)[2]
 
         source = self._source_light(ready)
 

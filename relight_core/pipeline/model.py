@@ -8,7 +8,6 @@ import torch
 
 from relight_core.lighting.horizon import Horizon
 from relight_core.lighting.lamps import Lamp
-from relight_core.lighting.reflection import ReflectionTable
 from relight_core.lighting.relief import ReliefTransport
 from relight_core.networks.bundle import NetworkBundle
 from relight_core.networks.pair import PairName
@@ -19,7 +18,7 @@ from relight_core.pipeline.per_light.hints import Effects
 
 def light_surface(
     bundle: NetworkBundle,
-    table: ReflectionTable,
+    reflector: stages.Reflector,
     surface: stages.Surface,
     relief: ReliefTransport | None,
     light: torch.Tensor,
@@ -34,12 +33,13 @@ def light_surface(
     """Irradiance and gloss, effects and image at the networks' size of a normalised light (1, 16, 32, 3).
 
     Args:
+        reflector: of the surface.
         by_network, corrected, precision, pair: as in `stages.estimate_effects` and `stages.compose`.
         horizon: of the surface's relief, and
         lamps: the light's small ones, whose shadows get edges; both or neither.
     """
     device = str(light.device)
-    reflected = stages.reflect(stages.reflector(table, surface), light)
+    reflected = stages.reflect(reflector, light)
     effects = stages.estimate_effects(
         bundle, surface, reflected, relief, light, device, by_network=by_network, precision=precision, pair=pair
     )

@@ -7,6 +7,7 @@ import pytest
 from tiny_relighter import EDIT, NETWORK_STAGES, computed, some_light, some_photo, states
 
 from relight_core.lighting.environment import Environment
+from relight_core.pipeline import stages
 from relight_core.pipeline.relighter import Relighter
 
 pytestmark = pytest.mark.usefixtures("small_and_seeing_faces")
@@ -98,6 +99,14 @@ def test_the_plan_says_beforehand_what_is_done(relighter):
         relit = relighter.relight(some_light(), edit)
         assert {effect.name: effect.state for effect in relit.plan} == foretold
         assert (foretold["correction"] == "computed") == ("compose" in computed(relit))
+
+
+def test_the_residual_is_measured_with_what_lights_are_reflected_by(relighter, monkeypatch):
+    made, reflector = [], stages.reflector
+    monkeypatch.setattr(stages, "reflector", lambda *surface: made.append(1) or reflector(*surface))
+    relighter.set_portrait(some_photo(), 0)
+    relighter.relight(some_light(), EDIT)
+    assert len(made) == 1
 
 
 def test_asking_for_the_plan_changes_no_picture(relighter, weights):
