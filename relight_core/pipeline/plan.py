@@ -148,7 +148,7 @@ def make_plan(
     """
     check_effects(edit.forced_on | edit.forced_off)
     verdicts = _verdicts(scene, edit)
-    network = scene.tier.shadow_network or bool(edit.forced_on & {"shadow", "specular"})
+    network = _asks_the_network(scene, edit)
     keys = _keys(scene, edit, {name for name, verdict in verdicts.items() if verdict.needed}, network)
     times = typical_ms or {}
     effects = tuple(_effect(name, verdicts[name], scene, edit, keys, kept, times) for name in EFFECTS)
@@ -170,6 +170,11 @@ def _verdicts(scene: Scene, edit: Edit) -> dict[str, _Verdict]:
     verdicts = {name: _forced(edit, name) or rule(scene, edit) for name, rule in _RULES.items()}
     verdicts["source_light"] = _forced(edit, "source_light") or _source_light(verdicts, edit)
     verdicts["relief"] = _forced(edit, "relief") or _relief(verdicts)
+    readers = [name for name in ("flattening", "residual") if verdicts[name].needed]
+    for name in ("source_light", "relief"):
+        if edit.forced(name) is False and readers:
+            why = f"turned off by you; {' and '.join(readers)} still use{'s' * (len(readers) == 1)} it"
+            verdicts[name] = _Verdict(False, why, None)
     verdicts["hard_shadow"] = _forced(edit, "hard_shadow") or _hard_shadow(verdicts, scene)
     return verdicts
 
@@ -200,9 +205,13 @@ def _source_light(verdicts: Mapping[str, _Verdict], edit: Edit) -> _Verdict:
 def _occlusion(scene: Scene, edit: Edit) -> _Verdict:
     if scene.level == 0:
         return _Verdict(False, "the light is black")
-    if scene.tier.shadow_network:
+    if _asks_the_network(scene, edit):
         return _Verdict(True, "what the surface hides from the light, seen by the network")
     return _Verdict(True, "what the relief hides from the light: no network at this quality")
+
+
+def _asks_the_network(scene: Scene, edit: Edit) -> bool:
+    return scene.tier.shadow_network or bool(edit.forced_on & {"shadow", "specular"})
 
 
 def _correction(scene: Scene, edit: Edit) -> _Verdict:

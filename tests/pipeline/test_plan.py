@@ -106,6 +106,15 @@ def test_the_user_has_the_last_word():
     assert on.runs("relief")
 
 
+def test_what_is_turned_off_says_who_still_uses_it():
+    off = make_plan(SCENE, Edit(forced_off=frozenset({"relief", "source_light", "residual"})))
+    for name in ("relief", "source_light"):
+        assert off.effect(name).state == "skipped"
+        assert "flattening still uses it" in off.effect(name).why
+    alone = make_plan(SCENE, Edit(forced_off=frozenset({"relief", "residual", "flattening"})))
+    assert "use" not in alone.effect("relief").why
+
+
 def test_a_cheap_tier_has_no_networks_until_the_user_wants_them():
     scene = replace(SCENE, tier=replace(TIER, shadow_network=False, correction=False))
     plan = make_plan(scene, Edit())
@@ -115,6 +124,8 @@ def test_a_cheap_tier_has_no_networks_until_the_user_wants_them():
     forced = make_plan(scene, Edit(forced_on=frozenset({"shadow", "correction"})))
     assert forced.shadow_network
     assert forced.runs("correction")
+    both = make_plan(scene, Edit(forced_on=frozenset({"specular"})))
+    assert "by the network" in both.effect("shadow").why, "one network finds both"
 
 
 def test_an_effect_that_does_not_exist_names_those_that_do():
