@@ -8,6 +8,7 @@ import cv2
 import numpy as np
 
 from relight_core.lighting.environment import Environment
+from relight_core.lighting.sphere import place_on_map
 
 _SMALLEST_SIDE = 64
 _WIDEST_BLUR_DEG = 20.0
@@ -77,10 +78,9 @@ def _sample(panorama: np.ndarray, directions: np.ndarray, yaw_deg: float) -> np.
     """Bilinear look-up of a lat-long map, round its seam; directions need no unit length."""
     height, width = panorama.shape[:2]
     x, y, z = np.moveaxis(directions, -1, 0)
-    u = np.arctan2(x, -z) / (2 * np.pi) + 0.5 - yaw_deg % 360.0 / 360.0
-    v = np.arctan2(np.hypot(x, z), y) / np.pi
-    column = u * width - 0.5
-    row = np.clip(v * height - 0.5, 0, height - 1)
+    across, down = place_on_map(x, y, z)
+    column = (across - yaw_deg % 360.0 / 360.0) * width - 0.5
+    row = np.clip(down * height - 0.5, 0, height - 1)
     left = np.floor(column).astype(np.intp)
     top = np.floor(row).astype(np.intp)
     right_share = (column - left)[..., None].astype(np.float32)

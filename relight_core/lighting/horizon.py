@@ -11,11 +11,10 @@ from dataclasses import dataclass, field
 import cv2
 import numpy as np
 
+from relight_core.lighting.relief import BIAS, NOTHING, march_distances
+
 _AZIMUTHS = 96
 _STEPS = 40
-_REACH = 1.3
-_BIAS = 0.002
-_NOTHING = -1e3
 _LEAST_ASIDE = 0.05
 _HALF_STRIP = 0.2
 _STRIPS = (-0.8, -0.4, 0.0, 0.4, 0.8)
@@ -70,10 +69,9 @@ class Horizon:
 
     def _steepest(self, angle: float) -> np.ndarray:
         size = len(self.relief)
-        height = np.where(self.covered, self.relief, np.float32(_NOTHING))
-        steepest = np.full_like(height, _NOTHING)
-        for step in range(1, _STEPS + 1):
-            distance = 2.0 / size + _REACH * (step / _STEPS) ** 1.8
+        height = np.where(self.covered, self.relief, np.float32(NOTHING))
+        steepest = np.full_like(height, NOTHING)
+        for distance in march_distances(size, _STEPS):
             shift = np.float32(distance * size / 2) * np.float32([np.cos(angle), -np.sin(angle)])
             seen = cv2.warpAffine(
                 height,
@@ -81,7 +79,7 @@ class Horizon:
                 (size, size),
                 flags=cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP,
                 borderMode=cv2.BORDER_CONSTANT,
-                borderValue=_NOTHING,
+                borderValue=NOTHING,
             )
-            np.maximum(steepest, (seen - self.relief - np.float32(_BIAS)) / np.float32(distance), out=steepest)
+            np.maximum(steepest, (seen - self.relief - np.float32(BIAS)) / np.float32(distance), out=steepest)
         return steepest

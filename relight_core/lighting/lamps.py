@@ -14,7 +14,7 @@ import numpy as np
 from relight_core.imaging.colour import luminance
 from relight_core.imaging.resampling import resize_area
 from relight_core.lighting.environment import Environment
-from relight_core.lighting.sphere import directions, solid_angles
+from relight_core.lighting.sphere import directions, place_on_map, solid_angles, turned
 
 _ROWS = 128
 _MOST = 4
@@ -43,9 +43,7 @@ class Lamp:
 
     def turned(self, yaw_deg: float) -> Lamp:
         """As of the environment turned about +y; positive moves it to the right in the panorama."""
-        x, y, z = self.toward
-        angle = np.radians(yaw_deg)
-        return self._moved(x * np.cos(angle) - z * np.sin(angle), y, x * np.sin(angle) + z * np.cos(angle))
+        return self._moved(*turned(np.array(self.toward), yaw_deg))
 
     def rolled(self, roll_deg: float) -> Lamp:
         """As a camera sees it that is turned counterclockwise as it looks (see `lighting.roll`)."""
@@ -68,9 +66,8 @@ def footprint(lamp: Lamp, height: int = 16) -> np.ndarray:
     As `network_light` spreads it: along a row over the width of a texel, and over the texels that it touches.
     """
     share = np.zeros((height, 2 * height), np.float32)
-    for x, y, z in _disc(lamp):
-        column = (np.arctan2(x, -z) / (2 * np.pi) + 0.5) * 2 * height - 0.5
-        row = min(int(np.arccos(np.clip(y, -1, 1)) / np.pi * height), height - 1)
+    for across, down in zip(*place_on_map(*_disc(lamp).T), strict=True):
+        column, row = across * 2 * height - 0.5, min(int(down * height), height - 1)
         left = int(np.floor(column))
         share[row, left % (2 * height)] += 1 - (column - left)
         share[row, (left + 1) % (2 * height)] += column - left

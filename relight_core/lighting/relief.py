@@ -19,11 +19,16 @@ from relight_core.lighting.sphere import directions, solid_angles
 
 _AZIMUTHS = 48
 _STEPS = 20
-_REACH = 1.3
-_BIAS = 0.002
 _PENUMBRA = 0.15
-_NOTHING = -1e3
 _GRAZING = 0.05
+_REACH = 1.3
+"""Half-widths of the image: as far as one head casts a shadow on itself."""
+
+BIAS = 0.002
+"""Half-widths of the image by which something has to stand out to hide anything: a lattice's own steps don't."""
+
+NOTHING = -1e3
+"""The height, in half-widths of the image, of what casts no shadow."""
 
 
 @dataclass(frozen=True)
@@ -112,6 +117,14 @@ def march_relief(
     return ReliefTransport(opened, opened * visible, size)
 
 
+def march_distances(size: int, steps: int) -> list[float]:
+    """How far from a point its horizon is looked for, in half-widths of an image of `size` pixels.
+
+    From about the next pixel on, ever further apart: what is near hides light by small steps.
+    """
+    return [2.0 / size + _REACH * (step / steps) ** 1.8 for step in range(1, steps + 1)]
+
+
 def horizon_slopes(relief: torch.Tensor, covered: torch.Tensor, azimuth_rad: torch.Tensor) -> torch.Tensor:
     """Slope over the image plane up to which each point's sky is hidden, (azimuths, B, S, S); differentiable.
 
@@ -123,16 +136,15 @@ def horizon_slopes(relief: torch.Tensor, covered: torch.Tensor, azimuth_rad: tor
         azimuth_rad: (azimuths,) where to look from every point.
     """
     size = relief.shape[-1]
-    height = torch.where(covered > 0.5, relief, torch.full_like(relief, _NOTHING))
+    height = torch.where(covered > 0.5, relief, torch.full_like(relief, NOTHING))
     axis = (torch.arange(size, device=relief.device) + 0.5) / size * 2 - 1
     y, x = torch.meshgrid(axis, axis, indexing="ij")
     step_x, step_y = azimuth_rad.cos()[:, None, None], -azimuth_rad.sin()[:, None, None]
     field = height.expand(len(azimuth_rad), *height.shape)
-    steepest = torch.full_like(field, _NOTHING)
-    for step in range(1, _STEPS + 1):
-        distance = 2.0 / size + _REACH * (step / _STEPS) ** 1.8
+    steepest = torch.full_like(field, NOTHING)
+    for distance in march_distances(size, _STEPS):
         position = torch.stack([x + distance * step_x, y + distance * step_y], -1)
         sampled = F.grid_sample(field, position, mode="bilinear", padding_mode="border", align_corners=False)
         inside = (position.abs().amax(-1) < 1)[:, None]
-        steepest = torch.maximum(steepest, torch.where(inside, (sampled - relief - _BIAS) / distance, _NOTHING))
+        steepest = torch.maximum(steepest, torch.where(inside, (sampled - relief - BIAS) / distance, NOTHING))
     return steepest

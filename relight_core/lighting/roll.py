@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from relight_core.lighting.environment import mean_luminance, shrink
-from relight_core.lighting.sphere import directions
+from relight_core.lighting.sphere import directions, place_on_map
 
 _FINER = 4
 
@@ -29,10 +29,9 @@ def roll_light(radiance: np.ndarray, roll_deg: float) -> np.ndarray:
     x, y, z = np.moveaxis(directions(fine, 2 * fine).astype(np.float64), -1, 0)
     angle = np.radians(roll_deg)
     across, up = np.cos(angle) * x - np.sin(angle) * y, np.sin(angle) * x + np.cos(angle) * y
-    column = (np.arctan2(across, -z) / (2 * np.pi) + 0.5) * 2 * height
-    row = np.arccos(np.clip(up, -1, 1)) / np.pi * height
-    columns = np.floor(column).astype(np.intp) % (2 * height)
-    rows = np.clip(np.floor(row).astype(np.intp), 0, height - 1)
+    from_left, from_top = place_on_map(across, up, z)
+    columns = np.floor(from_left * 2 * height).astype(np.intp) % (2 * height)
+    rows = np.clip(np.floor(from_top * height).astype(np.intp), 0, height - 1)
     rolled = shrink(radiance[rows, columns], height)
     before, after = mean_luminance(radiance), mean_luminance(rolled)
     return rolled * np.float32(before / after if after > 0 else 1.0)

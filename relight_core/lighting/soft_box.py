@@ -15,7 +15,7 @@ from relight_core.imaging.colour import REC709_LUMINANCE
 from relight_core.lighting.colour_temperature import kelvin_to_rgb
 from relight_core.lighting.rig_description import AreaLight
 from relight_core.lighting.rig_render import area_light_radiance, direction_of
-from relight_core.lighting.sphere import directions, solid_angles
+from relight_core.lighting.sphere import directions, place_on_map, solid_angles
 
 SMALLEST_DEG, LARGEST_DEG = 3.0, 150.0
 
@@ -117,9 +117,8 @@ def outline(box: SoftBox, per_side: int = 12) -> np.ndarray:
 
 def uv_of(direction: np.ndarray) -> tuple[float, float]:
     """Where a direction (3,) lies on a panorama: u in [0, 1), v in [0, 1]."""
-    x, y, z = (float(value) for value in direction)
-    u = math.atan2(x, -z) / (2 * math.pi) + 0.5
-    return u % 1.0 % 1.0, math.atan2(math.hypot(x, z), y) / math.pi
+    u, v = place_on_map(*direction)
+    return float(u) % 1.0 % 1.0, float(v)
 
 
 def direction_at(u: float, v: float) -> np.ndarray:
@@ -127,13 +126,6 @@ def direction_at(u: float, v: float) -> np.ndarray:
     theta, phi = math.pi * v, 2 * math.pi * (u - 0.5)
     level = math.sin(theta)
     return np.array([level * math.sin(phi), math.cos(theta), -level * math.cos(phi)])
-
-
-def turned(direction: np.ndarray, yaw_deg: float) -> np.ndarray:
-    """A direction (3,) of the light's frame, in camera space after a turn of the light by yaw_deg."""
-    angle = math.radians(yaw_deg)
-    x, y, z = (float(value) for value in direction)
-    return np.array([x * math.cos(angle) - z * math.sin(angle), y, x * math.sin(angle) + z * math.cos(angle)])
 
 
 def lamp_direction(normal: np.ndarray, aim: str) -> np.ndarray:

@@ -22,6 +22,22 @@ def directions(height: int, width: int) -> np.ndarray:
     return np.stack([x, y, z], axis=-1).astype(np.float32)
 
 
+def place_on_map(x: np.ndarray, y: np.ndarray, z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Where directions of any length point on a lat-long map, the reverse of `directions`.
+
+    Returns:
+        shares of the map's width from the left and of its height from the top, both in [0, 1].
+    """
+    return np.arctan2(x, -z) / (2 * np.pi) + 0.5, np.arctan2(np.hypot(x, z), y) / np.pi
+
+
+def turned(direction: np.ndarray, yaw_deg: float) -> np.ndarray:
+    """A direction (3,) of a light, in camera space after a turn of the light by yaw_deg; positive moves it right."""
+    angle = np.radians(yaw_deg)
+    x, y, z = (float(value) for value in direction)
+    return np.array([x * np.cos(angle) - z * np.sin(angle), y, x * np.sin(angle) + z * np.cos(angle)])
+
+
 def solid_angles(height: int, width: int) -> np.ndarray:
     """Exact solid angle of every texel in steradians; they sum to 4 pi.
 

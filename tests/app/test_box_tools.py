@@ -6,7 +6,8 @@ import pytest
 from app.ui.viewport.box_tools import Grab, aimed, dragged, grab, lamp_for_spot, with_box, without_box
 from relight_core.face.crop import Crop
 from relight_core.lighting.light_edit import LightEdit
-from relight_core.lighting.soft_box import SoftBox, corners, turned, uv_of
+from relight_core.lighting.soft_box import SoftBox, corners, uv_of
+from relight_core.lighting.sphere import turned
 
 FRONT = SoftBox(0.0, 0.0, 40.0, 40.0)
 LEFT = SoftBox(-90.0, 0.0, 30.0, 30.0)

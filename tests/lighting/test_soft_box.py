@@ -12,10 +12,9 @@ from relight_core.lighting.soft_box import (
     moved_to,
     outline,
     resized_to,
-    turned,
     uv_of,
 )
-from relight_core.lighting.sphere import directions
+from relight_core.lighting.sphere import directions, turned
 
 PLACES = [(0, 0), (179, 10), (-180, -30), (45, 89), (10, -90), (90, 45)]
 

@@ -13,7 +13,8 @@ from app.ui.state import EditorState
 from app.ui.viewport.box_tools import NEW_BOX, dragged, grab
 from app.ui.viewport.viewport_notes import note
 from relight_core.lighting.light_edit import MOST_BOXES
-from relight_core.lighting.soft_box import corners, direction_at, moved_to, outline, turned, uv_of
+from relight_core.lighting.soft_box import corners, direction_at, moved_to, outline, uv_of
+from relight_core.lighting.sphere import turned
 
 FINE = 0.2
 NEW_AT = (0.125, 0.3)

@@ -19,9 +19,9 @@ from relight_core.lighting.soft_box import (
     lamp_direction,
     moved_to,
     resized_to,
-    turned,
     uv_of,
 )
+from relight_core.lighting.sphere import turned
 from relight_core.pipeline.results.layers import unrolled
 
 NEW_BOX = SoftBox(intensity=0.6)
