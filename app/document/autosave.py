@@ -1,7 +1,8 @@
 """Work that survives a crash: the document is written into the user's own folder while it changes.
 
-Each running editor has one file, `<token>.json`, and holds a lock on `<token>.lock`. The system lets go of the lock
-when the program ends, however it ends; so a file whose lock is free belongs to nobody and is offered.
+Each photo with unsaved work has one file of the running editor, `<token>.json`, and a lock is held on `<token>.lock`.
+The system lets go of the lock when the program ends, however it ends; so a file whose lock is free belongs to nobody
+and is offered.
 """
 
 from __future__ import annotations
@@ -47,7 +48,7 @@ class Leftover:
 
 
 class Autosave:
-    """This editor's file.
+    """This editor's files, one for each photo with unsaved work.
 
     Args:
         folder: made if it is missing.
@@ -59,25 +60,29 @@ class Autosave:
 
     def __init__(self, folder: Path, write: Callable[[Callable[[], None]], object]) -> None:
         self._folder, self._write = folder, write
-        self._path = folder / f"{secrets.token_hex(8)}.json"
-        self._lock: object | None = None
-        self._written: Document | None = None
+        self._files: dict[Path, KeptFile] = {}
+        self._photo: Path | None = None
         self._pending: Document | None = None
-        self._on_disk: Document | None = None
         self.problem: str | None = None
         self._changed_s = self._pending_since_s = 0.0
 
     def update(self, document: Document, unsaved: bool, now_s: float) -> None:
-        """Look at the document, as often as one likes.
+        """Look at the document, as often as one likes. What waits of another photo is written at once.
 
         Args:
             unsaved: there is work in it that no session file holds.
             now_s: a clock that never goes back.
         """
-        if not unsaved or document.photo is None:
-            self.discard()
+        photo = document.photo.path.absolute() if document.photo else None
+        if photo != self._photo:
+            self.flush()
+            self._photo = photo
+        if photo is None:
             return
-        if document == self._written:
+        if not unsaved:
+            self._discard(photo)
+            return
+        if document == self._given(photo):
             self._pending = None
             return
         if document != self._pending:
@@ -86,7 +91,7 @@ class Autosave:
             self._pending, self._changed_s = document, now_s
         quiet = now_s - self._changed_s >= QUIET_S
         if quiet or now_s - self._pending_since_s >= PATIENCE_S:
-            self._keep(document)
+            self.flush()
 
     @property
     def due(self) -> bool:
@@ -94,54 +99,99 @@ class Autosave:
         return self._pending is not None
 
     @property
-    def handed_on(self) -> bool:
-        """Whether the newest document was given to be written."""
-        return self._written is not None and self._pending is None
-
-    @property
     def keeps(self) -> bool:
-        """Whether the newest document is in the file."""
-        return self.handed_on and self._on_disk is self._written
+        """Whether the newest document is in its file."""
+        return self._pending is None and self._photo is not None and self.holds(self._photo)
+
+    def is_given(self, photo: Path) -> bool:
+        """Whether the work on a photo was given to be written."""
+        return self._given(photo.absolute()) is not None
+
+    def holds(self, photo: Path) -> bool:
+        """Whether the newest that was given of the work on a photo is in its file."""
+        file = self._files.get(photo.absolute())
+        return file is not None and file.on_disk is not None and file.on_disk is file.given
 
     def flush(self) -> None:
         """Write at once what waits."""
-        if self._pending is not None:
-            self._keep(self._pending)
+        document, self._pending = self._pending, None
+        if document is not None:
+            file = self._files.setdefault(self._photo, KeptFile(self._folder))
+            file.given = document
+            self._write(lambda: self._save(file, document))
 
-    def discard(self) -> None:
-        """Nothing is unsaved: remove the file."""
-        self._pending = None
-        if self._written is not None:
-            self._written = None
-            self._write(lambda: self._path.unlink(missing_ok=True))
+    def note_saved(self, document: Document) -> None:
+        """A session file holds this document: remove the photo's file if it holds no other."""
+        photo = document.photo.path.absolute()
+        if self._given(photo) == document:
+            self._discard(photo)
 
     def close(self) -> None:
-        """Let go of the file; what is unsaved stays in it, for the next start to offer."""
+        """Let go of the files; what is unsaved stays in them, for the next start to offer."""
         self.flush()
-        self._write(self._unlock)
+        for file in self._files.values():
+            self._write(file.unlock)
 
-    def _keep(self, document: Document) -> None:
-        self._written, self._pending = document, None
-        self._write(lambda: self._save(document))
+    def _given(self, photo: Path) -> Document | None:
+        file = self._files.get(photo)
+        return file.given if file else None
 
-    def _save(self, document: Document) -> None:
+    def _discard(self, photo: Path) -> None:
+        if photo == self._photo:
+            self._pending = None
+        file = self._files.pop(photo, None)
+        if file is not None:
+            self._write(file.remove)
+
+    def _save(self, file: KeptFile, document: Document) -> None:
         try:
-            self._folder.mkdir(parents=True, exist_ok=True, mode=0o700)
-            if self._lock is None:
-                self._lock = _locked(self._path.with_suffix(".lock"))
-            write_session(self._path, document, relative=False)
+            file.save(document)
         except (OSError, InputError) as error:
             self.problem = str(error)
             _log.warning("work is not kept for recovery: %s", error)
         else:
-            self._on_disk, self.problem = document, None
+            self.problem = None
 
-    def _unlock(self) -> None:
+
+class KeptFile:
+    """The file of one photo's work.
+
+    Attributes:
+        given: the newest document that was given to be written.
+        on_disk: the document the file holds.
+    """
+
+    def __init__(self, folder: Path) -> None:
+        self.path = folder / f"{secrets.token_hex(8)}.json"
+        self.given: Document | None = None
+        self.on_disk: Document | None = None
+        self._lock: object | None = None
+
+    def save(self, document: Document) -> None:
+        """Write the file.
+
+        Raises:
+            OSError, InputError: a place that can't be written.
+        """
+        self.path.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
+        if self._lock is None:
+            self._lock = _locked(self.path.with_suffix(".lock"))
+        write_session(self.path, document, relative=False)
+        self.on_disk = document
+
+    def remove(self) -> None:
+        """Nothing in it is unsaved any more."""
+        with contextlib.suppress(OSError):
+            self.path.unlink(missing_ok=True)
+        self.unlock()
+
+    def unlock(self) -> None:
+        """Let go of it."""
         if self._lock is not None:
             self._lock.close()
             self._lock = None
             with contextlib.suppress(OSError):
-                self._path.with_suffix(".lock").unlink(missing_ok=True)
+                self.path.with_suffix(".lock").unlink(missing_ok=True)
 
 
 def leftovers(folder: Path) -> list[Leftover]:

@@ -12,11 +12,15 @@ from app.engine.exporting import ExportSettings, default_export_path
 from app.engine.jobs import JobStatus
 from app.engine.snapshot import Message, Snapshot
 from app.engine.sources import LightSource, PhotoSource, RelitLike, Request
+from app.ui.angles import wrap_degrees
 from app.ui.asking import Asking, FileRequest
+from app.ui.channels import PHOTO, RESULT
 from app.ui.face_edits import FaceTool
 from app.ui.layout import OpenGroups, Panels
 from app.ui.look import LookState
+from app.ui.open_work import KeptWork, Opening
 from app.ui.photo_queue import PhotoQueue
+from app.ui.preview_size import longest_side_px
 from app.ui.viewport.box_tools import Grab, without_box
 from app.ui.viewport.view import View
 from relight_core.face.find import FaceBox
@@ -26,37 +30,7 @@ from relight_core.pipeline.auto_quality import QualityChoice
 from relight_core.pipeline.edit import Edit
 
 FIRST_LIGHT = "rembrandt"
-PREVIEW_PX = 2560
-"""Longest side of what is shown of a large photo while it is all in sight or the hand moves: about a screen's."""
-
-_SMALL_PHOTO_PX = 6_000_000
-"""Photos of no more pixels are always shown at their own size."""
-
-RESULT, PHOTO = "result", "photo"
 _EXPORT_SUFFIXES = (".png", ".exr", ".jpg", ".jpeg", ".tif", ".tiff")
-
-CHANNELS: tuple[tuple[str, str, str], ...] = (
-    (PHOTO, "Photo", "The photo as it was opened."),
-    ("albedo", "Albedo", "The colour of skin, hair and cloth with all light taken away."),
-    ("normal", "Normal", "Which way each spot of the face is turned."),
-    ("parsing", "Parsing", "Which part of the head each spot belongs to."),
-    ("source_light", "Source light", "The light the photo was taken under, as estimated from the face."),
-    ("specular", "Specular", "The shine the new light puts on the skin."),
-    ("shadow", "Shadow", "The shadows the new light casts."),
-    ("composition", "Composition", "The relit face before it goes back into the photo."),
-    (RESULT, "Result", "The finished picture."),
-)
-"""Name, title and explanation of everything the filmstrip shows, in its order; number keys count along."""
-
-
-@dataclass(frozen=True)
-class _Opening:
-    """A session that was asked for: the wish, its file, what the file holds, and the work before."""
-
-    wish: PhotoSource
-    path: Path | None
-    document: Document
-    before: Document
 
 
 @dataclass
@@ -148,9 +122,11 @@ class EditorState:
     asked_light: LightEdit = field(default_factory=LightEdit)
     snapshot: Snapshot = field(default_factory=Snapshot)
     light_panel: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 0.0)
-    _opening: _Opening | None = None
+    _opening: Opening | None = None
     _found: dict[Path, tuple[FaceBox, ...]] = field(default_factory=dict)
     _boxes: dict[Path, tuple[FaceBox, ...] | None] = field(default_factory=dict)
+    _work_on: Path | None = None
+    _kept_of: dict[Path, KeptWork] = field(default_factory=dict)
 
     def request(self) -> Request:
         """What the engine is to work toward: quick while the hand moves something, finished when it rests."""
@@ -161,12 +137,12 @@ class EditorState:
             unchanged = same_edit and self.light_edit == self.asked_light
             edit = self.asked if unchanged else quick
         self.asked, self.asked_light = edit, self.light_edit
-        return Request(self.photo, self.light, edit, self.light_edit, self._longest_side_px(edit))
+        return self._request_of(edit)
 
     def request_at_rest(self) -> Request:
         """What the engine is to work toward once the hand rests."""
         edit = replace(self.edit, quality=self.quality.at_rest(), exposure_ev=0.0)
-        return Request(self.photo, self.light, edit, self.light_edit, self._longest_side_px(edit))
+        return self._request_of(edit)
 
     def document(self) -> Document:
         """What undo and sessions keep of all this."""
@@ -262,7 +238,7 @@ class EditorState:
         """
         before = self.document()
         self.photo = PhotoSource(document.photo.path, document.photo.face_index, document.photo.boxes)
-        self._opening = _Opening(self.photo, path, document, before)
+        self._opening = Opening(self.photo, path, document, before)
         self.restore(document)
 
     def use_light(self, light: LightRef, light_edit: LightEdit, yaw_deg: float) -> None:
@@ -274,6 +250,27 @@ class EditorState:
     def is_unsaved(self) -> bool:
         """Whether there is work that no session file holds."""
         return self.kept is not None and self.photo is not None and self.document() != self.kept
+
+    def is_at_work(self) -> bool:
+        """Whether the photo that is wanted is the one that is open, so that what is set is work on it."""
+        opened = self.snapshot.opened
+        return opened is not None and self.photo is not None and opened.shows(self.photo)
+
+    def session_of_photo(self) -> Path | None:
+        """The session file of the photo that is wanted, be it open yet or not; None where this run knows of none."""
+        if self.is_at_work():
+            return self.session_path
+        path = self.photo.path if self.photo else None
+        kept = self._kept_of.get(path.absolute()) if path else None
+        return kept.session_path if kept else None
+
+    def note_saved(self, path: Path, document: Document) -> None:
+        """A session file holds this document now, whichever photo is open meanwhile."""
+        photo = document.photo.path.absolute()
+        if photo == self._work_on:
+            self.session_path, self.kept = path, document
+        else:
+            self._kept_of[photo] = KeptWork(path, document)
 
     def choose_face(self, index: int | None) -> None:
         """Ask for one face of the open photo, or for all of them."""
@@ -359,25 +356,29 @@ class EditorState:
             self._opening = None
 
     def _begin_work(self) -> None:
-        """A photo has been opened: from here on, changes are work."""
-        opening = self._opening
-        if opening and opening.wish is self.photo:
-            self.session_path = opening.path
-            self.kept = opening.document if opening.path else Document()
+        """A photo has been opened: from here on, changes are work. Work on a photo that returns goes on."""
+        if self._work_on is not None:
+            self._kept_of[self._work_on] = KeptWork(self.session_path, self.kept)
+        source = self.snapshot.opened.source
+        self._work_on = source.path and source.path.absolute()
+        if self._opening and self._opening.wish is source:
+            kept, self._opening = self._opening.kept, None
         else:
-            self.session_path, self.kept = None, self.document()
-        self._opening = None
+            kept = self._kept_of.get(self._work_on) or KeptWork(None, self._as_opened(source))
+        self.session_path, self.kept = kept.session_path, kept.document
+
+    def _as_opened(self, source: PhotoSource) -> Document:
+        """The document of a photo that has been opened, though another may be wished for by now."""
+        photo = PhotoRef(source.path, source.face_index, source.boxes) if source.path else None
+        return replace(self.document(), photo=photo)
+
+    def _request_of(self, edit: Edit) -> Request:
+        size_px = longest_side_px(self.snapshot.opened, self.view, edit)
+        return Request(self.photo, self.light, edit, self.light_edit, size_px)
 
     def _looked_at(self) -> tuple[str, ...]:
         """The channels that must follow the hand: the one in the viewport. The filmstrip's wait until it rests."""
         return () if self.shown in (RESULT, PHOTO) else (self.shown,)
-
-    def _longest_side_px(self, edit: Edit) -> int | None:
-        """How large the picture need be; None is as large as the photo."""
-        opened = self.snapshot.opened
-        size = opened.photo.linear.shape[:2] if opened else (0, 0)
-        is_quick = edit.channels is not None
-        return PREVIEW_PX if size[0] * size[1] > _SMALL_PHOTO_PX and (self.view.fit or is_quick) else None
 
     def _is_in_force(self) -> bool:
         """Whether the photo and the light that were asked for are there, so that neither can still be refused."""
@@ -391,9 +392,3 @@ class EditorState:
     def _remember(self, light: LightSource) -> None:
         if not any(known.same_as(light) for known in self.extra_lights):
             self.extra_lights.insert(0, light)
-
-
-def wrap_degrees(degrees: float) -> float:
-    """The same direction in (-180, 180]."""
-    wrapped = degrees % 360.0
-    return wrapped - 360.0 if wrapped > 180.0 else wrapped

@@ -92,7 +92,7 @@ class Deeds:
         """Write unsaved work at once and wait for it; False if there is none, or no place to keep it."""
         if self._autosave is None:
             return False
-        self._autosave.update(self._state.document(), self._state.is_unsaved(), time.monotonic())
+        self._update_autosave(time.monotonic())
         self._autosave.flush()
         self._pool.submit(lambda: None).result()
         return self._autosave.keeps
@@ -101,7 +101,7 @@ class Deeds:
         """Let go of everything; unsaved work stays in its file. Safe to call twice."""
         self._dialogs.close()
         if self._autosave is not None and not self._closed:
-            self._autosave.update(self._state.document(), self._state.is_unsaved(), time.monotonic())
+            self._update_autosave(time.monotonic())
             self._autosave.close()
         self._closed = True
         self._pool.shutdown(wait=True)
@@ -253,7 +253,9 @@ class Deeds:
         state = self._state
         document = state.document()
         write_session(path, document)
-        state.session_path, state.kept = path, document
+        state.note_saved(path, document)
+        if self._autosave is not None:
+            self._autosave.note_saved(document)
         state.asking.tell(f"Saved {path}")
 
     def _ask_to_replace(self, path: Path, write: Callable[[Path], None]) -> None:
@@ -304,19 +306,26 @@ class Deeds:
         if self._autosave is None:
             return
         if not self._state.hand_on_control:
-            self._autosave.update(self._state.document(), self._state.is_unsaved(), now_s)
+            self._update_autosave(now_s)
         problem = self._autosave.problem
         if problem != self._told_problem:
             self._told_problem = problem
             if problem is not None:
                 self._state.asking.tell(f"Unsaved work is not kept for recovery: {problem}", True)
-        if self._restored is not None and self._autosave.handed_on:
+        if self._restored is not None and self._autosave.is_given(self._restored.document.photo.path):
             self._pool.submit(self._forget_if_kept, self._restored)
             self._restored = None
 
+    def _update_autosave(self, now_s: float) -> None:
+        """While another photo than the one that is open is wanted, nothing that is set is work on either."""
+        if self._state.is_at_work():
+            self._autosave.update(self._state.document(), self._state.is_unsaved(), now_s)
+        else:
+            self._autosave.flush()
+
     def _forget_if_kept(self, leftover: Leftover) -> None:
         """Called once the writing is over: only then is the work in a file of our own."""
-        if self._autosave.keeps:
+        if self._autosave.holds(leftover.document.photo.path):
             leftover.forget()
 
 

@@ -14,8 +14,8 @@ import numpy as np
 from app.engine.light_shelf import LightShelf
 from app.engine.snapshot import Snapshot
 from app.engine.sources import LightSource
+from app.ui.channels import PHOTO, RESULT
 from app.ui.pictures import Paint, Shown
-from app.ui.state import PHOTO, RESULT
 from app.ui.viewport.panes import Pane
 from app.window.damage import WHOLE, Part
 from app.window.gl_light_ball import LightBall

@@ -8,8 +8,8 @@ from dataclasses import replace
 
 import moderngl
 
+from app.ui.channels import PHOTO, RESULT
 from app.ui.pictures import Paint
-from app.ui.state import PHOTO, RESULT
 from app.ui.viewport.panes import LIGHTS, Pane
 from app.ui.viewport.view import Placement
 from app.window.damage import WHOLE, Part, Rect

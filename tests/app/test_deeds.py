@@ -3,59 +3,16 @@
 import json
 from dataclasses import replace
 
-import numpy as np
 import pytest
+from live_editor import Editor, unsaved_files
 
 from app.document.session_file import read_session
-from app.engine.snapshot import OpenLight, OpenPhoto
 from app.engine.sources import LightSource
 from app.ui.asking import FileRequest
-from app.ui.file_dialogs import FileDialogs, candidates
+from app.ui.file_dialogs import candidates
 from app.ui.state import EditorState
-from app.window.deeds import Deeds
 from app.window.recent_lights import RecentLights
-from relight_core.imaging.photo import Photo
-from relight_core.lighting.environment import Environment
 from relight_core.lighting.light_edit import LightEdit
-
-
-class Editor:
-    """A state whose every wish for a photo or a light comes true at once, and the deeds that go with it."""
-
-    def __init__(self, folder, state=None):
-        self.state = state or EditorState()
-        self.said = []
-        self.deeds = Deeds(
-            self.state, lambda text, is_error: self.said.append((text, is_error)), folder, FileDialogs(False)
-        )
-        self.now_s = 0.0
-
-    def live(self, seconds=20):
-        for _ in range(seconds):
-            self.now_s += 1.0
-            self._answer()
-            self.state.remember(self.now_s)
-            self.deeds.act(self.now_s)
-        self.deeds._pool.submit(lambda: None).result()
-
-    def _answer(self):
-        state, now = self.state, self.state.snapshot
-        opened, light = now.opened, now.light
-        if state.photo is not None and (opened is None or opened.source is not state.photo):
-            photo = Photo(np.full((4, 4, 3), 0.5, np.float32), path=state.photo.path)
-            opened = OpenPhoto(state.photo, photo, photo.linear.astype(np.float16))
-        if light is None or not light.source.same_as(state.light):
-            even = Environment.from_radiance(np.ones((4, 8, 3)), "even")
-            light = OpenLight(state.light, even, np.zeros((4, 8, 3), np.uint8), np.zeros((4, 4, 4), np.uint8), even)
-        if (opened, light) != (now.opened, now.light):
-            state.accept(replace(now, opened=opened, light=light))
-
-    def answer_question(self, label):
-        question = self.state.asking.questions[0]
-        act = dict(question.choices)[label]
-        self.state.asking.drop(question.key)
-        act()
-        self.live()
 
 
 @pytest.fixture
@@ -78,10 +35,6 @@ def editor(folder, photo):
     editor.live()
     yield editor
     editor.deeds.close()
-
-
-def unsaved_files(folder):
-    return list((folder / "unsaved").glob("*.json")) if (folder / "unsaved").exists() else []
 
 
 def test_a_session_is_saved_beside_the_photo_and_opens_again(editor, photo, folder):

@@ -6,8 +6,8 @@ import moderngl
 import numpy as np
 import pytest
 
+from app.ui.channels import PHOTO, RESULT
 from app.ui.pictures import Paint
-from app.ui.state import PHOTO, RESULT
 from app.ui.viewport.panes import Pane
 from app.ui.viewport.view import Frame, Placement
 from app.window.gl_recipe import RelitSlot

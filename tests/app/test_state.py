@@ -10,7 +10,9 @@ import pytest
 from app.document.document import LightRef
 from app.engine.snapshot import Message, OpenLight, OpenPhoto, Snapshot
 from app.engine.sources import LightSource, PhotoSource
-from app.ui.state import CHANNELS, EditorState, wrap_degrees
+from app.ui.angles import wrap_degrees
+from app.ui.channels import CHANNELS
+from app.ui.state import EditorState
 from app.ui.viewport.view import View
 from relight_core.imaging.photo import Photo
 from relight_core.lighting.environment import Environment

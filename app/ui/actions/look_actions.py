@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from app.ui.actions.action import Action, Gesture
+from app.ui.channels import CHANNELS, PHOTO, RESULT
 from app.ui.layout import Panels
-from app.ui.state import CHANNELS, PHOTO, RESULT, EditorState
+from app.ui.state import EditorState
 from app.ui.viewport.view import View
 from app.ui.viewport.viewport_panel import ZOOM_PER_STEP, toggle_actual_size, zoom_by
 

@@ -7,8 +7,9 @@ import math
 from imgui_bundle import imgui
 
 from app.ui import theme, widgets
+from app.ui.channels import CHANNELS
 from app.ui.pictures import Pictures, Shown
-from app.ui.state import CHANNELS, EditorState
+from app.ui.state import EditorState
 
 
 def draw(state: EditorState, pictures: Pictures) -> None:

@@ -5,8 +5,9 @@ from __future__ import annotations
 from imgui_bundle import imgui
 
 from app.ui import face_edits, theme
+from app.ui.channels import PHOTO, RESULT
 from app.ui.layout import Rect
-from app.ui.state import PHOTO, RESULT, EditorState
+from app.ui.state import EditorState
 from app.ui.viewport import wipe
 from app.ui.viewport.face_boxes import FaceGrab, corners, dragged, grab
 from app.ui.viewport.panes import Arrangement, Pane, arrange_panes

@@ -7,7 +7,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-from app.ui.state import PHOTO, RESULT, EditorState
+from app.ui.channels import PHOTO, RESULT
+from app.ui.state import EditorState
 from app.ui.viewport.view import Frame, Placement, View, place
 
 LIGHTS = ("source_light",)

@@ -9,7 +9,7 @@ import numpy as np
 
 from app.engine.snapshot import Snapshot
 from app.engine.sources import RelitLike
-from app.ui.state import CHANNELS, PHOTO, RESULT
+from app.ui.channels import CHANNELS, PHOTO, RESULT
 from app.ui.viewport.panes import LIGHTS
 from relight_core.face.parsing import CLASSES
 from relight_core.imaging.view_transform import apply_view

@@ -5,9 +5,10 @@ from __future__ import annotations
 from imgui_bundle import imgui
 
 from app.ui import theme, widgets
+from app.ui.channels import CHANNELS, RESULT
 from app.ui.layout import Rect
 from app.ui.pictures import Pictures
-from app.ui.state import CHANNELS, RESULT, EditorState
+from app.ui.state import EditorState
 from app.ui.viewport.panes import LIGHTS, Arrangement, Pane
 
 TITLES = {name: title for name, title, _ in CHANNELS}

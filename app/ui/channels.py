@@ -1,0 +1,18 @@
+"""Everything the filmstrip shows."""
+
+from __future__ import annotations
+
+RESULT, PHOTO = "result", "photo"
+
+CHANNELS: tuple[tuple[str, str, str], ...] = (
+    (PHOTO, "Photo", "The photo as it was opened."),
+    ("albedo", "Albedo", "The colour of skin, hair and cloth with all light taken away."),
+    ("normal", "Normal", "Which way each spot of the face is turned."),
+    ("parsing", "Parsing", "Which part of the head each spot belongs to."),
+    ("source_light", "Source light", "The light the photo was taken under, as estimated from the face."),
+    ("specular", "Specular", "The shine the new light puts on the skin."),
+    ("shadow", "Shadow", "The shadows the new light casts."),
+    ("composition", "Composition", "The relit face before it goes back into the photo."),
+    (RESULT, "Result", "The finished picture."),
+)
+"""Name, title and explanation of everything the filmstrip shows, in its order; number keys count along."""

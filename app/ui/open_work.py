@@ -1,0 +1,45 @@
+"""Work on one photo as the editor keeps it aside: while its session opens, and while another photo is open."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from app.document.document import Document
+from app.engine.sources import PhotoSource
+
+
+@dataclass(frozen=True)
+class Opening:
+    """A session that was asked for.
+
+    Attributes:
+        wish: for its photo.
+        path: its file; None for work that no session file holds.
+        document: what the file holds.
+        before: the work before.
+    """
+
+    wish: PhotoSource
+    path: Path | None
+    document: Document
+    before: Document
+
+    @property
+    def kept(self) -> KeptWork:
+        """What files hold of it once it is open."""
+        # Nothing equals a document without a photo, so work that no file holds stays unsaved.
+        return KeptWork(self.path, self.document if self.path else Document())
+
+
+@dataclass(frozen=True)
+class KeptWork:
+    """What files hold of the work on a photo.
+
+    Attributes:
+        session_path: the file the work was last saved to or opened from; None where there is none.
+        document: the work as that file has it, or as the photo was opened.
+    """
+
+    session_path: Path | None
+    document: Document

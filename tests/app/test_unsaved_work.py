@@ -1,0 +1,107 @@
+"""Unsaved work stays unsaved, and kept for recovery, while other photos come and go."""
+
+from dataclasses import replace
+
+import pytest
+from live_editor import Editor, unsaved_files
+
+from app.document.session_file import read_session
+
+
+@pytest.fixture
+def photos(tmp_path):
+    paths = [tmp_path / name for name in ("a.jpg", "b.jpg")]
+    for path in paths:
+        path.write_bytes(b"pixels")
+    return paths
+
+
+@pytest.fixture
+def folder(tmp_path):
+    return tmp_path / "settings"
+
+
+@pytest.fixture
+def editor(folder, photos):
+    editor = Editor(folder)
+    editor.state.open_photos(photos)
+    editor.live()
+    yield editor
+    editor.deeds.close()
+
+
+def offered(folder):
+    again = Editor(folder)
+    again.deeds.close()
+    return [question.text for question in again.state.asking.questions]
+
+
+def test_the_next_photo_of_a_queue_leaves_the_work_on_this_one_for_recovery(editor, folder):
+    editor.state.change(shadow=0.5)
+    editor.live()
+    editor.state.step_photo(1)
+    editor.live()
+    assert not editor.state.is_unsaved()
+    assert len(unsaved_files(folder)) == 1
+    editor.state.step_photo(-1)
+    editor.live()
+    assert editor.state.is_unsaved()
+    editor.state.step_photo(1)
+    editor.live()
+    editor.deeds.close()
+    (text,) = offered(folder)
+    assert "a.jpg" in text
+
+
+def test_a_change_just_before_the_next_photo_is_kept_too(editor, folder):
+    editor.state.change(shadow=0.5)
+    editor.live(1)
+    assert unsaved_files(folder) == []
+    editor.state.step_photo(1)
+    editor.live(1)
+    assert len(unsaved_files(folder)) == 1
+
+
+def test_work_on_two_photos_is_kept_for_both(editor, folder):
+    for shadow in (0.5, 0.6):
+        editor.state.change(shadow=shadow)
+        editor.live()
+        editor.state.step_photo(1)
+        editor.live()
+    assert len(unsaved_files(folder)) == 2
+    editor.deeds.close()
+    assert sorted(text.split(",")[0] for text in offered(folder)) == ["Your work on a.jpg", "Your work on b.jpg"]
+
+
+def test_undoing_a_stray_drop_goes_on_with_the_session_and_its_unsaved_work(editor, photos, folder, tmp_path):
+    place = tmp_path / "work.relight.json"
+    editor.deeds._save_session_there([place])
+    editor.state.change(shadow=0.5)
+    editor.live()
+    editor.state.open_photos(photos[1:])
+    editor.live()
+    assert editor.state.session_path is None
+    editor.state.restore(editor.state.history.undo())
+    editor.live()
+    assert (editor.state.photo.path, editor.state.edit.shadow) == (photos[0], 0.5)
+    assert editor.state.session_path == place
+    assert editor.state.is_unsaved()
+    assert len(unsaved_files(folder)) == 1
+    editor.state.asking.wish("save_session")
+    editor.live()
+    assert read_session(place).document.edit.shadow == 0.5
+    assert not editor.state.is_unsaved()
+    assert unsaved_files(folder) == []
+
+
+def test_a_photo_that_is_refused_is_no_work(editor, folder, tmp_path):
+    editor.state.change(shadow=0.5)
+    editor.live()
+    editor.state.open_photo(tmp_path / "bad.jpg")
+    for _ in range(5):
+        editor.now_s += 1.0
+        editor.deeds.act(editor.now_s)
+    editor.state.accept(replace(editor.state.snapshot, refused=frozenset({editor.state.photo})))
+    editor.live()
+    assert editor.state.is_unsaved()
+    assert len(unsaved_files(folder)) == 1
