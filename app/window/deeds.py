@@ -10,6 +10,7 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 from app.document.autosave import Autosave, Leftover, leftovers
+from app.document.document import Document
 from app.document.json_fields import kind_of
 from app.document.light_file import LIGHT_SUFFIX, SavedLight, write_light
 from app.document.session_file import SESSION_SUFFIX, is_session_place, session_path, write_session
@@ -117,25 +118,25 @@ class Deeds:
 
     def save_session(self) -> None:
         """Save to the session's file; the first time beside the photo."""
-        state = self._state
-        photo = state.document().photo
-        if photo is None:
-            raise InputError("there is no photo to save a session of; open one first")
-        path = state.session_path
-        if path is None:
-            path = session_path(photo.path)
-            if os.path.lexists(path):
-                self._ask_to_replace(path, self._write_session)
-                return
-        self._write_session(path)
+        write, own = self._session_writer(), self._state.session_of_photo()
+        if own is not None:
+            write(own)
+        else:
+            self.replace_file(session_path(self._state.photo.path), write)
 
     def save_session_as(self) -> None:
         """Choose where to save the session."""
-        photo = self._state.document().photo
-        if photo is None:
-            raise InputError("there is no photo to save a session of; open one first")
-        start = self._state.session_path or session_path(photo.path)
-        self._ask("save", "Save the session", (SESSION_SUFFIX,), self._save_session_there, start)
+        write, own = self._session_writer(), self._state.session_of_photo()
+
+        def save_there(paths: list[Path]) -> None:
+            path = _with_suffix(paths[0], SESSION_SUFFIX)
+            if path == own:
+                self._tried(write, path)
+            else:
+                self.replace_file(path, write)
+
+        start = own or session_path(self._state.photo.path)
+        self._ask("save", "Save the session", (SESSION_SUFFIX,), save_there, start)
 
     def save_light(self) -> None:
         """Choose where to save the light alone."""
@@ -230,13 +231,6 @@ class Deeds:
     def _take_light(self, path: Path) -> None:
         self._tried(lambda chosen: use_as_light(self._state, chosen), path)
 
-    def _save_session_there(self, paths: list[Path]) -> None:
-        path = _with_suffix(paths[0], SESSION_SUFFIX)
-        if path == self._state.session_path:
-            self._tried(self._write_session, path)
-        else:
-            self.replace_file(path, self._write_session)
-
     def _save_light_there(self, paths: list[Path]) -> None:
         document = self._state.document()
         saved = SavedLight(document.light, document.light_edit, document.edit.yaw_deg)
@@ -247,11 +241,21 @@ class Deeds:
 
         self.replace_file(_with_suffix(paths[0], LIGHT_SUFFIX), write)
 
-    def _write_session(self, path: Path) -> None:
+    def _session_writer(self) -> Callable[[Path], None]:
+        """Writes the work as it is now, whichever photo is open by the time the place is known.
+
+        Raises:
+            InputError: there is no photo.
+        """
+        document = self._state.document()
+        if document.photo is None:
+            raise InputError("there is no photo to save a session of; open one first")
+        return lambda path: self._write_session(path, document)
+
+    def _write_session(self, path: Path, document: Document) -> None:
         if not is_session_place(path):
             raise InputError(f"{path}: is not a session; relight replaces only its own files, choose another name")
         state = self._state
-        document = state.document()
         write_session(path, document)
         state.note_saved(path, document)
         if self._autosave is not None:

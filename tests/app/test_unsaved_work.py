@@ -75,7 +75,9 @@ def test_work_on_two_photos_is_kept_for_both(editor, folder):
 
 def test_undoing_a_stray_drop_goes_on_with_the_session_and_its_unsaved_work(editor, photos, folder, tmp_path):
     place = tmp_path / "work.relight.json"
-    editor.deeds._save_session_there([place])
+    editor.state.asking.wish("save_session_as")
+    editor.live()
+    editor.state.picking.then([place])
     editor.state.change(shadow=0.5)
     editor.live()
     editor.state.open_photos(photos[1:])
@@ -105,3 +107,40 @@ def test_a_photo_that_is_refused_is_no_work(editor, folder, tmp_path):
     editor.live()
     assert editor.state.is_unsaved()
     assert len(unsaved_files(folder)) == 1
+
+
+def test_saving_while_the_next_photo_is_read_leaves_the_session_of_this_one_alone(editor, photos):
+    editor.state.change(shadow=0.5)
+    editor.state.asking.wish("save_session")
+    editor.live()
+    editor.state.change(shadow=0.6)
+    editor.state.step_photo(1)
+    editor.state.asking.wish("save_session")
+    editor.deeds.act(editor.now_s)
+    first, second = (read_session(path.with_suffix(".relight.json")).document for path in photos)
+    assert (first.photo.path, first.edit.shadow) == (photos[0], 0.5)
+    assert (second.photo.path, second.edit.shadow) == (photos[1], 0.6)
+    editor.live()
+    assert editor.state.session_path == photos[1].with_suffix(".relight.json")
+    assert not editor.state.is_unsaved()
+
+
+def test_what_is_replaced_after_a_question_is_the_work_that_was_asked_about(editor, photos, folder):
+    place = photos[0].with_suffix(".relight.json")
+    editor.state.asking.wish("save_session")
+    editor.live()
+    editor.state.session_path = None
+    editor.state.change(shadow=0.5)
+    editor.state.asking.wish("save_session")
+    editor.live()
+    editor.state.step_photo(1)
+    editor.live()
+    editor.answer_question("Replace")
+    document = read_session(place).document
+    assert (document.photo.path, document.edit.shadow) == (photos[0], 0.5)
+    assert editor.state.session_path is None, "the photo that is open has no session"
+    assert unsaved_files(folder) == []
+    editor.state.step_photo(-1)
+    editor.live()
+    assert editor.state.session_path == place
+    assert not editor.state.is_unsaved()
