@@ -83,14 +83,20 @@ class Jobs:
         self._pool = ThreadPoolExecutor(max_workers=1, thread_name_prefix="relight-job", initializer=on_start)
         self._lock = threading.Lock()
         self._status: JobStatus | None = None
-        self._waiting = 0
+        self._waiting = self._untold = 0
         self._cancel = threading.Event()
 
     def start(self, name: str, work: Callable[[JobControl], str]) -> None:
         """Queue a job; `work` returns the line to say when it is done."""
         with self._lock:
             self._waiting += 1
+            self._untold += 1
         self._pool.submit(self._run, name, work)
+
+    def is_busy(self) -> bool:
+        """Whether there is a job of which it has not been told yet what became of it."""
+        with self._lock:
+            return self._untold > 0
 
     def status(self) -> JobStatus | None:
         """The job that runs, or None."""
@@ -138,3 +144,6 @@ class Jobs:
             line, is_error = error_line(error), True
         self.publish(None)
         self._say(line, is_error)
+        with self._lock:
+            self._untold -= 1
+        self._wake()

@@ -30,6 +30,11 @@ class Finished:
         """Call the task with the finished picture, as soon as it is there."""
         self._tasks.append((self._state.request_at_rest(), task))
 
+    @property
+    def is_waiting(self) -> bool:
+        """Whether there is a task whose picture is not there yet."""
+        return bool(self._tasks)
+
     def wanted(self, newest: Request) -> Request:
         """What to ask the engine for: what the oldest task waits for, else the newest wish."""
         return self._tasks[0][0] if self._tasks else newest

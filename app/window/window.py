@@ -28,6 +28,7 @@ from app.window.gl_textures import Canvas
 from app.window.glfw_window import NoDisplayError
 from app.window.graphics import DRIVER_FAULTS, Graphics, GraphicsLostError, Restarts, one_line
 from app.window.held_shift import shift_is_held
+from app.window.leaving import Leaving
 from app.window.memory import Memory
 from app.window.outputs import Outputs
 from app.window.rest import Rest
@@ -83,6 +84,7 @@ class EditorWindow:
         self._finished = Finished(self.state, self.engine.say)
         self._outputs = Outputs(self.state, self.exporter, make_relighter, self._finished.then)
         self._deeds = Deeds(self.state, self.engine.say, folder, outputs=self._outputs)
+        self._leaving = Leaving(self.state.asking, self._is_making_files, lambda: self.engine.snapshot().message)
         self._submitted = Request()
         self._rest = Rest()
         self._title = ""
@@ -103,17 +105,26 @@ class EditorWindow:
         return self._graphics.pictures
 
     def run(self) -> None:
-        """Draw until the user closes the window.
+        """Draw until the user closes the window and, where files are still being made, has said what of them.
 
         Raises:
             GraphicsLostError: the driver gave up for good; unsaved work is kept.
         """
         limit = FrameLimit(display_hz())
-        while not glfw.window_should_close(self.handle):
+        while not self.may_close():
             self._wait()
             if limit.wait():
                 glfw.poll_events()
             self.frame()
+
+    def may_close(self) -> bool:
+        """Whether the user wants the window closed and nothing is lost by it; asks where something would be."""
+        wanted = glfw.window_should_close(self.handle)
+        allowed = self._leaving.allows(wanted)
+        if wanted and not allowed:
+            glfw.set_window_should_close(self.handle, False)
+            self._rest.stir()
+        return allowed
 
     def frame(self) -> None:
         """Take over what the engine published, draw one frame, and tell the engine what is wanted.
@@ -172,7 +183,10 @@ class EditorWindow:
         return pixels
 
     def close(self) -> None:
-        """Keep the settings, finish exports, end the threads, free everything."""
+        """Keep the settings and unsaved work, end the threads, free everything.
+
+        Work that still runs is stopped at its next step, and what waits behind it is not begun.
+        """
         if self._graphics is not None:
             self._memory.keep(self.state, glfw.get_window_size(self.handle))
             glfw.hide_window(self.handle)
@@ -250,6 +264,9 @@ class EditorWindow:
             graphics, self._graphics = self._graphics, None
             if graphics is not None:
                 graphics.close()
+
+    def _is_making_files(self) -> bool:
+        return self._finished.is_waiting or self.exporter.is_busy()
 
     def _wake(self) -> None:
         """For other threads: end the window's sleep."""

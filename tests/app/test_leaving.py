@@ -1,0 +1,104 @@
+"""Closing the window never throws away files without a word."""
+
+import threading
+
+import glfw
+import pytest
+
+from app.engine.jobs import Jobs
+from app.engine.snapshot import Message
+from app.ui.asking import Asking
+from app.window.leaving import Leaving
+from relight_core.errors import InputError
+
+LONG_S = 60
+
+
+class Work:
+    """Files being made, and what was told of them."""
+
+    def __init__(self):
+        self.busy, self.message, self.asking = True, None, Asking()
+        self.leaving = Leaving(self.asking, lambda: self.busy, lambda: self.message)
+
+    def choose(self, label):
+        (question,) = self.asking.questions
+        self.asking.drop(question.key)
+        dict(question.choices)[label]()
+
+
+@pytest.fixture
+def work():
+    return Work()
+
+
+def test_with_nothing_to_finish_the_window_closes_unasked(work):
+    work.busy = False
+    assert not work.leaving.allows(wanted=False)
+    assert work.leaving.allows(wanted=True)
+    assert work.asking.questions == []
+
+
+def test_what_is_being_made_can_be_finished_first(work):
+    assert not work.leaving.allows(wanted=True)
+    work.choose("Finish first")
+    assert not work.leaving.allows(wanted=False)
+    work.busy, work.message = False, Message(1, "Saved it")
+    assert work.leaving.allows(wanted=False)
+
+
+def test_what_could_not_be_finished_is_told_before_the_window_closes(work):
+    work.message = Message(1, "an older fault", True)
+    work.leaving.allows(wanted=True)
+    work.choose("Finish first")
+    work.busy, work.message = False, Message(2, "the disk is full", True)
+    assert not work.leaving.allows(wanted=False)
+    assert work.leaving.allows(wanted=True)
+
+
+def test_it_can_be_stopped_or_the_window_stay_open(work):
+    work.leaving.allows(wanted=True)
+    work.choose("Stay open")
+    work.busy = False
+    assert not work.leaving.allows(wanted=False)
+    work.busy = True
+    work.leaving.allows(wanted=True)
+    work.choose("Stop it")
+    assert work.leaving.allows(wanted=False)
+
+
+def test_jobs_are_busy_until_what_became_of_them_is_told():
+    began, go_on, at_end = threading.Event(), threading.Event(), []
+    jobs = Jobs(lambda text, is_error: at_end.append(jobs.is_busy()))
+
+    def work(control):
+        began.set()
+        assert go_on.wait(LONG_S)
+        raise InputError("full")
+
+    assert not jobs.is_busy()
+    jobs.start("Export", work)
+    assert began.wait(LONG_S)
+    assert jobs.is_busy()
+    go_on.set()
+    jobs.close()
+    assert at_end == [True]
+    assert not jobs.is_busy()
+
+
+def test_the_window_stays_for_an_export_that_waits_for_its_picture(opened, relighter, photo_path):
+    window = opened.window
+    relighter.gate.clear()
+    opened.move(opened.centre())
+    window.on_wheel(None, 0.0, 7.0)
+    opened.frames(3)
+    opened.hold(glfw.KEY_E)
+    opened.release(glfw.KEY_E)
+    glfw.set_window_should_close(window.handle, True)
+    assert not window.may_close()
+    assert not glfw.window_should_close(window.handle)
+    (question,) = window.state.asking.questions
+    relighter.gate.set()
+    dict(question.choices)["Finish first"]()
+    window.run()
+    assert photo_path.with_name("person-relit.png").exists()
