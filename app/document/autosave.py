@@ -194,8 +194,12 @@ class KeptFile:
                 self.path.with_suffix(".lock").unlink(missing_ok=True)
 
 
-def leftovers(folder: Path) -> list[Leftover]:
-    """What editors that no longer run have left, newest first; damaged files are removed."""
+def leftovers(folder: Path, tell: Callable[[str], None] = _log.warning) -> list[Leftover]:
+    """What editors that no longer run have left, newest first; damaged files are removed.
+
+    Args:
+        tell: told a line of each file that is left out but may be of use later.
+    """
     found = []
     for path in sorted(folder.glob("*.json")) if folder.is_dir() else []:
         lock = _locked(path.with_suffix(".lock"))
@@ -207,8 +211,10 @@ def leftovers(folder: Path) -> list[Leftover]:
             leftover = Leftover(path, read_session(path).document, path.stat().st_mtime)
         except (InputError, OSError) as error:
             # A photo that is only out of reach for now is no reason to forget the work.
-            _log.warning("unsaved work can't be recovered: %s", error)
-            if kind_of(path) != KIND:
+            if kind_of(path) == KIND:
+                tell(f"Unsaved work can't be restored yet: {error}")
+            else:
+                _log.warning("unsaved work can't be recovered: %s", error)
                 leftover.forget()
         else:
             found.append(leftover)

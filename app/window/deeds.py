@@ -17,7 +17,7 @@ from app.document.session_file import SESSION_SUFFIX, is_session_place, session_
 from app.engine.batch import photos_in
 from app.engine.desk import error_line
 from app.engine.exporting import free_path
-from app.engine.sources import PICTURE_SUFFIXES
+from app.engine.sources import PICTURE_SUFFIXES, PhotoSource
 from app.ui.asking import FileRequest, Question
 from app.ui.file_dialogs import FileDialogs
 from app.ui.state import EditorState
@@ -56,13 +56,14 @@ class Deeds:
         self._pool = ThreadPoolExecutor(max_workers=1, thread_name_prefix="relight-autosave")
         self._autosave = Autosave(folder / "unsaved", self._pool.submit) if folder else None
         self._recent = RecentLights(folder / "recent-lights.json") if folder else None
-        self._restored: Leftover | None = None
+        self._restoring: tuple[PhotoSource, Leftover] | None = None
+        self._restored: list[Leftover] = []
         self._photo: object | None = None
         self._closed = False
         self._told_problem: str | None = None
         if folder:
             self._recent.recall(state)
-            for leftover in leftovers(folder / "unsaved")[:3]:
+            for leftover in leftovers(folder / "unsaved", lambda line: state.asking.tell(line, True))[:3]:
                 self._offer(leftover)
 
     @property
@@ -103,6 +104,8 @@ class Deeds:
         self._dialogs.close()
         if self._autosave is not None and not self._closed:
             self._update_autosave(time.monotonic())
+            self._autosave.flush()
+            self._look_after_restored()
             self._autosave.close()
         self._closed = True
         self._pool.shutdown(wait=True)
@@ -258,8 +261,7 @@ class Deeds:
         state = self._state
         write_session(path, document)
         state.note_saved(path, document)
-        if self._autosave is not None:
-            self._autosave.note_saved(document)
+        self._forget_saved(document)
         state.asking.tell(f"Saved {path}")
 
     def _ask_to_replace(self, path: Path, write: Callable[[Path], None]) -> None:
@@ -298,8 +300,8 @@ class Deeds:
         text = f"Your work on {leftover.document.photo.path.name}, of {when}, was not saved before relight ended."
 
         def restore() -> None:
-            self._restored = leftover
             self._state.open_session(leftover.document, None)
+            self._restoring = self._state.photo, leftover
 
         choices = (("Restore", restore), ("Discard", leftover.forget))
         self._state.asking.ask(Question(f"leftover {leftover.path.name}", text, choices))
@@ -316,9 +318,7 @@ class Deeds:
             self._told_problem = problem
             if problem is not None:
                 self._state.asking.tell(f"Unsaved work is not kept for recovery: {problem}", True)
-        if self._restored is not None and self._autosave.is_given(self._restored.document.photo.path):
-            self._pool.submit(self._forget_if_kept, self._restored)
-            self._restored = None
+        self._look_after_restored()
 
     def _update_autosave(self, now_s: float) -> None:
         """While another photo than the one that is open is wanted, nothing that is set is work on either."""
@@ -326,6 +326,32 @@ class Deeds:
             self._autosave.update(self._state.document(), self._state.is_unsaved(), now_s)
         else:
             self._autosave.flush()
+
+    def _look_after_restored(self) -> None:
+        """Forget work that was restored once it is kept anew; offer it again where its photo did not open."""
+        if self._restoring is not None:
+            wish, leftover = self._restoring
+            opened = self._state.snapshot.opened
+            if opened is not None and opened.source is wish:
+                self._restored.append(leftover)
+                self._restoring = None
+            elif self._state.photo is not wish:
+                self._offer(leftover)
+                self._restoring = None
+        given = [leftover for leftover in self._restored if self._autosave.is_given(leftover.document.photo.path)]
+        for leftover in given:
+            self._restored.remove(leftover)
+            self._pool.submit(self._forget_if_kept, leftover)
+
+    def _forget_saved(self, document: Document) -> None:
+        """A session file holds this document: neither it nor what it was restored from need be kept for recovery."""
+        if self._autosave is None:
+            return
+        self._autosave.note_saved(document)
+        saved = [leftover for leftover in self._restored if leftover.document.photo.path == document.photo.path]
+        for leftover in saved:
+            self._restored.remove(leftover)
+            self._pool.submit(leftover.forget)
 
     def _forget_if_kept(self, leftover: Leftover) -> None:
         """Called once the writing is over: only then is the work in a file of our own."""

@@ -6,6 +6,7 @@ import pytest
 from live_editor import Editor, unsaved_files
 
 from app.document.session_file import read_session
+from app.engine.sources import LightSource
 
 
 @pytest.fixture
@@ -144,3 +145,70 @@ def test_what_is_replaced_after_a_question_is_the_work_that_was_asked_about(edit
     editor.live()
     assert editor.state.session_path == place
     assert not editor.state.is_unsaved()
+
+
+def leave_work(editor):
+    """Work on the first photo that was not saved; the editor that comes next."""
+    editor.state.change(shadow=0.5)
+    editor.live()
+    editor.deeds.close()
+
+
+def test_restored_work_whose_photo_is_refused_is_kept_and_offered_again(editor, folder, photos):
+    leave_work(editor)
+    again = Editor(folder)
+    (question,) = again.state.asking.questions
+    again.state.asking.drop(question.key)
+    dict(question.choices)["Restore"]()
+    again.state.accept(replace(again.state.snapshot, refused=frozenset({again.state.photo})))
+    again.state.open_photo(photos[1])
+    again.live()
+    assert [asked.text for asked in again.state.asking.questions] == [question.text]
+    again.state.change(shadow=0.7)
+    again.live()
+    again.deeds.close()
+    assert sorted(text.split(",")[0] for text in offered(folder)) == ["Your work on a.jpg", "Your work on b.jpg"]
+
+
+def test_restoring_leaves_unsaved_work_on_another_photo_for_recovery(editor, folder, photos):
+    leave_work(editor)
+    again = Editor(folder)
+    again.state.open_photo(photos[1])
+    again.live()
+    again.state.change(shadow=0.7)
+    again.live()
+    again.answer_question("Restore")
+    assert again.state.photo.path == photos[0]
+    again.deeds.close()
+    assert sorted(text.split(",")[0] for text in offered(folder)) == ["Your work on a.jpg", "Your work on b.jpg"]
+
+
+@pytest.mark.parametrize("save", [True, False])
+def test_work_restored_and_at_once_saved_or_left_is_not_offered_twice(editor, folder, save):
+    leave_work(editor)
+    again = Editor(folder)
+    (question,) = again.state.asking.questions
+    again.state.asking.drop(question.key)
+    dict(question.choices)["Restore"]()
+    again.live(1)
+    if save:
+        again.state.asking.wish("save_session")
+        again.live(1)
+    again.deeds.close()
+    assert len(offered(folder)) == (0 if save else 1)
+
+
+def test_work_whose_panorama_is_out_of_reach_is_told_and_stays(editor, folder, tmp_path):
+    sky = tmp_path / "sky.hdr"
+    sky.write_bytes(b"light")
+    editor.state.choose_light(LightSource("panorama", str(sky)))
+    leave_work(editor)
+    sky.rename(tmp_path / "away.hdr")
+    again = Editor(folder)
+    again.live(1)
+    again.deeds.close()
+    (line, is_error), *_ = again.said
+    assert is_error
+    assert "sky.hdr is not there" in line
+    (tmp_path / "away.hdr").rename(sky)
+    assert len(offered(folder)) == 1
