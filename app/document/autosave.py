@@ -146,8 +146,9 @@ class Autosave:
     def _save(self, file: KeptFile, document: Document) -> None:
         try:
             file.save(document)
-        except (OSError, InputError) as error:
-            self.problem = str(error)
+        except Exception as error:
+            # Nobody looks at what becomes of the writing, so whatever goes wrong has to be told from here.
+            self.problem = str(error) or type(error).__name__
             _log.warning("work is not kept for recovery: %s", error)
         else:
             self.problem = None
@@ -202,7 +203,11 @@ def leftovers(folder: Path, tell: Callable[[str], None] = _log.warning) -> list[
     """
     found = []
     for path in sorted(folder.glob("*.json")) if folder.is_dir() else []:
-        lock = _locked(path.with_suffix(".lock"))
+        try:
+            lock = _locked(path.with_suffix(".lock"))
+        except OSError as error:
+            tell(f"Unsaved work can't be restored yet: {error.filename}: can't be opened ({error.strerror}); remove it")
+            continue
         if lock is None:
             continue
         lock.close()
@@ -222,7 +227,11 @@ def leftovers(folder: Path, tell: Callable[[str], None] = _log.warning) -> list[
 
 
 def _locked(path: Path) -> object | None:
-    """The open and locked file, or None where another program holds it."""
+    """The open and locked file, or None where another program holds it.
+
+    Raises:
+        OSError: a place where no file can be opened.
+    """
     file = open(path, "a+b")  # noqa: SIM115 -- closed by whoever holds it
     try:
         if os.name == "nt":

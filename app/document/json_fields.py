@@ -154,9 +154,10 @@ def write_json(path: Path, kind: str, version: int, content: dict) -> None:
     Raises:
         InputError: a place that can't be written.
     """
-    text = json.dumps({MARK: kind, "version": version, **content}, indent=1, allow_nan=False, ensure_ascii=False)
+    # In ASCII, which can also hold the names of files that are no text in any encoding.
+    text = json.dumps({MARK: kind, "version": version, **content}, indent=1, allow_nan=False, ensure_ascii=True)
     with whole_file(path) as part:
-        part.write_text(text + "\n", encoding="utf-8")
+        part.write_text(text + "\n", encoding="ascii")
 
 
 def kind_of(path: Path) -> str | None:

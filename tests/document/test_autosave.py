@@ -1,5 +1,6 @@
 """Autosave: not at every twitch, never too late, and offered only where nobody works on it."""
 
+import os
 import subprocess
 import sys
 from dataclasses import replace
@@ -102,3 +103,38 @@ def test_a_place_that_cannot_be_written_stops_nothing(document, tmp_path):
     autosave.update(document, True, 0.0)
     autosave.flush()
     autosave.close()
+
+
+@pytest.mark.skipif(sys.platform == "darwin" or os.name == "nt", reason="names are text in Unicode there")
+def test_work_on_a_file_whose_name_is_no_text_is_kept_and_comes_back(autosave, document, folder, tmp_path):
+    odd = tmp_path / os.fsdecode(b"m\xffe.jpg")
+    odd.write_bytes(b"pixels")
+    autosave.update(replace(document, photo=PhotoRef(odd)), True, 0.0)
+    autosave.close()
+    assert autosave.problem is None
+    (found,) = leftovers(folder)
+    assert found.document.photo.path == odd
+
+
+def test_whatever_stops_the_writing_is_a_problem_that_is_told(autosave, document, monkeypatch):
+    def fail(*_, **__):
+        raise ValueError("no such thing")
+
+    monkeypatch.setattr("app.document.autosave.write_session", fail)
+    autosave.update(document, True, 0.0)
+    autosave.flush()
+    assert autosave.problem == "no such thing"
+    assert not autosave.keeps
+
+
+def test_a_lock_that_can_not_be_opened_is_told_and_its_work_left_alone(autosave, document, folder):
+    autosave.update(document, True, 0.0)
+    autosave.close()
+    (kept,) = folder.glob("*.json")
+    kept.with_suffix(".lock").mkdir()
+    told = []
+    assert leftovers(folder, told.append) == []
+    assert len(told) == 1
+    assert ".lock" in told[0]
+    kept.with_suffix(".lock").rmdir()
+    assert len(leftovers(folder)) == 1
