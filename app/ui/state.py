@@ -17,6 +17,7 @@ from app.ui.asking import Asking, FileRequest
 from app.ui.channels import PHOTO, RESULT
 from app.ui.face_edits import FaceTool
 from app.ui.layout import OpenGroups, Panels
+from app.ui.light_list import wish_again
 from app.ui.look import LookState
 from app.ui.open_work import KeptWork, Opening
 from app.ui.photo_queue import PhotoQueue
@@ -387,7 +388,8 @@ class EditorState:
         return photo_is and snapshot.light is not None and self.light.same_as(snapshot.light.source)
 
     def _known(self, light: LightSource) -> LightSource:
-        return next((known for known in self.extra_lights if known.same_as(light)), light)
+        wish, self.extra_lights = wish_again(light, self.extra_lights, self.snapshot.refused)
+        return wish
 
     def _remember(self, light: LightSource) -> None:
         if not any(known.same_as(light) for known in self.extra_lights):

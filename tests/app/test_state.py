@@ -304,3 +304,14 @@ def test_a_small_photo_is_always_shown_at_its_own_size():
     state = EditorState(snapshot=of_size(600, 900), hand_on_control=True)
     state.change(yaw_deg=5.0)
     assert state.request().longest_side_px is None
+
+
+def test_a_light_that_was_refused_is_tried_again_when_it_is_chosen_again():
+    state = EditorState(extra_lights=[SKY])
+    state.choose_light(SKY)
+    state.accept(Snapshot(refused=frozenset({SKY})))
+    assert state.light.kind == "rig"
+    state.choose_light(LightSource("panorama", SKY.name))
+    state.accept(state.snapshot)
+    assert state.light.same_as(SKY)
+    assert state.extra_lights == [state.light]
