@@ -28,6 +28,14 @@ class PhotoQueue:
         at = self.at + by
         return PhotoQueue(self.paths, at) if 0 <= at < len(self.paths) else None
 
+    def refused(self, before: PhotoQueue) -> PhotoQueue:
+        """What becomes of a queue whose photo can't be opened, given the queue of the photo that stays open.
+
+        The queue before comes back, unless it is of no use and this one has other photos to go on to.
+        """
+        is_fresh = self.paths != before.paths
+        return before if is_fresh and (len(before.paths) > 1 or len(self.paths) == 1) else self
+
     @property
     def label(self) -> str:
         """ "2 of 7"."""

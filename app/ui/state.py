@@ -126,6 +126,7 @@ class EditorState:
     _opening: Opening | None = None
     _found: dict[Path, tuple[FaceBox, ...]] = field(default_factory=dict)
     _boxes: dict[Path, tuple[FaceBox, ...] | None] = field(default_factory=dict)
+    _opened_queue: PhotoQueue = field(default_factory=PhotoQueue)
     _work_on: Path | None = None
     _kept_of: dict[Path, KeptWork] = field(default_factory=dict)
 
@@ -294,6 +295,7 @@ class EditorState:
         self.snapshot = snapshot
         if self.photo in snapshot.refused:
             self._give_up_opening()
+            self.queue = self.queue.refused(self._opened_queue)
             self.photo = snapshot.opened.source if snapshot.opened else None
         if self.light in snapshot.refused:
             self.light = snapshot.light.source if snapshot.light else LightSource("rig", FIRST_LIGHT)
@@ -360,7 +362,7 @@ class EditorState:
         """A photo has been opened: from here on, changes are work. Work on a photo that returns goes on."""
         if self._work_on is not None:
             self._kept_of[self._work_on] = KeptWork(self.session_path, self.kept)
-        source = self.snapshot.opened.source
+        source, self._opened_queue = self.snapshot.opened.source, self.queue
         self._work_on = source.path and source.path.absolute()
         if self._opening and self._opening.wish is source:
             kept, self._opening = self._opening.kept, None

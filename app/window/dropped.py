@@ -31,6 +31,7 @@ def take_files(state: EditorState, paths: Sequence[Path], x: float, y: float, as
     try:
         if as_light or (x0 <= x < x1 and y0 <= y < y1):
             use_as_light(state, paths[0])
+            _tell(state, _left_out(paths[1:], "open one light at a time"))
         else:
             _open(state, paths)
     except InputError as error:
@@ -69,16 +70,17 @@ def open_session(state: EditorState, path: Path) -> None:
 
 
 def _open(state: EditorState, paths: Sequence[Path]) -> None:
-    files = [file for path in paths for file in (photos_in(path) if path.is_dir() else [path])]
+    files, notes = _files(paths)
     ours = [path for path in files if path.suffix.lower() == ".json"]
     lights = [path for path in files if path not in ours and is_panorama(path)]
     photos = [path for path in files if path not in ours and path not in lights]
     if len(photos) > 1:
         odd = [path for path in photos if path.suffix.lower() not in PHOTO_SUFFIXES + RAW_SUFFIXES]
         photos = [path for path in photos if path not in odd]
-        if odd:
-            more = f" and {len(odd) - 1} more" if len(odd) > 1 else ""
-            state.asking.tell(f"{odd[0].name}{more} left out; relight opens {_USABLE}", True)
+        notes += _left_out(odd, f"relight opens {_USABLE}")
+    notes += _left_out(ours[1:], "open one session or light file at a time")
+    notes += _left_out(lights[1:], "open one panorama at a time")
+    _tell(state, notes)
     for path in ours[:1]:
         if kind_of(path) == "light":
             use_as_light(state, path)
@@ -88,6 +90,37 @@ def _open(state: EditorState, paths: Sequence[Path]) -> None:
         state.choose_light(LightSource("panorama", str(lights[0])))
     if photos:
         state.open_photos(photos)
+
+
+def _files(paths: Sequence[Path]) -> tuple[list[Path], list[str]]:
+    """The files, with those in folders, and why folders were left out.
+
+    Raises:
+        InputError: no file is left.
+    """
+    files: list[Path] = []
+    notes = []
+    for path in paths:
+        try:
+            files += photos_in(path) if path.is_dir() else [path]
+        except InputError as error:
+            if len(paths) == 1:
+                raise
+            notes.append(str(error))
+    if not files:
+        raise InputError(". ".join(notes))
+    return files, notes
+
+
+def _left_out(paths: Sequence[Path], what_to_do: str) -> list[str]:
+    more = f" and {len(paths) - 1} more" if len(paths) > 1 else ""
+    return [f"{paths[0].name}{more} left out; {what_to_do}"] if paths else []
+
+
+def _tell(state: EditorState, notes: Sequence[str]) -> None:
+    """All in one message, since the status line shows the newest alone."""
+    if notes:
+        state.asking.tell(". ".join(notes), True)
 
 
 def _tell_notes(state: EditorState, path: Path, notes: Sequence[str]) -> None:

@@ -1,13 +1,19 @@
 """What a dropped file becomes."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from app.document.document import LightRef
+from app.document.light_file import SavedLight, write_light
+from app.engine.snapshot import OpenPhoto
 from app.ui.state import EditorState
 from app.window.dropped import is_panorama, take_files
+from relight_core.imaging.photo import Photo
 from relight_core.imaging.write import write_image
+from relight_core.lighting.light_edit import LightEdit
 
 ELSEWHERE = (500.0, 300.0)
 
@@ -78,3 +84,62 @@ def test_with_shift_a_portrait_lends_its_light_anywhere(state):
     take_files(state, [Path("friend.jpg")], *ELSEWHERE, as_light=True)
     assert state.photo is None
     assert (state.light.kind, state.light.name) == ("portrait", "friend.jpg")
+
+
+def test_an_empty_folder_does_not_keep_what_was_dropped_with_it_from_opening(state, tmp_path):
+    (tmp_path / "empty").mkdir()
+    take_files(state, [tmp_path / "empty", Path("me.jpg")], *ELSEWHERE)
+    assert state.photo.path == Path("me.jpg")
+    ((text, is_error),) = state.asking.notices
+    assert is_error
+    assert "no photos in this folder" in text
+
+
+def test_panoramas_and_sessions_beyond_the_first_are_named(state, tmp_path):
+    skies = [exr(tmp_path / f"{name}.exr", 4, 8) for name in ("dawn", "noon", "dusk")]
+    sessions = [tmp_path / f"{name}.light.json" for name in ("one", "two")]
+    for path in sessions:
+        write_light(path, SavedLight(LightRef("rig", "ring"), LightEdit(), 0.0))
+    take_files(state, [*skies, *sessions], *ELSEWHERE)
+    assert state.light.name == str(skies[0])
+    ((text, is_error),) = state.asking.notices
+    assert is_error
+    assert "two.light.json left out" in text
+    assert "noon.exr and 1 more left out" in text
+
+
+def refuse(state):
+    state.accept(replace(state.snapshot, refused=state.snapshot.refused | {state.photo}))
+
+
+def open_wish(state):
+    photo = Photo(np.full((4, 4, 3), 0.5, np.float32), path=state.photo.path)
+    state.accept(replace(state.snapshot, opened=OpenPhoto(state.photo, photo, photo.linear)))
+
+
+def test_a_photo_that_can_not_be_opened_leaves_the_queue_as_it_was(state):
+    take_files(state, [Path("a.jpg"), Path("b.jpg")], *ELSEWHERE)
+    open_wish(state)
+    take_files(state, [Path("bad.jpg")], *ELSEWHERE)
+    refuse(state)
+    assert state.photo.path == Path("a.jpg")
+    assert state.queue.label == "1 of 2"
+    state.step_photo(1)
+    assert state.photo.path == Path("b.jpg")
+
+
+def test_a_queue_goes_on_past_photos_that_can_not_be_opened(state):
+    take_files(state, [Path("bad.jpg"), Path("worse.jpg"), Path("c.jpg")], *ELSEWHERE)
+    refuse(state)
+    state.step_photo(1)
+    refuse(state)
+    state.step_photo(1)
+    open_wish(state)
+    assert state.queue.label == "3 of 3"
+
+
+def test_lights_beyond_the_first_on_the_light_panel_are_named(state):
+    take_files(state, [Path("friend.jpg"), Path("other.jpg")], 100.0, 100.0)
+    assert state.light.name == "friend.jpg"
+    ((text, _),) = state.asking.notices
+    assert "other.jpg left out" in text
