@@ -64,8 +64,6 @@ def write_pictures(
             write(beside / f"{index + 1:04d}.png", frame)
             control.step(index + 1, count)
         os.rename(beside, folder)
-    except InterruptedError:  # Cancel, which happens to be an OSError
-        raise
     except OSError as error:
         raise InputError(f"{folder}: can't be made ({error.strerror}); choose another place") from error
     finally:

@@ -206,7 +206,7 @@ class Deeds:
         self.replace_file(path, lambda chosen: self._outputs.export_to(chosen, replaces=chosen == path))
 
     def _film_there(self, path: Path) -> None:
-        self.replace_file(path if path.suffix else path.with_suffix(".mp4"), self._outputs.film_to)
+        self.replace_file(_as_film(path), self._outputs.film_to)
 
     def _batch_there(self, paths: list[Path]) -> None:
         self._tried(lambda folder: self._batch_over(photos_in(folder), folder), paths[0])
@@ -357,6 +357,10 @@ class Deeds:
         """Called once the writing is over: only then is the work in a file of our own."""
         if self._autosave.holds(leftover.document.photo.path):
             leftover.forget()
+
+
+def _as_film(path: Path) -> Path:
+    return path if path.suffix.lower() == ".mp4" else path.with_name(path.name + ".mp4")
 
 
 def _with_suffix(path: Path, suffix: str) -> Path:

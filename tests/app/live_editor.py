@@ -17,11 +17,11 @@ from relight_core.lighting.environment import Environment
 class Editor:
     """A state whose every wish for a photo or a light comes true at once, and the deeds that go with it."""
 
-    def __init__(self, folder, state=None):
+    def __init__(self, folder, state=None, outputs=None):
         self.state = state or EditorState()
         self.said = []
         self.deeds = Deeds(
-            self.state, lambda text, is_error: self.said.append((text, is_error)), folder, FileDialogs(False)
+            self.state, lambda text, is_error: self.said.append((text, is_error)), folder, FileDialogs(False), outputs
         )
         self.now_s = 0.0
 

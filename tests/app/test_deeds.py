@@ -2,6 +2,7 @@
 
 import json
 from dataclasses import replace
+from types import SimpleNamespace
 
 import pytest
 from live_editor import Editor, unsaved_files
@@ -203,6 +204,18 @@ def test_a_saved_light_can_be_opened_alone(editor, tmp_path):
     editor.state.light_edit = LightEdit()
     editor.deeds._take_light(target)
     assert editor.state.light_edit.tint == 0.3
+
+
+@pytest.mark.parametrize("name", ["anna v1.2", "anna.mov", "anna", "anna.MP4"])
+def test_a_film_is_a_film_whatever_it_is_called(photo, name):
+    filmed = []
+    outputs = SimpleNamespace(suggested=lambda *_: photo.with_name("me.mp4"), film_to=filmed.append)
+    editor = Editor(None, outputs=outputs)
+    editor.state.asking.wish("turntable_film")
+    editor.live(1)
+    editor.state.picking.then([photo.with_name(name)])
+    editor.deeds.close()
+    assert [path.name for path in filmed] == [name if name == "anna.MP4" else f"{name}.mp4"]
 
 
 def test_a_wish_that_fails_unforeseen_is_told_and_the_window_goes_on(editor, monkeypatch):

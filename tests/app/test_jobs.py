@@ -11,7 +11,7 @@ from PIL import Image
 
 from app.engine.batch import photos_in, relight_each, summary
 from app.engine.film import write_film
-from app.engine.jobs import Jobs
+from app.engine.jobs import Cancelled, Jobs
 from app.engine.turntable import turning, write_pictures
 from app.ui.viewport.progress_card import words
 from app.window.clipboard import copy_png
@@ -137,7 +137,7 @@ class Steps:
     def step(self, done, total):
         self.done.append((done, total))
         if done == self._cancel_at:
-            raise InterruptedError
+            raise Cancelled
 
 
 def frames(count, size=(31, 40)):
@@ -160,7 +160,7 @@ def test_a_film_has_every_frame_and_a_cancelled_one_leaves_nothing(tmp_path):
     with av.open(str(tmp_path / "turn.mp4")) as film:
         assert len(list(film.decode(video=0))) == 6
     assert control.done[-1] == (6, 6)
-    with pytest.raises((InterruptedError, InputError)):
+    with pytest.raises(Cancelled):
         write_film(tmp_path / "half.mp4", frames(6)[1], 6, Steps(cancel_at=3))
     assert [path.name for path in tmp_path.iterdir()] == ["turn.mp4"]
 
@@ -198,7 +198,7 @@ def test_a_picture_sequence_is_a_new_folder_or_nothing(tmp_path):
     assert sorted(path.name for path in (tmp_path / "turn").iterdir()) == ["0001.png", "0002.png", "0003.png"]
     with pytest.raises(InputError, match="already"):
         write_pictures(tmp_path / "turn", frames(3)[1], 3, Steps(), write)
-    with pytest.raises(InterruptedError):
+    with pytest.raises(Cancelled):
         write_pictures(tmp_path / "half", frames(3)[1], 3, Steps(cancel_at=2), write)
     assert [path.name for path in tmp_path.iterdir()] == ["turn"]
 
