@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import contextlib
+import errno
 import os
+import re
 import sys
 import threading
 from collections.abc import Collection, Iterable, Iterator, Sequence
@@ -37,6 +39,9 @@ _STREAMS = threading.RLock()
 """Whoever redirects the process's streams: two at a time would put back what the other had put in their place."""
 
 _FLOAT, _HALF = Imath.PixelType(Imath.PixelType.FLOAT), Imath.PixelType(Imath.PixelType.HALF)
+_NO_TEXT = re.compile("[\ud800-\udfff]")
+"""What stands for the bytes of a file's name that are no text."""
+
 _DAMAGE = (RuntimeError, ValueError, TypeError, IndexError, KeyError, AttributeError, OSError, MemoryError)
 
 
@@ -87,6 +92,8 @@ def exr_size(path: Path) -> tuple[int, int]:
 def _read_header(path: Path) -> dict:
     try:
         check_regular(path)
+        if _NO_TEXT.search(str(path)):
+            raise InputError(f"{path}: OpenEXR can't open names that are no text; rename the file or its folder")
         with _quiet(), OpenEXR.File(str(path), header_only=True) as file:
             header = dict(file.header())
         _check_size(header, path)
@@ -131,7 +138,7 @@ def write_channels(path: Path, layers: dict[str, np.ndarray], *, header: dict) -
     attributes = {**header, "compression": OpenEXR.ZIP_COMPRESSION, "type": OpenEXR.scanlineimage}
     channels = {name: np.ascontiguousarray(array) for name, array in layers.items()}
     with _refusal_as_os_error(), _quiet(), OpenEXR.File(attributes, channels) as file:
-        file.write(str(path))
+        file.write(_spelt(path))
 
 
 def write_rows(
@@ -156,7 +163,7 @@ def write_rows(
     attributes["compression"] = Imath.Compression(Imath.Compression.ZIP_COMPRESSION)
     attributes |= {name: text.encode("utf-8") for name, text in header.items()}
     with _refusal_as_os_error():
-        file = OpenEXR.OutputFile(str(path), attributes)
+        file = OpenEXR.OutputFile(_spelt(path), attributes)
     try:
         for band in bands:
             rows = {name: np.ascontiguousarray(band[..., i]).tobytes() for i, name in enumerate(names)}
@@ -165,6 +172,17 @@ def write_rows(
     finally:
         with _refusal_as_os_error():
             file.close()
+
+
+def _spelt(path: Path) -> str:
+    """The path for OpenEXR, which ends the whole process at one that is no text.
+
+    Raises:
+        OSError: it is none.
+    """
+    if _NO_TEXT.search(str(path)):
+        raise OSError(errno.EILSEQ, "OpenEXR takes no names that are no text")
+    return str(path)
 
 
 def limited(array: np.ndarray, kind: type) -> np.ndarray:
