@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 from app.document.document import Document
 from app.document.naming import Change, change_between
+from app.legible import legible
 
 MOST_STEPS = 300
 TOGETHER_S = 0.8
@@ -57,7 +58,7 @@ class History:
         if not resting:
             return
         if self.at < 0 or (self.at == 0 and self.steps[0].document.photo is None):
-            opened = f"Open {document.photo.path.name}" if document.photo else "Start"
+            opened = f"Open {legible(document.photo.path.name)}" if document.photo else "Start"
             self.steps, self.at = [Step(opened, document)], 0
             return
         change = change_between(self.steps[self.at].document, document)

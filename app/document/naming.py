@@ -6,6 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, fields
 
 from app.document.document import Document, PhotoRef
+from app.legible import legible
 from relight_core.lighting.light_edit import LightEdit
 from relight_core.pipeline.edit import Edit
 
@@ -57,7 +58,7 @@ def _photo_change(before: Document, after: Document) -> Change:
             return Change(("faces",), _face_boxes(before.photo, after.photo), alone=True)
         index = after.photo.face_index
         return Change(("face",), "All faces" if index is None else f"Face {index + 1}")
-    return Change(("photo",), f"Open {after.photo.path.name}" if after.photo else "Close the photo")
+    return Change(("photo",), f"Open {legible(after.photo.path.name)}" if after.photo else "Close the photo")
 
 
 def _face_boxes(before: PhotoRef, after: PhotoRef) -> str:

@@ -11,6 +11,7 @@ from pathlib import Path
 from app.engine.desk import Desk, Step, error_line
 from app.engine.snapshot import Message, Snapshot
 from app.engine.sources import RelighterLike, Request
+from app.legible import legible
 from relight_core.errors import InputError
 
 _log = logging.getLogger(__name__)
@@ -65,7 +66,7 @@ class Engine:
         """Publish a line for the user; for the other threads of the program."""
         with self._changed:
             self._messages += 1
-            self._snapshot = replace(self._snapshot, message=Message(self._messages, text, is_error))
+            self._snapshot = replace(self._snapshot, message=Message(self._messages, legible(text), is_error))
         self._wake()
 
     def wait_until_idle(self, timeout_s: float | None = None) -> bool:

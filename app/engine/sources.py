@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
+from app.legible import legible
 from relight_core.imaging.formats.raster import RAW_SUFFIXES
 from relight_core.lighting.light_edit import LightEdit
 from relight_core.pipeline.edit import Edit
@@ -83,7 +84,7 @@ class PhotoSource:
     @property
     def name(self) -> str:
         """For messages."""
-        return self.path.name if self.path else "the photo"
+        return legible(self.path.name) if self.path else "the photo"
 
 
 @dataclass(frozen=True, eq=False)
@@ -115,7 +116,7 @@ class LightSource:
             return "Original"
         if self.kind == "rig":
             return self.name.replace("-", " ").capitalize()
-        return Path(self.name).stem
+        return legible(Path(self.name).stem)
 
     @property
     def opening_edit(self) -> LightEdit:

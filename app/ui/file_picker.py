@@ -7,6 +7,7 @@ from pathlib import Path
 
 from imgui_bundle import imgui
 
+from app.legible import legible
 from app.ui import theme, widgets
 from app.ui.asking import FileRequest
 from app.ui.file_dialogs import candidates
@@ -34,7 +35,7 @@ def draw(state: EditorState, fonts: theme.Fonts) -> None:
     if imgui.is_window_appearing() or not imgui.is_any_item_active():
         imgui.set_keyboard_focus_here()
     imgui.set_next_item_width(-1.0)
-    entered, request.text = imgui.input_text("##path", request.text, imgui.InputTextFlags_.enter_returns_true)
+    entered, request.text = widgets.path_input(request.text, imgui.InputTextFlags_.enter_returns_true)
     entered |= _rows(request)
     _buttons(state, request, entered)
     imgui.end()
@@ -56,7 +57,7 @@ def _rows(request: FileRequest) -> bool:
         label = f"{path.name}{os.sep if is_folder else ''}"
         # Where a folder is wanted, files only show which folder this is.
         imgui.begin_disabled(request.kind == "folder" and not is_folder)
-        if imgui.selectable(label, str(path) == chosen, imgui.SelectableFlags_.allow_double_click)[0]:
+        if imgui.selectable(legible(label), str(path) == chosen, imgui.SelectableFlags_.allow_double_click)[0]:
             taken = str(path) == chosen and imgui.is_mouse_double_clicked(0)
             request.text = os.path.join(path, "") if is_folder else str(path)
         imgui.end_disabled()

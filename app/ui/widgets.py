@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 from imgui_bundle import imgui
 
+from app.legible import legible
 from app.ui import theme
 from app.ui.pictures import Shown
 from app.ui.state import EditorState
@@ -38,6 +39,13 @@ def heading(fonts: theme.Fonts, text: str) -> None:
     imgui.push_font(fonts.bold, 0.0)
     imgui.text(text)
     imgui.pop_font()
+
+
+def path_input(path: str, flags: int) -> tuple[bool, str]:
+    """A line for the path of a file, and the path afterwards; a name that is no text stays while it is not touched."""
+    drawn = legible(path)
+    entered, typed = imgui.input_text("##path", drawn, flags)
+    return entered, path if typed == drawn else typed
 
 
 def gap(em: float) -> None:

@@ -7,6 +7,7 @@ from dataclasses import replace
 from imgui_bundle import imgui
 
 from app.engine.exporting import SIDES, ExportSettings
+from app.legible import legible
 from app.ui import theme, widgets
 from app.ui.panels.groups import group
 from app.ui.state import EditorState
@@ -68,9 +69,11 @@ def _place_and_layers(state: EditorState) -> None:
     """The file's name; for an EXR its layers beside it, so that the buttons below stay where they are."""
     room = imgui.get_content_region_avail().x
     imgui.set_next_item_width(room if state.export.form != ".exr" else (1.0 - _LAYERS_SHARE) * room - _SPACING)
-    _, state.export_path = imgui.input_text("##path", state.export_path, imgui.InputTextFlags_.elide_left)
+    _, state.export_path = widgets.path_input(state.export_path, imgui.InputTextFlags_.elide_left)
     if state.export_path:
-        imgui.set_item_tooltip(f"{state.export_place()}\nA number is added to the name if there is such a file.")
+        imgui.set_item_tooltip(
+            f"{legible(str(state.export_place()))}\nA number is added to the name if there is such a file."
+        )
     if state.export.form == ".exr":
         imgui.same_line(0.0, _SPACING)
         _layers(state)

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from imgui_bundle import imgui
 
 from app.engine.sources import LightSource
+from app.legible import legible
 from app.ui import theme, widgets
 from app.ui.panels import light_controls, panorama
 from app.ui.pictures import Pictures, Shown
@@ -74,7 +75,7 @@ def _light_button(state: EditorState, pictures: Pictures, source: LightSource, d
     em = imgui.get_font_size()
     corner = imgui.get_cursor_screen_pos()
     height = min(width, _HIGH_EM * em)
-    if imgui.invisible_button(f"{source.kind}:{source.name}", imgui.ImVec2(width, height)):
+    if imgui.invisible_button(legible(f"{source.kind}:{source.name}"), imgui.ImVec2(width, height)):
         state.choose_light(source)
     if source in state.extra_lights and imgui.is_item_clicked(1):
         state.forget_light(source)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from imgui_bundle import imgui
 
+from app.legible import legible
 from app.ui import theme
 from app.ui.asking import Question
 from app.ui.layout import Rect
@@ -24,9 +25,9 @@ def _card(state: EditorState, question: Question, viewport: Rect, top: float) ->
     width = min(34 * em, viewport.width - 2 * em)
     imgui.set_next_window_pos(imgui.ImVec2(viewport.x + (viewport.width - width) / 2, top))
     imgui.set_next_window_size(imgui.ImVec2(width, 0.0))
-    with theme.card(f"question {question.key}"):
+    with theme.card(legible(f"question {question.key}")):
         imgui.push_text_wrap_pos(0.0)
-        imgui.text(question.text)
+        imgui.text(legible(question.text))
         imgui.pop_text_wrap_pos()
         _buttons(state, question)
         return imgui.get_window_height()
