@@ -10,8 +10,11 @@ from pathlib import Path
 
 from imgui_bundle import portable_file_dialogs as native
 
+from app.legible import legible
 from app.ui.asking import FileRequest
+from relight_core.errors import InputError
 
+_NO_TEXT = "a file that was chosen has a name that is no text; rename it, or drop the folder it is in"
 _LINUX_HELPERS = ("zenity", "kdialog", "matedialog", "qarma")
 
 
@@ -36,18 +39,27 @@ class FileDialogs:
         """Open a dialog; returns the request back where ours is to be drawn instead."""
         if self._dialog is not None:
             return None
-        if not self._has_native:
+        # The system's are only told text.
+        is_text = all(text == legible(text) for text in (request.text, str(request.start)))
+        if not self._has_native or not is_text:
             return request
         self._request, self._dialog = request, _opened(request)
         return None
 
     def poll(self) -> None:
-        """Take over what the user has chosen, if he has."""
+        """Take over what the user has chosen, if he has.
+
+        Raises:
+            InputError: the name of a chosen file is no text.
+        """
         if self._dialog is None or not self._dialog.ready(0):
             return
         dialog, request = self._dialog, self._request
         self._dialog = self._request = None
-        chosen = dialog.result()
+        try:
+            chosen = dialog.result()
+        except UnicodeDecodeError:
+            raise InputError(_NO_TEXT) from None
         paths = [Path(text) for text in ([chosen] if isinstance(chosen, str) else chosen) if text]
         if paths:
             request.then(paths)

@@ -76,14 +76,8 @@ class Deeds:
         asking = self._state.asking
         wishes, asking.wishes = asking.wishes, []
         for wish in wishes:
-            try:
-                getattr(self, wish.kind)()
-            except InputError as error:
-                asking.tell(str(error), True)
-            except Exception as error:
-                _log.error("%s failed", wish.kind, exc_info=error)
-                asking.tell(error_line(error), True)
-        self._dialogs.poll()
+            self._attempt(wish.kind, getattr(self, wish.kind))
+        self._attempt("file dialog", self._dialogs.poll)
         self._look_for_a_session()
         self._keep(now_s)
         notices, asking.notices = asking.notices, []
@@ -182,6 +176,15 @@ class Deeds:
             self._ask_to_replace(path, write)
         else:
             self._tried(write, path)
+
+    def _attempt(self, name: str, deed: Callable[[], None]) -> None:
+        try:
+            deed()
+        except InputError as error:
+            self._state.asking.tell(str(error), True)
+        except Exception as error:
+            _log.error("%s failed", name, exc_info=error)
+            self._state.asking.tell(error_line(error), True)
 
     def _ask(
         self,

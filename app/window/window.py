@@ -35,6 +35,7 @@ from app.window.rest import Rest
 
 SIZE = (1440, 900)
 _QUIET_FRAMES, _MOST_SETTLING_FRAMES = 4, 60
+_NO_TEXT = "a file that was dropped has a name that is no text; rename it, or drop the folder it is in"
 _log = logging.getLogger(__name__)
 
 
@@ -112,9 +113,13 @@ class EditorWindow:
         """
         limit = FrameLimit(display_hz())
         while not self.may_close():
-            self._wait()
-            if limit.wait():
-                glfw.poll_events()
+            try:
+                self._wait()
+                if limit.wait():
+                    glfw.poll_events()
+            except UnicodeDecodeError:
+                # The binding of glfw raises it for what was dropped, from wherever events are taken in.
+                self.state.asking.tell(_NO_TEXT, True)
             self.frame()
 
     def may_close(self) -> bool:

@@ -206,6 +206,16 @@ def test_a_saved_light_can_be_opened_alone(editor, tmp_path):
     assert editor.state.light_edit.tint == 0.3
 
 
+def test_a_dialog_that_gives_a_name_that_is_no_text_is_told_and_the_window_goes_on(editor):
+    def result():
+        return b"\xff".decode("utf-8")
+
+    editor.deeds._dialogs._dialog = SimpleNamespace(ready=lambda _: True, result=result, kill=lambda: None)
+    editor.live(1)
+    assert "no text" in editor.said[-1][0]
+    assert not editor.deeds._dialogs.waiting
+
+
 @pytest.mark.parametrize("name", ["anna v1.2", "anna.mov", "anna", "anna.MP4"])
 def test_a_film_is_a_film_whatever_it_is_called(photo, name):
     filmed = []

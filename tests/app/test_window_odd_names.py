@@ -4,9 +4,11 @@ import os
 import shutil
 import sys
 
+import glfw
 import pytest
 
 from app.document.session_file import read_session
+from app.ui.asking import FileRequest
 from app.ui.file_dialogs import FileDialogs
 from app.window.dropped import take_files
 
@@ -48,3 +50,19 @@ def test_our_file_dialog_and_the_list_of_lights_show_names_that_are_no_text(hand
     state.asking.wish("open_file")
     hand.frames(3)
     assert state.picking.text == os.path.join(odd_path.parent, "")
+
+
+def test_a_drop_of_a_name_that_is_no_text_is_told_and_the_window_goes_on(hand, monkeypatch):
+    def wait():
+        glfw.set_window_should_close(hand.window.handle, True)
+        b"\xff".decode("utf-8")
+
+    monkeypatch.setattr(hand.window, "_wait", wait)
+    hand.window.run()
+    hand.frames(2)
+    assert "no text" in hand.window.state.message().text
+
+
+def test_a_folder_whose_name_is_no_text_is_shown_in_our_own_dialog(odd_path):
+    request = FileRequest("open", "Open", odd_path, print)
+    assert FileDialogs(True).ask(request) is request
