@@ -29,6 +29,8 @@ from relight_core.errors import InputError
 _log = logging.getLogger(__name__)
 _BATCH_FOLDER = "relit"
 _NOWHERE = (-1.0, -1.0)
+_OFFERS = 3
+"""Questions about unsaved work that are asked at a time."""
 
 
 class Deeds:
@@ -56,6 +58,7 @@ class Deeds:
         self._pool = ThreadPoolExecutor(max_workers=1, thread_name_prefix="relight-autosave")
         self._autosave = Autosave(folder / "unsaved", self._pool.submit) if folder else None
         self._recent = RecentLights(folder / "recent-lights.json") if folder else None
+        self._unoffered: list[Leftover] = []
         self._restoring: tuple[PhotoSource, Leftover] | None = None
         self._restored: list[Leftover] = []
         self._photo: object | None = None
@@ -63,8 +66,9 @@ class Deeds:
         self._told_problem: str | None = None
         if folder:
             self._recent.recall(state)
-            for leftover in leftovers(folder / "unsaved", lambda line: state.asking.tell(line, True))[:3]:
-                self._offer(leftover)
+            self._unoffered = leftovers(folder / "unsaved", lambda line: state.asking.tell(line, True))
+            for _ in range(_OFFERS):
+                self._offer_next()
 
     @property
     def waiting(self) -> bool:
@@ -298,6 +302,10 @@ class Deeds:
         choices = (("Continue", lambda: self._take([saved])), ("Start afresh", lambda: None))
         self._state.asking.ask(Question("session", f"{path.name} has a saved session beside it.", choices))
 
+    def _offer_next(self) -> None:
+        if self._unoffered:
+            self._offer(self._unoffered.pop(0))
+
     def _offer(self, leftover: Leftover) -> None:
         when = time.strftime("%H:%M on %d %B", time.localtime(leftover.saved_s))
         text = f"Your work on {leftover.document.photo.path.name}, of {when}, was not saved before relight ended."
@@ -305,8 +313,13 @@ class Deeds:
         def restore() -> None:
             self._state.open_session(leftover.document, None)
             self._restoring = self._state.photo, leftover
+            self._offer_next()
 
-        choices = (("Restore", restore), ("Discard", leftover.forget))
+        def discard() -> None:
+            leftover.forget()
+            self._offer_next()
+
+        choices = (("Restore", restore), ("Discard", discard))
         self._state.asking.ask(Question(f"leftover {leftover.path.name}", text, choices))
 
     def _keep(self, now_s: float) -> None:
@@ -341,6 +354,9 @@ class Deeds:
             elif self._state.photo is not wish:
                 self._offer(leftover)
                 self._restoring = None
+        if self._autosave.due:
+            # What was given of that photo may still be the work before.
+            return
         given = [leftover for leftover in self._restored if self._autosave.is_given(leftover.document.photo.path)]
         for leftover in given:
             self._restored.remove(leftover)

@@ -212,3 +212,41 @@ def test_work_whose_panorama_is_out_of_reach_is_told_and_stays(editor, folder, t
     assert "sky.hdr is not there" in line
     (tmp_path / "away.hdr").rename(sky)
     assert len(offered(folder)) == 1
+
+
+def test_restored_work_is_kept_until_it_takes_the_place_of_other_work_on_that_photo(editor, folder, photos):
+    leave_work(editor)
+    again = Editor(folder)
+    again.state.open_photo(photos[0])
+    again.live()
+    again.state.change(shadow=0.7)
+    again.live()
+    (question,) = again.state.asking.questions
+    again.state.asking.drop(question.key)
+    dict(question.choices)["Restore"]()
+    again.live(1)
+    held = [read_session(path).document.edit.shadow for path in unsaved_files(folder)]
+    assert 0.5 in held
+    again.live()
+    assert [read_session(path).document.edit.shadow for path in unsaved_files(folder)] == [0.5]
+    again.deeds.close()
+
+
+def test_all_unsaved_work_is_offered_three_at_a_time(folder, tmp_path):
+    names = [f"{number}.jpg" for number in range(5)]
+    for name in names:
+        (tmp_path / name).write_bytes(b"pixels")
+        editor = Editor(folder)
+        editor.state.open_photo(tmp_path / name)
+        editor.live()
+        editor.state.change(shadow=0.5)
+        editor.deeds.close()
+    again = Editor(folder)
+    asked = []
+    while again.state.asking.questions:
+        assert len(again.state.asking.questions) <= 3
+        asked.append(again.state.asking.questions[0].text.split(",")[0].removeprefix("Your work on "))
+        again.answer_question("Discard")
+    again.deeds.close()
+    assert sorted(asked) == names
+    assert unsaved_files(folder) == []
