@@ -41,7 +41,7 @@ class Looking:
 
 @dataclass(frozen=True)
 class Settings:
-    """Everything that is remembered; window_size is in window units, None for the first one."""
+    """Everything that is remembered; window_size is in units of the design, None for the first one."""
 
     panels: Panels = field(default_factory=Panels)
     looking: Looking = field(default_factory=Looking)

@@ -20,6 +20,9 @@ class NoDisplayError(RuntimeError):
 def open_window(title: str, size: tuple[int, int], visible: bool = True) -> object:
     """Open a window and make its context current.
 
+    Args:
+        size: in units of the design, whatever the display's scale; larger than the screen, it is brought within it.
+
     Raises:
         NoDisplayError: see there.
     """
@@ -73,7 +76,15 @@ def _within_screen(size: tuple[int, int]) -> tuple[int, int]:
     if not monitor:
         return size
     _, _, width, height = glfw.get_monitor_workarea(monitor)
-    return (min(size[0], width), min(size[1], height)) if width and height else size
+    scale = _scale_at_creation(monitor)
+    return (min(size[0], int(width / scale)), min(size[1], int(height / scale))) if width and height else size
+
+
+def _scale_at_creation(monitor: object) -> float:
+    """What SCALE_TO_MONITOR makes of a unit of the design; systems that scale the framebuffer instead leave it."""
+    if glfw.get_platform() not in (glfw.PLATFORM_X11, glfw.PLATFORM_WIN32):
+        return 1.0
+    return glfw.get_monitor_content_scale(monitor)[0] or 1.0
 
 
 def _reason(caught: list) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import math
 import os
 
 import glfw
@@ -21,6 +22,9 @@ FORGIVEN_S = 60.0
 
 _TRIAL_SHADES = (theme.PANEL[0], theme.PANEL[0] + 0.02)
 """Seen for a moment in the empty window, so hardly to be told from it."""
+
+_ROUNDING = 1e-3
+"""Of a size that was divided by a scale; glfw cuts fractions off where it multiplies."""
 
 _SOFTWARE = {"LIBGL_ALWAYS_SOFTWARE": "1", "__GLX_VENDOR_LIBRARY_NAME": "mesa"}
 
@@ -41,7 +45,7 @@ class Graphics:
     """A window, its context, and what draws into it.
 
     Args:
-        size: in window units.
+        size: in units of the design.
         visible: False keeps it off the screen.
         shelf: the balls of the bundled lights.
 
@@ -62,10 +66,20 @@ class Graphics:
             close_window(self.handle)
             raise NoDisplayError(f"this display's OpenGL can't run the editor ({one_line(error)})") from error
 
+    @property
+    def size(self) -> tuple[int, int]:
+        """Width and height in units of the design: a window opened with them is as large as this one."""
+        exact = self._exact_scale(glfw.get_window_content_scale(self.handle)[0])
+        width, height = (math.ceil(side / exact - _ROUNDING) for side in glfw.get_window_size(self.handle))
+        return width, height
+
     def scale(self, content: float) -> float:
-        """Window units per unit of the design; systems that scale the framebuffer instead have 1."""
+        """Window units per unit of the design, for what is drawn; systems that scale the framebuffer have 1."""
+        return max(1.0, self._exact_scale(content))
+
+    def _exact_scale(self, content: float) -> float:
         framebuffer, window = glfw.get_framebuffer_size(self.handle)[0], glfw.get_window_size(self.handle)[0]
-        return max(1.0, content * window / framebuffer) if framebuffer and window else 1.0
+        return content * window / framebuffer if framebuffer and window and content else 1.0
 
     def show(self) -> None:
         """Bring the frame that was listed last onto the screen, as far as it differs from what is there."""

@@ -22,7 +22,7 @@ class Memory:
 
     @property
     def window_size(self) -> tuple[int, int] | None:
-        """The last window's size, in window units."""
+        """The last window's size, in units of the design."""
         return self._kept.window_size
 
     def recall(self, state: EditorState) -> None:

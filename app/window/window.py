@@ -45,7 +45,7 @@ class EditorWindow:
     Args:
         make_relighter: called on the engine's thread when the first photo is opened.
         photo, light: what to open at once.
-        size: of the window; None is the last one's.
+        size: of the window, in units of the design; None is the last one's.
         visible: False keeps it off the screen.
         on_engine_start: called first on each thread that runs networks, as of app.engine.engine.Engine.
         settings_path: where panels and window size are kept between runs; None keeps nothing.
@@ -193,7 +193,7 @@ class EditorWindow:
         Work that still runs is stopped at its next step, and what waits behind it is not begun.
         """
         if self._graphics is not None:
-            self._memory.keep(self.state, glfw.get_window_size(self.handle))
+            self._memory.keep(self.state, self._graphics.size)
             glfw.hide_window(self.handle)
         self._deeds.close()
         self.shelf.close()
@@ -283,7 +283,7 @@ class EditorWindow:
         """Open the window again after the driver has failed; the state of the edit is none of its business."""
         _log.warning("the graphics driver failed: %s", one_line(error))
         kept = self._deeds.keep_now()
-        size = glfw.get_window_size(self.handle)
+        size = self._graphics.size
         self._close_graphics()
         while self._restarts.allow(time.monotonic()):
             try:
@@ -308,7 +308,7 @@ class EditorWindow:
             return
         reasons = self.state.playing, binding.wants_text(), self._deeds.waiting
         if self._rest.is_deep(*reasons):
-            self._memory.keep(self.state, glfw.get_window_size(self.handle))
+            self._memory.keep(self.state, self._graphics.size)
             # Whatever was lost unnoticed meanwhile is mended by the next frame.
             self._graphics.painter.forget()
         self._rest.until_due(*reasons)
