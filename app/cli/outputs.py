@@ -8,6 +8,7 @@ import tempfile
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
+from app.engine.batch import names_apart
 from relight_core.errors import InputError
 
 OPAQUE_SUFFIXES = (".jpg", ".jpeg")
@@ -18,23 +19,16 @@ def plan_outputs(photos: Sequence[Path], out: str) -> list[Path]:
     """The file each photo's result goes to.
 
     OUT is a file (for one photo), a folder (it exists, or ends in a slash: then it is made, and results
-    are PNG), or a pattern in which {name} stands for the photo's name without its suffix.
+    are PNG), or a pattern in which {name} stands for the photo's name, as of app.engine.batch.names_apart.
 
     Raises:
-        InputError: several photos and one file, or two photos for one file.
+        InputError: several photos and one file.
     """
     if out.endswith(("/", os.sep)) or Path(out).is_dir():
         out = os.path.join(out, f"{NAME_FIELD}.png")
     elif NAME_FIELD not in out and len(photos) > 1:
         raise InputError(f"{out}: several photos need a folder/ or a pattern like {NAME_FIELD}.png after -o")
-    outputs = [Path(out.replace(NAME_FIELD, photo.stem)) for photo in photos]
-    for index, path in enumerate(outputs):
-        if path in outputs[:index]:
-            raise InputError(
-                f"{path}: both {photos[outputs.index(path)]} and {photos[index]} would be written there; "
-                "render them apart"
-            )
-    return outputs
+    return [Path(out.replace(NAME_FIELD, name)) for name in names_apart(photos)]
 
 
 def check_place(path: Path, inputs: Sequence[Path], *, folder_is_made: bool = False) -> None:

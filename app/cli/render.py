@@ -1,8 +1,8 @@
 """Relight photos and write them to files.
 
 -o OUT is a file for one photo; for several, a folder (made when its name ends in a slash; results are PNG)
-or a pattern in which {name} stands for the photo's name: -o 'out/{name}.exr'. PNG, JPEG and TIFF are ready to
-look at; EXR holds linear radiance. Nothing is ever written over an input.
+or a pattern in which {name} stands for the photo's name: -o 'out/{name}.exr'. Of a.jpg and a.png become a-jpg
+and a-png. PNG, JPEG and TIFF are ready to look at; EXR holds linear radiance. Nothing is ever written over an input.
 
 With --json, one photo gives one object; several give {"results": [...], "errors": [{"input", "error"}]}.
 A photo that can't be relit doesn't stop the others, but makes the exit code 2; --resume takes up where an

@@ -53,10 +53,18 @@ def relight_each(
 
 
 def batch_tasks(photos: Sequence[Path], folder: Path, suffix: str) -> list[tuple[Path, Path]]:
-    """Each photo with its own output in a folder: its name, and of a.jpg and a.png "a-jpg" and "a-png"."""
+    """Each photo with its own output in a folder, named as `names_apart` has it."""
+    return [(photo, folder / f"{name}{suffix}") for photo, name in zip(photos, names_apart(photos), strict=True)]
+
+
+def names_apart(photos: Sequence[Path]) -> list[str]:
+    """A name for each photo's output, without suffix: the photo's own, and of a.jpg and a.png "a-jpg" and "a-png".
+
+    No two are the same, nor on file systems that take large and small letters for the same.
+    """
     counts = Counter(photo.stem.lower() for photo in photos)
     taken: set[str] = set()
-    tasks = []
+    names = []
     for photo in photos:
         name = photo.stem if counts[photo.stem.lower()] == 1 else f"{photo.stem}-{photo.suffix[1:]}"
         number, free = 1, name
@@ -64,8 +72,8 @@ def batch_tasks(photos: Sequence[Path], folder: Path, suffix: str) -> list[tuple
             number += 1
             free = f"{name}-{number}"
         taken.add(free.lower())
-        tasks.append((photo, folder / f"{free}{suffix}"))
-    return tasks
+        names.append(free)
+    return names
 
 
 def photos_in(folder: Path) -> list[Path]:

@@ -8,6 +8,7 @@ import pytest
 from PIL import Image
 
 from app.cli.main import main
+from app.cli.outputs import plan_outputs
 from app.cli.session import Session
 from app.document.document import Document, LightRef, PhotoRef
 from app.document.light_file import SavedLight, write_light
@@ -95,3 +96,23 @@ def test_a_damaged_or_missing_light_file_is_told_in_a_line(relighter, folder, tm
         told = capsys.readouterr().err
         assert told.count("\n") == 1
         assert name in told
+
+
+def test_photos_of_one_name_get_a_file_each(relighter, tmp_path):
+    shoot = tmp_path / "phone"
+    shoot.mkdir()
+    for index, name in enumerate(("IMG_1.jpg", "IMG_1.png", "img_1.tif", "b.png")):
+        pixels = np.random.default_rng(index).integers(40, 200, (16, 24, 3), dtype=np.uint8)
+        Image.fromarray(pixels).save(shoot / name)
+    assert render(shoot, tmp_path) == 0
+    expected = ["IMG_1-jpg.png", "IMG_1-png.png", "b.png", "img_1-tif.png"]
+    assert sorted(path.name for path in (tmp_path / "out").iterdir()) == expected
+    assert len(relighter.edits) == 4
+
+
+def test_a_name_made_for_one_photo_is_not_another_s(tmp_path):
+    photos = [tmp_path / name for name in ("a.jpg", "A.png", "a-jpg.png", "b.png")]
+    (tmp_path / "one").mkdir()
+    for out in (f"{tmp_path}/new/", str(tmp_path / "one"), f"{tmp_path}/{{name}}.exr"):
+        names = [path.stem for path in plan_outputs([*photos, tmp_path / "other" / "b.png"], out)]
+        assert names == ["a-jpg", "A-png", "a-jpg-2", "b-png", "b-png-2"]

@@ -159,9 +159,8 @@ def test_two_photos_of_one_name_do_not_share_a_file(relight, photo, tmp_path):
     (tmp_path / "other").mkdir()
     twin = tmp_path / "other" / "photo.png"
     twin.write_bytes(photo.read_bytes())
-    done = relight("render", photo, twin, "--light", "ring", "-o", f"{tmp_path}/out/")
-    assert done.code == 2
-    assert not (tmp_path / "out").exists()
+    assert relight("render", photo, twin, "--light", "ring", "-o", f"{tmp_path}/out/").code == 0
+    assert len(list((tmp_path / "out").iterdir())) == 2
 
 
 def test_a_box_says_where_the_face_is(relight, relighter, photo, tmp_path):
