@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 from app.cli.arguments import add_one_photo, edit_from
 from app.cli.outputs import check_folder, check_place, folder_filled_at_once
 from app.cli.report import relit_record, reporting
-from app.cli.session import Session, light_file
+from app.cli.session import Session, light_files
 from relight_core import __version__
 from relight_core.pipeline.edit import Edit
 
@@ -41,7 +41,7 @@ def run(arguments: argparse.Namespace) -> int:
         light = session.light(arguments.light, arguments.meter)
         session.open(arguments.photo, arguments.face, arguments.box)
         relit = session.relighter.relight(light, edit)
-        written = write_channels(relit, edit, folder, [arguments.photo, *light_file(arguments.light)])
+        written = write_channels(relit, edit, folder, [arguments.photo, *light_files(arguments.light)])
         for path in written:
             report.line(f"wrote {path}")
         record = relit_record(str(arguments.photo), str(folder), relit)

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from app.cli.channels import write_channels
 from app.cli.outputs import check_place, make_folder
-from app.cli.session import Session, light_file
+from app.cli.session import Session, light_files
 from app.cli.turntable import write_turntable
 from relight_core.pipeline.edit import Edit
 
@@ -25,7 +25,7 @@ def write_demo(photo: Path, light: str | None, folder: Path) -> None:
     from relight_core.imaging.write import write_image
 
     make_folder(folder)
-    inputs = [photo, *light_file(light or "")]
+    inputs = [photo, *light_files(light or "")]
     edit = Edit(quality="final")
     session = Session()
     lights = [(name, session.light(name, metered=True)) for name in ([light] if light else DEMO_LIGHTS)]

@@ -10,6 +10,7 @@ from pathlib import Path
 
 from app.engine.batch import names_apart
 from relight_core.errors import InputError
+from relight_core.imaging.files import is_same_file
 
 OPAQUE_SUFFIXES = (".jpg", ".jpeg")
 NAME_FIELD = "{name}"
@@ -40,7 +41,7 @@ def check_place(path: Path, inputs: Sequence[Path], *, folder_is_made: bool = Fa
         folder_is_made: the command will make the file's folder if it is missing.
     """
     for given in inputs:
-        if _same_file(path, given):
+        if is_same_file(path, given):
             raise InputError(f"{path}: that is the input {given}; choose another name after -o")
     if path.is_dir():
         raise InputError(f"{path}: is a folder; give a file's name")
@@ -90,10 +91,3 @@ def folder_filled_at_once(folder: Path) -> Iterator[Path]:
                 raise InputError(f"{folder / path.name}: is a folder; move it or choose another place")
         for path in made:
             os.replace(path, folder / path.name)
-
-
-def _same_file(one: Path, other: Path) -> bool:
-    try:
-        return os.path.samefile(one, other)
-    except OSError:
-        return os.path.realpath(one) == os.path.realpath(other)

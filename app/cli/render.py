@@ -21,7 +21,7 @@ from typing import TYPE_CHECKING
 from app.cli.arguments import add_json, add_light, add_sliders, edit_from
 from app.cli.outputs import OPAQUE_SUFFIXES, check_place, make_folder, plan_outputs
 from app.cli.report import FileTimes, Report, relit_line, relit_record, reporting
-from app.cli.session import Session, light_file
+from app.cli.session import Session, light_files
 from app.engine.batch import photos_in, relight_each, summary
 from relight_core.errors import InputError
 
@@ -79,7 +79,7 @@ def _checked_outputs(arguments: argparse.Namespace) -> list[Path]:
     outputs = plan_outputs(arguments.photos, arguments.output)
     if arguments.background == "transparent" and any(p.suffix.lower() in OPAQUE_SUFFIXES for p in outputs):
         raise InputError(f"{arguments.output}: JPEG holds no transparency; write .png, .tif or .exr")
-    inputs = [*arguments.photos, *light_file(arguments.light)]
+    inputs = [*arguments.photos, *light_files(arguments.light)]
     for output in outputs:
         check_output(output, arguments.bits)
         check_place(output, inputs, folder_is_made=_is_folder(arguments.output))

@@ -16,6 +16,8 @@ from app.making import make_relighter
 from relight_core.errors import InputError
 
 if TYPE_CHECKING:
+    from app.document.document import PhotoRef
+    from app.document.light_file import SavedLight
     from relight_core.face.find import FaceBox
     from relight_core.imaging.photo import Photo
     from relight_core.lighting.environment import Environment
@@ -68,18 +70,11 @@ class Session:
 
     def _saved_light(self, path: Path) -> Environment:
         """A light file's light, or a session's, with all that was changed about it and its turn."""
-        from app.document.json_fields import kind_of
-        from app.document.light_file import SavedLight, read_light
-        from app.document.session_file import read_session
         from relight_core.lighting.light_edit import edit_light, turned_light
 
-        if kind_of(path) == "session":
-            session = read_session(path)
-            document = session.document
-            saved = SavedLight(document.light, document.light_edit, document.edit.yaw_deg, session.notes)
-            self._boxes[os.path.realpath(document.photo.path)] = document.photo.boxes
-        else:
-            saved = read_light(path)
+        saved, photo = _read_saved(path)
+        if photo is not None:
+            self._boxes[os.path.realpath(photo.path)] = photo.boxes
         if saved.light.kind == "own":
             raise InputError(f"{path}: its light is the photo's own; name the portrait itself after --light")
         for note in saved.notes:
@@ -125,9 +120,31 @@ def light_kind(text: str) -> str:
     return "saved" if text.lower().endswith(".json") else kind
 
 
-def light_file(text: str) -> list[Path]:
-    """The file that L reads, as a list of one or none."""
-    return [Path(text)] if os.path.exists(text) else []
+def light_files(text: str) -> list[Path]:
+    """The files that L reads: none for a bundled rig, and for a saved light the picture it names, too.
+
+    Raises:
+        InputError: a saved light that can't be used.
+    """
+    if not os.path.exists(text):
+        return []
+    if light_kind(text) != "saved":
+        return [Path(text)]
+    light = _read_saved(Path(text))[0].light
+    return [Path(text), *([Path(light.name)] if light.kind in ("panorama", "portrait") else [])]
+
+
+def _read_saved(path: Path) -> tuple[SavedLight, PhotoRef | None]:
+    """What a light file holds, or a session says of its light, and then the session's photo."""
+    from app.document.json_fields import kind_of
+    from app.document.light_file import SavedLight, read_light
+    from app.document.session_file import read_session
+
+    if kind_of(path) != "session":
+        return read_light(path), None
+    session = read_session(path)
+    document = session.document
+    return SavedLight(document.light, document.light_edit, document.edit.yaw_deg, session.notes), document.photo
 
 
 def _no_such_light(text: str, rigs: list[str]) -> str:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from app.cli.arguments import add_one_photo, edit_from
 from app.cli.outputs import check_place
 from app.cli.report import relit_record, reporting
-from app.cli.session import Session, light_file
+from app.cli.session import Session, light_files
 from relight_core.pipeline.edit import Edit
 
 if TYPE_CHECKING:
@@ -36,7 +36,7 @@ def run(arguments: argparse.Namespace) -> int:
     from relight_core.imaging.write import check_output
 
     check_output(arguments.output)
-    check_place(arguments.output, [arguments.photo, *light_file(arguments.light)])
+    check_place(arguments.output, [arguments.photo, *light_files(arguments.light)])
     with reporting(arguments.json) as report:
         session = Session()
         light = session.light(arguments.light, arguments.meter)

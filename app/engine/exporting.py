@@ -14,6 +14,8 @@ from app.engine.jobs import JobControl, Jobs
 from app.engine.snapshot import Picture
 from app.engine.sources import RelitLike
 from relight_core import __version__
+from relight_core.errors import InputError
+from relight_core.imaging.files import is_same_file
 from relight_core.imaging.resampling import shrunk_size
 from relight_core.imaging.write import Bands, FileStyle, cut, write_bands, write_exr_layers
 from relight_core.pipeline.edit import Edit
@@ -96,12 +98,14 @@ def export(job: ExportJob, step: Callable[[int, int], None] = _unheeded) -> Path
         step: told how much of the work is done, of how much; what it raises leaves no file.
 
     Raises:
-        InputError: a place or kind of file that can't be written.
+        InputError: a place or kind of file that can't be written, the photo itself among them.
     """
     path = job.path.expanduser() if job.replaces else free_path(job.path)
+    photo = job.picture.opened.photo
+    if photo.path is not None and is_same_file(path, photo.path):
+        raise InputError(f"{path}: that is the photo itself; choose another name")
     note = export_note(job.picture.light.source.title, replace(job.picture.edit, exposure_ev=job.exposure_ev))
-    exif = job.picture.opened.photo.exif
-    write_relit(path, job.picture.relit, job.settings, job.exposure_ev, note, exif, step)
+    write_relit(path, job.picture.relit, job.settings, job.exposure_ev, note, photo.exif, step)
     return path
 
 

@@ -23,6 +23,7 @@ from app.ui.state import EditorState
 from app.window.clipboard import copy_png
 from relight_core.errors import InputError
 from relight_core.face.find import FaceBox
+from relight_core.imaging.files import is_same_file
 from relight_core.imaging.read import read_photo
 from relight_core.imaging.write import write_image
 from relight_core.lighting.environment import Environment
@@ -193,7 +194,7 @@ def relight_like(
     """
     from relight_core.lighting.light_edit import edit_light
 
-    if os.path.realpath(photo) == os.path.realpath(output):
+    if is_same_file(photo, output):
         raise InputError(f"{output}: that is the photo itself; choose another folder")
     opened = read_photo(photo)
     relighter.set_portrait(opened, None, boxes)

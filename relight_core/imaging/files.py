@@ -50,6 +50,14 @@ def _bytes(path: Path, count: int) -> bytes:
     return data
 
 
+def is_same_file(one: Path, other: Path) -> bool:
+    """Whether two paths, of which either may lead nowhere yet, are one file, by whatever links and letters."""
+    try:
+        return os.path.samefile(one, other)
+    except OSError:
+        return os.path.realpath(one) == os.path.realpath(other)
+
+
 def check_regular(path: Path) -> None:
     """Say early that a path leads to no file that can be read to its end.
 

@@ -11,6 +11,7 @@ from PIL import Image
 from app.engine.exporting import ExportJob, ExportSettings, default_export_path, export, free_path
 from app.engine.jobs import Cancelled, JobStatus
 from app.ui.viewport import progress_card
+from relight_core.errors import InputError
 from relight_core.imaging.write import cut
 from relight_core.pipeline.edit import Edit
 
@@ -41,12 +42,12 @@ def test_exports_of_an_installed_photo_lie_in_the_current_folder(tmp_path, monke
 
 
 @pytest.fixture
-def picture():
+def picture(tmp_path):
     """One that was made small for the screen; the whole of it is 200 rows high."""
     large, small = np.full((200, 60, 3), 0.5, np.float32), np.full((20, 6, 3), 0.5, np.float32)
     full = SimpleNamespace(in_bands=lambda wide: cut(large, None), has_alpha=False, size=(200, 60))
     relit = SimpleNamespace(image=small, alpha=None, channels={}, full=full)
-    opened = SimpleNamespace(photo=SimpleNamespace(linear=large, exif=None))
+    opened = SimpleNamespace(photo=SimpleNamespace(linear=large, exif=None, path=tmp_path / "photo.png"))
     light = SimpleNamespace(source=SimpleNamespace(title="Ring"))
     return SimpleNamespace(relit=relit, opened=opened, light=light, edit=Edit())
 
@@ -54,6 +55,15 @@ def picture():
 def test_an_export_has_the_photo_s_size_though_a_preview_is_in_force(picture, tmp_path):
     written = export(ExportJob(picture, 0.0, tmp_path / "out.png"))
     assert Image.open(written).size == (60, 200)
+
+
+@pytest.mark.parametrize("name", ["photo.png", "link.png"])
+def test_an_export_never_replaces_the_photo(picture, tmp_path, name):
+    (tmp_path / "photo.png").write_bytes(b"pixels")
+    (tmp_path / "link.png").symlink_to(tmp_path / "photo.png")
+    with pytest.raises(InputError, match="the photo itself"):
+        export(ExportJob(picture, 0.0, tmp_path / name, replaces=True))
+    assert (tmp_path / "photo.png").read_bytes() == b"pixels"
 
 
 @pytest.mark.parametrize("form", [".png", ".jpg", ".tif"])

@@ -7,6 +7,9 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from app.document.document import Document, LightRef, PhotoRef
+from app.document.light_file import SavedLight, write_light
+from app.document.session_file import write_session
 from relight_core.imaging.write import write_image
 
 
@@ -169,6 +172,19 @@ def test_an_output_that_is_the_light_or_another_photo(relight, photo, another_ph
     before = another_photo.read_bytes()
     assert refused(relight("render", photo, "--light", another_photo, "-o", another_photo), "another.png")
     assert refused(relight("render", photo, another_photo, "--light", "ring", "-o", tmp_path), "photo.png")
+    assert another_photo.read_bytes() == before
+
+
+@pytest.mark.parametrize("kind", ["light", "session"])
+@pytest.mark.parametrize("command", ["render", "turntable"])
+def test_an_output_that_is_the_picture_a_saved_light_names(relight, photo, another_photo, tmp_path, command, kind):
+    saved, before = tmp_path / f"mine.{kind}.json", another_photo.read_bytes()
+    light = LightRef("portrait", str(another_photo))
+    if kind == "light":
+        write_light(saved, SavedLight(light))
+    else:
+        write_session(saved, Document(PhotoRef(photo), light))
+    assert refused(relight(command, photo, "--light", saved, "-o", another_photo), "another.png", "input")
     assert another_photo.read_bytes() == before
 
 
