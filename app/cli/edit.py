@@ -22,7 +22,7 @@ OUT = Path("out")
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments of `relight`."""
-    parser.add_argument("photo", metavar="PHOTO", nargs="?", help="a portrait photo")
+    parser.add_argument("photo", metavar="PHOTO", nargs="?", help="a portrait photo, or a session saved in the editor")
     add_light(parser, required=False)
     parser.add_argument("--version", action="version", version=f"relight {__version__}")
 

@@ -74,17 +74,21 @@ class Session:
 
         saved, photo = _read_saved(path)
         if photo is not None:
-            self._boxes[os.path.realpath(photo.path)] = photo.boxes
+            self.heed_boxes(photo)
         if saved.light.kind == "own":
             raise InputError(f"{path}: its light is the photo's own; name the portrait itself after --light")
         for note in saved.notes:
             warnings.warn(f"{path}: {note}", stacklevel=2)
         return turned_light(edit_light(self.light(saved.light.name), saved.light_edit), saved.yaw_deg)
 
+    def heed_boxes(self, photo: PhotoRef) -> None:
+        """Let the boxes that a saved session has of this photo's faces count when it is opened."""
+        self._boxes[os.path.realpath(photo.path)] = photo.boxes
+
     def open(self, path: Path, face_index: int | None = None, box: Sequence[float] | None = None) -> Photo:
         """Read a photo and make it the Relighter's portrait.
 
-        Boxes that a session given as the light has count for the photo they were drawn on.
+        Boxes of a session count for the photo they were drawn on; see `heed_boxes`.
 
         Args:
             box: left, top, right and bottom of the face in photo pixels, where it is not to be looked for.

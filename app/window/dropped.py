@@ -1,4 +1,4 @@
-"""What a dropped file is for."""
+"""What a file is for that was dropped, or named on the command line."""
 
 from __future__ import annotations
 
@@ -36,6 +36,31 @@ def take_files(state: EditorState, paths: Sequence[Path], x: float, y: float, as
             _open(state, paths)
     except InputError as error:
         state.asking.tell(str(error), True)
+
+
+def open_named(state: EditorState, photo: Path | None, light: str | None) -> None:
+    """Open what the command line names: a photo, or a saved file as it would be dropped, and then the light.
+
+    Args:
+        light: a rig's name or a file; it takes the place of a session's light.
+    """
+    is_saved = photo is not None and photo.suffix.lower() == ".json"
+    try:
+        if is_saved:
+            _open(state, [photo])
+        elif photo is not None:
+            state.open_photo(photo)
+        if light is not None:
+            _use_named_light(state, light)
+    except InputError as error:
+        state.asking.tell(str(error), True)
+
+
+def _use_named_light(state: EditorState, light: str) -> None:
+    if light.lower().endswith(".json"):
+        use_as_light(state, Path(light))
+    else:
+        state.choose_light(LightSource.named(light))
 
 
 def use_as_light(state: EditorState, path: Path) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from pathlib import Path
 
-from app.engine.sources import LightSource, RelighterLike
+from app.engine.sources import RelighterLike
 from app.making import make_relighter
 from app.window.glfw_window import NoDisplayError
 from app.window.graphics import GraphicsLostError
@@ -23,7 +23,7 @@ def run_editor(
     Args:
         photo_path: the portrait or session to open at once; one that can't be opened is told in the window.
         light: a bundled rig's name, an .hdr or .exr panorama, a portrait whose light is borrowed, or a light
-            or session file.
+            or session file; None leaves a session its own.
         relighter_factory: makes the Relighter, on the engine's thread, when the first photo is opened.
 
     Returns:
@@ -36,17 +36,13 @@ def run_editor(
     from app.engine.calibration_file import cache_path
     from app.engine.pace import yield_to_the_window
     from app.settings import settings_path
-    from app.window.dropped import take_files
+    from app.window.dropped import open_named
     from app.window.window import EditorWindow
 
-    saved = [Path(text) for text in (photo_path, light) if text and str(text).lower().endswith(".json")]
-    source = LightSource.named(light) if light and Path(light) not in saved else None
-    photo = Path(photo_path) if photo_path and Path(photo_path) not in saved else None
     kept = {"settings_path": settings_path(), "calibration_path": cache_path()}
-    window = EditorWindow(relighter_factory, photo, source, on_engine_start=yield_to_the_window, **kept)
+    window = EditorWindow(relighter_factory, on_engine_start=yield_to_the_window, **kept)
     try:
-        for path in saved:
-            take_files(window.state, [path], 0.0, 0.0, as_light=str(path) == light)
+        open_named(window.state, photo_path, light)
         window.run()
     finally:
         window.close()

@@ -8,7 +8,12 @@ import pytest
 from PIL import Image
 
 from app.cli import edit
+from app.document.document import Document, LightRef, PhotoRef
+from app.document.light_file import SavedLight, write_light
+from app.document.session_file import write_session
+from relight_core.face.find import FaceBox
 from relight_core.imaging.write import write_image
+from relight_core.pipeline.edit import Edit
 
 
 @pytest.fixture
@@ -62,6 +67,36 @@ def test_without_a_display_a_bad_photo_is_still_bad_input(relight, tmp_path, mon
     done = relight("text.jpg")
     assert done.code == 2
     assert done.err.count("\n") == 1
+
+
+@pytest.mark.parametrize(
+    ("words", "name", "yaw_deg"), [([], "relit-me.relight.png", 0.0), (["--light", "split"], "relit-split.png", 30.0)]
+)
+def test_without_a_display_a_session_is_relit_as_it_was_saved(
+    relight, relighter, photo, tmp_path, monkeypatch, words, name, yaw_deg
+):
+    monkeypatch.setattr(edit, "has_display", lambda: False)
+    monkeypatch.chdir(tmp_path)
+    boxes = (FaceBox(1.0, 2.0, 9.0, 10.0),)
+    work = Document(PhotoRef(photo, 0, boxes), LightRef("rig", "ring"), edit=Edit(yaw_deg=30.0, shadow=0.5))
+    write_session(tmp_path / "me.relight.json", work)
+    assert relight("me.relight.json", *words).code == 0
+    assert Image.open(tmp_path / "out" / name).size
+    assert relighter.boxes == boxes
+    assert (relighter.edits[0].shadow, relighter.edits[0].yaw_deg) == (0.5, yaw_deg)
+
+
+@pytest.mark.parametrize("name", ["gone.relight.json", "mine.light.json"])
+def test_without_a_display_what_is_no_session_is_told_in_a_line(relight, tmp_path, monkeypatch, name):
+    monkeypatch.setattr(edit, "has_display", lambda: False)
+    monkeypatch.chdir(tmp_path)
+    write_light(tmp_path / "mine.light.json", SavedLight(LightRef("rig", "ring")))
+    (tmp_path / "gone.relight.json").write_text('{"relight": "session", "version": 2, "photo": "gone.jpg"}')
+    done = relight(name)
+    assert done.code == 2
+    assert done.err.count("\n") == 1
+    assert name in done.err
+    assert not (tmp_path / "out").exists()
 
 
 @pytest.mark.parametrize(("words", "light"), [([], None), (["--light", "ring"], "ring")])

@@ -1,0 +1,49 @@
+"""What the command line names is opened: a photo or a session, and the light beside it."""
+
+from pathlib import Path
+
+import pytest
+
+from app.document.document import Document, LightRef, PhotoRef
+from app.document.session_file import write_session
+from app.ui.state import EditorState
+from app.window.dropped import open_named
+from relight_core.pipeline.edit import Edit
+
+
+@pytest.fixture
+def shoot(tmp_path, monkeypatch):
+    """Two photos with a session each, named from the folder they are in."""
+    monkeypatch.chdir(tmp_path)
+    for name, rig in (("me", "ring"), ("friend", "split")):
+        Path(f"{name}.jpg").write_bytes(b"pixels")
+        edit = Edit(yaw_deg=30.0, shadow=0.5, quality="final")
+        write_session(
+            Path(f"{name}.relight.json"), Document(PhotoRef(Path(f"{name}.jpg")), LightRef("rig", rig), edit=edit)
+        )
+    return tmp_path
+
+
+@pytest.mark.parametrize("spelt", ["friend.relight.json", "./friend.relight.json", "../{}/friend.relight.json"])
+def test_a_named_light_lights_the_named_photo_however_it_is_spelt(shoot, spelt):
+    state = EditorState()
+    open_named(state, Path("me.jpg"), spelt.format(shoot.name))
+    assert state.photo.path == Path("me.jpg")
+    assert (state.light.name, state.edit.yaw_deg, state.edit.shadow) == ("split", 30.0, 1.0)
+
+
+@pytest.mark.parametrize("light", ["golden-hour", "friend.relight.json", None])
+def test_a_named_light_takes_the_place_of_a_session_s_and_leaves_its_sliders(shoot, light):
+    state = EditorState()
+    open_named(state, Path("me.relight.json"), light)
+    assert state.photo.path == shoot / "me.jpg"
+    assert state.edit.shadow == 0.5
+    assert state.light.name == {"golden-hour": light, "friend.relight.json": "split", None: "ring"}[light]
+
+
+def test_a_named_file_that_is_bad_is_told(shoot):
+    state = EditorState()
+    Path("friend.relight.json").write_text("{")
+    open_named(state, Path("me.jpg"), "friend.relight.json")
+    assert state.photo.path == Path("me.jpg")
+    assert state.asking.notices[0][1]
