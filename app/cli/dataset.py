@@ -24,6 +24,7 @@ from app.cli.maker_inputs import (
     SPLITS,
     check_output_file,
     count_at_least_one,
+    count_from_zero,
     progress,
 )
 from app.cli.outputs import make_folder
@@ -41,7 +42,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     bake.add_argument("--out", metavar="DIR", type=Path, required=True, help="where the heads go")
     bake.add_argument("--split", choices=SPLITS, default="train")
     bake.add_argument("--count", metavar="N", type=count_at_least_one, required=True, help="how many heads in all")
-    bake.add_argument("--skip", metavar="N", type=_count, default=0, help="leave the split's first N people out")
+    bake.add_argument(
+        "--skip", metavar="N", type=count_from_zero, default=0, help="leave the split's first N people out"
+    )
     bake.add_argument("--headwear", metavar="SHARE", type=_share, help="how many heads wear something on them, 0 to 1")
     bake.add_argument("--arms", metavar="SHARE", type=_share, help="how many have an arm raised to them")
     bake.add_argument("--hair-mass", metavar="SHARE", type=_share, help="how many without headwear have great hair")
@@ -166,12 +169,6 @@ def _lights(arguments: argparse.Namespace) -> int:
     places = len(set(arrays["group"].tolist()))
     print(f"{arguments.output}: {len(arrays['names'])} panoramas of {places} places", flush=True)
     return 0
-
-
-def _count(text: str) -> int:
-    if not text.isdecimal():
-        raise argparse.ArgumentTypeError(f"{text!r} is not a whole number")
-    return int(text)
 
 
 def _share(text: str) -> float:

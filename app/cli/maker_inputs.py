@@ -1,9 +1,10 @@
-"""What the makers' subcommands (dataset, train, evaluate) share: their folders and files, and progress."""
+"""What the subcommands that make and measure (dataset, train, evaluate, bench, measure) share."""
 
 from __future__ import annotations
 
 import argparse
 import contextlib
+import math
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
@@ -25,6 +26,24 @@ def count_at_least_one(text: str) -> int:
     if not text.isdecimal() or int(text) < 1:
         raise argparse.ArgumentTypeError(f"{text!r} is not a whole number from 1 up")
     return int(text)
+
+
+def count_from_zero(text: str) -> int:
+    """An argument's whole number, 0 or more."""
+    if not text.isdecimal():
+        raise argparse.ArgumentTypeError(f"{text!r} is not a whole number")
+    return int(text)
+
+
+def number_above_zero(text: str) -> float:
+    """An argument's finite number that is larger than 0."""
+    try:
+        value = float(text)
+    except ValueError:
+        value = math.nan
+    if not (value > 0 and math.isfinite(value)):
+        raise argparse.ArgumentTypeError(f"{text!r} is not a number above 0")
+    return value
 
 
 def check_heads_and_lights(heads: Path, lights: Path, split: str) -> int:

@@ -9,6 +9,7 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from app.cli.maker_inputs import check_output_file, count_at_least_one, count_from_zero, number_above_zero
 from relight_core.pipeline.quality import TIERS
 
 if TYPE_CHECKING:
@@ -28,9 +29,11 @@ _SPREADS = (
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments of `relight measure`."""
     parser.add_argument("photos", nargs="+", metavar="PHOTO", type=Path, help="portraits; the first is dragged")
-    parser.add_argument("--openings", type=int, default=0, metavar="N", help="open N photos in turn for the memory")
-    parser.add_argument("--seconds", type=float, default=8.0, help="how long the light is dragged (8)")
-    parser.add_argument("--repeats", type=int, default=40, help="movements timed for each slider (40)")
+    parser.add_argument(
+        "--openings", type=count_from_zero, default=0, metavar="N", help="open N photos in turn for the memory"
+    )
+    parser.add_argument("--seconds", type=number_above_zero, default=8.0, help="how long the light is dragged (8)")
+    parser.add_argument("--repeats", type=count_at_least_one, default=40, help="movements timed for each slider (40)")
     parser.add_argument(
         "--quality", choices=("auto", *TIERS), default="auto", help="the tier to work at; draft opens photos soonest"
     )
@@ -46,6 +49,8 @@ def run(arguments: argparse.Namespace) -> int:
     from app.window.run import NoDisplayError, make_relighter
     from relight_core.errors import InputError
 
+    if arguments.output:
+        check_output_file(arguments.output, (".json",))
     speed, told = WindowSpeed(), sys.stderr if arguments.json else sys.stdout
     print("                                        median      p95", file=told, flush=True)
     try:

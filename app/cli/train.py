@@ -15,7 +15,6 @@ the losses and a picture of their curves are written beside the weights; a check
 from __future__ import annotations
 
 import argparse
-import math
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -24,6 +23,7 @@ from app.cli.maker_inputs import (
     check_heads_and_lights,
     check_output_file,
     count_at_least_one,
+    number_above_zero,
     progress,
 )
 from app.cli.outputs import make_folder
@@ -60,7 +60,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="panoramas (.hdr, .exr) that the person network's samples are put before, beside drawn scenes",
     )
     stage = parser.add_argument_group("with --stage")
-    stage.add_argument("--minutes", metavar="M", type=_positive, help="how long")
+    stage.add_argument("--minutes", metavar="M", type=number_above_zero, help="how long")
     stage.add_argument("--size", metavar="PX", type=count_at_least_one, default=128, help="side of the images (128)")
     stage.add_argument("--pairs", metavar="N", type=count_at_least_one, default=8, help="pairs in a batch (8)")
     stage.add_argument("--seed", metavar="N", type=int, default=0)
@@ -71,7 +71,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         default=(),
         help="residual blocks at each level of de-lighting's encoder, finest first, where the weights have none yet",
     )
-    stage.add_argument("--rate", metavar="R", type=_positive, help="peak learning rate; the stage's own without")
+    stage.add_argument(
+        "--rate", metavar="R", type=number_above_zero, help="peak learning rate; the stage's own without"
+    )
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -192,13 +194,3 @@ def _counts(text: str) -> tuple[int, ...]:
     if not all(part.strip().isdecimal() for part in parts):
         raise argparse.ArgumentTypeError(f"{text!r} is not a list of numbers such as 0,0,0,1,1,0")
     return tuple(int(part) for part in parts)
-
-
-def _positive(text: str) -> float:
-    try:
-        value = float(text)
-    except ValueError:
-        value = math.nan
-    if not (value > 0 and math.isfinite(value)):
-        raise argparse.ArgumentTypeError(f"{text!r} is not a number above 0")
-    return value

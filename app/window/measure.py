@@ -15,6 +15,7 @@ from app.engine.pace import yield_to_the_window
 from app.engine.sources import RelighterLike
 from app.window.frame_limit import FrameLimit
 from app.window.window import EditorWindow
+from relight_core.errors import InputError
 from relight_core.pipeline.auto_quality import AUTO, QualityChoice
 
 _STEP_DEG = 7.0
@@ -76,8 +77,8 @@ def measure_window(
 
     Args:
         photos: at least one.
-        drag_s: how long the light is dragged.
-        repeats: movements timed for each slider.
+        drag_s: how long the light is dragged; one frame at least.
+        repeats: movements timed for each slider, at least 1.
         idle_s: how long the window is left alone.
         openings: how many photos are opened in turn, over and over, for the memory.
         quality: the tier, or "auto".
@@ -87,13 +88,14 @@ def measure_window(
 
     Raises:
         NoDisplayError: no display, or one without OpenGL 3.3.
+        InputError: a photo that can't be opened, or has no face.
         TimeoutError: a result took longer than five minutes.
     """
     window = EditorWindow(make_relighter, photos[0], size=size, on_engine_start=yield_to_the_window)
     window.state.quality = QualityChoice(quality)
     try:
         window.shelf.wait()
-        _settle(window)
+        _settle_on_the_photo(window)
         with_hand = _Hand(window)
         frames, updates = with_hand.drag(drag_s)
         speed = WindowSpeed(frame=Spread.of(frames), frames=len(frames), updates=updates)
@@ -130,7 +132,7 @@ class _Hand:
         window, x, y = self._window, *self._at
         durations, updates, shown = [], 0, window.state.snapshot.picture
         end, step, limit = time.perf_counter() + seconds, 0, FrameLimit(_DISPLAY_HZ)
-        while time.perf_counter() < end:
+        while not durations or time.perf_counter() < end:
             step += 1
             limit.wait()
             window.on_mouse_move(None, x + step % 40, y)
@@ -199,6 +201,15 @@ def _settle(window: EditorWindow) -> None:
         raise TimeoutError("no result within five minutes")
 
 
+def _settle_on_the_photo(window: EditorWindow) -> None:
+    """Wait for a picture of the photo that was asked for last."""
+    wish = window.state.photo
+    _settle(window)
+    picture, message = window.state.snapshot.picture, window.state.snapshot.message
+    if picture is None or picture.opened.source is not wish:
+        raise InputError(message.text if message else f"{wish.path}: gives no picture; choose another photo")
+
+
 def _idle_cpu(window: EditorWindow, seconds: float) -> float:
     """Share of a core while the window's loop runs and nothing happens; its first second does not count."""
 
@@ -224,7 +235,7 @@ def _open_in_turn(window: EditorWindow, photos: list[Path], openings: int) -> It
     for index in range(openings):
         began = time.perf_counter()
         window.state.open_photo(photos[index % len(photos)])
-        _settle(window)
+        _settle_on_the_photo(window)
         yield time.perf_counter() - began, _resident_mb()
 
 

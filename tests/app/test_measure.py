@@ -3,11 +3,14 @@
 import argparse
 import json
 
+import numpy as np
 import pytest
 from fake_relighter import FakeRelighter
 
 from app.cli import measure
 from app.window.measure import Spread, WindowSpeed, measure_window
+from relight_core.errors import InputError
+from relight_core.imaging.write import write_image
 
 
 def test_a_spread_is_median_and_95th_percentile_in_milliseconds():
@@ -38,6 +41,22 @@ def test_every_movement_is_answered_and_counted(display, photo_path, monkeypatch
     assert min(speed.memory_mb) > 10
     assert min(speed.opening_s) > 0
     assert len(relighter.portraits) == 3
+
+
+@pytest.mark.parametrize("in_turn", [False, True])
+def test_a_photo_that_can_not_be_measured_is_told_at_once(display, photo_path, tmp_path, monkeypatch, in_turn):
+    monkeypatch.setattr("app.window.measure.time.sleep", lambda _seconds: None)
+    missing = tmp_path / "missing.jpg"
+    photos, parts = ([photo_path, missing] if in_turn else [missing]), []
+    with pytest.raises(InputError, match=r"missing\.jpg: no such file"):
+        parts.extend(measure_window(FakeRelighter, photos, drag_s=1e-9, repeats=1, idle_s=0.0, openings=2))
+    assert len(parts) == (6 if in_turn else 0)
+
+
+def test_a_photo_without_a_face_is_told_at_once(display, tmp_path):
+    write_image(tmp_path / "black.png", np.zeros((32, 32, 3), np.float32))
+    with pytest.raises(InputError, match="face"):
+        next(measure_window(FakeRelighter, [tmp_path / "black.png"]))
 
 
 PARTS = (
