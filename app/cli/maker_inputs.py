@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import contextlib
 import math
+import os
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
@@ -74,7 +75,7 @@ def check_output_file(path: Path, suffixes: tuple[str, ...]) -> None:
     """Raise InputError unless a file of one of these suffixes can be written there."""
     if path.suffix.lower() not in suffixes:
         raise InputError(f"{path}: its name must end in {' or '.join(suffixes)}")
-    if path.is_dir():
+    if os.path.isdir(path):
         raise InputError(f"{path}: is a folder; give a file's name")
     check_folder(path.parent)
 

@@ -25,7 +25,7 @@ def plan_outputs(photos: Sequence[Path], out: str) -> list[Path]:
     Raises:
         InputError: several photos and one file.
     """
-    if out.endswith(("/", os.sep)) or Path(out).is_dir():
+    if out.endswith(("/", os.sep)) or os.path.isdir(out):
         out = os.path.join(out, f"{NAME_FIELD}.png")
     elif NAME_FIELD not in out and len(photos) > 1:
         raise InputError(f"{out}: several photos need a folder/ or a pattern like {NAME_FIELD}.png after -o")
@@ -43,9 +43,9 @@ def check_place(path: Path, inputs: Sequence[Path], *, folder_is_made: bool = Fa
     for given in inputs:
         if is_same_file(path, given):
             raise InputError(f"{path}: that is the input {given}; choose another name after -o")
-    if path.is_dir():
+    if os.path.isdir(path):
         raise InputError(f"{path}: is a folder; give a file's name")
-    if path.exists() and not path.is_file():
+    if os.path.exists(path) and not os.path.isfile(path):
         raise InputError(f"{path}: is not a regular file; choose another name")
     check_folder(path.parent, is_made=folder_is_made)
 
@@ -54,9 +54,9 @@ def check_folder(folder: Path, *, is_made: bool = False) -> None:
     """Raise InputError unless files can be made in the folder, or the folder itself where it `is_made`."""
     if is_made:
         folder = next((f for f in (folder, *folder.absolute().parents) if os.path.lexists(f)), folder)
-    if not folder.exists():
+    if not os.path.exists(folder):
         raise InputError(f"{folder}: no such folder; make it first")
-    if not folder.is_dir():
+    if not os.path.isdir(folder):
         raise InputError(f"{folder}: is not a folder; choose another place")
     if not os.access(folder, os.W_OK | os.X_OK):
         raise InputError(f"{folder}: no permission to write there; choose another folder")

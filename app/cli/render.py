@@ -12,6 +12,7 @@ earlier run was interrupted.
 from __future__ import annotations
 
 import argparse
+import os
 import sys
 import time
 from dataclasses import replace
@@ -61,7 +62,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Render every photo; returns the exit code."""
-    several = len(arguments.photos) > 1 or arguments.photos[0].is_dir() or arguments.resume
+    several = len(arguments.photos) > 1 or os.path.isdir(arguments.photos[0]) or arguments.resume
     arguments.photos = _photos(arguments.photos)
     outputs = _checked_outputs(arguments)
     with reporting(arguments.json) as report:
@@ -118,7 +119,7 @@ def _render_each(
 
 def _photos(given: list[Path]) -> list[Path]:
     """The photos, with folders replaced by what is in them."""
-    return [photo for path in given for photo in (photos_in(path) if path.is_dir() else [path])]
+    return [photo for path in given for photo in (photos_in(path) if os.path.isdir(path) else [path])]
 
 
 def _render(

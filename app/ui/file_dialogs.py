@@ -95,7 +95,7 @@ def candidates(text: str, suffixes: Sequence[str], most: int = 200) -> list[Path
         for path in inside
         if path.name.lower().startswith(begins) and (begins.startswith(".") or not path.name.startswith("."))
     ]
-    folders = [path for path in shown if path.is_dir()]
+    folders = [path for path in shown if os.path.isdir(path)]
     files = [
         path for path in shown if path not in folders and (not suffixes or path.name.lower().endswith(tuple(suffixes)))
     ]

@@ -51,9 +51,9 @@ def _rows(request: FileRequest) -> bool:
     if imgui.selectable("..   the folder above", False)[0]:
         request.text = os.path.join(above, "")
     # A file that is chosen stays among its neighbours, where a second click meets it.
-    chosen = str(folder) if folder.is_file() else None
+    chosen = str(folder) if os.path.isfile(folder) else None
     for path in candidates(os.path.join(folder.parent, "") if chosen else request.text, request.suffixes):
-        is_folder = path.is_dir()
+        is_folder = os.path.isdir(path)
         label = f"{path.name}{os.sep if is_folder else ''}"
         # Where a folder is wanted, files only show which folder this is.
         imgui.begin_disabled(request.kind == "folder" and not is_folder)
@@ -67,9 +67,9 @@ def _rows(request: FileRequest) -> bool:
 
 def _buttons(state: EditorState, request: FileRequest, entered: bool) -> None:
     path = Path(os.path.expanduser(request.text))
-    fits = path.is_dir() if request.kind == "folder" else bool(path.name) and not path.is_dir()
+    fits = os.path.isdir(path) if request.kind == "folder" else bool(path.name) and not os.path.isdir(path)
     if request.kind == "open":
-        fits = fits and path.exists()
+        fits = fits and os.path.exists(path)
     imgui.begin_disabled(not fits)
     chosen = imgui.button({"open": "Open", "save": "Save", "folder": "Choose"}[request.kind])
     imgui.end_disabled()

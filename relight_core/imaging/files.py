@@ -86,9 +86,9 @@ def whole_file(path: Path, suffix: str = ".part") -> Iterator[Path]:
         InputError: the folder is missing, not writable or full, or `path` is a folder.
     """
     path = Path(os.path.realpath(path))
-    if path.is_dir():
+    if os.path.isdir(path):
         raise InputError(f"{path}: this is a folder; name a file in it")
-    if not path.parent.is_dir():
+    if not os.path.isdir(path.parent):
         raise InputError(f"{path}: there is no folder {path.parent}; create it or choose another")
     beside = path.parent / f".{path.name[:100]}-{secrets.token_hex(6)}{suffix}"
     try:

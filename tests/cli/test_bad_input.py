@@ -207,6 +207,15 @@ def test_a_mistyped_command_or_photo(relight, tmp_path):
     assert refused(relight("rigs", "extra"), "extra")
 
 
+@pytest.mark.parametrize("command", ["render", "channels", "turntable"])
+def test_names_that_are_too_long_for_any_file(relight, photo, tmp_path, command):
+    long = tmp_path / f"{'x' * 300}.png"
+    assert refused(relight(command, long, "--light", "ring", "-o", tmp_path / "out.png"), "too long")
+    if command != "channels":
+        assert relight(command, photo, "--light", "ring", "-o", long).code == 2
+    assert relight(command, photo, "--light", "ring", "-o", f"{tmp_path}/{'x' * 300}/").code == 2
+
+
 def test_odd_file_names_stay_on_one_line(relight, tmp_path):
     assert refused(relight("render", tmp_path / "two\nlines.jpg", "--light", "ring", "-o", tmp_path / "out.png"))
     assert refused(relight("render", tmp_path / "\udcff.jpg", "--light", "ring", "-o", tmp_path / "out.png"))
