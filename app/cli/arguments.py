@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import math
+import os
 import re
 from pathlib import Path
 from typing import NoReturn
@@ -36,9 +37,14 @@ def add_light(parser: argparse.ArgumentParser, *, required: bool) -> None:
     )
 
 
+def photo_path(text: str) -> Path:
+    """A photo's file or folder; a leading ~ is the home folder, also where no shell has seen to that."""
+    return Path(os.path.expanduser(text))
+
+
 def add_one_photo(parser: argparse.ArgumentParser, metavar: str, output_help: str) -> None:
     """What the commands take that relight one photo: PHOTO, light, sliders, -o and --json."""
-    parser.add_argument("photo", metavar="PHOTO", type=Path, help="a portrait photo")
+    parser.add_argument("photo", metavar="PHOTO", type=photo_path, help="a portrait photo")
     add_light(parser, required=True)
     add_sliders(parser)
     parser.add_argument("-o", "--output", metavar=metavar, type=Path, required=True, help=output_help)

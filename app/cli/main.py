@@ -46,7 +46,8 @@ def main(argv: Sequence[str] | None = None) -> int:
         argv: the words after the program's name; sys.argv's by default.
 
     Returns:
-        0 done, 2 wrong usage or bad input (one line on stderr), 1 a fault of ours, 130 interrupted.
+        0 done, 2 wrong usage or bad input (one line on stderr), 1 a fault of ours, 130 interrupted, 141 where
+        whoever read our output has left.
     """
     words = list(sys.argv[1:] if argv is None else argv)
     name = words.pop(0) if words and words[0] in available_commands() else EDITOR

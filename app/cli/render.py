@@ -19,7 +19,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from app.cli.arguments import add_json, add_light, add_sliders, edit_from
+from app.cli.arguments import add_json, add_light, add_sliders, edit_from, photo_path
 from app.cli.outputs import OPAQUE_SUFFIXES, check_place, make_folder, plan_outputs
 from app.cli.report import FileTimes, Report, relit_line, relit_record, reporting
 from app.cli.session import Session, light_files
@@ -32,7 +32,9 @@ if TYPE_CHECKING:
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments of `relight render`."""
-    parser.add_argument("photos", metavar="PHOTO", nargs="+", type=Path, help="a portrait photo, or a folder of them")
+    parser.add_argument(
+        "photos", metavar="PHOTO", nargs="+", type=photo_path, help="a portrait photo, or a folder of them"
+    )
     add_light(parser, required=True)
     add_sliders(parser)
     parser.add_argument(

@@ -106,6 +106,15 @@ def test_with_a_display_the_editor_opens(relight, opened, photo, monkeypatch, wo
     assert opened == [(photo, light)]
 
 
+def test_a_tilde_that_no_shell_has_expanded_is_the_home_folder(relight, opened, photo, tmp_path, monkeypatch):
+    monkeypatch.setattr(edit, "has_display", lambda: True)
+    monkeypatch.setenv("HOME", str(tmp_path))
+    monkeypatch.setenv("USERPROFILE", str(tmp_path))
+    assert relight("~/photo.png").code == 0
+    assert opened == [(photo, None)]
+    assert relight("render", "~/photo.png", "--light", "ring", "-o", tmp_path / "out.png").code == 0
+
+
 def test_a_display_that_fails_is_as_none(relight, opened, photo, tmp_path, monkeypatch):
     window = sys.modules["app.window.run"]
 
