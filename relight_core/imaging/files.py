@@ -90,7 +90,9 @@ def whole_file(path: Path, suffix: str = ".part") -> Iterator[Path]:
         raise InputError(f"{path}: this is a folder; name a file in it")
     if not os.path.isdir(path.parent):
         raise InputError(f"{path}: there is no folder {path.parent}; create it or choose another")
-    beside = path.parent / f".{path.name[:100]}-{secrets.token_hex(6)}{suffix}"
+    # Not every library that writes there takes a name that is no text.
+    name = path.name[:100].encode("utf-8", "replace").decode("utf-8")
+    beside = path.parent / f".{name}-{secrets.token_hex(6)}{suffix}"
     try:
         os.close(os.open(beside, os.O_CREAT | os.O_EXCL | os.O_WRONLY, 0o666))
         yield beside
