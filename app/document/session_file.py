@@ -8,10 +8,12 @@ from pathlib import Path
 
 from app.document.document import Document, PhotoRef
 from app.document.face_boxes import face_boxes_content, read_face_boxes
-from app.document.json_fields import Fields, path_for_file, path_from_file, read_json, write_json
+from app.document.json_fields import Fields, kind_of, path_for_file, path_from_file, read_json, write_json
 from app.document.light_file import light_content, read_light_content
+from app.engine.places import folder_for_outputs
 from app.engine.sources import PICTURE_SUFFIXES
 from relight_core.errors import InputError
+from relight_core.imaging.files import is_same_file
 from relight_core.pipeline.auto_quality import AUTO
 from relight_core.pipeline.edit import EFFECTS, Edit
 from relight_core.pipeline.quality import TIERS
@@ -48,8 +50,22 @@ class Session:
 
 
 def session_path(photo: Path) -> Path:
-    """Where a photo's session is saved: beside it."""
-    return photo.with_name(photo.stem + SESSION_SUFFIX)
+    """Where a photo's session is saved: beside it, or where its exports go if that is no place for them."""
+    return folder_for_outputs(photo) / (photo.stem + SESSION_SUFFIX)
+
+
+def saved_session(photo: Path) -> Path | None:
+    """The session that was saved of a photo: beside it, or where its exports go if it is of just this photo."""
+    beside, elsewhere = photo.absolute().with_name(photo.stem + SESSION_SUFFIX), session_path(photo)
+    if kind_of(beside) == KIND:
+        return beside
+    if beside == elsewhere or kind_of(elsewhere) != KIND:
+        return None
+    try:
+        named = read_session(elsewhere).document.photo.path
+    except InputError:
+        return None
+    return elsewhere if is_same_file(named, photo) else None
 
 
 def write_session(path: Path, document: Document, *, relative: bool = True) -> None:
@@ -98,8 +114,6 @@ def read_session(path: Path) -> Session:
 
 def is_session_place(path: Path) -> bool:
     """Whether a session may be written there: nothing is there yet, or a session."""
-    from app.document.json_fields import kind_of
-
     return not os.path.lexists(path) or kind_of(path) == KIND
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import sys
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -11,6 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from app.engine.jobs import JobControl, Jobs
+from app.engine.places import folder_for_outputs
 from app.engine.snapshot import Picture
 from app.engine.sources import RelitLike
 from relight_core import __version__
@@ -175,14 +175,10 @@ def channel_layers(channels: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
 
 
 def default_export_path(photo_path: Path | None) -> Path:
-    """<photo>-relit.png beside the photo; in the current folder where the photo's own is no place for it."""
+    """<photo>-relit.png in the photo's folder for outputs; portrait-relit.png in the current one without a photo."""
     if photo_path is None:
         return Path.cwd() / "portrait-relit.png"
-    folder = photo_path.absolute().parent
-    installed = folder.is_relative_to(Path(sys.prefix).absolute())
-    if installed or not os.access(folder, os.W_OK | os.X_OK):
-        folder = Path.cwd()
-    return folder / f"{photo_path.stem}-relit.png"
+    return folder_for_outputs(photo_path) / f"{photo_path.stem}-relit.png"
 
 
 def free_path(path: Path) -> Path:

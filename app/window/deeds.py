@@ -11,9 +11,8 @@ from pathlib import Path
 
 from app.document.autosave import Autosave, Leftover, leftovers
 from app.document.document import Document
-from app.document.json_fields import kind_of
 from app.document.light_file import LIGHT_SUFFIX, SavedLight, write_light
-from app.document.session_file import SESSION_SUFFIX, is_session_place, session_path, write_session
+from app.document.session_file import SESSION_SUFFIX, is_session_place, saved_session, session_path, write_session
 from app.engine.batch import photos_in
 from app.engine.desk import error_line
 from app.engine.exporting import free_path
@@ -296,11 +295,12 @@ class Deeds:
         path = opened.source.path
         if path is None or self._state.session_path is not None or self._state.kept != self._state.document():
             return
-        saved = session_path(path)
-        if kind_of(saved) != "session":
+        saved = saved_session(path)
+        if saved is None:
             return
+        where = " beside it" if saved.parent == path.absolute().parent else f", {saved}"
         choices = (("Continue", lambda: self._take([saved])), ("Start afresh", lambda: None))
-        self._state.asking.ask(Question("session", f"{path.name} has a saved session beside it.", choices))
+        self._state.asking.ask(Question("session", f"{path.name} has a saved session{where}.", choices))
 
     def _offer_next(self) -> None:
         if self._unoffered:

@@ -2,6 +2,7 @@
 
 import json
 import os
+import sys
 from dataclasses import replace
 from pathlib import Path
 
@@ -9,7 +10,13 @@ import pytest
 
 from app.document.document import Document, LightRef, PhotoRef
 from app.document.light_file import SavedLight, read_light, write_light
-from app.document.session_file import is_session_place, read_session, session_path, write_session
+from app.document.session_file import (
+    is_session_place,
+    read_session,
+    saved_session,
+    session_path,
+    write_session,
+)
 from relight_core.errors import InputError
 from relight_core.face.find import FaceBox
 from relight_core.lighting.light_edit import LightEdit
@@ -241,3 +248,34 @@ def test_a_light_from_before_there_was_a_meter_has_its_own_level(folder, documen
 def test_whether_a_light_is_metered_is_yes_or_no(folder, document, value):
     with pytest.raises(InputError, match="metered"):
         read_session(tampered(saved(folder, document), light__metered=value))
+
+
+@pytest.fixture
+def installed(tmp_path, monkeypatch):
+    """A photo among the program's own files, and a current folder elsewhere."""
+    for name in ("program", "here"):
+        (tmp_path / name).mkdir()
+    monkeypatch.setattr(sys, "prefix", str(tmp_path / "program"))
+    monkeypatch.chdir(tmp_path / "here")
+    photo = tmp_path / "program" / "sample.png"
+    photo.write_bytes(b"pixels")
+    return photo
+
+
+def test_a_session_of_an_installed_photo_lies_in_the_current_folder_and_is_found_there(installed, tmp_path):
+    path = tmp_path / "here" / "sample.relight.json"
+    assert session_path(installed) == path
+    assert saved_session(installed) is None
+    write_session(path, Document(PhotoRef(installed)))
+    assert saved_session(installed) == path
+    assert read_session(path).document.photo.path == installed
+
+
+def test_a_session_in_the_current_folder_is_no_other_photo_s(installed, tmp_path):
+    other = tmp_path / "here" / "sample.png"
+    other.write_bytes(b"pixels")
+    write_session(session_path(other), Document(PhotoRef(other)))
+    assert saved_session(other) == session_path(other)
+    assert saved_session(installed) is None
+    session_path(other).write_text('{"relight": "session"}')
+    assert saved_session(installed) is None

@@ -1,0 +1,14 @@
+"""Where the files go that are made of a photo, unless the user says otherwise."""
+
+from __future__ import annotations
+
+import os
+import sys
+from pathlib import Path
+
+
+def folder_for_outputs(photo: Path) -> Path:
+    """The photo's own folder; the current one where that is no place for it: not writable, or part of the program."""
+    folder = photo.absolute().parent
+    installed = folder.is_relative_to(Path(sys.prefix).absolute())
+    return Path.cwd() if installed or not os.access(folder, os.W_OK | os.X_OK) else folder
