@@ -138,9 +138,10 @@ def train_stage(
             progress.log.append({"step": progress.step, "elapsed": elapsed, **progress.smoothed})
         if time.monotonic() - saved > budget.checkpoint_seconds:
             saved = time.monotonic()
+            # The state first: weights without a state beside them are those of a run that has ended.
+            save_state(saved_state, progress, bundle, average.state, optimiser)
             with torch.random.fork_rng():  # The next step must not depend on when the clock asks for a checkpoint.
                 _save(checkpoint, average.bundle(bundle), batch)
-            save_state(saved_state, progress, bundle, average.state, optimiser)
     result = average.bundle(bundle)
     _save(checkpoint, result, batch)
     with whole_file(checkpoint.with_suffix(".log.json")) as log:

@@ -179,6 +179,8 @@ def _loaded(
         num_workers=run.workers,
         worker_init_fn=_one_thread,
         prefetch_factor=4 if run.workers else None,
+        # It draws a seed for its workers, and would draw it from the stream that a run goes on with.
+        generator=torch.Generator().manual_seed(run.seed),
     )
     return iter(loader)
 

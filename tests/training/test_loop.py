@@ -12,6 +12,7 @@ import torch
 from relight_core.errors import InputError
 from relight_core.networks.bundle import BundleConfig, NetworkBundle, load_bundle, with_person_network
 from relight_core.networks.person import PersonConfig, PersonNetwork
+from relight_core.training import loop
 from relight_core.training.curves import draw_curves
 from relight_core.training.loop import Budget, TrainingDiverged, train_stage
 from relight_core.training.stages import STAGES
@@ -136,8 +137,10 @@ def batches_until(broken, at):
     for number in itertools.count():
         if number == at and broken:
             raise Killed
-        torch.random.manual_seed(number)
-        yield some_batch()
+        with torch.random.fork_rng():
+            torch.random.manual_seed(number)
+            batch = some_batch()
+        yield batch
 
 
 @pytest.mark.parametrize("name", ["warm-delight", "warm-relight"])
@@ -149,6 +152,7 @@ def test_a_run_that_was_killed_goes_on_as_if_it_had_not_been(name, tmp_path):
         bundle = NetworkBundle(BundleConfig.tiny())
         bundle.load_state_dict(start)
         plan = budget(12, checkpoint_seconds=0)
+        torch.random.manual_seed(0)
         run(STAGES[name], batches_until(broken, 7), plan, path, bundle)
 
     train(whole, broken=False)
@@ -166,6 +170,17 @@ def test_a_run_that_was_killed_goes_on_as_if_it_had_not_been(name, tmp_path):
         "whole.safetensors",
         "whole.samples.png",
     ]
+
+
+def test_a_run_that_is_killed_at_its_first_checkpoint_is_not_taken_for_one_that_has_ended(tmp_path, monkeypatch):
+    def killed(*_):
+        raise Killed
+
+    path = tmp_path / "w.safetensors"
+    monkeypatch.setattr(loop, "draw_samples", killed)
+    with pytest.raises(Killed):
+        run(STAGES["warm-delight"], batches_until(False, 0), budget(9, checkpoint_seconds=0), path)
+    assert loop.state_path(path).exists()
 
 
 def test_a_state_of_something_else_is_refused(tmp_path):
