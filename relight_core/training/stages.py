@@ -86,7 +86,10 @@ def _warm_relight(bundle: NetworkBundle, table: ReflectionTable, batch: Batch) -
 
 
 def _relit_from_photo(bundle: NetworkBundle, table: ReflectionTable, batch: Batch, found: Delit) -> Losses:
-    """Losses of every photo relit with the other light of its pair, on predicted albedo and normal."""
+    """Losses of every photo relit with the other light of its pair, on predicted albedo and normal.
+
+    Relief and parsing stay the true ones, and so does the shadow that the relief casts.
+    """
     size = surface_size(bundle, batch["photo_srgb"])
     lit = {name: value for name, value in batch.items() if name not in ("photo_srgb", "albedo", "normal")}
     swapped = {n: v.unflatten(0, (-1, 2)).flip(1).flatten(0, 1) for n, v in flatten_pairs(lit, size).items()}
