@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -69,7 +70,7 @@ def use_as_light(state: EditorState, path: Path) -> None:
     Raises:
         InputError: a folder, or a light file or session that can't be read.
     """
-    if path.is_dir():
+    if os.path.isdir(path):
         raise InputError(f"{path.name} is a folder; drop a panorama or a portrait on the light panel")
     kind = kind_of(path) if path.suffix.lower() == ".json" else None
     if kind == "session":
@@ -127,7 +128,7 @@ def _files(paths: Sequence[Path]) -> tuple[list[Path], list[str]]:
     notes = []
     for path in paths:
         try:
-            files += photos_in(path) if path.is_dir() else [path]
+            files += photos_in(path) if os.path.isdir(path) else [path]
         except InputError as error:
             if len(paths) == 1:
                 raise

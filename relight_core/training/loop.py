@@ -166,10 +166,17 @@ def _prepare(stage: Stage, bundle: NetworkBundle, device: str) -> None:
     """Set the stage's networks to training and the others to rest."""
     bundle.train().requires_grad_(False).to(device, memory_format=torch.channels_last)
     for name, network in bundle.named_children():
-        if name in stage.trains:
+        if name in stage.trains and not _is_idle(name, stage, bundle):
             network.requires_grad_(True)
         else:
             network.eval()
+
+
+def _is_idle(name: str, stage: Stage, bundle: NetworkBundle) -> bool:
+    """Whether SS would learn beside a composition network that is told nothing of it: no loss would reach it."""
+    if name != "specular_shadow" or "composition" not in stage.trains:
+        return False
+    return not bundle.config.composition.effects
 
 
 def _prepared(stage, bundle, batches, device) -> Iterator[tuple[dict, dict]]:

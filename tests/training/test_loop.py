@@ -183,6 +183,16 @@ def test_a_run_that_is_killed_at_its_first_checkpoint_is_not_taken_for_one_that_
     assert loop.state_path(path).exists()
 
 
+def test_a_stage_in_which_one_of_its_networks_has_nothing_to_learn_goes_on_too(tmp_path):
+    tiny = BundleConfig.tiny()
+    config = replace(tiny, composition=replace(tiny.composition, effects=False))
+    path, stage = tmp_path / "w.safetensors", STAGES["tune-on-predictions"]
+    with pytest.raises(Killed):
+        run(stage, batches_until(True, 4), budget(9, checkpoint_seconds=0), path, NetworkBundle(config))
+    run(stage, batches_until(False, 0), budget(9), path, NetworkBundle(config))
+    assert not loop.state_path(path).exists()
+
+
 def test_a_state_of_something_else_is_refused(tmp_path):
     path = tmp_path / "w.safetensors"
     with pytest.raises(Killed):
