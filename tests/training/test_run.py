@@ -2,7 +2,6 @@
 
 from pathlib import Path
 
-import pytest
 import torch
 from torch.utils.data import IterableDataset
 
@@ -19,10 +18,9 @@ class Numbers(IterableDataset):
         return iter([{"number": torch.tensor(self.first + n)} for n in range(8)])
 
 
-@pytest.mark.parametrize("workers", [0, 1])
-def test_taking_batches_draws_nothing_from_the_stream_that_steps_draw_from(workers, monkeypatch):
+def test_taking_batches_draws_nothing_from_the_stream_that_steps_draw_from(monkeypatch):
     monkeypatch.setattr(run_module, "SampleStream", Numbers)
-    run = Run("warm-delight", Path("heads"), Path("lights"), Path("w"), steps=9, pairs=2, workers=workers)
+    run = Run("warm-delight", Path("heads"), Path("lights"), Path("w"), steps=9, pairs=2, workers=0)
     before = torch.get_rng_state()
     batches = training_batches(run, STAGES["warm-delight"], 3)
     assert next(batches)["number"].tolist() == [3, 4]
