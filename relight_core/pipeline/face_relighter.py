@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Hashable
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 import torch
@@ -224,6 +225,12 @@ class FaceRelighter:
 
         return self._once("residual", plan.keys["residual"], find)
 
+    def prepared_and_lit(self, tier: Tier, serving: ServingLight, plan: Plan) -> tuple[Prepared, Lit]:
+        """The face as a tier sees it, flattened where the plan says so, and the same under a light."""
+        ready = self.prepare(tier)
+        ready = self.flattened(ready) if plan.runs("flattening") else ready
+        return ready, self.lit(ready, serving, plan)
+
     def lit(self, ready: Prepared, serving: ServingLight, plan: Plan) -> Lit:
         """The face under a normalised light, as the photo's camera sees it."""
         turned = roll_light(serving.radiance, self.portrait.view.roll_deg)
@@ -263,11 +270,7 @@ class FaceRelighter:
         if nearer is None or not tier.lights_nearer:
             return None
 
-        def light() -> tuple[Prepared, Lit]:
-            ready = nearer.prepare(tier)
-            ready = nearer.flattened(ready) if plan.runs("flattening") else ready
-            return ready, nearer.lit(ready, serving, plan)
-
+        light = partial(nearer.prepared_and_lit, tier, serving, plan)
         return self.cache.run("nearer_face", plan.keys["compose"], light, "new light", keep=KEPT_LIGHTS)
 
     def _effects(self, ready: Prepared, reflected: torch.Tensor, light: torch.Tensor, plan: Plan) -> Effects:
@@ -357,11 +360,8 @@ class FaceRelighter:
         return LightChange(nothing, relit, nothing, nothing + 1)
 
     def _upsampler(self, ready: Prepared) -> JointUpsampler:
-        return self._once(
-            "edges",
-            (ready.tier.size, ready.tier.network_size),
-            lambda: upsampler_for(ready.photo_view, ready.photo_small),
-        )
+        sizes = ready.tier.size, ready.tier.network_size
+        return self._once("edges", sizes, lambda: upsampler_for(ready.photo_view, ready.photo_small))
 
     def channels(self, ready: Prepared, lit: Lit, change: ViewChange, plan: Plan, edit: Edit) -> dict:
         """The channels that are looked at, all but "target_light"."""

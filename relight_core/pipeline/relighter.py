@@ -250,10 +250,7 @@ class Relighter:
     ) -> tuple[Prepared, Lit, ViewChange]:
         """What the light makes of the first face, and what that was made from."""
         face = self._first()
-        ready = face.prepare(tier_of(edit.quality))
-        if plan.runs("flattening"):
-            ready = face.flattened(ready)
-        lit = face.lit(ready, serving, plan)
+        ready, lit = face.prepared_and_lit(tier_of(edit.quality), serving, plan)
         make = partial(face.change, ready, lit, plan, edit, level)
         return ready, lit, face.cache.run("sliders", plan.keys["sliders"], make, "new light or slider")
 
@@ -263,10 +260,7 @@ class Relighter:
             return []
 
         def change(face: FaceRelighter) -> ViewChange:
-            ready = face.prepare(tier_of(edit.quality))
-            if plan.runs("flattening"):
-                ready = face.flattened(ready)
-            return face.change(ready, face.lit(ready, serving, plan), plan, edit, level)
+            return face.change(*face.prepared_and_lit(tier_of(edit.quality), serving, plan), plan, edit, level)
 
         return self._cache.run(
             "other_faces",

@@ -45,12 +45,12 @@ class Editor:
         if (opened, light) != (now.opened, now.light):
             state.accept(replace(now, opened=opened, light=light))
 
-    def answer_question(self, label):
+    def answer_question(self, label, seconds=20):
         question = self.state.asking.questions[0]
         act = dict(question.choices)[label]
         self.state.asking.drop(question.key)
         act()
-        self.live()
+        self.live(seconds)
 
 
 def unsaved_files(folder):

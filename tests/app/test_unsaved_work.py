@@ -187,10 +187,8 @@ def test_restoring_leaves_unsaved_work_on_another_photo_for_recovery(editor, fol
 def test_work_restored_and_at_once_saved_or_left_is_not_offered_twice(editor, folder, save):
     leave_work(editor)
     again = Editor(folder)
-    (question,) = again.state.asking.questions
-    again.state.asking.drop(question.key)
-    dict(question.choices)["Restore"]()
-    again.live(1)
+    assert len(again.state.asking.questions) == 1
+    again.answer_question("Restore", 1)
     if save:
         again.state.asking.wish("save_session")
         again.live(1)
@@ -221,10 +219,8 @@ def test_restored_work_is_kept_until_it_takes_the_place_of_other_work_on_that_ph
     again.live()
     again.state.change(shadow=0.7)
     again.live()
-    (question,) = again.state.asking.questions
-    again.state.asking.drop(question.key)
-    dict(question.choices)["Restore"]()
-    again.live(1)
+    assert len(again.state.asking.questions) == 1
+    again.answer_question("Restore", 1)
     held = [read_session(path).document.edit.shadow for path in unsaved_files(folder)]
     assert 0.5 in held
     again.live()
