@@ -11,7 +11,7 @@ from relight_core.dataset.surroundings import Neighbour, behind
 
 def photograph(
     radiance: np.ndarray,
-    covered: np.ndarray,
+    coverage: np.ndarray,
     light: np.ndarray,
     white_level: float,
     pool: TexturePool,
@@ -22,8 +22,8 @@ def photograph(
     """A photo of a lit head on a random background.
 
     Args:
-        radiance: (S, S, 3) float32 linear, 0 outside the head.
-        covered: (S, S) bool.
+        radiance: (S, S, 3) float32 linear, premultiplied: 0 outside the head.
+        coverage: (S, S) in [0, 1], how much of each pixel is the head; or bool.
         light: (16, 32, 3) the light it is lit by, for the white balance.
         white_level: mean radiance that a white head would have in its place, for the exposure.
         hidden: (S, S) bool where something stands between the camera and the head.
@@ -32,10 +32,9 @@ def photograph(
     Returns:
         (S, S, 3) float32 sRGB in [0, 1].
     """
-    gain = camera_gain(radiance, covered, light, white_level, rng)
-    coverage = covered.astype(np.float32)[..., None]
+    gain = camera_gain(radiance, coverage > 0.5, light, white_level, rng)
     background = behind(_background(len(radiance), pool, rng), neighbour, gain)
-    image = radiance * gain * coverage + background * (1 - coverage)
+    image = radiance * gain + background * (1 - coverage.astype(np.float32)[..., None])
     if hidden is not None:
         image = np.where(hidden[..., None], _background(len(image), pool, rng) * 0.5, image)
     return taken(image, rng)

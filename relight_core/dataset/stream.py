@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from enum import IntEnum
 from pathlib import Path
 
 import numpy as np
@@ -39,8 +40,25 @@ from relight_core.lighting.reflection import GLOSS, Gloss
 _OCCLUDED_SHARE, _SCATTERING_SHARE = 0.25, 0.6
 _DULLNESS = (0.4, 1.4)
 _LOCALLY_LIT_SHARE, _ACCOMPANIED_SHARE = 0.2, 0.2
-_EPOCH_STREAM = 1 << 30
-"""Sets the shuffles of the heads apart from the other random streams."""
+
+
+class Draw(IntEnum):
+    """What is drawn at random, each from streams of its own."""
+
+    TEXTURES = 1
+    HEADS = 2
+    LIGHTING = 3
+    TURNS = 4
+    SAMPLE = 5
+
+
+@dataclass(frozen=True)
+class Ingredients:
+    """What all samples of a worker are made from."""
+
+    heads: list[Path]
+    library: LightLibrary
+    pool: TexturePool
 
 
 class SampleStream(IterableDataset):
@@ -49,9 +67,10 @@ class SampleStream(IterableDataset):
     Each item is a dict of tensors: "photo_srgb" (2, 3, S, S), "image", "specular", "shadow", ... with a
     leading axis of two lights; "albedo", "normal", "relief", "label", "covered" without one.
 
-    Heads are lit a few at a time, since that is the slow part, and then painted and photographed many
-    times. Every item is drawn from a random stream of its own, so that training can go on at any batch as
-    if it had never stopped.
+    Lighting a head is the slow part, so each is painted and photographed many times. Samples of one head in a row
+    would pull all steps the same way: many heads are lit at a time and take turns, and one after the other gives way
+    to the next. Every item is drawn from a random stream of its own, so that training can go on at any batch as if
+    it had never stopped.
 
     Args:
         folder: baked shards, the heads that are there when the stream starts, and painted skins if there are any.
@@ -60,6 +79,10 @@ class SampleStream(IterableDataset):
         relief_shadow: also march a relief as rough as a predicted one ("relief_shadow", a hint to SS).
         plain: smooth skin, the reference gloss, nothing in front and nothing warped, to measure what the rest is
             worth.
+        lights_per_head: of which a sample takes two.
+        paints_per_head: samples of a lit head, in the mean.
+        heads_at_once: lit heads that take turns, shared among the loader's workers; a worker never has fewer than a
+            batch has pairs.
         first_batch, pairs: go on at this batch of so many pairs (the loader's batch size).
     """
 
@@ -75,8 +98,8 @@ class SampleStream(IterableDataset):
         relief_shadow: bool = False,
         plain: bool = False,
         lights_per_head: int = 10,
-        paints_per_head: int = 24,
-        heads_at_once: int = 8,
+        paints_per_head: int = 16,
+        heads_at_once: int = 32,
         first_batch: int = 0,
         pairs: int = 1,
     ):
@@ -92,41 +115,51 @@ class SampleStream(IterableDataset):
         worker = get_worker_info()
         number, workers = (worker.id, worker.num_workers) if worker else (0, 1)
         turn, lane = divmod(self.first_batch + number, workers)
-        paths = load_split(self.folder, self.split)
-        if not paths:
+        heads = load_split(self.folder, self.split)
+        if not heads:
             raise InputError(f"{self.folder}: no baked heads; run 'relight dataset bake' first")
         library = load_lights(self.lights, self.split)
-        pool = TexturePool(self._random(lane), library.panoramas, skins=load_skins(self.folder))
-        round_number, first = divmod(turn * self.pairs, self.heads_at_once * self.paints_per_head)
-        while True:
-            yield from self._round(lane, round_number, first, paths, library, pool)
-            round_number, first = round_number + 1, 0
+        pool = TexturePool(self._random(Draw.TEXTURES, lane), library.panoramas, skins=load_skins(self.folder))
+        at_once = max(-(-self.heads_at_once // workers), self.pairs)
+        yield from self._samples(lane, turn * self.pairs, at_once, Ingredients(heads, library, pool))
 
-    def _random(self, *place: int) -> np.random.Generator:
-        return np.random.default_rng([self.seed, *place])
+    def _random(self, draw: Draw, *place: int) -> np.random.Generator:
+        return np.random.default_rng([self.seed, draw, *place])
 
-    def _round(
-        self, lane: int, number: int, first: int, paths: list[Path], library: LightLibrary, pool: TexturePool
+    def _samples(
+        self, lane: int, first: int, at_once: int, ingredients: Ingredients
     ) -> Iterator[dict[str, torch.Tensor]]:
-        """The samples of a few heads, from the `first` on."""
-        rng = self._random(lane, number)
-        lit = [self._light(path, library, pool, rng) for path in self._heads_of(lane, number, paths)]
-        order = rng.permutation(self.heads_at_once * self.paints_per_head)
-        for place in range(first, len(order)):
-            yield self._sample(lit, order[place] % len(lit), pool, self._random(lane, number, place))
+        """The samples of one worker from the `first` on, without end."""
 
-    def _heads_of(self, lane: int, number: int, paths: list[Path]) -> list[Path]:
-        """Which heads a round lights: each comes once before any comes again."""
-        rounds = -(-len(paths) // self.heads_at_once)
-        epoch, part = divmod(number, rounds)
-        order = self._random(lane, _EPOCH_STREAM + epoch).permutation(len(paths))
-        return [paths[i] for i in order[part * self.heads_at_once : (part + 1) * self.heads_at_once]]
+        def lit_head(number: int) -> LitHead:
+            path = self._head(lane, number, ingredients.heads)
+            return self._light(path, ingredients, self._random(Draw.LIGHTING, lane, number))
 
-    def _light(self, path: Path, library: LightLibrary, pool: TexturePool, rng: np.random.Generator) -> LitHead:
+        oldest, place = divmod(first, self.paints_per_head)
+        lit = {number % at_once: lit_head(number) for number in range(oldest, oldest + at_once - 1)}
+        while True:
+            newest = oldest + at_once - 1
+            lit[newest % at_once] = lit_head(newest)
+            for number in range(oldest * self.paints_per_head + place, (oldest + 1) * self.paints_per_head):
+                turn = self._turn(lane, number, at_once)
+                yield self._sample(lit, turn, ingredients.pool, self._random(Draw.SAMPLE, lane, number))
+            oldest, place = oldest + 1, 0
+
+    def _turn(self, lane: int, number: int, at_once: int) -> int:
+        """Which of the lit heads a sample is of: all of them, in any order, before one comes again."""
+        lap, place = divmod(number, at_once)
+        return int(self._random(Draw.TURNS, lane, lap).permutation(at_once)[place])
+
+    def _head(self, lane: int, number: int, heads: list[Path]) -> Path:
+        """Which head a worker lights when it has lit `number` others: each comes once before any comes again."""
+        epoch, place = divmod(number, len(heads))
+        return heads[self._random(Draw.HEADS, lane, epoch).permutation(len(heads))[place]]
+
+    def _light(self, path: Path, ingredients: Ingredients, rng: np.random.Generator) -> LitHead:
         head = read_shard(path)
         head = subsample(head, head.size // self.size, rng)
-        normal = head.normal if self.plain else textured(head, pool, rng)
-        lights = np.stack([sample_light(library, rng) for _ in range(self.lights_per_head)])
+        normal = head.normal if self.plain else textured(head, ingredients.pool, rng)
+        lights = np.stack([sample_light(ingredients.library, rng) for _ in range(self.lights_per_head)])
         lit = light_head(head, normal, lights)
         if self.photographs:
             lit = replace(lit, appearance=self._appearance(lit, rng))
@@ -142,7 +175,7 @@ class SampleStream(IterableDataset):
         return appear(lit.head, lit.normal, lit.lights, lit.illumination, gloss, occluder, scatter_px, dullness)
 
     def _sample(
-        self, heads: list[LitHead], index: int, pool: TexturePool, rng: np.random.Generator
+        self, heads: dict[int, LitHead], index: int, pool: TexturePool, rng: np.random.Generator
     ) -> dict[str, torch.Tensor]:
         lit = heads[index]
         albedo = (paint_smooth if self.plain else paint)(lit.head, pool, rng)
@@ -154,40 +187,30 @@ class SampleStream(IterableDataset):
         for k in rng.choice(self.lights_per_head, 2, replace=False):
             channels = channels_of(lit, albedo, k) | surface
             if lit.appearance is not None:
-                channels["photo_srgb"] = self._photo(lit, albedo, k, pool, neighbour, rng)
+                channels |= self._before_camera(lit, albedo, k, pool, rng)
                 channels |= without_hidden(channels, lit.appearance.hidden)
             if lit.relief_shadow is not None:
                 channels["relief_shadow"] = lit.relief_shadow[k]
             channels = mirrored(channels) if mirror else channels
-            pair.append(channels if warp is None else warped(channels, warp))
+            channels = channels if warp is None else warped(channels, warp)
+            # Last, as in life: noise and JPEG's blocks stay as the camera made them.
+            pair.append(channels if lit.appearance is None else _photographed(channels, lit, k, pool, neighbour, rng))
         return as_tensors(pair, shared=set(surface))
 
-    def _photo(
-        self,
-        lit: LitHead,
-        albedo: np.ndarray,
-        k: int,
-        pool: TexturePool,
-        neighbour: Neighbour | None,
-        rng: np.random.Generator,
-    ) -> np.ndarray:
+    def _before_camera(
+        self, lit: LitHead, albedo: np.ndarray, k: int, pool: TexturePool, rng: np.random.Generator
+    ) -> dict[str, np.ndarray]:
+        """What a photo will be taken of: "radiance" (S, S, 3), "silhouette" and "hidden" (S, S), 1 inside."""
         radiance = _radiance(lit, albedo, k)
         if not self.plain and rng.random() < _LOCALLY_LIT_SHARE:
             other = _radiance(lit, albedo, rng.integers(self.lights_per_head))
             radiance = with_local_light(radiance, other, sample_local_light(self.size, pool, rng))
-        return photograph(
-            radiance,
-            lit.head.covered,
-            lit.lights[k],
-            float(lit.illumination.irradiance[k].mean()),
-            pool,
-            rng,
-            hidden=lit.appearance.hidden,
-            neighbour=neighbour,
-        )
+        silhouette = lit.head.covered.astype(np.float32)
+        hidden = np.zeros_like(silhouette) if lit.appearance.hidden is None else lit.appearance.hidden
+        return {"radiance": radiance, "silhouette": silhouette, "hidden": hidden.astype(np.float32)}
 
-    def _neighbour(self, heads: list[LitHead], pool: TexturePool, rng: np.random.Generator) -> Neighbour | None:
-        """Somebody of the same round, in a light of their own, where photos are taken."""
+    def _neighbour(self, heads: dict[int, LitHead], pool: TexturePool, rng: np.random.Generator) -> Neighbour | None:
+        """Somebody who is lit as well, in a light of their own, where photos are taken."""
         if self.plain or not self.photographs or rng.random() >= _ACCOMPANIED_SHARE:
             return None
         other = heads[rng.integers(len(heads))]
@@ -198,6 +221,30 @@ class SampleStream(IterableDataset):
 def _radiance(lit: LitHead, albedo: np.ndarray, k: int) -> np.ndarray:
     """What a photo sees of a head under light `k`, (S, S, 3)."""
     return lit.head.scatter(lit.appearance.radiance(lit.head, albedo, lit.own, k))
+
+
+def _photographed(
+    channels: dict[str, np.ndarray],
+    lit: LitHead,
+    k: int,
+    pool: TexturePool,
+    neighbour: Neighbour | None,
+    rng: np.random.Generator,
+) -> dict[str, np.ndarray]:
+    """A sample with a photo of what is before the camera, in that's place."""
+    radiance, silhouette, hidden = (channels[name] for name in ("radiance", "silhouette", "hidden"))
+    photo = photograph(
+        radiance,
+        silhouette,
+        lit.lights[k],
+        float(lit.illumination.irradiance[k].mean()),
+        pool,
+        rng,
+        hidden=hidden > 0.5 if hidden.any() else None,
+        neighbour=neighbour,
+    )
+    others = channels.keys() - {"radiance", "silhouette", "hidden"}
+    return {name: channels[name] for name in sorted(others)} | {"photo_srgb": photo}
 
 
 def textured(head: BakedHead, pool: TexturePool, rng: np.random.Generator) -> np.ndarray:

@@ -20,6 +20,7 @@ from relight_core.training.run import Run, training_batches
 from relight_core.training.stages import STAGES
 
 _STAGE = "warm-delight"
+_HEADS_PER_ROUND = 8
 
 
 @dataclass(frozen=True)
@@ -38,16 +39,16 @@ class LoaderSpeed:
 
 
 def loader_speed(heads: Path, lights: Path, size: int, rounds: int = 1, seed: int = 0) -> LoaderSpeed:
-    """Time rounds of the stream, in each of which a few heads are read and lit and then painted many times.
+    """Time rounds of the stream, in each of which a few heads are read, lit and painted many times.
 
-    What happens once per process (reading lights, drawing textures) is left out.
+    What happens once per process (reading lights, drawing textures, lighting the first heads) is left out.
     """
     with _one_thread():
         stream = SampleStream(heads, lights, "train", size, seed)
         samples = iter(stream)
         next(samples)
-        # One sample into a round, as many samples as rounds hold: each part comes in its true proportion.
-        count = rounds * stream.heads_at_once * stream.paints_per_head
+        # Whole heads from the first sample of one on: each part comes in its true proportion.
+        count = rounds * _HEADS_PER_ROUND * stream.paints_per_head
         wall, cpu = time.perf_counter(), time.process_time()
         for _ in islice(samples, count):
             pass

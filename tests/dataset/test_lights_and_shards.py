@@ -1,7 +1,5 @@
 """What lies on disk: the split of the lights, heads that come back, files that are refused."""
 
-import itertools
-
 import numpy as np
 import pytest
 from synthetic_heads import ball, write_balls, write_lights
@@ -16,7 +14,6 @@ from relight_core.dataset.lighting.lights import (
     sample_rig,
 )
 from relight_core.dataset.recipe import load_split
-from relight_core.dataset.stream import SampleStream
 from relight_core.errors import InputError
 
 LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
@@ -161,67 +158,3 @@ def test_heads_belong_to_the_split_of_their_seed(tmp_path):
         "validation": ["head-1000000", "head-1000001"],
         "test": ["head-2000000", "head-2000001"],
     }
-
-
-def test_samples_have_pairs_of_lights_and_one_surface(tmp_path, library):
-    write_balls(tmp_path / "heads", 0, 2, size=32)
-    stream = SampleStream(
-        tmp_path / "heads",
-        library,
-        "train",
-        16,
-        0,
-        relief_shadow=True,
-        lights_per_head=2,
-        paints_per_head=2,
-        heads_at_once=1,
-    )
-    item = next(iter(stream))
-    shapes = {name: tuple(value.shape) for name, value in item.items()}
-    assert shapes == {
-        "photo_srgb": (2, 3, 16, 16),
-        "image": (2, 3, 16, 16),
-        "light": (2, 16, 32, 3),
-        "specular": (2, 1, 16, 16),
-        "shadow": (2, 1, 16, 16),
-        "relief_shadow": (2, 1, 16, 16),
-        "shadow_fraction": (2, 1, 16, 16),
-        "gloss_fraction": (2, 1, 16, 16),
-        "albedo": (3, 16, 16),
-        "normal": (3, 16, 16),
-        "relief": (1, 16, 16),
-        "covered": (1, 16, 16),
-        "label": (16, 16),
-    }
-    assert all(bool(np.isfinite(value.numpy()).all()) for value in item.values())
-    assert 0 <= float(item["photo_srgb"].min()) <= float(item["photo_srgb"].max()) <= 1
-
-
-@pytest.mark.parametrize("first_batch", [1, 3, 5])
-def test_a_stream_goes_on_at_any_batch(first_batch, tmp_path, library):
-    write_balls(tmp_path / "heads", 0, 3, size=32)
-
-    def stream(**place):
-        settings = {"lights_per_head": 2, "paints_per_head": 2, "heads_at_once": 2, "pairs": 2}
-        return iter(SampleStream(tmp_path / "heads", library, "train", 16, 7, **settings, **place))
-
-    whole = list(itertools.islice(stream(), 12))
-    later = list(itertools.islice(stream(first_batch=first_batch), 2))
-    for expected, found in zip(whole[2 * first_batch :], later, strict=False):
-        for name, value in expected.items():
-            np.testing.assert_array_equal(found[name].numpy(), value.numpy())
-
-
-def test_every_head_comes_once_before_any_comes_again(tmp_path, library):
-    write_balls(tmp_path / "heads", 0, 4, size=16)
-    stream = SampleStream(tmp_path / "heads", library, "train", 16, 0, heads_at_once=1)
-    paths = load_split(tmp_path / "heads", "train")
-    for epoch in range(3):
-        seen = [stream._heads_of(0, 4 * epoch + part, paths)[0] for part in range(4)]
-        assert sorted(seen) == paths
-
-
-def test_no_heads_is_an_input_error(tmp_path, library):
-    (tmp_path / "empty").mkdir()
-    with pytest.raises(InputError, match="bake"):
-        next(iter(SampleStream(tmp_path / "empty", library, "train", 16, 0)))

@@ -19,16 +19,16 @@ from relight_core.dataset.cutouts.scenery.behind import with_something_behind
 from relight_core.dataset.cutouts.scenery.panoramas import read_places
 from relight_core.dataset.cutouts.scenery.pool import SceneryPool
 from relight_core.dataset.lighting.appearance import appear
-from relight_core.dataset.lighting.lights import LightLibrary, sample_light
+from relight_core.dataset.lighting.lights import sample_light
 from relight_core.dataset.painting.skin import paint
 from relight_core.dataset.painting.texture import TexturePool
 from relight_core.dataset.samples import light_head
-from relight_core.dataset.stream import SampleStream, textured
+from relight_core.dataset.stream import Draw, Ingredients, SampleStream, textured
 from relight_core.face.crop import Crop
 from relight_core.face.person_view import FACE_SHARE, face_in_view, inside_photo, person_view
 from relight_core.lighting.reflection import GLOSS
 
-_CUTOUTS_PER_HEAD, _SAMPLES_PER_CUTOUT = 5, 12
+_HEADS_PER_ROUND, _CUTOUTS_PER_HEAD, _SAMPLES_PER_CUTOUT = 8, 5, 12
 _WILD_SHARE, _ACCOMPANIED_SHARE, _CAMOUFLAGED_SHARE, _TURNED_SHARE = 0.3, 0.35, 0.25, 0.4
 _BACKED_SHARE = 0.3
 _MANE_SHARE, _ARM_SHARE = 0.15, 0.15
@@ -62,24 +62,31 @@ class OutlineStream(SampleStream):
         **where: int,
     ):
         super().__init__(folder, lights, split, size, seed, lights_per_head=_CUTOUTS_PER_HEAD, **where)
-        self.paints_per_head = _CUTOUTS_PER_HEAD * _SAMPLES_PER_CUTOUT
         # Read here and not where samples are made: OpenEXR's threads don't come along into forked workers.
         self.panoramas = read_places(places) if places else ()
 
-    def _round(
-        self, lane: int, number: int, first: int, paths: list[Path], library: LightLibrary, pool: TexturePool
+    def _samples(
+        self, lane: int, first: int, at_once: int, ingredients: Ingredients
     ) -> Iterator[dict[str, torch.Tensor]]:
-        rng = self._random(lane, number)
-        scenery = SceneryPool(pool, rng, _SCENES, self.panoramas)
-        people = [c for path in self._heads_of(lane, number, paths) for c in self._cutouts(path, library, pool, rng)]
-        order = rng.permutation(self.heads_at_once * self.paints_per_head)
-        for turn in range(first, len(order)):
-            meant = order[turn] % len(people)
-            yield outline_sample(people, meant, self.size, scenery, pool, self._random(lane, number, turn))
+        """In rounds of a few heads and scenes, however many heads are meant to be lit at once."""
+        samples = _HEADS_PER_ROUND * _CUTOUTS_PER_HEAD * _SAMPLES_PER_CUTOUT
+        round_number, place = divmod(first, samples)
+        while True:
+            rng = self._random(Draw.LIGHTING, lane, round_number)
+            scenery = SceneryPool(ingredients.pool, rng, _SCENES, self.panoramas)
+            numbers = range(round_number * _HEADS_PER_ROUND, (round_number + 1) * _HEADS_PER_ROUND)
+            heads = [self._head(lane, number, ingredients.heads) for number in numbers]
+            people = [cutout for path in heads for cutout in self._cutouts(path, ingredients, rng)]
+            order = rng.permutation(samples)
+            for number in range(place, samples):
+                drawn = self._random(Draw.SAMPLE, lane, round_number, number)
+                meant = order[number] % len(people)
+                yield outline_sample(people, meant, self.size, scenery, ingredients.pool, drawn)
+            round_number, place = round_number + 1, 0
 
-    def _cutouts(self, path: Path, library: LightLibrary, pool: TexturePool, rng: np.random.Generator) -> list[Cutout]:
+    def _cutouts(self, path: Path, ingredients: Ingredients, rng: np.random.Generator) -> list[Cutout]:
         """One person in several lights and paints, at the shard's own size, whatever the samples' is."""
-        head = read_shard(path)
+        head, pool, library = read_shard(path), ingredients.pool, ingredients.library
         normal = textured(head, pool, rng)
         lights = np.stack([sample_light(library, rng) for _ in range(self.lights_per_head)])
         lit = light_head(head, normal, lights)
