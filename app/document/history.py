@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from app.document.document import Document
 from app.document.naming import Change, change_between
-from app.legible import legible
+from relight_core.imaging.files import legible
 
 MOST_STEPS = 300
 TOGETHER_S = 0.8

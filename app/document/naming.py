@@ -6,7 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, fields
 
 from app.document.document import Document, PhotoRef
-from app.legible import legible
+from relight_core.imaging.files import legible
 from relight_core.lighting.light_edit import LightEdit
 from relight_core.pipeline.edit import Edit
 

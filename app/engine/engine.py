@@ -11,8 +11,8 @@ from pathlib import Path
 from app.engine.desk import Desk, Step, error_line
 from app.engine.snapshot import Message, Snapshot
 from app.engine.sources import RelighterLike, Request
-from app.legible import legible
 from relight_core.errors import InputError
+from relight_core.imaging.files import legible
 
 _log = logging.getLogger(__name__)
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
-from app.legible import legible
+from relight_core.imaging.files import legible
 from relight_core.imaging.formats.raster import RAW_SUFFIXES
 from relight_core.lighting.light_edit import LightEdit
 from relight_core.pipeline.edit import Edit

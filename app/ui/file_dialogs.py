@@ -10,9 +10,9 @@ from pathlib import Path
 
 from imgui_bundle import portable_file_dialogs as native
 
-from app.legible import legible
 from app.ui.asking import FileRequest
 from relight_core.errors import InputError
+from relight_core.imaging.files import is_legible
 
 _NO_TEXT = "a file that was chosen has a name that is no text; rename it, or drop the folder it is in"
 _LINUX_HELPERS = ("zenity", "kdialog", "matedialog", "qarma")
@@ -40,7 +40,7 @@ class FileDialogs:
         if self._dialog is not None:
             return None
         # The system's are only told text.
-        is_text = all(text == legible(text) for text in (request.text, str(request.start)))
+        is_text = all(is_legible(text) for text in (request.text, str(request.start)))
         if not self._has_native or not is_text:
             return request
         self._request, self._dialog = request, _opened(request)

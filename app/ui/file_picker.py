@@ -7,11 +7,11 @@ from pathlib import Path
 
 from imgui_bundle import imgui
 
-from app.legible import legible
 from app.ui import theme, widgets
 from app.ui.asking import FileRequest
 from app.ui.file_dialogs import candidates
 from app.ui.state import EditorState
+from relight_core.imaging.files import legible
 
 _FLAGS = imgui.WindowFlags_.no_decoration | imgui.WindowFlags_.no_move | imgui.WindowFlags_.no_saved_settings
 _ROWS = 12

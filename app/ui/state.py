@@ -386,7 +386,7 @@ class EditorState:
     def _is_in_force(self) -> bool:
         """Whether the photo and the light that were asked for are there, so that neither can still be refused."""
         snapshot = self.snapshot
-        photo_is = self.photo is None or (snapshot.opened is not None and snapshot.opened.shows(self.photo))
+        photo_is = self.photo is None or self.is_at_work()
         return photo_is and snapshot.light is not None and self.light.same_as(snapshot.light.source)
 
     def _known(self, light: LightSource) -> LightSource:

@@ -8,10 +8,10 @@ from dataclasses import dataclass
 
 from imgui_bundle import imgui
 
-from app.legible import legible
 from app.ui import theme
 from app.ui.pictures import Shown
 from app.ui.state import EditorState
+from relight_core.imaging.files import legible
 
 
 @dataclass(frozen=True)

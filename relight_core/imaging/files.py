@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import secrets
 import stat
 from collections.abc import Iterator
@@ -13,6 +14,21 @@ from relight_core.errors import InputError
 
 LARGEST_FILE = 8 << 30
 """Bytes; what is larger is no photo, no light and no weights."""
+
+_NO_TEXT = re.compile("[\ud800-\udfff]")
+"""What stands for the bytes of a file's name that are no text."""
+
+_LONGEST_STEM = 100
+
+
+def legible(name: str) -> str:
+    """A path or a file's name with a replacement character for all of it that is no text, so that it can be shown."""
+    return _NO_TEXT.sub("\N{REPLACEMENT CHARACTER}", name)
+
+
+def is_legible(name: str) -> bool:
+    """Whether a path or a file's name is all text, which not every library takes for granted."""
+    return not _NO_TEXT.search(name)
 
 
 def file_bytes(path: Path) -> bytes:
@@ -90,9 +106,9 @@ def whole_file(path: Path, suffix: str = ".part") -> Iterator[Path]:
         raise InputError(f"{path}: this is a folder; name a file in it")
     if not os.path.isdir(path.parent):
         raise InputError(f"{path}: there is no folder {path.parent}; create it or choose another")
-    # Not every library that writes there takes a name that is no text.
-    name = path.name[:100].encode("utf-8", "replace").decode("utf-8")
-    beside = path.parent / f".{name}-{secrets.token_hex(6)}{suffix}"
+    # Not every library that writes there takes a name that is no text, and names have a longest length in bytes.
+    stem = legible(path.name).encode()[:_LONGEST_STEM].decode(errors="ignore")
+    beside = path.parent / f".{stem}-{secrets.token_hex(6)}{suffix}"
     try:
         os.close(os.open(beside, os.O_CREAT | os.O_EXCL | os.O_WRONLY, 0o666))
         yield beside

@@ -7,10 +7,10 @@ from dataclasses import replace
 from imgui_bundle import imgui
 
 from app.engine.exporting import SIDES, ExportSettings
-from app.legible import legible
 from app.ui import theme, widgets
 from app.ui.panels.groups import group
 from app.ui.state import EditorState
+from relight_core.imaging.files import legible
 from relight_core.pipeline.results.layers import LAYERS
 
 _FORMS = (

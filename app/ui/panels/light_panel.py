@@ -8,11 +8,11 @@ from dataclasses import dataclass
 from imgui_bundle import imgui
 
 from app.engine.sources import LightSource
-from app.legible import legible
 from app.ui import theme, widgets
 from app.ui.panels import light_controls, panorama
 from app.ui.pictures import Pictures, Shown
 from app.ui.state import EditorState
+from relight_core.imaging.files import legible
 
 ROTATION = widgets.Slider(
     "Rotation", -180.0, 180.0, 0.0, "%.0f°", "Turns the light around the person; to the right is positive."

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from imgui_bundle import imgui
 
-from app.legible import legible
 from app.ui import theme
 from app.ui.asking import Question
 from app.ui.layout import Rect
 from app.ui.state import EditorState
+from relight_core.imaging.files import legible
 
 
 def draw(state: EditorState, viewport: Rect) -> None:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import contextlib
 import errno
 import os
-import re
 import sys
 import threading
 from collections.abc import Collection, Iterable, Iterator, Sequence
@@ -17,7 +16,7 @@ import numpy as np
 import OpenEXR
 
 from relight_core.errors import InputError
-from relight_core.imaging.files import check_regular
+from relight_core.imaging.files import check_regular, is_legible
 from relight_core.imaging.formats.limits import MAX_PIXELS, check_pixels
 from relight_core.imaging.in_order import WORKERS
 
@@ -39,8 +38,6 @@ _STREAMS = threading.RLock()
 """Whoever redirects the process's streams: two at a time would put back what the other had put in their place."""
 
 _FLOAT, _HALF = Imath.PixelType(Imath.PixelType.FLOAT), Imath.PixelType(Imath.PixelType.HALF)
-_NO_TEXT = re.compile("[\ud800-\udfff]")
-"""What stands for the bytes of a file's name that are no text."""
 
 _DAMAGE = (RuntimeError, ValueError, TypeError, IndexError, KeyError, AttributeError, OSError, MemoryError)
 
@@ -92,7 +89,7 @@ def exr_size(path: Path) -> tuple[int, int]:
 def _read_header(path: Path) -> dict:
     try:
         check_regular(path)
-        if _NO_TEXT.search(str(path)):
+        if not is_legible(str(path)):
             raise InputError(f"{path}: OpenEXR can't open names that are no text; rename the file or its folder")
         with _quiet(), OpenEXR.File(str(path), header_only=True) as file:
             header = dict(file.header())
@@ -180,7 +177,7 @@ def _spelt(path: Path) -> str:
     Raises:
         OSError: it is none.
     """
-    if _NO_TEXT.search(str(path)):
+    if not is_legible(str(path)):
         raise OSError(errno.EILSEQ, "OpenEXR takes no names that are no text")
     return str(path)
 
