@@ -8,6 +8,8 @@ import numpy as np
 from relight_core.dataset.painting.texture import TexturePool
 from relight_core.dataset.surroundings import Neighbour, behind
 
+_METERED_GREY, _METERED_WHITE = 0.28, 0.8
+
 
 def photograph(
     radiance: np.ndarray,
@@ -59,18 +61,29 @@ def _white_balance(light: np.ndarray, rng: np.random.Generator) -> np.ndarray:
     return (balance / balance.mean()).astype(np.float32)
 
 
-def _exposure_gain(radiance: np.ndarray, covered: np.ndarray, white_level: float, rng: np.random.Generator) -> float:
-    """Between metering the light and metering the subject, over- or under-exposed by half a stop or so.
+def metered_gain(radiance: np.ndarray, covered: np.ndarray, white_level: float, subject_share: float) -> float:
+    """The exposure of a metered photo, between metering the light and metering the subject.
 
     Metering the subject alone would show dark and pale skin equally bright, and nobody could tell them
     apart again; metering the light alone would make albedo plain to see, which no camera does.
+
+    Args:
+        radiance: (S, S, 3) linear.
+        covered: (S, S) bool, the head.
+        white_level: mean radiance that a white head would have in its place.
+        subject_share: 0 brings white to 0.8, 1 the subject's grey (half mean, half 80th percentile) to 0.28, between
+            them the logarithms of these gains are mixed.
     """
     grey = radiance[covered].mean(-1) if covered.any() else np.ones(1)
     subject = 0.5 * float(np.mean(grey)) + 0.5 * float(np.percentile(grey, 80))
-    by_subject = 0.28 / max(subject, 1e-3)
-    by_light = 0.8 / max(white_level, 1e-3)
-    share = rng.uniform(0.0, 0.6)
-    gain = by_subject**share * by_light ** (1 - share) * 2 ** rng.normal(0, 0.4)
+    by_subject = _METERED_GREY / max(subject, 1e-3)
+    by_light = _METERED_WHITE / max(white_level, 1e-3)
+    return by_subject**subject_share * by_light ** (1 - subject_share)
+
+
+def _exposure_gain(radiance: np.ndarray, covered: np.ndarray, white_level: float, rng: np.random.Generator) -> float:
+    """Somehow metered, and over- or under-exposed by half a stop or so."""
+    gain = metered_gain(radiance, covered, white_level, rng.uniform(0.0, 0.6)) * 2 ** rng.normal(0, 0.4)
     return float(np.clip(gain, 0.05, 20))
 
 

@@ -46,7 +46,6 @@ class Accuracy:
 
 @dataclass
 class _Sums:
-    squares: list[float] = field(default_factory=list)
     rmse: list[float] = field(default_factory=list)
     psnr: list[float] = field(default_factory=list)
 

@@ -23,8 +23,7 @@ from relight_core.evaluation.held_out import (
     load_head,
 )
 from relight_core.evaluation.metrics import Interval, bootstrap_interval, wlog_l2
-from relight_core.evaluation.scoring import Figures, score_effects, score_relit, score_surface
-from relight_core.lighting.environment import mean_luminance
+from relight_core.evaluation.scoring import Figures, levelled, score_effects, score_relit, score_surface
 from relight_core.lighting.reflection import ReflectionTable
 from relight_core.networks.bundle import NetworkBundle
 
@@ -183,14 +182,10 @@ def _score_head(
         if "albedo" in found:
             figures |= score_surface(found, lights[case.source].radiance, truth, covered)
         elif "guess" in found:
-            figures["light.wlog_l2"] = wlog_l2(_levelled(found["guess"]), lights[case.source].radiance)
+            figures["light.wlog_l2"] = wlog_l2(levelled(found["guess"]), lights[case.source].radiance)
         if "guess" in found:
-            lent = _levelled(contender.channels(contender.look(other.photo(case.target, "clean")))["guess"])
+            lent = levelled(contender.channels(contender.look(other.photo(case.target, "clean")))["guess"])
             image = contender.relight(seen, Task(lent, gain, task.reference, covered, truth))["composition"]
             figures["borrowed.wlog_l2"] = wlog_l2(lent, target)
             figures["borrowed.rmse"] = score_relit(image, true["image"], gain, covered, covered)["relit.rmse"]
         yield figures, np.clip(made["composition"] * gain, 0, 1) * covered[..., None]
-
-
-def _levelled(light: np.ndarray) -> np.ndarray:
-    return light / max(mean_luminance(light), 1e-6)

@@ -14,7 +14,7 @@ import numpy as np
 
 from relight_core.dataset.baking.bake import add_relief
 from relight_core.dataset.baking.shard import read_shard
-from relight_core.dataset.camera import photograph
+from relight_core.dataset.camera import metered_gain, photograph
 from relight_core.dataset.lighting.lights import load_lights
 from relight_core.dataset.painting.skin import paint
 from relight_core.dataset.painting.texture import TexturePool
@@ -29,7 +29,7 @@ from relight_core.lighting.sphere import directions
 _YAW_SEED = 391
 _SKIN_SEED = 438
 _RELIEF_STRENGTH = 0.1
-_METERED_GREY, _METERED_WHITE, _SUBJECT_SHARE = 0.28, 0.8, 0.45
+_SUBJECT_SHARE = 0.45
 _DRAWN_HEIGHT = 64
 _LAMP_RADIUS_DEG = 5.0
 _LAMP_SHARE = 0.95
@@ -79,8 +79,9 @@ class HeldOutHead:
         return float(self.lit.illumination.irradiance[light].mean())
 
     def exposure(self, light: int) -> float:
-        """The gain at which a meter would show this head under one light."""
-        return metered_gain(self.channels(light)["image"], self.lit.head.covered, self.white_level(light))
+        """The gain at which a meter would show this head under one light: the training camera's, without its chance."""
+        radiance, covered = self.channels(light)["image"], self.lit.head.covered
+        return metered_gain(radiance, covered, self.white_level(light), _SUBJECT_SHARE)
 
     def photo(self, light: int, kind: Photos) -> np.ndarray:
         """A photo under one light: linear (S, S, 3), [0, 1].
@@ -102,23 +103,6 @@ class Case:
 
     source: int
     target: int
-
-
-def metered_gain(radiance: np.ndarray, covered: np.ndarray, white_level: float) -> float:
-    """The exposure of a metered photo: between metering the subject and metering the light it stands in.
-
-    It is the training camera's rule without its chance: the subject's grey (half mean, half 80th
-    percentile) to 0.28, and white to 0.8, in the proportion 0.45 to 0.55 of their logarithms.
-
-    Args:
-        radiance: (S, S, 3) linear.
-        covered: (S, S) bool, the head.
-        white_level: mean radiance that a white head would have in its place.
-    """
-    grey = radiance[covered].mean(-1)
-    subject = 0.5 * float(grey.mean()) + 0.5 * float(np.percentile(grey, 80))
-    by_subject, by_light = _METERED_GREY / max(subject, 1e-3), _METERED_WHITE / max(white_level, 1e-3)
-    return by_subject**_SUBJECT_SHARE * by_light ** (1 - _SUBJECT_SHARE)
 
 
 def held_out_lights(path: Path, split: str) -> list[HeldOutLight]:

@@ -19,19 +19,6 @@ def rmse(estimate: np.ndarray, reference: np.ndarray, mask: np.ndarray | None = 
     return float(np.sqrt(np.mean((chosen - true) ** 2)))
 
 
-def relative_rms(estimate: np.ndarray, reference: np.ndarray, mask: np.ndarray | None = None) -> float:
-    """RMSE over the reference's own root mean square, which makes dim channels comparable.
-
-    1 is the error of an estimate that is zero everywhere. Where the reference is zero everywhere: 0 for
-    an estimate that is too, else infinity.
-    """
-    error = rmse(estimate, reference, mask)
-    size = rmse(np.zeros_like(reference), reference, mask)
-    if size == 0.0:
-        return 0.0 if error == 0.0 else math.inf
-    return error / size
-
-
 def psnr(estimate: np.ndarray, reference: np.ndarray, mask: np.ndarray | None = None) -> float:
     """Peak signal-to-noise ratio in dB for images in [0, 1]; infinity where nothing differs."""
     error = rmse(estimate, reference, mask)

@@ -38,8 +38,8 @@ def score_surface(
         "albedo.rmse_aligned": _srgb_rmse(albedo * _best_gain(albedo, true_albedo, mask), true_albedo, mask),
         "normal.rmse": normal_rmse(channels["normal"], truth["normal"], mask),
         "normal.angle_deg": normal_angle_deg(channels["normal"], truth["normal"], mask),
-        "light.wlog_l2": wlog_l2(_levelled(channels["guess"]), _levelled(light)),
-        "light.wlog_l2_fitted": wlog_l2(_levelled(channels["source_light"]), _levelled(light)),
+        "light.wlog_l2": wlog_l2(levelled(channels["guess"]), levelled(light)),
+        "light.wlog_l2_fitted": wlog_l2(levelled(channels["source_light"]), levelled(light)),
     }
 
 
@@ -90,7 +90,8 @@ def score_unchanged(
     return {"relit.rmse_of_unchanged_photo": rmse(_display(photo, covered), expected, mask)}
 
 
-def _levelled(light: np.ndarray) -> np.ndarray:
+def levelled(light: np.ndarray) -> np.ndarray:
+    """A light (H, 2H, 3) at a mean luminance of 1, as lights of the library are."""
     return light / max(mean_luminance(light), 1e-6)
 
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from synthetic_heads import ball
 
-from relight_core.dataset.camera import photograph
+from relight_core.dataset.camera import metered_gain, photograph
 from relight_core.dataset.painting.texture import TexturePool, fractal_noise, look_up
 
 
@@ -87,3 +87,21 @@ def test_look_up_reads_texels_with_v_upward_and_wraps():
     np.testing.assert_allclose(look_up(texture, uv), [0, 10, 0], atol=1e-4)
     assert look_up(texture, np.empty((0, 2), np.float32)).shape == (0,)
     assert look_up(np.zeros((4, 4, 3), np.float32), np.zeros((5000, 2), np.float32)).shape == (5000, 3)
+
+
+def test_meter_by_hand():
+    """Grey 0.07 asks for a gain of 4, white at 0.2 too; at 0.1 it asks for 8."""
+    grey = np.full((32, 32, 3), 0.07, np.float32) * covered()[..., None]
+    for share in (0.0, 0.3, 1.0):
+        assert metered_gain(grey, covered(), 0.2, share) == pytest.approx(4.0, rel=1e-4)
+        assert metered_gain(grey * 3, covered(), 0.6, share) == pytest.approx(4.0 / 3, rel=1e-4)
+        assert np.isfinite(metered_gain(grey * 0, covered(), 0.0, share))
+    assert metered_gain(grey, covered(), 0.1, 0.0) == pytest.approx(8.0, rel=1e-4)
+    assert metered_gain(grey, covered(), 0.1, 0.5) == pytest.approx(4.0 * 2**0.5, rel=1e-4)
+    assert np.isfinite(metered_gain(grey, np.zeros((32, 32), bool), 0.2, 0.45))
+
+
+def test_dark_skin_is_shown_darker_than_pale_skin():
+    pale = np.full((32, 32, 3), 0.5, np.float32) * covered()[..., None]
+    shown = [(skin * metered_gain(skin, covered(), 1.0, 0.45))[covered()].mean() for skin in (pale * 0.1, pale)]
+    assert shown[0] < 0.5 * shown[1]

@@ -11,7 +11,6 @@ from relight_core.evaluation.metrics import (
     normal_angle_deg,
     normal_rmse,
     psnr,
-    relative_rms,
     rmse,
     ssim,
     wlog_l2,
@@ -49,14 +48,6 @@ def test_nan_inside_the_mask_shows_and_outside_does_not():
     broken = image(np.nan, 0, 0, 0)
     assert math.isnan(rmse(broken, image(0, 0, 0, 0)))
     assert rmse(broken, image(0, 0, 0, 0), ~LEFT_HALF) == 0.0
-
-
-def test_relative_rms_by_hand():
-    assert relative_rms(image(0, 0, 0, 0), image(3, 1, 4, 1)) == pytest.approx(1.0)
-    assert relative_rms(image(1.5, 1, 1, 1), image(1, 1, 1, 1)) == pytest.approx(0.25)
-    assert relative_rms(image(0, 7, 0, 7), image(2, 0, 2, 0), LEFT_HALF) == pytest.approx(1.0)
-    assert relative_rms(image(0, 0, 0, 0), image(0, 0, 0, 0)) == 0.0
-    assert relative_rms(image(1, 0, 0, 0), image(0, 0, 0, 0)) == math.inf
 
 
 def test_psnr_by_hand():
@@ -183,7 +174,7 @@ def test_one_head_says_nothing_about_others():
     assert math.isnan(high)
 
 
-@pytest.mark.parametrize("measure", [rmse, relative_rms, psnr, ssim, normal_rmse, normal_angle_deg])
+@pytest.mark.parametrize("measure", [rmse, psnr, ssim, normal_rmse, normal_angle_deg])
 def test_what_does_not_compare_is_refused(measure):
     picture = np.zeros((16, 16, 3))
     with pytest.raises(ValueError, match="compare"):
