@@ -142,11 +142,15 @@ def train_stage(
             save_state(saved_state, progress, bundle, average.state, optimiser)
             with torch.random.fork_rng():  # The next step must not depend on when the clock asks for a checkpoint.
                 _save(checkpoint, average.bundle(bundle), batch)
-    result = average.bundle(bundle)
+    return _ended(checkpoint, average.bundle(bundle), progress, batch)
+
+
+def _ended(checkpoint: Path, result: NetworkBundle, progress: Progress, batch: dict | None) -> NetworkBundle:
+    """The result of a run, with its log beside it and no state any more."""
     _save(checkpoint, result, batch)
     with whole_file(checkpoint.with_suffix(".log.json")) as log:
         log.write_text(json.dumps(progress.log))
-    saved_state.unlink(missing_ok=True)
+    state_path(checkpoint).unlink(missing_ok=True)
     return result
 
 
@@ -165,18 +169,12 @@ def state_path(checkpoint: Path) -> Path:
 def _prepare(stage: Stage, bundle: NetworkBundle, device: str) -> None:
     """Set the stage's networks to training and the others to rest."""
     bundle.train().requires_grad_(False).to(device, memory_format=torch.channels_last)
+    learners = stage.learners(bundle.config)
     for name, network in bundle.named_children():
-        if name in stage.trains and not _is_idle(name, stage, bundle):
+        if name in learners:
             network.requires_grad_(True)
         else:
             network.eval()
-
-
-def _is_idle(name: str, stage: Stage, bundle: NetworkBundle) -> bool:
-    """Whether SS would learn beside a composition network that is told nothing of it: no loss would reach it."""
-    if name != "specular_shadow" or "composition" not in stage.trains:
-        return False
-    return not bundle.config.composition.effects
 
 
 def _prepared(stage, bundle, batches, device) -> Iterator[tuple[dict, dict]]:

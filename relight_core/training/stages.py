@@ -17,7 +17,7 @@ import torch.nn.functional as F
 from relight_core.imaging.tensor_colour import srgb_decode
 from relight_core.imaging.tensor_normals import unit_normals
 from relight_core.lighting.reflection import ReflectionTable
-from relight_core.networks.bundle import NetworkBundle
+from relight_core.networks.bundle import BundleConfig, NetworkBundle
 from relight_core.networks.delight import Delit
 from relight_core.training.coarser import shrunk
 from relight_core.training.delight_step import delight_losses
@@ -59,6 +59,11 @@ class Stage:
     distilled: bool = False
     outlines: bool = False
     prepare: Callable[[NetworkBundle, Batch], Batch] | None = None
+
+    def learners(self, config: BundleConfig) -> tuple[str, ...]:
+        """What of `trains` its losses reach: SS is out where composition learns as well and is told nothing of it."""
+        unheard = "composition" in self.trains and not config.composition.effects
+        return tuple(name for name in self.trains if not (unheard and name == "specular_shadow"))
 
 
 def _warm_delight(bundle: NetworkBundle, table: ReflectionTable, batch: Batch) -> Losses:
