@@ -177,6 +177,8 @@ def _loaded(
         stream,
         batch_size=run.pairs,
         num_workers=run.workers,
+        # Forked off a process that has threads, a worker may wait for ever for a lock that one of them held.
+        multiprocessing_context="forkserver" if run.workers else None,
         worker_init_fn=_one_thread,
         prefetch_factor=4 if run.workers else None,
         # It draws a seed for its workers, and would draw it from the stream that a run goes on with.
