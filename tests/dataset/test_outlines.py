@@ -87,7 +87,7 @@ def test_a_bust_gets_a_body_down_to_the_border(pool, bottom):
 def test_samples_tell_of_the_person_that_is_marked(pool, seed):
     rng = np.random.default_rng(seed)
     people = [cutout(0), cutout(1)]
-    sample = outline_sample(people, 1, 64, SceneryPool(pool, rng, 3), pool, rng)
+    sample = outline_sample(people, people[1], 64, SceneryPool(pool, rng, 3), pool, rng)
     photo, inside, face, person = (sample[n].numpy() for n in ("photo_srgb", "inside", "face", "person"))
     assert photo.shape == (3, 64, 64)
     assert person.shape == inside.shape == face.shape == (1, 64, 64)
@@ -101,9 +101,9 @@ def test_the_stream_goes_on_where_it_is_told_to(tmp_path):
     write_balls(tmp_path / "heads", 0, 2, size=32)
     write_lights(tmp_path / "lights.npz", 6)
     where = (tmp_path / "heads", tmp_path / "lights.npz", "train", 32, 7)
-    whole = iter(OutlineStream(*where, pairs=2))
-    from_third = iter(OutlineStream(*where, pairs=2, first_batch=1))
-    ahead = [next(whole) for _ in range(3)][2]
+    whole = iter(OutlineStream(*where, pairs=2, heads_at_once=3))
+    from_third = iter(OutlineStream(*where, pairs=2, heads_at_once=3, first_batch=30))
+    ahead = [next(whole) for _ in range(61)][60]
     again = next(from_third)
     assert ahead.keys() == {"photo_srgb", "inside", "face", "person"}
     for name, value in ahead.items():

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import cv2
@@ -23,17 +22,24 @@ from relight_core.dataset.lighting.lights import sample_light
 from relight_core.dataset.painting.skin import paint
 from relight_core.dataset.painting.texture import TexturePool
 from relight_core.dataset.samples import light_head
-from relight_core.dataset.stream import Draw, Ingredients, SampleStream, textured
+from relight_core.dataset.stream import Ingredients, SampleStream, textured
 from relight_core.face.crop import Crop
 from relight_core.face.person_view import FACE_SHARE, face_in_view, inside_photo, person_view
 from relight_core.lighting.reflection import GLOSS
 
-_HEADS_PER_ROUND, _CUTOUTS_PER_HEAD, _SAMPLES_PER_CUTOUT = 8, 5, 12
+_CUTOUTS_PER_HEAD, _SAMPLES_PER_CUTOUT, _SCENES_PER_HEAD = 5, 12, 3
 _WILD_SHARE, _ACCOMPANIED_SHARE, _CAMOUFLAGED_SHARE, _TURNED_SHARE = 0.3, 0.35, 0.25, 0.4
 _BACKED_SHARE = 0.3
 _MANE_SHARE, _ARM_SHARE = 0.15, 0.15
-_SCENES = 24
 _CLOSEST, _FARTHEST = 0.62, 3.0
+
+
+@dataclass(frozen=True)
+class Cast:
+    """One person in several lights and paints, and scenes to put people before."""
+
+    people: list[Cutout]
+    scenery: SceneryPool
 
 
 class OutlineStream(SampleStream):
@@ -61,28 +67,23 @@ class OutlineStream(SampleStream):
         places: Path | None = None,
         **where: int,
     ):
-        super().__init__(folder, lights, split, size, seed, lights_per_head=_CUTOUTS_PER_HEAD, **where)
-        # Read here and not where samples are made: OpenEXR's threads don't come along into forked workers.
+        often = {"lights_per_head": _CUTOUTS_PER_HEAD, "paints_per_head": _CUTOUTS_PER_HEAD * _SAMPLES_PER_CUTOUT}
+        super().__init__(folder, lights, split, size, seed, **often, **where)
+        # Read here, once, and not by every worker.
         self.panoramas = read_places(places) if places else ()
 
-    def _samples(
-        self, lane: int, first: int, at_once: int, ingredients: Ingredients
-    ) -> Iterator[dict[str, torch.Tensor]]:
-        """In rounds of a few heads and scenes, however many heads are meant to be lit at once."""
-        samples = _HEADS_PER_ROUND * _CUTOUTS_PER_HEAD * _SAMPLES_PER_CUTOUT
-        round_number, place = divmod(first, samples)
-        while True:
-            rng = self._random(Draw.LIGHTING, lane, round_number)
-            scenery = SceneryPool(ingredients.pool, rng, _SCENES, self.panoramas)
-            numbers = range(round_number * _HEADS_PER_ROUND, (round_number + 1) * _HEADS_PER_ROUND)
-            heads = [self._head(lane, number, ingredients.heads) for number in numbers]
-            people = [cutout for path in heads for cutout in self._cutouts(path, ingredients, rng)]
-            order = rng.permutation(samples)
-            for number in range(place, samples):
-                drawn = self._random(Draw.SAMPLE, lane, round_number, number)
-                meant = order[number] % len(people)
-                yield outline_sample(people, meant, self.size, scenery, ingredients.pool, drawn)
-            round_number, place = round_number + 1, 0
+    def _light(self, path: Path, ingredients: Ingredients, rng: np.random.Generator) -> Cast:
+        scenery = SceneryPool(ingredients.pool, rng, _SCENES_PER_HEAD, self.panoramas)
+        return Cast(self._cutouts(path, ingredients, rng), scenery)
+
+    def _sample(
+        self, casts: dict[int, Cast], turn: int, pool: TexturePool, rng: np.random.Generator
+    ) -> dict[str, torch.Tensor]:
+        people = [person for place in sorted(casts) for person in casts[place].people]
+        # Where no face is seen of a head, it is anybody's turn.
+        chosen = casts[turn].people or people
+        scenery = casts[int(rng.integers(len(casts)))].scenery
+        return outline_sample(people, chosen[rng.integers(len(chosen))], self.size, scenery, pool, rng)
 
     def _cutouts(self, path: Path, ingredients: Ingredients, rng: np.random.Generator) -> list[Cutout]:
         """One person in several lights and paints, at the shard's own size, whatever the samples' is."""
@@ -102,10 +103,10 @@ class OutlineStream(SampleStream):
 
 
 def outline_sample(
-    people: list[Cutout], meant: int, size: int, scenery: SceneryPool, pool: TexturePool, rng: np.random.Generator
+    people: list[Cutout], meant: Cutout, size: int, scenery: SceneryPool, pool: TexturePool, rng: np.random.Generator
 ) -> dict[str, torch.Tensor]:
-    """One photo of one of the people; see `OutlineStream`."""
-    person = people[meant].mirrored() if rng.random() < 0.5 else people[meant]
+    """One photo of the person that is meant, at times with some of the people; see `OutlineStream`."""
+    person = meant.mirrored() if rng.random() < 0.5 else meant
     left, top, right, bottom = _frame(person.known, rng)
     crop, photo_size = Crop(left, top, 1 / FACE_SHARE), (top + bottom, left + right)
     view = person_view(crop, photo_size)
