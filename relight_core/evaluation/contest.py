@@ -22,7 +22,7 @@ from relight_core.evaluation.held_out import (
     held_out_textures,
     load_head,
 )
-from relight_core.evaluation.metrics import Interval, bootstrap_interval, wlog_l2
+from relight_core.evaluation.metrics import Interval, interval_over_heads, wlog_l2
 from relight_core.evaluation.scoring import Figures, levelled, score_effects, score_relit, score_surface
 from relight_core.lighting.reflection import ReflectionTable
 from relight_core.networks.bundle import NetworkBundle
@@ -152,7 +152,7 @@ def hold(
 
 def _gain(rows: list[tuple[str, Figures]], before: list[tuple[str, Figures]]) -> Interval:
     differences = [one["relit.psnr"] - other["relit.psnr"] for (_, one), (_, other) in zip(rows, before, strict=True)]
-    return bootstrap_interval(np.array(differences), np.array([head for head, _ in rows]))
+    return interval_over_heads(np.array(differences), np.array([head for head, _ in rows]))
 
 
 def _portraits_of_others(

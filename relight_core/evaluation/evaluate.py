@@ -23,7 +23,7 @@ from relight_core.evaluation.held_out import (
     held_out_textures,
     load_head,
 )
-from relight_core.evaluation.metrics import Interval, bootstrap_interval
+from relight_core.evaluation.metrics import Interval, interval_over_heads
 from relight_core.evaluation.scoring import Figures
 from relight_core.lighting.reflection import ReflectionTable
 from relight_core.networks.bundle import NetworkBundle
@@ -134,7 +134,7 @@ def intervals_over_heads(rows: list[tuple[str, Figures]]) -> dict[str, Interval]
         if name.endswith(".rmse") and name.replace(".rmse", ".true_power") in rows[0][1]:
             intervals[name.replace(".rmse", ".relative")] = _relative(rows, heads, name.removesuffix(".rmse"))
         if not name.endswith("_power"):
-            intervals[name] = bootstrap_interval(values, heads)
+            intervals[name] = interval_over_heads(values, heads)
     return intervals
 
 
@@ -145,4 +145,4 @@ def _relative(rows: list[tuple[str, Figures]], heads: np.ndarray, channel: str) 
         np.array([np.mean([f[f"{channel}.{kind}"] for h, f in rows if h == head]) for head in names])
         for kind in ("error_power", "true_power")
     )
-    return bootstrap_interval(np.sqrt(error / np.maximum(true, 1e-12)), names)
+    return interval_over_heads(np.sqrt(error / np.maximum(true, 1e-12)), names)

@@ -7,7 +7,7 @@ import pytest
 from skimage.metrics import structural_similarity
 
 from relight_core.evaluation.metrics import (
-    bootstrap_interval,
+    interval_over_heads,
     normal_angle_deg,
     normal_rmse,
     psnr,
@@ -132,43 +132,60 @@ def test_wlog_l2_is_symmetric_and_zero_for_equals():
     assert wlog_l2(first, first) == 0.0
 
 
-def test_bootstrap_of_equal_values_has_no_width():
-    assert bootstrap_interval(np.full(6, 2.0), np.array([0, 0, 1, 1, 2, 2])) == (2.0, 2.0, 2.0)
+def test_equal_values_have_an_interval_without_width():
+    assert interval_over_heads(np.full(6, 2.0), np.array([0, 0, 1, 1, 2, 2])) == (2.0, 2.0, 2.0)
 
 
-def test_bootstrap_brackets_the_mean_as_the_normal_law_says():
+def test_an_interval_of_many_heads_is_what_the_normal_law_says():
     values = np.random.default_rng(0).normal(10, 2, 400)
-    mean, low, high = bootstrap_interval(values, np.arange(400))
+    mean, low, high = interval_over_heads(values, np.arange(400))
     assert mean == pytest.approx(values.mean())
     error = values.std() / 20
-    assert low == pytest.approx(mean - 1.96 * error, abs=0.25 * error)
-    assert high == pytest.approx(mean + 1.96 * error, abs=0.25 * error)
+    assert low == pytest.approx(mean - 1.96 * error, abs=0.02 * error)
+    assert high == pytest.approx(mean + 1.96 * error, abs=0.02 * error)
+
+
+def test_an_interval_of_few_heads_by_hand():
+    """Means 1, 2 and 6: mean 3, standard deviation sqrt 7, Student's t of 2 degrees of freedom 4.302653."""
+    mean, low, high = interval_over_heads(np.array([0.0, 2.0, 2.0, 2.0, 5.0, 7.0]), np.array(list("aabbcc")))
+    assert mean == 3.0
+    assert high - mean == pytest.approx(4.302653 * math.sqrt(7 / 3), rel=1e-6)
+    assert mean - low == pytest.approx(high - mean)
+
+
+@pytest.mark.parametrize("pictures", [1, 20])
+def test_intervals_of_eight_heads_hold_the_truth_as_often_as_they_say(pictures):
+    rng, held = np.random.default_rng(2), 0
+    for _ in range(400):
+        values = rng.normal(0, 1, 8)[:, None] + rng.normal(0, 2, (8, pictures))
+        _, low, high = interval_over_heads(values.ravel(), np.repeat(np.arange(8), pictures))
+        held += low <= 0 <= high
+    assert held / 400 == pytest.approx(0.95, abs=0.03)
 
 
 def test_more_pictures_of_the_same_heads_make_no_surer():
     values = np.random.default_rng(1).normal(size=12)
-    once = bootstrap_interval(values, np.arange(12))
-    tenfold = bootstrap_interval(np.repeat(values, 10), np.repeat(np.arange(12), 10))
+    once = interval_over_heads(values, np.arange(12))
+    tenfold = interval_over_heads(np.repeat(values, 10), np.repeat(np.arange(12), 10))
     assert tenfold == pytest.approx(once)
 
 
 def test_heads_weigh_by_their_pictures_and_may_have_any_name():
-    values = np.array([1.0, 1.0, 1.0, 5.0])
-    mean, low, high = bootstrap_interval(values, np.array(["ann", "ann", "ann", "bob"]))
+    """The sums are 3 of three pictures and 5 of one: off by 3 from what a mean of 2 gives them, both."""
+    mean, low, high = interval_over_heads(np.array([1.0, 1.0, 1.0, 5.0]), np.array(["ann", "ann", "ann", "bob"]))
     assert mean == 2.0
-    assert (low, high) == (1.0, 5.0)
+    # Student's t of 1 degree of freedom is 12.706205; sqrt(2 / 1 * (9 + 9)) / 4 = 1.5.
+    assert (low, high) == (pytest.approx(2 - 12.706205 * 1.5), pytest.approx(2 + 12.706205 * 1.5))
 
 
-def test_seeds_and_confidence():
+def test_confidence():
     values, heads = np.random.default_rng(2).random(30), np.arange(30) // 3
-    assert bootstrap_interval(values, heads) == bootstrap_interval(values, heads)
-    assert bootstrap_interval(values, heads, seed=1) != bootstrap_interval(values, heads)
-    wide, narrow = (bootstrap_interval(values, heads, confidence=c) for c in (0.99, 0.5))
+    wide, narrow = (interval_over_heads(values, heads, confidence=c) for c in (0.99, 0.5))
     assert wide.low < narrow.low < narrow.mean < narrow.high < wide.high
 
 
 def test_one_head_says_nothing_about_others():
-    mean, low, high = bootstrap_interval(np.array([1.0, 3.0]), np.array([7, 7]))
+    mean, low, high = interval_over_heads(np.array([1.0, 3.0]), np.array([7, 7]))
     assert mean == 2.0
     assert math.isnan(low)
     assert math.isnan(high)
@@ -193,8 +210,8 @@ def test_other_wrong_inputs():
     with pytest.raises(ValueError, match=r"normals are \(H, W, 3\)"):
         normal_rmse(np.zeros((4, 4)), np.zeros((4, 4)))
     with pytest.raises(ValueError, match="one head per value"):
-        bootstrap_interval(np.zeros(3), np.zeros(2))
+        interval_over_heads(np.zeros(3), np.zeros(2))
     with pytest.raises(ValueError, match="one head per value"):
-        bootstrap_interval(np.zeros(0), np.zeros(0))
+        interval_over_heads(np.zeros(0), np.zeros(0))
     with pytest.raises(ValueError, match="finite"):
-        bootstrap_interval(np.array([1.0, math.inf]), np.array([0, 1]))
+        interval_over_heads(np.array([1.0, math.inf]), np.array([0, 1]))
