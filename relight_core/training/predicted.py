@@ -6,8 +6,12 @@ import torch
 import torch.nn.functional as F
 
 from relight_core.dataset.samples import RELIEF_SIZE
+from relight_core.face.parsing import INDEX
 from relight_core.imaging.tensor_colour import srgb_decode
+from relight_core.imaging.tensor_normals import unit_normals
+from relight_core.lighting.relief import march_relief
 from relight_core.networks.bundle import NetworkBundle
+from relight_core.networks.delight import Delit
 from relight_core.pipeline import stages
 from relight_core.training.coarser import shrunk
 
@@ -46,6 +50,43 @@ def on_predicted_surface(bundle: NetworkBundle, batch: dict[str, torch.Tensor]) 
     shadow = torch.cat(shadows).to(photo.device)
     shadow = F.interpolate(shadow, size=size, mode="bilinear", align_corners=False)
     return truth | {name: value.repeat_interleave(2, 0) for name, value in found.items()} | {"relief_shadow": shadow}
+
+
+@torch.no_grad()
+def found_hints(bundle: NetworkBundle, found: Delit, light: torch.Tensor, size: int) -> dict[str, torch.Tensor]:
+    """What SS is told of a surface beside its normals, of what de-lighting is there to find.
+
+    Args:
+        found: of B photos of one size.
+        light: (B, 16, 32, 3), which each of them is to be relit with.
+        size: T of the hints.
+
+    Returns:
+        "parsing" (B, classes, T, T), "relief" and the "relief_shadow" that it casts, (B, 1, T, T).
+    """
+    hints, config = {}, bundle.config.delight
+    if config.classes:
+        parsing = torch.softmax(found.parsing_logits.float(), 1)
+        hints["parsing"] = shrunk(parsing, size)
+    if config.relief:
+        relief = stages.height_of(found.relief.float(), found.albedo_srgb.shape[-1])
+        hints["relief"] = shrunk(relief, size)
+    if config.relief and config.classes:
+        shadow = _relief_shadows(relief, found.normal, 1 - parsing[:, INDEX["background"], None], light)
+        hints["relief_shadow"] = F.interpolate(shadow, size=size, mode="bilinear", align_corners=False)
+    return hints
+
+
+def _relief_shadows(
+    relief: torch.Tensor, normal: torch.Tensor, person: torch.Tensor, light: torch.Tensor
+) -> torch.Tensor:
+    """Shadow fractions (B, 1, `RELIEF_SIZE`, `RELIEF_SIZE`) of B surfaces, each under its light."""
+    small = [F.interpolate(part.float(), size=RELIEF_SIZE, mode="area").cpu() for part in (relief, normal, person)]
+    shadows = [
+        march_relief(height[0], unit_normals(facing[None])[0], alpha[0]).shadow_fraction(own[None])
+        for height, facing, alpha, own in zip(*small, light.cpu(), strict=True)
+    ]
+    return torch.cat(shadows).to(light.device)
 
 
 def _for_both_photos(value: torch.Tensor) -> torch.Tensor:

@@ -23,7 +23,7 @@ from relight_core.training.coarser import shrunk
 from relight_core.training.delight_step import delight_losses
 from relight_core.training.distillation import distillation_losses
 from relight_core.training.outline_step import outline_losses
-from relight_core.training.predicted import on_predicted_surface, surface_size
+from relight_core.training.predicted import found_hints, on_predicted_surface, surface_size
 from relight_core.training.relight_steps import (
     as_smooth_as_predicted,
     composition_losses,
@@ -90,16 +90,22 @@ def _warm_relight(bundle: NetworkBundle, table: ReflectionTable, batch: Batch) -
     return losses | composition_losses(bundle.composition, table, flat, effects)[1]
 
 
-def _relit_from_photo(bundle: NetworkBundle, table: ReflectionTable, batch: Batch, found: Delit) -> Losses:
+def _relit_from_photo(
+    bundle: NetworkBundle, table: ReflectionTable, batch: Batch, found: Delit, *, hinted: bool = False
+) -> Losses:
     """Losses of every photo relit with the other light of its pair, on predicted albedo and normal.
 
-    Relief and parsing stay the true ones, and so does the shadow that the relief casts.
+    Args:
+        hinted: relief, its shadow and the parsing are found ones, too. Else they are the true ones: albedo and
+            normals are not to make up for what a relief lacks.
     """
     size = surface_size(bundle, batch["photo_srgb"])
     lit = {name: value for name, value in batch.items() if name not in ("photo_srgb", "albedo", "normal")}
     swapped = {n: v.unflatten(0, (-1, 2)).flip(1).flatten(0, 1) for n, v in flatten_pairs(lit, size).items()}
     swapped["albedo"] = shrunk(srgb_decode(found.albedo_srgb), size)
     swapped["normal"] = unit_normals(shrunk(found.normal, size))
+    if hinted:
+        swapped |= found_hints(bundle, found, swapped["light"], size)
     swapped = with_reflected(table, swapped)
     effects, losses = None, {}
     if bundle.config.composition.effects:
@@ -123,11 +129,11 @@ def _tune_relight(bundle: NetworkBundle, table: ReflectionTable, flat: Batch) ->
 
 
 def _tune_on_predictions(bundle: NetworkBundle, table: ReflectionTable, batch: Batch) -> Losses:
-    """The paper's own fine-tuning: the albedo, too, is de-lighting's."""
+    """The paper's own fine-tuning: the albedo, too, is de-lighting's, and so is all else that is found."""
     with torch.no_grad():
         found = bundle.delight(batch["photo_srgb"].flatten(0, 1).contiguous(memory_format=torch.channels_last))
         found.normal = F.normalize(found.normal, dim=1, eps=1e-4)
-    return _relit_from_photo(bundle, table, batch, found)
+    return _relit_from_photo(bundle, table, batch, found, hinted=True)
 
 
 def _outline(bundle: NetworkBundle, table: ReflectionTable, batch: Batch) -> Losses:

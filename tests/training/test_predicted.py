@@ -3,8 +3,10 @@
 import pytest
 import torch
 
+from relight_core.lighting.reflection import ReflectionTable
 from relight_core.networks.bundle import BundleConfig, NetworkBundle, with_detail_pass
-from relight_core.training.predicted import on_predicted_surface
+from relight_core.training.predicted import found_hints, on_predicted_surface
+from relight_core.training.stages import STAGES
 
 
 @pytest.fixture
@@ -59,3 +61,53 @@ def test_what_it_gives_can_be_learnt_on(bundle):
     weight = torch.ones(1, requires_grad=True)
     (weight * flat["normal"] * flat["relief_shadow"]).square().sum().backward()
     assert torch.isfinite(weight.grad).all()
+
+
+def test_what_is_tuned_on_predictions_is_told_nothing_true_of_the_surface():
+    """SS is used with the relief and the parts that were found; with true ones it would learn to trust them."""
+    torch.manual_seed(0)
+    bundle, table = NetworkBundle(BundleConfig.tiny()).eval(), ReflectionTable()
+    generator = torch.Generator().manual_seed(1)
+
+    def drawn(*shape):
+        return torch.rand(*shape, generator=generator)
+
+    batch = {
+        "photo_srgb": drawn(1, 2, 3, 16, 16),
+        "light": drawn(1, 2, 16, 32, 3) * 2,
+        "albedo": drawn(1, 3, 16, 16),
+        "normal": torch.nn.functional.normalize(drawn(1, 3, 16, 16) + 0.1, dim=1),
+        "relief": drawn(1, 1, 16, 16),
+        "relief_shadow": drawn(1, 2, 1, 16, 16),
+        "label": torch.randint(14, (1, 16, 16), generator=generator),
+        "covered": torch.ones(1, 1, 16, 16),
+    }
+    batch |= {name: drawn(1, 2, 1, 16, 16) for name in ("specular", "shadow", "shadow_fraction", "gloss_fraction")}
+    batch["image"] = drawn(1, 2, 3, 16, 16)
+    other = batch | {
+        "relief": 2 * drawn(1, 1, 16, 16),
+        "relief_shadow": drawn(1, 2, 1, 16, 16),
+        "label": torch.randint(14, (1, 16, 16), generator=generator),
+        "albedo": drawn(1, 3, 16, 16),
+        "normal": batch["normal"].flip(-1),
+    }
+    for stage, same in (("tune-on-predictions", True), ("tune-delight", False)):
+        one, two = (STAGES[stage].losses(bundle, table, truth) for truth in (batch, other))
+        alike = all(one[name].item() == pytest.approx(two[name].item(), abs=1e-6) for name in one)
+        assert alike == same, stage
+
+
+def test_a_found_relief_casts_the_shadow_that_the_editor_would_march():
+    """Two photos at once, each under its own light, are two photos one at a time."""
+    torch.manual_seed(0)
+    bundle = NetworkBundle(BundleConfig.tiny()).eval()
+    photo, light = torch.rand(2, 3, 16, 16), torch.rand(2, 16, 32, 3) ** 6 * 9
+    with torch.no_grad():
+        found = bundle.delight(photo)
+        both = found_hints(bundle, found, light, 16)
+        for number in range(2):
+            one = found_hints(bundle, bundle.delight(photo[number, None]), light[number, None], 16)
+            for name in ("parsing", "relief", "relief_shadow"):
+                torch.testing.assert_close(both[name][number, None], one[name], atol=1e-4, rtol=1e-3)
+    assert float(both["relief_shadow"].std()) > 0
+    assert both["parsing"].sum(1).allclose(torch.ones(2, 16, 16), atol=1e-4)
