@@ -7,6 +7,8 @@
 
 PYTHON ?= python3
 PHOTO ?=
+# As it was typed: a name may hold a dollar sign.
+override PHOTO := $(value PHOTO)
 export PHOTO
 
 BIN := .venv/bin

@@ -71,8 +71,10 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _bake(arguments: argparse.Namespace) -> int:
-    from relight_core.dataset.recipe import SPLIT_SEEDS, bake_missing
+    from relight_core.dataset.recipe import SPLIT_SEEDS, SPLIT_SIZE, bake_missing
 
+    if arguments.skip + arguments.count > SPLIT_SIZE:
+        raise InputError(f"--skip and --count: a split has {SPLIT_SIZE} people; those after them are the next split's")
     casting = _casting(arguments.heads, arguments.wardrobe, **_shares(arguments))
     make_folder(arguments.out)
     if arguments.split == "train" and arguments.wardrobe is not None:

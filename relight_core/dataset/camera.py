@@ -7,6 +7,7 @@ import numpy as np
 
 from relight_core.dataset.painting.texture import TexturePool
 from relight_core.dataset.surroundings import Neighbour, behind
+from relight_core.lighting.environment import mean_radiance
 
 _METERED_GREY, _METERED_WHITE = 0.28, 0.8
 
@@ -56,7 +57,7 @@ def taken(image: np.ndarray, rng: np.random.Generator) -> np.ndarray:
 
 def _white_balance(light: np.ndarray, rng: np.random.Generator) -> np.ndarray:
     """Cameras neutralise part of the light's colour, by what fraction is anyone's guess."""
-    colour = light.reshape(-1, 3).mean(0) + 1e-4
+    colour = mean_radiance(light) + 1e-4
     balance = (colour.mean() / colour) ** rng.uniform(0.0, 1.0) * np.exp(rng.normal(0, 0.04, 3))
     return (balance / balance.mean()).astype(np.float32)
 

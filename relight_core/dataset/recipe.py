@@ -28,6 +28,9 @@ from relight_core.errors import InputError
 
 SPLIT_SEEDS = {"train": 0, "validation": 1_000_000, "test": 2_000_000}
 """First seed of each split: identities never repeat across splits."""
+SPLIT_SIZE = 1_000_000
+"""Seeds of each split."""
+
 _WIDEST_IDENTITY = 2.5
 
 
@@ -159,9 +162,8 @@ def bake_missing(casting: Casting | ScanCasting, folder: Path, seeds: range, siz
 def load_split(folder: Path, split: str) -> list[Path]:
     """Paths of the heads of one split that are baked, in order of seed."""
     first = SPLIT_SEEDS[split]
-    last = min((s for s in SPLIT_SEEDS.values() if s > first), default=first + 1_000_000)
     paths = sorted(folder.glob("head-*.npz"))
-    return [path for path in paths if first <= int(path.stem.split("-")[1]) < last]
+    return [path for path in paths if first <= int(path.stem.split("-")[1]) < first + SPLIT_SIZE]
 
 
 __all__ = [

@@ -157,6 +157,8 @@ class SampleStream(IterableDataset):
 
     def _light(self, path: Path, ingredients: Ingredients, rng: np.random.Generator) -> LitHead:
         head = read_shard(path)
+        if head.size % self.size:
+            raise InputError(f"{path}: a head of {head.size} pixels has no size of {self.size}; give a divisor of it")
         head = subsample(head, head.size // self.size, rng)
         normal = head.normal if self.plain else textured(head, ingredients.pool, rng)
         lights = np.stack([sample_light(ingredients.library, rng) for _ in range(self.lights_per_head)])

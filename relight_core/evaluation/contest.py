@@ -157,17 +157,20 @@ def _gain(rows: list[tuple[str, Figures]], before: list[tuple[str, Figures]]) ->
 
 def _portraits_of_others(
     paths: Sequence[Path], load: Callable[[Path], HeldOutHead]
-) -> Iterator[tuple[HeldOutHead, HeldOutHead]]:
-    """Every head, and the one before it (before the first: the last) as the portrait that lends its light."""
-    other = load(paths[-1])
+) -> Iterator[tuple[HeldOutHead, HeldOutHead | None]]:
+    """Every head, and the one before it (before the first: the last) as the portrait that lends its light.
+
+    One head alone has nobody to borrow from.
+    """
+    other = load(paths[-1]) if len(paths) > 1 else None
     for path in paths:
         head = load(path)
         yield head, other
-        other = head
+        other = head if len(paths) > 1 else None
 
 
 def _score_head(
-    contender: Contender, cases: list[Case], head: HeldOutHead, other: HeldOutHead, lights: list[HeldOutLight]
+    contender: Contender, cases: list[Case], head: HeldOutHead, other: HeldOutHead | None, lights: list[HeldOutLight]
 ) -> Iterator[tuple[Figures, np.ndarray]]:
     """Figures of every relighting, and the picture (S, S, 3), linear, as it is shown."""
     truth, covered = head.surface(), head.lit.head.covered
@@ -183,7 +186,7 @@ def _score_head(
             figures |= score_surface(found, lights[case.source].radiance, truth, covered)
         elif "guess" in found:
             figures["light.wlog_l2"] = wlog_l2(levelled(found["guess"]), lights[case.source].radiance)
-        if "guess" in found:
+        if "guess" in found and other is not None:
             lent = levelled(contender.channels(contender.look(other.photo(case.target, "clean")))["guess"])
             image = contender.relight(seen, Task(lent, gain, task.reference, covered, truth))["composition"]
             figures["borrowed.wlog_l2"] = wlog_l2(lent, target)

@@ -6,6 +6,7 @@ panorama is turned, which light a photo is taken under and which one it is then 
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
@@ -28,6 +29,7 @@ from relight_core.lighting.sphere import directions
 
 _YAW_SEED = 391
 _SKIN_SEED = 438
+_CAMERA_SEED = 439
 _RELIEF_STRENGTH = 0.1
 _SUBJECT_SHARE = 0.45
 _DRAWN_HEIGHT = 64
@@ -92,7 +94,7 @@ class HeldOutHead:
         radiance, covered = self.channels(light)["image"], self.lit.head.covered
         if kind == "clean":
             return np.clip(radiance * self.exposure(light), 0, 1).astype(np.float32)
-        rng = np.random.default_rng([_SKIN_SEED, self.seed, light])
+        rng = np.random.default_rng([_CAMERA_SEED, self.seed, light])
         white_level = self.white_level(light)
         return srgb_decode(photograph(radiance, covered, self.lit.lights[light], white_level, self.pool, rng))
 
@@ -181,13 +183,17 @@ def load_head(path: Path, lights: list[HeldOutLight], pool: TexturePool, size: i
 def cases_of(head_number: int, lights: list[HeldOutLight]) -> list[Case]:
     """The relightings of one head: every panorama once as source and once as target, then every lamp.
 
-    Which target goes with which source differs between heads; source and target are different lights
-    where there are two panoramas or more.
+    Which target goes with which source differs between heads, as long as there are pairs; source and target are
+    different lights where there are two panoramas or more.
     """
     panoramas = [index for index, light in enumerate(lights) if not light.lamp]
     lamps = [index for index, light in enumerate(lights) if light.lamp]
     count = len(panoramas)
-    shift = 1 + (7 * head_number) % max(count - 1, 1)
+    shifts = max(count - 1, 1)
+    step = next(step for step in (7, 5, 3, 2, 1) if math.gcd(step, shifts) == 1)
+    shift = 1 + (step * head_number) % shifts
     cases = [Case(panoramas[i], panoramas[(i + shift) % count]) for i in range(count)]
     first = head_number * len(lamps)
+    # Once all panoramas have been sources for lamps, each is one for the next lamp.
+    first += first // count
     return cases + [Case(panoramas[(first + i) % count], lamp) for i, lamp in enumerate(lamps)]

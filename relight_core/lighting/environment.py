@@ -198,10 +198,18 @@ def network_light(environment: Environment, yaw_deg: float = 0.0, height: int = 
 
 def mean_luminance(radiance: np.ndarray) -> float:
     """Mean Rec.709 luminance of an (H, W, 3) panorama over the sphere."""
+    return float(_row_shares(radiance) @ (radiance.mean(axis=1, dtype=np.float64) @ REC709_LUMINANCE))
+
+
+def mean_radiance(radiance: np.ndarray) -> np.ndarray:
+    """Mean colour (3,) of an (H, W, 3) panorama over the sphere, float64."""
+    return _row_shares(radiance) @ radiance.mean(axis=1, dtype=np.float64)
+
+
+def _row_shares(radiance: np.ndarray) -> np.ndarray:
+    """How much of the sphere every row of a panorama is; sums to 1."""
     height = radiance.shape[0]
-    weights = -np.diff(np.cos(np.pi * np.arange(height + 1) / height)) / 2
-    per_row = radiance.mean(axis=1, dtype=np.float64)
-    return float(weights @ (per_row @ REC709_LUMINANCE))
+    return -np.diff(np.cos(np.pi * np.arange(height + 1) / height)) / 2
 
 
 def _as_panorama(radiance: np.ndarray, name: str) -> np.ndarray:

@@ -12,8 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from relight_core.imaging.colour import luminance
-from relight_core.imaging.resampling import resize_area
-from relight_core.lighting.environment import Environment
+from relight_core.lighting.environment import Environment, shrink
 from relight_core.lighting.sphere import directions, place_on_map, solid_angles, turned
 
 _ROWS = 128
@@ -88,7 +87,7 @@ def _disc(lamp: Lamp) -> np.ndarray:
 
 
 def _find(shape: np.ndarray) -> tuple[Lamp, ...]:
-    fine = resize_area(shape, (_ROWS, 2 * _ROWS)) if len(shape) > _ROWS else shape
+    fine = shrink(shape, _ROWS) if len(shape) > _ROWS else shape
     grey = luminance(fine).astype(np.float64)
     toward = directions(*grey.shape).astype(np.float64)
     areas = solid_angles(*grey.shape).astype(np.float64)

@@ -190,11 +190,11 @@ def save_bundle(path: Path, bundle: NetworkBundle, *, half: bool = True) -> None
     tensors = {}
     for name, value in bundle.state_dict().items():
         if value.is_floating_point():
-            if not torch.isfinite(value).all():
-                raise ValueError(f"{name} is not finite: not saved")
             # A running variance may exceed what fp16 holds, and underflow would divide by 0.
             keep = not half or name.endswith(("running_var", "running_mean"))
             value = value.float() if keep else value.half()
+            if not torch.isfinite(value).all():
+                raise ValueError(f"{name} is not finite: not saved")
         tensors[name] = value.contiguous()
     header = {"format": FORMAT, "config": bundle.config.to_json(), _CHECKSUM: _checksum(tensors), **bundle.card}
     with whole_file(path) as beside:

@@ -76,6 +76,14 @@ def test_bake_wants_a_share_and_a_place_to_start(run, tmp_path, words):
     refused(run("dataset", "bake", "--heads", "m.npz", "--out", tmp_path, "--count", 1, *words), words[1])
 
 
+@pytest.mark.parametrize(("skip", "count"), [(1_000_000, 1), (999_999, 2), (0, 1_000_001)])
+def test_bake_stays_within_its_split(run, tmp_path, skip, count):
+    """The next seed is a person of the next split, which training must not see."""
+    words = ["--heads", "m.npz", "--out", tmp_path / "o", "--skip", skip, "--count", count]
+    refused(run("dataset", "bake", *words), "split")
+    assert not (tmp_path / "o").exists()
+
+
 def test_bake_takes_the_people_after_those_left_out(run, tmp_path, monkeypatch):
     from relight_core.dataset import recipe
 

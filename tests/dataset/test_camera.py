@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from synthetic_heads import ball
 
-from relight_core.dataset.camera import metered_gain, photograph
+from relight_core.dataset.camera import camera_gain, metered_gain, photograph
 from relight_core.dataset.painting.texture import TexturePool, fractal_noise, look_up
 
 
@@ -105,3 +105,12 @@ def test_dark_skin_is_shown_darker_than_pale_skin():
     pale = np.full((32, 32, 3), 0.5, np.float32) * covered()[..., None]
     shown = [(skin * metered_gain(skin, covered(), 1.0, 0.45))[covered()].mean() for skin in (pale * 0.1, pale)]
     assert shown[0] < 0.5 * shown[1]
+
+
+def test_a_camera_takes_the_colour_of_a_light_from_all_of_the_sphere():
+    """Rows at the poles are as many texels as those at the horizon, and next to nothing of the sphere."""
+    plain, poles = np.ones((16, 32, 3), np.float32), np.ones((16, 32, 3), np.float32)
+    poles[[0, -1]] = [1.0, 1.0, 9.0]
+    radiance = np.full((32, 32, 3), 0.2, np.float32) * covered()[..., None]
+    gains = [camera_gain(radiance, covered(), each, 1.0, np.random.default_rng(4)) for each in (plain, poles)]
+    np.testing.assert_allclose(gains[0], gains[1], rtol=0.12)

@@ -37,6 +37,31 @@ def test_panoramas_of_a_place_share_a_group(folder):
     np.testing.assert_allclose(arrays["env64"][at], 5.0, rtol=0.02)
 
 
+@pytest.mark.parametrize(
+    ("one", "other"),
+    [("2019 kitchen 01", "2019 kitchen 02"), ("4k_studio_1", "8k_studio_2"), ("2019-05 hall", "2020-01 hall 2")],
+)
+def test_numbers_before_a_places_name_do_not_set_its_views_apart(one, other, tmp_path):
+    for name in (one, other, "garden"):
+        write_panorama(tmp_path / f"{name}.hdr", 1.0)
+    groups = read_light_folder(tmp_path)["group"].tolist()
+    assert len(set(groups)) == 2
+
+
+def test_names_that_are_only_numbers_are_places_of_their_own(tmp_path):
+    for name in ("001", "002", "2019-05"):
+        write_panorama(tmp_path / f"{name}.hdr", 1.0)
+    assert len(set(read_light_folder(tmp_path)["group"].tolist())) == 3
+
+
+def test_a_library_with_values_that_are_no_numbers_is_refused(folder, tmp_path):
+    arrays = read_light_folder(folder)
+    arrays["env64"][:, 3, 5] = np.nan
+    write_light_library(tmp_path / "lights.npz", arrays)
+    with pytest.raises(InputError, match="no numbers"):
+        load_lights(tmp_path / "lights.npz", "train")
+
+
 def test_a_folder_is_split_by_place_and_every_split_has_light(folder):
     names = {split: load_lights(folder, split).names for split in ("train", "validation", "test")}
     assert sorted(sum(names.values(), ())) == sorted(read_light_folder(folder)["names"].tolist())

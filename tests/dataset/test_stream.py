@@ -146,3 +146,10 @@ def test_no_heads_is_an_input_error(tmp_path, library):
     (tmp_path / "empty").mkdir()
     with pytest.raises(InputError, match="bake"):
         next(iter(SampleStream(tmp_path / "empty", library, "train", 16, 0)))
+
+
+@pytest.mark.parametrize("size", [48, 96, 128])
+def test_a_size_that_heads_do_not_have_is_refused(size, tmp_path, library):
+    write_balls(tmp_path / "heads", 0, 1, size=64)
+    with pytest.raises(InputError, match=f"no size of {size}"):
+        next(iter(SampleStream(tmp_path / "heads", library, "train", size, 0, heads_at_once=1)))

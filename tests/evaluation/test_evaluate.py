@@ -67,8 +67,16 @@ def test_every_panorama_is_source_once_and_target_once(head):
     assert all(case.source < 20 for case in of_lamps)
 
 
-def test_heads_pair_the_lights_differently():
-    assert len({tuple(cases_of(head, some_lights(20, 4))) for head in range(8)}) == 8
+@pytest.mark.parametrize(("panoramas", "heads"), [(20, 8), (8, 7), (15, 8), (36, 8)])
+def test_heads_pair_the_lights_differently(panoramas, heads):
+    cases = [case for head in range(heads) for case in cases_of(head, some_lights(panoramas, 4))]
+    assert len(set(cases)) == len(cases)
+
+
+def test_lamps_are_told_from_every_panorama_in_turn():
+    """Eight panoramas, four lamps: after two heads all were sources once, and then for other lamps."""
+    cases = [case for head in range(8) for case in cases_of(head, some_lights(8, 4)) if case.target >= 8]
+    assert len(set(cases)) == 32
 
 
 def test_one_panorama_is_enough():

@@ -37,6 +37,18 @@ def test_a_lamp_is_found_where_it_is_as_large_as_it_is():
     assert lamp.irradiance * environment.level == pytest.approx(900 * solid_angle / np.pi, rel=0.06)
 
 
+@pytest.mark.parametrize("height", [128, 256, 512, 1024])
+@pytest.mark.parametrize("zenith_deg", [1.0, 3.0, 12.0, 60.0])
+def test_a_lamp_is_as_strong_as_its_map_wherever_it_stands(zenith_deg, height):
+    """Texels near the zenith are slivers: a lamp of a few of them is worth what they cover of the sphere."""
+    row = int(height * zenith_deg / 180)
+    image = np.zeros((height, 2 * height, 3), np.float32)
+    image[row : row + max(1, height // 128), 5 : 5 + height // 64] = 1
+    (lamp,) = lamps_of(Environment.from_radiance(image))
+    # All of a light whose mean radiance is 1, 4 pi of it, over pi.
+    assert lamp.irradiance == pytest.approx(4, rel=0.02)
+
+
 @pytest.mark.parametrize("discs", [(), (((1, 0, 1), 25.0, 40.0),), (((0, 1, 0), 90.0, 3.0),)])
 def test_even_light_windows_and_skies_have_none(discs):
     assert lamps_of(light(*discs)) == ()

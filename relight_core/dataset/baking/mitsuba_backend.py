@@ -10,6 +10,10 @@ from relight_core.errors import InputError
 _LLVM_CANDIDATES = (
     "libLLVM.so.19.1",
     "libLLVM-19.so.1",
+    "libLLVM.so.20.1",
+    "libLLVM.so.18.1",
+    "libLLVM-18.so.1",
+    "libLLVM-17.so.1",
     "libLLVM-16.so.1",
     "libLLVM-15.so.1",
     "libLLVM-14.so.1",

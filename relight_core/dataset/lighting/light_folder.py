@@ -51,4 +51,6 @@ def _reduced(environment: Environment) -> np.ndarray:
 def _group(place: Path) -> str:
     if len(place.parts) > 1:
         return place.parts[0]
-    return re.split(r"[ _.\-]*\d", place.stem, maxsplit=1)[0] or place.stem
+    # A year or a resolution may come first; what follows the next number counts views.
+    name = re.sub(r"^(?:\d+\w?[ _.\-]+)+", "", place.stem)
+    return re.split(r"[ _.\-]*\d", name, maxsplit=1)[0] or place.stem

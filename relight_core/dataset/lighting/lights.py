@@ -56,6 +56,8 @@ def load_lights(path: Path, split: str) -> LightLibrary:
     if not chosen:
         raise InputError(f"{path}: too few places for the {split} split to have any; add panoramas of other places")
     panoramas = np.clip(data["env64"][chosen].astype(np.float32), 0, None)
+    if not np.isfinite(panoramas).all():
+        raise InputError(f"{path}: a panorama has values that are no numbers, or infinite ones; make the library anew")
     return LightLibrary(panoramas, tuple(str(data["names"][index]) for index in chosen))
 
 
