@@ -17,6 +17,7 @@ from contextlib import contextmanager
 from importlib.util import find_spec
 
 from app.cli.arguments import OneLineParser
+from app.faults import confession
 from relight_core.errors import InputError
 
 DONE, OUR_FAULT, BAD_INPUT, INTERRUPTED, READER_LEFT = 0, 1, 2, 130, 141
@@ -117,11 +118,7 @@ def _let_any_file_name_print() -> None:
 def _confess(program: str, error: Exception) -> None:
     if os.environ.get("RELIGHT_DEBUG") == "1":
         traceback.print_exc()
-    _say(
-        program,
-        f"a fault of ours, not of your input ({type(error).__name__}: {error}); "
-        "RELIGHT_DEBUG=1 shows where it happened",
-    )
+    _say(program, f"{confession(error)}; RELIGHT_DEBUG=1 shows where it happened")
 
 
 def _say(program: str, message: str) -> None:

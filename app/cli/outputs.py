@@ -8,7 +8,7 @@ import tempfile
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
-from app.engine.batch import names_apart
+from app.engine.batch import is_done, name_beside_a_namesake, names_apart
 from relight_core.errors import InputError
 from relight_core.imaging.files import is_same_file
 
@@ -25,11 +25,62 @@ def plan_outputs(photos: Sequence[Path], out: str) -> list[Path]:
     Raises:
         InputError: several photos and one file.
     """
-    if out.endswith(("/", os.sep)) or os.path.isdir(out):
-        out = os.path.join(out, f"{NAME_FIELD}.png")
-    elif NAME_FIELD not in out and len(photos) > 1:
+    pattern = _pattern(out)
+    if NAME_FIELD not in pattern and len(photos) > 1:
         raise InputError(f"{out}: several photos need a folder/ or a pattern like {NAME_FIELD}.png after -o")
-    return [Path(out.replace(NAME_FIELD, name)) for name in names_apart(photos)]
+    return [Path(pattern.replace(NAME_FIELD, name)) for name in names_apart(photos)]
+
+
+def results_among(photos: Sequence[Path], out: str) -> list[Path]:
+    """Those of the photos that by their names are results of others: what an earlier run has left beside its photos.
+
+    Of a.jpg that is the file that OUT makes of the name a, or of a-jpg if that is there: then a run had another
+    photo called a, and where OUT's own name would be a.png, that file is the other photo.
+    """
+    pattern, given = _pattern(out), {_place(photo) for photo in photos}
+    results, sources, doubtful = set(), set(), set()
+    for photo in photos:
+        place, names = _place(photo), (photo.stem, name_beside_a_namesake(photo))
+        plain, apart = (_place(Path(pattern.replace(NAME_FIELD, name))) for name in names)
+        if apart in given - {place}:
+            results.add(apart)
+            sources.add(place)
+        elif plain in given - {place}:
+            doubtful.add(plain)
+    results |= doubtful - sources
+    return [photo for photo in photos if _place(photo) in results]
+
+
+def unclaimed_results(photos: Sequence[Path], outputs: Sequence[Path], results: Sequence[Path]) -> list[Path]:
+    """Those of the results that are no photo's output in this run.
+
+    Args:
+        photos, outputs: each photo and where its result goes.
+        results: files that were given as photos and taken for results; see `results_among`.
+
+    Raises:
+        InputError: one would have to be made anew, and may as well be a photo.
+    """
+    unclaimed = {_place(result): result for result in results}
+    for photo, output in zip(photos, outputs, strict=True):
+        if unclaimed.pop(_place(output), None) is not None and not is_done(photo, output):
+            raise InputError(
+                f"{output}: has the name of {photo}'s result but is older, so it may be a photo of its own; "
+                "move it away, or choose another name after -o"
+            )
+    return list(unclaimed.values())
+
+
+def _pattern(out: str) -> str:
+    """OUT with {name} in it, unless it is one file."""
+    if out.endswith(("/", os.sep)) or os.path.isdir(out):
+        return os.path.join(out, f"{NAME_FIELD}.png")
+    return out
+
+
+def _place(path: Path) -> str:
+    """A file's path, the same by whichever way to its folder."""
+    return os.path.join(os.path.realpath(path.parent), path.name)
 
 
 def check_place(path: Path, inputs: Sequence[Path], *, folder_is_made: bool = False) -> None:

@@ -5,8 +5,9 @@ or a pattern in which {name} stands for the photo's name: -o 'out/{name}.exr'. O
 and a-png. PNG, JPEG and TIFF are ready to look at; EXR holds linear radiance. Nothing is ever written over an input.
 
 With --json, one photo gives one object; several give {"results": [...], "errors": [{"input", "error"}]}.
-A photo that can't be relit doesn't stop the others, but makes the exit code 2; --resume takes up where an
-earlier run was interrupted.
+A photo that can't be relit doesn't stop the others, but makes the exit code 2, or 1 if that is a fault of ours.
+--resume takes up where an earlier run was interrupted, also in a folder that gives photos and takes results: what
+has the name of another photo's result is no photo then.
 """
 
 from __future__ import annotations
@@ -20,10 +21,17 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from app.cli.arguments import add_json, add_light, add_sliders, edit_from, photo_path
-from app.cli.outputs import OPAQUE_SUFFIXES, check_place, make_folder, plan_outputs
+from app.cli.outputs import (
+    OPAQUE_SUFFIXES,
+    check_place,
+    make_folder,
+    plan_outputs,
+    results_among,
+    unclaimed_results,
+)
 from app.cli.report import FileTimes, Report, relit_line, relit_record, reporting
 from app.cli.session import Session, light_files
-from app.engine.batch import photos_in, relight_each, summary
+from app.engine.batch import Outcome, photos_in, relight_each, summary
 from relight_core.errors import InputError
 
 if TYPE_CHECKING:
@@ -65,9 +73,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Render every photo; returns the exit code."""
     several = len(arguments.photos) > 1 or os.path.isdir(arguments.photos[0]) or arguments.resume
-    arguments.photos = _photos(arguments.photos)
+    given = _photos(arguments.photos)
+    results = results_among(given, arguments.output) if arguments.resume else []
+    arguments.photos = [photo for photo in given if photo not in results]
     outputs = _checked_outputs(arguments)
+    unclaimed = unclaimed_results(arguments.photos, outputs, results)
     with reporting(arguments.json) as report:
+        for path in unclaimed:
+            report.line(f"left out {path}: it has the name of a result")
         session = Session()
         light = session.light(arguments.light, arguments.meter)
         if not several:
@@ -104,7 +117,7 @@ def _render_each(
     for outcome in relight_each(tasks, one, arguments.resume):
         outcomes.append(outcome)
         if outcome.state == "failed":
-            print(f"relight render: {outcome.error}", file=sys.stderr, flush=True)
+            _tell_failure(outcome)
         elif outcome.state == "kept":
             report.line(f"kept {outcome.output}")
     failed = [outcome for outcome in outcomes if outcome.state == "failed"]
@@ -116,7 +129,18 @@ def _render_each(
     report.record(record | ({"kept": kept} if arguments.resume else {}))
     if failed and len(outcomes) > 2:
         print(f"relight render: {summary(outcomes)}", file=sys.stderr, flush=True)
+    if any(outcome.fault for outcome in failed):
+        return 1
     return 2 if failed else 0
+
+
+def _tell_failure(outcome: Outcome) -> None:
+    line = outcome.error
+    if outcome.fault:
+        line += "; RELIGHT_DEBUG=1 shows where it happened"
+        if os.environ.get("RELIGHT_DEBUG") == "1":
+            print(outcome.fault, file=sys.stderr)
+    print(f"relight render: {line}", file=sys.stderr, flush=True)
 
 
 def _photos(given: list[Path]) -> list[Path]:

@@ -3,13 +3,18 @@
 from __future__ import annotations
 
 import os
+import traceback
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 from app.engine.sources import PHOTO_SUFFIXES
+from app.faults import confession
 from relight_core.errors import InputError
+
+_NO_MEMORY = ("allocate memory", "out of memory", "insufficient memory")
+"""What libraries say, whose exceptions are no MemoryError."""
 
 
 @dataclass(frozen=True)
@@ -21,6 +26,7 @@ class Outcome:
         state: "written", "kept" (it was there already and is newer than the photo) or "failed".
         error: why it failed.
         result: what the work returned.
+        fault: where it failed, as Python tells it, if that is a fault of ours and not of the photo; else empty.
     """
 
     photo: Path
@@ -28,26 +34,35 @@ class Outcome:
     state: str
     error: str = ""
     result: object = None
+    fault: str = ""
 
 
 def relight_each(
     tasks: Sequence[tuple[Path, Path]], relight_one: Callable[[Path, Path], object], resume: bool = False
 ) -> Iterator[Outcome]:
-    """Do the work for photo after photo; an InputError of one doesn't stop the others.
+    """Do the work for photo after photo; what goes wrong with one doesn't stop the others.
 
     Args:
         tasks: photo and output of each.
         relight_one: writes one output from one photo.
         resume: leave outputs alone that are newer than their photos.
+
+    Raises:
+        Exception: memory has run out, or nobody reads what is told: no other photo would fare better.
     """
     for photo, output in tasks:
-        if resume and _is_done(photo, output):
+        if resume and is_done(photo, output):
             yield Outcome(photo, output, "kept")
             continue
         try:
             result = relight_one(photo, output)
         except InputError as error:
             yield Outcome(photo, output, "failed", str(error))
+        except Exception as error:
+            if isinstance(error, BrokenPipeError) or _is_out_of_memory(error):
+                raise
+            # The text, not the exception: that would keep the photo's arrays until the batch has ended.
+            yield Outcome(photo, output, "failed", f"{photo}: {confession(error)}", fault=traceback.format_exc())
         else:
             yield Outcome(photo, output, "written", result=result)
 
@@ -66,7 +81,7 @@ def names_apart(photos: Sequence[Path]) -> list[str]:
     taken: set[str] = set()
     names = []
     for photo in photos:
-        name = photo.stem if counts[photo.stem.lower()] == 1 else f"{photo.stem}-{photo.suffix[1:]}"
+        name = photo.stem if counts[photo.stem.lower()] == 1 else name_beside_a_namesake(photo)
         number, free = 1, name
         while free.lower() in taken:
             number += 1
@@ -74,6 +89,11 @@ def names_apart(photos: Sequence[Path]) -> list[str]:
         taken.add(free.lower())
         names.append(free)
     return names
+
+
+def name_beside_a_namesake(photo: Path) -> str:
+    """The name of a photo's output, without suffix, where another photo has the same: of a.jpg "a-jpg"."""
+    return f"{photo.stem}-{photo.suffix[1:]}"
 
 
 def photos_in(folder: Path) -> list[Path]:
@@ -109,8 +129,13 @@ def reasons(outcomes: Sequence[Outcome]) -> list[str]:
     return [outcome.error for outcome in outcomes if outcome.state == "failed"]
 
 
-def _is_done(photo: Path, output: Path) -> bool:
+def is_done(photo: Path, output: Path) -> bool:
+    """Whether a photo's output is there, not empty, and no older than the photo."""
     try:
         return os.path.getsize(output) > 0 and os.path.getmtime(output) >= os.path.getmtime(photo)
     except OSError:
         return False
+
+
+def _is_out_of_memory(error: Exception) -> bool:
+    return isinstance(error, MemoryError) or any(words in str(error).lower() for words in _NO_MEMORY)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import os
 import tempfile
 from collections.abc import Callable, Sequence
@@ -29,6 +30,8 @@ from relight_core.imaging.write import write_image
 from relight_core.lighting.environment import Environment
 from relight_core.pipeline.edit import Edit
 from relight_core.pipeline.results.layers import shrunk_picture
+
+_log = logging.getLogger(__name__)
 
 
 class Outputs:
@@ -149,6 +152,8 @@ class Outputs:
             control.step(len(kept), len(tasks))
             for outcome in relight_each([task for task in tasks if task not in kept], partial(one, relighter)):
                 outcomes.append(outcome)
+                if outcome.fault:
+                    _log.error("Batch: %s\n%s", outcome.error, outcome.fault)
                 control.step(len(outcomes), len(tasks))
             said = "\n".join([f"{summary(outcomes)}. They are in {folder}", *reasons(outcomes)])
             if any(outcome.state == "failed" for outcome in outcomes):

@@ -1,0 +1,159 @@
+"""relight render into the very folder that the photos are in, and past a photo that fails unexpectedly."""
+
+import json
+import os
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from app.cli.outputs import results_among
+from app.engine.batch import relight_each
+
+
+@pytest.fixture
+def shoot(tmp_path):
+    folder = tmp_path / "shoot"
+    folder.mkdir()
+    return folder
+
+
+def add_photo(folder, name, age_s=1000):
+    pixels = np.random.default_rng(len(name)).integers(40, 200, (16, 24, 3), dtype=np.uint8)
+    Image.fromarray(pixels).save(folder / name)
+    now_s = (folder / name).stat().st_mtime
+    os.utime(folder / name, (now_s - age_s, now_s - age_s))
+    return folder / name
+
+
+def names_in(folder):
+    return sorted(path.name for path in folder.iterdir())
+
+
+@pytest.mark.parametrize(
+    ("out", "result"), [("", "a.png"), ("{name}-relit.png", "a-relit.png"), ("one.png", "one.png")]
+)
+def test_a_rerun_does_nothing_more(relight, relighter, shoot, out, result):
+    add_photo(shoot, "a.jpg")
+    words = ("render", f"{shoot}/", "--light", "ring", "--resume", "-o", f"{shoot}/{out}")
+    for _ in range(3):
+        assert relight(*words).code == 0
+        assert names_in(shoot) == sorted(["a.jpg", result])
+    assert len(relighter.edits) == 1
+
+
+def test_an_interrupted_run_is_taken_up(relight, relighter, shoot):
+    for name in ("a.jpg", "b.jpg"):
+        add_photo(shoot, name)
+    words = ("render", shoot, "--light", "ring", "-o", f"{shoot}/{{name}}-relit.png")
+    assert relight(*words).code == 0
+    (shoot / "b-relit.png").unlink()
+    done = relight(*words, "--resume", "--json")
+    assert done.code == 0
+    record = json.loads(done.out)
+    assert [os.path.basename(one["output"]) for one in record["results"]] == ["b-relit.png"]
+    assert [os.path.basename(path) for path in record["kept"]] == ["a-relit.png"]
+    assert names_in(shoot) == ["a-relit.png", "a.jpg", "b-relit.png", "b.jpg"]
+
+
+def test_a_rerun_over_two_photos_of_one_name_does_nothing_more(relight, relighter, shoot):
+    for name in ("a.jpg", "a.png"):
+        add_photo(shoot, name)
+    words = ("render", shoot, "--light", "ring", "-o", f"{shoot}/")
+    assert relight(*words).code == 0
+    assert relight(*words, "--resume").code == 0
+    assert names_in(shoot) == ["a-jpg.png", "a-png.png", "a.jpg", "a.png"]
+    assert len(relighter.edits) == 2
+
+
+def test_what_may_be_an_older_photo_of_its_own_is_not_written_over(relight, relighter, shoot):
+    before = add_photo(shoot, "a.png", age_s=2000).read_bytes()
+    add_photo(shoot, "a.jpg", age_s=1000)
+    done = relight("render", shoot, "--light", "ring", "--resume", "-o", f"{shoot}/")
+    assert done.code == 2
+    assert done.err.count("\n") == 1
+    assert "a.png" in done.err
+    assert "older" in done.err
+    assert (shoot / "a.png").read_bytes() == before
+    assert relighter.edits == []
+
+
+def test_without_resume_names_keep_photos_apart(relight, shoot):
+    add_photo(shoot, "a.jpg")
+    for _ in range(2):
+        assert relight("render", shoot, "--light", "ring", "-o", f"{shoot}/").code == 0
+    assert names_in(shoot) == ["a-jpg.png", "a-png.png", "a.jpg", "a.png"]
+
+
+@pytest.mark.parametrize(
+    ("names", "results"),
+    [
+        (("a-relit.png", "a.jpg"), ["a-relit.png"]),
+        (("a-relit-relit.png", "a-relit.png", "a.jpg"), ["a-relit-relit.png", "a-relit.png"]),
+        (("a-jpg-relit.png", "a-png-relit.png", "a.jpg", "a.png"), ["a-jpg-relit.png", "a-png-relit.png"]),
+        (("b-relit.png", "a.jpg"), []),
+    ],
+)
+def test_results_are_known_by_their_names(shoot, names, results):
+    found = results_among([shoot / name for name in names], f"{shoot.parent}/other/../shoot/{{name}}-relit.png")
+    assert [path.name for path in found] == results
+    assert results_among([shoot / name for name in names], f"{shoot.parent}/out/{{name}}-relit.png") == []
+
+
+def _failing_for(relighter, name, error):
+    """Let the fake fail on one photo."""
+    relight = relighter.relight
+
+    def fail(*given, **settings):
+        if relighter.photo.path.name == name:
+            raise error
+        return relight(*given, **settings)
+
+    relighter.relight = fail
+
+
+def test_a_fault_of_ours_fails_its_own_photo_only(relight, relighter, shoot, tmp_path):
+    for name in ("a.jpg", "b.jpg", "c.jpg"):
+        add_photo(shoot, name)
+    _failing_for(relighter, "b.jpg", RuntimeError("shapes\ndisagree"))
+    done = relight("render", shoot, "--light", "ring", "--json", "-o", f"{tmp_path}/out/")
+    assert done.code == 1
+    assert names_in(tmp_path / "out") == ["a.png", "c.png"]
+    record = json.loads(done.out)
+    assert [os.path.basename(one["input"]) for one in record["results"]] == ["a.jpg", "c.jpg"]
+    (error,) = record["errors"]
+    assert os.path.basename(error["input"]) == "b.jpg"
+    told = done.err.splitlines()
+    assert "b.jpg: a fault of ours, not of your input (RuntimeError: shapes disagree); RELIGHT_DEBUG=1" in told[0]
+    assert "2 photos relit; 1 could not be relit: b.jpg" in told[1]
+
+
+def test_debug_shows_where_a_photo_of_a_batch_failed(relight, relighter, shoot, tmp_path, monkeypatch):
+    monkeypatch.setenv("RELIGHT_DEBUG", "1")
+    add_photo(shoot, "a.jpg")
+    _failing_for(relighter, "a.jpg", RuntimeError("shapes disagree"))
+    done = relight("render", shoot, "--light", "ring", "-o", f"{tmp_path}/out/")
+    assert done.code == 1
+    assert "Traceback" in done.err
+
+
+@pytest.mark.parametrize(
+    "error",
+    [
+        KeyboardInterrupt(),
+        MemoryError("no room"),
+        RuntimeError("DefaultCPUAllocator: can't allocate memory"),
+        BrokenPipeError(),
+    ],
+)
+def test_what_no_other_photo_would_survive_ends_the_batch(tmp_path, error):
+    worked = []
+
+    def one(photo, _output):
+        worked.append(photo)
+        raise error
+
+    tasks = [(tmp_path / name, tmp_path / f"{name}.png") for name in "ab"]
+    with pytest.raises(type(error)):
+        list(relight_each(tasks, one))
+    assert len(worked) == 1
