@@ -16,6 +16,7 @@ import argparse
 import os
 import sys
 import time
+import warnings
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -36,6 +37,10 @@ from relight_core.errors import InputError
 
 if TYPE_CHECKING:
     from relight_core.lighting.environment import Environment
+    from relight_core.pipeline.results.relit import Relit
+
+MATCH_LIMIT_EV = 40.0
+"""Of --match-face, either way: so far apart are the darkest and the brightest that a half float holds."""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -163,8 +168,7 @@ def _render(
     opened = session.open(photo, arguments.face, arguments.box)
     relit = session.relighter.relight(light, edit, longest_side_px=0)
     if arguments.match_face:
-        matched = light.at_level(light.level * 2.0 ** relit.level_as_in_photo_ev())
-        relit = session.relighter.relight(matched, edit, longest_side_px=0)
+        relit = session.relighter.relight(_matched(light, relit, photo), edit, longest_side_px=0)
     if _is_folder(arguments.output):
         make_folder(output.parent)
     icc = opened.icc if arguments.profile == "photo" else None
@@ -177,3 +181,15 @@ def _render(
     times = FileTimes(session.opening_ms, (ended - began) * 1e3, after_networks_s * 1e3)
     report.line(relit_line(str(output), relit, edit))
     return relit_record(str(photo), str(output), relit, times)
+
+
+def _matched(light: Environment, relit: Relit, photo: Path) -> Environment:
+    """The light at the level that leaves the lit part of the face as bright as in the photo."""
+    stops = relit.level_as_in_photo_ev(MATCH_LIMIT_EV)
+    if abs(stops) >= MATCH_LIMIT_EV:
+        warnings.warn(
+            f"{photo}: --match-face changes a light by {MATCH_LIMIT_EV:g} stops at the most, "
+            "which does not leave the face as bright as in the photo",
+            stacklevel=2,
+        )
+    return light.at_level(light.level * 2.0**stops)

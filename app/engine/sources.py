@@ -59,7 +59,7 @@ class RelitLike(Protocol):
     window: tuple[float, float, float, float] | None
     roll_deg: float
     full: Picture | None
-    level_as_in_photo_ev: Callable[[], float]
+    level_as_in_photo_ev: Callable[..., float]
 
 
 @dataclass(frozen=True, eq=False)

@@ -26,7 +26,7 @@ from app.ui.viewport.box_tools import Grab, without_box
 from app.ui.viewport.view import View
 from relight_core.face.find import FaceBox
 from relight_core.imaging.photo import Photo
-from relight_core.lighting.light_edit import LightEdit
+from relight_core.lighting.light_edit import MOST_LEVEL_EV, LightEdit
 from relight_core.pipeline.auto_quality import QualityChoice
 from relight_core.pipeline.edit import Edit
 
@@ -187,8 +187,9 @@ class EditorState:
     def match_face(self) -> None:
         """Set the light's level so that the lit part of the face is as bright as in the photo."""
         if (picture := self.snapshot.picture) is not None:
-            stops = picture.light.edit.level_ev + picture.relit.level_as_in_photo_ev()
-            self.light_edit = replace(self.light_edit, level_ev=round(min(max(stops, -10.0), 10.0), 2))
+            stops = picture.light.edit.level_ev + picture.relit.level_as_in_photo_ev(2 * MOST_LEVEL_EV)
+            level_ev = min(max(stops, -MOST_LEVEL_EV), MOST_LEVEL_EV)
+            self.light_edit = replace(self.light_edit, level_ev=round(level_ev, 2))
 
     def delete_box(self) -> None:
         """Take the selected soft box away."""

@@ -15,6 +15,7 @@ from relight_core.lighting.soft_box import SoftBox, soft_box_radiance
 from relight_core.lighting.summary import meter_reading, metered_level_ev
 
 MOST_BOXES = 16
+MOST_LEVEL_EV = 10.0
 DRAWN_HEIGHT = 256
 """Rows that soft boxes are drawn with, for edges smoother than any light the networks read."""
 

@@ -57,7 +57,7 @@ from relight_core.pipeline.results.channels import (
     surface_channel,
     upsampler_for,
 )
-from relight_core.pipeline.results.face_level import level_as_in_photo_ev
+from relight_core.pipeline.results.face_level import MOST_STOPS, level_as_in_photo_ev
 
 KEPT_LIGHTS = 24
 """Results of this many lights stay: a light that is turned there and back, or two that are compared."""
@@ -344,9 +344,10 @@ class FaceRelighter:
             change = with_nearer_change(change, from_near, self.portrait.view, self.nearer.portrait.view)
         return change.toned(ready.photo_view) if self.portrait.photo.monochrome else change
 
-    def level_as_in_photo_ev(self, ready: Prepared, change: ViewChange) -> float:
+    def level_as_in_photo_ev(self, ready: Prepared, change: ViewChange, most_stops: float = MOST_STOPS) -> float:
         """See `pipeline.results.face_level`."""
-        return level_as_in_photo_ev(ready.photo_view, change, skin_share(ready.surface.parsing)[0, 0].cpu().numpy())
+        skin = skin_share(ready.surface.parsing)[0, 0].cpu().numpy()
+        return level_as_in_photo_ev(ready.photo_view, change, skin, most_stops)
 
     def _fit(self, ready: Prepared, lit: Lit, plan: Plan) -> LightChange:
         """The relit view as gain and offset of the photo; without detail, offset only."""

@@ -33,7 +33,7 @@ class FakeRelit:
     roll_deg: float = 0.0
     full: object = None
     recipe: object = None
-    level_as_in_photo_ev: object = lambda: 1.25
+    level_as_in_photo_ev: object = lambda most_stops=4.0: 1.25
 
 
 class FakeRelighter:

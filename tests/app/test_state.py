@@ -148,14 +148,27 @@ def test_reset_puts_a_panorama_back_as_it_was_opened():
     assert state.light_edit == LightEdit(metered=True)
 
 
+def relit_that_wants(stops):
+    return SimpleNamespace(level_as_in_photo_ev=lambda most=4.0: min(max(stops, -most), most))
+
+
 def test_the_level_follows_the_face_where_there_is_a_picture():
     state = EditorState()
     state.match_face()
     assert state.light_edit.level_ev == 0.0
-    light, relit = SimpleNamespace(edit=LightEdit(level_ev=1.0)), SimpleNamespace(level_as_in_photo_ev=lambda: -0.734)
+    light, relit = SimpleNamespace(edit=LightEdit(level_ev=1.0)), relit_that_wants(-0.734)
     state.accept(Snapshot(picture=SimpleNamespace(light=light, relit=relit)))
     state.match_face()
     assert state.light_edit.level_ev == 0.27
+
+
+@pytest.mark.parametrize(("wanted", "level_ev"), [(-8.5, -7.5), (-19.0, -10.0), (30.0, 10.0)])
+def test_the_level_follows_the_face_as_far_as_its_slider_goes(wanted, level_ev):
+    state = EditorState()
+    light = SimpleNamespace(edit=LightEdit(level_ev=1.0))
+    state.accept(Snapshot(picture=SimpleNamespace(light=light, relit=relit_that_wants(wanted))))
+    state.match_face()
+    assert state.light_edit.level_ev == level_ev
 
 
 def test_another_light_keeps_the_soft_boxes_and_undo_takes_it_back_in_one_step():

@@ -19,6 +19,7 @@ class FakeRelighter:
 
     def __init__(self) -> None:
         self.edits, self.lights = [], []
+        self.level_ev = -1.5
 
     def set_portrait(self, photo, face_index=None, boxes=None):
         self.boxes = boxes
@@ -42,7 +43,7 @@ class FakeRelighter:
             alpha=alpha,
             size=(height, width),
             networks_ended_s=None,
-            level_as_in_photo_ev=lambda: -1.5,
+            level_as_in_photo_ev=lambda most_stops=4.0: max(self.level_ev, -most_stops),
             full=SimpleNamespace(
                 size=(height, width), has_alpha=alpha is not None, in_bands=lambda wide: [(slice(None), image, alpha)]
             ),

@@ -111,6 +111,17 @@ def test_a_light_is_matched_to_the_face_by_its_level(relight, relighter, photo, 
     assert relighter.edits[-1].exposure_ev == 0.0
 
 
+@pytest.mark.parametrize(("stops", "told"), [(-10.0, 0), (-60.0, 1)])
+def test_a_light_in_units_of_its_own_is_matched_or_it_is_told(relight, relighter, photo, tmp_path, stops, told):
+    relighter.level_ev = stops
+    done = relight("render", photo, "--light", "ring", "--match-face", "-o", tmp_path / "o.png")
+    assert done.code == 0
+    as_it_is, matched = (light.level for light in relighter.lights)
+    assert matched == pytest.approx(as_it_is * 2.0 ** max(stops, -40.0))
+    assert done.err.count("\n") == told
+    assert done.err.count("photo.png: --match-face changes a light by 40 stops at the most") == told
+
+
 def test_transparency_reaches_the_file(relight, photo, tmp_path):
     out = tmp_path / "relit.png"
     relight("render", photo, "--light", "ring", "--background", "transparent", "-o", out)

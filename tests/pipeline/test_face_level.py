@@ -52,3 +52,11 @@ def test_no_light_and_wild_ones_give_stops_that_a_slider_can_hold(gain):
 
 def test_without_skin_nothing_is_metered():
     assert level_as_in_photo_ev(photo_of_a_face(), change(0.1), np.zeros((SIZE, SIZE), np.float32)) == 0.0
+
+
+@pytest.mark.parametrize("stops", [-30, -10, 6.5, 20])
+def test_a_light_in_units_of_its_own_is_brought_to_the_photo_s(stops):
+    full = np.ones((SIZE, SIZE, 3), np.float32)
+    lit = ViewChange(2.0**-stops * full, 0.0 * full, 2.0**-stops)
+    assert level_as_in_photo_ev(photo_of_a_face(), lit, skin(), 40.0) == pytest.approx(stops, abs=1e-4)
+    assert level_as_in_photo_ev(photo_of_a_face(), lit, skin()) == np.sign(stops) * 4.0

@@ -34,7 +34,7 @@ class Relit:
         roll_deg: how far that square is turned about its middle, as `Crop.roll_deg`.
         recipe: what a shader needs to draw the picture, at the size that was asked for.
         level_as_in_photo_ev: gives the stops by which the light's level has to change for the first face to be as
-            bright as in the photo; worked out where it is asked for.
+            bright as in the photo, at most 4 or as many as it is called with; worked out where it is asked for.
         networks_ended_s: when the last network had run, on the clock of `time.perf_counter`.
     """
 
@@ -48,7 +48,7 @@ class Relit:
     window: tuple[float, float, float, float] | None = None
     roll_deg: float = 0.0
     recipe: DisplayRecipe | None = None
-    level_as_in_photo_ev: Callable[[], float] = lambda: 0.0
+    level_as_in_photo_ev: Callable[..., float] = lambda most_stops=0.0: 0.0
     networks_ended_s: float | None = None
 
     @property
