@@ -42,17 +42,23 @@ def photo_path(text: str) -> Path:
     return Path(os.path.expanduser(text))
 
 
-def add_one_photo(parser: argparse.ArgumentParser, metavar: str, output_help: str) -> None:
-    """What the commands take that relight one photo: PHOTO, light, sliders, -o and --json."""
+def add_one_photo(
+    parser: argparse.ArgumentParser, metavar: str, output_help: str, *, makes_pictures: bool = True
+) -> None:
+    """What the commands take that relight one photo: PHOTO, light, sliders, -o and --json; see `add_sliders`."""
     parser.add_argument("photo", metavar="PHOTO", type=photo_path, help="a portrait photo")
     add_light(parser, required=True)
-    add_sliders(parser)
+    add_sliders(parser, makes_pictures=makes_pictures)
     parser.add_argument("-o", "--output", metavar=metavar, type=Path, required=True, help=output_help)
     add_json(parser)
 
 
-def add_sliders(parser: argparse.ArgumentParser) -> None:
-    """--meter, the settings of an Edit, and the face."""
+def add_sliders(parser: argparse.ArgumentParser, *, makes_pictures: bool = True) -> None:
+    """--meter, the settings of an Edit, and the face.
+
+    Args:
+        makes_pictures: False leaves out what only changes the finished picture: exposure and background.
+    """
     parser.add_argument(
         "--meter",
         action="store_true",
@@ -62,7 +68,16 @@ def add_sliders(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--yaw", metavar="DEG", type=_finite, default=0.0, help="turn the light; positive moves it right"
     )
-    parser.add_argument("--exposure", metavar="EV", type=_exposure, default=0.0, help="brighten by stops, -16 to 16")
+    if makes_pictures:
+        _add_exposure_and_background(parser)
+    else:
+        rest = Edit()
+        parser.set_defaults(
+            exposure=rest.exposure_ev,
+            background=rest.background,
+            background_fov=rest.background_fov_deg,
+            background_blur=rest.background_blur_deg,
+        )
     parser.add_argument("--specular", metavar="S", type=_gain, default=1.0, help="gain on highlights, 0 to 2")
     parser.add_argument("--shadow", metavar="S", type=_gain, default=1.0, help="gain on shadows, 0 to 2")
     parser.add_argument(
@@ -71,12 +86,12 @@ def add_sliders(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--shadow-softness", metavar="S", type=_share, default=0.0, help="softer edges of shadows, 0 to 1"
     )
-    _add_background(parser)
     _add_effort(parser)
     add_face(parser)
 
 
-def _add_background(parser: argparse.ArgumentParser) -> None:
+def _add_exposure_and_background(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("--exposure", metavar="EV", type=_exposure, default=0.0, help="brighten by stops, -16 to 16")
     parser.add_argument(
         "--background",
         metavar="B",

@@ -3,7 +3,8 @@
 Each channel is written as NAME.png, the way the window shows it. channels.exr holds all of the face crop's
 channels as named layers in linear values, the composition as its RGB. source_light.exr and
 target_light.exr hold the lights.
-Files of the same names in the folder are replaced, all together at the end.
+Files of the same names in the folder are replaced, all together at the end. Exposure and background change the
+finished picture only, so no channel depends on them.
 """
 
 from __future__ import annotations
@@ -17,6 +18,7 @@ from app.cli.outputs import check_folder, check_place, folder_filled_at_once
 from app.cli.report import relit_record, reporting
 from app.cli.session import Session, light_files
 from relight_core import __version__
+from relight_core.errors import InputError
 from relight_core.pipeline.edit import Edit
 
 if TYPE_CHECKING:
@@ -29,18 +31,21 @@ LIGHTS = ("source_light", "target_light")
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments of `relight channels`."""
-    add_one_photo(parser, "DIR", "a folder")
+    add_one_photo(parser, "DIR", "a folder", makes_pictures=False)
 
 
 def run(arguments: argparse.Namespace) -> int:
     """Write the channels; returns the exit code."""
     folder, edit = arguments.output, edit_from(arguments)
+    if "channels" in edit.forced_off:
+        raise InputError("--force channels=off: leaves no channel to write; take it away")
     check_folder(folder, is_made=True)
     with reporting(arguments.json) as report:
         session = Session()
         light = session.light(arguments.light, arguments.meter)
         session.open(arguments.photo, arguments.face, arguments.box)
-        relit = session.relighter.relight(light, edit)
+        # The picture itself is not among the files.
+        relit = session.relighter.relight(light, edit, longest_side_px=0)
         written = write_channels(relit, edit, folder, [arguments.photo, *light_files(arguments.light)])
         for path in written:
             report.line(f"wrote {path}")

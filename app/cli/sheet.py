@@ -8,6 +8,8 @@ from collections.abc import Sequence
 import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 
+from relight_core.imaging.colour import srgb_decode, srgb_encode
+
 _GROUND = (24, 24, 26)
 _INK = (226, 226, 226)
 _GAP_PX = 8
@@ -36,6 +38,21 @@ def contact_sheet(pictures: Sequence[tuple[str, np.ndarray]], columns: int, cell
         sheet.paste(picture, (left + (cell_px - picture.width) // 2, top + (cell_px - picture.height) // 2))
         draw.text((left + cell_px // 2, top + cell_px + _LABEL_PX // 2), label, _INK, font, anchor="mm")
     return np.asarray(sheet)
+
+
+def on_ground(srgb: np.ndarray, alpha: np.ndarray) -> np.ndarray:
+    """A picture as it is seen before the sheet's ground.
+
+    Args:
+        srgb: (h, w, 3) float sRGB in [0, 1], not multiplied by its alpha.
+        alpha: (h, w) in [0, 1].
+
+    Returns:
+        (h, w, 3) float32 sRGB.
+    """
+    ground = srgb_decode(np.array(_GROUND) / 255.0)
+    share = alpha[..., None]
+    return srgb_encode(srgb_decode(srgb) * share + ground * (1.0 - share))
 
 
 def _fitted(srgb: np.ndarray, cell_px: int) -> Image.Image:

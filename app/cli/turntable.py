@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import math
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -14,16 +15,17 @@ from app.cli.session import Session, light_files
 from relight_core.pipeline.edit import Edit
 
 if TYPE_CHECKING:
-    import numpy as np
-
     from relight_core.face.find import FaceBox
     from relight_core.lighting.environment import Environment
+    from relight_core.pipeline.per_photo.person import Canvas
     from relight_core.pipeline.results.relit import Relit
 
 STEPS = 12
 _COLUMNS = 4
 _CELL_PX = 320
 _REACH = 1.1
+_FINER = 2
+"""Pixels are made so many times as fine as the sheet's, which is sharper for it."""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -51,7 +53,7 @@ def run(arguments: argparse.Namespace) -> int:
 def write_turntable(session: Session, light: Environment, edit: Edit, output: Path) -> Relit:
     """Relight the session's portrait with the light at 12 yaws from edit.yaw_deg on, and write the sheet.
 
-    It shows the surroundings of the face.
+    It shows the surroundings of the face, and where a background was taken away the sheet's ground.
 
     Returns:
         the last step's Relit.
@@ -59,24 +61,58 @@ def write_turntable(session: Session, light: Environment, edit: Edit, output: Pa
     Raises:
         InputError: the file can't be written.
     """
-    from app.cli.sheet import contact_sheet
+    from app.cli.sheet import contact_sheet, on_ground
     from relight_core.imaging.photo import Photo
     from relight_core.imaging.view_transform import apply_view
     from relight_core.imaging.write import write_image
 
-    pictures = []
+    pictures, canvas = [], None
     for step in range(STEPS):
         yaw_deg = edit.yaw_deg + step * 360.0 / STEPS
-        relit = session.relighter.relight(light, replace(edit, yaw_deg=yaw_deg))
-        shown = _around(relit.image, relit.faces[0])
-        pictures.append((f"yaw {yaw_deg:g}°", apply_view(shown, edit.exposure_ev)))
+        # Of the whole picture nothing is made: the sheet shows a part of it, and that small.
+        relit = session.relighter.relight(light, replace(edit, yaw_deg=yaw_deg), longest_side_px=0)
+        window = _around(relit.faces[0], relit.size)
+        canvas = canvas or _fine_enough(relit.full.canvas, window)
+        image, alpha = replace(relit.full, canvas=canvas).part(_on_canvas(window, canvas))
+        srgb = apply_view(image, edit.exposure_ev)
+        pictures.append((f"yaw {yaw_deg:g}°", srgb if alpha is None else on_ground(srgb, alpha)))
     write_image(output, Photo.from_srgb(contact_sheet(pictures, _COLUMNS, _CELL_PX)).linear)
     return relit
 
 
-def _around(image: np.ndarray, box: FaceBox) -> np.ndarray:
-    """The part of a photo within _REACH times the box's longer side of its middle."""
+def _around(box: FaceBox, size: tuple[int, int]) -> tuple[int, int, int, int]:
+    """What of a photo lies within _REACH times the box's longer side of its middle: x0, y0, x1, y1 in pixels.
+
+    Args:
+        size: (height, width) of the photo.
+    """
     reach = _REACH * max(box.x1 - box.x0, box.y1 - box.y0)
     middle_x, middle_y = (box.x0 + box.x1) / 2, (box.y0 + box.y1) / 2
     left, top = (max(0, round(edge - reach)) for edge in (middle_x, middle_y))
-    return image[top : round(middle_y + reach), left : round(middle_x + reach)]
+    return left, top, min(size[1], round(middle_x + reach)), min(size[0], round(middle_y + reach))
+
+
+def _fine_enough(canvas: Canvas, window: tuple[int, int, int, int]) -> Canvas:
+    """The photo, or a copy of it in which a window has about _FINER times the pixels of its cell of the sheet."""
+    import numpy as np
+
+    from relight_core.imaging.resampling import resize_area
+    from relight_core.pipeline.per_photo.person import shrunk
+
+    side = max(window[2] - window[0], window[3] - window[1])
+    small = shrunk(canvas, math.ceil(max(canvas.size) * _FINER * _CELL_PX / side))
+    if small is canvas or canvas.alpha is None:
+        return small
+    # A cut-out's hidden colours must not mix into those of its edge.
+    share = np.clip(np.nan_to_num(canvas.alpha), 0, 1)
+    colour = resize_area(canvas.linear * share[..., None], small.size)
+    return replace(small, linear=colour / np.maximum(resize_area(share, small.size), 1e-4)[..., None])
+
+
+def _on_canvas(window: tuple[int, int, int, int], canvas: Canvas) -> tuple[int, int, int, int]:
+    """A window of the photo in pixels of a canvas, of which it has at least one."""
+    x0, y0, x1, y1 = window
+    (height, width), (photo_height, photo_width) = canvas.size, canvas.photo_size
+    left, top = min(round(x0 * width / photo_width), width - 1), min(round(y0 * height / photo_height), height - 1)
+    right, bottom = round(x1 * width / photo_width), round(y1 * height / photo_height)
+    return left, top, max(right, left + 1), max(bottom, top + 1)

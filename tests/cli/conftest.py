@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from types import SimpleNamespace
 
 import numpy as np
@@ -12,6 +13,32 @@ from app.cli import session
 from app.cli.main import main
 from relight_core.errors import InputError
 from relight_core.lighting.environment import Environment
+from relight_core.pipeline.per_photo.person import Canvas
+
+
+@dataclass(frozen=True)
+class FakePicture:
+    """A photo times a gain, with or without an alpha of one value."""
+
+    canvas: Canvas
+    gain: float
+    share: float | None
+
+    @property
+    def size(self):
+        return self.canvas.size
+
+    @property
+    def has_alpha(self):
+        return self.share is not None
+
+    def part(self, window):
+        x0, y0, x1, y1 = window
+        image = self.canvas.linear[y0:y1, x0:x1] * np.float32(self.gain)
+        return image, None if self.share is None else np.full(image.shape[:2], self.share, np.float32)
+
+    def in_bands(self, wide):
+        return [(slice(None), *self.part((0, 0, self.size[1], self.size[0])))]
 
 
 class FakeRelighter:
@@ -20,6 +47,8 @@ class FakeRelighter:
     def __init__(self) -> None:
         self.edits, self.lights = [], []
         self.level_ev = -1.5
+        self.share = 0.5
+        self.longest_sides_px = []
 
     def set_portrait(self, photo, face_index=None, boxes=None):
         self.boxes = boxes
@@ -33,20 +62,20 @@ class FakeRelighter:
     def relight(self, environment, edit, longest_side_px=None, *, for_shader=False):
         self.edits.append(edit)
         self.lights.append(environment)
+        self.longest_sides_px.append(longest_side_px)
         height, width = self.photo.linear.shape[:2]
-        alpha = np.full((height, width), 0.5, np.float32) if edit.background == "transparent" else None
+        canvas = Canvas(self.photo.linear, self.photo.alpha, (height, width))
+        full = FakePicture(canvas, edit.shadow, self.share if edit.background == "transparent" else None)
+        image, alpha = full.part((0, 0, width, height)) if longest_side_px != 0 else (None, None)
         crop = np.full((8, 8, 3), 0.25, np.float32)
         grey = crop[..., 0]
-        image = self.photo.linear * np.float32(edit.shadow)
         return SimpleNamespace(
             image=image,
             alpha=alpha,
             size=(height, width),
             networks_ended_s=None,
             level_as_in_photo_ev=lambda most_stops=4.0: max(self.level_ev, -most_stops),
-            full=SimpleNamespace(
-                size=(height, width), has_alpha=alpha is not None, in_bands=lambda wide: [(slice(None), image, alpha)]
-            ),
+            full=full,
             channels={
                 "photo": crop,
                 "albedo": crop,

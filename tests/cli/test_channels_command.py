@@ -7,6 +7,10 @@ import OpenEXR
 import pytest
 from PIL import Image
 
+from app.cli.sheet import on_ground
+from app.cli.turntable import _fine_enough
+from relight_core.pipeline.per_photo.person import Canvas
+
 CHANNELS = [
     "albedo",
     "composition",
@@ -52,3 +56,56 @@ def test_the_turntable_goes_round_once(relight, relighter, photo, tmp_path):
     assert [edit.yaw_deg for edit in relighter.edits] == pytest.approx([15 + 30 * step for step in range(12)])
     width, height = Image.open(sheet).size
     assert width > height > 600
+
+
+@pytest.mark.parametrize(("command", "output"), [("channels", "all"), ("turntable", "sheet.png")])
+def test_the_whole_picture_is_not_made_for_files_that_have_none_of_it(
+    relight, relighter, photo, tmp_path, command, output
+):
+    assert relight(command, photo, "--light", "ring", "-o", tmp_path / output).code == 0
+    assert set(relighter.longest_sides_px) == {0}
+
+
+@pytest.mark.parametrize(("share", "is_ground"), [(0.0, True), (1.0, False)])
+def test_the_sheet_s_ground_is_where_the_background_was_taken_away(
+    relight, relighter, photo, tmp_path, share, is_ground
+):
+    relighter.share, sheet = share, tmp_path / "sheet.png"
+    words = ("turntable", photo, "--light", "ring", "--background", "transparent", "--exposure", 3, "-o", sheet)
+    assert relight(*words).code == 0
+    first_cell = np.asarray(Image.open(sheet))[8:328, 8:328]
+    assert (first_cell == (24, 24, 26)).all() == is_ground
+
+
+def test_half_of_a_picture_before_the_ground_is_half_of_its_light():
+    white, half = np.ones((1, 1, 3), np.float32), np.full((1, 1), 0.5)
+    # sRGB 24 and 26 of 255 are 0.0091 and 0.0103 of white's light; half of both is 0.505 and encodes to 0.739.
+    assert on_ground(white, half) == pytest.approx(0.739, abs=2e-3)
+
+
+def test_hidden_colours_of_a_cut_out_stay_hidden_on_the_sheet():
+    linear, alpha = np.full((900, 900, 3), 0.25, np.float32), np.ones((900, 900), np.float32)
+    linear[:, 451:], alpha[:, 451:] = (1.0, 0.0, 1.0), 0.0
+    small = _fine_enough(Canvas(linear, alpha, (900, 900)), (0, 0, 900, 900))
+    assert small.size == (640, 640)
+    edge = (small.alpha > 0.0) & (small.alpha < 1.0)
+    assert edge.any()
+    assert np.allclose(small.linear[small.alpha > 0.01], 0.25, atol=1e-3)
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ("--exposure", "2"),
+        ("--background", "light"),
+        ("--background-fov", "40"),
+        ("--background-blur", "3"),
+        ("--force", "channels=off"),
+    ],
+)
+def test_what_would_change_no_channel_or_leave_none_is_refused(relight, photo, tmp_path, words):
+    done = relight("channels", photo, "--light", "ring", *words, "-o", tmp_path / "all")
+    assert done.code == 2
+    assert done.err.count("\n") == 1
+    assert words[0] in done.err
+    assert not (tmp_path / "all").exists()

@@ -64,6 +64,20 @@ def test_bands_are_the_picture(backdrop, rows):
             np.testing.assert_allclose(share, alpha[band], atol=1e-6)
 
 
+@pytest.mark.parametrize("backdrop", ["keep", "transparent"])
+@pytest.mark.parametrize("longest_side_px", [None, 150])
+def test_a_part_is_cut_out_of_the_picture(backdrop, longest_side_px):
+    photo, _ = portrait()
+    picture = picture_of(backdrop=make_backdrop(backdrop, None, lambda: np.ones(3, np.float32)), photo=photo)
+    picture = replace(picture, canvas=canvas_of(photo, longest_side_px))
+    whole, whole_alpha = picture.render()
+    image, alpha = picture.part((30, 20, 110, 149))
+    np.testing.assert_allclose(image, whole[20:149, 30:110], atol=1e-5)
+    assert (alpha is None) == (whole_alpha is None)
+    if alpha is not None:
+        np.testing.assert_allclose(alpha, whole_alpha[20:149, 30:110], atol=1e-6)
+
+
 def test_a_kept_person_gives_the_same_picture():
     picture = picture_of()
     person = whole_person(picture.canvas, picture.matte)

@@ -72,15 +72,22 @@ class Picture:
 
     def render(self) -> tuple[np.ndarray, np.ndarray | None]:
         """All of it: (H, W, 3) float32 linear, and (H, W) alpha or None."""
-        image = np.empty((*self.size, 3), np.float32)
-        alpha = np.empty(self.size, np.float32) if self.has_alpha else None
+        return self.part((0, 0, self.size[1], self.size[0]))
+
+    def part(self, window: tuple[int, int, int, int]) -> tuple[np.ndarray, np.ndarray | None]:
+        """`render` of a window of the picture alone: x0, y0, x1, y1 in its pixels, the latter two not included."""
+        x0, y0, x1, y1 = window
+        image = np.empty((y1 - y0, x1 - x0, 3), np.float32)
+        alpha = np.empty(image.shape[:2], np.float32) if self.has_alpha else None
 
         def make(band: Band) -> None:
-            image[band.rows], share = self.band(band)
+            rows = slice(band.top, band.bottom)
+            placed = replace(band, top=y0 + band.top, bottom=y0 + band.bottom, size=self.size, columns=(x0, x1))
+            image[rows], share = self.band(placed)
             if alpha is not None:
-                alpha[band.rows] = share
+                alpha[rows] = share
 
-        for _ in in_order(make, bands(self.size, self.canvas.photo_size)):
+        for _ in in_order(make, bands(image.shape[:2], self.canvas.photo_size)):
             pass
         return image, alpha
 
