@@ -49,14 +49,21 @@ _PICTURES = (".jpg", ".jpeg", ".png", ".tif", ".tiff", ".webp")
 _QUICK_ROUNDS, _ROUNDS = 5, 30
 _STARTS = 3
 _BENCH_LIGHTS = ("rembrandt", "overcast", "golden-hour")
+_UNREAD = {
+    "session": ("heads", "rounds"),
+    "files": ("weights", "device", "heads", "lights"),
+    "stability": ("device", "heads", "lights", "rounds"),
+}
+"""By what is measured instead, the options that it does not read."""
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments of `relight bench`."""
     parser.add_argument("--quick", action="store_true", help="a minute: fewer settings and fewer rounds")
-    parser.add_argument("--session", action="store_true", help="replay an editing session instead")
-    parser.add_argument("--files", action="store_true", help="relight 24 megapixels from file to file instead")
-    parser.add_argument("--stability", action="store_true", help="attack the pipeline instead")
+    instead = parser.add_mutually_exclusive_group()
+    instead.add_argument("--session", action="store_true", help="replay an editing session instead")
+    instead.add_argument("--files", action="store_true", help="relight 24 megapixels from file to file instead")
+    instead.add_argument("--stability", action="store_true", help="attack the pipeline instead")
     parser.add_argument("--photos", metavar="FOLDER", type=Path, help="portraits; the sample portrait without")
     parser.add_argument("--heads", metavar="DIR", type=Path, help="test heads from relight dataset bake")
     parser.add_argument("--lights", metavar="LIGHTS", type=Path, help="a light library, or a folder of panoramas")
@@ -71,10 +78,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Measure; returns the exit code."""
-    if arguments.heads is not None:
-        if arguments.lights is None:
-            raise InputError("--heads needs --lights: the truth is rendered from both")
-        check_heads_and_lights(arguments.heads, arguments.lights, "test")
+    _check_wishes(arguments)
     leave_a_core()
     with reporting(arguments.json) as report:
         photos = _photos(arguments.photos)
@@ -84,6 +88,23 @@ def run(arguments: argparse.Namespace) -> int:
         if arguments.stability:
             return _stability(arguments, photos[0], report)
         return (_session if arguments.session else _bench)(arguments, photos, report)
+
+
+def _check_wishes(arguments: argparse.Namespace) -> None:
+    """Raise InputError for what can't be had, and for what would be ignored."""
+    for name, unread in _UNREAD.items():
+        given = [option for option in unread if getattr(arguments, option) not in (None, "cpu")]
+        if getattr(arguments, name) and given:
+            raise InputError(f"--{given[0]}: changes nothing of what bench --{name} measures; take it away")
+    if arguments.device == "cuda":
+        import torch
+
+        if not torch.cuda.is_available():
+            raise InputError("--device cuda: PyTorch finds no CUDA device on this machine; take it away to use the CPU")
+    if arguments.heads is not None:
+        if arguments.lights is None:
+            raise InputError("--heads needs --lights: the truth is rendered from both")
+        check_heads_and_lights(arguments.heads, arguments.lights, "test")
 
 
 def _photos(folder: Path | None) -> list[Photo]:
@@ -257,14 +278,19 @@ def _session_pages(photos: int, plays: dict, found: dict[str, Savings]) -> tuple
 
 
 def _visited_lights(library: Path | None) -> list[Environment]:
-    """The library's panoramas, or, where none is given, the bundled rigs."""
+    """The panoramas of a library or a folder, or, where none is given, the bundled rigs."""
     from relight_core.dataset.archive import read_arrays
+    from relight_core.dataset.lighting.light_folder import read_light_folder
     from relight_core.lighting.environment import Environment
     from relight_core.lighting.rigs import load_rig, rig_names
 
     if library is None:
         return [load_rig(name) for name in rig_names()]
-    data = read_arrays(library, ("env64", "names"), "a light library", "give an .npz with env64 and names")
+    if library.is_dir():
+        data = read_light_folder(library)
+    else:
+        mend = "give an .npz with env64 and names, or a folder of .hdr and .exr panoramas"
+        data = read_arrays(library, ("env64", "names"), "a light library", mend)
     return [
         Environment.from_radiance(radiance.astype("float32"), str(name))
         for radiance, name in zip(data["env64"], data["names"], strict=True)

@@ -32,6 +32,8 @@ from relight_core.errors import InputError
 if TYPE_CHECKING:
     from relight_core.training.state import Progress
 
+_OF_A_STAGE = ("minutes", "size", "pairs", "seed", "residual", "rate")
+
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments of `relight train`."""
@@ -61,23 +63,23 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     stage = parser.add_argument_group("with --stage")
     stage.add_argument("--minutes", metavar="M", type=number_above_zero, help="how long")
-    stage.add_argument("--size", metavar="PX", type=count_at_least_one, default=128, help="side of the images (128)")
-    stage.add_argument("--pairs", metavar="N", type=count_at_least_one, default=8, help="pairs in a batch (8)")
-    stage.add_argument("--seed", metavar="N", type=int, default=0)
+    stage.add_argument("--size", metavar="PX", type=count_at_least_one, help="side of the images (128)")
+    stage.add_argument("--pairs", metavar="N", type=count_at_least_one, help="pairs in a batch (8)")
+    stage.add_argument("--seed", metavar="N", type=int, help="of samples and first weights (0)")
     stage.add_argument(
         "--residual",
         metavar="N,N,...",
         type=_counts,
-        default=(),
         help="residual blocks at each level of de-lighting's encoder, finest first, where the weights have none yet",
     )
-    stage.add_argument(
-        "--rate", metavar="R", type=number_above_zero, help="peak learning rate; the stage's own without"
-    )
+    stage.add_argument("--rate", metavar="R", type=number_above_zero, help="peak learning rate (the stage's own)")
 
 
 def run(arguments: argparse.Namespace) -> int:
     """Train; returns the exit code."""
+    given = [f"--{name}" for name in _OF_A_STAGE if getattr(arguments, name) is not None]
+    if arguments.stage is None and given:
+        raise InputError(f"{given[0]}: goes with --stage only; a recipe says that itself, and joining needs none")
     if arguments.join is not None:
         return _join(arguments)
     if arguments.heads is None or arguments.lights is None:
@@ -149,6 +151,7 @@ def _train_stage(arguments: argparse.Namespace) -> int:
         raise InputError("give --minutes with --stage")
     check_output_file(arguments.output, (".safetensors",))
     check_heads_and_lights(arguments.heads, arguments.lights, "train")
+    given = {name: getattr(arguments, name) for name in ("size", "pairs", "seed", "residual")}
     settings = Run(
         arguments.stage,
         arguments.heads,
@@ -156,13 +159,10 @@ def _train_stage(arguments: argparse.Namespace) -> int:
         arguments.output,
         arguments.start,
         minutes=arguments.minutes,
-        size=arguments.size,
-        pairs=arguments.pairs,
-        seed=arguments.seed,
         workers=arguments.workers,
         places=arguments.places,
         learning_rate=arguments.rate,
-        residual=arguments.residual,
+        **{name: value for name, value in given.items() if value is not None},
     )
     with progress(arguments.stage, 1.0) as show:
         train(settings, lambda elapsed, state: show(elapsed, _note(state)))

@@ -1,6 +1,11 @@
 """relight bench: what it refuses before anything slow starts."""
 
+import cv2
+import numpy as np
 import pytest
+import torch
+
+from app.cli import bench
 
 
 @pytest.mark.parametrize(
@@ -23,3 +28,42 @@ def test_a_folder_without_photos(relight, tmp_path):
     done = relight("bench", "--photos", tmp_path, "-o", tmp_path / "out")
     assert done.code == 2
     assert "no photos" in done.err
+
+
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        (["--files", "--session"], "--session"),
+        (["--stability", "--files"], "--files"),
+        (["--files", "--weights", "w.safetensors"], "--weights"),
+        (["--files", "--device", "cuda"], "--device"),
+        (["--session", "--heads", "heads", "--lights", "l.npz"], "--heads"),
+        (["--stability", "--rounds", "3"], "--rounds"),
+    ],
+)
+def test_what_would_be_ignored_is_refused(relight, tmp_path, monkeypatch, words, told):
+    monkeypatch.chdir(tmp_path)
+    done = relight("bench", *words)
+    assert done.code == 2
+    assert told in done.err
+    assert done.err.count("\n") == 1
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("words", [[], ["--session"]])
+def test_a_device_that_is_not_there(relight, tmp_path, monkeypatch, words):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(torch.cuda, "is_available", lambda: False)
+    done = relight("bench", "--device", "cuda", *words)
+    assert done.code == 2
+    assert "--device cuda" in done.err
+    assert "fault of ours" not in done.err
+    assert done.err.count("\n") == 1
+
+
+def test_a_folder_of_panoramas_is_visited(tmp_path):
+    for name, level in (("dusk", 0.5), ("noon", 4.0)):
+        cv2.imwrite(str(tmp_path / f"{name}.hdr"), np.full((8, 16, 3), level, np.float32))
+    lights = bench._visited_lights(tmp_path)
+    assert [light.name for light in lights] == ["dusk", "noon"]
+    assert [light.level for light in lights] == pytest.approx([0.5, 4.0], rel=1e-2)

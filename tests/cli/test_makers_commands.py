@@ -195,6 +195,17 @@ def test_training_refuses(run, data, changes, word):
     assert not (data / "w.safetensors").exists()
 
 
+@pytest.mark.parametrize(
+    ("option", "value"),
+    [("--minutes", 5), ("--size", 64), ("--pairs", 4), ("--seed", 0), ("--residual", "0,1"), ("--rate", 1e-4)],
+)
+def test_a_recipe_takes_none_of_what_it_says_itself(run, data, option, value):
+    words = ["--heads", data / "heads", "--lights", data / "lights.npz", "-o", data / "run"]
+    refused(run("train", "--recipe", "shipped", *words, option, value), option, "--stage")
+    refused(run("train", "--join", data / "tiny.safetensors", "-o", data / "x.safetensors", option, value), option)
+    assert not (data / "run").exists()
+
+
 def test_training_leaves_weights_and_log(run, data, monkeypatch):
     from relight_core.dataset import stream
     from relight_core.training import run as training
