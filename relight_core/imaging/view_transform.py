@@ -15,6 +15,8 @@ from relight_core.imaging.colour import REC709_LUMINANCE, srgb_encode
 BRIGHTEST = 65504.0
 """Radiance above this is shown as this; also what infinity becomes (the largest half float)."""
 
+LARGEST_FLOAT = float(np.finfo(np.float32).max)
+
 MAX_EXPOSURE_EV = 32.0
 """Exposure is limited to plus and minus this many stops."""
 
@@ -53,11 +55,12 @@ def displayable(exposed: np.ndarray, weights: np.ndarray = REC709_LUMINANCE) -> 
     return exposed
 
 
-def expose(linear: np.ndarray, exposure_ev: float, *, darkest: float = 0.0) -> np.ndarray:
-    """Radiance times 2 ** exposure_ev, cleaned of NaN and infinite values and of those below `darkest`.
+def expose(linear: np.ndarray, exposure_ev: float, *, darkest: float = 0.0, brightest: float = BRIGHTEST) -> np.ndarray:
+    """Radiance times 2 ** exposure_ev, cleaned of NaN and infinite values and limited.
 
     Args:
-        darkest: 0, or -BRIGHTEST to keep colours outside Rec.709.
+        darkest: 0, or -brightest to keep colours outside Rec.709.
+        brightest: finite; `LARGEST_FLOAT` keeps all that float32 holds.
 
     Returns:
         a new float32 array.
@@ -65,13 +68,14 @@ def expose(linear: np.ndarray, exposure_ev: float, *, darkest: float = 0.0) -> n
     stops = min(max(float(np.nan_to_num(exposure_ev)), -MAX_EXPOSURE_EV), MAX_EXPOSURE_EV)
     cleaned = np.array(linear, np.float32, order="C")
     # NaN compares as neither.
-    if cleaned.size and not (cleaned.min() >= darkest and cleaned.max() <= BRIGHTEST):
-        np.nan_to_num(cleaned, copy=False, nan=0.0, posinf=BRIGHTEST, neginf=darkest)
-        np.clip(cleaned, darkest, BRIGHTEST, out=cleaned)
+    if cleaned.size and not (cleaned.min() >= darkest and cleaned.max() <= brightest):
+        np.nan_to_num(cleaned, copy=False, nan=0.0, posinf=brightest, neginf=darkest)
+        np.clip(cleaned, np.float32(darkest), np.float32(brightest), out=cleaned)
     if stops == 0:
         return cleaned
-    cleaned *= np.float32(2.0**stops)
-    return np.clip(cleaned, np.float32(darkest), np.float32(BRIGHTEST), out=cleaned)
+    with np.errstate(over="ignore"):
+        cleaned *= np.float32(2.0**stops)
+    return np.clip(cleaned, np.float32(darkest), np.float32(brightest), out=cleaned)
 
 
 def _into_range(linear: np.ndarray, peak: np.ndarray, weights: np.ndarray) -> np.ndarray:

@@ -20,13 +20,15 @@ from relight_core.imaging.files import whole_file
 from relight_core.imaging.formats import exr
 from relight_core.imaging.formats.icc import MatrixProfile, matrix_profile
 from relight_core.imaging.formats.png import chunk, write_png
-from relight_core.imaging.formats.tiff_exif import tags_of_block, with_exif
+from relight_core.imaging.formats.tiff_exif import with_exif
 from relight_core.imaging.in_order import WORKERS, in_order
-from relight_core.imaging.view_transform import BRIGHTEST, displayable, expose
+from relight_core.imaging.view_transform import BRIGHTEST, LARGEST_FLOAT, displayable, expose
 
 _BITS = {".png": (8, 16), ".jpg": (8,), ".jpeg": (8,), ".tif": (8, 16), ".tiff": (8, 16), ".exr": (8, 16, 32)}
 _STRIP_ROWS = 64
 _OPAQUE = (".jpg", ".jpeg")
+_LONGEST_JPEG_SIDE = 65500
+"""Pixels, of every program with libjpeg; the format itself goes 35 further."""
 
 
 @dataclass(frozen=True)
@@ -72,8 +74,8 @@ def write_image(
     """Write an image; the extension says how.
 
     .png and .tif (8 or 16 bits, straight alpha) and .jpg (8 bits, alpha flattened on white in linear
-    light) go through the view transform. .exr (half floats, or 32-bit ones with bits=32; alpha
-    multiplied into the colour) keeps radiance, multiplied by the exposure.
+    light) go through the view transform. .exr (half floats, limited to 65504, or 32-bit ones with bits=32;
+    alpha multiplied into the colour) keeps radiance, multiplied by the exposure.
 
     Args:
         path: .png, .jpg, .jpeg, .tif, .tiff or .exr; replaced if it exists.
@@ -85,7 +87,8 @@ def write_image(
         texts: see `FileStyle`.
 
     Raises:
-        InputError: unknown extension, bits the format can't hold, or a place that can't be written.
+        InputError: unknown extension, bits the format can't hold, a side above a JPEG's 65500 pixels, or a
+            place that can't be written.
         ValueError: arrays of the wrong shape.
     """
     linear, alpha = _checked(linear, alpha)
@@ -114,6 +117,9 @@ def write_bands(
     """
     path = Path(path)
     suffix = check_output(path, style.bits)
+    if suffix in _OPAQUE and max(size) > _LONGEST_JPEG_SIDE:
+        too_long = f"{size[1]} x {size[0]} is above the {_LONGEST_JPEG_SIDE} pixels a side that a JPEG holds"
+        raise InputError(f"{path}: {too_long}; name a .png or .tif file, or make the picture smaller")
     profile = None if suffix == ".exr" else _target_profile(style.icc)
     coded = in_order(partial(_coded, suffix=suffix, profile=profile, style=style), bands)
     channels = 4 if has_alpha and suffix not in _OPAQUE else 3
@@ -143,8 +149,9 @@ def _coded(
     rows, linear, alpha = band
     linear, alpha = _checked(linear, alpha)
     if suffix == ".exr":
-        exposed = _premultiplied(expose(linear, style.exposure_ev, darkest=-BRIGHTEST), alpha)
-        return rows, exr.limited(exposed, _code_type(suffix, style.bits))
+        most, kind = LARGEST_FLOAT if style.bits == 32 else BRIGHTEST, _code_type(suffix, style.bits)
+        exposed = expose(linear, style.exposure_ev, darkest=-most, brightest=most)
+        return rows, exr.limited(_premultiplied(exposed, alpha), kind)
     if profile is None:
         shown = displayable(expose(linear, style.exposure_ev))
     else:
@@ -265,7 +272,6 @@ def _jpeg(pixels: np.ndarray, quality: int, icc: bytes | None, exif: bytes | Non
         "JPEG",
         quality=quality,
         subsampling=subsampling,
-        optimize=True,
         icc_profile=icc or _srgb_profile(),
         exif=exif or b"",
     )
@@ -302,7 +308,6 @@ def _tiff(pixels: np.ndarray, icc: bytes | None, exif: bytes | None) -> bytes:
         metadata=None,
         software="relight",
         byteorder="<",
-        extratags=tags_of_block(exif),
     )
     return with_exif(buffer.getvalue(), exif)
 

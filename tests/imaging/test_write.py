@@ -65,6 +65,24 @@ def test_lower_quality_is_a_smaller_file(tmp_path):
     assert os.path.getsize(tmp_path / "small.jpg") < os.path.getsize(tmp_path / "good.jpg")
 
 
+@pytest.mark.parametrize("quality", [92, 94, 100])
+def test_noise_is_written_as_jpeg(tmp_path, quality):
+    # Its file takes more bytes than the picture has pixels.
+    noise = np.random.default_rng(0).random((400, 400, 3)).astype(np.float32)
+    write_image(tmp_path / "noise.jpg", noise, quality=quality)
+    assert os.path.getsize(tmp_path / "noise.jpg") > 400 * 400
+    assert read_photo(tmp_path / "noise.jpg").linear.shape == (400, 400, 3)
+
+
+def test_a_side_that_no_jpeg_holds_is_told(tmp_path):
+    long = np.full((1, 65501, 3), 0.5, np.float32)
+    with pytest.raises(InputError, match=r"65501 x 1 .*65500.*\.png"):
+        write_image(tmp_path / "a.jpg", long)
+    assert list(tmp_path.iterdir()) == []
+    write_image(tmp_path / "a.jpg", long[:, :65500])
+    write_image(tmp_path / "a.png", long)
+
+
 def test_exposure_reaches_every_format(tmp_path):
     dark = np.full((8, 8, 3), 0.1, np.float32)
     for name in ("a.png", "a.tif", "a.exr", "a.jpg"):
@@ -130,6 +148,23 @@ def test_half_is_limited_instead_of_infinite(tmp_path):
     np.testing.assert_array_equal(channels_of(tmp_path / "h.exr")["R"][0], [0.0, -65504.0, 65504.0, 65504.0])
     write_exr_layers(tmp_path / "f.exr", {"RGB": hot}, half=False)
     assert channels_of(tmp_path / "f.exr")["R"][1, 1] == 1e6
+
+
+def test_32_bits_are_cleaned_but_not_limited_and_halves_are(tmp_path):
+    hot = np.full((2, 5, 3), 1e6, np.float32)
+    hot[0, :4] = np.array([np.nan, np.inf, -1e6, 65504.0])[:, None]
+    write_image(tmp_path / "whole.exr", hot, bits=32)
+    whole = channels_of(tmp_path / "whole.exr")["G"]
+    largest = 3.4028235e38
+    np.testing.assert_array_equal(whole[0], np.float32([0.0, largest, -1e6, 65504.0, 1e6]))
+    write_image(tmp_path / "brighter.exr", hot, bits=32, exposure_ev=1.0)
+    np.testing.assert_array_equal(
+        channels_of(tmp_path / "brighter.exr")["G"][0, 1:], np.float32([largest, -2e6, 131008, 2e6])
+    )
+    write_image(tmp_path / "half.exr", hot, bits=16)
+    np.testing.assert_array_equal(
+        channels_of(tmp_path / "half.exr")["G"][0], [0.0, 65504.0, -65504.0, 65504.0, 65504.0]
+    )
 
 
 def test_integer_labels_can_be_a_layer(tmp_path):

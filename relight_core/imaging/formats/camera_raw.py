@@ -6,13 +6,12 @@ import io
 from pathlib import Path
 
 import numpy as np
-import tifffile
 
 from relight_core.errors import InputError
 from relight_core.imaging.formats.icc_making import DISPLAY_P3, primaries_profile
 from relight_core.imaging.formats.limits import check_pixels
 from relight_core.imaging.formats.raster import RAW_SUFFIXES, Raster
-from relight_core.imaging.formats.tiff_exif import exif_of_page
+from relight_core.imaging.formats.tiff_exif import exif_of_tiff
 
 _MAGIC = (b"FUJIFILMCCD-RAW", b"IIRO", b"FOVb")
 _SRGB_GAMMA = (2.4, 12.92)
@@ -52,13 +51,5 @@ def develop_raw(data: bytes, path: Path) -> Raster:
         raise InputError(
             f"{path}: a raw file that can't be developed here; export it as a 16-bit TIFF from your raw converter"
         ) from None
-    exif = _exif(data)
-    return Raster(np.ascontiguousarray(values), None, primaries_profile(DISPLAY_P3), 1, False, exif)
-
-
-def _exif(data: bytes) -> bytes | None:
-    """EXIF of those raw files that are TIFFs inside."""
-    try:
-        return exif_of_page(tifffile.TiffFile(io.BytesIO(data)).pages[0])
-    except Exception:
-        return None
+    # Most raw files are TIFFs inside.
+    return Raster(np.ascontiguousarray(values), None, primaries_profile(DISPLAY_P3), 1, False, exif_of_tiff(data))

@@ -50,11 +50,11 @@ def decode_raster(data: bytes, path: Path) -> Raster:
             return raster
     image = _open_with_pillow(data, path)
     if data[:8] == b"\x89PNG\r\n\x1a\n" and data[24] == 16:
-        return replace(_decode_deep_png(data, image, path), exif=carried_exif(image))
+        return replace(_decode_deep_png(data, image, path), exif=carried_exif(image, data))
     stated = stated_profile(data, path) if image.format == "AVIF" and not image.info.get("icc_profile") else None
     try:
         raster = _from_pillow(image)
-        return replace(raster, icc=raster.icc or stated, exif=carried_exif(image))
+        return replace(raster, icc=raster.icc or stated, exif=carried_exif(image, data))
     except Exception:
         raise InputError(f"{path}: a damaged image; fetch or export it again") from None
 

@@ -19,7 +19,7 @@ from relight_core.imaging.formats.library_profiles import through_library_profil
 from relight_core.imaging.formats.limits import check_pixels
 from relight_core.imaging.formats.opencv_decoding import decoded_by_opencv, in_rgb_order
 from relight_core.imaging.formats.raster import Raster
-from relight_core.imaging.formats.tiff_exif import exif_of_page
+from relight_core.imaging.formats.tiff_exif import exif_of_tiff
 
 # It tells of every odd tag; what can't be read is told by our own errors.
 logging.getLogger("tifffile").setLevel(logging.CRITICAL)
@@ -69,7 +69,7 @@ def decode_deep_tiff(data: bytes, path: Path) -> Raster | None:
         raise InputError(f"{path}: {unread}; save it as 8- or 16-bit or 32-bit float RGB")
     # OpenCV turns pictures upright by itself.
     orientation = 1 if by_opencv else _orientation(page)
-    return replace(_as_raster(values, page, kind.photometric), orientation=orientation, exif=exif_of_page(page))
+    return replace(_as_raster(values, page, kind.photometric), orientation=orientation, exif=exif_of_tiff(data))
 
 
 def _damaged(path: Path) -> InputError:

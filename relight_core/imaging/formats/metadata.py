@@ -2,37 +2,71 @@
 
 from __future__ import annotations
 
+import struct
+
 from PIL import Image
 
+from relight_core.imaging.formats.exif_block import Directory, Entry, block_of, read_directory
+
 _ORIENTATION = 274
-_PICTURE_ITSELF = (256, 257, 258, 259, 262, 273, 277, 278, 279, 284, 338, 320, 700, 34675, 0x8773)
+_PICTURE_ITSELF = (
+    *(256, 257, 258, 259, 262, 273, 277, 278, 279, 284, 317, 320, 322, 323, 324, 325, 330, 338, 339, 347),
+    *(700, 34675),
+)
+"""How its pixels are stored, other pictures in the file, and the profile; XMP would tell of edits that are undone."""
+
+_PROGRAMS_OWN = (33723, 34377, 37724)
+"""IPTC, Photoshop's resources and its layers: of the file as it was, and of many megabytes at times."""
+
 _UPRIGHT = 1
 _LARGEST_BLOCK = 60_000
+"""Bytes: a JPEG's segment holds 65,533."""
 
 
-def carried_exif(image: Image.Image) -> bytes | None:
+def carried_exif(image: Image.Image, data: bytes) -> bytes | None:
     """An opened file's EXIF as a result may carry it: camera, time, place and author, upright, no thumbnail.
 
+    Args:
+        data: the file.
+
     Returns:
-        A block that starts with "Exif"; None where there is nothing or it is damaged or too large.
+        A block that starts with "Exif"; None where there is nothing or it is damaged.
     """
-    try:
-        exif = image.getexif()
-        for tag in _PICTURE_ITSELF:
-            exif.pop(tag, None)
-        if not len(exif):
+    block = image.info.get("exif")
+    if block is None and image.format == "TIFF":
+        block = data
+    if block is None and "Raw profile type exif" in image.info:
+        # ImageMagick's way of before PNG had EXIF: a name, a length, and the block in hexadecimal digits.
+        try:
+            block = bytes.fromhex("".join(image.info["Raw profile type exif"].split("\n")[3:]))
+        except ValueError:
             return None
-        exif[_ORIENTATION] = _UPRIGHT
-        block = exif.tobytes()
-    except Exception:
-        return None
-    return block if len(block) <= _LARGEST_BLOCK else None
+    return carried_block(block)
 
 
 def carried_block(block: bytes | None) -> bytes | None:
-    """The same for a file's EXIF as a block of bytes."""
-    if not block:
+    """The same for a file's EXIF as a block of bytes, or for a TIFF, whose directories are EXIF's."""
+    found = read_directory(block) if isinstance(block, bytes) else None
+    if found is None:
         return None
-    image = Image.new("L", (1, 1))
-    image.info["exif"] = block
-    return carried_exif(image)
+    for tag in (*_PICTURE_ITSELF, *_PROGRAMS_OWN):
+        found.entries.pop(tag, None)
+    if not found.entries and not found.inner:
+        return None
+    found.entries[_ORIENTATION] = Entry(3, 1, struct.pack(found.order + "H", _UPRIGHT))
+    return fitting_block(found)
+
+
+def fitting_block(directory: Directory) -> bytes:
+    """A directory as a block that every format holds: its largest values, makers' notes mostly, go if they must."""
+    excess = directory.size_bytes - _LARGEST_BLOCK
+    holders, entries = [directory], []
+    for holder in holders:
+        holders += holder.inner.values()
+        entries += [(len(entry.data), holder, tag) for tag, entry in holder.entries.items()]
+    for size, holder, tag in sorted(entries, key=lambda entry: entry[0], reverse=True):
+        if excess <= 0:
+            break
+        del holder.entries[tag]
+        excess -= size + 12
+    return block_of(directory)

@@ -1,0 +1,125 @@
+"""EXIF goes from file to file byte for byte, without what tells of the file itself, and never in vain."""
+
+import struct
+
+import numpy as np
+import pytest
+import tifffile
+from PIL import Image
+
+from relight_core.imaging.formats.exif_block import read_directory
+from relight_core.imaging.formats.metadata import carried_block
+from relight_core.imaging.read import read_photo
+from relight_core.imaging.write import FileStyle, cut, write_bands
+
+MAKER, ORIENTATION, AUTHOR, COPYRIGHT, EXIF, GPS, INTEROPERABILITY = 271, 274, 315, 33432, 34665, 34853, 40965
+EXPOSURE_TIME, MAKER_NOTE, LATITUDE_SIDE, LATITUDE = 33434, 37500, 1, 2
+UTF_8, LATIN_1 = "© 2024 Jürgen".encode(), "© 2024 Jürgen".encode("latin-1")
+IMAGE = np.full((9, 7, 3), 0.3, np.float32)
+
+
+def with_copyright(text):
+    exif = Image.Exif()
+    exif[MAKER], exif[COPYRIGHT] = "Camera", "X" * len(text)
+    return exif.tobytes().replace(b"X" * len(text), text)
+
+
+def written(path, block, bits=8):
+    write_bands(path, (9, 7), cut(IMAGE, None), False, FileStyle(bits, exif=block))
+    return path
+
+
+def said_by(path):
+    """What a file says, by Pillow."""
+    with Image.open(path) as image:
+        exif = image.getexif()
+        return dict(exif), *(dict(exif.get_ifd(tag)) for tag in (EXIF, GPS, INTEROPERABILITY))
+
+
+def full_block(order, note=b"note" * 10):
+    """Camera settings, a place and interoperability, in an order of bytes."""
+    exif = Image.Exif()
+    exif.endian = order
+    exif[MAKER], exif[AUTHOR] = "Camera", "Someone"
+    exif[EXIF] = {EXPOSURE_TIME: 0.005, MAKER_NOTE: note, INTEROPERABILITY: {1: "R98"}}
+    exif[GPS] = {LATITUDE_SIDE: "N", LATITUDE: (48.0, 8.0, 30.0)}
+    return exif.tobytes()
+
+
+@pytest.mark.parametrize("text", [UTF_8, LATIN_1])
+@pytest.mark.parametrize("source", ["JPEG", "PNG", "WEBP", "TIFF"])
+@pytest.mark.parametrize("result", ["b.png", "b.jpg", "b.tif"])
+def test_texts_stay_the_bytes_they_are(tmp_path, text, source, result):
+    path = tmp_path / "source"
+    if source == "TIFF":
+        written(path.with_suffix(".tif"), with_copyright(text)).rename(path)
+    else:
+        Image.new("RGB", (7, 9)).save(path, source, exif=with_copyright(text))
+    back = read_photo(written(tmp_path / result, read_photo(path).exif)).exif
+    assert bytes(read_directory(back).entries[COPYRIGHT].data) == text + b"\0"
+
+
+@pytest.mark.parametrize("bits", [8, 16])
+def test_texts_of_deep_and_big_tiffs_stay_too(tmp_path, bits):
+    codes = np.zeros((4, 5, 3), f"u{bits // 8}")
+    for name, big in (("a.tif", False), ("b.tif", True)):
+        tag = (COPYRIGHT, "B", len(UTF_8) + 1, UTF_8 + b"\0", True)
+        tifffile.imwrite(tmp_path / name, codes, photometric="rgb", bigtiff=big, metadata=None, extratags=[tag])
+        assert UTF_8 + b"\0" in read_photo(tmp_path / name).exif
+
+
+@pytest.mark.parametrize("order", ["<", ">"])
+@pytest.mark.parametrize(("name", "bits"), [("a.png", 8), ("a.jpg", 8), ("a.tif", 8), ("a.tif", 16)])
+def test_settings_and_place_arrive_in_every_format(tmp_path, order, name, bits):
+    said, inner, place, interoperability = said_by(written(tmp_path / name, carried_block(full_block(order)), bits))
+    assert (said[MAKER], said[AUTHOR]) == ("Camera", "Someone")
+    assert float(inner[EXPOSURE_TIME]) == 0.005
+    assert place == {LATITUDE_SIDE: "N", LATITUDE: (48.0, 8.0, 30.0)}
+    assert interoperability == {1: "R98"}
+    np.testing.assert_allclose(read_photo(tmp_path / name).linear, 0.3, atol=0.01)
+
+
+def test_what_tells_of_the_file_itself_stays_behind(tmp_path):
+    of_the_file = {317: 2, 322: 16, 323: 16, 330: 8, 339: 1}
+    block = Image.Exif()
+    block[MAKER] = "Camera"
+    for tag, value in of_the_file.items():
+        block[tag] = value
+    assert set(read_directory(carried_block(block.tobytes())).entries) == {MAKER, ORIENTATION}
+    config = {"photometric": "rgb", "tile": (16, 16), "compression": "zlib", "predictor": True, "metadata": None}
+    tags = [(MAKER, "s", 0, "Camera", True)]
+    tifffile.imwrite(tmp_path / "a.tif", np.zeros((40, 40, 3), np.uint8), extratags=tags, **config)
+    kept = set(read_directory(read_photo(tmp_path / "a.tif").exif).entries)
+    assert MAKER in kept
+    assert not kept & {317, 322, 323, 324, 325, 330, 339, 347}
+
+
+@pytest.mark.parametrize("tag", [37724, 34377, 33723])
+def test_programs_own_large_tags_take_nothing_else_with_them(tmp_path, tag):
+    tags = [(MAKER, "s", 0, "Camera", True), (tag, "B", 100_000, bytes(100_000), True)]
+    codes = np.zeros((8, 9, 3), np.uint8)
+    tifffile.imwrite(tmp_path / "a.tif", codes, photometric="rgb", metadata=None, extratags=tags)
+    kept = read_directory(read_photo(tmp_path / "a.tif").exif).entries
+    assert bytes(kept[MAKER].data) == b"Camera\0"
+    assert tag not in kept
+
+
+@pytest.mark.parametrize(("length", "is_kept"), [(50_000, True), (61_000, False)])
+def test_makers_notes_go_where_the_whole_is_too_large(length, is_kept):
+    block = carried_block(full_block(">", bytes(length)))
+    assert len(block) <= 60_000
+    inner = read_directory(block).inner[EXIF].entries
+    assert EXPOSURE_TIME in inner
+    assert (MAKER_NOTE in inner) == is_kept
+
+
+def test_damaged_blocks_say_what_they_still_do():
+    whole = full_block("<")
+    for length in range(0, len(whole), 7):
+        block = carried_block(whole[:length])
+        assert block is None or block.startswith(b"Exif\0\0")
+    assert carried_block("Exif, but as text") is None
+    # A directory that says it is its own EXIF directory, 65535 times.
+    entry = struct.pack("<HHII", EXIF, 4, 1, 8)
+    endless = b"II*\0" + struct.pack("<IH", 8, 65535) + entry * 65535
+    assert len(carried_block(endless)) < 200
