@@ -21,6 +21,8 @@ _NEGLIGIBLE = 1e-5
 """Rounding takes colours this far outside Rec.709."""
 
 _LARGEST_HALF = 65504.0
+_BRIGHTEST = 1e20
+"""Radiance of floating-point files is limited to this, which leaves room for sums, squares and gains."""
 
 
 def read_photo(path: str | Path) -> Photo:
@@ -30,7 +32,8 @@ def read_photo(path: str | Path) -> Photo:
     grey profiles in floating point at the file's own depth, with what lies outside Rec.709 in `Photo.beyond`;
     table-based ones (CMYK among them) at 8 bits through LittleCMS, clipped to sRGB. Floating-point TIFFs are
     linear unless they embed a matrix or grey profile. In floating-point files NaN becomes 0 and infinity the
-    largest finite value; what is negative goes to `Photo.beyond`. Alpha multiplied into the colour is divided out.
+    largest finite value, none above 1e20; what is negative goes to `Photo.beyond`. Alpha multiplied into the
+    colour is divided out.
 
     Raises:
         InputError: missing, a folder, empty, truncated, not an image, above 400 megapixels or unreadable.
@@ -89,7 +92,7 @@ def _photo_of_floats(raster: decode.Raster, path: Path) -> Photo:
     linear, premultiplied, alpha = raster.values, raster.premultiplied, raster.alpha
     profile = matrix_profile(raster.icc, linear.shape[2]) if raster.icc else None
     if profile is not None:
-        linear, premultiplied = profile.decode(_finite(_straight(raster))), False
+        linear, premultiplied = profile.decode(_limited(_finite(_straight(raster)))), False
     alpha = None if alpha is None else _upright(alpha, raster.orientation)
     photo = _float_photo(_upright(linear, raster.orientation), alpha, premultiplied, path)
     return replace(photo, icc=_kept_profile(raster), exif=raster.exif)
@@ -98,12 +101,12 @@ def _photo_of_floats(raster: decode.Raster, path: Path) -> Photo:
 def _float_photo(linear: np.ndarray, alpha: np.ndarray | None, premultiplied: bool, path: Path) -> Photo:
     if linear.shape[2] == 1:
         linear = np.repeat(linear, 3, axis=2)
-    linear = _finite(linear)
+    linear = _limited(_finite(linear))
     if alpha is not None:
         alpha = np.clip(np.nan_to_num(alpha.astype(np.float32)), 0.0, 1.0)
         if premultiplied:
-            linear = linear / np.where(alpha > 0.0, alpha, 1.0)[..., None]
-            linear = np.clip(linear, np.float32(-3e38), np.float32(3e38))
+            with np.errstate(over="ignore"):
+                linear = _limited(linear / np.where(alpha > 0.0, alpha, 1.0)[..., None])
     linear, beyond = np.ascontiguousarray(linear, np.float32), None
     if linear.min() < -_NEGLIGIBLE:
         beyond = np.clip(linear, -_LARGEST_HALF, 0.0).astype(np.float16)
@@ -114,6 +117,11 @@ def _finite(linear: np.ndarray) -> np.ndarray:
     finite = np.isfinite(linear)
     brightest = float(linear.max(initial=0.0, where=finite))
     return np.nan_to_num(linear, nan=0.0, posinf=brightest, neginf=0.0)
+
+
+def _limited(linear: np.ndarray) -> np.ndarray:
+    """Changed in place and returned."""
+    return np.clip(linear, -_BRIGHTEST, _BRIGHTEST, out=linear)
 
 
 def _straight(raster: decode.Raster) -> np.ndarray:

@@ -9,6 +9,7 @@ import tifffile
 from PIL import Image, ImageCms
 
 from relight_core.imaging.formats.icc import matrix_profile
+from relight_core.imaging.formats.png import SIGNATURE, chunk
 from relight_core.imaging.read import read_photo
 
 SRGB = ImageCms.ImageCmsProfile(ImageCms.createProfile("sRGB")).tobytes()
@@ -165,3 +166,48 @@ def test_floats_are_turned_upright_and_keep_what_the_file_says(tmp_path, profile
     assert photo.linear.shape == (6, 4, 3)
     assert photo.linear[0, 3].min() > 0.99 > photo.linear.sum() / 4
     assert b"Camera" in photo.exif
+
+
+def grey_profile(value):
+    return profile_bytes(b"GRAY", {b"wtpt": xyz((0.9642, 1.0, 0.8249)), b"kTRC": gamma(value)})
+
+
+@pytest.mark.parametrize("suffix", [".png", ".tif"])
+def test_grey_with_alpha_is_in_its_grey_profile(tmp_path, suffix):
+    grey = np.full((6, 7), 128, np.uint8)
+    half = np.full((6, 7), 51, np.uint8)
+    for name, pixels in (("l", grey), ("la", np.dstack([grey, half]))):
+        path = tmp_path / f"{name}{suffix}"
+        Image.fromarray(pixels).save(path, icc_profile=grey_profile(1.0))
+        np.testing.assert_allclose(read_photo(path).linear, 128 / 255, atol=1e-4)
+    np.testing.assert_allclose(read_photo(path).alpha, 0.2, atol=1e-6)
+
+
+def test_grey_whose_alpha_is_one_code_is_in_its_grey_profile(tmp_path):
+    grey = np.full((6, 7), 128, np.uint8)
+    grey[0] = 3
+    Image.fromarray(grey).save(tmp_path / "a.png", icc_profile=grey_profile(1.0), transparency=3)
+    photo = read_photo(tmp_path / "a.png")
+    np.testing.assert_allclose(photo.linear[1:], 128 / 255, atol=1e-4)
+    np.testing.assert_array_equal(photo.alpha[:2, 0], [0, 1])
+
+
+def test_deep_grey_with_alpha_is_in_its_grey_profile(tmp_path):
+    pixels = np.full((4, 5, 2), (32896, 13107), ">u2")
+    rows = b"".join(b"\0" + row.tobytes() for row in pixels)
+    chunks = chunk(b"IHDR", struct.pack(">IIBBBBB", 5, 4, 16, 4, 0, 0, 0))
+    chunks += chunk(b"iCCP", b"icc\0\0" + zlib.compress(grey_profile(1.0)))
+    chunks += chunk(b"IDAT", zlib.compress(rows)) + chunk(b"IEND", b"")
+    (tmp_path / "a.png").write_bytes(SIGNATURE + chunks)
+    photo = read_photo(tmp_path / "a.png")
+    assert photo.bits == 16
+    np.testing.assert_allclose(photo.linear, 32896 / 65535, atol=1e-4)
+    np.testing.assert_allclose(photo.alpha, 0.2, atol=1e-5)
+
+
+def test_an_enormous_float_in_a_profile_stays_the_brightest(tmp_path):
+    pixels = np.full((4, 5, 3), 0.5)
+    pixels[0, 0] = 3.4e38
+    photo = float_tiff(tmp_path / "a.tif", pixels, iccprofile=rgb_profile(gamma(2)))
+    np.testing.assert_allclose(photo.linear[0, 0], 1e20)
+    np.testing.assert_allclose(photo.linear[1, 1], 0.25, atol=1e-3)

@@ -186,6 +186,33 @@ def test_exr_alpha_is_divided_out(tmp_path):
     assert photo.alpha[1, 1] == 0.5
 
 
+@pytest.mark.parametrize(
+    ("corner", "seen_share"), [((60, 0), 0), ((0, 60), 0), ((500, 500), 0), ((-40, -40), 0), ((20, 10), 0.25)]
+)
+def test_an_exr_whose_data_lie_beside_its_display_window_is_black_there(tmp_path, corner, seen_share):
+    # 40 x 40 pixels of data; the display shows 40 x 20.
+    data = np.array(corner, np.int32), np.array(corner, np.int32) + 39
+    display = np.array((0, 0), np.int32), np.array((39, 19), np.int32)
+    pixels = np.full((40, 40, 3), 0.5, np.float32)
+    path = write_exr(tmp_path / "a.exr", {"RGB": pixels}, dataWindow=data, displayWindow=display)
+    linear = read_photo(path).linear
+    assert linear.shape == (20, 40, 3)
+    assert linear.mean() == pytest.approx(0.5 * seen_share)
+
+
+def test_enormous_radiance_is_limited_to_what_can_be_reckoned_with(tmp_path):
+    pixels = np.full((2, 3, 3), 0.5, np.float32)
+    pixels[0, 0], pixels[0, 1, 2] = 3.4e38, -3.4e38
+    photo = read_photo(write_exr(tmp_path / "a.exr", {"RGB": pixels}))
+    assert photo.linear[0, 0, 0] == np.float32(1e20)
+    assert photo.linear[1, 2, 0] == 0.5
+    assert photo.beyond[0, 1, 2] == -65504.0
+    see_through = np.dstack([pixels, np.full((2, 3), 1e-6, np.float32)])
+    photo = read_photo(write_exr(tmp_path / "b.exr", {"RGBA": see_through}))
+    assert photo.linear.max() == np.float32(1e20)
+    np.testing.assert_allclose(photo.linear[1], 5e5, rtol=1e-5)
+
+
 def test_exr_of_one_channel_or_one_layer(tmp_path):
     grey = write_exr(tmp_path / "y.exr", {"Y": np.full((2, 4), 3.0, np.float32)})
     np.testing.assert_array_equal(read_radiance(grey), np.full((2, 4, 3), 3.0))

@@ -2,6 +2,7 @@
 
 import struct
 
+import cv2
 import numpy as np
 import pytest
 import tifffile
@@ -53,6 +54,32 @@ def test_deep_grey_with_alpha(tmp_path):
     photo = read_photo(tmp_path / "a.tif")
     np.testing.assert_array_equal(photo.linear[..., 2], LINEAR[..., 0])
     np.testing.assert_allclose(photo.alpha, CODES[..., 1] / 65535, atol=1e-6)
+
+
+@pytest.mark.parametrize("kind", [np.uint8, np.uint16, np.float32])
+@pytest.mark.parametrize(("extra", "opacity"), [("unspecified", None), ("unassalpha", 0.0)])
+def test_a_channel_that_is_no_transparency_is_none(tmp_path, kind, extra, opacity):
+    # A selection kept with the picture, say: all of it is 0.
+    stored = np.zeros((6, 8, 4), kind)
+    stored[..., :3] = 1 if kind == np.float32 else np.iinfo(kind).max
+    tifffile.imwrite(tmp_path / "a.tif", stored, photometric="rgb", extrasamples=[extra])
+    photo = read_photo(tmp_path / "a.tif")
+    np.testing.assert_array_equal(photo.linear, 1.0)
+    if opacity is None:
+        assert photo.alpha is None
+    else:
+        np.testing.assert_array_equal(photo.alpha, opacity)
+
+
+def test_transparency_may_come_before_other_channels_and_unsaid(tmp_path):
+    stored = np.full((6, 8, 5), 65535, np.uint16)
+    stored[..., 3:] = 13107, 0
+    config = {"photometric": "rgb", "planarconfig": "contig"}
+    tifffile.imwrite(tmp_path / "a.tif", stored, extrasamples=["unassalpha", "unspecified"], **config)
+    np.testing.assert_allclose(read_photo(tmp_path / "a.tif").alpha, 0.2, atol=1e-5)
+    # OpenCV says nothing of what it writes.
+    cv2.imwrite(str(tmp_path / "b.tif"), stored[..., :4])
+    np.testing.assert_allclose(read_photo(tmp_path / "b.tif").alpha, 0.2, atol=1e-5)
 
 
 def test_deep_planes_stand_upright(tmp_path):

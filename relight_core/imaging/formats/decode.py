@@ -24,6 +24,8 @@ from relight_core.imaging.formats.raster import Raster
 
 _FORMATS = ("JPEG", "PNG", "TIFF", "WEBP", "BMP", "GIF", "AVIF")
 _BLOCK_ROWS = 256
+_GREYS = ("1", "L", "LA")
+_PNG_GREYS = (0, 4)
 _PNG_SAMPLES = {0: 1, 2: 3, 3: 1, 4: 2, 6: 4}
 _MOST_DEFLATED = 1032
 """Bytes that one byte of deflated data can stand for at the most (zlib's technical notes)."""
@@ -124,9 +126,10 @@ def _from_pillow(image: Image.Image) -> Raster:
         return Raster(through_library_profile(image, icc), None, None, orientation)
     alpha = None
     if image.has_transparency_data:
-        image = image.convert("RGBA")
+        # Grey stays grey: its profile, if it has one, is for one channel.
+        image = image.convert("LA" if image.mode in _GREYS else "RGBA")
         alpha = np.asarray(image.getchannel("A"), np.float32) / 255.0
-    is_grey = image.mode in ("1", "L")
+    is_grey = image.mode in _GREYS
     values = np.asarray(image.convert("L"))[..., None] if is_grey else np.asarray(image.convert("RGB"))
     return Raster(values, alpha, icc, orientation)
 
@@ -154,7 +157,9 @@ def _decode_deep_png(data: bytes, image: Image.Image, path: Path) -> Raster:
         raise InputError(f"{path}: a truncated or damaged image; fetch or export it again")
     values, alpha = in_rgb_order(values), None
     if values.shape[2] == 4:
-        values, alpha = np.ascontiguousarray(values[..., :3]), values[..., 3].astype(np.float32) / np.float32(65535.0)
+        colours = 1 if data[25] in _PNG_GREYS else 3
+        alpha = values[..., 3].astype(np.float32) / np.float32(65535.0)
+        values = np.ascontiguousarray(values[..., :colours])
     return Raster(values, alpha, image.info.get("icc_profile") or None, _orientation(image))
 
 

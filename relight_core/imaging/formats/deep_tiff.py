@@ -27,6 +27,7 @@ logging.getLogger("tifffile").setLevel(logging.CRITICAL)
 _ORIENTATION, _PROFILE = 274, 34675
 _WHITE_IS_0, _BLACK_IS_0, _RGB, _CMYK = 0, 1, 2, 5
 _COLOURS = {_WHITE_IS_0: 1, _BLACK_IS_0: 1, _RGB: 3, _CMYK: 4}
+_ALPHAS = _ASSOCIATED, _STRAIGHT = 1, 2
 _IN_PLANES = 2
 _PLAIN, _PACKBITS, _DEFLATE = 1, 32773, (8, 32946)
 
@@ -131,7 +132,8 @@ def _as_raster(values: np.ndarray, page: tifffile.TiffPage, photometric: int) ->
     tag = page.tags.get(_PROFILE)
     icc = tag.value if tag is not None and isinstance(tag.value, bytes) else None
     colours, alpha = _COLOURS[photometric], None
-    if values.shape[2] > colours:
+    extra = _first_extra(page)
+    if values.shape[2] > colours and extra in _ALPHAS:
         alpha = values[..., colours].astype(np.float32) / np.float32(65535.0 if values.dtype == np.uint16 else 1.0)
     values = np.ascontiguousarray(values[..., :colours])
     if photometric == _WHITE_IS_0:
@@ -139,5 +141,11 @@ def _as_raster(values: np.ndarray, page: tifffile.TiffPage, photometric: int) ->
     if photometric == _CMYK:
         inks = values >> 8 if values.dtype == np.uint16 else np.clip(np.nan_to_num(values), 0, 1) * 255
         values, icc = through_library_profile(Image.fromarray(inks.astype(np.uint8), "CMYK"), icc), None
-    associated = 1 in [int(kind) for kind in (page.extrasamples or ())]
-    return Raster(values, alpha, icc, premultiplied=alpha is not None and associated)
+    return Raster(values, alpha, icc, premultiplied=alpha is not None and extra == _ASSOCIATED)
+
+
+def _first_extra(page: tifffile.TiffPage) -> int:
+    """What the first channel beside the colours is: 0 a selection or a depth, 1 and 2 transparency."""
+    kinds = page.extrasamples
+    # Programs that write transparency without saying so leave the whole tag out, as Pillow takes it for 8 bits.
+    return int(kinds[0]) if kinds else _STRAIGHT

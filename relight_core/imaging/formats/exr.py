@@ -235,6 +235,9 @@ def _on_display_window(data: np.ndarray, header: dict) -> np.ndarray:
     canvas = np.zeros((height, width, data.shape[2]), np.float32)
     rows = slice(max(top, 0), max(min(top + data.shape[0], height), 0))
     columns = slice(max(left, 0), max(min(left + data.shape[1], width), 0))
+    if rows.start >= rows.stop or columns.start >= columns.stop:
+        # Nothing of it is seen; the ends of what is cut out of the data would count from its far side.
+        return canvas
     canvas[rows, columns] = data[rows.start - top : rows.stop - top, columns.start - left : columns.stop - left]
     return canvas
 
