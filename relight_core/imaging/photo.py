@@ -9,11 +9,9 @@ from pathlib import Path
 import numpy as np
 
 from relight_core.imaging.colour import srgb_decode, srgb_decode_integers, srgb_encode
+from relight_core.imaging.toning import is_monochrome
 
 _LOOKED_AT = 512
-_TONES = 48
-_COLOURLESS = 4 / 255
-_STRAY_SHARE = 0.01
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,11 +58,10 @@ class Photo:
     def monochrome(self) -> bool:
         """Whether it is black and white, or toned: of one colour for each brightness, but for what compression adds."""
         step = max(max(self.linear.shape[:2]) // _LOOKED_AT, 1)
-        seen = self.linear[::step, ::step].reshape(-1, 3)
+        seen = self.linear[::step, ::step]
         if self.beyond is not None:
-            seen = seen + self.beyond[::step, ::step].reshape(-1, 3)
-        codes = np.copysign(srgb_encode(np.minimum(np.abs(seen), 1)), seen)
-        return _share_off_tone(codes) <= _STRAY_SHARE
+            seen = seen + self.beyond[::step, ::step]
+        return is_monochrome(np.copysign(srgb_encode(np.minimum(np.abs(seen), 1)), seen))
 
     @classmethod
     def from_srgb(cls, srgb: np.ndarray, path: Path | None = None) -> Photo:
@@ -79,10 +76,3 @@ class Photo:
             return cls(np.ascontiguousarray(linear), None, path, 8 * srgb.dtype.itemsize)
         clipped = np.clip(np.nan_to_num(srgb.astype(np.float32)), 0.0, 1.0)
         return cls(np.ascontiguousarray(srgb_decode(clipped)), None, path, 32)
-
-
-def _share_off_tone(codes: np.ndarray) -> float:
-    """Of sRGB pixels (N, 3), the share whose colour is not the one that most pixels of their brightness have."""
-    colour = (codes - codes[:, 1:2])[:, [0, 2]][np.argsort(codes.sum(1))]
-    off = [np.abs(part - np.median(part, 0)).max(1) for part in np.array_split(colour, min(_TONES, len(colour)))]
-    return float((np.concatenate(off) > _COLOURLESS).mean())

@@ -1,0 +1,83 @@
+"""Whether a picture is black and white or toned: of one colour for each brightness, its tone."""
+
+from __future__ import annotations
+
+import numpy as np
+
+_LEVELS = 48
+_COLOURLESS = 4 / 255
+_STRAY_SHARE = 0.01
+"""Of all pixels, those that compression and clipping may take off the tone."""
+
+_PLAIN_COLOUR = 12 / 255
+"""What compression makes of a toned picture's edges stays below this nearly everywhere."""
+
+_COLOURED_SHARE = 0.2
+"""Of a tile's pixels, those whose plain colour makes it a coloured one: a small face, not an edge."""
+
+_CELLS = 32
+_LEAST_CELL_PX = 4
+_SRGB_OFFSET = 0.055
+"""sRGB's codes are a power of light less this, so a tone's distance from grey grows with code plus this."""
+
+
+def is_monochrome(codes: np.ndarray) -> bool:
+    """Whether a picture has no colour but a tone's.
+
+    Colour may be spread thinly or stand in one small place, as a face does before a grey wall: there is none only
+    where hardly a pixel is off the tone and no tile of a coarse grid has many that are plainly off it.
+
+    Args:
+        codes: (H, W, 3) sRGB, up to 1; below 0 what lies outside Rec.709.
+    """
+    height, width = codes.shape[:2]
+    flat = codes.reshape(-1, 3)
+    brightness, colour = np.maximum(flat.sum(1), 0), (flat - flat[:, 1:2])[:, [0, 2]]
+    levels = np.array_split(np.argsort(brightness), min(_LEVELS, len(flat)))
+    tones = np.array([np.median(colour[level], 0) for level in levels])
+    strays = sum(_off(colour[level], tone) for level, tone in zip(levels, tones, strict=True))
+    if strays > _STRAY_SHARE * len(flat):
+        return False
+    middles = np.array([np.median(brightness[level]) for level in levels])
+    plain = _plainly_off(brightness, colour, middles, tones)
+    return _densest_share(plain.reshape(height, width)) <= _COLOURED_SHARE
+
+
+def _off(colour: np.ndarray, tone: np.ndarray) -> int:
+    return int((np.abs(colour - tone).max(1) > _COLOURLESS).sum())
+
+
+def _plainly_off(brightness: np.ndarray, colour: np.ndarray, middles: np.ndarray, tones: np.ndarray) -> np.ndarray:
+    """Which pixels a tone that goes smoothly from level to level, and on beyond them, doesn't explain.
+
+    Args:
+        brightness: (N,) sum of the codes.
+        colour: (N, 2) red and blue less green.
+        middles: (L,) brightness of the levels.
+        tones: (L, 2) their colours.
+    """
+    within = np.clip(brightness, middles[0], middles[-1])
+    growth = (brightness + 3 * _SRGB_OFFSET) / (within + 3 * _SRGB_OFFSET)
+    # A tone that is known from the dark alone is known to half a code, which grows with it.
+    most = _PLAIN_COLOUR + np.maximum(growth - 1, 0) * (0.5 / 255)
+    off = np.zeros(len(brightness), bool)
+    for i in range(2):
+        off |= np.abs(colour[:, i] - growth * np.interp(within, middles, tones[:, i])) > most
+    return off
+
+
+def _densest_share(marked: np.ndarray) -> float:
+    """Of (H, W) booleans, the largest share in a tile; tiles overlap by half, so that a small spot lies within one."""
+    starts = [np.linspace(0, side, _cells(side) + 1).astype(int) for side in marked.shape]
+    counts = np.add.reduceat(np.add.reduceat(marked, starts[0][:-1], 0, np.int64), starts[1][:-1], 1)
+    areas = np.multiply.outer(*(np.diff(edges) for edges in starts))
+    return float((_two_by_two(counts) / _two_by_two(areas)).max())
+
+
+def _cells(side_px: int) -> int:
+    return min(max(side_px // _LEAST_CELL_PX, 1), _CELLS)
+
+
+def _two_by_two(cells: np.ndarray) -> np.ndarray:
+    rows = cells[:-1] + cells[1:] if len(cells) > 1 else cells
+    return rows[:, :-1] + rows[:, 1:] if rows.shape[1] > 1 else rows

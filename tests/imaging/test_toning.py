@@ -1,0 +1,84 @@
+"""Colour that stands in one small place is colour; what compression makes of a tone is none."""
+
+import io
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from relight_core.imaging.photo import Photo
+
+SEPIA = (1.1, 1.0, 0.7)
+SKIN = (200, 150, 125)
+
+
+def wall(height=800, width=600):
+    """A dark suit before a grey wall, grainy: (H, W) sRGB in [0, 255]."""
+    grey = np.full((height, width), 205.0)
+    grey[height // 3 :, width // 4 : 3 * width // 4] = 60
+    return grey + np.random.default_rng(0).normal(0, 1.5, grey.shape)
+
+
+def coloured(grey, tone=(1.0, 1.0, 1.0)):
+    """(H, W) sRGB in [0, 255] as (H, W, 3) codes, multiplied by a tone in linear light."""
+    linear = Photo.from_srgb(np.uint8(np.clip(grey, 0, 255))[..., None].repeat(3, -1)).linear * np.float32(tone)
+    return np.uint8(np.rint(255 * np.where(linear < 0.0031308, 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055)))
+
+
+def compressed(codes, quality):
+    buffer = io.BytesIO()
+    Image.fromarray(codes).save(buffer, "JPEG", quality=quality)
+    return np.asarray(Image.open(buffer))
+
+
+def head(codes, colour, top=120, left=270, height=52, width=44):
+    """An oval as large as the head of a full-length person, shaded from side to side."""
+    y, x = np.mgrid[:height, :width]
+    inside = ((y / height - 0.5) ** 2 + (x / width - 0.5) ** 2 < 0.25)[..., None]
+    shaded = np.multiply.outer(0.4 + 0.6 * x / width, colour)
+    there = codes[top : top + height, left : left + width]
+    there[:] = np.where(inside, shaded, there)
+    return codes
+
+
+@pytest.mark.parametrize("quality", [50, 92])
+@pytest.mark.parametrize(("top", "left"), [(120, 270), (131, 283), (0, 0), (748, 556)])
+def test_a_small_coloured_face_before_grey_is_colour(quality, top, left):
+    codes = head(coloured(wall()), SKIN, top, left)
+    off_grey = np.ptp(codes.astype(int), axis=-1) > 8
+    assert 0.002 < off_grey.mean() < 0.005
+    assert not Photo.from_srgb(compressed(codes, quality)).monochrome
+
+
+@pytest.mark.parametrize("brightness", [4, 25, 240])
+def test_a_small_coloured_face_alone_is_colour(brightness):
+    codes = head(np.full((800, 600, 3), brightness, np.uint8), SKIN)
+    assert not Photo.from_srgb(codes).monochrome
+
+
+@pytest.mark.parametrize("tone", [(1.0, 1.0, 1.0), SEPIA, (0.98, 1.0, 1.06)])
+@pytest.mark.parametrize("brightness", [4, 25, 90])
+def test_a_small_bright_face_in_the_dark_has_the_picture_s_tone(tone, brightness):
+    # Next to nothing in the picture is as bright as the face, so its tone must be foreseen.
+    grey = np.full((800, 600), float(brightness)) + np.random.default_rng(1).normal(0, 1, (800, 600))
+    face = head(np.repeat(grey[..., None], 3, -1), (220, 220, 220))[..., 0]
+    assert Photo.from_srgb(coloured(face, tone)).monochrome
+
+
+@pytest.mark.parametrize("quality", [75, 92])
+@pytest.mark.parametrize("tone", [SEPIA, (0.98, 1.0, 1.06)])
+def test_a_compressed_toned_picture_is_toned(quality, tone):
+    # Chroma is stored by halves and in coarse steps, so that edges, of the bright face above all, are off the tone.
+    grey = np.full((800, 600), 25.0)
+    grey[300:, 150:450] = 60
+    face = head(np.repeat(grey[..., None], 3, -1), (220, 220, 220))[..., 0]
+    assert Photo.from_srgb(compressed(coloured(face, tone), quality)).monochrome
+
+
+@pytest.mark.parametrize("size", [(1, 1), (1, 70), (3, 5), (9, 700)])
+def test_pictures_of_any_shape(size):
+    codes = np.full((*size, 3), 90, np.uint8)
+    assert Photo.from_srgb(codes).monochrome
+    if size != (1, 1):
+        codes[:, : size[1] // 2] = (130, 70, 70)
+        assert not Photo.from_srgb(codes).monochrome
