@@ -22,8 +22,9 @@ from relight_core.training.losses import (
 _PARSING_WEIGHT = 0.2
 """At first the focal loss is ten times any other term, and steps of one size for all weights would follow it alone."""
 
-_HORIZON_WEIGHT, _HORIZON_AZIMUTHS = 4.0, 6
-"""The former makes horizons count about as much as heights; of the latter every step draws others."""
+_HORIZON_WEIGHT, _HORIZON_AZIMUTHS = 1.0, 6
+"""With four times the weight horizons count as much as heights, and cost light and albedo more than they bring; of
+the azimuths every step draws others."""
 
 
 def delight_losses(
