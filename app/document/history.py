@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from app.document.document import Document
 from app.document.naming import Change, change_between
@@ -31,30 +31,42 @@ class Step:
 
 
 class History:
-    """The steps so far and which of them is in force."""
+    """The steps so far and which of them is in force.
+
+    Attributes:
+        steps: oldest first.
+        at: which is in force, or -1 before the first.
+        left: which was in force before the newest undo, redo or jump, or -1.
+    """
 
     def __init__(self) -> None:
         self.steps: list[Step] = []
-        self.at = -1
+        self.at = self.left = -1
+        self._present: Document | None = None
 
     @property
     def can_undo(self) -> bool:
-        """Whether there is an earlier step."""
-        return self.at > 0
+        """Whether there is an earlier step, or a change that is no step yet."""
+        return self.at > 0 or self._is_ahead
 
     @property
     def can_redo(self) -> bool:
         """Whether a step was undone that can come back."""
         return self.at + 1 < len(self.steps)
 
-    def observe(self, document: Document, resting: bool, now_s: float) -> None:
+    def observe(self, document: Document, resting: bool, now_s: float, turning: bool = False) -> None:
         """Look at the document, as often as one likes; changes become steps once the hand rests.
 
         Args:
             document: as it is now.
             resting: no control is being dragged and nothing that was asked for is still awaited.
             now_s: a clock that never goes back.
+            turning: the light turns by itself, which is a step only once it ends.
         """
+        if turning and self.at >= 0:
+            yaw_deg = self.steps[self.at].document.edit.yaw_deg
+            document = replace(document, edit=replace(document.edit, yaw_deg=yaw_deg))
+        self._present = document
         if not resting:
             return
         if self.at < 0 or (self.at == 0 and self.steps[0].document.photo is None):
@@ -66,7 +78,12 @@ class History:
             self._add(change, document, now_s)
 
     def undo(self) -> Document | None:
-        """Go one step back; the document to show, or None where there is none."""
+        """Go one step back; the document to show, or None where there is none.
+
+        What is no step yet, as a photo that is still being read, is what is taken back first.
+        """
+        if self._is_ahead:
+            return self.go(self.at)
         return self.go(self.at - 1) if self.can_undo else None
 
     def redo(self) -> Document | None:
@@ -81,8 +98,16 @@ class History:
         """
         if not 0 <= index < len(self.steps):
             raise IndexError(f"no step {index} of {len(self.steps)}")
-        self.at = index
-        return self.steps[index].document
+        self.left, self.at = self.at, index
+        self._present = self.steps[index].document
+        return self._present
+
+    @property
+    def _is_ahead(self) -> bool:
+        if self.at < 0 or self._present is None:
+            return False
+        document = self.steps[self.at].document
+        return document.photo is not None and document != self._present
 
     def _add(self, change: Change, document: Document, now_s: float) -> None:
         del self.steps[self.at + 1 :]

@@ -16,3 +16,8 @@ CHANNELS: tuple[tuple[str, str, str], ...] = (
     (RESULT, "Result", "The finished picture."),
 )
 """Name, title and explanation of everything the filmstrip shows, in its order; number keys count along."""
+
+
+def following(shown: str) -> tuple[str, ...]:
+    """The channels that must follow the hand: the one in the viewport. The filmstrip's wait until it rests."""
+    return () if shown in (RESULT, PHOTO) else (shown,)

@@ -1,12 +1,13 @@
-"""Work on one photo as the editor keeps it aside: while its session opens, and while another photo is open."""
+"""Work on one photo as the editor keeps it aside: while a session or an undo is on its way, and for another photo."""
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import dataclass
 from pathlib import Path
 
 from app.document.document import Document
-from app.engine.sources import PhotoSource
+from app.engine.sources import LightSource, PhotoSource
 
 
 @dataclass(frozen=True)
@@ -30,6 +31,25 @@ class Opening:
         """What files hold of it once it is open."""
         # Nothing equals a document without a photo, so work that no file holds stays unsaved.
         return KeptWork(self.path, self.document if self.path else Document())
+
+
+@dataclass(frozen=True)
+class Undoing:
+    """A step of the history that was gone to, while its photo or its light is not there yet.
+
+    Attributes:
+        step: which step was in force before.
+        photo, light: the wishes that came of it.
+    """
+
+    step: int
+    photo: PhotoSource | None
+    light: LightSource
+
+    def is_refused(self, photo: PhotoSource | None, light: LightSource, refused: Collection[object]) -> bool:
+        """Whether it can't be gone to: one of its wishes is still what is wanted, and was refused."""
+        gone_photo = photo is self.photo and photo in refused
+        return gone_photo or (light is self.light and light in refused)
 
 
 @dataclass(frozen=True)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 
@@ -13,10 +13,12 @@ class PhotoQueue:
     Attributes:
         paths: the files.
         at: which of them was asked for last.
+        is_beside: a photo that is not one of them is open meanwhile.
     """
 
     paths: tuple[Path, ...] = ()
     at: int = 0
+    is_beside: bool = False
 
     @property
     def current(self) -> Path | None:
@@ -36,7 +38,19 @@ class PhotoQueue:
         is_fresh = self.paths != before.paths
         return before if is_fresh and (len(before.paths) > 1 or len(self.paths) == 1) else self
 
+    def showing(self, path: Path | None) -> PhotoQueue:
+        """The queue once a photo is open that was not reached through it, as after undo."""
+        places = [place.absolute() for place in self.paths]
+        if not places:
+            return self
+        if path is None or path.absolute() not in places:
+            return replace(self, is_beside=True)
+        is_here = places[self.at] == path.absolute()
+        return PhotoQueue(self.paths, self.at if is_here else places.index(path.absolute()))
+
     @property
     def label(self) -> str:
-        """ "2 of 7"."""
+        """ "2 of 7"; without a number while another photo is open."""
+        if self.is_beside:
+            return f"– of {len(self.paths)}"
         return f"{self.at + 1} of {len(self.paths)}"

@@ -14,23 +14,23 @@ from app.engine.snapshot import Message, Snapshot
 from app.engine.sources import LightSource, PhotoSource, RelitLike, Request
 from app.ui.angles import wrap_degrees
 from app.ui.asking import Asking, FileRequest
-from app.ui.channels import PHOTO, RESULT
+from app.ui.channels import PHOTO, RESULT, following
 from app.ui.face_edits import FaceTool
+from app.ui.falling_back import FIRST_LIGHT, fall_back, give_up_what_is_on_its_way
 from app.ui.layout import OpenGroups, Panels
 from app.ui.light_list import wish_again
 from app.ui.look import LookState
-from app.ui.open_work import KeptWork, Opening
+from app.ui.open_work import KeptWork, Opening, Undoing
 from app.ui.photo_queue import PhotoQueue
 from app.ui.preview_size import longest_side_px
-from app.ui.viewport.box_tools import Grab, without_box
+from app.ui.viewport.box_tools import Grab
 from app.ui.viewport.view import View
 from relight_core.face.find import FaceBox
 from relight_core.imaging.photo import Photo
-from relight_core.lighting.light_edit import MOST_LEVEL_EV, LightEdit
+from relight_core.lighting.light_edit import LightEdit
 from relight_core.pipeline.auto_quality import QualityChoice
 from relight_core.pipeline.edit import Edit
 
-FIRST_LIGHT = "rembrandt"
 _EXPORT_SUFFIXES = (".png", ".exr", ".jpg", ".jpeg", ".tif", ".tiff")
 
 
@@ -73,12 +73,14 @@ class EditorState:
         dismissed: number of the newest message the user has put away.
         typing: which slider has its number typed in, if any.
         typing_began: the typing field still has to take the keyboard.
-        hand_on_control: a slider or the panorama is being dragged, so speed counts more than finish.
+        hand_on_control: a slider or the panorama is being dragged.
         pointing_at_faces: the mouse is on the choice of faces, so that the viewport shows which is which.
         faces: the boxes of the faces, while they are corrected.
         asked, asked_light: the edit, and the light's, last asked of the engine.
         snapshot: the engine's newest.
         light_panel: the light panel's rectangle (x0, y0, x1, y1) in the window, for drops.
+        opening, undoing: the session or the step of the history that is on its way, if any.
+        opened_queue: the queue as the open photo was opened.
     """
 
     photo: PhotoSource | None = None
@@ -123,23 +125,29 @@ class EditorState:
     asked_light: LightEdit = field(default_factory=LightEdit)
     snapshot: Snapshot = field(default_factory=Snapshot)
     light_panel: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 0.0)
-    _opening: Opening | None = None
+    opening: Opening | None = None
+    undoing: Undoing | None = None
+    opened_queue: PhotoQueue = field(default_factory=PhotoQueue)
     _found: dict[Path, tuple[FaceBox, ...]] = field(default_factory=dict)
     _boxes: dict[Path, tuple[FaceBox, ...] | None] = field(default_factory=dict)
-    _opened_queue: PhotoQueue = field(default_factory=PhotoQueue)
     _work_on: Path | None = None
     _kept_of: dict[Path, KeptWork] = field(default_factory=dict)
 
     def request(self) -> Request:
-        """What the engine is to work toward: quick while the hand moves something, finished when it rests."""
+        """What the engine is to work toward: quick while something moves, finished when it rests."""
         edit = self.request_at_rest().edit
-        if self.hand_on_control:
-            quick = replace(edit, quality=self.quality.moving(self.snapshot.tier_costs), channels=self._looked_at())
+        if self.is_moving:
+            quick = replace(edit, quality=self.quality.moving(self.snapshot.tier_costs), channels=following(self.shown))
             same_edit = replace(edit, quality=self.asked.quality, channels=self.asked.channels) == self.asked
             unchanged = same_edit and self.light_edit == self.asked_light
             edit = self.asked if unchanged else quick
         self.asked, self.asked_light = edit, self.light_edit
         return self._request_of(edit)
+
+    @property
+    def is_moving(self) -> bool:
+        """Whether the hand or the rotation changes the picture, so that speed counts more than finish."""
+        return self.hand_on_control or self.playing
 
     def request_at_rest(self) -> Request:
         """What the engine is to work toward once the hand rests."""
@@ -157,12 +165,24 @@ class EditorState:
 
     def remember(self, now_s: float) -> None:
         """Let the history see what was changed; once a frame."""
-        self.history.observe(self.document(), not self.hand_on_control and self._is_in_force(), now_s)
+        is_in_force = self.is_in_force()
+        if is_in_force:
+            self.undoing = None
+        self.history.observe(self.document(), not self.hand_on_control and is_in_force, now_s, self.playing)
 
     def restore(self, document: Document | None) -> None:
-        """Put a document back, as undo does; None changes nothing."""
+        """Put a step of the history back, as undo does; None changes nothing.
+
+        Where its photo or its light turns out to be gone, everything comes back as it was before.
+        """
         if document is None:
             return
+        step = self.undoing.step if self.undoing else self.history.left
+        self.put_back(document)
+        self.opening, self.undoing = None, Undoing(step, self.photo, self.light)
+
+    def put_back(self, document: Document) -> None:
+        """Set everything a document keeps; without a photo it leaves the photo as it is."""
         self.edit, self.light_edit = replace(document.edit, quality=self.edit.quality), document.light_edit
         self.quality = replace(self.quality, wish=document.quality)
         if not document.light.source().same_as(self.light):
@@ -171,6 +191,7 @@ class EditorState:
             opened = self.snapshot.opened
             decoded = opened.photo if opened and opened.source.path == document.photo.path else document.photo.path
             self.photo = PhotoSource(decoded, document.photo.face_index, document.photo.boxes)
+            self.queue = self.queue.showing(document.photo.path)
 
     def change(self, **fields) -> None:
         """Set fields of the edit."""
@@ -179,27 +200,6 @@ class EditorState:
     def reset(self) -> None:
         """Put every slider and the light back."""
         self.edit, self.light_edit = Edit(), self.light.opening_edit
-
-    def meter_light(self) -> None:
-        """Set the light's level by what a meter reads in it, or leave it as its file says."""
-        self.light_edit = replace(self.light_edit, metered=not self.light_edit.metered)
-
-    def match_face(self) -> None:
-        """Set the light's level so that the lit part of the face is as bright as in the photo."""
-        if (picture := self.snapshot.picture) is not None:
-            stops = picture.light.edit.level_ev + picture.relit.level_as_in_photo_ev(2 * MOST_LEVEL_EV)
-            level_ev = min(max(stops, -MOST_LEVEL_EV), MOST_LEVEL_EV)
-            self.light_edit = replace(self.light_edit, level_ev=round(level_ev, 2))
-
-    def delete_box(self) -> None:
-        """Take the selected soft box away."""
-        if 0 <= self.selected_box < len(self.light_edit.boxes):
-            boxes = without_box(self.light_edit.boxes, self.selected_box)
-            self.light_edit, self.selected_box = replace(self.light_edit, boxes=boxes), -1
-
-    def delete_boxes(self) -> None:
-        """Take every soft box away, and let the light itself be as it is without them."""
-        self.light_edit, self.selected_box = replace(self.light_edit, boxes=(), base=1.0), -1
 
     def turn(self, degrees: float) -> None:
         """Turn the light; the angle stays within (-180, 180]."""
@@ -212,20 +212,20 @@ class EditorState:
 
     def open_photo(self, path: Path) -> None:
         """Ask for another portrait."""
-        self.photo = PhotoSource(path)
+        self._wish_for(PhotoSource(path))
 
     def open_photos(self, paths: Sequence[Path]) -> None:
         """Ask for the first of several portraits; the others wait in the queue."""
-        self.queue = PhotoQueue(tuple(paths))
         self.open_photo(paths[0])
+        self.queue = PhotoQueue(tuple(paths))
 
     def step_photo(self, by: int) -> None:
         """Ask for a photo further on in the queue; where its faces were corrected, they stay so."""
         queue = self.queue.step(by)
         if queue is not None:
-            self.queue = queue
             boxes = self.boxes_of(queue.current)
-            self.photo = PhotoSource(queue.current, None, boxes)
+            self._wish_for(PhotoSource(queue.current, None, boxes))
+            self.queue = queue
 
     def boxes_of(self, path: Path) -> tuple[FaceBox, ...] | None:
         """Where the faces in a photo of this run are, if that was corrected; else None."""
@@ -239,10 +239,11 @@ class EditorState:
         Args:
             path: its file, where it will be saved again; None for work that no session file holds.
         """
+        give_up_what_is_on_its_way(self)
         before = self.document()
         self.photo = PhotoSource(document.photo.path, document.photo.face_index, document.photo.boxes)
-        self._opening = Opening(self.photo, path, document, before)
-        self.restore(document)
+        self.opening = Opening(self.photo, path, document, before)
+        self.put_back(document)
 
     def use_light(self, light: LightRef, light_edit: LightEdit, yaw_deg: float) -> None:
         """Ask for a light with everything that was changed about it."""
@@ -258,6 +259,12 @@ class EditorState:
         """Whether the photo that is wanted is the one that is open, so that what is set is work on it."""
         opened = self.snapshot.opened
         return opened is not None and self.photo is not None and opened.shows(self.photo)
+
+    def is_in_force(self) -> bool:
+        """Whether the photo and the light that were asked for are there, so that neither can still be refused."""
+        snapshot = self.snapshot
+        photo_is = self.photo is None or self.is_at_work()
+        return photo_is and snapshot.light is not None and self.light.same_as(snapshot.light.source)
 
     def session_of_photo(self) -> Path | None:
         """The session file of the photo that is wanted, be it open yet or not; None where this run knows of none."""
@@ -277,8 +284,13 @@ class EditorState:
 
     def choose_face(self, index: int | None) -> None:
         """Ask for one face of the open photo, or for all of them."""
-        if self.snapshot.opened:
-            self.photo = PhotoSource(self.snapshot.opened.photo, index, self.photo.boxes if self.photo else None)
+        if (opened := self.snapshot.opened) is None:
+            return
+        if self.is_at_work():
+            self.photo = PhotoSource(opened.photo, index, self.photo.boxes)
+        else:
+            self._wish_for(PhotoSource(opened.photo, index, opened.source.boxes))
+            self.queue = self.queue.showing(opened.source.path)
 
     def choose_light(self, light: LightSource) -> None:
         """Ask for another light, as it is, around the user's own soft boxes; one in the list is the one in the list.
@@ -294,13 +306,7 @@ class EditorState:
         """Take over what the engine published; wishes it refused fall back to what is in force."""
         opened_before = self.snapshot.opened
         self.snapshot = snapshot
-        if self.photo in snapshot.refused:
-            self._give_up_opening()
-            self.queue = self.queue.refused(self._opened_queue)
-            self.photo = snapshot.opened.source if snapshot.opened else None
-        if self.light in snapshot.refused:
-            self.light = snapshot.light.source if snapshot.light else LightSource("rig", FIRST_LIGHT)
-            self.light_edit = snapshot.light.edit if snapshot.light else LightEdit()
+        fall_back(self)
         if snapshot.light and snapshot.light.source.kind in ("panorama", "portrait"):
             self._remember(snapshot.light.source)
         if snapshot.opened and (opened_before is None or snapshot.opened.photo is not opened_before.photo):
@@ -354,19 +360,21 @@ class EditorState:
         if self.shown not in (RESULT, PHOTO):
             self.shown = RESULT
 
-    def _give_up_opening(self) -> None:
-        if self._opening and self._opening.wish is self.photo:
-            self.restore(replace(self._opening.before, photo=None))
-            self._opening = None
+    def _wish_for(self, photo: PhotoSource) -> None:
+        give_up_what_is_on_its_way(self)
+        self.photo = photo
 
     def _begin_work(self) -> None:
         """A photo has been opened: from here on, changes are work. Work on a photo that returns goes on."""
         if self._work_on is not None:
             self._kept_of[self._work_on] = KeptWork(self.session_path, self.kept)
-        source, self._opened_queue = self.snapshot.opened.source, self.queue
+        source = self.snapshot.opened.source
+        if source.path and self.is_at_work():
+            self.queue = self.queue.showing(source.path)
+        self.opened_queue = self.queue
         self._work_on = source.path and source.path.absolute()
-        if self._opening and self._opening.wish is source:
-            kept, self._opening = self._opening.kept, None
+        if self.opening and self.opening.wish is source:
+            kept, self.opening = self.opening.kept, None
         else:
             kept = self._kept_of.get(self._work_on) or KeptWork(None, self._as_opened(source))
         self.session_path, self.kept = kept.session_path, kept.document
@@ -379,16 +387,6 @@ class EditorState:
     def _request_of(self, edit: Edit) -> Request:
         size_px = longest_side_px(self.snapshot.opened, self.view, edit)
         return Request(self.photo, self.light, edit, self.light_edit, size_px)
-
-    def _looked_at(self) -> tuple[str, ...]:
-        """The channels that must follow the hand: the one in the viewport. The filmstrip's wait until it rests."""
-        return () if self.shown in (RESULT, PHOTO) else (self.shown,)
-
-    def _is_in_force(self) -> bool:
-        """Whether the photo and the light that were asked for are there, so that neither can still be refused."""
-        snapshot = self.snapshot
-        photo_is = self.photo is None or self.is_at_work()
-        return photo_is and snapshot.light is not None and self.light.same_as(snapshot.light.source)
 
     def _known(self, light: LightSource) -> LightSource:
         wish, self.extra_lights = wish_again(light, self.extra_lights, self.snapshot.refused)

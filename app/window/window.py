@@ -320,7 +320,7 @@ class EditorWindow:
         if is_new:
             state.accept(snapshot)
             self.shelf.keep(snapshot.light)
-        self.pictures.begin_frame(state.edit.exposure_ev, state.hand_on_control)
+        self.pictures.begin_frame(state.edit.exposure_ev, state.is_moving)
         if is_new:
             self.pictures.update(snapshot)
         state.job = self.exporter.status()

@@ -10,6 +10,7 @@ import pytest
 from app.document.document import LightRef
 from app.engine.snapshot import Message, OpenLight, OpenPhoto, Snapshot
 from app.engine.sources import LightSource, PhotoSource
+from app.ui import light_edits
 from app.ui.angles import wrap_degrees
 from app.ui.channels import CHANNELS
 from app.ui.state import EditorState
@@ -141,7 +142,7 @@ def test_panoramas_are_metered_and_other_lights_are_not():
 def test_reset_puts_a_panorama_back_as_it_was_opened():
     state = EditorState()
     state.choose_light(SKY)
-    state.meter_light()
+    light_edits.meter_light(state)
     state.light_edit = replace(state.light_edit, level_ev=1.0, boxes=(SoftBox(),))
     assert not state.light_edit.metered
     state.reset()
@@ -154,11 +155,11 @@ def relit_that_wants(stops):
 
 def test_the_level_follows_the_face_where_there_is_a_picture():
     state = EditorState()
-    state.match_face()
+    light_edits.match_face(state)
     assert state.light_edit.level_ev == 0.0
     light, relit = SimpleNamespace(edit=LightEdit(level_ev=1.0)), relit_that_wants(-0.734)
     state.accept(Snapshot(picture=SimpleNamespace(light=light, relit=relit)))
-    state.match_face()
+    light_edits.match_face(state)
     assert state.light_edit.level_ev == 0.27
 
 
@@ -167,7 +168,7 @@ def test_the_level_follows_the_face_as_far_as_its_slider_goes(wanted, level_ev):
     state = EditorState()
     light = SimpleNamespace(edit=LightEdit(level_ev=1.0))
     state.accept(Snapshot(picture=SimpleNamespace(light=light, relit=relit_that_wants(wanted))))
-    state.match_face()
+    light_edits.match_face(state)
     assert state.light_edit.level_ev == level_ev
 
 
@@ -201,7 +202,7 @@ def test_all_soft_boxes_go_at_once_and_the_room_is_whole_again():
     state.remember(0.0)
     state.light_edit = LightEdit(base=0.0, tint=0.5, boxes=(SoftBox(), SoftBox(azimuth_deg=70.0)))
     state.remember(1.0)
-    state.delete_boxes()
+    light_edits.delete_boxes(state)
     assert state.light_edit == LightEdit(tint=0.5)
     state.remember(3.0)
     assert state.history.steps[-1].name == "Remove all soft boxes"

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from app.ui import face_edits
+from app.ui import face_edits, light_edits
 from app.ui.actions.action import Action, Gesture
 from app.ui.panels.panorama import NEW_AT, add_box
 from app.ui.state import EditorState
@@ -46,7 +46,7 @@ def _delete(state: EditorState) -> None:
     if state.faces.is_open:
         face_edits.remove(state)
     else:
-        state.delete_box()
+        light_edits.delete_box(state)
 
 
 def _can_delete(state: EditorState) -> bool:
@@ -74,7 +74,7 @@ LIGHT = (
         _LIGHT,
         ("A",),
         "A panorama as bright as a photo wants it, or at the level its file gives",
-        EditorState.meter_light,
+        light_edits.meter_light,
         available=lambda state: state.light.kind == "panorama",
         is_on=lambda state: state.light_edit.metered,
     ),
@@ -83,7 +83,7 @@ LIGHT = (
         _LIGHT,
         ("Shift+A",),
         "A level that leaves the face as bright as in the photo, where the light falls on it",
-        EditorState.match_face,
+        light_edits.match_face,
         available=_relit,
     ),
     Action("Reset all", _LIGHT, ("Ctrl+R",), "Put every slider and the light back", EditorState.reset),
@@ -128,7 +128,7 @@ BOXES = (
         _LIGHT,
         ("Shift+Delete",),
         "Leaves the light without them",
-        EditorState.delete_boxes,
+        light_edits.delete_boxes,
         available=lambda state: bool(state.light_edit.boxes),
     ),
 )

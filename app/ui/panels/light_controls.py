@@ -6,7 +6,7 @@ from dataclasses import replace
 
 from imgui_bundle import imgui
 
-from app.ui import theme, widgets
+from app.ui import light_edits, theme, widgets
 from app.ui.panels.groups import Tool, group, tools_beside
 from app.ui.panels.panorama import NEW_AT, add_box
 from app.ui.state import EditorState
@@ -51,7 +51,7 @@ def tools(state: EditorState) -> None:
     if has_boxes:
         imgui.same_line(0.0, spacing)
         if imgui.button(_REMOVE, imgui.ImVec2(remove, 0.0)):
-            state.delete_boxes()
+            light_edits.delete_boxes(state)
         imgui.set_item_tooltip("Leaves the light without soft boxes.  Shift + Delete")
     imgui.begin_disabled(state.snapshot.picture is None)
     imgui.align_text_to_frame_padding()
@@ -81,7 +81,7 @@ def box(state: EditorState, fonts: theme.Fonts) -> None:
     imgui.same_line()
     imgui.set_cursor_screen_pos(imgui.ImVec2(left.x + width - delete, left.y))
     if imgui.button("Delete", imgui.ImVec2(delete, 0.0)):
-        state.delete_box()
+        light_edits.delete_box(state)
         return
     imgui.set_item_tooltip("Take this lamp away.  Delete")
     changed = {field: widgets.slider(state, spec, getattr(boxes[index], field)) for field, spec in _BOX.items()}
@@ -122,9 +122,9 @@ def _level_tools(state: EditorState) -> None:
     tools = [(metered, state.light_edit.metered)] if metered.tooltip else []
     clicked = tools_beside(level, *tools, (as_photo, False))
     if clicked == metered.label:
-        state.meter_light()
+        light_edits.meter_light(state)
     elif clicked == as_photo.label:
-        state.match_face()
+        light_edits.match_face(state)
 
 
 def _meter_words(state: EditorState) -> str:

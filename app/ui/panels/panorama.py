@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 from imgui_bundle import imgui
 
-from app.ui import theme
+from app.ui import light_edits, theme
 from app.ui.pictures import Pictures
 from app.ui.state import EditorState
 from app.ui.viewport.box_tools import NEW_BOX, dragged, grab
@@ -64,7 +64,7 @@ def _point(state: EditorState, u: float, v: float, reach_deg: float) -> None:
     )
     if found.kind != "turn" and imgui.is_mouse_clicked(1):
         state.selected_box = found.index
-        state.delete_box()
+        light_edits.delete_box(state)
     elif not state.hint_spent:
         _explain(found.kind)
     if found.kind == "turn" and imgui.is_mouse_double_clicked(0):

@@ -66,5 +66,4 @@ def duration(seconds: float) -> str:
 def play(state: EditorState) -> None:
     """Turn the light a little further while it turns by itself."""
     if state.playing:
-        state.hand_on_control = True
         state.turn(TURN_DEG_PER_S * min(imgui.get_io().delta_time, _LONGEST_STEP_S))

@@ -1,0 +1,45 @@
+"""What the editor returns to when a photo or a light that was wished for can't be had."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from app.engine.sources import LightSource
+from relight_core.lighting.light_edit import LightEdit
+
+if TYPE_CHECKING:
+    from app.ui.state import EditorState
+
+FIRST_LIGHT = "rembrandt"
+
+
+def fall_back(state: EditorState) -> None:
+    """Let wishes that the engine refused become what is in force; an undo that led to them is taken back whole."""
+    snapshot, undoing = state.snapshot, state.undoing
+    if undoing is not None and undoing.is_refused(state.photo, state.light, snapshot.refused):
+        _take_undoing_back(state)
+    if state.photo in snapshot.refused:
+        give_up_what_is_on_its_way(state)
+        state.queue = state.queue.refused(state.opened_queue)
+        # The first photo may still be on its way, and then it is what remains.
+        remaining = snapshot.opened or snapshot.coming
+        state.photo = remaining.source if remaining else None
+    if state.light in snapshot.refused:
+        state.light = snapshot.light.source if snapshot.light else LightSource("rig", FIRST_LIGHT)
+        state.light_edit = snapshot.light.edit if snapshot.light else LightEdit()
+
+
+def give_up_what_is_on_its_way(state: EditorState) -> None:
+    """Settle what came with a session or an undo that isn't there yet: it was never work on the photo that is open."""
+    if state.opening and state.opening.wish is state.photo:
+        state.put_back(replace(state.opening.before, photo=None))
+    elif state.undoing and state.undoing.photo is state.photo and not state.is_in_force():
+        _take_undoing_back(state)
+    state.opening = state.undoing = None
+
+
+def _take_undoing_back(state: EditorState) -> None:
+    step, state.undoing = state.undoing.step, None
+    if 0 <= step < len(state.history.steps):
+        state.put_back(state.history.go(step))

@@ -1,0 +1,37 @@
+"""Changing the light that is in use: what the panels and the commands do to the state."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from app.ui.viewport.box_tools import without_box
+from relight_core.lighting.light_edit import MOST_LEVEL_EV
+
+if TYPE_CHECKING:
+    from app.ui.state import EditorState
+
+
+def meter_light(state: EditorState) -> None:
+    """Set the light's level by what a meter reads in it, or leave it as its file says."""
+    state.light_edit = replace(state.light_edit, metered=not state.light_edit.metered)
+
+
+def match_face(state: EditorState) -> None:
+    """Set the light's level so that the lit part of the face is as bright as in the photo."""
+    if (picture := state.snapshot.picture) is not None:
+        stops = picture.light.edit.level_ev + picture.relit.level_as_in_photo_ev(2 * MOST_LEVEL_EV)
+        level_ev = min(max(stops, -MOST_LEVEL_EV), MOST_LEVEL_EV)
+        state.light_edit = replace(state.light_edit, level_ev=round(level_ev, 2))
+
+
+def delete_box(state: EditorState) -> None:
+    """Take the selected soft box away."""
+    if 0 <= state.selected_box < len(state.light_edit.boxes):
+        boxes = without_box(state.light_edit.boxes, state.selected_box)
+        state.light_edit, state.selected_box = replace(state.light_edit, boxes=boxes), -1
+
+
+def delete_boxes(state: EditorState) -> None:
+    """Take every soft box away, and let the light itself be as it is without them."""
+    state.light_edit, state.selected_box = replace(state.light_edit, boxes=(), base=1.0), -1
