@@ -44,7 +44,7 @@ def change_between(before: Document, after: Document) -> Change | None:
     lit = _differing(before.light_edit, after.light_edit, "light")
     touched = (*edited, *lit)
     if before.light_edit.boxes and not after.light_edit.boxes and set(touched) <= {"light.boxes", "light.base"}:
-        return Change(("light.boxes.delete",), _without_boxes(before.light_edit))
+        return Change(("light.boxes.delete",), _without_boxes(before.light_edit), alone=True)
     if len(touched) > 1:
         return Change(touched, _several(after))
     if touched == ("light.boxes",):
@@ -97,9 +97,9 @@ def _without_boxes(before: LightEdit) -> str:
 
 def _box_change(before: LightEdit, after: LightEdit) -> Change:
     if len(after.boxes) > len(before.boxes):
-        return Change(("light.boxes.add",), "Add soft box")
+        return Change(("light.boxes.add",), "Add soft box", alone=True)
     if len(after.boxes) < len(before.boxes):
-        return Change(("light.boxes.delete",), "Delete soft box")
+        return Change(("light.boxes.delete",), "Delete soft box", alone=True)
     moved = [index for index, (old, new) in enumerate(zip(before.boxes, after.boxes, strict=True)) if old != new]
     if len(moved) != 1:
         return Change(("light.boxes",), "Change soft boxes")

@@ -94,10 +94,8 @@ class Engine:
                     return
                 request, now = self._request, self._snapshot
             step = self._next_step(request, now)
-            if step is None:
+            if step is None or not self._took(step):
                 self._rest(request)
-            else:
-                self._take(step)
 
     def _next_step(self, request: Request, now: Snapshot) -> Step | None:
         try:
@@ -115,27 +113,40 @@ class Engine:
             self._changed.notify_all()
         self._wake()
 
+    def _took(self, step: Step) -> bool:
+        """Take the step; where even giving it up fails, the thread lives on and rests until there is a new request."""
+        try:
+            self._take(step)
+        except Exception as error:
+            self._confess(error)
+            return False
+        return True
+
     def _take(self, step: Step) -> None:
         with self._changed:
             self._snapshot = before = replace(self._snapshot, activity=step.activity)
         self._wake()
-        try:
-            after = step.run(before)
-        except InputError as error:
-            after = step.give_up(before)
-            self.say(error_line(error), is_error=True)
-        except Exception as error:
-            after = step.give_up(before)
-            self._confess(error)
+        after = self._outcome(step, before)
         with self._changed:
             if after.picture is not before.picture and self._photo_was_replaced(after):
                 after = replace(after, picture=before.picture)
             self._snapshot = replace(after, message=self._snapshot.message)
         self._wake()
 
+    def _outcome(self, step: Step, before: Snapshot) -> Snapshot:
+        try:
+            return step.run(before)
+        except InputError as error:
+            self.say(error_line(error), is_error=True)
+        except Exception as error:
+            self._confess(error)
+        return step.give_up(before)
+
     def _photo_was_replaced(self, after: Snapshot) -> bool:
         wanted = self._request.photo
-        return wanted is not None and wanted is not after.opened.source and wanted not in after.refused
+        if wanted is None or after.opened is None:
+            return False
+        return wanted is not after.opened.source and wanted not in after.refused
 
     def _confess(self, error: Exception) -> None:
         _log.error("the engine failed", exc_info=error)

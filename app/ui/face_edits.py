@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from app.document.face_boxes import MOST_FACES
 from app.engine.sources import PhotoSource
+from app.ui.channels import PHOTO, RESULT
 from app.ui.viewport.face_boxes import FaceGrab
 from relight_core.face.find import FaceBox
 
@@ -68,7 +69,9 @@ def show(state: EditorState) -> None:
     if state.snapshot.opened is None or state.photo is None:
         return
     state.aim, state.playing = "", False
-    state.show_in_the_photo()
+    if state.shown not in (RESULT, PHOTO):
+        # The boxes lie over the whole photo, which a channel does not show.
+        state.shown = RESULT
     only = 0 if len(wished_boxes(state)) == 1 else -1
     state.faces = FaceTool(True, state.photo, only)
 

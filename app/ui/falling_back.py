@@ -17,6 +17,8 @@ FIRST_LIGHT = "rembrandt"
 def fall_back(state: EditorState) -> None:
     """Let wishes that the engine refused become what is in force; an undo that led to them is taken back whole."""
     snapshot, undoing = state.snapshot, state.undoing
+    if snapshot.coming is not None and snapshot.coming.source is state.photo:
+        state.opened_queue = state.queue
     if undoing is not None and undoing.is_refused(state.photo, state.light, snapshot.refused):
         _take_undoing_back(state)
     if state.photo in snapshot.refused:

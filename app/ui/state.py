@@ -70,6 +70,7 @@ class EditorState:
         hint_spent: the mouse has held something there and not left since, so that it needs no explanation.
         aim: what the next click on the face places a lamp for: "highlight", "bright", or "" for none.
         aim_at: the relit picture whose normals the click reads.
+        aim_hit: the click, or the drag it became, has placed a lamp.
         dismissed: number of the newest message the user has put away.
         typing: which slider has its number typed in, if any.
         typing_began: the typing field still has to take the keyboard.
@@ -80,7 +81,7 @@ class EditorState:
         snapshot: the engine's newest.
         light_panel: the light panel's rectangle (x0, y0, x1, y1) in the window, for drops.
         opening, undoing: the session or the step of the history that is on its way, if any.
-        opened_queue: the queue as the open photo was opened.
+        opened_queue: the queue as the open photo was asked for, or the first one that is still being read.
     """
 
     photo: PhotoSource | None = None
@@ -115,6 +116,7 @@ class EditorState:
     hint_spent: bool = False
     aim: str = ""
     aim_at: RelitLike | None = None
+    aim_hit: bool = False
     dismissed: int = 0
     typing: str | None = None
     typing_began: bool = False
@@ -354,11 +356,6 @@ class EditorState:
         if self.shown == PHOTO or picture is None or picture.opened is not self.snapshot.opened:
             return PHOTO
         return self.shown if self.shown == RESULT or self.shown in picture.channels else RESULT
-
-    def show_in_the_photo(self) -> None:
-        """Show the result, unless what is shown lies over the whole photo too."""
-        if self.shown not in (RESULT, PHOTO):
-            self.shown = RESULT
 
     def _wish_for(self, photo: PhotoSource) -> None:
         give_up_what_is_on_its_way(self)

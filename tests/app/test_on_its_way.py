@@ -171,12 +171,13 @@ def test_while_the_rotation_plays_work_is_kept_for_recovery_and_quick(editor, tm
 
 def test_the_first_photo_stays_wanted_when_a_bad_one_is_dropped_while_it_is_read(photos):
     state = EditorState()
-    state.open_photo(photos[0])
+    state.open_photos(photos[:2])
     first = state.photo
     state.accept(Snapshot(coming=SimpleNamespace(source=first)))
-    state.open_photo(photos[1])
+    state.open_photos(photos[2:3])
     state.accept(Snapshot(coming=SimpleNamespace(source=first), refused=frozenset({state.photo})))
     assert state.photo is first
+    assert state.queue.label == "1 of 2"
 
 
 @pytest.mark.parametrize("is_session", [True, False])

@@ -131,3 +131,17 @@ def test_a_click_on_the_face_places_a_lamp_and_the_picture_answers(opened):
     assert box != SoftBox()
     assert box.direction[0] > 0.2
     assert np.abs(opened.picture_pixels(96, 128) - before).max() > 5
+
+
+def test_a_click_beside_the_face_tells_so_and_lets_one_try_again(opened):
+    state = opened.window.state
+    opened.key(glfw.KEY_K)
+    beside, on_it = opened.centre(), (opened.centre()[0] + 20, opened.centre()[1] + 10)
+    opened.click((beside[0], beside[1] - 31))
+    opened.settle()
+    assert state.light_edit.boxes == ()
+    assert state.aim == "highlight"
+    opened.click(on_it)
+    opened.settle()
+    assert len(state.light_edit.boxes) == 1
+    assert state.aim == ""

@@ -171,3 +171,11 @@ def test_every_correction_of_the_faces_is_a_step_however_quick(history):
 
 def test_what_the_finder_saw_makes_no_other_document():
     assert with_faces(None, found=(ONE,)) == with_faces(None, found=())
+
+
+def test_soft_boxes_added_and_deleted_quickly_are_a_step_each(history):
+    one, two = SoftBox(azimuth_deg=10.0), SoftBox(azimuth_deg=90.0)
+    for index, boxes in enumerate(((one,), (one, two), (two,), ()), 1):
+        history.observe(lit(boxes=boxes), True, 1.0 + 0.2 * index)
+    assert names(history)[1:] == ["Add soft box", "Add soft box", "Delete soft box", "Delete soft box"]
+    assert history.undo() == lit(boxes=(two,))

@@ -30,9 +30,12 @@ def drag(state: EditorState, arranged: Arrangement, at: tuple[float, float]) -> 
         imgui.set_mouse_cursor(imgui.MouseCursor_.hand)
     if imgui.is_item_active():
         state.hand_on_control = True
-        _place(state, arranged, at, pressed=imgui.is_item_activated())
-    elif imgui.is_item_deactivated():
-        state.aim = ""
+        pressed = imgui.is_item_activated()
+        placed = _place(state, arranged, at, pressed)
+        state.aim_hit = placed or (state.aim_hit and not pressed)
+    elif imgui.is_item_deactivated() and state.aim_hit:
+        # After a click beside the face the next one may hit it.
+        state.aim, state.aim_hit = "", False
     return imgui.is_item_active() or not imgui.get_io().mouse_wheel
 
 
@@ -44,24 +47,26 @@ def hint(state: EditorState, rect: Rect) -> None:
         note(words, rect.x + (rect.width - note_width(words)) / 2, rect.y + em)
 
 
-def _place(state: EditorState, arranged: Arrangement, at: tuple[float, float], pressed: bool) -> None:
+def _place(state: EditorState, arranged: Arrangement, at: tuple[float, float], pressed: bool) -> bool:
+    """Place a lamp for the spot under the mouse, or tell why there can be none; True where one was placed."""
     picture = state.snapshot.picture
     pane = arranged.pane_at(at[0]) or arranged.main
     if picture is None or pane.name in LIGHTS:
-        return
+        return False
     if "normal" in picture.relit.channels:
         # While the hand moves, only what is looked at is made; the face stays the same meanwhile.
         state.aim_at = picture.relit
     if state.aim_at is None:
-        return
+        return False
     x, y = photo_point(pane.placement, pane.frame, at)
     direction = lamp_for_spot(state.aim_at.channels, channel_view_of(state.aim_at), x, y, state.aim)
     if direction is None:
         if pressed:
             state.asking.tell("There is no face there; click on skin, hair or clothes")
-        return
+        return False
     edit, index = aimed(state.light_edit, state.selected_box, direction, state.edit.yaw_deg)
     if index < 0:
         state.asking.tell("A light has at most 16 soft boxes; delete one first", True)
-        return
+        return False
     state.light_edit, state.selected_box = edit, index
+    return True

@@ -83,16 +83,20 @@ def settled(view: View, frame: Frame, viewport: tuple[int, int]) -> View:
 
 
 def zoom_about(view: View, factor: float, at: tuple[float, float], frame: Frame, viewport: tuple[int, int]) -> View:
-    """Zoom by a factor while the point of the picture at the viewport's position `at` stays there."""
+    """Zoom by a factor while the point of the picture at the viewport's position `at` stays there.
+
+    Beside the picture there is no such point, and zooming in moves the picture no further out of sight.
+    """
     view = settled(view, frame, viewport)
     zoom = min(max(view.zoom * factor, SMALLEST_ZOOM), LARGEST_ZOOM)
     away_x, away_y = at[0] - viewport[0] / 2, at[1] - viewport[1] / 2
-    return View(
-        False,
-        zoom,
-        view.centre_x + away_x / view.zoom - away_x / zoom,
-        view.centre_y + away_y / view.zoom - away_y / zoom,
-    )
+    centre_x = view.centre_x + away_x / view.zoom - away_x / zoom
+    centre_y = view.centre_y + away_y / view.zoom - away_y / zoom
+    if zoom > view.zoom:
+        # Zooming out may have left the centre beside the picture; from there it need not jump.
+        centre_x = _within(centre_x, frame.x, frame.x + frame.width, view.centre_x)
+        centre_y = _within(centre_y, frame.y, frame.y + frame.height, view.centre_y)
+    return View(False, zoom, centre_x, centre_y)
 
 
 def actual_size(view: View, at: tuple[float, float], frame: Frame, viewport: tuple[int, int]) -> View:
@@ -113,3 +117,7 @@ def pan(view: View, dx: float, dy: float, frame: Frame, viewport: tuple[int, int
 def photo_point(placement: Placement, frame: Frame, at: tuple[float, float]) -> tuple[float, float]:
     """The point of the photo, in its pixels, at the viewport's position `at`."""
     return frame.x + (at[0] - placement.x) / placement.zoom, frame.y + (at[1] - placement.y) / placement.zoom
+
+
+def _within(centre: float, low: float, high: float, before: float) -> float:
+    return min(max(centre, min(low, before)), max(high, before))

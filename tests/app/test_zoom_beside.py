@@ -1,0 +1,21 @@
+"""Zooming in with the mouse beside the picture."""
+
+from app.ui.viewport.view import Frame, View, place, zoom_about
+
+PORTRAIT, WIDE_VIEWPORT = Frame(0, 0, 600, 800), (1000, 600)
+
+
+def test_zooming_in_beside_a_portrait_never_loses_it():
+    for at in ((60.0, 300.0), (990.0, 10.0)):
+        view = View()
+        for _ in range(8):
+            view = zoom_about(view, 1.2, at, PORTRAIT, WIDE_VIEWPORT)
+        spot = place(view, PORTRAIT, WIDE_VIEWPORT)
+        assert spot.x <= 500
+        assert spot.x + spot.width >= 499
+
+
+def test_zooming_in_on_the_picture_again_does_not_jump_to_its_middle():
+    aside = View(False, 0.5, -100.0, 400.0)
+    closer = zoom_about(aside, 1.1, (600.0, 300.0), PORTRAIT, WIDE_VIEWPORT)
+    assert -100.0 < closer.centre_x < -80.0
