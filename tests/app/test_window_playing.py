@@ -1,0 +1,17 @@
+"""The rotation that plays by itself is no hand on a control."""
+
+
+def test_what_is_set_while_the_rotation_plays_is_a_step_at_once_and_the_turn_one_at_its_end(opened):
+    state = opened.window.state
+    state.playing = True
+    opened.frames(3)
+    state.change(shadow=0.3)
+    opened.frames(3)
+    assert state.edit.yaw_deg != 0.0
+    assert not state.hand_on_control
+    assert state.is_moving
+    assert [step.name for step in state.history.steps] == ["Open person.png", "Shadow 0.30"]
+    state.change(yaw_deg=40.0)
+    state.playing = False
+    opened.settle()
+    assert [step.name for step in state.history.steps][2:] == ["Turn light to 40°"]
