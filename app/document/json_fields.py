@@ -14,7 +14,8 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path, PurePosixPath, PureWindowsPath
 
 from relight_core.errors import InputError
-from relight_core.imaging.files import file_bytes, whole_file
+from relight_core.imaging.files import file_bytes, file_head, whole_file
+from relight_core.imaging.read import is_picture_head
 
 LARGEST_BYTES = 1_000_000
 MARK = "relight"
@@ -178,32 +179,43 @@ def path_for_file(target: Path, folder: Path | None) -> str:
     if folder is None:
         return str(target)
     try:
-        return Path(os.path.relpath(target, os.path.abspath(folder))).as_posix()
+        text = Path(os.path.relpath(target, os.path.abspath(folder))).as_posix()
     except ValueError:
         # Another drive.
         return str(target)
+    # A name such as "~me.jpg" or "a:b.jpg" could be read as something else than one beside it.
+    return f"./{text}" if _leads_elsewhere(text) or _is_foreign(text) else text
 
 
 def path_from_file(text: str, folder: Path, suffixes: tuple[str, ...], where: str) -> Path:
-    """The file that another names. It has to be an ordinary file whose name ends as a picture's does.
+    """The file that another names. It has to be an ordinary file that is a picture by its name or its first bytes.
 
     Raises:
         InputError: a place on the network, a device, no such file, or no picture.
     """
-    if text.startswith(("//", "\\\\", "~")) or "://" in text:
+    if _leads_elsewhere(text):
         raise InputError(f"{where}: {text:.200} is not a file beside it; mend the file's paths")
-    if os.sep == "/" and PureWindowsPath(text).drive:
+    if _is_foreign(text):
         raise InputError(f"{where}: {text:.200} is a path of another system; mend the file's paths")
     path = Path(os.path.abspath(folder / PurePosixPath(text)))
-    if path.suffix.lower() not in suffixes:
-        raise InputError(f"{where}: {path.name} is not a kind of picture relight opens; mend the file's paths")
     try:
         regular = stat.S_ISREG(os.stat(path).st_mode)
     except (OSError, ValueError):
         raise InputError(f"{where}: {path} is not there; move it back, or open it by itself") from None
     if not regular:
         raise InputError(f"{where}: {path} is not a regular file; mend the file's paths")
+    if path.suffix.lower() not in suffixes and not is_picture_head(file_head(path)):
+        raise InputError(f"{where}: {path.name} is not a kind of picture relight opens; mend the file's paths")
     return path
+
+
+def _leads_elsewhere(text: str) -> bool:
+    """Whether it names a place on the network or somebody's own folder."""
+    return text.startswith(("//", "\\\\", "~")) or "://" in text
+
+
+def _is_foreign(text: str) -> bool:
+    return os.sep == "/" and bool(PureWindowsPath(text).drive)
 
 
 def _is_odd(path: Path) -> bool:

@@ -55,17 +55,18 @@ def session_path(photo: Path) -> Path:
 
 
 def saved_session(photo: Path) -> Path | None:
-    """The session that was saved of a photo: beside it, or where its exports go if it is of just this photo."""
+    """The session that was saved of just this photo: beside it, or where its exports go."""
     beside, elsewhere = photo.absolute().with_name(photo.stem + SESSION_SUFFIX), session_path(photo)
-    if kind_of(beside) == KIND:
-        return beside
-    if beside == elsewhere or kind_of(elsewhere) != KIND:
-        return None
+    return next((path for path in (beside, elsewhere) if _is_of(path, photo)), None)
+
+
+def _is_of(path: Path, photo: Path) -> bool:
+    """Whether a session names this photo, be the rest of it of use or not."""
     try:
-        named = read_session(elsewhere).document.photo.path
+        fields = read_json(path, KIND, VERSION, [])
+        return is_same_file(photo, path_from_file(fields.text("photo"), path.parent, PICTURE_SUFFIXES, str(path)))
     except InputError:
-        return None
-    return elsewhere if is_same_file(named, photo) else None
+        return False
 
 
 def write_session(path: Path, document: Document, *, relative: bool = True) -> None:

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from app.engine.jobs import JobControl, Jobs
-from app.engine.places import folder_for_outputs
+from app.engine.places import folder_for_outputs, from_home
 from app.engine.snapshot import Picture
 from app.engine.sources import RelitLike
 from relight_core import __version__
@@ -100,7 +100,7 @@ def export(job: ExportJob, step: Callable[[int, int], None] = _unheeded) -> Path
     Raises:
         InputError: a place or kind of file that can't be written, the photo itself among them.
     """
-    path = job.path.expanduser() if job.replaces else free_path(job.path)
+    path = from_home(job.path) if job.replaces else free_path(job.path)
     photo = job.picture.opened.photo
     if photo.path is not None and is_same_file(path, photo.path):
         raise InputError(f"{path}: that is the photo itself; choose another name")
@@ -183,7 +183,7 @@ def default_export_path(photo_path: Path | None) -> Path:
 
 def free_path(path: Path) -> Path:
     """The path, or the first of path-2, path-3 ... that doesn't exist."""
-    path = path.expanduser()
+    path = from_home(path)
     number = 1
     candidate = path
     while os.path.lexists(candidate):

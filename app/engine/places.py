@@ -12,3 +12,8 @@ def folder_for_outputs(photo: Path) -> Path:
     folder = photo.absolute().parent
     installed = folder.is_relative_to(Path(sys.prefix).absolute())
     return Path.cwd() if installed or not os.access(folder, os.W_OK | os.X_OK) else folder
+
+
+def from_home(path: Path) -> Path:
+    """The path with the user's own folder for a `~` that leads it; `~name` is a name like any other."""
+    return Path(os.path.expanduser(path)) if path.parts[:1] == ("~",) else path

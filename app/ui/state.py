@@ -15,6 +15,7 @@ from app.engine.sources import LightSource, PhotoSource, RelitLike, Request
 from app.ui.angles import wrap_degrees
 from app.ui.asking import Asking, FileRequest
 from app.ui.channels import PHOTO, RESULT, following
+from app.ui.export_name import named_place
 from app.ui.face_edits import FaceTool
 from app.ui.falling_back import FIRST_LIGHT, fall_back, give_up_what_is_on_its_way
 from app.ui.layout import OpenGroups, Panels
@@ -31,7 +32,6 @@ from relight_core.lighting.light_edit import LightEdit
 from relight_core.pipeline.auto_quality import QualityChoice
 from relight_core.pipeline.edit import Edit
 
-_EXPORT_SUFFIXES = (".png", ".exr", ".jpg", ".jpeg", ".tif", ".tiff")
 
 
 @dataclass
@@ -322,12 +322,7 @@ class EditorState:
 
     def export_place(self, suffix: str | None = None) -> Path:
         """Where the next export goes, as a whole path, without a number; of another kind, with its suffix."""
-        beside = self._export_beside()
-        path = beside.parent / Path(self.export_path or beside.name).expanduser()
-        if suffix is None:
-            return path
-        is_ours = path.suffix.lower() in _EXPORT_SUFFIXES
-        return path.with_suffix(suffix) if is_ours else path.with_name(path.name + suffix)
+        return named_place(self.export_path, self._export_beside(), suffix)
 
     def choose_form(self, suffix: str) -> None:
         """Export another kind of file from now on; the name in sight says so."""

@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+import logging
 from collections import deque
 from collections.abc import Callable
 from dataclasses import replace
 
+from app.engine.desk import error_line
 from app.engine.snapshot import Picture, Snapshot
 from app.engine.sources import Request
 from app.ui.state import EditorState
+from relight_core.errors import InputError
+
+_log = logging.getLogger(__name__)
 
 
 class Finished:
@@ -20,11 +25,15 @@ class Finished:
     Args:
         state: says what is wanted.
         say: tells a line, and whether it is an error.
+
+    Attributes:
+        failures: how many tasks came to nothing.
     """
 
     def __init__(self, state: EditorState, say: Callable[[str, bool], None]) -> None:
         self._state, self._say = state, say
         self._tasks: deque[tuple[Request, Callable[[Picture], None]]] = deque()
+        self.failures = 0
 
     def then(self, task: Callable[[Picture], None]) -> None:
         """Call the task with the finished picture, as soon as it is there."""
@@ -46,11 +55,24 @@ class Finished:
             is_idle: the engine has done all it can for what it was asked for last.
         """
         while self._tasks and _answers(snapshot.picture, self._tasks[0][0]):
-            self._tasks.popleft()[1](snapshot.picture)
+            self._attempt(self._tasks.popleft()[1], snapshot.picture)
             is_idle = False
         if self._tasks and is_idle:
             self._tasks.popleft()
-            self._say("Nothing was saved: this picture can't be relit", True)
+            self._fail("Nothing was saved: this picture can't be relit")
+
+    def _attempt(self, task: Callable[[Picture], None], picture: Picture) -> None:
+        """Whatever goes wrong in a task is told; the window goes on."""
+        try:
+            task(picture)
+        except Exception as error:
+            if not isinstance(error, InputError):
+                _log.error("what waited for a picture failed", exc_info=error)
+            self._fail(error_line(error))
+
+    def _fail(self, line: str) -> None:
+        self.failures += 1
+        self._say(line, True)
 
 
 def _answers(picture: Picture | None, request: Request) -> bool:

@@ -11,6 +11,7 @@ from relight_core.errors import InputError
 from relight_core.imaging.colour import srgb_decode_integers
 from relight_core.imaging.files import file_bytes, file_head
 from relight_core.imaging.formats import decode, exr
+from relight_core.imaging.formats.camera_raw import RAW_HEADS
 from relight_core.imaging.formats.icc import MatrixProfile, matrix_profile
 from relight_core.imaging.formats.library_profiles import convert_8_bit
 from relight_core.imaging.in_order import in_order
@@ -21,6 +22,11 @@ _NEGLIGIBLE = 1e-5
 """Rounding takes colours this far outside Rec.709."""
 
 _LARGEST_HALF = 65504.0
+_PICTURE_HEADS = (
+    *(b"\xff\xd8\xff", b"\x89PNG\r\n\x1a\n", b"BM", b"GIF87a", b"GIF89a"),
+    *(b"II*\0", b"MM\0*", b"II+\0", b"MM\0+"),
+    *RAW_HEADS,
+)
 _BRIGHTEST = 1e20
 """Radiance of floating-point files is limited to this, which leaves room for sums, squares and gains."""
 
@@ -69,6 +75,13 @@ def read_radiance(path: str | Path) -> np.ndarray:
     if not _is_radiance(head):
         raise InputError(f"{path}: not a radiance map; use an .hdr or .exr file")
     return _decode_radiance(head, path)[0]
+
+
+def is_picture_head(head: bytes) -> bool:
+    """Whether a file's first 32 bytes are those of a kind that `read_photo` reads whatever the file is called."""
+    if _is_radiance(head) or head.startswith(_PICTURE_HEADS):
+        return True
+    return head[4:8] == b"ftyp" or (head[:4], head[8:12]) == (b"RIFF", b"WEBP")
 
 
 def _is_radiance(head: bytes) -> bool:

@@ -13,7 +13,7 @@ from relight_core.imaging.formats.limits import check_pixels
 from relight_core.imaging.formats.raster import RAW_SUFFIXES, Raster
 from relight_core.imaging.formats.tiff_exif import exif_of_tiff
 
-_MAGIC = (b"FUJIFILMCCD-RAW", b"IIRO", b"FOVb")
+RAW_HEADS = (b"FUJIFILMCCD-RAW", b"IIRO", b"FOVb")
 _SRGB_GAMMA = (2.4, 12.92)
 _CLIPPED_SHARE = 0.001
 """Of the pixels, what brightening may clip: raw files are exposed for their highlights."""
@@ -21,7 +21,7 @@ _CLIPPED_SHARE = 0.001
 
 def is_raw(data: bytes, path: Path) -> bool:
     """Whether a file is a camera's raw one, by its name or its first bytes."""
-    return path.suffix.lower() in RAW_SUFFIXES or data.startswith(_MAGIC)
+    return path.suffix.lower() in RAW_SUFFIXES or data.startswith(RAW_HEADS)
 
 
 def develop_raw(data: bytes, path: Path) -> Raster:
