@@ -71,6 +71,9 @@ class Jobs:
         say: told what became of each: a line, and whether it is an error.
         wake: called when the status has changed.
         on_start: called first on the thread the jobs run on.
+
+    Attributes:
+        failures: how many jobs came to nothing, those that were cancelled aside.
     """
 
     def __init__(
@@ -84,6 +87,7 @@ class Jobs:
         self._lock = threading.Lock()
         self._status: JobStatus | None = None
         self._waiting = self._untold = 0
+        self.failures = 0
         self._cancel = threading.Event()
 
     def start(self, name: str, work: Callable[[JobControl], str]) -> None:
@@ -145,5 +149,6 @@ class Jobs:
         self.publish(None)
         self._say(line, is_error)
         with self._lock:
+            self.failures += is_error
             self._untold -= 1
         self._wake()

@@ -15,7 +15,6 @@ from app.document.light_file import LIGHT_SUFFIX, SavedLight, write_light
 from app.document.session_file import SESSION_SUFFIX, is_session_place, saved_session, session_path, write_session
 from app.engine.batch import photos_in
 from app.engine.desk import error_line
-from app.engine.exporting import free_path
 from app.engine.sources import PICTURE_SUFFIXES, PhotoSource
 from app.ui.asking import FileRequest, Question
 from app.ui.file_dialogs import FileDialogs
@@ -23,6 +22,7 @@ from app.ui.state import EditorState
 from app.window.dropped import take_files, use_as_light
 from app.window.outputs import Outputs
 from app.window.recent_lights import RecentLights
+from app.window.replacing import tried, write_or_ask
 from relight_core.errors import InputError
 
 _log = logging.getLogger(__name__)
@@ -122,7 +122,7 @@ class Deeds:
         if own is not None:
             write(own)
         else:
-            self.replace_file(session_path(self._state.photo.path), write)
+            self._write_or_ask(session_path(self._state.photo.path), write)
 
     def save_session_as(self) -> None:
         """Choose where to save the session."""
@@ -133,7 +133,7 @@ class Deeds:
             if path == own:
                 self._tried(write, path)
             else:
-                self.replace_file(path, write)
+                self._write_or_ask(path, write)
 
         start = own or session_path(self._state.photo.path)
         self._ask("save", "Save the session", (SESSION_SUFFIX,), save_there, start)
@@ -143,14 +143,25 @@ class Deeds:
         document = self._state.document()
         if document.light.kind == "own":
             raise InputError("the photo's own light belongs to that photo; save the session instead")
+        saved = SavedLight(document.light, document.light_edit, document.edit.yaw_deg)
+
+        def write(path: Path) -> None:
+            write_light(path, saved)
+            self._state.asking.tell(f"Saved {path}")
+
         start = self._folder() / f"{document.light.source().title.lower().replace(' ', '-')}{LIGHT_SUFFIX}"
-        self._ask("save", "Save the light", (LIGHT_SUFFIX,), self._save_light_there, start)
+        self._ask_place("Save the light", start, LIGHT_SUFFIX, lambda path: self._write_or_ask(path, write))
 
     def export_as(self) -> None:
-        """Choose where to save the picture."""
-        form = self._state.export.form
-        start = self._outputs.suggested(form)
-        self._ask("save", "Export the picture", (form,), lambda paths: self._export_there(paths[0], form), start)
+        """Choose where to save the picture as it is now, whichever photo is open by the time the place is known."""
+        form, write, opened = self._state.export.form, self._outputs.export_writer(), self._state.snapshot.opened
+
+        def save_there(path: Path) -> None:
+            if self._state.snapshot.opened is opened:
+                self._state.export_to(path)
+            write_or_ask(self._state.asking, path, write)
+
+        self._ask_place("Export the picture", self._outputs.suggested(form), form, save_there)
 
     def copy_picture(self) -> None:
         """Put the picture on the clipboard."""
@@ -158,12 +169,13 @@ class Deeds:
 
     def turntable_film(self) -> None:
         """Choose where to save the turning light as a film."""
-        start = self._outputs.suggested(".mp4", "-turntable")
-        self._ask("save", "Save the turntable as a film", (".mp4",), lambda paths: self._film_there(paths[0]), start)
+        start, write = self._outputs.suggested(".mp4", "-turntable"), self._outputs.film_writer()
+        asking = self._state.asking
+        self._ask_place("Save the turntable as a film", start, ".mp4", lambda path: write_or_ask(asking, path, write))
 
     def turntable_pictures(self) -> None:
         """Save the turning light as numbered pictures in a new folder beside the photo."""
-        self._outputs.film_to(self._outputs.suggested("", "-turntable"))
+        self._outputs.film_writer()(self._outputs.suggested("", "-turntable"), False)
 
     def batch(self) -> None:
         """Relight the queue's other photos, or those of a folder, as this one is."""
@@ -172,13 +184,6 @@ class Deeds:
             self._batch_over(list(queue), queue[0].absolute().parent)
         else:
             self._ask("folder", "Relight all photos of a folder like this one", (), self._batch_there)
-
-    def replace_file(self, path: Path, write: Callable[[Path], None]) -> None:
-        """Write to a path, after asking where something is there already."""
-        if os.path.lexists(path):
-            self._ask_to_replace(path, write)
-        else:
-            self._tried(write, path)
 
     def _attempt(self, name: str, deed: Callable[[], None]) -> None:
         try:
@@ -206,13 +211,12 @@ class Deeds:
         photo = self._state.document().photo
         return photo.path.absolute().parent if photo else Path.cwd()
 
-    def _export_there(self, path: Path, form: str) -> None:
-        path = path if path.suffix.lower() == form else path.with_name(path.name + form)
-        self._state.export_to(path)
-        self.replace_file(path, lambda chosen: self._outputs.export_to(chosen, replaces=chosen == path))
+    def _ask_place(self, title: str, start: Path, suffix: str, then: Callable[[Path], None]) -> None:
+        """Ask for one file to write, whose name gets the suffix where it has none like it."""
+        self._ask("save", title, (suffix,), lambda paths: then(_with_suffix(paths[0], suffix)), start)
 
-    def _film_there(self, path: Path) -> None:
-        self.replace_file(_as_film(path), self._outputs.film_to)
+    def _write_or_ask(self, path: Path, write: Callable[[Path], None]) -> None:
+        write_or_ask(self._state.asking, path, lambda chosen, _: write(chosen))
 
     def _batch_there(self, paths: list[Path]) -> None:
         self._tried(lambda folder: self._batch_over(photos_in(folder), folder), paths[0])
@@ -240,16 +244,6 @@ class Deeds:
     def _take_light(self, path: Path) -> None:
         self._tried(lambda chosen: use_as_light(self._state, chosen), path)
 
-    def _save_light_there(self, paths: list[Path]) -> None:
-        document = self._state.document()
-        saved = SavedLight(document.light, document.light_edit, document.edit.yaw_deg)
-
-        def write(path: Path) -> None:
-            write_light(path, saved)
-            self._state.asking.tell(f"Saved {path}")
-
-        self.replace_file(_with_suffix(paths[0], LIGHT_SUFFIX), write)
-
     def _session_writer(self) -> Callable[[Path], None]:
         """Writes the work as it is now, whichever photo is open by the time the place is known.
 
@@ -270,20 +264,8 @@ class Deeds:
         self._forget_saved(document)
         state.asking.tell(f"Saved {path}")
 
-    def _ask_to_replace(self, path: Path, write: Callable[[Path], None]) -> None:
-        choices = (
-            ("Keep both", lambda: self._tried(write, free_path(path))),
-            ("Replace", lambda: self._tried(write, path)),
-            ("Cancel", lambda: None),
-        )
-        text = f"{path.name} is already there, in {path.absolute().parent}."
-        self._state.asking.ask(Question(f"replace {path}", text, choices))
-
     def _tried(self, act: Callable[[Path], None], path: Path) -> None:
-        try:
-            act(path)
-        except InputError as error:
-            self._state.asking.tell(str(error), True)
+        tried(self._state.asking, lambda: act(path))
 
     def _look_for_a_session(self) -> None:
         """Offer the session that lies beside a photo that was opened by itself."""
@@ -378,9 +360,7 @@ class Deeds:
             leftover.forget()
 
 
-def _as_film(path: Path) -> Path:
-    return path if path.suffix.lower() == ".mp4" else path.with_name(path.name + ".mp4")
-
-
 def _with_suffix(path: Path, suffix: str) -> Path:
-    return path if path.name.endswith(".json") else path.with_name(path.name + suffix)
+    """The path with the suffix, unless it ends as such files do."""
+    is_such = path.suffix.lower() == Path("any" + suffix).suffix
+    return path if is_such else path.with_name(path.name + suffix)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from app.engine.snapshot import Message
 from app.ui.asking import Asking, Question
 
 _KEY = "leave"
@@ -16,13 +15,13 @@ class Leaving:
     Args:
         asking: where the user is asked.
         is_busy: whether files that the user asked for are still being made.
-        newest: the newest line told to the user.
+        failures: how many of the files asked for so far could not be made.
     """
 
-    def __init__(self, asking: Asking, is_busy: Callable[[], bool], newest: Callable[[], Message | None]) -> None:
-        self._asking, self._is_busy, self._newest = asking, is_busy, newest
+    def __init__(self, asking: Asking, is_busy: Callable[[], bool], failures: Callable[[], int]) -> None:
+        self._asking, self._is_busy, self._failures = asking, is_busy, failures
         self._stops = False
-        self._finishes_after: int | None = None
+        self._failures_before: int | None = None
 
     def allows(self, wanted: bool) -> bool:
         """Whether the window may close now; asks where something would be lost by it.
@@ -36,26 +35,18 @@ class Leaving:
             if wanted:
                 self._ask()
             return False
-        may = wanted or (self._finishes_after is not None and not self._has_failed())
-        self._finishes_after = None
+        # What was to be finished and was not has to be read before the window is gone.
+        may = wanted or self._failures() == self._failures_before
+        self._failures_before = None
         return may
 
     def _ask(self) -> None:
-        self._finishes_after = None
+        self._failures_before = None
         choices = (("Finish first", self._finish), ("Stop it", self._stop), ("Stay open", lambda: None))
         self._asking.ask(Question(_KEY, "Files you asked for are still being made.", choices))
 
     def _finish(self) -> None:
-        self._finishes_after = self._number()
+        self._failures_before = self._failures()
 
     def _stop(self) -> None:
         self._stops = True
-
-    def _has_failed(self) -> bool:
-        """Whether what was to be finished was not, which has to be read before the window is gone."""
-        message = self._newest()
-        return message is not None and message.is_error and message.number > self._finishes_after
-
-    def _number(self) -> int:
-        message = self._newest()
-        return message.number if message else 0

@@ -22,6 +22,7 @@ from app.engine.sources import RelighterLike
 from app.engine.turntable import FRAMES, turning, write_pictures
 from app.ui.state import EditorState
 from app.window.clipboard import copy_png
+from app.window.promise import Promise
 from relight_core.errors import InputError
 from relight_core.face.find import FaceBox
 from relight_core.imaging.files import is_same_file
@@ -66,14 +67,21 @@ class Outputs:
 
             self._when_finished(save)
 
-    def export_to(self, path: Path, replaces: bool) -> None:
-        """Save the picture as the settings say."""
+    def export_writer(self) -> Callable[[Path, bool], None]:
+        """Saves the picture as it is wanted and the settings say now, whatever they are once the place is known.
+
+        Raises:
+            InputError: there is no picture.
+        """
         self._need_picture()
-        settings = replace(self._state.export, form=path.suffix.lower() or self._state.export.form)
-        exposure_ev = self._state.edit.exposure_ev
-        self._when_finished(
-            lambda picture: self._exporter.submit(ExportJob(picture, exposure_ev, path, settings, replaces))
-        )
+        settings, exposure_ev, promise = self._state.export, self._state.edit.exposure_ev, self._promise()
+
+        def save(path: Path, replaces: bool) -> None:
+            promise.then(
+                lambda picture: self._exporter.submit(ExportJob(picture, exposure_ev, path, settings, replaces))
+            )
+
+        return save
 
     def copy_picture(self) -> None:
         """Put the picture on the clipboard, at its own size, 8 bits."""
@@ -92,13 +100,27 @@ class Outputs:
 
         self._when_finished(start)
 
-    def film_to(self, path: Path) -> None:
-        """Save the turntable: an .mp4 file, else a folder of pictures."""
+    def film_writer(self) -> Callable[[Path, bool], None]:
+        """Saves the turntable of what is wanted now: an .mp4 file, else a folder of pictures, which replaces nothing.
+
+        Raises:
+            InputError: there is no picture.
+        """
         self._need_picture()
         side, exposure_ev = self._state.export.longest_side or 1080, self._state.edit.exposure_ev
-        self._when_finished(lambda picture: self._start_film(path, picture, side, exposure_ev))
+        promise = self._promise()
 
-    def _start_film(self, path: Path, picture: Picture, side: int, exposure_ev: float) -> None:
+        def save(path: Path, replaces: bool) -> None:
+            promise.then(lambda picture: self._start_film(path, replaces, picture, side, exposure_ev))
+
+        return save
+
+    def _promise(self) -> Promise:
+        promise = Promise()
+        self._when_finished(promise.keep)
+        return promise
+
+    def _start_film(self, wish: Path, replaces: bool, picture: Picture, side: int, exposure_ev: float) -> None:
         photo, source = picture.opened.photo, picture.opened.source
         light, edit = picture.light.environment, replace(picture.edit, quality="final", exposure_ev=exposure_ev)
 
@@ -107,6 +129,8 @@ class Outputs:
             relighter.set_portrait(photo, source.face_index, source.boxes)
             control.step(0, FRAMES)
             frames = turning(relighter, light, edit, side)
+            # What was asked for before may have taken the name meanwhile.
+            path = wish if replaces else free_path(wish)
             if path.suffix.lower() == ".mp4":
                 write_film(path, frames, FRAMES, control)
             else:

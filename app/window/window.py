@@ -85,7 +85,9 @@ class EditorWindow:
         self._finished = Finished(self.state, self.engine.say)
         self._outputs = Outputs(self.state, self.exporter, make_relighter, self._finished.then)
         self._deeds = Deeds(self.state, self.engine.say, folder, outputs=self._outputs)
-        self._leaving = Leaving(self.state.asking, self._is_making_files, lambda: self.engine.snapshot().message)
+        self._leaving = Leaving(
+            self.state.asking, self._is_making_files, lambda: self._finished.failures + self.exporter.failures
+        )
         self._submitted = Request()
         self._rest = Rest()
         self._title = ""

@@ -219,7 +219,10 @@ def test_a_dialog_that_gives_a_name_that_is_no_text_is_told_and_the_window_goes_
 @pytest.mark.parametrize("name", ["anna v1.2", "anna.mov", "anna", "anna.MP4"])
 def test_a_film_is_a_film_whatever_it_is_called(photo, name):
     filmed = []
-    outputs = SimpleNamespace(suggested=lambda *_: photo.with_name("me.mp4"), film_to=filmed.append)
+    outputs = SimpleNamespace(
+        suggested=lambda *_: photo.with_name("me.mp4"),
+        film_writer=lambda: lambda path, replaces: filmed.append(path),
+    )
     editor = Editor(None, outputs=outputs)
     editor.state.asking.wish("turntable_film")
     editor.live(1)

@@ -6,7 +6,6 @@ import glfw
 import pytest
 
 from app.engine.jobs import Jobs
-from app.engine.snapshot import Message
 from app.ui.asking import Asking
 from app.window.leaving import Leaving
 from relight_core.errors import InputError
@@ -15,11 +14,11 @@ LONG_S = 60
 
 
 class Work:
-    """Files being made, and what was told of them."""
+    """Files being made, and how many could not be."""
 
     def __init__(self):
-        self.busy, self.message, self.asking = True, None, Asking()
-        self.leaving = Leaving(self.asking, lambda: self.busy, lambda: self.message)
+        self.busy, self.failures, self.asking = True, 0, Asking()
+        self.leaving = Leaving(self.asking, lambda: self.busy, lambda: self.failures)
 
     def choose(self, label):
         (question,) = self.asking.questions
@@ -43,15 +42,15 @@ def test_what_is_being_made_can_be_finished_first(work):
     assert not work.leaving.allows(wanted=True)
     work.choose("Finish first")
     assert not work.leaving.allows(wanted=False)
-    work.busy, work.message = False, Message(1, "Saved it")
+    work.busy = False
     assert work.leaving.allows(wanted=False)
 
 
 def test_what_could_not_be_finished_is_told_before_the_window_closes(work):
-    work.message = Message(1, "an older fault", True)
+    work.failures = 1
     work.leaving.allows(wanted=True)
     work.choose("Finish first")
-    work.busy, work.message = False, Message(2, "the disk is full", True)
+    work.busy, work.failures = False, 2
     assert not work.leaving.allows(wanted=False)
     assert work.leaving.allows(wanted=True)
 
@@ -84,6 +83,27 @@ def test_jobs_are_busy_until_what_became_of_them_is_told():
     jobs.close()
     assert at_end == [True]
     assert not jobs.is_busy()
+    assert jobs.failures == 1
+
+
+def test_a_file_that_failed_keeps_the_window_open_though_a_later_one_was_saved():
+    asking, go_on, said = Asking(), threading.Event(), []
+    jobs = Jobs(lambda text, is_error: said.append((text, is_error)))
+    leaving = Leaving(asking, jobs.is_busy, lambda: jobs.failures)
+
+    def fail(control):
+        assert go_on.wait(LONG_S)
+        raise InputError("full")
+
+    jobs.start("Export", fail)
+    jobs.start("Export", lambda control: "Saved b.png")
+    assert not leaving.allows(wanted=True)
+    dict(asking.questions[0].choices)["Finish first"]()
+    go_on.set()
+    jobs.close()
+    assert said == [("full", True), ("Saved b.png", False)]
+    assert not leaving.allows(wanted=False)
+    assert leaving.allows(wanted=True)
 
 
 def test_the_window_stays_for_an_export_that_waits_for_its_picture(opened, relighter, photo_path):

@@ -1,0 +1,27 @@
+"""A picture that was asked for before it is known where it goes."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from app.engine.snapshot import Picture
+
+
+class Promise:
+    """Brings a picture and what is done with it together, whichever comes first."""
+
+    def __init__(self) -> None:
+        self._picture: Picture | None = None
+        self._task: Callable[[Picture], None] | None = None
+
+    def keep(self, picture: Picture) -> None:
+        """The picture is there."""
+        self._picture = picture
+        if self._task is not None:
+            self._task(picture)
+
+    def then(self, task: Callable[[Picture], None]) -> None:
+        """Call the task with the picture, at once if it is there."""
+        self._task = task
+        if self._picture is not None:
+            task(self._picture)

@@ -1,0 +1,38 @@
+"""Writing where something may be already: the user is asked, and what was not agreed to replaces nothing."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from pathlib import Path
+
+from app.engine.exporting import free_path
+from app.ui.asking import Asking, Question
+from relight_core.errors import InputError
+
+
+def write_or_ask(asking: Asking, path: Path, write: Callable[[Path, bool], None]) -> None:
+    """Write to a path, after asking where something is there already.
+
+    Args:
+        write: given the path, and whether the user agreed to replace what is there. Without that it writes under a
+            free name where one was taken since.
+    """
+    if not os.path.lexists(path):
+        tried(asking, lambda: write(path, False))
+        return
+    choices = (
+        ("Keep both", lambda: tried(asking, lambda: write(free_path(path), False))),
+        ("Replace", lambda: tried(asking, lambda: write(path, True))),
+        ("Cancel", lambda: None),
+    )
+    text = f"{path.name} is already there, in {path.absolute().parent}."
+    asking.ask(Question(f"replace {path}", text, choices))
+
+
+def tried(asking: Asking, act: Callable[[], None]) -> None:
+    """Do something, and tell why where it can't be done."""
+    try:
+        act()
+    except InputError as error:
+        asking.tell(str(error), True)
