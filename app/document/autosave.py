@@ -34,11 +34,13 @@ class Leftover:
         path: its file.
         document: the work.
         saved_s: when it was written, as of time.time.
+        notes: what of the work can't be had, a line each.
     """
 
     path: Path
     document: Document
     saved_s: float
+    notes: tuple[str, ...] = ()
 
     def forget(self) -> None:
         """Delete the file."""
@@ -199,7 +201,7 @@ def leftovers(folder: Path, tell: Callable[[str], None] = _log.warning) -> list[
     """What editors that no longer run have left, newest first; damaged files are removed.
 
     Args:
-        tell: told a line of each file that is left out but may be of use later.
+        tell: told a line of each file that is left out but may be of use later, or of which not all can be had.
     """
     found = []
     for path in sorted(folder.glob("*.json")) if folder.is_dir() else []:
@@ -213,7 +215,9 @@ def leftovers(folder: Path, tell: Callable[[str], None] = _log.warning) -> list[
         lock.close()
         leftover = Leftover(path, Document(), 0.0)
         try:
-            leftover = Leftover(path, read_session(path).document, path.stat().st_mtime)
+            # A light that is gone is no reason to keep sliders and boxes from the user.
+            session = read_session(path, light_stand_in=Document().light)
+            leftover = Leftover(path, session.document, path.stat().st_mtime, session.notes)
         except (InputError, OSError) as error:
             # A photo that is only out of reach for now is no reason to forget the work.
             if kind_of(path) == KIND:
@@ -223,6 +227,8 @@ def leftovers(folder: Path, tell: Callable[[str], None] = _log.warning) -> list[
                 leftover.forget()
         else:
             found.append(leftover)
+            if leftover.notes:
+                tell(f"Unsaved work on {leftover.document.photo.path.name}: {'; '.join(leftover.notes)}")
     return sorted(found, key=lambda leftover: -leftover.saved_s)
 
 

@@ -121,6 +121,10 @@ class Fields:
             self._notes.append(f"unknown {key} {value[:40]} was left out")
         return frozenset(values) & frozenset(known)
 
+    def note(self, line: str) -> None:
+        """Tell what was changed in reading."""
+        self._notes.append(line)
+
     def finish(self) -> None:
         """Note what nobody asked for."""
         for key in sorted(str(key) for key in self._values):

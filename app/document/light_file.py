@@ -6,7 +6,7 @@ A light file carries one light and its turn; a session carries the same group un
 from __future__ import annotations
 
 from dataclasses import asdict, dataclass, field
-from pathlib import Path
+from pathlib import Path, PurePath
 
 from app.document.document import LightRef
 from app.document.json_fields import Fields, path_for_file, path_from_file, read_json, write_json
@@ -88,11 +88,12 @@ def light_content(light: LightRef, edit: LightEdit, folder: Path | None) -> dict
     return {"kind": light.kind, "name": name} | asdict(edit)
 
 
-def read_light_content(fields: Fields, path: Path) -> tuple[LightRef, LightEdit]:
+def read_light_content(fields: Fields, path: Path, stand_in: LightRef | None = None) -> tuple[LightRef, LightEdit]:
     """The light in a file's group.
 
     Args:
         path: of the file, which names in it are relative to.
+        stand_in: takes the place of a light whose file can't be had, with the soft boxes; None refuses.
 
     Raises:
         InputError: a light that isn't there, or values that are none.
@@ -104,13 +105,30 @@ def read_light_content(fields: Fields, path: Path) -> tuple[LightRef, LightEdit]
     if kind == "rig" and name not in rig_names():
         raise InputError(f"{path}: there is no bundled light {name[:80]!r}; choose another in the file")
     if kind in ("panorama", "portrait"):
-        name = str(path_from_file(name, path.parent, PICTURE_SUFFIXES, str(path)))
+        try:
+            name = str(path_from_file(name, path.parent, PICTURE_SUFFIXES, str(path)))
+        except InputError:
+            if stand_in is None:
+                raise
+            return stand_in, _without_its_light(fields, name, stand_in)
+    light_edit = _light_edit(fields)
+    return LightRef(kind, name if kind != "own" else ""), light_edit
+
+
+def _without_its_light(fields: Fields, name: str, stand_in: LightRef) -> LightEdit:
+    """Level, colour and blur were changes to the light that is gone; boxes and the room's share stay."""
+    fields.note(f"the light {PurePath(name).name:.80} is not there, and {stand_in.source().title} stands in for it")
+    light_edit = _light_edit(fields)
+    return LightEdit(base=light_edit.base, boxes=light_edit.boxes)
+
+
+def _light_edit(fields: Fields) -> LightEdit:
     defaults = LightEdit()
     values = {key: fields.number(key, *_LIGHT_RANGES[key], getattr(defaults, key)) for key in _LIGHT_RANGES}
     boxes = tuple(_box(group) for group in fields.groups("boxes", MOST_BOXES))
     metered = fields.flag("metered")
     fields.finish()
-    return LightRef(kind, name if kind != "own" else ""), LightEdit(**values, boxes=boxes, metered=metered)
+    return LightEdit(**values, boxes=boxes, metered=metered)
 
 
 def _box(fields: Fields) -> SoftBox:

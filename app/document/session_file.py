@@ -6,7 +6,7 @@ import os
 from dataclasses import dataclass
 from pathlib import Path
 
-from app.document.document import Document, PhotoRef
+from app.document.document import Document, LightRef, PhotoRef
 from app.document.face_boxes import face_boxes_content, read_face_boxes
 from app.document.json_fields import Fields, kind_of, path_for_file, path_from_file, read_json, write_json
 from app.document.light_file import light_content, read_light_content
@@ -95,8 +95,11 @@ def write_session(path: Path, document: Document, *, relative: bool = True) -> N
     write_json(path, KIND, VERSION, content)
 
 
-def read_session(path: Path) -> Session:
+def read_session(path: Path, light_stand_in: LightRef | None = None) -> Session:
     """Read a session file and check every value in it.
+
+    Args:
+        light_stand_in: takes the place of a light whose file can't be had, and is noted; None refuses the session.
 
     Raises:
         InputError: not a session, or one that can't be used; the line says why.
@@ -106,7 +109,7 @@ def read_session(path: Path) -> Session:
     photo = path_from_file(fields.text("photo"), path.parent, PICTURE_SUFFIXES, str(path))
     face_index = fields.index("face")
     boxes = read_face_boxes(fields, path)
-    light, light_edit = read_light_content(fields.group("light"), path)
+    light, light_edit = read_light_content(fields.group("light"), path, light_stand_in)
     edit = _edit(fields.group("edit"), path)
     quality = fields.word("quality", (AUTO, *TIERS), AUTO)
     fields.finish()

@@ -28,6 +28,8 @@ _CURSORS = {
     imgui.MouseCursor_.resize_nwse: glfw.RESIZE_NWSE_CURSOR,
     imgui.MouseCursor_.resize_nesw: glfw.RESIZE_NESW_CURSOR,
 }
+_LABELLED = {"+": glfw.KEY_EQUAL, "=": glfw.KEY_EQUAL, "-": glfw.KEY_MINUS}
+"""Keys that zoom, by what is printed on them; "+" and "=" share one on a US keyboard."""
 _SHORTEST_FRAME_S = 1e-3
 
 
@@ -218,8 +220,14 @@ def _standard_cursor(shape: int) -> object | None:
 
 
 def _as_labelled(key: int) -> int:
-    """The key whose letter is printed where a US keyboard has `key`; other keys stay."""
-    if not glfw.KEY_A <= key <= glfw.KEY_Z:
+    """The key by what is printed where a US keyboard has `key`: a letter, plus, minus or equals; other keys stay.
+
+    Digits stay where they are, since some keyboards have them above other signs.
+    """
+    is_sign = glfw.KEY_APOSTROPHE <= key <= glfw.KEY_GRAVE_ACCENT and not glfw.KEY_0 <= key <= glfw.KEY_9
+    if not is_sign and key not in (glfw.KEY_WORLD_1, glfw.KEY_WORLD_2):
         return key
     name = (glfw.get_key_name(key, 0) or "").upper()
-    return ord(name) if len(name) == 1 and "A" <= name <= "Z" else key
+    if glfw.KEY_A <= key <= glfw.KEY_Z and len(name) == 1 and "A" <= name <= "Z":
+        return ord(name)
+    return _LABELLED.get(name, key)

@@ -13,6 +13,8 @@ from app.ui.pictures import Shown
 from app.ui.state import EditorState
 from relight_core.imaging.files import legible
 
+_TYPED_FORM = "%.2f"
+
 
 @dataclass(frozen=True)
 class Slider:
@@ -105,12 +107,14 @@ def _typed(state: EditorState, spec: Slider, value: float) -> float:
     if began:
         imgui.set_keyboard_focus_here()
     flags = imgui.InputTextFlags_.auto_select_all | imgui.InputTextFlags_.enter_returns_true
-    _, new = imgui.input_float("##typed", value, 0.0, 0.0, "%.2f", flags)
+    _, new = imgui.input_float("##typed", value, 0.0, 0.0, _TYPED_FORM, flags)
     imgui.pop_style_var()
     if not began and imgui.is_item_deactivated():
         state.typing = None
-        if not imgui.is_key_pressed(imgui.Key.escape):
-            value = min(max(new, spec.low), spec.high) if new == new else value
+        # A number that was left as it stood must not be rounded to what is shown of it, nor moved onto the track.
+        untouched = new != new or _TYPED_FORM % new == _TYPED_FORM % value
+        if not imgui.is_key_pressed(imgui.Key.escape) and not untouched:
+            value = min(max(new, spec.low), spec.high)
     elif not began and not imgui.is_item_active() and not imgui.is_item_focused():
         state.typing = None
     return value

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import shutil
 import subprocess
 import sys
@@ -30,7 +31,8 @@ def copy_png(png: bytes) -> None:
 
 
 def _linux_command() -> list[str]:
-    if shutil.which("wl-copy"):
+    # Both may be installed, and wl-copy fails where there is no Wayland to talk to.
+    if os.environ.get("WAYLAND_DISPLAY") and shutil.which("wl-copy"):
         return ["wl-copy", "--type", "image/png"]
     if shutil.which("xclip"):
         return ["xclip", "-selection", "clipboard", "-t", "image/png", "-i"]

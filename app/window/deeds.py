@@ -291,6 +291,7 @@ class Deeds:
     def _offer(self, leftover: Leftover) -> None:
         when = time.strftime("%H:%M on %d %B", time.localtime(leftover.saved_s))
         text = f"Your work on {leftover.document.photo.path.name}, of {when}, was not saved before relight ended."
+        text = " ".join([text, *(f"{note[0].upper()}{note[1:]}." for note in leftover.notes)])
 
         def restore() -> None:
             self._state.open_session(leftover.document, None)

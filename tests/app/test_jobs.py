@@ -210,6 +210,17 @@ def test_without_a_clipboard_tool_that_is_told(monkeypatch):
         copy_png(b"png")
 
 
+@pytest.mark.parametrize(("wayland", "tool"), [("wayland-0", "wl-copy"), ("", "xclip")])
+def test_the_clipboard_tool_is_that_of_the_running_display(monkeypatch, wayland, tool):
+    ran = []
+    monkeypatch.setenv("WAYLAND_DISPLAY", wayland)
+    monkeypatch.setattr("app.window.clipboard.sys", SimpleNamespace(platform="linux"))
+    monkeypatch.setattr("app.window.clipboard.shutil.which", lambda name: f"/bin/{name}")
+    monkeypatch.setattr("app.window.clipboard._run", lambda command, given: ran.append(command[0]))
+    copy_png(b"png")
+    assert ran == [tool]
+
+
 def test_a_png_carries_its_notes(tmp_path):
     note = {"relightLight": "Rembrandt – à côté", "relightYawDeg": "-35.5"}
     write_image(tmp_path / "x.png", np.full((4, 4, 3), 0.5, np.float32), texts=note)

@@ -1,0 +1,51 @@
+"""Work that was not saved under a light whose file is gone by the next start."""
+
+import pytest
+from live_editor import Editor, unsaved_files
+
+from app.engine.sources import LightSource
+from relight_core.lighting.light_edit import LightEdit
+from relight_core.lighting.soft_box import SoftBox
+
+BOXES = (SoftBox(azimuth_deg=40.0),)
+
+
+@pytest.fixture
+def folder(tmp_path):
+    """Where the editor has left unsaved work on me.jpg under sky.hdr, which is gone."""
+    photo, light = tmp_path / "me.jpg", tmp_path / "sky.hdr"
+    photo.write_bytes(b"pixels")
+    light.write_bytes(b"radiance")
+    editor = Editor(tmp_path / "settings")
+    editor.state.open_photo(photo)
+    editor.live()
+    editor.state.choose_light(LightSource("panorama", str(light)))
+    editor.state.light_edit = LightEdit(level_ev=3.0, base=0.5, boxes=BOXES, metered=True)
+    editor.state.change(shadow=0.25)
+    editor.live()
+    editor.deeds.close()
+    light.unlink()
+    return tmp_path / "settings"
+
+
+def test_it_comes_back_under_the_first_light_with_its_sliders_and_boxes(folder):
+    editor = Editor(folder)
+    (question,) = editor.state.asking.questions
+    assert "The light sky.hdr is not there, and Rembrandt stands in for it." in question.text
+    editor.answer_question("Restore")
+    state = editor.state
+    assert (state.light.kind, state.light.name) == ("rig", "rembrandt")
+    assert state.light_edit == LightEdit(base=0.5, boxes=BOXES)
+    assert state.edit.shadow == 0.25
+    assert editor.said == [
+        ("Unsaved work on me.jpg: the light sky.hdr is not there, and Rembrandt stands in for it", True)
+    ]
+    editor.deeds.close()
+
+
+def test_it_can_be_discarded(folder):
+    editor = Editor(folder)
+    editor.answer_question("Discard")
+    editor.deeds.close()
+    assert unsaved_files(folder) == []
+    assert Editor(folder).said == []

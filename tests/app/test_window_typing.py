@@ -1,0 +1,60 @@
+"""Numbers typed at a slider, and the keys that zoom on keyboards of other countries."""
+
+import glfw
+import pytest
+
+from app.ui import binding
+
+GERMAN = {glfw.KEY_RIGHT_BRACKET: "+", glfw.KEY_SLASH: "-", glfw.KEY_Y: "z", glfw.KEY_EQUAL: "\N{ACUTE ACCENT}"}
+FRENCH = {glfw.KEY_6: "-", glfw.KEY_EQUAL: "=", glfw.KEY_Q: "a"}
+
+
+def type_shadow(hand, value, text, end=glfw.KEY_ENTER):
+    """The shadow slider's value after a Ctrl-click on its track and some typing."""
+    state = hand.window.state
+    (x, y), *_ = hand.knobs()
+    state.change(shadow=value)
+    hand.settle()
+    hand.click((x, y), ctrl=True)
+    hand.frames(3)
+    assert state.typing is not None
+    hand.type(text)
+    hand.hold(end)
+    hand.release(end)
+    assert state.typing is None
+    return state.edit.shadow
+
+
+@pytest.mark.parametrize("end", [glfw.KEY_ENTER, glfw.KEY_ESCAPE])
+@pytest.mark.parametrize("value", [0.7034, 2.5])
+def test_a_number_that_is_not_touched_stays_as_it_is(opened, value, end):
+    assert type_shadow(opened, value, "", end) == value
+
+
+@pytest.mark.parametrize(("text", "value"), [("1.5", 1.5), ("9", 2.0)])
+def test_a_number_that_is_typed_counts_within_the_track(opened, text, value):
+    assert type_shadow(opened, 0.7034, text) == pytest.approx(value)
+
+
+@pytest.mark.parametrize(
+    ("layout", "key", "counts_as"),
+    [
+        (GERMAN, glfw.KEY_RIGHT_BRACKET, glfw.KEY_EQUAL),
+        (GERMAN, glfw.KEY_SLASH, glfw.KEY_MINUS),
+        (GERMAN, glfw.KEY_Y, glfw.KEY_Z),
+        (FRENCH, glfw.KEY_EQUAL, glfw.KEY_EQUAL),
+        (FRENCH, glfw.KEY_6, glfw.KEY_6),
+        (FRENCH, glfw.KEY_Q, glfw.KEY_A),
+        (FRENCH, glfw.KEY_KP_ADD, glfw.KEY_KP_ADD),
+    ],
+)
+def test_a_key_counts_as_what_is_printed_on_it(monkeypatch, layout, key, counts_as):
+    monkeypatch.setattr(glfw, "get_key_name", lambda key, _: layout.get(key))
+    assert binding._as_labelled(key) == counts_as
+
+
+def test_plus_zooms_in_where_another_key_has_it(opened, monkeypatch):
+    monkeypatch.setattr(glfw, "get_key_name", lambda key, _: GERMAN.get(key))
+    opened.move(opened.centre())
+    opened.key(glfw.KEY_RIGHT_BRACKET)
+    assert opened.window.state.view.zoom > 1.0
