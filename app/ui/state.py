@@ -33,7 +33,6 @@ from relight_core.pipeline.auto_quality import QualityChoice
 from relight_core.pipeline.edit import Edit
 
 
-
 @dataclass
 class EditorState:
     """The editor at one moment.
