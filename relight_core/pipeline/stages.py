@@ -174,10 +174,13 @@ def _mean_of_both(albedo, normal, relief, parsing, light) -> list[torch.Tensor]:
 @torch.inference_mode()
 def march(surface: Surface, size: int) -> ReliefTransport:
     """March the surface's relief once toward every texel of the light (see `lighting.relief`)."""
-    normal = unit_normals(F.interpolate(surface.normal, size=size, mode="area"))
-    relief = F.interpolate(surface.relief, size=size, mode="area")
-    person = F.interpolate(surface.person, size=size, mode="area")
-    return march_relief(relief[0, 0].cpu(), normal[0].cpu(), person[0, 0].cpu())
+    return march_parts(surface.normal, surface.relief, surface.person, size)
+
+
+def march_parts(normal: torch.Tensor, relief: torch.Tensor, person: torch.Tensor, size: int) -> ReliefTransport:
+    """`march` of a surface that is known by these parts alone, each (1, C, S, S) as `Surface` has it."""
+    normal, relief, person = (F.interpolate(part, size=size, mode="area") for part in (normal, relief, person))
+    return march_relief(relief[0, 0].cpu(), unit_normals(normal)[0].cpu(), person[0, 0].cpu())
 
 
 @dataclass(frozen=True, eq=False)

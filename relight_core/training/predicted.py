@@ -8,8 +8,6 @@ import torch.nn.functional as F
 from relight_core.dataset.samples import RELIEF_SIZE
 from relight_core.face.parsing import INDEX
 from relight_core.imaging.tensor_colour import srgb_decode
-from relight_core.imaging.tensor_normals import unit_normals
-from relight_core.lighting.relief import march_relief
 from relight_core.networks.bundle import NetworkBundle
 from relight_core.networks.delight import Delit
 from relight_core.pipeline import stages
@@ -81,11 +79,8 @@ def _relief_shadows(
     relief: torch.Tensor, normal: torch.Tensor, person: torch.Tensor, light: torch.Tensor
 ) -> torch.Tensor:
     """Shadow fractions (B, 1, `RELIEF_SIZE`, `RELIEF_SIZE`) of B surfaces, each under its light."""
-    small = [F.interpolate(part.float(), size=RELIEF_SIZE, mode="area").cpu() for part in (relief, normal, person)]
-    shadows = [
-        march_relief(height[0], unit_normals(facing[None])[0], alpha[0]).shadow_fraction(own[None])
-        for height, facing, alpha, own in zip(*small, light.cpu(), strict=True)
-    ]
+    surfaces = zip(*(part.float().split(1) for part in (normal, relief, person)), light.cpu().split(1), strict=True)
+    shadows = [stages.march_parts(*parts, RELIEF_SIZE).shadow_fraction(own) for *parts, own in surfaces]
     return torch.cat(shadows).to(light.device)
 
 

@@ -8,6 +8,12 @@ import torch
 from app.cli import bench
 
 
+def refused_in_one_line(done, told):
+    assert done.code == 2
+    assert told in done.err
+    assert done.err.count("\n") == 1
+
+
 @pytest.mark.parametrize(
     ("words", "told"),
     [
@@ -18,10 +24,7 @@ from app.cli import bench
 )
 def test_bad_input_is_one_line(relight, tmp_path, monkeypatch, words, told):
     monkeypatch.chdir(tmp_path)
-    done = relight("bench", *words)
-    assert done.code == 2
-    assert told in done.err
-    assert done.err.count("\n") == 1
+    refused_in_one_line(relight("bench", *words), told)
 
 
 def test_a_folder_without_photos(relight, tmp_path):
@@ -43,10 +46,7 @@ def test_a_folder_without_photos(relight, tmp_path):
 )
 def test_what_would_be_ignored_is_refused(relight, tmp_path, monkeypatch, words, told):
     monkeypatch.chdir(tmp_path)
-    done = relight("bench", *words)
-    assert done.code == 2
-    assert told in done.err
-    assert done.err.count("\n") == 1
+    refused_in_one_line(relight("bench", *words), told)
     assert list(tmp_path.iterdir()) == []
 
 
@@ -55,10 +55,8 @@ def test_a_device_that_is_not_there(relight, tmp_path, monkeypatch, words):
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(torch.cuda, "is_available", lambda: False)
     done = relight("bench", "--device", "cuda", *words)
-    assert done.code == 2
-    assert "--device cuda" in done.err
+    refused_in_one_line(done, "--device cuda")
     assert "fault of ours" not in done.err
-    assert done.err.count("\n") == 1
 
 
 def test_a_folder_of_panoramas_is_visited(tmp_path):
