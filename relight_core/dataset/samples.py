@@ -20,6 +20,9 @@ from relight_core.lighting.relief import march_relief
 RELIEF_SIZE = 64
 """Side at which reliefs are marched; shadows wider than a few pixels survive it, SS sharpens the rest."""
 
+ON_THE_HEAD = ("albedo", "relief", "image", "specular", "shadow", "shadow_fraction", "gloss_fraction")
+"""Channels that are 0 outside the head: of a pixel at its outline, only the head's part has a say in them."""
+
 _GREY = REC709_LUMINANCE.astype(np.float32)
 _MIRRORED_LABELS = np.array(MIRRORED, np.uint8)
 

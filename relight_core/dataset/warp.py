@@ -12,9 +12,11 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
+from relight_core.dataset.samples import ON_THE_HEAD
 from relight_core.lighting.roll import roll_light
 
 _TURN_DEG, _WIDEST_TURN_DEG = 8.0, 25.0
+_LEAST_COVERED = 0.5
 _ZOOM, _STRETCH, _SHIFT = 0.1, 0.035, 0.04
 
 
@@ -51,14 +53,18 @@ def sample_warp(rng: np.random.Generator) -> Warp:
 def warped(sample: dict[str, np.ndarray], warp: Warp) -> dict[str, np.ndarray]:
     """A sample of `dataset.samples` seen through a warp.
 
-    What comes into view from beyond the border repeats the border and counts as not covered.
+    What comes into view from beyond the border repeats the border and counts as not covered. A pixel of an outline
+    that counts as covered has the channels of the head's part of it; "radiance" stays premultiplied by "silhouette".
     """
     size = sample["covered"].shape[0]
     changed = {name: _image(value, warp, size) for name, value in sample.items() if name not in ("light", "label")}
     changed["light"] = roll_light(sample["light"], -warp.turn_deg)
     changed["label"] = _moved(sample["label"], warp, cv2.INTER_NEAREST, cv2.BORDER_REPLICATE)
+    share = np.clip(_image(sample.get("silhouette", sample["covered"]), warp, size), _LEAST_COVERED, 1)
+    for name in changed.keys() & set(ON_THE_HEAD):
+        changed[name] = changed[name] / share.reshape(size, size, *(1,) * (changed[name].ndim - 2))
     inside = _moved(np.ones((size, size), np.float32), warp, cv2.INTER_LINEAR, cv2.BORDER_CONSTANT)
-    changed["covered"] = ((changed["covered"] > 0.5) & (inside > 0.99)).astype(np.float32)
+    changed["covered"] = ((changed["covered"] > _LEAST_COVERED) & (inside > 0.99)).astype(np.float32)
     changed["normal"] = _normals(changed["normal"], warp)
     changed["relief"] = changed["relief"] * np.float32(warp.scale)
     return changed

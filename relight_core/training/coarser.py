@@ -5,6 +5,8 @@ from __future__ import annotations
 import torch
 import torch.nn.functional as F
 
+from relight_core.dataset.samples import ON_THE_HEAD
+
 LIGHT_SHAPE = (16, 32, 3)
 
 
@@ -13,6 +15,26 @@ def shrunk(value: torch.Tensor, size: int | None) -> torch.Tensor:
     if size is None or value.shape[1:] == LIGHT_SHAPE or value.shape[-1] == size:
         return value
     return F.interpolate(value, size=size, mode="area")
+
+
+def shrunk_within(value: torch.Tensor, covered: torch.Tensor, size: int | None) -> torch.Tensor:
+    """Images (B, C, S, S) by area to a side, each pixel the mean of what is covered in it; 0 where nothing is.
+
+    Args:
+        covered: (B, 1, S, S) weights in [0, 1].
+    """
+    if size is None or value.shape[-1] == size:
+        return value
+    return shrunk(value * covered, size) / shrunk(covered, size).clamp_min(1e-6)
+
+
+def shrunk_heads(images: dict[str, torch.Tensor], size: int | None) -> dict[str, torch.Tensor]:
+    """A batch's images by area to a side: those of the head as `shrunk_within` its own "covered"; lights stay."""
+    covered = images["covered"]
+    return {
+        name: shrunk_within(value, covered, size) if name in ON_THE_HEAD else shrunk(value, size)
+        for name, value in images.items()
+    }
 
 
 def label_shares(label: torch.Tensor, classes: int, size: tuple[int, int]) -> torch.Tensor:

@@ -5,9 +5,12 @@ from __future__ import annotations
 import torch
 
 from relight_core.face.parsing import FACE_LABELS
-from relight_core.imaging.tensor_colour import srgb_encode
+from relight_core.imaging.tensor_colour import srgb_decode, srgb_encode
+from relight_core.imaging.tensor_normals import unit_normals
 from relight_core.lighting.reflection import ReflectionTable
 from relight_core.networks.delight import DelightNetwork, Delit
+from relight_core.pipeline.per_photo.second_look import evened_out
+from relight_core.training.coarser import shrunk
 from relight_core.training.losses import (
     edges_l1,
     focal_parsing,
@@ -21,6 +24,10 @@ from relight_core.training.losses import (
 
 _PARSING_WEIGHT = 0.2
 """At first the focal loss is ten times any other term, and steps of one size for all weights would follow it alone."""
+
+_LIGHT_WEIGHT = 0.4
+"""Of the light and of what it does to a white ball. With all of it, the encoder's gradient is mostly theirs and ten
+times that of the normals; and the editor fits the light anew to albedo and normals."""
 
 _HORIZON_WEIGHT, _HORIZON_AZIMUTHS = 1.0, 6
 """With four times the weight horizons count as much as heights, and cost light and albedo more than they bring; of
@@ -39,16 +46,12 @@ def delight_losses(
     found = network(photo.contiguous(memory_format=torch.channels_last))
     twice = {name: batch[name].repeat_interleave(2, 0) for name in ("albedo", "normal", "relief", "label", "covered")}
     covered, light = _face_first(twice["covered"], twice["label"]), batch["light"].flatten(0, 1)
-    albedo_srgb = srgb_encode(twice["albedo"])
     half_width = photo.shape[-1] / 128  # in de-lighting's unit of relief, 64 pixels
-    losses = {
-        "albedo": masked_l1(found.albedo_srgb, albedo_srgb, covered),
-        "albedo_levelled": 2.0 * levelled_l1(found.albedo_srgb, albedo_srgb, covered),
-        "albedo_edges": edges_l1(found.albedo_srgb, albedo_srgb, covered),
-        "normal": masked_l1(found.normal, twice["normal"], covered),
+    losses = _albedo_losses(found.albedo_srgb, srgb_encode(twice["albedo"]), covered) | {
+        "normal": 2.0 * masked_l1(found.normal, twice["normal"], covered),
         "normal_edges": edges_l1(found.normal, twice["normal"], covered),
-        "light": wlog_l2(found.light, light),
-        "irradiance": irradiance_l1(found.light, light, table),
+        "light": _LIGHT_WEIGHT * wlog_l2(found.light, light),
+        "irradiance": _LIGHT_WEIGHT * irradiance_l1(found.light, light, table),
     }
     if network.config.classes:
         losses["parsing"] = _PARSING_WEIGHT * focal_parsing(found.coarse_logits, twice["label"])
@@ -57,6 +60,40 @@ def delight_losses(
         horizon = horizon_l1(found.relief / half_width, twice["relief"], twice["covered"], _azimuths().to(photo.device))
         losses["horizon"] = _HORIZON_WEIGHT * horizon
     return found, losses
+
+
+def _albedo_losses(found: torch.Tensor, truth: torch.Tensor, covered: torch.Tensor) -> dict[str, torch.Tensor]:
+    return {
+        "albedo": masked_l1(found, truth, covered),
+        "albedo_levelled": 2.0 * levelled_l1(found, truth, covered),
+        "albedo_edges": edges_l1(found, truth, covered),
+    }
+
+
+def second_look_losses(
+    network: DelightNetwork, batch: dict[str, torch.Tensor], found: Delit, size: int
+) -> dict[str, torch.Tensor]:
+    """The albedo of a second look (`pipeline.per_photo.second_look`) at one photo of every pair, by term.
+
+    Args:
+        found: in both photos of every pair.
+        size: of the surface that the editor evens out the photo with.
+    """
+    pairs = len(batch["photo_srgb"])
+    one = 2 * torch.arange(pairs) + torch.randint(0, 2, (pairs,))
+    linear = srgb_decode(batch["photo_srgb"].flatten(0, 1)[one])
+    albedo, normal = (part.detach()[one].float() for part in (found.albedo_srgb, found.normal))
+    evened = evened_out(
+        linear,
+        albedo=shrunk(srgb_decode(albedo), size),
+        normal=unit_normals(shrunk(normal, size)),
+        photo=shrunk(linear, size),
+        person=shrunk(batch["covered"], size),
+    )
+    again = network(srgb_encode(evened).contiguous(memory_format=torch.channels_last))
+    covered = _face_first(batch["covered"], batch["label"])
+    losses = _albedo_losses(again.albedo_srgb, srgb_encode(batch["albedo"]), covered)
+    return {f"second_{name}": value for name, value in losses.items()}
 
 
 def _azimuths() -> torch.Tensor:

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import torch
+from torch import nn
 
 from relight_core.imaging.files import whole_file
 from relight_core.lighting.reflection import ReflectionTable
@@ -173,8 +174,17 @@ def _prepare(stage: Stage, bundle: NetworkBundle, device: str) -> None:
     for name, network in bundle.named_children():
         if name in learners:
             network.requires_grad_(True)
+            if stage.settled:
+                _settle(network)
         else:
             network.eval()
+
+
+def _settle(network: nn.Module) -> None:
+    """Normalise by the running statistics, as the editor does: those of a few heads make every step another network."""
+    for part in network.modules():
+        if isinstance(part, nn.BatchNorm2d):
+            part.eval()
 
 
 def _prepared(stage, bundle, batches, device) -> Iterator[tuple[dict, dict]]:

@@ -9,7 +9,7 @@ from relight_core.dataset.samples import RELIEF_SIZE
 from relight_core.lighting.reflection import ReflectionTable
 from relight_core.lighting.relief import horizon_slopes
 from relight_core.lighting.sphere import solid_angles
-from relight_core.training.coarser import label_shares
+from relight_core.training.coarser import label_shares, shrunk, shrunk_within
 
 _EDGE_WEIGHTS = (1.0, 0.7, 0.5)
 """Of steps 1, 2 and 4 pixels wide."""
@@ -38,11 +38,19 @@ def levelled_l1(estimate: torch.Tensor, truth: torch.Tensor, covered: torch.Tens
     The factor is that of least squares over the covered pixels. How light and of which colour all of a photo is, is
     as much the light's doing as the surface's, and that error drowns the one of shading left in part of it.
     """
+    return masked_l1(estimate * _factor(estimate, truth, covered, (2, 3)), truth, covered)
+
+
+def level_of(estimate: torch.Tensor, truth: torch.Tensor, covered: torch.Tensor) -> torch.Tensor:
+    """The grey factor that brings an estimate to the truth's level, (B, 1, 1, 1), without a gradient."""
+    return _factor(estimate.detach(), truth, covered, (1, 2, 3))
+
+
+def _factor(estimate: torch.Tensor, truth: torch.Tensor, covered: torch.Tensor, over: tuple[int, ...]) -> torch.Tensor:
+    """Of least squares over the covered pixels."""
     weighted = estimate * covered
-    factor = (weighted * truth).sum((2, 3), keepdim=True) / (weighted * estimate).sum((2, 3), keepdim=True).clamp_min(
-        1e-3
-    )
-    return masked_l1(estimate * factor, truth, covered)
+    power = (weighted * estimate).sum(over, keepdim=True)
+    return (weighted * truth).sum(over, keepdim=True) / power.clamp_min(1e-3)
 
 
 def masked_l2(estimate: torch.Tensor, truth: torch.Tensor, covered: torch.Tensor) -> torch.Tensor:
@@ -95,7 +103,7 @@ def slope_l1(estimate: torch.Tensor, truth: torch.Tensor, covered: torch.Tensor,
     total = estimate.new_zeros(())
     for axis in (2, 3):
         found, true, both = (_ends(image, axis, step_px) for image in (estimate, truth, covered))
-        total = total + masked_l1(found[0] - found[1], true[0] - true[1], both[0] * both[1])
+        total = total + masked_l1(found[0] - found[1], true[0] - true[1], torch.minimum(both[0], both[1]))
     return total
 
 
@@ -141,11 +149,11 @@ def horizon_l1(
         covered: (B, 1, H, W) in [0, 1].
         azimuth_rad: (azimuths,) where light may come from.
     """
-    reliefs = (F.interpolate(relief.float(), size=RELIEF_SIZE, mode="area")[:, 0] for relief in (estimate, truth))
-    covered = F.interpolate(covered, size=RELIEF_SIZE, mode="area")
-    slopes = (horizon_slopes(relief, covered[:, 0], azimuth_rad) for relief in reliefs)
+    reliefs = (shrunk_within(relief.float(), covered, RELIEF_SIZE)[:, 0] for relief in (estimate, truth))
+    coarsely = shrunk(covered, RELIEF_SIZE)
+    slopes = (horizon_slopes(relief, coarsely[:, 0], azimuth_rad) for relief in reliefs)
     found, true = (slope.atan().sin().transpose(0, 1) for slope in slopes)
-    return masked_l1(found, true, (covered > 0.5).float())
+    return masked_l1(found, true, (coarsely > 0.5).float())
 
 
 def fraction_loss(logit: torch.Tensor, fraction: torch.Tensor, weight: torch.Tensor) -> torch.Tensor:

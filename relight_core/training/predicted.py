@@ -11,7 +11,7 @@ from relight_core.imaging.tensor_colour import srgb_decode
 from relight_core.networks.bundle import NetworkBundle
 from relight_core.networks.delight import Delit
 from relight_core.pipeline import stages
-from relight_core.training.coarser import shrunk
+from relight_core.training.coarser import shrunk, shrunk_heads
 
 
 def surface_size(bundle: NetworkBundle, photo: torch.Tensor) -> int:
@@ -44,10 +44,14 @@ def on_predicted_surface(bundle: NetworkBundle, batch: dict[str, torch.Tensor]) 
         surfaces.append(surface)
         shadows.append(stages.march(surface, RELIEF_SIZE).shadow_fraction(lights.cpu()))
     found = {name: torch.cat([getattr(s, name) for s in surfaces]) for name in ("normal", "relief", "parsing")}
-    truth = {name: shrunk(_for_both_photos(batch[name]), size) for name in batch.keys() - {"photo_srgb", "label"}}
+    truth = {name: _for_both_photos(batch[name]) for name in batch.keys() - {"photo_srgb", "label"}}
     shadow = torch.cat(shadows).to(photo.device)
     shadow = F.interpolate(shadow, size=size, mode="bilinear", align_corners=False)
-    return truth | {name: value.repeat_interleave(2, 0) for name, value in found.items()} | {"relief_shadow": shadow}
+    return (
+        shrunk_heads(truth, size)
+        | {name: value.repeat_interleave(2, 0) for name, value in found.items()}
+        | {"relief_shadow": shadow}
+    )
 
 
 @torch.no_grad()

@@ -17,7 +17,7 @@ from relight_core.pipeline.per_light.hints import (
     specular_shadow_hints,
     with_dull_parts,
 )
-from relight_core.training.coarser import label_shares, shrunk
+from relight_core.training.coarser import label_shares, shrunk_heads
 from relight_core.training.losses import fraction_loss, masked_l1, masked_l2
 
 
@@ -29,10 +29,11 @@ def flatten_pairs(batch: dict[str, torch.Tensor], size: int | None = None) -> di
     """
     label = batch["label"].repeat_interleave(2, 0)
     images = {name: value for name, value in batch.items() if name != "label"}
-    flat = {
-        name: shrunk(value.flatten(0, 1), size) if value.ndim == 5 else shrunk(value, size).repeat_interleave(2, 0)
+    whole = {
+        name: value.flatten(0, 1) if value.ndim == 5 else value.repeat_interleave(2, 0)
         for name, value in images.items()
     }
+    flat = shrunk_heads(whole, size)
     side = size or label.shape[-1]
     return flat | {"label": label, "parsing": label_shares(label, len(CLASSES), (side, side))}
 

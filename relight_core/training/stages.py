@@ -20,8 +20,9 @@ from relight_core.lighting.reflection import ReflectionTable
 from relight_core.networks.bundle import BundleConfig, NetworkBundle
 from relight_core.networks.delight import Delit
 from relight_core.training.coarser import shrunk
-from relight_core.training.delight_step import delight_losses
+from relight_core.training.delight_step import delight_losses, second_look_losses
 from relight_core.training.distillation import distillation_losses
+from relight_core.training.losses import level_of
 from relight_core.training.outline_step import outline_losses
 from relight_core.training.predicted import found_hints, on_predicted_surface, surface_size
 from relight_core.training.relight_steps import (
@@ -31,6 +32,10 @@ from relight_core.training.relight_steps import (
     specular_shadow_losses,
     with_reflected,
 )
+
+_LEVELLED_SHARE = 2 / 3
+_SECOND_LOOK_SHARE = 1 / 3
+"""Of the steps; it costs as much as half of one more."""
 
 Losses = dict[str, torch.Tensor]
 Batch = dict[str, torch.Tensor]
@@ -47,6 +52,7 @@ class Stage:
         learning_rate: the peak of its schedule.
         distilled: its batches are what the wide pair of networks says (see `training.distillation`).
         outlines: its samples are photos with outlines (see `dataset.cutouts.outlines`).
+        settled: its networks come from another stage with running statistics that hold, and are normalised by those.
         prepare: (bundle, batch of pairs) -> what `losses` gets in the batch's place. It depends on nothing that the
             stage changes and carries no gradient, so it is done ahead of the step.
     """
@@ -58,6 +64,7 @@ class Stage:
     learning_rate: float
     distilled: bool = False
     outlines: bool = False
+    settled: bool = False
     prepare: Callable[[NetworkBundle, Batch], Batch] | None = None
 
     def learners(self, config: BundleConfig) -> tuple[str, ...]:
@@ -91,18 +98,29 @@ def _warm_relight(bundle: NetworkBundle, table: ReflectionTable, batch: Batch) -
 
 
 def _relit_from_photo(
-    bundle: NetworkBundle, table: ReflectionTable, batch: Batch, found: Delit, *, hinted: bool = False
+    bundle: NetworkBundle,
+    table: ReflectionTable,
+    batch: Batch,
+    found: Delit,
+    *,
+    hinted: bool = False,
+    levelled_share: float = 0.0,
 ) -> Losses:
     """Losses of every photo relit with the other light of its pair, on predicted albedo and normal.
 
     Args:
         hinted: relief, its shadow and the parsing are found ones, too. Else they are the true ones: albedo and
             normals are not to make up for what a relief lacks.
+        levelled_share: of the photos, whose albedo is brought to the truth's level first. How bright it is, nobody
+            can know, and the error of guessing it drowns that of shading left in half a face.
     """
     size = surface_size(bundle, batch["photo_srgb"])
-    lit = {name: value for name, value in batch.items() if name not in ("photo_srgb", "albedo", "normal")}
+    lit = {name: value for name, value in batch.items() if name not in ("photo_srgb", "normal")}
     swapped = {n: v.unflatten(0, (-1, 2)).flip(1).flatten(0, 1) for n, v in flatten_pairs(lit, size).items()}
-    swapped["albedo"] = shrunk(srgb_decode(found.albedo_srgb), size)
+    albedo = shrunk(srgb_decode(found.albedo_srgb), size)
+    level = level_of(albedo, swapped["albedo"], swapped["covered"])
+    levelled = torch.rand_like(level) < levelled_share
+    swapped["albedo"] = albedo * torch.where(levelled, level, torch.ones_like(level))
     swapped["normal"] = unit_normals(shrunk(found.normal, size))
     if hinted:
         swapped |= found_hints(bundle, found, swapped["light"], size)
@@ -115,8 +133,11 @@ def _relit_from_photo(
 
 def _tune_delight(bundle: NetworkBundle, table: ReflectionTable, batch: Batch, relit_weight: float = 1.0) -> Losses:
     found, losses = delight_losses(bundle.delight, table, batch)
-    relit = _relit_from_photo(bundle, table, batch, found)
-    return losses | {"relit": relit_weight * (relit["encoded"] + relit["display"])}
+    relit = _relit_from_photo(bundle, table, batch, found, levelled_share=_LEVELLED_SHARE)
+    losses["relit"] = relit_weight * (relit["encoded"] + relit["display"])
+    if torch.rand(()) < _SECOND_LOOK_SHARE:
+        losses |= second_look_losses(bundle.delight, batch, found, surface_size(bundle, batch["photo_srgb"]))
+    return losses
 
 
 def _tune_relight(bundle: NetworkBundle, table: ReflectionTable, flat: Batch) -> Losses:
@@ -145,12 +166,16 @@ STAGES = {
     "warm-specular-shadow": Stage(("specular_shadow",), _warm_specular_shadow, False, True, 2e-3),
     "warm-composition": Stage(("composition",), _warm_composition, False, False, 2e-3),
     "warm-relight": Stage(("specular_shadow", "composition"), _warm_relight, False, True, 2e-3),
-    "tune-delight": Stage(("delight",), _tune_delight, True, True, 2e-4),
-    "tune-delight-strongly": Stage(("delight",), partial(_tune_delight, relit_weight=3.0), True, True, 4e-4),
-    "tune-relight": Stage(
-        ("specular_shadow", "composition"), _tune_relight, True, False, 1e-3, prepare=on_predicted_surface
+    "tune-delight": Stage(("delight",), _tune_delight, True, True, 2e-4, settled=True),
+    "tune-delight-strongly": Stage(
+        ("delight",), partial(_tune_delight, relit_weight=3.0), True, True, 4e-4, settled=True
     ),
-    "tune-on-predictions": Stage(("specular_shadow", "composition"), _tune_on_predictions, True, True, 2e-4),
+    "tune-relight": Stage(
+        ("specular_shadow", "composition"), _tune_relight, True, False, 1e-3, settled=True, prepare=on_predicted_surface
+    ),
+    "tune-on-predictions": Stage(
+        ("specular_shadow", "composition"), _tune_on_predictions, True, True, 2e-4, settled=True
+    ),
     "distil-relight": Stage(("narrow",), distillation_losses, True, False, 1e-3, distilled=True),
     "outline": Stage(("person",), _outline, True, False, 1.5e-3, outlines=True),
 }

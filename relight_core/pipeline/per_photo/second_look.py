@@ -41,13 +41,22 @@ def take_apart(bundle: NetworkBundle, photo_view: np.ndarray, tier: Tier, device
 
 def evenly_lit(photo: np.ndarray, found: stages.Surface) -> np.ndarray:
     """A photo (D, D, 3), linear, with the person most of the way to an even light; as large, in [0, 1]."""
-    ahead = torch.tensor(_AHEAD, device=found.normal.device)
-    received = 1 + (found.normal * ahead[:, None, None]).sum(1, keepdim=True)
-    wanted = found.albedo * received / (1 + ahead.norm())
-    gain = (wanted / found.photo.clamp_min(_DARKEST_PHOTO)).clamp(1 / _STRONGEST_GAIN, _STRONGEST_GAIN).log()
-    gain = _MOST_OF_THE_WAY * torch.where(found.person > 0.5, gain, 0.0)
-    gain = F.interpolate(gain, size=photo.shape[:2], mode="bilinear", align_corners=False).exp()
-    return np.clip(photo * gain[0].permute(1, 2, 0).cpu().numpy(), 0, 1)
+    view = torch.from_numpy(photo).permute(2, 0, 1)[None].to(found.normal.device)
+    parts = {"albedo": found.albedo, "normal": found.normal, "photo": found.photo, "person": found.person}
+    return evened_out(view, **parts)[0].permute(1, 2, 0).cpu().numpy()
+
+
+def evened_out(
+    views: torch.Tensor, *, albedo: torch.Tensor, normal: torch.Tensor, photo: torch.Tensor, person: torch.Tensor
+) -> torch.Tensor:
+    """`evenly_lit` of views (B, 3, D, D) of whose surfaces these parts are known, (B, C, S, S) each."""
+    ahead = torch.tensor(_AHEAD, device=normal.device)
+    received = 1 + (normal * ahead[:, None, None]).sum(1, keepdim=True)
+    wanted = albedo * received / (1 + ahead.norm())
+    gain = (wanted / photo.clamp_min(_DARKEST_PHOTO)).clamp(1 / _STRONGEST_GAIN, _STRONGEST_GAIN).log()
+    gain = _MOST_OF_THE_WAY * torch.where(person > 0.5, gain, 0.0)
+    gain = F.interpolate(gain, size=views.shape[-2:], mode="bilinear", align_corners=False).exp()
+    return (views * gain).clamp(0, 1)
 
 
 def with_skin_of(found: stages.Surface, again: stages.Surface) -> stages.Surface:
