@@ -28,6 +28,7 @@ from relight_core.networks.bundle import (
 from relight_core.networks.person import PersonConfig, PersonNetwork
 from relight_core.training.distillation import Teacher
 from relight_core.training.kept_batches import kept_batches
+from relight_core.training.loader_worker import begin_worker
 from relight_core.training.loop import Budget, train_stage
 from relight_core.training.stages import STAGES, Stage
 
@@ -179,17 +180,9 @@ def _loaded(
         num_workers=run.workers,
         # Forked off a process that has threads, a worker may wait for ever for a lock that one of them held.
         multiprocessing_context="forkserver" if run.workers else None,
-        worker_init_fn=_one_thread,
+        worker_init_fn=begin_worker,
         prefetch_factor=4 if run.workers else None,
         # It draws a seed for its workers, and would draw it from the stream that a run goes on with.
         generator=torch.Generator().manual_seed(run.seed),
     )
     return iter(loader)
-
-
-def _one_thread(worker: int) -> None:
-    """A loader that spreads over the cores would take them from the training step."""
-    import cv2
-
-    torch.set_num_threads(1)
-    cv2.setNumThreads(1)

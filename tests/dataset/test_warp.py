@@ -100,3 +100,21 @@ def test_random_warps_are_small_and_keep_types():
     assert {name: (value.dtype, value.shape) for name, value in changed.items()} == {
         name: (value.dtype, value.shape) for name, value in sample.items()
     }
+
+
+@pytest.mark.parametrize("hidden", [False, True])
+def test_an_outline_has_the_channels_of_its_head_and_not_of_the_nothing_beside_it(hidden):
+    """A level disc far behind the face's mean height stays level up to its edge, turned and enlarged."""
+    sample = ball(lamp(np.random.default_rng(6)))
+    inside = sample["covered"]
+    sample |= {"relief": -0.5 * inside, "albedo": np.float32([0.6, 0.4, 0.2]) * inside[..., None]}
+    if hidden:
+        beside = inside * (np.arange(SIZE) < SIZE // 2)
+        sample |= {"silhouette": inside, "covered": beside.astype(np.float32)}
+    turned = warped(sample, similarity(17.0, 1.2))
+    covered = turned["covered"] > 0
+    assert covered.sum() > 500
+    np.testing.assert_allclose(turned["relief"][covered], -0.6, atol=1e-5)
+    np.testing.assert_allclose(
+        turned["albedo"][covered], np.tile(np.float32([[0.6, 0.4, 0.2]]), (covered.sum(), 1)), atol=1e-5
+    )

@@ -7,7 +7,7 @@ import pytest
 import torch
 
 from relight_core.networks.bundle import load_bundle
-from relight_core.pipeline.per_photo.second_look import evenly_lit, take_apart, with_skin_of
+from relight_core.pipeline.per_photo.second_look import evened_out, evenly_lit, take_apart, with_skin_of
 from relight_core.pipeline.quality import Tier
 from relight_core.pipeline.stages import Surface
 
@@ -89,3 +89,13 @@ def test_only_a_tier_that_looks_twice_does(weights):
 
 def test_tiers_that_look_differently_share_no_surface():
     assert TIER.surface_key != replace(TIER, looks_twice=True).surface_key
+
+
+def test_many_views_at_once_are_evened_out_as_each_of_them_alone():
+    surfaces = [ball_lit_from(x, albedo) for x, albedo in ((0.9, 0.4), (-0.5, 0.7))]
+    names = ("albedo", "normal", "photo", "person")
+    parts = {name: torch.cat([getattr(surface, name) for surface in surfaces]) for name in names}
+    together = evened_out(parts["photo"], **parts)
+    for number, surface in enumerate(surfaces):
+        alone = evenly_lit(image(surface.photo), surface)
+        np.testing.assert_allclose(image(together[number : number + 1]), alone, atol=1e-6)

@@ -2,7 +2,7 @@
 
 import torch
 
-from relight_core.training.coarser import label_shares, shrunk
+from relight_core.training.coarser import label_shares, shrunk, shrunk_heads, shrunk_within
 from relight_core.training.losses import focal_parsing
 from relight_core.training.relight_steps import flatten_pairs
 
@@ -46,3 +46,21 @@ def test_pairs_come_flat_in_order_and_shrunk_with_a_parsing_of_their_size():
     assert flat["covered"][:, 0, 0, 0].tolist() == [0.25, 0.25, 0.75, 0.75]
     assert flat["parsing"].argmax(1)[:, 1, 2].tolist() == [3, 3, 5, 5]
     assert torch.equal(flat["light"], batch["light"].flatten(0, 1))
+
+
+def test_a_square_that_is_covered_in_part_has_the_mean_of_that_part():
+    covered = torch.zeros(1, 1, 4, 4)
+    covered[..., 0, :3] = 1
+    value = torch.full((1, 2, 4, 4), 9.0)
+    value[..., 0, :3] = torch.tensor([1.0, 3.0, 5.0])
+    small = shrunk_within(value, covered, 2)
+    assert small[0, 1].tolist() == [[2.0, 5.0], [0.0, 0.0]]
+    assert shrunk_within(value, covered, 4) is value
+
+
+def test_what_lies_outside_a_head_has_no_say_in_its_shrunk_channels():
+    torch.manual_seed(1)
+    covered = (torch.rand(2, 1, 8, 8) > 0.4).float()
+    images = {"covered": covered, "albedo": torch.rand(2, 3, 8, 8), "light": torch.rand(2, 16, 32, 3)}
+    other = images | {"albedo": torch.where(covered > 0, images["albedo"], 7.0)}
+    torch.testing.assert_close(shrunk_heads(images, 4), shrunk_heads(other, 4))

@@ -12,6 +12,7 @@ from relight_core.training.losses import (
     focal_parsing,
     fraction_loss,
     horizon_l1,
+    level_of,
     levelled_l1,
     masked_l1,
     masked_l2,
@@ -256,3 +257,41 @@ class TestAdditiveShadow:
 
         assert slope("shadow") > 0
         assert slope("shadow", "shadow_squared") < 0
+
+
+def test_edges_count_a_face_as_often_as_pixels_do():
+    """An error at an edge between two pixels of weight 2, beside a like one between two of weight 1."""
+    truth = torch.zeros(1, 1, 1, 4)
+    estimate = torch.tensor([0.0, 3.0, 0.0, 0.0]).reshape(1, 1, 1, 4)
+    weight = torch.tensor([2.0, 2.0, 1.0, 1.0]).reshape(1, 1, 1, 4)
+    # Steps of 3, 3 and 0 with weights of 2, 1 and 1.
+    assert float(slope_l1(estimate, truth, weight)) == pytest.approx((2 * 3 + 1 * 3) / 4)
+
+
+def test_horizons_do_not_depend_on_what_lies_outside_the_head():
+    torch.manual_seed(2)
+    y, x = torch.meshgrid(torch.linspace(-1, 1, 128), torch.linspace(-1, 1, 128), indexing="ij")
+    covered = (x**2 + (1.3 * y) ** 2 < 0.5).float()[None, None]
+    relief = (0.4 * (1 - x**2 - y**2))[None, None]
+    estimate = relief + 0.05 * torch.randn_like(relief)
+    azimuth_rad = torch.tensor([0.3, 2.0])
+    expected = horizon_l1(estimate, relief, covered, azimuth_rad)
+    walled = [torch.where(covered > 0, image, wall) for image, wall in ((estimate, 3.0), (relief, -2.0))]
+    assert float(expected) > 0
+    torch.testing.assert_close(horizon_l1(*walled, covered, azimuth_rad), expected)
+
+
+def test_a_level_is_grey_of_covered_pixels_and_has_no_gradient():
+    truth = torch.rand(2, 3, 4, 4) + 0.1
+    estimate = (truth * torch.tensor([0.5, 2.0]).reshape(2, 1, 1, 1)).requires_grad_()
+    covered = torch.ones(2, 1, 4, 4)
+    covered[..., 0] = 0
+    spoiled = torch.where(covered > 0, estimate, 50.0)
+    level = level_of(spoiled, truth, covered)
+    assert level.flatten().tolist() == pytest.approx([2.0, 0.5], rel=1e-5)
+    assert not level.requires_grad
+
+
+def test_the_level_of_nothing_is_finite():
+    nothing = torch.zeros(1, 3, 4, 4)
+    assert torch.isfinite(level_of(nothing, nothing, torch.zeros(1, 1, 4, 4))).all()
