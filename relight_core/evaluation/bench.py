@@ -151,13 +151,15 @@ class Bench:
     def _true_surface(self, light: np.ndarray) -> stages.Surface:
         """What perfect de-lighting would find."""
         person = self._tensor(self._truth["covered"])
+        # What is 0 outside the head has no say in its outline: 0 is the height of the face's middle.
+        covered = person.clamp_min(1e-6)
         parsing = self._tensor(np.eye(len(CLASSES), dtype=np.float32)[self._truth["label"]])
         normal = torch.nn.functional.normalize(self._tensor(self._truth["normal"]), dim=1, eps=1e-4)
         return stages.Surface(
             photo=torch.zeros_like(normal),
-            albedo=self._tensor(self._truth["albedo"]),
+            albedo=self._tensor(self._truth["albedo"]) / covered,
             normal=normal,
-            relief=self._tensor(self._truth["relief"]),
+            relief=self._tensor(self._truth["relief"]) / covered,
             parsing=parsing,
             person=person,
             source_light=torch.from_numpy(light)[None].to(person.device),

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from relight_core.dataset.cutouts import outlines
 from relight_core.dataset.cutouts.cutouts import cut_out, place
 from relight_core.dataset.cutouts.outlines import OutlineStream, outline_sample
 from relight_core.dataset.cutouts.scenery.pool import SceneryPool
@@ -95,6 +96,18 @@ def test_samples_tell_of_the_person_that_is_marked(pool, seed):
     assert (photo[:, inside[0] == 0] == 0).all()
     assert person[face * inside > 0.99].mean() > 0.75
     assert 0.02 < person.mean() < 0.98
+
+
+def test_what_a_camera_adds_is_never_turned(pool, monkeypatch):
+    """Whatever is developed arrives as it was, pixel by pixel, wherever the photo reaches."""
+    grain = np.where(np.indices((64, 64)).sum(0) % 2, 0.9, 0.1).astype(np.float32)[..., None].repeat(3, -1)
+    monkeypatch.setattr(outlines, "taken", lambda exposed, rng: grain)
+    person, scenery = cutout(), SceneryPool(pool, np.random.default_rng(1), 3)
+    for seed in range(8):
+        sample = outline_sample([person], person, 64, scenery, pool, np.random.default_rng(seed))
+        photo, whole = sample["photo_srgb"].permute(1, 2, 0).numpy(), sample["inside"][0].numpy() == 1
+        assert whole.sum() > 500
+        np.testing.assert_allclose(photo[whole], grain[whole], atol=1e-6)
 
 
 def test_the_stream_goes_on_where_it_is_told_to(tmp_path):

@@ -29,6 +29,7 @@ from relight_core.lighting.reflection import GLOSS
 
 _CUTOUTS_PER_HEAD, _SAMPLES_PER_CUTOUT, _SCENES_PER_HEAD = 5, 12, 3
 _WILD_SHARE, _ACCOMPANIED_SHARE, _CAMOUFLAGED_SHARE, _TURNED_SHARE = 0.3, 0.35, 0.25, 0.4
+_TURN_DEG = 12.0
 _BACKED_SHARE = 0.3
 _MANE_SHARE, _ARM_SHARE = 0.15, 0.15
 _CLOSEST, _FARTHEST = 0.62, 3.0
@@ -124,22 +125,29 @@ def outline_sample(
     while rng.random() < _ACCOMPANIED_SHARE:
         image = _with_neighbour(image, people, centre, face_px, pool, rng)
     alpha = placed[..., 3:]
-    photo = taken(image * (1 - alpha) + placed[..., :3], rng)
     inside = inside_photo(view, photo_size, size)[..., None]
     found = replace(crop, centre_x=left + rng.normal(0, 0.05), centre_y=top + rng.normal(0, 0.05))
     found = replace(found, side=crop.side * np.exp(rng.normal(0, 0.08)))
     face = face_in_view(view, found, size)
-    return _as_tensors(np.dstack([photo * inside, inside, face, alpha * inside]), rng)
+    return _photographed(image * (1 - alpha) + placed[..., :3], np.dstack([inside, face, alpha * inside]), rng)
 
 
-def _as_tensors(stack: np.ndarray, rng: np.random.Generator) -> dict[str, torch.Tensor]:
-    """The planes of a sample, (S, S, 6), turned a little at times: heads lean, and so their views do."""
+def _photographed(exposed: np.ndarray, planes: np.ndarray, rng: np.random.Generator) -> dict[str, torch.Tensor]:
+    """A picture and its planes, (S, S, 3) each, turned a little at times: heads lean, and so their views do."""
     if rng.random() < _TURNED_SHARE:
-        size = len(stack)
-        turn = cv2.getRotationMatrix2D((size / 2, size / 2), float(rng.normal(0, 12)), 1.0)
-        stack = np.dstack([cv2.warpAffine(stack[..., i : i + 3], turn, (size, size)) for i in (0, 3)])
-    planes = torch.from_numpy(np.clip(stack, 0, 1).astype(np.float32)).permute(2, 0, 1).contiguous()
+        exposed, planes = _turned(exposed, planes, float(rng.normal(0, _TURN_DEG)))
+    # Last, as in life: noise and JPEG's blocks stay as the camera made them.
+    photo = taken(exposed, rng) * planes[..., :1]
+    stack = np.clip(np.dstack([photo, planes]), 0, 1).astype(np.float32)
+    planes = torch.from_numpy(stack).permute(2, 0, 1).contiguous()
     return {"photo_srgb": planes[:3], "inside": planes[3:4], "face": planes[4:5], "person": planes[5:6]}
+
+
+def _turned(exposed: np.ndarray, planes: np.ndarray, turn_deg: float) -> tuple[np.ndarray, np.ndarray]:
+    size = len(exposed)
+    turn = cv2.getRotationMatrix2D((size / 2, size / 2), turn_deg, 1.0)
+    exposed = cv2.warpAffine(exposed.astype(np.float32), turn, (size, size), borderMode=cv2.BORDER_REPLICATE)
+    return exposed, cv2.warpAffine(planes.astype(np.float32), turn, (size, size))
 
 
 def _frame(known: tuple[float, float, float, float], rng: np.random.Generator) -> np.ndarray:
