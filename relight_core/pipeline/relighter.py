@@ -13,7 +13,7 @@ import torch
 
 from relight_core.errors import InputError, NoFaceError
 from relight_core.face.crop import Crop
-from relight_core.face.evidence import evidence_of_face
+from relight_core.face.evidence import evidence_of_face, glimpses_of_face
 from relight_core.face.find import FaceBox
 from relight_core.imaging.colour import without_colour
 from relight_core.imaging.photo import Photo
@@ -99,8 +99,9 @@ class Relighter:
             InputError: there is no face of that index, or a box is empty or outside the photo.
         """
         live = tier_of("live")
-        parsed = lru_cache(maxsize=None)(lambda view: self._parsed(photo, view, live))
-        people = tuple(self._found(photo, parsed) if boxes is None else checked_boxes(photo, boxes))
+        parsing = lru_cache(maxsize=None)(lambda view: self._parsing(photo, view, live))
+        parsed = lambda view: parsing(view).argmax(0)  # noqa: E731
+        people = tuple(self._found(photo, parsing) if boxes is None else checked_boxes(photo, boxes))
         known = self._face_at if self._faces and self._faces[0].portrait.photo is photo else {}
 
         def face_at(box: FaceBox) -> FaceRelighter:
@@ -120,8 +121,13 @@ class Relighter:
         """Everyone in the photo, as `face_index` counts them, also those who are not relit; in photo pixels."""
         return self._people
 
-    def _found(self, photo: Photo, parsed: Callable[[Crop], np.ndarray]) -> list[FaceBox]:
+    def _found(self, photo: Photo, parsing: Callable[[Crop], np.ndarray]) -> list[FaceBox]:
         """The faces that the finder sees and the parsing confirms."""
+        parsed = lambda view: parsing(view).argmax(0)  # noqa: E731
+
+        def glimpse(found: FaceBox) -> int:
+            portrait = frame(photo, found)
+            return glimpses_of_face(parsing(portrait.view), portrait.view, portrait.crop)
 
         def evidence(found: FaceBox) -> int:
             portrait = frame(photo, found)
@@ -135,16 +141,16 @@ class Relighter:
         if photo in self._deserted:
             return []
         try:
-            found = choose_faces(photo, None, evidence, partial(located, photo, parsed=parsed), look_closer)
+            found = choose_faces(photo, None, evidence, partial(located, photo, parsed=parsed), look_closer, glimpse)
         except NoFaceError:
             self._deserted.add(photo)
             raise
         return [replace(face, doubtful=False) for face in found]
 
-    def _parsed(self, photo: Photo, view: Crop, tier: Tier) -> np.ndarray:
-        """(S, S) parsing labels of a view."""
+    def _parsing(self, photo: Photo, view: Crop, tier: Tier) -> np.ndarray:
+        """(classes, S, S) probabilities of a view's parsing."""
         found = self._shop.delight(view.extract(photo.linear, tier.size), replace(tier, looks_twice=False))
-        return found.parsing[0].argmax(0).cpu().numpy()
+        return found.parsing[0].float().cpu().numpy()
 
     def estimated_light(self, quality: str = "live") -> Environment:
         """The light the photo was taken under, as de-lighting sees it, at the photo's own exposure.

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from relight_core.face.crop import Crop
-from relight_core.face.evidence import evidence_of_face
+from relight_core.face.evidence import evidence_of_face, glimpses_of_face
 from relight_core.face.parsing import INDEX
 
 VIEW, CROP = Crop(100, 100, 128), Crop(100, 100, 64)
@@ -43,3 +43,27 @@ def test_parts_beside_the_crop_and_specks_do_not_count():
 
 def test_a_crop_outside_the_view_has_no_evidence():
     assert evidence_of_face(parsed(lips=40, left_eye=20), VIEW, Crop(900, 100, 64)) == 0
+
+
+def suspected(**rows):
+    """Skin nearly everywhere, and one chance in five of a bar of each named part, which wins no pixel."""
+    probability = np.zeros((14, 128, 128), np.float32)
+    probability[INDEX["skin"]] = 1
+    for name, row in rows.items():
+        probability[:, 32 + row : 36 + row, 50:78] = 0
+        probability[INDEX["skin"], 32 + row : 36 + row, 50:78] = 0.8
+        probability[INDEX[name], 32 + row : 36 + row, 50:78] = 0.2
+    return probability
+
+
+def test_what_wins_no_pixel_is_a_glimpse_and_no_evidence():
+    face = suspected(left_brow=14, right_eye=24, lips=46)
+    assert evidence_of_face(face.argmax(0), VIEW, CROP) == 0
+    assert glimpses_of_face(face, VIEW, CROP) == 3
+
+
+def test_glimpses_too_must_lie_as_in_a_face():
+    assert glimpses_of_face(suspected(lips=14, right_eye=24, left_brow=46), VIEW, CROP) == 0
+    assert glimpses_of_face(suspected(right_eye=24, lips=46), VIEW, CROP) == 2
+    assert glimpses_of_face(suspected(), VIEW, CROP) == 0
+    assert glimpses_of_face(suspected(lips=40), VIEW, Crop(900, 100, 64)) == 0

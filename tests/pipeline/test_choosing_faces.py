@@ -85,3 +85,11 @@ def test_companions_are_looked_for_once_and_not_where_nobody_can_judge_them(monk
     assert len(choose_faces(photo, None, lambda box: 3)) == 1
     seeing(monkeypatch, [SURE])
     assert choose_faces(photo, None, lambda box: 3, look_closer=lambda box: 3) == [SURE]
+
+
+@pytest.mark.parametrize(("suspected", "confirmed"), [(3, True), (2, False)])
+def test_all_parts_of_a_face_may_be_suspected_only_where_cascades_agree(monkeypatch, photo, suspected, confirmed):
+    seeing(monkeypatch, [DOUBTFUL], GUESSES)
+    glimpse = {"glimpse": lambda box: suspected if box == DOUBTFUL else 3}
+    chosen = choose_faces(photo, None, lambda box: int(box == DOUBTFUL), **glimpse)
+    assert [(face.x0, face.doubtful) for face in chosen] == [(10, not confirmed)]

@@ -57,6 +57,7 @@ def choose_faces(
     evidence: Callable[[FaceBox], int] | None = None,
     locate: Callable[[Crop], FaceBox | None] = lambda view: None,
     look_closer: Callable[[FaceBox], int] | None = None,
+    glimpse: Callable[[FaceBox], int] = lambda box: 0,
 ) -> list[FaceBox]:
     """All faces, the largest first, or only the one of an index in order of size.
 
@@ -67,6 +68,7 @@ def choose_faces(
         locate: says where a view of the photo shows a face; asked where nothing else finds any.
         look_closer: a stricter `evidence`. With it, faces are looked for beside those that were confirmed, where there
             is room for some.
+        glimpse: as `evidence`, of parts that are only suspected. All three of them confirm what the cascades agree on.
 
     Raises:
         NoFaceError: no face.
@@ -74,7 +76,7 @@ def choose_faces(
     """
     faces = find_faces(photo) if evidence is None else find_faces(photo, lambda box: evidence(box) == _ALL_EVIDENCE)
     if evidence is not None and (not faces or any(face.doubtful for face in faces)):
-        faces = _confirmed(photo, faces, evidence, locate)
+        faces = _confirmed(photo, faces, evidence, locate, glimpse)
         if look_closer is not None:
             faces = _with_companions(photo, faces, look_closer)
     return those_chosen(photo, faces, face_index)
@@ -105,9 +107,14 @@ def _confirmed(
     found: list[FaceBox],
     evidence: Callable[[FaceBox], int],
     locate: Callable[[Crop], FaceBox | None],
+    glimpse: Callable[[FaceBox], int],
 ) -> list[FaceBox]:
     """The boxes that are confirmed, else the best guess, else what is located, else those with a hint of a face."""
-    faces = [face for face in found if not face.doubtful or evidence(face) >= _ENOUGH_EVIDENCE]
+
+    def is_seen(face: FaceBox) -> bool:
+        return evidence(face) >= _ENOUGH_EVIDENCE or glimpse(face) == _ALL_EVIDENCE
+
+    faces = [face for face in found if not face.doubtful or is_seen(face)]
     if not faces:
         faces = _best(guess_faces(photo), evidence, _ENOUGH_EVIDENCE)
     if not faces:
