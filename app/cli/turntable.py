@@ -94,19 +94,10 @@ def _around(box: FaceBox, size: tuple[int, int]) -> tuple[int, int, int, int]:
 
 def _fine_enough(canvas: Canvas, window: tuple[int, int, int, int]) -> Canvas:
     """The photo, or a copy of it in which a window has about _FINER times the pixels of its cell of the sheet."""
-    import numpy as np
-
-    from relight_core.imaging.resampling import resize_area
     from relight_core.pipeline.per_photo.person import shrunk
 
     side = max(window[2] - window[0], window[3] - window[1])
-    small = shrunk(canvas, math.ceil(max(canvas.size) * _FINER * _CELL_PX / side))
-    if small is canvas or canvas.alpha is None:
-        return small
-    # A cut-out's hidden colours must not mix into those of its edge.
-    share = np.clip(np.nan_to_num(canvas.alpha), 0, 1)
-    colour = resize_area(canvas.linear * share[..., None], small.size)
-    return replace(small, linear=colour / np.maximum(resize_area(share, small.size), 1e-4)[..., None])
+    return shrunk(canvas, math.ceil(max(canvas.size) * _FINER * _CELL_PX / side))
 
 
 def _on_canvas(window: tuple[int, int, int, int], canvas: Canvas) -> tuple[int, int, int, int]:

@@ -12,13 +12,15 @@ from relight_core.imaging.photo import Photo
 from relight_core.imaging.resampling import resize_area
 from relight_core.pipeline.per_photo.matte import Matte, guide_of, own_colour
 
+_LEAST_ALPHA = 1e-12
+
 
 @dataclass(frozen=True, eq=False)
 class Canvas:
     """The photo at the picture's size.
 
     Attributes:
-        linear: (h, w, 3) linear.
+        linear: (h, w, 3) linear, not premultiplied.
         alpha: (h, w) the photo's own, or None.
         photo_size: (height, width) of the photo.
         beyond: (h, w, 3) float16, what lies outside Rec.709 (see `Photo`), or None. Smaller copies have none.
@@ -42,12 +44,17 @@ def canvas_of(photo: Photo, longest_side_px: int | None = None) -> Canvas:
 
 
 def shrunk(canvas: Canvas, longest_side_px: int) -> Canvas:
-    """A canvas, or a copy of it that is no longer than so many pixels."""
+    """A canvas, or a copy of it that is no longer than so many pixels; black where it is transparent throughout."""
     if max(canvas.size) <= longest_side_px:
         return canvas
     size = tuple(max(round(length * longest_side_px / max(canvas.photo_size)), 1) for length in canvas.photo_size)
-    alpha = None if canvas.alpha is None else resize_area(canvas.alpha, size)
-    return Canvas(resize_area(canvas.linear, size), alpha, canvas.photo_size)
+    if canvas.alpha is None:
+        return Canvas(resize_area(canvas.linear, size), None, canvas.photo_size)
+    share = np.clip(np.nan_to_num(canvas.alpha), 0, 1)
+    alpha = resize_area(share, size)
+    # A cut-out's hidden colours must not mix into those of its edge.
+    colour = resize_area(canvas.linear * share[..., None], size) / np.maximum(alpha, _LEAST_ALPHA)[..., None]
+    return Canvas(colour, alpha, canvas.photo_size)
 
 
 @dataclass(frozen=True, eq=False)
