@@ -151,7 +151,7 @@ class Desk:
     def _load_networks(self, now: Snapshot) -> Snapshot:
         if self._loading is not None:
             # Importing torch keeps one core busy for a second; the faces are found meanwhile, and remembered.
-            threading.Thread(target=find_faces, args=(self._loading[1],), daemon=True).start()
+            threading.Thread(target=find_faces, args=(self._loading[1].seen,), daemon=True).start()
         self._relighter = self._make_relighter()
         self._tiers.read()
         return now

@@ -142,7 +142,7 @@ def compare_photos(pupils: dict[str, NetworkBundle], paths: list[Path], size: in
     seen: dict[str, list[Seen]] = {name: [] for name in pupils}
     pictures: list[tuple[str, np.ndarray]] = []
     for path in paths:
-        photo = read_photo(path)
+        photo = read_photo(path).seen
         if not find_faces(photo):
             continue
         row = {name: look(pupil, parser, photo, size) for name, pupil in pupils.items()}

@@ -13,6 +13,9 @@ from relight_core.imaging.toning import is_monochrome
 
 _LOOKED_AT = 512
 
+_GREY = np.float32(0.18)
+"""Of black, 0.18, 0.4, noise and the person's colours continued, what relit cut-outs most like the whole photos."""
+
 
 @dataclass(frozen=True, eq=False)
 class Photo:
@@ -56,12 +59,32 @@ class Photo:
 
     @cached_property
     def monochrome(self) -> bool:
-        """Whether it is black and white, or toned: of one colour for each brightness, but for what compression adds."""
+        """Whether it is black and white, or toned: of one colour for each brightness, but for what compression adds.
+
+        What is transparent has no say.
+        """
         step = max(max(self.linear.shape[:2]) // _LOOKED_AT, 1)
         seen = self.linear[::step, ::step]
         if self.beyond is not None:
             seen = seen + self.beyond[::step, ::step]
-        return is_monochrome(np.copysign(srgb_encode(np.minimum(np.abs(seen), 1)), seen))
+        codes = np.copysign(srgb_encode(np.minimum(np.abs(seen), 1)), seen)
+        return is_monochrome(codes, None if self.alpha is None else self.alpha[::step, ::step] > 0)
+
+    @property
+    def seen(self) -> Photo:
+        """The photo for whoever looks for something in it: opaque, a cut-out before an even grey.
+
+        What a file stores under alpha 0 is anything, and nobody's to see.
+        """
+        is_cut_out = self.alpha is not None and float(self.alpha.min()) < 1.0
+        return self._on_grey if is_cut_out else self
+
+    @cached_property
+    def _on_grey(self) -> Photo:
+        share = self.alpha[..., None]
+        linear = self.linear * share
+        linear += (1 - share) * _GREY
+        return Photo(linear, None, self.path, self.bits)
 
     @classmethod
     def from_srgb(cls, srgb: np.ndarray, path: Path | None = None) -> Photo:

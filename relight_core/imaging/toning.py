@@ -21,7 +21,7 @@ _SRGB_OFFSET = 0.055
 """sRGB's codes are a power of light less this, so a tone's distance from grey grows with code plus this."""
 
 
-def is_monochrome(codes: np.ndarray) -> bool:
+def is_monochrome(codes: np.ndarray, counted: np.ndarray | None = None) -> bool:
     """Whether a picture has no colour but a tone's.
 
     Colour may be spread thinly or stand in one small place, as a face does before a grey wall: there is none only
@@ -29,9 +29,12 @@ def is_monochrome(codes: np.ndarray) -> bool:
 
     Args:
         codes: (H, W, 3) sRGB, up to 1; below 0 what lies outside Rec.709.
+        counted: (H, W) which pixels have a say; None for all.
     """
-    height, width = codes.shape[:2]
-    flat = codes.reshape(-1, 3)
+    counted = np.ones(codes.shape[:2], bool) if counted is None else counted
+    flat = codes[counted]
+    if not len(flat):
+        return True
     brightness, colour = np.maximum(flat.sum(1), 0), (flat - flat[:, 1:2])[:, [0, 2]]
     levels = np.array_split(np.argsort(brightness), min(_LEVELS, len(flat)))
     tones = np.array([np.median(colour[level], 0) for level in levels])
@@ -39,8 +42,9 @@ def is_monochrome(codes: np.ndarray) -> bool:
     if strays > _STRAY_SHARE * len(flat):
         return False
     middles = np.array([np.median(brightness[level]) for level in levels])
-    plain = _plainly_off(brightness, colour, middles, tones)
-    return _densest_share(plain.reshape(height, width)) <= _COLOURED_SHARE
+    plain = np.zeros(counted.shape, bool)
+    plain[counted] = _plainly_off(brightness, colour, middles, tones)
+    return _densest_share(plain) <= _COLOURED_SHARE
 
 
 def _off(colour: np.ndarray, tone: np.ndarray) -> int:

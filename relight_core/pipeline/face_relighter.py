@@ -44,6 +44,7 @@ from relight_core.pipeline.per_photo.portrait import Portrait
 from relight_core.pipeline.per_photo.second_look import take_apart
 from relight_core.pipeline.per_photo.source_light import explain_source_light
 from relight_core.pipeline.plan import Plan
+from relight_core.pipeline.prepared import Lit, Prepared
 from relight_core.pipeline.quality import Tier, tier_of
 from relight_core.pipeline.results.channels import (
     LIGHT_CHANNELS,
@@ -77,34 +78,6 @@ class Workshop:
     def delight(self, photo_view: np.ndarray, tier: Tier) -> stages.Surface:
         """Take a view (S, S, 3) apart."""
         return take_apart(self.bundle, photo_view, tier, self.device)
-
-
-@dataclass(frozen=True, eq=False)
-class Prepared:
-    """A portrait as one tier of quality sees it.
-
-    Attributes:
-        found: what de-lighting found.
-        surface: the same, its albedo flattened where the plan wants that.
-    """
-
-    portrait: Portrait
-    tier: Tier
-    found: stages.Surface
-    surface: stages.Surface
-    photo_view: np.ndarray
-    photo_small: np.ndarray
-
-
-@dataclass(frozen=True, eq=False)
-class Lit:
-    """A prepared portrait under a light, at the networks' size; the same of its nearer view, where that is lit too."""
-
-    light: torch.Tensor
-    reflected: torch.Tensor
-    effects: Effects
-    composed: stages.Composed
-    nearer: tuple[Prepared, Lit] | None = None
 
 
 class FaceRelighter:
@@ -146,14 +119,15 @@ class FaceRelighter:
 
     def prepare(self, tier: Tier) -> Prepared:
         """The face as one tier of quality sees it."""
-        portrait = self.portrait
-        photo_view = self._once("view", tier.size, lambda: portrait.view.extract(portrait.photo.linear, tier.size))
+        photo, size = self.portrait.photo, tier.size
+        photo_view = self._once("view", size, lambda: self.portrait.view.extract(photo.seen.linear, size))
+        seen = photo_view
+        if photo.monochrome:
+            seen = self._once("seen_view", size, lambda: without_colour(photo_view))
         small = (tier.network_size, tier.network_size)
-        # The networks see a toned photo as the black-and-white one it was.
-        seen = without_colour(photo_view) if portrait.photo.monochrome else photo_view
-        photo_small = self._once("network_view", (tier.size, tier.network_size), lambda: resize_area(seen, small))
+        photo_small = self._once("network_view", (size, tier.network_size), lambda: resize_area(seen, small))
         found = self._once("delight", tier.surface_key, lambda: self._within_outline(seen, tier))
-        return Prepared(portrait, tier, found, found, photo_view, photo_small)
+        return Prepared(self.portrait, tier, found, found, photo_view, seen, photo_small)
 
     def _within_outline(self, photo_view: np.ndarray, tier: Tier) -> stages.Surface:
         found, outline = self._shop.delight(photo_view, tier), self.outline()

@@ -23,9 +23,10 @@ from relight_core.lighting.reflection import ReflectionTable
 from relight_core.networks.bundle import load_bundle
 from relight_core.pipeline.cache import Record, StageCache
 from relight_core.pipeline.edit import Edit
-from relight_core.pipeline.face_relighter import KEPT_LIGHTS, FaceRelighter, Lit, Prepared, Workshop
+from relight_core.pipeline.face_relighter import KEPT_LIGHTS, FaceRelighter, Workshop
 from relight_core.pipeline.per_light.kept_lights import KeptLights, ServingLight
 from relight_core.pipeline.per_photo.matte import WORKING_PX, Matte, make_matte
+from relight_core.pipeline.per_photo.network_view import network_view
 from relight_core.pipeline.per_photo.person import Canvas, canvas_of, whole_person
 from relight_core.pipeline.per_photo.portrait import (
     checked_boxes,
@@ -36,6 +37,7 @@ from relight_core.pipeline.per_photo.portrait import (
     those_chosen,
 )
 from relight_core.pipeline.plan import Plan, Scene, make_plan
+from relight_core.pipeline.prepared import Lit, Prepared
 from relight_core.pipeline.quality import Tier, tier_of
 from relight_core.pipeline.results.backdrop import OWN_BACKGROUNDS, Backdrop, backdrop_panorama, make_backdrop
 from relight_core.pipeline.results.channels import ViewChange
@@ -141,7 +143,9 @@ class Relighter:
         if photo in self._deserted:
             return []
         try:
-            found = choose_faces(photo, None, evidence, partial(located, photo, parsed=parsed), look_closer, glimpse)
+            found = choose_faces(
+                photo.seen, None, evidence, partial(located, photo, parsed=parsed), look_closer, glimpse
+            )
         except NoFaceError:
             self._deserted.add(photo)
             raise
@@ -149,7 +153,7 @@ class Relighter:
 
     def _parsing(self, photo: Photo, view: Crop, tier: Tier) -> np.ndarray:
         """(classes, S, S) probabilities of a view's parsing."""
-        found = self._shop.delight(view.extract(photo.linear, tier.size), replace(tier, looks_twice=False))
+        found = self._shop.delight(network_view(photo, view, tier.size), replace(tier, looks_twice=False))
         return found.parsing[0].float().cpu().numpy()
 
     def estimated_light(self, quality: str = "live") -> Environment:

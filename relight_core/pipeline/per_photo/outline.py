@@ -15,6 +15,7 @@ from relight_core.face.silhouette import person_with_headwear, rows_above_the_ey
 from relight_core.imaging.colour import srgb_encode
 from relight_core.imaging.photo import Photo
 from relight_core.networks.bundle import NetworkBundle
+from relight_core.pipeline.per_photo.network_view import network_view
 from relight_core.pipeline.stages import in_precision
 
 _SIZE = 256
@@ -65,7 +66,7 @@ def outline_person(bundle: NetworkBundle, photo: Photo, crop: Crop, device: str)
     size = photo.linear.shape[:2]
     view = person_view(crop, size)
     inside = inside_photo(view, size, _SIZE)
-    seen = srgb_encode(np.clip(view.extract(photo.linear, _SIZE), 0, 1)) * inside[..., None]
+    seen = srgb_encode(np.clip(network_view(photo, view, _SIZE), 0, 1)) * inside[..., None]
     planes = np.dstack([seen, inside, face_in_view(view, crop, _SIZE)]).astype(np.float32)
     stacked = torch.from_numpy(planes).permute(2, 0, 1)[None].to(device)
     logits = in_precision(bundle, device).person(stacked[:, :3], stacked[:, 3:4], stacked[:, 4:])

@@ -58,7 +58,9 @@ def place_views(photo: Canvas, views: Sequence[Crop], matte: Matte, table: Refle
         weights = (fading[0],)
     canvas = shrunk(photo, max(body_size(photo_size)))
     known = resize_area(np.minimum(sum(weights), 1), canvas.size)
-    body = make_body(canvas.linear, whole_person(canvas, matte).share, known, table)
+    share = whole_person(canvas, matte).share
+    seen = np.where(share[..., None] > 0, canvas.linear, 0) if matte.own_alpha else canvas.linear
+    body = make_body(seen, share, known, table)
     small = tuple(resize_area(weight, body.photo.shape[:2])[..., None] for weight in weights)
     return Placement(tuple(views), weights, small, body, photo_size)
 
