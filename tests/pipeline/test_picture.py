@@ -11,8 +11,8 @@ from relight_core.face.crop import Crop
 from relight_core.face.paste import Band
 from relight_core.imaging.photo import Photo
 from relight_core.lighting.reflection import ReflectionTable
-from relight_core.pipeline.per_photo.matte import make_matte
-from relight_core.pipeline.per_photo.person import canvas_of, whole_person
+from relight_core.pipeline.per_photo.matte import Matte, make_matte
+from relight_core.pipeline.per_photo.person import Canvas, canvas_of, whole_person
 from relight_core.pipeline.results.backdrop import Backdrop, make_backdrop
 from relight_core.pipeline.results.channels import ViewChange
 from relight_core.pipeline.results.finish import gain_of_rest, mean_gain, place_changes, place_views, weights_on_views
@@ -173,11 +173,23 @@ def test_two_views_share_the_photo_by_nearness():
     views = (Crop(60.0, 100.0, 110.0), Crop(140.0, 100.0, 110.0))
     matte = make_matte(photo.linear, [(view.extract(truth, 64), view) for view in views])
     placement = place_views(canvas_of(photo), views, matte, ReflectionTable())
-    left, right = placement.weights
+    left, right = (weight[..., 0] for weight in placement.small)
     assert (left + right).max() <= 1 + 1e-5
     rows, columns = left.shape
     assert left[int(rows * 100 / 240), int(columns * 60 / 200)] > 0.95
     assert right[int(rows * 100 / 240), int(columns * 140 / 200)] > 0.95
+
+
+@pytest.mark.parametrize("side", [90.0, 200.0, 1500.0])
+@pytest.mark.parametrize("roll_deg", [0.0, 25.0])
+def test_a_view_gives_way_to_the_rest_at_its_edge_however_small_it_is(side, roll_deg):
+    flat, whole = np.full((341, 512, 3), 0.3, np.float32), np.ones((1, 1), np.float32)
+    matte = Matte(0 * whole, whole, flat[:1, :1], flat[:1, :1], whole)
+    view = Crop(3008.0, 2003.0, side, roll_deg)
+    placement = place_views(Canvas(flat, None, (4000, 6000)), [view], matte, ReflectionTable())
+    rest = weights_on_views(placement, 128)[0].of_rest[..., 0]
+    assert min(edge.min() for edge in (rest[0], rest[-1], rest[:, 0], rest[:, -1])) > 0.99
+    assert rest[64, 64] == 0
 
 
 def test_darkness_everywhere_makes_the_person_black():

@@ -29,14 +29,13 @@ class Placement:
 
     Attributes:
         views: of the faces.
-        weights: (k, l) for each, over the whole photo; they sum to at most 1.
-        small: (h, w, 1), the same at the size of the body's photo.
+        small: (h, w, 1) for each, how much it counts over the whole photo, at the size of the body's photo; they sum
+            to at most 1.
         body: what no view covers.
         photo_size: (height, width).
     """
 
     views: tuple[Crop, ...]
-    weights: tuple[np.ndarray, ...]
     small: tuple[np.ndarray, ...]
     body: Body
     photo_size: tuple[int, int]
@@ -49,20 +48,14 @@ def place_views(photo: Canvas, views: Sequence[Crop], matte: Matte, table: Refle
         photo: all of it, at any size.
     """
     photo_size = photo.photo_size
-    size = shrunk_size(photo_size, _WEIGHT_LONGEST)
-    fading, nearness = zip(*(_weight(view, size, photo_size) for view in views), strict=True)
-    total = np.maximum(sum(f * n for f, n in zip(fading, nearness, strict=True)), 1e-20)
-    together = np.maximum.reduce(fading)
-    weights = tuple((f * n / total * together).astype(np.float32) for f, n in zip(fading, nearness, strict=True))
-    if len(views) == 1:
-        weights = (fading[0],)
+    weights = _weights_at(views, _places(shrunk_size(photo_size, _WEIGHT_LONGEST), photo_size), photo_size)
     canvas = shrunk(photo, max(body_size(photo_size)))
     known = resize_area(np.minimum(sum(weights), 1), canvas.size)
     share = whole_person(canvas, matte).share
     seen = np.where(share[..., None] > 0, canvas.linear, 0) if matte.own_alpha else canvas.linear
     body = make_body(seen, share, known, table)
     small = tuple(resize_area(weight, body.photo.shape[:2])[..., None] for weight in weights)
-    return Placement(tuple(views), weights, small, body, photo_size)
+    return Placement(tuple(views), small, body, photo_size)
 
 
 @dataclass(frozen=True, eq=False)
@@ -129,7 +122,9 @@ def mean_gain(placement: Placement, rest: np.ndarray) -> np.ndarray:
 
 
 def _weights_on(placement: Placement, view: Crop, size: int) -> ViewWeights:
-    of_views = [seen_from(view, size, weight, placement.photo_size)[..., None] for weight in placement.weights]
+    """The weights at a view's own pixels: a small view's edge is finer than the photo's maps."""
+    places = view.to_photo(_places((size, size), (size, size)), size)
+    of_views = [weight[..., None] for weight in _weights_at(placement.views, places, placement.photo_size)]
     of_rest = 1 - np.minimum(sum(of_views), 1)
     return ViewWeights(
         tuple(weight if weight.any() else None for weight in of_views), of_rest if of_rest.max() > 1e-6 else None
@@ -161,14 +156,28 @@ def _coarse(maps: np.ndarray, view: Crop, size: tuple[int, int], photo_size: tup
     return spread_crop(shrunk, view, Band(0, size[0], size, photo_size))
 
 
-def _weight(view: Crop, size: tuple[int, int], photo_size: tuple[int, int]) -> tuple[np.ndarray, np.ndarray]:
+def _places(size: tuple[int, int], extent: tuple[int, int]) -> np.ndarray:
+    """(h, w, 2), x and y of the middles of a grid's cells, [0, extent], which is (height, width) as the size is."""
+    y, x = ((np.arange(count) + 0.5) * length / count for count, length in zip(size, extent, strict=True))
+    return np.stack(np.meshgrid(x, y), axis=-1)
+
+
+def _weights_at(views: Sequence[Crop], places: np.ndarray, photo_size: tuple[int, int]) -> tuple[np.ndarray, ...]:
+    """How much each view counts at places (k, l, 2) of the photo: (k, l) each, together at most 1."""
+    fading, nearness = zip(*(_weight(view, places, photo_size) for view in views), strict=True)
+    if len(views) == 1:
+        return fading
+    total = np.maximum(sum(f * n for f, n in zip(fading, nearness, strict=True)), 1e-20)
+    together = np.maximum.reduce(fading)
+    return tuple((f * n / total * together).astype(np.float32) for f, n in zip(fading, nearness, strict=True))
+
+
+def _weight(view: Crop, places: np.ndarray, photo_size: tuple[int, int]) -> tuple[np.ndarray, np.ndarray]:
     """How far a view counts at all, and how near its middle each place is; (k, l) each.
 
     Nothing fades at the photo's own border, beyond which there is no rest.
     """
-    x = (np.arange(size[1]) + 0.5) * photo_size[1] / size[1]
-    y = (np.arange(size[0]) + 0.5) * photo_size[0] / size[0]
-    across, down = np.moveaxis(view.from_photo(np.stack(np.meshgrid(x, y), axis=-1), 1), -1, 0)
+    across, down = np.moveaxis(view.from_photo(places, 1), -1, 0)
     x0, y0, x1, y1 = view.window
     turned = view.roll_deg != 0
     fading = fade(across, _EDGE_SHARE, turned or x0 > 0, turned or x1 < photo_size[1])
