@@ -336,7 +336,7 @@ class FaceRelighter:
 
     def _upsampler(self, ready: Prepared) -> JointUpsampler:
         sizes = ready.tier.size, ready.tier.network_size
-        return self._once("edges", sizes, lambda: upsampler_for(ready.photo_view, ready.photo_small))
+        return self._once("edges", sizes, lambda: upsampler_for(ready.seen, ready.photo_small))
 
     def channels(self, ready: Prepared, lit: Lit, change: ViewChange, plan: Plan, edit: Edit) -> dict:
         """The channels that are looked at, all but "target_light"."""
@@ -344,11 +344,7 @@ class FaceRelighter:
             self.cache.skip("channels", plan.effect("channels").why)
             return {}
         fixed = {
-            name: self._once(
-                f"{name}_channel",
-                plan.keys["surface"],
-                lambda name=name: surface_channel(name, ready.surface, ready.photo_view, ready.photo_small),
-            )
+            name: self._once(f"{name}_channel", plan.keys["surface"], partial(self._surface_channel, name, ready))
             for name in SURFACE_CHANNELS
             if edit.looks_at(name)
         }
@@ -370,3 +366,8 @@ class FaceRelighter:
             "new light or slider",
         )
         return fixed | lighted
+
+    @staticmethod
+    def _surface_channel(name: str, ready: Prepared) -> np.ndarray:
+        view = ready.photo_view if name == "photo" else ready.seen
+        return surface_channel(name, ready.surface, view, ready.photo_small)

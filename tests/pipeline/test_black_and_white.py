@@ -6,8 +6,10 @@ import numpy as np
 import pytest
 from tiny_relighter import EDIT, some_light, some_photo
 
+from relight_core.imaging.colour import luminance
 from relight_core.imaging.photo import Photo
 from relight_core.lighting.environment import Environment
+from relight_core.pipeline.face_relighter import Workshop
 from relight_core.pipeline.quality import Tier
 from relight_core.pipeline.relighter import Relighter
 
@@ -85,6 +87,31 @@ class TestRelighting:
         assert relit.std() > 0.01
         lit = relit[..., 0] > 0.02
         np.testing.assert_allclose(relit[lit][:, 2] / relit[lit][:, 0], 0.7 / 1.1, rtol=0.02)
+
+    @pytest.mark.parametrize("tone", [(1.1, 1.0, 0.7), (0.75, 1.0, 1.4)])
+    def test_a_tone_changes_nothing_but_the_tone(self, weights, tone):
+        grey = black_and_white().linear * np.float32(0.6)
+        tone = np.float32(tone) / luminance(np.float32(tone))
+        found = []
+        for linear in (grey, grey * tone):
+            relighter = Relighter(weights)
+            relighter.set_portrait(Photo(linear))
+            relit = relighter.relight(some_light(), replace(EDIT, quality="final"))
+            assert of_greys(relit.channels["albedo"])
+            found.append((luminance(relit.channels["composition"]), relit.full.changes[0].gain))
+        for plain, toned in zip(*found, strict=True):
+            # The networks' own rounding makes 0.0001 of it.
+            assert np.abs(toned - plain).mean() < 1e-3 * plain.mean()
+
+    def test_no_network_sees_a_tone(self, weights, monkeypatch):
+        seen, delight = [], Workshop.delight
+        monkeypatch.setattr(Workshop, "delight", lambda shop, *args: seen.append(args[0]) or delight(shop, *args))
+        relighter, sepia = Relighter(weights), black_and_white().linear * np.float32([1.1, 1.0, 0.7])
+        relighter.set_portrait(Photo(sepia))
+        relit = relighter.relight(some_light(), EDIT)
+        assert len(seen) > 1
+        assert all(of_greys(view) for view in seen)
+        assert not of_greys(relit.channels["photo"])
 
     def test_a_tier_whose_view_no_network_size_divides(self, weights):
         relighter = Relighter(weights)

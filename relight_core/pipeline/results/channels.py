@@ -77,7 +77,12 @@ def at_level(change: np.ndarray, level: float) -> np.ndarray:
 
 
 def upsampler_for(photo_view: np.ndarray, photo_small: np.ndarray) -> JointUpsampler:
-    """What carries a light's change from the networks' size to (about) the view's."""
+    """What carries a light's change from the networks' size to (about) the view's.
+
+    Args:
+        photo_view: (S, S, 3) linear, the view as the networks see it.
+        photo_small: (s, s, 3), the same at their size.
+    """
     size = photo_small.shape[0]
     factor = max(photo_view.shape[0] // size, 1)
     lattice = (factor * size, factor * size)
@@ -120,7 +125,7 @@ def surface_channel(name: str, surface: Surface, photo_view: np.ndarray, photo_s
     """One of SURFACE_CHANNELS, which no light changes.
 
     Args:
-        photo_view: (S, S, 3) linear, the view at the size of the channels.
+        photo_view: (S, S, 3) linear, the view at the size of the channels; as the networks see it, but for "photo".
         photo_small: (s, s, 3) linear, the view as the networks saw it.
     """
     size = photo_view.shape[0]
