@@ -100,11 +100,13 @@ class Crop:
 
 
 def crop_for_face(box: FaceBox, padding_px: float = 30.0, size: int = 256) -> Crop:
-    """The first crop around a found face: forehead to chin, with the paper's padding.
+    """The first crop around a found face: forehead to chin, whichever way it leans, with the paper's padding.
 
     `box_from_parsing` and `crop_with_padding` refine it once the parsing map is known.
     """
-    whole = FaceBox(box.x0, box.y0 - FOREHEAD * box.height, box.x1, box.y1, box.roll_deg)
+    roll, half = np.radians(box.roll_deg), FOREHEAD * box.height / 2
+    left, up, down = half * np.sin(roll), half * (1 + np.cos(roll)), half * (1 - np.cos(roll))
+    whole = FaceBox(box.x0 - left, box.y0 - up, box.x1 - left, box.y1 + down, box.roll_deg)
     return crop_with_padding(whole, padding_px, size)
 
 

@@ -154,3 +154,11 @@ def test_points_of_a_turned_crop_go_to_the_photo_and_back():
 def test_a_turned_crop_keeps_the_mean_of_an_even_picture():
     even = np.full((80, 90, 3), 0.4, np.float32)
     np.testing.assert_allclose(Crop(40.0, 40.0, 60.0, -45.0).extract(even, 32), 0.4, atol=1e-6)
+
+
+@pytest.mark.parametrize("roll_deg", [0.0, 30.0, -45.0, 90.0, 180.0])
+def test_the_forehead_lies_above_the_brows_of_a_leaning_face_too(roll_deg):
+    crop = crop_for_face(FaceBox(400.0, 300.0, 800.0, 800.0, roll_deg))
+    x, y = crop.from_photo(np.array([600.0, 550.0]), 256)
+    assert (x, y) == pytest.approx((128.0, 128.0 + 0.125 * 500 * 256 / crop.side), abs=0.5)
+    assert crop.side == crop_for_face(FaceBox(400.0, 300.0, 800.0, 800.0)).side
