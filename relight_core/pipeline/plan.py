@@ -251,7 +251,8 @@ def _channels(scene: Scene, edit: Edit) -> _Verdict:
 
 
 def _relief(verdicts: Mapping[str, _Verdict]) -> _Verdict:
-    readers = [name for name in ("flattening", "source_light", "shadow", "specular") if verdicts[name].needed]
+    reading = ("flattening", "source_light", "residual", "shadow", "specular")
+    readers = [name for name in reading if verdicts[name].needed]
     if not readers:
         return _Verdict(False, "nothing that is computed reads it")
     return _Verdict(True, "horizons of the face, once for a photo")

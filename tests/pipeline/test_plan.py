@@ -115,6 +115,13 @@ def test_what_is_turned_off_says_who_still_uses_it():
     assert "use" not in alone.effect("relief").why
 
 
+@pytest.mark.parametrize("reader", ["flattening", "source_light", "residual", "shadow", "specular"])
+def test_each_reader_needs_the_relief(reader):
+    readers = {"flattening", "source_light", "residual", "shadow", "specular"}
+    assert make_plan(SCENE, Edit(forced_off=frozenset(readers - {reader}))).runs("relief")
+    assert not make_plan(SCENE, Edit(forced_off=frozenset(readers))).runs("relief")
+
+
 def test_a_cheap_tier_has_no_networks_until_the_user_wants_them():
     scene = replace(SCENE, tier=replace(TIER, shadow_network=False, correction=False))
     plan = make_plan(scene, Edit())
