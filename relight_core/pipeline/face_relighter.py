@@ -43,7 +43,7 @@ from relight_core.pipeline.per_photo.outline import Outline, outline_person, par
 from relight_core.pipeline.per_photo.portrait import Portrait
 from relight_core.pipeline.per_photo.second_look import take_apart
 from relight_core.pipeline.per_photo.source_light import explain_source_light
-from relight_core.pipeline.plan import Plan
+from relight_core.pipeline.plan import Plan, plan_of_own_light
 from relight_core.pipeline.prepared import Lit, Prepared
 from relight_core.pipeline.quality import Tier, tier_of
 from relight_core.pipeline.results.channels import (
@@ -175,12 +175,12 @@ class FaceRelighter:
             lambda: explain_source_light(ready.found, self._reflector(ready), relief),
         )
 
-    def own_light(self, ready: Prepared, plan: Plan) -> np.ndarray:
+    def own_light(self, tier: Tier) -> np.ndarray:
         """The source light (16, 32, 3) as the photo's camera sees it, so bright that model and photo agree."""
+        ready = self.flattened(self.prepare(tier))
         light = roll_light(self._source_light(ready)[0].cpu().numpy(), -self.portrait.view.roll_deg)
-        if not plan.runs("residual"):
-            return light
-        return light * np.float32(self._residual(ready, plan).level / max(mean_luminance(light), 1e-12))
+        level = self._residual(ready, plan_of_own_light(tier)).level
+        return light * np.float32(level / max(mean_luminance(light), 1e-12))
 
     def _residual(self, ready: Prepared, plan: Plan) -> Residual:
         """What the model, as far as the plan runs it, misses of the photo."""
@@ -349,7 +349,7 @@ class FaceRelighter:
             if edit.looks_at(name)
         }
         if plan.runs("source_light") and edit.looks_at("source_light"):
-            fixed["source_light"] = self.own_light(ready, plan)
+            fixed["source_light"] = self.own_light(ready.tier)
         # Behind the person the networks see no surface, and what they say there is no part of the picture.
         specular, shadow = (ready.surface.person * plan.runs(name) for name in ("specular", "shadow"))
         effects = lit.effects

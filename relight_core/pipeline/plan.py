@@ -155,6 +155,11 @@ def make_plan(
     return Plan(effects, keys, network)
 
 
+def plan_of_own_light(tier: Tier) -> Plan:
+    """How a tier models the photo under the light it was taken under, whatever light and edit are asked for."""
+    return make_plan(Scene(tier, "own", 0.0, None, 1.0), Edit())
+
+
 def light_change(before: np.ndarray, after: np.ndarray) -> float:
     """The largest |log| of the ratio of two lights' texels, each (16, 32, 3); radiance below 1e-5 counts as that."""
     floor = np.float32(_DARKEST_TEXEL)
@@ -175,6 +180,9 @@ def _verdicts(scene: Scene, edit: Edit) -> dict[str, _Verdict]:
         if edit.forced(name) is False and readers:
             why = f"turned off by you; {' and '.join(readers)} still use{'s' * (len(readers) == 1)} it"
             verdicts[name] = _Verdict(False, why, None)
+    for name in ("flattening", "residual"):
+        if edit.forced(name) is False and verdicts["source_light"].needed and edit.looks_at("source_light"):
+            verdicts[name] = _Verdict(False, "turned off by you; the source light's level still uses it", None)
     verdicts["hard_shadow"] = _forced(edit, "hard_shadow") or _hard_shadow(verdicts, scene)
     return verdicts
 
@@ -187,7 +195,7 @@ def _forced(edit: Edit, name: str) -> _Verdict | None:
 
 
 def _flattening(scene: Scene, edit: Edit) -> _Verdict:
-    if scene.level == 0 and not edit.looks_at("albedo"):
+    if scene.level == 0 and not (edit.looks_at("albedo") or edit.looks_at("source_light")):
         return _Verdict(False, "the light is black")
     return _Verdict(True, "skin that follows the photo's own light is cleared of it, once for a photo")
 
@@ -223,7 +231,7 @@ def _correction(scene: Scene, edit: Edit) -> _Verdict:
 
 
 def _residual(scene: Scene, edit: Edit) -> _Verdict:
-    if scene.level == 0:
+    if scene.level == 0 and not edit.looks_at("source_light"):
         return _Verdict(False, "the light is black")
     return _Verdict(True, "what the model misses of the photo, measured once for a photo")
 

@@ -162,10 +162,7 @@ class Relighter:
         Raises:
             InputError: no portrait has been set.
         """
-        tier, face = tier_of(quality), self._first()
-        plan = make_plan(Scene(tier, "own", 0.0, None, 1.0), Edit(quality=quality))
-        ready = face.flattened(face.prepare(tier))
-        return Environment.from_radiance(face.own_light(ready, plan), "borrowed")
+        return Environment.from_radiance(self._first().own_light(tier_of(quality)), "borrowed")
 
     def forget(self, stage: str) -> None:
         """Drop a stage's results, so that it runs again when next needed; for measuring it."""

@@ -86,6 +86,9 @@ def test_a_channel_that_is_looked_at_is_made():
     assert not make_plan(SCENE, Edit(channels=("albedo",), forced_off=without)).runs("source_light")
     black = replace(SCENE, level=0.0)
     assert make_plan(black, Edit(channels=("albedo",))).runs("flattening")
+    measured = make_plan(black, Edit(channels=("source_light",)))
+    assert measured.runs("flattening")
+    assert measured.runs("residual")
 
 
 @pytest.mark.parametrize(("reader", "word"), [("flattening", "flattening"), ("residual", "misses")])
@@ -111,6 +114,9 @@ def test_what_is_turned_off_says_who_still_uses_it():
     for name in ("relief", "source_light"):
         assert off.effect(name).state == "skipped"
         assert "flattening still uses it" in off.effect(name).why
+    level = make_plan(SCENE, Edit(channels=("source_light",), forced_off=frozenset({"residual"})))
+    assert not level.runs("residual")
+    assert "source light's level still uses it" in level.effect("residual").why
     alone = make_plan(SCENE, Edit(forced_off=frozenset({"relief", "residual", "flattening"})))
     assert "use" not in alone.effect("relief").why
 

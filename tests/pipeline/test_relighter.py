@@ -173,6 +173,16 @@ def test_estimated_light_is_a_light(relighter):
     assert np.isfinite(relighter.relight(borrowed, EDIT).image).all()
 
 
+@pytest.mark.parametrize("turned_off", ["residual", "flattening", "correction"])
+def test_the_source_light_is_the_photos_whatever_light_is_asked_for(weights, relighter, turned_off):
+    own = relighter.estimated_light()
+    for light, off in ((some_light(1), set()), (some_light(2, level=0.0), set()), (some_light(1), {turned_off})):
+        another = Relighter(weights)
+        another.set_portrait(some_photo())
+        channel = another.relight(light, replace(EDIT, channels=("source_light",), forced_off=frozenset(off)))
+        np.testing.assert_allclose(channel.channels["source_light"], own.level * own.shape, rtol=1e-4)
+
+
 def test_a_photo_without_a_face_leaves_the_portrait_as_it_was(relighter, monkeypatch):
     before = relighter.relight(some_light(), EDIT)
     monkeypatch.setattr(portrait, "find_faces", lambda photo, *judge: [])
