@@ -36,6 +36,17 @@ vec3 checks(vec2 pixel) {
     return vec3(mod(cell.x + cell.y, 2.0) < 0.5 ? 0.32 : 0.42);
 }
 
+float view_decode(float code) {
+    return code <= 0.04045 ? code / 12.92 : pow((code + 0.055) / 1.055, 2.4);
+}
+
+// sRGB before the checks; light mixes, codes do not.
+vec3 over_checks(vec3 srgb, float cover, vec2 pixel) {
+    vec3 ground = checks(pixel);
+    for (int i = 0; i < 3; i++) srgb[i] = view_encode(mix(view_decode(ground[i]), view_decode(srgb[i]), cover));
+    return srgb;
+}
+
 // Apart, since drawing in software pays for a branch that is not taken.
 #ifdef INSPECTED
 
@@ -108,7 +119,8 @@ void main() {
 #ifdef INSPECTED
     srgb = inspected(srgb, texel.rgb, uv, pixel);
 #endif
-    if (has_alpha) srgb = mix(checks(pixel - place.xy), srgb, clamp(texel.a, 0.0, 1.0));
+    float cover = has_alpha ? clamp(texel.a, 0.0, 1.0) : 1.0;
+    if (cover < 1.0) srgb = over_checks(srgb, cover, pixel - place.xy);
     shown = vec4(srgb, 1.0);
 }
 

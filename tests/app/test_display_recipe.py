@@ -16,6 +16,7 @@ from app.window.gl_textures import TextureSlot
 from app.window.gl_viewport import PicturePainter
 from app.window.glfw_window import close_window, open_window
 from relight_core.face.crop import Crop
+from relight_core.imaging.colour import srgb_decode, srgb_encode
 from relight_core.imaging.view_transform import apply_view
 from relight_core.pipeline.per_photo.matte import Matte
 from relight_core.pipeline.per_photo.person import Canvas
@@ -98,7 +99,8 @@ def worst(context, picture, exposure_ev=0.0):
     if alpha is not None:
         y, x = np.mgrid[0:HEIGHT, 0:WIDTH] + 0.5
         checks = np.where((np.floor(x / 12) + np.floor(y / 12)) % 2 < 0.5, 0.32, 0.42)[..., None]
-        expected = checks + (expected - checks) * alpha[..., None]
+        ground = srgb_decode(checks)
+        expected = srgb_encode(ground + (srgb_decode(expected) - ground) * alpha[..., None])
     return np.abs(drawn(context, recipe, exposure_ev=exposure_ev) - expected).max() * 255
 
 
