@@ -22,6 +22,7 @@ def fall_back(state: EditorState) -> None:
     if undoing is not None and undoing.is_refused(state.photo, state.light, snapshot.refused):
         _take_undoing_back(state)
     if state.photo in snapshot.refused:
+        _note_refused(state)
         give_up_what_is_on_its_way(state)
         state.queue = state.queue.refused(state.opened_queue)
         # The first photo may still be on its way, and then it is what remains.
@@ -39,6 +40,13 @@ def give_up_what_is_on_its_way(state: EditorState) -> None:
     elif state.undoing and state.undoing.photo is state.photo and not state.is_in_force():
         _take_undoing_back(state)
     state.opening = state.undoing = None
+
+
+def _note_refused(state: EditorState) -> None:
+    """A photo that came back can't be opened as it was left; the next time the finder says where its faces are."""
+    path = state.photo.path
+    if path is not None and path.absolute() in state.works and not state.is_at_work():
+        state.works[path.absolute()] = replace(state.works[path.absolute()], is_refused=True)
 
 
 def _take_undoing_back(state: EditorState) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from app.document.document import Document
@@ -30,7 +30,7 @@ class Opening:
     def kept(self) -> KeptWork:
         """What files hold of it once it is open."""
         # Nothing equals a document without a photo, so work that no file holds stays unsaved.
-        return KeptWork(self.path, self.document if self.path else Document())
+        return KeptWork(self.path, self.document if self.path else Document(), self.document)
 
 
 @dataclass(frozen=True)
@@ -54,12 +54,29 @@ class Undoing:
 
 @dataclass(frozen=True)
 class KeptWork:
-    """What files hold of the work on a photo.
+    """The work on a photo, and what files hold of it.
 
     Attributes:
         session_path: the file the work was last saved to or opened from; None where there is none.
         document: the work as that file has it, or as the photo was opened.
+        left: the work as it was when another photo was asked for.
+        is_refused: the photo could not be opened again with its faces as they were left.
     """
 
     session_path: Path | None
     document: Document
+    left: Document
+    is_refused: bool = False
+
+    @property
+    def is_work(self) -> bool:
+        """Whether the photo was more than looked at."""
+        return self.session_path is not None or self.left != self.document
+
+    def named(self, path: Path) -> KeptWork:
+        """The same with the photo's path written like this, as documents are compared by it."""
+        return replace(self, document=_named(self.document, path), left=_named(self.left, path))
+
+
+def _named(document: Document, path: Path) -> Document:
+    return replace(document, photo=document.photo and replace(document.photo, path=path))

@@ -23,6 +23,7 @@ from app.ui.light_list import wish_again
 from app.ui.look import LookState
 from app.ui.open_work import KeptWork, Opening, Undoing
 from app.ui.photo_queue import PhotoQueue
+from app.ui.photo_works import begin_work, note_left, wish_of
 from app.ui.preview_size import longest_side_px
 from app.ui.viewport.box_tools import Grab
 from app.ui.viewport.view import View
@@ -81,6 +82,9 @@ class EditorState:
         light_panel: the light panel's rectangle (x0, y0, x1, y1) in the window, for drops.
         opening, undoing: the session or the step of the history that is on its way, if any.
         opened_queue: the queue as the open photo was asked for, or the first one that is still being read.
+        works: the work on each photo of this run as it was left, by the photo's absolute path.
+        work_on: the photo that is open, by the same.
+        waiting: work of the open photo's own, where it came back under the light and the sliders of another.
     """
 
     photo: PhotoSource | None = None
@@ -129,10 +133,10 @@ class EditorState:
     opening: Opening | None = None
     undoing: Undoing | None = None
     opened_queue: PhotoQueue = field(default_factory=PhotoQueue)
+    works: dict[Path, KeptWork] = field(default_factory=dict)
+    work_on: Path | None = None
+    waiting: KeptWork | None = None
     _found: dict[Path, tuple[FaceBox, ...]] = field(default_factory=dict)
-    _boxes: dict[Path, tuple[FaceBox, ...] | None] = field(default_factory=dict)
-    _work_on: Path | None = None
-    _kept_of: dict[Path, KeptWork] = field(default_factory=dict)
 
     def request(self) -> Request:
         """What the engine is to work toward: quick while something moves, finished when it rests."""
@@ -179,6 +183,7 @@ class EditorState:
         if document is None:
             return
         step = self.undoing.step if self.undoing else self.history.left
+        note_left(self)
         self.put_back(document)
         self.opening, self.undoing = None, Undoing(step, self.photo, self.light)
 
@@ -212,8 +217,8 @@ class EditorState:
             self.extra_lights = [known for known in self.extra_lights if not known.same_as(light)]
 
     def open_photo(self, path: Path) -> None:
-        """Ask for another portrait."""
-        self._wish_for(PhotoSource(path))
+        """Ask for another portrait; one that was open before comes back with its faces as they were."""
+        self._wish_for(wish_of(self, path))
 
     def open_photos(self, paths: Sequence[Path]) -> None:
         """Ask for the first of several portraits; the others wait in the queue."""
@@ -221,18 +226,11 @@ class EditorState:
         self.queue = PhotoQueue(tuple(paths))
 
     def step_photo(self, by: int) -> None:
-        """Ask for a photo further on in the queue; where its faces were corrected, they stay so."""
+        """Ask for a photo further on in the queue."""
         queue = self.queue.step(by)
         if queue is not None:
-            boxes = self.boxes_of(queue.current)
-            self._wish_for(PhotoSource(queue.current, None, boxes))
+            self.open_photo(queue.current)
             self.queue = queue
-
-    def boxes_of(self, path: Path) -> tuple[FaceBox, ...] | None:
-        """Where the faces in a photo of this run are, if that was corrected; else None."""
-        if self.photo and self.photo.path:
-            self._boxes[self.photo.path.absolute()] = self.photo.boxes
-        return self._boxes.get(path.absolute())
 
     def open_session(self, document: Document, path: Path | None) -> None:
         """Ask for work that was saved; everything comes back as it is now if its photo can't be opened.
@@ -241,6 +239,7 @@ class EditorState:
             path: its file, where it will be saved again; None for work that no session file holds.
         """
         give_up_what_is_on_its_way(self)
+        note_left(self)
         before = self.document()
         self.photo = PhotoSource(document.photo.path, document.photo.face_index, document.photo.boxes)
         self.opening = Opening(self.photo, path, document, before)
@@ -266,22 +265,6 @@ class EditorState:
         snapshot = self.snapshot
         photo_is = self.photo is None or self.is_at_work()
         return photo_is and snapshot.light is not None and self.light.same_as(snapshot.light.source)
-
-    def session_of_photo(self) -> Path | None:
-        """The session file of the photo that is wanted, be it open yet or not; None where this run knows of none."""
-        if self.is_at_work():
-            return self.session_path
-        path = self.photo.path if self.photo else None
-        kept = self._kept_of.get(path.absolute()) if path else None
-        return kept.session_path if kept else None
-
-    def note_saved(self, path: Path, document: Document) -> None:
-        """A session file holds this document now, whichever photo is open meanwhile."""
-        photo = document.photo.path.absolute()
-        if photo == self._work_on:
-            self.session_path, self.kept = path, document
-        else:
-            self._kept_of[photo] = KeptWork(path, document)
 
     def choose_face(self, index: int | None) -> None:
         """Ask for one face of the open photo, or for all of them."""
@@ -315,7 +298,10 @@ class EditorState:
             self.shown = RESULT
             self.aim_at = None
             self.faces = FaceTool(not snapshot.faces, snapshot.opened.source)
-            self._begin_work()
+            if snapshot.opened.source.path and self.is_at_work():
+                self.queue = self.queue.showing(snapshot.opened.source.path)
+            self.opened_queue = self.queue
+            begin_work(self)
         if snapshot.opened and snapshot.opened.source.path and snapshot.opened.source.boxes is None:
             self._found[snapshot.opened.source.path] = snapshot.faces
 
@@ -353,27 +339,8 @@ class EditorState:
 
     def _wish_for(self, photo: PhotoSource) -> None:
         give_up_what_is_on_its_way(self)
+        note_left(self)
         self.photo = photo
-
-    def _begin_work(self) -> None:
-        """A photo has been opened: from here on, changes are work. Work on a photo that returns goes on."""
-        if self._work_on is not None:
-            self._kept_of[self._work_on] = KeptWork(self.session_path, self.kept)
-        source = self.snapshot.opened.source
-        if source.path and self.is_at_work():
-            self.queue = self.queue.showing(source.path)
-        self.opened_queue = self.queue
-        self._work_on = source.path and source.path.absolute()
-        if self.opening and self.opening.wish is source:
-            kept, self.opening = self.opening.kept, None
-        else:
-            kept = self._kept_of.get(self._work_on) or KeptWork(None, self._as_opened(source))
-        self.session_path, self.kept = kept.session_path, kept.document
-
-    def _as_opened(self, source: PhotoSource) -> Document:
-        """The document of a photo that has been opened, though another may be wished for by now."""
-        photo = PhotoRef(source.path, source.face_index, source.boxes) if source.path else None
-        return replace(self.document(), photo=photo)
 
     def _request_of(self, edit: Edit) -> Request:
         size_px = longest_side_px(self.snapshot.opened, self.view, edit)

@@ -18,6 +18,8 @@ from app.engine.desk import error_line
 from app.engine.sources import PICTURE_SUFFIXES, PhotoSource
 from app.ui.asking import FileRequest, Question
 from app.ui.file_dialogs import FileDialogs
+from app.ui.open_work import KeptWork
+from app.ui.photo_works import is_waiting, note_saved, resume, session_of_photo
 from app.ui.state import EditorState
 from app.window.dropped import take_files, use_as_light
 from app.window.outputs import Outputs
@@ -118,7 +120,7 @@ class Deeds:
 
     def save_session(self) -> None:
         """Save to the session's file; the first time beside the photo."""
-        write, own = self._session_writer(), self._state.session_of_photo()
+        write, own = self._session_writer(), session_of_photo(self._state)
         if own is not None:
             write(own)
         else:
@@ -126,7 +128,7 @@ class Deeds:
 
     def save_session_as(self) -> None:
         """Choose where to save the session."""
-        write, own = self._session_writer(), self._state.session_of_photo()
+        write, own = self._session_writer(), session_of_photo(self._state)
 
         def save_there(paths: list[Path]) -> None:
             path = _with_suffix(paths[0], SESSION_SUFFIX)
@@ -261,7 +263,7 @@ class Deeds:
             raise InputError(f"{path}: is not a session; relight replaces only its own files, choose another name")
         state = self._state
         write_session(path, document)
-        state.note_saved(path, document)
+        note_saved(state, path, document)
         self._forget_saved(document)
         state.asking.tell(f"Saved {path}")
 
@@ -269,13 +271,16 @@ class Deeds:
         tried(self._state.asking, lambda: act(path))
 
     def _look_for_a_session(self) -> None:
-        """Offer the session that lies beside a photo that was opened by itself."""
+        """Offer the work of its own that a photo has: of this run, else the session that lies beside it."""
         opened = self._state.snapshot.opened
         if opened is None or opened.photo is self._photo:
             return
         self._photo = opened.photo
         self._state.asking.drop("session")
         path = opened.source.path
+        if self._state.waiting is not None:
+            self._offer_work_of_this_run(self._state.waiting)
+            return
         if path is None or self._state.session_path is not None or self._state.kept != self._state.document():
             return
         saved = saved_session(path)
@@ -284,6 +289,16 @@ class Deeds:
         where = " beside it" if saved.parent == path.absolute().parent else f", {saved}"
         choices = (("Continue", lambda: self._take([saved])), ("Start afresh", lambda: None))
         self._state.asking.ask(Question("session", f"{path.name} has a saved session{where}.", choices))
+
+    def _offer_work_of_this_run(self, work: KeptWork) -> None:
+        def start_afresh() -> None:
+            if self._state.waiting is work:
+                self._state.waiting = None
+
+        where = f", saved in {work.session_path}" if work.session_path else ""
+        text = f"{work.left.photo.path.name} has work of its own{where}; now it has the settings of the photo before."
+        choices = (("Continue", lambda: resume(self._state, work)), ("Start afresh", start_afresh))
+        self._state.asking.ask(Question("session", text, choices))
 
     def _offer_next(self) -> None:
         if self._unoffered:
@@ -321,8 +336,11 @@ class Deeds:
         self._look_after_restored()
 
     def _update_autosave(self, now_s: float) -> None:
-        """While another photo than the one that is open is wanted, nothing that is set is work on either."""
-        if self._state.is_at_work():
+        """While another photo than the one that is open is wanted, nothing that is set is work on either.
+
+        What was kept of a photo that came back with other settings stays, too, until it is worked on.
+        """
+        if self._state.is_at_work() and not is_waiting(self._state):
             self._autosave.update(self._state.document(), self._state.is_unsaved(), now_s)
         else:
             self._autosave.flush()

@@ -5,14 +5,14 @@ from __future__ import annotations
 import logging
 import os
 import tempfile
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
 import numpy as np
 
-from app.document.document import Document
+from app.document.document import Document, PhotoRef
 from app.engine.batch import Outcome, batch_tasks, reasons, relight_each, summary
 from app.engine.exporting import Exporter, ExportJob, ExportSettings, export_note, free_path, write_relit
 from app.engine.film import write_film
@@ -20,11 +20,11 @@ from app.engine.jobs import JobControl
 from app.engine.snapshot import Picture
 from app.engine.sources import RelighterLike
 from app.engine.turntable import FRAMES, turning, write_pictures
+from app.ui.photo_works import portrait_of
 from app.ui.state import EditorState
 from app.window.clipboard import copy_png
 from app.window.promise import Promise
 from relight_core.errors import InputError
-from relight_core.face.find import FaceBox
 from relight_core.imaging.files import is_same_file
 from relight_core.imaging.read import read_photo
 from relight_core.imaging.write import write_image
@@ -147,14 +147,14 @@ class Outputs:
         """
         self._need_picture()
         document, settings = self._state.document(), self._state.export
-        boxes = {photo: self._state.boxes_of(photo) for photo in photos}
+        portraits = {photo: portrait_of(self._state, photo) for photo in photos}
         title = document.light.source().title
 
         def start(picture: Picture) -> None:
             environment = picture.light.environment
 
             def one(relighter: RelighterLike, photo: Path, output: Path) -> None:
-                relight_like(document, environment, relighter, photo, output, settings, title, boxes[photo])
+                relight_like(document, environment, relighter, portraits[photo], output, settings, title)
 
             self._start_batch(batch_tasks(photos, folder, settings.form), one, replaces)
 
@@ -205,28 +205,27 @@ def relight_like(
     document: Document,
     environment: Environment,
     relighter: RelighterLike,
-    photo: Path,
+    portrait: PhotoRef,
     output: Path,
     settings: ExportSettings,
     title: str,
-    boxes: Sequence[FaceBox] | None = None,
 ) -> None:
     """Relight one photo under a document's light and sliders, and write it.
 
     Args:
         environment: the document's light, edited; not used where that is the photo's own.
+        portrait: the photo, and who in it is relit.
         title: of the light, to be noted in the file.
-        boxes: where the faces in this photo are; None lets the finder say so.
 
     Raises:
         InputError: no photo, no face, or a place that can't be written.
     """
     from relight_core.lighting.light_edit import edit_light
 
-    if is_same_file(photo, output):
+    if is_same_file(portrait.path, output):
         raise InputError(f"{output}: that is the photo itself; choose another folder")
-    opened = read_photo(photo)
-    relighter.set_portrait(opened, None, boxes)
+    opened = read_photo(portrait.path)
+    relighter.set_portrait(opened, portrait.face_index, portrait.boxes)
     if document.light.kind == "own":
         environment = edit_light(relighter.estimated_light("final"), document.light_edit)
     channels = None if settings.form == ".exr" and settings.layers else ()

@@ -9,6 +9,7 @@ import pytest
 from app.document.face_boxes import MOST_FACES
 from app.engine.snapshot import OpenPhoto, Snapshot
 from app.ui import face_edits
+from app.ui.photo_works import portrait_of
 from app.ui.state import EditorState
 from app.ui.viewport.face_boxes import FaceGrab
 from relight_core.face.find import FaceBox
@@ -180,7 +181,7 @@ def test_in_a_queue_every_photo_keeps_its_own_boxes(state):
     state.step_photo(1)
     assert state.photo.boxes is None
     answered(state, (TWO,))
-    assert state.boxes_of(PLACE) == (THREE,)
-    assert state.boxes_of(other) is None
+    assert portrait_of(state, PLACE).boxes == (THREE,)
+    assert portrait_of(state, other).boxes is None
     state.step_photo(-1)
     assert state.photo.boxes == (THREE,)

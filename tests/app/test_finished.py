@@ -1,6 +1,7 @@
 """What waits for a finished picture gets none that shows the faces as they were before."""
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 
@@ -13,7 +14,7 @@ from relight_core.lighting.environment import Environment
 
 def test_a_picture_of_the_faces_as_they_were_is_not_handed_out():
     state, said, given = EditorState(), [], []
-    state.open_photo("/photos/us.jpg")
+    state.open_photo(Path("/photos/us.jpg"))
     photo = Photo(np.zeros((4, 4, 3), np.float32))
     opened = OpenPhoto(state.photo, photo, photo.linear)
     even = Environment.from_radiance(np.ones((4, 8, 3)), "even")

@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 
 from app.document.session_file import read_session
+from app.ui import face_edits
 from app.ui.viewport.panes import arrange_panes
 from relight_core.imaging.read import read_photo
 from relight_core.imaging.view_transform import apply_view
@@ -66,7 +67,8 @@ def test_a_session_brings_its_boxes_back(unseen, photo_path, relighter):
     drag_on_the_photo(unseen, (40, 20), (90, 70))
     boxes = unseen.window.state.photo.boxes
     unseen.key(glfw.KEY_S, ctrl=True)
-    unseen.drop(photo_path)
+    face_edits.find_again(unseen.window.state)
+    unseen.settle()
     assert unseen.window.state.snapshot.faces == ()
     unseen.drop(photo_path.with_name("person.relight.json"))
     assert unseen.window.state.snapshot.faces == boxes
@@ -86,6 +88,20 @@ def test_a_batch_takes_the_boxes_of_a_photo_for_that_photo_only(unseen, photo_pa
     assert [path.name for path in (tmp_path / "relit").iterdir()] == ["person.png"]
     assert [portrait[1:] for portrait in relighter.portraits] == [(None, boxes)]
     assert "other.png" in unseen.window.engine.snapshot().message.text
+
+
+def test_a_batch_relights_who_is_chosen_in_a_photo_and_everyone_in_the_others(opened, photo_path, relighter, tmp_path):
+    other = photo_path.with_name("other.png")
+    other.write_bytes(photo_path.read_bytes())
+    opened.key(glfw.KEY_F, shift=True)
+    drag_on_the_photo(opened, (6, 70), (26, 90))
+    opened.window.state.choose_face(1)
+    opened.settle()
+    relighter.portraits.clear()
+    opened.window._deeds._outputs.batch_over([photo_path, other], tmp_path / "relit")
+    opened.settle()
+    opened.window.exporter.close()
+    assert [(index, len(boxes)) for _, index, boxes in relighter.portraits] == [(1, 2), (None, 1)]
 
 
 def test_boxes_are_moved_resized_added_and_removed_one_step_each(opened):

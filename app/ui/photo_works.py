@@ -1,0 +1,117 @@
+"""The work on each photo of this run: kept aside while another photo is open, and found again when it comes back."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from app.document.document import Document, PhotoRef
+from app.engine.sources import PhotoSource
+from app.ui.falling_back import give_up_what_is_on_its_way
+from app.ui.open_work import KeptWork
+
+if TYPE_CHECKING:
+    from app.ui.state import EditorState
+
+
+def portrait_of(state: EditorState, path: Path) -> PhotoRef:
+    """Who in a photo is relit and where its faces are: as it is wished for now, else as it was left in this run."""
+    photo, work = state.photo, state.works.get(path.absolute())
+    if photo and photo.path and photo.path.absolute() == path.absolute():
+        return PhotoRef(path, photo.face_index, photo.boxes)
+    if work is None or work.is_refused:
+        return PhotoRef(path)
+    return replace(work.left.photo, path=path)
+
+
+def wish_of(state: EditorState, path: Path) -> PhotoSource:
+    """A wish to read a photo's file, with its faces as of `portrait_of`."""
+    portrait = portrait_of(state, path)
+    return PhotoSource(path, portrait.face_index, portrait.boxes)
+
+
+def note_left(state: EditorState) -> None:
+    """Remember the work on the open photo as it is; before anything else is wished for."""
+    if state.kept is None or not state.is_at_work() or state.photo.path is None:
+        return
+    work = KeptWork(state.session_path, state.kept, state.document())
+    state.works[state.photo.path.absolute()] = state.waiting if is_waiting(state) else work
+
+
+def is_waiting(state: EditorState) -> bool:
+    """Whether the open photo has work of its own that was not gone on with, and none since."""
+    return state.waiting is not None and not state.is_unsaved()
+
+
+def begin_work(state: EditorState) -> None:
+    """A photo has been opened: from here on, changes are work on it.
+
+    The light and the sliders may be those of the photo before. Where the photo has work of its own that was left with
+    others, that work waits for the user, and its session file is not the one to save to.
+    """
+    source = state.snapshot.opened.source
+    before, state.work_on = state.work_on, source.path and source.path.absolute()
+    if state.opening and state.opening.wish is source:
+        kept, state.opening = state.opening.kept, None
+        state.session_path, state.kept, state.waiting = kept.session_path, kept.document, None
+        return
+    if state.work_on is not None and state.work_on == before:
+        return
+    as_opened, work = _as_opened(state, source), _work_on(state, source)
+    state.session_path, state.kept, state.waiting = None, as_opened, None
+    if work is None or not work.is_work:
+        return
+    if _is_undone(state, source) or work.left == as_opened:
+        state.session_path, state.kept = work.session_path, work.document
+    else:
+        state.waiting = work
+
+
+def resume(state: EditorState, work: KeptWork) -> None:
+    """Go on with the work on a photo as it was left."""
+    give_up_what_is_on_its_way(state)
+    state.put_back(work.left)
+    if state.is_at_work():
+        state.session_path, state.kept, state.waiting = work.session_path, work.document, None
+
+
+def session_of_photo(state: EditorState) -> Path | None:
+    """The session file of the photo that is wanted, be it open yet or not.
+
+    None where this run knows of none, or where that file holds other work than what is set now.
+    """
+    if state.is_at_work():
+        return state.session_path
+    work = _work_on(state, state.photo)
+    goes_on = work is not None and (_is_undone(state, state.photo) or work.left == state.document())
+    return work.session_path if goes_on else None
+
+
+def note_saved(state: EditorState, path: Path, document: Document) -> None:
+    """A session file holds this document now, whichever photo is open meanwhile."""
+    photo = document.photo.path.absolute()
+    known, wanted = state.works.get(photo), state.photo and state.photo.path
+    is_wanted = wanted is not None and wanted.absolute() == photo
+    left = document if known is None or is_wanted else known.left
+    state.works[photo] = KeptWork(path, document, left)
+    if photo == state.work_on:
+        state.session_path, state.kept, state.waiting = path, document, None
+
+
+def _work_on(state: EditorState, photo: PhotoSource | None) -> KeptWork | None:
+    if photo is None or photo.path is None:
+        return None
+    work = state.works.get(photo.path.absolute())
+    return work and work.named(photo.path)
+
+
+def _is_undone(state: EditorState, photo: PhotoSource) -> bool:
+    """Whether a wish came of the history, which puts back what was set on that photo itself."""
+    return state.undoing is not None and state.undoing.photo is photo
+
+
+def _as_opened(state: EditorState, source: PhotoSource) -> Document:
+    """The document of a photo that has been opened, though another may be wished for by now."""
+    photo = PhotoRef(source.path, source.face_index, source.boxes) if source.path else None
+    return replace(state.document(), photo=photo)

@@ -1,0 +1,185 @@
+"""A photo that comes back has its own faces, and its own work is offered and replaced by nothing unasked."""
+
+from dataclasses import replace
+
+import pytest
+from live_editor import Editor, unsaved_files
+
+from app.document.session_file import read_session
+from app.engine.sources import PhotoSource
+from app.ui.photo_works import portrait_of
+from relight_core.face.find import FaceBox
+
+BOXES = (FaceBox(0, 0, 2, 2), FaceBox(2, 2, 4, 4))
+
+
+@pytest.fixture
+def photos(tmp_path):
+    paths = [tmp_path / name for name in ("a.jpg", "b.jpg")]
+    for path in paths:
+        path.write_bytes(b"pixels")
+    return paths
+
+
+@pytest.fixture
+def folder(tmp_path):
+    return tmp_path / "settings"
+
+
+@pytest.fixture
+def editor(folder, photos):
+    """Both photos in the queue; of the first the faces are corrected and the second is relit alone."""
+    editor = Editor(folder)
+    editor.state.open_photos(photos)
+    editor.live()
+    editor.state.photo = PhotoSource(editor.state.snapshot.opened.photo, None, BOXES)
+    editor.live()
+    editor.state.choose_face(1)
+    editor.live()
+    yield editor
+    editor.deeds.close()
+
+
+def drop(editor, photo, **then):
+    editor.deeds._take([photo])
+    editor.live()
+    if then:
+        editor.state.change(**then)
+        editor.live()
+
+
+def save(editor):
+    editor.state.asking.wish("save_session")
+    editor.live()
+
+
+def faces(editor):
+    return editor.state.photo.face_index, editor.state.photo.boxes
+
+
+def questions(editor):
+    return [question.key for question in editor.state.asking.questions]
+
+
+def kept_shadows(folder):
+    return sorted(read_session(path).document.edit.shadow for path in unsaved_files(folder))
+
+
+@pytest.fixture
+def saved(editor, photos):
+    """The first photo has a session with a shadow of 0.2, and is left for the second, which gets one of 1.7."""
+    editor.state.change(shadow=0.2)
+    save(editor)
+    drop(editor, photos[1], shadow=1.7)
+    return photos[0].with_name("a.relight.json")
+
+
+def test_its_session_is_not_replaced_by_the_sliders_of_another_photo(editor, photos, saved):
+    drop(editor, photos[0])
+    assert faces(editor) == (1, BOXES)
+    save(editor)
+    assert read_session(saved).document.edit.shadow == 0.2
+    assert f"replace {saved}" in questions(editor)
+
+
+def test_nor_while_it_is_still_being_read(editor, photos, saved):
+    editor.deeds._take([photos[0]])
+    editor.state.asking.wish("save_session")
+    editor.deeds.act(editor.now_s)
+    assert read_session(saved).document.edit.shadow == 0.2
+    editor.answer_question("Replace")
+    assert read_session(saved).document.edit.shadow == 1.7
+    assert editor.state.session_path == saved, "what was agreed to is its session from then on"
+    assert questions(editor) == []
+
+
+def test_its_session_is_offered_and_goes_on(editor, photos, saved):
+    drop(editor, photos[0])
+    assert questions(editor) == ["session"]
+    editor.answer_question("Continue")
+    assert editor.state.edit.shadow == 0.2
+    assert not editor.state.is_unsaved()
+    editor.state.change(shadow=0.3)
+    save(editor)
+    assert read_session(saved).document.edit.shadow == 0.3
+
+
+def test_with_the_settings_it_was_left_with_it_goes_on_unasked(editor, photos, saved):
+    editor.state.change(shadow=0.2)
+    drop(editor, photos[0])
+    assert questions(editor) == []
+    assert editor.state.session_path == saved
+    assert not editor.state.is_unsaved()
+
+
+def test_unsaved_work_stays_for_recovery_and_is_offered_however_often_it_is_passed(editor, photos, folder):
+    editor.state.change(shadow=0.2)
+    editor.live()
+    editor.state.step_photo(1)
+    editor.live()
+    editor.state.change(shadow=1.7)
+    editor.live()
+    for _ in range(2):
+        editor.state.step_photo(-1)
+        editor.live()
+        assert (editor.state.edit.shadow, faces(editor)) == (1.7, (1, BOXES))
+        assert questions(editor) == ["session"]
+        assert kept_shadows(folder) == [0.2, 1.7]
+        editor.state.step_photo(1)
+        editor.live()
+        assert questions(editor) == []
+    drop(editor, photos[0])
+    editor.answer_question("Continue")
+    assert editor.state.edit.shadow == 0.2
+    assert editor.state.is_unsaved()
+    assert kept_shadows(folder) == [0.2, 1.7]
+
+
+def test_who_starts_afresh_has_no_work_on_it_any_more(editor, photos, folder):
+    editor.state.change(shadow=0.2)
+    drop(editor, photos[1], shadow=1.7)
+    drop(editor, photos[0])
+    editor.answer_question("Start afresh")
+    assert (editor.state.edit.shadow, faces(editor)) == (1.7, (1, BOXES))
+    assert not editor.state.is_unsaved()
+    assert kept_shadows(folder) == [1.7]
+
+
+def test_opening_the_open_photo_again_loses_no_unsaved_faces(editor, photos, folder):
+    assert len(unsaved_files(folder)) == 1
+    drop(editor, photos[0])
+    assert faces(editor) == (1, BOXES)
+    assert editor.state.is_unsaved()
+    (path,) = unsaved_files(folder)
+    assert read_session(path).document.photo.boxes == BOXES
+    assert questions(editor) == []
+
+
+def test_asking_who_is_relit_changes_nothing_and_needs_no_earlier_question(editor, photos):
+    editor.state.step_photo(1)
+    editor.live()
+    editor.state.choose_face(0)
+    first, second = (portrait_of(editor.state, path) for path in photos)
+    assert (first.face_index, first.boxes) == (1, BOXES)
+    assert (second.face_index, second.boxes) == (0, None)
+
+
+def test_a_photo_that_changed_on_disk_so_that_its_boxes_fit_no_more_opens_as_found(editor, photos):
+    drop(editor, photos[1])
+    editor.deeds._take([photos[0]])
+    editor.state.accept(replace(editor.state.snapshot, refused=frozenset({editor.state.photo})))
+    drop(editor, photos[0])
+    assert faces(editor) == (None, None)
+    editor.answer_question("Continue")
+    assert faces(editor) == (1, BOXES)
+
+
+def test_undo_goes_back_to_the_photo_with_its_session(editor, saved):
+    index = next(i for i, step in enumerate(editor.state.history.steps) if step.name == "Shadow 0.20")
+    editor.state.restore(editor.state.history.go(index))
+    editor.live()
+    assert editor.state.session_path == saved
+    assert not editor.state.is_unsaved()
+    editor.state.restore(editor.state.history.undo())
+    editor.live()
+    assert editor.state.session_path == saved
