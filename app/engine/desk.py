@@ -113,6 +113,8 @@ class Desk:
 
     def _light_is_due(self, light: LightSource, now: Snapshot) -> bool:
         if light.kind == "own":
+            if light is now.awaited and not now.faces:
+                return False
             return now.opened is not None and (now.light is None or now.light.source is not light)
         return light is not _source(now.light)
 
@@ -168,9 +170,11 @@ class Desk:
         is_own = now.light is not None and now.light.source.kind == "own"
         # Where the last face was taken away there is nothing to estimate it anew from.
         light = None if is_own and (faces or not is_same) else now.light
+        # A photo in which nobody is seen is no reason to give up what was set for those after it.
+        awaited = now.light.source if is_own and light is None else now.awaited
         picture = _as_of_before(now, self._portrait) if faces else None
-        now = replace(now, opened=self._portrait, coming=None, light=light, own_light=None, faces=faces)
-        return replace(now, picture=picture, refused=now.refused - {_OWN})
+        now = replace(now, opened=self._portrait, coming=None, light=light, awaited=awaited, faces=faces)
+        return replace(now, own_light=None, picture=picture, refused=now.refused - {_OWN})
 
     def _faces_of(self, source: PhotoSource, photo: Photo) -> tuple[FaceBox, ...]:
         """Make a photo the portrait; everyone in it, or nobody, and then the portrait before stays."""

@@ -6,7 +6,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from app.engine.sources import LightSource
-from relight_core.lighting.light_edit import LightEdit
+from app.ui.light_list import edit_of_another
 
 if TYPE_CHECKING:
     from app.ui.state import EditorState
@@ -29,8 +29,9 @@ def fall_back(state: EditorState) -> None:
         remaining = snapshot.opened or snapshot.coming
         state.photo = remaining.source if remaining else None
     if state.light in snapshot.refused:
-        state.light = snapshot.light.source if snapshot.light else LightSource("rig", FIRST_LIGHT)
-        state.light_edit = snapshot.light.edit if snapshot.light else LightEdit()
+        light = snapshot.light
+        state.light = light.source if light else LightSource("rig", FIRST_LIGHT)
+        state.light_edit = light.edit if light else edit_of_another(state.light, state.light_edit)
 
 
 def give_up_what_is_on_its_way(state: EditorState) -> None:

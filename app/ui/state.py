@@ -19,7 +19,7 @@ from app.ui.export_name import named_place
 from app.ui.face_edits import FaceTool
 from app.ui.falling_back import FIRST_LIGHT, fall_back, give_up_what_is_on_its_way
 from app.ui.layout import OpenGroups, Panels
-from app.ui.light_list import wish_again
+from app.ui.light_list import edit_of_another, wish_again
 from app.ui.look import LookState
 from app.ui.open_work import KeptWork, Opening, Undoing
 from app.ui.photo_queue import PhotoQueue
@@ -261,10 +261,14 @@ class EditorState:
         return opened is not None and self.photo is not None and opened.shows(self.photo)
 
     def is_in_force(self) -> bool:
-        """Whether the photo and the light that were asked for are there, so that neither can still be refused."""
+        """Whether the photo and the light that were asked for are there, so that neither can still be refused.
+
+        Light that only waits for a face is not refused.
+        """
         snapshot = self.snapshot
         photo_is = self.photo is None or self.is_at_work()
-        return photo_is and snapshot.light is not None and self.light.same_as(snapshot.light.source)
+        light_is = snapshot.light is not None and self.light.same_as(snapshot.light.source)
+        return photo_is and (light_is or (self.light is snapshot.awaited and not snapshot.faces))
 
     def choose_face(self, index: int | None) -> None:
         """Ask for one face of the open photo, or for all of them."""
@@ -277,14 +281,10 @@ class EditorState:
             self.queue = self.queue.showing(opened.source.path)
 
     def choose_light(self, light: LightSource) -> None:
-        """Ask for another light, as it is, around the user's own soft boxes; one in the list is the one in the list.
-
-        The room's share stays with the boxes; level, colour and blur were changes to the light before.
-        """
+        """Ask for another light, around the user's own soft boxes; one in the list is the one in the list."""
         if not light.same_as(self.light):
-            kept = self.light_edit if self.light_edit.boxes else LightEdit()
             self.light = self._known(light)
-            self.light_edit = replace(light.opening_edit, base=kept.base, boxes=kept.boxes)
+            self.light_edit = edit_of_another(light, self.light_edit)
 
     def accept(self, snapshot: Snapshot) -> None:
         """Take over what the engine published; wishes it refused fall back to what is in force."""

@@ -123,3 +123,18 @@ def test_borrowing_a_light_needs_no_face_in_the_photo_that_is_open(engine, relig
     drawn = answered(engine, PhotoSource(nobody.place, None, (BOX,)), borrowed)
     assert relighter.portraits[-1] == (nobody.place, None, (BOX,))
     assert drawn.picture.light is drawn.light
+
+
+def test_own_light_waits_through_a_photo_without_a_face(engine, relighter):
+    own = LightSource("own")
+    answered(engine, PhotoSource(a_photo()), own)
+    for _ in range(2):
+        relighter.blind = True
+        nobody = answered(engine, PhotoSource(a_photo()), own)
+        assert (nobody.faces, nobody.light) == ((), None)
+        assert own not in nobody.refused
+        assert nobody.awaited is own
+    relighter.blind = False
+    after = answered(engine, PhotoSource(a_photo()), own)
+    assert after.light.source is own
+    assert after.picture.light is after.light

@@ -127,6 +127,27 @@ def test_a_refused_light_brings_back_the_edit_of_the_one_in_force():
     assert state.light_edit == boxes
 
 
+def test_where_no_light_is_in_force_yet_the_first_one_takes_the_soft_boxes_over():
+    own = LightSource("own")
+    state = EditorState(light=own, light_edit=LightEdit(level_ev=1.0, base=0.3, boxes=(SoftBox(),)))
+    state.accept(Snapshot(refused=frozenset({own})))
+    assert state.light.kind == "rig"
+    assert state.light_edit == LightEdit(base=0.3, boxes=(SoftBox(),))
+
+
+def test_own_light_that_waits_for_a_face_is_kept_and_what_is_set_meanwhile_is_a_step():
+    own, edit = LightSource("own"), LightEdit(warmth=0.4, boxes=(SoftBox(),))
+    state = EditorState(light=own, light_edit=edit)
+    opened = opened_photo(Path("/p/nobody.png"))
+    state.photo = opened.source
+    state.accept(Snapshot(opened=opened, awaited=own))
+    state.remember(0.0)
+    state.change(shadow=0.5)
+    state.remember(2.0)
+    assert (state.light, state.light_edit) == (own, edit)
+    assert [step.name for step in state.history.steps] == ["Open nobody.png", "Shadow 0.50"]
+
+
 SKY = LightSource("panorama", "/lights/sky.hdr")
 
 
