@@ -247,7 +247,7 @@ class EditorState:
 
     def use_light(self, light: LightRef, light_edit: LightEdit, yaw_deg: float) -> None:
         """Ask for a light with everything that was changed about it."""
-        self.choose_light(light.source())
+        self.open_light(light.source())
         self.light_edit = light_edit
         self.change(yaw_deg=yaw_deg)
 
@@ -285,6 +285,11 @@ class EditorState:
         if not light.same_as(self.light):
             self.light = self._known(light)
             self.light_edit = edit_of_another(light, self.light_edit)
+
+    def open_light(self, light: LightSource) -> None:
+        """Ask for the light in a file as the file is now; one that is in use keeps what was changed about it."""
+        self.choose_light(light)
+        self.light = self._known(light, afresh=True)
 
     def accept(self, snapshot: Snapshot) -> None:
         """Take over what the engine published; wishes it refused fall back to what is in force."""
@@ -346,8 +351,8 @@ class EditorState:
         size_px = longest_side_px(self.snapshot.opened, self.view, edit)
         return Request(self.photo, self.light, edit, self.light_edit, size_px)
 
-    def _known(self, light: LightSource) -> LightSource:
-        wish, self.extra_lights = wish_again(light, self.extra_lights, self.snapshot.refused)
+    def _known(self, light: LightSource, afresh: bool = False) -> LightSource:
+        wish, self.extra_lights = wish_again(light, self.extra_lights, self.snapshot.refused, afresh)
         return wish
 
     def _remember(self, light: LightSource) -> None:

@@ -81,7 +81,7 @@ def use_as_light(state: EditorState, path: Path) -> None:
         state.use_light(saved.light, saved.light_edit, saved.yaw_deg)
         _tell_notes(state, path, saved.notes)
     else:
-        state.choose_light(LightSource.named(str(path)))
+        state.open_light(LightSource.named(str(path)))
 
 
 def open_session(state: EditorState, path: Path) -> None:
@@ -113,7 +113,7 @@ def _open(state: EditorState, paths: Sequence[Path]) -> None:
         else:
             open_session(state, path)
     if lights:
-        state.choose_light(LightSource("panorama", str(lights[0])))
+        state.open_light(LightSource("panorama", str(lights[0])))
     if photos:
         state.open_photos(photos)
 

@@ -83,5 +83,5 @@ def _answers(picture: Picture | None, request: Request) -> bool:
     ):
         return False
     light = picture.light
-    is_light = light.source.same_as(request.light) and light.edit == request.light_edit and not light.is_draft
+    is_light = light.source is request.light and light.edit == request.light_edit and not light.is_draft
     return is_light and picture.edit == replace(request.edit, exposure_ev=0.0)
