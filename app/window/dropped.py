@@ -11,8 +11,10 @@ from app.document.light_file import read_light
 from app.document.session_file import read_session
 from app.engine.batch import photos_in
 from app.engine.sources import PHOTO_SUFFIXES, LightSource
+from app.ui.photo_queue import PhotoQueue
 from app.ui.state import EditorState
 from relight_core.errors import InputError
+from relight_core.imaging.files import is_same_file
 from relight_core.imaging.formats.exr import exr_size
 from relight_core.imaging.formats.raster import RAW_SUFFIXES
 
@@ -23,7 +25,8 @@ def take_files(state: EditorState, paths: Sequence[Path], x: float, y: float, as
     """Open dropped files: photos as portraits, the first panorama as the light, a session as it was saved.
 
     On the light panel, or `as_light`, the first file is a light: a portrait there lends the one it was taken in.
-    Several photos, or a folder of them, become a queue. What can't be used is told; the rest stays as it is.
+    Several photos, or a folder of them, become a queue; beside a session they wait while its photo opens. What can't
+    be used is told; the rest stays as it is.
 
     Args:
         x, y: where they were dropped, in window units.
@@ -107,15 +110,24 @@ def _open(state: EditorState, paths: Sequence[Path]) -> None:
     notes += _left_out(ours[1:], "open one session or light file at a time")
     notes += _left_out(lights[1:], "open one panorama at a time")
     _tell(state, notes)
-    for path in ours[:1]:
-        if kind_of(path) == "light":
-            use_as_light(state, path)
-        else:
-            open_session(state, path)
+    session = next((path for path in ours[:1] if kind_of(path) != "light"), None)
+    if session is not None:
+        open_session(state, session)
+    elif ours:
+        use_as_light(state, ours[0])
     if lights:
         state.open_light(LightSource("panorama", str(lights[0])))
-    if photos:
+    if photos and session is not None:
+        state.queue = _queue_with(state.photo.path, photos)
+    elif photos:
         state.open_photos(photos)
+
+
+def _queue_with(opened: Path, photos: Sequence[Path]) -> PhotoQueue:
+    """The photos as a queue in which the one that is opened has its place, at the front if it is none of them."""
+    paths = [opened if is_same_file(path, opened) else path for path in photos]
+    paths = paths if opened in paths else [opened, *paths]
+    return PhotoQueue(tuple(paths), paths.index(opened))
 
 
 def _files(paths: Sequence[Path]) -> tuple[list[Path], list[str]]:

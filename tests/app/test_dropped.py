@@ -6,14 +6,16 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from app.document.document import LightRef
+from app.document.document import Document, LightRef, PhotoRef
 from app.document.light_file import SavedLight, write_light
+from app.document.session_file import write_session
 from app.engine.snapshot import OpenPhoto
 from app.ui.state import EditorState
 from app.window.dropped import is_panorama, take_files
 from relight_core.imaging.photo import Photo
 from relight_core.imaging.write import write_image
 from relight_core.lighting.light_edit import LightEdit
+from relight_core.pipeline.edit import Edit
 
 ELSEWHERE = (500.0, 300.0)
 
@@ -143,3 +145,48 @@ def test_lights_beyond_the_first_on_the_light_panel_are_named(state):
     assert state.light.name == "friend.jpg"
     ((text, _),) = state.asking.notices
     assert "other.jpg left out" in text
+
+
+@pytest.fixture
+def shoot(tmp_path):
+    """Three photos, and a session of the second."""
+    photos = [tmp_path / name for name in ("a.jpg", "b.jpg", "c.jpg")]
+    for path in photos:
+        path.write_bytes(b"pixels")
+    session = tmp_path / "b.relight.json"
+    write_session(session, Document(PhotoRef(photos[1]), edit=Edit(quality="final", shadow=0.2)))
+    return photos, session
+
+
+def test_a_session_dropped_with_its_photo_opens_as_it_was_saved(state, shoot):
+    photos, session = shoot
+    take_files(state, [photos[1], session], *ELSEWHERE)
+    open_wish(state)
+    assert (state.photo.path, state.edit.shadow, state.session_path) == (photos[1], 0.2, session)
+    assert state.asking.notices == []
+
+
+def test_photos_dropped_with_a_session_are_the_queue_around_its_photo(state, shoot):
+    photos, session = shoot
+    take_files(state, [session, *photos], *ELSEWHERE)
+    open_wish(state)
+    assert (state.photo.path, state.session_path, state.queue.label) == (photos[1], session, "2 of 3")
+    state.step_photo(1)
+    assert state.photo.path == photos[2]
+
+
+def test_a_session_of_another_photo_than_those_dropped_with_it_comes_before_them(state, shoot):
+    (first, own, last), session = shoot
+    take_files(state, [first, last, session], *ELSEWHERE)
+    open_wish(state)
+    assert state.queue.paths == (own, first, last)
+    assert (state.photo.path, state.queue.label, state.edit.shadow) == (own, "1 of 3", 0.2)
+
+
+def test_a_session_whose_photo_is_refused_leaves_the_photos_dropped_with_it_in_reach(state, shoot):
+    (first, _, last), session = shoot
+    take_files(state, [session, first, last], *ELSEWHERE)
+    refuse(state)
+    assert state.edit.shadow == 1.0
+    state.step_photo(1)
+    assert state.photo.path == first
