@@ -1,6 +1,7 @@
 """A photo that comes back has its own faces, and its own work is offered and replaced by nothing unasked."""
 
 from dataclasses import replace
+from pathlib import Path
 
 import pytest
 from live_editor import Editor, unsaved_files
@@ -174,12 +175,26 @@ def test_a_photo_that_changed_on_disk_so_that_its_boxes_fit_no_more_opens_as_fou
     assert faces(editor) == (1, BOXES)
 
 
-def test_undo_goes_back_to_the_photo_with_its_session(editor, saved):
-    index = next(i for i, step in enumerate(editor.state.history.steps) if step.name == "Shadow 0.20")
-    editor.state.restore(editor.state.history.go(index))
+def test_undo_goes_back_to_any_step_on_the_photo_with_its_session(editor, photos, saved):
+    names = [step.name for step in editor.state.history.steps]
+    editor.state.restore(editor.state.history.go(names.index("Shadow 0.20") - 1))
     editor.live()
+    assert (editor.state.photo.path, editor.state.edit.shadow) == (photos[0], 1.0)
     assert editor.state.session_path == saved
-    assert not editor.state.is_unsaved()
-    editor.state.restore(editor.state.history.undo())
-    editor.live()
-    assert editor.state.session_path == saved
+    assert editor.state.is_unsaved()
+    assert questions(editor) == []
+
+
+def test_a_photo_is_the_same_however_its_path_is_written(editor, photos, folder, monkeypatch):
+    editor.deeds.close()
+    monkeypatch.chdir(photos[0].parent)
+    again = Editor(folder)
+    again.state.asking.questions.clear()
+    drop(again, Path("a.jpg"), shadow=0.2)
+    save(again)
+    drop(again, photos[1])
+    drop(again, photos[0])
+    assert again.state.session_path == photos[0].with_name("a.relight.json")
+    assert not again.state.is_unsaved()
+    assert questions(again) == []
+    again.deeds.close()
