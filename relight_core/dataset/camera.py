@@ -30,7 +30,7 @@ def photograph(
         light: (16, 32, 3) the light it is lit by, for the white balance.
         white_level: mean radiance that a white head would have in its place, for the exposure.
         hidden: (S, S) bool where something stands between the camera and the head.
-        neighbour: somebody before the background, in the same light.
+        neighbour: somebody before the background, in a light of their own.
 
     Returns:
         (S, S, 3) float32 sRGB in [0, 1].

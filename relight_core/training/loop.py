@@ -124,7 +124,7 @@ def train_stage(
     table, average = ReflectionTable().to(device), AveragedWeights(bundle)
     saved_state = state_path(checkpoint)
     progress = load_state(saved_state, bundle, average.state, optimiser) if saved_state.exists() else Progress()
-    batches = _prepared(stage, bundle, batches_from(progress.step), device)
+    batches = _prepared(stage, bundle, table, batches_from(progress.step), device)
     started, saved, batch = time.monotonic() - progress.seconds, time.monotonic(), None
     while (elapsed := budget.spent(progress.step, progress.seconds)) < 1:
         optimiser.set_learning_rate(budget.rate(progress.step, elapsed))
@@ -187,7 +187,7 @@ def _settle(network: nn.Module) -> None:
             part.eval()
 
 
-def _prepared(stage, bundle, batches, device) -> Iterator[tuple[dict, dict]]:
+def _prepared(stage, bundle, table, batches, device) -> Iterator[tuple[dict, dict]]:
     """Every batch as it came, and on its device as the stage learns from it."""
 
     def on_device(batch: dict[str, torch.Tensor]) -> dict[str, torch.Tensor]:
@@ -195,7 +195,7 @@ def _prepared(stage, bundle, batches, device) -> Iterator[tuple[dict, dict]]:
 
     if stage.prepare is None:
         return ((batch, on_device(batch)) for batch in batches)
-    return one_ahead(lambda batch: stage.prepare(bundle, on_device(batch)), batches)
+    return one_ahead(lambda batch: stage.prepare(bundle, table, on_device(batch)), batches)
 
 
 def _step(stage, bundle, table, batch, optimiser, device) -> dict[str, float]:

@@ -13,7 +13,7 @@ one rate fit both (0.02 beside 1e-3, as in Jordan et al. 2024, Muon)."""
 
 
 class Optimiser:
-    """Muon (Jordan et al. 2024) on the weights of every `ConvBlock` that reads features, AdamW on all others.
+    """Muon (Jordan et al. 2024) on the weights of every `ConvBlock` of more than three inputs, AdamW on all others.
 
     A convolution is a matrix from (kernel height, kernel width, inputs) to outputs. Muon's step along it has
     singular values of about one, so that rare directions learn as fast as common ones: the de-lighting

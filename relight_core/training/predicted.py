@@ -8,6 +8,7 @@ import torch.nn.functional as F
 from relight_core.dataset.samples import RELIEF_SIZE
 from relight_core.face.parsing import INDEX
 from relight_core.imaging.tensor_colour import srgb_decode
+from relight_core.lighting.reflection import ReflectionTable
 from relight_core.networks.bundle import NetworkBundle
 from relight_core.networks.delight import Delit
 from relight_core.pipeline import stages
@@ -22,7 +23,9 @@ def surface_size(bundle: NetworkBundle, photo: torch.Tensor) -> int:
     return photo.shape[-1] // (1 if bundle.delight.detail is None else 2)
 
 
-def on_predicted_surface(bundle: NetworkBundle, batch: dict[str, torch.Tensor]) -> dict[str, torch.Tensor]:
+def on_predicted_surface(
+    bundle: NetworkBundle, table: ReflectionTable, batch: dict[str, torch.Tensor]
+) -> dict[str, torch.Tensor]:
     """Every photo of a batch of pairs with the surface found in it, and the truth under both lights of its pair.
 
     The albedo stays the true one. These networks cannot see how far off a found albedo is; learning on it
@@ -33,25 +36,26 @@ def on_predicted_surface(bundle: NetworkBundle, batch: dict[str, torch.Tensor]) 
         batch: pairs as `dataset.stream` gives them, of S x S pixels.
 
     Returns:
-        (4 * pairs, C, T, T): by pair, photo and light; T as `surface_size` has it.
+        (4 * pairs, C, T, T): by pair, photo and light; T as `surface_size` has it. "reflected" is what the editor
+        makes of the surface and the light.
     """
     photo = batch["photo_srgb"].flatten(0, 1)
     size = surface_size(bundle, photo)
-    surfaces, shadows = [], []
+    surfaces, shadows, reflected = [], [], []
     for linear, lights in zip(srgb_decode(photo), batch["light"].repeat_interleave(2, 0), strict=True):
         view = linear.permute(1, 2, 0).float().cpu().numpy()
         surface = stages.delight(bundle, view, size, photo.device.type)
         surfaces.append(surface)
         shadows.append(stages.march(surface, RELIEF_SIZE).shadow_fraction(lights.cpu()))
+        reflector = stages.reflector(table, surface)
+        reflected += [stages.reflect(reflector, light[None]) for light in lights]
     found = {name: torch.cat([getattr(s, name) for s in surfaces]) for name in ("normal", "relief", "parsing")}
     truth = {name: _for_both_photos(batch[name]) for name in batch.keys() - {"photo_srgb", "label"}}
     shadow = torch.cat(shadows).to(photo.device)
     shadow = F.interpolate(shadow, size=size, mode="bilinear", align_corners=False)
-    return (
-        shrunk_heads(truth, size)
-        | {name: value.repeat_interleave(2, 0) for name, value in found.items()}
-        | {"relief_shadow": shadow}
-    )
+    seen = {name: value.repeat_interleave(2, 0) for name, value in found.items()}
+    lit = {"relief_shadow": shadow, "reflected": torch.cat(reflected)}
+    return shrunk_heads(truth, size) | seen | lit
 
 
 @torch.no_grad()

@@ -48,13 +48,13 @@ class Stage:
     Attributes:
         trains: names of the networks it changes.
         losses: (bundle, reflection table, batch of pairs) -> loss terms.
-        photographs, relief_shadow: what its samples need (see `dataset.samples.SampleStream`).
+        photographs, relief_shadow: what its samples need (see `dataset.stream.SampleStream`).
         learning_rate: the peak of its schedule.
         distilled: its batches are what the wide pair of networks says (see `training.distillation`).
         outlines: its samples are photos with outlines (see `dataset.cutouts.outlines`).
         settled: its networks come from another stage with running statistics that hold, and are normalised by those.
-        prepare: (bundle, batch of pairs) -> what `losses` gets in the batch's place. It depends on nothing that the
-            stage changes and carries no gradient, so it is done ahead of the step.
+        prepare: (bundle, reflection table, batch of pairs) -> what `losses` gets in the batch's place. It depends on
+            nothing that the stage changes and carries no gradient, so it is done ahead of the step.
     """
 
     trains: tuple[str, ...]
@@ -65,7 +65,7 @@ class Stage:
     distilled: bool = False
     outlines: bool = False
     settled: bool = False
-    prepare: Callable[[NetworkBundle, Batch], Batch] | None = None
+    prepare: Callable[[NetworkBundle, ReflectionTable, Batch], Batch] | None = None
 
     def learners(self, config: BundleConfig) -> tuple[str, ...]:
         """What of `trains` its losses reach: SS is out where composition learns as well and is told nothing of it."""

@@ -3,8 +3,10 @@
 import pytest
 import torch
 
+from relight_core.imaging.tensor_colour import srgb_decode
 from relight_core.lighting.reflection import ReflectionTable
 from relight_core.networks.bundle import BundleConfig, NetworkBundle, with_detail_pass
+from relight_core.pipeline import stages
 from relight_core.training.predicted import found_hints, on_predicted_surface
 from relight_core.training.stages import STAGES
 
@@ -35,7 +37,7 @@ def pairs(count, size):
 
 
 def test_each_photo_gets_the_truth_under_both_lights_of_its_pair(bundle):
-    flat = on_predicted_surface(bundle, pairs(2, 32))
+    flat = on_predicted_surface(bundle, ReflectionTable(), pairs(2, 32))
     assert flat["image"][:, 0, 0, 0].tolist() == [0, 1, 0, 1, 2, 3, 2, 3]
     assert flat["light"][:, 0, 0, 0].tolist() == [1, 2, 1, 2, 3, 4, 3, 4]
     assert flat["relief_shadow"].shape == (8, 1, 32, 32)
@@ -43,21 +45,21 @@ def test_each_photo_gets_the_truth_under_both_lights_of_its_pair(bundle):
 
 def test_normals_are_those_found_in_the_photo(bundle):
     batch = pairs(1, 32)
-    normal = on_predicted_surface(bundle, batch)["normal"]
+    normal = on_predicted_surface(bundle, ReflectionTable(), batch)["normal"]
     torch.testing.assert_close(normal.norm(dim=1), torch.ones(4, 32, 32), rtol=0, atol=1e-3)
     assert torch.equal(normal[0], normal[1])
     assert not torch.equal(normal[0], normal[2])
 
 
 def test_with_a_sharpening_pass_the_relighting_networks_work_at_half_the_size(bundle):
-    flat = on_predicted_surface(with_detail_pass(bundle, 4).eval(), pairs(1, 64))
+    flat = on_predicted_surface(with_detail_pass(bundle, 4).eval(), ReflectionTable(), pairs(1, 64))
     for name in ("image", "albedo", "normal", "relief_shadow", "covered", "shadow_fraction"):
         assert flat[name].shape[-2:] == (32, 32)
     torch.testing.assert_close(flat["albedo"], torch.full((4, 3, 32, 32), 0.25))
 
 
 def test_what_it_gives_can_be_learnt_on(bundle):
-    flat = on_predicted_surface(bundle, pairs(1, 32))
+    flat = on_predicted_surface(bundle, ReflectionTable(), pairs(1, 32))
     weight = torch.ones(1, requires_grad=True)
     (weight * flat["normal"] * flat["relief_shadow"]).square().sum().backward()
     assert torch.isfinite(weight.grad).all()
@@ -111,3 +113,11 @@ def test_a_found_relief_casts_the_shadow_that_the_editor_would_march():
                 torch.testing.assert_close(both[name][number, None], one[name], atol=1e-4, rtol=1e-3)
     assert float(both["relief_shadow"].std()) > 0
     assert both["parsing"].sum(1).allclose(torch.ones(2, 16, 16), atol=1e-4)
+
+
+def test_surfaces_reflect_what_the_editor_makes_of_them_and_their_light(bundle):
+    batch = pairs(1, 32)
+    flat = on_predicted_surface(bundle, ReflectionTable(), batch)
+    surface = stages.delight(bundle, srgb_decode(batch["photo_srgb"][0, 1]).permute(1, 2, 0).numpy(), 32)
+    expected = stages.reflect(stages.reflector(ReflectionTable(), surface), batch["light"][0, :1])
+    torch.testing.assert_close(flat["reflected"][2:3], expected.clone())
