@@ -33,7 +33,7 @@ from relight_core.training.relight_steps import (
     with_reflected,
 )
 
-_LEVELLED_SHARE = 2 / 3
+_LEVELLED_SHARE = 1 / 2
 _SECOND_LOOK_SHARE = 1 / 3
 """Of the steps; it costs as much as half of one more."""
 
