@@ -54,6 +54,7 @@ class Session:
         Raises:
             InputError: L is none of these, or its file is bad.
         """
+        from app.engine.sources import BORROWED_AT
         from relight_core.lighting.environment import read_environment
         from relight_core.lighting.light_edit import LightEdit, edit_light
         from relight_core.lighting.rigs import load_rig
@@ -66,7 +67,7 @@ class Session:
         if kind == "panorama":
             return edit_light(read_environment(Path(text)), LightEdit(metered=metered))
         self.open(Path(text))
-        return self.relighter.estimated_light()
+        return self.relighter.estimated_light(BORROWED_AT)
 
     def _saved_light(self, path: Path) -> Environment:
         """A light file's light, or a session's, with all that was changed about it and its turn."""

@@ -16,7 +16,7 @@ from app.engine.screen import (
     rig_for_screen,
 )
 from app.engine.snapshot import OpenLight, OpenPhoto, Picture, Snapshot
-from app.engine.sources import LightSource, PhotoSource, RelighterLike, Request
+from app.engine.sources import BORROWED_AT, LightSource, PhotoSource, RelighterLike, Request
 from app.engine.tier_meter import TierMeter
 from relight_core.errors import InputError, NoFaceError
 from relight_core.face.find import FaceBox, find_faces
@@ -216,7 +216,7 @@ class Desk:
     def _estimate_own_light(self, quality: str, now: Snapshot) -> Snapshot:
         return replace(now, own_light=_for_screen(_OWN, self._environment(_OWN, quality)))
 
-    def _environment(self, source: LightSource, quality: str = _AT_REST) -> Environment:
+    def _environment(self, source: LightSource, quality: str = BORROWED_AT) -> Environment:
         if source.kind == "panorama":
             return read_environment(Path(source.name))
         if source.kind == "portrait":

@@ -28,6 +28,10 @@ PHOTO_SUFFIXES = (".jpg", ".jpeg", ".png", ".tif", ".tiff", ".heic", ".heif", ".
 PICTURE_SUFFIXES = (*PHOTO_SUFFIXES, *RAW_SUFFIXES, ".hdr")
 
 
+BORROWED_AT = "final"
+"""The quality of de-lighting that tells the light of a portrait, wherever that light is lent to another photo."""
+
+
 class RelighterLike(Protocol):
     """The part of relight_core.pipeline.relighter.Relighter that the engine uses."""
 
@@ -43,7 +47,7 @@ class RelighterLike(Protocol):
     ) -> RelitLike:
         """The portrait under a light, no larger than that, as pixels or as what a shader draws; fast."""
 
-    def estimated_light(self, quality: str = "live") -> Environment:
+    def estimated_light(self, quality: str) -> Environment:
         """The light the portrait was taken under, as de-lighting at that quality sees it."""
 
 

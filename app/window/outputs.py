@@ -18,7 +18,7 @@ from app.engine.exporting import Exporter, ExportJob, ExportSettings, export_not
 from app.engine.film import write_film
 from app.engine.jobs import JobControl
 from app.engine.snapshot import Picture
-from app.engine.sources import RelighterLike
+from app.engine.sources import BORROWED_AT, RelighterLike
 from app.engine.turntable import FRAMES, turning, write_pictures
 from app.ui.photo_works import portrait_of
 from app.ui.state import EditorState
@@ -227,7 +227,7 @@ def relight_like(
     opened = read_photo(portrait.path)
     relighter.set_portrait(opened, portrait.face_index, portrait.boxes)
     if document.light.kind == "own":
-        environment = edit_light(relighter.estimated_light("final"), document.light_edit)
+        environment = edit_light(relighter.estimated_light(BORROWED_AT), document.light_edit)
     channels = None if settings.form == ".exr" and settings.layers else ()
     edit = replace(document.edit, quality="final", channels=channels)
     relit = relighter.relight(environment, _without_exposure(edit))

@@ -156,7 +156,7 @@ class Relighter:
         found = self._shop.delight(network_view(photo, view, tier.size), replace(tier, looks_twice=False))
         return found.parsing[0].float().cpu().numpy()
 
-    def estimated_light(self, quality: str = "live") -> Environment:
+    def estimated_light(self, quality: str) -> Environment:
         """The light the photo was taken under, as de-lighting sees it, at the photo's own exposure.
 
         Raises:

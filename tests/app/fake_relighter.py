@@ -64,7 +64,7 @@ class FakeRelighter:
         self.photo, self.people = photo, tuple(boxes)
         self.portraits.append((photo, face_index, tuple(boxes)))
 
-    def estimated_light(self, quality="live"):
+    def estimated_light(self, quality):
         height, width = 16, 32
         radiance = np.ones((height, width, 3), np.float32) * self.photo.linear.mean(axis=(0, 1))
         return Environment.from_radiance(radiance, "estimated")

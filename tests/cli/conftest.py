@@ -45,7 +45,7 @@ class FakeRelighter:
     """Multiplies the photo by the shadow's gain and finds a face wherever a photo isn't one flat colour."""
 
     def __init__(self) -> None:
-        self.edits, self.lights = [], []
+        self.edits, self.lights, self.estimates = [], [], []
         self.level_ev = -1.5
         self.share = 0.5
         self.longest_sides_px = []
@@ -56,7 +56,8 @@ class FakeRelighter:
             raise InputError(f"{photo.path}: no face found; choose a photo that shows a face")
         self.photo = photo
 
-    def estimated_light(self):
+    def estimated_light(self, quality):
+        self.estimates.append(quality)
         return Environment.from_radiance(np.full((16, 32, 3), 0.25, np.float32), "borrowed")
 
     def relight(self, environment, edit, longest_side_px=None, *, for_shader=False):

@@ -138,6 +138,15 @@ def test_the_light_can_be_a_panorama_or_borrowed_from_a_portrait(relight, photo,
         assert np.array_equal(np.asarray(Image.open(tmp_path / "o.png")), np.asarray(Image.open(photo)))
 
 
+@pytest.mark.parametrize("quality", ["draft", "final"])
+def test_a_light_is_borrowed_as_the_window_does_whatever_the_quality(
+    relight, relighter, photo, another_photo, tmp_path, quality
+):
+    words = "--light", another_photo, "--quality", quality
+    assert relight("render", photo, *words, "-o", tmp_path / "o.png").code == 0
+    assert relighter.estimates == ["final"]
+
+
 @pytest.mark.parametrize("out", ["new/folder/", "made", "made/{name}.jpg"])
 def test_several_photos_go_to_a_folder_or_a_pattern(relight, photo, another_photo, tmp_path, out):
     (tmp_path / "made").mkdir()

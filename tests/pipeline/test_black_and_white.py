@@ -77,7 +77,7 @@ class TestRelighting:
         assert relit.image.std() > 0.01
         assert of_greys(relit.channels["albedo"])
         assert of_greys(relit.channels["composition"])
-        assert of_greys(relighter.estimated_light().shape)
+        assert of_greys(relighter.estimated_light("live").shape)
 
     def test_a_toned_photo_keeps_its_tone(self, weights):
         sepia = black_and_white().linear * np.float32([1.1, 1.0, 0.7])

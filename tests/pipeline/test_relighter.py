@@ -162,11 +162,11 @@ def test_no_portrait_yet(weights):
     with pytest.raises(InputError, match="portrait"):
         Relighter(weights).relight(some_light(), EDIT)
     with pytest.raises(InputError, match="portrait"):
-        Relighter(weights).estimated_light()
+        Relighter(weights).estimated_light("live")
 
 
 def test_estimated_light_is_a_light(relighter):
-    borrowed = relighter.estimated_light()
+    borrowed = relighter.estimated_light("live")
     assert borrowed.shape.shape == (16, 32, 3)
     assert np.isfinite(borrowed.shape).all()
     assert borrowed.level > 0
