@@ -17,7 +17,6 @@ from relight_core.errors import InputError
 
 if TYPE_CHECKING:
     from app.document.document import PhotoRef
-    from app.document.light_file import SavedLight
     from relight_core.face.find import FaceBox
     from relight_core.imaging.photo import Photo
     from relight_core.lighting.environment import Environment
@@ -71,13 +70,13 @@ class Session:
 
     def _saved_light(self, path: Path) -> Environment:
         """A light file's light, or a session's, with all that was changed about it and its turn."""
+        from app.document.session_file import read_lent_light
         from relight_core.lighting.light_edit import edit_light, turned_light
 
-        saved, photo = _read_saved(path)
-        if photo is not None:
-            self.heed_boxes(photo)
-        if saved.light.kind == "own":
-            raise InputError(f"{path}: its light is the photo's own; name the portrait itself after --light")
+        lent = read_lent_light(path)
+        saved = lent.saved
+        if lent.photo is not None:
+            self.heed_boxes(lent.photo)
         for note in saved.notes:
             warnings.warn(f"{path}: {note}", stacklevel=2)
         return turned_light(edit_light(self.light(saved.light.name), saved.light_edit), saved.yaw_deg)
@@ -135,21 +134,10 @@ def light_files(text: str) -> list[Path]:
         return []
     if light_kind(text) != "saved":
         return [Path(text)]
-    light = _read_saved(Path(text))[0].light
+    from app.document.session_file import read_lent_light
+
+    light = read_lent_light(Path(text)).saved.light
     return [Path(text), *([Path(light.name)] if light.kind in ("panorama", "portrait") else [])]
-
-
-def _read_saved(path: Path) -> tuple[SavedLight, PhotoRef | None]:
-    """What a light file holds, or a session says of its light, and then the session's photo."""
-    from app.document.json_fields import kind_of
-    from app.document.light_file import SavedLight, read_light
-    from app.document.session_file import read_session
-
-    if kind_of(path) != "session":
-        return read_light(path), None
-    session = read_session(path)
-    document = session.document
-    return SavedLight(document.light, document.light_edit, document.edit.yaw_deg, session.notes), document.photo
 
 
 def _no_such_light(text: str, rigs: list[str]) -> str:

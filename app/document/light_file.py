@@ -76,6 +76,8 @@ def read_light(path: Path) -> SavedLight:
     fields = read_json(path, KIND, VERSION, notes)
     yaw_deg = fields.number("yaw_deg", -180.0, 180.0, 0.0)
     light, light_edit = read_light_content(fields.group("light"), path)
+    if light.kind == "own":
+        raise InputError(f"{path}: its light is a photo's own, and it names no photo; open a session or the portrait")
     fields.finish()
     return SavedLight(light, light_edit, yaw_deg, tuple(notes))
 

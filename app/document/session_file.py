@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import os
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from app.document.document import Document, LightRef, PhotoRef
 from app.document.face_boxes import face_boxes_content, read_face_boxes
 from app.document.json_fields import Fields, kind_of, path_for_file, path_from_file, read_json, write_json
-from app.document.light_file import light_content, read_light_content
+from app.document.light_file import SavedLight, light_content, read_light, read_light_content
 from app.engine.places import folder_for_outputs
 from app.engine.sources import PICTURE_SUFFIXES
 from relight_core.errors import InputError
@@ -47,6 +47,19 @@ class Session:
 
     document: Document
     notes: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class LentLight:
+    """A light from a file of ours, to be used on any photo.
+
+    Attributes:
+        saved: the light; never of kind "own".
+        photo: of the session it comes from; None where that is not there, or it comes from a light file.
+    """
+
+    saved: SavedLight
+    photo: PhotoRef | None = None
 
 
 def session_path(photo: Path) -> Path:
@@ -106,19 +119,46 @@ def read_session(path: Path, light_stand_in: LightRef | None = None) -> Session:
     """
     notes: list[str] = []
     fields = read_json(path, KIND, VERSION, notes)
-    photo = path_from_file(fields.text("photo"), path.parent, PICTURE_SUFFIXES, str(path))
-    face_index = fields.index("face")
-    boxes = read_face_boxes(fields, path)
+    photo = _photo(fields, path)
     light, light_edit = read_light_content(fields.group("light"), path, light_stand_in)
     edit = _edit(fields.group("edit"), path)
     quality = fields.word("quality", (AUTO, *TIERS), AUTO)
     fields.finish()
-    return Session(Document(PhotoRef(photo, face_index, boxes), light, light_edit, edit, quality), tuple(notes))
+    return Session(Document(photo, light, light_edit, edit, quality), tuple(notes))
+
+
+def read_lent_light(path: Path) -> LentLight:
+    """The light of a light file, or of a session, for whichever photo.
+
+    Nothing else in a session has to be of use. Where its light is that of its own photo, a portrait lends it.
+
+    Raises:
+        InputError: neither of them, or the light can't be had; the line says why.
+    """
+    if kind_of(path) != KIND:
+        return LentLight(read_light(path))
+    notes: list[str] = []
+    fields = read_json(path, KIND, VERSION, notes)
+    light, light_edit = read_light_content(fields.group("light"), path)
+    yaw_deg = fields.group("edit").number("yaw_deg", *_EDIT_RANGES["yaw_deg"], 0.0)
+    saved = SavedLight(light, light_edit, yaw_deg, tuple(notes))
+    if light.kind == "own":
+        photo = _photo(fields, path)
+        return LentLight(replace(saved, light=LightRef("portrait", str(photo.path))), photo)
+    try:
+        return LentLight(saved, _photo(fields, path))
+    except InputError:
+        return LentLight(saved)
 
 
 def is_session_place(path: Path) -> bool:
     """Whether a session may be written there: nothing is there yet, or a session."""
     return not os.path.lexists(path) or kind_of(path) == KIND
+
+
+def _photo(fields: Fields, path: Path) -> PhotoRef:
+    photo = path_from_file(fields.text("photo"), path.parent, PICTURE_SUFFIXES, str(path))
+    return PhotoRef(photo, fields.index("face"), read_face_boxes(fields, path))
 
 
 def _edit(fields: Fields, path: Path) -> Edit:

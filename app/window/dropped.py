@@ -7,8 +7,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from app.document.json_fields import kind_of
-from app.document.light_file import read_light
-from app.document.session_file import read_session
+from app.document.session_file import read_lent_light, read_session
 from app.engine.batch import photos_in
 from app.engine.sources import PHOTO_SUFFIXES, LightSource
 from app.ui.photo_queue import PhotoQueue
@@ -75,12 +74,8 @@ def use_as_light(state: EditorState, path: Path) -> None:
     """
     if os.path.isdir(path):
         raise InputError(f"{path.name} is a folder; drop a panorama or a portrait on the light panel")
-    kind = kind_of(path) if path.suffix.lower() == ".json" else None
-    if kind == "session":
-        document = read_session(path).document
-        state.use_light(document.light, document.light_edit, document.edit.yaw_deg)
-    elif path.suffix.lower() == ".json":
-        saved = read_light(path)
+    if path.suffix.lower() == ".json":
+        saved = read_lent_light(path).saved
         state.use_light(saved.light, saved.light_edit, saved.yaw_deg)
         _tell_notes(state, path, saved.notes)
     else:

@@ -110,6 +110,21 @@ def test_panoramas_and_sessions_beyond_the_first_are_named(state, tmp_path):
     assert "noon.exr and 1 more left out" in text
 
 
+def test_the_original_light_of_a_session_is_that_of_its_photo_and_not_of_the_open_one(state, tmp_path):
+    me = tmp_path / "me.jpg"
+    me.write_bytes(b"pixels")
+    path = tmp_path / "me.relight.json"
+    write_session(path, Document(PhotoRef(me), LightRef("own"), LightEdit(warmth=0.5), Edit(yaw_deg=400.0)))
+    state.open_photo(Path("other.jpg"))
+    take_files(state, [path], 100.0, 100.0)
+    assert state.photo.path == Path("other.jpg")
+    assert (state.light.kind, state.light.name) == ("portrait", str(me))
+    assert (state.light_edit, state.edit.yaw_deg) == (LightEdit(warmth=0.5), 180.0)
+    ((text, is_error),) = state.asking.notices
+    assert is_error
+    assert "yaw_deg 400" in text
+
+
 def refuse(state):
     state.accept(replace(state.snapshot, refused=state.snapshot.refused | {state.photo}))
 

@@ -7,8 +7,9 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from app.document.document import LightRef
+from app.document.document import Document, LightRef, PhotoRef
 from app.document.light_file import SavedLight, write_light
+from app.document.session_file import write_session
 from relight_core.face.find import FaceBox
 from relight_core.imaging.read import read_radiance
 from relight_core.imaging.write import write_image
@@ -136,6 +137,14 @@ def test_the_light_can_be_a_panorama_or_borrowed_from_a_portrait(relight, photo,
     for light in (panorama, another_photo):
         assert relight("render", photo, "--light", light, "-o", tmp_path / "o.png").code == 0
         assert np.array_equal(np.asarray(Image.open(tmp_path / "o.png")), np.asarray(Image.open(photo)))
+
+
+def test_a_session_under_its_original_light_lends_that_of_its_photo(relight, relighter, photo, another_photo, tmp_path):
+    session = tmp_path / "another.relight.json"
+    write_session(session, Document(PhotoRef(another_photo), LightRef("own"), LightEdit(level_ev=1.0)))
+    assert relight("render", photo, "--light", session, "-o", tmp_path / "o.png").code == 0
+    assert relighter.estimates == ["final"]
+    assert relighter.lights[-1].level == pytest.approx(2 * relighter.estimated_light("final").level)
 
 
 @pytest.mark.parametrize("quality", ["draft", "final"])
