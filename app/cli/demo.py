@@ -2,21 +2,38 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+import warnings
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from app.cli.channels import write_channels
 from app.cli.outputs import check_place, make_folder
-from app.cli.session import Session, light_files
+from app.cli.session import Session, light_files, light_kind
 from app.cli.turntable import write_turntable
 from relight_core.pipeline.edit import Edit
 
 if TYPE_CHECKING:
     from app.document.document import PhotoRef
+    from relight_core.lighting.environment import Environment
 
 DEMO_LIGHTS = ("rembrandt", "soft-window", "golden-hour")
 TURNING_LIGHT = "hard-side"
+
+
+@dataclass(frozen=True)
+class _Work:
+    """What is relit.
+
+    Attributes:
+        photo: whose faces.
+        lights: the name and the light of each picture.
+        edit: the sliders.
+    """
+
+    photo: PhotoRef
+    lights: list[tuple[str, Environment]]
+    edit: Edit
 
 
 def write_demo(photo: Path, light: str | None, folder: Path) -> None:
@@ -30,12 +47,12 @@ def write_demo(photo: Path, light: str | None, folder: Path) -> None:
     from relight_core.imaging.write import write_image
 
     session = Session()
-    opened, light, edit = _work(session, photo, light)
+    work = _work(session, photo, light)
+    edit = work.edit
     make_folder(folder)
-    inputs = [photo, opened.path, *light_files(light or "")]
-    lights = [(name, session.light(name, metered=True)) for name in ([light] if light else DEMO_LIGHTS)]
-    session.open(opened.path, opened.face_index)
-    for name, environment in lights:
+    inputs = [photo, work.photo.path, *light_files(light or str(photo))]
+    session.open(work.photo.path, work.photo.face_index)
+    for name, environment in work.lights:
         output = folder / f"relit-{Path(name).stem}.png"
         check_place(output, inputs)
         relit = session.relighter.relight(environment, edit)
@@ -45,21 +62,45 @@ def write_demo(photo: Path, light: str | None, folder: Path) -> None:
     print(f"wrote {folder / 'channels'}/", flush=True)
     sheet = folder / "turntable.png"
     check_place(sheet, inputs)
-    write_turntable(session, lights[0][1] if light else session.light(TURNING_LIGHT), edit, sheet)
+    write_turntable(session, environment if len(work.lights) == 1 else session.light(TURNING_LIGHT), edit, sheet)
     print(f"wrote {sheet}", flush=True)
 
 
-def _work(session: Session, given: Path, light: str | None) -> tuple[PhotoRef, str | None, Edit]:
-    """The photo, the light's name and the sliders that the command line means."""
+def _work(session: Session, given: Path, light: str | None) -> _Work:
+    """What the command line means by a photo or a session, and a light."""
     from app.document.document import PhotoRef
 
-    if given.suffix.lower() != ".json":
-        return PhotoRef(given), light, Edit(quality="final")
-    from app.document.session_file import read_session
+    if given.suffix.lower() == ".json":
+        return _saved_work(session, given, light)
+    names = [light] if light else DEMO_LIGHTS
+    lights = [(name, session.light(name, metered=True)) for name in names]
+    return _Work(PhotoRef(given), lights, Edit(quality="final"))
 
-    document = read_session(given).document
-    session.heed_boxes(document.photo)
-    light = light or str(given)
+
+def _saved_work(session: Session, given: Path, light: str | None) -> _Work:
+    """A session's work, as the window opens it; `light` takes the place of its light."""
+    from app.document.document import LightRef
+    from app.document.session_file import read_session
+    from app.engine.sources import LightSource
+    from relight_core.lighting.light_edit import turned_light
+    from relight_core.pipeline.auto_quality import QualityChoice
+
+    read = read_session(given)
+    for note in read.notes:
+        warnings.warn(f"{given}: {note}", stacklevel=2)
+    document, photo = read.document, read.document.photo
+    session.heed_boxes(photo)
+    edit = replace(document.edit, quality=QualityChoice(document.quality).at_rest())
     # A saved light comes turned as it was saved.
-    edit = replace(document.edit, yaw_deg=0.0) if light.lower().endswith(".json") else document.edit
-    return document.photo, light, edit
+    unturned = replace(edit, yaw_deg=0.0)
+    if light is None:
+        if document.light.kind == "own":
+            session.open(photo.path, photo.face_index)
+        environment = session.drawn(document.light, document.light_edit)
+        return _Work(photo, [(str(given), turned_light(environment, edit.yaw_deg))], unturned)
+    if light_kind(light) == "saved":
+        return _Work(photo, [(light, session.light(light))], unturned)
+    source = LightSource.named(light)
+    is_same = source.same_as(document.light.source())
+    changed = document.light_edit if is_same else source.opened_around(document.light_edit)
+    return _Work(photo, [(light, session.drawn(LightRef(source.kind, light), changed))], edit)

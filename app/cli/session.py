@@ -16,10 +16,11 @@ from app.making import make_relighter
 from relight_core.errors import InputError
 
 if TYPE_CHECKING:
-    from app.document.document import PhotoRef
+    from app.document.document import LightRef, PhotoRef
     from relight_core.face.find import FaceBox
     from relight_core.imaging.photo import Photo
     from relight_core.lighting.environment import Environment
+    from relight_core.lighting.light_edit import LightEdit
     from relight_core.pipeline.relighter import Relighter
 
 
@@ -53,25 +54,42 @@ class Session:
         Raises:
             InputError: L is none of these, or its file is bad.
         """
-        from app.engine.sources import BORROWED_AT
-        from relight_core.lighting.environment import read_environment
         from relight_core.lighting.light_edit import LightEdit, edit_light
-        from relight_core.lighting.rigs import load_rig
 
         kind = light_kind(text)
         if kind == "saved":
             return self._saved_light(Path(text))
+        base = self._base(kind, text)
+        return edit_light(base, LightEdit(metered=metered)) if kind == "panorama" else base
+
+    def drawn(self, light: LightRef, changed: LightEdit) -> Environment:
+        """A light with all that was changed about it; the photo's own is that of the portrait that is open.
+
+        Raises:
+            InputError: its file is bad, or there is no portrait.
+        """
+        from relight_core.lighting.light_edit import edit_light
+
+        return edit_light(self._base(light.kind, light.name), changed)
+
+    def _base(self, kind: str, name: str) -> Environment:
+        """A light of a kind as of LightSource, before anything is changed about it."""
+        from app.engine.sources import BORROWED_AT
+        from relight_core.lighting.environment import read_environment
+        from relight_core.lighting.rigs import load_rig
+
         if kind == "rig":
-            return load_rig(text)
+            return load_rig(name)
         if kind == "panorama":
-            return edit_light(read_environment(Path(text)), LightEdit(metered=metered))
-        self.open(Path(text))
+            return read_environment(Path(name))
+        if kind == "portrait":
+            self.open(Path(name))
         return self.relighter.estimated_light(BORROWED_AT)
 
     def _saved_light(self, path: Path) -> Environment:
         """A light file's light, or a session's, with all that was changed about it and its turn."""
         from app.document.session_file import read_lent_light
-        from relight_core.lighting.light_edit import edit_light, turned_light
+        from relight_core.lighting.light_edit import turned_light
 
         lent = read_lent_light(path)
         saved = lent.saved
@@ -79,7 +97,7 @@ class Session:
             self.heed_boxes(lent.photo)
         for note in saved.notes:
             warnings.warn(f"{path}: {note}", stacklevel=2)
-        return turned_light(edit_light(self.light(saved.light.name), saved.light_edit), saved.yaw_deg)
+        return turned_light(self.drawn(saved.light, saved.light_edit), saved.yaw_deg)
 
     def heed_boxes(self, photo: PhotoRef) -> None:
         """Let the boxes that a saved session has of this photo's faces count when it is opened."""

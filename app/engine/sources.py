@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Protocol
 
@@ -129,6 +129,14 @@ class LightSource:
         All others are in the photo's units: rigs were made so, and borrowed light comes from a photo.
         """
         return LightEdit(metered=self.kind == "panorama")
+
+    def opened_around(self, before: LightEdit) -> LightEdit:
+        """How the light is opened in the place of another: soft boxes stay, and the room's share with them.
+
+        Level, colour and blur were changes to the light before.
+        """
+        kept = before if before.boxes else LightEdit()
+        return replace(self.opening_edit, base=kept.base, boxes=kept.boxes)
 
     def same_as(self, other: LightSource | None) -> bool:
         """Whether the other wish is for the same light."""

@@ -6,7 +6,6 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from app.engine.sources import LightSource
-from app.ui.light_list import edit_of_another
 
 if TYPE_CHECKING:
     from app.ui.state import EditorState
@@ -31,7 +30,7 @@ def fall_back(state: EditorState) -> None:
     if state.light in snapshot.refused:
         light = snapshot.light
         state.light = light.source if light else LightSource("rig", FIRST_LIGHT)
-        state.light_edit = light.edit if light else edit_of_another(state.light, state.light_edit)
+        state.light_edit = light.edit if light else state.light.opened_around(state.light_edit)
 
 
 def give_up_what_is_on_its_way(state: EditorState) -> None:

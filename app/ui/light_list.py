@@ -6,7 +6,6 @@ from collections.abc import Collection, Sequence
 from dataclasses import replace
 
 from app.engine.sources import LightSource
-from relight_core.lighting.light_edit import LightEdit
 
 
 def wish_again(
@@ -23,12 +22,3 @@ def wish_again(
     known = next((known for known in listed if known.same_as(light)), light)
     wish = replace(known) if afresh or known in refused else known
     return wish, [wish if other is known else other for other in listed]
-
-
-def edit_of_another(light: LightSource, before: LightEdit) -> LightEdit:
-    """How another light is opened: as it is, around the user's own soft boxes.
-
-    The room's share stays with the boxes; level, colour and blur were changes to the light before.
-    """
-    kept = before if before.boxes else LightEdit()
-    return replace(light.opening_edit, base=kept.base, boxes=kept.boxes)

@@ -19,7 +19,7 @@ from app.ui.export_name import named_place
 from app.ui.face_edits import FaceTool
 from app.ui.falling_back import FIRST_LIGHT, fall_back, give_up_what_is_on_its_way
 from app.ui.layout import OpenGroups, Panels
-from app.ui.light_list import edit_of_another, wish_again
+from app.ui.light_list import wish_again
 from app.ui.look import LookState
 from app.ui.open_work import KeptWork, Opening, Undoing
 from app.ui.photo_queue import PhotoQueue
@@ -284,7 +284,7 @@ class EditorState:
         """Ask for another light, around the user's own soft boxes; one in the list is the one in the list."""
         if not light.same_as(self.light):
             self.light = self._known(light)
-            self.light_edit = edit_of_another(light, self.light_edit)
+            self.light_edit = light.opened_around(self.light_edit)
 
     def open_light(self, light: LightSource) -> None:
         """Ask for the light in a file as the file is now; one that is in use keeps what was changed about it."""

@@ -1,6 +1,7 @@
 """relight without a subcommand: the editor, or files where nothing can be shown."""
 
 import sys
+from dataclasses import replace
 from types import ModuleType
 
 import numpy as np
@@ -13,7 +14,13 @@ from app.document.light_file import SavedLight, write_light
 from app.document.session_file import write_session
 from relight_core.face.find import FaceBox
 from relight_core.imaging.write import write_image
+from relight_core.lighting.light_edit import LightEdit, edit_light
+from relight_core.lighting.rigs import load_rig
+from relight_core.lighting.soft_box import SoftBox
 from relight_core.pipeline.edit import Edit
+
+EDIT = Edit(yaw_deg=30.0, shadow=0.5)
+CHANGED = LightEdit(warmth=0.5, base=0.5, boxes=(SoftBox(azimuth_deg=40.0),))
 
 
 @pytest.fixture
@@ -84,6 +91,47 @@ def test_without_a_display_a_session_is_relit_as_it_was_saved(
     assert Image.open(tmp_path / "out" / name).size
     assert relighter.boxes == boxes
     assert (relighter.edits[0].shadow, relighter.edits[0].yaw_deg) == (0.5, yaw_deg)
+
+
+@pytest.fixture
+def saved(photo, tmp_path, monkeypatch):
+    """Saves work on the photo as me.relight.json, where there is no display."""
+    monkeypatch.setattr(edit, "has_display", lambda: False)
+    monkeypatch.chdir(tmp_path)
+
+    def save(light, changed=CHANGED, quality="auto"):
+        write_session(tmp_path / "me.relight.json", Document(PhotoRef(photo), light, changed, EDIT, quality))
+
+    return save
+
+
+def test_without_a_display_a_session_is_shown_under_its_original_light(relight, relighter, saved):
+    saved(LightRef("own"), LightEdit(level_ev=2.0))
+    assert relight("me.relight.json").code == 0
+    assert relighter.lights[0].level == pytest.approx(4 * relighter.estimated_light("final").level)
+    assert relighter.edits[0].shadow == EDIT.shadow
+
+
+@pytest.mark.parametrize(("light", "changed"), [("ring", CHANGED), ("split", replace(CHANGED, warmth=0.0))])
+def test_without_a_display_soft_boxes_and_room_stay_under_another_light(relight, relighter, saved, light, changed):
+    saved(LightRef("rig", "ring"))
+    assert relight("me.relight.json", "--light", light).code == 0
+    assert np.array_equal(relighter.lights[0].shape, edit_light(load_rig(light), changed).shape)
+    assert relighter.edits[0].yaw_deg == EDIT.yaw_deg
+
+
+@pytest.mark.parametrize(("chosen", "quality"), [("draft", "draft"), ("auto", "final")])
+def test_without_a_display_a_session_is_relit_at_its_quality(relight, relighter, saved, chosen, quality):
+    saved(LightRef("rig", "ring"), quality=chosen)
+    assert relight("me.relight.json").code == 0
+    assert {edit.quality for edit in relighter.edits} == {quality}
+
+
+def test_without_a_display_what_a_session_was_mended_of_is_told(relight, saved, tmp_path):
+    saved(LightRef("rig", "ring"))
+    path = tmp_path / "me.relight.json"
+    path.write_text(path.read_text().replace('"shadow": 0.5', '"shadow": 7'))
+    assert "shadow 7" in relight("me.relight.json").err
 
 
 @pytest.mark.parametrize("name", ["gone.relight.json", "mine.light.json"])
