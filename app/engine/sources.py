@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -106,12 +107,15 @@ class LightSource:
 
     @classmethod
     def named(cls, text: str) -> LightSource:
-        """A light as the command line names it: a rig, an .hdr or .exr file, or a portrait."""
+        """A light as the command line names it: a rig, an .hdr or .exr file, or a portrait.
+
+        A file is named in full, so that it is the same light however it was named.
+        """
         from relight_core.lighting.rigs import rig_names
 
         if text in rig_names():
             return cls("rig", text)
-        return cls("panorama" if text.lower().endswith(PANORAMA_SUFFIXES) else "portrait", text)
+        return cls("panorama" if text.lower().endswith(PANORAMA_SUFFIXES) else "portrait", os.path.abspath(text))
 
     @property
     def title(self) -> str:

@@ -111,7 +111,7 @@ def _open(state: EditorState, paths: Sequence[Path]) -> None:
     elif ours:
         use_as_light(state, ours[0])
     if lights:
-        state.open_light(LightSource("panorama", str(lights[0])))
+        state.open_light(LightSource.named(str(lights[0])))
     if photos and session is not None:
         state.queue = _queue_with(state.photo.path, photos)
     elif photos:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import logging
 import os
+from collections.abc import Iterable
 from pathlib import Path
 
 from app.engine.sources import LightSource
@@ -30,14 +31,14 @@ class RecentLights:
 
     def recall(self, state: EditorState) -> None:
         """Put the lights that are still there into the list, newest first."""
-        self._kept = [entry for entry in read_recent(self._path) if os.path.isfile(entry[1])][:MOST]
+        self._kept = _newest(entry for entry in read_recent(self._path) if os.path.isfile(entry[1]))
         known = [LightSource(*entry) for entry in self._kept]
         new = [light for light in known if not any(light.same_as(other) for other in state.extra_lights)]
         state.extra_lights = [*state.extra_lights, *new]
 
     def keep(self, state: EditorState) -> None:
         """Write the list if it is another one than was written last."""
-        now = [(light.kind, os.path.abspath(light.name)) for light in state.extra_lights if light.kind in _KINDS][:MOST]
+        now = _newest((light.kind, light.name) for light in state.extra_lights if light.kind in _KINDS)
         if now == self._kept:
             return
         self._kept = now
@@ -47,6 +48,11 @@ class RecentLights:
                 part.write_text(json.dumps(now, indent=1) + "\n", encoding="utf-8")
         except (OSError, InputError) as error:
             _log.warning("recent lights are not kept: %s", error)
+
+
+def _newest(entries: Iterable[tuple[str, str]]) -> list[tuple[str, str]]:
+    """Kind and file of each light, every file once."""
+    return list(dict.fromkeys((kind, os.path.abspath(name)) for kind, name in entries))[:MOST]
 
 
 def read_recent(path: Path) -> list[tuple[str, str]]:

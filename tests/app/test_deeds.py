@@ -2,6 +2,7 @@
 
 import json
 from dataclasses import replace
+from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
@@ -12,7 +13,8 @@ from app.engine.sources import LightSource
 from app.ui.asking import FileRequest
 from app.ui.file_dialogs import candidates
 from app.ui.state import EditorState
-from app.window.recent_lights import RecentLights
+from app.window.dropped import open_named, take_files
+from app.window.recent_lights import MOST, RecentLights, read_recent
 from relight_core.lighting.light_edit import LightEdit
 
 
@@ -155,6 +157,30 @@ def test_recent_lights_come_back_while_their_files_are_there(tmp_path):
     later = EditorState()
     RecentLights(tmp_path / "recent.json").recall(later)
     assert [light.title for light in later.extra_lights] == ["a"]
+
+
+def test_a_light_that_is_named_from_here_is_the_recent_one_and_not_another(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "sky.hdr").write_bytes(b"light")
+    state = EditorState(extra_lights=[LightSource.named(str(tmp_path / "sky.hdr"))])
+    open_named(state, None, "sky.hdr")
+    assert state.light is state.extra_lights[0]
+    take_files(state, [Path("sky.hdr")], -1.0, -1.0)
+    assert state.light is state.extra_lights[0]
+
+
+def test_a_file_is_kept_and_recalled_once(tmp_path):
+    paths = [tmp_path / f"{number}.hdr" for number in range(MOST)]
+    for path in paths:
+        path.write_bytes(b"light")
+    known = [LightSource("panorama", str(path)) for path in (paths[0], *paths)]
+    RecentLights(tmp_path / "recent.json").keep(EditorState(extra_lights=known))
+    names = [str(path) for path in paths]
+    assert [name for _, name in read_recent(tmp_path / "recent.json")] == names
+    (tmp_path / "recent.json").write_text(json.dumps([["panorama", names[0]], *[["panorama", name] for name in names]]))
+    later = EditorState()
+    RecentLights(tmp_path / "recent.json").recall(later)
+    assert [light.name for light in later.extra_lights] == names
 
 
 @pytest.mark.parametrize(

@@ -1,5 +1,6 @@
 """What a dropped file becomes."""
 
+import os
 from dataclasses import replace
 from pathlib import Path
 
@@ -49,7 +50,7 @@ def test_a_photo_and_a_light_together_open_both(state, tmp_path):
 def test_what_falls_on_the_light_panel_is_a_light(state):
     take_files(state, [Path("friend.jpg")], 100.0, 100.0)
     assert state.photo is None
-    assert (state.light.kind, state.light.name) == ("portrait", "friend.jpg")
+    assert (state.light.kind, state.light.name) == ("portrait", os.path.abspath("friend.jpg"))
 
 
 def test_several_photos_and_folders_become_a_queue_without_what_is_no_photo(state, tmp_path):
@@ -85,7 +86,7 @@ def test_an_empty_folder_and_a_bad_session_are_told_and_change_nothing(state, tm
 def test_with_shift_a_portrait_lends_its_light_anywhere(state):
     take_files(state, [Path("friend.jpg")], *ELSEWHERE, as_light=True)
     assert state.photo is None
-    assert (state.light.kind, state.light.name) == ("portrait", "friend.jpg")
+    assert (state.light.kind, state.light.name) == ("portrait", os.path.abspath("friend.jpg"))
 
 
 def test_an_empty_folder_does_not_keep_what_was_dropped_with_it_from_opening(state, tmp_path):
@@ -157,7 +158,7 @@ def test_a_queue_goes_on_past_photos_that_can_not_be_opened(state):
 
 def test_lights_beyond_the_first_on_the_light_panel_are_named(state):
     take_files(state, [Path("friend.jpg"), Path("other.jpg")], 100.0, 100.0)
-    assert state.light.name == "friend.jpg"
+    assert state.light.name == os.path.abspath("friend.jpg")
     ((text, _),) = state.asking.notices
     assert "other.jpg left out" in text
 
