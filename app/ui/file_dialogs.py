@@ -102,11 +102,17 @@ def candidates(text: str, suffixes: Sequence[str], most: int = 200) -> list[Path
     return (folders + files)[:most]
 
 
+def _filters(suffixes: Sequence[str]) -> list[str] | None:
+    """The choices of which files are listed: words and patterns, by turns."""
+    if not suffixes:
+        return None
+    # On Linux the patterns tell large letters from small ones, and cameras write DSC_0001.JPG.
+    spellings = dict.fromkeys(spelling for suffix in suffixes for spelling in (suffix, suffix.upper()))
+    return ["Files relight opens", " ".join(f"*{spelling}" for spelling in spellings), "All files", "*"]
+
+
 def _opened(request: FileRequest) -> object:
-    start = str(request.start)
-    filters = (
-        ["Files relight opens", " ".join(f"*{suffix}" for suffix in request.suffixes)] if request.suffixes else None
-    )
+    start, filters = str(request.start), _filters(request.suffixes)
     if request.kind == "folder":
         return native.select_folder(request.title, start)
     if request.kind == "save":

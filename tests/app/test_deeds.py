@@ -2,6 +2,7 @@
 
 import json
 from dataclasses import replace
+from fnmatch import fnmatchcase
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -10,8 +11,9 @@ from live_editor import Editor, unsaved_files
 
 from app.document.session_file import read_session
 from app.engine.sources import LightSource
+from app.ui import file_dialogs
 from app.ui.asking import FileRequest
-from app.ui.file_dialogs import candidates
+from app.ui.file_dialogs import FileDialogs, candidates
 from app.ui.state import EditorState
 from app.window.dropped import open_named, take_files
 from app.window.recent_lights import MOST, RecentLights, read_recent
@@ -212,6 +214,17 @@ def test_our_dialog_lists_folders_then_fitting_files_and_hides_dot_files(tmp_pat
     assert names == ["sub", "b.jpg", "B2.JPG"]
     assert [path.name for path in candidates(f"{tmp_path}/b2", (".jpg",))] == ["B2.JPG"]
     assert candidates(f"{tmp_path}/nowhere/", ()) == []
+
+
+def test_the_systems_dialog_lists_names_in_large_letters_too_and_all_files_on_demand(monkeypatch, tmp_path):
+    asked = []
+    monkeypatch.setattr(file_dialogs.native, "open_file", lambda *words: asked.append(words))
+    FileDialogs(True).ask(FileRequest("open", "Open", tmp_path, print, (".jpg", ".relight.json")))
+    _, _, (_, patterns, _, everything), _ = asked[0]
+    for name in ("dsc_1.jpg", "DSC_1.JPG", "me.relight.json"):
+        assert any(fnmatchcase(name, pattern) for pattern in patterns.split())
+    assert not any(fnmatchcase("notes.txt", pattern) for pattern in patterns.split())
+    assert fnmatchcase("notes.txt", everything)
 
 
 def test_a_dialog_is_of_a_known_kind(tmp_path):
