@@ -9,6 +9,7 @@ from app.ui.viewport.box_tools import without_box
 from relight_core.lighting.light_edit import MOST_LEVEL_EV
 
 if TYPE_CHECKING:
+    from app.engine.snapshot import Picture
     from app.ui.state import EditorState
 
 
@@ -17,12 +18,16 @@ def meter_light(state: EditorState) -> None:
     state.light_edit = replace(state.light_edit, metered=not state.light_edit.metered)
 
 
-def match_face(state: EditorState) -> None:
-    """Set the light's level so that the lit part of the face is as bright as in the photo."""
-    if (picture := state.snapshot.picture) is not None:
-        stops = picture.light.edit.level_ev + picture.relit.level_as_in_photo_ev(2 * MOST_LEVEL_EV)
-        level_ev = min(max(stops, -MOST_LEVEL_EV), MOST_LEVEL_EV)
-        state.light_edit = replace(state.light_edit, level_ev=round(level_ev, 2))
+def match_face(state: EditorState, picture: Picture) -> None:
+    """Set the light's level so that the lit part of the face in a picture is as bright as in the photo.
+
+    Where another photo or another light is wanted by now, that light's level is left alone.
+    """
+    if state.photo is None or not picture.opened.shows(state.photo) or not state.light.same_as(picture.light.source):
+        return
+    stops = picture.light.edit.level_ev + picture.relit.level_as_in_photo_ev(2 * MOST_LEVEL_EV)
+    level_ev = min(max(stops, -MOST_LEVEL_EV), MOST_LEVEL_EV)
+    state.light_edit = replace(state.light_edit, level_ev=round(level_ev, 2))
 
 
 def delete_box(state: EditorState) -> None:

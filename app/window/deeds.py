@@ -18,6 +18,7 @@ from app.engine.desk import error_line
 from app.engine.sources import PICTURE_SUFFIXES, PhotoSource
 from app.ui.asking import FileRequest, Question
 from app.ui.file_dialogs import FileDialogs
+from app.ui.light_edits import match_face
 from app.ui.open_work import KeptWork
 from app.ui.photo_works import is_waiting, note_saved, resume, session_of_photo
 from app.ui.state import EditorState
@@ -43,6 +44,7 @@ class Deeds:
         folder: where unsaved work and recent lights are kept; None keeps neither.
         dialogs: the file dialogs.
         outputs: makes files of pictures.
+        when_finished: as of app.window.finished.Finished.then; None takes the picture that is there.
     """
 
     def __init__(
@@ -52,10 +54,12 @@ class Deeds:
         folder: Path | None,
         dialogs: FileDialogs | None = None,
         outputs: Outputs | None = None,
+        when_finished: Callable[..., None] | None = None,
     ) -> None:
         self._state, self._say = state, say
         self._dialogs = dialogs or FileDialogs()
         self._outputs = outputs
+        self._when_finished = when_finished or (lambda run, makes_file: run(state.snapshot.picture))
         self._pool = ThreadPoolExecutor(max_workers=1, thread_name_prefix="relight-autosave")
         self._autosave = Autosave(folder / "unsaved", self._pool.submit) if folder else None
         self._recent = RecentLights(folder / "recent-lights.json") if folder else None
@@ -179,6 +183,11 @@ class Deeds:
     def turntable_pictures(self) -> None:
         """Save the turning light as numbered pictures in a new folder beside the photo."""
         self._outputs.film_writer()(self._outputs.suggested("", "-turntable"), False)
+
+    def match_face(self) -> None:
+        """Set the light's level by the face, once the picture under the light as it is now is there."""
+        if self._state.snapshot.picture is not None:
+            self._when_finished(lambda picture: match_face(self._state, picture), makes_file=False)
 
     def batch(self) -> None:
         """Relight the queue's other photos, or those of a folder, as this one is."""

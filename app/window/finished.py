@@ -1,11 +1,11 @@
-"""What is done with a finished picture waits for it: an export asked for while the networks still run."""
+"""What is done with a finished picture waits for it: an export, say, asked for while the networks still run."""
 
 from __future__ import annotations
 
 import logging
 from collections import deque
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 from app.engine.desk import error_line
 from app.engine.snapshot import Picture, Snapshot
@@ -14,6 +14,21 @@ from app.ui.state import EditorState
 from relight_core.errors import InputError
 
 _log = logging.getLogger(__name__)
+
+
+@dataclass(frozen=True)
+class _Task:
+    """What waits for a picture.
+
+    Attributes:
+        request: asks for the picture.
+        run: is called with it.
+        makes_file: as of `Finished.then`.
+    """
+
+    request: Request
+    run: Callable[[Picture], None]
+    makes_file: bool
 
 
 class Finished:
@@ -32,21 +47,25 @@ class Finished:
 
     def __init__(self, state: EditorState, say: Callable[[str, bool], None]) -> None:
         self._state, self._say = state, say
-        self._tasks: deque[tuple[Request, Callable[[Picture], None]]] = deque()
+        self._tasks: deque[_Task] = deque()
         self.failures = 0
 
-    def then(self, task: Callable[[Picture], None]) -> None:
-        """Call the task with the finished picture, as soon as it is there."""
-        self._tasks.append((self._state.request_at_rest(), task))
+    def then(self, run: Callable[[Picture], None], makes_file: bool = True) -> None:
+        """Call what is given with the finished picture, as soon as it is there.
+
+        Args:
+            makes_file: something is lost if that never happens.
+        """
+        self._tasks.append(_Task(self._state.request_at_rest(), run, makes_file))
 
     @property
-    def is_waiting(self) -> bool:
-        """Whether there is a task whose picture is not there yet."""
-        return bool(self._tasks)
+    def is_making_files(self) -> bool:
+        """Whether there is a file whose picture is not there yet."""
+        return any(task.makes_file for task in self._tasks)
 
     def wanted(self, newest: Request) -> Request:
         """What to ask the engine for: what the oldest task waits for, else the newest wish."""
-        return self._tasks[0][0] if self._tasks else newest
+        return self._tasks[0].request if self._tasks else newest
 
     def hand_out(self, snapshot: Snapshot, is_idle: bool) -> None:
         """Call the tasks whose picture is there.
@@ -54,17 +73,17 @@ class Finished:
         Args:
             is_idle: the engine has done all it can for what it was asked for last.
         """
-        while self._tasks and _answers(snapshot.picture, self._tasks[0][0]):
-            self._attempt(self._tasks.popleft()[1], snapshot.picture)
+        while self._tasks and _answers(snapshot.picture, self._tasks[0].request):
+            self._attempt(self._tasks.popleft().run, snapshot.picture)
             is_idle = False
         if self._tasks and is_idle:
-            self._tasks.popleft()
-            self._fail("Nothing was saved: this picture can't be relit")
+            lost = "Nothing was saved" if self._tasks.popleft().makes_file else "Nothing was changed"
+            self._fail(f"{lost}: this picture can't be relit")
 
-    def _attempt(self, task: Callable[[Picture], None], picture: Picture) -> None:
+    def _attempt(self, run: Callable[[Picture], None], picture: Picture) -> None:
         """Whatever goes wrong in a task is told; the window goes on."""
         try:
-            task(picture)
+            run(picture)
         except Exception as error:
             if not isinstance(error, InputError):
                 _log.error("what waited for a picture failed", exc_info=error)

@@ -84,7 +84,8 @@ class EditorWindow:
         self.exporter = Exporter(self.engine.say, self._wake, on_engine_start)
         self._finished = Finished(self.state, self.engine.say)
         self._outputs = Outputs(self.state, self.exporter, make_relighter, self._finished.then)
-        self._deeds = Deeds(self.state, self.engine.say, folder, outputs=self._outputs)
+        then = self._finished.then
+        self._deeds = Deeds(self.state, self.engine.say, folder, outputs=self._outputs, when_finished=then)
         self._leaving = Leaving(
             self.state.asking, self._is_making_files, lambda: self._finished.failures + self.exporter.failures
         )
@@ -273,7 +274,7 @@ class EditorWindow:
                 graphics.close()
 
     def _is_making_files(self) -> bool:
-        return self._finished.is_waiting or self.exporter.is_busy()
+        return self._finished.is_making_files or self.exporter.is_busy()
 
     def _wake(self) -> None:
         """For other threads: end the window's sleep."""

@@ -170,27 +170,39 @@ def test_reset_puts_a_panorama_back_as_it_was_opened():
     assert state.light_edit == LightEdit(metered=True)
 
 
+@pytest.fixture
+def matched():
+    """A state, and what is in sight: a picture whose face wants -0.734 stops under a light that is a stop up."""
+    state, opened = EditorState(), opened_photo(Path("/p/me.png"))
+    light = replace(open_light(state.light), edit=LightEdit(level_ev=1.0))
+    state.photo, state.light_edit = opened.source, LightEdit(level_ev=3.0)
+    return state, SimpleNamespace(opened=opened, light=light, relit=relit_that_wants(-0.734))
+
+
 def relit_that_wants(stops):
     return SimpleNamespace(level_as_in_photo_ev=lambda most=4.0: min(max(stops, -most), most))
 
 
-def test_the_level_follows_the_face_where_there_is_a_picture():
-    state = EditorState()
-    light_edits.match_face(state)
-    assert state.light_edit.level_ev == 0.0
-    light, relit = SimpleNamespace(edit=LightEdit(level_ev=1.0)), relit_that_wants(-0.734)
-    state.accept(Snapshot(picture=SimpleNamespace(light=light, relit=relit)))
-    light_edits.match_face(state)
-    assert state.light_edit.level_ev == 0.27
+def test_the_level_follows_the_face(matched):
+    light_edits.match_face(*matched)
+    assert matched[0].light_edit.level_ev == 0.27
 
 
 @pytest.mark.parametrize(("wanted", "level_ev"), [(-8.5, -7.5), (-19.0, -10.0), (30.0, 10.0)])
-def test_the_level_follows_the_face_as_far_as_its_slider_goes(wanted, level_ev):
-    state = EditorState()
-    light = SimpleNamespace(edit=LightEdit(level_ev=1.0))
-    state.accept(Snapshot(picture=SimpleNamespace(light=light, relit=relit_that_wants(wanted))))
-    light_edits.match_face(state)
+def test_the_level_follows_the_face_as_far_as_its_slider_goes(matched, wanted, level_ev):
+    state, picture = matched
+    picture.relit = relit_that_wants(wanted)
+    light_edits.match_face(state, picture)
     assert state.light_edit.level_ev == level_ev
+
+
+@pytest.mark.parametrize("other", [{"photo": PhotoSource(Path("/p/you.png"))}, {"light": LightSource("rig", "ring")}])
+def test_no_level_is_set_by_a_picture_of_another_photo_or_light(matched, other):
+    state, picture = matched
+    for name, wish in other.items():
+        setattr(state, name, wish)
+    light_edits.match_face(state, picture)
+    assert state.light_edit.level_ev == 3.0
 
 
 def test_another_light_keeps_the_soft_boxes_and_undo_takes_it_back_in_one_step():

@@ -5,6 +5,7 @@ import numpy as np
 from PIL import Image
 
 from app.document.session_file import read_session
+from relight_core.imaging.write import write_image
 from relight_core.lighting.soft_box import SoftBox, uv_of
 from relight_core.lighting.summary import average_direction
 
@@ -131,6 +132,25 @@ def test_a_click_on_the_face_places_a_lamp_and_the_picture_answers(opened):
     assert box != SoftBox()
     assert box.direction[0] > 0.2
     assert np.abs(opened.picture_pixels(96, 128) - before).max() > 5
+
+
+def test_a_click_on_a_photo_that_is_not_relit_yet_reads_no_face_of_the_photo_before(opened, relighter, tmp_path):
+    state = opened.window.state
+    write_image(tmp_path / "other.png", np.full((96, 128, 3), 0.2, np.float32))
+    relighter.gate.clear()
+    opened.window.on_drop(None, [str(tmp_path / "other.png")], opened.centre())
+    while state.snapshot.opened.source is not state.photo:
+        opened.frames()
+    opened.hold(glfw.KEY_B)
+    opened.release(glfw.KEY_B)
+    opened.click((opened.centre()[0] + 20, opened.centre()[1] + 10))
+    assert state.light_edit.boxes == ()
+    assert "still being relit" in state.message().text
+    relighter.gate.set()
+    opened.settle()
+    opened.click((opened.centre()[0] + 20, opened.centre()[1] + 10))
+    opened.settle()
+    assert len(state.light_edit.boxes) == 1
 
 
 def test_a_click_beside_the_face_tells_so_and_lets_one_try_again(opened):

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from app.document.session_file import read_session
+from relight_core.errors import InputError
 from relight_core.imaging.write import write_image
 from relight_core.lighting.light_edit import LightEdit
 
@@ -97,6 +98,42 @@ def test_the_level_is_matched_to_the_face_by_its_button_and_key_and_undone_in_on
         assert level(adjusting) == pytest.approx(rig * 2.0**1.25)
         adjusting.key(glfw.KEY_Z, ctrl=True)
         assert level(adjusting) == pytest.approx(rig)
+
+
+@pytest.fixture
+def busy(opened, relighter):
+    """The window while the networks are held."""
+    relighter.gate.clear()
+    yield opened
+    relighter.gate.set()
+
+
+def press_as_photo(hand):
+    hand.hold(glfw.KEY_A, glfw.MOD_SHIFT)
+    hand.release(glfw.KEY_A)
+
+
+def test_the_level_waits_for_the_picture_under_the_light_that_is_wanted(busy, relighter):
+    state = busy.window.state
+    state.light_edit = LightEdit(level_ev=2.0)
+    busy.frames(2)
+    press_as_photo(busy)
+    assert state.light_edit.level_ev == 2.0
+    glfw.set_window_should_close(busy.window.handle, True)
+    assert busy.window.may_close(), "a level is no file that could be lost"
+    relighter.gate.set()
+    busy.settle()
+    assert state.light_edit.level_ev == 3.25
+
+
+def test_a_level_that_nothing_can_be_told_of_stays_and_that_is_told(busy, relighter):
+    busy.window.state.light_edit = LightEdit(level_ev=2.0)
+    relighter.fail_with = InputError("no room")
+    press_as_photo(busy)
+    relighter.gate.set()
+    busy.settle()
+    assert busy.window.state.light_edit.level_ev == 2.0
+    assert "Nothing was changed" in busy.window.state.message().text
 
 
 def test_both_ways_to_a_level_stand_side_by_side_for_panoramas(adjusting, sunny):

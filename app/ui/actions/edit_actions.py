@@ -55,6 +55,10 @@ def _can_delete(state: EditorState) -> bool:
     return 0 <= state.selected_box < len(state.light_edit.boxes)
 
 
+def _wish(kind: str):
+    return lambda state: state.asking.wish(kind)
+
+
 LIGHT = (
     Action(
         "Play the rotation",
@@ -83,7 +87,7 @@ LIGHT = (
         _LIGHT,
         ("Shift+A",),
         "A level that leaves the face as bright as in the photo, where the light falls on it",
-        light_edits.match_face,
+        _wish("match_face"),
         available=_relit,
     ),
     Action("Reset all", _LIGHT, ("Ctrl+R",), "Put every slider and the light back", EditorState.reset),
@@ -153,10 +157,6 @@ HISTORY = (
         repeats=True,
     ),
 )
-
-
-def _wish(kind: str):
-    return lambda state: state.asking.wish(kind)
 
 
 FILE = (

@@ -124,7 +124,7 @@ def _level_tools(state: EditorState) -> None:
     if clicked == metered.label:
         light_edits.meter_light(state)
     elif clicked == as_photo.label:
-        light_edits.match_face(state)
+        state.asking.wish("match_face")
 
 
 def _meter_words(state: EditorState) -> str:

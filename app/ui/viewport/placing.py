@@ -53,6 +53,10 @@ def _place(state: EditorState, arranged: Arrangement, at: tuple[float, float], p
     pane = arranged.pane_at(at[0]) or arranged.main
     if picture is None or pane.name in LIGHTS:
         return False
+    if picture.opened is not state.snapshot.opened:
+        if pressed:
+            state.asking.tell("This face is still being relit; click once its picture is there")
+        return False
     if "normal" in picture.relit.channels:
         # While the hand moves, only what is looked at is made; the face stays the same meanwhile.
         state.aim_at = picture.relit
