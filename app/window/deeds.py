@@ -15,6 +15,7 @@ from app.document.light_file import LIGHT_SUFFIX, SavedLight, write_light
 from app.document.session_file import SESSION_SUFFIX, is_session_place, saved_session, session_path, write_session
 from app.engine.batch import photos_in
 from app.engine.desk import error_line
+from app.engine.places import folder_for_outputs
 from app.engine.sources import PICTURE_SUFFIXES, PhotoSource
 from app.ui.asking import FileRequest, Question
 from app.ui.file_dialogs import FileDialogs
@@ -193,7 +194,7 @@ class Deeds:
         """Relight the queue's other photos, or those of a folder, as this one is."""
         queue = self._state.queue.paths
         if len(queue) > 1:
-            self._batch_over(list(queue), queue[0].absolute().parent)
+            self._batch_over(list(queue))
         else:
             self._ask("folder", "Relight all photos of a folder like this one", (), self._batch_there)
 
@@ -231,11 +232,11 @@ class Deeds:
         write_or_ask(self._state.asking, path, lambda chosen, _: write(chosen))
 
     def _batch_there(self, paths: list[Path]) -> None:
-        self._tried(lambda folder: self._batch_over(photos_in(folder), folder), paths[0])
+        self._tried(lambda folder: self._batch_over(photos_in(folder)), paths[0])
 
-    def _batch_over(self, photos: list[Path], beside: Path) -> None:
+    def _batch_over(self, photos: list[Path]) -> None:
         """Relight photos into a folder of their own, after asking where it has pictures of them already."""
-        folder = beside / _BATCH_FOLDER
+        folder = folder_for_outputs(photos[0]) / _BATCH_FOLDER
         done = self._outputs.done_already(photos, folder)
         if not done:
             self._outputs.batch_over(photos, folder)

@@ -1,6 +1,7 @@
 """What the window does for its panels: sessions, recovery, recent lights, dialogs; no window is needed for it."""
 
 import json
+import sys
 from dataclasses import replace
 from fnmatch import fnmatchcase
 from pathlib import Path
@@ -253,6 +254,26 @@ def test_a_dialog_that_gives_a_name_that_is_no_text_is_told_and_the_window_goes_
     editor.live(1)
     assert "no text" in editor.said[-1][0]
     assert not editor.deeds._dialogs.waiting
+
+
+@pytest.mark.parametrize("from_queue", [True, False])
+def test_a_batch_goes_to_the_current_folder_where_the_photos_own_is_no_place_for_it(
+    tmp_path, photo, monkeypatch, from_queue
+):
+    monkeypatch.setattr(sys, "prefix", str(photo.parent))
+    monkeypatch.chdir(tmp_path)
+    (photo.parent / "you.jpg").write_bytes(b"pixels")
+    photos, started = [photo, photo.with_name("you.jpg")], []
+    outputs = SimpleNamespace(done_already=lambda *_: 0, batch_over=lambda *words: started.append(words))
+    editor = Editor(None, outputs=outputs)
+    if from_queue:
+        editor.state.open_photos(photos)
+    editor.state.asking.wish("batch")
+    editor.live(1)
+    if not from_queue:
+        editor.state.picking.then([photo.parent])
+    editor.deeds.close()
+    assert started == [(photos, tmp_path / "relit")]
 
 
 @pytest.mark.parametrize("name", ["anna v1.2", "anna.mov", "anna", "anna.MP4"])
