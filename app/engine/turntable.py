@@ -20,6 +20,8 @@ from relight_core.pipeline.edit import Edit
 from relight_core.pipeline.results.layers import shrunk_picture
 
 FRAMES = 120
+FILM_PX = 1080
+"""The longer side of the pictures where no other was chosen: those of a camera are too large for a film."""
 
 
 def turning(

@@ -19,7 +19,7 @@ from app.engine.film import write_film
 from app.engine.jobs import JobControl
 from app.engine.snapshot import Picture
 from app.engine.sources import BORROWED_AT, RelighterLike
-from app.engine.turntable import FRAMES, turning, write_pictures
+from app.engine.turntable import FILM_PX, FRAMES, turning, write_pictures
 from app.ui.photo_works import portrait_of
 from app.ui.state import EditorState
 from app.window.clipboard import copy_png
@@ -29,6 +29,7 @@ from relight_core.imaging.files import is_same_file
 from relight_core.imaging.read import read_photo
 from relight_core.imaging.write import write_image
 from relight_core.lighting.environment import Environment
+from relight_core.pipeline.auto_quality import QualityChoice
 from relight_core.pipeline.edit import Edit
 from relight_core.pipeline.results.layers import shrunk_picture
 
@@ -107,7 +108,7 @@ class Outputs:
             InputError: there is no picture.
         """
         self._need_picture()
-        side, exposure_ev = self._state.export.longest_side or 1080, self._state.edit.exposure_ev
+        side, exposure_ev = self._state.export.longest_side or FILM_PX, self._state.edit.exposure_ev
         promise = self._promise()
 
         def save(path: Path, replaces: bool) -> None:
@@ -122,7 +123,7 @@ class Outputs:
 
     def _start_film(self, wish: Path, replaces: bool, picture: Picture, side: int, exposure_ev: float) -> None:
         photo, source = picture.opened.photo, picture.opened.source
-        light, edit = picture.light.environment, replace(picture.edit, quality="final", exposure_ev=exposure_ev)
+        light, edit = picture.light.environment, replace(picture.edit, exposure_ev=exposure_ev)
 
         def work(control: JobControl) -> str:
             relighter = self._make_relighter()
@@ -210,7 +211,7 @@ def relight_like(
     settings: ExportSettings,
     title: str,
 ) -> None:
-    """Relight one photo under a document's light and sliders, and write it.
+    """Relight one photo under a document's light and sliders, at its quality, and write it.
 
     Args:
         environment: the document's light, edited; not used where that is the photo's own.
@@ -229,7 +230,7 @@ def relight_like(
     if document.light.kind == "own":
         environment = edit_light(relighter.estimated_light(BORROWED_AT), document.light_edit)
     channels = None if settings.form == ".exr" and settings.layers else ()
-    edit = replace(document.edit, quality="final", channels=channels)
+    edit = replace(document.edit, quality=QualityChoice(document.quality).at_rest(), channels=channels)
     relit = relighter.relight(environment, _without_exposure(edit))
     write_relit(output, relit, settings, edit.exposure_ev, export_note(title, edit), opened.exif)
 

@@ -8,6 +8,7 @@ from PIL import Image
 from relight_core.errors import InputError
 from relight_core.imaging.view_transform import apply_view
 from relight_core.imaging.write import write_image
+from relight_core.pipeline.auto_quality import QualityChoice
 
 
 def saved(path):
@@ -112,6 +113,16 @@ def test_a_batch_gives_photos_of_one_name_a_file_each_and_says_why_one_failed(op
     assert first.startswith("3 photos relit; 1 could not be relit: c.jpg.")
     assert "c.jpg: not an image" in reason
     assert message.is_error
+
+
+@pytest.mark.parametrize(("wish", "quality"), [("draft", "draft"), ("auto", "final")])
+def test_a_batch_is_relit_at_the_quality_that_is_chosen(opened, relighter, monkeypatch, shoot, wish, quality):
+    opened.window.state.quality = QualityChoice(wish)
+    opened.settle()
+    before = len(relighter.relights)
+    batch(opened, monkeypatch, shoot)
+    wait_for_jobs(opened)
+    assert [edit.quality for edit in relighter.relights[before:]] == [quality] * 3
 
 
 def test_a_batch_over_pictures_that_are_there_asks_first(opened, monkeypatch, shoot):

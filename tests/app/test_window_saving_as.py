@@ -10,6 +10,7 @@ from app.document.light_file import read_light
 from app.ui.file_dialogs import FileDialogs
 from app.window import outputs
 from relight_core.imaging.write import write_image
+from relight_core.pipeline.auto_quality import QualityChoice
 
 LONG_S = 60
 BRIGHT = 0.9
@@ -124,6 +125,19 @@ def test_the_sliders_of_the_wish_are_in_the_file(saving, photo_path):
     saving.window.exporter.close()
     with Image.open(photo_path.with_name("person-relit.png")) as picture:
         assert (float(picture.text["relightYawDeg"]), float(picture.text["relightExposureEv"])) == (35.0, 1.0)
+
+
+@pytest.mark.parametrize(("wish", "quality"), [("draft", "draft"), ("auto", "final")])
+def test_a_film_is_relit_at_the_quality_that_is_chosen(saving, relighter, monkeypatch, wish, quality):
+    saving.window.state.quality = QualityChoice(wish)
+    saving.settle()
+    before = len(relighter.relights)
+    monkeypatch.setattr(outputs, "write_film", lambda path, frames, count, control: next(frames))
+    request = ask(saving, "turntable_film")
+    request.then([request.start])
+    saving.settle()
+    saving.window.exporter.close()
+    assert [edit.quality for edit in relighter.relights[before:]] == [quality]
 
 
 def test_the_light_of_the_wish_is_saved(saving, tmp_path):

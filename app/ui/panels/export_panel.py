@@ -112,10 +112,11 @@ def _layers(state: EditorState) -> None:
 
 
 def _size(state: EditorState) -> None:
-    words = [f"{side} px" if side else "Full size" for side in SIDES]
+    sizes = [f"{side} px" if side else "Full size" for side in SIDES]
     imgui.set_next_item_width(-1.0)
-    changed, index = imgui.combo("##size", SIDES.index(state.export.longest_side), words)
-    imgui.set_item_tooltip("As large as the photo, or so many pixels along the longer side.")
+    changed, index = imgui.combo("##size", SIDES.index(state.export.longest_side), sizes)
+    words = "As large as the photo, or so many pixels along the longer side. A turntable has 1080 at full size."
+    imgui.set_item_tooltip(words)
     if changed:
         state.export = replace(state.export, longest_side=SIDES[index])
 
