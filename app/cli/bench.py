@@ -49,12 +49,7 @@ _PICTURES = (".jpg", ".jpeg", ".png", ".tif", ".tiff", ".webp")
 _QUICK_ROUNDS, _ROUNDS = 5, 30
 _STARTS = 3
 _BENCH_LIGHTS = ("rembrandt", "overcast", "golden-hour")
-_UNREAD = {
-    "session": ("heads", "rounds"),
-    "files": ("weights", "device", "heads", "lights"),
-    "stability": ("device", "heads", "lights", "rounds"),
-}
-"""By what is measured instead, the options that it does not read."""
+_COUNT, _TURNS, _QUICK_TURNS = 8, 24, 12
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -64,13 +59,18 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     instead.add_argument("--session", action="store_true", help="replay an editing session instead")
     instead.add_argument("--files", action="store_true", help="relight 24 megapixels from file to file instead")
     instead.add_argument("--stability", action="store_true", help="attack the pipeline instead")
-    parser.add_argument("--photos", metavar="FOLDER", type=Path, help="portraits; the sample portrait without")
+    parser.add_argument(
+        "--photos",
+        metavar="FOLDER",
+        type=Path,
+        help="portraits, for --files and --stability one alone; without, the sample portrait",
+    )
     parser.add_argument("--heads", metavar="DIR", type=Path, help="test heads from relight dataset bake")
     parser.add_argument("--lights", metavar="LIGHTS", type=Path, help="a light library, or a folder of panoramas")
     parser.add_argument("--weights", metavar="W", type=Path, help="a .safetensors file; the bundled ones without")
-    parser.add_argument("--count", metavar="N", type=count_at_least_one, default=8, help="test heads (8)")
+    parser.add_argument("--count", metavar="N", type=count_at_least_one, help=f"test heads ({_COUNT})")
     parser.add_argument("--rounds", metavar="N", type=count_at_least_one, help=f"turns of each setting ({_ROUNDS})")
-    parser.add_argument("--turns", metavar="N", type=count_at_least_one, default=24, help="stops of a full circle (24)")
+    parser.add_argument("--turns", metavar="N", type=count_at_least_one, help=f"stops of a full circle ({_TURNS})")
     parser.add_argument("--device", choices=("cpu", "cuda"), default="cpu")
     parser.add_argument("-o", "--output", metavar="DIR", type=Path, default=Path("bench"), help="a folder (bench)")
     add_json(parser)
@@ -81,7 +81,7 @@ def run(arguments: argparse.Namespace) -> int:
     _check_wishes(arguments)
     leave_a_core()
     with reporting(arguments.json) as report:
-        photos = _photos(arguments.photos)
+        photos = _photos(arguments.photos, arguments.files or arguments.stability)
         make_folder(arguments.output)
         if arguments.files:
             return _files(arguments, photos[0], report)
@@ -92,10 +92,10 @@ def run(arguments: argparse.Namespace) -> int:
 
 def _check_wishes(arguments: argparse.Namespace) -> None:
     """Raise InputError for what can't be had, and for what would be ignored."""
-    for name, unread in _UNREAD.items():
+    for words, unread in _unread(arguments).items():
         given = [option for option in unread if getattr(arguments, option) not in (None, "cpu")]
-        if getattr(arguments, name) and given:
-            raise InputError(f"--{given[0]}: changes nothing of what bench --{name} measures; take it away")
+        if given:
+            raise InputError(f"--{given[0]}: changes nothing of what {words} measures; take it away")
     if arguments.device == "cuda":
         import torch
 
@@ -107,7 +107,21 @@ def _check_wishes(arguments: argparse.Namespace) -> None:
         check_heads_and_lights(arguments.heads, arguments.lights, "test")
 
 
-def _photos(folder: Path | None) -> list[Photo]:
+def _unread(arguments: argparse.Namespace) -> dict[str, tuple[str, ...]]:
+    """By the words of the command that say what is measured, the options that it does not read."""
+    if arguments.files:
+        return {"bench --files": ("weights", "device", "heads", "lights", "count", "turns")}
+    if arguments.stability:
+        return {"bench --stability": ("device", "heads", "lights", "rounds", "count", "turns")}
+    if arguments.session:
+        of_quick = ("lights", "turns") if arguments.quick else ()
+        return {"bench --session": ("heads", "rounds", "count"), "bench --session --quick": of_quick}
+    without_heads = ("lights", "count") if arguments.heads is None else ()
+    of_quick = ("count",) if arguments.quick else ()
+    return {"bench by itself": ("turns",), "bench without --heads": without_heads, "bench --quick": of_quick}
+
+
+def _photos(folder: Path | None, takes_one: bool) -> list[Photo]:
     from relight_core.imaging.read import read_photo
 
     if folder is None:
@@ -117,6 +131,8 @@ def _photos(folder: Path | None) -> list[Photo]:
     paths = sorted(path for path in folder.iterdir() if path.suffix.lower() in _PICTURES)
     if not paths:
         raise InputError(f"{folder}: no photos in it ({', '.join(_PICTURES)})")
+    if takes_one and len(paths) > 1:
+        raise InputError(f"{folder}: --files and --stability measure one photo, and there are {len(paths)} in it")
     return [read_photo(path) for path in paths]
 
 
@@ -165,7 +181,9 @@ def _measured(arguments: argparse.Namespace, photos: list[Photo]) -> Iterator[Be
 
     yield result({setting.name: Accuracy() for setting in settings})
     if arguments.heads is not None:
-        data = HeldOutData(arguments.heads, arguments.lights, 1 if quick else arguments.count, 3 if quick else 20)
+        data = HeldOutData(
+            arguments.heads, arguments.lights, 1 if quick else arguments.count or _COUNT, 3 if quick else 20
+        )
         with progress("against the truth", 1.0) as show:
             accuracy = against_truth(bundle, data, settings, _onto(show), device)
         yield result(accuracy)
@@ -240,7 +258,7 @@ def _session(arguments: argparse.Namespace, photos: list[Photo], report: Report)
     from relight_core.lighting.rigs import load_rig
     from relight_core.pipeline.relighter import Relighter
 
-    turns = 12 if arguments.quick else arguments.turns
+    turns = _QUICK_TURNS if arguments.quick else arguments.turns or _TURNS
     few = [load_rig(name) for name in _BENCH_LIGHTS]
     many = few if arguments.quick else _visited_lights(arguments.lights)
     plays = {"session": recorded_session(few, turns), "visits": visits(many, turns)}

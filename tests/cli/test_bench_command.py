@@ -42,12 +42,29 @@ def test_a_folder_without_photos(relight, tmp_path):
         (["--files", "--device", "cuda"], "--device"),
         (["--session", "--heads", "heads", "--lights", "l.npz"], "--heads"),
         (["--stability", "--rounds", "3"], "--rounds"),
+        (["--stability", "--count", "8"], "--count"),
+        (["--files", "--turns", "24"], "--turns"),
+        (["--session", "--count", "3"], "--count"),
+        (["--session", "--quick", "--lights", "l.npz"], "--lights"),
+        (["--session", "--quick", "--turns", "3"], "--turns"),
+        (["--turns", "3"], "--turns"),
+        (["--lights", "l.npz"], "--lights"),
+        (["--count", "3"], "--count"),
+        (["--quick", "--heads", "heads", "--lights", "l.npz", "--count", "3"], "--count"),
     ],
 )
 def test_what_would_be_ignored_is_refused(relight, tmp_path, monkeypatch, words, told):
     monkeypatch.chdir(tmp_path)
     refused_in_one_line(relight("bench", *words), told)
     assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("wish", ["--files", "--stability"])
+def test_photos_beyond_the_one_that_is_measured_are_refused(relight, tmp_path, wish):
+    for name in ("a.png", "b.png"):
+        (tmp_path / name).touch()
+    refused_in_one_line(relight("bench", wish, "--photos", tmp_path, "-o", tmp_path / "out"), "one photo")
+    assert not (tmp_path / "out").exists()
 
 
 @pytest.mark.parametrize("words", [[], ["--session"]])
