@@ -6,6 +6,8 @@ import argparse
 import math
 import os
 import re
+import sys
+from collections.abc import Sequence
 from pathlib import Path
 from typing import NoReturn
 
@@ -14,6 +16,8 @@ from relight_core.pipeline.edit import EFFECTS, TOLERANCE, Edit
 
 EXPOSURE_LIMIT_EV = 16.0
 GAIN_LIMIT = 2.0
+WIDEST_VIEW_DEG, WIDEST_BLUR_DEG = 170.0, 20.0
+_NEGATIVE_FIRST = re.compile(r"-[\d.]")
 
 
 class OneLineParser(argparse.ArgumentParser):
@@ -21,6 +25,16 @@ class OneLineParser(argparse.ArgumentParser):
 
     def __init__(self, **settings) -> None:
         super().__init__(formatter_class=argparse.RawDescriptionHelpFormatter, allow_abbrev=False, **settings)
+
+    def parse_args(self, args: Sequence[str] | None = None, namespace: argparse.Namespace | None = None):
+        """As argparse does, but for a list of numbers of which the first is negative, which it takes for an option."""
+        words = []
+        for word in sys.argv[1:] if args is None else args:
+            if words and words[-1] == "--box" and _NEGATIVE_FIRST.match(word):
+                words[-1] += f"={word}"
+            else:
+                words.append(word)
+        return super().parse_args(words, namespace)
 
     def error(self, message: str) -> NoReturn:
         raise InputError(f"{message} ({self.prog} --help tells the usage)")
@@ -102,12 +116,12 @@ def _add_exposure_and_background(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--background-fov",
         metavar="DEG",
-        type=_finite,
+        type=_field_of_view,
         default=50.0,
         help="how wide the camera sees the light behind, up to 170; 50 by default",
     )
     parser.add_argument(
-        "--background-blur", metavar="DEG", type=_finite, default=1.0, help="blur of the light behind, 0 to 20"
+        "--background-blur", metavar="DEG", type=_blur, default=1.0, help="blur of the light behind, 0 to 20"
     )
 
 
@@ -201,6 +215,17 @@ def _exposure(text: str) -> float:
 
 def _gain(text: str) -> float:
     return _within(text, 0.0, GAIN_LIMIT)
+
+
+def _field_of_view(text: str) -> float:
+    degrees = _within(text, 0.0, WIDEST_VIEW_DEG)
+    if degrees == 0.0:
+        raise argparse.ArgumentTypeError(f"{text} degrees see nothing; the field of view is up to {WIDEST_VIEW_DEG:g}")
+    return degrees
+
+
+def _blur(text: str) -> float:
+    return _within(text, 0.0, WIDEST_BLUR_DEG)
 
 
 def _tolerance(text: str) -> float:

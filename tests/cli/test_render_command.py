@@ -197,6 +197,25 @@ def test_a_box_says_where_the_face_is(relight, relighter, photo, tmp_path):
     assert relighter.boxes == [FaceBox(4, 5.5, 40, 50)]
 
 
+@pytest.mark.parametrize("text", ["-10,-20.5,200,200", "-.5,2,40,50"])
+@pytest.mark.parametrize("form", ["--box {}", "--box={}"])
+def test_a_box_may_begin_outside_the_photo(relight, relighter, photo, tmp_path, text, form):
+    words = form.format(text).split()
+    assert relight("render", photo, "--light", "rembrandt", *words, "-o", tmp_path / "a.png").code == 0
+    assert relighter.boxes == [FaceBox(*(float(edge) for edge in text.split(",")))]
+
+
+@pytest.mark.parametrize(
+    ("option", "value"),
+    [("fov", "0"), ("fov", "171"), ("fov", "-5"), ("blur", "-1"), ("blur", "20.5"), ("blur", "nan")],
+)
+def test_a_view_of_the_light_that_no_camera_has_is_told_before_anything_is_read(relight, tmp_path, option, value):
+    wish = f"--background-{option}"
+    done = relight("render", "missing.jpg", "--light", "ring", f"{wish}={value}", "-o", tmp_path / "a.png")
+    assert done.code == 2
+    assert wish in done.err
+
+
 @pytest.mark.parametrize("wish", [("--box", "1,2,3"), ("--box", "a,b,c,d"), ("--box", "1,2,3,4", "--face", "0")])
 def test_a_box_that_is_none_is_wrong_usage(relight, photo, tmp_path, wish):
     assert relight("render", photo, "--light", "rembrandt", *wish, "-o", tmp_path / "a.png").code == 2
