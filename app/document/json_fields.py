@@ -177,6 +177,11 @@ def kind_of(path: Path) -> str | None:
     return kind if isinstance(kind, str) else None
 
 
+def is_place_for(path: Path, kind: str) -> bool:
+    """Whether a file of this kind may be written there: nothing is there yet, or one of its kind."""
+    return not os.path.lexists(path) or kind_of(path) == kind
+
+
 def path_for_file(target: Path, folder: Path | None) -> str:
     """How a file names another: relative to its folder, with slashes; in full where that can't be, or for None."""
     target = Path(os.path.abspath(target))

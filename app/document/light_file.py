@@ -9,7 +9,7 @@ from dataclasses import asdict, dataclass, field
 from pathlib import Path, PurePath
 
 from app.document.document import LightRef
-from app.document.json_fields import Fields, path_for_file, path_from_file, read_json, write_json
+from app.document.json_fields import Fields, is_place_for, path_for_file, path_from_file, read_json, write_json
 from app.engine.sources import PICTURE_SUFFIXES
 from relight_core.errors import InputError
 from relight_core.lighting.light_edit import MOST_BOXES, LightEdit
@@ -80,6 +80,11 @@ def read_light(path: Path) -> SavedLight:
         raise InputError(f"{path}: its light is a photo's own, and it names no photo; open a session or the portrait")
     fields.finish()
     return SavedLight(light, light_edit, yaw_deg, tuple(notes))
+
+
+def is_light_place(path: Path) -> bool:
+    """Whether a light may be written there: nothing is there yet, or a light."""
+    return is_place_for(path, KIND)
 
 
 def light_content(light: LightRef, edit: LightEdit, folder: Path | None) -> dict:

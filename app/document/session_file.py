@@ -8,8 +8,9 @@ from pathlib import Path
 
 from app.document.document import Document, LightRef, PhotoRef
 from app.document.face_boxes import face_boxes_content, read_face_boxes
-from app.document.json_fields import Fields, kind_of, path_for_file, path_from_file, read_json, write_json
+from app.document.json_fields import Fields, is_place_for, kind_of, path_for_file, path_from_file, read_json, write_json
 from app.document.light_file import SavedLight, light_content, read_light, read_light_content
+from app.engine.batch import name_beside_a_namesake
 from app.engine.places import folder_for_outputs
 from app.engine.sources import PICTURE_SUFFIXES
 from relight_core.errors import InputError
@@ -68,18 +69,41 @@ def session_path(photo: Path) -> Path:
 
 
 def saved_session(photo: Path) -> Path | None:
-    """The session that was saved of just this photo: beside it, or where its exports go."""
-    beside, elsewhere = photo.absolute().with_name(photo.stem + SESSION_SUFFIX), session_path(photo)
-    return next((path for path in (beside, elsewhere) if _is_of(path, photo)), None)
+    """The newest session that was saved of just this photo: beside it, or where its exports go.
+
+    Where another photo has the same name, it may be called as of `free_session_path`.
+    """
+    folders = dict.fromkeys((photo.absolute().parent, folder_for_outputs(photo)))
+    names = (photo.stem, name_beside_a_namesake(photo))
+    places = [folder / (name + SESSION_SUFFIX) for folder in folders for name in names]
+    saved = {path: saved_s for path in places if (saved_s := _saved_s(path, photo)) is not None}
+    return max(saved, key=saved.get, default=None)
 
 
-def _is_of(path: Path, photo: Path) -> bool:
-    """Whether a session names this photo, be the rest of it of use or not."""
+def free_session_path(path: Path, photo: Path) -> Path:
+    """Where a photo's session goes when its name is taken: of a.png's a.relight.json that is a-png.relight.json.
+
+    Other names, and that one too where it is taken, get the first number that is free.
+    """
+    ending = SESSION_SUFFIX if path.name.lower().endswith(SESSION_SUFFIX) else path.suffix
+    name = path.name[: len(path.name) - len(ending)]
+    if name == photo.stem:
+        name = name_beside_a_namesake(photo)
+    free, number = path.with_name(name + ending), 1
+    while os.path.lexists(free):
+        number += 1
+        free = path.with_name(f"{name}-{number}{ending}")
+    return free
+
+
+def _saved_s(path: Path, photo: Path) -> float | None:
+    """When a session that names this photo was saved, be the rest of it of use or not; None where there is none."""
     try:
         fields = read_json(path, KIND, VERSION, [])
-        return is_same_file(photo, path_from_file(fields.text("photo"), path.parent, PICTURE_SUFFIXES, str(path)))
-    except InputError:
-        return False
+        named = path_from_file(fields.text("photo"), path.parent, PICTURE_SUFFIXES, str(path))
+        return os.path.getmtime(path) if is_same_file(photo, named) else None
+    except (InputError, OSError):
+        return None
 
 
 def write_session(path: Path, document: Document, *, relative: bool = True) -> None:
@@ -153,7 +177,7 @@ def read_lent_light(path: Path) -> LentLight:
 
 def is_session_place(path: Path) -> bool:
     """Whether a session may be written there: nothing is there yet, or a session."""
-    return not os.path.lexists(path) or kind_of(path) == KIND
+    return is_place_for(path, KIND)
 
 
 def _photo(fields: Fields, path: Path) -> PhotoRef:

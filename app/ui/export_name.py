@@ -6,7 +6,21 @@ from pathlib import Path
 
 from app.engine.places import from_home
 
-_EXPORT_SUFFIXES = (".png", ".exr", ".jpg", ".jpeg", ".tif", ".tiff")
+_ALIKE = ((".png",), (".exr",), (".jpg", ".jpeg"), (".tif", ".tiff"))
+"""The suffixes of each kind of picture."""
+
+
+def named_as(path: Path, suffix: str) -> Path:
+    """The path as the name of a kind of file, "me.relight.json" being one of ".json".
+
+    A name that says so stays as it is, of another kind of picture it is this one's; else the suffix is added.
+    """
+    own, kind = path.suffix.lower(), Path("any" + suffix).suffix
+    alike = next((group for group in _ALIKE if kind in group), (kind,))
+    if own in alike:
+        return path
+    are_pictures = all(any(one in group for group in _ALIKE) for one in (own, kind))
+    return path.with_suffix(suffix) if are_pictures else path.with_name(path.name + suffix)
 
 
 def named_place(typed: str, suggested: Path, suffix: str | None) -> Path:
@@ -19,7 +33,4 @@ def named_place(typed: str, suggested: Path, suffix: str | None) -> Path:
     path = suggested.parent / from_home(Path(typed))
     if not typed or Path(typed).name in ("", "~", ".."):
         path = suggested
-    if suffix is None:
-        return path
-    is_ours = path.suffix.lower() in _EXPORT_SUFFIXES
-    return path.with_suffix(suffix) if is_ours else path.with_name(path.name + suffix)
+    return path if suffix is None else named_as(path, suffix)

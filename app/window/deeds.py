@@ -11,13 +11,22 @@ from pathlib import Path
 
 from app.document.autosave import Autosave, Leftover, leftovers
 from app.document.document import Document
-from app.document.light_file import LIGHT_SUFFIX, SavedLight, write_light
-from app.document.session_file import SESSION_SUFFIX, is_session_place, saved_session, session_path, write_session
+from app.document.light_file import LIGHT_SUFFIX, SavedLight, is_light_place, write_light
+from app.document.session_file import (
+    SESSION_SUFFIX,
+    free_session_path,
+    is_session_place,
+    saved_session,
+    session_path,
+    write_session,
+)
 from app.engine.batch import photos_in
 from app.engine.desk import error_line
+from app.engine.exporting import free_path
 from app.engine.places import folder_for_outputs
 from app.engine.sources import PICTURE_SUFFIXES, PhotoSource
 from app.ui.asking import FileRequest, Question
+from app.ui.export_name import named_as
 from app.ui.file_dialogs import FileDialogs
 from app.ui.light_edits import match_face
 from app.ui.open_work import KeptWork
@@ -126,23 +135,25 @@ class Deeds:
     def save_session(self) -> None:
         """Save to the session's file; the first time beside the photo."""
         write, own = self._session_writer(), session_of_photo(self._state)
+        photo = self._state.photo.path
         if own is not None:
             write(own)
         else:
-            self._write_or_ask(session_path(self._state.photo.path), write)
+            self._write_or_ask(session_path(photo), write, lambda taken: free_session_path(taken, photo))
 
     def save_session_as(self) -> None:
         """Choose where to save the session."""
         write, own = self._session_writer(), session_of_photo(self._state)
+        photo = self._state.photo.path
 
         def save_there(paths: list[Path]) -> None:
-            path = _with_suffix(paths[0], SESSION_SUFFIX)
+            path = named_as(paths[0], SESSION_SUFFIX)
             if path == own:
                 self._tried(write, path)
             else:
-                self._write_or_ask(path, write)
+                self._write_or_ask(path, write, lambda taken: free_session_path(taken, photo))
 
-        start = own or session_path(self._state.photo.path)
+        start = own or session_path(photo)
         self._ask("save", "Save the session", (SESSION_SUFFIX,), save_there, start)
 
     def save_light(self) -> None:
@@ -153,6 +164,7 @@ class Deeds:
         saved = SavedLight(document.light, document.light_edit, document.edit.yaw_deg)
 
         def write(path: Path) -> None:
+            _check_place(path, is_light_place(path), "light")
             write_light(path, saved)
             self._state.asking.tell(f"Saved {path}")
 
@@ -226,10 +238,12 @@ class Deeds:
 
     def _ask_place(self, title: str, start: Path, suffix: str, then: Callable[[Path], None]) -> None:
         """Ask for one file to write, whose name gets the suffix where it has none like it."""
-        self._ask("save", title, (suffix,), lambda paths: then(_with_suffix(paths[0], suffix)), start)
+        self._ask("save", title, (suffix,), lambda paths: then(named_as(paths[0], suffix)), start)
 
-    def _write_or_ask(self, path: Path, write: Callable[[Path], None]) -> None:
-        write_or_ask(self._state.asking, path, lambda chosen, _: write(chosen))
+    def _write_or_ask(
+        self, path: Path, write: Callable[[Path], None], free: Callable[[Path], Path] = free_path
+    ) -> None:
+        write_or_ask(self._state.asking, path, lambda chosen, _: write(chosen), free)
 
     def _batch_there(self, paths: list[Path]) -> None:
         self._tried(lambda folder: self._batch_over(photos_in(folder)), paths[0])
@@ -269,8 +283,7 @@ class Deeds:
         return lambda path: self._write_session(path, document)
 
     def _write_session(self, path: Path, document: Document) -> None:
-        if not is_session_place(path):
-            raise InputError(f"{path}: is not a session; relight replaces only its own files, choose another name")
+        _check_place(path, is_session_place(path), "session")
         state = self._state
         write_session(path, document)
         note_saved(state, path, document)
@@ -390,7 +403,6 @@ class Deeds:
             leftover.forget()
 
 
-def _with_suffix(path: Path, suffix: str) -> Path:
-    """The path with the suffix, unless it ends as such files do."""
-    is_such = path.suffix.lower() == Path("any" + suffix).suffix
-    return path if is_such else path.with_name(path.name + suffix)
+def _check_place(path: Path, is_place: bool, kind: str) -> None:
+    if not is_place:
+        raise InputError(f"{path}: is not a {kind}; relight replaces only its own files, choose another name")

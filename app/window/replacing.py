@@ -11,18 +11,21 @@ from app.ui.asking import Asking, Question
 from relight_core.errors import InputError
 
 
-def write_or_ask(asking: Asking, path: Path, write: Callable[[Path, bool], None]) -> None:
+def write_or_ask(
+    asking: Asking, path: Path, write: Callable[[Path, bool], None], free: Callable[[Path], Path] = free_path
+) -> None:
     """Write to a path, after asking where something is there already.
 
     Args:
         write: given the path, and whether the user agreed to replace what is there. Without that it writes under a
             free name where one was taken since.
+        free: the name beside one that is taken.
     """
     if not os.path.lexists(path):
         tried(asking, lambda: write(path, False))
         return
     choices = (
-        ("Keep both", lambda: tried(asking, lambda: write(free_path(path), False))),
+        ("Keep both", lambda: tried(asking, lambda: write(free(path), False))),
         ("Replace", lambda: tried(asking, lambda: write(path, True))),
         ("Cancel", lambda: None),
     )

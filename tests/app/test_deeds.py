@@ -71,7 +71,7 @@ def test_saving_again_replaces_the_own_file_without_asking_but_asks_for_another(
     editor.live()
     assert read_session(photo.with_name("me.relight.json")).document.edit.shadow == 0.6
     editor.answer_question("Keep both")
-    assert read_session(photo.with_name("me.relight-2.json")).document.edit.shadow == 0.7
+    assert read_session(photo.with_name("me-jpg.relight.json")).document.edit.shadow == 0.7
 
 
 def test_a_file_that_is_no_session_is_never_replaced(editor, photo):
@@ -244,6 +244,18 @@ def test_a_saved_light_can_be_opened_alone(editor, tmp_path):
     editor.state.light_edit = LightEdit()
     editor.deeds._take_light(target)
     assert editor.state.light_edit.tint == 0.3
+
+
+@pytest.mark.parametrize(("content", "replaced"), [('{"relight": "session"}', False), ('{"relight": "light"}', True)])
+def test_a_light_replaces_only_a_light(editor, tmp_path, content, replaced):
+    there = tmp_path / "mine.light.json"
+    there.write_text(content)
+    editor.state.asking.wish("save_light")
+    editor.live(1)
+    editor.state.picking.then([there])
+    editor.answer_question("Replace")
+    assert (there.read_text() != content) is replaced
+    assert editor.said[-1][1] is not replaced
 
 
 def test_a_dialog_that_gives_a_name_that_is_no_text_is_told_and_the_window_goes_on(editor):

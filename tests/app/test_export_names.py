@@ -1,6 +1,7 @@
 """Whatever stands in the line for the export's name: the panel draws it, and an export lies in a sensible place."""
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -9,6 +10,7 @@ from app.engine.exporting import free_path
 from app.engine.places import from_home
 from app.engine.snapshot import OpenLight, OpenPhoto, Picture, Snapshot
 from app.engine.sources import PhotoSource
+from app.ui.export_name import named_as
 from app.ui.state import EditorState
 from app.window.finished import Finished
 from relight_core.imaging.photo import Photo
@@ -23,6 +25,23 @@ TYPED = [
     ("~", "~me-relit.png", "~me-relit.exr"),
     ("", "~me-relit.png", "~me-relit.exr"),
 ]
+
+
+@pytest.mark.parametrize(
+    ("typed", "suffix", "name"),
+    [
+        ("x.jpeg", ".jpg", "x.jpeg"),
+        ("x.TIFF", ".tif", "x.TIFF"),
+        ("x.png", ".jpg", "x.jpg"),
+        ("x.tiff", ".exr", "x.exr"),
+        ("x v1.2", ".png", "x v1.2.png"),
+        ("x.png", ".mp4", "x.png.mp4"),
+        ("x.png", ".relight.json", "x.png.relight.json"),
+        ("x.json", ".light.json", "x.json"),
+    ],
+)
+def test_a_name_takes_the_suffix_of_its_kind_unless_it_says_so_already(typed, suffix, name):
+    assert named_as(Path(typed), suffix) == Path(name)
 
 
 @pytest.fixture

@@ -140,6 +140,14 @@ def test_a_film_is_relit_at_the_quality_that_is_chosen(saving, relighter, monkey
     assert [edit.quality for edit in relighter.relights[before:]] == [quality]
 
 
+def test_a_jpeg_keeps_the_name_it_was_given(saving, photo_path):
+    saving.window.state.choose_form(".jpg")
+    ask(saving, "export_as").then([photo_path.with_name("mine.jpeg")])
+    saving.settle()
+    saving.window.exporter.close()
+    assert size_of(photo_path.with_name("mine.jpeg")) == (128, 96)
+
+
 def test_the_light_of_the_wish_is_saved(saving, tmp_path):
     saving.light("split")
     request = ask(saving, "save_light")

@@ -7,7 +7,7 @@ import pytest
 from PIL import Image
 
 from app.document.document import Document, LightRef, PhotoRef
-from app.document.session_file import read_session, saved_session, session_path, write_session
+from app.document.session_file import free_session_path, read_session, saved_session, session_path, write_session
 from relight_core.errors import InputError
 from relight_core.imaging.files import file_head
 from relight_core.imaging.read import is_picture_head, read_photo
@@ -54,3 +54,32 @@ def test_a_session_is_offered_only_for_the_photo_it_names(tmp_path):
     write_session(path, Document(PhotoRef(photo)))
     assert saved_session(photo) == path
     assert saved_session(other) is None
+
+
+def test_both_of_two_photos_of_one_name_have_a_session_that_is_offered(tmp_path):
+    photo, other = picture(tmp_path / "img.jpg"), picture(tmp_path / "img.png", "PNG")
+    write_session(session_path(photo), Document(PhotoRef(photo)))
+    beside = free_session_path(session_path(other), other)
+    write_session(beside, Document(PhotoRef(other)))
+    assert beside.name == "img-png.relight.json"
+    assert saved_session(other) == beside
+    assert saved_session(photo) == session_path(photo)
+
+
+def test_of_two_sessions_of_a_photo_the_newer_is_offered(tmp_path):
+    photo = picture(tmp_path / "img.jpg")
+    paths = session_path(photo), free_session_path(session_path(photo), photo)
+    for path in paths:
+        write_session(path, Document(PhotoRef(photo)))
+    for older, newer in (paths, paths[::-1]):
+        os.utime(older, (1e9, 1e9))
+        os.utime(newer, (2e9, 2e9))
+        assert saved_session(photo) == newer
+
+
+@pytest.mark.parametrize(("name", "free"), [("img", "img-jpg-2"), ("mine", "mine-2"), ("v1.2", "v1.2-2")])
+def test_a_name_that_is_taken_gets_a_number_before_the_ending_of_a_session(tmp_path, name, free):
+    for taken in (name, "img-jpg"):
+        (tmp_path / f"{taken}.relight.json").touch()
+    path = free_session_path(tmp_path / f"{name}.relight.json", tmp_path / "img.jpg")
+    assert path == tmp_path / f"{free}.relight.json"
