@@ -174,22 +174,26 @@ def _draw_track(
     draw.add_circle_filled(imgui.ImVec2(at(value), middle), radius, theme.packed(knob), 24)
 
 
-def segmented(choices: Sequence[tuple[str, str, str]], chosen: str, width: float | None = None) -> str:
-    """A row of buttons of which one is down.
+def segmented(
+    choices: Sequence[tuple[str, str, str]], chosen: str, width: float | None = None, most_in_row: int | None = None
+) -> str:
+    """A row of buttons of which one is down, or several such rows.
 
     Args:
         choices: (value, label, tooltip) each.
         chosen: the value that is down.
         width: of the row; None takes all there is.
+        most_in_row: the others go into further rows; None has all in one.
 
     Returns:
         The value that is down now.
     """
     spacing = 2.0
-    width = ((width or imgui.get_content_region_avail().x) - spacing * (len(choices) - 1)) / len(choices)
+    in_row = min(len(choices), most_in_row or len(choices))
+    width = ((width or imgui.get_content_region_avail().x) - spacing * (in_row - 1)) / in_row
     padding = imgui.get_style().frame_padding
     for index, (value, label, tooltip) in enumerate(choices):
-        if index:
+        if index % in_row:
             imgui.same_line(0.0, spacing)
         # Narrow, so that words are not cut where the panel is.
         imgui.push_style_var(imgui.StyleVar_.frame_padding, imgui.ImVec2(1.0, padding.y))

@@ -3,10 +3,13 @@
 import glfw
 import numpy as np
 import pytest
+from imgui_bundle import imgui
 
 from app.document.session_file import read_session
-from app.ui import face_edits
+from app.engine.sources import PhotoSource
+from app.ui import face_edits, widgets
 from app.ui.viewport.panes import arrange_panes
+from relight_core.face.find import FaceBox
 from relight_core.imaging.read import read_photo
 from relight_core.imaging.view_transform import apply_view
 
@@ -33,6 +36,38 @@ def unseen(hand, relighter, photo_path):
     hand.drop(photo_path)
     hand.see_every_pixel()
     return hand
+
+
+@pytest.fixture
+def buttons(monkeypatch):
+    """The middle of each button that was drawn last, by its label."""
+    places, draw = {}, widgets.toggle
+
+    def toggle(label, *rest, **more):
+        clicked = draw(label, *rest, **more)
+        corner, end = imgui.get_item_rect_min(), imgui.get_item_rect_max()
+        places[label] = (corner.x + end.x) / 2, (corner.y + end.y) / 2
+        return clicked
+
+    monkeypatch.setattr(widgets, "toggle", toggle)
+    return places
+
+
+@pytest.mark.parametrize("number", [1, 6, 7, 16])
+def test_each_of_many_faces_can_be_chosen_alone(opened, buttons, number):
+    state = opened.window.state
+    boxes = tuple(FaceBox(6.0 * i, 10.0, 6.0 * i + 30.0, 40.0) for i in range(16))
+    state.photo = PhotoSource(state.snapshot.opened.photo, None, boxes)
+    opened.settle()
+    assert state.snapshot.faces == boxes
+    rows = {}
+    for label in ("All", *(str(i + 1) for i in range(16))):
+        rows.setdefault(buttons[label][1], []).append(label)
+    assert [len(row) for row in rows.values()] == [7, 7, 3]
+    opened.click(buttons[str(number)])
+    opened.settle()
+    assert state.photo.face_index == number - 1
+    assert state.photo.boxes == boxes
 
 
 def edges(box):

@@ -32,7 +32,8 @@ BACKGROUNDS = (
 BACKGROUND_BLUR = widgets.Slider(
     "Background blur", 0.0, 20.0, 1.0, "%.1f°", "How far out of focus the light behind the person is."
 )
-MOST_FACES = 6
+_FACES_IN_ROW = 7
+"""The choice of everyone among them."""
 
 
 def draw(state: EditorState, fonts: theme.Fonts) -> None:
@@ -123,12 +124,11 @@ def _faces(state: EditorState, fonts: theme.Fonts) -> None:
     imgui.begin_group()
     _faces_title(state, fonts, len(faces))
     if len(faces) > 1:
-        count = min(len(faces), MOST_FACES)
         everyone = ("", "All", "Relight everyone.")
-        single = ((str(i), str(i + 1), "Relight this person alone.") for i in range(count))
+        single = ((str(i), str(i + 1), "Relight this person alone.") for i in range(len(faces)))
         choices = (everyone, *single)
         current = "" if opened.source.face_index is None else str(opened.source.face_index)
-        chosen = widgets.segmented(choices, current)
+        chosen = widgets.segmented(choices, current, most_in_row=_FACES_IN_ROW)
         if chosen != current:
             state.choose_face(int(chosen) if chosen else None)
     imgui.end_group()
