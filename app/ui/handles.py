@@ -18,7 +18,7 @@ _FLAGS = (
 
 
 @dataclass(frozen=True)
-class Grab:
+class Touch:
     """What the mouse does to a handle: it is over it, it drags it, it pressed it twice."""
 
     hovered: bool
@@ -27,7 +27,7 @@ class Grab:
 
 
 @contextmanager
-def handle(name: str, x: float, y: float, size: imgui.ImVec2) -> Iterator[Grab]:
+def handle(name: str, x: float, y: float, size: imgui.ImVec2) -> Iterator[Touch]:
     """A place of the window, in pixels, that takes the mouse; it is drawn, and asked for more, in the block.
 
     A second press belongs to the first: it grabs nothing.
@@ -43,5 +43,5 @@ def handle(name: str, x: float, y: float, size: imgui.ImVec2) -> Iterator[Grab]:
     twice = hovered and imgui.is_mouse_double_clicked(0)
     if twice:
         imgui.internal.clear_active_id()
-    yield Grab(hovered, active, twice)
+    yield Touch(hovered, active, twice)
     imgui.end()

@@ -24,6 +24,16 @@ MODIFIERS = ("Ctrl", "Shift", "Alt")
 _SHOWN_KEYS = {"=": "+", "-": "\N{MINUS SIGN}", "Escape": "Esc", "PageUp": "Page Up", "PageDown": "Page Down"}
 
 
+def has_photo(state: EditorState) -> bool:
+    """Whether a photo is open: when most of what looks at one is available."""
+    return state.snapshot.opened is not None
+
+
+def has_picture(state: EditorState) -> bool:
+    """Whether there is a relit picture: when most of what changes or saves one is available."""
+    return state.snapshot.picture is not None
+
+
 @dataclass(frozen=True)
 class Chord:
     """A key and the modifiers held with it, all of them and no other.

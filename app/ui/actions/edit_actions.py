@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from app.ui import face_edits, light_edits
-from app.ui.actions.action import Action, Gesture
+from app.ui.actions.action import Action, Gesture, has_photo, has_picture
 from app.ui.panels.panorama import NEW_AT, add_box
 from app.ui.state import EditorState
 
@@ -23,14 +23,6 @@ def _save(suffix: str):
 
 def _export(state: EditorState) -> None:
     state.export_wanted = state.export.form
-
-
-def _opened(state: EditorState) -> bool:
-    return state.snapshot.opened is not None
-
-
-def _relit(state: EditorState) -> bool:
-    return state.snapshot.picture is not None
 
 
 def _aim(aim: str):
@@ -66,7 +58,7 @@ LIGHT = (
         ("P",),
         "The light turns by itself until you stop it",
         lambda state: setattr(state, "playing", not state.playing),
-        available=_relit,
+        available=has_picture,
         is_on=lambda state: state.playing,
     ),
     Action("Turn the light left", _LIGHT, ("Left",), "Turn it by 5°", _turn(-5.0), repeats=True),
@@ -88,7 +80,7 @@ LIGHT = (
         ("Shift+A",),
         "A level that leaves the face as bright as in the photo, where the light falls on it",
         _wish("match_face"),
-        available=_relit,
+        available=has_picture,
     ),
     Action("Reset all", _LIGHT, ("Ctrl+R",), "Put every slider and the light back", EditorState.reset),
 )
@@ -107,7 +99,7 @@ BOXES = (
         ("K",),
         "Then click on the face where the shine should be",
         _aim("highlight"),
-        available=_relit,
+        available=has_picture,
         is_on=lambda state: state.aim == "highlight",
     ),
     Action(
@@ -116,7 +108,7 @@ BOXES = (
         ("B",),
         "Then click on the face where it should be brightest",
         _aim("bright"),
-        available=_relit,
+        available=has_picture,
         is_on=lambda state: state.aim == "bright",
     ),
     Action(
@@ -160,15 +152,19 @@ HISTORY = (
 
 
 FILE = (
-    Action("Export as", _FILE, ("Ctrl+E",), "Choose where to save the picture", _wish("export_as"), available=_relit),
-    Action("Copy the picture", _FILE, ("Ctrl+C",), "To paste it elsewhere", _wish("copy_picture"), available=_relit),
+    Action(
+        "Export as", _FILE, ("Ctrl+E",), "Choose where to save the picture", _wish("export_as"), available=has_picture
+    ),
+    Action(
+        "Copy the picture", _FILE, ("Ctrl+C",), "To paste it elsewhere", _wish("copy_picture"), available=has_picture
+    ),
     Action(
         "Export a film",
         _FILE,
         ("Ctrl+T",),
         "The light turning once around, as an MP4",
         _wish("turntable_film"),
-        available=_relit,
+        available=has_picture,
     ),
     Action(
         "Batch over a folder",
@@ -176,7 +172,7 @@ FILE = (
         ("Ctrl+B",),
         "Relight and export all photos of a folder like this one",
         _wish("batch"),
-        available=_relit,
+        available=has_picture,
     ),
     Action("Open a file", _FILE, ("Ctrl+O",), "A portrait, a panorama for the light, or a session", _wish("open_file")),
     Action(
@@ -192,7 +188,7 @@ FILE = (
         ("Ctrl+S",),
         "Beside the photo, to go on later",
         _wish("save_session"),
-        available=_opened,
+        available=has_photo,
     ),
     Action(
         "Save the session as",
@@ -200,7 +196,7 @@ FILE = (
         ("Ctrl+Shift+S",),
         "Under another name",
         _wish("save_session_as"),
-        available=_opened,
+        available=has_photo,
     ),
     Action("Save the light", _FILE, ("Ctrl+Shift+L",), "The light alone, for other photos", _wish("save_light")),
     Action(
@@ -209,14 +205,16 @@ FILE = (
     Action(
         "Previous photo", _FILE, ("PageUp",), "Of those that were dropped together", lambda state: state.step_photo(-1)
     ),
-    Action("Export the picture", _FILE, ("E",), "At once, as set: PNG, JPEG, TIFF or EXR", _export, available=_relit),
+    Action(
+        "Export the picture", _FILE, ("E",), "At once, as set: PNG, JPEG, TIFF or EXR", _export, available=has_picture
+    ),
     Action(
         "Export an EXR",
         _FILE,
         ("Shift+E",),
         "Linear radiance for compositing, the channels as layers",
         _save(".exr"),
-        available=_relit,
+        available=has_picture,
     ),
 )
 

@@ -3,14 +3,9 @@
 from __future__ import annotations
 
 from app.ui import face_edits
-from app.ui.actions.action import Action, Gesture
-from app.ui.state import EditorState
+from app.ui.actions.action import Action, Gesture, has_photo
 
 _FACES = "Faces"
-
-
-def _opened(state: EditorState) -> bool:
-    return state.snapshot.opened is not None
 
 
 FACES = (
@@ -20,7 +15,7 @@ FACES = (
         ("Shift+F",),
         "Move, resize, add and remove the boxes of the faces that are relit",
         face_edits.switch,
-        available=_opened,
+        available=has_photo,
         is_on=lambda state: state.faces.is_open,
     ),
     Action(

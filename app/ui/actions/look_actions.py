@@ -2,26 +2,13 @@
 
 from __future__ import annotations
 
-from app.ui.actions.action import Action, Gesture
+from app.ui.actions.action import Action, Gesture, has_photo, has_picture
 from app.ui.channels import CHANNELS, PHOTO, RESULT
 from app.ui.layout import Panels
 from app.ui.state import EditorState
-from app.ui.viewport.view import View
-from app.ui.viewport.viewport_panel import ZOOM_PER_STEP, toggle_actual_size, zoom_by
+from app.ui.viewport.viewport_panel import ZOOM_PER_STEP, fit, toggle_actual_size, zoom_by
 
 _LOOK, _PICTURES, _READ, _PANELS = "Look", "Pictures", "Read", "Panels"
-
-
-def _opened(state: EditorState) -> bool:
-    return state.snapshot.opened is not None
-
-
-def _relit(state: EditorState) -> bool:
-    return state.snapshot.picture is not None
-
-
-def _fit(state: EditorState) -> None:
-    state.view = View()
 
 
 def _set_before(down: bool):
@@ -43,14 +30,14 @@ def _showing(name: str):
 
 
 LOOKING = (
-    Action("Fit the picture", _LOOK, ("F",), "The whole picture, as large as the window allows", _fit),
+    Action("Fit the picture", _LOOK, ("F",), "The whole picture, as large as the window allows", fit),
     Action(
         "Zoom in",
         _LOOK,
         ("=", "Shift+="),
         "Larger, about the mouse",
         lambda state: zoom_by(state, ZOOM_PER_STEP),
-        available=_opened,
+        available=has_photo,
         repeats=True,
     ),
     Action(
@@ -59,7 +46,7 @@ LOOKING = (
         ("-",),
         "Smaller, about the mouse",
         lambda state: zoom_by(state, 1.0 / ZOOM_PER_STEP),
-        available=_opened,
+        available=has_photo,
         repeats=True,
     ),
     Action(
@@ -68,7 +55,7 @@ LOOKING = (
         ("Z",),
         "One photo pixel on one screen pixel, where the mouse is; once more fits the picture",
         toggle_actual_size,
-        available=_opened,
+        available=has_photo,
     ),
     Action(
         "See the photo",
@@ -139,7 +126,7 @@ SHOWING = tuple(
         (str(number),),
         explanation.rstrip("."),
         _show(name),
-        available=_opened if name == PHOTO else _relit,
+        available=has_photo if name == PHOTO else has_picture,
         is_on=_showing(name),
     )
     for number, (name, title, explanation) in enumerate(CHANNELS, 1)

@@ -9,10 +9,10 @@ from imgui_bundle import imgui
 
 from app.ui import theme
 from app.ui.actions import face_actions, look_actions
-from app.ui.actions.action import Action
+from app.ui.actions.action import Action, has_photo, has_picture
 from app.ui.state import EditorState
 from app.ui.viewport.view import View
-from app.ui.viewport.viewport_panel import toggle_actual_size
+from app.ui.viewport.viewport_panel import fit, toggle_actual_size
 
 _PADDING_EM, _APART_EM = 0.55, 0.25
 _BETWEEN_GROUPS_EM = 1.2
@@ -36,24 +36,12 @@ class _Button:
     available: Callable[[EditorState], bool] = lambda state: True
 
 
-def _opened(state: EditorState) -> bool:
-    return state.snapshot.opened is not None
-
-
-def _relit(state: EditorState) -> bool:
-    return state.snapshot.picture is not None
-
-
 def _compare(value: str) -> tuple[Callable, Callable]:
     return (lambda state: state.look.choose("compare", value)), (lambda state: state.look.compare == value)
 
 
 def _see_the_photo(state: EditorState) -> None:
     state.before = True
-
-
-def _fit(state: EditorState) -> None:
-    state.view = View()
 
 
 def _full_size(state: EditorState) -> None:
@@ -69,19 +57,23 @@ _FILES = (
         "Save",
         "The work as a session beside the photo, to go on later.  Ctrl + S",
         lambda state: state.asking.wish("save_session"),
-        available=_opened,
+        available=has_photo,
     ),
 )
 _COMPARING = (
-    _Button("Before", "Hold to see the photo as it was.  Space", held=_see_the_photo, available=_relit),
+    _Button("Before", "Hold to see the photo as it was.  Space", held=_see_the_photo, available=has_picture),
     _Button(
-        "Wipe", "A line to drag: the photo left of it, the picture right of it.  W", *_compare("wipe"), None, _relit
+        "Wipe",
+        "A line to drag: the photo left of it, the picture right of it.  W",
+        *_compare("wipe"),
+        None,
+        has_picture,
     ),
-    _Button("Side by side", "The photo beside the picture.  Y", *_compare("side"), None, _relit),
+    _Button("Side by side", "The photo beside the picture.  Y", *_compare("side"), None, has_picture),
 )
 _ZOOM = (
-    _Button("Fit", "The whole picture.  F", _fit, lambda state: state.view.fit, available=_opened),
-    _Button("100 %", "One photo pixel on one screen pixel.  Z", _full_size, available=_opened),
+    _Button("Fit", "The whole picture.  F", fit, lambda state: state.view.fit, available=has_photo),
+    _Button("100 %", "One photo pixel on one screen pixel.  Z", _full_size, available=has_photo),
 )
 _MENU = "Show"
 

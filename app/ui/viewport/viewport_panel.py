@@ -65,6 +65,11 @@ def zoom_by(state: EditorState, factor: float) -> None:
         state.view = zoom_about(state.view, factor, at, arranged.main.frame, arranged.pane_px)
 
 
+def fit(state: EditorState) -> None:
+    """The whole picture, as large as the viewport allows."""
+    state.view = View()
+
+
 def toggle_actual_size(state: EditorState) -> None:
     """One screen pixel for each of the photo's at the mouse; from there, fit again."""
     arranged = arrange_panes(state, state.look.viewport_px)
@@ -109,7 +114,7 @@ def _navigate(state: EditorState, arranged: Arrangement, at: tuple[float, float]
         if state.view.fit:
             toggle_actual_size(state)
         else:
-            state.view = View()
+            fit(state)
     if io.mouse_wheel and io.key_ctrl:
         zoom_by(state, ZOOM_PER_STEP**io.mouse_wheel)
     elif io.mouse_wheel:
