@@ -30,7 +30,7 @@ def readers(folder: Path) -> dict[str, Reader]:
     """Every reader by name; `folder` is scratch space."""
     from app.document.document import Document, LightRef, PhotoRef
     from app.document.light_file import SavedLight, read_light, write_light
-    from app.document.session_file import read_session, write_session
+    from app.document.session_file import read_lent_light, read_session, write_session
     from app.engine.calibration_file import read_costs
     from app.settings import Settings, read_settings, write_settings
     from app.window.recent_lights import read_recent
@@ -62,6 +62,7 @@ def readers(folder: Path) -> dict[str, Reader]:
         "rig": Reader(read_rig, rigs, ".toml"),
         "recipe": Reader(lambda path: recipe.load_recipe(str(path)), [path.read_bytes() for path in recipes], ".toml"),
         "session": Reader(read_session, [(folder / "seed.relight.json").read_bytes()], ".relight.json"),
+        "lent": Reader(read_lent_light, [(folder / "seed.relight.json").read_bytes()], ".relight.json"),
         "light": Reader(read_light, [(folder / "seed.light.json").read_bytes()], ".json"),
         "weights": Reader(load_bundle, [_weights(folder)], ".safetensors"),
         "shard": Reader(read_shard, [_shard(folder)], ".npz"),
