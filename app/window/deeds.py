@@ -33,6 +33,7 @@ from app.ui.open_work import KeptWork
 from app.ui.photo_works import is_waiting, note_saved, resume, session_of_photo
 from app.ui.state import EditorState
 from app.window.dropped import take_files, use_as_light
+from app.window.offers import leftover_offer, saved_session_offer, work_of_this_run_offer
 from app.window.outputs import Outputs
 from app.window.recent_lights import RecentLights
 from app.window.replacing import tried, write_or_ask
@@ -309,29 +310,20 @@ class Deeds:
         saved = saved_session(path)
         if saved is None:
             return
-        where = " beside it" if saved.parent == path.absolute().parent else f", {saved}"
-        choices = (("Continue", lambda: self._take([saved])), ("Start afresh", lambda: None))
-        self._state.asking.ask(Question("session", f"{path.name} has a saved session{where}.", choices))
+        self._state.asking.ask(saved_session_offer(path, saved, lambda: self._take([saved])))
 
     def _offer_work_of_this_run(self, work: KeptWork) -> None:
         def start_afresh() -> None:
             if self._state.waiting is work:
                 self._state.waiting = None
 
-        where = f", saved in {work.session_path}" if work.session_path else ""
-        text = f"{work.left.photo.path.name} has work of its own{where}; now it has the settings of the photo before."
-        choices = (("Continue", lambda: resume(self._state, work)), ("Start afresh", start_afresh))
-        self._state.asking.ask(Question("session", text, choices))
+        self._state.asking.ask(work_of_this_run_offer(work, lambda: resume(self._state, work), start_afresh))
 
     def _offer_next(self) -> None:
         if self._unoffered:
             self._offer(self._unoffered.pop(0))
 
     def _offer(self, leftover: Leftover) -> None:
-        when = time.strftime("%H:%M on %d %B", time.localtime(leftover.saved_s))
-        text = f"Your work on {leftover.document.photo.path.name}, of {when}, was not saved before relight ended."
-        text = " ".join([text, *(f"{note[0].upper()}{note[1:]}." for note in leftover.notes)])
-
         def restore() -> None:
             self._state.open_session(leftover.document, None)
             self._restoring = self._state.photo, leftover
@@ -341,8 +333,7 @@ class Deeds:
             leftover.forget()
             self._offer_next()
 
-        choices = (("Restore", restore), ("Discard", discard))
-        self._state.asking.ask(Question(f"leftover {leftover.path.name}", text, choices))
+        self._state.asking.ask(leftover_offer(leftover, restore, discard))
 
     def _keep(self, now_s: float) -> None:
         if self._recent is not None:
