@@ -32,7 +32,9 @@ class LitHead:
     """A head under K lights, before paint and camera; what several samples share.
 
     Attributes:
+        lights: (K, 16, 32, 3).
         own: what its pixels see of it instead of the light.
+        fine_lights: (K, 64, 128, 3) the same before they were shrunk, for samples that are turned.
         appearance: what its photos show, where photos are taken.
         relief_shadow: (K, S, S) the hint to SS, where it is asked for.
     """
@@ -44,6 +46,7 @@ class LitHead:
     own: OwnView
     appearance: Appearance | None = None
     relief_shadow: np.ndarray | None = None
+    fine_lights: np.ndarray | None = None
 
 
 def subsample(head: BakedHead, step: int, rng: np.random.Generator) -> BakedHead:

@@ -35,6 +35,7 @@ from relight_core.dataset.samples import (
 from relight_core.dataset.surroundings import Neighbour, sample_local_light, sample_neighbour, with_local_light
 from relight_core.dataset.warp import sample_warp, warped
 from relight_core.errors import InputError
+from relight_core.lighting.environment import NETWORK_HEIGHT, shrink
 from relight_core.lighting.reflection import GLOSS, Gloss
 
 _OCCLUDED_SHARE, _SCATTERING_SHARE = 0.25, 0.6
@@ -161,8 +162,9 @@ class SampleStream(IterableDataset):
             raise InputError(f"{path}: a head of {head.size} pixels has no size of {self.size}; give a divisor of it")
         head = subsample(head, head.size // self.size, rng)
         normal = head.normal if self.plain else textured(head, ingredients.pool, rng)
-        lights = np.stack([sample_light(ingredients.library, rng) for _ in range(self.lights_per_head)])
-        lit = light_head(head, normal, lights)
+        fine = np.stack([sample_light(ingredients.library, rng) for _ in range(self.lights_per_head)])
+        lights = np.stack([shrink(light, NETWORK_HEIGHT) for light in fine])
+        lit = replace(light_head(head, normal, lights), fine_lights=fine)
         if self.photographs:
             lit = replace(lit, appearance=self._appearance(lit, rng))
         return replace(lit, relief_shadow=relief_shadows(lit, rng)) if self.relief_shadow else lit
@@ -187,14 +189,17 @@ class SampleStream(IterableDataset):
         neighbour = self._neighbour(heads, pool, rng)
         pair = []
         for k in rng.choice(self.lights_per_head, 2, replace=False):
-            channels = channels_of(lit, albedo, k) | surface
+            channels = channels_of(lit, albedo, k) | surface | {"light": lit.fine_lights[k]}
             if lit.appearance is not None:
                 channels |= self._before_camera(lit, albedo, k, pool, rng)
                 channels |= without_hidden(channels, lit.appearance.hidden)
             if lit.relief_shadow is not None:
                 channels["relief_shadow"] = lit.relief_shadow[k]
             channels = mirrored(channels) if mirror else channels
-            channels = channels if warp is None else warped(channels, warp)
+            if warp is None:
+                channels["light"] = lit.lights[k][:, ::-1] if mirror else lit.lights[k]
+            else:
+                channels = warped(channels, warp)
             # Last, as in life: noise and JPEG's blocks stay as the camera made them.
             pair.append(channels if lit.appearance is None else _photographed(channels, lit, k, pool, neighbour, rng))
         return as_tensors(pair, shared=set(surface))

@@ -13,6 +13,7 @@ import cv2
 import numpy as np
 
 from relight_core.dataset.samples import ON_THE_HEAD
+from relight_core.lighting.environment import NETWORK_HEIGHT
 from relight_core.lighting.roll import roll_light
 
 _TURN_DEG, _WIDEST_TURN_DEG = 8.0, 25.0
@@ -51,14 +52,14 @@ def sample_warp(rng: np.random.Generator) -> Warp:
 
 
 def warped(sample: dict[str, np.ndarray], warp: Warp) -> dict[str, np.ndarray]:
-    """A sample of `dataset.samples` seen through a warp.
+    """A sample of `dataset.samples` seen through a warp; its light, of any size, becomes (16, 32, 3).
 
     What comes into view from beyond the border repeats the border and counts as not covered. A pixel of an outline
     that counts as covered has the channels of the head's part of it; "radiance" stays premultiplied by "silhouette".
     """
     size = sample["covered"].shape[0]
     changed = {name: _image(value, warp, size) for name, value in sample.items() if name not in ("light", "label")}
-    changed["light"] = roll_light(sample["light"], -warp.turn_deg)
+    changed["light"] = roll_light(sample["light"], -warp.turn_deg, NETWORK_HEIGHT)
     changed["label"] = _moved(sample["label"], warp, cv2.INTER_NEAREST, cv2.BORDER_REPLICATE)
     share = np.clip(_image(sample.get("silhouette", sample["covered"]), warp, size), _LEAST_COVERED, 1)
     for name in changed.keys() & set(ON_THE_HEAD):

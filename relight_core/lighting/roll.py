@@ -10,7 +10,7 @@ from relight_core.lighting.sphere import directions, place_on_map
 _FINER = 4
 
 
-def roll_light(radiance: np.ndarray, roll_deg: float) -> np.ndarray:
+def roll_light(radiance: np.ndarray, roll_deg: float, height: int | None = None) -> np.ndarray:
     """What a panorama becomes in the view of a camera that is turned counterclockwise as it looks.
 
     A lamp above the upright camera moves to the right of the turned one. The mean luminance stays.
@@ -18,20 +18,23 @@ def roll_light(radiance: np.ndarray, roll_deg: float) -> np.ndarray:
     Args:
         radiance: (H, 2H, 3) linear.
         roll_deg: of the camera; the roll of a crop.
+        height: rows of the result; those of the panorama for None. Turned at its own size and shrunk before, a
+            small lamp would be blurred twice.
 
     Returns:
-        (H, 2H, 3) float32; the same array for a roll of 0.
+        (height, 2 * height, 3) float32; for a roll of 0 the panorama shrunk, or itself where it has that height.
     """
+    rows = radiance.shape[0]
+    height = height or rows
     if roll_deg == 0:
-        return radiance
-    height = radiance.shape[0]
+        return radiance if height == rows else shrink(radiance, height)
     fine = _FINER * height
     x, y, z = np.moveaxis(directions(fine, 2 * fine).astype(np.float64), -1, 0)
     angle = np.radians(roll_deg)
     across, up = np.cos(angle) * x - np.sin(angle) * y, np.sin(angle) * x + np.cos(angle) * y
     from_left, from_top = place_on_map(across, up, z)
-    columns = np.floor(from_left * 2 * height).astype(np.intp) % (2 * height)
-    rows = np.clip(np.floor(from_top * height).astype(np.intp), 0, height - 1)
-    rolled = shrink(radiance[rows, columns], height)
+    column = np.floor(from_left * 2 * rows).astype(np.intp) % (2 * rows)
+    row = np.clip(np.floor(from_top * rows).astype(np.intp), 0, rows - 1)
+    rolled = shrink(radiance[row, column], height)
     before, after = mean_luminance(radiance), mean_luminance(rolled)
     return rolled * np.float32(before / after if after > 0 else 1.0)

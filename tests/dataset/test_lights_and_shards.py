@@ -78,7 +78,7 @@ def test_sampled_lights_are_lights(library):
     rng = np.random.default_rng(1)
     for _ in range(30):
         light = sample_light(lights, rng)
-        assert light.shape == (16, 32, 3)
+        assert light.shape == (64, 128, 3)
         assert light.dtype == np.float32
         assert np.isfinite(light).all()
         assert (light >= 0).all()

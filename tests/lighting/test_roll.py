@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from relight_core.lighting.environment import mean_luminance
+from relight_core.lighting.environment import mean_luminance, shrink
 from relight_core.lighting.roll import roll_light
 from relight_core.lighting.sphere import directions
 
@@ -42,3 +42,15 @@ def test_the_level_stays_and_rolling_back_gives_about_the_same():
 
 def test_darkness_stays_dark():
     assert roll_light(np.zeros((16, 32, 3), np.float32), 20.0).max() == 0
+
+
+def test_a_small_lamp_is_blurred_no_more_than_shrinking_does():
+    """Turned from a fine panorama, a lamp of 3 degrees fills few texels of a small one."""
+    fine = (directions(64, 128) @ np.float32([0.6, 0.0, 0.8]) > np.cos(np.radians(3.0))).astype(np.float32)[..., None]
+    fine = fine.repeat(3, -1)
+    rolled, twice = roll_light(fine, 25.0, 16), roll_light(shrink(fine, 16), 25.0)
+    assert rolled.shape == (16, 32, 3)
+    np.testing.assert_allclose(mean_luminance(rolled), mean_luminance(fine), rtol=1e-4)
+    np.testing.assert_allclose(middle(rolled), middle(shrink(roll_light(fine, 25.0), 16)), atol=0.05)
+    assert rolled.max() > 1.2 * twice.max()
+    np.testing.assert_array_equal(roll_light(fine, 0.0, 16), shrink(fine, 16))

@@ -10,7 +10,7 @@ import numpy as np
 from relight_core.dataset.archive import read_arrays
 from relight_core.dataset.lighting.light_folder import read_light_folder
 from relight_core.errors import InputError
-from relight_core.lighting.environment import mean_luminance, rotate, shrink
+from relight_core.lighting.environment import mean_luminance, rotate
 from relight_core.lighting.sphere import directions
 
 _SPLIT_SEED = 20
@@ -74,7 +74,7 @@ def normalise_light(light: np.ndarray) -> np.ndarray:
 
 
 def sample_light(library: LightLibrary, rng: np.random.Generator) -> np.ndarray:
-    """A normalised light (16, 32, 3): a turned, mirrored panorama, at times with a lamp behind, or random lamps."""
+    """A normalised light (64, 128, 3): a turned, mirrored panorama, at times with a lamp behind, or random lamps."""
     chance = rng.random()
     if chance < 0.4:
         light = sample_panorama(library, rng)
@@ -86,7 +86,7 @@ def sample_light(library: LightLibrary, rng: np.random.Generator) -> np.ndarray:
         light = sample_rig(rng, lamps=1, ambient=10 ** rng.uniform(-2.5, -1))
     else:
         light = np.ones((_DRAWN_HEIGHT, 2 * _DRAWN_HEIGHT, 3), np.float32)
-    return normalise_light(shrink(light, 16))
+    return normalise_light(light)
 
 
 def sample_panorama(library: LightLibrary, rng: np.random.Generator) -> np.ndarray:
