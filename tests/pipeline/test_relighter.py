@@ -175,7 +175,7 @@ def test_estimated_light_is_a_light(relighter):
 
 @pytest.mark.parametrize("turned_off", ["residual", "flattening", "correction"])
 def test_the_source_light_is_the_photos_whatever_light_is_asked_for(weights, relighter, turned_off):
-    own = relighter.estimated_light("final")
+    own = relighter.estimated_light("live")
     for light, off in ((some_light(1), set()), (some_light(2, level=0.0), set()), (some_light(1), {turned_off})):
         another = Relighter(weights)
         another.set_portrait(some_photo())
