@@ -140,6 +140,7 @@ _ONCE = (
     "edges",
     "matte",
     "placement",
+    "body_in_photo",
     "weights",
     "canvas",
     "layers",

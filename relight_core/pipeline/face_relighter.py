@@ -178,9 +178,13 @@ class FaceRelighter:
     def own_light(self, tier: Tier) -> np.ndarray:
         """The source light (16, 32, 3) as the photo's camera sees it, so bright that model and photo agree."""
         ready = self.flattened(self.prepare(tier))
-        light = roll_light(self._source_light(ready)[0].cpu().numpy(), -self.portrait.view.roll_deg)
         level = self._residual(ready, plan_of_own_light(tier)).level
-        return light * np.float32(level / max(mean_luminance(light), 1e-12))
+        return self.own_light_normalised(ready) * np.float32(level)
+
+    def own_light_normalised(self, ready: Prepared) -> np.ndarray:
+        """The source light (16, 32, 3) as the photo's camera sees it, of mean luminance 1."""
+        light = roll_light(self._source_light(ready)[0].cpu().numpy(), -self.portrait.view.roll_deg)
+        return light / np.float32(max(mean_luminance(light), 1e-12))
 
     def _residual(self, ready: Prepared, plan: Plan) -> Residual:
         """What the model, as far as the plan runs it, misses of the photo."""

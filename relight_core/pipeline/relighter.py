@@ -25,6 +25,7 @@ from relight_core.pipeline.cache import Record, StageCache
 from relight_core.pipeline.edit import Edit
 from relight_core.pipeline.face_relighter import KEPT_LIGHTS, FaceRelighter, Workshop
 from relight_core.pipeline.per_light.kept_lights import KeptLights, ServingLight
+from relight_core.pipeline.per_light.rest_of_person import body_shading
 from relight_core.pipeline.per_photo.matte import WORKING_PX, Matte, make_matte
 from relight_core.pipeline.per_photo.network_view import network_view
 from relight_core.pipeline.per_photo.person import Canvas, canvas_of, whole_person
@@ -304,10 +305,11 @@ class Relighter:
         size = changes[0].gain.shape[0]
         weights = run("weights", size, lambda: weights_on_views(placement, size), "new photo or quality", 3)
         light = torch.from_numpy(serving.radiance)[None].to(self._shop.device)
+        in_photo = self._body_in_photo(placement, plan, tier_of(edit.quality))
         rest, placed_changes = run(
             "detail",
             plan.keys["detail"],
-            lambda: place_changes(placement, weights, changes, light),
+            lambda: place_changes(placement, weights, changes, light, in_photo),
             "new light or slider",
         )
         if matte.own_alpha and edit.background in OWN_BACKGROUNDS:
@@ -320,6 +322,17 @@ class Relighter:
             return full, full
         canvas = run("canvas", longest_side_px, lambda: canvas_of(photo, longest_side_px), "new photo or size", 2)
         return full, replace(full, canvas=canvas)
+
+    def _body_in_photo(self, placement: Placement, plan: Plan, tier: Tier) -> np.ndarray | None:
+        """What the light of the largest face's photo gives the rest of the person; None where the plan has no use."""
+        if not plan.runs("residual"):
+            return None
+
+        def shade() -> np.ndarray:
+            light = self._first().own_light_normalised(self._first().prepare(tier))
+            return body_shading(placement.body, torch.from_numpy(light)[None].to(self._shop.device))
+
+        return self._cache.run("body_in_photo", tier.relief_key, shade, "new photo or quality", keep=3)
 
     def _recipe(self, picture: Picture, key: Hashable) -> DisplayRecipe | None:
         """How a shader draws a picture; None where it can't."""

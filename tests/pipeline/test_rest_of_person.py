@@ -5,7 +5,13 @@ import pytest
 import torch
 
 from relight_core.lighting.reflection import ReflectionTable
-from relight_core.pipeline.per_light.rest_of_person import Continuation, body_gain, body_size, make_body
+from relight_core.pipeline.per_light.rest_of_person import (
+    Continuation,
+    body_gain,
+    body_shading,
+    body_size,
+    make_body,
+)
 
 EVEN = torch.ones(1, 16, 32, 3)
 
@@ -79,3 +85,34 @@ def test_what_is_blown_out_does_not_colour_the_rest():
     relit = body.photo.copy()
     relit[:, :12, 2] *= 4
     np.testing.assert_allclose(body_gain(body, EVEN, relit)[:, 24:], 1.0, rtol=0.15)
+
+
+def half_seen_body():
+    """A body with the photo's left third in a view."""
+    size = (64, 48)
+    across = np.abs(np.arange(48) - 24.0)
+    share = np.tile((across < 18).astype(np.float32), (64, 1))
+    known = np.tile((np.arange(48) < 16).astype(np.float32), (64, 1))
+    photo = np.random.default_rng(0).uniform(0.1, 0.8, (*size, 3)).astype(np.float32)
+    return make_body(photo, share, known, ReflectionTable())
+
+
+def lamp_from(column):
+    light = torch.full((1, 16, 32, 3), 0.2)
+    light[:, 6, column] = 100.0
+    return light
+
+
+def test_under_the_light_of_the_photo_the_rest_stays_as_it_is():
+    body = half_seen_body()
+    gain = body_gain(body, lamp_from(8), body.photo, body_shading(body, lamp_from(8)))
+    np.testing.assert_allclose(gain, 1.0, rtol=0.02)
+
+
+def test_a_lamp_from_the_other_side_lights_what_the_photos_lamp_left_dark():
+    body, row = half_seen_body(), 32
+    left, right = (body_shading(body, lamp_from(column)) for column in (8, 24))
+    assert (left[row, 10] - right[row, 10]).mean() * (left[row, 37] - right[row, 37]).mean() < 0
+    changed = body_gain(body, lamp_from(24), body.photo, left)[row].mean(-1)
+    unaware = body_gain(body, lamp_from(24), body.photo)[row].mean(-1)
+    assert np.log(changed[37] / changed[10]) == pytest.approx(2 * np.log(unaware[37] / unaware[10]), rel=0.2)

@@ -1,8 +1,10 @@
 """Shoulders, arms and hands beyond the networks' view: a coarse guess of what the light does to them.
 
 A person's outline says roughly how the body bulges: surfaces turn away toward it. Light that falls on such
-normals varies over the body as it does over a real one. What the networks did within their view corrects
-the guess there, and the correction is continued outward, so that nothing changes abruptly at the view's edge.
+normals varies over the body as it does over a real one. The photo holds what its own light made of that body, so
+the guess under a new light is divided by that under the photo's (Liu, Shan and Zhang 2001): under its own light
+the rest of the person stays as it is. What the networks did within their view corrects the guess there, and the
+correction is continued outward, so that nothing changes abruptly at the view's edge.
 """
 
 from __future__ import annotations
@@ -68,17 +70,30 @@ def make_body(photo: np.ndarray, share: np.ndarray, known: np.ndarray, table: Re
 
 
 @torch.inference_mode()
-def body_gain(body: Body, light: torch.Tensor, relit: np.ndarray) -> np.ndarray:
+def body_shading(body: Body, light: torch.Tensor) -> np.ndarray:
+    """What a light gives the body, (h, w, 3), above 0, in units of a white surface's radiance.
+
+    Args:
+        light: (1, 16, 32, 3), mean luminance 1.
+    """
+    irradiance = body.light_of(light)[0].permute(1, 2, 0).cpu().numpy()
+    areas = solid_angles(*light.shape[1:3])
+    around = np.tensordot(areas, light[0].cpu().numpy(), 2) / areas.sum()
+    return irradiance + (_FILL * around + _DARK)
+
+
+def body_gain(body: Body, light: torch.Tensor, relit: np.ndarray, in_photo: np.ndarray | None = None) -> np.ndarray:
     """Gain of the photo over the whole photo, (h, w, 3), in units of the normalised light.
 
     Args:
         light: (1, 16, 32, 3), mean luminance 1.
         relit: (k, l, 3) linear, the photo as the networks relit it; only read where they saw it.
+        in_photo: (h, w, 3) `body_shading` of the light the photo was taken in; None where that isn't known, and the
+            photo counts as lit evenly.
     """
-    irradiance = body.light_of(light)[0].permute(1, 2, 0).cpu().numpy()
-    areas = solid_angles(*light.shape[1:3])
-    around = np.tensordot(areas, light[0].cpu().numpy(), 2) / areas.sum()
-    guess = irradiance + (_FILL * around + _DARK)
+    guess = body_shading(body, light)
+    if in_photo is not None:
+        guess = guess / in_photo
     small = guess if guess.shape == relit.shape else resize_area(guess, relit.shape[:2])
     found = (relit + _DARK) / (body.photo + _DARK)
     correction = np.exp(body.onward(np.log(found / small)))

@@ -85,11 +85,14 @@ def placed(
     return tuple(_mixed(placement, index, weights[index], changes, rest) for index in range(len(changes)))
 
 
-def gain_of_rest(placement: Placement, changes: Sequence[ViewChange], light: torch.Tensor) -> np.ndarray:
+def gain_of_rest(
+    placement: Placement, changes: Sequence[ViewChange], light: torch.Tensor, in_photo: np.ndarray | None = None
+) -> np.ndarray:
     """Gain (h, w, 3) over the whole photo for what no view covers, at the light's level.
 
     Args:
         light: (1, 16, 32, 3) normalised.
+        in_photo: the body's shading in the photo, see `body_gain`.
     """
     body, level = placement.body, max(changes[0].level, 1e-30)
     size = body.photo.shape[:2]
@@ -101,7 +104,7 @@ def gain_of_rest(placement: Placement, changes: Sequence[ViewChange], light: tor
         relit += share * (gain * body.photo + offset)
         total += share
     relit = relit / np.maximum(total, 1e-6) / np.float32(level)
-    return at_level(body_gain(body, light, relit), level)
+    return at_level(body_gain(body, light, relit, in_photo), level)
 
 
 def place_changes(
@@ -109,9 +112,10 @@ def place_changes(
     weights: Sequence[ViewWeights],
     changes: Sequence[ViewChange],
     light: torch.Tensor,
+    in_photo: np.ndarray | None = None,
 ) -> tuple[np.ndarray, tuple[PlacedChange, ...]]:
     """`gain_of_rest` and `placed`."""
-    rest = gain_of_rest(placement, changes, light)
+    rest = gain_of_rest(placement, changes, light, in_photo)
     return rest, placed(placement, weights, changes, rest)
 
 
