@@ -148,7 +148,7 @@ class Desk:
         self._loading = (source, photo)
         if now.opened is not None:
             return now
-        return replace(now, coming=OpenPhoto(source, photo, radiance_for_screen(photo.linear)))
+        return replace(now, coming=OpenPhoto(source, photo, radiance_for_screen(photo.linear, photo.alpha)))
 
     def _load_networks(self, now: Snapshot) -> Snapshot:
         if self._loading is not None:
@@ -166,7 +166,9 @@ class Desk:
         is_same = seen is not None and seen is now.opened
         if not is_same:
             self._tiers.forget_photo()
-        self._portrait = OpenPhoto(source, photo, seen.screen if seen else radiance_for_screen(photo.linear))
+        self._portrait = OpenPhoto(
+            source, photo, seen.screen if seen else radiance_for_screen(photo.linear, photo.alpha)
+        )
         is_own = now.light is not None and now.light.source.kind == "own"
         # Where the last face was taken away there is nothing to estimate it anew from.
         light = None if is_own and (faces or not is_same) else now.light

@@ -24,7 +24,7 @@ class OpenPhoto:
     Attributes:
         source: the wish it answers.
         photo: its pixels.
-        screen: (h, w, 3) float16 linear, small enough for a texture.
+        screen: (h, w, 3) float16 linear, small enough for a texture; (h, w, 4) with the alpha of a photo that has one.
     """
 
     source: PhotoSource

@@ -56,6 +56,15 @@ def test_opens_a_photo_and_relights_it_under_the_light(engine, relighter):
     assert snapshot.activity is None
 
 
+def test_a_cut_out_is_shown_with_its_alpha(engine):
+    alpha = np.zeros((24, 32), np.float32)
+    alpha[6:18, 8:24] = 0.5
+    cut_out = Photo(np.full((24, 32, 3), 0.25, np.float32), alpha)
+    screen = answered(engine, Request(PhotoSource(cut_out), SPLIT, Edit())).opened.screen
+    np.testing.assert_array_equal(screen[..., 3], alpha)
+    np.testing.assert_array_equal(screen[..., :3], 0.25)
+
+
 def test_nothing_is_loaded_before_a_photo_is_opened(relighter):
     made = []
     engine = Engine(lambda: made.append(1) or relighter)
