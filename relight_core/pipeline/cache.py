@@ -77,6 +77,11 @@ class StageCache:
         """Forget one stage's results."""
         self._kept.pop(name, None)
 
+    def keep_only(self, names: Collection[str]) -> None:
+        """Forget the results of all other stages."""
+        for name in self._kept.keys() - set(names):
+            del self._kept[name]
+
     def has(self, name: str, key: Hashable) -> bool:
         """Whether `run` would reuse."""
         return key in self._kept.get(name, ())

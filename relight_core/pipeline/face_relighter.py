@@ -2,56 +2,32 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable
-from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
 import torch
 
-from relight_core.face.crop import Crop
-from relight_core.face.parsing import INDEX
-from relight_core.face.silhouette import person_with_headwear
-from relight_core.imaging.colour import without_colour
 from relight_core.imaging.joint_upsampling import JointUpsampler
 from relight_core.imaging.light_change import LightChange
-from relight_core.imaging.resampling import resize_area
-from relight_core.lighting.environment import mean_luminance
 from relight_core.lighting.lamps import Lamp
-from relight_core.lighting.reflection import ReflectionTable
-from relight_core.lighting.relief import ReliefTransport
-from relight_core.lighting.roll import roll_light
-from relight_core.networks.bundle import NetworkBundle
 from relight_core.pipeline import stages
-from relight_core.pipeline.cache import StageCache
 from relight_core.pipeline.edit import Edit
-from relight_core.pipeline.model import light_surface
+from relight_core.pipeline.face_in_photo import FaceInPhoto
 from relight_core.pipeline.per_light.hard_shadow import harden_shadow, horizon_of
 from relight_core.pipeline.per_light.hints import Effects
 from relight_core.pipeline.per_light.kept_lights import ServingLight
-from relight_core.pipeline.per_light.residual import Residual, add_residual, find_residual
+from relight_core.pipeline.per_light.residual import add_residual
 from relight_core.pipeline.per_light.sliders import soften_shadow, specular_gain
-from relight_core.pipeline.per_photo.albedo import flatten_albedo
 from relight_core.pipeline.per_photo.blown import skin_share
-from relight_core.pipeline.per_photo.nearer_look import (
-    nearer_view,
-    with_nearer_change,
-    with_nearer_effects,
-    with_nearer_look,
-)
-from relight_core.pipeline.per_photo.outline import Outline, outline_person, parsing_within
-from relight_core.pipeline.per_photo.portrait import Portrait
-from relight_core.pipeline.per_photo.second_look import take_apart
-from relight_core.pipeline.per_photo.source_light import explain_source_light
-from relight_core.pipeline.plan import Plan, plan_of_own_light
+from relight_core.pipeline.per_photo.nearer_look import with_nearer_change, with_nearer_effects
+from relight_core.pipeline.plan import Plan
 from relight_core.pipeline.prepared import Lit, Prepared
-from relight_core.pipeline.quality import Tier, tier_of
+from relight_core.pipeline.quality import Tier
 from relight_core.pipeline.results.channels import (
     LIGHT_CHANNELS,
     SURFACE_CHANNELS,
     ViewChange,
     as_image,
-    as_tensor,
     enlarge_change,
     fit_view,
     light_channels,
@@ -63,145 +39,9 @@ from relight_core.pipeline.results.face_level import MOST_STOPS, level_as_in_pho
 KEPT_LIGHTS = 24
 """Results of this many lights stay: a light that is turned there and back, or two that are compared."""
 
-_KEPT_TIERS = 16
-"""As many tiers may be compared side by side without any of them being prepared twice."""
 
-
-@dataclass(frozen=True, eq=False)
-class Workshop:
-    """What all faces share: the networks, what open surfaces reflect, and where both live."""
-
-    bundle: NetworkBundle
-    table: ReflectionTable
-    device: str
-
-    def delight(self, photo_view: np.ndarray, tier: Tier) -> stages.Surface:
-        """Take a view (S, S, 3) apart."""
-        return take_apart(self.bundle, photo_view, tier, self.device)
-
-
-class FaceRelighter:
-    """The stages of one face, each result kept in a cache under what it was made from.
-
-    Attributes:
-        portrait: the photo and where the face is in it.
-        cache: of this face alone.
-        nearer: the same face in a view of little else; None where its own is near enough.
-    """
-
-    def __init__(self, workshop: Workshop, portrait: Portrait, cache: StageCache, *, outlined: bool = True):
-        """Compute nothing yet.
-
-        Args:
-            outlined: the person network, where there is one, has a say in the parsing.
-        """
-        self.portrait = portrait
-        self._shop = workshop
-        self.cache = cache
-        self._outlined = outlined
-        nearer, self.nearer = nearer_view(portrait), None
-        if nearer is not None:
-            self.nearer = FaceRelighter(workshop, replace(portrait, view=nearer), StageCache(), outlined=False)
-
-    @property
-    def caches(self) -> tuple[StageCache, ...]:
-        """Its own, and that of the nearer view."""
-        return (self.cache,) if self.nearer is None else (self.cache, self.nearer.cache)
-
-    def forget(self, stage: str | None = None) -> None:
-        """Drop a stage's results, or all there are."""
-        for cache in self.caches:
-            cache.clear() if stage is None else cache.forget(stage)
-
-    def _once(self, name: str, key: Hashable, make):
-        """A stage that only a new photo or another quality makes run again."""
-        return self.cache.run(name, key, make, "new photo or quality", keep=_KEPT_TIERS)
-
-    def prepare(self, tier: Tier) -> Prepared:
-        """The face as one tier of quality sees it."""
-        photo, size = self.portrait.photo, tier.size
-        photo_view = self._once("view", size, lambda: self.portrait.view.extract(photo.seen.linear, size))
-        seen = photo_view
-        if photo.monochrome:
-            seen = self._once("seen_view", size, lambda: without_colour(photo_view))
-        small = (tier.network_size, tier.network_size)
-        photo_small = self._once("network_view", (size, tier.network_size), lambda: resize_area(seen, small))
-        found = self._once("delight", tier.surface_key, lambda: self._within_outline(seen, tier))
-        return Prepared(self.portrait, tier, found, found, photo_view, seen, photo_small)
-
-    def _within_outline(self, photo_view: np.ndarray, tier: Tier) -> stages.Surface:
-        found, outline = self._shop.delight(photo_view, tier), self.outline()
-        if self.nearer is not None:
-            seen_nearer = self.nearer.prepare(tier).found
-            found = with_nearer_look(found, seen_nearer, self.portrait.view, self.nearer.portrait.view)
-        if self.portrait.photo.monochrome:
-            found = stages.without_colour(found)
-        if outline is None:
-            return found
-        return stages.reparsed(found, parsing_within(found.parsing, outline, self.portrait.view))
-
-    def mask(self) -> tuple[np.ndarray, Crop]:
-        """Probability (S, S) of person, gaps between hair and shoulders left open, and the view it lies in."""
-        parsing, view = self.prepare(tier_of("live")).found.parsing[0].cpu().numpy(), self.portrait.view
-        outline = self.outline()
-        if outline is None:
-            return person_with_headwear(parsing), view
-        whole = outline.corrected(1 - parsing[INDEX["background"]], view)
-        return whole.likely, whole.view
-
-    def outline(self) -> Outline | None:
-        """The person as the person network sees them; None where there is no such network, or it isn't asked."""
-        bundle, portrait = self._shop.bundle, self.portrait
-        if bundle.person is None or not self._outlined:
-            return None
-        return self._once(
-            "outline", "photo", lambda: outline_person(bundle, portrait.photo, portrait.crop, self._shop.device)
-        )
-
-    def flattened(self, ready: Prepared) -> Prepared:
-        """The same with its albedo flattened (see `pipeline.per_photo.albedo`)."""
-        relief, light = self._relief(ready), self._source_light(ready)
-        surface = self._once("albedo", ready.tier.relief_key, lambda: flatten_albedo(ready.found, relief, light))
-        return replace(ready, surface=surface)
-
-    def _relief(self, ready: Prepared) -> ReliefTransport:
-        return self._once("relief", ready.tier.relief_key, lambda: stages.march(ready.found, ready.tier.relief_size))
-
-    def _source_light(self, ready: Prepared) -> torch.Tensor:
-        relief = self._relief(ready)
-        return self._once(
-            "source_light",
-            ready.tier.relief_key,
-            lambda: explain_source_light(ready.found, self._reflector(ready), relief),
-        )
-
-    def own_light(self, tier: Tier) -> np.ndarray:
-        """The source light (16, 32, 3) as the photo's camera sees it, so bright that model and photo agree."""
-        ready = self.flattened(self.prepare(tier))
-        level = self._residual(ready, plan_of_own_light(tier)).level
-        return self.own_light_normalised(ready) * np.float32(level)
-
-    def own_light_normalised(self, ready: Prepared) -> np.ndarray:
-        """The source light (16, 32, 3) as the photo's camera sees it, of mean luminance 1."""
-        light = roll_light(self._source_light(ready)[0].cpu().numpy(), -self.portrait.view.roll_deg)
-        return light / np.float32(max(mean_luminance(light), 1e-12))
-
-    def _residual(self, ready: Prepared, plan: Plan) -> Residual:
-        """What the model, as far as the plan runs it, misses of the photo."""
-
-        def compose(light: torch.Tensor) -> stages.Composed:
-            relief = self._relief(ready) if plan.runs("relief") else None
-            how = {"by_network": plan.shadow_network, "corrected": plan.runs("correction")}
-            how |= {"precision": ready.tier.precision, "pair": ready.tier.pair}
-            return light_surface(self._shop.bundle, self._reflector(ready), ready.surface, relief, light, **how)[2]
-
-        source = self._source_light(ready)
-
-        def find() -> Residual:
-            recorded = as_tensor(ready.photo_small).to(self._shop.device)
-            return find_residual(ready.surface, recorded, source, compose)
-
-        return self._once("residual", plan.keys["residual"], find)
+class FaceRelighter(FaceInPhoto):
+    """All stages of one face, under any light."""
 
     def prepared_and_lit(self, tier: Tier, serving: ServingLight, plan: Plan) -> tuple[Prepared, Lit]:
         """The face as a tier sees it, flattened where the plan says so, and the same under a light."""
@@ -211,8 +51,7 @@ class FaceRelighter:
 
     def lit(self, ready: Prepared, serving: ServingLight, plan: Plan) -> Lit:
         """The face under a normalised light, as the photo's camera sees it."""
-        turned = roll_light(serving.radiance, self.portrait.view.roll_deg)
-        light = torch.from_numpy(turned)[None].to(self._shop.device)
+        light = self._turned(serving.radiance)
         reflected = self.cache.run(
             "irradiance",
             plan.keys["irradiance"],
@@ -302,10 +141,6 @@ class FaceRelighter:
         how = {"precision": tier.precision, "pair": tier.pair}
         make = lambda: stages.begin_effects(shop.bundle, ready.found, shop.device, **how)  # noqa: E731
         return self._once("begun", tier.begun_key, make)
-
-    def _reflector(self, ready: Prepared) -> stages.Reflector:
-        make = lambda: stages.reflector(self._shop.table, ready.found)  # noqa: E731
-        return self._once("normals", ready.tier.surface_key, make)
 
     def change(self, ready: Prepared, lit: Lit, plan: Plan, edit: Edit, level: float) -> ViewChange:
         """How the relit view differs from the photo's, at the sliders' gains and the light's level."""

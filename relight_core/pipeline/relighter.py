@@ -22,8 +22,10 @@ from relight_core.lighting.lamps import lamps_of
 from relight_core.lighting.reflection import ReflectionTable
 from relight_core.networks.bundle import load_bundle
 from relight_core.pipeline.cache import Record, StageCache
+from relight_core.pipeline.company import Company
 from relight_core.pipeline.edit import Edit
-from relight_core.pipeline.face_relighter import KEPT_LIGHTS, FaceRelighter, Workshop
+from relight_core.pipeline.face_relighter import KEPT_LIGHTS, FaceRelighter
+from relight_core.pipeline.face_taken_apart import Workshop
 from relight_core.pipeline.per_light.kept_lights import KeptLights, ServingLight
 from relight_core.pipeline.per_light.rest_of_person import body_shading
 from relight_core.pipeline.per_photo.matte import WORKING_PX, Matte, make_matte
@@ -113,7 +115,9 @@ class Relighter:
         chosen = those_chosen(photo, people, face_index)
         faces = {box: face_at(box) for box in dict.fromkeys(chosen)}
         self._people, self._face_at, self._faces = people, faces, [faces[box] for box in chosen]
-        for face in self._faces:
+        company = Company(list(faces.values())) if len(faces) > 1 else None
+        for face in faces.values():
+            face.join(company)
             face.cache.record = Record()
         self._faces[0].cache.record = self._record
         self._cache.clear()
@@ -324,7 +328,7 @@ class Relighter:
         return full, replace(full, canvas=canvas)
 
     def _body_in_photo(self, placement: Placement, plan: Plan, tier: Tier) -> np.ndarray | None:
-        """What the light of the largest face's photo gives the rest of the person; None where the plan has no use."""
+        """What the photo's own light gives the rest of the person; None where the plan has no use for it."""
         if not plan.runs("residual"):
             return None
 

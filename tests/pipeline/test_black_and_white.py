@@ -9,7 +9,7 @@ from tiny_relighter import EDIT, some_light, some_photo
 from relight_core.imaging.colour import luminance
 from relight_core.imaging.photo import Photo
 from relight_core.lighting.environment import Environment
-from relight_core.pipeline.face_relighter import Workshop
+from relight_core.pipeline.face_taken_apart import Workshop
 from relight_core.pipeline.quality import Tier
 from relight_core.pipeline.relighter import Relighter
 

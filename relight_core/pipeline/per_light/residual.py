@@ -21,6 +21,7 @@ Hair that is darker than its model has strands in each other's shadow, whatever 
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
@@ -107,6 +108,15 @@ def find_residual(
     tint = colour + skin * (_by_camera(log_ratio, surface.albedo, skin * known) - colour)
     glare = (log_ratio - tint) * _glare_share(log_ratio, skin, surface.parsing[:, INDEX["hair"], None])
     return Residual(log_ratio, grey(model.plain), stays_dark, skin, broad, tint, glare, source_light, level)
+
+
+def at_light_level(residual: Residual, level: float) -> Residual:
+    """The same for a light of another level: by what the model was off as a whole it is off everywhere."""
+    if not (level > 0 and residual.level > 0):
+        return residual
+    brighter = math.log(residual.level / level)
+    log_ratio = (residual.log_ratio + brighter).clamp(-_LARGEST_LOG, _LARGEST_LOG)
+    return replace(residual, log_ratio=log_ratio, broad=residual.broad + brighter * residual.skin, level=level)
 
 
 def _glare_share(log_ratio: torch.Tensor, skin: torch.Tensor, hair: torch.Tensor) -> torch.Tensor:

@@ -37,7 +37,7 @@ def explain_source_light(surface: Surface, reflector: Reflector, relief: ReliefT
         relief: transport of its relief.
     """
     reflected = reflect(reflector, surface.source_light)
-    level = _exposure_of_photo(surface, reflected)
+    level = exposure_of_photo(surface, reflected)
     guess = surface.source_light * level
     matte = _without_gloss(surface.photo, reflected[:, 3:] * level, relief.shadow_fraction(guess.cpu()))
     small = [
@@ -72,11 +72,11 @@ def _left_to_light(surface: Surface, guess: torch.Tensor, explained: torch.Tenso
     return balanced * ((explained @ luminance) / (balanced @ luminance).clamp_min(1e-12))[:, None]
 
 
-def _exposure_of_photo(surface: Surface, reflected: torch.Tensor) -> float:
-    """The level at which the network's source light gives the photo its brightness.
+def exposure_of_photo(surface: Surface, reflected: torch.Tensor) -> float:
+    """The level at which a light gives the photo its brightness.
 
-    The median ratio over the person of the photo to what the surface reflects of it, (1, 6, S, S), where the photo is
-    neither black nor clipped; 1 where nothing can be said.
+    The median ratio over the person of the photo to what the surface reflects of the light, (1, 6, S, S), where the
+    photo is neither black nor clipped; 1 where nothing can be said.
     """
     lit = grey(surface.albedo * reflected[:, :3] + reflected[:, 3:])
     seen = grey(surface.photo)

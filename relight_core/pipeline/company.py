@@ -1,0 +1,66 @@
+"""People in one photo stand in one light.
+
+How bright a surface is and how bright its light, one face alone can't tell, and where the light comes from it tells
+roughly. Several faces know more: the light they share is taken from all of them, and what tells a dark face from
+a pale one beside it is their albedo. So everyone's skin stays as it is beside the others', and all of them are the
+photo again under the light it was taken in.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Protocol
+
+import numpy as np
+
+from relight_core.lighting.environment import mean_luminance
+from relight_core.pipeline.plan import Plan
+from relight_core.pipeline.quality import Tier
+
+_MOST_ALBEDO = math.log(2.0)
+"""By what one face is brighter than the others, its albedo is, up to about a stop; what is more, the light near it."""
+
+
+class Member(Protocol):
+    """A face, and what it knows by itself."""
+
+    def estimate(self, tier: Tier) -> np.ndarray:
+        """The source light (16, 32, 3) as the photo's camera sees it, of mean luminance 1."""
+
+    def exposure_in(self, light: np.ndarray, tier: Tier) -> float:
+        """The level at which such a light gives the face its brightness in the photo."""
+
+    def model_level(self, tier: Tier, plan: Plan) -> float:
+        """The level at which the whole model of the face under the source light is as bright as the photo."""
+
+
+class Company:
+    """The faces of one photo that are relit together.
+
+    Attributes:
+        faces: two or more.
+    """
+
+    def __init__(self, faces: Sequence[Member]):
+        self.faces = tuple(faces)
+
+    def light(self, tier: Tier) -> np.ndarray:
+        """The light (16, 32, 3) that all of them stand in, as the camera sees it, of mean luminance 1."""
+        mean = np.mean([face.estimate(tier) for face in self.faces], axis=0)
+        return mean / np.float32(max(mean_luminance(mean), 1e-12))
+
+    def albedo_gain(self, face: Member, tier: Tier) -> float:
+        """What brings one face's albedo to the level of the others', above 1/2 and below 2."""
+        light = self.light(tier)
+        all_of_them = [one.exposure_in(light, tier) for one in self.faces]
+        brighter = _mean_log([face.exposure_in(light, tier)]) - _mean_log(all_of_them)
+        return math.exp(_MOST_ALBEDO * math.tanh(brighter / _MOST_ALBEDO))
+
+    def level(self, tier: Tier, plan: Plan) -> float:
+        """The level of their light, at which model and photo agree over all of them."""
+        return math.exp(_mean_log([face.model_level(tier, plan) for face in self.faces]))
+
+
+def _mean_log(values: Sequence[float]) -> float:
+    return sum(math.log(max(value, 1e-12)) for value in values) / len(values)

@@ -1,0 +1,125 @@
+"""One face of a photo in the light the photo was taken in, which the photo's other faces stand in as well."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import torch
+
+from relight_core.lighting.environment import mean_luminance
+from relight_core.lighting.roll import roll_light
+from relight_core.pipeline import stages
+from relight_core.pipeline.company import Company
+from relight_core.pipeline.face_taken_apart import FaceTakenApart
+from relight_core.pipeline.model import light_surface
+from relight_core.pipeline.per_light.residual import Residual, at_light_level, find_residual
+from relight_core.pipeline.per_photo.albedo import flatten_albedo
+from relight_core.pipeline.per_photo.source_light import explain_source_light, exposure_of_photo
+from relight_core.pipeline.plan import Plan, plan_of_own_light
+from relight_core.pipeline.prepared import Prepared
+from relight_core.pipeline.quality import Tier
+from relight_core.pipeline.results.channels import as_tensor
+
+_KNOWN_ALONE = (
+    *("view", "seen_view", "network_view", "delight", "outline"),
+    *("normals", "relief", "source_light", "begun", "horizon", "edges"),
+)
+"""Stages that read nothing of the photo's other faces."""
+
+
+class FaceInPhoto(FaceTakenApart):
+    """A face that is taken apart, and the light that its photo was taken in; one of a `company`, or alone."""
+
+    _company: Company | None = None
+
+    def join(self, company: Company | None) -> None:
+        """Share the light with the photo's other faces; None for nobody's company."""
+        before, after = (one.faces if one else () for one in (self._company, company))
+        self._company = company
+        if before != after:
+            self.cache.keep_only(_KNOWN_ALONE)
+        if self.nearer is not None:
+            self.nearer.join(company)
+
+    def flattened(self, ready: Prepared) -> Prepared:
+        """The same with its albedo flattened (see `pipeline.per_photo.albedo`), and as bright as beside the others."""
+        relief, light = self._relief(ready), self._source_light(ready)
+
+        def flatten() -> stages.Surface:
+            surface = flatten_albedo(ready.found, relief, light)
+            gain = self._company.albedo_gain(self, ready.tier) if self._company else 1.0
+            return replace(surface, albedo=(gain * surface.albedo).clamp(0, 1))
+
+        return replace(ready, surface=self._once("albedo", ready.tier.relief_key, flatten))
+
+    def _source_light(self, ready: Prepared) -> torch.Tensor:
+        """The photo's light (1, 16, 32, 3) as this view sees it."""
+        company, tier = self._company, ready.tier
+        if company is None:
+            return self._estimate(ready)
+        return self._once("shared_light", tier.relief_key, lambda: self._turned(company.light(tier)))
+
+    def _estimate(self, ready: Prepared) -> torch.Tensor:
+        relief = self._relief(ready)
+        return self._once(
+            "source_light",
+            ready.tier.relief_key,
+            lambda: explain_source_light(ready.found, self._reflector(ready), relief),
+        )
+
+    def estimate(self, tier: Tier) -> np.ndarray:
+        """See `company.Member`."""
+        return self._as_the_camera_sees(self._estimate(self.prepare(tier)))
+
+    def exposure_in(self, light: np.ndarray, tier: Tier) -> float:
+        """See `company.Member`."""
+        ready = self.prepare(tier)
+        return exposure_of_photo(ready.found, stages.reflect(self._reflector(ready), self._turned(light)))
+
+    def model_level(self, tier: Tier, plan: Plan) -> float:
+        """See `company.Member`."""
+        ready = self.prepare(tier)
+        return self._residual_alone(self.flattened(ready) if plan.runs("flattening") else ready, plan).level
+
+    def _turned(self, light: np.ndarray) -> torch.Tensor:
+        """A light (16, 32, 3) as the camera sees it, (1, 16, 32, 3) as this view does."""
+        return torch.from_numpy(roll_light(light, self.portrait.view.roll_deg))[None].to(self._shop.device)
+
+    def _as_the_camera_sees(self, light: torch.Tensor) -> np.ndarray:
+        """A light (1, 16, 32, 3) as this view sees it, (16, 32, 3) and of mean luminance 1."""
+        turned = roll_light(light[0].cpu().numpy(), -self.portrait.view.roll_deg)
+        return turned / np.float32(max(mean_luminance(turned), 1e-12))
+
+    def own_light(self, tier: Tier) -> np.ndarray:
+        """The source light (16, 32, 3) as the photo's camera sees it, so bright that model and photo agree."""
+        ready = self.flattened(self.prepare(tier))
+        level = self._residual(ready, plan_of_own_light(tier)).level
+        return self.own_light_normalised(ready) * np.float32(level)
+
+    def own_light_normalised(self, ready: Prepared) -> np.ndarray:
+        """The source light (16, 32, 3) as the photo's camera sees it, of mean luminance 1."""
+        return self._as_the_camera_sees(self._source_light(ready))
+
+    def _residual(self, ready: Prepared, plan: Plan) -> Residual:
+        """What the model, as far as the plan runs it, misses of the photo."""
+        alone, company = self._residual_alone(ready, plan), self._company
+        if company is None:
+            return alone
+        level = lambda: at_light_level(alone, company.level(ready.tier, plan))  # noqa: E731
+        return self._once("residual_in_company", plan.keys["residual"], level)
+
+    def _residual_alone(self, ready: Prepared, plan: Plan) -> Residual:
+        def compose(light: torch.Tensor) -> stages.Composed:
+            relief = self._relief(ready) if plan.runs("relief") else None
+            how = {"by_network": plan.shadow_network, "corrected": plan.runs("correction")}
+            how |= {"precision": ready.tier.precision, "pair": ready.tier.pair}
+            return light_surface(self._shop.bundle, self._reflector(ready), ready.surface, relief, light, **how)[2]
+
+        source = self._source_light(ready)
+
+        def find() -> Residual:
+            recorded = as_tensor(ready.photo_small).to(self._shop.device)
+            return find_residual(ready.surface, recorded, source, compose)
+
+        return self._once("residual", plan.keys["residual"], find)

@@ -1,0 +1,127 @@
+"""One face of a photo, as the networks take it apart; what neither a light nor the photo's other faces change."""
+
+from __future__ import annotations
+
+from collections.abc import Hashable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from relight_core.face.crop import Crop
+from relight_core.face.parsing import INDEX
+from relight_core.face.silhouette import person_with_headwear
+from relight_core.imaging.colour import without_colour
+from relight_core.imaging.resampling import resize_area
+from relight_core.lighting.reflection import ReflectionTable
+from relight_core.lighting.relief import ReliefTransport
+from relight_core.networks.bundle import NetworkBundle
+from relight_core.pipeline import stages
+from relight_core.pipeline.cache import StageCache
+from relight_core.pipeline.per_photo.nearer_look import nearer_view, with_nearer_look
+from relight_core.pipeline.per_photo.outline import Outline, outline_person, parsing_within
+from relight_core.pipeline.per_photo.portrait import Portrait
+from relight_core.pipeline.per_photo.second_look import take_apart
+from relight_core.pipeline.prepared import Prepared
+from relight_core.pipeline.quality import Tier, tier_of
+
+_KEPT_TIERS = 16
+"""As many tiers may be compared side by side without any of them being prepared twice."""
+
+
+@dataclass(frozen=True, eq=False)
+class Workshop:
+    """What all faces share: the networks, what open surfaces reflect, and where both live."""
+
+    bundle: NetworkBundle
+    table: ReflectionTable
+    device: str
+
+    def delight(self, photo_view: np.ndarray, tier: Tier) -> stages.Surface:
+        """Take a view (S, S, 3) apart."""
+        return take_apart(self.bundle, photo_view, tier, self.device)
+
+
+class FaceTakenApart:
+    """The first stages of one face, each result kept in a cache under what it was made from.
+
+    Attributes:
+        portrait: the photo and where the face is in it.
+        cache: of this face alone.
+        nearer: the same face in a view of little else; None where its own is near enough.
+    """
+
+    def __init__(self, workshop: Workshop, portrait: Portrait, cache: StageCache, *, outlined: bool = True):
+        """Compute nothing yet.
+
+        Args:
+            outlined: the person network, where there is one, has a say in the parsing.
+        """
+        self.portrait = portrait
+        self._shop = workshop
+        self.cache = cache
+        self._outlined = outlined
+        nearer, self.nearer = nearer_view(portrait), None
+        if nearer is not None:
+            self.nearer = type(self)(workshop, replace(portrait, view=nearer), StageCache(), outlined=False)
+
+    @property
+    def caches(self) -> tuple[StageCache, ...]:
+        """Its own, and that of the nearer view."""
+        return (self.cache,) if self.nearer is None else (self.cache, self.nearer.cache)
+
+    def forget(self, stage: str | None = None) -> None:
+        """Drop a stage's results, or all there are."""
+        for cache in self.caches:
+            cache.clear() if stage is None else cache.forget(stage)
+
+    def _once(self, name: str, key: Hashable, make):
+        """A stage that only a new photo or another quality makes run again."""
+        return self.cache.run(name, key, make, "new photo or quality", keep=_KEPT_TIERS)
+
+    def prepare(self, tier: Tier) -> Prepared:
+        """The face as one tier of quality sees it."""
+        photo, size = self.portrait.photo, tier.size
+        photo_view = self._once("view", size, lambda: self.portrait.view.extract(photo.seen.linear, size))
+        seen = photo_view
+        if photo.monochrome:
+            seen = self._once("seen_view", size, lambda: without_colour(photo_view))
+        small = (tier.network_size, tier.network_size)
+        photo_small = self._once("network_view", (size, tier.network_size), lambda: resize_area(seen, small))
+        found = self._once("delight", tier.surface_key, lambda: self._within_outline(seen, tier))
+        return Prepared(self.portrait, tier, found, found, photo_view, seen, photo_small)
+
+    def _within_outline(self, photo_view: np.ndarray, tier: Tier) -> stages.Surface:
+        found, outline = self._shop.delight(photo_view, tier), self.outline()
+        if self.nearer is not None:
+            seen_nearer = self.nearer.prepare(tier).found
+            found = with_nearer_look(found, seen_nearer, self.portrait.view, self.nearer.portrait.view)
+        if self.portrait.photo.monochrome:
+            found = stages.without_colour(found)
+        if outline is None:
+            return found
+        return stages.reparsed(found, parsing_within(found.parsing, outline, self.portrait.view))
+
+    def mask(self) -> tuple[np.ndarray, Crop]:
+        """Probability (S, S) of person, gaps between hair and shoulders left open, and the view it lies in."""
+        parsing, view = self.prepare(tier_of("live")).found.parsing[0].cpu().numpy(), self.portrait.view
+        outline = self.outline()
+        if outline is None:
+            return person_with_headwear(parsing), view
+        whole = outline.corrected(1 - parsing[INDEX["background"]], view)
+        return whole.likely, whole.view
+
+    def outline(self) -> Outline | None:
+        """The person as the person network sees them; None where there is no such network, or it isn't asked."""
+        bundle, portrait = self._shop.bundle, self.portrait
+        if bundle.person is None or not self._outlined:
+            return None
+        return self._once(
+            "outline", "photo", lambda: outline_person(bundle, portrait.photo, portrait.crop, self._shop.device)
+        )
+
+    def _relief(self, ready: Prepared) -> ReliefTransport:
+        return self._once("relief", ready.tier.relief_key, lambda: stages.march(ready.found, ready.tier.relief_size))
+
+    def _reflector(self, ready: Prepared) -> stages.Reflector:
+        make = lambda: stages.reflector(self._shop.table, ready.found)  # noqa: E731
+        return self._once("normals", ready.tier.surface_key, make)

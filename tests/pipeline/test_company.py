@@ -1,0 +1,77 @@
+"""People in one photo share its light, and keep how dark they are beside each other."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+import pytest
+from tiny_relighter import EDIT, some_photo
+
+from relight_core.face.find import FaceBox
+from relight_core.imaging.view_transform import apply_view
+from relight_core.pipeline.company import Company
+from relight_core.pipeline.relighter import Relighter
+
+TIER, PLAN = None, None
+LEFT, RIGHT = FaceBox(6, 16, 50, 72), FaceBox(60, 20, 104, 76)
+
+
+def lamp(column):
+    light = np.full((16, 32, 3), 0.1, np.float32)
+    light[6, column] = 50
+    return light / np.float32(light.mean())
+
+
+@dataclass
+class Face:
+    exposure: float = 1.0
+    level: float = 1.0
+    light: np.ndarray = field(default_factory=lambda: np.ones((16, 32, 3), np.float32))
+
+    def estimate(self, tier):
+        return self.light
+
+    def exposure_in(self, light, tier):
+        return self.exposure
+
+    def model_level(self, tier, plan):
+        return self.level
+
+
+def test_the_light_is_every_faces():
+    light = Company([Face(light=lamp(4)), Face(light=lamp(20))]).light(TIER)
+    assert light[6, 4, 0] == pytest.approx(light[6, 20, 0], rel=1e-5)
+    assert light[6, 4, 0] > 100 * light[6, 12, 0]
+
+
+@pytest.mark.parametrize("ratio", [0.8, 1.0, 1.2])
+def test_a_face_that_is_brighter_than_the_other_has_the_brighter_albedo(ratio):
+    faces = Face(exposure=3.0 * ratio), Face(exposure=3.0)
+    pale, dark = (Company(faces).albedo_gain(face, TIER) for face in faces)
+    assert pale / dark == pytest.approx(ratio, rel=0.02)
+    assert pale * dark == pytest.approx(1, rel=1e-6)
+
+
+@pytest.mark.parametrize("exposure", [1e-30, 1e-3, 1e3, 1e30])
+def test_what_only_light_explains_is_left_to_the_light(exposure):
+    far, faces = Face(exposure=exposure), [Face(), Face()]
+    gain = Company([far, *faces]).albedo_gain(far, TIER)
+    assert 0.5 <= gain <= 2
+    assert (gain - 1) * (exposure - 1) > 0
+
+
+def test_the_level_is_between_theirs():
+    assert Company([Face(level=1.0), Face(level=4.0)]).level(TIER, PLAN) == pytest.approx(2.0)
+
+
+@pytest.mark.usefixtures("small_and_seeing_faces")
+@pytest.mark.parametrize("face_boxes", [(LEFT, RIGHT), (RIGHT, LEFT)])
+def test_under_their_own_light_all_of_them_are_the_photo(weights, face_boxes):
+    photo = some_photo(3)
+    photo.linear[:, 56:] *= 0.4
+    relighter = Relighter(weights)
+    relighter.set_portrait(photo, boxes=face_boxes)
+    relit = relighter.relight(relighter.estimated_light("live"), EDIT)
+    for box in face_boxes:
+        part = np.s_[int(box.y0) + 8 : int(box.y1) - 8, int(box.x0) + 8 : int(box.x1) - 8]
+        difference = np.abs(apply_view(relit.image[part]) - apply_view(photo.linear[part]))
+        assert difference.mean() < 0.03
