@@ -201,11 +201,17 @@ class Reflector:
 
 
 @torch.inference_mode()
-def reflector(table: ReflectionTable, surface: Surface) -> Reflector:
-    """Make a surface's normals and parts ready."""
+def reflector(table: ReflectionTable, surface: Surface, *, black_is_dull: bool = True) -> Reflector:
+    """Make a surface's normals and parts ready.
+
+    Args:
+        black_is_dull: what is darker than any skin has next to no gloss. On photographs, hair's smooth normals would
+            draw it as haze; False is as heads are rendered.
+    """
     shares = torch.ones_like(surface.normal).repeat(1, 2, 1, 1)
     shares[:, 3:] *= gloss_share(surface.parsing)
-    shares[:, 3:] *= ((grey(surface.albedo) - _BLACK) / (_DARKEST_SKIN - _BLACK)).clamp(_BLACK_GLOSS, 1)
+    if black_is_dull:
+        shares[:, 3:] *= ((grey(surface.albedo) - _BLACK) / (_DARKEST_SKIN - _BLACK)).clamp(_BLACK_GLOSS, 1)
     receives = torch.from_numpy(eye_sockets(surface.parsing[0].cpu().numpy())).to(shares.device)
     sockets = gather_bounce(surface.normal, surface.relief, surface.albedo, surface.person, receives)
     return Reflector(NormalLookup(table, surface.normal), shares, sockets)

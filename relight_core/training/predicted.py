@@ -37,7 +37,8 @@ def on_predicted_surface(
 
     Returns:
         (4 * pairs, C, T, T): by pair, photo and light; T as `surface_size` has it. "reflected" is what the editor
-        makes of the surface and the light.
+        makes of the surface and the light, but for the gloss of black hair, which the truth has: networks that miss
+        it there would learn to put it back.
     """
     photo = batch["photo_srgb"].flatten(0, 1)
     size = surface_size(bundle, photo)
@@ -47,7 +48,7 @@ def on_predicted_surface(
         surface = stages.delight(bundle, view, size, photo.device.type)
         surfaces.append(surface)
         shadows.append(stages.march(surface, RELIEF_SIZE).shadow_fraction(lights.cpu()))
-        reflector = stages.reflector(table, surface)
+        reflector = stages.reflector(table, surface, black_is_dull=False)
         reflected += [stages.reflect(reflector, light[None]) for light in lights]
     found = {name: torch.cat([getattr(s, name) for s in surfaces]) for name in ("normal", "relief", "parsing")}
     truth = {name: _for_both_photos(batch[name]) for name in batch.keys() - {"photo_srgb", "label"}}

@@ -19,9 +19,9 @@ def surface_of(label, albedo):
     return Surface(colour, colour, normal, 0 * one, parsing, one, torch.ones(1, 16, 32, 3))
 
 
-def reflected(label, albedo):
+def reflected(label, albedo, **how):
     """Irradiance and gloss under light from everywhere."""
-    both = reflect(reflector(ReflectionTable(), surface_of(label, albedo)), torch.ones(1, 16, 32, 3))
+    both = reflect(reflector(ReflectionTable(), surface_of(label, albedo), **how), torch.ones(1, 16, 32, 3))
     return both[:, :3].mean().item(), both[:, 3:].mean().item()
 
 
@@ -32,6 +32,11 @@ def test_black_cloth_taken_for_a_neck_hardly_mirrors_and_dark_skin_does():
     assert black_light == pytest.approx(light, rel=1e-4)
     assert 0 < black_gloss < 0.1 * skin_gloss
     assert black_gloss < reflected(NECK, 0.03)[1] < skin_gloss
+
+
+def test_as_rendered_black_has_the_gloss_of_what_it_is():
+    assert reflected(NECK, 0.015, black_is_dull=False) == reflected(SKIN, 0.4)
+    assert reflected(CLOTH, 0.015, black_is_dull=False) == reflected(CLOTH, 0.4)
 
 
 def test_cloth_is_duller_than_skin():

@@ -115,9 +115,9 @@ def test_a_found_relief_casts_the_shadow_that_the_editor_would_march():
     assert both["parsing"].sum(1).allclose(torch.ones(2, 16, 16), atol=1e-4)
 
 
-def test_surfaces_reflect_what_the_editor_makes_of_them_and_their_light(bundle):
+def test_surfaces_reflect_what_the_editor_makes_of_them_and_their_light_but_black_as_it_is_rendered(bundle):
     batch = pairs(1, 32)
     flat = on_predicted_surface(bundle, ReflectionTable(), batch)
     surface = stages.delight(bundle, srgb_decode(batch["photo_srgb"][0, 1]).permute(1, 2, 0).numpy(), 32)
-    expected = stages.reflect(stages.reflector(ReflectionTable(), surface), batch["light"][0, :1])
+    expected = stages.reflect(stages.reflector(ReflectionTable(), surface, black_is_dull=False), batch["light"][0, :1])
     torch.testing.assert_close(flat["reflected"][2:3], expected.clone())
