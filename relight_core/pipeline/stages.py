@@ -32,6 +32,7 @@ from relight_core.pipeline.per_light.hints import (
 )
 from relight_core.pipeline.per_light.shadow_colour import shadow_tint
 from relight_core.pipeline.per_photo.blown import clipped_share, mend_blown
+from relight_core.pipeline.per_photo.white_collar import with_white_collar
 
 _RELIEF_UNIT_PX = 64.0
 _HEIGHT_GAIN = 1.2
@@ -109,6 +110,7 @@ def delight(
     albedo, normal, relief, parsing = (_shrunk(image, size) for image in images)
     linear = _as_tensor(resize_area(photo, (size, size)), device)
     normal, relief = _without_rim(normal), _without_rim(relief)
+    albedo, parsing = with_white_collar(linear, albedo, parsing)
     albedo = mend_blown(clipped, albedo, parsing)
     balls = with_eyeballs(unit_normals(normal)[0].cpu().numpy(), parsing[0].cpu().numpy())
     normal = torch.from_numpy(balls)[None].to(device)

@@ -1,0 +1,60 @@
+"""White collars that de-lighting takes for a neck.
+
+Where a collar lies close, the parsing says neck and the albedo comes out pink, and blown out it would get the colour
+of the skin around it. But no neck is both brighter than the lit side of its face and of no colour.
+"""
+
+from __future__ import annotations
+
+import torch
+
+from relight_core.face.parsing import INDEX, middle_row
+from relight_core.imaging.tensor_colour import grey
+from relight_core.pipeline.per_photo.saturation import log_colour, middle_colour, saturation
+
+_MOUTH = ("lips", "inner_mouth")
+_FEWEST_PIXELS, _FEWEST_MOUTH_PIXELS = 50, 4
+_BRIGHTEST_SKIN = 0.95
+"""Quantile of a face's brightness that stands for its lit side."""
+_BRIGHTER = 1.3
+_SMALLEST_COLLAR = 8
+"""Pixels."""
+_MOSTLY_GREY = -0.7
+_SKIN, _CLOTH = -0.25, -0.5
+_BLACK = 0.005
+
+
+@torch.inference_mode()
+def with_white_collar(
+    photo: torch.Tensor, albedo: torch.Tensor, parsing: torch.Tensor
+) -> tuple[torch.Tensor, torch.Tensor]:
+    """Albedo and parsing with cloth where the neck below the mouth is brighter than the face and of no colour.
+
+    What becomes cloth keeps its brightness and gets the colour it has beside the skin's, as skin has its albedo's.
+    Skin that is blown out passes through yellow before it is white: where most of what is bright has a colour, all
+    is left as it is.
+
+    Args:
+        photo: (1, 3, S, S) linear, [0, 1].
+        albedo: (1, 3, S, S) linear.
+        parsing: (1, classes, S, S) probabilities.
+    """
+    mouth, face = middle_row(parsing[0], _MOUTH, _FEWEST_MOUTH_PIXELS), parsing[:, INDEX["skin"], None]
+    seen, own = (middle_colour(image, face, _FEWEST_PIXELS) for image in (photo, albedo))
+    if mouth is None or seen is None or own is None:
+        return albedo, parsing
+    below = torch.arange(photo.shape[2], device=photo.device)[:, None] > mouth
+    neck, brightness = parsing[:, INDEX["neck"], None] * below, grey(photo)
+    brighter = brightness / brightness[face > 0.6].quantile(_BRIGHTEST_SKIN).clamp_min(1e-3) - 1
+    off = log_colour((photo[0] + _BLACK).movedim(0, -1)) - seen
+    colour = saturation(off, seen)[None, None]
+    bright = (neck > 0.3) & (brighter > 0)
+    if int(bright.sum()) < _SMALLEST_COLLAR or float(colour[bright].median()) > _MOSTLY_GREY:
+        return albedo, parsing
+    share = neck * (brighter / (_BRIGHTER - 1)).clamp(0, 1) * ((colour - _SKIN) / (_CLOTH - _SKIN)).clamp(0, 1)
+    bare = torch.exp(own + off).movedim(-1, 0)[None]
+    bare = bare * (grey(albedo) / grey(bare))
+    parsing = parsing.clone()
+    parsing[:, INDEX["neck"]] -= share[:, 0]
+    parsing[:, INDEX["cloth"]] += share[:, 0]
+    return (albedo + share * (bare - albedo)).clamp(0, 1), parsing

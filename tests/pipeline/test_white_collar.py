@@ -1,0 +1,77 @@
+"""A white collar that parsing takes for the neck: cloth where it is brighter than the face and of no colour."""
+
+import torch
+
+from relight_core.pipeline.per_photo.white_collar import with_white_collar
+
+SIZE, SKIN, LIPS, NECK, CLOTH = 24, 1, 8, 9, 13
+SKIN_ALBEDO = torch.tensor([0.5, 0.3, 0.2])[:, None, None]
+PINK = torch.tensor([0.7, 0.5, 0.42])[:, None, None]
+COLLAR = slice(20, SIZE)
+
+
+def portrait(collar, light=(1.0, 1.0, 1.0), rows=COLLAR):
+    """Photo, albedo and parsing: a face with lips, a neck below it, and in some rows of the neck what looks pink."""
+    parsing = torch.zeros(1, 14, SIZE, SIZE)
+    parsing[:, SKIN, :12] = 1
+    parsing[:, LIPS, 12] = 1
+    parsing[:, NECK, 13:] = 1
+    truth = SKIN_ALBEDO.expand(3, SIZE, SIZE).clone()
+    truth[:, rows] = torch.as_tensor(collar)
+    found = SKIN_ALBEDO.expand(3, SIZE, SIZE).clone()
+    found[:, rows] = PINK
+    photo = (truth * torch.tensor(light)[:, None, None]).clamp(0, 1)
+    return photo[None], found[None], parsing
+
+
+def red_over_blue(albedo):
+    return float((albedo[0, 0] / albedo[0, 2])[COLLAR].median())
+
+
+def test_a_neck_that_is_white_and_brighter_than_the_face_is_a_collar():
+    photo, albedo, parsing = portrait(0.8)
+    white, parsed = with_white_collar(photo, albedo, parsing)
+    assert float(parsed[0, CLOTH, COLLAR].min()) > 0.95
+    torch.testing.assert_close(parsed.sum(1), parsing.sum(1))
+    assert abs(red_over_blue(white) - 1) < 0.1
+    torch.testing.assert_close(white[..., :20, :], albedo[..., :20, :])
+    torch.testing.assert_close(parsed[..., :20, :], parsing[..., :20, :])
+
+
+def test_in_a_coloured_light_too():
+    white, parsed = with_white_collar(*portrait(0.8, light=(1.0, 0.9, 0.75)))
+    assert float(parsed[0, CLOTH, COLLAR].min()) > 0.95
+    assert abs(red_over_blue(white) - 1) < 0.1
+
+
+def test_a_blown_out_collar_is_white():
+    white, parsed = with_white_collar(*portrait(2.0))
+    assert float(parsed[0, CLOTH, COLLAR].min()) > 0.95
+    assert abs(red_over_blue(white) - 1) < 0.1
+
+
+def is_left(photo, albedo, parsing):
+    return all(a is b for a, b in zip(with_white_collar(photo, albedo, parsing), (albedo, parsing), strict=True))
+
+
+def test_a_neck_in_brighter_light_than_the_face_stays_a_neck():
+    assert is_left(*portrait(SKIN_ALBEDO * 1.9))
+
+
+def test_a_neck_that_is_blown_out_in_places_stays_a_neck():
+    blown = (SKIN_ALBEDO * torch.linspace(1, 5, 4)[:, None]).clamp_max(1)
+    assert is_left(*portrait(blown.expand(3, 4, SIZE)))
+
+
+def test_grey_that_is_darker_than_the_face_is_left():
+    assert is_left(*portrait(0.2))
+
+
+def test_what_is_bright_beside_the_face_is_left():
+    assert is_left(*portrait(0.8, rows=slice(0, 3)))
+
+
+def test_a_view_without_a_mouth_is_left():
+    photo, albedo, parsing = portrait(0.8)
+    parsing[:, LIPS] = 0
+    assert is_left(photo, albedo, parsing)
