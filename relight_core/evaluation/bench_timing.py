@@ -137,6 +137,7 @@ _ONCE = (
     "source_light",
     "albedo",
     "shared_light",
+    "exposure",
     "residual",
     "residual_in_company",
     "edges",

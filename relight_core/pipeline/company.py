@@ -29,7 +29,7 @@ class Member(Protocol):
         """The source light (16, 32, 3) as the photo's camera sees it, of mean luminance 1."""
 
     def exposure_in(self, light: np.ndarray, tier: Tier) -> float:
-        """The level at which such a light gives the face its brightness in the photo."""
+        """The level at which the company's light gives the face its brightness in the photo."""
 
     def model_level(self, tier: Tier, plan: Plan) -> float:
         """The level at which the whole model of the face under the source light is as bright as the photo."""

@@ -75,7 +75,11 @@ class FaceInPhoto(FaceTakenApart):
     def exposure_in(self, light: np.ndarray, tier: Tier) -> float:
         """See `company.Member`."""
         ready = self.prepare(tier)
-        return exposure_of_photo(ready.found, stages.reflect(self._reflector(ready), self._turned(light)))
+
+        def expose() -> float:
+            return exposure_of_photo(ready.found, stages.reflect(self._reflector(ready), self._turned(light)))
+
+        return self._once("exposure", tier.relief_key, expose)
 
     def model_level(self, tier: Tier, plan: Plan) -> float:
         """See `company.Member`."""
