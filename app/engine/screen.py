@@ -24,8 +24,11 @@ _PANORAMA_EV = -1.0
 
 
 def radiance_for_screen(linear: np.ndarray, alpha: np.ndarray | None = None) -> np.ndarray:
-    """(H, W, 3) linear and perhaps (H, W) alpha as one (h, w, 3 or 4) float16 array, at most LARGEST_SIDE."""
-    pixels = linear if alpha is None else np.dstack([linear, alpha])
+    """(H, W, 3) linear and perhaps (H, W) alpha as one (h, w, 3 or 4) float16 array, at most LARGEST_SIDE.
+
+    Under alpha 0 it is black: what a file hides there would shine through where a texture is magnified.
+    """
+    pixels = linear if alpha is None else np.dstack([np.where(alpha[..., None] > 0, linear, 0), alpha])
     height, width = pixels.shape[:2]
     if max(height, width) > LARGEST_SIDE:
         scale = LARGEST_SIDE / max(height, width)

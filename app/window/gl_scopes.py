@@ -31,7 +31,8 @@ class Scopes:
         slot = self._slots[kind]
         if not _same(self._drawn.get(kind), pixels, exposure_ev):
             self._drawn[kind] = (pixels, exposure_ev)
-            slot.show(_DRAW[kind](_codes(thinned(pixels), exposure_ev)))
+            few = thinned(pixels)
+            slot.show(_DRAW[kind](_codes(few, exposure_ev), _seen(few)))
         return slot.texture
 
     @property
@@ -42,8 +43,8 @@ class Scopes:
     def extremes(self, pixels: np.ndarray, exposure_ev: float) -> Extremes:
         """What share of (h, w, 3 or 4) linear pixels the screen can't show."""
         if self._extremes is None or not _same(self._extremes[0], pixels, exposure_ev):
-            found = extremes(thinned(pixels)[..., :3], exposure_ev)
-            self._extremes = ((pixels, exposure_ev), found)
+            few = thinned(pixels)
+            self._extremes = ((pixels, exposure_ev), extremes(few[..., :3], exposure_ev, _seen(few)))
         return self._extremes[1]
 
     def close(self) -> None:
@@ -56,6 +57,11 @@ def _codes(pixels: np.ndarray, exposure_ev: float) -> np.ndarray:
     if pixels.dtype == np.uint8:
         return pixels
     return np.rint(apply_view(pixels[..., :3], exposure_ev) * 255).astype(np.uint8)
+
+
+def _seen(pixels: np.ndarray) -> np.ndarray | None:
+    """Where (h, w, 4) pixels are not transparent; None where there is no alpha."""
+    return pixels[..., 3] > 0 if pixels.shape[2] == 4 else None
 
 
 def _same(drawn: tuple | None, pixels: np.ndarray, exposure_ev: float) -> bool:

@@ -39,40 +39,45 @@ def thinning_step(size: tuple[int, int], most: int = 1 << 15) -> int:
     return max(1, int(np.ceil(np.sqrt(size[0] * size[1] / most))))
 
 
-def histogram(codes: np.ndarray) -> np.ndarray:
+def histogram(codes: np.ndarray, seen: np.ndarray | None = None) -> np.ndarray:
     """How many pixels have each code.
 
     Args:
         codes: (H, W, 3) uint8 sRGB.
+        seen: (H, W) bool, the pixels that count: what is transparent has colours that nobody sees. None counts all.
 
     Returns:
         (3, 256) int64: red, green, blue.
     """
-    return np.stack([np.bincount(codes[..., channel].ravel(), minlength=LEVELS) for channel in range(3)])
+    counted = codes if seen is None else codes[seen]
+    return np.stack([np.bincount(counted[..., channel].ravel(), minlength=LEVELS) for channel in range(3)])
 
 
-def waveform(codes: np.ndarray, columns: int = 256, rows: int = 128) -> np.ndarray:
+def waveform(codes: np.ndarray, columns: int = 256, rows: int = 128, seen: np.ndarray | None = None) -> np.ndarray:
     """How many pixels of each column of the picture have each code.
 
     Args:
         codes: (H, W, 3) uint8 sRGB.
         columns, rows: of the result; row 0 is the brightest code.
+        seen: (H, W) bool, the pixels that count; None counts all.
 
     Returns:
         (rows, columns, 3) int64. Where the picture has fewer columns than the result, they repeat.
     """
+    seen = np.ones(codes.shape[:2], bool) if seen is None else seen
     if codes.shape[1] < columns:
-        codes = codes[:, np.arange(columns) * codes.shape[1] // columns]
+        taken = np.arange(columns) * codes.shape[1] // columns
+        codes, seen = codes[:, taken], seen[:, taken]
     across = np.arange(codes.shape[1]) * columns // codes.shape[1]
     result = np.empty((rows, columns, 3), np.int64)
     for channel in range(3):
         down = rows - 1 - codes[..., channel].astype(np.int64) * rows // LEVELS
-        counts = np.bincount((down * columns + across).ravel(), minlength=rows * columns)
+        counts = np.bincount((down * columns + across)[seen], minlength=rows * columns)
         result[..., channel] = counts.reshape(rows, columns)
     return result
 
 
-def histogram_picture(codes: np.ndarray, height: int = 96) -> np.ndarray:
+def histogram_picture(codes: np.ndarray, seen: np.ndarray | None = None, height: int = 96) -> np.ndarray:
     """The histogram as columns of light: where red, green and blue overlap they add up to white.
 
     Codes 0 and 255 do not set the scale, since a black or white backdrop would flatten all the rest.
@@ -80,7 +85,7 @@ def histogram_picture(codes: np.ndarray, height: int = 96) -> np.ndarray:
     Returns:
         (height, 256, 4) uint8: colour, and coverage.
     """
-    counts = histogram(codes).astype(np.float64)
+    counts = histogram(codes, seen).astype(np.float64)
     smooth = (np.roll(counts, 1, 1) + 2 * counts + np.roll(counts, -1, 1)) / 4
     smooth[:, [0, -1]] = counts[:, [0, -1]]
     top = max(smooth[:, 2:-2].max(), 1.0)
@@ -92,21 +97,27 @@ def histogram_picture(codes: np.ndarray, height: int = 96) -> np.ndarray:
     return _codes(np.concatenate([colour, coverage], axis=-1))
 
 
-def waveform_picture(codes: np.ndarray, columns: int = 256, rows: int = 128) -> np.ndarray:
+def waveform_picture(
+    codes: np.ndarray, seen: np.ndarray | None = None, columns: int = 256, rows: int = 128
+) -> np.ndarray:
     """The waveform as light: the more pixels, the brighter. (rows, columns, 4) uint8: colour, and coverage."""
-    counts = waveform(codes, columns, rows).astype(np.float64)
+    counts = waveform(codes, columns, rows, seen).astype(np.float64)
     share = counts * rows / max(codes.shape[0] * max(codes.shape[1] / columns, 1.0), 1.0)
     light = np.clip(share / 6.0, 0, 1) ** _GAMMA
     return _codes(np.concatenate([light, light.max(axis=-1, keepdims=True)], axis=-1))
 
 
-def extremes(linear: np.ndarray, exposure_ev: float = 0.0) -> Extremes:
+def extremes(linear: np.ndarray, exposure_ev: float = 0.0, seen: np.ndarray | None = None) -> Extremes:
     """What share of a picture the screen can't show.
 
     Args:
         linear: (H, W, 3) radiance, any float type.
         exposure_ev: stops.
+        seen: (H, W) bool, the pixels that count; None counts all. Where none does, there are no extremes.
     """
+    linear = linear if seen is None else linear[seen]
+    if linear.size == 0:
+        return Extremes(0.0, 0.0, 0.0)
     # Half floats hold infinity as their largest number, 65504.
     bad = ~np.isfinite(linear).all(axis=-1) | (linear >= 65504.0).any(axis=-1)
     peak = expose(linear, exposure_ev).max(axis=-1)

@@ -62,7 +62,7 @@ def test_a_cut_out_is_shown_with_its_alpha(engine):
     cut_out = Photo(np.full((24, 32, 3), 0.25, np.float32), alpha)
     screen = answered(engine, Request(PhotoSource(cut_out), SPLIT, Edit())).opened.screen
     np.testing.assert_array_equal(screen[..., 3], alpha)
-    np.testing.assert_array_equal(screen[..., :3], 0.25)
+    np.testing.assert_array_equal(screen[..., :3], 0.5 * np.repeat(alpha[..., None], 3, 2), "what is hidden stays so")
 
 
 def test_nothing_is_loaded_before_a_photo_is_opened(relighter):

@@ -88,3 +88,19 @@ def test_false_colours_get_lighter_away_from_nothing():
     assert light.argmin() == pytest.approx(127.5, abs=12)
     assert (difference[:60, 2] > difference[:60, 0]).all()
     assert (difference[-60:, 0] > difference[-60:, 2]).all()
+
+
+def test_what_is_transparent_does_not_count():
+    codes = np.zeros((40, 300, 3), np.uint8)
+    codes[:, 100:] = (255, 0, 9)
+    seen = np.zeros((40, 300), bool)
+    seen[:, :100] = True
+    assert histogram(codes, seen)[:, 0].tolist() == [4000] * 3
+    assert histogram(codes, seen).sum() == 3 * 4000
+    assert waveform(codes, columns=300, rows=64, seen=seen)[-1, :100].min() == 40
+    assert waveform(codes, columns=300, rows=64, seen=seen)[:, 100:].max() == 0
+    np.testing.assert_array_equal(histogram_picture(codes, seen), histogram_picture(codes[:, :100]))
+    assert extremes(codes.astype(np.float32), seen=seen).too_bright == 0
+    assert extremes(codes.astype(np.float32), seen=~seen).too_bright == 1
+    nobody = extremes(codes.astype(np.float32), seen=np.zeros_like(seen))
+    assert (nobody.too_dark, nobody.too_bright, nobody.no_number) == (0, 0, 0)
