@@ -28,7 +28,7 @@ class Member(Protocol):
     def estimate(self, tier: Tier) -> np.ndarray:
         """The source light (16, 32, 3) as the photo's camera sees it, of mean luminance 1."""
 
-    def exposure_in(self, light: np.ndarray, tier: Tier) -> float:
+    def exposure(self, tier: Tier) -> float:
         """The level at which the company's light gives the face its brightness in the photo."""
 
     def model_level(self, tier: Tier, plan: Plan) -> float:
@@ -52,9 +52,7 @@ class Company:
 
     def albedo_gain(self, face: Member, tier: Tier) -> float:
         """What brings one face's albedo to the level of the others', above 1/2 and below 2."""
-        light = self.light(tier)
-        all_of_them = [one.exposure_in(light, tier) for one in self.faces]
-        brighter = _mean_log([face.exposure_in(light, tier)]) - _mean_log(all_of_them)
+        brighter = _mean_log([face.exposure(tier)]) - _mean_log([one.exposure(tier) for one in self.faces])
         return math.exp(_MOST_ALBEDO * math.tanh(brighter / _MOST_ALBEDO))
 
     def level(self, tier: Tier, plan: Plan) -> float:

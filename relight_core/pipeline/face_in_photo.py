@@ -72,12 +72,12 @@ class FaceInPhoto(FaceTakenApart):
         """See `company.Member`."""
         return self._as_the_camera_sees(self._estimate(self.prepare(tier)))
 
-    def exposure_in(self, light: np.ndarray, tier: Tier) -> float:
+    def exposure(self, tier: Tier) -> float:
         """See `company.Member`."""
         ready = self.prepare(tier)
 
         def expose() -> float:
-            return exposure_of_photo(ready.found, stages.reflect(self._reflector(ready), self._turned(light)))
+            return exposure_of_photo(ready.found, stages.reflect(self._reflector(ready), self._source_light(ready)))
 
         return self._once("exposure", tier.relief_key, expose)
 

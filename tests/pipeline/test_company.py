@@ -23,15 +23,15 @@ def lamp(column):
 
 @dataclass
 class Face:
-    exposure: float = 1.0
+    brightness: float = 1.0
     level: float = 1.0
     light: np.ndarray = field(default_factory=lambda: np.ones((16, 32, 3), np.float32))
 
     def estimate(self, tier):
         return self.light
 
-    def exposure_in(self, light, tier):
-        return self.exposure
+    def exposure(self, tier):
+        return self.brightness
 
     def model_level(self, tier, plan):
         return self.level
@@ -45,7 +45,7 @@ def test_the_light_is_every_faces():
 
 @pytest.mark.parametrize("ratio", [0.8, 1.0, 1.2])
 def test_a_face_that_is_brighter_than_the_other_has_the_brighter_albedo(ratio):
-    faces = Face(exposure=3.0 * ratio), Face(exposure=3.0)
+    faces = Face(brightness=3.0 * ratio), Face(brightness=3.0)
     pale, dark = (Company(faces).albedo_gain(face, TIER) for face in faces)
     assert pale / dark == pytest.approx(ratio, rel=0.02)
     assert pale * dark == pytest.approx(1, rel=1e-6)
@@ -53,7 +53,7 @@ def test_a_face_that_is_brighter_than_the_other_has_the_brighter_albedo(ratio):
 
 @pytest.mark.parametrize("exposure", [1e-30, 1e-3, 1e3, 1e30])
 def test_what_only_light_explains_is_left_to_the_light(exposure):
-    far, faces = Face(exposure=exposure), [Face(), Face()]
+    far, faces = Face(brightness=exposure), [Face(), Face()]
     gain = Company([far, *faces]).albedo_gain(far, TIER)
     assert 0.5 <= gain <= 2
     assert (gain - 1) * (exposure - 1) > 0
