@@ -15,6 +15,7 @@ from torch.utils.flop_counter import FlopCounterMode
 
 from relight_core.networks.bundle import NetworkBundle
 from relight_core.networks.lfm import LIGHT_SHAPE
+from relight_core.networks.precision import has_bf16
 from relight_core.pipeline.quality import Tier
 from relight_core.pipeline.stages import in_precision
 
@@ -61,7 +62,7 @@ def describe_machine(device: str = "cpu") -> dict:
 def measure_peaks(device: str = "cpu") -> Peaks:
     """Multiply large matrices and copy a large array, and keep the best run of each."""
     kinds = {"fp32": torch.float32}
-    if device == "cuda" or torch.cpu._is_avx512_bf16_supported():
+    if has_bf16(device):
         kinds["bf16"] = torch.bfloat16
     gflops = {}
     for name, kind in kinds.items():

@@ -15,6 +15,7 @@ import torch
 from relight_core.dataset.stream import SampleStream
 from relight_core.lighting.reflection import ReflectionTable
 from relight_core.networks.bundle import BundleConfig, NetworkBundle
+from relight_core.networks.precision import mixed_precision
 from relight_core.training.optimiser import Optimiser
 from relight_core.training.run import Run, training_batches
 from relight_core.training.stages import STAGES
@@ -76,7 +77,7 @@ def waiting_share(
         asked = time.perf_counter()
         batch = {name: value.to(device) for name, value in next(batches).items()}
         waited += time.perf_counter() - asked
-        with torch.autocast(device, torch.bfloat16):
+        with mixed_precision(device):
             total = sum(stage.losses(bundle, table, batch).values())
         optimiser.zero_grad()
         total.backward()

@@ -20,6 +20,7 @@ from relight_core.lighting.relief import ReliefTransport, march_relief
 from relight_core.networks.bundle import NetworkBundle
 from relight_core.networks.delight import DelightNetwork, DelitSmall
 from relight_core.networks.pair import PairName
+from relight_core.networks.precision import has_bf16
 from relight_core.networks.specular_shadow import Occlusion
 from relight_core.pipeline.per_light.hints import (
     Effects,
@@ -72,8 +73,7 @@ def in_precision(bundle: NetworkBundle, device: str, wish: str = "bf16") -> Netw
 
     Networks that are still being trained stay as they are; training has its own autocast.
     """
-    native = device != "cpu" or torch.cpu._is_avx512_bf16_supported()
-    if wish == "fp32" or not native or not bundle.is_for_inference:
+    if wish == "fp32" or not has_bf16(device) or not bundle.is_for_inference:
         return bundle
     return bundle.rounded()
 

@@ -15,6 +15,7 @@ from torch import nn
 from relight_core.imaging.files import whole_file
 from relight_core.lighting.reflection import ReflectionTable
 from relight_core.networks.bundle import NetworkBundle, save_bundle
+from relight_core.networks.precision import mixed_precision
 from relight_core.training.ahead import one_ahead
 from relight_core.training.optimiser import Optimiser
 from relight_core.training.sheet import draw_samples
@@ -104,8 +105,8 @@ def train_stage(
 ) -> NetworkBundle:
     """Train one stage until its budget is spent; goes on where a run with this checkpoint stopped.
 
-    Mixed precision: bf16 under autocast; light, normals and losses stay in fp32 where the networks keep
-    them so. A batch with a non-finite loss or gradient is skipped and counted; too many in a row end it.
+    Mixed precision: bf16 under autocast where the device has it; light, normals and losses stay in fp32 where the
+    networks keep them so. A batch with a non-finite loss or gradient is skipped and counted; too many in a row end it.
 
     Args:
         batches_from: gives the batches from a number on.
@@ -201,7 +202,7 @@ def _prepared(stage, bundle, table, batches, device) -> Iterator[tuple[dict, dic
 def _step(stage, bundle, table, batch, optimiser, device) -> dict[str, float]:
     """One optimiser step; the losses by name, or nothing when the batch had to be skipped."""
     statistics = [buffer.clone() for buffer in bundle.buffers()]
-    with torch.autocast(device, torch.bfloat16):
+    with mixed_precision(device):
         losses = stage.losses(bundle, table, batch)
     total = torch.stack([value.float() for value in losses.values()]).sum()
     optimiser.zero_grad()

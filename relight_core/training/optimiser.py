@@ -6,6 +6,7 @@ import torch
 from torch import nn
 
 from relight_core.networks.blocks import ConvBlock
+from relight_core.training.muon import Muon
 
 _MATRIX_RATE = 20.0
 """Muon's steps have a spectral norm, Adam's an element size, in units of their rates; this is what makes
@@ -33,7 +34,7 @@ class Optimiser:
         self._steps = [torch.optim.AdamW(others, lr=learning_rate, weight_decay=1e-4, fused=True)]
         if self._matrices:
             rate = _MATRIX_RATE * learning_rate
-            self._steps.append(torch.optim.Muon(self._matrices, lr=rate, weight_decay=0.01))
+            self._steps.append(Muon(self._matrices, lr=rate, weight_decay=0.01))
 
     def set_learning_rate(self, learning_rate: float) -> None:
         """Use another rate from the next step on (AdamW's; Muon's follows)."""

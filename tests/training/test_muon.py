@@ -1,0 +1,43 @@
+"""Muon's step, beside the singular values that it is about."""
+
+import pytest
+import torch
+
+from relight_core.training.muon import Muon, evened
+
+
+def random_matrix(rows, columns, seed=0):
+    return torch.randn(rows, columns, generator=torch.Generator().manual_seed(seed))
+
+
+@pytest.mark.parametrize("shape", [(6, 40), (40, 6), (8, 8), (1, 5)])
+def test_the_polynomial_acts_on_every_singular_value_by_itself(shape):
+    matrix = random_matrix(*shape).double()
+    left, values, right = torch.linalg.svd(matrix / matrix.norm(), full_matrices=False)
+    for _ in range(5):
+        values = 3.4445 * values - 4.7750 * values**3 + 2.0315 * values**5
+    torch.testing.assert_close(evened(matrix), left @ torch.diag(values) @ right, rtol=1e-6, atol=1e-8)
+
+
+def test_directions_a_hundredth_as_strong_move_as_far():
+    left, _, right = torch.linalg.svd(random_matrix(16, 200), full_matrices=False)
+    values = torch.logspace(0, -2, 16)
+    lengths = torch.linalg.svdvals(evened(left @ torch.diag(values) @ right))
+    assert 0.6 < lengths.min() <= lengths.max() < 1.3
+
+
+def test_nothing_moves_nothing_and_one_rank_stays_finite():
+    assert torch.equal(evened(torch.zeros(4, 9)), torch.zeros(4, 9))
+    assert torch.isfinite(evened(torch.ones(64, 500) * 1e-30)).all()
+    assert torch.isfinite(evened(torch.ones(64, 500) * 1e18)).all()
+
+
+def test_it_steps_as_pytorchs_own_does():
+    theirs, ours = (torch.nn.Parameter(random_matrix(24, 90)) for _ in range(2))
+    start = ours.detach().clone()
+    steps = torch.optim.Muon([theirs], lr=0.02, weight_decay=0.01), Muon([ours], lr=0.02, weight_decay=0.01)
+    for seed in range(1, 4):
+        for weight, optimiser in zip((theirs, ours), steps, strict=True):
+            weight.grad = random_matrix(24, 90, seed)
+            optimiser.step()
+    assert (ours - theirs).norm() < 0.03 * (theirs - start).norm()
