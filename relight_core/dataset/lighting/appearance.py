@@ -14,7 +14,7 @@ from relight_core.dataset.baking.bake import BakedHead
 from relight_core.dataset.baking.scene import Material
 from relight_core.dataset.lighting.illumination import Illumination, illuminate_past, reflect
 from relight_core.dataset.lighting.interreflection import OwnView, bounced
-from relight_core.dataset.lighting.occluders import Occluder, positions, silhouette, transmission
+from relight_core.dataset.lighting.occluders import Occluder, silhouette
 from relight_core.face.gloss import gloss_of
 from relight_core.lighting.reflection import GLOSS, Gloss
 
@@ -64,8 +64,7 @@ def appear(
     if occluder is None:
         own = reference.specular if (gloss, dullness) == (GLOSS, 1) else reflect(head, normal, lights, gloss) * share
         return Appearance(reference.irradiance, own, scatter_px, None)
-    free = transmission(occluder, positions(head))
-    irradiance, own = illuminate_past(head, normal, lights, gloss, free)
+    irradiance, own = illuminate_past(head, normal, lights, gloss, occluder)
     own = own * share
     hidden = silhouette(occluder, head)
     return Appearance(irradiance, own, scatter_px, hidden if hidden.any() else None)

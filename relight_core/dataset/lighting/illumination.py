@@ -12,6 +12,7 @@ import numpy as np
 import torch
 
 from relight_core.dataset.baking.bake import LIGHT_HEIGHT, LIGHT_WIDTH, BakedHead
+from relight_core.dataset.lighting.occluders import Occluder, positions, transmission
 from relight_core.lighting.reflection import GLOSS, Gloss, specular_lobe
 from relight_core.lighting.sphere import directions, solid_angles
 
@@ -61,18 +62,14 @@ def reflect(head: BakedHead, normal: np.ndarray, lights: np.ndarray, gloss: Glos
 
 
 def illuminate_past(
-    head: BakedHead, normal: np.ndarray, lights: np.ndarray, gloss: Gloss, free: torch.Tensor
+    head: BakedHead, normal: np.ndarray, lights: np.ndarray, gloss: Gloss, occluder: Occluder
 ) -> list[np.ndarray]:
-    """Irradiance over pi and specular, each (K, P, 3), where something else takes a part of the light too.
-
-    Args:
-        free: (512, P) what gets past it, see `occluders.transmission`.
-    """
+    """Irradiance over pi and specular, each (K, P, 3), where something else takes a part of the light too."""
 
     def transports(toward, cosine, seen, n):
         return cosine / torch.pi * seen, specular_lobe(toward, n, gloss) * seen
 
-    return _accumulate(head, normal, lights, 2, transports, free)
+    return _accumulate(head, normal, lights, 2, transports, occluder)
 
 
 def blocked_by_itself(head: BakedHead, normal: np.ndarray) -> np.ndarray:
@@ -87,7 +84,7 @@ def blocked_by_itself(head: BakedHead, normal: np.ndarray) -> np.ndarray:
 
 
 def _accumulate(
-    head: BakedHead, normal: np.ndarray, lights: np.ndarray, count: int, transports, free=None
+    head: BakedHead, normal: np.ndarray, lights: np.ndarray, count: int, transports, occluder: Occluder | None = None
 ) -> list[np.ndarray]:
     """Sum light times transport over the texels, for a few pixels at a time so that they stay in cache."""
     toward = torch.from_numpy(directions(LIGHT_HEIGHT, LIGHT_WIDTH).reshape(-1, 3))
@@ -95,13 +92,14 @@ def _accumulate(
     radiance = torch.from_numpy(lights.astype(np.float32)).reshape(len(lights), -1, 3)
     flat = (radiance * weights[None, :, None]).permute(0, 2, 1).reshape(len(lights) * 3, -1)
     visible = head.visible()
+    points = None if occluder is None else positions(head)
     results = [np.empty((len(lights), len(normal), 3), np.float32) for _ in range(count)]
     for start in range(0, len(normal), _PIXELS_AT_ONCE):
         part = slice(start, min(start + _PIXELS_AT_ONCE, len(normal)))
         n = torch.from_numpy(np.ascontiguousarray(normal[part]))
         seen = torch.from_numpy(visible[:, part].astype(np.float32))
-        if free is not None:
-            seen *= free[:, part]
+        if points is not None:
+            seen *= transmission(occluder, points[part])
         cosine = (toward @ n.T).clamp_min(0)
         for result, transport in zip(results, transports(toward, cosine, seen, n), strict=True):
             result[:, part] = (flat @ transport).reshape(len(lights), 3, -1).permute(0, 2, 1).numpy()

@@ -58,17 +58,23 @@ def positions(head: BakedHead) -> np.ndarray:
 
 
 def transmission(occluder: Occluder, points: np.ndarray) -> torch.Tensor:
-    """How much of each texel of the light gets past the occluder to each point: (512, P) in [0, 1]."""
+    """How much of each texel of the light gets past the occluder to each point: (512, P) in [0, 1].
+
+    Quickest for a thousand points at a time, whose numbers stay in the processor's cache.
+    """
     toward = torch.from_numpy(directions(LIGHT_HEIGHT, LIGHT_WIDTH).reshape(-1, 3))
     points = torch.from_numpy(points)
     along_points = toward @ points.T
     free = torch.ones_like(along_points)
     for centre, radius in zip(torch.from_numpy(occluder.centres), occluder.radii.tolist(), strict=True):
         ahead = (toward @ centre)[:, None] - along_points
-        distance = ((points - centre).square().sum(1)[None] - ahead.square()).clamp_min(0).sqrt()
-        softness = (2 * _SPREAD * ahead).clamp_min(0.01)
-        covered = ((radius - distance) / softness + 0.5).clamp(0, 1)
-        free *= torch.where(ahead > 0, 1 - covered, 1.0)
+        facing = (ahead.amax(1) > 0).nonzero()[:, 0]
+        ahead = ahead[facing]
+        away = (points - centre).square().sum(1)[None]
+        distance = torch.addcmul(away, ahead, ahead, value=-1).clamp_min_(0).sqrt_()
+        softness = (2 * _SPREAD * ahead).clamp_min_(0.01)
+        passed = distance.sub_(radius).div_(softness).add_(0.5).clamp_(0, 1)
+        free[facing] *= passed.masked_fill_(ahead <= 0, 1.0)
     return free
 
 
