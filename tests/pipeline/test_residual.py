@@ -202,6 +202,24 @@ def test_a_rim_of_light_from_behind_stays_only_where_the_light_comes_from_there(
     assert other < turned < own
 
 
+def purple_patch_in(light_of_the_other_picture, brightness):
+    """Log of blue over green of a patch of skin of that brightness in a photo, purple where its model is grey."""
+    photo, flat = torch.full((1, 3, SIZE, SIZE), 0.2), torch.full((1, 3, SIZE, SIZE), 0.2)
+    photo[..., 4:8, 4:8] = brightness * torch.tensor([1.1, 0.9, 1.3])[None, :, None, None]
+    flat[..., 4:8, 4:8] = brightness
+    model = Composed(flat, torch.ones_like(flat))
+    residual = find_residual(surface(photo), photo, lamp(2), lambda own: model)
+    image, _ = add_residual(residual, model, no_effects(), light_of_the_other_picture)
+    return float((image[0, 2, 6, 6] / image[0, 1, 6, 6]).log())
+
+
+def test_a_colour_of_skin_in_deep_shadow_stays_only_in_its_own_light_and_paint_that_is_seen_in_any():
+    seen = pytest.approx(0.37, abs=0.05)
+    assert purple_patch_in(lamp(2), 0.03) == seen
+    assert abs(purple_patch_in(lamp(18), 0.03)) < 0.05
+    assert purple_patch_in(lamp(18), 0.2) == seen
+
+
 def test_a_pattern_that_the_model_misses_stays_in_any_light():
     assert rim_in(lamp(18), CLOTH) == pytest.approx(4.5, rel=0.01)
     assert rim_in(lamp(18), SKIN, rim=0.23) == pytest.approx(1.15, rel=0.02)

@@ -11,7 +11,7 @@ photo again.
 
 Skin or hair that is far brighter than its model was grazed by a light from behind, which no model of the face's front
 knows: how a place is lit says little about whether another light does the same, so that much of it fades as the whole
-light becomes another.
+light becomes another. So do colours in deep shadow that the skin's albedo hasn't: they are another lamp's.
 
 Two things stay in any light: what a camera adds to the colour of all skin (see `pipeline.per_photo.saturation`), and
 the colours of all that is not skin, of which photo and skin together say more than the albedo does.
@@ -35,6 +35,7 @@ from relight_core.pipeline.per_light.hints import Effects, grey
 from relight_core.pipeline.per_photo.blown import clipped_share, flesh_share, skin_share
 from relight_core.pipeline.per_photo.glare import likely
 from relight_core.pipeline.per_photo.saturation import middle_colour, saturation
+from relight_core.pipeline.per_photo.skin_colour import deep_shadow
 from relight_core.pipeline.stages import Composed, Surface
 
 _BLACK = 0.005
@@ -60,7 +61,7 @@ class Residual:
         skin: (1, 1, S, S) probability of bare skin.
         broad: (1, 1, S, S) the part of the mean log ratio that whole cheeks share, on skin.
         tint: (1, 3, S, S) the part of the log ratio, of mean 0, that stays under whatever light.
-        glare: (1, 3, S, S) the part of the log ratio that only the photo's own light or one much like it gives.
+        fleeting: (1, 3, S, S) the part of the log ratio that only the photo's own light or one much like it gives.
         light: (1, 16, 32, 3) the photo's own.
         level: of that light, such that model and photo are equally bright over the person.
     """
@@ -71,7 +72,7 @@ class Residual:
     skin: torch.Tensor
     broad: torch.Tensor
     tint: torch.Tensor
-    glare: torch.Tensor
+    fleeting: torch.Tensor
     light: torch.Tensor
     level: float
 
@@ -106,8 +107,10 @@ def find_residual(
     broad = skin * local_means(log_ratio.mean(1, keepdim=True), skin)
     colour = log_ratio - log_ratio.mean(1, keepdim=True)
     tint = colour + skin * (_by_camera(log_ratio, surface.albedo, skin * known) - colour)
-    glare = (log_ratio - tint) * _glare_share(log_ratio, skin, surface.parsing[:, INDEX["hair"], None])
-    return Residual(log_ratio, grey(model.plain), stays_dark, skin, broad, tint, glare, source_light, level)
+    glare = _glare_share(log_ratio, skin, surface.parsing[:, INDEX["hair"], None])
+    of_others = torch.maximum(glare, deep_shadow(surface.photo, skin))
+    fleeting = glare * log_ratio.mean(1, keepdim=True) + of_others * (colour - tint)
+    return Residual(log_ratio, grey(model.plain), stays_dark, skin, broad, tint, fleeting, source_light, level)
 
 
 def at_light_level(residual: Residual, level: float) -> Residual:
@@ -167,7 +170,7 @@ def add_residual(
     darkening = level.clamp_max(0)
     kept = darkening * torch.maximum(alike, residual.stays_dark) + residual.tint
     other_light = 1 - likeness(residual.light, light) ** _GLARE_FADES
-    lightening = residual.log_ratio - darkening - residual.tint - other_light * residual.glare
+    lightening = residual.log_ratio - darkening - residual.tint - other_light * residual.fleeting
     ratio = torch.exp(kept + lightening * faint)
     image = ((composed.image.float() + _BLACK) * ratio - _BLACK).clamp_min(0)
     return image, replace(effects, specular=effects.specular * grey(ratio), shadow=effects.shadow * grey(ratio))

@@ -4,8 +4,8 @@ Whatever a person's skin looks like, its colour has no reason to follow the ligh
 network has mistaken one for the other. Once the source light is explained, that is measured over the skin
 and divided out.
 
-Nor has skin two colours: where a large part of it is purple, there was a purple lamp that the one estimated light
-doesn't have. And the rim that a light from behind draws along a jaw is no part of the skin (see `glare`).
+Nor has skin the colours of other lamps (see `skin_colour`), and the rim that a light from behind draws along a jaw is
+no part of it (see `glare`).
 """
 
 from __future__ import annotations
@@ -17,10 +17,10 @@ import torch.nn.functional as F
 
 from relight_core.face.parsing import INDEX
 from relight_core.imaging.tensor_colour import grey
-from relight_core.imaging.tensor_means import local_means
 from relight_core.lighting.relief import ReliefTransport
 from relight_core.pipeline.per_photo.blown import skin_share
 from relight_core.pipeline.per_photo.glare import without_glare
+from relight_core.pipeline.per_photo.skin_colour import in_one_colour
 from relight_core.pipeline.per_photo.white_hair import above_the_eyes
 from relight_core.pipeline.stages import Surface
 
@@ -28,8 +28,6 @@ _STRONGEST = 1.0
 _FLOOR = 0.02
 _CLIPPED = 0.95
 _FEWEST_PIXELS = 100
-_COMMON = 0.15
-"""Flush and tan move the log of a ratio of two channels by about as much."""
 
 
 @torch.inference_mode()
@@ -44,7 +42,7 @@ def flatten_albedo(surface: Surface, relief: ReliefTransport, light: torch.Tenso
     shading = F.interpolate(shading, size=surface.albedo.shape[-2:], mode="bilinear", align_corners=False)
     skin = _skin_below_hair(surface.parsing)
     even = _without_shading(surface, shading.log(), skin)
-    return _in_one_colour(without_glare(even, shading, skin), skin)
+    return in_one_colour(without_glare(even, shading, skin), skin)
 
 
 def _without_shading(surface: Surface, log_shading: torch.Tensor, skin: torch.Tensor) -> Surface:
@@ -65,26 +63,6 @@ def _without_shading(surface: Surface, log_shading: torch.Tensor, skin: torch.Te
     power = min(max(slope, 0.0), _STRONGEST)
     divided = surface.albedo * torch.exp(-power * centred * skin)
     return replace(surface, albedo=divided.clamp(0, 1))
-
-
-def _in_one_colour(surface: Surface, skin: torch.Tensor) -> Surface:
-    """The surface without the colours that large parts of its skin have and the rest of it hasn't.
-
-    Colour is measured as log ratios of channels, smoothed over some hundredths of the view, so that moles, beards
-    and make-up keep theirs. What lies further from the skin's median than flush and tan explain is taken back to
-    that distance; luminance stays.
-    """
-    known = skin > 0.6
-    if int(known.sum()) < _FEWEST_PIXELS:
-        return surface
-    log_albedo = surface.albedo.clamp_min(1e-3).log()
-    colour = local_means(log_albedo - log_albedo[:, 1:2], skin)
-    middle = torch.stack([channel[known[0, 0]].median() for channel in colour[0]])[None, :, None, None]
-    off = colour - middle
-    excess = off - off.clamp(-_COMMON, _COMMON)
-    evened = surface.albedo * torch.exp(-excess * skin)
-    evened = evened * (grey(surface.albedo) / grey(evened).clamp_min(1e-6))
-    return replace(surface, albedo=evened.clamp(0, 1))
 
 
 def _skin_below_hair(parsing: torch.Tensor) -> torch.Tensor:

@@ -1,0 +1,79 @@
+"""The colours of skin, and those that only other lights can have given it.
+
+Skin has one colour, but for flush and tan. Where a large part of it is purple, there was a purple lamp that the one
+estimated light doesn't have. What the estimated light hardly reaches has the colour of others altogether: of a wall, a
+screen, the sky. And where a photo is nearly black its colours are noise.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import torch
+
+from relight_core.imaging.tensor_colour import grey
+from relight_core.imaging.tensor_means import local_means
+from relight_core.pipeline.stages import Surface
+
+_SURE = 0.6
+_FEWEST_PIXELS = 100
+_COMMON = 0.15
+"""Flush and tan move the log of a ratio of two channels by about as much."""
+_BLUE, _BLUE_OF_PALE = 0.05, 1.4
+"""Less blood and melanin make skin bluer only as they make it less red, and melanin's absorption falls toward red:
+by that much more does the log ratio of blue to green rise than that of red to green falls. Bluer skin is lit so."""
+_NO_COLOUR = (0.008, 0.025)
+"""Luminances of a photo: 8-bit codes 22 and 42. Below, a few codes of JPEG's chroma are a colour of their own."""
+_DEEP_SHADOW = (0.2, 0.7)
+"""Of the luminance of most of the skin: there other lights than the estimated one are brighter than it is."""
+
+
+def in_one_colour(surface: Surface, skin: torch.Tensor) -> Surface:
+    """The surface without the colours that other lights gave to its skin.
+
+    Colour is measured as log ratios of channels, smoothed over some hundredths of the view, so that moles, beards
+    and make-up keep theirs; in deep shadow, where each of them is of that light, pixel by pixel. What lies further
+    from the skin's median than flush and tan explain is taken back to that distance, and what the photo is too dark
+    to tell to the median; luminance stays.
+
+    Args:
+        skin: (1, 1, S, S) probability of bare skin.
+    """
+    known = skin > _SURE
+    if int(known.sum()) < _FEWEST_PIXELS:
+        return surface
+    log_albedo = surface.albedo.clamp_min(1e-3).log()
+    ratios = log_albedo - log_albedo[:, 1:2]
+    colour = local_means(ratios, skin)
+    middle = torch.stack([channel[known[0, 0]].median() for channel in colour[0]])[None, :, None, None]
+    excess = torch.lerp(_unnatural(colour - middle), _unnatural(ratios - middle), deep_shadow(surface.photo, skin))
+    excess = torch.lerp(excess, ratios - middle, _below(grey(surface.photo), *_NO_COLOUR))
+    evened = surface.albedo * torch.exp(-excess * skin)
+    evened = evened * (grey(surface.albedo) / grey(evened).clamp_min(1e-6))
+    return replace(surface, albedo=evened.clamp(0, 1))
+
+
+def deep_shadow(photo: torch.Tensor, skin: torch.Tensor) -> torch.Tensor:
+    """(1, 1, S, S) how surely a pixel of skin is darker than most of it by more than its own colour, [0, 1].
+
+    Args:
+        photo: (1, 3, S, S) linear.
+        skin: (1, 1, S, S) probability of bare skin.
+    """
+    known, seen = skin > _SURE, grey(photo)
+    if int(known.sum()) < _FEWEST_PIXELS:
+        return torch.zeros_like(skin)
+    return skin * _below(seen / seen[known].median().clamp_min(1e-6), *_DEEP_SHADOW)
+
+
+def _unnatural(off: torch.Tensor) -> torch.Tensor:
+    """The part of log ratios to green (1, 3, S, S) beside the skin's median that skin doesn't have by itself."""
+    natural = off.clamp(-_COMMON, _COMMON)
+    paler = (-natural[:, :1]).clamp_min(0)
+    bluest = (_BLUE + _BLUE_OF_PALE * paler).clamp_max(_COMMON)
+    return off - torch.cat([natural[:, :2], torch.minimum(natural[:, 2:], bluest)], 1)
+
+
+def _below(values: torch.Tensor, low: float, high: float) -> torch.Tensor:
+    """1 up to the lower value, 0 from the higher one on."""
+    return ((high - values) / (high - low)).clamp(0, 1)
