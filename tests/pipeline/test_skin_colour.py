@@ -42,7 +42,7 @@ def test_in_deep_shadow_even_a_spot_has_the_skins_colour_and_in_light_a_mole_kee
     purple = (0.45, 0.25, 0.35)
     in_shadow, in_light = (in_one_colour(*face(purple, seen, spot)).albedo for seen in (0.04, 0.3))
     assert ratios(in_shadow)[1] == pytest.approx(0.05, abs=0.02)
-    assert ratios(in_light)[1] > 0.6
+    assert ratios(in_light)[1] > 0.5
 
 
 def test_where_the_photo_is_black_skin_has_the_colour_of_the_rest():
