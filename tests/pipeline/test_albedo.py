@@ -101,8 +101,10 @@ def patch_of(albedo, label):
     return flatten_albedo(surface, open_transport(surface), torch.ones(1, 16, 32, 3)).albedo[0, :, 16, 16]
 
 
-def test_a_purple_cheek_becomes_skin_again_but_purple_hair_stays():
+def test_a_cheek_in_purple_light_becomes_skin_again_but_purple_hair_stays():
     purple = coloured((0.35, 0.25, 0.4), 10)
+    # Light fades into its surroundings; what ends at an edge is paint.
+    purple = torch.nn.functional.avg_pool2d(purple, 9, 1, 4, count_include_pad=False)
     red, green, blue = patch_of(purple, SKIN).tolist()
     assert red > green > blue
     torch.testing.assert_close(patch_of(purple, HAIR), purple[0, :, 16, 16])

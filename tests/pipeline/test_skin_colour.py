@@ -73,3 +73,19 @@ def test_black_and_blinding_photos_stay_finite(photo):
     evened = in_one_colour(surface, skin).albedo
     assert torch.isfinite(evened).all()
     assert 0 <= evened.min() <= evened.max() <= 1
+
+
+def blue_spot(soft_px):
+    """How blue a large blue spot on plain skin is, whose edge is sharp or so many pixels wide; as log ratios."""
+    surface, skin = face(width=slice(0, 0))
+    axis = torch.arange(SIZE) - 15.5
+    distance = (axis[:, None].square() + axis.square()).sqrt()
+    share = ((6 + soft_px / 2 - distance) / max(soft_px, 1)).clamp(0, 1)
+    colour = torch.tensor([0.5, 1.0, 5.0])[:, None, None]
+    surface.albedo[0] *= colour**share
+    return ratios(in_one_colour(surface, skin).albedo)
+
+
+def test_paint_ends_at_an_edge_and_stays_and_a_lamps_colour_fades_into_the_skin_and_goes():
+    assert blue_spot(0) == pytest.approx([-0.69, 1.61], abs=0.02)
+    assert blue_spot(20)[1] < 0.8

@@ -3,12 +3,16 @@
 Skin has one colour, but for flush and tan. Where a large part of it is purple, there was a purple lamp that the one
 estimated light doesn't have. What the estimated light hardly reaches has the colour of others altogether: of a wall, a
 screen, the sky. And where a photo is nearly black its colours are noise.
+
+Paint is no light: it lies in the light, among plain skin, and ends where its edge is, not little by little.
 """
 
 from __future__ import annotations
 
 from dataclasses import replace
 
+import cv2
+import numpy as np
 import torch
 
 from relight_core.imaging.tensor_colour import grey
@@ -26,6 +30,11 @@ _NO_COLOUR = (0.008, 0.025)
 """Luminances of a photo: 8-bit codes 22 and 42. Below, a few codes of JPEG's chroma are a colour of their own."""
 _DEEP_SHADOW = (0.2, 0.7)
 """Of the luminance of most of the skin: there other lights than the estimated one are brighter than it is."""
+_PAINT, _PLAIN = 0.5, 0.25
+"""Log ratios: paint is further off than the first, and plain skin less than the second."""
+_RIM_SHARE, _BESIDE_SHARE = 1 / 128, 2 / 128
+"""Of the view: paint's edge is a mixture for the first, and beyond it for the second there is plain skin."""
+_FEWEST_OF_PAINT, _MOSTLY, _NOT_AT_A_SILHOUETTE = 12, 0.6, 0.75
 
 
 def in_one_colour(surface: Surface, skin: torch.Tensor) -> Surface:
@@ -34,7 +43,7 @@ def in_one_colour(surface: Surface, skin: torch.Tensor) -> Surface:
     Colour is measured as log ratios of channels, smoothed over some hundredths of the view, so that moles, beards
     and make-up keep theirs; in deep shadow, where each of them is of that light, pixel by pixel. What lies further
     from the skin's median than flush and tan explain is taken back to that distance, and what the photo is too dark
-    to tell to the median; luminance stays.
+    to tell to the median; luminance stays, and so does paint.
 
     Args:
         skin: (1, 1, S, S) probability of bare skin.
@@ -44,8 +53,10 @@ def in_one_colour(surface: Surface, skin: torch.Tensor) -> Surface:
         return surface
     log_albedo = surface.albedo.clamp_min(1e-3).log()
     ratios = log_albedo - log_albedo[:, 1:2]
+    middle = torch.stack([channel[known[0, 0]].median() for channel in local_means(ratios, skin)[0]])
+    middle = middle[None, :, None, None]
+    skin = skin * ~painted(ratios - middle, surface.photo, skin)
     colour = local_means(ratios, skin)
-    middle = torch.stack([channel[known[0, 0]].median() for channel in colour[0]])[None, :, None, None]
     excess = torch.lerp(_unnatural(colour - middle), _unnatural(ratios - middle), deep_shadow(surface.photo, skin))
     excess = torch.lerp(excess, ratios - middle, _below(grey(surface.photo), *_NO_COLOUR))
     evened = surface.albedo * torch.exp(-excess * skin)
@@ -64,6 +75,35 @@ def deep_shadow(photo: torch.Tensor, skin: torch.Tensor) -> torch.Tensor:
     if int(known.sum()) < _FEWEST_PIXELS:
         return torch.zeros_like(skin)
     return skin * _below(seen / seen[known].median().clamp_min(1e-6), *_DEEP_SHADOW)
+
+
+def painted(off: torch.Tensor, photo: torch.Tensor, skin: torch.Tensor) -> torch.Tensor:
+    """(1, 1, S, S) bool, where skin is painted.
+
+    Args:
+        off: (1, 3, S, S) log ratios to green beside the skin's median.
+        photo: (1, 3, S, S) linear.
+        skin: (1, 1, S, S) probability of bare skin.
+    """
+    distance, bare = off.abs().amax(1)[0].cpu().numpy(), skin[0, 0].cpu().numpy() > _SURE
+    lit = deep_shadow(photo, skin)[0, 0].cpu().numpy() < 0.5
+    count, patches = cv2.connectedComponents((bare & lit & (distance > _PAINT)).astype(np.uint8))
+    paint = np.zeros(bare.shape, bool)
+    for number in range(1, count):
+        patch = patches == number
+        if patch.sum() < _FEWEST_OF_PAINT:
+            continue
+        within = _grown(patch, _RIM_SHARE)
+        around = _grown(within, _BESIDE_SHARE) & ~within
+        beside = around & bare
+        if beside.sum() > _NOT_AT_A_SILHOUETTE * around.sum() and (distance[beside] < _PLAIN).mean() > _MOSTLY:
+            paint |= within
+    return torch.from_numpy(paint)[None, None].to(skin.device)
+
+
+def _grown(patch: np.ndarray, share: float) -> np.ndarray:
+    reach_px = max(round(share * len(patch)), 1)
+    return cv2.dilate(patch.astype(np.uint8), np.ones((2 * reach_px + 1,) * 2, np.uint8)).astype(bool)
 
 
 def _unnatural(off: torch.Tensor) -> torch.Tensor:
