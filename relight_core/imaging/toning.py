@@ -5,6 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 _LEVELS = 48
+_STEPS = 4 * 255
+"""Of brightness in a unit of code: two colours that differ by less are as bright as each other."""
+
 _COLOURLESS = 4 / 255
 _STRAY_SHARE = 0.01
 """Of all pixels, those that compression and clipping may take off the tone."""
@@ -36,8 +39,7 @@ def is_monochrome(codes: np.ndarray, counted: np.ndarray | None = None) -> bool:
     if not len(flat):
         return True
     brightness, colour = np.maximum(flat.sum(1), 0), (flat - flat[:, 1:2])[:, [0, 2]]
-    levels = np.array_split(np.argsort(brightness), min(_LEVELS, len(flat)))
-    tones = np.array([np.median(colour[level], 0) for level in levels])
+    levels, tones = _toned_levels(brightness, colour)
     strays = sum(_off(colour[level], tone) for level, tone in zip(levels, tones, strict=True))
     if strays > _STRAY_SHARE * len(flat):
         return False
@@ -45,6 +47,24 @@ def is_monochrome(codes: np.ndarray, counted: np.ndarray | None = None) -> bool:
     plain = np.zeros(counted.shape, bool)
     plain[counted] = _plainly_off(brightness, colour, middles, tones)
     return _densest_share(plain) <= _COLOURED_SHARE
+
+
+def _toned_levels(brightness: np.ndarray, colour: np.ndarray) -> tuple[list[np.ndarray], np.ndarray]:
+    """The pixels by brightness in up to 48 levels of as many each, and the colour (L, 2) that each level has.
+
+    Pixels of one brightness may fall into two levels, sorted by nothing but their order or what rounding makes of a
+    sum. So that two colours never pass there for the tones of two levels, all of them have a say in either.
+    """
+    steps = np.round(brightness * _STEPS)
+    order = np.argsort(steps, kind="stable")
+    levels = np.array_split(order, min(_LEVELS, len(order)))
+    starts = np.searchsorted(steps, [steps[level[0]] for level in levels], "left", sorter=order)
+    stops = np.searchsorted(steps, [steps[level[-1]] for level in levels], "right", sorter=order)
+    known: dict[tuple[int, int], np.ndarray] = {}
+    for span in zip(starts, stops, strict=True):
+        if span not in known:
+            known[span] = np.median(colour[order[slice(*span)]], 0)
+    return levels, np.array([known[span] for span in zip(starts, stops, strict=True)])
 
 
 def _off(colour: np.ndarray, tone: np.ndarray) -> int:

@@ -82,3 +82,11 @@ def test_pictures_of_any_shape(size):
     if size != (1, 1):
         codes[:, : size[1] // 2] = (130, 70, 70)
         assert not Photo.from_srgb(codes).monochrome
+
+
+@pytest.mark.parametrize("colours", [((130, 70, 70), (90, 90, 90)), ((90, 60, 120), (70, 140, 60))])
+@pytest.mark.parametrize("across", [False, True])
+def test_two_colours_of_one_brightness_are_no_tone_however_they_lie(colours, across):
+    codes = np.full((48, 64, 3), colours[0], np.uint8)
+    (codes.swapaxes(0, 1) if across else codes)[24:] = colours[1]
+    assert not Photo.from_srgb(codes).monochrome
