@@ -70,6 +70,23 @@ def test_what_is_located_must_show_parts_of_a_face(monkeypatch, photo):
         choose_faces(photo, None, lambda box: 1, lambda view: FaceBox(2, 2, 12, 14))
 
 
+@pytest.mark.parametrize(("leading", "suspected", "confirmed"), [(4, 3, True), (3, 3, False), (10, 2, False)])
+def test_a_face_in_part_is_located_where_several_windows_lead_to_it(monkeypatch, photo, leading, suspected, confirmed):
+    # Ten windows; the others end at other places, each of which looks as much like a face.
+    seeing(monkeypatch, [])
+    ends = [FaceBox(2, 2 + i / 8, 12, 14 + i / 8, doubtful=True) for i in range(leading)]
+    ends += [FaceBox(30 * i, 0, 30 * i + 9, 9, doubtful=True) for i in range(1, 11 - leading)]
+    places = iter(ends)
+    search = lambda: choose_faces(  # noqa: E731
+        photo, None, lambda box: 1, lambda view: next(places), glimpse=lambda box: suspected
+    )
+    if confirmed:
+        assert [(face.x0, face.doubtful) for face in search()] == [(2, False)]
+    else:
+        with pytest.raises(InputError, match="no face"):
+            search()
+
+
 def test_companions_that_show_enough_of_a_face_join_in_by_size(monkeypatch, photo):
     seeing(monkeypatch, [DOUBTFUL])
     larger, no_face = FaceBox(9, 9, 19, 19, doubtful=True), FaceBox(10, 0, 14, 4, doubtful=True)

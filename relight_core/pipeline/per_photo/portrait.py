@@ -8,6 +8,7 @@ from dataclasses import astuple, dataclass, replace
 import numpy as np
 
 from relight_core.errors import InputError, NoFaceError
+from relight_core.face.cascades import overlap
 from relight_core.face.crop import Crop, box_from_parsing, crop_for_face, crop_with_padding
 from relight_core.face.find import FaceBox, find_faces, guess_companions, guess_faces, remember_faces
 from relight_core.face.lean import remaining_roll
@@ -29,6 +30,7 @@ _LARGEST_BOX = 4
 """In lengths of the photo: what lies outside it is made up of its border, and takes memory."""
 
 _LOOKS = 3
+_AGREED, _SAME_PLACE = 4, 0.7
 _ENOUGH_EVIDENCE, _ALL_EVIDENCE = 2, 3
 
 
@@ -118,14 +120,42 @@ def _confirmed(
     if not faces:
         faces = _best(guess_faces(photo), evidence, _ENOUGH_EVIDENCE)
     if not faces:
-        # No cascade has a say here, so all parts of a face must be seen.
-        places = (locate(window) for window in search_windows(photo.linear.shape[:2]))
-        faces = _best((place for place in places if place is not None), evidence, _ALL_EVIDENCE)
+        faces = _searched(photo, locate, evidence, glimpse)
     if not faces:
         return [face for face in found if evidence(face) > 0]
     faces = [replace(face, doubtful=False) for face in faces]
     remember_faces(photo, faces)
     return faces
+
+
+def _searched(
+    photo: Photo,
+    locate: Callable[[Crop], FaceBox | None],
+    evidence: Callable[[FaceBox], int],
+    glimpse: Callable[[FaceBox], int],
+) -> list[FaceBox]:
+    """The face that a search through the whole photo ends at; no cascade has a say here.
+
+    All of its parts must be seen. Of a face that is turned far to one side, or cut by the photo's edge, brows and eyes
+    are halves or slivers: there all of them need only be suspected, where several windows lead to the same place.
+    """
+    places: list[FaceBox] = []
+    for place in map(locate, search_windows(photo.linear.shape[:2])):
+        if place is None:
+            continue
+        if place not in places and evidence(place) == _ALL_EVIDENCE:
+            return [place]
+        places.append(place)
+    votes = [sum(_same_place(place, other) for other in places) for place in places]
+    for place, agreed in sorted(zip(places, votes, strict=True), key=lambda pair: -pair[1]):
+        if agreed >= _AGREED and evidence(place) > 0 and glimpse(place) == _ALL_EVIDENCE:
+            return [place]
+    return []
+
+
+def _same_place(place: FaceBox, other: FaceBox) -> bool:
+    corners = [np.array([box.x0, box.y0, box.x1, box.y1]) for box in (place, other)]
+    return overlap(*corners) > _SAME_PLACE
 
 
 def _with_companions(photo: Photo, faces: list[FaceBox], look_closer: Callable[[FaceBox], int]) -> list[FaceBox]:
