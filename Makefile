@@ -22,7 +22,7 @@ run: $(READY)
 	@$(BIN)/relight $${PHOTO:+"$$PHOTO"}
 
 test: $(READY)
-	$(BIN)/python -m pytest -q
+	$(BIN)/python -m pytest -q -n auto --maxprocesses 4 --dist loadfile
 
 lint: $(READY)
 	$(BIN)/ruff check .

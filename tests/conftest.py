@@ -1,6 +1,12 @@
 """Settings for every test."""
 
+import os
+
 from hypothesis import settings
+
+if "PYTEST_XDIST_WORKER" in os.environ:
+    # As many processes as cores each compute on one; read when PyTorch is imported, after this.
+    os.environ.setdefault("OMP_NUM_THREADS", "1")
 
 # Machines differ in speed, and a first call may load a library: no test fails for being slow.
 settings.register_profile("relight", deadline=None, max_examples=50)
