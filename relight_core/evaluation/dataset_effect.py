@@ -24,7 +24,8 @@ from relight_core.imaging.photo import Photo
 from relight_core.imaging.read import read_photo
 from relight_core.networks.bundle import BundleConfig, NetworkBundle, load_bundle
 from relight_core.networks.delight import DelightConfig
-from relight_core.pipeline.per_photo.portrait import choose_faces, frame
+from relight_core.pipeline.per_photo.choosing_faces import choose_faces
+from relight_core.pipeline.per_photo.portrait import frame
 from relight_core.pipeline.relighter import WEIGHTS
 from relight_core.pipeline.results.channel_view import channel_to_srgb
 from relight_core.resources import resource_path

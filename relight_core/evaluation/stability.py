@@ -18,7 +18,7 @@ from relight_core.imaging.photo import Photo
 from relight_core.imaging.view_transform import apply_view
 from relight_core.lighting.environment import Environment
 from relight_core.pipeline.edit import Edit
-from relight_core.pipeline.per_photo.portrait import choose_faces
+from relight_core.pipeline.per_photo.choosing_faces import choose_faces
 from relight_core.pipeline.quality import Tier, tier_of
 from relight_core.pipeline.relighter import Relighter
 from relight_core.pipeline.results.relit import Relit

@@ -28,17 +28,11 @@ from relight_core.pipeline.face_relighter import KEPT_LIGHTS, FaceRelighter
 from relight_core.pipeline.face_taken_apart import Workshop
 from relight_core.pipeline.per_light.kept_lights import KeptLights, ServingLight
 from relight_core.pipeline.per_light.rest_of_person import body_shading
+from relight_core.pipeline.per_photo.choosing_faces import choose_faces, those_chosen
 from relight_core.pipeline.per_photo.matte import WORKING_PX, Matte, make_matte
 from relight_core.pipeline.per_photo.network_view import network_view
 from relight_core.pipeline.per_photo.person import Canvas, canvas_of, whole_person
-from relight_core.pipeline.per_photo.portrait import (
-    checked_boxes,
-    choose_faces,
-    frame,
-    framed,
-    located,
-    those_chosen,
-)
+from relight_core.pipeline.per_photo.portrait import checked_boxes, frame, framed, located
 from relight_core.pipeline.plan import Plan, Scene, make_plan
 from relight_core.pipeline.prepared import Lit, Prepared
 from relight_core.pipeline.quality import Tier, tier_of

@@ -30,7 +30,7 @@ from relight_core.imaging.photo import Photo
 from relight_core.lighting.environment import Environment
 from relight_core.networks.bundle import BundleConfig, NetworkBundle
 from relight_core.pipeline import quality
-from relight_core.pipeline.per_photo import portrait
+from relight_core.pipeline.per_photo import choosing_faces
 from relight_core.pipeline.quality import Tier
 from relight_core.pipeline.relighter import Relighter
 
@@ -42,7 +42,7 @@ SETTINGS = [Configuration(name, tier, name, True) for name, tier in TIERS.items(
 @pytest.fixture(autouse=True)
 def _small_tiers(monkeypatch):
     monkeypatch.setattr(quality, "TIERS", TIERS)
-    monkeypatch.setattr(portrait, "find_faces", lambda photo, *judge: [FaceBox(8, 8, 24, 28)])
+    monkeypatch.setattr(choosing_faces, "find_faces", lambda photo, *judge: [FaceBox(8, 8, 24, 28)])
 
 
 @pytest.fixture(scope="module")

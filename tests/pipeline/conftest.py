@@ -6,7 +6,7 @@ from tiny_relighter import some_photo
 
 from relight_core.face.find import FaceBox
 from relight_core.pipeline import quality
-from relight_core.pipeline.per_photo import portrait
+from relight_core.pipeline.per_photo import choosing_faces
 from relight_core.pipeline.relighter import Relighter
 
 
@@ -23,7 +23,9 @@ def small_and_seeing_faces(monkeypatch):
         "final": quality.Tier(96, 32, 32, 16, True),
     }
     monkeypatch.setattr(quality, "TIERS", tiers)
-    monkeypatch.setattr(portrait, "find_faces", lambda photo, *judge: [FaceBox(24, 20, 72, 76), FaceBox(4, 4, 20, 20)])
+    monkeypatch.setattr(
+        choosing_faces, "find_faces", lambda photo, *judge: [FaceBox(24, 20, 72, 76), FaceBox(4, 4, 20, 20)]
+    )
 
 
 @pytest.fixture

@@ -4,8 +4,8 @@ import pytest
 from relight_core.errors import InputError
 from relight_core.face.find import FaceBox, find_faces
 from relight_core.imaging.photo import Photo
-from relight_core.pipeline.per_photo import portrait
-from relight_core.pipeline.per_photo.portrait import choose_faces
+from relight_core.pipeline.per_photo import choosing_faces
+from relight_core.pipeline.per_photo.choosing_faces import choose_faces
 
 SURE, DOUBTFUL = FaceBox(0, 0, 9, 9), FaceBox(10, 0, 15, 5, doubtful=True)
 GUESSES = [FaceBox(1, 1, 3, 3, 90.0, True), FaceBox(4, 4, 8, 8, 180.0, True)]
@@ -17,8 +17,8 @@ def photo():
 
 
 def seeing(monkeypatch, found, guesses=()):
-    monkeypatch.setattr(portrait, "find_faces", lambda photo, *judge: list(found))
-    monkeypatch.setattr(portrait, "guess_faces", lambda photo: list(guesses))
+    monkeypatch.setattr(choosing_faces, "find_faces", lambda photo, *judge: list(found))
+    monkeypatch.setattr(choosing_faces, "guess_faces", lambda photo: list(guesses))
 
 
 def test_a_doubtful_box_needs_two_parts_of_a_face(monkeypatch, photo):
@@ -70,7 +70,9 @@ def test_what_is_located_must_show_parts_of_a_face(monkeypatch, photo):
         choose_faces(photo, None, lambda box: 1, lambda view: FaceBox(2, 2, 12, 14))
 
 
-@pytest.mark.parametrize(("leading", "suspected", "confirmed"), [(4, 3, True), (3, 3, False), (10, 2, False)])
+@pytest.mark.parametrize(
+    ("leading", "suspected", "confirmed"), [(4, 3, True), (3, 3, False), (5, 2, True), (4, 2, False), (10, 1, False)]
+)
 def test_a_face_in_part_is_located_where_several_windows_lead_to_it(monkeypatch, photo, leading, suspected, confirmed):
     # Ten windows; the others end at other places, each of which looks as much like a face.
     seeing(monkeypatch, [])
@@ -87,17 +89,38 @@ def test_a_face_in_part_is_located_where_several_windows_lead_to_it(monkeypatch,
             search()
 
 
+def test_a_speck_that_shows_half_a_face_gives_way_to_a_face_that_is_located(monkeypatch, photo):
+    speck, face = FaceBox(18, 18, 19, 19, doubtful=True), FaceBox(2, 2, 12, 14, doubtful=True)
+    seen = {speck: 2, face: 3}
+    seeing(monkeypatch, [speck])
+    assert [chosen.x0 for chosen in choose_faces(photo, None, lambda box: seen.get(box, 0), lambda view: face)] == [2]
+    # All of a face, or nothing better anywhere: then a small one it is.
+    for shown, place in ((3, face), (2, None)):
+        seen[speck] = shown
+        seeing(monkeypatch, [speck])
+        chosen = choose_faces(photo, None, lambda box: seen.get(box, 0), lambda view, place=place: place)
+        assert [found.x0 for found in chosen] == [18]
+
+
+def test_of_guesses_that_show_as_much_one_that_stands_is_chosen(monkeypatch, photo):
+    seeing(monkeypatch, [], [GUESSES[1], FaceBox(3, 3, 9, 9, -30.0, True)])
+    assert [face.roll_deg for face in choose_faces(photo, None, lambda box: 2)] == [-30.0]
+    seeing(monkeypatch, [], [FaceBox(3, 3, 9, 9, -30.0, True), GUESSES[1]])
+    chosen = choose_faces(photo, None, lambda box: {180.0: 3}.get(box.roll_deg, 2))
+    assert [face.roll_deg for face in chosen] == [180.0]
+
+
 def test_companions_that_show_enough_of_a_face_join_in_by_size(monkeypatch, photo):
     seeing(monkeypatch, [DOUBTFUL])
     larger, no_face = FaceBox(9, 9, 19, 19, doubtful=True), FaceBox(10, 0, 14, 4, doubtful=True)
-    monkeypatch.setattr(portrait, "guess_companions", lambda photo, known: [no_face, larger])
+    monkeypatch.setattr(choosing_faces, "guess_companions", lambda photo, known: [no_face, larger])
     chosen = choose_faces(photo, None, lambda box: 3, look_closer=lambda box: 2 if box == larger else 1)
     assert [(face.x0, face.doubtful) for face in chosen] == [(9, False), (10, False)]
     assert find_faces(photo) == chosen
 
 
 def test_companions_are_looked_for_once_and_not_where_nobody_can_judge_them(monkeypatch, photo):
-    monkeypatch.setattr(portrait, "guess_companions", lambda photo, known: pytest.fail("looked for"))
+    monkeypatch.setattr(choosing_faces, "guess_companions", lambda photo, known: pytest.fail("looked for"))
     seeing(monkeypatch, [DOUBTFUL])
     assert len(choose_faces(photo, None, lambda box: 3)) == 1
     seeing(monkeypatch, [SURE])

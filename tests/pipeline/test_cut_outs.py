@@ -9,7 +9,7 @@ from tiny_relighter import EDIT, some_light, some_photo
 from relight_core.face.find import FaceBox
 from relight_core.imaging.photo import Photo
 from relight_core.imaging.resampling import resize_area
-from relight_core.pipeline.per_photo import portrait
+from relight_core.pipeline.per_photo import choosing_faces
 from relight_core.pipeline.per_photo.person import canvas_of
 
 HIDDEN = [(0.0, 0.0, 0.0), (1.0, 0.0, 1.0), (50.0, 60.0, 70.0)]
@@ -47,7 +47,7 @@ def test_hidden_colours_reach_no_finder(relighter, monkeypatch):
         shown.append(photo.linear)
         return known.setdefault("faces", [FaceBox(24, 20, 72, 76)])
 
-    monkeypatch.setattr(portrait, "find_faces", finder)
+    monkeypatch.setattr(choosing_faces, "find_faces", finder)
     for hidden in HIDDEN[:2]:
         relighter.set_portrait(cut_out(hidden))
     np.testing.assert_array_equal(*shown)

@@ -12,7 +12,7 @@ from relight_core.face.find import FaceBox
 from relight_core.pipeline import relighter as relighter_module
 from relight_core.pipeline import stages
 from relight_core.pipeline.face_taken_apart import Workshop
-from relight_core.pipeline.per_photo import portrait
+from relight_core.pipeline.per_photo import choosing_faces
 from relight_core.pipeline.relighter import Relighter
 
 LARGE, SMALL, MOVED = FaceBox(24, 20, 72, 76), FaceBox(4, 4, 20, 20), FaceBox(80, 60, 104, 84)
@@ -109,8 +109,8 @@ def test_no_boxes_are_no_faces(relighter, photo):
 
 def test_a_photo_without_faces_is_searched_once(relighter, monkeypatch, delighted):
     nobody = some_photo(3)
-    monkeypatch.setattr(portrait, "find_faces", lambda photo, *judge: [])
-    monkeypatch.setattr(portrait, "guess_faces", lambda photo: [SMALL])
+    monkeypatch.setattr(choosing_faces, "find_faces", lambda photo, *judge: [])
+    monkeypatch.setattr(choosing_faces, "guess_faces", lambda photo: [SMALL])
     monkeypatch.setattr(relighter_module, "evidence_of_face", lambda labels, view, crop: 0)
     with pytest.raises(NoFaceError, match="no face found"):
         relighter.set_portrait(nobody)

@@ -13,7 +13,7 @@ from relight_core.imaging.photo import Photo
 from relight_core.lighting.environment import Environment
 from relight_core.lighting.light_edit import LightEdit, edit_light
 from relight_core.pipeline import stages
-from relight_core.pipeline.per_photo import portrait
+from relight_core.pipeline.per_photo import choosing_faces
 from relight_core.pipeline.relighter import Relighter
 
 pytestmark = pytest.mark.usefixtures("small_and_seeing_faces")
@@ -90,7 +90,7 @@ def test_a_second_face_changes_with_the_first(relighter):
 
 
 def test_a_box_by_hand_needs_no_finder(relighter, monkeypatch):
-    monkeypatch.setattr(portrait, "find_faces", lambda photo, *judge: [])
+    monkeypatch.setattr(choosing_faces, "find_faces", lambda photo, *judge: [])
     relighter.set_portrait(some_photo(), boxes=[FaceBox(20, 20, 60, 70, roll_deg=20.0)])
     relit = relighter.relight(some_light(), EDIT)
     assert np.isfinite(relit.image).all()
@@ -185,7 +185,7 @@ def test_the_source_light_is_the_photos_whatever_light_is_asked_for(weights, rel
 
 def test_a_photo_without_a_face_leaves_the_portrait_as_it_was(relighter, monkeypatch):
     before = relighter.relight(some_light(), EDIT)
-    monkeypatch.setattr(portrait, "find_faces", lambda photo, *judge: [])
+    monkeypatch.setattr(choosing_faces, "find_faces", lambda photo, *judge: [])
     with pytest.raises(InputError, match="no face"):
         relighter.set_portrait(some_photo(5))
     after = relighter.relight(some_light(), EDIT)
@@ -223,7 +223,7 @@ def test_hostile_photos_stay_finite(weights, name, monkeypatch):
     linear = HOSTILE[name]
     height, width = linear.shape[:2]
     box = FaceBox(width * 0.2, height * 0.2, width * 0.7, height * 0.8)
-    monkeypatch.setattr(portrait, "find_faces", lambda photo, *judge: [box])
+    monkeypatch.setattr(choosing_faces, "find_faces", lambda photo, *judge: [box])
     relighter = Relighter(weights)
     relighter.set_portrait(Photo(np.ascontiguousarray(linear)))
     relit = relighter.relight(some_light(), replace(EDIT, specular=2.0, shadow=2.0))
@@ -234,7 +234,7 @@ def test_hostile_photos_stay_finite(weights, name, monkeypatch):
 
 
 def test_a_face_beyond_the_border(weights, monkeypatch):
-    monkeypatch.setattr(portrait, "find_faces", lambda photo, *judge: [FaceBox(-30, -20, 30, 50)])
+    monkeypatch.setattr(choosing_faces, "find_faces", lambda photo, *judge: [FaceBox(-30, -20, 30, 50)])
     relighter = Relighter(weights)
     relighter.set_portrait(some_photo())
     assert np.isfinite(relighter.relight(some_light(), EDIT).image).all()

@@ -17,7 +17,7 @@ from relight_core.imaging.write import write_image
 from relight_core.lighting.environment import Environment
 from relight_core.lighting.rigs import load_rig
 from relight_core.pipeline.edit import Edit
-from relight_core.pipeline.per_photo import portrait as framing
+from relight_core.pipeline.per_photo import choosing_faces
 from relight_core.pipeline.quality import tier_of
 from relight_core.pipeline.relighter import Relighter
 
@@ -80,7 +80,7 @@ def framed(relighter, image, monkeypatch, alpha=None, face=FACE):
     """The portrait with a face at a given place, found or not."""
     height, width = image.shape[:2]
     box = FaceBox(face[0] * width, face[1] * height, face[2] * width, face[3] * height)
-    monkeypatch.setattr(framing, "find_faces", lambda photo, *judge: [box])
+    monkeypatch.setattr(choosing_faces, "find_faces", lambda photo, *judge: [box])
     photo = Photo(np.ascontiguousarray(image, np.float32), alpha)
     relighter.set_portrait(photo)
     return photo
@@ -121,7 +121,7 @@ def test_faces_that_overlap_are_each_relit(attacked, portrait, apart, monkeypatc
         FaceBox((left + shift) * width, top * height, (right + shift) * width, bottom * height)
         for shift in (0.0, apart)
     ]
-    monkeypatch.setattr(framing, "find_faces", lambda photo, *judge: boxes)
+    monkeypatch.setattr(choosing_faces, "find_faces", lambda photo, *judge: boxes)
     attacked.set_portrait(portrait)
     relit = attacked.relight(load_rig("split"), DRAFT)
     assert len(relit.faces) == 2

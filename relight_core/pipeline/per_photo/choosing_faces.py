@@ -1,0 +1,163 @@
+"""Which places in a photo are faces: what cascades take for one, and parsing maps confirm or find by themselves."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from relight_core.errors import InputError, NoFaceError
+from relight_core.face.cascades import overlap
+from relight_core.face.crop import Crop
+from relight_core.face.find import FaceBox, find_faces, guess_companions, guess_faces, remember_faces
+from relight_core.face.windows import search_windows
+from relight_core.imaging.photo import Photo
+
+_ENOUGH_EVIDENCE, _ALL_EVIDENCE = 2, 3
+
+_LYING_FROM_DEG = 45.0
+_SPECK = 0.1
+_AGREED, _SAME_PLACE = 4, 0.7
+
+
+def choose_faces(
+    photo: Photo,
+    face_index: int | None,
+    evidence: Callable[[FaceBox], int] | None = None,
+    locate: Callable[[Crop], FaceBox | None] = lambda view: None,
+    look_closer: Callable[[FaceBox], int] | None = None,
+    glimpse: Callable[[FaceBox], int] = lambda box: 0,
+) -> list[FaceBox]:
+    """All faces, the largest first, or only the one of an index in order of size.
+
+    Args:
+        evidence: says how many of brows, eyes and mouth are seen in a box. With it, what only cascades take for a
+            face counts only if there are two, and where no face is left, less likely places are judged by it, also
+            those of faces that lie or stand on their heads.
+        locate: says where a view of the photo shows a face; asked where nothing else finds any.
+        look_closer: a stricter `evidence`. With it, faces are looked for beside those that were confirmed, where there
+            is room for some.
+        glimpse: as `evidence`, of parts that are only suspected. All three of them confirm what the cascades agree on.
+
+    Raises:
+        NoFaceError: no face.
+        InputError: no such index.
+    """
+    faces = find_faces(photo) if evidence is None else find_faces(photo, lambda box: evidence(box) == _ALL_EVIDENCE)
+    if evidence is not None and (not faces or any(face.doubtful for face in faces)):
+        faces = _confirmed(photo, faces, evidence, locate, glimpse)
+        if look_closer is not None:
+            faces = _with_companions(photo, faces, look_closer)
+    return those_chosen(photo, faces, face_index)
+
+
+def those_chosen(photo: Photo, faces: Sequence[FaceBox], face_index: int | None) -> list[FaceBox]:
+    """All of a photo's faces, or only the one of an index.
+
+    Raises:
+        NoFaceError: there are none.
+        InputError: no such index.
+    """
+    name = photo.path or "the photo"
+    if not faces:
+        raise NoFaceError(
+            f"{name}: no face found; say where it is, or use a photo in which one is larger or better lit"
+        )
+    if face_index is None:
+        return list(faces)
+    if not 0 <= face_index < len(faces):
+        count = "1 face, number 0" if len(faces) == 1 else f"{len(faces)} faces, numbers 0 to {len(faces) - 1}"
+        raise InputError(f"{name}: there is no face number {face_index}; it has {count}")
+    return [faces[face_index]]
+
+
+def _confirmed(
+    photo: Photo,
+    found: list[FaceBox],
+    evidence: Callable[[FaceBox], int],
+    locate: Callable[[Crop], FaceBox | None],
+    glimpse: Callable[[FaceBox], int],
+) -> list[FaceBox]:
+    """The boxes that are confirmed, else the best guess, else what is located, else those with a hint of a face."""
+
+    def is_seen(face: FaceBox) -> bool:
+        return evidence(face) >= _ENOUGH_EVIDENCE or glimpse(face) == _ALL_EVIDENCE
+
+    faces = [face for face in found if not face.doubtful or is_seen(face)]
+    if faces and all(_is_speck(face, photo) and evidence(face) < _ALL_EVIDENCE for face in faces):
+        # A button and a fold beside a face in profile, which cascades don't see.
+        larger = [face for face in _searched(photo, locate, evidence, glimpse) if face.width > 3 * faces[0].width]
+        faces = larger or faces
+    if not faces:
+        faces = _best(guess_faces(photo), evidence, _ENOUGH_EVIDENCE)
+    if not faces:
+        faces = _searched(photo, locate, evidence, glimpse)
+    if not faces:
+        return [face for face in found if evidence(face) > 0]
+    faces = [replace(face, doubtful=False) for face in faces]
+    remember_faces(photo, faces)
+    return faces
+
+
+def _is_speck(face: FaceBox, photo: Photo) -> bool:
+    return face.width < _SPECK * min(photo.linear.shape[:2])
+
+
+def _searched(
+    photo: Photo,
+    locate: Callable[[Crop], FaceBox | None],
+    evidence: Callable[[FaceBox], int],
+    glimpse: Callable[[FaceBox], int],
+) -> list[FaceBox]:
+    """The face that a search through the whole photo ends at; no cascade has a say here.
+
+    All of its parts must be seen. Of a face that is turned far aside, bowed, or cut by the photo's edge, brows and eyes
+    are halves or slivers: there they need only be suspected, where several windows lead to the same place, and the
+    more of these do, the fewer.
+    """
+    places: list[FaceBox] = []
+    for place in map(locate, search_windows(photo.linear.shape[:2])):
+        if place is None:
+            continue
+        if place not in places and evidence(place) == _ALL_EVIDENCE:
+            return [place]
+        places.append(place)
+    votes = [sum(_same_place(place, other) for other in places) for place in places]
+    for place, agreed in sorted(zip(places, votes, strict=True), key=lambda pair: -pair[1]):
+        if agreed < _AGREED:
+            break
+        if (suspected := glimpse(place)) >= _ENOUGH_EVIDENCE and suspected + agreed >= _ALL_EVIDENCE + _AGREED:
+            return [place]
+    return []
+
+
+def _same_place(place: FaceBox, other: FaceBox) -> bool:
+    corners = [np.array([box.x0, box.y0, box.x1, box.y1]) for box in (place, other)]
+    return overlap(*corners) > _SAME_PLACE
+
+
+def _with_companions(photo: Photo, faces: list[FaceBox], look_closer: Callable[[FaceBox], int]) -> list[FaceBox]:
+    """The faces, and those beside them that the finder saw too little of, the largest first."""
+    more = [guess for guess in guess_companions(photo, faces) if look_closer(guess) >= _ENOUGH_EVIDENCE]
+    if not more:
+        return faces
+    faces = [*faces, *(replace(face, doubtful=False) for face in more)]
+    faces.sort(key=lambda face: -face.width * face.height)
+    remember_faces(photo, faces)
+    return faces
+
+
+def _best(guesses: Iterable[FaceBox], evidence: Callable[[FaceBox], int], least: int) -> list[FaceBox]:
+    """The guess that shows most of a face, if it shows enough, and of equals one that doesn't lie or stand on its head.
+
+    The first that shows all of a face and stands ends it.
+    """
+    best, most = None, (least, False)
+    for guess in guesses:
+        seen = evidence(guess), abs(guess.roll_deg) < _LYING_FROM_DEG
+        if seen > most or (best is None and seen == most):
+            best, most = guess, seen
+        if most == (_ALL_EVIDENCE, True):
+            break
+    return [] if best is None else [best]
