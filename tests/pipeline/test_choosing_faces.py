@@ -79,9 +79,10 @@ def test_a_face_in_part_is_located_where_several_windows_lead_to_it(monkeypatch,
     ends = [FaceBox(2, 2 + i / 8, 12, 14 + i / 8, doubtful=True) for i in range(leading)]
     ends += [FaceBox(30 * i, 0, 30 * i + 9, 9, doubtful=True) for i in range(1, 11 - leading)]
     places = iter(ends)
-    search = lambda: choose_faces(  # noqa: E731
-        photo, None, lambda box: 1, lambda view: next(places), glimpse=lambda box: suspected
-    )
+
+    def search():
+        return choose_faces(photo, None, lambda box: 1, lambda view: next(places), glimpse=lambda box: suspected)
+
     if confirmed:
         assert [(face.x0, face.doubtful) for face in search()] == [(2, False)]
     else:
@@ -100,6 +101,15 @@ def test_a_speck_that_shows_half_a_face_gives_way_to_a_face_that_is_located(monk
         seeing(monkeypatch, [speck])
         chosen = choose_faces(photo, None, lambda box: seen.get(box, 0), lambda view, place=place: place)
         assert [found.x0 for found in chosen] == [18]
+
+
+def test_of_several_specks_the_widest_is_what_a_face_must_exceed(monkeypatch, photo):
+    # The finder sorts by confidence too, so the first need not be the widest.
+    specks = [FaceBox(18, 18, 18.5, 18.5, doubtful=True), FaceBox(15, 2, 16.5, 3.5, doubtful=True)]
+    face = FaceBox(2, 2, 6, 6, doubtful=True)
+    seeing(monkeypatch, specks)
+    chosen = choose_faces(photo, None, lambda box: 3 if box == face else 2, lambda view: face)
+    assert [found.x0 for found in chosen] == [18, 15]
 
 
 def test_of_guesses_that_show_as_much_one_that_stands_is_chosen(monkeypatch, photo):

@@ -17,8 +17,12 @@ from relight_core.imaging.photo import Photo
 _ENOUGH_EVIDENCE, _ALL_EVIDENCE = 2, 3
 
 _LYING_FROM_DEG = 45.0
-_SPECK = 0.1
+
+_SPECK, _MUCH_WIDER = 0.1, 3
+"""A face narrower than this share of the photo's shorter side is a speck, and gives way to one so much wider."""
+
 _AGREED, _SAME_PLACE = 4, 0.7
+"""Windows of the search that lead to one place, where boxes share so much of their union."""
 
 
 def choose_faces(
@@ -35,10 +39,11 @@ def choose_faces(
         evidence: says how many of brows, eyes and mouth are seen in a box. With it, what only cascades take for a
             face counts only if there are two, and where no face is left, less likely places are judged by it, also
             those of faces that lie or stand on their heads.
-        locate: says where a view of the photo shows a face; asked where nothing else finds any.
+        locate: says where a view of the photo shows a face; asked where nothing else finds any, or only specks.
         look_closer: a stricter `evidence`. With it, faces are looked for beside those that were confirmed, where there
             is room for some.
-        glimpse: as `evidence`, of parts that are only suspected. All three of them confirm what the cascades agree on.
+        glimpse: as `evidence`, of parts that are only suspected. All three of them confirm what the cascades agree on,
+            and two or three what is located again and again.
 
     Raises:
         NoFaceError: no face.
@@ -87,8 +92,8 @@ def _confirmed(
     faces = [face for face in found if not face.doubtful or is_seen(face)]
     if faces and all(_is_speck(face, photo) and evidence(face) < _ALL_EVIDENCE for face in faces):
         # A button and a fold beside a face in profile, which cascades don't see.
-        larger = [face for face in _searched(photo, locate, evidence, glimpse) if face.width > 3 * faces[0].width]
-        faces = larger or faces
+        least_width = _MUCH_WIDER * max(face.width for face in faces)
+        faces = [face for face in _searched(photo, locate, evidence, glimpse) if face.width > least_width] or faces
     if not faces:
         faces = _best(guess_faces(photo), evidence, _ENOUGH_EVIDENCE)
     if not faces:
@@ -120,7 +125,7 @@ def _searched(
     for place in map(locate, search_windows(photo.linear.shape[:2])):
         if place is None:
             continue
-        if place not in places and evidence(place) == _ALL_EVIDENCE:
+        if evidence(place) == _ALL_EVIDENCE:
             return [place]
         places.append(place)
     votes = [sum(_same_place(place, other) for other in places) for place in places]
@@ -153,10 +158,10 @@ def _best(guesses: Iterable[FaceBox], evidence: Callable[[FaceBox], int], least:
 
     The first that shows all of a face and stands ends it.
     """
-    best, most = None, (least, False)
+    best, most = None, (least - 1, True)
     for guess in guesses:
         seen = evidence(guess), abs(guess.roll_deg) < _LYING_FROM_DEG
-        if seen > most or (best is None and seen == most):
+        if seen > most:
             best, most = guess, seen
         if most == (_ALL_EVIDENCE, True):
             break
