@@ -142,8 +142,10 @@ class EditorState:
         """What the engine is to work toward: quick while something moves, finished when it rests."""
         edit = self.request_at_rest().edit
         if self.is_moving:
-            quick = replace(edit, quality=self.quality.moving(self.snapshot.tier_costs), channels=following(self.shown))
-            same_edit = replace(edit, quality=self.asked.quality, channels=self.asked.channels) == self.asked
+            tier = {"quality": self.quality.moving(self.snapshot.tier_costs), "surface_of": self.quality.surface_of()}
+            quick = replace(edit, **tier, channels=following(self.shown))
+            asked = {name: getattr(self.asked, name) for name in ("quality", "surface_of", "channels")}
+            same_edit = replace(edit, **asked) == self.asked
             unchanged = same_edit and self.light_edit == self.asked_light
             edit = self.asked if unchanged else quick
         self.asked, self.asked_light = edit, self.light_edit

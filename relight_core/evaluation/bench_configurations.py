@@ -27,19 +27,26 @@ class Configuration:
 
 
 def configurations(*, quick: bool = False) -> list[Configuration]:
-    """The tiers first, then their variants; no two are the same setting.
+    """The tiers first, as the editor uses them in motion next, then their variants; no two are the same setting.
 
     Args:
-        quick: only the tiers and the variants of "live" that leave a network out.
+        quick: of the variants only those of "live" that leave a network out.
     """
-    found = [Configuration(name, tier, name, True) for name, tier in TIERS.items()]
-    known = set(TIERS.values())
     live = replace(TIERS["live"], shadow_network=True, correction=True)
-    for name, tier in _variants(live, quick):
-        if tier not in known:
-            known.add(tier)
-            found.append(Configuration(f"live, {name}", tier, "live", False))
-    return found
+    settings = [
+        *(Configuration(name, tier, name, True) for name, tier in TIERS.items()),
+        *(Configuration(f"{name}, on final's surface", tier, name, False) for name, tier in _in_motion()),
+        *(Configuration(f"live, {name}", tier, "live", False) for name, tier in _variants(live, quick)),
+    ]
+    by_tier: dict[Tier, Configuration] = {}
+    for setting in settings:
+        by_tier.setdefault(setting.tier, setting)
+    return list(by_tier.values())
+
+
+def _in_motion() -> list[tuple[str, Tier]]:
+    """The quick tiers on the surface that the picture at rest has found."""
+    return [(name, TIERS[name].on_surface_of(TIERS["final"])) for name in ("draft", "live")]
 
 
 def _variants(live: Tier, quick: bool) -> list[tuple[str, Tier]]:

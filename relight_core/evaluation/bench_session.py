@@ -104,13 +104,13 @@ class Savings:
 def recorded_session(lights: Sequence[Environment], turns: int) -> list[tuple[Environment, Edit]]:
     """Under each light in turn: look, turn it a full circle, drag both sliders there and back, let go, look.
 
-    While the hand moves, only the picture is looked at, at live quality; at rest every channel, at final
-    quality, as the editor asks for them.
+    While the hand moves, only the picture is looked at, at live quality on the surface of final; at rest every
+    channel, at final quality, as the editor asks for them.
 
     Args:
         turns: stops of the full circle.
     """
-    moving, steps = Edit(quality="live", channels=()), []
+    moving, steps = Edit(quality="live", channels=(), surface_of="final"), []
     for light in lights:
         steps.append((light, Edit(quality="final")))
         steps += [(light, replace(moving, yaw_deg=360.0 * stop / turns)) for stop in range(1, turns + 1)]
@@ -129,7 +129,7 @@ def visits(lights: Sequence[Environment], turns: int) -> list[tuple[Environment,
     Args:
         turns: stops of the full circle.
     """
-    moving, steps = Edit(quality="live", channels=()), []
+    moving, steps = Edit(quality="live", channels=(), surface_of="final"), []
     for number, light in enumerate(lights):
         steps.append((light, Edit(quality="final")))
         stops = [(_VISITED_STOPS * number + visit) * _SPREAD % turns for visit in range(_VISITED_STOPS)]

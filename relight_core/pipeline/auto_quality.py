@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Protocol
 
 import numpy as np
@@ -52,6 +52,10 @@ class QualityChoice:
         """The tier when nothing moves."""
         return _AT_REST if self.wish == AUTO else self.wish
 
+    def surface_of(self) -> str | None:
+        """The tier whose surface serves while the hand moves, where it is known: that of the picture at rest."""
+        return _AT_REST if self.wish == AUTO else None
+
     def moving(self, costs: Mapping[str, TierCost]) -> str:
         """The tier while the hand moves: the most accurate within the budget, else the quickest.
 
@@ -78,7 +82,10 @@ class Relights(Protocol):
 
 
 class Calibration:
-    """Measures the tiers on the portrait that is open, one tier a step, so that nobody waits long."""
+    """Measures the tiers on the portrait that is open, one tier a step, so that nobody waits long.
+
+    All of them on the surface of the picture at rest, as "auto" uses them.
+    """
 
     def __init__(self) -> None:
         self._costs: dict[str, TierCost] = {}
@@ -93,10 +100,11 @@ class Calibration:
     def measure_next(self, relighter: Relights, environment: Environment) -> None:
         """Measure one more tier: one update to prepare it, then one for each of five angles."""
         name = self._pending[0]
-        relighter.relight(environment, Edit(quality=name, channels=()), _PREVIEW_PX, for_shader=True)
+        prepared = Edit(quality=name, channels=(), surface_of=_AT_REST)
+        relighter.relight(environment, prepared, _PREVIEW_PX, for_shader=True)
         times, pictures = [], []
         for yaw_deg in _YAWS_DEG:
-            edit = Edit(yaw_deg=yaw_deg, quality=name, channels=(), tolerance=0.0)
+            edit = replace(prepared, yaw_deg=yaw_deg, tolerance=0.0)
             started = time.perf_counter()
             relighter.relight(environment, edit, _PREVIEW_PX, for_shader=True)
             times.append(1e3 * (time.perf_counter() - started))

@@ -48,6 +48,8 @@ class Edit:
         tolerance: the largest change of the displayed picture, of [0, 1], that the plan may cause.
         specular_tint: colour of the specular channel, [-1, 1], from cool to warm; 0 is the light's own.
         shadow_softness: how far the edges of shadows are softened, [0, 1]; 0 is as estimated.
+        surface_of: a quality whose surface serves in place of `quality`'s own where it is known already, as it is
+            to an editor that has shown the finished picture; None for nobody's.
     """
 
     yaw_deg: float = 0.0
@@ -64,6 +66,7 @@ class Edit:
     tolerance: float = TOLERANCE
     specular_tint: float = 0.0
     shadow_softness: float = 0.0
+    surface_of: str | Tier | None = None
 
     @property
     def sliders(self) -> tuple[float, ...]:

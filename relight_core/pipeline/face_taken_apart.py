@@ -80,15 +80,26 @@ class FaceTakenApart:
 
     def prepare(self, tier: Tier) -> Prepared:
         """The face as one tier of quality sees it."""
-        photo, size = self.portrait.photo, tier.size
-        photo_view = self._once("view", size, lambda: self.portrait.view.extract(photo.seen.linear, size))
-        seen = photo_view
-        if photo.monochrome:
-            seen = self._once("seen_view", size, lambda: without_colour(photo_view))
+        size = tier.size
+        photo_view, seen = self._view(size), self._seen_view(size)
         small = (tier.network_size, tier.network_size)
         photo_small = self._once("network_view", (size, tier.network_size), lambda: resize_area(seen, small))
-        found = self._once("delight", tier.surface_key, lambda: self._within_outline(seen, tier))
+        take_apart = lambda: self._within_outline(self._seen_view(tier.size_apart), tier)  # noqa: E731
+        found = self._once("delight", tier.surface_key, take_apart)
         return Prepared(self.portrait, tier, found, found, photo_view, seen, photo_small)
+
+    def knows_surface(self, tier: Tier) -> bool:
+        """Whether the face has been taken apart as a tier does it."""
+        return self.cache.has("delight", tier.surface_key)
+
+    def _view(self, size: int) -> np.ndarray:
+        return self._once("view", size, lambda: self.portrait.view.extract(self.portrait.photo.seen.linear, size))
+
+    def _seen_view(self, size: int) -> np.ndarray:
+        view = self._view(size)
+        if not self.portrait.photo.monochrome:
+            return view
+        return self._once("seen_view", size, lambda: without_colour(view))
 
     def _within_outline(self, photo_view: np.ndarray, tier: Tier) -> stages.Surface:
         found, outline = self._shop.delight(photo_view, tier), self.outline()

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from relight_core.errors import InputError
@@ -24,6 +24,7 @@ class Tier:
             lattice shows where the light grazes the surface.
         mirrored: de-light the mirrored view too, and average.
         looks_twice: de-light it once more, with most of its shading taken out (see `pipeline.per_photo.second_look`).
+        apart_from: side of the view that is taken apart; None for `size`.
         shadow_network: what the surface hides from the light is seen by the SS network; else the relief's
             horizons alone say it, and a new light costs a matrix product.
         correction: the composition network corrects the sum of the channels; else the sum is the picture.
@@ -44,11 +45,31 @@ class Tier:
     pair: PairName = "wide"
     lights_nearer: bool = False
     looks_twice: bool = False
+    apart_from: int | None = None
+
+    @property
+    def size_apart(self) -> int:
+        """Side of the view that is taken apart, in pixels."""
+        return self.apart_from or self.size
 
     @property
     def surface_key(self) -> tuple:
         """What de-lighting depends on; tiers that agree in it share its result."""
-        return self.size, self.delight_size, self.network_size, self.mirrored, self.looks_twice, self.precision
+        return self.size_apart, self.delight_size, self.network_size, self.mirrored, self.looks_twice, self.precision
+
+    def on_surface_of(self, other: Tier) -> Tier:
+        """This tier with the surface that another one finds; the tier itself, where that is its own."""
+        if self.surface_key == other.surface_key:
+            return self
+        return replace(
+            self,
+            apart_from=other.size_apart,
+            delight_size=other.delight_size,
+            network_size=other.network_size,
+            mirrored=other.mirrored,
+            looks_twice=other.looks_twice,
+            precision=other.precision,
+        )
 
     @property
     def begun_key(self) -> tuple:

@@ -175,7 +175,7 @@ class Relighter:
         Raises:
             InputError: as `relight`.
         """
-        return self._planned(environment, edit)[0]
+        return self._planned(environment, self._settled(edit))[0]
 
     def relight(
         self, environment: Environment, edit: Edit, longest_side_px: int | None = None, *, for_shader: bool = False
@@ -197,6 +197,7 @@ class Relighter:
         if environment.level > _BRIGHTEST_LEVEL:
             environment = environment.at_level(_BRIGHTEST_LEVEL)
         self._begin_update()
+        edit = self._settled(edit)
         plan, serving = self._planned(environment, edit)
         self._lights.keep(tier_of(edit.quality), serving)
         face, level = self._first(), environment.level
@@ -231,6 +232,14 @@ class Relighter:
         if not self._faces:
             raise InputError("no portrait is open: choose a photo first")
         return self._faces[0]
+
+    def _settled(self, edit: Edit) -> Edit:
+        """The edit with the tier that its quality comes to: on another one's surface, where every face has that."""
+        if edit.surface_of is None:
+            return edit
+        better = tier_of(edit.quality).on_surface_of(tier_of(edit.surface_of))
+        known = all(face.knows_surface(better) for face in self._faces)
+        return replace(edit, quality=better if known else edit.quality, surface_of=None)
 
     def _planned(self, environment: Environment, edit: Edit) -> tuple[Plan, ServingLight]:
         caches = self._cache, self._first().cache

@@ -332,6 +332,17 @@ def test_the_budget_decides_the_quality_while_the_hand_moves():
     assert state.request().edit.quality == "draft"
 
 
+@pytest.mark.parametrize(("wish", "in_motion"), [("auto", "final"), ("live", None), ("draft", None), ("final", None)])
+def test_what_moves_is_on_the_surface_that_the_picture_at_rest_has(wish, in_motion):
+    state = EditorState(quality=QualityChoice(wish))
+    assert state.request().edit.surface_of is None
+    state.hand_on_control = True
+    state.change(yaw_deg=10.0)
+    assert state.request().edit.surface_of == in_motion
+    state.hand_on_control = False
+    assert state.request().edit.surface_of is None
+
+
 def of_size(height, width):
     photo = Photo(np.zeros((height, width, 3), np.float32))
     return Snapshot(opened=OpenPhoto(PhotoSource(photo), photo, np.zeros((1, 1, 3), np.float16)))

@@ -1,0 +1,77 @@
+"""A quick tier on the surface that a finer one has found: what runs, what is shared, and that history adds nothing."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from tiny_relighter import EDIT, computed, some_light, some_photo
+
+from relight_core.errors import InputError
+from relight_core.face.find import FaceBox
+from relight_core.imaging.photo import Photo
+from relight_core.pipeline.quality import tier_of
+from relight_core.pipeline.relighter import Relighter
+
+LIVE, FINAL = replace(EDIT, quality="live"), replace(EDIT, quality="final")
+LIVE_ON_FINAL = replace(EDIT, quality="live", surface_of="final")
+BOX, OTHER_BOX = FaceBox(24, 20, 72, 76), FaceBox(4, 4, 20, 20)
+
+
+def images(*edits, relighter):
+    return [relighter.relight(some_light(), edit).image for edit in edits]
+
+
+def test_a_surface_that_is_known_is_not_found_again(relighter):
+    relighter.relight(some_light(), FINAL)
+    quick = relighter.relight(some_light(1), LIVE_ON_FINAL)
+    assert "specular_shadow" in computed(quick)
+    assert not computed(quick) & {"delight", "relief", "normals", "albedo", "source_light"}
+
+
+def test_one_that_is_not_known_is_not_waited_for(relighter, weights):
+    on_its_own, plain = images(LIVE_ON_FINAL, LIVE, relighter=relighter)
+    np.testing.assert_array_equal(on_its_own, plain)
+    assert "delight" in computed(relighter.relight(some_light(), FINAL))
+
+
+@pytest.mark.parametrize("grey", [False, True])
+def test_the_picture_is_that_of_the_tier_alone(weights, small_and_seeing_faces, grey):
+    photo = some_photo()
+    if grey:
+        photo = Photo(np.repeat(photo.linear.mean(-1, keepdims=True), 3, -1))
+    before, fresh = Relighter(weights), Relighter(weights)
+    for relighter in (before, fresh):
+        relighter.set_portrait(photo)
+    plain, _, after = images(LIVE, FINAL, LIVE_ON_FINAL, relighter=before)
+    (alone,) = images(replace(EDIT, quality=tier_of("live").on_surface_of(tier_of("final"))), relighter=fresh)
+    np.testing.assert_array_equal(after, alone)
+    assert np.abs(after - plain).max() > 1e-3
+    np.testing.assert_array_equal(images(LIVE, relighter=before)[0], plain)
+
+
+def test_a_face_that_is_new_is_not_mixed_with_those_that_are_known(relighter):
+    photo = some_photo()
+    relighter.set_portrait(photo, boxes=[BOX])
+    relighter.relight(some_light(), FINAL)
+    relighter.set_portrait(photo, boxes=[BOX, OTHER_BOX])
+    on_its_own, plain = images(LIVE_ON_FINAL, LIVE, relighter=relighter)
+    np.testing.assert_array_equal(on_its_own, plain)
+
+
+def test_a_tier_on_its_own_surface_is_that_tier(relighter):
+    relighter.relight(some_light(), FINAL)
+    again = relighter.relight(some_light(), replace(FINAL, surface_of="final"))
+    assert not computed(again) - {"channels"}
+
+
+def test_the_plan_is_that_of_the_picture(relighter):
+    relighter.relight(some_light(), FINAL)
+    relighter.relight(some_light(), LIVE_ON_FINAL)
+    plan = relighter.plan(some_light(), LIVE_ON_FINAL)
+    assert plan.effect("shadow").state == "reused"
+    assert relighter.plan(some_light(), LIVE).effect("shadow").state == "computed"
+
+
+def test_a_quality_that_nobody_knows(relighter):
+    with pytest.raises(InputError, match="finest"):
+        relighter.relight(some_light(), replace(EDIT, surface_of="finest"))
