@@ -17,7 +17,7 @@ from torch.utils.data import DataLoader
 
 from relight_core.dataset.stream import SampleStream
 from relight_core.errors import InputError
-from relight_core.face.find import find_faces
+from relight_core.face.find import find_faces, find_small_faces
 from relight_core.face.parsing import FACE_LABELS
 from relight_core.imaging.colour import luminance, srgb_decode, srgb_encode
 from relight_core.imaging.photo import Photo
@@ -144,7 +144,7 @@ def compare_photos(pupils: dict[str, NetworkBundle], paths: list[Path], size: in
     pictures: list[tuple[str, np.ndarray]] = []
     for path in paths:
         photo = read_photo(path).seen
-        if not find_faces(photo):
+        if not (find_faces(photo) or find_small_faces(photo)):
             continue
         row = {name: look(pupil, parser, photo, size) for name, pupil in pupils.items()}
         for name, found in row.items():

@@ -25,6 +25,9 @@ from relight_core.imaging.resampling import resize_area
 _LONG_SIDE_PX = 800
 _LONG_SIDE_FOR_SMALL_PX = 2800
 _LONG_SIDE_FOR_SMALL_TURNED_PX = 1400
+_SHRUNK_FOR_SMALL = 0.7
+"""Cascades see heads from 28 pixels on; nobody relights one that is smaller than 40 in the photo."""
+
 _LARGEST_GROWTH = 3.0
 _BEYOND_DOUBT_VOTES = 40
 _TILTS_DEG = (-30.0, 30.0)
@@ -80,9 +83,8 @@ def find_faces(photo: Photo, is_face: Judge = lambda box: False) -> list[FaceBox
     """Find faces with OpenCV's Haar cascades (Viola and Jones 2001).
 
     Upright frontal faces; where none of them is beyond doubt, faces in profile, and faces that lean by up to
-    about 45 degrees, on turned copies, which takes four times as long. Where there is none at all, smaller ones are
-    looked for, upright down to about 40 pixels of a photo of 12 megapixels. A photo is searched once, however many
-    threads ask.
+    about 45 degrees, on turned copies, which takes four times as long. A photo is searched once, however many threads
+    ask.
 
     Args:
         is_face: a better judge of what cascades doubt; asked before the long search.
@@ -94,6 +96,27 @@ def find_faces(photo: Photo, is_face: Judge = lambda box: False) -> list[FaceBox
         if photo not in _known:
             _known[photo] = _search(photo, is_face)
         return list(_known[photo])
+
+
+def find_small_faces(photo: Photo) -> list[FaceBox]:
+    """Faces that are too small for `find_faces`, upright ones down to about 40 pixels of a photo of 12 megapixels.
+
+    This takes several times as long, 5 to 25 seconds of one core, and hardly a portrait has none but those.
+
+    Returns:
+        As `find_faces`.
+    """
+    most = _SHRUNK_FOR_SMALL * max(photo.linear.shape[:2])
+    if most <= _LONG_SIDE_PX:
+        return []
+    for look, long_side_px in (
+        (frontal_candidates, _LONG_SIDE_FOR_SMALL_PX),
+        (_turned_away, _LONG_SIDE_FOR_SMALL_TURNED_PX),
+    ):
+        grey, scale = _detection_view(photo.linear, min(long_side_px, most), 1.0)
+        if min(grey.shape) >= 24 and (found := look(grey)):
+            return _boxes(found, scale)
+    return []
 
 
 def remember_faces(photo: Photo, faces: list[FaceBox]) -> None:
@@ -163,18 +186,11 @@ def _search(photo: Photo, is_face: Judge) -> list[FaceBox]:
     sure = any(candidate.votes >= _BEYOND_DOUBT_VOTES for candidate in found)
     if not sure and not any(is_face(_in_photo(candidate, scale)) for candidate in found):
         found += _turned_away(grey)
-    if not found and max(photo.linear.shape[:2]) > _LONG_SIDE_PX:
-        found, scale = _small_ones(photo.linear)
+    return _boxes(found, scale)
+
+
+def _boxes(found: list[Candidate], scale: float) -> list[FaceBox]:
     return [_in_photo(candidate, scale) for candidate in _plausible(sorted(found, key=_weight, reverse=True))]
-
-
-def _small_ones(linear: np.ndarray) -> tuple[list[Candidate], float]:
-    """Faces too small for the first search, and the pixels per photo pixel that they are found in."""
-    grey, scale = _detection_view(linear, _LONG_SIDE_FOR_SMALL_PX, 1.0)
-    if found := frontal_candidates(grey):
-        return found, scale
-    grey, scale = _detection_view(linear, _LONG_SIDE_FOR_SMALL_TURNED_PX, 1.0)
-    return _turned_away(grey), scale
 
 
 def _turned_away(grey: np.ndarray) -> list[Candidate]:

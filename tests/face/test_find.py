@@ -7,7 +7,14 @@ import skimage.data
 
 from relight_core.face import find
 from relight_core.face.cascades import Candidate
-from relight_core.face.find import FaceBox, find_faces, guess_companions, guess_faces, remember_faces
+from relight_core.face.find import (
+    FaceBox,
+    find_faces,
+    find_small_faces,
+    guess_companions,
+    guess_faces,
+    remember_faces,
+)
 from relight_core.imaging.photo import Photo
 
 ASTRONAUT = skimage.data.astronaut()
@@ -101,7 +108,7 @@ def test_a_face_of_40_pixels_in_a_large_photo():
     small = ASTRONAUT[::2, ::2]
     photo = np.full((900, 1300, 3), 120, np.uint8)
     photo[300:556, 600:856] = small
-    boxes = found_in(photo)
+    boxes = find_small_faces(Photo.from_srgb(photo))
     assert len(boxes) == 1
     assert share_in_common(boxes[0], (693, 346, 731, 385)) > 0.5
 
@@ -199,14 +206,24 @@ class TestDoubtfulUprightFaces:
         assert len(turned) == searches
 
 
-def test_small_faces_are_looked_for_last_and_leaning_ones_less_finely(monkeypatch):
+@pytest.mark.parametrize(
+    ("size", "upright", "turned"),
+    [
+        ((3000, 4500), (1867, 2800), (933, 1400)),
+        ((2000, 3000), (1400, 2100), (933, 1400)),
+        ((1200, 900), (840, 630), (840, 630)),
+    ],
+)
+def test_small_faces_are_looked_for_as_finely_as_they_are_worth_it(monkeypatch, size, upright, turned):
     looked = []
     monkeypatch.setattr(find, "frontal_candidates", lambda grey: looked.append(("upright", grey.shape)) or [])
     monkeypatch.setattr(find, "_turned_away", lambda grey: looked.append(("turned", grey.shape)) or [])
-    assert find_faces(Photo(np.full((2000, 3000, 3), 0.2, np.float32))) == []
-    assert looked == [
-        ("upright", (533, 800)),
-        ("turned", (533, 800)),
-        ("upright", (1867, 2800)),
-        ("turned", (933, 1400)),
-    ]
+    assert find_small_faces(Photo(np.full((*size, 3), 0.2, np.float32))) == []
+    assert looked == [("upright", upright), ("turned", turned)]
+
+
+@pytest.mark.parametrize("size", [(700, 1140), (3000, 20)])
+def test_photos_without_room_for_small_faces_are_not_searched_for_them(monkeypatch, size):
+    monkeypatch.setattr(find, "frontal_candidates", lambda grey: pytest.fail("looked"))
+    monkeypatch.setattr(find, "_turned_away", lambda grey: pytest.fail("looked"))
+    assert find_small_faces(Photo(np.full((*size, 3), 0.2, np.float32))) == []

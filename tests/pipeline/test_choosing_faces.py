@@ -1,3 +1,5 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -16,9 +18,10 @@ def photo():
     return Photo(np.zeros((20, 20, 3), np.float32))
 
 
-def seeing(monkeypatch, found, guesses=()):
+def seeing(monkeypatch, found, guesses=(), small=()):
     monkeypatch.setattr(choosing_faces, "find_faces", lambda photo, *judge: list(found))
     monkeypatch.setattr(choosing_faces, "guess_faces", lambda photo: list(guesses))
+    monkeypatch.setattr(choosing_faces, "find_small_faces", lambda photo: list(small))
 
 
 def test_a_doubtful_box_needs_two_parts_of_a_face(monkeypatch, photo):
@@ -54,6 +57,24 @@ def test_no_face_at_all(monkeypatch, photo):
     seeing(monkeypatch, [], GUESSES)
     with pytest.raises(InputError, match="no face found"):
         choose_faces(photo, None, lambda box: 1)
+
+
+def test_small_faces_are_looked_for_where_nothing_else_is(monkeypatch, photo):
+    seeing(monkeypatch, [], GUESSES, [DOUBTFUL])
+    assert choose_faces(photo, None, lambda box: 2 * (box == DOUBTFUL)) == [replace(DOUBTFUL, doubtful=False)]
+    assert choose_faces(photo, None, lambda box: 1 * (box == DOUBTFUL)) == [DOUBTFUL]
+    assert choose_faces(photo, None) == [DOUBTFUL]
+    assert [face.roll_deg for face in choose_faces(photo, None, lambda box: 2)] == [90.0]
+    with pytest.raises(InputError, match="no face"):
+        choose_faces(photo, None, lambda box: 0)
+
+
+@pytest.mark.parametrize("found", [SURE, DOUBTFUL])
+def test_small_faces_are_not_looked_for_beside_larger_ones(monkeypatch, photo, found):
+    seeing(monkeypatch, [found], GUESSES)
+    monkeypatch.setattr(choosing_faces, "find_small_faces", lambda photo: pytest.fail("looked"))
+    assert choose_faces(photo, None) == [found]
+    assert choose_faces(photo, None, lambda box: 1 * (box == found)) == [found]
 
 
 def test_a_face_that_no_cascade_sees_is_located_by_its_parsing(monkeypatch, photo):

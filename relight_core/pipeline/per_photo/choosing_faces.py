@@ -10,7 +10,14 @@ import numpy as np
 from relight_core.errors import InputError, NoFaceError
 from relight_core.face.cascades import overlap
 from relight_core.face.crop import Crop
-from relight_core.face.find import FaceBox, find_faces, guess_companions, guess_faces, remember_faces
+from relight_core.face.find import (
+    FaceBox,
+    find_faces,
+    find_small_faces,
+    guess_companions,
+    guess_faces,
+    remember_faces,
+)
 from relight_core.face.windows import search_windows
 from relight_core.imaging.photo import Photo
 
@@ -49,7 +56,10 @@ def choose_faces(
         NoFaceError: no face.
         InputError: no such index.
     """
-    faces = find_faces(photo) if evidence is None else find_faces(photo, lambda box: evidence(box) == _ALL_EVIDENCE)
+    if evidence is None:
+        faces = find_faces(photo) or find_small_faces(photo)
+    else:
+        faces = find_faces(photo, lambda box: evidence(box) == _ALL_EVIDENCE)
     if evidence is not None and (not faces or any(face.doubtful for face in faces)):
         faces = _confirmed(photo, faces, evidence, locate, glimpse)
         if look_closer is not None:
@@ -84,12 +94,20 @@ def _confirmed(
     locate: Callable[[Crop], FaceBox | None],
     glimpse: Callable[[FaceBox], int],
 ) -> list[FaceBox]:
-    """The boxes that are confirmed, else the best guess, else what is located, else those with a hint of a face."""
+    """The boxes that are confirmed, else the best guess, else what is located, else those with a hint of a face.
 
-    def is_seen(face: FaceBox) -> bool:
-        return evidence(face) >= _ENOUGH_EVIDENCE or glimpse(face) == _ALL_EVIDENCE
+    Faces that are small in a large photo come last: hardly a portrait has none but those, and looking for them takes
+    longer than everything before.
+    """
 
-    faces = [face for face in found if not face.doubtful or is_seen(face)]
+    def confirmed(faces: list[FaceBox]) -> list[FaceBox]:
+        return [
+            face
+            for face in faces
+            if not face.doubtful or evidence(face) >= _ENOUGH_EVIDENCE or glimpse(face) == _ALL_EVIDENCE
+        ]
+
+    faces = confirmed(found)
     if faces and all(_is_speck(face, photo) and evidence(face) < _ALL_EVIDENCE for face in faces):
         # A button and a fold beside a face in profile, which cascades don't see.
         least_width = _MUCH_WIDER * max(face.width for face in faces)
@@ -98,6 +116,9 @@ def _confirmed(
         faces = _best(guess_faces(photo), evidence, _ENOUGH_EVIDENCE)
     if not faces:
         faces = _searched(photo, locate, evidence, glimpse)
+    if not faces and not found:
+        found = find_small_faces(photo)
+        faces = confirmed(found)
     if not faces:
         return [face for face in found if evidence(face) > 0]
     faces = [replace(face, doubtful=False) for face in faces]
