@@ -101,7 +101,7 @@ def find_faces(photo: Photo, is_face: Judge = lambda box: False) -> list[FaceBox
 def find_small_faces(photo: Photo) -> list[FaceBox]:
     """Faces that are too small for `find_faces`, upright ones down to about 40 pixels of a photo of 12 megapixels.
 
-    This takes several times as long, 5 to 25 seconds of one core, and hardly a portrait has none but those.
+    This takes several times as long, up to 20 seconds of one core, and hardly a portrait has none but those.
 
     Returns:
         As `find_faces`.
