@@ -66,6 +66,7 @@ class Desk:
         self._loading: tuple[PhotoSource, Photo] | None = None
         self._portrait: OpenPhoto | None = None
         self._failed: tuple | None = None
+        self._ready_for: tuple | None = None
         self._lights: dict[LightSource, OpenLight] = {}
         self._tiers = TierMeter(calibration_path)
 
@@ -95,10 +96,13 @@ class Desk:
                 partial(self._skip, key),
             )
             return Step("Relighting", relight, skip)
-        return self._when_the_hand_rests(request.edit, now)
+        return self._when_the_hand_rests(request, now)
 
-    def _when_the_hand_rests(self, edit: Edit, now: Snapshot) -> Step | None:
-        """What nobody waits for but the panels show once it is known."""
+    def _when_the_hand_rests(self, request: Request, now: Snapshot) -> Step | None:
+        """What nobody waits for: the panels show it once it is known, or the hand finds it done."""
+        edit, moving = request.edit, request.in_motion
+        if moving is not None and self._ready_for != (now.opened, moving.quality):
+            return Step("Getting ready", partial(self._get_ready, moving), lambda now: now)
         if now.own_light is None and _OWN not in now.refused:
             # At the tier that has de-lit the photo already, unless that was only for a moving hand.
             quality = edit.quality if edit.channels is None else _AT_REST
@@ -106,6 +110,11 @@ class Desk:
         if self._tiers.is_due:
             return Step("Measuring the quality tiers", self._measure_tier, self._tiers.give_up)
         return None
+
+    def _get_ready(self, moving: Edit, now: Snapshot) -> Snapshot:
+        self._ready_for = now.opened, moving.quality
+        self._relighter.get_ready(now.light.environment, moving)
+        return now
 
     def _measure_tier(self, now: Snapshot) -> Snapshot:
         self._tiers.measure_next(self._relighter, now.light.environment)

@@ -51,6 +51,9 @@ class RelighterLike(Protocol):
     def estimated_light(self, quality: str) -> Environment:
         """The light the portrait was taken under, as de-lighting at that quality sees it."""
 
+    def get_ready(self, environment: Environment, edit: Edit) -> None:
+        """Find out what an edit's quality needs to know of the portrait once, before it relights."""
+
 
 class RelitLike(Protocol):
     """The part of relight_core.pipeline.relighter.Relit that the window uses."""
@@ -157,6 +160,7 @@ class Request:
         light_edit: what is changed about that light.
         edit: the sliders. Its exposure is the shader's business and makes the engine do nothing.
         longest_side_px: the picture may be this small; None wants it as large as the photo.
+        in_motion: what the hand will ask for next, to get ready for while it rests; None for nothing else than this.
     """
 
     photo: PhotoSource | None = None
@@ -164,6 +168,7 @@ class Request:
     edit: Edit = field(default_factory=Edit)
     light_edit: LightEdit = field(default_factory=LightEdit)
     longest_side_px: int | None = None
+    in_motion: Edit | None = None
 
     def same_as(self, other: Request) -> bool:
         """Whether the other asks for the same: the same wishes, at the same settings."""

@@ -141,15 +141,19 @@ class EditorState:
     def request(self) -> Request:
         """What the engine is to work toward: quick while something moves, finished when it rests."""
         edit = self.request_at_rest().edit
+        quick = self._in_motion(edit)
         if self.is_moving:
-            tier = {"quality": self.quality.moving(self.snapshot.tier_costs), "surface_of": self.quality.surface_of()}
-            quick = replace(edit, **tier, channels=following(self.shown))
             asked = {name: getattr(self.asked, name) for name in ("quality", "surface_of", "channels")}
             same_edit = replace(edit, **asked) == self.asked
             unchanged = same_edit and self.light_edit == self.asked_light
             edit = self.asked if unchanged else quick
         self.asked, self.asked_light = edit, self.light_edit
-        return self._request_of(edit)
+        return replace(self._request_of(edit), in_motion=None if edit.quality == quick.quality else quick)
+
+    def _in_motion(self, edit: Edit) -> Edit:
+        """What is asked for while the hand moves, where this is at rest."""
+        tier = {"quality": self.quality.moving(self.snapshot.tier_costs), "surface_of": self.quality.surface_of()}
+        return replace(edit, **tier, channels=following(self.shown))
 
     @property
     def is_moving(self) -> bool:

@@ -45,9 +45,23 @@ class FaceRelighter(FaceInPhoto):
 
     def prepared_and_lit(self, tier: Tier, serving: ServingLight, plan: Plan) -> tuple[Prepared, Lit]:
         """The face as a tier sees it, flattened where the plan says so, and the same under a light."""
-        ready = self.prepare(tier)
-        ready = self.flattened(ready) if plan.runs("flattening") else ready
+        ready = self._ready(tier, plan)
         return ready, self.lit(ready, serving, plan)
+
+    def _ready(self, tier: Tier, plan: Plan) -> Prepared:
+        ready = self.prepare(tier)
+        return self.flattened(ready) if plan.runs("flattening") else ready
+
+    def get_ready(self, tier: Tier, plan: Plan) -> None:
+        """Find what a plan needs to know of the face once, under whatever light."""
+        ready = self._ready(tier, plan)
+        if plan.shadow_network:
+            self._begun(ready)
+        if plan.runs("residual"):
+            self._residual(ready, plan)
+        self._upsampler(ready)
+        if self.nearer is not None and tier.lights_nearer:
+            self.nearer.get_ready(tier, plan)
 
     def lit(self, ready: Prepared, serving: ServingLight, plan: Plan) -> Lit:
         """The face under a normalised light, as the photo's camera sees it."""

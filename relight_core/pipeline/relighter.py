@@ -163,6 +163,17 @@ class Relighter:
         """
         return Environment.from_radiance(self._first().own_light(tier_of(quality)), "borrowed")
 
+    def get_ready(self, environment: Environment, edit: Edit) -> None:
+        """Find what `relight` at an edit's quality needs to know of the faces once, whatever light comes.
+
+        Raises:
+            InputError: as `relight`.
+        """
+        edit = self._settled(edit)
+        plan = self._planned(environment, edit)[0]
+        for face in self._faces:
+            face.get_ready(tier_of(edit.quality), plan)
+
     def forget(self, stage: str) -> None:
         """Drop a stage's results, so that it runs again when next needed; for measuring it."""
         self._cache.forget(stage)

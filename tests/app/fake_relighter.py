@@ -48,6 +48,7 @@ class FakeRelighter:
         self.blind = False
         self.portraits: list = []
         self.relights: list = []
+        self.readied: list = []
         self.environments: list = []
         self.gate = threading.Event()
         self.gate.set()
@@ -68,6 +69,9 @@ class FakeRelighter:
         height, width = 16, 32
         radiance = np.ones((height, width, 3), np.float32) * self.photo.linear.mean(axis=(0, 1))
         return Environment.from_radiance(radiance, "estimated")
+
+    def get_ready(self, environment, edit):
+        self.readied.append(edit)
 
     def relight(self, environment, edit, longest_side_px=None, *, for_shader=False):
         self.entered.release()

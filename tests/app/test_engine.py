@@ -1,6 +1,7 @@
 """The engine: newest wins, errors keep the picture, exposure costs nothing. Events instead of sleeps."""
 
 import threading
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -277,6 +278,28 @@ def test_an_edited_light_relights_once_and_its_draft_is_drawn_again_at_rest(engi
     back = answered(engine, Request(source, SPLIT, Edit(quality="final")))
     assert back.light.environment is back.light.base
     assert np.array_equal(back.light.ball, final.light.ball)
+
+
+def test_at_rest_the_engine_gets_ready_for_the_hand_once_for_a_photo_and_a_tier(engine, relighter):
+    source, moving = PhotoSource(grey_photo()), Edit(quality="live", channels=())
+    answered(engine, Request(source, SPLIT, Edit(), in_motion=moving))
+    answered(engine, Request(source, SPLIT, Edit(shadow=0.5), in_motion=replace(moving, shadow=0.5)))
+    assert relighter.readied == [moving]
+    answered(engine, Request(source, SPLIT, Edit(), in_motion=replace(moving, quality="draft")))
+    answered(engine, Request(PhotoSource(grey_photo()), SPLIT, Edit(), in_motion=moving))
+    assert [edit.quality for edit in relighter.readied] == ["live", "draft", "live"]
+    answered(engine, Request(source, SPLIT, Edit(yaw_deg=5.0)))
+    assert len(relighter.readied) == 3
+
+
+def test_getting_ready_in_vain_is_tried_once_and_the_picture_stays(engine, relighter, monkeypatch):
+    tried = []
+    monkeypatch.setattr(relighter, "get_ready", lambda *asked: tried.append(asked) or 1 / 0)
+    source, moving = PhotoSource(grey_photo()), Edit(quality="live", channels=())
+    answered(engine, Request(source, SPLIT, Edit(), in_motion=moving))
+    after = answered(engine, Request(source, SPLIT, Edit(yaw_deg=9.0), in_motion=moving))
+    assert len(tried) == 1
+    assert after.picture.edit.yaw_deg == 9.0
 
 
 def test_a_light_that_cannot_be_drawn_is_told_once_and_the_picture_stays(engine, relighter, monkeypatch):

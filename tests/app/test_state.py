@@ -332,6 +332,18 @@ def test_the_budget_decides_the_quality_while_the_hand_moves():
     assert state.request().edit.quality == "draft"
 
 
+def test_at_rest_it_is_known_what_the_hand_will_ask_for():
+    state = EditorState(quality=QualityChoice("auto"))
+    state.change(shadow=0.5)
+    wish = state.request().in_motion
+    assert (wish.quality, wish.surface_of, wish.shadow) == ("live", "final", 0.5)
+    state.hand_on_control = True
+    state.change(shadow=0.7)
+    assert state.request().in_motion is None
+    state.quality, state.hand_on_control = QualityChoice("final"), False
+    assert state.request().in_motion is None
+
+
 @pytest.mark.parametrize(("wish", "in_motion"), [("auto", "final"), ("live", None), ("draft", None), ("final", None)])
 def test_what_moves_is_on_the_surface_that_the_picture_at_rest_has(wish, in_motion):
     state = EditorState(quality=QualityChoice(wish))

@@ -75,3 +75,28 @@ def test_the_plan_is_that_of_the_picture(relighter):
 def test_a_quality_that_nobody_knows(relighter):
     with pytest.raises(InputError, match="finest"):
         relighter.relight(some_light(), replace(EDIT, surface_of="finest"))
+
+
+@pytest.mark.parametrize("edit", [LIVE, FINAL, LIVE_ON_FINAL])
+def test_who_got_ready_has_only_the_light_left_to_do(relighter, weights, edit):
+    relighter.relight(some_light(), FINAL)
+    relighter.get_ready(some_light(), edit)
+    shown = relighter.relight(some_light(1), edit)
+    once = {"view", "delight", "normals", "relief", "albedo", "source_light", "begun", "residual", "edges"}
+    assert not computed(shown) & once
+    assert "specular_shadow" in computed(shown)
+    fresh = Relighter(weights)
+    fresh.set_portrait(some_photo())
+    fresh.relight(some_light(), FINAL)
+    np.testing.assert_array_equal(fresh.relight(some_light(1), edit).image, shown.image)
+
+
+def test_getting_ready_takes_nothing_from_the_picture_in_force(relighter):
+    relighter.relight(some_light(), FINAL)
+    relighter.get_ready(some_light(), LIVE_ON_FINAL)
+    assert not computed(relighter.relight(some_light(), FINAL)) - {"channels"}
+
+
+def test_nobody_gets_ready_without_a_portrait(weights):
+    with pytest.raises(InputError, match="no portrait"):
+        Relighter(weights).get_ready(some_light(), LIVE)
