@@ -101,7 +101,8 @@ def find_faces(photo: Photo, is_face: Judge = lambda box: False) -> list[FaceBox
 def find_small_faces(photo: Photo) -> list[FaceBox]:
     """Faces that are too small for `find_faces`, upright ones down to about 40 pixels of a photo of 12 megapixels.
 
-    This takes several times as long, up to 20 seconds of one core, and hardly a portrait has none but those.
+    This takes several times as long, up to 20 seconds of one core, and hardly a portrait has none but those. What is
+    found is what `find_faces` answers from then on.
 
     Returns:
         As `find_faces`.
@@ -115,7 +116,9 @@ def find_small_faces(photo: Photo) -> list[FaceBox]:
     ):
         grey, scale = _detection_view(photo.linear, min(long_side_px, most), 1.0)
         if min(grey.shape) >= 24 and (found := look(grey)):
-            return _boxes(found, scale)
+            faces = _boxes(found, scale)
+            remember_faces(photo, faces)
+            return faces
     return []
 
 

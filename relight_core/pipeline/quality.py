@@ -11,6 +11,10 @@ if TYPE_CHECKING:  # PyTorch takes a second, and the command line knows the tier
     from relight_core.networks.pair import PairName
 
 
+_OF_SURFACE = ("delight_size", "network_size", "mirrored", "looks_twice", "precision")
+"""What of a tier decides about the surface, beside the side of the view that is taken apart."""
+
+
 @dataclass(frozen=True)
 class Tier:
     """One setting of the accuracy dial.
@@ -55,21 +59,13 @@ class Tier:
     @property
     def surface_key(self) -> tuple:
         """What de-lighting depends on; tiers that agree in it share its result."""
-        return self.size_apart, self.delight_size, self.network_size, self.mirrored, self.looks_twice, self.precision
+        return self.size_apart, *(getattr(self, name) for name in _OF_SURFACE)
 
     def on_surface_of(self, other: Tier) -> Tier:
         """This tier with the surface that another one finds; the tier itself, where that is its own."""
         if self.surface_key == other.surface_key:
             return self
-        return replace(
-            self,
-            apart_from=other.size_apart,
-            delight_size=other.delight_size,
-            network_size=other.network_size,
-            mirrored=other.mirrored,
-            looks_twice=other.looks_twice,
-            precision=other.precision,
-        )
+        return replace(self, apart_from=other.size_apart, **{name: getattr(other, name) for name in _OF_SURFACE})
 
     @property
     def begun_key(self) -> tuple:

@@ -104,11 +104,12 @@ def test_noise_has_no_face():
     assert found_in(noise) == []
 
 
-def test_a_face_of_40_pixels_in_a_large_photo():
+@pytest.mark.parametrize("look", [find_faces, find_small_faces])
+def test_a_face_of_40_pixels_in_a_large_photo(look):
     small = ASTRONAUT[::2, ::2]
     photo = np.full((900, 1300, 3), 120, np.uint8)
     photo[300:556, 600:856] = small
-    boxes = find_small_faces(Photo.from_srgb(photo))
+    boxes = look(Photo.from_srgb(photo))
     assert len(boxes) == 1
     assert share_in_common(boxes[0], (693, 346, 731, 385)) > 0.5
 
@@ -220,6 +221,17 @@ def test_small_faces_are_looked_for_as_finely_as_they_are_worth_it(monkeypatch, 
     monkeypatch.setattr(find, "_turned_away", lambda grey: looked.append(("turned", grey.shape)) or [])
     assert find_small_faces(Photo(np.full((*size, 3), 0.2, np.float32))) == []
     assert looked == [("upright", upright), ("turned", turned)]
+
+
+def test_small_faces_that_were_found_are_known_from_then_on(monkeypatch):
+    small = Candidate(np.array([700.0, 350.0, 735.0, 390.0]), 20, 3)
+    monkeypatch.setattr(find, "frontal_candidates", lambda grey: [small] if grey.shape[1] > 800 else [])
+    monkeypatch.setattr(find, "_turned_away", lambda grey: [])
+    photo = Photo(np.full((900, 1300, 3), 0.2, np.float32))
+    assert find_faces(photo) == []
+    faces = find_small_faces(photo)
+    assert len(faces) == 1
+    assert find_faces(photo) == faces
 
 
 @pytest.mark.parametrize("size", [(700, 1140), (3000, 20)])

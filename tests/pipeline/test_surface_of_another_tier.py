@@ -9,7 +9,7 @@ from tiny_relighter import EDIT, computed, some_light, some_photo
 from relight_core.errors import InputError
 from relight_core.face.find import FaceBox
 from relight_core.imaging.photo import Photo
-from relight_core.pipeline.quality import tier_of
+from relight_core.pipeline.quality import Tier, tier_of
 from relight_core.pipeline.relighter import Relighter
 
 LIVE, FINAL = replace(EDIT, quality="live"), replace(EDIT, quality="final")
@@ -28,7 +28,7 @@ def test_a_surface_that_is_known_is_not_found_again(relighter):
     assert not computed(quick) & {"delight", "relief", "normals", "albedo", "source_light"}
 
 
-def test_one_that_is_not_known_is_not_waited_for(relighter, weights):
+def test_one_that_is_not_known_is_not_waited_for(relighter):
     on_its_own, plain = images(LIVE_ON_FINAL, LIVE, relighter=relighter)
     np.testing.assert_array_equal(on_its_own, plain)
     assert "delight" in computed(relighter.relight(some_light(), FINAL))
@@ -56,6 +56,20 @@ def test_a_face_that_is_new_is_not_mixed_with_those_that_are_known(relighter):
     relighter.set_portrait(photo, boxes=[BOX, OTHER_BOX])
     on_its_own, plain = images(LIVE_ON_FINAL, LIVE, relighter=relighter)
     np.testing.assert_array_equal(on_its_own, plain)
+
+
+def test_everything_that_decides_about_a_surface_is_taken_over():
+    quick, fine = (
+        Tier(64, 32, 32, 16, False, pair="narrow"),
+        Tier(96, 64, 64, 32, True, True, True, "fp32", "wide", True, True),
+    )
+    assert quick.on_surface_of(fine).surface_key == fine.surface_key
+    assert replace(quick.on_surface_of(fine), **of_surface(quick)) == quick, "and nothing else"
+
+
+def of_surface(tier):
+    names = ("delight_size", "network_size", "mirrored", "looks_twice", "precision", "apart_from")
+    return {name: getattr(tier, name) for name in names}
 
 
 def test_a_tier_on_its_own_surface_is_that_tier(relighter):
