@@ -96,11 +96,12 @@ class Desk:
                 partial(self._skip, key),
             )
             return Step("Relighting", relight, skip)
-        return self._when_the_hand_rests(request, now)
+        # Where there is no picture, nothing of it moves, and what failed once would only fail again.
+        moving = None if key == self._failed else request.in_motion
+        return self._when_the_hand_rests(request.edit, moving, now)
 
-    def _when_the_hand_rests(self, request: Request, now: Snapshot) -> Step | None:
+    def _when_the_hand_rests(self, edit: Edit, moving: Edit | None, now: Snapshot) -> Step | None:
         """What nobody waits for: the panels show it once it is known, or the hand finds it done."""
-        edit, moving = request.edit, request.in_motion
         if moving is not None and self._ready_for != (now.opened, moving.quality):
             return Step("Getting ready", partial(self._get_ready, moving), lambda now: now)
         if now.own_light is None and _OWN not in now.refused:

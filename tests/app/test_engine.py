@@ -302,6 +302,16 @@ def test_getting_ready_in_vain_is_tried_once_and_the_picture_stays(engine, relig
     assert after.picture.edit.yaw_deg == 9.0
 
 
+def test_where_relighting_fails_nothing_gets_ready_for_the_hand(engine, relighter):
+    relighter.fail_with = InputError("no")
+    source, moving = PhotoSource(grey_photo()), Edit(quality="live", channels=())
+    answered(engine, Request(source, SPLIT, Edit(), in_motion=moving))
+    assert relighter.readied == []
+    relighter.fail_with = None
+    answered(engine, Request(source, SPLIT, Edit(shadow=0.5), in_motion=moving))
+    assert relighter.readied == [moving]
+
+
 def test_a_light_that_cannot_be_drawn_is_told_once_and_the_picture_stays(engine, relighter, monkeypatch):
     source = PhotoSource(grey_photo())
     before = answered(engine, Request(source, SPLIT, Edit()))
