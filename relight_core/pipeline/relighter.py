@@ -318,7 +318,10 @@ class Relighter:
         photo, run = self._faces[0].portrait.photo, self._cache.run
         views = [face.portrait.view for face in self._faces]
         matte = run("matte", "photo", self._matte, "new photo")
-        place = partial(place_views, self._small(), views, matte, self._shop.table)
+
+        def place() -> Placement:
+            return place_views(self._small(), views, matte, self._shop.table, [face.mask() for face in self._faces])
+
         placement = run("placement", "photo", place, "new photo")
         size = changes[0].gain.shape[0]
         weights = run("weights", size, lambda: weights_on_views(placement, size), "new photo or quality", 3)

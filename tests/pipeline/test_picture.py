@@ -180,6 +180,41 @@ def test_two_views_share_the_photo_by_nearness():
     assert right[int(rows * 100 / 240), int(columns * 140 / 200)] > 0.95
 
 
+class TestNeighbours:
+    """A small view at the left, and a large one at the right that reaches over the left person."""
+
+    views = (Crop(60.0, 100.0, 80.0), Crop(140.0, 100.0, 190.0))
+
+    def weights(self, people):
+        photo, truth = portrait()
+        matte = make_matte(photo.linear, [(view.extract(truth, 64), view) for view in self.views])
+        placement = place_views(canvas_of(photo), self.views, matte, ReflectionTable(), people)
+        rows, columns = placement.small[0].shape[:2]
+        return [lambda x, y, w=w: float(w[int(rows * y / 240), int(columns * x / 200), 0]) for w in placement.small]
+
+    @staticmethod
+    def person(low, high):
+        """Somebody between two columns of the photo, in a view of all of it."""
+        x = np.arange(100) + 0.5
+        around = Crop(100.0, 120.0, 400.0)
+        at = around.to_photo(np.stack([x, x], axis=-1), 100)[:, 0]
+        return np.tile(((at > low) & (at < high)).astype(np.float32), (100, 1)), around
+
+    def test_a_view_says_nothing_of_somebody_else(self):
+        left, right = self.weights([self.person(0, 100), self.person(100, 200)])
+        assert left(60, 100) > 0.99
+        assert right(60, 100) < 0.01
+        assert right(75, 170) < 0.01  # below the left view: left to the rest of the person
+        assert right(140, 100) > 0.99
+
+    def test_what_is_nobodys_or_both_peoples_is_the_nearer_views(self):
+        for people in ((), [self.person(500, 600)] * 2, [self.person(0, 200)] * 2):
+            left, right = self.weights(people)
+            assert left(60, 100) > 0.9
+            assert right(75, 170) > 0.9
+            assert right(140, 100) > 0.9
+
+
 @pytest.mark.parametrize("side", [90.0, 200.0, 1500.0])
 @pytest.mark.parametrize("roll_deg", [0.0, 25.0])
 def test_a_view_gives_way_to_the_rest_at_its_edge_however_small_it_is(side, roll_deg):

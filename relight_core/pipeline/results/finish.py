@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+import cv2
 import numpy as np
 import torch
 
@@ -22,6 +23,8 @@ _EDGE_SHARE = 0.12
 _WEIGHT_LONGEST = 512
 _NEARNESS_POWER = 4
 
+PersonMask = tuple[np.ndarray, Crop]
+
 
 @dataclass(frozen=True, eq=False)
 class Placement:
@@ -29,6 +32,7 @@ class Placement:
 
     Attributes:
         views: of the faces.
+        people: who is who, for each view a mask (S, S) in [0, 1] and where it lies; none where that isn't known.
         small: (h, w, 1) for each, how much it counts over the whole photo, at the size of the body's photo; they sum
             to at most 1.
         body: what no view covers.
@@ -36,26 +40,35 @@ class Placement:
     """
 
     views: tuple[Crop, ...]
+    people: tuple[PersonMask, ...]
     small: tuple[np.ndarray, ...]
     body: Body
     photo_size: tuple[int, int]
 
 
-def place_views(photo: Canvas, views: Sequence[Crop], matte: Matte, table: ReflectionTable) -> Placement:
+def place_views(
+    photo: Canvas,
+    views: Sequence[Crop],
+    matte: Matte,
+    table: ReflectionTable,
+    people: Sequence[PersonMask] = (),
+) -> Placement:
     """Share the photo out among the views of its faces.
 
     Args:
         photo: all of it, at any size.
+        people: as `Placement` has them.
     """
     photo_size = photo.photo_size
-    weights = _weights_at(views, _places(shrunk_size(photo_size, _WEIGHT_LONGEST), photo_size), photo_size)
+    places = _places(shrunk_size(photo_size, _WEIGHT_LONGEST), photo_size)
+    weights = _weights_at(views, people, places, photo_size)
     canvas = shrunk(photo, max(body_size(photo_size)))
     known = resize_area(np.minimum(sum(weights), 1), canvas.size)
     share = whole_person(canvas, matte).share
     seen = np.where(share[..., None] > 0, canvas.linear, 0) if matte.own_alpha else canvas.linear
     body = make_body(seen, share, known, table)
     small = tuple(resize_area(weight, body.photo.shape[:2])[..., None] for weight in weights)
-    return Placement(tuple(views), small, body, photo_size)
+    return Placement(tuple(views), tuple(people), small, body, photo_size)
 
 
 @dataclass(frozen=True, eq=False)
@@ -128,7 +141,8 @@ def mean_gain(placement: Placement, rest: np.ndarray) -> np.ndarray:
 def _weights_on(placement: Placement, view: Crop, size: int) -> ViewWeights:
     """The weights at a view's own pixels: a small view's edge is finer than the photo's maps."""
     places = view.to_photo(_places((size, size), (size, size)), size)
-    of_views = [weight[..., None] for weight in _weights_at(placement.views, places, placement.photo_size)]
+    weights = _weights_at(placement.views, placement.people, places, placement.photo_size)
+    of_views = [weight[..., None] for weight in weights]
     of_rest = 1 - np.minimum(sum(of_views), 1)
     return ViewWeights(
         tuple(weight if weight.any() else None for weight in of_views), of_rest if of_rest.max() > 1e-6 else None
@@ -166,14 +180,36 @@ def _places(size: tuple[int, int], extent: tuple[int, int]) -> np.ndarray:
     return np.stack(np.meshgrid(x, y), axis=-1)
 
 
-def _weights_at(views: Sequence[Crop], places: np.ndarray, photo_size: tuple[int, int]) -> tuple[np.ndarray, ...]:
+def _weights_at(
+    views: Sequence[Crop], people: Sequence[PersonMask], places: np.ndarray, photo_size: tuple[int, int]
+) -> tuple[np.ndarray, ...]:
     """How much each view counts at places (k, l, 2) of the photo: (k, l) each, together at most 1."""
     fading, nearness = zip(*(_weight(view, places, photo_size) for view in views), strict=True)
     if len(views) == 1:
         return fading
+    if people:
+        fading = _but_not_for_others(fading, [_mask_at(mask, crop, places) for mask, crop in people])
     total = np.maximum(sum(f * n for f, n in zip(fading, nearness, strict=True)), 1e-20)
     together = np.maximum.reduce(fading)
     return tuple((f * n / total * together).astype(np.float32) for f, n in zip(fading, nearness, strict=True))
+
+
+def _but_not_for_others(fading: Sequence[np.ndarray], own: Sequence[np.ndarray]) -> list[np.ndarray]:
+    """A view counts for nobody but its own person, where it is known whose place it is; all (k, l).
+
+    To the networks a neighbour is background, of which they have learnt to say nothing.
+    """
+    result = []
+    for index, (counts, mine) in enumerate(zip(fading, own, strict=True)):
+        others = np.maximum.reduce([*own[:index], *own[index + 1 :]])
+        result.append(counts * (1 - others * (1 - mine)))
+    return result
+
+
+def _mask_at(mask: np.ndarray, crop: Crop, places: np.ndarray) -> np.ndarray:
+    """A person's mask at places (k, l, 2) of the photo, (k, l); 0 beyond it."""
+    at = (crop.from_photo(places, len(mask)) - 0.5).astype(np.float32)
+    return cv2.remap(np.asarray(mask, np.float32), at, None, cv2.INTER_LINEAR, borderMode=cv2.BORDER_CONSTANT)
 
 
 def _weight(view: Crop, places: np.ndarray, photo_size: tuple[int, int]) -> tuple[np.ndarray, np.ndarray]:
