@@ -41,6 +41,22 @@ class ResidualBlock(nn.Module):
         self.second = ConvBlock(width, width, rectified=False)
         nn.init.zeros_(self.second.norm.weight)
 
+    @property
+    def is_untaught(self) -> bool:
+        """Whether it adds nothing yet."""
+        return not self.second.norm.weight.any()
+
+    def begin_settled(self) -> None:
+        """Get an untaught block ready for a stage that normalises by running statistics; it still adds nothing.
+
+        Those statistics know nothing of new convolutions and leave their results at the size they come in: so the
+        first has weights of the usual size (He et al. 2015). And the second is nothing itself, instead of what
+        scales it: convolutions are what the optimiser moves fast.
+        """
+        nn.init.kaiming_normal_(self.first.conv.weight, 0.1)
+        nn.init.zeros_(self.second.conv.weight)
+        nn.init.ones_(self.second.norm.weight)
+
     def forward(self, x: torch.Tensor) -> torch.Tensor:
         return x + self.second(self.first(x))
 

@@ -20,7 +20,7 @@ from torch import nn
 
 from relight_core.errors import InputError
 from relight_core.imaging.files import check_regular, whole_file
-from relight_core.networks.blocks import fold_normalisation, round_convolutions
+from relight_core.networks.blocks import ResidualBlock, fold_normalisation, round_convolutions
 from relight_core.networks.composition import CompositionConfig, CompositionNetwork
 from relight_core.networks.delight import DelightConfig, DelightNetwork
 from relight_core.networks.pair import PairConfig, PairName, RelightingPair, Relights
@@ -126,19 +126,25 @@ def with_detail_pass(bundle: NetworkBundle, width: int) -> NetworkBundle:
     return _with_delight(bundle, detail_width=width)
 
 
-def with_residual_blocks(bundle: NetworkBundle, residual: tuple[int, ...]) -> NetworkBundle:
+def with_residual_blocks(bundle: NetworkBundle, residual: tuple[int, ...], *, settled: bool = False) -> NetworkBundle:
     """The same networks with residual blocks in de-lighting's encoder, which change nothing until they are trained.
 
     Args:
         residual: how many each level has, as `DelightConfig.residual` counts them.
+        settled: they are trained with running statistics that hold (`training.stages.Stage.settled`).
 
     Raises:
         InputError: they do not fit the levels that de-lighting has.
     """
     try:
-        return _with_delight(bundle, residual=residual)
+        grown = _with_delight(bundle, residual=residual)
     except ValueError as error:
         raise InputError(str(error)) from error
+    if settled:
+        for part in grown.delight.modules():
+            if isinstance(part, ResidualBlock) and part.is_untaught:
+                part.begin_settled()
+    return grown
 
 
 def _with_delight(bundle: NetworkBundle, **changes: int | tuple[int, ...]) -> NetworkBundle:

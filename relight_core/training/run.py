@@ -97,7 +97,7 @@ def train(run: Run, report) -> NetworkBundle:
     if run.detail_width:
         bundle = with_detail_pass(bundle, run.detail_width)
     if run.residual:
-        bundle = with_residual_blocks(bundle, run.residual)
+        bundle = with_residual_blocks(bundle, run.residual, settled=stage.settled)
     if stage.distilled:
         bundle = with_narrow_width(bundle, _narrow_width(run, bundle))
     if stage.outlines and bundle.person is None:

@@ -137,8 +137,10 @@ class TestResidualBlocks:
         torch.manual_seed(0)
         return NetworkBundle(BundleConfig.tiny())
 
-    def test_change_nothing_until_they_are_trained(self, tmp_path):
-        plain, deeper = self.bundle().eval(), with_residual_blocks(self.bundle(), (0, 1, 2)).eval()
+    @pytest.mark.parametrize("settled", [False, True])
+    def test_change_nothing_until_they_are_trained(self, tmp_path, settled):
+        plain = self.bundle().eval()
+        deeper = with_residual_blocks(self.bundle(), (0, 1, 2), settled=settled).eval()
         save_bundle(tmp_path / "d.safetensors", deeper, half=False)
         again = load_bundle(tmp_path / "d.safetensors").for_inference()
         photo = torch.rand(1, 3, 32, 32)
@@ -152,6 +154,21 @@ class TestResidualBlocks:
         block = deeper.delight.encoder.levels[-1][-1]
         deeper.delight(torch.rand(2, 3, 32, 32)).light.sum().backward()
         assert block.second.norm.weight.grad.abs().sum() > 0
+
+    def test_learn_by_their_convolutions_where_statistics_hold(self):
+        deeper = with_residual_blocks(self.bundle(), (0, 0, 1), settled=True).eval()
+        block = deeper.delight.encoder.levels[-1][-1]
+        deeper.delight(torch.rand(2, 3, 32, 32)).light.sum().backward()
+        assert block.second.conv.weight.grad.abs().sum() > 0
+
+    def test_taught_ones_are_kept_when_more_are_added(self):
+        taught = with_residual_blocks(self.bundle(), (0, 0, 1))
+        block = taught.delight.encoder.levels[-1][-1]
+        torch.nn.init.constant_(block.second.norm.weight, 0.5)
+        deeper = with_residual_blocks(taught, (0, 0, 2), settled=True).delight.encoder.levels[-1]
+        torch.testing.assert_close(deeper[-2].first.conv.weight, block.first.conv.weight)
+        torch.testing.assert_close(deeper[-2].second.norm.weight, torch.full_like(block.second.norm.weight, 0.5))
+        assert not deeper[-1].second.conv.weight.any()
 
     def test_for_other_levels_are_refused(self):
         with pytest.raises(InputError, match="3 numbers"):
