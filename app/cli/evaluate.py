@@ -45,7 +45,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         default="clean",
         help="clean renderings on black, or through a camera on backgrounds",
     )
-    parser.add_argument("--quality", choices=("draft", "live", "final"), default="live")
+    parser.add_argument("--quality", choices=("draft", "live", "final"), default="final", help="of the editor (final)")
     parser.add_argument(
         "--detail",
         action="store_true",

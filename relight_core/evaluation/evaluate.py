@@ -48,7 +48,7 @@ class Settings:
     split: str = "test"
     count: int = 8
     photos: Photos = "clean"
-    tier: Tier = TIERS["live"]
+    tier: Tier = TIERS["final"]
 
 
 @dataclass

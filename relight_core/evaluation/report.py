@@ -6,6 +6,7 @@ import math
 
 from relight_core.evaluation.evaluate import Evaluation
 from relight_core.evaluation.metrics import Interval
+from relight_core.pipeline.quality import quality_of
 
 PAPER_FULL = {
     "relit.rmse": 0.0281,
@@ -71,6 +72,7 @@ def as_record(evaluation: Evaluation, weights: str) -> dict:
         "heads": evaluation.heads,
         "lights": evaluation.lights,
         "photos": settings.photos,
+        "quality": quality_of(settings.tier),
         "size": evaluation.size,
         "network_size": settings.tier.network_size,
         "seconds": round(evaluation.seconds, 1),
@@ -85,7 +87,8 @@ def as_markdown(evaluation: Evaluation, weights: str) -> str:
         "",
         f"{weights}; {settings.split} split: {evaluation.heads} heads, {evaluation.lights} panoramas, "
         f"{evaluation.samples['panoramas']} relightings at {evaluation.size} x {evaluation.size} pixels "
-        f"(networks at {settings.tier.network_size}), {settings.photos} photos, over all of the head. "
+        f"({quality_of(settings.tier)}, networks at {settings.tier.network_size}), {settings.photos} photos, "
+        "over all of the head. "
         "In brackets: 95 % intervals over heads.",
         "",
         "| | ours | paper, Table 2, Full |",

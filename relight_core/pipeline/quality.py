@@ -93,3 +93,8 @@ def tier_of(quality: str | Tier) -> Tier:
     if quality not in TIERS:
         raise InputError(f"unknown quality {quality!r}: choose one of {', '.join(TIERS)}")
     return TIERS[quality]
+
+
+def quality_of(tier: Tier) -> str:
+    """The name of a tier, "custom" where it has none."""
+    return next((name for name, known in TIERS.items() if known == tier), "custom")

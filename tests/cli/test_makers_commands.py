@@ -266,7 +266,7 @@ def test_evaluation_as_json_is_one_object_and_as_text_a_table(run, data):
     assert code == 0
     record = json.loads(out)
     assert record["weights"].endswith("tiny.safetensors")
-    assert record["samples"] == 2
+    assert (record["samples"], record["quality"]) == (2, "final")
     assert {"rmse", "psnr", "ssim"} <= set(record["relit"])
     assert "| paper" in (data / "report.md").read_text()
 
