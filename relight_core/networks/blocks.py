@@ -43,7 +43,7 @@ class ResidualBlock(nn.Module):
 
     @property
     def is_untaught(self) -> bool:
-        """Whether it adds nothing yet."""
+        """Whether it is as it was made, and so adds nothing."""
         return not self.second.norm.weight.any()
 
     def begin_settled(self) -> None:

@@ -23,8 +23,6 @@ _EDGE_SHARE = 0.12
 _WEIGHT_LONGEST = 512
 _NEARNESS_POWER = 4
 
-PersonMask = tuple[np.ndarray, Crop]
-
 
 @dataclass(frozen=True, eq=False)
 class Placement:
@@ -40,7 +38,7 @@ class Placement:
     """
 
     views: tuple[Crop, ...]
-    people: tuple[PersonMask, ...]
+    people: tuple[tuple[np.ndarray, Crop], ...]
     small: tuple[np.ndarray, ...]
     body: Body
     photo_size: tuple[int, int]
@@ -51,7 +49,7 @@ def place_views(
     views: Sequence[Crop],
     matte: Matte,
     table: ReflectionTable,
-    people: Sequence[PersonMask] = (),
+    people: Sequence[tuple[np.ndarray, Crop]] = (),
 ) -> Placement:
     """Share the photo out among the views of its faces.
 
@@ -181,7 +179,10 @@ def _places(size: tuple[int, int], extent: tuple[int, int]) -> np.ndarray:
 
 
 def _weights_at(
-    views: Sequence[Crop], people: Sequence[PersonMask], places: np.ndarray, photo_size: tuple[int, int]
+    views: Sequence[Crop],
+    people: Sequence[tuple[np.ndarray, Crop]],
+    places: np.ndarray,
+    photo_size: tuple[int, int],
 ) -> tuple[np.ndarray, ...]:
     """How much each view counts at places (k, l, 2) of the photo: (k, l) each, together at most 1."""
     fading, nearness = zip(*(_weight(view, places, photo_size) for view in views), strict=True)
