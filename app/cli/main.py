@@ -54,6 +54,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     name = words.pop(0) if words and words[0] in available_commands() else EDITOR
     program = "relight" if name == EDITOR else f"relight {name}"
     _let_any_file_name_print()
+    _keep_numpy_to_one_thread()
     try:
         with _one_line_warnings(program):
             return _run(name, program, words)
@@ -113,6 +114,15 @@ def _let_any_file_name_print() -> None:
     """File names need not be text in the terminal's encoding; show the odd byte instead of failing on it."""
     if isinstance(sys.stdout, io.TextIOWrapper):
         sys.stdout.reconfigure(errors="backslashreplace")
+
+
+def _keep_numpy_to_one_thread() -> None:
+    """Leave the other cores to the networks and to the window.
+
+    Our products are over before OpenBLAS's other threads could help, and those then wait for the next product at full
+    speed, 26 ms and more each time. NumPy reads this when it is imported, in the processes that we start as well.
+    """
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 
 def _confess(program: str, error: Exception) -> None:
