@@ -6,14 +6,24 @@ import argparse
 import contextlib
 import math
 import os
+import sys
+import time
 from collections.abc import Callable, Iterator
+from datetime import timedelta
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from app.cli.outputs import check_folder
 from relight_core.errors import InputError
 
+if TYPE_CHECKING:
+    from rich.progress import Task
+
 LIGHTS_HELP = "a light library, an .npz, or a folder of .hdr and .exr panoramas"
 SPLITS = ("train", "validation", "test")
+
+_ESTIMATED_OVER_S = 900.0
+"""Training tells how far it is once in a minute or two, and two such times are the least that tell its speed."""
 
 
 def add_heads_and_lights(parser: argparse.ArgumentParser, *, required: bool = True) -> None:
@@ -81,8 +91,11 @@ def check_output_file(path: Path, suffixes: tuple[str, ...]) -> None:
 
 
 @contextlib.contextmanager
-def progress(title: str, total: float) -> Iterator[Callable[[float, str], None]]:
-    """A bar on stderr with an estimate of the time left; call the result with what is done and a note."""
+def progress(title: str, total: float, line_every_s: float = 60.0) -> Iterator[Callable[[float, str], None]]:
+    """A bar on stderr with an estimate of the time left; call the result with what is done and a note.
+
+    Where stderr is no terminal but, say, the log of a run of hours, a line is written every `line_every_s` instead.
+    """
     from rich.console import Console
     from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 
@@ -95,6 +108,25 @@ def progress(title: str, total: float) -> Iterator[Callable[[float, str], None]]
         TimeRemainingColumn(),
         TextColumn("{task.fields[note]}"),
     )
-    with Progress(*columns, console=Console(stderr=True)) as bar:
-        task = bar.add_task(title, total=total, note="")
-        yield lambda done, note="": bar.update(task, completed=done, note=note)
+    with Progress(*columns, console=Console(stderr=True), speed_estimate_period=_ESTIMATED_OVER_S) as bar:
+        bar.add_task(title, total=total, note="")
+        (task,) = bar.tasks
+        told = time.monotonic()
+
+        def show(done: float, note: str = "") -> None:
+            nonlocal told
+            bar.update(task.id, completed=done, note=note)
+            if not bar.console.is_terminal and time.monotonic() - told >= line_every_s:
+                told = time.monotonic()
+                print(_line(task), file=sys.stderr, flush=True)
+
+        yield show
+
+
+def _line(task: Task) -> str:
+    """How far a task is, for a log."""
+    elapsed, left = (
+        "-:--:--" if seconds is None else timedelta(seconds=round(seconds))
+        for seconds in (task.elapsed, task.time_remaining)
+    )
+    return f"{task.description} {task.percentage:.0f} % {elapsed} left {left} {task.fields['note']}".rstrip()
