@@ -120,7 +120,8 @@ def _keep_numpy_to_one_thread() -> None:
     """Leave the other cores to the networks and to the window.
 
     Our products are over before OpenBLAS's other threads could help, and those then wait for the next product at full
-    speed, 26 ms and more each time. NumPy reads this when it is imported, in the processes that we start as well.
+    speed: for every turn of the light 48 ms of a core, which is more than all of the turn's own work. NumPy reads this
+    when it is imported, in the processes that we start as well.
     """
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 

@@ -1,4 +1,4 @@
-"""NumPy's own threads, which wait at full speed, stay out of the way of the networks and the window."""
+"""Threads that have nothing to do, and would wait for work at full speed, stay out of the way of those that have."""
 
 import os
 import subprocess
@@ -30,3 +30,13 @@ def test_numpy_has_one_thread_unless_more_are_asked_for(asked, threads):
         [sys.executable, "-c", THREADS_OF_A_COMMAND], env=environment, capture_output=True, text=True, check=True
     )
     assert int(done.stderr) == threads
+
+
+@pytest.mark.parametrize(("asked", "policy"), [(None, "PASSIVE"), ("ACTIVE", "ACTIVE")])
+def test_training_lets_idle_threads_sleep_unless_told_otherwise(relight, tmp_path, monkeypatch, asked, policy):
+    monkeypatch.setenv("OMP_WAIT_POLICY", asked or "")
+    if asked is None:
+        monkeypatch.delenv("OMP_WAIT_POLICY")
+    place = ("--heads", tmp_path, "--lights", tmp_path, "-o", tmp_path / "weights.safetensors")
+    assert relight("train", "--stage", "no-such-stage", "--minutes", "1", *place).code == 2
+    assert os.environ["OMP_WAIT_POLICY"] == policy
