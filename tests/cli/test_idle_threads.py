@@ -34,6 +34,7 @@ def test_numpy_has_one_thread_unless_more_are_asked_for(asked, threads):
 
 @pytest.mark.parametrize(("asked", "policy"), [(None, "PASSIVE"), ("ACTIVE", "ACTIVE")])
 def test_training_lets_idle_threads_sleep_unless_told_otherwise(relight, tmp_path, monkeypatch, asked, policy):
+    # Set first in either case, so that what the command sets is taken back after the test.
     monkeypatch.setenv("OMP_WAIT_POLICY", asked or "")
     if asked is None:
         monkeypatch.delenv("OMP_WAIT_POLICY")
