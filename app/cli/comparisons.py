@@ -7,7 +7,7 @@ import json
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from app.cli.maker_inputs import check_heads_and_lights, count_at_least_one, progress
+from app.cli.maker_inputs import check_heads_and_lights, count_at_least_one, let_idle_threads_sleep, progress
 from app.cli.outputs import make_folder
 from app.cli.report import Report, reporting
 from relight_core.errors import InputError
@@ -37,6 +37,7 @@ def add_budget(parser: argparse.ArgumentParser) -> None:
 
 def run_comparison(arguments: argparse.Namespace) -> int:
     """Train what is missing, compare, write; returns the exit code."""
+    let_idle_threads_sleep()
     from relight_core.evaluation.ablation.variants import Budget
     from relight_core.evaluation.contest import Contest
 

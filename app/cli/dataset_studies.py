@@ -13,6 +13,7 @@ from app.cli.maker_inputs import (
     check_heads_and_lights,
     check_output_file,
     count_at_least_one,
+    let_idle_threads_sleep,
     progress,
 )
 from relight_core.errors import InputError
@@ -70,6 +71,7 @@ def _preview(arguments: argparse.Namespace) -> int:
 
 
 def _speed(arguments: argparse.Namespace) -> int:
+    let_idle_threads_sleep()
     from relight_core.dataset.baking.shard import read_shard
     from relight_core.dataset.recipe import load_split
     from relight_core.evaluation.loader_speed import loader_speed, waiting_share
@@ -93,6 +95,7 @@ def _speed(arguments: argparse.Namespace) -> int:
 
 
 def _effect(arguments: argparse.Namespace) -> int:
+    let_idle_threads_sleep()
     from relight_core.evaluation.dataset_effect import Lesson
 
     check_output_file(arguments.output, _PICTURES)

@@ -57,6 +57,11 @@ def number_above_zero(text: str) -> float:
     return value
 
 
+def let_idle_threads_sleep() -> None:
+    """PyTorch's threads that have nothing to do leave their cores to the samples' makers; read when it is imported."""
+    os.environ.setdefault("OMP_WAIT_POLICY", "PASSIVE")
+
+
 def check_heads_and_lights(heads: Path, lights: Path, split: str) -> int:
     """Make sure that a split has heads and lights before anything slow starts.
 

@@ -15,7 +15,6 @@ the losses and a picture of their curves are written beside the weights; a check
 from __future__ import annotations
 
 import argparse
-import os
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -24,6 +23,7 @@ from app.cli.maker_inputs import (
     check_heads_and_lights,
     check_output_file,
     count_at_least_one,
+    let_idle_threads_sleep,
     number_above_zero,
     progress,
 )
@@ -85,7 +85,7 @@ def run(arguments: argparse.Namespace) -> int:
         return _join(arguments)
     if arguments.heads is None or arguments.lights is None:
         raise InputError("give --heads and --lights: what to train on")
-    _let_idle_threads_sleep()
+    let_idle_threads_sleep()
     from relight_core.training.loop import TrainingDiverged
 
     train = _follow_recipe if arguments.recipe else _train_stage
@@ -93,11 +93,6 @@ def run(arguments: argparse.Namespace) -> int:
         return train(arguments)
     except TrainingDiverged as error:
         raise InputError(f"{arguments.output}: training stopped ({error}); try a lower learning rate") from error
-
-
-def _let_idle_threads_sleep() -> None:
-    """PyTorch's threads that have nothing to do leave their cores to the samples' makers; read when it is imported."""
-    os.environ.setdefault("OMP_WAIT_POLICY", "PASSIVE")
 
 
 def _join(arguments: argparse.Namespace) -> int:

@@ -32,12 +32,24 @@ def test_numpy_has_one_thread_unless_more_are_asked_for(asked, threads):
     assert int(done.stderr) == threads
 
 
+# Every one is refused before it trains anything, and after it has said how threads are to wait.
+TRAININGS = [
+    ("train", "--stage", "no-such-stage", "--minutes", "1", "-o", "weights.safetensors"),
+    ("evaluate", "ablation", "-o", "weights.safetensors"),
+    ("dataset", "effect", "--bare", ".", "--photos", ".", "-o", "sheet.pdf"),
+    ("dataset", "speed"),
+]
+
+
+@pytest.mark.parametrize("words", TRAININGS, ids=lambda words: " ".join(words[:2]))
 @pytest.mark.parametrize(("asked", "policy"), [(None, "PASSIVE"), ("ACTIVE", "ACTIVE")])
-def test_training_lets_idle_threads_sleep_unless_told_otherwise(relight, tmp_path, monkeypatch, asked, policy):
+def test_what_trains_lets_idle_threads_sleep_unless_told_otherwise(
+    relight, tmp_path, monkeypatch, words, asked, policy
+):
     # Set first in either case, so that what the command sets is taken back after the test.
     monkeypatch.setenv("OMP_WAIT_POLICY", asked or "")
     if asked is None:
         monkeypatch.delenv("OMP_WAIT_POLICY")
-    place = ("--heads", tmp_path, "--lights", tmp_path, "-o", tmp_path / "weights.safetensors")
-    assert relight("train", "--stage", "no-such-stage", "--minutes", "1", *place).code == 2
+    data = "--shards" if words[0] == "dataset" else "--heads"
+    assert relight(*words, data, tmp_path, "--lights", tmp_path).code == 2
     assert os.environ["OMP_WAIT_POLICY"] == policy
