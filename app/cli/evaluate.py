@@ -5,6 +5,10 @@ compared with the true one. The test split wants 8 baked heads:
 relight dataset bake --heads MODEL.npz --out DIR --split test --count 8
 Choose between variants on --split validation, so that the test stays unseen.
 
+relight evaluate breakdown --heads DIR --lights FILE [-o TABLE.md]
+
+Where the error comes from: the same pictures again while de-lighting is told its albedo, its normals and so on.
+
 relight evaluate ablation --heads DIR --lights FILE [--steps N] -o FOLDER
 relight evaluate peers --heads DIR --lights FILE [--steps N] [--dpr FILE] -o FOLDER
 
@@ -17,6 +21,7 @@ from __future__ import annotations
 
 import argparse
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from app.cli.arguments import add_json
 from app.cli.comparisons import add_budget, run_comparison
@@ -27,13 +32,21 @@ from app.cli.maker_inputs import (
     count_at_least_one,
     progress,
 )
-from app.cli.report import reporting
+from app.cli.report import Report, reporting
+
+if TYPE_CHECKING:
+    from relight_core.evaluation.evaluate import Settings
+    from relight_core.networks.bundle import NetworkBundle
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments of `relight evaluate`."""
     parser.add_argument(
-        "what", nargs="?", choices=("networks", "ablation", "peers"), default="networks", help="networks by default"
+        "what",
+        nargs="?",
+        choices=("networks", "breakdown", "ablation", "peers"),
+        default="networks",
+        help="networks by default",
     )
     add_heads_and_lights(parser)
     parser.add_argument("--weights", metavar="W", type=Path, help="a .safetensors file; the bundled ones without")
@@ -64,46 +77,73 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Evaluate; returns the exit code."""
-    from relight_core.evaluation.evaluate import Settings, evaluate
-    from relight_core.evaluation.report import as_markdown, as_record
-    from relight_core.imaging.files import whole_file
-    from relight_core.networks.bundle import load_bundle
-    from relight_core.pipeline.quality import tier_of
-    from relight_core.pipeline.relighter import WEIGHTS
-    from relight_core.resources import resource_path
-
-    if arguments.what != "networks":
+    if arguments.what in ("ablation", "peers"):
         return run_comparison(arguments)
     if arguments.output is not None:
         check_output_file(arguments.output, (".md",))
     if arguments.detail:
         return _compare_detail(arguments)
+    return _break_down(arguments) if arguments.what == "breakdown" else _measure(arguments)
+
+
+def _measure(arguments: argparse.Namespace) -> int:
+    from relight_core.evaluation.evaluate import evaluate
+    from relight_core.evaluation.report import as_markdown, as_record
+
     with reporting(arguments.json) as report:
-        weights = arguments.weights or resource_path(*WEIGHTS)
-        bundle = load_bundle(weights).for_inference()
-        check_heads_and_lights(arguments.heads, arguments.lights, arguments.split)
-        settings = Settings(
-            arguments.heads,
-            arguments.lights,
-            arguments.split,
-            arguments.count,
-            arguments.photos,
-            tier_of(arguments.quality),
-        )
+        weights, bundle, settings = _under_test(arguments)
         with progress("relighting", 1.0) as show:
             evaluation = evaluate(bundle, settings, lambda done, total: show(done / total, f"{done} of {total}"))
-        page = as_markdown(evaluation, weights.name)
-        if arguments.output is not None:
-            with whole_file(arguments.output) as partial:
-                partial.write_text(page)
-        report.line(page)
+        _tell(report, arguments.output, as_markdown(evaluation, weights.name))
         report.record(as_record(evaluation, str(weights)))
     return 0
 
 
+def _break_down(arguments: argparse.Namespace) -> int:
+    from relight_core.evaluation.breakdown import as_markdown, as_record, break_down
+
+    with reporting(arguments.json) as report:
+        weights, bundle, settings = _under_test(arguments)
+        with progress("relighting", 1.0) as show:
+            breakdown = break_down(bundle, settings, lambda done, total: show(done / total, f"{done} of {total}"))
+        _tell(report, arguments.output, as_markdown(breakdown))
+        measured = {"weights": str(weights), "split": arguments.split, "photos": arguments.photos}
+        report.record(as_record(breakdown) | measured | {"quality": arguments.quality})
+    return 0
+
+
+def _under_test(arguments: argparse.Namespace) -> tuple[Path, NetworkBundle, Settings]:
+    from relight_core.evaluation.evaluate import Settings
+    from relight_core.networks.bundle import load_bundle
+    from relight_core.pipeline.quality import tier_of
+    from relight_core.pipeline.relighter import WEIGHTS
+    from relight_core.resources import resource_path
+
+    weights = arguments.weights or resource_path(*WEIGHTS)
+    bundle = load_bundle(weights).for_inference()
+    check_heads_and_lights(arguments.heads, arguments.lights, arguments.split)
+    settings = Settings(
+        arguments.heads,
+        arguments.lights,
+        arguments.split,
+        arguments.count,
+        arguments.photos,
+        tier_of(arguments.quality),
+    )
+    return weights, bundle, settings
+
+
+def _tell(report: Report, place: Path | None, page: str) -> None:
+    from relight_core.imaging.files import whole_file
+
+    if place is not None:
+        with whole_file(place) as partial:
+            partial.write_text(page)
+    report.line(page)
+
+
 def _compare_detail(arguments: argparse.Namespace) -> int:
     from relight_core.evaluation.detail import compare_detail, detail_table
-    from relight_core.imaging.files import whole_file
 
     with reporting(arguments.json) as report:
         check_heads_and_lights(arguments.heads, arguments.lights, arguments.split)
@@ -115,10 +155,6 @@ def _compare_detail(arguments: argparse.Namespace) -> int:
                 arguments.count,
                 lambda done, total: show(done / total, f"{done} of {total}"),
             )
-        table = detail_table(scores)
-        if arguments.output is not None:
-            with whole_file(arguments.output) as partial:
-                partial.write_text(table)
-        report.line(table)
+        _tell(report, arguments.output, detail_table(scores))
         report.record({"errors": scores.errors, "pictures": scores.pictures, "size": scores.size})
     return 0

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import torch
@@ -16,7 +16,8 @@ from relight_core.evaluation.scoring import (
     score_surface,
     score_unchanged,
 )
-from relight_core.face.parsing import CLASSES, FACE_LABELS
+from relight_core.evaluation.true_surface import true_surface
+from relight_core.face.parsing import FACE_LABELS
 from relight_core.imaging.resampling import resize_area
 from relight_core.lighting.horizon import Horizon
 from relight_core.lighting.reflection import ReflectionTable
@@ -44,14 +45,29 @@ _WHOLE_PIXEL = 0.99
 
 
 @dataclass(frozen=True)
-class _TakenApart:
-    """A photo and what de-lighting found in it, at the networks' size and at the photo's."""
+class Seen:
+    """A photo and what de-lighting found in it, or is told about it.
+
+    Attributes:
+        photo: (S, S, 3) linear, [0, 1].
+        small: the same at the networks' size.
+        surface: at the networks' size.
+        light: (1, 16, 32, 3) the photo's own, at the photo's exposure.
+    """
 
     photo: np.ndarray
     small: np.ndarray
     surface: stages.Surface
+    light: torch.Tensor
     reflector: stages.Reflector
     relief: ReliefTransport
+
+
+@dataclass(frozen=True)
+class TakenApart:
+    """What was seen, made ready for any light; the channels at the photo's size."""
+
+    seen: Seen
     horizon: Horizon
     residual: Residual
     channels: Mapping[str, np.ndarray]
@@ -66,18 +82,31 @@ class Editor:
     tier: Tier
     device: str
 
-    def take_apart(self, photo: np.ndarray) -> _TakenApart:
-        """De-light a photo (S, S, 3), linear."""
+    def take_apart(self, photo: np.ndarray) -> TakenApart:
+        """De-light a photo (S, S, 3), linear, and make it ready."""
+        return self.ready(self.look(photo))
+
+    def look(self, photo: np.ndarray) -> Seen:
+        """De-light a photo and explain its light."""
         small = resize_area(photo, (self.tier.network_size, self.tier.network_size))
         found = take_apart(self.bundle, photo, self.tier, self.device)
         relief, reflector = stages.march(found, self.tier.relief_size), stages.reflector(self.table, found)
         light = explain_source_light(found, reflector, relief)
-        surface = flatten_albedo(found, relief, light)
-        compose = lambda own: self.light(surface, reflector, relief, own)[2]  # noqa: E731
+        return Seen(photo, small, flatten_albedo(found, relief, light), light, reflector, relief)
+
+    def told(self, seen: Seen, surface: stages.Surface, light: torch.Tensor) -> Seen:
+        """The same photo with another surface and light."""
+        relief, reflector = stages.march(surface, self.tier.relief_size), stages.reflector(self.table, surface)
+        return replace(seen, surface=surface, light=light, reflector=reflector, relief=relief)
+
+    def ready(self, seen: Seen) -> TakenApart:
+        """What is left to do before any light can be asked for."""
+        surface, light = seen.surface, seen.light
+        compose = lambda own: self.light(surface, seen.reflector, seen.relief, own)[2]  # noqa: E731
         residual = find_residual(surface, surface.photo, light, compose)
         lights = {"guess": surface.source_light[0].cpu().numpy(), "source_light": light[0].cpu().numpy()}
-        channels = surface_channels(surface, photo, small) | lights
-        return _TakenApart(photo, small, surface, reflector, relief, horizon_of(found), residual, channels)
+        channels = surface_channels(surface, seen.photo, seen.small) | lights
+        return TakenApart(seen, horizon_of(surface), residual, channels)
 
     def light(
         self, surface: stages.Surface, reflector: stages.Reflector, relief: ReliefTransport, light: torch.Tensor
@@ -90,17 +119,26 @@ class Editor:
         how = {"by_network": tier.shadow_network, "corrected": tier.correction}
         return how | {"precision": tier.precision, "pair": tier.pair}
 
-    def relight(self, found: _TakenApart, target: HeldOutLight) -> dict[str, np.ndarray]:
+    def relight(self, found: TakenApart, target: HeldOutLight) -> dict[str, np.ndarray]:
         """The channels "specular", "shadow" and "composition" at the photo's size."""
-        light = torch.from_numpy(target.radiance)[None].to(self.device)
-        how = {"relief": found.relief, "horizon": found.horizon, "lamps": target.small_lamps}
+        light, seen = torch.from_numpy(target.radiance)[None].to(self.device), found.seen
+        how = {"relief": seen.relief, "horizon": found.horizon, "lamps": target.small_lamps}
         reflected, effects, composed = light_surface(
-            self.bundle, found.reflector, found.surface, light=light, **how, **self._how()
+            self.bundle, seen.reflector, seen.surface, light=light, **how, **self._how()
         )
         image, shown = add_residual(found.residual, composed, effects, light)
-        fit = fit_view(found.small, found.surface, reflected, shown, image)
-        change = enlarge_change(fit, None, upsampler_for(found.photo, found.small), 1.0)
-        return light_channels(effects, change, found.photo)
+        fit = fit_view(seen.small, seen.surface, reflected, shown, image)
+        change = enlarge_change(fit, None, upsampler_for(seen.photo, seen.small), 1.0)
+        return light_channels(effects, change, seen.photo)
+
+
+def masks_of(head: HeldOutHead, target: HeldOutLight) -> dict[str, np.ndarray]:
+    """The pixels (S, S) that count, by the group of figures that a relighting of a head adds to."""
+    covered = head.lit.head.covered
+    if target.lamp:
+        return {"lamps": covered}
+    face = covered & np.isin(head.surface()["label"], FACE_LABELS)
+    return {"panoramas": covered} | ({"face": face} if face.any() else {})
 
 
 class Bench:
@@ -109,9 +147,8 @@ class Bench:
     def __init__(self, editor: Editor, head: HeldOutHead, lights: list[HeldOutLight], photos: Photos):
         self._editor, self._head, self._lights, self._photos = editor, head, lights, photos
         self._truth, self._covered = head.surface(), head.lit.head.covered
-        self._face = self._covered & np.isin(self._truth["label"], FACE_LABELS)
-        self._found: dict[int, _TakenApart] = {}
-        self._perfect = self._true_surface(lights[0].radiance)
+        self._found: dict[int, TakenApart] = {}
+        self._perfect = true_surface(head, lights[0], editor.tier.network_size, editor.device)
         self._perfect_relief = stages.march(self._perfect, editor.tier.relief_size)
         self._perfect_reflector = stages.reflector(editor.table, self._perfect)
 
@@ -123,18 +160,15 @@ class Bench:
         found, target = self._found[case.source], self._lights[case.target]
         truth, exposure = self._head.channels(case.target), self._head.exposure(case.target)
         relit = self._editor.relight(found, target)
-        group = "lamps" if target.lamp else "panoramas"
-        masks = {group: self._covered}
-        if not target.lamp and self._face.any():
-            masks["face"] = self._face
         light = self._lights[case.source].radiance
         figures = {
             name: score_surface(found.channels, light, self._truth, mask)
             | score_effects(relit, truth, mask)
             | score_relit(relit["composition"], truth["image"], exposure, self._covered, mask)
-            | score_unchanged(found.photo, truth["image"], exposure, self._covered, mask)
-            for name, mask in masks.items()
+            | score_unchanged(found.seen.photo, truth["image"], exposure, self._covered, mask)
+            for name, mask in masks_of(self._head, target).items()
         }
+        group = "lamps" if target.lamp else "panoramas"
         return figures | {f"true surface, {group}": self._score_from_truth(target.radiance, truth, exposure)}
 
     def _score_from_truth(self, radiance: np.ndarray, truth: dict[str, np.ndarray], exposure: float) -> Figures:
@@ -147,27 +181,6 @@ class Bench:
         covered = self._shrunk(self._covered.astype(np.float32)) > _WHOLE_PIXEL
         estimated = {"specular": as_image(effects.specular), "shadow": as_image(effects.shadow)}
         return score_effects(estimated, small, covered) | score_relit(image, small["image"], exposure, covered, covered)
-
-    def _true_surface(self, light: np.ndarray) -> stages.Surface:
-        """What perfect de-lighting would find."""
-        person = self._tensor(self._truth["covered"])
-        # What is 0 outside the head has no say in its outline: 0 is the height of the face's middle.
-        covered = person.clamp_min(1e-6)
-        parsing = self._tensor(np.eye(len(CLASSES), dtype=np.float32)[self._truth["label"]])
-        normal = torch.nn.functional.normalize(self._tensor(self._truth["normal"]), dim=1, eps=1e-4)
-        return stages.Surface(
-            photo=torch.zeros_like(normal),
-            albedo=self._tensor(self._truth["albedo"]) / covered,
-            normal=normal,
-            relief=self._tensor(self._truth["relief"]) / covered,
-            parsing=parsing,
-            person=person,
-            source_light=torch.from_numpy(light)[None].to(person.device),
-        )
-
-    def _tensor(self, image: np.ndarray) -> torch.Tensor:
-        small = self._shrunk(image[..., None] if image.ndim == 2 else image)
-        return torch.from_numpy(np.ascontiguousarray(small)).permute(2, 0, 1)[None].to(self._editor.device)
 
     def _shrunk(self, image: np.ndarray) -> np.ndarray:
         return resize_area(image, (self._editor.tier.network_size,) * 2)

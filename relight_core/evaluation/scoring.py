@@ -35,7 +35,7 @@ def score_surface(
     albedo, true_albedo = channels["albedo"], truth["albedo"]
     return {
         "albedo.rmse": _srgb_rmse(albedo, true_albedo, mask),
-        "albedo.rmse_aligned": _srgb_rmse(albedo * _best_gain(albedo, true_albedo, mask), true_albedo, mask),
+        "albedo.rmse_aligned": _srgb_rmse(albedo * best_gain(albedo, true_albedo, mask), true_albedo, mask),
         "normal.rmse": normal_rmse(channels["normal"], truth["normal"], mask),
         "normal.angle_deg": normal_angle_deg(channels["normal"], truth["normal"], mask),
         "light.wlog_l2": wlog_l2(levelled(channels["guess"]), levelled(light)),
@@ -70,7 +70,7 @@ def score_relit(relit: np.ndarray, truth: np.ndarray, gain: float, covered: np.n
         without metering, which leaves pictures dark where the light is.
     """
     shown, expected = (_display(image * gain, covered) for image in (relit, truth))
-    aligned = _display(relit * gain * _best_gain(relit * gain, truth * gain, mask), covered)
+    aligned = _display(relit * gain * best_gain(relit * gain, truth * gain, mask), covered)
     return {
         "relit.rmse": rmse(shown, expected, mask),
         "relit.psnr": min(psnr(shown, expected, mask), BEST_PSNR_DB),
@@ -105,7 +105,7 @@ def _srgb_rmse(estimate: np.ndarray, truth: np.ndarray, mask: np.ndarray) -> flo
     return rmse(*both, mask)
 
 
-def _best_gain(estimate: np.ndarray, truth: np.ndarray, mask: np.ndarray) -> float:
+def best_gain(estimate: np.ndarray, truth: np.ndarray, mask: np.ndarray) -> float:
     """The one exposure at which an estimate looks most like the truth: least squares of what is displayed.
 
     Searched over four stops either way on some thousand pixels; 1, where the search finds nothing better.

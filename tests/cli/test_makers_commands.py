@@ -271,6 +271,21 @@ def test_evaluation_as_json_is_one_object_and_as_text_a_table(run, data):
     assert "| paper" in (data / "report.md").read_text()
 
 
+def test_a_breakdown_has_a_row_for_all_that_can_be_told(run, data, monkeypatch):
+    from relight_core.evaluation import breakdown
+
+    monkeypatch.setattr(breakdown, "ROWS", {row: breakdown.ROWS[row] for row in ("nothing", "albedo")})
+    write_lights(data / "few.npz", 1)
+    words = ["evaluate", "breakdown", "--heads", data / "heads", "--lights", data / "few.npz", "--quality", "draft"]
+    code, out, _ = run(*words, "--weights", data / "tiny.safetensors", "--json", "-o", data / "breakdown.md")
+    assert code == 0
+    record = json.loads(out)
+    assert list(record["rows"]) == ["nothing", "albedo"]
+    assert (record["quality"], record["split"]) == ("draft", "test")
+    assert "| nothing |" in (data / "breakdown.md").read_text()
+    refused(run(*words, "--weights", data / "none.safetensors"), "none.safetensors")
+
+
 def test_evaluation_refuses(run, data):
     words = ["evaluate", "--heads", data / "heads", "--lights", data / "lights.npz"]
     refused(run(*words, "--weights", data / "none.safetensors"), "none.safetensors")

@@ -35,7 +35,8 @@ class Oracle(Editor):
 
     def take_apart(self, photo):
         light = self.lights[self.source].radiance
-        return SimpleNamespace(photo=photo, channels=self.head.surface() | {"guess": light, "source_light": light})
+        channels = self.head.surface() | {"guess": light, "source_light": light}
+        return SimpleNamespace(seen=SimpleNamespace(photo=photo), channels=channels)
 
     def relight(self, found, target):
         number = next(i for i, light in enumerate(self.lights) if light is target)
