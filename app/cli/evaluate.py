@@ -33,6 +33,7 @@ from app.cli.maker_inputs import (
     progress,
 )
 from app.cli.report import Report, reporting
+from relight_core.errors import InputError
 
 if TYPE_CHECKING:
     from relight_core.evaluation.evaluate import Settings
@@ -77,6 +78,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Evaluate; returns the exit code."""
+    if arguments.detail and arguments.what != "networks":
+        raise InputError(f"--detail does not go with {arguments.what}: it compares something else")
     if arguments.what in ("ablation", "peers"):
         return run_comparison(arguments)
     if arguments.output is not None:

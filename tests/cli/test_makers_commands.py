@@ -293,6 +293,7 @@ def test_evaluation_refuses(run, data):
     refused(run(*words, "--weights", data / "tiny.safetensors", "--split", "validation"), "validation", "bake")
     refused(run(*words, "--weights", data / "tiny.safetensors", "-o", data / "r.pdf"), ".md")
     refused(run(*words, "--split", "train"))
+    refused(run(*words, "breakdown", "--detail"), "--detail", "breakdown")
     (data / "heads" / "head-2000000.npz").write_bytes(b"PK\x03\x04")
     refused(run(*words, "--weights", data / "tiny.safetensors"), "head-2000000")
 
