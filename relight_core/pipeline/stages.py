@@ -42,7 +42,7 @@ should (correlation 0.95). Earlier networks' did by 0.77, and on photographs, ag
 Of 0.9 to 1.35 this gives held-out heads the truest shadows."""
 _LENS = 1 / 8
 """Share of a pixel's light that de-lighting sees in each of its neighbours along an axis. All that it learnt from had
-gone through a lens (`dataset.camera`); photos that were shrunk are sharper, and pores and strands pass for shading."""
+gone through a lens (`dataset.camera`); photos that were shrunk are sharper, and their albedo came out worse."""
 _BLACK, _DARKEST_SKIN, _BLACK_GLOSS = 0.015, 0.045, 0.08
 """Albedo that is darker than any skin is cloth or hair, whatever the parsing takes it for (a black collar for a
 neck), and gloss would lie over it as haze."""
