@@ -1,4 +1,4 @@
-"""Weighted local means of image tensors."""
+"""Local means of image tensors."""
 
 from __future__ import annotations
 
@@ -23,3 +23,14 @@ def local_means(image: torch.Tensor, weight: torch.Tensor) -> torch.Tensor:
         return values
 
     return blur(image * weight) / blur(weight).clamp_min(1e-3)
+
+
+def with_neighbours(image: torch.Tensor, share: float) -> torch.Tensor:
+    """An image (B, C, H, W) of whose pixels each gives a share to both its neighbours, along either axis.
+
+    Beyond the border its edge goes on: what is even stays so, up to the rim.
+    """
+    padded = F.pad(image, (1, 1, 1, 1), mode="replicate").contiguous()
+    own = 1 - 2 * share
+    rows = own * padded[..., 1:-1, :] + share * (padded[..., :-2, :] + padded[..., 2:, :])
+    return own * rows[..., 1:-1] + share * (rows[..., :-2] + rows[..., 2:])

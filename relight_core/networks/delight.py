@@ -9,6 +9,7 @@ import torch.nn.functional as F
 from torch import nn
 
 from relight_core.imaging.tensor_colour import srgb_decode
+from relight_core.imaging.tensor_means import with_neighbours
 from relight_core.imaging.tensor_normals import unit_normals
 from relight_core.lighting.sphere import even_rows
 from relight_core.networks.blocks import ConvBlock, Encoder, Head, decoder_levels, level_widths
@@ -203,7 +204,8 @@ class DelightNetwork(nn.Module):
         sharp = _doubled_as_fours(sharp) + self.detail(photo, x).contiguous().unflatten(1, (_SHARP, 4))
         change, normal = sharp.split(3, 1)
         albedo = srgb_decode(self._albedo(fours, change)).mean(2)
-        smooth = _like_doubled_and_halved(torch.cat([2 * relief, parsing], 1))
+        # What is left of them where `forward` doubles them and the four pixels are averaged.
+        smooth = with_neighbours(torch.cat([2 * relief, parsing], 1), 1 / 8)
         relief, parsing = smooth.split([1, smooth.shape[1] - 1], 1)
         return DelitSmall(albedo, _unit(normal).mean(2), relief, parsing, light)
 
@@ -239,13 +241,6 @@ def _doubled_as_fours(image: torch.Tensor) -> torch.Tensor:
     rows = [0.75 * padded[..., 1:-1, :] + 0.25 * beside for beside in (padded[..., :-2, :], padded[..., 2:, :])]
     fours = [0.75 * row[..., 1:-1] + 0.25 * beside for row in rows for beside in (row[..., :-2], row[..., 2:])]
     return torch.stack(fours, 2)
-
-
-def _like_doubled_and_halved(image: torch.Tensor) -> torch.Tensor:
-    """What averaging `_doubled` over 2 x 2 pixels leaves of an image."""
-    padded = F.pad(image, (1, 1, 1, 1), mode="replicate").contiguous()
-    rows = 0.75 * padded[..., 1:-1, :] + 0.125 * (padded[..., :-2, :] + padded[..., 2:, :])
-    return 0.75 * rows[..., 1:-1] + 0.125 * (rows[..., :-2] + rows[..., 2:])
 
 
 def _unit(normal: torch.Tensor) -> torch.Tensor:

@@ -13,6 +13,7 @@ from relight_core.face.parsing import MIRRORED
 from relight_core.face.silhouette import solid_person
 from relight_core.imaging.resampling import resize_area
 from relight_core.imaging.tensor_colour import grey, srgb_decode, srgb_encode
+from relight_core.imaging.tensor_means import with_neighbours
 from relight_core.imaging.tensor_normals import unit_normals
 from relight_core.lighting.bounce import Bounce, gather_bounce
 from relight_core.lighting.reflection import NormalLookup, ReflectionTable
@@ -100,9 +101,10 @@ def delight(
     """
     photo = np.clip(np.asarray(photo, np.float32), 0, 1)
     linear = _as_tensor(photo, device)
-    views = torch.cat([linear, linear.flip(-1)]) if mirrored else linear
+    seen = srgb_encode(with_neighbours(linear, _LENS))
+    views = torch.cat([seen, seen.flip(-1)]) if mirrored else seen
     network = in_precision(bundle, device, precision).delight
-    found = _found_in(network, srgb_encode(_through_lens(views)), size)
+    found = _found_in(network, views, size)
     parsing = torch.softmax(found.parsing_logits.float(), 1)
     parts = [found.albedo.float(), found.normal.float(), found.relief.float(), parsing, found.light.float()]
     if mirrored:
@@ -161,16 +163,6 @@ def height_of(relief: torch.Tensor, side_px: int) -> torch.Tensor:
 def _without_rim(image: torch.Tensor) -> torch.Tensor:
     """The outermost pixels as those beside them: convolutions take the nothing around a view for an edge."""
     return F.pad(image[..., 1:-1, 1:-1], (1, 1, 1, 1), mode="replicate")
-
-
-def _through_lens(views: torch.Tensor) -> torch.Tensor:
-    """Views (B, 3, D, D), linear, about as sharp as a lens draws them."""
-    for axis in (2, 3):
-        first, last = (views.narrow(axis, place, 1) for place in (0, views.shape[axis] - 1))
-        beside = torch.cat([first, views, last], axis)
-        before, after = (beside.narrow(axis, place, views.shape[axis]) for place in (0, 2))
-        views = (1 - 2 * _LENS) * views + _LENS * (before + after)
-    return views
 
 
 def _shrunk(image: torch.Tensor, size: int) -> torch.Tensor:
