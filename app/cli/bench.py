@@ -28,7 +28,7 @@ from typing import TYPE_CHECKING
 
 from app.cli.arguments import add_json
 from app.cli.maker_inputs import check_heads_and_lights, count_at_least_one, progress
-from app.cli.outputs import make_folder
+from app.cli.outputs import make_folder, write_text
 from app.cli.report import Report, reporting
 from app.cli.session import sample_portrait
 from app.engine.pace import leave_a_core
@@ -142,8 +142,8 @@ def _bench(arguments: argparse.Namespace, photos: list[Photo], report: Report) -
 
     for result in _measured(arguments, photos):
         page = as_markdown(result)
-        _write_text(arguments.output / "bench.json", json.dumps(as_full_record(result), indent=1))
-        _write_text(arguments.output / "bench.md", page)
+        write_text(arguments.output / "bench.json", json.dumps(as_full_record(result), indent=1))
+        write_text(arguments.output / "bench.md", page)
         with whole_file(arguments.output / "bench.png") as partial:
             plot(result, partial)
     report.line(page)
@@ -228,8 +228,8 @@ def _files(arguments: argparse.Namespace, photo: Photo, report: Report) -> int:
     with progress("files", 1.0) as show:
         found = time_files(photo, rounds, _onto(show))
     record = {"machine": machine, "files": {kind[1:]: of for kind, of in found.items()}}
-    _write_text(arguments.output / "files.json", json.dumps(record, indent=1))
-    _write_text(arguments.output / "files.md", as_markdown(found))
+    write_text(arguments.output / "files.json", json.dumps(record, indent=1))
+    write_text(arguments.output / "files.md", as_markdown(found))
     report.line(as_markdown(found))
     report.record(record)
     return 0
@@ -243,8 +243,8 @@ def _stability(arguments: argparse.Namespace, photo: Photo, report: Report) -> i
     with progress("attacking", 1.0) as show:
         result = run_stability(photo, quick=arguments.quick, weights=arguments.weights, report=_onto(show))
     page = result.as_markdown()
-    _write_text(arguments.output / "stability.json", json.dumps(result.as_record(), indent=1))
-    _write_text(arguments.output / "stability.md", page + "\n")
+    write_text(arguments.output / "stability.json", json.dumps(result.as_record(), indent=1))
+    write_text(arguments.output / "stability.md", page + "\n")
     with whole_file(arguments.output / "stability.png") as partial:
         plot_stability(result, partial)
     report.line("\n".join([page, *result.failures]))
@@ -276,8 +276,8 @@ def _session(arguments: argparse.Namespace, photos: list[Photo], report: Report)
             for name, steps in plays.items():
                 replay(relighter, thorough, photo, steps, found[name], report=show_updates)
             page, record = _session_pages(number + 1, plays, found)
-            _write_text(arguments.output / "session.json", json.dumps({"machine": machine} | record, indent=1))
-            _write_text(arguments.output / "session.md", page)
+            write_text(arguments.output / "session.json", json.dumps({"machine": machine} | record, indent=1))
+            write_text(arguments.output / "session.md", page)
     report.line(page)
     report.record({"machine": machine} | record)
     return 0
@@ -317,10 +317,3 @@ def _visited_lights(library: Path | None) -> list[Environment]:
 
 def _onto(show):
     return lambda done, total: show(done / total, f"{done} of {total}")
-
-
-def _write_text(path: Path, text: str) -> None:
-    from relight_core.imaging.files import whole_file
-
-    with whole_file(path) as partial:
-        partial.write_text(text, encoding="utf-8")

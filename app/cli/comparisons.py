@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from app.cli.maker_inputs import check_heads_and_lights, count_at_least_one, let_idle_threads_sleep, progress
-from app.cli.outputs import make_folder
+from app.cli.outputs import make_folder, write_text
 from app.cli.report import Report, reporting
 from relight_core.errors import InputError
 
@@ -87,13 +87,11 @@ def _peers(arguments: argparse.Namespace, budget: Budget, contest: Contest, repo
 
 def _write(place: Path, outcome: Outcome, page: str, training: str, report: Report) -> None:
     from relight_core.evaluation.contest_report import as_record
-    from relight_core.imaging.files import whole_file
     from relight_core.imaging.write import write_image
 
     record = as_record(outcome, training)
     for path, text in ((place.with_suffix(".md"), page), (place.with_suffix(".json"), json.dumps(record, indent=1))):
-        with whole_file(path) as beside:
-            beside.write_text(text)
+        write_text(path, text)
     write_image(place.with_suffix(".png"), outcome.sheet)
     report.line(page)
     report.record(record)

@@ -32,6 +32,7 @@ from app.cli.maker_inputs import (
     count_at_least_one,
     progress,
 )
+from app.cli.outputs import write_text
 from app.cli.report import Report, reporting
 from relight_core.errors import InputError
 
@@ -137,11 +138,8 @@ def _under_test(arguments: argparse.Namespace) -> tuple[Path, NetworkBundle, Set
 
 
 def _tell(report: Report, place: Path | None, page: str) -> None:
-    from relight_core.imaging.files import whole_file
-
     if place is not None:
-        with whole_file(place) as partial:
-            partial.write_text(page)
+        write_text(place, page)
     report.line(page)
 
 

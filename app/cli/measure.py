@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 
 from app.cli.arguments import photo_path
 from app.cli.maker_inputs import check_output_file, count_at_least_one, count_from_zero, number_above_zero
+from app.cli.outputs import write_text
 from relight_core.pipeline.quality import TIERS
 
 if TYPE_CHECKING:
@@ -110,7 +111,4 @@ def _tell_progress(speed: WindowSpeed, openings: int) -> None:
 
 
 def _write(path: Path, speed: WindowSpeed) -> None:
-    from relight_core.imaging.files import whole_file
-
-    with whole_file(path) as partial:
-        partial.write_text(json.dumps(asdict(speed), indent=1), encoding="utf-8")
+    write_text(path, json.dumps(asdict(speed), indent=1))

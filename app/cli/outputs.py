@@ -10,7 +10,7 @@ from pathlib import Path
 
 from app.engine.batch import is_done, name_beside_a_namesake, names_apart
 from relight_core.errors import InputError
-from relight_core.imaging.files import is_same_file
+from relight_core.imaging.files import is_same_file, whole_file
 
 OPAQUE_SUFFIXES = (".jpg", ".jpeg")
 NAME_FIELD = "{name}"
@@ -142,3 +142,9 @@ def folder_filled_at_once(folder: Path) -> Iterator[Path]:
                 raise InputError(f"{folder / path.name}: is a folder; move it or choose another place")
         for path in made:
             os.replace(path, folder / path.name)
+
+
+def write_text(path: Path, text: str) -> None:
+    """A file of text, UTF-8, whole or not at all."""
+    with whole_file(path) as beside:
+        beside.write_text(text, encoding="utf-8")
