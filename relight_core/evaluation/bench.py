@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 import torch
@@ -65,12 +66,20 @@ class Seen:
 
 @dataclass(frozen=True)
 class TakenApart:
-    """What was seen, made ready for any light; the channels at the photo's size."""
+    """What was seen, made ready for any light."""
 
     seen: Seen
     horizon: Horizon
     residual: Residual
-    channels: Mapping[str, np.ndarray]
+
+    @cached_property
+    def channels(self) -> Mapping[str, np.ndarray]:
+        """The surface's channels at the photo's size; the network's light and the explained one."""
+        seen = self.seen
+        lights = {"guess": seen.surface.source_light, "source_light": seen.light}
+        return surface_channels(seen.surface, seen.photo, seen.small) | {
+            name: light[0].cpu().numpy() for name, light in lights.items()
+        }
 
 
 @dataclass(frozen=True)
@@ -95,7 +104,9 @@ class Editor:
         return Seen(photo, small, flatten_albedo(found, relief, light), light, reflector, relief)
 
     def told(self, seen: Seen, surface: stages.Surface, light: torch.Tensor) -> Seen:
-        """The same photo with another surface and light."""
+        """The same photo with another surface, or its own, and another light."""
+        if surface is seen.surface:
+            return replace(seen, light=light)
         relief, reflector = stages.march(surface, self.tier.relief_size), stages.reflector(self.table, surface)
         return replace(seen, surface=surface, light=light, reflector=reflector, relief=relief)
 
@@ -104,9 +115,7 @@ class Editor:
         surface, light = seen.surface, seen.light
         compose = lambda own: self.light(surface, seen.reflector, seen.relief, own)[2]  # noqa: E731
         residual = find_residual(surface, surface.photo, light, compose)
-        lights = {"guess": surface.source_light[0].cpu().numpy(), "source_light": light[0].cpu().numpy()}
-        channels = surface_channels(surface, seen.photo, seen.small) | lights
-        return TakenApart(seen, horizon_of(surface), residual, channels)
+        return TakenApart(seen, horizon_of(surface), residual)
 
     def light(
         self, surface: stages.Surface, reflector: stages.Reflector, relief: ReliefTransport, light: torch.Tensor

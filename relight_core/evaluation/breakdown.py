@@ -15,19 +15,9 @@ from functools import partial
 import numpy as np
 import torch
 
-from relight_core.evaluation.bench import Editor, Seen, TakenApart, masks_of
-from relight_core.evaluation.evaluate import Settings
-from relight_core.evaluation.held_out import (
-    Case,
-    HeldOutHead,
-    HeldOutLight,
-    Photos,
-    cases_of,
-    held_out_lights,
-    held_out_paths,
-    held_out_textures,
-    load_head,
-)
+from relight_core.evaluation.bench import Editor, TakenApart, masks_of
+from relight_core.evaluation.evaluate import HeldOut, Settings
+from relight_core.evaluation.held_out import Case, HeldOutHead, HeldOutLight, Photos
 from relight_core.evaluation.metrics import Interval, interval_over_heads
 from relight_core.evaluation.report import known
 from relight_core.evaluation.scoring import Figures, best_gain, score_relit
@@ -113,22 +103,16 @@ def break_down(
     device: str = "cpu",
 ) -> Breakdown:
     """Relight the pictures of `evaluate.evaluate` with every row of `ROWS`; arguments and errors as there."""
-    lights = held_out_lights(settings.lights, settings.split)
-    paths = held_out_paths(settings.heads, settings.split, settings.count)
+    held_out = HeldOut.of(settings)
     editor = Editor(bundle, ReflectionTable().to(device), settings.tier, device)
+    bench_of = lambda head: _ToldBench(editor, head, held_out.lights, settings.photos)  # noqa: E731
     rows: dict[tuple[str, str], list[tuple[str, Figures]]] = defaultdict(list)
-    textures, done, total = held_out_textures(), 0, sum(len(cases_of(n, lights)) for n in range(len(paths)))
-    for number, path in enumerate(paths):
-        head = load_head(path, lights, textures)
-        bench = _ToldBench(editor, head, lights, settings.photos)
-        for case in cases_of(number, lights):
-            for place, figures in bench.score(case).items():
-                rows[place].append((head.name, figures))
-            done += 1
-            report(done, total)
+    for head, scored in held_out.scored(bench_of, report):
+        for place, figures in scored.items():
+            rows[place].append((head.name, figures))
     samples = {group: len(scored) for (row, group), scored in rows.items() if row == "nothing"}
     figures = {row: {group: _summed_up(rows[row, group], rows["nothing", group]) for group in samples} for row in ROWS}
-    return Breakdown(figures, samples, len(paths))
+    return Breakdown(figures, samples, len(held_out.paths))
 
 
 class _ToldBench:
@@ -136,6 +120,7 @@ class _ToldBench:
 
     def __init__(self, editor: Editor, head: HeldOutHead, lights: list[HeldOutLight], photos: Photos):
         self._editor, self._head, self._lights, self._photos = editor, head, lights, photos
+        self._true = true_surface(head, lights[0], editor.tier.network_size, editor.device)
         self._ready: dict[int, dict[str, TakenApart]] = {}
 
     def score(self, case: Case) -> dict[tuple[str, str], Figures]:
@@ -152,16 +137,10 @@ class _ToldBench:
         return figures
 
     def _made_ready(self, source: int) -> dict[str, TakenApart]:
-        editor, light = self._editor, self._lights[source]
-        seen = editor.look(self._head.photo(source, self._photos))
-        true = true_surface(self._head, light, editor.tier.network_size, editor.device)
-        return {row: editor.ready(self._told(seen, tell, true)) for row, tell in ROWS.items()}
-
-    def _told(self, seen: Seen, tell: Told, true: Surface) -> Seen:
-        surface, light = tell(seen.surface, seen.light, true, true.source_light)
-        if surface is seen.surface and light is seen.light:
-            return seen
-        return self._editor.told(seen, surface, light)
+        editor, seen = self._editor, self._editor.look(self._head.photo(source, self._photos))
+        light = torch.from_numpy(self._lights[source].radiance)[None].to(editor.device)
+        told = {row: tell(seen.surface, seen.light, self._true, light) for row, tell in ROWS.items()}
+        return {row: editor.ready(editor.told(seen, *parts)) for row, parts in told.items()}
 
 
 def _summed_up(rows: list[tuple[str, Figures]], untold: list[tuple[str, Figures]]) -> dict[str, Interval]:

@@ -8,14 +8,18 @@ from __future__ import annotations
 
 import time
 from collections import defaultdict
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any, Protocol
 
 import numpy as np
 
 from relight_core.evaluation.bench import Bench, Editor
 from relight_core.evaluation.held_out import (
+    Case,
+    HeldOutHead,
+    HeldOutLight,
     Photos,
     cases_of,
     held_out_lights,
@@ -71,6 +75,49 @@ class Evaluation:
     settings: Settings = field(repr=False)
 
 
+class Scores(Protocol):
+    """One head under test."""
+
+    def score(self, case: Case) -> Mapping[Any, Figures]:
+        """Figures of one relighting, by whatever they are told apart by."""
+
+
+@dataclass(frozen=True)
+class HeldOut:
+    """The pictures of a split, in their order."""
+
+    lights: list[HeldOutLight]
+    paths: list[Path]
+
+    @classmethod
+    def of(cls, settings: Settings) -> HeldOut:
+        """Those that settings ask for.
+
+        Raises:
+            InputError: heads or lights are missing or damaged.
+        """
+        lights = held_out_lights(settings.lights, settings.split)
+        return cls(lights, held_out_paths(settings.heads, settings.split, settings.count))
+
+    def scored(
+        self, bench_of: Callable[[HeldOutHead], Scores], report: Callable[[int, int], None]
+    ) -> Iterator[tuple[HeldOutHead, Mapping[Any, Figures]]]:
+        """Every relighting's figures, head by head.
+
+        Args:
+            report: called with the number of finished and of all relightings.
+        """
+        textures, done = held_out_textures(), 0
+        total = sum(len(cases_of(number, self.lights)) for number in range(len(self.paths)))
+        for number, path in enumerate(self.paths):
+            head = load_head(path, self.lights, textures)
+            bench = bench_of(head)
+            for case in cases_of(number, self.lights):
+                yield head, bench.score(case)
+                done += 1
+                report(done, total)
+
+
 class _Tally:
     """Figures of every picture, by group, and whose picture it is."""
 
@@ -103,22 +150,16 @@ def evaluate(
         InputError: heads or lights are missing or damaged.
     """
     started = time.monotonic()
-    lights = held_out_lights(settings.lights, settings.split)
-    paths = held_out_paths(settings.heads, settings.split, settings.count)
-    table, tally, textures = ReflectionTable().to(device), _Tally(), held_out_textures()
-    total, done, size = sum(len(cases_of(n, lights)) for n in range(len(paths))), 0, 0
-    for number, path in enumerate(paths):
-        head = load_head(path, lights, textures)
+    held_out, tally, size = HeldOut.of(settings), _Tally(), 0
+    editor = Editor(bundle, ReflectionTable().to(device), settings.tier, device)
+    bench_of = lambda head: Bench(editor, head, held_out.lights, settings.photos)  # noqa: E731
+    for head, scored in held_out.scored(bench_of, report):
         size = head.lit.head.size
-        bench = Bench(Editor(bundle, table, settings.tier, device), head, lights, settings.photos)
-        for case in cases_of(number, lights):
-            for group, figures in bench.score(case).items():
-                tally.add(group, head.name, figures)
-            done += 1
-            report(done, total)
-    panoramas = sum(not light.lamp for light in lights)
+        for group, figures in scored.items():
+            tally.add(group, head.name, figures)
+    panoramas = sum(not light.lamp for light in held_out.lights)
     seconds = time.monotonic() - started
-    return Evaluation(tally.intervals(), tally.samples(), len(paths), panoramas, size, seconds, settings)
+    return Evaluation(tally.intervals(), tally.samples(), len(held_out.paths), panoramas, size, seconds, settings)
 
 
 def intervals_over_heads(rows: list[tuple[str, Figures]]) -> dict[str, Interval]:
