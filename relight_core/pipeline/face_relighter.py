@@ -31,6 +31,7 @@ from relight_core.pipeline.results.channels import (
     enlarge_change,
     fit_view,
     light_channels,
+    of_person,
     surface_channel,
     upsampler_for,
 )
@@ -223,4 +224,5 @@ class FaceRelighter(FaceInPhoto):
     @staticmethod
     def _surface_channel(name: str, ready: Prepared) -> np.ndarray:
         view = ready.photo_view if name == "photo" else ready.seen
-        return surface_channel(name, ready.surface, view, ready.photo_small)
+        channel = surface_channel(name, ready.surface, view, ready.photo_small)
+        return of_person(channel, ready.surface) if name in ("albedo", "normal") else channel

@@ -14,11 +14,14 @@ _SHADOW_GAIN = 2.0
 def channel_to_srgb(name: str, array: np.ndarray) -> np.ndarray:
     """A channel of `Relit.channels` as (h, w, 3) float32 sRGB in [0, 1].
 
-    Normals as (n + 1) / 2, parsing in its palette, effects amplified to be seen, lights compressed by
-    x / (1 + x) since their range has no end, everything else through the view transform.
+    Normals as (n + |n|) / 2, black where there is no surface and so no normal, parsing in its palette, effects
+    amplified to be seen, lights compressed by x / (1 + x) since their range has no end, everything else through the
+    view transform.
     """
     if name == "normal":
-        return np.clip(np.nan_to_num(array) * 0.5 + 0.5, 0, 1).astype(np.float32)
+        normal = np.clip(np.nan_to_num(array), -1, 1)
+        length = np.linalg.norm(normal, axis=-1, keepdims=True)
+        return np.clip((normal + length) / 2, 0, 1).astype(np.float32)
     if name == "parsing":
         return (np.array(PALETTE_SRGB, np.float32) / 255)[np.clip(array, 0, len(PALETTE_SRGB) - 1)]
     if name in ("source_light", "target_light"):

@@ -143,6 +143,14 @@ def surface_channels(surface: Surface, photo_view: np.ndarray, photo_small: np.n
     return {name: surface_channel(name, surface, photo_view, photo_small) for name in SURFACE_CHANNELS}
 
 
+def of_person(channel: np.ndarray, surface: Surface) -> np.ndarray:
+    """A channel (S, S, C) times how much of each pixel is person.
+
+    Behind the person the networks see no surface, and what they say there is no part of the picture.
+    """
+    return channel * as_image(enlarge(surface.person, channel.shape[0]))[..., None]
+
+
 def light_channels(
     effects: Effects, change: ViewChange, photo_view: np.ndarray, names: Collection[str] = LIGHT_CHANNELS
 ) -> dict[str, np.ndarray]:

@@ -17,7 +17,8 @@ from relight_core.pipeline.results.relit import Relit
 
 CHANNEL_LAYERS = ("albedo", "normal", "specular", "shadow", "parsing", "composition")
 LAYERS = (*CHANNEL_LAYERS, "matte", "background")
-"""What can be had beside the picture itself. Channels are 0 where the networks' view does not reach."""
+"""What can be had beside the picture itself. Channels are 0 where the networks' view does not reach, and all but the
+composition where it shows no person."""
 
 
 def photo_layers(relit: Relit, names: Iterable[str], longest_side: int | None = None) -> dict[str, np.ndarray]:
@@ -29,8 +30,8 @@ def photo_layers(relit: Relit, names: Iterable[str], longest_side: int | None = 
         longest_side: pixels; smaller pictures stay as they are, None keeps the photo's size.
 
     Returns:
-        arrays (H, W), (H, W, 3) or (H, W, 4), float32 linear; "normal" in camera space, unit length inside the
-        view; "parsing" labels; "background" what is seen beside the person: with the person's light times the matte
+        arrays (H, W), (H, W, 3) or (H, W, 4), float32 linear; "normal" in camera space, unit length on the
+        person; "parsing" labels; "background" what is seen beside the person: with the person's light times the matte
         it adds up to the picture, and it is 0 where the background was taken away.
 
     Raises:
