@@ -204,7 +204,7 @@ class FaceRelighter(FaceInPhoto):
         }
         if plan.runs("source_light") and edit.looks_at("source_light"):
             fixed["source_light"] = self.own_light(ready.tier)
-        # Behind the person the networks see no surface, and what they say there is no part of the picture.
+        # Of the person alone, as albedo and normals are (see `of_person`).
         specular, shadow = (ready.surface.person * plan.runs(name) for name in ("specular", "shadow"))
         effects = lit.effects
         if lit.nearer is not None:
