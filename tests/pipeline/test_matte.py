@@ -1,3 +1,4 @@
+import cv2
 import numpy as np
 import pytest
 
@@ -111,3 +112,24 @@ def test_a_trunk_that_the_mask_doubts_is_not_half_person():
     linear = np.maximum(np.where(trunk[..., None] > 0, bark, linear), 0).astype(np.float32)
     inside = refine_matte(linear, CROP.extract(truth + 0.6 * trunk, 32), CROP)[50:112, 145:165]
     assert np.mean((inside > 0.15) & (inside < 0.85)) < 0.1
+
+
+def widened(mask, reach_px):
+    return cv2.dilate(mask, np.ones((2 * reach_px + 1,) * 2, np.uint8)) > 0
+
+
+@pytest.mark.parametrize("before", [700, 0, 1400])
+def test_what_is_a_small_persons_colour_and_stands_close_beside_them_is_not_theirs(before):
+    """In a copy of all of this wide photo the gap of four pixels is half of one."""
+    truth = np.zeros((240, 1600), np.float32)
+    truth[:, before : before + 200] = portrait()[1]
+    alike = widened(truth, 24) & ~widened(truth, 4)
+    alike[115:] = False
+    noise = np.random.default_rng(3).normal(1.0, 0.05, (*truth.shape, 1))
+    linear = np.where(((truth > 0) | alike)[..., None], (0.5, 0.25, 0.15), (0.05, 0.1, 0.5)) * noise
+    linear = np.maximum(linear, 0).astype(np.float32)
+    crop = Crop(before + 100.0, 120.0, 236.0)
+    share = refine_matte(linear, crop.extract(truth, 256), crop)
+    assert share[alike].mean() < 0.15
+    assert share[truth > 0].mean() > 0.97
+    assert np.abs(share - truth).mean() < 0.004

@@ -22,6 +22,7 @@ _FUSION_PX = 512
 _NEAR_SHARE = 0.015
 _EDGE_CODES = 3.0
 _EDGE_WINDOWS = 128
+_NEAR_FROM, _LEAST_NEAR_PX, _FADES_OVER = 1.6, 32, 0.15
 _EVEN_PX, _EVEN, _STEEP = 5, 0.15, 3.0
 
 
@@ -105,10 +106,9 @@ def make_matte(
     small = resize_area(linear, shrunk_size(size, WORKING_PX)) if small is None else small
     guide = np.ascontiguousarray(apply_view(small))
     seen = np.clip(resize_area(guide, shrunk_size(size, _MATTING_PX)), 0, 1)
-    placed = place_masks(masks, seen.shape[:2], size)
-    soft = attached(closed_form_matte(seen, likely_person(seen, placed)), placed)
-    coarse = _decided(without_holes(soft, placed))
-    edges = _guided(guide, resize_smooth(coarse, guide.shape[:2]), max(round(max(guide.shape) / _EDGE_WINDOWS), 2))
+    coarse = resize_smooth(_matted(seen, place_masks(masks, seen.shape[:2], size)), guide.shape[:2])
+    coarse = _seen_nearer(coarse, guide, masks, size)
+    edges = _guided(guide, coarse, max(round(max(guide.shape) / _EDGE_WINDOWS), 2))
     share = np.clip((edges - 0.2) / 0.6, 0.0, 1.0)
     slope, level = np.zeros_like(share), share
     if guide.shape[:2] != size:
@@ -116,6 +116,53 @@ def make_matte(
     fused = shrunk_size(size, _FUSION_PX)
     nearby = cv2.GaussianBlur(resize_area(share, fused), (0, 0), max(max(fused) * _NEAR_SHARE, 0.5))
     return Matte(slope, level, *_sides(small, share), np.clip(nearby, 0.0, 1.0))
+
+
+def _matted(seen: np.ndarray, placed: list[np.ndarray]) -> np.ndarray:
+    """The matte (h, w) of a small picture (h, w, 3), sRGB, from each person's mask at its place there."""
+    soft = attached(closed_form_matte(seen, likely_person(seen, placed)), placed)
+    return _decided(without_holes(soft, placed))
+
+
+def _seen_nearer(
+    coarse: np.ndarray, guide: np.ndarray, masks: list[tuple[np.ndarray, Crop]], photo_size: tuple[int, int]
+) -> np.ndarray:
+    """A matte (h, w) made again, from near, where people are small in the photo.
+
+    In a copy of all of it an ear or a strand is less than a pixel there, and mixes with whatever is beside it.
+    """
+    windows = [window for _, crop in masks if (window := _near_window(crop, photo_size, guide.shape[:2]))]
+    if not windows:
+        return coarse
+    placed = place_masks(masks, guide.shape[:2], photo_size)
+    for window in windows:
+        size = shrunk_size(coarse[window].shape, _MATTING_PX)
+        seen = np.clip(resize_area(guide[window], size), 0, 1)
+        near = resize_smooth(_matted(seen, [resize_area(mask[window], size) for mask in placed]), coarse[window].shape)
+        coarse[window] += _fading(window, coarse.shape) * (near - coarse[window])
+    return coarse
+
+
+def _near_window(crop: Crop, photo_size: tuple[int, int], size: tuple[int, int]) -> tuple[slice, slice] | None:
+    """Rows and columns of a copy of the photo in which a crop lies; None where little more would be seen from near."""
+    corners = crop.to_photo(np.array([[0, 0], [0, 1], [1, 0], [1, 1]]), 1) * (np.array(size) / photo_size)[::-1]
+    start, end = np.clip(np.round([corners.min(0), corners.max(0)]), 0, size[::-1]).astype(int)
+    if min(end - start) < _LEAST_NEAR_PX:
+        return None
+    finer = max(max(size), _MATTING_PX) / max(max(end - start), _MATTING_PX)
+    return (slice(start[1], end[1]), slice(start[0], end[0])) if finer >= _NEAR_FROM else None
+
+
+def _fading(window: tuple[slice, slice], size: tuple[int, int]) -> np.ndarray:
+    """Weights of a window, (h, w): 1, fading to 0 toward those of its sides that are not the picture's."""
+    sides = []
+    for part, length in zip(window, size, strict=True):
+        place = np.arange(part.start, part.stop) + 0.5
+        reach = _FADES_OVER * (part.stop - part.start)
+        before = (place - part.start) / reach if part.start > 0 else np.ones_like(place)
+        behind = (part.stop - place) / reach if part.stop < length else np.ones_like(place)
+        sides.append(np.clip(np.minimum(before, behind), 0, 1).astype(np.float32))
+    return np.minimum(sides[0][:, None], sides[1][None])
 
 
 def _decided(matte: np.ndarray) -> np.ndarray:
