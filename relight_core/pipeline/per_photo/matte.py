@@ -8,6 +8,7 @@ import cv2
 import numpy as np
 
 from relight_core.face.crop import Crop
+from relight_core.face.paste import fade
 from relight_core.imaging.closed_form import closed_form_matte
 from relight_core.imaging.colour import luminance
 from relight_core.imaging.resampling import resize_area, resize_smooth, shrunk_size
@@ -22,7 +23,7 @@ _FUSION_PX = 512
 _NEAR_SHARE = 0.015
 _EDGE_CODES = 3.0
 _EDGE_WINDOWS = 128
-_NEAR_FROM, _LEAST_NEAR_PX, _FADES_OVER = 1.25, 32, 0.15
+_NEAR_FROM, _LEAST_NEAR_PX, _EDGE_SHARE = 1.25, 32, 0.15
 _EVEN_PX, _EVEN, _STEEP = 5, 0.15, 3.0
 
 
@@ -105,8 +106,8 @@ def make_matte(
         return Matte(nothing, nothing, black, black, nothing, True)
     small = resize_area(linear, shrunk_size(size, WORKING_PX)) if small is None else small
     guide = np.ascontiguousarray(apply_view(small))
-    seen = np.clip(resize_area(guide, shrunk_size(size, _MATTING_PX)), 0, 1)
-    coarse = resize_smooth(_matted(seen, place_masks(masks, seen.shape[:2], size)), guide.shape[:2])
+    matting_size = shrunk_size(size, _MATTING_PX)
+    coarse = _matted(guide, place_masks(masks, matting_size, size), matting_size)
     coarse = _seen_nearer(coarse, guide, masks, size)
     edges = _guided(guide, coarse, max(round(max(guide.shape) / _EDGE_WINDOWS), 2))
     share = np.clip((edges - 0.2) / 0.6, 0.0, 1.0)
@@ -118,10 +119,11 @@ def make_matte(
     return Matte(slope, level, *_sides(small, share), np.clip(nearby, 0.0, 1.0))
 
 
-def _matted(seen: np.ndarray, placed: list[np.ndarray]) -> np.ndarray:
-    """The matte (h, w) of a small picture (h, w, 3), sRGB, from each person's mask at its place there."""
+def _matted(guide: np.ndarray, placed: list[np.ndarray], size: tuple[int, int]) -> np.ndarray:
+    """The matte (h, w) of a picture (h, w, 3), sRGB, made in a copy of `size` from each person's mask at its place."""
+    seen = np.clip(resize_area(guide, size), 0, 1)
     soft = attached(closed_form_matte(seen, likely_person(seen, placed)), placed)
-    return _decided(without_holes(soft, placed))
+    return resize_smooth(_decided(without_holes(soft, placed)), guide.shape[:2])
 
 
 def _seen_nearer(
@@ -137,9 +139,8 @@ def _seen_nearer(
     placed = place_masks(masks, guide.shape[:2], photo_size)
     for window in windows:
         size = shrunk_size(coarse[window].shape, _MATTING_PX)
-        seen = np.clip(resize_area(guide[window], size), 0, 1)
-        near = resize_smooth(_matted(seen, [resize_area(mask[window], size) for mask in placed]), coarse[window].shape)
-        coarse[window] += _fading(window, coarse.shape) * (near - coarse[window])
+        near = _matted(guide[window], [resize_area(mask[window], size) for mask in placed], size)
+        coarse[window] += _weight(window, coarse.shape) * (near - coarse[window])
     return coarse
 
 
@@ -153,16 +154,16 @@ def _near_window(crop: Crop, photo_size: tuple[int, int], size: tuple[int, int])
     return (slice(start[1], end[1]), slice(start[0], end[0])) if finer >= _NEAR_FROM else None
 
 
-def _fading(window: tuple[slice, slice], size: tuple[int, int]) -> np.ndarray:
-    """Weights of a window, (h, w): 1, fading to 0 toward those of its sides that are not the picture's."""
-    sides = []
-    for part, length in zip(window, size, strict=True):
-        place = np.arange(part.start, part.stop) + 0.5
-        reach = _FADES_OVER * (part.stop - part.start)
-        before = (place - part.start) / reach if part.start > 0 else np.ones_like(place)
-        behind = (part.stop - place) / reach if part.stop < length else np.ones_like(place)
-        sides.append(np.clip(np.minimum(before, behind), 0, 1).astype(np.float32))
-    return np.minimum(sides[0][:, None], sides[1][None])
+def _weight(window: tuple[slice, slice], size: tuple[int, int]) -> np.ndarray:
+    """(h, w) how much a window counts at each of its pixels: less toward its sides but for those of the picture."""
+    down, across = (_fading(part, length) for part, length in zip(window, size, strict=True))
+    return down[:, None] * across[None]
+
+
+def _fading(part: slice, length: int) -> np.ndarray:
+    """`fade` along a part of an axis of `length`."""
+    count = part.stop - part.start
+    return fade((np.arange(count) + 0.5) / count, _EDGE_SHARE, part.start > 0, part.stop < length)
 
 
 def _decided(matte: np.ndarray) -> np.ndarray:
