@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from relight_core.face.crop import Crop
@@ -9,33 +11,52 @@ from relight_core.face.crop import Crop
 FACE_SHARE = 196 / 256
 """Of the paper's crop, with its 30 pixels of padding at 256 (section 3.2)."""
 
-_FACES_ACROSS = 3.4
-_FACES_DOWN = 0.35
+FACES_ACROSS = 3.4
+_FACES_DOWN, _LOWER = 0.35, 0.39
+_WIDER_FACES_ACROSS = 4.8
+_MUCH_WIDER = 1.15
 
 
-def person_view(crop: Crop, photo_size: tuple[float, float]) -> Crop:
-    """The view about the crop of a face (paper, section 3.2): 3.4 faces wide, or as wide as the photo is.
+def person_view(crop: Crop, photo_size: tuple[float, float], faces_across: float = FACES_ACROSS) -> Crop:
+    """The view about the crop of a face (paper, section 3.2): so many faces wide, or as wide as the photo is.
 
-    Shoulders are wider than hair is high, so its middle lies below the face's. It is turned as the crop is, and moved
-    to stay within the photo, or the upright box about a turned one, as far as it can.
+    Shoulders are wider than hair is high, so its middle lies below the face's, and the lower the wider it is. It is
+    turned as the crop is, and moved to stay within the photo, or the upright box about a turned one, as far as it can.
 
     Args:
         photo_size: (height, width).
+        faces_across: at least 3.4, in which a head and shoulders are seen.
     """
     height, width = photo_size
     face = crop.side * FACE_SHARE
     turn = np.radians(crop.roll_deg)
     right, down = np.array([np.cos(turn), -np.sin(turn)]), np.array([np.sin(turn), np.cos(turn)])
     across, along = (float(np.abs(axis) @ [width, height]) for axis in (right, down))
-    side = max(min(_FACES_ACROSS * face, max(across, along)), face)
+    side = max(min(faces_across * face, max(across, along)), face)
     middle = np.array([width, height]) / 2
     place = np.array([crop.centre_x, crop.centre_y]) - middle
-    aside, below = (
-        _kept_within(place @ right, side, across),
-        _kept_within(place @ down + _FACES_DOWN * face, side, along),
-    )
+    lower = (_FACES_DOWN + _LOWER * (faces_across - FACES_ACROSS)) * face
+    aside, below = _kept_within(place @ right, side, across), _kept_within(place @ down + lower, side, along)
     x, y = middle + aside * right + below * down
     return Crop(float(x), float(y), side, crop.roll_deg)
+
+
+def upright(crop: Crop) -> Crop:
+    """A crop turned as the photo lies, and not as the head leans: heads lean farther than bodies do."""
+    return replace(crop, roll_deg=90.0 * round(crop.roll_deg / 90))
+
+
+def wider_view(crop: Crop, photo_size: tuple[float, float]) -> Crop | None:
+    """A view about the crop of a face for what of a body is out of sight in its `person_view`, down to the hips.
+
+    None where little more of the photo would be seen in it.
+
+    Args:
+        crop: an `upright` one.
+        photo_size: (height, width).
+    """
+    view = person_view(crop, photo_size, _WIDER_FACES_ACROSS)
+    return view if view.side > _MUCH_WIDER * person_view(crop, photo_size).side else None
 
 
 def _kept_within(middle: float, side: float, length: float) -> float:

@@ -9,6 +9,7 @@ import numpy as np
 
 from relight_core.face.crop import Crop
 from relight_core.face.parsing import INDEX
+from relight_core.face.person_view import person_view, upright, wider_view
 from relight_core.face.silhouette import person_with_headwear
 from relight_core.imaging.colour import without_colour
 from relight_core.imaging.resampling import resize_area
@@ -123,12 +124,24 @@ class FaceTakenApart:
 
     def outline(self) -> Outline | None:
         """The person as the person network sees them; None where there is no such network, or it isn't asked."""
-        bundle, portrait = self._shop.bundle, self.portrait
-        if bundle.person is None or not self._outlined:
+        if self._shop.bundle.person is None or not self._outlined:
             return None
+        bundle, portrait, device = self._shop.bundle, self.portrait, self._shop.device
+        view = person_view(portrait.crop, portrait.photo.linear.shape[:2])
         return self._once(
-            "outline", "photo", lambda: outline_person(bundle, portrait.photo, portrait.crop, self._shop.device)
+            "outline", "photo", lambda: outline_person(bundle, portrait.photo, portrait.crop, view, device)
         )
+
+    def looks(self) -> list[tuple[np.ndarray, Crop]]:
+        """`mask`, and the same of a wider view where there is a person network and the photo shows more."""
+        bundle, portrait, device = self._shop.bundle, self.portrait, self._shop.device
+        crop = upright(portrait.crop)
+        view = wider_view(crop, portrait.photo.linear.shape[:2])
+        if self.outline() is None or view is None:
+            return [self.mask()]
+        look = lambda: outline_person(bundle, portrait.photo, crop, view, device, mirrored=True)  # noqa: E731
+        wider = self._once("wider_outline", "photo", look)
+        return [self.mask(), (wider.likely, view)]
 
     def _relief(self, ready: Prepared) -> ReliefTransport:
         return self._once("relief", ready.tier.relief_key, lambda: stages.march(ready.found, ready.tier.relief_size))

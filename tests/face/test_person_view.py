@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from relight_core.face.crop import Crop
-from relight_core.face.person_view import face_in_view, inside_photo, person_view
+from relight_core.face.person_view import face_in_view, inside_photo, person_view, upright, wider_view
 
 CROP = Crop(500.0, 400.0, 256.0)
 """Its face is 196 pixels wide."""
@@ -50,6 +50,27 @@ def test_a_leaning_head_is_seen_upright_with_its_shoulders_below():
     rows, columns = np.nonzero(face_in_view(view, leaning, 128))
     assert columns.mean() == pytest.approx(63.5, abs=0.6)
     assert rows.mean() < 60
+
+
+def test_a_wider_view_reaches_down_to_the_hips():
+    view = wider_view(Crop(1500.0, 400.0, 256.0), (4000, 3000))
+    assert view.side == pytest.approx(4.8 * 196)
+    assert view.centre_x == 1500
+    assert 1.35 < (400 - view.window[1]) / 196 < 1.9
+    assert (view.window[3] - 400) / 196 > 3.2
+
+
+@pytest.mark.parametrize(
+    ("roll_deg", "turned_deg"), [(0.0, 0), (30.0, 0), (-44.0, 0), (50.0, 90), (-90.0, -90), (170.0, 180)]
+)
+def test_a_body_is_looked_for_as_the_photo_lies(roll_deg, turned_deg):
+    crop = upright(Crop(500.0, 400.0, 256.0, roll_deg))
+    assert crop == Crop(500.0, 400.0, 256.0, turned_deg)
+
+
+def test_no_wider_view_is_taken_of_what_has_been_seen():
+    assert wider_view(CROP, (700, 700)) is None
+    assert wider_view(CROP, (740, 900)).side == pytest.approx(900)
 
 
 @pytest.mark.parametrize("roll_deg", [-25.0, 12.0, 25.0])

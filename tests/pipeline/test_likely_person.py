@@ -14,7 +14,7 @@ def photo(person=(0.8, 0.5, 0.4), wall=(0.1, 0.3, 0.7)):
 
 def placed(mask):
     """One person's mask in the crop, over the photo of 100 by 100 pixels."""
-    return place_masks([(mask, CROP)], (100, 100), (100, 100))
+    return place_masks([[(mask, CROP)]], (100, 100), (100, 100))
 
 
 def mask(value=0.95):
@@ -32,6 +32,42 @@ def test_a_body_goes_on_below_the_crop_and_nobody_stands_beside_it():
     assert likely[50, 50] > 0.9
     assert likely[60, 5] < 0.3
     assert likely[15, 50] < 0.3
+
+
+WIDER = Crop(50.0, 50.0, 100.0)
+
+
+def test_a_wider_look_has_a_say_in_where_a_body_goes_on():
+    """Below the crop it bends to the right: nobody would guess that, and the wider look has seen it."""
+    seen = np.zeros((100, 100), np.float32)
+    seen[30:70, 30:70] = 0.95
+    seen[70:, 60:95] = 0.95
+    alone = place_masks([[(mask(), CROP)]], (100, 100), (100, 100))[0]
+    wider = place_masks([[(mask(), CROP), (seen, WIDER)]], (100, 100), (100, 100))[0]
+    assert wider[85, 80] > alone[85, 80] + 0.1
+    assert alone[85, 50] > 0.9
+    assert wider[85, 50] < 0.5
+    np.testing.assert_allclose(wider[40, 45], alone[40, 45], atol=1e-6)
+
+
+def test_what_a_wider_look_is_not_sure_of_stays_as_guessed():
+    """Of a thing that is held before the body it says neither yes nor no."""
+    alone, doubtful = (
+        place_masks([[(mask(), CROP), *looks]], (100, 100), (100, 100))[0]
+        for looks in ([], [(np.full((8, 8), 0.25, np.float32), WIDER)])
+    )
+    np.testing.assert_allclose(doubtful, alone, atol=1e-6)
+
+
+def test_beside_a_head_a_wider_look_can_only_leave_open_that_somebody_is_there():
+    beside = np.s_[15:50, 90:]
+    alone, with_somebody, with_nobody = (
+        place_masks([[(mask(), CROP), *looks]], (100, 100), (100, 100))[0][beside]
+        for looks in ([], [(np.ones((8, 8)), WIDER)], [(np.zeros((8, 8)), WIDER)])
+    )
+    assert (with_nobody < 0.5 * alone).all()
+    assert (with_somebody > alone).all()
+    assert (with_somebody < 0.4).all()
 
 
 def test_colours_decide_what_the_mask_leaves_open():

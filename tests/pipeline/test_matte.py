@@ -10,7 +10,7 @@ from relight_core.pipeline.per_photo.person import canvas_of, whole_person
 
 def refine_matte(linear, mask, crop, alpha=None):
     """The matte of one person at every pixel."""
-    matte = make_matte(linear, [(mask, crop)], alpha)
+    matte = make_matte(linear, [[(mask, crop)]], alpha)
     return whole_person(canvas_of(Photo(linear, alpha)), matte).share
 
 
@@ -89,7 +89,7 @@ def test_a_large_photo_gets_sharp_edges_from_small_maps():
     linear, truth = portrait()
     large, sharp = (np.repeat(np.repeat(image, 6, 0), 6, 1) for image in (linear, truth))
     crop = Crop(600.0, 510.0, 780.0)
-    matte = make_matte(np.ascontiguousarray(large), [(crop.extract(sharp, 64), crop)])
+    matte = make_matte(np.ascontiguousarray(large), [[(crop.extract(sharp, 64), crop)]])
     assert max(matte.level.shape) <= 1024
     share = whole_person(canvas_of(Photo(np.ascontiguousarray(large))), matte).share
     assert np.abs(share - sharp).mean() < 0.01
@@ -99,7 +99,7 @@ def test_two_people_are_one_matte():
     linear, truth = portrait()
     both, mask = np.concatenate([linear, linear], 1), blurred_mask(truth)
     second = Crop(CROP.centre_x + 200, CROP.centre_y, CROP.side)
-    matte = make_matte(both, [(mask, CROP), (mask, second)])
+    matte = make_matte(both, [[(mask, CROP)], [(mask, second)]])
     share = whole_person(canvas_of(Photo(both)), matte).share
     assert np.abs(share - np.concatenate([truth, truth], 1)).mean() < 0.02
 

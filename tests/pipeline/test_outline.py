@@ -5,6 +5,7 @@ import pytest
 import torch
 
 from relight_core.face.crop import Crop
+from relight_core.face.person_view import person_view
 from relight_core.imaging.photo import Photo
 from relight_core.networks.bundle import BundleConfig, NetworkBundle, with_person_network
 from relight_core.networks.person import PersonConfig, PersonNetwork
@@ -86,14 +87,34 @@ def test_a_person_of_whom_the_parsing_knows_nothing_wears_something():
     assert (within[:, 1:].argmax(1) + 1 == CLOTH).all()
 
 
-@pytest.mark.parametrize("roll_deg", [0.0, 30.0])
-def test_the_network_is_asked_about_the_view_of_a_face(roll_deg):
+def tiny_bundle():
     torch.manual_seed(0)
     bundle = with_person_network(NetworkBundle(BundleConfig.tiny()), PersonNetwork(PersonConfig(4, 3, 8)))
+    return bundle.for_inference()
+
+
+@pytest.mark.parametrize("roll_deg", [0.0, 30.0])
+def test_the_network_is_asked_about_the_view_of_a_face(roll_deg):
     photo = Photo(np.random.default_rng(0).random((200, 260, 3), np.float32))
     crop = Crop(130.0, 90.0, 80.0, roll_deg)
-    outline = outline_person(bundle.for_inference(), photo, crop, "cpu")
+    outline = outline_person(tiny_bundle(), photo, crop, person_view(crop, (200, 260)), "cpu")
     assert outline.likely.shape == (256, 256)
     assert 0 <= outline.likely.min() <= outline.likely.max() <= 1
     assert outline.view.roll_deg == roll_deg
     assert outline.view.side == pytest.approx(min(3.4 * 80 * 196 / 256, 260))
+
+
+def test_what_is_seen_in_a_mirror_counts_as_much():
+    """The photo's mirror image then gives the mirrored outline, which a network by itself does not."""
+    linear, bundle = np.random.default_rng(0).random((200, 200, 3), np.float32), tiny_bundle()
+    crop, view = Crop(100.0, 100.0, 80.0), Crop(100.0, 100.0, 200.0)
+
+    def differences(**how):
+        there, back = (
+            outline_person(bundle, Photo(np.ascontiguousarray(image)), crop, view, "cpu", **how).likely
+            for image in (linear, linear[:, ::-1])
+        )
+        return np.abs(there - back[:, ::-1]).max()
+
+    assert differences(mirrored=True) < 1e-4
+    assert differences() > 1e-3

@@ -43,7 +43,7 @@ def picture_of(gain=0.5, backdrop=None, views=(CROP,), photo=None, change=None):
         photo, truth = portrait()
     else:
         _, truth = portrait()
-    matte = make_matte(photo.linear, [(view.extract(truth, 64), view) for view in views], photo.alpha)
+    matte = make_matte(photo.linear, [[(view.extract(truth, 64), view)] for view in views], photo.alpha)
     placement = place_views(canvas_of(photo), views, matte, ReflectionTable())
     changes = [change or change_of(gain) for _ in views]
     weights = weights_on_views(placement, changes[0].gain.shape[0])
@@ -171,7 +171,7 @@ def test_the_photos_own_alpha_is_the_matte():
 def test_two_views_share_the_photo_by_nearness():
     photo, truth = portrait()
     views = (Crop(60.0, 100.0, 110.0), Crop(140.0, 100.0, 110.0))
-    matte = make_matte(photo.linear, [(view.extract(truth, 64), view) for view in views])
+    matte = make_matte(photo.linear, [[(view.extract(truth, 64), view)] for view in views])
     placement = place_views(canvas_of(photo), views, matte, ReflectionTable())
     left, right = (weight[..., 0] for weight in placement.small)
     assert (left + right).max() <= 1 + 1e-5
@@ -187,7 +187,7 @@ class TestNeighbours:
 
     def weights(self, people):
         photo, truth = portrait()
-        matte = make_matte(photo.linear, [(view.extract(truth, 64), view) for view in self.views])
+        matte = make_matte(photo.linear, [[(view.extract(truth, 64), view)] for view in self.views])
         placement = place_views(canvas_of(photo), self.views, matte, ReflectionTable(), people)
         rows, columns = placement.small[0].shape[:2]
         return [lambda x, y, w=w: float(w[int(rows * y / 240), int(columns * x / 200), 0]) for w in placement.small]
@@ -229,7 +229,7 @@ def test_a_view_gives_way_to_the_rest_at_its_edge_however_small_it_is(side, roll
 
 def test_darkness_everywhere_makes_the_person_black():
     photo, _ = portrait()
-    matte = make_matte(photo.linear, [(np.ones((8, 8), np.float32), CROP)])
+    matte = make_matte(photo.linear, [[(np.ones((8, 8), np.float32), CROP)]])
     placement = place_views(canvas_of(photo), [CROP], matte, ReflectionTable())
     dark = ViewChange(*[np.zeros((64, 64, 3), np.float32)] * 2, level=0.0)
     rest = gain_of_rest(placement, [dark], EVEN)

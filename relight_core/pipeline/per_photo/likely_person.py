@@ -1,4 +1,4 @@
-"""Where in a photo a person probably is: what a parsing says within its crop, a body's outline beyond, and colours."""
+"""Where in a photo a person probably is: as networks say within their views, as bodies go on beyond, and by colours."""
 
 from __future__ import annotations
 
@@ -17,26 +17,27 @@ _NO_GAP_FROM = 0.5
 _UNSEEN = 2e-4
 _MOST_COLOURS_SAY = 2.0
 _ROUNDS = 2
+_DOUBTED, _DENIED, _SUREST, _AT_MOST_BESIDE = 1.0, 2.0, 0.002, 0.35
+"""In a wider look faces are smaller than the person network learnt with. It knows bodies there and what lies behind
+them, but doubts what people hold, and beside heads takes things along: in those, colours decide."""
+
+Look = tuple[np.ndarray, Crop]
+"""(S, S) probability in [0, 1] that the pixels of a view are a person, and where in the photo the view lies."""
 
 
-def place_masks(
-    masks: list[tuple[np.ndarray, Crop]], size: tuple[int, int], photo_size: tuple[int, int]
-) -> list[np.ndarray]:
-    """Each person's mask at its place in a photo, and around it what is likely of a body below and a head above.
+def place_masks(people: list[list[Look]], size: tuple[int, int], photo_size: tuple[int, int]) -> list[np.ndarray]:
+    """Each person's masks at their places in a photo, and around them what is likely of a body below and a head above.
 
     Args:
-        masks: for each person (S, S) probability in [0, 1] that the crop's pixels are person, and where it lies; what
-            is not finite or out of range is brought into it.
+        people: looks at each, from the nearest to the widest; what is not finite or out of range is brought into it.
+            What lies outside the nearest is guessed, and the wider ones have a say in that.
         size: (h, w) of the result.
         photo_size: (height, width).
 
     Returns:
         (h, w) float32 in [0, 1] for each.
     """
-    return [
-        _placed(np.clip(np.nan_to_num(np.asarray(person, np.float32)), 0.0, 1.0), crop, size, photo_size)
-        for person, crop in masks
-    ]
+    return [_placed(looks, size, photo_size) for looks in people]
 
 
 def likely_person(guide: np.ndarray, placed: list[np.ndarray]) -> np.ndarray:
@@ -106,14 +107,36 @@ def _spread_within(seed: np.ndarray, limit: np.ndarray) -> np.ndarray:
         seed = grown
 
 
-def _placed(person: np.ndarray, crop: Crop, size: tuple[int, int], photo_size: tuple[int, int]) -> np.ndarray:
-    """The crop's mask at its place, and beyond it what is likely of a body below and a head above."""
-    placed = spread_crop(person, crop, Band(0, size[0], size, photo_size))
-    x = (np.arange(size[1]) + 0.5) * photo_size[1] / size[1]
-    y = (np.arange(size[0]) + 0.5) * photo_size[0] / size[0]
-    within = crop.from_photo(np.stack(np.meshgrid(x, y), axis=-1), 1)
-    inside = ((within >= 0) & (within < 1)).all(-1)
-    return np.where(inside, placed, _around(x, y, crop, placed)).astype(np.float32)
+def _placed(looks: list[Look], size: tuple[int, int], photo_size: tuple[int, int]) -> np.ndarray:
+    """A person's mask at its place; beyond it what is likely of a body below and a head above, and wider looks."""
+    y, x = ((np.arange(count) + 0.5) * length / count for count, length in zip(size, photo_size, strict=True))
+    places, whole = np.stack(np.meshgrid(x, y), axis=-1), Band(0, size[0], size, photo_size)
+    (person, view), *wider = looks
+    seen = spread_crop(_in_range(person), view, whole)
+    beyond = _around(x, y, view, seen)
+    below = (y > view.window[3])[:, None]
+    for person_wider, wider_view in wider:
+        told = _heeding(beyond, spread_crop(_in_range(person_wider), wider_view, whole))
+        told = np.where(below, told, np.minimum(told, np.maximum(beyond, _AT_MOST_BESIDE)))
+        beyond = np.where(_inside(wider_view, places), told, beyond)
+    return np.where(_inside(view, places), seen, beyond).astype(np.float32)
+
+
+def _inside(view: Crop, places: np.ndarray) -> np.ndarray:
+    within = view.from_photo(places, 1)
+    return ((within >= 0) & (within < 1)).all(-1)
+
+
+def _heeding(guess: np.ndarray, told: np.ndarray) -> np.ndarray:
+    """The probability of a guess after what a wider look tells, as far as that is beyond some doubt."""
+    told = np.clip(told, _SUREST, 1 - _SUREST)
+    odds = np.log(told / (1 - told))
+    beyond_doubt = np.maximum(odds - _DOUBTED, 0) + np.minimum(odds + _DENIED, 0)
+    return 1 / (1 + (1 - guess) / guess * np.exp(-beyond_doubt))
+
+
+def _in_range(mask: np.ndarray) -> np.ndarray:
+    return np.clip(np.nan_to_num(np.asarray(mask, np.float32)), 0.0, 1.0)
 
 
 def _around(x: np.ndarray, y: np.ndarray, crop: Crop, placed: np.ndarray) -> np.ndarray:

@@ -13,7 +13,7 @@ from relight_core.imaging.closed_form import closed_form_matte
 from relight_core.imaging.colour import luminance
 from relight_core.imaging.resampling import resize_area, resize_smooth, shrunk_size
 from relight_core.imaging.view_transform import apply_view
-from relight_core.pipeline.per_photo.likely_person import attached, likely_person, place_masks, without_holes
+from relight_core.pipeline.per_photo.likely_person import Look, attached, likely_person, place_masks, without_holes
 
 WORKING_PX = 1024
 """The longest side of the copy in which mattes are made."""
@@ -82,21 +82,20 @@ def own_colour(linear: np.ndarray, share: np.ndarray, person: np.ndarray, behind
 
 def make_matte(
     linear: np.ndarray,
-    masks: list[tuple[np.ndarray, Crop]],
+    people: list[list[Look]],
     alpha: np.ndarray | None = None,
     small: np.ndarray | None = None,
 ) -> Matte:
     """Carry coarse person masks to the whole photo, their edges moved onto the photo's.
 
-    Where a person may be follows from the masks, beyond their crops from how bodies hang together, and from the
+    Where a person may be follows from the masks, beyond their views from how bodies hang together, and from the
     colours of what is surely person and surely not (`likely_person`). Closed-form matting makes a soft matte of
     that in a small copy, what hangs together with nobody is taken out of it, gaps within somebody are closed, and a
     guided filter (He, Sun and Tang 2013) fits its edges to the photo's. Costs some tenths of a second: once per photo.
 
     Args:
         linear: (H, W, 3) linear, the photo.
-        masks: for each person (S, S) probability in [0, 1] that the crop's pixels are person, hair and
-            clothes included, and where the crop lies.
+        people: looks at each, hair and clothes included, from the nearest to the widest (see `place_masks`).
         alpha: (H, W) the photo's own alpha. Where given and not opaque throughout, it is the matte.
         small: the photo no longer than WORKING_PX, where that is there already.
     """
@@ -107,8 +106,8 @@ def make_matte(
     small = resize_area(linear, shrunk_size(size, WORKING_PX)) if small is None else small
     guide = np.ascontiguousarray(apply_view(small))
     matting_size = shrunk_size(size, _MATTING_PX)
-    coarse = _matted(guide, place_masks(masks, matting_size, size), matting_size)
-    coarse = _seen_nearer(coarse, guide, masks, size)
+    coarse = _matted(guide, place_masks(people, matting_size, size), matting_size)
+    coarse = _seen_nearer(coarse, guide, people, size)
     edges = _guided(guide, coarse, max(round(max(guide.shape) / _EDGE_WINDOWS), 2))
     share = np.clip((edges - 0.2) / 0.6, 0.0, 1.0)
     slope, level = np.zeros_like(share), share
@@ -127,16 +126,16 @@ def _matted(guide: np.ndarray, placed: list[np.ndarray], size: tuple[int, int]) 
 
 
 def _seen_nearer(
-    coarse: np.ndarray, guide: np.ndarray, masks: list[tuple[np.ndarray, Crop]], photo_size: tuple[int, int]
+    coarse: np.ndarray, guide: np.ndarray, people: list[list[Look]], photo_size: tuple[int, int]
 ) -> np.ndarray:
     """A matte (h, w) made again, from near, where people are small in the photo.
 
     In a copy of all of it an ear or a strand is less than a pixel there, and mixes with whatever is beside it.
     """
-    windows = [window for _, crop in masks if (window := _near_window(crop, photo_size, guide.shape[:2]))]
+    windows = [window for looks in people if (window := _near_window(looks[0][1], photo_size, guide.shape[:2]))]
     if not windows:
         return coarse
-    placed = place_masks(masks, guide.shape[:2], photo_size)
+    placed = place_masks(people, guide.shape[:2], photo_size)
     for window in windows:
         size = shrunk_size(coarse[window].shape, _MATTING_PX)
         near = _matted(guide[window], [resize_area(mask[window], size) for mask in placed], size)

@@ -10,7 +10,7 @@ import torch
 
 from relight_core.face.crop import Crop
 from relight_core.face.parsing import FACE_LABELS, INDEX
-from relight_core.face.person_view import face_in_view, inside_photo, person_view
+from relight_core.face.person_view import face_in_view, inside_photo
 from relight_core.face.silhouette import person_with_headwear, rows_above_the_eyes
 from relight_core.imaging.colour import srgb_encode
 from relight_core.imaging.photo import Photo
@@ -56,20 +56,27 @@ def _moved(image: np.ndarray, view: Crop, other: Crop, size: int) -> tuple[np.nd
 
 
 @torch.inference_mode()
-def outline_person(bundle: NetworkBundle, photo: Photo, crop: Crop, device: str) -> Outline:
-    """The person whose face lies in a crop.
+def outline_person(
+    bundle: NetworkBundle, photo: Photo, crop: Crop, view: Crop, device: str, *, mirrored: bool = False
+) -> Outline:
+    """The person whose face lies in a crop, as far as a view reaches.
 
     Args:
         bundle: with a person network.
         crop: the paper's crop of the face (section 3.2).
+        view: about that crop (see `face.person_view`).
+        mirrored: also look at the mirrored view, and average what is said of both.
     """
     size = photo.linear.shape[:2]
-    view = person_view(crop, size)
     inside = inside_photo(view, size, _SIZE)
     seen = srgb_encode(np.clip(network_view(photo, view, _SIZE), 0, 1)) * inside[..., None]
     planes = np.dstack([seen, inside, face_in_view(view, crop, _SIZE)]).astype(np.float32)
     stacked = torch.from_numpy(planes).permute(2, 0, 1)[None].to(device)
+    if mirrored:
+        stacked = torch.cat([stacked, stacked.flip(-1)])
     logits = in_precision(bundle, device).person(stacked[:, :3], stacked[:, 3:4], stacked[:, 4:])
+    if mirrored:
+        logits = (logits[:1] + logits[1:].flip(-1)) / 2
     return Outline(torch.sigmoid(logits)[0, 0].cpu().numpy(), view)
 
 
