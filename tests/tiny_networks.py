@@ -1,8 +1,9 @@
-"""The smallest networks with a person in them, as a file of weights."""
+"""The smallest networks: a file of weights with a person in them, and a bundle with a person network."""
 
 import torch
 
-from relight_core.networks.bundle import BundleConfig, NetworkBundle, save_bundle
+from relight_core.networks.bundle import BundleConfig, NetworkBundle, save_bundle, with_person_network
+from relight_core.networks.person import PersonConfig, PersonNetwork
 
 
 def write_tiny_weights(folder):
@@ -14,3 +15,8 @@ def write_tiny_weights(folder):
     bundle.delight.head.bias.data[8] = 6.0
     save_bundle(path, bundle)
     return path
+
+
+def tiny_bundle_with_person():
+    torch.manual_seed(0)
+    return with_person_network(NetworkBundle(BundleConfig.tiny()), PersonNetwork(PersonConfig(4, 3, 8)))

@@ -142,6 +142,12 @@ def seen_from(view: Crop, size: int, maps: np.ndarray, photo_size: tuple[int, in
     return _looked_up(maps, to_maps @ _square(_to_photo(view, size)), size)
 
 
+def places_of(size: tuple[int, int], extent: tuple[int, int]) -> np.ndarray:
+    """(h, w, 2), x and y of the middles of a grid's cells, [0, extent], which is (height, width) as the size is."""
+    y, x = ((np.arange(count) + 0.5) * length / count for count, length in zip(size, extent, strict=True))
+    return np.stack(np.meshgrid(x, y), axis=-1)
+
+
 def fade(position: np.ndarray, width: float, low: bool = True, high: bool = True) -> np.ndarray:
     """1 inside [0, 1], falling smoothly to 0 toward the low and the high end over `width`; 0 outside."""
     distance = np.full(np.shape(position), width)

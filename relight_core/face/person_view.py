@@ -7,17 +7,17 @@ from dataclasses import replace
 import numpy as np
 
 from relight_core.face.crop import Crop
+from relight_core.face.paste import places_of
 
 FACE_SHARE = 196 / 256
 """Of the paper's crop, with its 30 pixels of padding at 256 (section 3.2)."""
 
-FACES_ACROSS = 3.4
-_FACES_DOWN, _LOWER = 0.35, 0.39
-_WIDER_FACES_ACROSS = 4.8
+_ACROSS, _WIDER_ACROSS = 3.4, 4.8
+_DOWN, _LOWER = 0.35, 0.39
 _MUCH_WIDER = 1.15
 
 
-def person_view(crop: Crop, photo_size: tuple[float, float], faces_across: float = FACES_ACROSS) -> Crop:
+def person_view(crop: Crop, photo_size: tuple[float, float], faces_across: float = _ACROSS) -> Crop:
     """The view about the crop of a face (paper, section 3.2): so many faces wide, or as wide as the photo is.
 
     Shoulders are wider than hair is high, so its middle lies below the face's, and the lower the wider it is. It is
@@ -35,7 +35,7 @@ def person_view(crop: Crop, photo_size: tuple[float, float], faces_across: float
     side = max(min(faces_across * face, max(across, along)), face)
     middle = np.array([width, height]) / 2
     place = np.array([crop.centre_x, crop.centre_y]) - middle
-    lower = (_FACES_DOWN + _LOWER * (faces_across - FACES_ACROSS)) * face
+    lower = (_DOWN + _LOWER * (faces_across - _ACROSS)) * face
     aside, below = _kept_within(place @ right, side, across), _kept_within(place @ down + lower, side, along)
     x, y = middle + aside * right + below * down
     return Crop(float(x), float(y), side, crop.roll_deg)
@@ -55,7 +55,7 @@ def wider_view(crop: Crop, photo_size: tuple[float, float]) -> Crop | None:
         crop: an `upright` one.
         photo_size: (height, width).
     """
-    view = person_view(crop, photo_size, _WIDER_FACES_ACROSS)
+    view = person_view(crop, photo_size, _WIDER_ACROSS)
     return view if view.side > _MUCH_WIDER * person_view(crop, photo_size).side else None
 
 
@@ -68,17 +68,11 @@ def _kept_within(middle: float, side: float, length: float) -> float:
 def inside_photo(view: Crop, photo_size: tuple[float, float], size: int) -> np.ndarray:
     """(size, size) float32: 1 where a pixel of a view lies within a photo of (height, width)."""
     height, width = photo_size
-    at = view.to_photo(_pixel_middles(size), size)
+    at = view.to_photo(places_of((size, size), (size, size)), size)
     return ((at >= 0) & (at < [width, height])).all(-1).astype(np.float32)
 
 
 def face_in_view(view: Crop, crop: Crop, size: int) -> np.ndarray:
     """(size, size) float32: 1 in the square of the face that is meant, which lies in the middle of its crop."""
-    at = crop.from_photo(view.to_photo(_pixel_middles(size), size), 1)
+    at = crop.from_photo(view.to_photo(places_of((size, size), (size, size)), size), 1)
     return (np.abs(at - 0.5) < FACE_SHARE / 2).all(-1).astype(np.float32)
-
-
-def _pixel_middles(size: int) -> np.ndarray:
-    """(size, size, 2): x, y."""
-    axis = np.arange(size) + 0.5
-    return np.stack(np.meshgrid(axis, axis), -1)

@@ -126,22 +126,22 @@ class FaceTakenApart:
         """The person as the person network sees them; None where there is no such network, or it isn't asked."""
         if self._shop.bundle.person is None or not self._outlined:
             return None
-        bundle, portrait, device = self._shop.bundle, self.portrait, self._shop.device
-        view = person_view(portrait.crop, portrait.photo.linear.shape[:2])
-        return self._once(
-            "outline", "photo", lambda: outline_person(bundle, portrait.photo, portrait.crop, view, device)
-        )
+        crop = self.portrait.crop
+        return self._looked("outline", crop, person_view(crop, self.portrait.photo.linear.shape[:2]))
 
     def looks(self) -> list[tuple[np.ndarray, Crop]]:
         """`mask`, and the same of a wider view where there is a person network and the photo shows more."""
-        bundle, portrait, device = self._shop.bundle, self.portrait, self._shop.device
-        crop = upright(portrait.crop)
-        view = wider_view(crop, portrait.photo.linear.shape[:2])
+        crop = upright(self.portrait.crop)
+        view = wider_view(crop, self.portrait.photo.linear.shape[:2])
         if self.outline() is None or view is None:
             return [self.mask()]
-        look = lambda: outline_person(bundle, portrait.photo, crop, view, device, mirrored=True)  # noqa: E731
-        wider = self._once("wider_outline", "photo", look)
-        return [self.mask(), (wider.likely, view)]
+        return [self.mask(), (self._looked("wider_outline", crop, view, mirrored=True).likely, view)]
+
+    def _looked(self, stage: str, crop: Crop, view: Crop, *, mirrored: bool = False) -> Outline:
+        """What the person network says in a view; see `outline_person`."""
+        shop, photo = self._shop, self.portrait.photo
+        look = lambda: outline_person(shop.bundle, photo, crop, view, shop.device, mirrored=mirrored)  # noqa: E731
+        return self._once(stage, "photo", look)
 
     def _relief(self, ready: Prepared) -> ReliefTransport:
         return self._once("relief", ready.tier.relief_key, lambda: stages.march(ready.found, ready.tier.relief_size))

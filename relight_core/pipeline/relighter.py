@@ -298,7 +298,7 @@ class Relighter:
     def _matte(self) -> Matte:
         """The people in the photo; from one tier for all, so that it depends on no history."""
         photo = self._faces[0].portrait.photo
-        return make_matte(photo.linear, [face.looks() for face in self._faces], photo.alpha, self._small().linear)
+        return make_matte(photo.linear, (face.looks() for face in self._faces), photo.alpha, self._small().linear)
 
     def _small(self) -> Canvas:
         """The photo no longer than WORKING_PX, from which smaller copies are made."""

@@ -2,14 +2,13 @@
 
 import numpy as np
 import pytest
-import torch
+from tiny_networks import tiny_bundle_with_person
 
 from relight_core.face.crop import Crop
 from relight_core.face.find import FaceBox
 from relight_core.imaging.photo import Photo
 from relight_core.lighting.reflection import ReflectionTable
-from relight_core.networks.bundle import BundleConfig, NetworkBundle, with_person_network
-from relight_core.networks.person import PersonConfig, PersonNetwork
+from relight_core.networks.bundle import BundleConfig, NetworkBundle
 from relight_core.pipeline.cache import StageCache
 from relight_core.pipeline.face_taken_apart import FaceTakenApart, Workshop
 from relight_core.pipeline.per_photo.portrait import Portrait
@@ -19,10 +18,7 @@ CROP, VIEW = Crop(130.0, 80.0, 52.0, 20.0), Crop(130.0, 80.0, 88.0, 20.0)
 
 
 def face_in(height, width, *, person=True):
-    torch.manual_seed(0)
-    bundle = NetworkBundle(BundleConfig.tiny())
-    if person:
-        bundle = with_person_network(bundle, PersonNetwork(PersonConfig(4, 3, 8)))
+    bundle = tiny_bundle_with_person() if person else NetworkBundle(BundleConfig.tiny())
     photo = Photo(np.random.default_rng(0).random((height, width, 3), np.float32))
     shop = Workshop(bundle.for_inference(), ReflectionTable(), "cpu")
     return FaceTakenApart(shop, Portrait(photo, FACE, FACE, CROP, VIEW), StageCache())

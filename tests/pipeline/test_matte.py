@@ -95,6 +95,12 @@ def test_a_large_photo_gets_sharp_edges_from_small_maps():
     assert np.abs(share - sharp).mean() < 0.01
 
 
+def test_nobody_is_looked_for_who_was_cut_out_already():
+    linear, truth = portrait()
+    looked_at = (pytest.fail("looked at") for _ in range(1))
+    assert make_matte(linear, looked_at, truth).own_alpha
+
+
 def test_two_people_are_one_matte():
     linear, truth = portrait()
     both, mask = np.concatenate([linear, linear], 1), blurred_mask(truth)

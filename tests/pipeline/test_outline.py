@@ -3,12 +3,11 @@
 import numpy as np
 import pytest
 import torch
+from tiny_networks import tiny_bundle_with_person
 
 from relight_core.face.crop import Crop
 from relight_core.face.person_view import person_view
 from relight_core.imaging.photo import Photo
-from relight_core.networks.bundle import BundleConfig, NetworkBundle, with_person_network
-from relight_core.networks.person import PersonConfig, PersonNetwork
 from relight_core.pipeline.per_photo.outline import Outline, outline_person, parsing_within
 
 BACKGROUND, SKIN, LEFT_EYE, HAIR, CLOTH = 0, 1, 4, 10, 13
@@ -87,17 +86,12 @@ def test_a_person_of_whom_the_parsing_knows_nothing_wears_something():
     assert (within[:, 1:].argmax(1) + 1 == CLOTH).all()
 
 
-def tiny_bundle():
-    torch.manual_seed(0)
-    bundle = with_person_network(NetworkBundle(BundleConfig.tiny()), PersonNetwork(PersonConfig(4, 3, 8)))
-    return bundle.for_inference()
-
-
 @pytest.mark.parametrize("roll_deg", [0.0, 30.0])
 def test_the_network_is_asked_about_the_view_of_a_face(roll_deg):
     photo = Photo(np.random.default_rng(0).random((200, 260, 3), np.float32))
     crop = Crop(130.0, 90.0, 80.0, roll_deg)
-    outline = outline_person(tiny_bundle(), photo, crop, person_view(crop, (200, 260)), "cpu")
+    bundle = tiny_bundle_with_person().for_inference()
+    outline = outline_person(bundle, photo, crop, person_view(crop, (200, 260)), "cpu")
     assert outline.likely.shape == (256, 256)
     assert 0 <= outline.likely.min() <= outline.likely.max() <= 1
     assert outline.view.roll_deg == roll_deg
@@ -106,7 +100,8 @@ def test_the_network_is_asked_about_the_view_of_a_face(roll_deg):
 
 def test_what_is_seen_in_a_mirror_counts_as_much():
     """The photo's mirror image then gives the mirrored outline, which a network by itself does not."""
-    linear, bundle = np.random.default_rng(0).random((200, 200, 3), np.float32), tiny_bundle()
+    bundle = tiny_bundle_with_person().for_inference()
+    linear = np.random.default_rng(0).random((200, 200, 3), np.float32)
     crop, view = Crop(100.0, 100.0, 80.0), Crop(100.0, 100.0, 200.0)
 
     def differences(**how):

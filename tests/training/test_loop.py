@@ -8,10 +8,10 @@ import cv2
 import numpy as np
 import pytest
 import torch
+from tiny_networks import tiny_bundle_with_person
 
 from relight_core.errors import InputError
-from relight_core.networks.bundle import BundleConfig, NetworkBundle, load_bundle, with_person_network
-from relight_core.networks.person import PersonConfig, PersonNetwork
+from relight_core.networks.bundle import BundleConfig, NetworkBundle, load_bundle
 from relight_core.training import loop
 from relight_core.training.curves import draw_curves
 from relight_core.training.loop import Budget, TrainingDiverged, train_stage
@@ -274,7 +274,7 @@ def test_curves_of_nothing(tmp_path):
 
 
 def test_the_person_network_learns_and_the_others_stay(tmp_path):
-    bundle = with_person_network(NetworkBundle(BundleConfig.tiny()), PersonNetwork(PersonConfig(4, 3, 8)))
+    bundle = tiny_bundle_with_person()
     person = torch.zeros(2, 1, SIZE, SIZE)
     person[..., 4:12, 4:12] = 1
     batch = {

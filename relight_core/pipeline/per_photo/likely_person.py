@@ -6,7 +6,7 @@ import cv2
 import numpy as np
 
 from relight_core.face.crop import Crop
-from relight_core.face.paste import Band, spread_crop
+from relight_core.face.paste import Band, places_of, spread_crop
 
 _SURELY_BODY, _PROBABLY_BODY, _PERHAPS_BODY, _NOBODY = 0.97, 0.6, 0.2, 0.02
 _LEAST = 0.01
@@ -109,8 +109,8 @@ def _spread_within(seed: np.ndarray, limit: np.ndarray) -> np.ndarray:
 
 def _placed(looks: list[Look], size: tuple[int, int], photo_size: tuple[int, int]) -> np.ndarray:
     """A person's mask at its place; beyond it what is likely of a body below and a head above, and wider looks."""
-    y, x = ((np.arange(count) + 0.5) * length / count for count, length in zip(size, photo_size, strict=True))
-    places, whole = np.stack(np.meshgrid(x, y), axis=-1), Band(0, size[0], size, photo_size)
+    places, whole = places_of(size, photo_size), Band(0, size[0], size, photo_size)
+    x, y = places[0, :, 0], places[:, 0, 1]
     (person, view), *wider = looks
     seen = spread_crop(_in_range(person), view, whole)
     beyond = _around(x, y, view, seen)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import cv2
@@ -82,7 +83,7 @@ def own_colour(linear: np.ndarray, share: np.ndarray, person: np.ndarray, behind
 
 def make_matte(
     linear: np.ndarray,
-    people: list[list[Look]],
+    people: Iterable[list[Look]],
     alpha: np.ndarray | None = None,
     small: np.ndarray | None = None,
 ) -> Matte:
@@ -95,7 +96,8 @@ def make_matte(
 
     Args:
         linear: (H, W, 3) linear, the photo.
-        people: looks at each, hair and clothes included, from the nearest to the widest (see `place_masks`).
+        people: looks at each, hair and clothes included, from the nearest to the widest (see `place_masks`). Nobody
+            is looked at where the photo's own alpha is the matte.
         alpha: (H, W) the photo's own alpha. Where given and not opaque throughout, it is the matte.
         small: the photo no longer than WORKING_PX, where that is there already.
     """
@@ -105,7 +107,7 @@ def make_matte(
         return Matte(nothing, nothing, black, black, nothing, True)
     small = resize_area(linear, shrunk_size(size, WORKING_PX)) if small is None else small
     guide = np.ascontiguousarray(apply_view(small))
-    matting_size = shrunk_size(size, _MATTING_PX)
+    people, matting_size = list(people), shrunk_size(size, _MATTING_PX)
     coarse = _matted(guide, place_masks(people, matting_size, size), matting_size)
     coarse = _seen_nearer(coarse, guide, people, size)
     edges = _guided(guide, coarse, max(round(max(guide.shape) / _EDGE_WINDOWS), 2))

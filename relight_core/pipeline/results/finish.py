@@ -10,7 +10,7 @@ import numpy as np
 import torch
 
 from relight_core.face.crop import Crop
-from relight_core.face.paste import Band, fade, seen_across, seen_from, spread_crop
+from relight_core.face.paste import Band, fade, places_of, seen_across, seen_from, spread_crop
 from relight_core.imaging.resampling import resize_area, shrunk_size
 from relight_core.lighting.reflection import ReflectionTable
 from relight_core.pipeline.per_light.rest_of_person import Body, body_gain, body_size, make_body
@@ -58,7 +58,7 @@ def place_views(
         people: as `Placement` has them.
     """
     photo_size = photo.photo_size
-    places = _places(shrunk_size(photo_size, _WEIGHT_LONGEST), photo_size)
+    places = places_of(shrunk_size(photo_size, _WEIGHT_LONGEST), photo_size)
     weights = _weights_at(views, people, places, photo_size)
     canvas = shrunk(photo, max(body_size(photo_size)))
     known = resize_area(np.minimum(sum(weights), 1), canvas.size)
@@ -138,7 +138,7 @@ def mean_gain(placement: Placement, rest: np.ndarray) -> np.ndarray:
 
 def _weights_on(placement: Placement, view: Crop, size: int) -> ViewWeights:
     """The weights at a view's own pixels: a small view's edge is finer than the photo's maps."""
-    places = view.to_photo(_places((size, size), (size, size)), size)
+    places = view.to_photo(places_of((size, size), (size, size)), size)
     weights = _weights_at(placement.views, placement.people, places, placement.photo_size)
     of_views = [weight[..., None] for weight in weights]
     of_rest = 1 - np.minimum(sum(of_views), 1)
@@ -170,12 +170,6 @@ def _coarse(maps: np.ndarray, view: Crop, size: tuple[int, int], photo_size: tup
     longest = max(size)
     shrunk = resize_area(maps, (min(len(maps), longest),) * 2)
     return spread_crop(shrunk, view, Band(0, size[0], size, photo_size))
-
-
-def _places(size: tuple[int, int], extent: tuple[int, int]) -> np.ndarray:
-    """(h, w, 2), x and y of the middles of a grid's cells, [0, extent], which is (height, width) as the size is."""
-    y, x = ((np.arange(count) + 0.5) * length / count for count, length in zip(size, extent, strict=True))
-    return np.stack(np.meshgrid(x, y), axis=-1)
 
 
 def _weights_at(
