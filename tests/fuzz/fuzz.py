@@ -11,6 +11,7 @@ under --keep, and the next one follows. Exit code 1 if there was one.
 from __future__ import annotations
 
 import argparse
+import gc
 import multiprocessing
 import os
 import resource
@@ -76,6 +77,8 @@ def attack(reader: Reader, seed: int, first: int, count: int, folder: Path, repo
     os.dup2(nowhere, 2)
     resource.setrlimit(resource.RLIMIT_AS, (ADDRESSES_GIB << 30, ADDRESSES_GIB << 30))
     path = folder / f"mutant{reader.suffix}"
+    # What the parent left to the collector would be freed here and hide as much growth.
+    gc.freeze()
     started_mib = _peak_mib()
     for number in range(first, first + count):
         path.write_bytes(mutant(reader.seeds, seed, number))
