@@ -123,11 +123,19 @@ class FaceTakenApart:
         return whole.likely, whole.view
 
     def outline(self) -> Outline | None:
-        """The person as the person network sees them; None where there is no such network, or it isn't asked."""
+        """The person as the person network sees them; None where there is no such network, or it isn't asked.
+
+        It looks twice, as the head leans and, at the mirror image, as the photo lies: what it doesn't make out of an
+        arm or a coat is seldom the same in both.
+        """
         if self._shop.bundle.person is None or not self._outlined:
             return None
-        crop = self.portrait.crop
-        return self._looked("outline", crop, person_view(crop, self.portrait.photo.linear.shape[:2]))
+        return self._once("outline", "photo", self._look_twice)
+
+    def _look_twice(self) -> Outline:
+        crop, size = self.portrait.crop, self.portrait.photo.linear.shape[:2]
+        leaning = self._look(crop, person_view(crop, size))
+        return leaning.agreed(self._look(upright(crop), person_view(upright(crop), size), mirrors=(True,)))
 
     def looks(self) -> list[tuple[np.ndarray, Crop]]:
         """`mask`, and the same of a wider view where there is a person network and the photo shows more."""
@@ -135,13 +143,12 @@ class FaceTakenApart:
         view = wider_view(crop, self.portrait.photo.linear.shape[:2])
         if self.outline() is None or view is None:
             return [self.mask()]
-        return [self.mask(), (self._looked("wider_outline", crop, view, mirrored=True).likely, view)]
+        wider = self._once("wider_outline", "photo", lambda: self._look(crop, view, mirrors=(False, True)))
+        return [self.mask(), (wider.likely, view)]
 
-    def _looked(self, stage: str, crop: Crop, view: Crop, *, mirrored: bool = False) -> Outline:
+    def _look(self, crop: Crop, view: Crop, mirrors: tuple[bool, ...] = (False,)) -> Outline:
         """What the person network says in a view; see `outline_person`."""
-        shop, photo = self._shop, self.portrait.photo
-        look = lambda: outline_person(shop.bundle, photo, crop, view, shop.device, mirrored=mirrored)  # noqa: E731
-        return self._once(stage, "photo", look)
+        return outline_person(self._shop.bundle, self.portrait.photo, crop, view, self._shop.device, mirrors)
 
     def _relief(self, ready: Prepared) -> ReliefTransport:
         return self._once("relief", ready.tier.relief_key, lambda: stages.march(ready.found, ready.tier.relief_size))

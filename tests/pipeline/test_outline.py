@@ -53,6 +53,13 @@ def test_a_correction_counts_as_far_as_it_reaches():
     np.testing.assert_array_equal(corrected.likely[:4], half()[:4])
 
 
+def test_two_looks_agree_half_way_as_far_as_the_other_reaches():
+    nobody, everybody = (np.full((64, 64), likely, np.float32) for likely in (0.1, 0.9))
+    both = Outline(nobody, VIEW).agreed(Outline(everybody, Crop(160.0, 100.0, 120.0))).likely
+    np.testing.assert_allclose(both[:, :30], 0.1, atol=1e-3)
+    np.testing.assert_allclose(both[:, 34:], 0.5, atol=1e-3)
+
+
 def test_parsing_and_outline_meet_half_way_and_shares_stay():
     parsing = parsing_of(background=0.5, hair=0.3, skin=0.2)
     for likely, more in ((1.0, True), (0.0, False)):
@@ -111,5 +118,5 @@ def test_what_is_seen_in_a_mirror_counts_as_much():
         )
         return np.abs(there - back[:, ::-1]).max()
 
-    assert differences(mirrored=True) < 1e-4
+    assert differences(mirrors=(False, True)) < 1e-4
     assert differences() > 1e-3

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import cv2
@@ -44,6 +45,11 @@ class Outline:
         known_likely, known = _moved(likely, view, self.view, len(self.likely))
         return Outline(known * known_likely + (1 - known) * self.likely, self.view)
 
+    def agreed(self, other: Outline) -> Outline:
+        """The same with its log odds averaged with those of another look, as far as that reaches."""
+        likely, known = other.seen_in(self.view, len(self.likely))
+        return Outline(_mean_odds(self.likely, likely, known / 2).astype(np.float32), self.view)
+
 
 def _moved(image: np.ndarray, view: Crop, other: Crop, size: int) -> tuple[np.ndarray, np.ndarray]:
     """An image (s, s) of one view as seen in another, (size, size), and how much of that it covers."""
@@ -57,7 +63,7 @@ def _moved(image: np.ndarray, view: Crop, other: Crop, size: int) -> tuple[np.nd
 
 @torch.inference_mode()
 def outline_person(
-    bundle: NetworkBundle, photo: Photo, crop: Crop, view: Crop, device: str, *, mirrored: bool = False
+    bundle: NetworkBundle, photo: Photo, crop: Crop, view: Crop, device: str, mirrors: Sequence[bool] = (False,)
 ) -> Outline:
     """The person whose face lies in a crop, as far as a view reaches.
 
@@ -65,19 +71,21 @@ def outline_person(
         bundle: with a person network.
         crop: the paper's crop of the face (section 3.2).
         view: about that crop (see `face.person_view`).
-        mirrored: also look at the mirrored view, and average what is said of both.
+        mirrors: for each look at the view, whether at its mirror image; the log odds of all are averaged.
     """
     size = photo.linear.shape[:2]
     inside = inside_photo(view, size, _SIZE)
     seen = srgb_encode(np.clip(network_view(photo, view, _SIZE), 0, 1)) * inside[..., None]
     planes = np.dstack([seen, inside, face_in_view(view, crop, _SIZE)]).astype(np.float32)
     stacked = torch.from_numpy(planes).permute(2, 0, 1)[None].to(device)
-    if mirrored:
-        stacked = torch.cat([stacked, stacked.flip(-1)])
+    stacked = torch.cat([_turned_over(stacked, mirror) for mirror in mirrors])
     logits = in_precision(bundle, device).person(stacked[:, :3], stacked[:, 3:4], stacked[:, 4:])
-    if mirrored:
-        logits = (logits[:1] + logits[1:].flip(-1)) / 2
-    return Outline(torch.sigmoid(logits)[0, 0].cpu().numpy(), view)
+    said = torch.stack([_turned_over(look, mirror) for look, mirror in zip(logits, mirrors, strict=True)])
+    return Outline(torch.sigmoid(said.mean(0))[0].cpu().numpy(), view)
+
+
+def _turned_over(image: torch.Tensor, mirror: bool) -> torch.Tensor:
+    return image.flip(-1) if mirror else image
 
 
 def parsing_within(parsing: torch.Tensor, outline: Outline, view: Crop) -> torch.Tensor:
@@ -104,7 +112,7 @@ def parsing_within(parsing: torch.Tensor, outline: Outline, view: Crop) -> torch
     return torch.cat([1 - person, person * others / others.sum(1, keepdim=True)], 1)
 
 
-def _mean_odds(first: np.ndarray, second: np.ndarray, share: float) -> np.ndarray:
+def _mean_odds(first: np.ndarray, second: np.ndarray, share: float | np.ndarray) -> np.ndarray:
     """The probability whose log odds are a mean of two others', in which the second counts for a share in [0, 1]."""
     first, second = (np.clip(p, _SURELY, 1 - _SURELY) for p in (first, second))
     mean = (first / (1 - first)) ** (1 - share) * (second / (1 - second)) ** share
