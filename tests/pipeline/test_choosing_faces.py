@@ -42,6 +42,24 @@ def test_the_best_guess_takes_the_place_of_what_is_no_face(monkeypatch, photo):
     assert find_faces(photo) == chosen
 
 
+def test_what_lies_and_hides_a_part_is_a_face_only_if_that_part_is_suspected(monkeypatch, photo):
+    lying, standing = FaceBox(1, 1, 3, 3, 90.0, True), FaceBox(4, 4, 8, 8, 0.0, True)
+    for suspected, guesses, chosen in (
+        (3, [lying], [90.0]),
+        (2, [lying], []),
+        (2, [standing], [0.0]),
+        (2, [lying, standing], [0.0]),
+        (3, [standing, lying], [90.0]),
+    ):
+        seeing(monkeypatch, [], guesses)
+        glimpse = {90.0: suspected, 0.0: 2}
+        try:
+            faces = choose_faces(photo, None, lambda box: 2, glimpse=lambda box, seen=glimpse: seen[box.roll_deg])
+        except InputError:
+            faces = []
+        assert [face.roll_deg for face in faces] == chosen, (suspected, guesses)
+
+
 def test_where_nothing_is_confirmed_a_hint_of_a_face_is_enough(monkeypatch, photo):
     seeing(monkeypatch, [DOUBTFUL], GUESSES)
     assert choose_faces(photo, None, lambda box: int(box == DOUBTFUL)) == [DOUBTFUL]
@@ -64,7 +82,7 @@ def test_small_faces_are_looked_for_where_nothing_else_is(monkeypatch, photo):
     assert choose_faces(photo, None, lambda box: 2 * (box == DOUBTFUL)) == [replace(DOUBTFUL, doubtful=False)]
     assert choose_faces(photo, None, lambda box: 1 * (box == DOUBTFUL)) == [DOUBTFUL]
     assert choose_faces(photo, None) == [DOUBTFUL]
-    assert [face.roll_deg for face in choose_faces(photo, None, lambda box: 2)] == [90.0]
+    assert [face.roll_deg for face in choose_faces(photo, None, lambda box: 2, glimpse=lambda box: 3)] == [90.0]
     with pytest.raises(InputError, match="no face"):
         choose_faces(photo, None, lambda box: 0)
 

@@ -50,7 +50,7 @@ def choose_faces(
         look_closer: a stricter `evidence`. With it, faces are looked for beside those that were confirmed, where there
             is room for some.
         glimpse: as `evidence`, of parts that are only suspected. All three of them confirm what the cascades agree on,
-            and two or three what is located again and again.
+            and what lies or stands on its head, and two or three what is located again and again.
 
     Raises:
         NoFaceError: no face.
@@ -113,7 +113,7 @@ def _confirmed(
         least_width = _MUCH_WIDER * max(face.width for face in faces)
         faces = [face for face in _searched(photo, locate, evidence, glimpse) if face.width > least_width] or faces
     if not faces:
-        faces = _best(guess_faces(photo), evidence, _ENOUGH_EVIDENCE)
+        faces = _best(guess_faces(photo), evidence, glimpse)
     if not faces:
         faces = _searched(photo, locate, evidence, glimpse)
     if not faces and not found:
@@ -174,16 +174,20 @@ def _with_companions(photo: Photo, faces: list[FaceBox], look_closer: Callable[[
     return faces
 
 
-def _best(guesses: Iterable[FaceBox], evidence: Callable[[FaceBox], int], least: int) -> list[FaceBox]:
-    """The guess that shows most of a face, if it shows enough, and of equals one that doesn't lie or stand on its head.
+def _best(
+    guesses: Iterable[FaceBox], evidence: Callable[[FaceBox], int], glimpse: Callable[[FaceBox], int]
+) -> list[FaceBox]:
+    """The guess that shows most of a face, if it shows enough, and of equals one of which more is suspected, or stands.
 
-    The first that shows all of a face and stands ends it.
+    What is suspected also tells real faces that lie or stand on their heads, and hide a part, from animals and stones:
+    of those all must be. The first guess that shows all of a face and stands ends it.
     """
-    best, most = None, (least - 1, True)
+    best, most = None, (_ENOUGH_EVIDENCE - 1, _ALL_EVIDENCE, True)
     for guess in guesses:
-        seen = evidence(guess), abs(guess.roll_deg) < _LYING_FROM_DEG
-        if seen > most:
-            best, most = guess, seen
-        if most == (_ALL_EVIDENCE, True):
+        seen, stands = evidence(guess), abs(guess.roll_deg) < _LYING_FROM_DEG
+        suspected = glimpse(guess)
+        if (seen, suspected, stands) > most and (stands or max(seen, suspected) == _ALL_EVIDENCE):
+            best, most = guess, (seen, suspected, stands)
+        if seen == _ALL_EVIDENCE and stands:
             break
     return [] if best is None else [best]
