@@ -142,6 +142,15 @@ def test_a_speck_that_shows_half_a_face_gives_way_to_a_face_that_is_located(monk
         assert [found.x0 for found in chosen] == [18]
 
 
+def test_a_speck_gives_way_to_a_larger_face_that_lies_and_else_the_search_goes_on(monkeypatch, photo):
+    speck, place = FaceBox(18, 18, 19, 19, doubtful=True), FaceBox(2, 2, 12, 14, doubtful=True)
+    lying, small = FaceBox(3, 3, 12, 14, 90.0, True), FaceBox(3, 3, 5, 5, 90.0, True)
+    for guess, roll_deg, left in ((lying, 90.0, 3), (small, 0.0, 2)):
+        seeing(monkeypatch, [speck], [guess])
+        chosen = choose_faces(photo, None, lambda box: 2 if box == speck else 3, lambda view: place)
+        assert [(face.roll_deg, face.x0) for face in chosen] == [(roll_deg, left)]
+
+
 def test_of_several_specks_the_widest_is_what_a_face_must_exceed(monkeypatch, photo):
     # The finder sorts by confidence too, so the first need not be the widest.
     specks = [FaceBox(18, 18, 18.5, 18.5, doubtful=True), FaceBox(15, 2, 16.5, 3.5, doubtful=True)]

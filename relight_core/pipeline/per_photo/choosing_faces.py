@@ -107,15 +107,16 @@ def _confirmed(
             if not face.doubtful or evidence(face) >= _ENOUGH_EVIDENCE or glimpse(face) == _ALL_EVIDENCE
         ]
 
+    def elsewhere(wider_than: float = 0.0) -> list[FaceBox]:
+        guessed = [face for face in _best(guess_faces(photo), evidence, glimpse) if face.width > wider_than]
+        return guessed or [face for face in _searched(photo, locate, evidence, glimpse) if face.width > wider_than]
+
     faces = confirmed(found)
     if faces and all(_is_speck(face, photo) and evidence(face) < _ALL_EVIDENCE for face in faces):
-        # A button and a fold beside a face in profile, which cascades don't see.
-        least_width = _MUCH_WIDER * max(face.width for face in faces)
-        faces = [face for face in _searched(photo, locate, evidence, glimpse) if face.width > least_width] or faces
+        # A button and a fold beside a face in profile, or teeth of one that lies, which cascades don't see.
+        faces = elsewhere(_MUCH_WIDER * max(face.width for face in faces)) or faces
     if not faces:
-        faces = _best(guess_faces(photo), evidence, glimpse)
-    if not faces:
-        faces = _searched(photo, locate, evidence, glimpse)
+        faces = elsewhere()
     if not faces and not found:
         found = find_small_faces(photo)
         faces = confirmed(found)
