@@ -60,6 +60,15 @@ def test_what_lies_and_hides_a_part_is_a_face_only_if_that_part_is_suspected(mon
         assert [face.roll_deg for face in faces] == chosen, (suspected, guesses)
 
 
+@pytest.mark.parametrize(("suspected", "roll_deg"), [(3, 0.0), (2, -30.0)])
+def test_an_upright_face_in_profile_goes_before_the_same_one_askew(monkeypatch, photo, suspected, roll_deg):
+    upright, askew = FaceBox(1, 1, 9, 9, 0.0, True), FaceBox(2, 2, 9, 9, -30.0, True)
+    seeing(monkeypatch, [], [askew, upright])
+    seen, glimpse = {0.0: 1, -30.0: 2}, {0.0: suspected, -30.0: 3}
+    chosen = choose_faces(photo, None, lambda box: seen[box.roll_deg], glimpse=lambda box: glimpse[box.roll_deg])
+    assert [face.roll_deg for face in chosen] == [roll_deg]
+
+
 def test_where_nothing_is_confirmed_a_hint_of_a_face_is_enough(monkeypatch, photo):
     seeing(monkeypatch, [DOUBTFUL], GUESSES)
     assert choose_faces(photo, None, lambda box: int(box == DOUBTFUL)) == [DOUBTFUL]
@@ -142,13 +151,13 @@ def test_a_speck_that_shows_half_a_face_gives_way_to_a_face_that_is_located(monk
         assert [found.x0 for found in chosen] == [18]
 
 
-def test_a_speck_gives_way_to_a_larger_face_that_lies_and_else_the_search_goes_on(monkeypatch, photo):
+def test_a_speck_beside_which_no_face_is_located_gives_way_to_a_larger_one_that_lies(monkeypatch, photo):
     speck, place = FaceBox(18, 18, 19, 19, doubtful=True), FaceBox(2, 2, 12, 14, doubtful=True)
     lying, small = FaceBox(3, 3, 12, 14, 90.0, True), FaceBox(3, 3, 5, 5, 90.0, True)
-    for guess, roll_deg, left in ((lying, 90.0, 3), (small, 0.0, 2)):
+    for located, guess, left in ((None, lying, 3), (None, small, 18), (place, lying, 2)):
         seeing(monkeypatch, [speck], [guess])
-        chosen = choose_faces(photo, None, lambda box: 2 if box == speck else 3, lambda view: place)
-        assert [(face.roll_deg, face.x0) for face in chosen] == [(roll_deg, left)]
+        chosen = choose_faces(photo, None, lambda box: 2 if box == speck else 3, lambda view, at=located: at)
+        assert [face.x0 for face in chosen] == [left]
 
 
 def test_of_several_specks_the_widest_is_what_a_face_must_exceed(monkeypatch, photo):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
+from itertools import islice
 
 import numpy as np
 
@@ -23,7 +24,7 @@ from relight_core.imaging.photo import Photo
 
 _ENOUGH_EVIDENCE, _ALL_EVIDENCE = 2, 3
 
-_LYING_FROM_DEG = 45.0
+_UPRIGHT_TO_DEG, _LYING_FROM_DEG = 15.0, 45.0
 
 _SPECK, _MUCH_WIDER = 0.1, 3
 """A face narrower than this share of the photo's shorter side is a speck, and gives way to one so much wider."""
@@ -107,16 +108,20 @@ def _confirmed(
             if not face.doubtful or evidence(face) >= _ENOUGH_EVIDENCE or glimpse(face) == _ALL_EVIDENCE
         ]
 
-    def elsewhere(wider_than: float = 0.0) -> list[FaceBox]:
-        guessed = [face for face in _best(guess_faces(photo), evidence, glimpse) if face.width > wider_than]
-        return guessed or [face for face in _searched(photo, locate, evidence, glimpse) if face.width > wider_than]
+    def guessed() -> list[FaceBox]:
+        return _best(guess_faces(photo), evidence, glimpse)
+
+    def searched() -> list[FaceBox]:
+        return _searched(photo, locate, evidence, glimpse)
 
     faces = confirmed(found)
     if faces and all(_is_speck(face, photo) and evidence(face) < _ALL_EVIDENCE for face in faces):
         # A button and a fold beside a face in profile, or teeth of one that lies, which cascades don't see.
-        faces = elsewhere(_MUCH_WIDER * max(face.width for face in faces)) or faces
+        least_width = _MUCH_WIDER * max(face.width for face in faces)
+        wider = (face for find in (searched, guessed) for face in find() if face.width > least_width)
+        faces = list(islice(wider, 1)) or faces
     if not faces:
-        faces = elsewhere()
+        faces = guessed() or searched()
     if not faces and not found:
         found = find_small_faces(photo)
         faces = confirmed(found)
@@ -178,17 +183,21 @@ def _with_companions(photo: Photo, faces: list[FaceBox], look_closer: Callable[[
 def _best(
     guesses: Iterable[FaceBox], evidence: Callable[[FaceBox], int], glimpse: Callable[[FaceBox], int]
 ) -> list[FaceBox]:
-    """The guess that shows most of a face, if it shows enough, and of equals one of which more is suspected, or stands.
+    """The guess that shows all of a face, else the one of which most is suspected, of equals the more upright one.
 
-    What is suspected also tells real faces that lie or stand on their heads, and hide a part, from animals and stones:
-    of those all must be. The first guess that shows all of a face and stands ends it.
+    What is suspected tells real faces that lie or stand on their heads, and hide a part, from animals and stones: of
+    those all must be. Of an upright face, such as one in profile, less needs to be seen then. The first guess that
+    shows all of a face and stands ends it.
     """
-    best, most = None, (_ENOUGH_EVIDENCE - 1, _ALL_EVIDENCE, True)
+    best, most = None, None
     for guess in guesses:
-        seen, stands = evidence(guess), abs(guess.roll_deg) < _LYING_FROM_DEG
-        suspected = glimpse(guess)
-        if (seen, suspected, stands) > most and (stands or max(seen, suspected) == _ALL_EVIDENCE):
-            best, most = guess, (seen, suspected, stands)
+        seen, suspected, leaning = evidence(guess), glimpse(guess), abs(guess.roll_deg)
+        stands, sure = leaning < _LYING_FROM_DEG, _ALL_EVIDENCE in (seen, suspected)
+        if seen < _ENOUGH_EVIDENCE and not (seen and sure and leaning < _UPRIGHT_TO_DEG) or not (stands or sure):
+            continue
+        rank = (seen == _ALL_EVIDENCE, suspected, stands, leaning < _UPRIGHT_TO_DEG, seen)
+        if most is None or rank > most:
+            best, most = guess, rank
         if seen == _ALL_EVIDENCE and stands:
             break
     return [] if best is None else [best]
