@@ -183,21 +183,27 @@ def _with_companions(photo: Photo, faces: list[FaceBox], look_closer: Callable[[
 def _best(
     guesses: Iterable[FaceBox], evidence: Callable[[FaceBox], int], glimpse: Callable[[FaceBox], int]
 ) -> list[FaceBox]:
-    """The guess that shows all of a face, else the one of which most is suspected, of equals the more upright one.
-
-    What is suspected tells real faces that lie or stand on their heads, and hide a part, from animals and stones: of
-    those all must be. Of an upright face, such as one in profile, less needs to be seen then. The first guess that
-    shows all of a face and stands ends it.
-    """
-    best, most = None, None
+    """The guess of the highest rank, if it has any; the first that shows all of a face and stands ends it."""
+    best, highest = [], ()
     for guess in guesses:
-        seen, suspected, leaning = evidence(guess), glimpse(guess), abs(guess.roll_deg)
-        stands, sure = leaning < _LYING_FROM_DEG, _ALL_EVIDENCE in (seen, suspected)
-        if seen < _ENOUGH_EVIDENCE and not (seen and sure and leaning < _UPRIGHT_TO_DEG) or not (stands or sure):
-            continue
-        rank = (seen == _ALL_EVIDENCE, suspected, stands, leaning < _UPRIGHT_TO_DEG, seen)
-        if most is None or rank > most:
-            best, most = guess, rank
-        if seen == _ALL_EVIDENCE and stands:
+        rank = _rank(evidence(guess), glimpse(guess), abs(guess.roll_deg))
+        if rank > highest:
+            best, highest = [guess], rank
+        if rank[:2] == (True, True):
             break
-    return [] if best is None else [best]
+    return best
+
+
+def _rank(seen: int, suspected: int, leaning_deg: float) -> tuple[int, ...]:
+    """By how much a guess at a face is to be trusted; empty where it shows too little of one.
+
+    One that shows all of a face goes first, then the one of which more is suspected, then the more upright one. What
+    is suspected tells faces that lie or stand on their heads, and hide a part, from animals and stones: of those all
+    must be. Of an upright face, such as one in profile, less needs to be seen then.
+    """
+    upright, stands = leaning_deg < _UPRIGHT_TO_DEG, leaning_deg < _LYING_FROM_DEG
+    complete, all_suspected = seen == _ALL_EVIDENCE, _ALL_EVIDENCE in (seen, suspected)
+    least = 1 if upright and all_suspected else _ENOUGH_EVIDENCE
+    if seen < least or not (stands or all_suspected):
+        return ()
+    return complete, complete and stands, suspected, stands, upright, seen
