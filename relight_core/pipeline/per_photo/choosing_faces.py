@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
-from itertools import islice
 
 import numpy as np
 
@@ -118,8 +117,7 @@ def _confirmed(
     if faces and all(_is_speck(face, photo) and evidence(face) < _ALL_EVIDENCE for face in faces):
         # A button and a fold beside a face in profile, or teeth of one that lies, which cascades don't see.
         least_width = _MUCH_WIDER * max(face.width for face in faces)
-        wider = (face for find in (searched, guessed) for face in find() if face.width > least_width)
-        faces = list(islice(wider, 1)) or faces
+        faces = _wider(searched(), least_width) or _wider(guessed(), least_width) or faces
     if not faces:
         faces = guessed() or searched()
     if not faces and not found:
@@ -130,6 +128,10 @@ def _confirmed(
     faces = [replace(face, doubtful=False) for face in faces]
     remember_faces(photo, faces)
     return faces
+
+
+def _wider(faces: list[FaceBox], least_width: float) -> list[FaceBox]:
+    return [face for face in faces if face.width > least_width]
 
 
 def _is_speck(face: FaceBox, photo: Photo) -> bool:
@@ -197,13 +199,13 @@ def _best(
 def _rank(seen: int, suspected: int, leaning_deg: float) -> tuple[int, ...]:
     """By how much a guess at a face is to be trusted; empty where it shows too little of one.
 
-    One that shows all of a face goes first, then the one of which more is suspected, then the more upright one. What
-    is suspected tells faces that lie or stand on their heads, and hide a part, from animals and stones: of those all
-    must be. Of an upright face, such as one in profile, less needs to be seen then.
+    One that shows all of a face goes first, of those one that stands; then the one of which more is suspected, then the
+    more upright one. What is suspected tells faces that lie or stand on their heads, and hide a part, from animals and
+    stones: of those no part may be missing. Of an upright face, such as one in profile, less needs to be seen then.
     """
     upright, stands = leaning_deg < _UPRIGHT_TO_DEG, leaning_deg < _LYING_FROM_DEG
-    complete, all_suspected = seen == _ALL_EVIDENCE, _ALL_EVIDENCE in (seen, suspected)
-    least = 1 if upright and all_suspected else _ENOUGH_EVIDENCE
-    if seen < least or not (stands or all_suspected):
+    complete, nothing_missing = seen == _ALL_EVIDENCE, _ALL_EVIDENCE in (seen, suspected)
+    least = 1 if upright and nothing_missing else _ENOUGH_EVIDENCE
+    if seen < least or not (stands or nothing_missing):
         return ()
     return complete, complete and stands, suspected, stands, upright, seen
