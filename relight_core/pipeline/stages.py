@@ -329,7 +329,10 @@ def compose(
     plain = explicit_sum(surface.albedo, reflected, effects, specular, shadow)
     if not corrected:
         return Composed(plain, plain)
-    shown = (surface.albedo, surface.normal, effects.specular * specular, effects.shadow * shadow, plain)
+    # The network has learnt that where much is hidden, more is. Of what geometry is certain of that is not so:
+    # such places are shown to it as if they faced away from the lamp.
+    uncertain = effects.shadow if effects.unlit is None else (effects.shadow - effects.unlit).clamp_min(0)
+    shown = (surface.albedo, surface.normal, effects.specular * specular, uncertain * shadow, plain)
     network = in_precision(bundle, device, precision).pair(pair).composition
     return Composed(network(*shown, light), plain)
 

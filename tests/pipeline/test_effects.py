@@ -8,7 +8,7 @@ from relight_core.networks.bundle import BundleConfig, NetworkBundle
 from relight_core.networks.specular_shadow import Occlusion, SpecularShadowConfig
 from relight_core.pipeline import stages
 from relight_core.pipeline.per_light.hints import Effects, effects_of, explicit_sum, specular_shadow_hints
-from relight_core.pipeline.stages import Composed, move_sliders
+from relight_core.pipeline.stages import Composed, Surface, move_sliders
 
 GAINS = (0.0, 0.5, 1.0, 1.5, 2.0)
 
@@ -131,3 +131,22 @@ def test_networks_in_training_are_not_copied():
     ready = bundle.for_inference()
     assert stages.in_precision(ready, "cuda") is ready.rounded()
     assert stages.in_precision(ready, "cuda", "fp32") is ready
+
+
+def test_a_place_that_a_lamp_surely_does_not_reach_is_composed_as_if_it_faced_away():
+    torch.manual_seed(1)
+    bundle = NetworkBundle(BundleConfig.tiny())
+    bundle.composition.head.weight.data.normal_(0, 0.3)
+    one, colour = torch.ones(1, 1, 32, 32), torch.full((1, 3, 32, 32), 0.5)
+    normal = torch.zeros_like(colour)
+    normal[:, 2] = 1
+    surface = Surface(colour, colour, normal, 0 * one, torch.ones(1, 14, 32, 32) / 14, one, torch.ones(1, 16, 32, 3))
+
+    def composed(irradiance, shadow, unlit=None):
+        reflected = torch.cat([torch.full_like(colour, irradiance), torch.full_like(colour, 0.02)], 1)
+        effects = Effects(0.02 * one, shadow * one, unlit=unlit)
+        return stages.compose(bundle, surface, reflected, effects, surface.source_light, precision="fp32").image
+
+    away = composed(0.4, 0.05)
+    torch.testing.assert_close(composed(2.4, 1.05, unlit=1.0 * one), away, rtol=1e-3, atol=1e-4)
+    assert (composed(2.4, 1.05) - away).abs().max() > 0.01

@@ -119,10 +119,51 @@ def test_shadow_of_other_lights_stays():
     assert np.abs(after - 0.5).max() < 0.1
 
 
+def effects_with(hidden, gloss, dull=0.5):
+    """`hidden` of a diffuse light of 1, and `dull` of the gloss."""
+    one = torch.ones(1, 1, SIZE, SIZE)
+    return Effects((1 - dull) * gloss * one, (hidden + dull * gloss) * one)
+
+
+def in_and_out_of_the_shadow(channel):
+    """Of a row across the bar: beside it in its shadow, and on the other side."""
+    row = channel[0, 0, SIZE // 2].numpy()
+    return row[25:29].mean(), row[44:60].mean()
+
+
 def test_gloss_goes_where_the_lamp_is_hidden():
-    """A highlight can't lie in the shadow of the lamp that makes it."""
+    """A highlight can't lie in the shadow of the lamp that makes it; of 0.036 the lamp makes nearly all."""
+    after = hardened(effects_with(0.5, 0.036), [lamp()], reflected(gloss=0.036))
+    shaded, lit = in_and_out_of_the_shadow(after.specular)
+    assert shaded < 0.003
+    assert lit > 0.015
+
+
+def test_gloss_goes_where_a_lamp_that_gives_little_else_is_hidden():
+    """A tenth of the diffuse light, and nearly all of the gloss, as where light grazes a nose from behind."""
+    after = hardened(effects_with(0.5, 0.0036), [lamp(irradiance=0.3)], reflected(gloss=0.0036))
+    shaded, lit = in_and_out_of_the_shadow(after.specular)
+    assert shaded < 0.0003
+    assert lit > 0.0015
+
+
+def test_gloss_of_other_lights_stays():
+    after = hardened(effects_with(0.5, 0.36), [lamp()], reflected(gloss=0.36))
+    shaded, lit = in_and_out_of_the_shadow(after.specular)
+    assert shaded == pytest.approx(0.18, abs=0.02)
+    assert lit == pytest.approx(0.18, abs=0.02)
+
+
+@pytest.mark.parametrize("hidden", [0.93, 1.0])
+def test_what_is_left_beside_a_hidden_lamp_is_what_reaches_there_of_the_rest(hidden):
+    """The lamp gives 0.964 of the light; of the others the bar hides little. What is left was all or nothing."""
+    after = share(hardened(effects_with(hidden, 0.1), [lamp()]))[SIZE // 2, 25:29].mean()
+    assert 0.964 < after < 0.985
+
+
+def test_what_a_lamp_would_give_but_for_its_shadow_is_told():
     after = hardened(half_shadow(), [lamp()])
-    middle = share(after)[SIZE // 2]
-    gloss = after.specular[0, 0, SIZE // 2].numpy()
-    assert gloss[middle > 0.8].max() < 0.03
-    assert gloss.max() <= 0.1 + 1e-6
+    shaded, lit = in_and_out_of_the_shadow(after.unlit)
+    assert shaded == pytest.approx(0.964 + 0.035, abs=0.01)
+    assert lit == pytest.approx(0, abs=1e-6)
+    assert hardened(half_shadow(), [lamp()], label=HAIR).unlit.max() == pytest.approx(0, abs=1e-6)

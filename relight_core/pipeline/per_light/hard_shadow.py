@@ -4,13 +4,14 @@ The SS network sees a light in texels of 11 degrees and a relief marched as coar
 what it says of a sun's shadow is right in the large, pale and soft at the edge. It knows whether there is a
 shadow, geometry knows where a shadow ends. So where a light has small lamps and the network sees their shadow, the
 same relief is asked again, finely and for exactly their direction and size, and its answer takes the place of the
-network's.
+network's. What is left there of the rest of the light is the small difference of two large numbers, all light and
+the hidden part of it; the less that is, the more the relief's word counts for it, too.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import torch
 import torch.nn.functional as F
@@ -19,14 +20,18 @@ from relight_core.face.parsing import FACE_LABELS, INDEX
 from relight_core.imaging.tensor_colour import grey
 from relight_core.lighting.horizon import Horizon
 from relight_core.lighting.lamps import Lamp, footprint
+from relight_core.lighting.reflection import specular_lobe
 from relight_core.lighting.relief import ReliefTransport
-from relight_core.pipeline.per_light.hints import Effects, hidden_share, with_hidden_share
+from relight_core.lighting.sphere import solid_angles
+from relight_core.pipeline.per_light.hints import Effects, gloss_share, hidden_share, with_hidden_share
 from relight_core.pipeline.stages import Surface
 
-_LEAST_OPEN = 0.05
 _SURE = 0.5
 """Share of a lamp's light that the network takes for hidden from which on geometry alone decides."""
 _DOUBT = 0.05
+_SMALL_REST = 0.2
+"""Share of all light that does not come from lamps for which network and relief are trusted alike."""
+_NO_GLOSS = 1e-6
 _MARGIN_PX = 5
 _MOUTH = {INDEX["inner_mouth"], INDEX["lips"]}
 _SKIN = sorted({*FACE_LABELS, INDEX["neck"]} - _MOUTH)
@@ -47,9 +52,7 @@ def harden_shadow(
     horizon: Horizon,
     lamps: Sequence[Lamp],
 ) -> Effects:
-    """The effects with edges in the shadow of every lamp.
-
-    Gloss is hidden with the light that causes it: it changes as what is left of the diffuse light does.
+    """The effects with edges in the shadow of every lamp, and in that of the lamp's gloss.
 
     Args:
         effects, reflected: as of `hints.explicit_sum`.
@@ -60,23 +63,75 @@ def harden_shadow(
     if not lamps:
         return effects
     diffuse, gloss = grey(surface.albedo * reflected[:, :3]), grey(reflected[:, 3:])
-    hidden = hidden_share(effects, diffuse, gloss)
+    reach = _reach(surface, light, transport, horizon, lamps)
+    irradiance = grey(reflected[:, :3]).clamp_min(1e-3)
+    hidden, unlit = _with_edges(
+        hidden_share(effects, diffuse, gloss), [_part(lamp, surface, irradiance) for lamp in lamps], reach
+    )
+    dull = torch.where(gloss > _NO_GLOSS, 1 - effects.specular / gloss.clamp_min(_NO_GLOSS), 0).clamp(0, 1)
+    duller, unlit_gloss = _with_edges(dull, _gloss_parts(lamps, surface, gloss), reach)
+    specular = (effects.specular - gloss * (duller - dull)).clamp_min(0)
+    edged = with_hidden_share(replace(effects, specular=specular), hidden, diffuse, gloss)
+    return replace(edged, unlit=unlit * diffuse + unlit_gloss * gloss)
+
+
+@dataclass(frozen=True)
+class _Reach:
+    """How far the lamps of a light, and the rest of it, reach by the relief; maps (1, 1, S, S) in [0, 1].
+
+    Attributes:
+        lost: of each lamp, the share that is hidden, as coarsely as the network is told.
+        seen: of each lamp, the share that is not, finely.
+        lost_rest: the share of the light without its lamps that is hidden.
+        decides: of each lamp, how far geometry may have the last word.
+    """
+
+    lost: Sequence[torch.Tensor]
+    seen: Sequence[torch.Tensor]
+    lost_rest: torch.Tensor
+    decides: Sequence[torch.Tensor]
+
+
+def _reach(
+    surface: Surface, light: torch.Tensor, transport: ReliefTransport, horizon: Horizon, lamps: Sequence[Lamp]
+) -> _Reach:
+    like = surface.relief
     radiance = grey(light.float().cpu().permute(0, 3, 1, 2))[0, 0]
-    all_and_each = torch.stack([radiance, *(torch.from_numpy(footprint(lamp)) for lamp in lamps)])
-    lost, *lost_of_each = 1 - transport.visibility(all_and_each, reflected.shape[-1]).to(hidden)
-    hardened, skin, irradiance = hidden, _bare_skin(surface), grey(reflected[:, :3]).clamp_min(1e-3)
-    for lamp, soft in zip(lamps, lost_of_each, strict=True):
-        part = _part(lamp, surface, irradiance)
+    power = [torch.from_numpy(footprint(lamp)) for lamp in lamps]
+    of_lamps = sum(share * (torch.pi * lamp.irradiance) for share, lamp in zip(power, lamps, strict=True))
+    rest = (radiance - of_lamps / torch.from_numpy(solid_angles(*radiance.shape))).clamp_min(0)
+    lost_rest, *lost = 1 - transport.visibility(torch.stack([rest, *power]), like.shape[-1]).to(like)
+    seen = [torch.from_numpy(horizon.visibility(lamp.toward, lamp.radius_deg))[None, None].to(like) for lamp in lamps]
+    skin = _bare_skin(surface)
+    return _Reach(lost, seen, lost_rest, [lamp.hardness * skin for lamp in lamps])
+
+
+def _with_edges(
+    hidden: torch.Tensor, parts: Sequence[torch.Tensor], reach: _Reach
+) -> tuple[torch.Tensor, torch.Tensor]:
+    """What is hidden of the diffuse light or of the gloss, with the edges of the lamps' shadows; (1, 1, S, S) each.
+
+    Args:
+        hidden: the share that the network takes for hidden, in [0, 1].
+        parts: of each lamp, its share of what there were if nothing was hidden.
+
+    Returns:
+        The share that is hidden, and of it that which lamps would give but for their shadow.
+    """
+    rest = (1 - sum(parts)).clamp_min(0)
+    lost = sum(part * soft for part, soft in zip(parts, reach.lost, strict=True)) + rest * reach.lost_rest
+    edged, of_lamps, unlit = hidden, torch.zeros_like(hidden), torch.zeros_like(hidden)
+    for part, soft, seen, decides in zip(parts, reach.lost, reach.seen, reach.decides, strict=True):
         of_lamp = torch.minimum(hidden * (part * (soft + _DOUBT) / (lost + _DOUBT)).clamp(0, 1), part)
-        sure = lamp.hardness * skin * (of_lamp / (_SURE * part).clamp_min(1e-4)).clamp(0, 1)
-        seen = torch.from_numpy(horizon.visibility(lamp.toward, lamp.radius_deg))[None, None].to(hidden)
+        sure = decides * (of_lamp / (_SURE * part).clamp_min(1e-4)).clamp(0, 1)
         change = part * (1 - seen) - of_lamp
         # A shadow that the relief knows nothing of, of a brim or a lock of hair, is not its to take away.
-        hardened = hardened + sure * torch.where(change > 0, change, change * (soft / _SURE).clamp_max(1))
-    hardened = hardened.clamp(0, 1)
-    left = (1 - hardened) / (1 - hidden).clamp_min(_LEAST_OPEN)
-    specular = torch.minimum(effects.specular * left, torch.maximum(gloss, effects.specular))
-    return with_hidden_share(replace(effects, specular=specular), hardened, diffuse, gloss)
+        edged = edged + sure * torch.where(change > 0, change, change * (soft / _SURE).clamp_max(1))
+        of_lamps, unlit = of_lamps + of_lamp, unlit + sure * part * (1 - seen)
+    unlit = unlit.clamp(0, 1)
+    doubt = 1 / (1 + (rest / _SMALL_REST).square())
+    of_rest = (hidden - of_lamps).clamp_min(0)
+    return (edged + unlit * doubt * (rest * reach.lost_rest - of_rest)).clamp(0, 1), unlit
 
 
 def _bare_skin(surface: Surface) -> torch.Tensor:
@@ -95,3 +150,14 @@ def _part(lamp: Lamp, surface: Surface, irradiance: torch.Tensor) -> torch.Tenso
     toward = torch.tensor(lamp.toward, device=irradiance.device)[:, None, None]
     facing = (surface.normal * toward).sum(1, keepdim=True).clamp_min(0)
     return (facing * lamp.irradiance / irradiance).clamp(0, 1)
+
+
+def _gloss_parts(lamps: Sequence[Lamp], surface: Surface, gloss: torch.Tensor) -> list[torch.Tensor]:
+    """(1, 1, S, S) in [0, 1] of each lamp: its share of all grey gloss (1, 1, S, S) where nothing is hidden."""
+    normal = surface.normal[0].float().flatten(1).T
+    toward = normal.new_tensor([lamp.toward for lamp in lamps])
+    power = normal.new_tensor([torch.pi * lamp.irradiance for lamp in lamps])
+    of_lamps = (specular_lobe(toward, normal) * power[:, None]).unflatten(1, gloss.shape[-2:])
+    # As smooth as the gloss that they are parts of (`stages.reflect`).
+    smooth = F.avg_pool2d(of_lamps[None] * gloss_share(surface.parsing), 3, 1, 1, count_include_pad=False)
+    return list((smooth / gloss.clamp_min(_NO_GLOSS)).clamp(0, 1).split(1, dim=1))

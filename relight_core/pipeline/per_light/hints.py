@@ -77,11 +77,13 @@ class Effects:
     Attributes:
         tint: (B, 3, H, W) by how much more than its mean the shadow takes of each colour, around 1; None where it
             takes all alike. Of a white surface the mean of what it takes, weighted by luminance, stays `shadow`.
+        unlit: (B, 1, H, W) the part of the shadow that is certain: what small lamps would give but for geometry.
     """
 
     specular: torch.Tensor
     shadow: torch.Tensor
     tint: torch.Tensor | None = None
+    unlit: torch.Tensor | None = None
 
 
 def effects_of(occlusion: Occlusion, reflected: torch.Tensor, albedo: torch.Tensor) -> Effects:
