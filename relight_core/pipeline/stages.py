@@ -23,8 +23,10 @@ from relight_core.networks.delight import DelightNetwork, DelitSmall
 from relight_core.networks.pair import PairName
 from relight_core.networks.precision import has_bf16
 from relight_core.networks.specular_shadow import Occlusion
+from relight_core.pipeline.per_light.bare_skin import bare_skin
 from relight_core.pipeline.per_light.hints import (
     Effects,
+    doubtful_shadow,
     effects_of,
     estimated_effects,
     explicit_sum,
@@ -288,7 +290,8 @@ def estimate_effects(
         if begun is None:
             begun = begin_effects(bundle, surface, device, precision=precision, pair=pair)
         occlusion = network(surface.normal, light, hints, begun)
-    return replace(estimated_effects(config, occlusion, reflected, surface.albedo), tint=tint)
+    effects = estimated_effects(config, occlusion, reflected, surface.albedo)
+    return replace(effects, tint=tint, by_relief=None if transport is None else fraction)
 
 
 def no_effects(surface: Surface) -> Effects:
@@ -329,10 +332,10 @@ def compose(
     plain = explicit_sum(surface.albedo, reflected, effects, specular, shadow)
     if not corrected:
         return Composed(plain, plain)
-    # The network has learnt that where much is hidden, more is. Of what geometry is certain of that is not so:
-    # such places are shown to it as if they faced away from the lamp.
-    uncertain = effects.shadow if effects.unlit is None else (effects.shadow - effects.unlit).clamp_min(0)
-    shown = (surface.albedo, surface.normal, effects.specular * specular, uncertain * shadow, plain)
+    # The network has learnt that where much is hidden, more is, and would draw blots beside noses.
+    diffuse, gloss = grey(surface.albedo * reflected[:, :3]), grey(reflected[:, 3:])
+    doubtful = doubtful_shadow(effects, diffuse, gloss, bare_skin(surface.parsing))
+    shown = (surface.albedo, surface.normal, effects.specular * specular, doubtful * shadow, plain)
     network = in_precision(bundle, device, precision).pair(pair).composition
     return Composed(network(*shown, light), plain)
 

@@ -7,7 +7,13 @@ from relight_core.imaging.tensor_colour import grey
 from relight_core.networks.bundle import BundleConfig, NetworkBundle
 from relight_core.networks.specular_shadow import Occlusion, SpecularShadowConfig
 from relight_core.pipeline import stages
-from relight_core.pipeline.per_light.hints import Effects, effects_of, explicit_sum, specular_shadow_hints
+from relight_core.pipeline.per_light.hints import (
+    Effects,
+    doubtful_shadow,
+    effects_of,
+    explicit_sum,
+    specular_shadow_hints,
+)
 from relight_core.pipeline.stages import Composed, Surface, move_sliders
 
 GAINS = (0.0, 0.5, 1.0, 1.5, 2.0)
@@ -133,20 +139,53 @@ def test_networks_in_training_are_not_copied():
     assert stages.in_precision(ready, "cuda", "fp32") is ready
 
 
-def test_a_place_that_a_lamp_surely_does_not_reach_is_composed_as_if_it_faced_away():
+def shaded(share_by_network, share_by_relief, diffuse=1.0, gloss=0.2):
+    """Effects of a place, so much of whose diffuse light and gloss is hidden."""
+    one = torch.ones(1, 1, 1, 1)
+    by_relief = None if share_by_relief is None else share_by_relief * one
+    return Effects(gloss * (1 - share_by_network) * one, share_by_network * (diffuse + gloss) * one, None, by_relief)
+
+
+@pytest.mark.parametrize(
+    ("by_network", "by_relief", "left"),
+    [
+        (1.0, 1.0, 0.0),
+        (1.0, 0.95, 0.05 * 1.2),
+        (0.4, 1.0, 0.0),
+        (0.9, 0.7, (0.9 - 0.35) * 1.2),
+        (0.9, 0.5, 0.9 * 1.2),
+        (0.9, 0.0, 0.9 * 1.2),
+        (0.9, None, 0.9 * 1.2),
+        (0.0, 1.0, 0.0),
+    ],
+)
+def test_of_a_shadow_what_network_and_relief_are_sure_of_is_not_in_doubt(by_network, by_relief, left):
+    one = torch.ones(1, 1, 1, 1)
+    assert doubtful_shadow(shaded(by_network, by_relief), one, 0.2 * one, one).item() == pytest.approx(left, abs=1e-5)
+
+
+def test_where_the_relief_is_not_trusted_all_of_a_shadow_is_in_doubt():
+    one = torch.ones(1, 1, 1, 1)
+    effects = shaded(0.9, 1.0)
+    assert doubtful_shadow(effects, one, 0.2 * one, 0 * one).item() == pytest.approx(0.9 * 1.2)
+
+
+def test_a_place_that_light_surely_does_not_reach_is_composed_as_if_it_faced_away():
     torch.manual_seed(1)
     bundle = NetworkBundle(BundleConfig.tiny())
     bundle.composition.head.weight.data.normal_(0, 0.3)
     one, colour = torch.ones(1, 1, 32, 32), torch.full((1, 3, 32, 32), 0.5)
     normal = torch.zeros_like(colour)
     normal[:, 2] = 1
-    surface = Surface(colour, colour, normal, 0 * one, torch.ones(1, 14, 32, 32) / 14, one, torch.ones(1, 16, 32, 3))
+    parsing = torch.zeros(1, 14, 32, 32)
+    parsing[:, 1] = 1  # skin
+    surface = Surface(colour, colour, normal, 0 * one, parsing, one, torch.ones(1, 16, 32, 3))
 
-    def composed(irradiance, shadow, unlit=None):
+    def composed(irradiance, shadow, by_relief=None):
         reflected = torch.cat([torch.full_like(colour, irradiance), torch.full_like(colour, 0.02)], 1)
-        effects = Effects(0.02 * one, shadow * one, unlit=unlit)
+        effects = Effects(0.02 * one, shadow * one, None, by_relief)
         return stages.compose(bundle, surface, reflected, effects, surface.source_light, precision="fp32").image
 
-    away = composed(0.4, 0.05)
-    torch.testing.assert_close(composed(2.4, 1.05, unlit=1.0 * one), away, rtol=1e-3, atol=1e-4)
-    assert (composed(2.4, 1.05) - away).abs().max() > 0.01
+    away = composed(0.2, 0.0)
+    torch.testing.assert_close(composed(4.2, 2.0, by_relief=one), away, rtol=1e-3, atol=1e-4)
+    assert (composed(4.2, 2.0) - away).abs().max() > 0.01

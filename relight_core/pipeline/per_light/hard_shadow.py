@@ -16,13 +16,13 @@ from dataclasses import dataclass, replace
 import torch
 import torch.nn.functional as F
 
-from relight_core.face.parsing import FACE_LABELS, INDEX
 from relight_core.imaging.tensor_colour import grey
 from relight_core.lighting.horizon import Horizon
 from relight_core.lighting.lamps import Lamp, footprint
 from relight_core.lighting.reflection import specular_lobe
 from relight_core.lighting.relief import ReliefTransport
 from relight_core.lighting.sphere import solid_angles
+from relight_core.pipeline.per_light.bare_skin import bare_skin
 from relight_core.pipeline.per_light.hints import Effects, gloss_share, hidden_share, with_hidden_share
 from relight_core.pipeline.stages import Surface
 
@@ -32,9 +32,6 @@ _DOUBT = 0.05
 _SMALL_REST = 0.2
 """Share of all light that does not come from lamps for which network and relief are trusted alike."""
 _NO_GLOSS = 1e-6
-_MARGIN_PX = 5
-_MOUTH = {INDEX["inner_mouth"], INDEX["lips"]}
-_SKIN = sorted({*FACE_LABELS, INDEX["neck"]} - _MOUTH)
 
 
 def horizon_of(surface: Surface) -> Horizon:
@@ -65,14 +62,16 @@ def harden_shadow(
     diffuse, gloss = grey(surface.albedo * reflected[:, :3]), grey(reflected[:, 3:])
     reach = _reach(surface, light, transport, horizon, lamps)
     irradiance = grey(reflected[:, :3]).clamp_min(1e-3)
-    hidden, unlit = _with_edges(
-        hidden_share(effects, diffuse, gloss), [_part(lamp, surface, irradiance) for lamp in lamps], reach
-    )
+    parts = [_part(lamp, surface, irradiance) for lamp in lamps]
+    hidden = _with_edges(hidden_share(effects, diffuse, gloss), parts, reach)
     dull = torch.where(gloss > _NO_GLOSS, 1 - effects.specular / gloss.clamp_min(_NO_GLOSS), 0).clamp(0, 1)
-    duller, unlit_gloss = _with_edges(dull, _gloss_parts(lamps, surface, gloss), reach)
+    duller = _with_edges(dull, _gloss_parts(lamps, surface, gloss), reach)
     specular = (effects.specular - gloss * (duller - dull)).clamp_min(0)
-    edged = with_hidden_share(replace(effects, specular=specular), hidden, diffuse, gloss)
-    return replace(edged, unlit=unlit * diffuse + unlit_gloss * gloss)
+    lost = [
+        torch.lerp(*ends) for ends in zip(reach.lost, [1 - seen for seen in reach.seen], reach.decides, strict=True)
+    ]
+    edged = replace(effects, specular=specular, by_relief=_lost(parts, lost, reach))
+    return with_hidden_share(edged, hidden, diffuse, gloss)
 
 
 @dataclass(frozen=True)
@@ -102,24 +101,27 @@ def _reach(
     rest = (radiance - of_lamps / torch.from_numpy(solid_angles(*radiance.shape))).clamp_min(0)
     lost_rest, *lost = 1 - transport.visibility(torch.stack([rest, *power]), like.shape[-1]).to(like)
     seen = [torch.from_numpy(horizon.visibility(lamp.toward, lamp.radius_deg))[None, None].to(like) for lamp in lamps]
-    skin = _bare_skin(surface)
+    skin = bare_skin(surface.parsing)
     return _Reach(lost, seen, lost_rest, [lamp.hardness * skin for lamp in lamps])
 
 
-def _with_edges(
-    hidden: torch.Tensor, parts: Sequence[torch.Tensor], reach: _Reach
-) -> tuple[torch.Tensor, torch.Tensor]:
-    """What is hidden of the diffuse light or of the gloss, with the edges of the lamps' shadows; (1, 1, S, S) each.
+def _lost(parts: Sequence[torch.Tensor], lost: Sequence[torch.Tensor], reach: _Reach) -> torch.Tensor:
+    """Share of a light that the relief hides, (1, 1, S, S), of the `parts` of its lamps and what is `lost` of each."""
+    return sum(part * share for part, share in zip(parts, lost, strict=True)) + _rest(parts) * reach.lost_rest
+
+
+def _rest(parts: Sequence[torch.Tensor]) -> torch.Tensor:
+    return (1 - sum(parts)).clamp_min(0)
+
+
+def _with_edges(hidden: torch.Tensor, parts: Sequence[torch.Tensor], reach: _Reach) -> torch.Tensor:
+    """What is hidden of the diffuse light or of the gloss, with the edges of the lamps' shadows, (1, 1, S, S).
 
     Args:
         hidden: the share that the network takes for hidden, in [0, 1].
         parts: of each lamp, its share of what there were if nothing was hidden.
-
-    Returns:
-        The share that is hidden, and of it that which lamps would give but for their shadow.
     """
-    rest = (1 - sum(parts)).clamp_min(0)
-    lost = sum(part * soft for part, soft in zip(parts, reach.lost, strict=True)) + rest * reach.lost_rest
+    lost = _lost(parts, reach.lost, reach)
     edged, of_lamps, unlit = hidden, torch.zeros_like(hidden), torch.zeros_like(hidden)
     for part, soft, seen, decides in zip(parts, reach.lost, reach.seen, reach.decides, strict=True):
         of_lamp = torch.minimum(hidden * (part * (soft + _DOUBT) / (lost + _DOUBT)).clamp(0, 1), part)
@@ -128,21 +130,9 @@ def _with_edges(
         # A shadow that the relief knows nothing of, of a brim or a lock of hair, is not its to take away.
         edged = edged + sure * torch.where(change > 0, change, change * (soft / _SURE).clamp_max(1))
         of_lamps, unlit = of_lamps + of_lamp, unlit + sure * part * (1 - seen)
-    unlit = unlit.clamp(0, 1)
-    doubt = 1 / (1 + (rest / _SMALL_REST).square())
-    of_rest = (hidden - of_lamps).clamp_min(0)
-    return (edged + unlit * doubt * (rest * reach.lost_rest - of_rest)).clamp(0, 1), unlit
-
-
-def _bare_skin(surface: Surface) -> torch.Tensor:
-    """(1, 1, S, S) in [0, 1]: well within the face and the neck, the mouth left out.
-
-    Where a strand of hair, a collar or a tooth stands out, and by how much, the relief only guesses, pixel by pixel;
-    its edges there would be notches.
-    """
-    share = surface.parsing[:, _SKIN].sum(1, keepdim=True)
-    near = F.avg_pool2d(share, _MARGIN_PX, stride=1, padding=_MARGIN_PX // 2, count_include_pad=False)
-    return (2 * near - 1).clamp(0, 1)
+    rest, of_rest = _rest(parts), (hidden - of_lamps).clamp_min(0)
+    doubt = unlit.clamp(0, 1) / (1 + (rest / _SMALL_REST).square())
+    return (edged + doubt * (rest * reach.lost_rest - of_rest)).clamp(0, 1)
 
 
 def _part(lamp: Lamp, surface: Surface, irradiance: torch.Tensor) -> torch.Tensor:

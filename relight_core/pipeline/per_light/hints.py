@@ -14,6 +14,9 @@ from relight_core.face.gloss import GLOSS_SHARE
 from relight_core.imaging.tensor_colour import grey
 from relight_core.networks.specular_shadow import Occlusion, SpecularShadowConfig
 
+_CERTAIN = (0.5, 0.9)
+"""Share of the light that the relief hides from which on its word counts, and from which on in full."""
+
 
 def specular_shadow_hints(
     config: SpecularShadowConfig,
@@ -77,13 +80,14 @@ class Effects:
     Attributes:
         tint: (B, 3, H, W) by how much more than its mean the shadow takes of each colour, around 1; None where it
             takes all alike. Of a white surface the mean of what it takes, weighted by luminance, stays `shadow`.
-        unlit: (B, 1, H, W) the part of the shadow that is certain: what small lamps would give but for geometry.
+        by_relief: (B, 1, H, W) in [0, 1] the share of the light that the relief alone hides; None where none was
+            asked.
     """
 
     specular: torch.Tensor
     shadow: torch.Tensor
     tint: torch.Tensor | None = None
-    unlit: torch.Tensor | None = None
+    by_relief: torch.Tensor | None = None
 
 
 def effects_of(occlusion: Occlusion, reflected: torch.Tensor, albedo: torch.Tensor) -> Effects:
@@ -121,6 +125,28 @@ def hidden_share(effects: Effects, diffuse: torch.Tensor, gloss: torch.Tensor) -
 def with_hidden_share(effects: Effects, hidden: torch.Tensor, diffuse: torch.Tensor, gloss: torch.Tensor) -> Effects:
     """The effects with another shadow, of which `hidden_share` says `hidden`."""
     return replace(effects, shadow=hidden * diffuse + (gloss - effects.specular).clamp_min(0))
+
+
+def doubtful_shadow(
+    effects: Effects, diffuse: torch.Tensor, gloss: torch.Tensor, trusted: torch.Tensor
+) -> torch.Tensor:
+    """The shadow without what is certain of it, (B, 1, H, W) >= 0.
+
+    What network and relief both take for hidden is certain where the relief takes nearly all light for hidden, so
+    that such a place looks as if it faced away from the light.
+
+    Args:
+        diffuse, gloss: as of `hidden_share`.
+        trusted: (B, 1, H, W) in [0, 1], how far the relief is right there.
+    """
+    if effects.by_relief is None:
+        return effects.shadow
+    least, most = _CERTAIN
+    by_relief = effects.by_relief * trusted
+    certain = ((by_relief - least) / (most - least)).clamp(0, 1)
+    of_diffuse = torch.minimum(hidden_share(effects, diffuse, gloss), by_relief) * diffuse
+    of_gloss = torch.minimum((gloss - effects.specular).clamp_min(0), by_relief * gloss)
+    return (effects.shadow - certain * (of_diffuse + of_gloss)).clamp_min(0)
 
 
 def explicit_sum(
