@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 import torch
@@ -32,6 +33,7 @@ from relight_core.pipeline.per_light.hints import (
     explicit_sum,
     gloss_share,
     light_hints,
+    smooth_gloss,
     surface_hints,
 )
 from relight_core.pipeline.per_light.shadow_colour import shadow_tint
@@ -72,6 +74,11 @@ class Surface:
     parsing: torch.Tensor
     person: torch.Tensor
     source_light: torch.Tensor
+
+    @cached_property
+    def bare_skin(self) -> torch.Tensor:
+        """(1, 1, S, S), see `per_light.bare_skin`."""
+        return bare_skin(self.parsing)
 
 
 def in_precision(bundle: NetworkBundle, device: str, wish: str = "bf16") -> NetworkBundle:
@@ -228,14 +235,9 @@ def reflector(table: ReflectionTable, surface: Surface, *, black_is_dull: bool =
 
 @torch.inference_mode()
 def reflect(surface: Reflector, light: torch.Tensor) -> torch.Tensor:
-    """Unoccluded irradiance and gloss, (1, 6, S, S).
-
-    A small lamp's highlight on a sharp ridge falls on single pixels, which would be streaks and steps once they are
-    enlarged: every pixel has the gloss of all the normals around it.
-    """
+    """Unoccluded irradiance and gloss, (1, 6, S, S)."""
     reflected = surface.light_of(light) * surface.shares
-    gloss = F.avg_pool2d(reflected[:, 3:], 3, 1, 1, count_include_pad=False)
-    return torch.cat([surface.sockets.add_to(reflected[:, :3]), gloss], 1)
+    return torch.cat([surface.sockets.add_to(reflected[:, :3]), smooth_gloss(reflected[:, 3:])], 1)
 
 
 @torch.inference_mode()
@@ -291,7 +293,7 @@ def estimate_effects(
             begun = begin_effects(bundle, surface, device, precision=precision, pair=pair)
         occlusion = network(surface.normal, light, hints, begun)
     effects = estimated_effects(config, occlusion, reflected, surface.albedo)
-    return replace(effects, tint=tint, by_relief=None if transport is None else fraction)
+    return replace(effects, tint=tint, by_relief=fraction)
 
 
 def no_effects(surface: Surface) -> Effects:
@@ -334,7 +336,7 @@ def compose(
         return Composed(plain, plain)
     # The network has learnt that where much is hidden, more is, and would draw blots beside noses.
     diffuse, gloss = grey(surface.albedo * reflected[:, :3]), grey(reflected[:, 3:])
-    doubtful = doubtful_shadow(effects, diffuse, gloss, bare_skin(surface.parsing))
+    doubtful = doubtful_shadow(effects, diffuse, gloss, surface.bare_skin)
     shown = (surface.albedo, surface.normal, effects.specular * specular, doubtful * shadow, plain)
     network = in_precision(bundle, device, precision).pair(pair).composition
     return Composed(network(*shown, light), plain)

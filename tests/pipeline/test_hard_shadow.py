@@ -137,6 +137,7 @@ def test_gloss_goes_where_the_lamp_is_hidden():
     shaded, lit = in_and_out_of_the_shadow(after.specular)
     assert shaded < 0.003
     assert lit > 0.015
+    assert after.specular.max() <= 0.036 + 1e-6
 
 
 def test_gloss_goes_where_a_lamp_that_gives_little_else_is_hidden():

@@ -14,7 +14,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import torch
-import torch.nn.functional as F
 
 from relight_core.imaging.tensor_colour import grey
 from relight_core.lighting.horizon import Horizon
@@ -22,8 +21,14 @@ from relight_core.lighting.lamps import Lamp, footprint
 from relight_core.lighting.reflection import specular_lobe
 from relight_core.lighting.relief import ReliefTransport
 from relight_core.lighting.sphere import solid_angles
-from relight_core.pipeline.per_light.bare_skin import bare_skin
-from relight_core.pipeline.per_light.hints import Effects, gloss_share, hidden_share, with_hidden_share
+from relight_core.pipeline.per_light.hints import (
+    Effects,
+    gloss_share,
+    hidden_gloss,
+    hidden_share,
+    smooth_gloss,
+    with_hidden_share,
+)
 from relight_core.pipeline.stages import Surface
 
 _SURE = 0.5
@@ -64,12 +69,10 @@ def harden_shadow(
     irradiance = grey(reflected[:, :3]).clamp_min(1e-3)
     parts = [_part(lamp, surface, irradiance) for lamp in lamps]
     hidden = _with_edges(hidden_share(effects, diffuse, gloss), parts, reach)
-    dull = torch.where(gloss > _NO_GLOSS, 1 - effects.specular / gloss.clamp_min(_NO_GLOSS), 0).clamp(0, 1)
+    dull = (hidden_gloss(effects, gloss) / gloss.clamp_min(_NO_GLOSS)).clamp(0, 1)
     duller = _with_edges(dull, _gloss_parts(lamps, surface, gloss), reach)
     specular = (effects.specular - gloss * (duller - dull)).clamp_min(0)
-    lost = [
-        torch.lerp(*ends) for ends in zip(reach.lost, [1 - seen for seen in reach.seen], reach.decides, strict=True)
-    ]
+    lost = [torch.lerp(*of_lamp) for of_lamp in zip(reach.lost, reach.lost_finely, reach.decides, strict=True)]
     edged = replace(effects, specular=specular, by_relief=_lost(parts, lost, reach))
     return with_hidden_share(edged, hidden, diffuse, gloss)
 
@@ -80,13 +83,13 @@ class _Reach:
 
     Attributes:
         lost: of each lamp, the share that is hidden, as coarsely as the network is told.
-        seen: of each lamp, the share that is not, finely.
+        lost_finely: the same with its edges.
         lost_rest: the share of the light without its lamps that is hidden.
         decides: of each lamp, how far geometry may have the last word.
     """
 
     lost: Sequence[torch.Tensor]
-    seen: Sequence[torch.Tensor]
+    lost_finely: Sequence[torch.Tensor]
     lost_rest: torch.Tensor
     decides: Sequence[torch.Tensor]
 
@@ -100,9 +103,8 @@ def _reach(
     of_lamps = sum(share * (torch.pi * lamp.irradiance) for share, lamp in zip(power, lamps, strict=True))
     rest = (radiance - of_lamps / torch.from_numpy(solid_angles(*radiance.shape))).clamp_min(0)
     lost_rest, *lost = 1 - transport.visibility(torch.stack([rest, *power]), like.shape[-1]).to(like)
-    seen = [torch.from_numpy(horizon.visibility(lamp.toward, lamp.radius_deg))[None, None].to(like) for lamp in lamps]
-    skin = bare_skin(surface.parsing)
-    return _Reach(lost, seen, lost_rest, [lamp.hardness * skin for lamp in lamps])
+    seen = (torch.from_numpy(horizon.visibility(lamp.toward, lamp.radius_deg))[None, None].to(like) for lamp in lamps)
+    return _Reach(lost, [1 - share for share in seen], lost_rest, [lamp.hardness * surface.bare_skin for lamp in lamps])
 
 
 def _lost(parts: Sequence[torch.Tensor], lost: Sequence[torch.Tensor], reach: _Reach) -> torch.Tensor:
@@ -123,13 +125,13 @@ def _with_edges(hidden: torch.Tensor, parts: Sequence[torch.Tensor], reach: _Rea
     """
     lost = _lost(parts, reach.lost, reach)
     edged, of_lamps, unlit = hidden, torch.zeros_like(hidden), torch.zeros_like(hidden)
-    for part, soft, seen, decides in zip(parts, reach.lost, reach.seen, reach.decides, strict=True):
+    for part, soft, edgy, decides in zip(parts, reach.lost, reach.lost_finely, reach.decides, strict=True):
         of_lamp = torch.minimum(hidden * (part * (soft + _DOUBT) / (lost + _DOUBT)).clamp(0, 1), part)
         sure = decides * (of_lamp / (_SURE * part).clamp_min(1e-4)).clamp(0, 1)
-        change = part * (1 - seen) - of_lamp
+        change = part * edgy - of_lamp
         # A shadow that the relief knows nothing of, of a brim or a lock of hair, is not its to take away.
         edged = edged + sure * torch.where(change > 0, change, change * (soft / _SURE).clamp_max(1))
-        of_lamps, unlit = of_lamps + of_lamp, unlit + sure * part * (1 - seen)
+        of_lamps, unlit = of_lamps + of_lamp, unlit + sure * part * edgy
     rest, of_rest = _rest(parts), (hidden - of_lamps).clamp_min(0)
     doubt = unlit.clamp(0, 1) / (1 + (rest / _SMALL_REST).square())
     return (edged + doubt * (rest * reach.lost_rest - of_rest)).clamp(0, 1)
@@ -148,6 +150,5 @@ def _gloss_parts(lamps: Sequence[Lamp], surface: Surface, gloss: torch.Tensor) -
     toward = normal.new_tensor([lamp.toward for lamp in lamps])
     power = normal.new_tensor([torch.pi * lamp.irradiance for lamp in lamps])
     of_lamps = (specular_lobe(toward, normal) * power[:, None]).unflatten(1, gloss.shape[-2:])
-    # As smooth as the gloss that they are parts of (`stages.reflect`).
-    smooth = F.avg_pool2d(of_lamps[None] * gloss_share(surface.parsing), 3, 1, 1, count_include_pad=False)
+    smooth = smooth_gloss(of_lamps[None] * gloss_share(surface.parsing))
     return list((smooth / gloss.clamp_min(_NO_GLOSS)).clamp(0, 1).split(1, dim=1))

@@ -111,6 +111,20 @@ def estimated_effects(
     return effects_of(estimate, reflected, albedo)
 
 
+def smooth_gloss(gloss: torch.Tensor) -> torch.Tensor:
+    """Gloss (B, C, H, W) with that of all the normals around a pixel in it.
+
+    A small lamp's highlight on a sharp ridge falls on single pixels, which would be streaks and steps once they are
+    enlarged.
+    """
+    return F.avg_pool2d(gloss, 3, 1, 1, count_include_pad=False)
+
+
+def hidden_gloss(effects: Effects, gloss: torch.Tensor) -> torch.Tensor:
+    """The gloss that is not seen, (B, 1, H, W) >= 0, of the grey unoccluded gloss; it is part of the shadow."""
+    return (gloss - effects.specular).clamp_min(0)
+
+
 def hidden_share(effects: Effects, diffuse: torch.Tensor, gloss: torch.Tensor) -> torch.Tensor:
     """Share of the diffuse light that the shadow takes, (B, 1, H, W) in [0, 1].
 
@@ -118,13 +132,12 @@ def hidden_share(effects: Effects, diffuse: torch.Tensor, gloss: torch.Tensor) -
         diffuse, gloss: (B, 1, H, W) grey albedo times irradiance, and gloss, both unoccluded. Gloss that is hidden is
             part of the shadow, not of the diffuse light.
     """
-    lost_gloss = (gloss - effects.specular).clamp_min(0)
-    return ((effects.shadow - lost_gloss) / diffuse.clamp_min(1e-4)).clamp(0, 1)
+    return ((effects.shadow - hidden_gloss(effects, gloss)) / diffuse.clamp_min(1e-4)).clamp(0, 1)
 
 
 def with_hidden_share(effects: Effects, hidden: torch.Tensor, diffuse: torch.Tensor, gloss: torch.Tensor) -> Effects:
     """The effects with another shadow, of which `hidden_share` says `hidden`."""
-    return replace(effects, shadow=hidden * diffuse + (gloss - effects.specular).clamp_min(0))
+    return replace(effects, shadow=hidden * diffuse + hidden_gloss(effects, gloss))
 
 
 def doubtful_shadow(
@@ -145,7 +158,7 @@ def doubtful_shadow(
     by_relief = effects.by_relief * trusted
     certain = ((by_relief - least) / (most - least)).clamp(0, 1)
     of_diffuse = torch.minimum(hidden_share(effects, diffuse, gloss), by_relief) * diffuse
-    of_gloss = torch.minimum((gloss - effects.specular).clamp_min(0), by_relief * gloss)
+    of_gloss = torch.minimum(hidden_gloss(effects, gloss), by_relief * gloss)
     return (effects.shadow - certain * (of_diffuse + of_gloss)).clamp_min(0)
 
 
