@@ -33,7 +33,8 @@ from relight_core.errors import InputError
 if TYPE_CHECKING:
     from relight_core.training.state import Progress
 
-_OF_A_STAGE = ("minutes", "size", "pairs", "seed", "residual", "rate")
+_OF_A_STAGE = ("minutes", "size", "pairs", "seed", "residual", "decoder_residual", "rate", "uses", "window")
+_OF_A_RUN = ("size", "pairs", "seed", "residual", "decoder_residual", "uses", "window")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -73,12 +74,19 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         type=_counts,
         help="residual blocks at each level of de-lighting's encoder, finest first, where the weights have none yet",
     )
+    stage.add_argument(
+        "--decoder-residual", metavar="N,N,...", type=_counts, help="the same for its decoder, of one level fewer"
+    )
+    stage.add_argument(
+        "--uses", metavar="N", type=count_at_least_one, help="how often each pair is learnt from (1); more for a GPU"
+    )
+    stage.add_argument("--window", metavar="N", type=count_at_least_one, help="pairs that are kept for that (1024)")
     stage.add_argument("--rate", metavar="R", type=number_above_zero, help="peak learning rate (the stage's own)")
 
 
 def run(arguments: argparse.Namespace) -> int:
     """Train; returns the exit code."""
-    given = [f"--{name}" for name in _OF_A_STAGE if getattr(arguments, name) is not None]
+    given = [f"--{name.replace('_', '-')}" for name in _OF_A_STAGE if getattr(arguments, name) is not None]
     if arguments.stage is None and given:
         raise InputError(f"{given[0]}: goes with --stage only; a recipe says that itself, and joining needs none")
     if arguments.join is not None:
@@ -153,7 +161,7 @@ def _train_stage(arguments: argparse.Namespace) -> int:
         raise InputError("give --minutes with --stage")
     check_output_file(arguments.output, (".safetensors",))
     check_heads_and_lights(arguments.heads, arguments.lights, "train")
-    given = {name: getattr(arguments, name) for name in ("size", "pairs", "seed", "residual")}
+    given = {name: getattr(arguments, name) for name in _OF_A_RUN}
     settings = Run(
         arguments.stage,
         arguments.heads,

@@ -73,19 +73,19 @@ class ReflectionTable(torch.nn.Module):
         lobe = specular_lobe(toward, normals, gloss)
         self.register_buffer("transport", torch.cat([diffuse, lobe], 1) * weights[:, None], persistent=False)
 
-    @torch.autocast("cpu", enabled=False)
     def tabulate(self, light: torch.Tensor) -> torch.Tensor:
         """Light (B, H, 2H, 3), linear radiance, to a table (B, 6, T, T): irradiance rgb, gloss rgb."""
         batch = light.shape[0]
         flat = light.float().reshape(batch, -1, 3).permute(0, 2, 1)
-        both = (flat @ self.transport).reshape(batch, 3, 2, TABLE_SIZE, TABLE_SIZE)
+        with torch.autocast(light.device.type, enabled=False):
+            both = (flat @ self.transport).reshape(batch, 3, 2, TABLE_SIZE, TABLE_SIZE)
         return both.permute(0, 2, 1, 3, 4).reshape(batch, 6, TABLE_SIZE, TABLE_SIZE)
 
-    @torch.autocast("cpu", enabled=False)
     def look_up(self, table: torch.Tensor, normal: torch.Tensor) -> torch.Tensor:
         """Values (B, 6, H, W) at unit normals (B, 3, H, W)."""
-        position = table_position(normal.float())
-        return F.grid_sample(table, position, mode="bilinear", padding_mode="border", align_corners=True)
+        with torch.autocast(normal.device.type, enabled=False):
+            position = table_position(normal.float())
+            return F.grid_sample(table, position, mode="bilinear", padding_mode="border", align_corners=True)
 
     def forward(self, light: torch.Tensor, normal: torch.Tensor) -> torch.Tensor:
         """`look_up` in the table of `light`."""
@@ -109,10 +109,10 @@ class NormalLookup:
         self._transport = transport[:, :, self._cells].flatten(1)
         self._parts = parts
 
-    @torch.autocast("cpu", enabled=False)
     def __call__(self, light: torch.Tensor) -> torch.Tensor:
         """Irradiance rgb and gloss rgb as `ReflectionTable` has them under a light (1, h, 2h, 3): (1, 6, H, W)."""
-        read = light.float().reshape(-1, 3).T @ self._transport
+        with torch.autocast(light.device.type, enabled=False):
+            read = light.float().reshape(-1, 3).T @ self._transport
         table = read.new_zeros(self._parts, 3, TABLE_SIZE**2)
         table[:, :, self._cells] = read.reshape(3, self._parts, -1).transpose(0, 1)
         table = table.reshape(1, 3 * self._parts, TABLE_SIZE, TABLE_SIZE)

@@ -54,7 +54,7 @@ class ReliefTransport:
         Args:
             light: (B, H, 2H, 3) normalised radiance of the texels the transport was made for.
         """
-        grey = light.float() @ torch.tensor(REC709_LUMINANCE, dtype=torch.float32)
+        grey = light.float() @ torch.tensor(REC709_LUMINANCE, dtype=torch.float32, device=light.device)
         points, both = self._at_surface
         opened, closed = (both @ grey.flatten(1).T).chunk(2)
         lost = (1 - closed / opened.clamp_min(1e-6)).clamp(0, 1) * (opened / _GRAZING).clamp_max(1)
@@ -87,25 +87,41 @@ class ReliefTransport:
         return points, torch.cat([self.open[points], self.closed[points]])
 
 
-@torch.no_grad()
 def march_relief(
     relief: torch.Tensor, normal: torch.Tensor, covered: torch.Tensor, light_height: int = 16
 ) -> ReliefTransport:
-    """March a relief once in every direction of the image plane, and compare each light with the horizon.
+    """`march_reliefs` of one surface, without the leading axis."""
+    return march_reliefs(relief[None], normal[None], covered[None], light_height)[0]
+
+
+@torch.no_grad()
+def march_reliefs(
+    relief: torch.Tensor, normal: torch.Tensor, covered: torch.Tensor, light_height: int = 16
+) -> list[ReliefTransport]:
+    """March reliefs once in every direction of the image plane, and compare each light with the horizon.
 
     Args:
-        relief: (S, S) height toward the camera, in half-widths of the image.
-        normal: (3, S, S) unit vectors, camera space.
-        covered: (S, S) in [0, 1]: where there is a surface; elsewhere nothing casts a shadow.
+        relief: (B, S, S) height toward the camera, in half-widths of the image.
+        normal: (B, 3, S, S) unit vectors, camera space.
+        covered: (B, S, S) in [0, 1]: where there is a surface; elsewhere nothing casts a shadow.
         light_height: rows of the light.
     """
-    size = relief.shape[-1]
-    toward = torch.from_numpy(directions(light_height, 2 * light_height).reshape(-1, 3))
-    weight = torch.from_numpy(solid_angles(light_height, 2 * light_height).reshape(-1))
+    angle = torch.arange(_AZIMUTHS, device=relief.device) * (2 * torch.pi / _AZIMUTHS)
+    horizons = horizon_slopes(relief.float(), covered, angle).atan().transpose(0, 1)
+    parts = zip(horizons, normal, covered, strict=True)
+    return [_transport(*part, light_height) for part in parts]
+
+
+def _transport(
+    horizon: torch.Tensor, normal: torch.Tensor, covered: torch.Tensor, light_height: int
+) -> ReliefTransport:
+    """Of one surface with horizons (azimuths, S, S), in radians."""
+    size, device = horizon.shape[-1], horizon.device
+    toward = torch.from_numpy(directions(light_height, 2 * light_height).reshape(-1, 3)).to(device)
+    weight = torch.from_numpy(solid_angles(light_height, 2 * light_height).reshape(-1)).to(device)
     cosine = (normal.float().flatten(1).T @ toward.T).clamp_min(0)
     opened = cosine * weight / torch.pi * (covered > 0.5).flatten()[:, None]
-    angle = torch.arange(_AZIMUTHS) * (2 * torch.pi / _AZIMUTHS)
-    horizon = horizon_slopes(relief.float()[None], covered[None], angle)[:, 0].atan().flatten(1)
+    horizon = horizon.flatten(1)
     across = toward[:, :2].norm(dim=1).clamp_min(1e-4)
     elevation = torch.atan2(toward[:, 2], across)
     turn = torch.atan2(toward[:, 1], toward[:, 0]) / (2 * torch.pi) * _AZIMUTHS

@@ -115,11 +115,12 @@ class Encoder(nn.Module):
 class UpLevel(nn.Module):
     """Upsample, join the encoder's features (the skip connection of Ronneberger et al. 2015), convolve."""
 
-    def __init__(self, below: int, skip: int, outputs: int, *, refined: bool = True):
+    def __init__(self, below: int, skip: int, outputs: int, *, refined: bool = True, residual: int = 0):
         super().__init__()
         self.reduce = nn.Conv2d(below, outputs, 1)
         self.blend = ConvBlock(outputs + skip, outputs)
         self.refine = ConvBlock(outputs, outputs) if refined else nn.Identity()
+        self.residual = nn.Sequential(*(ResidualBlock(outputs) for _ in range(residual)))
 
     def join(self, x: torch.Tensor, skip: torch.Tensor) -> torch.Tensor:
         """The upsampled features beside the skip, convolved: what a modulation acts on."""
@@ -127,7 +128,7 @@ class UpLevel(nn.Module):
         return self.blend(torch.cat([x, skip], 1))
 
     def forward(self, x: torch.Tensor, skip: torch.Tensor) -> torch.Tensor:
-        return self.refine(self.join(x, skip))
+        return self.residual(self.refine(self.join(x, skip)))
 
 
 class Head(nn.Conv2d):
@@ -146,18 +147,20 @@ class Head(nn.Conv2d):
             return torch.cat([first, F.conv2d(x, weight, self.bias[exact:].to(x.dtype), padding=1).float()], 1)
 
 
-def decoder_levels(widths: list[int], least: int = 0) -> nn.ModuleList:
+def decoder_levels(widths: list[int], least: int = 0, residual: Sequence[int] = ()) -> nn.ModuleList:
     """Levels back up, coarsest first.
 
     Args:
         widths: of the encoder's levels, finest first; the decoder's are as wide.
         least: channels that no level has fewer of. Where it is 0 the finest level has one convolution only.
+        residual: how many residual blocks each level ends with, finest first. Empty for none.
     """
     outputs = [max(width, least) for width in widths[:-1]]
     below = [*outputs[1:], widths[-1]]
+    counts = list(residual) or [0] * len(outputs)
     return nn.ModuleList(
-        UpLevel(below[level], widths[level], outputs[level], refined=level > 0 or least > 0)
-        for level in reversed(range(len(outputs)))
+        UpLevel(below[at], widths[at], outputs[at], refined=at > 0 or least > 0, residual=counts[at])
+        for at in reversed(range(len(outputs)))
     )
 
 

@@ -126,18 +126,22 @@ def with_detail_pass(bundle: NetworkBundle, width: int) -> NetworkBundle:
     return _with_delight(bundle, detail_width=width)
 
 
-def with_residual_blocks(bundle: NetworkBundle, residual: tuple[int, ...], *, settled: bool = False) -> NetworkBundle:
-    """The same networks with residual blocks in de-lighting's encoder, which change nothing until they are trained.
+def with_residual_blocks(
+    bundle: NetworkBundle, encoder: tuple[int, ...] = (), decoder: tuple[int, ...] = (), *, settled: bool = False
+) -> NetworkBundle:
+    """The same networks with residual blocks in de-lighting, which change nothing until they are trained.
 
     Args:
-        residual: how many each level has, as `DelightConfig.residual` counts them.
+        encoder, decoder: how many each level has, as `DelightConfig.residual` and `decoder_residual` count them;
+            empty leaves those that there are.
         settled: they are trained with running statistics that hold (`training.stages.Stage.settled`).
 
     Raises:
         InputError: they do not fit the levels that de-lighting has.
     """
     try:
-        grown = _with_delight(bundle, residual=residual)
+        counts = {"residual": encoder, "decoder_residual": decoder}
+        grown = _with_delight(bundle, **{name: count for name, count in counts.items() if count})
     except ValueError as error:
         raise InputError(str(error)) from error
     if settled:

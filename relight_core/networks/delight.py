@@ -41,9 +41,11 @@ class DelightConfig:
             channels at full resolution, and what they share there is blurred in all of them.
         residual: residual blocks that the encoder's levels end with, finest level first, which has none; empty for
             none at all. Coarse levels, where a face is understood, are small: what is added there costs little time.
+        decoder_residual: the same of the decoder's levels, which are one fewer; the finest may have some.
 
     Raises:
-        ValueError: `residual` has not one number for each level, or one for the finest.
+        ValueError: `residual` or `decoder_residual` has not one number for each level, or the former one for the
+            finest.
     """
 
     width: int = 16
@@ -54,12 +56,16 @@ class DelightConfig:
     relief: bool = True
     decoder_least: int = 0
     residual: tuple[int, ...] = ()
+    decoder_residual: tuple[int, ...] = ()
 
     def __post_init__(self):
-        # A list, where it is read from a file.
+        # Lists, where they are read from a file.
         object.__setattr__(self, "residual", tuple(self.residual))
+        object.__setattr__(self, "decoder_residual", tuple(self.decoder_residual))
         if self.residual and (len(self.residual) != self.levels or self.residual[0]):
             raise ValueError(f"residual blocks {self.residual}: give {self.levels} numbers, of which the first is 0")
+        if self.decoder_residual and len(self.decoder_residual) != self.levels - 1:
+            raise ValueError(f"residual blocks {self.decoder_residual} of the decoder: give {self.levels - 1} numbers")
 
     @property
     def multiple(self) -> int:
@@ -169,7 +175,7 @@ class DelightNetwork(nn.Module):
         widths = level_widths(self.config.width, self.config.levels)
         self.encoder = Encoder(3, widths, self.config.residual)
         self.light = ConfidenceWeightedLight(widths[-1])
-        self.decoder = decoder_levels(widths, self.config.decoder_least)
+        self.decoder = decoder_levels(widths, self.config.decoder_least, self.config.decoder_residual)
         finest = max(widths[0], self.config.decoder_least)
         self.head = Head(finest, _SHARP + self.config.relief + self.config.classes)
         self.detail = None

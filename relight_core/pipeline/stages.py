@@ -18,7 +18,7 @@ from relight_core.imaging.tensor_means import with_neighbours
 from relight_core.imaging.tensor_normals import unit_normals
 from relight_core.lighting.bounce import Bounce, gather_bounce
 from relight_core.lighting.reflection import NormalLookup, ReflectionTable
-from relight_core.lighting.relief import ReliefTransport, march_relief
+from relight_core.lighting.relief import ReliefTransport, march_reliefs
 from relight_core.networks.bundle import NetworkBundle
 from relight_core.networks.delight import DelightNetwork, DelitSmall
 from relight_core.networks.pair import PairName
@@ -109,10 +109,24 @@ def delight(
         mirrored: also de-light the mirrored view and average both.
     """
     photo = np.clip(np.asarray(photo, np.float32), 0, 1)
-    linear = _as_tensor(photo, device)
+    seen, small = _as_tensor(photo, device), _as_tensor(resize_area(photo, (size, size)), device)
+    return delight_views(bundle, seen, small, mirrored=mirrored, precision=precision)[0]
+
+
+@torch.inference_mode()
+def delight_views(
+    bundle: NetworkBundle, linear: torch.Tensor, small: torch.Tensor, *, mirrored: bool = False, precision: str = "bf16"
+) -> list[Surface]:
+    """`delight` of B views at once.
+
+    Args:
+        linear: (B, 3, D, D) in [0, 1], as the network sees them.
+        small: the same views at the surfaces' size, (B, 3, S, S).
+    """
+    size = small.shape[-1]
     seen = srgb_encode(with_neighbours(linear, _LENS))
     views = torch.cat([seen, seen.flip(-1)]) if mirrored else seen
-    network = in_precision(bundle, device, precision).delight
+    network = in_precision(bundle, linear.device.type, precision).delight
     found = _found_in(network, views, size)
     parsing = torch.softmax(found.parsing_logits.float(), 1)
     parts = [found.albedo.float(), found.normal.float(), found.relief.float(), parsing, found.light.float()]
@@ -122,14 +136,18 @@ def delight(
     # Averaged with what is beside them, clipped pixels would no longer look clipped.
     clipped = _shrunk(clipped_share(linear), size)
     albedo, normal, relief, parsing = (_shrunk(image, size) for image in images)
-    linear = _as_tensor(resize_area(photo, (size, size)), device)
-    normal, relief = _without_rim(normal), _without_rim(relief)
-    albedo, parsing = with_white_collar(linear, albedo, parsing)
+    normal, height = _without_rim(normal), height_of(_without_rim(relief), linear.shape[-1])
+    whole = (small, clipped, albedo, normal, height, parsing, light)
+    return [_mended(*parts) for parts in zip(*(part.split(1) for part in whole), strict=True)]
+
+
+def _mended(photo, clipped, albedo, normal, relief, parsing, light) -> Surface:
+    """A surface as it was found in a photo, with what networks know least about put right."""
+    albedo, parsing = with_white_collar(photo, albedo, parsing)
     albedo = mend_blown(clipped, albedo, parsing)
     balls = with_eyeballs(unit_normals(normal)[0].cpu().numpy(), parsing[0].cpu().numpy())
-    normal = torch.from_numpy(balls)[None].to(device)
-    height = height_of(relief, photo.shape[0])
-    return Surface(linear, albedo, normal, height, parsing, _solid(parsing), light)
+    normal = torch.from_numpy(balls)[None].to(photo.device)
+    return Surface(photo, albedo, normal, relief, parsing, _solid(parsing), light)
 
 
 def reparsed(surface: Surface, parsing: torch.Tensor) -> Surface:
@@ -179,24 +197,30 @@ def _shrunk(image: torch.Tensor, size: int) -> torch.Tensor:
 
 
 def _mean_of_both(albedo, normal, relief, parsing, light) -> list[torch.Tensor]:
-    """What was found in a view (first) and in its mirror image (second), averaged."""
+    """What was found in views (the first half) and in their mirror images (the second), averaged."""
     sideways = torch.tensor([-1.0, 1.0, 1.0], device=normal.device)[None, :, None, None]
-    normal = unit_normals(normal[:1] + normal[1:].flip(-1) * sideways)
-    parsing = (parsing[:1] + parsing[1:, MIRRORED].flip(-1)) / 2
-    albedo, relief = ((both[:1] + both[1:].flip(-1)) / 2 for both in (albedo, relief))
-    return [albedo, normal, relief, parsing, (light[:1] + light[1:].flip(2)) / 2]
+    one, other = normal.chunk(2)
+    normal = unit_normals(one + other.flip(-1) * sideways)
+    one, other = parsing.chunk(2)
+    parsing = (one + other[:, MIRRORED].flip(-1)) / 2
+    albedo, relief = ((one + other.flip(-1)) / 2 for one, other in (albedo.chunk(2), relief.chunk(2)))
+    one, other = light.chunk(2)
+    return [albedo, normal, relief, parsing, (one + other.flip(2)) / 2]
 
 
 @torch.inference_mode()
 def march(surface: Surface, size: int) -> ReliefTransport:
     """March the surface's relief once toward every texel of the light (see `lighting.relief`)."""
-    return march_parts(surface.normal, surface.relief, surface.person, size)
+    return march_views(surface.normal.cpu(), surface.relief.cpu(), surface.person.cpu(), size)[0]
 
 
-def march_parts(normal: torch.Tensor, relief: torch.Tensor, person: torch.Tensor, size: int) -> ReliefTransport:
-    """`march` of a surface that is known by these parts alone, each (1, C, S, S) as `Surface` has it."""
+def march_views(normal: torch.Tensor, relief: torch.Tensor, person: torch.Tensor, size: int) -> list[ReliefTransport]:
+    """`march` of B surfaces that are known by these parts alone, each (B, C, S, S) as `Surface` has it.
+
+    It is done where they lie, and that is where the transports are.
+    """
     normal, relief, person = (F.interpolate(part, size=size, mode="area") for part in (normal, relief, person))
-    return march_relief(relief[0, 0].cpu(), unit_normals(normal)[0].cpu(), person[0, 0].cpu())
+    return march_reliefs(relief[:, 0], unit_normals(normal), person[:, 0])
 
 
 @dataclass(frozen=True, eq=False)

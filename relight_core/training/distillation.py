@@ -80,6 +80,7 @@ class Teacher:
         hints = specular_shadow_hints(network.config, reflected, hint, surface.relief, surface.parsing)
         occlusion = network(surface.normal, light, hints)
         effects = estimated_effects(network.config, occlusion, reflected, surface.albedo)
+        effects.by_relief = hint
         image = stages.compose(self._bundle, surface, reflected, effects, light, self._device).image
         return {
             "reflected": reflected,

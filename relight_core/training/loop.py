@@ -204,16 +204,16 @@ def _step(stage, bundle, table, batch, optimiser, device) -> dict[str, float]:
     statistics = [buffer.clone() for buffer in bundle.buffers()]
     with mixed_precision(device):
         losses = stage.losses(bundle, table, batch)
-    total = torch.stack([value.float() for value in losses.values()]).sum()
+    terms = torch.stack([value.float() for value in losses.values()])
     optimiser.zero_grad()
-    if not torch.isfinite(total):
-        return _skipped(bundle, statistics)
-    total.backward()
+    terms.sum().backward()
     norm = torch.nn.utils.clip_grad_norm_(optimiser.parameters, _GRADIENT_LIMIT)
-    if not torch.isfinite(norm):
+    # All numbers at once: a GPU waits whenever it is asked for one.
+    *values, norm = torch.cat([terms.detach(), norm[None]]).tolist()
+    if not math.isfinite(sum(values) + norm):
         return _skipped(bundle, statistics)
     optimiser.step()
-    return {name: float(value.detach()) for name, value in losses.items()}
+    return dict(zip(losses, values, strict=True))
 
 
 @torch.no_grad()

@@ -40,21 +40,17 @@ def on_predicted_surface(
         makes of the surface and the light, but for the gloss of black hair, which the truth has: networks that miss
         it there would learn to put it back.
     """
-    photo = batch["photo_srgb"].flatten(0, 1)
-    size = surface_size(bundle, photo)
-    surfaces, shadows, reflected = [], [], []
-    for linear, lights in zip(srgb_decode(photo), batch["light"].repeat_interleave(2, 0), strict=True):
-        view = linear.permute(1, 2, 0).float().cpu().numpy()
-        surface = stages.delight(bundle, view, size, photo.device.type)
-        surfaces.append(surface)
-        shadows.append(stages.march(surface, RELIEF_SIZE).shadow_fraction(lights.cpu()))
+    photo = srgb_decode(batch["photo_srgb"].flatten(0, 1).float())
+    size, both_lights = surface_size(bundle, photo), batch["light"].repeat_interleave(2, 0)
+    surfaces = stages.delight_views(bundle, photo, shrunk(photo, size))
+    parts = {n: torch.cat([getattr(s, n) for s in surfaces]) for n in ("normal", "relief", "parsing", "person")}
+    shadow = _relief_shadows(parts["relief"], parts["normal"], parts.pop("person"), both_lights, size)
+    reflected = []
+    for surface, lights in zip(surfaces, both_lights, strict=True):
         reflector = stages.reflector(table, surface, black_is_dull=False)
         reflected += [stages.reflect(reflector, light[None]) for light in lights]
-    found = {name: torch.cat([getattr(s, name) for s in surfaces]) for name in ("normal", "relief", "parsing")}
     truth = {name: _for_both_photos(batch[name]) for name in batch.keys() - {"photo_srgb", "label"}}
-    shadow = torch.cat(shadows).to(photo.device)
-    shadow = F.interpolate(shadow, size=size, mode="bilinear", align_corners=False)
-    seen = {name: value.repeat_interleave(2, 0) for name, value in found.items()}
+    seen = {name: value.repeat_interleave(2, 0) for name, value in parts.items()}
     lit = {"relief_shadow": shadow, "reflected": torch.cat(reflected)}
     return shrunk_heads(truth, size) | seen | lit
 
@@ -79,18 +75,18 @@ def found_hints(bundle: NetworkBundle, found: Delit, light: torch.Tensor, size: 
         relief = stages.height_of(found.relief.float(), found.albedo_srgb.shape[-1])
         hints["relief"] = shrunk(relief, size)
     if config.relief and config.classes:
-        shadow = _relief_shadows(relief, found.normal, 1 - parsing[:, INDEX["background"], None], light)
-        hints["relief_shadow"] = F.interpolate(shadow, size=size, mode="bilinear", align_corners=False)
+        person = 1 - parsing[:, INDEX["background"], None]
+        hints["relief_shadow"] = _relief_shadows(relief, found.normal.float(), person, light[:, None], size)
     return hints
 
 
 def _relief_shadows(
-    relief: torch.Tensor, normal: torch.Tensor, person: torch.Tensor, light: torch.Tensor
+    relief: torch.Tensor, normal: torch.Tensor, person: torch.Tensor, lights: torch.Tensor, size: int
 ) -> torch.Tensor:
-    """Shadow fractions (B, 1, `RELIEF_SIZE`, `RELIEF_SIZE`) of B surfaces, each under its light."""
-    surfaces = zip(*(part.float().split(1) for part in (normal, relief, person)), light.cpu().split(1), strict=True)
-    shadows = [stages.march_parts(*parts, RELIEF_SIZE).shadow_fraction(own) for *parts, own in surfaces]
-    return torch.cat(shadows).to(light.device)
+    """Shadow fractions (B * L, 1, size, size) of B surfaces, each under its own lights (B, L, 16, 32, 3)."""
+    transports = stages.march_views(normal, relief, person, RELIEF_SIZE)
+    shadow = torch.cat([part.shadow_fraction(own) for part, own in zip(transports, lights, strict=True)])
+    return F.interpolate(shadow, size=size, mode="bilinear", align_corners=False)
 
 
 def _for_both_photos(value: torch.Tensor) -> torch.Tensor:

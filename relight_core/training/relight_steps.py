@@ -10,8 +10,10 @@ from relight_core.imaging.tensor_colour import grey, srgb_encode
 from relight_core.lighting.reflection import ReflectionTable
 from relight_core.networks.composition import CompositionNetwork, encode_radiance
 from relight_core.networks.specular_shadow import SpecularShadowNetwork
+from relight_core.pipeline.per_light.bare_skin import bare_skin
 from relight_core.pipeline.per_light.hints import (
     Effects,
+    doubtful_shadow,
     estimated_effects,
     explicit_sum,
     specular_shadow_hints,
@@ -60,6 +62,7 @@ def specular_shadow_losses(
     hints = specular_shadow_hints(network.config, reflected, *seen)
     occlusion = network(normal.contiguous(memory_format=torch.channels_last), flat["light"], hints)
     effects = estimated_effects(network.config, occlusion, reflected, albedo)
+    effects.by_relief = flat.get("relief_shadow")
     losses = {
         "specular": 10 * masked_l1(effects.specular, flat["specular"], covered),
         "shadow": 5 * masked_l1(effects.shadow, flat["shadow"], covered),
@@ -92,13 +95,18 @@ def composition_losses(
     flat: dict[str, torch.Tensor],
     effects: Effects | None,
 ) -> tuple[torch.Tensor, dict[str, torch.Tensor]]:
-    """Eq. 8 in the invertible encoding, on estimated effects or, for None, on the true ones (warm-up)."""
+    """Eq. 8 in the invertible encoding, on estimated effects or, for None, on the true ones (warm-up).
+
+    Of a shadow that the relief casts too, the network is shown what the editor shows it (`hints.doubtful_shadow`).
+    """
     normal, albedo, covered = flat["normal"], flat["albedo"], flat["covered"]
     reflected = _reflected(table, flat)
     if effects is None:
         effects = Effects(flat["specular"], flat["shadow"])
     explicit = explicit_sum(albedo, reflected, effects)
-    image = network(albedo, normal, effects.specular, effects.shadow, explicit, flat["light"])
+    diffuse, gloss = grey(albedo * reflected[:, :3]), grey(reflected[:, 3:])
+    shown = doubtful_shadow(effects, diffuse, gloss, bare_skin(flat["parsing"]))
+    image = network(albedo, normal, effects.specular, shown, explicit, flat["light"])
     truth = flat["image"]
     losses = {
         "encoded": masked_l1(encode_radiance(image), encode_radiance(truth), covered),

@@ -10,7 +10,7 @@ from functools import partial
 from pathlib import Path
 
 import torch
-from torch.utils.data import DataLoader
+from torch.utils.data import DataLoader, default_collate
 
 from relight_core.dataset.cutouts.outlines import OutlineStream
 from relight_core.dataset.stream import SampleStream
@@ -30,9 +30,13 @@ from relight_core.training.distillation import Teacher
 from relight_core.training.kept_batches import kept_batches
 from relight_core.training.loader_worker import begin_worker
 from relight_core.training.loop import Budget, train_stage
+from relight_core.training.replay import Replay, halved, replayed
 from relight_core.training.stages import STAGES, Stage
 
 Batches = Callable[[int], Iterator[dict[str, torch.Tensor]]]
+
+_CHUNK = 4
+"""Pairs that a worker hands over together, where they are used again: a batch is drawn from many workers' heads."""
 
 _LONGEST_RISE = 200
 """Steps in which the learning rate rises; a short run rises in a tenth of its own."""
@@ -59,7 +63,10 @@ class Run:
             takes half as many as the wide pair has.
         examples: how many batches of answers that stage learns from, over and over.
         places: a folder of panoramas that the samples of "outline" are put before, beside drawn scenes.
+        decoder_residual: the same for its decoder, which has one level fewer.
         kept: a folder of batches that runs share: the same ones in every stage and for all networks.
+        uses: how often each pair is learnt from, in the mean (see `replay`); 1 makes new ones for every step.
+        window: pairs that are kept for it.
     """
 
     stage: str
@@ -76,10 +83,13 @@ class Run:
     learning_rate: float | None = None
     detail_width: int = 0
     residual: tuple[int, ...] = ()
+    decoder_residual: tuple[int, ...] = ()
     narrow_width: int | None = None
     examples: int = 150
     places: Path | None = None
     kept: Path | None = None
+    uses: int = 1
+    window: int = 1024
     config: BundleConfig = BundleConfig()
 
 
@@ -96,8 +106,8 @@ def train(run: Run, report) -> NetworkBundle:
     bundle = load_bundle(run.start) if run.start else NetworkBundle(run.config)
     if run.detail_width:
         bundle = with_detail_pass(bundle, run.detail_width)
-    if run.residual:
-        bundle = with_residual_blocks(bundle, run.residual, settled=stage.settled)
+    if run.residual or run.decoder_residual:
+        bundle = with_residual_blocks(bundle, run.residual, run.decoder_residual, settled=stage.settled)
     if stage.distilled:
         bundle = with_narrow_width(bundle, _narrow_width(run, bundle))
     if stage.outlines and bundle.person is None:
@@ -108,7 +118,8 @@ def train(run: Run, report) -> NetworkBundle:
         steps=run.steps,
         warm_up_steps=_LONGEST_RISE if run.steps is None else min(_LONGEST_RISE, max(run.steps // 10, 1)),
     )
-    device = "cuda" if torch.cuda.is_available() else "cpu"
+    device = _device()
+    torch.backends.cudnn.benchmark = True
     run.checkpoint.parent.mkdir(parents=True, exist_ok=True)
     with denormals_flushed():
         if not stage.distilled:
@@ -116,6 +127,10 @@ def train(run: Run, report) -> NetworkBundle:
             return train_stage(stage, bundle, batches_from, budget, run.checkpoint, report, device)
         with _example_batches(run, stage, bundle, device) as batches_from:
             return train_stage(stage, bundle, batches_from, budget, run.checkpoint, report, device)
+
+
+def _device() -> str:
+    return "cuda" if torch.cuda.is_available() else "cpu"
 
 
 def _narrow_width(run: Run, bundle: NetworkBundle) -> int:
@@ -161,7 +176,13 @@ def training_batches(run: Run, stage: Stage, first_batch: int) -> Iterator[dict[
         return shared_batches(run, first_batch)
     if stage.outlines:
         return _loaded(run, OutlineStream, first_batch, places=run.places)
-    return _stream(run, first_batch, photographs=stage.photographs, relief_shadow=stage.relief_shadow)
+    contents = {"photographs": stage.photographs, "relief_shadow": stage.relief_shadow}
+    if run.uses == 1:
+        return _stream(run, first_batch, **contents)
+    chunk = min(_CHUNK, run.pairs)
+    again = Replay(run.uses, run.pairs, chunk, run.window, run.seed)
+    by_chunk = replace(run, pairs=chunk)
+    return replayed(lambda first: _stream(by_chunk, first, **contents), again, first_batch, _device())
 
 
 def _stream(run: Run, first_batch: int, **contents: bool) -> Iterator[dict[str, torch.Tensor]]:
@@ -182,7 +203,14 @@ def _loaded(
         multiprocessing_context="forkserver" if run.workers else None,
         worker_init_fn=begin_worker,
         prefetch_factor=4 if run.workers else None,
+        collate_fn=_collated_by_half if run.uses > 1 else default_collate,
+        pin_memory=torch.cuda.is_available(),
         # It draws a seed for its workers, and would draw it from the stream that a run goes on with.
         generator=torch.Generator().manual_seed(run.seed),
     )
     return iter(loader)
+
+
+def _collated_by_half(samples: list[dict[str, torch.Tensor]]) -> dict[str, torch.Tensor]:
+    """Half as much to hand over from one process to another."""
+    return halved(default_collate(samples))

@@ -36,6 +36,8 @@ def draw_samples(bundle: NetworkBundle, table: ReflectionTable, batch: dict[str,
     if "person" in batch:
         return _draw_outlines(bundle, batch, path)
     taught = "reflected" in batch
+    if not taught:
+        batch = {name: value[:_ROWS] for name, value in batch.items()}
     flattened = (under_some_lights if taught else flatten_pairs)({name: value.cpu() for name, value in batch.items()})
     flat = {
         name: value[:_ROWS].float() if value.is_floating_point() else value[:_ROWS] for name, value in flattened.items()

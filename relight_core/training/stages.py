@@ -119,7 +119,7 @@ def _relit_from_photo(
     swapped = {n: v.unflatten(0, (-1, 2)).flip(1).flatten(0, 1) for n, v in flatten_pairs(lit, size).items()}
     albedo = shrunk(srgb_decode(found.albedo_srgb), size)
     level = level_of(albedo, swapped["albedo"], swapped["covered"])
-    levelled = torch.rand_like(level) < levelled_share
+    levelled = torch.rand(level.shape).to(level.device) < levelled_share
     swapped["albedo"] = albedo * torch.where(levelled, level, torch.ones_like(level))
     swapped["normal"] = unit_normals(shrunk(found.normal, size))
     if hinted:

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import torch
 
-from relight_core.lighting.relief import horizon_slopes, march_relief
+from relight_core.lighting.relief import horizon_slopes, march_relief, march_reliefs
 
 SIZE = 32
 
@@ -38,6 +38,17 @@ def wall():
 def shadow(relief, light, where=None):
     where = covered() if where is None else where
     return march_relief(relief, facing_camera(), where).shadow_fraction(light)[0, 0]
+
+
+def test_reliefs_marched_together_are_marched_as_each_alone():
+    reliefs = torch.stack([wall(), wall().T])
+    normals, where = facing_camera().expand(2, -1, -1, -1), torch.stack([covered(), covered().tril()])
+    together = march_reliefs(reliefs, normals, where)
+    for number, transport in enumerate(together):
+        alone = march_relief(reliefs[number], facing_camera(), where[number])
+        torch.testing.assert_close(transport.closed, alone.closed, atol=1e-6, rtol=1e-4)
+        torch.testing.assert_close(transport.open, alone.open)
+    assert not torch.equal(together[0].closed, together[1].closed)
 
 
 def test_a_plane_casts_no_shadow():

@@ -115,6 +115,18 @@ def test_a_found_relief_casts_the_shadow_that_the_editor_would_march():
     assert both["parsing"].sum(1).allclose(torch.ones(2, 16, 16), atol=1e-4)
 
 
+def test_surfaces_found_together_are_those_found_one_at_a_time(bundle):
+    views = torch.rand(3, 3, 32, 32, generator=torch.Generator().manual_seed(2))
+    for mirrored in (False, True):
+        together = stages.delight_views(bundle, views, views, mirrored=mirrored)
+        for view, surface in zip(views, together, strict=True):
+            alone = stages.delight(bundle, view.permute(1, 2, 0).numpy(), 32, mirrored=mirrored)
+            for name in ("photo", "albedo", "normal", "relief", "parsing", "person", "source_light"):
+                found, expected = getattr(surface, name), getattr(alone, name)
+                torch.testing.assert_close(found.clone(), expected.clone(), atol=1e-4, rtol=1e-3)
+    assert not torch.allclose(together[0].normal.clone(), together[1].normal.clone(), atol=1e-3)
+
+
 def test_surfaces_reflect_what_the_editor_makes_of_them_and_their_light_but_black_as_it_is_rendered(bundle):
     batch = pairs(1, 32)
     flat = on_predicted_surface(bundle, ReflectionTable(), batch)

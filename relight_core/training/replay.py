@@ -1,0 +1,111 @@
+"""Samples that are learnt from several times: a GPU takes a step in less time than a processor makes its samples.
+
+The newest pairs are kept where the networks are, and every batch is drawn from them. What a batch holds is a pure
+function of its number, so that training can go on at any batch as if it had never stopped.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from itertools import count
+
+import numpy as np
+import torch
+
+from relight_core.face.parsing import MIRRORED
+
+Batch = dict[str, torch.Tensor]
+
+
+@dataclass(frozen=True)
+class Replay:
+    """How samples are used again.
+
+    Attributes:
+        uses: how often each pair is drawn, in the mean.
+        pairs: of a batch.
+        chunk: pairs that come from the loader together.
+        kept: pairs to draw from, the newest; rounded up to whole chunks, and to a batch.
+        seed: of what is drawn.
+    """
+
+    uses: int
+    pairs: int
+    chunk: int
+    kept: int
+    seed: int
+
+    def __post_init__(self):
+        if min(self.uses, self.pairs, self.chunk, self.kept) < 1:
+            raise ValueError("uses, pairs, chunk and kept are 1 or more")
+
+    @property
+    def slots(self) -> int:
+        """Chunks that are kept."""
+        return -(-max(self.kept, self.pairs) // self.chunk)
+
+    def chunks_before(self, batch: int) -> int:
+        """How many chunks have come when a batch is drawn: those of one batch at first."""
+        return -(-self.pairs // self.chunk) + batch * self.pairs // (self.uses * self.chunk)
+
+    def drawn(self, batch: int) -> tuple[np.ndarray, np.ndarray]:
+        """Where the pairs of a batch are kept, and which of them are mirrored, (pairs,) each."""
+        random = np.random.default_rng([self.seed, batch])
+        filled = min(self.chunks_before(batch), self.slots) * self.chunk
+        return random.choice(filled, self.pairs, replace=False), random.random(self.pairs) < 0.5
+
+
+def replayed(make: Callable[[int], Iterator[Batch]], replay: Replay, first: int, device: str) -> Iterator[Batch]:
+    """Batches from a number on, without end.
+
+    Args:
+        make: gives chunks of pairs from a number on, as `dataset.stream` has them, floats in any precision.
+        device: where they are kept, images in half precision.
+    """
+    comes_next = max(0, replay.chunks_before(first) - replay.slots)
+    chunks, store = make(comes_next), {}
+    for number in count(first):
+        while comes_next < replay.chunks_before(number):
+            _keep(store, next(chunks), comes_next % replay.slots, replay, device)
+            comes_next += 1
+        places, mirrored = (torch.from_numpy(drawn).to(device) for drawn in replay.drawn(number))
+        batch = {name: value[places] for name, value in store.items()}
+        yield mirrored_pairs({name: _as_learnt(value) for name, value in batch.items()}, mirrored)
+
+
+def halved(batch: Batch) -> Batch:
+    """A batch as it is kept: images in half precision, labels in bytes, lights as they are."""
+    return {name: value.to(_kept_type(name, value)) for name, value in batch.items()}
+
+
+def mirrored_pairs(batch: Batch, which: torch.Tensor) -> Batch:
+    """Pairs with some of them in a mirror (see `dataset.samples.mirrored`).
+
+    Args:
+        which: (pairs,) bool.
+    """
+    flipped = {name: value.flip(3 if name == "light" else -1) for name, value in batch.items()}
+    flipped["normal"] = flipped["normal"] * flipped["normal"].new_tensor([-1, 1, 1])[:, None, None]
+    flipped["label"] = torch.tensor(MIRRORED, device=which.device)[flipped["label"]]
+    return {
+        name: torch.where(which.reshape(-1, *[1] * (value.ndim - 1)), flipped[name], value)
+        for name, value in batch.items()
+    }
+
+
+def _keep(store: Batch, chunk: Batch, slot: int, replay: Replay, device: str) -> None:
+    for name, value in halved(chunk).items():
+        if name not in store:
+            store[name] = torch.empty(replay.slots * replay.chunk, *value.shape[1:], dtype=value.dtype, device=device)
+        store[name][slot * replay.chunk : (slot + 1) * replay.chunk].copy_(value, non_blocking=True)
+
+
+def _kept_type(name: str, value: torch.Tensor) -> torch.dtype:
+    if not value.is_floating_point():
+        return torch.uint8
+    return torch.float32 if name == "light" else torch.float16
+
+
+def _as_learnt(value: torch.Tensor) -> torch.Tensor:
+    return value.float() if value.is_floating_point() else value.long()
