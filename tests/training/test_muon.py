@@ -32,6 +32,23 @@ def test_nothing_moves_nothing_and_one_rank_stays_finite():
     assert torch.isfinite(evened(torch.ones(64, 500) * 1e18)).all()
 
 
+def test_matrices_of_one_shape_move_as_each_would_alone():
+    shapes = [(6, 20), (20, 6), (6, 20), (4, 4)]
+    together = [torch.nn.Parameter(random_matrix(*shape, seed)) for seed, shape in enumerate(shapes)]
+    alone = [torch.nn.Parameter(matrix.detach().clone()) for matrix in together]
+    one, each = Muon(together, lr=0.02, weight_decay=0.01), [Muon([m], lr=0.02, weight_decay=0.01) for m in alone]
+    for step in range(3):
+        for number, (first, second) in enumerate(zip(together, alone, strict=True)):
+            # The last has no gradient at first.
+            first.grad = random_matrix(*shapes[number], 10 * step + number) if number < 3 or step else None
+            second.grad = None if first.grad is None else first.grad.clone()
+        one.step()
+        for optimiser in each:
+            optimiser.step()
+    for first, second in zip(together, alone, strict=True):
+        torch.testing.assert_close(first, second, atol=1e-5, rtol=1e-4)
+
+
 def test_it_steps_as_pytorchs_own_does():
     theirs, ours = (torch.nn.Parameter(random_matrix(24, 90)) for _ in range(2))
     start = ours.detach().clone()
