@@ -136,6 +136,13 @@ class TestDelight:
         with pytest.raises(ValueError, match="3 numbers"):
             self.network(residual=residual)
 
+    def test_so_do_those_of_the_decoder_which_has_one_level_fewer(self):
+        network = self.network(decoder_residual=[2, 1])
+        assert [len(level.residual) for level in network.decoder] == [1, 2]
+        assert network(torch.rand(1, 3, 16, 24)).normal.shape == (1, 3, 16, 24)
+        with pytest.raises(ValueError, match="2 numbers"):
+            self.network(decoder_residual=(0, 1, 1))
+
     def test_anchored_albedo_without_change_is_the_photo(self):
         network = self.network()
         nn.init.zeros_(network.head.weight)
