@@ -1,0 +1,57 @@
+"""What composition is shown of a shadow while it learns: as in the editor, not what network and relief are sure of."""
+
+import torch
+
+from relight_core.face.parsing import INDEX
+from relight_core.lighting.reflection import ReflectionTable
+from relight_core.networks.bundle import BundleConfig, NetworkBundle
+from relight_core.training.relight_steps import composition_losses, specular_shadow_losses, with_reflected
+
+SIZE = 16
+
+
+def batch(relief_shadow):
+    """A patch of bare skin facing a light from everywhere."""
+    parsing = torch.zeros(1, 14, SIZE, SIZE)
+    parsing[:, INDEX["skin"]] = 1
+    normal = torch.zeros(1, 3, SIZE, SIZE)
+    normal[:, 2] = 1
+    flat = {
+        "normal": normal,
+        "albedo": torch.full((1, 3, SIZE, SIZE), 0.5),
+        "covered": torch.ones(1, 1, SIZE, SIZE),
+        "light": torch.ones(1, 16, 32, 3),
+        "parsing": parsing,
+        "relief": torch.zeros(1, 1, SIZE, SIZE),
+        "image": torch.full((1, 3, SIZE, SIZE), 0.2),
+        "relief_shadow": torch.full((1, 1, SIZE, SIZE), relief_shadow),
+    }
+    names = ("specular", "shadow", "shadow_fraction", "gloss_fraction")
+    return with_reflected(ReflectionTable(), flat | {name: torch.full((1, 1, SIZE, SIZE), 0.3) for name in names})
+
+
+def shown(relief_shadow):
+    """The mean shadow that composition reads, and the one that SS says."""
+    torch.manual_seed(0)
+    bundle, read = NetworkBundle(BundleConfig.tiny()).eval(), {}
+    network, table, flat = bundle.composition, ReflectionTable(), batch(relief_shadow)
+
+    def reads(_, inputs):
+        read["shadow"] = float(inputs[3].mean())
+
+    network.register_forward_pre_hook(reads)
+    with torch.no_grad():
+        effects, _ = specular_shadow_losses(bundle.specular_shadow, table, flat)
+        composition_losses(network, table, flat, effects)
+    return read["shadow"], float(effects.shadow.mean())
+
+
+def test_what_the_relief_hides_for_certain_is_not_shown():
+    read, said = shown(0.95)
+    assert said > 0.3
+    assert read < 0.3 * said
+
+
+def test_where_the_relief_hides_little_all_of_it_is_shown():
+    read, said = shown(0.2)
+    assert read == said > 0
