@@ -197,7 +197,17 @@ def test_training_refuses(run, data, changes, word):
 
 @pytest.mark.parametrize(
     ("option", "value"),
-    [("--minutes", 5), ("--size", 64), ("--pairs", 4), ("--seed", 0), ("--residual", "0,1"), ("--rate", 1e-4)],
+    [
+        ("--minutes", 5),
+        ("--size", 64),
+        ("--pairs", 4),
+        ("--seed", 0),
+        ("--residual", "0,1"),
+        ("--decoder-residual", "0,1"),
+        ("--uses", 2),
+        ("--window", 64),
+        ("--rate", 1e-4),
+    ],
 )
 def test_a_recipe_takes_none_of_what_it_says_itself(run, data, option, value):
     words = ["--heads", data / "heads", "--lights", data / "lights.npz", "-o", data / "run"]

@@ -140,7 +140,8 @@ class TestResidualBlocks:
     @pytest.mark.parametrize("settled", [False, True])
     def test_change_nothing_until_they_are_trained(self, tmp_path, settled):
         plain = self.bundle().eval()
-        deeper = with_residual_blocks(self.bundle(), (0, 1, 2), settled=settled).eval()
+        deeper = with_residual_blocks(self.bundle(), (0, 1, 2), (1, 2), settled=settled).eval()
+        assert len(deeper.delight.decoder[0].residual) == 2
         save_bundle(tmp_path / "d.safetensors", deeper, half=False)
         again = load_bundle(tmp_path / "d.safetensors").for_inference()
         photo = torch.rand(1, 3, 32, 32)
@@ -161,6 +162,13 @@ class TestResidualBlocks:
         deeper.delight(torch.rand(2, 3, 32, 32)).light.sum().backward()
         assert block.second.conv.weight.grad.abs().sum() > 0
 
+    def test_of_the_decoder_learn_and_leave_the_encoder_as_it_is(self):
+        before = with_residual_blocks(self.bundle(), (0, 0, 1))
+        deeper = with_residual_blocks(before, decoder=(1, 0), settled=True).eval()
+        assert deeper.config.delight.residual == (0, 0, 1)
+        deeper.delight(torch.rand(2, 3, 32, 32)).normal[:, 0].sum().backward()
+        assert deeper.delight.decoder[-1].residual[0].second.conv.weight.grad.abs().sum() > 0
+
     def test_taught_ones_are_kept_when_more_are_added(self):
         taught = with_residual_blocks(self.bundle(), (0, 0, 1))
         block = taught.delight.encoder.levels[-1][-1]
@@ -173,3 +181,5 @@ class TestResidualBlocks:
     def test_for_other_levels_are_refused(self):
         with pytest.raises(InputError, match="3 numbers"):
             with_residual_blocks(self.bundle(), (0, 1))
+        with pytest.raises(InputError, match="2 numbers"):
+            with_residual_blocks(self.bundle(), decoder=(0, 1, 1))

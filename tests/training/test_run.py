@@ -1,5 +1,6 @@
 """A run's batches."""
 
+import itertools
 from pathlib import Path
 
 import torch
@@ -16,6 +17,32 @@ class Numbers(IterableDataset):
 
     def __iter__(self):
         return iter([{"number": torch.tensor(self.first + n)} for n in range(8)])
+
+
+class Pairs(IterableDataset):
+    def __init__(self, *_, first_batch, pairs, **__):
+        self.first, self.pairs = first_batch, pairs
+
+    def __iter__(self):
+        for number in itertools.count(self.first * self.pairs):
+            told = torch.full((3, 2, 2), float(number))
+            yield {"normal": told, "label": torch.zeros(2, 2, dtype=torch.long)}
+
+
+def test_pairs_that_are_used_again_come_in_batches_of_the_size_that_was_asked_for(monkeypatch):
+    monkeypatch.setattr(run_module, "SampleStream", Pairs)
+    run = Run("warm-delight", Path("heads"), Path("lights"), Path("w"), steps=9, pairs=6, workers=0, uses=3, window=12)
+
+    def some(first, count):
+        batches = itertools.islice(training_batches(run, STAGES["warm-delight"], first), count)
+        return [batch["normal"][:, 1, 0, 0].cpu().tolist() for batch in batches]
+
+    whole = some(0, 12)
+    assert all(len(set(batch)) == 6 for batch in whole)
+    # 8 pairs come at once and then 2 a batch, in fours.
+    assert max(max(batch) for batch in whole) < 8 + 24
+    assert len({number for batch in whole for number in batch}) > 16
+    assert some(7, 5) == whole[7:]
 
 
 def test_taking_batches_draws_nothing_from_the_stream_that_steps_draw_from(monkeypatch):
