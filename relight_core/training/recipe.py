@@ -29,6 +29,7 @@ class StagePlan:
         learning_rate: peak; None takes the stage's own.
         detail_width: from here on de-lighting has a sharpening pass of this width; 0 leaves it as it is.
         narrow_width, examples: of "distil-relight", see `run.Run`.
+        uses, window: how often each pair is learnt from, and among how many, see `run.Run`.
     """
 
     name: str
@@ -40,6 +41,8 @@ class StagePlan:
     detail_width: int = 0
     narrow_width: int | None = None
     examples: int = 150
+    uses: int = 1
+    window: int = 1024
 
 
 @dataclass(frozen=True)
@@ -164,5 +167,7 @@ def _run(recipe: Recipe, plan: StagePlan, number: int, heads, lights, checkpoint
         detail_width=plan.detail_width,
         narrow_width=plan.narrow_width,
         examples=plan.examples,
+        uses=plan.uses,
+        window=plan.window,
         config=recipe.networks,
     )

@@ -56,6 +56,19 @@ def data(monkeypatch):
     return asked
 
 
+def test_pairs_of_a_stage_are_used_as_often_as_the_recipe_says(tmp_path, monkeypatch):
+    asked = []
+
+    def batches(run, stage, first_batch):
+        asked.append((run.uses, run.window))
+        return itertools.repeat(some_batch())
+
+    monkeypatch.setattr(run_module, "training_batches", batches)
+    text = SHORT.replace('"warm-relight"\nsteps = 2', '"warm-relight"\nsteps = 2\nuses = 3\nwindow = 99')
+    follow(load_recipe(written(tmp_path, text)), tmp_path, tmp_path, tmp_path / "out", lambda *_: None)
+    assert asked == [(1, 1024), (1, 1024), (3, 99)]
+
+
 def test_bundled_recipes_can_be_read():
     assert {"paper", "shipped"} <= set(recipe_names())
     for name in recipe_names():
