@@ -33,8 +33,8 @@ from relight_core.errors import InputError
 if TYPE_CHECKING:
     from relight_core.training.state import Progress
 
-_OF_A_STAGE = ("minutes", "size", "pairs", "seed", "residual", "decoder_residual", "rate", "uses", "window")
 _OF_A_RUN = ("size", "pairs", "seed", "residual", "decoder_residual", "uses", "window")
+_OF_A_STAGE = ("minutes", "rate", *_OF_A_RUN)
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

@@ -6,14 +6,12 @@ from collections.abc import Callable, Iterator
 from itertools import count
 from pathlib import Path
 
-import torch
 from safetensors import SafetensorError
 from safetensors.torch import load_file, save_file
 
 from relight_core.errors import InputError
 from relight_core.imaging.files import whole_file
-
-Batch = dict[str, torch.Tensor]
+from relight_core.training.half_kept import Batch, halved, whole_again
 
 
 def kept_batches(
@@ -44,15 +42,9 @@ def kept_batches(
 
 
 def _keep(path: Path, batch: Batch) -> None:
-    small = {name: value.to(_kept_type(name, value)).contiguous() for name, value in batch.items()}
+    small = {name: value.contiguous() for name, value in halved(batch).items()}
     with whole_file(path) as beside:
         save_file(small, beside)
-
-
-def _kept_type(name: str, value: torch.Tensor) -> torch.dtype:
-    if not value.is_floating_point():
-        return torch.uint8
-    return torch.float32 if name == "light" else torch.float16
 
 
 def _read(path: Path) -> Batch:
@@ -60,4 +52,4 @@ def _read(path: Path) -> Batch:
         batch = load_file(path)
     except (OSError, SafetensorError) as error:
         raise InputError(f"{path}: this batch can't be read ({error}); delete it, it is made again") from error
-    return {name: value.float() if value.is_floating_point() else value.long() for name, value in batch.items()}
+    return whole_again(batch)

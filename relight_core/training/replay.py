@@ -14,8 +14,7 @@ import numpy as np
 import torch
 
 from relight_core.face.parsing import MIRRORED
-
-Batch = dict[str, torch.Tensor]
+from relight_core.training.half_kept import Batch, halved, whole_again
 
 
 @dataclass(frozen=True)
@@ -71,12 +70,7 @@ def replayed(make: Callable[[int], Iterator[Batch]], replay: Replay, first: int,
             comes_next += 1
         places, mirrored = (torch.from_numpy(drawn).to(device) for drawn in replay.drawn(number))
         batch = {name: value[places] for name, value in store.items()}
-        yield mirrored_pairs({name: _as_learnt(value) for name, value in batch.items()}, mirrored)
-
-
-def halved(batch: Batch) -> Batch:
-    """A batch as it is kept: images in half precision, labels in bytes, lights as they are."""
-    return {name: value.to(_kept_type(name, value)) for name, value in batch.items()}
+        yield mirrored_pairs(whole_again(batch), mirrored)
 
 
 def mirrored_pairs(batch: Batch, which: torch.Tensor) -> Batch:
@@ -99,13 +93,3 @@ def _keep(store: Batch, chunk: Batch, slot: int, replay: Replay, device: str) ->
         if name not in store:
             store[name] = torch.empty(replay.slots * replay.chunk, *value.shape[1:], dtype=value.dtype, device=device)
         store[name][slot * replay.chunk : (slot + 1) * replay.chunk].copy_(value, non_blocking=True)
-
-
-def _kept_type(name: str, value: torch.Tensor) -> torch.dtype:
-    if not value.is_floating_point():
-        return torch.uint8
-    return torch.float32 if name == "light" else torch.float16
-
-
-def _as_learnt(value: torch.Tensor) -> torch.Tensor:
-    return value.float() if value.is_floating_point() else value.long()

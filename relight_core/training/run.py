@@ -27,10 +27,11 @@ from relight_core.networks.bundle import (
 )
 from relight_core.networks.person import PersonConfig, PersonNetwork
 from relight_core.training.distillation import Teacher
+from relight_core.training.half_kept import halved
 from relight_core.training.kept_batches import kept_batches
 from relight_core.training.loader_worker import begin_worker
 from relight_core.training.loop import Budget, train_stage
-from relight_core.training.replay import Replay, halved, replayed
+from relight_core.training.replay import Replay, replayed
 from relight_core.training.stages import STAGES, Stage
 
 Batches = Callable[[int], Iterator[dict[str, torch.Tensor]]]
@@ -97,12 +98,15 @@ def train(run: Run, report) -> NetworkBundle:
     """Run a stage; see `loop.train_stage` for `report` and what is raised.
 
     Raises:
-        InputError: nobody has taught the networks that a stage learns from.
+        InputError: nobody has taught the networks that a stage learns from, or its samples are not pairs that could
+            be used again.
     """
     torch.manual_seed(run.seed)
     stage = STAGES[run.stage]
     if stage.distilled and run.start is None:
         raise InputError(f"{run.stage} learns from trained networks: give their weights to start from")
+    if stage.outlines and run.uses > 1:
+        raise InputError(f"{run.stage}: its samples are used once each; only pairs of lights can be used again")
     bundle = load_bundle(run.start) if run.start else NetworkBundle(run.config)
     if run.detail_width:
         bundle = with_detail_pass(bundle, run.detail_width)
@@ -182,15 +186,20 @@ def training_batches(run: Run, stage: Stage, first_batch: int) -> Iterator[dict[
     chunk = min(_CHUNK, run.pairs)
     again = Replay(run.uses, run.pairs, chunk, run.window, run.seed)
     by_chunk = replace(run, pairs=chunk)
-    return replayed(lambda first: _stream(by_chunk, first, **contents), again, first_batch, _device())
+    halves = partial(_stream, by_chunk, collate=_collated_by_half, **contents)
+    return replayed(halves, again, first_batch, _device())
 
 
-def _stream(run: Run, first_batch: int, **contents: bool) -> Iterator[dict[str, torch.Tensor]]:
+def _stream(run: Run, first_batch: int, **contents) -> Iterator[dict[str, torch.Tensor]]:
     return _loaded(run, SampleStream, first_batch, **contents)
 
 
 def _loaded(
-    run: Run, kind: type[SampleStream], first_batch: int, **contents: bool | Path | None
+    run: Run,
+    kind: type[SampleStream],
+    first_batch: int,
+    collate: Callable[[list], dict[str, torch.Tensor]] = default_collate,
+    **contents: bool | Path | None,
 ) -> Iterator[dict[str, torch.Tensor]]:
     stream = kind(
         run.heads, run.lights, "train", run.size, run.seed, first_batch=first_batch, pairs=run.pairs, **contents
@@ -203,7 +212,7 @@ def _loaded(
         multiprocessing_context="forkserver" if run.workers else None,
         worker_init_fn=begin_worker,
         prefetch_factor=4 if run.workers else None,
-        collate_fn=_collated_by_half if run.uses > 1 else default_collate,
+        collate_fn=collate,
         pin_memory=torch.cuda.is_available(),
         # It draws a seed for its workers, and would draw it from the stream that a run goes on with.
         generator=torch.Generator().manual_seed(run.seed),

@@ -188,6 +188,7 @@ def train_words(data, **changes):
         ({"-o": "nowhere/w.safetensors"}, "nowhere"),
         ({"--rate": "-1"}, "above 0"),
         ({"--start": "missing.safetensors"}, "missing.safetensors"),
+        ({"--stage": "outline", "--uses": "2"}, "used once"),
     ],
 )
 def test_training_refuses(run, data, changes, word):

@@ -7,7 +7,8 @@ import pytest
 import torch
 
 from relight_core.dataset.samples import mirrored
-from relight_core.training.replay import Replay, halved, mirrored_pairs, replayed
+from relight_core.training.half_kept import halved
+from relight_core.training.replay import Replay, mirrored_pairs, replayed
 
 SIZE = 4
 
