@@ -5,11 +5,16 @@ from __future__ import annotations
 import numpy as np
 
 from relight_core.face.crop import Crop
-from relight_core.face.parsing import INDEX
+from relight_core.face.parsing import FACE_LABELS, INDEX
 
 _FEATURES = (("left_brow", "right_brow"), ("left_eye", "right_eye", "glasses"), ("lips", "inner_mouth"))
-_LEAST_SHARE, _LEAST_SUSPECTED = 0.004, 0.005
+_LEAST_SHARE, _LEAST_SUSPECTED = 0.003, 0.0045
 _LEAST_STEPS = (0.01, 0.12)
+_HIGHEST, _LOWEST = 0.1, 0.9
+"""Where in the crop brows, eyes and mouth may lie; those of faces lie between 0.2 and 0.8."""
+_MIDDLE, _LEAST_FACE = 0.225, 0.45
+"""Share of the crop's side to each side of its middle, and how much of that is face where there is one: nearly all of
+it, two thirds at a photo's edge, half in profile."""
 
 
 def evidence_of_face(labels: np.ndarray, view: Crop, crop: Crop) -> int:
@@ -24,8 +29,10 @@ def evidence_of_face(labels: np.ndarray, view: Crop, crop: Crop) -> int:
         crop: the paper's square about the face, within the view.
 
     Returns:
-        0 to 3; 0 where they are not one above the other.
+        0 to 3; 0 where they are not one above the other, or too little around them is face.
     """
+    if _part(np.isin(labels, list(FACE_LABELS)), view, crop, _MIDDLE).mean() < _LEAST_FACE:
+        return 0
     shares = [np.isin(labels, [INDEX[name] for name in names]).astype(np.float32) for names in _FEATURES]
     return _count(shares, _LEAST_SHARE, view, crop)
 
@@ -39,24 +46,32 @@ def glimpses_of_face(probability: np.ndarray, view: Crop, crop: Crop) -> int:
         probability: (classes, S, S) of the view.
         view, crop: as there.
     """
+    if _part(probability[list(FACE_LABELS)].sum(0), view, crop, _MIDDLE).mean() < _LEAST_FACE:
+        return 0
     shares = [probability[[INDEX[name] for name in names]].sum(0) for names in _FEATURES]
     return _count(shares, _LEAST_SUSPECTED, view, crop)
 
 
 def _count(shares: list[np.ndarray], least: float, view: Crop, crop: Crop) -> int:
     """How many features fill enough of the crop; 0 unless each lies far enough below the one before."""
-    size = shares[0].shape[0]
-    x, y = view.from_photo(np.array([crop.centre_x, crop.centre_y]), size)
-    half = crop.side / view.side * size / 2
-    rows, columns = (slice(max(round(at - half), 0), max(round(at + half), 0)) for at in (y, x))
-    seen = [share[rows, columns] for share in shares]
-    if seen[0].size == 0:
-        return 0
-    brows, eyes, mouth = heights = [_height(share) if share.mean() >= least else None for share in seen]
+    seen = [_part(share, view, crop, 0.5) for share in shares]
+    heights = [_height(share) if share.mean() >= least else None for share in seen]
+    # What is seen where it can't be is something else.
+    brows, eyes, mouth = heights = [at if at is not None and _HIGHEST < at < _LOWEST else None for at in heights]
     for above, below, step in ((brows, eyes, 0), (eyes, mouth, 1), (brows, mouth, 1)):
         if above is not None and below is not None and below - above < _LEAST_STEPS[step]:
             return 0
     return sum(height is not None for height in heights)
+
+
+def _part(share: np.ndarray, view: Crop, crop: Crop, reach: float) -> np.ndarray:
+    """What of a map (S, S) of the view lies within so much of the crop's side around its middle; a 0 for nothing."""
+    size = share.shape[0]
+    x, y = view.from_photo(np.array([crop.centre_x, crop.centre_y]), size)
+    half = reach * crop.side / view.side * size
+    rows, columns = (slice(max(round(at - half), 0), max(round(at + half), 0)) for at in (y, x))
+    part = share[rows, columns]
+    return part if part.size else np.zeros((1, 1), np.float32)
 
 
 def _height(share: np.ndarray) -> float:

@@ -41,6 +41,22 @@ def test_parts_beside_the_crop_and_specks_do_not_count():
     assert evidence_of_face(labels, VIEW, CROP) == 0
 
 
+def test_parts_at_the_very_top_or_bottom_of_the_crop_do_not_count():
+    assert evidence_of_face(parsed(left_brow=2, right_eye=24, lips=46), VIEW, CROP) == 2
+    assert evidence_of_face(parsed(left_brow=14, right_eye=24, lips=59), VIEW, CROP) == 2
+
+
+@pytest.mark.parametrize(("share", "expected"), [(0.3, 0), (0.6, 3)])
+def test_parts_that_lie_in_something_else_than_a_face_do_not_count(share, expected):
+    labels, seen = parsed(left_brow=14, right_eye=24, lips=46), suspected(left_brow=14, right_eye=24, lips=46)
+    # Hair to one side of the crop's middle; the parts lie over it.
+    elsewhere = np.broadcast_to(np.arange(128) > 50 + 28 * share, (128, 128))
+    labels[elsewhere & (labels == INDEX["skin"])] = INDEX["hair"]
+    seen[INDEX["hair"]] = np.where(elsewhere, seen[INDEX["skin"]], 0)
+    seen[INDEX["skin"]] = np.where(elsewhere, 0, seen[INDEX["skin"]])
+    assert evidence_of_face(labels, VIEW, CROP) == glimpses_of_face(seen, VIEW, CROP) == expected
+
+
 def test_a_crop_outside_the_view_has_no_evidence():
     assert evidence_of_face(parsed(lips=40, left_eye=20), VIEW, Crop(900, 100, 64)) == 0
 
