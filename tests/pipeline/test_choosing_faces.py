@@ -160,6 +160,28 @@ def test_a_speck_beside_which_no_face_is_located_gives_way_to_a_larger_one_that_
         assert [face.x0 for face in chosen] == [left]
 
 
+def test_a_whole_face_that_lies_goes_before_one_that_is_only_suspected_to_stand(monkeypatch, photo):
+    speck, place = FaceBox(18, 18, 19, 19, doubtful=True), FaceBox(2, 2, 12, 14, doubtful=True)
+    lying = FaceBox(3, 3, 12, 14, 90.0, True)
+    for seen_in_guess, left in ((3, 3), (2, 2)):
+        seeing(monkeypatch, [speck], [lying])
+        evidence = {speck: 2, lying: seen_in_guess}
+        chosen = choose_faces(
+            photo, None, lambda box, of=evidence: of.get(box, 1), lambda view: place, glimpse=lambda box: 3
+        )
+        assert [face.x0 for face in chosen] == [left]
+
+
+@pytest.mark.parametrize(("seen", "left"), [(1, 2), (2, 10)])
+def test_a_small_face_that_is_only_suspected_gives_way_to_a_much_wider_one(monkeypatch, photo, seen, left):
+    # 3 of the photo's 20 pixels: no speck, if two of its parts are seen.
+    small, face = FaceBox(10, 10, 13, 13, doubtful=True), FaceBox(2, 2, 12, 14, doubtful=True)
+    seeing(monkeypatch, [small])
+    evidence = {small: seen, face: 3}
+    chosen = choose_faces(photo, None, lambda box: evidence[box], lambda view: face, glimpse=lambda box: 3)
+    assert [found.x0 for found in chosen] == [left]
+
+
 def test_of_several_specks_the_widest_is_what_a_face_must_exceed(monkeypatch, photo):
     # The finder sorts by confidence too, so the first need not be the widest.
     specks = [FaceBox(18, 18, 18.5, 18.5, doubtful=True), FaceBox(15, 2, 16.5, 3.5, doubtful=True)]

@@ -25,8 +25,9 @@ _ENOUGH_EVIDENCE, _ALL_EVIDENCE = 2, 3
 
 _UPRIGHT_TO_DEG, _LYING_FROM_DEG = 15.0, 45.0
 
-_SPECK, _MUCH_WIDER = 0.1, 3
-"""A face narrower than this share of the photo's shorter side is a speck, and gives way to one so much wider."""
+_SPECK, _SUSPECTED_SPECK, _MUCH_WIDER = 0.1, 0.2, 3
+"""A face narrower than this share of the photo's shorter side is a speck, the second if it is only suspected, and gives
+way to one so much wider."""
 
 _AGREED, _SAME_PLACE = 4, 0.7
 """Windows of the search that lead to one place, where boxes share so much of their union."""
@@ -114,10 +115,12 @@ def _confirmed(
         return _searched(photo, locate, evidence, glimpse)
 
     faces = confirmed(found)
-    if faces and all(_is_speck(face, photo) and evidence(face) < _ALL_EVIDENCE for face in faces):
+    if faces and all(_is_speck(face, photo, evidence(face)) for face in faces):
         # A button and a fold beside a face in profile, or teeth of one that lies, which cascades don't see.
         least_width = _MUCH_WIDER * max(face.width for face in faces)
-        faces = _wider(searched(), least_width) or _wider(guessed(), least_width) or faces
+        # Of a face that lies the search may only suspect one that stands: then a guess that shows all is better.
+        places = (_wider(look(), least_width) for look in (searched, guessed))
+        faces = _fullest(places, lambda face: evidence(face) == _ALL_EVIDENCE) or faces
     if not faces:
         faces = guessed() or searched()
     if not faces and not found:
@@ -130,12 +133,23 @@ def _confirmed(
     return faces
 
 
+def _fullest(choices: Iterable[list[FaceBox]], is_whole: Callable[[FaceBox], bool]) -> list[FaceBox]:
+    """The first choice whose faces are all seen whole, else the first that has any."""
+    left: list[FaceBox] = []
+    for faces in choices:
+        if faces and all(map(is_whole, faces)):
+            return faces
+        left = left or faces
+    return left
+
+
 def _wider(faces: list[FaceBox], least_width: float) -> list[FaceBox]:
     return [face for face in faces if face.width > least_width]
 
 
-def _is_speck(face: FaceBox, photo: Photo) -> bool:
-    return face.width < _SPECK * min(photo.linear.shape[:2])
+def _is_speck(face: FaceBox, photo: Photo, seen: int) -> bool:
+    share = _SPECK if seen >= _ENOUGH_EVIDENCE else _SUSPECTED_SPECK
+    return seen < _ALL_EVIDENCE and face.width < share * min(photo.linear.shape[:2])
 
 
 def _searched(
