@@ -55,7 +55,7 @@ class Residual:
     """Photo over model under the photo's own light.
 
     Attributes:
-        log_ratio: (1, 3, S, S), [-3, 3].
+        log_ratio: (1, 3, S, S), [-3, 3], or up to 3 above the largest log radiance of a photo that exceeds 1.
         shading: (1, 1, S, S) the model's grey explicit sum there, normalised light.
         stays_dark: (1, 1, S, S) in [0, 1], how much of a darkening stays under whatever light.
         skin: (1, 1, S, S) probability of bare skin.
@@ -64,6 +64,7 @@ class Residual:
         fleeting: (1, 3, S, S) the part of the log ratio that only the photo's own light or one much like it gives.
         light: (1, 16, 32, 3) the photo's own.
         level: of that light, such that model and photo are equally bright over the person.
+        largest_log: the largest log ratio there may be.
     """
 
     log_ratio: torch.Tensor
@@ -75,6 +76,7 @@ class Residual:
     fleeting: torch.Tensor
     light: torch.Tensor
     level: float
+    largest_log: float = _LARGEST_LOG
 
 
 @torch.inference_mode()
@@ -100,7 +102,9 @@ def find_residual(
     if int(known.sum()) >= _FEWEST_PIXELS and lit > 0:
         level = float(grey(surface.photo)[known].sum()) / lit
     photo, skin = recorded / max(level, 1e-4), skin_share(surface.parsing)
-    log_ratio = torch.log((photo + _BLACK) / (image + _BLACK)).clamp(-_LARGEST_LOG, _LARGEST_LOG)
+    # The model is of a surface in a photo that was clipped to 1.
+    largest_log = _LARGEST_LOG + math.log(max(float(recorded.max()), 1.0))
+    log_ratio = torch.log((photo + _BLACK) / (image + _BLACK)).clamp(-_LARGEST_LOG, largest_log)
     if bool(recorded.max() <= 1.001):
         log_ratio = _at_least(log_ratio, clipped_share(recorded), flesh_share(surface.parsing))
     stays_dark = _DARK_HAIR * surface.parsing[:, INDEX["hair"], None]
@@ -110,7 +114,8 @@ def find_residual(
     glare = _glare_share(log_ratio, skin, surface.parsing[:, INDEX["hair"], None])
     of_others = torch.maximum(glare, deep_shadow(surface.photo, skin))
     fleeting = glare * log_ratio.mean(1, keepdim=True) + of_others * (colour - tint)
-    return Residual(log_ratio, grey(model.plain), stays_dark, skin, broad, tint, fleeting, source_light, level)
+    shading = grey(model.plain)
+    return Residual(log_ratio, shading, stays_dark, skin, broad, tint, fleeting, source_light, level, largest_log)
 
 
 def at_light_level(residual: Residual, level: float) -> Residual:
@@ -118,7 +123,7 @@ def at_light_level(residual: Residual, level: float) -> Residual:
     if not (level > 0 and residual.level > 0):
         return residual
     brighter = math.log(residual.level / level)
-    log_ratio = (residual.log_ratio + brighter).clamp(-_LARGEST_LOG, _LARGEST_LOG)
+    log_ratio = (residual.log_ratio + brighter).clamp(-_LARGEST_LOG, residual.largest_log)
     return replace(residual, log_ratio=log_ratio, broad=residual.broad + brighter * residual.skin, level=level)
 
 
