@@ -31,10 +31,8 @@ def evidence_of_face(labels: np.ndarray, view: Crop, crop: Crop) -> int:
     Returns:
         0 to 3; 0 where they are not one above the other, or too little around them is face.
     """
-    if _part(np.isin(labels, list(FACE_LABELS)), view, crop, _MIDDLE).mean() < _LEAST_FACE:
-        return 0
     shares = [np.isin(labels, [INDEX[name] for name in names]).astype(np.float32) for names in _FEATURES]
-    return _count(shares, _LEAST_SHARE, view, crop)
+    return _count(shares, np.isin(labels, FACE_LABELS), _LEAST_SHARE, view, crop)
 
 
 def glimpses_of_face(probability: np.ndarray, view: Crop, crop: Crop) -> int:
@@ -46,14 +44,14 @@ def glimpses_of_face(probability: np.ndarray, view: Crop, crop: Crop) -> int:
         probability: (classes, S, S) of the view.
         view, crop: as there.
     """
-    if _part(probability[list(FACE_LABELS)].sum(0), view, crop, _MIDDLE).mean() < _LEAST_FACE:
-        return 0
     shares = [probability[[INDEX[name] for name in names]].sum(0) for names in _FEATURES]
-    return _count(shares, _LEAST_SUSPECTED, view, crop)
+    return _count(shares, probability[list(FACE_LABELS)].sum(0), _LEAST_SUSPECTED, view, crop)
 
 
-def _count(shares: list[np.ndarray], least: float, view: Crop, crop: Crop) -> int:
-    """How many features fill enough of the crop; 0 unless each lies far enough below the one before."""
+def _count(shares: list[np.ndarray], face: np.ndarray, least: float, view: Crop, crop: Crop) -> int:
+    """How many features fill enough of the crop; 0 unless its middle is face and each is well below the last."""
+    if _part(face, view, crop, _MIDDLE).mean() < _LEAST_FACE:
+        return 0
     seen = [_part(share, view, crop, 0.5) for share in shares]
     heights = [_height(share) if share.mean() >= least else None for share in seen]
     # What is seen where it can't be is something else.

@@ -11,15 +11,13 @@ import copy
 import hashlib
 
 import torch
-import torch.nn.functional as F
 
-from relight_core.dataset.samples import RELIEF_SIZE
 from relight_core.imaging.tensor_colour import srgb_decode
 from relight_core.lighting.reflection import ReflectionTable
 from relight_core.networks.bundle import NetworkBundle
 from relight_core.pipeline import stages
 from relight_core.pipeline.per_light.hints import estimated_effects, specular_shadow_hints
-from relight_core.training.predicted import surface_size
+from relight_core.training.predicted import relief_shadows, surface_size
 from relight_core.training.relight_steps import composition_losses, specular_shadow_losses
 
 Batch = dict[str, torch.Tensor]
@@ -59,13 +57,8 @@ class Teacher:
     def _example(self, photo: torch.Tensor, lights: torch.Tensor) -> Batch:
         view = photo.permute(1, 2, 0).cpu().numpy()
         surface = stages.delight(self._bundle, view, surface_size(self._bundle, photo), self._device)
-        transport = stages.march(surface, RELIEF_SIZE)
-        shadow = F.interpolate(
-            transport.shadow_fraction(lights.cpu()).to(self._device),
-            size=surface.normal.shape[-2:],
-            mode="bilinear",
-            align_corners=False,
-        )
+        size = surface.normal.shape[-1]
+        shadow = relief_shadows(surface.relief, surface.normal, surface.person, lights[None], size)
         reflector = stages.reflector(self._table, surface)
         answers = [
             self._answer(surface, stages.reflect(reflector, light[None]), hint[None], light[None])

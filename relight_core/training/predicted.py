@@ -44,7 +44,7 @@ def on_predicted_surface(
     size, both_lights = surface_size(bundle, photo), batch["light"].repeat_interleave(2, 0)
     surfaces = stages.delight_views(bundle, photo, shrunk(photo, size))
     parts = {n: torch.cat([getattr(s, n) for s in surfaces]) for n in ("normal", "relief", "parsing", "person")}
-    shadow = _relief_shadows(parts["relief"], parts["normal"], parts.pop("person"), both_lights, size)
+    shadow = relief_shadows(parts["relief"], parts["normal"], parts.pop("person"), both_lights, size)
     reflected = []
     for surface, lights in zip(surfaces, both_lights, strict=True):
         reflector = stages.reflector(table, surface, black_is_dull=False)
@@ -76,14 +76,18 @@ def found_hints(bundle: NetworkBundle, found: Delit, light: torch.Tensor, size: 
         hints["relief"] = shrunk(relief, size)
     if config.relief and config.classes:
         person = 1 - parsing[:, INDEX["background"], None]
-        hints["relief_shadow"] = _relief_shadows(relief, found.normal.float(), person, light[:, None], size)
+        hints["relief_shadow"] = relief_shadows(relief, found.normal.float(), person, light[:, None], size)
     return hints
 
 
-def _relief_shadows(
+def relief_shadows(
     relief: torch.Tensor, normal: torch.Tensor, person: torch.Tensor, lights: torch.Tensor, size: int
 ) -> torch.Tensor:
-    """Shadow fractions (B * L, 1, size, size) of B surfaces, each under its own lights (B, L, 16, 32, 3)."""
+    """Shadow fractions (B * L, 1, size, size) of B surfaces, each under its own lights (B, L, 16, 32, 3).
+
+    Args:
+        relief, normal, person: (B, C, S, S) as `stages.Surface` has them.
+    """
     transports = stages.march_views(normal, relief, person, RELIEF_SIZE)
     shadow = torch.cat([part.shadow_fraction(own) for part, own in zip(transports, lights, strict=True)])
     return F.interpolate(shadow, size=size, mode="bilinear", align_corners=False)

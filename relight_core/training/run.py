@@ -60,11 +60,11 @@ class Run:
         detail_width: give the de-lighting network a sharpening pass of this width, if it has none; 0 leaves it.
         residual: give the de-lighting network's encoder so many residual blocks at each level, finest first, which
             change nothing until they are trained; empty leaves it.
+        decoder_residual: the same for its decoder, which has one level fewer.
         narrow_width: channels of the narrow pair that "distil-relight" trains; None keeps the one that is there, or
             takes half as many as the wide pair has.
         examples: how many batches of answers that stage learns from, over and over.
         places: a folder of panoramas that the samples of "outline" are put before, beside drawn scenes.
-        decoder_residual: the same for its decoder, which has one level fewer.
         kept: a folder of batches that runs share: the same ones in every stage and for all networks.
         uses: how often each pair is learnt from, in the mean (see `replay`); 1 makes new ones for every step.
         window: pairs that are kept for it.
@@ -123,7 +123,7 @@ def train(run: Run, report) -> NetworkBundle:
         warm_up_steps=_LONGEST_RISE if run.steps is None else min(_LONGEST_RISE, max(run.steps // 10, 1)),
     )
     device = _device()
-    torch.backends.cudnn.benchmark = True
+    torch.backends.cudnn.benchmark = True  # All batches have the same shapes.
     run.checkpoint.parent.mkdir(parents=True, exist_ok=True)
     with denormals_flushed():
         if not stage.distilled:
@@ -213,7 +213,7 @@ def _loaded(
         worker_init_fn=begin_worker,
         prefetch_factor=4 if run.workers else None,
         collate_fn=collate,
-        pin_memory=torch.cuda.is_available(),
+        pin_memory=_device() == "cuda",
         # It draws a seed for its workers, and would draw it from the stream that a run goes on with.
         generator=torch.Generator().manual_seed(run.seed),
     )
