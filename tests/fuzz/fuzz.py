@@ -77,8 +77,6 @@ def attack(reader: Reader, seed: int, first: int, count: int, folder: Path, repo
     os.dup2(nowhere, 2)
     resource.setrlimit(resource.RLIMIT_AS, (ADDRESSES_GIB << 30, ADDRESSES_GIB << 30))
     path = folder / f"mutant{reader.suffix}"
-    # What the parent left to the collector would be freed here and hide as much growth.
-    gc.freeze()
     started_mib = _peak_mib()
     for number in range(first, first + count):
         path.write_bytes(mutant(reader.seeds, seed, number))
@@ -101,6 +99,8 @@ def fuzz_reader(reader: Reader, count: int, seed: int) -> Findings:
         ours, theirs = multiprocessing.Pipe(duplex=False)
         with tempfile.TemporaryDirectory(prefix="relight-fuzz-") as folder:
             arguments = (reader, seed, number, count - number, Path(folder), theirs)
+            # What is left to the collector would be freed in the child, at any moment, and hide as much growth.
+            gc.collect()
             child = multiprocessing.get_context("fork").Process(target=attack, args=arguments)
             child.start()
             theirs.close()

@@ -79,8 +79,15 @@ def takes_200_mib(path):
     return np.ones(200 << 17)
 
 
-def test_a_reader_that_takes_too_much_memory_is_found_whatever_garbage_the_process_had(monkeypatch):
+def collects_and_attacks(*arguments, attack=fuzz.attack):
+    gc.collect()
+    attack(*arguments)
+
+
+@pytest.mark.parametrize("attack", [fuzz.attack, collects_and_attacks])
+def test_a_reader_that_takes_too_much_memory_is_found_whatever_garbage_the_process_had(monkeypatch, attack):
     monkeypatch.setattr(fuzz, "LARGEST_MIB", 100)
+    monkeypatch.setattr(fuzz, "attack", attack)
     garbage = [np.ones(300 << 17)]
     garbage.append(garbage)
     del garbage
