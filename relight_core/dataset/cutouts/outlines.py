@@ -13,6 +13,7 @@ from relight_core.dataset.baking.shard import read_shard
 from relight_core.dataset.camera import camera_gain, taken
 from relight_core.dataset.cutouts.arms import with_arm
 from relight_core.dataset.cutouts.cutouts import Cutout, cut_out, place
+from relight_core.dataset.cutouts.hats import with_hat
 from relight_core.dataset.cutouts.mane import with_mane
 from relight_core.dataset.cutouts.scenery.behind import with_something_behind
 from relight_core.dataset.cutouts.scenery.panoramas import read_places
@@ -32,7 +33,7 @@ _CUTOUTS_PER_HEAD, _SAMPLES_PER_CUTOUT, _SCENES_PER_HEAD = 5, 12, 3
 _WILD_SHARE, _ACCOMPANIED_SHARE, _CAMOUFLAGED_SHARE, _TURNED_SHARE = 0.3, 0.35, 0.25, 0.4
 _TURN_DEG = 12.0
 _BACKED_SHARE = 0.3
-_MANE_SHARE, _ARM_SHARE = 0.15, 0.15
+_MANE_SHARE, _HAT_SHARE, _ARM_SHARE = 0.15, 0.2, 0.15
 _CLOSEST, _FARTHEST = 0.62, 3.0
 
 
@@ -116,6 +117,8 @@ def outline_sample(
     placed = place(person, size, centre, face_px, pool, rng)
     if rng.random() < _MANE_SHARE:
         placed = with_mane(placed, centre, face_px, pool, rng)
+    if rng.random() < _HAT_SHARE:
+        placed = with_hat(placed, centre, face_px, pool, rng)
     if rng.random() < _ARM_SHARE:
         placed = with_arm(placed, centre, face_px, pool, rng)
     image = scenery.view(size, rng)
