@@ -16,8 +16,9 @@ from relight_core.dataset.painting.texture import TexturePool
 
 _ROW_OF_TEMPLES = -0.3
 _PICTURED_SHARE, _WHITE_SHARE, _DARK_SHARE, _TWO_STUFFS_SHARE = 0.2, 0.2, 0.25, 0.4
-_SOFT_SHARE, _BANDED_SHARE = 0.35, 0.5
-_KINDS = {"brimmed": 0.3, "visored": 0.25, "boarded": 0.15, "crown alone": 0.3}
+_SOFT_SHARE, _BANDED_SHARE, _WOVEN_SHARE = 0.35, 0.5, 0.35
+_KINDS = {"brimmed": 0.25, "visored": 0.15, "disc": 0.25, "boarded": 0.15, "crown alone": 0.2}
+_FROM_BELOW_SHARE, _DISC_VISORED_SHARE = 0.6, 0.7
 _SKULL, _OVER_HEAD = 0.72, 0.02
 _EYES_BELOW_MIDDLE = -0.1
 """No hat hides the eyes: where they are, in faces below the face's middle."""
@@ -67,13 +68,21 @@ def with_hat(
     light = rng.normal(0, 0.3, 2)
     worn = person * (1 - seat.coverage(seat.up - seat.foot))
     kind = rng.choice(list(_KINDS), p=list(_KINDS.values()))
+    height = seat.skull + (rng.uniform(0.0, 0.15) if kind == "boarded" else rng.beta(1.0, 2.5))
+    from_below = rng.random() < _FROM_BELOW_SHARE
     if kind == "brimmed":
         worn = _laid(worn, _brim(seat, rng), stuff, rng.uniform(0.45, 1.2) + light[0] * seat.across)
-    height = seat.skull + (rng.uniform(0.0, 0.15) if kind == "boarded" else rng.beta(1.0, 2.5))
+    if kind == "disc":
+        height = rng.uniform(0.4, 0.9) * seat.skull
+        worn = _laid(worn, _disc(seat, height, rng), stuff, 1 + light[0] * seat.across + light[1] * seat.up)
+        stuff = trim
+    if kind == "boarded" and from_below:
+        worn = _with_board(worn, seat, height, (stuff, trim), rng)
     worn = _with_crown(worn, seat, height, (stuff, trim), light, pool, rng)
-    if kind == "visored":
-        worn = _laid(worn, _visor(seat, rng), trim, rng.uniform(0.4, 1.1) - rng.uniform(0, 2) * seat.up)
-    return _with_board(worn, seat, height, (stuff, trim), rng) if kind == "boarded" else worn
+    if kind == "visored" or kind == "disc" and rng.random() < _DISC_VISORED_SHARE:
+        visor_stuff = _stuff(person, pool, rng)
+        worn = _laid(worn, _visor(seat, rng), visor_stuff, rng.uniform(0.4, 1.1) - rng.uniform(0, 2) * seat.up)
+    return _with_board(worn, seat, height, (stuff, trim), rng) if kind == "boarded" and not from_below else worn
 
 
 def _seat(person: np.ndarray, centre: np.ndarray, face_px: float, rng: np.random.Generator) -> Seat | None:
@@ -117,10 +126,20 @@ def _with_crown(
     inside = np.minimum(inside, seat.up - seat.foot + max(_OVER_HEAD, 1 / seat.face_px))
     round_off = np.sqrt(np.clip(1 - (aside / np.maximum(half, 1e-3)) ** 2, 0, 1))
     shade = 0.7 + 0.35 * round_off + light[0] * aside / seat.half + light[1] * (share - 0.5)
-    shade = shade * np.exp(rng.uniform(0.02, 0.25) * noise)
+    shade = shade * np.exp(_unevenness(noise, seat.face_px, rng))
     banded = rng.uniform(0.08, 0.35) if rng.random() < _BANDED_SHARE else 0.0
     colour = np.where((share < banded)[..., None], stuffs[1], stuffs[0])
     return _laid(person, seat.coverage(inside), colour, shade)
+
+
+def _unevenness(noise: np.ndarray, face_px: float, rng: np.random.Generator) -> np.ndarray:
+    """How much brighter the logarithm of a stuff is at each pixel: folds alone for smooth ones, or a weave too.
+
+    Were all hats of a coarse weave, a network would take that for what tells them from walls.
+    """
+    folds = cv2.GaussianBlur(noise, (0, 0), face_px * 10 ** rng.uniform(-1.5, -0.5))
+    folds = folds / max(float(folds.std()), 1e-6) * rng.uniform(0.0, 0.2)
+    return folds + (rng.uniform(0.02, 0.2) * noise if rng.random() < _WOVEN_SHARE else 0.0)
 
 
 def _brim(seat: Seat, rng: np.random.Generator) -> np.ndarray:
@@ -129,6 +148,17 @@ def _brim(seat: Seat, rng: np.random.Generator) -> np.ndarray:
     thick = min(half * rng.uniform(0.04, 0.45), max(seat.lowest, 0.03))
     up = seat.up - rng.uniform(-0.02, 0.06) - rng.uniform(-0.35, 0.45) * half * (seat.across / half) ** 2
     return seat.coverage((1 - np.hypot(seat.across / half, up / thick)) * thick)
+
+
+def _disc(seat: Seat, band: float, rng: np.random.Generator) -> np.ndarray:
+    """Coverage (S, S, 1) of a stiff top behind a band that is so high: wider than it, and no lower than the skull."""
+    middle = band * rng.uniform(0.5, 1.2)
+    tall = max(seat.skull - middle, 0.1) + rng.uniform(0.0, 0.5)
+    aside = seat.across - rng.normal(0, 0.15) * seat.half
+    wide, askew = seat.half * rng.uniform(1.15, 2.0), rng.normal(0, 0.15)
+    power = rng.uniform(1.8, 3.0)
+    far = np.abs(aside / wide) ** power + np.abs((seat.up - middle - askew * aside) / tall) ** power
+    return seat.coverage((1 - far ** (1 / power)) * min(tall, wide))
 
 
 def _visor(seat: Seat, rng: np.random.Generator) -> np.ndarray:
