@@ -10,7 +10,7 @@ from relight_core.face.person_view import person_view
 from relight_core.imaging.photo import Photo
 from relight_core.pipeline.per_photo.outline import Outline, outline_person, parsing_within
 
-BACKGROUND, SKIN, LEFT_EYE, HAIR, CLOTH = 0, 1, 4, 10, 13
+BACKGROUND, SKIN, LEFT_EYE, HAIR, HAT, CLOTH = 0, 1, 4, 10, 11, 13
 VIEW = Crop(100.0, 100.0, 120.0)
 
 
@@ -26,6 +26,7 @@ def parsing_of(**shares):
     for label, share in (
         (BACKGROUND, shares.get("background", 0)),
         (HAIR, shares.get("hair", 0)),
+        (HAT, shares.get("hat", 0)),
         (SKIN, shares.get("skin", 0)),
     ):
         parsing[:, label] += share
@@ -80,6 +81,19 @@ def test_above_the_eyes_both_must_see_a_person_and_elsewhere_their_mean_counts()
         person = 1 - within[0, BACKGROUND]
         assert (person[:12] < 0.45).all()
         assert bool((person[20:] > 0.5).all()) is (likely > 0.5)
+
+
+@pytest.mark.parametrize(("worn", "a_person"), [("hat", True), ("hair", False)])
+def test_a_plain_hat_above_the_eyes_stays_where_the_person_network_doubts_it(worn, a_person):
+    """What is 0.99 hat to the one is one even where the other says 0.3, for caps; hair may be a tree."""
+    by_parsing = parsing_of(**{worn: 1.0})
+    by_parsing[:, :, 15:17] = parsing_of(skin=1.0)[:, :, 15:17]
+    by_parsing[:, LEFT_EYE, 15:17, 12:20] = 1e4
+    by_parsing = by_parsing / by_parsing.sum(1, keepdim=True)
+    within = parsing_within(by_parsing, Outline(np.full((64, 64), 0.3, np.float32), VIEW), VIEW)
+    person = 1 - within[0, BACKGROUND]
+    assert bool((person[:12] > 0.85).all()) is a_person
+    assert bool((person[:12] < 0.5).all()) is not a_person
 
 
 def test_what_is_a_face_stays_one():

@@ -21,7 +21,8 @@ from relight_core.pipeline.stages import in_precision
 
 _SIZE = 256
 _SURELY = 0.005
-_OUTLINE_SHARE = 0.8
+_OUTLINE_SHARE, _OUTLINE_SHARE_OF_HATS = 0.8, 0.4
+_PERHAPS_HAT, _PLAINLY_HAT = 0.5, 0.95
 
 
 @dataclass(frozen=True, eq=False)
@@ -94,7 +95,9 @@ def parsing_within(parsing: torch.Tensor, outline: Outline, view: Crop) -> torch
     Both were trained for it and err in different places: de-lighting sees the head larger and knows hair and hats,
     the person network sees shoulders, has seen more that lies behind, and has nothing else to learn. It counts for
     more where their log odds are averaged. What de-lighting takes for a face stays one. Above the eyes both must
-    agree: a tree or a window right behind a head passes for hair or a hat with one of them, seldom with both.
+    agree: a tree or a window right behind a head passes for hair or a hat with one of them, seldom with both. Where
+    de-lighting plainly sees a hat it counts for more there: the person network takes the wide top of a cap for
+    something behind the cap's band.
 
     Args:
         parsing: (1, classes, S, S) probabilities in a view of the photo.
@@ -104,6 +107,8 @@ def parsing_within(parsing: torch.Tensor, outline: Outline, view: Crop) -> torch
     likely, known = outline.seen_in(view, parsing.shape[-1])
     mean = _mean_odds(by_parsing, likely, _OUTLINE_SHARE)
     agreed = np.minimum(mean, np.minimum(by_parsing, likely))
+    hat = np.clip((found[INDEX["hat"]] - _PERHAPS_HAT) / (_PLAINLY_HAT - _PERHAPS_HAT), 0, 1)
+    agreed = np.maximum(agreed, agreed + hat * (_mean_odds(by_parsing, likely, _OUTLINE_SHARE_OF_HATS) - agreed))
     mean = mean + rows_above_the_eyes(found) * (agreed - mean)
     both = known * mean + (1 - known) * by_parsing
     person = torch.from_numpy(both.astype(np.float32)).to(parsing.device)[None, None]
