@@ -20,8 +20,8 @@ _SOFT_SHARE, _BANDED_SHARE, _WOVEN_SHARE = 0.35, 0.5, 0.35
 _KINDS = {"brimmed": 0.25, "visored": 0.15, "disc": 0.25, "boarded": 0.15, "crown alone": 0.2}
 _FROM_BELOW_SHARE, _DISC_VISORED_SHARE = 0.6, 0.7
 _SKULL, _OVER_HEAD = 0.72, 0.02
-_EYES_BELOW_MIDDLE = -0.1
-"""No hat hides the eyes: where they are, in faces below the face's middle."""
+_LEAST_ABOVE_MIDDLE = 0.2
+"""How far above the face's middle brims and visors end before it, in faces, so that eyes are seen."""
 
 
 @dataclass(frozen=True)
@@ -63,26 +63,25 @@ def with_hat(
     seat = _seat(person, centre, face_px, rng)
     if seat is None:
         return person
-    stuff, trim = (_stuff(person, pool, rng) for _ in range(2))
+    stuff, trim, peak = (_stuff(person, pool, rng) for _ in range(3))
     trim = trim if rng.random() < _TWO_STUFFS_SHARE else stuff
     light = rng.normal(0, 0.3, 2)
     worn = person * (1 - seat.coverage(seat.up - seat.foot))
     kind = rng.choice(list(_KINDS), p=list(_KINDS.values()))
-    height = seat.skull + (rng.uniform(0.0, 0.15) if kind == "boarded" else rng.beta(1.0, 2.5))
-    from_below = rng.random() < _FROM_BELOW_SHARE
+    if kind == "disc":
+        band = rng.uniform(0.4, 0.9) * seat.skull
+        worn = _laid(worn, _disc(seat, band, rng), stuff, 1 + light[0] * seat.across + light[1] * seat.up)
+        worn = _with_crown(worn, seat, band, (trim, trim), light, pool, rng)
+        return _with_visor(worn, seat, peak, rng) if rng.random() < _DISC_VISORED_SHARE else worn
+    if kind == "boarded":
+        height, from_below = seat.skull + rng.uniform(0.0, 0.15), rng.random() < _FROM_BELOW_SHARE
+        worn = _with_board(worn, seat, height, (stuff, trim), rng) if from_below else worn
+        worn = _with_crown(worn, seat, height, (stuff, trim), light, pool, rng)
+        return worn if from_below else _with_board(worn, seat, height, (stuff, trim), rng)
     if kind == "brimmed":
         worn = _laid(worn, _brim(seat, rng), stuff, rng.uniform(0.45, 1.2) + light[0] * seat.across)
-    if kind == "disc":
-        height = rng.uniform(0.4, 0.9) * seat.skull
-        worn = _laid(worn, _disc(seat, height, rng), stuff, 1 + light[0] * seat.across + light[1] * seat.up)
-        stuff = trim
-    if kind == "boarded" and from_below:
-        worn = _with_board(worn, seat, height, (stuff, trim), rng)
-    worn = _with_crown(worn, seat, height, (stuff, trim), light, pool, rng)
-    if kind == "visored" or kind == "disc" and rng.random() < _DISC_VISORED_SHARE:
-        visor_stuff = _stuff(person, pool, rng)
-        worn = _laid(worn, _visor(seat, rng), visor_stuff, rng.uniform(0.4, 1.1) - rng.uniform(0, 2) * seat.up)
-    return _with_board(worn, seat, height, (stuff, trim), rng) if kind == "boarded" and not from_below else worn
+    worn = _with_crown(worn, seat, seat.skull + rng.beta(1.0, 2.5), (stuff, trim), light, pool, rng)
+    return _with_visor(worn, seat, peak, rng) if kind == "visored" else worn
 
 
 def _seat(person: np.ndarray, centre: np.ndarray, face_px: float, rng: np.random.Generator) -> Seat | None:
@@ -100,7 +99,7 @@ def _seat(person: np.ndarray, centre: np.ndarray, face_px: float, rng: np.random
     across = (x - middle) * np.cos(roll) + (y + high) * np.sin(roll)
     up = (x - middle) * np.sin(roll) - (y + high) * np.cos(roll)
     foot = rng.uniform(-0.22, 0.12) * np.minimum((across / half) ** 2, 1.5)
-    return Seat(half, _SKULL - high, high + _EYES_BELOW_MIDDLE, across, up, foot, face_px)
+    return Seat(half, _SKULL - high, high - _LEAST_ABOVE_MIDDLE, across, up, foot, face_px)
 
 
 def _with_crown(
@@ -158,16 +157,17 @@ def _disc(seat: Seat, band: float, rng: np.random.Generator) -> np.ndarray:
     wide, askew = seat.half * rng.uniform(1.15, 2.0), rng.normal(0, 0.15)
     power = rng.uniform(1.8, 3.0)
     far = np.abs(aside / wide) ** power + np.abs((seat.up - middle - askew * aside) / tall) ** power
-    return seat.coverage((1 - far ** (1 / power)) * min(tall, wide))
+    return seat.coverage(np.minimum((1 - far ** (1 / power)) * min(tall, wide), seat.up - seat.foot))
 
 
-def _visor(seat: Seat, rng: np.random.Generator) -> np.ndarray:
-    """Coverage (S, S, 1) of a peak before the forehead, to one side where the head is turned."""
+def _with_visor(person: np.ndarray, seat: Seat, stuff: np.ndarray, rng: np.random.Generator) -> np.ndarray:
+    """A peak before the forehead, to one side where the head is turned."""
     half, reach = seat.half * rng.uniform(0.7, 1.1), min(rng.uniform(0.06, 0.35), max(seat.lowest, 0.04))
     aside = seat.across - rng.normal(0, 0.25) * seat.half
     hangs = reach * np.sqrt(np.clip(1 - (aside / half) ** 2, 0, 1))
     below = seat.up - seat.foot
-    return seat.coverage(np.minimum(np.minimum(0.02 - below, hangs + below), half - np.abs(aside)))
+    inside = np.minimum(np.minimum(0.02 - below, hangs + below), half - np.abs(aside))
+    return _laid(person, seat.coverage(inside), stuff, rng.uniform(0.4, 1.1) - rng.uniform(0, 2) * seat.up)
 
 
 def _with_board(
