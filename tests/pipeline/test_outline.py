@@ -33,6 +33,13 @@ def parsing_of(**shares):
     return parsing / parsing.sum(1, keepdim=True)
 
 
+def with_an_eye(parsing):
+    """The same with a row of skin across its middle, in which there is an eye."""
+    parsing[:, :, 15:17] = parsing_of(skin=1.0)[:, :, 15:17]
+    parsing[:, LEFT_EYE, 15:17, 12:20] = 1e4
+    return parsing / parsing.sum(1, keepdim=True)
+
+
 def test_an_outline_is_the_same_in_its_own_view_at_another_size():
     likely, known = Outline(half(64), VIEW).seen_in(VIEW, 32)
     assert (known > 0.99).all()
@@ -72,10 +79,7 @@ def test_parsing_and_outline_meet_half_way_and_shares_stay():
 
 
 def test_above_the_eyes_both_must_see_a_person_and_elsewhere_their_mean_counts():
-    by_parsing = parsing_of(background=0.7, hair=0.3)
-    by_parsing[:, :, 15:17] = parsing_of(skin=1.0)[:, :, 15:17]
-    by_parsing[:, LEFT_EYE, 15:17, 12:20] = 1e4
-    by_parsing = by_parsing / by_parsing.sum(1, keepdim=True)
+    by_parsing = with_an_eye(parsing_of(background=0.7, hair=0.3))
     for likely in (0.9, 0.1):
         within = parsing_within(by_parsing, Outline(np.full((64, 64), likely, np.float32), VIEW), VIEW)
         person = 1 - within[0, BACKGROUND]
@@ -86,10 +90,7 @@ def test_above_the_eyes_both_must_see_a_person_and_elsewhere_their_mean_counts()
 @pytest.mark.parametrize(("worn", "a_person"), [("hat", True), ("hair", False)])
 def test_a_plain_hat_above_the_eyes_stays_where_the_person_network_doubts_it(worn, a_person):
     """What is 0.99 hat to the one is one even where the other says 0.3, for caps; hair may be a tree."""
-    by_parsing = parsing_of(**{worn: 1.0})
-    by_parsing[:, :, 15:17] = parsing_of(skin=1.0)[:, :, 15:17]
-    by_parsing[:, LEFT_EYE, 15:17, 12:20] = 1e4
-    by_parsing = by_parsing / by_parsing.sum(1, keepdim=True)
+    by_parsing = with_an_eye(parsing_of(**{worn: 1.0}))
     within = parsing_within(by_parsing, Outline(np.full((64, 64), 0.3, np.float32), VIEW), VIEW)
     person = 1 - within[0, BACKGROUND]
     assert bool((person[:12] > 0.85).all()) is a_person

@@ -5,7 +5,7 @@ from __future__ import annotations
 import cv2
 import numpy as np
 
-from relight_core.dataset.cutouts.around_face import axes_in_faces, white_beside
+from relight_core.dataset.cutouts.around_face import axes_in_faces, coverage, laid_over, white_beside
 from relight_core.dataset.painting.skin import skin_tone
 from relight_core.dataset.painting.texture import TexturePool
 
@@ -68,7 +68,6 @@ def _with_limb(
     off_x, off_y = x - start[0] - share * along[0], y - start[1] - share * along[1]
     radius = first + (last - first) * share
     far = np.hypot(off_x, off_y) / radius
-    alpha = np.clip((1 - far) * radius * face_px + 0.5, 0, 1)[..., None]
     round_off = np.sqrt(np.clip(1 - far * far, 0.05, 1))
     shade = np.clip(0.8 * round_off + (light[0] * off_x + light[1] * off_y) / radius, 0.15, 2.0)[..., None]
-    return person * (1 - alpha) + np.dstack([colour * shade, np.ones_like(shade)]) * alpha
+    return laid_over(person, coverage((1 - far) * radius, face_px), colour * shade)

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
-from relight_core.dataset.cutouts.around_face import axes_in_faces, white_beside
+from relight_core.dataset.cutouts.around_face import axes_in_faces, coverage, laid_over, noise_over, white_beside
 from relight_core.dataset.painting.texture import TexturePool
 
 _ROW_OF_TEMPLES = -0.3
@@ -46,8 +46,8 @@ class Seat:
     face_px: float
 
     def coverage(self, inside: np.ndarray) -> np.ndarray:
-        """(S, S, 1) in [0, 1] of how far inside an outline pixels are, in faces."""
-        return np.clip(inside * self.face_px + 0.5, 0, 1)[..., None]
+        """See `around_face.coverage`."""
+        return coverage(inside, self.face_px)
 
 
 def with_hat(
@@ -63,7 +63,8 @@ def with_hat(
     seat = _seat(person, centre, face_px, rng)
     if seat is None:
         return person
-    stuff, trim, peak = (_stuff(person, pool, rng) for _ in range(3))
+    white = white_beside(person)
+    stuff, trim, peak = (_stuff(white, len(person), pool, rng) for _ in range(3))
     trim = trim if rng.random() < _TWO_STUFFS_SHARE else stuff
     light = rng.normal(0, 0.3, 2)
     worn = person * (1 - seat.coverage(seat.up - seat.foot))
@@ -118,7 +119,7 @@ def _with_crown(
     roundness = rng.uniform(1.2, 8)
     half = seat.half * (1 + flare * swell) * (1 - share**roundness) ** (1 / rng.uniform(1.6, roundness + 1))
     aside = seat.across - rng.normal(0, 0.15) * share * height
-    noise = cv2.resize(np.tile(pool.noise(rng), (2, 2)), share.shape, interpolation=cv2.INTER_AREA)
+    noise = noise_over(pool, len(share), rng, 2)
     uneven = rng.uniform(0.02, 0.08) if rng.random() < _SOFT_SHARE else 0.0
     bent = cv2.GaussianBlur(noise, (0, 0), 0.06 * seat.face_px) * uneven
     inside = np.minimum(half - np.abs(aside), height + seat.foot - seat.up) + bent
@@ -187,9 +188,9 @@ def _with_board(
     return _laid(person, seat.coverage(cord), stuffs[1], np.full_like(cord, rng.uniform(0.6, 1.2)))
 
 
-def _stuff(person: np.ndarray, pool: TexturePool, rng: np.random.Generator) -> np.ndarray:
-    """Radiance (S, S, 3) of some cloth, straw or leather in plain view of the light."""
-    size, kind = len(person), rng.random()
+def _stuff(white: float, size: int, pool: TexturePool, rng: np.random.Generator) -> np.ndarray:
+    """Radiance (size, size, 3) of some cloth, straw or leather where white has so much."""
+    kind = rng.random()
     if kind < _PICTURED_SHARE:
         albedo = cv2.resize(pool.picture(rng), (size, size), interpolation=cv2.INTER_AREA)
     elif kind < _PICTURED_SHARE + _WHITE_SHARE:
@@ -198,10 +199,9 @@ def _stuff(person: np.ndarray, pool: TexturePool, rng: np.random.Generator) -> n
         albedo = np.full((size, size, 3), rng.uniform(0.01, 0.08) * np.exp(rng.normal(0, 0.2, 3)))
     else:
         albedo = np.full((size, size, 3), rng.beta(0.8, 1.2, 3))
-    return (white_beside(person) * albedo).astype(np.float32)
+    return (white * albedo).astype(np.float32)
 
 
 def _laid(person: np.ndarray, alpha: np.ndarray, colour: np.ndarray, shade: np.ndarray) -> np.ndarray:
     """A person with a part laid over: coverage (S, S, 1), radiance (S, S, 3), shade (S, S)."""
-    part = np.dstack([colour * np.clip(shade, 0.08, 2.0)[..., None], np.ones_like(shade)])
-    return (person * (1 - alpha) + part * alpha).astype(np.float32)
+    return laid_over(person, alpha, colour * np.clip(shade, 0.08, 2.0)[..., None]).astype(np.float32)

@@ -8,7 +8,7 @@ from __future__ import annotations
 import cv2
 import numpy as np
 
-from relight_core.dataset.cutouts.around_face import axes_in_faces, white_beside
+from relight_core.dataset.cutouts.around_face import axes_in_faces, noise_over, white_beside
 from relight_core.dataset.painting.skin import hair_colour
 from relight_core.dataset.painting.texture import TexturePool
 
@@ -38,7 +38,7 @@ def with_mane(
 def _before_the_person(x: np.ndarray, y: np.ndarray, pool: TexturePool, rng: np.random.Generator) -> np.ndarray:
     """Where hair lies before the person, (S, S) in [0, 1]: not on the face, and below the chin not always."""
     wide, tall = rng.uniform(0.36, 0.5), rng.uniform(0.5, 0.6)
-    off_face = _rise(np.hypot(x / wide, y / tall) + 0.08 * _noise(pool, len(x), rng), 1.0, 0.08)
+    off_face = _rise(np.hypot(x / wide, y / tall) + 0.08 * noise_over(pool, len(x), rng), 1.0, 0.08)
     if rng.random() < _BELOW_FACE_SHARE:
         return off_face
     return off_face * (1 - _rise(y, rng.uniform(0.2, 0.5), 0.2))
@@ -53,7 +53,9 @@ def _outline(x: np.ndarray, y: np.ndarray, face_px: float, pool: TexturePool, rn
     around = np.arctan2(x, -(y + 0.2))
     radius = reach * rng.uniform(0.8, 1.1) * np.exp(np.interp(around, angles, wobble)).astype(np.float32)
     far = np.hypot(x * rng.uniform(0.85, 1.15), y + 0.2) / radius
-    ragged = rng.uniform(0.02, 0.12) * _noise(pool, len(x), rng, 3) + rng.uniform(0, 0.1) * _noise(pool, len(x), rng, 8)
+    ragged = rng.uniform(0.02, 0.12) * noise_over(pool, len(x), rng, 3) + rng.uniform(0, 0.1) * noise_over(
+        pool, len(x), rng, 8
+    )
     inside = 1 - _rise(far + ragged, 1.0, rng.uniform(0.5, 3.0) / (reach * face_px) + rng.uniform(0, 0.12))
     return inside * (1 - _rise(y + ragged, rng.uniform(0.3, 1.6), 0.1))
 
@@ -71,13 +73,8 @@ def _strands(
         grain = cv2.GaussianBlur(grain, (0, 0), sigmaX=max(0.2 * curl, 0.5), sigmaY=5 * curl)
     fine = np.abs(grain / max(float(grain.std()), 1e-6)) - 0.8
     toward = rng.normal(0, 0.35, 2)
-    shade = rng.uniform(0.2, 0.6) * fine + 0.3 * _noise(pool, size, rng) + toward[0] * x + toward[1] * y
+    shade = rng.uniform(0.2, 0.6) * fine + 0.3 * noise_over(pool, size, rng) + toward[0] * x + toward[1] * y
     return (white_beside(person) * hair_colour(rng) * np.exp(np.clip(shade, -2, 1.5))[..., None]).astype(np.float32)
-
-
-def _noise(pool: TexturePool, size: int, rng: np.random.Generator, times: int = 1) -> np.ndarray:
-    """(S, S) noise of unit deviation, repeated so many times across."""
-    return cv2.resize(np.tile(pool.noise(rng), (times, times)), (size, size), interpolation=cv2.INTER_AREA)
 
 
 def _rise(value: np.ndarray, middle: float, width: float) -> np.ndarray:

@@ -33,7 +33,8 @@ _CUTOUTS_PER_HEAD, _SAMPLES_PER_CUTOUT, _SCENES_PER_HEAD = 5, 12, 3
 _WILD_SHARE, _ACCOMPANIED_SHARE, _CAMOUFLAGED_SHARE, _TURNED_SHARE = 0.3, 0.35, 0.25, 0.4
 _TURN_DEG = 12.0
 _BACKED_SHARE = 0.3
-_MANE_SHARE, _HAT_SHARE, _ARM_SHARE = 0.15, 0.2, 0.15
+_ADDED = {with_mane: 0.15, with_hat: 0.2, with_arm: 0.15}
+"""In this order: a hat lies on hair, and an arm before both."""
 _CLOSEST, _FARTHEST = 0.62, 3.0
 _HALVED_SHARE = 0.08
 
@@ -116,12 +117,9 @@ def outline_sample(
     view = person_view(crop, photo_size)
     face_px, centre = size / view.side, view.from_photo(np.array([left, top]), size)
     placed = place(person, size, centre, face_px, pool, rng)
-    if rng.random() < _MANE_SHARE:
-        placed = with_mane(placed, centre, face_px, pool, rng)
-    if rng.random() < _HAT_SHARE:
-        placed = with_hat(placed, centre, face_px, pool, rng)
-    if rng.random() < _ARM_SHARE:
-        placed = with_arm(placed, centre, face_px, pool, rng)
+    for add, share in _ADDED.items():
+        if rng.random() < share:
+            placed = add(placed, centre, face_px, pool, rng)
     image = scenery.view(size, rng)
     if rng.random() < _BACKED_SHARE:
         image = with_something_behind(image, scenery.view(size, rng), centre, face_px, rng)

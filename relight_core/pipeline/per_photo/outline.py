@@ -108,7 +108,7 @@ def parsing_within(parsing: torch.Tensor, outline: Outline, view: Crop) -> torch
     mean = _mean_odds(by_parsing, likely, _OUTLINE_SHARE)
     agreed = np.minimum(mean, np.minimum(by_parsing, likely))
     hat = np.clip((found[INDEX["hat"]] - _PERHAPS_HAT) / (_PLAINLY_HAT - _PERHAPS_HAT), 0, 1)
-    agreed = np.maximum(agreed, agreed + hat * (_mean_odds(by_parsing, likely, _OUTLINE_SHARE_OF_HATS) - agreed))
+    agreed += hat * np.maximum(_mean_odds(by_parsing, likely, _OUTLINE_SHARE_OF_HATS) - agreed, 0)
     mean = mean + rows_above_the_eyes(found) * (agreed - mean)
     both = known * mean + (1 - known) * by_parsing
     person = torch.from_numpy(both.astype(np.float32)).to(parsing.device)[None, None]
