@@ -11,6 +11,7 @@ under --keep, and the next one follows. Exit code 1 if there was one.
 from __future__ import annotations
 
 import argparse
+import contextlib
 import gc
 import multiprocessing
 import os
@@ -77,6 +78,7 @@ def attack(reader: Reader, seed: int, first: int, count: int, folder: Path, repo
     os.dup2(nowhere, 2)
     resource.setrlimit(resource.RLIMIT_AS, (ADDRESSES_GIB << 30, ADDRESSES_GIB << 30))
     path = folder / f"mutant{reader.suffix}"
+    _forget_what_was_inherited()
     started_mib = _peak_mib()
     for number in range(first, first + count):
         path.write_bytes(mutant(reader.seeds, seed, number))
@@ -99,8 +101,6 @@ def fuzz_reader(reader: Reader, count: int, seed: int) -> Findings:
         ours, theirs = multiprocessing.Pipe(duplex=False)
         with tempfile.TemporaryDirectory(prefix="relight-fuzz-") as folder:
             arguments = (reader, seed, number, count - number, Path(folder), theirs)
-            # What is left to the collector would be freed in the child, at any moment, and hide as much growth.
-            gc.collect()
             child = multiprocessing.get_context("fork").Process(target=attack, args=arguments)
             child.start()
             theirs.close()
@@ -162,6 +162,17 @@ def _note(findings: Findings, number: int, refused: bool, spent_s: float, grown_
 
 def _peak_mib() -> float:
     return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
+
+
+def _forget_what_was_inherited() -> None:
+    """Free what a fork left to nobody, and let the peak be what is held now (Linux).
+
+    What the parent's threads and garbage held is in the peak with which a child begins; freed later, it would hide as
+    much growth.
+    """
+    gc.collect()
+    with contextlib.suppress(OSError):
+        Path("/proc/self/clear_refs").write_text("5")
 
 
 def main() -> int:
