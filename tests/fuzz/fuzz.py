@@ -165,12 +165,12 @@ def _peak_mib() -> float:
 
 
 def _forget_what_was_inherited() -> None:
-    """Free what a fork left to nobody, and let the peak be what is held now (Linux).
+    """Keep what a fork left to the collector, and let the peak be what is held now (Linux).
 
-    What the parent's threads and garbage held is in the peak with which a child begins; freed later, it would hide as
-    much growth.
+    What the parent's threads and garbage held is in the peak with which a child begins; freed, it would hide as much
+    growth. To collect it here would take so long as to pass for a reader that hangs.
     """
-    gc.collect()
+    gc.freeze()
     with contextlib.suppress(OSError):
         Path("/proc/self/clear_refs").write_text("5")
 
