@@ -75,3 +75,25 @@ def test_a_view_without_a_mouth_is_left():
     photo, albedo, parsing = portrait(0.8)
     parsing[:, LIPS] = 0
     assert is_left(photo, albedo, parsing)
+
+
+def white_from_the_jaw_down_to(row):
+    """The share of cloth where, beside a wide face's jaw and on the neck from there on, something is white."""
+    size, white = 64, (slice(32, row), slice(48, 50))
+    parsing = torch.zeros(1, 14, size, size)
+    parsing[:, NECK] = 1
+    parsing[:, NECK, :40, :48], parsing[:, SKIN, :40, :48] = 0, 1
+    parsing[:, SKIN, 30, 20:28], parsing[:, LIPS, 30, 20:28] = 0, 1
+    photo = SKIN_ALBEDO.repeat(1, size, size)[None]
+    albedo = photo.clone()
+    photo[(..., *white)] = 0.8
+    albedo[(..., *white)] = PINK
+    return with_white_collar(photo, albedo, parsing)[1][(0, CLOTH, *white)]
+
+
+def test_a_bright_rim_along_the_jaw_is_no_collar():
+    assert float(white_from_the_jaw_down_to(40).max()) == 0
+
+
+def test_what_starts_at_the_jaw_and_leaves_it_is_a_collar():
+    assert float(white_from_the_jaw_down_to(64).min()) > 0.95

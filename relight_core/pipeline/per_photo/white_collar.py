@@ -1,11 +1,14 @@
 """White collars that de-lighting takes for a neck.
 
 Where a collar lies close, the parsing says neck and the albedo comes out pink, and blown out it would get the colour
-of the skin around it. But no neck is both brighter than the lit side of its face and of no colour.
+of the skin around it. But no neck is both brighter than the lit side of its face and of no colour, except where a
+light from behind draws a rim on it. Along the jaw that could pass for a collar, but a collar leaves the face.
 """
 
 from __future__ import annotations
 
+import cv2
+import numpy as np
 import torch
 
 from relight_core.face.parsing import INDEX, middle_row
@@ -22,6 +25,9 @@ _SMALLEST_COLLAR = 8
 _MOSTLY_GREY = -0.7
 _SKIN, _CLOTH = -0.25, -0.5
 _BLACK = 0.005
+_LIKELY = 0.3
+_ALONG_THE_JAW = 3.6 / 128
+"""Of the view: a rim lies within this of the face for the most part."""
 
 
 @torch.inference_mode()
@@ -52,9 +58,22 @@ def with_white_collar(
     if int(bright.sum()) < _SMALLEST_COLLAR or float(colour[bright].median()) > _MOSTLY_GREY:
         return albedo, parsing
     share = neck * (brighter / (_BRIGHTER - 1)).clamp(0, 1) * ((colour - _SKIN) / (_CLOTH - _SKIN)).clamp(0, 1)
+    share = share * ~_rims(share, face)
     bare = torch.exp(own + off).movedim(-1, 0)[None]
     bare = bare * (grey(albedo) / grey(bare))
     parsing = parsing.clone()
     parsing[:, INDEX["neck"]] -= share[:, 0]
     parsing[:, INDEX["cloth"]] += share[:, 0]
     return (albedo + share * (bare - albedo)).clamp(0, 1), parsing
+
+
+def _rims(share: torch.Tensor, face: torch.Tensor) -> torch.Tensor:
+    """(1, 1, S, S) bool, the patches of what could be a collar (1, 1, S, S) that keep to the face's edge."""
+    likely = (share[0, 0] > _LIKELY).cpu().numpy().astype(np.uint8)
+    apart = (face[0, 0] <= 0.5).cpu().numpy().astype(np.uint8)
+    distance = cv2.distanceTransform(apart, cv2.DIST_L2, cv2.DIST_MASK_5)
+    count, patches = cv2.connectedComponents(likely, connectivity=4)
+    near = [np.median(distance[patches == number]) < _ALONG_THE_JAW * len(likely) for number in range(1, count)]
+    rims = np.array([False, *near])[patches].astype(np.uint8)
+    rims = cv2.dilate(rims, np.ones((3, 3), np.uint8)) > np.where(rims, 0, likely)
+    return torch.from_numpy(rims)[None, None].to(share.device)
