@@ -89,7 +89,7 @@ def _saved_work(session: Session, given: Path, light: str | None) -> _Work:
     for note in read.notes:
         warnings.warn(f"{given}: {note}", stacklevel=2)
     document, photo = read.document, read.document.photo
-    session.heed_boxes(photo)
+    session.heed_corrections(photo)
     edit = replace(document.edit, quality=QualityChoice(document.quality).at_rest())
     # A saved light comes turned as it was saved.
     unturned = replace(edit, yaw_deg=0.0)

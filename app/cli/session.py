@@ -17,7 +17,6 @@ from relight_core.errors import InputError
 
 if TYPE_CHECKING:
     from app.document.document import LightRef, PhotoRef
-    from relight_core.face.find import FaceBox
     from relight_core.imaging.photo import Photo
     from relight_core.lighting.environment import Environment
     from relight_core.lighting.light_edit import LightEdit
@@ -38,7 +37,7 @@ class Session:
 
     def __init__(self) -> None:
         self.opening_ms: dict[str, float] = {}
-        self._boxes: dict[str, tuple[FaceBox, ...] | None] = {}
+        self._corrected: dict[str, PhotoRef] = {}
 
     @cached_property
     def relighter(self) -> Relighter:
@@ -94,19 +93,19 @@ class Session:
         lent = read_lent_light(path)
         saved = lent.saved
         if lent.photo is not None:
-            self.heed_boxes(lent.photo)
+            self.heed_corrections(lent.photo)
         for note in saved.notes:
             warnings.warn(f"{path}: {note}", stacklevel=2)
         return turned_light(self.drawn(saved.light, saved.light_edit), saved.yaw_deg)
 
-    def heed_boxes(self, photo: PhotoRef) -> None:
-        """Let the boxes that a saved session has of this photo's faces count when it is opened."""
-        self._boxes[os.path.realpath(photo.path)] = photo.boxes
+    def heed_corrections(self, photo: PhotoRef) -> None:
+        """Let the boxes and strokes that a saved session has of this photo count when it is opened."""
+        self._corrected[os.path.realpath(photo.path)] = photo
 
     def open(self, path: Path, face_index: int | None = None, box: Sequence[float] | None = None) -> Photo:
         """Read a photo and make it the Relighter's portrait.
 
-        Boxes of a session count for the photo they were drawn on; see `heed_boxes`.
+        Boxes and strokes of a session count for the photo they were made on; see `heed_corrections`.
 
         Args:
             box: left, top, right and bottom of the face in photo pixels, where it is not to be looked for.
@@ -120,9 +119,12 @@ class Session:
         began = time.perf_counter()
         photo = read_photo(path)
         read_ms = (time.perf_counter() - began) * 1e3
-        boxes = self._boxes.get(os.path.realpath(path)) if box is None else [FaceBox(*box)]
+        corrected = self._corrected.get(os.path.realpath(path))
+        boxes, strokes = (corrected.boxes, corrected.strokes) if corrected else (None, ())
+        if box is not None:
+            boxes = [FaceBox(*box)]
         relighter, began = self.relighter, time.perf_counter()
-        relighter.set_portrait(photo, face_index, boxes)
+        relighter.set_portrait(photo, face_index, boxes, strokes)
         self.opening_ms = {"read": read_ms, "find": (time.perf_counter() - began) * 1e3}
         return photo
 

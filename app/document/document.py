@@ -5,11 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from app.engine.sources import LightSource
+from app.engine.sources import LightSource, PhotoSource
 from relight_core.face.find import FaceBox
+from relight_core.imaging.photo import Photo
 from relight_core.lighting.light_edit import LightEdit
 from relight_core.pipeline.auto_quality import AUTO
 from relight_core.pipeline.edit import Edit
+from relight_core.pipeline.per_photo.brush import BrushStroke
 
 
 @dataclass(frozen=True)
@@ -20,12 +22,23 @@ class PhotoRef:
         face_index: of the faces, the only one; None is all of them.
         boxes: where the faces are, once the user has corrected that; None is wherever the finder sees them.
         found: what the finder saw, for the names of changes; no part of what is equal.
+        strokes: of the brush, who is person and what is not.
     """
 
     path: Path
     face_index: int | None = None
     boxes: tuple[FaceBox, ...] | None = None
     found: tuple[FaceBox, ...] = field(default=(), compare=False)
+    strokes: tuple[BrushStroke, ...] = ()
+
+    @classmethod
+    def of(cls, source: PhotoSource, path: Path, found: tuple[FaceBox, ...] = ()) -> PhotoRef:
+        """What a wish wants of the photo in a file."""
+        return cls(path, source.face_index, source.boxes, found, strokes=source.strokes)
+
+    def wish(self, photo: Photo | None = None) -> PhotoSource:
+        """A wish for this portrait; with its pixels where they have been read."""
+        return PhotoSource(photo or self.path, self.face_index, self.boxes, self.strokes)
 
     @property
     def faces(self) -> tuple[FaceBox, ...]:

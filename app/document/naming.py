@@ -56,6 +56,8 @@ def _photo_change(before: Document, after: Document) -> Change:
     if before.photo and after.photo and before.photo.path == after.photo.path:
         if before.photo.boxes != after.photo.boxes:
             return Change(("faces",), _face_boxes(before.photo, after.photo), alone=True)
+        if before.photo.strokes != after.photo.strokes:
+            return Change(("outline",), _outline(before.photo, after.photo), alone=True)
         index = after.photo.face_index
         return Change(("face",), "All faces" if index is None else f"Face {index + 1}")
     return Change(("photo",), f"Open {legible(after.photo.path.name)}" if after.photo else "Close the photo")
@@ -75,6 +77,14 @@ def _face_boxes(before: PhotoRef, after: PhotoRef) -> str:
     was, now = old[gone[0]], new[gone[0]]
     same_size = abs(was.width - now.width) < _SAME_PX and abs(was.height - now.height) < _SAME_PX
     return f"{'Move' if same_size else 'Resize'} face {gone[0] + 1}"
+
+
+def _outline(before: PhotoRef, after: PhotoRef) -> str:
+    old, new = before.strokes, after.strokes
+    if len(new) <= len(old) or new[: len(old)] != old:
+        return "Outline as found" if not new else "Change the outline"
+    adds = {stroke.adds for stroke in new[len(old) :]}
+    return "Change the outline" if len(adds) > 1 else "Add to the person" if True in adds else "Take from the person"
 
 
 def _differing(before: object, after: object, prefix: str) -> list[str]:

@@ -6,6 +6,7 @@ import os
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from app.document.brush_strokes import brush_strokes_content, read_brush_strokes
 from app.document.document import Document, LightRef, PhotoRef
 from app.document.face_boxes import face_boxes_content, read_face_boxes
 from app.document.json_fields import Fields, is_place_for, kind_of, path_for_file, path_from_file, read_json, write_json
@@ -20,8 +21,8 @@ from relight_core.pipeline.edit import EFFECTS, Edit
 from relight_core.pipeline.quality import TIERS
 from relight_core.pipeline.results.backdrop import check_background
 
-KIND, VERSION = "session", 2
-"""Version 1 knew no boxes of faces."""
+KIND, VERSION = "session", 3
+"""Version 1 knew no boxes of faces, version 2 no strokes of the brush."""
 
 SESSION_SUFFIX = ".relight.json"
 _EDIT_RANGES = {
@@ -123,6 +124,7 @@ def write_session(path: Path, document: Document, *, relative: bool = True) -> N
         "photo": path_for_file(document.photo.path, folder),
         "face": document.photo.face_index,
         "face_boxes": face_boxes_content(document.photo.boxes),
+        "brush_strokes": brush_strokes_content(document.photo.strokes),
         "light": light_content(document.light, document.light_edit, folder),
         "quality": document.quality,
         "edit": {key: getattr(edit, key) for key in _EDIT_RANGES}
@@ -182,7 +184,8 @@ def is_session_place(path: Path) -> bool:
 
 def _photo(fields: Fields, path: Path) -> PhotoRef:
     photo = path_from_file(fields.text("photo"), path.parent, PICTURE_SUFFIXES, str(path))
-    return PhotoRef(photo, fields.index("face"), read_face_boxes(fields, path))
+    boxes, strokes = read_face_boxes(fields, path), read_brush_strokes(fields, path)
+    return PhotoRef(photo, fields.index("face"), boxes, strokes=strokes)
 
 
 def _edit(fields: Fields, path: Path) -> Edit:

@@ -96,6 +96,9 @@ class Desk:
                 partial(self._skip, key),
             )
             return Step("Relighting", relight, skip)
+        picture = now.picture
+        if request.outlined and picture is not None and picture.outline is None and not picture.is_stale:
+            return Step("Drawing the outline", _draw_outline, _without_outline)
         # Where there is no picture, nothing of it moves, and what failed once would only fail again.
         moving = None if key == self._failed else request.in_motion
         return self._when_the_hand_rests(request.edit, moving, now)
@@ -191,14 +194,14 @@ class Desk:
     def _faces_of(self, source: PhotoSource, photo: Photo) -> tuple[FaceBox, ...]:
         """Make a photo the portrait; everyone in it, or nobody, and then the portrait before stays."""
         try:
-            self._relighter.set_portrait(photo, source.face_index, source.boxes)
+            self._relighter.set_portrait(photo, source.face_index, source.boxes, source.strokes)
         except NoFaceError:
             return ()
         return tuple(self._relighter.people)
 
     def _return_to_portrait(self, now: Snapshot) -> Snapshot:
         source = now.opened.source
-        self._relighter.set_portrait(now.opened.photo, source.face_index, source.boxes)
+        self._relighter.set_portrait(now.opened.photo, source.face_index, source.boxes, source.strokes)
         self._portrait = now.opened
         return now
 
@@ -251,6 +254,14 @@ class Desk:
         picture = Picture(now.opened, now.light, edit, longest_side_px, relit, screen, channels)
         self._tiers.observe(edit.quality, relit.stages)
         return replace(now, picture=picture, tier_costs=self._tiers.costs())
+
+
+def _draw_outline(now: Snapshot) -> Snapshot:
+    return replace(now, picture=replace(now.picture, outline=now.picture.relit.outline()))
+
+
+def _without_outline(now: Snapshot) -> Snapshot:
+    return replace(now, picture=replace(now.picture, outline=[]))
 
 
 def _as_of_before(now: Snapshot, opened: OpenPhoto) -> Picture | None:

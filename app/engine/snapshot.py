@@ -72,6 +72,7 @@ class Picture:
         screen: what a shader draws it from, or (h, w, 3 or 4) float16 linear radiance, small enough for a texture.
         channels: name -> (h, w, 3) uint8 sRGB, as channels are looked at.
         is_stale: it shows the faces as they were before; the next one is on its way.
+        outline: the people's, as of `RelitLike.outline`; None where it was not asked for yet.
     """
 
     opened: OpenPhoto
@@ -82,6 +83,7 @@ class Picture:
     screen: DisplayRecipe | np.ndarray
     channels: dict[str, np.ndarray]
     is_stale: bool = False
+    outline: list[np.ndarray] | None = None
 
 
 @dataclass(frozen=True)

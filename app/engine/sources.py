@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from relight_core.face.find import FaceBox
     from relight_core.imaging.photo import Photo
     from relight_core.lighting.environment import Environment
+    from relight_core.pipeline.per_photo.brush import BrushStroke
     from relight_core.pipeline.results.display import DisplayRecipe
     from relight_core.pipeline.results.picture import Picture
 
@@ -36,7 +37,13 @@ BORROWED_AT = "final"
 class RelighterLike(Protocol):
     """The part of relight_core.pipeline.relighter.Relighter that the engine uses."""
 
-    def set_portrait(self, photo: Photo, face_index: int | None = None, boxes: Sequence[FaceBox] | None = None) -> None:
+    def set_portrait(
+        self,
+        photo: Photo,
+        face_index: int | None = None,
+        boxes: Sequence[FaceBox] | None = None,
+        strokes: Sequence[BrushStroke] = (),
+    ) -> None:
         """Make a photo the portrait; slow. InputError, NoFaceError too, leaves the previous portrait in place."""
 
     @property
@@ -68,6 +75,7 @@ class RelitLike(Protocol):
     roll_deg: float
     full: Picture | None
     level_as_in_photo_ev: Callable[..., float]
+    outline: Callable[[], list[np.ndarray]]
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,11 +86,13 @@ class PhotoSource:
         place: the file, or a decoded photo.
         face_index: which face alone; None is all of them.
         boxes: where the faces are; None is wherever the finder sees them.
+        strokes: of the brush, who is person and what is not.
     """
 
     place: Path | Photo
     face_index: int | None = None
     boxes: tuple[FaceBox, ...] | None = None
+    strokes: tuple[BrushStroke, ...] = ()
 
     @property
     def path(self) -> Path | None:
@@ -161,6 +171,7 @@ class Request:
         edit: the sliders. Its exposure is the shader's business and makes the engine do nothing.
         longest_side_px: the picture may be this small; None wants it as large as the photo.
         in_motion: what the hand will ask for next, to get ready for while it rests; None for nothing else than this.
+        outlined: the people's outline is wanted beside the picture.
     """
 
     photo: PhotoSource | None = None
@@ -169,9 +180,10 @@ class Request:
     light_edit: LightEdit = field(default_factory=LightEdit)
     longest_side_px: int | None = None
     in_motion: Edit | None = None
+    outlined: bool = False
 
     def same_as(self, other: Request) -> bool:
         """Whether the other asks for the same: the same wishes, at the same settings."""
         same_wishes = self.photo is other.photo and self.light is other.light
-        mine, its = ((r.edit, r.light_edit, r.longest_side_px) for r in (self, other))
+        mine, its = ((r.edit, r.light_edit, r.longest_side_px, r.outlined) for r in (self, other))
         return same_wishes and mine == its

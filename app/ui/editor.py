@@ -13,7 +13,7 @@ from app.ui.layout import Layout, Rect, arrange
 from app.ui.panels import effects_panel, filmstrip, light_panel, scope_panel, status_line, toolbar
 from app.ui.pictures import Pictures
 from app.ui.state import EditorState
-from app.ui.viewport import face_card, progress_card, questions, viewport_panel
+from app.ui.viewport import brush_card, face_card, progress_card, questions, viewport_panel
 
 _FLAGS = (
     # Drawn on the cleared window: without a GPU, filling every panel once more is a third of a frame.
@@ -52,6 +52,7 @@ def draw(state: EditorState, fonts: theme.Fonts, pictures: Pictures, shelf: ligh
     questions.draw(state, layout.viewport)
     progress_card.draw(state, layout.viewport)
     face_card.draw(state, layout.viewport)
+    brush_card.draw(state, layout.viewport)
     file_picker.draw(state, fonts)
     whole = Rect(0.0, 0.0, io.display_size.x, io.display_size.y)
     help_overlay.draw(state, fonts, whole)

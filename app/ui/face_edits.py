@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from app.document.face_boxes import MOST_FACES
@@ -53,7 +53,9 @@ def wished_boxes(state: EditorState) -> tuple[FaceBox, ...]:
 def is_searching(state: EditorState) -> bool:
     """Whether the finder is at work on the photo in sight."""
     photo, opened = state.photo, state.snapshot.opened
-    return bool(photo and opened and photo is not opened.source and photo.boxes is None)
+    if photo is None or opened is None or photo is opened.source or photo.boxes is not None:
+        return False
+    return opened.source.boxes is not None or not opened.shows(photo)
 
 
 def switch(state: EditorState) -> None:
@@ -68,7 +70,7 @@ def show(state: EditorState) -> None:
     """Show the boxes over the picture."""
     if state.snapshot.opened is None or state.photo is None:
         return
-    state.aim, state.playing = "", False
+    state.aim, state.playing, state.brush.is_open = "", False, False
     if state.shown not in (RESULT, PHOTO):
         # The boxes lie over the whole photo, which a channel does not show.
         state.shown = RESULT
@@ -132,4 +134,4 @@ def find_again(state: EditorState) -> None:
 
 
 def _wish(state: EditorState, boxes: tuple[FaceBox, ...] | None, face_index: int | None) -> None:
-    state.photo = PhotoSource(state.snapshot.opened.photo, face_index, boxes)
+    state.photo = replace(state.photo, place=state.snapshot.opened.photo, face_index=face_index, boxes=boxes)

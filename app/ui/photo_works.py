@@ -19,7 +19,7 @@ def portrait_of(state: EditorState, path: Path) -> PhotoRef:
     """Who in a photo is relit and where its faces are: as it is wished for now, else as it was left in this run."""
     photo, work = state.photo, state.works.get(path.absolute())
     if photo and photo.path and photo.path.absolute() == path.absolute():
-        return PhotoRef(path, photo.face_index, photo.boxes)
+        return PhotoRef.of(photo, path)
     if work is None or work.is_refused:
         return PhotoRef(path)
     return replace(work.left.photo, path=path)
@@ -27,8 +27,7 @@ def portrait_of(state: EditorState, path: Path) -> PhotoRef:
 
 def wish_of(state: EditorState, path: Path) -> PhotoSource:
     """A wish to read a photo's file, with its faces as of `portrait_of`."""
-    portrait = portrait_of(state, path)
-    return PhotoSource(path, portrait.face_index, portrait.boxes)
+    return portrait_of(state, path).wish()
 
 
 def note_left(state: EditorState) -> None:
@@ -113,5 +112,5 @@ def _is_undone(state: EditorState, photo: PhotoSource) -> bool:
 
 def _as_opened(state: EditorState, source: PhotoSource) -> Document:
     """The document of a photo that has been opened, though another may be wished for by now."""
-    photo = PhotoRef(source.path, source.face_index, source.boxes) if source.path else None
+    photo = PhotoRef.of(source, source.path) if source.path else None
     return replace(state.document(), photo=photo)

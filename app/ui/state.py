@@ -14,6 +14,7 @@ from app.engine.snapshot import Message, Snapshot
 from app.engine.sources import LightSource, PhotoSource, RelitLike, Request
 from app.ui.angles import wrap_degrees
 from app.ui.asking import Asking, FileRequest
+from app.ui.brush_edits import BrushTool
 from app.ui.channels import PHOTO, RESULT, following
 from app.ui.export_name import named_place
 from app.ui.face_edits import FaceTool
@@ -77,6 +78,7 @@ class EditorState:
         hand_on_control: a slider or the panorama is being dragged.
         pointing_at_faces: the mouse is on the choice of faces, so that the viewport shows which is which.
         faces: the boxes of the faces, while they are corrected.
+        brush: the outline of the people, while it is corrected.
         asked, asked_light: the edit, and the light's, last asked of the engine.
         snapshot: the engine's newest.
         light_panel: the light panel's rectangle (x0, y0, x1, y1) in the window, for drops.
@@ -126,6 +128,7 @@ class EditorState:
     hand_on_control: bool = False
     pointing_at_faces: bool = False
     faces: FaceTool = field(default_factory=FaceTool)
+    brush: BrushTool = field(default_factory=BrushTool)
     asked: Edit = field(default_factory=Edit)
     asked_light: LightEdit = field(default_factory=LightEdit)
     snapshot: Snapshot = field(default_factory=Snapshot)
@@ -169,7 +172,7 @@ class EditorState:
         """What undo and sessions keep of all this."""
         photo, path = None, self.photo.path if self.photo else None
         if path:
-            photo = PhotoRef(path, self.photo.face_index, self.photo.boxes, self._found.get(path, ()))
+            photo = PhotoRef.of(self.photo, path, self._found.get(path, ()))
         light = LightRef(self.light.kind, self.light.name)
         edit = replace(self.edit, quality="final", channels=None)
         return Document(photo, light, self.light_edit, edit, self.quality.wish)
@@ -201,8 +204,8 @@ class EditorState:
             self.light = self._known(document.light.source())
         if document.photo is not None and document.photo != self.document().photo:
             opened = self.snapshot.opened
-            decoded = opened.photo if opened and opened.source.path == document.photo.path else document.photo.path
-            self.photo = PhotoSource(decoded, document.photo.face_index, document.photo.boxes)
+            is_open = opened is not None and opened.source.path == document.photo.path
+            self.photo = document.photo.wish(opened.photo if is_open else None)
             self.queue = self.queue.showing(document.photo.path)
 
     def change(self, **fields) -> None:
@@ -247,7 +250,7 @@ class EditorState:
         give_up_what_is_on_its_way(self)
         note_left(self)
         before = self.document()
-        self.photo = PhotoSource(document.photo.path, document.photo.face_index, document.photo.boxes)
+        self.photo = document.photo.wish()
         self.opening = Opening(self.photo, path, document, before)
         self.put_back(document)
 
@@ -281,9 +284,9 @@ class EditorState:
         if (opened := self.snapshot.opened) is None:
             return
         if self.is_at_work():
-            self.photo = PhotoSource(opened.photo, index, self.photo.boxes)
+            self.photo = replace(self.photo, place=opened.photo, face_index=index)
         else:
-            self._wish_for(PhotoSource(opened.photo, index, opened.source.boxes))
+            self._wish_for(replace(opened.source, place=opened.photo, face_index=index))
             self.queue = self.queue.showing(opened.source.path)
 
     def choose_light(self, light: LightSource) -> None:
@@ -308,7 +311,7 @@ class EditorState:
             self.export_path = self._export_beside().with_suffix(self.export.form).name
             self.shown = RESULT
             self.aim_at = None
-            self.faces = FaceTool(not snapshot.faces, snapshot.opened.source)
+            self.faces, self.brush = FaceTool(not snapshot.faces, snapshot.opened.source), BrushTool()
             if snapshot.opened.source.path and self.is_at_work():
                 self.queue = self.queue.showing(snapshot.opened.source.path)
             self.opened_queue = self.queue
@@ -355,7 +358,7 @@ class EditorState:
 
     def _request_of(self, edit: Edit) -> Request:
         size_px = longest_side_px(self.snapshot.opened, self.view, edit)
-        return Request(self.photo, self.light, edit, self.light_edit, size_px)
+        return Request(self.photo, self.light, edit, self.light_edit, size_px, outlined=self.brush.is_open)
 
     def _known(self, light: LightSource, afresh: bool = False) -> LightSource:
         wish, self.extra_lights = wish_again(light, self.extra_lights, self.snapshot.refused, afresh)

@@ -127,7 +127,7 @@ class Outputs:
 
         def work(control: JobControl) -> str:
             relighter = self._make_relighter()
-            relighter.set_portrait(photo, source.face_index, source.boxes)
+            relighter.set_portrait(photo, source.face_index, source.boxes, source.strokes)
             control.step(0, FRAMES)
             frames = turning(relighter, light, edit, side)
             # What was asked for before may have taken the name meanwhile.
@@ -226,7 +226,7 @@ def relight_like(
     if is_same_file(portrait.path, output):
         raise InputError(f"{output}: that is the photo itself; choose another folder")
     opened = read_photo(portrait.path)
-    relighter.set_portrait(opened, portrait.face_index, portrait.boxes)
+    relighter.set_portrait(opened, portrait.face_index, portrait.boxes, portrait.strokes)
     if document.light.kind == "own":
         environment = edit_light(relighter.estimated_light(BORROWED_AT), document.light_edit)
     channels = None if settings.form == ".exr" and settings.layers else ()

@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable, Sequence
+from collections.abc import Hashable, Sequence
 from dataclasses import replace
-from functools import lru_cache, partial
+from functools import partial
 from pathlib import Path
-from weakref import WeakSet
+from weakref import WeakKeyDictionary
 
 import numpy as np
 import torch
 
 from relight_core.errors import InputError, NoFaceError
-from relight_core.face.crop import Crop
-from relight_core.face.evidence import evidence_of_face, glimpses_of_face
 from relight_core.face.find import FaceBox
 from relight_core.imaging.colour import without_colour
 from relight_core.imaging.photo import Photo
@@ -25,14 +23,15 @@ from relight_core.pipeline.cache import Record, StageCache
 from relight_core.pipeline.company import Company
 from relight_core.pipeline.edit import Edit
 from relight_core.pipeline.face_relighter import KEPT_LIGHTS, FaceRelighter
+from relight_core.pipeline.face_search import FaceSearch
 from relight_core.pipeline.face_taken_apart import Workshop
 from relight_core.pipeline.per_light.kept_lights import KeptLights, ServingLight
 from relight_core.pipeline.per_light.rest_of_person import body_shading
-from relight_core.pipeline.per_photo.choosing_faces import choose_faces, those_chosen
-from relight_core.pipeline.per_photo.matte import WORKING_PX, Matte, make_matte
-from relight_core.pipeline.per_photo.network_view import network_view
+from relight_core.pipeline.per_photo.brush import BrushStroke, checked_strokes
+from relight_core.pipeline.per_photo.choosing_faces import those_chosen
+from relight_core.pipeline.per_photo.matte import WORKING_PX, DraftMatte, Matte, draft_matte, finish_matte
 from relight_core.pipeline.per_photo.person import Canvas, canvas_of, whole_person
-from relight_core.pipeline.per_photo.portrait import checked_boxes, frame, framed, located
+from relight_core.pipeline.per_photo.portrait import checked_boxes, framed
 from relight_core.pipeline.plan import Plan, Scene, make_plan
 from relight_core.pipeline.prepared import Lit, Prepared
 from relight_core.pipeline.quality import Tier, tier_of
@@ -40,6 +39,7 @@ from relight_core.pipeline.results.backdrop import OWN_BACKGROUNDS, Backdrop, ba
 from relight_core.pipeline.results.channels import ViewChange
 from relight_core.pipeline.results.display import DisplayRecipe, person_layers, recipe_of
 from relight_core.pipeline.results.finish import Placement, mean_gain, place_changes, place_views, weights_on_views
+from relight_core.pipeline.results.outline_lines import outline_lines
 from relight_core.pipeline.results.picture import Picture
 from relight_core.pipeline.results.relit import Relit
 from relight_core.resources import resource_path
@@ -48,6 +48,9 @@ WEIGHTS = ("weights", "relight.safetensors")
 
 _KEPT_PIXELS = 6_000_000
 """Up to this size the person's matte and colour stay for the next light; above they are made band by band."""
+
+_BEFORE_THE_BRUSH = ("small", "draft_matte", "canvas", "panorama")
+"""Stages that read nothing of what is painted by hand."""
 
 _NETWORK_STAGES = ("delight", "begun", "specular_shadow", "residual", "compose", "nearer_face")
 
@@ -81,34 +84,46 @@ class Relighter:
         self._people: tuple[FaceBox, ...] = ()
         self._faces: list[FaceRelighter] = []
         self._face_at: dict[FaceBox, FaceRelighter] = {}
-        # Searched in vain, which takes longest; a user who undoes a box by hand need not wait for that again.
-        self._deserted: WeakSet[Photo] = WeakSet()
+        self._strokes: tuple[BrushStroke, ...] = ()
+        # A user who undoes a box by hand need not wait for the search again, which takes longest where it is in vain.
+        self._seen: WeakKeyDictionary[Photo, tuple[FaceBox, ...]] = WeakKeyDictionary()
 
-    def set_portrait(self, photo: Photo, face_index: int | None = None, boxes: Sequence[FaceBox] | None = None) -> None:
+    def set_portrait(
+        self,
+        photo: Photo,
+        face_index: int | None = None,
+        boxes: Sequence[FaceBox] | None = None,
+        strokes: Sequence[BrushStroke] = (),
+    ) -> None:
         """Choose the photo to relight; finds its faces and frames them by their parsing maps.
 
-        Of the photo that is the portrait already, faces whose boxes are as before keep all that is known of them.
+        Of the photo that is the portrait already, faces whose boxes are as before keep all that is known of them; so
+        new strokes of the brush cost a new matte alone.
 
         Args:
             face_index: which face alone, in order of size or of `boxes`; None for all of them, the largest first.
             boxes: where the faces are, brow to chin and cheek to cheek, where the finder is wrong or sees none.
+            strokes: who is person and what is not, where the networks are wrong, from the oldest to the newest.
+                Nothing where the photo's own alpha cuts the people out.
 
         Raises:
             NoFaceError: no face is found, or `boxes` is empty. The previous portrait stays, here and below.
-            InputError: there is no face of that index, or a box is empty or outside the photo.
+            InputError: there is no face of that index, a box is empty or outside the photo, or a stroke is.
         """
-        live = tier_of("live")
-        parsing = lru_cache(maxsize=None)(lambda view: self._parsing(photo, view, live))
-        parsed = lambda view: parsing(view).argmax(0)  # noqa: E731
-        people = tuple(self._found(photo, parsing) if boxes is None else checked_boxes(photo, boxes))
+        strokes, search = checked_strokes(strokes), FaceSearch(self._shop, photo)
+        people = tuple(self._found(photo, search) if boxes is None else checked_boxes(photo, boxes))
         known = self._face_at if self._faces and self._faces[0].portrait.photo is photo else {}
 
         def face_at(box: FaceBox) -> FaceRelighter:
-            return known.get(box) or FaceRelighter(self._shop, framed(photo, box, parsed), StageCache())
+            return known.get(box) or FaceRelighter(self._shop, framed(photo, box, search.labels), StageCache())
 
-        chosen = those_chosen(photo, people, face_index)
+        chosen, before = those_chosen(photo, people, face_index), self._faces
         faces = {box: face_at(box) for box in dict.fromkeys(chosen)}
         self._people, self._face_at, self._faces = people, faces, [faces[box] for box in chosen]
+        self._strokes = strokes
+        if self._faces == before:
+            self._cache.keep_only(_BEFORE_THE_BRUSH)
+            return
         company = Company(list(faces.values())) if len(faces) > 1 else None
         for face in faces.values():
             face.join(company)
@@ -122,38 +137,15 @@ class Relighter:
         """Everyone in the photo, as `face_index` counts them, also those who are not relit; in photo pixels."""
         return self._people
 
-    def _found(self, photo: Photo, parsing: Callable[[Crop], np.ndarray]) -> list[FaceBox]:
-        """The faces that the finder sees and the parsing confirms."""
-        parsed = lambda view: parsing(view).argmax(0)  # noqa: E731
-
-        def glimpse(found: FaceBox) -> int:
-            portrait = frame(photo, found)
-            return glimpses_of_face(parsing(portrait.view), portrait.view, portrait.crop)
-
-        def evidence(found: FaceBox) -> int:
-            portrait = frame(photo, found)
-            return evidence_of_face(parsed(portrait.view), portrait.view, portrait.crop)
-
-        def look_closer(found: FaceBox) -> int:
-            portrait = framed(photo, found, parsed)
-            confirmed = portrait.face != portrait.found
-            return evidence_of_face(parsed(portrait.view), portrait.view, portrait.crop) if confirmed else 0
-
-        if photo in self._deserted:
-            return []
-        try:
-            found = choose_faces(
-                photo.seen, None, evidence, partial(located, photo, parsed=parsed), look_closer, glimpse
-            )
-        except NoFaceError:
-            self._deserted.add(photo)
-            raise
-        return [replace(face, doubtful=False) for face in found]
-
-    def _parsing(self, photo: Photo, view: Crop, tier: Tier) -> np.ndarray:
-        """(classes, S, S) probabilities of a view's parsing."""
-        found = self._shop.delight(network_view(photo, view, tier.size), replace(tier, looks_twice=False))
-        return found.parsing[0].float().cpu().numpy()
+    def _found(self, photo: Photo, search: FaceSearch) -> tuple[FaceBox, ...]:
+        """The photo's faces, looked for once; none where that was in vain before."""
+        if photo not in self._seen:
+            try:
+                self._seen[photo] = tuple(search.faces())
+            except NoFaceError:
+                self._seen[photo] = ()
+                raise
+        return self._seen[photo]
 
     def estimated_light(self, quality: str) -> Environment:
         """The light the photo was taken under, as de-lighting sees it, at the photo's own exposure.
@@ -225,8 +217,13 @@ class Relighter:
         view, done = face.portrait.view, dict(self._record.stages)
         place = {"window": view.window, "roll_deg": view.roll_deg}
         others = {"recipe": recipe, "level_as_in_photo_ev": partial(face.level_as_in_photo_ev, ready, change)}
-        others["networks_ended_s"] = self._networks_ended_s()
+        others |= {"outline": partial(self._outline, full.matte), "networks_ended_s": self._networks_ended_s()}
         return Relit(image, alpha, channels, boxes, done, plan.effects, full, **place, **others)
+
+    def _outline(self, matte: Matte) -> list[np.ndarray]:
+        """The lines along a matte of the portrait."""
+        make = partial(outline_lines, self._small(), matte)
+        return self._cache.run("outline_lines", matte, make, "new photo or stroke")
 
     def _networks_ended_s(self) -> float | None:
         ends = [cache.record.last_end(_NETWORK_STAGES) for face in self._faces for cache in face.caches]
@@ -296,9 +293,13 @@ class Relighter:
         )
 
     def _matte(self) -> Matte:
-        """The people in the photo; from one tier for all, so that it depends on no history."""
+        """The people in the photo, corrected by the brush."""
+        return finish_matte(self._cache.run("draft_matte", "photo", self._draft_matte, "new photo"), self._strokes)
+
+    def _draft_matte(self) -> DraftMatte:
+        """The people as seen by one tier, whichever is asked for, so that it depends on no history."""
         photo = self._faces[0].portrait.photo
-        return make_matte(photo.linear, (face.looks() for face in self._faces), photo.alpha, self._small().linear)
+        return draft_matte(photo.linear, (face.looks() for face in self._faces), photo.alpha, self._small().linear)
 
     def _small(self) -> Canvas:
         """The photo no longer than WORKING_PX, from which smaller copies are made."""
@@ -317,12 +318,13 @@ class Relighter:
         """The picture at the photo's size, and at the size that was asked for; nothing of either is computed."""
         photo, run = self._faces[0].portrait.photo, self._cache.run
         views = [face.portrait.view for face in self._faces]
-        matte = run("matte", "photo", self._matte, "new photo")
+        matte = run("matte", "photo", self._matte, "new photo or stroke")
 
         def place() -> Placement:
-            return place_views(self._small(), views, matte, self._shop.table, [face.mask() for face in self._faces])
+            masks = [face.mask() for face in self._faces]
+            return place_views(self._small(), views, matte, self._shop.table, masks, self._strokes)
 
-        placement = run("placement", "photo", place, "new photo")
+        placement = run("placement", "photo", place, "new photo or stroke")
         size = changes[0].gain.shape[0]
         weights = run("weights", size, lambda: weights_on_views(placement, size), "new photo or quality", 3)
         light = torch.from_numpy(serving.radiance)[None].to(self._shop.device)

@@ -34,6 +34,7 @@ class FakeRelit:
     full: object = None
     recipe: object = None
     level_as_in_photo_ev: object = lambda most_stops=4.0: 1.25
+    outline: object = list
 
 
 class FakeRelighter:
@@ -44,7 +45,7 @@ class FakeRelighter:
     """
 
     def __init__(self) -> None:
-        self.photo, self.people = None, ()
+        self.photo, self.people, self.strokes = None, (), ()
         self.blind = False
         self.portraits: list = []
         self.relights: list = []
@@ -54,15 +55,16 @@ class FakeRelighter:
         self.gate.set()
         self.entered = threading.Semaphore(0)
         self.fail_with: Exception | None = None
+        self.outline: list = []
 
-    def set_portrait(self, photo, face_index=None, boxes=None):
+    def set_portrait(self, photo, face_index=None, boxes=None, strokes=()):
         if boxes is None:
             boxes = [] if self.blind or photo.linear.max() == 0.0 else [FaceBox(32, 16, 96, 80)]
         if not boxes:
             raise NoFaceError(f"{photo.path}: no face found; use another photo")
         if any(box.x1 <= 0 for box in boxes):
             raise InputError(f"{photo.path}: the box of a face is outside")
-        self.photo, self.people = photo, tuple(boxes)
+        self.photo, self.people, self.strokes = photo, tuple(boxes), strokes
         self.portraits.append((photo, face_index, tuple(boxes)))
 
     def estimated_light(self, quality):
@@ -92,7 +94,8 @@ class FakeRelighter:
             alpha[: height // 4] = 0.0
         half = SIZE // 2
         window = (width / 2 - half, height / 2 - half, width / 2 + half, height / 2 + half)
-        return FakeRelit(image, alpha, self._channels(edit, light), [], window=window)
+        outline = self.outline
+        return FakeRelit(image, alpha, self._channels(edit, light), [], window=window, outline=lambda: outline)
 
     def _channels(self, edit, light):
         rows, columns = np.mgrid[0:SIZE, 0:SIZE].astype(np.float32) / (SIZE - 1)

@@ -28,10 +28,10 @@ def answered(engine, request):
 class Forgetful(FakeRelighter):
     """Can take the first portrait only once."""
 
-    def set_portrait(self, photo, face_index=None, boxes=None):
+    def set_portrait(self, photo, face_index=None, boxes=None, strokes=()):
         if self.portraits and photo is self.portraits[0][0]:
             raise MemoryError("not enough memory")
-        super().set_portrait(photo, face_index, boxes)
+        super().set_portrait(photo, face_index, boxes, strokes)
 
 
 @pytest.fixture

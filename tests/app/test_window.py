@@ -192,7 +192,7 @@ def test_the_first_photo_is_seen_while_its_face_is_being_read(hand, relighter, p
 
 
 def test_a_first_photo_that_can_not_be_used_goes_again(hand, photo_path, relighter, monkeypatch):
-    def refuse(photo, face_index=None, boxes=None):
+    def refuse(photo, face_index=None, boxes=None, strokes=()):
         raise InputError(f"{photo.path}: not today")
 
     monkeypatch.setattr(relighter, "set_portrait", refuse)

@@ -50,8 +50,8 @@ class FakeRelighter:
         self.share = 0.5
         self.longest_sides_px = []
 
-    def set_portrait(self, photo, face_index=None, boxes=None):
-        self.boxes = boxes
+    def set_portrait(self, photo, face_index=None, boxes=None, strokes=()):
+        self.boxes, self.strokes = boxes, strokes
         if photo.linear.std() < 1e-3:
             raise InputError(f"{photo.path}: no face found; choose a photo that shows a face")
         self.photo = photo

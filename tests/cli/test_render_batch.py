@@ -19,6 +19,7 @@ from relight_core.lighting.light_edit import LightEdit
 from relight_core.lighting.rigs import load_rig
 from relight_core.lighting.soft_box import SoftBox
 from relight_core.pipeline.edit import Edit
+from relight_core.pipeline.per_photo.brush import BrushStroke
 
 
 @pytest.fixture
@@ -72,9 +73,10 @@ def test_a_saved_light_lights_with_its_boxes_and_turn(tmp_path):
     )
 
 
-def test_boxes_of_a_session_that_lends_its_light_count_for_their_own_photo_only(relighter, folder, tmp_path):
-    boxes = (FaceBox(1.0, 2.0, 9.0, 10.0),)
-    document = Document(PhotoRef(folder / "a.png", 0, boxes), LightRef("rig", "ring"), LightEdit(), Edit())
+def test_corrections_of_a_session_that_lends_its_light_count_for_their_own_photo_only(relighter, folder, tmp_path):
+    boxes, strokes = (FaceBox(1.0, 2.0, 9.0, 10.0),), (BrushStroke(((3.0, 4.0),), 2.0, False),)
+    corrected = PhotoRef(folder / "a.png", 0, boxes, strokes=strokes)
+    document = Document(corrected, LightRef("rig", "ring"), LightEdit(), Edit())
     write_session(tmp_path / "a.relight.json", document)
 
     def boxes_for(photo, *more):
@@ -83,8 +85,11 @@ def test_boxes_of_a_session_that_lends_its_light_count_for_their_own_photo_only(
         return relighter.boxes
 
     assert boxes_for(folder / "b.png") is None
+    assert relighter.strokes == ()
     assert boxes_for(folder / "a.png") == boxes
+    assert relighter.strokes == strokes
     assert boxes_for(folder / "a.png", "--box", "3,3,8,8") == [FaceBox(3, 3, 8, 8)]
+    assert relighter.strokes == strokes
 
 
 def test_a_damaged_or_missing_light_file_is_told_in_a_line(relighter, folder, tmp_path, capsys):

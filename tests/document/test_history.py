@@ -12,6 +12,7 @@ from relight_core.face.find import FaceBox
 from relight_core.lighting.light_edit import LightEdit
 from relight_core.lighting.soft_box import SoftBox
 from relight_core.pipeline.edit import Edit
+from relight_core.pipeline.per_photo.brush import BrushStroke
 
 START = Document(PhotoRef(Path("/p/me.jpg")))
 
@@ -118,6 +119,13 @@ def with_faces(boxes, face_index=None, found=(ONE, TWO)):
 
 SKY = replace(START, light=LightRef("panorama", "/h/sky.hdr"), light_edit=LightEdit(metered=True))
 
+
+def painted(*adds):
+    """A photo with a stroke of the brush for each, which adds or takes away."""
+    strokes = tuple(BrushStroke(((1.0, float(index)),), 2.0, one) for index, one in enumerate(adds))
+    return replace(START, photo=PhotoRef(Path("/p/me.jpg"), strokes=strokes))
+
+
 NAMES = [
     (with_faces(None), with_faces((ONE, replace(TWO, x0=12, x1=17))), "Move face 2"),
     (with_faces((ONE,)), with_faces((replace(ONE, x1=12, y1=12),)), "Resize face 1"),
@@ -128,6 +136,11 @@ NAMES = [
     (with_faces((ONE,)), with_faces(None, 1), "Find the faces again"),
     (with_faces((ONE, TWO)), with_faces((BESIDE, BESIDE)), "Change the faces"),
     (with_faces((ONE, TWO)), with_faces((ONE, TWO), 1), "Face 2"),
+    (painted(), painted(True), "Add to the person"),
+    (painted(True), painted(True, False, False), "Take from the person"),
+    (painted(True), painted(True, False, True), "Change the outline"),
+    (painted(True, False), painted(), "Outline as found"),
+    (painted(True, False), painted(True), "Change the outline"),
     (START, replace(START, photo=PhotoRef(Path("/q/you.png"))), "Open you.png"),
     (START, replace(START, photo=PhotoRef(Path("/p/me.jpg"), 1)), "Face 2"),
     (replace(START, photo=PhotoRef(Path("/p/me.jpg"), 1)), START, "All faces"),

@@ -22,7 +22,12 @@ from relight_core.face.find import FaceBox
 from relight_core.lighting.light_edit import LightEdit
 from relight_core.lighting.soft_box import SoftBox
 from relight_core.pipeline.edit import Edit
+from relight_core.pipeline.per_photo.brush import BrushStroke
 
+STROKES = (
+    BrushStroke(((12.5, -3.0), (40.1, 99999.9)), 20.5, True),
+    BrushStroke(((0.0, 0.1),), 0.1, False),
+)
 BOXES = (SoftBox(-60.0, 20.0, 44.0, 12.0, 0.1, 3200.0, None, 1.7), SoftBox(colour=(0.9, 0.1, 0.2)))
 
 
@@ -37,7 +42,12 @@ def folder(tmp_path):
 @pytest.fixture
 def document(folder):
     return Document(
-        PhotoRef(folder / "me.jpg", 1, (FaceBox(-3.5, 10.25, 50.0, 63.75, 12.5), FaceBox(80.1, 2.0, 90.1, 12.0))),
+        PhotoRef(
+            folder / "me.jpg",
+            1,
+            (FaceBox(-3.5, 10.25, 50.0, 63.75, 12.5), FaceBox(80.1, 2.0, 90.1, 12.0)),
+            strokes=STROKES,
+        ),
         LightRef("panorama", str(folder.parent / "studio.hdr")),
         LightEdit(1.5, 0.4, 0.7, 0.2, -0.1, 12.0, BOXES, True),
         Edit(-35.5, 0.25, 1.5, 0.5, "#30343a", 70.0, 3.0, "final", forced_off=frozenset({"shadow"})),
@@ -70,13 +80,13 @@ def test_a_session_comes_back_as_it_was(folder, document):
     assert session.notes == ()
 
 
-def test_a_session_from_before_there_were_boxes_opens(folder, document):
+def test_a_session_from_before_there_were_boxes_and_strokes_opens(folder, document):
     path = tampered(saved(folder, document), version=1)
     content = json.loads(path.read_text())
-    del content["face_boxes"]
+    del content["face_boxes"], content["brush_strokes"]
     path.write_text(json.dumps(content))
     session = read_session(path)
-    assert session.document == replace(document, photo=replace(document.photo, boxes=None))
+    assert session.document == replace(document, photo=replace(document.photo, boxes=None, strokes=()))
     assert session.notes == ()
 
 
@@ -126,6 +136,7 @@ def test_unknown_settings_are_left_out_and_noted(folder, document):
     assert sorted(session.notes) == ["unknown setting sparkle was left out", "unknown setting surprise was left out"]
 
 
+NO_POINTS = ("", "1", "1,2,3", "1,nan", "1,inf", "1,1e9", "a,b", [1, 2], "1,2 " * 257)
 WRONG = [
     {"edit__shadow": "1"},
     {"edit__shadow": None},
@@ -145,7 +156,13 @@ WRONG = [
     {"face_boxes": [4]},
     {"face_boxes": [{"x0": 1, "y0": 2, "x1": "9", "y1": 9}]},
     {"face_boxes": [{"x0": 9, "y0": 9, "x1": 9, "y1": 20}]},
-    {"version": 3},
+    {"brush_strokes": {"adds": True}},
+    {"brush_strokes": [7]},
+    {"brush_strokes": [{"adds": 1, "radius_px": 3, "points": "1,2"}]},
+    {"brush_strokes": [{"adds": True, "radius_px": "3", "points": "1,2"}]},
+    {"brush_strokes": [{"adds": True, "radius_px": 3}]},
+    *({"brush_strokes": [{"adds": True, "radius_px": 3, "points": points}]} for points in NO_POINTS),
+    {"version": 4},
     {"version": None},
     {"relight": "light"},
     {"photo": None},

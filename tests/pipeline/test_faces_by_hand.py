@@ -9,8 +9,7 @@ from tiny_relighter import EDIT, NETWORK_STAGES, computed, some_light, some_phot
 
 from relight_core.errors import InputError, NoFaceError
 from relight_core.face.find import FaceBox
-from relight_core.pipeline import relighter as relighter_module
-from relight_core.pipeline import stages
+from relight_core.pipeline import face_search, stages
 from relight_core.pipeline.face_taken_apart import Workshop
 from relight_core.pipeline.per_photo import choosing_faces
 from relight_core.pipeline.relighter import Relighter
@@ -111,7 +110,7 @@ def test_a_photo_without_faces_is_searched_once(relighter, monkeypatch, delighte
     nobody = some_photo(3)
     monkeypatch.setattr(choosing_faces, "find_faces", lambda photo, *judge: [])
     monkeypatch.setattr(choosing_faces, "guess_faces", lambda photo: [SMALL])
-    monkeypatch.setattr(relighter_module, "evidence_of_face", lambda labels, view, crop: 0)
+    monkeypatch.setattr(face_search, "evidence_of_face", lambda labels, view, crop: 0)
     with pytest.raises(NoFaceError, match="no face found"):
         relighter.set_portrait(nobody)
     assert delighted

@@ -4,8 +4,12 @@ import pytest
 
 from relight_core.face.crop import Crop
 from relight_core.imaging.photo import Photo
-from relight_core.pipeline.per_photo.matte import make_matte, own_colour
+from relight_core.pipeline.per_photo.matte import draft_matte, finish_matte, own_colour
 from relight_core.pipeline.per_photo.person import canvas_of, whole_person
+
+
+def make_matte(*photo_and_looks):
+    return finish_matte(draft_matte(*photo_and_looks))
 
 
 def refine_matte(linear, mask, crop, alpha=None):

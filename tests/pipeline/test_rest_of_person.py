@@ -116,3 +116,15 @@ def test_a_lamp_from_the_other_side_lights_what_the_photos_lamp_left_dark():
     changed = body_gain(body, lamp_from(24), body.photo, left)[row].mean(-1)
     unaware = body_gain(body, lamp_from(24), body.photo)[row].mean(-1)
     assert np.log(changed[37] / changed[10]) == pytest.approx(2 * np.log(unaware[37] / unaware[10]), rel=0.2)
+
+
+def test_a_relit_photo_below_black_counts_as_black():
+    share = np.ones((32, 32), np.float32)
+    photo = np.full((32, 32, 3), 0.3, np.float32)
+    body = make_body(photo, share, share, ReflectionTable())
+    relit = np.full((*body.photo.shape[:2], 3), 0.2, np.float32)
+    relit[4:8] = -0.5
+    black = relit.clip(0.0)
+    gain = body_gain(body, EVEN, relit)
+    assert np.isfinite(gain).all()
+    np.testing.assert_array_equal(gain, body_gain(body, EVEN, black))

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from app.ui import face_edits
-from app.ui.actions import edit_actions, face_actions, look_actions
+from app.ui import brush_edits, face_edits
+from app.ui.actions import brush_actions, edit_actions, face_actions, look_actions
 from app.ui.actions.action import Action, Gesture
 from app.ui.state import EditorState
 
@@ -25,6 +25,8 @@ def _close(state: EditorState) -> None:
         state.look.help = False
     elif state.faces.is_open:
         face_edits.cancel(state)
+    elif state.brush.is_open:
+        brush_edits.cancel(state)
     elif state.aim or state.playing:
         state.aim, state.playing = "", False
     elif state.snapshot.message:
@@ -45,6 +47,7 @@ ACTIONS: tuple[Action, ...] = (
     *edit_actions.LIGHT,
     *edit_actions.BOXES,
     *face_actions.FACES,
+    *brush_actions.OUTLINE,
     *edit_actions.HISTORY,
     *edit_actions.FILE,
     *look_actions.PANELS,
@@ -53,4 +56,9 @@ ACTIONS: tuple[Action, ...] = (
 )
 """In the order of the palette and, group by group, of the overlay."""
 
-GESTURES: tuple[Gesture, ...] = (*look_actions.GESTURES, *edit_actions.GESTURES, *face_actions.GESTURES)
+GESTURES: tuple[Gesture, ...] = (
+    *look_actions.GESTURES,
+    *edit_actions.GESTURES,
+    *face_actions.GESTURES,
+    *brush_actions.GESTURES,
+)

@@ -16,6 +16,8 @@ _NAMED = {
     "=": "equal",
     "-": "minus",
     "\\": "backslash",
+    ",": "comma",
+    ".": "period",
     "PageDown": "page_down",
     "PageUp": "page_up",
 }

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from imgui_bundle import imgui
 
-from app.ui import face_edits, theme, widgets
+from app.ui import brush_edits, face_edits, theme, widgets
 from app.ui.panels import export_panel, history_panel, quality_panel
 from app.ui.panels.groups import SPACING_EM, Tool, group, tool_button, tool_width
 from app.ui.state import EditorState
@@ -42,6 +42,7 @@ def draw(state: EditorState, fonts: theme.Fonts) -> None:
     _effects(state, fonts)
     _backgrounds(state, fonts)
     _faces(state, fonts)
+    _outline(state, fonts)
     quality_panel.draw(state, fonts)
     export_panel.draw(state, fonts)
     history_panel.draw(state, fonts)
@@ -143,3 +144,15 @@ def _faces_title(state: EditorState, fonts: theme.Fonts, count: int) -> None:
     imgui.same_line(right - tool_width(tool) + SPACING_EM * imgui.get_font_size())
     if tool_button(tool, state.faces.is_open):
         face_edits.switch(state)
+
+
+def _outline(state: EditorState, fonts: theme.Fonts) -> None:
+    """The button that takes up the brush."""
+    if state.snapshot.picture is None:
+        return
+    tool = Tool("Edit outline…", "Paint what belongs to the person and was missed, or what does not.  Shift + O")
+    right = imgui.get_cursor_pos_x() + imgui.get_content_region_avail().x
+    widgets.heading(fonts, "Outline")
+    imgui.same_line(right - tool_width(tool) + SPACING_EM * imgui.get_font_size())
+    if tool_button(tool, state.brush.is_open):
+        brush_edits.switch(state)

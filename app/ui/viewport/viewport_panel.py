@@ -9,7 +9,7 @@ from app.ui.layout import Rect
 from app.ui.panels import timings
 from app.ui.pictures import Paint, Pictures
 from app.ui.state import EditorState
-from app.ui.viewport import face_tool, light_ball, placing, probe_card, viewport_notes, wipe
+from app.ui.viewport import brush_tool, face_tool, light_ball, placing, probe_card, viewport_notes, wipe
 from app.ui.viewport.panes import LIGHTS, Arrangement, arrange_panes
 from app.ui.viewport.view import View, actual_size, pan, zoom_about
 
@@ -38,6 +38,7 @@ def draw(state: EditorState, fonts: theme.Fonts, pictures: Pictures, rect: Rect)
         is_open
         and arranged.main
         and not face_tool.drag(state, arranged, at, scale)
+        and not brush_tool.drag(state, arranged, at, scale)
         and not placing.drag(state, arranged, at)
         and not wipe.drag(state, arranged, at, scale)
     ):
@@ -123,6 +124,7 @@ def _navigate(state: EditorState, arranged: Arrangement, at: tuple[float, float]
 
 def _over_the_picture(state: EditorState, pictures: Pictures, arranged: Arrangement, rect: Rect, scale: float) -> None:
     face_tool.draw(state, arranged, rect, scale)
+    brush_tool.draw(state, arranged, rect, scale)
     wipe.draw(state, arranged, rect, scale)
     viewport_notes.legend(state, pictures, arranged.main, rect)
     viewport_notes.progress(state, rect)

@@ -87,7 +87,7 @@ def body_gain(body: Body, light: torch.Tensor, relit: np.ndarray, in_photo: np.n
 
     Args:
         light: (1, 16, 32, 3), mean luminance 1.
-        relit: (k, l, 3) linear, the photo as the networks relit it; only read where they saw it.
+        relit: (k, l, 3) linear, the photo as the networks relit it, below 0 as black; only read where they saw it.
         in_photo: (h, w, 3) `body_shading` of the light the photo was taken in; None where that isn't known, and the
             photo counts as lit evenly.
     """
@@ -95,7 +95,7 @@ def body_gain(body: Body, light: torch.Tensor, relit: np.ndarray, in_photo: np.n
     if in_photo is not None:
         guess = guess / in_photo
     small = guess if guess.shape == relit.shape else resize_area(guess, relit.shape[:2])
-    found = (relit + _DARK) / (body.photo + _DARK)
+    found = (np.maximum(relit, 0.0) + _DARK) / (body.photo + _DARK)
     correction = np.exp(body.onward(np.log(found / small)))
     correction = cv2.resize(correction, guess.shape[1::-1], interpolation=cv2.INTER_LINEAR).reshape(guess.shape)
     return np.clip(guess * correction, 0.0, _LARGEST_GAIN).astype(np.float32)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import cv2
@@ -14,6 +14,7 @@ from relight_core.imaging.closed_form import closed_form_matte
 from relight_core.imaging.colour import luminance
 from relight_core.imaging.resampling import resize_area, resize_smooth, shrunk_size
 from relight_core.imaging.view_transform import apply_view
+from relight_core.pipeline.per_photo.brush import BrushStroke, painted
 from relight_core.pipeline.per_photo.likely_person import Look, attached, likely_person, place_masks, without_holes
 
 WORKING_PX = 1024
@@ -81,18 +82,35 @@ def own_colour(linear: np.ndarray, share: np.ndarray, person: np.ndarray, behind
     return colour
 
 
-def make_matte(
+@dataclass(frozen=True, eq=False)
+class DraftMatte:
+    """What networks and colours say of a photo's people, before hands and edges do.
+
+    Attributes:
+        share: (h, w) in [0, 1]; None where the photo's own alpha is the matte.
+        small: (h, w, 3) linear, the photo no longer than WORKING_PX.
+        guide: (h, w, 3) the same as it is displayed, sRGB.
+        photo_size: (height, width).
+    """
+
+    share: np.ndarray | None
+    small: np.ndarray
+    guide: np.ndarray
+    photo_size: tuple[int, int]
+
+
+def draft_matte(
     linear: np.ndarray,
     people: Iterable[list[Look]],
     alpha: np.ndarray | None = None,
     small: np.ndarray | None = None,
-) -> Matte:
-    """Carry coarse person masks to the whole photo, their edges moved onto the photo's.
+) -> DraftMatte:
+    """Carry coarse person masks to the whole photo.
 
     Where a person may be follows from the masks, beyond their views from how bodies hang together, and from the
     colours of what is surely person and surely not (`likely_person`). Closed-form matting makes a soft matte of
-    that in a small copy, what hangs together with nobody is taken out of it, gaps within somebody are closed, and a
-    guided filter (He, Sun and Tang 2013) fits its edges to the photo's. Costs some tenths of a second: once per photo.
+    that in a small copy, what hangs together with nobody is taken out of it, and gaps within somebody are closed.
+    Costs some tenths of a second: once per photo.
 
     Args:
         linear: (H, W, 3) linear, the photo.
@@ -102,20 +120,32 @@ def make_matte(
         small: the photo no longer than WORKING_PX, where that is there already.
     """
     size = linear.shape[:2]
-    if alpha is not None and float(alpha.min()) < 1.0:
-        nothing, black = np.zeros((1, 1), np.float32), np.zeros((1, 1, 3), np.float32)
-        return Matte(nothing, nothing, black, black, nothing, True)
     small = resize_area(linear, shrunk_size(size, WORKING_PX)) if small is None else small
     guide = np.ascontiguousarray(apply_view(small))
+    if alpha is not None and float(alpha.min()) < 1.0:
+        return DraftMatte(None, small, guide, size)
     people, matting_size = list(people), shrunk_size(size, _MATTING_PX)
     coarse = _matted(guide, place_masks(people, matting_size, size), matting_size)
-    coarse = _seen_nearer(coarse, guide, people, size)
+    return DraftMatte(_seen_nearer(coarse, guide, people, size), small, guide, size)
+
+
+def finish_matte(draft: DraftMatte, strokes: Sequence[BrushStroke] = ()) -> Matte:
+    """Let the strokes of a brush correct a draft, and move its edges onto the photo's.
+
+    A guided filter (He, Sun and Tang 2013) does the latter, so that a stroke need not follow an edge by the pixel.
+    The photo's own alpha is left as it is.
+    """
+    if draft.share is None:
+        nothing, black = np.zeros((1, 1), np.float32), np.zeros((1, 1, 3), np.float32)
+        return Matte(nothing, nothing, black, black, nothing, True)
+    small, guide = draft.small, draft.guide
+    coarse = painted(draft.share, strokes, draft.photo_size)
     edges = _guided(guide, coarse, max(round(max(guide.shape) / _EDGE_WINDOWS), 2))
     share = np.clip((edges - 0.2) / 0.6, 0.0, 1.0)
     slope, level = np.zeros_like(share), share
-    if guide.shape[:2] != size:
+    if guide.shape[:2] != draft.photo_size:
         slope, level = _guided_coefficients(guide_of(small), share)
-    fused = shrunk_size(size, _FUSION_PX)
+    fused = shrunk_size(draft.photo_size, _FUSION_PX)
     nearby = cv2.GaussianBlur(resize_area(share, fused), (0, 0), max(max(fused) * _NEAR_SHARE, 0.5))
     return Matte(slope, level, *_sides(small, share), np.clip(nearby, 0.0, 1.0))
 

@@ -14,6 +14,7 @@ from relight_core.face.paste import Band, fade, places_of, seen_across, seen_fro
 from relight_core.imaging.resampling import resize_area, shrunk_size
 from relight_core.lighting.reflection import ReflectionTable
 from relight_core.pipeline.per_light.rest_of_person import Body, body_gain, body_size, make_body
+from relight_core.pipeline.per_photo.brush import BrushStroke, painted
 from relight_core.pipeline.per_photo.matte import Matte
 from relight_core.pipeline.per_photo.person import Canvas, shrunk, whole_person
 from relight_core.pipeline.results.channels import ViewChange, at_level
@@ -22,6 +23,8 @@ from relight_core.pipeline.results.picture import PlacedChange
 _EDGE_SHARE = 0.12
 _WEIGHT_LONGEST = 512
 _NEARNESS_POWER = 4
+_OUTLINE_SHARE, _UNSEEN_BLUR_SHARE = 0.02, 0.01
+_UNSEEN_FROM, _UNSEEN_TO = 0.3, 0.7
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,6 +38,7 @@ class Placement:
             to at most 1.
         body: what no view covers.
         photo_size: (height, width).
+        unseen: (k, l) over the whole photo, in [0, 1]: people that no network takes for them; None for nobody.
     """
 
     views: tuple[Crop, ...]
@@ -42,6 +46,7 @@ class Placement:
     small: tuple[np.ndarray, ...]
     body: Body
     photo_size: tuple[int, int]
+    unseen: np.ndarray | None = None
 
 
 def place_views(
@@ -50,23 +55,29 @@ def place_views(
     matte: Matte,
     table: ReflectionTable,
     people: Sequence[tuple[np.ndarray, Crop]] = (),
+    strokes: Sequence[BrushStroke] = (),
 ) -> Placement:
     """Share the photo out among the views of its faces.
+
+    What a brush has added and the networks took for something behind has no shape that they know of. There no view
+    counts, and it is lit as the rest of the person is.
 
     Args:
         photo: all of it, at any size.
         people: as `Placement` has them.
+        strokes: of the brush, in the matte already.
     """
     photo_size = photo.photo_size
     places = places_of(shrunk_size(photo_size, _WEIGHT_LONGEST), photo_size)
-    weights = _weights_at(views, people, places, photo_size)
+    unseen = _unseen(strokes, people, places, photo_size)
+    weights = _but_not_unseen(_weights_at(views, people, places, photo_size), unseen, places, photo_size)
     canvas = shrunk(photo, max(body_size(photo_size)))
     known = resize_area(np.minimum(sum(weights), 1), canvas.size)
     share = whole_person(canvas, matte).share
     seen = np.where(share[..., None] > 0, canvas.linear, 0) if matte.own_alpha else canvas.linear
     body = make_body(seen, share, known, table)
     small = tuple(resize_area(weight, body.photo.shape[:2])[..., None] for weight in weights)
-    return Placement(tuple(views), tuple(people), small, body, photo_size)
+    return Placement(tuple(views), tuple(people), small, body, photo_size, unseen)
 
 
 @dataclass(frozen=True, eq=False)
@@ -140,6 +151,7 @@ def _weights_on(placement: Placement, view: Crop, size: int) -> ViewWeights:
     """The weights at a view's own pixels: a small view's edge is finer than the photo's maps."""
     places = view.to_photo(places_of((size, size), (size, size)), size)
     weights = _weights_at(placement.views, placement.people, places, placement.photo_size)
+    weights = _but_not_unseen(weights, placement.unseen, places, placement.photo_size)
     of_views = [weight[..., None] for weight in weights]
     of_rest = 1 - np.minimum(sum(of_views), 1)
     return ViewWeights(
@@ -199,6 +211,37 @@ def _but_not_for_others(fading: Sequence[np.ndarray], own: Sequence[np.ndarray])
         others = np.maximum.reduce([*own[:index], *own[index + 1 :]])
         result.append(counts * (1 - others * (1 - mine)))
     return result
+
+
+def _unseen(
+    strokes: Sequence[BrushStroke],
+    people: Sequence[tuple[np.ndarray, Crop]],
+    places: np.ndarray,
+    photo_size: tuple[int, int],
+) -> np.ndarray | None:
+    """(k, l) as `Placement` has it, at places (k, l, 2) all over the photo."""
+    if not any(stroke.adds for stroke in strokes):
+        return None
+    added = painted(np.zeros(places.shape[:2], np.float32), strokes, photo_size)
+    seen = np.zeros_like(added)
+    for mask, crop in people:
+        reach = round(_OUTLINE_SHARE * len(mask))
+        # Outlines are off by some pixels anyway.
+        grown = cv2.dilate(np.asarray(mask, np.float32), np.ones((2 * reach + 1,) * 2, np.uint8))
+        seen = np.maximum(seen, _mask_at(grown, crop, places))
+    unseen = np.clip((added * (1 - seen) - _UNSEEN_FROM) / (_UNSEEN_TO - _UNSEEN_FROM), 0, 1)
+    return cv2.GaussianBlur(unseen, (0, 0), max(_UNSEEN_BLUR_SHARE * max(unseen.shape), 0.5))
+
+
+def _but_not_unseen(
+    weights: tuple[np.ndarray, ...], unseen: np.ndarray | None, places: np.ndarray, photo_size: tuple[int, int]
+) -> tuple[np.ndarray, ...]:
+    """Weights at places (k, l, 2) of the photo, less where what is there is unseen."""
+    if unseen is None:
+        return weights
+    at = (places * (np.array(unseen.shape) / photo_size)[::-1] - 0.5).astype(np.float32)
+    seen = 1 - cv2.remap(unseen, at, None, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
+    return tuple(weight * seen for weight in weights)
 
 
 def _mask_at(mask: np.ndarray, crop: Crop, places: np.ndarray) -> np.ndarray:

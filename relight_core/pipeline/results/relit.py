@@ -35,6 +35,8 @@ class Relit:
         recipe: what a shader needs to draw the picture, at the size that was asked for.
         level_as_in_photo_ev: gives the stops by which the light's level has to change for the first face to be as
             bright as in the photo, at most 4 or as many as it is called with; worked out where it is asked for.
+        outline: gives the outlines of the people, each (n, 2) with x, y in photo pixels; worked out where it is asked
+            for, as long as the portrait is the same.
         networks_ended_s: when the last network had run, on the clock of `time.perf_counter`.
     """
 
@@ -49,6 +51,7 @@ class Relit:
     roll_deg: float = 0.0
     recipe: DisplayRecipe | None = None
     level_as_in_photo_ev: Callable[..., float] = lambda most_stops=0.0: 0.0
+    outline: Callable[[], list[np.ndarray]] = list
     networks_ended_s: float | None = None
 
     @property

@@ -1,0 +1,114 @@
+"""A card over the picture that says what a tool does, with the buttons that go with it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+from imgui_bundle import imgui
+
+from app.ui import theme
+from app.ui.layout import Rect
+from app.ui.state import EditorState
+
+_OVER_NOTES_EM, _OVER_A_JOB_EM = 3.0, 9.0
+
+Box = tuple[float, float, float, float]
+
+
+@dataclass(frozen=True)
+class Button:
+    """A button on the card.
+
+    Attributes:
+        label, tooltip: its words.
+        act: does it.
+        available: else it is greyed.
+        is_main: the one that is meant to be pressed in the end, in the accent's colour.
+    """
+
+    label: str
+    tooltip: str
+    act: Callable[[EditorState], None]
+    available: Callable[[EditorState], bool] = lambda state: True
+    is_main: bool = False
+
+
+def draw(
+    state: EditorState, name: str, words: str, buttons: Sequence[Button], viewport: Rect, avoided: Sequence[Box]
+) -> None:
+    """The card, at the top of the viewport under what is asked, at its foot where it would cover something there.
+
+    Args:
+        name: of the card's window.
+        avoided: left, top, right and bottom of what should stay in sight.
+    """
+    keys = sum(_width(button.label) for button in buttons) + imgui.get_style().item_spacing.x * (len(buttons) - 1)
+    size, in_one_row = _size(words, keys, viewport)
+    place, is_above = _place(state, viewport, size, avoided)
+    imgui.set_next_window_pos(imgui.ImVec2(*place))
+    imgui.set_next_window_size(imgui.ImVec2(size[0], 0.0))
+    with theme.card(name, imgui.WindowFlags_.no_focus_on_appearing):
+        imgui.push_text_wrap_pos(0.0)
+        imgui.align_text_to_frame_padding()
+        imgui.text(words)
+        imgui.pop_text_wrap_pos()
+        if in_one_row:
+            imgui.same_line()
+        imgui.set_cursor_pos_x(size[0] - imgui.get_style().window_padding.x - keys)
+        for index, button in enumerate(buttons):
+            if index:
+                imgui.same_line()
+            _press(state, button)
+        if is_above:
+            state.look.covered += imgui.get_window_height() + 0.5 * imgui.get_font_size()
+
+
+def _size(text: str, keys: float, viewport: Rect) -> tuple[tuple[float, float], bool]:
+    """Width and height of the card, and whether words and buttons have room beside each other."""
+    em, style = imgui.get_font_size(), imgui.get_style()
+    text_width, padding, row = imgui.calc_text_size(text).x, style.window_padding, imgui.get_frame_height()
+    widest = viewport.width - 2 * em
+    width = text_width + 2 * em + keys + 2 * padding.x
+    if width <= widest:
+        return (width, row + 2 * padding.y), True
+    width = min(widest, max(text_width, keys) + 2 * padding.x)
+    lines = math.ceil(text_width / max(1.0, width - 2 * padding.x))
+    return (width, (lines - 1) * em + 2 * row + style.item_spacing.y + 2 * padding.y), False
+
+
+def _place(
+    state: EditorState, viewport: Rect, size: tuple[float, float], avoided: Sequence[Box]
+) -> tuple[tuple[float, float], bool]:
+    """The card's corner in the window, and whether that is at the viewport's top."""
+    em = imgui.get_font_size()
+    x = viewport.x + (viewport.width - size[0]) / 2
+    above = viewport.y + em + state.look.covered
+    below = viewport.y + viewport.height - (_OVER_A_JOB_EM if state.job else _OVER_NOTES_EM) * em - size[1]
+
+    def is_free(y: float) -> bool:
+        return not any(
+            left < x + size[0] and right > x and top < y + size[1] and bottom > y
+            for left, top, right, bottom in avoided
+        )
+
+    is_above = is_free(above) or not is_free(below)
+    return (x, above if is_above else below), is_above
+
+
+def _width(label: str) -> float:
+    return imgui.calc_text_size(label).x + 1.6 * imgui.get_font_size()
+
+
+def _press(state: EditorState, button: Button) -> None:
+    if button.is_main:
+        imgui.push_style_color(imgui.Col_.text, imgui.ImVec4(*theme.ACCENT))
+    imgui.begin_disabled(not button.available(state))
+    clicked = imgui.button(button.label, imgui.ImVec2(_width(button.label), 0.0))
+    imgui.end_disabled()
+    if button.is_main:
+        imgui.pop_style_color()
+    imgui.set_item_tooltip(button.tooltip)
+    if clicked:
+        button.act(state)

@@ -1,0 +1,60 @@
+"""Looking for the faces of one photo: what de-lighting's parsing makes of its views, each of which is read once."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import lru_cache, partial
+
+import numpy as np
+
+from relight_core.face.crop import Crop
+from relight_core.face.evidence import evidence_of_face, glimpses_of_face
+from relight_core.face.find import FaceBox
+from relight_core.imaging.photo import Photo
+from relight_core.pipeline.face_taken_apart import Workshop
+from relight_core.pipeline.per_photo.choosing_faces import choose_faces
+from relight_core.pipeline.per_photo.network_view import network_view
+from relight_core.pipeline.per_photo.portrait import frame, framed, located
+from relight_core.pipeline.quality import tier_of
+
+
+class FaceSearch:
+    """A photo under the eyes of the parsing, at the tier that is quickest."""
+
+    def __init__(self, shop: Workshop, photo: Photo) -> None:
+        """Look at nothing yet."""
+        self._shop, self._photo = shop, photo
+        self._tier = replace(tier_of("live"), looks_twice=False)
+        self._parsing = lru_cache(maxsize=None)(self._parse)
+
+    def labels(self, view: Crop) -> np.ndarray:
+        """(S, S) the likeliest class of each pixel of a view."""
+        return self._parsing(view).argmax(0)
+
+    def faces(self) -> list[FaceBox]:
+        """The faces that the finder sees and the parsing confirms.
+
+        Raises:
+            NoFaceError: there are none.
+        """
+        find = partial(located, self._photo, parsed=self.labels)
+        found = choose_faces(self._photo.seen, None, self._evidence, find, self._look_closer, self._glimpse)
+        return [replace(face, doubtful=False) for face in found]
+
+    def _parse(self, view: Crop) -> np.ndarray:
+        """(classes, S, S) probabilities of a view's parsing."""
+        found = self._shop.delight(network_view(self._photo, view, self._tier.size), self._tier)
+        return found.parsing[0].float().cpu().numpy()
+
+    def _glimpse(self, found: FaceBox) -> int:
+        portrait = frame(self._photo, found)
+        return glimpses_of_face(self._parsing(portrait.view), portrait.view, portrait.crop)
+
+    def _evidence(self, found: FaceBox) -> int:
+        portrait = frame(self._photo, found)
+        return evidence_of_face(self.labels(portrait.view), portrait.view, portrait.crop)
+
+    def _look_closer(self, found: FaceBox) -> int:
+        portrait = framed(self._photo, found, self.labels)
+        confirmed = portrait.face != portrait.found
+        return evidence_of_face(self.labels(portrait.view), portrait.view, portrait.crop) if confirmed else 0

@@ -1,0 +1,143 @@
+"""What painting over the outline does to the editor's state, without a window."""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from app.engine.snapshot import OpenPhoto, Snapshot
+from app.ui import brush_edits, face_edits
+from app.ui.photo_works import portrait_of
+from app.ui.state import EditorState
+from relight_core.face.find import FaceBox
+from relight_core.imaging.photo import Photo
+from relight_core.pipeline.per_photo.brush import BrushStroke, checked_strokes
+
+ONE = FaceBox(0, 0, 20, 20)
+PLACE = Path("/photos/us.jpg")
+OLD = BrushStroke(((5.0, 5.0),), 3.0, True)
+
+
+@dataclass(eq=False)
+class SomePicture:
+    """Stands for a relit picture, of which nothing is read here."""
+
+    opened: OpenPhoto
+
+
+def open_photo(alpha=None):
+    state = EditorState()
+    state.open_photo(PLACE)
+    photo = Photo(np.zeros((40, 80, 3), np.float32), alpha, path=PLACE)
+    opened = OpenPhoto(state.photo, photo, np.zeros((40, 80, 3), np.float16))
+    state.accept(Snapshot(opened=opened, faces=(ONE,), picture=SomePicture(opened)))
+    brush_edits.show(state)
+    return state
+
+
+@pytest.fixture
+def state():
+    return open_photo()
+
+
+def paint(state, *points, radius_px=4.0, adds=True):
+    brush_edits.begin(state, points[0], radius_px, adds)
+    for point in points[1:]:
+        brush_edits.move(state, point)
+    brush_edits.lift(state)
+
+
+def test_strokes_come_after_those_before_and_the_photo_is_not_read_again(state):
+    paint(state, (10, 10), (20, 10))
+    paint(state, (30.04, 5.06), adds=False)
+    first, second = state.photo.strokes
+    assert (first.points, first.adds) == (((10, 10), (20, 10)), True)
+    assert second == BrushStroke(((30.0, 5.1),), 4.0, False)
+    assert state.photo.place is state.snapshot.opened.photo
+    assert state.document().photo.strokes == (first, second)
+    assert portrait_of(state, PLACE).strokes == (first, second)
+
+
+def test_nothing_counts_before_the_brush_is_lifted(state):
+    brush_edits.begin(state, (10, 10), 4.0, True)
+    brush_edits.move(state, (20, 20))
+    assert state.photo.strokes == ()
+    brush_edits.cancel(state)
+    assert state.photo.strokes == ()
+    assert state.brush.is_open
+    assert state.brush.painting is None
+
+
+def test_escape_takes_back_what_was_painted_since_the_brush_was_taken_up(state):
+    paint(state, (10, 10))
+    brush_edits.done(state)
+    kept = state.photo.strokes
+    brush_edits.show(state)
+    paint(state, (30, 30))
+    brush_edits.cancel(state)
+    assert state.photo.strokes == kept
+    assert not state.brush.is_open
+
+
+def test_points_too_near_to_be_seen_are_left_out_and_a_long_stroke_becomes_several(state):
+    paint(state, (10, 10), (10.1, 10), (10.2, 10), radius_px=4.0)
+    assert len(state.photo.strokes[0].points) == 1
+    way = [(float(x % 80), float(x % 37)) for x in range(1000)]
+    paint(state, *way, radius_px=1.0)
+    _, *parts = state.photo.strokes
+    assert len(parts) == 4
+    checked_strokes(parts)
+    for before, after in zip(parts, parts[1:], strict=False):
+        assert before.points[-1] == after.points[0]
+    assert [*parts[0].points, *(point for part in parts[1:] for point in part.points[1:])] == way
+
+
+def test_whatever_the_hand_does_the_strokes_can_be_used_and_saved(state):
+    paint(state, (1e9, -1e9), (float(10**6), 3.0), radius_px=1e9)
+    paint(state, (1, 1), radius_px=1e-9)
+    assert checked_strokes(state.photo.strokes) == state.photo.strokes
+
+
+def test_there_are_only_so_many_strokes(state):
+    state.photo = type(state.photo)(state.photo.place, None, None, (OLD,) * 400)
+    paint(state, (10, 10))
+    assert len(state.photo.strokes) == 400
+
+
+def test_corrected_faces_keep_the_outline_and_another_choice_of_them_too(state):
+    paint(state, (10, 10))
+    strokes = state.photo.strokes
+    state.choose_face(0)
+    assert (state.photo.face_index, state.photo.strokes) == (0, strokes)
+    face_edits.find_again(state)
+    assert state.photo.strokes == strokes
+
+
+def test_as_found_forgets_all_strokes(state):
+    paint(state, (10, 10))
+    brush_edits.forget(state)
+    assert state.photo.strokes == ()
+    assert state.brush.is_open
+
+
+def test_one_tool_at_a_time(state):
+    face_edits.show(state)
+    assert (state.faces.is_open, state.brush.is_open) == (True, False)
+    brush_edits.show(state)
+    assert (state.faces.is_open, state.brush.is_open) == (False, True)
+
+
+def test_a_photo_that_is_cut_out_has_its_outline():
+    state = open_photo(np.zeros((40, 80), np.float32))
+    assert not state.brush.is_open
+    assert "transparency" in state.asking.notices[-1][0]
+
+
+def test_the_brush_stays_within_sizes_that_can_be_used(state):
+    for _ in range(100):
+        brush_edits.resize(state, 1)
+    assert state.brush.radius_em == 12.0
+    for _ in range(100):
+        brush_edits.resize(state, -1)
+    assert state.brush.radius_em == 0.2

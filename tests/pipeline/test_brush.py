@@ -1,0 +1,171 @@
+"""What is painted by hand: where it lies, what it changes, and what it leaves alone."""
+
+import cv2
+import numpy as np
+import pytest
+from tiny_relighter import EDIT, NETWORK_STAGES, computed, some_light, some_photo
+
+from relight_core.errors import InputError
+from relight_core.face.crop import Crop
+from relight_core.face.find import FaceBox
+from relight_core.imaging.photo import Photo
+from relight_core.lighting.reflection import ReflectionTable
+from relight_core.pipeline.face_taken_apart import Workshop
+from relight_core.pipeline.per_photo.brush import BrushStroke, checked_strokes, painted
+from relight_core.pipeline.per_photo.matte import draft_matte, finish_matte
+from relight_core.pipeline.per_photo.person import canvas_of, whole_person
+from relight_core.pipeline.results.finish import place_views, weights_on_views
+
+HEIGHT, WIDTH = 240, 200
+CROP = Crop(100.0, 85.0, 130.0)
+HAT = (slice(20, 60), slice(150, 190))
+OVER_THE_HAT = BrushStroke(((160.0, 40.0), (180.0, 40.0)), 17.0, True)
+
+
+def covered(strokes, size=(HEIGHT, WIDTH)):
+    return painted(np.zeros(size, np.float32), strokes, (HEIGHT, WIDTH))
+
+
+def test_a_dot_is_a_disc_of_the_brushs_width():
+    cover = covered([BrushStroke(((60.0, 80.0),), 20.0, True)])
+    y, x = np.mgrid[0:HEIGHT, 0:WIDTH] + 0.5
+    distance = np.hypot(x - 60.0, y - 80.0)
+    assert cover[distance < 18.5].min() == 1
+    assert cover[distance > 21.5].max() == 0
+
+
+def test_a_stroke_covers_the_same_of_a_photo_at_any_size_of_map():
+    stroke = BrushStroke(((20.0, 200.0), (150.0, 30.0), (180.0, 220.0)), 14.0, True)
+    whole, half = covered([stroke]), covered([stroke], (HEIGHT // 2, WIDTH // 2))
+    shrunk = cv2.resize(whole, (WIDTH // 2, HEIGHT // 2), interpolation=cv2.INTER_AREA)
+    assert np.abs(shrunk - half).mean() < 0.015
+
+
+def test_of_strokes_that_cross_the_last_counts():
+    across, down = ((10.0, 50.0), (90.0, 50.0)), ((50.0, 10.0), (50.0, 90.0))
+    for last in (True, False):
+        cover = painted(
+            np.full((HEIGHT, WIDTH), 0.25, np.float32),
+            [BrushStroke(across, 8.0, not last), BrushStroke(down, 8.0, last)],
+            (HEIGHT, WIDTH),
+        )
+        assert cover[50, 50] == last
+        assert cover[50, 20] == (not last)
+        assert cover[200, 20] == 0.25
+
+
+@pytest.mark.parametrize(
+    "strokes",
+    [
+        [BrushStroke((), 3.0, True)],
+        [BrushStroke(((1.0, float("nan")),), 3.0, True)],
+        [BrushStroke(((1.0, 1e7),), 3.0, True)],
+        [BrushStroke(((1.0, 1.0),), 0.0, True)],
+        [BrushStroke(((1.0, 1.0),), float("inf"), True)],
+        [BrushStroke(((1.0, 1.0),) * 257, 3.0, True)],
+        [BrushStroke(((1.0, 1.0),), 3.0, True)] * 401,
+    ],
+)
+def test_strokes_that_are_none_are_refused(strokes):
+    with pytest.raises(InputError, match="brush"):
+        checked_strokes(strokes)
+
+
+def test_the_widest_stroke_from_far_away_to_far_away_can_be_painted():
+    ends = ((-1e5, -1e5), (1e5, 1e5))
+    assert covered(checked_strokes([BrushStroke(ends, 1e4, True)])).min() == 1
+
+
+def scene():
+    """A head before a wall, a red hat on a peg beside it, and the head's mask."""
+    y, x = np.mgrid[0:HEIGHT, 0:WIDTH] + 0.5
+    head = ((np.hypot((x - 100) / 38, (y - 80) / 50) < 1) | ((y > 120) & (np.abs(x - 100) < 40))).astype(np.float32)
+    linear = np.where(head[..., None] > 0, (0.5, 0.25, 0.15), (0.05, 0.1, 0.5)).astype(np.float32)
+    linear[HAT] = (0.8, 0.05, 0.05)
+    return linear, CROP.extract(head, 64)
+
+
+def matte_after(*strokes, alpha=None):
+    linear, mask = scene()
+    matte = finish_matte(draft_matte(linear, [[(mask, CROP)]], alpha), strokes)
+    return whole_person(canvas_of(Photo(linear, alpha)), matte).share
+
+
+def test_what_is_painted_joins_the_person_and_its_edge_is_the_photos():
+    before, after = matte_after(), matte_after(OVER_THE_HAT)
+    assert before[HAT].max() < 0.1
+    assert after[25:55, 155:185].min() > 0.95
+    assert after[16, 165:175].max() < 0.2, "beyond the hat's edge, where the brush has been not far from"
+    np.testing.assert_allclose(after[100:, :130], before[100:, :130], atol=1e-3)
+
+
+def test_what_is_taken_away_is_no_person():
+    before = matte_after()
+    after = matte_after(BrushStroke(((70.0, 200.0), (130.0, 200.0)), 15.0, False))
+    assert before[190:210, 80:120].min() > 0.95
+    assert after[190:210, 80:120].max() < 0.05
+
+
+def test_the_photos_own_cut_out_stays():
+    alpha = np.full((HEIGHT, WIDTH), 0.5, np.float32)
+    np.testing.assert_array_equal(matte_after(OVER_THE_HAT, alpha=alpha), alpha)
+
+
+@pytest.mark.parametrize("is_seen", [True, False])
+def test_no_view_counts_where_it_took_what_was_added_for_something_behind(is_seen):
+    linear, mask = scene()
+    view = Crop(100.0, 120.0, 240.0)
+    seen = np.zeros((HEIGHT, WIDTH), np.float32)
+    seen[70:, 60:140] = 1
+    if is_seen:
+        seen[HAT] = 1
+    matte = finish_matte(draft_matte(linear, [[(mask, CROP)]]), [OVER_THE_HAT])
+    people = [(view.extract(seen, 128), view)]
+    placement = place_views(canvas_of(Photo(linear)), [view], matte, ReflectionTable(), people, [OVER_THE_HAT])
+    (weights,) = weights_on_views(placement, 120)
+    counts = weights.of_views[0][..., 0]
+    at_the_hat, at_the_head = counts[20, 85], counts[50, 60]
+    assert at_the_head > 0.95
+    assert at_the_hat > 0.6 if is_seen else at_the_hat < 0.05
+
+
+def test_a_stroke_costs_no_network_and_taking_it_back_gives_the_same_picture(relighter, monkeypatch):
+    photo, light = some_photo(), some_light()
+    relighter.set_portrait(photo, None, [FaceBox(24, 20, 72, 76)])
+    before = relighter.relight(light, EDIT).image.copy()
+    delighted = []
+    monkeypatch.setattr(Workshop, "delight", lambda *_: delighted.append(1))
+    relighter.set_portrait(photo, None, [FaceBox(24, 20, 72, 76)], [BrushStroke(((50.0, 50.0),), 200.0, False)])
+    nobody = relighter.relight(light, EDIT)
+    assert delighted == []
+    assert not computed(nobody) & set(NETWORK_STAGES)
+    assert "draft_matte" not in computed(nobody)
+    np.testing.assert_allclose(nobody.image, photo.linear, atol=2e-3)
+    assert np.abs(before - photo.linear).max() > 0.05
+    relighter.set_portrait(photo, None, [FaceBox(24, 20, 72, 76)])
+    np.testing.assert_array_equal(relighter.relight(light, EDIT).image, before)
+
+
+def test_found_faces_are_not_looked_for_again_for_a_stroke(relighter, monkeypatch):
+    photo = some_photo()
+    relighter.set_portrait(photo)
+    people, delighted = relighter.people, []
+    monkeypatch.setattr(Workshop, "delight", lambda *_: delighted.append(1))
+    relighter.set_portrait(photo, None, None, [OVER_THE_HAT])
+    assert (relighter.people, delighted) == (people, [])
+
+
+def test_the_outline_follows_the_strokes(relighter):
+    photo = some_photo(size=(96, 112))
+    everything = BrushStroke(((56.0, 48.0),), 200.0, True)
+    nothing, hole = (BrushStroke(((56.0, 48.0),), radius, False) for radius in (200.0, 20.0))
+
+    def lines(*strokes):
+        relighter.set_portrait(photo, None, [FaceBox(24, 20, 72, 76)], strokes)
+        return relighter.relight(some_light(), EDIT).outline()
+
+    assert lines(nothing) == []
+    (around,) = lines(everything)
+    np.testing.assert_allclose([around.min(0), around.max(0)], [(0, 0), (112, 96)], atol=1.5)
+    radii = [np.hypot(*(line - (56.0, 48.0)).T) for line in lines(everything, hole)]
+    assert min(radius.max() for radius in radii) == pytest.approx(20.0, abs=3.0)
