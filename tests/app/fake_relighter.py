@@ -94,8 +94,10 @@ class FakeRelighter:
             alpha[: height // 4] = 0.0
         half = SIZE // 2
         window = (width / 2 - half, height / 2 - half, width / 2 + half, height / 2 + half)
-        outline = self.outline
-        return FakeRelit(image, alpha, self._channels(edit, light), [], window=window, outline=lambda: outline)
+        return FakeRelit(image, alpha, self._channels(edit, light), [], window=window, outline=self.draw_outline)
+
+    def draw_outline(self):
+        return self.outline
 
     def _channels(self, edit, light):
         rows, columns = np.mgrid[0:SIZE, 0:SIZE].astype(np.float32) / (SIZE - 1)

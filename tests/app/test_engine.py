@@ -16,6 +16,7 @@ from relight_core.imaging.write import write_image
 from relight_core.lighting.light_edit import LightEdit
 from relight_core.lighting.soft_box import SoftBox
 from relight_core.pipeline.edit import Edit
+from relight_core.pipeline.per_photo.brush import BrushStroke
 
 LONG_S = 60
 SPLIT, RING = LightSource("rig", "split"), LightSource("rig", "ring")
@@ -85,6 +86,39 @@ def test_exposure_alone_reruns_nothing(engine, relighter):
     assert len(relighter.relights) == calls
     assert after.picture is before.picture
     assert all(edit.exposure_ev == 0.0 for edit in relighter.relights)
+
+
+def test_an_outline_is_drawn_where_it_is_wanted_and_again_for_every_picture(engine, relighter):
+    source = PhotoSource(grey_photo())
+    relighter.outline = [np.zeros((4, 2), np.float32)]
+    plain = Request(source, SPLIT, Edit())
+    assert answered(engine, plain).picture.outline is None
+    calls = len(relighter.relights)
+    assert answered(engine, replace(plain, outlined=True)).picture.outline is relighter.outline
+    assert len(relighter.relights) == calls
+    relighter.outline = [np.ones((4, 2), np.float32)]
+    turned = replace(plain, edit=Edit(yaw_deg=9.0), outlined=True)
+    assert answered(engine, turned).picture.outline is relighter.outline
+
+
+def test_an_outline_that_fails_leaves_the_picture(engine, relighter, monkeypatch):
+    def fail():
+        raise MemoryError
+
+    monkeypatch.setattr(relighter, "draw_outline", fail)
+    snapshot = answered(engine, Request(PhotoSource(grey_photo()), SPLIT, Edit(), outlined=True))
+    assert snapshot.picture.outline == []
+    assert snapshot.message.is_error
+
+
+def test_strokes_are_painted_on_the_portrait_that_is_open(engine, relighter):
+    stroke = BrushStroke(((3.0, 4.0),), 2.0, True)
+    before = answered(engine, Request(PhotoSource(grey_photo()), SPLIT, Edit()))
+    painted = PhotoSource(before.opened.photo, strokes=(stroke,))
+    after = answered(engine, Request(painted, SPLIT, Edit()))
+    assert relighter.strokes == (stroke,)
+    assert after.opened.screen is before.opened.screen
+    assert after.picture.opened is after.opened
 
 
 CHANGES = [{"yaw_deg": 9.0}, {"shadow": 0.3}, {"specular": 1.7}, {"background": "light"}]

@@ -1,5 +1,7 @@
 """What is painted by hand: where it lies, what it changes, and what it leaves alone."""
 
+from dataclasses import replace
+
 import cv2
 import numpy as np
 import pytest
@@ -169,3 +171,15 @@ def test_the_outline_follows_the_strokes(relighter):
     np.testing.assert_allclose([around.min(0), around.max(0)], [(0, 0), (112, 96)], atol=1.5)
     radii = [np.hypot(*(line - (56.0, 48.0)).T) for line in lines(everything, hole)]
     assert min(radius.max() for radius in radii) == pytest.approx(20.0, abs=3.0)
+
+
+@pytest.mark.parametrize("background", ["keep", "match", "light", "transparent", "#203040"])
+@pytest.mark.parametrize("adds", [True, False])
+def test_a_photo_that_is_all_person_or_nobody_is_relit_in_finite_numbers(relighter, adds, background):
+    everything = BrushStroke(((56.0, 48.0),), 200.0, adds)
+    relighter.set_portrait(some_photo(), None, [FaceBox(24, 20, 72, 76)], [everything])
+    relit = relighter.relight(some_light(), replace(EDIT, background=background))
+    assert np.isfinite(relit.image).all()
+    assert relit.image.min() >= 0
+    if relit.alpha is not None:
+        assert (relit.alpha == adds).all()
