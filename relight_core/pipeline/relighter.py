@@ -123,9 +123,14 @@ class Relighter:
         self._strokes = strokes
         if self._faces == before:
             self._cache.keep_only(_BEFORE_THE_BRUSH)
-            return
-        company = Company(list(faces.values())) if len(faces) > 1 else None
-        for face in faces.values():
+        else:
+            self._begin_portrait()
+
+    def _begin_portrait(self) -> None:
+        """Forget what was found of other faces, and let those of now share their photo's light."""
+        faces = list(self._face_at.values())
+        company = Company(faces) if len(faces) > 1 else None
+        for face in faces:
             face.join(company)
             face.cache.record = Record()
         self._faces[0].cache.record = self._record
@@ -217,13 +222,10 @@ class Relighter:
         view, done = face.portrait.view, dict(self._record.stages)
         place = {"window": view.window, "roll_deg": view.roll_deg}
         others = {"recipe": recipe, "level_as_in_photo_ev": partial(face.level_as_in_photo_ev, ready, change)}
-        others |= {"outline": partial(self._outline, full.matte), "networks_ended_s": self._networks_ended_s()}
+        outline = partial(outline_lines, self._small(), full.matte)
+        others["outline"] = partial(self._cache.run, "outline_lines", full.matte, outline, "new photo or stroke")
+        others["networks_ended_s"] = self._networks_ended_s()
         return Relit(image, alpha, channels, boxes, done, plan.effects, full, **place, **others)
-
-    def _outline(self, matte: Matte) -> list[np.ndarray]:
-        """The lines along a matte of the portrait."""
-        make = partial(outline_lines, self._small(), matte)
-        return self._cache.run("outline_lines", matte, make, "new photo or stroke")
 
     def _networks_ended_s(self) -> float | None:
         ends = [cache.record.last_end(_NETWORK_STAGES) for face in self._faces for cache in face.caches]
