@@ -9,7 +9,6 @@ from pathlib import Path
 from weakref import WeakKeyDictionary
 
 import numpy as np
-import torch
 
 from relight_core.errors import InputError, NoFaceError
 from relight_core.face.find import FaceBox
@@ -26,31 +25,18 @@ from relight_core.pipeline.face_relighter import KEPT_LIGHTS, FaceRelighter
 from relight_core.pipeline.face_search import FaceSearch
 from relight_core.pipeline.face_taken_apart import Workshop
 from relight_core.pipeline.per_light.kept_lights import KeptLights, ServingLight
-from relight_core.pipeline.per_light.rest_of_person import body_shading
 from relight_core.pipeline.per_photo.brush import BrushStroke, checked_strokes
 from relight_core.pipeline.per_photo.choosing_faces import those_chosen
-from relight_core.pipeline.per_photo.matte import WORKING_PX, DraftMatte, Matte, draft_matte, finish_matte
-from relight_core.pipeline.per_photo.person import Canvas, canvas_of, whole_person
 from relight_core.pipeline.per_photo.portrait import checked_boxes, framed
 from relight_core.pipeline.plan import Plan, Scene, make_plan
 from relight_core.pipeline.prepared import Lit, Prepared
-from relight_core.pipeline.quality import Tier, tier_of
-from relight_core.pipeline.results.backdrop import OWN_BACKGROUNDS, Backdrop, backdrop_panorama, make_backdrop
+from relight_core.pipeline.quality import tier_of
 from relight_core.pipeline.results.channels import ViewChange
-from relight_core.pipeline.results.display import DisplayRecipe, person_layers, recipe_of
-from relight_core.pipeline.results.finish import Placement, mean_gain, place_changes, place_views, weights_on_views
-from relight_core.pipeline.results.outline_lines import outline_lines
-from relight_core.pipeline.results.picture import Picture
 from relight_core.pipeline.results.relit import Relit
+from relight_core.pipeline.whole_photo import BEFORE_THE_BRUSH, WholePhoto
 from relight_core.resources import resource_path
 
 WEIGHTS = ("weights", "relight.safetensors")
-
-_KEPT_PIXELS = 6_000_000
-"""Up to this size the person's matte and colour stay for the next light; above they are made band by band."""
-
-_BEFORE_THE_BRUSH = ("small", "draft_matte", "canvas", "panorama")
-"""Stages that read nothing of what is painted by hand."""
 
 _NETWORK_STAGES = ("delight", "begun", "specular_shadow", "residual", "compose", "nearer_face")
 
@@ -84,7 +70,7 @@ class Relighter:
         self._people: tuple[FaceBox, ...] = ()
         self._faces: list[FaceRelighter] = []
         self._face_at: dict[FaceBox, FaceRelighter] = {}
-        self._strokes: tuple[BrushStroke, ...] = ()
+        self._whole: WholePhoto | None = None
         # A user who undoes a box by hand need not wait for the search again, which takes longest where it is in vain.
         self._seen: WeakKeyDictionary[Photo, tuple[FaceBox, ...]] = WeakKeyDictionary()
 
@@ -120,9 +106,9 @@ class Relighter:
         chosen, before = those_chosen(photo, people, face_index), self._faces
         faces = {box: face_at(box) for box in dict.fromkeys(chosen)}
         self._people, self._face_at, self._faces = people, faces, [faces[box] for box in chosen]
-        self._strokes = strokes
+        self._whole = WholePhoto(self._shop, self._cache, self._faces, strokes)
         if self._faces == before:
-            self._cache.keep_only(_BEFORE_THE_BRUSH)
+            self._cache.keep_only(BEFORE_THE_BRUSH)
         else:
             self._begin_portrait()
 
@@ -211,10 +197,11 @@ class Relighter:
         face, level = self._first(), environment.level
         ready, lit, change = self._first_change(serving, plan, edit, level)
         changes = [change, *self._other_changes(serving, plan, edit, level)]
-        full, shown = self._finished(changes, serving, plan, environment, edit, longest_side_px)
-        key = (plan.keys["background"], longest_side_px)
-        recipe = self._recipe(shown, key) if for_shader else None
-        image, alpha = (None, None) if recipe or longest_side_px == 0 else self._rendered(shown, key)
+        whole = self._whole
+        full = whole.picture(changes, serving.radiance, plan, environment, edit)
+        recipe, image, alpha = None, None, None
+        if longest_side_px != 0:
+            recipe, image, alpha = whole.shown(full, plan, longest_side_px, for_shader)
         channels = face.channels(ready, lit, change, plan, edit)
         if edit.looks_at("target_light") and plan.runs("channels"):
             channels["target_light"] = network_light(environment, edit.yaw_deg) * np.float32(level)
@@ -222,9 +209,7 @@ class Relighter:
         view, done = face.portrait.view, dict(self._record.stages)
         place = {"window": view.window, "roll_deg": view.roll_deg}
         others = {"recipe": recipe, "level_as_in_photo_ev": partial(face.level_as_in_photo_ev, ready, change)}
-        outline = partial(outline_lines, self._small(), full.matte)
-        others["outline"] = partial(self._cache.run, "outline_lines", full.matte, outline, "new photo or stroke")
-        others["networks_ended_s"] = self._networks_ended_s()
+        others |= {"outline": partial(whole.outline, full.matte), "networks_ended_s": self._networks_ended_s()}
         return Relit(image, alpha, channels, boxes, done, plan.effects, full, **place, **others)
 
     def _networks_ended_s(self) -> float | None:
@@ -293,107 +278,3 @@ class Relighter:
             lambda: [change(face) for face in self._faces[1:]],
             "new light or slider",
         )
-
-    def _matte(self) -> Matte:
-        """The people in the photo, corrected by the brush."""
-        return finish_matte(self._cache.run("draft_matte", "photo", self._draft_matte, "new photo"), self._strokes)
-
-    def _draft_matte(self) -> DraftMatte:
-        """The people as seen by one tier, whichever is asked for, so that it depends on no history."""
-        photo = self._faces[0].portrait.photo
-        return draft_matte(photo.linear, (face.looks() for face in self._faces), photo.alpha, self._small().linear)
-
-    def _small(self) -> Canvas:
-        """The photo no longer than WORKING_PX, from which smaller copies are made."""
-        photo = self._faces[0].portrait.photo
-        return self._cache.run("small", "photo", lambda: canvas_of(photo, WORKING_PX), "new photo")
-
-    def _finished(
-        self,
-        changes: Sequence[ViewChange],
-        serving: ServingLight,
-        plan: Plan,
-        environment: Environment,
-        edit: Edit,
-        longest_side_px: int | None,
-    ) -> tuple[Picture, Picture]:
-        """The picture at the photo's size, and at the size that was asked for; nothing of either is computed."""
-        photo, run = self._faces[0].portrait.photo, self._cache.run
-        views = [face.portrait.view for face in self._faces]
-        matte = run("matte", "photo", self._matte, "new photo or stroke")
-
-        def place() -> Placement:
-            masks = [face.mask() for face in self._faces]
-            return place_views(self._small(), views, matte, self._shop.table, masks, self._strokes)
-
-        placement = run("placement", "photo", place, "new photo or stroke")
-        size = changes[0].gain.shape[0]
-        weights = run("weights", size, lambda: weights_on_views(placement, size), "new photo or quality", 3)
-        light = torch.from_numpy(serving.radiance)[None].to(self._shop.device)
-        in_photo = self._body_in_photo(placement, plan, tier_of(edit.quality))
-        rest, placed_changes = run(
-            "detail",
-            plan.keys["detail"],
-            lambda: place_changes(placement, weights, changes, light, in_photo),
-            "new light or slider",
-        )
-        if matte.own_alpha and edit.background in OWN_BACKGROUNDS:
-            # Behind a person who was cut out there is nothing but what the cutting left.
-            backdrop = Backdrop(transparent=True)
-        else:
-            backdrop = self._backdrop(plan, environment, edit, placement, rest)
-        full = Picture(canvas_of(photo), matte, placed_changes, rest, backdrop)
-        if longest_side_px == 0:
-            return full, full
-        canvas = run("canvas", longest_side_px, lambda: canvas_of(photo, longest_side_px), "new photo or size", 2)
-        return full, replace(full, canvas=canvas)
-
-    def _body_in_photo(self, placement: Placement, plan: Plan, tier: Tier) -> np.ndarray | None:
-        """What the photo's own light gives the rest of the person; None where the plan has no use for it."""
-        if not plan.runs("residual"):
-            return None
-
-        def shade() -> np.ndarray:
-            light = self._first().own_light_normalised(self._first().prepare(tier))
-            return body_shading(placement.body, torch.from_numpy(light)[None].to(self._shop.device))
-
-        return self._cache.run("body_in_photo", tier.relief_key, shade, "new photo or quality", keep=3)
-
-    def _recipe(self, picture: Picture, key: Hashable) -> DisplayRecipe | None:
-        """How a shader draws a picture; None where it can't."""
-        if picture.size[0] * picture.size[1] > _KEPT_PIXELS:
-            return None
-        canvas, matte, run = picture.canvas, picture.matte, self._cache.run
-        layers = run("layers", picture.size, lambda: person_layers(canvas, matte), "new photo or size", 2)
-        return run("recipe", key, lambda: recipe_of(picture, layers), "new light, slider or background")
-
-    def _rendered(self, picture: Picture, key: Hashable) -> tuple[np.ndarray, np.ndarray | None]:
-        """A picture's image and alpha."""
-        if picture.size[0] * picture.size[1] <= _KEPT_PIXELS:
-            canvas, matte = picture.canvas, picture.matte
-            make = partial(whole_person, canvas, matte)
-            picture = replace(picture, person=self._cache.run("person", picture.size, make, "new photo or size", 2))
-        return self._cache.run("paste", key, picture.render, "new light, slider or background")
-
-    def _backdrop(
-        self, plan: Plan, environment: Environment, edit: Edit, placement: Placement, rest: np.ndarray
-    ) -> Backdrop:
-        """What is behind the people."""
-        if not plan.runs("background"):
-            return Backdrop(kept=True)
-        panorama = None
-        if edit.background == "light":
-            make = partial(self._panorama, edit, environment)
-            panorama = self._cache.run("panorama", plan.keys["panorama"], make, "new light")
-        return self._cache.run(
-            "background",
-            plan.keys["background"],
-            lambda: make_backdrop(edit.background, panorama, lambda: mean_gain(placement, rest)),
-            "new light, slider or background",
-        )
-
-    def _panorama(self, edit: Edit, environment: Environment) -> np.ndarray:
-        """What the photo's camera would see of the light behind the people."""
-        photo = self._faces[0].portrait.photo
-        seen = backdrop_panorama(edit, environment, photo.linear.shape[:2])
-        return without_colour(seen) if photo.monochrome else seen

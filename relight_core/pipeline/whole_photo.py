@@ -1,0 +1,171 @@
+"""What is of a whole photo and of no single face: the people's matte, the body around faces, background, picture."""
+
+from __future__ import annotations
+
+from collections.abc import Hashable, Sequence
+from dataclasses import replace
+from functools import partial
+
+import numpy as np
+import torch
+
+from relight_core.imaging.colour import without_colour
+from relight_core.lighting.environment import Environment
+from relight_core.pipeline.cache import StageCache
+from relight_core.pipeline.edit import Edit
+from relight_core.pipeline.face_relighter import FaceRelighter
+from relight_core.pipeline.face_taken_apart import Workshop
+from relight_core.pipeline.per_light.rest_of_person import body_shading
+from relight_core.pipeline.per_photo.brush import BrushStroke
+from relight_core.pipeline.per_photo.matte import WORKING_PX, DraftMatte, Matte, draft_matte, finish_matte
+from relight_core.pipeline.per_photo.person import Canvas, canvas_of, whole_person
+from relight_core.pipeline.plan import Plan
+from relight_core.pipeline.quality import Tier, tier_of
+from relight_core.pipeline.results.backdrop import OWN_BACKGROUNDS, Backdrop, backdrop_panorama, make_backdrop
+from relight_core.pipeline.results.channels import ViewChange
+from relight_core.pipeline.results.display import DisplayRecipe, person_layers, recipe_of
+from relight_core.pipeline.results.finish import Placement, mean_gain, place_changes, place_views, weights_on_views
+from relight_core.pipeline.results.outline_lines import outline_lines
+from relight_core.pipeline.results.picture import Picture
+
+BEFORE_THE_BRUSH = ("small", "draft_matte", "canvas", "panorama")
+"""Stages that read nothing of what is painted by hand."""
+
+_KEPT_PIXELS = 6_000_000
+"""Up to this size the person's matte and colour stay for the next light; above they are made band by band."""
+
+
+class WholePhoto:
+    """Puts the relit faces of a photo into it."""
+
+    def __init__(
+        self,
+        shop: Workshop,
+        cache: StageCache,
+        faces: Sequence[FaceRelighter],
+        strokes: Sequence[BrushStroke],
+    ) -> None:
+        """Compute nothing yet.
+
+        Args:
+            cache: keeps the stages; whoever owns it empties it when faces or strokes are others.
+            faces: of one photo, those that are relit, at least one.
+            strokes: of the brush, see `Relighter.set_portrait`.
+        """
+        self._shop, self._cache, self._faces, self._strokes = shop, cache, faces, strokes
+        self._photo = faces[0].portrait.photo
+
+    def picture(
+        self, changes: Sequence[ViewChange], radiance: np.ndarray, plan: Plan, environment: Environment, edit: Edit
+    ) -> Picture:
+        """The picture at the photo's own size; nothing of its pixels is computed.
+
+        Args:
+            changes: of the faces, in their order.
+            radiance: (16, 32, 3) of the light, normalised, as the photo's camera sees it.
+        """
+        run, views = self._cache.run, [face.portrait.view for face in self._faces]
+        matte = run("matte", "photo", self._matte, "new photo or stroke")
+
+        def place() -> Placement:
+            masks = [face.mask() for face in self._faces]
+            return place_views(self._small(), views, matte, self._shop.table, masks, self._strokes)
+
+        placement = run("placement", "photo", place, "new photo or stroke")
+        size = changes[0].gain.shape[0]
+        weights = run("weights", size, lambda: weights_on_views(placement, size), "new photo or quality", 3)
+        light = torch.from_numpy(radiance)[None].to(self._shop.device)
+        in_photo = self._body_in_photo(placement, plan, tier_of(edit.quality))
+        rest, placed_changes = run(
+            "detail",
+            plan.keys["detail"],
+            lambda: place_changes(placement, weights, changes, light, in_photo),
+            "new light or slider",
+        )
+        if matte.own_alpha and edit.background in OWN_BACKGROUNDS:
+            # Behind a person who was cut out there is nothing but what the cutting left.
+            backdrop = Backdrop(transparent=True)
+        else:
+            backdrop = self._backdrop(plan, environment, edit, placement, rest)
+        return Picture(canvas_of(self._photo), matte, placed_changes, rest, backdrop)
+
+    def shown(
+        self, picture: Picture, plan: Plan, longest_side_px: int | None, for_shader: bool
+    ) -> tuple[DisplayRecipe | None, np.ndarray | None, np.ndarray | None]:
+        """A picture for a screen: a recipe for a shader where it is wished and possible, else its image and alpha.
+
+        Args:
+            longest_side_px: no larger than this; None is as large as the photo.
+        """
+        make = partial(canvas_of, self._photo, longest_side_px)
+        canvas = self._cache.run("canvas", longest_side_px, make, "new photo or size", 2)
+        picture, key = replace(picture, canvas=canvas), (plan.keys["background"], longest_side_px)
+        recipe = self._recipe(picture, key) if for_shader else None
+        return (recipe, None, None) if recipe else (None, *self._rendered(picture, key))
+
+    def outline(self, matte: Matte) -> list[np.ndarray]:
+        """The lines along a matte of this photo, see `outline_lines`."""
+        make = partial(outline_lines, self._small(), matte)
+        return self._cache.run("outline_lines", matte, make, "new photo or stroke")
+
+    def _recipe(self, picture: Picture, key: Hashable) -> DisplayRecipe | None:
+        """How a shader draws a picture; None where it can't."""
+        if picture.size[0] * picture.size[1] > _KEPT_PIXELS:
+            return None
+        canvas, matte, run = picture.canvas, picture.matte, self._cache.run
+        layers = run("layers", picture.size, lambda: person_layers(canvas, matte), "new photo or size", 2)
+        return run("recipe", key, lambda: recipe_of(picture, layers), "new light, slider or background")
+
+    def _rendered(self, picture: Picture, key: Hashable) -> tuple[np.ndarray, np.ndarray | None]:
+        """A picture's image and alpha."""
+        if picture.size[0] * picture.size[1] <= _KEPT_PIXELS:
+            canvas, matte = picture.canvas, picture.matte
+            make = partial(whole_person, canvas, matte)
+            picture = replace(picture, person=self._cache.run("person", picture.size, make, "new photo or size", 2))
+        return self._cache.run("paste", key, picture.render, "new light, slider or background")
+
+    def _matte(self) -> Matte:
+        """The people in the photo, corrected by the brush."""
+        return finish_matte(self._cache.run("draft_matte", "photo", self._draft_matte, "new photo"), self._strokes)
+
+    def _draft_matte(self) -> DraftMatte:
+        """The people as seen by one tier, whichever is asked for, so that it depends on no history."""
+        looks = (face.looks() for face in self._faces)
+        return draft_matte(self._photo.linear, looks, self._photo.alpha, self._small().linear)
+
+    def _small(self) -> Canvas:
+        """The photo no longer than WORKING_PX, from which smaller copies are made."""
+        return self._cache.run("small", "photo", lambda: canvas_of(self._photo, WORKING_PX), "new photo")
+
+    def _body_in_photo(self, placement: Placement, plan: Plan, tier: Tier) -> np.ndarray | None:
+        """What the photo's own light gives the rest of the person; None where the plan has no use for it."""
+        if not plan.runs("residual"):
+            return None
+
+        def shade() -> np.ndarray:
+            light = self._faces[0].own_light_normalised(self._faces[0].prepare(tier))
+            return body_shading(placement.body, torch.from_numpy(light)[None].to(self._shop.device))
+
+        return self._cache.run("body_in_photo", tier.relief_key, shade, "new photo or quality", keep=3)
+
+    def _backdrop(
+        self, plan: Plan, environment: Environment, edit: Edit, placement: Placement, rest: np.ndarray
+    ) -> Backdrop:
+        """What is behind the people."""
+        if not plan.runs("background"):
+            return Backdrop(kept=True)
+        panorama = None
+        if edit.background == "light":
+            make = partial(self._panorama, edit, environment)
+            panorama = self._cache.run("panorama", plan.keys["panorama"], make, "new light")
+        return self._cache.run(
+            "background",
+            plan.keys["background"],
+            lambda: make_backdrop(edit.background, panorama, lambda: mean_gain(placement, rest)),
+            "new light, slider or background",
+        )
+
+    def _panorama(self, edit: Edit, environment: Environment) -> np.ndarray:
+        """What the photo's camera would see of the light behind the people."""
+        seen = backdrop_panorama(edit, environment, self._photo.linear.shape[:2])
+        return without_colour(seen) if self._photo.monochrome else seen
