@@ -37,10 +37,12 @@ def readers(folder: Path) -> dict[str, Reader]:
     from relight_core.dataset.baking.shard import read_shard
     from relight_core.dataset.heads import load_head_model
     from relight_core.dataset.lighting.lights import load_lights
+    from relight_core.face.find import FaceBox
     from relight_core.imaging.read import read_photo
     from relight_core.lighting.environment import read_environment
     from relight_core.lighting.rig_description import read_rig
     from relight_core.networks.bundle import load_bundle
+    from relight_core.pipeline.per_photo.brush import BrushStroke
     from relight_core.training import recipe
 
     exr = exrs(folder)
@@ -48,7 +50,8 @@ def readers(folder: Path) -> dict[str, Reader]:
     kinds = pictures_by_kind()
     write_settings(folder / "settings.json", Settings(window_size=(800, 600)))
     # A photo that is there, so that an unharmed session would be accepted.
-    photo = PhotoRef(resource_path("icon", "icon.png"))
+    stroke = BrushStroke(((12.5, -3.0), (40.0, 9.5)), 20.5, True)
+    photo = PhotoRef(resource_path("icon", "icon.png"), None, (FaceBox(3, 4, 50, 60, 12.5),), strokes=(stroke,))
     write_session(folder / "seed.relight.json", Document(photo=photo), relative=False)
     write_light(folder / "seed.light.json", SavedLight(LightRef("rig", "rembrandt"), yaw_deg=20.0))
     recipes = (Path(recipe.__file__).parent / "recipes").glob("*.toml")
