@@ -21,7 +21,8 @@ if TYPE_CHECKING:
     from app.ui.state import EditorState
 
 MODIFIERS = ("Ctrl", "Shift", "Alt")
-_SHOWN_KEYS = {"=": "+", "-": "\N{MINUS SIGN}", "Escape": "Esc", "PageUp": "Page Up", "PageDown": "Page Down"}
+_SHOWN_KEYS = {"=": "+", "-": "\N{MINUS SIGN}", ",": "Comma", ".": "Period"}
+_SHOWN_KEYS |= {"Escape": "Esc", "PageUp": "Page Up", "PageDown": "Page Down"}
 
 
 def has_photo(state: EditorState) -> bool:
@@ -39,7 +40,7 @@ class Chord:
     """A key and the modifiers held with it, all of them and no other.
 
     Attributes:
-        key: a capital letter, a digit, one of - = ? or the name of a key: Left, Space, Escape, Tab, F1 ...
+        key: a capital letter, a digit, one of - = ? , . or the name of a key: Left, Space, Escape, Tab, F1 ...
     """
 
     key: str

@@ -19,8 +19,8 @@ def _is_painted(state: EditorState) -> bool:
 _TO_TAKE = Button("Take away", "Let the brush take away.  X, or Alt while you paint", brush_edits.turn_over)
 _TO_ADD = Button("Add", "Let the brush add.  X, or Alt while you paint", brush_edits.turn_over)
 _OTHERS = (
-    Button("\N{MINUS SIGN}", "A smaller brush.  ,", lambda state: brush_edits.resize(state, -1)),
-    Button("+", "A larger brush.  .", lambda state: brush_edits.resize(state, 1)),
+    Button("\N{MINUS SIGN}", "A smaller brush.  Comma", lambda state: brush_edits.resize(state, -1)),
+    Button("+", "A larger brush.  Period", lambda state: brush_edits.resize(state, 1)),
     Button("As found", "Forget all strokes.", brush_edits.forget, _is_painted),
     Button("Done", "Enter.  Esc puts the outline back as it was", brush_edits.done, is_main=True),
 )
