@@ -144,4 +144,7 @@ def _rounded(point: Sequence[float]) -> Point:
 
 
 def _wish(state: EditorState, strokes: tuple[BrushStroke, ...]) -> None:
+    if not state.is_at_work():
+        # Another photo is on its way, which is none of these strokes' business.
+        return
     state.photo = replace(state.photo, place=state.snapshot.opened.photo, strokes=strokes)

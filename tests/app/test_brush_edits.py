@@ -114,6 +114,15 @@ def test_corrected_faces_keep_the_outline_and_another_choice_of_them_too(state):
     assert state.photo.strokes == strokes
 
 
+def test_a_stroke_that_ends_when_another_photo_is_on_its_way_is_not_painted_on_either(state):
+    brush_edits.begin(state, (10, 10), 4.0, True)
+    state.open_photo(Path("/photos/other.jpg"))
+    wish = state.photo
+    brush_edits.lift(state)
+    assert state.photo is wish
+    assert wish.strokes == ()
+
+
 def test_as_found_forgets_all_strokes(state):
     paint(state, (10, 10))
     brush_edits.forget(state)
