@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import groupby
 
 import cv2
 import numpy as np
@@ -59,12 +60,18 @@ def painted(share: np.ndarray, strokes: Sequence[BrushStroke], photo_size: tuple
         (h, w) float32; the map itself where there are no strokes.
     """
     scale = np.array(share.shape[::-1]) / np.array(photo_size)[::-1]
-    for stroke in strokes:
+    for adds, alike in groupby(strokes, key=lambda stroke: stroke.adds):
         cover = np.zeros(share.shape, np.uint8)
-        # OpenCV has pixel centres on whole numbers.
-        places = (np.array(stroke.points, np.float64) * scale - 0.5) * (1 << _SUBPIXEL_BITS)
-        width = max(math.ceil(2 * stroke.radius_px * float(scale.mean())), 1)
-        line = [np.round(np.concatenate([places, places[-1:]])).astype(np.int32)]
-        cv2.polylines(cover, line, False, 255, width, cv2.LINE_AA, _SUBPIXEL_BITS)
-        share = share + cover.astype(np.float32) / 255 * (float(stroke.adds) - share)
+        for stroke in alike:
+            _draw(cover, stroke, scale)
+        share = share + cover.astype(np.float32) / 255 * (float(adds) - share)
     return share
+
+
+def _draw(cover: np.ndarray, stroke: BrushStroke, scale: np.ndarray) -> None:
+    """Set what a stroke covers of a map to 255; `scale` is of the map over the photo, across and down."""
+    # OpenCV has pixel centres on whole numbers.
+    places = (np.array(stroke.points, np.float64) * scale - 0.5) * (1 << _SUBPIXEL_BITS)
+    width = max(math.ceil(2 * stroke.radius_px * float(scale.mean())), 1)
+    line = [np.round(np.concatenate([places, places[-1:]])).astype(np.int32)]
+    cv2.polylines(cover, line, False, 255, width, cv2.LINE_AA, _SUBPIXEL_BITS)
