@@ -97,6 +97,18 @@ def test_what_hangs_on_to_nobody_is_taken_out():
     assert (left <= matte).all()
 
 
+def test_where_a_body_is_only_guessed_it_has_to_hang_together_too():
+    matte = np.zeros((100, 100), np.float32)
+    matte[30:, 30:70] = 1
+    matte[85:95, 12:20] = 1
+    matte[80:84, 70:90] = 1
+    there = placed(mask())
+    assert 0.5 < there[0][90, 16] < 0.7
+    left = attached(matte, there)
+    assert left[90, 16] == 0
+    assert left[82, 85] == left[95, 50] == 1
+
+
 def test_where_no_mask_shows_anybody_the_matte_stays():
     matte = np.full((100, 100), 0.4, np.float32)
     np.testing.assert_array_equal(attached(matte, placed(np.zeros((8, 8)))), matte)

@@ -62,14 +62,14 @@ def attached(matte: np.ndarray, placed: list[np.ndarray]) -> np.ndarray:
 
     Args:
         matte: (h, w) in [0, 1], over the whole photo.
-        placed: as for `likely_person`; the largest part of each mask is a person.
+        placed: as for `likely_person`; the largest part of each mask in which it is sure is a person.
 
     Returns:
         (h, w) float32, nowhere above the matte; the matte itself where no mask shows anybody.
     """
     surely = np.zeros_like(matte)
     for seen in placed:
-        count, parts, stats, _ = cv2.connectedComponentsWithStats((seen > 0.5).astype(np.uint8))
+        count, parts, stats, _ = cv2.connectedComponentsWithStats((seen > _SURE_FROM).astype(np.uint8))
         if count > 1:
             largest = parts == 1 + stats[1:, cv2.CC_STAT_AREA].argmax()
             surely = np.maximum(surely, np.where(largest, matte, 0))

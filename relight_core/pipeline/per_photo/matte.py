@@ -154,7 +154,9 @@ def _matted(guide: np.ndarray, placed: list[np.ndarray], size: tuple[int, int]) 
     """The matte (h, w) of a picture (h, w, 3), sRGB, made in a copy of `size` from each person's mask at its place."""
     seen = np.clip(resize_area(guide, size), 0, 1)
     soft = attached(closed_form_matte(seen, likely_person(seen, placed)), placed)
-    return resize_smooth(_decided(without_holes(soft, placed)), guide.shape[:2])
+    # What an even grey tied to somebody may hang together with nobody once that is decided.
+    decided = _decided(without_holes(soft, placed))
+    return resize_smooth(attached(decided, placed), guide.shape[:2])
 
 
 def _seen_nearer(
