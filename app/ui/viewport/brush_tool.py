@@ -8,10 +8,10 @@ import numpy as np
 from imgui_bundle import imgui
 
 from app.ui import brush_edits, theme
-from app.ui.channels import PHOTO, RESULT
 from app.ui.layout import Rect
 from app.ui.state import EditorState
 from app.ui.viewport.panes import Arrangement, Pane
+from app.ui.viewport.photo_panes import drawn_over, in_the_window, pane_under
 from app.ui.viewport.view import photo_point
 from relight_core.pipeline.per_photo.brush import BrushStroke
 
@@ -29,7 +29,7 @@ def drag(state: EditorState, arranged: Arrangement, at: Point, scale: float) -> 
         at: the mouse in the viewport, in framebuffer pixels.
     """
     tool = state.brush
-    pane = _pane(state, arranged, at)
+    pane = pane_under(arranged, at, tool.pane if tool.painting else None)
     if not tool.is_open or pane is None:
         tool.painting = None
         return False
@@ -53,17 +53,11 @@ def draw(state: EditorState, arranged: Arrangement, rect: Rect, scale: float) ->
     if not tool.is_open:
         return
     lines, fresh = _outline(state), _fresh(state)
-    for pane in arranged.panes:
-        if pane.name not in (PHOTO, RESULT):
-            continue
-        left, right = (rect.x + edge / scale for edge in (pane.left, pane.right))
-        draw_list = imgui.get_window_draw_list()
-        draw_list.push_clip_rect(imgui.ImVec2(left, rect.y), imgui.ImVec2(right, rect.y + rect.height), True)
+    for pane in drawn_over(arranged, rect, scale):
         for line in lines:
-            _outline_line(_in_the_window(line, pane, rect, scale))
+            _outline_line(in_the_window(line, pane, rect, scale))
         for stroke in fresh:
             _paint(stroke, pane, rect, scale)
-        draw_list.pop_clip_rect()
     _brush_under_the_mouse(state, rect, scale)
 
 
@@ -85,23 +79,8 @@ def _fresh(state: EditorState) -> list[BrushStroke]:
     return [*fresh, *((tool.painting,) if tool.painting else ())]
 
 
-def _pane(state: EditorState, arranged: Arrangement, at: Point) -> Pane | None:
-    """The pane of the photo or the result that the mouse is in; during a stroke the one in which it began."""
-    if state.brush.painting is not None and state.brush.pane < len(arranged.panes):
-        pane = arranged.panes[state.brush.pane]
-    else:
-        pane = arranged.pane_at(at[0]) or arranged.main
-    return pane if pane is not None and pane.name in (PHOTO, RESULT) else None
-
-
-def _in_the_window(points: np.ndarray, pane: Pane, rect: Rect, scale: float) -> np.ndarray:
-    spot = pane.placement
-    return np.array([rect.x, rect.y]) + (np.array([spot.x, spot.y]) + np.asarray(points) * spot.zoom) / scale
-
-
-def _outline_line(points: np.ndarray) -> None:
+def _outline_line(line: list[imgui.ImVec2]) -> None:
     em, draw_list = imgui.get_font_size(), imgui.get_window_draw_list()
-    line = [imgui.ImVec2(float(x), float(y)) for x, y in points]
     draw_list.add_polyline(line, theme.packed(theme.SHADE, 0.55), _UNDER_LINE_EM * em, imgui.ImDrawFlags_.closed)
     draw_list.add_polyline(line, theme.packed(theme.ACCENT), _LINE_EM * em, imgui.ImDrawFlags_.closed)
 
@@ -111,7 +90,7 @@ def _paint(stroke: BrushStroke, pane: Pane, rect: Rect, scale: float) -> None:
     draw_list = imgui.get_window_draw_list()
     colour = theme.packed(_ADDED if stroke.adds else _TAKEN, _PAINT_OPACITY)
     radius = stroke.radius_px * pane.placement.zoom / scale
-    points = [imgui.ImVec2(float(x), float(y)) for x, y in _in_the_window(stroke.points, pane, rect, scale)]
+    points = in_the_window(stroke.points, pane, rect, scale)
     if len(points) == 1:
         draw_list.add_circle_filled(points[0], radius, colour)
     else:

@@ -5,12 +5,12 @@ from __future__ import annotations
 from imgui_bundle import imgui
 
 from app.ui import face_edits, theme
-from app.ui.channels import PHOTO, RESULT
 from app.ui.layout import Rect
 from app.ui.state import EditorState
 from app.ui.viewport import wipe
 from app.ui.viewport.face_boxes import FaceGrab, corners, dragged, grab
 from app.ui.viewport.panes import Arrangement, Pane, arrange_panes
+from app.ui.viewport.photo_panes import WHOLE, drawn_over, in_the_window, pane_under
 from app.ui.viewport.view import photo_point
 from app.ui.viewport.viewport_notes import note
 from relight_core.face.find import FaceBox
@@ -30,7 +30,7 @@ def drag(state: EditorState, arranged: Arrangement, at: Point, scale: float) -> 
         at: the mouse in the viewport, in framebuffer pixels.
     """
     tool = state.faces
-    pane = _pane(state, arranged, at)
+    pane = pane_under(arranged, at, tool.pane if tool.held else None)
     if not tool.is_open or pane is None:
         tool.let_go()
         return False
@@ -63,19 +63,13 @@ def draw(state: EditorState, arranged: Arrangement, rect: Rect, scale: float) ->
         return
     boxes = tool.moving if tool.moving is not None else face_edits.wished_boxes(state)
     only = state.photo.face_index if state.photo else None
-    for pane in arranged.panes:
-        if pane.name not in (PHOTO, RESULT):
-            continue
-        left, right = (rect.x + edge / scale for edge in (pane.left, pane.right))
-        draw_list = imgui.get_window_draw_list()
-        draw_list.push_clip_rect(imgui.ImVec2(left, rect.y), imgui.ImVec2(right, rect.y + rect.height), True)
+    for pane in drawn_over(arranged, rect, scale):
         for index, box in enumerate(boxes):
             if tool.is_open and index == _in_hand(tool, boxes):
                 _box(box, index, pane, rect, scale, theme.ACCENT, knobs=True)
             else:
                 is_relit = only is None or only == index
                 _box(box, index, pane, rect, scale, theme.TEXT if is_relit else theme.DIM, knobs=False)
-        draw_list.pop_clip_rect()
 
 
 def on_the_screen(state: EditorState, rect: Rect) -> list[tuple[float, float, float, float]]:
@@ -83,24 +77,10 @@ def on_the_screen(state: EditorState, rect: Rect) -> list[tuple[float, float, fl
     scale = imgui.get_io().display_framebuffer_scale.x
     places = []
     for pane in arrange_panes(state, state.look.viewport_px).panes:
-        for box in face_edits.wished_boxes(state) if pane.name in (PHOTO, RESULT) else ():
-            x, y = zip(*(_in_the_window(corner, pane, rect, scale) for corner in corners(box)), strict=True)
+        for box in face_edits.wished_boxes(state) if pane.name in WHOLE else ():
+            x, y = zip(*((at.x, at.y) for at in in_the_window(corners(box), pane, rect, scale)), strict=True)
             places.append((min(x), min(y), max(x), max(y)))
     return places
-
-
-def _in_the_window(at: Point, pane: Pane, rect: Rect, scale: float) -> Point:
-    spot = pane.placement
-    return rect.x + (spot.x + at[0] * spot.zoom) / scale, rect.y + (spot.y + at[1] * spot.zoom) / scale
-
-
-def _pane(state: EditorState, arranged: Arrangement, at: Point) -> Pane | None:
-    """The pane of the photo or the result that the mouse is in; during a drag the one in which it began."""
-    if state.faces.held is not None and state.faces.pane < len(arranged.panes):
-        pane = arranged.panes[state.faces.pane]
-    else:
-        pane = arranged.pane_at(at[0]) or arranged.main
-    return pane if pane is not None and pane.name in (PHOTO, RESULT) else None
 
 
 def _follow(state: EditorState, boxes: tuple[FaceBox, ...], point: Point, em_px: float) -> None:
@@ -130,7 +110,7 @@ def _show_cursor(held: FaceGrab) -> None:
 def _box(box: FaceBox, index: int, pane: Pane, rect: Rect, scale: float, colour: theme.Colour, *, knobs: bool) -> None:
     """A box with its number; one that is selected with knobs at its corners."""
     em, draw_list = imgui.get_font_size(), imgui.get_window_draw_list()
-    edge = [imgui.ImVec2(*_in_the_window(corner, pane, rect, scale)) for corner in corners(box)]
+    edge = in_the_window(corners(box), pane, rect, scale)
     draw_list.add_polyline(edge, theme.packed(theme.SHADE, 0.55), 0.25 * em, _CLOSED)
     draw_list.add_polyline(edge, theme.packed(colour), (0.13 if knobs else 0.1) * em, _CLOSED)
     for corner in edge if knobs else ():
