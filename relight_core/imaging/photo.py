@@ -58,6 +58,11 @@ class Photo:
             raise ValueError(f"bits is 8, 16 or 32, not {self.bits}")
 
     @cached_property
+    def is_cut_out(self) -> bool:
+        """Whether it has an alpha that is not opaque throughout, which then says what is person."""
+        return self.alpha is not None and float(self.alpha.min()) < 1.0
+
+    @cached_property
     def monochrome(self) -> bool:
         """Whether it is black and white, or toned: of one colour for each brightness, but for what compression adds.
 
@@ -76,8 +81,7 @@ class Photo:
 
         What a file stores under alpha 0 is anything, and nobody's to see.
         """
-        is_cut_out = self.alpha is not None and float(self.alpha.min()) < 1.0
-        return self._on_grey if is_cut_out else self
+        return self._on_grey if self.is_cut_out else self
 
     @cached_property
     def _on_grey(self) -> Photo:

@@ -52,8 +52,9 @@ class WholePhoto:
             faces: of one photo, those that are relit, at least one.
             strokes: of the brush, see `Relighter.set_portrait`.
         """
-        self._shop, self._cache, self._faces, self._strokes = shop, cache, faces, strokes
+        self._shop, self._cache, self._faces = shop, cache, faces
         self._photo = faces[0].portrait.photo
+        self._strokes = () if self._photo.is_cut_out else strokes
 
     def picture(
         self, changes: Sequence[ViewChange], radiance: np.ndarray, plan: Plan, environment: Environment, edit: Edit
@@ -128,7 +129,7 @@ class WholePhoto:
         """The people in the photo, corrected by the brush."""
         return finish_matte(self._cache.run("draft_matte", "photo", self._draft_matte, "new photo"), self._strokes)
 
-    def _draft_matte(self) -> DraftMatte:
+    def _draft_matte(self) -> DraftMatte | None:
         """The people as seen by one tier, whichever is asked for, so that it depends on no history."""
         looks = (face.looks() for face in self._faces)
         return draft_matte(self._photo.linear, looks, self._photo.alpha, self._small().linear)

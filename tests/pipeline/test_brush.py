@@ -113,6 +113,16 @@ def test_the_photos_own_cut_out_stays():
     np.testing.assert_array_equal(matte_after(OVER_THE_HAT, alpha=alpha), alpha)
 
 
+def test_no_stroke_changes_anything_of_a_photo_that_is_cut_out(relighter):
+    alpha = np.ones((96, 112), np.float32)
+    alpha[:30] = 0.0
+    cut_out, faces = replace(some_photo(), alpha=alpha), [FaceBox(24, 20, 72, 76)]
+    relighter.set_portrait(cut_out, None, faces)
+    before = relighter.relight(some_light(), EDIT).image.copy()
+    relighter.set_portrait(cut_out, None, faces, [BrushStroke(((90.0, 80.0),), 30.0, True)])
+    np.testing.assert_array_equal(relighter.relight(some_light(), EDIT).image, before)
+
+
 @pytest.mark.parametrize("is_seen", [True, False])
 def test_no_view_counts_where_it_took_what_was_added_for_something_behind(is_seen):
     linear, mask = scene()

@@ -87,13 +87,13 @@ class DraftMatte:
     """What networks and colours say of a photo's people, before hands and edges do.
 
     Attributes:
-        share: (h, w) in [0, 1]; None where the photo's own alpha is the matte.
+        share: (h, w) in [0, 1].
         small: (h, w, 3) linear, the photo no longer than WORKING_PX.
         guide: (h, w, 3) the same as it is displayed, sRGB.
         photo_size: (height, width).
     """
 
-    share: np.ndarray | None
+    share: np.ndarray
     small: np.ndarray
     guide: np.ndarray
     photo_size: tuple[int, int]
@@ -104,8 +104,8 @@ def draft_matte(
     people: Iterable[list[Look]],
     alpha: np.ndarray | None = None,
     small: np.ndarray | None = None,
-) -> DraftMatte:
-    """Carry coarse person masks to the whole photo.
+) -> DraftMatte | None:
+    """Carry coarse person masks to the whole photo; None where the photo's own alpha is the matte.
 
     Where a person may be follows from the masks, beyond their views from how bodies hang together, and from the
     colours of what is surely person and surely not (`likely_person`). Closed-form matting makes a soft matte of
@@ -120,22 +120,22 @@ def draft_matte(
         small: the photo no longer than WORKING_PX, where that is there already.
     """
     size = linear.shape[:2]
+    if alpha is not None and float(alpha.min()) < 1.0:
+        return None
     small = resize_area(linear, shrunk_size(size, WORKING_PX)) if small is None else small
     guide = np.ascontiguousarray(apply_view(small))
-    if alpha is not None and float(alpha.min()) < 1.0:
-        return DraftMatte(None, small, guide, size)
     people, matting_size = list(people), shrunk_size(size, _MATTING_PX)
     coarse = _matted(guide, place_masks(people, matting_size, size), matting_size)
     return DraftMatte(_seen_nearer(coarse, guide, people, size), small, guide, size)
 
 
-def finish_matte(draft: DraftMatte, strokes: Sequence[BrushStroke] = ()) -> Matte:
+def finish_matte(draft: DraftMatte | None, strokes: Sequence[BrushStroke] = ()) -> Matte:
     """Let the strokes of a brush correct a draft, and move its edges onto the photo's.
 
     A guided filter (He, Sun and Tang 2013) does the latter, so that a stroke need not follow an edge by the pixel.
-    The photo's own alpha is left as it is.
+    The photo's own alpha, of which there is no draft, is left as it is.
     """
-    if draft.share is None:
+    if draft is None:
         nothing, black = np.zeros((1, 1), np.float32), np.zeros((1, 1, 3), np.float32)
         return Matte(nothing, nothing, black, black, nothing, True)
     small, guide = draft.small, draft.guide
