@@ -8,10 +8,16 @@ from pathlib import Path
 
 from app.document.json_fields import Fields
 from relight_core.errors import InputError
-from relight_core.pipeline.per_photo.brush import FARTHEST_PX, MOST_POINTS, MOST_STROKES, WIDEST_PX, BrushStroke
+from relight_core.pipeline.per_photo.brush import (
+    FARTHEST_PX,
+    MOST_POINTS,
+    MOST_STROKES,
+    THINNEST_PX,
+    WIDEST_PX,
+    BrushStroke,
+)
 
 _KEY = "brush_strokes"
-_THINNEST_PX = 0.1
 
 
 def brush_strokes_content(strokes: Sequence[BrushStroke]) -> list[dict]:
@@ -41,7 +47,7 @@ def read_brush_strokes(fields: Fields, path: Path) -> tuple[BrushStroke, ...]:
 
 
 def _stroke(fields: Fields, path: Path) -> BrushStroke:
-    adds, radius_px = fields.flag("adds"), fields.number("radius_px", _THINNEST_PX, WIDEST_PX, 0.0)
+    adds, radius_px = fields.flag("adds"), fields.number("radius_px", THINNEST_PX, WIDEST_PX, 0.0)
     places = fields.text("points").split()
     fields.finish()
     if not 0 < len(places) <= MOST_POINTS:

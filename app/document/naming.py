@@ -84,7 +84,9 @@ def _outline(before: PhotoRef, after: PhotoRef) -> str:
     if len(new) <= len(old) or new[: len(old)] != old:
         return "Outline as found" if not new else "Change the outline"
     adds = {stroke.adds for stroke in new[len(old) :]}
-    return "Change the outline" if len(adds) > 1 else "Add to the person" if True in adds else "Take from the person"
+    if len(adds) > 1:
+        return "Change the outline"
+    return "Add to the person" if adds == {True} else "Take from the person"
 
 
 def _differing(before: object, after: object, prefix: str) -> list[str]:

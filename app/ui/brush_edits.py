@@ -7,8 +7,14 @@ from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 from app.engine.sources import PhotoSource
-from app.ui.channels import PHOTO, RESULT
-from relight_core.pipeline.per_photo.brush import FARTHEST_PX, MOST_POINTS, MOST_STROKES, WIDEST_PX, BrushStroke
+from relight_core.pipeline.per_photo.brush import (
+    FARTHEST_PX,
+    MOST_POINTS,
+    MOST_STROKES,
+    THINNEST_PX,
+    WIDEST_PX,
+    BrushStroke,
+)
 
 if TYPE_CHECKING:
     from app.ui.state import EditorState
@@ -45,6 +51,10 @@ class BrushTool:
     shown: tuple[BrushStroke, ...] = ()
     outline: list = field(default_factory=list)
 
+    def put_away(self) -> BrushTool:
+        """The same out of use; what is being painted is forgotten."""
+        return replace(self, is_open=False, before=None, painting=None)
+
 
 def switch(state: EditorState) -> None:
     """Take the brush up, or put it away with what was painted."""
@@ -59,19 +69,16 @@ def show(state: EditorState) -> None:
     opened = state.snapshot.opened
     if opened is None or state.photo is None or state.snapshot.picture is None:
         return
-    if opened.photo.alpha is not None and float(opened.photo.alpha.min()) < 1.0:
+    if opened.photo.is_cut_out:
         state.asking.tell("This photo is cut out already: its own transparency is the outline", True)
         return
-    state.aim, state.playing, state.faces.is_open = "", False, False
-    if state.shown not in (RESULT, PHOTO):
-        # Channels show a part of the photo, outlines lie all over it.
-        state.shown = RESULT
-    state.brush = replace(state.brush, is_open=True, before=state.photo, adds=True, painting=None, outline=[])
+    state.make_room_for_a_tool()
+    state.brush = replace(state.brush, is_open=True, before=state.photo, adds=True, outline=[])
 
 
 def done(state: EditorState) -> None:
     """Put the brush away; what was painted stays."""
-    state.brush = replace(state.brush, is_open=False, before=None, painting=None)
+    state.brush = state.brush.put_away()
 
 
 def cancel(state: EditorState) -> None:
@@ -102,7 +109,7 @@ def begin(state: EditorState, point: Point, radius_px: float, adds: bool) -> Non
         point: in photo pixels.
         radius_px: of the brush, in photo pixels.
     """
-    radius_px = round(min(max(radius_px, 10.0**-_DIGITS), WIDEST_PX), _DIGITS)
+    radius_px = round(min(max(radius_px, THINNEST_PX), WIDEST_PX), _DIGITS)
     state.brush.painting = BrushStroke((_rounded(point),), radius_px, adds)
 
 

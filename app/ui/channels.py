@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 RESULT, PHOTO = "result", "photo"
+WHOLE_PHOTO = (PHOTO, RESULT)
+"""Those that show all of the photo; the others show the part that the networks see, or a light."""
 
 CHANNELS: tuple[tuple[str, str, str], ...] = (
     (PHOTO, "Photo", "The photo as it was opened."),
@@ -20,4 +22,4 @@ CHANNELS: tuple[tuple[str, str, str], ...] = (
 
 def following(shown: str) -> tuple[str, ...]:
     """The channels that must follow the hand: the one in the viewport. The filmstrip's wait until it rests."""
-    return () if shown in (RESULT, PHOTO) else (shown,)
+    return () if shown in WHOLE_PHOTO else (shown,)

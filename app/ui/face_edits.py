@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 
 from app.document.face_boxes import MOST_FACES
 from app.engine.sources import PhotoSource
-from app.ui.channels import PHOTO, RESULT
 from app.ui.viewport.face_boxes import FaceGrab
 from relight_core.face.find import FaceBox
 
@@ -70,10 +69,7 @@ def show(state: EditorState) -> None:
     """Show the boxes over the picture."""
     if state.snapshot.opened is None or state.photo is None:
         return
-    state.aim, state.playing, state.brush.is_open = "", False, False
-    if state.shown not in (RESULT, PHOTO):
-        # The boxes lie over the whole photo, which a channel does not show.
-        state.shown = RESULT
+    state.make_room_for_a_tool()
     only = 0 if len(wished_boxes(state)) == 1 else -1
     state.faces = FaceTool(True, state.photo, only)
 

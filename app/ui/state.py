@@ -15,7 +15,7 @@ from app.engine.sources import LightSource, PhotoSource, RelitLike, Request
 from app.ui.angles import wrap_degrees
 from app.ui.asking import Asking, FileRequest
 from app.ui.brush_edits import BrushTool
-from app.ui.channels import PHOTO, RESULT, following
+from app.ui.channels import PHOTO, RESULT, WHOLE_PHOTO, following
 from app.ui.export_name import named_place
 from app.ui.face_edits import FaceTool
 from app.ui.falling_back import FIRST_LIGHT, fall_back, give_up_what_is_on_its_way
@@ -211,6 +211,13 @@ class EditorState:
     def change(self, **fields) -> None:
         """Set fields of the edit."""
         self.edit = replace(self.edit, **fields)
+
+    def make_room_for_a_tool(self) -> None:
+        """Put away whatever follows the mouse over the picture, and show the whole photo, over which tools lie."""
+        self.aim, self.playing = "", False
+        self.faces, self.brush = FaceTool(), self.brush.put_away()
+        if self.shown not in WHOLE_PHOTO:
+            self.shown = RESULT
 
     def reset(self) -> None:
         """Put every slider and the light back."""

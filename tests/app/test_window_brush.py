@@ -7,6 +7,7 @@ from imgui_bundle import imgui
 from test_window_faces import drag_on_the_photo, on_the_screen
 
 from app.document.session_file import read_session
+from relight_core.imaging.read import read_photo
 from relight_core.imaging.view_transform import apply_view
 
 GREEN, RED = (89, 217, 115), (242, 89, 82)
@@ -168,8 +169,6 @@ def test_a_stroke_is_in_sight_until_the_picture_has_it(brush, relighter):
 
 
 def test_the_photo_below_the_brush_is_the_photo(brush, photo_path):
-    from relight_core.imaging.read import read_photo
-
     brush.key(glfw.KEY_1)
     shown = brush.picture_pixels(96, 128)
     assert np.abs(shown - apply_view(read_photo(photo_path).linear) * 255).max() <= 1

@@ -5,13 +5,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import torch
+from test_matte import make_matte
 
 from relight_core.errors import InputError
 from relight_core.face.crop import Crop
 from relight_core.face.paste import Band
 from relight_core.imaging.photo import Photo
 from relight_core.lighting.reflection import ReflectionTable
-from relight_core.pipeline.per_photo.matte import Matte, draft_matte, finish_matte
+from relight_core.pipeline.per_photo.matte import Matte
 from relight_core.pipeline.per_photo.person import Canvas, canvas_of, whole_person
 from relight_core.pipeline.results.backdrop import Backdrop, make_backdrop
 from relight_core.pipeline.results.channels import ViewChange
@@ -20,10 +21,6 @@ from relight_core.pipeline.results.picture import Picture
 
 CROP = Crop(100.0, 85.0, 130.0)
 EVEN = torch.ones(1, 16, 32, 3)
-
-
-def make_matte(*photo_and_looks):
-    return finish_matte(draft_matte(*photo_and_looks))
 
 
 def portrait(height=240, width=200):

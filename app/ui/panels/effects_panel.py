@@ -139,10 +139,8 @@ def _faces(state: EditorState, fonts: theme.Fonts) -> None:
 def _faces_title(state: EditorState, fonts: theme.Fonts, count: int) -> None:
     """How many there are, and the button that shows their boxes."""
     tool = Tool("Edit boxes…", "Move or resize the boxes of the faces, add one that was missed.  Shift + F")
-    right = imgui.get_cursor_pos_x() + imgui.get_content_region_avail().x
-    widgets.heading(fonts, "No face" if count == 0 else "Face" if count == 1 else f"{count} faces")
-    imgui.same_line(right - tool_width(tool) + SPACING_EM * imgui.get_font_size())
-    if tool_button(tool, state.faces.is_open):
+    title = "No face" if count == 0 else "Face" if count == 1 else f"{count} faces"
+    if _title_with_tool(fonts, title, tool, state.faces.is_open):
         face_edits.switch(state)
 
 
@@ -151,8 +149,13 @@ def _outline(state: EditorState, fonts: theme.Fonts) -> None:
     if state.snapshot.picture is None:
         return
     tool = Tool("Edit outline…", "Paint what belongs to the person and was missed, or what does not.  Shift + O")
-    right = imgui.get_cursor_pos_x() + imgui.get_content_region_avail().x
-    widgets.heading(fonts, "Outline")
-    imgui.same_line(right - tool_width(tool) + SPACING_EM * imgui.get_font_size())
-    if tool_button(tool, state.brush.is_open):
+    if _title_with_tool(fonts, "Outline", tool, state.brush.is_open):
         brush_edits.switch(state)
+
+
+def _title_with_tool(fonts: theme.Fonts, title: str, tool: Tool, is_on: bool) -> bool:
+    """A heading with a button at the right end of its line; True when that is clicked."""
+    right = imgui.get_cursor_pos_x() + imgui.get_content_region_avail().x
+    widgets.heading(fonts, title)
+    imgui.same_line(right - tool_width(tool) + SPACING_EM * imgui.get_font_size())
+    return tool_button(tool, is_on)

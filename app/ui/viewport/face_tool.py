@@ -5,12 +5,13 @@ from __future__ import annotations
 from imgui_bundle import imgui
 
 from app.ui import face_edits, theme
+from app.ui.channels import WHOLE_PHOTO
 from app.ui.layout import Rect
 from app.ui.state import EditorState
 from app.ui.viewport import wipe
 from app.ui.viewport.face_boxes import FaceGrab, corners, dragged, grab
 from app.ui.viewport.panes import Arrangement, Pane, arrange_panes
-from app.ui.viewport.photo_panes import WHOLE, drawn_over, in_the_window, pane_under
+from app.ui.viewport.photo_panes import drawn_over, in_the_window, pane_under
 from app.ui.viewport.view import photo_point
 from app.ui.viewport.viewport_notes import note
 from relight_core.face.find import FaceBox
@@ -77,7 +78,7 @@ def on_the_screen(state: EditorState, rect: Rect) -> list[tuple[float, float, fl
     scale = imgui.get_io().display_framebuffer_scale.x
     places = []
     for pane in arrange_panes(state, state.look.viewport_px).panes:
-        for box in face_edits.wished_boxes(state) if pane.name in WHOLE else ():
+        for box in face_edits.wished_boxes(state) if pane.name in WHOLE_PHOTO else ():
             x, y = zip(*((at.x, at.y) for at in in_the_window(corners(box), pane, rect, scale)), strict=True)
             places.append((min(x), min(y), max(x), max(y)))
     return places

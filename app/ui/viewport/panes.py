@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-from app.ui.channels import PHOTO, RESULT
+from app.ui.channels import PHOTO, RESULT, WHOLE_PHOTO
 from app.ui.state import EditorState
 from app.ui.viewport.view import Frame, Placement, View, place
 
@@ -65,7 +65,7 @@ def frame_of(state: EditorState, name: str) -> Frame:
     """Where a picture lies in the open photo."""
     height, width = state.snapshot.opened.photo.linear.shape[:2]
     picture = state.snapshot.picture
-    if name in (PHOTO, RESULT) or picture is None or picture.relit.window is None:
+    if name in WHOLE_PHOTO or picture is None or picture.relit.window is None:
         return Frame(0.0, 0.0, width, height)
     if name in LIGHTS:
         return Frame(0.0, 0.0, 2.0, 1.0)

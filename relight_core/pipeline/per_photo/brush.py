@@ -15,7 +15,9 @@ from relight_core.errors import InputError
 MOST_STROKES, MOST_POINTS = 400, 256
 """Of a photo, and of a stroke."""
 
-FARTHEST_PX, WIDEST_PX = 1e5, 1e4
+FARTHEST_PX, THINNEST_PX, WIDEST_PX = 1e5, 0.1, 1e4
+"""Where points may be, and half the width of brushes that a window or a session makes."""
+
 _SUBPIXEL_BITS = 4
 
 

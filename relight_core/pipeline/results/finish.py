@@ -70,7 +70,7 @@ def place_views(
     photo_size = photo.photo_size
     places = places_of(shrunk_size(photo_size, _WEIGHT_LONGEST), photo_size)
     unseen = _unseen(strokes, people, places, photo_size)
-    weights = _but_not_unseen(_weights_at(views, people, places, photo_size), unseen, places, photo_size)
+    weights = _weights_at(views, people, unseen, places, photo_size)
     canvas = shrunk(photo, max(body_size(photo_size)))
     known = resize_area(np.minimum(sum(weights), 1), canvas.size)
     share = whole_person(canvas, matte).share
@@ -150,8 +150,7 @@ def mean_gain(placement: Placement, rest: np.ndarray) -> np.ndarray:
 def _weights_on(placement: Placement, view: Crop, size: int) -> ViewWeights:
     """The weights at a view's own pixels: a small view's edge is finer than the photo's maps."""
     places = view.to_photo(places_of((size, size), (size, size)), size)
-    weights = _weights_at(placement.views, placement.people, places, placement.photo_size)
-    weights = _but_not_unseen(weights, placement.unseen, places, placement.photo_size)
+    weights = _weights_at(placement.views, placement.people, placement.unseen, places, placement.photo_size)
     of_views = [weight[..., None] for weight in weights]
     of_rest = 1 - np.minimum(sum(of_views), 1)
     return ViewWeights(
@@ -187,13 +186,18 @@ def _coarse(maps: np.ndarray, view: Crop, size: tuple[int, int], photo_size: tup
 def _weights_at(
     views: Sequence[Crop],
     people: Sequence[tuple[np.ndarray, Crop]],
+    unseen: np.ndarray | None,
     places: np.ndarray,
     photo_size: tuple[int, int],
 ) -> tuple[np.ndarray, ...]:
     """How much each view counts at places (k, l, 2) of the photo: (k, l) each, together at most 1."""
     fading, nearness = zip(*(_weight(view, places, photo_size) for view in views), strict=True)
+    if unseen is not None:
+        at = (places * (np.array(unseen.shape) / photo_size)[::-1] - 0.5).astype(np.float32)
+        seen = 1 - cv2.remap(unseen, at, None, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
+        fading = [counts * seen for counts in fading]
     if len(views) == 1:
-        return fading
+        return tuple(fading)
     if people:
         fading = _but_not_for_others(fading, [_mask_at(mask, crop, places) for mask, crop in people])
     total = np.maximum(sum(f * n for f, n in zip(fading, nearness, strict=True)), 1e-20)
@@ -231,17 +235,6 @@ def _unseen(
         seen = np.maximum(seen, _mask_at(grown, crop, places))
     unseen = np.clip((added * (1 - seen) - _UNSEEN_FROM) / (_UNSEEN_TO - _UNSEEN_FROM), 0, 1)
     return cv2.GaussianBlur(unseen, (0, 0), max(_UNSEEN_BLUR_SHARE * max(unseen.shape), 0.5))
-
-
-def _but_not_unseen(
-    weights: tuple[np.ndarray, ...], unseen: np.ndarray | None, places: np.ndarray, photo_size: tuple[int, int]
-) -> tuple[np.ndarray, ...]:
-    """Weights at places (k, l, 2) of the photo, less where what is there is unseen."""
-    if unseen is None:
-        return weights
-    at = (places * (np.array(unseen.shape) / photo_size)[::-1] - 0.5).astype(np.float32)
-    seen = 1 - cv2.remap(unseen, at, None, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
-    return tuple(weight * seen for weight in weights)
 
 
 def _mask_at(mask: np.ndarray, crop: Crop, places: np.ndarray) -> np.ndarray:
