@@ -5,7 +5,7 @@ A light file carries one light and its turn; a session carries the same group un
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path, PurePath
 
 from app.document.document import LightRef
@@ -13,10 +13,13 @@ from app.document.json_fields import Fields, is_place_for, path_for_file, path_f
 from app.engine.sources import PICTURE_SUFFIXES
 from relight_core.errors import InputError
 from relight_core.lighting.light_edit import MOST_BOXES, LightEdit
+from relight_core.lighting.rig_lamps import has_lamps
 from relight_core.lighting.rigs import rig_names
 from relight_core.lighting.soft_box import LARGEST_DEG, SMALLEST_DEG, SoftBox
 
-KIND, VERSION = "light", 1
+KIND, VERSION = "light", 2
+"""Version 1 knew square soft boxes only, and no lamps of the light's own."""
+
 LIGHT_SUFFIX = ".light.json"
 _LIGHT_RANGES = {
     "level_ev": (-10.0, 10.0),
@@ -34,7 +37,10 @@ _BOX_RANGES = {
     "softness": (0.0, 1.0),
     "kelvin": (1667.0, 25000.0),
     "intensity": (0.0, 16.0),
+    "hole": (0.0, 0.9),
 }
+_FORMS = ("rectangle", "disc")
+_LONGEST_NAME = 40
 
 
 @dataclass(frozen=True)
@@ -119,6 +125,8 @@ def read_light_content(fields: Fields, path: Path, stand_in: LightRef | None = N
                 raise
             return stand_in, _without_its_light(fields, name, stand_in)
     light_edit = _light_edit(fields)
+    if light_edit.apart and not (kind == "rig" and has_lamps(name)):
+        light_edit = replace(light_edit, apart=False)
     return LightRef(kind, name if kind != "own" else ""), light_edit
 
 
@@ -126,21 +134,22 @@ def _without_its_light(fields: Fields, name: str, stand_in: LightRef) -> LightEd
     """Level, colour and blur were changes to the light that is gone; boxes and the room's share stay."""
     fields.note(f"the light {PurePath(name).name:.80} is not there, and {stand_in.source().title} stands in for it")
     light_edit = _light_edit(fields)
-    return LightEdit(base=light_edit.base, boxes=light_edit.boxes)
+    return LightEdit(base=light_edit.base, boxes=light_edit.added_boxes)
 
 
 def _light_edit(fields: Fields) -> LightEdit:
     defaults = LightEdit()
     values = {key: fields.number(key, *_LIGHT_RANGES[key], getattr(defaults, key)) for key in _LIGHT_RANGES}
     boxes = tuple(_box(group) for group in fields.groups("boxes", MOST_BOXES))
-    metered = fields.flag("metered")
+    metered, apart = fields.flag("metered"), fields.flag("apart")
     fields.finish()
-    return LightEdit(**values, boxes=boxes, metered=metered)
+    return LightEdit(**values, boxes=boxes, metered=metered, apart=apart)
 
 
 def _box(fields: Fields) -> SoftBox:
     defaults = SoftBox()
     values = {key: fields.number(key, *_BOX_RANGES[key], getattr(defaults, key)) for key in _BOX_RANGES}
-    colour = fields.triple("colour")
+    colour, form = fields.triple("colour"), fields.word("form", _FORMS, defaults.form)
+    name = "".join(filter(str.isprintable, fields.text("name", "")))[:_LONGEST_NAME]
     fields.finish()
-    return SoftBox(**values, colour=colour)
+    return SoftBox(**values, colour=colour, form=form, name=name)

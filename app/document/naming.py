@@ -8,6 +8,7 @@ from dataclasses import dataclass, fields
 from app.document.document import Document, PhotoRef
 from relight_core.imaging.files import legible
 from relight_core.lighting.light_edit import LightEdit
+from relight_core.lighting.soft_box import SoftBox, box_title
 from relight_core.pipeline.edit import Edit
 
 _MINUS = "\N{MINUS SIGN}"
@@ -43,7 +44,12 @@ def change_between(before: Document, after: Document) -> Change | None:
     edited = _differing(before.edit, after.edit, "edit")
     lit = _differing(before.light_edit, after.light_edit, "light")
     touched = (*edited, *lit)
-    if before.light_edit.boxes and not after.light_edit.boxes and set(touched) <= {"light.boxes", "light.base"}:
+    same_added = before.light_edit.added_boxes == after.light_edit.added_boxes
+    if set(touched) == {"light.boxes", "light.apart"} and same_added:
+        taken = "Take the light's lamps apart" if after.light_edit.apart else "Put the light's lamps back"
+        return Change(touched, taken, alone=True)
+    about_boxes = set(touched) <= {"light.boxes", "light.base", "light.apart"}
+    if before.light_edit.boxes and not after.light_edit.boxes and about_boxes:
         return Change(("light.boxes.delete",), _without_boxes(before.light_edit), alone=True)
     if len(touched) > 1:
         return Change(touched, _several(after))
@@ -119,19 +125,18 @@ def _box_change(before: LightEdit, after: LightEdit) -> Change:
     touched = {name.removeprefix("box.") for name in _differing(before.boxes[index], after.boxes[index], "box")}
     verb = next(verb for names, verb in _BOX_VERBS if touched <= names)
     key = "".join(sorted(touched))
-    return Change((f"light.boxes.{index}.{key}",), f"{verb} soft box {index + 1}")
+    title = box_title(after.boxes, index)
+    return Change((f"light.boxes.{index}.{key}",), f"{verb} {title[0].lower()}{title[1:]}")
 
 
 _BOX_VERBS = (
     ({"azimuth_deg", "elevation_deg"}, "Move"),
     ({"width_deg", "height_deg"}, "Resize"),
+    ({"width_deg", "height_deg", "form", "hole"}, "Shape of"),
     ({"softness"}, "Soften"),
     ({"kelvin", "colour"}, "Colour of"),
     ({"intensity"}, "Brightness of"),
-    (
-        {"azimuth_deg", "elevation_deg", "width_deg", "height_deg", "softness", "kelvin", "colour", "intensity"},
-        "Change",
-    ),
+    ({entry.name for entry in fields(SoftBox)}, "Change"),
 )
 
 

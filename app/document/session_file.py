@@ -21,8 +21,8 @@ from relight_core.pipeline.edit import EFFECTS, Edit
 from relight_core.pipeline.quality import TIERS
 from relight_core.pipeline.results.backdrop import check_background
 
-KIND, VERSION = "session", 3
-"""Version 1 knew no boxes of faces, version 2 no strokes of the brush."""
+KIND, VERSION = "session", 4
+"""Version 1 knew no boxes of faces, version 2 no strokes of the brush, version 3 no lamps of the light's own."""
 
 SESSION_SUFFIX = ".relight.json"
 _EDIT_RANGES = {

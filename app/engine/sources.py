@@ -148,12 +148,12 @@ class LightSource:
         return LightEdit(metered=self.kind == "panorama")
 
     def opened_around(self, before: LightEdit) -> LightEdit:
-        """How the light is opened in the place of another: soft boxes stay, and the room's share with them.
+        """How the light is opened in the place of another: the user's soft boxes stay, and the room's share with them.
 
-        Level, colour and blur were changes to the light before.
+        Level, colour and blur were changes to the light before, and lamps of its own go with it.
         """
-        kept = before if before.boxes else LightEdit()
-        return replace(self.opening_edit, base=kept.base, boxes=kept.boxes)
+        boxes = before.added_boxes
+        return replace(self.opening_edit, base=before.base if boxes else 1.0, boxes=boxes)
 
     def same_as(self, other: LightSource | None) -> bool:
         """Whether the other wish is for the same light."""

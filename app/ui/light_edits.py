@@ -6,7 +6,8 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from app.ui.viewport.box_tools import without_box
-from relight_core.lighting.light_edit import MOST_LEVEL_EV
+from relight_core.lighting import rig_lamps
+from relight_core.lighting.light_edit import MOST_BOXES, MOST_LEVEL_EV
 
 if TYPE_CHECKING:
     from app.engine.snapshot import Picture
@@ -39,4 +40,22 @@ def delete_box(state: EditorState) -> None:
 
 def delete_boxes(state: EditorState) -> None:
     """Take every soft box away, and let the light itself be as it is without them."""
-    state.light_edit, state.selected_box = replace(state.light_edit, boxes=(), base=1.0), -1
+    state.light_edit, state.selected_box = replace(state.light_edit, boxes=(), base=1.0, apart=False), -1
+
+
+def has_lamps(state: EditorState) -> bool:
+    """Whether the light has lamps of its own that can be moved."""
+    return state.light.kind == "rig" and rig_lamps.has_lamps(state.light.name)
+
+
+def switch_lamps(state: EditorState) -> None:
+    """Make the light's own lamps soft boxes, the strongest of them selected, or put them back."""
+    if state.light_edit.apart:
+        state.light_edit, state.selected_box = rig_lamps.together(state.light_edit), -1
+        return
+    edit = rig_lamps.apart(state.light.name, state.light_edit)
+    if len(edit.boxes) > MOST_BOXES:
+        state.asking.tell(f"A light has at most {MOST_BOXES} soft boxes; delete some first", True)
+        return
+    lamps = [box.intensity if box.name else -1.0 for box in edit.boxes]
+    state.light_edit, state.selected_box = edit, lamps.index(max(lamps))

@@ -8,6 +8,8 @@ from relight_core.imaging.colour import REC709_LUMINANCE
 
 COOLEST_KELVIN = 1667.0
 HOTTEST_KELVIN = 25000.0
+WHITE_KELVIN = 5600.0
+"""What comes out grey, unless something else is said."""
 
 _XYZ_TO_REC709 = np.array(
     [
@@ -18,7 +20,7 @@ _XYZ_TO_REC709 = np.array(
 )
 
 
-def kelvin_to_rgb(kelvin: float, white_balance_kelvin: float = 5600.0) -> np.ndarray:
+def kelvin_to_rgb(kelvin: float, white_balance_kelvin: float = WHITE_KELVIN) -> np.ndarray:
     """Linear Rec.709 colour of a black body, of luminance 1.
 
     Args:

@@ -43,11 +43,14 @@ class Environment:
             all zero for a map without light. Read-only where this module made it.
         level: that mean in the map's own units; shape * level is the map. 0 for a map without light.
         name: for messages and the window.
+        room: of a light that is drawn from lamps, (H, 2H, 3) in the units of `shape`: what is left without them.
+            None for any other. What is found of a light, and its fingerprint, have nothing to do with it.
     """
 
     shape: np.ndarray = field(repr=False)
     level: float
     name: str = ""
+    room: np.ndarray | None = field(default=None, repr=False)
     _found: dict[Hashable, Any] = field(default_factory=dict, init=False, repr=False)
 
     @classmethod

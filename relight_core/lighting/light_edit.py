@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from relight_core.imaging.colour import REC709_LUMINANCE
-from relight_core.lighting.colour_temperature import kelvin_to_rgb
+from relight_core.lighting.colour_temperature import WHITE_KELVIN, kelvin_to_rgb
 from relight_core.lighting.enlarge import COARSE_HEIGHT, enlarge
 from relight_core.lighting.environment import Environment, mean_luminance, rotate, shrink
 from relight_core.lighting.light_blur import blur_light
@@ -22,7 +22,6 @@ DRAWN_HEIGHT = 256
 DRAFT_HEIGHT = 64
 """Rows that are enough while a hand moves something."""
 
-_NEUTRAL_KELVIN = 5600.0
 _TINT_STOPS = 0.7
 
 
@@ -39,6 +38,8 @@ class LightEdit:
         blur_deg: standard deviation of the blur, [0, 90].
         boxes: soft boxes, at most 16; neither colour, blur nor base touch them.
         metered: the light beneath all this is brought to the level that suits a photo, whatever units it came in.
+        apart: the lamps of a light that is drawn from lamps are taken out, and only its room lies beneath the boxes;
+            see `rig_lamps.apart`. Changes nothing about a light without a room.
     """
 
     level_ev: float = 0.0
@@ -49,6 +50,12 @@ class LightEdit:
     blur_deg: float = 0.0
     boxes: tuple[SoftBox, ...] = ()
     metered: bool = False
+    apart: bool = False
+
+    @property
+    def added_boxes(self) -> tuple[SoftBox, ...]:
+        """The soft boxes that were no lamps of the light's own."""
+        return tuple(box for box in self.boxes if not box.name)
 
     @property
     def changes_shape(self) -> bool:
@@ -73,7 +80,8 @@ def edit_light(light: Environment, edit: LightEdit, draft: bool = False) -> Envi
     stops = edit.level_ev + (metered_level_ev(light) if edit.metered else 0.0)
     if edit.changes_shape:
         height = DRAFT_HEIGHT if draft else max(DRAWN_HEIGHT, light.height)
-        radiance = _coloured(_at_most(light.shape, height), edit)
+        beneath = light.room if edit.apart and light.room is not None else light.shape
+        radiance = _coloured(_at_most(beneath, height), edit)
         radiance = blur_light(radiance, edit.blur_deg) * np.float32(edit.base)
         if edit.boxes:
             radiance = _with_boxes(radiance, edit.boxes, meter_reading(light), draft)
@@ -113,7 +121,7 @@ def _coloured(shape: np.ndarray, edit: LightEdit) -> np.ndarray:
 
 def colour_gain(warmth: float, tint: float) -> np.ndarray:
     """(3,) gains of luminance 1 that warm or cool a white light and push it to green or magenta."""
-    warm = kelvin_to_rgb(_NEUTRAL_KELVIN * 2.0**-warmth)
+    warm = kelvin_to_rgb(WHITE_KELVIN * 2.0**-warmth)
     gain = warm * np.exp2(_TINT_STOPS * tint * np.array([0.5, -0.5, 0.5]))
     return gain / (gain @ REC709_LUMINANCE)
 

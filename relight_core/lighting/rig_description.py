@@ -20,6 +20,7 @@
     softness = 0.4                     # share of the half width over which the edge fades
     kelvin = 5000
     intensity = 1.0
+    backdrop = false                   # true: a part of the room, not a lamp that one would move
 
 Intensities are what an incident-light meter reads: the radiance of a white matte card that faces the
 lamp alone, or that hangs in the room or under the sky's colours everywhere. So the ratio of a key
@@ -36,7 +37,7 @@ from typing import Any
 
 from relight_core.errors import InputError
 from relight_core.imaging.files import file_bytes
-from relight_core.lighting.colour_temperature import COOLEST_KELVIN, HOTTEST_KELVIN, kelvin_to_rgb
+from relight_core.lighting.colour_temperature import COOLEST_KELVIN, HOTTEST_KELVIN, WHITE_KELVIN, kelvin_to_rgb
 
 Colour = tuple[float, float, float]
 
@@ -57,7 +58,12 @@ _RANGES = {
 
 @dataclass(frozen=True)
 class AreaLight:
-    """A lamp with edges; angles as seen from the face, colour linear Rec.709 (times intensity)."""
+    """A lamp with edges; angles as seen from the face, colour linear Rec.709 (times intensity).
+
+    Attributes:
+        backdrop: it is a part of the room, such as a lit wall, and stays when the lamps are taken out.
+        kelvin: its colour temperature, where that alone tells its colour to a soft box: where 5600 is white.
+    """
 
     azimuth_deg: float
     elevation_deg: float
@@ -69,6 +75,8 @@ class AreaLight:
     hole_deg: float = 0.0
     form: str = "rectangle"
     name: str = ""
+    backdrop: bool = False
+    kelvin: float | None = None
 
 
 @dataclass(frozen=True)
@@ -138,7 +146,7 @@ def parse_rig(tables: dict[str, Any]) -> Rig:
     """
     known = {"title", "description", "white_balance_kelvin", "room", "sky", "area_light"}
     _refuse_unknown(tables, known, "the rig")
-    white = _number(tables, "white_balance_kelvin", "the rig", 5600.0)
+    white = _number(tables, "white_balance_kelvin", "the rig", WHITE_KELVIN)
     if ("room" in tables) == ("sky" in tables):
         raise InputError("a rig needs either [room] or [sky]")
     surround = _parse_room(tables["room"], white) if "room" in tables else _parse_sky(tables["sky"], white)
@@ -152,7 +160,7 @@ def parse_rig(tables: dict[str, Any]) -> Rig:
 
 def _parse_area_light(table: Any, index: int, white: float) -> AreaLight:
     where = f"area_light {index}"
-    _refuse_unknown(table, {f.name for f in fields(AreaLight)} | {"kelvin"}, where)
+    _refuse_unknown(table, {f.name for f in fields(AreaLight)}, where)
     form = _text(table, "form", where, "rectangle")
     if form not in ("rectangle", "disc"):
         raise InputError(f'{where}: form is "rectangle" or "disc", not "{form}"')
@@ -173,6 +181,8 @@ def _parse_area_light(table: Any, index: int, white: float) -> AreaLight:
         hole_deg=hole,
         form=form,
         name=_text(table, "name", where, ""),
+        backdrop=_flag(table, "backdrop", where),
+        kelvin=_number(table, "kelvin", where) if "kelvin" in table and white == WHITE_KELVIN else None,
     )
 
 
@@ -221,6 +231,13 @@ def _text(table: dict[str, Any], key: str, where: str, default: str) -> str:
     value = table.get(key, default)
     if not isinstance(value, str):
         raise InputError(f"{where}: {key} must be text in quotes, not {value!r}")
+    return value
+
+
+def _flag(table: dict[str, Any], key: str, where: str) -> bool:
+    value = table.get(key, False)
+    if not isinstance(value, bool):
+        raise InputError(f"{where}: {key} must be true or false, not {value!r}")
     return value
 
 

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import lru_cache
+
+import numpy as np
 
 from relight_core.errors import InputError
 from relight_core.lighting.environment import Environment
@@ -38,4 +41,9 @@ def load_rig(name: str) -> Environment:
     Raises:
         InputError: no rig of that name.
     """
-    return Environment.from_radiance(render_rig(read_bundled_rig(name), RIG_HEIGHT), name)
+    rig = read_bundled_rig(name)
+    light = Environment.from_radiance(render_rig(rig, RIG_HEIGHT), name)
+    backdrops = tuple(lamp for lamp in rig.area_lights if lamp.backdrop)
+    if len(backdrops) == len(rig.area_lights):
+        return light
+    return replace(light, room=render_rig(replace(rig, area_lights=backdrops), RIG_HEIGHT) / np.float32(light.level))

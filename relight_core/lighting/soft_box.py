@@ -7,6 +7,7 @@ positive elevation above. They are in the light's own frame, so that a turn of t
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -22,17 +23,20 @@ SMALLEST_DEG, LARGEST_DEG = 3.0, 150.0
 
 @dataclass(frozen=True)
 class SoftBox:
-    """A flat rectangular lamp that faces the subject.
+    """A flat lamp that faces the subject.
 
     Attributes:
         azimuth_deg, elevation_deg: of its centre, [-180, 180] and [-90, 90].
-        width_deg, height_deg: its angular size as seen from the face, [3, 150].
+        width_deg, height_deg: its angular size as seen from the face, [3, 150]; of a disc only the width counts.
         softness: share of its half size over which the edge fades, [0, 1].
         kelvin: its colour temperature, [1667, 25000]; 5600 is white.
         colour: linear Rec.709 of a coloured gel instead of a temperature, or None. Only its hue and saturation
             count: its luminance is divided out.
         intensity: what a white card facing the lamp reflects, as a multiple of what it would on the brightest
             side of the light that the box is added to; [0, 16].
+        form: "rectangle" or "disc".
+        hole: share of a disc's width that stays dark in its middle, [0, 0.9]: a ring light.
+        name: of the light's own lamp that the box was (see `rig_lamps`); empty for a lamp of the user's.
     """
 
     azimuth_deg: float = -45.0
@@ -43,6 +47,14 @@ class SoftBox:
     kelvin: float = 5600.0
     colour: tuple[float, float, float] | None = None
     intensity: float = 1.0
+    form: str = "rectangle"
+    hole: float = 0.0
+    name: str = ""
+
+    @property
+    def is_round(self) -> bool:
+        """Whether it is a disc or a ring."""
+        return self.form == "disc"
 
     @property
     def direction(self) -> np.ndarray:
@@ -56,6 +68,13 @@ class SoftBox:
             return kelvin_to_rgb(self.kelvin)
         luminance = float(np.dot(self.colour, REC709_LUMINANCE))
         return np.array(self.colour) / luminance if luminance > 0 else np.ones(3)
+
+
+def box_title(boxes: Sequence[SoftBox], index: int) -> str:
+    """What people call one of a light's boxes: its name, or its number among the user's own."""
+    if boxes[index].name:
+        return boxes[index].name.capitalize()
+    return f"Soft box {sum(not box.name for box in boxes[: index + 1])}"
 
 
 def soft_box_radiance(box: SoftBox, height: int, unit: float = 1.0) -> np.ndarray:
@@ -76,6 +95,8 @@ def soft_box_radiance(box: SoftBox, height: int, unit: float = 1.0) -> np.ndarra
         tuple(float(value) for value in box.rgb),
         box.intensity * unit,
         box.softness,
+        box.hole * box.width_deg if box.is_round else 0.0,
+        box.form,
     )
     return area_light_radiance(lamp, directions(height, 2 * height), solid_angles(height, 2 * height))
 
@@ -89,25 +110,35 @@ def moved_to(box: SoftBox, direction: np.ndarray) -> SoftBox:
 
 
 def resized_to(box: SoftBox, direction: np.ndarray) -> SoftBox:
-    """The box with its size such that a corner lies in a direction (3,); its centre stays."""
+    """The box with its size such that a corner, or a disc's edge, lies in a direction (3,); its centre stays."""
+    if box.is_round:
+        size = _size(2 * _from_centre_deg(box, direction))
+        return replace(box, width_deg=size, height_deg=size)
     across, along, _ = _angles(box, direction)
     return replace(box, width_deg=_size(2 * abs(across)), height_deg=_size(2 * abs(along)))
 
 
 def contains(box: SoftBox, direction: np.ndarray) -> bool:
     """Whether a direction (3,) meets the box; the same near the seam and the poles as anywhere."""
+    if box.is_round:
+        return _from_centre_deg(box, direction) <= box.width_deg / 2
     across, along, ahead = _angles(box, direction)
     return ahead > 0 and abs(across) <= box.width_deg / 2 and abs(along) <= box.height_deg / 2
 
 
 def corners(box: SoftBox) -> np.ndarray:
-    """(4, 3) unit vectors toward its corners, in order around it."""
+    """(4, 3) unit vectors toward its corners, in order around it; of a disc, where its edge is nearest to such."""
     signs = np.array([(-1, 1), (1, 1), (1, -1), (-1, -1)])
+    if box.is_round:
+        signs = signs / np.sqrt(2)
     return _toward(box, signs[:, 0], signs[:, 1])
 
 
 def outline(box: SoftBox, per_side: int = 12) -> np.ndarray:
     """(4 * per_side, 3) unit vectors along its edge, in order around it."""
+    if box.is_round:
+        angle = np.linspace(0.0, 2 * np.pi, 4 * per_side, endpoint=False)
+        return _toward(box, np.cos(angle), np.sin(angle))
     run = np.linspace(-1.0, 1.0, per_side, endpoint=False)
     one = np.ones_like(run)
     across = np.concatenate([run, one, -run, -one])
@@ -164,9 +195,15 @@ def _angles(box: SoftBox, direction: np.ndarray) -> tuple[float, float, float]:
     return across, math.degrees(math.atan2(float(direction @ up), ahead)), ahead
 
 
+def _from_centre_deg(box: SoftBox, direction: np.ndarray) -> float:
+    across, ahead = np.linalg.norm(np.cross(box.direction, direction)), float(direction @ box.direction)
+    return math.degrees(math.atan2(float(across), ahead))
+
+
 def _toward(box: SoftBox, across: np.ndarray, along: np.ndarray) -> np.ndarray:
     right, up, forward = _axes(box)
-    half_width, half_height = (math.tan(math.radians(size / 2)) for size in (box.width_deg, box.height_deg))
+    sizes = (box.width_deg, box.width_deg if box.is_round else box.height_deg)
+    half_width, half_height = (math.tan(math.radians(size / 2)) for size in sizes)
     points = forward + np.outer(across * half_width, right) + np.outer(along * half_height, up)
     return points / np.linalg.norm(points, axis=1, keepdims=True)
 

@@ -241,6 +241,34 @@ def test_all_soft_boxes_go_at_once_and_the_room_is_whole_again():
     assert state.history.steps[-1].name == "Remove all soft boxes"
 
 
+def test_the_lights_own_lamps_become_soft_boxes_and_go_with_it():
+    state, added = EditorState(), SoftBox(azimuth_deg=70.0)
+    state.light_edit = LightEdit(boxes=(added,))
+    light_edits.switch_lamps(state)
+    assert [box.name for box in state.light_edit.boxes] == ["key", "fill", ""]
+    assert (state.light_edit.apart, state.selected_box) == (True, 0)
+    before = state.light_edit
+    light_edits.switch_lamps(state)
+    assert (state.light_edit, state.selected_box) == (LightEdit(boxes=(added,)), -1)
+    state.light_edit = before
+    state.choose_light(LightSource("rig", "overcast"))
+    assert state.light_edit == LightEdit(boxes=(added,))
+    assert not light_edits.has_lamps(state)
+
+
+def test_lamps_that_would_be_too_many_stay_where_they_are():
+    state = EditorState()
+    state.light_edit = full = LightEdit(boxes=(SoftBox(),) * 15)
+    light_edits.switch_lamps(state)
+    assert state.light_edit == full
+    assert "16 soft boxes" in state.asking.notices[0][0]
+    state.light_edit = LightEdit(boxes=(SoftBox(),) * 14)
+    light_edits.switch_lamps(state)
+    assert len(state.light_edit.boxes) == 16
+    light_edits.delete_boxes(state)
+    assert state.light_edit == LightEdit()
+
+
 def test_a_light_from_a_file_can_be_taken_off_the_list_unless_it_is_in_use():
     state = EditorState()
     used, other = LightSource("panorama", "used.exr"), LightSource("portrait", "friend.jpg")

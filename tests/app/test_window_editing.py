@@ -120,6 +120,23 @@ def test_a_soft_box_is_added_moved_and_deleted_on_the_panorama(opened):
     assert state.light_edit.boxes == (moved,)
 
 
+def test_a_lights_own_lamp_is_moved_and_put_back(opened):
+    state = opened.window.state
+    opened.light("split")
+    split = opened.picture_pixels(96, 128).astype(int)
+    opened.key(glfw.KEY_M)
+    assert [box.name for box in state.light_edit.boxes] == ["key"]
+    assert np.abs(opened.picture_pixels(96, 128) - split).max() <= 1
+    opened.drag(opened.panorama(0.75), opened.panorama(0.25))
+    assert abs(state.light_edit.boxes[0].azimuth_deg + 90.0) < 4.0
+    assert state.edit.yaw_deg == 0.0
+    assert average_direction(opened.window.engine.snapshot().light.environment)[0] < -0.4
+    assert [step.name for step in state.history.steps[-2:]] == ["Take the light's lamps apart", "Move key"]
+    opened.key(glfw.KEY_M)
+    assert state.light_edit.boxes == ()
+    assert np.array_equal(opened.picture_pixels(96, 128), split)
+
+
 def test_a_click_on_the_face_places_a_lamp_and_the_picture_answers(opened):
     state = opened.window.state
     before = opened.picture_pixels(96, 128).astype(float)

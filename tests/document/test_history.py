@@ -109,7 +109,7 @@ def test_the_list_does_not_grow_for_ever(history):
     assert history.at == 299
 
 
-BOX = SoftBox()
+BOX, ROUND, KEY = SoftBox(), SoftBox(form="disc"), SoftBox(name="key light")
 ONE, TWO, BESIDE = FaceBox(0, 0, 9, 9), FaceBox(10, 0, 15, 5), FaceBox(20, 0, 30, 10)
 
 
@@ -157,6 +157,13 @@ NAMES = [
     (lit(boxes=(BOX, BOX)), lit(boxes=(BOX, replace(BOX, width_deg=9.0, height_deg=4.0))), "Resize soft box 2"),
     (lit(boxes=(BOX,)), lit(boxes=(replace(BOX, kelvin=3000.0),)), "Colour of soft box 1"),
     (lit(boxes=(BOX,)), lit(boxes=(SoftBox(1, 2, 3, 4, 0.5, 6000, None, 7),)), "Change soft box 1"),
+    (lit(boxes=(BOX,)), lit(boxes=(replace(BOX, form="disc", width_deg=9.0, height_deg=9.0),)), "Shape of soft box 1"),
+    (lit(boxes=(ROUND,)), lit(boxes=(replace(ROUND, hole=0.5),)), "Shape of soft box 1"),
+    (START, lit(boxes=(KEY,), apart=True), "Take the light's lamps apart"),
+    (lit(boxes=(KEY, BOX), apart=True), lit(boxes=(BOX,)), "Put the light's lamps back"),
+    (lit(boxes=(KEY, BOX), apart=True), START, "Remove all soft boxes"),
+    (lit(boxes=(KEY,), apart=True), lit(boxes=(replace(KEY, elevation_deg=5.0),), apart=True), "Move key light"),
+    (lit(boxes=(KEY, BOX)), lit(boxes=(KEY, replace(BOX, softness=0.1))), "Soften soft box 1"),
     (START, lit(warmth=-0.5), "Light warmth \N{MINUS SIGN}0.50"),
     (START, lit(blur_deg=12.0), "Light blur 12°"),
     (START, lit(metered=True), "Meter the light"),

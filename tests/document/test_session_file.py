@@ -20,6 +20,7 @@ from app.document.session_file import (
 from relight_core.errors import InputError
 from relight_core.face.find import FaceBox
 from relight_core.lighting.light_edit import LightEdit
+from relight_core.lighting.rig_lamps import apart
 from relight_core.lighting.soft_box import SoftBox
 from relight_core.pipeline.edit import Edit
 from relight_core.pipeline.per_photo.brush import BrushStroke
@@ -28,7 +29,11 @@ STROKES = (
     BrushStroke(((12.5, -3.0), (40.1, 99999.9)), 20.5, True),
     BrushStroke(((0.0, 0.1),), 0.1, False),
 )
-BOXES = (SoftBox(-60.0, 20.0, 44.0, 12.0, 0.1, 3200.0, None, 1.7), SoftBox(colour=(0.9, 0.1, 0.2)))
+BOXES = (
+    SoftBox(-60.0, 20.0, 44.0, 12.0, 0.1, 3200.0, None, 1.7),
+    SoftBox(colour=(0.9, 0.1, 0.2)),
+    SoftBox(form="disc", hole=0.6, name="ring"),
+)
 
 
 @pytest.fixture
@@ -114,6 +119,23 @@ def test_a_light_file_carries_the_light_and_its_turn(tmp_path, name):
     assert read_light(tmp_path / "my.light.json") == light
 
 
+def test_lamps_that_were_taken_out_of_a_light_stay_out(tmp_path):
+    light = SavedLight(LightRef("rig", "ring"), apart("ring", LightEdit(boxes=BOXES)))
+    write_light(tmp_path / "my.light.json", light)
+    assert read_light(tmp_path / "my.light.json") == light
+    sky = tampered(tmp_path / "my.light.json", light__name="overcast", light__boxes=[])
+    assert read_light(sky).light_edit == LightEdit()
+
+
+def test_a_lamp_of_an_odd_shape_or_name_becomes_one_that_can_be_drawn(folder, document):
+    odd = {"form": "star", "hole": 1.0, "name": "key\nlight" + "x" * 99}
+    session = read_session(tampered(saved(folder, document), light__boxes=[odd]))
+    (box,) = session.document.light_edit.boxes
+    assert (box.form, box.hole) == ("rectangle", 0.9)
+    assert box.name == "keylight" + "x" * 32
+    assert sorted(session.notes) == ["hole 1 is out of range and became 0.9", "unknown form star became rectangle"]
+
+
 def test_the_light_of_an_open_photo_is_not_one_to_file(tmp_path):
     with pytest.raises(InputError, match="session"):
         write_light(tmp_path / "own.light.json", SavedLight(LightRef("own")))
@@ -162,7 +184,7 @@ WRONG = [
     {"brush_strokes": [{"adds": True, "radius_px": "3", "points": "1,2"}]},
     {"brush_strokes": [{"adds": True, "radius_px": 3}]},
     *({"brush_strokes": [{"adds": True, "radius_px": 3, "points": points}]} for points in NO_POINTS),
-    {"version": 4},
+    {"version": 5},
     {"version": None},
     {"relight": "light"},
     {"photo": None},

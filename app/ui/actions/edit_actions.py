@@ -113,6 +113,15 @@ BOXES = (
         is_on=lambda state: state.aim == "bright",
     ),
     Action(
+        "Move the light's own lamps",
+        _LIGHT,
+        ("M",),
+        "As soft boxes; again puts them back where they were",
+        light_edits.switch_lamps,
+        available=light_edits.has_lamps,
+        is_on=lambda state: state.light_edit.apart,
+    ),
+    Action(
         "Delete the box",
         _LIGHT,
         ("Delete",),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 
 from imgui_bundle import imgui
@@ -11,6 +12,7 @@ from app.ui.panels.groups import Tool, group, tools_beside
 from app.ui.panels.panorama import NEW_AT, add_box
 from app.ui.state import EditorState
 from app.ui.viewport.box_tools import with_box
+from relight_core.lighting.soft_box import SoftBox, box_title
 from relight_core.lighting.summary import metered_level_ev
 
 _BOX = {
@@ -32,6 +34,12 @@ _LIGHT = {
         "Blur", 0.0, 60.0, 0.0, "%.0f°", "Spreads the light as a diffuser does: softer shadows, wider highlights."
     ),
 }
+_SHAPES = (
+    ("rectangle", "Square", "A soft box, a window, a strip."),
+    ("disc", "Round", "A beauty dish, an umbrella, a bulb, a ring light."),
+)
+_HOLE = widgets.Slider("Hole", 0.0, 0.9, 0.0, "%.2f", "How much of it is dark in the middle, as of a ring light.")
+_LAMPS = "Its lamps"
 _REMOVE = "Remove all"
 _AS_PHOTO = "The level at which the lit part of the face is as bright as in the photo.  Shift + A"
 _AIMS = (
@@ -43,16 +51,7 @@ _AIMS = (
 def tools(state: EditorState) -> None:
     """Adding a soft box, on the panorama or by the face."""
     spacing = 4.0
-    has_boxes = bool(state.light_edit.boxes)
-    remove = imgui.calc_text_size(_REMOVE).x + imgui.get_font_size()
-    if imgui.button("+  Soft box", imgui.ImVec2(-remove - spacing if has_boxes else -1.0, 0.0)):
-        add_box(state, *NEW_AT)
-    imgui.set_item_tooltip("Add a lamp. Drag it on the panorama; its corners resize it.  N")
-    if has_boxes:
-        imgui.same_line(0.0, spacing)
-        if imgui.button(_REMOVE, imgui.ImVec2(remove, 0.0)):
-            light_edits.delete_boxes(state)
-        imgui.set_item_tooltip("Leaves the light without soft boxes.  Shift + Delete")
+    _lamp_tools(state, spacing)
     imgui.begin_disabled(state.snapshot.picture is None)
     imgui.align_text_to_frame_padding()
     imgui.text_disabled("On the face")
@@ -67,6 +66,33 @@ def tools(state: EditorState) -> None:
     imgui.end_disabled()
 
 
+def _lamp_tools(state: EditorState, spacing: float) -> None:
+    """The row that adds lamps, moves those of the light itself, and takes all of them away."""
+    has_boxes, has_lamps = bool(state.light_edit.boxes), light_edits.has_lamps(state)
+    words = [word for word, is_there in ((_LAMPS, has_lamps), (_REMOVE, has_boxes)) if is_there]
+    widths = {word: imgui.calc_text_size(word).x + imgui.get_font_size() for word in words}
+    if imgui.button("+  Soft box", imgui.ImVec2(-sum(widths.values()) - spacing * len(words) - 1.0, 0.0)):
+        add_box(state, *NEW_AT)
+    imgui.set_item_tooltip("Add a lamp. Drag it on the panorama; its corners resize it.  N")
+    if has_lamps:
+        imgui.same_line(0.0, spacing)
+        if widgets.toggle(_LAMPS, state.light_edit.apart, widths[_LAMPS]):
+            light_edits.switch_lamps(state)
+        imgui.set_item_tooltip(_lamp_words(state))
+    if has_boxes:
+        imgui.same_line(0.0, spacing)
+        if imgui.button(_REMOVE, imgui.ImVec2(widths[_REMOVE], 0.0)):
+            light_edits.delete_boxes(state)
+        imgui.set_item_tooltip("Leaves the light without soft boxes.  Shift + Delete")
+
+
+def _lamp_words(state: EditorState) -> str:
+    title = state.light.title
+    if state.light_edit.apart:
+        return f"The lamps of {title} are soft boxes. Click to put them back as they were.  M"
+    return f"Makes the lamps of {title} soft boxes: move, resize, dim and colour them.  M"
+
+
 def box(state: EditorState, fonts: theme.Fonts) -> None:
     """The selected soft box."""
     index, boxes = state.selected_box, state.light_edit.boxes
@@ -76,7 +102,7 @@ def box(state: EditorState, fonts: theme.Fonts) -> None:
     left = imgui.get_cursor_screen_pos()
     width = imgui.get_content_region_avail().x
     imgui.align_text_to_frame_padding()
-    widgets.heading(fonts, f"Soft box {index + 1}")
+    widgets.heading(fonts, box_title(boxes, index))
     delete = imgui.calc_text_size("Delete").x + imgui.get_font_size()
     imgui.same_line()
     imgui.set_cursor_screen_pos(imgui.ImVec2(left.x + width - delete, left.y))
@@ -87,20 +113,30 @@ def box(state: EditorState, fonts: theme.Fonts) -> None:
     changed = {field: widgets.slider(state, spec, getattr(boxes[index], field)) for field, spec in _BOX.items()}
     if changed["kelvin"] != boxes[index].kelvin:
         changed["colour"] = None
-    new = replace(boxes[index], **changed)
+    new = _shaped(state, replace(boxes[index], **changed))
     new = replace(new, colour=_gel(state, new.colour))
     if new != boxes[index]:
         state.light_edit = replace(state.light_edit, boxes=with_box(boxes, index, new))
 
 
+def _shaped(state: EditorState, lamp: SoftBox) -> SoftBox:
+    """Square, round, or a ring; of the same area and irradiance whichever."""
+    form = widgets.segmented(_SHAPES, lamp.form)
+    if form != lamp.form:
+        side = math.sqrt(lamp.width_deg * lamp.height_deg)
+        lamp = replace(lamp, form=form, width_deg=side, height_deg=side)
+    return replace(lamp, hole=widgets.slider(state, _HOLE, lamp.hole)) if lamp.is_round else lamp
+
+
 def light(state: EditorState, fonts: theme.Fonts) -> None:
     """The whole light."""
-    edited = replace(state.light_edit, boxes=()) != state.light.opening_edit
+    edited = replace(state.light_edit, boxes=(), apart=False) != state.light.opening_edit
     back = Tool("Reset", "Puts level, colour and blur of the light back.", edited)
     summary = "changed" if edited else "metered" if state.light_edit.metered else ""
     opened, pressed = group(state, fonts, "adjust", "Adjust the light", summary, (back,))
     if pressed:
-        state.light_edit = replace(state.light.opening_edit, boxes=state.light_edit.boxes)
+        lamps = {"boxes": state.light_edit.boxes, "apart": state.light_edit.apart}
+        state.light_edit = replace(state.light.opening_edit, **lamps)
     if not opened:
         return
     _level_tools(state)
