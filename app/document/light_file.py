@@ -5,7 +5,7 @@ A light file carries one light and its turn; a session carries the same group un
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import asdict, dataclass, field
 from pathlib import Path, PurePath
 
 from app.document.document import LightRef
@@ -13,7 +13,6 @@ from app.document.json_fields import Fields, is_place_for, path_for_file, path_f
 from app.engine.sources import PICTURE_SUFFIXES
 from relight_core.errors import InputError
 from relight_core.lighting.light_edit import MOST_BOXES, LightEdit
-from relight_core.lighting.rig_lamps import has_lamps
 from relight_core.lighting.rigs import rig_names
 from relight_core.lighting.soft_box import LARGEST_DEG, SMALLEST_DEG, SoftBox
 
@@ -125,8 +124,6 @@ def read_light_content(fields: Fields, path: Path, stand_in: LightRef | None = N
                 raise
             return stand_in, _without_its_light(fields, name, stand_in)
     light_edit = _light_edit(fields)
-    if light_edit.apart and not (kind == "rig" and has_lamps(name)):
-        light_edit = replace(light_edit, apart=False)
     return LightRef(kind, name if kind != "own" else ""), light_edit
 
 

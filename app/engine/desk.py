@@ -24,6 +24,7 @@ from relight_core.imaging.photo import Photo
 from relight_core.imaging.read import read_photo
 from relight_core.lighting.environment import Environment, read_environment
 from relight_core.lighting.light_edit import LightEdit, edit_light
+from relight_core.lighting.own_lamps import own_lamps
 from relight_core.pipeline.edit import Edit
 
 _OWN = LightSource("own")
@@ -219,7 +220,9 @@ class Desk:
             raise InputError(f"{now.opened.source.name}: there is no face to tell its light by; draw a box over one")
         if source.kind == "rig":
             environment, panorama, ball = rig_for_screen(source.name)
-            return replace(now, light=OpenLight(source, environment, panorama, ball, environment))
+            return replace(
+                now, light=OpenLight(source, environment, panorama, ball, environment, lamps=environment.lamps)
+            )
         if source in self._lights:
             return replace(now, light=self._lights[source])
         light = _for_screen(source, self._environment(source))
@@ -302,7 +305,7 @@ def _without_portrait(now: Snapshot) -> Snapshot:
 def _for_screen(source: LightSource, base: Environment) -> OpenLight:
     edit = source.opening_edit
     panorama, ball = panorama_for_screen(base), ball_for_screen(base)
-    return OpenLight(source, edit_light(base, edit), panorama, ball, base, edit)
+    return OpenLight(source, edit_light(base, edit), panorama, ball, base, edit, lamps=own_lamps(base))
 
 
 def error_line(error: Exception) -> str:

@@ -12,6 +12,7 @@ from relight_core.face.find import FaceBox
 from relight_core.imaging.photo import Photo
 from relight_core.lighting.environment import Environment
 from relight_core.lighting.light_edit import LightEdit
+from relight_core.lighting.soft_box import SoftBox
 from relight_core.pipeline.auto_quality import TierCost
 from relight_core.pipeline.edit import Edit
 from relight_core.pipeline.results.display import DisplayRecipe
@@ -48,6 +49,7 @@ class OpenLight:
         base: the light before it was edited.
         edit: what was changed about it.
         is_draft: it was drawn coarsely, while the hand was moving.
+        lamps: of the base, that could be taken out of it.
     """
 
     source: LightSource
@@ -57,6 +59,7 @@ class OpenLight:
     base: Environment
     edit: LightEdit = field(default_factory=LightEdit)
     is_draft: bool = False
+    lamps: tuple[SoftBox, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)

@@ -6,8 +6,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from app.ui.viewport.box_tools import without_box
-from relight_core.lighting import rig_lamps
-from relight_core.lighting.light_edit import MOST_BOXES, MOST_LEVEL_EV
+from relight_core.lighting.light_edit import MOST_BOXES, MOST_LEVEL_EV, put_together, taken_apart
 
 if TYPE_CHECKING:
     from app.engine.snapshot import Picture
@@ -44,16 +43,17 @@ def delete_boxes(state: EditorState) -> None:
 
 
 def has_lamps(state: EditorState) -> bool:
-    """Whether the light has lamps of its own that can be moved."""
-    return state.light.kind == "rig" and rig_lamps.has_lamps(state.light.name)
+    """Whether the light that is wanted is there and has lamps of its own that can be moved."""
+    light = state.snapshot.light
+    return light is not None and state.light.same_as(light.source) and bool(light.lamps)
 
 
 def switch_lamps(state: EditorState) -> None:
     """Make the light's own lamps soft boxes, the strongest of them selected, or put them back."""
     if state.light_edit.apart:
-        state.light_edit, state.selected_box = rig_lamps.together(state.light_edit), -1
+        state.light_edit, state.selected_box = put_together(state.light_edit), -1
         return
-    edit = rig_lamps.apart(state.light.name, state.light_edit)
+    edit = taken_apart(state.light_edit, state.snapshot.light.lamps)
     if len(edit.boxes) > MOST_BOXES:
         state.asking.tell(f"A light has at most {MOST_BOXES} soft boxes; delete some first", True)
         return

@@ -17,7 +17,9 @@ from relight_core.lighting.sphere import directions, place_on_map, solid_angles,
 
 _ROWS = 128
 _MOST = 4
-_AROUND_DEG, _BEYOND_DEG = 12.0, 18.0
+AROUND_DEG, BEYOND_DEG = 12.0, 18.0
+"""How far from its middle a lamp reaches at most, and what around that counts as its surroundings."""
+
 _DIMMEST = 4.0
 _CENTRINGS = 3
 _RADIUS_DEG = (7.5, 4.0)
@@ -101,8 +103,8 @@ def _find(shape: np.ndarray) -> tuple[Lamp, ...]:
         # What belongs to one lamp is no part of another: the haze around a sun would be that sun once more.
         for _ in range(_CENTRINGS):
             apart = toward @ centre
-            around = left & (apart > np.cos(np.radians(_AROUND_DEG)))
-            lamp = _measured(grey, toward, areas, around, left & ~around & (apart > np.cos(np.radians(_BEYOND_DEG))))
+            around = left & (apart > np.cos(np.radians(AROUND_DEG)))
+            lamp = _measured(grey, toward, areas, around, left & ~around & (apart > np.cos(np.radians(BEYOND_DEG))))
             centre = np.array(lamp.toward)
         if lamp.hardness > 0:
             lamps.append(lamp)

@@ -11,6 +11,7 @@ from relight_core.lighting.colour_temperature import WHITE_KELVIN, kelvin_to_rgb
 from relight_core.lighting.enlarge import COARSE_HEIGHT, enlarge
 from relight_core.lighting.environment import Environment, mean_luminance, rotate, shrink
 from relight_core.lighting.light_blur import blur_light
+from relight_core.lighting.own_lamps import room_of
 from relight_core.lighting.soft_box import SoftBox, soft_box_radiance
 from relight_core.lighting.summary import meter_reading, metered_level_ev
 
@@ -38,8 +39,8 @@ class LightEdit:
         blur_deg: standard deviation of the blur, [0, 90].
         boxes: soft boxes, at most 16; neither colour, blur nor base touch them.
         metered: the light beneath all this is brought to the level that suits a photo, whatever units it came in.
-        apart: the lamps of a light that is drawn from lamps are taken out, and only its room lies beneath the boxes;
-            see `rig_lamps.apart`. Changes nothing about a light without a room.
+        apart: the light's own lamps are taken out, and only its room lies beneath the boxes (see `taken_apart`).
+            Changes nothing about a light without lamps.
     """
 
     level_ev: float = 0.0
@@ -80,8 +81,8 @@ def edit_light(light: Environment, edit: LightEdit, draft: bool = False) -> Envi
     stops = edit.level_ev + (metered_level_ev(light) if edit.metered else 0.0)
     if edit.changes_shape:
         height = DRAFT_HEIGHT if draft else max(DRAWN_HEIGHT, light.height)
-        beneath = light.room if edit.apart and light.room is not None else light.shape
-        radiance = _coloured(_at_most(beneath, height), edit)
+        room = room_of(light) if edit.apart else None
+        radiance = _coloured(_at_most(light.shape if room is None else room, height), edit)
         radiance = blur_light(radiance, edit.blur_deg) * np.float32(edit.base)
         if edit.boxes:
             radiance = _with_boxes(radiance, edit.boxes, meter_reading(light), draft)
@@ -89,6 +90,24 @@ def edit_light(light: Environment, edit: LightEdit, draft: bool = False) -> Envi
         edited = Environment.from_radiance(radiance, light.name)
         light = edited.at_level(edited.level * level)
     return light if stops == 0.0 else light.at_level(light.level * 2.0**stops)
+
+
+def taken_apart(edit: LightEdit, own: tuple[SoftBox, ...]) -> LightEdit:
+    """The same light with its own lamps as soft boxes before those that were added, and its room beneath them.
+
+    What `edit.base` leaves of the light it leaves of each lamp. Saturation, warmth, tint and blur touch no soft box:
+    from now on they act on the room alone.
+
+    Args:
+        own: the lamps of the base (`own_lamps.own_lamps`).
+    """
+    lamps = tuple(replace(lamp, intensity=lamp.intensity * edit.base) for lamp in own)
+    return replace(edit, boxes=(*lamps, *edit.added_boxes), apart=True)
+
+
+def put_together(edit: LightEdit) -> LightEdit:
+    """The light as it was, with what was added; the reverse of `taken_apart`."""
+    return replace(edit, boxes=edit.added_boxes, apart=False)
 
 
 def turned_light(light: Environment, yaw_deg: float) -> Environment:

@@ -36,7 +36,7 @@ class SoftBox:
             side of the light that the box is added to; [0, 16].
         form: "rectangle" or "disc".
         hole: share of a disc's width that stays dark in its middle, [0, 0.9]: a ring light.
-        name: of the light's own lamp that the box was (see `rig_lamps`); empty for a lamp of the user's.
+        name: of the light's own lamp that the box was (see `own_lamps`); empty for a lamp of the user's.
     """
 
     azimuth_deg: float = -45.0

@@ -27,9 +27,10 @@ def opened_photo(path=None):
     return OpenPhoto(PhotoSource(photo), photo, photo.linear.astype(np.float16))
 
 
-def open_light(source):
+def open_light(source, lamps=()):
     environment = Environment.from_radiance(np.ones((4, 8, 3)), "even")
-    return OpenLight(source, environment, np.zeros((4, 8, 3), np.uint8), np.zeros((4, 4, 4), np.uint8), environment)
+    panorama, ball = np.zeros((4, 8, 3), np.uint8), np.zeros((4, 4, 4), np.uint8)
+    return OpenLight(source, environment, panorama, ball, environment, lamps=lamps)
 
 
 @pytest.mark.parametrize(
@@ -243,10 +244,13 @@ def test_all_soft_boxes_go_at_once_and_the_room_is_whole_again():
 
 def test_the_lights_own_lamps_become_soft_boxes_and_go_with_it():
     state, added = EditorState(), SoftBox(azimuth_deg=70.0)
+    assert not light_edits.has_lamps(state), "as long as nobody has read the light"
+    state.accept(Snapshot(light=open_light(state.light, (SoftBox(name="fill", intensity=0.1), SoftBox(name="key")))))
+    assert light_edits.has_lamps(state)
     state.light_edit = LightEdit(boxes=(added,))
     light_edits.switch_lamps(state)
-    assert [box.name for box in state.light_edit.boxes] == ["key", "fill", ""]
-    assert (state.light_edit.apart, state.selected_box) == (True, 0)
+    assert [box.name for box in state.light_edit.boxes] == ["fill", "key", ""]
+    assert (state.light_edit.apart, state.selected_box) == (True, 1)
     before = state.light_edit
     light_edits.switch_lamps(state)
     assert (state.light_edit, state.selected_box) == (LightEdit(boxes=(added,)), -1)
@@ -258,6 +262,7 @@ def test_the_lights_own_lamps_become_soft_boxes_and_go_with_it():
 
 def test_lamps_that_would_be_too_many_stay_where_they_are():
     state = EditorState()
+    state.accept(Snapshot(light=open_light(state.light, (SoftBox(name="key"), SoftBox(name="fill")))))
     state.light_edit = full = LightEdit(boxes=(SoftBox(),) * 15)
     light_edits.switch_lamps(state)
     assert state.light_edit == full

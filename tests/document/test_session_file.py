@@ -20,7 +20,6 @@ from app.document.session_file import (
 from relight_core.errors import InputError
 from relight_core.face.find import FaceBox
 from relight_core.lighting.light_edit import LightEdit
-from relight_core.lighting.rig_lamps import apart
 from relight_core.lighting.soft_box import SoftBox
 from relight_core.pipeline.edit import Edit
 from relight_core.pipeline.per_photo.brush import BrushStroke
@@ -120,11 +119,9 @@ def test_a_light_file_carries_the_light_and_its_turn(tmp_path, name):
 
 
 def test_lamps_that_were_taken_out_of_a_light_stay_out(tmp_path):
-    light = SavedLight(LightRef("rig", "ring"), apart("ring", LightEdit(boxes=BOXES)))
+    light = SavedLight(LightRef("rig", "ring"), LightEdit(boxes=BOXES, apart=True))
     write_light(tmp_path / "my.light.json", light)
     assert read_light(tmp_path / "my.light.json") == light
-    sky = tampered(tmp_path / "my.light.json", light__name="overcast", light__boxes=[])
-    assert read_light(sky).light_edit == LightEdit()
 
 
 def test_a_lamp_of_an_odd_shape_or_name_becomes_one_that_can_be_drawn(folder, document):
