@@ -51,7 +51,30 @@ def test_a_box_smaller_than_its_corners_reach_can_still_be_moved():
     small = SoftBox(-90.0, 0.0, 4.0, 4.0)
     u, v = uv_of(small.direction)
     assert grab((small,), 0, u + 0.5 / 360.0, v, 0.0, 10.0).kind == "move"
-    assert grab((small,), 0, u + 2.0 / 360.0, v - 2.0 / 180.0, 0.0, 10.0).kind == "resize"
+    assert grab((small,), -1, u + 3.0 / 360.0, v - 3.0 / 180.0, 0.0, 10.0).kind == "move", "beside it, but near"
+    assert grab((small,), 0, u + 5.0 / 360.0, v - 5.0 / 180.0, 0.0, 10.0).kind == "resize"
+    assert grab((small,), -1, u + 5.0 / 360.0, v - 5.0 / 180.0, 0.0, 10.0).kind == "turn"
+
+
+@pytest.mark.parametrize("form", ["rectangle", "disc"])
+def test_a_corner_that_is_taken_from_beside_it_does_not_jump(form):
+    small = SoftBox(-90.0, 0.0, 6.0, 6.0, form=form)
+    u, v = uv_of(small.direction)
+    u, v = u + 5.0 / 360.0, v - 5.0 / 180.0
+    held = grab((small,), 0, u, v, 0.0, 9.0)
+    assert held.kind == "resize"
+    (still,) = dragged((small,), held, u, v, 0.0)
+    assert (still.width_deg, still.height_deg) == pytest.approx((6.0, 6.0), abs=1e-3)
+    (larger,) = dragged((small,), held, u + 8.0 / 360.0, v - 8.0 / 180.0, 0.0)
+    assert larger.width_deg > 15.0
+
+
+def test_a_small_lamp_before_a_large_one_can_be_taken():
+    sun, window = SoftBox(-90.0, 0.0, 3.0, 3.0), SoftBox(-90.0, 0.0, 80.0, 80.0)
+    u, v = uv_of(sun.direction)
+    assert grab((sun, window), -1, u, v + 0.01, 0.0, 10.0).index == 1, "of two middles the newest"
+    u, v = uv_of(SoftBox(-70.0, 10.0).direction)
+    assert grab((SoftBox(-70.0, 10.0, 3.0, 3.0), window), -1, u, v, 0.0, 10.0).index == 0
 
 
 def test_of_boxes_that_overlap_the_selected_one_is_taken():

@@ -38,7 +38,7 @@ class Grab:
     Attributes:
         kind: "turn", "move" or "resize".
         index: of the box; -1 for "turn".
-        du, dv: from the mouse to the box's centre, for "move".
+        du, dv: from the mouse to the box's centre, for "move", or to the corner, for "resize".
     """
 
     kind: str
@@ -50,42 +50,49 @@ class Grab:
 def grab(boxes: tuple[SoftBox, ...], selected: int, u: float, v: float, yaw_deg: float, reach_deg: float) -> Grab:
     """What a press at a point of the panorama takes hold of: a corner, a box, or the panorama itself.
 
-    Corners can be taken of the selected box only, and come first where its middle is not nearer, so that a small box
-    can still be moved; of boxes that overlap, the selected one comes first and then the newest.
+    Corners can be taken of the selected box only. A box is moved by all of it and by what lies around its middle, so
+    that one smaller than a finger's breadth, such as a sun, can be taken at all; of boxes that overlap, the selected
+    one comes first and then the newest.
 
     Args:
         selected: index of the selected box, or -1.
-        reach_deg: how near a corner counts, on the panorama, of whose height 180 degrees are.
+        reach_deg: how near a corner counts, on the panorama, of whose height 180 degrees are; a middle half as near.
     """
     u = u - yaw_deg / 360.0
     direction = direction_at(u, v)
-    if 0 <= selected < len(boxes):
-        box = boxes[selected]
-        nearest = min(_apart_deg(corner, u, v) for corner in corners(box))
-        if nearest <= reach_deg and nearest < _apart_deg(box.direction, u, v):
-            return Grab("resize", selected)
+    in_middle = [_apart_deg(box.direction, u, v) <= reach_deg / 2 for box in boxes]
+    if 0 <= selected < len(boxes) and not in_middle[selected]:
+        corner = min(corners(boxes[selected]), key=lambda corner: _apart_deg(corner, u, v))
+        if _apart_deg(corner, u, v) <= reach_deg:
+            return Grab("resize", selected, *_between(u, v, corner))
     order = sorted(range(len(boxes)), key=lambda index: (index == selected, index), reverse=True)
-    for index in order:
-        if contains(boxes[index], direction):
-            centre_u, centre_v = uv_of(boxes[index].direction)
-            return Grab("move", index, (centre_u - u + 0.5) % 1.0 - 0.5, centre_v - v)
+    for held in (in_middle, [contains(box, direction) for box in boxes]):
+        for index in order:
+            if held[index]:
+                return Grab("move", index, *_between(u, v, boxes[index].direction))
     return Grab("turn")
+
+
+def _between(u: float, v: float, direction: np.ndarray) -> tuple[float, float]:
+    """From a point of the panorama to a direction, the shorter way round."""
+    its_u, its_v = uv_of(direction)
+    return (its_u - u + 0.5) % 1.0 - 0.5, its_v - v
 
 
 def _apart_deg(direction: np.ndarray, u: float, v: float) -> float:
     """How far a direction lies from a point of the panorama as it is drawn, with 360 degrees to its width."""
-    its_u, its_v = uv_of(direction)
-    return float(np.hypot(((its_u - u + 0.5) % 1.0 - 0.5) * 360.0, (its_v - v) * 180.0))
+    du, dv = _between(u, v, direction)
+    return float(np.hypot(du * 360.0, dv * 180.0))
 
 
 def dragged(boxes: tuple[SoftBox, ...], held: Grab, u: float, v: float, yaw_deg: float) -> tuple[SoftBox, ...]:
     """The boxes after the mouse has moved to a point while it holds one."""
-    u = u - yaw_deg / 360.0
     box = boxes[held.index]
+    to = direction_at(u - yaw_deg / 360.0 + held.du, min(max(v + held.dv, 0.0), 1.0))
     if held.kind == "move":
-        box = moved_to(box, direction_at(u + held.du, min(max(v + held.dv, 0.0), 1.0)))
+        box = moved_to(box, to)
     elif held.kind == "resize":
-        box = resized_to(box, direction_at(u, min(max(v, 0.0), 1.0)))
+        box = resized_to(box, to)
     return with_box(boxes, held.index, box)
 
 
