@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from app.ui.viewport.box_tools import without_box
+from app.ui.viewport.box_tools import with_box, without_box
 from relight_core.lighting.light_edit import MOST_BOXES, MOST_LEVEL_EV, put_together, taken_apart
 
 if TYPE_CHECKING:
@@ -30,9 +30,22 @@ def match_face(state: EditorState, picture: Picture) -> None:
     state.light_edit = replace(state.light_edit, level_ev=round(level_ev, 2))
 
 
+def has_box(state: EditorState) -> bool:
+    """Whether a soft box is selected."""
+    return 0 <= state.selected_box < len(state.light_edit.boxes)
+
+
+def raise_box(state: EditorState, degrees: float) -> None:
+    """Lift the selected soft box, or lower it; at most to straight above or below."""
+    if has_box(state):
+        box = state.light_edit.boxes[state.selected_box]
+        raised = replace(box, elevation_deg=min(max(box.elevation_deg + degrees, -90.0), 90.0))
+        state.light_edit = replace(state.light_edit, boxes=with_box(state.light_edit.boxes, state.selected_box, raised))
+
+
 def delete_box(state: EditorState) -> None:
     """Take the selected soft box away."""
-    if 0 <= state.selected_box < len(state.light_edit.boxes):
+    if has_box(state):
         boxes = without_box(state.light_edit.boxes, state.selected_box)
         state.light_edit, state.selected_box = replace(state.light_edit, boxes=boxes), -1
 

@@ -260,6 +260,20 @@ def test_the_lights_own_lamps_become_soft_boxes_and_go_with_it():
     assert not light_edits.has_lamps(state)
 
 
+def test_a_soft_box_is_raised_to_straight_above_and_no_further():
+    state = EditorState()
+    light_edits.raise_box(state, 5.0)
+    state.light_edit = LightEdit(boxes=(SoftBox(), SoftBox(30.0, 80.0)))
+    light_edits.raise_box(state, 5.0)
+    assert state.light_edit == LightEdit(boxes=(SoftBox(), SoftBox(30.0, 80.0))), "none is selected"
+    state.selected_box = 1
+    for elevation_deg in (85.0, 90.0, 90.0):
+        light_edits.raise_box(state, 5.0)
+        assert state.light_edit.boxes == (SoftBox(), SoftBox(30.0, elevation_deg))
+    light_edits.raise_box(state, -200.0)
+    assert state.light_edit.boxes[1].elevation_deg == -90.0
+
+
 def test_lamps_that_would_be_too_many_stay_where_they_are():
     state = EditorState()
     state.accept(Snapshot(light=open_light(state.light, (SoftBox(name="key"), SoftBox(name="fill")))))

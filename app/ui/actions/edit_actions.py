@@ -45,7 +45,19 @@ def _delete(state: EditorState) -> None:
 def _can_delete(state: EditorState) -> bool:
     if state.faces.is_open:
         return state.faces.selected >= 0
-    return 0 <= state.selected_box < len(state.light_edit.boxes)
+    return light_edits.has_box(state)
+
+
+def _raise(name: str, key: str, degrees: float) -> Action:
+    return Action(
+        name,
+        _LIGHT,
+        (key,),
+        f"The soft box that is selected, by {abs(degrees):.0f}°",
+        lambda state: light_edits.raise_box(state, degrees),
+        available=light_edits.has_box,
+        repeats=True,
+    )
 
 
 def _wish(kind: str):
@@ -121,6 +133,10 @@ BOXES = (
         available=light_edits.has_lamps,
         is_on=lambda state: state.light_edit.apart,
     ),
+    _raise("Raise the soft box", "Up", 5.0),
+    _raise("Lower the soft box", "Down", -5.0),
+    _raise("Nudge the soft box up", "Shift+Up", 1.0),
+    _raise("Nudge the soft box down", "Shift+Down", -1.0),
     Action(
         "Delete the box",
         _LIGHT,

@@ -102,8 +102,8 @@ def box(state: EditorState, fonts: theme.Fonts) -> None:
     left = imgui.get_cursor_screen_pos()
     width = imgui.get_content_region_avail().x
     imgui.align_text_to_frame_padding()
-    widgets.heading(fonts, box_title(boxes, index))
     delete = imgui.calc_text_size("Delete").x + imgui.get_font_size()
+    widgets.heading(fonts, widgets.shortened(box_title(boxes, index), width - delete - imgui.get_font_size()))
     imgui.same_line()
     imgui.set_cursor_screen_pos(imgui.ImVec2(left.x + width - delete, left.y))
     if imgui.button("Delete", imgui.ImVec2(delete, 0.0)):
