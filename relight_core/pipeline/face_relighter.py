@@ -143,10 +143,11 @@ class FaceRelighter(FaceInPhoto):
         seen = [lamp.rolled(self.portrait.view.roll_deg) for lamp in lamps]
         relief = self._relief(ready)
         horizon = self._once("horizon", ready.tier.surface_key, lambda: horizon_of(ready.found))
+        reflect = partial(stages.reflect, self._reflector(ready))
         return self.cache.run(
             "hard_shadow",
             plan.keys["hard_shadow"],
-            lambda: harden_shadow(effects, ready.surface, reflected, light, relief, horizon, seen),
+            lambda: harden_shadow(effects, ready.surface, reflected, light, relief, horizon, seen, reflect),
             "new light",
             keep=KEPT_LIGHTS,
         )

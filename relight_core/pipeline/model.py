@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 
 import torch
 
@@ -44,7 +45,9 @@ def light_surface(
         bundle, surface, reflected, relief, light, device, by_network=by_network, precision=precision, pair=pair
     )
     if relief is not None and horizon is not None:
-        effects = harden_shadow(effects, surface, reflected, light, relief, horizon, lamps)
+        effects = harden_shadow(
+            effects, surface, reflected, light, relief, horizon, lamps, partial(stages.reflect, reflector)
+        )
     composed = stages.compose(
         bundle, surface, reflected, effects, light, device, corrected=corrected, precision=precision, pair=pair
     )

@@ -1,5 +1,7 @@
 """Specular, shadow, their sum and the sliders, on arbitrary surfaces."""
 
+from dataclasses import replace
+
 import pytest
 import torch
 
@@ -162,6 +164,14 @@ def shaded(share_by_network, share_by_relief, diffuse=1.0, gloss=0.2):
 def test_of_a_shadow_what_network_and_relief_are_sure_of_is_not_in_doubt(by_network, by_relief, left):
     one = torch.ones(1, 1, 1, 1)
     assert doubtful_shadow(shaded(by_network, by_relief), one, 0.2 * one, one).item() == pytest.approx(left, abs=1e-5)
+
+
+def test_gloss_that_the_relief_hides_is_not_in_doubt_where_the_rest_is():
+    """Where light grazes a nose from behind, a lamp gives nearly all of the gloss and little else."""
+    one = torch.ones(1, 1, 1, 1)
+    effects = replace(shaded(0.5, 0.4), specular=0.02 * one, gloss_by_relief=one)
+    left = doubtful_shadow(effects, one, 0.2 * one, one).item()
+    assert left == pytest.approx(effects.shadow.item() - 0.18, abs=1e-5)
 
 
 def test_where_the_relief_is_not_trusted_all_of_a_shadow_is_in_doubt():

@@ -37,12 +37,21 @@ def side_light():
     return light
 
 
-def hardened(effects, lamps, irradiance=None, light=None, label=SKIN):
+def hardened(effects, lamps, irradiance=None, light=None, label=SKIN, given=None):
     found = surface(label)
     coarse = found.relief[0, 0, ::2, ::2], found.normal[0, :, ::2, ::2], torch.ones(SIZE // 2, SIZE // 2)
     reflection = reflected() if irradiance is None else irradiance
     light = side_light() if light is None else light
-    return harden_shadow(effects, found, reflection, light, march_relief(*coarse), horizon_of(found), lamps)
+    relief, horizon = march_relief(*coarse), horizon_of(found)
+    given = torch.cat([torch.full((1, 3, 1, 1), part) for part in given or given_by(lamps)], 1)
+    without = lambda rest: (reflection - given).clamp_min(0)  # noqa: E731
+    return harden_shadow(effects, found, reflection, light, relief, horizon, lamps, without)
+
+
+def given_by(lamps):
+    """Irradiance and gloss that a wall which faces the camera has of lamps at the side."""
+    irradiance = sum(lamp.irradiance * max(lamp.toward[2], 0.0) for lamp in lamps)
+    return irradiance, 0.036 / 3.0 * sum(lamp.irradiance for lamp in lamps)
 
 
 def half_shadow():
@@ -168,3 +177,25 @@ def test_what_the_relief_alone_hides_has_the_lamp_s_edges():
     shaded, lit = in_and_out_of_the_shadow(after.by_relief)
     assert shaded == pytest.approx(0.964, abs=0.02)
     assert lit < 0.02
+
+
+def test_a_hidden_lamp_takes_no_more_than_the_light_has_of_it():
+    """By its cosine the lamp would give 1.93 of the 2; in the light's texels, which it grazes, it gives 0.8."""
+    after = hardened(effects_with(0.4, 0.1), [lamp()], given=(0.8, 0.036))
+    assert 0.38 < share(after)[SIZE // 2, 25:29].mean() < 0.58
+
+
+def test_where_a_lamp_is_hidden_the_gloss_of_the_rest_of_the_light_stays():
+    """Of a gloss of 0.5 the lamp gives 0.49: a hole in the sheen of the room would be a dark blot."""
+    after = hardened(effects_with(0.5, 0.5, dull=0.98), [lamp()], reflected(gloss=0.5), given=(1.93, 0.49))
+    shaded, _ = in_and_out_of_the_shadow(after.specular)
+    assert shaded == pytest.approx(0.01 * 3 / 4, abs=0.001)
+
+
+def test_the_relief_hides_of_the_gloss_what_a_lamp_gives_of_it():
+    """A lamp that grazes gives a tenth of the light and nearly all of the gloss."""
+    after = hardened(effects_with(0.5, 0.5), [lamp()], reflected(gloss=0.5), given=(0.2, 0.49))
+    shaded, lit = in_and_out_of_the_shadow(after.gloss_by_relief)
+    assert shaded == pytest.approx(0.98, abs=0.02)
+    assert lit < 0.02
+    assert in_and_out_of_the_shadow(after.by_relief)[0] == pytest.approx(0.1 + 0.9 / 4, abs=0.03)

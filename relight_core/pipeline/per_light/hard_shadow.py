@@ -10,7 +10,7 @@ the hidden part of it; the less that is, the more the relief's word counts for i
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import torch
@@ -23,7 +23,6 @@ from relight_core.lighting.relief import ReliefTransport
 from relight_core.lighting.sphere import solid_angles
 from relight_core.pipeline.per_light.hints import (
     Effects,
-    gloss_share,
     hidden_gloss,
     hidden_share,
     smooth_gloss,
@@ -36,7 +35,9 @@ _SURE = 0.5
 _DOUBT = 0.05
 _SMALL_REST = 0.2
 """Share of all light that does not come from lamps for which network and relief are trusted alike."""
-_NO_GLOSS = 1e-6
+_NO_GLOSS, _NO_LIGHT = 1e-6, 1e-12
+_GRAZING = 0.01
+"""Texels of 11 degrees give some of a lamp's light to what just faces away from it."""
 
 
 def horizon_of(surface: Surface) -> Horizon:
@@ -53,6 +54,7 @@ def harden_shadow(
     transport: ReliefTransport,
     horizon: Horizon,
     lamps: Sequence[Lamp],
+    reflect: Callable[[torch.Tensor], torch.Tensor],
 ) -> Effects:
     """The effects with edges in the shadow of every lamp, and in that of the lamp's gloss.
 
@@ -61,19 +63,25 @@ def harden_shadow(
         light: (1, 16, 32, 3) that they are the effects of.
         transport: the relief as they were made with.
         lamps: of the light, in the view's camera space.
+        reflect: gives `reflected` of a light. What a lamp gives is what is missing without it, and not what its
+            cosine says: where light grazes the surface, texels of 11 degrees give it less or more than that, and
+            what is left where it is hidden would be too little or too much.
     """
     if not lamps:
         return effects
     diffuse, gloss = grey(surface.albedo * reflected[:, :3]), grey(reflected[:, 3:])
-    reach = _reach(surface, light, transport, horizon, lamps)
-    irradiance = grey(reflected[:, :3]).clamp_min(1e-3)
-    parts = [_part(lamp, surface, irradiance) for lamp in lamps]
+    rest = _without(light, lamps)
+    reach = _reach(surface, rest, transport, horizon, lamps)
+    without = reflect(rest)
+    parts = _parts(_irradiance(lamps, surface), grey(reflected[:, :3]), grey(without[:, :3]))
+    gloss_parts = _parts(_gloss(lamps, surface), gloss, grey(without[:, 3:]))
     hidden = _with_edges(hidden_share(effects, diffuse, gloss), parts, reach)
     dull = (hidden_gloss(effects, gloss) / gloss.clamp_min(_NO_GLOSS)).clamp(0, 1)
-    duller = _with_edges(dull, _gloss_parts(lamps, surface, gloss), reach)
+    duller = _with_edges(dull, gloss_parts, reach)
     specular = (effects.specular - gloss * (duller - dull)).clamp_min(0)
     lost = [torch.lerp(*of_lamp) for of_lamp in zip(reach.lost, reach.lost_finely, reach.decides, strict=True)]
-    edged = replace(effects, specular=specular, by_relief=_lost(parts, lost, reach))
+    by_relief, gloss_by_relief = (_lost(of_lamps, lost, reach) for of_lamps in (parts, gloss_parts))
+    edged = replace(effects, specular=specular, by_relief=by_relief, gloss_by_relief=gloss_by_relief)
     return with_hidden_share(edged, hidden, diffuse, gloss)
 
 
@@ -94,14 +102,21 @@ class _Reach:
     decides: Sequence[torch.Tensor]
 
 
+def _without(light: torch.Tensor, lamps: Sequence[Lamp]) -> torch.Tensor:
+    """The light (1, 16, 32, 3) without its lamps; of a texel's colours all alike are taken."""
+    radiance = grey(light.float().permute(0, 3, 1, 2))[0, 0]
+    of_lamps = sum(torch.from_numpy(footprint(lamp)) * (torch.pi * lamp.irradiance) for lamp in lamps)
+    of_lamps = (of_lamps / torch.from_numpy(solid_angles(*radiance.shape))).to(radiance)
+    left = (1 - of_lamps / radiance.clamp_min(_NO_LIGHT)).clamp(0, 1)
+    return light * left[None, :, :, None]
+
+
 def _reach(
-    surface: Surface, light: torch.Tensor, transport: ReliefTransport, horizon: Horizon, lamps: Sequence[Lamp]
+    surface: Surface, rest: torch.Tensor, transport: ReliefTransport, horizon: Horizon, lamps: Sequence[Lamp]
 ) -> _Reach:
     like = surface.relief
-    radiance = grey(light.float().cpu().permute(0, 3, 1, 2))[0, 0]
     power = [torch.from_numpy(footprint(lamp)) for lamp in lamps]
-    of_lamps = sum(share * (torch.pi * lamp.irradiance) for share, lamp in zip(power, lamps, strict=True))
-    rest = (radiance - of_lamps / torch.from_numpy(solid_angles(*radiance.shape))).clamp_min(0)
+    rest = grey(rest.float().cpu().permute(0, 3, 1, 2))[0, 0]
     lost_rest, *lost = 1 - transport.visibility(torch.stack([rest, *power]), like.shape[-1]).to(like)
     seen = (torch.from_numpy(horizon.visibility(lamp.toward, lamp.radius_deg))[None, None].to(like) for lamp in lamps)
     return _Reach(lost, [1 - share for share in seen], lost_rest, [lamp.hardness * surface.bare_skin for lamp in lamps])
@@ -137,18 +152,27 @@ def _with_edges(hidden: torch.Tensor, parts: Sequence[torch.Tensor], reach: _Rea
     return (edged + doubt * (rest * reach.lost_rest - of_rest)).clamp(0, 1)
 
 
-def _part(lamp: Lamp, surface: Surface, irradiance: torch.Tensor) -> torch.Tensor:
-    """(1, 1, S, S) in [0, 1]: the lamp's share of all grey irradiance where nothing is hidden."""
-    toward = torch.tensor(lamp.toward, device=irradiance.device)[:, None, None]
-    facing = (surface.normal * toward).sum(1, keepdim=True).clamp_min(0)
-    return (facing * lamp.irradiance / irradiance).clamp(0, 1)
+def _parts(given: Sequence[torch.Tensor], all_light: torch.Tensor, without: torch.Tensor) -> list[torch.Tensor]:
+    """(1, 1, S, S) in [0, 1] of each lamp: its share of all grey irradiance, or gloss, where nothing is hidden.
+
+    Args:
+        given: what each lamp gives by itself, > 0; only its share of all lamps counts.
+        all_light, without: irradiance or gloss of the light, and of it without its lamps.
+    """
+    of_lamps = ((all_light - without) / all_light.clamp_min(_NO_GLOSS)).clamp(0, 1)
+    together = sum(given)
+    return [of_lamps * (of_lamp / together) for of_lamp in given]
 
 
-def _gloss_parts(lamps: Sequence[Lamp], surface: Surface, gloss: torch.Tensor) -> list[torch.Tensor]:
-    """(1, 1, S, S) in [0, 1] of each lamp: its share of all grey gloss (1, 1, S, S) where nothing is hidden."""
+def _irradiance(lamps: Sequence[Lamp], surface: Surface) -> list[torch.Tensor]:
+    toward = [torch.tensor(lamp.toward, device=surface.normal.device)[:, None, None] for lamp in lamps]
+    facing = [(surface.normal * direction).sum(1, keepdim=True).clamp_min(0) + _GRAZING for direction in toward]
+    return [of_lamp * lamp.irradiance for of_lamp, lamp in zip(facing, lamps, strict=True)]
+
+
+def _gloss(lamps: Sequence[Lamp], surface: Surface) -> list[torch.Tensor]:
     normal = surface.normal[0].float().flatten(1).T
     toward = normal.new_tensor([lamp.toward for lamp in lamps])
     power = normal.new_tensor([torch.pi * lamp.irradiance for lamp in lamps])
-    of_lamps = (specular_lobe(toward, normal) * power[:, None]).unflatten(1, gloss.shape[-2:])
-    smooth = smooth_gloss(of_lamps[None] * gloss_share(surface.parsing))
-    return list((smooth / gloss.clamp_min(_NO_GLOSS)).clamp(0, 1).split(1, dim=1))
+    of_lamps = ((specular_lobe(toward, normal) + _NO_GLOSS) * power[:, None]).unflatten(1, surface.normal.shape[-2:])
+    return list(smooth_gloss(of_lamps[None]).split(1, dim=1))

@@ -82,12 +82,15 @@ class Effects:
             takes all alike. Of a white surface the mean of what it takes, weighted by luminance, stays `shadow`.
         by_relief: (B, 1, H, W) in [0, 1] the share of the light that the relief alone hides; None where none was
             asked.
+        gloss_by_relief: the same of the gloss, of which a lamp may give more than of the rest; None where it is as
+            much.
     """
 
     specular: torch.Tensor
     shadow: torch.Tensor
     tint: torch.Tensor | None = None
     by_relief: torch.Tensor | None = None
+    gloss_by_relief: torch.Tensor | None = None
 
 
 def effects_of(occlusion: Occlusion, reflected: torch.Tensor, albedo: torch.Tensor) -> Effects:
@@ -154,12 +157,17 @@ def doubtful_shadow(
     """
     if effects.by_relief is None:
         return effects.shadow
-    least, most = _CERTAIN
     by_relief = effects.by_relief * trusted
-    certain = ((by_relief - least) / (most - least)).clamp(0, 1)
+    gloss_by_relief = by_relief if effects.gloss_by_relief is None else effects.gloss_by_relief * trusted
     of_diffuse = torch.minimum(hidden_share(effects, diffuse, gloss), by_relief) * diffuse
-    of_gloss = torch.minimum(hidden_gloss(effects, gloss), by_relief * gloss)
-    return (effects.shadow - certain * (of_diffuse + of_gloss)).clamp_min(0)
+    of_gloss = torch.minimum(hidden_gloss(effects, gloss), gloss_by_relief * gloss)
+    certain = _certainty(by_relief) * of_diffuse + _certainty(gloss_by_relief) * of_gloss
+    return (effects.shadow - certain).clamp_min(0)
+
+
+def _certainty(by_relief: torch.Tensor) -> torch.Tensor:
+    least, most = _CERTAIN
+    return ((by_relief - least) / (most - least)).clamp(0, 1)
 
 
 def explicit_sum(
