@@ -16,7 +16,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from app.document.document import Document
-from app.document.json_fields import kind_of
+from app.document.json_fields import is_too_large, kind_of
 from app.document.session_file import KIND, read_session, write_session
 from relight_core.errors import InputError
 
@@ -220,7 +220,7 @@ def leftovers(folder: Path, tell: Callable[[str], None] = _log.warning) -> list[
             leftover = Leftover(path, session.document, path.stat().st_mtime, session.notes)
         except (InputError, OSError) as error:
             # A photo that is only out of reach for now is no reason to forget the work.
-            if kind_of(path) == KIND:
+            if kind_of(path) == KIND or is_too_large(path):
                 tell(f"Unsaved work can't be restored yet: {error}")
             else:
                 _log.warning("unsaved work can't be recovered: %s", error)

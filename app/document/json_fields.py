@@ -17,7 +17,9 @@ from relight_core.errors import InputError
 from relight_core.imaging.files import file_bytes, file_head, whole_file
 from relight_core.imaging.read import is_picture_head
 
-LARGEST_BYTES = 1_000_000
+LARGEST_BYTES = 4_000_000
+"""More than a session has with as many strokes of the brush, as long as they may be."""
+
 MARK = "relight"
 
 
@@ -227,13 +229,22 @@ def _is_foreign(text: str) -> bool:
     return os.sep == "/" and bool(PureWindowsPath(text).drive)
 
 
+def is_too_large(path: Path) -> bool:
+    """Whether it is a file larger than any of ours, so that nobody has looked into it."""
+    try:
+        found = os.stat(path)
+    except (OSError, ValueError):
+        return False
+    return stat.S_ISREG(found.st_mode) and found.st_size > LARGEST_BYTES
+
+
 def _is_odd(path: Path) -> bool:
     """Whether it is there, but as a device, a pipe or a file far too large."""
     try:
         found = os.stat(path)
     except (OSError, ValueError):
         return False
-    return not stat.S_ISREG(found.st_mode) or found.st_size > LARGEST_BYTES
+    return not stat.S_ISREG(found.st_mode) or is_too_large(path)
 
 
 def _is_finite(value: float) -> bool:

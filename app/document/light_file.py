@@ -130,8 +130,7 @@ def read_light_content(fields: Fields, path: Path, stand_in: LightRef | None = N
 def _without_its_light(fields: Fields, name: str, stand_in: LightRef) -> LightEdit:
     """Level, colour and blur were changes to the light that is gone; boxes and the room's share stay."""
     fields.note(f"the light {PurePath(name).name:.80} is not there, and {stand_in.source().title} stands in for it")
-    light_edit = _light_edit(fields)
-    return LightEdit(base=light_edit.base, boxes=light_edit.added_boxes)
+    return _light_edit(fields).added
 
 
 def _light_edit(fields: Fields) -> LightEdit:

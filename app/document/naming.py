@@ -45,10 +45,10 @@ def change_between(before: Document, after: Document) -> Change | None:
     lit = _differing(before.light_edit, after.light_edit, "light")
     touched = (*edited, *lit)
     same_added = before.light_edit.added_boxes == after.light_edit.added_boxes
-    if set(touched) == {"light.boxes", "light.apart"} and same_added:
+    about_boxes = set(touched) <= {"light.boxes", "light.base", "light.apart"}
+    if "light.apart" in touched and about_boxes and same_added:
         taken = "Take the light's lamps apart" if after.light_edit.apart else "Put the light's lamps back"
         return Change(touched, taken, alone=True)
-    about_boxes = set(touched) <= {"light.boxes", "light.base", "light.apart"}
     if before.light_edit.boxes and not after.light_edit.boxes and about_boxes:
         return Change(("light.boxes.delete",), _without_boxes(before.light_edit), alone=True)
     if len(touched) > 1:

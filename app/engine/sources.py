@@ -152,8 +152,8 @@ class LightSource:
 
         Level, colour and blur were changes to the light before, and lamps of its own go with it.
         """
-        boxes = before.added_boxes
-        return replace(self.opening_edit, base=before.base if boxes else 1.0, boxes=boxes)
+        added = before.added
+        return replace(self.opening_edit, base=added.base, boxes=added.boxes)
 
     def same_as(self, other: LightSource | None) -> bool:
         """Whether the other wish is for the same light."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import string
 import warnings
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -29,7 +30,8 @@ _CURSORS = {
     imgui.MouseCursor_.resize_nesw: glfw.RESIZE_NESW_CURSOR,
 }
 _LABELLED = {"+": glfw.KEY_EQUAL, "=": glfw.KEY_EQUAL, "-": glfw.KEY_MINUS}
-"""Keys that zoom, by what is printed on them; "+" and "=" share one on a US keyboard."""
+_LABELLED |= {",": glfw.KEY_COMMA, ".": glfw.KEY_PERIOD}
+"""Signs that do something, by what is printed on the keys; "+" and "=" share one on a US keyboard."""
 _SHORTEST_FRAME_S = 1e-3
 
 
@@ -220,9 +222,10 @@ def _standard_cursor(shape: int) -> object | None:
 
 
 def _as_labelled(key: int) -> int:
-    """The key by what is printed where a US keyboard has `key`: a letter, plus, minus or equals; other keys stay.
+    """The key by what is printed where a US keyboard has `key`: a letter or a sign that does something.
 
-    Digits stay where they are, since some keyboards have them above other signs.
+    Other keys stay, but a sign where a US keyboard has a letter is not that letter. Digits stay where they are, since
+    some keyboards have them above other signs.
     """
     is_sign = glfw.KEY_APOSTROPHE <= key <= glfw.KEY_GRAVE_ACCENT and not glfw.KEY_0 <= key <= glfw.KEY_9
     if not is_sign and key not in (glfw.KEY_WORLD_1, glfw.KEY_WORLD_2):
@@ -230,4 +233,5 @@ def _as_labelled(key: int) -> int:
     name = (glfw.get_key_name(key, 0) or "").upper()
     if glfw.KEY_A <= key <= glfw.KEY_Z and len(name) == 1 and "A" <= name <= "Z":
         return ord(name)
-    return _LABELLED.get(name, key)
+    is_letter_by_place = glfw.KEY_A <= key <= glfw.KEY_Z and name in tuple(string.punctuation)
+    return _LABELLED.get(name, glfw.KEY_UNKNOWN if is_letter_by_place else key)

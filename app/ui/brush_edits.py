@@ -67,7 +67,7 @@ def switch(state: EditorState) -> None:
 def show(state: EditorState) -> None:
     """Take the brush up, where there is an outline to correct."""
     opened = state.snapshot.opened
-    if opened is None or state.photo is None or state.snapshot.picture is None:
+    if not state.is_at_work() or state.snapshot.picture is None:
         return
     if opened.photo.is_cut_out:
         state.asking.tell("This photo is cut out already: its own transparency is the outline", True)

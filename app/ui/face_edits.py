@@ -67,7 +67,7 @@ def switch(state: EditorState) -> None:
 
 def show(state: EditorState) -> None:
     """Show the boxes over the picture."""
-    if state.snapshot.opened is None or state.photo is None:
+    if not state.is_at_work():
         return
     state.make_room_for_a_tool()
     only = 0 if len(wished_boxes(state)) == 1 else -1

@@ -6,6 +6,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from app.engine.sources import LightSource
+from relight_core.lighting.light_edit import LightEdit
 
 if TYPE_CHECKING:
     from app.ui.state import EditorState
@@ -30,7 +31,15 @@ def fall_back(state: EditorState) -> None:
     if state.light in snapshot.refused:
         light = snapshot.light
         state.light = light.source if light else LightSource("rig", FIRST_LIGHT)
-        state.light_edit = light.edit if light else state.light.opened_around(state.light_edit)
+        state.take_light_edit(
+            _with_added(light.edit, state.light_edit) if light else state.light.opened_around(state.light_edit)
+        )
+
+
+def _with_added(edit: LightEdit, later: LightEdit) -> LightEdit:
+    """What was set of a light before another was asked for, with the soft boxes that were added since."""
+    lamps, added = (box for box in edit.boxes if box.name), later.added
+    return replace(edit, boxes=(*lamps, *added.boxes), base=added.base if added.boxes else edit.base)
 
 
 def give_up_what_is_on_its_way(state: EditorState) -> None:

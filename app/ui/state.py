@@ -198,7 +198,8 @@ class EditorState:
 
     def put_back(self, document: Document) -> None:
         """Set everything a document keeps; without a photo it leaves the photo as it is."""
-        self.edit, self.light_edit = replace(document.edit, quality=self.edit.quality), document.light_edit
+        self.edit = replace(document.edit, quality=self.edit.quality)
+        self.take_light_edit(document.light_edit)
         self.quality = replace(self.quality, wish=document.quality)
         if not document.light.source().same_as(self.light):
             self.light = self._known(document.light.source())
@@ -212,6 +213,13 @@ class EditorState:
         """Set fields of the edit."""
         self.edit = replace(self.edit, **fields)
 
+    def take_light_edit(self, edit: LightEdit) -> None:
+        """Put another light edit in the place of this one; the soft box that is selected stays so, if it is there."""
+        before, index = self.light_edit.boxes, self.selected_box
+        if len(before) != len(edit.boxes) and 0 <= index < len(before):
+            index = edit.boxes.index(before[index]) if before[index] in edit.boxes else -1
+        self.light_edit, self.selected_box = edit, index
+
     def make_room_for_a_tool(self) -> None:
         """Put away whatever follows the mouse over the picture, and show the whole photo, over which tools lie."""
         self.aim, self.playing = "", False
@@ -221,7 +229,8 @@ class EditorState:
 
     def reset(self) -> None:
         """Put every slider and the light back."""
-        self.edit, self.light_edit = Edit(), self.light.opening_edit
+        self.edit = Edit()
+        self.take_light_edit(self.light.opening_edit)
 
     def turn(self, degrees: float) -> None:
         """Turn the light; the angle stays within (-180, 180]."""
@@ -264,7 +273,7 @@ class EditorState:
     def use_light(self, light: LightRef, light_edit: LightEdit, yaw_deg: float) -> None:
         """Ask for a light with everything that was changed about it."""
         self.open_light(light.source())
-        self.light_edit = light_edit
+        self.take_light_edit(light_edit)
         self.change(yaw_deg=yaw_deg)
 
     def is_unsaved(self) -> bool:
@@ -300,7 +309,7 @@ class EditorState:
         """Ask for another light, around the user's own soft boxes; one in the list is the one in the list."""
         if not light.same_as(self.light):
             self.light = self._known(light)
-            self.light_edit = light.opened_around(self.light_edit)
+            self.take_light_edit(light.opened_around(self.light_edit))
 
     def open_light(self, light: LightSource) -> None:
         """Ask for the light in a file as the file is now; one that is in use keeps what was changed about it."""

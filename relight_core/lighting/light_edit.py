@@ -59,6 +59,12 @@ class LightEdit:
         return tuple(box for box in self.boxes if not box.name)
 
     @property
+    def added(self) -> LightEdit:
+        """What it is around any light: the soft boxes that were added, and with them the room's share."""
+        boxes = self.added_boxes
+        return LightEdit(base=self.base if boxes else 1.0, boxes=boxes)
+
+    @property
     def changes_shape(self) -> bool:
         """Whether more than the level is changed."""
         return replace(self, level_ev=0.0, metered=False) != LightEdit()
@@ -106,8 +112,12 @@ def taken_apart(edit: LightEdit, own: tuple[SoftBox, ...]) -> LightEdit:
 
 
 def put_together(edit: LightEdit) -> LightEdit:
-    """The light as it was, with what was added; the reverse of `taken_apart`."""
-    return replace(edit, boxes=edit.added_boxes, apart=False)
+    """The light as it was, with what was added; the reverse of `taken_apart`.
+
+    Where nothing was added, all of it: a room that was dark beneath the lamps alone would be no light.
+    """
+    added = edit.added
+    return replace(edit, boxes=added.boxes, base=added.base, apart=False)
 
 
 def turned_light(light: Environment, yaw_deg: float) -> Environment:

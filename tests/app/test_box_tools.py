@@ -63,9 +63,9 @@ def test_a_corner_that_is_taken_from_beside_it_does_not_jump(form):
     u, v = u + 5.0 / 360.0, v - 5.0 / 180.0
     held = grab((small,), 0, u, v, 0.0, 9.0)
     assert held.kind == "resize"
-    (still,) = dragged((small,), held, u, v, 0.0)
+    still = dragged(held, u, v, 0.0)
     assert (still.width_deg, still.height_deg) == pytest.approx((6.0, 6.0), abs=1e-3)
-    (larger,) = dragged((small,), held, u + 8.0 / 360.0, v - 8.0 / 180.0, 0.0)
+    larger = dragged(held, u + 8.0 / 360.0, v - 8.0 / 180.0, 0.0)
     assert larger.width_deg > 15.0
 
 
@@ -87,12 +87,12 @@ def test_of_boxes_that_overlap_the_selected_one_is_taken():
 def test_a_box_follows_the_mouse_without_jumping_across_the_seam(yaw_deg):
     u, v = 0.95 + yaw_deg / 360.0, 0.55
     held = grab((FRONT,), -1, u, v, yaw_deg, 2.0)
-    (still,) = dragged((FRONT,), held, u, v, yaw_deg)
+    still = dragged(held, u, v, yaw_deg)
     assert np.allclose(still.direction, FRONT.direction, atol=1e-6)
-    (moved,) = dragged((FRONT,), held, u + 0.25, v - 0.1, yaw_deg)
+    moved = dragged(held, u + 0.25, v - 0.1, yaw_deg)
     assert moved.azimuth_deg == pytest.approx(-90.0)
     assert moved.elevation_deg == pytest.approx(18.0)
-    (above,) = dragged((FRONT,), held, u, v - 3.0, yaw_deg)
+    above = dragged(held, u, v - 3.0, yaw_deg)
     assert above.elevation_deg == pytest.approx(90.0)
 
 
@@ -100,7 +100,7 @@ def test_dragging_a_corner_resizes_about_the_middle():
     u, v = uv_of(corners(LEFT)[0])
     held = grab((LEFT,), 0, u, v, 0.0, 2.0)
     u, v = uv_of(corners(SoftBox(-90.0, 0.0, 60.0, 20.0))[0])
-    (resized,) = dragged((LEFT,), held, u, v, 0.0)
+    resized = dragged(held, u, v, 0.0)
     assert (resized.width_deg, resized.height_deg) == pytest.approx((60.0, 20.0))
     assert (resized.azimuth_deg, resized.elevation_deg) == (-90.0, 0.0)
 

@@ -49,3 +49,21 @@ def test_it_can_be_discarded(folder):
     editor.deeds.close()
     assert unsaved_files(folder) == []
     assert Editor(folder).said == []
+
+
+def test_lamps_that_shone_alone_go_with_their_light(tmp_path):
+    """What stands in for it would be black with as little of it as was left of the lost one."""
+    photo, light = tmp_path / "me.jpg", tmp_path / "sky.hdr"
+    photo.write_bytes(b"pixels")
+    light.write_bytes(b"radiance")
+    editor = Editor(tmp_path / "settings")
+    editor.state.open_photo(photo)
+    editor.live()
+    editor.state.choose_light(LightSource("panorama", str(light)))
+    editor.state.light_edit = LightEdit(base=0.0, boxes=(SoftBox(name="lamp"),), apart=True, metered=True)
+    editor.live()
+    editor.deeds.close()
+    light.unlink()
+    editor = Editor(tmp_path / "settings")
+    editor.answer_question("Restore")
+    assert editor.state.light_edit == LightEdit()

@@ -7,8 +7,10 @@ from imgui_bundle import imgui
 from test_window_faces import drag_on_the_photo, on_the_screen
 
 from app.document.session_file import read_session
+from app.ui import brush_edits
 from relight_core.imaging.read import read_photo
 from relight_core.imaging.view_transform import apply_view
+from relight_core.imaging.write import write_image
 
 GREEN, RED = (89, 217, 115), (242, 89, 82)
 
@@ -172,3 +174,37 @@ def test_the_photo_below_the_brush_is_the_photo(brush, photo_path):
     brush.key(glfw.KEY_1)
     shown = brush.picture_pixels(96, 128)
     assert np.abs(shown - apply_view(read_photo(photo_path).linear) * 255).max() <= 1
+
+
+def test_no_outline_of_the_photo_before_lies_over_the_next(brush, relighter, tmp_path):
+    state = brush.window.state
+    relighter.outline = [np.array([[10, 10], [60, 10], [60, 60]], float)]
+    brush.key(glfw.KEY_X)
+    brush.key(glfw.KEY_ENTER)
+    write_image(tmp_path / "other.png", np.full((96, 128, 3), 0.2, np.float32))
+    relighter.gate.clear()
+    brush.window.on_drop(None, [str(tmp_path / "other.png")], brush.centre())
+    while state.snapshot.opened.source is not state.photo:
+        brush.frames()
+    brush.hold(glfw.KEY_O, glfw.MOD_SHIFT)
+    brush.release(glfw.KEY_O)
+    brush.frames(2)
+    outline, is_open = list(state.brush.outline), state.brush.is_open
+    relighter.gate.set()
+    brush.settle()
+    assert is_open
+    assert outline == []
+
+
+def test_the_brush_is_not_taken_up_for_a_photo_that_may_not_come(brush, tmp_path):
+    """Esc would put back the outline of that one."""
+    state = brush.window.state
+    drag_on_the_photo(brush, (20, 20), (60, 30))
+    brush.key(glfw.KEY_ENTER)
+    strokes = state.photo.strokes
+    (tmp_path / "bad.jpg").write_bytes(b"no picture")
+    state.open_photo(tmp_path / "bad.jpg")
+    brush_edits.show(state)
+    brush.settle()
+    brush.key(glfw.KEY_ESCAPE)
+    assert state.photo.strokes == strokes != ()

@@ -6,7 +6,9 @@ import pytest
 from app.ui import binding
 
 GERMAN = {glfw.KEY_RIGHT_BRACKET: "+", glfw.KEY_SLASH: "-", glfw.KEY_Y: "z", glfw.KEY_EQUAL: "\N{ACUTE ACCENT}"}
-FRENCH = {glfw.KEY_6: "-", glfw.KEY_EQUAL: "=", glfw.KEY_Q: "a"}
+FRENCH = {glfw.KEY_6: "-", glfw.KEY_EQUAL: "=", glfw.KEY_Q: "a", glfw.KEY_M: ",", glfw.KEY_SEMICOLON: "m"}
+DVORAK = {glfw.KEY_W: ",", glfw.KEY_E: ".", glfw.KEY_Q: "'", glfw.KEY_S: "o"}
+RUSSIAN = {glfw.KEY_W: "\N{CYRILLIC SMALL LETTER TSE}"}
 
 
 def type_shadow(hand, value, text, end=glfw.KEY_ENTER):
@@ -45,6 +47,12 @@ def test_a_number_that_is_typed_counts_within_the_track(opened, text, value):
         (FRENCH, glfw.KEY_EQUAL, glfw.KEY_EQUAL),
         (FRENCH, glfw.KEY_6, glfw.KEY_6),
         (FRENCH, glfw.KEY_Q, glfw.KEY_A),
+        (FRENCH, glfw.KEY_M, glfw.KEY_COMMA),
+        (DVORAK, glfw.KEY_W, glfw.KEY_COMMA),
+        (DVORAK, glfw.KEY_E, glfw.KEY_PERIOD),
+        (DVORAK, glfw.KEY_Q, glfw.KEY_UNKNOWN),
+        (DVORAK, glfw.KEY_S, glfw.KEY_O),
+        (RUSSIAN, glfw.KEY_W, glfw.KEY_W),
         (FRENCH, glfw.KEY_KP_ADD, glfw.KEY_KP_ADD),
     ],
 )

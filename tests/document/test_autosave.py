@@ -90,6 +90,15 @@ os.kill(os.getpid(), 9)
     assert found.document.photo == document.photo
 
 
+def test_leftovers_that_are_too_large_to_look_into_stay(folder):
+    folder.mkdir(parents=True, exist_ok=True)
+    (folder / "large.json").write_bytes(b" " * 4_000_001)
+    told = []
+    assert leftovers(folder, told.append) == []
+    assert (folder / "large.json").exists()
+    assert "too large" in told[0]
+
+
 def test_damaged_leftovers_are_cleared_away(folder):
     folder.mkdir()
     (folder / "x.json").write_text("{")

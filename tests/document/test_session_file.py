@@ -22,7 +22,7 @@ from relight_core.face.find import FaceBox
 from relight_core.lighting.light_edit import LightEdit
 from relight_core.lighting.soft_box import SoftBox
 from relight_core.pipeline.edit import Edit
-from relight_core.pipeline.per_photo.brush import BrushStroke
+from relight_core.pipeline.per_photo.brush import MOST_POINTS, MOST_STROKES, BrushStroke
 
 STROKES = (
     BrushStroke(((12.5, -3.0), (40.1, 99999.9)), 20.5, True),
@@ -116,6 +116,16 @@ def test_a_light_file_carries_the_light_and_its_turn(tmp_path, name):
     light = SavedLight(LightRef("rig", name), LightEdit(boxes=BOXES, warmth=-1.0), 120.0)
     write_light(tmp_path / "my.light.json", light)
     assert read_light(tmp_path / "my.light.json") == light
+
+
+def test_as_much_as_may_be_painted_can_be_saved_and_opened_again(folder, document):
+    points = tuple((round(1000.1 + 7.3 * at, 1), round(99999.9 - 3.7 * at, 1)) for at in range(MOST_POINTS))
+    strokes = (BrushStroke(points, 1234.5, True),) * MOST_STROKES
+    document = replace(document, photo=replace(document.photo, strokes=strokes))
+    path = saved(folder, document)
+    assert read_session(path).document == document
+    assert is_session_place(path)
+    assert saved_session(folder / "me.jpg") == path
 
 
 def test_lamps_that_were_taken_out_of_a_light_stay_out(tmp_path):
@@ -247,7 +257,7 @@ def test_there_is_no_session_without_a_photo(tmp_path):
 
 def test_a_too_large_file_is_not_read(tmp_path):
     path = tmp_path / "x.relight.json"
-    path.write_bytes(b" " * 1_000_001)
+    path.write_bytes(b" " * 4_000_001)
     with pytest.raises(InputError, match="too large"):
         read_session(path)
 

@@ -10,7 +10,7 @@ from imgui_bundle import imgui
 from app.ui import light_edits, theme
 from app.ui.pictures import Pictures
 from app.ui.state import EditorState
-from app.ui.viewport.box_tools import NEW_BOX, dragged, grab
+from app.ui.viewport.box_tools import NEW_BOX, dragged, grab, with_box
 from app.ui.viewport.viewport_notes import note
 from relight_core.lighting.light_edit import MOST_BOXES
 from relight_core.lighting.soft_box import corners, direction_at, moved_to, outline, uv_of
@@ -87,6 +87,10 @@ def _hold(state: EditorState, u: float, v: float, moved: float, reach_deg: float
     """Press, drag and release on the panorama."""
     if imgui.is_item_activated() and not imgui.is_mouse_double_clicked(0):
         state.held = grab(state.light_edit.boxes, state.selected_box, u, v, state.edit.yaw_deg, reach_deg)
+    if state.held is not None and not state.held.is_among(state.light_edit.boxes):
+        state.held = None
+    if state.held is not None and state.typing is None:
+        # A number that is being typed is for the box before; in the next frame it is there.
         state.selected_box = state.held.index
     if not imgui.is_item_active() or state.held is None:
         state.held = None
@@ -95,8 +99,9 @@ def _hold(state: EditorState, u: float, v: float, moved: float, reach_deg: float
     if state.held.kind == "turn":
         state.turn(moved * 360.0 * (FINE if imgui.get_io().key_shift else 1.0))
     elif moved or imgui.get_io().mouse_delta.y:
-        boxes = dragged(state.light_edit.boxes, state.held, u, v, state.edit.yaw_deg)
-        state.light_edit = replace(state.light_edit, boxes=boxes)
+        box = dragged(state.held, u, v, state.edit.yaw_deg)
+        boxes = with_box(state.light_edit.boxes, state.held.index, box)
+        state.light_edit, state.held = replace(state.light_edit, boxes=boxes), replace(state.held, box=box)
 
 
 def _picture(state: EditorState, pictures: Pictures, left: imgui.ImVec2, width: float, height: float) -> None:

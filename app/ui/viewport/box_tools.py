@@ -39,12 +39,18 @@ class Grab:
         kind: "turn", "move" or "resize".
         index: of the box; -1 for "turn".
         du, dv: from the mouse to the box's centre, for "move", or to the corner, for "resize".
+        box: as it is held.
     """
 
     kind: str
     index: int = -1
     du: float = 0.0
     dv: float = 0.0
+    box: SoftBox | None = None
+
+    def is_among(self, boxes: tuple[SoftBox, ...]) -> bool:
+        """Whether what is held is still there: undo, a key, or a light that can't be had may have taken it away."""
+        return self.box is None or boxes[self.index : self.index + 1] == (self.box,)
 
 
 def grab(boxes: tuple[SoftBox, ...], selected: int, u: float, v: float, yaw_deg: float, reach_deg: float) -> Grab:
@@ -64,12 +70,12 @@ def grab(boxes: tuple[SoftBox, ...], selected: int, u: float, v: float, yaw_deg:
     if 0 <= selected < len(boxes) and not in_middle[selected]:
         corner = min(corners(boxes[selected]), key=lambda corner: _apart_deg(corner, u, v))
         if _apart_deg(corner, u, v) <= reach_deg:
-            return Grab("resize", selected, *_between(u, v, corner))
+            return Grab("resize", selected, *_between(u, v, corner), boxes[selected])
     order = sorted(range(len(boxes)), key=lambda index: (index == selected, index), reverse=True)
     for held in (in_middle, [contains(box, direction) for box in boxes]):
         for index in order:
             if held[index]:
-                return Grab("move", index, *_between(u, v, boxes[index].direction))
+                return Grab("move", index, *_between(u, v, boxes[index].direction), boxes[index])
     return Grab("turn")
 
 
@@ -85,15 +91,10 @@ def _apart_deg(direction: np.ndarray, u: float, v: float) -> float:
     return float(np.hypot(du * 360.0, dv * 180.0))
 
 
-def dragged(boxes: tuple[SoftBox, ...], held: Grab, u: float, v: float, yaw_deg: float) -> tuple[SoftBox, ...]:
-    """The boxes after the mouse has moved to a point while it holds one."""
-    box = boxes[held.index]
+def dragged(held: Grab, u: float, v: float, yaw_deg: float) -> SoftBox:
+    """The box that the mouse holds after it has moved to a point."""
     to = direction_at(u - yaw_deg / 360.0 + held.du, min(max(v + held.dv, 0.0), 1.0))
-    if held.kind == "move":
-        box = moved_to(box, to)
-    elif held.kind == "resize":
-        box = resized_to(box, to)
-    return with_box(boxes, held.index, box)
+    return moved_to(held.box, to) if held.kind == "move" else resized_to(held.box, to)
 
 
 def with_box(boxes: tuple[SoftBox, ...], index: int, box: SoftBox) -> tuple[SoftBox, ...]:

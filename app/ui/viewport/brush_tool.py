@@ -7,6 +7,7 @@ import math
 import numpy as np
 from imgui_bundle import imgui
 
+from app.engine.snapshot import Picture
 from app.ui import brush_edits, theme
 from app.ui.layout import Rect
 from app.ui.state import EditorState
@@ -63,15 +64,21 @@ def draw(state: EditorState, arranged: Arrangement, rect: Rect, scale: float) ->
 
 def _outline(state: EditorState) -> list[np.ndarray]:
     """The outline in the picture in sight; the last one, while that of a new picture is being drawn."""
-    picture, tool = state.snapshot.picture, state.brush
+    picture, tool = _picture(state), state.brush
     if picture is not None and picture.outline is not None:
         tool.outline = picture.outline
     return tool.outline
 
 
+def _picture(state: EditorState) -> Picture | None:
+    """The picture in sight, if it is one of the photo that is open and not of the one before."""
+    picture, opened = state.snapshot.picture, state.snapshot.opened
+    return picture if picture is not None and opened is not None and picture.opened.photo is opened.photo else None
+
+
 def _fresh(state: EditorState) -> list[BrushStroke]:
     """The strokes that are not in the picture in sight yet."""
-    picture, tool = state.snapshot.picture, state.brush
+    picture, tool = _picture(state), state.brush
     done = picture.opened.source.strokes if picture is not None and not picture.is_stale else tool.shown
     tool.shown = done
     wished = state.photo.strokes if state.photo is not None else ()

@@ -1,0 +1,134 @@
+"""Soft boxes in the hand while something else happens to them, and the light's own lamps beside them."""
+
+import threading
+from dataclasses import replace
+
+import glfw
+import numpy as np
+import pytest
+from imgui_bundle import imgui
+
+from app.ui import widgets
+from relight_core.lighting.soft_box import SoftBox, uv_of
+
+
+@pytest.fixture
+def pair(opened):
+    """Two boxes at the height at which the hand meets the panorama; the first is selected."""
+    state = opened.window.state
+    opened.double_click(opened.panorama(0.5))
+    height = state.light_edit.boxes[0].elevation_deg
+    boxes = SoftBox(180.0, height), SoftBox(60.0, height)
+    state.light_edit, state.selected_box = replace(state.light_edit, boxes=boxes), 0
+    opened.settle()
+    return boxes
+
+
+@pytest.fixture
+def tracks(monkeypatch):
+    """Where the sliders' tracks were drawn last, by their labels."""
+    places, draw = {}, widgets._track
+
+    def watched(state, spec, value):
+        left = imgui.get_cursor_screen_pos()
+        places[spec.label] = left.x + 0.6 * imgui.get_content_region_avail().x, left.y + 6.0
+        return draw(state, spec, value)
+
+    monkeypatch.setattr(widgets, "_track", watched)
+    return places
+
+
+def take(hand, box):
+    """Press on a box and begin to drag it."""
+    u, _ = uv_of(box.direction)
+    hand.move(hand.panorama(u))
+    hand.button(True)
+    hand.move(hand.panorama(u + 0.05))
+    assert hand.window.state.held.kind == "move"
+    return u + 0.1
+
+
+def press(hand, key, mods=0):
+    hand.hold(key, mods)
+    hand.release(key)
+
+
+def test_a_box_that_is_deleted_in_the_hand_is_gone_and_the_other_stays(opened, pair):
+    further = take(opened, pair[0])
+    press(opened, glfw.KEY_DELETE)
+    opened.move(opened.panorama(further))
+    opened.button(False)
+    assert opened.window.state.light_edit.boxes == (pair[1],)
+
+
+def test_undo_and_the_lamps_key_take_what_the_hand_holds(opened):
+    state = opened.window.state
+    opened.light("split")
+    opened.key(glfw.KEY_M)
+    further = take(opened, state.light_edit.boxes[0])
+    press(opened, glfw.KEY_M)
+    opened.move(opened.panorama(further))
+    opened.button(False)
+    assert state.light_edit.boxes == ()
+    opened.double_click(opened.panorama(0.5))
+    (box,) = state.light_edit.boxes
+    further = take(opened, box)
+    for _ in range(2):
+        press(opened, glfw.KEY_Z, glfw.MOD_CONTROL)
+    opened.move(opened.panorama(further))
+    opened.button(False)
+    assert state.light_edit.boxes == ()
+
+
+@pytest.mark.parametrize("along", [60.0, None])
+def test_a_number_that_was_typed_is_for_the_box_it_was_typed_for(opened, pair, tracks, along):
+    state = opened.window.state
+    opened.frames(2)
+    opened.click(tracks["Brightness"], ctrl=True)
+    opened.frames(3)
+    opened.type("2.5")
+    opened.click(opened.panorama(0.02 if along is None else uv_of(pair[1].direction)[0]))
+    opened.frames(4)
+    assert [box.intensity for box in state.light_edit.boxes] == [2.5, 1.0]
+    assert state.selected_box == (-1 if along is None else 1)
+
+
+def test_lamps_that_shone_alone_are_put_back_into_the_whole_light(opened):
+    state = opened.window.state
+    opened.light("split")
+    split = opened.picture_pixels(96, 128)
+    opened.key(glfw.KEY_M)
+    state.light_edit = replace(state.light_edit, base=0.0)
+    opened.settle()
+    opened.key(glfw.KEY_M)
+    assert np.array_equal(opened.picture_pixels(96, 128), split)
+    assert state.history.steps[-1].name == "Put the light's lamps back"
+
+
+def test_with_another_light_nothing_that_was_not_chosen_is_selected(opened):
+    state = opened.window.state
+    opened.light("split")
+    opened.key(glfw.KEY_M)
+    opened.key(glfw.KEY_N)
+    added = state.light_edit.boxes[1]
+    state.selected_box = 0
+    opened.light("ring")
+    assert (state.light_edit.boxes, state.selected_box) == ((added,), -1)
+    opened.key(glfw.KEY_M)
+    state.selected_box = 1
+    opened.light("split")
+    assert (state.light_edit.boxes, state.selected_box) == ((added,), 0)
+
+
+def test_a_box_added_while_a_broken_light_is_read_stays(opened, tmp_path, monkeypatch):
+    state, desk = opened.window.state, opened.window.engine._desk
+    (tmp_path / "bad.hdr").write_bytes(b"no picture")
+    gate, read = threading.Event(), desk._environment
+    monkeypatch.setattr(desk, "_environment", lambda *asked: (gate.wait(20), read(*asked))[1])
+    opened.window.on_drop(None, [str(tmp_path / "bad.hdr")], (5, 5))
+    opened.frames(3)
+    press(opened, glfw.KEY_N)
+    (added,) = state.light_edit.boxes
+    gate.set()
+    opened.settle()
+    assert (state.light.name, state.light_edit.boxes) == ("rembrandt", (added,))
