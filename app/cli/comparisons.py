@@ -32,6 +32,12 @@ def add_budget(parser: argparse.ArgumentParser) -> None:
     group.add_argument(
         "--every", metavar="N", type=count_at_least_one, default=1, help="take every N-th relighting of a head (1)"
     )
+    group.add_argument(
+        "--sun",
+        metavar="FILE",
+        type=Path,
+        help="peers: Sun et al.'s network of another comparison, sun/sun.safetensors there, at its own size",
+    )
     group.add_argument("--dpr", metavar="FILE", type=Path, help="peers: DPR's own weights, trained_model_03.t7")
 
 
@@ -72,17 +78,25 @@ def _ablation(arguments: argparse.Namespace, budget: Budget, contest: Contest, r
 def _peers(arguments: argparse.Namespace, budget: Budget, contest: Contest, report: Report) -> None:
     from relight_core.evaluation.ablation.variants import in_words, trained_variants
     from relight_core.evaluation.contest import hold
+    from relight_core.evaluation.peers.sun import Sun, load_sun
     from relight_core.evaluation.peers.table import as_markdown, contenders, trained_sun
+    from relight_core.networks.bundle import load_bundle
 
     networks = trained_variants(arguments.output)
+    like = load_bundle(arguments.weights).config.delight if arguments.weights and not networks else None
     if arguments.weights is not None:
         networks[arguments.weights.stem] = arguments.weights
-    with progress("training", 1.0) as show:
-        sun = trained_sun(contest.heads, contest.lights, arguments.output, budget, show)
+    training = in_words(budget)
+    if arguments.sun is not None:
+        sun = Sun(load_sun(arguments.sun))
+        training = f"Sun et al.'s network is another comparison's, trained at {sun.size_px} pixels, and works at that."
+    else:
+        with progress("training", 1.0) as show:
+            sun = trained_sun(contest.heads, contest.lights, arguments.output, budget, show, like)
     everybody = contenders(networks, sun, arguments.dpr)
     with progress("relighting", 1.0) as show:
         outcome = hold(everybody, contest, show)
-    _write(arguments.output / "peers", outcome, as_markdown(outcome, in_words(budget)), in_words(budget), report)
+    _write(arguments.output / "peers", outcome, as_markdown(outcome, training), training, report)
 
 
 def _write(place: Path, outcome: Outcome, page: str, training: str, report: Report) -> None:

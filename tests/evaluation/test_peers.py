@@ -143,6 +143,21 @@ class TestSun:
         with pytest.raises(InputError, match=r"t\.safetensors"):
             load_sun(tmp_path / "t.safetensors")
 
+    def test_pictures_larger_than_it_was_trained_on_are_relit_at_its_own_size(self, tmp_path, surface, covered):
+        model = self.model().eval()
+        model.card = {"size_px": "32"}
+        save_bundle(tmp_path / "s.safetensors", model, half=False)
+        own, other = Sun(load_sun(tmp_path / "s.safetensors")), Sun(model)
+        rng = np.random.default_rng(5)
+        small, light = rng.random((32, 32, 3), np.float32), rng.random((16, 32, 3), np.float32)
+        large = small.repeat(2, 0).repeat(2, 1)
+        made = own.relight(own.look(large), Task(light, 1.0, large, covered, surface))["composition"]
+        at_32 = other.relight(other.look(small), Task(light, 1.0, small, covered, surface))["composition"]
+        assert made.shape == (64, 64, 3)
+        shrunk = made.reshape(32, 2, 32, 2, 3).mean((1, 3))
+        assert np.corrcoef(shrunk.ravel(), at_32.ravel())[0, 1] > 0.95
+        assert own.size_px == 32
+
 
 def their_names(network):
     """A state of ours under the names that their file has."""

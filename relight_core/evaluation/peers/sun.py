@@ -20,11 +20,13 @@ from pathlib import Path
 
 import numpy as np
 import torch
+import torch.nn.functional as F
 from safetensors import SafetensorError, safe_open
 from torch import nn
 
 from relight_core.errors import InputError
 from relight_core.evaluation.contest import Task
+from relight_core.imaging.resampling import resize_area
 from relight_core.imaging.tensor_colour import srgb_encode
 from relight_core.lighting.reflection import ReflectionTable
 from relight_core.networks.blocks import Encoder, Head, decoder_levels, level_widths
@@ -38,6 +40,7 @@ from relight_core.training.run import Run, denormals_flushed, shared_batches
 from relight_core.training.stages import Stage
 
 LEARNING_RATE = 2e-3
+_TRAINED_AT = "size_px"
 
 
 @dataclass(frozen=True)
@@ -125,10 +128,12 @@ def train_sun(
     torch.manual_seed(run.seed)
     run.checkpoint.parent.mkdir(parents=True, exist_ok=True)
     budget = Budget(LEARNING_RATE, steps=steps, warm_up_steps=max(min(200, steps // 10), 1))
+    model = SunModel(config)
+    model.card[_TRAINED_AT] = str(run.size)
     with denormals_flushed():
         return train_stage(
             SUN_STAGE,
-            SunModel(config),
+            model,
             lambda first: _round_and_round(run, first % distinct, distinct),
             budget,
             run.checkpoint,
@@ -147,7 +152,9 @@ def load_sun(path: Path) -> SunModel:
     """Read what `train_sun` wrote; raises InputError for anything else."""
     try:
         with safe_open(path, framework="pt") as file:
-            model = SunModel(SunConfig(**json.loads((file.metadata() or {})["config"])["sun"]))
+            header = file.metadata() or {}
+            model = SunModel(SunConfig(**json.loads(header["config"])["sun"]))
+            model.card = {_TRAINED_AT: str(int(header[_TRAINED_AT]))} if _TRAINED_AT in header else {}
             model.load_state_dict({name: file.get_tensor(name).float() for name in file.keys()})  # noqa: SIM118
     except (OSError, SafetensorError, KeyError, TypeError, ValueError, RuntimeError) as error:
         raise InputError(f"{path}: not the weights of Sun et al.'s network ({error}); train it again") from error
@@ -155,20 +162,26 @@ def load_sun(path: Path) -> SunModel:
 
 
 class Sun:
-    """The trained network, as a contender."""
+    """The trained network, as a contender; larger pictures it relights at the size at which it was trained."""
 
     def __init__(self, model: SunModel):
         self._network = model.network
+        self.size_px = int(model.card.get(_TRAINED_AT, 0))
 
     @torch.inference_mode()
     def look(self, photo: np.ndarray) -> tuple[list[torch.Tensor], torch.Tensor]:
+        if 0 < self.size_px < photo.shape[0]:
+            photo = resize_area(photo, (self.size_px, self.size_px))
         linear = torch.from_numpy(np.ascontiguousarray(photo)).permute(2, 0, 1)[None].float()
         return self._network.encode(srgb_encode(linear))
 
     @torch.inference_mode()
     def relight(self, seen: tuple[list[torch.Tensor], torch.Tensor], task: Task) -> Mapping[str, np.ndarray]:
         light = torch.from_numpy(np.ascontiguousarray(task.light))[None].float()
-        return {"composition": as_image(self._network.decode(seen[0], light))}
+        image, size = self._network.decode(seen[0], light), task.reference.shape[:2]
+        if image.shape[-2:] != size:
+            image = F.interpolate(image, size, mode="bicubic").clamp_min(0)
+        return {"composition": as_image(image)}
 
     def channels(self, seen: tuple[list[torch.Tensor], torch.Tensor]) -> Mapping[str, np.ndarray]:
         return {"guess": seen[1][0].numpy()}

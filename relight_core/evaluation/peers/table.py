@@ -15,6 +15,7 @@ from relight_core.evaluation.peers.shu import Shu
 from relight_core.evaluation.peers.sun import Sun, SunConfig, load_sun, train_sun
 from relight_core.lighting.reflection import ReflectionTable
 from relight_core.networks.bundle import load_bundle
+from relight_core.networks.delight import DelightConfig
 from relight_core.training.loop import state_path
 from relight_core.training.recipe import load_recipe
 from relight_core.training.run import Run
@@ -32,18 +33,27 @@ PAPER_TABLE_3 = {
 """RMSE, PSNR and SSIM of the paper's Table 3; "Full" is its own model."""
 
 
-def trained_sun(heads: Path, lights: Path, folder: Path, budget: Budget, report: Callable[[float, str], None]) -> Sun:
+def trained_sun(
+    heads: Path,
+    lights: Path,
+    folder: Path,
+    budget: Budget,
+    report: Callable[[float, str], None],
+    like: DelightConfig | None = None,
+) -> Sun:
     """Sun et al.'s network from a folder, trained first where it is not there or not finished.
 
-    As wide and deep as the variants' de-lighting networks; it takes as many steps as a variant does in all its
-    stages, on the same batches.
+    It takes as many steps as a variant does in all its stages, on the same batches.
+
+    Args:
+        like: it is as wide and deep as this de-lighting network; None is that of the variants.
     """
     check_budget(folder, budget)
-    checkpoint, like = folder / "sun" / "sun.safetensors", budget.of(load_recipe(VARIANTS["Full"]))
+    checkpoint, variant = folder / "sun" / "sun.safetensors", budget.of(load_recipe(VARIANTS["Full"]))
     if not checkpoint.exists() or state_path(checkpoint).exists():
         run = Run("", heads, lights, checkpoint, size=budget.size, pairs=budget.pairs, kept=folder / "batches")
-        steps = [plan.steps for plan in like.stages]
-        config = SunConfig(like.networks.delight.width, like.networks.delight.levels)
+        steps, like = [plan.steps for plan in variant.stages], like or variant.networks.delight
+        config = SunConfig(like.width, like.levels)
         train_sun(run, sum(steps), max(steps), config, report)
     return Sun(load_sun(checkpoint))
 
