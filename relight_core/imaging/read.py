@@ -27,8 +27,8 @@ _PICTURE_HEADS = (
     *(b"II*\0", b"MM\0*", b"II+\0", b"MM\0+"),
     *RAW_HEADS,
 )
-_BRIGHTEST = 1e20
-"""Radiance of floating-point files is limited to this, which leaves room for sums, squares and gains."""
+_BRIGHTEST = 1e16
+"""Radiance of floating-point files is limited to this, which leaves room for sums, squares and the gains of lights."""
 
 
 def read_photo(path: str | Path) -> Photo:

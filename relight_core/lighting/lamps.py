@@ -17,7 +17,7 @@ from relight_core.lighting.sphere import directions, place_on_map, solid_angles,
 
 _ROWS = 128
 _MOST = 4
-AROUND_DEG, BEYOND_DEG = 12.0, 18.0
+_CORE_DEG, AROUND_DEG, BEYOND_DEG = 6.0, 12.0, 18.0
 """How far from its middle a lamp reaches at most, and what around that counts as its surroundings."""
 
 _DIMMEST = 4.0
@@ -93,41 +93,44 @@ def _find(shape: np.ndarray) -> tuple[Lamp, ...]:
     grey = luminance(fine).astype(np.float64)
     toward = directions(*grey.shape).astype(np.float64)
     areas = solid_angles(*grey.shape).astype(np.float64)
-    left, lamps = np.ones(grey.shape, bool), []
+    left, lamps = np.ones(grey.shape), []
     for _ in range(_MOST):
-        peak = np.unravel_index(np.where(left, grey, 0).argmax(), grey.shape)
-        if not left[peak] or grey[peak] < _DIMMEST:
+        peak = np.unravel_index((left * grey).argmax(), grey.shape)
+        if left[peak] * grey[peak] < _DIMMEST:
             break
         centre = toward[peak]
         # The brightest texel of a disc may be at its rim: what lies around it is sought anew around its middle.
         # What belongs to one lamp is no part of another: the haze around a sun would be that sun once more.
+        # All of it fades with distance, or another lamp that comes near would be drawn in all at once.
         for _ in range(_CENTRINGS):
-            apart = toward @ centre
-            around = left & (apart > np.cos(np.radians(AROUND_DEG)))
-            lamp = _measured(grey, toward, areas, around, left & ~around & (apart > np.cos(np.radians(BEYOND_DEG))))
+            off_deg = np.degrees(np.arccos(np.clip(toward @ centre, -1, 1)))
+            around = 1 - _ramp(off_deg, _CORE_DEG, AROUND_DEG)
+            beyond = (1 - around) * (1 - _ramp(off_deg, 2 * AROUND_DEG - _CORE_DEG, 2 * BEYOND_DEG - AROUND_DEG))
+            lamp = _measured(grey, toward, areas, left * around, left * beyond)
             centre = np.array(lamp.toward)
         if lamp.hardness > 0:
             lamps.append(lamp)
-        left[around] = False
-        left[peak] = False
+        left *= 1 - around
+        left[peak] = 0
     return tuple(lamps)
 
 
 def _measured(grey: np.ndarray, toward: np.ndarray, areas: np.ndarray, around: np.ndarray, beyond: np.ndarray) -> Lamp:
-    """What stands out `around` a place from what is `beyond` it, as one lamp."""
-    behind = (grey * areas)[beyond].sum() / max(areas[beyond].sum(), 1e-12)
-    power = np.maximum(grey - behind, 0)[around] * areas[around]
+    """What stands out `around` a place from what is `beyond` it, shares of every texel in [0, 1], as one lamp."""
+    behind = (grey * areas * beyond).sum() / max((areas * beyond).sum(), 1e-12)
+    near = around > 0
+    power = np.maximum(grey - behind, 0)[near] * (areas * around)[near]
     total = max(power.sum(), 1e-12)
-    mean = power @ toward[around]
+    mean = power @ toward[near]
     mean /= max(np.linalg.norm(mean), 1e-12)
-    off_deg = np.degrees(np.arccos(np.clip(toward[around] @ mean, -1, 1)))
+    off_deg = np.degrees(np.arccos(np.clip(toward[near] @ mean, -1, 1)))
     # A disc's mean squared distance from its middle is half its radius squared. What is smaller than a texel may
     # be as large as one.
     texel_deg = 180 / len(grey)
     radius_deg = float(np.sqrt(2 * ((power @ off_deg**2) / total + texel_deg**2 / 4)))
-    hardness = _ramp(radius_deg, *_RADIUS_DEG) * _ramp(total / (4 * np.pi), *_SHARE)
+    hardness = float(_ramp(radius_deg, *_RADIUS_DEG) * _ramp(total / (4 * np.pi), *_SHARE))
     return Lamp(tuple(float(part) for part in mean), radius_deg, float(total / np.pi), hardness)
 
 
-def _ramp(value: float, none: float, full: float) -> float:
-    return float(np.clip((value - none) / (full - none), 0, 1))
+def _ramp(value: float | np.ndarray, none: float, full: float) -> float | np.ndarray:
+    return np.clip((value - none) / (full - none), 0, 1)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 from relight_core.errors import InputError
@@ -82,6 +83,21 @@ class Edit:
         if effect in self.forced_off:
             return False
         return True if effect in self.forced_on else None
+
+
+_NUMBERS = (
+    *("yaw_deg", "exposure_ev", "specular", "shadow", "specular_tint", "shadow_softness"),
+    *("background_fov_deg", "background_blur_deg", "tolerance"),
+)
+
+
+def check_numbers(edit: Edit) -> None:
+    """Raise InputError for a setting that is no finite number, or a colour that no specular can have."""
+    for name in _NUMBERS:
+        if not math.isfinite(getattr(edit, name)):
+            raise InputError(f"{name} is a finite number, not {getattr(edit, name):g}")
+    if abs(edit.specular_tint) > 1:
+        raise InputError(f"specular_tint is from -1 to 1, not {edit.specular_tint:g}")
 
 
 def check_effects(names: frozenset[str]) -> None:

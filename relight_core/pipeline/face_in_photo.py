@@ -54,8 +54,10 @@ class FaceInPhoto(FaceTakenApart):
         return replace(ready, surface=self._once("albedo", ready.tier.relief_key, flatten))
 
     def _source_light(self, ready: Prepared) -> torch.Tensor:
-        """The photo's light (1, 16, 32, 3) as this view sees it."""
+        """The photo's light (1, 16, 32, 3) as this view sees it; a nearer view stands in the light of its face."""
         company, tier = self._company, ready.tier
+        if self.wider is not None:
+            return self.wider._source_light(self.wider.prepare(tier))
         if company is None:
             return self._estimate(ready)
         return self._once("shared_light", tier.relief_key, lambda: self._turned(company.light(tier)))
@@ -106,12 +108,22 @@ class FaceInPhoto(FaceTakenApart):
         return self._as_the_camera_sees(self._source_light(ready))
 
     def _residual(self, ready: Prepared, plan: Plan) -> Residual:
-        """What the model, as far as the plan runs it, misses of the photo."""
+        """What the model, as far as the plan runs it, misses of the photo.
+
+        A nearer view's is at the level of its face, or the photo's own light would not make both the photo again.
+        """
         alone, company = self._residual_alone(ready, plan), self._company
-        if company is None:
+        if self.wider is not None:
+            level = lambda: self.wider._level(ready.tier, plan)  # noqa: E731
+        elif company is not None:
+            level = lambda: company.level(ready.tier, plan)  # noqa: E731
+        else:
             return alone
-        level = lambda: at_light_level(alone, company.level(ready.tier, plan))  # noqa: E731
-        return self._once("residual_in_company", plan.keys["residual"], level)
+        return self._once("residual_in_company", plan.keys["residual"], lambda: at_light_level(alone, level()))
+
+    def _level(self, tier: Tier, plan: Plan) -> float:
+        """The level of the light at which model and photo agree."""
+        return self._company.level(tier, plan) if self._company else self.model_level(tier, plan)
 
     def _residual_alone(self, ready: Prepared, plan: Plan) -> Residual:
         def compose(light: torch.Tensor) -> stages.Composed:

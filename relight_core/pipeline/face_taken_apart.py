@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Hashable
 from dataclasses import dataclass, replace
+from typing import Self
 
 import numpy as np
 
@@ -49,7 +50,10 @@ class FaceTakenApart:
         portrait: the photo and where the face is in it.
         cache: of this face alone.
         nearer: the same face in a view of little else; None where its own is near enough.
+        wider: whose nearer view this one is; None for a face's own view.
     """
+
+    wider: Self | None = None
 
     def __init__(self, workshop: Workshop, portrait: Portrait, cache: StageCache, *, outlined: bool = True):
         """Compute nothing yet.
@@ -64,6 +68,7 @@ class FaceTakenApart:
         nearer, self.nearer = nearer_view(portrait), None
         if nearer is not None:
             self.nearer = type(self)(workshop, replace(portrait, view=nearer), StageCache(), outlined=False)
+            self.nearer.wider = self
 
     @property
     def caches(self) -> tuple[StageCache, ...]:

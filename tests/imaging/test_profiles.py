@@ -209,5 +209,11 @@ def test_an_enormous_float_in_a_profile_stays_the_brightest(tmp_path):
     pixels = np.full((4, 5, 3), 0.5)
     pixels[0, 0] = 3.4e38
     photo = float_tiff(tmp_path / "a.tif", pixels, iccprofile=rgb_profile(gamma(2)))
-    np.testing.assert_allclose(photo.linear[0, 0], 1e20)
+    np.testing.assert_allclose(photo.linear[0, 0], 1e16)
     np.testing.assert_allclose(photo.linear[1, 1], 0.25, atol=1e-3)
+
+
+def test_a_profile_whose_colours_lie_in_a_plane_is_none_to_write_in():
+    red, green, _ = P3
+    assert matrix_profile(rgb_profile(gamma(2.2)), 3) is not None
+    assert matrix_profile(rgb_profile(gamma(2.2), [red, green, red]), 3) is None

@@ -1,6 +1,7 @@
 """Files that cameras seldom write and programs do: TIFFs in planes, white as 0, inks, grey with alpha."""
 
 import struct
+import zlib
 
 import cv2
 import numpy as np
@@ -9,6 +10,7 @@ import tifffile
 from PIL import Image
 
 from relight_core.errors import InputError
+from relight_core.imaging.formats.png import SIGNATURE, chunk
 from relight_core.imaging.photo import Photo
 from relight_core.imaging.read import read_photo
 
@@ -129,3 +131,15 @@ def test_a_strip_that_inflates_to_more_than_its_pixels_is_refused(tmp_path):
 
 
 BOMB = {"photometric": "rgb", "planarconfig": "separate", "compression": "zlib", "byteorder": "<"}
+
+
+def test_the_grey_that_a_deep_png_calls_transparent_is(tmp_path):
+    grey = GREY.copy()
+    grey[3:7, 5:9] = 1234
+    rows = b"".join(b"\0" + row.astype(">u2").tobytes() for row in grey)
+    chunks = chunk(b"IHDR", struct.pack(">IIBBBBB", 40, 24, 16, 0, 0, 0, 0)) + chunk(b"tRNS", struct.pack(">H", 1234))
+    chunks += chunk(b"IDAT", zlib.compress(rows)) + chunk(b"IEND", b"")
+    (tmp_path / "a.png").write_bytes(SIGNATURE + chunks)
+    photo = read_photo(tmp_path / "a.png")
+    assert photo.bits == 16
+    np.testing.assert_array_equal(photo.alpha, (grey != 1234).astype(np.float32))

@@ -124,3 +124,17 @@ def test_the_footprint_wraps_around_behind_the_camera():
     share = footprint(Lamp((0.0, 0.0, 1.0), 1.0, 1.0, 1.0))
     assert share.sum() == pytest.approx(1)
     assert share[:, 0].sum() == pytest.approx(share[:, -1].sum(), abs=0.1)
+
+
+@pytest.mark.parametrize(("radius_deg", "ratio"), [(1.5, 1.0), (2.5, 0.7), (4.0, 1.0)])
+def test_two_lamps_that_come_near_each_other_lose_their_hardness_evenly(radius_deg, ratio):
+    """As one they are a larger lamp; a step of a quarter of a degree must not be the one that makes them so."""
+    hard = []
+    for apart_deg in np.arange(24.0, 6.0, -0.25):
+        angle = np.radians(apart_deg)
+        other = (np.sin(angle), 0.3, np.cos(angle))
+        lamps = lamps_of(light(((0, 0.3, 1), radius_deg, 900.0), (other, radius_deg, 900.0 * ratio), fill=0.2))
+        hard.append(sum(lamp.irradiance * lamp.hardness for lamp in lamps))
+    assert hard[0] > 2.2
+    assert min(hard) < 1.2
+    assert np.abs(np.diff(hard)).max() < 0.8

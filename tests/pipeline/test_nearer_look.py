@@ -9,6 +9,8 @@ from tiny_relighter import EDIT, some_light, some_photo, states
 
 from relight_core.face.crop import Crop
 from relight_core.face.find import FaceBox
+from relight_core.imaging.view_transform import apply_view
+from relight_core.pipeline import quality
 from relight_core.pipeline.per_light.hints import Effects
 from relight_core.pipeline.per_photo.nearer_look import (
     nearer_view,
@@ -136,3 +138,17 @@ class TestLitNearer:
         for stage in ("nearer_face", "compose"):
             relighter.forget(stage)
         assert states(relighter.relight(some_light(), self.NEAR))["nearer_face"] == "computed"
+
+    def test_under_the_photo_s_own_light_a_face_in_two_views_is_the_photo(self, relighter, monkeypatch):
+        """Each view alone would take another light for the photo's, and another level."""
+        tiers = dict(quality.TIERS, final=self.NEAR.quality)
+        monkeypatch.setattr(quality, "TIERS", tiers)
+        relit = relighter.relight(relighter.estimated_light("final"), replace(EDIT, quality="final"))
+        assert "nearer_face" in relit.stages
+        face = relighter._faces[0]
+        prepared = [view.prepare(self.NEAR.quality) for view in (face, face.nearer)]
+        one, other = (view._source_light(ready) for view, ready in zip((face, face.nearer), prepared, strict=True))
+        torch.testing.assert_close(one, other)
+        part = np.s_[34:50, 44:58]
+        difference = np.abs(apply_view(relit.image[part]) - apply_view(some_photo().linear[part]))
+        assert difference.mean() < 0.02

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from relight_core.errors import InputError
 from relight_core.face.find import FaceBox
 from relight_core.imaging.colour import srgb_encode
 from relight_core.imaging.photo import Photo
@@ -156,6 +157,25 @@ def test_sliders_beyond_their_ends_and_no_numbers(attacked, portrait, monkeypatc
         assert_lawful(attacked.relight(load_rig("split"), replace(DRAFT, specular=value, shadow=value)), photo)
     for yaw_deg in (1e9, -1e-9):
         assert_lawful(attacked.relight(load_rig("split"), replace(DRAFT, yaw_deg=yaw_deg)), photo)
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [{"yaw_deg": np.nan}, {"yaw_deg": np.inf}, {"shadow": np.nan}, {"specular": -np.inf}, {"shadow_softness": np.nan}]
+    + [{"exposure_ev": np.nan}, {"tolerance": np.nan}, {"specular_tint": np.nan}, {"specular_tint": 4.0}],
+    ids=str,
+)
+def test_settings_that_are_no_numbers_are_refused(attacked, portrait, wrong, monkeypatch):
+    framed(attacked, portrait.linear, monkeypatch)
+    with pytest.raises(InputError, match=next(iter(wrong))):
+        attacked.relight(load_rig("split"), replace(DRAFT, **wrong))
+
+
+@pytest.mark.parametrize("background", ["keep", "match"])
+def test_the_brightest_photo_in_the_brightest_light_stays_a_number(attacked, portrait, background, monkeypatch):
+    photo = framed(attacked, portrait.linear * np.float32(1e16), monkeypatch)
+    light = load_rig("split").at_level(1e20)
+    assert_lawful(attacked.relight(light, replace(DRAFT, background=background)), photo)
 
 
 @pytest.mark.parametrize("quality", ["live", "final"])

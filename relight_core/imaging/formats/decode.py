@@ -25,7 +25,7 @@ from relight_core.imaging.formats.raster import Raster
 _FORMATS = ("JPEG", "PNG", "TIFF", "WEBP", "BMP", "GIF", "AVIF")
 _BLOCK_ROWS = 256
 _GREYS = ("1", "L", "LA")
-_PNG_GREYS = (0, 4)
+_PNG_PLAIN_GREY, _PNG_GREYS = 0, (0, 4)
 _PNG_SAMPLES = {0: 1, 2: 3, 3: 1, 4: 2, 6: 4}
 _MOST_DEFLATED = 1032
 """Bytes that one byte of deflated data can stand for at the most (zlib's technical notes)."""
@@ -160,6 +160,9 @@ def _decode_deep_png(data: bytes, image: Image.Image, path: Path) -> Raster:
         colours = 1 if data[25] in _PNG_GREYS else 3
         alpha = values[..., 3].astype(np.float32) / np.float32(65535.0)
         values = np.ascontiguousarray(values[..., :colours])
+    elif data[25] == _PNG_PLAIN_GREY and isinstance(key := image.info.get("transparency"), int):
+        # OpenCV turns the key of a colour into alpha, and leaves that of a grey out.
+        alpha = (values[..., 0] != key).astype(np.float32)
     return Raster(values, alpha, image.info.get("icc_profile") or None, _orientation(image))
 
 

@@ -21,6 +21,8 @@ _REC709_TO_XYZ_D50 = np.array(
     ]
 )
 _CURVE_SAMPLES = 4096
+_FLATTEST = 1e6
+"""Condition of a matrix from which on no way leads back into the profile: its colours lie in a plane."""
 _SAME = 0.003  # how far makers' rounded sRGB profiles lie from the standard
 
 
@@ -112,7 +114,7 @@ def matrix_profile(icc: bytes, channels: int) -> MatrixProfile | None:
         columns = [_xyz(tags[name]) for name in (b"rXYZ", b"gXYZ", b"bXYZ")]
         matrix = np.linalg.solve(_REC709_TO_XYZ_D50, np.stack(columns, axis=1))
         matrix /= matrix.sum(axis=1, keepdims=True)
-        if not np.isfinite(matrix).all():
+        if not np.isfinite(matrix).all() or np.linalg.cond(matrix) > _FLATTEST:
             return None
         curves = np.stack([_curve_samples(tags[name]) for name in (b"rTRC", b"gTRC", b"bTRC")])
         return MatrixProfile(curves, matrix)

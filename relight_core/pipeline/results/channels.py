@@ -33,7 +33,7 @@ _FINE = [INDEX[name] for name in ("left_eye", "right_eye", "inner_mouth", "lips"
 _SMOOTH = [INDEX[name] for name in ("left_eye", "right_eye", "inner_mouth", "glasses")]
 """Labels of what mirrors light whatever its own colour."""
 
-BRIGHTEST_CHANGE = 1e30
+BRIGHTEST_CHANGE = 1e20
 """No gain or offset is larger."""
 
 _NO_TONE = 1e-4
