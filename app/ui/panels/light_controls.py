@@ -39,9 +39,9 @@ _SHAPES = (
     ("disc", "Round", "A beauty dish, an umbrella, a bulb, a ring light."),
 )
 _HOLE = widgets.Slider("Hole", 0.0, 0.9, 0.0, "%.2f", "How much of it is dark in the middle, as of a ring light.")
-_LAMPS = "Its lamps"
-_REMOVE = "Remove all"
+_ADD, _LAMPS, _REMOVE = "+  Soft box", "Its lamps", "Remove all"
 _AS_PHOTO = "The level at which the lit part of the face is as bright as in the photo.  Shift + A"
+_ON_THE_FACE = "On the face"
 _AIMS = (
     ("highlight", "Highlight", "Then click on the face where the shine should be; drag to fine-tune.  K"),
     ("bright", "Bright side", "Then click on the face where it should be brightest; drag to fine-tune.  B"),
@@ -53,9 +53,10 @@ def tools(state: EditorState) -> None:
     spacing = 4.0
     _lamp_tools(state, spacing)
     imgui.begin_disabled(state.snapshot.picture is None)
-    imgui.align_text_to_frame_padding()
-    imgui.text_disabled("On the face")
-    imgui.same_line()
+    if _widest_aim() + imgui.calc_text_size(_ON_THE_FACE).x + spacing < imgui.get_content_region_avail().x:
+        imgui.align_text_to_frame_padding()
+        imgui.text_disabled(_ON_THE_FACE)
+        imgui.same_line()
     half = (imgui.get_content_region_avail().x - spacing) / 2
     for index, (aim, label, tooltip) in enumerate(_AIMS):
         if index:
@@ -66,24 +67,36 @@ def tools(state: EditorState) -> None:
     imgui.end_disabled()
 
 
+def _widest_aim() -> float:
+    """How wide the buttons of `_AIMS` have to be side by side."""
+    return sum(imgui.calc_text_size(label).x + imgui.get_font_size() for _, label, _ in _AIMS)
+
+
 def _lamp_tools(state: EditorState, spacing: float) -> None:
-    """The row that adds lamps, moves those of the light itself, and takes all of them away."""
-    has_boxes, has_lamps = bool(state.light_edit.boxes), light_edits.has_lamps(state)
-    words = [word for word, is_there in ((_LAMPS, has_lamps), (_REMOVE, has_boxes)) if is_there]
-    widths = {word: imgui.calc_text_size(word).x + imgui.get_font_size() for word in words}
-    if imgui.button("+  Soft box", imgui.ImVec2(-sum(widths.values()) - spacing * len(words) - 1.0, 0.0)):
+    """What adds lamps, moves those of the light itself, and takes all of them away: in a row, or in two."""
+    has = {_LAMPS: light_edits.has_lamps(state), _REMOVE: bool(state.light_edit.boxes)}
+    words = [word for word, is_there in has.items() if is_there]
+    room = imgui.get_content_region_avail().x
+    widths = [imgui.calc_text_size(word).x + imgui.get_font_size() for word in (_ADD, *words)]
+    in_a_row = sum(widths) + spacing * len(words) <= room
+    if in_a_row:
+        widths[0] = room - sum(widths[1:]) - spacing * len(words)
+    else:
+        widths = [room] + [(room - spacing * (len(words) - 1)) / len(words)] * len(words)
+    if imgui.button(_ADD, imgui.ImVec2(widths[0], 0.0)):
         add_box(state, *NEW_AT)
     imgui.set_item_tooltip("Add a lamp. Drag it on the panorama; its corners resize it.  N")
-    if has_lamps:
-        imgui.same_line(0.0, spacing)
-        if widgets.toggle(_LAMPS, state.light_edit.apart, widths[_LAMPS]):
-            light_edits.switch_lamps(state)
-        imgui.set_item_tooltip(_lamp_words(state))
-    if has_boxes:
-        imgui.same_line(0.0, spacing)
-        if imgui.button(_REMOVE, imgui.ImVec2(widths[_REMOVE], 0.0)):
-            light_edits.delete_boxes(state)
-        imgui.set_item_tooltip("Leaves the light without soft boxes.  Shift + Delete")
+    for index, (word, width) in enumerate(zip(words, widths[1:], strict=True)):
+        if in_a_row or index:
+            imgui.same_line(0.0, spacing)
+        if word == _LAMPS:
+            if widgets.toggle(word, state.light_edit.apart, width):
+                light_edits.switch_lamps(state)
+            imgui.set_item_tooltip(_lamp_words(state))
+        else:
+            if imgui.button(word, imgui.ImVec2(width, 0.0)):
+                light_edits.delete_boxes(state)
+            imgui.set_item_tooltip("Leaves the light without soft boxes.  Shift + Delete")
 
 
 def _lamp_words(state: EditorState) -> str:
