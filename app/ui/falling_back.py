@@ -28,6 +28,9 @@ def fall_back(state: EditorState) -> None:
         # The first photo may still be on its way, and then it is what remains.
         remaining = snapshot.opened or snapshot.coming
         state.photo = remaining.source if remaining else None
+        if state.left is not None and snapshot.opened is not None and snapshot.opened.shows(state.left):
+            # With what was painted or corrected just before and is in no picture yet.
+            state.photo = state.left
     if state.light in snapshot.refused:
         light = snapshot.light
         state.light = light.source if light else LightSource("rig", FIRST_LIGHT)

@@ -86,6 +86,7 @@ class EditorState:
         opened_queue: the queue as the open photo was asked for, or the first one that is still being read.
         works: the work on each photo of this run as it was left, by the photo's absolute path.
         work_on: the photo that is open, by the same.
+        left: the open photo as it was wished for when another one was asked for.
         waiting: work of the open photo's own, where it came back under the light and the sliders of another.
     """
 
@@ -138,6 +139,7 @@ class EditorState:
     opened_queue: PhotoQueue = field(default_factory=PhotoQueue)
     works: dict[Path, KeptWork] = field(default_factory=dict)
     work_on: Path | None = None
+    left: PhotoSource | None = None
     waiting: KeptWork | None = None
     _found: dict[Path, tuple[FaceBox, ...]] = field(default_factory=dict)
 
@@ -370,6 +372,8 @@ class EditorState:
     def _wish_for(self, photo: PhotoSource) -> None:
         give_up_what_is_on_its_way(self)
         note_left(self)
+        if self.is_at_work():
+            self.left = self.photo
         self.photo = photo
 
     def _request_of(self, edit: Edit) -> Request:

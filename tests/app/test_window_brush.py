@@ -196,6 +196,19 @@ def test_no_outline_of_the_photo_before_lies_over_the_next(brush, relighter, tmp
     assert outline == []
 
 
+def test_a_stroke_painted_just_before_a_photo_that_is_refused_stays(brush, tmp_path):
+    state = brush.window.state
+    (tmp_path / "bad.jpg").write_bytes(b"no picture")
+    brush_edits.begin(state, (20, 20), 8, True)
+    brush_edits.lift(state)
+    (stroke,) = state.photo.strokes
+    state.remember(1e9)
+    state.open_photo(tmp_path / "bad.jpg")
+    brush.settle()
+    assert state.photo.strokes == (stroke,) == state.snapshot.opened.source.strokes
+    assert state.history.steps[-1].name == "Add to the person"
+
+
 def test_the_brush_is_not_taken_up_for_a_photo_that_may_not_come(brush, tmp_path):
     """Esc would put back the outline of that one."""
     state = brush.window.state
