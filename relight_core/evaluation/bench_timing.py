@@ -136,7 +136,7 @@ _ONCE = (
     "begun",
     "source_light",
     "albedo",
-    "shared_light",
+    "served_light",
     "exposure",
     "residual",
     "residual_in_company",

@@ -54,13 +54,15 @@ class FaceInPhoto(FaceTakenApart):
         return replace(ready, surface=self._once("albedo", ready.tier.relief_key, flatten))
 
     def _source_light(self, ready: Prepared) -> torch.Tensor:
-        """The photo's light (1, 16, 32, 3) as this view sees it; a nearer view stands in the light of its face."""
-        company, tier = self._company, ready.tier
+        """The photo's light (1, 16, 32, 3) as this view sees it; a nearer view stands in the light of its face.
+
+        It has been turned into the camera's view and back, as any light has that is served: turned once less it would
+        be sharper than the photo's own light when that is the target, and not make the photo again.
+        """
+        tier = ready.tier
         if self.wider is not None:
             return self.wider._source_light(self.wider.prepare(tier))
-        if company is None:
-            return self._estimate(ready)
-        return self._once("shared_light", tier.relief_key, lambda: self._turned(company.light(tier)))
+        return self._once("served_light", tier.relief_key, lambda: self._turned(self.own_light_normalised(ready)))
 
     def _estimate(self, ready: Prepared) -> torch.Tensor:
         relief = self._relief(ready)
@@ -105,7 +107,7 @@ class FaceInPhoto(FaceTakenApart):
 
     def own_light_normalised(self, ready: Prepared) -> np.ndarray:
         """The source light (16, 32, 3) as the photo's camera sees it, of mean luminance 1."""
-        return self._as_the_camera_sees(self._source_light(ready))
+        return self._company.light(ready.tier) if self._company else self.estimate(ready.tier)
 
     def _residual(self, ready: Prepared, plan: Plan) -> Residual:
         """What the model, as far as the plan runs it, misses of the photo.

@@ -5,13 +5,16 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+import torch
 from tiny_relighter import EDIT, NETWORK_STAGES, computed, some_light, some_photo
 
 from relight_core.errors import InputError, NoFaceError
 from relight_core.face.find import FaceBox
+from relight_core.lighting.environment import network_light
 from relight_core.pipeline import face_search, stages
 from relight_core.pipeline.face_taken_apart import Workshop
 from relight_core.pipeline.per_photo import choosing_faces
+from relight_core.pipeline.quality import tier_of
 from relight_core.pipeline.relighter import Relighter
 
 LARGE, SMALL, MOVED = FaceBox(24, 20, 72, 76), FaceBox(4, 4, 20, 20), FaceBox(80, 60, 104, 84)
@@ -119,3 +122,12 @@ def test_a_photo_without_faces_is_searched_once(relighter, monkeypatch, delighte
     with pytest.raises(NoFaceError, match="no face found"):
         relighter.set_portrait(nobody)
     assert delighted == []
+
+
+@pytest.mark.parametrize("roll_deg", [0.0, 38.0, -75.0])
+def test_the_own_light_of_a_leaning_face_is_served_to_it_as_what_its_photo_is_explained_by(relighter, roll_deg):
+    relighter.set_portrait(some_photo(), boxes=[FaceBox(24, 20, 72, 76, roll_deg)])
+    own = relighter.estimated_light("live")
+    face, tier = relighter._faces[0], tier_of("live")
+    served = face._turned(network_light(own))
+    torch.testing.assert_close(served, face._source_light(face.prepare(tier)), rtol=1e-4, atol=1e-5)
