@@ -10,10 +10,10 @@ from imgui_bundle import imgui
 from app.ui import light_edits, theme
 from app.ui.pictures import Pictures
 from app.ui.state import EditorState
-from app.ui.viewport.box_tools import NEW_BOX, dragged, grab, with_box
+from app.ui.viewport.box_tools import NEW_BOX, Grab, dragged, grab, with_box
 from app.ui.viewport.viewport_notes import note
 from relight_core.lighting.light_edit import MOST_BOXES
-from relight_core.lighting.soft_box import corners, direction_at, moved_to, outline, uv_of
+from relight_core.lighting.soft_box import box_title, corners, direction_at, moved_to, outline, uv_of
 from relight_core.lighting.sphere import turned
 
 FINE = 0.2
@@ -66,21 +66,22 @@ def _point(state: EditorState, u: float, v: float, reach_deg: float) -> None:
         state.selected_box = found.index
         light_edits.delete_box(state)
     elif not state.hint_spent:
-        _explain(found.kind)
+        _explain(state, found)
     if found.kind == "turn" and imgui.is_mouse_double_clicked(0):
         add_box(state, u, v)
         state.held = None
 
 
-def _explain(kind: str) -> None:
-    if kind == "turn":
+def _explain(state: EditorState, found: Grab) -> None:
+    if found.kind == "turn":
         imgui.set_item_tooltip(
             "Everything around the person: the middle lies behind them, the edges in front.\n"
             "Drag sideways to turn the light, with Shift in small steps.\n"
             "Double-click to add a soft box."
         )
     else:
-        imgui.set_item_tooltip("Drag to move it, a corner to resize it. Right-click to delete it.")
+        title = box_title(state.light_edit.boxes, found.index)
+        imgui.set_item_tooltip(f"{title}\nDrag to move it, a corner to resize it. Right-click to delete it.")
 
 
 def _hold(state: EditorState, u: float, v: float, moved: float, reach_deg: float) -> None:
