@@ -10,7 +10,7 @@ relight evaluate breakdown --heads DIR --lights FILE [-o TABLE.md]
 Where the error comes from: the same pictures again while de-lighting is told its albedo, its normals and so on.
 
 relight evaluate ablation --heads DIR --lights FILE [--steps N] -o FOLDER
-relight evaluate peers --heads DIR --lights FILE [--steps N] [--dpr FILE] -o FOLDER
+relight evaluate peers --heads DIR --lights FILE [--steps N] [--sun FILE] [--dpr FILE] -o FOLDER
 
 The paper's Tables 2 and 3 at a budget of your choice: the first trains the paper's variants and ours alike
 and compares them; the second trains Sun et al.'s network on the same batches and sets everybody beside the

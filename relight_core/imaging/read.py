@@ -38,7 +38,7 @@ def read_photo(path: str | Path) -> Photo:
     grey profiles in floating point at the file's own depth, with what lies outside Rec.709 in `Photo.beyond`;
     table-based ones (CMYK among them) at 8 bits through LittleCMS, clipped to sRGB. Floating-point TIFFs are
     linear unless they embed a matrix or grey profile. In floating-point files NaN becomes 0 and infinity the
-    largest finite value, none above 1e20; what is negative goes to `Photo.beyond`. Alpha multiplied into the
+    largest finite value, none above 1e16; what is negative goes to `Photo.beyond`. Alpha multiplied into the
     colour is divided out.
 
     Raises:
