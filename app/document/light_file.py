@@ -146,6 +146,7 @@ def _box(fields: Fields) -> SoftBox:
     defaults = SoftBox()
     values = {key: fields.number(key, *_BOX_RANGES[key], getattr(defaults, key)) for key in _BOX_RANGES}
     colour, form = fields.triple("colour"), fields.word("form", _FORMS, defaults.form)
+    off = fields.flag("off")
     name = "".join(filter(str.isprintable, fields.text("name", "")))[:_LONGEST_NAME]
     fields.finish()
-    return SoftBox(**values, colour=colour, form=form, name=name)
+    return SoftBox(**values, colour=colour, form=form, off=off, name=name)

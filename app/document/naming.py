@@ -124,6 +124,8 @@ def _box_change(before: LightEdit, after: LightEdit) -> Change:
     index = moved[0]
     touched = {name.removeprefix("box.") for name in _differing(before.boxes[index], after.boxes[index], "box")}
     verb = next(verb for names, verb in _BOX_VERBS if touched <= names)
+    if touched == {"off"}:
+        verb = "Switch off" if after.boxes[index].off else "Switch on"
     key = "".join(sorted(touched))
     title = box_title(after.boxes, index)
     return Change((f"light.boxes.{index}.{key}",), f"{verb} {title[0].lower()}{title[1:]}")

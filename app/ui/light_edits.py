@@ -35,6 +35,14 @@ def has_box(state: EditorState) -> bool:
     return 0 <= state.selected_box < len(state.light_edit.boxes)
 
 
+def switch_box(state: EditorState) -> None:
+    """Switch the selected soft box off, or on again."""
+    if has_box(state):
+        box = state.light_edit.boxes[state.selected_box]
+        boxes = with_box(state.light_edit.boxes, state.selected_box, replace(box, off=not box.off))
+        state.light_edit = replace(state.light_edit, boxes=boxes)
+
+
 def raise_box(state: EditorState, degrees: float) -> None:
     """Lift the selected soft box, or lower it; at most to straight above or below."""
     if has_box(state):

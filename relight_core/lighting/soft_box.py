@@ -36,6 +36,7 @@ class SoftBox:
             side of the light that the box is added to; [0, 16].
         form: "rectangle" or "disc".
         hole: share of a disc's width that stays dark in its middle, [0, 0.9]: a ring light.
+        off: it is switched off, and gives no light until it is switched on again.
         name: of the light's own lamp that the box was (see `own_lamps`); empty for a lamp of the user's.
     """
 
@@ -49,6 +50,7 @@ class SoftBox:
     intensity: float = 1.0
     form: str = "rectangle"
     hole: float = 0.0
+    off: bool = False
     name: str = ""
 
     @property
@@ -85,7 +87,7 @@ def soft_box_radiance(box: SoftBox, height: int, unit: float = 1.0) -> np.ndarra
         unit: luminance that an intensity of 1 stands for.
 
     Returns:
-        (height, 2 * height, 3) float32 linear radiance.
+        (height, 2 * height, 3) float32 linear radiance; all 0 of a box that is switched off.
     """
     lamp = AreaLight(
         box.azimuth_deg,
@@ -93,7 +95,7 @@ def soft_box_radiance(box: SoftBox, height: int, unit: float = 1.0) -> np.ndarra
         box.width_deg,
         box.height_deg,
         tuple(float(value) for value in box.rgb),
-        box.intensity * unit,
+        0.0 if box.off else box.intensity * unit,
         box.softness,
         box.hole * box.width_deg if box.is_round else 0.0,
         box.form,

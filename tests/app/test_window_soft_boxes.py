@@ -9,6 +9,7 @@ import pytest
 from imgui_bundle import imgui
 
 from app.ui import widgets
+from relight_core.lighting.rigs import load_rig
 from relight_core.lighting.soft_box import SoftBox, uv_of
 
 
@@ -132,3 +133,18 @@ def test_a_box_added_while_a_broken_light_is_read_stays(opened, tmp_path, monkey
     gate.set()
     opened.settle()
     assert (state.light.name, state.light_edit.boxes) == ("rembrandt", (added,))
+
+
+def test_a_lamp_is_switched_off_and_on(opened):
+    state = opened.window.state
+    opened.light("split")
+    split = opened.picture_pixels(96, 128).astype(int)
+    opened.key(glfw.KEY_M)
+    opened.key(glfw.KEY_M, shift=True)
+    assert state.light_edit.boxes[0].off
+    assert opened.window.engine.snapshot().light.environment.level < 0.5 * load_rig("split").level
+    assert np.abs(opened.picture_pixels(96, 128) - split).max() > 5
+    assert state.history.steps[-1].name == "Switch off key"
+    opened.key(glfw.KEY_M, shift=True)
+    assert not state.light_edit.boxes[0].off
+    assert np.abs(opened.picture_pixels(96, 128) - split).max() <= 1

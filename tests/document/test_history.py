@@ -159,6 +159,8 @@ NAMES = [
     (lit(boxes=(BOX,)), lit(boxes=(SoftBox(1, 2, 3, 4, 0.5, 6000, None, 7),)), "Change soft box 1"),
     (lit(boxes=(BOX,)), lit(boxes=(replace(BOX, form="disc", width_deg=9.0, height_deg=9.0),)), "Shape of soft box 1"),
     (lit(boxes=(ROUND,)), lit(boxes=(replace(ROUND, hole=0.5),)), "Shape of soft box 1"),
+    (lit(boxes=(KEY,)), lit(boxes=(replace(KEY, off=True),)), "Switch off key light"),
+    (lit(boxes=(replace(BOX, off=True),)), lit(boxes=(BOX,)), "Switch on soft box 1"),
     (START, lit(boxes=(KEY,), apart=True), "Take the light's lamps apart"),
     (lit(boxes=(KEY, BOX), apart=True), lit(boxes=(BOX,)), "Put the light's lamps back"),
     (lit(boxes=(KEY, BOX), apart=True), START, "Remove all soft boxes"),

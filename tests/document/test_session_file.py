@@ -31,7 +31,7 @@ STROKES = (
 BOXES = (
     SoftBox(-60.0, 20.0, 44.0, 12.0, 0.1, 3200.0, None, 1.7),
     SoftBox(colour=(0.9, 0.1, 0.2)),
-    SoftBox(form="disc", hole=0.6, name="ring"),
+    SoftBox(form="disc", hole=0.6, off=True, name="ring"),
 )
 
 

@@ -153,3 +153,14 @@ def test_blur_refuses_what_is_no_angle():
     for wrong in (-1.0, 91.0, np.nan):
         with pytest.raises(ValueError, match="blur"):
             blur_light(np.ones((4, 8, 3), np.float32), wrong)
+
+
+def test_a_soft_box_that_is_switched_off_gives_nothing_and_comes_back_as_it_was():
+    light, box = random_light(256), SoftBox(30.0, 20.0, intensity=2.0)
+    off = edit_light(light, LightEdit(base=0.5, boxes=(replace(box, off=True),)))
+    np.testing.assert_allclose(radiance_of(off), radiance_of(edit_light(light, LightEdit(base=0.5))), rtol=1e-5)
+    on = edit_light(light, LightEdit(base=0.5, boxes=(box, replace(box, azimuth_deg=-90.0, off=True))))
+    alone = edit_light(light, LightEdit(base=0.5, boxes=(box,)))
+    np.testing.assert_allclose(radiance_of(on), radiance_of(alone), rtol=1e-5)
+    dark = edit_light(light, LightEdit(base=0.0, boxes=(replace(box, off=True),)))
+    assert dark.level == 0.0

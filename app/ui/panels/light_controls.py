@@ -115,10 +115,17 @@ def box(state: EditorState, fonts: theme.Fonts) -> None:
     left = imgui.get_cursor_screen_pos()
     width = imgui.get_content_region_avail().x
     imgui.align_text_to_frame_padding()
-    delete = imgui.calc_text_size("Delete").x + imgui.get_font_size()
-    widgets.heading(fonts, widgets.shortened(box_title(boxes, index), width - delete - imgui.get_font_size()))
+    em, spacing = imgui.get_font_size(), 4.0
+    delete, switch = (imgui.calc_text_size(word).x + em for word in ("Delete", "Off"))
+    tools = delete + spacing + switch
+    widgets.heading(fonts, widgets.shortened(box_title(boxes, index), width - tools - em))
     imgui.same_line()
-    imgui.set_cursor_screen_pos(imgui.ImVec2(left.x + width - delete, left.y))
+    imgui.set_cursor_screen_pos(imgui.ImVec2(left.x + width - tools, left.y))
+    if widgets.toggle("Off", boxes[index].off, switch):
+        light_edits.switch_box(state)
+        return
+    imgui.set_item_tooltip("Switch this lamp off, to see what it does; again switches it on.  Shift + M")
+    imgui.same_line(0.0, spacing)
     if imgui.button("Delete", imgui.ImVec2(delete, 0.0)):
         light_edits.delete_box(state)
         return

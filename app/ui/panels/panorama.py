@@ -124,7 +124,7 @@ def _box(state: EditorState, index: int, left: imgui.ImVec2, width: float, heigh
     draw_list = imgui.get_window_draw_list()
     draw_list.push_clip_rect(left, imgui.ImVec2(left.x + width, left.y + height), True)
     edge = _unwrapped(outline(box), state.edit.yaw_deg)
-    colour, em = theme.ACCENT if selected else theme.TEXT, imgui.get_font_size()
+    colour, em = theme.ACCENT if selected else theme.DIM if box.off else theme.TEXT, imgui.get_font_size()
     for turn in (-1, 0, 1):
         points = [imgui.ImVec2(left.x + (u + turn) * width, left.y + v * height) for u, v in edge]
         draw_list.add_polyline(points, theme.packed((0.0, 0.0, 0.0, 1.0), 0.5), 0.23 * em, 0)
