@@ -83,16 +83,16 @@ def _peers(arguments: argparse.Namespace, budget: Budget, contest: Contest, repo
     from relight_core.networks.bundle import load_bundle
 
     networks = trained_variants(arguments.output)
-    like = load_bundle(arguments.weights).config.delight if arguments.weights and not networks else None
-    if arguments.weights is not None:
-        networks[arguments.weights.stem] = arguments.weights
-    training = in_words(budget)
     if arguments.sun is not None:
         sun = Sun(load_sun(arguments.sun))
         training = f"Sun et al.'s network is another comparison's, trained at {sun.size_px} pixels, and works at that."
     else:
+        like = load_bundle(arguments.weights).config.delight if arguments.weights and not networks else None
         with progress("training", 1.0) as show:
             sun = trained_sun(contest.heads, contest.lights, arguments.output, budget, show, like)
+        training = in_words(budget)
+    if arguments.weights is not None:
+        networks[arguments.weights.stem] = arguments.weights
     everybody = contenders(networks, sun, arguments.dpr)
     with progress("relighting", 1.0) as show:
         outcome = hold(everybody, contest, show)

@@ -231,20 +231,21 @@ def _is_foreign(text: str) -> bool:
 
 def is_too_large(path: Path) -> bool:
     """Whether it is a file larger than any of ours, so that nobody has looked into it."""
-    try:
-        found = os.stat(path)
-    except (OSError, ValueError):
-        return False
-    return stat.S_ISREG(found.st_mode) and found.st_size > LARGEST_BYTES
+    found = _found(path)
+    return found is not None and stat.S_ISREG(found.st_mode) and found.st_size > LARGEST_BYTES
 
 
 def _is_odd(path: Path) -> bool:
     """Whether it is there, but as a device, a pipe or a file far too large."""
+    found = _found(path)
+    return found is not None and (not stat.S_ISREG(found.st_mode) or found.st_size > LARGEST_BYTES)
+
+
+def _found(path: Path) -> os.stat_result | None:
     try:
-        found = os.stat(path)
+        return os.stat(path)
     except (OSError, ValueError):
-        return False
-    return not stat.S_ISREG(found.st_mode) or is_too_large(path)
+        return None
 
 
 def _is_finite(value: float) -> bool:

@@ -13,6 +13,7 @@ from app.document.json_fields import Fields, is_place_for, path_for_file, path_f
 from app.engine.sources import PICTURE_SUFFIXES
 from relight_core.errors import InputError
 from relight_core.lighting.light_edit import MOST_BOXES, LightEdit
+from relight_core.lighting.rig_description import FORMS
 from relight_core.lighting.rigs import rig_names
 from relight_core.lighting.soft_box import LARGEST_DEG, SMALLEST_DEG, SoftBox
 
@@ -38,7 +39,6 @@ _BOX_RANGES = {
     "intensity": (0.0, 16.0),
     "hole": (0.0, 0.9),
 }
-_FORMS = ("rectangle", "disc")
 _LONGEST_NAME = 40
 
 
@@ -145,7 +145,7 @@ def _light_edit(fields: Fields) -> LightEdit:
 def _box(fields: Fields) -> SoftBox:
     defaults = SoftBox()
     values = {key: fields.number(key, *_BOX_RANGES[key], getattr(defaults, key)) for key in _BOX_RANGES}
-    colour, form = fields.triple("colour"), fields.word("form", _FORMS, defaults.form)
+    colour, form = fields.triple("colour"), fields.word("form", FORMS, defaults.form)
     off = fields.flag("off")
     name = "".join(filter(str.isprintable, fields.text("name", "")))[:_LONGEST_NAME]
     fields.finish()

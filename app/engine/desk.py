@@ -220,9 +220,8 @@ class Desk:
             raise InputError(f"{now.opened.source.name}: there is no face to tell its light by; draw a box over one")
         if source.kind == "rig":
             environment, panorama, ball = rig_for_screen(source.name)
-            return replace(
-                now, light=OpenLight(source, environment, panorama, ball, environment, lamps=environment.lamps)
-            )
+            lamps = own_lamps(environment)
+            return replace(now, light=OpenLight(source, environment, panorama, ball, environment, lamps=lamps))
         if source in self._lights:
             return replace(now, light=self._lights[source])
         light = _for_screen(source, self._environment(source))

@@ -11,6 +11,7 @@ from relight_core.lighting.light_edit import MOST_BOXES, MOST_LEVEL_EV, put_toge
 if TYPE_CHECKING:
     from app.engine.snapshot import Picture
     from app.ui.state import EditorState
+    from relight_core.lighting.soft_box import SoftBox
 
 
 def meter_light(state: EditorState) -> None:
@@ -35,12 +36,21 @@ def has_box(state: EditorState) -> bool:
     return 0 <= state.selected_box < len(state.light_edit.boxes)
 
 
+def put_box(state: EditorState, index: int, box: SoftBox) -> None:
+    """Put a soft box into the place of another."""
+    state.light_edit = replace(state.light_edit, boxes=with_box(state.light_edit.boxes, index, box))
+
+
+def tell_full(state: EditorState, delete: str = "one") -> None:
+    """Say that there are as many soft boxes as there may be."""
+    state.asking.tell(f"A light has at most {MOST_BOXES} soft boxes; delete {delete} first", True)
+
+
 def switch_box(state: EditorState) -> None:
     """Switch the selected soft box off, or on again."""
     if has_box(state):
         box = state.light_edit.boxes[state.selected_box]
-        boxes = with_box(state.light_edit.boxes, state.selected_box, replace(box, off=not box.off))
-        state.light_edit = replace(state.light_edit, boxes=boxes)
+        put_box(state, state.selected_box, replace(box, off=not box.off))
 
 
 def raise_box(state: EditorState, degrees: float) -> None:
@@ -48,7 +58,7 @@ def raise_box(state: EditorState, degrees: float) -> None:
     if has_box(state):
         box = state.light_edit.boxes[state.selected_box]
         raised = replace(box, elevation_deg=min(max(box.elevation_deg + degrees, -90.0), 90.0))
-        state.light_edit = replace(state.light_edit, boxes=with_box(state.light_edit.boxes, state.selected_box, raised))
+        put_box(state, state.selected_box, raised)
 
 
 def delete_box(state: EditorState) -> None:
@@ -76,7 +86,7 @@ def switch_lamps(state: EditorState) -> None:
         return
     edit = taken_apart(state.light_edit, state.snapshot.light.lamps)
     if len(edit.boxes) > MOST_BOXES:
-        state.asking.tell(f"A light has at most {MOST_BOXES} soft boxes; delete some first", True)
+        tell_full(state, "some")
         return
     lamps = [box.intensity if box.name else -1.0 for box in edit.boxes]
     state.light_edit, state.selected_box = edit, lamps.index(max(lamps))

@@ -328,7 +328,7 @@ class EditorState:
         if snapshot.opened and (opened_before is None or snapshot.opened.photo is not opened_before.photo):
             self.export_path = self._export_beside().with_suffix(self.export.form).name
             self.shown = RESULT
-            self.aim_at = None
+            self.aim_at = self.left = None
             self.faces, self.brush = FaceTool(not snapshot.faces, snapshot.opened.source), BrushTool()
             if snapshot.opened.source.path and self.is_at_work():
                 self.queue = self.queue.showing(snapshot.opened.source.path)

@@ -22,7 +22,7 @@ from relight_core.errors import InputError
 from relight_core.imaging.colour import REC709_LUMINANCE
 
 if TYPE_CHECKING:
-    from relight_core.lighting.soft_box import SoftBox
+    from relight_core.lighting.rig_render import Drawn
 
 WORKING_HEIGHT = 1024
 """Rows a map keeps at most: enough for a background, small enough to turn while the user drags."""
@@ -46,16 +46,13 @@ class Environment:
             all zero for a map without light. Read-only where this module made it.
         level: that mean in the map's own units; shape * level is the map. 0 for a map without light.
         name: for messages and the window.
-        room, lamps: of a light that is drawn from lamps, those, and (H, 2H, 3) in the units of `shape` what is left
-            without them; None and empty for any other. What is found of a light, and its fingerprint, have nothing
-            to do with them. See `own_lamps`.
+        drawn: what it was drawn from, of which `own_lamps` knows its lamps; None for any other light.
     """
 
     shape: np.ndarray = field(repr=False)
     level: float
     name: str = ""
-    room: np.ndarray | None = field(default=None, repr=False)
-    lamps: tuple[SoftBox, ...] = field(default=(), repr=False)
+    drawn: Drawn | None = field(default=None, repr=False)
     _found: dict[Hashable, Any] = field(default_factory=dict, init=False, repr=False)
 
     @classmethod

@@ -18,7 +18,7 @@ from relight_core.lighting.sphere import directions, place_on_map, solid_angles,
 _ROWS = 128
 _MOST = 4
 _CORE_DEG, AROUND_DEG, BEYOND_DEG = 6.0, 12.0, 18.0
-"""How far from its middle a lamp reaches at most, and what around that counts as its surroundings."""
+"""How far from its middle a lamp reaches in full, how far at most, and up to where its surroundings count."""
 
 _DIMMEST = 4.0
 _CENTRINGS = 3

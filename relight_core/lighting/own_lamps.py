@@ -16,6 +16,7 @@ from relight_core.imaging.colour import REC709_LUMINANCE
 from relight_core.lighting.environment import Environment, shrink
 from relight_core.lighting.lamps import AROUND_DEG, BEYOND_DEG, Lamp, lamps_of
 from relight_core.lighting.rig_description import AreaLight
+from relight_core.lighting.rig_render import render_rig
 from relight_core.lighting.soft_box import SMALLEST_DEG, SoftBox, moved_to
 from relight_core.lighting.sphere import directions, solid_angles
 from relight_core.lighting.summary import meter_reading
@@ -28,21 +29,30 @@ def own_lamps(light: Environment) -> tuple[SoftBox, ...]:
 
     Their intensities are multiples of the light's meter reading, as those of any soft box added to it.
     """
-    if light.room is not None:
-        return light.lamps
-    lamps = lamps_of(light)
-    return light.of_shape("own lamps", lambda shape: _boxes(shape, lamps, meter_reading(light))) if lamps else ()
+    find = _lamps_of_panorama if light.drawn is None else _lamps_of_rig
+    return light.of_shape("own lamps", lambda shape: find(light))
 
 
 def room_of(light: Environment) -> np.ndarray | None:
     """(H, 2H, 3) in the units of the light's shape: what is left without its lamps; None where it has none."""
-    if light.room is not None:
-        return light.room
-    lamps = lamps_of(light)
-    return light.of_shape("room", lambda shape: _without(shape, lamps)) if lamps else None
+    if not own_lamps(light):
+        return None
+    find = _room_of_panorama if light.drawn is None else _room_of_rig
+    return light.of_shape("room", lambda shape: find(light))
 
 
-def box_of(lamp: AreaLight, unit: float) -> SoftBox:
+def _lamps_of_rig(light: Environment) -> tuple[SoftBox, ...]:
+    unit = light.drawn.level * meter_reading(light)
+    return tuple(_as_box(lamp, unit) for lamp in light.drawn.rig.area_lights if not lamp.backdrop)
+
+
+def _room_of_rig(light: Environment) -> np.ndarray:
+    rig = light.drawn.rig
+    backdrops = tuple(lamp for lamp in rig.area_lights if lamp.backdrop)
+    return render_rig(replace(rig, area_lights=backdrops), light.height) / np.float32(light.drawn.level)
+
+
+def _as_box(lamp: AreaLight, unit: float) -> SoftBox:
     """A rig's lamp as a box, of the same irradiance where an intensity of 1 stands for `unit`."""
     box = SoftBox(
         azimuth_deg=lamp.azimuth_deg,
@@ -59,38 +69,42 @@ def box_of(lamp: AreaLight, unit: float) -> SoftBox:
     return box if lamp.kelvin is None else replace(box, kelvin=lamp.kelvin)
 
 
-def _boxes(shape: np.ndarray, lamps: Sequence[Lamp], unit: float) -> tuple[SoftBox, ...]:
-    small = shrink(shape, _MEASURED_HEIGHT) if len(shape) > _MEASURED_HEIGHT else shape
-    toward, areas = directions(*small.shape[:2]), solid_angles(*small.shape[:2])
-    boxes = []
-    for number, lamp in enumerate(lamps, 1):
-        around, kept = _behind(small, toward, areas, lamp)
-        facing = (toward[around] @ np.array(lamp.toward, np.float32)) * areas[around]
-        card = facing.astype(np.float64) @ (small[around] - kept) / np.pi
-        luminance = float(card @ REC709_LUMINANCE)
-        size = max(2 * lamp.radius_deg, SMALLEST_DEG)
-        colour = tuple(float(part) for part in card / max(luminance, 1e-12))
-        name = "lamp" if len(lamps) == 1 else f"lamp {number}"
-        disc = SoftBox(0.0, 0.0, size, size, 0.2, colour=colour, intensity=luminance / unit, form="disc", name=name)
-        boxes.append(moved_to(disc, np.array(lamp.toward)))
-        small = small.copy()
-        small[around] = kept
-    return tuple(boxes)
+def _lamps_of_panorama(light: Environment) -> tuple[SoftBox, ...]:
+    lamps = lamps_of(light)
+    if not lamps:
+        return ()
+    small = shrink(light.shape, _MEASURED_HEIGHT) if light.height > _MEASURED_HEIGHT else light.shape
+    names = ["lamp"] if len(lamps) == 1 else [f"lamp {number}" for number in range(1, len(lamps) + 1)]
+    parts = zip(names, lamps, _taken_out(small, lamps)[1], strict=True)
+    return tuple(_disc(name, lamp, card, meter_reading(light)) for name, lamp, card in parts)
 
 
-def _without(shape: np.ndarray, lamps: Sequence[Lamp]) -> np.ndarray:
+def _room_of_panorama(light: Environment) -> np.ndarray:
+    return _taken_out(light.shape, lamps_of(light))[0]
+
+
+def _disc(name: str, lamp: Lamp, card: np.ndarray, unit: float) -> SoftBox:
+    """A disc as large as a lamp that gives a white `card` (3,) which faces it as much light."""
+    luminance = float(card @ REC709_LUMINANCE)
+    size = max(2 * lamp.radius_deg, SMALLEST_DEG)
+    colour = tuple(float(part) for part in card / max(luminance, 1e-12))
+    disc = SoftBox(0.0, 0.0, size, size, 0.2, colour=colour, intensity=luminance / unit, form="disc", name=name)
+    return moved_to(disc, np.array(lamp.toward))
+
+
+def _taken_out(shape: np.ndarray, lamps: Sequence[Lamp]) -> tuple[np.ndarray, list[np.ndarray]]:
+    """A panorama without its lamps, and what each of them gives a white card (3,) that faces it.
+
+    Where a lamp stands out, what is left is no brighter than its surroundings.
+    """
     toward, areas = directions(*shape.shape[:2]), solid_angles(*shape.shape[:2])
-    left = shape.copy()
+    left, cards = shape.copy(), []
     for lamp in lamps:
-        around, kept = _behind(left, toward, areas, lamp)
-        left[around] = kept
-    return left
-
-
-def _behind(shape: np.ndarray, toward: np.ndarray, areas: np.ndarray, lamp: Lamp) -> tuple[np.ndarray, np.ndarray]:
-    """Where a lamp stands out, (H, 2H) bool, and what is behind it there, (N, 3): no brighter than the surroundings."""
-    apart = toward @ np.array(lamp.toward, np.float32)
-    around, beyond = apart > math.cos(math.radians(AROUND_DEG)), apart > math.cos(math.radians(BEYOND_DEG))
-    beyond &= ~around
-    colour = areas[beyond] @ shape[beyond] / max(float(areas[beyond].sum()), 1e-12)
-    return around, np.minimum(shape[around], colour)
+        ahead = toward @ np.array(lamp.toward, np.float32)
+        around = ahead > math.cos(math.radians(AROUND_DEG))
+        beyond = (ahead > math.cos(math.radians(BEYOND_DEG))) & ~around
+        colour = areas[beyond] @ left[beyond] / max(float(areas[beyond].sum()), 1e-12)
+        behind = np.minimum(left[around], colour)
+        cards.append((ahead * areas)[around].astype(np.float64) @ (left[around] - behind) / np.pi)
+        left[around] = behind
+    return left, cards

@@ -41,6 +41,9 @@ from relight_core.lighting.colour_temperature import COOLEST_KELVIN, HOTTEST_KEL
 
 Colour = tuple[float, float, float]
 
+FORMS = ("rectangle", "disc")
+"""What a lamp can look like."""
+
 _RANGES = {
     "azimuth_deg": (-360.0, 360.0),
     "elevation_deg": (-90.0, 90.0),
@@ -162,7 +165,7 @@ def _parse_area_light(table: Any, index: int, white: float) -> AreaLight:
     where = f"area_light {index}"
     _refuse_unknown(table, {f.name for f in fields(AreaLight)}, where)
     form = _text(table, "form", where, "rectangle")
-    if form not in ("rectangle", "disc"):
+    if form not in FORMS:
         raise InputError(f'{where}: form is "rectangle" or "disc", not "{form}"')
     width = _number(table, "width_deg", where)
     if form == "disc" and "height_deg" in table:

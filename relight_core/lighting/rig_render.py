@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from relight_core.lighting.environment import shrink
@@ -10,6 +12,19 @@ from relight_core.lighting.sphere import directions, solid_angles
 
 _DRAWN_HEIGHT = 512
 _HORIZON_BLUR = 0.03
+
+
+@dataclass(frozen=True)
+class Drawn:
+    """What a light was drawn from.
+
+    Attributes:
+        rig: its description.
+        level: radiance, in the rig's units, that 1 in the light's shape stands for.
+    """
+
+    rig: Rig
+    level: float
 
 
 def render_rig(rig: Rig, height: int = 64) -> np.ndarray:

@@ -5,14 +5,10 @@ from __future__ import annotations
 from dataclasses import replace
 from functools import lru_cache
 
-import numpy as np
-
 from relight_core.errors import InputError
 from relight_core.lighting.environment import Environment
-from relight_core.lighting.own_lamps import box_of
 from relight_core.lighting.rig_description import Rig, read_rig
-from relight_core.lighting.rig_render import render_rig
-from relight_core.lighting.summary import meter_reading
+from relight_core.lighting.rig_render import Drawn, render_rig
 from relight_core.resources import resource_path
 
 RIG_HEIGHT = 256
@@ -45,7 +41,4 @@ def load_rig(name: str) -> Environment:
     """
     rig = read_bundled_rig(name)
     light = Environment.from_radiance(render_rig(rig, RIG_HEIGHT), name)
-    backdrops = tuple(lamp for lamp in rig.area_lights if lamp.backdrop)
-    room = render_rig(replace(rig, area_lights=backdrops), RIG_HEIGHT) / np.float32(light.level)
-    unit = light.level * meter_reading(light)
-    return replace(light, room=room, lamps=tuple(box_of(lamp, unit) for lamp in rig.area_lights if not lamp.backdrop))
+    return replace(light, drawn=Drawn(rig, light.level))

@@ -114,14 +114,11 @@ class FaceInPhoto(FaceTakenApart):
 
         A nearer view's is at the level of its face, or the photo's own light would not make both the photo again.
         """
-        alone, company = self._residual_alone(ready, plan), self._company
-        if self.wider is not None:
-            level = lambda: self.wider._level(ready.tier, plan)  # noqa: E731
-        elif company is not None:
-            level = lambda: company.level(ready.tier, plan)  # noqa: E731
-        else:
+        alone, face = self._residual_alone(ready, plan), self.wider or self
+        if face is self and self._company is None:
             return alone
-        return self._once("residual_in_company", plan.keys["residual"], lambda: at_light_level(alone, level()))
+        level = lambda: at_light_level(alone, face._level(ready.tier, plan))  # noqa: E731
+        return self._once("residual_in_company", plan.keys["residual"], level)
 
     def _level(self, tier: Tier, plan: Plan) -> float:
         """The level of the light at which model and photo agree."""

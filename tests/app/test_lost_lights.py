@@ -10,9 +10,8 @@ from relight_core.lighting.soft_box import SoftBox
 BOXES = (SoftBox(azimuth_deg=40.0),)
 
 
-@pytest.fixture
-def folder(tmp_path):
-    """Where the editor has left unsaved work on me.jpg under sky.hdr, which is gone."""
+def left_under_a_lost_panorama(tmp_path, light_edit):
+    """Settings of an editor that has left unsaved work on me.jpg under sky.hdr, which is gone."""
     photo, light = tmp_path / "me.jpg", tmp_path / "sky.hdr"
     photo.write_bytes(b"pixels")
     light.write_bytes(b"radiance")
@@ -20,12 +19,17 @@ def folder(tmp_path):
     editor.state.open_photo(photo)
     editor.live()
     editor.state.choose_light(LightSource("panorama", str(light)))
-    editor.state.light_edit = LightEdit(level_ev=3.0, base=0.5, boxes=BOXES, metered=True)
+    editor.state.light_edit = light_edit
     editor.state.change(shadow=0.25)
     editor.live()
     editor.deeds.close()
     light.unlink()
     return tmp_path / "settings"
+
+
+@pytest.fixture
+def folder(tmp_path):
+    return left_under_a_lost_panorama(tmp_path, LightEdit(level_ev=3.0, base=0.5, boxes=BOXES, metered=True))
 
 
 def test_it_comes_back_under_the_first_light_with_its_sliders_and_boxes(folder):
@@ -53,17 +57,7 @@ def test_it_can_be_discarded(folder):
 
 def test_lamps_that_shone_alone_go_with_their_light(tmp_path):
     """What stands in for it would be black with as little of it as was left of the lost one."""
-    photo, light = tmp_path / "me.jpg", tmp_path / "sky.hdr"
-    photo.write_bytes(b"pixels")
-    light.write_bytes(b"radiance")
-    editor = Editor(tmp_path / "settings")
-    editor.state.open_photo(photo)
-    editor.live()
-    editor.state.choose_light(LightSource("panorama", str(light)))
-    editor.state.light_edit = LightEdit(base=0.0, boxes=(SoftBox(name="lamp"),), apart=True, metered=True)
-    editor.live()
-    editor.deeds.close()
-    light.unlink()
-    editor = Editor(tmp_path / "settings")
+    alone = LightEdit(base=0.0, boxes=(SoftBox(name="lamp"),), apart=True, metered=True)
+    editor = Editor(left_under_a_lost_panorama(tmp_path, alone))
     editor.answer_question("Restore")
     assert editor.state.light_edit == LightEdit()

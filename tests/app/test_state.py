@@ -2,15 +2,12 @@
 
 from dataclasses import replace
 from pathlib import Path
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
-from app.document.document import LightRef
 from app.engine.snapshot import Message, OpenLight, OpenPhoto, Snapshot
 from app.engine.sources import LightSource, PhotoSource
-from app.ui import light_edits
 from app.ui.angles import wrap_degrees
 from app.ui.channels import CHANNELS
 from app.ui.state import EditorState
@@ -150,151 +147,6 @@ def test_own_light_that_waits_for_a_face_is_kept_and_what_is_set_meanwhile_is_a_
 
 
 SKY = LightSource("panorama", "/lights/sky.hdr")
-
-
-def test_panoramas_are_metered_and_other_lights_are_not():
-    state = EditorState()
-    for light, metered in ((SKY, True), (LightSource("portrait", "/p/you.jpg"), False), (LightSource("own"), False)):
-        state.choose_light(light)
-        assert state.light_edit == LightEdit(metered=metered)
-    state.use_light(LightRef("panorama", SKY.name), LightEdit(warmth=0.5), 0.0)
-    assert state.light_edit == LightEdit(warmth=0.5), "what was saved says whether it is metered"
-
-
-def test_reset_puts_a_panorama_back_as_it_was_opened():
-    state = EditorState()
-    state.choose_light(SKY)
-    light_edits.meter_light(state)
-    state.light_edit = replace(state.light_edit, level_ev=1.0, boxes=(SoftBox(),))
-    assert not state.light_edit.metered
-    state.reset()
-    assert state.light_edit == LightEdit(metered=True)
-
-
-@pytest.fixture
-def matched():
-    """A state, and what is in sight: a picture whose face wants -0.734 stops under a light that is a stop up."""
-    state, opened = EditorState(), opened_photo(Path("/p/me.png"))
-    light = replace(open_light(state.light), edit=LightEdit(level_ev=1.0))
-    state.photo, state.light_edit = opened.source, LightEdit(level_ev=3.0)
-    return state, SimpleNamespace(opened=opened, light=light, relit=relit_that_wants(-0.734))
-
-
-def relit_that_wants(stops):
-    return SimpleNamespace(level_as_in_photo_ev=lambda most=4.0: min(max(stops, -most), most))
-
-
-def test_the_level_follows_the_face(matched):
-    light_edits.match_face(*matched)
-    assert matched[0].light_edit.level_ev == 0.27
-
-
-@pytest.mark.parametrize(("wanted", "level_ev"), [(-8.5, -7.5), (-19.0, -10.0), (30.0, 10.0)])
-def test_the_level_follows_the_face_as_far_as_its_slider_goes(matched, wanted, level_ev):
-    state, picture = matched
-    picture.relit = relit_that_wants(wanted)
-    light_edits.match_face(state, picture)
-    assert state.light_edit.level_ev == level_ev
-
-
-@pytest.mark.parametrize("other", [{"photo": PhotoSource(Path("/p/you.png"))}, {"light": LightSource("rig", "ring")}])
-def test_no_level_is_set_by_a_picture_of_another_photo_or_light(matched, other):
-    state, picture = matched
-    for name, wish in other.items():
-        setattr(state, name, wish)
-    light_edits.match_face(state, picture)
-    assert state.light_edit.level_ev == 3.0
-
-
-def test_another_light_keeps_the_soft_boxes_and_undo_takes_it_back_in_one_step():
-    state = EditorState()
-    state.accept(Snapshot(opened=opened_photo(Path("/p/me.png")), light=open_light(state.light)))
-    state.photo = state.snapshot.opened.source
-    state.remember(0.0)
-    state.light_edit = LightEdit(level_ev=1.0, base=0.3, boxes=(SoftBox(azimuth_deg=70.0),))
-    state.remember(2.0)
-    state.choose_light(LightSource("rig", "ring"))
-    assert state.light_edit == LightEdit(base=0.3, boxes=(SoftBox(azimuth_deg=70.0),))
-    state.accept(replace(state.snapshot, light=open_light(state.light)))
-    state.remember(4.0)
-    assert state.history.steps[-1].name == "Light: Ring"
-    state.restore(state.history.undo())
-    assert (state.light.name, state.light_edit.level_ev, len(state.light_edit.boxes)) == ("rembrandt", 1.0, 1)
-
-
-def test_without_soft_boxes_another_light_comes_as_it_is():
-    state = EditorState()
-    state.light_edit = LightEdit(base=0.3, warmth=0.5)
-    state.choose_light(LightSource("rig", "ring"))
-    assert state.light_edit == LightEdit()
-
-
-def test_all_soft_boxes_go_at_once_and_the_room_is_whole_again():
-    state = EditorState()
-    state.accept(Snapshot(opened=opened_photo(Path("/p/me.png")), light=open_light(state.light)))
-    state.photo = state.snapshot.opened.source
-    state.remember(0.0)
-    state.light_edit = LightEdit(base=0.0, tint=0.5, boxes=(SoftBox(), SoftBox(azimuth_deg=70.0)))
-    state.remember(1.0)
-    light_edits.delete_boxes(state)
-    assert state.light_edit == LightEdit(tint=0.5)
-    state.remember(3.0)
-    assert state.history.steps[-1].name == "Remove all soft boxes"
-
-
-def test_the_lights_own_lamps_become_soft_boxes_and_go_with_it():
-    state, added = EditorState(), SoftBox(azimuth_deg=70.0)
-    assert not light_edits.has_lamps(state), "as long as nobody has read the light"
-    state.accept(Snapshot(light=open_light(state.light, (SoftBox(name="fill", intensity=0.1), SoftBox(name="key")))))
-    assert light_edits.has_lamps(state)
-    state.light_edit = LightEdit(boxes=(added,))
-    light_edits.switch_lamps(state)
-    assert [box.name for box in state.light_edit.boxes] == ["fill", "key", ""]
-    assert (state.light_edit.apart, state.selected_box) == (True, 1)
-    before = state.light_edit
-    light_edits.switch_lamps(state)
-    assert (state.light_edit, state.selected_box) == (LightEdit(boxes=(added,)), -1)
-    state.light_edit = before
-    state.choose_light(LightSource("rig", "overcast"))
-    assert state.light_edit == LightEdit(boxes=(added,))
-    assert not light_edits.has_lamps(state)
-
-
-def test_a_soft_box_is_raised_to_straight_above_and_no_further():
-    state = EditorState()
-    light_edits.raise_box(state, 5.0)
-    state.light_edit = LightEdit(boxes=(SoftBox(), SoftBox(30.0, 80.0)))
-    light_edits.raise_box(state, 5.0)
-    assert state.light_edit == LightEdit(boxes=(SoftBox(), SoftBox(30.0, 80.0))), "none is selected"
-    state.selected_box = 1
-    for elevation_deg in (85.0, 90.0, 90.0):
-        light_edits.raise_box(state, 5.0)
-        assert state.light_edit.boxes == (SoftBox(), SoftBox(30.0, elevation_deg))
-    light_edits.raise_box(state, -200.0)
-    assert state.light_edit.boxes[1].elevation_deg == -90.0
-
-
-def test_lamps_that_would_be_too_many_stay_where_they_are():
-    state = EditorState()
-    state.accept(Snapshot(light=open_light(state.light, (SoftBox(name="key"), SoftBox(name="fill")))))
-    state.light_edit = full = LightEdit(boxes=(SoftBox(),) * 15)
-    light_edits.switch_lamps(state)
-    assert state.light_edit == full
-    assert "16 soft boxes" in state.asking.notices[0][0]
-    state.light_edit = LightEdit(boxes=(SoftBox(),) * 14)
-    light_edits.switch_lamps(state)
-    assert len(state.light_edit.boxes) == 16
-    light_edits.delete_boxes(state)
-    assert state.light_edit == LightEdit()
-
-
-def test_a_light_from_a_file_can_be_taken_off_the_list_unless_it_is_in_use():
-    state = EditorState()
-    used, other = LightSource("panorama", "used.exr"), LightSource("portrait", "friend.jpg")
-    state.extra_lights, state.light = [used, other], used
-    state.forget_light(used)
-    state.forget_light(LightSource("portrait", "friend.jpg"))
-    assert state.extra_lights == [used]
 
 
 def test_a_light_edit_counts_as_moved_by_the_hand():

@@ -11,7 +11,6 @@ from app.ui import light_edits, theme, widgets
 from app.ui.panels.groups import Tool, group, tools_beside
 from app.ui.panels.panorama import NEW_AT, add_box
 from app.ui.state import EditorState
-from app.ui.viewport.box_tools import with_box
 from relight_core.lighting.soft_box import SoftBox, box_title
 from relight_core.lighting.summary import metered_level_ev
 
@@ -39,6 +38,7 @@ _SHAPES = (
     ("disc", "Round", "A beauty dish, an umbrella, a bulb, a ring light."),
 )
 _HOLE = widgets.Slider("Hole", 0.0, 0.9, 0.0, "%.2f", "How much of it is dark in the middle, as of a ring light.")
+_SPACING = 4.0
 _ADD, _LAMPS, _REMOVE = "+  Soft box", "Its lamps", "Remove all"
 _AS_PHOTO = "The level at which the lit part of the face is as bright as in the photo.  Shift + A"
 _ON_THE_FACE = "On the face"
@@ -50,17 +50,16 @@ _AIMS = (
 
 def tools(state: EditorState) -> None:
     """Adding a soft box, on the panorama or by the face."""
-    spacing = 4.0
-    _lamp_tools(state, spacing)
+    _lamp_tools(state)
     imgui.begin_disabled(state.snapshot.picture is None)
-    if _widest_aim() + imgui.calc_text_size(_ON_THE_FACE).x + spacing < imgui.get_content_region_avail().x:
+    if _widest_aim() + imgui.calc_text_size(_ON_THE_FACE).x + _SPACING < imgui.get_content_region_avail().x:
         imgui.align_text_to_frame_padding()
         imgui.text_disabled(_ON_THE_FACE)
         imgui.same_line()
-    half = (imgui.get_content_region_avail().x - spacing) / 2
+    half = (imgui.get_content_region_avail().x - _SPACING) / 2
     for index, (aim, label, tooltip) in enumerate(_AIMS):
         if index:
-            imgui.same_line(0.0, spacing)
+            imgui.same_line(0.0, _SPACING)
         if widgets.toggle(label, state.aim == aim, half):
             state.aim = "" if state.aim == aim else aim
         imgui.set_item_tooltip(("Moves the selected soft box. " if state.selected_box >= 0 else "") + tooltip)
@@ -69,26 +68,31 @@ def tools(state: EditorState) -> None:
 
 def _widest_aim() -> float:
     """How wide the buttons of `_AIMS` have to be side by side."""
-    return sum(imgui.calc_text_size(label).x + imgui.get_font_size() for _, label, _ in _AIMS)
+    return sum(_width_of(label) for _, label, _ in _AIMS)
 
 
-def _lamp_tools(state: EditorState, spacing: float) -> None:
+def _width_of(label: str) -> float:
+    """How wide a button has to be."""
+    return imgui.calc_text_size(label).x + imgui.get_font_size()
+
+
+def _lamp_tools(state: EditorState) -> None:
     """What adds lamps, moves those of the light itself, and takes all of them away: in a row, or in two."""
     has = {_LAMPS: light_edits.has_lamps(state), _REMOVE: bool(state.light_edit.boxes)}
     words = [word for word, is_there in has.items() if is_there]
     room = imgui.get_content_region_avail().x
-    widths = [imgui.calc_text_size(word).x + imgui.get_font_size() for word in (_ADD, *words)]
-    in_a_row = sum(widths) + spacing * len(words) <= room
+    widths = [_width_of(word) for word in (_ADD, *words)]
+    in_a_row = sum(widths) + _SPACING * len(words) <= room
     if in_a_row:
-        widths[0] = room - sum(widths[1:]) - spacing * len(words)
+        widths[0] = room - sum(widths[1:]) - _SPACING * len(words)
     else:
-        widths = [room] + [(room - spacing * (len(words) - 1)) / len(words)] * len(words)
+        widths = [room] + [(room - _SPACING * (len(words) - 1)) / len(words)] * len(words)
     if imgui.button(_ADD, imgui.ImVec2(widths[0], 0.0)):
         add_box(state, *NEW_AT)
     imgui.set_item_tooltip("Add a lamp. Drag it on the panorama; its corners resize it.  N")
     for index, (word, width) in enumerate(zip(words, widths[1:], strict=True)):
         if in_a_row or index:
-            imgui.same_line(0.0, spacing)
+            imgui.same_line(0.0, _SPACING)
         if word == _LAMPS:
             if widgets.toggle(word, state.light_edit.apart, width):
                 light_edits.switch_lamps(state)
@@ -109,23 +113,22 @@ def _lamp_words(state: EditorState) -> str:
 def box(state: EditorState, fonts: theme.Fonts) -> None:
     """The selected soft box."""
     index, boxes = state.selected_box, state.light_edit.boxes
-    if not 0 <= index < len(boxes):
+    if not light_edits.has_box(state):
         return
     widgets.gap(0.2)
     left = imgui.get_cursor_screen_pos()
     width = imgui.get_content_region_avail().x
     imgui.align_text_to_frame_padding()
-    em, spacing = imgui.get_font_size(), 4.0
-    delete, switch = (imgui.calc_text_size(word).x + em for word in ("Delete", "Off"))
-    tools = delete + spacing + switch
-    widgets.heading(fonts, widgets.shortened(box_title(boxes, index), width - tools - em))
+    delete, switch = _width_of("Delete"), _width_of("Off")
+    tools = delete + _SPACING + switch
+    widgets.heading(fonts, widgets.shortened(box_title(boxes, index), width - tools - imgui.get_font_size()))
     imgui.same_line()
     imgui.set_cursor_screen_pos(imgui.ImVec2(left.x + width - tools, left.y))
     if widgets.toggle("Off", boxes[index].off, switch):
         light_edits.switch_box(state)
         return
     imgui.set_item_tooltip("Switch this lamp off, to see what it does; again switches it on.  Shift + M")
-    imgui.same_line(0.0, spacing)
+    imgui.same_line(0.0, _SPACING)
     if imgui.button("Delete", imgui.ImVec2(delete, 0.0)):
         light_edits.delete_box(state)
         return
@@ -136,7 +139,7 @@ def box(state: EditorState, fonts: theme.Fonts) -> None:
     new = _shaped(state, replace(boxes[index], **changed))
     new = replace(new, colour=_gel(state, new.colour))
     if new != boxes[index]:
-        state.light_edit = replace(state.light_edit, boxes=with_box(boxes, index, new))
+        light_edits.put_box(state, index, new)
 
 
 def _shaped(state: EditorState, lamp: SoftBox) -> SoftBox:

@@ -10,7 +10,7 @@ from imgui_bundle import imgui
 from app.ui import light_edits, theme
 from app.ui.pictures import Pictures
 from app.ui.state import EditorState
-from app.ui.viewport.box_tools import NEW_BOX, Grab, dragged, grab, with_box
+from app.ui.viewport.box_tools import NEW_BOX, Grab, dragged, grab
 from app.ui.viewport.viewport_notes import note
 from relight_core.lighting.light_edit import MOST_BOXES
 from relight_core.lighting.soft_box import box_title, corners, direction_at, moved_to, outline, uv_of
@@ -49,7 +49,7 @@ def add_box(state: EditorState, u: float, v: float) -> None:
     """A new soft box at a point of the panorama as it is seen, selected."""
     boxes = state.light_edit.boxes
     if len(boxes) >= MOST_BOXES:
-        state.asking.tell(f"A light has at most {MOST_BOXES} soft boxes; delete one first", True)
+        light_edits.tell_full(state)
         return
     box = moved_to(NEW_BOX, turned(direction_at(u, v), -state.edit.yaw_deg))
     state.light_edit = replace(state.light_edit, boxes=(*boxes, box))
@@ -101,8 +101,8 @@ def _hold(state: EditorState, u: float, v: float, moved: float, reach_deg: float
         state.turn(moved * 360.0 * (FINE if imgui.get_io().key_shift else 1.0))
     elif moved or imgui.get_io().mouse_delta.y:
         box = dragged(state.held, u, v, state.edit.yaw_deg)
-        boxes = with_box(state.light_edit.boxes, state.held.index, box)
-        state.light_edit, state.held = replace(state.light_edit, boxes=boxes), replace(state.held, box=box)
+        light_edits.put_box(state, state.held.index, box)
+        state.held = replace(state.held, box=box)
 
 
 def _picture(state: EditorState, pictures: Pictures, left: imgui.ImVec2, width: float, height: float) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from imgui_bundle import imgui
 
+from app.ui import light_edits
 from app.ui.layout import Rect
 from app.ui.state import EditorState
 from app.ui.viewport.box_tools import aimed, lamp_for_spot
@@ -70,7 +71,7 @@ def _place(state: EditorState, arranged: Arrangement, at: tuple[float, float], p
         return False
     edit, index = aimed(state.light_edit, state.selected_box, direction, state.edit.yaw_deg)
     if index < 0:
-        state.asking.tell("A light has at most 16 soft boxes; delete one first", True)
+        light_edits.tell_full(state)
         return False
     state.light_edit, state.selected_box = edit, index
     return True

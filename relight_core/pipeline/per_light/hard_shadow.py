@@ -70,8 +70,9 @@ def harden_shadow(
     if not lamps:
         return effects
     diffuse, gloss = grey(surface.albedo * reflected[:, :3]), grey(reflected[:, 3:])
-    rest = _without(light, lamps)
-    reach = _reach(surface, rest, transport, horizon, lamps)
+    power = [torch.from_numpy(footprint(lamp)) for lamp in lamps]
+    rest = _without(light, lamps, power)
+    reach = _reach(surface, rest, transport, horizon, lamps, power)
     without = reflect(rest)
     parts = _parts(_irradiance(lamps, surface), grey(reflected[:, :3]), grey(without[:, :3]))
     gloss_parts = _parts(_gloss(lamps, surface), gloss, grey(without[:, 3:]))
@@ -102,20 +103,25 @@ class _Reach:
     decides: Sequence[torch.Tensor]
 
 
-def _without(light: torch.Tensor, lamps: Sequence[Lamp]) -> torch.Tensor:
+def _without(light: torch.Tensor, lamps: Sequence[Lamp], power: Sequence[torch.Tensor]) -> torch.Tensor:
     """The light (1, 16, 32, 3) without its lamps; of a texel's colours all alike are taken."""
     radiance = grey(light.float().permute(0, 3, 1, 2))[0, 0]
-    of_lamps = sum(torch.from_numpy(footprint(lamp)) * (torch.pi * lamp.irradiance) for lamp in lamps)
+    of_lamps = sum(share * (torch.pi * lamp.irradiance) for share, lamp in zip(power, lamps, strict=True))
     of_lamps = (of_lamps / torch.from_numpy(solid_angles(*radiance.shape))).to(radiance)
     left = (1 - of_lamps / radiance.clamp_min(_NO_LIGHT)).clamp(0, 1)
     return light * left[None, :, :, None]
 
 
 def _reach(
-    surface: Surface, rest: torch.Tensor, transport: ReliefTransport, horizon: Horizon, lamps: Sequence[Lamp]
+    surface: Surface,
+    rest: torch.Tensor,
+    transport: ReliefTransport,
+    horizon: Horizon,
+    lamps: Sequence[Lamp],
+    power: Sequence[torch.Tensor],
 ) -> _Reach:
+    """How far lamps reach, and the `rest` of their light; `power` is where the light of each lies in its texels."""
     like = surface.relief
-    power = [torch.from_numpy(footprint(lamp)) for lamp in lamps]
     rest = grey(rest.float().cpu().permute(0, 3, 1, 2))[0, 0]
     lost_rest, *lost = 1 - transport.visibility(torch.stack([rest, *power]), like.shape[-1]).to(like)
     seen = (torch.from_numpy(horizon.visibility(lamp.toward, lamp.radius_deg))[None, None].to(like) for lamp in lamps)
