@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from relight_core.face.crop import Crop
-from relight_core.face.evidence import evidence_of_face, glimpses_of_face
+from relight_core.face.evidence import certainty_of_face, evidence_of_face, glimpses_of_face
 from relight_core.face.parsing import INDEX
 
 VIEW, CROP = Crop(100, 100, 128), Crop(100, 100, 64)
@@ -83,3 +83,18 @@ def test_glimpses_too_must_lie_as_in_a_face():
     assert glimpses_of_face(suspected(right_eye=24, lips=46), VIEW, CROP) == 2
     assert glimpses_of_face(suspected(), VIEW, CROP) == 0
     assert glimpses_of_face(suspected(lips=40), VIEW, Crop(900, 100, 64)) == 0
+
+
+@pytest.mark.parametrize(("skin", "certainty"), [(0.9, 0.9), (0.2, 0.8)])
+def test_the_likeliest_class_tells_how_certain_a_face_is(skin, certainty):
+    seen = np.zeros((14, 128, 128), np.float32)
+    seen[INDEX["skin"]], seen[INDEX["cloth"]] = skin, 1 - skin
+    assert certainty_of_face(seen, VIEW, CROP) == pytest.approx(certainty)
+
+
+def test_only_the_middle_of_the_crop_has_to_be_certain():
+    seen = np.full((14, 128, 128), 1 / 14, np.float32)
+    seen[:, 44:84, 44:84] = 0
+    seen[INDEX["skin"], 44:84, 44:84] = 1
+    assert certainty_of_face(seen, VIEW, CROP) == 1
+    assert certainty_of_face(seen, VIEW, Crop(900, 100, 64)) == 0

@@ -1,0 +1,58 @@
+import numpy as np
+import pytest
+
+from relight_core.face.find import FaceBox
+from relight_core.face.parsing import INDEX
+from relight_core.imaging.photo import Photo
+from relight_core.pipeline.face_search import FaceSearch
+
+SIZE, GUESS = 128, FaceBox(450, 450, 550, 550, doubtful=True)
+PARTS = (
+    ("background", 0, 0, 1000, 1000),
+    ("hair", 420, 400, 580, 600),
+    ("skin", 450, 425, 550, 570),
+    ("right_eye", 462, 474, 486, 482),
+    ("left_eye", 514, 474, 538, 482),
+    ("lips", 476, 530, 524, 540),
+)
+BROWS = (("right_brow", 462, 458, 486, 463), ("left_brow", 514, 458, 538, 463))
+
+
+class Drawn(FaceSearch):
+    """Sees a drawing of a face; brows only where a view shows them large enough."""
+
+    def __init__(self, certainty, widest_with_brows, parts=PARTS):
+        super().__init__(None, Photo(np.zeros((1000, 1000, 3), np.float32)))
+        self.certainty, self.widest_with_brows, self.parts = certainty, widest_with_brows, parts
+
+    def _parse(self, view):
+        labels = np.zeros((SIZE, SIZE), int)
+        for name, x0, y0, x1, y1 in self.parts + (BROWS if view.side <= self.widest_with_brows else ()):
+            corners = np.array([[x0, y0], [x1, y1]], float)
+            (left, top), (right, bottom) = np.clip(np.round(view.from_photo(corners, SIZE)), 0, SIZE).astype(int)
+            labels[top:bottom, left:right] = INDEX[name]
+        probability = np.full((14, SIZE, SIZE), (1 - self.certainty) / 13, np.float32)
+        np.put_along_axis(probability, labels[None], self.certainty, 0)
+        return probability
+
+
+def companions(monkeypatch, search):
+    known = FaceBox(50, 450, 150, 550)
+    chooser = "relight_core.pipeline.per_photo.choosing_faces"
+    monkeypatch.setattr(f"{chooser}.find_faces", lambda photo, is_face: [known, FaceBox(0, 0, 9, 9, doubtful=True)])
+    monkeypatch.setattr(f"{chooser}.guess_companions", lambda photo, faces: [GUESS])
+    monkeypatch.setattr(f"{chooser}.guess_faces", lambda photo: [])
+    return [face for face in search.faces() if face.x0 == GUESS.x0]
+
+
+@pytest.mark.parametrize(("certainty", "found"), [(0.75, True), (0.5, False)])
+def test_a_face_beside_others_has_to_be_told_with_certainty(monkeypatch, certainty, found):
+    assert bool(companions(monkeypatch, Drawn(certainty, 1000))) == found
+
+
+def test_a_face_seen_whole_counts_though_its_framing_is_too_wide_to_show_it_so(monkeypatch):
+    without_eyes = (*PARTS[:3], PARTS[5])
+    between_both_views = 300
+    assert companions(monkeypatch, Drawn(0.75, 1000, without_eyes))
+    assert not companions(monkeypatch, Drawn(0.75, 0, without_eyes))
+    assert companions(monkeypatch, Drawn(0.75, between_both_views, without_eyes))
