@@ -1,4 +1,4 @@
-"""Write a sheet of one face under a light that turns once around it, in steps of 30 degrees."""
+"""Write one face under a light that turns once around it: a sheet in steps of 30 degrees, or the photo as a film."""
 
 from __future__ import annotations
 
@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from relight_core.pipeline.results.relit import Relit
 
 STEPS = 12
+_FILM_SUFFIX = ".mp4"
 _COLUMNS = 4
 _CELL_PX = 320
 _REACH = 1.1
@@ -30,21 +31,24 @@ _FINER = 2
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments of `relight turntable`."""
-    add_one_photo(parser, "SHEET", "a picture file")
+    add_one_photo(parser, "OUT", "a picture file for the sheet, or an .mp4 for a film of 5 seconds")
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Write the sheet; returns the exit code."""
+    """Write the sheet or the film; returns the exit code."""
     from relight_core.imaging.write import check_output
 
-    check_output(arguments.output)
+    is_film = arguments.output.suffix.lower() == _FILM_SUFFIX
+    if not is_film:
+        check_output(arguments.output)
     check_place(arguments.output, [arguments.photo, *light_files(arguments.light)])
     with reporting(arguments.json) as report:
         session = Session()
         light = session.light(arguments.light, arguments.meter)
         session.open(arguments.photo, arguments.face, arguments.box)
         edit = replace(edit_from(arguments), channels=())
-        last = write_turntable(session, light, edit, arguments.output)
+        write = write_film_of_turn if is_film else write_turntable
+        last = write(session, light, edit, arguments.output)
         report.line(f"wrote {arguments.output}")
         report.record(relit_record(str(arguments.photo), str(arguments.output), last))
     return 0
@@ -78,6 +82,27 @@ def write_turntable(session: Session, light: Environment, edit: Edit, output: Pa
         pictures.append((f"yaw {yaw_deg:g}°", srgb if alpha is None else on_ground(srgb, alpha)))
     write_image(output, Photo.from_srgb(contact_sheet(pictures, _COLUMNS, _CELL_PX)).linear)
     return relit
+
+
+def write_film_of_turn(session: Session, light: Environment, edit: Edit, output: Path) -> Relit:
+    """Relight the session's photo with the light at each frame's yaw, from edit.yaw_deg on, and write the film.
+
+    How far it is is told on stderr.
+
+    Returns:
+        the Relit of the first frame, but for its picture.
+
+    Raises:
+        InputError: the film can't be written.
+    """
+    from app.cli.maker_inputs import progress
+    from app.engine.film import write_film
+    from app.engine.turntable import FILM_PX, FRAMES, turning
+
+    with progress("relighting", FRAMES) as show:
+        frames = turning(session.relighter, light, edit, FILM_PX)
+        write_film(output, frames, FRAMES, lambda done, count: show(done, ""))
+    return session.relighter.relight(light, edit, longest_side_px=0)
 
 
 def _around(box: FaceBox, size: tuple[int, int]) -> tuple[int, int, int, int]:

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import numpy as np
 
-from app.engine.jobs import JobControl
 from relight_core.errors import InputError
 from relight_core.imaging.files import whole_file
 
@@ -20,12 +19,13 @@ _BT709, _SRGB_CURVE, _LIMITED_RANGE = 1, 13, 1
 """As ITU-T H.273 and FFmpeg number them. Players guess what a film doesn't say, and guess by its size."""
 
 
-def write_film(path: Path, frames: Iterator[np.ndarray], count: int, control: JobControl) -> None:
+def write_film(path: Path, frames: Iterator[np.ndarray], count: int, step: Callable[[int, int], None]) -> None:
     """Write an MP4 (H.264, BT.709 with the sRGB curve), whole or not at all; replaces what is there.
 
     Args:
         frames: (H, W, 3) uint8 sRGB each, all of one size, height and width even.
         count: how many there are.
+        step: told after each how many are done, and `count`; what it raises ends the work.
 
     Raises:
         InputError: there is no codec for it, or the place can't be written.
@@ -34,14 +34,14 @@ def write_film(path: Path, frames: Iterator[np.ndarray], count: int, control: Jo
 
     with whole_file(path, ".mp4") as beside:
         try:
-            _encode(beside, frames, count, control)
+            _encode(beside, frames, count, step)
         except av.codec.codec.UnknownCodecError:
             raise InputError("there is no codec for MP4 here; export the turntable as pictures instead") from None
         except av.FFmpegError as error:
             raise InputError(f"{path}: the film can't be written ({error.strerror}); choose another place") from error
 
 
-def _encode(path: Path, frames: Iterator[np.ndarray], count: int, control: JobControl) -> None:
+def _encode(path: Path, frames: Iterator[np.ndarray], count: int, step: Callable[[int, int], None]) -> None:
     import av
     from av.video.reformatter import ColorRange, Colorspace
 
@@ -60,5 +60,5 @@ def _encode(path: Path, frames: Iterator[np.ndarray], count: int, control: JobCo
                 format="yuv420p", dst_colorspace=Colorspace.ITU709, dst_color_range=ColorRange.MPEG
             )
             film.mux(stream.encode(picture))
-            control.step(index + 1, count)
+            step(index + 1, count)
         film.mux(stream.encode())

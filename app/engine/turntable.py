@@ -11,7 +11,6 @@ from pathlib import Path
 
 import numpy as np
 
-from app.engine.jobs import JobControl
 from app.engine.sources import RelighterLike
 from relight_core.errors import InputError
 from relight_core.imaging.view_transform import apply_view
@@ -46,12 +45,13 @@ def write_pictures(
     folder: Path,
     frames: Iterator[np.ndarray],
     count: int,
-    control: JobControl,
+    step: Callable[[int, int], None],
     write: Callable[[Path, np.ndarray], None],
 ) -> None:
     """Write numbered PNG files into a new folder, which takes its name once all of them are in it.
 
     Args:
+        step: told after each how many are done, and `count`; what it raises ends the work.
         write: writes one frame.
 
     Raises:
@@ -64,7 +64,7 @@ def write_pictures(
         beside.mkdir()
         for index, frame in enumerate(frames):
             write(beside / f"{index + 1:04d}.png", frame)
-            control.step(index + 1, count)
+            step(index + 1, count)
         os.rename(beside, folder)
     except OSError as error:
         raise InputError(f"{folder}: can't be made ({error.strerror}); choose another place") from error

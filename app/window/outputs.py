@@ -133,9 +133,9 @@ class Outputs:
             # What was asked for before may have taken the name meanwhile.
             path = wish if replaces else free_path(wish)
             if path.suffix.lower() == ".mp4":
-                write_film(path, frames, FRAMES, control)
+                write_film(path, frames, FRAMES, control.step)
             else:
-                write_pictures(path, frames, FRAMES, control, _write_frame)
+                write_pictures(path, frames, FRAMES, control.step, _write_frame)
             return f"Saved {path}"
 
         self._exporter.start("Turntable", work)

@@ -156,19 +156,19 @@ def test_the_turntable_goes_round_once_in_even_frames():
 
 def test_a_film_has_every_frame_and_a_cancelled_one_leaves_nothing(tmp_path):
     control = Steps()
-    write_film(tmp_path / "turn.mp4", frames(6)[1], 6, control)
+    write_film(tmp_path / "turn.mp4", frames(6)[1], 6, control.step)
     with av.open(str(tmp_path / "turn.mp4")) as film:
         assert len(list(film.decode(video=0))) == 6
     assert control.done[-1] == (6, 6)
     with pytest.raises(Cancelled):
-        write_film(tmp_path / "half.mp4", frames(6)[1], 6, Steps(cancel_at=3))
+        write_film(tmp_path / "half.mp4", frames(6)[1], 6, Steps(cancel_at=3).step)
     assert [path.name for path in tmp_path.iterdir()] == ["turn.mp4"]
 
 
 def test_a_film_says_what_its_colours_mean_and_holds_those_of_its_frames(tmp_path):
     colours = [(200, 40, 30), (30, 160, 60), (20, 60, 220)]
     flat = (np.full((32, 32, 3), colour, np.uint8) for colour in colours)
-    write_film(tmp_path / "flat.mp4", flat, 3, Steps())
+    write_film(tmp_path / "flat.mp4", flat, 3, Steps().step)
     with av.open(str(tmp_path / "flat.mp4")) as film:
         coded = film.streams.video[0].codec_context
         bt709, srgb_curve, limited = 1, 13, 1
@@ -187,19 +187,19 @@ def bt709_to_rgb(yuv):
 
 def test_a_film_that_can_not_be_written_is_told_in_a_line(tmp_path):
     with pytest.raises(InputError, match="missing"):
-        write_film(tmp_path / "missing" / "turn.mp4", frames(2)[1], 2, Steps())
+        write_film(tmp_path / "missing" / "turn.mp4", frames(2)[1], 2, Steps().step)
 
 
 def test_a_picture_sequence_is_a_new_folder_or_nothing(tmp_path):
     def write(path, frame):
         Image.fromarray(frame).save(path)
 
-    write_pictures(tmp_path / "turn", frames(3)[1], 3, Steps(), write)
+    write_pictures(tmp_path / "turn", frames(3)[1], 3, Steps().step, write)
     assert sorted(path.name for path in (tmp_path / "turn").iterdir()) == ["0001.png", "0002.png", "0003.png"]
     with pytest.raises(InputError, match="already"):
-        write_pictures(tmp_path / "turn", frames(3)[1], 3, Steps(), write)
+        write_pictures(tmp_path / "turn", frames(3)[1], 3, Steps().step, write)
     with pytest.raises(Cancelled):
-        write_pictures(tmp_path / "half", frames(3)[1], 3, Steps(cancel_at=2), write)
+        write_pictures(tmp_path / "half", frames(3)[1], 3, Steps(cancel_at=2).step, write)
     assert [path.name for path in tmp_path.iterdir()] == ["turn"]
 
 

@@ -2,6 +2,7 @@
 
 import json
 
+import av
 import numpy as np
 import OpenEXR
 import pytest
@@ -56,6 +57,27 @@ def test_the_turntable_goes_round_once(relight, relighter, photo, tmp_path):
     assert [edit.yaw_deg for edit in relighter.edits] == pytest.approx([15 + 30 * step for step in range(12)])
     width, height = Image.open(sheet).size
     assert width > height > 600
+
+
+def test_a_turntable_s_film_goes_round_once_frame_by_frame(relight, relighter, photo, tmp_path):
+    film = tmp_path / "turn.MP4"
+    done = relight("turntable", photo, "--light", "ring", "--yaw", 15, "--json", "-o", film)
+    assert done.code == 0
+    yaws_deg = [edit.yaw_deg for edit in relighter.edits]
+    assert yaws_deg[:120] == pytest.approx([15 + 3 * frame for frame in range(120)])
+    with av.open(str(film)) as opened:
+        assert opened.streams.video[0].frames == 120
+    record = json.loads(done.out)
+    assert (record["output"], record["size"]) == (str(film), list(Image.open(photo).size))
+
+
+def test_a_film_that_is_interrupted_leaves_nothing(relight, relighter, photo, tmp_path, monkeypatch):
+    def interrupted(*asked, **named):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(relighter, "relight", interrupted)
+    assert relight("turntable", photo, "--light", "ring", "-o", tmp_path / "turn.mp4").code == 130
+    assert sorted(path.suffix for path in tmp_path.iterdir()) == [photo.suffix]
 
 
 @pytest.mark.parametrize(("command", "output"), [("channels", "all"), ("turntable", "sheet.png")])

@@ -171,17 +171,15 @@ def _batch() -> Kind:
     return Kind(write, holds)
 
 
-def _numbered_pictures() -> Kind:
-    class Control:
-        def step(self, done: int, total: int) -> None:
-            pass
+def _write_frame(path: Path, frame: np.ndarray) -> None:
+    write_image(path, frame / np.float32(255))
 
+
+def _numbered_pictures() -> Kind:
     def write(folder: Path, new: bool) -> None:
         if new:
             frames = (np.full((4, 4, 3), index, np.uint8) for index in range(3))
-            write_pictures(
-                folder / "turn", frames, 3, Control(), lambda path, frame: write_image(path, frame / np.float32(255))
-            )
+            write_pictures(folder / "turn", frames, 3, lambda done, count: None, _write_frame)
 
     def holds(folder: Path) -> bool:
         if not (folder / "turn").exists():
