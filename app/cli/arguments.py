@@ -45,25 +45,31 @@ def add_light(parser: argparse.ArgumentParser, *, required: bool) -> None:
     parser.add_argument(
         "--light",
         metavar="L",
+        type=from_home,
         required=required,
         help="a bundled rig's name (see relight rigs), an .hdr or .exr map, a portrait to borrow from, or a light or "
         "session (.json) saved in the editor",
     )
 
 
-def photo_path(text: str) -> Path:
-    """A photo's file or folder; a leading ~ is the home folder, also where no shell has seen to that."""
-    return Path(os.path.expanduser(text))
+def from_home(text: str) -> str:
+    """A path whose leading ~ is the home folder, also where no shell has seen to that."""
+    return os.path.expanduser(text)
+
+
+def user_path(text: str) -> Path:
+    """A file or folder as users name them; see `from_home`."""
+    return Path(from_home(text))
 
 
 def add_one_photo(
     parser: argparse.ArgumentParser, metavar: str, output_help: str, *, makes_pictures: bool = True
 ) -> None:
     """What the commands take that relight one photo: PHOTO, light, sliders, -o and --json; see `add_sliders`."""
-    parser.add_argument("photo", metavar="PHOTO", type=photo_path, help="a portrait photo")
+    parser.add_argument("photo", metavar="PHOTO", type=user_path, help="a portrait photo")
     add_light(parser, required=True)
     add_sliders(parser, makes_pictures=makes_pictures)
-    parser.add_argument("-o", "--output", metavar=metavar, type=Path, required=True, help=output_help)
+    parser.add_argument("-o", "--output", metavar=metavar, type=user_path, required=True, help=output_help)
     add_json(parser)
 
 

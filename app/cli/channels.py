@@ -19,6 +19,7 @@ from app.cli.report import relit_record, reporting
 from app.cli.session import Session, light_files
 from relight_core import __version__
 from relight_core.errors import InputError
+from relight_core.imaging.files import KnownFiles
 from relight_core.pipeline.edit import Edit
 
 if TYPE_CHECKING:
@@ -46,7 +47,8 @@ def run(arguments: argparse.Namespace) -> int:
         session.open(arguments.photo, arguments.face, arguments.box)
         # The picture itself is not among the files.
         relit = session.relighter.relight(light, edit, longest_side_px=0)
-        written = write_channels(relit, edit, folder, [arguments.photo, *light_files(arguments.light)])
+        inputs = KnownFiles([arguments.photo, *light_files(arguments.light)])
+        written = write_channels(relit, edit, folder, inputs)
         for path in written:
             report.line(f"wrote {path}")
         record = relit_record(str(arguments.photo), str(folder), relit)
@@ -54,7 +56,7 @@ def run(arguments: argparse.Namespace) -> int:
     return 0
 
 
-def write_channels(relit: Relit, edit: Edit, folder: Path, inputs: list[Path]) -> list[Path]:
+def write_channels(relit: Relit, edit: Edit, folder: Path, inputs: KnownFiles) -> list[Path]:
     """Write a Relit's channels into the folder: all files, or none.
 
     Returns:

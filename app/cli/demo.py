@@ -11,6 +11,7 @@ from app.cli.channels import write_channels
 from app.cli.outputs import check_place, make_folder
 from app.cli.session import Session, light_files, light_kind
 from app.cli.turntable import write_turntable
+from relight_core.imaging.files import KnownFiles
 from relight_core.pipeline.edit import Edit
 
 if TYPE_CHECKING:
@@ -50,7 +51,7 @@ def write_demo(photo: Path, light: str | None, folder: Path) -> None:
     work = _work(session, photo, light)
     edit = work.edit
     make_folder(folder)
-    inputs = [photo, work.photo.path, *light_files(light or str(photo))]
+    inputs = KnownFiles([photo, work.photo.path, *light_files(light or str(photo))])
     session.open(work.photo.path, work.photo.face_index)
     for name, environment in work.lights:
         output = folder / f"relit-{Path(name).stem}.png"

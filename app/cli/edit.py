@@ -12,7 +12,7 @@ import os
 import sys
 from pathlib import Path
 
-from app.cli.arguments import add_light, photo_path
+from app.cli.arguments import add_light, user_path
 from app.cli.session import light_kind, sample_portrait
 from relight_core import __version__
 from relight_core.errors import InputError
@@ -61,7 +61,7 @@ def has_display() -> bool:
 
 
 def _existing(text: str) -> Path:
-    photo = photo_path(text)
+    photo = user_path(text)
     if os.path.lexists(photo):
         return photo
     from app.cli.main import available_commands

@@ -53,6 +53,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     words = list(sys.argv[1:] if argv is None else argv)
     name = words.pop(0) if words and words[0] in available_commands() else EDITOR
     program = "relight" if name == EDITOR else f"relight {name}"
+    _stand_in_for_closed_streams()
     _let_any_file_name_print()
     _keep_numpy_to_one_thread()
     try:
@@ -108,6 +109,14 @@ def _one_line_warnings(program: str) -> Iterator[None]:
     with warnings.catch_warnings():
         warnings.showwarning = show
         yield
+
+
+def _stand_in_for_closed_streams() -> None:
+    """Whoever starts programs may give them no streams; then nobody reads what is told, and all else goes on."""
+    for name, mode in (("stdin", "r"), ("stdout", "w"), ("stderr", "w")):
+        if getattr(sys, name) is None:
+            # The lowest number that is free, which is the closed stream's own.
+            setattr(sys, name, open(os.devnull, mode))  # noqa: SIM115
 
 
 def _let_any_file_name_print() -> None:

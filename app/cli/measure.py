@@ -9,7 +9,7 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from app.cli.arguments import photo_path
+from app.cli.arguments import user_path
 from app.cli.maker_inputs import check_output_file, count_at_least_one, count_from_zero, number_above_zero
 from app.cli.outputs import write_text
 from relight_core.pipeline.quality import TIERS
@@ -30,7 +30,7 @@ _SPREADS = (
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments of `relight measure`."""
-    parser.add_argument("photos", nargs="+", metavar="PHOTO", type=photo_path, help="portraits; the first is dragged")
+    parser.add_argument("photos", nargs="+", metavar="PHOTO", type=user_path, help="portraits; the first is dragged")
     parser.add_argument(
         "--openings", type=count_from_zero, default=0, metavar="N", help="open N photos in turn for the memory"
     )

@@ -5,12 +5,13 @@ from __future__ import annotations
 import contextlib
 import os
 import tempfile
+from collections import Counter
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 from app.engine.batch import is_done, name_beside_a_namesake, names_apart
 from relight_core.errors import InputError
-from relight_core.imaging.files import is_same_file, whole_file
+from relight_core.imaging.files import KnownFiles, whole_file
 
 OPAQUE_SUFFIXES = (".jpg", ".jpeg")
 NAME_FIELD = "{name}"
@@ -34,21 +35,29 @@ def plan_outputs(photos: Sequence[Path], out: str) -> list[Path]:
 def results_among(photos: Sequence[Path], out: str) -> list[Path]:
     """Those of the photos that by their names are results of others: what an earlier run has left beside its photos.
 
-    Of a.jpg that is the file that OUT makes of the name a, or of a-jpg if that is there: then a run had another
-    photo called a, and where OUT's own name would be a.png, that file is the other photo.
+    Of a.jpg that is the file that OUT makes of the name a, or of a-jpg or a-jpg-2 if one of these is there: then a run
+    had another photo called a, and where OUT's own name would be a.png, that file is the other photo.
     """
     pattern, given = _pattern(out), {_place(photo) for photo in photos}
-    results, sources, doubtful = set(), set(), set()
+    namesakes = Counter(name_beside_a_namesake(photo).lower() for photo in photos)
+    results, doubtful, told_apart = set(), set(), set()
+
+    def place_of(name: str) -> str:
+        return _place(Path(pattern.replace(NAME_FIELD, name)))
+
     for photo in photos:
-        place, names = _place(photo), (photo.stem, name_beside_a_namesake(photo))
-        plain, apart = (_place(Path(pattern.replace(NAME_FIELD, name))) for name in names)
-        if apart in given - {place}:
-            results.add(apart)
-            sources.add(place)
-        elif plain in given - {place}:
+        own, name = _place(photo), name_beside_a_namesake(photo)
+        names = (name, *(f"{name}-{number}" for number in range(2, namesakes[name.lower()] + 1)))
+        if apart := ({place_of(name) for name in names} & given) - {own}:
+            results |= apart
+            told_apart.add(photo.stem.lower())
+        elif (plain := place_of(photo.stem)) in given and plain != own:
             doubtful.add(plain)
-    results |= doubtful - sources
-    return [photo for photo in photos if _place(photo) in results]
+    return [
+        photo
+        for photo in photos
+        if (place := _place(photo)) in results or (place in doubtful and photo.stem.lower() not in told_apart)
+    ]
 
 
 def unclaimed_results(photos: Sequence[Path], outputs: Sequence[Path], results: Sequence[Path]) -> list[Path]:
@@ -83,7 +92,7 @@ def _place(path: Path) -> str:
     return os.path.join(os.path.realpath(path.parent), path.name)
 
 
-def check_place(path: Path, inputs: Sequence[Path], *, folder_is_made: bool = False) -> None:
+def check_place(path: Path, inputs: KnownFiles, *, folder_is_made: bool = False) -> None:
     """Raise InputError if a file can't be written there, or if it is an input under any name.
 
     Args:
@@ -91,9 +100,8 @@ def check_place(path: Path, inputs: Sequence[Path], *, folder_is_made: bool = Fa
         inputs: files that must stay as they are.
         folder_is_made: the command will make the file's folder if it is missing.
     """
-    for given in inputs:
-        if is_same_file(path, given):
-            raise InputError(f"{path}: that is the input {given}; choose another name after -o")
+    if (given := inputs.named(path)) is not None:
+        raise InputError(f"{path}: that is the input {given}; choose another name after -o")
     if os.path.isdir(path):
         raise InputError(f"{path}: is a folder; give a file's name")
     if os.path.exists(path) and not os.path.isfile(path):

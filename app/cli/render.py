@@ -21,7 +21,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from app.cli.arguments import add_json, add_light, add_sliders, edit_from, photo_path
+from app.cli.arguments import add_json, add_light, add_sliders, edit_from, from_home, user_path
 from app.cli.outputs import (
     OPAQUE_SUFFIXES,
     check_place,
@@ -33,7 +33,9 @@ from app.cli.outputs import (
 from app.cli.report import FileTimes, Report, relit_line, relit_record, reporting
 from app.cli.session import Session, light_files
 from app.engine.batch import Outcome, photos_in, relight_each, summary
+from app.engine.sources import PANORAMA_SUFFIXES
 from relight_core.errors import InputError
+from relight_core.imaging.files import KnownFiles
 
 if TYPE_CHECKING:
     from relight_core.lighting.environment import Environment
@@ -46,7 +48,7 @@ MATCH_LIMIT_EV = 40.0
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments of `relight render`."""
     parser.add_argument(
-        "photos", metavar="PHOTO", nargs="+", type=photo_path, help="a portrait photo, or a folder of them"
+        "photos", metavar="PHOTO", nargs="+", type=user_path, help="a portrait photo, or a folder of them"
     )
     add_light(parser, required=True)
     add_sliders(parser)
@@ -55,7 +57,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         action="store_true",
         help="as bright a light as leaves the lit part of the face as bright as in the photo",
     )
-    parser.add_argument("-o", "--output", metavar="OUT", required=True, help="file, folder/ or {name} pattern")
+    parser.add_argument(
+        "-o", "--output", metavar="OUT", type=from_home, required=True, help="file, folder/ or {name} pattern"
+    )
     parser.add_argument(
         "--bits",
         type=int,
@@ -78,7 +82,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Render every photo; returns the exit code."""
     several = len(arguments.photos) > 1 or os.path.isdir(arguments.photos[0]) or arguments.resume
-    given = _photos(arguments.photos)
+    given = _photos(arguments.photos, light_files(arguments.light))
     results = results_among(given, arguments.output) if arguments.resume else []
     arguments.photos = [photo for photo in given if photo not in results]
     outputs = _checked_outputs(arguments)
@@ -100,7 +104,7 @@ def _checked_outputs(arguments: argparse.Namespace) -> list[Path]:
     outputs = plan_outputs(arguments.photos, arguments.output)
     if arguments.background == "transparent" and any(p.suffix.lower() in OPAQUE_SUFFIXES for p in outputs):
         raise InputError(f"{arguments.output}: JPEG holds no transparency; write .png, .tif or .exr")
-    inputs = [*arguments.photos, *light_files(arguments.light)]
+    inputs = KnownFiles([*arguments.photos, *light_files(arguments.light)])
     for output in outputs:
         check_output(output, arguments.bits)
         check_place(output, inputs, folder_is_made=_is_folder(arguments.output))
@@ -148,9 +152,10 @@ def _tell_failure(outcome: Outcome) -> None:
     print(f"relight render: {line}", file=sys.stderr, flush=True)
 
 
-def _photos(given: list[Path]) -> list[Path]:
-    """The photos, with folders replaced by what is in them."""
-    return [photo for path in given for photo in (photos_in(path) if os.path.isdir(path) else [path])]
+def _photos(given: list[Path], of_light: list[Path]) -> list[Path]:
+    """The photos, with folders replaced by what is in them, but for the panorama that is to be the light."""
+    panoramas = KnownFiles(path for path in of_light if path.suffix.lower() in PANORAMA_SUFFIXES)
+    return [photo for path in given for photo in (photos_in(path, panoramas) if os.path.isdir(path) else [path])]
 
 
 def _render(

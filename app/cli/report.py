@@ -7,7 +7,7 @@ import ctypes
 import json
 import os
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -53,6 +53,25 @@ def reporting(as_json: bool) -> Iterator[Report]:
     text = report.json_text()
     if text is not None:
         print(text, flush=True)
+
+
+@contextlib.contextmanager
+def counting(title: str) -> Iterator[Callable[[int, int], None]]:
+    """A line on stderr that tells how far work is, gone when it has ended; call the result with what is done, of all.
+
+    Where stderr is no terminal nothing is told.
+    """
+    shown = sys.stderr.isatty()
+
+    def step(done: int, count: int) -> None:
+        if shown:
+            print(f"\r{title} {done} of {count}", end="", file=sys.stderr, flush=True)
+
+    try:
+        yield step
+    finally:
+        if shown:
+            print("\r\x1b[K", end="", file=sys.stderr, flush=True)
 
 
 @contextlib.contextmanager

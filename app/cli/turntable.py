@@ -10,8 +10,9 @@ from typing import TYPE_CHECKING
 
 from app.cli.arguments import add_one_photo, edit_from
 from app.cli.outputs import check_place
-from app.cli.report import relit_record, reporting
+from app.cli.report import counting, relit_record, reporting
 from app.cli.session import Session, light_files
+from relight_core.imaging.files import KnownFiles
 from relight_core.pipeline.edit import Edit
 
 if TYPE_CHECKING:
@@ -41,7 +42,7 @@ def run(arguments: argparse.Namespace) -> int:
     is_film = arguments.output.suffix.lower() == _FILM_SUFFIX
     if not is_film:
         check_output(arguments.output)
-    check_place(arguments.output, [arguments.photo, *light_files(arguments.light)])
+    check_place(arguments.output, KnownFiles([arguments.photo, *light_files(arguments.light)]))
     with reporting(arguments.json) as report:
         session = Session()
         light = session.light(arguments.light, arguments.meter)
@@ -87,7 +88,7 @@ def write_turntable(session: Session, light: Environment, edit: Edit, output: Pa
 def write_film_of_turn(session: Session, light: Environment, edit: Edit, output: Path) -> Relit:
     """Relight the session's photo with the light at each frame's yaw, from edit.yaw_deg on, and write the film.
 
-    How far it is is told on stderr.
+    How far it is is told where stderr is a terminal.
 
     Returns:
         the Relit of the first frame, but for its picture.
@@ -95,13 +96,12 @@ def write_film_of_turn(session: Session, light: Environment, edit: Edit, output:
     Raises:
         InputError: the film can't be written.
     """
-    from app.cli.maker_inputs import progress
     from app.engine.film import write_film
     from app.engine.turntable import FILM_PX, FRAMES, turning
 
-    with progress("relighting", FRAMES) as show:
-        frames = turning(session.relighter, light, edit, FILM_PX)
-        write_film(output, frames, FRAMES, lambda done, count: show(done, ""))
+    frames = turning(session.relighter, light, edit, FILM_PX)
+    with counting("relighting") as step:
+        write_film(output, frames, FRAMES, step)
     return session.relighter.relight(light, edit, longest_side_px=0)
 
 

@@ -6,12 +6,14 @@ import os
 import traceback
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
 from app.engine.sources import PHOTO_SUFFIXES
 from app.faults import confession
 from relight_core.errors import InputError
+from relight_core.imaging.files import KnownFiles
 
 _NO_MEMORY = ("allocate memory", "out of memory", "insufficient memory")
 """What libraries say, whose exceptions are no MemoryError."""
@@ -64,6 +66,7 @@ def relight_each(
             # The text, not the exception: that would keep the photo's arrays until the batch has ended.
             yield Outcome(photo, output, "failed", f"{photo}: {confession(error)}", fault=traceback.format_exc())
         else:
+            _keep_in_order(photo, output)
             yield Outcome(photo, output, "written", result=result)
 
 
@@ -96,8 +99,11 @@ def name_beside_a_namesake(photo: Path) -> str:
     return f"{photo.stem}-{photo.suffix[1:]}"
 
 
-def photos_in(folder: Path) -> list[Path]:
+def photos_in(folder: Path, others: KnownFiles | None = None) -> list[Path]:
     """The photos right inside a folder, by name; hidden ones and panoramas (.hdr) are left out.
+
+    Args:
+        others: files that are no photos here, whatever their suffix says.
 
     Raises:
         InputError: the folder can't be read, or has no photo in it.
@@ -107,6 +113,7 @@ def photos_in(folder: Path) -> list[Path]:
     except OSError as error:
         raise InputError(f"{folder}: can't be read ({error.strerror}); check its permissions") from error
     photos = [path for path in inside if path.suffix.lower() in PHOTO_SUFFIXES and not path.name.startswith(".")]
+    photos = [path for path in photos if others is None or others.named(path) is None]
     if not photos:
         raise InputError(f"{folder}: no photos in this folder; choose one with JPEG, PNG, TIFF, HEIC or EXR files")
     return photos
@@ -135,6 +142,14 @@ def is_done(photo: Path, output: Path) -> bool:
         return os.path.getsize(output) > 0 and os.path.getmtime(output) >= os.path.getmtime(photo)
     except OSError:
         return False
+
+
+def _keep_in_order(photo: Path, output: Path) -> None:
+    """Date an output as its photo where that is of a later time, as cameras' clocks have it: it is no older than it."""
+    with suppress(OSError):
+        dated = os.stat(photo)
+        if os.stat(output).st_mtime_ns < dated.st_mtime_ns:
+            os.utime(output, ns=(dated.st_atime_ns, dated.st_mtime_ns))
 
 
 def _is_out_of_memory(error: Exception) -> bool:

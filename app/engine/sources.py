@@ -24,7 +24,22 @@ if TYPE_CHECKING:
     from relight_core.pipeline.results.picture import Picture
 
 PANORAMA_SUFFIXES = (".hdr", ".exr")
-PHOTO_SUFFIXES = (".jpg", ".jpeg", ".png", ".tif", ".tiff", ".heic", ".heif", ".hif", ".webp", ".avif", ".bmp", ".exr")
+PHOTO_SUFFIXES = (
+    ".jpg",
+    ".jpeg",
+    ".jpe",
+    ".jfif",
+    ".png",
+    ".tif",
+    ".tiff",
+    ".heic",
+    ".heif",
+    ".hif",
+    ".webp",
+    ".avif",
+    ".bmp",
+    ".exr",
+)
 """Taken from folders. Raw files are not: most lie there beside a JPEG of the same name."""
 
 PICTURE_SUFFIXES = (*PHOTO_SUFFIXES, *RAW_SUFFIXES, ".hdr")

@@ -6,7 +6,7 @@ import os
 import re
 import secrets
 import stat
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
@@ -72,6 +72,28 @@ def is_same_file(one: Path, other: Path) -> bool:
         return os.path.samefile(one, other)
     except OSError:
         return os.path.realpath(one) == os.path.realpath(other)
+
+
+class KnownFiles:
+    """Files that are to be recognised under any name, however many they are; see `is_same_file`."""
+
+    def __init__(self, paths: Iterable[Path]) -> None:
+        """Look at each of them once; some may be missing."""
+        self._by_node: dict[tuple[int, int], Path] = {}
+        self._by_place: dict[str, Path] = {}
+        for path in paths:
+            self._by_place.setdefault(os.path.realpath(path), path)
+            with suppress(OSError):
+                found = os.stat(path)
+                self._by_node.setdefault((found.st_dev, found.st_ino), path)
+
+    def named(self, path: Path) -> Path | None:
+        """The known file that a path, which may lead nowhere yet, is; None for none of them."""
+        try:
+            found = os.stat(path)
+        except OSError:
+            return self._by_place.get(os.path.realpath(path))
+        return self._by_node.get((found.st_dev, found.st_ino))
 
 
 def check_regular(path: Path) -> None:

@@ -3,9 +3,11 @@
 import subprocess
 import sys
 
+import numpy as np
 import pytest
 
 from relight_core.imaging import files, write
+from relight_core.imaging.write import write_image
 
 
 def _failing(error):
@@ -105,3 +107,20 @@ def test_python_m_app_is_the_same_command():
     done = subprocess.run([sys.executable, "-m", "app", "render"], capture_output=True, text=True)
     assert done.returncode == 2
     assert done.stderr.startswith("relight render: ")
+
+
+@pytest.mark.parametrize("closed", [">&-", "2>&-", "<&- >&- 2>&-"])
+def test_closed_streams_are_no_fault_of_ours(closed):
+    command = f"{sys.executable} -m app rigs"
+    assert subprocess.run(["bash", "-c", f"{command} {closed}"]).returncode == 0
+
+
+def test_a_panorama_is_read_where_errors_have_nowhere_to_go(tmp_path):
+    write_image(tmp_path / "light.exr", np.ones((8, 16, 3), np.float32))
+    script = (
+        "import sys; from app.cli.main import _stand_in_for_closed_streams; _stand_in_for_closed_streams();"
+        "from relight_core.imaging.read import read_photo; print(read_photo(sys.argv[1]).linear.shape)"
+    )
+    command = f"{sys.executable} -c '{script}' {tmp_path / 'light.exr'} 2>&-"
+    done = subprocess.run(["bash", "-c", command], capture_output=True, text=True)
+    assert done.stdout == "(8, 16, 3)\n"

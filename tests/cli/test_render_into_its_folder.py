@@ -9,6 +9,7 @@ from PIL import Image
 
 from app.cli.outputs import results_among
 from app.engine.batch import relight_each
+from relight_core.imaging.write import write_image
 
 
 @pytest.fixture
@@ -66,6 +67,63 @@ def test_a_rerun_over_two_photos_of_one_name_does_nothing_more(relight, relighte
     assert len(relighter.edits) == 2
 
 
+def test_a_run_that_told_three_photos_of_one_name_apart_is_taken_up_with_all_of_them(relight, relighter, shoot):
+    for name in ("a.bmp", "a.jpg", "a.png"):
+        add_photo(shoot, name)
+    words = ("render", f"{shoot}/", "--light", "ring", "-o", f"{shoot}/")
+    assert relight(*words).code == 0
+    for lost in ("a-jpg.png", "a-png.png"):
+        (shoot / lost).unlink()
+    assert relight(*words, "--resume").code == 0
+    assert names_in(shoot) == ["a-bmp.png", "a-jpg.png", "a-png.png", "a.bmp", "a.jpg", "a.png"]
+
+
+def test_a_rerun_over_photos_of_one_name_in_two_folders_does_nothing_more(relight, relighter, shoot):
+    for card in ("one", "two"):
+        (shoot / card).mkdir()
+        add_photo(shoot / card, "a.jpg")
+    words = ("render", shoot / "one", shoot / "two", "--light", "ring", "--resume", "-o", f"{shoot}/one/")
+    for _ in range(3):
+        assert relight(*words).code == 0
+        assert names_in(shoot / "one") == ["a-jpg-2.png", "a-jpg.png", "a.jpg"]
+    assert len(relighter.edits) == 2
+
+
+def test_a_photo_from_a_camera_whose_clock_is_ahead_is_done_once(relight, relighter, shoot):
+    add_photo(shoot, "a.jpg", age_s=-20000)
+    for _ in range(2):
+        assert relight("render", shoot, "--light", "ring", "--resume", "-o", f"{shoot}/").code == 0
+    assert len(relighter.edits) == 1
+    assert names_in(shoot) == ["a.jpg", "a.png"]
+
+
+def test_the_panorama_that_is_the_light_is_no_photo_of_its_folder(relight, shoot, tmp_path):
+    add_photo(shoot, "a.jpg")
+    write_image(shoot / "studio.exr", np.ones((8, 16, 3), np.float32))
+    done = relight("render", shoot, "--light", shoot / "studio.exr", "-o", f"{tmp_path}/out/")
+    assert (done.code, names_in(tmp_path / "out")) == (0, ["a.png"])
+    (shoot / "a.jpg").unlink()
+    done = relight("render", shoot, "--light", shoot / "studio.exr", "-o", f"{tmp_path}/out/")
+    assert (done.code, "no photos" in done.err) == (2, True)
+
+
+@pytest.mark.parametrize("name", ["a.jfif", "a.JPE"])
+def test_jpegs_are_found_by_their_other_suffixes(relight, shoot, tmp_path, name):
+    add_photo(shoot, "a.jpg").rename(shoot / name)
+    assert relight("render", shoot, "--light", "ring", "-o", f"{tmp_path}/out/").code == 0
+    assert names_in(tmp_path / "out") == ["a.png"]
+
+
+def test_the_home_folder_has_its_short_name_in_every_argument(relight, shoot, tmp_path, monkeypatch):
+    monkeypatch.setenv("HOME", str(shoot))
+    monkeypatch.chdir(tmp_path)
+    add_photo(shoot, "a.jpg")
+    write_image(shoot / "studio.exr", np.ones((8, 16, 3), np.float32))
+    assert relight("render", "~/a.jpg", "--light", "~/studio.exr", "-o", "~/{name}-relit.png").code == 0
+    assert relight("turntable", "~/a.jpg", "--light", "~/studio.exr", "-o", "~/sheet.png").code == 0
+    assert names_in(shoot) == ["a-relit.png", "a.jpg", "sheet.png", "studio.exr"]
+
+
 def test_what_may_be_an_older_photo_of_its_own_is_not_written_over(relight, relighter, shoot):
     before = add_photo(shoot, "a.png", age_s=2000).read_bytes()
     add_photo(shoot, "a.jpg", age_s=1000)
@@ -92,6 +150,10 @@ def test_without_resume_names_keep_photos_apart(relight, shoot):
         (("a-relit-relit.png", "a-relit.png", "a.jpg"), ["a-relit-relit.png", "a-relit.png"]),
         (("a-jpg-relit.png", "a-png-relit.png", "a.jpg", "a.png"), ["a-jpg-relit.png", "a-png-relit.png"]),
         (("b-relit.png", "a.jpg"), []),
+        (("a-bmp-relit.png", "a.bmp", "a.jpg", "a-relit.png"), ["a-bmp-relit.png", "a-relit.png"]),
+        (("a-JPG-relit-2.png", "a-jpg-relit.png", "a.JPG", "a.jpg"), ["a-jpg-relit.png"]),
+        (("a-JPG-2-relit.png", "a-jpg-relit.png", "a.JPG", "a.jpg"), ["a-JPG-2-relit.png", "a-jpg-relit.png"]),
+        (("a-jpg-2-relit.png", "a.jpg"), []),
     ],
 )
 def test_results_are_known_by_their_names(shoot, names, results):
