@@ -95,7 +95,7 @@ def run(arguments: argparse.Namespace) -> int:
         if not several:
             report.record(_render(session, light, arguments, arguments.photos[0], outputs[0], report))
             return 0
-        return _render_each(session, light, arguments, outputs, report)
+        return _render_each(session, light, arguments, outputs, unclaimed, report)
 
 
 def _checked_outputs(arguments: argparse.Namespace) -> list[Path]:
@@ -116,7 +116,12 @@ def _is_folder(out: str) -> bool:
 
 
 def _render_each(
-    session: Session, light: Environment, arguments: argparse.Namespace, outputs: list[Path], report: Report
+    session: Session,
+    light: Environment,
+    arguments: argparse.Namespace,
+    outputs: list[Path],
+    left_out: list[Path],
+    report: Report,
 ) -> int:
     def one(photo: Path, output: Path) -> dict:
         return _render(session, light, arguments, photo, output, report)
@@ -135,7 +140,8 @@ def _render_each(
         "errors": [{"input": str(outcome.photo), "error": outcome.error} for outcome in failed],
     }
     kept = [str(outcome.output) for outcome in outcomes if outcome.state == "kept"]
-    report.record(record | ({"kept": kept} if arguments.resume else {}))
+    resumed = {"kept": kept, "left_out": [str(path) for path in left_out]}
+    report.record(record | (resumed if arguments.resume else {}))
     if failed and len(outcomes) > 2:
         print(f"relight render: {summary(outcomes)}", file=sys.stderr, flush=True)
     if any(outcome.fault for outcome in failed):

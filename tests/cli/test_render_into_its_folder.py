@@ -89,6 +89,16 @@ def test_a_rerun_over_photos_of_one_name_in_two_folders_does_nothing_more(religh
     assert len(relighter.edits) == 2
 
 
+def test_a_result_that_no_photo_has_in_this_run_is_told_and_not_relit(relight, shoot):
+    add_photo(shoot, "a.jpg")
+    words = ("render", f"{shoot}/", "--light", "ring", "-o", f"{shoot}/{{name}}-relit.png", "--resume", "--json")
+    assert json.loads(relight(*words).out)["left_out"] == []
+    add_photo(shoot, "a.png")
+    record = json.loads(relight(*words).out)
+    assert [os.path.basename(path) for path in record["left_out"]] == ["a-relit.png"]
+    assert [os.path.basename(one["output"]) for one in record["results"]] == ["a-jpg-relit.png", "a-png-relit.png"]
+
+
 def test_a_photo_from_a_camera_whose_clock_is_ahead_is_done_once(relight, relighter, shoot):
     add_photo(shoot, "a.jpg", age_s=-20000)
     for _ in range(2):
