@@ -1,6 +1,7 @@
 """relight channels and relight turntable."""
 
 import json
+import sys
 
 import av
 import numpy as np
@@ -8,6 +9,7 @@ import OpenEXR
 import pytest
 from PIL import Image
 
+from app.cli.report import counting
 from app.cli.sheet import on_ground
 from app.cli.turntable import _fine_enough
 from relight_core.pipeline.per_photo.person import Canvas
@@ -131,3 +133,14 @@ def test_what_would_change_no_channel_or_leave_none_is_refused(relight, photo, t
     assert done.err.count("\n") == 1
     assert words[0] in done.err
     assert not (tmp_path / "all").exists()
+
+
+def test_how_far_a_film_is_is_told_to_people_only(capsys, monkeypatch):
+    with counting("relighting") as step:
+        step(1, 2)
+    assert capsys.readouterr().err == ""
+    monkeypatch.setattr(sys.stderr, "isatty", lambda: True)
+    with counting("relighting") as step:
+        step(1, 2)
+        assert capsys.readouterr().err.endswith("relighting 1 of 2")
+    assert "\x1b[K" in capsys.readouterr().err
