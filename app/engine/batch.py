@@ -113,7 +113,7 @@ def photos_in(folder: Path, others: KnownFiles | None = None) -> list[Path]:
     except OSError as error:
         raise InputError(f"{folder}: can't be read ({error.strerror}); check its permissions") from error
     photos = [path for path in inside if path.suffix.lower() in PHOTO_SUFFIXES and not path.name.startswith(".")]
-    photos = [path for path in photos if others is None or others.named(path) is None]
+    photos = [path for path in photos if not path.is_dir() and (others is None or others.named(path) is None)]
     if not photos:
         raise InputError(f"{folder}: no photos in this folder; choose one with JPEG, PNG, TIFF, HEIC or EXR files")
     return photos

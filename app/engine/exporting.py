@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from app.engine.jobs import JobControl, Jobs
-from app.engine.places import folder_for_outputs, from_home
+from app.engine.places import current_folder, folder_for_outputs, from_home
 from app.engine.snapshot import Picture
 from app.engine.sources import RelitLike
 from relight_core import __version__
@@ -177,7 +177,7 @@ def channel_layers(channels: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
 def default_export_path(photo_path: Path | None) -> Path:
     """<photo>-relit.png in the photo's folder for outputs; portrait-relit.png in the current one without a photo."""
     if photo_path is None:
-        return Path.cwd() / "portrait-relit.png"
+        return current_folder() / "portrait-relit.png"
     return folder_for_outputs(photo_path) / f"{photo_path.stem}-relit.png"
 
 

@@ -7,11 +7,19 @@ import sys
 from pathlib import Path
 
 
+def current_folder() -> Path:
+    """The current folder; the user's own where that has been deleted or its drive is gone, as happens to a window."""
+    try:
+        return Path.cwd()
+    except OSError:
+        return Path.home()
+
+
 def folder_for_outputs(photo: Path) -> Path:
     """The photo's own folder; the current one where that is no place for it: not writable, or part of the program."""
     folder = photo.absolute().parent
     installed = folder.is_relative_to(Path(sys.prefix).absolute())
-    return Path.cwd() if installed or not os.access(folder, os.W_OK | os.X_OK) else folder
+    return current_folder() if installed or not os.access(folder, os.W_OK | os.X_OK) else folder
 
 
 def from_home(path: Path) -> Path:

@@ -57,6 +57,7 @@ def draw(state: EditorState, fonts: theme.Fonts, pictures: Pictures, shelf: ligh
     whole = Rect(0.0, 0.0, io.display_size.x, io.display_size.y)
     help_overlay.draw(state, fonts, whole)
     palette.draw(state, whole)
+    widgets.forget_lost_typing(state)
 
 
 def _sides(

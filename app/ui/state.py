@@ -75,6 +75,7 @@ class EditorState:
         dismissed: number of the newest message the user has put away.
         typing: which slider has its number typed in, if any.
         typing_began: the typing field still has to take the keyboard.
+        typing_seen: the typing field has been drawn in this frame.
         hand_on_control: a slider or the panorama is being dragged.
         pointing_at_faces: the mouse is on the choice of faces, so that the viewport shows which is which.
         faces: the boxes of the faces, while they are corrected.
@@ -126,6 +127,7 @@ class EditorState:
     dismissed: int = 0
     typing: str | None = None
     typing_began: bool = False
+    typing_seen: bool = False
     hand_on_control: bool = False
     pointing_at_faces: bool = False
     faces: FaceTool = field(default_factory=FaceTool)

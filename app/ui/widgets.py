@@ -95,7 +95,14 @@ def _title_row(state: EditorState, spec: Slider, value: float) -> float:
 
 
 def _begin_typing(state: EditorState, spec: Slider) -> None:
-    state.typing, state.typing_began = spec.label, True
+    state.typing, state.typing_began, state.typing_seen = spec.label, True, True
+
+
+def forget_lost_typing(state: EditorState) -> None:
+    """At a frame's end: a slider that is no longer drawn, as of a lamp that was deleted, is not typed at any more."""
+    if not state.typing_seen:
+        state.typing = None
+    state.typing_seen = False
 
 
 def _typed(state: EditorState, spec: Slider, value: float) -> float:
@@ -103,7 +110,7 @@ def _typed(state: EditorState, spec: Slider, value: float) -> float:
     imgui.same_line()
     imgui.set_next_item_width(imgui.get_content_region_avail().x)
     imgui.push_style_var(imgui.StyleVar_.frame_padding, imgui.ImVec2(4.0, 0.0))
-    began, state.typing_began = state.typing_began, False
+    began, state.typing_began, state.typing_seen = state.typing_began, False, True
     if began:
         imgui.set_keyboard_focus_here()
     flags = imgui.InputTextFlags_.auto_select_all | imgui.InputTextFlags_.enter_returns_true
@@ -160,7 +167,9 @@ def _draw_track(
     middle, thick = left.y + height / 2, max(1.5, 0.1 * height)
 
     def at(number: float) -> float:
-        return left.x + radius + (number - spec.low) / (spec.high - spec.low) * (width - 2 * radius)
+        # Files may hold more than the track has.
+        along = (min(max(number, spec.low), spec.high) - spec.low) / (spec.high - spec.low)
+        return left.x + radius + along * (width - 2 * radius)
 
     def bar(x0: float, x1: float, colour: theme.Colour) -> None:
         top, bottom = imgui.ImVec2(min(x0, x1), middle - thick), imgui.ImVec2(max(x0, x1), middle + thick)
@@ -172,6 +181,28 @@ def _draw_track(
     draw.add_line((rest, middle - reach), (rest, middle + reach), theme.packed(theme.FAINT))
     knob = theme.TEXT if lit else (0.76, 0.76, 0.76, 1.0)
     draw.add_circle_filled(imgui.ImVec2(at(value), middle), radius, theme.packed(knob), 24)
+
+
+def swatch(
+    state: EditorState, label: str, colour: Sequence[float], help: str, *, in_bytes: bool = False
+) -> tuple[float, ...] | None:
+    """A square of a colour that opens a picker; the colour while it is being picked, else None.
+
+    Args:
+        label: unique.
+        colour: red, green and blue in [0, 1].
+        in_bytes: numbers are shown from 0 to 255, and not from 0 to 1.
+
+    Returns:
+        In [0, 1]: the picker takes any number that is typed.
+    """
+    flags = imgui.ColorEditFlags_.no_inputs | imgui.ColorEditFlags_.no_label | imgui.ColorEditFlags_.no_tooltip
+    kind = imgui.ColorEditFlags_.uint8 if in_bytes else imgui.ColorEditFlags_.float
+    changed, picked = imgui.color_edit3(label, list(colour), flags | kind)
+    if imgui.is_item_active():
+        state.hand_on_control = True
+    imgui.set_item_tooltip(help)
+    return tuple(min(max(float(value), 0.0), 1.0) for value in picked) if changed else None
 
 
 def segmented(

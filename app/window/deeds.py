@@ -23,7 +23,7 @@ from app.document.session_file import (
 from app.engine.batch import photos_in
 from app.engine.desk import error_line
 from app.engine.exporting import free_path
-from app.engine.places import folder_for_outputs
+from app.engine.places import current_folder, folder_for_outputs
 from app.engine.sources import PICTURE_SUFFIXES, PhotoSource
 from app.ui.asking import FileRequest, Question
 from app.ui.export_name import named_as
@@ -235,7 +235,7 @@ class Deeds:
 
     def _folder(self) -> Path:
         photo = self._state.document().photo
-        return photo.path.absolute().parent if photo else Path.cwd()
+        return photo.path.absolute().parent if photo else current_folder()
 
     def _ask_place(self, title: str, start: Path, suffix: str, then: Callable[[Path], None]) -> None:
         """Ask for one file to write, whose name gets the suffix where it has none like it."""

@@ -42,7 +42,8 @@ def run_editor(
     kept = {"settings_path": settings_path(), "calibration_path": cache_path()}
     window = EditorWindow(relighter_factory, on_engine_start=yield_to_the_window, **kept)
     try:
-        open_named(window.state, photo_path, light)
+        # While its folder is still there.
+        open_named(window.state, photo_path and photo_path.absolute(), light)
         window.run()
     finally:
         window.close()

@@ -1,11 +1,18 @@
 """The action table: complete, without clashes, and what the palette finds in it."""
 
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
 import pytest
 
+from app.engine.snapshot import OpenPhoto, Snapshot
 from app.ui.actions.action import Action, Chord, matching, parse_chord
 from app.ui.actions.action_table import ACTIONS, GESTURES
 from app.ui.actions.help_overlay import groups
 from app.ui.state import EditorState
+from relight_core.face.find import FaceBox
+from relight_core.imaging.photo import Photo
 
 NAMED_KEYS = {
     "Left",
@@ -116,3 +123,19 @@ def test_actions_work_on_the_state_alone():
     named("See the photo").let_go(state)
     assert not state.before
     assert not named("Export the picture").available(state)
+
+
+def test_a_rotation_that_plays_can_be_stopped_where_there_is_no_picture():
+    state = EditorState()
+    assert not named("Play the rotation").available(state)
+    state.playing = True
+    assert named("Play the rotation").available(state)
+
+
+def test_faces_are_found_again_only_once_the_photo_is_there():
+    state = EditorState()
+    state.open_photo(Path("/photos/us.jpg"))
+    state.photo = replace(state.photo, boxes=(FaceBox(0, 0, 20, 20),))
+    assert not named("Find the faces again").available(state)
+    state.accept(Snapshot(opened=OpenPhoto(state.photo, Photo(np.zeros((40, 80, 3), np.float32)), None)))
+    assert named("Find the faces again").available(state)

@@ -4,7 +4,9 @@ import numpy as np
 import pytest
 
 from app.ui.viewport.box_tools import Grab, aimed, dragged, grab, lamp_for_spot, with_box, without_box
+from app.ui.viewport.placing import _no_face_at
 from relight_core.face.crop import Crop
+from relight_core.face.find import FaceBox
 from relight_core.lighting.light_edit import LightEdit
 from relight_core.lighting.soft_box import SoftBox, corners, uv_of
 from relight_core.lighting.sphere import turned
@@ -152,3 +154,9 @@ def test_a_click_beside_the_person_places_nothing(spot):
     assert lamp_for_spot(face(), Crop(150.0, 250.0, 100.0), *spot, "bright") is None
     assert lamp_for_spot({}, Crop(150.0, 250.0, 100.0), 150, 250, "bright") is None
     assert lamp_for_spot(face(), None, 150, 250, "bright") is None
+
+
+@pytest.mark.parametrize(("x", "says"), [(35, "alone first: 2"), (10, "no face there"), (90, "no face there")])
+def test_a_click_on_another_face_than_the_largest_tells_how_to_get_a_lamp_there(x, says):
+    faces = FaceBox(0, 0, 20, 20), FaceBox(30, 0, 45, 15)
+    assert says in _no_face_at(faces, x, 10)

@@ -124,6 +124,7 @@ def test_an_empty_output_is_not_done(tmp_path):
 
 def test_a_folder_without_photos_is_told(tmp_path):
     (tmp_path / "notes.txt").touch()
+    (tmp_path / "album.jpg").mkdir()
     with pytest.raises(InputError, match="no photos"):
         photos_in(tmp_path)
     with pytest.raises(InputError, match="can't be read"):

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from imgui_bundle import imgui
 
-from app.ui import widgets
+from app.ui import light_edits, widgets
 from relight_core.lighting.rigs import load_rig
 from relight_core.lighting.soft_box import SoftBox, uv_of
 
@@ -148,3 +148,17 @@ def test_a_lamp_is_switched_off_and_on(opened):
     opened.key(glfw.KEY_M, shift=True)
     assert not state.light_edit.boxes[0].off
     assert np.abs(opened.picture_pixels(96, 128) - split).max() <= 1
+
+
+def test_a_box_that_is_deleted_while_its_number_is_typed_leaves_no_typing_behind(opened, pair, tracks):
+    state = opened.window.state
+    opened.frames(2)
+    opened.click(tracks["Brightness"], ctrl=True)
+    opened.frames(3)
+    assert state.typing == "Brightness"
+    light_edits.delete_box(state)
+    opened.frames(2)
+    assert state.typing is None
+    opened.click(opened.panorama(uv_of(pair[1].direction)[0]))
+    opened.frames(2)
+    assert state.selected_box == 0

@@ -3,7 +3,7 @@
 import glfw
 import pytest
 
-from app.ui import binding
+from app.ui import binding, widgets
 
 GERMAN = {glfw.KEY_RIGHT_BRACKET: "+", glfw.KEY_SLASH: "-", glfw.KEY_Y: "z", glfw.KEY_EQUAL: "\N{ACUTE ACCENT}"}
 FRENCH = {glfw.KEY_6: "-", glfw.KEY_EQUAL: "=", glfw.KEY_Q: "a", glfw.KEY_M: ",", glfw.KEY_SEMICOLON: "m"}
@@ -66,3 +66,16 @@ def test_plus_zooms_in_where_another_key_has_it(opened, monkeypatch):
     opened.move(opened.centre())
     opened.key(glfw.KEY_RIGHT_BRACKET)
     assert opened.window.state.view.zoom > 1.0
+
+
+@pytest.mark.parametrize(
+    ("picked", "background", "gel"),
+    [((1.2, -0.3, 0.5), "#ff0080", (1.0, 0.0, 0.5)), ((0.0, 1e9, -1e9), "#00ff00", (0.0, 1.0, 0.0))],
+)
+def test_colours_beyond_all_colours_are_the_nearest_that_there_are(opened, monkeypatch, picked, background, gel):
+    state = opened.window.state
+    opened.key(glfw.KEY_N)
+    monkeypatch.setattr(widgets.imgui, "color_edit3", lambda label, colour, flags: (True, list(picked)))
+    opened.frames(2)
+    assert state.edit.background == background
+    assert state.light_edit.boxes[0].colour == gel

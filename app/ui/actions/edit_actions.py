@@ -71,7 +71,7 @@ LIGHT = (
         ("P",),
         "The light turns by itself until you stop it",
         lambda state: setattr(state, "playing", not state.playing),
-        available=has_picture,
+        available=lambda state: state.playing or has_picture(state),
         is_on=lambda state: state.playing,
     ),
     Action("Turn the light left", _LIGHT, ("Left",), "Turn it by 5°", _turn(-5.0), repeats=True),

@@ -104,15 +104,12 @@ def _colour(state: EditorState) -> None:
     is_colour = background.startswith("#")
     colour = background if is_colour else "#30343a"
     shown = [int(colour[index : index + 2], 16) / 255 for index in (1, 3, 5)]
-    flags = imgui.ColorEditFlags_.no_inputs | imgui.ColorEditFlags_.no_label | imgui.ColorEditFlags_.no_tooltip
-    changed, picked = imgui.color_edit3("Background colour", shown, flags)
-    if imgui.is_item_active():
-        state.hand_on_control = True
-    imgui.set_item_tooltip("A plain colour behind the person: click to choose it.")
+    words = "A plain colour behind the person: click to choose it."
+    picked = widgets.swatch(state, "Background colour", shown, words, in_bytes=True)
     if is_colour:
         corner, end = imgui.get_item_rect_min(), imgui.get_item_rect_max()
         imgui.get_window_draw_list().add_rect(corner, end, theme.packed(theme.ACCENT), 4.0, 1.5)
-    if changed:
+    if picked is not None:
         state.change(background="#" + "".join(f"{round(value * 255):02x}" for value in picked))
 
 

@@ -200,11 +200,8 @@ def _meter_words(state: EditorState) -> str:
 
 def _gel(state: EditorState, colour: tuple[float, float, float] | None) -> tuple[float, float, float] | None:
     """A coloured gel instead of a temperature."""
-    flags = imgui.ColorEditFlags_.no_inputs | imgui.ColorEditFlags_.no_label | imgui.ColorEditFlags_.float
-    changed, picked = imgui.color_edit3("Coloured gel", list(colour or (1.0, 1.0, 1.0)), flags)
-    if imgui.is_item_active():
-        state.hand_on_control = True
-    imgui.set_item_tooltip("A coloured gel in front of this lamp.")
+    white = (1.0, 1.0, 1.0)
+    picked = widgets.swatch(state, "Coloured gel", colour or white, "A coloured gel in front of this lamp.")
     imgui.same_line()
     imgui.align_text_to_frame_padding()
     imgui.text_disabled("Coloured gel" if colour is None else "Gel")
@@ -212,4 +209,4 @@ def _gel(state: EditorState, colour: tuple[float, float, float] | None) -> tuple
         imgui.same_line()
         if imgui.small_button("Remove"):
             return None
-    return tuple(float(value) for value in picked) if changed else colour
+    return colour if picked is None else picked

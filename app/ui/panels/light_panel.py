@@ -46,7 +46,7 @@ def draw(state: EditorState, fonts: theme.Fonts, pictures: Pictures, shelf: Shel
     light_controls.tools(state)
     state.change(yaw_deg=widgets.slider(state, ROTATION, state.edit.yaw_deg))
     label = "Stop" if state.playing else "Play the rotation"
-    imgui.begin_disabled(state.snapshot.picture is None)
+    imgui.begin_disabled(state.snapshot.picture is None and not state.playing)
     if widgets.toggle(label, state.playing, imgui.get_content_region_avail().x):
         state.playing = not state.playing
     imgui.end_disabled()

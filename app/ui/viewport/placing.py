@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from imgui_bundle import imgui
 
 from app.ui import light_edits
@@ -11,6 +13,7 @@ from app.ui.viewport.box_tools import aimed, lamp_for_spot
 from app.ui.viewport.panes import LIGHTS, Arrangement
 from app.ui.viewport.view import photo_point
 from app.ui.viewport.viewport_notes import note, note_width
+from relight_core.face.find import FaceBox
 from relight_core.pipeline.results.layers import channel_view_of
 
 _WORDS = {
@@ -48,6 +51,14 @@ def hint(state: EditorState, rect: Rect) -> None:
         note(words, rect.x + (rect.width - note_width(words)) / 2, rect.y + em)
 
 
+def _no_face_at(faces: Sequence[FaceBox], x: float, y: float) -> str:
+    """Why there is no lamp for a point of the photo: of several faces only the largest one's shape is at hand."""
+    for index, face in enumerate(faces[1:], 2):
+        if face.x0 <= x < face.x1 and face.y0 <= y < face.y1:
+            return f"Choose this face alone first: {index}, under Effects"
+    return "There is no face there; click on skin, hair or clothes"
+
+
 def _place(state: EditorState, arranged: Arrangement, at: tuple[float, float], pressed: bool) -> bool:
     """Place a lamp for the spot under the mouse, or tell why there can be none; True where one was placed."""
     picture = state.snapshot.picture
@@ -67,7 +78,7 @@ def _place(state: EditorState, arranged: Arrangement, at: tuple[float, float], p
     direction = lamp_for_spot(state.aim_at.channels, channel_view_of(state.aim_at), x, y, state.aim)
     if direction is None:
         if pressed:
-            state.asking.tell("There is no face there; click on skin, hair or clothes")
+            state.asking.tell(_no_face_at(state.snapshot.faces, x, y))
         return False
     edit, index = aimed(state.light_edit, state.selected_box, direction, state.edit.yaw_deg)
     if index < 0:

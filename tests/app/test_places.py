@@ -1,0 +1,28 @@
+import os
+from pathlib import Path
+
+import pytest
+
+from app.engine.places import current_folder, folder_for_outputs
+
+
+@pytest.fixture
+def gone(tmp_path, monkeypatch):
+    """The current folder, which has been deleted."""
+    folder = tmp_path / "gone"
+    folder.mkdir()
+    monkeypatch.chdir(folder)
+    folder.rmdir()
+    yield folder
+    os.chdir(tmp_path)
+
+
+def test_the_user_s_own_folder_stands_in_for_a_current_one_that_is_gone(gone, tmp_path, monkeypatch):
+    monkeypatch.setenv("HOME", str(tmp_path))
+    assert current_folder() == tmp_path
+    assert folder_for_outputs(gone / "me.jpg") == tmp_path
+
+
+def test_files_go_beside_their_photo_where_that_is_allowed(tmp_path):
+    assert folder_for_outputs(tmp_path / "me.jpg") == tmp_path
+    assert folder_for_outputs(tmp_path / "missing" / "me.jpg") == Path.cwd()
