@@ -13,6 +13,7 @@ import numpy as np
 
 from relight_core.imaging.colour import luminance
 from relight_core.lighting.environment import Environment, shrink
+from relight_core.lighting.roll import roll_light
 from relight_core.lighting.sphere import directions, place_on_map, solid_angles, turned
 
 _ROWS = 128
@@ -61,18 +62,33 @@ def lamps_of(environment: Environment, yaw_deg: float = 0.0) -> tuple[Lamp, ...]
     return tuple(lamp.turned(yaw_deg) for lamp in environment.of_shape("lamps", _find))
 
 
-def footprint(lamp: Lamp, height: int = 16) -> np.ndarray:
+def footprint(lamp: Lamp, roll_deg: float = 0.0, height: int = 16) -> np.ndarray:
     """Where a lamp's light lies in the light that the networks read, (height, 2 * height) float32, sum 1.
 
-    As `network_light` spreads it: along a row over the width of a texel, and over the texels that it touches.
+    As `network_light` spreads it: along a row over the width of a texel, and over the texels that it touches; and where
+    a view is turned, as `roll_light` spreads that once more. Of a lamp that had been turned before, it would lie in
+    other texels than the light does.
+
+    Args:
+        lamp: in the camera space of the photo.
+        roll_deg: of the view.
+        height: rows of the light.
     """
+    share = _footprint(lamp, height)
+    if roll_deg:
+        areas = solid_angles(height, 2 * height)
+        share = roll_light(np.repeat((share / areas)[..., None], 3, -1), roll_deg)[..., 0] * areas
+    return share / share.sum()
+
+
+def _footprint(lamp: Lamp, height: int) -> np.ndarray:
     share = np.zeros((height, 2 * height), np.float32)
     for across, down in zip(*place_on_map(*_disc(lamp).T), strict=True):
         column, row = across * 2 * height - 0.5, min(int(down * height), height - 1)
         left = int(np.floor(column))
         share[row, left % (2 * height)] += 1 - (column - left)
         share[row, (left + 1) % (2 * height)] += column - left
-    return share / share.sum()
+    return share
 
 
 def _disc(lamp: Lamp) -> np.ndarray:

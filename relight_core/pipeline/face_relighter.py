@@ -140,14 +140,14 @@ class FaceRelighter(FaceInPhoto):
         plan: Plan,
     ) -> Effects:
         """The effects with the edges of small lamps' shadows."""
-        seen = [lamp.rolled(self.portrait.view.roll_deg) for lamp in lamps]
+        roll_deg = self.portrait.view.roll_deg
         relief = self._relief(ready)
         horizon = self._once("horizon", ready.tier.surface_key, lambda: horizon_of(ready.found))
         reflect = partial(stages.reflect, self._reflector(ready))
         return self.cache.run(
             "hard_shadow",
             plan.keys["hard_shadow"],
-            lambda: harden_shadow(effects, ready.surface, reflected, light, relief, horizon, seen, reflect),
+            lambda: harden_shadow(effects, ready.surface, reflected, light, relief, horizon, lamps, reflect, roll_deg),
             "new light",
             keep=KEPT_LIGHTS,
         )

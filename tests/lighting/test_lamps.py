@@ -120,6 +120,16 @@ def test_the_footprint_is_what_the_networks_see_of_it(yaw_deg):
     assert np.abs(footprint(lamp) - seen / seen.sum()).max() < 0.08
 
 
+@pytest.mark.parametrize("roll_deg", [10.0, 20.0, 45.0, -70.0])
+@pytest.mark.parametrize("yaw_deg", [0.0, 13.0])
+def test_a_rolled_footprint_lies_in_the_texels_of_the_rolled_light(yaw_deg, roll_deg):
+    environment = light(((0.6, 0.33, 0.7), 2.0, 2000.0), fill=0.0)
+    (lamp,) = lamps_of(environment, yaw_deg)
+    power = roll_light(network_light(environment, yaw_deg), roll_deg).mean(-1) * solid_angles(16, 32)
+    shared = np.minimum(footprint(lamp, roll_deg), power / power.sum()).sum()
+    assert shared > 0.9
+
+
 def test_the_footprint_wraps_around_behind_the_camera():
     share = footprint(Lamp((0.0, 0.0, 1.0), 1.0, 1.0, 1.0))
     assert share.sum() == pytest.approx(1)

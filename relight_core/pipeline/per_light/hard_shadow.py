@@ -55,6 +55,7 @@ def harden_shadow(
     horizon: Horizon,
     lamps: Sequence[Lamp],
     reflect: Callable[[torch.Tensor], torch.Tensor],
+    roll_deg: float = 0.0,
 ) -> Effects:
     """The effects with edges in the shadow of every lamp, and in that of the lamp's gloss.
 
@@ -62,15 +63,17 @@ def harden_shadow(
         effects, reflected: as of `hints.explicit_sum`.
         light: (1, 16, 32, 3) that they are the effects of.
         transport: the relief as they were made with.
-        lamps: of the light, in the view's camera space.
+        lamps: of the light, in the camera space of the photo.
         reflect: gives `reflected` of a light. What a lamp gives is what is missing without it, and not what its
             cosine says: where light grazes the surface, texels of 11 degrees give it less or more than that, and
             what is left where it is hidden would be too little or too much.
+        roll_deg: how far the view is turned in the photo, as `Crop.roll_deg`; surface and light are turned already.
     """
     if not lamps:
         return effects
     diffuse, gloss = grey(surface.albedo * reflected[:, :3]), grey(reflected[:, 3:])
-    power = [torch.from_numpy(footprint(lamp)) for lamp in lamps]
+    power = [torch.from_numpy(footprint(lamp, roll_deg)) for lamp in lamps]
+    lamps = [lamp.rolled(roll_deg) for lamp in lamps]
     rest = _without(light, lamps, power)
     reach = _reach(surface, rest, transport, horizon, lamps, power)
     without = reflect(rest)
