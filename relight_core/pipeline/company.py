@@ -22,6 +22,10 @@ _MOST_ALBEDO = math.log(2.0)
 """By what one face is brighter than the others, its albedo is, up to about a stop; what is more, the light near it."""
 
 
+_LEAST_KNOWN = 1e-6
+"""A box over black, where there is nobody, says nothing of how bright the others are."""
+
+
 class Member(Protocol):
     """A face, and what it knows by itself."""
 
@@ -52,7 +56,7 @@ class Company:
 
     def albedo_gain(self, face: Member, tier: Tier) -> float:
         """What brings one face's albedo to the level of the others', above 1/2 and below 2."""
-        brighter = _mean_log([face.exposure(tier)]) - _mean_log([one.exposure(tier) for one in self.faces])
+        brighter = _log(face.exposure(tier)) - _mean_log([one.exposure(tier) for one in self.faces])
         return math.exp(_MOST_ALBEDO * math.tanh(brighter / _MOST_ALBEDO))
 
     def level(self, tier: Tier, plan: Plan) -> float:
@@ -61,4 +65,10 @@ class Company:
 
 
 def _mean_log(values: Sequence[float]) -> float:
-    return sum(math.log(max(value, 1e-12)) for value in values) / len(values)
+    """Over those that are known, unless none is."""
+    known = [value for value in values if value > _LEAST_KNOWN] or values
+    return sum(map(_log, known)) / len(known)
+
+
+def _log(value: float) -> float:
+    return math.log(max(value, 1e-12))

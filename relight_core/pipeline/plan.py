@@ -269,8 +269,8 @@ def _relief(verdicts: Mapping[str, _Verdict]) -> _Verdict:
 def _hard_shadow(verdicts: Mapping[str, _Verdict], scene: Scene) -> _Verdict:
     if not scene.lamps:
         return _Verdict(False, "no lamp of this light is small enough to cast an edge")
-    if not verdicts["shadow"].needed:
-        return _Verdict(False, "there is no shadow to give an edge")
+    if not (verdicts["shadow"].needed or verdicts["specular"].needed):
+        return _Verdict(False, "there is neither shadow nor gloss to give an edge")
     if not verdicts["relief"].needed:
         return _Verdict(False, "the relief that would cast it is left out", None)
     count = len(scene.lamps)

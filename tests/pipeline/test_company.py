@@ -63,6 +63,14 @@ def test_the_level_is_between_theirs():
     assert Company([Face(level=1.0), Face(level=4.0)]).level(TIER, PLAN) == pytest.approx(2.0)
 
 
+@pytest.mark.parametrize("nothing", [0.0, 1e-9])
+def test_a_box_over_black_takes_no_part_in_the_level_of_the_others(nothing):
+    faces = Face(brightness=3.0, level=2.0), Face(brightness=nothing, level=nothing)
+    assert Company(faces).level(TIER, PLAN) == pytest.approx(2.0)
+    assert Company(faces).albedo_gain(faces[0], TIER) == pytest.approx(1.0)
+    assert Company([faces[1], faces[1]]).level(TIER, PLAN) < 1e-6
+
+
 @pytest.mark.usefixtures("small_and_seeing_faces")
 @pytest.mark.parametrize("face_boxes", [(LEFT, RIGHT), (RIGHT, LEFT)])
 def test_under_their_own_light_all_of_them_are_the_photo(weights, face_boxes):

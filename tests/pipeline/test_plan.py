@@ -69,15 +69,18 @@ def test_only_small_lamps_call_for_edges_and_another_lamp_for_other_edges():
     assert one.keys["compose"] != other.keys["compose"]
 
 
-@pytest.mark.parametrize("effect", ["shadow", "relief", "hard_shadow"])
-def test_edges_need_a_shadow_and_a_relief(effect):
-    scene = replace(SCENE, lamps=(Lamp((0.6, 0.0, 0.8), 1.0, 2.0, 1.0),))
-    plan = make_plan(scene, Edit(forced_off=frozenset({effect})))
+@pytest.mark.parametrize("effects", [{"shadow", "specular"}, {"relief"}, {"hard_shadow"}])
+def test_edges_need_a_shadow_or_gloss_and_a_relief(effects):
+    scene, edit = replace(SCENE, lamps=(Lamp((0.6, 0.0, 0.8), 1.0, 2.0, 1.0),)), Edit(forced_off=frozenset(effects))
+    plan = make_plan(scene, edit)
     assert not plan.runs("hard_shadow")
-    assert (
-        plan.keys["compose"]
-        == make_plan(replace(scene, lamps=()), Edit(forced_off=frozenset({effect}))).keys["compose"]
-    )
+    assert plan.keys["compose"] == make_plan(replace(scene, lamps=()), edit).keys["compose"]
+
+
+@pytest.mark.parametrize("left_out", ["shadow", "specular"])
+def test_a_lamp_s_gloss_has_edges_without_its_shadow_and_its_shadow_without_gloss(left_out):
+    scene = replace(SCENE, lamps=(Lamp((0.6, 0.0, 0.8), 1.0, 2.0, 1.0),))
+    assert make_plan(scene, Edit(forced_off=frozenset({left_out}))).runs("hard_shadow")
 
 
 def test_a_channel_that_is_looked_at_is_made():

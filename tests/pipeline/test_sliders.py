@@ -57,6 +57,16 @@ def test_a_shadows_edge_gets_wider_and_wider():
     assert shadow[0, 0, SIZE // 2, -1] > 0.49
 
 
+def test_no_step_of_the_slider_jumps_or_does_nothing():
+    surface, reflected, effects = scene()
+    surface.person[..., :5] = 0
+    before = effects.shadow
+    for hundredths in range(1, 60):
+        after = soften_shadow(effects, surface, reflected, hundredths / 100).shadow
+        assert 0 < float((after - before).abs().max()) < 0.02
+        before = after
+
+
 def test_the_amount_of_shadow_stays():
     surface, reflected, effects = scene()
     softened = soften_shadow(effects, surface, reflected, 0.7).shadow

@@ -54,12 +54,15 @@ def specular_gain(gain: float, tint: float, device: torch.device | str = "cpu") 
 
 
 def _within_surfaces(hidden: np.ndarray, relief: np.ndarray, person: np.ndarray, softness: float) -> np.ndarray:
-    deviation_px = softness * _WIDEST * hidden.shape[0]
+    hidden, deviation_px = np.nan_to_num(hidden), softness * _WIDEST * hidden.shape[0]
     guide = np.ascontiguousarray(np.dstack([relief, _OUTLINE * person]), np.float32)
+    # Of the filter's kinds the recursive one alone has no windows of whole pixels, which make the slider jump.
     blurred = cv2.ximgproc.dtFilter(
-        guide, hidden, sigmaSpatial=deviation_px, sigmaColor=_STEP, mode=cv2.ximgproc.DTF_NC
+        guide, hidden, sigmaSpatial=max(deviation_px, 1.0), sigmaColor=_STEP, mode=cv2.ximgproc.DTF_RF
     )
-    return np.clip(np.nan_to_num(blurred.reshape(hidden.shape)), 0, 1)
+    blurred = np.clip(np.nan_to_num(blurred.reshape(hidden.shape)), 0, 1)
+    # It takes less than a pixel for one.
+    return hidden + np.float32(min(deviation_px, 1.0)) * (blurred - hidden)
 
 
 def _plane(tensor: torch.Tensor) -> np.ndarray:
