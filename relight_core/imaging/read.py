@@ -34,12 +34,12 @@ _BRIGHTEST = 1e16
 def read_photo(path: str | Path) -> Photo:
     """Read JPEG, PNG, TIFF, HEIC, AVIF, WebP, raw files, EXR or Radiance HDR, upright and in linear Rec.709.
 
-    Integer files are sRGB unless they embed an ICC profile, from which they are converted: matrix and
-    grey profiles in floating point at the file's own depth, with what lies outside Rec.709 in `Photo.beyond`;
-    table-based ones (CMYK among them) at 8 bits through LittleCMS, clipped to sRGB. Floating-point TIFFs are
-    linear unless they embed a matrix or grey profile. In floating-point files NaN becomes 0 and infinity the
-    largest finite value, none above 1e16; what is negative goes to `Photo.beyond`. Alpha multiplied into the
-    colour is divided out.
+    Integer files are sRGB unless they embed an ICC profile or state their colours in another way, from which they
+    are converted: matrix and grey profiles in floating point at the file's own depth, with what lies outside
+    Rec.709 in `Photo.beyond`; table-based ones (CMYK among them) at 8 bits through LittleCMS, clipped to sRGB.
+    Floating-point TIFFs are linear unless they embed a matrix or grey profile. In floating-point files NaN becomes
+    0 and infinity the largest finite value, none above 1e16; what is negative goes to `Photo.beyond`. Alpha
+    multiplied into the colour is divided out.
 
     Raises:
         InputError: missing, a folder, empty, truncated, not an image, above 400 megapixels or unreadable.

@@ -18,13 +18,15 @@ from relight_core.imaging.formats.deep_tiff import decode_deep_tiff
 from relight_core.imaging.formats.heif import decode_heif, is_heif, stated_profile
 from relight_core.imaging.formats.library_profiles import through_library_profile
 from relight_core.imaging.formats.limits import check_pixels
-from relight_core.imaging.formats.metadata import carried_exif
+from relight_core.imaging.formats.metadata import carried_exif, exif_of
 from relight_core.imaging.formats.opencv_decoding import decoded_by_opencv, in_rgb_order
 from relight_core.imaging.formats.raster import Raster
+from relight_core.imaging.formats.stated_colours import exif_profile
 
 _FORMATS = ("JPEG", "PNG", "TIFF", "WEBP", "BMP", "GIF", "AVIF")
 _BLOCK_ROWS = 256
 _GREYS = ("1", "L", "LA")
+_BY_LIBRARY = ("CMYK", "LAB")
 _PNG_PLAIN_GREY, _PNG_GREYS = 0, (0, 4)
 _PNG_SAMPLES = {0: 1, 2: 3, 3: 1, 4: 2, 6: 4}
 _MOST_DEFLATED = 1032
@@ -53,10 +55,9 @@ def decode_raster(data: bytes, path: Path) -> Raster:
     image = _open_with_pillow(data, path)
     if data[:8] == b"\x89PNG\r\n\x1a\n" and data[24] == 16:
         return replace(_decode_deep_png(data, image, path), exif=carried_exif(image, data))
-    stated = stated_profile(data, path) if image.format == "AVIF" and not image.info.get("icc_profile") else None
+    icc = _profile_of(image, data, path)
     try:
-        raster = _from_pillow(image)
-        return replace(raster, icc=raster.icc or stated, exif=carried_exif(image, data))
+        return replace(_from_pillow(image, icc), exif=carried_exif(image, data))
     except Exception:
         raise InputError(f"{path}: a damaged image; fetch or export it again") from None
 
@@ -114,15 +115,27 @@ def _check_plausible(data: bytes, image: Image.Image, path: Path) -> None:
         raise InputError(f"{path}: a truncated or damaged image; fetch or export it again")
 
 
-def _from_pillow(image: Image.Image) -> Raster:
-    icc = image.info.get("icc_profile") or None
+def _profile_of(image: Image.Image, data: bytes, path: Path) -> bytes | None:
+    """The profile that its values are in, embedded or stated in another way; None for sRGB."""
+    embedded = image.info.get("icc_profile") or None
+    if embedded is not None or image.mode in _BY_LIBRARY:
+        return embedded
+    if image.format == "AVIF":
+        return stated_profile(data, path)
+    # Programs copy a camera's EXIF into files of other formats, whatever they make of its colours.
+    if image.format in ("JPEG", "MPO", "TIFF"):
+        return exif_profile(exif_of(image, data), 1 if image.mode in _GREYS else 3)
+    return None
+
+
+def _from_pillow(image: Image.Image, icc: bytes | None) -> Raster:
     orientation = _orientation(image)
     if image.mode in ("I", "I;16", "I;16B", "I;16L", "F"):
         return Raster(_deep_grey(image), None, icc, orientation)
     if image.format == "JPEG" and image.mode == "CMYK" and "adobe" not in image.info:
         # Only Adobe's programs store inks the other way round; Pillow takes every file for theirs.
         image = ImageChops.invert(image)
-    if image.mode == "CMYK" or image.mode == "LAB":
+    if image.mode in _BY_LIBRARY:
         return Raster(through_library_profile(image, icc), None, None, orientation)
     alpha = None
     if image.has_transparency_data:

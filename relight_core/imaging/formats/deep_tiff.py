@@ -19,6 +19,7 @@ from relight_core.imaging.formats.library_profiles import through_library_profil
 from relight_core.imaging.formats.limits import check_pixels
 from relight_core.imaging.formats.opencv_decoding import decoded_by_opencv, in_rgb_order
 from relight_core.imaging.formats.raster import Raster
+from relight_core.imaging.formats.stated_colours import exif_profile
 from relight_core.imaging.formats.tiff_exif import exif_of_tiff
 
 # It tells of every odd tag; what can't be read is told by our own errors.
@@ -68,9 +69,12 @@ def decode_deep_tiff(data: bytes, path: Path) -> Raster | None:
     if values is None:
         unread = f"a {kind.bits}-bit TIFF of a kind this program doesn't read"
         raise InputError(f"{path}: {unread}; save it as 8- or 16-bit or 32-bit float RGB")
+    raster = _as_raster(values, page, kind.photometric)
+    if raster.icc is None and values.dtype == np.uint16 and kind.photometric != _CMYK:
+        raster = replace(raster, icc=exif_profile(data, raster.values.shape[2]))
     # OpenCV turns pictures upright by itself.
     orientation = 1 if by_opencv else _orientation(page)
-    return replace(_as_raster(values, page, kind.photometric), orientation=orientation, exif=exif_of_tiff(data))
+    return replace(raster, orientation=orientation, exif=exif_of_tiff(data))
 
 
 def _damaged(path: Path) -> InputError:

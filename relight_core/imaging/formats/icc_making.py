@@ -1,4 +1,4 @@
-"""ICC profiles of RGB spaces that are known by name (ICC.1:2022): a matrix and the sRGB curve."""
+"""ICC profiles of spaces that files name without embedding one (ICC.1:2022): a matrix and a curve, or a curve."""
 
 from __future__ import annotations
 
@@ -19,10 +19,12 @@ class Primaries:
     Attributes:
         name: for people.
         columns: X, Y, Z of red, green and blue, adapted to D50.
+        gamma: the exponent of its curve; None for the curve of sRGB.
     """
 
     name: str
     columns: tuple[tuple[float, float, float], ...]
+    gamma: float | None = None
 
 
 DISPLAY_P3 = Primaries(
@@ -31,33 +33,53 @@ DISPLAY_P3 = Primaries(
 REC2020 = Primaries(
     "Rec. 2020 primaries", ((0.67345, 0.27903, -0.00193), (0.16565, 0.67535, 0.02998), (0.12510, 0.04562, 0.79685))
 )
+ADOBE_RGB = Primaries(
+    "Adobe RGB (1998)",
+    ((0.60974, 0.31111, 0.01947), (0.20528, 0.62567, 0.06087), (0.14919, 0.06322, 0.74457)),
+    gamma=563 / 256,
+)
 
 
 @lru_cache(maxsize=4)
 def primaries_profile(primaries: Primaries) -> bytes:
-    """A display profile of version 4 with the curve of sRGB."""
-    curve = b"para" + bytes(4) + struct.pack(">HH", 3, 0) + _fixed(*_SRGB_CURVE)
-    tags = {
-        b"desc": _text(primaries.name),
-        b"cprt": _text("No copyright"),
-        b"wtpt": _xyz(_D50),
-        b"chad": b"sf32" + bytes(4) + _fixed(*_D65_TO_D50),
-    }
+    """A display profile of version 4."""
+    curve, tags = _curve(primaries.gamma), {}
     for letter, column in zip("rgb", primaries.columns, strict=True):
         tags[f"{letter}XYZ".encode()] = _xyz(column)
         tags[f"{letter}TRC".encode()] = curve
+    return _profile(b"RGB ", primaries.name, tags)
+
+
+def grey_profile(gamma: float) -> bytes:
+    """A grey display profile of version 4 whose curve has that exponent."""
+    return _profile(b"GRAY", "Grey", {b"kTRC": _curve(gamma)})
+
+
+def _profile(space: bytes, name: str, colours: dict[bytes, bytes]) -> bytes:
+    tags = {
+        b"desc": _text(name),
+        b"cprt": _text("No copyright"),
+        b"wtpt": _xyz(_D50),
+        b"chad": b"sf32" + bytes(4) + _fixed(*_D65_TO_D50),
+        **colours,
+    }
     table, body = struct.pack(">I", len(tags)), b""
     start = 132 + 12 * len(tags)
     for name, content in tags.items():
         table += struct.pack(">4sII", name, start + len(body), len(content))
         body += content.ljust(-(-len(content) // 4) * 4, b"\0")
-    return _header(start + len(body)) + table + body
+    return _header(space, start + len(body)) + table + body
 
 
-def _header(size: int) -> bytes:
-    head = struct.pack(">I4xI4s4s4s", size, 0x04300000, b"mntr", b"RGB ", b"XYZ ")
+def _header(space: bytes, size: int) -> bytes:
+    head = struct.pack(">I4xI4s4s4s", size, 0x04300000, b"mntr", space, b"XYZ ")
     head += struct.pack(">6H", 2026, 1, 1, 0, 0, 0) + b"acsp"
     return head.ljust(68, b"\0") + _fixed(*_D50) + bytes(48)
+
+
+def _curve(gamma: float | None) -> bytes:
+    kind, numbers = (3, _SRGB_CURVE) if gamma is None else (0, (gamma,))
+    return b"para" + bytes(4) + struct.pack(">HH", kind, 0) + _fixed(*numbers)
 
 
 def _fixed(*numbers: float) -> bytes:

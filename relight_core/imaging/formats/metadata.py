@@ -32,6 +32,11 @@ def carried_exif(image: Image.Image, data: bytes) -> bytes | None:
     Returns:
         A block that starts with "Exif"; None where there is nothing or it is damaged.
     """
+    return carried_block(exif_of(image, data))
+
+
+def exif_of(image: Image.Image, data: bytes) -> bytes | None:
+    """An opened file's EXIF as it stands, a TIFF's being the TIFF itself; None where there is none."""
     block = image.info.get("exif")
     if block is None and image.format == "TIFF":
         block = data
@@ -41,7 +46,7 @@ def carried_exif(image: Image.Image, data: bytes) -> bytes | None:
             block = bytes.fromhex("".join(image.info["Raw profile type exif"].split("\n")[3:]))
         except ValueError:
             return None
-    return carried_block(block)
+    return block
 
 
 def carried_block(block: bytes | None) -> bytes | None:
