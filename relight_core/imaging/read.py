@@ -52,7 +52,7 @@ def read_photo(path: str | Path) -> Photo:
     raster = decode.decode_raster(file_bytes(path), path)
     if raster.values.dtype.kind == "f":
         return _photo_of_floats(raster, path)
-    linear, beyond, bits = _to_linear(_straight(raster), raster.icc)
+    linear, beyond, bits = _to_linear(raster.straight, raster.icc)
     linear, alpha = _upright(linear, raster.orientation), raster.alpha
     if alpha is not None:
         alpha = np.clip(_upright(alpha, raster.orientation), 0.0, 1.0)
@@ -105,7 +105,7 @@ def _photo_of_floats(raster: decode.Raster, path: Path) -> Photo:
     linear, premultiplied, alpha = raster.values, raster.premultiplied, raster.alpha
     profile = matrix_profile(raster.icc, linear.shape[2]) if raster.icc else None
     if profile is not None:
-        linear, premultiplied = profile.decode(_limited(_finite(_straight(raster)))), False
+        linear, premultiplied = profile.decode(_limited(_finite(raster.straight))), False
     alpha = None if alpha is None else _upright(alpha, raster.orientation)
     photo = _float_photo(_upright(linear, raster.orientation), alpha, premultiplied, path)
     return replace(photo, icc=_kept_profile(raster), exif=raster.exif)
@@ -135,17 +135,6 @@ def _finite(linear: np.ndarray) -> np.ndarray:
 def _limited(linear: np.ndarray) -> np.ndarray:
     """Changed in place and returned."""
     return np.clip(linear, -_BRIGHTEST, _BRIGHTEST, out=linear)
-
-
-def _straight(raster: decode.Raster) -> np.ndarray:
-    """Encoded values without alpha in them."""
-    values = raster.values
-    if raster.alpha is None or not raster.premultiplied:
-        return values
-    divided = values / np.where(raster.alpha > 0.0, raster.alpha, 1.0)[..., None]
-    if values.dtype.kind == "u":
-        return np.clip(np.rint(divided), 0, np.iinfo(values.dtype).max).astype(values.dtype)
-    return divided.astype(np.float32)
 
 
 def _to_linear(values: np.ndarray, icc: bytes | None) -> tuple[np.ndarray, np.ndarray | None, int]:

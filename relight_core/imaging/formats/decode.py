@@ -14,7 +14,7 @@ from PIL import Image, ImageChops
 
 from relight_core.errors import InputError
 from relight_core.imaging.formats.camera_raw import develop_raw, is_raw
-from relight_core.imaging.formats.deep_tiff import decode_deep_tiff
+from relight_core.imaging.formats.deep_tiff import decode_deep_tiff, decode_flat_tiff
 from relight_core.imaging.formats.heif import decode_heif, is_heif, stated_profile
 from relight_core.imaging.formats.library_profiles import through_library_profile
 from relight_core.imaging.formats.limits import check_pixels
@@ -25,7 +25,7 @@ from relight_core.imaging.formats.stated_colours import exif_profile
 
 _FORMATS = ("JPEG", "PNG", "TIFF", "WEBP", "BMP", "GIF", "AVIF")
 _BLOCK_ROWS = 256
-_GREYS = ("1", "L", "LA")
+_GREYS = ("1", "L", "LA", "La")
 _BY_LIBRARY = ("CMYK", "LAB")
 _PNG_PLAIN_GREY, _PNG_GREYS = 0, (0, 4)
 _PNG_SAMPLES = {0: 1, 2: 3, 3: 1, 4: 2, 6: 4}
@@ -48,10 +48,21 @@ def decode_raster(data: bytes, path: Path) -> Raster:
         return develop_raw(data, path)
     if is_heif(data):
         return decode_heif(data, path)
-    if data[:4] in (b"II*\0", b"MM\0*", b"II+\0", b"MM\0+"):
-        raster = decode_deep_tiff(data, path)
-        if raster is not None:
-            return raster
+    is_tiff = data[:4] in (b"II*\0", b"MM\0*", b"II+\0", b"MM\0+")
+    raster = decode_deep_tiff(data, path) if is_tiff else None
+    if raster is not None:
+        return raster
+    try:
+        return _decode_by_pillow(data, path)
+    except InputError:
+        raster = decode_flat_tiff(data, path) if is_tiff else None
+        if raster is None:
+            raise
+        return raster
+
+
+def _decode_by_pillow(data: bytes, path: Path) -> Raster:
+    """What Pillow reads, and PNGs of 16 bits, which it opens."""
     image = _open_with_pillow(data, path)
     if data[:8] == b"\x89PNG\r\n\x1a\n" and data[24] == 16:
         return replace(_decode_deep_png(data, image, path), exif=carried_exif(image, data))

@@ -29,3 +29,14 @@ class Raster:
     orientation: int = 1
     premultiplied: bool = False
     exif: bytes | None = None
+
+    @property
+    def straight(self) -> np.ndarray:
+        """`values` without alpha in them."""
+        values = self.values
+        if self.alpha is None or not self.premultiplied:
+            return values
+        divided = values / np.where(self.alpha > 0.0, self.alpha, 1.0)[..., None]
+        if values.dtype.kind == "u":
+            return np.clip(np.rint(divided), 0, np.iinfo(values.dtype).max).astype(values.dtype)
+        return divided.astype(np.float32)
