@@ -22,6 +22,8 @@ from relight_core.imaging.formats.metadata import carried_exif, exif_of
 from relight_core.imaging.formats.opencv_decoding import decoded_by_opencv, in_rgb_order
 from relight_core.imaging.formats.raster import Raster
 from relight_core.imaging.formats.stated_colours import exif_profile
+from relight_core.imaging.formats.tiff_exif import exif_of_tiff
+from relight_core.imaging.formats.tiff_pages import starting_with_photo
 
 _FORMATS = ("JPEG", "PNG", "TIFF", "WEBP", "BMP", "GIF", "AVIF")
 _BLOCK_ROWS = 256
@@ -48,17 +50,25 @@ def decode_raster(data: bytes, path: Path) -> Raster:
         return develop_raw(data, path)
     if is_heif(data):
         return decode_heif(data, path)
-    is_tiff = data[:4] in (b"II*\0", b"MM\0*", b"II+\0", b"MM\0+")
-    raster = decode_deep_tiff(data, path) if is_tiff else None
-    if raster is not None:
+    if data[:4] in (b"II*\0", b"MM\0*", b"II+\0", b"MM\0+"):
+        return _decode_tiff(data, path)
+    return _decode_by_pillow(data, path)
+
+
+def _decode_tiff(data: bytes, path: Path) -> Raster:
+    photo, orientation = starting_with_photo(data, path)
+    raster = decode_deep_tiff(photo, path)
+    if raster is None:
+        try:
+            raster = _decode_by_pillow(photo, path)
+        except InputError:
+            raster = decode_flat_tiff(photo, path)
+            if raster is None:
+                raise
+    if photo is data:
         return raster
-    try:
-        return _decode_by_pillow(data, path)
-    except InputError:
-        raster = decode_flat_tiff(data, path) if is_tiff else None
-        if raster is None:
-            raise
-        return raster
+    # The file's first directory tells of the camera, whichever picture it holds.
+    return replace(raster, exif=exif_of_tiff(data) or raster.exif, orientation=orientation or raster.orientation)
 
 
 def _decode_by_pillow(data: bytes, path: Path) -> Raster:
