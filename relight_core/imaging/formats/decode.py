@@ -20,6 +20,7 @@ from relight_core.imaging.formats.library_profiles import through_library_profil
 from relight_core.imaging.formats.limits import check_pixels
 from relight_core.imaging.formats.metadata import carried_exif, exif_of
 from relight_core.imaging.formats.opencv_decoding import decoded_by_opencv, in_rgb_order
+from relight_core.imaging.formats.png_colours import png_profile
 from relight_core.imaging.formats.raster import Raster
 from relight_core.imaging.formats.stated_colours import exif_profile
 from relight_core.imaging.formats.tiff_exif import exif_of_tiff
@@ -74,9 +75,9 @@ def _decode_tiff(data: bytes, path: Path) -> Raster:
 def _decode_by_pillow(data: bytes, path: Path) -> Raster:
     """What Pillow reads, and PNGs of 16 bits, which it opens."""
     image = _open_with_pillow(data, path)
-    if data[:8] == b"\x89PNG\r\n\x1a\n" and data[24] == 16:
-        return replace(_decode_deep_png(data, image, path), exif=carried_exif(image, data))
     icc = _profile_of(image, data, path)
+    if data[:8] == b"\x89PNG\r\n\x1a\n" and data[24] == 16:
+        return replace(_decode_deep_png(data, image, icc, path), exif=carried_exif(image, data))
     try:
         return replace(_from_pillow(image, icc), exif=carried_exif(image, data))
     except Exception:
@@ -139,6 +140,8 @@ def _check_plausible(data: bytes, image: Image.Image, path: Path) -> None:
 def _profile_of(image: Image.Image, data: bytes, path: Path) -> bytes | None:
     """The profile that its values are in, embedded or stated in another way; None for sRGB."""
     embedded = image.info.get("icc_profile") or None
+    if image.format == "PNG":
+        return png_profile(data, embedded, path)
     if embedded is not None or image.mode in _BY_LIBRARY:
         return embedded
     if image.format == "AVIF":
@@ -183,7 +186,7 @@ def _orientation(image: Image.Image) -> int:
     return value if value in range(1, 9) else 1
 
 
-def _decode_deep_png(data: bytes, image: Image.Image, path: Path) -> Raster:
+def _decode_deep_png(data: bytes, image: Image.Image, icc: bytes | None, path: Path) -> Raster:
     """A PNG of 16 bits per channel, which Pillow would cut to 8."""
     # OpenCV takes the memory that a chunk claims, up to 4 GiB, before it looks for its bytes.
     values = decoded_by_opencv(data) if _chunks_fit(data) else None
@@ -197,7 +200,7 @@ def _decode_deep_png(data: bytes, image: Image.Image, path: Path) -> Raster:
     elif data[25] == _PNG_PLAIN_GREY and isinstance(key := image.info.get("transparency"), int):
         # OpenCV turns the key of a colour into alpha, and leaves that of a grey out.
         alpha = (values[..., 0] != key).astype(np.float32)
-    return Raster(values, alpha, image.info.get("icc_profile") or None, _orientation(image))
+    return Raster(values, alpha, icc, _orientation(image))
 
 
 def _chunks_fit(data: bytes) -> bool:
