@@ -145,8 +145,27 @@ def test_inks_with_transparency(tmp_path, scale, extra, ink):
     np.testing.assert_allclose(photo.alpha, HALF / 255, atol=1e-6)
 
 
-def test_unusual_channels_in_an_unread_compression_say_what_to_do(tmp_path):
-    write_flat(tmp_path / "a.tif", (*COLOUR, 7, HALF), ["unspecified", "unassalpha"])
+def test_usual_channels_that_are_damaged_are_called_so(tmp_path):
+    write_flat(tmp_path / "a.tif", (*COLOUR, HALF), ["unassalpha"], compression="zlib")
+    data = bytearray((tmp_path / "a.tif").read_bytes())
+    with tifffile.TiffFile(tmp_path / "a.tif") as file:
+        start = file.pages[0].dataoffsets[0]
+    data[start : start + 8] = b"\xff" * 8
+    (tmp_path / "a.tif").write_bytes(data)
+    with pytest.raises(InputError, match="damaged image"):
+        read_photo(tmp_path / "a.tif")
+
+
+@pytest.mark.parametrize(
+    ("samples", "extras", "options"),
+    [
+        ((*COLOUR, 7, HALF), ["unspecified", "unassalpha"], {}),
+        ((0, 9, 9, 0, HALF), ["unassalpha"], {"photometric": "separated"}),
+        ((*COLOUR, 7), ["unspecified"], {"in_planes": True}),
+    ],
+)
+def test_unusual_channels_in_an_unread_compression_say_what_to_do(tmp_path, samples, extras, options):
+    write_flat(tmp_path / "a.tif", samples, extras, **options)
     data = bytearray((tmp_path / "a.tif").read_bytes())
     with tifffile.TiffFile(tmp_path / "a.tif") as file:
         place = file.pages[0].tags["Compression"].valueoffset
@@ -154,6 +173,17 @@ def test_unusual_channels_in_an_unread_compression_say_what_to_do(tmp_path):
     struct.pack_into("<H", data, place, lzw)
     (tmp_path / "a.tif").write_bytes(data)
     with pytest.raises(InputError, match="TIFF of a kind.*save it"):
+        read_photo(tmp_path / "a.tif")
+
+
+@pytest.mark.parametrize("kind", [np.uint8, np.uint16])
+def test_channels_that_memory_does_not_hold_are_refused(tmp_path, monkeypatch, kind):
+    stored = np.zeros((50, 60, 400), kind)
+    extras = ["unspecified"] * 396 + ["unassalpha"]
+    options = {"photometric": "rgb", "planarconfig": "contig", "compression": "zlib"}
+    tifffile.imwrite(tmp_path / "a.tif", stored, extrasamples=extras, **options)
+    monkeypatch.setattr("relight_core.imaging.formats.limits.free_bytes", lambda: 500_000)
+    with pytest.raises(InputError, match="needs about .* of memory"):
         read_photo(tmp_path / "a.tif")
 
 

@@ -16,7 +16,7 @@ from PIL import Image
 
 from relight_core.errors import InputError
 from relight_core.imaging.formats.library_profiles import through_library_profile
-from relight_core.imaging.formats.limits import check_pixels
+from relight_core.imaging.formats.limits import BYTES_PER_PIXEL, check_pixels
 from relight_core.imaging.formats.opencv_decoding import decoded_by_opencv, in_rgb_order
 from relight_core.imaging.formats.raster import Raster
 from relight_core.imaging.formats.stated_colours import exif_profile
@@ -67,9 +67,18 @@ def decode_flat_tiff(data: bytes, path: Path) -> Raster | None:
     """
     page, kind = _described(data, path)
     raster = _decoded(page, kind, data) if kind.bits == 8 else None
-    if raster is None and kind.samples > _COLOURS.get(kind.photometric, kind.samples):
+    if raster is None and _has_unusual_channels(page, kind):
         raise _unread(path, kind)
     return raster
+
+
+def _has_unusual_channels(page: tifffile.TiffPage, kind: _Kind) -> bool:
+    """Whether Pillow refuses its channels, however they are packed."""
+    extra = kind.samples - _COLOURS.get(kind.photometric, kind.samples)
+    if extra <= 0:
+        return False
+    place, transparency = _transparency(page, extra)
+    return place > 0 or (kind.planes == _IN_PLANES if transparency is None else kind.photometric == _CMYK)
 
 
 def _described(data: bytes, path: Path) -> tuple[tifffile.TiffPage, _Kind]:
@@ -83,7 +92,8 @@ def _described(data: bytes, path: Path) -> tuple[tifffile.TiffPage, _Kind]:
         is_whole = len(page.dataoffsets) >= math.prod(page.chunked) and end <= len(data)
     except Exception:
         raise _damaged(path) from None
-    check_pixels(width, height, path)
+    # There may be thousands of channels beside the colours, and Deflate holds them in next to nothing.
+    check_pixels(width, height, path, max(BYTES_PER_PIXEL, kind.samples * kind.bits // 8))
     # Pillow takes strips that are missing for black ones.
     if not is_whole:
         raise _damaged(path)
