@@ -34,12 +34,12 @@ _BRIGHTEST = 1e16
 def read_photo(path: str | Path) -> Photo:
     """Read JPEG, PNG, TIFF, HEIC, AVIF, WebP, raw files, EXR or Radiance HDR, upright and in linear Rec.709.
 
-    Integer files are sRGB unless they embed an ICC profile, from which they are converted: matrix and
-    grey profiles in floating point at the file's own depth, with what lies outside Rec.709 in `Photo.beyond`;
-    table-based ones (CMYK among them) at 8 bits through LittleCMS, clipped to sRGB. Floating-point TIFFs are
-    linear unless they embed a matrix or grey profile. In floating-point files NaN becomes 0 and infinity the
-    largest finite value, none above 1e16; what is negative goes to `Photo.beyond`. Alpha multiplied into the
-    colour is divided out.
+    Integer files are sRGB unless they embed an ICC profile or state their colours in another way, from which they
+    are converted: matrix and grey profiles in floating point at the file's own depth, with what lies outside
+    Rec.709 in `Photo.beyond`; table-based ones (CMYK among them) at 8 bits through LittleCMS, clipped to sRGB.
+    Floating-point TIFFs are linear unless they embed a matrix or grey profile. In floating-point files NaN becomes
+    0 and infinity the largest finite value, none above 1e16; what is negative goes to `Photo.beyond`. Alpha
+    multiplied into the colour is divided out.
 
     Raises:
         InputError: missing, a folder, empty, truncated, not an image, above 400 megapixels or unreadable.
@@ -52,7 +52,7 @@ def read_photo(path: str | Path) -> Photo:
     raster = decode.decode_raster(file_bytes(path), path)
     if raster.values.dtype.kind == "f":
         return _photo_of_floats(raster, path)
-    linear, beyond, bits = _to_linear(_straight(raster), raster.icc)
+    linear, beyond, bits = _to_linear(raster.straight, raster.icc)
     linear, alpha = _upright(linear, raster.orientation), raster.alpha
     if alpha is not None:
         alpha = np.clip(_upright(alpha, raster.orientation), 0.0, 1.0)
@@ -105,7 +105,7 @@ def _photo_of_floats(raster: decode.Raster, path: Path) -> Photo:
     linear, premultiplied, alpha = raster.values, raster.premultiplied, raster.alpha
     profile = matrix_profile(raster.icc, linear.shape[2]) if raster.icc else None
     if profile is not None:
-        linear, premultiplied = profile.decode(_limited(_finite(_straight(raster)))), False
+        linear, premultiplied = profile.decode(_limited(_finite(raster.straight))), False
     alpha = None if alpha is None else _upright(alpha, raster.orientation)
     photo = _float_photo(_upright(linear, raster.orientation), alpha, premultiplied, path)
     return replace(photo, icc=_kept_profile(raster), exif=raster.exif)
@@ -135,17 +135,6 @@ def _finite(linear: np.ndarray) -> np.ndarray:
 def _limited(linear: np.ndarray) -> np.ndarray:
     """Changed in place and returned."""
     return np.clip(linear, -_BRIGHTEST, _BRIGHTEST, out=linear)
-
-
-def _straight(raster: decode.Raster) -> np.ndarray:
-    """Encoded values without alpha in them."""
-    values = raster.values
-    if raster.alpha is None or not raster.premultiplied:
-        return values
-    divided = values / np.where(raster.alpha > 0.0, raster.alpha, 1.0)[..., None]
-    if values.dtype.kind == "u":
-        return np.clip(np.rint(divided), 0, np.iinfo(values.dtype).max).astype(values.dtype)
-    return divided.astype(np.float32)
 
 
 def _to_linear(values: np.ndarray, icc: bytes | None) -> tuple[np.ndarray, np.ndarray | None, int]:

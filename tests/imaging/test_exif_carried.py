@@ -7,13 +7,13 @@ import pytest
 import tifffile
 from PIL import Image
 
-from relight_core.imaging.formats.exif_block import read_directory
+from relight_core.imaging.formats.exif_block import Directory, Entry, laid_out, read_directory
 from relight_core.imaging.formats.metadata import carried_block
 from relight_core.imaging.read import read_photo
 from relight_core.imaging.write import FileStyle, cut, write_bands
 
 MAKER, ORIENTATION, AUTHOR, COPYRIGHT, EXIF, GPS, INTEROPERABILITY = 271, 274, 315, 33432, 34665, 34853, 40965
-EXPOSURE_TIME, MAKER_NOTE, LATITUDE_SIDE, LATITUDE = 33434, 37500, 1, 2
+EXPOSURE_TIME, MAKER_NOTE, COLOUR_SPACE, LATITUDE_SIDE, LATITUDE = 33434, 37500, 40961, 1, 2
 UTF_8, LATIN_1 = "© 2024 Jürgen".encode(), "© 2024 Jürgen".encode("latin-1")
 IMAGE = np.full((9, 7, 3), 0.3, np.float32)
 
@@ -37,11 +37,11 @@ def said_by(path):
 
 
 def full_block(order, note=b"note" * 10):
-    """Camera settings, a place and interoperability, in an order of bytes."""
+    """Camera settings and a place, in an order of bytes."""
     exif = Image.Exif()
     exif.endian = order
     exif[MAKER], exif[AUTHOR] = "Camera", "Someone"
-    exif[EXIF] = {EXPOSURE_TIME: 0.005, MAKER_NOTE: note, INTEROPERABILITY: {1: "R98"}}
+    exif[EXIF] = {EXPOSURE_TIME: 0.005, MAKER_NOTE: note}
     exif[GPS] = {LATITUDE_SIDE: "N", LATITUDE: (48.0, 8.0, 30.0)}
     return exif.tobytes()
 
@@ -71,11 +71,10 @@ def test_texts_of_deep_and_big_tiffs_stay_too(tmp_path, bits):
 @pytest.mark.parametrize("order", ["<", ">"])
 @pytest.mark.parametrize(("name", "bits"), [("a.png", 8), ("a.jpg", 8), ("a.tif", 8), ("a.tif", 16)])
 def test_settings_and_place_arrive_in_every_format(tmp_path, order, name, bits):
-    said, inner, place, interoperability = said_by(written(tmp_path / name, carried_block(full_block(order)), bits))
+    said, inner, place, _ = said_by(written(tmp_path / name, carried_block(full_block(order)), bits))
     assert (said[MAKER], said[AUTHOR]) == ("Camera", "Someone")
     assert float(inner[EXPOSURE_TIME]) == 0.005
     assert place == {LATITUDE_SIDE: "N", LATITUDE: (48.0, 8.0, 30.0)}
-    assert interoperability == {1: "R98"}
     np.testing.assert_allclose(read_photo(tmp_path / name).linear, 0.3, atol=0.01)
 
 
@@ -92,6 +91,47 @@ def test_what_tells_of_the_file_itself_stays_behind(tmp_path):
     kept = set(read_directory(read_photo(tmp_path / "a.tif").exif).entries)
     assert MAKER in kept
     assert not kept & {317, 322, 323, 324, 325, 330, 339, 347}
+
+
+def stored_picture(settings):
+    """What a camera says of the picture as it stored it: in Adobe RGB, of 6000 x 4000 pixels."""
+    exif = Image.Exif()
+    exif[MAKER] = "Camera"
+    # White, primaries, coefficients and positions of colour differences.
+    exif[318], exif[319], exif[529], exif[531] = (0.31, 0.33), (0.64, 0.33, 0.21, 0.71, 0.15, 0.06), (0.3, 0.6, 0.1), 2
+    stored = {COLOUR_SPACE: 65535, 40962: 6000, 40963: 4000, 37122: 4.0, 42240: 2.2, INTEROPERABILITY: {1: "R03"}}
+    exif[EXIF] = {**settings, **stored}
+    return exif
+
+
+@pytest.mark.parametrize("result", ["b.png", "b.jpg", "b.tif"])
+def test_what_the_camera_says_of_the_stored_picture_stays_behind(tmp_path, result):
+    Image.new("RGB", (7, 9)).save(tmp_path / "a.jpg", exif=stored_picture({EXPOSURE_TIME: 0.005}))
+    said, inner, _, interoperability = said_by(written(tmp_path / result, read_photo(tmp_path / "a.jpg").exif))
+    assert said[MAKER] == "Camera"
+    assert not set(said) & {318, 319, 529, 531}
+    assert set(inner) == {EXPOSURE_TIME}
+    assert interoperability == {}
+
+
+@pytest.mark.parametrize("kind", [np.uint8, np.uint16])
+def test_what_a_tiff_says_of_the_stored_picture_stays_behind(tmp_path, kind):
+    tifffile.imwrite(tmp_path / "a.tif", np.zeros((9, 7, 3), kind), photometric="rgb", metadata=None, byteorder="<")
+    data = (tmp_path / "a.tif").read_bytes()
+    settings = {EXPOSURE_TIME: Entry(5, 1, struct.pack("<II", 1, 200)), 40962: Entry(3, 1, struct.pack("<H", 6000))}
+    marks = Directory("<", {1: Entry(2, 4, b"R98\0")}, {})
+    inner = {EXIF: Directory("<", settings, {INTEROPERABILITY: marks})}
+    directory = laid_out(Directory("<", read_directory(data).entries, inner), len(data))
+    (tmp_path / "a.tif").write_bytes(data[:4] + struct.pack("<I", len(data)) + data[8:] + directory)
+    kept = read_directory(read_photo(tmp_path / "a.tif").exif).inner[EXIF]
+    assert set(kept.entries) == {EXPOSURE_TIME}
+    assert not kept.inner
+
+
+def test_exif_of_nothing_but_the_stored_picture_is_none():
+    exif = stored_picture({})
+    del exif[MAKER]
+    assert carried_block(exif.tobytes()) is None
 
 
 @pytest.mark.parametrize("tag", [37724, 34377, 33723])

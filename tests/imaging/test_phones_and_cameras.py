@@ -142,6 +142,14 @@ def test_raw_files_that_cannot_be_developed_say_what_to_do(tmp_path, monkeypatch
         read_photo(tmp_path / name)
 
 
+@pytest.mark.parametrize("suffix", ["3FR", "fff", "iiq", "mos", "mef", "erf", "mrw", "rwl", "sr2", "srf", "dcr", "kdc"])
+def test_raw_files_are_known_by_their_names(tmp_path, suffix):
+    # As a TIFF it would be a picture.
+    tifffile.imwrite(tmp_path / f"a.{suffix}", np.zeros((6, 8, 3), np.uint8), photometric="rgb")
+    with pytest.raises(InputError, match="raw file"):
+        read_photo(tmp_path / f"a.{suffix}")
+
+
 def test_a_heic_whose_item_has_no_name_is_told(tmp_path):
     data = bytearray((HEIC / "turned_p3.heic").read_bytes())
     data[data.index(b"Exif") + 2] = 0xD5

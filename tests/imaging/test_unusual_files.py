@@ -10,6 +10,7 @@ import tifffile
 from PIL import Image
 
 from relight_core.errors import InputError
+from relight_core.imaging.colour import srgb_encode
 from relight_core.imaging.formats.png import SIGNATURE, chunk
 from relight_core.imaging.photo import Photo
 from relight_core.imaging.read import read_photo
@@ -82,6 +83,120 @@ def test_transparency_may_come_before_other_channels_and_unsaid(tmp_path):
     # OpenCV says nothing of what it writes.
     cv2.imwrite(str(tmp_path / "b.tif"), stored[..., :4])
     np.testing.assert_allclose(read_photo(tmp_path / "b.tif").alpha, 0.2, atol=1e-5)
+
+
+FLAT = np.full((6, 8, 1), 1, np.uint8)
+HALF, COLOUR = 128, (200, 100, 50)
+
+
+def write_flat(path, samples, extras, in_planes=False, **options):
+    """A TIFF of 8 bits whose pixels all are the same."""
+    stored = FLAT * np.array(samples, np.uint8)
+    options = {"photometric": "rgb", "planarconfig": "separate" if in_planes else "contig", **options}
+    tifffile.imwrite(path, planes(stored) if in_planes else stored, extrasamples=extras, metadata=None, **options)
+
+
+def in_srgb(photo):
+    return srgb_encode(photo.linear) * 255
+
+
+@pytest.mark.parametrize("options", [{}, {"compression": "zlib", "predictor": True}])
+def test_flat_planes_with_transparency_in_the_colours(tmp_path, options):
+    write_flat(tmp_path / "a.tif", (100, 50, 25, HALF), ["assocalpha"], in_planes=True, **options)
+    photo = read_photo(tmp_path / "a.tif")
+    assert photo.bits == 8
+    np.testing.assert_allclose(in_srgb(photo), np.broadcast_to(COLOUR, (6, 8, 3)), atol=1.01)
+    np.testing.assert_allclose(photo.alpha, HALF / 255, atol=1e-6)
+
+
+def test_flat_planes_with_a_channel_that_is_no_transparency(tmp_path):
+    write_flat(tmp_path / "a.tif", (*COLOUR, 0), ["unspecified"], in_planes=True)
+    photo = read_photo(tmp_path / "a.tif")
+    np.testing.assert_allclose(in_srgb(photo), np.broadcast_to(COLOUR, (6, 8, 3)), atol=0.01)
+    assert photo.alpha is None
+
+
+def test_flat_grey_with_transparency_in_it(tmp_path):
+    write_flat(tmp_path / "a.tif", (100, HALF), ["assocalpha"], photometric="minisblack")
+    photo = read_photo(tmp_path / "a.tif")
+    np.testing.assert_allclose(in_srgb(photo), 199, atol=1.01)
+    np.testing.assert_allclose(photo.alpha, HALF / 255, atol=1e-6)
+
+
+@pytest.mark.parametrize("scale", [1, 257])
+def test_transparency_may_come_after_other_channels(tmp_path, scale):
+    stored = FLAT * np.array([*COLOUR, 7, HALF], np.uint16) * scale
+    stored = stored.astype(np.uint8 if scale == 1 else np.uint16)
+    extras = ["unspecified", "unassalpha"]
+    tifffile.imwrite(tmp_path / "a.tif", stored, photometric="rgb", planarconfig="contig", extrasamples=extras)
+    photo = read_photo(tmp_path / "a.tif")
+    np.testing.assert_allclose(in_srgb(photo), np.broadcast_to(COLOUR, (6, 8, 3)), atol=0.01)
+    np.testing.assert_allclose(photo.alpha, HALF / 255, atol=1e-6)
+
+
+@pytest.mark.parametrize("scale", [1, 257])
+@pytest.mark.parametrize(("extra", "ink"), [("unassalpha", 255), ("assocalpha", HALF)])
+def test_inks_with_transparency(tmp_path, scale, extra, ink):
+    stored = FLAT * np.array([0, ink, ink, 0, HALF], np.uint16) * scale
+    stored = stored.astype(np.uint8 if scale == 1 else np.uint16)
+    tifffile.imwrite(tmp_path / "a.tif", stored, photometric="separated", planarconfig="contig", extrasamples=[extra])
+    photo = read_photo(tmp_path / "a.tif")
+    np.testing.assert_allclose(in_srgb(photo), np.broadcast_to((255, 0, 0), (6, 8, 3)), atol=0.01)
+    np.testing.assert_allclose(photo.alpha, HALF / 255, atol=1e-6)
+
+
+def test_usual_channels_that_are_damaged_are_called_so(tmp_path):
+    write_flat(tmp_path / "a.tif", (*COLOUR, HALF), ["unassalpha"], compression="zlib")
+    data = bytearray((tmp_path / "a.tif").read_bytes())
+    with tifffile.TiffFile(tmp_path / "a.tif") as file:
+        start = file.pages[0].dataoffsets[0]
+    data[start : start + 8] = b"\xff" * 8
+    (tmp_path / "a.tif").write_bytes(data)
+    with pytest.raises(InputError, match="damaged image"):
+        read_photo(tmp_path / "a.tif")
+
+
+@pytest.mark.parametrize(
+    ("samples", "extras", "options"),
+    [
+        ((*COLOUR, 7, HALF), ["unspecified", "unassalpha"], {}),
+        ((0, 9, 9, 0, HALF), ["unassalpha"], {"photometric": "separated"}),
+        ((*COLOUR, 7), ["unspecified"], {"in_planes": True}),
+    ],
+)
+def test_unusual_channels_in_an_unread_compression_say_what_to_do(tmp_path, samples, extras, options):
+    write_flat(tmp_path / "a.tif", samples, extras, **options)
+    data = bytearray((tmp_path / "a.tif").read_bytes())
+    with tifffile.TiffFile(tmp_path / "a.tif") as file:
+        place = file.pages[0].tags["Compression"].valueoffset
+    lzw = 5
+    struct.pack_into("<H", data, place, lzw)
+    (tmp_path / "a.tif").write_bytes(data)
+    with pytest.raises(InputError, match="TIFF of a kind.*save it"):
+        read_photo(tmp_path / "a.tif")
+
+
+@pytest.mark.parametrize("kind", [np.uint8, np.uint16])
+def test_channels_that_memory_does_not_hold_are_refused(tmp_path, monkeypatch, kind):
+    stored = np.zeros((50, 60, 400), kind)
+    extras = ["unspecified"] * 396 + ["unassalpha"]
+    options = {"photometric": "rgb", "planarconfig": "contig", "compression": "zlib"}
+    tifffile.imwrite(tmp_path / "a.tif", stored, extrasamples=extras, **options)
+    monkeypatch.setattr("relight_core.imaging.formats.limits.free_bytes", lambda: 500_000)
+    with pytest.raises(InputError, match="needs about .* of memory"):
+        read_photo(tmp_path / "a.tif")
+
+
+def test_more_channels_said_than_stored_are_none(tmp_path):
+    write_flat(tmp_path / "a.tif", (*COLOUR, 7, 9), ["unspecified", "unspecified"])
+    data = bytearray((tmp_path / "a.tif").read_bytes())
+    with tifffile.TiffFile(tmp_path / "a.tif") as file:
+        extras = file.pages[0].tags["ExtraSamples"]
+    struct.pack_into("<I", data, extras.offset + 4, 3)
+    at = len(data)
+    struct.pack_into("<I", data, extras.offset + 8, at)
+    (tmp_path / "a.tif").write_bytes(data + struct.pack("<3H", 0, 0, 2))
+    assert read_photo(tmp_path / "a.tif").alpha is None
 
 
 def test_deep_planes_stand_upright(tmp_path):

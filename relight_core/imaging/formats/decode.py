@@ -14,17 +14,22 @@ from PIL import Image, ImageChops
 
 from relight_core.errors import InputError
 from relight_core.imaging.formats.camera_raw import develop_raw, is_raw
-from relight_core.imaging.formats.deep_tiff import decode_deep_tiff
+from relight_core.imaging.formats.deep_tiff import decode_deep_tiff, decode_flat_tiff
 from relight_core.imaging.formats.heif import decode_heif, is_heif, stated_profile
 from relight_core.imaging.formats.library_profiles import through_library_profile
 from relight_core.imaging.formats.limits import check_pixels
-from relight_core.imaging.formats.metadata import carried_exif
+from relight_core.imaging.formats.metadata import carried_exif, exif_of
 from relight_core.imaging.formats.opencv_decoding import decoded_by_opencv, in_rgb_order
+from relight_core.imaging.formats.png_colours import png_profile
 from relight_core.imaging.formats.raster import Raster
+from relight_core.imaging.formats.stated_colours import exif_profile
+from relight_core.imaging.formats.tiff_exif import exif_of_tiff
+from relight_core.imaging.formats.tiff_pages import starting_with_photo
 
 _FORMATS = ("JPEG", "PNG", "TIFF", "WEBP", "BMP", "GIF", "AVIF")
 _BLOCK_ROWS = 256
-_GREYS = ("1", "L", "LA")
+_GREYS = ("1", "L", "LA", "La")
+_BY_LIBRARY = ("CMYK", "LAB")
 _PNG_PLAIN_GREY, _PNG_GREYS = 0, (0, 4)
 _PNG_SAMPLES = {0: 1, 2: 3, 3: 1, 4: 2, 6: 4}
 _MOST_DEFLATED = 1032
@@ -47,16 +52,34 @@ def decode_raster(data: bytes, path: Path) -> Raster:
     if is_heif(data):
         return decode_heif(data, path)
     if data[:4] in (b"II*\0", b"MM\0*", b"II+\0", b"MM\0+"):
-        raster = decode_deep_tiff(data, path)
-        if raster is not None:
-            return raster
+        return _decode_tiff(data, path)
+    return _decode_by_pillow(data, path)
+
+
+def _decode_tiff(data: bytes, path: Path) -> Raster:
+    photo, orientation = starting_with_photo(data, path)
+    raster = decode_deep_tiff(photo, path)
+    if raster is None:
+        try:
+            raster = _decode_by_pillow(photo, path)
+        except InputError:
+            raster = decode_flat_tiff(photo, path)
+            if raster is None:
+                raise
+    if photo is data:
+        return raster
+    # The file's first directory tells of the camera, whichever picture it holds.
+    return replace(raster, exif=exif_of_tiff(data) or raster.exif, orientation=orientation or raster.orientation)
+
+
+def _decode_by_pillow(data: bytes, path: Path) -> Raster:
+    """What Pillow reads, and PNGs of 16 bits, which it opens."""
     image = _open_with_pillow(data, path)
+    icc = _profile_of(image, data, path)
     if data[:8] == b"\x89PNG\r\n\x1a\n" and data[24] == 16:
-        return replace(_decode_deep_png(data, image, path), exif=carried_exif(image, data))
-    stated = stated_profile(data, path) if image.format == "AVIF" and not image.info.get("icc_profile") else None
+        return replace(_decode_deep_png(data, image, icc, path), exif=carried_exif(image, data))
     try:
-        raster = _from_pillow(image)
-        return replace(raster, icc=raster.icc or stated, exif=carried_exif(image, data))
+        return replace(_from_pillow(image, icc), exif=carried_exif(image, data))
     except Exception:
         raise InputError(f"{path}: a damaged image; fetch or export it again") from None
 
@@ -114,15 +137,29 @@ def _check_plausible(data: bytes, image: Image.Image, path: Path) -> None:
         raise InputError(f"{path}: a truncated or damaged image; fetch or export it again")
 
 
-def _from_pillow(image: Image.Image) -> Raster:
-    icc = image.info.get("icc_profile") or None
+def _profile_of(image: Image.Image, data: bytes, path: Path) -> bytes | None:
+    """The profile that its values are in, embedded or stated in another way; None for sRGB."""
+    embedded = image.info.get("icc_profile") or None
+    if image.format == "PNG":
+        return png_profile(data, embedded, path)
+    if embedded is not None or image.mode in _BY_LIBRARY:
+        return embedded
+    if image.format == "AVIF":
+        return stated_profile(data, path)
+    # Programs copy a camera's EXIF into files of other formats, whatever they make of its colours.
+    if image.format in ("JPEG", "MPO", "TIFF"):
+        return exif_profile(exif_of(image, data), 1 if image.mode in _GREYS else 3)
+    return None
+
+
+def _from_pillow(image: Image.Image, icc: bytes | None) -> Raster:
     orientation = _orientation(image)
     if image.mode in ("I", "I;16", "I;16B", "I;16L", "F"):
         return Raster(_deep_grey(image), None, icc, orientation)
     if image.format == "JPEG" and image.mode == "CMYK" and "adobe" not in image.info:
         # Only Adobe's programs store inks the other way round; Pillow takes every file for theirs.
         image = ImageChops.invert(image)
-    if image.mode == "CMYK" or image.mode == "LAB":
+    if image.mode in _BY_LIBRARY:
         return Raster(through_library_profile(image, icc), None, None, orientation)
     alpha = None
     if image.has_transparency_data:
@@ -149,7 +186,7 @@ def _orientation(image: Image.Image) -> int:
     return value if value in range(1, 9) else 1
 
 
-def _decode_deep_png(data: bytes, image: Image.Image, path: Path) -> Raster:
+def _decode_deep_png(data: bytes, image: Image.Image, icc: bytes | None, path: Path) -> Raster:
     """A PNG of 16 bits per channel, which Pillow would cut to 8."""
     # OpenCV takes the memory that a chunk claims, up to 4 GiB, before it looks for its bytes.
     values = decoded_by_opencv(data) if _chunks_fit(data) else None
@@ -163,7 +200,7 @@ def _decode_deep_png(data: bytes, image: Image.Image, path: Path) -> Raster:
     elif data[25] == _PNG_PLAIN_GREY and isinstance(key := image.info.get("transparency"), int):
         # OpenCV turns the key of a colour into alpha, and leaves that of a grey out.
         alpha = (values[..., 0] != key).astype(np.float32)
-    return Raster(values, alpha, image.info.get("icc_profile") or None, _orientation(image))
+    return Raster(values, alpha, icc, _orientation(image))
 
 
 def _chunks_fit(data: bytes) -> bool:

@@ -1,4 +1,4 @@
-"""TIFFs of 16 or more bits per channel, which Pillow would cut to 8 or refuse."""
+"""TIFFs that Pillow would cut to 8 bits or refuse: of 16 or more bits per channel, or with unusual channels."""
 
 from __future__ import annotations
 
@@ -16,9 +16,10 @@ from PIL import Image
 
 from relight_core.errors import InputError
 from relight_core.imaging.formats.library_profiles import through_library_profile
-from relight_core.imaging.formats.limits import check_pixels
+from relight_core.imaging.formats.limits import BYTES_PER_PIXEL, check_pixels
 from relight_core.imaging.formats.opencv_decoding import decoded_by_opencv, in_rgb_order
 from relight_core.imaging.formats.raster import Raster
+from relight_core.imaging.formats.stated_colours import exif_profile
 from relight_core.imaging.formats.tiff_exif import exif_of_tiff
 
 # It tells of every odd tag; what can't be read is told by our own errors.
@@ -29,6 +30,7 @@ _WHITE_IS_0, _BLACK_IS_0, _RGB, _CMYK = 0, 1, 2, 5
 _COLOURS = {_WHITE_IS_0: 1, _BLACK_IS_0: 1, _RGB: 3, _CMYK: 4}
 _ALPHAS = _ASSOCIATED, _STRAIGHT = 1, 2
 _IN_PLANES = 2
+_NUMBERS = ("uint8", "uint16", "float16", "float32")
 _PLAIN, _PACKBITS, _DEFLATE = 1, 32773, (8, 32946)
 
 
@@ -48,6 +50,39 @@ def decode_deep_tiff(data: bytes, path: Path) -> Raster | None:
     Raises:
         InputError: damaged, too large or of an unsupported kind.
     """
+    page, kind = _described(data, path)
+    if kind.bits <= 8:
+        return None
+    raster = _decoded(page, kind, data)
+    if raster is None:
+        raise _unread(path, kind)
+    return raster
+
+
+def decode_flat_tiff(data: bytes, path: Path) -> Raster | None:
+    """Decode the first picture where Pillow refuses it for its channels and it has 8 bits; None where it is another.
+
+    Raises:
+        InputError: damaged, too large or of an unsupported kind.
+    """
+    page, kind = _described(data, path)
+    raster = _decoded(page, kind, data) if kind.bits == 8 else None
+    if raster is None and _has_unusual_channels(page, kind):
+        raise _unread(path, kind)
+    return raster
+
+
+def _has_unusual_channels(page: tifffile.TiffPage, kind: _Kind) -> bool:
+    """Whether Pillow refuses its channels, however they are packed."""
+    extra = kind.samples - _COLOURS.get(kind.photometric, kind.samples)
+    if extra <= 0:
+        return False
+    place, transparency = _transparency(page, extra)
+    return place > 0 or (kind.planes == _IN_PLANES if transparency is None else kind.photometric == _CMYK)
+
+
+def _described(data: bytes, path: Path) -> tuple[tifffile.TiffPage, _Kind]:
+    """The first picture, whole and not too large."""
     try:
         page = tifffile.TiffFile(io.BytesIO(data)).pages[0]
         stored = page.bitspersample, page.photometric, page.samplesperpixel, page.planarconfig, page.compression
@@ -57,29 +92,39 @@ def decode_deep_tiff(data: bytes, path: Path) -> Raster | None:
         is_whole = len(page.dataoffsets) >= math.prod(page.chunked) and end <= len(data)
     except Exception:
         raise _damaged(path) from None
-    check_pixels(width, height, path)
+    # There may be thousands of channels beside the colours, and Deflate holds them in next to nothing.
+    check_pixels(width, height, path, max(BYTES_PER_PIXEL, kind.samples * kind.bits // 8))
     # Pillow takes strips that are missing for black ones.
     if not is_whole:
         raise _damaged(path)
-    if kind.bits <= 8:
-        return None
+    return page, kind
+
+
+def _decoded(page: tifffile.TiffPage, kind: _Kind, data: bytes) -> Raster | None:
     by_opencv = _opencv_reads(page, kind)
     values = _by_opencv(data) if by_opencv else _by_tifffile(page, kind, data)
     if values is None:
-        unread = f"a {kind.bits}-bit TIFF of a kind this program doesn't read"
-        raise InputError(f"{path}: {unread}; save it as 8- or 16-bit or 32-bit float RGB")
+        return None
+    raster = _as_raster(values, page, kind.photometric)
+    if raster.icc is None and values.dtype.kind == "u" and kind.photometric != _CMYK:
+        raster = replace(raster, icc=exif_profile(data, raster.values.shape[2]))
     # OpenCV turns pictures upright by itself.
     orientation = 1 if by_opencv else _orientation(page)
-    return replace(_as_raster(values, page, kind.photometric), orientation=orientation, exif=exif_of_tiff(data))
+    return replace(raster, orientation=orientation, exif=exif_of_tiff(data))
 
 
 def _damaged(path: Path) -> InputError:
     return InputError(f"{path}: a truncated or damaged image; fetch or export it again")
 
 
+def _unread(path: Path, kind: _Kind) -> InputError:
+    unread = f"a TIFF of a kind this program doesn't read, with {kind.bits} bits"
+    return InputError(f"{path}: {unread}; save it as 8- or 16-bit or 32-bit float RGB")
+
+
 def _opencv_reads(page: tifffile.TiffPage, kind: _Kind) -> bool:
     """It knows every compression, but takes pictures in planes for others, and those of two channels for none."""
-    if page.dtype is None or page.dtype == np.float16 or kind.planes == _IN_PLANES:
+    if page.dtype is None or page.dtype in (np.uint8, np.float16) or kind.planes == _IN_PLANES:
         return False
     return kind.photometric in (_BLACK_IS_0, _RGB) and kind.samples in (1, 3, 4)
 
@@ -106,9 +151,9 @@ def _by_tifffile(page: tifffile.TiffPage, kind: _Kind, data: bytes) -> np.ndarra
     if values.ndim == 3 and kind.planes == _IN_PLANES:
         values = np.moveaxis(values, 0, -1)
     values = values[..., None] if values.ndim == 2 else values
-    if values.ndim != 3 or values.shape[2] < colours or values.dtype not in (np.uint16, np.float16, np.float32):
+    if values.ndim != 3 or values.shape[2] < colours or values.dtype.name not in _NUMBERS:
         return None
-    return np.ascontiguousarray(values, np.uint16 if values.dtype.kind == "u" else np.float32)
+    return np.ascontiguousarray(values, values.dtype if values.dtype.kind == "u" else np.float32)
 
 
 def _inflates_as_it_should(page: tifffile.TiffPage, data: bytes) -> bool:
@@ -131,21 +176,32 @@ def _orientation(page: tifffile.TiffPage) -> int:
 def _as_raster(values: np.ndarray, page: tifffile.TiffPage, photometric: int) -> Raster:
     tag = page.tags.get(_PROFILE)
     icc = tag.value if tag is not None and isinstance(tag.value, bytes) else None
-    colours, alpha = _COLOURS[photometric], None
-    extra = _first_extra(page)
-    if values.shape[2] > colours and extra in _ALPHAS:
-        alpha = values[..., colours].astype(np.float32) / np.float32(65535.0 if values.dtype == np.uint16 else 1.0)
+    colours, alpha, kind = _COLOURS[photometric], None, None
+    white = np.iinfo(values.dtype).max if values.dtype.kind == "u" else 1
+    if values.shape[2] > colours:
+        place, kind = _transparency(page, values.shape[2] - colours)
+        alpha = None if kind is None else values[..., colours + place].astype(np.float32) / np.float32(white)
     values = np.ascontiguousarray(values[..., :colours])
     if photometric == _WHITE_IS_0:
-        values = (65535 if values.dtype == np.uint16 else 1) - values
-    if photometric == _CMYK:
-        inks = values >> 8 if values.dtype == np.uint16 else np.clip(np.nan_to_num(values), 0, 1) * 255
-        values, icc = through_library_profile(Image.fromarray(inks.astype(np.uint8), "CMYK"), icc), None
-    return Raster(values, alpha, icc, premultiplied=alpha is not None and extra == _ASSOCIATED)
+        values = white - values
+    raster = Raster(values, alpha, icc, premultiplied=kind == _ASSOCIATED)
+    return _out_of_inks(raster) if photometric == _CMYK else raster
 
 
-def _first_extra(page: tifffile.TiffPage) -> int:
-    """What the first channel beside the colours is: 0 a selection or a depth, 1 and 2 transparency."""
-    kinds = page.extrasamples
-    # Programs that write transparency without saying so leave the whole tag out, as Pillow takes it for 8 bits.
-    return int(kinds[0]) if kinds else _STRAIGHT
+def _transparency(page: tifffile.TiffPage, count: int) -> tuple[int, int | None]:
+    """Which of so many channels beside the colours is the first of transparency, and its kind; None where none is."""
+    if not page.extrasamples:
+        # Programs that write transparency without saying so leave the whole tag out, as Pillow takes it for 8 bits.
+        return 0, _STRAIGHT
+    return next(((i, kind) for i, kind in enumerate(page.extrasamples[:count]) if kind in _ALPHAS), (0, None))
+
+
+def _out_of_inks(raster: Raster) -> Raster:
+    """CMYK to sRGB at 8 bits, with transparency out of the inks first: less ink is a lighter colour."""
+    inks = raster.straight
+    if inks.dtype == np.uint16:
+        inks = (inks >> 8).astype(np.uint8)
+    elif inks.dtype != np.uint8:
+        inks = (np.clip(np.nan_to_num(inks), 0, 1) * 255).astype(np.uint8)
+    values = through_library_profile(Image.fromarray(inks, "CMYK"), raster.icc)
+    return replace(raster, values=values, icc=None, premultiplied=False)

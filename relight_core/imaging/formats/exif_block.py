@@ -11,8 +11,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-EXIF_IFD, GPS_IFD, _INTEROPERABILITY_IFD = 34665, 34853, 40965
-_INNER = {EXIF_IFD: {_INTEROPERABILITY_IFD: {}}, GPS_IFD: {}}
+EXIF_IFD, GPS_IFD, INTEROPERABILITY_IFD = 34665, 34853, 40965
+_INNER = {EXIF_IFD: {INTEROPERABILITY_IFD: {}}, GPS_IFD: {}}
 """Tags that lead to a directory within one, and those within that."""
 
 _PREFIX = b"Exif\0\0"

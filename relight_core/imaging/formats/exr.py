@@ -17,6 +17,7 @@ import OpenEXR
 
 from relight_core.errors import InputError
 from relight_core.imaging.files import check_regular, is_legible
+from relight_core.imaging.formats.chromaticities import REC709, adaptation, is_rec709, rgb_to_xyz
 from relight_core.imaging.formats.limits import MAX_PIXELS, check_pixels
 from relight_core.imaging.in_order import WORKERS
 
@@ -248,28 +249,14 @@ def _to_rec709(colour: np.ndarray, header: dict) -> np.ndarray:
     if named is None:
         return colour
     chromaticities = np.asarray(named, np.float64).ravel()
-    rec709 = np.array([0.64, 0.33, 0.30, 0.60, 0.15, 0.06, 0.3127, 0.3290])
-    if chromaticities.shape != (8,) or np.abs(chromaticities - rec709).max() < 2e-3:
+    if chromaticities.shape != (8,) or is_rec709(chromaticities):
         return colour
     try:
-        matrix = np.linalg.solve(_rgb_to_xyz(rec709), _adapted(chromaticities, rec709))
+        source, target = rgb_to_xyz(chromaticities), rgb_to_xyz(REC709)
+        matrix = np.linalg.solve(target, adaptation(source.sum(axis=1), target.sum(axis=1)) @ source)
     except np.linalg.LinAlgError:
         return colour
     return colour @ matrix.T.astype(np.float32) if np.isfinite(matrix).all() else colour
-
-
-def _rgb_to_xyz(chromaticities: np.ndarray) -> np.ndarray:
-    xy = chromaticities.reshape(4, 2)
-    xyz = np.column_stack([xy[:, 0] / xy[:, 1], np.ones(4), (1 - xy.sum(axis=1)) / xy[:, 1]])
-    return xyz[:3].T * np.linalg.solve(xyz[:3].T, xyz[3])
-
-
-def _adapted(chromaticities: np.ndarray, target: np.ndarray) -> np.ndarray:
-    """RGB to XYZ after a Bradford adaptation from the white of the one to the white of the other."""
-    cone = np.array([[0.8951, 0.2664, -0.1614], [-0.7502, 1.7135, 0.0367], [0.0389, -0.0685, 1.0296]])
-    source_xyz, target_xyz = _rgb_to_xyz(chromaticities), _rgb_to_xyz(target)
-    gains = (cone @ target_xyz.sum(axis=1)) / (cone @ source_xyz.sum(axis=1))
-    return np.linalg.solve(cone, gains[:, None] * (cone @ source_xyz))
 
 
 @contextlib.contextmanager

@@ -9,17 +9,12 @@ import numpy as np
 import pi_heif
 
 from relight_core.errors import InputError
-from relight_core.imaging.formats.icc_making import DISPLAY_P3, REC2020, primaries_profile
 from relight_core.imaging.formats.limits import check_pixels
 from relight_core.imaging.formats.metadata import carried_block
 from relight_core.imaging.formats.raster import Raster
+from relight_core.imaging.formats.stated_colours import numbered_profile
 
 _BRANDS = (b"heic", b"heix", b"heim", b"heis", b"hevc", b"hevx", b"mif1", b"msf1")
-_LUMINOUS_TRANSFERS = {16: "PQ", 18: "HLG"}
-"""Transfer functions of high dynamic range (ITU-T H.273, table 3)."""
-
-_PRIMARIES = {9: REC2020, 12: DISPLAY_P3}
-"""By their number in ITU-T H.273, table 2."""
 
 
 def is_heif(data: bytes) -> bool:
@@ -119,11 +114,7 @@ def _top_box(data: bytes, name: bytes) -> bytes:
 def _stated_profile(nclx: dict | None, path: Path) -> bytes | None:
     if not nclx:
         return None
-    transfer = _LUMINOUS_TRANSFERS.get(nclx["transfer_characteristics"])
-    if transfer is not None:
-        raise InputError(f"{path}: an HDR picture ({transfer}), which isn't read here; export it as SDR or as EXR")
-    primaries = _PRIMARIES.get(nclx["color_primaries"])
-    return None if primaries is None else primaries_profile(primaries)
+    return numbered_profile(nclx["color_primaries"], nclx["transfer_characteristics"], 3, path)
 
 
 def _full_scale(codes: np.ndarray, bits: int) -> np.ndarray:

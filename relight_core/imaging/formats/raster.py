@@ -6,7 +6,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-RAW_SUFFIXES = (".cr2", ".cr3", ".nef", ".arw", ".dng", ".raf", ".orf", ".rw2", ".pef", ".srw", ".x3f", ".nrw")
+RAW_SUFFIXES = (
+    *(".cr2", ".cr3", ".crw", ".nef", ".nrw", ".arw", ".sr2", ".srf", ".dng", ".raf", ".orf", ".rw2", ".rwl"),
+    *(".pef", ".srw", ".x3f", ".3fr", ".fff", ".iiq", ".mos", ".mef", ".erf", ".mrw", ".dcr", ".kdc", ".k25"),
+)
 """Of cameras' raw files."""
 
 
@@ -29,3 +32,14 @@ class Raster:
     orientation: int = 1
     premultiplied: bool = False
     exif: bytes | None = None
+
+    @property
+    def straight(self) -> np.ndarray:
+        """`values` without alpha in them."""
+        values = self.values
+        if self.alpha is None or not self.premultiplied:
+            return values
+        divided = values / np.where(self.alpha > 0.0, self.alpha, 1.0)[..., None]
+        if values.dtype.kind == "u":
+            return np.clip(np.rint(divided), 0, np.iinfo(values.dtype).max).astype(values.dtype)
+        return divided.astype(np.float32)

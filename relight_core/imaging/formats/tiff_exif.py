@@ -5,7 +5,7 @@ from __future__ import annotations
 import struct
 
 from relight_core.imaging.formats.exif_block import EXIF_IFD, GPS_IFD, Directory, laid_out, read_directory
-from relight_core.imaging.formats.metadata import fitting_block
+from relight_core.imaging.formats.metadata import fitting_block, leave_picture_behind
 
 _TEXT_TAGS = (270, 271, 272, 306, 315, 33432)
 """Description, maker, model, time, author, copyright."""
@@ -25,6 +25,7 @@ def exif_of_tiff(data: bytes) -> bytes | None:
     found = read_directory(data)
     if found is None:
         return None
+    leave_picture_behind(found)
     said = _said(found)
     if EXIF_IFD in said.inner:
         said.inner[EXIF_IFD].entries.pop(_MAKER_NOTE, None)
