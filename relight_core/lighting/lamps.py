@@ -17,7 +17,9 @@ from relight_core.lighting.roll import roll_light
 from relight_core.lighting.sphere import directions, place_on_map, solid_angles, turned
 
 _ROWS = 128
-_MOST = 4
+_MOST, _ROUNDS = 4, 8
+"""Lamps of a light, and bright places that are looked at for them: specks are brighter than many a sun."""
+_AHEAD = 1.25
 _CORE_DEG, AROUND_DEG, BEYOND_DEG = 6.0, 12.0, 18.0
 """How far from its middle a lamp reaches in full, how far at most, and up to where its surroundings count."""
 
@@ -58,7 +60,7 @@ class Lamp:
 
 
 def lamps_of(environment: Environment, yaw_deg: float = 0.0) -> tuple[Lamp, ...]:
-    """The small lamps of a light, the brightest first, at most 4; sought once per shape."""
+    """The small lamps of a light, those that give most first, at most 4; sought once per shape."""
     return tuple(lamp.turned(yaw_deg) for lamp in environment.of_shape("lamps", _find))
 
 
@@ -110,7 +112,7 @@ def _find(shape: np.ndarray) -> tuple[Lamp, ...]:
     toward = directions(*grey.shape).astype(np.float64)
     areas = solid_angles(*grey.shape).astype(np.float64)
     left, lamps = np.ones(grey.shape), []
-    for _ in range(_MOST):
+    for _ in range(_ROUNDS):
         peak = np.unravel_index((left * grey).argmax(), grey.shape)
         if left[peak] * grey[peak] < _DIMMEST:
             break
@@ -124,11 +126,31 @@ def _find(shape: np.ndarray) -> tuple[Lamp, ...]:
             beyond = (1 - around) * (1 - _ramp(off_deg, 2 * AROUND_DEG - _CORE_DEG, 2 * BEYOND_DEG - AROUND_DEG))
             lamp = _measured(grey, toward, areas, left * around, left * beyond)
             centre = np.array(lamp.toward)
+        # The corners of a window, of which the middle has been taken, are no lamps of their own.
+        whole = _measured(grey, toward, areas, around, beyond)
+        lamp = replace(lamp, hardness=min(lamp.hardness, _smallness(whole.radius_deg)))
         if lamp.hardness > 0:
             lamps.append(lamp)
         left *= 1 - around
         left[peak] = 0
-    return tuple(lamps)
+    return _foremost(lamps)
+
+
+def _foremost(lamps: list[Lamp]) -> tuple[Lamp, ...]:
+    """The four that give most light; those that give hardly more than the fifth lose their hardness."""
+
+    def given(lamp: Lamp) -> float:
+        return lamp.irradiance * lamp.hardness
+
+    ranked = sorted(lamps, key=given, reverse=True)
+    if len(ranked) <= _MOST:
+        return tuple(ranked)
+    fifth = given(ranked[_MOST])
+    kept = (
+        replace(lamp, hardness=float(lamp.hardness * _ramp(given(lamp), fifth, _AHEAD * fifth)))
+        for lamp in ranked[:_MOST]
+    )
+    return tuple(lamp for lamp in kept if lamp.hardness > 0)
 
 
 def _measured(grey: np.ndarray, toward: np.ndarray, areas: np.ndarray, around: np.ndarray, beyond: np.ndarray) -> Lamp:
@@ -144,8 +166,12 @@ def _measured(grey: np.ndarray, toward: np.ndarray, areas: np.ndarray, around: n
     # be as large as one.
     texel_deg = 180 / len(grey)
     radius_deg = float(np.sqrt(2 * ((power @ off_deg**2) / total + texel_deg**2 / 4)))
-    hardness = float(_ramp(radius_deg, *_RADIUS_DEG) * _ramp(total / (4 * np.pi), *_SHARE))
+    hardness = float(_smallness(radius_deg) * _ramp(total / (4 * np.pi), *_SHARE))
     return Lamp(tuple(float(part) for part in mean), radius_deg, float(total / np.pi), hardness)
+
+
+def _smallness(radius_deg: float) -> float:
+    return float(_ramp(radius_deg, *_RADIUS_DEG))
 
 
 def _ramp(value: float | np.ndarray, none: float, full: float) -> float | np.ndarray:

@@ -11,7 +11,7 @@ from relight_core.lighting.sphere import directions
 
 LARGEST_BLUR_DEG = 90.0
 BLURRED_HEIGHT = 128
-"""Rows a blurred map keeps at most; the kernel of a smaller blur than its texel would not be sampled."""
+"""Rows a blurred map keeps at most."""
 
 _BALANCING_STEPS = 60
 
@@ -20,14 +20,15 @@ def blur_light(radiance: np.ndarray, blur_deg: float) -> np.ndarray:
     """Average a panorama with a Gaussian of the angle on the sphere.
 
     The kernel is balanced on the map's own texels, so that the sum of radiance times solid angle stays and an
-    even light stays even. Sideways it is a circular convolution, done by Fourier transform.
+    even light stays even. Sideways it is a circular convolution, done by Fourier transform. Below half a texel a kernel
+    would not be sampled: that blur is mixed into the map itself, so that the first tick of a slider is no leap.
 
     Args:
         radiance: (H, 2H, C) linear.
         blur_deg: standard deviation, [0, 90]; 0 returns the argument.
 
     Returns:
-        (h, 2h, C) float32, h at most 128.
+        (h, 2h, C) float32; h at most 128, or H where the blur is less than half a texel of that.
 
     Raises:
         ValueError: a blur out of range.
@@ -37,7 +38,15 @@ def blur_light(radiance: np.ndarray, blur_deg: float) -> np.ndarray:
     if blur_deg == 0.0:
         return radiance
     small = shrink(radiance, BLURRED_HEIGHT) if radiance.shape[0] > BLURRED_HEIGHT else radiance
-    kernel = _kernel(small.shape[0], float(blur_deg))
+    least_deg = 90.0 / small.shape[0]
+    if blur_deg < least_deg:
+        blurred = shrink(_blurred(small, least_deg), radiance.shape[0])
+        return radiance + np.float32((blur_deg / least_deg) ** 2) * (blurred - radiance)
+    return _blurred(small, float(blur_deg))
+
+
+def _blurred(small: np.ndarray, blur_deg: float) -> np.ndarray:
+    kernel = _kernel(small.shape[0], blur_deg)
     spectrum = np.fft.rfft(small, axis=1)
     mixed = np.einsum("ijm,jmc->imc", kernel, spectrum, optimize=True)
     return np.maximum(np.fft.irfft(mixed, n=small.shape[1], axis=1), 0.0).astype(np.float32)
@@ -48,8 +57,7 @@ def _kernel(height: int, blur_deg: float) -> np.ndarray:
     """(rows out, rows in, frequencies) of the balanced kernel times the solid angle of the rows in."""
     toward = directions(height, 2 * height).astype(np.float64)
     cosines = np.clip(np.einsum("ic,jwc->ijw", toward[:, 0], toward), -1.0, 1.0)
-    sigma = np.radians(max(blur_deg, 90.0 / height))
-    weights = np.exp(-0.5 * (np.arccos(cosines) / sigma) ** 2)
+    weights = np.exp(-0.5 * (np.arccos(cosines) / np.radians(blur_deg)) ** 2)
     bands = -np.diff(np.cos(np.pi * np.arange(height + 1) / height))
     row_weights = weights.sum(axis=2) * bands
     gains = np.ones(height)

@@ -90,8 +90,9 @@ def edit_light(light: Environment, edit: LightEdit, draft: bool = False) -> Envi
         room = room_of(light) if edit.apart else None
         radiance = _coloured(_at_most(light.shape if room is None else room, height), edit)
         radiance = blur_light(radiance, edit.blur_deg) * np.float32(edit.base)
-        if edit.boxes:
-            radiance = _with_boxes(radiance, edit.boxes, meter_reading(light), draft)
+        # One that gives no light would still draw a coarse map finer.
+        if boxes := tuple(box for box in edit.boxes if box.intensity > 0 and not box.off):
+            radiance = _with_boxes(radiance, boxes, meter_reading(light), draft)
         level = light.level or 1.0
         edited = Environment.from_radiance(radiance, light.name)
         light = edited.at_level(edited.level * level)

@@ -22,10 +22,11 @@ from relight_core.lighting.sphere import directions, solid_angles
 from relight_core.lighting.summary import meter_reading
 
 _MEASURED_HEIGHT = 256
+_LEAST_HARDNESS = 0.25
 
 
 def own_lamps(light: Environment) -> tuple[SoftBox, ...]:
-    """The light's lamps; of a panorama the brightest first, at most 4. Empty where it has none.
+    """The light's lamps; of a panorama those that give most first, at most 4. Empty where it has none.
 
     Their intensities are multiples of the light's meter reading, as those of any soft box added to it.
     """
@@ -69,8 +70,13 @@ def _as_box(lamp: AreaLight, unit: float) -> SoftBox:
     return box if lamp.kelvin is None else replace(box, kelvin=lamp.kelvin)
 
 
+def _clear_lamps(light: Environment) -> tuple[Lamp, ...]:
+    """Those that are small enough and give enough; the brightest corner of a window is nothing to take hold of."""
+    return tuple(lamp for lamp in lamps_of(light) if lamp.hardness >= _LEAST_HARDNESS)
+
+
 def _lamps_of_panorama(light: Environment) -> tuple[SoftBox, ...]:
-    lamps = lamps_of(light)
+    lamps = _clear_lamps(light)
     if not lamps:
         return ()
     small = shrink(light.shape, _MEASURED_HEIGHT) if light.height > _MEASURED_HEIGHT else light.shape
@@ -80,7 +86,7 @@ def _lamps_of_panorama(light: Environment) -> tuple[SoftBox, ...]:
 
 
 def _room_of_panorama(light: Environment) -> np.ndarray:
-    return _taken_out(light.shape, lamps_of(light))[0]
+    return _taken_out(light.shape, _clear_lamps(light))[0]
 
 
 def _disc(name: str, lamp: Lamp, card: np.ndarray, unit: float) -> SoftBox:

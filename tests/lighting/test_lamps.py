@@ -148,3 +148,36 @@ def test_two_lamps_that_come_near_each_other_lose_their_hardness_evenly(radius_d
     assert hard[0] > 2.2
     assert min(hard) < 1.2
     assert np.abs(np.diff(hard)).max() < 0.8
+
+
+@pytest.mark.parametrize("side_deg", [18.0, 20.0, 22.0, 24.0, 26.0])
+def test_the_corners_of_a_window_are_no_lamps(side_deg):
+    toward = directions(128, 256)
+    across = np.degrees(np.arctan2(toward[..., 0], -toward[..., 2]))
+    up = np.degrees(np.arcsin(toward[..., 1]))
+    image = np.full((128, 256, 3), 0.1, np.float32)
+    image[(np.abs(across - 40) < side_deg / 2) & (np.abs(up - 20) < side_deg / 2)] = 20.0
+    assert all(lamp.hardness < 0.25 for lamp in lamps_of(Environment.from_radiance(image)))
+
+
+def test_specks_that_are_brighter_than_the_sun_leave_its_shadow_alone():
+    sun = (0.5, 0.5, 0.7), 2.5, 150.0
+    specks = [((x, -0.2, 0.6), 0.6, 200.0) for x in (-0.9, -0.5, -0.1, 0.3)]
+    (found,) = (lamp for lamp in lamps_of(light(sun, *specks)) if lamp.irradiance > 0.2)
+    assert found.hardness == pytest.approx(1, abs=0.01)
+
+
+def test_a_fifth_lamp_takes_hardness_from_the_others_evenly():
+    places = [(-0.9, 0.1, 0.4), (0.9, 0.1, 0.4), (-0.4, 0.6, 0.7), (0.4, 0.6, 0.7), (0.0, -0.4, 0.9)]
+    before = None
+    for percent in range(50, 130, 2):
+        powers = [300.0, 303.0, 306.0, 309.0, 3.0 * percent]
+        lamps = lamps_of(light(*((place, 2.5, power) for place, power in zip(places, powers, strict=True))))
+        assert len(lamps) <= 4
+        hardness = np.zeros(5)
+        for lamp in lamps:
+            hardness[int(np.argmax([np.dot(lamp.toward, unit(*place)) for place in places]))] = lamp.hardness
+        if before is not None:
+            assert np.abs(hardness - before).max() < 0.25
+        before = hardness
+    assert before[4] == 1

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from relight_core.lighting.environment import Environment, network_light
+from relight_core.lighting.environment import Environment, network_light, shrink
 from relight_core.lighting.light_blur import blur_light
 from relight_core.lighting.light_edit import LightEdit, colour_gain, edit_light
 from relight_core.lighting.soft_box import SoftBox, soft_box_radiance
@@ -137,6 +137,19 @@ def test_blur_keeps_the_energy_and_an_even_light(blur_deg):
     assert np.abs(even - 1.0).max() < 2e-3
 
 
+@pytest.mark.parametrize("height", [16, 128, 256])
+def test_no_step_of_the_blur_is_a_leap(height):
+    lamp = np.zeros((height, 2 * height, 3), np.float32)
+    lamp[height // 3 : height // 3 + height // 8, height // 4 : height // 2] = 1.0
+    before, steps = lamp, []
+    for hundredths in range(2, 100, 2):
+        after = shrink(blur_light(lamp, hundredths / 100), height)
+        steps.append(float(np.abs(after - before).max()))
+        before = after
+    assert min(steps) > 0
+    assert max(steps) < 0.06
+
+
 @pytest.mark.parametrize("row", [1, 16, 30])
 def test_blur_spreads_alike_in_all_directions_at_the_poles_too(row):
     lamp = np.zeros((32, 64, 1), np.float32)
@@ -164,3 +177,11 @@ def test_a_soft_box_that_is_switched_off_gives_nothing_and_comes_back_as_it_was(
     np.testing.assert_allclose(radiance_of(on), radiance_of(alone), rtol=1e-5)
     dark = edit_light(light, LightEdit(base=0.0, boxes=(replace(box, off=True),)))
     assert dark.level == 0.0
+
+
+@pytest.mark.parametrize("dark", [SoftBox(off=True), SoftBox(intensity=0.0)])
+def test_a_soft_box_that_gives_no_light_changes_nothing(dark):
+    coarse = random_light(16)
+    edited = edit_light(coarse, LightEdit(boxes=(dark,)))
+    assert edited.height == 16
+    assert np.allclose(radiance_of(edited), radiance_of(coarse), rtol=1e-5)
