@@ -37,7 +37,7 @@ def open_window(title: str, size: tuple[int, int], visible: bool = True) -> obje
             raise NoDisplayError(f"this display gives no OpenGL 3.3 window{_reason(caught)}")
     glfw.make_context_current(handle)
     glfw.swap_interval(1)
-    glfw.set_window_size_limits(handle, *SMALLEST, glfw.DONT_CARE, glfw.DONT_CARE)
+    glfw.set_window_size_limits(handle, *_smallest(), glfw.DONT_CARE, glfw.DONT_CARE)
     with warnings.catch_warnings():
         # Wayland and macOS take icons from elsewhere and say so.
         warnings.simplefilter("ignore")
@@ -78,6 +78,14 @@ def _within_screen(size: tuple[int, int]) -> tuple[int, int]:
     _, _, width, height = glfw.get_monitor_workarea(monitor)
     scale = _scale_at_creation(monitor)
     return (min(size[0], int(width / scale)), min(size[1], int(height / scale))) if width and height else size
+
+
+def _smallest() -> tuple[int, int]:
+    """In the units of the window's size: as large as texts and controls ask for, where the screen is."""
+    monitor = glfw.get_primary_monitor()
+    scale = _scale_at_creation(monitor) if monitor else 1.0
+    width, height = _within_screen(SMALLEST)
+    return int(width * scale), int(height * scale)
 
 
 def _scale_at_creation(monitor: object) -> float:

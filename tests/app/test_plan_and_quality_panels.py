@@ -18,7 +18,7 @@ def test_names_as_they_stand_in_the_list():
 
 
 def test_the_sum_in_a_line():
-    assert summary([SHADOW, LIGHT, DETAIL]) == "1 of 3 computed, 12 ms saved"
+    assert summary([SHADOW, LIGHT, DETAIL]) == "1 of 3 run, 12 ms saved"
 
 
 def test_reasons_in_words():

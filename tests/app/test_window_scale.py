@@ -71,3 +71,12 @@ def test_graphics_that_start_again_do_so_at_the_same_size(dots_per_inch, photo_p
     assert window.handle is not handle
     assert glfw.get_window_size(window.handle) == (1440, 940)
     window.close()
+
+
+@pytest.mark.parametrize(("dots", "smallest"), [(96, (800, 560)), (132, (1100, 770))])
+def test_the_smallest_window_holds_as_much_on_every_display(dots_per_inch, monkeypatch, dots, smallest):
+    dots_per_inch(dots)
+    asked = []
+    monkeypatch.setattr(glfw, "set_window_size_limits", lambda handle, *limits: asked.append(limits[:2]))
+    EditorWindow(FakeRelighter).close()
+    assert asked == [smallest]

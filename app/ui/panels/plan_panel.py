@@ -35,7 +35,7 @@ def summary(plan: Sequence[Effect]) -> str:
     """How many effects were computed, and the time that was saved by the others."""
     computed = sum(effect.state == "computed" for effect in plan)
     saved_ms = sum(effect.saved_ms or 0.0 for effect in plan)
-    return f"{computed} of {len(plan)} computed, {duration(saved_ms)} saved"
+    return f"{computed} of {len(plan)} run, {duration(saved_ms)} saved"
 
 
 def duration(ms: float) -> str:
