@@ -28,17 +28,25 @@ class RecentLights:
     def __init__(self, path: Path) -> None:
         self._path = path
         self._kept: list[tuple[str, str]] = []
+        self._by_use: list[tuple[str, str]] = []
 
     def recall(self, state: EditorState) -> None:
         """Put the lights that are still there into the list, newest first."""
-        self._kept = _newest(entry for entry in read_recent(self._path) if os.path.isfile(entry[1]))
+        self._kept = _newest(entry for entry in read_recent(self._path) if os.path.isfile(entry[1]))[:MOST]
+        self._by_use = self._kept
         known = [LightSource(*entry) for entry in self._kept]
         new = [light for light in known if not any(light.same_as(other) for other in state.extra_lights)]
         state.extra_lights = [*state.extra_lights, *new]
 
     def keep(self, state: EditorState) -> None:
         """Write the list if it is another one than was written last."""
-        now = _newest((light.kind, light.name) for light in state.extra_lights if light.kind in _KINDS)
+        listed = _newest((light.kind, light.name) for light in state.extra_lights if light.kind in _KINDS)
+        # In the panel none moves under the hand; what is kept begins with the one that was used last.
+        shown = state.snapshot.light and state.snapshot.light.source
+        used = _newest([(shown.kind, shown.name)] if shown and shown.kind in _KINDS else [])
+        new = [entry for entry in listed if entry not in self._by_use]
+        self._by_use = _newest(entry for entry in (*used, *new, *self._by_use) if entry in listed)
+        now = self._by_use[:MOST]
         if now == self._kept:
             return
         self._kept = now
@@ -52,7 +60,7 @@ class RecentLights:
 
 def _newest(entries: Iterable[tuple[str, str]]) -> list[tuple[str, str]]:
     """Kind and file of each light, every file once."""
-    return list(dict.fromkeys((kind, os.path.abspath(name)) for kind, name in entries))[:MOST]
+    return list(dict.fromkeys((kind, os.path.abspath(name)) for kind, name in entries))
 
 
 def read_recent(path: Path) -> list[tuple[str, str]]:

@@ -186,6 +186,25 @@ def test_a_file_is_kept_and_recalled_once(tmp_path):
     assert [light.name for light in later.extra_lights] == names
 
 
+def test_the_lights_that_are_kept_are_those_that_were_used_last(tmp_path):
+    paths = [tmp_path / f"{number}.hdr" for number in range(MOST + 1)]
+    recent, state = RecentLights(tmp_path / "recent.json"), EditorState()
+
+    def use(path):
+        source = LightSource("panorama", str(path))
+        if source not in state.extra_lights:
+            state.extra_lights.insert(0, source)
+        state.snapshot = replace(state.snapshot, light=SimpleNamespace(source=source))
+        for _ in range(2):
+            recent.keep(state)
+
+    for path in (*paths[:MOST], paths[0], paths[MOST]):
+        use(path)
+    kept = [Path(name) for _, name in read_recent(tmp_path / "recent.json")]
+    assert kept == [paths[MOST], paths[0], *paths[MOST - 1 : 1 : -1]]
+    assert state.extra_lights[-1].name == str(paths[0]), "none moves in the panel"
+
+
 @pytest.mark.parametrize(
     "content", ["{", "[[1, 2]]", '[["spell", "x"]]', '[["panorama", "a\\u0000b"]]', "[" * 99999, "7"]
 )
