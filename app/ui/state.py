@@ -304,7 +304,7 @@ class EditorState:
         if self.is_at_work():
             self.photo = replace(self.photo, place=opened.photo, face_index=index)
         else:
-            self._wish_for(replace(opened.source, place=opened.photo, face_index=index))
+            self._wish_for(replace(self.left or opened.source, place=opened.photo, face_index=index))
             self.queue = self.queue.showing(opened.source.path)
 
     def choose_light(self, light: LightSource) -> None:
@@ -372,8 +372,6 @@ class EditorState:
     def _wish_for(self, photo: PhotoSource) -> None:
         give_up_what_is_on_its_way(self)
         note_left(self)
-        if self.is_at_work():
-            self.left = self.photo
         self.photo = photo
 
     def _request_of(self, edit: Edit) -> Request:
