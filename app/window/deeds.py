@@ -175,10 +175,10 @@ class Deeds:
     def export_as(self) -> None:
         """Choose where to save the picture as it is now, whichever photo is open by the time the place is known."""
         form, write = self._state.export.form, self._outputs.export_writer()
-        photo = self._state.snapshot.opened.photo
+        photo = self._state.photo
 
         def save_there(path: Path) -> None:
-            if self._state.snapshot.opened.photo is photo:
+            if self._state.snapshot.opened.source.path == photo.path:
                 self._state.export_to(path)
             write_or_ask(self._state.asking, path, write)
 
