@@ -46,6 +46,8 @@ class FileRequest:
         suffixes: of the files that are of use, each with its dot; none for all.
         then: given what was chosen, at least one path; not called when the user thought better of it.
         text: what is typed in our own dialog.
+        chosen: the text of the file that was clicked there last.
+        chosen_among: what was typed when its list was made.
     """
 
     kind: str
@@ -54,6 +56,8 @@ class FileRequest:
     then: Callable[[list[Path]], None]
     suffixes: Sequence[str] = ()
     text: str = field(default="")
+    chosen: str = ""
+    chosen_among: str = ""
 
     def __post_init__(self) -> None:
         if self.kind not in _DIALOGS:

@@ -3,8 +3,14 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
+from app.engine.exporting import default_export_path
 from app.engine.places import from_home
+from app.engine.sources import PhotoSource
+
+if TYPE_CHECKING:
+    from app.ui.state import EditorState
 
 _ALIKE = ((".png",), (".exr",), (".jpg", ".jpeg"), (".tif", ".tiff"))
 """The suffixes of each kind of picture."""
@@ -34,3 +40,16 @@ def named_place(typed: str, suggested: Path, suffix: str | None) -> Path:
     if not typed or Path(typed).name in ("", "~", ".."):
         path = suggested
     return path if suffix is None else named_as(path, suffix)
+
+
+def place_for(state: EditorState, photo: PhotoSource | None, suffix: str | None = None) -> Path:
+    """Where the next picture of a photo goes, as a whole path, without a number.
+
+    Args:
+        photo: the open one, which the line in the panel is about, or one that is on its way.
+        suffix: as of `named_place`.
+    """
+    opened = state.snapshot.opened
+    if opened is None or photo is None or photo.path == opened.source.path:
+        return state.export_place(suffix)
+    return named_place("", default_export_path(photo.path), suffix)

@@ -130,6 +130,7 @@ def find_again(state: EditorState) -> None:
 
 
 def _wish(state: EditorState, boxes: tuple[FaceBox, ...] | None, face_index: int | None) -> None:
-    opened = state.snapshot.opened
-    before = state.photo if state.is_at_work() else opened.source
-    state.photo = replace(before, place=opened.photo, face_index=face_index, boxes=boxes)
+    if not state.is_at_work():
+        # Another photo is on its way, which has faces of its own.
+        return
+    state.photo = replace(state.photo, place=state.snapshot.opened.photo, face_index=face_index, boxes=boxes)

@@ -6,7 +6,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from app.engine.sources import LightSource
-from relight_core.lighting.light_edit import LightEdit
+from app.ui.light_change import light_that_stays, with_added
 
 if TYPE_CHECKING:
     from app.ui.state import EditorState
@@ -32,17 +32,22 @@ def fall_back(state: EditorState) -> None:
             # With what was painted or corrected just before and is in no picture yet.
             state.photo = state.left
     if state.light in snapshot.refused:
-        light = snapshot.light
-        state.light = light.source if light else LightSource("rig", FIRST_LIGHT)
-        state.take_light_edit(
-            _with_added(light.edit, state.light_edit) if light else state.light.opened_around(state.light_edit)
-        )
+        _take_light_back(state)
+    if snapshot.light is not None and snapshot.light.source is state.light:
+        state.light_change = None
 
 
-def _with_added(edit: LightEdit, later: LightEdit) -> LightEdit:
-    """What was set of a light before another was asked for, with the soft boxes that were added since."""
-    lamps, added = (box for box in edit.boxes if box.name), later.added
-    return replace(edit, boxes=(*lamps, *added.boxes), base=added.base if added.boxes else edit.base)
+def _take_light_back(state: EditorState) -> None:
+    stays, light = light_that_stays(state), state.snapshot.light
+    if stays.light not in state.snapshot.refused:
+        state.light = stays.light
+        state.take_light_edit(stays.edit)
+        state.change(yaw_deg=stays.yaw_deg)
+        return
+    state.light = light.source if light else LightSource("rig", FIRST_LIGHT)
+    state.take_light_edit(
+        with_added(light.edit, state.light_edit) if light else state.light.opened_around(state.light_edit)
+    )
 
 
 def give_up_what_is_on_its_way(state: EditorState) -> None:

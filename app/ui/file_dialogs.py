@@ -6,7 +6,9 @@ import os
 import shutil
 import sys
 from collections.abc import Sequence
+from functools import lru_cache
 from pathlib import Path
+from typing import NamedTuple
 
 from imgui_bundle import portable_file_dialogs as native
 
@@ -16,6 +18,18 @@ from relight_core.imaging.files import is_legible
 
 _NO_TEXT = "a file that was chosen has a name that is no text; rename it, or drop the folder it is in"
 _LINUX_HELPERS = ("zenity", "kdialog", "matedialog", "qarma")
+
+
+class Candidates(NamedTuple):
+    """What our own dialog lists.
+
+    Attributes:
+        folders: in the order of their names.
+        files: those of use, likewise.
+    """
+
+    folders: tuple[Path, ...] = ()
+    files: tuple[Path, ...] = ()
 
 
 class FileDialogs:
@@ -78,28 +92,38 @@ def has_native_dialogs() -> bool:
     return any(shutil.which(helper) for helper in _LINUX_HELPERS)
 
 
-def candidates(text: str, suffixes: Sequence[str], most: int = 200) -> list[Path]:
-    """What our own dialog lists for a typed path: folders first, then files of use whose names begin as typed.
+def candidates(text: str, suffixes: Sequence[str]) -> Candidates:
+    """What our own dialog lists for a typed path: what its folder holds whose name begins as typed.
 
-    Hidden ones are left out unless the typed name begins with a dot.
+    Hidden ones are left out unless the typed name begins with a dot. The folder is read again once it has changed.
     """
     typed = Path(os.path.expanduser(text or "."))
     is_folder = text.endswith((os.sep, "/")) or not text
     folder, begins = (typed, "") if is_folder else (typed.parent, typed.name.lower())
     try:
-        inside = sorted(folder.iterdir(), key=lambda path: path.name.lower())
+        return _beginning_with(begins, tuple(suffixes), folder.absolute(), os.stat(folder).st_mtime_ns)
     except OSError:
-        return []
-    shown = [
-        path
-        for path in inside
-        if path.name.lower().startswith(begins) and (begins.startswith(".") or not path.name.startswith("."))
+        return Candidates()
+
+
+@lru_cache(maxsize=1)
+def _beginning_with(begins: str, suffixes: tuple[str, ...], folder: Path, changed_ns: int) -> Candidates:
+    shows_hidden = begins.startswith(".")
+    meant = [
+        entry
+        for entry in _inside(folder, changed_ns)
+        if entry[0].startswith(begins) and (shows_hidden or not entry[0].startswith("."))
     ]
-    folders = [path for path in shown if os.path.isdir(path)]
-    files = [
-        path for path in shown if path not in folders and (not suffixes or path.name.lower().endswith(tuple(suffixes)))
-    ]
-    return (folders + files)[:most]
+    folders = tuple(path for _, path, is_folder in meant if is_folder)
+    files = (path for name, path, is_folder in meant if not is_folder and (not suffixes or name.endswith(suffixes)))
+    return Candidates(folders, tuple(files))
+
+
+@lru_cache(maxsize=1)
+def _inside(folder: Path, _changed_ns: int) -> list[tuple[str, Path, bool]]:
+    """What a folder holds: the name in small letters, by which it is in order, the path, and whether it's a folder."""
+    entries = ((path.name.lower(), path, os.path.isdir(path)) for path in folder.iterdir())
+    return sorted(entries, key=lambda entry: entry[0])
 
 
 def _filters(suffixes: Sequence[str]) -> list[str] | None:

@@ -15,6 +15,8 @@ from relight_core.imaging.files import legible
 
 _FLAGS = imgui.WindowFlags_.no_decoration | imgui.WindowFlags_.no_move | imgui.WindowFlags_.no_saved_settings
 _ROWS = 12
+_MOST = 200
+"""Rows that are drawn at all."""
 _WRONG = {"open": "There is no such file", "save": "That is a folder; add a name", "folder": "There is no such folder"}
 
 
@@ -32,14 +34,31 @@ def draw(state: EditorState, fonts: theme.Fonts) -> None:
     imgui.push_style_var(imgui.StyleVar_.window_border_size, 1.0)
     imgui.begin("file", None, _FLAGS)
     widgets.heading(fonts, request.title)
-    if imgui.is_window_appearing() or not imgui.is_any_item_active():
-        imgui.set_keyboard_focus_here()
-    imgui.set_next_item_width(-1.0)
-    entered, request.text = widgets.path_input(request.text, imgui.InputTextFlags_.enter_returns_true)
+    entered = _line(request)
     entered |= _rows(request)
     _buttons(state, request, entered)
     imgui.end()
     imgui.pop_style_var()
+
+
+def _line(request: FileRequest) -> bool:
+    """The line for the path, which always has the keyboard; True where Enter was pressed."""
+    flags = imgui.InputTextFlags_.enter_returns_true
+    if imgui.is_window_appearing() or not imgui.is_any_item_active():
+        imgui.set_keyboard_focus_here()
+        flags |= imgui.InputTextFlags_.callback_always
+    imgui.set_next_item_width(-1.0)
+    drawn = legible(request.text)
+    entered, typed = imgui.input_text("##path", drawn, flags, _type_on)
+    request.text = request.text if typed == drawn else typed
+    return entered
+
+
+def _type_on(data: imgui.InputTextCallbackData) -> int:
+    """Put the cursor behind the path, to be typed on; as it gets the keyboard all of it is selected."""
+    data.clear_selection()
+    data.cursor_pos = data.buf_text_len
+    return 0
 
 
 def _rows(request: FileRequest) -> bool:
@@ -48,26 +67,53 @@ def _rows(request: FileRequest) -> bool:
     imgui.begin_child("rows", imgui.ImVec2(0.0, -imgui.get_frame_height_with_spacing()))
     folder = Path(os.path.expanduser(request.text))
     above = folder.parent if request.text.endswith(os.sep) else folder.parent.parent
+    listed = _listed(request)
     if imgui.selectable("..   the folder above", False)[0]:
         request.text = os.path.join(above, "")
-    # A file that is chosen stays among its neighbours, where a second click meets it.
-    chosen = str(folder) if os.path.isfile(folder) else None
-    for path in candidates(os.path.join(folder.parent, "") if chosen else request.text, request.suffixes):
-        is_folder = os.path.isdir(path)
-        label = f"{path.name}{os.sep if is_folder else ''}"
+    folders, files = candidates(listed, request.suffixes)
+    for number, path in enumerate((folders + files)[:_MOST]):
+        is_folder = number < len(folders)
+        is_chosen = not is_folder and str(path) == str(folder)
         # Where a folder is wanted, files only show which folder this is.
         imgui.begin_disabled(request.kind == "folder" and not is_folder)
-        if imgui.selectable(legible(label), str(path) == chosen, imgui.SelectableFlags_.allow_double_click)[0]:
-            taken = str(path) == chosen and imgui.is_mouse_double_clicked(0)
-            request.text = os.path.join(path, "") if is_folder else str(path)
+        if _row(number, f"{path.name}{os.sep if is_folder else ''}", is_chosen):
+            taken = is_chosen and imgui.is_mouse_double_clicked(0)
+            _choose(request, path, is_folder, listed)
         imgui.end_disabled()
+    more = len(folders) + len(files) - _MOST
+    if more > 0:
+        imgui.text_disabled(f"{more} more; type how a name begins to find them")
     imgui.end_child()
     return taken
 
 
+def _listed(request: FileRequest) -> str:
+    """The typed path that the list is made for: a chosen file stays among its neighbours, for the second click."""
+    if request.text == request.chosen:
+        return request.chosen_among
+    path = os.path.expanduser(request.text)
+    return os.path.join(os.path.dirname(path), "") if os.path.isfile(path) else request.text
+
+
+def _row(number: int, label: str, is_chosen: bool) -> bool:
+    """One row; the label is drawn by itself, as in the name of a control ## would end it."""
+    at = imgui.get_cursor_pos()
+    clicked, _ = imgui.selectable(f"##{number}", is_chosen, imgui.SelectableFlags_.allow_double_click)
+    imgui.set_cursor_pos(at)
+    imgui.text_unformatted(legible(label))
+    return clicked
+
+
+def _choose(request: FileRequest, path: Path, is_folder: bool, listed: str) -> None:
+    request.text = os.path.join(path, "") if is_folder else str(path)
+    if not is_folder:
+        request.chosen, request.chosen_among = request.text, listed
+
+
 def _buttons(state: EditorState, request: FileRequest, entered: bool) -> None:
     path = Path(os.path.expanduser(request.text))
-    fits = os.path.isdir(path) if request.kind == "folder" else bool(path.name) and not os.path.isdir(path)
+    is_folder = os.path.isdir(path)
+    fits = is_folder if request.kind == "folder" else bool(path.name) and not is_folder
     if request.kind == "open":
         fits = fits and os.path.exists(path)
     imgui.begin_disabled(not fits)
@@ -75,7 +121,8 @@ def _buttons(state: EditorState, request: FileRequest, entered: bool) -> None:
     imgui.end_disabled()
     imgui.same_line()
     cancelled = imgui.button("Cancel")
-    if not fits and path.name:
+    # Before a file is named there is nothing wrong yet.
+    if not fits and path.name and not (is_folder and request.kind == "open"):
         imgui.same_line()
         imgui.text_disabled(_WRONG[request.kind])
     if cancelled or imgui.is_key_pressed(imgui.Key.escape):

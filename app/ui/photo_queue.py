@@ -13,7 +13,7 @@ class PhotoQueue:
     Attributes:
         paths: the files.
         at: which of them was asked for last.
-        is_beside: a photo that is not one of them is open meanwhile.
+        is_beside: another photo than that is open meanwhile.
     """
 
     paths: tuple[Path, ...] = ()
@@ -33,10 +33,12 @@ class PhotoQueue:
     def refused(self, before: PhotoQueue) -> PhotoQueue:
         """What becomes of a queue whose photo can't be opened, given the queue of the photo that stays open.
 
-        The queue before comes back, unless it is of no use and this one has other photos to go on to.
+        The queue before comes back, unless it is of no use and this one has other photos to go on to, from where the
+        photo is that can't be opened.
         """
         is_fresh = self.paths != before.paths
-        return before if is_fresh and (len(before.paths) > 1 or len(self.paths) == 1) else self
+        comes_back = is_fresh and (len(before.paths) > 1 or len(self.paths) == 1)
+        return before if comes_back else replace(self, is_beside=True)
 
     def showing(self, path: Path | None) -> PhotoQueue:
         """The queue once a photo is open that was not reached through it, as after undo."""

@@ -31,7 +31,9 @@ def wish_of(state: EditorState, path: Path) -> PhotoSource:
 
 
 def note_left(state: EditorState) -> None:
-    """Remember the work on the open photo as it is; before anything else is wished for."""
+    """Remember the open photo and the work on it as they are; before anything else is wished for."""
+    if state.is_at_work():
+        state.left = state.photo
     if state.kept is None or not state.is_at_work() or state.photo.path is None:
         return
     work = KeptWork(state.session_path, state.kept, state.document())

@@ -20,6 +20,7 @@ from app.ui.export_name import named_place
 from app.ui.face_edits import FaceTool
 from app.ui.falling_back import FIRST_LIGHT, fall_back, give_up_what_is_on_its_way
 from app.ui.layout import OpenGroups, Panels
+from app.ui.light_change import LightChange, light_that_stays, note_light_change
 from app.ui.light_list import wish_again
 from app.ui.look import LookState
 from app.ui.open_work import KeptWork, Opening, Undoing
@@ -88,6 +89,7 @@ class EditorState:
         works: the work on each photo of this run as it was left, by the photo's absolute path.
         work_on: the photo that is open, by the same.
         left: the open photo as it was wished for when another one was asked for.
+        light_change: another light that was asked for, until it is there.
         waiting: work of the open photo's own, where it came back under the light and the sliders of another.
     """
 
@@ -142,6 +144,7 @@ class EditorState:
     works: dict[Path, KeptWork] = field(default_factory=dict)
     work_on: Path | None = None
     left: PhotoSource | None = None
+    light_change: LightChange | None = None
     waiting: KeptWork | None = None
     _found: dict[Path, tuple[FaceBox, ...]] = field(default_factory=dict)
 
@@ -276,9 +279,11 @@ class EditorState:
 
     def use_light(self, light: LightRef, light_edit: LightEdit, yaw_deg: float) -> None:
         """Ask for a light with everything that was changed about it."""
+        before = light_that_stays(self)
         self.open_light(light.source())
         self.take_light_edit(light_edit)
         self.change(yaw_deg=yaw_deg)
+        note_light_change(self, before)
 
     def is_unsaved(self) -> bool:
         """Whether there is work that no session file holds."""
@@ -306,19 +311,23 @@ class EditorState:
         if self.is_at_work():
             self.photo = replace(self.photo, place=opened.photo, face_index=index)
         else:
-            self._wish_for(replace(opened.source, place=opened.photo, face_index=index))
+            self._wish_for(replace(self.left or opened.source, place=opened.photo, face_index=index))
             self.queue = self.queue.showing(opened.source.path)
 
     def choose_light(self, light: LightSource) -> None:
         """Ask for another light, around the user's own soft boxes; one in the list is the one in the list."""
         if not light.same_as(self.light):
+            before = light_that_stays(self)
             self.light = self._known(light)
             self.take_light_edit(light.opened_around(self.light_edit))
+            note_light_change(self, before)
 
     def open_light(self, light: LightSource) -> None:
         """Ask for the light in a file as the file is now; one that is in use keeps what was changed about it."""
+        before = light_that_stays(self)
         self.choose_light(light)
         self.light = self._known(light, afresh=True)
+        note_light_change(self, before)
 
     def accept(self, snapshot: Snapshot) -> None:
         """Take over what the engine published; wishes it refused fall back to what is in force."""
@@ -374,8 +383,6 @@ class EditorState:
     def _wish_for(self, photo: PhotoSource) -> None:
         give_up_what_is_on_its_way(self)
         note_left(self)
-        if self.is_at_work():
-            self.left = self.photo
         self.photo = photo
 
     def _request_of(self, edit: Edit) -> Request:

@@ -36,7 +36,7 @@ from app.window.dropped import take_files, use_as_light
 from app.window.offers import leftover_offer, saved_session_offer, work_of_this_run_offer
 from app.window.outputs import Outputs
 from app.window.recent_lights import RecentLights
-from app.window.replacing import tried, write_or_ask
+from app.window.replacing import check_place, tried, write_or_ask
 from relight_core.errors import InputError
 
 _log = logging.getLogger(__name__)
@@ -165,7 +165,7 @@ class Deeds:
         saved = SavedLight(document.light, document.light_edit, document.edit.yaw_deg)
 
         def write(path: Path) -> None:
-            _check_place(path, is_light_place(path), "light")
+            check_place(path, is_light_place(path), "light")
             write_light(path, saved)
             self._state.asking.tell(f"Saved {path}")
 
@@ -175,10 +175,10 @@ class Deeds:
     def export_as(self) -> None:
         """Choose where to save the picture as it is now, whichever photo is open by the time the place is known."""
         form, write = self._state.export.form, self._outputs.export_writer()
-        photo = self._state.snapshot.opened.photo
+        photo = self._state.photo
 
         def save_there(path: Path) -> None:
-            if self._state.snapshot.opened.photo is photo:
+            if self._state.snapshot.opened.source.path == photo.path:
                 self._state.export_to(path)
             write_or_ask(self._state.asking, path, write)
 
@@ -284,7 +284,7 @@ class Deeds:
         return lambda path: self._write_session(path, document)
 
     def _write_session(self, path: Path, document: Document) -> None:
-        _check_place(path, is_session_place(path), "session")
+        check_place(path, is_session_place(path), "session")
         state = self._state
         write_session(path, document)
         note_saved(state, path, document)
@@ -326,6 +326,7 @@ class Deeds:
     def _offer(self, leftover: Leftover) -> None:
         def restore() -> None:
             self._state.open_session(leftover.document, None)
+            self._look_after_restored()
             self._restoring = self._state.photo, leftover
             self._offer_next()
 
@@ -392,8 +393,3 @@ class Deeds:
         """Called once the writing is over: only then is the work in a file of our own."""
         if self._autosave.holds(leftover.document.photo.path):
             leftover.forget()
-
-
-def _check_place(path: Path, is_place: bool, kind: str) -> None:
-    if not is_place:
-        raise InputError(f"{path}: is not a {kind}; relight replaces only its own files, choose another name")

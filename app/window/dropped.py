@@ -126,7 +126,7 @@ def _queue_with(opened: Path, photos: Sequence[Path]) -> PhotoQueue:
 
 
 def _files(paths: Sequence[Path]) -> tuple[list[Path], list[str]]:
-    """The files, with those in folders, and why folders were left out.
+    """The files, with those in folders, each once, and why folders were left out.
 
     Raises:
         InputError: no file is left.
@@ -142,7 +142,10 @@ def _files(paths: Sequence[Path]) -> tuple[list[Path], list[str]]:
             notes.append(str(error))
     if not files:
         raise InputError(". ".join(notes))
-    return files, notes
+    once: dict[str, Path] = {}
+    for path in files:
+        once.setdefault(os.path.abspath(path), path)
+    return list(once.values()), notes
 
 
 def _left_out(paths: Sequence[Path], what_to_do: str) -> list[str]:

@@ -20,6 +20,7 @@ from app.engine.jobs import JobControl
 from app.engine.snapshot import Picture
 from app.engine.sources import BORROWED_AT, RelighterLike
 from app.engine.turntable import FILM_PX, FRAMES, turning, write_pictures
+from app.ui.export_name import place_for
 from app.ui.photo_works import portrait_of
 from app.ui.state import EditorState
 from app.window.clipboard import copy_png
@@ -63,7 +64,7 @@ class Outputs:
             settings, exposure_ev = replace(self._state.export, form=suffix), self._state.edit.exposure_ev
 
             def save(picture: Picture) -> None:
-                place = self._state.export_place(suffix)
+                place = place_for(self._state, picture.opened.source, suffix)
                 self._exporter.submit(ExportJob(picture, exposure_ev, place, settings))
 
             self._when_finished(save)
@@ -193,8 +194,8 @@ class Outputs:
         return sum(os.path.lexists(output) for _, output in tasks)
 
     def suggested(self, suffix: str, ending: str = "") -> Path:
-        """A free name for an output beside the photo."""
-        path = self._state.export_place()
+        """A free name, beside the photo, for an output of what is wanted now, be that photo open yet or not."""
+        path = place_for(self._state, self._state.photo)
         return free_path(path.with_name(f"{path.stem}{ending}{suffix}"))
 
     def _need_picture(self) -> None:

@@ -33,6 +33,20 @@ def write_or_ask(
     asking.ask(Question(f"replace {path}", text, choices))
 
 
+def check_place(path: Path, is_place: bool, kind: str) -> None:
+    """Refuse to replace what is no file of ours.
+
+    Args:
+        is_place: a file of that kind may be written there.
+        kind: for the message.
+
+    Raises:
+        InputError: it may not.
+    """
+    if not is_place:
+        raise InputError(f"{path}: is not a {kind}; relight replaces only its own files, choose another name")
+
+
 def tried(asking: Asking, act: Callable[[], None]) -> None:
     """Do something, and tell why where it can't be done."""
     try:

@@ -1,11 +1,12 @@
 """What painting over the outline does to the editor's state, without a window."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from app.document.document import Document, PhotoRef
 from app.engine.snapshot import OpenPhoto, Snapshot
 from app.ui import brush_edits, face_edits
 from app.ui.photo_works import portrait_of
@@ -150,3 +151,37 @@ def test_the_brush_stays_within_sizes_that_can_be_used(state):
     for _ in range(100):
         brush_edits.resize(state, -1)
     assert state.brush.radius_em == 0.2
+
+
+def refuse(state):
+    """The engine can't open the photo that is wished for."""
+    state.accept(replace(state.snapshot, refused=state.snapshot.refused | {state.photo}))
+
+
+def drop_a_session(state):
+    state.open_session(Document(PhotoRef(Path("/photos/broken.jpg"))), None)
+
+
+def test_strokes_outlast_a_session_that_can_not_be_opened(state):
+    paint(state, (10, 10))
+    drop_a_session(state)
+    refuse(state)
+    assert (state.photo.path, len(state.photo.strokes)) == (PLACE, 1)
+
+
+def test_strokes_after_another_photo_was_taken_back_outlast_a_session_that_can_not_be_opened(state):
+    paint(state, (10, 10))
+    before = state.document()
+    state.open_photo(Path("/photos/other.jpg"))
+    state.restore(before)
+    paint(state, (30, 30))
+    drop_a_session(state)
+    refuse(state)
+    assert len(state.photo.strokes) == 2
+
+
+def test_choosing_a_face_while_another_photo_is_on_its_way_keeps_the_strokes(state):
+    paint(state, (10, 10))
+    state.open_photo(Path("/photos/other.jpg"))
+    state.choose_face(0)
+    assert (state.photo.path, state.photo.face_index, len(state.photo.strokes)) == (PLACE, 0, 1)

@@ -14,7 +14,7 @@ from app.document.session_file import read_session
 from app.engine.sources import LightSource
 from app.ui import file_dialogs
 from app.ui.asking import FileRequest
-from app.ui.file_dialogs import FileDialogs, candidates
+from app.ui.file_dialogs import Candidates, FileDialogs, candidates
 from app.ui.state import EditorState
 from app.window.dropped import open_named, take_files
 from app.window.recent_lights import MOST, RecentLights, read_recent
@@ -220,7 +220,7 @@ def test_without_native_dialogs_ours_is_drawn(editor, photo):
     editor.live(1)
     request = editor.state.picking
     assert request.kind == "open"
-    assert photo in candidates(request.text, request.suffixes)
+    assert photo in candidates(request.text, request.suffixes).files
     request.then([photo.with_name("missing.json")])
     editor.live(1)
     assert editor.said[-1][1]
@@ -230,10 +230,10 @@ def test_our_dialog_lists_folders_then_fitting_files_and_hides_dot_files(tmp_pat
     for name in ("b.jpg", "B2.JPG", "c.txt", ".h.jpg"):
         (tmp_path / name).touch()
     (tmp_path / "sub").mkdir()
-    names = [path.name for path in candidates(f"{tmp_path}/", (".jpg",))]
-    assert names == ["sub", "b.jpg", "B2.JPG"]
-    assert [path.name for path in candidates(f"{tmp_path}/b2", (".jpg",))] == ["B2.JPG"]
-    assert candidates(f"{tmp_path}/nowhere/", ()) == []
+    folders, files = candidates(f"{tmp_path}/", (".jpg",))
+    assert [path.name for path in folders + files] == ["sub", "b.jpg", "B2.JPG"]
+    assert [path.name for path in candidates(f"{tmp_path}/b2", (".jpg",)).files] == ["B2.JPG"]
+    assert candidates(f"{tmp_path}/nowhere/", ()) == Candidates()
 
 
 def test_the_systems_dialog_lists_names_in_large_letters_too_and_all_files_on_demand(monkeypatch, tmp_path):

@@ -156,6 +156,24 @@ def test_a_queue_goes_on_past_photos_that_can_not_be_opened(state):
     assert state.queue.label == "3 of 3"
 
 
+def test_the_queue_claims_no_photo_that_can_not_be_opened(state):
+    take_files(state, [Path("a.jpg"), Path("bad.jpg"), Path("c.jpg")], *ELSEWHERE)
+    open_wish(state)
+    state.step_photo(1)
+    refuse(state)
+    assert (state.photo.path, state.queue.label) == (Path("a.jpg"), "– of 3")
+    state.step_photo(1)
+    assert state.photo.path == Path("c.jpg")
+
+
+def test_a_photo_dropped_together_with_its_folder_is_queued_once(state, tmp_path, monkeypatch):
+    for name in ("a.jpg", "b.jpg"):
+        (tmp_path / name).touch()
+    monkeypatch.chdir(tmp_path)
+    take_files(state, [Path("b.jpg"), tmp_path, tmp_path / "a.jpg"], *ELSEWHERE)
+    assert [path.name for path in state.queue.paths] == ["b.jpg", "a.jpg"]
+
+
 def test_lights_beyond_the_first_on_the_light_panel_are_named(state):
     take_files(state, [Path("friend.jpg"), Path("other.jpg")], 100.0, 100.0)
     assert state.light.name == os.path.abspath("friend.jpg")

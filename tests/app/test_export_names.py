@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -11,8 +12,11 @@ from app.engine.places import from_home
 from app.engine.snapshot import OpenLight, OpenPhoto, Picture, Snapshot
 from app.engine.sources import PhotoSource
 from app.ui.export_name import named_as
+from app.ui.file_dialogs import FileDialogs
 from app.ui.state import EditorState
+from app.window.deeds import Deeds
 from app.window.finished import Finished
+from app.window.outputs import Outputs
 from relight_core.imaging.photo import Photo
 from relight_core.lighting.environment import Environment
 
@@ -75,6 +79,52 @@ def test_only_a_tilde_by_itself_is_the_users_folder(state, tmp_path, monkeypatch
     named = from_home(state.photo.path.relative_to(tmp_path))
     assert str(named) == "~me.jpg"
     assert free_path(named) == named
+
+
+def opened(path):
+    photo = Photo(np.zeros((4, 4, 3), np.float32), path=path)
+    return OpenPhoto(PhotoSource(path), photo, photo.linear)
+
+
+@pytest.fixture
+def outputs(state):
+    """Outputs of the state, what waits for a finished picture, and the exports that were begun."""
+    waiting, jobs = [], []
+    exporter = SimpleNamespace(submit=jobs.append)
+    return Outputs(state, exporter, lambda: None, waiting.append), waiting, jobs
+
+
+def test_outputs_are_named_after_the_photo_that_is_wanted_while_another_one_is_still_open(state, outputs, tmp_path):
+    state.export_path = "best.png"
+    assert outputs[0].suggested(".mp4", "-turntable") == tmp_path / "best-turntable.mp4"
+    (tmp_path / "far").mkdir()
+    state.open_photo(tmp_path / "far" / "you.jpg")
+    assert outputs[0].suggested(".mp4", "-turntable") == tmp_path / "far" / "you-relit-turntable.mp4"
+    assert outputs[0].suggested(".exr") == tmp_path / "far" / "you-relit.exr"
+
+
+def test_an_export_is_named_after_the_photo_in_it(state, outputs, tmp_path):
+    state.snapshot = replace(state.snapshot, picture=SimpleNamespace(opened=state.snapshot.opened))
+    outputs[0].export(".jpg")
+    state.accept(Snapshot(opened=opened(tmp_path / "you.jpg"), picture=state.snapshot.picture))
+    (write,), jobs = outputs[1:]
+    write(state.snapshot.picture)
+    assert [job.path for job in jobs] == [tmp_path / "~me-relit.jpg"]
+
+
+def test_a_place_chosen_for_the_next_photo_is_not_that_of_the_one_still_open(state, tmp_path):
+    written = []
+    outputs = SimpleNamespace(
+        export_writer=lambda: lambda path, _: written.append(path), suggested=lambda _: tmp_path / "you.png"
+    )
+    deeds = Deeds(state, print, None, FileDialogs(False), outputs)
+    state.export_path = "best.png"
+    state.open_photo(tmp_path / "you.jpg")
+    deeds.export_as()
+    state.picking.then([tmp_path / "chosen.png"])
+    deeds.close()
+    assert written == [tmp_path / "chosen.png"]
+    assert state.export_path == "best.png"
 
 
 def test_a_task_that_fails_with_its_picture_is_told_and_the_next_one_goes_on(state):

@@ -14,7 +14,6 @@ from app.ui.state import EditorState
 from app.ui.viewport.face_boxes import FaceGrab
 from relight_core.face.find import FaceBox
 from relight_core.imaging.photo import Photo
-from relight_core.pipeline.per_photo.brush import BrushStroke
 
 ONE, TWO, THREE = FaceBox(0, 0, 20, 20), FaceBox(30, 0, 45, 15), FaceBox(50, 20, 60, 30)
 PLACE = Path("/photos/us.jpg")
@@ -188,11 +187,13 @@ def test_in_a_queue_every_photo_keeps_its_own_boxes(state):
     assert state.photo.boxes == (THREE,)
 
 
-def test_a_drag_that_ends_when_another_photo_is_on_its_way_keeps_this_ones_outline(state):
-    stroke = BrushStroke(((3.0, 4.0),), 2.0, True)
-    state.photo = replace(state.photo, place=state.snapshot.opened.photo, strokes=(stroke,))
-    answered(state, (ONE, TWO))
+@pytest.mark.parametrize("end", [lambda state: drop(state, (THREE, TWO)), face_edits.cancel, face_edits.find_again])
+def test_the_tool_takes_back_no_photo_that_is_on_its_way(state, end):
+    drop(state, (ONE, THREE))
+    answered(state, (ONE, THREE))
+    face_edits.show(state)
     state.open_photo(Path("/photos/other.jpg"))
-    drop(state, (THREE, TWO))
-    assert state.photo.path == PLACE
-    assert (state.photo.boxes, state.photo.strokes) == ((THREE, TWO), (stroke,))
+    wish = state.photo
+    end(state)
+    assert state.photo is wish
+    assert wish.boxes is None

@@ -1,10 +1,15 @@
 """Our own file dialog in the real window, whatever is typed into it."""
 
+import os
+from pathlib import Path
+
 import glfw
 import pytest
+from imgui_bundle import imgui
 
+from app.ui import file_picker
 from app.ui.asking import FileRequest
-from app.ui.file_dialogs import candidates
+from app.ui.file_dialogs import Candidates, candidates
 
 
 @pytest.mark.parametrize("kind", ["open", "save", "folder"])
@@ -15,4 +20,89 @@ def test_a_name_too_long_for_any_file_is_only_not_there(opened, tmp_path, kind, 
     opened.frames(3)
     opened.key(glfw.KEY_ENTER)
     assert kind == "save" or (state.picking is not None and chosen == [])
-    assert candidates(f"{tmp_path}/{'x' * 300}{ending}", ()) == []
+    assert candidates(f"{tmp_path}/{'x' * 300}{ending}", ()) == Candidates()
+
+
+@pytest.fixture
+def folder(tmp_path):
+    place = tmp_path / "shoot"
+    place.mkdir()
+    return place
+
+
+def ask(hand, text):
+    """Our own dialog with a typed path; what it gives in the end."""
+    chosen = []
+    hand.window.state.picking = None
+    hand.frames(2)
+    hand.window.state.picking = FileRequest("open", "A file", Path(text), chosen.extend, (".png",), str(text))
+    hand.frames(3)
+    return chosen
+
+
+def row(hand, number):
+    """Where a row of the list is, from the first below the folder above."""
+    style, line = imgui.get_style(), imgui.get_text_line_height_with_spacing()
+    top = (hand.height - (file_picker._ROWS + 6) * 1.5 * imgui.get_font_size()) / 2 + style.window_padding.y
+    return hand.width / 2, top + line + imgui.get_frame_height_with_spacing() + (number + 1.5) * line
+
+
+@pytest.fixture
+def greyed(monkeypatch):
+    """What the dialog says in grey."""
+    said, draw = [], imgui.text_disabled
+
+    def note(text):
+        said.append(text)
+        draw(text)
+
+    monkeypatch.setattr(file_picker.imgui, "text_disabled", note)
+    return said
+
+
+def test_names_that_differ_only_behind_hashes_look_different(opened, folder):
+    looks = []
+    for changed_ns, name in enumerate(("a##1.png", "a##2.png")):
+        (folder / name).touch()
+        os.utime(folder, ns=(changed_ns, changed_ns))
+        ask(opened, f"{folder}{os.sep}")
+        looks.append(opened.window.screenshot())
+        (folder / name).unlink()
+    assert (looks[0] != looks[1]).any()
+
+
+def test_nothing_is_wrong_before_a_file_is_named(opened, folder, greyed):
+    ask(opened, f"{folder}{os.sep}")
+    assert "There is no such file" not in greyed
+    ask(opened, folder / "b")
+    assert "There is no such file" in greyed
+
+
+def test_a_name_typed_narrows_the_list_in_which_a_double_click_takes_a_file(opened, folder):
+    for name in ("a1.png", "b1.png", "b2.png"):
+        (folder / name).touch()
+    chosen = ask(opened, f"{folder}{os.sep}")
+    opened.type("b")
+    assert opened.window.state.picking.text == str(folder / "b")
+    opened.double_click(row(opened, 1))
+    assert chosen == [folder / "b2.png"]
+
+
+def test_files_beyond_those_listed_are_counted(opened, folder, greyed, monkeypatch):
+    monkeypatch.setattr(file_picker, "_MOST", 2)
+    for number in range(5):
+        (folder / f"{number}.png").touch()
+    ask(opened, f"{folder}{os.sep}")
+    assert any(line.startswith("3 more") for line in greyed)
+
+
+def test_a_folder_is_read_again_only_once_it_has_changed(folder, monkeypatch):
+    reads, read = [], Path.iterdir
+    monkeypatch.setattr(Path, "iterdir", lambda path: (reads.append(path), read(path))[1])
+    for _ in range(3):
+        assert candidates(f"{folder}{os.sep}", ()) == Candidates()
+    assert candidates(f"{folder}{os.sep}a", ()) == Candidates()
+    assert reads == [folder]
+    (folder / "a.png").touch()
+    os.utime(folder, ns=(1, 1))
+    assert candidates(f"{folder}{os.sep}a", ()).files == (folder / "a.png",)

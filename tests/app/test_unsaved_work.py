@@ -170,6 +170,28 @@ def test_restored_work_whose_photo_is_refused_is_kept_and_offered_again(editor, 
     assert sorted(text.split(",")[0] for text in offered(folder)) == ["Your work on a.jpg", "Your work on b.jpg"]
 
 
+def test_of_two_works_restored_at_once_the_first_is_offered_again(editor, folder, photos):
+    editor.state.change(shadow=0.5)
+    editor.live()
+    editor.state.step_photo(1)
+    editor.live()
+    editor.state.change(shadow=0.7)
+    editor.live()
+    editor.deeds.close()
+    again = Editor(folder)
+    first, second = again.state.asking.questions
+    for question in (first, second):
+        again.state.asking.drop(question.key)
+        dict(question.choices)["Restore"]()
+    again.live()
+    assert again.state.photo.path.name in second.text
+    assert [asked.text for asked in again.state.asking.questions] == [first.text]
+    again.answer_question("Restore")
+    assert again.state.photo.path.name in first.text
+    again.deeds.close()
+    assert len(offered(folder)) == 2, "neither is saved yet"
+
+
 def test_restoring_leaves_unsaved_work_on_another_photo_for_recovery(editor, folder, photos):
     leave_work(editor)
     again = Editor(folder)

@@ -1,0 +1,89 @@
+"""Another light in the place of this one: what comes back where it turns out that it can't be had."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+from app.engine.sources import LightSource
+from relight_core.lighting.light_edit import MOST_BOXES, LightEdit
+
+if TYPE_CHECKING:
+    from app.ui.state import EditorState
+
+
+@dataclass(frozen=True)
+class SetLight:
+    """A light with all that is set about it.
+
+    Attributes:
+        light: the wish for it.
+        edit: what is changed about it.
+        yaw_deg: its turn.
+    """
+
+    light: LightSource
+    edit: LightEdit
+    yaw_deg: float
+
+
+@dataclass(frozen=True)
+class LightChange:
+    """A change of light that may still be refused.
+
+    Attributes:
+        before: the light that was there.
+        asked: the other one, as it was asked for.
+    """
+
+    before: SetLight
+    asked: SetLight
+
+    def taken_back(self, now: SetLight) -> SetLight:
+        """The light before, with the soft boxes and the turn that the user has given the other one meanwhile."""
+        turned = now.yaw_deg != self.asked.yaw_deg
+        yaw_deg = now.yaw_deg if turned else self.before.yaw_deg
+        return SetLight(self.before.light, self._edit_taken_back(now.edit), yaw_deg)
+
+    def _edit_taken_back(self, now: LightEdit) -> LightEdit:
+        before, asked = self.before.edit, self.asked.edit
+        if asked == before and self.asked.light.same_as(self.before.light):
+            # Its file was to be read again.
+            return now
+        if now.added == asked.added:
+            return before
+        if asked.added == before.added:
+            return with_added(before, now)
+        # The other light came with soft boxes of its own, which leave with it.
+        new = (box for box in now.added_boxes if box not in asked.boxes)
+        return replace(before, boxes=(*before.boxes, *new)[:MOST_BOXES])
+
+
+def light_that_stays(state: EditorState) -> SetLight:
+    """The light as it is set; while another one is on its way, what remains if that one can't be had."""
+    now, change = _as_set(state), state.light_change
+    opened = state.snapshot.light
+    is_open = opened is not None and opened.source is state.light
+    if change is None or change.asked.light is not state.light or is_open:
+        return now
+    return change.taken_back(now)
+
+
+def note_light_change(state: EditorState, before: SetLight) -> None:
+    """Another light has been asked for, with all that is set about it by now.
+
+    Args:
+        before: as of `light_that_stays`, before anything was set.
+    """
+    state.light_change = LightChange(before, _as_set(state))
+
+
+def with_added(edit: LightEdit, later: LightEdit) -> LightEdit:
+    """What was set of a light before another was asked for, with the soft boxes that were added since."""
+    lamps, added = (box for box in edit.boxes if box.name), later.added
+    boxes = (*lamps, *added.boxes)[:MOST_BOXES]
+    return replace(edit, boxes=boxes, base=added.base if added.boxes else edit.base)
+
+
+def _as_set(state: EditorState) -> SetLight:
+    return SetLight(state.light, state.light_edit, state.edit.yaw_deg)
