@@ -63,7 +63,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         type=Path,
         help="panoramas (.hdr, .exr) that the person network's samples are put before, beside drawn scenes",
     )
-    stage = parser.add_argument_group("with --stage")
+    _add_stage_arguments(parser.add_argument_group("with --stage"))
+
+
+def _add_stage_arguments(stage: argparse._ArgumentGroup) -> None:
     stage.add_argument("--minutes", metavar="M", type=number_above_zero, help="how long")
     stage.add_argument("--size", metavar="PX", type=count_at_least_one, help="side of the images (128)")
     stage.add_argument("--pairs", metavar="N", type=count_at_least_one, help="pairs in a batch (8)")

@@ -106,12 +106,16 @@ def measure_window(
         with_hand.rest()
         speed = replace(speed, idle_cpu=_idle_cpu(window, idle_s))
         yield speed
-        for seconds, memory_mb in _open_in_turn(window, photos, openings):
-            opened = {"memory_mb": (*speed.memory_mb, memory_mb), "opening_s": (*speed.opening_s, seconds)}
-            speed = replace(speed, **opened)
-            yield speed
+        yield from _with_openings(speed, window, photos, openings)
     finally:
         window.close()
+
+
+def _with_openings(speed: WindowSpeed, window: EditorWindow, photos: list[Path], count: int) -> Iterator[WindowSpeed]:
+    for seconds, memory_mb in _open_in_turn(window, photos, count):
+        opened = {"memory_mb": (*speed.memory_mb, memory_mb), "opening_s": (*speed.opening_s, seconds)}
+        speed = replace(speed, **opened)
+        yield speed
 
 
 class _Hand:

@@ -27,8 +27,8 @@ def panorama_view(
 ) -> np.ndarray:
     """What a camera at the person's place sees that looks along -z, as large as it has something to show.
 
-    A map coarser than the picture is drawn at a size that suits its texels, blurred by at least half
-    a texel, and enlarged, so that no texel shows.
+    A map coarser than the picture is drawn at a size that suits its texels, blurred by at least half a texel, and
+    enlarged, so that no texel shows.
 
     Args:
         environment: the light.
@@ -52,13 +52,17 @@ def panorama_view(
     side = min(longer, max(_SMALLEST_SIDE, math.ceil(2 * field_of_view_deg / texel_deg)))
     drawn_height, drawn_width = (max(1, round(n * side / longer)) for n in (height, width))
     focal = side / 2 / math.tan(math.radians(max(field_of_view_deg, _NARROWEST_DEG) / 2))
-    sigma = focal * math.tan(math.radians(min(max(blur_deg, texel_deg / 2), _WIDEST_BLUR_DEG)))
-    sigma = min(sigma, _WIDEST_BLUR_SIDES * side)
+    sigma = _deviation_px(max(blur_deg, texel_deg / 2), focal, side)
     margin = min(math.ceil(3 * sigma), side)
     directions = _view_directions(drawn_height, drawn_width, longer * focal / side, height, width, margin)
     picture = _sample(environment.shape, directions, yaw_deg)
     picture = cv2.GaussianBlur(picture, (0, 0), sigma, borderType=cv2.BORDER_REPLICATE)
     return np.ascontiguousarray(picture[margin : margin + drawn_height, margin : margin + drawn_width])
+
+
+def _deviation_px(blur_deg: float, focal: float, side: int) -> float:
+    wanted = focal * math.tan(math.radians(min(blur_deg, _WIDEST_BLUR_DEG)))
+    return min(wanted, _WIDEST_BLUR_SIDES * side)
 
 
 def _view_directions(

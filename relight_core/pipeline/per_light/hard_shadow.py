@@ -65,8 +65,7 @@ def harden_shadow(
         transport: the relief as they were made with.
         lamps: of the light, in the camera space of the photo.
         reflect: gives `reflected` of a light. What a lamp gives is what is missing without it, and not what its
-            cosine says: where light grazes the surface, texels of 11 degrees give it less or more than that, and
-            what is left where it is hidden would be too little or too much.
+            cosine says: where light grazes the surface, texels of 11 degrees give it less or more than that.
         roll_deg: how far the view is turned in the photo, as `Crop.roll_deg`; surface and light are turned already.
     """
     if not lamps:

@@ -101,12 +101,8 @@ def _confirmed(
     longer than everything before.
     """
 
-    def confirmed(faces: list[FaceBox]) -> list[FaceBox]:
-        return [
-            face
-            for face in faces
-            if not face.doubtful or evidence(face) >= _ENOUGH_EVIDENCE or glimpse(face) == _ALL_EVIDENCE
-        ]
+    def is_sure(face: FaceBox) -> bool:
+        return not face.doubtful or evidence(face) >= _ENOUGH_EVIDENCE or glimpse(face) == _ALL_EVIDENCE
 
     def guessed() -> list[FaceBox]:
         return _best(guess_faces(photo), evidence, glimpse)
@@ -114,7 +110,7 @@ def _confirmed(
     def searched() -> list[FaceBox]:
         return _searched(photo, locate, evidence, glimpse)
 
-    faces = confirmed(found)
+    faces = list(filter(is_sure, found))
     if faces and all(_is_speck(face, photo, evidence(face)) for face in faces):
         # A button and a fold beside a face in profile, or teeth of one that lies, which cascades don't see.
         least_width = _MUCH_WIDER * max(face.width for face in faces)
@@ -125,7 +121,7 @@ def _confirmed(
         faces = guessed() or searched()
     if not faces and not found:
         found = find_small_faces(photo)
-        faces = confirmed(found)
+        faces = list(filter(is_sure, found))
     if not faces:
         return [face for face in found if evidence(face) > 0]
     faces = [replace(face, doubtful=False) for face in faces]
