@@ -23,6 +23,7 @@ from app.cli.maker_inputs import (
     check_heads_and_lights,
     check_output_file,
     count_at_least_one,
+    count_from_zero,
     let_idle_threads_sleep,
     number_above_zero,
     progress,
@@ -70,7 +71,7 @@ def _add_stage_arguments(stage: argparse._ArgumentGroup) -> None:
     stage.add_argument("--minutes", metavar="M", type=number_above_zero, help="how long")
     stage.add_argument("--size", metavar="PX", type=count_at_least_one, help="side of the images (128)")
     stage.add_argument("--pairs", metavar="N", type=count_at_least_one, help="pairs in a batch (8)")
-    stage.add_argument("--seed", metavar="N", type=int, help="of samples and first weights (0)")
+    stage.add_argument("--seed", metavar="N", type=count_from_zero, help="of samples and first weights (0)")
     stage.add_argument(
         "--residual",
         metavar="N,N,...",

@@ -125,7 +125,9 @@ def taught(heads: Path, lights: Path, lesson: Lesson, checkpoint: Path, report, 
             first_batch=first_batch,
             pairs=lesson.pairs,
         )
-        return iter(DataLoader(stream, batch_size=lesson.pairs))
+        # Without one of its own it would draw a seed from the stream that a lesson goes on with.
+        generator = torch.Generator().manual_seed(lesson.seed)
+        return iter(DataLoader(stream, batch_size=lesson.pairs, generator=generator))
 
     budget = Budget(lesson.learning_rate, steps=lesson.steps, warm_up_steps=min(100, max(1, lesson.steps // 6)))
     stage = STAGES["warm-delight"]

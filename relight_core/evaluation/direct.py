@@ -6,20 +6,22 @@ enlarging.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import torch
 import torch.nn.functional as F
 
 from relight_core.face.parsing import INDEX
-from relight_core.imaging.tensor_colour import srgb_decode, srgb_encode
+from relight_core.imaging.tensor_colour import grey, srgb_decode, srgb_encode
 from relight_core.lighting.reflection import ReflectionTable
 from relight_core.lighting.relief import ReliefTransport, march_relief
 from relight_core.networks.bundle import NetworkBundle
 from relight_core.pipeline import stages
+from relight_core.pipeline.per_light.bare_skin import bare_skin
 from relight_core.pipeline.per_light.hints import (
     Effects,
+    doubtful_shadow,
     estimated_effects,
     explicit_sum,
     specular_shadow_hints,
@@ -81,7 +83,9 @@ class DirectRelighter:
             channels = {"specular": as_image(effects.specular), "shadow": as_image(effects.shadow)}
         shown = effects or Effects(*[torch.zeros_like(found.albedo[:, :1])] * 2)
         explicit = explicit_sum(found.albedo, reflected, shown)
-        image = self._bundle.composition(found.albedo, found.normal, shown.specular, shown.shadow, explicit, light)
+        image = self._bundle.composition(
+            found.albedo, found.normal, shown.specular, _shown_shadow(found, reflected, shown), explicit, light
+        )
         return channels | {"composition": as_image(image)}
 
     def _effects(self, found: TakenApart, reflected: torch.Tensor, light: torch.Tensor) -> Effects:
@@ -90,7 +94,15 @@ class DirectRelighter:
             fraction = found.transport.shadow_fraction(light.cpu()).to(self._device)
         hints = specular_shadow_hints(config, reflected, fraction, found.relief, found.parsing)
         estimate = self._bundle.specular_shadow(found.normal, light, hints)
-        return estimated_effects(config, estimate, reflected, found.albedo)
+        return replace(estimated_effects(config, estimate, reflected, found.albedo), by_relief=fraction)
+
+
+def _shown_shadow(found: TakenApart, reflected: torch.Tensor, effects: Effects) -> torch.Tensor:
+    """Of the shadow what composition is shown, in training as in the editor (`hints.doubtful_shadow`)."""
+    if found.parsing is None:
+        return effects.shadow
+    diffuse, gloss = grey(found.albedo * reflected[:, :3]), grey(reflected[:, 3:])
+    return doubtful_shadow(effects, diffuse, gloss, bare_skin(found.parsing))
 
 
 def found_channels(found: TakenApart) -> dict[str, np.ndarray]:

@@ -140,8 +140,10 @@ def with_residual_blocks(
         InputError: they do not fit the levels that de-lighting has.
     """
     try:
-        counts = {"residual": encoder, "decoder_residual": decoder}
-        grown = _with_delight(bundle, **{name: count for name, count in counts.items() if count})
+        counts = {name: count for name, count in (("residual", encoder), ("decoder_residual", decoder)) if count}
+        for name, count in counts.items():
+            _check_grows(getattr(bundle.config.delight, name), count)
+        grown = _with_delight(bundle, **counts)
     except ValueError as error:
         raise InputError(str(error)) from error
     if settled:
@@ -149,6 +151,15 @@ def with_residual_blocks(
             if isinstance(part, ResidualBlock) and part.is_untaught:
                 part.begin_settled()
     return grown
+
+
+def _check_grows(before: tuple[int, ...], after: tuple[int, ...]) -> None:
+    """Raise ValueError where trained residual blocks would be lost."""
+    levels = max(len(before), len(after))
+    padded = [(*counts, *[0] * (levels - len(counts))) for counts in (before, after)]
+    if any(new < old for old, new in zip(*padded, strict=True)):
+        has = ",".join(map(str, before))
+        raise ValueError(f"the weights have residual blocks already ({has}), which none may be taken from")
 
 
 def _with_delight(bundle: NetworkBundle, **changes: int | tuple[int, ...]) -> NetworkBundle:

@@ -79,7 +79,7 @@ class AveragedWeights:
         """Move toward the current weights, quickly at first; every few steps, for it touches every weight."""
         if step % self._every:
             return
-        decay = min(self._decay**self._every, (1 + step) / (10 + step))
+        decay = min(self._decay, (1 + step) / (10 + step)) ** self._every
         for name, value in bundle.state_dict().items():
             if value.is_floating_point():
                 self.state[name].lerp_(value, 1 - decay)
@@ -131,7 +131,7 @@ def train_stage(
         optimiser.set_learning_rate(budget.rate(progress.step, elapsed))
         batch, ready = next(batches)
         progress.take(_step(stage, bundle, table, ready, optimiser, device))
-        if progress.in_a_row > _MOST_SKIPPED_IN_A_ROW:
+        if progress.in_a_row >= _MOST_SKIPPED_IN_A_ROW:
             raise TrainingDiverged(f"{progress.in_a_row} non-finite batches in a row at step {progress.step}")
         average.update(bundle, progress.step)
         progress.seconds = time.monotonic() - started

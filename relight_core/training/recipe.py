@@ -12,6 +12,7 @@ from typing import Any
 from relight_core.errors import InputError
 from relight_core.imaging.files import check_regular
 from relight_core.networks.bundle import BundleConfig, NetworkBundle, load_bundle, save_bundle
+from relight_core.networks.person import PersonConfig
 from relight_core.training.loop import state_path
 from relight_core.training.run import Run, train
 from relight_core.training.stages import STAGES
@@ -95,7 +96,8 @@ def _networks(data: dict[str, dict[str, Any]]) -> BundleConfig:
     for name, settings in data.items():
         if not hasattr(config, name):
             raise ValueError(f"unknown network {name!r}")
-        config = replace(config, **{name: replace(getattr(config, name), **settings)})
+        before = PersonConfig() if name == "person" else getattr(config, name)
+        config = replace(config, **{name: replace(before, **settings)})
     return config
 
 
@@ -132,12 +134,14 @@ def follow(
 
     Args:
         report: called with the stage's place in the recipe, the fraction of it that is done, its progress.
-        start: weights to begin from; random ones without.
+        start: weights to begin from, with the networks that the recipe names; random ones without.
         kept, workers, places: see `run.Run`.
 
     Raises:
         TrainingDiverged, InputError: as `loop.train_stage`.
     """
+    if start is not None:
+        _check_start(recipe, start)
     folder.mkdir(parents=True, exist_ok=True)
     before = start
     for number, plan in enumerate(recipe.stages):
@@ -149,6 +153,16 @@ def follow(
     result = load_bundle(before)
     save_bundle(folder / "relight.safetensors", result)
     return result
+
+
+def _check_start(recipe: Recipe, start: Path) -> None:
+    """Weights keep the networks that they were made with, so a recipe must not ask for others without being heard."""
+    has, usual = load_bundle(start).config, BundleConfig()
+    for name in (field.name for field in fields(BundleConfig)):
+        asked = getattr(recipe.networks, name)
+        if asked not in (getattr(usual, name), getattr(has, name)):
+            mend = f"leave out --start, or [networks.{name}] in the recipe"
+            raise InputError(f"{start}: its {name} network is another than the recipe asks for; {mend}")
 
 
 def _run(recipe: Recipe, plan: StagePlan, number: int, heads, lights, checkpoint, before) -> Run:

@@ -108,7 +108,7 @@ def train(run: Run, report) -> NetworkBundle:
     if stage.outlines and run.uses > 1:
         raise InputError(f"{run.stage}: its samples are used once each; only pairs of lights can be used again")
     bundle = load_bundle(run.start) if run.start else NetworkBundle(run.config)
-    if run.detail_width:
+    if run.detail_width and bundle.delight.detail is None:
         bundle = with_detail_pass(bundle, run.detail_width)
     if run.residual or run.decoder_residual:
         bundle = with_residual_blocks(bundle, run.residual, run.decoder_residual, settled=stage.settled)

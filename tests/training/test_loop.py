@@ -14,7 +14,7 @@ from relight_core.errors import InputError
 from relight_core.networks.bundle import BundleConfig, NetworkBundle, load_bundle
 from relight_core.training import loop
 from relight_core.training.curves import draw_curves
-from relight_core.training.loop import Budget, TrainingDiverged, train_stage
+from relight_core.training.loop import AveragedWeights, Budget, TrainingDiverged, train_stage
 from relight_core.training.stages import STAGES
 
 SIZE = 16
@@ -108,7 +108,7 @@ def test_the_checkpoint_is_finite_and_is_what_came_back(tmp_path):
 
 def test_losses_that_stay_non_finite_end_the_run_and_nothing_is_saved(tmp_path):
     batch = some_batch() | {"light": torch.full((1, 2, 16, 32, 3), float("nan"))}
-    with pytest.raises(TrainingDiverged):
+    with pytest.raises(TrainingDiverged, match="^20 non-finite"):
         run(
             STAGES["warm-delight"],
             itertools.repeat(batch),
@@ -291,3 +291,15 @@ def test_the_person_network_learns_and_the_others_stay(tmp_path):
     for name, value in bundle.state_dict().items():
         assert name.startswith("person.") or torch.equal(value.cpu(), before[name])
     assert (tmp_path / "w.samples.png").exists()
+
+
+@pytest.mark.parametrize(("steps", "nearest"), [(50, 40), (300, 250), (2000, 1400)])
+def test_averaged_weights_follow_closely_at_first(steps, nearest):
+    bundle = NetworkBundle(BundleConfig.tiny())
+    average, first = AveragedWeights(bundle), next(bundle.parameters())
+    for step in range(1, steps + 1):
+        with torch.no_grad():
+            first.fill_(float(step))
+        average.update(bundle, step)
+    reached = float(next(average.bundle(bundle).parameters()).detach().flatten()[0])
+    assert nearest < reached < steps

@@ -1,6 +1,7 @@
 """Training recipes: what is read from TOML, and that a run which was stopped goes on."""
 
 import itertools
+from dataclasses import replace
 
 import pytest
 import torch
@@ -8,6 +9,7 @@ from test_loop import some_batch
 
 from relight_core.errors import InputError
 from relight_core.networks.bundle import BundleConfig, NetworkBundle, load_bundle, save_bundle, with_residual_blocks
+from relight_core.networks.delight import DelightConfig
 from relight_core.training import run as run_module
 from relight_core.training.recipe import follow, load_recipe, recipe_names
 
@@ -125,6 +127,22 @@ def test_stages_follow_each_other(tmp_path, data):
     assert [stage for stage, _, _ in data] == ["warm-relight"]
 
 
+def test_networks_that_the_start_has_not_are_no_longer_asked_for_in_vain(tmp_path, data):
+    save_bundle(tmp_path / "start.safetensors", NetworkBundle(BundleConfig.tiny()))
+    recipe = load_recipe(written(tmp_path, SHORT))
+    fitting = replace(recipe, networks=BundleConfig.tiny())
+    follow(fitting, tmp_path, tmp_path, tmp_path / "out", lambda *progress: None, tmp_path / "start.safetensors")
+    wider = replace(fitting, networks=replace(BundleConfig.tiny(), delight=DelightConfig(width=6, levels=3)))
+    with pytest.raises(InputError, match="networks.delight"):
+        follow(wider, tmp_path, tmp_path, tmp_path / "other", lambda *progress: None, tmp_path / "start.safetensors")
+    assert not (tmp_path / "other").exists()
+
+
+def test_a_recipe_may_size_the_person_network(tmp_path):
+    recipe = load_recipe(written(tmp_path, "[networks.person]\nwidth = 8\n" + SHORT[SHORT.index("[[stage]]") :]))
+    assert recipe.networks.person.width == 8
+
+
 def test_a_detail_pass_changes_nothing_until_it_is_trained(tmp_path):
     from relight_core.networks.bundle import with_detail_pass
 
@@ -190,6 +208,13 @@ class TestResidualBlocks:
         torch.testing.assert_close(deeper[-2].first.conv.weight, block.first.conv.weight)
         torch.testing.assert_close(deeper[-2].second.norm.weight, torch.full_like(block.second.norm.weight, 0.5))
         assert not deeper[-1].second.conv.weight.any()
+
+    def test_none_that_are_there_are_taken_away(self):
+        taught = with_residual_blocks(self.bundle(), (0, 1, 1), (1, 0))
+        for fewer in ({"encoder": (0, 0, 1)}, {"encoder": (0, 1, 1), "decoder": (0, 1)}):
+            with pytest.raises(InputError, match="residual blocks already"):
+                with_residual_blocks(taught, **fewer)
+        assert with_residual_blocks(taught, (0, 1, 2)).config.delight.residual == (0, 1, 2)
 
     def test_for_other_levels_are_refused(self):
         with pytest.raises(InputError, match="3 numbers"):
