@@ -42,16 +42,32 @@ class LightChange:
         offset: (S, S, 3) float32, >= 0.
         shine: (S, S, 3) float32, >= 0: by how much a unit of gloss raises the gain.
         veil: (S, S, 3) float32, [0, 1]: by how much it raises the offset.
+        lift: (S, S, 3) float32, >= 0: by how much a unit of diffuse light raises the gain; None where it, too, is a
+            matter of the offset.
     """
 
     gain: np.ndarray
     offset: np.ndarray
     shine: np.ndarray
     veil: np.ndarray
+    lift: np.ndarray | None = None
 
     def apply(self, photo: np.ndarray) -> np.ndarray:
         """A picture of the maps' size relit: (S, S, 3), linear."""
         return self.gain * photo + self.offset
+
+    def moved(
+        self, kept: np.ndarray, gloss: np.ndarray, lifted: np.ndarray | None = None
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Gain and offset with a share of the relit picture kept, and gloss and diffuse light added to it.
+
+        Args:
+            kept, gloss, lifted: (S, S, 3), >= 0, the first <= 1.
+        """
+        if lifted is not None and self.lift is None:
+            gloss, lifted = gloss + lifted, None
+        gain, offset = self.gain * kept + gloss * self.shine, self.offset * kept + gloss * self.veil
+        return (gain if lifted is None else _within_reach(gain + lifted * self.lift)), offset
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,7 +113,10 @@ def fit_light_change(photo: np.ndarray, relit: np.ndarray, gloss: np.ndarray, ma
     carried = np.maximum(_TEXTURED * textured, even) * np.minimum(photo / _PALE, 1.0)
     shine, veil = carried / np.maximum(photo, _DARK), (1 - carried) * (1 - even)
     offset = veil * gloss + _DARK * np.clip(gain - 1.0, 0.0, LARGEST_GAIN)
-    return LightChange(_within_reach(gain + shine * gloss), offset, shine, veil)
+    # Of a pattern, light that a shadow gives back brightens the dark places as it does those around them.
+    seen = photo + patterned * (_mean(photo) - photo)
+    lift = even * shine + (1 - even) / (seen + _DARK)
+    return LightChange(_within_reach(gain + shine * gloss), offset, shine, veil, lift)
 
 
 def _pattern_kept(photo: np.ndarray, matt: np.ndarray, gain: np.ndarray, patterned: np.ndarray) -> np.ndarray:

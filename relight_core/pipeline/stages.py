@@ -368,10 +368,18 @@ def compose(
 
 @dataclass(frozen=True)
 class SliderChange:
-    """What the sliders do to a composed image: image * kept + added; both (1, 3, S, S), >= 0, kept <= 1."""
+    """What the sliders do to a composed image: image * kept + added + lifted; all (1, 3, S, S), >= 0, kept <= 1.
+
+    Attributes:
+        kept: what is left of it.
+        added: gloss.
+        lifted: diffuse light that a weaker shadow lets through, which multiplies what the surface shows; None where
+            the shadow is no weaker.
+    """
 
     kept: torch.Tensor
     added: torch.Tensor
+    lifted: torch.Tensor | None = None
 
 
 @torch.inference_mode()
@@ -391,4 +399,9 @@ def move_sliders(
     """
     moved = explicit_sum(surface.albedo, reflected, effects, specular_gain, shadow_gain)
     kept = ((moved + 1e-3) / (composed.plain + 1e-3)).clamp(0, 1)
-    return SliderChange(kept, (moved - composed.plain).clamp_min(0))
+    added = (moved - composed.plain).clamp_min(0)
+    if shadow_gain >= 1:
+        return SliderChange(kept, added)
+    weaker, usual = (explicit_sum(surface.albedo, reflected, effects, 0.0, gain) for gain in (shadow_gain, 1.0))
+    lifted = torch.minimum(added, (weaker - usual).clamp_min(0))
+    return SliderChange(kept, added - lifted, lifted)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from relight_core.imaging.joint_upsampling import JointUpsampler
-from relight_core.imaging.light_change import Makeup, fit_light_change
+from relight_core.imaging.light_change import LightChange, Makeup, fit_light_change
 from relight_core.imaging.resampling import resize_area
 
 
@@ -160,3 +160,21 @@ def test_a_slope_of_light_over_a_slope_of_the_photo_has_no_steps():
     row = JointUpsampler(small, photo)(gain)[64, 16:-16, 0]
     steps = np.diff(row)
     np.testing.assert_allclose(steps, steps.mean(), rtol=0.2)
+
+
+def test_light_that_a_weaker_shadow_lets_through_keeps_the_strands_of_dark_hair():
+    strands = np.where(np.indices((16, 16)).sum(0) % 2, 0.004, 0.012)[..., None].repeat(3, -1).astype(np.float32)
+    change = fit_light_change(strands, 0.5 * strands, NO_GLOSS, made_of(patterned=1, textured=1))
+    all_kept, lifted = np.ones_like(strands), np.full_like(strands, 0.004)
+    gain, offset = change.moved(all_kept, np.zeros_like(strands), lifted)
+    shown, before = (gain * strands + offset)[4:12, 4:12], change.apply(strands)[4:12, 4:12]
+    assert shown.mean() == pytest.approx(before.mean() + 0.004, rel=0.15)
+    assert shown.max() / shown.min() > 0.9 * before.max() / before.min()
+
+
+def test_without_detail_all_that_is_added_is_an_offset():
+    nothing = np.zeros((4, 4, 3), np.float32)
+    change = LightChange(nothing, nothing + 0.3, nothing, nothing + 1)
+    gain, offset = change.moved(nothing + 0.5, nothing + 0.1, nothing + 0.2)
+    assert gain.max() == 0
+    np.testing.assert_allclose(offset, 0.5 * 0.3 + 0.1 + 0.2, rtol=1e-6)

@@ -96,7 +96,7 @@ def test_sliders_are_monotone_pixel_by_pixel(scene, slider):
     for gain in GAINS:
         gains = (gain, 1.0) if slider == "specular" else (1.0, gain)
         moved = move_sliders(composed, surface, reflected, effects, *gains)
-        images.append(composed.image * moved.kept + moved.added)
+        images.append(composed.image * moved.kept + moved.added + (0 if moved.lifted is None else moved.lifted))
     for one, next_one in zip(images, images[1:], strict=False):
         step = next_one - one if slider == "specular" else one - next_one
         assert step.min() >= -1e-6
