@@ -14,7 +14,7 @@ from relight_core.imaging.photo import Photo
 from relight_core.lighting.reflection import ReflectionTable
 from relight_core.pipeline.face_taken_apart import Workshop
 from relight_core.pipeline.per_photo.brush import BrushStroke, checked_strokes, painted
-from relight_core.pipeline.per_photo.matte import draft_matte, finish_matte
+from relight_core.pipeline.per_photo.matte import DraftMatte, draft_matte, finish_matte
 from relight_core.pipeline.per_photo.person import canvas_of, whole_person
 from relight_core.pipeline.results.finish import place_views, weights_on_views
 
@@ -106,6 +106,18 @@ def test_what_is_taken_away_is_no_person():
     after = matte_after(BrushStroke(((70.0, 200.0), (130.0, 200.0)), 15.0, False))
     assert before[190:210, 80:120].min() > 0.95
     assert after[190:210, 80:120].max() < 0.05
+
+
+@pytest.mark.parametrize("adds", [True, False])
+def test_a_thin_stroke_over_something_calm_covers_what_it_was_painted_over(adds):
+    size = (128, 1024)
+    wall, nobody = np.full((*size, 3), 0.3, np.float32), np.full(size, float(not adds), np.float32)
+    stroke = BrushStroke(((300.0, 64.5), (700.0, 64.5)), 4.0, adds)
+    matte = finish_matte(DraftMatte(nobody, wall, wall, size), [stroke])
+    after = whole_person(canvas_of(Photo(wall)), matte).share
+    assert np.abs(after[62:67, 320:680] - adds).max() < 0.05
+    assert np.abs(after[:50] - (not adds)).max() < 0.05
+    assert np.abs(after[80:] - (not adds)).max() < 0.05
 
 
 def test_the_photos_own_cut_out_stays():

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import cv2
 import numpy as np
@@ -132,22 +132,34 @@ def draft_matte(
 def finish_matte(draft: DraftMatte | None, strokes: Sequence[BrushStroke] = ()) -> Matte:
     """Let the strokes of a brush correct a draft, and move its edges onto the photo's.
 
-    A guided filter (He, Sun and Tang 2013) does the latter, so that a stroke need not follow an edge by the pixel.
-    The photo's own alpha, of which there is no draft, is left as it is.
+    A guided filter (He, Sun and Tang 2013) does the latter, so that a stroke need not follow an edge by the pixel;
+    one that is thinner than the filter's window, which would average it away, stays where it was painted. The photo's
+    own alpha, of which there is no draft, is left as it is.
     """
     if draft is None:
         nothing, black = np.zeros((1, 1), np.float32), np.zeros((1, 1, 3), np.float32)
         return Matte(nothing, nothing, black, black, nothing, True)
     small, guide = draft.small, draft.guide
-    coarse = painted(draft.share, strokes, draft.photo_size)
-    edges = _guided(guide, coarse, max(round(max(guide.shape) / _EDGE_WINDOWS), 2))
-    share = np.clip((edges - 0.2) / 0.6, 0.0, 1.0)
+    share = _on_edges(guide, painted(draft.share, strokes, draft.photo_size), strokes, draft.photo_size)
     slope, level = np.zeros_like(share), share
     if guide.shape[:2] != draft.photo_size:
         slope, level = _guided_coefficients(guide_of(small), share)
     fused = shrunk_size(draft.photo_size, _FUSION_PX)
     nearby = cv2.GaussianBlur(resize_area(share, fused), (0, 0), max(max(fused) * _NEAR_SHARE, 0.5))
     return Matte(slope, level, *_sides(small, share), np.clip(nearby, 0.0, 1.0))
+
+
+def _on_edges(
+    guide: np.ndarray, coarse: np.ndarray, strokes: Sequence[BrushStroke], photo_size: tuple[int, int]
+) -> np.ndarray:
+    """The painted matte (h, w), its edges moved onto those of the guide (h, w, 3), but for thin strokes."""
+    window = max(round(max(guide.shape) / _EDGE_WINDOWS), 2)
+    share = np.clip((_guided(guide, coarse, window) - 0.2) / 0.6, 0.0, 1.0)
+    window_px = window * max(photo_size) / max(guide.shape)
+    covered = [replace(stroke, adds=stroke.radius_px < window_px) for stroke in strokes]
+    if not any(stroke.adds for stroke in covered):
+        return share
+    return share + painted(np.zeros_like(share), covered, photo_size) * (coarse - share)
 
 
 def _matted(guide: np.ndarray, placed: list[np.ndarray], size: tuple[int, int]) -> np.ndarray:
