@@ -6,7 +6,14 @@ import pytest
 import torch
 
 from relight_core.errors import InputError
-from relight_core.evaluation.ablation.variants import VARIANTS, Budget, in_words, train_variants, trained_variants
+from relight_core.evaluation.ablation.variants import (
+    VARIANTS,
+    Budget,
+    check_budget,
+    in_words,
+    train_variants,
+    trained_variants,
+)
 from relight_core.evaluation.peers.table import contenders, trained_sun
 from relight_core.networks.bundle import load_bundle
 from relight_core.training import run as run_module
@@ -126,6 +133,23 @@ def test_another_budget_wants_another_folder(trained):
     folder, *_ = trained
     with pytest.raises(InputError, match="budget|training with"):
         train_variants(folder, folder, folder, Budget(steps=3, size=SIZE, pairs=1))
+
+
+def test_other_heads_or_lights_want_another_folder(tmp_path):
+    heads, lights, folder = tmp_path / "heads", tmp_path / "lights.npz", tmp_path / "tables"
+    heads.mkdir()
+    folder.mkdir()
+    (heads / "head-7.npz").write_bytes(b"one")
+    lights.write_bytes(b"sky")
+    for _ in range(2):
+        check_budget(folder, BUDGET, heads, lights)
+    (heads / "head-8.npz").write_bytes(b"two")
+    with pytest.raises(InputError, match="another folder"):
+        check_budget(folder, BUDGET, heads, lights)
+    (heads / "head-8.npz").unlink()
+    lights.write_bytes(b"other sky")
+    with pytest.raises(InputError, match="another folder"):
+        check_budget(folder, BUDGET, heads, lights)
 
 
 def test_what_is_not_finished_does_not_count(tmp_path):

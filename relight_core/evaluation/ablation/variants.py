@@ -10,6 +10,7 @@ from pathlib import Path
 
 import torch
 
+from relight_core.dataset.recipe import load_split
 from relight_core.errors import InputError
 from relight_core.imaging.files import whole_file
 from relight_core.networks.bundle import BundleConfig, NetworkBundle, load_bundle, save_bundle
@@ -86,10 +87,10 @@ def train_variants(
         The variants' weights, by name.
 
     Raises:
-        InputError: the folder holds a training of another budget.
+        InputError: the folder holds a training of another budget, or on other data.
         TrainingDiverged, InputError: as `training.loop.train_stage`.
     """
-    check_budget(folder, budget)
+    check_budget(folder, budget, heads, lights)
     plans = {name: budget.of(load_recipe(recipe)) for name, recipe in VARIANTS.items()}
     for number, (name, recipe) in enumerate(plans.items()):
         if not _weights(folder, name).exists():
@@ -98,14 +99,22 @@ def train_variants(
     return trained_variants(folder)
 
 
-def check_budget(folder: Path, budget: Budget) -> None:
-    """Note the budget in a folder; raises InputError where another one is noted."""
-    note, words = folder / "budget.json", json.dumps(asdict(budget))
+def check_budget(folder: Path, budget: Budget, heads: Path, lights: Path) -> None:
+    """Note the budget and the training data in a folder; raises InputError where others are noted."""
+    note, words = folder / "budget.json", json.dumps({**asdict(budget), "data": _mark_of(heads, lights)})
     if not note.exists():
         with whole_file(note) as beside:
             beside.write_text(words)
     elif note.read_text() != words:
         raise InputError(f"{folder}: holds a training with {note.read_text()}; choose another folder after -o")
+
+
+def _mark_of(heads: Path, lights: Path) -> str:
+    """Tells one set of training heads and lights from another by the names and sizes of their files."""
+    panoramas = [path for suffix in (".hdr", ".exr") for path in sorted(lights.rglob(f"*{suffix}"))]
+    files = [*load_split(heads, "train"), *(panoramas if lights.is_dir() else [lights])]
+    listed = json.dumps([[path.name, path.stat().st_size] for path in files])
+    return hashlib.sha256(listed.encode()).hexdigest()[:10]
 
 
 def trained_variants(folder: Path) -> dict[str, Path]:

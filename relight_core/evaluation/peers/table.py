@@ -48,7 +48,7 @@ def trained_sun(
     Args:
         like: it is as wide and deep as this de-lighting network; None is that of the variants.
     """
-    check_budget(folder, budget)
+    check_budget(folder, budget, heads, lights)
     checkpoint, variant = folder / "sun" / "sun.safetensors", budget.of(load_recipe(VARIANTS["Full"]))
     if not checkpoint.exists() or state_path(checkpoint).exists():
         run = Run("", heads, lights, checkpoint, size=budget.size, pairs=budget.pairs, kept=folder / "batches")
