@@ -67,7 +67,7 @@ class LightChange:
         if lifted is not None and self.lift is None:
             gloss, lifted = gloss + lifted, None
         gain, offset = self.gain * kept + gloss * self.shine, self.offset * kept + gloss * self.veil
-        return (gain if lifted is None else _within_reach(gain + lifted * self.lift)), offset
+        return (gain if lifted is None else within_reach(gain + lifted * self.lift)), offset
 
 
 @dataclass(frozen=True, eq=False)
@@ -116,7 +116,7 @@ def fit_light_change(photo: np.ndarray, relit: np.ndarray, gloss: np.ndarray, ma
     # Of a pattern, light that a shadow gives back brightens the dark places as it does those around them.
     seen = photo + patterned * (_mean(photo) - photo)
     lift = even * shine + (1 - even) / (seen + _DARK)
-    return LightChange(_within_reach(gain + shine * gloss), offset, shine, veil, lift)
+    return LightChange(within_reach(gain + shine * gloss), offset, shine, veil, lift)
 
 
 def _pattern_kept(photo: np.ndarray, matt: np.ndarray, gain: np.ndarray, patterned: np.ndarray) -> np.ndarray:
@@ -140,8 +140,8 @@ def _evened(photo: np.ndarray, matt: np.ndarray, gain: np.ndarray, share: np.nda
     return gain + (after / np.maximum(before, 1e-9) - gain) * share
 
 
-def _within_reach(gain: np.ndarray) -> np.ndarray:
-    """The gain <= LARGEST_GAIN, its colour kept: dark hair in a warm light would turn green."""
+def within_reach(gain: np.ndarray) -> np.ndarray:
+    """A gain (..., 3) >= 0 that is at most LARGEST_GAIN, its colour kept: dark hair in a warm light would turn green."""
     largest = gain.max(axis=-1, keepdims=True)
     return gain * (LARGEST_GAIN / np.maximum(largest, LARGEST_GAIN))
 

@@ -128,3 +128,12 @@ def test_a_relit_photo_below_black_counts_as_black():
     gain = body_gain(body, EVEN, relit)
     assert np.isfinite(gain).all()
     np.testing.assert_array_equal(gain, body_gain(body, EVEN, black))
+
+
+def test_a_body_in_the_dark_keeps_the_colour_of_its_light_at_the_largest_gain():
+    size = (40, 40)
+    photo = np.full((*size, 3), 0.002, np.float32)
+    body = make_body(photo, np.ones(size, np.float32), np.ones(size, np.float32), ReflectionTable())
+    gain = body_gain(body, EVEN, np.float32([60, 30, 15]) * (body.photo + 1e-3))
+    assert gain.max() == pytest.approx(16, rel=0.01)
+    np.testing.assert_allclose(gain[20, 20] / gain[20, 20, 0], [1, 0.5, 0.25], rtol=0.05)

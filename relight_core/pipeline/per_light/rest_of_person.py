@@ -16,6 +16,7 @@ import numpy as np
 import torch
 
 from relight_core.imaging.colour import luminance
+from relight_core.imaging.light_change import within_reach
 from relight_core.imaging.resampling import resize_area, shrunk_size
 from relight_core.lighting.reflection import NormalLookup, ReflectionTable
 from relight_core.lighting.sphere import solid_angles
@@ -25,7 +26,6 @@ _DARK = 1e-3
 _WELL_SEEN, _HEADROOM = 0.1, 0.1
 """Where a photo is darker than the one, or nearer to clipping than the other, its gain says less."""
 _FLOOR = 0.02
-_LARGEST_GAIN = 16.0
 _FILL = 0.15
 _REACHES = (0.0125, 0.03, 0.08, 0.2)
 
@@ -98,7 +98,7 @@ def body_gain(body: Body, light: torch.Tensor, relit: np.ndarray, in_photo: np.n
     found = (np.maximum(relit, 0.0) + _DARK) / (body.photo + _DARK)
     correction = np.exp(body.onward(np.log(found / small)))
     correction = cv2.resize(correction, guess.shape[1::-1], interpolation=cv2.INTER_LINEAR).reshape(guess.shape)
-    return np.clip(guess * correction, 0.0, _LARGEST_GAIN).astype(np.float32)
+    return within_reach(np.maximum(guess * correction, 0.0)).astype(np.float32)
 
 
 def _bulging(share: np.ndarray) -> np.ndarray:
