@@ -141,7 +141,7 @@ def _evened(photo: np.ndarray, matt: np.ndarray, gain: np.ndarray, share: np.nda
 
 
 def within_reach(gain: np.ndarray) -> np.ndarray:
-    """A gain (..., 3) >= 0 that is at most LARGEST_GAIN, its colour kept: dark hair in a warm light would turn green."""
+    """A gain (..., 3) >= 0, at most LARGEST_GAIN, its colour kept: dark hair in a warm light would turn green."""
     largest = gain.max(axis=-1, keepdims=True)
     return gain * (LARGEST_GAIN / np.maximum(largest, LARGEST_GAIN))
 
