@@ -6,7 +6,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from app.engine.sources import LightSource
-from app.ui.light_change import light_that_stays, with_added
+from app.ui.light_wish import light_that_stays, with_added
 
 if TYPE_CHECKING:
     from app.ui.state import EditorState
@@ -34,7 +34,7 @@ def fall_back(state: EditorState) -> None:
     if state.light in snapshot.refused:
         _take_light_back(state)
     if snapshot.light is not None and snapshot.light.source is state.light:
-        state.light_change = None
+        state.light_wish = None
 
 
 def _take_light_back(state: EditorState) -> None:

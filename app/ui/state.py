@@ -20,8 +20,8 @@ from app.ui.export_name import named_place
 from app.ui.face_edits import FaceTool
 from app.ui.falling_back import FIRST_LIGHT, fall_back, give_up_what_is_on_its_way
 from app.ui.layout import OpenGroups, Panels
-from app.ui.light_change import LightChange, light_that_stays, note_light_change
 from app.ui.light_list import wish_again
+from app.ui.light_wish import LightWish, light_that_stays, note_light_wish
 from app.ui.look import LookState
 from app.ui.open_work import KeptWork, Opening, Undoing
 from app.ui.photo_queue import PhotoQueue
@@ -89,7 +89,7 @@ class EditorState:
         works: the work on each photo of this run as it was left, by the photo's absolute path.
         work_on: the photo that is open, by the same.
         left: the open photo as it was wished for when another one was asked for.
-        light_change: another light that was asked for, until it is there.
+        light_wish: another light that was asked for, until it is there.
         waiting: work of the open photo's own, where it came back under the light and the sliders of another.
     """
 
@@ -144,7 +144,7 @@ class EditorState:
     works: dict[Path, KeptWork] = field(default_factory=dict)
     work_on: Path | None = None
     left: PhotoSource | None = None
-    light_change: LightChange | None = None
+    light_wish: LightWish | None = None
     waiting: KeptWork | None = None
     _found: dict[Path, tuple[FaceBox, ...]] = field(default_factory=dict)
 
@@ -283,7 +283,7 @@ class EditorState:
         self.open_light(light.source())
         self.take_light_edit(light_edit)
         self.change(yaw_deg=yaw_deg)
-        note_light_change(self, before)
+        note_light_wish(self, before)
 
     def is_unsaved(self) -> bool:
         """Whether there is work that no session file holds."""
@@ -320,14 +320,14 @@ class EditorState:
             before = light_that_stays(self)
             self.light = self._known(light)
             self.take_light_edit(light.opened_around(self.light_edit))
-            note_light_change(self, before)
+            note_light_wish(self, before)
 
     def open_light(self, light: LightSource) -> None:
         """Ask for the light in a file as the file is now; one that is in use keeps what was changed about it."""
         before = light_that_stays(self)
         self.choose_light(light)
         self.light = self._known(light, afresh=True)
-        note_light_change(self, before)
+        note_light_wish(self, before)
 
     def accept(self, snapshot: Snapshot) -> None:
         """Take over what the engine published; wishes it refused fall back to what is in force."""

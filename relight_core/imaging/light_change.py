@@ -67,7 +67,7 @@ class LightChange:
         if lifted is not None and self.lift is None:
             gloss, lifted = gloss + lifted, None
         gain, offset = self.gain * kept + gloss * self.shine, self.offset * kept + gloss * self.veil
-        return (gain if lifted is None else within_reach(gain + lifted * self.lift)), offset
+        return (gain if lifted is None else _with_added(gain, lifted * self.lift)), offset
 
 
 @dataclass(frozen=True, eq=False)
@@ -138,6 +138,12 @@ def _evened(photo: np.ndarray, matt: np.ndarray, gain: np.ndarray, share: np.nda
     size = (_EVEN_PX, _EVEN_PX)
     before, after = (cv2.GaussianBlur((image + _DARK) * share, size, 0) for image in (photo, matt))
     return gain + (after / np.maximum(before, 1e-9) - gain) * share
+
+
+def _with_added(gain: np.ndarray, more: np.ndarray) -> np.ndarray:
+    """The sum, but of what is added no more than LARGEST_GAIN leaves room for."""
+    room = np.maximum(LARGEST_GAIN - gain.max(axis=-1, keepdims=True), 0.0)
+    return gain + more * np.minimum(1.0, room / np.maximum(more.max(axis=-1, keepdims=True), 1e-6))
 
 
 def within_reach(gain: np.ndarray) -> np.ndarray:

@@ -17,9 +17,9 @@ from relight_core.lighting.roll import roll_light
 from relight_core.lighting.sphere import directions, place_on_map, solid_angles, turned
 
 _ROWS = 128
-_MOST, _ROUNDS = 4, 8
+MOST_LAMPS, _ROUNDS = 4, 8
 """Lamps of a light, and bright places that are looked at for them: specks are brighter than many a sun."""
-_AHEAD = 1.25
+_AHEAD, _NO_HARDNESS = 1.25, 1e-3
 _CORE_DEG, AROUND_DEG, BEYOND_DEG = 6.0, 12.0, 18.0
 """How far from its middle a lamp reaches in full, how far at most, and up to where its surroundings count."""
 
@@ -61,7 +61,12 @@ class Lamp:
 
 def lamps_of(environment: Environment, yaw_deg: float = 0.0) -> tuple[Lamp, ...]:
     """The small lamps of a light, those that give most first, at most 4; sought once per shape."""
-    return tuple(lamp.turned(yaw_deg) for lamp in environment.of_shape("lamps", _find))
+    return tuple(lamp.turned(yaw_deg) for lamp in _foremost(bright_places(environment)))
+
+
+def bright_places(environment: Environment) -> tuple[Lamp, ...]:
+    """All that may be a small lamp, those that give most first, each with the hardness that it has by itself."""
+    return environment.of_shape("bright places", _find)
 
 
 def footprint(lamp: Lamp, roll_deg: float = 0.0, height: int = 16) -> np.ndarray:
@@ -133,24 +138,23 @@ def _find(shape: np.ndarray) -> tuple[Lamp, ...]:
             lamps.append(lamp)
         left *= 1 - around
         left[peak] = 0
-    return _foremost(lamps)
+    return tuple(sorted(lamps, key=_given, reverse=True))
 
 
-def _foremost(lamps: list[Lamp]) -> tuple[Lamp, ...]:
+def _given(lamp: Lamp) -> float:
+    return lamp.irradiance * lamp.hardness
+
+
+def _foremost(ranked: tuple[Lamp, ...]) -> tuple[Lamp, ...]:
     """The four that give most light; those that give hardly more than the fifth lose their hardness."""
-
-    def given(lamp: Lamp) -> float:
-        return lamp.irradiance * lamp.hardness
-
-    ranked = sorted(lamps, key=given, reverse=True)
-    if len(ranked) <= _MOST:
-        return tuple(ranked)
-    fifth = given(ranked[_MOST])
+    if len(ranked) <= MOST_LAMPS:
+        return ranked
+    fifth = _given(ranked[MOST_LAMPS])
     kept = (
-        replace(lamp, hardness=float(lamp.hardness * _ramp(given(lamp), fifth, _AHEAD * fifth)))
-        for lamp in ranked[:_MOST]
+        replace(lamp, hardness=float(lamp.hardness * _ramp(_given(lamp), fifth, _AHEAD * fifth)))
+        for lamp in ranked[:MOST_LAMPS]
     )
-    return tuple(lamp for lamp in kept if lamp.hardness > 0)
+    return tuple(lamp for lamp in kept if lamp.hardness > _NO_HARDNESS)
 
 
 def _measured(grey: np.ndarray, toward: np.ndarray, areas: np.ndarray, around: np.ndarray, beyond: np.ndarray) -> Lamp:

@@ -14,7 +14,7 @@ import numpy as np
 
 from relight_core.imaging.colour import REC709_LUMINANCE
 from relight_core.lighting.environment import Environment, shrink
-from relight_core.lighting.lamps import AROUND_DEG, BEYOND_DEG, Lamp, lamps_of
+from relight_core.lighting.lamps import AROUND_DEG, BEYOND_DEG, MOST_LAMPS, Lamp, bright_places
 from relight_core.lighting.rig_description import AreaLight
 from relight_core.lighting.rig_render import render_rig
 from relight_core.lighting.soft_box import SMALLEST_DEG, SoftBox, moved_to
@@ -22,7 +22,6 @@ from relight_core.lighting.sphere import directions, solid_angles
 from relight_core.lighting.summary import meter_reading
 
 _MEASURED_HEIGHT = 256
-_LEAST_HARDNESS = 0.25
 
 
 def own_lamps(light: Environment) -> tuple[SoftBox, ...]:
@@ -70,13 +69,12 @@ def _as_box(lamp: AreaLight, unit: float) -> SoftBox:
     return box if lamp.kelvin is None else replace(box, kelvin=lamp.kelvin)
 
 
-def _clear_lamps(light: Environment) -> tuple[Lamp, ...]:
-    """Those that are small enough and give enough; the brightest corner of a window is nothing to take hold of."""
-    return tuple(lamp for lamp in lamps_of(light) if lamp.hardness >= _LEAST_HARDNESS)
+def _small_lamps(light: Environment) -> tuple[Lamp, ...]:
+    return bright_places(light)[:MOST_LAMPS]
 
 
 def _lamps_of_panorama(light: Environment) -> tuple[SoftBox, ...]:
-    lamps = _clear_lamps(light)
+    lamps = _small_lamps(light)
     if not lamps:
         return ()
     small = shrink(light.shape, _MEASURED_HEIGHT) if light.height > _MEASURED_HEIGHT else light.shape
@@ -86,7 +84,7 @@ def _lamps_of_panorama(light: Environment) -> tuple[SoftBox, ...]:
 
 
 def _room_of_panorama(light: Environment) -> np.ndarray:
-    return _taken_out(light.shape, _clear_lamps(light))[0]
+    return _taken_out(light.shape, _small_lamps(light))[0]
 
 
 def _disc(name: str, lamp: Lamp, card: np.ndarray, unit: float) -> SoftBox:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import numpy as np
 
 from relight_core.lighting.environment import mean_luminance, shrink
@@ -28,13 +30,17 @@ def roll_light(radiance: np.ndarray, roll_deg: float, height: int | None = None)
     height = height or rows
     if roll_deg == 0:
         return radiance if height == rows else shrink(radiance, height)
-    fine = _FINER * height
-    x, y, z = np.moveaxis(directions(fine, 2 * fine).astype(np.float64), -1, 0)
+    rolled = shrink(radiance[_texels(rows, _FINER * height, float(roll_deg))], height)
+    before, after = mean_luminance(radiance), mean_luminance(rolled)
+    return rolled * np.float32(before / after if after > 0 else 1.0)
+
+
+@lru_cache(maxsize=16)
+def _texels(rows: int, height: int, roll_deg: float) -> tuple[np.ndarray, np.ndarray]:
+    """Row and column of the panorama's texel that each texel of the turned one shows; both (height, 2 * height)."""
+    x, y, z = np.moveaxis(directions(height, 2 * height).astype(np.float64), -1, 0)
     angle = np.radians(roll_deg)
     across, up = np.cos(angle) * x - np.sin(angle) * y, np.sin(angle) * x + np.cos(angle) * y
     from_left, from_top = place_on_map(across, up, z)
     column = np.floor(from_left * 2 * rows).astype(np.intp) % (2 * rows)
-    row = np.clip(np.floor(from_top * rows).astype(np.intp), 0, rows - 1)
-    rolled = shrink(radiance[row, column], height)
-    before, after = mean_luminance(radiance), mean_luminance(rolled)
-    return rolled * np.float32(before / after if after > 0 else 1.0)
+    return np.clip(np.floor(from_top * rows).astype(np.intp), 0, rows - 1), column

@@ -21,7 +21,6 @@ from relight_core.pipeline.quality import Tier
 _MOST_ALBEDO = math.log(2.0)
 """By what one face is brighter than the others, its albedo is, up to about a stop; what is more, the light near it."""
 
-
 _LEAST_KNOWN = 1e-6
 """A box over black, where there is nobody, says nothing of how bright the others are."""
 

@@ -17,7 +17,7 @@ from relight_core.pipeline.per_light.hard_shadow import harden_shadow, horizon_o
 from relight_core.pipeline.per_light.hints import Effects
 from relight_core.pipeline.per_light.kept_lights import ServingLight
 from relight_core.pipeline.per_light.residual import add_residual
-from relight_core.pipeline.per_light.sliders import soften_shadow, specular_gain
+from relight_core.pipeline.per_light.sliders import move_sliders, soften_shadow, specular_gain
 from relight_core.pipeline.per_photo.blown import skin_share
 from relight_core.pipeline.per_photo.nearer_look import with_nearer_change, with_nearer_effects
 from relight_core.pipeline.plan import Plan
@@ -166,7 +166,8 @@ class FaceRelighter(FaceInPhoto):
             specular = specular_gain(edit.specular * plan.runs("specular"), edit.specular_tint, self._shop.device)
             effects = soften_shadow(lit.effects, ready.surface, lit.reflected, edit.shadow_softness)
             shadow = edit.shadow * plan.runs("shadow")
-            moved = stages.move_sliders(lit.composed, ready.surface, lit.reflected, effects, specular, shadow)
+            composed_of = lit.effects, float(plan.runs("shadow"))
+            moved = move_sliders(lit.composed, ready.surface, lit.reflected, effects, specular, shadow, composed_of)
         change = enlarge_change(fit, moved, self._upsampler(ready), level)
         if lit.nearer is not None:
             from_near = self.nearer.change(*lit.nearer, plan, edit, level)

@@ -1,6 +1,8 @@
 """The variants of Table 2: what each recipe switches, and that all are trained alike."""
 
 import itertools
+import json
+from dataclasses import asdict
 
 import pytest
 import torch
@@ -150,6 +152,16 @@ def test_other_heads_or_lights_want_another_folder(tmp_path):
     lights.write_bytes(b"other sky")
     with pytest.raises(InputError, match="another folder"):
         check_budget(folder, BUDGET, heads, lights)
+
+
+def test_a_folder_from_before_data_was_noted_goes_on(tmp_path):
+    lights = tmp_path / "lights.npz"
+    lights.write_bytes(b"sky")
+    (tmp_path / "budget.json").write_text(json.dumps(asdict(BUDGET)))
+    check_budget(tmp_path, BUDGET, tmp_path, lights)
+    lights.write_bytes(b"other sky")
+    with pytest.raises(InputError, match="another folder"):
+        check_budget(tmp_path, BUDGET, tmp_path, lights)
 
 
 def test_what_is_not_finished_does_not_count(tmp_path):

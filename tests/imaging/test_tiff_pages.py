@@ -72,3 +72,9 @@ def test_pages_after_a_picture_change_nothing(tmp_path):
     first, second = Image.new("RGB", (9, 7), (10, 20, 30)), Image.new("RGB", (40, 30))
     first.save(tmp_path / "a.tif", save_all=True, append_images=[second])
     assert read_photo(tmp_path / "a.tif").linear.shape == (7, 9, 3)
+
+
+def test_a_large_picture_that_calls_itself_a_smaller_one_is_the_photo_where_there_is_no_other(tmp_path):
+    large = np.repeat(np.repeat(THUMBNAIL, 100, 0), 100, 1)
+    tifffile.imwrite(tmp_path / "a.tif", large, photometric="rgb", subfiletype=REDUCED, metadata=None)
+    assert read_photo(tmp_path / "a.tif").linear.shape == large.shape

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from relight_core.lighting.environment import Environment, network_light, rotate
-from relight_core.lighting.lamps import Lamp, footprint, lamps_of
+from relight_core.lighting.lamps import Lamp, bright_places, footprint, lamps_of
 from relight_core.lighting.roll import roll_light
 from relight_core.lighting.sphere import directions, solid_angles
 
@@ -181,3 +181,10 @@ def test_a_fifth_lamp_takes_hardness_from_the_others_evenly():
             assert np.abs(hardness - before).max() < 0.25
         before = hardness
     assert before[4] == 1
+
+
+def test_of_five_lamps_alike_none_has_an_edge_and_all_are_bright_places():
+    places = [(-0.9, 0.1, 0.4), (0.9, 0.1, 0.4), (-0.4, 0.6, 0.7), (0.4, 0.6, 0.7), (0.0, -0.4, 0.9)]
+    alike = light(*((place, 2.0, 900.0) for place in places))
+    assert all(lamp.hardness < 0.2 for lamp in lamps_of(alike))
+    assert [round(lamp.hardness, 3) for lamp in bright_places(alike)] == [1.0] * 5

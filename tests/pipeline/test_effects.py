@@ -16,7 +16,8 @@ from relight_core.pipeline.per_light.hints import (
     explicit_sum,
     specular_shadow_hints,
 )
-from relight_core.pipeline.stages import Composed, Surface, move_sliders
+from relight_core.pipeline.per_light.sliders import move_sliders
+from relight_core.pipeline.stages import Composed, Surface
 
 GAINS = (0.0, 0.5, 1.0, 1.5, 2.0)
 
@@ -199,3 +200,17 @@ def test_a_place_that_light_surely_does_not_reach_is_composed_as_if_it_faced_awa
     away = composed(0.2, 0.0)
     torch.testing.assert_close(composed(4.2, 2.0, by_relief=one), away, rtol=1e-3, atol=1e-4)
     assert (composed(4.2, 2.0) - away).abs().max() > 0.01
+
+
+def test_only_diffuse_light_counts_as_lifted_and_softening_lifts_it_too(scene):
+    albedo, reflected, effects = scene
+    surface = type("Surface", (), {"albedo": albedo})
+    unshadowed = explicit_sum(albedo, reflected, effects, 1.0, 0.0)
+    shiny = move_sliders(Composed(unshadowed, unshadowed), surface, reflected, effects, 2.0, 0.0, (effects, 0.0))
+    assert shiny.lifted is None
+    assert shiny.added.max() > 0
+    plain = explicit_sum(albedo, reflected, effects)
+    softer = replace(effects, shadow=0.5 * effects.shadow)
+    softened = move_sliders(Composed(plain, plain), surface, reflected, softer, 1.0, 1.0, (effects, 1.0))
+    assert softened.lifted.max() > 0
+    torch.testing.assert_close(softened.added, torch.zeros_like(plain), atol=1e-6, rtol=0)

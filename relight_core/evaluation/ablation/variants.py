@@ -102,11 +102,13 @@ def train_variants(
 def check_budget(folder: Path, budget: Budget, heads: Path, lights: Path) -> None:
     """Note the budget and the training data in a folder; raises InputError where others are noted."""
     note, words = folder / "budget.json", json.dumps({**asdict(budget), "data": _mark_of(heads, lights)})
-    if not note.exists():
+    # Older notes know of no data.
+    if not note.exists() or note.read_text() == json.dumps(asdict(budget)):
         with whole_file(note) as beside:
             beside.write_text(words)
     elif note.read_text() != words:
-        raise InputError(f"{folder}: holds a training with {note.read_text()}; choose another folder after -o")
+        about = f"{note.read_text()}, where data stands for heads and lights"
+        raise InputError(f"{folder}: holds a training with {about}; choose another folder after -o")
 
 
 def _mark_of(heads: Path, lights: Path) -> str:

@@ -15,6 +15,9 @@ from relight_core.errors import InputError
 _THUMBNAIL, _MASK = 1, 4
 """Bits of NewSubfileType (TIFF 6.0): a smaller picture of another, and another's transparency."""
 
+_THUMBNAIL_PX = 512
+"""Larger pictures may be called smaller ones of others by mistake; where there is no other, they are the photo."""
+
 _ORIENTATION = 274
 _MOST_PAGES = 32
 """To look at: a file could lead to the same directory again and again."""
@@ -39,6 +42,8 @@ def starting_with_photo(data: bytes, path: Path) -> tuple[bytes, int | None]:
         # Decoders tell of damage.
         return data, None
     if photo is None:
+        if max(pages[0].imagewidth, pages[0].imagelength) > _THUMBNAIL_PX:
+            return data, None
         raise InputError(f"{path}: a TIFF with nothing but a thumbnail; export the picture itself")
     order, is_big = "<" if data[:2] == b"II" else ">", b"+" in data[2:4]
     place = struct.pack(order + ("Q" if is_big else "I"), photo.offset)

@@ -1,6 +1,8 @@
-"""What the sliders do beside scaling an effect: shadows with softer edges, and shine of another colour."""
+"""What the sliders do to a relit view: effects scaled, shadows with softer edges, and shine of another colour."""
 
 from __future__ import annotations
+
+from dataclasses import dataclass
 
 import cv2
 import numpy as np
@@ -8,8 +10,8 @@ import torch
 
 from relight_core.imaging.tensor_colour import grey
 from relight_core.lighting.light_edit import colour_gain
-from relight_core.pipeline.per_light.hints import Effects, hidden_share, with_hidden_share
-from relight_core.pipeline.stages import Surface
+from relight_core.pipeline.per_light.hints import Effects, explicit_sum, hidden_share, with_hidden_share
+from relight_core.pipeline.stages import Composed, Surface
 
 _WIDEST = 0.09
 """Standard deviation of the blur at softness 1, as a share of the view's side."""
@@ -19,6 +21,55 @@ _STEP = 0.09
 
 _OUTLINE = 0.5
 """What the person's outline counts for, as a change of height."""
+
+
+@dataclass(frozen=True)
+class SliderChange:
+    """What the sliders do to a composed image: image * kept + added + lifted; all (1, 3, S, S), >= 0, kept <= 1.
+
+    Attributes:
+        kept: what is left of it.
+        added: gloss.
+        lifted: diffuse light that a weaker or softer shadow lets through, which multiplies what the surface shows;
+            None where the shadow is as composed, or deeper.
+    """
+
+    kept: torch.Tensor
+    added: torch.Tensor
+    lifted: torch.Tensor | None = None
+
+
+@torch.inference_mode()
+def move_sliders(
+    composed: Composed,
+    surface: Surface,
+    reflected: torch.Tensor,
+    effects: Effects,
+    specular_gain: float | torch.Tensor,
+    shadow_gain: float,
+    composed_of: tuple[Effects, float] | None = None,
+) -> SliderChange:
+    """The change of the image with its effects scaled (paper, Figure 12); none at gains of 1.
+
+    The network's correction is learned at gains of 1. The sliders move the explicit sum, and the image
+    with it: darker by the sum's ratio, brighter by its difference, so that more shadow never brightens
+    and more gloss never darkens a pixel, and the network need not run again.
+
+    Args:
+        effects: as the sliders want them.
+        composed_of: the effects that the image was composed of, and the share of their shadow in it; None for
+            `effects` and all of it.
+    """
+    moved = explicit_sum(surface.albedo, reflected, effects, specular_gain, shadow_gain)
+    kept = ((moved + 1e-3) / (composed.plain + 1e-3)).clamp(0, 1)
+    added = (moved - composed.plain).clamp_min(0)
+    before, share = composed_of or (effects, 1.0)
+    if effects is before and shadow_gain >= share:
+        return SliderChange(kept, added)
+    matt = explicit_sum(surface.albedo, reflected, effects, 0.0, shadow_gain)
+    lifted = (matt - explicit_sum(surface.albedo, reflected, before, 0.0, share)).clamp_min(0)
+    lifted = torch.minimum(added, lifted)
+    return SliderChange(kept, added - lifted, lifted)
 
 
 def soften_shadow(effects: Effects, surface: Surface, reflected: torch.Tensor, softness: float) -> Effects:

@@ -18,7 +18,8 @@ from relight_core.imaging.resampling import resize_area, resize_smooth
 from relight_core.imaging.tensor_colour import grey
 from relight_core.imaging.tensor_normals import unit_normals
 from relight_core.pipeline.per_light.hints import Effects
-from relight_core.pipeline.stages import SliderChange, Surface
+from relight_core.pipeline.per_light.sliders import SliderChange
+from relight_core.pipeline.stages import Surface
 
 _PATTERNED = [
     INDEX[name]

@@ -28,7 +28,7 @@ class SetLight:
 
 
 @dataclass(frozen=True)
-class LightChange:
+class LightWish:
     """A change of light that may still be refused.
 
     Attributes:
@@ -61,7 +61,7 @@ class LightChange:
 
 def light_that_stays(state: EditorState) -> SetLight:
     """The light as it is set; while another one is on its way, what remains if that one can't be had."""
-    now, change = _as_set(state), state.light_change
+    now, change = _as_set(state), state.light_wish
     opened = state.snapshot.light
     is_open = opened is not None and opened.source is state.light
     if change is None or change.asked.light is not state.light or is_open:
@@ -69,13 +69,13 @@ def light_that_stays(state: EditorState) -> SetLight:
     return change.taken_back(now)
 
 
-def note_light_change(state: EditorState, before: SetLight) -> None:
+def note_light_wish(state: EditorState, before: SetLight) -> None:
     """Another light has been asked for, with all that is set about it by now.
 
     Args:
         before: as of `light_that_stays`, before anything was set.
     """
-    state.light_change = LightChange(before, _as_set(state))
+    state.light_wish = LightWish(before, _as_set(state))
 
 
 def with_added(edit: LightEdit, later: LightEdit) -> LightEdit:
