@@ -56,18 +56,16 @@ class LightChange:
         """A picture of the maps' size relit: (S, S, 3), linear."""
         return self.gain * photo + self.offset
 
-    def moved(
-        self, kept: np.ndarray, gloss: np.ndarray, lifted: np.ndarray | None = None
-    ) -> tuple[np.ndarray, np.ndarray]:
+    def moved(self, kept: np.ndarray, gloss: np.ndarray, lifted: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Gain and offset with a share of the relit picture kept, and gloss and diffuse light added to it.
 
         Args:
             kept, gloss, lifted: (S, S, 3), >= 0, the first <= 1.
         """
-        if lifted is not None and self.lift is None:
-            gloss, lifted = gloss + lifted, None
+        if self.lift is None:
+            return self.gain * kept, self.offset * kept + gloss + lifted
         gain, offset = self.gain * kept + gloss * self.shine, self.offset * kept + gloss * self.veil
-        return (gain if lifted is None else _with_added(gain, lifted * self.lift)), offset
+        return _with_added(gain, lifted * self.lift), offset
 
 
 @dataclass(frozen=True, eq=False)

@@ -184,5 +184,5 @@ def test_lifted_light_never_takes_shine_away():
     photo, gloss = np.full((16, 16, 3), 0.05, np.float32), np.full((16, 16, 3), 0.6, np.float32)
     change = fit_light_change(photo, photo + gloss, gloss, made_of(textured=1))
     kept = np.ones_like(photo)
-    (without, _), (lifted, _) = (change.moved(kept, gloss, lit) for lit in (None, np.full_like(photo, 1e-6)))
+    (without, _), (lifted, _) = (change.moved(kept, gloss, lit) for lit in (0 * photo, np.full_like(photo, 1e-6)))
     np.testing.assert_allclose(lifted, without, rtol=1e-3)

@@ -179,6 +179,14 @@ def explicit_sum(
     that it can take no more than there is. Gains above 1 deepen it without an end: twice what is hidden would be
     black wherever half is.
     """
+    matt, gloss = explicit_parts(albedo, reflected, effects, shadow_gain)
+    return matt + specular_gain * gloss
+
+
+def explicit_parts(
+    albedo: torch.Tensor, reflected: torch.Tensor, effects: Effects, shadow_gain: float = 1.0
+) -> tuple[torch.Tensor, torch.Tensor]:
+    """The parts of `explicit_sum`, (B, 3, H, W) >= 0 each: what is matt, and gloss at a gain of 1."""
     diffuse = albedo * reflected[:, :3]
     gloss = grey(reflected[:, 3:])
     fraction = hidden_share(effects, grey(diffuse), gloss)
@@ -186,4 +194,4 @@ def explicit_sum(
         fraction = (fraction * effects.tint).clamp(0, 1)
     colour = reflected[:, 3:] / gloss.clamp_min(1e-6)
     left = 1 - shadow_gain * fraction if shadow_gain <= 1 else (1 - fraction) ** shadow_gain
-    return diffuse * left + specular_gain * effects.specular * colour
+    return diffuse * left, effects.specular * colour

@@ -10,7 +10,7 @@ import torch
 
 from relight_core.imaging.tensor_colour import grey
 from relight_core.lighting.light_edit import colour_gain
-from relight_core.pipeline.per_light.hints import Effects, explicit_sum, hidden_share, with_hidden_share
+from relight_core.pipeline.per_light.hints import Effects, explicit_parts, hidden_share, with_hidden_share
 from relight_core.pipeline.stages import Composed, Surface
 
 _WIDEST = 0.09
@@ -30,13 +30,12 @@ class SliderChange:
     Attributes:
         kept: what is left of it.
         added: gloss.
-        lifted: diffuse light that a weaker or softer shadow lets through, which multiplies what the surface shows;
-            None where the shadow is as composed, or deeper.
+        lifted: diffuse light that a weaker or softer shadow lets through, which multiplies what the surface shows.
     """
 
     kept: torch.Tensor
     added: torch.Tensor
-    lifted: torch.Tensor | None = None
+    lifted: torch.Tensor
 
 
 @torch.inference_mode()
@@ -47,7 +46,7 @@ def move_sliders(
     effects: Effects,
     specular_gain: float | torch.Tensor,
     shadow_gain: float,
-    composed_of: tuple[Effects, float] | None = None,
+    composed_gloss: float = 1.0,
 ) -> SliderChange:
     """The change of the image with its effects scaled (paper, Figure 12); none at gains of 1.
 
@@ -56,19 +55,14 @@ def move_sliders(
     and more gloss never darkens a pixel, and the network need not run again.
 
     Args:
-        effects: as the sliders want them.
-        composed_of: the effects that the image was composed of, and the share of their shadow in it; None for
-            `effects` and all of it.
+        effects: those that the image was composed of, but for a softer shadow.
+        composed_gloss: the gain of the gloss that is in it.
     """
-    moved = explicit_sum(surface.albedo, reflected, effects, specular_gain, shadow_gain)
+    matt, gloss = explicit_parts(surface.albedo, reflected, effects, shadow_gain)
+    moved = matt + specular_gain * gloss
     kept = ((moved + 1e-3) / (composed.plain + 1e-3)).clamp(0, 1)
     added = (moved - composed.plain).clamp_min(0)
-    before, share = composed_of or (effects, 1.0)
-    if effects is before and shadow_gain >= share:
-        return SliderChange(kept, added)
-    matt = explicit_sum(surface.albedo, reflected, effects, 0.0, shadow_gain)
-    lifted = (matt - explicit_sum(surface.albedo, reflected, before, 0.0, share)).clamp_min(0)
-    lifted = torch.minimum(added, lifted)
+    lifted = torch.minimum(added, (matt - (composed.plain - composed_gloss * gloss)).clamp_min(0))
     return SliderChange(kept, added - lifted, lifted)
 
 

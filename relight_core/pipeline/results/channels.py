@@ -111,8 +111,7 @@ def enlarge_change(
     """The change at the view's size, after the sliders and at the light's level."""
     gain, offset = change.gain, change.offset
     if moved is not None:
-        lifted = None if moved.lifted is None else as_image(moved.lifted)
-        gain, offset = change.moved(as_image(moved.kept), as_image(moved.added), lifted)
+        gain, offset = change.moved(as_image(moved.kept), as_image(moved.added), as_image(moved.lifted))
     both = at_level(upsample(np.concatenate([gain, offset], axis=-1)), level)
     return ViewChange(np.ascontiguousarray(both[..., :3]), np.ascontiguousarray(both[..., 3:]), level)
 
