@@ -45,21 +45,16 @@ def add_light(parser: argparse.ArgumentParser, *, required: bool) -> None:
     parser.add_argument(
         "--light",
         metavar="L",
-        type=from_home,
+        type=os.path.expanduser,
         required=required,
         help="a bundled rig's name (see relight rigs), an .hdr or .exr map, a portrait to borrow from, or a light or "
         "session (.json) saved in the editor",
     )
 
 
-def from_home(text: str) -> str:
-    """A path whose leading ~ is the home folder, also where no shell has seen to that."""
-    return os.path.expanduser(text)
-
-
 def user_path(text: str) -> Path:
-    """A file or folder as users name them; see `from_home`."""
-    return Path(from_home(text))
+    """A file or folder as users name them; a leading ~ is the home folder, also where no shell has seen to that."""
+    return Path(os.path.expanduser(text))
 
 
 def add_one_photo(

@@ -21,7 +21,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from app.cli.arguments import add_json, add_light, add_sliders, edit_from, from_home, user_path
+from app.cli.arguments import add_json, add_light, add_sliders, edit_from, user_path
 from app.cli.outputs import (
     OPAQUE_SUFFIXES,
     check_place,
@@ -58,7 +58,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="as bright a light as leaves the lit part of the face as bright as in the photo",
     )
     parser.add_argument(
-        "-o", "--output", metavar="OUT", type=from_home, required=True, help="file, folder/ or {name} pattern"
+        "-o",
+        "--output",
+        metavar="OUT",
+        type=os.path.expanduser,
+        required=True,
+        help="file, folder/ or {name} pattern",
     )
     parser.add_argument(
         "--bits",
@@ -82,10 +87,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Render every photo; returns the exit code."""
     several = len(arguments.photos) > 1 or os.path.isdir(arguments.photos[0]) or arguments.resume
-    given = _photos(arguments.photos, light_files(arguments.light))
+    of_light = light_files(arguments.light)
+    given = _photos(arguments.photos, of_light)
     results = results_among(given, arguments.output) if arguments.resume else []
     arguments.photos = [photo for photo in given if photo not in results]
-    outputs = _checked_outputs(arguments)
+    outputs = _checked_outputs(arguments, of_light)
     unclaimed = unclaimed_results(arguments.photos, outputs, results)
     with reporting(arguments.json) as report:
         for path in unclaimed:
@@ -98,13 +104,13 @@ def run(arguments: argparse.Namespace) -> int:
         return _render_each(session, light, arguments, outputs, unclaimed, report)
 
 
-def _checked_outputs(arguments: argparse.Namespace) -> list[Path]:
+def _checked_outputs(arguments: argparse.Namespace, of_light: list[Path]) -> list[Path]:
     from relight_core.imaging.write import check_output
 
     outputs = plan_outputs(arguments.photos, arguments.output)
     if arguments.background == "transparent" and any(p.suffix.lower() in OPAQUE_SUFFIXES for p in outputs):
         raise InputError(f"{arguments.output}: JPEG holds no transparency; write .png, .tif or .exr")
-    inputs = KnownFiles([*arguments.photos, *light_files(arguments.light)])
+    inputs = KnownFiles([*arguments.photos, *of_light])
     for output in outputs:
         check_output(output, arguments.bits)
         check_place(output, inputs, folder_is_made=_is_folder(arguments.output))

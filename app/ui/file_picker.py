@@ -48,9 +48,7 @@ def _line(request: FileRequest) -> bool:
         imgui.set_keyboard_focus_here()
         flags |= imgui.InputTextFlags_.callback_always
     imgui.set_next_item_width(-1.0)
-    drawn = legible(request.text)
-    entered, typed = imgui.input_text("##path", drawn, flags, _type_on)
-    request.text = request.text if typed == drawn else typed
+    entered, request.text = widgets.path_input(request.text, flags, _type_on)
     return entered
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 
@@ -43,10 +43,12 @@ def heading(fonts: theme.Fonts, text: str) -> None:
     imgui.pop_font()
 
 
-def path_input(path: str, flags: int) -> tuple[bool, str]:
+def path_input(
+    path: str, flags: int, callback: Callable[[imgui.InputTextCallbackData], int] | None = None
+) -> tuple[bool, str]:
     """A line for the path of a file, and the path afterwards; a name that is no text stays while it is not touched."""
     drawn = legible(path)
-    entered, typed = imgui.input_text("##path", drawn, flags)
+    entered, typed = imgui.input_text("##path", drawn, flags, callback)
     return entered, path if typed == drawn else typed
 
 

@@ -27,14 +27,12 @@ class RecentLights:
 
     def __init__(self, path: Path) -> None:
         self._path = path
-        self._kept: list[tuple[str, str]] = []
         self._by_use: list[tuple[str, str]] = []
 
     def recall(self, state: EditorState) -> None:
         """Put the lights that are still there into the list, newest first."""
-        self._kept = _newest(entry for entry in read_recent(self._path) if os.path.isfile(entry[1]))[:MOST]
-        self._by_use = self._kept
-        known = [LightSource(*entry) for entry in self._kept]
+        self._by_use = _newest(entry for entry in read_recent(self._path) if os.path.isfile(entry[1]))[:MOST]
+        known = [LightSource(*entry) for entry in self._by_use]
         new = [light for light in known if not any(light.same_as(other) for other in state.extra_lights)]
         state.extra_lights = [*state.extra_lights, *new]
 
@@ -45,11 +43,11 @@ class RecentLights:
         shown = state.snapshot.light and state.snapshot.light.source
         used = _newest([(shown.kind, shown.name)] if shown and shown.kind in _KINDS else [])
         new = [entry for entry in listed if entry not in self._by_use]
+        before = self._by_use[:MOST]
         self._by_use = _newest(entry for entry in (*used, *new, *self._by_use) if entry in listed)
         now = self._by_use[:MOST]
-        if now == self._kept:
+        if now == before:
             return
-        self._kept = now
         try:
             self._path.parent.mkdir(parents=True, exist_ok=True)
             with whole_file(self._path) as part:
