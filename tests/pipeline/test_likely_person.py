@@ -1,7 +1,13 @@
 import numpy as np
 
 from relight_core.face.crop import Crop
-from relight_core.pipeline.per_photo.likely_person import attached, likely_person, place_masks, without_holes
+from relight_core.pipeline.per_photo.likely_person import (
+    attached,
+    likely_person,
+    place_masks,
+    without_holes,
+    without_lookalikes,
+)
 
 CROP = Crop(50.0, 40.0, 60.0)
 
@@ -125,6 +131,41 @@ def test_a_gap_within_a_person_is_closed_unless_the_mask_has_it_too():
     assert closed[42, 42] > 0.95
     assert closed[52, 52] < 0.35
     np.testing.assert_array_equal(closed[:30], matte[:30])
+
+
+def test_of_gaps_that_the_masks_have_those_of_the_persons_own_colours_are_closed():
+    matte = np.zeros((100, 100), np.float32)
+    matte[20:, 20:80] = 1
+    black, wall, neither = np.s_[30:40, 30:40], np.s_[30:40, 60:70], np.s_[60:70, 45:55]
+    picture = np.empty((100, 100, 3), np.float32)
+    picture[:] = 0.2, 0.5, 0.8
+    picture[20:, 20:80] = 0.03
+    picture[wall] = 0.2, 0.5, 0.8
+    picture[neither] = 0.9, 0.1, 0.1
+    for gap in (black, wall, neither):
+        matte[gap] = 0.2
+    closed = without_lookalikes(matte, picture)
+    assert closed[black].min() == 1
+    np.testing.assert_array_equal(closed[wall], matte[wall])
+    np.testing.assert_array_equal(closed[neither], matte[neither])
+    assert closed[:20].max() == 0
+
+
+def test_a_gap_of_a_black_coat_before_a_black_wall_stays():
+    matte = np.zeros((100, 100), np.float32)
+    matte[20:, 20:80] = 1
+    matte[40:60, 40:60] = 0.1
+    np.testing.assert_array_equal(without_lookalikes(matte, np.full((100, 100, 3), 0.03, np.float32)), matte)
+
+
+def test_a_gap_behind_a_thin_soft_rim_is_closed_whole():
+    matte = np.zeros((100, 100), np.float32)
+    matte[20:, 20:80] = 1
+    matte[40:60, 60:80] = 0.1
+    matte[40:60, 72:80] = 0.45
+    picture = np.full((100, 100, 3), 0.8, np.float32)
+    picture[20:, 20:80] = 0.03
+    assert without_lookalikes(matte, picture)[42:58, 62:76].min() == 1
 
 
 def test_a_bay_open_to_the_wall_is_no_gap():

@@ -14,6 +14,11 @@ _BINS = 16
 _BIN_BLUR = 0.8
 _SURE_FROM = 0.7
 _NO_GAP_FROM = 0.5
+_ENCLOSED, _WHOLE, _LEAST_GAP_PX = 0.3, 0.9, 12
+_RIM = np.ones((5, 5), np.uint8)
+_ABOUT, _LEAST_ABOUT_PX = 2.0, 12
+_PERHAPS_ALIKE, _SURELY_ALIKE = 2.0, 3.0
+"""Mean log odds of a gap's colours, person about it to background, from which on it is closed, in part and whole."""
 _UNSEEN = 2e-4
 _MOST_COLOURS_SAY = 2.0
 _ROUNDS = 2
@@ -88,13 +93,52 @@ def without_holes(matte: np.ndarray, placed: list[np.ndarray]) -> np.ndarray:
     Returns:
         (h, w) float32, nowhere below the matte.
     """
-    hollow = 1 - matte
-    border = np.ones_like(matte)
-    border[1:-1, 1:-1] = 0
-    filled = 1 - _spread_within(np.minimum(border, hollow), hollow)
     person = np.maximum.reduce([np.zeros_like(matte), *placed])
     known = np.clip((person - _NO_GAP_FROM) / (_SURE_FROM - _NO_GAP_FROM), 0, 1)
-    return matte + known * (filled - matte)
+    return matte + known * (_filled(matte) - matte)
+
+
+def without_lookalikes(matte: np.ndarray, guide: np.ndarray) -> np.ndarray:
+    """A matte without gaps that have the colours of the person about them and none of what lies behind.
+
+    Through a gap one sees what is seen beside the person too: a black brim, or hair in deep shadow, that the masks
+    miss is none.
+
+    Args:
+        matte: (h, w) in [0, 1].
+        guide: (h, w, 3) sRGB in [0, 1].
+
+    Returns:
+        (h, w) float32, nowhere below the matte.
+    """
+    inside = cv2.erode((_filled(matte) > _ENCLOSED).astype(np.uint8), _RIM) > 0
+    return matte + _like_what_is_about(matte, inside & (matte < _WHOLE), guide) * (1 - matte)
+
+
+def _filled(matte: np.ndarray) -> np.ndarray:
+    """The matte without its holes: what is not, but hangs together with the border only by what is."""
+    border = np.ones_like(matte)
+    border[1:-1, 1:-1] = 0
+    return 1 - _spread_within(np.minimum(border, 1 - matte), 1 - matte)
+
+
+def _like_what_is_about(matte: np.ndarray, gaps: np.ndarray, guide: np.ndarray) -> np.ndarray:
+    """(h, w) in [0, 1] how surely the colours of each gap, of a mask (h, w), are those of the person about it."""
+    surely = np.zeros_like(matte)
+    _, parts, boxes, _ = cv2.connectedComponentsWithStats(gaps.astype(np.uint8))
+    bins = (guide * _BINS).astype(np.intp).clip(0, _BINS - 1)
+    behind = _colours(bins, np.clip((1 - matte - _SURE_FROM) / (1 - _SURE_FROM), 0, 1) * ~gaps)
+    for part, (left, top, width, height, area) in enumerate(boxes[1:], 1):
+        if area < _LEAST_GAP_PX:
+            continue
+        reach = max(round(_ABOUT * area**0.5), _LEAST_ABOUT_PX)
+        about = slice(max(top - reach, 0), top + height + reach), slice(max(left - reach, 0), left + width + reach)
+        gap = parts[about] == part
+        person = _colours(bins[about], np.clip((matte[about] - _SURE_FROM) / (1 - _SURE_FROM), 0, 1))
+        told = np.log((person + _UNSEEN) / (behind + _UNSEEN))[tuple(bins[about][gap].T)]
+        likeness = np.average(told, weights=1 - matte[about][gap])
+        surely[about][gap] = np.clip((likeness - _PERHAPS_ALIKE) / (_SURELY_ALIKE - _PERHAPS_ALIKE), 0, 1)
+    return cv2.dilate(surely, _RIM)
 
 
 def _spread_within(seed: np.ndarray, limit: np.ndarray) -> np.ndarray:
@@ -153,22 +197,27 @@ def _around(x: np.ndarray, y: np.ndarray, crop: Crop, placed: np.ndarray) -> np.
 
 def _as_colours_say(guide: np.ndarray, prior: np.ndarray) -> np.ndarray:
     """Log odds plus those of each pixel's colour among what is surely person and surely not."""
-    bins = tuple(np.minimum((guide * _BINS).astype(np.intp), _BINS - 1).reshape(-1, 3).T)
+    bins = (guide * _BINS).astype(np.intp).clip(0, _BINS - 1)
     odds = prior
     for _ in range(_ROUNDS):
         likely = 1 / (1 + np.exp(-odds))
         person, rest = (
             _colours(bins, np.clip((p - _SURE_FROM) / (1 - _SURE_FROM), 0, 1)) for p in (likely, 1 - likely)
         )
-        told = np.log((person + _UNSEEN) / (rest + _UNSEEN))[bins].reshape(prior.shape)
+        told = np.log((person + _UNSEEN) / (rest + _UNSEEN))[tuple(np.moveaxis(bins, -1, 0))]
         odds = prior + np.clip(told, -_MOST_COLOURS_SAY, _MOST_COLOURS_SAY)
     return (1 / (1 + np.exp(-odds))).astype(np.float32)
 
 
-def _colours(bins: tuple[np.ndarray, ...], weight: np.ndarray) -> np.ndarray:
-    """How often each colour occurs, (16, 16, 16), somewhat blurred; sums to 1 unless nothing weighs."""
-    counts = np.zeros((_BINS,) * 3)
-    np.add.at(counts, bins, weight.ravel())
+def _colours(bins: np.ndarray, weight: np.ndarray) -> np.ndarray:
+    """How often each colour occurs, (16, 16, 16), somewhat blurred; sums to 1 unless nothing weighs.
+
+    Args:
+        bins: (h, w, 3) of each pixel's colour.
+        weight: (h, w).
+    """
+    places = np.ravel_multi_index(tuple(bins.reshape(-1, 3).T), (_BINS,) * 3)
+    counts = np.bincount(places, weight.ravel(), _BINS**3).reshape((_BINS,) * 3)
     for axis in range(3):
         flat = np.ascontiguousarray(np.moveaxis(counts, axis, 0).reshape(_BINS, -1))
         flat = cv2.GaussianBlur(flat, (1, 7), 0, sigmaY=_BIN_BLUR, borderType=cv2.BORDER_REPLICATE)

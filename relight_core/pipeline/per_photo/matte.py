@@ -15,7 +15,14 @@ from relight_core.imaging.colour import luminance
 from relight_core.imaging.resampling import resize_area, resize_smooth, shrunk_size
 from relight_core.imaging.view_transform import apply_view
 from relight_core.pipeline.per_photo.brush import BrushStroke, painted
-from relight_core.pipeline.per_photo.likely_person import Look, attached, likely_person, place_masks, without_holes
+from relight_core.pipeline.per_photo.likely_person import (
+    Look,
+    attached,
+    likely_person,
+    place_masks,
+    without_holes,
+    without_lookalikes,
+)
 
 WORKING_PX = 1024
 """The longest side of the copy in which mattes are made."""
@@ -167,7 +174,7 @@ def _matted(guide: np.ndarray, placed: list[np.ndarray], size: tuple[int, int]) 
     seen = np.clip(resize_area(guide, size), 0, 1)
     soft = attached(closed_form_matte(seen, likely_person(seen, placed)), placed)
     # What an even grey tied to somebody may hang together with nobody once that is decided.
-    decided = _decided(without_holes(soft, placed))
+    decided = without_lookalikes(_decided(without_holes(soft, placed)), seen)
     return resize_smooth(attached(decided, placed), guide.shape[:2])
 
 
