@@ -1,5 +1,7 @@
 """What composition is shown of a shadow while it learns: as in the editor, not what network and relief are sure of."""
 
+from dataclasses import replace
+
 import torch
 
 from relight_core.face.parsing import INDEX
@@ -30,11 +32,13 @@ def batch(relief_shadow):
     return with_reflected(ReflectionTable(), flat | {name: torch.full((1, 1, SIZE, SIZE), 0.3) for name in names})
 
 
-def shown(relief_shadow):
-    """The mean shadow that composition reads, and the one that SS says."""
+def shown(by_relief, **specular_shadow):
+    """The mean shadow that composition reads, and the one that SS says, which is configured like this."""
     torch.manual_seed(0)
-    bundle, read = NetworkBundle(BundleConfig.tiny()).eval(), {}
-    network, table, flat = bundle.composition, ReflectionTable(), batch(relief_shadow)
+    config = BundleConfig.tiny()
+    config = replace(config, specular_shadow=replace(config.specular_shadow, **specular_shadow))
+    bundle, read = NetworkBundle(config).eval(), {}
+    network, table, flat = bundle.composition, ReflectionTable(), batch(by_relief)
 
     def reads(_, inputs):
         read["shadow"] = float(inputs[3].mean())
@@ -54,4 +58,9 @@ def test_what_the_relief_hides_for_certain_is_not_shown():
 
 def test_where_the_relief_hides_little_all_of_it_is_shown():
     read, said = shown(0.2)
+    assert read == said > 0
+
+
+def test_networks_without_a_relief_learn_from_the_whole_shadow_that_they_are_shown_when_they_relight():
+    read, said = shown(0.95, relief_shadow=False, additive=True)
     assert read == said > 0
