@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import shutil
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from functools import partial
@@ -217,7 +217,16 @@ def _loaded(
         # It draws a seed for its workers, and would draw it from the stream that a run goes on with.
         generator=torch.Generator().manual_seed(run.seed),
     )
-    return iter(loader)
+    return _in_plain_words(loader)
+
+
+def _in_plain_words(batches: Iterable[dict[str, torch.Tensor]]) -> Iterator[dict[str, torch.Tensor]]:
+    """A loader's batches; what is wrong with the data is told as it was in the worker, without the way there."""
+    try:
+        yield from batches
+    except InputError as error:
+        words = str(error).strip().splitlines()[-1]
+        raise InputError(words.removeprefix(f"{InputError.__module__}.{InputError.__qualname__}: ")) from error
 
 
 def _collated_by_half(samples: list[dict[str, torch.Tensor]]) -> dict[str, torch.Tensor]:

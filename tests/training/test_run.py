@@ -3,9 +3,11 @@
 import itertools
 from pathlib import Path
 
+import pytest
 import torch
 from torch.utils.data import IterableDataset
 
+from relight_core.errors import InputError
 from relight_core.training import run as run_module
 from relight_core.training.run import Run, training_batches
 from relight_core.training.stages import STAGES
@@ -17,6 +19,14 @@ class Numbers(IterableDataset):
 
     def __iter__(self):
         return iter([{"number": torch.tensor(self.first + n)} for n in range(8)])
+
+
+class Damaged(IterableDataset):
+    def __init__(self, *_, **__):
+        pass
+
+    def __iter__(self):
+        raise InputError("head.npz: damaged; bake it again")
 
 
 class Pairs(IterableDataset):
@@ -52,3 +62,12 @@ def test_taking_batches_draws_nothing_from_the_stream_that_steps_draw_from(monke
     batches = training_batches(run, STAGES["warm-delight"], 3)
     assert next(batches)["number"].tolist() == [3, 4]
     assert torch.equal(torch.get_rng_state(), before)
+
+
+@pytest.mark.parametrize("workers", [0, 1])
+def test_what_is_wrong_with_the_data_is_told_in_one_line(monkeypatch, workers):
+    monkeypatch.setattr(run_module, "SampleStream", Damaged)
+    run = Run("warm-delight", Path("heads"), Path("lights"), Path("w"), steps=9, pairs=2, workers=workers)
+    with pytest.raises(InputError) as refused:
+        next(training_batches(run, STAGES["warm-delight"], 0))
+    assert str(refused.value) == "head.npz: damaged; bake it again"
