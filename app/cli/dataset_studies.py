@@ -13,6 +13,7 @@ from app.cli.maker_inputs import (
     check_heads_and_lights,
     check_output_file,
     count_at_least_one,
+    count_from_zero,
     let_idle_threads_sleep,
     progress,
 )
@@ -30,7 +31,7 @@ def add_study_arguments(actions) -> None:
     _add_data(preview)
     preview.add_argument("--split", choices=SPLITS, default="train")
     preview.add_argument("--count", metavar="N", type=count_at_least_one, default=8, help="samples, one in a row (8)")
-    preview.add_argument("--seed", metavar="N", type=int, default=0, help="another seed draws other samples")
+    preview.add_argument("--seed", metavar="N", type=count_from_zero, default=0, help="another one draws other samples")
     preview.add_argument("-o", "--output", metavar="SHEET", type=Path, required=True, help="a .png or .jpg file")
     speed = actions.add_parser("speed", description="Time the making of samples on one core of an idle machine.")
     _add_data(speed)

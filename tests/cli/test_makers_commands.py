@@ -162,6 +162,7 @@ def test_preview_and_training_without_heads_or_lights(run, data):
     ):
         words = ["--shards", data / heads, "--lights", data / lights, "-o", data / sheet]
         refused(run("dataset", "preview", *words), word)
+    refused(run("dataset", "preview", "--seed", "-1"), "'-1'")
     words = ["train", "--stage", "warm-delight", "--minutes", 1, "-o", data / "w.safetensors"]
     refused(run(*words, "--heads", data / "gone", "--lights", data / "lights.npz"), "gone")
     refused(run(*words, "--heads", data / "none", "--lights", data / "lights.npz"), "bake")

@@ -152,6 +152,8 @@ def test_another_version_and_other_arrays_are_refused(tmp_path):
 def test_heads_belong_to_the_split_of_their_seed(tmp_path):
     for first in (0, 1_000_000, 2_000_000):
         write_balls(tmp_path, first, 2)
+    for stray in ("head-0000003 (1).npz", "head-copy.npz"):
+        (tmp_path / stray).touch()
     found = {split: [p.stem for p in load_split(tmp_path, split)] for split in ("train", "validation", "test")}
     assert found == {
         "train": ["head-0000000", "head-0000001"],
