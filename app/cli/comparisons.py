@@ -16,6 +16,11 @@ if TYPE_CHECKING:
     from relight_core.evaluation.ablation.variants import Budget
     from relight_core.evaluation.contest import Contest, Outcome
 
+BUDGET = ("steps", "size", "pairs", "every")
+"""Options of the tables alone; None where they are not given."""
+
+_SIZE, _PAIRS, _EVERY = 64, 4, 1
+
 
 def add_budget(parser: argparse.ArgumentParser) -> None:
     """Declare what only the tables take."""
@@ -24,13 +29,11 @@ def add_budget(parser: argparse.ArgumentParser) -> None:
         "--steps", metavar="N", type=count_at_least_one, help="of each warm-up; fine-tuning takes a third of them (300)"
     )
     group.add_argument(
-        "--size", metavar="PX", type=count_at_least_one, default=64, help="side of the images, a multiple of 32 (64)"
+        "--size", metavar="PX", type=count_at_least_one, help=f"side of the images, a multiple of 32 ({_SIZE})"
     )
+    group.add_argument("--pairs", metavar="N", type=count_at_least_one, help=f"pairs of lights in a batch ({_PAIRS})")
     group.add_argument(
-        "--pairs", metavar="N", type=count_at_least_one, default=4, help="pairs of lights in a batch (4)"
-    )
-    group.add_argument(
-        "--every", metavar="N", type=count_at_least_one, default=1, help="take every N-th relighting of a head (1)"
+        "--every", metavar="N", type=count_at_least_one, help=f"take every N-th relighting of a head ({_EVERY})"
     )
     group.add_argument(
         "--sun",
@@ -49,14 +52,15 @@ def run_comparison(arguments: argparse.Namespace) -> int:
 
     if arguments.output is None:
         raise InputError(f"evaluate {arguments.what} wants a folder after -o")
-    if arguments.size % 32:
-        raise InputError(f"--size {arguments.size} is not a multiple of 32")
+    size = arguments.size or _SIZE
+    if size % 32:
+        raise InputError(f"--size {size} is not a multiple of 32")
     for split in ("train", arguments.split):
         check_heads_and_lights(arguments.heads, arguments.lights, split)
     make_folder(arguments.output)
-    budget = Budget(arguments.steps, arguments.size, arguments.pairs)
+    budget = Budget(arguments.steps, size, arguments.pairs or _PAIRS)
     contest = Contest(
-        arguments.heads, arguments.lights, arguments.size, arguments.split, arguments.count, arguments.every
+        arguments.heads, arguments.lights, size, arguments.split, arguments.count, arguments.every or _EVERY
     )
     compare = {"ablation": _ablation, "peers": _peers}[arguments.what]
     with reporting(arguments.json) as report:

@@ -24,7 +24,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from app.cli.arguments import add_json
-from app.cli.comparisons import add_budget, run_comparison
+from app.cli.comparisons import BUDGET, add_budget, run_comparison
 from app.cli.maker_inputs import (
     add_heads_and_lights,
     check_heads_and_lights,
@@ -39,6 +39,15 @@ from relight_core.errors import InputError
 if TYPE_CHECKING:
     from relight_core.evaluation.evaluate import Settings
     from relight_core.networks.bundle import NetworkBundle
+
+_OF_EDITOR, _OF_PEERS = ("photos", "quality"), ("sun", "dpr")
+_UNREAD = {
+    "networks": (*BUDGET, *_OF_PEERS),
+    "networks --detail": ("weights", *_OF_EDITOR, *BUDGET, *_OF_PEERS),
+    "breakdown": (*BUDGET, *_OF_PEERS),
+    "ablation": ("weights", *_OF_EDITOR, *_OF_PEERS),
+    "peers": _OF_EDITOR,
+}
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -57,10 +66,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--photos",
         choices=("clean", "camera"),
-        default="clean",
-        help="clean renderings on black, or through a camera on backgrounds",
+        help="clean renderings on black (clean), or through a camera on backgrounds",
     )
-    parser.add_argument("--quality", choices=("draft", "live", "final"), default="final", help="of the editor (final)")
+    parser.add_argument("--quality", choices=("draft", "live", "final"), help="of the editor (final)")
     parser.add_argument(
         "--detail",
         action="store_true",
@@ -81,6 +89,7 @@ def run(arguments: argparse.Namespace) -> int:
     """Evaluate; returns the exit code."""
     if arguments.detail and arguments.what != "networks":
         raise InputError(f"--detail does not go with {arguments.what}: it compares something else")
+    _refuse_unread(arguments)
     if arguments.what in ("ablation", "peers"):
         return run_comparison(arguments)
     if arguments.output is not None:
@@ -88,6 +97,14 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.detail:
         return _compare_detail(arguments)
     return _break_down(arguments) if arguments.what == "breakdown" else _measure(arguments)
+
+
+def _refuse_unread(arguments: argparse.Namespace) -> None:
+    """Raise InputError for an option that would change nothing: its figures would be taken for what they are not."""
+    what = "networks --detail" if arguments.detail else arguments.what
+    for option in _UNREAD[what]:
+        if getattr(arguments, option) is not None:
+            raise InputError(f"--{option}: changes nothing of what evaluate {what} measures; take it away")
 
 
 def _measure(arguments: argparse.Namespace) -> int:
@@ -105,14 +122,15 @@ def _measure(arguments: argparse.Namespace) -> int:
 
 def _break_down(arguments: argparse.Namespace) -> int:
     from relight_core.evaluation.breakdown import as_markdown, as_record, break_down
+    from relight_core.pipeline.quality import quality_of
 
     with reporting(arguments.json) as report:
         weights, bundle, settings = _under_test(arguments)
         with progress("relighting", 1.0) as show:
             breakdown = break_down(bundle, settings, lambda done, total: show(done / total, f"{done} of {total}"))
         _tell(report, arguments.output, as_markdown(breakdown))
-        measured = {"weights": str(weights), "split": arguments.split, "photos": arguments.photos}
-        report.record(as_record(breakdown) | measured | {"quality": arguments.quality})
+        measured = {"weights": str(weights), "split": arguments.split, "photos": settings.photos}
+        report.record(as_record(breakdown) | measured | {"quality": quality_of(settings.tier)})
     return 0
 
 
@@ -131,8 +149,8 @@ def _under_test(arguments: argparse.Namespace) -> tuple[Path, NetworkBundle, Set
         arguments.lights,
         arguments.split,
         arguments.count,
-        arguments.photos,
-        tier_of(arguments.quality),
+        arguments.photos or "clean",
+        tier_of(arguments.quality or "final"),
     )
     return weights, bundle, settings
 
