@@ -106,14 +106,17 @@ def _effect(arguments: argparse.Namespace) -> int:
         check_heads_and_lights(folder, arguments.lights, "train")
     if not arguments.photos.is_dir():
         raise InputError(f"{arguments.photos}: no such folder; give a folder of photos after --photos")
+    paths = sorted(path for path in arguments.photos.iterdir() if path.suffix.lower() in _PHOTOS)
+    if not paths:
+        raise InputError(f"{arguments.photos}: no photos in it ({', '.join(_PHOTOS)})")
     lesson = Lesson(arguments.steps, arguments.size, arguments.pairs, arguments.width)
     if arguments.work is not None:
-        return _compare(arguments, lesson, arguments.work)
+        return _compare(arguments, paths, lesson, arguments.work)
     with tempfile.TemporaryDirectory() as folder:
-        return _compare(arguments, lesson, Path(folder))
+        return _compare(arguments, paths, lesson, Path(folder))
 
 
-def _compare(arguments: argparse.Namespace, lesson, work: Path) -> int:
+def _compare(arguments: argparse.Namespace, paths: list[Path], lesson, work: Path) -> int:
     from app.cli.sheet import contact_sheet
     from relight_core.evaluation.dataset_effect import compare_photos, taught
 
@@ -124,7 +127,6 @@ def _compare(arguments: argparse.Namespace, lesson, work: Path) -> int:
             pupils[name] = taught(
                 heads, arguments.lights, lesson, work / f"{name}.safetensors", lambda part, _: show(part), plain=plain
             )
-    paths = sorted(path for path in arguments.photos.iterdir() if path.suffix.lower() in _PHOTOS)
     comparison = compare_photos(pupils, paths, lesson.size)
     print("| trained on | detail kept | spread of people, stops | light left | photos |\n|---|---|---|---|---|")
     for name, figures in comparison.figures.items():

@@ -394,3 +394,4 @@ def test_effect_refuses(run, data):
     refused(run(*words, "--bare", data / "heads", "--photos", data / "gone"), "gone")
     refused(run(*words, "--bare", data / "none", "--photos", data), "none")
     refused(run(*words, "--bare", data / "heads", "--photos", data, "--size", 65), "multiple")
+    refused(run(*words, "--bare", data / "heads", "--photos", data), "no photos in it")
