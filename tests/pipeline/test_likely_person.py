@@ -1,4 +1,5 @@
 import numpy as np
+import pytest
 
 from relight_core.face.crop import Crop
 from relight_core.pipeline.per_photo.likely_person import (
@@ -38,6 +39,17 @@ def test_a_body_goes_on_below_the_crop_and_nobody_stands_beside_it():
     assert likely[50, 50] > 0.9
     assert likely[60, 5] < 0.3
     assert likely[15, 50] < 0.3
+
+
+@pytest.mark.parametrize("quarters", [1, 2, 3])
+def test_a_body_goes_on_where_a_lying_head_has_its_chin(quarters):
+    upright = placed(mask())[0]
+    middle = np.array([CROP.centre_x, CROP.centre_y]) - 50
+    for _ in range(quarters):
+        middle = np.array([middle[1], -middle[0]])
+    lying = Crop(*(middle + 50), CROP.side, 90.0 * quarters)
+    turned = place_masks([[(mask(), lying)]], (100, 100), (100, 100))[0]
+    assert np.abs(np.rot90(turned, -quarters) - upright).mean() < 0.01
 
 
 WIDER = Crop(50.0, 50.0, 100.0)

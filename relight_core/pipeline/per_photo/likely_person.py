@@ -7,6 +7,7 @@ import numpy as np
 
 from relight_core.face.crop import Crop
 from relight_core.face.paste import Band, places_of, spread_crop
+from relight_core.face.person_view import upright
 
 _SURELY_BODY, _PROBABLY_BODY, _PERHAPS_BODY, _NOBODY = 0.97, 0.6, 0.2, 0.02
 _LEAST = 0.01
@@ -154,11 +155,10 @@ def _spread_within(seed: np.ndarray, limit: np.ndarray) -> np.ndarray:
 def _placed(looks: list[Look], size: tuple[int, int], photo_size: tuple[int, int]) -> np.ndarray:
     """A person's mask at its place; beyond it what is likely of a body below and a head above, and wider looks."""
     places, whole = places_of(size, photo_size), Band(0, size[0], size, photo_size)
-    x, y = places[0, :, 0], places[:, 0, 1]
     (person, view), *wider = looks
     seen = spread_crop(_in_range(person), view, whole)
-    beyond = _around(x, y, view, seen)
-    below = (y > view.window[3])[:, None]
+    across, down = np.moveaxis(upright(view).from_photo(places, 1), -1, 0)
+    beyond, below = _around(np.abs(across - 0.5), down - 1, seen), down > 1
     for person_wider, wider_view in wider:
         told = _heeding(beyond, spread_crop(_in_range(person_wider), wider_view, whole))
         told = np.where(below, told, np.minimum(told, np.maximum(beyond, _AT_MOST_BESIDE)))
@@ -183,11 +183,14 @@ def _in_range(mask: np.ndarray) -> np.ndarray:
     return np.clip(np.nan_to_num(np.asarray(mask, np.float32)), 0.0, 1.0)
 
 
-def _around(x: np.ndarray, y: np.ndarray, crop: Crop, placed: np.ndarray) -> np.ndarray:
-    """(h, w): shoulders widen below a crop, hair and hats go on above it, nobody is far above or beside."""
-    across = np.abs(x - crop.centre_x)[None, :] / crop.side
-    below = (y - crop.window[3])[:, None] / crop.side
-    guess = np.full((len(y), len(x)), _PERHAPS_BODY, np.float32)
+def _around(across: np.ndarray, below: np.ndarray, placed: np.ndarray) -> np.ndarray:
+    """(h, w): shoulders widen below a view, hair and hats go on above it, nobody is far above or beside.
+
+    Args:
+        across, below: (h, w) how far each place lies beside the view's middle and below its lower edge, in its sides.
+        placed: (h, w) the view's mask.
+    """
+    guess = np.full(placed.shape, _PERHAPS_BODY, np.float32)
     guess[(below < -1.0) & (placed > 0.5)] = _PROBABLY_BODY
     guess[(across < 0.45 + np.clip(below + 0.15, 0.0, 0.6)) & (below > -0.2)] = _PROBABLY_BODY
     guess[(across < 0.2) & (below > 0.0) & (below < 1.0)] = _SURELY_BODY
