@@ -38,7 +38,10 @@ _MOST_PROFILE_GUESSES = 3
 _SAME_PLACE = 0.3
 _FILLING_SHARE = 0.9
 _LONG_SIDE_FOR_COMPANIONS_PX = 500
-_LARGEST_ALONE = 0.13
+_LARGEST_ALONE, _LARGEST_LYING_ALONE = 0.13, 0.25
+"""Widths in lengths of the photo, from which on one face leaves no room for others. Of upright ones the first search
+would have seen several; of those that lie or stand on their heads it settles for one."""
+
 _LIKE_COMPANIONS = (0.5, 1.6)
 _BESIDE = 0.65
 
@@ -153,19 +156,24 @@ def guess_companions(photo: Photo, known: Sequence[FaceBox]) -> list[FaceBox]:
     """Where there might be more faces beside known ones, for a better judge to choose from.
 
     Only in photos that have room for others: where several faces are known already, or the largest is small. Faces of
-    about their size, upright, from the side or leaning by up to 45 degrees, that cascades hit however seldom.
+    about their size, upright, from the side or leaning by up to 45 degrees, that cascades hit however seldom; in a
+    photo that lies or stands on its head, as its largest face does.
 
     Returns:
         At most 16, the likeliest first, none where a known face is.
     """
     long_side = max(photo.linear.shape[:2])
-    largest = max((face.width for face in known), default=0.0)
-    if not known or (len(known) == 1 and largest > _LARGEST_ALONE * long_side):
+    if not known:
+        return []
+    first = max(known, key=lambda face: face.width)
+    largest, lies_deg = first.width, 90.0 * round(first.roll_deg / 90)
+    if len(known) == 1 and largest > (_LARGEST_LYING_ALONE if lies_deg else _LARGEST_ALONE) * long_side:
         return []
     grey, scale = _detection_view(photo.linear, _LONG_SIDE_FOR_COMPANIONS_PX, _LARGEST_GROWTH)
     if min(grey.shape) < 24:
         return []
-    hits = [*every_hit(grey), *every_profile_hit(grey), *_when_turned(every_hit, grey, _TILTS_DEG)]
+    looks = [(every_hit, 0.0), (every_profile_hit, 0.0), *((every_hit, tilt_deg) for tilt_deg in _TILTS_DEG)]
+    hits = [hit for look, tilt_deg in looks for hit in _when_turned(look, grey, (tilt_deg - lies_deg,))]
     guesses: list[FaceBox] = []
     for hit in sorted(hits, key=lambda hit: -hit.votes):
         guess = _in_photo(hit, scale)

@@ -180,6 +180,20 @@ def test_a_companion_who_leans_is_guessed_and_who_is_known_is_not(roll_deg):
     assert all(0.5 < guess.width / known.width < 1.6 for guess in guesses)
 
 
+@pytest.mark.parametrize("quarters", [1, 2, 3])
+def test_a_companion_lies_as_the_known_face_does(quarters):
+    near = ASTRONAUT[20:260, 100:340]
+    pair = np.ascontiguousarray(np.rot90(np.concatenate([near, near], 1), quarters))
+    middles = np.array([[124.0, 111.0], [364.0, 111.0]]) - [240, 120]
+    for _ in range(quarters):
+        middles = np.stack([middles[:, 1], -middles[:, 0]], 1)
+    (x, y), (other_x, other_y) = middles + np.array(pair.shape[1::-1]) / 2
+    roll_deg = {1: 90.0, 2: 180.0, 3: -90.0}[quarters]
+    guesses = guess_companions(Photo.from_srgb(pair), [FaceBox(x - 38, y - 38, x + 38, y + 38, roll_deg)])
+    other = [g for g in guesses if np.hypot((g.x0 + g.x1) / 2 - other_x, (g.y0 + g.y1) / 2 - other_y) < 25]
+    assert any(abs((guess.roll_deg - roll_deg + 180) % 360 - 180) < 45 for guess in other)
+
+
 def test_a_face_that_leaves_no_room_has_no_companions():
     assert guess_companions(Photo.from_srgb(ASTRONAUT), [FaceBox(*FACE)]) == []
     assert guess_companions(beside_itself(0)[0], []) == []
