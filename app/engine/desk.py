@@ -102,16 +102,14 @@ class Desk:
             return Step("Drawing the outline", _draw_outline, _without_outline)
         # Where there is no picture, nothing of it moves, and what failed once would only fail again.
         moving = None if key == self._failed else request.in_motion
-        return self._when_the_hand_rests(request.edit, moving, now)
+        return self._when_the_hand_rests(moving, now)
 
-    def _when_the_hand_rests(self, edit: Edit, moving: Edit | None, now: Snapshot) -> Step | None:
+    def _when_the_hand_rests(self, moving: Edit | None, now: Snapshot) -> Step | None:
         """What nobody waits for: the panels show it once it is known, or the hand finds it done."""
         if moving is not None and self._ready_for != (now.opened, moving.quality):
             return Step("Getting ready", partial(self._get_ready, moving), lambda now: now)
         if now.own_light is None and _OWN not in now.refused:
-            # At the tier that has de-lit the photo already, unless that was only for a moving hand.
-            quality = edit.quality if edit.channels is None else _AT_REST
-            return Step("Estimating the photo's own light", partial(self._estimate_own_light, quality), _refusing(_OWN))
+            return Step("Estimating the photo's own light", self._estimate_own_light, _refusing(_OWN))
         if self._tiers.is_due:
             return Step("Measuring the quality tiers", self._measure_tier, self._tiers.give_up)
         return None
@@ -230,17 +228,17 @@ class Desk:
         self._lights = dict([*self._lights.items(), (source, light)][-_KEPT_LIGHTS:])
         return replace(now, light=light)
 
-    def _estimate_own_light(self, quality: str, now: Snapshot) -> Snapshot:
-        return replace(now, own_light=_for_screen(_OWN, self._environment(_OWN, quality)))
+    def _estimate_own_light(self, now: Snapshot) -> Snapshot:
+        return replace(now, own_light=_for_screen(_OWN, self._environment(_OWN)))
 
-    def _environment(self, source: LightSource, quality: str = BORROWED_AT) -> Environment:
+    def _environment(self, source: LightSource) -> Environment:
         if source.kind == "panorama":
             return read_environment(Path(source.name))
         if source.kind == "portrait":
             photo = read_photo(Path(source.name))
             self._portrait = None
             self._relighter.set_portrait(photo)
-        return self._relighter.estimated_light(quality)
+        return self._relighter.estimated_light(BORROWED_AT)
 
     def _skip(self, key: tuple, now: Snapshot) -> Snapshot:
         self._failed = key

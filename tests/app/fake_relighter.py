@@ -51,6 +51,7 @@ class FakeRelighter:
         self.relights: list = []
         self.readied: list = []
         self.environments: list = []
+        self.estimated_at: list = []
         self.gate = threading.Event()
         self.gate.set()
         self.entered = threading.Semaphore(0)
@@ -68,6 +69,7 @@ class FakeRelighter:
         self.portraits.append((photo, face_index, tuple(boxes)))
 
     def estimated_light(self, quality):
+        self.estimated_at.append(quality)
         height, width = 16, 32
         radiance = np.ones((height, width, 3), np.float32) * self.photo.linear.mean(axis=(0, 1))
         return Environment.from_radiance(radiance, "estimated")

@@ -270,6 +270,14 @@ def test_the_photos_own_light_follows_the_photo(engine, relighter):
     assert second.picture.light.environment is second.light.environment
 
 
+@pytest.mark.parametrize("quality", ["draft", "live", "final"])
+def test_the_photos_own_light_is_told_at_one_quality_whichever_is_chosen(engine, relighter, quality):
+    source, own = PhotoSource(grey_photo()), LightSource("own")
+    answered(engine, Request(source, SPLIT, Edit(quality=quality)))
+    answered(engine, Request(source, own, Edit(quality="final")))
+    assert relighter.estimated_at == ["final"]
+
+
 def test_the_start_hook_runs_on_the_engines_thread_before_anything_else(relighter):
     order = []
     engine = Engine(
