@@ -31,8 +31,8 @@ _OWN = LightSource("own")
 _KEPT_LIGHTS = 3
 """Lights from files that stay open, for going back and forth; a large panorama takes tens of megabytes."""
 
-_AT_REST = "final"
-"""The quality of pictures at rest: de-lighting at that quality is needed anyway, and then reused."""
+_FINEST = "final"
+"""A hand that moves at this quality does not wish for coarse lights."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -279,7 +279,9 @@ def _former_channels(now: Snapshot) -> dict:
 
 
 def _is_drafted(request: Request) -> bool:
-    return request.edit.quality != _AT_REST and request.light_edit.changes_shape
+    """Only while the hand moves: at rest a light is drawn finely, whichever quality was chosen."""
+    is_quick = request.edit.channels is not None and request.edit.quality != _FINEST
+    return is_quick and request.light_edit.changes_shape
 
 
 def _as_if_drawn(edit: LightEdit, now: Snapshot) -> Snapshot:

@@ -13,7 +13,7 @@ from relight_core.errors import InputError
 from relight_core.face.find import FaceBox
 from relight_core.imaging.photo import Photo
 from relight_core.imaging.write import write_image
-from relight_core.lighting.light_edit import LightEdit
+from relight_core.lighting.light_edit import LightEdit, edit_light
 from relight_core.lighting.soft_box import SoftBox
 from relight_core.pipeline.edit import Edit
 from relight_core.pipeline.per_photo.brush import BrushStroke
@@ -310,7 +310,7 @@ def test_an_edited_light_relights_once_and_its_draft_is_drawn_again_at_rest(engi
     answered(engine, Request(source, SPLIT, Edit(quality="final")))
     calls = len(relighter.relights)
     boxes = LightEdit(boxes=(SoftBox(),))
-    draft = answered(engine, Request(source, SPLIT, Edit(quality="live"), boxes))
+    draft = answered(engine, Request(source, SPLIT, Edit(quality="live", channels=()), boxes))
     assert (draft.light.is_draft, draft.light.edit) == (True, boxes)
     assert draft.light.source is SPLIT
     final = answered(engine, Request(source, SPLIT, Edit(quality="final"), boxes))
@@ -320,6 +320,15 @@ def test_an_edited_light_relights_once_and_its_draft_is_drawn_again_at_rest(engi
     back = answered(engine, Request(source, SPLIT, Edit(quality="final")))
     assert back.light.environment is back.light.base
     assert np.array_equal(back.light.ball, final.light.ball)
+
+
+@pytest.mark.parametrize("quality", ["draft", "live", "final"])
+def test_at_rest_a_light_is_drawn_finely_whichever_quality_is_chosen(engine, quality):
+    light = answered(
+        engine, Request(PhotoSource(grey_photo()), SPLIT, Edit(quality=quality), LightEdit(warmth=0.5))
+    ).light
+    assert not light.is_draft
+    assert light.environment.height == edit_light(light.base, light.edit).height
 
 
 def test_at_rest_the_engine_gets_ready_for_the_hand_once_for_a_photo_and_a_tier(engine, relighter):

@@ -8,6 +8,7 @@ from PIL import Image
 from relight_core.errors import InputError
 from relight_core.imaging.view_transform import apply_view
 from relight_core.imaging.write import write_image
+from relight_core.lighting.light_edit import LightEdit
 from relight_core.pipeline.auto_quality import QualityChoice
 
 
@@ -59,6 +60,16 @@ def test_another_photo_opened_meanwhile_does_not_get_into_the_export(busy, relig
     assert (pixels.shape, yaw_deg) == ((96, 128, 3), 35.0)
     assert not other.with_name("other-relit.png").exists()
     assert busy.window.state.snapshot.opened.source.path == other
+
+
+@pytest.mark.parametrize("wish", ["draft", "live"])
+def test_a_changed_light_is_in_the_export_at_every_quality(opened, photo_path, wish):
+    state = opened.window.state
+    state.quality, state.light_edit = QualityChoice(wish), LightEdit(warmth=0.5)
+    press(opened, glfw.KEY_E)
+    opened.settle()
+    opened.window.exporter.close()
+    assert photo_path.with_name("person-relit.png").exists(), state.message()
 
 
 def test_what_can_not_be_relit_is_not_saved_and_that_is_told(busy, relighter, photo_path):
