@@ -13,9 +13,7 @@ from relight_core.lighting.environment import Environment, shrink
 from relight_core.lighting.preview import lit_ball
 from relight_core.lighting.rigs import load_rig
 from relight_core.pipeline.results.channel_view import channel_to_srgb
-
-LARGEST_SIDE = 8192
-"""Pixels; every OpenGL 3.3 driver in use takes textures of this size."""
+from relight_core.pipeline.results.display import LARGEST_SIDE
 
 PANORAMA_HEIGHT = 256
 BALL_SIZE = 96

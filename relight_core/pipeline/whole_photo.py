@@ -23,7 +23,7 @@ from relight_core.pipeline.plan import Plan
 from relight_core.pipeline.quality import Tier, tier_of
 from relight_core.pipeline.results.backdrop import OWN_BACKGROUNDS, Backdrop, backdrop_panorama, make_backdrop
 from relight_core.pipeline.results.channels import ViewChange
-from relight_core.pipeline.results.display import DisplayRecipe, person_layers, recipe_of
+from relight_core.pipeline.results.display import LARGEST_SIDE, DisplayRecipe, person_layers, recipe_of
 from relight_core.pipeline.results.finish import Placement, mean_gain, place_changes, place_views, weights_on_views
 from relight_core.pipeline.results.outline_lines import outline_lines
 from relight_core.pipeline.results.picture import Picture
@@ -111,7 +111,7 @@ class WholePhoto:
 
     def _recipe(self, picture: Picture, key: Hashable) -> DisplayRecipe | None:
         """How a shader draws a picture; None where it can't."""
-        if picture.size[0] * picture.size[1] > _KEPT_PIXELS:
+        if picture.size[0] * picture.size[1] > _KEPT_PIXELS or max(picture.size) > LARGEST_SIDE:
             return None
         canvas, matte, run = picture.canvas, picture.matte, self._cache.run
         layers = run("layers", picture.size, lambda: person_layers(canvas, matte), "new photo or size", 2)

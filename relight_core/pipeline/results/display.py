@@ -25,6 +25,9 @@ from relight_core.pipeline.results.picture import Picture
 MOST_VIEWS = 8
 """Faces that one recipe holds; pictures with more are rendered."""
 
+LARGEST_SIDE = 8192
+"""Pixels; every OpenGL 3.3 driver in use takes textures of this size. Longer pictures are rendered."""
+
 _HALF_MAX = 65504.0
 
 
