@@ -52,9 +52,10 @@ def _take_light_back(state: EditorState) -> None:
 
 def give_up_what_is_on_its_way(state: EditorState) -> None:
     """Settle what came with a session or an undo that isn't there yet: it was never work on the photo that is open."""
+    undoing, is_there = state.undoing, (state.is_at_work(), state.is_in_force())
     if state.opening and state.opening.wish is state.photo:
         state.put_back(replace(state.opening.before, photo=None))
-    elif state.undoing and state.undoing.photo is state.photo and not state.is_in_force():
+    elif undoing and undoing.is_coming(state.photo, state.light, *is_there):
         _take_undoing_back(state)
     state.opening = state.undoing = None
 

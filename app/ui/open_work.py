@@ -46,6 +46,15 @@ class Undoing:
     photo: PhotoSource | None
     light: LightSource
 
+    def is_coming(self, photo: PhotoSource | None, light: LightSource, at_work: bool, in_force: bool) -> bool:
+        """Whether it is still what is wanted and isn't there; another light that was asked for since is none of it.
+
+        Args:
+            at_work: the photo that is wanted is open.
+            in_force: so it is, and the light is there.
+        """
+        return photo is self.photo and not (at_work if light is not self.light else in_force)
+
     def is_refused(self, photo: PhotoSource | None, light: LightSource, refused: Collection[object]) -> bool:
         """Whether it can't be gone to: one of its wishes is still what is wanted, and was refused."""
         gone_photo = photo is self.photo and photo in refused

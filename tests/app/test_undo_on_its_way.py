@@ -1,0 +1,31 @@
+"""An undo whose photo has come, and what the user does before the next light has."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+from live_editor import Editor
+
+from app.engine.snapshot import OpenPhoto
+from app.engine.sources import LightSource
+from relight_core.imaging.photo import Photo
+
+
+def test_a_light_chosen_since_an_undo_is_no_part_of_it_and_goes_along_to_the_next_photo():
+    editor = Editor(None)
+    state = editor.state
+    for name in ("a", "b"):
+        state.open_photo(Path(f"/photos/{name}.png"))
+        editor.live()
+    state.choose_light(LightSource("rig", "neon"))
+    editor.live()
+    state.restore(state.history.go(0))
+    state.choose_light(LightSource("rig", "golden-hour"))
+    pixels = Photo(np.full((4, 4, 3), 0.5, np.float32), path=state.photo.path)
+    state.accept(replace(state.snapshot, opened=OpenPhoto(state.photo, pixels, pixels.linear.astype(np.float16))))
+    state.remember(editor.now_s)
+    state.change(shadow=0.3)
+    state.open_photo(Path("/photos/c.png"))
+    assert (state.light.name, state.edit.shadow) == ("golden-hour", 0.3)
+    left = state.works[Path("/photos/a.png")].left
+    assert (left.light.name, left.edit.shadow) == ("golden-hour", 0.3)
