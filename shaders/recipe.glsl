@@ -22,7 +22,7 @@ uniform sampler2D soft;         // the same blurred
 uniform sampler2D nearby;       // the matte averaged about each place
 uniform bool own_alpha;         // the matte itself serves for that
 
-const float LIGHT_WRAP = 0.25;
+const float LENS_VEIL = 0.01, LIGHT_WRAP = 0.5, MOST_WRAP = 0.25;
 
 #endif
 
@@ -48,8 +48,9 @@ vec4 relit_at(vec2 uv) {
     if (transparent) return vec4(lit / max(own.a, 1e-6), own.a);
 #ifdef OVER
     float near = own_alpha ? own.a : textureLod(nearby, uv, 0.0).r;
-    vec3 wrapped = LIGHT_WRAP * own.a * (1.0 - near) * textureLod(soft, uv, 0.0).rgb;
-    return vec4(lit + (1.0 - own.a) * textureLod(backdrop, uv, 0.0).rgb + wrapped, 1.0);
+    vec3 wrapped = min(own.a * LENS_VEIL + LIGHT_WRAP * own.rgb, own.a * MOST_WRAP);
+    vec3 over = (1.0 - own.a) * textureLod(backdrop, uv, 0.0).rgb;
+    return vec4(lit + over + (1.0 - near) * wrapped * textureLod(soft, uv, 0.0).rgb, 1.0);
 #else
     vec3 beside = textureLod(behind, uv, level).rgb;
     beside = dimmed ? max(beside, 0.0) * behind_gain : beside;

@@ -125,7 +125,8 @@ def test_the_shader_draws_what_the_cpu_computes(context, backdrop, views):
 @pytest.mark.parametrize("backdrop", BACKDROPS)
 @pytest.mark.parametrize("seed", range(3))
 def test_it_does_for_maps_without_any_smoothness(context, backdrop, seed):
-    assert worst(context, some_picture(BACKDROPS[backdrop], SEVERAL[:1], seed, hostile=True)) < ONE_CODE
+    # Texture units weigh neighbours in steps of a 256th, which in the dark is a code where they differ by so much.
+    assert worst(context, some_picture(BACKDROPS[backdrop], SEVERAL[:1], seed, hostile=True)) < ONE_CODE + 1.0
 
 
 @pytest.mark.parametrize("backdrop", ["keep", "light"])

@@ -130,6 +130,18 @@ def test_light_of_the_background_wraps_round_the_edge_only():
     assert (bright >= dark - 1e-5).all()
 
 
+@pytest.mark.parametrize(("cloth", "least", "most"), [(0.004, 0.003, 0.01), (0.4, 0.05, 0.13), (4.0, 0.05, 0.13)])
+def test_black_cloth_before_white_paper_has_no_fog_on_it(cloth, least, most):
+    photo, truth = portrait()
+    photo = Photo(np.where(truth[..., None] > 0, np.float32(cloth), photo.linear))
+    dark, bright = (
+        picture_of(gain=1.0, backdrop=make_backdrop(c, None), photo=photo).render()[0] for c in ("#000000", "#ffffff")
+    )
+    edge = whole_person(canvas_of(photo), picture_of(photo=photo).matte).share[200] == 1
+    added = (bright - dark)[200, edge]
+    assert least < added.max() < most
+
+
 @pytest.mark.parametrize("backdrop", ["keep", "match", "#203040"])
 @pytest.mark.parametrize("own_alpha", [False, True])
 def test_what_is_behind_is_the_picture_of_a_person_without_light(backdrop, own_alpha):

@@ -19,8 +19,9 @@ from relight_core.pipeline.per_photo.matte import Matte
 from relight_core.pipeline.per_photo.person import Canvas, Person, person_in
 from relight_core.pipeline.results.backdrop import Backdrop
 
-LIGHT_WRAP = 0.25
-"""How much of a new background's light comes round the person's edge."""
+LENS_VEIL, LIGHT_WRAP, MOST_WRAP = 0.01, 0.5, 0.25
+"""How much of a new background's light lies over the person's edge: whatever is there, of what gives it back a share of
+its own colour, and at most."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -230,4 +231,5 @@ class Picture:
             for layer in (self.backdrop.picture, self.backdrop.soft)
         )
         near = share if self.matte.own_alpha else spread_window(self.matte.nearby, everywhere, band)[..., None]
-        return (1.0 - share) * picture + LIGHT_WRAP * share * (1.0 - near) * soft
+        wrapped = np.minimum(LENS_VEIL + LIGHT_WRAP * person.colour, MOST_WRAP)
+        return (1.0 - share) * picture + share * (1.0 - near) * wrapped * soft
