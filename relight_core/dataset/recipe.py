@@ -23,8 +23,9 @@ from relight_core.dataset.heads import (
     turn_eyes,
 )
 from relight_core.dataset.painting.texture import look_up
-from relight_core.dataset.scans import people_of, read_scan
+from relight_core.dataset.scans import names_of_people, people_of, read_scan
 from relight_core.errors import InputError
+from relight_core.imaging.files import file_bytes, whole_file
 
 SPLIT_SEEDS = {"train": 0, "validation": 1_000_000, "test": 2_000_000}
 """First seed of each split: identities never repeat across splits."""
@@ -32,6 +33,7 @@ SPLIT_SIZE = 1_000_000
 """Seeds of each split."""
 
 _WIDEST_IDENTITY = 2.5
+_NAMES = "people.txt"
 
 
 @dataclass(frozen=True)
@@ -118,6 +120,19 @@ class ScanCasting:
         """The scan that belongs to a seed: the same on every machine with the same folder."""
         return self.pose_head(seed, size).bake(size)
 
+    def keep_to_people(self, heads: Path) -> None:
+        """See to it that all heads of a folder are of the same people: among others the splits would be others.
+
+        Raises:
+            InputError: the folder has heads of other people, or who they are can't be noted in it.
+        """
+        note, names = heads / _NAMES, "\n".join(names_of_people(self.folder)).encode(errors="surrogateescape")
+        if not note.exists():
+            with whole_file(note) as beside:
+                beside.write_bytes(names)
+        elif file_bytes(note) != names:
+            raise InputError(f"{heads}: its heads are of other people than {self.folder} holds; choose a new folder")
+
     def pose_head(self, seed: int, size: int = 256) -> PosedHead:
         """One scan of the person of a seed, before the camera; people take turns.
 
@@ -150,8 +165,13 @@ def bake_missing(casting: Casting | ScanCasting, folder: Path, seeds: range, siz
 
     Yields:
         The path of each finished head.
+
+    Raises:
+        InputError: as `keep_to_people` and `pose_head` of scans.
     """
     folder.mkdir(parents=True, exist_ok=True)
+    if isinstance(casting, ScanCasting):
+        casting.keep_to_people(folder)
     for seed in seeds:
         path = shard_path(folder, seed)
         if not path.exists():

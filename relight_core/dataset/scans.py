@@ -80,10 +80,7 @@ def people_of(folder: Path, split: str) -> list[list[Path]]:
     Raises:
         InputError: no scans, or too few people for this split to have any.
     """
-    people = [sorted(person.glob("*.obj")) for person in sorted(folder.iterdir()) if person.is_dir()]
-    people = [meshes for meshes in people if meshes]
-    if not people:
-        raise InputError(f"{folder}: no scans here; put each person's .obj files into a sub-folder of it")
+    people = _everybody(folder)
     test, validation = (min(most, len(people) // 5) for most in (_TEST_PEOPLE, _VALIDATION_PEOPLE))
     order = np.random.default_rng(_SPLIT_SEED).permutation(len(people))
     ends = {"test": (0, test), "validation": (test, test + validation), "train": (test + validation, len(people))}
@@ -91,6 +88,23 @@ def people_of(folder: Path, split: str) -> list[list[Path]]:
     if first == last:
         raise InputError(f"{folder}: too few people for the {split} split to have any; scan at least five")
     return [people[i] for i in order[first:last]]
+
+
+def names_of_people(folder: Path) -> list[str]:
+    """Everybody's name, the scans' folders, in order; who is in which split follows from them.
+
+    Raises:
+        InputError: no scans.
+    """
+    return [meshes[0].parent.name for meshes in _everybody(folder)]
+
+
+def _everybody(folder: Path) -> list[list[Path]]:
+    people = [sorted(person.glob("*.obj")) for person in sorted(folder.iterdir()) if person.is_dir()]
+    people = [meshes for meshes in people if meshes]
+    if not people:
+        raise InputError(f"{folder}: no scans here; put each person's .obj files into a sub-folder of it")
+    return people
 
 
 def read_scan(path: Path) -> Scan:

@@ -95,6 +95,18 @@ def test_a_folder_without_scans_or_with_a_wardrobe_is_refused(tmp_path):
         people_of(tmp_path, "test")
 
 
+def test_heads_of_a_folder_stay_with_the_people_they_were_split_among(tmp_path):
+    for number in range(6):
+        write_scan(tmp_path / "scans" / f"person {number}")
+    casting = load_casting(tmp_path / "scans", None)
+    assert list(bake_missing(casting, tmp_path / "heads", range(0))) == []
+    assert list(bake_missing(casting, tmp_path / "heads", range(0))) == []
+    write_scan(tmp_path / "scans" / "one more")
+    with pytest.raises(InputError, match="other people"):
+        list(bake_missing(casting, tmp_path / "heads", range(0)))
+    assert list(bake_missing(casting, tmp_path / "new heads", range(0))) == []
+
+
 def test_a_scan_keeps_its_own_albedo():
     head = ball(16)
     own = np.random.default_rng(0).uniform(0.1, 0.6, (len(head.normal), 3)).astype(np.float32)
