@@ -30,6 +30,7 @@ from app.cli.maker_inputs import (
 )
 from app.cli.outputs import make_folder
 from relight_core.errors import InputError
+from relight_core.imaging.files import is_same_file
 
 if TYPE_CHECKING:
     from relight_core.training.state import Progress
@@ -107,12 +108,20 @@ def run(arguments: argparse.Namespace) -> int:
         raise InputError(f"{arguments.output}: training stopped ({error}); try a lower learning rate") from error
 
 
+def _check_weights_file(arguments: argparse.Namespace) -> None:
+    """Raise InputError unless the output is a file of weights that can be written, and none of those that are read."""
+    check_output_file(arguments.output, (".safetensors",))
+    for weights in (arguments.start, arguments.join):
+        if weights is not None and is_same_file(arguments.output, weights):
+            raise InputError(f"{arguments.output}: would be written over the weights it is made from; name another")
+
+
 def _join(arguments: argparse.Namespace) -> int:
     from relight_core.networks.bundle import load_bundle, save_bundle, with_narrow_pair, with_person_network
 
     if arguments.start is None:
         raise InputError("give --start: the weights that the other networks go into")
-    check_output_file(arguments.output, (".safetensors",))
+    _check_weights_file(arguments)
     other, joined = load_bundle(arguments.join), load_bundle(arguments.start)
     if other.narrow is None and other.person is None:
         raise InputError(
@@ -163,7 +172,7 @@ def _train_stage(arguments: argparse.Namespace) -> int:
         raise InputError(f"unknown stage {arguments.stage!r}: choose one of {', '.join(STAGES)}")
     if arguments.minutes is None:
         raise InputError("give --minutes with --stage")
-    check_output_file(arguments.output, (".safetensors",))
+    _check_weights_file(arguments)
     check_heads_and_lights(arguments.heads, arguments.lights, "train")
     given = {name: getattr(arguments, name) for name in _OF_A_RUN}
     settings = Run(

@@ -11,16 +11,7 @@ from synthetic_heads import write_balls, write_lights
 
 from app.cli.main import main
 from relight_core.dataset.lighting.lights import load_lights
-from relight_core.networks.bundle import (
-    BundleConfig,
-    NetworkBundle,
-    load_bundle,
-    save_bundle,
-    with_narrow_pair,
-    with_person_network,
-)
-from relight_core.networks.pair import RelightingPair
-from relight_core.networks.person import PersonConfig, PersonNetwork
+from relight_core.networks.bundle import BundleConfig, NetworkBundle, load_bundle, save_bundle
 
 
 @pytest.fixture
@@ -241,25 +232,6 @@ def test_training_leaves_weights_and_log(run, data, monkeypatch):
     assert asked == [3]
     assert load_bundle(data / "w.safetensors").config == BundleConfig.tiny()
     assert json.loads((data / "w.log.json").read_text()) == []
-
-
-def test_a_narrow_pair_and_a_person_network_are_joined_to_other_weights(run, data):
-    tiny = load_bundle(data / "tiny.safetensors")
-    narrow = with_narrow_pair(tiny, RelightingPair(tiny.config.wide.narrowed(2)))
-    save_bundle(data / "narrow.safetensors", narrow)
-    words = ["train", "--start", data / "tiny.safetensors", "-o", data / "both.safetensors", "--join"]
-    code, _, err = run(*words, data / "narrow.safetensors")
-    assert code == 0, err
-    both = load_bundle(data / "both.safetensors")
-    assert both.narrow.specular_shadow.config.width == 2
-    assert torch.equal(both.delight.head.weight, tiny.delight.head.weight)
-    person = with_person_network(tiny, PersonNetwork(PersonConfig(4, 3, 8)))
-    save_bundle(data / "person.safetensors", person)
-    assert run(*words, data / "person.safetensors")[0] == 0
-    assert load_bundle(data / "both.safetensors").config.person == PersonConfig(4, 3, 8)
-    refused(run(*words, data / "tiny.safetensors"), "neither a narrow pair nor a person network")
-    refused(run("train", "--join", data / "narrow.safetensors", "-o", data / "x.safetensors"), "--start")
-    refused(run("train", "--stage", "warm-delight", "--minutes", 1, "-o", data / "x.safetensors"), "--heads")
 
 
 def test_evaluation_as_json_is_one_object_and_as_text_a_table(run, data):
