@@ -8,8 +8,8 @@ _LEVELS = 48
 _STEPS = 4 * 255
 """Of brightness in a unit of code: two colours that differ by less are as bright as each other."""
 
-_COLOURLESS = 4 / 255
-_STRAY_SHARE = 0.01
+_COLOURLESS = 6 / 255
+_STRAY_SHARE = 0.015
 """Of all pixels, those that compression and clipping may take off the tone."""
 
 _PLAIN_COLOUR = 12 / 255

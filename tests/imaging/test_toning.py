@@ -75,6 +75,19 @@ def test_a_compressed_toned_picture_is_toned(quality, tone):
     assert Photo.from_srgb(compressed(coloured(face, tone), quality)).monochrome
 
 
+@pytest.mark.parametrize("tone", [SEPIA, (0.9, 1.0, 1.15)])
+def test_what_small_files_add_to_a_tone_is_no_colour(tone):
+    codes = coloured(wall(), tone).astype(float)
+    codes[..., [0, 2]] += np.random.default_rng(1).normal(0, 1.8, (*codes.shape[:2], 2))
+    assert Photo.from_srgb(np.uint8(np.rint(codes.clip(0, 255)))).monochrome
+
+
+def test_a_faded_photo_is_colour():
+    grey = np.broadcast_to(np.linspace(40, 220, 600), (800, 600)).astype(float)
+    codes = head(coloured(grey), np.mean(SKIN) + 0.3 * (np.array(SKIN) - np.mean(SKIN)), 200, 150, 400, 300)
+    assert not Photo.from_srgb(codes).monochrome
+
+
 @pytest.mark.parametrize("size", [(1, 1), (1, 70), (3, 5), (9, 700)])
 def test_pictures_of_any_shape(size):
     codes = np.full((*size, 3), 90, np.uint8)
