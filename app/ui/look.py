@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-COMPARISONS = ("off", "wipe", "side")
 SCOPES = ("off", "histogram", "waveform")
 
 
@@ -15,7 +14,7 @@ class LookState:
     Attributes:
         viewport_px: width and height of the viewport as drawn last, in framebuffer pixels.
         pointer_px: the mouse in the viewport, in framebuffer pixels; None while it is elsewhere.
-        compare: the photo beside the picture, one of COMPARISONS.
+        compare: the photo beside the picture, "off", "wipe" or "side".
         wipe_at: where the wipe divides, along the picture from 0 at its left edge to 1.
         wipe_held: the wipe's line is being dragged.
         spot: the point of the photo under the mouse, in its pixels; None while there is none.

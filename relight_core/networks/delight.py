@@ -67,11 +67,6 @@ class DelightConfig:
         if self.decoder_residual and len(self.decoder_residual) != self.levels - 1:
             raise ValueError(f"residual blocks {self.decoder_residual} of the decoder: give {self.levels - 1} numbers")
 
-    @property
-    def multiple(self) -> int:
-        """What the sides of the input must be a multiple of."""
-        return 2 ** (self.levels - (self.detail_width == 0))
-
 
 @dataclass
 class Delit:
@@ -186,7 +181,8 @@ class DelightNetwork(nn.Module):
         """Take a photo apart.
 
         Args:
-            photo_srgb: (B, 3, H, W) in [0, 1], sRGB-encoded; H and W multiples of `DelightConfig.multiple`.
+            photo_srgb: (B, 3, H, W) in [0, 1], sRGB-encoded; H and W multiples of
+                2 ** levels, or of half that without a detail pass.
         """
         photo = photo_srgb * 2 - 1
         light, x = self._encode(photo if self.detail is None else F.avg_pool2d(photo, 2))

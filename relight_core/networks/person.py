@@ -32,11 +32,6 @@ class PersonConfig:
     levels: int = 6
     widest: int = 128
 
-    @property
-    def multiple(self) -> int:
-        """What the sides of the input must be a multiple of."""
-        return _FOLD * 2 ** (self.levels - 1)
-
 
 class PersonNetwork(nn.Module):
     """A U-Net (Ronneberger et al. 2015) over blocks of 2 x 2 pixels, at whose coarsest level a feature sees all."""
@@ -55,7 +50,7 @@ class PersonNetwork(nn.Module):
 
         Args:
             photo_srgb: (B, 3, H, W) in [0, 1], of a `face.person_view`, 0 beyond the photo's borders; H and W
-                multiples of `PersonConfig.multiple`.
+                multiples of 2 ** levels.
             inside: (B, 1, H, W) 1 where there is a photo.
             face: (B, 1, H, W) 1 in the square of the face that is meant.
 

@@ -6,8 +6,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-GARMENT_LABELS = ("hair", "glasses", "hat", "cloth", "brow", "lash", "neck")
-
 
 @dataclass(frozen=True)
 class Garment:
