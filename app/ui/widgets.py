@@ -57,12 +57,11 @@ def gap(em: float) -> None:
     imgui.dummy(imgui.ImVec2(1.0, em * imgui.get_font_size()))
 
 
-def slider(state: EditorState, spec: Slider, value: float, enabled: bool = True) -> float:
+def slider(state: EditorState, spec: Slider, value: float) -> float:
     """Draw a slider and return its value.
 
     A double click resets it; a Ctrl-click on the track or a click on the number lets one type it.
     """
-    imgui.begin_disabled(not enabled)
     imgui.push_id(spec.label)
     row = _typed if state.typing == spec.label else _title_row
     spacing = imgui.get_style().item_spacing
@@ -71,7 +70,6 @@ def slider(state: EditorState, spec: Slider, value: float, enabled: bool = True)
     value = _track(state, spec, value)
     imgui.pop_style_var()
     imgui.pop_id()
-    imgui.end_disabled()
     return value
 
 

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from pathlib import Path
 
-from app.engine.sources import RelighterLike
 from app.making import make_relighter
 from app.window.glfw_window import NoDisplayError
 from app.window.graphics import GraphicsLostError
@@ -13,18 +11,13 @@ from app.window.graphics import GraphicsLostError
 __all__ = ["GraphicsLostError", "NoDisplayError", "run_editor"]
 
 
-def run_editor(
-    photo_path: Path | None = None,
-    light: str | None = None,
-    relighter_factory: Callable[[], RelighterLike] = make_relighter,
-) -> int:
+def run_editor(photo_path: Path | None = None, light: str | None = None) -> int:
     """Open the editor and return when the user closes it.
 
     Args:
         photo_path: the portrait or session to open at once; one that can't be opened is told in the window.
         light: a bundled rig's name, an .hdr or .exr panorama, a portrait whose light is borrowed, or a light
             or session file; None leaves a session its own.
-        relighter_factory: makes the Relighter, on the engine's thread, when the first photo is opened.
 
     Returns:
         Exit code 0.
@@ -40,7 +33,7 @@ def run_editor(
     from app.window.window import EditorWindow
 
     kept = {"settings_path": settings_path(), "calibration_path": cache_path()}
-    window = EditorWindow(relighter_factory, on_engine_start=yield_to_the_window, **kept)
+    window = EditorWindow(make_relighter, on_engine_start=yield_to_the_window, **kept)
     try:
         # While its folder is still there.
         open_named(window.state, photo_path and photo_path.absolute(), light)

@@ -8,6 +8,7 @@ import numpy as np
 from relight_core.dataset.heads import HeadModel
 from relight_core.face.parsing import INDEX
 
+_SIZE = 1024
 _REGION_LABELS = {
     "mouth_socket": "inner_mouth",
     "gums_tongue": "inner_mouth",
@@ -29,16 +30,16 @@ def landmark_uv(model: HeadModel) -> np.ndarray:
     return by_vertex[model.landmarks]
 
 
-def face_label_map(model: HeadModel, size: int = 1024) -> np.ndarray:
-    """(size, size) uint8 parsing labels of the face tile; row 0 is v = 1."""
+def face_label_map(model: HeadModel) -> np.ndarray:
+    """(1024, 1024) uint8 parsing labels of the face tile; row 0 is v = 1."""
     points = landmark_uv(model)
-    pixels = np.stack([points[:, 0], 1 - points[:, 1]], 1) * size
-    labels = np.full((size, size), INDEX["neck"], np.uint8)
-    _fill(labels, _face_outline(pixels, size), "skin")
+    pixels = np.stack([points[:, 0], 1 - points[:, 1]], 1) * _SIZE
+    labels = np.full((_SIZE, _SIZE), INDEX["neck"], np.uint8)
+    _fill(labels, _face_outline(pixels), "skin")
     _fill(labels, _nose_outline(pixels), "nose")
     _fill(labels, _smooth(pixels[48:60]), "lips")
     for name, brow in (("right_brow", pixels[17:22]), ("left_brow", pixels[22:27])):
-        _fill(labels, _brow_outline(brow, size), name)
+        _fill(labels, _brow_outline(brow), name)
     return labels
 
 
@@ -72,12 +73,12 @@ def _smooth(outline: np.ndarray) -> np.ndarray:
     return (curve / 2).reshape(-1, 2)
 
 
-def _face_outline(pixels: np.ndarray, size: int) -> np.ndarray:
+def _face_outline(pixels: np.ndarray) -> np.ndarray:
     """Jaw, temples and a hairline two thirds of the way from the brows to the tile's top."""
     brow_height = pixels[17:27, 1].mean()
     hairline = brow_height * 0.42
-    top = [[pixels[16, 0], brow_height], [size * 0.76, hairline], [size * 0.5, hairline * 0.8]]
-    top += [[size * 0.24, hairline], [pixels[0, 0], brow_height]]
+    top = [[pixels[16, 0], brow_height], [_SIZE * 0.76, hairline], [_SIZE * 0.5, hairline * 0.8]]
+    top += [[_SIZE * 0.24, hairline], [pixels[0, 0], brow_height]]
     return _smooth(np.concatenate([pixels[:17], np.array(top, np.float32)]))
 
 
@@ -90,10 +91,10 @@ def _nose_outline(pixels: np.ndarray) -> np.ndarray:
     return _smooth(np.concatenate([left, lower, right]).astype(np.float32))
 
 
-def _brow_outline(brow: np.ndarray, size: int) -> np.ndarray:
+def _brow_outline(brow: np.ndarray) -> np.ndarray:
     """The landmarks run along the brow's middle; give them a thickness that thins outward."""
-    inner_is_last = brow[-1, 0] < size / 2
-    thickness = np.array([0.45, 0.8, 1.0, 1.1, 0.9]) * size * 0.014
+    inner_is_last = brow[-1, 0] < _SIZE / 2
+    thickness = np.array([0.45, 0.8, 1.0, 1.1, 0.9]) * _SIZE * 0.014
     if not inner_is_last:
         thickness = thickness[::-1]
     rise = np.stack([np.zeros(5), thickness], 1)

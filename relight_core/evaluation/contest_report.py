@@ -53,11 +53,10 @@ def as_record(outcome: Outcome, training: str) -> dict:
     }
 
 
-def table(outcome: Outcome, columns: Columns, names: Sequence[str] | None = None) -> list[str]:
+def table(outcome: Outcome, columns: Columns) -> list[str]:
     """Lines of Markdown: a row for each contender that has one of the columns, a dash for what it has not."""
     lines = ["| | " + " | ".join(columns.values()) + " |", "|---" * (len(columns) + 1) + "|"]
-    for name in names or outcome.figures:
-        figures = outcome.figures[name]
+    for name, figures in outcome.figures.items():
         if any(column in figures for column in columns):
             cells = [interval_text(figures.get(column)) or "–" for column in columns]
             lines.append(f"| {name} | " + " | ".join(cells) + " |")

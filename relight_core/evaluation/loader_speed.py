@@ -14,7 +14,7 @@ import torch
 
 from relight_core.dataset.stream import SampleStream
 from relight_core.lighting.reflection import ReflectionTable
-from relight_core.networks.bundle import BundleConfig, NetworkBundle
+from relight_core.networks.bundle import NetworkBundle
 from relight_core.networks.precision import mixed_precision
 from relight_core.training.optimiser import Optimiser
 from relight_core.training.run import Run, training_batches
@@ -39,13 +39,13 @@ class LoaderSpeed:
     cpu_per_s: float
 
 
-def loader_speed(heads: Path, lights: Path, size: int, rounds: int = 1, seed: int = 0) -> LoaderSpeed:
+def loader_speed(heads: Path, lights: Path, size: int, rounds: int = 1) -> LoaderSpeed:
     """Time rounds of the stream, in each of which a few heads are read, lit and painted many times.
 
     What happens once per process (reading lights, drawing textures, lighting the first heads) is left out.
     """
     with _one_thread():
-        stream = SampleStream(heads, lights, "train", size, seed)
+        stream = SampleStream(heads, lights, "train", size, seed=0)
         samples = iter(stream)
         next(samples)
         # Whole heads from the first sample of one on: each part comes in its true proportion.
@@ -57,16 +57,14 @@ def loader_speed(heads: Path, lights: Path, size: int, rounds: int = 1, seed: in
     return LoaderSpeed(size, 2 * count, 2 * count / wall, 2 * count / cpu)
 
 
-def waiting_share(
-    heads: Path, lights: Path, size: int, steps: int, config: BundleConfig | None = None, workers: int = 1
-) -> float:
+def waiting_share(heads: Path, lights: Path, size: int, steps: int) -> float:
     """The part of de-lighting's training steps that is spent waiting for the loader, in [0, 1].
 
     The first steps, while the loader fills its queue, are left out.
     """
     stage, device = STAGES[_STAGE], "cuda" if torch.cuda.is_available() else "cpu"
-    run = Run(_STAGE, heads, lights, Path(), size=size, workers=workers)
-    bundle = NetworkBundle(config or run.config).to(device, memory_format=torch.channels_last)
+    run = Run(_STAGE, heads, lights, Path(), size=size, workers=1)
+    bundle = NetworkBundle(run.config).to(device, memory_format=torch.channels_last)
     bundle.delight.train().requires_grad_(True)
     optimiser, table = Optimiser(bundle.delight, stage.learning_rate), ReflectionTable().to(device)
     batches = training_batches(run, stage, 0)

@@ -38,6 +38,8 @@ BOUNDS = {
 """The largest value of each check that is not a failure."""
 
 _TIERS = ("draft", "live", "final")
+_TIER = "live"
+"""Of all checks but those that name a tier."""
 _THREADS = (1, 2, 4)
 _THREADED_LIGHT = "noise"
 
@@ -133,7 +135,6 @@ def hostile_portraits(photo: Photo) -> dict[str, Photo]:
 
 def run_stability(
     photo: Photo,
-    quality: str | Tier = "live",
     *,
     quick: bool = False,
     weights: Path | None = None,
@@ -143,7 +144,6 @@ def run_stability(
 
     Args:
         photo: a portrait whose face is found.
-        quality: of all checks but those that name a tier.
         quick: two portraits and two lights.
         weights: a file of networks; None takes the bundled one.
         report: called with the cases done and all cases.
@@ -155,7 +155,7 @@ def run_stability(
     if quick:
         portraits = {name: portraits[name] for name in ("as it is", "4 EV over")}
         lights = {name: lights[name] for name in ("noise", "sun at the seam")}
-    relighter, tier, face = Relighter(weights), tier_of(quality), choose_faces(photo, None)[0]
+    relighter, tier, face = Relighter(weights), tier_of(_TIER), choose_faces(photo, None)[0]
     cases, errors = [], []
     for portrait_name, portrait in portraits.items():
         # Framed by hand: what the finder makes of such pictures is another question.

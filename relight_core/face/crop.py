@@ -99,7 +99,7 @@ class Crop:
         return resize_area(turned, (size, size))
 
 
-def crop_for_face(box: FaceBox, padding_px: float = 30.0, size: int = 256) -> Crop:
+def crop_for_face(box: FaceBox, padding_px: float = 30.0) -> Crop:
     """The first crop around a found face: forehead to chin, whichever way it leans, with the paper's padding.
 
     `box_from_parsing` and `crop_with_padding` refine it once the parsing map is known.
@@ -107,7 +107,7 @@ def crop_for_face(box: FaceBox, padding_px: float = 30.0, size: int = 256) -> Cr
     roll, half = np.radians(box.roll_deg), FOREHEAD * box.height / 2
     left, up, down = half * np.sin(roll), half * (1 + np.cos(roll)), half * (1 - np.cos(roll))
     whole = FaceBox(box.x0 - left, box.y0 - up, box.x1 - left, box.y1 + down, box.roll_deg)
-    return crop_with_padding(whole, padding_px, size)
+    return crop_with_padding(whole, padding_px)
 
 
 def crop_with_padding(box: FaceBox, padding_px: float = 30.0, size: int = 256) -> Crop:

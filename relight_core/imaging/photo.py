@@ -91,7 +91,7 @@ class Photo:
         return Photo(linear, None, self.path, self.bits)
 
     @classmethod
-    def from_srgb(cls, srgb: np.ndarray, path: Path | None = None) -> Photo:
+    def from_srgb(cls, srgb: np.ndarray) -> Photo:
         """A photo from sRGB pixels in memory.
 
         Args:
@@ -100,6 +100,6 @@ class Photo:
         srgb = np.asarray(srgb)
         if srgb.dtype in (np.uint8, np.uint16):
             linear = srgb_decode_integers(srgb)
-            return cls(np.ascontiguousarray(linear), None, path, 8 * srgb.dtype.itemsize)
+            return cls(np.ascontiguousarray(linear), None, None, 8 * srgb.dtype.itemsize)
         clipped = np.clip(np.nan_to_num(srgb.astype(np.float32)), 0.0, 1.0)
-        return cls(np.ascontiguousarray(srgb_decode(clipped)), None, path, 32)
+        return cls(np.ascontiguousarray(srgb_decode(clipped)), None, None, 32)

@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from relight_core.imaging.colour import luminance
-from relight_core.lighting.environment import Environment, shrink
+from relight_core.lighting.environment import NETWORK_HEIGHT, Environment, shrink
 from relight_core.lighting.roll import roll_light
 from relight_core.lighting.sphere import directions, place_on_map, solid_angles, turned
 
@@ -69,8 +69,8 @@ def bright_places(environment: Environment) -> tuple[Lamp, ...]:
     return environment.of_shape("bright places", _find)
 
 
-def footprint(lamp: Lamp, roll_deg: float = 0.0, height: int = 16) -> np.ndarray:
-    """Where a lamp's light lies in the light that the networks read, (height, 2 * height) float32, sum 1.
+def footprint(lamp: Lamp, roll_deg: float = 0.0) -> np.ndarray:
+    """Where a lamp's light lies in the light that the networks read, (16, 32) float32, sum 1.
 
     As `network_light` spreads it: along a row over the width of a texel, and over the texels that it touches; and where
     a view is turned, as `roll_light` spreads that once more. Of a lamp that had been turned before, it would lie in
@@ -79,11 +79,10 @@ def footprint(lamp: Lamp, roll_deg: float = 0.0, height: int = 16) -> np.ndarray
     Args:
         lamp: in the camera space of the photo.
         roll_deg: of the view.
-        height: rows of the light.
     """
-    share = _footprint(lamp, height)
+    share = _footprint(lamp, NETWORK_HEIGHT)
     if roll_deg:
-        areas = solid_angles(height, 2 * height)
+        areas = solid_angles(*share.shape)
         share = roll_light(np.repeat((share / areas)[..., None], 3, -1), roll_deg)[..., 0] * areas
     return share / share.sum()
 

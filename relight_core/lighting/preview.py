@@ -9,6 +9,7 @@ from relight_core.lighting.environment import Environment, network_light
 from relight_core.lighting.sphere import directions, solid_angles
 
 _LIGHT_HEIGHT = 32
+_TABLE_HEIGHT = 24
 _ALBEDO = 0.7
 _REFLECTANCE = 0.05
 _LOBE_DOUBLINGS = 7
@@ -43,23 +44,24 @@ def lit_ball(environment: Environment, size: int, yaw_deg: float = 0.0) -> np.nd
     return np.concatenate([radiance, coverage[..., None]], axis=-1)
 
 
-def ball_tables(environment: Environment, height: int = 24) -> tuple[np.ndarray, np.ndarray]:
+def ball_tables(environment: Environment) -> tuple[np.ndarray, np.ndarray]:
     """What a ball that turns under a light needs: look them up by a direction turned against the light's yaw.
 
     Exposed so that the matte card facing the light has a luminance of 0.85, wherever the light is: a light
     behind the ball leaves it dark.
 
     Returns:
-        Two (height, 2 height, 3) float32 lat-long tables for yaw 0: the matte card's radiance over its
+        Two (24, 48, 3) float32 lat-long tables for yaw 0: the matte card's radiance over its
         normal, and the light over the mirrored direction, blurred by the varnish (fresnel not applied).
     """
     toward, power_and_area = _flat(network_light(environment))
-    at = directions(height, 2 * height).reshape(-1, 3)
+    at = directions(_TABLE_HEIGHT, 2 * _TABLE_HEIGHT).reshape(-1, 3)
     matte = _matte(at, toward, power_and_area)
     gloss = _gloss(at, toward, power_and_area, _TABLE_DOUBLINGS)
     brightest = float((matte @ REC709_LUMINANCE.astype(np.float32)).max())
     scale = _BRIGHT / brightest if brightest > _DARK_LEVEL else 0.0
-    return tuple((table * scale).reshape(height, 2 * height, 3).astype(np.float32) for table in (matte, gloss))
+    shape = (_TABLE_HEIGHT, 2 * _TABLE_HEIGHT, 3)
+    return tuple((table * scale).reshape(shape).astype(np.float32) for table in (matte, gloss))
 
 
 def _flat(light: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import torch
 import torch.nn.functional as F
 
+from relight_core.lighting.environment import NETWORK_HEIGHT
 from relight_core.lighting.sphere import directions, solid_angles
 
 TABLE_SIZE = 64
@@ -64,17 +65,17 @@ class ReflectionTable(torch.nn.Module):
     over the silhouette. Everything stays in fp32: bright suns lose 3 % in bf16.
     """
 
-    def __init__(self, light_height: int = 16, gloss: Gloss = GLOSS):
+    def __init__(self):
         super().__init__()
-        toward = torch.from_numpy(directions(light_height, 2 * light_height).reshape(-1, 3))
-        weights = torch.from_numpy(solid_angles(light_height, 2 * light_height).reshape(-1))
+        toward = torch.from_numpy(directions(NETWORK_HEIGHT, 2 * NETWORK_HEIGHT).reshape(-1, 3))
+        weights = torch.from_numpy(solid_angles(NETWORK_HEIGHT, 2 * NETWORK_HEIGHT).reshape(-1))
         normals = _table_normals(TABLE_SIZE)
         diffuse = (toward @ normals.T).clamp_min(0) / torch.pi
-        lobe = specular_lobe(toward, normals, gloss)
+        lobe = specular_lobe(toward, normals, GLOSS)
         self.register_buffer("transport", torch.cat([diffuse, lobe], 1) * weights[:, None], persistent=False)
 
     def tabulate(self, light: torch.Tensor) -> torch.Tensor:
-        """Light (B, H, 2H, 3), linear radiance, to a table (B, 6, T, T): irradiance rgb, gloss rgb."""
+        """Light (B, 16, 32, 3), linear radiance, to a table (B, 6, T, T): irradiance rgb, gloss rgb."""
         batch = light.shape[0]
         flat = light.float().reshape(batch, -1, 3).permute(0, 2, 1)
         with torch.autocast(light.device.type, enabled=False):

@@ -24,6 +24,8 @@ from relight_core.training.state import Progress, load_state, save_state
 
 _GRADIENT_LIMIT = 5.0
 _MOST_SKIPPED_IN_A_ROW = 20
+_DECAY, _AVERAGED_EVERY = 0.998, 4
+"""Of the averaged weights: their decay a step, and how many steps are taken at once."""
 
 
 class TrainingDiverged(RuntimeError):
@@ -71,15 +73,14 @@ class Budget:
 class AveragedWeights:
     """Exponential moving average of a bundle: what is saved, since it scores better than the last step."""
 
-    def __init__(self, bundle: NetworkBundle, decay: float = 0.998, every: int = 4):
-        self._decay, self._every = decay, every
+    def __init__(self, bundle: NetworkBundle):
         self.state = {name: value.clone() for name, value in bundle.state_dict().items()}
 
     def update(self, bundle: NetworkBundle, step: int) -> None:
         """Move toward the current weights, quickly at first; every few steps, for it touches every weight."""
-        if step % self._every:
+        if step % _AVERAGED_EVERY:
             return
-        decay = min(self._decay, (1 + step) / (10 + step)) ** self._every
+        decay = min(_DECAY, (1 + step) / (10 + step)) ** _AVERAGED_EVERY
         for name, value in bundle.state_dict().items():
             if value.is_floating_point():
                 self.state[name].lerp_(value, 1 - decay)

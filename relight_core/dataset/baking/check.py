@@ -17,6 +17,8 @@ SKIN = (0.50, 0.36, 0.29)
 """Linear reflectance of the whole head while it is checked: what is compared is light, not paint."""
 
 _BOUNCES = 4
+_SIZE = 128
+_RAYS_PER_PIXEL = 128
 
 
 @dataclass(frozen=True)
@@ -36,20 +38,18 @@ class Difference:
     with_bounce: float
 
 
-def check_heads(
-    casting: Casting | ScanCasting, seeds: range, lights: np.ndarray, size: int = 128, rays_per_pixel: int = 128
-) -> Iterator[Difference]:
+def check_heads(casting: Casting | ScanCasting, seeds: range, lights: np.ndarray) -> Iterator[Difference]:
     """Render heads both ways under lights (K, 16, 32, 3), one difference per head and light."""
     for seed in seeds:
-        posed = casting.pose_head(seed, size)
-        head = posed.bake(size)
+        posed = casting.pose_head(seed, _SIZE)
+        head = posed.bake(_SIZE)
         lit = light_head(head, head.normal, lights, dull=False)
         albedo = np.tile(np.float32(SKIN), (len(head.normal), 1))
         tracers = [PathTracer(posed.scene, SKIN, bounces) for bounces in (1, _BOUNCES)]
         face = head.scatter(np.isin(head.label, FACE_LABELS))
         for k, light in enumerate(lights):
-            direct = [tracers[0].render(light, posed.framing, size, rays_per_pixel, noise) for noise in (0, 1)]
-            bounced = [tracers[1].render(light, posed.framing, size, rays_per_pixel, noise) for noise in (2, 3)]
+            direct = [tracers[0].render(light, posed.framing, _SIZE, _RAYS_PER_PIXEL, noise) for noise in (0, 1)]
+            bounced = [tracers[1].render(light, posed.framing, _SIZE, _RAYS_PER_PIXEL, noise) for noise in (2, 3)]
             once, full = _direct_image(lit, albedo, k), channels_of(lit, albedo, k)["image"]
             yield Difference(seed, k, _rmse(once, direct, face), _rmse(once, bounced, face), _rmse(full, bounced, face))
 

@@ -41,9 +41,9 @@ def decode_normals(codes: np.ndarray, steps: int = ENOUGH.normal) -> np.ndarray:
     return normal / np.linalg.norm(normal, axis=1, keepdims=True)
 
 
-def code_uv(uv: np.ndarray, steps: int = ENOUGH.uv) -> np.ndarray:
+def code_uv(uv: np.ndarray) -> np.ndarray:
     """Texture coordinates in [0, 1] to uint16."""
-    return np.round(np.clip(uv, 0, 1) * steps).astype(np.uint16)
+    return np.round(np.clip(uv, 0, 1) * ENOUGH.uv).astype(np.uint16)
 
 
 def decode_uv(codes: np.ndarray, steps: int = ENOUGH.uv) -> np.ndarray:
@@ -51,9 +51,9 @@ def decode_uv(codes: np.ndarray, steps: int = ENOUGH.uv) -> np.ndarray:
     return codes.astype(np.float32) / steps
 
 
-def code_depth(depth: np.ndarray, steps: int = ENOUGH.depth) -> np.ndarray:
+def code_depth(depth: np.ndarray) -> np.ndarray:
     """Depth within 8 half-widths of 0 to uint16."""
-    return np.round((np.clip(depth, -_DEEPEST, _DEEPEST) + 8) * steps).astype(np.uint16)
+    return np.round((np.clip(depth, -_DEEPEST, _DEEPEST) + 8) * ENOUGH.depth).astype(np.uint16)
 
 
 def decode_depth(codes: np.ndarray, steps: int = ENOUGH.depth) -> np.ndarray:

@@ -36,7 +36,7 @@ class Illumination:
     specular_open: np.ndarray
 
 
-def illuminate(head: BakedHead, normal: np.ndarray, lights: np.ndarray, gloss: Gloss = GLOSS) -> Illumination:
+def illuminate(head: BakedHead, normal: np.ndarray, lights: np.ndarray) -> Illumination:
     """Light a head.
 
     Args:
@@ -45,7 +45,7 @@ def illuminate(head: BakedHead, normal: np.ndarray, lights: np.ndarray, gloss: G
     """
 
     def transports(toward, cosine, seen, n):
-        lobe = specular_lobe(toward, n, gloss)
+        lobe = specular_lobe(toward, n, GLOSS)
         irradiance = cosine / torch.pi
         return irradiance * seen, irradiance, lobe * seen, lobe
 

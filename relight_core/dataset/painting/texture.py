@@ -20,27 +20,27 @@ def fractal_noise(rng: np.random.Generator, size: int = SIZE, falloff: float = 1
     return (noise / noise.std()).astype(np.float32)
 
 
-def pattern(rng: np.random.Generator, size: int = SIZE) -> np.ndarray:
-    """A random picture of cells, stripes, shapes or clouds. (size, size, 3) float32 in [0, 1], linear."""
+def pattern(rng: np.random.Generator) -> np.ndarray:
+    """A random picture of cells, stripes, shapes or clouds. (SIZE, SIZE, 3) float32 in [0, 1], linear."""
     kind = rng.integers(4)
     colours = rng.beta(0.8, 0.8, (8, 3)).astype(np.float32)
     if kind == 0:
-        index = np.digitize(fractal_noise(rng, size, rng.uniform(0.8, 2)), np.linspace(-1.5, 1.5, 7))
+        index = np.digitize(fractal_noise(rng, SIZE, rng.uniform(0.8, 2)), np.linspace(-1.5, 1.5, 7))
         return colours[index]
     if kind == 1:
-        y, x = np.mgrid[:size, :size] / size
+        y, x = np.mgrid[:SIZE, :SIZE] / SIZE
         phase = rng.uniform(3, 40) * (x * rng.uniform(-1, 1) + y * rng.uniform(-1, 1))
-        phase += 0.6 * fractal_noise(rng, size, 1.5)
+        phase += 0.6 * fractal_noise(rng, SIZE, 1.5)
         blend = (0.5 + 0.5 * np.sin(2 * np.pi * phase))[..., None]
         return (colours[0] * blend + colours[1] * (1 - blend)).astype(np.float32)
     if kind == 2:
-        image = np.full((size, size, 3), colours[0])
+        image = np.full((SIZE, SIZE, 3), colours[0])
         for _ in range(rng.integers(10, 60)):
-            centre, axes = rng.integers(0, size, 2).tolist(), rng.integers(2, 40, 2).tolist()
+            centre, axes = rng.integers(0, SIZE, 2).tolist(), rng.integers(2, 40, 2).tolist()
             colour = rng.beta(0.8, 0.8, 3).tolist()
             cv2.ellipse(image, centre, axes, float(rng.uniform(0, 180)), 0, 360, colour, -1, cv2.LINE_AA)
         return image
-    blend = np.clip(0.5 + 0.3 * np.stack([fractal_noise(rng, size, rng.uniform(0.6, 1.6)) for _ in range(3)], -1), 0, 1)
+    blend = np.clip(0.5 + 0.3 * np.stack([fractal_noise(rng, SIZE, rng.uniform(0.6, 1.6)) for _ in range(3)], -1), 0, 1)
     return (colours[0] * blend + colours[1] * (1 - blend)).astype(np.float32)
 
 
