@@ -65,6 +65,14 @@ def test_skin_whose_red_alone_is_clipped_is_not_yellow():
     assert green / blue == pytest.approx(4 / 3, rel=0.04)
 
 
+def test_a_clipped_channel_is_lifted_and_never_lowered():
+    photo, reds = with_middle(flat((0.6, 0.4, 0.3)), (1.0, 0.8, 0.6)), []
+    for red in (0.75, 0.95):
+        albedo = with_middle(SKIN_COLOUR.expand(1, 3, SIZE, SIZE).clone(), (red, 0.5, 0.375))
+        reds.append(float(mend_blown(clipped_share(photo), albedo, parsing_of(SKIN))[0, 0, 12, 12]))
+    assert reds[1] > reds[0] + 0.05
+
+
 def test_other_things_that_are_blown_are_white_and_keep_their_brightness():
     photo = with_middle(flat((0.3, 0.3, 0.3)), (1.0, 1.0, 1.0))
     albedo = with_middle(flat((0.3, 0.2, 0.3)), (0.7, 0.6, 0.9))

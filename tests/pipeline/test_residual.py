@@ -6,7 +6,7 @@ import pytest
 import torch
 
 from relight_core.pipeline.per_light.hints import Effects
-from relight_core.pipeline.per_light.residual import add_residual, find_residual
+from relight_core.pipeline.per_light.residual import add_residual, at_light_level, find_residual
 from relight_core.pipeline.stages import Composed
 
 SIZE = 12
@@ -223,3 +223,29 @@ def test_a_colour_of_skin_in_deep_shadow_stays_only_in_its_own_light_and_paint_t
 def test_a_pattern_that_the_model_misses_stays_in_any_light():
     assert rim_in(lamp(18), CLOTH) == pytest.approx(4.5, rel=0.01)
     assert rim_in(lamp(18), SKIN, rim=0.23) == pytest.approx(1.15, rel=0.02)
+
+
+def test_at_another_level_the_photo_comes_back_too():
+    photo, model = images(0).clamp_min(0.2), Composed(images(1).clamp_min(0.2), images(2))
+    residual = at_light_level(find_residual(surface(photo), photo, light(), lambda own: model), 0.5)
+    image, _ = add_residual(residual, model, no_effects(), light())
+    torch.testing.assert_close(image * 0.5, photo, rtol=0.02, atol=0)
+
+
+def test_what_a_level_darkens_is_of_all_skin_and_fades_as_whole_cheeks_do():
+    photo = torch.full((1, 3, SIZE, SIZE), 0.4)
+    residual = find_residual(surface(photo), photo, light(), lambda own: Composed(photo, photo))
+    half_as_lit = Composed(photo, 0.5 * photo)
+    image, _ = add_residual(at_light_level(residual, 2 * residual.level), half_as_lit, no_effects(), light())
+    torch.testing.assert_close(image / photo, torch.full_like(photo, 2**-0.125), rtol=0.01, atol=0)
+
+
+def test_gloss_and_shadow_of_a_view_change_as_the_view_does():
+    photo, model = images(0).mean(1, keepdim=True).expand(1, 3, SIZE, SIZE), torch.full((1, 3, SIZE, SIZE), 0.5)
+    residual = find_residual(surface(photo), photo, light(), lambda own: Composed(model, model))
+    one = torch.ones(1, 1, SIZE, SIZE)
+    image, effects = add_residual(residual, Composed(model, model), Effects(0.3 * one, 0.2 * one), light())
+    by = (image + 0.005)[:, :1] / 0.505
+    assert by.max() > 1.2 * by.min()
+    torch.testing.assert_close(effects.specular, 0.3 * by, rtol=1e-3, atol=0)
+    torch.testing.assert_close(effects.shadow, 0.2 * by, rtol=1e-3, atol=0)

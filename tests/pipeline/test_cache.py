@@ -1,0 +1,31 @@
+"""What is kept of a stage's results, and for how long."""
+
+from relight_core.pipeline.cache import StageCache
+
+
+def made_by(cache, keys, keep):
+    """Which of the keys, asked for one after the other, had to be made."""
+    made = []
+    for key in keys:
+        cache.run("stage", key, lambda key=key: made.append(key), "asked for", keep)
+    return made
+
+
+def test_what_was_used_last_is_kept_and_not_what_was_made_last():
+    assert made_by(StageCache(), "abacab", keep=2) == ["a", "b", "c", "b"]
+
+
+def test_another_stage_of_the_same_key_is_another_result():
+    cache = StageCache()
+    assert cache.run("one", 0, lambda: "first", "asked for") == "first"
+    assert cache.run("other", 0, lambda: "second", "asked for") == "second"
+    assert cache.run("one", 0, lambda: "third", "asked for") == "first"
+
+
+def test_a_forgotten_stage_is_made_again_and_no_other():
+    cache = StageCache()
+    for name in ("one", "other"):
+        cache.run(name, 0, lambda: None, "asked for")
+    cache.forget("one")
+    assert not cache.has("one", 0)
+    assert cache.has("other", 0)
