@@ -166,8 +166,7 @@ class FaceRelighter(FaceInPhoto):
             specular = specular_gain(edit.specular * plan.runs("specular"), edit.specular_tint, self._shop.device)
             effects = soften_shadow(lit.effects, ready.surface, lit.reflected, edit.shadow_softness)
             shadow = edit.shadow * plan.runs("shadow")
-            gloss = float(plan.runs("specular"))
-            moved = move_sliders(lit.composed, ready.surface, lit.reflected, effects, specular, shadow, gloss)
+            moved = move_sliders(lit.composed, ready.surface, lit.reflected, effects, specular, shadow)
         change = enlarge_change(fit, moved, self._upsampler(ready), level)
         if lit.nearer is not None:
             from_near = self.nearer.change(*lit.nearer, plan, edit, level)

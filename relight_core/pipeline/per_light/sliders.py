@@ -46,7 +46,6 @@ def move_sliders(
     effects: Effects,
     specular_gain: float | torch.Tensor,
     shadow_gain: float,
-    composed_gloss: float = 1.0,
 ) -> SliderChange:
     """The change of the image with its effects scaled (paper, Figure 12); none at gains of 1.
 
@@ -55,14 +54,14 @@ def move_sliders(
     and more gloss never darkens a pixel, and the network need not run again.
 
     Args:
-        effects: those that the image was composed of, but for a softer shadow.
-        composed_gloss: the gain of the gloss that is in it.
+        effects: those that the image was composed of, but for a softer shadow. An image may have been composed without
+            its gloss where `specular_gain` is 0.
     """
     matt, gloss = explicit_parts(surface.albedo, reflected, effects, shadow_gain)
     moved = matt + specular_gain * gloss
     kept = ((moved + 1e-3) / (composed.plain + 1e-3)).clamp(0, 1)
     added = (moved - composed.plain).clamp_min(0)
-    lifted = torch.minimum(added, (matt - (composed.plain - composed_gloss * gloss)).clamp_min(0))
+    lifted = torch.minimum(added, (matt - (composed.plain - gloss)).clamp_min(0))
     return SliderChange(kept, added - lifted, lifted)
 
 
