@@ -77,6 +77,22 @@ def test_coarse_maps_show_no_texels(map_height):
     assert np.abs(np.diff(picture, axis=0)).max() < 0.03
 
 
+def test_no_texel_has_an_edge_that_shows_as_a_crease():
+    noise = np.random.default_rng(0).random((16, 32, 3))
+    picture = panorama_background(Environment.from_radiance(noise), 5, 64, 64, blur_deg=0)
+    assert picture.std() > 0.1
+    assert np.abs(np.diff(picture, 2, axis=1)).max() < 0.03
+
+
+def test_blur_brings_in_the_light_from_just_beyond_the_picture():
+    panorama = np.ones((64, 128, 3), np.float32)
+    panorama[:, 73:76] = 20.0  # 25 to 34 degrees to the right, where half the view is 25
+    environment = Environment.from_radiance(panorama)
+    row = panorama_background(environment, 0, 60, 60, 50, blur_deg=4)[30, :, 0] * environment.level
+    assert row[-1] > 6.0
+    assert row[0] == pytest.approx(1.0, abs=0.01)
+
+
 def test_blur_softens_but_keeps_even_light():
     noise = np.random.default_rng(1).random((128, 256, 3))
     environment = Environment.from_radiance(noise)

@@ -99,6 +99,16 @@ def test_a_moved_box_lies_where_it_was_put(place):
     assert moved_to(SoftBox(12.0, 5.0), 3.0 * target).direction @ target == pytest.approx(1.0, abs=1e-6)
 
 
+def test_a_box_that_is_moved_straight_up_keeps_its_azimuth():
+    moved = moved_to(SoftBox(12.0, 5.0), np.array([0.0, 2.0, 0.0]))
+    assert (moved.azimuth_deg, moved.elevation_deg) == (12.0, pytest.approx(90.0))
+
+
+def test_a_box_that_is_switched_off_radiates_nothing():
+    assert soft_box_radiance(SoftBox(), 16).max() > 0
+    assert soft_box_radiance(SoftBox(off=True), 16).max() == 0
+
+
 def test_panorama_positions_and_directions_are_each_others_inverse():
     grid = directions(8, 16)
     for row in range(8):
