@@ -11,7 +11,7 @@ from PIL import Image
 
 from app.engine.batch import photos_in, relight_each, summary
 from app.engine.film import write_film
-from app.engine.jobs import Cancelled, Jobs
+from app.engine.jobs import Cancelled, JobControl, Jobs
 from app.engine.turntable import turning, write_pictures
 from app.ui.viewport.progress_card import words
 from app.window.clipboard import copy_png
@@ -141,6 +141,16 @@ class Steps:
             raise Cancelled
 
 
+def test_what_is_left_takes_as_long_a_step_as_what_is_done_took(monkeypatch):
+    clock, told = [100.0], []
+    monkeypatch.setattr("app.engine.jobs.time", SimpleNamespace(monotonic=lambda: clock[0]))
+    control = JobControl(SimpleNamespace(is_cancelled=lambda: False, publish=told.append), "Film")
+    control.step(0, 12)
+    clock[0] += 30.0
+    control.step(3, 12)
+    assert [status.left_s for status in told] == [None, 90.0]
+
+
 def frames(count, size=(31, 40)):
     relighter = FakeRelighter()
     relighter.set_portrait(Photo(np.full((*size, 3), 0.5, np.float32)))
@@ -153,6 +163,14 @@ def test_the_turntable_goes_round_once_in_even_frames():
     assert [edit.yaw_deg for edit in relighter.relights] == [10.0, 100.0, 190.0, 280.0]
     assert {picture.shape for picture in pictures} == {(30, 40, 3)}
     assert not np.array_equal(pictures[0], pictures[2])
+
+
+def test_what_is_transparent_is_black_in_a_turntable():
+    half = np.float32([[1.0, 0.0], [1.0, 0.0]])
+    relit = SimpleNamespace(full=None, image=np.ones((2, 2, 3), np.float32), alpha=half)
+    (frame,) = turning(SimpleNamespace(relight=lambda light, edit: relit), load_rig("split"), Edit(), None, 1)
+    assert frame[:, 0].min() > 200
+    assert frame[:, 1].max() == 0
 
 
 def test_a_film_has_every_frame_and_a_cancelled_one_leaves_nothing(tmp_path):

@@ -37,7 +37,7 @@ def side_light():
     return light
 
 
-def hardened(effects, lamps, irradiance=None, light=None, label=SKIN, given=None):
+def hardened(effects, lamps, irradiance=None, light=None, label=SKIN, given=None, roll_deg=0.0):
     found = surface(label)
     coarse = found.relief[0, 0, ::2, ::2], found.normal[0, :, ::2, ::2], torch.ones(SIZE // 2, SIZE // 2)
     reflection = reflected() if irradiance is None else irradiance
@@ -45,7 +45,7 @@ def hardened(effects, lamps, irradiance=None, light=None, label=SKIN, given=None
     relief, horizon = march_relief(*coarse), horizon_of(found)
     given = torch.cat([torch.full((1, 3, 1, 1), part) for part in given or given_by(lamps)], 1)
     without = lambda rest: (reflection - given).clamp_min(0)  # noqa: E731
-    return harden_shadow(effects, found, reflection, light, relief, horizon, lamps, without)
+    return harden_shadow(effects, found, reflection, light, relief, horizon, lamps, without, roll_deg)
 
 
 def given_by(lamps):
@@ -80,6 +80,12 @@ def test_the_edge_becomes_steeper_and_lies_where_the_geometry_says():
     assert steepest == pytest.approx(edge, abs=2)
     assert np.abs(np.diff(after[10:30])).max() > 0.15
     assert after[40:60].std() < 0.02
+
+
+def test_in_a_view_that_is_turned_a_lamp_above_the_photo_is_one_at_the_side():
+    upright = share(hardened(half_shadow(), [lamp()]))
+    turned = share(hardened(half_shadow(), [lamp(toward=(0.0, SIDE[0], SIDE[2]))], roll_deg=90.0))
+    np.testing.assert_allclose(turned, upright, atol=0.02)
 
 
 def test_a_shadow_that_the_relief_knows_nothing_of_stays():

@@ -298,3 +298,8 @@ def test_a_screens_picture_never_leaves_rec709():
     picture = picture_of(photo=photo)
     plain = picture_of(photo=Photo(photo.linear))
     np.testing.assert_array_equal(picture.render()[0], plain.render()[0])
+
+
+def test_a_background_that_follows_the_person_is_never_dimmed_to_black_nor_blown_out():
+    followed = make_backdrop("match", None, lambda: np.array([0.001, 0.7, 50.0]))
+    np.testing.assert_allclose(followed.gain, [0.1, 0.7, 2.0], rtol=1e-6)
