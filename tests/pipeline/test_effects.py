@@ -14,6 +14,7 @@ from relight_core.pipeline.per_light.hints import (
     doubtful_shadow,
     effects_of,
     explicit_sum,
+    smooth_gloss,
     specular_shadow_hints,
 )
 from relight_core.pipeline.per_light.sliders import move_sliders
@@ -85,6 +86,24 @@ def test_where_half_the_light_is_hidden_a_deeper_shadow_is_not_black(gain, left)
     reflected[:, :3] = 2
     half = Effects(torch.zeros(1, 1, 2, 2), torch.full((1, 1, 2, 2), 0.5))
     torch.testing.assert_close(explicit_sum(albedo, reflected, half, 1.0, gain), torch.full((1, 3, 2, 2), left))
+
+
+def test_a_tinted_shadow_takes_more_of_one_colour_than_of_another():
+    white, reflected = torch.ones(1, 3, 1, 1), torch.zeros(1, 6, 1, 1)
+    reflected[:, :3] = 2
+    tint = torch.tensor([0.5, 1.0, 1.5])[None, :, None, None]
+    half = Effects(torch.zeros(1, 1, 1, 1), torch.ones(1, 1, 1, 1), tint)
+    expected = torch.tensor([1.5, 1.0, 0.5])
+    torch.testing.assert_close(explicit_sum(white, reflected, half).flatten(), expected)
+
+
+def test_a_highlight_of_one_pixel_is_spread_and_even_gloss_stays_even_at_the_border():
+    highlight = torch.zeros(1, 1, 5, 5)
+    highlight[..., 2, 2] = 9
+    around = torch.zeros(1, 1, 5, 5)
+    around[..., 1:4, 1:4] = 1
+    torch.testing.assert_close(smooth_gloss(highlight), around)
+    torch.testing.assert_close(smooth_gloss(torch.ones(1, 1, 5, 5)), torch.ones(1, 1, 5, 5))
 
 
 @pytest.mark.parametrize("slider", ["specular", "shadow"])
