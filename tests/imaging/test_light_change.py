@@ -186,3 +186,9 @@ def test_lifted_light_never_takes_shine_away():
     kept = np.ones_like(photo)
     (without, _), (lifted, _) = (change.moved(kept, gloss, lit) for lit in (0 * photo, np.full_like(photo, 1e-6)))
     np.testing.assert_allclose(lifted, without, rtol=1e-3)
+
+
+def test_gloss_on_what_is_nearly_black_needs_no_more_gain_than_there_may_be():
+    photo, relit = np.full((8, 8, 3), 0.005, np.float32), np.full((8, 8, 3), 0.205, np.float32)
+    change = fit_light_change(photo, relit, np.full_like(relit, 0.2), made_of(textured=1.0, size=8))
+    np.testing.assert_allclose(change.apply(photo), relit, rtol=0.02)

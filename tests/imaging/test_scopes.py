@@ -104,3 +104,12 @@ def test_what_is_transparent_does_not_count():
     assert extremes(codes.astype(np.float32), seen=~seen).too_bright == 1
     nobody = extremes(codes.astype(np.float32), seen=np.zeros_like(seen))
     assert (nobody.too_dark, nobody.too_bright, nobody.no_number) == (0, 0, 0)
+
+
+def test_a_black_backdrop_neither_flattens_the_histogram_nor_shows_as_white():
+    codes = np.zeros((40, 40, 3), np.uint8)
+    codes[:2] = 128
+    coverage = histogram_picture(codes)[..., 3]
+    assert coverage[:, 128].min() == 255
+    assert coverage[:, 0].min() == 255
+    assert coverage[:, 255].max() == 0

@@ -131,6 +131,16 @@ def test_a_panorama_that_was_taken_apart_gives_the_same_light_and_its_room_has_n
     np.testing.assert_allclose(room.shape * room.level, bare.shape * bare.level, rtol=1e-4)
 
 
+def test_what_is_dark_beside_a_sun_stays_dark_without_it():
+    sky = sky_with((40.0, 35.0, 2.0, 3000.0))
+    toward = directions(256, 512) @ SoftBox(48.0, 35.0).direction.astype(np.float32)
+    tower = toward > np.cos(np.radians(2.0))
+    shape = np.where(tower[..., None], 0.0, sky.shape)
+    light = Environment.from_radiance(shape)
+    room = edit_light(light, replace(taken_apart(LightEdit(), own_lamps(light)), boxes=()))
+    assert room.shape[tower].max() == 0
+
+
 def test_lamps_of_a_panorama_are_taken_out_one_after_the_other():
     sky = sky_with((40.0, 35.0, 2.0, 3000.0), (-120.0, 20.0, 3.0, 1000.0))
     edit = taken_apart(LightEdit(), own_lamps(sky))

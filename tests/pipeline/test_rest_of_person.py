@@ -137,3 +137,38 @@ def test_a_body_in_the_dark_keeps_the_colour_of_its_light_at_the_largest_gain():
     gain = body_gain(body, EVEN, np.float32([60, 30, 15]) * (body.photo + 1e-3))
     assert gain.max() == pytest.approx(16, rel=0.01)
     np.testing.assert_allclose(gain[20, 20] / gain[20, 20, 0], [1, 0.5, 0.25], rtol=0.05)
+
+
+def share_of(rows, columns, size=64):
+    """A person who fills some rows and columns of a photo, and nobody else."""
+    share = np.zeros((size, size), np.float32)
+    share[rows, columns] = 1
+    return share
+
+
+def light_from(row, column):
+    """A lamp in one texel, of mean luminance 1."""
+    light = torch.zeros(1, 16, 32, 3)
+    edges = np.cos(np.pi * np.array([row, row + 1]) / 16)
+    light[0, row, column] = 64 / float(edges[0] - edges[1])
+    return light
+
+
+def shading(share, light):
+    photo = np.full((*share.shape, 3), 0.4, np.float32)
+    return body_shading(make_body(photo, share, np.zeros_like(share), ReflectionTable()), light)[..., 0]
+
+
+def test_a_lamp_lights_the_side_of_a_body_that_it_is_on():
+    share = share_of(slice(16, 48), slice(16, 48))
+    above = shading(share, light_from(2, 0))
+    assert above[20, 32] > 1.5 * above[44, 32]
+    right = shading(share, light_from(7, 24))
+    assert right[32, 44] > 1.5 * right[32, 20]
+
+
+def test_a_body_that_the_photo_cuts_off_does_not_turn_away_at_its_border():
+    whole, cut = (share_of(slice(16, end), slice(16, 48)) for end in (48, 64))
+    below = light_from(12, 0)
+    assert shading(whole, below)[47, 32] > 1.5 * shading(whole, below)[32, 32]
+    assert shading(cut, below)[63, 32] < 1.1 * shading(cut, below)[40, 32]
