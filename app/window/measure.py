@@ -96,19 +96,24 @@ def measure_window(
     try:
         window.shelf.wait()
         _settle_on_the_photo(window)
-        with_hand = _Hand(window)
-        frames, updates = with_hand.drag(drag_s)
-        speed = WindowSpeed(frame=Spread.of(frames), frames=len(frames), updates=updates)
-        yield speed
-        for name, change in (("rotation", _turn), ("shadow", _deepen), ("exposure", _brighten)):
-            speed = replace(speed, **{name: Spread.of(with_hand.latencies(change, repeats))})
+        for speed in _with_hand(window, drag_s, repeats):
             yield speed
-        with_hand.rest()
         speed = replace(speed, idle_cpu=_idle_cpu(window, idle_s))
         yield speed
         yield from _with_openings(speed, window, photos, openings)
     finally:
         window.close()
+
+
+def _with_hand(window: EditorWindow, drag_s: float, repeats: int) -> Iterator[WindowSpeed]:
+    hand = _Hand(window)
+    frames, updates = hand.drag(drag_s)
+    speed = WindowSpeed(frame=Spread.of(frames), frames=len(frames), updates=updates)
+    yield speed
+    for name, change in (("rotation", _turn), ("shadow", _deepen), ("exposure", _brighten)):
+        speed = replace(speed, **{name: Spread.of(hand.latencies(change, repeats))})
+        yield speed
+    hand.rest()
 
 
 def _with_openings(speed: WindowSpeed, window: EditorWindow, photos: list[Path], count: int) -> Iterator[WindowSpeed]:

@@ -44,9 +44,7 @@ def panorama_view(
     Raises:
         ValueError: a field of view, a blur or a yaw out of range.
     """
-    in_range = 0 < field_of_view_deg <= 170 and 0 <= blur_deg <= _WIDEST_BLUR_DEG
-    if not in_range or not math.isfinite(yaw_deg):
-        raise ValueError(f"no view of {field_of_view_deg} deg with blur {blur_deg} deg at yaw {yaw_deg} deg")
+    _check_view(field_of_view_deg, blur_deg, yaw_deg)
     texel_deg = 180.0 / environment.height
     longer = max(height, width)
     side = min(longer, max(_SMALLEST_SIDE, math.ceil(2 * field_of_view_deg / texel_deg)))
@@ -58,6 +56,12 @@ def panorama_view(
     picture = _sample(environment.shape, directions, yaw_deg)
     picture = cv2.GaussianBlur(picture, (0, 0), sigma, borderType=cv2.BORDER_REPLICATE)
     return np.ascontiguousarray(picture[margin : margin + drawn_height, margin : margin + drawn_width])
+
+
+def _check_view(field_of_view_deg: float, blur_deg: float, yaw_deg: float) -> None:
+    in_range = 0 < field_of_view_deg <= 170 and 0 <= blur_deg <= _WIDEST_BLUR_DEG
+    if not in_range or not math.isfinite(yaw_deg):
+        raise ValueError(f"no view of {field_of_view_deg} deg with blur {blur_deg} deg at yaw {yaw_deg} deg")
 
 
 def _deviation_px(blur_deg: float, focal: float, side: int) -> float:
