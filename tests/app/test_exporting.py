@@ -12,6 +12,7 @@ from app.engine.exporting import ExportJob, ExportSettings, default_export_path,
 from app.engine.jobs import Cancelled, JobStatus
 from app.ui.viewport import progress_card
 from relight_core.errors import InputError
+from relight_core.imaging.read import read_radiance
 from relight_core.imaging.write import cut
 from relight_core.pipeline.edit import Edit
 
@@ -55,6 +56,14 @@ def picture(tmp_path):
 def test_an_export_has_the_photo_s_size_though_a_preview_is_in_force(picture, tmp_path):
     written = export(ExportJob(picture, 0.0, tmp_path / "out.png"))
     assert Image.open(written).size == (60, 200)
+
+
+def test_exposure_is_seen_in_a_png_and_only_noted_in_an_exr(picture, tmp_path):
+    shown = Image.open(export(ExportJob(picture, -1.0, tmp_path / "dim.png")))
+    assert shown.getpixel((5, 5)) == (137, 137, 137)
+    assert shown.text["relightExposureEv"] == "-1.0"
+    radiance = export(ExportJob(picture, -1.0, tmp_path / "dim.exr", ExportSettings(form=".exr", layers=())))
+    np.testing.assert_allclose(read_radiance(radiance), 0.5)
 
 
 @pytest.mark.parametrize("name", ["photo.png", "link.png"])

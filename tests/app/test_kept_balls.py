@@ -1,5 +1,7 @@
 """Thumbnails of lights from files, from one run to the next."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
@@ -44,3 +46,14 @@ def test_the_shelf_knows_the_lights_of_files(tmp_path):
     np.testing.assert_array_equal(shelf.ball(LightSource("panorama", "sky.hdr")), BALL)
     assert shelf.ball(LightSource("own")) is None
     shelf.close()
+
+
+@pytest.mark.parametrize("kind", ["panorama", "portrait"])
+def test_the_shelf_keeps_what_lights_of_files_look_like(tmp_path, kind):
+    source = LightSource(kind, "a/light.exr")
+    shelf = LightShelf(folder=tmp_path)
+    shelf.keep(SimpleNamespace(source=source, ball=BALL))
+    shelf.close()
+    again = LightShelf(folder=tmp_path)
+    np.testing.assert_array_equal(again.ball(source), BALL)
+    again.close()

@@ -72,6 +72,11 @@ def test_put_back_it_is_the_very_same_light():
     assert put_together(replace(edit, boxes=(*edit.boxes, ADDED))) == LightEdit(boxes=(ADDED,))
 
 
+def test_put_back_all_of_a_light_is_there_whose_room_was_dark():
+    edit = apart("rembrandt")
+    assert put_together(replace(edit, base=0.0)).base == 1.0
+
+
 def test_a_light_without_lamps_can_not_be_taken_apart():
     sky = load_rig("overcast")
     np.testing.assert_allclose(radiance(edit_light(sky, LightEdit(apart=True))), radiance(sky), rtol=1e-5)
