@@ -13,6 +13,7 @@ import os
 import secrets
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 from app.document.document import Document
@@ -86,6 +87,10 @@ class Autosave:
             return
         if document == self._given(photo):
             self._pending = None
+            if self._files[photo].failed and now_s - self._changed_s >= PATIENCE_S:
+                # The disk that was full may have room by now.
+                self._pending, self._changed_s = document, now_s
+                self.flush()
             return
         if document != self._pending:
             if self._pending is None:
@@ -132,7 +137,7 @@ class Autosave:
         """Let go of the files; what is unsaved stays in them, for the next start to offer."""
         self.flush()
         for file in self._files.values():
-            self._write(file.unlock)
+            self._write(partial(self._close, file))
 
     def _given(self, photo: Path) -> Document | None:
         file = self._files.get(photo)
@@ -145,14 +150,21 @@ class Autosave:
         if file is not None:
             self._write(file.remove)
 
+    def _close(self, file: KeptFile) -> None:
+        if file.failed:
+            self._save(file, file.given)
+        file.unlock()
+
     def _save(self, file: KeptFile, document: Document) -> None:
         try:
             file.save(document)
         except Exception as error:
             # Nobody looks at what becomes of the writing, so whatever goes wrong has to be told from here.
+            file.failed = True
             self.problem = str(error) or type(error).__name__
             _log.warning("work is not kept for recovery: %s", error)
         else:
+            file.failed = False
             self.problem = None
 
 
@@ -162,12 +174,14 @@ class KeptFile:
     Attributes:
         given: the newest document that was given to be written.
         on_disk: the document the file holds.
+        failed: whether the writing that was tried last came to nothing.
     """
 
     def __init__(self, folder: Path) -> None:
         self.path = folder / f"{secrets.token_hex(8)}.json"
         self.given: Document | None = None
         self.on_disk: Document | None = None
+        self.failed = False
         self._lock: object | None = None
 
     def save(self, document: Document) -> None:

@@ -114,6 +114,31 @@ def test_a_place_that_cannot_be_written_stops_nothing(document, tmp_path):
     autosave.close()
 
 
+def test_what_could_not_be_written_is_tried_again_though_nothing_changes(autosave, document, folder):
+    folder.touch()
+    autosave.update(document, True, 0.0)
+    autosave.update(document, True, 2.0)
+    assert autosave.problem is not None
+    folder.unlink()
+    autosave.update(document, True, 3.0)
+    assert not folder.exists()
+    autosave.update(document, True, 13.0)
+    assert autosave.problem is None
+    assert autosave.keeps
+
+
+def test_what_could_not_be_written_is_tried_again_at_the_end(autosave, document, folder, tmp_path):
+    (tmp_path / "other.jpg").write_bytes(b"pixels")
+    other = replace(document, photo=PhotoRef(tmp_path / "other.jpg"))
+    folder.touch()
+    autosave.update(document, True, 0.0)
+    autosave.update(other, True, 1.0)
+    autosave.update(other, True, 3.0)
+    folder.unlink()
+    autosave.close()
+    assert {found.document for found in leftovers(folder)} == {document, other}
+
+
 @pytest.mark.skipif(sys.platform == "darwin" or os.name == "nt", reason="names are text in Unicode there")
 def test_work_on_a_file_whose_name_is_no_text_is_kept_and_comes_back(autosave, document, folder, tmp_path):
     odd = tmp_path / os.fsdecode(b"m\xffe.jpg")
