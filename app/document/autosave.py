@@ -127,6 +127,17 @@ class Autosave:
             file.given = document
             self._write(lambda: self._save(file, document))
 
+    def try_again(self) -> None:
+        """Write at once what waits, and what could not be written before."""
+        self.flush()
+        for file in self._files.values():
+            self._write(partial(self._save_again, file))
+
+    @property
+    def fails(self) -> bool:
+        """Whether there is work that could not be written."""
+        return any(file.failed for file in self._files.values())
+
     def note_saved(self, document: Document) -> None:
         """A session file holds this document: remove the photo's file if it holds no other."""
         photo = document.photo.path.absolute()
@@ -135,9 +146,9 @@ class Autosave:
 
     def close(self) -> None:
         """Let go of the files; what is unsaved stays in them, for the next start to offer."""
-        self.flush()
+        self.try_again()
         for file in self._files.values():
-            self._write(partial(self._close, file))
+            self._write(file.unlock)
 
     def _given(self, photo: Path) -> Document | None:
         file = self._files.get(photo)
@@ -150,10 +161,9 @@ class Autosave:
         if file is not None:
             self._write(file.remove)
 
-    def _close(self, file: KeptFile) -> None:
+    def _save_again(self, file: KeptFile) -> None:
         if file.failed:
             self._save(file, file.given)
-        file.unlock()
 
     def _save(self, file: KeptFile, document: Document) -> None:
         try:

@@ -109,9 +109,14 @@ class Deeds:
         if self._autosave is None:
             return False
         self._update_autosave(time.monotonic())
-        self._autosave.flush()
+        self._autosave.try_again()
         self._pool.submit(lambda: None).result()
         return self._autosave.keeps
+
+    def would_lose_work(self) -> bool:
+        """Whether there is unsaved work, on whichever photo, that can't be kept for the next start."""
+        self.keep_now()
+        return self._autosave is not None and self._autosave.fails
 
     def close(self) -> None:
         """Let go of everything; unsaved work stays in its file. Safe to call twice."""

@@ -1,4 +1,4 @@
-"""Closing the window while files are still being made."""
+"""Closing the window while files are still being made, or with unsaved work that can't be kept."""
 
 from __future__ import annotations
 
@@ -16,11 +16,19 @@ class Leaving:
         asking: where the user is asked.
         is_busy: whether files that the user asked for are still being made.
         failures: how many of the files asked for so far could not be made.
+        would_lose_work: whether there is unsaved work that can't be kept for the next start.
     """
 
-    def __init__(self, asking: Asking, is_busy: Callable[[], bool], failures: Callable[[], int]) -> None:
+    def __init__(
+        self,
+        asking: Asking,
+        is_busy: Callable[[], bool],
+        failures: Callable[[], int],
+        would_lose_work: Callable[[], bool] = lambda: False,
+    ) -> None:
         self._asking, self._is_busy, self._failures = asking, is_busy, failures
-        self._stops = False
+        self._would_lose_work = would_lose_work
+        self._stops = self._gives_up = False
         self._failures_before: int | None = None
 
     def allows(self, wanted: bool) -> bool:
@@ -29,15 +37,19 @@ class Leaving:
         Args:
             wanted: the user has asked for it just now.
         """
-        if self._stops:
+        if self._gives_up:
             return True
-        if self._is_busy():
+        if not self._stops and self._is_busy():
             if wanted:
                 self._ask()
             return False
         # What was to be finished and was not has to be read before the window is gone.
-        may = wanted or self._failures() == self._failures_before
+        may = self._stops or wanted or self._failures() == self._failures_before
         self._failures_before = None
+        if may and self._would_lose_work():
+            self._stops = False
+            self._ask_about_work()
+            return False
         return may
 
     def _ask(self) -> None:
@@ -50,3 +62,10 @@ class Leaving:
 
     def _stop(self) -> None:
         self._stops = True
+
+    def _ask_about_work(self) -> None:
+        text = "There is unsaved work, and it can't be kept for the next start. Save the session, or it is lost."
+        self._asking.ask(Question(_KEY, text, (("Stay open", lambda: None), ("Close anyway", self._give_up))))
+
+    def _give_up(self) -> None:
+        self._gives_up = True

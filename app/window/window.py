@@ -87,7 +87,10 @@ class EditorWindow:
         then = self._finished.then
         self._deeds = Deeds(self.state, self.engine.say, folder, outputs=self._outputs, when_finished=then)
         self._leaving = Leaving(
-            self.state.asking, self._is_making_files, lambda: self._finished.failures + self.exporter.failures
+            self.state.asking,
+            self._is_making_files,
+            lambda: self._finished.failures + self.exporter.failures,
+            self._deeds.would_lose_work,
         )
         self._submitted = Request()
         self._rest = Rest()

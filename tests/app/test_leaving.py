@@ -5,9 +5,11 @@ import threading
 import glfw
 import pytest
 
+from app.document.autosave import leftovers
 from app.engine.jobs import Jobs
 from app.ui.asking import Asking
 from app.window.leaving import Leaving
+from app.window.window import EditorWindow
 from relight_core.errors import InputError
 
 LONG_S = 60
@@ -18,7 +20,8 @@ class Work:
 
     def __init__(self):
         self.busy, self.failures, self.asking = True, 0, Asking()
-        self.leaving = Leaving(self.asking, lambda: self.busy, lambda: self.failures)
+        self.loses_work = False
+        self.leaving = Leaving(self.asking, lambda: self.busy, lambda: self.failures, lambda: self.loses_work)
 
     def choose(self, label):
         (question,) = self.asking.questions
@@ -122,3 +125,42 @@ def test_the_window_stays_for_an_export_that_waits_for_its_picture(opened, relig
     dict(question.choices)["Finish first"]()
     window.run()
     assert photo_path.with_name("person-relit.png").exists()
+
+
+def test_work_that_can_not_be_kept_is_lost_only_if_the_user_says_so(work):
+    work.busy, work.loses_work = False, True
+    assert not work.leaving.allows(wanted=True)
+    work.choose("Stay open")
+    assert not work.leaving.allows(wanted=False)
+    assert work.asking.questions == []
+    assert not work.leaving.allows(wanted=True)
+    work.choose("Close anyway")
+    assert work.leaving.allows(wanted=False)
+
+
+def test_stopping_what_is_being_made_loses_no_work_unasked(work):
+    work.loses_work = True
+    work.leaving.allows(wanted=True)
+    work.choose("Stop it")
+    assert not work.leaving.allows(wanted=False)
+    work.choose("Stay open")
+    assert not work.leaving.allows(wanted=False)
+    work.loses_work = False
+    work.busy = False
+    assert work.leaving.allows(wanted=True)
+
+
+def test_a_window_whose_work_can_not_be_kept_asks_before_it_closes(display, photo_path, relighter, tmp_path):
+    (tmp_path / "taken").touch()
+    window = EditorWindow(lambda: relighter, photo_path, settings_path=tmp_path / "taken" / "settings.json")
+    try:
+        window.settle(LONG_S)
+        window.state.change(shadow=0.5)
+        glfw.set_window_should_close(window.handle, True)
+        assert not window.may_close()
+        (tmp_path / "taken").unlink()
+        glfw.set_window_should_close(window.handle, True)
+        assert window.may_close()
+    finally:
+        window.close()
+    assert len(leftovers(tmp_path / "taken" / "unsaved")) == 1
