@@ -1,13 +1,14 @@
 """Work that survives a crash: the document is written into the user's own folder while it changes.
 
-Each photo with unsaved work has one file of the running editor, `<token>.json`, and a lock is held on `<token>.lock`.
-The system lets go of the lock when the program ends, however it ends; so a file whose lock is free belongs to nobody
-and is offered.
+Each photo with unsaved work has one file of the running editor, `<run>-<number>.json`, and a lock is held on
+`<run>.lock`, one for all of them: open files are few. The system lets go of the lock when the program ends, however it
+ends; so a file whose lock is free belongs to nobody and is offered.
 """
 
 from __future__ import annotations
 
 import contextlib
+import itertools
 import logging
 import os
 import secrets
@@ -45,7 +46,7 @@ class Leftover:
 
     def forget(self) -> None:
         """Delete the file."""
-        for path in (self.path, self.path.with_suffix(".lock")):
+        for path in (self.path, _lock_path(self.path)):
             with contextlib.suppress(OSError):
                 path.unlink(missing_ok=True)
 
@@ -62,7 +63,8 @@ class Autosave:
     """
 
     def __init__(self, folder: Path, write: Callable[[Callable[[], None]], object]) -> None:
-        self._folder, self._write = folder, write
+        self._write = write
+        self._run = RunLock(folder)
         self._files: dict[Path, KeptFile] = {}
         self._photo: Path | None = None
         self._pending: Document | None = None
@@ -123,7 +125,7 @@ class Autosave:
         """Write at once what waits."""
         document, self._pending = self._pending, None
         if document is not None:
-            file = self._files.setdefault(self._photo, KeptFile(self._folder))
+            file = self._files.setdefault(self._photo, KeptFile(self._run))
             file.given = document
             self._write(lambda: self._save(file, document))
 
@@ -178,6 +180,44 @@ class Autosave:
             self.problem = None
 
 
+class RunLock:
+    """The lock on this editor's files; held while there is any. Used by the thread that writes.
+
+    Args:
+        folder: made if it is missing.
+    """
+
+    def __init__(self, folder: Path) -> None:
+        self._path = folder / f"{secrets.token_hex(8)}.lock"
+        self._files: set[Path] = set()
+        self._file: object | None = None
+        self._numbers = itertools.count()
+
+    def new_path(self) -> Path:
+        """A name for another file."""
+        return self._path.with_name(f"{self._path.stem}-{next(self._numbers)}.json")
+
+    def hold(self, path: Path) -> None:
+        """A file is about to be written.
+
+        Raises:
+            OSError: a place that can't be written.
+        """
+        self._path.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
+        self._files.add(path)
+        if self._file is None:
+            self._file = _locked(self._path)
+
+    def let_go(self, path: Path) -> None:
+        """A file is gone, or is no longer this editor's."""
+        self._files.discard(path)
+        if self._file is not None and not self._files:
+            self._file.close()
+            self._file = None
+            with contextlib.suppress(OSError):
+                self._path.unlink(missing_ok=True)
+
+
 class KeptFile:
     """The file of one photo's work.
 
@@ -187,12 +227,11 @@ class KeptFile:
         failed: whether the writing that was tried last came to nothing.
     """
 
-    def __init__(self, folder: Path) -> None:
-        self.path = folder / f"{secrets.token_hex(8)}.json"
+    def __init__(self, run: RunLock) -> None:
+        self._run, self.path = run, run.new_path()
         self.given: Document | None = None
         self.on_disk: Document | None = None
         self.failed = False
-        self._lock: object | None = None
 
     def save(self, document: Document) -> None:
         """Write the file.
@@ -200,9 +239,7 @@ class KeptFile:
         Raises:
             OSError, InputError: a place that can't be written.
         """
-        self.path.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
-        if self._lock is None:
-            self._lock = _locked(self.path.with_suffix(".lock"))
+        self._run.hold(self.path)
         write_session(self.path, document, relative=False)
         self.on_disk = document
 
@@ -214,11 +251,7 @@ class KeptFile:
 
     def unlock(self) -> None:
         """Let go of it."""
-        if self._lock is not None:
-            self._lock.close()
-            self._lock = None
-            with contextlib.suppress(OSError):
-                self.path.with_suffix(".lock").unlink(missing_ok=True)
+        self._run.let_go(self.path)
 
 
 def leftovers(folder: Path, tell: Callable[[str], None] = _log.warning) -> list[Leftover]:
@@ -230,7 +263,7 @@ def leftovers(folder: Path, tell: Callable[[str], None] = _log.warning) -> list[
     found = []
     for path in sorted(folder.glob("*.json")) if folder.is_dir() else []:
         try:
-            lock = _locked(path.with_suffix(".lock"))
+            lock = _locked(_lock_path(path))
         except OSError as error:
             tell(f"Unsaved work can't be restored yet: {error.filename}: can't be opened ({error.strerror}); remove it")
             continue
@@ -254,6 +287,11 @@ def leftovers(folder: Path, tell: Callable[[str], None] = _log.warning) -> list[
             if leftover.notes:
                 tell(f"Unsaved work on {leftover.document.photo.path.name}: {'; '.join(leftover.notes)}")
     return sorted(found, key=lambda leftover: -leftover.saved_s)
+
+
+def _lock_path(path: Path) -> Path:
+    """Of a file; older relights held one for each, of the same name."""
+    return path.with_name(f"{path.stem.partition('-')[0]}.lock")
 
 
 def _locked(path: Path) -> object | None:

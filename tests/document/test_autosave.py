@@ -66,6 +66,34 @@ def test_what_runs_is_not_offered_and_what_ended_is(autosave, document, folder):
     assert files(folder) == []
 
 
+def test_work_on_many_photos_keeps_few_files_open(autosave, document, folder, tmp_path):
+    photos = [replace(document, photo=PhotoRef(tmp_path / f"{index}.jpg")) for index in range(20)]
+    for work in photos:
+        work.photo.path.write_bytes(b"pixels")
+        autosave.update(work, True, 0.0)
+    autosave.flush()
+    assert files(folder) == [".json"] * 20 + [".lock"]
+    assert leftovers(folder) == []
+    for work in photos[:-1]:
+        autosave.note_saved(work)
+    assert files(folder) == [".json", ".lock"]
+    autosave.close()
+    assert [found.document for found in leftovers(folder)] == photos[-1:]
+
+
+def test_what_is_left_of_one_run_is_offered_and_forgotten_one_by_one(autosave, document, folder, tmp_path):
+    (tmp_path / "other.jpg").write_bytes(b"pixels")
+    other = replace(document, photo=PhotoRef(tmp_path / "other.jpg"))
+    for work in (document, other):
+        autosave.update(work, True, 0.0)
+    autosave.close()
+    one, two = leftovers(folder)
+    one.forget()
+    assert [found.path for found in leftovers(folder)] == [two.path]
+    two.forget()
+    assert files(folder) == []
+
+
 def test_saved_work_leaves_nothing(autosave, document, folder):
     autosave.update(document, True, 0.0)
     autosave.flush()
@@ -165,10 +193,11 @@ def test_a_lock_that_can_not_be_opened_is_told_and_its_work_left_alone(autosave,
     autosave.update(document, True, 0.0)
     autosave.close()
     (kept,) = folder.glob("*.json")
-    kept.with_suffix(".lock").mkdir()
+    lock = kept.with_name(f"{kept.stem.partition('-')[0]}.lock")
+    lock.mkdir()
     told = []
     assert leftovers(folder, told.append) == []
     assert len(told) == 1
     assert ".lock" in told[0]
-    kept.with_suffix(".lock").rmdir()
+    lock.rmdir()
     assert len(leftovers(folder)) == 1
