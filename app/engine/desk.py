@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 
+from app.engine.freed_memory import give_back_freed_memory
 from app.engine.screen import (
     ball_for_screen,
     channels_for_screen,
@@ -229,7 +230,10 @@ class Desk:
         return replace(now, light=light)
 
     def _estimate_own_light(self, now: Snapshot) -> Snapshot:
-        return replace(now, own_light=_for_screen(_OWN, self._environment(_OWN)))
+        now = replace(now, own_light=_for_screen(_OWN, self._environment(_OWN)))
+        # The last that is computed once for a photo.
+        give_back_freed_memory()
+        return now
 
     def _environment(self, source: LightSource) -> Environment:
         if source.kind == "panorama":
