@@ -38,6 +38,7 @@ from app.window.outputs import Outputs
 from app.window.recent_lights import RecentLights
 from app.window.replacing import check_place, tried, write_or_ask
 from relight_core.errors import InputError
+from relight_core.imaging.files import KnownFiles
 
 _log = logging.getLogger(__name__)
 _BATCH_FOLDER = "relit"
@@ -252,7 +253,9 @@ class Deeds:
         write_or_ask(self._state.asking, path, lambda chosen, _: write(chosen), free)
 
     def _batch_there(self, paths: list[Path]) -> None:
-        self._tried(lambda folder: self._batch_over(photos_in(folder)), paths[0])
+        light = self._state.light
+        panoramas = KnownFiles([Path(light.name)] if light.kind == "panorama" else [])
+        self._tried(lambda folder: self._batch_over(photos_in(folder, panoramas)), paths[0])
 
     def _batch_over(self, photos: list[Path]) -> None:
         """Relight photos into a folder of their own, after asking where it has pictures of them already."""

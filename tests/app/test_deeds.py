@@ -307,6 +307,20 @@ def test_a_batch_goes_to_the_current_folder_where_the_photos_own_is_no_place_for
     assert started == [(photos, tmp_path / "relit")]
 
 
+def test_a_batch_over_a_folder_leaves_out_the_panorama_that_is_the_light(photo):
+    started, sky = [], photo.with_name("sky.exr")
+    sky.write_bytes(b"radiance")
+    outputs = SimpleNamespace(done_already=lambda *_: 0, batch_over=lambda photos, _: started.append(photos))
+    editor = Editor(None, outputs=outputs)
+    for light in (LightSource("panorama", str(sky)), LightSource("rig", "rim")):
+        editor.state.light = light
+        editor.state.asking.wish("batch")
+        editor.live(1)
+        editor.state.picking.then([photo.parent])
+    editor.deeds.close()
+    assert started == [[photo], [photo, sky]]
+
+
 @pytest.mark.parametrize("name", ["anna v1.2", "anna.mov", "anna", "anna.MP4"])
 def test_a_film_is_a_film_whatever_it_is_called(photo, name):
     filmed = []
