@@ -44,6 +44,7 @@ def run(arguments: argparse.Namespace) -> int:
     with reporting(arguments.json) as report:
         session = Session()
         light = session.light(arguments.light, arguments.meter)
+        edit = session.turned(edit)
         session.open(arguments.photo, arguments.face, arguments.box)
         # The picture itself is not among the files.
         relit = session.relighter.relight(light, edit, longest_side_px=0)

@@ -75,7 +75,7 @@ def _work(session: Session, given: Path, light: str | None) -> _Work:
         return _saved_work(session, given, light)
     names = [light] if light else DEMO_LIGHTS
     lights = [(name, session.light(name, metered=True)) for name in names]
-    return _Work(PhotoRef(given), lights, Edit(quality="final"))
+    return _Work(PhotoRef(given), lights, session.turned(Edit(quality="final")))
 
 
 def _saved_work(session: Session, given: Path, light: str | None) -> _Work:
@@ -83,7 +83,6 @@ def _saved_work(session: Session, given: Path, light: str | None) -> _Work:
     from app.document.document import LightRef
     from app.document.session_file import read_session
     from app.engine.sources import LightSource
-    from relight_core.lighting.light_edit import turned_light
     from relight_core.pipeline.auto_quality import QualityChoice
 
     read = read_session(given)
@@ -92,15 +91,13 @@ def _saved_work(session: Session, given: Path, light: str | None) -> _Work:
     document, photo = read.document, read.document.photo
     session.heed_corrections(photo)
     edit = replace(document.edit, quality=QualityChoice(document.quality).at_rest())
-    # A saved light comes turned as it was saved.
-    unturned = replace(edit, yaw_deg=0.0)
     if light is None:
         if document.light.kind == "own":
             session.open(photo.path, photo.face_index)
         environment = session.drawn(document.light, document.light_edit)
-        return _Work(photo, [(str(given), turned_light(environment, edit.yaw_deg))], unturned)
+        return _Work(photo, [(str(given), environment)], edit)
     if light_kind(light) == "saved":
-        return _Work(photo, [(light, session.light(light))], unturned)
+        return _Work(photo, [(light, session.light(light))], session.turned(replace(edit, yaw_deg=0.0)))
     source = LightSource.named(light)
     is_same = source.same_as(document.light.source())
     changed = document.light_edit if is_same else source.opened_around(document.light_edit)

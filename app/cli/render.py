@@ -181,7 +181,7 @@ def _render(
     from relight_core.imaging.write import FileStyle, write_bands
 
     # Only the picture is written, and only in bands: no channel is looked at, no screen wants it.
-    edit = replace(edit_from(arguments), channels=())
+    edit = session.turned(replace(edit_from(arguments), channels=()))
     opened = session.open(photo, arguments.face, arguments.box)
     relit = session.relighter.relight(light, edit, longest_side_px=0)
     if arguments.match_face:

@@ -7,6 +7,7 @@ import os
 import time
 import warnings
 from collections.abc import Sequence
+from dataclasses import replace
 from functools import cached_property
 from importlib.resources import files
 from pathlib import Path
@@ -20,6 +21,7 @@ if TYPE_CHECKING:
     from relight_core.imaging.photo import Photo
     from relight_core.lighting.environment import Environment
     from relight_core.lighting.light_edit import LightEdit
+    from relight_core.pipeline.edit import Edit
     from relight_core.pipeline.relighter import Relighter
 
 
@@ -33,10 +35,12 @@ class Session:
 
     Attributes:
         opening_ms: what it took to "read" the last photo and to "find" its faces.
+        turn_deg: by how much the light was turned when it was saved; see `turned`.
     """
 
     def __init__(self) -> None:
         self.opening_ms: dict[str, float] = {}
+        self.turn_deg = 0.0
         self._corrected: dict[str, PhotoRef] = {}
 
     @cached_property
@@ -46,6 +50,8 @@ class Session:
 
     def light(self, text: str, metered: bool = False) -> Environment:
         """The light that L names: a bundled rig, an .hdr or .exr panorama, a portrait's own light, or a saved one.
+
+        A saved one is not turned yet: its turn is for `turned`.
 
         Args:
             metered: bring a panorama to the level that suits a photo; a saved light says that itself.
@@ -86,9 +92,8 @@ class Session:
         return self.relighter.estimated_light(BORROWED_AT)
 
     def _saved_light(self, path: Path) -> Environment:
-        """A light file's light, or a session's, with all that was changed about it and its turn."""
+        """A light file's light, or a session's, with all that was changed about it."""
         from app.document.session_file import read_lent_light
-        from relight_core.lighting.light_edit import turned_light
 
         lent = read_lent_light(path)
         saved = lent.saved
@@ -96,7 +101,15 @@ class Session:
             self.heed_corrections(lent.photo)
         for note in saved.notes:
             warnings.warn(f"{path}: {note}", stacklevel=2)
-        return turned_light(self.drawn(saved.light, saved.light_edit), saved.yaw_deg)
+        self.turn_deg = saved.yaw_deg
+        return self.drawn(saved.light, saved.light_edit)
+
+    def turned(self, edit: Edit) -> Edit:
+        """The edit with the turn that the light was saved with added to its own.
+
+        As the window turns it: a map whose texels are moved beforehand is another one, and a coarse one shows them.
+        """
+        return replace(edit, yaw_deg=edit.yaw_deg + self.turn_deg)
 
     def heed_corrections(self, photo: PhotoRef) -> None:
         """Let the boxes and strokes that a saved session has of this photo count when it is opened."""

@@ -47,7 +47,7 @@ def run(arguments: argparse.Namespace) -> int:
         session = Session()
         light = session.light(arguments.light, arguments.meter)
         session.open(arguments.photo, arguments.face, arguments.box)
-        edit = replace(edit_from(arguments), channels=())
+        edit = session.turned(replace(edit_from(arguments), channels=()))
         write = write_film_of_turn if is_film else write_turntable
         last = write(session, light, edit, arguments.output)
         report.line(f"wrote {arguments.output}")

@@ -9,7 +9,7 @@ import numpy as np
 from relight_core.imaging.colour import REC709_LUMINANCE
 from relight_core.lighting.colour_temperature import WHITE_KELVIN, kelvin_to_rgb
 from relight_core.lighting.enlarge import COARSE_HEIGHT, enlarge
-from relight_core.lighting.environment import Environment, mean_luminance, rotate, shrink
+from relight_core.lighting.environment import Environment, mean_luminance, shrink
 from relight_core.lighting.light_blur import blur_light
 from relight_core.lighting.own_lamps import room_of
 from relight_core.lighting.soft_box import SoftBox, soft_box_radiance
@@ -119,17 +119,6 @@ def put_together(edit: LightEdit) -> LightEdit:
     """
     added = edit.added
     return replace(edit, boxes=added.boxes, base=added.base, apart=False)
-
-
-def turned_light(light: Environment, yaw_deg: float) -> Environment:
-    """The light with its content moved to the right for good.
-
-    Coarse maps are drawn finer first, so that a turn by part of a texel blurs nothing.
-    """
-    if yaw_deg % 360.0 == 0.0:
-        return light
-    shape = rotate(_grown(light.shape, max(light.height, DRAWN_HEIGHT)), yaw_deg)
-    return Environment.from_radiance(shape, light.name).at_level(light.level)
 
 
 def _at_most(shape: np.ndarray, height: int) -> np.ndarray:

@@ -63,7 +63,9 @@ def test_an_empty_folder_is_told(relighter, tmp_path, capsys):
 def test_a_saved_light_lights_with_its_boxes_and_turn(tmp_path):
     edit = LightEdit(base=0.0, boxes=(SoftBox(0.0, 0.0, 20.0, 20.0),))
     write_light(tmp_path / "mine.light.json", SavedLight(LightRef("rig", "ring"), edit, 90.0))
-    light = network_light(Session().light(str(tmp_path / "mine.light.json")))
+    session = Session()
+    unturned = session.light(str(tmp_path / "mine.light.json"))
+    light = network_light(unturned, session.turned(Edit(yaw_deg=0.0)).yaw_deg)
     assert abs(int(light.sum(axis=(0, 2)).argmax()) - 7.5) <= 1
     (tmp_path / "me.jpg").write_bytes(b"pixels")
     document = Document(PhotoRef(tmp_path / "me.jpg"), LightRef("rig", "ring"), LightEdit(), Edit(quality="final"))
@@ -71,6 +73,13 @@ def test_a_saved_light_lights_with_its_boxes_and_turn(tmp_path):
     assert np.array_equal(
         network_light(Session().light(str(tmp_path / "me.relight.json"))), network_light(load_rig("ring"))
     )
+
+
+def test_a_saved_turn_is_added_to_the_yaw_as_the_window_turns_it(relighter, folder, tmp_path):
+    write_light(tmp_path / "mine.light.json", SavedLight(LightRef("rig", "ring"), LightEdit(), 33.3))
+    words = ["render", str(folder / "a.png"), "--light", str(tmp_path / "mine.light.json"), "--yaw", "10"]
+    assert main([*words, "-o", str(tmp_path / "o.png")]) == 0
+    assert relighter.edits[-1].yaw_deg == pytest.approx(43.3)
 
 
 def test_corrections_of_a_session_that_lends_its_light_count_for_their_own_photo_only(relighter, folder, tmp_path):
