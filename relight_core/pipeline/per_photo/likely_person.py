@@ -8,11 +8,10 @@ import numpy as np
 from relight_core.face.crop import Crop
 from relight_core.face.paste import Band, places_of, spread_crop
 from relight_core.face.person_view import upright
+from relight_core.imaging.colour_counts import bins_of, log_odds, shares_of
 
 _SURELY_BODY, _PROBABLY_BODY, _PERHAPS_BODY, _NOBODY = 0.97, 0.6, 0.2, 0.02
 _LEAST = 0.01
-_BINS = 16
-_BIN_BLUR = 0.8
 _SURE_FROM = 0.7
 _NO_GAP_FROM = 0.5
 _ENCLOSED, _WHOLE, _LEAST_GAP_PX = 0.3, 0.9, 12
@@ -20,7 +19,6 @@ _RIM = np.ones((5, 5), np.uint8)
 _ABOUT, _LEAST_ABOUT_PX = 2.0, 12
 _PERHAPS_ALIKE, _SURELY_ALIKE = 2.0, 3.0
 """Mean log odds of a gap's colours, person about it to background, from which on it is closed, in part and whole."""
-_UNSEEN = 2e-4
 _MOST_COLOURS_SAY = 2.0
 _ROUNDS = 2
 _DOUBTED, _DENIED, _SUREST, _AT_MOST_BESIDE = 1.0, 2.0, 0.002, 0.35
@@ -127,17 +125,16 @@ def _like_what_is_about(matte: np.ndarray, gaps: np.ndarray, guide: np.ndarray) 
     """(h, w) in [0, 1] how surely the colours of each gap, of a mask (h, w), are those of the person about it."""
     surely = np.zeros_like(matte)
     _, parts, boxes, _ = cv2.connectedComponentsWithStats(gaps.astype(np.uint8))
-    bins = (guide * _BINS).astype(np.intp).clip(0, _BINS - 1)
-    behind = _colours(bins, np.clip((1 - matte - _SURE_FROM) / (1 - _SURE_FROM), 0, 1) * ~gaps)
+    bins = bins_of(guide)
+    behind = shares_of(bins, np.clip((1 - matte - _SURE_FROM) / (1 - _SURE_FROM), 0, 1) * ~gaps)
     for part, (left, top, width, height, area) in enumerate(boxes[1:], 1):
         if area < _LEAST_GAP_PX:
             continue
         reach = max(round(_ABOUT * area**0.5), _LEAST_ABOUT_PX)
         about = slice(max(top - reach, 0), top + height + reach), slice(max(left - reach, 0), left + width + reach)
         gap = parts[about] == part
-        person = _colours(bins[about], np.clip((matte[about] - _SURE_FROM) / (1 - _SURE_FROM), 0, 1))
-        told = np.log((person + _UNSEEN) / (behind + _UNSEEN))[tuple(bins[about][gap].T)]
-        likeness = np.average(told, weights=1 - matte[about][gap])
+        person = shares_of(bins[about], np.clip((matte[about] - _SURE_FROM) / (1 - _SURE_FROM), 0, 1))
+        likeness = np.average(log_odds(bins[about][gap], person, behind), weights=1 - matte[about][gap])
         surely[about][gap] = np.clip((likeness - _PERHAPS_ALIKE) / (_SURELY_ALIKE - _PERHAPS_ALIKE), 0, 1)
     return cv2.dilate(surely, _RIM)
 
@@ -200,29 +197,13 @@ def _around(across: np.ndarray, below: np.ndarray, placed: np.ndarray) -> np.nda
 
 def _as_colours_say(guide: np.ndarray, prior: np.ndarray) -> np.ndarray:
     """Log odds plus those of each pixel's colour among what is surely person and surely not."""
-    bins = (guide * _BINS).astype(np.intp).clip(0, _BINS - 1)
+    bins = bins_of(guide)
     odds = prior
     for _ in range(_ROUNDS):
         likely = 1 / (1 + np.exp(-odds))
         person, rest = (
-            _colours(bins, np.clip((p - _SURE_FROM) / (1 - _SURE_FROM), 0, 1)) for p in (likely, 1 - likely)
+            shares_of(bins, np.clip((p - _SURE_FROM) / (1 - _SURE_FROM), 0, 1)) for p in (likely, 1 - likely)
         )
-        told = np.log((person + _UNSEEN) / (rest + _UNSEEN))[tuple(np.moveaxis(bins, -1, 0))]
+        told = log_odds(bins, person, rest)
         odds = prior + np.clip(told, -_MOST_COLOURS_SAY, _MOST_COLOURS_SAY)
     return (1 / (1 + np.exp(-odds))).astype(np.float32)
-
-
-def _colours(bins: np.ndarray, weight: np.ndarray) -> np.ndarray:
-    """How often each colour occurs, (16, 16, 16), somewhat blurred; sums to 1 unless nothing weighs.
-
-    Args:
-        bins: (h, w, 3) of each pixel's colour.
-        weight: (h, w).
-    """
-    places = np.ravel_multi_index(tuple(bins.reshape(-1, 3).T), (_BINS,) * 3)
-    counts = np.bincount(places, weight.ravel(), _BINS**3).reshape((_BINS,) * 3)
-    for axis in range(3):
-        flat = np.ascontiguousarray(np.moveaxis(counts, axis, 0).reshape(_BINS, -1))
-        flat = cv2.GaussianBlur(flat, (1, 7), 0, sigmaY=_BIN_BLUR, borderType=cv2.BORDER_REPLICATE)
-        counts = np.moveaxis(flat.reshape((_BINS,) * 3), 0, axis)
-    return counts / max(float(counts.sum()), 1e-9)
