@@ -135,9 +135,8 @@ def write_relit(
         step(1, 2)
         write_exr_layers(path, layers, half=not settings.deep, header=note)
         return
-    texts = {key: str(value) for key, value in note.items()}
     # Radiance carries no exposure; what the file says of it is enough.
-    style = FileStyle(settings.bits, settings.quality, 0.0 if is_exr else exposure_ev, exif=exif, texts=texts)
+    style = FileStyle(settings.bits, settings.quality, 0.0 if is_exr else exposure_ev, exif=exif, notes=note)
     if relit.full is not None and shrunk_size(relit.full.size, settings.longest_side) == relit.full.size:
         rows = _counted(relit.full.in_bands(wide=is_exr), relit.full.size[0], step)
         write_bands(path, relit.full.size, rows, relit.full.has_alpha, style)

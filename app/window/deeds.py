@@ -20,28 +20,26 @@ from app.document.session_file import (
     session_path,
     write_session,
 )
-from app.engine.batch import photos_in
 from app.engine.desk import error_line
 from app.engine.exporting import free_path
-from app.engine.places import current_folder, folder_for_outputs
+from app.engine.places import current_folder
 from app.engine.sources import PICTURE_SUFFIXES, PhotoSource
-from app.ui.asking import FileRequest, Question
+from app.ui.asking import FileRequest
 from app.ui.export_name import named_as
 from app.ui.file_dialogs import FileDialogs
 from app.ui.light_edits import match_face
 from app.ui.open_work import KeptWork
 from app.ui.photo_works import is_waiting, note_saved, resume, session_of_photo
 from app.ui.state import EditorState
+from app.window.batching import photos_beside, relight_many
 from app.window.dropped import take_files, use_as_light
 from app.window.offers import leftover_offer, saved_session_offer, work_of_this_run_offer
 from app.window.outputs import Outputs
 from app.window.recent_lights import RecentLights
 from app.window.replacing import check_place, tried, write_or_ask
 from relight_core.errors import InputError
-from relight_core.imaging.files import KnownFiles
 
 _log = logging.getLogger(__name__)
-_BATCH_FOLDER = "relit"
 _NOWHERE = (-1.0, -1.0)
 _OFFERS = 3
 """Questions about unsaved work that are asked at a time."""
@@ -253,26 +251,10 @@ class Deeds:
         write_or_ask(self._state.asking, path, lambda chosen, _: write(chosen), free)
 
     def _batch_there(self, paths: list[Path]) -> None:
-        light = self._state.light
-        panoramas = KnownFiles([Path(light.name)] if light.kind == "panorama" else [])
-        self._tried(lambda folder: self._batch_over(photos_in(folder, panoramas)), paths[0])
+        self._tried(lambda folder: self._batch_over(photos_beside(folder, self._state.light)), paths[0])
 
     def _batch_over(self, photos: list[Path]) -> None:
-        """Relight photos into a folder of their own, after asking where it has pictures of them already."""
-        folder = folder_for_outputs(photos[0]) / _BATCH_FOLDER
-        done = self._outputs.done_already(photos, folder)
-        if not done:
-            self._outputs.batch_over(photos, folder)
-            return
-
-        def start(replaces: bool) -> Callable[[], None]:
-            return lambda: self._tried(lambda place: self._outputs.batch_over(photos, place, replaces), folder)
-
-        rest = len(photos) - done
-        only_the_rest = ((f"Relight the other {rest}", start(False)),) if rest else ()
-        text = f"{done} of these {len(photos)} photos {'has a picture' if done == 1 else 'have pictures'} in {folder}."
-        choices = (*only_the_rest, ("Replace", start(True)), ("Cancel", lambda: None))
-        self._state.asking.ask(Question("batch", text, choices))
+        relight_many(photos, self._outputs, self._state.asking)
 
     def _take(self, paths: list[Path]) -> None:
         take_files(self._state, paths, *_NOWHERE)

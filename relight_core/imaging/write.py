@@ -41,7 +41,7 @@ class FileStyle:
         exposure_ev: stops.
         icc: an RGB matrix profile to convert to and to embed; None is sRGB. EXR stays linear Rec.709.
         exif: a block of EXIF for PNG, JPEG and TIFF, or None; see `metadata.carried_exif`.
-        texts: short texts by name, for PNG text chunks and EXR headers; other formats leave them out.
+        notes: short texts and numbers by name, for PNG text chunks and EXR headers; other formats leave them out.
     """
 
     bits: int = 8
@@ -49,7 +49,7 @@ class FileStyle:
     exposure_ev: float = 0.0
     icc: bytes | None = None
     exif: bytes | None = None
-    texts: dict[str, str] = field(default_factory=dict)
+    notes: dict[str, str | float] = field(default_factory=dict)
 
 
 _PLAIN = FileStyle()
@@ -69,7 +69,7 @@ def write_image(
     bits: int = 8,
     quality: int = 92,
     exposure_ev: float = 0.0,
-    texts: dict[str, str] | None = None,
+    notes: dict[str, str | float] | None = None,
 ) -> None:
     """Write an image; the extension says how.
 
@@ -84,7 +84,7 @@ def write_image(
         bits: per channel.
         quality: of a JPEG, 1 to 100.
         exposure_ev: stops.
-        texts: see `FileStyle`.
+        notes: see `FileStyle`.
 
     Raises:
         InputError: unknown extension, bits the format can't hold, a side above a JPEG's 65500 pixels, or a
@@ -92,7 +92,7 @@ def write_image(
         ValueError: arrays of the wrong shape.
     """
     linear, alpha = _checked(linear, alpha)
-    style = FileStyle(bits, quality, exposure_ev, texts=texts or {})
+    style = FileStyle(bits, quality, exposure_ev, notes=notes or {})
     write_bands(path, linear.shape[:2], cut(linear, alpha), alpha is not None, style)
 
 
@@ -131,7 +131,7 @@ def write_bands(
     if suffix == ".exr":
         names, kind = "RGBA"[:channels], _code_type(suffix, style.bits)
         with whole_file(path) as beside:
-            exr.write_rows(beside, size, names, kind, (codes for _, codes in coded), style.texts)
+            exr.write_rows(beside, size, names, kind, (codes for _, codes in coded), style.notes)
         return
     pixels = np.empty((*size, channels), _code_type(suffix, style.bits))
     for rows, codes in coded:
@@ -284,9 +284,9 @@ def _png_notes(style: FileStyle, profile: MatrixProfile | None) -> bytes:
     chunks = chunk(b"sRGB", b"\x00") if is_srgb else chunk(b"iCCP", b"icc\x00\x00" + zlib.compress(style.icc))
     if style.exif is not None:
         chunks += chunk(b"eXIf", style.exif.removeprefix(b"Exif\x00\x00"))
-    for name, text in style.texts.items():
+    for name, note in style.notes.items():
         # International text, uncompressed, of no named language.
-        chunks += chunk(b"iTXt", name.encode("latin-1")[:79] + b"\x00" * 5 + text.encode("utf-8"))
+        chunks += chunk(b"iTXt", name.encode("latin-1")[:79] + b"\x00" * 5 + str(note).encode("utf-8"))
     return chunks
 
 

@@ -5,6 +5,7 @@ from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
+import OpenEXR
 import pytest
 from PIL import Image
 
@@ -64,6 +65,10 @@ def test_exposure_is_seen_in_a_png_and_only_noted_in_an_exr(picture, tmp_path):
     assert shown.text["relightExposureEv"] == "-1.0"
     radiance = export(ExportJob(picture, -1.0, tmp_path / "dim.exr", ExportSettings(form=".exr", layers=())))
     np.testing.assert_allclose(read_radiance(radiance), 0.5)
+    with OpenEXR.File(str(radiance), header_only=True) as file:
+        noted = dict(file.header())
+    assert noted["relightExposureEv"] == -1.0
+    assert noted["relightLight"] == "Ring"
 
 
 @pytest.mark.parametrize("name", ["photo.png", "link.png"])

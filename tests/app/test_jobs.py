@@ -242,7 +242,7 @@ def test_the_clipboard_tool_is_that_of_the_running_display(monkeypatch, wayland,
 
 def test_a_png_carries_its_notes(tmp_path):
     note = {"relightLight": "Rembrandt – à côté", "relightYawDeg": "-35.5"}
-    write_image(tmp_path / "x.png", np.full((4, 4, 3), 0.5, np.float32), texts=note)
+    write_image(tmp_path / "x.png", np.full((4, 4, 3), 0.5, np.float32), notes=note)
     with Image.open(tmp_path / "x.png") as picture:
         picture.load()
         assert {key: picture.text[key] for key in note} == note

@@ -29,7 +29,7 @@ import torch
 _ROOT = Path(__file__).resolve().parents[2]
 sys.path[:0] = [str(_ROOT), str(_ROOT / "tests"), str(_ROOT / "tests/fuzz")]
 
-from app.document.autosave import Autosave, KeptFile, leftovers  # noqa: E402
+from app.document.autosave import Autosave, KeptFile, RunLock, leftovers  # noqa: E402
 from app.document.document import Document, PhotoRef  # noqa: E402
 from app.document.session_file import read_session, write_session  # noqa: E402
 from app.engine.batch import relight_each  # noqa: E402
@@ -94,7 +94,7 @@ def _session() -> Kind:
 def _autosave() -> Kind:
     def write(folder: Path, new: bool) -> None:
         autosave = Autosave(folder, lambda act: act())
-        document, file = _document(folder, new), KeptFile(folder)
+        document, file = _document(folder, new), KeptFile(RunLock(folder))
         file.path = folder / "kept.json"
         autosave._files[document.photo.path.absolute()] = file
         autosave.update(document, True, 0.0)

@@ -140,7 +140,7 @@ def write_channels(path: Path, layers: dict[str, np.ndarray], *, header: dict) -
 
 
 def write_rows(
-    path: Path, size: tuple[int, int], names: str, kind: type, bands: Iterable[np.ndarray], header: dict[str, str]
+    path: Path, size: tuple[int, int], names: str, kind: type, bands: Iterable[np.ndarray], header: dict
 ) -> None:
     """Write the main layer band by band, ZIP-compressed scanlines, to exactly this path; nothing is held whole.
 
@@ -150,7 +150,7 @@ def write_rows(
         names: "RGB" or "RGBA".
         kind: float16 or float32.
         bands: arrays (h, width, len(names)) of that type, from the top down.
-        header: attributes beside the standard ones.
+        header: attributes beside the standard ones: str, int or float.
 
     Raises:
         OSError: the library can't write there; what `bands` raises comes through as it is.
@@ -159,7 +159,7 @@ def write_rows(
     channel = Imath.Channel(_HALF if kind == np.float16 else _FLOAT)
     attributes["channels"] = dict.fromkeys(names, channel)
     attributes["compression"] = Imath.Compression(Imath.Compression.ZIP_COMPRESSION)
-    attributes |= {name: text.encode("utf-8") for name, text in header.items()}
+    attributes |= {name: note.encode("utf-8") if isinstance(note, str) else note for name, note in header.items()}
     with _refusal_as_os_error():
         file = OpenEXR.OutputFile(_spelt(path), attributes)
     try:
