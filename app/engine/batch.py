@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import traceback
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
@@ -14,6 +15,8 @@ from app.engine.sources import PHOTO_SUFFIXES
 from app.faults import confession
 from relight_core.errors import InputError
 from relight_core.imaging.files import KnownFiles
+
+_EXPORT = re.compile(r"(.+)-relit(?:-[0-9]+)?")
 
 _NO_MEMORY = ("allocate memory", "out of memory", "insufficient memory")
 """What libraries say, whose exceptions are no MemoryError."""
@@ -100,7 +103,7 @@ def name_beside_a_namesake(photo: Path) -> str:
 
 
 def photos_in(folder: Path, others: KnownFiles | None = None) -> list[Path]:
-    """The photos right inside a folder, by name; hidden ones and panoramas (.hdr) are left out.
+    """The photos right inside a folder, by name; hidden ones, panoramas (.hdr) and exports beside them are left out.
 
     Args:
         others: files that are no photos here, whatever their suffix says.
@@ -114,9 +117,17 @@ def photos_in(folder: Path, others: KnownFiles | None = None) -> list[Path]:
         raise InputError(f"{folder}: can't be read ({error.strerror}); check its permissions") from error
     photos = [path for path in inside if path.suffix.lower() in PHOTO_SUFFIXES and not path.name.startswith(".")]
     photos = [path for path in photos if not path.is_dir() and (others is None or others.named(path) is None)]
+    photos = _without_exports(photos)
     if not photos:
         raise InputError(f"{folder}: no photos in this folder; choose one with JPEG, PNG, TIFF, HEIC or EXR files")
     return photos
+
+
+def _without_exports(photos: list[Path]) -> list[Path]:
+    """The photos without what was exported from one of them, under the name that an export has by itself."""
+    stems = {photo.stem for photo in photos}
+    exported = ((photo, _EXPORT.fullmatch(photo.stem)) for photo in photos)
+    return [photo for photo, export in exported if export is None or export[1] not in stems]
 
 
 def summary(outcomes: Sequence[Outcome]) -> str:

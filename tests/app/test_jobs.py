@@ -131,6 +131,13 @@ def test_a_folder_without_photos_is_told(tmp_path):
         photos_in(tmp_path / "missing")
 
 
+def test_what_was_exported_beside_a_photo_is_no_photo_of_the_folder(tmp_path):
+    ours, theirs = ["a-relit.png", "a-relit-2.exr", "b.c-relit.jpg"], ["a.jpg", "b.c.png", "d-relit.jpg", "relit.jpg"]
+    for name in (*ours, *theirs, "a-relit-new.png"):
+        (tmp_path / name).write_bytes(b"pixels")
+    assert [path.name for path in photos_in(tmp_path)] == sorted([*theirs, "a-relit-new.png"])
+
+
 class Steps:
     def __init__(self, cancel_at=None):
         self.done, self._cancel_at = [], cancel_at
