@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from relight_core.errors import InputError
+
 _ROOT = Path(__file__).resolve().parent.parent / "resources"
 
 
@@ -14,12 +16,11 @@ def resource_path(*parts: str) -> Path:
     checkout: `pip install -e .` or `make setup`.
 
     Raises:
-        FileNotFoundError: no such resource, or the package was installed without its resources.
+        FileNotFoundError: no such resource.
+        InputError: the package was installed without its resources.
     """
     if not _ROOT.is_dir():
-        raise FileNotFoundError(
-            f"no folder {_ROOT}; run from a checkout of the project (make setup, or pip install -e .)"
-        )
+        raise InputError(f"no folder {_ROOT}; run from a checkout of the project (make setup, or pip install -e .)")
     path = _ROOT.joinpath(*parts)
     if not path.exists():
         raise FileNotFoundError(f"no resource {'/'.join(parts)} in {_ROOT}")

@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from app.making import make_relighter
-from relight_core.errors import InputError
+from relight_core.errors import InputError, NoFaceError
 
 if TYPE_CHECKING:
     from app.document.document import LightRef, PhotoRef
@@ -79,7 +79,7 @@ class Session:
 
     def _base(self, kind: str, name: str) -> Environment:
         """A light of a kind as of LightSource, before anything is changed about it."""
-        from app.engine.sources import BORROWED_AT
+        from app.engine.sources import BORROWED_AT, no_light_to_borrow
         from relight_core.lighting.environment import read_environment
         from relight_core.lighting.rigs import load_rig
 
@@ -88,7 +88,10 @@ class Session:
         if kind == "panorama":
             return read_environment(Path(name))
         if kind == "portrait":
-            self.open(Path(name))
+            try:
+                self.open(Path(name))
+            except NoFaceError:
+                raise no_light_to_borrow(Path(name)) from None
         return self.relighter.estimated_light(BORROWED_AT)
 
     def _saved_light(self, path: Path) -> Environment:

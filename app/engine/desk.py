@@ -17,7 +17,14 @@ from app.engine.screen import (
     rig_for_screen,
 )
 from app.engine.snapshot import OpenLight, OpenPhoto, Picture, Snapshot
-from app.engine.sources import BORROWED_AT, LightSource, PhotoSource, RelighterLike, Request
+from app.engine.sources import (
+    BORROWED_AT,
+    LightSource,
+    PhotoSource,
+    RelighterLike,
+    Request,
+    no_light_to_borrow,
+)
 from app.engine.tier_meter import TierMeter
 from relight_core.errors import InputError, NoFaceError
 from relight_core.face.find import FaceBox, find_faces
@@ -241,7 +248,10 @@ class Desk:
         if source.kind == "portrait":
             photo = read_photo(Path(source.name))
             self._portrait = None
-            self._relighter.set_portrait(photo)
+            try:
+                self._relighter.set_portrait(photo)
+            except NoFaceError:
+                raise no_light_to_borrow(Path(source.name)) from None
         return self._relighter.estimated_light(BORROWED_AT)
 
     def _skip(self, key: tuple, now: Snapshot) -> Snapshot:

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
+from relight_core.errors import InputError
 from relight_core.imaging.files import legible
 from relight_core.imaging.formats.raster import RAW_SUFFIXES
 from relight_core.lighting.light_edit import LightEdit
@@ -47,6 +48,11 @@ PICTURE_SUFFIXES = (*PHOTO_SUFFIXES, *RAW_SUFFIXES, ".hdr")
 
 BORROWED_AT = "final"
 """The quality of de-lighting that tells the light of a portrait, wherever that light is lent to another photo."""
+
+
+def no_light_to_borrow(portrait: Path) -> InputError:
+    """What is told of a picture whose light can't be borrowed: where a face is can be said of the photo alone."""
+    return InputError(f"{portrait}: no face found to borrow light from; choose a portrait in which one is larger")
 
 
 class RelighterLike(Protocol):

@@ -138,3 +138,10 @@ def test_own_light_waits_through_a_photo_without_a_face(engine, relighter):
     after = answered(engine, PhotoSource(a_photo()), own)
     assert after.light.source is own
     assert after.picture.light is after.light
+
+
+def test_of_a_picture_whose_light_can_t_be_borrowed_nobody_is_asked_where_its_face_is(engine, tmp_path):
+    write_image(tmp_path / "wall.png", np.zeros((20, 20, 3), np.float32))
+    told = answered(engine, PhotoSource(a_photo()), LightSource("portrait", str(tmp_path / "wall.png"))).message.text
+    assert "wall.png: no face found to borrow light from" in told
+    assert "where" not in told

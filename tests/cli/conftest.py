@@ -11,7 +11,7 @@ from PIL import Image
 
 from app.cli import session
 from app.cli.main import main
-from relight_core.errors import InputError
+from relight_core.errors import NoFaceError
 from relight_core.lighting.environment import Environment
 from relight_core.pipeline.per_photo.person import Canvas
 
@@ -53,7 +53,7 @@ class FakeRelighter:
     def set_portrait(self, photo, face_index=None, boxes=None, strokes=()):
         self.boxes, self.strokes = boxes, strokes
         if photo.linear.std() < 1e-3:
-            raise InputError(f"{photo.path}: no face found; choose a photo that shows a face")
+            raise NoFaceError(f"{photo.path}: no face found; choose a photo that shows a face")
         self.photo = photo
 
     def estimated_light(self, quality):

@@ -139,6 +139,13 @@ def test_the_light_can_be_a_panorama_or_borrowed_from_a_portrait(relight, photo,
         assert np.array_equal(np.asarray(Image.open(tmp_path / "o.png")), np.asarray(Image.open(photo)))
 
 
+def test_a_light_of_a_picture_without_a_face_is_refused_without_asking_where_it_is(relight, photo, tmp_path):
+    Image.new("RGB", (40, 40)).save(tmp_path / "wall.png")
+    refused = relight("render", photo, "--light", tmp_path / "wall.png", "-o", tmp_path / "o.png")
+    assert refused.code == 2
+    assert "wall.png: no face found to borrow light from" in refused.err
+
+
 def test_a_session_under_its_original_light_lends_that_of_its_photo(relight, relighter, photo, another_photo, tmp_path):
     session = tmp_path / "another.relight.json"
     write_session(session, Document(PhotoRef(another_photo), LightRef("own"), LightEdit(level_ev=1.0)))
