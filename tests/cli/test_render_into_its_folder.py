@@ -91,12 +91,21 @@ def test_a_rerun_over_photos_of_one_name_in_two_folders_does_nothing_more(religh
 
 def test_a_result_that_no_photo_has_in_this_run_is_told_and_not_relit(relight, shoot):
     add_photo(shoot, "a.jpg")
-    words = ("render", f"{shoot}/", "--light", "ring", "-o", f"{shoot}/{{name}}-relit.png", "--resume", "--json")
+    words = ("render", f"{shoot}/", "--light", "ring", "-o", f"{shoot}/{{name}}-dark.png", "--resume", "--json")
     assert json.loads(relight(*words).out)["left_out"] == []
     add_photo(shoot, "a.png")
     record = json.loads(relight(*words).out)
-    assert [os.path.basename(path) for path in record["left_out"]] == ["a-relit.png"]
-    assert [os.path.basename(one["output"]) for one in record["results"]] == ["a-jpg-relit.png", "a-png-relit.png"]
+    assert [os.path.basename(path) for path in record["left_out"]] == ["a-dark.png"]
+    assert [os.path.basename(one["output"]) for one in record["results"]] == ["a-jpg-dark.png", "a-png-dark.png"]
+
+
+def test_what_was_exported_beside_a_photo_is_not_relit_with_its_folder(relight, shoot, tmp_path):
+    for name in ("a.jpg", "a-relit.png"):
+        add_photo(shoot, name)
+    assert relight("render", shoot, "--light", "ring", "-o", f"{tmp_path}/out/").code == 0
+    assert names_in(tmp_path / "out") == ["a.png"]
+    assert relight("render", shoot / "a-relit.png", "--light", "ring", "-o", f"{tmp_path}/alone/").code == 0
+    assert names_in(tmp_path / "alone") == ["a-relit.png"]
 
 
 def test_a_photo_from_a_camera_whose_clock_is_ahead_is_done_once(relight, relighter, shoot):
