@@ -102,6 +102,24 @@ def test_the_whole_person_changes_and_the_wall_stays():
     np.testing.assert_allclose(image[:20, :40], photo.linear[:20, :40], atol=1e-3)
 
 
+ALL_AROUND = {"left", "right", "top", "bottom"}
+
+
+@pytest.mark.parametrize(
+    ("view", "fading"), [(Crop(100, 120, 260), set()), (Crop(60, 120, 260), {"right"}), (CROP, ALL_AROUND)]
+)
+def test_nothing_fades_at_the_photo_s_own_border(view, fading):
+    photo, truth = portrait()
+    matte = make_matte(photo.linear, [[(view.extract(truth, 64), view)]])
+    placement = place_views(canvas_of(photo), (view,), matte, ReflectionTable())
+    (weights,) = weights_on_views(placement, 64)
+    counts = weights.of_views[0][..., 0]
+    ends = {"left": counts[32, 0], "right": counts[32, -1], "top": counts[0, 32], "bottom": counts[-1, 32]}
+    assert {end for end, weight in ends.items() if weight < 0.1} == fading
+    assert {end for end, weight in ends.items() if weight > 0.999} == ALL_AROUND - fading
+    assert (weights.of_rest is None) == (not fading)
+
+
 def test_a_preview_is_the_picture_shrunk():
     photo, _ = portrait()
     picture = picture_of(photo=photo)
