@@ -27,7 +27,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from app.cli.arguments import add_json
-from app.cli.maker_inputs import check_heads_and_lights, count_at_least_one, progress
+from app.cli.maker_inputs import check_heads_and_lights, count_at_least_one, progress, refuse_unread
 from app.cli.outputs import make_folder, write_text
 from app.cli.report import Report, reporting
 from app.cli.session import sample_portrait
@@ -93,9 +93,7 @@ def run(arguments: argparse.Namespace) -> int:
 def _check_wishes(arguments: argparse.Namespace) -> None:
     """Raise InputError for what can't be had, and for what would be ignored."""
     for words, unread in _unread(arguments).items():
-        given = [option for option in unread if getattr(arguments, option) not in (None, "cpu")]
-        if given:
-            raise InputError(f"--{given[0]}: changes nothing of what {words} measures; take it away")
+        refuse_unread(arguments, unread, words)
     if arguments.device == "cuda":
         import torch
 

@@ -31,6 +31,7 @@ from app.cli.maker_inputs import (
     check_output_file,
     count_at_least_one,
     progress,
+    refuse_unread,
 )
 from app.cli.outputs import write_text
 from app.cli.report import Report, reporting
@@ -89,7 +90,8 @@ def run(arguments: argparse.Namespace) -> int:
     """Evaluate; returns the exit code."""
     if arguments.detail and arguments.what != "networks":
         raise InputError(f"--detail does not go with {arguments.what}: it compares something else")
-    _refuse_unread(arguments)
+    what = "networks --detail" if arguments.detail else arguments.what
+    refuse_unread(arguments, _UNREAD[what], f"evaluate {what}")
     if arguments.what in ("ablation", "peers"):
         return run_comparison(arguments)
     if arguments.output is not None:
@@ -97,14 +99,6 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.detail:
         return _compare_detail(arguments)
     return _break_down(arguments) if arguments.what == "breakdown" else _measure(arguments)
-
-
-def _refuse_unread(arguments: argparse.Namespace) -> None:
-    """Raise InputError for an option that would change nothing: its figures would be taken for what they are not."""
-    what = "networks --detail" if arguments.detail else arguments.what
-    for option in _UNREAD[what]:
-        if getattr(arguments, option) is not None:
-            raise InputError(f"--{option}: changes nothing of what evaluate {what} measures; take it away")
 
 
 def _measure(arguments: argparse.Namespace) -> int:

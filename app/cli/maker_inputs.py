@@ -8,7 +8,7 @@ import math
 import os
 import sys
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from datetime import timedelta
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -93,6 +93,13 @@ def check_output_file(path: Path, suffixes: tuple[str, ...]) -> None:
     if os.path.isdir(path):
         raise InputError(f"{path}: is a folder; give a file's name")
     check_folder(path.parent)
+
+
+def refuse_unread(arguments: argparse.Namespace, options: Iterable[str], what: str) -> None:
+    """Raise InputError for an option that would change nothing: the figures would be taken for what they are not."""
+    for option in options:
+        if getattr(arguments, option) not in (None, "cpu"):
+            raise InputError(f"--{option}: changes nothing of what {what} measures; take it away")
 
 
 @contextlib.contextmanager

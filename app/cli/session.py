@@ -61,7 +61,7 @@ class Session:
         """
         from relight_core.lighting.light_edit import LightEdit, edit_light
 
-        kind = light_kind(text)
+        kind, self.turn_deg = light_kind(text), 0.0
         if kind == "saved":
             return self._saved_light(Path(text))
         base = self._base(kind, text)

@@ -91,8 +91,8 @@ class Autosave:
             self._pending = None
             if self._files[photo].failed and now_s - self._changed_s >= PATIENCE_S:
                 # The disk that was full may have room by now.
-                self._pending, self._changed_s = document, now_s
-                self.flush()
+                self._changed_s = now_s
+                self._write(partial(self._save_again, self._files[photo]))
             return
         if document != self._pending:
             if self._pending is None:
@@ -125,7 +125,9 @@ class Autosave:
         """Write at once what waits."""
         document, self._pending = self._pending, None
         if document is not None:
-            file = self._files.setdefault(self._photo, KeptFile(self._run))
+            if self._photo not in self._files:
+                self._files[self._photo] = KeptFile(self._run)
+            file = self._files[self._photo]
             file.given = document
             self._write(lambda: self._save(file, document))
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import re
 import traceback
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
@@ -11,12 +10,11 @@ from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
+from app.engine.exporting import exported_stem
 from app.engine.sources import PHOTO_SUFFIXES
 from app.faults import confession
 from relight_core.errors import InputError
 from relight_core.imaging.files import KnownFiles
-
-_EXPORT = re.compile(r"(.+)-relit(?:-[0-9]+)?")
 
 _NO_MEMORY = ("allocate memory", "out of memory", "insufficient memory")
 """What libraries say, whose exceptions are no MemoryError."""
@@ -126,8 +124,7 @@ def photos_in(folder: Path, others: KnownFiles | None = None) -> list[Path]:
 def _without_exports(photos: list[Path]) -> list[Path]:
     """The photos without what was exported from one of them, under the name that an export has by itself."""
     stems = {photo.stem for photo in photos}
-    exported = ((photo, _EXPORT.fullmatch(photo.stem)) for photo in photos)
-    return [photo for photo, export in exported if export is None or export[1] not in stems]
+    return [photo for photo in photos if exported_stem(photo) not in stems]
 
 
 def summary(outcomes: Sequence[Outcome]) -> str:

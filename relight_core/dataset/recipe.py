@@ -182,9 +182,9 @@ def bake_missing(casting: Casting | ScanCasting, folder: Path, seeds: range, siz
 def load_split(folder: Path, split: str) -> list[Path]:
     """Paths of the heads of one split that are baked, in order of seed."""
     first = SPLIT_SEEDS[split]
+    seeds = ((path, path.stem.removeprefix("head-")) for path in sorted(folder.glob("head-*.npz")))
     # Copies that a file manager made have names of their own.
-    paths = [path for path in sorted(folder.glob("head-*.npz")) if path.stem.removeprefix("head-").isdecimal()]
-    return [path for path in paths if first <= int(path.stem.removeprefix("head-")) < first + SPLIT_SIZE]
+    return [path for path, seed in seeds if seed.isdecimal() and first <= int(seed) < first + SPLIT_SIZE]
 
 
 __all__ = [

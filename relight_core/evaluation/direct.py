@@ -57,8 +57,7 @@ class DirectRelighter:
         found = self._bundle.delight(srgb_encode(linear).contiguous(memory_format=torch.channels_last))
         normal = F.normalize(found.normal.float(), dim=1, eps=1e-4)
         parts = (srgb_decode(found.albedo_srgb.float()), normal, found.light.float())
-        config = self._bundle.config.specular_shadow
-        if not (config.relief_shadow or config.parsing_classes):
+        if not self._bundle.config.specular_shadow.reads_relief:
             return TakenApart(*parts)
         parsing = torch.softmax(found.parsing_logits.float(), 1)
         person = 1 - parsing[:, INDEX["background"], None]

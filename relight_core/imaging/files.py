@@ -152,8 +152,4 @@ def _flush(path: Path) -> None:
 
 
 def _reason(error: Exception) -> str:
-    # A library's own words name the hidden file beside the one that was asked for; what is wrong comes last.
-    words = (
-        getattr(error, "strerror", None) or str(error).strip().rstrip(".").rpartition(". ")[2] or type(error).__name__
-    )
-    return words.lower()
+    return (getattr(error, "strerror", None) or str(error) or type(error).__name__).lower()

@@ -42,6 +42,11 @@ class SpecularShadowConfig:
         return 3 + self.hints
 
     @property
+    def reads_relief(self) -> bool:
+        """Whether it is told anything of the relief."""
+        return self.relief_shadow or self.parsing_classes > 0
+
+    @property
     def hints(self) -> int:
         """Those beside the normal."""
         shape = 1 + self.parsing_classes if self.parsing_classes else 0

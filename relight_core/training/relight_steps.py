@@ -62,7 +62,7 @@ def specular_shadow_losses(
     hints = specular_shadow_hints(network.config, reflected, *seen)
     occlusion = network(normal.contiguous(memory_format=torch.channels_last), flat["light"], hints)
     effects = estimated_effects(network.config, occlusion, reflected, albedo)
-    if network.config.relief_shadow or network.config.parsing_classes:
+    if network.config.reads_relief:
         # Who is told nothing of a relief has none when it relights, whatever the samples hold.
         effects.by_relief = flat.get("relief_shadow")
     losses = {

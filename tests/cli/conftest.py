@@ -127,8 +127,14 @@ def another_photo(tmp_path):
 
 
 @pytest.fixture
-def relight(relighter, capfd):
+def relight(relighter, command_line):
     """Runs the command line with the fake; gives exit code, stdout and stderr."""
+    return command_line
+
+
+@pytest.fixture
+def command_line(capfd):
+    """Runs the command line as it is; gives exit code, stdout and stderr."""
 
     def run(*words):
         code = main([str(word) for word in words])

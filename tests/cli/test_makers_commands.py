@@ -9,7 +9,6 @@ import torch
 from PIL import Image
 from synthetic_heads import write_balls, write_lights
 
-from app.cli.main import main
 from relight_core.dataset.lighting.lights import load_lights
 from relight_core.networks.bundle import BundleConfig, NetworkBundle, load_bundle, save_bundle
 
@@ -25,11 +24,10 @@ def data(tmp_path):
 
 
 @pytest.fixture
-def run(capfd):
+def run(command_line):
     def run(*words):
-        code = main([str(word) for word in words])
-        streams = capfd.readouterr()
-        return code, streams.out, streams.err
+        done = command_line(*words)
+        return done.code, done.out, done.err
 
     return run
 

@@ -223,6 +223,24 @@ def test_a_failed_write_leaves_the_old_file_and_nothing_else(tmp_path, name, mon
     assert len(list(tmp_path.iterdir())) == 1
 
 
+def test_a_full_disk_is_told_without_the_hidden_file_that_an_exr_is_first_written_to(tmp_path, monkeypatch):
+    class FullFile:
+        def __init__(self, path, _):
+            self.path = path
+
+        def writePixels(self, *_):
+            raise OSError(f'Failed to write pixel data to image file "{self.path}". No space left on device.')
+
+        def close(self):
+            pass
+
+    monkeypatch.setattr(OpenEXR, "OutputFile", FullFile)
+    with pytest.raises(InputError) as refusal:
+        write_image(tmp_path / "a.exr", LINEAR)
+    assert "(no space left on device)" in str(refusal.value)
+    assert ".part" not in str(refusal.value)
+
+
 def test_a_new_file_has_ordinary_permissions_and_links_are_followed(tmp_path):
     (tmp_path / "real.png").write_text("old")
     (tmp_path / "link.png").symlink_to(tmp_path / "real.png")

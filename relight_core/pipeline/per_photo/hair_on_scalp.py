@@ -16,7 +16,7 @@ import torch
 from relight_core.face.parsing import INDEX
 from relight_core.imaging.colour import srgb_encode
 from relight_core.imaging.colour_counts import bins_of, log_odds, shares_of
-from relight_core.pipeline.per_photo.white_hair import above_the_eyes
+from relight_core.pipeline.per_photo.white_hair import above_the_eyes, with_scalp_as_hair
 from relight_core.pipeline.stages import Surface
 
 _SURE_FROM = 0.7
@@ -39,11 +39,8 @@ def with_hair_on_scalp(surface: Surface) -> Surface:
     told = log_odds(bins, shares_of(bins, hair), shares_of(bins, skin)).astype(np.float32)
     told = cv2.blur(told, (_AROUND_PX, _AROUND_PX))
     likely = torch.from_numpy(np.clip((told - _PERHAPS_HAIR) / (_HAIR - _PERHAPS_HAIR), 0, 1)).to(surface.parsing)
-    share = surface.parsing[:, INDEX["neck"]] * above[:, 0] * likely
-    parsing = surface.parsing.clone()
-    parsing[:, INDEX["neck"]] -= share
-    parsing[:, INDEX["hair"]] += share
-    return replace(surface, parsing=parsing)
+    share = surface.parsing[:, INDEX["neck"], None] * above * likely
+    return replace(surface, parsing=with_scalp_as_hair(surface.parsing, share))
 
 
 def _sure(probability: torch.Tensor) -> np.ndarray:

@@ -126,14 +126,14 @@ def _like_what_is_about(matte: np.ndarray, gaps: np.ndarray, guide: np.ndarray) 
     surely = np.zeros_like(matte)
     _, parts, boxes, _ = cv2.connectedComponentsWithStats(gaps.astype(np.uint8))
     bins = bins_of(guide)
-    behind = shares_of(bins, np.clip((1 - matte - _SURE_FROM) / (1 - _SURE_FROM), 0, 1) * ~gaps)
+    behind = shares_of(bins, _sure(1 - matte) * ~gaps)
     for part, (left, top, width, height, area) in enumerate(boxes[1:], 1):
         if area < _LEAST_GAP_PX:
             continue
         reach = max(round(_ABOUT * area**0.5), _LEAST_ABOUT_PX)
         about = slice(max(top - reach, 0), top + height + reach), slice(max(left - reach, 0), left + width + reach)
         gap = parts[about] == part
-        person = shares_of(bins[about], np.clip((matte[about] - _SURE_FROM) / (1 - _SURE_FROM), 0, 1))
+        person = shares_of(bins[about], _sure(matte[about]))
         likeness = np.average(log_odds(bins[about][gap], person, behind), weights=1 - matte[about][gap])
         surely[about][gap] = np.clip((likeness - _PERHAPS_ALIKE) / (_SURELY_ALIKE - _PERHAPS_ALIKE), 0, 1)
     return cv2.dilate(surely, _RIM)
@@ -201,9 +201,10 @@ def _as_colours_say(guide: np.ndarray, prior: np.ndarray) -> np.ndarray:
     odds = prior
     for _ in range(_ROUNDS):
         likely = 1 / (1 + np.exp(-odds))
-        person, rest = (
-            shares_of(bins, np.clip((p - _SURE_FROM) / (1 - _SURE_FROM), 0, 1)) for p in (likely, 1 - likely)
-        )
-        told = log_odds(bins, person, rest)
+        told = log_odds(bins, shares_of(bins, _sure(likely)), shares_of(bins, _sure(1 - likely)))
         odds = prior + np.clip(told, -_MOST_COLOURS_SAY, _MOST_COLOURS_SAY)
     return (1 / (1 + np.exp(-odds))).astype(np.float32)
+
+
+def _sure(probability: np.ndarray) -> np.ndarray:
+    return np.clip((probability - _SURE_FROM) / (1 - _SURE_FROM), 0, 1)

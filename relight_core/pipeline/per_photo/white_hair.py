@@ -29,6 +29,14 @@ def above_the_eyes(parsing: torch.Tensor) -> torch.Tensor | None:
     return None if eyes is None else (rows < eyes).float()[None, None, :, None]
 
 
+def with_scalp_as_hair(parsing: torch.Tensor, share: torch.Tensor) -> torch.Tensor:
+    """Parsing probabilities (1, classes, S, S) with a share (1, 1, S, S), of what is scalp, as hair."""
+    parsing = parsing.clone()
+    parsing[:, INDEX["neck"]] -= share[:, 0]
+    parsing[:, INDEX["hair"]] += share[:, 0]
+    return parsing
+
+
 @torch.inference_mode()
 def with_white_hair(surface: Surface) -> Surface:
     """The surface with hair where the scalp is bare, by its parsing, and mostly of no colour, in the photo.
@@ -47,7 +55,5 @@ def with_white_hair(surface: Surface) -> Surface:
     share = scalp * ((saturation(off, seen) - _SKIN) / (_HAIR - _SKIN)).clamp(0, 1)
     bare = torch.exp(own + off).movedim(-1, 0)[None]
     bare = bare * (grey(surface.albedo) / grey(bare))
-    parsing = surface.parsing.clone()
-    parsing[:, INDEX["neck"]] -= share[:, 0]
-    parsing[:, INDEX["hair"]] += share[:, 0]
+    parsing = with_scalp_as_hair(surface.parsing, share)
     return replace(surface, parsing=parsing, albedo=(surface.albedo + share * (bare - surface.albedo)).clamp(0, 1))
