@@ -10,7 +10,7 @@ from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
-from app.engine.exporting import exported_stem
+from app.engine.places import exported_stem
 from app.engine.sources import PHOTO_SUFFIXES
 from app.faults import confession
 from relight_core.errors import InputError

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import re
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -26,8 +25,6 @@ EXPORT = "Export"
 FORMS = (".png", ".jpg", ".tif", ".exr")
 SIDES = (None, 4096, 2048, 1080)
 """Longest sides to choose from; None is the photo's own size."""
-
-_EXPORTED = re.compile(r"(.+)-relit(?:-[0-9]+)?")
 
 
 @dataclass(frozen=True)
@@ -181,15 +178,6 @@ def default_export_path(photo_path: Path | None) -> Path:
     if photo_path is None:
         return current_folder() / "portrait-relit.png"
     return folder_for_outputs(photo_path) / f"{photo_path.stem}-relit.png"
-
-
-def exported_stem(path: Path) -> str | None:
-    """The name, without suffix, of the photo that a file is an export of by `default_export_path` and `free_path`.
-
-    None where its name is no such one.
-    """
-    export = _EXPORTED.fullmatch(path.stem)
-    return export and export[1]
 
 
 def free_path(path: Path) -> Path:

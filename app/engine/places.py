@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import os
+import re
 import sys
 from pathlib import Path
+
+_EXPORTED = re.compile(r"(.+)-relit(?:-[0-9]+)?")
 
 
 def current_folder() -> Path:
@@ -25,3 +28,12 @@ def folder_for_outputs(photo: Path) -> Path:
 def from_home(path: Path) -> Path:
     """The path with the user's own folder for a `~` that leads it; `~name` is a name like any other."""
     return Path(os.path.expanduser(path)) if path.parts[:1] == ("~",) else path
+
+
+def exported_stem(path: Path) -> str | None:
+    """The name, without suffix, of the photo that a file is an export of, as `exporting` names them.
+
+    None where its name is no such one.
+    """
+    export = _EXPORTED.fullmatch(path.stem)
+    return export and export[1]
