@@ -5,6 +5,9 @@ from __future__ import annotations
 import torch
 
 from relight_core.imaging.colour import REC709_LUMINANCE
+from relight_core.imaging.tensor_constants import constant
+
+_LUMINANCE = tuple(REC709_LUMINANCE.tolist())
 
 
 def srgb_encode(linear: torch.Tensor) -> torch.Tensor:
@@ -24,5 +27,5 @@ def srgb_decode(encoded: torch.Tensor) -> torch.Tensor:
 
 def grey(image: torch.Tensor) -> torch.Tensor:
     """Rec.709 luminance (B, 1, H, W) of linear (B, 3, H, W)."""
-    weights = torch.tensor(REC709_LUMINANCE, device=image.device, dtype=image.dtype)
+    weights = constant(_LUMINANCE, image.device, image.dtype)
     return (image * weights[None, :, None, None]).sum(1, keepdim=True)

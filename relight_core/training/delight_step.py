@@ -6,6 +6,7 @@ import torch
 
 from relight_core.face.parsing import FACE_LABELS
 from relight_core.imaging.tensor_colour import srgb_decode, srgb_encode
+from relight_core.imaging.tensor_constants import constant
 from relight_core.imaging.tensor_normals import unit_normals
 from relight_core.lighting.reflection import ReflectionTable
 from relight_core.networks.delight import DelightNetwork, Delit
@@ -33,6 +34,9 @@ _HORIZON_WEIGHT, _HORIZON_AZIMUTHS = 1.0, 6
 """With four times the weight horizons count as much as heights, and cost light and albedo more than they bring; of
 the azimuths every step draws others."""
 
+_SECOND_LOOK_SHARE = 1 / 3
+"""Of the pairs; a second look costs as much as half of a pair's first ones."""
+
 
 def delight_losses(
     network: DelightNetwork, table: ReflectionTable, batch: dict[str, torch.Tensor]
@@ -57,7 +61,7 @@ def delight_losses(
         losses["parsing"] = _PARSING_WEIGHT * focal_parsing(found.coarse_logits, twice["label"])
     if network.config.relief:
         losses["relief"] = relief_l1(found.relief, twice["relief"] * half_width, covered)
-        horizon = horizon_l1(found.relief / half_width, twice["relief"], twice["covered"], _azimuths().to(photo.device))
+        horizon = horizon_l1(found.relief / half_width, twice["relief"], twice["covered"], _azimuths(photo.device))
         losses["horizon"] = _HORIZON_WEIGHT * horizon
     return found, losses
 
@@ -73,14 +77,19 @@ def _albedo_losses(found: torch.Tensor, truth: torch.Tensor, covered: torch.Tens
 def second_look_losses(
     network: DelightNetwork, batch: dict[str, torch.Tensor], found: Delit, size: int
 ) -> dict[str, torch.Tensor]:
-    """The albedo of a second look (`pipeline.per_photo.second_look`) at one photo of every pair, by term.
+    """The albedo of a second look (`pipeline.per_photo.second_look`) at one photo of every third pair, by term.
 
     Args:
         found: in both photos of every pair.
         size: of the surface that the editor evens out the photo with.
+
+    Returns:
+        Losses that weigh what one pair in three does, of however many pairs there are.
     """
-    pairs = len(batch["photo_srgb"])
-    one = 2 * torch.arange(pairs) + torch.randint(0, 2, (pairs,))
+    pairs = max(1, round(_SECOND_LOOK_SHARE * len(batch["photo_srgb"])))
+    batch = {name: batch[name][:pairs] for name in ("photo_srgb", "albedo", "covered", "label")}
+    device = batch["photo_srgb"].device
+    one = 2 * torch.arange(pairs, device=device) + torch.randint(0, 2, (pairs,), device=device)
     linear = srgb_decode(batch["photo_srgb"].flatten(0, 1)[one])
     albedo, normal = (part.detach()[one].float() for part in (found.albedo_srgb, found.normal))
     evened = evened_out(
@@ -93,15 +102,16 @@ def second_look_losses(
     again = network(srgb_encode(evened).contiguous(memory_format=torch.channels_last))
     covered = _face_first(batch["covered"], batch["label"])
     losses = _albedo_losses(again.albedo_srgb, srgb_encode(batch["albedo"]), covered)
-    return {f"second_{name}": value for name, value in losses.items()}
+    return {f"second_{name}": _SECOND_LOOK_SHARE * value for name, value in losses.items()}
 
 
-def _azimuths() -> torch.Tensor:
+def _azimuths(device: torch.device) -> torch.Tensor:
     """Evenly around, from a random one on."""
-    return (torch.rand(()) + torch.arange(_HORIZON_AZIMUTHS)) * (2 * torch.pi / _HORIZON_AZIMUTHS)
+    turned = torch.rand((), device=device) + torch.arange(_HORIZON_AZIMUTHS, device=device)
+    return turned * (2 * torch.pi / _HORIZON_AZIMUTHS)
 
 
 def _face_first(covered: torch.Tensor, label: torch.Tensor) -> torch.Tensor:
     """Weights of the pixels: a face, which everyone looks at, counts twice as much as hair and cloth."""
-    face = torch.isin(label, torch.tensor(FACE_LABELS, device=label.device))
+    face = torch.isin(label, constant(FACE_LABELS, label.device, label.dtype))
     return covered * (1 + face.float()[:, None])

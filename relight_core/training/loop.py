@@ -6,6 +6,7 @@ import json
 import math
 import time
 from collections.abc import Callable, Iterator
+from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -15,14 +16,13 @@ from torch import nn
 from relight_core.imaging.files import whole_file
 from relight_core.lighting.reflection import ReflectionTable
 from relight_core.networks.bundle import NetworkBundle, save_bundle
-from relight_core.networks.precision import mixed_precision
 from relight_core.training.ahead import one_ahead
 from relight_core.training.optimiser import Optimiser
 from relight_core.training.sheet import draw_samples
 from relight_core.training.stages import Stage
 from relight_core.training.state import Progress, load_state, save_state
+from relight_core.training.step import RecordedStep, Step
 
-_GRADIENT_LIMIT = 5.0
 _MOST_SKIPPED_IN_A_ROW = 20
 _DECAY, _AVERAGED_EVERY = 0.998, 4
 """Of the averaged weights: their decay a step, and how many steps are taken at once."""
@@ -81,11 +81,11 @@ class AveragedWeights:
         if step % _AVERAGED_EVERY:
             return
         decay = min(_DECAY, (1 + step) / (10 + step)) ** _AVERAGED_EVERY
-        for name, value in bundle.state_dict().items():
-            if value.is_floating_point():
-                self.state[name].lerp_(value, 1 - decay)
-            else:
-                self.state[name].copy_(value)
+        now = bundle.state_dict()
+        moving = [name for name, value in now.items() if value.is_floating_point()]
+        torch._foreach_lerp_([self.state[name] for name in moving], [now[name] for name in moving], 1 - decay)
+        for name in now.keys() - moving:
+            self.state[name].copy_(now[name])
 
     def bundle(self, like: NetworkBundle) -> NetworkBundle:
         """A bundle of its own with the averaged weights."""
@@ -122,16 +122,24 @@ def train_stage(
         InputError: the state of an earlier run beside the checkpoint does not fit.
     """
     _prepare(stage, bundle, device)
+    recorded = device == "cuda" and stage.recordable
+    with _stream_of_its_own() if recorded else nullcontext():
+        kind = RecordedStep if recorded else Step
+        return _trained(kind, stage, bundle, batches_from, budget, checkpoint, report, device)
+
+
+def _trained(kind: type[Step], stage, bundle, batches_from, budget, checkpoint, report, device) -> NetworkBundle:
     optimiser = Optimiser(bundle, budget.learning_rate)
     table, average = ReflectionTable().to(device), AveragedWeights(bundle)
     saved_state = state_path(checkpoint)
     progress = load_state(saved_state, bundle, average.state, optimiser) if saved_state.exists() else Progress()
     batches = _prepared(stage, bundle, table, batches_from(progress.step), device)
+    step = kind(stage, bundle, table, optimiser, device)
     started, saved, batch = time.monotonic() - progress.seconds, time.monotonic(), None
     while (elapsed := budget.spent(progress.step, progress.seconds)) < 1:
         optimiser.set_learning_rate(budget.rate(progress.step, elapsed))
         batch, ready = next(batches)
-        progress.take(_step(stage, bundle, table, ready, optimiser, device))
+        progress.take(step(ready))
         if progress.in_a_row >= _MOST_SKIPPED_IN_A_ROW:
             raise TrainingDiverged(f"{progress.in_a_row} non-finite batches in a row at step {progress.step}")
         average.update(bundle, progress.step)
@@ -169,6 +177,15 @@ def state_path(checkpoint: Path) -> Path:
     return checkpoint.with_suffix(".state.safetensors")
 
 
+@contextmanager
+def _stream_of_its_own() -> Iterator[None]:
+    """Nothing can be recorded on a GPU's default stream."""
+    stream = torch.cuda.Stream()
+    stream.wait_stream(torch.cuda.current_stream())
+    with torch.cuda.stream(stream):
+        yield
+
+
 def _prepare(stage: Stage, bundle: NetworkBundle, device: str) -> None:
     """Set the stage's networks to training and the others to rest."""
     bundle.train().requires_grad_(False).to(device, memory_format=torch.channels_last)
@@ -198,28 +215,3 @@ def _prepared(stage, bundle, table, batches, device) -> Iterator[tuple[dict, dic
     if stage.prepare is None:
         return ((batch, on_device(batch)) for batch in batches)
     return one_ahead(lambda batch: stage.prepare(bundle, table, on_device(batch)), batches)
-
-
-def _step(stage, bundle, table, batch, optimiser, device) -> dict[str, float]:
-    """One optimiser step; the losses by name, or nothing when the batch had to be skipped."""
-    statistics = [buffer.clone() for buffer in bundle.buffers()]
-    with mixed_precision(device):
-        losses = stage.losses(bundle, table, batch)
-    terms = torch.stack([value.float() for value in losses.values()])
-    optimiser.zero_grad()
-    terms.sum().backward()
-    norm = torch.nn.utils.clip_grad_norm_(optimiser.parameters, _GRADIENT_LIMIT)
-    # All numbers at once: a GPU waits whenever it is asked for one.
-    *values, norm = torch.cat([terms.detach(), norm[None]]).tolist()
-    if not math.isfinite(sum(values) + norm):
-        return _skipped(bundle, statistics)
-    optimiser.step()
-    return dict(zip(losses, values, strict=True))
-
-
-@torch.no_grad()
-def _skipped(bundle: NetworkBundle, statistics: list[torch.Tensor]) -> dict[str, float]:
-    """Undo what a bad batch did to the running statistics: one NaN in them would stay for good."""
-    for buffer, kept in zip(bundle.buffers(), statistics, strict=True):
-        buffer.copy_(kept)
-    return {}

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import torch
 import torch.nn.functional as F
 
@@ -79,11 +81,15 @@ def wlog_l2(estimate: torch.Tensor, truth: torch.Tensor) -> torch.Tensor:
     Args:
         estimate, truth: (B, H, 2H, 3) radiance >= 0.
     """
-    height, width = truth.shape[1:3]
-    weight = torch.from_numpy(solid_angles(height, width)).to(truth.device)
-    weight = (weight / weight.mean())[None, :, :, None]
+    weight = _relative_solid_angles(*truth.shape[1:3], truth.device)[None, :, :, None]
     difference = torch.log1p(estimate.float().clamp_min(0)) - torch.log1p(truth.float().clamp_min(0))
     return (weight * difference).square().mean()
+
+
+@lru_cache
+def _relative_solid_angles(height: int, width: int, device: torch.device) -> torch.Tensor:
+    weight = torch.from_numpy(solid_angles(height, width)).to(device)
+    return weight / weight.mean()
 
 
 def irradiance_l1(estimate: torch.Tensor, truth: torch.Tensor, table: ReflectionTable) -> torch.Tensor:

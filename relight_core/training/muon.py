@@ -22,11 +22,12 @@ _LEAST_NORM = 1e-7
 class Muon(torch.optim.Optimizer):
     """Steps along momentum with its singular values near one; for weights that are matrices."""
 
-    def __init__(self, matrices: Iterable[torch.nn.Parameter], lr: float, weight_decay: float):
+    def __init__(self, matrices: Iterable[torch.nn.Parameter], lr: float | torch.Tensor, weight_decay: float):
         """Take charge of matrices (rows, columns).
 
         Args:
             lr: spectral norm of a step; of one that maps to more than it reads, times the root of their ratio.
+                A number, or a tensor of one, which may then be filled with another.
             weight_decay: share of a weight that goes per unit of `lr`.
         """
         super().__init__(matrices, {"lr": lr, "weight_decay": weight_decay})
@@ -42,14 +43,15 @@ class Muon(torch.optim.Optimizer):
             for matrices in alike.values():
                 self._move(matrices, group["lr"], group["weight_decay"])
 
-    def _move(self, matrices: list[torch.nn.Parameter], rate: float, weight_decay: float) -> None:
+    def _move(self, matrices: list[torch.nn.Parameter], rate: float | torch.Tensor, weight_decay: float) -> None:
         gradients = [matrix.grad for matrix in matrices]
         momenta = [self._momentum(matrix) for matrix in matrices]
         torch._foreach_lerp_(momenta, gradients, 1 - _MOMENTUM)
         ahead = evened(torch.stack(torch._foreach_lerp(gradients, momenta, _MOMENTUM)))
         rows, columns = matrices[0].shape
+        ahead = ahead * (rate * math.sqrt(max(1.0, rows / columns)))
         torch._foreach_mul_(matrices, 1 - rate * weight_decay)
-        torch._foreach_add_(matrices, list(ahead), alpha=-rate * math.sqrt(max(1.0, rows / columns)))
+        torch._foreach_sub_(matrices, list(ahead))
 
     def _momentum(self, matrix: torch.nn.Parameter) -> torch.Tensor:
         state = self.state[matrix]

@@ -31,16 +31,24 @@ class Optimiser:
         self._matrices = [nn.Parameter(_as_matrix(weight.detach())) for weight in self._convolutions]
         apart = {id(weight) for weight in self._convolutions}
         others = [weight for weight in trained if id(weight) not in apart]
-        self._steps = [torch.optim.AdamW(others, lr=learning_rate, weight_decay=1e-4, fused=True)]
+        # On a GPU the rate lies where a recorded step reads it (see `training.step`).
+        on_gpu = any(weight.is_cuda for weight in trained)
+        rates = [factor * learning_rate for factor in (1.0, _MATRIX_RATE)]
+        if on_gpu:
+            rates = [torch.tensor(rate, device=trained[0].device) for rate in rates]
+        adam = {"weight_decay": 1e-4, "fused": True, "capturable": on_gpu}
+        self._steps = [torch.optim.AdamW(others, lr=rates[0], **adam)]
         if self._matrices:
-            rate = _MATRIX_RATE * learning_rate
-            self._steps.append(Muon(self._matrices, lr=rate, weight_decay=0.01))
+            self._steps.append(Muon(self._matrices, lr=rates[1], weight_decay=0.01))
 
     def set_learning_rate(self, learning_rate: float) -> None:
         """Use another rate from the next step on (AdamW's; Muon's follows)."""
         for optimiser, factor in zip(self._steps, (1.0, _MATRIX_RATE), strict=False):
             for group in optimiser.param_groups:
-                group["lr"] = factor * learning_rate
+                if isinstance(group["lr"], torch.Tensor):
+                    group["lr"].fill_(factor * learning_rate)
+                else:
+                    group["lr"] = factor * learning_rate
 
     def zero_grad(self) -> None:
         """Forget the gradients."""

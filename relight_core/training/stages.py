@@ -34,8 +34,6 @@ from relight_core.training.relight_steps import (
 )
 
 _LEVELLED_SHARE = 1 / 2
-_SECOND_LOOK_SHARE = 1 / 3
-"""Of the steps; it costs as much as half of one more."""
 
 Losses = dict[str, torch.Tensor]
 Batch = dict[str, torch.Tensor]
@@ -53,6 +51,7 @@ class Stage:
         distilled: its batches are what the wide pair of networks says (see `training.distillation`).
         outlines: its samples are photos with outlines (see `dataset.cutouts.outlines`).
         settled: its networks come from another stage with running statistics that hold, and are normalised by those.
+        recordable: its losses ask the host for nothing, so that a GPU can play its steps back (`training.step`).
         prepare: (bundle, reflection table, batch of pairs) -> what `losses` gets in the batch's place. It depends on
             nothing that the stage changes and carries no gradient, so it is done ahead of the step.
     """
@@ -65,6 +64,7 @@ class Stage:
     distilled: bool = False
     outlines: bool = False
     settled: bool = False
+    recordable: bool = False
     prepare: Callable[[NetworkBundle, ReflectionTable, Batch], Batch] | None = None
 
     def learners(self, config: BundleConfig) -> tuple[str, ...]:
@@ -119,7 +119,7 @@ def _relit_from_photo(
     swapped = {n: v.unflatten(0, (-1, 2)).flip(1).flatten(0, 1) for n, v in flatten_pairs(lit, size).items()}
     albedo = shrunk(srgb_decode(found.albedo_srgb), size)
     level = level_of(albedo, swapped["albedo"], swapped["covered"])
-    levelled = torch.rand(level.shape).to(level.device) < levelled_share
+    levelled = torch.rand(level.shape, device=level.device) < levelled_share
     swapped["albedo"] = albedo * torch.where(levelled, level, torch.ones_like(level))
     swapped["normal"] = unit_normals(shrunk(found.normal, size))
     if hinted:
@@ -135,9 +135,7 @@ def _tune_delight(bundle: NetworkBundle, table: ReflectionTable, batch: Batch, r
     found, losses = delight_losses(bundle.delight, table, batch)
     relit = _relit_from_photo(bundle, table, batch, found, levelled_share=_LEVELLED_SHARE)
     losses["relit"] = relit_weight * (relit["encoded"] + relit["display"])
-    if torch.rand(()) < _SECOND_LOOK_SHARE:
-        losses |= second_look_losses(bundle.delight, batch, found, surface_size(bundle, batch["photo_srgb"]))
-    return losses
+    return losses | second_look_losses(bundle.delight, batch, found, surface_size(bundle, batch["photo_srgb"]))
 
 
 def _tune_relight(bundle: NetworkBundle, table: ReflectionTable, flat: Batch) -> Losses:
@@ -162,13 +160,19 @@ def _outline(bundle: NetworkBundle, table: ReflectionTable, batch: Batch) -> Los
 
 
 STAGES = {
-    "warm-delight": Stage(("delight",), _warm_delight, True, False, 1.5e-3),
+    "warm-delight": Stage(("delight",), _warm_delight, True, False, 1.5e-3, recordable=True),
     "warm-specular-shadow": Stage(("specular_shadow",), _warm_specular_shadow, False, True, 2e-3),
     "warm-composition": Stage(("composition",), _warm_composition, False, False, 2e-3),
     "warm-relight": Stage(("specular_shadow", "composition"), _warm_relight, False, True, 2e-3),
-    "tune-delight": Stage(("delight",), _tune_delight, True, True, 2e-4, settled=True),
+    "tune-delight": Stage(("delight",), _tune_delight, True, True, 2e-4, settled=True, recordable=True),
     "tune-delight-strongly": Stage(
-        ("delight",), partial(_tune_delight, relit_weight=3.0), True, True, 4e-4, settled=True
+        ("delight",),
+        partial(_tune_delight, relit_weight=3.0),
+        True,
+        True,
+        4e-4,
+        settled=True,
+        recordable=True,
     ),
     "tune-relight": Stage(
         ("specular_shadow", "composition"), _tune_relight, True, False, 1e-3, settled=True, prepare=on_predicted_surface

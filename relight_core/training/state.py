@@ -62,6 +62,8 @@ def save_state(
         raise ValueError(f"{broken[0]} is not finite: not saved")
     tensors |= {f"optimiser.{name}": value for name, value in optimiser.moments().items()}
     tensors["random"] = torch.get_rng_state()
+    if torch.cuda.is_available():
+        tensors["random_on_gpu"] = torch.cuda.get_rng_state()
     tensors = {name: value.detach().cpu().contiguous().clone() for name, value in tensors.items()}
     with whole_file(path) as beside:
         header = {"format": _FORMAT, "progress": json.dumps(progress.__dict__)}
@@ -87,6 +89,8 @@ def load_state(path: Path, weights: nn.Module, average: dict[str, torch.Tensor],
             average[name].copy_(value)
         optimiser.load_moments(_below("optimiser.", tensors))
         torch.set_rng_state(tensors["random"])
+        if torch.cuda.is_available() and "random_on_gpu" in tensors:
+            torch.cuda.set_rng_state(tensors["random_on_gpu"])
     except (OSError, SafetensorError, RuntimeError, KeyError, IndexError, TypeError, ValueError) as error:
         if isinstance(error, InputError):
             raise

@@ -1,6 +1,7 @@
 """What fine-tuning does that warm-ups do not."""
 
 import itertools
+from dataclasses import replace
 
 import pytest
 import torch
@@ -33,22 +34,33 @@ def terms_of(bundle, batch):
     return STAGES["tune-delight"].losses(bundle, ReflectionTable(), batch)
 
 
-def test_second_looks_are_learnt_from_in_a_share_of_the_steps(monkeypatch):
-    bundle, batch = NetworkBundle(BundleConfig.tiny()).eval(), some_batch(pairs=2)
-    monkeypatch.setattr(stages, "_SECOND_LOOK_SHARE", 0.0)
-    once = terms_of(bundle, batch)
-    monkeypatch.setattr(stages, "_SECOND_LOOK_SHARE", 1.0)
-    twice = terms_of(bundle, batch)
-    assert twice.keys() - once.keys() == {"second_albedo", "second_albedo_levelled", "second_albedo_edges"}
+@pytest.mark.parametrize(("pairs", "again"), [(1, 1), (2, 1), (5, 2), (6, 2)])
+def test_one_pair_in_three_is_looked_at_twice(pairs, again):
+    bundle = NetworkBundle(BundleConfig.tiny()).eval()
+    photos = []
+    bundle.delight.register_forward_pre_hook(lambda network, given: photos.append(len(given[0])))
+    losses = terms_of(bundle, some_batch(pairs=pairs))
+    assert photos == [2 * pairs, again]
     bundle.requires_grad_(True)
-    terms_of(bundle, batch)["second_albedo"].backward()
-    assert any(weight.grad is not None and weight.grad.abs().max() > 0 for weight in bundle.delight.parameters())
+    for name in ("second_albedo", "second_albedo_levelled", "second_albedo_edges"):
+        terms_of(bundle, some_batch(pairs=2))[name].backward()
+        assert any(weight.grad is not None and weight.grad.abs().max() > 0 for weight in bundle.delight.parameters())
+        assert losses[name] > 0
+        bundle.zero_grad()
+
+
+def test_however_many_pairs_a_second_look_weighs_a_third_of_a_first_one():
+    bundle, batch = NetworkBundle(BundleConfig.tiny()).eval(), some_batch(pairs=1)
+    bundle.delight.register_forward_hook(lambda network, given, found: replace(found, albedo_srgb=given[0] * 0 + 0.5))
+    for pairs in (1, 6):
+        losses = terms_of(bundle, {name: value.repeat_interleave(pairs, 0) for name, value in batch.items()})
+        for name in ("albedo", "albedo_levelled", "albedo_edges"):
+            assert float(losses[f"second_{name}"]) == pytest.approx(float(losses[name]) / 3, rel=1e-4)
 
 
 def test_how_bright_an_albedo_is_costs_nothing_in_photos_that_are_brought_to_its_level(monkeypatch):
     bundle, batch = NetworkBundle(BundleConfig.tiny()).eval(), some_batch(pairs=2)
     batch["albedo"] = batch["albedo"] * 0.2
-    monkeypatch.setattr(stages, "_SECOND_LOOK_SHARE", 0.0)
 
     def relit(share, gain):
         monkeypatch.setattr(stages, "_LEVELLED_SHARE", share)

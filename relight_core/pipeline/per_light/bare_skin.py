@@ -6,10 +6,11 @@ import torch
 import torch.nn.functional as F
 
 from relight_core.face.parsing import FACE_LABELS, INDEX
+from relight_core.imaging.tensor_constants import constant
 
 _MARGIN_PX = 5
 _MOUTH = {INDEX["inner_mouth"], INDEX["lips"]}
-_SKIN = sorted({*FACE_LABELS, INDEX["neck"]} - _MOUTH)
+_SKIN = tuple(sorted({*FACE_LABELS, INDEX["neck"]} - _MOUTH))
 
 
 def bare_skin(parsing: torch.Tensor) -> torch.Tensor:
@@ -21,6 +22,6 @@ def bare_skin(parsing: torch.Tensor) -> torch.Tensor:
     Args:
         parsing: (B, classes, H, W) probabilities.
     """
-    share = parsing[:, _SKIN].sum(1, keepdim=True)
+    share = parsing[:, constant(_SKIN, parsing.device, torch.int64)].sum(1, keepdim=True)
     near = F.avg_pool2d(share, _MARGIN_PX, stride=1, padding=_MARGIN_PX // 2, count_include_pad=False)
     return (2 * near - 1).clamp(0, 1)

@@ -12,6 +12,7 @@ import torch.nn.functional as F
 
 from relight_core.face.gloss import GLOSS_SHARE
 from relight_core.imaging.tensor_colour import grey
+from relight_core.imaging.tensor_constants import constant
 from relight_core.networks.specular_shadow import Occlusion, SpecularShadowConfig
 
 _CERTAIN = (0.5, 0.9)
@@ -65,7 +66,7 @@ def light_hints(
 
 def gloss_share(parsing: torch.Tensor) -> torch.Tensor:
     """How much of the gloss of skin there is, (B, 1, H, W) in (0, 1], of parsing probabilities (B, classes, H, W)."""
-    return torch.tensordot(parsing, parsing.new_tensor(GLOSS_SHARE), ([1], [0]))[:, None]
+    return torch.tensordot(parsing, constant(GLOSS_SHARE, parsing.device, parsing.dtype), ([1], [0]))[:, None]
 
 
 def with_dull_parts(reflected: torch.Tensor, parsing: torch.Tensor) -> torch.Tensor:

@@ -15,6 +15,7 @@ import torch
 import torch.nn.functional as F
 
 from relight_core.imaging.resampling import resize_area
+from relight_core.imaging.tensor_constants import constant
 from relight_core.networks.bundle import NetworkBundle
 from relight_core.pipeline import stages
 from relight_core.pipeline.per_photo.blown import skin_share
@@ -51,7 +52,7 @@ def evened_out(
     views: torch.Tensor, *, albedo: torch.Tensor, normal: torch.Tensor, photo: torch.Tensor, person: torch.Tensor
 ) -> torch.Tensor:
     """`evenly_lit` of views (B, 3, D, D) of whose surfaces these parts are known, (B, C, S, S) each."""
-    ahead = torch.tensor(_AHEAD, device=normal.device)
+    ahead = constant(_AHEAD, normal.device, torch.float32)
     received = 1 + (normal * ahead[:, None, None]).sum(1, keepdim=True)
     wanted = albedo * received / (1 + ahead.norm())
     gain = (wanted / photo.clamp_min(_DARKEST_PHOTO)).clamp(1 / _STRONGEST_GAIN, _STRONGEST_GAIN).log()
