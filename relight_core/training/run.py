@@ -29,7 +29,7 @@ from relight_core.networks.person import PersonConfig, PersonNetwork
 from relight_core.training.distillation import Teacher
 from relight_core.training.half_kept import halved
 from relight_core.training.kept_batches import kept_batches
-from relight_core.training.loader_worker import begin_worker
+from relight_core.training.loader_worker import ask_for_one_thread_each, begin_worker
 from relight_core.training.loop import Budget, train_stage
 from relight_core.training.replay import Replay, replayed
 from relight_core.training.stages import STAGES, Stage
@@ -204,6 +204,8 @@ def _loaded(
     stream = kind(
         run.heads, run.lights, "train", run.size, run.seed, first_batch=first_batch, pairs=run.pairs, **contents
     )
+    if run.workers:
+        ask_for_one_thread_each()
     loader = DataLoader(
         stream,
         batch_size=run.pairs,

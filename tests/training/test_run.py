@@ -1,6 +1,7 @@
 """A run's batches."""
 
 import itertools
+import os
 from pathlib import Path
 
 import pytest
@@ -71,3 +72,14 @@ def test_what_is_wrong_with_the_data_is_told_in_one_line(monkeypatch, workers):
     with pytest.raises(InputError) as refused:
         next(training_batches(run, STAGES["warm-delight"], 0))
     assert str(refused.value) == "head.npz: damaged; bake it again"
+
+
+@pytest.mark.parametrize(("asked", "threads"), [(None, "1"), ("3", "3")])
+def test_who_makes_samples_starts_with_one_thread_unless_another_number_was_asked_for(monkeypatch, asked, threads):
+    monkeypatch.setattr(run_module, "SampleStream", Numbers)
+    monkeypatch.setenv("OPENBLAS_NUM_THREADS", asked or "")
+    if asked is None:
+        monkeypatch.delenv("OPENBLAS_NUM_THREADS")
+    run = Run("warm-delight", Path("heads"), Path("lights"), Path("w"), steps=9, pairs=2, workers=1)
+    training_batches(run, STAGES["warm-delight"], 0)
+    assert os.environ["OPENBLAS_NUM_THREADS"] == threads
