@@ -88,8 +88,10 @@ def wlog_l2(estimate: torch.Tensor, truth: torch.Tensor) -> torch.Tensor:
 
 @lru_cache
 def _relative_solid_angles(height: int, width: int, device: torch.device) -> torch.Tensor:
-    weight = torch.from_numpy(solid_angles(height, width)).to(device)
-    return weight / weight.mean()
+    # Evaluation may ask first, in inference mode; no gradient could pass what is made there.
+    with torch.inference_mode(False):
+        weight = torch.from_numpy(solid_angles(height, width)).to(device)
+        return weight / weight.mean()
 
 
 def irradiance_l1(estimate: torch.Tensor, truth: torch.Tensor, table: ReflectionTable) -> torch.Tensor:

@@ -7,6 +7,7 @@ import torch
 
 from relight_core.lighting.reflection import ReflectionTable
 from relight_core.networks.specular_shadow import SpecularShadowConfig, SpecularShadowNetwork
+from relight_core.training import losses
 from relight_core.training.losses import (
     edges_l1,
     focal_parsing,
@@ -295,3 +296,13 @@ def test_a_level_is_grey_of_covered_pixels_and_has_no_gradient():
 def test_the_level_of_nothing_is_finite():
     nothing = torch.zeros(1, 3, 4, 4)
     assert torch.isfinite(level_of(nothing, nothing, torch.zeros(1, 1, 4, 4))).all()
+
+
+def test_what_was_measured_can_be_learnt_from_afterwards():
+    losses._relative_solid_angles.cache_clear()
+    truth = torch.rand(1, 16, 32, 3)
+    with torch.inference_mode():
+        wlog_l2(truth, truth)
+    estimate = torch.rand(1, 16, 32, 3, requires_grad=True)
+    wlog_l2(estimate, truth).backward()
+    assert estimate.grad.abs().max() > 0
