@@ -13,6 +13,7 @@ uniform mat3x2 to_view[MOST_VIEWS];
 uniform bool dimmed;            // what is behind is multiplied by behind_gain
 uniform vec3 behind_gain;
 uniform bool transparent;
+uniform bool crisp;             // a pixel of the picture is one square on the screen, and all of it as its middle
 uniform float level;            // of the averages to read where the picture is shown smaller than it is
 
 #ifdef OVER
@@ -28,6 +29,10 @@ const float LENS_VEIL = 0.01, LIGHT_WRAP = 0.5, MOST_WRAP = 0.25;
 
 // Radiance and coverage at a place in the picture, [0, 1] across and down.
 vec4 relit_at(vec2 uv) {
+    if (crisp) {
+        vec2 size = vec2(textureSize(person, 0));
+        uv = (floor(uv * size) + 0.5) / size;
+    }
     float nearest = 0.5;
     vec3 spot = vec3(0.0, 0.0, -1.0);
     for (int i = 0; i < views; i++) {

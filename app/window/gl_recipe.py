@@ -31,6 +31,7 @@ class RelitSlot:
         self._person = TextureSlot(context, mipmaps=True)
         self._maps = {name: TextureSlot(context, mipmaps=name == "behind") for name in MAPS}
         self._thinned: dict[int, np.ndarray] = {}
+        self._crisp = False
 
     def show(self, screen: np.ndarray | DisplayRecipe | None) -> bool:
         """Upload what is not there yet; True if anything changed."""
@@ -71,7 +72,8 @@ class RelitSlot:
         return self._thinned[step]
 
     def smooth(self, magnified_smoothly: bool) -> None:
-        """As of TextureSlot, for what has the picture's size."""
+        """As of TextureSlot; maps coarser or finer than the picture follow its pixels."""
+        self._crisp = not magnified_smoothly
         for slot in (self._person, self._maps["behind"]) if self.recipe else (self._pixels,):
             if slot.texture is not None:
                 slot.smooth(magnified_smoothly)
@@ -97,6 +99,7 @@ class RelitSlot:
             matrix[:] = view.T
         program["to_view"].write(matrices.tobytes())
         program["level"].value = max(math.log2(self.texture.width / max(width_px, 1e-3)), 0.0)
+        program["crisp"].value = self._crisp
         program["views"].value = len(recipe.views)
         program["transparent"].value = recipe.transparent
         if "dimmed" in program:

@@ -203,3 +203,12 @@ def test_from_recipe_to_pixels_and_back(context):
 def test_too_many_faces_make_no_recipe():
     picture = some_picture(BACKDROPS["keep"], SEVERAL * 3)
     assert recipe_of(picture, person_layers(picture.canvas, picture.matte)) is None
+
+
+@pytest.mark.parametrize("backdrop", ["keep", "match", "colour", "light"])
+def test_a_pixel_shown_large_is_one_square_of_its_own_colour(context, backdrop):
+    picture = some_picture(BACKDROPS[backdrop], SMALL)
+    recipe = recipe_of(picture, person_layers(picture.canvas, picture.matte))
+    once = drawn(context, recipe)
+    large = drawn(context, recipe, Placement(0, 0, 6.0, 6 * WIDTH, 6 * HEIGHT))
+    assert np.abs(large - once.repeat(6, 0).repeat(6, 1)).max() * 255 < ONE_CODE
