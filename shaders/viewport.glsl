@@ -23,7 +23,7 @@ uniform sampler2D picture;
 uniform vec4 place;          // x, y, width, height of the picture before its turn
 uniform float roll;          // its turn about its middle, counterclockwise, in radians
 uniform bool encoded;        // the picture is sRGB already, not radiance
-uniform bool has_alpha;
+uniform bool has_alpha;      // by which the colours of a picture are multiplied already
 uniform float exposure_ev;
 uniform vec3 canvas_srgb;
 
@@ -92,7 +92,8 @@ vec3 striped(vec3 srgb, vec3 radiance, vec2 pixel) {
 vec3 inspected(vec3 srgb, vec3 texel, vec2 uv, vec2 pixel) {
     if (paint == SCALE) srgb = from_colours(texel.g);
     if (paint == DIFFERENCE) {
-        float stops = stops_brighter(texel, texture(photo, uv).rgb);
+        vec4 before = texture(photo, uv);
+        float stops = stops_brighter(texel, before.rgb / max(before.a, 1e-6));
         srgb = from_colours(0.5 + 0.5 * stops / range_ev);
     }
     return clipping && !encoded ? striped(srgb, texel, pixel) : srgb;
@@ -114,6 +115,7 @@ void main() {
     vec4 texel = relit_at(uv);
 #else
     vec4 texel = texture(picture, uv);
+    if (has_alpha) texel.rgb /= max(texel.a, 1e-6);
 #endif
     vec3 srgb = encoded ? texel.rgb : view_transform(texel.rgb, exposure_ev);
 #ifdef INSPECTED

@@ -30,7 +30,11 @@ def radiance_for_screen(linear: np.ndarray, alpha: np.ndarray | None = None) -> 
     height, width = pixels.shape[:2]
     if max(height, width) > LARGEST_SIDE:
         scale = LARGEST_SIDE / max(height, width)
+        if alpha is not None:
+            pixels[..., :3] *= alpha[..., None]
         pixels = resize_area(pixels, (max(1, round(height * scale)), max(1, round(width * scale))))
+        if alpha is not None:
+            pixels[..., :3] /= np.maximum(pixels[..., 3:], 1e-6)
     return np.minimum(pixels, np.float32(_HALF_MAX)).astype(np.float16)
 
 

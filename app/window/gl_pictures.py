@@ -21,7 +21,7 @@ from app.window.damage import WHOLE, Part
 from app.window.gl_light_ball import LightBall
 from app.window.gl_recipe import RelitSlot
 from app.window.gl_scopes import Scopes
-from app.window.gl_textures import Canvas, TextureSlot
+from app.window.gl_textures import Canvas, PictureSlot, TextureSlot
 from app.window.gl_viewport import PicturePainter, coarseness, coarser, covered, draws_in_software
 from relight_core.imaging.scopes import Extremes
 from relight_core.lighting.environment import Environment
@@ -50,7 +50,7 @@ class GlPictures:
         self._context = context
         self._shelf = shelf
         self._painter = PicturePainter(context, canvas_srgb)
-        self._slots = {PHOTO: TextureSlot(context, mipmaps=True), RESULT: RelitSlot(context)}
+        self._slots = {PHOTO: PictureSlot(context), RESULT: RelitSlot(context)}
         self._balls: dict[tuple[str, str], TextureSlot] = {}
         self._panorama = TextureSlot(context, repeat_x=True)
         self._viewport, self._coarse_viewport = Canvas(context, smooth=False, opaque=True), Canvas(context, opaque=True)

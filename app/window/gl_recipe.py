@@ -7,7 +7,7 @@ import math
 import moderngl
 import numpy as np
 
-from app.window.gl_textures import TextureSlot
+from app.window.gl_textures import PictureSlot, TextureSlot
 from relight_core.imaging.scopes import thinning_step
 from relight_core.pipeline.results.display import MOST_VIEWS, DisplayRecipe
 
@@ -27,7 +27,7 @@ class RelitSlot:
 
     def __init__(self, context: moderngl.Context) -> None:
         self.recipe: DisplayRecipe | None = None
-        self._pixels = TextureSlot(context, mipmaps=True)
+        self._pixels = PictureSlot(context)
         self._person = TextureSlot(context, mipmaps=True)
         self._maps = {name: TextureSlot(context, mipmaps=name == "behind") for name in MAPS}
         self._thinned: dict[int, np.ndarray] = {}

@@ -60,7 +60,7 @@ class TextureSlot:
             self.close()
             return True
         self._fit(array)
-        self.texture.write(np.ascontiguousarray(array))
+        self.texture.write(np.ascontiguousarray(self._stored(array)))
         if self._mipmaps:
             self.texture.build_mipmaps()
         self.smooth(True)
@@ -97,6 +97,10 @@ class TextureSlot:
             self.texture.release()
             self.texture = None
 
+    def _stored(self, array: np.ndarray) -> np.ndarray:
+        """What the texture holds of the array."""
+        return array
+
     def _fit(self, array: np.ndarray) -> None:
         height, width, channels = array.shape
         kind = _TYPES[array.dtype]
@@ -111,6 +115,24 @@ class TextureSlot:
             texture.release()
         self.texture = self._context.texture((width, height), channels, alignment=1, dtype=kind)
         self.texture.repeat_x, self.texture.repeat_y = self._repeat_x, False
+
+
+class PictureSlot(TextureSlot):
+    """A picture for the viewport's shader, with mipmaps.
+
+    What it holds of (h, w, 4) has the alpha multiplied into the colour, so that where the texture is averaged or
+    blended what is transparent has no say in the colour beside it.
+    """
+
+    def __init__(self, context: moderngl.Context) -> None:
+        super().__init__(context, mipmaps=True)
+
+    def _stored(self, array: np.ndarray) -> np.ndarray:
+        if array.shape[2] < 4:
+            return array
+        stored = array.copy()
+        stored[..., :3] *= array[..., 3:]
+        return stored
 
 
 class Canvas:

@@ -12,7 +12,7 @@ from app.ui.viewport.panes import Pane
 from app.ui.viewport.view import Frame, Placement
 from app.window.gl_recipe import RelitSlot
 from app.window.gl_textures import Canvas as Target
-from app.window.gl_textures import TextureSlot
+from app.window.gl_textures import PictureSlot
 from app.window.gl_viewport import PicturePainter
 from app.window.glfw_window import close_window, open_window
 from relight_core.face.crop import Crop
@@ -78,7 +78,7 @@ def some_picture(backdrop, views=ONE, seed=0, hostile=False, own_alpha=False):
 def drawn(context, screen, place=None, paint=None, exposure_ev=0.0):
     """What the viewport shows of a picture, [0, 1]."""
     target = Target(context, smooth=False)
-    slots = {PHOTO: TextureSlot(context, mipmaps=True), RESULT: RelitSlot(context)}
+    slots = {PHOTO: PictureSlot(context), RESULT: RelitSlot(context)}
     slots[PHOTO].show(np.zeros((HEIGHT, WIDTH, 3), np.float16))
     slots[RESULT].show(screen)
     place = place or Placement(0, 0, 1.0, WIDTH, HEIGHT)
@@ -212,3 +212,13 @@ def test_a_pixel_shown_large_is_one_square_of_its_own_colour(context, backdrop):
     once = drawn(context, recipe)
     large = drawn(context, recipe, Placement(0, 0, 6.0, 6 * WIDTH, 6 * HEIGHT))
     assert np.abs(large - once.repeat(6, 0).repeat(6, 1)).max() * 255 < ONE_CODE
+
+
+@pytest.mark.parametrize("zoom", [0.25, 0.6, 2.5])
+def test_there_is_no_dark_line_around_what_is_cut_out(context, zoom):
+    pixels = np.zeros((HEIGHT, WIDTH, 4), np.float16)
+    pixels[20:61, 17:50] = *[srgb_decode(np.float32(0.42))] * 3, 1.0
+    place = Placement(0, 0, zoom, WIDTH * zoom, HEIGHT * zoom)
+    shown = drawn(context, pixels, place)[: int(HEIGHT * zoom), : int(WIDTH * zoom)]
+    # As bright as the lighter of the checks behind it, so that no share of it is darker than the darker ones.
+    assert shown.min() > 0.32 - ONE_CODE / 255
