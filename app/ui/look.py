@@ -18,6 +18,7 @@ class LookState:
         wipe_at: where the wipe divides, along the picture from 0 at its left edge to 1.
         wipe_held: the wipe's line is being dragged.
         spot: the point of the photo under the mouse, in its pixels; None while there is none.
+        spot_in: which picture the mouse is over there: with the photo beside the picture, one of the two.
         clipping: stripes over what is too bright or too dark for the screen or not a number.
         false_colour: specular and shadow as a colour scale.
         difference: how many stops the result is brighter or darker than the photo, in colour.
@@ -38,6 +39,7 @@ class LookState:
     wipe_at: float = 0.5
     wipe_held: bool = False
     spot: tuple[float, float] | None = None
+    spot_in: str = ""
     clipping: bool = False
     false_colour: bool = False
     difference: bool = False

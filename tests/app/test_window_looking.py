@@ -9,6 +9,9 @@ import pytest
 from PIL import Image
 from window_hand import HEIGHT, WIDTH, Hand, close_to
 
+from app.ui.channels import PHOTO, RESULT
+from app.ui.panels.status_line import _under_the_mouse
+from app.ui.viewport.probe import reading
 from app.window import gl_pictures
 from app.window.window import EditorWindow
 
@@ -123,6 +126,17 @@ def test_a_wipe_shows_the_photo_left_of_its_line_and_the_result_right_of_it(open
     assert (wiped[:, 108:] == result[:, 108:]).all()
     opened.key(glfw.KEY_W)
     assert (opened.picture_pixels(96, 128) == result).all()
+
+
+@pytest.mark.parametrize(("key", "share"), [(glfw.KEY_W, 0.05), (glfw.KEY_Y, 0.25)])
+def test_the_value_under_the_mouse_is_of_the_picture_it_is_over(opened, key, share):
+    opened.key(key)
+    state, (middle, y) = opened.window.state, opened.centre()
+    for side, name in ((-1, PHOTO), (1, RESULT)):
+        opened.move((middle + side * share * state.look.viewport_px[0], y))
+        x, row = map(int, state.look.spot)
+        codes = reading(state.snapshot, name, 0.0, x, row).codes
+        assert _under_the_mouse(state).split()[2:] == f"R {codes[0]} G {codes[1]} B {codes[2]}".split()
 
 
 def test_dragging_beside_the_wipes_line_moves_the_picture_and_the_line_with_it(opened):

@@ -91,7 +91,7 @@ def _under_the_mouse(state: EditorState) -> str:
     if state.look.spot is None:
         return ""
     x, y = state.look.spot
-    found = reading(state.snapshot, state.shown_name(), state.edit.exposure_ev, x, y)
+    found = reading(state.snapshot, state.look.spot_in, state.edit.exposure_ev, x, y)
     codes = "  ".join(f"{name} {code}" for name, code in zip("RGB", found.codes, strict=False)) if found else ""
     return f"      {int(x)}, {int(y)}   {codes}"
 

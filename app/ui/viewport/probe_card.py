@@ -40,7 +40,8 @@ def height_em() -> float:
 def draw(state: EditorState, arranged: Arrangement, rect: Rect) -> None:
     """The card in the viewport's upper left corner, while it is switched on."""
     point = spot(state, arranged)
-    state.look.spot = point
+    under = arranged.pane_at(state.look.pointer_px[0]).name if point else ""
+    state.look.spot, state.look.spot_in = point, under
     if not state.look.probe:
         return
     rows = readings(state.snapshot, state.edit.exposure_ev, *point) if point else []
@@ -54,7 +55,6 @@ def draw(state: EditorState, arranged: Arrangement, rect: Rect) -> None:
     draw_list.add_rect_filled(corner, end, theme.packed(theme.SHADE, 0.92), 0.27 * em)
     left, top = x + _PAD_EM * em, y + _PAD_EM * em
     _heading(draw_list, left, top, point)
-    under = arranged.pane_at(state.look.pointer_px[0]).name if point else None
     for row, reading in enumerate(rows, 1):
         _row(draw_list, left, top + row * _LINE_EM * em, reading, reading.name == under)
     imgui.pop_font()
