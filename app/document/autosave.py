@@ -279,7 +279,7 @@ def leftovers(folder: Path, tell: Callable[[str], None] = _log.warning) -> list[
             leftover = Leftover(path, session.document, path.stat().st_mtime, session.notes)
         except (InputError, OSError) as error:
             # A photo that is only out of reach for now is no reason to forget the work.
-            if kind_of(path) == KIND or is_too_large(path):
+            if _may_hold_work(path):
                 tell(f"Unsaved work can't be restored yet: {error}")
             else:
                 _log.warning("unsaved work can't be recovered: %s", error)
@@ -289,6 +289,19 @@ def leftovers(folder: Path, tell: Callable[[str], None] = _log.warning) -> list[
             if leftover.notes:
                 tell(f"Unsaved work on {leftover.document.photo.path.name}: {'; '.join(leftover.notes)}")
     return sorted(found, key=lambda leftover: -leftover.saved_s)
+
+
+def _may_hold_work(path: Path) -> bool:
+    """Whether a file that can't be restored says that it is a session, or can't be looked into for now."""
+    if is_too_large(path):
+        return True
+    try:
+        path.read_bytes()
+    except FileNotFoundError:
+        return False
+    except OSError:
+        return True
+    return kind_of(path) == KIND
 
 
 def _lock_path(path: Path) -> Path:

@@ -1,5 +1,7 @@
 """Autosave: not at every twitch, never too late, and offered only where nobody works on it."""
 
+import builtins
+import errno
 import os
 import subprocess
 import sys
@@ -125,6 +127,29 @@ def test_leftovers_that_are_too_large_to_look_into_stay(folder):
     assert leftovers(folder, told.append) == []
     assert (folder / "large.json").exists()
     assert "too large" in told[0]
+
+
+def test_leftovers_that_a_failing_disk_does_not_read_stay(autosave, document, folder, monkeypatch):
+    autosave.update(document, True, 0.0)
+    autosave.close()
+    (path,) = folder.glob("*.json")
+    monkeypatch.setattr("builtins.open", failing_for(path, builtins.open))
+    monkeypatch.setattr("io.open", builtins.open)
+    told = []
+    assert leftovers(folder, told.append) == []
+    assert len(told) == 1
+    assert "input/output error" in told[0]
+    monkeypatch.undo()
+    assert leftovers(folder)[0].document == document
+
+
+def failing_for(path, really_open):
+    def open_unless(name, *arguments, **named):
+        if str(name) == str(path):
+            raise OSError(errno.EIO, os.strerror(errno.EIO), str(path))
+        return really_open(name, *arguments, **named)
+
+    return open_unless
 
 
 def test_damaged_leftovers_are_cleared_away(folder):
