@@ -28,16 +28,19 @@ class RecentLights:
     def __init__(self, path: Path) -> None:
         self._path = path
         self._by_use: list[tuple[str, str]] = []
+        self._seen: list[tuple[str, str]] = []
+        self._of_others: list[tuple[str, str]] = []
 
     def recall(self, state: EditorState) -> None:
         """Put the lights that are still there into the list, newest first."""
-        self._by_use = _newest(entry for entry in read_recent(self._path) if os.path.isfile(entry[1]))[:MOST]
+        self._seen = read_recent(self._path)
+        self._by_use = _newest(entry for entry in self._seen if os.path.isfile(entry[1]))[:MOST]
         known = [LightSource(*entry) for entry in self._by_use]
         new = [light for light in known if not any(light.same_as(other) for other in state.extra_lights)]
         state.extra_lights = [*state.extra_lights, *new]
 
     def keep(self, state: EditorState) -> None:
-        """Write the list if it is another one than was written last."""
+        """Write the list if it is another one than was written last; what other windows have added stays in it."""
         listed = _newest((light.kind, light.name) for light in state.extra_lights if light.kind in _KINDS)
         # In the panel none moves under the hand; what is kept begins with the one that was used last.
         shown = state.snapshot.light and state.snapshot.light.source
@@ -48,10 +51,14 @@ class RecentLights:
         now = self._by_use[:MOST]
         if now == before:
             return
+        others = [entry for entry in read_recent(self._path) if entry not in self._seen]
+        self._of_others = _newest([*others, *self._of_others])[:MOST]
+        still = [entry for entry in self._seen if entry in now or entry in self._of_others]
+        self._seen = _newest([*now[:1], *new, *others, *still, *now])[:MOST]
         try:
             self._path.parent.mkdir(parents=True, exist_ok=True)
             with whole_file(self._path) as part:
-                part.write_text(json.dumps(now, indent=1) + "\n", encoding="utf-8")
+                part.write_text(json.dumps(self._seen, indent=1) + "\n", encoding="utf-8")
         except (OSError, InputError) as error:
             _log.warning("recent lights are not kept: %s", error)
 

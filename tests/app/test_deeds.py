@@ -162,6 +162,27 @@ def test_recent_lights_come_back_while_their_files_are_there(tmp_path):
     assert [light.title for light in later.extra_lights] == ["a"]
 
 
+def test_two_windows_keep_the_lights_of_both(tmp_path):
+    lights = [LightSource("panorama", str(tmp_path / f"{number}.hdr")) for number in range(4)]
+    for light in lights:
+        Path(light.name).write_bytes(b"light")
+    one, other = (RecentLights(tmp_path / "recent.json") for _ in range(2))
+    shown, beside = EditorState(extra_lights=lights[:1]), EditorState(extra_lights=lights[1:2])
+    one.recall(shown)
+    other.recall(beside)
+    one.keep(shown)
+    other.keep(beside)
+    shown.extra_lights.insert(0, lights[2])
+    one.keep(shown)
+    shown.extra_lights.insert(0, lights[3])
+    one.keep(shown)
+    kept = [Path(name).stem for _, name in read_recent(tmp_path / "recent.json")]
+    assert kept == ["3", "2", "1", "0"]
+    shown.extra_lights.remove(lights[2])
+    one.keep(shown)
+    assert (lights[2].kind, lights[2].name) not in read_recent(tmp_path / "recent.json")
+
+
 def test_a_light_that_is_named_from_here_is_the_recent_one_and_not_another(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "sky.hdr").write_bytes(b"light")
