@@ -8,6 +8,7 @@ ends; so a file whose lock is free belongs to nobody and is offered.
 from __future__ import annotations
 
 import contextlib
+import errno
 import itertools
 import logging
 import os
@@ -25,7 +26,14 @@ from relight_core.errors import InputError
 QUIET_S, PATIENCE_S = 1.5, 10.0
 """A change is written after this much quiet, and during constant change this often."""
 
+_HELD = {errno.EAGAIN, errno.EWOULDBLOCK, errno.EACCES, errno.EDEADLK}
+"""What systems say of a lock that another program holds."""
+
 _log = logging.getLogger(__name__)
+
+
+class _NoLocks(OSError):
+    """A disk on which no file can be locked."""
 
 
 @dataclass(frozen=True)
@@ -208,7 +216,9 @@ class RunLock:
         self._path.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
         self._files.add(path)
         if self._file is None:
-            self._file = _locked(self._path)
+            # Work without a lock is not offered, but can be opened.
+            with contextlib.suppress(_NoLocks):
+                self._file = _locked(self._path)
 
     def let_go(self, path: Path) -> None:
         """A file is gone, or is no longer this editor's."""
@@ -266,6 +276,9 @@ def leftovers(folder: Path, tell: Callable[[str], None] = _log.warning) -> list[
     for path in sorted(folder.glob("*.json")) if folder.is_dir() else []:
         try:
             lock = _locked(_lock_path(path))
+        except _NoLocks as error:
+            tell(f"Unsaved work may be in {path}: its disk has no locks ({error}); open it if no other relight does")
+            continue
         except OSError as error:
             tell(f"Unsaved work can't be restored yet: {error.filename}: can't be opened ({error.strerror}); remove it")
             continue
@@ -313,6 +326,7 @@ def _locked(path: Path) -> object | None:
     """The open and locked file, or None where another program holds it.
 
     Raises:
+        _NoLocks: the disk has none, as some network drives.
         OSError: a place where no file can be opened.
     """
     file = open(path, "a+b")  # noqa: SIM115 -- closed by whoever holds it
@@ -325,7 +339,9 @@ def _locked(path: Path) -> object | None:
             import fcntl
 
             fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except OSError:
+    except OSError as error:
         file.close()
+        if error.errno not in _HELD:
+            raise _NoLocks(error.strerror) from error
         return None
     return file

@@ -226,3 +226,19 @@ def test_a_lock_that_can_not_be_opened_is_told_and_its_work_left_alone(autosave,
     assert ".lock" in told[0]
     lock.rmdir()
     assert len(leftovers(folder)) == 1
+
+
+@pytest.mark.skipif(os.name == "nt", reason="locks are others there")
+def test_work_on_a_disk_without_locks_is_kept_and_told(autosave, document, folder, monkeypatch):
+    def none(descriptor, wish):
+        raise OSError(errno.ENOLCK, os.strerror(errno.ENOLCK))
+
+    monkeypatch.setattr("fcntl.flock", none)
+    autosave.update(document, True, 0.0)
+    autosave.close()
+    (kept,) = folder.glob("*.json")
+    told = []
+    assert leftovers(folder, told.append) == []
+    assert len(told) == 1
+    assert str(kept) in told[0]
+    assert kept.exists()
