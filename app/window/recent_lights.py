@@ -28,13 +28,13 @@ class RecentLights:
     def __init__(self, path: Path) -> None:
         self._path = path
         self._by_use: list[tuple[str, str]] = []
-        self._seen: list[tuple[str, str]] = []
+        self._in_file: list[tuple[str, str]] = []
         self._of_others: list[tuple[str, str]] = []
 
     def recall(self, state: EditorState) -> None:
         """Put the lights that are still there into the list, newest first."""
-        self._seen = read_recent(self._path)
-        self._by_use = _newest(entry for entry in self._seen if os.path.isfile(entry[1]))[:MOST]
+        self._in_file = read_recent(self._path)
+        self._by_use = _newest(entry for entry in self._in_file if os.path.isfile(entry[1]))[:MOST]
         known = [LightSource(*entry) for entry in self._by_use]
         new = [light for light in known if not any(light.same_as(other) for other in state.extra_lights)]
         state.extra_lights = [*state.extra_lights, *new]
@@ -51,16 +51,23 @@ class RecentLights:
         now = self._by_use[:MOST]
         if now == before:
             return
-        others = [entry for entry in read_recent(self._path) if entry not in self._seen]
-        self._of_others = _newest([*others, *self._of_others])[:MOST]
-        still = [entry for entry in self._seen if entry in now or entry in self._of_others]
-        self._seen = _newest([*now[:1], *new, *others, *still, *now])[:MOST]
+        self._in_file = self._among_those_of_others(now, new)
         try:
             self._path.parent.mkdir(parents=True, exist_ok=True)
             with whole_file(self._path) as part:
-                part.write_text(json.dumps(self._seen, indent=1) + "\n", encoding="utf-8")
+                part.write_text(json.dumps(self._in_file, indent=1) + "\n", encoding="utf-8")
         except (OSError, InputError) as error:
             _log.warning("recent lights are not kept: %s", error)
+
+    def _among_those_of_others(self, own: list[tuple[str, str]], new: list[tuple[str, str]]) -> list[tuple[str, str]]:
+        """This window's lights with those that others have put into the file, newest first.
+
+        What was in the file and is no longer this window's was taken out of its list, and goes.
+        """
+        added = [entry for entry in read_recent(self._path) if entry not in self._in_file]
+        self._of_others = _newest([*added, *self._of_others])[:MOST]
+        stays = [entry for entry in self._in_file if entry in own or entry in self._of_others]
+        return _newest([*own[:1], *new, *added, *stays, *own])[:MOST]
 
 
 def _newest(entries: Iterable[tuple[str, str]]) -> list[tuple[str, str]]:
