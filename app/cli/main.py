@@ -19,6 +19,7 @@ from importlib.util import find_spec
 from app.cli.arguments import OneLineParser
 from app.faults import confession
 from relight_core.errors import InputError
+from relight_core.idle_threads import keep_numpy_to_one_thread
 
 DONE, OUR_FAULT, BAD_INPUT, INTERRUPTED, READER_LEFT = 0, 1, 2, 130, 141
 
@@ -55,7 +56,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     program = "relight" if name == EDITOR else f"relight {name}"
     _stand_in_for_closed_streams()
     _let_any_file_name_print()
-    _keep_numpy_to_one_thread()
+    keep_numpy_to_one_thread()
     try:
         with _one_line_warnings(program):
             return _run(name, program, words)
@@ -123,16 +124,6 @@ def _let_any_file_name_print() -> None:
     """File names need not be text in the terminal's encoding; show the odd byte instead of failing on it."""
     if isinstance(sys.stdout, io.TextIOWrapper):
         sys.stdout.reconfigure(errors="backslashreplace")
-
-
-def _keep_numpy_to_one_thread() -> None:
-    """Leave the other cores to the networks and to the window.
-
-    Our products are over before OpenBLAS's other threads could help, and those then wait for the next product at full
-    speed: for every turn of the light 48 ms of a core, which is more than all of the turn's own work. NumPy reads this
-    when it is imported, in the processes that we start as well.
-    """
-    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 
 def _confess(program: str, error: Exception) -> None:

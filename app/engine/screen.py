@@ -6,7 +6,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from relight_core.imaging.resampling import resize_area
+from relight_core.imaging.resampling import at_size, resize_cut_out, shrunk_size
 from relight_core.imaging.view_transform import apply_view
 from relight_core.lighting.enlarge import COARSE_HEIGHT, enlarge
 from relight_core.lighting.environment import Environment, shrink
@@ -26,15 +26,12 @@ def radiance_for_screen(linear: np.ndarray, alpha: np.ndarray | None = None) -> 
 
     Under alpha 0 it is black: what a file hides there would shine through where a texture is magnified.
     """
-    pixels = linear if alpha is None else np.dstack([np.where(alpha[..., None] > 0, linear, 0), alpha])
-    height, width = pixels.shape[:2]
-    if max(height, width) > LARGEST_SIDE:
-        scale = LARGEST_SIDE / max(height, width)
-        if alpha is not None:
-            pixels[..., :3] *= alpha[..., None]
-        pixels = resize_area(pixels, (max(1, round(height * scale)), max(1, round(width * scale))))
-        if alpha is not None:
-            pixels[..., :3] /= np.maximum(pixels[..., 3:], 1e-6)
+    size = shrunk_size(linear.shape[:2], LARGEST_SIDE)
+    if alpha is None:
+        pixels = at_size(linear, size)
+    else:
+        linear = np.where(alpha[..., None] > 0, linear, 0)
+        pixels = np.dstack((linear, alpha) if alpha.shape == size else resize_cut_out(linear, alpha, size))
     return np.minimum(pixels, np.float32(_HALF_MAX)).astype(np.float16)
 
 

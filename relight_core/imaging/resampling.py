@@ -8,6 +8,8 @@ import cv2
 import numpy as np
 from scipy import sparse
 
+_LEAST_ALPHA = 1e-4
+
 
 def resize_area(image: np.ndarray, size: tuple[int, int]) -> np.ndarray:
     """Resize by averaging over areas, which keeps the mean; the right way to shrink.
@@ -21,6 +23,25 @@ def resize_area(image: np.ndarray, size: tuple[int, int]) -> np.ndarray:
     """
     height, width = image.shape[:2]
     return resample_window(image, (0.0, 0.0, width, height), size)
+
+
+def at_size(image: np.ndarray, size: tuple[int, int]) -> np.ndarray:
+    """`resize_area` where another size is wanted; else the image itself, as float32."""
+    return np.asarray(image, np.float32) if image.shape[:2] == size else resize_area(image, size)
+
+
+def resize_cut_out(image: np.ndarray, alpha: np.ndarray, size: tuple[int, int]) -> tuple[np.ndarray, np.ndarray]:
+    """`at_size` of a picture in which what is transparent has no say.
+
+    Args:
+        image: (H, W, 3), not premultiplied.
+        alpha: (H, W) in [0, 1].
+
+    Returns:
+        Image and alpha of the new size, float32; next to where nothing is seen, the image fades to black.
+    """
+    small = at_size(alpha, size)
+    return at_size(image * alpha[..., None], size) / np.maximum(small, _LEAST_ALPHA)[..., None], small
 
 
 def shrunk_size(size: tuple[int, int], longest_side: int | None) -> tuple[int, int]:

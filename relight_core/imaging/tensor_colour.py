@@ -27,5 +27,9 @@ def srgb_decode(encoded: torch.Tensor) -> torch.Tensor:
 
 def grey(image: torch.Tensor) -> torch.Tensor:
     """Rec.709 luminance (B, 1, H, W) of linear (B, 3, H, W)."""
-    weights = constant(_LUMINANCE, image.device, image.dtype)
-    return (image * weights[None, :, None, None]).sum(1, keepdim=True)
+    return (image * luminance_weights(image)[None, :, None, None]).sum(1, keepdim=True)
+
+
+def luminance_weights(like: torch.Tensor) -> torch.Tensor:
+    """Rec.709's share of each colour in luminance, (3,), of a tensor's type and on its device."""
+    return constant(_LUMINANCE, like.device, like.dtype)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import torch
 
-from relight_core.imaging.colour import REC709_LUMINANCE
+from relight_core.imaging.tensor_colour import luminance_weights
 
 _ITERATIONS = 10
 _TRUST_IN_GUESS = 0.1
@@ -50,7 +50,7 @@ def explain_photo(
 
 def _ratio(wanted: torch.Tensor, predicted: torch.Tensor) -> torch.Tensor:
     """Quotient (T, 3) whose colour is damped toward grey."""
-    luminance = torch.tensor(REC709_LUMINANCE, dtype=wanted.dtype)
+    luminance = luminance_weights(wanted)
     grey = ((wanted @ luminance) / (predicted @ luminance).clamp_min(1e-12))[:, None]
     each = wanted / predicted.clamp_min(1e-12)
     return grey * (each / grey.clamp_min(1e-12)).pow(_TRUST_IN_COLOUR)

@@ -14,7 +14,7 @@ from functools import cached_property
 import torch
 import torch.nn.functional as F
 
-from relight_core.imaging.colour import REC709_LUMINANCE
+from relight_core.imaging.tensor_colour import luminance_weights
 from relight_core.lighting.sphere import directions, solid_angles
 
 _AZIMUTHS = 48
@@ -54,7 +54,8 @@ class ReliefTransport:
         Args:
             light: (B, H, 2H, 3) normalised radiance of the texels the transport was made for.
         """
-        grey = light.float() @ torch.tensor(REC709_LUMINANCE, dtype=torch.float32, device=light.device)
+        light = light.float()
+        grey = light @ luminance_weights(light)
         points, both = self._at_surface
         opened, closed = (both @ grey.flatten(1).T).chunk(2)
         lost = (1 - closed / opened.clamp_min(1e-6)).clamp(0, 1) * (opened / _GRAZING).clamp_max(1)

@@ -10,15 +10,6 @@ import cv2
 import torch
 
 
-def ask_for_one_thread_each() -> None:
-    """Of the NumPy that is imported in processes started from now on.
-
-    Those of OpenBLAS's threads that have nothing to do wait at full speed: as many a worker as there are cores leave
-    few of them to work. `relight` asks for it before it starts; whoever trains from Python may not have.
-    """
-    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-
-
 def begin_worker(_number: int = 0) -> None:
     """Keep to one core, and end with the process that trains, however that ends.
 

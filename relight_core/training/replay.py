@@ -14,6 +14,7 @@ import numpy as np
 import torch
 
 from relight_core.face.parsing import MIRRORED
+from relight_core.imaging.tensor_constants import constant
 from relight_core.training.half_kept import Batch, halved, whole_again
 
 
@@ -80,8 +81,8 @@ def mirrored_pairs(batch: Batch, which: torch.Tensor) -> Batch:
         which: (pairs,) bool.
     """
     flipped = {name: value.flip(3 if name == "light" else -1) for name, value in batch.items()}
-    flipped["normal"] = flipped["normal"] * flipped["normal"].new_tensor([-1, 1, 1])[:, None, None]
-    flipped["label"] = torch.tensor(MIRRORED, device=which.device)[flipped["label"]]
+    flipped["normal"] = flipped["normal"] * constant((-1, 1, 1), which.device, batch["normal"].dtype)[:, None, None]
+    flipped["label"] = constant(MIRRORED, which.device, torch.int64)[flipped["label"]]
     return {
         name: torch.where(which.reshape(-1, *[1] * (value.ndim - 1)), flipped[name], value)
         for name, value in batch.items()

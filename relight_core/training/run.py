@@ -15,6 +15,7 @@ from torch.utils.data import DataLoader, default_collate
 from relight_core.dataset.cutouts.outlines import OutlineStream
 from relight_core.dataset.stream import SampleStream
 from relight_core.errors import InputError
+from relight_core.idle_threads import keep_numpy_to_one_thread
 from relight_core.lighting.reflection import ReflectionTable
 from relight_core.networks.bundle import (
     BundleConfig,
@@ -29,7 +30,7 @@ from relight_core.networks.person import PersonConfig, PersonNetwork
 from relight_core.training.distillation import Teacher
 from relight_core.training.half_kept import halved
 from relight_core.training.kept_batches import kept_batches
-from relight_core.training.loader_worker import ask_for_one_thread_each, begin_worker
+from relight_core.training.loader_worker import begin_worker
 from relight_core.training.loop import Budget, train_stage
 from relight_core.training.replay import Replay, replayed
 from relight_core.training.stages import STAGES, Stage
@@ -205,7 +206,8 @@ def _loaded(
         run.heads, run.lights, "train", run.size, run.seed, first_batch=first_batch, pairs=run.pairs, **contents
     )
     if run.workers:
-        ask_for_one_thread_each()
+        # The command has asked for it; whoever trains from Python may not have.
+        keep_numpy_to_one_thread()
     loader = DataLoader(
         stream,
         batch_size=run.pairs,

@@ -5,8 +5,7 @@ from __future__ import annotations
 import torch
 import torch.nn.functional as F
 
-from relight_core.imaging.colour import REC709_LUMINANCE
-from relight_core.imaging.tensor_colour import grey
+from relight_core.imaging.tensor_colour import grey, luminance_weights
 from relight_core.lighting.inverse import explain_photo
 from relight_core.lighting.relief import ReliefTransport
 from relight_core.pipeline.per_light.hints import gloss_share
@@ -67,7 +66,7 @@ def _left_to_light(surface: Surface, guess: torch.Tensor, explained: torch.Tenso
     skin = skin.to(explained.device)
     more = saturation(log_colour(explained) - log_colour(guess), skin)
     less = torch.exp(-_BY_CAMERA * more.clamp(0, _MOST_BY_CAMERA)[:, None] * skin)
-    luminance = torch.tensor(REC709_LUMINANCE, dtype=explained.dtype, device=explained.device)
+    luminance = luminance_weights(explained)
     balanced = explained * less
     return balanced * ((explained @ luminance) / (balanced @ luminance).clamp_min(1e-12))[:, None]
 

@@ -11,7 +11,7 @@ import numpy as np
 from relight_core.face.crop import Crop
 from relight_core.face.paste import bands
 from relight_core.imaging.in_order import in_order
-from relight_core.imaging.resampling import resize_area, shrunk_size
+from relight_core.imaging.resampling import at_size, resize_cut_out, shrunk_size
 from relight_core.pipeline.per_photo.person import whole_person
 from relight_core.pipeline.results.relit import Relit
 
@@ -43,9 +43,9 @@ def photo_layers(relit: Relit, names: Iterable[str], longest_side: int | None = 
         raise ValueError(f"no layer {unknown[0]!r}; there are {', '.join(LAYERS)}")
     image, alpha = _whole(relit, wide=True)
     size = shrunk_size(image.shape[:2], longest_side)
-    layers = {"RGB": _sized(image, size)}
+    layers = {"RGB": at_size(image, size)}
     if alpha is not None:
-        layers = {"RGBA": _sized(np.dstack([image * alpha[..., None], alpha]), size)}
+        layers = {"RGBA": at_size(np.dstack([image * alpha[..., None], alpha]), size)}
     for name in wanted:
         layer = _beside(relit, name, size) if name in ("matte", "background") else _channel(relit, name, size)
         if layer is not None:
@@ -75,9 +75,8 @@ def shrunk_picture(relit: Relit, longest_side: int | None) -> tuple[np.ndarray, 
     image, alpha = _whole(relit)
     size = shrunk_size(image.shape[:2], longest_side)
     if alpha is None:
-        return _sized(image, size), None
-    small = _sized(alpha, size)
-    colour = _sized(image * alpha[..., None], size) / np.maximum(small, 1e-4)[..., None]
+        return at_size(image, size), None
+    colour, small = resize_cut_out(image, alpha, size)
     return np.ascontiguousarray(colour), small
 
 
@@ -116,10 +115,10 @@ def _beside(relit: Relit, name: str, size: tuple[int, int]) -> np.ndarray | None
     if relit.full is None:
         return None
     if name == "matte":
-        return _sized(whole_person(relit.full.canvas, relit.full.matte).share, size)
+        return at_size(whole_person(relit.full.canvas, relit.full.matte).share, size)
     picture = relit.full if relit.full.canvas.beyond is None else replace(relit.full, wide=True)
     rows = in_order(picture.behind, bands(picture.size, picture.canvas.photo_size))
-    return _sized(np.concatenate(list(rows)), size)
+    return at_size(np.concatenate(list(rows)), size)
 
 
 def _channel(relit: Relit, name: str, size: tuple[int, int]) -> np.ndarray | None:
@@ -159,9 +158,3 @@ def _in_camera_space(name: str, placed: np.ndarray, roll_deg: float) -> np.ndarr
 
 def _photo_size(relit: Relit) -> tuple[int, int]:
     return relit.full.canvas.photo_size if relit.full is not None else relit.image.shape[:2]
-
-
-def _sized(image: np.ndarray, size: tuple[int, int]) -> np.ndarray:
-    if image.shape[:2] == size:
-        return np.asarray(image, np.float32)
-    return resize_area(image, size)
