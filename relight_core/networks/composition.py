@@ -8,8 +8,7 @@ from dataclasses import dataclass
 import torch
 from torch import nn
 
-from relight_core.networks.blocks import Encoder, Head, decoder_levels, level_widths
-from relight_core.networks.lfm import BottleneckLight, LightModulation, decode_lit, encode_light
+from relight_core.networks.lit import LitNetwork
 
 _KNEE = 20.0
 
@@ -49,19 +48,13 @@ def decode_radiance(encoded: torch.Tensor) -> torch.Tensor:
     return torch.expm1((encoded * math.log1p(_KNEE)).clamp(0, 14.0)) / _KNEE
 
 
-class CompositionNetwork(nn.Module):
+class CompositionNetwork(LitNetwork):
     """Encoder-decoder with LFM after every upsampling layer."""
 
     def __init__(self, config: CompositionConfig | None = None):
-        super().__init__()
-        self.config = config or CompositionConfig()
-        widths = level_widths(self.config.width, self.config.levels, widest=128)
-        self.encoder = Encoder(self.config.inputs, widths)
-        self.decoder = decoder_levels(widths)
-        lit = widths[-2::-1] if self.config.modulated else []
-        self.modulations = nn.ModuleList(LightModulation(width) for width in lit)
-        self.bottleneck = None if self.config.modulated else BottleneckLight(widths[-1])
-        self.head = Head(widths[0], 3)
+        config = config or CompositionConfig()
+        super().__init__(config, outputs=3)
+        self.config = config
         if self.config.explicit_sum:
             nn.init.zeros_(self.head.weight)
             nn.init.zeros_(self.head.bias)
@@ -94,8 +87,5 @@ class CompositionNetwork(nn.Module):
         encoded_sum = encode_radiance(explicit.float())
         if self.config.explicit_sum:
             channels.append(encoded_sum)
-        encoded_light = encode_light(light)
-        features = self.encoder(torch.cat(channels, 1))
-        x = decode_lit(self.decoder, features, encoded_light, self.modulations, self.bottleneck)
-        change = self.head(x)
+        change = self.lit(self.encoder(torch.cat(channels, 1)), light)
         return decode_radiance(encoded_sum + change if self.config.explicit_sum else torch.relu(change))

@@ -7,8 +7,7 @@ from dataclasses import dataclass
 import torch
 from torch import nn
 
-from relight_core.networks.blocks import Encoder, Head, decoder_levels, level_widths
-from relight_core.networks.lfm import BottleneckLight, LightModulation, decode_lit, encode_light
+from relight_core.networks.lit import LitNetwork
 
 _SMALL_LOGIT = -3.0
 """Where additive maps begin: near zero after softplus, which is what most of their pixels are."""
@@ -67,19 +66,13 @@ class Occlusion:
     gloss: torch.Tensor
 
 
-class SpecularShadowNetwork(nn.Module):
+class SpecularShadowNetwork(LitNetwork):
     """Encoder on what the surface is, decoder modulated by the light after every upsampling (LFM)."""
 
     def __init__(self, config: SpecularShadowConfig | None = None):
-        super().__init__()
-        self.config = config or SpecularShadowConfig()
-        widths = level_widths(self.config.width, self.config.levels, widest=128)
-        self.encoder = Encoder(self.config.inputs, widths)
-        self.decoder = decoder_levels(widths)
-        lit = widths[-2::-1] if self.config.modulated else []
-        self.modulations = nn.ModuleList(LightModulation(width) for width in lit)
-        self.bottleneck = None if self.config.modulated else BottleneckLight(widths[-1])
-        self.head = Head(widths[0], 2)
+        config = config or SpecularShadowConfig()
+        super().__init__(config, outputs=2)
+        self.config = config
         if self.config.additive:
             nn.init.constant_(self.head.bias, _SMALL_LOGIT)
 
@@ -104,9 +97,7 @@ class SpecularShadowNetwork(nn.Module):
             begun: of `begin`; `hints` are then only those that it has not seen, and `normal` is not read.
         """
         x = normal if hints is None else hints if begun is not None else torch.cat([normal, hints], 1)
-        encoded_light = encode_light(light)
-        x = decode_lit(self.decoder, self.encoder(x, begun), encoded_light, self.modulations, self.bottleneck)
-        shadow, gloss = self.head(x).split(1, 1)
+        shadow, gloss = self.lit(self.encoder(x, begun), light).split(1, 1)
         if self.config.relief_shadow and hints is not None:
             shadow = shadow + torch.logit(hints[:, -1:].float().clamp(0.02, 0.98))
         return Occlusion(shadow, gloss)
