@@ -140,32 +140,35 @@ class EditorWindow:
     def frame(self) -> None:
         """Take over what the engine published, draw one frame, and tell the engine what is wanted.
 
+        A window that nobody can see draws none, and its light does not turn by itself; what was begun goes on.
         Where the driver fails, the window is opened again.
 
         Raises:
             GraphicsLostError: that did not help; unsaved work is kept.
         """
         try:
-            shown = self._show()
+            glfw.make_context_current(self.handle)
+            self._take_over()
+            if self._is_in_sight():
+                self._show()
+            self._graphics.check()
         except DRIVER_FAULTS as error:
             self._start_again(error)
         else:
-            if shown:
-                self._act()
+            self._act()
 
-    def _show(self) -> bool:
-        """Draw one frame; False while the window has no size."""
-        glfw.make_context_current(self.handle)
-        width, height = glfw.get_framebuffer_size(self.handle)
-        if width == 0 or height == 0:
-            return False
+    def _is_in_sight(self) -> bool:
+        """Whether there is anything of the window to draw on; minimised, some systems leave it no size."""
+        return 0 not in glfw.get_framebuffer_size(self.handle) and not glfw.get_window_attrib(
+            self.handle, glfw.ICONIFIED
+        )
+
+    def _show(self) -> None:
         self._draw()
         self._graphics.show()
         if self.pictures.draw_ahead():
             # The frame that shows it follows at once.
             glfw.post_empty_event()
-        self._graphics.check()
-        return True
 
     def settle(self, timeout_s: float = 60.0) -> bool:
         """Draw until the engine has answered all that is wanted; False if it took too long.
@@ -186,6 +189,7 @@ class EditorWindow:
         """(h, w, 3) uint8 sRGB of the whole window."""
         canvas = Canvas(self.context)
         canvas.fit(glfw.get_framebuffer_size(self.handle))
+        self._take_over()
         self._draw()
         canvas.framebuffer.clear(*theme.PANEL)
         self._graphics.painter.paint(self._graphics.binding.listed(), canvas.framebuffer)
@@ -308,18 +312,19 @@ class EditorWindow:
 
     def _wait(self) -> None:
         """Rest until something happens, but for what was heard and not yet told to the panels."""
-        binding = self._graphics.binding
-        if binding.has_more():
+        binding, in_sight = self._graphics.binding, self._is_in_sight()
+        if in_sight and binding.has_more():
             glfw.poll_events()
             return
-        reasons = self.state.playing, binding.wants_text(), self._deeds.waiting
+        reasons = in_sight and self.state.playing, in_sight and binding.wants_text(), self._deeds.waiting
         if self._rest.is_deep(*reasons):
             self._memory.keep(self.state, self._graphics.size)
             # Whatever was lost unnoticed meanwhile is mended by the next frame.
             self._graphics.painter.forget()
         self._rest.until_due(*reasons)
 
-    def _draw(self) -> None:
+    def _take_over(self) -> None:
+        """What the engine and the exporter have got done since."""
         state = self.state
         snapshot = self.engine.snapshot()
         is_new = snapshot is not state.snapshot
@@ -329,10 +334,13 @@ class EditorWindow:
         self.pictures.begin_frame(state.edit.exposure_ev, state.is_moving)
         if is_new:
             self.pictures.update(snapshot)
+            self._rest.stir()
         state.job = self.exporter.status()
-        binding = self._graphics.binding
+
+    def _draw(self) -> None:
+        state, binding = self.state, self._graphics.binding
         binding.begin()
-        if is_new or binding.heard():
+        if binding.heard():
             self._rest.stir()
         editor.draw(state, binding.fonts, self.pictures, Shelf(self.shelf.names, self.shelf.words))
         binding.end()

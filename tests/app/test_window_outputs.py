@@ -4,6 +4,7 @@ import glfw
 import numpy as np
 import pytest
 from PIL import Image
+from window_hand import minimise
 
 from relight_core.errors import InputError
 from relight_core.imaging.view_transform import apply_view
@@ -47,6 +48,13 @@ def test_an_export_right_after_a_change_is_the_changed_picture(busy, relighter, 
     assert yaw_deg == busy.window.state.edit.yaw_deg == 35.0
     assert picture.edit.yaw_deg == 35.0
     assert np.abs(pixels - apply_view(picture.relit.image)).max() < 0.6 / 255
+
+
+def test_an_export_is_made_of_a_window_that_was_minimised_meanwhile(busy, relighter, photo_path, monkeypatch):
+    press(busy, glfw.KEY_E)
+    minimise(monkeypatch)
+    finish(busy, relighter)
+    assert saved(photo_path.with_name("person-relit.png"))[1] == 35.0
 
 
 def test_another_photo_opened_meanwhile_does_not_get_into_the_export(busy, relighter, photo_path, tmp_path):

@@ -6,6 +6,7 @@ from types import SimpleNamespace
 import glfw
 import pytest
 from imgui_bundle import imgui
+from window_hand import minimise
 
 
 @pytest.fixture
@@ -89,3 +90,20 @@ def test_keys_reach_their_window_while_another_one_s_panels_live(request):
         assert opened.window._graphics.binding.has_more()
     finally:
         imgui.destroy_context(other)
+
+
+def test_a_rotation_that_plays_stands_still_in_a_minimised_window_which_sleeps(opened, rests, monkeypatch):
+    opened.window.state.playing = True
+    opened.frames(2)
+    yaw_deg = opened.window.state.edit.yaw_deg
+    assert yaw_deg != 0.0
+    minimise(monkeypatch)
+    opened.window.on_key(None, glfw.KEY_W, 0, glfw.PRESS, 0)
+    opened.window.run()
+    assert rests.waits[-1] == "asleep"
+    assert len(rests.waits) < 60
+    assert opened.window.state.edit.yaw_deg == yaw_deg
+    monkeypatch.undo()
+    opened.frames(2)
+    assert opened.window.state.edit.yaw_deg != yaw_deg
+    assert opened.window.state.look.compare == "wipe", "the key is told as soon as there is a panel to tell"
