@@ -55,6 +55,7 @@ class InterfacePainter:
         """
         self._follow_textures()
         sheets, size, scale = _read(data)
+        self._let_go_of_unseen(sheets)
         touched, self._ledger.touched = self._ledger.touched, {}
         rects = [(0, 0, *size)]
         if self._shown is not None and self._shown[1:] == (size, scale):
@@ -146,6 +147,13 @@ class InterfacePainter:
         if texture is None:
             texture = self._others[number] = self._context.external_texture(number, (1, 1), 4, 0, "f1")
         return texture
+
+    def _let_go_of_unseen(self, sheets: tuple[Sheet, ...]) -> None:
+        """Keep no wrapper of a texture the frame does not show: each new size of the viewport has a new number."""
+        seen = {piece.texture for sheet in sheets for piece in sheet.pieces}
+        for number in self._others.keys() - seen:
+            # Of a texture that is not its own, this frees the wrapper alone.
+            self._others.pop(number).release()
 
     def _follow_textures(self) -> None:
         """Make, mend and free the textures of Dear ImGui itself: its letters."""

@@ -1,5 +1,7 @@
 """The panels' triangles on the screen: colours, clipping, textures, and more of them than there was room for."""
 
+import gc
+
 import moderngl
 import numpy as np
 import pytest
@@ -92,3 +94,17 @@ def test_letters_of_a_new_size_are_drawn(painted):
 def test_text_goes_to_the_clipboard_and_back(hand):
     imgui.set_clipboard_text("größer")
     assert imgui.get_clipboard_text() == "größer"
+
+
+def test_textures_that_are_no_longer_shown_leave_nothing_behind(opened):
+    context, counts = opened.window.context, []
+    for side in range(5, 45):
+        texture = context.texture((side, side), 4)
+        opened.window._graphics.binding.begin()
+        number = imgui.ImTextureRef(texture.glo)
+        imgui.get_foreground_draw_list().add_image(number, (0.0, 0.0), (50.0, 50.0))
+        opened.window._graphics.binding.end()
+        opened.window._graphics.show()
+        counts.append(sum(type(thing) is moderngl.Texture for thing in gc.get_objects()))
+        texture.release()
+    assert counts[-1] - counts[1] < 5
