@@ -132,7 +132,9 @@ def _trained(kind: type[Step], stage, bundle, batches_from, budget, checkpoint, 
     optimiser = Optimiser(bundle, budget.learning_rate)
     table, average = ReflectionTable().to(device), AveragedWeights(bundle)
     saved_state = state_path(checkpoint)
-    progress = load_state(saved_state, bundle, average.state, optimiser) if saved_state.exists() else Progress()
+    progress = Progress()
+    if saved_state.exists():
+        progress = load_state(saved_state, stage.name, bundle, average.state, optimiser)
     batches = _prepared(stage, bundle, table, batches_from(progress.step), device)
     step = kind(stage, bundle, table, optimiser, device)
     started, saved, batch = time.monotonic() - progress.seconds, time.monotonic(), None
@@ -150,7 +152,7 @@ def _trained(kind: type[Step], stage, bundle, batches_from, budget, checkpoint, 
         if time.monotonic() - saved > budget.checkpoint_seconds:
             saved = time.monotonic()
             # The state first: weights without a state beside them are those of a run that has ended.
-            save_state(saved_state, progress, bundle, average.state, optimiser)
+            save_state(saved_state, stage.name, progress, bundle, average.state, optimiser)
             with torch.random.fork_rng():  # The next step must not depend on when the clock asks for a checkpoint.
                 _save(checkpoint, average.bundle(bundle), batch)
     return _ended(checkpoint, average.bundle(bundle), progress, batch)

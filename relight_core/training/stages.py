@@ -44,6 +44,7 @@ class Stage:
     """One stage.
 
     Attributes:
+        name: by which a run that goes on knows it again.
         trains: names of the networks it changes.
         losses: (bundle, reflection table, batch of pairs) -> loss terms.
         photographs, relief_shadow: what its samples need (see `dataset.stream.SampleStream`).
@@ -56,6 +57,7 @@ class Stage:
             nothing that the stage changes and carries no gradient, so it is done ahead of the step.
     """
 
+    name: str
     trains: tuple[str, ...]
     losses: Callable[[NetworkBundle, ReflectionTable, Batch], Losses]
     photographs: bool
@@ -159,13 +161,14 @@ def _outline(bundle: NetworkBundle, table: ReflectionTable, batch: Batch) -> Los
     return outline_losses(bundle.person, batch)
 
 
-STAGES = {
-    "warm-delight": Stage(("delight",), _warm_delight, True, False, 1.5e-3, recordable=True),
-    "warm-specular-shadow": Stage(("specular_shadow",), _warm_specular_shadow, False, True, 2e-3),
-    "warm-composition": Stage(("composition",), _warm_composition, False, False, 2e-3),
-    "warm-relight": Stage(("specular_shadow", "composition"), _warm_relight, False, True, 2e-3),
-    "tune-delight": Stage(("delight",), _tune_delight, True, True, 2e-4, settled=True, recordable=True),
-    "tune-delight-strongly": Stage(
+_STAGES = (
+    Stage("warm-delight", ("delight",), _warm_delight, True, False, 1.5e-3, recordable=True),
+    Stage("warm-specular-shadow", ("specular_shadow",), _warm_specular_shadow, False, True, 2e-3),
+    Stage("warm-composition", ("composition",), _warm_composition, False, False, 2e-3),
+    Stage("warm-relight", ("specular_shadow", "composition"), _warm_relight, False, True, 2e-3),
+    Stage("tune-delight", ("delight",), _tune_delight, True, True, 2e-4, settled=True, recordable=True),
+    Stage(
+        "tune-delight-strongly",
         ("delight",),
         partial(_tune_delight, relit_weight=3.0),
         True,
@@ -174,15 +177,24 @@ STAGES = {
         settled=True,
         recordable=True,
     ),
-    "tune-relight": Stage(
-        ("specular_shadow", "composition"), _tune_relight, True, False, 1e-3, settled=True, prepare=on_predicted_surface
+    Stage(
+        "tune-relight",
+        ("specular_shadow", "composition"),
+        _tune_relight,
+        True,
+        False,
+        1e-3,
+        settled=True,
+        prepare=on_predicted_surface,
     ),
-    "tune-on-predictions": Stage(
-        ("specular_shadow", "composition"), _tune_on_predictions, True, True, 2e-4, settled=True
+    Stage(
+        "tune-on-predictions", ("specular_shadow", "composition"), _tune_on_predictions, True, True, 2e-4, settled=True
     ),
-    "distil-relight": Stage(("narrow",), distillation_losses, True, False, 1e-3, distilled=True),
-    "outline": Stage(("person",), _outline, True, False, 1.5e-3, outlines=True),
-}
+    Stage("distil-relight", ("narrow",), distillation_losses, True, False, 1e-3, distilled=True),
+    Stage("outline", ("person",), _outline, True, False, 1.5e-3, outlines=True),
+)
+
+STAGES = {stage.name: stage for stage in _STAGES}
 """By name, in the order they are run. "warm-relight" does the second and third warm-up in one pass over
 the data, which is what a CPU has time for; "tune-on-predictions" is the paper's form of "tune-relight", and
 "tune-delight" that of "tune-delight-strongly", in which the relit picture counts three times."""

@@ -15,7 +15,7 @@ from relight_core.errors import InputError
 from relight_core.imaging.files import check_regular, whole_file
 from relight_core.training.optimiser import Optimiser
 
-_FORMAT = "relight-training-2"
+_FORMAT = "relight-training-3"
 
 
 @dataclass
@@ -48,9 +48,17 @@ class Progress:
 
 
 def save_state(
-    path: Path, progress: Progress, weights: nn.Module, average: dict[str, torch.Tensor], optimiser: Optimiser
+    path: Path,
+    stage: str,
+    progress: Progress,
+    weights: nn.Module,
+    average: dict[str, torch.Tensor],
+    optimiser: Optimiser,
 ) -> None:
     """Write everything a run's next step depends on, whole or not at all.
+
+    Args:
+        stage: the name of what is run.
 
     Raises:
         ValueError: a weight or its running average is not finite; the file stays as it was.
@@ -66,11 +74,13 @@ def save_state(
         tensors["random_on_gpu"] = torch.cuda.get_rng_state()
     tensors = {name: value.detach().cpu().contiguous().clone() for name, value in tensors.items()}
     with whole_file(path) as beside:
-        header = {"format": _FORMAT, "progress": json.dumps(progress.__dict__)}
+        header = {"format": _FORMAT, "stage": stage, "progress": json.dumps(progress.__dict__)}
         beside.write_bytes(save(tensors, metadata=header))
 
 
-def load_state(path: Path, weights: nn.Module, average: dict[str, torch.Tensor], optimiser: Optimiser) -> Progress:
+def load_state(
+    path: Path, stage: str, weights: nn.Module, average: dict[str, torch.Tensor], optimiser: Optimiser
+) -> Progress:
     """Read what `save_state` wrote into the run's own objects.
 
     Raises:
@@ -82,6 +92,8 @@ def load_state(path: Path, weights: nn.Module, average: dict[str, torch.Tensor],
             header = file.metadata() or {}
             if header.get("format") != _FORMAT:
                 raise InputError(f"{path}: not the state of a training run; delete it to start again")
+            if header["stage"] != stage:
+                raise InputError(f"{path}: a run of {header['stage']} and not of {stage}; delete it to start again")
             tensors = {name: file.get_tensor(name) for name in file.keys()}  # noqa: SIM118
         progress = Progress(**json.loads(header["progress"]))
         weights.load_state_dict(_below("weights.", tensors))

@@ -193,12 +193,13 @@ def test_a_stage_in_which_one_of_its_networks_has_nothing_to_learn_goes_on_too(t
     assert not loop.state_path(path).exists()
 
 
-def test_a_state_of_something_else_is_refused(tmp_path):
+@pytest.mark.parametrize("other", ["warm-relight", "tune-delight"])
+def test_a_state_of_something_else_is_refused(other, tmp_path):
     path = tmp_path / "w.safetensors"
     with pytest.raises(Killed):
         run(STAGES["warm-delight"], batches_until(True, 4), budget(9, checkpoint_seconds=0), path)
     with pytest.raises(InputError, match="state"):
-        run(STAGES["warm-relight"], itertools.repeat(some_batch()), budget(9), path)
+        run(STAGES[other], itertools.repeat(some_batch()), budget(9), path)
 
 
 def test_skipped_batches_are_counted(tmp_path):

@@ -109,7 +109,7 @@ def _image_loss(estimate: torch.Tensor, truth: torch.Tensor, covered: torch.Tens
     return encoded + masked_l1(srgb_encode(estimate.clamp(0, 1)), srgb_encode(truth.clamp(0, 1)), covered)
 
 
-SUN_STAGE = Stage(("network",), sun_losses, True, False, LEARNING_RATE)
+SUN_STAGE = Stage("sun", ("network",), sun_losses, True, False, LEARNING_RATE)
 
 
 def train_sun(
