@@ -14,6 +14,7 @@ from relight_core.imaging.formats import decode, exr
 from relight_core.imaging.formats.camera_raw import RAW_HEADS
 from relight_core.imaging.formats.icc import MatrixProfile, matrix_profile
 from relight_core.imaging.formats.library_profiles import convert_8_bit
+from relight_core.imaging.formats.radiance import decode_radiance_hdr
 from relight_core.imaging.in_order import in_order
 from relight_core.imaging.photo import Photo
 
@@ -91,7 +92,7 @@ def _is_radiance(head: bytes) -> bool:
 def _decode_radiance(head: bytes, path: Path) -> tuple[np.ndarray, np.ndarray | None]:
     if head.startswith(exr.MAGIC):
         return exr.read_exr(path)
-    return decode.decode_radiance_hdr(file_bytes(path), path), None
+    return decode_radiance_hdr(file_bytes(path), path), None
 
 
 def _kept_profile(raster: decode.Raster) -> bytes | None:

@@ -27,7 +27,6 @@ from relight_core.imaging.formats.tiff_exif import exif_of_tiff
 from relight_core.imaging.formats.tiff_pages import starting_with_photo
 
 _FORMATS = ("JPEG", "PNG", "TIFF", "WEBP", "BMP", "GIF", "AVIF")
-_BLOCK_ROWS = 256
 _GREYS = ("1", "L", "LA", "La")
 _BY_LIBRARY = ("CMYK", "LAB")
 _PNG_PLAIN_GREY, _PNG_GREYS = 0, (0, 4)
@@ -82,25 +81,6 @@ def _decode_by_pillow(data: bytes, path: Path) -> Raster:
         return replace(_from_pillow(image, icc), exif=carried_exif(image, data))
     except Exception:
         raise InputError(f"{path}: a damaged image; fetch or export it again") from None
-
-
-def decode_radiance_hdr(data: bytes, path: Path) -> np.ndarray:
-    """Radiance .hdr to (H, W, 3) float32 linear.
-
-    Raises:
-        InputError: damaged or too large.
-    """
-    header = data[:65536].decode("latin-1").partition("\n\n")[2].split("\n", 1)[0].split()
-    if len(header) != 4 or not all(side.isdecimal() and len(side) < 10 for side in header[1::2]):
-        raise InputError(f"{path}: not a complete Radiance file; export it again")
-    check_pixels(int(header[3]), int(header[1]), path)
-    bgr = decoded_by_opencv(data)
-    if bgr is None or bgr.dtype != np.float32:
-        raise InputError(f"{path}: not a complete Radiance file; export it again")
-    for start in range(0, len(bgr), _BLOCK_ROWS):
-        rows = bgr[start : start + _BLOCK_ROWS]
-        rows[:] = rows[..., ::-1].copy()
-    return bgr
 
 
 def _open_with_pillow(data: bytes, path: Path) -> Image.Image:
