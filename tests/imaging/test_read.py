@@ -218,6 +218,12 @@ def test_exr_of_one_channel_or_one_layer(tmp_path):
     np.testing.assert_array_equal(read_radiance(grey), np.full((2, 4, 3), 3.0))
     layer = write_exr(tmp_path / "l.exr", {"beauty": np.full((2, 4, 3), 2.0, np.float32)})
     np.testing.assert_array_equal(read_radiance(layer), np.full((2, 4, 3), 2.0))
+
+
+def test_exr_of_a_renderer_is_its_picture_and_not_the_pass_that_comes_before_it(tmp_path):
+    passes = {"ViewLayer.AO": 1.0, "ViewLayer.Combined": 2.0, "ViewLayer.Denoised": 3.0}
+    layers = {name: np.full((2, 4, 3), value, np.float32) for name, value in passes.items()}
+    np.testing.assert_array_equal(read_radiance(write_exr(tmp_path / "p.exr", layers)), np.full((2, 4, 3), 2.0))
     depth = write_exr(tmp_path / "z.exr", {"Z": np.ones((2, 4), np.float32)})
     with pytest.raises(InputError, match="z.exr"):
         read_radiance(depth)

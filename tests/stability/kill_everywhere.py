@@ -134,13 +134,13 @@ def _training_state() -> Kind:
 
     from relight_core.training.state import Progress, load_state, save_state
 
-    def holds(folder: Path) -> bool:
-        return load_state(folder / "run.safetensors", *training()).step == 75
+    def write(folder: Path, new: bool) -> None:
+        save_state(folder / "run.safetensors", "outline", Progress(step=int(100 * _value(new))), *training())
 
-    return Kind(
-        lambda folder, new: save_state(folder / "run.safetensors", Progress(step=int(100 * _value(new))), *training()),
-        holds,
-    )
+    def holds(folder: Path) -> bool:
+        return load_state(folder / "run.safetensors", "outline", *training()).step == 75
+
+    return Kind(write, holds)
 
 
 def _batch() -> Kind:

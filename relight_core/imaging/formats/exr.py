@@ -35,6 +35,9 @@ _LARGEST_SPARE_TILE = 1024
 _BYTES_PER_PIXEL = 18
 """Colour and alpha as float32, and what one block of rows takes."""
 
+_PICTURE_LAYERS = ("combined", "composite", "beauty", "rgba", "rgb")
+"""What renderers call the picture itself among their passes, which may come before it by name."""
+
 _STREAMS = threading.RLock()
 """Whoever redirects the process's streams: two at a time would put back what the other had put in their place."""
 
@@ -46,9 +49,10 @@ _DAMAGE = (RuntimeError, ValueError, TypeError, IndexError, KeyError, AttributeE
 def read_exr(path: Path) -> tuple[np.ndarray, np.ndarray | None]:
     """The colour of an EXR file as it is stored: values are not cleaned, alpha stays multiplied in.
 
-    Reads R, G, B (or Y, or the first layer that has colour) over the display window; what lies outside
-    the data window is 0. Other primaries are converted to Rec.709. Rows are read some hundred at a time,
-    and only the channels that are wanted: memory holds the result and little more.
+    Reads R, G, B (or Y, or of the layers that have colour the one named as the picture, else the first) over
+    the display window; what lies outside the data window is 0. Other primaries are converted to Rec.709.
+    Rows are read some hundred at a time, and only the channels that are wanted: memory holds the result and
+    little more.
 
     Returns:
         (H, W, 3) float32 linear, and (H, W) float32 alpha or None.
@@ -61,7 +65,7 @@ def read_exr(path: Path) -> tuple[np.ndarray, np.ndarray | None]:
         sampling = {channel.name: (channel.xSampling, channel.ySampling) for channel in header["channels"]}
         names = _colour_names(sampling)
         if names is None:
-            raise InputError(f"{path}: no channels R, G, B or Y in it; export it with colour")
+            raise InputError(f"{path}: no channels R, G, B or Y in its first part; export it with colour there")
         if any(sampling[name] != (1, 1) for name in names):
             raise InputError(f"{path}: its colour channels differ in size; export it as RGB")
         alpha_name = names[0].rpartition(".")[0] + "." + "A" if "." in names[0] else "A"
@@ -217,7 +221,9 @@ def _check_tiles(tiles: object, width: int, height: int, path: Path) -> None:
 
 
 def _colour_names(channels: Collection[str]) -> tuple[str, str, str] | None:
-    prefixes = [""] + sorted({name.rpartition(".")[0] + "." for name in channels if "." in name})
+    layers = {name.rpartition(".")[0] for name in channels if "." in name}
+    of_picture = {layer for layer in layers if layer.rpartition(".")[2].lower() in _PICTURE_LAYERS}
+    prefixes = ["", *(layer + "." for layer in [*sorted(of_picture), *sorted(layers - of_picture)])]
     for prefix in prefixes:
         if all(prefix + letter in channels for letter in "RGB"):
             return prefix + "R", prefix + "G", prefix + "B"
