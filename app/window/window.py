@@ -94,7 +94,6 @@ class EditorWindow:
         )
         self._submitted = Request()
         self._rest = Rest()
-        self._title = ""
 
     @property
     def handle(self) -> object:
@@ -158,10 +157,7 @@ class EditorWindow:
             self._act()
 
     def _is_in_sight(self) -> bool:
-        """Whether there is anything of the window to draw on; minimised, some systems leave it no size."""
-        return 0 not in glfw.get_framebuffer_size(self.handle) and not glfw.get_window_attrib(
-            self.handle, glfw.ICONIFIED
-        )
+        return not self._is_minimised and 0 not in glfw.get_framebuffer_size(self.handle)
 
     def _show(self) -> None:
         self._draw()
@@ -248,6 +244,10 @@ class EditorWindow:
         """What the window showed has to be drawn again, as after another window lay over it."""
         self._graphics.painter.forget()
 
+    def on_minimise(self, _handle, is_minimised: bool) -> None:
+        """The window was minimised or came back."""
+        self._is_minimised = bool(is_minimised)
+
     def on_drop(self, _handle, paths: list[str], position: tuple[float, float] | None = None) -> None:
         """Files were dropped, where the mouse is unless `position` says otherwise."""
         x, y = position or glfw.get_cursor_pos(self.handle)
@@ -265,13 +265,14 @@ class EditorWindow:
         glfw.set_window_focus_callback(handle, self.on_focus)
         glfw.set_window_content_scale_callback(handle, self.on_scale)
         glfw.set_window_refresh_callback(handle, self.on_refresh)
+        glfw.set_window_iconify_callback(handle, self.on_minimise)
         glfw.set_drop_callback(handle, self.on_drop)
 
     def _open_graphics(self, size: tuple[int, int]) -> None:
         graphics = Graphics(size, self._visible, self.shelf)
         with self._graphics_lock:
             self._graphics = graphics
-        self._title = ""
+        self._title, self._is_minimised = "", False
         self._listen()
 
     def _close_graphics(self) -> None:
@@ -312,11 +313,11 @@ class EditorWindow:
 
     def _wait(self) -> None:
         """Rest until something happens, but for what was heard and not yet told to the panels."""
-        binding, in_sight = self._graphics.binding, self._is_in_sight()
-        if in_sight and binding.has_more():
+        binding, has_panels = self._graphics.binding, not self._is_minimised
+        if has_panels and binding.has_more():
             glfw.poll_events()
             return
-        reasons = in_sight and self.state.playing, in_sight and binding.wants_text(), self._deeds.waiting
+        reasons = has_panels and self.state.playing, has_panels and binding.wants_text(), self._deeds.waiting
         if self._rest.is_deep(*reasons):
             self._memory.keep(self.state, self._graphics.size)
             # Whatever was lost unnoticed meanwhile is mended by the next frame.

@@ -52,9 +52,7 @@ class CompositionNetwork(LitNetwork):
     """Encoder-decoder with LFM after every upsampling layer."""
 
     def __init__(self, config: CompositionConfig | None = None):
-        config = config or CompositionConfig()
-        super().__init__(config, outputs=3)
-        self.config = config
+        super().__init__(config or CompositionConfig(), outputs=3)
         if self.config.explicit_sum:
             nn.init.zeros_(self.head.weight)
             nn.init.zeros_(self.head.bias)

@@ -36,6 +36,7 @@ class LitNetwork(nn.Module):
 
     def __init__(self, config: LitConfig, outputs: int):
         super().__init__()
+        self.config = config
         widths = level_widths(config.width, config.levels, widest=128)
         self.encoder = Encoder(config.inputs, widths)
         self.decoder = decoder_levels(widths)

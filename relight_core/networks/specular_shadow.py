@@ -70,9 +70,7 @@ class SpecularShadowNetwork(LitNetwork):
     """Encoder on what the surface is, decoder modulated by the light after every upsampling (LFM)."""
 
     def __init__(self, config: SpecularShadowConfig | None = None):
-        config = config or SpecularShadowConfig()
-        super().__init__(config, outputs=2)
-        self.config = config
+        super().__init__(config or SpecularShadowConfig(), outputs=2)
         if self.config.additive:
             nn.init.constant_(self.head.bias, _SMALL_LOGIT)
 

@@ -4,7 +4,6 @@ import glfw
 import numpy as np
 import pytest
 from PIL import Image
-from window_hand import minimise
 
 from relight_core.errors import InputError
 from relight_core.imaging.view_transform import apply_view
@@ -50,9 +49,9 @@ def test_an_export_right_after_a_change_is_the_changed_picture(busy, relighter, 
     assert np.abs(pixels - apply_view(picture.relit.image)).max() < 0.6 / 255
 
 
-def test_an_export_is_made_of_a_window_that_was_minimised_meanwhile(busy, relighter, photo_path, monkeypatch):
+def test_an_export_is_made_of_a_window_that_was_minimised_meanwhile(busy, relighter, photo_path):
     press(busy, glfw.KEY_E)
-    minimise(monkeypatch)
+    busy.window.on_minimise(None, True)
     finish(busy, relighter)
     assert saved(photo_path.with_name("person-relit.png"))[1] == 35.0
 

@@ -6,7 +6,6 @@ from types import SimpleNamespace
 import glfw
 import pytest
 from imgui_bundle import imgui
-from window_hand import minimise
 
 
 @pytest.fixture
@@ -92,18 +91,18 @@ def test_keys_reach_their_window_while_another_one_s_panels_live(request):
         imgui.destroy_context(other)
 
 
-def test_a_rotation_that_plays_stands_still_in_a_minimised_window_which_sleeps(opened, rests, monkeypatch):
+def test_a_rotation_that_plays_stands_still_in_a_minimised_window_which_sleeps(opened, rests):
     opened.window.state.playing = True
     opened.frames(2)
     yaw_deg = opened.window.state.edit.yaw_deg
     assert yaw_deg != 0.0
-    minimise(monkeypatch)
+    opened.window.on_minimise(None, True)
     opened.window.on_key(None, glfw.KEY_W, 0, glfw.PRESS, 0)
     opened.window.run()
     assert rests.waits[-1] == "asleep"
     assert len(rests.waits) < 60
     assert opened.window.state.edit.yaw_deg == yaw_deg
-    monkeypatch.undo()
+    opened.window.on_minimise(None, False)
     opened.frames(2)
     assert opened.window.state.edit.yaw_deg != yaw_deg
     assert opened.window.state.look.compare == "wipe", "the key is told as soon as there is a panel to tell"

@@ -22,12 +22,6 @@ WIDTH, HEIGHT = 1024, 700
 """Of the window, in pixels."""
 
 
-def minimise(monkeypatch):
-    """Every window is minimised, as far as it can tell, until the patch is undone."""
-    told = glfw.get_window_attrib
-    monkeypatch.setattr(glfw, "get_window_attrib", lambda window, which: which == glfw.ICONIFIED or told(window, which))
-
-
 class Hand:
     def __init__(self, window, size):
         self.window = window

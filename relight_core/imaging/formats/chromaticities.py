@@ -30,6 +30,16 @@ def rgb_to_xyz(chromaticities: np.ndarray) -> np.ndarray:
     return xyz[:3].T * np.linalg.solve(xyz[:3].T, xyz[3])
 
 
+def to_rec709(to_xyz: np.ndarray) -> np.ndarray:
+    """(3, 3) from a space to linear Rec.709, its white to the white of that.
+
+    Args:
+        to_xyz: (3, 3) from the space to XYZ.
+    """
+    target = rgb_to_xyz(REC709)
+    return np.linalg.solve(target, adaptation(to_xyz.sum(axis=1), target.sum(axis=1)) @ to_xyz)
+
+
 def adaptation(white: np.ndarray, target: np.ndarray) -> np.ndarray:
     """(3, 3) XYZ under one white to XYZ under another, by Bradford's cones."""
     cone = np.array([[0.8951, 0.2664, -0.1614], [-0.7502, 1.7135, 0.0367], [0.0389, -0.0685, 1.0296]])

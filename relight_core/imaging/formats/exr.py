@@ -17,7 +17,7 @@ import OpenEXR
 
 from relight_core.errors import InputError
 from relight_core.imaging.files import check_regular, is_legible
-from relight_core.imaging.formats.chromaticities import REC709, adaptation, is_rec709, rgb_to_xyz
+from relight_core.imaging.formats.chromaticities import is_rec709, rgb_to_xyz, to_rec709
 from relight_core.imaging.formats.limits import MAX_PIXELS, check_pixels
 from relight_core.imaging.in_order import WORKERS
 
@@ -258,8 +258,7 @@ def _to_rec709(colour: np.ndarray, header: dict) -> np.ndarray:
     if chromaticities.shape != (8,) or is_rec709(chromaticities):
         return colour
     try:
-        source, target = rgb_to_xyz(chromaticities), rgb_to_xyz(REC709)
-        matrix = np.linalg.solve(target, adaptation(source.sum(axis=1), target.sum(axis=1)) @ source)
+        matrix = to_rec709(rgb_to_xyz(chromaticities))
     except np.linalg.LinAlgError:
         return colour
     return colour @ matrix.T.astype(np.float32) if np.isfinite(matrix).all() else colour

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from relight_core.errors import InputError
-from relight_core.imaging.formats.chromaticities import REC709, adaptation, rgb_to_xyz
+from relight_core.imaging.formats.chromaticities import to_rec709
 from relight_core.imaging.formats.limits import check_pixels
 from relight_core.imaging.formats.opencv_decoding import decoded_by_opencv
 
@@ -48,10 +48,11 @@ def decode_radiance_hdr(data: bytes, path: Path) -> np.ndarray:
     bgr = decoded_by_opencv(b"".join([b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n", size, pixels]))
     if bgr is None or bgr.dtype != np.float32:
         raise _incomplete(path)
-    matrix = _xyz_to_rec709() if layout.is_xyz else None
+    # XYZ of Radiance has a white of 1, 1, 1.
+    matrix = to_rec709(np.eye(3)).T.astype(np.float32) if layout.is_xyz else None
     for start in range(0, len(bgr), _BLOCK_ROWS):
         rows = bgr[start : start + _BLOCK_ROWS]
-        rows[:] = rows[..., ::-1].copy() if matrix is None else rows[..., ::-1] @ matrix.T
+        rows[:] = rows[..., ::-1].copy() if matrix is None else rows[..., ::-1] @ matrix
     return _upright(bgr, layout)
 
 
@@ -97,12 +98,6 @@ def _unpacked(pixels: memoryview, count: int, path: Path) -> memoryview:
 def _upright(picture: np.ndarray, layout: _Layout) -> np.ndarray:
     picture = picture[:: -1 if layout.lines_reversed else 1, :: -1 if layout.length_reversed else 1]
     return np.ascontiguousarray(picture.swapaxes(0, 1) if layout.upended else picture)
-
-
-def _xyz_to_rec709() -> np.ndarray:
-    """(3, 3) from XYZ whose white is 1, 1, 1, as Radiance has it, to linear Rec.709, white to white."""
-    target = rgb_to_xyz(REC709)
-    return np.linalg.solve(target, adaptation(np.ones(3), target.sum(axis=1))).astype(np.float32)
 
 
 def _incomplete(path: Path) -> InputError:
