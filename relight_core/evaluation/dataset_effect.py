@@ -131,8 +131,10 @@ def taught(heads: Path, lights: Path, lesson: Lesson, checkpoint: Path, report, 
 
     budget = Budget(lesson.learning_rate, steps=lesson.steps, warm_up_steps=min(100, max(1, lesson.steps // 6)))
     stage = STAGES["warm-delight"]
+    drawn_by = {"size": lesson.size, "pairs": lesson.pairs, "seed": lesson.seed}
+    bundle = NetworkBundle(config)
     with denormals_flushed():
-        return train_stage(stage, NetworkBundle(config), batches_from, budget, checkpoint, report).eval()
+        return train_stage(stage, bundle, batches_from, budget, checkpoint, report, drawn_by=drawn_by).eval()
 
 
 def compare_photos(pupils: dict[str, NetworkBundle], paths: list[Path], size: int) -> Comparison:

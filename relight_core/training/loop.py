@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import math
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass
 from pathlib import Path
@@ -103,6 +103,7 @@ def train_stage(
     checkpoint: Path,
     report: Callable[[float, Progress], None],
     device: str = "cpu",
+    drawn_by: Mapping[str, int] | None = None,
 ) -> NetworkBundle:
     """Train one stage until its budget is spent; goes on where a run with this checkpoint stopped.
 
@@ -113,6 +114,7 @@ def train_stage(
         batches_from: gives the batches from a number on.
         checkpoint: where the averaged weights go. The run's whole state lies beside them until it ends.
         report: called every 50 steps with the fraction of the budget spent and the progress.
+        drawn_by: what decides which batches come, by name; a run that goes on has to be given the same.
 
     Returns:
         The averaged weights, also saved at `checkpoint` (fp32) with a log beside it.
@@ -125,16 +127,18 @@ def train_stage(
     recorded = device == "cuda" and stage.recordable
     with _stream_of_its_own() if recorded else nullcontext():
         kind = RecordedStep if recorded else Step
-        return _trained(kind, stage, bundle, batches_from, budget, checkpoint, report, device)
+        return _trained(kind, stage, bundle, batches_from, budget, checkpoint, report, device, drawn_by or {})
 
 
-def _trained(kind: type[Step], stage, bundle, batches_from, budget, checkpoint, report, device) -> NetworkBundle:
+def _trained(
+    kind: type[Step], stage, bundle, batches_from, budget, checkpoint, report, device, drawn_by
+) -> NetworkBundle:
     optimiser = Optimiser(bundle, budget.learning_rate)
     table, average = ReflectionTable().to(device), AveragedWeights(bundle)
-    saved_state = state_path(checkpoint)
+    saved_state, settings = state_path(checkpoint), {"stage": stage.name, **drawn_by}
     progress = Progress()
     if saved_state.exists():
-        progress = load_state(saved_state, stage.name, bundle, average.state, optimiser)
+        progress = load_state(saved_state, settings, bundle, average.state, optimiser)
     batches = _prepared(stage, bundle, table, batches_from(progress.step), device)
     step = kind(stage, bundle, table, optimiser, device)
     started, saved, batch = time.monotonic() - progress.seconds, time.monotonic(), None
@@ -152,7 +156,7 @@ def _trained(kind: type[Step], stage, bundle, batches_from, budget, checkpoint, 
         if time.monotonic() - saved > budget.checkpoint_seconds:
             saved = time.monotonic()
             # The state first: weights without a state beside them are those of a run that has ended.
-            save_state(saved_state, stage.name, progress, bundle, average.state, optimiser)
+            save_state(saved_state, settings, progress, bundle, average.state, optimiser)
             with torch.random.fork_rng():  # The next step must not depend on when the clock asks for a checkpoint.
                 _save(checkpoint, average.bundle(bundle), batch)
     return _ended(checkpoint, average.bundle(bundle), progress, batch)

@@ -15,7 +15,7 @@ from relight_core.errors import InputError
 from relight_core.imaging.files import check_regular, whole_file
 from relight_core.training.optimiser import Optimiser
 
-_FORMAT = "relight-training-3"
+_FORMATS, _FORMAT = "relight-training-", "relight-training-4"
 
 
 @dataclass
@@ -49,7 +49,7 @@ class Progress:
 
 def save_state(
     path: Path,
-    stage: str,
+    settings: dict[str, str | int],
     progress: Progress,
     weights: nn.Module,
     average: dict[str, torch.Tensor],
@@ -58,7 +58,7 @@ def save_state(
     """Write everything a run's next step depends on, whole or not at all.
 
     Args:
-        stage: the name of what is run.
+        settings: by name, what is learnt and from which batches: a run that goes on has to be given the same.
 
     Raises:
         ValueError: a weight or its running average is not finite; the file stays as it was.
@@ -74,26 +74,29 @@ def save_state(
         tensors["random_on_gpu"] = torch.cuda.get_rng_state()
     tensors = {name: value.detach().cpu().contiguous().clone() for name, value in tensors.items()}
     with whole_file(path) as beside:
-        header = {"format": _FORMAT, "stage": stage, "progress": json.dumps(progress.__dict__)}
+        header = {"format": _FORMAT, "settings": json.dumps(settings), "progress": json.dumps(progress.__dict__)}
         beside.write_bytes(save(tensors, metadata=header))
 
 
 def load_state(
-    path: Path, stage: str, weights: nn.Module, average: dict[str, torch.Tensor], optimiser: Optimiser
+    path: Path,
+    settings: dict[str, str | int],
+    weights: nn.Module,
+    average: dict[str, torch.Tensor],
+    optimiser: Optimiser,
 ) -> Progress:
     """Read what `save_state` wrote into the run's own objects.
 
     Raises:
-        InputError: the file is damaged, or belongs to networks of another shape or another stage.
+        InputError: the file is damaged, of an earlier version, or belongs to networks of another shape or to a run
+            with other settings.
     """
     try:
         check_regular(path)
         with safe_open(path, framework="pt") as file:
             header = file.metadata() or {}
-            if header.get("format") != _FORMAT:
-                raise InputError(f"{path}: not the state of a training run; delete it to start again")
-            if header["stage"] != stage:
-                raise InputError(f"{path}: a run of {header['stage']} and not of {stage}; delete it to start again")
+            _check_format(path, header.get("format", ""))
+            _check_settings(path, json.loads(header["settings"]), settings)
             tensors = {name: file.get_tensor(name) for name in file.keys()}  # noqa: SIM118
         progress = Progress(**json.loads(header["progress"]))
         weights.load_state_dict(_below("weights.", tensors))
@@ -108,6 +111,22 @@ def load_state(
             raise
         raise InputError(f"{path}: this state can't be gone on from ({error}); delete it to start again") from error
     return progress
+
+
+def _check_format(path: Path, found: str) -> None:
+    if found == _FORMAT:
+        return
+    what = "an earlier version's training run" if found.startswith(_FORMATS) else "not the state of a training run"
+    raise InputError(f"{path}: {what}; delete it to start again")
+
+
+def _check_settings(path: Path, begun_with: dict[str, str | int], given: dict[str, str | int]) -> None:
+    for name, value in given.items():
+        if begun_with[name] != value:
+            raise InputError(
+                f"{path}: its run began with {name} {begun_with[name]} and not {value}; "
+                "go on as it began, or delete it to start again"
+            )
 
 
 def _below(prefix: str, tensors: dict[str, torch.Tensor]) -> dict[str, torch.Tensor]:

@@ -131,11 +131,16 @@ def training() -> tuple:
 def _run(folder: Path) -> bytes:
     from relight_core.training.state import Progress, save_state
 
-    save_state(folder / "run.safetensors", "outline", Progress(step=3, smoothed={"l1": 0.5}), *training())
+    save_state(
+        folder / "run.safetensors",
+        {"stage": "outline", "size": 64},
+        Progress(step=3, smoothed={"l1": 0.5}),
+        *training(),
+    )
     return (folder / "run.safetensors").read_bytes()
 
 
 def _load_run(path: Path) -> object:
     from relight_core.training.state import load_state
 
-    return load_state(path, "outline", *training())
+    return load_state(path, {"stage": "outline", "size": 64}, *training())

@@ -135,10 +135,15 @@ def _training_state() -> Kind:
     from relight_core.training.state import Progress, load_state, save_state
 
     def write(folder: Path, new: bool) -> None:
-        save_state(folder / "run.safetensors", "outline", Progress(step=int(100 * _value(new))), *training())
+        save_state(
+            folder / "run.safetensors",
+            {"stage": "outline", "size": 64},
+            Progress(step=int(100 * _value(new))),
+            *training(),
+        )
 
     def holds(folder: Path) -> bool:
-        return load_state(folder / "run.safetensors", "outline", *training()).step == 75
+        return load_state(folder / "run.safetensors", {"stage": "outline", "size": 64}, *training()).step == 75
 
     return Kind(write, holds)
 

@@ -148,11 +148,11 @@ def test_a_training_run_never_writes_what_is_not_finite(tmp_path):
     weights = torch.nn.Linear(2, 2)
     average, optimiser = {"a": torch.ones(1)}, Optimiser(weights, 1e-3)
     path = tmp_path / "run.safetensors"
-    save_state(path, "warm-delight", Progress(step=1), weights, average, optimiser)
+    save_state(path, {"stage": "warm-delight"}, Progress(step=1), weights, average, optimiser)
     before = path.read_bytes()
     average["a"][0] = float("nan")
     with pytest.raises(ValueError, match="not finite"):
-        save_state(path, "warm-delight", Progress(step=2), weights, average, optimiser)
+        save_state(path, {"stage": "warm-delight"}, Progress(step=2), weights, average, optimiser)
     assert path.read_bytes() == before
     assert os.listdir(tmp_path) == ["run.safetensors"]
 

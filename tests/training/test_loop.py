@@ -7,6 +7,7 @@ from dataclasses import replace
 import cv2
 import numpy as np
 import pytest
+import safetensors.torch
 import torch
 from tiny_networks import tiny_bundle_with_person
 
@@ -64,9 +65,13 @@ def recorded(stage, totals):
     return replace(stage, losses=losses)
 
 
-def run(stage, batches, plan, path, bundle=None):
+def run(stage, batches, plan, path, bundle=None, drawn_by=None):
     bundle = bundle or NetworkBundle(BundleConfig.tiny())
-    return train_stage(stage, bundle, lambda first: itertools.islice(batches, first, None), plan, path, quiet)
+
+    def batches_from(first):
+        return itertools.islice(batches, first, None)
+
+    return train_stage(stage, bundle, batches_from, plan, path, quiet, drawn_by=drawn_by)
 
 
 def quiet(elapsed, progress):
@@ -200,6 +205,28 @@ def test_a_state_of_something_else_is_refused(other, tmp_path):
         run(STAGES["warm-delight"], batches_until(True, 4), budget(9, checkpoint_seconds=0), path)
     with pytest.raises(InputError, match="state"):
         run(STAGES[other], itertools.repeat(some_batch()), budget(9), path)
+
+
+def test_a_run_goes_on_with_the_batches_that_it_began_with_or_not_at_all(tmp_path):
+    path, stage = tmp_path / "w.safetensors", STAGES["warm-delight"]
+    with pytest.raises(Killed):
+        run(stage, batches_until(True, 4), budget(9, checkpoint_seconds=0), path, drawn_by={"size": 32, "seed": 7})
+    kept = loop.state_path(path).read_bytes()
+    with pytest.raises(InputError, match="began with seed 7 and not 8"):
+        run(stage, batches_until(False, 0), budget(9), path, drawn_by={"size": 32, "seed": 8})
+    assert loop.state_path(path).read_bytes() == kept
+    run(stage, batches_until(False, 0), budget(9), path, drawn_by={"size": 32, "seed": 7})
+    assert not loop.state_path(path).exists()
+
+
+@pytest.mark.parametrize(
+    ("found", "told"), [("relight-training-3", "an earlier version's training run"), ("x", "not the state of a")]
+)
+def test_a_state_that_is_not_ours_any_more_or_never_was_is_told_apart(found, told, tmp_path):
+    path = tmp_path / "w.safetensors"
+    safetensors.torch.save_file({"random": torch.zeros(1)}, loop.state_path(path), metadata={"format": found})
+    with pytest.raises(InputError, match=told):
+        run(STAGES["warm-delight"], itertools.repeat(some_batch()), budget(9), path)
 
 
 def test_skipped_batches_are_counted(tmp_path):

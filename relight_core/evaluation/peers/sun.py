@@ -36,7 +36,7 @@ from relight_core.networks.lfm import BottleneckLight, decode_lit, encode_light
 from relight_core.pipeline.results.channels import as_image
 from relight_core.training.loop import Budget, train_stage
 from relight_core.training.losses import irradiance_l1, masked_l1, wlog_l2
-from relight_core.training.run import Run, denormals_flushed, shared_batches
+from relight_core.training.run import Run, denormals_flushed, drawn_by, shared_batches
 from relight_core.training.stages import Stage
 
 LEARNING_RATE = 2e-3
@@ -139,6 +139,7 @@ def train_sun(
             run.checkpoint,
             lambda done, state: report(done, f"Sun et al. 2019, step {state.step}"),
             "cuda" if torch.cuda.is_available() else "cpu",
+            drawn_by(run) | {"batches": distinct},
         )
 
 
