@@ -59,12 +59,12 @@ class Outputs:
         self._when_finished = when_finished or (lambda task: task(state.snapshot.picture))
 
     def export(self, suffix: str) -> None:
-        """Save the picture as another or the same kind of file where the panel says, if there is one."""
+        """Save the picture as another or the same kind of file where the panel says now, if there is one."""
         if self._state.snapshot.picture is not None:
             settings, exposure_ev = replace(self._state.export, form=suffix), self._state.edit.exposure_ev
+            place = place_for(self._state, self._state.photo, suffix)
 
             def save(picture: Picture) -> None:
-                place = place_for(self._state, picture.opened.source, suffix)
                 self._exporter.submit(ExportJob(picture, exposure_ev, place, settings))
 
             self._when_finished(save)

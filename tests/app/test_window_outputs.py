@@ -56,6 +56,18 @@ def test_an_export_is_made_of_a_window_that_was_minimised_meanwhile(busy, religh
     assert saved(photo_path.with_name("person-relit.png"))[1] == 35.0
 
 
+def test_another_name_typed_meanwhile_is_that_of_the_next_export(busy, relighter, photo_path):
+    press(busy, glfw.KEY_E)
+    busy.frames(2)
+    busy.window.state.export_path = "second.png"
+    busy.window.on_wheel(None, 0.0, 1.0)
+    busy.frames(2)
+    press(busy, glfw.KEY_E)
+    finish(busy, relighter)
+    assert saved(photo_path.with_name("person-relit.png"))[1] == 35.0
+    assert saved(photo_path.with_name("second.png"))[1] == 40.0
+
+
 def test_another_photo_opened_meanwhile_does_not_get_into_the_export(busy, relighter, photo_path, tmp_path):
     other = tmp_path / "other.png"
     write_image(other, np.full((50, 40, 3), 0.2, np.float32))
