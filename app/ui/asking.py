@@ -73,11 +73,13 @@ class Asking:
         wishes: to be done after this frame.
         questions: open ones, oldest first.
         notices: lines to tell, with whether each is an error.
+        level: names the newest wish for a light's level that its picture has to tell and does not yet, if any.
     """
 
     wishes: list[Wish] = field(default_factory=list)
     questions: list[Question] = field(default_factory=list)
     notices: list[tuple[str, bool]] = field(default_factory=list)
+    level: object | None = None
 
     def wish(self, kind: str) -> None:
         """Ask the window to do something."""

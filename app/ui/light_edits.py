@@ -31,6 +31,20 @@ def match_face(state: EditorState, picture: Picture) -> None:
     state.light_edit = replace(state.light_edit, level_ev=round(level_ev, 2))
 
 
+def can_undo(state: EditorState) -> bool:
+    """Whether there is something that `undo` takes back."""
+    return state.asking.level is not None or state.history.can_undo
+
+
+def undo(state: EditorState) -> None:
+    """Take back what was asked for last: a level that its picture has yet to tell, else the last step."""
+    if state.asking.level is None:
+        state.restore(state.history.undo())
+        return
+    state.asking.level = None
+    state.asking.tell("The light's level stays as it is")
+
+
 def has_box(state: EditorState) -> bool:
     """Whether a soft box is selected."""
     return 0 <= state.selected_box < len(state.light_edit.boxes)

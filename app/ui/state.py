@@ -198,6 +198,7 @@ class EditorState:
         """
         if document is None:
             return
+        self.asking.level = None
         step = self.undoing.step if self.undoing else self.history.left
         note_left(self)
         self.put_back(document)
@@ -236,7 +237,7 @@ class EditorState:
 
     def reset(self) -> None:
         """Put every slider and the light back."""
-        self.edit = Edit()
+        self.edit, self.asking.level = Edit(), None
         self.take_light_edit(self.light.opening_edit)
 
     def turn(self, degrees: float) -> None:

@@ -23,6 +23,7 @@ from app.document.session_file import (
 from app.engine.desk import error_line
 from app.engine.exporting import free_path
 from app.engine.places import current_folder
+from app.engine.snapshot import Picture
 from app.engine.sources import PICTURE_SUFFIXES, PhotoSource
 from app.ui.asking import FileRequest
 from app.ui.export_name import named_as
@@ -69,7 +70,7 @@ class Deeds:
         self._state, self._say = state, say
         self._dialogs = dialogs or FileDialogs()
         self._outputs = outputs
-        self._when_finished = when_finished or (lambda run, makes_file: run(state.snapshot.picture))
+        self._when_finished = when_finished or (lambda run, *_, **__: run(state.snapshot.picture))
         self._pool = ThreadPoolExecutor(max_workers=1, thread_name_prefix="relight-autosave")
         self._autosave = Autosave(folder / "unsaved", self._pool.submit) if folder else None
         self._recent = RecentLights(folder / "recent-lights.json") if folder else None
@@ -204,8 +205,20 @@ class Deeds:
 
     def match_face(self) -> None:
         """Set the light's level by the face, once the picture under the light as it is now is there."""
-        if self._state.snapshot.picture is not None:
-            self._when_finished(lambda picture: match_face(self._state, picture), makes_file=False)
+        if self._state.snapshot.picture is None:
+            return
+        asking = self._state.asking
+        asking.level = wish = object()
+
+        def give_up() -> None:
+            asking.level = None if asking.level is wish else asking.level
+
+        def match(picture: Picture) -> None:
+            if asking.level is wish:
+                match_face(self._state, picture)
+            give_up()
+
+        self._when_finished(match, makes_file=False, otherwise=give_up)
 
     def batch(self) -> None:
         """Relight the queue's other photos, or those of a folder, as this one is."""

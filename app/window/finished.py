@@ -23,12 +23,13 @@ class _Task:
     Attributes:
         request: asks for the picture.
         run: is called with it.
-        makes_file: as of `Finished.then`.
+        makes_file, otherwise: as of `Finished.then`.
     """
 
     request: Request
     run: Callable[[Picture], None]
     makes_file: bool
+    otherwise: Callable[[], None]
 
 
 class Finished:
@@ -50,13 +51,16 @@ class Finished:
         self._tasks: deque[_Task] = deque()
         self.failures = 0
 
-    def then(self, run: Callable[[Picture], None], makes_file: bool = True) -> None:
+    def then(
+        self, run: Callable[[Picture], None], makes_file: bool = True, otherwise: Callable[[], None] = lambda: None
+    ) -> None:
         """Call what is given with the finished picture, as soon as it is there.
 
         Args:
             makes_file: something is lost if that never happens.
+            otherwise: called where it turns out that it never will.
         """
-        self._tasks.append(_Task(self._state.request_at_rest(), run, makes_file))
+        self._tasks.append(_Task(self._state.request_at_rest(), run, makes_file, otherwise))
 
     @property
     def is_making_files(self) -> bool:
@@ -77,7 +81,9 @@ class Finished:
             self._attempt(self._tasks.popleft().run, snapshot.picture)
             is_idle = False
         if self._tasks and is_idle:
-            lost = "Nothing was saved" if self._tasks.popleft().makes_file else "Nothing was changed"
+            task = self._tasks.popleft()
+            task.otherwise()
+            lost = "Nothing was saved" if task.makes_file else "Nothing was changed"
             self._fail(f"{lost}: this picture can't be relit")
 
     def _attempt(self, run: Callable[[Picture], None], picture: Picture) -> None:

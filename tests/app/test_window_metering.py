@@ -134,6 +134,7 @@ def test_a_level_that_nothing_can_be_told_of_stays_and_that_is_told(busy, religh
     busy.settle()
     assert busy.window.state.light_edit.level_ev == 2.0
     assert "Nothing was changed" in busy.window.state.message().text
+    assert busy.window.state.asking.level is None
 
 
 def test_both_ways_to_a_level_stand_side_by_side_for_panoramas(adjusting, sunny):
@@ -154,3 +155,34 @@ def test_a_saved_session_knows_whether_its_light_is_metered(opened, sunny, photo
         opened.drop(path)
         assert level(opened) == pytest.approx(shown_level)
         assert not opened.window.state.is_unsaved()
+
+
+def press_undo(hand):
+    hand.hold(glfw.KEY_Z, glfw.MOD_CONTROL)
+    hand.release(glfw.KEY_Z)
+    hand.frames(2)
+
+
+def test_undo_takes_a_level_back_that_still_waits_and_nothing_before_it(busy, relighter):
+    state = busy.window.state
+    state.light_edit = LightEdit(level_ev=2.0)
+    busy.frames(2)
+    press_as_photo(busy)
+    busy.frames(2)
+    press_undo(busy)
+    relighter.gate.set()
+    busy.settle()
+    assert state.light_edit.level_ev == 2.0
+    press_undo(busy)
+    assert (state.light_edit.level_ev, state.history.can_redo) == (0.0, True)
+
+
+def test_resetting_everything_ends_the_wait_for_a_level(busy, relighter):
+    busy.window.state.light_edit = LightEdit(level_ev=2.0)
+    busy.frames(2)
+    press_as_photo(busy)
+    busy.frames(2)
+    busy.window.state.reset()
+    relighter.gate.set()
+    busy.settle()
+    assert busy.window.state.light_edit == LightEdit()

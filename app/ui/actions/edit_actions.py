@@ -169,8 +169,8 @@ HISTORY = (
         _EDIT,
         ("Ctrl+Z",),
         "Take the last step back",
-        lambda state: state.restore(state.history.undo()),
-        available=lambda state: state.history.can_undo,
+        light_edits.undo,
+        available=light_edits.can_undo,
         repeats=True,
     ),
     Action(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from imgui_bundle import imgui
 
-from app.ui import theme, widgets
+from app.ui import light_edits, theme, widgets
 from app.ui.panels.groups import Tool, group
 from app.ui.state import EditorState
 
@@ -15,13 +15,15 @@ def draw(state: EditorState, fonts: theme.Fonts) -> None:
     """The title with undo and redo, and the list, inside a panel."""
     history = state.history
     tools = (
-        Tool("Undo", "Take the last step back.  Ctrl + Z", history.can_undo),
+        Tool("Undo", "Take the last step back.  Ctrl + Z", light_edits.can_undo(state)),
         Tool("Redo", "Do again what was taken back.  Ctrl + Shift + Z", history.can_redo),
     )
     last = history.steps[history.at].name if history.steps else ""
     is_open, pressed = group(state, fonts, "history", "History", last, tools)
-    if pressed:
-        state.restore(history.undo() if pressed == "Undo" else history.redo())
+    if pressed == "Undo":
+        light_edits.undo(state)
+    elif pressed:
+        state.restore(history.redo())
     if is_open:
         _list(state)
 
