@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from app.document.document import Document, PhotoRef
 from app.engine.sources import PhotoSource
 from app.ui.falling_back import give_up_what_is_on_its_way
-from app.ui.open_work import KeptWork
+from app.ui.open_work import KeptWork, Undoing
 
 if TYPE_CHECKING:
     from app.ui.state import EditorState
@@ -59,6 +59,7 @@ def begin_work(state: EditorState) -> None:
         return
     if state.work_on is not None and state.work_on == before:
         return
+    _keep_what_comes_back(state, before)
     as_opened, work = _as_opened(state, source), _work_on(state, source)
     state.session_path, state.kept, state.waiting = None, as_opened, None
     if work is None or not work.is_work:
@@ -67,6 +68,18 @@ def begin_work(state: EditorState) -> None:
         state.session_path, state.kept = work.session_path, work.document
     else:
         state.waiting = work
+
+
+def _keep_what_comes_back(state: EditorState, before: Path | None) -> None:
+    """Keep the work on the photo that was open, where that one is wanted again: an undo came while this one was read.
+
+    It will be read anew, and what was set on it until then is its own.
+    """
+    wanted = state.photo and state.photo.path
+    if wanted is None or wanted.absolute() != before or state.kept is None or state.undoing or is_waiting(state):
+        return
+    state.works[before] = KeptWork(state.session_path, state.kept, state.document())
+    state.undoing = Undoing(state.history.at, state.photo, state.light)
 
 
 def resume(state: EditorState, work: KeptWork) -> None:

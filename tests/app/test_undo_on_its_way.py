@@ -29,3 +29,28 @@ def test_a_light_chosen_since_an_undo_is_no_part_of_it_and_goes_along_to_the_nex
     assert (state.light.name, state.edit.shadow) == ("golden-hour", 0.3)
     left = state.works[Path("/photos/a.png")].left
     assert (left.light.name, left.edit.shadow) == ("golden-hour", 0.3)
+
+
+def test_a_photo_that_was_still_being_read_when_it_was_undone_leaves_the_work_on_the_one_before_alone(tmp_path):
+    editor = Editor(None)
+    state = editor.state
+    state.open_photo(Path("/photos/a.png"))
+    editor.live()
+    state.turn(40.0)
+    editor.live()
+    state.session_path = tmp_path / "a.relight.json"
+    state.open_photo(Path("/photos/b.png"))
+    wish = state.photo
+    state.remember(editor.now_s)
+    state.restore(state.history.undo())
+    state.change(shadow=0.5)
+    editor.now_s += 1.0
+    state.remember(editor.now_s)
+    pixels = Photo(np.full((4, 4, 3), 0.5, np.float32), path=wish.path)
+    state.accept(replace(state.snapshot, opened=OpenPhoto(wish, pixels, pixels.linear.astype(np.float16))))
+    state.remember(editor.now_s)
+    state.change(specular=0.5)
+    editor.live()
+    assert (state.photo.path, state.edit.shadow, state.edit.specular) == (Path("/photos/a.png"), 0.5, 0.5)
+    assert (state.asking.questions, state.waiting) == ([], None)
+    assert (state.session_path, state.is_unsaved()) == (tmp_path / "a.relight.json", True)
