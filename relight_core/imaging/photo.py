@@ -72,6 +72,9 @@ class Photo:
         seen = self.linear[::step, ::step]
         if self.beyond is not None:
             seen = seen + self.beyond[::step, ::step]
+        if self.bits == 32 and 0 < (brightest := float(np.abs(seen).max())) < 1:
+            # In whatever units: next to black all colours are one.
+            seen = seen / np.float32(brightest)
         codes = np.copysign(srgb_encode(np.minimum(np.abs(seen), 1)), seen)
         return is_monochrome(codes, None if self.alpha is None else self.alpha[::step, ::step] > 0)
 

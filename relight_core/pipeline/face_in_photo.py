@@ -81,14 +81,16 @@ class FaceInPhoto(FaceTakenApart):
         ready = self.prepare(tier)
 
         def expose() -> float:
-            return exposure_of_photo(ready.found, stages.reflect(self._reflector(ready), self._source_light(ready)))
+            seen = exposure_of_photo(ready.found, stages.reflect(self._reflector(ready), self._source_light(ready)))
+            return seen / self.portrait.exposure
 
         return self._once("exposure", tier.relief_key, expose)
 
     def model_level(self, tier: Tier, plan: Plan) -> float:
         """See `company.Member`."""
         ready = self.prepare(tier)
-        return self._residual_alone(self.flattened(ready) if plan.runs("flattening") else ready, plan).level
+        alone = self._residual_alone(self.flattened(ready) if plan.runs("flattening") else ready, plan)
+        return alone.level / self.portrait.exposure
 
     def _turned(self, light: np.ndarray) -> torch.Tensor:
         """A light (16, 32, 3) as the camera sees it, (1, 16, 32, 3) as this view does."""
@@ -103,7 +105,7 @@ class FaceInPhoto(FaceTakenApart):
         """The source light (16, 32, 3) as the photo's camera sees it, so bright that model and photo agree."""
         ready = self.flattened(self.prepare(tier))
         level = self._residual(ready, plan_of_own_light(tier)).level
-        return self.own_light_normalised(ready) * np.float32(level)
+        return self.own_light_normalised(ready) * np.float32(level / self.portrait.exposure)
 
     def own_light_normalised(self, ready: Prepared) -> np.ndarray:
         """The source light (16, 32, 3) as the photo's camera sees it, of mean luminance 1."""
@@ -117,7 +119,7 @@ class FaceInPhoto(FaceTakenApart):
         alone, face = self._residual_alone(ready, plan), self.wider or self
         if face is self and self._company is None:
             return alone
-        level = lambda: at_light_level(alone, face._level(ready.tier, plan))  # noqa: E731
+        level = lambda: at_light_level(alone, face._level(ready.tier, plan) * self.portrait.exposure)  # noqa: E731
         return self._once("residual_in_company", plan.keys["residual"], level)
 
     def _level(self, tier: Tier, plan: Plan) -> float:

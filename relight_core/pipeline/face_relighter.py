@@ -167,7 +167,7 @@ class FaceRelighter(FaceInPhoto):
             effects = soften_shadow(lit.effects, ready.surface, lit.reflected, edit.shadow_softness)
             shadow = edit.shadow * plan.runs("shadow")
             moved = move_sliders(lit.composed, ready.surface, lit.reflected, effects, specular, shadow)
-        change = enlarge_change(fit, moved, self._upsampler(ready), level)
+        change = enlarge_change(fit, moved, self._upsampler(ready), level).of_photo_times(self.portrait.exposure)
         if lit.nearer is not None:
             from_near = self.nearer.change(*lit.nearer, plan, edit, level)
             change = with_nearer_change(change, from_near, self.portrait.view, self.nearer.portrait.view)

@@ -13,6 +13,7 @@ from relight_core.face.find import FaceBox
 from relight_core.imaging.photo import Photo
 from relight_core.pipeline.face_taken_apart import Workshop
 from relight_core.pipeline.per_photo.choosing_faces import choose_faces
+from relight_core.pipeline.per_photo.exposing import exposure_of_view
 from relight_core.pipeline.per_photo.network_view import network_view
 from relight_core.pipeline.per_photo.portrait import frame, framed, located
 from relight_core.pipeline.quality import tier_of
@@ -47,7 +48,8 @@ class FaceSearch:
 
     def _parse(self, view: Crop) -> np.ndarray:
         """(classes, S, S) probabilities of a view's parsing."""
-        found = self._shop.delight(network_view(self._photo, view, self._tier.size), self._tier)
+        seen = network_view(self._photo, view, self._tier.size, exposure_of_view(self._photo, view))
+        found = self._shop.delight(seen, self._tier)
         return found.parsing[0].float().cpu().numpy()
 
     def _glimpse(self, found: FaceBox) -> int:

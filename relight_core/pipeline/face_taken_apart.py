@@ -12,7 +12,6 @@ from relight_core.face.crop import Crop
 from relight_core.face.parsing import INDEX
 from relight_core.face.person_view import person_view, upright, wider_view
 from relight_core.face.silhouette import person_with_headwear
-from relight_core.imaging.colour import without_colour
 from relight_core.imaging.resampling import resize_area
 from relight_core.lighting.reflection import ReflectionTable
 from relight_core.lighting.relief import ReliefTransport
@@ -20,6 +19,7 @@ from relight_core.networks.bundle import NetworkBundle
 from relight_core.pipeline import stages
 from relight_core.pipeline.cache import StageCache
 from relight_core.pipeline.per_photo.nearer_look import nearer_view, with_nearer_look
+from relight_core.pipeline.per_photo.network_view import as_networks_see
 from relight_core.pipeline.per_photo.outline import Outline, outline_person, parsing_within
 from relight_core.pipeline.per_photo.portrait import Portrait
 from relight_core.pipeline.per_photo.second_look import take_apart
@@ -102,10 +102,10 @@ class FaceTakenApart:
         return self._once("view", size, lambda: self.portrait.view.extract(self.portrait.photo.seen.linear, size))
 
     def _seen_view(self, size: int) -> np.ndarray:
-        view = self._view(size)
-        if not self.portrait.photo.monochrome:
+        view, photo, exposure = self._view(size), self.portrait.photo, self.portrait.exposure
+        if not photo.monochrome and exposure == 1.0:
             return view
-        return self._once("seen_view", size, lambda: without_colour(view))
+        return self._once("seen_view", size, lambda: as_networks_see(view, photo.monochrome, exposure))
 
     def _within_outline(self, photo_view: np.ndarray, tier: Tier) -> stages.Surface:
         found, outline = self._shop.delight(photo_view, tier), self.outline()
@@ -153,7 +153,8 @@ class FaceTakenApart:
 
     def _look(self, crop: Crop, view: Crop, mirrors: tuple[bool, ...] = (False,)) -> Outline:
         """What the person network says in a view; see `outline_person`."""
-        return outline_person(self._shop.bundle, self.portrait.photo, crop, view, self._shop.device, mirrors)
+        how = {"mirrors": mirrors, "exposure": self.portrait.exposure}
+        return outline_person(self._shop.bundle, self.portrait.photo, crop, view, self._shop.device, **how)
 
     def _relief(self, ready: Prepared) -> ReliefTransport:
         return self._once("relief", ready.tier.relief_key, lambda: stages.march(ready.found, ready.tier.relief_size))

@@ -70,7 +70,8 @@ class WholePhoto:
 
         def place() -> Placement:
             masks = [face.mask() for face in self._faces]
-            return place_views(self._small(), views, matte, self._shop.table, masks, self._strokes)
+            exposure = self._faces[0].portrait.exposure
+            return place_views(self._small(), views, matte, self._shop.table, masks, self._strokes, exposure)
 
         placement = run("placement", "photo", place, "new photo or stroke")
         size = changes[0].gain.shape[0]

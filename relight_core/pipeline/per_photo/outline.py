@@ -64,7 +64,13 @@ def _moved(image: np.ndarray, view: Crop, other: Crop, size: int) -> tuple[np.nd
 
 @torch.inference_mode()
 def outline_person(
-    bundle: NetworkBundle, photo: Photo, crop: Crop, view: Crop, device: str, mirrors: Sequence[bool] = (False,)
+    bundle: NetworkBundle,
+    photo: Photo,
+    crop: Crop,
+    view: Crop,
+    device: str,
+    mirrors: Sequence[bool] = (False,),
+    exposure: float = 1.0,
 ) -> Outline:
     """The person whose face lies in a crop, as far as a view reaches.
 
@@ -73,10 +79,11 @@ def outline_person(
         crop: the paper's crop of the face (section 3.2).
         view: about that crop (see `face.person_view`).
         mirrors: for each look at the view, whether at its mirror image; the log odds of all are averaged.
+        exposure: of the portrait.
     """
     size = photo.linear.shape[:2]
     inside = inside_photo(view, size, _SIZE)
-    seen = srgb_encode(np.clip(network_view(photo, view, _SIZE), 0, 1)) * inside[..., None]
+    seen = srgb_encode(np.clip(network_view(photo, view, _SIZE, exposure), 0, 1)) * inside[..., None]
     planes = np.dstack([seen, inside, face_in_view(view, crop, _SIZE)]).astype(np.float32)
     stacked = torch.from_numpy(planes).permute(2, 0, 1)[None].to(device)
     stacked = torch.cat([_turned_over(stacked, mirror) for mirror in mirrors])

@@ -12,6 +12,7 @@ from relight_core.face.crop import Crop, box_from_parsing, crop_for_face, crop_w
 from relight_core.face.find import FaceBox
 from relight_core.face.lean import remaining_roll
 from relight_core.imaging.photo import Photo
+from relight_core.pipeline.per_photo.exposing import exposure_of_face
 
 PADDING_PX = 30.0
 """Around the face in a crop of 256 pixels; the paper draws it from 20 to 40 (section 3.2)."""
@@ -40,6 +41,7 @@ class Portrait:
         face: the face's box, refined by the parsing map once that is known.
         crop: the paper's square around the face.
         view: the wider square that the networks see.
+        exposure: what they see of it is the photo times this, see `per_photo.exposing`.
     """
 
     photo: Photo
@@ -47,6 +49,7 @@ class Portrait:
     face: FaceBox
     crop: Crop
     view: Crop
+    exposure: float = 1.0
 
 
 def located(photo: Photo, view: Crop, parsed: Callable[[Crop], np.ndarray]) -> FaceBox | None:
@@ -67,7 +70,7 @@ def located(photo: Photo, view: Crop, parsed: Callable[[Crop], np.ndarray]) -> F
 def frame(photo: Photo, found: FaceBox) -> Portrait:
     """A first framing, from the finder's box alone."""
     crop = crop_for_face(found, PADDING_PX)
-    return Portrait(photo, found, found, crop, _view_around(crop, photo))
+    return Portrait(photo, found, found, crop, _view_around(crop, photo), exposure_of_face(photo, crop))
 
 
 def checked_boxes(photo: Photo, boxes: Sequence[FaceBox]) -> Sequence[FaceBox]:

@@ -59,6 +59,12 @@ class ViewChange:
         size = photo.shape[:2]
         return resize_smooth(self.gain, size) * photo + resize_smooth(self.offset, size)
 
+    def of_photo_times(self, exposure: float) -> ViewChange:
+        """The change of a photo, given as that of the photo times an exposure."""
+        if exposure == 1.0:
+            return self
+        return replace(self, gain=np.minimum(self.gain * np.float32(exposure), np.float32(BRIGHTEST_CHANGE)))
+
     def toned(self, photo: np.ndarray) -> ViewChange:
         """The change for a photo without colour: the light's act by their luminance, and what it adds has its tone.
 

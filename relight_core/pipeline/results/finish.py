@@ -39,6 +39,7 @@ class Placement:
         body: what no view covers.
         photo_size: (height, width).
         unseen: (k, l) over the whole photo, in [0, 1]: people that no network takes for them; None for nobody.
+        exposure: the body's photo is the photo times this.
     """
 
     views: tuple[Crop, ...]
@@ -47,6 +48,7 @@ class Placement:
     body: Body
     photo_size: tuple[int, int]
     unseen: np.ndarray | None = None
+    exposure: float = 1.0
 
 
 def place_views(
@@ -56,6 +58,7 @@ def place_views(
     table: ReflectionTable,
     people: Sequence[tuple[np.ndarray, Crop]] = (),
     strokes: Sequence[BrushStroke] = (),
+    exposure: float = 1.0,
 ) -> Placement:
     """Share the photo out among the views of its faces.
 
@@ -66,6 +69,7 @@ def place_views(
         photo: all of it, at any size.
         people: as `Placement` has them.
         strokes: of the brush, in the matte already.
+        exposure: of the portrait.
     """
     photo_size = photo.photo_size
     places = places_of(shrunk_size(photo_size, _WEIGHT_LONGEST), photo_size)
@@ -75,9 +79,9 @@ def place_views(
     known = resize_area(np.minimum(sum(weights), 1), canvas.size)
     share = whole_person(canvas, matte).share
     seen = np.where(share[..., None] > 0, canvas.linear, 0) if matte.own_alpha else canvas.linear
-    body = make_body(seen, share, known, table)
+    body = make_body(seen * np.float32(exposure), share, known, table)
     small = tuple(resize_area(weight, body.photo.shape[:2])[..., None] for weight in weights)
-    return Placement(tuple(views), tuple(people), small, body, photo_size, unseen)
+    return Placement(tuple(views), tuple(people), small, body, photo_size, unseen, exposure)
 
 
 @dataclass(frozen=True, eq=False)
@@ -116,17 +120,17 @@ def gain_of_rest(
         light: (1, 16, 32, 3) normalised.
         in_photo: the body's shading in the photo, see `body_gain`.
     """
-    body, level = placement.body, max(changes[0].level, 1e-30)
+    body, exposure, level = placement.body, np.float32(placement.exposure), max(changes[0].level, 1e-30)
     size = body.photo.shape[:2]
     if changes[0].level == 0:
         return np.zeros((*body.share.shape, 3), np.float32)
     relit, total = np.zeros_like(body.photo), np.zeros((*size, 1), np.float32)
     for change, view, share in zip(changes, placement.views, placement.small, strict=True):
         gain, offset = (_coarse(part, view, size, placement.photo_size) for part in (change.gain, change.offset))
-        relit += share * (gain * body.photo + offset)
+        relit += share * (gain / exposure * body.photo + offset)
         total += share
     relit = relit / np.maximum(total, 1e-6) / np.float32(level)
-    return at_level(body_gain(body, light, relit, in_photo), level)
+    return at_level(exposure * body_gain(body, light, relit, in_photo), level)
 
 
 def place_changes(

@@ -1,0 +1,58 @@
+"""At which exposure the networks see a photo: the photo's own, unless that is unlike any they have learnt from.
+
+Nine in ten of the photos in training have the brightest tenth of their skin between 0.12 and 0.9 of white, and ninety-
+eight in a hundred between 0.065 and 0.97. A photo that is underexposed by several stops is darker, and a floating-point
+one comes in units of its own: of either the networks would find black skin, or a photo that is clipped all over. What
+they see is therefore multiplied, and what they find is counted back; the photo itself keeps its level.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from relight_core.face.crop import Crop
+from relight_core.imaging.colour import luminance
+from relight_core.imaging.photo import Photo
+
+_DARKEST, _BRIGHTEST, _WHITE = 0.15, 0.85, 1.0
+"""Of the brightest tenth of a face, at the least, and of a fiftieth of it where that is brighter than white."""
+_OF_CROP = 0.6
+"""The middle of a face's crop, which is skin, as a share of its side."""
+_LOOKS = 48
+_BLACK = 1e-12
+_MOST = {8: 2.0**5, 16: 2.0**10, 32: 2.0**40}
+"""By the photo's bits: what is darker still is a few codes, and noise between them."""
+
+
+def exposure_of_face(photo: Photo, crop: Crop) -> float:
+    """What the networks see of a face is the photo times this; 1 for all but very dark and very bright photos.
+
+    Args:
+        crop: the paper's square around the face (section 3.2).
+    """
+    seen = luminance(_looked_at(photo.seen.linear, Crop(crop.centre_x, crop.centre_y, _OF_CROP * crop.side)))
+    return _exposure(float(np.percentile(seen, 90)), float(np.percentile(seen, 98)), _MOST[photo.bits])
+
+
+def exposure_of_view(photo: Photo, view: Crop) -> float:
+    """The same of a view that may hold a face anywhere: it is dark all over, or half of it is brighter than white."""
+    seen = luminance(_looked_at(photo.seen.linear, view))
+    return _exposure(float(np.percentile(seen, 95)), float(np.median(seen)), _MOST[photo.bits])
+
+
+def _exposure(dark_below: float, bright_above: float, most: float) -> float:
+    if bright_above > _WHITE:
+        # The brighter, the farther from where the networks count skin as clipped, and none of it at once.
+        return max(_BRIGHTEST, 2 * _WHITE - bright_above) / bright_above
+    return min(max(_DARKEST / max(dark_below, _BLACK), 1.0), most)
+
+
+def _looked_at(image: np.ndarray, window: Crop) -> np.ndarray:
+    """(N, 3) pixels of a window of a photo, spread evenly over what of it is inside."""
+    x0, y0, x1, y1 = window.window
+    height, width = image.shape[:2]
+    rows, columns = (
+        np.clip(np.linspace(start, end, _LOOKS + 1)[:-1] + (end - start) / (2 * _LOOKS), 0, length - 1).astype(int)
+        for start, end, length in ((y0, y1, height), (x0, x1, width))
+    )
+    return image[np.ix_(np.unique(rows), np.unique(columns))].reshape(-1, 3)
