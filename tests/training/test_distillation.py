@@ -94,13 +94,13 @@ def test_a_run_that_was_killed_goes_on_as_if_it_had_not_been(start, made, tmp_pa
     whole = train(run_of(start, tmp_path / "whole", steps=5), quiet).state_dict()
     learnt = run_module.train_stage
 
-    def stops(stage, bundle, batches_from, budget, checkpoint, report, device):
+    def stops(stage, bundle, batches_from, budget, checkpoint, report, device, drawn_by):
         def some(first):
             yield from itertools.islice(batches_from(first), 3)
             raise Killed
 
         budget = run_module.Budget(budget.learning_rate, steps=5, warm_up_steps=1, checkpoint_seconds=0.0)
-        return learnt(stage, bundle, some, budget, checkpoint, report, device)
+        return learnt(stage, bundle, some, budget, checkpoint, report, device, drawn_by)
 
     monkeypatch.setattr(run_module, "train_stage", stops)
     with pytest.raises(Killed):
