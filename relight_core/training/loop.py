@@ -20,7 +20,7 @@ from relight_core.training.ahead import one_ahead
 from relight_core.training.optimiser import Optimiser
 from relight_core.training.sheet import draw_samples
 from relight_core.training.stages import Stage
-from relight_core.training.state import Progress, load_state, save_state
+from relight_core.training.state import Progress, State, load_state, make_state
 from relight_core.training.step import RecordedStep, Step
 
 _MOST_SKIPPED_IN_A_ROW = 20
@@ -109,11 +109,12 @@ def train_stage(
 
     Mixed precision: bf16 under autocast where the device has it; light, normals and losses stay in fp32 where the
     networks keep them so. A batch with a non-finite loss or gradient is skipped and counted; too many in a row end it.
+    A budget that is spent amid such batches is overdrawn until a finite one, or too many.
 
     Args:
         batches_from: gives the batches from a number on.
         checkpoint: where the averaged weights go. The run's whole state lies beside them until it ends.
-        report: called every 50 steps with the fraction of the budget spent and the progress.
+        report: called every 50 steps with the fraction of the budget spent and the progress, and with 1 at the end.
         drawn_by: what decides which batches come, by name; a run that goes on has to be given the same.
 
     Returns:
@@ -141,8 +142,10 @@ def _trained(
         progress = load_state(saved_state, settings, bundle, average.state, optimiser)
     batches = _prepared(stage, bundle, table, batches_from(progress.step), device)
     step = kind(stage, bundle, table, optimiser, device)
-    started, saved, batch = time.monotonic() - progress.seconds, time.monotonic(), None
-    while (elapsed := budget.spent(progress.step, progress.seconds)) < 1:
+    kept = _Checkpoints(checkpoint, settings, budget.checkpoint_seconds)
+    started, batch = time.monotonic() - progress.seconds, None
+    # Not to end on weights that the last batches could not be learnt with.
+    while (elapsed := min(budget.spent(progress.step, progress.seconds), 1.0)) < 1 or progress.in_a_row:
         optimiser.set_learning_rate(budget.rate(progress.step, elapsed))
         batch, ready = next(batches)
         progress.take(step(ready))
@@ -153,13 +156,46 @@ def _trained(
         if progress.step % 50 == 0:
             report(elapsed, progress)
             progress.log.append({"step": progress.step, "elapsed": elapsed, **progress.smoothed})
-        if time.monotonic() - saved > budget.checkpoint_seconds:
-            saved = time.monotonic()
-            # The state first: weights without a state beside them are those of a run that has ended.
-            save_state(saved_state, settings, progress, bundle, average.state, optimiser)
-            with torch.random.fork_rng():  # The next step must not depend on when the clock asks for a checkpoint.
-                _save(checkpoint, average.bundle(bundle), batch)
+        kept.after_step(progress, bundle, average, optimiser, batch)
+    report(1.0, progress)
     return _ended(checkpoint, average.bundle(bundle), progress, batch)
+
+
+class _Checkpoints:
+    """Where a run stands, written now and then: once the batch after it has come out finite.
+
+    A step may leave weights that are finite and of no use any more, and only the next batch tells.
+    """
+
+    def __init__(self, checkpoint: Path, settings: dict[str, str | int], every_s: float):
+        self._checkpoint, self._settings, self._every_s = checkpoint, settings, every_s
+        self._taken_s = time.monotonic()
+        self._waiting: tuple[State, NetworkBundle, dict] | None = None
+
+    def after_step(self, progress: Progress, bundle, average: AveragedWeights, optimiser: Optimiser, batch) -> None:
+        """Write or drop what waits for this step's outcome, and take a copy of where the run stands when one is due."""
+        waiting, self._waiting = self._waiting, None
+        if progress.in_a_row:
+            return
+        state = self._state_if_due(progress, bundle, average, optimiser)
+        if waiting is None and state is None:
+            return
+        with torch.random.fork_rng():  # The next step must not depend on when the clock asks for a checkpoint.
+            if waiting is not None:
+                self._write(*waiting)
+            if state is not None:
+                self._waiting = state, average.bundle(bundle), batch
+
+    def _state_if_due(self, progress: Progress, bundle, average: AveragedWeights, optimiser: Optimiser) -> State | None:
+        if time.monotonic() - self._taken_s <= self._every_s:
+            return None
+        self._taken_s = time.monotonic()
+        return make_state(self._settings, progress, bundle, average.state, optimiser)
+
+    def _write(self, state: State, averaged: NetworkBundle, batch: dict[str, torch.Tensor]) -> None:
+        # The state first: weights without a state beside them are those of a run that has ended.
+        state.write(state_path(self._checkpoint))
+        _save(self._checkpoint, averaged, batch)
 
 
 def _ended(checkpoint: Path, result: NetworkBundle, progress: Progress, batch: dict | None) -> NetworkBundle:

@@ -16,6 +16,7 @@ from relight_core.imaging.files import check_regular, whole_file
 from relight_core.training.optimiser import Optimiser
 
 _FORMATS, _FORMAT = "relight-training-", "relight-training-4"
+_LEARNT = ("weights.", "average.")
 
 
 @dataclass
@@ -47,6 +48,53 @@ class Progress:
             self.smoothed[name] = 0.98 * self.smoothed.get(name, value) + 0.02 * value
 
 
+@dataclass(frozen=True)
+class State:
+    """Everything a run's next step depends on, as of one moment: what is learnt later does not change it.
+
+    Attributes:
+        header: format, settings and progress, as text.
+        tensors: by name, on the CPU: weights, their running average, the optimiser's moments, random state.
+    """
+
+    header: dict[str, str]
+    tensors: dict[str, torch.Tensor]
+
+    def write(self, path: Path) -> None:
+        """Write it whole or not at all.
+
+        Raises:
+            ValueError: a weight or its running average is not finite; the file stays as it was.
+        """
+        for name, value in self.tensors.items():
+            if name.startswith(_LEARNT) and not torch.isfinite(value).all():
+                raise ValueError(f"{name} is not finite: not saved")
+        with whole_file(path) as beside:
+            beside.write_bytes(save(self.tensors, metadata=self.header))
+
+
+def make_state(
+    settings: dict[str, str | int],
+    progress: Progress,
+    weights: nn.Module,
+    average: dict[str, torch.Tensor],
+    optimiser: Optimiser,
+) -> State:
+    """A copy of where a run stands.
+
+    Args:
+        settings: by name, what is learnt and from which batches: a run that goes on has to be given the same.
+    """
+    tensors = {f"weights.{name}": value for name, value in weights.state_dict().items()}
+    tensors |= {f"average.{name}": value for name, value in average.items()}
+    tensors |= {f"optimiser.{name}": value for name, value in optimiser.moments().items()}
+    tensors["random"] = torch.get_rng_state()
+    if torch.cuda.is_available():
+        tensors["random_on_gpu"] = torch.cuda.get_rng_state()
+    header = {"format": _FORMAT, "settings": json.dumps(settings), "progress": json.dumps(progress.__dict__)}
+    return State(header, {name: value.detach().cpu().contiguous().clone() for name, value in tensors.items()})
+
+
 def save_state(
     path: Path,
     settings: dict[str, str | int],
@@ -55,27 +103,8 @@ def save_state(
     average: dict[str, torch.Tensor],
     optimiser: Optimiser,
 ) -> None:
-    """Write everything a run's next step depends on, whole or not at all.
-
-    Args:
-        settings: by name, what is learnt and from which batches: a run that goes on has to be given the same.
-
-    Raises:
-        ValueError: a weight or its running average is not finite; the file stays as it was.
-    """
-    tensors = {f"weights.{name}": value for name, value in weights.state_dict().items()}
-    tensors |= {f"average.{name}": value for name, value in average.items()}
-    broken = [name for name, value in tensors.items() if not torch.isfinite(value).all()]
-    if broken:
-        raise ValueError(f"{broken[0]} is not finite: not saved")
-    tensors |= {f"optimiser.{name}": value for name, value in optimiser.moments().items()}
-    tensors["random"] = torch.get_rng_state()
-    if torch.cuda.is_available():
-        tensors["random_on_gpu"] = torch.cuda.get_rng_state()
-    tensors = {name: value.detach().cpu().contiguous().clone() for name, value in tensors.items()}
-    with whole_file(path) as beside:
-        header = {"format": _FORMAT, "settings": json.dumps(settings), "progress": json.dumps(progress.__dict__)}
-        beside.write_bytes(save(tensors, metadata=header))
+    """Write where a run stands; see `make_state` for what it takes, `State.write` for what is raised."""
+    make_state(settings, progress, weights, average, optimiser).write(path)
 
 
 def load_state(
@@ -85,7 +114,7 @@ def load_state(
     average: dict[str, torch.Tensor],
     optimiser: Optimiser,
 ) -> Progress:
-    """Read what `save_state` wrote into the run's own objects.
+    """Read what `State.write` wrote into the run's own objects.
 
     Raises:
         InputError: the file is damaged, of an earlier version, or belongs to networks of another shape or to a run

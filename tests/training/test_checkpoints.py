@@ -1,0 +1,95 @@
+"""What a run leaves on disk when its batches or its weights go bad, and that it goes on from there."""
+
+import itertools
+
+import pytest
+import torch
+from test_loop import quiet, recorded, some_batch
+
+from relight_core.networks.bundle import BundleConfig, NetworkBundle, load_bundle
+from relight_core.training.loop import Budget, TrainingDiverged, state_path, train_stage
+from relight_core.training.optimiser import Optimiser
+from relight_core.training.stages import STAGES
+from relight_core.training.state import load_state
+
+STAGE = STAGES["warm-delight"]
+
+
+@pytest.fixture(autouse=True)
+def _seeded():
+    torch.manual_seed(0)
+
+
+def spoiled(batch):
+    return batch | {"light": torch.full_like(batch["light"], float("nan"))}
+
+
+def train(batches, path, steps=30, rate=5e-3, report=quiet, stage=STAGE, kind=Budget):
+    budget = kind(rate, steps=steps, warm_up_steps=1, checkpoint_seconds=0)
+    bundle = NetworkBundle(BundleConfig.tiny())
+    return train_stage(stage, bundle, lambda first: batches, budget, path, report)
+
+
+def kept_progress(path):
+    bundle = NetworkBundle(BundleConfig.tiny())
+    bundle.requires_grad_(False).delight.requires_grad_(True)
+    state = {name: value.clone() for name, value in bundle.state_dict().items()}
+    return load_state(state_path(path), {"stage": STAGE.name}, bundle, state, Optimiser(bundle, 1e-3))
+
+
+def test_what_non_finite_batches_leave_is_older_than_they_and_goes_on(tmp_path):
+    good, path = some_batch(), tmp_path / "w.safetensors"
+    with pytest.raises(TrainingDiverged):
+        train(itertools.chain([good] * 3, itertools.repeat(spoiled(good))), path)
+    assert 1 <= kept_progress(path).step <= 3
+    assert kept_progress(path).in_a_row == 0
+    losses = []
+    result = train(itertools.repeat(good), path, steps=6, stage=recorded(STAGE, losses))
+    assert len(losses) in (3, 4, 5)
+    assert all(torch.isfinite(value).all() for value in result.state_dict().values())
+    assert not state_path(path).exists()
+
+
+class Leap(Budget):
+    """One step, the one numbered 3 from 0, throws the weights away, and no number among them stops being finite."""
+
+    def rate(self, step, elapsed):
+        return 1e30 if step == 3 else super().rate(step, elapsed)
+
+
+def test_weights_that_explode_are_never_written(tmp_path):
+    path = tmp_path / "w.safetensors"
+    with pytest.raises(TrainingDiverged):
+        train(itertools.repeat(some_batch()), path, kind=Leap)
+    assert kept_progress(path).step == 3
+    assert all(value.abs().max() < 1e6 for value in load_bundle(path).state_dict().values())
+
+
+def test_weights_that_explode_in_the_first_step_leave_nothing(tmp_path):
+    with pytest.raises(TrainingDiverged):
+        train(itertools.repeat(some_batch()), tmp_path / "w.safetensors", rate=1e30)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_checkpoint_that_a_bad_batch_cost_is_made_up_for(tmp_path):
+    good, path = some_batch(), tmp_path / "w.safetensors"
+    batches = itertools.chain([good, good, spoiled(good), good, good], itertools.repeat(spoiled(good)))
+    with pytest.raises(TrainingDiverged):
+        train(batches, path)
+    assert (kept_progress(path).step, kept_progress(path).skipped) == (4, 1)
+    assert all(torch.isfinite(value).all() for value in load_bundle(path).state_dict().values())
+
+
+def test_a_budget_that_ends_amid_non_finite_batches_waits_for_a_good_one(tmp_path):
+    good, told = some_batch(), []
+    batches = itertools.chain([good] * 4, [spoiled(good)] * 4, itertools.repeat(good))
+    train(batches, tmp_path / "w.safetensors", 6, report=lambda done, now: told.append((done, now.step, now.skipped)))
+    assert told == [(1.0, 9, 4)]
+    with pytest.raises(TrainingDiverged):
+        train(itertools.chain([good] * 4, itertools.repeat(spoiled(good))), tmp_path / "v.safetensors", 6)
+
+
+def test_the_last_report_tells_the_end(tmp_path):
+    done = []
+    train(itertools.repeat(some_batch()), tmp_path / "w.safetensors", 2, report=lambda part, _: done.append(part))
+    assert done == [1.0]
