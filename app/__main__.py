@@ -1,7 +1,17 @@
-"""`python -m app` is the `relight` command."""
+"""`python -m app` is the `relight` command, and so is `main`, which the installed command calls."""
 
 import sys
 
-from app.cli.main import main
 
-sys.exit(main())
+def main() -> int:
+    """Run the command line; returns its exit code, also where it is interrupted before it has been read."""
+    try:
+        from app.cli.main import main as run
+
+        return run()
+    except KeyboardInterrupt:
+        return 130
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -44,6 +44,23 @@ def test_an_interrupt_is_quiet_and_130(relight, relighter, photo, tmp_path, monk
     assert not (tmp_path / "out.png").exists()
 
 
+def test_an_interrupt_before_the_words_are_read_is_quiet_and_130():
+    script = """if True:
+        import sys
+        from app.__main__ import main
+
+        class Interrupt:
+            def find_spec(name, *_):
+                if name == "app.cli.arguments":
+                    raise KeyboardInterrupt
+
+        sys.meta_path.insert(0, Interrupt)
+        sys.exit(main())
+    """
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True)
+    assert (done.returncode, done.stderr) == (130, "")
+
+
 @pytest.mark.parametrize("command", ["render", "turntable"])
 @pytest.mark.parametrize("error", [OSError(28, "No space left on device"), KeyboardInterrupt()])
 def test_a_write_that_fails_midway_keeps_the_old_file(relight, photo, tmp_path, monkeypatch, command, error):
