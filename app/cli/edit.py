@@ -14,6 +14,7 @@ from pathlib import Path
 
 from app.cli.arguments import add_light, user_path
 from app.cli.session import light_kind, sample_portrait
+from app.cli.streams import tell
 from relight_core import __version__
 from relight_core.errors import InputError
 
@@ -41,7 +42,7 @@ def run(arguments: argparse.Namespace) -> int:
     except NoDisplayError as error:
         return _write_pictures(photo, arguments.light, str(error))
     except GraphicsLostError as error:
-        print(f"relight: {error}", file=sys.stderr, flush=True)
+        tell(f"relight: {error}")
         return 1
 
 

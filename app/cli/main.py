@@ -17,6 +17,7 @@ from contextlib import contextmanager
 from importlib.util import find_spec
 
 from app.cli.arguments import OneLineParser
+from app.cli.streams import let_go_of_streams, tell
 from app.faults import confession
 from relight_core.errors import InputError
 from relight_core.idle_threads import keep_numpy_to_one_thread
@@ -57,19 +58,23 @@ def main(argv: Sequence[str] | None = None) -> int:
     _stand_in_for_closed_streams()
     _let_any_file_name_print()
     keep_numpy_to_one_thread()
+    code = _outcome(name, program, words)
+    let_go_of_streams()
+    return code
+
+
+def _outcome(name: str, program: str, words: list[str]) -> int:
     try:
         with _one_line_warnings(program):
             return _run(name, program, words)
     except InputError as error:
-        _say(program, str(error))
+        _tell(program, str(error))
         return BAD_INPUT
     except SystemExit as stop:
         return stop.code if isinstance(stop.code, int) else DONE
     except KeyboardInterrupt:
         return INTERRUPTED
     except BrokenPipeError:
-        # Nothing reads our output any more; leave nothing for the interpreter to flush into it at exit.
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return READER_LEFT
     except Exception as error:
         _confess(program, error)
@@ -105,7 +110,7 @@ def _list_of_commands() -> str:
 @contextmanager
 def _one_line_warnings(program: str) -> Iterator[None]:
     def show(message, category, *_place, **_more) -> None:
-        _say(program, f"warning: {message}")
+        _tell(program, f"warning: {message}")
 
     with warnings.catch_warnings():
         warnings.showwarning = show
@@ -128,9 +133,9 @@ def _let_any_file_name_print() -> None:
 
 def _confess(program: str, error: Exception) -> None:
     if os.environ.get("RELIGHT_DEBUG") == "1":
-        traceback.print_exc()
-    _say(program, f"{confession(error)}; RELIGHT_DEBUG=1 shows where it happened")
+        tell(traceback.format_exc(), end="")
+    _tell(program, f"{confession(error)}; RELIGHT_DEBUG=1 shows where it happened")
 
 
-def _say(program: str, message: str) -> None:
-    print(f"{program}: {' '.join(message.splitlines())}", file=sys.stderr, flush=True)
+def _tell(program: str, message: str) -> None:
+    tell(f"{program}: {' '.join(message.splitlines())}")

@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from app.cli.outputs import check_folder
+from app.cli.streams import Heedless, tell
 from relight_core.errors import InputError
 
 if TYPE_CHECKING:
@@ -120,7 +121,7 @@ def progress(title: str, total: float, line_every_s: float = 60.0) -> Iterator[C
         TimeRemainingColumn(),
         TextColumn("{task.fields[note]}"),
     )
-    with Progress(*columns, console=Console(stderr=True), speed_estimate_period=_ESTIMATED_OVER_S) as bar:
+    with Progress(*columns, console=Console(file=Heedless(sys.stderr)), speed_estimate_period=_ESTIMATED_OVER_S) as bar:
         bar.add_task(title, total=total, note="")
         (task,) = bar.tasks
         told = time.monotonic()
@@ -130,7 +131,7 @@ def progress(title: str, total: float, line_every_s: float = 60.0) -> Iterator[C
             bar.update(task.id, completed=done, note=note)
             if not bar.console.is_terminal and time.monotonic() - told >= line_every_s:
                 told = time.monotonic()
-                print(_line(task), file=sys.stderr, flush=True)
+                tell(_line(task))
 
         yield show
 

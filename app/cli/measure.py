@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 from app.cli.arguments import user_path
 from app.cli.maker_inputs import check_output_file, count_at_least_one, count_from_zero, number_above_zero
 from app.cli.outputs import write_text
+from app.cli.streams import tell
 from relight_core.pipeline.quality import TIERS
 
 if TYPE_CHECKING:
@@ -107,7 +108,7 @@ def _tell_progress(speed: WindowSpeed, openings: int) -> None:
         each_s = sum(speed.opening_s) / done
         left = f"{each_s * (openings - done) / 60:.1f} min left"
         words = f"opened {done} of {openings}, {speed.memory_mb[-1]:.0f} MiB, {each_s:.1f} s each, {left}"
-        print(words, file=sys.stderr, flush=True)
+        tell(words)
 
 
 def _write(path: Path, speed: WindowSpeed) -> None:

@@ -14,7 +14,6 @@ from __future__ import annotations
 
 import argparse
 import os
-import sys
 import time
 import warnings
 from dataclasses import replace
@@ -32,6 +31,7 @@ from app.cli.outputs import (
 )
 from app.cli.report import FileTimes, Report, relit_line, relit_record, reporting
 from app.cli.session import Session, light_files
+from app.cli.streams import tell
 from app.engine.batch import Outcome, photos_in, relight_each, summary
 from app.engine.sources import PANORAMA_SUFFIXES
 from relight_core.errors import InputError
@@ -149,7 +149,7 @@ def _render_each(
     resumed = {"kept": kept, "left_out": [str(path) for path in left_out]}
     report.record(record | (resumed if arguments.resume else {}))
     if failed and len(outcomes) > 2:
-        print(f"relight render: {summary(outcomes)}", file=sys.stderr, flush=True)
+        tell(f"relight render: {summary(outcomes)}")
     if any(outcome.fault for outcome in failed):
         return 1
     return 2 if failed else 0
@@ -160,8 +160,8 @@ def _tell_failure(outcome: Outcome) -> None:
     if outcome.fault:
         line += "; RELIGHT_DEBUG=1 shows where it happened"
         if os.environ.get("RELIGHT_DEBUG") == "1":
-            print(outcome.fault, file=sys.stderr)
-    print(f"relight render: {line}", file=sys.stderr, flush=True)
+            tell(outcome.fault)
+    tell(f"relight render: {line}")
 
 
 def _photos(given: list[Path], of_light: list[Path]) -> list[Path]:

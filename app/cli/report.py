@@ -11,6 +11,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from app.cli.streams import Heedless, tell
 from relight_core.pipeline.edit import Edit
 
 if TYPE_CHECKING:
@@ -65,13 +66,13 @@ def counting(title: str) -> Iterator[Callable[[int, int], None]]:
 
     def step(done: int, count: int) -> None:
         if shown:
-            print(f"\r{title} {done} of {count}", end="", file=sys.stderr, flush=True)
+            tell(f"\r{title} {done} of {count}", end="")
 
     try:
         yield step
     finally:
         if shown:
-            print("\r\x1b[K", end="", file=sys.stderr, flush=True)
+            tell("\r\x1b[K", end="")
 
 
 @contextlib.contextmanager
@@ -80,7 +81,7 @@ def _stdout_to_stderr() -> Iterator[None]:
     kept = os.dup(1)
     os.dup2(2, 1)
     try:
-        with contextlib.redirect_stdout(sys.stderr):
+        with contextlib.redirect_stdout(Heedless(sys.stderr)):
             yield
     finally:
         _flush_c_streams()

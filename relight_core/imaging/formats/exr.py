@@ -281,7 +281,8 @@ def _refusal_as_os_error() -> Iterator[None]:
 def _quiet() -> Iterator[None]:
     """Keep the library's own messages, printed to both streams, off the terminal; ours say more."""
     with _STREAMS, open(os.devnull, "w") as nowhere, contextlib.redirect_stdout(nowhere):
-        sys.stderr.flush()
+        with contextlib.suppress(OSError):
+            sys.stderr.flush()
         kept = os.dup(2)
         try:
             os.dup2(nowhere.fileno(), 2)
