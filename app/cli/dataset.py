@@ -28,6 +28,7 @@ from app.cli.maker_inputs import (
     progress,
 )
 from app.cli.outputs import make_folder
+from app.cli.streams import say
 from relight_core.errors import InputError
 
 _HEADS = "a head model, an .npz, or a folder of scans"
@@ -86,7 +87,7 @@ def _bake(arguments: argparse.Namespace) -> int:
         for done, path in enumerate(bake_missing(casting, arguments.out, seeds, arguments.size), 1):
             size_bytes += path.stat().st_size
             show(done, f"{done} of {arguments.count}")
-    print(f"{arguments.out}: {arguments.count} {arguments.split} heads, {size_bytes / 1e6:.1f} MB", flush=True)
+    say(f"{arguments.out}: {arguments.count} {arguments.split} heads, {size_bytes / 1e6:.1f} MB")
     return 0
 
 
@@ -113,7 +114,7 @@ def _skins(arguments: argparse.Namespace) -> int:
     if not skins.names:
         raise InputError(f"{arguments.wardrobe}: no skins here; give the whole MakeHuman archive, unpacked")
     path = write_skins(arguments.out, skins)
-    print(f"{path}: {len(skins.names)} skins", flush=True)
+    say(f"{path}: {len(skins.names)} skins")
     return 0
 
 
@@ -130,14 +131,14 @@ def _check(arguments: argparse.Namespace) -> int:
     lights = np.stack([shrink(sample_light(library, rng), NETWORK_HEIGHT) for _ in range(arguments.lights_per_head)])
     first = SPLIT_SEEDS["validation"]
     found = []
-    print("| head | light | direct | bounces, without term | bounces, with term |\n|---|---|---|---|---|")
+    say("| head | light | direct | bounces, without term | bounces, with term |\n|---|---|---|---|---|")
     for difference in check_heads(casting, range(first, first + arguments.count), lights):
         errors = (difference.direct, difference.without_bounce, difference.with_bounce)
         found.append(errors)
         cells = " | ".join(f"{error:.4f}" for error in errors)
-        print(f"| {difference.seed} | {difference.light} | {cells} |", flush=True)
+        say(f"| {difference.seed} | {difference.light} | {cells} |")
     cells = " | ".join(f"{error:.4f}" for error in np.sqrt(np.mean(np.square(found), 0)))
-    print(f"| all | | {cells} |")
+    say(f"| all | | {cells} |")
     return 0
 
 
@@ -170,7 +171,7 @@ def _lights(arguments: argparse.Namespace) -> int:
     arrays = read_light_folder(arguments.folder)
     write_light_library(arguments.output, arrays)
     places = len(set(arrays["group"].tolist()))
-    print(f"{arguments.output}: {len(arrays['names'])} panoramas of {places} places", flush=True)
+    say(f"{arguments.output}: {len(arrays['names'])} panoramas of {places} places")
     return 0
 
 

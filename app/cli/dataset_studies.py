@@ -17,6 +17,7 @@ from app.cli.maker_inputs import (
     let_idle_threads_sleep,
     progress,
 )
+from app.cli.streams import say
 from relight_core.errors import InputError
 
 _COLUMNS = 12
@@ -81,9 +82,9 @@ def _speed(arguments: argparse.Namespace) -> int:
     whole = read_shard(load_split(arguments.shards, "train")[0]).size
     load = os.getloadavg()[0]
     busy = "; the machine is busy, these are not its speeds" if load > 0.5 else ""
-    print(f"load average before: {load:.1f} on {os.cpu_count()} cores{busy}", flush=True)
-    print("| size | samples | per second, one core | per second of its own time | steps wait for the loader |")
-    print("|---|---|---|---|---|", flush=True)
+    say(f"load average before: {load:.1f} on {os.cpu_count()} cores{busy}")
+    say("| size | samples | per second, one core | per second of its own time | steps wait for the loader |")
+    say("|---|---|---|---|---|")
     for size in arguments.size or (128, 256):
         if size < 16 or size > whole or whole % size:
             raise InputError(f"--size {size}: the heads are {whole} pixels wide; give a divisor of that from 16 up")
@@ -91,7 +92,7 @@ def _speed(arguments: argparse.Namespace) -> int:
         share = ""
         if arguments.steps > 0:
             share = f"{waiting_share(arguments.shards, arguments.lights, size, arguments.steps):.0%}"
-        print(f"| {size} | {found.samples} | {found.wall_per_s:.1f} | {found.cpu_per_s:.1f} | {share} |", flush=True)
+        say(f"| {size} | {found.samples} | {found.wall_per_s:.1f} | {found.cpu_per_s:.1f} | {share} |")
     return 0
 
 
@@ -128,10 +129,10 @@ def _compare(arguments: argparse.Namespace, paths: list[Path], lesson, work: Pat
                 heads, arguments.lights, lesson, work / f"{name}.safetensors", lambda part, _: show(part), plain=plain
             )
     comparison = compare_photos(pupils, paths, lesson.size)
-    print("| trained on | detail kept | spread of people, stops | light left | photos |\n|---|---|---|---|---|")
+    say("| trained on | detail kept | spread of people, stops | light left | photos |\n|---|---|---|---|---|")
     for name, figures in comparison.figures.items():
         row = f"{figures.detail:.3f} | {figures.spread:.3f} | {figures.light_left:.2f}"
-        print(f"| {name} | {row} | {comparison.photos} |", flush=True)
+        say(f"| {name} | {row} | {comparison.photos} |")
     _write_sheet(arguments.output, contact_sheet(comparison.pictures, 1 + 2 * len(pupils), _CELL_PX))
     return 0
 
@@ -141,7 +142,7 @@ def _write_sheet(path: Path, sheet) -> None:
     from relight_core.imaging.write import write_image
 
     write_image(path, Photo.from_srgb(sheet).linear)
-    print(f"wrote {path}", flush=True)
+    say(f"wrote {path}")
 
 
 STUDIES = {"preview": _preview, "speed": _speed, "effect": _effect}

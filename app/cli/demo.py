@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 from app.cli.channels import write_channels
 from app.cli.outputs import check_place, make_folder
 from app.cli.session import Session, light_files, light_kind
+from app.cli.streams import say
 from app.cli.turntable import write_turntable
 from relight_core.imaging.files import KnownFiles
 from relight_core.pipeline.edit import Edit
@@ -58,13 +59,13 @@ def write_demo(photo: Path, light: str | None, folder: Path) -> None:
         check_place(output, inputs)
         relit = session.relighter.relight(environment, edit)
         write_image(output, relit.image, relit.alpha, exposure_ev=edit.exposure_ev)
-        print(f"wrote {output}", flush=True)
+        say(f"wrote {output}")
     write_channels(relit, edit, folder / "channels", inputs)
-    print(f"wrote {folder / 'channels'}/", flush=True)
+    say(f"wrote {folder / 'channels'}/")
     sheet = folder / "turntable.png"
     check_place(sheet, inputs)
     write_turntable(session, environment if len(work.lights) == 1 else session.light(TURNING_LIGHT), edit, sheet)
-    print(f"wrote {sheet}", flush=True)
+    say(f"wrote {sheet}")
 
 
 def _work(session: Session, given: Path, light: str | None) -> _Work:

@@ -14,7 +14,7 @@ from pathlib import Path
 
 from app.cli.arguments import add_light, user_path
 from app.cli.session import light_kind, sample_portrait
-from app.cli.streams import tell
+from app.cli.streams import say, tell
 from relight_core import __version__
 from relight_core.errors import InputError
 
@@ -49,7 +49,7 @@ def run(arguments: argparse.Namespace) -> int:
 def _write_pictures(photo: Path, light: str | None, reason: str) -> int:
     from app.cli.demo import write_demo
 
-    print(f"The editor can't open ({reason}); writing pictures into {OUT}/ instead.", flush=True)
+    say(f"The editor can't open ({reason}); writing pictures into {OUT}/ instead.")
     write_demo(photo, light, OUT)
     return 0
 

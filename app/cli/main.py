@@ -15,9 +15,10 @@ import warnings
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from importlib.util import find_spec
+from types import ModuleType
 
 from app.cli.arguments import OneLineParser
-from app.cli.streams import let_go_of_streams, tell
+from app.cli.streams import flush_said, let_go_of_streams, tell
 from app.faults import confession
 from relight_core.errors import InputError
 from relight_core.idle_threads import keep_numpy_to_one_thread
@@ -49,8 +50,8 @@ def main(argv: Sequence[str] | None = None) -> int:
         argv: the words after the program's name; sys.argv's by default.
 
     Returns:
-        0 done, 2 wrong usage or bad input (one line on stderr), 1 a fault of ours, 130 interrupted, 141 where
-        whoever read our output has left.
+        0 done, 2 wrong usage, bad input or output that can't be written (one line on stderr), 1 a fault of ours,
+        130 interrupted, 141 where whoever read our output has left.
     """
     words = list(sys.argv[1:] if argv is None else argv)
     name = words.pop(0) if words and words[0] in available_commands() else EDITOR
@@ -70,8 +71,6 @@ def _outcome(name: str, program: str, words: list[str]) -> int:
     except InputError as error:
         _tell(program, str(error))
         return BAD_INPUT
-    except SystemExit as stop:
-        return stop.code if isinstance(stop.code, int) else DONE
     except KeyboardInterrupt:
         return INTERRUPTED
     except BrokenPipeError:
@@ -93,13 +92,20 @@ def _run(name: str, program: str, words: list[str]) -> int:
         command.add_arguments(parser)
         if name == EDITOR:
             parser.epilog = _list_of_commands()
-        code = command.run(parser.parse_args(words))
-        sys.stdout.flush()
+        code = _run_parsed(command, parser, words)
+        flush_said()
         return code
     except ModuleNotFoundError as error:
         if error.name and error.name.partition(".")[0] in _TRAIN_EXTRAS:
             raise InputError(f"this needs {error.name}: pip install -e '.[train]'") from error
         raise
+
+
+def _run_parsed(command: ModuleType, parser: OneLineParser, words: list[str]) -> int:
+    try:
+        return command.run(parser.parse_args(words))
+    except SystemExit as stop:
+        return stop.code if isinstance(stop.code, int) else DONE
 
 
 def _list_of_commands() -> str:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 import json
-import sys
 from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -12,7 +11,7 @@ from typing import TYPE_CHECKING
 from app.cli.arguments import user_path
 from app.cli.maker_inputs import check_output_file, count_at_least_one, count_from_zero, number_above_zero
 from app.cli.outputs import write_text
-from app.cli.streams import tell
+from app.cli.streams import say, tell
 from relight_core.pipeline.quality import TIERS
 
 if TYPE_CHECKING:
@@ -54,8 +53,8 @@ def run(arguments: argparse.Namespace) -> int:
 
     if arguments.output:
         check_output_file(arguments.output, (".json",))
-    speed, told = WindowSpeed(), sys.stderr if arguments.json else sys.stdout
-    print("                                        median      p95", file=told, flush=True)
+    speed, told = WindowSpeed(), tell if arguments.json else say
+    told("                                        median      p95")
     try:
         for now in measure_window(
             make_relighter,
@@ -66,7 +65,7 @@ def run(arguments: argparse.Namespace) -> int:
             quality=arguments.quality,
         ):
             for line in news(speed, now):
-                print(line, file=told, flush=True)
+                told(line)
             speed = now
             if arguments.output:
                 _write(arguments.output, speed)
@@ -75,9 +74,9 @@ def run(arguments: argparse.Namespace) -> int:
         raise InputError(f"the window can't be measured: {error}") from error
     finally:
         if speed.memory_mb:
-            print(memory_line(speed.memory_mb), file=told, flush=True)
+            told(memory_line(speed.memory_mb))
         if arguments.json and speed.frame:
-            print(json.dumps(asdict(speed)))
+            say(json.dumps(asdict(speed)))
     return 0
 
 

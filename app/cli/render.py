@@ -99,7 +99,9 @@ def run(arguments: argparse.Namespace) -> int:
         session = Session()
         light = session.light(arguments.light, arguments.meter)
         if not several:
-            report.record(_render(session, light, arguments, arguments.photos[0], outputs[0], report))
+            record, line = _render(session, light, arguments, arguments.photos[0], outputs[0])
+            report.record(record)
+            report.line(line)
             return 0
         return _render_each(session, light, arguments, outputs, unclaimed, report)
 
@@ -129,20 +131,24 @@ def _render_each(
     left_out: list[Path],
     report: Report,
 ) -> int:
-    def one(photo: Path, output: Path) -> dict:
-        return _render(session, light, arguments, photo, output, report)
+    def one(photo: Path, output: Path) -> tuple[dict, str]:
+        return _render(session, light, arguments, photo, output)
 
-    outcomes = []
+    outcomes, written = [], []
     tasks = list(zip(arguments.photos, outputs, strict=True))
     for outcome in relight_each(tasks, one, arguments.resume):
         outcomes.append(outcome)
         if outcome.state == "failed":
             _tell_failure(outcome)
+        elif outcome.state == "written":
+            record, line = outcome.result
+            written.append(record)
+            report.line(line)
         elif outcome.state == "kept":
             report.line(f"kept {outcome.output}")
     failed = [outcome for outcome in outcomes if outcome.state == "failed"]
     record = {
-        "results": [outcome.result for outcome in outcomes if outcome.state == "written"],
+        "results": written,
         "errors": [{"input": str(outcome.photo), "error": outcome.error} for outcome in failed],
     }
     kept = [str(outcome.output) for outcome in outcomes if outcome.state == "kept"]
@@ -176,8 +182,8 @@ def _render(
     arguments: argparse.Namespace,
     photo: Path,
     output: Path,
-    report: Report,
-) -> dict:
+) -> tuple[dict, str]:
+    """Write one photo's result; gives what `--json` says of it, and a line for people."""
     from relight_core.imaging.write import FileStyle, write_bands
 
     # Only the picture is written, and only in bands: no channel is looked at, no screen wants it.
@@ -196,8 +202,7 @@ def _render(
     ended = time.perf_counter()
     after_networks_s = ended - (relit.networks_ended_s or began)
     times = FileTimes(session.opening_ms, (ended - began) * 1e3, after_networks_s * 1e3)
-    report.line(relit_line(str(output), relit, edit))
-    return relit_record(str(photo), str(output), relit, times)
+    return relit_record(str(photo), str(output), relit, times), relit_line(str(output), relit, edit)
 
 
 def _matched(light: Environment, relit: Relit, photo: Path) -> Environment:

@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from app.cli.streams import Heedless, tell
+from app.cli.streams import Heedless, flush_said, say, tell
 from relight_core.pipeline.edit import Edit
 
 if TYPE_CHECKING:
@@ -29,7 +29,7 @@ class Report:
     def line(self, text: str) -> None:
         """Print a line for people."""
         if not self._as_json:
-            print(text, flush=True)
+            say(text)
 
     def record(self, record: dict) -> None:
         """Keep the object for programs; it is printed when the command has ended well."""
@@ -53,7 +53,7 @@ def reporting(as_json: bool) -> Iterator[Report]:
         yield report
     text = report.json_text()
     if text is not None:
-        print(text, flush=True)
+        say(text)
 
 
 @contextlib.contextmanager
@@ -77,7 +77,7 @@ def counting(title: str) -> Iterator[Callable[[int, int], None]]:
 
 @contextlib.contextmanager
 def _stdout_to_stderr() -> Iterator[None]:
-    sys.stdout.flush()
+    flush_said()
     kept = os.dup(1)
     os.dup2(2, 1)
     try:

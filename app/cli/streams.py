@@ -1,4 +1,4 @@
-"""What is told on stderr need not arrive, and stops nothing where it does not."""
+"""What is said on stdout has to arrive; what is told on stderr need not, and stops nothing where it does not."""
 
 from __future__ import annotations
 
@@ -6,6 +6,25 @@ import contextlib
 import os
 import sys
 from typing import TextIO
+
+from relight_core.errors import InputError
+
+
+def say(text: str) -> None:
+    """Print a line of what was asked for on stdout.
+
+    Raises:
+        InputError: it can't be written.
+        BrokenPipeError: whoever read it has left.
+    """
+    with _refusal_in_a_line():
+        print(text, flush=True)
+
+
+def flush_said() -> None:
+    """Push out what has been printed on stdout; raises as `say`."""
+    with _refusal_in_a_line():
+        sys.stdout.flush()
 
 
 def tell(text: str, end: str = "\n") -> None:
@@ -43,3 +62,14 @@ def let_go_of_streams() -> None:
             stream.flush()
         except OSError:
             os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
+
+
+@contextlib.contextmanager
+def _refusal_in_a_line():
+    try:
+        yield
+    except BrokenPipeError:
+        raise
+    except OSError as error:
+        reason = (error.strerror or str(error)).lower()
+        raise InputError(f"the output can't be written ({reason})") from error

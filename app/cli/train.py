@@ -29,6 +29,7 @@ from app.cli.maker_inputs import (
     progress,
 )
 from app.cli.outputs import make_folder
+from app.cli.streams import say
 from relight_core.errors import InputError
 from relight_core.imaging.files import is_same_file
 
@@ -133,7 +134,7 @@ def _join(arguments: argparse.Namespace) -> int:
     if other.person is not None:
         joined = with_person_network(joined, other.person)
     save_bundle(arguments.output, joined)
-    print(f"wrote {arguments.output}", flush=True)
+    say(f"wrote {arguments.output}")
     return 0
 
 
@@ -160,7 +161,7 @@ def _follow_recipe(arguments: argparse.Namespace) -> int:
         )
     for log in sorted(arguments.output.glob("*.log.json")):
         _draw_curves(log)
-    print(f"wrote {arguments.output / 'relight.safetensors'}", flush=True)
+    say(f"wrote {arguments.output / 'relight.safetensors'}")
     return 0
 
 
@@ -189,7 +190,7 @@ def _train_stage(arguments: argparse.Namespace) -> int:
     )
     with progress(arguments.stage, 1.0) as show:
         train(settings, lambda elapsed, state: show(elapsed, _note(state)))
-    print(f"wrote {arguments.output}", flush=True)
+    say(f"wrote {arguments.output}")
     _draw_curves(arguments.output.with_suffix(".log.json"))
     return 0
 
@@ -201,9 +202,9 @@ def _draw_curves(log: Path) -> None:
     try:
         draw_curves(log, picture)
     except InputError as error:
-        print(f"no curves: {error}", flush=True)
+        say(f"no curves: {error}")
     else:
-        print(f"wrote {picture}", flush=True)
+        say(f"wrote {picture}")
 
 
 def _note(state: Progress) -> str:

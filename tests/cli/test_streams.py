@@ -1,5 +1,6 @@
-"""Streams that can't be written: stderr stops nothing."""
+"""Streams that can't be written: stderr stops nothing, stdout is told in a line, and neither is a fault of ours."""
 
+import errno
 import os
 import subprocess
 import sys
@@ -77,3 +78,34 @@ def test_lines_of_a_log_that_is_full_stop_nothing(full):
     full("stderr")
     with progress("training", 1.0, line_every_s=0.0) as show:
         show(0.5, "half")
+
+
+@pytest.mark.parametrize(
+    ("words", "unbuffered"), [("rigs", ""), ("rigs", "1"), ("rigs --json", ""), ("rigs --json", "1"), ("--help", "")]
+)
+def test_output_that_can_t_be_written_is_told_in_a_line(words, unbuffered, monkeypatch):
+    monkeypatch.setenv("PYTHONUNBUFFERED", unbuffered)
+    done = shell(f"{words} >{FULL}")
+    assert done.returncode == 2
+    program = "relight" if words == "--help" else "relight rigs"
+    assert done.stderr == f"{program}: the output can't be written ({os.strerror(errno.ENOSPC).lower()})\n"
+
+
+def test_a_reader_of_help_that_leaves_is_no_fault():
+    done = shell("--help | true; exit ${PIPESTATUS[0]}")
+    assert done.returncode in (0, 141)
+    assert done.stderr == ""
+
+
+@pytest.mark.parametrize("several", [False, True])
+def test_a_photo_that_is_written_is_not_called_failed_because_nobody_can_be_told(relight, tmp_path, full, several):
+    shoot = tmp_path / "shoot"
+    shoot.mkdir()
+    photo = save_photo(shoot / "a.png")
+    full("stdout")
+    done = relight("render", shoot if several else photo, "--light", "ring", "-o", f"{tmp_path / 'out'}/")
+    assert done.code == 2
+    assert (tmp_path / "out" / "a.png").exists()
+    assert done.err.count("\n") == 1
+    assert "the output can't be written" in done.err
+    assert "a.png" not in done.err
