@@ -138,14 +138,18 @@ def _bench(arguments: argparse.Namespace, photos: list[Photo], report: Report) -
     from relight_core.evaluation.bench_report import as_full_record, as_markdown, as_record, plot
     from relight_core.imaging.files import whole_file
 
-    for result in _measured(arguments, photos):
-        page = as_markdown(result)
-        write_text(arguments.output / "bench.json", json.dumps(as_full_record(result), indent=1))
-        write_text(arguments.output / "bench.md", page)
-        with whole_file(arguments.output / "bench.png") as partial:
-            plot(result, partial)
-    report.line(page)
-    report.record(as_record(result))
+    page = ""
+    try:
+        for result in _measured(arguments, photos):
+            page = as_markdown(result)
+            report.record(as_record(result))
+            write_text(arguments.output / "bench.json", json.dumps(as_full_record(result), indent=1))
+            write_text(arguments.output / "bench.md", page)
+            with whole_file(arguments.output / "bench.png") as partial:
+                plot(result, partial)
+    finally:
+        if page:
+            report.line(page)
     return 0
 
 
@@ -226,10 +230,9 @@ def _files(arguments: argparse.Namespace, photo: Photo, report: Report) -> int:
     with progress("files", 1.0) as show:
         found = time_files(photo, rounds, _onto(show))
     record = {"machine": machine, "files": {kind[1:]: of for kind, of in found.items()}}
-    write_text(arguments.output / "files.json", json.dumps(record, indent=1))
-    write_text(arguments.output / "files.md", as_markdown(found))
-    report.line(as_markdown(found))
-    report.record(record)
+    with report.figures(as_markdown(found), record):
+        write_text(arguments.output / "files.json", json.dumps(record, indent=1))
+        write_text(arguments.output / "files.md", as_markdown(found))
     return 0
 
 
@@ -241,16 +244,29 @@ def _stability(arguments: argparse.Namespace, photo: Photo, report: Report) -> i
     with progress("attacking", 1.0) as show:
         result = run_stability(photo, quick=arguments.quick, weights=arguments.weights, report=_onto(show))
     page = result.as_markdown()
-    write_text(arguments.output / "stability.json", json.dumps(result.as_record(), indent=1))
-    write_text(arguments.output / "stability.md", page + "\n")
-    with whole_file(arguments.output / "stability.png") as partial:
-        plot_stability(result, partial)
-    report.line("\n".join([page, *result.failures]))
-    report.record(result.as_record())
+    with report.figures("\n".join([page, *result.failures]), result.as_record()):
+        write_text(arguments.output / "stability.json", json.dumps(result.as_record(), indent=1))
+        write_text(arguments.output / "stability.md", page + "\n")
+        with whole_file(arguments.output / "stability.png") as partial:
+            plot_stability(result, partial)
     return 1 if result.failures else 0
 
 
 def _session(arguments: argparse.Namespace, photos: list[Photo], report: Report) -> int:
+    page = ""
+    try:
+        for page, record in _replayed(arguments, photos):
+            report.record(record)
+            write_text(arguments.output / "session.json", json.dumps(record, indent=1))
+            write_text(arguments.output / "session.md", page)
+    finally:
+        if page:
+            report.line(page)
+    return 0
+
+
+def _replayed(arguments: argparse.Namespace, photos: list[Photo]) -> Iterator[tuple[str, dict]]:
+    """After each photo, a page and a record of all that was replayed so far."""
     from relight_core.evaluation.bench_machine import describe_machine
     from relight_core.evaluation.bench_session import Savings, recorded_session, replay, visits
     from relight_core.lighting.rigs import load_rig
@@ -270,22 +286,17 @@ def _session(arguments: argparse.Namespace, photos: list[Photo], report: Report)
             done = sum(savings.updates for savings in found.values())
             show(done / total, f"{done} of {total}")
 
-        for number, photo in enumerate(photos):
+        for number, photo in enumerate(photos, 1):
             for name, steps in plays.items():
                 replay(relighter, thorough, photo, steps, found[name], report=show_updates)
-            page, record = _session_pages(number + 1, plays, found)
-            write_text(arguments.output / "session.json", json.dumps({"machine": machine} | record, indent=1))
-            write_text(arguments.output / "session.md", page)
-    report.line(page)
-    report.record({"machine": machine} | record)
-    return 0
+            yield _session_pages(number, plays, found, machine)
 
 
-def _session_pages(photos: int, plays: dict, found: dict[str, Savings]) -> tuple[str, dict]:
+def _session_pages(photos: int, plays: dict, found: dict[str, Savings], machine: dict) -> tuple[str, dict]:
     """Markdown and a JSON-ready record of what was replayed so far."""
     from relight_core.evaluation.bench_session import as_markdown
 
-    page, record = "", {"photos": photos}
+    page, record = "", {"machine": machine, "photos": photos}
     for name, steps in plays.items():
         lights = len({light.name for light, _ in steps})
         record[name] = {"lights": lights} | found[name].as_record()

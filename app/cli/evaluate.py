@@ -109,8 +109,8 @@ def _measure(arguments: argparse.Namespace) -> int:
         weights, bundle, settings = _under_test(arguments)
         with progress("relighting", 1.0) as show:
             evaluation = evaluate(bundle, settings, lambda done, total: show(done / total, f"{done} of {total}"))
-        _tell(report, arguments.output, as_markdown(evaluation, weights.name))
-        report.record(as_record(evaluation, str(weights)))
+        page, record = as_markdown(evaluation, weights.name), as_record(evaluation, str(weights))
+        _tell(report, arguments.output, page, record)
     return 0
 
 
@@ -122,9 +122,9 @@ def _break_down(arguments: argparse.Namespace) -> int:
         weights, bundle, settings = _under_test(arguments)
         with progress("relighting", 1.0) as show:
             breakdown = break_down(bundle, settings, lambda done, total: show(done / total, f"{done} of {total}"))
-        _tell(report, arguments.output, as_markdown(breakdown))
         measured = {"weights": str(weights), "split": arguments.split, "photos": settings.photos}
-        report.record(as_record(breakdown) | measured | {"quality": quality_of(settings.tier)})
+        record = as_record(breakdown) | measured | {"quality": quality_of(settings.tier)}
+        _tell(report, arguments.output, as_markdown(breakdown), record)
     return 0
 
 
@@ -149,10 +149,10 @@ def _under_test(arguments: argparse.Namespace) -> tuple[Path, NetworkBundle, Set
     return weights, bundle, settings
 
 
-def _tell(report: Report, place: Path | None, page: str) -> None:
-    if place is not None:
-        write_text(place, page)
-    report.line(page)
+def _tell(report: Report, place: Path | None, page: str, record: dict) -> None:
+    with report.figures(page, record):
+        if place is not None:
+            write_text(place, page)
 
 
 def _compare_detail(arguments: argparse.Namespace) -> int:
@@ -168,6 +168,6 @@ def _compare_detail(arguments: argparse.Namespace) -> int:
                 arguments.count,
                 lambda done, total: show(done / total, f"{done} of {total}"),
             )
-        _tell(report, arguments.output, detail_table(scores))
-        report.record({"errors": scores.errors, "pictures": scores.pictures, "size": scores.size})
+        record = {"errors": scores.errors, "pictures": scores.pictures, "size": scores.size}
+        _tell(report, arguments.output, detail_table(scores), record)
     return 0

@@ -32,8 +32,17 @@ class Report:
             say(text)
 
     def record(self, record: dict) -> None:
-        """Keep the object for programs; it is printed when the command has ended well."""
+        """Keep the object for programs; it is printed when the command ends, be it because something fails later."""
         self._record = record
+
+    @contextlib.contextmanager
+    def figures(self, page: str, record: dict) -> Iterator[None]:
+        """Tell what was measured after a block that writes it into files, whether or not they can be written."""
+        self.record(record)
+        try:
+            yield
+        finally:
+            self.line(page)
 
     def json_text(self) -> str | None:
         """The object as one line of ASCII, or None when there is none to print."""
@@ -49,11 +58,13 @@ def reporting(as_json: bool) -> Iterator[Report]:
     if not as_json:
         yield report
         return
-    with _stdout_to_stderr():
-        yield report
-    text = report.json_text()
-    if text is not None:
-        say(text)
+    try:
+        with _stdout_to_stderr():
+            yield report
+    finally:
+        text = report.json_text()
+        if text is not None:
+            say(text)
 
 
 @contextlib.contextmanager
