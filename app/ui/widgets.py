@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -9,6 +10,7 @@ from dataclasses import dataclass
 from imgui_bundle import imgui
 
 from app.ui import theme
+from app.ui.angles import wrap_degrees
 from app.ui.pictures import Shown
 from app.ui.state import EditorState
 from relight_core.imaging.files import legible
@@ -22,10 +24,11 @@ class Slider:
 
     Attributes:
         label: its name in the panel, unique.
-        low, high: the ends of the track; numbers typed in are limited to them too.
+        low, high: the ends of the track; numbers typed in are limited to them too, or wrapped.
         rest: where a double click brings it back to, and where its bar grows from.
         form: printf form of the number, with its unit.
         help: what it does, in plain words.
+        wraps: it is an angle in degrees, of which a number past an end of the track is another turn.
     """
 
     label: str
@@ -34,6 +37,13 @@ class Slider:
     rest: float
     form: str
     help: str
+    wraps: bool = False
+
+    def taken(self, number: float) -> float:
+        """A number that was typed in, on the track."""
+        if self.wraps and math.isfinite(number) and not self.low <= number <= self.high:
+            return wrap_degrees(number)
+        return min(max(number, self.low), self.high)
 
 
 def heading(fonts: theme.Fonts, text: str) -> None:
@@ -121,7 +131,7 @@ def _typed(state: EditorState, spec: Slider, value: float) -> float:
         # A number that was left as it stood must not be rounded to what is shown of it, nor moved onto the track.
         untouched = new != new or _TYPED_FORM % new == _TYPED_FORM % value
         if not imgui.is_key_pressed(imgui.Key.escape) and not untouched:
-            value = min(max(new, spec.low), spec.high)
+            value = spec.taken(new)
     elif not began and not imgui.is_item_active() and not imgui.is_item_focused():
         state.typing = None
     return value

@@ -4,6 +4,7 @@ import glfw
 import pytest
 
 from app.ui import binding, widgets
+from app.ui.panels import light_panel
 
 GERMAN = {glfw.KEY_RIGHT_BRACKET: "+", glfw.KEY_SLASH: "-", glfw.KEY_Y: "z", glfw.KEY_EQUAL: "\N{ACUTE ACCENT}"}
 FRENCH = {glfw.KEY_6: "-", glfw.KEY_EQUAL: "=", glfw.KEY_Q: "a", glfw.KEY_M: ",", glfw.KEY_SEMICOLON: "m"}
@@ -36,6 +37,22 @@ def test_a_number_that_is_not_touched_stays_as_it_is(opened, value, end):
 @pytest.mark.parametrize(("text", "value"), [("1.5", 1.5), ("9", 2.0)])
 def test_a_number_that_is_typed_counts_within_the_track(opened, text, value):
     assert type_shadow(opened, 0.7034, text) == pytest.approx(value)
+
+
+@pytest.mark.parametrize(("text", "value"), [("725", 5.0), ("190", -170.0), ("-190", 170.0), ("180", 180.0)])
+def test_an_angle_that_is_typed_wraps_around(opened, text, value):
+    state = opened.window.state
+    state.typing, state.typing_began, state.typing_seen = light_panel.ROTATION.label, True, True
+    opened.frames(3)
+    opened.type(text)
+    opened.hold(glfw.KEY_ENTER)
+    opened.release(glfw.KEY_ENTER)
+    assert state.edit.yaw_deg == pytest.approx(value)
+
+
+@pytest.mark.parametrize(("number", "taken"), [(-180.0, -180.0), (540.0, 180.0), (float("inf"), 180.0)])
+def test_an_angle_stays_on_the_track(number, taken):
+    assert light_panel.ROTATION.taken(number) == taken
 
 
 @pytest.mark.parametrize(
