@@ -81,7 +81,11 @@ def add_sliders(parser: argparse.ArgumentParser, *, makes_pictures: bool = True)
         "other lights stay as they are",
     )
     parser.add_argument(
-        "--yaw", metavar="DEG", type=_finite, default=0.0, help="turn the light; positive moves it right"
+        "--yaw",
+        metavar="DEG",
+        type=_finite,
+        default=0.0,
+        help="turn the light; positive moves the panorama to the right, and a lamp in front of the person to the left",
     )
     if makes_pictures:
         _add_exposure_and_background(parser)

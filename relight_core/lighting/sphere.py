@@ -32,7 +32,7 @@ def place_on_map(x: np.ndarray, y: np.ndarray, z: np.ndarray) -> tuple[np.ndarra
 
 
 def turned(direction: np.ndarray, yaw_deg: float) -> np.ndarray:
-    """A direction (3,) of a light, in camera space after a turn of the light by yaw_deg; positive moves it right."""
+    """A direction (3,) of a light, in camera space after a turn of the light by yaw_deg, as panoramas turn."""
     angle = np.radians(yaw_deg)
     x, y, z = (float(value) for value in direction)
     return np.array([x * np.cos(angle) - z * np.sin(angle), y, x * np.sin(angle) + z * np.cos(angle)])

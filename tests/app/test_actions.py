@@ -116,7 +116,7 @@ def test_the_overview_shows_every_action_and_gesture():
 
 def test_actions_work_on_the_state_alone():
     state = EditorState()
-    named("Turn the light right").run(state)
+    named("Turn the panorama right").run(state)
     assert state.edit.yaw_deg == 5.0
     named("See the photo").run(state)
     assert state.before

@@ -15,7 +15,14 @@ from app.ui.state import EditorState
 from relight_core.imaging.files import legible
 
 ROTATION = widgets.Slider(
-    "Rotation", -180.0, 180.0, 0.0, "%.0f°", "Turns the light around the person; to the right is positive.", wraps=True
+    "Rotation",
+    -180.0,
+    180.0,
+    0.0,
+    "%.0f°",
+    "Turns the light around the person; positive moves the panorama to the right,\n"
+    "and a lamp in front of the person to the left.",
+    wraps=True,
 )
 _FROM_FILE = {
     "panorama": "A panorama you used. Right-click takes it off this list.",
