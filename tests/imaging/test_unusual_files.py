@@ -145,6 +145,21 @@ def test_inks_with_transparency(tmp_path, scale, extra, ink):
     np.testing.assert_allclose(photo.alpha, HALF / 255, atol=1e-6)
 
 
+LAB_COLOUR = (54.29, 80.81, 69.89)
+"""Red of sRGB, by CIE's formulas from its values relative to D50."""
+
+
+@pytest.mark.parametrize("scale", [1, 257])
+@pytest.mark.parametrize("options", [{}, {"compression": "zlib"}, {"in_planes": True}])
+def test_lab_as_profiles_store_it(tmp_path, scale, options):
+    codes = FLAT * np.rint([LAB_COLOUR[0] * 2.55, LAB_COLOUR[1] + 128, LAB_COLOUR[2] + 128]).astype(np.uint16)
+    stored = (codes * scale).astype(np.uint8 if scale == 1 else np.uint16)
+    in_planes = options.get("in_planes", False)
+    config = {"planarconfig": "separate" if in_planes else "contig", "compression": options.get("compression")}
+    tifffile.imwrite(tmp_path / "a.tif", planes(stored) if in_planes else stored, photometric="icclab", **config)
+    np.testing.assert_allclose(in_srgb(read_photo(tmp_path / "a.tif")), np.broadcast_to((255, 0, 0), (6, 8, 3)), atol=6)
+
+
 def test_usual_channels_that_are_damaged_are_called_so(tmp_path):
     write_flat(tmp_path / "a.tif", (*COLOUR, HALF), ["unassalpha"], compression="zlib")
     data = bytearray((tmp_path / "a.tif").read_bytes())
@@ -162,6 +177,8 @@ def test_usual_channels_that_are_damaged_are_called_so(tmp_path):
         ((*COLOUR, 7, HALF), ["unspecified", "unassalpha"], {}),
         ((0, 9, 9, 0, HALF), ["unassalpha"], {"photometric": "separated"}),
         ((*COLOUR, 7), ["unspecified"], {"in_planes": True}),
+        (COLOUR, [], {"photometric": "icclab"}),
+        (COLOUR, [], {"photometric": "itulab"}),
     ],
 )
 def test_unusual_channels_in_an_unread_compression_say_what_to_do(tmp_path, samples, extras, options):

@@ -26,8 +26,10 @@ from relight_core.imaging.formats.tiff_exif import exif_of_tiff
 logging.getLogger("tifffile").setLevel(logging.CRITICAL)
 
 _ORIENTATION, _PROFILE = 274, 34675
-_WHITE_IS_0, _BLACK_IS_0, _RGB, _CMYK = 0, 1, 2, 5
-_COLOURS = {_WHITE_IS_0: 1, _BLACK_IS_0: 1, _RGB: 3, _CMYK: 4}
+_WHITE_IS_0, _BLACK_IS_0, _RGB, _CMYK, _ICC_LAB = 0, 1, 2, 5, 9
+_BY_LIBRARY = {_CMYK: "CMYK", _ICC_LAB: "LAB"}
+_BY_PILLOW = (0, 1, 2, 3, 5, 6, 8)
+_COLOURS = {_WHITE_IS_0: 1, _BLACK_IS_0: 1, _RGB: 3, _CMYK: 4, _ICC_LAB: 3}
 _ALPHAS = _ASSOCIATED, _STRAIGHT = 1, 2
 _IN_PLANES = 2
 _NUMBERS = ("uint8", "uint16", "float16", "float32")
@@ -60,14 +62,18 @@ def decode_deep_tiff(data: bytes, path: Path) -> Raster | None:
 
 
 def decode_flat_tiff(data: bytes, path: Path) -> Raster | None:
-    """Decode the first picture where Pillow refuses it for its channels and it has 8 bits; None where it is another.
+    """Decode the first picture where Pillow refuses it for its channels or colours and it has 8 bits.
+
+    Returns:
+        None where it is another, as one that is damaged.
+
 
     Raises:
         InputError: damaged, too large or of an unsupported kind.
     """
     page, kind = _described(data, path)
     raster = _decoded(page, kind, data) if kind.bits == 8 else None
-    if raster is None and _has_unusual_channels(page, kind):
+    if raster is None and (_has_unusual_channels(page, kind) or kind.photometric not in _BY_PILLOW):
         raise _unread(path, kind)
     return raster
 
@@ -106,7 +112,7 @@ def _decoded(page: tifffile.TiffPage, kind: _Kind, data: bytes) -> Raster | None
     if values is None:
         return None
     raster = _as_raster(values, page, kind.photometric)
-    if raster.icc is None and values.dtype.kind == "u" and kind.photometric != _CMYK:
+    if raster.icc is None and values.dtype.kind == "u" and kind.photometric not in _BY_LIBRARY:
         raster = replace(raster, icc=exif_profile(data, raster.values.shape[2]))
     # OpenCV turns pictures upright by itself.
     orientation = 1 if by_opencv else _orientation(page)
@@ -141,6 +147,8 @@ def _by_tifffile(page: tifffile.TiffPage, kind: _Kind, data: bytes) -> np.ndarra
     """(H, W, channels), or None where it doesn't know the compression or the numbers."""
     colours = _COLOURS.get(kind.photometric)
     if page.dtype is None or kind.compression not in (_PLAIN, _PACKBITS, *_DEFLATE) or colours is None:
+        return None
+    if kind.photometric == _ICC_LAB and page.dtype.kind != "u":
         return None
     if kind.compression in _DEFLATE and not _inflates_as_it_should(page, data):
         return None
@@ -185,7 +193,7 @@ def _as_raster(values: np.ndarray, page: tifffile.TiffPage, photometric: int) ->
     if photometric == _WHITE_IS_0:
         values = white - values
     raster = Raster(values, alpha, icc, premultiplied=kind == _ASSOCIATED)
-    return _out_of_inks(raster) if photometric == _CMYK else raster
+    return _through_library(raster, _BY_LIBRARY[photometric]) if photometric in _BY_LIBRARY else raster
 
 
 def _transparency(page: tifffile.TiffPage, count: int) -> tuple[int, int | None]:
@@ -196,12 +204,13 @@ def _transparency(page: tifffile.TiffPage, count: int) -> tuple[int, int | None]
     return next(((i, kind) for i, kind in enumerate(page.extrasamples[:count]) if kind in _ALPHAS), (0, None))
 
 
-def _out_of_inks(raster: Raster) -> Raster:
-    """CMYK to sRGB at 8 bits, with transparency out of the inks first: less ink is a lighter colour."""
-    inks = raster.straight
-    if inks.dtype == np.uint16:
-        inks = (inks >> 8).astype(np.uint8)
-    elif inks.dtype != np.uint8:
-        inks = (np.clip(np.nan_to_num(inks), 0, 1) * 255).astype(np.uint8)
-    values = through_library_profile(Image.fromarray(inks, "CMYK"), raster.icc)
-    return replace(raster, values=values, icc=None, premultiplied=False)
+def _through_library(raster: Raster, mode: str) -> Raster:
+    """CMYK or Lab to sRGB at 8 bits, with transparency out of the inks first: less ink is a lighter colour."""
+    codes = raster.straight
+    if codes.dtype == np.uint16:
+        codes = (codes >> 8).astype(np.uint8)
+    elif codes.dtype != np.uint8:
+        codes = (np.clip(np.nan_to_num(codes), 0, 1) * 255).astype(np.uint8)
+    # Merged and not read as one, for which Pillow would take the colours of Lab for signed ones.
+    image = Image.merge(mode, [Image.fromarray(np.ascontiguousarray(band)) for band in np.moveaxis(codes, -1, 0)])
+    return replace(raster, values=through_library_profile(image, raster.icc), icc=None, premultiplied=False)
