@@ -148,3 +148,18 @@ def test_grey_photos_become_grey_colour(tmp_path, depth):
         linear = read_photo(tmp_path / name).linear
         assert linear.shape == (10, 12, 3)
         np.testing.assert_allclose(linear, 0.212, atol=0.003)
+
+
+@pytest.mark.parametrize("share", [0.2, 0.9])
+@pytest.mark.parametrize("brand", [b"avif", b"mif1"])
+def test_an_avif_that_was_cut_is_damaged_and_not_no_image(tmp_path, share, brand):
+    from PIL import features
+
+    if not features.check("avif"):
+        pytest.skip("this Pillow reads no AVIF")
+    Image.fromarray(np.full((64, 48, 3), 90, np.uint8)).save(tmp_path / "a.avif")
+    data = bytearray((tmp_path / "a.avif").read_bytes())
+    data[8:12] = brand
+    (tmp_path / "a.avif").write_bytes(data[: int(share * len(data))])
+    with pytest.raises(InputError, match="truncated or damaged image"):
+        read_photo(tmp_path / "a.avif")

@@ -94,14 +94,25 @@ def _open_with_pillow(data: bytes, path: Path) -> Image.Image:
             _check_plausible(data, image, path)
             image.load()
         except Image.UnidentifiedImageError:
+            if _is_avif(data):
+                raise _damaged(path) from None
             raise InputError(f"{path}: not an image; use a JPEG, PNG, TIFF, HEIC, WebP, EXR or HDR file") from None
         except InputError:
             raise
         except Exception:
-            raise InputError(f"{path}: a truncated or damaged image; fetch or export it again") from None
+            raise _damaged(path) from None
         finally:
             Image.MAX_IMAGE_PIXELS = limit
     return image
+
+
+def _is_avif(data: bytes) -> bool:
+    """Whether a file says that it is AVIF; of a cut one Pillow only says that it knows it not."""
+    return data[4:8] == b"ftyp" and (b"avif" in data[8:64] or b"avis" in data[8:64])
+
+
+def _damaged(path: Path) -> InputError:
+    return InputError(f"{path}: a truncated or damaged image; fetch or export it again")
 
 
 def _check_plausible(data: bytes, image: Image.Image, path: Path) -> None:
@@ -114,7 +125,7 @@ def _check_plausible(data: bytes, image: Image.Image, path: Path) -> None:
         return
     claimed = pixels * _PNG_SAMPLES.get(data[25], 1) * data[24] // 8
     if claimed > _MOST_DEFLATED * len(data):
-        raise InputError(f"{path}: a truncated or damaged image; fetch or export it again")
+        raise _damaged(path)
 
 
 def _profile_of(image: Image.Image, data: bytes, path: Path) -> bytes | None:
@@ -171,7 +182,7 @@ def _decode_deep_png(data: bytes, image: Image.Image, icc: bytes | None, path: P
     # OpenCV takes the memory that a chunk claims, up to 4 GiB, before it looks for its bytes.
     values = decoded_by_opencv(data) if _chunks_fit(data) else None
     if values is None or values.dtype != np.uint16:
-        raise InputError(f"{path}: a truncated or damaged image; fetch or export it again")
+        raise _damaged(path)
     values, alpha = in_rgb_order(values), None
     if values.shape[2] == 4:
         colours = 1 if data[25] in _PNG_GREYS else 3
