@@ -8,6 +8,7 @@ import pytest
 import tifffile
 from PIL import Image, ImageCms
 
+from relight_core.errors import InputError
 from relight_core.imaging.formats.icc import matrix_profile
 from relight_core.imaging.formats.png import SIGNATURE, chunk
 from relight_core.imaging.read import read_photo
@@ -45,8 +46,8 @@ def xyz(values):
     return b"XYZ \0\0\0\0" + b"".join(fixed(value) for value in values)
 
 
-def rgb_profile(curve, columns=P3):
-    tags = {b"wtpt": xyz((0.9642, 1.0, 0.8249))}
+def rgb_profile(curve, columns=P3, more=()):
+    tags = {b"wtpt": xyz((0.9642, 1.0, 0.8249)), **dict(more)}
     for letter, column in zip(b"rgb", columns, strict=True):
         tags[bytes([letter]) + b"XYZ"] = xyz(column)
         tags[bytes([letter]) + b"TRC"] = curve
@@ -217,3 +218,19 @@ def test_a_profile_whose_colours_lie_in_a_plane_is_none_to_write_in():
     red, green, _ = P3
     assert matrix_profile(rgb_profile(gamma(2.2)), 3) is not None
     assert matrix_profile(rgb_profile(gamma(2.2), [red, green, red]), 3) is None
+
+
+@pytest.mark.parametrize(("transfer", "name"), [(16, "PQ"), (18, "HLG"), (13, None)])
+@pytest.mark.parametrize("suffix", [".png", ".jpg", ".tif"])
+def test_a_profile_that_says_hdr_is_refused_as_hdr_numbers_are(tmp_path, transfer, name, suffix):
+    p3 = rgb_profile(gamma(2.2))
+    said = rgb_profile(gamma(2.2), more={b"cicp": b"cicp\0\0\0\0" + bytes([9, transfer, 0, 1])})
+    grey = Image.new("RGB", (16, 12), (90, 120, 150))
+    grey.save(tmp_path / ("plain" + suffix), icc_profile=p3)
+    grey.save(tmp_path / ("said" + suffix), icc_profile=said)
+    if name is None:
+        plain, photo = (read_photo(tmp_path / (stem + suffix)) for stem in ("plain", "said"))
+        np.testing.assert_array_equal(photo.linear, plain.linear)
+        return
+    with pytest.raises(InputError, match=rf"HDR picture \({name}\)"):
+        read_photo(tmp_path / ("said" + suffix))

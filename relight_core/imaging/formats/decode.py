@@ -16,13 +16,14 @@ from relight_core.errors import InputError
 from relight_core.imaging.formats.camera_raw import develop_raw, is_raw
 from relight_core.imaging.formats.deep_tiff import decode_deep_tiff, decode_flat_tiff
 from relight_core.imaging.formats.heif import decode_heif, is_heif, stated_profile
+from relight_core.imaging.formats.icc import stated_transfer
 from relight_core.imaging.formats.library_profiles import through_library_profile
 from relight_core.imaging.formats.limits import check_pixels
 from relight_core.imaging.formats.metadata import carried_exif, exif_of
 from relight_core.imaging.formats.opencv_decoding import decoded_by_opencv, in_rgb_order
 from relight_core.imaging.formats.png_colours import png_profile
 from relight_core.imaging.formats.raster import Raster
-from relight_core.imaging.formats.stated_colours import exif_profile
+from relight_core.imaging.formats.stated_colours import exif_profile, refuse_luminous
 from relight_core.imaging.formats.tiff_exif import exif_of_tiff
 from relight_core.imaging.formats.tiff_pages import starting_with_photo
 
@@ -46,6 +47,13 @@ def decode_raster(data: bytes, path: Path) -> Raster:
     Raises:
         InputError: not an image, damaged, too large or of an unsupported kind.
     """
+    raster = _decoded(data, path)
+    if raster.icc is not None:
+        refuse_luminous(stated_transfer(raster.icc), path)
+    return raster
+
+
+def _decoded(data: bytes, path: Path) -> Raster:
     if is_raw(data, path):
         return develop_raw(data, path)
     if is_heif(data):

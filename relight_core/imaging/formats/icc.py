@@ -122,6 +122,15 @@ def matrix_profile(icc: bytes, channels: int) -> MatrixProfile | None:
         return None
 
 
+def stated_transfer(icc: bytes) -> int | None:
+    """The transfer function that a profile states by its number in ITU-T H.273 (ICC.1:2022, 9.2.17); mostly none."""
+    try:
+        tag = _tags(icc).get(b"cicp", b"") if icc[36:40] == b"acsp" else b""
+    except struct.error:
+        return None
+    return tag[9] if len(tag) >= 12 and tag[:4] == b"cicp" else None
+
+
 def _tags(icc: bytes) -> dict[bytes, bytes]:
     (count,) = struct.unpack_from(">I", icc, 128)
     tags = {}

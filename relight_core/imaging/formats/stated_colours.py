@@ -20,7 +20,7 @@ from relight_core.imaging.formats.icc_making import (
 KNOWN_PRIMARIES = {1: REC709, 9: REC2020, 12: DISPLAY_P3}
 """By their number in ITU-T H.273, table 2."""
 
-_LUMINOUS_TRANSFERS = {16: "PQ", 18: "HLG"}
+_LUMINOUS_TRANSFERS: dict[int | None, str] = {16: "PQ", 18: "HLG"}
 """Transfer functions of high dynamic range (ITU-T H.273, table 3)."""
 
 _GAMMAS = {4: 2.2, 5: 2.8, 8: 1.0}
@@ -42,13 +42,22 @@ def numbered_profile(primaries: int, transfer: int, channels: int, path: Path) -
     Raises:
         InputError: it is of high dynamic range.
     """
-    luminous = _LUMINOUS_TRANSFERS.get(transfer)
-    if luminous is not None:
-        raise InputError(f"{path}: an HDR picture ({luminous}), which isn't read here; export it as SDR or as EXR")
+    refuse_luminous(transfer, path)
     space, gamma = KNOWN_PRIMARIES.get(primaries, REC709), _GAMMAS.get(transfer)
     if gamma is None and (space is REC709 or channels == 1):
         return None
     return grey_profile(gamma) if channels == 1 else primaries_profile(replace(space, gamma=gamma))
+
+
+def refuse_luminous(transfer: int | None, path: Path) -> None:
+    """Refuse a file of high dynamic range, by the number of its transfer function in ITU-T H.273.
+
+    Raises:
+        InputError: it is of high dynamic range.
+    """
+    luminous = _LUMINOUS_TRANSFERS.get(transfer)
+    if luminous is not None:
+        raise InputError(f"{path}: an HDR picture ({luminous}), which isn't read here; export it as SDR or as EXR")
 
 
 def exif_profile(block: bytes | None, channels: int) -> bytes | None:
