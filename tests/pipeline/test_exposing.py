@@ -60,6 +60,12 @@ def test_a_face_is_what_counts_and_not_what_is_around_it():
     assert exposure_of_face(photo, CROP) == pytest.approx(5.0, rel=1e-3)
 
 
+def test_glare_is_no_part_of_how_bright_a_face_is():
+    photo = grey(0.4)
+    photo.linear[40:50, 30:70] = 1e4
+    assert exposure_of_face(photo, CROP) == 1.0
+
+
 def test_a_face_at_the_border_is_metered_as_far_as_it_is_inside():
     assert exposure_of_face(grey(0.03), Crop(0.0, 0.0, 400.0)) == pytest.approx(5.0, rel=1e-3)
     assert exposure_of_face(grey(0.03), Crop(-500.0, -500.0, 40.0)) == pytest.approx(5.0, rel=1e-3)

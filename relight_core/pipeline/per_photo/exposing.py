@@ -16,6 +16,8 @@ from relight_core.imaging.photo import Photo
 
 _DARKEST, _BRIGHTEST, _WHITE = 0.15, 0.85, 1.0
 """Of the brightest tenth of a face, at the least, and of a fiftieth of it where that is brighter than white."""
+_GLARE = 2.0
+"""What is brighter than the brightest third of a face by more than this is no skin."""
 _OF_CROP = 0.6
 """The middle of a face's crop, which is skin, as a share of its side."""
 _LOOKS = 48
@@ -31,7 +33,8 @@ def exposure_of_face(photo: Photo, crop: Crop) -> float:
         crop: the paper's square around the face (section 3.2).
     """
     seen = luminance(_looked_at(photo.seen.linear, Crop(crop.centre_x, crop.centre_y, _OF_CROP * crop.side)))
-    return _exposure(float(np.percentile(seen, 90)), float(np.percentile(seen, 98)), _MOST[photo.bits])
+    third, tenth, fiftieth = (float(found) for found in np.percentile(seen, (70, 90, 98)))
+    return _exposure(tenth, min(fiftieth, _GLARE * third), _MOST[photo.bits])
 
 
 def exposure_of_view(photo: Photo, view: Crop) -> float:
