@@ -31,6 +31,7 @@ NETWORK_HEIGHT = 16
 """Rows of the light that the networks read (paper, sec. 3.2: 16 x 32)."""
 
 _BLOCK_ROWS = 64
+_BALANCINGS = 300
 
 _T = TypeVar("_T")
 
@@ -179,9 +180,9 @@ def shrink(radiance: np.ndarray, height: int) -> np.ndarray:
 def network_light(environment: Environment, yaw_deg: float = 0.0, height: int = NETWORK_HEIGHT) -> np.ndarray:
     """The light as the networks read it: turned at its own resolution, then averaged to few texels.
 
-    A texel narrower than the new ones is first spread to their width along its row, so that a small lamp
-    passes from one new texel to the next evenly over the whole turn from one to the other, where averages
-    alone would hold it still and then let it jump. The mean direction of a row's light is kept, and a map
+    A texel narrower than the new ones is first spread to their width along its row, and to their height, so that a
+    small lamp passes from one new texel to the next evenly over the whole turn, or rise, from one to the other, where
+    averages alone would hold it still and then let it jump. The mean direction of a row's light is kept, and a map
     of the result's own resolution is not spread. The rows are averaged and spread once per shape;
     each angle then costs only the sums between its new texel edges.
 
@@ -193,7 +194,7 @@ def network_light(environment: Environment, yaw_deg: float = 0.0, height: int = 
     """
     turn = _turn_fraction(yaw_deg)
     sums = environment.of_shape(
-        ("column sums", height), lambda shape: _running_sums(_spread(_shrink_rows(shape, height), 2 * height))
+        ("column sums", height), lambda shape: _running_sums(_spread(_evenly_shrunk_rows(shape, height), 2 * height))
     )
     width = sums.shape[1] - 1
     edges = (np.arange(2 * height + 1) / (2 * height) - turn) * width
@@ -294,9 +295,13 @@ def _shrink_rows(radiance: np.ndarray, height: int, columns: int = 1) -> np.ndar
     Args:
         columns: how many are averaged into one; divides W.
     """
-    old_height, width, channels = radiance.shape
+    return _block_sums(radiance, _row_overlaps(radiance.shape[0], height), columns)
+
+
+def _block_sums(radiance: np.ndarray, overlaps: np.ndarray, columns: int = 1) -> np.ndarray:
+    """Rows (H, W, C) weighted by `overlaps` (height, H), a few at a time."""
+    (height, old_height), (_, width, channels) = overlaps.shape, radiance.shape
     width //= columns
-    overlaps = _row_overlaps(old_height, height)
     result = np.zeros((height, width * channels))
     for start in range(0, old_height, _BLOCK_ROWS):
         block = slice(start, min(start + _BLOCK_ROWS, old_height))
@@ -304,6 +309,31 @@ def _shrink_rows(radiance: np.ndarray, height: int, columns: int = 1) -> np.ndar
         rows = radiance[block].reshape(-1, width, columns, channels).mean(axis=2, dtype=np.float64)
         result[touched] += overlaps[touched, block] @ rows.reshape(-1, width * channels)
     return result.reshape(height, width, channels)
+
+
+def _evenly_shrunk_rows(radiance: np.ndarray, height: int) -> np.ndarray:
+    """(H, W, C) to (height, W, C) float64, every row spread to the height of a new one where that is higher."""
+    if radiance.shape[0] <= height:
+        return _shrink_rows(radiance, height)
+    return _block_sums(radiance, _spread_row_overlaps(radiance.shape[0], height))
+
+
+@lru_cache(maxsize=16)
+def _spread_row_overlaps(height: int, new_height: int) -> np.ndarray:
+    """As `_row_overlaps`, of rows spread to the height of a new one and folded back at the poles.
+
+    Weights are balanced until even light stays even and no row loses energy (Sinkhorn and Knopp, 1967).
+    """
+    edges, half = np.linspace(0.0, np.pi, new_height + 1), np.pi / new_height / 2
+    middles = (np.arange(height) + 0.5) * np.pi / height
+    centres = np.concatenate([middles, -middles, 2 * np.pi - middles])
+    overlaps = np.minimum(centres + half, edges[1:, None]) - np.maximum(centres - half, edges[:-1, None])
+    energy = np.maximum(overlaps, 0.0).reshape(new_height, 3, height).sum(1)
+    given, wanted = (-np.diff(np.cos(np.linspace(0.0, np.pi, count + 1))) for count in (height, new_height))
+    for _ in range(_BALANCINGS):
+        energy *= (wanted / energy.sum(1))[:, None]
+        energy *= given / energy.sum(0)
+    return energy / energy.sum(1, keepdims=True)
 
 
 def _spread(rows: np.ndarray, new_width: int) -> np.ndarray:

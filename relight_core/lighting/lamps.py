@@ -72,7 +72,7 @@ def bright_places(environment: Environment) -> tuple[Lamp, ...]:
 def footprint(lamp: Lamp, roll_deg: float = 0.0) -> np.ndarray:
     """Where a lamp's light lies in the light that the networks read, (16, 32) float32, sum 1.
 
-    As `network_light` spreads it: along a row over the width of a texel, and over the texels that it touches; and where
+    As `network_light` spreads it: over the width and height of a texel, and over the texels that it touches; and where
     a view is turned, as `roll_light` spreads that once more. Of a lamp that had been turned before, it would lie in
     other texels than the light does.
 
@@ -90,10 +90,11 @@ def footprint(lamp: Lamp, roll_deg: float = 0.0) -> np.ndarray:
 def _footprint(lamp: Lamp, height: int) -> np.ndarray:
     share = np.zeros((height, 2 * height), np.float32)
     for across, down in zip(*place_on_map(*_disc(lamp).T), strict=True):
-        column, row = across * 2 * height - 0.5, min(int(down * height), height - 1)
-        left = int(np.floor(column))
-        share[row, left % (2 * height)] += 1 - (column - left)
-        share[row, (left + 1) % (2 * height)] += column - left
+        column, row = across * 2 * height - 0.5, min(max(down * height - 0.5, 0.0), height - 1.0)
+        left, top = int(np.floor(column)), min(int(row), height - 2)
+        for line, part in ((top, 1 - (row - top)), (top + 1, row - top)):
+            share[line, left % (2 * height)] += part * (1 - (column - left))
+            share[line, (left + 1) % (2 * height)] += part * (column - left)
     return share
 
 
