@@ -13,6 +13,8 @@ from relight_core.imaging.toning import is_monochrome
 
 _LOOKED_AT = 512
 
+_WHITE_PERCENT = 98.0
+
 _GREY = np.float32(0.18)
 """Of black, 0.18, 0.4, noise and the person's colours continued, what relit cut-outs most like the whole photos."""
 
@@ -72,11 +74,12 @@ class Photo:
         seen = self.linear[::step, ::step]
         if self.beyond is not None:
             seen = seen + self.beyond[::step, ::step]
-        if self.bits == 32 and 0 < (brightest := float(np.abs(seen).max())) < 1:
-            # In whatever units: next to black all colours are one.
-            seen = seen / np.float32(brightest)
+        counted = None if self.alpha is None else self.alpha[::step, ::step] > 0
+        if self.bits == 32 and (white := _white(seen if counted is None else seen[counted])) > 0:
+            # In whatever units: next to black all colours are one, and so they are clipped to white.
+            seen = seen / np.maximum(np.abs(seen).max(-1, keepdims=True), np.float32(white))
         codes = np.copysign(srgb_encode(np.minimum(np.abs(seen), 1)), seen)
-        return is_monochrome(codes, None if self.alpha is None else self.alpha[::step, ::step] > 0)
+        return is_monochrome(codes, counted)
 
     @property
     def seen(self) -> Photo:
@@ -106,3 +109,8 @@ class Photo:
             return cls(np.ascontiguousarray(linear), None, None, 8 * srgb.dtype.itemsize)
         clipped = np.clip(np.nan_to_num(srgb.astype(np.float32)), 0.0, 1.0)
         return cls(np.ascontiguousarray(srgb_decode(clipped)), None, None, 32)
+
+
+def _white(pixels: np.ndarray) -> float:
+    """What of (..., 3) radiance hardly a pixel is brighter than, lamps and glints aside; 0 where there is nothing."""
+    return float(np.percentile(np.abs(pixels).max(-1), _WHITE_PERCENT)) if pixels.size else 0.0

@@ -43,6 +43,14 @@ class TestRecognition:
     def test_a_tone_all_over_is_no_colour(self, tone):
         assert Photo(black_and_white().linear * np.float32(tone)).monochrome
 
+    @pytest.mark.parametrize("factor", [1e-5, 1.0, 30.0, 1e4])
+    @pytest.mark.parametrize("lamp", [0.0, 60.0])
+    def test_a_floating_point_photo_has_its_colours_in_whatever_units(self, factor, lamp):
+        for photo, colourless in ((some_photo(), False), (black_and_white(), True)):
+            linear = photo.linear * np.float32((1.25, 1.0, 0.6)) * np.float32(factor)
+            linear[:2, :2] += lamp
+            assert Photo(linear, bits=32).monochrome == colourless
+
     def test_a_tone_that_leaves_the_gamut_here_and_there_is_no_colour(self):
         toned = black_and_white().linear * np.float32((1.1, 1.0, 0.7)) - np.float32((0, 0, 0.002))
         toned[:2] = (0.0005, 0.0005, -0.0015)
