@@ -133,7 +133,8 @@ class WholePhoto:
     def _draft_matte(self) -> DraftMatte | None:
         """The people as seen by one tier, whichever is asked for, so that it depends on no history."""
         looks = (face.looks() for face in self._faces)
-        return draft_matte(self._photo.linear, looks, self._photo.alpha, self._small().linear)
+        exposure = self._faces[0].portrait.exposure
+        return draft_matte(self._photo.linear, looks, self._photo.alpha, self._small().linear, exposure)
 
     def _small(self) -> Canvas:
         """The photo no longer than WORKING_PX, from which smaller copies are made."""

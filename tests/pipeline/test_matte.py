@@ -37,6 +37,17 @@ def blurred_mask(matte, shift=0.0):
     return Crop(CROP.centre_x + shift, CROP.centre_y, CROP.side).extract(matte, 32)
 
 
+@pytest.mark.parametrize("factor", [1e-5, 1e4])
+def test_edges_are_found_in_whatever_units_a_photo_is(factor):
+    linear, matte = portrait()
+    people, scaled = [[(blurred_mask(matte), CROP)]], linear * np.float32(factor)
+    shares = [
+        whole_person(canvas_of(Photo(one)), finish_matte(draft_matte(one, people, exposure=exposure))).share
+        for one, exposure in ((linear, 1.0), (scaled, 1 / factor))
+    ]
+    np.testing.assert_allclose(*shares, atol=1e-3)
+
+
 def test_edges_move_onto_the_photo_and_the_body_beyond_the_crop_is_found():
     linear, truth = portrait()
     matte = refine_matte(linear, blurred_mask(truth, shift=2.0), CROP)

@@ -47,6 +47,7 @@ class Matte:
         person, behind: (k, l, 3) linear, mean colours of both sides about each place.
         nearby: (k, l) the matte averaged about each place.
         own_alpha: whether the photo's own alpha is the matte; then the maps say nothing.
+        exposure: edges are looked for in the photo times this.
     """
 
     slope: np.ndarray
@@ -55,6 +56,7 @@ class Matte:
     behind: np.ndarray
     nearby: np.ndarray
     own_alpha: bool = False
+    exposure: float = 1.0
 
 
 def guide_of(linear: np.ndarray) -> np.ndarray:
@@ -98,12 +100,14 @@ class DraftMatte:
         small: (h, w, 3) linear, the photo no longer than WORKING_PX.
         guide: (h, w, 3) the same as it is displayed, sRGB.
         photo_size: (height, width).
+        exposure: the guide shows the photo times this.
     """
 
     share: np.ndarray
     small: np.ndarray
     guide: np.ndarray
     photo_size: tuple[int, int]
+    exposure: float = 1.0
 
 
 def draft_matte(
@@ -111,6 +115,7 @@ def draft_matte(
     people: Iterable[list[Look]],
     alpha: np.ndarray | None = None,
     small: np.ndarray | None = None,
+    exposure: float = 1.0,
 ) -> DraftMatte | None:
     """Carry coarse person masks to the whole photo; None where the photo's own alpha is the matte.
 
@@ -125,15 +130,16 @@ def draft_matte(
             is looked at where the photo's own alpha is the matte.
         alpha: (H, W) the photo's own alpha. Where given and not opaque throughout, it is the matte.
         small: the photo no longer than WORKING_PX, where that is there already.
+        exposure: edges are looked for in the photo times this.
     """
     size = linear.shape[:2]
     if alpha is not None and float(alpha.min()) < 1.0:
         return None
     small = resize_area(linear, shrunk_size(size, WORKING_PX)) if small is None else small
-    guide = np.ascontiguousarray(apply_view(small))
+    guide = np.ascontiguousarray(apply_view(small * np.float32(exposure)))
     people, matting_size = list(people), shrunk_size(size, _MATTING_PX)
     coarse = _matted(guide, place_masks(people, matting_size, size), matting_size)
-    return DraftMatte(_seen_nearer(coarse, guide, people, size), small, guide, size)
+    return DraftMatte(_seen_nearer(coarse, guide, people, size), small, guide, size, exposure)
 
 
 def finish_matte(draft: DraftMatte | None, strokes: Sequence[BrushStroke] = ()) -> Matte:
@@ -150,10 +156,11 @@ def finish_matte(draft: DraftMatte | None, strokes: Sequence[BrushStroke] = ()) 
     share = _on_edges(guide, painted(draft.share, strokes, draft.photo_size), strokes, draft.photo_size)
     slope, level = np.zeros_like(share), share
     if guide.shape[:2] != draft.photo_size:
-        slope, level = _guided_coefficients(guide_of(small), share)
+        slope, level = _guided_coefficients(guide_of(small * np.float32(draft.exposure)), share)
     fused = shrunk_size(draft.photo_size, _FUSION_PX)
     nearby = cv2.GaussianBlur(resize_area(share, fused), (0, 0), max(max(fused) * _NEAR_SHARE, 0.5))
-    return Matte(slope, level, *_sides(small, share), np.clip(nearby, 0.0, 1.0))
+    nearby = np.clip(nearby, 0.0, 1.0)
+    return Matte(slope, level, *_sides(small, share), nearby, exposure=draft.exposure)
 
 
 def _on_edges(

@@ -77,7 +77,7 @@ def person_in(canvas: Canvas, matte: Matte, band: Band) -> Person:
         return Person(np.clip(np.nan_to_num(canvas.alpha[band.pixels]), 0, 1), linear)
     everywhere = whole_photo(canvas.photo_size)
     share = spread_window(matte.slope, everywhere, band)
-    share *= guide_of(linear)
+    share *= guide_of(linear if matte.exposure == 1.0 else linear * np.float32(matte.exposure))
     share += spread_window(matte.level, everywhere, band)
     np.clip(share, 0, 1, out=share)
     if not ((share > 0) & (share < 1)).any():
