@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from relight_core.imaging.colour import srgb_decode, srgb_decode_integers, srgb_encode
+from relight_core.imaging.colour import luminance, srgb_decode, srgb_decode_integers, srgb_encode
 from relight_core.imaging.toning import is_monochrome
 
 _LOOKED_AT = 512
@@ -17,6 +17,9 @@ _WHITE_PERCENT = 98.0
 
 _GREY = np.float32(0.18)
 """Of black, 0.18, 0.4, noise and the person's colours continued, what relit cut-outs most like the whole photos."""
+
+_DIM, _BRIGHT_PERCENT = 0.15, 95.0
+"""A picture that has no brighter parts is dark, or in units of its own."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,8 +96,18 @@ class Photo:
     def _on_grey(self) -> Photo:
         share = self.alpha[..., None]
         linear = self.linear * share
-        linear += (1 - share) * _GREY
+        linear += (1 - share) * (_GREY * np.float32(self._unit))
         return Photo(linear, None, self.path, self.bits)
+
+    @property
+    def _unit(self) -> float:
+        """What is white beside a cut-out: 1 unless it is dark all over, or so bright that it has units of its own."""
+        step = max(max(self.linear.shape[:2]) // _LOOKED_AT, 1)
+        brightness = luminance(self.linear[::step, ::step][self.alpha[::step, ::step] > 0.5])
+        if not brightness.size:
+            return 1.0
+        bright = float(np.percentile(brightness, _BRIGHT_PERCENT))
+        return max(bright, 1.0) if bright > _DIM else bright / _DIM
 
     @classmethod
     def from_srgb(cls, srgb: np.ndarray) -> Photo:

@@ -80,6 +80,12 @@ def test_a_smaller_copy_keeps_the_colour_of_its_edge():
     np.testing.assert_allclose(small.linear[small.alpha > 0], 0.4, atol=1e-5)
 
 
+@pytest.mark.parametrize("factor", [1e-4, 1e4])
+def test_the_grey_behind_a_cut_out_is_in_its_units(factor):
+    grey = replace(cut_out(HIDDEN[0], Photo(np.full((96, 112, 3), factor, np.float32))), bits=32).seen.linear
+    assert 0.1 < grey.min() / grey.max() < 1.3
+
+
 def test_an_opaque_photo_is_seen_as_it_is():
     photo = some_photo()
     assert photo.seen is photo
