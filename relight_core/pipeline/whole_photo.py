@@ -164,7 +164,9 @@ class WholePhoto:
         return self._cache.run(
             "background",
             plan.keys["background"],
-            lambda: make_backdrop(edit.background, panorama, lambda: mean_gain(placement, rest)),
+            lambda: make_backdrop(
+                edit.background, panorama, lambda: mean_gain(placement, rest), placement.exposure
+            ),
             "new light, slider or background",
         )
 

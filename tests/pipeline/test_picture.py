@@ -321,3 +321,9 @@ def test_a_screens_picture_never_leaves_rec709():
 def test_a_background_that_follows_the_person_is_never_dimmed_to_black_nor_blown_out():
     followed = make_backdrop("match", None, lambda: np.array([0.001, 0.7, 50.0]))
     np.testing.assert_allclose(followed.gain, [0.1, 0.7, 2.0], rtol=1e-6)
+
+
+@pytest.mark.parametrize("exposure", [1e-4, 1e4])
+def test_a_matched_background_follows_the_person_in_whatever_units(exposure):
+    gain = np.float32([0.5, 0.7, 0.9]) * np.float32(exposure)
+    np.testing.assert_allclose(make_backdrop("match", None, lambda: gain, exposure).gain, gain)

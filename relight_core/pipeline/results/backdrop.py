@@ -55,7 +55,10 @@ def check_background(background: str) -> None:
 
 
 def make_backdrop(
-    background: str, panorama: np.ndarray | None, person_gain: Callable[[], np.ndarray] = lambda: np.ones(3)
+    background: str,
+    panorama: np.ndarray | None,
+    person_gain: Callable[[], np.ndarray] = lambda: np.ones(3),
+    exposure: float = 1.0,
 ) -> Backdrop:
     """The background of a name.
 
@@ -63,6 +66,7 @@ def make_backdrop(
         background: as in `Edit`.
         panorama: (h, w, 3) linear, for "light".
         person_gain: gives (3,), by how much the light changes the person; called for "match" only.
+        exposure: of the portrait; what is gained more or less than it is.
 
     Raises:
         InputError: a background that is none.
@@ -73,7 +77,7 @@ def make_backdrop(
     if background == "transparent":
         return Backdrop(transparent=True)
     if background == "match":
-        return Backdrop(gain=np.clip(person_gain(), _DIMMEST, _BRIGHTEST).astype(np.float32))
+        return Backdrop(gain=np.clip(person_gain(), _DIMMEST * exposure, _BRIGHTEST * exposure).astype(np.float32))
     if background == "light":
         return Backdrop(picture=panorama, soft=_softened(panorama))
     codes = np.array([int(background[i : i + 2], 16) for i in (1, 3, 5)], np.float32)

@@ -147,8 +147,8 @@ def place_changes(
 
 def mean_gain(placement: Placement, rest: np.ndarray) -> np.ndarray:
     """(3,) by how much the person changes, as a geometric mean."""
-    weight = placement.body.share[..., None] + 1e-6
-    return np.exp((np.log(rest + 1e-6) * weight).sum((0, 1)) / weight.sum((0, 1)))
+    weight, exposure = placement.body.share[..., None] + 1e-6, np.float32(placement.exposure)
+    return exposure * np.exp((np.log(rest / exposure + 1e-6) * weight).sum((0, 1)) / weight.sum((0, 1)))
 
 
 def _weights_on(placement: Placement, view: Crop, size: int) -> ViewWeights:
