@@ -171,12 +171,14 @@ class FaceRelighter(FaceInPhoto):
         if lit.nearer is not None:
             from_near = self.nearer.change(*lit.nearer, plan, edit, level)
             change = with_nearer_change(change, from_near, self.portrait.view, self.nearer.portrait.view)
-        return change.toned(ready.photo_view) if self.portrait.photo.monochrome else change
+        if not self.portrait.photo.monochrome:
+            return change
+        return change.toned(ready.photo_view * np.float32(self.portrait.exposure))
 
     def level_as_in_photo_ev(self, ready: Prepared, change: ViewChange, most_stops: float = MOST_STOPS) -> float:
         """See `pipeline.results.face_level`."""
         skin = skin_share(ready.surface.parsing)[0, 0].cpu().numpy()
-        return level_as_in_photo_ev(ready.photo_view, change, skin, most_stops)
+        return level_as_in_photo_ev(ready.photo_view, change, skin, most_stops, self.portrait.exposure)
 
     def _fit(self, ready: Prepared, lit: Lit, plan: Plan) -> LightChange:
         """The relit view as gain and offset of the photo; without detail, offset only."""

@@ -60,3 +60,9 @@ def test_a_light_in_units_of_its_own_is_brought_to_the_photo_s(stops):
     lit = ViewChange(2.0**-stops * full, 0.0 * full, 2.0**-stops)
     assert level_as_in_photo_ev(photo_of_a_face(), lit, skin(), 40.0) == pytest.approx(stops, abs=1e-4)
     assert level_as_in_photo_ev(photo_of_a_face(), lit, skin()) == np.sign(stops) * 4.0
+
+
+def test_a_face_in_units_of_its_own_is_no_black_one():
+    photo = photo_of_a_face() * np.float32(1e-5)
+    lit = ViewChange(np.full((SIZE, SIZE, 3), 1e5, np.float32), np.zeros((SIZE, SIZE, 3), np.float32), 1.0)
+    assert level_as_in_photo_ev(photo, lit, skin(), 40.0, exposure=1e5) == pytest.approx(-np.log2(1e5), abs=1e-3)

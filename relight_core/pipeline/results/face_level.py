@@ -19,7 +19,7 @@ _FEWEST = 20
 
 
 def level_as_in_photo_ev(
-    photo_view: np.ndarray, change: ViewChange, skin: np.ndarray, most_stops: float = MOST_STOPS
+    photo_view: np.ndarray, change: ViewChange, skin: np.ndarray, most_stops: float = MOST_STOPS, exposure: float = 1.0
 ) -> float:
     """Stops of light that bring the lit part of a face to the brightness that it has in the photo.
 
@@ -31,6 +31,7 @@ def level_as_in_photo_ev(
         change: what the light makes of it, of any size.
         skin: (s, s) probability of skin.
         most_stops: for lights in units of their own, which may be thousands of times as bright as a photo's.
+        exposure: of the portrait, at which a face is black or isn't.
 
     Returns:
         stops in [-most_stops, most_stops]; 0 where there is next to no skin, or where it is black in one of the two.
@@ -42,7 +43,7 @@ def level_as_in_photo_ev(
         before, after = (_of_lit_part(luminance(image)[skin > 0.5]) for image in (photo, gain * photo + offset))
     # A dim light leaves skin nearly black that is not black at another level of that light.
     lit = max(after, after / (change.level or 1.0))
-    if not (before > _BLACK and lit > _BLACK and after > 0.0):
+    if not (before * exposure > _BLACK and lit > _BLACK and after > 0.0):
         return 0.0
     return min(max(math.log2(before) - math.log2(after), -most_stops), most_stops)
 
