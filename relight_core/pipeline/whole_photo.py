@@ -164,9 +164,7 @@ class WholePhoto:
         return self._cache.run(
             "background",
             plan.keys["background"],
-            lambda: make_backdrop(
-                edit.background, panorama, lambda: mean_gain(placement, rest), placement.exposure
-            ),
+            lambda: make_backdrop(edit.background, panorama, lambda: mean_gain(placement, rest), placement.exposure),
             "new light, slider or background",
         )
 
