@@ -51,6 +51,13 @@ def test_the_shadow_of_a_red_lamp_is_blue():
     assert tint[2, 19] > 1.1 > 0.6 > tint[0, 19]
 
 
+def test_the_shadow_of_a_white_lamp_has_the_colour_of_a_weaker_one():
+    light = two_lamps(WHITE, (0.3, 0.01, 0.01))
+    assert colourfulness(light) < 0.25
+    tint = found(light)[0, :, SIZE // 2]
+    assert tint[0, 19] < 0.9 * tint[1, 19]
+
+
 def test_what_is_hidden_in_all_stays():
     transport, light = bar(), two_lamps(BLUE, RED)
     lit = reflected(transport, light)

@@ -3,7 +3,8 @@
 The paper's shadow is one grey map (section 3.2), and darkening all colours alike is right under light of one
 colour. Between two neon tubes what the relief hides of each colour tells them apart; how much is hidden in all stays
 the network's answer. Under the held-out panoramas it made nothing better (20.58 dB with it, 20.59 without, on
-validation), so lights that are less colourful than nine panoramas in ten do without.
+validation), so lights of nearly one colour do without. A sun under a blue sky, or a white key lamp with a weak gel
+opposite, is not one: without it their shadows are up to a third short of the colour that still reaches them.
 """
 
 from __future__ import annotations
@@ -14,7 +15,7 @@ from relight_core.imaging.tensor_colour import grey
 from relight_core.lighting.relief import ReliefTransport
 from relight_core.lighting.sphere import solid_angles
 
-_PLAIN, _COLOURFUL = 0.25, 0.5
+_PLAIN, _COLOURFUL = 0.05, 0.15
 _DOUBT = 0.05
 _STRONGEST = 3.0
 
