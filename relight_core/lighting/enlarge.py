@@ -18,7 +18,7 @@ def enlarge(radiance: np.ndarray, height: int) -> np.ndarray:
 
     A blend alone takes light from bright texels. It is multiplied by the blend of what each old texel lacks, a few
     times over, and at last each old texel's average is restored exactly: whoever averages the result over the old
-    texels, as the networks' light is made, gets the old map back. Nothing becomes negative.
+    texels gets the old map back. Nothing becomes negative.
 
     Args:
         radiance: (H, 2H, C) linear, >= 0.

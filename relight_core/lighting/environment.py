@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 import warnings
-from collections.abc import Callable, Hashable
+from collections.abc import Callable, Hashable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from hashlib import blake2b
@@ -81,6 +81,21 @@ class Environment:
         shape = (cleaned * scale).astype(np.float32)
         shape.setflags(write=False)
         return cls(shape, level, name)
+
+    @classmethod
+    def of_parts(cls, radiance: np.ndarray, parts: Sequence[np.ndarray], name: str = "") -> Environment:
+        """As `from_radiance`, of a map that is the sum of others.
+
+        Args:
+            radiance: (H, 2H, 3) linear, no more than 1024 rows.
+            parts: those maps as they are, some of them coarser: the networks' light is the sum of each one's, and
+                not that of a coarse map drawn finer.
+        """
+        whole = cls.from_radiance(radiance, name)
+        scale = 1.0 / whole.level if whole.level > 0.0 else 0.0
+        seen = tuple(scale * _column_sums(part, NETWORK_HEIGHT) for part in parts)
+        whole.of_shape(("column sums", NETWORK_HEIGHT), lambda _: seen)
+        return whole
 
     @property
     def height(self) -> int:
@@ -193,12 +208,11 @@ def network_light(environment: Environment, yaw_deg: float = 0.0, height: int = 
         ValueError: the angle is NaN or infinite.
     """
     turn = _turn_fraction(yaw_deg)
-    sums = environment.of_shape(
-        ("column sums", height), lambda shape: _running_sums(_spread(_evenly_shrunk_rows(shape, height), 2 * height))
-    )
-    width = sums.shape[1] - 1
-    edges = (np.arange(2 * height + 1) / (2 * height) - turn) * width
-    means = np.diff(_sum_up_to(sums, edges), axis=1) * (2 * height / width)
+    parts = environment.of_shape(("column sums", height), lambda shape: (_column_sums(shape, height),))
+    edges, means = np.arange(2 * height + 1) / (2 * height) - turn, 0.0
+    for sums in parts:
+        width = sums.shape[1] - 1
+        means = means + np.diff(_sum_up_to(sums, edges * width), axis=1) * (2 * height / width)
     return np.maximum(means, 0.0).astype(np.float32)
 
 
@@ -309,6 +323,11 @@ def _block_sums(radiance: np.ndarray, overlaps: np.ndarray, columns: int = 1) ->
         rows = radiance[block].reshape(-1, width, columns, channels).mean(axis=2, dtype=np.float64)
         result[touched] += overlaps[touched, block] @ rows.reshape(-1, width * channels)
     return result.reshape(height, width, channels)
+
+
+def _column_sums(radiance: np.ndarray, height: int) -> np.ndarray:
+    """(H, W, C) to (height, W + 1, C) float64: running sums of what `network_light` averages."""
+    return _running_sums(_spread(_evenly_shrunk_rows(radiance, height), 2 * height))
 
 
 def _evenly_shrunk_rows(radiance: np.ndarray, height: int) -> np.ndarray:

@@ -89,12 +89,13 @@ def edit_light(light: Environment, edit: LightEdit, draft: bool = False) -> Envi
         height = DRAFT_HEIGHT if draft else max(DRAWN_HEIGHT, light.height)
         room = room_of(light) if edit.apart else None
         radiance = _coloured(_at_most(light.shape if room is None else room, height), edit)
-        radiance = blur_light(radiance, edit.blur_deg) * np.float32(edit.base)
+        parts = [blur_light(radiance, edit.blur_deg) * np.float32(edit.base)]
         # One that gives no light would still draw a coarse map finer.
         if boxes := tuple(box for box in edit.boxes if box.intensity > 0 and not box.off):
-            radiance = _with_boxes(radiance, boxes, meter_reading(light), draft)
+            parts.append(_drawn(boxes, meter_reading(light), draft))
         level = light.level or 1.0
-        edited = Environment.from_radiance(radiance, light.name)
+        larger = max(len(part) for part in parts)
+        edited = Environment.of_parts(sum(_grown(part, larger) for part in parts), parts, light.name)
         light = edited.at_level(edited.level * level)
     return light if stops == 0.0 else light.at_level(light.level * 2.0**stops)
 
@@ -145,11 +146,9 @@ def colour_gain(warmth: float, tint: float) -> np.ndarray:
     return gain / (gain @ REC709_LUMINANCE)
 
 
-def _with_boxes(radiance: np.ndarray, boxes: tuple[SoftBox, ...], unit: float, draft: bool) -> np.ndarray:
+def _drawn(boxes: tuple[SoftBox, ...], unit: float, draft: bool) -> np.ndarray:
     height = DRAFT_HEIGHT if draft else DRAWN_HEIGHT
-    lamps = sum(soft_box_radiance(box, height, unit or 1.0) for box in boxes)
-    larger = max(height, radiance.shape[0])
-    return _grown(radiance, larger) + _grown(lamps, larger)
+    return sum(soft_box_radiance(box, height, unit or 1.0) for box in boxes)
 
 
 def _grown(radiance: np.ndarray, height: int) -> np.ndarray:

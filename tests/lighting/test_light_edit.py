@@ -34,6 +34,16 @@ def irradiance(radiance, normal):
     return np.einsum("hwc,hw->c", radiance.astype(np.float64), cosine * solid_angles(height, width))
 
 
+@pytest.mark.parametrize("height", [16, 24, 32, 48, 50, 64, 100, 256, 300])
+@pytest.mark.parametrize("draft", [False, True])
+def test_a_faint_soft_box_leaves_the_rest_of_the_light_as_it_was(height, draft):
+    light = random_light(height)
+    before = network_light(edit_light(light, LightEdit(saturation=0.9), draft), 17.0)
+    box = SoftBox(azimuth_deg=40.0, elevation_deg=10.0, width_deg=20.0, height_deg=20.0, intensity=1e-6)
+    after = network_light(edit_light(light, LightEdit(saturation=0.9, boxes=(box,)), draft), 17.0)
+    np.testing.assert_allclose(after, before, rtol=1e-3, atol=1e-3)
+
+
 def brightest_direction(radiance):
     height, width = radiance.shape[:2]
     return directions(height, width).reshape(-1, 3)[radiance.sum(axis=2).argmax()]
