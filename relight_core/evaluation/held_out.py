@@ -23,9 +23,9 @@ from relight_core.dataset.recipe import load_split
 from relight_core.dataset.samples import LitHead, channels_of, light_head, subsample, surface_of
 from relight_core.errors import InputError
 from relight_core.imaging.colour import srgb_decode
-from relight_core.lighting.environment import Environment, network_light
+from relight_core.lighting.environment import NETWORK_HEIGHT, Environment, network_light
 from relight_core.lighting.lamps import Lamp, lamps_of
-from relight_core.lighting.sphere import directions
+from relight_core.lighting.sphere import directions, solid_angles
 
 _YAW_SEED = 391
 _SKIN_SEED = 438
@@ -125,7 +125,19 @@ def held_out_lights(path: Path, split: str) -> list[HeldOutLight]:
 
 
 def _held_out(light: Environment, yaw_deg: float, *, is_lamp: bool) -> HeldOutLight:
-    return HeldOutLight(light.name, network_light(light, yaw_deg), is_lamp, lamps_of(light, yaw_deg))
+    return HeldOutLight(light.name, network_light(_in_rows(light), yaw_deg), is_lamp, lamps_of(light, yaw_deg))
+
+
+def _in_rows(light: Environment) -> Environment:
+    """The light with its rows averaged to as many as the networks read.
+
+    The editor spreads a lamp over two of them. Here it stays as sharp as in training, and as it was in every figure.
+    """
+    rows, width = light.shape.shape[:2]
+    shares = solid_angles(rows, width)[:, 0].reshape(NETWORK_HEIGHT, -1)
+    bands = light.shape.reshape(*shares.shape, width, 3)
+    means = np.einsum("ij,ijwc->iwc", shares / shares.sum(1, keepdims=True), bands)
+    return Environment(means.astype(np.float32), light.level, light.name)
 
 
 def lamp(off_axis_deg: float, around_deg: float) -> Environment:
