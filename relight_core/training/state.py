@@ -95,18 +95,6 @@ def make_state(
     return State(header, {name: value.detach().cpu().contiguous().clone() for name, value in tensors.items()})
 
 
-def save_state(
-    path: Path,
-    settings: dict[str, str | int],
-    progress: Progress,
-    weights: nn.Module,
-    average: dict[str, torch.Tensor],
-    optimiser: Optimiser,
-) -> None:
-    """Write where a run stands; see `make_state` for what it takes, `State.write` for what is raised."""
-    make_state(settings, progress, weights, average, optimiser).write(path)
-
-
 def load_state(
     path: Path,
     settings: dict[str, str | int],

@@ -129,14 +129,10 @@ def training() -> tuple:
 
 
 def _run(folder: Path) -> bytes:
-    from relight_core.training.state import Progress, save_state
+    from relight_core.training.state import Progress, make_state
 
-    save_state(
-        folder / "run.safetensors",
-        {"stage": "outline", "size": 64},
-        Progress(step=3, smoothed={"l1": 0.5}),
-        *training(),
-    )
+    state = make_state({"stage": "outline", "size": 64}, Progress(step=3, smoothed={"l1": 0.5}), *training())
+    state.write(folder / "run.safetensors")
     return (folder / "run.safetensors").read_bytes()
 
 

@@ -17,7 +17,6 @@ from relight_core.lighting.environment import (
     rotate,
     shrink,
 )
-from relight_core.lighting.sphere import solid_angles
 
 ANGLES = st.floats(-1000, 1000, allow_nan=False)
 HEIGHTS = st.integers(1, 40)
@@ -340,74 +339,3 @@ def test_maps_longer_than_one_block_of_rows_are_averaged_whole():
     rows = panorama.astype(np.float64).mean(axis=1)
     bands = -np.diff(np.cos(np.pi * np.arange(151) / 150)) / 2
     np.testing.assert_allclose(shrink(panorama, 1).mean(axis=(0, 1)), bands @ rows, rtol=1e-6)
-
-
-# The networks' light
-
-
-@quick
-@given(ANGLES)
-def test_network_light_of_its_own_resolution_is_only_turned(yaw_deg):
-    environment = Environment.from_radiance(noise(16))
-    light = network_light(environment, yaw_deg)
-    assert light.dtype == np.float32
-    np.testing.assert_allclose(light, rotate(environment.shape, yaw_deg), atol=2e-5)
-
-
-@quick
-@given(st.integers(1, 70), ANGLES)
-def test_network_light_keeps_the_mean_at_any_angle(height, yaw_deg):
-    light = network_light(Environment.from_radiance(noise(height)), yaw_deg)
-    assert mean_luminance(light) == pytest.approx(1.0, rel=1e-5)
-
-
-@pytest.mark.parametrize("row", [0, 100, 128, 255])
-def test_half_a_degree_moves_a_one_texel_sun_by_half_a_degree(row):
-    """It crosses evenly from one new texel, 11.25 degrees wide, into the next, and stands still nowhere."""
-    environment = Environment.from_radiance(lamp(256, row, 511))
-    angles = np.arange(0, 24, 0.5)
-    lights = np.stack([network_light(environment, yaw) for yaw in angles])
-    steps = np.abs(np.diff(lights, axis=0)).max(axis=(1, 2, 3))
-    assert steps.max() <= 1.05 * lights[0].sum(1).max() * 0.5 / 11.25
-    assert steps.min() >= 0.3 * steps.max()
-    assert (lights >= 0).all()
-
-
-@quick
-@given(st.sampled_from([16, 17, 31, 64, 256]), st.floats(-40, 40))
-def test_the_mean_direction_of_a_sun_is_right_to_a_tenth_of_a_texel(height, yaw_deg):
-    column = height // 2
-    light = network_light(Environment.from_radiance(lamp(height, height // 2, column)), yaw_deg)
-    share = light[..., 0].sum(0)
-    true_centre = ((column + 0.5) / (2 * height) + yaw_deg / 360) % 1 * 32 - 0.5
-    assert (share @ np.arange(32)) / share.sum() == pytest.approx(true_centre, abs=0.1)
-
-
-def test_network_light_moves_right_and_wraps():
-    environment = Environment.from_radiance(lamp(64, 32, 126))
-    columns = [network_light(environment, yaw)[..., 0].sum(0).argmax() for yaw in (0, 11.25, 90, -90, 360)]
-    assert columns == [31, 0, 7, 23, 31]
-
-
-def test_callers_may_write_into_the_networks_light():
-    environment = Environment.from_radiance(noise(16))
-    network_light(environment)[:] = -1
-    assert (network_light(environment) >= 0).all()
-
-
-def test_a_small_lamp_rises_evenly_and_loses_nothing():
-    def seen(row):
-        lamp = np.full((256, 512, 3), 1e-3, np.float32)
-        lamp[row - 3 : row + 3, 100:106] = 100.0
-        light = network_light(Environment.from_radiance(lamp))
-        power = (light[..., 1] * solid_angles(16, 32)).sum(1)
-        assert power.sum() == pytest.approx(4 * np.pi, rel=1e-4)
-        return float(power @ (np.arange(16) + 0.5)) / power.sum() * 16
-
-    steps = np.diff([seen(row) for row in range(80, 112, 2)])
-    assert steps.min() > 0.8 * steps.max() > 0
-
-
-def test_even_light_stays_even_in_the_light_of_the_networks():
-    light = network_light(Environment.from_radiance(np.ones((256, 512, 3), np.float32)))
-    np.testing.assert_allclose(light, 1, atol=1e-4)

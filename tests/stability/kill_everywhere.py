@@ -132,15 +132,11 @@ def _weights() -> Kind:
 def _training_state() -> Kind:
     from fuzz_corpus import training
 
-    from relight_core.training.state import Progress, load_state, save_state
+    from relight_core.training.state import Progress, load_state, make_state
 
     def write(folder: Path, new: bool) -> None:
-        save_state(
-            folder / "run.safetensors",
-            {"stage": "outline", "size": 64},
-            Progress(step=int(100 * _value(new))),
-            *training(),
-        )
+        state = make_state({"stage": "outline", "size": 64}, Progress(step=int(100 * _value(new))), *training())
+        state.write(folder / "run.safetensors")
 
     def holds(folder: Path) -> bool:
         return load_state(folder / "run.safetensors", {"stage": "outline", "size": 64}, *training()).step == 75

@@ -23,7 +23,7 @@ from relight_core.networks.bundle import BundleConfig, NetworkBundle, load_bundl
 from relight_core.pipeline.relighter import WEIGHTS
 from relight_core.resources import resource_path
 from relight_core.training.optimiser import Optimiser
-from relight_core.training.state import Progress, save_state
+from relight_core.training.state import Progress, make_state
 
 ROOT = Path(__file__).resolve().parents[2]
 WRITE_FOR_EVER = """
@@ -148,11 +148,12 @@ def test_a_training_run_never_writes_what_is_not_finite(tmp_path):
     weights = torch.nn.Linear(2, 2)
     average, optimiser = {"a": torch.ones(1)}, Optimiser(weights, 1e-3)
     path = tmp_path / "run.safetensors"
-    save_state(path, {"stage": "warm-delight"}, Progress(step=1), weights, average, optimiser)
+    settings = {"stage": "warm-delight"}
+    make_state(settings, Progress(step=1), weights, average, optimiser).write(path)
     before = path.read_bytes()
     average["a"][0] = float("nan")
     with pytest.raises(ValueError, match="not finite"):
-        save_state(path, {"stage": "warm-delight"}, Progress(step=2), weights, average, optimiser)
+        make_state(settings, Progress(step=2), weights, average, optimiser).write(path)
     assert path.read_bytes() == before
     assert os.listdir(tmp_path) == ["run.safetensors"]
 
