@@ -138,18 +138,13 @@ def _bench(arguments: argparse.Namespace, photos: list[Photo], report: Report) -
     from relight_core.evaluation.bench_report import as_full_record, as_markdown, as_record, plot
     from relight_core.imaging.files import whole_file
 
-    page = ""
-    try:
-        for result in _measured(arguments, photos):
-            page = as_markdown(result)
-            report.record(as_record(result))
-            write_text(arguments.output / "bench.json", json.dumps(as_full_record(result), indent=1))
-            write_text(arguments.output / "bench.md", page)
-            with whole_file(arguments.output / "bench.png") as partial:
-                plot(result, partial)
-    finally:
-        if page:
-            report.line(page)
+    for result in _measured(arguments, photos):
+        page = as_markdown(result)
+        report.figures(page, as_record(result))
+        write_text(arguments.output / "bench.json", json.dumps(as_full_record(result), indent=1))
+        write_text(arguments.output / "bench.md", page)
+        with whole_file(arguments.output / "bench.png") as partial:
+            plot(result, partial)
     return 0
 
 
@@ -230,9 +225,9 @@ def _files(arguments: argparse.Namespace, photo: Photo, report: Report) -> int:
     with progress("files", 1.0) as show:
         found = time_files(photo, rounds, _onto(show))
     record = {"machine": machine, "files": {kind[1:]: of for kind, of in found.items()}}
-    with report.figures(as_markdown(found), record):
-        write_text(arguments.output / "files.json", json.dumps(record, indent=1))
-        write_text(arguments.output / "files.md", as_markdown(found))
+    report.figures(as_markdown(found), record)
+    write_text(arguments.output / "files.json", json.dumps(record, indent=1))
+    write_text(arguments.output / "files.md", as_markdown(found))
     return 0
 
 
@@ -244,24 +239,19 @@ def _stability(arguments: argparse.Namespace, photo: Photo, report: Report) -> i
     with progress("attacking", 1.0) as show:
         result = run_stability(photo, quick=arguments.quick, weights=arguments.weights, report=_onto(show))
     page = result.as_markdown()
-    with report.figures("\n".join([page, *result.failures]), result.as_record()):
-        write_text(arguments.output / "stability.json", json.dumps(result.as_record(), indent=1))
-        write_text(arguments.output / "stability.md", page + "\n")
-        with whole_file(arguments.output / "stability.png") as partial:
-            plot_stability(result, partial)
+    report.figures("\n".join([page, *result.failures]), result.as_record())
+    write_text(arguments.output / "stability.json", json.dumps(result.as_record(), indent=1))
+    write_text(arguments.output / "stability.md", page + "\n")
+    with whole_file(arguments.output / "stability.png") as partial:
+        plot_stability(result, partial)
     return 1 if result.failures else 0
 
 
 def _session(arguments: argparse.Namespace, photos: list[Photo], report: Report) -> int:
-    page = ""
-    try:
-        for page, record in _replayed(arguments, photos):
-            report.record(record)
-            write_text(arguments.output / "session.json", json.dumps(record, indent=1))
-            write_text(arguments.output / "session.md", page)
-    finally:
-        if page:
-            report.line(page)
+    for page, record in _replayed(arguments, photos):
+        report.figures(page, record)
+        write_text(arguments.output / "session.json", json.dumps(record, indent=1))
+        write_text(arguments.output / "session.md", page)
     return 0
 
 

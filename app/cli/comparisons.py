@@ -108,7 +108,7 @@ def _write(place: Path, outcome: Outcome, page: str, training: str, report: Repo
     from relight_core.imaging.write import write_image
 
     record = as_record(outcome, training)
-    with report.figures(page, record):
-        write_text(place.with_suffix(".md"), page)
-        write_text(place.with_suffix(".json"), json.dumps(record, indent=1))
-        write_image(place.with_suffix(".png"), outcome.sheet)
+    report.figures(page, record)
+    write_text(place.with_suffix(".md"), page)
+    write_text(place.with_suffix(".json"), json.dumps(record, indent=1))
+    write_image(place.with_suffix(".png"), outcome.sheet)

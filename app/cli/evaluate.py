@@ -150,9 +150,9 @@ def _under_test(arguments: argparse.Namespace) -> tuple[Path, NetworkBundle, Set
 
 
 def _tell(report: Report, place: Path | None, page: str, record: dict) -> None:
-    with report.figures(page, record):
-        if place is not None:
-            write_text(place, page)
+    report.figures(page, record)
+    if place is not None:
+        write_text(place, page)
 
 
 def _compare_detail(arguments: argparse.Namespace) -> int:

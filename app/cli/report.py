@@ -25,6 +25,7 @@ class Report:
     def __init__(self, as_json: bool) -> None:
         self._as_json = as_json
         self._record: dict | None = None
+        self._page: str | None = None
 
     def line(self, text: str) -> None:
         """Print a line for people."""
@@ -35,34 +36,27 @@ class Report:
         """Keep the object for programs; it is printed when the command ends, be it because something fails later."""
         self._record = record
 
-    @contextlib.contextmanager
-    def figures(self, page: str, record: dict) -> Iterator[None]:
-        """Tell what was measured after a block that writes it into files, whether or not they can be written."""
+    def figures(self, page: str, record: dict) -> None:
+        """Keep what was measured, for people and for programs, in place of what was; printed as `record` is."""
+        self._page = page
         self.record(record)
-        try:
-            yield
-        finally:
-            self.line(page)
 
-    def json_text(self) -> str | None:
-        """The object as one line of ASCII, or None when there is none to print."""
-        if self._record is None or not self._as_json:
-            return None
-        return json.dumps(self._record, allow_nan=False)
+    def kept(self) -> str | None:
+        """What is left to print: the page, or the object as one line of ASCII; None when there is nothing."""
+        if not self._as_json:
+            return self._page
+        return None if self._record is None else json.dumps(self._record, allow_nan=False)
 
 
 @contextlib.contextmanager
 def reporting(as_json: bool) -> Iterator[Report]:
     """A Report; with JSON, whatever else writes to stdout meanwhile, C libraries included, goes to stderr."""
     report = Report(as_json)
-    if not as_json:
-        yield report
-        return
     try:
-        with _stdout_to_stderr():
+        with _stdout_to_stderr() if as_json else contextlib.nullcontext():
             yield report
     finally:
-        text = report.json_text()
+        text = report.kept()
         if text is not None:
             say(text)
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from app.cli import bench, bench_files, comparisons, evaluate
-from app.cli.report import Report
+from app.cli.report import reporting
 from relight_core.errors import InputError
 from relight_core.evaluation import bench_report, contest_report, detail, stability
 
@@ -43,8 +43,8 @@ def test_a_report_is_written_although_nobody_can_be_told(tmp_path, monkeypatch):
         raise InputError("the output can't be written")
 
     monkeypatch.setattr("app.cli.report.say", refuse)
-    with pytest.raises(InputError, match="output"):
-        evaluate._tell(Report(as_json=False), tmp_path / "report.md", "a table", {})
+    with pytest.raises(InputError, match="output"), reporting(as_json=False) as report:
+        evaluate._tell(report, tmp_path / "report.md", "a table", {})
     assert (tmp_path / "report.md").read_text() == "a table"
 
 
@@ -97,6 +97,6 @@ def test_a_bench_whose_files_can_t_be_written_is_told(command_line, tmp_path, mo
 def test_a_comparison_whose_files_can_t_be_written_is_told(tmp_path, monkeypatch, capsys):
     monkeypatch.setattr(contest_report, "as_record", lambda *_: {})
     outcome = SimpleNamespace(sheet=np.zeros((2, 2, 3), np.float32))
-    with pytest.raises(InputError, match="no folder"):
-        comparisons._write(tmp_path / "gone" / "peers", outcome, "a table", "training", Report(as_json=False))
+    with pytest.raises(InputError, match="no folder"), reporting(as_json=False) as report:
+        comparisons._write(tmp_path / "gone" / "peers", outcome, "a table", "training", report)
     assert capsys.readouterr().out == "a table\n"
