@@ -67,7 +67,6 @@ def decode_flat_tiff(data: bytes, path: Path) -> Raster | None:
     Returns:
         None where it is another, as one that is damaged.
 
-
     Raises:
         InputError: damaged, too large or of an unsupported kind.
     """
