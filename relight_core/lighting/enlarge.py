@@ -43,6 +43,23 @@ def enlarge(radiance: np.ndarray, height: int) -> np.ndarray:
     return fine
 
 
+def draw_finer(radiance: np.ndarray, height: int) -> np.ndarray:
+    """A panorama with at least as many rows; blended where its texels would be seen, repeated elsewhere.
+
+    Args:
+        radiance: (H, 2H, C) linear, >= 0.
+        height: rows of the result, at least H.
+
+    Returns:
+        (height, 2 * height, C) float32; each old texel's average stays. The same array where H is the height.
+    """
+    rows = radiance.shape[0]
+    if rows == height:
+        return radiance
+    is_coarse = rows < COARSE_HEIGHT and height % rows == 0
+    return enlarge(radiance, height) if is_coarse else shrink(radiance, height)
+
+
 def _lacking(old: np.ndarray, fine: np.ndarray) -> np.ndarray:
     """By how much each old texel is brighter than the fine map is there on average."""
     return old / np.maximum(shrink(fine, old.shape[0]), _TINY)

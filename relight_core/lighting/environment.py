@@ -89,13 +89,20 @@ class Environment:
         Args:
             radiance: (H, 2H, 3) linear, no more than 1024 rows.
             parts: those maps as they are, some of them coarser: the networks' light is the sum of each one's, and
-                not that of a coarse map drawn finer.
+                not that of a coarse map drawn finer, and no lamp is smaller than the texels that it comes from.
         """
         whole = cls.from_radiance(radiance, name)
         scale = 1.0 / whole.level if whole.level > 0.0 else 0.0
         seen = tuple(scale * _column_sums(part, NETWORK_HEIGHT) for part in parts)
         whole.of_shape(("column sums", NETWORK_HEIGHT), lambda _: seen)
+        coarser = tuple(np.float32(scale) * part for part in parts if part.shape[0] < whole.height)
+        whole.of_shape("coarser parts", lambda _: coarser)
         return whole
+
+    @property
+    def coarser_parts(self) -> tuple[np.ndarray, ...]:
+        """(h, 2h, 3) maps of fewer rows than the shape that were drawn finer to be a part of it, in its units."""
+        return self.of_shape("coarser parts", lambda _: ())
 
     @property
     def height(self) -> int:

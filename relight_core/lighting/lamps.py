@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from relight_core.imaging.colour import luminance
+from relight_core.lighting.enlarge import draw_finer
 from relight_core.lighting.environment import NETWORK_HEIGHT, Environment, shrink
 from relight_core.lighting.roll import roll_light
 from relight_core.lighting.sphere import directions, place_on_map, solid_angles, turned
@@ -66,7 +67,7 @@ def lamps_of(environment: Environment, yaw_deg: float = 0.0) -> tuple[Lamp, ...]
 
 def bright_places(environment: Environment) -> tuple[Lamp, ...]:
     """All that may be a small lamp, those that give most first, each with the hardness that it has by itself."""
-    return environment.of_shape("bright places", _find)
+    return environment.of_shape("bright places", lambda shape: _find(shape, environment.coarser_parts))
 
 
 def footprint(lamp: Lamp, roll_deg: float = 0.0) -> np.ndarray:
@@ -111,11 +112,42 @@ def _disc(lamp: Lamp) -> np.ndarray:
     return points / np.linalg.norm(points, axis=1, keepdims=True)
 
 
-def _find(shape: np.ndarray) -> tuple[Lamp, ...]:
-    fine = shrink(shape, _ROWS) if len(shape) > _ROWS else shape
-    grey = luminance(fine).astype(np.float64)
-    toward = directions(*grey.shape).astype(np.float64)
-    areas = solid_angles(*grey.shape).astype(np.float64)
+@dataclass(frozen=True)
+class _Sky:
+    """A light where lamps are sought, (h, 2h) float64 and (h, 2h, 3).
+
+    Attributes:
+        grey: luminance.
+        toward: unit vectors.
+        areas: solid angles.
+        texel_deg_squared: height squared of the texels that the light there comes from, by shares of luminance.
+    """
+
+    grey: np.ndarray
+    toward: np.ndarray
+    areas: np.ndarray
+    texel_deg_squared: np.ndarray
+
+
+def _sky(shape: np.ndarray, coarser: tuple[np.ndarray, ...]) -> _Sky:
+    grey = _grey(shape, min(len(shape), _ROWS))
+    own = (180 / len(grey)) ** 2
+    squared = np.full(grey.shape, own)
+    for part in coarser:
+        share = _grey(draw_finer(part, len(shape)), len(grey)) / np.maximum(grey, 1e-12)
+        squared += np.minimum(share, 1) * max((180 / len(part)) ** 2 - own, 0)
+    size = grey.shape
+    return _Sky(grey, directions(*size).astype(np.float64), solid_angles(*size).astype(np.float64), squared)
+
+
+def _grey(radiance: np.ndarray, rows: int) -> np.ndarray:
+    fine = shrink(radiance, rows) if len(radiance) != rows else radiance
+    return luminance(fine).astype(np.float64)
+
+
+def _find(shape: np.ndarray, coarser: tuple[np.ndarray, ...]) -> tuple[Lamp, ...]:
+    sky = _sky(shape, coarser)
+    grey, toward = sky.grey, sky.toward
     left, lamps = np.ones(grey.shape), []
     for _ in range(_ROUNDS):
         peak = np.unravel_index((left * grey).argmax(), grey.shape)
@@ -129,10 +161,10 @@ def _find(shape: np.ndarray) -> tuple[Lamp, ...]:
             off_deg = np.degrees(np.arccos(np.clip(toward @ centre, -1, 1)))
             around = 1 - _ramp(off_deg, _CORE_DEG, AROUND_DEG)
             beyond = (1 - around) * (1 - _ramp(off_deg, 2 * AROUND_DEG - _CORE_DEG, 2 * BEYOND_DEG - AROUND_DEG))
-            lamp = _measured(grey, toward, areas, left * around, left * beyond)
+            lamp = _measured(sky, left * around, left * beyond)
             centre = np.array(lamp.toward)
         # The corners of a window, of which the middle has been taken, are no lamps of their own.
-        whole = _measured(grey, toward, areas, around, beyond)
+        whole = _measured(sky, around, beyond)
         lamp = replace(lamp, hardness=min(lamp.hardness, _smallness(whole.radius_deg)))
         if lamp.hardness > 0:
             lamps.append(lamp)
@@ -157,19 +189,18 @@ def _foremost(ranked: tuple[Lamp, ...]) -> tuple[Lamp, ...]:
     return tuple(lamp for lamp in kept if lamp.hardness > _NO_HARDNESS)
 
 
-def _measured(grey: np.ndarray, toward: np.ndarray, areas: np.ndarray, around: np.ndarray, beyond: np.ndarray) -> Lamp:
+def _measured(sky: _Sky, around: np.ndarray, beyond: np.ndarray) -> Lamp:
     """What stands out `around` a place from what is `beyond` it, shares of every texel in [0, 1], as one lamp."""
-    behind = (grey * areas * beyond).sum() / max((areas * beyond).sum(), 1e-12)
+    behind = (sky.grey * sky.areas * beyond).sum() / max((sky.areas * beyond).sum(), 1e-12)
     near = around > 0
-    power = np.maximum(grey - behind, 0)[near] * (areas * around)[near]
+    power = np.maximum(sky.grey - behind, 0)[near] * (sky.areas * around)[near]
     total = max(power.sum(), 1e-12)
-    mean = power @ toward[near]
+    mean = power @ sky.toward[near]
     mean /= max(np.linalg.norm(mean), 1e-12)
-    off_deg = np.degrees(np.arccos(np.clip(toward[near] @ mean, -1, 1)))
+    off_deg = np.degrees(np.arccos(np.clip(sky.toward[near] @ mean, -1, 1)))
     # A disc's mean squared distance from its middle is half its radius squared. What is smaller than a texel may
     # be as large as one.
-    texel_deg = 180 / len(grey)
-    radius_deg = float(np.sqrt(2 * ((power @ off_deg**2) / total + texel_deg**2 / 4)))
+    radius_deg = float(np.sqrt(2 * (power @ (off_deg**2 + sky.texel_deg_squared[near] / 4)) / total))
     hardness = float(_smallness(radius_deg) * _ramp(total / (4 * np.pi), *_SHARE))
     return Lamp(tuple(float(part) for part in mean), radius_deg, float(total / np.pi), hardness)
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from relight_core.imaging.colour import REC709_LUMINANCE
 from relight_core.lighting.colour_temperature import WHITE_KELVIN, kelvin_to_rgb
-from relight_core.lighting.enlarge import COARSE_HEIGHT, enlarge
+from relight_core.lighting.enlarge import draw_finer
 from relight_core.lighting.environment import Environment, mean_luminance, shrink
 from relight_core.lighting.light_blur import blur_light
 from relight_core.lighting.own_lamps import room_of
@@ -95,7 +95,7 @@ def edit_light(light: Environment, edit: LightEdit, draft: bool = False) -> Envi
             parts.append(_drawn(boxes, meter_reading(light), draft))
         level = light.level or 1.0
         larger = max(len(part) for part in parts)
-        edited = Environment.of_parts(sum(_grown(part, larger) for part in parts), parts, light.name)
+        edited = Environment.of_parts(sum(draw_finer(part, larger) for part in parts), parts, light.name)
         light = edited.at_level(edited.level * level)
     return light if stops == 0.0 else light.at_level(light.level * 2.0**stops)
 
@@ -149,12 +149,3 @@ def colour_gain(warmth: float, tint: float) -> np.ndarray:
 def _drawn(boxes: tuple[SoftBox, ...], unit: float, draft: bool) -> np.ndarray:
     height = DRAFT_HEIGHT if draft else DRAWN_HEIGHT
     return sum(soft_box_radiance(box, height, unit or 1.0) for box in boxes)
-
-
-def _grown(radiance: np.ndarray, height: int) -> np.ndarray:
-    """The map with at least as many rows, blended where it is coarse; each old texel's average stays."""
-    rows = radiance.shape[0]
-    if rows == height:
-        return radiance
-    is_coarse = rows < COARSE_HEIGHT and height % rows == 0
-    return enlarge(radiance, height) if is_coarse else shrink(radiance, height)

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from relight_core.lighting.environment import Environment, network_light, shrink
+from relight_core.lighting.lamps import lamps_of
 from relight_core.lighting.light_blur import blur_light
 from relight_core.lighting.light_edit import LightEdit, colour_gain, edit_light
 from relight_core.lighting.soft_box import SoftBox, soft_box_radiance
@@ -47,6 +48,18 @@ def test_a_faint_soft_box_leaves_the_rest_of_the_light_as_it_was(height, draft):
 def brightest_direction(radiance):
     height, width = radiance.shape[:2]
     return directions(height, width).reshape(-1, 3)[radiance.sum(axis=2).argmax()]
+
+
+def test_a_soft_box_makes_no_lamp_of_another_lights_coarse_texels():
+    """A light found in a portrait can't tell a sun from a window, with soft boxes as without."""
+    texels = np.full((16, 32, 3), 0.3, np.float32)
+    texels[5, 20] = 200
+    found = Environment.from_radiance(texels)
+    assert lamps_of(edit_light(found, LightEdit(boxes=(SoftBox(azimuth_deg=-120, intensity=0.01),)))) == ()
+    small = SoftBox(azimuth_deg=-120, width_deg=4, height_deg=4, softness=0, intensity=2)
+    (lamp,) = lamps_of(edit_light(found, LightEdit(boxes=(small,))))
+    assert lamp.hardness > 0.9
+    assert lamp.toward[0] < -0.5
 
 
 def test_an_edit_of_nothing_is_the_same_light():
