@@ -157,6 +157,7 @@ def _tell(report: Report, place: Path | None, page: str, record: dict) -> None:
 
 def _compare_detail(arguments: argparse.Namespace) -> int:
     from relight_core.evaluation.detail import compare_detail, detail_table
+    from relight_core.evaluation.report import known
 
     with reporting(arguments.json) as report:
         check_heads_and_lights(arguments.heads, arguments.lights, arguments.split)
@@ -168,6 +169,7 @@ def _compare_detail(arguments: argparse.Namespace) -> int:
                 arguments.count,
                 lambda done, total: show(done / total, f"{done} of {total}"),
             )
-        record = {"errors": scores.errors, "pictures": scores.pictures, "size": scores.size}
+        errors = {name: {region: known(e) for region, e in row.items()} for name, row in scores.errors.items()}
+        record = {"errors": errors, "pictures": scores.pictures, "size": scores.size}
         _tell(report, arguments.output, detail_table(scores), record)
     return 0

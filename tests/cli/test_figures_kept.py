@@ -38,6 +38,14 @@ def test_an_evaluation_whose_report_lost_its_folder_is_told(command_line, tmp_pa
         assert "| bilinear | 1.25 |" in done.out
 
 
+def test_a_region_that_no_head_has_is_null_to_programs(command_line, tmp_path, detail_that, monkeypatch):
+    monkeypatch.setitem(SCORES.errors["bilinear"], "face", float("nan"))
+    detail_that(lambda: None)
+    done = command_line("evaluate", "--detail", "--heads", tmp_path, "--lights", tmp_path, "--json")
+    assert done.code == 0
+    assert json.loads(done.out)["errors"] == {"bilinear": {"face": None}}
+
+
 def test_a_report_is_written_although_nobody_can_be_told(tmp_path, monkeypatch):
     def refuse(_text):
         raise InputError("the output can't be written")
