@@ -10,7 +10,7 @@ import numpy as np
 from relight_core.dataset.baking.bake import BakedHead, bake
 from relight_core.dataset.baking.framing import Framing, sample_framing
 from relight_core.dataset.baking.scene import FROM_FACE_MAP, Scene, build_scene
-from relight_core.dataset.baking.shard import read_shard, write_shard
+from relight_core.dataset.baking.shard import read_shard, shard_size, write_shard
 from relight_core.dataset.face_map import face_label_map, face_vertices
 from relight_core.dataset.garments.dressing import Shares, Wardrobe
 from relight_core.dataset.heads import (
@@ -167,7 +167,7 @@ def bake_missing(casting: Casting | ScanCasting, folder: Path, seeds: range, siz
         The path of each finished head.
 
     Raises:
-        InputError: as `keep_to_people` and `pose_head` of scans.
+        InputError: as `keep_to_people` and `pose_head` of scans; or a head is there in another size.
     """
     folder.mkdir(parents=True, exist_ok=True)
     if isinstance(casting, ScanCasting):
@@ -176,6 +176,8 @@ def bake_missing(casting: Casting | ScanCasting, folder: Path, seeds: range, siz
         path = shard_path(folder, seed)
         if not path.exists():
             write_shard(path, casting.bake_head(seed, size))
+        elif (found := shard_size(path)) != size:
+            raise InputError(f"{path}: is {found} pixels wide and not {size}; choose a new folder, or delete it")
         yield path
 
 

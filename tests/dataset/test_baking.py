@@ -80,3 +80,9 @@ def test_baking_goes_on_where_it_stopped(casting, tmp_path):
     assert everything == [shard_path(tmp_path, seed) for seed in (10, 11, 12)]
     assert [path.stat().st_mtime_ns for path in first] == stamps
     assert read_shard(everything[-1]).size == 32
+
+
+def test_a_head_of_another_size_is_not_taken_for_the_one_asked_for(casting, tmp_path):
+    list(bake_missing(casting, tmp_path, range(10, 11), 32))
+    with pytest.raises(InputError, match="32 pixels wide and not 64"):
+        list(bake_missing(casting, tmp_path, range(10, 11), 64))

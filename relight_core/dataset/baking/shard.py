@@ -51,6 +51,14 @@ def write_shard(path: Path, head: BakedHead) -> None:
                 np.lib.format.write_array(file, np.asarray(array, order="C"), allow_pickle=False)
 
 
+def shard_size(path: Path) -> int:
+    """The side of a head's images in pixels; raises InputError for a damaged file."""
+    size = read_arrays(path, ("size",), "a baked head", _MEND)["size"]
+    if size.shape:
+        raise InputError(f"{path}: damaged head (its size is no number); {_MEND}")
+    return int(size)
+
+
 def read_shard(path: Path) -> BakedHead:
     """Load a head; raises InputError for a damaged file or one of an unknown version."""
     version = int(read_arrays(path, ("version",), "a baked head", _MEND)["version"])
