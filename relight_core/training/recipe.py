@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import hashlib
+import json
 import tomllib
 from collections.abc import Callable
 from dataclasses import dataclass, fields, replace
@@ -10,13 +12,16 @@ from pathlib import Path
 from typing import Any
 
 from relight_core.errors import InputError
-from relight_core.imaging.files import check_regular
+from relight_core.imaging.files import check_regular, file_bytes, whole_file
 from relight_core.networks.bundle import BundleConfig, NetworkBundle, load_bundle, save_bundle
 from relight_core.networks.person import PersonConfig
 from relight_core.training.loop import state_path
 from relight_core.training.run import Run, train
 from relight_core.training.stages import STAGES
 from relight_core.training.state import Progress
+
+_NOTE = "begun.json"
+_WORDS = {"networks": "kind of networks", "seed": "seed", "start": "--start"}
 
 
 @dataclass(frozen=True)
@@ -138,11 +143,13 @@ def follow(
         kept, workers, places: see `run.Run`.
 
     Raises:
+        InputError: the folder holds a run of other networks, of another seed or from other weights.
         TrainingDiverged, InputError: as `loop.train_stage`.
     """
     if start is not None:
         _check_start(recipe, start)
     folder.mkdir(parents=True, exist_ok=True)
+    _keep_to_one_run(recipe, start, folder)
     before = start
     for number, plan in enumerate(recipe.stages):
         checkpoint = folder / f"{number + 1:02d}-{plan.name}.safetensors"
@@ -163,6 +170,25 @@ def _check_start(recipe: Recipe, start: Path) -> None:
         if asked not in (getattr(usual, name), getattr(has, name)):
             mend = f"leave out --start, or [networks.{name}] in the recipe"
             raise InputError(f"{start}: its {name} network is another than the recipe asks for; {mend}")
+
+
+def _keep_to_one_run(recipe: Recipe, start: Path | None, folder: Path) -> None:
+    """Note what a folder's run begins with; its finished stages would be taken for those of any other."""
+    weights = None if start is None else hashlib.sha256(file_bytes(start)).hexdigest()
+    begun = {"networks": json.loads(recipe.networks.to_json()), "seed": recipe.seed, "start": weights}
+    note = folder / _NOTE
+    if not note.exists():
+        with whole_file(note) as beside:
+            beside.write_text(json.dumps(begun, indent=1))
+        return
+    try:
+        before = json.loads(file_bytes(note))
+        other = [name for name, value in begun.items() if before[name] != value]
+    except (ValueError, KeyError, TypeError) as error:
+        raise InputError(f"{note}: can't be read ({error}); choose another folder after -o") from error
+    if other:
+        what = _WORDS[other[0]]
+        raise InputError(f"{folder}: holds a run that began with another {what}; choose another folder after -o")
 
 
 def _run(recipe: Recipe, plan: StagePlan, number: int, heads, lights, checkpoint, before) -> Run:

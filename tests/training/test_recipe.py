@@ -221,3 +221,23 @@ class TestResidualBlocks:
             with_residual_blocks(self.bundle(), (0, 1))
         with pytest.raises(InputError, match="2 numbers"):
             with_residual_blocks(self.bundle(), decoder=(0, 1, 1))
+
+
+def test_a_folder_s_stages_are_not_taken_for_another_run_s(tmp_path, data):
+    recipe, out = replace(load_recipe(written(tmp_path, SHORT)), networks=BundleConfig.tiny()), tmp_path / "out"
+    wider = replace(BundleConfig.tiny(), delight=DelightConfig(width=6, levels=3))
+    save_bundle(tmp_path / "start.safetensors", NetworkBundle(BundleConfig.tiny()))
+
+    def followed(recipe, start=None):
+        follow(recipe, tmp_path, tmp_path, out, lambda *progress: None, start)
+
+    followed(recipe)
+    data.clear()
+    with pytest.raises(InputError, match="another kind of networks"):
+        followed(replace(recipe, networks=wider))
+    with pytest.raises(InputError, match="another seed"):
+        followed(replace(recipe, seed=4))
+    with pytest.raises(InputError, match="another --start"):
+        followed(recipe, tmp_path / "start.safetensors")
+    followed(recipe)
+    assert data == []
