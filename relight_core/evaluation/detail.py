@@ -65,16 +65,18 @@ def compare_detail(
     """
     library, pool = held_out_lights(lights, split), held_out_textures()
     paths, size, done = held_out_paths(heads, split, count), 0, 0
+    total = sum(len(_pairs(_chosen(library, number))) for number in range(len(paths)))
     rows = {kind: defaultdict(list) for kind in ("errors", "blurred")}
     for number, path in enumerate(paths):
-        head = load_head(path, _chosen(library, number), pool)
+        chosen = _chosen(library, number)
+        head = load_head(path, chosen, pool)
         size = head.lit.head.size
-        for source, target in _pairs():
+        for source, target in _pairs(chosen):
             for kind in rows:
                 for method, errors in _score(head, source, target, kind == "blurred").items():
                     rows[kind][method].append(errors)
             done += 1
-            report(done, len(paths) * len(_pairs()))
+            report(done, total)
     means = {kind: {method: _means(errors) for method, errors in of.items()} for kind, of in rows.items()}
     return DetailScores(**means, pictures=done, size=size)
 
@@ -106,10 +108,14 @@ def _chosen(library: list[HeldOutLight], number: int) -> list[HeldOutLight]:
     return chosen + [lamps[(number + i) % len(lamps)] for i in range(_LAMPS)]
 
 
-def _pairs() -> list[tuple[int, int]]:
-    """Source and target among the chosen lights: one panorama to all others, another to the lamps."""
+def _pairs(chosen: list[HeldOutLight]) -> list[tuple[int, int]]:
+    """Source and target among the chosen lights: one panorama to all others, another to the lamps.
+
+    Fewer than three panoramas come around again; a photo relit with its own light would tell nothing.
+    """
     lamps = range(_PANORAMAS, _PANORAMAS + _LAMPS)
-    return [(0, target) for target in (*range(1, _PANORAMAS), *lamps)] + [(1, lamp) for lamp in lamps]
+    pairs = [(0, target) for target in (*range(1, _PANORAMAS), *lamps)] + [(1, lamp) for lamp in lamps]
+    return [(source, target) for source, target in pairs if chosen[source] is not chosen[target]]
 
 
 def _score(head: HeldOutHead, source: int, target: int, blurred: bool) -> dict[str, list[float]]:

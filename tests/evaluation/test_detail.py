@@ -6,6 +6,7 @@ from synthetic_heads import write_balls, write_lights
 
 from relight_core.evaluation import detail
 from relight_core.evaluation.detail_methods import METHODS, DetailTask
+from relight_core.evaluation.held_out import held_out_lights
 from relight_core.imaging.light_change import Makeup
 from relight_core.imaging.resampling import resize_area
 
@@ -32,3 +33,14 @@ def test_the_comparison_names_every_method_and_region(tmp_path, monkeypatch):
     assert all(np.isfinite(errors["head"]) for errors in scores.errors.values())
     table = detail.detail_table(scores)
     assert all(name in table for name in METHODS)
+
+
+@pytest.mark.parametrize("count", [1, 2, 3])
+def test_no_photo_is_relit_with_its_own_light(tmp_path, count):
+    write_lights(tmp_path / "lights.npz", 3)
+    lights = held_out_lights(tmp_path / "lights.npz", "test")
+    few = [*lights[:count], *(light for light in lights if light.lamp)]
+    chosen = detail._chosen(few, 0)
+    pairs = [(chosen[source].name, chosen[target].name) for source, target in detail._pairs(chosen)]
+    assert len(pairs) >= 4
+    assert all(source != target for source, target in pairs)
