@@ -99,6 +99,7 @@ def _speed(arguments: argparse.Namespace) -> int:
 def _effect(arguments: argparse.Namespace) -> int:
     let_idle_threads_sleep()
     from relight_core.evaluation.dataset_effect import Lesson
+    from relight_core.imaging.read import read_photo
 
     check_output_file(arguments.output, _PICTURES)
     if arguments.size % 16:
@@ -110,6 +111,8 @@ def _effect(arguments: argparse.Namespace) -> int:
     paths = sorted(path for path in arguments.photos.iterdir() if path.suffix.lower() in _PHOTOS)
     if not paths:
         raise InputError(f"{arguments.photos}: no photos in it ({', '.join(_PHOTOS)})")
+    for path in paths:
+        read_photo(path)  # What can't be read is told before the training and not after it.
     lesson = Lesson(arguments.steps, arguments.size, arguments.pairs, arguments.width)
     if arguments.work is not None:
         return _compare(arguments, paths, lesson, arguments.work)

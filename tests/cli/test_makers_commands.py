@@ -10,6 +10,7 @@ from PIL import Image
 from synthetic_heads import write_balls, write_lights
 
 from relight_core.dataset.lighting.lights import load_lights
+from relight_core.evaluation import dataset_effect
 from relight_core.networks.bundle import BundleConfig, NetworkBundle, load_bundle, save_bundle
 
 
@@ -365,3 +366,10 @@ def test_effect_refuses(run, data):
     refused(run(*words, "--bare", data / "none", "--photos", data), "none")
     refused(run(*words, "--bare", data / "heads", "--photos", data, "--size", 65), "multiple")
     refused(run(*words, "--bare", data / "heads", "--photos", data), "no photos in it")
+
+
+def test_effect_tells_of_a_photo_it_can_t_read_before_it_trains(run, data, tmp_path, monkeypatch):
+    monkeypatch.setattr(dataset_effect, "taught", lambda *_, **__: pytest.fail("trained in vain"))
+    (tmp_path / "torn.jpg").write_bytes(b"torn")
+    words = ["dataset", "effect", "--shards", data / "heads", "--lights", data / "lights.npz", "-o", data / "s.png"]
+    refused(run(*words, "--bare", data / "heads", "--photos", tmp_path), "torn.jpg")
