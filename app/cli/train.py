@@ -142,6 +142,9 @@ def _follow_recipe(arguments: argparse.Namespace) -> int:
     from relight_core.training.recipe import follow, load_recipe
 
     recipe = load_recipe(arguments.recipe)
+    result = arguments.output / "relight.safetensors"
+    if arguments.start is not None and is_same_file(result, arguments.start):
+        raise InputError(f"{result}: would be written over the weights it is made from; name another folder after -o")
     make_folder(arguments.output)
     check_heads_and_lights(arguments.heads, arguments.lights, "train")
     with progress("training", float(len(recipe.stages))) as show:
@@ -161,7 +164,7 @@ def _follow_recipe(arguments: argparse.Namespace) -> int:
         )
     for log in sorted(arguments.output.glob("*.log.json")):
         _draw_curves(log)
-    say(f"wrote {arguments.output / 'relight.safetensors'}")
+    say(f"wrote {result}")
     return 0
 
 

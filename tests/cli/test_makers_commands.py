@@ -373,3 +373,10 @@ def test_effect_tells_of_a_photo_it_can_t_read_before_it_trains(run, data, tmp_p
     (tmp_path / "torn.jpg").write_bytes(b"torn")
     words = ["dataset", "effect", "--shards", data / "heads", "--lights", data / "lights.npz", "-o", data / "s.png"]
     refused(run(*words, "--bare", data / "heads", "--photos", tmp_path), "torn.jpg")
+
+
+def test_a_recipe_s_result_is_not_written_over_the_weights_it_begins_with(run, data, tmp_path):
+    start = tmp_path / "relight.safetensors"
+    save_bundle(start, NetworkBundle(BundleConfig.tiny()))
+    words = ["train", "--recipe", "person", "--heads", data / "heads", "--lights", data / "lights.npz"]
+    refused(run(*words, "--start", start, "-o", tmp_path), "written over")
