@@ -78,9 +78,16 @@ class AveragedWeights:
 
     def update(self, bundle: NetworkBundle, step: int) -> None:
         """Move toward the current weights, quickly at first; every few steps, for it touches every weight."""
+        if step % _AVERAGED_EVERY == 0:
+            self._move(bundle, step, _AVERAGED_EVERY)
+
+    def catch_up(self, bundle: NetworkBundle, step: int) -> None:
+        """Take the last steps that `update` has left for later: a run of fewer than four would have learnt nothing."""
         if step % _AVERAGED_EVERY:
-            return
-        decay = min(_DECAY, (1 + step) / (10 + step)) ** _AVERAGED_EVERY
+            self._move(bundle, step, step % _AVERAGED_EVERY)
+
+    def _move(self, bundle: NetworkBundle, step: int, steps: int) -> None:
+        decay = min(_DECAY, (1 + step) / (10 + step)) ** steps
         now = bundle.state_dict()
         moving = [name for name, value in now.items() if value.is_floating_point()]
         torch._foreach_lerp_([self.state[name] for name in moving], [now[name] for name in moving], 1 - decay)
@@ -158,6 +165,7 @@ def _trained(
             progress.log.append({"step": progress.step, "elapsed": elapsed, **progress.smoothed})
         kept.after_step(progress, bundle, average, optimiser, batch)
     report(1.0, progress)
+    average.catch_up(bundle, progress.step)
     return _ended(checkpoint, average.bundle(bundle), progress, batch)
 
 

@@ -241,3 +241,17 @@ def test_a_folder_s_stages_are_not_taken_for_another_run_s(tmp_path, data):
         followed(recipe, tmp_path / "start.safetensors")
     followed(recipe)
     assert data == []
+
+
+def test_a_stage_of_a_few_steps_keeps_what_they_taught(tmp_path, data):
+    recipe = replace(load_recipe(written(tmp_path, SHORT)), networks=BundleConfig.tiny())
+    start = NetworkBundle(BundleConfig.tiny())
+    save_bundle(tmp_path / "start.safetensors", start, half=False)
+    warm = replace(recipe, stages=recipe.stages[:1])
+    follow(warm, tmp_path, tmp_path, tmp_path / "out", lambda *progress: None, tmp_path / "start.safetensors")
+    result = load_bundle(tmp_path / "out" / "01-warm-delight.safetensors")
+    moved = [
+        not torch.equal(new, old)
+        for new, old in zip(result.delight.parameters(), start.delight.parameters(), strict=True)
+    ]
+    assert any(moved)
