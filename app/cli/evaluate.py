@@ -157,7 +157,6 @@ def _tell(report: Report, place: Path | None, page: str, record: dict) -> None:
 
 def _compare_detail(arguments: argparse.Namespace) -> int:
     from relight_core.evaluation.detail import compare_detail, detail_table
-    from relight_core.evaluation.report import known
 
     with reporting(arguments.json) as report:
         check_heads_and_lights(arguments.heads, arguments.lights, arguments.split)
@@ -169,7 +168,14 @@ def _compare_detail(arguments: argparse.Namespace) -> int:
                 arguments.count,
                 lambda done, total: show(done / total, f"{done} of {total}"),
             )
-        errors = {name: {region: known(e) for region, e in row.items()} for name, row in scores.errors.items()}
-        record = {"errors": errors, "pictures": scores.pictures, "size": scores.size}
+        record = {"errors": _known(scores.errors), "blurred": _known(scores.blurred)}
+        record |= {"pictures": scores.pictures, "size": scores.size}
         _tell(report, arguments.output, detail_table(scores), record)
     return 0
+
+
+def _known(errors: dict[str, dict[str, float]]) -> dict[str, dict[str, float | None]]:
+    """Errors by method and region for the JSON object; null of a region that no head has."""
+    from relight_core.evaluation.report import known
+
+    return {method: {region: known(error) for region, error in row.items()} for method, row in errors.items()}

@@ -6,7 +6,7 @@ import hashlib
 import json
 import tomllib
 from collections.abc import Callable
-from dataclasses import dataclass, fields, replace
+from dataclasses import asdict, dataclass, fields, replace
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -143,7 +143,8 @@ def follow(
         kept, workers, places: see `run.Run`.
 
     Raises:
-        InputError: the folder holds a run of other networks, of another seed or from other weights.
+        InputError: the folder holds a run of other networks, of another seed, from other weights, or a finished
+            stage of another plan.
         TrainingDiverged, InputError: as `loop.train_stage`.
     """
     if start is not None:
@@ -152,7 +153,7 @@ def follow(
     _keep_to_one_run(recipe, start, folder)
     before = start
     for number, plan in enumerate(recipe.stages):
-        checkpoint = folder / f"{number + 1:02d}-{plan.name}.safetensors"
+        checkpoint = _checkpoint(folder, number, plan)
         if state_path(checkpoint).exists() or not checkpoint.exists():
             settings = _run(recipe, plan, number, heads, lights, checkpoint, before)
             train(replace(settings, kept=kept, workers=workers, places=places), partial(report, number))
@@ -173,22 +174,41 @@ def _check_start(recipe: Recipe, start: Path) -> None:
 
 
 def _keep_to_one_run(recipe: Recipe, start: Path | None, folder: Path) -> None:
-    """Note what a folder's run begins with; its finished stages would be taken for those of any other."""
+    """Note what a folder's run is made from; its finished stages would be taken for those of any other.
+
+    Stages of a plan of their own may follow in the same folder, as a recipe is lengthened.
+    """
     weights = None if start is None else hashlib.sha256(file_bytes(start)).hexdigest()
     begun = {"networks": json.loads(recipe.networks.to_json()), "seed": recipe.seed, "start": weights}
+    plans = {_checkpoint(folder, number, plan).stem: asdict(plan) for number, plan in enumerate(recipe.stages)}
     note = folder / _NOTE
-    if not note.exists():
-        with whole_file(note) as beside:
-            beside.write_text(json.dumps(begun, indent=1))
-        return
+    earlier = _read_note(note, begun) if note.exists() else {}
+    other = [_WORDS[name] for name, value in begun.items() if earlier.get(name, value) != value]
+    kept = earlier.get("stages", {})
+    other += [f"plan for {name}" for name, plan in plans.items() if _is_another(folder, name, plan, kept)]
+    if other:
+        raise InputError(f"{folder}: holds a run that began with another {other[0]}; choose another folder after -o")
+    with whole_file(note) as beside:
+        beside.write_text(json.dumps({**begun, "stages": {**kept, **plans}}, indent=1))
+
+
+def _read_note(note: Path, begun: dict) -> dict:
     try:
-        before = json.loads(file_bytes(note))
-        other = [name for name, value in begun.items() if before[name] != value]
+        noted = json.loads(file_bytes(note))
+        return {**{name: noted[name] for name in begun}, "stages": dict(noted["stages"])}
     except (ValueError, KeyError, TypeError) as error:
         raise InputError(f"{note}: can't be read ({error}); choose another folder after -o") from error
-    if other:
-        what = _WORDS[other[0]]
-        raise InputError(f"{folder}: holds a run that began with another {what}; choose another folder after -o")
+
+
+def _is_another(folder: Path, name: str, plan: dict, kept: dict) -> bool:
+    """Whether a stage is there that was trained after another plan; a half-done one may still change its length."""
+    checkpoint = folder / f"{name}.safetensors"
+    is_finished = checkpoint.exists() and not state_path(checkpoint).exists()
+    return is_finished and kept.get(name, plan) != plan
+
+
+def _checkpoint(folder: Path, number: int, plan: StagePlan) -> Path:
+    return folder / f"{number + 1:02d}-{plan.name}.safetensors"
 
 
 def _run(recipe: Recipe, plan: StagePlan, number: int, heads, lights, checkpoint, before) -> Run:

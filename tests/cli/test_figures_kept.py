@@ -12,7 +12,7 @@ from app.cli.report import reporting
 from relight_core.errors import InputError
 from relight_core.evaluation import bench_report, contest_report, detail, stability
 
-SCORES = detail.DetailScores({"bilinear": {"face": 1.25}}, {}, 3, 64)
+SCORES = detail.DetailScores({"bilinear": {"face": 1.25}}, {"bilinear": {"face": 1.5}}, 3, 64)
 
 
 @pytest.fixture
@@ -33,7 +33,8 @@ def test_an_evaluation_whose_report_lost_its_folder_is_told(command_line, tmp_pa
     assert done.code == 2
     assert done.err.splitlines()[-1].startswith(f"relight evaluate: {folder / 'report.md'}: there is no folder")
     if as_json:
-        assert json.loads(done.out) == {"errors": SCORES.errors, "pictures": 3, "size": 64}
+        figures = {"errors": {"bilinear": {"face": 1.25}}, "blurred": {"bilinear": {"face": 1.5}}}
+        assert json.loads(done.out) == {**figures, "pictures": 3, "size": 64}
     else:
         assert "| bilinear | 1.25 |" in done.out
 
@@ -43,7 +44,9 @@ def test_a_region_that_no_head_has_is_null_to_programs(command_line, tmp_path, d
     detail_that(lambda: None)
     done = command_line("evaluate", "--detail", "--heads", tmp_path, "--lights", tmp_path, "--json")
     assert done.code == 0
-    assert json.loads(done.out)["errors"] == {"bilinear": {"face": None}}
+    told = json.loads(done.out)
+    assert told["errors"] == {"bilinear": {"face": None}}
+    assert told["blurred"] == {"bilinear": {"face": 1.5}}
 
 
 def test_a_report_is_written_although_nobody_can_be_told(tmp_path, monkeypatch):

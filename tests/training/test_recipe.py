@@ -239,6 +239,8 @@ def test_a_folder_s_stages_are_not_taken_for_another_run_s(tmp_path, data):
         followed(replace(recipe, seed=4))
     with pytest.raises(InputError, match="another --start"):
         followed(recipe, tmp_path / "start.safetensors")
+    with pytest.raises(InputError, match="another plan for 01-warm-delight"):
+        followed(replace(recipe, stages=(replace(recipe.stages[0], learning_rate=1e-5), *recipe.stages[1:])))
     followed(recipe)
     assert data == []
 
