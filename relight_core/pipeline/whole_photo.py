@@ -89,7 +89,7 @@ class WholePhoto:
             backdrop = Backdrop(transparent=True)
         else:
             backdrop = self._backdrop(plan, environment, edit, placement, rest)
-        return Picture(canvas_of(self._photo), matte, placed_changes, rest, backdrop)
+        return Picture(canvas_of(self._photo), matte, placed_changes, rest, backdrop, exposure=placement.exposure)
 
     def shown(
         self, picture: Picture, plan: Plan, longest_side_px: int | None, for_shader: bool
@@ -114,8 +114,8 @@ class WholePhoto:
         """How a shader draws a picture; None where it can't."""
         if picture.size[0] * picture.size[1] > _KEPT_PIXELS or max(picture.size) > LARGEST_SIDE:
             return None
-        canvas, matte, run = picture.canvas, picture.matte, self._cache.run
-        layers = run("layers", picture.size, lambda: person_layers(canvas, matte), "new photo or size", 2)
+        run, make = self._cache.run, partial(person_layers, picture.canvas, picture.matte, picture.exposure)
+        layers = run("layers", picture.size, make, "new photo or size", 2)
         return run("recipe", key, lambda: recipe_of(picture, layers), "new light, slider or background")
 
     def _rendered(self, picture: Picture, key: Hashable) -> tuple[np.ndarray, np.ndarray | None]:

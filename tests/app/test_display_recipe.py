@@ -93,7 +93,7 @@ def drawn(context, screen, place=None, paint=None, exposure_ev=0.0):
 
 def worst(context, picture, exposure_ev=0.0):
     """The largest difference in codes of 255; half a code of it is the canvas's 8 bits."""
-    recipe = recipe_of(picture, person_layers(picture.canvas, picture.matte))
+    recipe = recipe_of(picture, person_layers(picture.canvas, picture.matte, picture.exposure))
     image, alpha = picture.render()
     expected = apply_view(image, exposure_ev)
     if alpha is not None:
@@ -145,6 +145,22 @@ def test_it_does_at_another_exposure(context, exposure_ev):
     assert worst(context, some_picture(BACKDROPS["keep"]), exposure_ev) < ONE_CODE
 
 
+@pytest.mark.parametrize("backdrop", BACKDROPS)
+@pytest.mark.parametrize("stops", [-10, 20])
+def test_it_does_for_a_photo_in_units_of_its_own(context, backdrop, stops):
+    picture, units = some_picture(BACKDROPS[backdrop]), np.float32(2.0**stops)
+    behind = {part: getattr(picture.backdrop, part) for part in ("picture", "soft")}
+    behind = {part: None if layer is None else np.minimum(layer, 0.06) * units for part, layer in behind.items()}
+    picture = replace(
+        picture,
+        canvas=replace(picture.canvas, linear=picture.canvas.linear * units),
+        changes=tuple(replace(change, offset=change.offset * units) for change in picture.changes),
+        backdrop=replace(picture.backdrop, **behind),
+        exposure=1 / units,
+    )
+    assert worst(context, picture, -stops) < ONE_CODE
+
+
 @pytest.mark.parametrize("value", [0.0, 1e30])
 def test_it_does_in_darkness_and_under_a_blinding_light(context, value):
     picture = some_picture(BACKDROPS["keep"])
@@ -157,7 +173,7 @@ def test_it_does_in_darkness_and_under_a_blinding_light(context, value):
 
 def test_clipping_stripes_and_differences_see_the_drawn_picture(context):
     picture = some_picture(BACKDROPS["keep"])
-    recipe = recipe_of(picture, person_layers(picture.canvas, picture.matte))
+    recipe = recipe_of(picture, person_layers(picture.canvas, picture.matte, picture.exposure))
     pixels = picture.render()[0].astype(np.float16)
     for paint in (Paint(clipping=True), Paint(difference=True)):
         from_recipe, from_pixels = (drawn(context, screen, paint=paint) for screen in (recipe, pixels))
@@ -167,7 +183,7 @@ def test_clipping_stripes_and_differences_see_the_drawn_picture(context):
 
 def test_a_picture_shown_smaller_is_an_average(context):
     picture = some_picture(BACKDROPS["keep"])
-    recipe = recipe_of(picture, person_layers(picture.canvas, picture.matte))
+    recipe = recipe_of(picture, person_layers(picture.canvas, picture.matte, picture.exposure))
     pixels = picture.render()[0].astype(np.float16)
     small = Placement(0, 0, 0.25, WIDTH / 4, HEIGHT / 4)
     from_recipe, from_pixels = (drawn(context, screen, small) for screen in (recipe, pixels))
@@ -177,7 +193,7 @@ def test_a_picture_shown_smaller_is_an_average(context):
 def test_scopes_read_the_recipes_own_pixels(context):
     picture = some_picture(BACKDROPS["keep"])
     slot = RelitSlot(context)
-    slot.show(recipe_of(picture, person_layers(picture.canvas, picture.matte)))
+    slot.show(recipe_of(picture, person_layers(picture.canvas, picture.matte, picture.exposure)))
     np.testing.assert_array_equal(slot.array, picture.render()[0].astype(np.float16))
     assert slot.array is slot.array
     assert slot.glimpse is slot.glimpse
@@ -187,7 +203,7 @@ def test_scopes_read_the_recipes_own_pixels(context):
 
 def test_from_recipe_to_pixels_and_back(context):
     picture = some_picture(BACKDROPS["keep"])
-    recipe = recipe_of(picture, person_layers(picture.canvas, picture.matte))
+    recipe = recipe_of(picture, person_layers(picture.canvas, picture.matte, picture.exposure))
     slot = RelitSlot(context)
     assert slot.show(recipe)
     assert not slot.show(recipe)
@@ -202,13 +218,13 @@ def test_from_recipe_to_pixels_and_back(context):
 
 def test_too_many_faces_make_no_recipe():
     picture = some_picture(BACKDROPS["keep"], SEVERAL * 3)
-    assert recipe_of(picture, person_layers(picture.canvas, picture.matte)) is None
+    assert recipe_of(picture, person_layers(picture.canvas, picture.matte, picture.exposure)) is None
 
 
 @pytest.mark.parametrize("backdrop", ["keep", "match", "colour", "light"])
 def test_a_pixel_shown_large_is_one_square_of_its_own_colour(context, backdrop):
     picture = some_picture(BACKDROPS[backdrop], SMALL)
-    recipe = recipe_of(picture, person_layers(picture.canvas, picture.matte))
+    recipe = recipe_of(picture, person_layers(picture.canvas, picture.matte, picture.exposure))
     once = drawn(context, recipe)
     large = drawn(context, recipe, Placement(0, 0, 6.0, 6 * WIDTH, 6 * HEIGHT))
     assert np.abs(large - once.repeat(6, 0).repeat(6, 1)).max() * 255 < ONE_CODE

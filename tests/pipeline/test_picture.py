@@ -160,6 +160,18 @@ def test_black_cloth_before_white_paper_has_no_fog_on_it(cloth, least, most):
     assert least < added.max() < most
 
 
+@pytest.mark.parametrize("units", [0.01, 30.0])
+def test_no_more_light_wraps_round_a_photo_in_units_of_its_own(units):
+    photo, _ = portrait()
+    usual = picture_of(gain=1.0, backdrop=make_backdrop("#ffffff", None), photo=photo)
+    canvas, matte, times = usual.canvas, usual.matte, np.float32(units)
+    canvas = replace(canvas, linear=canvas.linear * times)
+    matte = replace(matte, person=matte.person * times, behind=matte.behind * times, exposure=1 / units)
+    band = Band(30, 200, photo.linear.shape[:2], photo.linear.shape[:2])
+    there = replace(usual, canvas=canvas, matte=matte, exposure=1 / units).behind(band)
+    np.testing.assert_allclose(there, usual.behind(band), atol=1e-4)
+
+
 @pytest.mark.parametrize("backdrop", ["keep", "match", "#203040"])
 @pytest.mark.parametrize("own_alpha", [False, True])
 def test_what_is_behind_is_the_picture_of_a_person_without_light(backdrop, own_alpha):

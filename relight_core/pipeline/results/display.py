@@ -20,6 +20,7 @@ from relight_core.face.paste import Band, bands, unit_matrix
 from relight_core.imaging.in_order import in_order
 from relight_core.pipeline.per_photo.matte import Matte
 from relight_core.pipeline.per_photo.person import Canvas, person_in
+from relight_core.pipeline.results.backdrop import Backdrop
 from relight_core.pipeline.results.picture import Picture
 
 MOST_VIEWS = 8
@@ -38,22 +39,28 @@ class PersonLayers:
     Attributes:
         person: (h, w, 4) float16 linear, the person's own colour times the matte, and the matte.
         behind: (h, w, 3) float16 linear, what the photo holds beside that.
+        exposure: colours are the photo's times this, so that a photo in units of its own fits into half floats.
     """
 
     person: np.ndarray
     behind: np.ndarray
+    exposure: float
 
 
-def person_layers(canvas: Canvas, matte: Matte) -> PersonLayers:
-    """Take a canvas apart."""
-    layers = PersonLayers(np.empty((*canvas.size, 4), np.float16), np.empty((*canvas.size, 3), np.float16))
+def person_layers(canvas: Canvas, matte: Matte, exposure: float = 1.0) -> PersonLayers:
+    """Take a canvas apart.
+
+    Args:
+        exposure: of the portrait.
+    """
+    layers = PersonLayers(np.empty((*canvas.size, 4), np.float16), np.empty((*canvas.size, 3), np.float16), exposure)
 
     def make(band: Band) -> None:
         found = person_in(canvas, matte, band)
-        colour = found.colour * found.share[..., None]
-        layers.person[band.rows, :, :3] = np.minimum(colour, np.float32(_HALF_MAX))
+        colour, times = found.colour * found.share[..., None], np.float32(exposure)
+        layers.person[band.rows, :, :3] = np.minimum(times * colour, np.float32(_HALF_MAX))
         layers.person[band.rows, :, 3] = found.share
-        layers.behind[band.rows] = np.clip(canvas.linear[band.rows] - colour, 0, np.float32(_HALF_MAX))
+        layers.behind[band.rows] = np.clip(times * (canvas.linear[band.rows] - colour), 0, np.float32(_HALF_MAX))
 
     for _ in in_order(make, bands(canvas.size, canvas.photo_size)):
         pass
@@ -67,9 +74,9 @@ class DisplayRecipe:
     Attributes:
         layers: the canvas, taken apart; the same object as long as photo and size are.
         views: (2, 3) each: from places in the picture, [0, 1] across and down, to those in a face's view.
-        gain, offset: (n S, S, 3) float32, the views' maps one below the other.
+        gain, offset: (n S, S, 3) float32, the views' maps one below the other; gains are of the layers' colours.
         rest: (k, l, 3) float32, gain over the whole picture beyond the views.
-        behind_gain: (3,) of what is behind the person, which is then no darker than black; None keeps it.
+        behind_gain: (3,) of what the layers have behind the person, which is then no darker than black; None keeps it.
         backdrop: (k, l, 3) float16 linear, what is behind the person instead; or None.
         soft: (k, l, 3) float16, the same blurred; or None.
         nearby: (k, l, 1) float32, the matte averaged about each place; None where the matte itself serves.
@@ -108,10 +115,10 @@ def recipe_of(picture: Picture, layers: PersonLayers) -> DisplayRecipe | None:
     return DisplayRecipe(
         layers,
         tuple(_view_matrix(picture, placed.view) for placed in picture.changes),
-        _stacked([placed.gain for placed in picture.changes]),
+        _of_layers(_stacked([placed.gain for placed in picture.changes]), layers),
         _stacked([placed.offset for placed in picture.changes]),
-        picture.rest,
-        backdrop.gain,
+        _of_layers(picture.rest, layers),
+        _behind_gain(backdrop, layers),
         _as_map(backdrop.picture) if replaced else None,
         _as_map(backdrop.soft) if replaced else None,
         picture.matte.nearby[..., None] if replaced and not own_alpha else None,
@@ -123,6 +130,17 @@ def recipe_of(picture: Picture, layers: PersonLayers) -> DisplayRecipe | None:
 def _view_matrix(picture: Picture, view: Crop) -> np.ndarray:
     height, width = picture.size
     return unit_matrix(view, picture.size, picture.canvas.photo_size) * np.array([width, height, 1.0])
+
+
+def _of_layers(gain: np.ndarray, layers: PersonLayers) -> np.ndarray:
+    """A gain of the photo's colours as one of the layers'."""
+    return gain if layers.exposure == 1.0 else gain / np.float32(layers.exposure)
+
+
+def _behind_gain(backdrop: Backdrop, layers: PersonLayers) -> np.ndarray | None:
+    if backdrop.gain is None and layers.exposure == 1.0:
+        return None
+    return _of_layers(np.ones(3, np.float32) if backdrop.gain is None else backdrop.gain, layers)
 
 
 def _stacked(maps: list[np.ndarray]) -> np.ndarray:

@@ -51,6 +51,7 @@ class Picture:
         backdrop: what is behind the person.
         person: of the whole canvas, where it is kept; else it is worked out band by band.
         wide: colours outside Rec.709 stay, with values below 0 or above 1; else all are within it, as on a screen.
+        exposure: of the portrait; of the photo times this, skin and cloth are as bright as their colours.
     """
 
     canvas: Canvas
@@ -60,6 +61,7 @@ class Picture:
     backdrop: Backdrop
     person: Person | None = field(default=None, repr=False)
     wide: bool = False
+    exposure: float = 1.0
 
     @property
     def size(self) -> tuple[int, int]:
@@ -231,5 +233,5 @@ class Picture:
             for layer in (self.backdrop.picture, self.backdrop.soft)
         )
         near = share if self.matte.own_alpha else spread_window(self.matte.nearby, everywhere, band)[..., None]
-        wrapped = np.minimum(LENS_VEIL + LIGHT_WRAP * person.colour, MOST_WRAP)
+        wrapped = np.minimum(LENS_VEIL + np.float32(LIGHT_WRAP * self.exposure) * person.colour, MOST_WRAP)
         return (1.0 - share) * picture + share * (1.0 - near) * wrapped * soft
