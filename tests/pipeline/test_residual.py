@@ -113,6 +113,18 @@ def test_radiance_above_1_comes_back_where_the_file_holds_it():
     torch.testing.assert_close(image * residual.level, recorded, rtol=1e-4, atol=1e-5)
 
 
+@pytest.mark.parametrize("overshoot", [0.0015, 0.3])
+def test_a_pixel_just_above_1_does_not_undo_what_was_clipped(overshoot):
+    photo, model = torch.ones(1, 3, SIZE, SIZE), Composed(images(1), images(1))
+    photo[:, :, : SIZE // 2] = model.image[:, :, : SIZE // 2] * 0.5
+    model.image[:, :, SIZE // 2 :] = 5.0
+    over = photo.clone()
+    over[:, :, 0, 0] += photo.amax() + overshoot - over[:, :, 0, 0]
+    clipped, nearly = (find_residual(surface(photo), seen, light(), lambda own: model) for seen in (photo, over))
+    off = (nearly.log_ratio - clipped.log_ratio)[:, :, SIZE // 2 :].abs()
+    assert off.max() < 0.1
+
+
 def test_black_and_blown_out_photos_stay_finite():
     for value in (0.0, 1.0):
         for modelled in (0.0, 1e4):

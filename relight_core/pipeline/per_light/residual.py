@@ -41,6 +41,8 @@ from relight_core.pipeline.stages import Composed, Surface
 _BLACK = 0.005
 _LARGEST_LOG = 3.0
 _CLIPPED = 0.97
+_BEYOND, _PILED_UP, _FEW = 0.05, 0.02, 1e-4
+"""How far above 1 a pixel was surely not clipped, how near to 1 it surely was, and the share of pixels that is few."""
 _FEWEST_PIXELS = 50
 _DARK_HAIR = 0.8
 _FADES = 2.0
@@ -105,8 +107,8 @@ def find_residual(
     # The model is of a surface in a photo that was clipped to 1.
     largest_log = _LARGEST_LOG + math.log(max(float(recorded.max()), 1.0))
     log_ratio = torch.log((photo + _BLACK) / (image + _BLACK)).clamp(-_LARGEST_LOG, largest_log)
-    if bool(recorded.max() <= 1.001):
-        log_ratio = _at_least(log_ratio, clipped_share(recorded), flesh_share(surface.parsing))
+    if was_clipped := _was_clipped(recorded):
+        log_ratio = _at_least(log_ratio, was_clipped * clipped_share(recorded), flesh_share(surface.parsing))
     stays_dark = _DARK_HAIR * surface.parsing[:, INDEX["hair"], None]
     broad = skin * local_means(log_ratio.mean(1, keepdim=True), skin)
     colour = log_ratio - log_ratio.mean(1, keepdim=True)
@@ -141,6 +143,17 @@ def _by_camera(log_ratio: torch.Tensor, albedo: torch.Tensor, skin: torch.Tensor
     if own is None:
         return torch.zeros_like(log_ratio[..., :1, :1])
     return (saturation(off, own).clamp(0, _MOST_SATURATED) * own)[None, :, None, None]
+
+
+def _was_clipped(recorded: torch.Tensor) -> float:
+    """How surely a photo was clipped at 1, [0, 1]: less so the more of it is beyond, beside what has piled up there.
+
+    A few pixels beyond may be the overshoot of a resampling, or a glint that was put in.
+    """
+    brightest = recorded.amax(1)
+    beyond = ((brightest - 1) / _BEYOND).clamp(0, 1).sum()
+    piled_up = (1 - (brightest - 1).abs() / _PILED_UP).clamp(0, 1).sum()
+    return float(1 - (2 * beyond / (beyond + piled_up + _FEW * brightest.numel())).clamp_max(1))
 
 
 def _at_least(log_ratio: torch.Tensor, clipped: torch.Tensor, skin: torch.Tensor) -> torch.Tensor:
