@@ -23,9 +23,11 @@ MOST_LAMPS, _ROUNDS = 4, 8
 _AHEAD, _NO_HARDNESS = 1.25, 1e-3
 _CORE_DEG, AROUND_DEG, BEYOND_DEG = 6.0, 12.0, 18.0
 """How far from its middle a lamp reaches in full, how far at most, and up to where its surroundings count."""
+_FARTHEST_DEG = 2 * BEYOND_DEG - AROUND_DEG
+_NEAR_DEG, _CENTRINGS = (3.0, 6.0), 6
+"""How far off light counts in full, and at all, where a place's middle is sought, so many times over."""
 
 _DIMMEST = 4.0
-_CENTRINGS = 3
 _RADIUS_DEG = (7.5, 4.0)
 _SHARE = (0.02, 0.06)
 
@@ -114,19 +116,35 @@ def _disc(lamp: Lamp) -> np.ndarray:
 
 @dataclass(frozen=True)
 class _Sky:
-    """A light where lamps are sought, (h, 2h) float64 and (h, 2h, 3).
+    """A light where lamps are sought: n texels of a panorama, float64.
 
     Attributes:
-        grey: luminance.
-        toward: unit vectors.
-        areas: solid angles.
-        texel_deg_squared: height squared of the texels that the light there comes from, by shares of luminance.
+        grey: (n,) luminance.
+        toward: (n, 3) unit vectors.
+        areas: (n,) solid angles.
+        texel_deg_squared: (n,) height squared of the texels that the light there comes from, by shares of luminance.
     """
 
     grey: np.ndarray
     toward: np.ndarray
     areas: np.ndarray
     texel_deg_squared: np.ndarray
+
+    def within(self, most_deg: float, centre: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """The texels that are no farther from a direction, and how far each is, in degrees."""
+        ahead = self.toward @ centre
+        near = np.flatnonzero(ahead > np.cos(np.radians(most_deg)))
+        return near, np.degrees(np.arccos(np.minimum(ahead[near], 1)))
+
+
+@dataclass(frozen=True)
+class _Place:
+    """A bright place: its middle, the texels about it and how far they are off, and the light in its middle."""
+
+    centre: np.ndarray
+    near: np.ndarray
+    off_deg: np.ndarray
+    power: float
 
 
 def _sky(shape: np.ndarray, coarser: tuple[np.ndarray, ...]) -> _Sky:
@@ -136,8 +154,8 @@ def _sky(shape: np.ndarray, coarser: tuple[np.ndarray, ...]) -> _Sky:
     for part in coarser:
         share = _grey(draw_finer(part, len(shape)), len(grey)) / np.maximum(grey, 1e-12)
         squared += np.minimum(share, 1) * max((180 / len(part)) ** 2 - own, 0)
-    size = grey.shape
-    return _Sky(grey, directions(*size).astype(np.float64), solid_angles(*size).astype(np.float64), squared)
+    toward, areas = directions(*grey.shape).astype(np.float64), solid_angles(*grey.shape).astype(np.float64)
+    return _Sky(grey.ravel(), toward.reshape(-1, 3), areas.ravel(), squared.ravel())
 
 
 def _grey(radiance: np.ndarray, rows: int) -> np.ndarray:
@@ -147,30 +165,64 @@ def _grey(radiance: np.ndarray, rows: int) -> np.ndarray:
 
 def _find(shape: np.ndarray, coarser: tuple[np.ndarray, ...]) -> tuple[Lamp, ...]:
     sky = _sky(shape, coarser)
-    grey, toward = sky.grey, sky.toward
-    left, lamps = np.ones(grey.shape), []
-    for _ in range(_ROUNDS):
-        peak = np.unravel_index((left * grey).argmax(), grey.shape)
-        if left[peak] * grey[peak] < _DIMMEST:
-            break
-        centre = toward[peak]
-        # The brightest texel of a disc may be at its rim: what lies around it is sought anew around its middle.
-        # What belongs to one lamp is no part of another: the haze around a sun would be that sun once more.
-        # All of it fades with distance, or another lamp that comes near would be drawn in all at once.
-        for _ in range(_CENTRINGS):
-            off_deg = np.degrees(np.arccos(np.clip(toward @ centre, -1, 1)))
-            around = 1 - _ramp(off_deg, _CORE_DEG, AROUND_DEG)
-            beyond = (1 - around) * (1 - _ramp(off_deg, 2 * AROUND_DEG - _CORE_DEG, 2 * BEYOND_DEG - AROUND_DEG))
-            lamp = _measured(sky, left * around, left * beyond)
-            centre = np.array(lamp.toward)
-        # The corners of a window, of which the middle has been taken, are no lamps of their own.
-        whole = _measured(sky, around, beyond)
-        lamp = replace(lamp, hardness=min(lamp.hardness, _smallness(whole.radius_deg)))
-        if lamp.hardness > 0:
-            lamps.append(lamp)
-        left *= 1 - around
-        left[peak] = 0
+    places = _places(sky)
+    around = np.zeros((len(places), sky.grey.size))
+    for share, place in zip(around, places, strict=True):
+        share[place.near] = _around(place.off_deg)
+    of_none, lamps = np.prod(1 - around, axis=0), []
+    for place, share, claim in zip(places, around, _claims(places, around), strict=True):
+        near, beyond = place.near, _beyond(place.off_deg)
+        # What belongs to one lamp is no part of another's surroundings.
+        lamp = _measured(sky, near, claim[near], beyond * of_none[near] / np.maximum(1 - share[near], 1e-12))
+        # The corners of a window, of which the middle is another's, are no lamps of their own; and two lamps that
+        # share their light are as hard as if one had all of it.
+        whole = _measured(sky, near, share[near], beyond)
+        hardness = min(lamp.hardness, _smallness(whole.radius_deg)) * _ramp(whole.irradiance / 4, *_SHARE)
+        if hardness > 0:
+            lamps.append(replace(lamp, hardness=float(hardness)))
     return tuple(sorted(lamps, key=_given, reverse=True))
+
+
+def _places(sky: _Sky) -> list[_Place]:
+    """Bright places, the brightest first.
+
+    The brightest texel of a disc may be at its rim, so that each is centred in the light about it: in so little of it
+    that two lamps which come near each other don't draw either's middle to the other.
+    """
+    left, found = np.ones(sky.grey.size), []
+    for _ in range(_ROUNDS):
+        peak = int((left * sky.grey).argmax())
+        if left[peak] * sky.grey[peak] < _DIMMEST:
+            break
+        centre = sky.toward[peak]
+        looked_at, from_peak_deg = sky.within(_NEAR_DEG[1], centre)
+        for _ in range(_CENTRINGS):
+            near, off_deg = sky.within(_NEAR_DEG[1], centre)
+            power = sky.grey[near] * sky.areas[near] * (1 - _ramp(off_deg, *_NEAR_DEG))
+            centre = power @ sky.toward[near]
+            centre /= np.linalg.norm(centre)
+        place = _Place(centre, *sky.within(_FARTHEST_DEG, centre), float(power.sum()))
+        left[place.near] *= 1 - _around(place.off_deg)
+        left[looked_at] *= _ramp(from_peak_deg, *_NEAR_DEG)
+        if all(centre @ other.centre < np.cos(np.radians(_NEAR_DEG[0])) for other in found):
+            found.append(place)
+    return found
+
+
+def _around(off_deg: np.ndarray) -> np.ndarray:
+    """How far what lies so far off a lamp's middle is of the lamp, [0, 1], without a kink where that begins."""
+    part = _ramp(off_deg, _CORE_DEG, AROUND_DEG)
+    return 1 - part**2 * (3 - 2 * part)
+
+
+def _beyond(off_deg: np.ndarray) -> np.ndarray:
+    return (1 - _around(off_deg)) * (1 - _ramp(off_deg, 2 * AROUND_DEG - _CORE_DEG, _FARTHEST_DEG))
+
+
+def _claims(places: list[_Place], around: np.ndarray) -> np.ndarray:
+    """(places, n) how much of each texel is whose, [0, 1]; where several are near, by how much light they have."""
+    weights = around * np.array([place.power for place in places]).reshape(-1, 1)
+    return around * weights / np.maximum(weights.sum(0), 1e-12)
 
 
 def _given(lamp: Lamp) -> float:
@@ -189,20 +241,24 @@ def _foremost(ranked: tuple[Lamp, ...]) -> tuple[Lamp, ...]:
     return tuple(lamp for lamp in kept if lamp.hardness > _NO_HARDNESS)
 
 
-def _measured(sky: _Sky, around: np.ndarray, beyond: np.ndarray) -> Lamp:
-    """What stands out `around` a place from what is `beyond` it, shares of every texel in [0, 1], as one lamp."""
-    behind = (sky.grey * sky.areas * beyond).sum() / max((sky.areas * beyond).sum(), 1e-12)
-    near = around > 0
-    power = np.maximum(sky.grey - behind, 0)[near] * (sky.areas * around)[near]
+def _measured(sky: _Sky, near: np.ndarray, around: np.ndarray, beyond: np.ndarray) -> Lamp:
+    """What stands out around a place from what is beyond it, as one lamp, as hard as its size alone makes it.
+
+    Args:
+        near: (m,) of the texels.
+        around, beyond: (m,) shares of them in [0, 1].
+    """
+    grey, areas, toward = sky.grey[near], sky.areas[near], sky.toward[near]
+    behind = (grey * areas * beyond).sum() / max((areas * beyond).sum(), 1e-12)
+    power = np.maximum(grey - behind, 0) * areas * around
     total = max(power.sum(), 1e-12)
-    mean = power @ sky.toward[near]
+    mean = power @ toward
     mean /= max(np.linalg.norm(mean), 1e-12)
-    off_deg = np.degrees(np.arccos(np.clip(sky.toward[near] @ mean, -1, 1)))
+    off_deg = np.degrees(np.arccos(np.clip(toward @ mean, -1, 1)))
     # A disc's mean squared distance from its middle is half its radius squared. What is smaller than a texel may
     # be as large as one.
     radius_deg = float(np.sqrt(2 * (power @ (off_deg**2 + sky.texel_deg_squared[near] / 4)) / total))
-    hardness = float(_smallness(radius_deg) * _ramp(total / (4 * np.pi), *_SHARE))
-    return Lamp(tuple(float(part) for part in mean), radius_deg, float(total / np.pi), hardness)
+    return Lamp(tuple(float(part) for part in mean), radius_deg, float(total / np.pi), _smallness(radius_deg))
 
 
 def _smallness(radius_deg: float) -> float:

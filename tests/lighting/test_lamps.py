@@ -147,7 +147,22 @@ def test_two_lamps_that_come_near_each_other_lose_their_hardness_evenly(radius_d
         hard.append(sum(lamp.irradiance * lamp.hardness for lamp in lamps))
     assert hard[0] > 2.2
     assert min(hard) < 1.2
-    assert np.abs(np.diff(hard)).max() < 0.8
+    assert np.abs(np.diff(hard)).max() < 0.35
+
+
+@pytest.mark.parametrize("apart_deg", [12.5, 10.5, 8.5])
+def test_of_two_lamps_near_each_other_none_is_first(apart_deg):
+    def pair(ratio):
+        angle = np.radians(apart_deg / 2)
+        left, right = ((side * np.sin(angle), 0.3, np.cos(angle)) for side in (-1, 1))
+        lamps = lamps_of(light((left, 2.0, 900.0), (right, 2.0, 900.0 * ratio), fill=0.2))
+        return sorted(lamps, key=lambda lamp: lamp.toward[0])
+
+    for alike in (0.99, 1.01):
+        one, other = pair(alike)
+        assert one.hardness == pytest.approx(other.hardness, abs=0.06)
+        assert one.irradiance == pytest.approx(other.irradiance, rel=0.06)
+        assert one.toward[0] == pytest.approx(-other.toward[0], abs=0.01)
 
 
 @pytest.mark.parametrize("side_deg", [18.0, 20.0, 22.0, 24.0, 26.0])
