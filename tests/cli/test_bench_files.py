@@ -1,6 +1,10 @@
 """What relight bench --files makes of its runs."""
 
+import subprocess
+import sys
+
 import numpy as np
+import pytest
 
 from app.cli import bench_files
 from relight_core.imaging.photo import Photo
@@ -34,3 +38,17 @@ def test_the_photo_is_enlarged_to_its_size():
     image = bench_files._enlarged(Photo(np.full((40, 60, 3), 0.2, np.float32)))
     assert abs(image.width * image.height - 24_000_000) < 20_000
     assert abs(image.width / image.height - 1.5) < 0.01
+
+
+def test_the_peak_is_the_programs_own_and_not_the_benchs():
+    held = np.ones(60_000_000)
+    del held
+    said, seconds, peak_mib = bench_files._witnessed([sys.executable, "-c", "print('one\\ntwo')"])
+    assert said.split() == ["one", "two"]
+    assert 0 < seconds < 60
+    assert 1 < peak_mib < 200
+
+
+def test_a_program_that_fails_is_not_timed():
+    with pytest.raises(subprocess.CalledProcessError):
+        bench_files._witnessed([sys.executable, "-c", "raise SystemExit(2)"])
