@@ -79,19 +79,21 @@ def batch_tasks(photos: Sequence[Path], folder: Path, suffix: str) -> list[tuple
 def names_apart(photos: Sequence[Path]) -> list[str]:
     """A name for each photo's output, without suffix: the photo's own, and of a.jpg and a.png "a-jpg" and "a-png".
 
-    No two are the same, nor on file systems that take large and small letters for the same.
+    No two are the same, nor on file systems that take large and small letters for the same. In whatever order photos
+    of several folders are given, each has the same name: else a run that is taken up would keep another's result.
     """
     counts = Counter(photo.stem.lower() for photo in photos)
     taken: set[str] = set()
-    names = []
-    for photo in photos:
+    names = [""] * len(photos)
+    for index in sorted(range(len(photos)), key=lambda index: os.path.abspath(photos[index].parent)):
+        photo = photos[index]
         name = photo.stem if counts[photo.stem.lower()] == 1 else name_beside_a_namesake(photo)
         number, free = 1, name
         while free.lower() in taken:
             number += 1
             free = f"{name}-{number}"
         taken.add(free.lower())
-        names.append(free)
+        names[index] = free
     return names
 
 

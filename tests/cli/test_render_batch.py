@@ -124,6 +124,13 @@ def test_photos_of_one_name_get_a_file_each(relighter, tmp_path):
     assert len(relighter.edits) == 4
 
 
+def test_photos_of_one_name_have_the_same_file_in_whatever_order_they_are_given(tmp_path):
+    photos = [tmp_path / folder / "a.jpg" for folder in ("one", "two", "three")]
+    places = dict(zip(photos, plan_outputs(photos, f"{tmp_path}/out/"), strict=True))
+    assert len(set(places.values())) == 3
+    assert dict(zip(photos[::-1], plan_outputs(photos[::-1], f"{tmp_path}/out/"), strict=True)) == places
+
+
 def test_a_name_made_for_one_photo_is_not_another_s(tmp_path):
     photos = [tmp_path / name for name in ("a.jpg", "A.png", "a-jpg.png", "b.png")]
     (tmp_path / "one").mkdir()
