@@ -76,7 +76,8 @@ def write_channels(relit: Relit, edit: Edit, folder: Path, inputs: KnownFiles) -
         write_exr_layers(scratch / "channels.exr", channel_layers(relit.channels), header=header)
         for name in LIGHTS:
             if name in relit.channels:
-                write_image(scratch / f"{name}.exr", relit.channels[name])
+                # Halves end where the sun of a panorama or a photo in units of its own may not.
+                write_image(scratch / f"{name}.exr", relit.channels[name], bits=32)
         written = [folder / path.name for path in sorted(scratch.iterdir())]
         for path in written:
             check_place(path, inputs)

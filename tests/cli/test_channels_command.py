@@ -9,10 +9,15 @@ import OpenEXR
 import pytest
 from PIL import Image
 
+from app.cli.channels import write_channels
 from app.cli.report import counting
 from app.cli.sheet import on_ground
 from app.cli.turntable import _fine_enough
+from relight_core.imaging.files import KnownFiles
+from relight_core.imaging.formats.exr import read_exr
+from relight_core.pipeline.edit import Edit
 from relight_core.pipeline.per_photo.person import Canvas
+from relight_core.pipeline.results.relit import Relit
 
 CHANNELS = [
     "albedo",
@@ -42,6 +47,16 @@ def test_every_channel_is_a_picture_and_a_layer(relight, photo, tmp_path):
     assert np.all(layers["RGB"].pixels == 0.25)
     assert np.all(layers["parsing"].pixels == 1.0)
     assert np.all(layers["normal"].pixels == [0.0, 0.0, 1.0])
+
+
+def test_a_light_s_file_holds_more_than_halves_can(tmp_path):
+    light = np.full((16, 32, 3), 3000.0, np.float32)
+    light[4, 12] = 2e6
+    channels = {"photo": np.zeros((8, 8, 3), np.float32), "source_light": light, "target_light": light}
+    relit = Relit(None, None, channels, [])
+    write_channels(relit, Edit(), tmp_path, KnownFiles([]))
+    for name in ("source_light", "target_light"):
+        np.testing.assert_array_equal(read_exr(tmp_path / f"{name}.exr")[0], light)
 
 
 def test_other_files_in_the_folder_stay(relight, photo, tmp_path):
