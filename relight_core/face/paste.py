@@ -56,6 +56,11 @@ def bands(size: tuple[int, int], photo_size: tuple[int, int], rows: int = 64) ->
     return [Band(top, min(top + rows, size[0]), size, photo_size) for top in range(0, size[0], rows)]
 
 
+def all_of(size: tuple[int, int], photo_size: tuple[int, int]) -> Band:
+    """A whole picture as one band."""
+    return Band(0, size[0], size, photo_size)
+
+
 def whole_photo(photo_size: tuple[int, int]) -> tuple[float, float, float, float]:
     """The window of a map that covers all of the photo."""
     return 0.0, 0.0, float(photo_size[1]), float(photo_size[0])

@@ -17,6 +17,7 @@ from relight_core.pipeline.face_relighter import FaceRelighter
 from relight_core.pipeline.face_taken_apart import Workshop
 from relight_core.pipeline.per_light.rest_of_person import body_shading
 from relight_core.pipeline.per_photo.brush import BrushStroke
+from relight_core.pipeline.per_photo.exposing import exposure_about_faces
 from relight_core.pipeline.per_photo.matte import WORKING_PX, DraftMatte, Matte, draft_matte, finish_matte
 from relight_core.pipeline.per_photo.person import Canvas, canvas_of, whole_person
 from relight_core.pipeline.plan import Plan
@@ -133,7 +134,9 @@ class WholePhoto:
     def _draft_matte(self) -> DraftMatte | None:
         """The people as seen by one tier, whichever is asked for, so that it depends on no history."""
         looks = (face.looks() for face in self._faces)
-        exposure = self._faces[0].portrait.exposure
+        portraits = [face.portrait for face in self._faces]
+        exposures, crops = [one.exposure for one in portraits], [one.crop for one in portraits]
+        exposure = exposure_about_faces(exposures, crops, self._photo.linear.shape[:2])
         return draft_matte(self._photo.linear, looks, self._photo.alpha, self._small().linear, exposure)
 
     def _small(self) -> Canvas:

@@ -1,9 +1,12 @@
+from dataclasses import replace
+
 import cv2
 import numpy as np
 import pytest
 
 from relight_core.face.crop import Crop
 from relight_core.imaging.photo import Photo
+from relight_core.pipeline.per_photo.exposing import exposure_about_faces
 from relight_core.pipeline.per_photo.matte import draft_matte, finish_matte, own_colour
 from relight_core.pipeline.per_photo.person import canvas_of, whole_person
 
@@ -46,6 +49,19 @@ def test_edges_are_found_in_whatever_units_a_photo_is(factor):
         for one, exposure in ((linear, 1.0), (scaled, 1 / factor))
     ]
     np.testing.assert_allclose(*shares, atol=1e-3)
+
+
+def test_of_two_people_each_is_outlined_at_an_exposure_of_their_own():
+    linear, truth = portrait()
+    width = linear.shape[1]
+    crops = CROP, replace(CROP, centre_x=CROP.centre_x + width)
+    people = [[(blurred_mask(truth), crop)] for crop in crops]
+    dark = np.concatenate([linear * np.float32(0.02), linear], axis=1)
+    exposure = exposure_about_faces((50.0, 1.0), crops, dark.shape[:2])
+    share = whole_person(canvas_of(Photo(dark)), finish_matte(draft_matte(dark, people, exposure=exposure))).share
+    for found in (share[:, :width], share[:, width:]):
+        assert np.abs(found - truth).mean() < 0.03
+    assert exposure_about_faces((2.0, 2.0), crops, dark.shape[:2]) == 2.0
 
 
 def test_edges_move_onto_the_photo_and_the_body_beyond_the_crop_is_found():

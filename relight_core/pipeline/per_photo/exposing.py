@@ -8,11 +8,15 @@ they see is therefore multiplied, and what they find is counted back; the photo 
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from relight_core.face.crop import Crop
+from relight_core.face.paste import Band, places_of, spread_window, whole_photo
 from relight_core.imaging.colour import luminance
 from relight_core.imaging.photo import Photo
+from relight_core.imaging.resampling import shrunk_size
 
 _DARKEST, _BRIGHTEST, _WHITE = 0.15, 0.85, 1.0
 """Of the brightest tenth of a face, at the least, and of a fiftieth of it where that is brighter than white."""
@@ -21,6 +25,8 @@ _GLARE = 2.0
 _OF_CROP = 0.6
 """The middle of a face's crop, which is skin, as a share of its side."""
 _LOOKS = 48
+_ABOUT_PX = 128
+_NEARNESS_POWER = 4
 _BLACK = 1e-12
 _MOST = {8: 2.0**5, 16: 2.0**10, 32: 2.0**40}
 """By the photo's bits: what is darker still is a few codes, and noise between them."""
@@ -41,6 +47,37 @@ def exposure_of_view(photo: Photo, view: Crop) -> float:
     """The same of a view that may hold a face anywhere: it is dark all over, or half of it is brighter than white."""
     seen = luminance(_looked_at(photo.seen.linear, view))
     return _exposure(float(np.percentile(seen, 95)), float(np.median(seen)), _MOST[photo.bits])
+
+
+def exposure_about_faces(
+    exposures: Sequence[float], crops: Sequence[Crop], photo_size: tuple[int, int]
+) -> float | np.ndarray:
+    """The exposure of a photo's surroundings of faces that may have one each: that of the nearest, by degrees.
+
+    Args:
+        exposures, crops: of the faces, at least one.
+
+    Returns:
+        a number where they have the same, else a map (k, l, 1) float32 over the whole photo.
+    """
+    if len(set(exposures)) == 1:
+        return exposures[0]
+    places = places_of(shrunk_size(photo_size, _ABOUT_PX), photo_size)
+    far = [np.linalg.norm(places - (crop.centre_x, crop.centre_y), axis=-1) / crop.side for crop in crops]
+    nearness = np.stack([(1 / (0.1 + distance)) ** _NEARNESS_POWER for distance in far], axis=-1)
+    # Exposures are factors, between which the way leads over their logarithms.
+    return np.exp(np.average(np.log(exposures) + 0 * nearness, axis=-1, weights=nearness))[..., None].astype(np.float32)
+
+
+def exposed(linear: np.ndarray, exposure: float | np.ndarray, band: Band) -> np.ndarray:
+    """Some of a photo (h, w, 3) times an exposure that may differ from place to place, see `exposure_about_faces`.
+
+    Args:
+        band: which pixels they are.
+    """
+    if isinstance(exposure, np.ndarray):
+        return linear * spread_window(exposure, whole_photo(band.photo_size), band)
+    return linear if exposure == 1.0 else linear * np.float32(exposure)
 
 
 def _exposure(dark_below: float, bright_above: float, most: float) -> float:

@@ -9,12 +9,13 @@ import cv2
 import numpy as np
 
 from relight_core.face.crop import Crop
-from relight_core.face.paste import fade
+from relight_core.face.paste import all_of, fade
 from relight_core.imaging.closed_form import closed_form_matte
 from relight_core.imaging.colour import luminance
 from relight_core.imaging.resampling import resize_area, resize_smooth, shrunk_size
 from relight_core.imaging.view_transform import apply_view
 from relight_core.pipeline.per_photo.brush import BrushStroke, painted
+from relight_core.pipeline.per_photo.exposing import exposed
 from relight_core.pipeline.per_photo.likely_person import (
     Look,
     attached,
@@ -47,7 +48,7 @@ class Matte:
         person, behind: (k, l, 3) linear, mean colours of both sides about each place.
         nearby: (k, l) the matte averaged about each place.
         own_alpha: whether the photo's own alpha is the matte; then the maps say nothing.
-        exposure: edges are looked for in the photo times this.
+        exposure: edges are looked for in the photo times this, see `exposure_about_faces`.
     """
 
     slope: np.ndarray
@@ -56,7 +57,7 @@ class Matte:
     behind: np.ndarray
     nearby: np.ndarray
     own_alpha: bool = False
-    exposure: float = 1.0
+    exposure: float | np.ndarray = 1.0
 
 
 def guide_of(linear: np.ndarray) -> np.ndarray:
@@ -100,14 +101,14 @@ class DraftMatte:
         small: (h, w, 3) linear, the photo no longer than WORKING_PX.
         guide: (h, w, 3) the same as it is displayed, sRGB.
         photo_size: (height, width).
-        exposure: the guide shows the photo times this.
+        exposure: the guide shows the photo times this, see `exposure_about_faces`.
     """
 
     share: np.ndarray
     small: np.ndarray
     guide: np.ndarray
     photo_size: tuple[int, int]
-    exposure: float = 1.0
+    exposure: float | np.ndarray = 1.0
 
 
 def draft_matte(
@@ -115,7 +116,7 @@ def draft_matte(
     people: Iterable[list[Look]],
     alpha: np.ndarray | None = None,
     small: np.ndarray | None = None,
-    exposure: float = 1.0,
+    exposure: float | np.ndarray = 1.0,
 ) -> DraftMatte | None:
     """Carry coarse person masks to the whole photo; None where the photo's own alpha is the matte.
 
@@ -130,13 +131,13 @@ def draft_matte(
             is looked at where the photo's own alpha is the matte.
         alpha: (H, W) the photo's own alpha. Where given and not opaque throughout, it is the matte.
         small: the photo no longer than WORKING_PX, where that is there already.
-        exposure: edges are looked for in the photo times this.
+        exposure: edges are looked for in the photo times this, see `exposure_about_faces`.
     """
     size = linear.shape[:2]
     if alpha is not None and float(alpha.min()) < 1.0:
         return None
     small = resize_area(linear, shrunk_size(size, WORKING_PX)) if small is None else small
-    guide = np.ascontiguousarray(apply_view(small * np.float32(exposure)))
+    guide = np.ascontiguousarray(apply_view(exposed(small, exposure, all_of(small.shape[:2], size))))
     people, matting_size = list(people), shrunk_size(size, _MATTING_PX)
     coarse = _matted(guide, place_masks(people, matting_size, size), matting_size)
     return DraftMatte(_seen_nearer(coarse, guide, people, size), small, guide, size, exposure)
@@ -156,7 +157,7 @@ def finish_matte(draft: DraftMatte | None, strokes: Sequence[BrushStroke] = ()) 
     share = _on_edges(guide, painted(draft.share, strokes, draft.photo_size), strokes, draft.photo_size)
     slope, level = np.zeros_like(share), share
     if guide.shape[:2] != draft.photo_size:
-        slope, level = _guided_coefficients(guide_of(small * np.float32(draft.exposure)), share)
+        slope, level = _guided_coefficients(guide_of(exposed(small, draft.exposure, all_of(small.shape[:2], draft.photo_size))), share)
     fused = shrunk_size(draft.photo_size, _FUSION_PX)
     nearby = cv2.GaussianBlur(resize_area(share, fused), (0, 0), max(max(fused) * _NEAR_SHARE, 0.5))
     nearby = np.clip(nearby, 0.0, 1.0)

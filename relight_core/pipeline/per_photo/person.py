@@ -10,6 +10,7 @@ from relight_core.face.paste import Band, bands, spread_window, whole_photo
 from relight_core.imaging.in_order import in_order
 from relight_core.imaging.photo import Photo
 from relight_core.imaging.resampling import resize_area
+from relight_core.pipeline.per_photo.exposing import exposed
 from relight_core.pipeline.per_photo.matte import Matte, guide_of, own_colour
 
 _LEAST_ALPHA = 1e-12
@@ -77,7 +78,7 @@ def person_in(canvas: Canvas, matte: Matte, band: Band) -> Person:
         return Person(np.clip(np.nan_to_num(canvas.alpha[band.pixels]), 0, 1), linear)
     everywhere = whole_photo(canvas.photo_size)
     share = spread_window(matte.slope, everywhere, band)
-    share *= guide_of(linear if matte.exposure == 1.0 else linear * np.float32(matte.exposure))
+    share *= guide_of(exposed(linear, matte.exposure, band))
     share += spread_window(matte.level, everywhere, band)
     np.clip(share, 0, 1, out=share)
     if not ((share > 0) & (share < 1)).any():
