@@ -300,6 +300,13 @@ def wide_portrait():
     return Photo(photo.linear, beyond=beyond)
 
 
+@pytest.mark.parametrize("exposure", [0.03, 1.0, 200.0])
+def test_a_light_in_the_photo_s_units_leaves_a_matched_background_beside_the_person(exposure):
+    for gain in (1.0, exposure):
+        made = make_backdrop("match", None, lambda gain=gain: np.full(3, gain, np.float32), exposure)
+        np.testing.assert_allclose(made.gain, gain, rtol=1e-6)
+
+
 @pytest.mark.parametrize(
     ("backdrop", "of_wall"),
     [("keep", 1.0), ("match", 0.5), ("#203040", 0.0)],

@@ -66,7 +66,7 @@ def make_backdrop(
         background: as in `Edit`.
         panorama: (h, w, 3) linear, for "light".
         person_gain: gives (3,), by how much the light changes the person; called for "match" only.
-        exposure: of the portrait; what is gained more or less than it is.
+        exposure: of the portrait, by which a gain may be larger or smaller than one.
 
     Raises:
         InputError: a background that is none.
@@ -77,7 +77,9 @@ def make_backdrop(
     if background == "transparent":
         return Backdrop(transparent=True)
     if background == "match":
-        return Backdrop(gain=np.clip(person_gain(), _DIMMEST * exposure, _BRIGHTEST * exposure).astype(np.float32))
+        # A light may be in the photo's units, as its own is, or in those of bundled ones.
+        least, most = _DIMMEST * min(exposure, 1.0), _BRIGHTEST * max(exposure, 1.0)
+        return Backdrop(gain=np.clip(person_gain(), least, most).astype(np.float32))
     if background == "light":
         return Backdrop(picture=panorama, soft=_softened(panorama))
     codes = np.array([int(background[i : i + 2], 16) for i in (1, 3, 5)], np.float32)
