@@ -157,7 +157,9 @@ def finish_matte(draft: DraftMatte | None, strokes: Sequence[BrushStroke] = ()) 
     share = _on_edges(guide, painted(draft.share, strokes, draft.photo_size), strokes, draft.photo_size)
     slope, level = np.zeros_like(share), share
     if guide.shape[:2] != draft.photo_size:
-        slope, level = _guided_coefficients(guide_of(exposed(small, draft.exposure, all_of(small.shape[:2], draft.photo_size))), share)
+        slope, level = _guided_coefficients(
+            guide_of(exposed(small, draft.exposure, all_of(small.shape[:2], draft.photo_size))), share
+        )
     fused = shrunk_size(draft.photo_size, _FUSION_PX)
     nearby = cv2.GaussianBlur(resize_area(share, fused), (0, 0), max(max(fused) * _NEAR_SHARE, 0.5))
     nearby = np.clip(nearby, 0.0, 1.0)
