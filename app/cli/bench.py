@@ -69,7 +69,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--lights", metavar="LIGHTS", type=Path, help="a light library, or a folder of panoramas")
     parser.add_argument("--weights", metavar="W", type=Path, help="a .safetensors file; the bundled ones without")
     parser.add_argument("--count", metavar="N", type=count_at_least_one, help=f"test heads ({_COUNT})")
-    parser.add_argument("--rounds", metavar="N", type=count_at_least_one, help=f"turns of each setting ({_ROUNDS})")
+    parser.add_argument(
+        "--rounds", metavar="N", type=count_at_least_one, help=f"turns of each setting, all photos together ({_ROUNDS})"
+    )
     parser.add_argument("--turns", metavar="N", type=count_at_least_one, help=f"stops of a full circle ({_TURNS})")
     parser.add_argument("--device", choices=("cpu", "cuda"), default="cpu")
     parser.add_argument("-o", "--output", metavar="DIR", type=Path, default=Path("bench"), help="a folder (bench)")
@@ -168,7 +170,7 @@ def _measured(arguments: argparse.Namespace, photos: list[Photo]) -> Iterator[Be
     with progress("against final", 1.0) as show:
         lights = [load_rig(name) for name in _BENCH_LIGHTS]
         to_final = against_final(relighter, photos, lights, settings, _onto(show))
-    timing = _timed(arguments, relighter, settings)
+    timing = _timed(arguments, relighter, photos, settings)
     asked = {setting.name: demands(bundle, setting.tier, device) for setting in settings}
 
     def result(accuracy: dict[str, Accuracy]) -> BenchResult:
@@ -186,7 +188,9 @@ def _measured(arguments: argparse.Namespace, photos: list[Photo]) -> Iterator[Be
         yield result(accuracy)
 
 
-def _timed(arguments: argparse.Namespace, relighter: Relighter, settings: list[Configuration]) -> dict[str, Timing]:
+def _timed(
+    arguments: argparse.Namespace, relighter: Relighter, photos: list[Photo], settings: list[Configuration]
+) -> dict[str, Timing]:
     from app.engine.screen import radiance_for_screen
     from relight_core.evaluation.bench_timing import time_configurations
     from relight_core.lighting.rigs import load_rig
@@ -194,6 +198,7 @@ def _timed(arguments: argparse.Namespace, relighter: Relighter, settings: list[C
     with progress("timing", 1.0) as show:
         return time_configurations(
             relighter,
+            photos,
             load_rig("rembrandt"),
             settings,
             rounds=arguments.rounds or (_QUICK_ROUNDS if arguments.quick else _ROUNDS),

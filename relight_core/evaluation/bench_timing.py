@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections import defaultdict
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
@@ -11,6 +12,7 @@ import numpy as np
 
 from relight_core.evaluation.bench_configurations import Configuration
 from relight_core.evaluation.bench_machine import peak_memory_mib, reset_peak_memory, wait_for
+from relight_core.imaging.photo import Photo
 from relight_core.lighting.environment import Environment
 from relight_core.pipeline.edit import Edit
 from relight_core.pipeline.relighter import Relighter
@@ -55,6 +57,7 @@ class _Runs:
 
 def time_configurations(
     relighter: Relighter,
+    photos: Sequence[Photo],
     environment: Environment,
     configurations: Sequence[Configuration],
     *,
@@ -63,13 +66,14 @@ def time_configurations(
     report: Callable[[int, int], None] = lambda done, total: None,
     device: str = "cpu",
 ) -> dict[str, Timing]:
-    """Time a portrait that is set.
+    """Time all portraits, one after the other, as one spread.
 
     Every configuration warms up; then in each round all of them take their turn, in a new random order, so
     that whatever else the machine does falls on all alike. No channel but the picture is looked at.
 
     Args:
-        rounds: turns of each.
+        photos: at least one; the last stays set.
+        rounds: turns of each configuration with all photos together, of each photo at least one.
         display: what a picture goes through before the viewport's shader draws it; counted with every update.
 
     Returns:
@@ -78,12 +82,15 @@ def time_configurations(
     rng = np.random.default_rng(0)
     runs = {configuration.name: _Runs() for configuration in configurations}
     hand = _Hand(relighter, environment, display, device, rng)
-    for number in range(_WARM_UPS + rounds):
-        for index in rng.permutation(len(configurations)):
-            configuration = configurations[index]
-            into = runs[configuration.name] if number >= _WARM_UPS else _Runs()
-            hand.turn(configuration, into)
-        report(number + 1, _WARM_UPS + rounds)
+    each = _WARM_UPS + math.ceil(rounds / len(photos))
+    for place, photo in enumerate(photos):
+        relighter.set_portrait(photo)
+        for number in range(each):
+            for index in rng.permutation(len(configurations)):
+                configuration = configurations[index]
+                into = runs[configuration.name] if number >= _WARM_UPS else _Runs()
+                hand.turn(configuration, into)
+            report(place * each + number + 1, len(photos) * each)
     return {name: _summary(found) for name, found in runs.items()}
 
 

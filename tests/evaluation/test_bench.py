@@ -105,8 +105,7 @@ def test_the_limit_is_the_slower_of_arithmetic_and_traffic():
 
 def test_every_setting_is_timed_in_every_action(weights, photo):
     relighter, shown = Relighter(weights), []
-    relighter.set_portrait(photo)
-    timing = time_configurations(relighter, some_light(), SETTINGS, rounds=2, display=shown.append)
+    timing = time_configurations(relighter, [photo], some_light(), SETTINGS, rounds=2, display=shown.append)
     assert set(timing) == {"draft", "live", "final"}
     for found in timing.values():
         assert set(found.actions) == {"delight", "rotation", "slider"}
@@ -114,6 +113,25 @@ def test_every_setting_is_timed_in_every_action(weights, photo):
         assert {"delight", "compose", "specular_shadow", "detail", "recipe", "display"} <= set(found.stages)
         assert "matte" not in found.stages
     assert len(shown) == 3 * 2 * (2 + 2)
+
+
+def test_all_photos_are_timed(weights, photo):
+    wide, shown, done = Photo(np.concatenate([photo.linear, photo.linear], axis=1)), [], []
+
+    def display(relit):
+        shown.append(relit.recipe.size)
+
+    time_configurations(
+        Relighter(weights),
+        [photo, wide],
+        some_light(),
+        SETTINGS[:1],
+        rounds=3,
+        display=display,
+        report=lambda *at: done.append(at),
+    )
+    assert shown == [(40, 36)] * 8 + [(40, 72)] * 8
+    assert done[-1] == (8, 8)
 
 
 def test_the_final_tier_does_not_differ_from_itself(weights, photo):
