@@ -117,13 +117,15 @@ class FaceInPhoto(FaceTakenApart):
         A nearer view's is at the level of its face, or the photo's own light would not make both the photo again.
         """
         alone, face = self._residual_alone(ready, plan), self.wider or self
-        if face is self and self._company is None:
+        if face is self and self._company is None and ready.tier.level_of is None:
             return alone
         level = lambda: at_light_level(alone, face._level(ready.tier, plan) * self.portrait.exposure)  # noqa: E731
         return self._once("residual_in_company", plan.keys["residual"], level)
 
     def _level(self, tier: Tier, plan: Plan) -> float:
-        """The level of the light at which model and photo agree."""
+        """The level of the light at which model and photo agree, by the model of the tier that has the say."""
+        if tier.level_of is not None:
+            tier, plan = tier.level_of, plan_of_own_light(tier.level_of)
         return self._company.level(tier, plan) if self._company else self.model_level(tier, plan)
 
     def _residual_alone(self, ready: Prepared, plan: Plan) -> Residual:

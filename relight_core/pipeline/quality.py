@@ -29,6 +29,8 @@ class Tier:
         mirrored: de-light the mirrored view too, and average.
         looks_twice: de-light it once more, with most of its shading taken out (see `pipeline.per_photo.second_look`).
         apart_from: side of the view that is taken apart; None for `size`.
+        level_of: the tier whose model says how bright the photo's own light is; None for this one's. Each tier's
+            model is off by a few percent of its own, and a picture must not change its level with the tier.
         shadow_network: what the surface hides from the light is seen by the SS network; else the relief's
             horizons alone say it, and a new light costs a matrix product.
         correction: the composition network corrects the sum of the channels; else the sum is the picture.
@@ -50,6 +52,7 @@ class Tier:
     lights_nearer: bool = False
     looks_twice: bool = False
     apart_from: int | None = None
+    level_of: Tier | None = None
 
     @property
     def size_apart(self) -> int:
@@ -65,7 +68,8 @@ class Tier:
         """This tier with the surface that another one finds; the tier itself, where that is its own."""
         if self.surface_key == other.surface_key:
             return self
-        return replace(self, apart_from=other.size_apart, **{name: getattr(other, name) for name in _OF_SURFACE})
+        of_surface = {name: getattr(other, name) for name in _OF_SURFACE}
+        return replace(self, apart_from=other.size_apart, level_of=other, **of_surface)
 
     @property
     def begun_key(self) -> tuple:

@@ -68,7 +68,7 @@ def test_everything_that_decides_about_a_surface_is_taken_over():
 
 
 def of_surface(tier):
-    names = ("delight_size", "network_size", "mirrored", "looks_twice", "precision", "apart_from")
+    names = ("delight_size", "network_size", "mirrored", "looks_twice", "precision", "apart_from", "level_of")
     return {name: getattr(tier, name) for name in names}
 
 
@@ -114,3 +114,12 @@ def test_getting_ready_takes_nothing_from_the_picture_in_force(relighter):
 def test_nobody_gets_ready_without_a_portrait(weights):
     with pytest.raises(InputError, match="no portrait"):
         Relighter(weights).get_ready(some_light(), LIVE)
+
+
+def test_the_photos_own_light_is_as_bright_in_the_draft_as_at_rest(relighter):
+    own = relighter.estimated_light("final")
+    at_rest, moving = (
+        relighter.relight(own, edit).image
+        for edit in (FINAL, replace(EDIT, quality="draft", surface_of="final"))
+    )
+    assert moving.mean() == pytest.approx(at_rest.mean(), rel=0.005)
