@@ -9,6 +9,7 @@ from tiny_relighter import EDIT, computed, some_light, some_photo
 from relight_core.errors import InputError
 from relight_core.face.find import FaceBox
 from relight_core.imaging.photo import Photo
+from relight_core.networks.bundle import load_bundle, save_bundle
 from relight_core.pipeline.quality import Tier, tier_of
 from relight_core.pipeline.relighter import Relighter
 
@@ -116,10 +117,14 @@ def test_nobody_gets_ready_without_a_portrait(weights):
         Relighter(weights).get_ready(some_light(), LIVE)
 
 
-def test_the_photos_own_light_is_as_bright_in_the_draft_as_at_rest(relighter):
-    own = relighter.estimated_light("final")
+def test_the_photos_own_light_is_as_bright_in_the_draft_as_at_rest(weights, tmp_path, small_and_seeing_faces):
+    bundle = load_bundle(weights)
+    bundle.composition.head.bias.data -= 0.2
+    save_bundle(tmp_path / "darkening.safetensors", bundle)
+    relighter = Relighter(tmp_path / "darkening.safetensors")
+    relighter.set_portrait(some_photo())
+    own, uncorrected = relighter.estimated_light("final"), replace(tier_of("draft"), correction=False)
     at_rest, moving = (
-        relighter.relight(own, edit).image
-        for edit in (FINAL, replace(EDIT, quality="draft", surface_of="final"))
+        relighter.relight(own, edit).image for edit in (FINAL, replace(EDIT, quality=uncorrected, surface_of="final"))
     )
-    assert moving.mean() == pytest.approx(at_rest.mean(), rel=0.005)
+    assert moving.mean() == pytest.approx(at_rest.mean(), rel=0.02)
