@@ -143,7 +143,11 @@ def folder_filled_at_once(folder: Path) -> Iterator[Path]:
     """
     make_folder(folder)
     with tempfile.TemporaryDirectory(prefix=".relight-", dir=folder) as scratch:
-        yield Path(scratch)
+        try:
+            yield Path(scratch)
+        except InputError as error:
+            # Nobody can look at, or mend, a scratch folder that is gone.
+            raise InputError(str(error).replace(scratch, str(folder))) from error
         made = sorted(Path(scratch).iterdir())
         for path in made:
             if (folder / path.name).is_dir():

@@ -1,0 +1,13 @@
+"""A folder whose files appear together: what is said when they can't."""
+
+import pytest
+
+from app.cli.outputs import folder_filled_at_once
+from relight_core.errors import InputError
+
+
+def test_what_fails_is_told_of_the_folder_and_not_of_a_scratch_folder_that_is_gone(tmp_path):
+    with pytest.raises(InputError) as refused, folder_filled_at_once(tmp_path / "out") as scratch:
+        raise InputError(f"{scratch / 'channels.exr'}: can't be written (no space left on device)")
+    assert str(refused.value) == f"{tmp_path / 'out' / 'channels.exr'}: can't be written (no space left on device)"
+    assert not any((tmp_path / "out").iterdir())
