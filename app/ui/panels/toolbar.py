@@ -89,10 +89,13 @@ def draw(state: EditorState) -> None:
         left = ()
     if _group_width(_COMPARING) + right_width + _BETWEEN_GROUPS_EM * em > room:
         right, right_width = (), menu_width
+    comparing = _COMPARING
+    while comparing and _group_width(comparing) + right_width > room:
+        comparing = comparing[:-1]
     _group(state, left, start.x, start.y)
     first = _group_width(left) + _BETWEEN_GROUPS_EM * em if left else 0.0
-    last = room - right_width - _group_width(_COMPARING) - _BETWEEN_GROUPS_EM * em
-    _group(state, _COMPARING, start.x + max(first, min((room - _group_width(_COMPARING)) / 2, last)), start.y)
+    last = room - right_width - _group_width(comparing) - _BETWEEN_GROUPS_EM * em
+    _group(state, comparing, start.x + max(first, min((room - _group_width(comparing)) / 2, last)), start.y)
     x = start.x + max(0.0, room - right_width)
     _menu(state, x, start.y, menu_width)
     _group(state, right, x + menu_width + _APART_EM * em, start.y)
