@@ -176,11 +176,12 @@ def _check_start(recipe: Recipe, start: Path) -> None:
 def _keep_to_one_run(recipe: Recipe, start: Path | None, folder: Path) -> None:
     """Note what a folder's run is made from; its finished stages would be taken for those of any other.
 
-    Stages of a plan of their own may follow in the same folder, as a recipe is lengthened.
+    Stages of a plan of their own may follow in the same folder, as a recipe is lengthened; one that is put between
+    others makes those after it others, which have to go on from its weights.
     """
     weights = None if start is None else hashlib.sha256(file_bytes(start)).hexdigest()
     begun = {"networks": json.loads(recipe.networks.to_json()), "seed": recipe.seed, "start": weights}
-    plans = {_checkpoint(folder, number, plan).stem: asdict(plan) for number, plan in enumerate(recipe.stages)}
+    plans = _plans(recipe, folder)
     note = folder / _NOTE
     earlier = _read_note(note, begun) if note.exists() else {}
     other = [_WORDS[name] for name, value in begun.items() if earlier.get(name, value) != value]
@@ -192,6 +193,16 @@ def _keep_to_one_run(recipe: Recipe, start: Path | None, folder: Path) -> None:
         beside.write_text(json.dumps({**begun, "stages": {**kept, **plans}}, indent=1))
 
 
+def _plans(recipe: Recipe, folder: Path) -> dict[str, dict]:
+    """Every stage's plan and which stage's weights it goes on from, by the name of its files."""
+    names = [_checkpoint(folder, number, plan).stem for number, plan in enumerate(recipe.stages)]
+    before = [None, *names]
+    return {
+        name: asdict(plan) | {"after": earlier}
+        for name, plan, earlier in zip(names, recipe.stages, before, strict=False)
+    }
+
+
 def _read_note(note: Path, begun: dict) -> dict:
     try:
         noted = json.loads(file_bytes(note))
@@ -201,10 +212,13 @@ def _read_note(note: Path, begun: dict) -> dict:
 
 
 def _is_another(folder: Path, name: str, plan: dict, kept: dict) -> bool:
-    """Whether a stage is there that was trained after another plan; a half-done one may still change its length."""
+    """Whether a stage is there of another plan or after another stage; a half-done one may still change its length."""
     checkpoint = folder / f"{name}.safetensors"
-    is_finished = checkpoint.exists() and not state_path(checkpoint).exists()
-    return is_finished and kept.get(name, plan) != plan
+    # Older notes don't tell what a stage goes on from.
+    noted = {"after": plan["after"]} | kept.get(name, plan)
+    if state_path(checkpoint).exists():
+        return noted["after"] != plan["after"]
+    return checkpoint.exists() and noted != plan
 
 
 def _checkpoint(folder: Path, number: int, plan: StagePlan) -> Path:

@@ -245,6 +245,19 @@ def test_a_folder_s_stages_are_not_taken_for_another_run_s(tmp_path, data):
     assert data == []
 
 
+def test_a_stage_is_not_taken_for_the_same_one_after_another(tmp_path, data):
+    recipe, out = replace(load_recipe(written(tmp_path, SHORT)), networks=BundleConfig.tiny()), tmp_path / "out"
+    first, second, last = recipe.stages
+    follow(recipe, tmp_path, tmp_path, out, lambda *progress: None)
+    data.clear()
+    other = replace(recipe, stages=(first, replace(second, name="warm-composition"), last))
+    with pytest.raises(InputError, match="another plan for 03-warm-relight"):
+        follow(other, tmp_path, tmp_path, out, lambda *progress: None)
+    longer = replace(recipe, stages=(*recipe.stages, replace(last, name="warm-composition")))
+    follow(longer, tmp_path, tmp_path, out, lambda *progress: None)
+    assert [stage for stage, _, _ in data] == ["warm-composition"]
+
+
 def test_a_stage_of_a_few_steps_keeps_what_they_taught(tmp_path, data):
     recipe = replace(load_recipe(written(tmp_path, SHORT)), networks=BundleConfig.tiny())
     start = NetworkBundle(BundleConfig.tiny())
