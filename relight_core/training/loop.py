@@ -110,7 +110,7 @@ def train_stage(
     checkpoint: Path,
     report: Callable[[float, Progress], None],
     device: str = "cpu",
-    drawn_by: Mapping[str, int] | None = None,
+    drawn_by: Mapping[str, int | str] | None = None,
 ) -> NetworkBundle:
     """Train one stage until its budget is spent; goes on where a run with this checkpoint stopped.
 
@@ -122,7 +122,8 @@ def train_stage(
         batches_from: gives the batches from a number on.
         checkpoint: where the averaged weights go. The run's whole state lies beside them until it ends.
         report: called every 50 steps with the fraction of the budget spent and the progress, and with 1 at the end.
-        drawn_by: what decides which batches come, by name; a run that goes on has to be given the same.
+        drawn_by: what decides which batches come and from which weights it begins, by name; a run that goes on has to
+            be given the same.
 
     Returns:
         The averaged weights, also saved at `checkpoint` (fp32) with a log beside it.

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import shutil
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
@@ -16,6 +17,7 @@ from relight_core.dataset.cutouts.outlines import OutlineStream
 from relight_core.dataset.stream import SampleStream
 from relight_core.errors import InputError
 from relight_core.idle_threads import keep_numpy_to_one_thread
+from relight_core.imaging.files import file_bytes
 from relight_core.lighting.reflection import ReflectionTable
 from relight_core.networks.bundle import (
     BundleConfig,
@@ -127,7 +129,13 @@ def train(run: Run, report) -> NetworkBundle:
     torch.backends.cudnn.benchmark = True  # All batches have the same shapes.
     run.checkpoint.parent.mkdir(parents=True, exist_ok=True)
     with denormals_flushed(), _batches_of(run, stage, bundle, device) as batches_from:
-        return train_stage(stage, bundle, batches_from, budget, run.checkpoint, report, device, drawn_by(run))
+        return train_stage(stage, bundle, batches_from, budget, run.checkpoint, report, device, _begun_with(run))
+
+
+def _begun_with(run: Run) -> dict[str, int | str]:
+    """What a run that goes on has to be given again: what decides its batches, and the weights it began from."""
+    start = "random weights" if run.start is None else hashlib.sha256(file_bytes(run.start)).hexdigest()[:10]
+    return drawn_by(run) | {"start": start}
 
 
 def drawn_by(run: Run) -> dict[str, int]:

@@ -2,15 +2,20 @@
 
 import itertools
 import os
+from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 import pytest
 import torch
+from test_loop import some_batch
 from torch.utils.data import IterableDataset
 
 from relight_core.errors import InputError
+from relight_core.networks.bundle import BundleConfig, NetworkBundle, save_bundle
 from relight_core.training import run as run_module
-from relight_core.training.run import Run, training_batches
+from relight_core.training.loop import Budget, state_path
+from relight_core.training.run import Run, train, training_batches
 from relight_core.training.stages import STAGES
 
 
@@ -28,6 +33,10 @@ class Damaged(IterableDataset):
 
     def __iter__(self):
         raise InputError("head.npz: damaged; bake it again")
+
+
+class Stopped(Exception):
+    """As a run is by its user."""
 
 
 class Pairs(IterableDataset):
@@ -83,3 +92,25 @@ def test_who_makes_samples_starts_with_one_thread_unless_another_number_was_aske
     run = Run("warm-delight", Path("heads"), Path("lights"), Path("w"), steps=9, pairs=2, workers=1)
     training_batches(run, STAGES["warm-delight"], 0)
     assert os.environ["OPENBLAS_NUM_THREADS"] == threads
+
+
+def test_a_run_from_other_weights_is_not_gone_on_with(tmp_path, monkeypatch):
+    monkeypatch.setattr(run_module, "training_batches", lambda *_: itertools.repeat(some_batch()))
+    monkeypatch.setattr(run_module, "Budget", partial(Budget, checkpoint_seconds=-1.0))
+    first, other = tmp_path / "first.safetensors", tmp_path / "other.safetensors"
+    for path in (first, other):
+        save_bundle(path, NetworkBundle(BundleConfig.tiny()))
+    run = Run("warm-delight", tmp_path, tmp_path, tmp_path / "w.safetensors", start=first, steps=50)
+
+    def stop(done, progress):
+        raise Stopped
+
+    with pytest.raises(Stopped):
+        train(run, stop)
+    assert state_path(run.checkpoint).exists()
+    for start in (other, None):
+        with pytest.raises(InputError, match="began with start"):
+            train(replace(run, start=start), stop)
+    first.rename(tmp_path / "moved.safetensors")
+    train(replace(run, start=tmp_path / "moved.safetensors"), lambda done, progress: None)
+    assert not state_path(run.checkpoint).exists()
