@@ -214,8 +214,7 @@ def _read_note(note: Path, begun: dict) -> dict:
 def _is_another(folder: Path, name: str, plan: dict, kept: dict) -> bool:
     """Whether a stage is there of another plan or after another stage; a half-done one may still change its length."""
     checkpoint = folder / f"{name}.safetensors"
-    # Older notes don't tell what a stage goes on from.
-    noted = {"after": plan["after"]} | kept.get(name, plan)
+    noted = kept.get(name, plan)
     if state_path(checkpoint).exists():
         return noted["after"] != plan["after"]
     return checkpoint.exists() and noted != plan
