@@ -7,8 +7,9 @@ copying the photo: what of the light's difference between the sides of the face 
 
 from __future__ import annotations
 
+import json
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -20,6 +21,7 @@ from relight_core.errors import InputError
 from relight_core.face.find import find_faces, find_small_faces
 from relight_core.face.parsing import FACE_LABELS
 from relight_core.imaging.colour import luminance, srgb_decode, srgb_encode
+from relight_core.imaging.files import whole_file
 from relight_core.imaging.photo import Photo
 from relight_core.imaging.read import read_photo
 from relight_core.networks.bundle import BundleConfig, NetworkBundle, load_bundle
@@ -108,7 +110,11 @@ def taught(heads: Path, lights: Path, lesson: Lesson, checkpoint: Path, report, 
         checkpoint: where the weights go (.safetensors). Weights that are there are not trained again, and a run
             that was stopped goes on.
         report: see `training.loop.train_stage`.
+
+    Raises:
+        InputError: what is there was taught otherwise; and as `training.loop.train_stage`.
     """
+    _keep_to_one_lesson(checkpoint, {**asdict(lesson), "heads": str(heads.resolve()), "plain": plain})
     if checkpoint.exists() and not state_path(checkpoint).exists():
         return load_bundle(checkpoint).eval()
     torch.manual_seed(lesson.seed)
@@ -135,6 +141,16 @@ def taught(heads: Path, lights: Path, lesson: Lesson, checkpoint: Path, report, 
     bundle = NetworkBundle(config)
     with denormals_flushed():
         return train_stage(stage, bundle, batches_from, budget, checkpoint, report, drawn_by=drawn_by).eval()
+
+
+def _keep_to_one_lesson(checkpoint: Path, told: dict[str, int | float | str]) -> None:
+    """Note how a network is taught; raises InputError where there is one that learnt otherwise."""
+    note, words = checkpoint.with_suffix(".lesson.json"), json.dumps(told)
+    is_begun = checkpoint.exists() or state_path(checkpoint).exists()
+    if is_begun and note.exists() and note.read_text() != words:
+        raise InputError(f"{checkpoint}: was taught otherwise ({note.read_text()}); choose another folder after --work")
+    with whole_file(note) as beside:
+        beside.write_text(words)
 
 
 def compare_photos(pupils: dict[str, NetworkBundle], paths: list[Path], size: int) -> Comparison:

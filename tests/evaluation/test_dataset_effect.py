@@ -1,5 +1,6 @@
 """Two data sets by what a network learns from them: the measures, and training that is done once."""
 
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
@@ -8,6 +9,7 @@ from synthetic_heads import write_balls, write_lights
 
 from relight_core.dataset import stream
 from relight_core.dataset.painting.texture import TexturePool
+from relight_core.errors import InputError
 from relight_core.evaluation.dataset_effect import Lesson, Seen, measure, taught
 
 SIZE = 32
@@ -59,13 +61,15 @@ def test_a_lesson_is_learnt_once_and_gives_the_same_weights_again(tmp_path, monk
     write_lights(tmp_path / "lights.npz", 6)
     lesson = Lesson(steps=2, size=16, pairs=1, width=4)
 
-    def learn(name):
+    def learn(name, lesson=lesson):
         where = tmp_path / f"{name}.safetensors"
         return taught(tmp_path / "heads", tmp_path / "lights.npz", lesson, where, lambda *_: None, plain=plain)
 
     first, again = learn("one").state_dict(), learn("two").state_dict()
     assert all((first[name] == again[name]).all() for name in first)
     written = (tmp_path / "one.safetensors").stat().st_mtime_ns
+    with pytest.raises(InputError, match="taught otherwise"):
+        learn("one", replace(lesson, steps=3))
     kept = learn("one").state_dict()
     assert (tmp_path / "one.safetensors").stat().st_mtime_ns == written
     assert all((first[name] == kept[name]).all() for name in first)
