@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import os
 import re
 import secrets
@@ -39,6 +40,11 @@ def file_bytes(path: Path) -> bytes:
             8 GiB, empty or unreadable.
     """
     return _bytes(path, -1)
+
+
+def file_digest(path: Path) -> str:
+    """SHA-256 of a file's content, in hex; raises as `file_bytes`."""
+    return hashlib.sha256(file_bytes(path)).hexdigest()
 
 
 def file_head(path: Path) -> bytes:

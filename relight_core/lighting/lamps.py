@@ -152,8 +152,9 @@ def _sky(shape: np.ndarray, coarser: tuple[np.ndarray, ...]) -> _Sky:
     own = (180 / len(grey)) ** 2
     squared = np.full(grey.shape, own)
     for part in coarser:
-        share = _grey(draw_finer(part, len(shape)), len(grey)) / np.maximum(grey, 1e-12)
-        squared += np.minimum(share, 1) * max((180 / len(part)) ** 2 - own, 0)
+        if len(part) < len(grey):
+            share = luminance(draw_finer(part, len(grey))) / np.maximum(grey, 1e-12)
+            squared += np.minimum(share, 1) * ((180 / len(part)) ** 2 - own)
     toward, areas = directions(*grey.shape).astype(np.float64), solid_angles(*grey.shape).astype(np.float64)
     return _Sky(grey.ravel(), toward.reshape(-1, 3), areas.ravel(), squared.ravel())
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import json
 import tomllib
 from collections.abc import Callable
@@ -12,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from relight_core.errors import InputError
-from relight_core.imaging.files import check_regular, file_bytes, whole_file
+from relight_core.imaging.files import check_regular, file_bytes, file_digest, whole_file
 from relight_core.networks.bundle import BundleConfig, NetworkBundle, load_bundle, save_bundle
 from relight_core.networks.person import PersonConfig
 from relight_core.training.loop import state_path
@@ -179,7 +178,7 @@ def _keep_to_one_run(recipe: Recipe, start: Path | None, folder: Path) -> None:
     Stages of a plan of their own may follow in the same folder, as a recipe is lengthened; one that is put between
     others makes those after it others, which have to go on from its weights.
     """
-    weights = None if start is None else hashlib.sha256(file_bytes(start)).hexdigest()
+    weights = None if start is None else file_digest(start)
     begun = {"networks": json.loads(recipe.networks.to_json()), "seed": recipe.seed, "start": weights}
     plans = _plans(recipe, folder)
     note = folder / _NOTE

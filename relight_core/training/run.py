@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import shutil
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
@@ -17,7 +16,7 @@ from relight_core.dataset.cutouts.outlines import OutlineStream
 from relight_core.dataset.stream import SampleStream
 from relight_core.errors import InputError
 from relight_core.idle_threads import keep_numpy_to_one_thread
-from relight_core.imaging.files import file_bytes
+from relight_core.imaging.files import file_digest
 from relight_core.lighting.reflection import ReflectionTable
 from relight_core.networks.bundle import (
     BundleConfig,
@@ -134,7 +133,7 @@ def train(run: Run, report) -> NetworkBundle:
 
 def _begun_with(run: Run) -> dict[str, int | str]:
     """What a run that goes on has to be given again: what decides its batches, and the weights it began from."""
-    start = "random weights" if run.start is None else hashlib.sha256(file_bytes(run.start)).hexdigest()[:10]
+    start = "random weights" if run.start is None else file_digest(run.start)[:10]
     return drawn_by(run) | {"start": start}
 
 

@@ -66,7 +66,7 @@ def exposure_about_faces(
     far = [np.linalg.norm(places - (crop.centre_x, crop.centre_y), axis=-1) / crop.side for crop in crops]
     nearness = np.stack([(1 / (0.1 + distance)) ** _NEARNESS_POWER for distance in far], axis=-1)
     # Exposures are factors, between which the way leads over their logarithms.
-    return np.exp(np.average(np.log(exposures) + 0 * nearness, axis=-1, weights=nearness))[..., None].astype(np.float32)
+    return np.exp(nearness @ np.log(exposures) / nearness.sum(-1))[..., None].astype(np.float32)
 
 
 def exposed(linear: np.ndarray, exposure: float | np.ndarray, band: Band) -> np.ndarray:

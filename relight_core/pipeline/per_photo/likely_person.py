@@ -6,7 +6,7 @@ import cv2
 import numpy as np
 
 from relight_core.face.crop import Crop
-from relight_core.face.paste import Band, places_of, spread_crop
+from relight_core.face.paste import all_of, places_of, spread_crop
 from relight_core.face.person_view import upright
 from relight_core.imaging.colour_counts import bins_of, log_odds, shares_of
 
@@ -151,7 +151,7 @@ def _spread_within(seed: np.ndarray, limit: np.ndarray) -> np.ndarray:
 
 def _placed(looks: list[Look], size: tuple[int, int], photo_size: tuple[int, int]) -> np.ndarray:
     """A person's mask at its place; beyond it what is likely of a body below and a head above, and wider looks."""
-    places, whole = places_of(size, photo_size), Band(0, size[0], size, photo_size)
+    places, whole = places_of(size, photo_size), all_of(size, photo_size)
     (person, view), *wider = looks
     seen = spread_crop(_in_range(person), view, whole)
     across, down = np.moveaxis(upright(view).from_photo(places, 1), -1, 0)

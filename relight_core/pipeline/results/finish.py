@@ -10,7 +10,7 @@ import numpy as np
 import torch
 
 from relight_core.face.crop import Crop
-from relight_core.face.paste import Band, fade, places_of, seen_across, seen_from, spread_crop
+from relight_core.face.paste import all_of, fade, places_of, seen_across, seen_from, spread_crop
 from relight_core.imaging.resampling import resize_area, shrunk_size
 from relight_core.lighting.reflection import ReflectionTable
 from relight_core.pipeline.per_light.rest_of_person import Body, body_gain, body_size, make_body
@@ -184,7 +184,7 @@ def _coarse(maps: np.ndarray, view: Crop, size: tuple[int, int], photo_size: tup
     """A view's maps on the body's grid, averaged as far as that is coarser. (h, w, 3)."""
     longest = max(size)
     shrunk = resize_area(maps, (min(len(maps), longest),) * 2)
-    return spread_crop(shrunk, view, Band(0, size[0], size, photo_size))
+    return spread_crop(shrunk, view, all_of(size, photo_size))
 
 
 def _weights_at(
