@@ -141,6 +141,17 @@ def test_two_people_are_one_matte():
     assert np.abs(share - np.concatenate([truth, truth], 1)).mean() < 0.02
 
 
+def test_the_matte_is_the_same_in_whichever_order_the_people_come():
+    linear, truth = portrait()
+    both = np.concatenate([linear, linear], 1)
+    wide, nearer = Crop(200.0, 110.0, 220.0), Crop(250.0, 110.0, 160.0)
+    people = [[(crop.extract(np.concatenate([truth, truth], 1), 64), crop)] for crop in (wide, nearer)]
+    one, other = (
+        whole_person(canvas_of(Photo(both)), make_matte(both, looks)).share for looks in (people, people[::-1])
+    )
+    np.testing.assert_array_equal(one, other)
+
+
 def test_a_trunk_that_the_mask_doubts_is_not_half_person():
     linear, truth = portrait()
     trunk = np.zeros_like(truth)

@@ -193,13 +193,14 @@ def _seen_nearer(
 ) -> np.ndarray:
     """A matte (h, w) made again, from near, where people are small in the photo.
 
-    In a copy of all of it an ear or a strand is less than a pixel there, and mixes with whatever is beside it.
+    In a copy of all of it an ear or a strand is less than a pixel there, and mixes with whatever is beside it. Where
+    several windows meet, the nearest look counts, in whichever order the people come.
     """
     windows = [window for looks in people if (window := _near_window(looks[0][1], photo_size, guide.shape[:2]))]
     if not windows:
         return coarse
     placed = place_masks(people, guide.shape[:2], photo_size)
-    for window in windows:
+    for window in sorted(windows, key=_widest_first):
         size = shrunk_size(coarse[window].shape, _MATTING_PX)
         near = _matted(guide[window], [resize_area(mask[window], size) for mask in placed], size)
         coarse[window] += _weight(window, coarse.shape) * (near - coarse[window])
@@ -214,6 +215,13 @@ def _near_window(crop: Crop, photo_size: tuple[int, int], size: tuple[int, int])
         return None
     finer = max(max(size), _MATTING_PX) / max(max(end - start), _MATTING_PX)
     return (slice(start[1], end[1]), slice(start[0], end[0])) if finer >= _NEAR_FROM else None
+
+
+def _widest_first(window: tuple[slice, slice]) -> tuple[int, ...]:
+    """What sorts windows by their longer side, and by their place where that is the same."""
+    rows, columns = window
+    height, width = rows.stop - rows.start, columns.stop - columns.start
+    return -max(height, width), -min(height, width), rows.start, columns.start
 
 
 def _weight(window: tuple[slice, slice], size: tuple[int, int]) -> np.ndarray:
