@@ -24,20 +24,30 @@ FILM_PX = 1080
 
 
 def turning(
-    relighter: RelighterLike, light: Environment, edit: Edit, longest_side: int | None, frames: int = FRAMES
+    relighter: RelighterLike,
+    light: Environment,
+    edit: Edit,
+    longest_side: int | None,
+    frames: int = FRAMES,
+    *,
+    for_film: bool = True,
 ) -> Iterator[np.ndarray]:
     """The frames of one turn, the first at the edit's own yaw.
 
+    Args:
+        for_film: height and width are even, and transparency becomes black; films hold nothing else.
+
     Returns:
-        (H, W, 3) uint8 sRGB each; height and width even, as films need them. Transparency becomes black.
+        (H, W, 3) uint8 sRGB each, or (H, W, 4) with straight alpha where the picture has one and it is for no film.
     """
     for index in range(frames):
         turned = replace(edit, yaw_deg=edit.yaw_deg + 360.0 * index / frames, channels=())
         image, alpha = shrunk_picture(relighter.relight(light, turned), longest_side)
-        if alpha is not None:
-            image = image * alpha[..., None]
-        codes = np.rint(apply_view(image, edit.exposure_ev) * 255).astype(np.uint8)
-        height, width = (side - side % 2 for side in codes.shape[:2])
+        if alpha is not None and for_film:
+            image, alpha = image * alpha[..., None], None
+        shown = apply_view(image, edit.exposure_ev)
+        codes = np.rint((shown if alpha is None else np.dstack([shown, alpha])) * 255).astype(np.uint8)
+        height, width = (side - side % 2 if for_film else side for side in codes.shape[:2])
         yield np.ascontiguousarray(codes[:height, :width])
 
 

@@ -130,10 +130,11 @@ class Outputs:
             relighter = self._make_relighter()
             relighter.set_portrait(photo, source.face_index, source.boxes, source.strokes)
             control.step(0, FRAMES)
-            frames = turning(relighter, light, edit, side)
             # What was asked for before may have taken the name meanwhile.
             path = wish if replaces else free_path(wish)
-            if path.suffix.lower() == ".mp4":
+            is_film = path.suffix.lower() == ".mp4"
+            frames = turning(relighter, light, edit, side, for_film=is_film)
+            if is_film:
                 write_film(path, frames, FRAMES, control.step)
             else:
                 write_pictures(path, frames, FRAMES, control.step, _write_frame)
@@ -250,4 +251,5 @@ def _without_exposure(edit: Edit) -> Edit:
 def _write_frame(path: Path, frame: np.ndarray) -> None:
     from relight_core.imaging.photo import Photo
 
-    write_image(path, Photo.from_srgb(frame).linear)
+    alpha = frame[..., 3].astype(np.float32) / 255 if frame.shape[2] == 4 else None
+    write_image(path, Photo.from_srgb(frame[..., :3]).linear, alpha)

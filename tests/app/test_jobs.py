@@ -15,6 +15,7 @@ from app.engine.jobs import Cancelled, JobControl, Jobs
 from app.engine.turntable import turning, write_pictures
 from app.ui.viewport.progress_card import words
 from app.window.clipboard import copy_png
+from app.window.outputs import _write_frame
 from relight_core.errors import InputError
 from relight_core.imaging.photo import Photo
 from relight_core.imaging.write import write_image
@@ -178,6 +179,17 @@ def test_what_shows_through_is_dark_in_a_turntable():
     (frame,) = turning(SimpleNamespace(relight=lambda light, edit: relit), load_rig("split"), Edit(), None, 1)
     assert frame[:, 0].min() > 200
     assert frame[:, 1].max() < 150
+
+
+def test_numbered_pictures_keep_their_transparency_and_their_size(tmp_path):
+    alpha = np.float32([[1.0, 0.0, 128 / 255]] * 3)
+    relit = SimpleNamespace(full=None, image=np.ones((3, 3, 3), np.float32), alpha=alpha)
+    relighter = SimpleNamespace(relight=lambda light, edit: relit)
+    turn = turning(relighter, load_rig("split"), Edit(), None, 2, for_film=False)
+    write_pictures(tmp_path / "turn", turn, 2, Steps().step, _write_frame)
+    picture = Image.open(tmp_path / "turn" / "0001.png")
+    assert (picture.mode, picture.size) == ("RGBA", (3, 3))
+    np.testing.assert_array_equal(np.asarray(picture)[0], [[255] * 4, [0] * 4, [255, 255, 255, 128]])
 
 
 def test_a_film_has_every_frame_and_a_cancelled_one_leaves_nothing(tmp_path):
