@@ -183,6 +183,8 @@ def _keep_to_one_run(recipe: Recipe, start: Path | None, folder: Path) -> None:
     plans = _plans(recipe, folder)
     note = folder / _NOTE
     earlier = _read_note(note, begun) if note.exists() else {}
+    if not any(_is_begun(folder / f"{name}.safetensors") for name in earlier.get("stages", {})):
+        earlier = {}  # A run that was refused has left its note and nothing that could be taken for another's.
     other = [_WORDS[name] for name, value in begun.items() if earlier.get(name, value) != value]
     kept = earlier.get("stages", {})
     other += [f"plan for {name}" for name, plan in plans.items() if _is_another(folder, name, plan, kept)]
@@ -217,6 +219,10 @@ def _is_another(folder: Path, name: str, plan: dict, kept: dict) -> bool:
     if state_path(checkpoint).exists():
         return noted["after"] != plan["after"]
     return checkpoint.exists() and noted != plan
+
+
+def _is_begun(checkpoint: Path) -> bool:
+    return checkpoint.exists() or state_path(checkpoint).exists()
 
 
 def _checkpoint(folder: Path, number: int, plan: StagePlan) -> Path:

@@ -245,6 +245,19 @@ def test_a_folder_s_stages_are_not_taken_for_another_run_s(tmp_path, data):
     assert data == []
 
 
+def test_a_run_that_was_refused_keeps_no_other_from_its_folder(tmp_path, data):
+    recipe = load_recipe(written(tmp_path, "[[stage]]\nname = 'distil-relight'\nsteps = 1\nexamples = 1"))
+    recipe, out = replace(recipe, networks=BundleConfig.tiny()), tmp_path / "out"
+    start = tmp_path / "start.safetensors"
+    save_bundle(start, NetworkBundle(BundleConfig.tiny()))
+    with pytest.raises(InputError, match="give their weights to start from"):
+        follow(recipe, tmp_path, tmp_path, out, lambda *progress: None)
+    mended = replace(recipe, stages=(replace(recipe.stages[0], name="warm-relight"),))
+    follow(mended, tmp_path, tmp_path, out, lambda *progress: None, start)
+    with pytest.raises(InputError, match="another --start"):
+        follow(mended, tmp_path, tmp_path, out, lambda *progress: None)
+
+
 def test_a_stage_is_not_taken_for_the_same_one_after_another(tmp_path, data):
     recipe, out = replace(load_recipe(written(tmp_path, SHORT)), networks=BundleConfig.tiny()), tmp_path / "out"
     first, second, last = recipe.stages
