@@ -17,8 +17,10 @@ from app.cli.maker_inputs import (
     let_idle_threads_sleep,
     progress,
 )
+from app.cli.outputs import check_place, make_folder
 from app.cli.streams import say
 from relight_core.errors import InputError
+from relight_core.imaging.files import KnownFiles
 
 _COLUMNS = 12
 _CELL_PX = 160
@@ -111,6 +113,7 @@ def _effect(arguments: argparse.Namespace) -> int:
     paths = sorted(path for path in arguments.photos.iterdir() if path.suffix.lower() in _PHOTOS)
     if not paths:
         raise InputError(f"{arguments.photos}: no photos in it ({', '.join(_PHOTOS)})")
+    check_place(arguments.output, KnownFiles(paths))
     for path in paths:
         read_photo(path)  # What can't be read is told before the training and not after it.
     lesson = Lesson(arguments.steps, arguments.size, arguments.pairs, arguments.width)
@@ -124,7 +127,7 @@ def _compare(arguments: argparse.Namespace, paths: list[Path], lesson, work: Pat
     from app.cli.sheet import contact_sheet
     from relight_core.evaluation.dataset_effect import compare_photos, taught
 
-    work.mkdir(parents=True, exist_ok=True)
+    make_folder(work)
     pupils = {}
     for name, heads, plain in (("plain", arguments.bare, True), ("varied", arguments.shards, False)):
         with progress(f"training on {name} heads", 1.0) as show:
