@@ -20,6 +20,8 @@ from relight_core.training.stages import STAGES
 from relight_core.training.state import Progress
 
 _NOTE = "begun.json"
+_REAL = ("minutes", "learning_rate")
+"""Numbers of a stage that need not be whole."""
 _WORDS = {"networks": "kind of networks", "seed": "seed", "start": "--start"}
 
 
@@ -92,7 +94,10 @@ def _parsed(data: dict[str, Any]) -> Recipe:
     stages = tuple(_stage(entry) for entry in data.get("stage", []))
     if not stages:
         raise ValueError("no [[stage]]")
-    return Recipe(_networks(data.get("networks", {})), stages, int(data.get("seed", 0)))
+    seed = data.get("seed", 0)
+    if type(seed) is not int or seed < 0:
+        raise ValueError("seed must be a whole number from 0 up")
+    return Recipe(_networks(data.get("networks", {})), stages, seed)
 
 
 def _networks(data: dict[str, dict[str, Any]]) -> BundleConfig:
@@ -101,6 +106,10 @@ def _networks(data: dict[str, dict[str, Any]]) -> BundleConfig:
         if not hasattr(config, name):
             raise ValueError(f"unknown network {name!r}")
         before = PersonConfig() if name == "person" else getattr(config, name)
+        for entry, value in settings.items():
+            usual = getattr(before, entry, value)
+            if type(value) is not (list if isinstance(usual, tuple) else type(usual)):
+                raise ValueError(f"networks.{name}: {entry} can't be {value!r}")
         config = replace(config, **{name: replace(before, **settings)})
     return config
 
@@ -112,11 +121,15 @@ def _stage(entry: dict[str, Any]) -> StagePlan:
             raise ValueError(f"unknown entry {name!r} in a stage")
         if name != "name" and not (isinstance(value, int | float) and value > 0):
             raise ValueError(f"{name} must be a number above 0")
+        if name not in ("name", *_REAL) and type(value) is not int:
+            raise ValueError(f"{name} must be a whole number")
     plan = StagePlan(**entry)
     if plan.name not in STAGES:
         raise ValueError(f"unknown stage {plan.name!r}: one of {', '.join(STAGES)}")
     if (plan.minutes is None) == (plan.steps is None):
         raise ValueError(f"{plan.name}: give either minutes or steps")
+    if STAGES[plan.name].outlines and plan.uses > 1:
+        raise ValueError(f"{plan.name}: its samples are used once each")
     return plan
 
 

@@ -98,6 +98,12 @@ def test_the_paper_s_recipe_has_none_of_our_variants():
         ("colour = 1\n[[stage]]\nname = 'warm-delight'\nsteps = 1", "colour"),
         ("[networks.delight]\nheight = 4\n[[stage]]\nname = 'warm-delight'\nsteps = 1", "height"),
         ("[networks.hair]\n[[stage]]\nname = 'warm-delight'\nsteps = 1", "hair"),
+        ("seed = -1\n[[stage]]\nname = 'warm-delight'\nsteps = 1", "seed"),
+        ("seed = 0.5\n[[stage]]\nname = 'warm-delight'\nsteps = 1", "seed"),
+        ("[[stage]]\nname = 'warm-delight'\nsteps = 1.5", "whole"),
+        ("[[stage]]\nname = 'warm-delight'\nsteps = 1\npairs = 1.5", "whole"),
+        ("[[stage]]\nname = 'outline'\nsteps = 1\nuses = 2", "once"),
+        ("[networks.delight]\nwidth = '4'\n[[stage]]\nname = 'warm-delight'\nsteps = 1", "width"),
         ("not toml", "r.toml"),
     ],
 )
