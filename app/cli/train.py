@@ -34,6 +34,7 @@ from relight_core.errors import InputError
 from relight_core.imaging.files import is_same_file
 
 if TYPE_CHECKING:
+    from relight_core.training.recipe import Recipe
     from relight_core.training.state import Progress
 
 _OF_A_RUN = ("size", "pairs", "seed", "residual", "decoder_residual", "uses", "window")
@@ -147,6 +148,7 @@ def _follow_recipe(arguments: argparse.Namespace) -> int:
         raise InputError(f"{result}: would be written over the weights it is made from; name another folder after -o")
     make_folder(arguments.output)
     check_heads_and_lights(arguments.heads, arguments.lights, "train")
+    _check_sizes(recipe, arguments.heads)
     with progress("training", float(len(recipe.stages))) as show:
 
         def report(number: int, elapsed: float, state: Progress) -> None:
@@ -166,6 +168,21 @@ def _follow_recipe(arguments: argparse.Namespace) -> int:
         _draw_curves(log)
     say(f"wrote {result}")
     return 0
+
+
+def _check_sizes(recipe: Recipe, heads: Path) -> None:
+    """Raise InputError for a stage that the heads are too small for: the stages before it take hours."""
+    from relight_core.dataset.baking.shard import read_shard
+    from relight_core.dataset.recipe import load_split
+
+    first = load_split(heads, "train")[0]
+    whole = read_shard(first).size
+    for plan in recipe.stages:
+        if whole % plan.size:
+            raise InputError(
+                f"{first}: a head of {whole} pixels has no size of {plan.size}, which {plan.name} asks for; "
+                "give a divisor of it, or bake heads with another --size"
+            )
 
 
 def _train_stage(arguments: argparse.Namespace) -> int:

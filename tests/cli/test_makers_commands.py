@@ -375,17 +375,22 @@ def test_effect_tells_of_a_photo_it_can_t_read_before_it_trains(run, data, tmp_p
     refused(run(*words, "--bare", data / "heads", "--photos", tmp_path), "torn.jpg")
 
 
+def test_a_recipe_s_last_stage_has_to_suit_the_heads_before_the_first_is_trained(run, data, tmp_path):
+    stage = "[[stage]]\nname = 'warm-relight'\nsteps = 1\nsize = "
+    (tmp_path / "r.toml").write_text(f"{stage}32\n{stage}64")
+    words = ["train", "--recipe", tmp_path / "r.toml", "--heads", data / "heads", "--lights", data / "lights.npz"]
+    refused(run(*words, "-o", tmp_path / "out"), "32 pixels", "64", "warm-relight")
+    assert not list((tmp_path / "out").iterdir())
+
+
 def test_effect_keeps_its_photos_and_what_is_no_folder(run, data, tmp_path, monkeypatch):
     monkeypatch.setattr(dataset_effect, "taught", lambda *_, **__: pytest.fail("trained in vain"))
-    photos = tmp_path / "photos"
-    photos.mkdir()
-    Image.new("RGB", (8, 8)).save(photos / "a.png")
-    before = (photos / "a.png").read_bytes()
+    photo = tmp_path / "a.png"
+    Image.new("RGB", (8, 8)).save(photo)
     words = ["dataset", "effect", "--shards", data / "heads", "--lights", data / "lights.npz"]
-    words += ["--bare", data / "heads", "--photos", photos]
-    refused(run(*words, "-o", photos / "a.png"), "a.png", "input")
-    assert (photos / "a.png").read_bytes() == before
-    refused(run(*words, "-o", tmp_path / "s.png", "--work", photos / "a.png"), "a.png")
+    words += ["--bare", data / "heads", "--photos", tmp_path]
+    refused(run(*words, "-o", photo), "a.png", "input")
+    refused(run(*words, "-o", tmp_path / "s.png", "--work", photo), "a.png")
 
 
 def test_a_recipe_s_result_is_not_written_over_the_weights_it_begins_with(run, data, tmp_path):
