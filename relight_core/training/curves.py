@@ -36,7 +36,8 @@ def draw_curves(log: Path, picture: Path) -> None:
     steps = [row["step"] for row in rows]
     for place, name in enumerate(names, 1):
         axes = figure.add_subplot(len(names), 1, place)
-        axes.plot(steps, [row.get(name, float("nan")) for row in rows], linewidth=1)
+        values = [row.get(name, float("nan")) for row in rows]
+        axes.plot(steps, values, linewidth=1, marker="." if len(rows) == 1 else None)  # No line leads to one point.
         axes.set_title(name.replace("_", " "), loc="left", fontsize=9)
         axes.set_yscale("log")
         axes.grid(alpha=0.3)

@@ -292,6 +292,14 @@ def test_log_and_curves(tmp_path):
     assert (tmp_path / "curves.png").read_bytes().startswith(b"\x89PNG")
 
 
+def test_one_row_of_a_log_is_drawn_as_a_point(tmp_path):
+    pytest.importorskip("matplotlib", reason="curves need the training extra")
+    log, picture = tmp_path / "w.log.json", tmp_path / "curves.png"
+    log.write_text('[{"step": 50, "elapsed": 1.0, "relit": 0.3}]')
+    draw_curves(log, picture)
+    assert np.ptp(cv2.imread(str(picture)).astype(int), axis=2).max() > 50
+
+
 def test_curves_of_nothing(tmp_path):
     log = tmp_path / "w.log.json"
     for content in ("[]", "{", '[{"step": 50, "elapsed": 1.0}]'):
