@@ -15,12 +15,14 @@ import torch
 import torch.nn.functional as F
 
 from relight_core.imaging.tensor_colour import luminance_weights
+from relight_core.lighting.reflection import specular_lobe
 from relight_core.lighting.sphere import directions, solid_angles
 
 _AZIMUTHS = 48
 _STEPS = 20
 _PENUMBRA = 0.15
 _GRAZING = 0.05
+_FAINT_GLOSS = 0.005
 _REACH = 1.3
 """Half-widths of the image: as far as one head casts a shadow on itself."""
 
@@ -39,11 +41,13 @@ class ReliefTransport:
         open: (S * S, texels) cos(n, l) times solid angle over pi, no occlusion.
         closed: the same times visibility.
         size: S.
+        normal: (S * S, 3) unit vectors, which `gloss_fraction` alone reads; None where that is not asked for.
     """
 
     open: torch.Tensor
     closed: torch.Tensor
     size: int
+    normal: torch.Tensor | None = None
 
     def shadow_fraction(self, light: torch.Tensor) -> torch.Tensor:
         """Fraction of the unoccluded grey irradiance that is lost: (B, 1, S, S) in [0, 1].
@@ -54,11 +58,26 @@ class ReliefTransport:
         Args:
             light: (B, H, 2H, 3) normalised radiance of the texels the transport was made for.
         """
+        return self._lost(light, self._at_surface, _GRAZING)
+
+    def gloss_fraction(self, light: torch.Tensor) -> torch.Tensor:
+        """Fraction of the unoccluded grey gloss that is lost: (B, 1, S, S) in [0, 1].
+
+        Of a lamp behind the head, which would only graze the side of a nose, that is hidden from it, the share of the
+        irradiance is small and that of the gloss large.
+
+        Args:
+            light: as of `shadow_fraction`.
+        """
+        return self._lost(light, self._shine_at_surface, _FAINT_GLOSS)
+
+    def _lost(self, light: torch.Tensor, at_surface: tuple[torch.Tensor, torch.Tensor], least: float) -> torch.Tensor:
+        """Fraction that is lost of what the rows of `at_surface` give, fading to 0 where that is less than `least`."""
         light = light.float()
         grey = light @ luminance_weights(light)
-        points, both = self._at_surface
+        points, both = at_surface
         opened, closed = (both @ grey.flatten(1).T).chunk(2)
-        lost = (1 - closed / opened.clamp_min(1e-6)).clamp(0, 1) * (opened / _GRAZING).clamp_max(1)
+        lost = (1 - closed / opened.clamp_min(1e-6)).clamp(0, 1) * (opened / least).clamp_max(1)
         fraction = lost.new_zeros(len(self.open), lost.shape[1])
         fraction[points] = lost
         return fraction.T.reshape(-1, 1, self.size, self.size)
@@ -86,6 +105,22 @@ class ReliefTransport:
         """Which points have a surface at all, and their rows of `open` above those of `closed`."""
         points = self.open.any(dim=1).nonzero()[:, 0]
         return points, torch.cat([self.open[points], self.closed[points]])
+
+    @cached_property
+    def _shine_at_surface(self) -> tuple[torch.Tensor, torch.Tensor]:
+        """As `_at_surface`, of the gloss that skin has."""
+        points = self.open.any(dim=1).nonzero()[:, 0]
+        rows = round((self.open.shape[1] / 2) ** 0.5)
+        toward, weight = (part.to(self.open.device) for part in _texels(rows))
+        shine = specular_lobe(toward, self.normal[points]).T * weight
+        seen = (self.closed[points] / self.open[points].clamp_min(1e-12)).clamp_max(1)
+        return points, torch.cat([shine, shine * seen])
+
+
+def _texels(rows: int) -> tuple[torch.Tensor, torch.Tensor]:
+    """Unit vectors (texels, 3) to a light's texels, and their solid angles (texels,)."""
+    parts = directions(rows, 2 * rows).reshape(-1, 3), solid_angles(rows, 2 * rows).reshape(-1)
+    return tuple(torch.from_numpy(part) for part in parts)
 
 
 def march_relief(
@@ -118,9 +153,9 @@ def _transport(
 ) -> ReliefTransport:
     """Of one surface with horizons (azimuths, S, S), in radians."""
     size, device = horizon.shape[-1], horizon.device
-    toward = torch.from_numpy(directions(light_height, 2 * light_height).reshape(-1, 3)).to(device)
-    weight = torch.from_numpy(solid_angles(light_height, 2 * light_height).reshape(-1)).to(device)
-    cosine = (normal.float().flatten(1).T @ toward.T).clamp_min(0)
+    toward, weight = (part.to(device) for part in _texels(light_height))
+    normal = normal.float().flatten(1).T.contiguous()
+    cosine = (normal @ toward.T).clamp_min(0)
     opened = cosine * weight / torch.pi * (covered > 0.5).flatten()[:, None]
     horizon = horizon.flatten(1)
     across = toward[:, :2].norm(dim=1).clamp_min(1e-4)
@@ -131,7 +166,7 @@ def _transport(
     before, after = (horizon[(first.long() + step) % _AZIMUTHS] for step in (0, 1))
     above = elevation[:, None] - (before + (after - before) * blend)
     visible = (above / _PENUMBRA + 0.5).clamp(0, 1).T
-    return ReliefTransport(opened, opened * visible, size)
+    return ReliefTransport(opened, opened * visible, size, normal)
 
 
 def march_distances(size: int, steps: int) -> list[float]:

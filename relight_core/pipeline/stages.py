@@ -296,17 +296,17 @@ def estimate_effects(
 
     Args:
         transport: of the surface's relief; None leaves its shadow out, and the shadow without a tint.
-        by_network: the SS network says what is hidden; else the relief alone, of gloss as of irradiance.
+        by_network: the SS network says what is hidden; else the relief alone.
         begun: `begin_effects` of the surface by the same networks, where that is kept.
     """
     fraction, tint = torch.zeros_like(surface.relief), None
     if transport is not None:
         tint = shadow_tint(transport, light, reflected)
-        fraction = transport.shadow_fraction(light.cpu()).to(device)
-        fraction = F.interpolate(fraction, size=surface.normal.shape[-2:], mode="bilinear", align_corners=False)
+        fraction = _spread(transport.shadow_fraction(light.cpu()), surface)
     if not by_network:
-        logit = torch.logit(fraction, eps=1e-6)
-        return replace(effects_of(Occlusion(logit, logit), reflected, surface.albedo), tint=tint)
+        of_gloss = fraction if transport is None else _spread(transport.gloss_fraction(light.cpu()), surface)
+        hidden = Occlusion(*(torch.logit(part, eps=1e-6) for part in (fraction, of_gloss)))
+        return replace(effects_of(hidden, reflected, surface.albedo), tint=tint)
     network = in_precision(bundle, device, precision).pair(pair).specular_shadow
     config = network.config
     hints = light_hints(config, reflected, fraction)
@@ -318,6 +318,12 @@ def estimate_effects(
         occlusion = network(surface.normal, light, hints, begun)
     effects = estimated_effects(config, occlusion, reflected, surface.albedo)
     return replace(effects, tint=tint, by_relief=fraction)
+
+
+def _spread(fraction: torch.Tensor, surface: Surface) -> torch.Tensor:
+    """A transport's answer at the size of the surface, (1, 1, S, S), and where that lies."""
+    size = surface.normal.shape[-2:]
+    return F.interpolate(fraction.to(surface.normal.device), size=size, mode="bilinear", align_corners=False)
 
 
 def no_effects(surface: Surface) -> Effects:

@@ -133,3 +133,31 @@ def test_a_terrace_hides_the_sky_on_its_side_up_to_its_rim(azimuth_deg, rise):
     relief[:, :, 48:] = 0.5
     slopes = horizon_slopes(relief, torch.ones(1, 64, 64), torch.deg2rad(torch.tensor([float(azimuth_deg)])))
     assert float(slopes[0, 0, 32, 32]) == pytest.approx(rise, abs=0.15)
+
+
+def test_gloss_of_a_lamp_that_is_hidden_is_lost_though_most_of_the_irradiance_is_not():
+    slanting = torch.zeros(3, SIZE, SIZE)
+    slanting[0], slanting[2] = 0.5, 0.75**0.5
+    key, behind = torch.zeros(2, 1, 16, 32, 3)
+    key[:, 7:9, 31] = 50
+    # 17 degrees behind the plane of the image, on its right, where the wall stands before it.
+    behind[:, 7:9, 22] = 50
+    transport = march_relief(wall(), slanting, covered())
+
+    def lost(fraction):
+        return fraction[0, 0, SIZE // 2, 10:14].mean()
+
+    assert lost(transport.shadow_fraction(behind)) > 0.95
+    assert lost(transport.gloss_fraction(behind)) > 0.95
+    assert lost(transport.shadow_fraction(key)) < 0.1
+    assert lost(transport.gloss_fraction(key)) < 0.1
+    assert lost(transport.shadow_fraction(key + behind)) < 0.25
+    assert lost(transport.gloss_fraction(key + behind)) > 0.5
+
+
+def test_gloss_is_lost_in_no_light_and_off_the_surface_nowhere():
+    half = covered()
+    half[:, : SIZE // 2] = 0
+    transport = march_relief(wall(), facing_camera(), half)
+    assert not transport.gloss_fraction(torch.zeros(1, 16, 32, 3)).any()
+    assert not transport.gloss_fraction(lamp("left"))[..., : SIZE // 2].any()

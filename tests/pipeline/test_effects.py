@@ -6,6 +6,8 @@ import pytest
 import torch
 
 from relight_core.imaging.tensor_colour import grey
+from relight_core.lighting.reflection import ReflectionTable
+from relight_core.lighting.relief import march_relief
 from relight_core.networks.bundle import BundleConfig, NetworkBundle
 from relight_core.networks.specular_shadow import Occlusion, SpecularShadowConfig
 from relight_core.pipeline import stages
@@ -233,3 +235,19 @@ def test_only_diffuse_light_counts_as_lifted_and_softening_lifts_it_too(scene):
     softened = move_sliders(Composed(plain, plain), surface, reflected, softer, 1.0, 1.0)
     assert softened.lifted.max() > 0
     torch.testing.assert_close(softened.added, torch.zeros_like(plain), atol=1e-6, rtol=0)
+
+
+def test_without_the_network_a_lamp_that_is_hidden_gives_no_gloss_beside_one_that_is_seen():
+    size, one = 32, torch.ones(1, 1, 32, 32)
+    normal, relief = torch.zeros(1, 3, size, size), torch.zeros(1, 1, size, size)
+    normal[:, 0], normal[:, 2], relief[..., 15:17] = 0.5, 0.75**0.5, 0.5
+    key, behind = torch.zeros(2, 1, 16, 32, 3)
+    key[:, 7:9, 31], behind[:, 7:9, 22] = 50, 50
+    surface = Surface(None, 0.5 * one.expand(1, 3, -1, -1), normal, relief, None, one, None)
+    transport, table = march_relief(relief[0, 0], normal[0], one[0, 0]), ReflectionTable()
+
+    def shown(light):
+        effects = stages.estimate_effects(None, surface, table(light, normal), transport, light, by_network=False)
+        return effects.specular[0, 0, size // 2, 10:14].mean().item()
+
+    assert shown(key + behind) == pytest.approx(shown(key) + shown(behind), rel=0.05)
