@@ -10,7 +10,7 @@ from relight_core.pipeline.per_light.residual import add_residual, at_light_leve
 from relight_core.pipeline.stages import Composed
 
 SIZE = 12
-SKIN, HAIR, CLOTH = 1, 10, 13
+SKIN, INNER_MOUTH, LIPS, HAIR, CLOTH = 1, 7, 8, 10, 13
 
 
 def images(seed):
@@ -261,3 +261,34 @@ def test_gloss_and_shadow_of_a_view_change_as_the_view_does():
     assert by.max() > 1.2 * by.min()
     torch.testing.assert_close(effects.specular, 0.3 * by, rtol=1e-3, atol=0)
     torch.testing.assert_close(effects.shadow, 0.2 * by, rtol=1e-3, atol=0)
+
+
+def mouth_in(light_of_the_other_picture, shown, label=LIPS, albedo=(0.5, 0.3, 0.3)):
+    """(3,) what a photo's mouth becomes whose light is taken for a warm one; in None, that light itself."""
+    photo, own = (torch.tensor(colour)[None, :, None, None].expand(1, 3, SIZE, SIZE) for colour in (shown, albedo))
+    warm, seen = own * torch.tensor([1.4, 1.0, 0.6])[None, :, None, None], surface(photo, label)
+    seen.albedo = own
+    residual = find_residual(seen, photo, light(), lambda light: Composed(warm, torch.ones_like(warm)))
+    model, other = (warm, light()) if light_of_the_other_picture is None else (own, light_of_the_other_picture)
+    image, _ = add_residual(residual, Composed(model, torch.ones_like(model)), no_effects(), other)
+    return image[0, :, 0, 0] * residual.level
+
+
+@pytest.mark.parametrize("label", [LIPS, INNER_MOUTH])
+def test_a_mouth_that_is_less_warm_than_its_light_turns_no_bluer_than_the_photo_shows_it(label):
+    _, green, blue = mouth_in(lamp(20), (0.26, 0.2, 0.24), label)
+    assert blue / green == pytest.approx(1.2, abs=0.03)
+    _, green, blue = mouth_in(lamp(20), (0.26, 0.2, 0.18), label)
+    assert blue / green == pytest.approx(1.1, abs=0.03)
+
+
+def test_cloth_that_is_less_warm_than_its_light_is_as_blue_as_that_says_and_a_mouth_in_its_own_light_as_it_was():
+    _, green, blue = mouth_in(lamp(20), (0.26, 0.2, 0.24), CLOTH)
+    assert blue / green == pytest.approx(1.2 / 0.6, rel=0.05)
+    for label in (LIPS, INNER_MOUTH):
+        torch.testing.assert_close(mouth_in(None, (0.26, 0.2, 0.24), label), torch.tensor([0.26, 0.2, 0.24]))
+
+
+def test_a_purple_mouth_stays_purple():
+    _, green, blue = mouth_in(lamp(20), (0.3, 0.1, 0.2), LIPS, (0.3, 0.1, 0.3))
+    assert blue / green == pytest.approx(3.0, abs=0.2)

@@ -34,6 +34,7 @@ from relight_core.lighting.likeness import likeness
 from relight_core.pipeline.per_light.hints import Effects, grey
 from relight_core.pipeline.per_photo.blown import clipped_share, flesh_share, skin_share
 from relight_core.pipeline.per_photo.glare import likely
+from relight_core.pipeline.per_photo.mouth_colour import too_blue
 from relight_core.pipeline.per_photo.saturation import middle_colour, saturation
 from relight_core.pipeline.per_photo.skin_colour import deep_shadow
 from relight_core.pipeline.stages import Composed, Surface
@@ -113,9 +114,11 @@ def find_residual(
     broad = skin * local_means(log_ratio.mean(1, keepdim=True), skin)
     colour = log_ratio - log_ratio.mean(1, keepdim=True)
     tint = colour + skin * (_by_camera(log_ratio, surface.albedo, skin * known) - colour)
+    of_warm_skin = too_blue(surface, tint)
+    tint = tint - of_warm_skin
     glare = _glare_share(log_ratio, skin, surface.parsing[:, INDEX["hair"], None])
     of_others = torch.maximum(glare, deep_shadow(surface.photo, skin))
-    fleeting = glare * log_ratio.mean(1, keepdim=True) + of_others * (colour - tint)
+    fleeting = glare * log_ratio.mean(1, keepdim=True) + of_others * (colour - tint - of_warm_skin) + of_warm_skin
     shading = grey(model.plain)
     return Residual(log_ratio, shading, stays_dark, skin, broad, tint, fleeting, source_light, level, largest_log)
 
