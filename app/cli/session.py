@@ -140,7 +140,13 @@ class Session:
         if box is not None:
             boxes = [FaceBox(*box)]
         relighter, began = self.relighter, time.perf_counter()
-        relighter.set_portrait(photo, face_index, boxes, strokes)
+        try:
+            relighter.set_portrait(photo, face_index, boxes, strokes)
+        except InputError as error:
+            if box is not None or boxes is None:
+                raise
+            hint = "the light's session says where faces are in it, and --box says it anew"
+            raise type(error)(f"{error}; {hint}") from None
         self.opening_ms = {"read": read_ms, "find": (time.perf_counter() - began) * 1e3}
         return photo
 

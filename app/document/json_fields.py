@@ -1,7 +1,7 @@
 """Reading a JSON file that anyone may have written: every value is checked, and nothing of it is ever run.
 
-Wrong kinds, NaN and infinities are refused; numbers that are merely out of range are moved to the nearest end of it
-and noted; unknown settings are left out and noted.
+Wrong kinds, NaN and infinities are refused; numbers that are merely out of range are moved to the nearest end of it,
+angles all the way round by whole turns, and noted; unknown settings are left out and noted.
 """
 
 from __future__ import annotations
@@ -21,6 +21,7 @@ LARGEST_BYTES = 4_000_000
 """More than a session has with as many strokes of the brush, as long as they may be."""
 
 MARK = "relight"
+_TURN_DEG = 360.0
 
 
 class Fields:
@@ -41,11 +42,13 @@ class Fields:
         self._values, self._where, self._notes = dict(values), where, notes
 
     def number(self, key: str, low: float, high: float, default: float) -> float:
-        """A finite number, moved into the range."""
+        """A finite number, moved into the range; one of 360, as of degrees, is gone round in."""
         value = self._values.pop(key, default)
         if isinstance(value, bool) or not isinstance(value, int | float) or not _is_finite(value):
             raise InputError(f"{self._where}: {key} is not a number; mend the file or delete that line")
         kept = min(max(float(value), low), high)
+        if kept != value and high - low == _TURN_DEG:
+            kept = (float(value) - low) % _TURN_DEG + low
         if kept != value:
             self._notes.append(f"{key} {value:g} is out of range and became {kept:g}")
         return kept

@@ -30,6 +30,7 @@ from relight_core.networks.specular_shadow import SpecularShadowConfig, Specular
 FORMAT = "relight-networks-1"
 
 _CHECKSUM = "sha256"
+_MEND = "give others, or install relight again if they are its own"
 _DAMAGE = (OSError, SafetensorError, RuntimeError, KeyError, TypeError, ValueError, MemoryError, OverflowError)
 
 
@@ -246,12 +247,12 @@ def load_bundle(path: Path) -> NetworkBundle:
             bundle = NetworkBundle(BundleConfig.from_json(header.pop("config")))
             tensors = {name: file.get_tensor(name) for name in file.keys()}  # noqa: SIM118
             if header.pop(_CHECKSUM, None) not in (None, _checksum(tensors)):
-                raise InputError(f"{path}: these weights are damaged (their checksum differs); install them again")
+                raise InputError(f"{path}: these weights are damaged (their checksum differs); {_MEND}")
             bundle.load_state_dict({name: value.float() for name, value in tensors.items()}, strict=True)
     except InputError:
         raise
     except _DAMAGE as error:
         reason = str(error).splitlines()[0] if str(error) else type(error).__name__
-        raise InputError(f"{path}: these weights can't be read ({reason}); install them again") from error
+        raise InputError(f"{path}: these weights can't be read ({reason}); {_MEND}") from error
     bundle.card = header
     return bundle

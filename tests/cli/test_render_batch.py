@@ -101,6 +101,20 @@ def test_corrections_of_a_session_that_lends_its_light_count_for_their_own_photo
     assert relighter.strokes == strokes
 
 
+def test_where_a_session_s_boxes_are_no_good_its_name_is_told(relighter, folder, tmp_path, capsys):
+    photo = folder / "a.png"
+    document = Document(PhotoRef(photo, None, ()), LightRef("rig", "ring"), LightEdit(), Edit())
+    write_session(tmp_path / "a.relight.json", document)
+    Image.new("RGB", (8, 8)).save(photo)
+    words = ["render", str(photo), "-o", str(tmp_path / "o.png"), "--light"]
+    assert main([*words, "ring"]) == 2
+    assert "says where" not in capsys.readouterr().err
+    assert main([*words, str(tmp_path / "a.relight.json")]) == 2
+    assert "the light's session says where faces are in it" in capsys.readouterr().err
+    assert main([*words, str(tmp_path / "a.relight.json"), "--box", "1,1,5,5"]) == 2
+    assert "says where" not in capsys.readouterr().err
+
+
 def test_a_damaged_or_missing_light_file_is_told_in_a_line(relighter, folder, tmp_path, capsys):
     (tmp_path / "x.json").write_text("{")
     for name in ("x.json", "missing.json"):

@@ -61,10 +61,10 @@ def test_a_light_needs_no_photo_unless_it_is_that_photos_own(session, photo):
 
 
 def test_only_what_belongs_to_the_light_is_read_and_noted(session):
-    path = session(LightRef("rig", "ring"), shadow="damaged", specular=9.0, yaw_deg=900.0)
+    path = session(LightRef("rig", "ring"), shadow="damaged", specular=9.0, yaw_deg=270.0)
     saved = read_lent_light(path).saved
-    assert saved.yaw_deg == 180.0
-    assert saved.notes == ("yaw_deg 900 is out of range and became 180",)
+    assert saved.yaw_deg == -90.0
+    assert saved.notes == ("yaw_deg 270 is out of range and became -90",)
 
 
 def test_a_light_file_names_no_photo_whose_light_it_could_be(tmp_path):

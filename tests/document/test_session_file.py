@@ -149,6 +149,14 @@ def test_the_light_of_an_open_photo_is_not_one_to_file(tmp_path):
     assert list(tmp_path.iterdir()) == []
 
 
+def test_angles_come_round_by_whole_turns_and_elevations_stop_at_the_zenith(folder, document):
+    lamps = [{"azimuth_deg": azimuth, "elevation_deg": 100} for azimuth in (-180, 180, 200, -541)]
+    session = read_session(tampered(saved(folder, document), edit__yaw_deg=810, light__boxes=lamps))
+    assert session.document.edit.yaw_deg == 90.0
+    assert [box.azimuth_deg for box in session.document.light_edit.boxes] == [-180.0, 180.0, -160.0, 179.0]
+    assert {box.elevation_deg for box in session.document.light_edit.boxes} == {90.0}
+
+
 def test_values_out_of_range_are_moved_in_and_noted(folder, document):
     path = tampered(saved(folder, document), edit__shadow=7, light__boxes=[{"width_deg": 900}], light__level_ev=-99)
     session = read_session(path)

@@ -145,6 +145,7 @@ def test_other_heads_or_lights_want_another_folder(tmp_path):
     lights.write_bytes(b"sky")
     for _ in range(2):
         check_budget(folder, BUDGET, heads, lights)
+    (folder / "batch.safetensors").touch()
     (heads / "head-8.npz").write_bytes(b"two")
     with pytest.raises(InputError, match="another folder"):
         check_budget(folder, BUDGET, heads, lights)
@@ -158,8 +159,20 @@ def test_a_folder_from_before_data_was_noted_goes_on(tmp_path):
     lights = tmp_path / "lights.npz"
     lights.write_bytes(b"sky")
     (tmp_path / "budget.json").write_text(json.dumps(asdict(BUDGET)))
+    (tmp_path / "batch.safetensors").touch()
     check_budget(tmp_path, BUDGET, tmp_path, lights)
     lights.write_bytes(b"other sky")
+    with pytest.raises(InputError, match="another folder"):
+        check_budget(tmp_path, BUDGET, tmp_path, lights)
+
+
+def test_a_training_that_was_refused_keeps_no_other_from_its_folder(tmp_path):
+    lights, smaller = tmp_path / "lights.npz", Budget(steps=3, size=SIZE, pairs=1)
+    lights.write_bytes(b"sky")
+    for budget in (BUDGET, smaller):
+        check_budget(tmp_path, budget, tmp_path, lights)
+    (tmp_path / "batch.safetensors").touch()
+    check_budget(tmp_path, smaller, tmp_path, lights)
     with pytest.raises(InputError, match="another folder"):
         check_budget(tmp_path, BUDGET, tmp_path, lights)
 

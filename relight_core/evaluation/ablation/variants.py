@@ -100,10 +100,11 @@ def train_variants(
 
 
 def check_budget(folder: Path, budget: Budget, heads: Path, lights: Path) -> None:
-    """Note the budget and the training data in a folder; raises InputError where others are noted."""
+    """Note the budget and the training data in a folder; raises InputError where others trained in it."""
     note, words = folder / "budget.json", json.dumps({**asdict(budget), "data": _mark_of(heads, lights)})
-    # Older notes know of no data.
-    if not note.exists() or note.read_text() == json.dumps(asdict(budget)):
+    begun = note.exists() and any(folder.rglob("*.safetensors"))
+    # Older notes know of no data; a training that was refused has left nothing but its note.
+    if not begun or note.read_text() == json.dumps(asdict(budget)):
         with whole_file(note) as beside:
             beside.write_text(words)
     elif note.read_text() != words:
