@@ -15,7 +15,7 @@ from relight_core.pipeline.stages import Surface
 
 _BLACK = 0.005
 _BLUEST = 0.1
-"""Log ratio of blue to green: by the lights that were estimated for 144 portraits, five pairs of lips of six are below."""
+"""Log ratio of blue to green: of 144 portraits, by their estimated lights, five pairs of lips of six have less."""
 
 
 def too_blue(surface: Surface, tint: torch.Tensor) -> torch.Tensor:
