@@ -113,8 +113,11 @@ class Binding:
         }
 
     def character(self, code: int) -> None:
-        """A glfw character event."""
-        self._io.add_input_character(code)
+        """A glfw character event.
+
+        Ahead of a modifier's release that waits it would count as a shortcut, and ahead of a key, be typed before it.
+        """
+        self._take(_Event(lambda: self._io.add_input_character(code)))
 
     def mouse_position(self, x: float, y: float) -> None:
         """The mouse, in window units."""

@@ -96,3 +96,44 @@ def test_colours_beyond_all_colours_are_the_nearest_that_there_are(opened, monke
     opened.frames(2)
     assert state.edit.background == background
     assert state.light_edit.boxes[0].colour == gel
+
+
+CTRL_A = ((glfw.KEY_LEFT_CONTROL, 0), (glfw.KEY_A, glfw.MOD_CONTROL))
+
+
+def type_in_one_frame(hand, *strokes):
+    """Keys pressed and let go one after the other while a single slow frame is drawn, with what each of them types."""
+    for key, letter in strokes:
+        hand.window.on_key(None, key, 0, glfw.PRESS, 0)
+        if letter:
+            hand.window.on_character(None, ord(letter))
+        hand.window.on_key(None, key, 0, glfw.RELEASE, 0)
+
+
+@pytest.fixture
+def palette(opened):
+    opened.window.state.look.palette = True
+    opened.frames(3)
+    return opened
+
+
+def test_what_is_typed_while_a_modifier_waits_for_the_next_frame_is_not_lost(palette):
+    palette.type("fit")
+    for key, held in CTRL_A:
+        palette.window.on_key(None, key, 0, glfw.PRESS, held)
+    for key, _ in reversed(CTRL_A):
+        palette.window.on_key(None, key, 0, glfw.RELEASE, glfw.MOD_CONTROL)
+    type_in_one_frame(palette, (glfw.KEY_Z, "z"), (glfw.KEY_O, "o"), (glfw.KEY_M, "m"))
+    palette.frames(12)
+    assert palette.window.state.look.palette_text == "zom"
+
+
+def test_what_is_typed_around_a_backspace_keeps_its_order(palette):
+    palette.window.on_key(None, glfw.KEY_LEFT_SHIFT, 0, glfw.PRESS, 0)
+    palette.window.on_key(None, glfw.KEY_F, 0, glfw.PRESS, glfw.MOD_SHIFT)
+    palette.window.on_character(None, ord("F"))
+    palette.window.on_key(None, glfw.KEY_F, 0, glfw.RELEASE, glfw.MOD_SHIFT)
+    palette.window.on_key(None, glfw.KEY_LEFT_SHIFT, 0, glfw.RELEASE, glfw.MOD_SHIFT)
+    type_in_one_frame(palette, (glfw.KEY_U, "u"), (glfw.KEY_BACKSPACE, ""), (glfw.KEY_I, "i"), (glfw.KEY_T, "t"))
+    palette.frames(16)
+    assert palette.window.state.look.palette_text == "Fit"
