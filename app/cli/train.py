@@ -174,11 +174,13 @@ def _check_sizes(recipe: Recipe, heads: Path) -> None:
     """Raise InputError for a stage that the heads are too small for: the stages before it take hours."""
     from relight_core.dataset.baking.shard import read_shard
     from relight_core.dataset.recipe import load_split
+    from relight_core.training.stages import STAGES
 
     first = load_split(heads, "train")[0]
     whole = read_shard(first).size
     for plan in recipe.stages:
-        if whole % plan.size:
+        # People are cut out at the heads' own size, and put into photos of any.
+        if not STAGES[plan.name].outlines and whole % plan.size:
             raise InputError(
                 f"{first}: a head of {whole} pixels has no size of {plan.size}, which {plan.name} asks for; "
                 "give a divisor of it, or bake heads with another --size"
