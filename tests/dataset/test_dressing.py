@@ -12,6 +12,7 @@ from relight_core.dataset.garments.hair_shell import ScalpGrid, grow_hair, sampl
 from relight_core.dataset.garments.makehuman import cut_by_opacity, find_root, read_base, read_item
 from relight_core.dataset.garments.makehuman_fit import HeadWarp
 from relight_core.dataset.heads import HeadModel
+from relight_core.errors import InputError
 
 
 @pytest.fixture(scope="module", name="ball_head")
@@ -178,7 +179,7 @@ def test_transparent_parts_are_cut_away(tmp_path):
 
 
 def test_a_missing_archive_is_named(tmp_path):
-    with pytest.raises(OSError, match="base.obj"):
+    with pytest.raises(InputError, match="base.obj"):
         find_root(tmp_path)
 
 

@@ -10,6 +10,7 @@ import numpy as np
 from PIL import Image
 
 from relight_core.dataset.garments.garment_mesh import at_midpoints, compact, subdivide
+from relight_core.errors import InputError
 
 _CM_PER_UNIT = 10.0
 _LEAST_OPACITY = 0.4
@@ -28,11 +29,11 @@ class Item:
 
 
 def find_root(folder: Path) -> Path:
-    """The folder that holds 3dobjs/base.obj: `folder` or its makehuman/; raises OSError when neither does."""
+    """The folder that holds 3dobjs/base.obj: `folder` or its makehuman/; raises InputError when neither does."""
     for root in (Path(folder), Path(folder) / "makehuman"):
         if (root / "3dobjs" / "base.obj").is_file():
             return root
-    raise FileNotFoundError(f"{folder}: no 3dobjs/base.obj here; unpack the MakeHuman archive to this folder")
+    raise InputError(f"{folder}: no 3dobjs/base.obj here; unpack the MakeHuman archive to this folder")
 
 
 def read_base(root: Path) -> tuple[np.ndarray, np.ndarray]:
