@@ -190,6 +190,25 @@ def test_what_is_not_skin_keeps_the_colour_that_it_has_beside_its_model(label, s
     assert kept == pytest.approx(off, rel=0.2)
 
 
+def _ratios_in_white_light(code, label):
+    """Channels over green of a grey patch of a photo under a warm light, in a white light of the same strength."""
+    photo = torch.full((1, 3, SIZE, SIZE), code)
+    warm = torch.tensor([1.0, 0.5, 0.2])[None, :, None, None]
+    looks = SimpleNamespace(**{**vars(surface(photo, label)), "albedo": torch.full_like(photo, 0.05)})
+    lit = torch.full_like(photo, 0.05)
+    residual = find_residual(looks, photo, light(), lambda own: Composed(lit * warm, lit))
+    image, _ = add_residual(residual, Composed(lit, lit), no_effects(), lamp(3))
+    back, _ = add_residual(residual, Composed(lit * warm, lit), no_effects(), light())
+    torch.testing.assert_close(back * residual.level, photo, rtol=1e-3, atol=1e-5)
+    return (image / image[:, 1:2])[0, :, 5, 5]
+
+
+@pytest.mark.parametrize("label", [HAIR, CLOTH])
+def test_black_hair_and_cloth_under_a_warm_light_are_not_blue_in_a_white_one_but_grey_that_is_seen_is(label):
+    torch.testing.assert_close(_ratios_in_white_light(0.005, label), torch.ones(3), rtol=0.02, atol=0.02)
+    assert _ratios_in_white_light(0.1, label)[2] > 1.5
+
+
 def lamp(column):
     light = torch.full((1, 16, 32, 3), 0.005)
     light[:, 8, column] = 20.0

@@ -14,7 +14,8 @@ knows: how a place is lit says little about whether another light does the same,
 light becomes another. So do colours in deep shadow that the skin's albedo hasn't: they are another lamp's.
 
 Two things stay in any light: what a camera adds to the colour of all skin (see `pipeline.per_photo.saturation`), and
-the colours of all that is not skin, of which photo and skin together say more than the albedo does.
+the colours of all that is not skin, of which photo and skin together say more than the albedo does; nearly black hair
+and cloth keep the colour they are seen in (see `pipeline.per_photo.black_colour`).
 
 Hair that is darker than its model has strands in each other's shadow, whatever light falls on them: it stays darker.
 """
@@ -32,6 +33,7 @@ from relight_core.imaging.tensor_means import local_means
 from relight_core.lighting.environment import mean_luminance
 from relight_core.lighting.likeness import likeness
 from relight_core.pipeline.per_light.hints import Effects, grey
+from relight_core.pipeline.per_photo.black_colour import off_black
 from relight_core.pipeline.per_photo.blown import clipped_share, flesh_share, skin_share
 from relight_core.pipeline.per_photo.glare import likely
 from relight_core.pipeline.per_photo.mouth_colour import too_blue
@@ -114,11 +116,12 @@ def find_residual(
     broad = skin * local_means(log_ratio.mean(1, keepdim=True), skin)
     colour = log_ratio - log_ratio.mean(1, keepdim=True)
     tint = colour + skin * (_by_camera(log_ratio, surface.albedo, skin * known) - colour)
-    of_warm_skin = too_blue(surface, tint)
-    tint = tint - of_warm_skin
+    of_light = off_black(surface, tint)
+    of_light = of_light + too_blue(surface, tint - of_light)
+    tint = tint - of_light
     glare = _glare_share(log_ratio, skin, surface.parsing[:, INDEX["hair"], None])
     of_others = torch.maximum(glare, deep_shadow(surface.photo, skin))
-    fleeting = glare * log_ratio.mean(1, keepdim=True) + of_others * (colour - tint - of_warm_skin) + of_warm_skin
+    fleeting = glare * log_ratio.mean(1, keepdim=True) + of_others * (colour - tint - of_light) + of_light
     shading = grey(model.plain)
     return Residual(log_ratio, shading, stays_dark, skin, broad, tint, fleeting, source_light, level, largest_log)
 

@@ -1,0 +1,45 @@
+"""Hair and cloth that a photo shows nearly black, and as good as without colour.
+
+Blacks are lifted by glare in the lens and drawn in by a camera's curve and by JPEG, and take on little of the light's
+colour. By the light that explains the skin they would have the opposite one: in a white light a black hat that was
+photographed under a warm lamp would be navy blue.
+"""
+
+from __future__ import annotations
+
+import torch
+
+from relight_core.face.parsing import INDEX
+from relight_core.pipeline.per_photo.glare import likely
+from relight_core.pipeline.stages import Surface
+
+_BLACK = 0.005
+_NO_COLOUR = (0.008, 0.025)
+"""Of a pixel's brightest channel, as there is blue that is bright enough to tell and of next to no luminance: 8-bit
+codes 22 and 42."""
+
+
+def off_black(surface: Surface, tint: torch.Tensor) -> torch.Tensor:
+    """The part of a tint by which black hair and cloth would differ in colour from what the photo shows.
+
+    Args:
+        tint: (1, 3, S, S), log ratios of mean 0 by which the colour of the surface's albedo is off.
+
+    Returns:
+        Log ratios of mean 0, (1, 3, S, S).
+    """
+    hair_or_cloth = sum(surface.parsing[:, INDEX[name], None] for name in ("hair", "hat", "cloth"))
+    black = likely(hair_or_cloth) * _too_dark(surface.photo)
+    return black * (_colour(surface.albedo) + tint - _colour(surface.photo))
+
+
+def _too_dark(photo: torch.Tensor) -> torch.Tensor:
+    """(1, 1, S, S) how surely a photo (1, 3, S, S) is so dark that its colours say nothing of the light, [0, 1]."""
+    darkest, dark = _NO_COLOUR
+    return ((dark - photo.amax(1, keepdim=True)) / (dark - darkest)).clamp(0, 1)
+
+
+def _colour(image: torch.Tensor) -> torch.Tensor:
+    """(1, 3, S, S) logarithms without their mean."""
+    logarithm = (image + _BLACK).log()
+    return logarithm - logarithm.mean(1, keepdim=True)
