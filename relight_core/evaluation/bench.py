@@ -101,7 +101,8 @@ class Editor:
         found = take_apart(self.bundle, photo, self.tier, self.device)
         relief, reflector = stages.march(found, self.tier.relief_size), stages.reflector(self.table, found)
         light = explain_source_light(found, reflector, relief)
-        return Seen(photo, small, flatten_albedo(found, relief, light), light, reflector, relief)
+        surface = flatten_albedo(found, relief, light, stages.reflect(reflector, light))
+        return Seen(photo, small, surface, light, reflector, relief)
 
     def told(self, seen: Seen, surface: stages.Surface, light: torch.Tensor) -> Seen:
         """The same photo with another surface, or its own, and another light."""

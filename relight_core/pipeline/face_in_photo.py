@@ -47,7 +47,7 @@ class FaceInPhoto(FaceTakenApart):
         relief, light = self._relief(ready), self._source_light(ready)
 
         def flatten() -> stages.Surface:
-            surface = flatten_albedo(ready.found, relief, light)
+            surface = flatten_albedo(ready.found, relief, light, stages.reflect(self._reflector(ready), light))
             gain = self._company.albedo_gain(self, ready.tier) if self._company else 1.0
             return replace(surface, albedo=(gain * surface.albedo).clamp(0, 1))
 

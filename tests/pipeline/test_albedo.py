@@ -38,6 +38,15 @@ def side_light():
     return light
 
 
+def flattened(surface, relief, light):
+    reflected = torch.cat([irradiance_of(relief, light), torch.zeros(1, 3, SIZE, SIZE)], 1)
+    return flatten_albedo(surface, relief, light, reflected).albedo
+
+
+def irradiance_of(relief, light):
+    return (relief.open @ light[0].flatten(0, 1)).T.reshape(1, 3, SIZE, SIZE)
+
+
 def shading_of(surface):
     return (open_transport(surface).closed @ side_light()[0].flatten(0, 1)).T.reshape(1, 3, SIZE, SIZE)
 
@@ -47,7 +56,7 @@ def test_shading_that_was_left_in_is_taken_out(power):
     true = torch.full((1, 3, SIZE, SIZE), 0.3)
     clean = ball_surface(true)
     shaded = true * (shading_of(clean) + 0.02) ** power
-    flat = flatten_albedo(ball_surface(shaded), open_transport(clean), side_light()).albedo
+    flat = flattened(ball_surface(shaded), open_transport(clean), side_light())
     spread = [float(a.log().std()) for a in (shaded, flat)]
     assert spread[1] < 0.02 < 0.1 < spread[0]
     assert float(flat.log().mean()) == pytest.approx(float(shaded.log().mean()), abs=0.02)
@@ -56,7 +65,7 @@ def test_shading_that_was_left_in_is_taken_out(power):
 def test_texture_that_does_not_follow_the_light_stays():
     texture = torch.rand(1, 1, SIZE, SIZE, generator=torch.Generator().manual_seed(0)) * 0.4 + 0.2
     surface = ball_surface(texture.expand(1, 3, SIZE, SIZE))
-    flat = flatten_albedo(surface, open_transport(surface), side_light()).albedo
+    flat = flattened(surface, open_transport(surface), side_light())
     torch.testing.assert_close(flat, surface.albedo, rtol=0.08, atol=0)
 
 
@@ -64,7 +73,7 @@ def test_darker_toward_the_light_is_left_alone():
     true = torch.full((1, 3, SIZE, SIZE), 0.3)
     clean = ball_surface(true)
     odd = ball_surface(true * (shading_of(clean) + 0.02) ** -0.4)
-    assert torch.equal(flatten_albedo(odd, open_transport(clean), side_light()).albedo, odd.albedo)
+    assert torch.equal(flattened(odd, open_transport(clean), side_light()), odd.albedo)
 
 
 def test_white_hair_on_a_scalp_is_not_taken_for_skin():
@@ -73,7 +82,7 @@ def test_white_hair_on_a_scalp_is_not_taken_for_skin():
     face.albedo[:, :, :8] = 0.6
     face.parsing[:, SKIN, :8], face.parsing[:, NECK, :8] = 0, 1
     face.parsing[:, SKIN, 12:14], face.parsing[:, LEFT_EYE, 12:14] = 0, 1
-    flat = flatten_albedo(face, open_transport(face), side_light()).albedo
+    flat = flattened(face, open_transport(face), side_light())
     assert torch.equal(flat[:, :, :8], face.albedo[:, :, :8])
     torch.testing.assert_close(flat[:, :, 16:], face.albedo[:, :, 16:], rtol=0.02, atol=0)
 
@@ -84,7 +93,7 @@ def test_where_nothing_can_be_said_nothing_changes(case):
     light = {"even light": torch.ones(1, 16, 32, 3), "black light": torch.zeros(1, 16, 32, 3)}.get(case, side_light())
     photo = torch.ones(1, 3, SIZE, SIZE) if case == "clipped" else None
     surface = ball_surface(albedo, photo, HAIR if case == "hair only" else SKIN)
-    flat = flatten_albedo(surface, open_transport(surface), light).albedo
+    flat = flattened(surface, open_transport(surface), light)
     torch.testing.assert_close(flat, albedo, rtol=0.02, atol=0)
 
 
@@ -97,8 +106,8 @@ def coloured(patch_colour, size):
 
 
 def patch_of(albedo, label):
-    surface = ball_surface(albedo, label=label)
-    return flatten_albedo(surface, open_transport(surface), torch.ones(1, 16, 32, 3)).albedo[0, :, 16, 16]
+    surface = ball_surface(albedo, albedo, label)
+    return flattened(surface, open_transport(surface), torch.ones(1, 16, 32, 3))[0, :, 16, 16]
 
 
 def test_a_cheek_in_purple_light_becomes_skin_again_but_purple_hair_stays():

@@ -34,7 +34,7 @@ from relight_core.lighting.environment import mean_luminance
 from relight_core.lighting.likeness import likeness
 from relight_core.pipeline.per_light.hints import Effects, grey
 from relight_core.pipeline.per_photo.black_colour import off_black
-from relight_core.pipeline.per_photo.blown import clipped_share, flesh_share, skin_share
+from relight_core.pipeline.per_photo.blown import at_least, clipped_share, flesh_share, skin_share
 from relight_core.pipeline.per_photo.glare import likely
 from relight_core.pipeline.per_photo.mouth_colour import too_blue
 from relight_core.pipeline.per_photo.saturation import middle_colour, saturation
@@ -111,7 +111,7 @@ def find_residual(
     largest_log = _LARGEST_LOG + math.log(max(float(recorded.max()), 1.0))
     log_ratio = torch.log((photo + _BLACK) / (image + _BLACK)).clamp(-_LARGEST_LOG, largest_log)
     if was_clipped := _was_clipped(recorded):
-        log_ratio = _at_least(log_ratio, was_clipped * clipped_share(recorded), flesh_share(surface.parsing))
+        log_ratio = at_least(log_ratio, was_clipped * clipped_share(recorded), flesh_share(surface.parsing))
     stays_dark = _DARK_HAIR * surface.parsing[:, INDEX["hair"], None]
     broad = skin * local_means(log_ratio.mean(1, keepdim=True), skin)
     colour = log_ratio - log_ratio.mean(1, keepdim=True)
@@ -160,21 +160,6 @@ def _was_clipped(recorded: torch.Tensor) -> float:
     beyond = ((brightest - 1) / _BEYOND).clamp(0, 1).sum()
     piled_up = (1 - (brightest - 1).abs() / _PILED_UP).clamp(0, 1).sum()
     return float(1 - (2 * beyond / (beyond + piled_up + _FEW * brightest.numel())).clamp_max(1))
-
-
-def _at_least(log_ratio: torch.Tensor, clipped: torch.Tensor, skin: torch.Tensor) -> torch.Tensor:
-    """The log ratio where clipped channels may have been brighter than they look.
-
-    A clipped channel was off by as much as those that are not clipped, if that makes it brighter. Where all are
-    clipped, skin has the model's colour and anything else is white; a model that is brighter still is not wrong.
-    """
-    reliable = 1 - clipped
-    known = reliable.sum(1, keepdim=True)
-    others = torch.maximum(log_ratio, (log_ratio * reliable).sum(1, keepdim=True) / known.clamp_min(1e-3))
-    white = log_ratio - log_ratio.mean(1, keepdim=True).clamp_max(0)
-    blown = white + skin * (log_ratio.amax(1, keepdim=True).clamp_min(0) - white)
-    brighter = blown + (others - blown) * known.clamp_max(1)
-    return log_ratio + (brighter - log_ratio) * clipped
 
 
 @torch.inference_mode()

@@ -5,7 +5,7 @@ network has mistaken one for the other. Once the source light is explained, that
 and divided out.
 
 Nor has skin the colours of other lamps (see `skin_colour`), and the rim that a light from behind draws along a jaw is
-no part of it (see `glare`).
+no part of it (see `glare`). All else has the colours that it is seen in (see `seen_colour`).
 """
 
 from __future__ import annotations
@@ -20,6 +20,7 @@ from relight_core.imaging.tensor_colour import grey
 from relight_core.lighting.relief import ReliefTransport
 from relight_core.pipeline.per_photo.blown import skin_share
 from relight_core.pipeline.per_photo.glare import without_glare
+from relight_core.pipeline.per_photo.seen_colour import with_seen_colours
 from relight_core.pipeline.per_photo.skin_colour import in_one_colour
 from relight_core.pipeline.per_photo.white_hair import above_the_eyes
 from relight_core.pipeline.stages import Surface
@@ -31,18 +32,27 @@ _FEWEST_PIXELS = 100
 
 
 @torch.inference_mode()
-def flatten_albedo(surface: Surface, relief: ReliefTransport, light: torch.Tensor) -> Surface:
-    """The surface without the shading, the glare and the light's colours that are left in its skin's albedo.
+def flatten_albedo(surface: Surface, relief: ReliefTransport, light: torch.Tensor, reflected: torch.Tensor) -> Surface:
+    """The surface without what is left of the light in its skin's albedo, and with the colours of all else.
 
     Args:
         relief: transport of the surface's own relief.
-        light: (1, 16, 32, 3) the source light, at the photo's exposure.
+        light: (1, 16, 32, 3) the source light.
+        reflected: (1, 6, S, S) irradiance over pi and gloss of that light, no shadows.
     """
-    shading = grey_irradiance(relief, light).to(surface.albedo.device) + _FLOOR
-    shading = F.interpolate(shading, size=surface.albedo.shape[-2:], mode="bilinear", align_corners=False)
+    shading = _spread(grey_irradiance(relief, light), surface) + _FLOOR
     skin = _skin_below_hair(surface.parsing)
     even = _without_shading(surface, shading.log(), skin)
-    return in_one_colour(without_glare(even, shading, skin), skin)
+    bare = in_one_colour(without_glare(even, shading, skin), skin)
+    lit = 1 - _spread(relief.shadow_fraction(light.cpu()), surface)
+    irradiance, gloss = (lit * reflected).split(3, dim=1)
+    return with_seen_colours(bare, irradiance + _FLOOR, gloss)
+
+
+def _spread(small: torch.Tensor, surface: Surface) -> torch.Tensor:
+    """What a relief's transport tells, (1, C, R, R), at the surface's size and where that lies."""
+    size = surface.albedo.shape[-2:]
+    return F.interpolate(small.to(surface.albedo.device), size=size, mode="bilinear", align_corners=False)
 
 
 def _without_shading(surface: Surface, log_shading: torch.Tensor, skin: torch.Tensor) -> Surface:

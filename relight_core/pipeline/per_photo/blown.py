@@ -13,7 +13,7 @@ from relight_core.face.parsing import INDEX
 from relight_core.imaging.tensor_colour import grey
 
 _SKIN = ("skin", "nose", "neck")
-_BROWS = ("left_brow", "right_brow")
+BROWS = ("left_brow", "right_brow")
 _FROM, _TO = 0.9, 0.99
 _LITTLE = 1e-4
 _BRIGHTER = 1.4
@@ -33,7 +33,7 @@ def skin_share(parsing: torch.Tensor) -> torch.Tensor:
 
 def flesh_share(parsing: torch.Tensor) -> torch.Tensor:
     """(1, 1, S, S) probability of what isn't white where it is blown out: skin, with lips, and seen between brows."""
-    return (skin_share(parsing) + sum(parsing[:, INDEX[name], None] for name in (*_BROWS, "lips"))).clamp(0, 1)
+    return (skin_share(parsing) + sum(parsing[:, INDEX[name], None] for name in (*BROWS, "lips"))).clamp(0, 1)
 
 
 def mend_blown(clipped: torch.Tensor, albedo: torch.Tensor, parsing: torch.Tensor) -> torch.Tensor:
@@ -70,6 +70,26 @@ def _colour_around(albedo: torch.Tensor, parsing: torch.Tensor, known: torch.Ten
         of_lips = fill_in(albedo, lips.square() * known + _SKIN_FOR_LIPS * skin + _LITTLE**3)
         around = around + lips * (of_lips - around)
     return around.clamp_min(1e-3)
+
+
+def at_least(log_ratio: torch.Tensor, clipped: torch.Tensor, skin: torch.Tensor) -> torch.Tensor:
+    """The log ratio of a photo over its model where clipped channels may have been brighter than they look.
+
+    A clipped channel was off by as much as those that are not clipped, if that makes it brighter. Where all are
+    clipped, skin has the model's colour and anything else is white; a model that is brighter still is not wrong.
+
+    Args:
+        log_ratio: (1, 3, S, S).
+        clipped: (1, 3, S, S) how far each channel of the photo is clipped there, see `clipped_share`.
+        skin: (1, 1, S, S) how much it is skin, [0, 1].
+    """
+    reliable = 1 - clipped
+    known = reliable.sum(1, keepdim=True)
+    others = torch.maximum(log_ratio, (log_ratio * reliable).sum(1, keepdim=True) / known.clamp_min(1e-3))
+    white = log_ratio - log_ratio.mean(1, keepdim=True).clamp_max(0)
+    blown = white + skin * (log_ratio.amax(1, keepdim=True).clamp_min(0) - white)
+    brighter = blown + (others - blown) * known.clamp_max(1)
+    return log_ratio + (brighter - log_ratio) * clipped
 
 
 def fill_in(image: torch.Tensor, weight: torch.Tensor) -> torch.Tensor:
