@@ -7,10 +7,14 @@ import math
 import cv2
 import numpy as np
 
+from relight_core.imaging.resampling import resize_area
 from relight_core.lighting.environment import Environment
 from relight_core.lighting.sphere import place_on_map
 
 _SMALLEST_SIDE = 64
+_WIDE_SIDE = 1024
+"""Pixels for a view so wide that its middle would skip texels; there and in small pictures the map is averaged."""
+
 _WIDEST_BLUR_DEG = 20.0
 _NARROWEST_DEG = 0.01
 _WIDEST_BLUR_SIDES = 4
@@ -45,15 +49,14 @@ def panorama_view(
         ValueError: a field of view, a blur or a yaw out of range.
     """
     _check_view(field_of_view_deg, blur_deg, yaw_deg)
-    texel_deg = 180.0 / environment.height
     longer = max(height, width)
-    side = min(longer, max(_SMALLEST_SIDE, math.ceil(2 * field_of_view_deg / texel_deg)))
+    side, focal = _drawn_side(environment.height, longer, field_of_view_deg)
     drawn_height, drawn_width = (max(1, round(n * side / longer)) for n in (height, width))
-    focal = side / 2 / math.tan(math.radians(max(field_of_view_deg, _NARROWEST_DEG) / 2))
-    sigma = _deviation_px(max(blur_deg, texel_deg / 2), focal, side)
+    panorama = _no_finer(environment.shape, focal)
+    sigma = _deviation_px(max(blur_deg, 90.0 / len(panorama)), focal, side)
     margin = min(math.ceil(3 * sigma), side)
     directions = _view_directions(drawn_height, drawn_width, longer * focal / side, height, width, margin)
-    picture = _sample(environment.shape, directions, yaw_deg)
+    picture = _sample(panorama, directions, yaw_deg)
     picture = cv2.GaussianBlur(picture, (0, 0), sigma, borderType=cv2.BORDER_REPLICATE)
     return np.ascontiguousarray(picture[margin : margin + drawn_height, margin : margin + drawn_width])
 
@@ -62,6 +65,24 @@ def _check_view(field_of_view_deg: float, blur_deg: float, yaw_deg: float) -> No
     in_range = 0 < field_of_view_deg <= 170 and 0 <= blur_deg <= _WIDEST_BLUR_DEG
     if not in_range or not math.isfinite(yaw_deg):
         raise ValueError(f"no view of {field_of_view_deg} deg with blur {blur_deg} deg at yaw {yaw_deg} deg")
+
+
+def _drawn_side(map_height: int, longer: int, field_of_view_deg: float) -> tuple[int, float]:
+    """Pixels of the longer side that is drawn, at most `longer`, and of how many the focal length is."""
+    texels = field_of_view_deg * map_height / 180.0
+    sides_per_focal = 2 * math.tan(math.radians(max(field_of_view_deg, _NARROWEST_DEG) / 2))
+    all_texels = min(math.ceil(sides_per_focal * map_height / math.pi), _WIDE_SIDE)
+    side = min(longer, max(_SMALLEST_SIDE, math.ceil(2 * texels), all_texels))
+    return side, side / sides_per_focal
+
+
+def _no_finer(panorama: np.ndarray, focal: float) -> np.ndarray:
+    """The map, or a smaller copy with texels as wide as pixels in the middle of the view, which else would skip some.
+
+    A sun that lies between the places that are looked up would go out and come back while the light is turned.
+    """
+    height = max(math.ceil(focal * math.pi), 1)
+    return panorama if height >= len(panorama) else resize_area(panorama, (height, 2 * height))
 
 
 def _deviation_px(blur_deg: float, focal: float, side: int) -> float:

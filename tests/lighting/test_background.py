@@ -109,6 +109,17 @@ def test_extreme_views_stay_finite(view):
     assert picture.max() <= stripes(64).shape.max()
 
 
+@pytest.mark.parametrize(("longer", "field_of_view_deg"), [(2000, 170), (400, 170), (100, 120)])
+def test_a_sun_between_the_places_that_are_looked_up_is_seen_however_the_light_turns(longer, field_of_view_deg):
+    panorama = np.full((256, 512, 3), 0.3, np.float32)
+    panorama[127:129, 255:257] = 500.0
+    environment = Environment.from_radiance(panorama)
+    views = [panorama_view(environment, yaw, longer // 2, longer, field_of_view_deg) for yaw in np.arange(0, 3, 0.4)]
+    brightest = [view.max() * environment.level for view in views]
+    assert min(brightest) > 1.0
+    assert max(brightest) < 2.5 * min(brightest)
+
+
 @pytest.mark.parametrize("size", [(1, 1), (1, 50), (300, 2), (64, 64)])
 def test_any_size_of_picture(size):
     picture = panorama_background(stripes(16), 33, *size)
