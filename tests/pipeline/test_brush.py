@@ -21,7 +21,7 @@ from relight_core.pipeline.results.finish import place_views, weights_on_views
 HEIGHT, WIDTH = 240, 200
 CROP = Crop(100.0, 85.0, 130.0)
 HAT = (slice(20, 60), slice(150, 190))
-OVER_THE_HAT = BrushStroke(((160.0, 40.0), (180.0, 40.0)), 17.0, True)
+OVER_THE_HAT = BrushStroke(((160.0, 40.0), (180.0, 40.0)), 18.0, True)
 
 
 def covered(strokes, size=(HEIGHT, WIDTH)):
@@ -41,6 +41,21 @@ def test_a_stroke_covers_the_same_of_a_photo_at_any_size_of_map():
     whole, half = covered([stroke]), covered([stroke], (HEIGHT // 2, WIDTH // 2))
     shrunk = cv2.resize(whole, (WIDTH // 2, HEIGHT // 2), interpolation=cv2.INTER_AREA)
     assert np.abs(shrunk - half).mean() < 0.015
+
+
+@pytest.mark.parametrize("width", [2.1, 3.0, 4.5, 7.1, 10.5, 31.0])
+@pytest.mark.parametrize("end", [(340.0, 60.0), (300.0, 250.0)])
+def test_a_stroke_is_as_wide_as_the_brush(width, end):
+    start = (40.0, 60.0)
+    cover = painted(np.zeros((320, 400), np.float32), [BrushStroke((start, end), width / 2, True)], (320, 400))
+    length = np.hypot(end[0] - start[0], end[1] - start[1])
+    assert (cover.sum() - np.pi * width**2 / 4) / length == pytest.approx(width, abs=1.3)
+
+
+def test_a_dot_of_the_thinnest_brush_is_there():
+    cover = painted(np.zeros((100, 100), np.float32), [BrushStroke(((200.0, 220.0),), 2.0, True)], (400, 400))
+    assert cover[54:56, 49:51].sum() > 0.8
+    assert cover.sum() < 4
 
 
 def test_of_strokes_that_cross_the_last_counts():

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import groupby
@@ -19,6 +18,9 @@ FARTHEST_PX, THINNEST_PX, WIDEST_PX = 1e5, 0.1, 1e4
 """Where points may be, and half the width of brushes that a window or a session makes."""
 
 _SUBPIXEL_BITS = 4
+_HAIRLINE_DOT = np.array([1 << (_SUBPIXEL_BITS - 1), 0])
+_SMOOTHING_PX = 1.5
+"""By so much OpenCV's smooth lines are wider than an even width that is asked for, and by one more than an odd one."""
 
 
 @dataclass(frozen=True)
@@ -74,6 +76,10 @@ def _draw(cover: np.ndarray, stroke: BrushStroke, scale: np.ndarray) -> None:
     """Set what a stroke covers of a map to 255; `scale` is of the map over the photo, across and down."""
     # OpenCV has pixel centres on whole numbers.
     places = (np.array(stroke.points, np.float64) * scale - 0.5) * (1 << _SUBPIXEL_BITS)
-    width = max(math.ceil(2 * stroke.radius_px * float(scale.mean())), 1)
-    line = [np.round(np.concatenate([places, places[-1:]])).astype(np.int32)]
+    width = max(2 * round((2 * stroke.radius_px * float(scale.mean()) - _SMOOTHING_PX) / 2), 1)
+    ends = [places[-1:]]
+    if width == 1:
+        # It draws nothing of a hairline from a place to itself.
+        ends = [places[-1:] - _HAIRLINE_DOT, places[-1:] + _HAIRLINE_DOT]
+    line = [np.round(np.concatenate([places, *ends])).astype(np.int32)]
     cv2.polylines(cover, line, False, 255, width, cv2.LINE_AA, _SUBPIXEL_BITS)
