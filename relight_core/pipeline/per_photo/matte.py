@@ -24,6 +24,7 @@ from relight_core.pipeline.per_photo.likely_person import (
     without_holes,
     without_lookalikes,
 )
+from relight_core.pipeline.per_photo.photo_frame import inside_frame
 
 WORKING_PX = 1024
 """The longest side of the copy in which mattes are made."""
@@ -140,7 +141,18 @@ def draft_matte(
     guide = np.ascontiguousarray(apply_view(exposed(small, exposure, all_of(small.shape[:2], size))))
     people, matting_size = list(people), shrunk_size(size, _MATTING_PX)
     coarse = _matted(guide, place_masks(people, matting_size, size), matting_size)
-    return DraftMatte(_seen_nearer(coarse, guide, people, size), small, guide, size, exposure)
+    share = _within_frame(_seen_nearer(coarse, guide, people, size), guide)
+    return DraftMatte(share, small, guide, size, exposure)
+
+
+def _within_frame(share: np.ndarray, guide: np.ndarray) -> np.ndarray:
+    """A matte (h, w) in which nobody goes on into the frame of a photo (h, w, 3), sRGB."""
+    inside = inside_frame(guide)
+    if inside is None:
+        return share
+    result = np.zeros_like(share)
+    result[inside] = share[inside]
+    return result
 
 
 def finish_matte(draft: DraftMatte | None, strokes: Sequence[BrushStroke] = ()) -> Matte:

@@ -1,0 +1,48 @@
+"""The plain frame that some photos come in, of a print or a card: no part of anybody who is cut off by it."""
+
+from __future__ import annotations
+
+import numpy as np
+
+_FLAT, _STEP = 6 / 255, 16 / 255
+_ALIKE, _LEAST_LINE = 0.98, 0.4
+_WIDEST_SHARE = 0.25
+_BLURRED_PX = 2
+
+
+def inside_frame(shown: np.ndarray) -> tuple[slice, slice] | None:
+    """What of a picture lies within a frame of one colour all around it.
+
+    A frame ends along a straight line. A wall or a night about somebody is as plain, and does not.
+
+    Args:
+        shown: (h, w, 3) sRGB, [0, 1].
+
+    Returns:
+        Rows and columns; None where there is no frame.
+    """
+    sides = shown, shown[::-1], shown.swapaxes(0, 1), shown[:, ::-1].swapaxes(0, 1)
+    colours = np.array([np.median(side[0], axis=0) for side in sides])
+    if np.ptp(colours, axis=0).max() > _FLAT:
+        return None
+    away = [
+        np.abs(side[: max(int(_WIDEST_SHARE * len(side)), 1)] - colour).max(axis=2)
+        for side, colour in zip(sides, colours, strict=True)
+    ]
+    top, bottom, left, right = depths = [_depth(rows) for rows in away]
+    if not all(0 < depth < len(rows) for depth, rows in zip(depths, away, strict=True)):
+        return None
+    height, width = shown.shape[:2]
+    rows, columns = slice(top, height - bottom), slice(left, width - right)
+    along = columns, columns, rows, rows
+    ends = [
+        part[min(depth + _BLURRED_PX, len(part) - 1), span]
+        for part, depth, span in zip(away, depths, along, strict=True)
+    ]
+    return (rows, columns) if max((end > _STEP).mean() for end in ends) >= _LEAST_LINE else None
+
+
+def _depth(away: np.ndarray) -> int:
+    """How many rows from the first on (n, m) are nowhere away from the frame's colour."""
+    plain = (away <= _FLAT).mean(axis=1) >= _ALIKE
+    return len(plain) if plain.all() else int(np.argmin(plain))

@@ -1,0 +1,48 @@
+"""The frame a photo comes in: found where there is one, and nobody goes on into it."""
+
+import cv2
+import numpy as np
+import pytest
+
+from relight_core.face.crop import Crop
+from relight_core.pipeline.per_photo.matte import draft_matte
+from relight_core.pipeline.per_photo.photo_frame import inside_frame
+
+
+def half_figure(behind):
+    """Somebody before a wall of one grey, cut off by the photo's lower border, and the mask."""
+    y, x = np.mgrid[0:200, 0:160] + 0.5
+    person = (np.hypot((x - 80) / 30, (y - 70) / 40) < 1) | ((y > 120) & (np.abs(x - 80) < 60))
+    picture = np.where(person[..., None], (0.5, 0.3, 0.2), behind).astype(np.float32)
+    return picture + np.float32(0.02) * np.sin(x * y)[..., None].astype(np.float32) * person[..., None], person
+
+
+def framed(picture, width, colour):
+    return cv2.copyMakeBorder(picture, *(width,) * 4, cv2.BORDER_CONSTANT, value=(colour,) * 3)
+
+
+@pytest.mark.parametrize("behind", [0.0, 0.4, 1.0])
+@pytest.mark.parametrize("colour", [0.0, 1.0])
+def test_a_frame_is_found(behind, colour):
+    picture, _ = half_figure(behind)
+    rows, columns = inside_frame(framed(picture, 12, colour))
+    assert (rows.start, rows.stop) == (212 - 200 if behind != colour else rows.start, 212)
+    assert 12 <= columns.start <= 34
+
+
+@pytest.mark.parametrize("behind", [0.0, 0.4, 1.0])
+def test_a_plain_wall_is_no_frame(behind):
+    picture, person = half_figure(behind)
+    assert inside_frame(picture) is None
+    round_head = np.where(person[..., None] & (np.mgrid[0:200, 0:160][0] < 110)[..., None], picture, behind)
+    assert inside_frame(round_head.astype(np.float32)) is None
+
+
+def test_nobody_goes_on_into_the_frame():
+    picture, person = half_figure(0.4)
+    whole, mask = framed(picture, 12, 1.0), framed(np.repeat(person[..., None], 3, 2).astype(np.float32), 12, 0)
+    mask[212:, 32:150] = 1.0
+    crop = Crop(92.0, 112.0, 224.0)
+    draft = draft_matte(whole, [[(crop.extract(mask[..., 0].copy(), 64), crop)]])
+    assert draft.share[213:].max() == 0
+    assert draft.share[180:205, 60:120].min() > 0.9
