@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 from relight_core.evaluation.contest import Outcome
-from relight_core.evaluation.report import interval_text, known, nested
+from relight_core.evaluation.report import heads_in_words, interval_text, intervals_in_words, known, nested
 
 Columns = Mapping[str, str]
 
@@ -77,8 +77,8 @@ def heading(title: str, outcome: Outcome, training: str) -> list[str]:
     return [
         f"# {title}",
         "",
-        f"{contest.split} split: {outcome.heads} heads, {outcome.samples} relightings under panoramas at "
+        f"{contest.split} split: {heads_in_words(outcome.heads)}, {outcome.samples} relightings under panoramas at "
         f"{contest.size} x {contest.size} pixels, clean photos, over all of the head. {training} "
-        "In brackets: 95 % intervals over heads.",
+        f"{intervals_in_words(outcome.heads)}",
         "",
     ]

@@ -85,11 +85,10 @@ def as_markdown(evaluation: Evaluation, weights: str) -> str:
     lines = [
         "# Evaluation",
         "",
-        f"{weights}; {settings.split} split: {evaluation.heads} heads, {evaluation.lights} panoramas, "
+        f"{weights}; {settings.split} split: {heads_in_words(evaluation.heads)}, {evaluation.lights} panoramas, "
         f"{evaluation.samples['panoramas']} relightings at {evaluation.size} x {evaluation.size} pixels "
         f"({quality_of(settings.tier)}, networks at {settings.tier.network_size}), {settings.photos} photos, "
-        "over all of the head. "
-        "In brackets: 95 % intervals over heads.",
+        f"over all of the head. {intervals_in_words(evaluation.heads)}",
         "",
         "| | ours | paper, Table 2, Full |",
         "|---|---|---|",
@@ -112,6 +111,16 @@ Relit pictures are compared as a metered camera would show the true one; "not me
 where the light is dim. Specular and shadow are linear, for a light of mean luminance 1. "face" counts the
 paper's eight regions only; "lamps" are single small lamps at 50 to 70 degrees from the camera's axis; "true
 surface" starts from true albedo, normals and relief, and so shows the relighting networks alone."""
+
+
+def heads_in_words(count: int) -> str:
+    """How many heads were measured, as "8 heads"."""
+    return f"{count} head" if count == 1 else f"{count} heads"
+
+
+def intervals_in_words(heads: int) -> str:
+    """A sentence about what a page's figures have in brackets."""
+    return "One head alone gives no intervals." if heads == 1 else "In brackets: 95 % intervals over heads."
 
 
 def nested(flat: dict) -> dict:

@@ -10,7 +10,7 @@ from synthetic_heads import write_balls, write_lights
 
 from relight_core.errors import InputError
 from relight_core.evaluation.contest import Contest, OurNetworks, hold
-from relight_core.evaluation.contest_report import BORROWED, CHANNELS, RELIT, as_record, table
+from relight_core.evaluation.contest_report import BORROWED, CHANNELS, RELIT, as_record, heading, table
 from relight_core.lighting.reflection import ReflectionTable
 from relight_core.networks.bundle import BundleConfig, NetworkBundle
 from relight_core.networks.composition import CompositionConfig
@@ -113,3 +113,12 @@ def test_networks_of_any_variant_take_part(plain, contest):
 def test_a_size_that_the_heads_have_not_is_refused(contest):
     with pytest.raises(InputError, match="24"):
         hold({"truth": Given()}, replace(contest, size=24))
+
+
+@pytest.mark.parametrize("heads", [1, 2])
+def test_a_page_speaks_of_intervals_where_there_are_any(heads, contest):
+    outcome = hold({"truth": Given(None)}, replace(contest, count=heads, every=2))
+    page = "\n".join(heading("A title", outcome, "Trained for no time."))
+    assert f"test split: {heads} head{'s' * (heads - 1)}, " in page
+    assert ("In brackets" in page) == (heads > 1)
+    assert any(" to " in line for line in table(outcome, RELIT)[2:]) == (heads > 1)

@@ -176,7 +176,10 @@ def test_one_head_has_no_interval_but_figures(bundle, settings):
     alone = evaluate(bundle, replace(settings, count=1, photos="camera"))
     record = json.loads(json.dumps(as_record(alone, "w"), allow_nan=False))
     assert record["intervals"]["relit"]["rmse"] == [None, None]
-    assert not re.search(r"\bnan\b", as_markdown(alone, "w"))
+    page = as_markdown(alone, "w")
+    assert not re.search(r"\bnan\b", page)
+    assert "test split: 1 head, " in page
+    assert "In brackets" not in page
 
 
 def test_page_shows_the_paper_s_row(evaluation):
@@ -184,6 +187,7 @@ def test_page_shows_the_paper_s_row(evaluation):
     for figure in ("0.0281", "31.8", "0.914", "0.0271", "0.132", "0.00575", "0.00416", "0.0274"):
         assert f"| {figure} |" in page
     assert "2 heads, 3 panoramas, 6 relightings at 16 x 16" in page
+    assert "In brackets: 95 % intervals over heads." in page
 
 
 def test_missing_heads_say_how_to_bake_them(bundle, settings, tmp_path):
