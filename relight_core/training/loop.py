@@ -16,6 +16,7 @@ from torch import nn
 from relight_core.imaging.files import whole_file
 from relight_core.lighting.reflection import ReflectionTable
 from relight_core.networks.bundle import NetworkBundle, save_bundle
+from relight_core.networks.precision import mixed_precision
 from relight_core.training.ahead import one_ahead
 from relight_core.training.optimiser import Optimiser
 from relight_core.training.sheet import draw_samples
@@ -129,7 +130,8 @@ def train_stage(
         The averaged weights, also saved at `checkpoint` (fp32) with a log beside it.
 
     Raises:
-        TrainingDiverged: after 20 non-finite batches in a row.
+        TrainingDiverged: after 20 non-finite batches in a row, or where what the last step leaves gives no finite
+            losses; earlier checkpoints stay.
         InputError: the state of an earlier run beside the checkpoint does not fit.
     """
     _prepare(stage, bundle, device)
@@ -151,7 +153,7 @@ def _trained(
     batches = _prepared(stage, bundle, table, batches_from(progress.step), device)
     step = kind(stage, bundle, table, optimiser, device)
     kept = _Checkpoints(checkpoint, settings, budget.checkpoint_seconds)
-    started, batch = time.monotonic() - progress.seconds, None
+    started, batch, ready = time.monotonic() - progress.seconds, None, None
     # Not to end on weights that the last batches could not be learnt with.
     while (elapsed := min(budget.spent(progress.step, progress.seconds), 1.0)) < 1 or progress.in_a_row:
         optimiser.set_learning_rate(budget.rate(progress.step, elapsed))
@@ -167,7 +169,18 @@ def _trained(
         kept.after_step(progress, bundle, average, optimiser, batch)
     report(1.0, progress)
     average.catch_up(bundle, progress.step)
+    if ready is not None and not _is_sound(stage, average.bundle(bundle), table, ready, device):
+        raise TrainingDiverged(f"what it learnt up to step {progress.step}, the last one, gives non-finite losses")
     return _ended(checkpoint, average.bundle(bundle), progress, batch)
+
+
+@torch.no_grad()
+def _is_sound(stage: Stage, result: NetworkBundle, table: ReflectionTable, ready: dict, device: str) -> bool:
+    """Whether the losses of what a run ends with are finite, as it will be used: no batch after the last step tells."""
+    result.eval().to(device, memory_format=torch.channels_last)
+    with mixed_precision(device):
+        losses = stage.losses(result, table, ready)
+    return bool(torch.isfinite(torch.stack([value.float() for value in losses.values()])).all())
 
 
 class _Checkpoints:

@@ -71,6 +71,21 @@ def test_weights_that_explode_in_the_first_step_leave_nothing(tmp_path):
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.parametrize("rate", [1e5, 1e30])
+def test_a_last_step_that_throws_the_weights_away_is_told(tmp_path, rate):
+    with pytest.raises(TrainingDiverged, match="step 1, the last one"):
+        train(itertools.repeat(some_batch()), tmp_path / "w.safetensors", 1, rate)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_what_was_written_before_a_last_step_that_throws_the_weights_away_stays(tmp_path):
+    path = tmp_path / "w.safetensors"
+    with pytest.raises(TrainingDiverged, match="step 4, the last one"):
+        train(itertools.repeat(some_batch()), path, 4, kind=Leap)
+    assert kept_progress(path).step == 3
+    assert all(value.abs().max() < 1e6 for value in load_bundle(path).state_dict().values())
+
+
 def test_a_checkpoint_that_a_bad_batch_cost_is_made_up_for(tmp_path):
     good, path = some_batch(), tmp_path / "w.safetensors"
     batches = itertools.chain([good, good, spoiled(good), good, good], itertools.repeat(spoiled(good)))
