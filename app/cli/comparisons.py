@@ -55,7 +55,8 @@ def run_comparison(arguments: argparse.Namespace) -> int:
     size = arguments.size or _SIZE
     if size % 32:
         raise InputError(f"--size {size} is not a multiple of 32")
-    for split in ("train", arguments.split):
+    learns = arguments.what == "ablation" or arguments.sun is None
+    for split in (["train"] if learns else []) + [arguments.split]:
         check_heads_and_lights(arguments.heads, arguments.lights, split)
     make_folder(arguments.output)
     budget = Budget(arguments.steps, size, arguments.pairs or _PAIRS)
@@ -96,7 +97,9 @@ def _peers(arguments: argparse.Namespace, budget: Budget, contest: Contest, repo
             sun = trained_sun(contest.heads, contest.lights, arguments.output, budget, show, like)
         training = in_words(budget)
     if arguments.weights is not None:
-        networks[arguments.weights.stem] = arguments.weights
+        # A file may be called as a variant of the folder is, and both take part.
+        name = arguments.weights.name if arguments.weights.stem in networks else arguments.weights.stem
+        networks[name] = arguments.weights
     everybody = contenders(networks, sun, arguments.dpr)
     with progress("relighting", 1.0) as show:
         outcome = hold(everybody, contest, show)

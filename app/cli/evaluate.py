@@ -48,6 +48,7 @@ _UNREAD = {
     "breakdown": (*BUDGET, *_OF_PEERS),
     "ablation": ("weights", *_OF_EDITOR, *_OF_PEERS),
     "peers": _OF_EDITOR,
+    "peers --sun": (*_OF_EDITOR, "steps", "pairs"),
 }
 
 
@@ -90,7 +91,9 @@ def run(arguments: argparse.Namespace) -> int:
     """Evaluate; returns the exit code."""
     if arguments.detail and arguments.what != "networks":
         raise InputError(f"--detail does not go with {arguments.what}: it compares something else")
-    what = "networks --detail" if arguments.detail else arguments.what
+    what = f"{arguments.what} --detail" if arguments.detail else arguments.what
+    if what == "peers" and arguments.sun is not None:
+        what = "peers --sun"
     refuse_unread(arguments, _UNREAD[what], f"evaluate {what}")
     if arguments.what in ("ablation", "peers"):
         return run_comparison(arguments)

@@ -1,8 +1,13 @@
-"""`relight evaluate` refuses an option that what it is asked to measure does not read."""
+"""`relight evaluate` refuses an option that what it is asked to measure does not read, and asks for no more."""
 
 import pytest
+import torch
+from synthetic_heads import write_balls, write_lights
 
 from app.cli.main import main
+from relight_core.evaluation import contest
+from relight_core.evaluation.peers.sun import SunConfig, SunModel
+from relight_core.networks.bundle import BundleConfig, NetworkBundle, save_bundle
 
 
 @pytest.mark.parametrize(
@@ -16,6 +21,8 @@ from app.cli.main import main
         ["ablation", "--photos", "camera"],
         ["ablation", "--weights", "w.safetensors"],
         ["peers", "--quality", "live"],
+        ["peers", "--sun", "sun.safetensors", "--steps", "3"],
+        ["peers", "--sun", "sun.safetensors", "--pairs", "2"],
     ],
 )
 def test_an_option_that_would_change_nothing_is_refused(tmp_path, capfd, words):
@@ -24,3 +31,31 @@ def test_an_option_that_would_change_nothing_is_refused(tmp_path, capfd, words):
     out, err = capfd.readouterr()
     assert out == ""
     assert f"{words[-2]}: changes nothing" in err
+
+
+@pytest.fixture
+def taking_part(monkeypatch):
+    """Who would be compared, instead of comparing them."""
+    seen = []
+
+    def hold(everybody, *_):
+        seen.extend(everybody)
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(contest, "hold", hold)
+    return seen
+
+
+def test_peers_that_learn_nothing_ask_for_no_heads_to_learn_from(tmp_path, taking_part):
+    torch.manual_seed(0)
+    write_balls(tmp_path / "heads", 2_000_000, 1, size=32)
+    write_lights(tmp_path / "lights.npz", 4)
+    tables, given = tmp_path / "tables", tmp_path / "ours.safetensors"
+    for place in (given, tables / "ours" / "relight.safetensors"):
+        place.parent.mkdir(parents=True, exist_ok=True)
+        save_bundle(place, NetworkBundle(BundleConfig.tiny()))
+    save_bundle(tmp_path / "sun.safetensors", SunModel(SunConfig(width=4, levels=3)), half=False)
+    data = ["--heads", str(tmp_path / "heads"), "--lights", str(tmp_path / "lights.npz"), "-o", str(tables)]
+    given = ["--weights", str(given), "--sun", str(tmp_path / "sun.safetensors")]
+    assert main(["evaluate", "peers", *data, *given, "--size", "32"]) == 130
+    assert taking_part[-2:] == ["ours", "ours.safetensors"]
