@@ -38,6 +38,7 @@ from relight_core.pipeline.per_light.hints import (
 )
 from relight_core.pipeline.per_light.shadow_colour import shadow_tint
 from relight_core.pipeline.per_photo.blown import clipped_share, mend_blown
+from relight_core.pipeline.per_photo.dull_black import gloss_of_black
 from relight_core.pipeline.per_photo.white_collar import with_white_collar
 
 _RELIEF_UNIT_PX = 64.0
@@ -48,9 +49,6 @@ lamps of sixteen validation heads nearest to the truth, and shadows as near as a
 _LENS = 1 / 8
 """Share of a pixel's light that de-lighting sees in each of its neighbours along an axis. All that it learnt from had
 gone through a lens (`dataset.camera`); photos that were shrunk are sharper, and their albedo came out worse."""
-_BLACK, _DARKEST_SKIN, _BLACK_GLOSS = 0.015, 0.045, 0.08
-"""Albedo that is darker than any skin is cloth or hair, whatever the parsing takes it for (a black collar for a
-neck), and gloss would lie over it as haze."""
 
 
 @dataclass(frozen=True)
@@ -245,13 +243,13 @@ def reflector(table: ReflectionTable, surface: Surface, *, black_is_dull: bool =
     """Make a surface's normals and parts ready.
 
     Args:
-        black_is_dull: what is darker than any skin has next to no gloss. On photographs, hair's smooth normals would
-            draw it as haze; False is as heads are rendered.
+        black_is_dull: what is darker than any skin has next to no gloss, see `per_photo.dull_black`; False is as heads
+            are rendered.
     """
     shares = torch.ones_like(surface.normal).repeat(1, 2, 1, 1)
     shares[:, 3:] *= gloss_share(surface.parsing)
     if black_is_dull:
-        shares[:, 3:] *= ((grey(surface.albedo) - _BLACK) / (_DARKEST_SKIN - _BLACK)).clamp(_BLACK_GLOSS, 1)
+        shares[:, 3:] *= gloss_of_black(surface.albedo, surface.parsing)
     receives = torch.from_numpy(eye_sockets(surface.parsing[0].cpu().numpy())).to(shares.device)
     sockets = gather_bounce(surface.normal, surface.relief, surface.albedo, surface.person, receives)
     return Reflector(NormalLookup(table, surface.normal), shares, sockets)

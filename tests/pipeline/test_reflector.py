@@ -6,7 +6,7 @@ import torch
 from relight_core.lighting.reflection import ReflectionTable
 from relight_core.pipeline.stages import Surface, reflect, reflector
 
-SIZE, SKIN, RIGHT_EYE, NECK, CLOTH = 16, 1, 5, 9, 13
+SIZE, SKIN, RIGHT_EYE, NECK, HAIR, CLOTH = 16, 1, 5, 9, 10, 13
 
 
 def surface_of(label, albedo):
@@ -15,7 +15,7 @@ def surface_of(label, albedo):
     parsing = torch.zeros(1, 14, SIZE, SIZE)
     parsing[:, label] = 1
     normal = torch.cat([0 * one, 0 * one, one], 1)
-    colour = (albedo * one).expand(1, 3, SIZE, SIZE)
+    colour = (albedo * one).repeat(1, 3, 1, 1)
     return Surface(colour, colour, normal, 0 * one, parsing, one, torch.ones(1, 16, 32, 3))
 
 
@@ -32,6 +32,28 @@ def test_black_cloth_taken_for_a_neck_hardly_mirrors_and_dark_skin_does():
     assert black_light == pytest.approx(light, rel=1e-4)
     assert 0 < black_gloss < 0.1 * skin_gloss
     assert black_gloss < reflected(NECK, 0.03)[1] < skin_gloss
+
+
+def beside_a_face(label, albedo, fairness):
+    """Gloss, beside the skin's, of what lies beside a face of an albedo."""
+    surface = surface_of(label, albedo)
+    surface.parsing[0, :, : SIZE // 2], surface.parsing[0, SKIN, : SIZE // 2] = 0, 1
+    surface.albedo[..., : SIZE // 2, :] = fairness
+    gloss = reflect(reflector(ReflectionTable(), surface), torch.ones(1, 16, 32, 3))[0, 3:]
+    return (gloss[:, -1].mean() / gloss[:, 0].mean()).item()
+
+
+def test_a_neck_far_darker_than_its_fair_face_is_a_collar_and_hardly_mirrors():
+    assert beside_a_face(NECK, 0.05, fairness=0.4) < 0.1
+    assert beside_a_face(NECK, 0.15, fairness=0.4) == pytest.approx(1, rel=1e-4)
+    assert 0.2 < beside_a_face(NECK, 0.1, fairness=0.4) < 0.8
+    assert beside_a_face(NECK, 0.05, fairness=0.1) == pytest.approx(1, rel=1e-4)
+    assert beside_a_face(NECK, 0.05, fairness=0.06) == pytest.approx(1, rel=1e-4)
+
+
+def test_dark_hair_beside_a_fair_face_is_duller_than_brown_hair():
+    assert beside_a_face(HAIR, 0.04, fairness=0.4) < 0.2 * beside_a_face(HAIR, 0.1, fairness=0.4)
+    assert beside_a_face(RIGHT_EYE, 0.05, fairness=0.4) == pytest.approx(beside_a_face(RIGHT_EYE, 0.4, fairness=0.4))
 
 
 def test_as_rendered_black_has_the_gloss_of_what_it_is():

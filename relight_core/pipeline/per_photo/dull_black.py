@@ -1,0 +1,41 @@
+"""What is darker than any skin is cloth or hair, whatever the parsing takes it for, and gloss would be a haze over it.
+
+Beside a fair face it needn't be black for that: no neck has a third of the face's albedo, while that of a black collar
+is lifted by all that is bright around it. Nor does dark hair mirror as its smooth normals would have it.
+"""
+
+from __future__ import annotations
+
+import torch
+
+from relight_core.face.parsing import INDEX
+from relight_core.imaging.tensor_colour import grey
+
+_BLACK, _DARKEST_SKIN, _BLACK_GLOSS = 0.015, 0.045, 0.08
+_BESIDE_THE_FACE = ((("neck",), (0.15, 0.35)), (("hair", "hat", "cloth"), (0.1, 0.25)))
+"""Of the face's albedo: up to the first a part of such a kind counts as black, from the second on it has its gloss.
+Of 36 photos' necks 30 have less than a twentieth below 0.35; in the others that is hair, cloth or a hat's shade."""
+_SURE, _FEWEST_PIXELS = 0.6, 50
+
+
+def gloss_of_black(albedo: torch.Tensor, parsing: torch.Tensor) -> torch.Tensor:
+    """How much of its gloss a surface has for being no darker than skin, (1, 1, S, S) in (0, 1].
+
+    Args:
+        albedo: (1, 3, S, S) linear.
+        parsing: (1, classes, S, S) probabilities.
+    """
+    dark, face = grey(albedo), parsing[:, INDEX["skin"], None] > _SURE
+    share = _from_to(dark, _BLACK, _DARKEST_SKIN)
+    if int(face.sum()) < _FEWEST_PIXELS:
+        return share
+    fairness, duller = float(dark[face].median()), 0.0
+    for names, (black, glossy) in _BESIDE_THE_FACE:
+        beside = _from_to(dark, max(black * fairness, _BLACK), max(glossy * fairness, _DARKEST_SKIN))
+        part = sum(parsing[:, INDEX[name], None] for name in names)
+        duller = duller + part * (share - beside)
+    return (share - duller).clamp(_BLACK_GLOSS, 1)
+
+
+def _from_to(dark: torch.Tensor, black: float, glossy: float) -> torch.Tensor:
+    return ((dark - black) / (glossy - black)).clamp(_BLACK_GLOSS, 1)
