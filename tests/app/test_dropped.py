@@ -120,7 +120,7 @@ def test_the_original_light_of_a_session_is_that_of_its_photo_and_not_of_the_ope
     take_files(state, [path], 100.0, 100.0)
     assert state.photo.path == Path("other.jpg")
     assert (state.light.kind, state.light.name) == ("portrait", str(me))
-    assert (state.light_edit, state.edit.yaw_deg) == (LightEdit(warmth=0.5), 180.0)
+    assert (state.light_edit, state.edit.yaw_deg) == (LightEdit(warmth=0.5), 40.0)
     ((text, is_error),) = state.asking.notices
     assert is_error
     assert "yaw_deg 400" in text
