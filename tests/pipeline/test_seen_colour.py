@@ -3,6 +3,7 @@
 import pytest
 import torch
 
+from relight_core.imaging.tensor_colour import grey
 from relight_core.pipeline.per_photo.seen_colour import with_seen_colours
 from relight_core.pipeline.stages import Surface
 
@@ -41,6 +42,16 @@ def test_what_may_be_of_any_colour_has_the_one_that_photo_and_light_give_it(labe
     given, face = seen(label, RED, GREY)
     torch.testing.assert_close(ratios(given), ratios(RED[0, :, 0, 0]), rtol=0.05, atol=0)
     torch.testing.assert_close(face, FACE[0, :, 0, 0])
+
+
+@pytest.mark.parametrize("label", [LIPS, HAIR, CLOTH])
+@pytest.mark.parametrize("channel", [0, 1, 2])
+def test_a_pure_colour_is_as_bright_as_de_lighting_says(label, channel):
+    pure = evenly(torch.full((1, 3, 1, 1), 0.03))
+    pure[:, channel] = 0.6
+    given, _ = seen(label, pure, grey(pure).expand_as(pure))
+    assert given.argmax() == channel
+    torch.testing.assert_close(grey(given[None, :, None, None]), grey(pure)[..., :1, :1], rtol=0.01, atol=0)
 
 
 @pytest.mark.parametrize("label", [LIPS, HAIR, HAT, CLOTH])

@@ -25,6 +25,7 @@ _OF_ANY_COLOUR = ("hair", "hat", "cloth", "lips")
 _HATS, _BROWS = 0.5, 0.8
 """How much of a log ratio of brightness is the surface's own, of brows beside the skin around; the rest is shading."""
 _BLACK, _LARGEST_LOG, _CLIPPED = 0.005, 3.0, 0.97
+_BLACKEST = 1e-6
 _FEWEST_PIXELS = 50
 
 
@@ -47,9 +48,18 @@ def with_seen_colours(surface: Surface, irradiance: torch.Tensor, gloss: torch.T
     colour = colour - off_black(surface, colour)
     colour = colour - too_blue(surface, colour)
     beside_skin = brighter - local_means(brighter, skin_share(surface.parsing))
-    change = _share(surface, _OF_ANY_COLOUR) * colour + _BROWS * _share(surface, BROWS) * beside_skin
-    change = change + _HATS * _share(surface, ("hat",)) * brighter
-    return replace(surface, albedo=(surface.albedo * torch.exp(change)).clamp(0, 1))
+    tinted = _tinted(surface.albedo, _share(surface, _OF_ANY_COLOUR) * colour)
+    change = _BROWS * _share(surface, BROWS) * beside_skin + _HATS * _share(surface, ("hat",)) * brighter
+    return replace(surface, albedo=(tinted * torch.exp(change)).clamp(0, 1))
+
+
+def _tinted(albedo: torch.Tensor, tint: torch.Tensor) -> torch.Tensor:
+    """An albedo (1, 3, S, S) of other colours, as bright as it was.
+
+    A tint of mean 0 alone would leave the product of the channels, and make of a dull red a bright one.
+    """
+    tinted = albedo * torch.exp(tint)
+    return tinted * (grey(albedo) / grey(tinted).clamp_min(_BLACKEST))
 
 
 def _share(surface: Surface, names: tuple[str, ...]) -> torch.Tensor:
