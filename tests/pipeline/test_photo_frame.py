@@ -46,3 +46,15 @@ def test_nobody_goes_on_into_the_frame():
     draft = draft_matte(whole, [[(crop.extract(mask[..., 0].copy(), 64), crop)]])
     assert draft.share[213:].max() == 0
     assert draft.share[180:205, 60:120].min() > 0.9
+
+
+def test_what_sticks_up_into_a_wall_of_the_frames_colour_is_not_cut_off():
+    picture, person = half_figure(1.0)
+    feather = (np.abs(np.mgrid[0:200, 0:160][1] - 80) < 2) & (np.mgrid[0:200, 0:160][0] < 40)
+    picture[feather], person = (0.5, 0.3, 0.2), person | feather
+    whole, mask = framed(picture, 36, 1.0), framed(np.repeat(person[..., None], 3, 2).astype(np.float32), 36, 0)
+    rows, columns = inside_frame(whole)
+    assert (rows.start, rows.stop) == (0, 236)
+    crop = Crop(116.0, 136.0, 272.0)
+    draft = draft_matte(whole, [[(crop.extract(mask[..., 0].copy(), 64), crop)]])
+    assert draft.share[238:].max() == 0

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 _FLAT, _STEP = 6 / 255, 16 / 255
-_ALIKE, _LEAST_LINE = 0.98, 0.4
+_ALIKE, _LEAST_LINE, _LEAST_BESIDE = 0.98, 0.4, 0.2
 _WIDEST_SHARE = 0.25
 _BLURRED_PX = 2
 
@@ -13,7 +13,8 @@ _BLURRED_PX = 2
 def inside_frame(shown: np.ndarray) -> tuple[slice, slice] | None:
     """What of a picture lies within a frame of one colour all around it.
 
-    A frame ends along a straight line. A wall or a night about somebody is as plain, and does not.
+    A frame ends along a straight line. A wall or a night about somebody is as plain, and does not; where a frame's
+    colour goes on as such a wall, somebody's hair or hand may reach into it.
 
     Args:
         shown: (h, w, 3) sRGB, [0, 1].
@@ -36,10 +37,15 @@ def inside_frame(shown: np.ndarray) -> tuple[slice, slice] | None:
     rows, columns = slice(top, height - bottom), slice(left, width - right)
     along = columns, columns, rows, rows
     ends = [
-        part[min(depth + _BLURRED_PX, len(part) - 1), span]
+        (part[min(depth + _BLURRED_PX, len(part) - 1), span] > _STEP).mean()
         for part, depth, span in zip(away, depths, along, strict=True)
     ]
-    return (rows, columns) if max((end > _STEP).mean() for end in ends) >= _LEAST_LINE else None
+    if max(ends) < _LEAST_LINE:
+        return None
+    top, bottom, left, right = (
+        depth if end >= _LEAST_BESIDE else 0 for depth, end in zip(depths, ends, strict=True)
+    )
+    return slice(top, height - bottom), slice(left, width - right)
 
 
 def _depth(away: np.ndarray) -> int:
