@@ -10,7 +10,7 @@ from relight_core.pipeline.per_light.residual import add_residual, at_light_leve
 from relight_core.pipeline.stages import Composed
 
 SIZE = 12
-SKIN, INNER_MOUTH, LIPS, HAIR, CLOTH = 1, 7, 8, 10, 13
+SKIN, INNER_MOUTH, LIPS, NECK, HAIR, CLOTH = 1, 7, 8, 9, 10, 13
 
 
 def images(seed):
@@ -79,6 +79,23 @@ def test_hair_that_the_model_makes_too_bright_stays_dark_in_a_stronger_light_but
     cloth, hair = gains(CLOTH), gains(HAIR)
     assert hair[-1] < cloth[-1] - 0.1
     torch.testing.assert_close(hair[0], cloth[0])
+
+
+@pytest.mark.parametrize(("own", "hair_there", "darkest"), [(0.15, 0.2, 0.5), (0.4, 0.2, 0.9), (0.15, 0.0, 0.9)])
+def test_a_beards_edge_taken_for_the_neck_stays_dark_but_a_shaded_neck_does_not(own, hair_there, darkest):
+    photo, model = (torch.full((1, 3, SIZE, SIZE), 0.2) for _ in range(2))
+    edge = (..., slice(0, 3), slice(0, 3))
+    photo[edge] = 0.02
+    there = surface(photo)
+    there.albedo = torch.full_like(photo, 0.4)
+    there.albedo[edge] = own
+    for label, share in ((SKIN, 0.0), (NECK, 0.8), (HAIR, hair_there)):
+        there.parsing[0, label, :3, :3] = share
+    residual = find_residual(there, photo, light(), lambda own_light: Composed(model, 0.1 * model))
+    brighter = Composed(torch.full_like(photo, 2.0), torch.full_like(photo, 2.0))
+    image, _ = add_residual(residual, brighter, no_effects(), light())
+    kept = float(image[0, 0, 1, 1]) / 2
+    assert kept < darkest if darkest < 0.6 else kept > 0.6
 
 
 def test_on_skin_a_mole_stays_longer_than_a_highlight_or_a_shaded_cheek():

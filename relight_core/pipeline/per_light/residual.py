@@ -18,6 +18,8 @@ the colours of all that is not skin, of which photo and skin together say more t
 and cloth keep the colour they are seen in (see `pipeline.per_photo.black_colour`).
 
 Hair that is darker than its model has strands in each other's shadow, whatever light falls on them: it stays darker.
+So does a beard's edge that parsing can't tell from the neck, and whose albedo is half that of skin: far darker than
+that model, it is more likely hair than neck.
 """
 
 from __future__ import annotations
@@ -46,8 +48,12 @@ _LARGEST_LOG = 3.0
 _CLIPPED = 0.97
 _BEYOND, _PILED_UP, _FEW = 0.05, 0.02, 1e-4
 """How far above 1 a pixel was surely not clipped, how near to 1 it surely was, and the share of pixels that is few."""
-_FEWEST_PIXELS = 50
+_FEWEST_PIXELS, _SURELY_SKIN = 50, 0.6
 _DARK_HAIR = 0.8
+_DARK_NECK, _DIM_NECK = (0.6, 1.2), (0.2, 0.8)
+"""How much darker than its model a neck's pixel is, and its albedo than that of most skin, in logs, from which on it
+is likelier hair, in part and altogether. Both count: skin in a shadow that the model missed keeps its albedo."""
+_HAIR_LOG_ODDS = 4.0
 _FADES = 2.0
 _MOST_SATURATED = 0.5
 _GLARE_OF_SKIN, _GLARE_OF_HAIR = (0.2, 0.5), (0.5, 0.8)
@@ -106,23 +112,23 @@ def find_residual(
     lit = float(grey(image)[known].sum())
     if int(known.sum()) >= _FEWEST_PIXELS and lit > 0:
         level = float(grey(surface.photo)[known].sum()) / lit
-    photo, skin = recorded / max(level, 1e-4), skin_share(surface.parsing)
+    photo = recorded / max(level, 1e-4)
     # The model is of a surface in a photo that was clipped to 1.
     largest_log = _LARGEST_LOG + math.log(max(float(recorded.max()), 1.0))
     log_ratio = torch.log((photo + _BLACK) / (image + _BLACK)).clamp(-_LARGEST_LOG, largest_log)
     if was_clipped := _was_clipped(recorded):
         log_ratio = at_least(log_ratio, was_clipped * clipped_share(recorded), flesh_share(surface.parsing))
-    stays_dark = _DARK_HAIR * surface.parsing[:, INDEX["hair"], None]
+    hair, skin = _hair_and_skin(surface, log_ratio)
     broad = skin * local_means(log_ratio.mean(1, keepdim=True), skin)
     colour = log_ratio - log_ratio.mean(1, keepdim=True)
     tint = colour + skin * (_by_camera(log_ratio, surface.albedo, skin * known) - colour)
     of_light = off_black(surface, tint)
     of_light = of_light + too_blue(surface, tint - of_light)
     tint = tint - of_light
-    glare = _glare_share(log_ratio, skin, surface.parsing[:, INDEX["hair"], None])
+    glare = _glare_share(log_ratio, skin, hair)
     of_others = torch.maximum(glare, deep_shadow(surface.photo, skin))
     fleeting = glare * log_ratio.mean(1, keepdim=True) + of_others * (colour - tint - of_light) + of_light
-    shading = grey(model.plain)
+    shading, stays_dark = grey(model.plain), _DARK_HAIR * hair
     return Residual(log_ratio, shading, stays_dark, skin, broad, tint, fleeting, source_light, level, largest_log)
 
 
@@ -135,11 +141,30 @@ def at_light_level(residual: Residual, level: float) -> Residual:
     return replace(residual, log_ratio=log_ratio, broad=residual.broad + brighter * residual.skin, level=level)
 
 
+def _hair_and_skin(surface: Surface, log_ratio: torch.Tensor) -> tuple[torch.Tensor, torch.Tensor]:
+    """(1, 1, S, S) each, their probabilities, with what was taken for the neck and is likelier hair moved to hair."""
+    hair, neck = (surface.parsing[:, INDEX[name], None] for name in ("hair", "neck"))
+    skin = skin_share(surface.parsing)
+    surely = skin > _SURELY_SKIN
+    if int(surely.sum()) < _FEWEST_PIXELS:
+        return hair, skin
+    albedo = grey(surface.albedo).clamp_min(_BLACK).log()
+    dark, dim = -log_ratio.mean(1, keepdim=True), albedo[surely].median() - albedo
+    both = torch.minimum(_ramp(dark, *_DARK_NECK), _ramp(dim, *_DIM_NECK))
+    likelier = hair * torch.exp(_HAIR_LOG_ODDS * both)
+    mistaken = (hair + neck) * likelier / (likelier + neck).clamp_min(1e-6) - hair
+    return hair + mistaken, skin - mistaken
+
+
+def _ramp(value: torch.Tensor, start: float, full: float) -> torch.Tensor:
+    return ((value - start) / (full - start)).clamp(0, 1)
+
+
 def _glare_share(log_ratio: torch.Tensor, skin: torch.Tensor, hair: torch.Tensor) -> torch.Tensor:
     """(1, 1, S, S) how surely a light from behind has caused a log ratio, [0, 1]."""
     brighter, share = log_ratio.mean(1, keepdim=True), torch.zeros_like(skin)
     for kind, (start, full) in ((skin, _GLARE_OF_SKIN), (hair, _GLARE_OF_HAIR)):
-        share = share + likely(kind) * ((brighter - start) / (full - start)).clamp(0, 1)
+        share = share + likely(kind) * _ramp(brighter, start, full)
     return share.clamp_max(1)
 
 
