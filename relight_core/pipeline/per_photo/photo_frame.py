@@ -42,9 +42,7 @@ def inside_frame(shown: np.ndarray) -> tuple[slice, slice] | None:
     ]
     if max(ends) < _LEAST_LINE:
         return None
-    top, bottom, left, right = (
-        depth if end >= _LEAST_BESIDE else 0 for depth, end in zip(depths, ends, strict=True)
-    )
+    top, bottom, left, right = (depth if end >= _LEAST_BESIDE else 0 for depth, end in zip(depths, ends, strict=True))
     return slice(top, height - bottom), slice(left, width - right)
 
 
