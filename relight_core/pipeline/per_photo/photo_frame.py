@@ -5,7 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 _FLAT, _STEP = 6 / 255, 16 / 255
+"""sRGB values: within the first of its colour is frame, beyond the second surely picture."""
 _ALIKE, _LEAST_LINE, _LEAST_BESIDE = 0.98, 0.4, 0.2
+"""Shares of a row that are frame in a frame, and picture just behind one: on one side at least, and on every other."""
 _WIDEST_SHARE = 0.25
 _BLURRED_PX = 2
 
