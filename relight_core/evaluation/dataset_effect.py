@@ -31,7 +31,7 @@ from relight_core.pipeline.per_photo.portrait import frame
 from relight_core.pipeline.relighter import WEIGHTS
 from relight_core.pipeline.results.channel_view import channel_to_srgb
 from relight_core.resources import resource_path
-from relight_core.training.loop import Budget, state_path, train_stage
+from relight_core.training.loop import Budget, is_begun, state_path, train_stage
 from relight_core.training.run import denormals_flushed
 from relight_core.training.stages import STAGES
 
@@ -146,8 +146,7 @@ def taught(heads: Path, lights: Path, lesson: Lesson, checkpoint: Path, report, 
 def _keep_to_one_lesson(checkpoint: Path, told: dict[str, int | float | str]) -> None:
     """Note how a network is taught; raises InputError where there is one that learnt otherwise."""
     note, words = checkpoint.with_suffix(".lesson.json"), json.dumps(told)
-    is_begun = checkpoint.exists() or state_path(checkpoint).exists()
-    if is_begun and note.exists() and note.read_text() != words:
+    if is_begun(checkpoint) and note.exists() and note.read_text() != words:
         raise InputError(f"{checkpoint}: was taught otherwise ({note.read_text()}); choose another folder after --work")
     with whole_file(note) as beside:
         beside.write_text(words)

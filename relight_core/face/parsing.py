@@ -60,6 +60,11 @@ PALETTE_SRGB = (
 """Display colour of each class, sRGB bytes."""
 
 
+def share_of(parsing: torch.Tensor, names: Sequence[str]) -> torch.Tensor:
+    """(B, 1, S, S) the probability of any of some classes, of (B, classes, S, S)."""
+    return sum(parsing[:, INDEX[name], None] for name in names)
+
+
 def middle_row(parsing: np.ndarray | torch.Tensor, names: Sequence[str], least_px: float) -> float | None:
     """The mean row of some classes in a parsing (classes, S, S); None where no more than `least_px` are theirs."""
     by_row = parsing[[INDEX[name] for name in names]].sum((0, 2)).tolist()

@@ -300,9 +300,9 @@ def estimate_effects(
     fraction, tint = torch.zeros_like(surface.relief), None
     if transport is not None:
         tint = shadow_tint(transport, light, reflected)
-        fraction = _spread(transport.shadow_fraction(light.cpu()), surface)
+        fraction = at_surface_size(transport.shadow_fraction(light.cpu()), surface)
     if not by_network:
-        of_gloss = fraction if transport is None else _spread(transport.gloss_fraction(light.cpu()), surface)
+        of_gloss = fraction if transport is None else at_surface_size(transport.gloss_fraction(light.cpu()), surface)
         hidden = Occlusion(*(torch.logit(part, eps=1e-6) for part in (fraction, of_gloss)))
         return replace(effects_of(hidden, reflected, surface.albedo), tint=tint)
     network = in_precision(bundle, device, precision).pair(pair).specular_shadow
@@ -318,10 +318,10 @@ def estimate_effects(
     return replace(effects, tint=tint, by_relief=fraction)
 
 
-def _spread(fraction: torch.Tensor, surface: Surface) -> torch.Tensor:
-    """A transport's answer at the size of the surface, (1, 1, S, S), and where that lies."""
+def at_surface_size(of_relief: torch.Tensor, surface: Surface) -> torch.Tensor:
+    """What a relief's transport tells, (1, C, R, R), at the size of the surface, (1, C, S, S), and where that lies."""
     size = surface.normal.shape[-2:]
-    return F.interpolate(fraction.to(surface.normal.device), size=size, mode="bilinear", align_corners=False)
+    return F.interpolate(of_relief.to(surface.normal.device), size=size, mode="bilinear", align_corners=False)
 
 
 def no_effects(surface: Surface) -> Effects:

@@ -241,6 +241,11 @@ def state_path(checkpoint: Path) -> Path:
     return checkpoint.with_suffix(".state.safetensors")
 
 
+def is_begun(checkpoint: Path) -> bool:
+    """Whether a run with this checkpoint has left anything that was learnt, finished or not."""
+    return checkpoint.exists() or state_path(checkpoint).exists()
+
+
 @contextmanager
 def _stream_of_its_own() -> Iterator[None]:
     """Nothing can be recorded on a GPU's default stream."""

@@ -14,7 +14,7 @@ from relight_core.errors import InputError
 from relight_core.imaging.files import check_regular, file_bytes, file_digest, whole_file
 from relight_core.networks.bundle import BundleConfig, NetworkBundle, load_bundle, save_bundle
 from relight_core.networks.person import PersonConfig
-from relight_core.training.loop import state_path
+from relight_core.training.loop import is_begun, state_path
 from relight_core.training.run import Run, train
 from relight_core.training.stages import STAGES
 from relight_core.training.state import Progress
@@ -196,7 +196,7 @@ def _keep_to_one_run(recipe: Recipe, start: Path | None, folder: Path) -> None:
     plans = _plans(recipe, folder)
     note = folder / _NOTE
     earlier = _read_note(note, begun) if note.exists() else {}
-    if not any(_is_begun(folder / f"{name}.safetensors") for name in earlier.get("stages", {})):
+    if not any(is_begun(folder / f"{name}.safetensors") for name in earlier.get("stages", {})):
         earlier = {}  # A run that was refused has left its note and nothing that could be taken for another's.
     other = [_WORDS[name] for name, value in begun.items() if earlier.get(name, value) != value]
     kept = earlier.get("stages", {})
@@ -232,10 +232,6 @@ def _is_another(folder: Path, name: str, plan: dict, kept: dict) -> bool:
     if state_path(checkpoint).exists():
         return noted["after"] != plan["after"]
     return checkpoint.exists() and noted != plan
-
-
-def _is_begun(checkpoint: Path) -> bool:
-    return checkpoint.exists() or state_path(checkpoint).exists()
 
 
 def _checkpoint(folder: Path, number: int, plan: StagePlan) -> Path:

@@ -41,11 +41,11 @@ from relight_core.pipeline.per_photo.glare import likely
 from relight_core.pipeline.per_photo.mouth_colour import too_blue
 from relight_core.pipeline.per_photo.saturation import middle_colour, saturation
 from relight_core.pipeline.per_photo.skin_colour import deep_shadow
+from relight_core.pipeline.per_photo.source_light import level_over_person, seen_of_person
 from relight_core.pipeline.stages import Composed, Surface
 
 _BLACK = 0.005
 _LARGEST_LOG = 3.0
-_CLIPPED = 0.97
 _BEYOND, _PILED_UP, _FEW = 0.05, 0.02, 1e-4
 """How far above 1 a pixel was surely not clipped, how near to 1 it surely was, and the share of pixels that is few."""
 _FEWEST_PIXELS, _SURELY_SKIN = 50, 0.6
@@ -108,10 +108,9 @@ def find_residual(
     level = mean_luminance(source_light[0].cpu().numpy())
     model = compose(source_light / max(level, 1e-12))
     image = model.image.float()
-    known = (surface.person > 0.5) & (surface.photo.amax(1, keepdim=True) < _CLIPPED)
-    lit = float(grey(image)[known].sum())
-    if int(known.sum()) >= _FEWEST_PIXELS and lit > 0:
-        level = float(grey(surface.photo)[known].sum()) / lit
+    known, over_person = seen_of_person(surface), level_over_person(surface, image)
+    if over_person is not None:
+        level = over_person
     photo = recorded / max(level, 1e-4)
     # The model is of a surface in a photo that was clipped to 1.
     largest_log = _LARGEST_LOG + math.log(max(float(recorded.max()), 1.0))

@@ -13,7 +13,6 @@ from __future__ import annotations
 from dataclasses import replace
 
 import torch
-import torch.nn.functional as F
 
 from relight_core.face.parsing import INDEX
 from relight_core.imaging.tensor_colour import grey
@@ -23,7 +22,7 @@ from relight_core.pipeline.per_photo.glare import without_glare
 from relight_core.pipeline.per_photo.seen_colour import with_seen_colours
 from relight_core.pipeline.per_photo.skin_colour import in_one_colour
 from relight_core.pipeline.per_photo.white_hair import above_the_eyes
-from relight_core.pipeline.stages import Surface
+from relight_core.pipeline.stages import Surface, at_surface_size
 
 _STRONGEST = 1.0
 _FLOOR = 0.02
@@ -40,19 +39,13 @@ def flatten_albedo(surface: Surface, relief: ReliefTransport, light: torch.Tenso
         light: (1, 16, 32, 3) the source light.
         reflected: (1, 6, S, S) irradiance over pi and gloss of that light, no shadows.
     """
-    shading = _spread(grey_irradiance(relief, light), surface) + _FLOOR
+    shading = at_surface_size(grey_irradiance(relief, light), surface) + _FLOOR
     skin = _skin_below_hair(surface.parsing)
     even = _without_shading(surface, shading.log(), skin)
     bare = in_one_colour(without_glare(even, shading, skin), skin)
-    lit = 1 - _spread(relief.shadow_fraction(light.cpu()), surface)
+    lit = 1 - at_surface_size(relief.shadow_fraction(light.cpu()), surface)
     irradiance, gloss = (lit * reflected).split(3, dim=1)
     return with_seen_colours(bare, irradiance + _FLOOR, gloss)
-
-
-def _spread(small: torch.Tensor, surface: Surface) -> torch.Tensor:
-    """What a relief's transport tells, (1, C, R, R), at the surface's size and where that lies."""
-    size = surface.albedo.shape[-2:]
-    return F.interpolate(small.to(surface.albedo.device), size=size, mode="bilinear", align_corners=False)
 
 
 def _without_shading(surface: Surface, log_shading: torch.Tensor, skin: torch.Tensor) -> Surface:

@@ -9,14 +9,12 @@ from __future__ import annotations
 
 import torch
 
-from relight_core.face.parsing import INDEX
+from relight_core.face.parsing import share_of
 from relight_core.pipeline.per_photo.glare import likely
+from relight_core.pipeline.per_photo.skin_colour import NO_COLOUR, below
 from relight_core.pipeline.stages import Surface
 
 _BLACK = 0.005
-_NO_COLOUR = (0.008, 0.025)
-"""Of a pixel's brightest channel, as there is blue that is bright enough to tell and of next to no luminance: 8-bit
-codes 22 and 42."""
 
 
 def off_black(surface: Surface, tint: torch.Tensor) -> torch.Tensor:
@@ -28,15 +26,10 @@ def off_black(surface: Surface, tint: torch.Tensor) -> torch.Tensor:
     Returns:
         Log ratios of mean 0, (1, 3, S, S).
     """
-    hair_or_cloth = sum(surface.parsing[:, INDEX[name], None] for name in ("hair", "hat", "cloth"))
-    black = likely(hair_or_cloth) * _too_dark(surface.photo)
+    # There is blue that is bright enough to tell and of next to no luminance.
+    too_dark = below(surface.photo.amax(1, keepdim=True), *NO_COLOUR)
+    black = likely(share_of(surface.parsing, ("hair", "hat", "cloth"))) * too_dark
     return black * (_colour(surface.albedo) + tint - _colour(surface.photo))
-
-
-def _too_dark(photo: torch.Tensor) -> torch.Tensor:
-    """(1, 1, S, S) how surely a photo (1, 3, S, S) is so dark that its colours say nothing of the light, [0, 1]."""
-    darkest, dark = _NO_COLOUR
-    return ((dark - photo.amax(1, keepdim=True)) / (dark - darkest)).clamp(0, 1)
 
 
 def _colour(image: torch.Tensor) -> torch.Tensor:

@@ -9,7 +9,7 @@ from __future__ import annotations
 import torch
 import torch.nn.functional as F
 
-from relight_core.face.parsing import INDEX
+from relight_core.face.parsing import INDEX, share_of
 from relight_core.imaging.tensor_colour import grey
 
 _SKIN = ("skin", "nose", "neck")
@@ -28,12 +28,12 @@ def clipped_share(photo: torch.Tensor) -> torch.Tensor:
 
 def skin_share(parsing: torch.Tensor) -> torch.Tensor:
     """(1, 1, S, S) probability of bare skin, of (1, classes, S, S)."""
-    return sum(parsing[:, INDEX[name], None] for name in _SKIN).clamp(0, 1)
+    return share_of(parsing, _SKIN).clamp(0, 1)
 
 
 def flesh_share(parsing: torch.Tensor) -> torch.Tensor:
     """(1, 1, S, S) probability of what isn't white where it is blown out: skin, with lips, and seen between brows."""
-    return (skin_share(parsing) + sum(parsing[:, INDEX[name], None] for name in (*BROWS, "lips"))).clamp(0, 1)
+    return (skin_share(parsing) + share_of(parsing, (*BROWS, "lips"))).clamp(0, 1)
 
 
 def mend_blown(clipped: torch.Tensor, albedo: torch.Tensor, parsing: torch.Tensor) -> torch.Tensor:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import torch
 
-from relight_core.face.parsing import INDEX
+from relight_core.face.parsing import INDEX, share_of
 from relight_core.imaging.tensor_colour import grey
 
 _BLACK, _DARKEST_SKIN, _BLACK_GLOSS = 0.015, 0.045, 0.08
@@ -32,8 +32,7 @@ def gloss_of_black(albedo: torch.Tensor, parsing: torch.Tensor) -> torch.Tensor:
     fairness, duller = float(dark[face].median()), 0.0
     for names, (black, glossy) in _BESIDE_THE_FACE:
         beside = _from_to(dark, max(black * fairness, _BLACK), max(glossy * fairness, _DARKEST_SKIN))
-        part = sum(parsing[:, INDEX[name], None] for name in names)
-        duller = duller + part * (share - beside)
+        duller = duller + share_of(parsing, names) * (share - beside)
     return (share - duller).clamp(_BLACK_GLOSS, 1)
 
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import torch
 
-from relight_core.face.parsing import INDEX
+from relight_core.face.parsing import share_of
 from relight_core.pipeline.per_photo.glare import likely
 from relight_core.pipeline.stages import Surface
 
@@ -24,7 +24,7 @@ def too_blue(surface: Surface, tint: torch.Tensor) -> torch.Tensor:
     Args:
         tint: (1, 3, S, S), log ratios by which the colour of the surface's albedo is off.
     """
-    mouth = likely(surface.parsing[:, INDEX["lips"], None] + surface.parsing[:, INDEX["inner_mouth"], None])
+    mouth = likely(share_of(surface.parsing, ("lips", "inner_mouth")))
     shown, meant = _bluish(surface.photo), _bluish(surface.albedo) + tint[:, 2:] - tint[:, 1:2]
     excess = mouth * (meant - shown.clamp_min(_BLUEST)).clamp_min(0)
     excess = torch.minimum(excess, (tint[:, 2:] - tint[:, 1:2]).clamp_min(0))

@@ -13,20 +13,19 @@ from dataclasses import replace
 
 import torch
 
-from relight_core.face.parsing import INDEX
+from relight_core.face.parsing import INDEX, share_of
 from relight_core.imaging.tensor_colour import grey
 from relight_core.imaging.tensor_means import local_means
 from relight_core.pipeline.per_photo.black_colour import off_black
 from relight_core.pipeline.per_photo.blown import BROWS, at_least, clipped_share, flesh_share, skin_share
 from relight_core.pipeline.per_photo.mouth_colour import too_blue
+from relight_core.pipeline.per_photo.source_light import level_over_person
 from relight_core.pipeline.stages import Surface
 
 _OF_ANY_COLOUR = ("hair", "hat", "cloth", "lips")
 _HATS, _BROWS = 0.5, 0.8
 """How much of a log ratio of brightness is the surface's own, of brows beside the skin around; the rest is shading."""
-_BLACK, _LARGEST_LOG, _CLIPPED = 0.005, 3.0, 0.97
-_BLACKEST = 1e-6
-_FEWEST_PIXELS = 50
+_BLACK, _BLACKEST, _LARGEST_LOG = 0.005, 1e-6, 3.0
 
 
 def with_seen_colours(surface: Surface, irradiance: torch.Tensor, gloss: torch.Tensor) -> Surface:
@@ -36,11 +35,9 @@ def with_seen_colours(surface: Surface, irradiance: torch.Tensor, gloss: torch.T
         irradiance, gloss: (1, 3, S, S) each, the former over pi, what of the photo's light gets there, at any level.
     """
     model = surface.albedo * irradiance + gloss
-    known = (surface.person > 0.5) & (surface.photo.amax(1, keepdim=True) < _CLIPPED)
-    lit = float(grey(model)[known].sum())
-    if int(known.sum()) < _FEWEST_PIXELS or lit <= 0:
+    level = level_over_person(surface, model)
+    if level is None:
         return surface
-    level = float(grey(surface.photo)[known].sum()) / lit
     log_ratio = ((surface.photo + _BLACK) / (level * model + _BLACK)).log().clamp(-_LARGEST_LOG, _LARGEST_LOG)
     log_ratio = at_least(log_ratio, clipped_share(surface.photo), flesh_share(surface.parsing))
     brighter = log_ratio.mean(1, keepdim=True)
@@ -48,8 +45,9 @@ def with_seen_colours(surface: Surface, irradiance: torch.Tensor, gloss: torch.T
     colour = colour - off_black(surface, colour)
     colour = colour - too_blue(surface, colour)
     beside_skin = brighter - local_means(brighter, skin_share(surface.parsing))
-    tinted = _tinted(surface.albedo, _share(surface, _OF_ANY_COLOUR) * colour)
-    change = _BROWS * _share(surface, BROWS) * beside_skin + _HATS * _share(surface, ("hat",)) * brighter
+    tinted = _tinted(surface.albedo, share_of(surface.parsing, _OF_ANY_COLOUR) * colour)
+    brows, hat = share_of(surface.parsing, BROWS), surface.parsing[:, INDEX["hat"], None]
+    change = _BROWS * brows * beside_skin + _HATS * hat * brighter
     return replace(surface, albedo=(tinted * torch.exp(change)).clamp(0, 1))
 
 
@@ -60,8 +58,3 @@ def _tinted(albedo: torch.Tensor, tint: torch.Tensor) -> torch.Tensor:
     """
     tinted = albedo * torch.exp(tint)
     return tinted * (grey(albedo) / grey(tinted).clamp_min(_BLACKEST))
-
-
-def _share(surface: Surface, names: tuple[str, ...]) -> torch.Tensor:
-    """(1, 1, S, S) the sum of some classes' probabilities."""
-    return sum(surface.parsing[:, INDEX[name], None] for name in names)

@@ -26,8 +26,8 @@ _COMMON = 0.15
 _BLUE, _BLUE_OF_PALE = 0.05, 1.4
 """Less blood and melanin make skin bluer only as they make it less red, and melanin's absorption falls toward red:
 by that much more does the log ratio of blue to green rise than that of red to green falls. Bluer skin is lit so."""
-_NO_COLOUR = (0.008, 0.025)
-"""Luminances of a photo: 8-bit codes 22 and 42. Below, a few codes of JPEG's chroma are a colour of their own."""
+NO_COLOUR = (0.008, 0.025)
+"""Of a photo, linear: 8-bit codes 22 and 42. Below, a few codes of JPEG's chroma are a colour of their own."""
 _DEEP_SHADOW = (0.2, 0.7)
 """Of the luminance of most of the skin: there other lights than the estimated one are brighter than it is."""
 _PAINT, _PLAIN = 0.5, 0.25
@@ -58,7 +58,7 @@ def in_one_colour(surface: Surface, skin: torch.Tensor) -> Surface:
     skin = skin * ~painted(ratios - middle, surface.photo, skin)
     colour = local_means(ratios, skin)
     excess = torch.lerp(_unnatural(colour - middle), _unnatural(ratios - middle), deep_shadow(surface.photo, skin))
-    excess = torch.lerp(excess, ratios - middle, _below(grey(surface.photo), *_NO_COLOUR))
+    excess = torch.lerp(excess, ratios - middle, below(grey(surface.photo), *NO_COLOUR))
     evened = surface.albedo * torch.exp(-excess * skin)
     evened = evened * (grey(surface.albedo) / grey(evened).clamp_min(1e-6))
     return replace(surface, albedo=evened.clamp(0, 1))
@@ -74,7 +74,7 @@ def deep_shadow(photo: torch.Tensor, skin: torch.Tensor) -> torch.Tensor:
     known, seen = skin > _SURE, grey(photo)
     if int(known.sum()) < _FEWEST_PIXELS:
         return torch.zeros_like(skin)
-    return skin * _below(seen / seen[known].median().clamp_min(1e-6), *_DEEP_SHADOW)
+    return skin * below(seen / seen[known].median().clamp_min(1e-6), *_DEEP_SHADOW)
 
 
 def painted(off: torch.Tensor, photo: torch.Tensor, skin: torch.Tensor) -> torch.Tensor:
@@ -114,6 +114,6 @@ def _unnatural(off: torch.Tensor) -> torch.Tensor:
     return off - torch.cat([natural[:, :2], torch.minimum(natural[:, 2:], bluest)], 1)
 
 
-def _below(values: torch.Tensor, low: float, high: float) -> torch.Tensor:
+def below(values: torch.Tensor, low: float, high: float) -> torch.Tensor:
     """1 up to the lower value, 0 from the higher one on."""
     return ((high - values) / (high - low)).clamp(0, 1)

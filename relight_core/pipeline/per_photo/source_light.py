@@ -14,7 +14,7 @@ from relight_core.pipeline.per_photo.saturation import log_colour, middle_colour
 from relight_core.pipeline.stages import Reflector, Surface, reflect
 
 _FEWEST_PIXELS = 50
-_CLIPPED = 0.9
+_CLIPPED, _NEARLY_CLIPPED = 0.9, 0.97
 _DARKEST_ALBEDO = 0.03
 _LEAST_MATTE = 0.4
 """Share of a pixel that is not gloss, at the least: where the model has more gloss than that, it is wrong."""
@@ -71,6 +71,23 @@ def _left_to_light(surface: Surface, guess: torch.Tensor, explained: torch.Tenso
     return balanced * ((explained @ luminance) / (balanced @ luminance).clamp_min(1e-12))[:, None]
 
 
+def seen_of_person(surface: Surface) -> torch.Tensor:
+    """(1, 1, S, S) bool, where the photo shows the person and isn't clipped."""
+    return (surface.person > 0.5) & (surface.photo.amax(1, keepdim=True) < _NEARLY_CLIPPED)
+
+
+def level_over_person(surface: Surface, model: torch.Tensor) -> float | None:
+    """The level at which a model (1, 3, S, S) is as bright as the photo over all of the person.
+
+    None where nothing can be said.
+    """
+    seen = seen_of_person(surface)
+    lit = float(grey(model)[seen].sum())
+    if int(seen.sum()) < _FEWEST_PIXELS or lit <= 0:
+        return None
+    return float(grey(surface.photo)[seen].sum()) / lit
+
+
 def exposure_of_photo(surface: Surface, reflected: torch.Tensor) -> float:
     """The level at which a light gives the photo its brightness.
 
@@ -79,7 +96,7 @@ def exposure_of_photo(surface: Surface, reflected: torch.Tensor) -> float:
     """
     lit = grey(surface.albedo * reflected[:, :3] + reflected[:, 3:])
     seen = grey(surface.photo)
-    known = (surface.person > 0.5) & (seen > 0.02) & (surface.photo.amax(1, keepdim=True) < 0.97) & (lit > 1e-3)
+    known = seen_of_person(surface) & (seen > 0.02) & (lit > 1e-3)
     if int(known.sum()) < _FEWEST_PIXELS:
         return 1.0
     return float((seen[known] / lit[known]).median())
