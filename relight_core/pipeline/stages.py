@@ -36,7 +36,7 @@ from relight_core.pipeline.per_light.hints import (
     smooth_gloss,
     surface_hints,
 )
-from relight_core.pipeline.per_light.shadow_colour import shadow_tint
+from relight_core.pipeline.per_light.shadow_colour import shadow_colour_odds
 from relight_core.pipeline.per_photo.blown import clipped_share, mend_blown
 from relight_core.pipeline.per_photo.dull_black import gloss_of_black
 from relight_core.pipeline.per_photo.white_collar import with_white_collar
@@ -293,18 +293,18 @@ def estimate_effects(
     """Specular and shadow of a light (1, 16, 32, 3).
 
     Args:
-        transport: of the surface's relief; None leaves its shadow out, and the shadow without a tint.
+        transport: of the surface's relief; None leaves its shadow out, and the shadow without a colour.
         by_network: the SS network says what is hidden; else the relief alone.
         begun: `begin_effects` of the surface by the same networks, where that is kept.
     """
-    fraction, tint = torch.zeros_like(surface.relief), None
+    fraction, odds = torch.zeros_like(surface.relief), None
     if transport is not None:
-        tint = shadow_tint(transport, light, reflected)
+        odds = shadow_colour_odds(transport, light, reflected)
         fraction = at_surface_size(transport.shadow_fraction(light.cpu()), surface)
     if not by_network:
         of_gloss = fraction if transport is None else at_surface_size(transport.gloss_fraction(light.cpu()), surface)
         hidden = Occlusion(*(torch.logit(part, eps=1e-6) for part in (fraction, of_gloss)))
-        return replace(effects_of(hidden, reflected, surface.albedo), tint=tint)
+        return replace(effects_of(hidden, reflected, surface.albedo), colour_odds=odds)
     network = in_precision(bundle, device, precision).pair(pair).specular_shadow
     config = network.config
     hints = light_hints(config, reflected, fraction)
@@ -315,7 +315,7 @@ def estimate_effects(
             begun = begin_effects(bundle, surface, device, precision=precision, pair=pair)
         occlusion = network(surface.normal, light, hints, begun)
     effects = estimated_effects(config, occlusion, reflected, surface.albedo)
-    return replace(effects, tint=tint, by_relief=fraction)
+    return replace(effects, colour_odds=odds, by_relief=fraction)
 
 
 def at_surface_size(of_relief: torch.Tensor, surface: Surface) -> torch.Tensor:

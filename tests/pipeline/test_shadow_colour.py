@@ -4,8 +4,8 @@ import pytest
 import torch
 
 from relight_core.lighting.relief import march_relief
-from relight_core.pipeline.per_light.hints import Effects, explicit_sum
-from relight_core.pipeline.per_light.shadow_colour import colourfulness, shadow_tint
+from relight_core.pipeline.per_light.hints import Effects, explicit_sum, hidden_by_colour
+from relight_core.pipeline.per_light.shadow_colour import colourfulness, shadow_colour_odds
 
 SIZE = 32
 LEFT, RIGHT = 3, 28
@@ -35,7 +35,7 @@ def reflected(transport, light):
 
 def found(light):
     transport = bar()
-    return shadow_tint(transport, light, reflected(transport, light))
+    return shadow_colour_odds(transport, light, reflected(transport, light))
 
 
 @pytest.mark.parametrize("colour", [WHITE, RED, (0.0, 0.0, 0.0)])
@@ -46,39 +46,60 @@ def test_light_of_one_colour_tints_nothing(colour):
 
 def test_the_shadow_of_a_red_lamp_is_blue():
     """Left of the bar the right lamp is hidden."""
-    tint = found(two_lamps(BLUE, RED))[0, :, SIZE // 2]
-    assert tint[0, 12] > 1.2 > 0.6 > tint[2, 12]
-    assert tint[2, 19] > 1.1 > 0.6 > tint[0, 19]
+    odds = found(two_lamps(BLUE, RED))[0, :, SIZE // 2]
+    assert odds[0, 12] > 1.2 > 0.6 > odds[2, 12]
+    assert odds[2, 19] > 1.1 > 0.6 > odds[0, 19]
 
 
 def test_the_shadow_of_a_white_lamp_has_the_colour_of_a_weaker_one():
     light = two_lamps(WHITE, (0.3, 0.01, 0.01))
     assert colourfulness(light) < 0.25
-    tint = found(light)[0, :, SIZE // 2]
-    assert tint[0, 19] < 0.9 * tint[1, 19]
+    odds = found(light)[0, :, SIZE // 2]
+    assert odds[0, 19] < 0.9 * odds[1, 19]
 
 
-def test_what_is_hidden_in_all_stays():
+@pytest.mark.parametrize("albedo", [(1.0, 1.0, 1.0), (0.6, 0.3, 0.2)])
+@pytest.mark.parametrize("share", [0.02, 0.2, 0.9])
+def test_what_is_hidden_in_all_stays(albedo, share):
     transport, light = bar(), two_lamps(BLUE, RED)
-    lit = reflected(transport, light)
-    albedo, fraction = torch.ones(1, 3, SIZE, SIZE), 0.2
-    shadow = fraction * (LUMINANCE * lit[:, :3]).sum(1, keepdim=True)
-    effects = Effects(torch.zeros_like(shadow), shadow)
-    grey, tinted = (
-        (LUMINANCE * explicit_sum(albedo, lit, Effects(effects.specular, shadow, tint))).sum(1)
-        for tint in (None, shadow_tint(transport, light, lit))
+    lit, albedo = reflected(transport, light), torch.tensor(albedo)[None, :, None, None].expand(1, 3, SIZE, SIZE)
+    shadow = share * (LUMINANCE * albedo * lit[:, :3]).sum(1, keepdim=True)
+    plain, coloured = (
+        (LUMINANCE * explicit_sum(albedo, lit, Effects(0 * shadow, shadow, odds))).sum(1)
+        for odds in (None, shadow_colour_odds(transport, light, lit))
     )
-    torch.testing.assert_close(tinted, grey, rtol=1e-3, atol=1e-3)
+    torch.testing.assert_close(coloured, plain, rtol=0.01, atol=1e-3)
 
 
-def test_a_tint_takes_no_more_than_there_is():
+def test_no_more_is_taken_than_there_is():
     transport, light = bar(), two_lamps(BLUE, RED)
     lit = reflected(transport, light)
-    tint = shadow_tint(transport, light, lit)
     shadow = 0.9 * (LUMINANCE * lit[:, :3]).sum(1, keepdim=True)
-    image = explicit_sum(torch.ones_like(tint), lit, Effects(0 * shadow, shadow, tint))
-    assert (image >= 0).all()
+    odds = shadow_colour_odds(transport, light, lit)
+    image = explicit_sum(torch.ones_like(odds), lit, Effects(0 * shadow, shadow, odds))
+    assert (image > 0).all()
     assert (image <= lit[:, :3] + 1e-5).all()
+
+
+def test_a_deeper_shadow_than_the_relief_knows_keeps_some_of_each_colour():
+    """A brim hides 55 % of a blue sky and 27 % of a low orange sun; the network says twice as much of both."""
+    by_relief, sun_and_sky = torch.tensor([0.27, 0.3, 0.55]), torch.tensor([3.0, 2.0, 1.2])[None, :, None, None]
+    odds = (by_relief / (1 - by_relief) / (0.3 / 0.7))[None, :, None, None]
+    left = 1 - hidden_by_colour(torch.full((1, 1, 1, 1), 0.6), odds, sun_and_sky)[0, :, 0, 0]
+    assert left[2] > 0.15
+    assert left[0] > left[1] > left[2]
+
+
+@pytest.mark.parametrize("share", [0.0, 1.0])
+def test_all_or_nothing_has_no_colour(share):
+    odds, white = torch.tensor([0.1, 1.0, 20.0])[None, :, None, None], torch.ones(1, 3, 1, 1)
+    hidden = hidden_by_colour(torch.full((1, 1, 1, 1), share), odds, white)
+    torch.testing.assert_close(hidden, torch.full((1, 3, 1, 1), share), atol=1e-3, rtol=0)
+
+
+def test_where_there_is_no_light_nothing_is_undefined():
+    odds = torch.tensor([0.1, 1.0, 20.0])[None, :, None, None]
+    assert hidden_by_colour(torch.full((1, 1, 1, 1), 0.5), odds, torch.zeros(1, 3, 1, 1)).isfinite().all()
 
 
 def test_colourfulness_grows_with_what_tells_the_colours_apart():

@@ -15,6 +15,7 @@ from relight_core.imaging.tensor_colour import grey
 from relight_core.imaging.tensor_constants import constant
 from relight_core.networks.specular_shadow import Occlusion, SpecularShadowConfig
 
+_NOTHING = 1e-6
 _CERTAIN = (0.5, 0.9)
 """Share of the light that the relief hides from which on its word counts, and from which on in full."""
 
@@ -79,8 +80,8 @@ class Effects:
     """The paper's two additive effect channels, (B, 1, H, W) >= 0, in units of the normalised light.
 
     Attributes:
-        tint: (B, 3, H, W) by how much more than its mean the shadow takes of each colour, around 1; None where it
-            takes all alike. Of a white surface the mean of what it takes, weighted by luminance, stays `shadow`.
+        colour_odds: (B, 3, H, W) > 0 how much likelier each colour is hidden than all together, as a ratio of odds;
+            None where all are alike. The mean of what is taken, weighted by luminance, stays `shadow`.
         by_relief: (B, 1, H, W) in [0, 1] the share of the light that the relief alone hides; None where none was
             asked.
         gloss_by_relief: the same of the gloss, of which a lamp may give more than of the rest; None where it is as
@@ -89,7 +90,7 @@ class Effects:
 
     specular: torch.Tensor
     shadow: torch.Tensor
-    tint: torch.Tensor | None = None
+    colour_odds: torch.Tensor | None = None
     by_relief: torch.Tensor | None = None
     gloss_by_relief: torch.Tensor | None = None
 
@@ -176,9 +177,9 @@ def explicit_sum(
 ) -> torch.Tensor:
     """albedo * irradiance - shadow + specular, (B, 3, H, W) >= 0.
 
-    The additive shadow is grey; it darkens each colour in proportion to what there is of it and to its tint, so
-    that it can take no more than there is. Gains above 1 deepen it without an end: twice what is hidden would be
-    black wherever half is.
+    The additive shadow is grey; it darkens each colour in proportion to what there is of it, at the odds that the
+    colour has, so that it can take no more than there is. Gains above 1 deepen it without an end: twice what is hidden
+    would be black wherever half is.
     """
     matt, gloss = explicit_parts(albedo, reflected, effects, shadow_gain)
     return matt + specular_gain * gloss
@@ -191,8 +192,38 @@ def explicit_parts(
     diffuse = albedo * reflected[:, :3]
     gloss = grey(reflected[:, 3:])
     fraction = hidden_share(effects, grey(diffuse), gloss)
-    if effects.tint is not None:
-        fraction = (fraction * effects.tint).clamp(0, 1)
+    if effects.colour_odds is not None:
+        fraction = hidden_by_colour(fraction, effects.colour_odds, diffuse)
     colour = reflected[:, 3:] / gloss.clamp_min(1e-6)
     left = 1 - shadow_gain * fraction if shadow_gain <= 1 else (1 - fraction) ** shadow_gain
     return diffuse * left, effects.specular * colour
+
+
+def hidden_by_colour(hidden: torch.Tensor, colour_odds: torch.Tensor, diffuse: torch.Tensor) -> torch.Tensor:
+    """Share of each colour of the diffuse light that is hidden, (B, 3, H, W) in [0, 1], of the share of all of it.
+
+    A ratio of shares holds for one depth of shadow only: with more hidden than the relief knows of it takes all blue
+    from half a shadow. A ratio of odds is the same ratio where little is hidden, and leaves nothing where all is.
+
+    Args:
+        hidden: (B, 1, H, W) in [0, 1], which stays the mean over the colours, weighted by luminance.
+        colour_odds: as of `Effects`.
+        diffuse: (B, 3, H, W) >= 0, unoccluded.
+    """
+    all_light = grey(diffuse).clamp_min(_NOTHING)
+    by_colour = _at_odds(hidden, colour_odds)
+    by_colour = _at_odds(by_colour, _odds_ratio(hidden, grey(diffuse * by_colour) / all_light))
+    # Odds bring the mean near. What is missing is taken from what is hidden of each colour, or from what is left of it.
+    mean = grey(diffuse * by_colour) / all_light
+    fewer = (hidden / mean.clamp_min(_NOTHING)).clamp_max(1)
+    less_left = ((1 - hidden) / (1 - mean).clamp_min(_NOTHING)).clamp(0, 1)
+    return 1 - (1 - by_colour * fewer) * less_left
+
+
+def _at_odds(share: torch.Tensor, ratio: torch.Tensor) -> torch.Tensor:
+    """The share whose odds are so many times those of another."""
+    return share * ratio / (1 - share + share * ratio).clamp_min(_NOTHING)
+
+
+def _odds_ratio(one: torch.Tensor, other: torch.Tensor) -> torch.Tensor:
+    return (one * (1 - other)).clamp_min(_NOTHING) / (other * (1 - one)).clamp_min(_NOTHING)

@@ -16,19 +16,18 @@ from relight_core.lighting.relief import ReliefTransport
 from relight_core.lighting.sphere import solid_angles
 
 _PLAIN, _COLOURFUL = 0.05, 0.15
-_DOUBT = 0.05
-_STRONGEST = 3.0
+_DOUBT = 0.02
 
 
-def shadow_tint(transport: ReliefTransport, light: torch.Tensor, reflected: torch.Tensor) -> torch.Tensor | None:
-    """How much more or less than the mean the shadow takes of each colour (see `hints.Effects.tint`).
+def shadow_colour_odds(transport: ReliefTransport, light: torch.Tensor, reflected: torch.Tensor) -> torch.Tensor | None:
+    """How much likelier than all light together each colour is hidden (see `hints.Effects.colour_odds`).
 
     Args:
         light: (1, 16, 32, 3).
         reflected: (1, 6, S, S) of that light, as of `hints.explicit_sum`.
 
     Returns:
-        (1, 3, S, S) around 1; None where the light has one colour.
+        (1, 3, S, S) > 0, around 1; None where the light has one colour.
     """
     amount = min(max((colourfulness(light) - _PLAIN) / (_COLOURFUL - _PLAIN), 0.0), 1.0)
     if amount == 0:
@@ -36,8 +35,11 @@ def shadow_tint(transport: ReliefTransport, light: torch.Tensor, reflected: torc
     hidden = 1 - transport.visibility(light[0].permute(2, 0, 1).cpu(), reflected.shape[-1])[:, 0].to(reflected)[None]
     irradiance = reflected[:, :3]
     mean = grey(irradiance * hidden) / grey(irradiance).clamp_min(1e-6)
-    tint = ((hidden + _DOUBT) / (mean + _DOUBT)).clamp(0, _STRONGEST)
-    return 1 + amount * (tint - 1)
+    return (_odds(hidden) / _odds(mean)).pow(amount)
+
+
+def _odds(share: torch.Tensor) -> torch.Tensor:
+    return (share + _DOUBT) / (1 - share + _DOUBT)
 
 
 def colourfulness(light: torch.Tensor) -> float:

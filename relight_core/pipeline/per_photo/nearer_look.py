@@ -91,7 +91,7 @@ def with_nearer_change(change: ViewChange, seen_nearer: ViewChange, view: Crop, 
 
 
 def with_nearer_effects(effects: Effects, seen_nearer: Effects, view: Crop, nearer: Crop) -> Effects:
-    """The additive channels of a view, with those of the nearer one in their place; without a tint."""
+    """The additive channels of a view, with those of the nearer one in their place; without colours of their own."""
     size = effects.shadow.shape[-1]
     window = _window_of(view, nearer, size)
     weight = torch.from_numpy(_weight(window, size))[None, None].to(effects.shadow)
