@@ -7,6 +7,7 @@ import warnings
 import glfw
 from PIL import Image
 
+from app.window.gone_windows import forgive_gone_windows
 from relight_core.resources import resource_path
 
 SMALLEST = (800, 560)
@@ -35,6 +36,7 @@ def open_window(title: str, size: tuple[int, int], visible: bool = True) -> obje
         if not handle:
             glfw.terminate()
             raise NoDisplayError(f"this display gives no OpenGL 3.3 window{_reason(caught)}")
+    forgive_gone_windows()
     glfw.make_context_current(handle)
     glfw.swap_interval(1)
     glfw.set_window_size_limits(handle, *_smallest(), glfw.DONT_CARE, glfw.DONT_CARE)

@@ -8,7 +8,7 @@ import sys
 import glfw
 import numpy as np
 import pytest
-from x11_drag import FileManager
+from x11_drag import VERSION, FileManager
 
 from relight_core.imaging.write import write_image
 
@@ -85,3 +85,26 @@ def test_with_shift_a_portrait_lends_its_light_although_the_file_manager_has_the
     assert (state.light.kind, state.snapshot.opened.source.place) == ("portrait", photo_path.resolve())
     dropped(hand, file_manager, [lender], hand.centre())
     assert state.snapshot.opened.source.place == lender.resolve()
+
+
+_LEFT_ALONE = """
+import glfw
+from app.window.glfw_window import open_window
+window = open_window("alone", (300, 200))
+print(glfw.get_x11_window(window), *glfw.get_window_pos(window), flush=True)
+for _ in range(int(input())):
+    glfw.wait_events_timeout(0.05)
+print("still here")
+"""
+
+
+def test_a_file_manager_that_goes_in_the_middle_of_a_drag_does_not_take_the_window_along(display):
+    pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE}
+    with subprocess.Popen([sys.executable, "-c", _LEFT_ALONE], text=True, **pipes) as program:
+        target, left, top = (int(word) for word in program.stdout.readline().split())
+        manager = FileManager(display)
+        manager.send(target, "XdndEnter", VERSION << 24, manager.atom("text/uri-list"))
+        manager.send(target, "XdndPosition", 0, (left + 50) << 16 | (top + 50), 0, manager.atom("XdndActionCopy"))
+        manager.close()
+        said, _ = program.communicate("20\n")
+    assert (said, program.returncode) == ("still here\n", 0)
