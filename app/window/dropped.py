@@ -98,6 +98,11 @@ def _open(state: EditorState, paths: Sequence[Path]) -> None:
     ours = [path for path in files if path.suffix.lower() == ".json"]
     lights = [path for path in files if path not in ours and is_panorama(path)]
     photos = [path for path in files if path not in ours and path not in lights]
+    if len(files) > 1:
+        # Photo libraries put notes of their own beside every photo.
+        foreign = [path for path in ours if kind_of(path) is None]
+        ours = [path for path in ours if path not in foreign]
+        notes += _left_out(foreign, f"relight opens {_USABLE}")
     if len(photos) > 1:
         odd = [path for path in photos if path.suffix.lower() not in PHOTO_SUFFIXES + RAW_SUFFIXES]
         photos = [path for path in photos if path not in odd]

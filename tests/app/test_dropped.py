@@ -98,6 +98,16 @@ def test_an_empty_folder_does_not_keep_what_was_dropped_with_it_from_opening(sta
     assert "no photos in this folder" in text
 
 
+def test_notes_that_a_library_keeps_beside_photos_do_not_keep_these_from_opening(state, tmp_path):
+    notes = tmp_path / "b.jpg.json"
+    notes.write_text('{"title": "b.jpg", "photoTakenTime": {"timestamp": "1"}}')
+    lamp = exr(tmp_path / "lamp.exr", 4, 8)
+    take_files(state, [notes, Path("b.jpg"), lamp], *ELSEWHERE)
+    assert state.photo.path == Path("b.jpg")
+    assert state.light.name == str(lamp)
+    assert "b.jpg.json" in state.asking.notices[0][0]
+
+
 def test_panoramas_and_sessions_beyond_the_first_are_named(state, tmp_path):
     skies = [exr(tmp_path / f"{name}.exr", 4, 8) for name in ("dawn", "noon", "dusk")]
     sessions = [tmp_path / f"{name}.light.json" for name in ("one", "two")]
