@@ -97,6 +97,29 @@ def test_a_plain_hat_above_the_eyes_stays_where_the_person_network_doubts_it(wor
     assert bool((person[:12] < 0.5).all()) is not a_person
 
 
+def banded(between=0.1):
+    """What the person network says of a head, the hair well above it, and a band between the two."""
+    likely = np.zeros((32, 32), np.float32)
+    likely[2:, 4:28] = 1
+    likely[5:9, 7:25] = between
+    return likely
+
+
+@pytest.mark.parametrize(("hat", "at_least", "at_most"), [(0.5, 0.8, 1.0), (0.0, 0.0, 0.3)])
+def test_a_band_between_head_and_hair_is_worn_where_the_parsing_knows_of_no_gap_but_a_gap_in_hair_is_one(
+    hat, at_least, at_most
+):
+    parsing = with_an_eye(parsing_of(hair=0.97 - hat, hat=hat, background=0.03))
+    person = 1 - parsing_within(parsing, Outline(banded(), VIEW), VIEW)[0, BACKGROUND]
+    assert at_least <= float(person[6, 16]) <= at_most
+
+
+def test_a_band_that_is_open_to_one_side_is_as_the_person_network_has_it():
+    likely, parsing = banded(), with_an_eye(parsing_of(hair=0.47, hat=0.5, background=0.03))
+    likely[5:9, 25:] = 0
+    assert 1 - float(parsing_within(parsing, Outline(likely, VIEW), VIEW)[0, BACKGROUND, 6, 16]) < 0.3
+
+
 def test_what_is_a_face_stays_one():
     within = parsing_within(parsing_of(skin=1.0), Outline(np.zeros((64, 64), np.float32), VIEW), VIEW)
     assert (within[:, SKIN] > 0.95).all()

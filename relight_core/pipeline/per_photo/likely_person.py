@@ -94,7 +94,7 @@ def without_holes(matte: np.ndarray, placed: list[np.ndarray]) -> np.ndarray:
     """
     person = np.maximum.reduce([np.zeros_like(matte), *placed])
     known = np.clip((person - _NO_GAP_FROM) / (_SURE_FROM - _NO_GAP_FROM), 0, 1)
-    return matte + known * (_filled(matte) - matte)
+    return matte + known * (closed(matte) - matte)
 
 
 def without_lookalikes(matte: np.ndarray, guide: np.ndarray) -> np.ndarray:
@@ -110,12 +110,12 @@ def without_lookalikes(matte: np.ndarray, guide: np.ndarray) -> np.ndarray:
     Returns:
         (h, w) float32, nowhere below the matte.
     """
-    inside = cv2.erode((_filled(matte) > _ENCLOSED).astype(np.uint8), _RIM) > 0
+    inside = cv2.erode((closed(matte) > _ENCLOSED).astype(np.uint8), _RIM) > 0
     return matte + _like_what_is_about(matte, inside & (matte < _WHOLE), guide) * (1 - matte)
 
 
-def _filled(matte: np.ndarray) -> np.ndarray:
-    """The matte without its holes: what is not, but hangs together with the border only by what is."""
+def closed(matte: np.ndarray) -> np.ndarray:
+    """A matte (h, w) without its holes: what is not, but hangs together with the border only by what is."""
     border = np.ones_like(matte)
     border[1:-1, 1:-1] = 0
     return 1 - _spread_within(np.minimum(border, 1 - matte), 1 - matte)

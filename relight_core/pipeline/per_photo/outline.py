@@ -16,6 +16,7 @@ from relight_core.face.silhouette import person_with_headwear, rows_above_the_ey
 from relight_core.imaging.colour import srgb_encode
 from relight_core.imaging.photo import Photo
 from relight_core.networks.bundle import NetworkBundle
+from relight_core.pipeline.per_photo.likely_person import closed
 from relight_core.pipeline.per_photo.network_view import network_view
 from relight_core.pipeline.stages import in_precision
 
@@ -23,6 +24,9 @@ _SIZE = 256
 _SURELY = 0.005
 _OUTLINE_SHARE, _OUTLINE_SHARE_OF_HATS = 0.8, 0.4
 _PERHAPS_HAT, _PLAINLY_HAT = 0.5, 0.95
+_HARDLY_HAT, _MAYBE_HAT = 0.2, 0.4
+_OPEN, _ENCLOSED, _GAP = 0.3, 0.5, 0.2
+"""Probability of the faintest of what lies around a gap, and by how much it is above the gap's."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -104,7 +108,8 @@ def parsing_within(parsing: torch.Tensor, outline: Outline, view: Crop) -> torch
     more where their log odds are averaged. What de-lighting takes for a face stays one. Above the eyes both must
     agree: a tree or a window right behind a head passes for hair or a hat with one of them, seldom with both. Where
     de-lighting plainly sees a hat it counts for more there: the person network takes the wide top of a cap for
-    something behind the cap's band.
+    something behind the cap's band. Nor does one look through a gap between a head and the hair above it where
+    de-lighting sees a hat rather than a gap: that is a hair band.
 
     Args:
         parsing: (1, classes, S, S) probabilities in a view of the photo.
@@ -113,7 +118,9 @@ def parsing_within(parsing: torch.Tensor, outline: Outline, view: Crop) -> torch
     by_parsing = person_with_headwear(found)
     likely, known = outline.seen_in(view, parsing.shape[-1])
     mean = _mean_odds(by_parsing, likely, _OUTLINE_SHARE)
-    agreed = np.minimum(mean, np.minimum(by_parsing, likely))
+    worn = np.clip((found[INDEX["hat"]] - _HARDLY_HAT) / (_MAYBE_HAT - _HARDLY_HAT), 0, 1)
+    likely = likely + worn * _enclosed(likely) * np.maximum(by_parsing - likely, 0)
+    agreed = np.minimum(_mean_odds(by_parsing, likely, _OUTLINE_SHARE), np.minimum(by_parsing, likely))
     hat = np.clip((found[INDEX["hat"]] - _PERHAPS_HAT) / (_PLAINLY_HAT - _PERHAPS_HAT), 0, 1)
     agreed += hat * np.maximum(_mean_odds(by_parsing, likely, _OUTLINE_SHARE_OF_HATS) - agreed, 0)
     mean = mean + rows_above_the_eyes(found) * (agreed - mean)
@@ -122,6 +129,12 @@ def parsing_within(parsing: torch.Tensor, outline: Outline, view: Crop) -> torch
     person = torch.maximum(person, parsing[:, list(FACE_LABELS)].sum(1, True))
     others = parsing[:, 1:] + 1e-4 * _by_default(parsing)
     return torch.cat([1 - person, person * others / others.sum(1, keepdim=True)], 1)
+
+
+def _enclosed(likely: np.ndarray) -> np.ndarray:
+    """How surely a probability (S, S) has a gap all within a person, (S, S) in [0, 1]."""
+    around = closed(likely)
+    return np.clip((around - _OPEN) / (_ENCLOSED - _OPEN), 0, 1) * np.clip((around - likely) / _GAP, 0, 1)
 
 
 def _mean_odds(first: np.ndarray, second: np.ndarray, share: float | np.ndarray) -> np.ndarray:
