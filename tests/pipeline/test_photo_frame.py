@@ -38,6 +38,19 @@ def test_a_plain_wall_is_no_frame(behind):
     assert inside_frame(round_head.astype(np.float32)) is None
 
 
+@pytest.mark.parametrize("quality", [95, 80, 60])
+@pytest.mark.parametrize("width", [10, 43])
+@pytest.mark.parametrize("colour", [0.0, 1.0])
+def test_a_frame_that_the_picture_rings_in_is_found(quality, width, colour):
+    picture, person = half_figure(0.4)
+    picture = cv2.resize(picture + np.float32(0.1) * ~person[..., None], None, fx=3, fy=3)
+    codes = (255 * framed(np.clip(picture, 0, 1), width, colour)).round().astype(np.uint8)
+    shown = cv2.imdecode(cv2.imencode(".jpg", codes, (cv2.IMWRITE_JPEG_QUALITY, quality))[1], cv2.IMREAD_COLOR)
+    rows, columns = inside_frame(shown.astype(np.float32) / 255)
+    assert (rows.start, rows.stop) == pytest.approx((width, width + 600), abs=3)
+    assert (columns.start, columns.stop) == pytest.approx((width, width + 480), abs=3)
+
+
 def test_nobody_goes_on_into_the_frame():
     picture, person = half_figure(0.4)
     whole, mask = framed(picture, 12, 1.0), framed(np.repeat(person[..., None], 3, 2).astype(np.float32), 12, 0)

@@ -10,6 +10,8 @@ _ALIKE, _LEAST_LINE, _LEAST_BESIDE = 0.98, 0.4, 0.2
 """Shares of a row that are frame in a frame, and picture just behind one: on one side at least, and on every other."""
 _WIDEST_SHARE = 0.25
 _BLURRED_PX = 2
+_RINGING_PX, _RINGING = 16, 0.9
+"""JPEG's blocks carry the picture's edge that far into a frame, hardly anywhere by as much as is surely picture."""
 
 
 def inside_frame(shown: np.ndarray) -> tuple[slice, slice] | None:
@@ -49,6 +51,12 @@ def inside_frame(shown: np.ndarray) -> tuple[slice, slice] | None:
 
 
 def _depth(away: np.ndarray) -> int:
-    """How many rows from the first on (n, m) are nowhere away from the frame's colour."""
-    plain = (away <= _FLAT).mean(axis=1) >= _ALIKE
-    return len(plain) if plain.all() else int(np.argmin(plain))
+    """How many rows from the first on (n, m) have the frame's colour, all but where a picture rings in it."""
+    depth = _first_not(away <= _FLAT, _ALIKE)
+    return depth + _first_not(away[depth : min(depth + _RINGING_PX, len(away) - 1)] <= _STEP, _RINGING)
+
+
+def _first_not(alike: np.ndarray, least: float) -> int:
+    """The first row (n, m) of which less than a share is alike; their number where there is none."""
+    fulfilled = np.append(alike.mean(axis=1) >= least, False)
+    return int(np.argmin(fulfilled))
