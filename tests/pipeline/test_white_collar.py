@@ -97,3 +97,15 @@ def test_a_bright_rim_along_the_jaw_is_no_collar():
 
 def test_what_starts_at_the_jaw_and_leaves_it_is_a_collar():
     assert float(white_from_the_jaw_down_to(64).min()) > 0.95
+
+
+def test_a_hint_of_another_tint_makes_no_collar_of_a_neck_at_once():
+    """A median of what is bright, beside one limit, would leap from none of it to all."""
+    collar = (SKIN_ALBEDO * 1.9).clamp_max(1).expand(3, 4, SIZE).clone()
+    collar[:, 1:] = 0.85
+    tints = torch.linspace(0, 0.6, 61)
+    colours = [collar * torch.exp(tint * torch.tensor([0.5, 0.0, -0.5]))[:, None, None] for tint in tints]
+    shares = [float(with_white_collar(*portrait(colour))[1][0, CLOTH].sum()) for colour in colours]
+    steps = [abs(after - before) for before, after in zip(shares, shares[1:], strict=False)]
+    assert max(shares) - min(shares) > 40
+    assert max(steps) < 0.4 * (max(shares) - min(shares))

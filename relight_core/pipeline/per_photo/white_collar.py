@@ -20,9 +20,12 @@ _FEWEST_PIXELS, _FEWEST_MOUTH_PIXELS = 50, 4
 _BRIGHTEST_SKIN = 0.95
 """Quantile of a face's brightness that stands for its lit side."""
 _BRIGHTER = 1.3
-_SMALLEST_COLLAR = 8
+_SMALLEST_COLLAR, _SURE_COLLAR = 4, 12
 """Pixels."""
-_MOSTLY_GREY = -0.7
+_BRIGHT, _NECK = 0.05, (0.2, 0.4)
+_COLOURED, _GREY = -0.6, -0.8
+_PERHAPS_MOST, _MOST = 0.45, 0.6
+"""Shares of what is bright that are of no colour, from which on it is a collar, in part and altogether."""
 _SKIN, _CLOTH = -0.25, -0.5
 _BLACK = 0.005
 _LIKELY = 0.3
@@ -54,10 +57,10 @@ def with_white_collar(
     brighter = brightness / brightness[face > 0.6].quantile(_BRIGHTEST_SKIN).clamp_min(1e-3) - 1
     off = log_colour((photo[0] + _BLACK).movedim(0, -1)) - seen
     colour = saturation(off, seen)[None, None]
-    bright = (neck > 0.3) & (brighter > 0)
-    if int(bright.sum()) < _SMALLEST_COLLAR or float(colour[bright].median()) > _MOSTLY_GREY:
+    surely = _mostly_grey(colour, _ramp(neck, *_NECK) * _ramp(brighter, 0, _BRIGHT))
+    if surely == 0:
         return albedo, parsing
-    share = neck * (brighter / (_BRIGHTER - 1)).clamp(0, 1) * ((colour - _SKIN) / (_CLOTH - _SKIN)).clamp(0, 1)
+    share = surely * neck * _ramp(brighter, 0, _BRIGHTER - 1) * _ramp(colour, _SKIN, _CLOTH)
     share = share * ~_rims(share, face)
     bare = torch.exp(own + off).movedim(-1, 0)[None]
     bare = bare * (grey(albedo) / grey(bare))
@@ -65,6 +68,20 @@ def with_white_collar(
     parsing[:, INDEX["neck"]] -= share[:, 0]
     parsing[:, INDEX["cloth"]] += share[:, 0]
     return (albedo + share * (bare - albedo)).clamp(0, 1), parsing
+
+
+def _mostly_grey(colour: torch.Tensor, bright: torch.Tensor) -> float:
+    """How surely most of what is bright, (1, 1, S, S) in [0, 1], is of no colour beside the skin's, [0, 1].
+
+    Counted little by little: a median would leap from the collar to the skin beside it with a hint of another tint.
+    """
+    pixels = bright.sum()
+    grey_share = (bright * _ramp(colour, _COLOURED, _GREY)).sum() / pixels.clamp_min(1e-6)
+    return float(_ramp(grey_share, _PERHAPS_MOST, _MOST) * _ramp(pixels, _SMALLEST_COLLAR, _SURE_COLLAR))
+
+
+def _ramp(value: torch.Tensor, start: float, full: float) -> torch.Tensor:
+    return ((value - start) / (full - start)).clamp(0, 1)
 
 
 def _rims(share: torch.Tensor, face: torch.Tensor) -> torch.Tensor:
