@@ -90,13 +90,15 @@ def test_where_half_the_light_is_hidden_a_deeper_shadow_is_not_black(gain, left)
     torch.testing.assert_close(explicit_sum(albedo, reflected, half, 1.0, gain), torch.full((1, 3, 2, 2), left))
 
 
-def test_a_tinted_shadow_takes_more_of_one_colour_than_of_another():
+def test_a_shadow_takes_more_of_one_colour_than_of_another_at_their_odds():
     white, reflected = torch.ones(1, 3, 1, 1), torch.zeros(1, 6, 1, 1)
     reflected[:, :3] = 2
-    tint = torch.tensor([0.5, 1.0, 1.5])[None, :, None, None]
-    half = Effects(torch.zeros(1, 1, 1, 1), torch.ones(1, 1, 1, 1), tint)
-    expected = torch.tensor([1.5, 1.0, 0.5])
-    torch.testing.assert_close(explicit_sum(white, reflected, half).flatten(), expected)
+    odds = torch.tensor([0.25, 1.0, 2.5])[None, :, None, None]
+    half = Effects(torch.zeros(1, 1, 1, 1), torch.ones(1, 1, 1, 1), odds)
+    left = explicit_sum(white, reflected, half).flatten() / 2
+    assert float(left @ torch.tensor([0.2126, 0.7152, 0.0722])) == pytest.approx(0.5, abs=1e-3)
+    hidden = (1 - left) / left
+    assert float(hidden[2] / hidden[0]) == pytest.approx(10, rel=0.05)
 
 
 def test_a_highlight_of_one_pixel_is_spread_and_even_gloss_stays_even_at_the_border():

@@ -58,3 +58,13 @@ def test_a_bald_head_stays_bald_even_with_a_white_highlight():
 def test_a_face_whose_eyes_are_not_seen_is_left_as_it_is():
     before = head(0.6, eyes=False)
     assert with_white_hair(before) is before
+
+
+def test_a_hint_of_another_tint_makes_no_hair_of_a_scalp_at_once():
+    """A limit on the scalp's middle colour alone would turn all of it, or none."""
+    grey, skin = torch.full((3, SIZE // 3, SIZE), 0.5), SKIN_ALBEDO.expand(3, SIZE // 3, SIZE)
+    mixtures = (torch.lerp(grey, skin, float(part)) for part in torch.linspace(0, 1, 51))
+    shares = [float(with_white_hair(head(scalp)).parsing[0, HAIR].mean()) for scalp in mixtures]
+    steps = [abs(after - before) for before, after in zip(shares, shares[1:], strict=False)]
+    assert max(shares) - min(shares) > 0.3
+    assert max(steps) < 0.25 * (max(shares) - min(shares))

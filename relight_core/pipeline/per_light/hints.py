@@ -13,6 +13,7 @@ import torch.nn.functional as F
 from relight_core.face.gloss import GLOSS_SHARE
 from relight_core.imaging.tensor_colour import grey
 from relight_core.imaging.tensor_constants import constant
+from relight_core.imaging.tensor_ramp import ramp
 from relight_core.networks.specular_shadow import Occlusion, SpecularShadowConfig
 
 _NOTHING = 1e-6
@@ -163,13 +164,8 @@ def doubtful_shadow(
     gloss_by_relief = by_relief if effects.gloss_by_relief is None else effects.gloss_by_relief * trusted
     of_diffuse = torch.minimum(hidden_share(effects, diffuse, gloss), by_relief) * diffuse
     of_gloss = torch.minimum(hidden_gloss(effects, gloss), gloss_by_relief * gloss)
-    certain = _certainty(by_relief) * of_diffuse + _certainty(gloss_by_relief) * of_gloss
+    certain = ramp(by_relief, *_CERTAIN) * of_diffuse + ramp(gloss_by_relief, *_CERTAIN) * of_gloss
     return (effects.shadow - certain).clamp_min(0)
-
-
-def _certainty(by_relief: torch.Tensor) -> torch.Tensor:
-    least, most = _CERTAIN
-    return ((by_relief - least) / (most - least)).clamp(0, 1)
 
 
 def explicit_sum(

@@ -32,6 +32,7 @@ import torch
 
 from relight_core.face.parsing import INDEX
 from relight_core.imaging.tensor_means import local_means
+from relight_core.imaging.tensor_ramp import ramp
 from relight_core.lighting.environment import mean_luminance
 from relight_core.lighting.likeness import likeness
 from relight_core.pipeline.per_light.hints import Effects, grey
@@ -149,21 +150,17 @@ def _hair_and_skin(surface: Surface, log_ratio: torch.Tensor) -> tuple[torch.Ten
         return hair, skin
     albedo = grey(surface.albedo).clamp_min(_BLACK).log()
     dark, dim = -log_ratio.mean(1, keepdim=True), albedo[surely].median() - albedo
-    both = torch.minimum(_ramp(dark, *_DARK_NECK), _ramp(dim, *_DIM_NECK))
+    both = torch.minimum(ramp(dark, *_DARK_NECK), ramp(dim, *_DIM_NECK))
     likelier = hair * torch.exp(_HAIR_LOG_ODDS * both)
     mistaken = (hair + neck) * likelier / (likelier + neck).clamp_min(1e-6) - hair
     return hair + mistaken, skin - mistaken
-
-
-def _ramp(value: torch.Tensor, start: float, full: float) -> torch.Tensor:
-    return ((value - start) / (full - start)).clamp(0, 1)
 
 
 def _glare_share(log_ratio: torch.Tensor, skin: torch.Tensor, hair: torch.Tensor) -> torch.Tensor:
     """(1, 1, S, S) how surely a light from behind has caused a log ratio, [0, 1]."""
     brighter, share = log_ratio.mean(1, keepdim=True), torch.zeros_like(skin)
     for kind, (start, full) in ((skin, _GLARE_OF_SKIN), (hair, _GLARE_OF_HAIR)):
-        share = share + likely(kind) * _ramp(brighter, start, full)
+        share = share + likely(kind) * ramp(brighter, start, full)
     return share.clamp_max(1)
 
 

@@ -10,8 +10,9 @@ from __future__ import annotations
 import torch
 
 from relight_core.face.parsing import share_of
+from relight_core.imaging.tensor_ramp import ramp
 from relight_core.pipeline.per_photo.glare import likely
-from relight_core.pipeline.per_photo.skin_colour import NO_COLOUR, below
+from relight_core.pipeline.per_photo.skin_colour import NO_COLOUR
 from relight_core.pipeline.stages import Surface
 
 _BLACK = 0.005
@@ -27,7 +28,7 @@ def off_black(surface: Surface, tint: torch.Tensor) -> torch.Tensor:
         Log ratios of mean 0, (1, 3, S, S).
     """
     # There is blue that is bright enough to tell and of next to no luminance.
-    too_dark = below(surface.photo.amax(1, keepdim=True), *NO_COLOUR)
+    too_dark = ramp(surface.photo.amax(1, keepdim=True), *NO_COLOUR)
     black = likely(share_of(surface.parsing, ("hair", "hat", "cloth"))) * too_dark
     return black * (_colour(surface.albedo) + tint - _colour(surface.photo))
 

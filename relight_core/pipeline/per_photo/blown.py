@@ -11,6 +11,7 @@ import torch.nn.functional as F
 
 from relight_core.face.parsing import INDEX, share_of
 from relight_core.imaging.tensor_colour import grey
+from relight_core.imaging.tensor_ramp import ramp
 
 _SKIN = ("skin", "nose", "neck")
 BROWS = ("left_brow", "right_brow")
@@ -23,7 +24,7 @@ _SKIN_FOR_LIPS = 0.02
 
 def clipped_share(photo: torch.Tensor) -> torch.Tensor:
     """How far each channel of a photo (1, 3, S, S), linear, counts as clipped, [0, 1]."""
-    return ((photo - _FROM) / (_TO - _FROM)).clamp(0, 1)
+    return ramp(photo, _FROM, _TO)
 
 
 def skin_share(parsing: torch.Tensor) -> torch.Tensor:

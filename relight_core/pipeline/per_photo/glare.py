@@ -11,6 +11,7 @@ from dataclasses import replace
 import torch
 
 from relight_core.imaging.tensor_colour import grey
+from relight_core.imaging.tensor_ramp import ramp
 from relight_core.pipeline.per_photo.blown import fill_in
 from relight_core.pipeline.stages import Surface
 
@@ -45,9 +46,9 @@ def without_glare(surface: Surface, shading: torch.Tensor, skin: torch.Tensor) -
 
 def likely(share: torch.Tensor) -> torch.Tensor:
     """Of a class's probability: 1 where it is three times as likely as all others, 0 where it is less than they are."""
-    return ((share - _UNLIKELY) / (_LIKELY - _UNLIKELY)).clamp(0, 1)
+    return ramp(share, _UNLIKELY, _LIKELY)
 
 
 def _beyond_most(logarithm: torch.Tensor, skin: torch.Tensor) -> torch.Tensor:
     """How surely a logarithm (1, 1, S, S) lies beyond its median over the skin, [0, 1]."""
-    return ((logarithm - logarithm[skin].median() - _FROM) / (_TO - _FROM)).clamp(0, 1)
+    return ramp(logarithm - logarithm[skin].median(), _FROM, _TO)

@@ -17,6 +17,7 @@ import torch
 
 from relight_core.imaging.tensor_colour import grey
 from relight_core.imaging.tensor_means import local_means
+from relight_core.imaging.tensor_ramp import ramp
 from relight_core.pipeline.stages import Surface
 
 _SURE = 0.6
@@ -26,9 +27,9 @@ _COMMON = 0.15
 _BLUE, _BLUE_OF_PALE = 0.05, 1.4
 """Less blood and melanin make skin bluer only as they make it less red, and melanin's absorption falls toward red:
 by that much more does the log ratio of blue to green rise than that of red to green falls. Bluer skin is lit so."""
-NO_COLOUR = (0.008, 0.025)
-"""Of a photo, linear: 8-bit codes 22 and 42. Below, a few codes of JPEG's chroma are a colour of their own."""
-_DEEP_SHADOW = (0.2, 0.7)
+NO_COLOUR = (0.025, 0.008)
+"""Of a photo, linear: 8-bit codes 42 and 22. Below, a few codes of JPEG's chroma are a colour of their own."""
+_DEEP_SHADOW = (0.7, 0.2)
 """Of the luminance of most of the skin: there other lights than the estimated one are brighter than it is."""
 _PAINT, _PLAIN = 0.5, 0.25
 """Log ratios: paint is further off than the first, and plain skin less than the second."""
@@ -58,7 +59,7 @@ def in_one_colour(surface: Surface, skin: torch.Tensor) -> Surface:
     skin = skin * ~painted(ratios - middle, surface.photo, skin)
     colour = local_means(ratios, skin)
     excess = torch.lerp(_unnatural(colour - middle), _unnatural(ratios - middle), deep_shadow(surface.photo, skin))
-    excess = torch.lerp(excess, ratios - middle, below(grey(surface.photo), *NO_COLOUR))
+    excess = torch.lerp(excess, ratios - middle, ramp(grey(surface.photo), *NO_COLOUR))
     evened = surface.albedo * torch.exp(-excess * skin)
     evened = evened * (grey(surface.albedo) / grey(evened).clamp_min(1e-6))
     return replace(surface, albedo=evened.clamp(0, 1))
@@ -74,7 +75,7 @@ def deep_shadow(photo: torch.Tensor, skin: torch.Tensor) -> torch.Tensor:
     known, seen = skin > _SURE, grey(photo)
     if int(known.sum()) < _FEWEST_PIXELS:
         return torch.zeros_like(skin)
-    return skin * below(seen / seen[known].median().clamp_min(1e-6), *_DEEP_SHADOW)
+    return skin * ramp(seen / seen[known].median().clamp_min(1e-6), *_DEEP_SHADOW)
 
 
 def painted(off: torch.Tensor, photo: torch.Tensor, skin: torch.Tensor) -> torch.Tensor:
@@ -112,8 +113,3 @@ def _unnatural(off: torch.Tensor) -> torch.Tensor:
     paler = (-natural[:, :1]).clamp_min(0)
     bluest = (_BLUE + _BLUE_OF_PALE * paler).clamp_max(_COMMON)
     return off - torch.cat([natural[:, :2], torch.minimum(natural[:, 2:], bluest)], 1)
-
-
-def below(values: torch.Tensor, low: float, high: float) -> torch.Tensor:
-    """1 up to the lower value, 0 from the higher one on."""
-    return ((high - values) / (high - low)).clamp(0, 1)

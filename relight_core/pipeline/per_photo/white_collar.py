@@ -13,6 +13,7 @@ import torch
 
 from relight_core.face.parsing import INDEX, middle_row
 from relight_core.imaging.tensor_colour import grey
+from relight_core.imaging.tensor_ramp import ramp
 from relight_core.pipeline.per_photo.saturation import log_colour, middle_colour, saturation
 
 _MOUTH = ("lips", "inner_mouth")
@@ -57,10 +58,10 @@ def with_white_collar(
     brighter = brightness / brightness[face > 0.6].quantile(_BRIGHTEST_SKIN).clamp_min(1e-3) - 1
     off = log_colour((photo[0] + _BLACK).movedim(0, -1)) - seen
     colour = saturation(off, seen)[None, None]
-    surely = _mostly_grey(colour, _ramp(neck, *_NECK) * _ramp(brighter, 0, _BRIGHT))
+    surely = _mostly_grey(colour, ramp(neck, *_NECK) * ramp(brighter, 0, _BRIGHT))
     if surely == 0:
         return albedo, parsing
-    share = surely * neck * _ramp(brighter, 0, _BRIGHTER - 1) * _ramp(colour, _SKIN, _CLOTH)
+    share = surely * neck * ramp(brighter, 0, _BRIGHTER - 1) * ramp(colour, _SKIN, _CLOTH)
     share = share * ~_rims(share, face)
     bare = torch.exp(own + off).movedim(-1, 0)[None]
     bare = bare * (grey(albedo) / grey(bare))
@@ -76,12 +77,8 @@ def _mostly_grey(colour: torch.Tensor, bright: torch.Tensor) -> float:
     Counted little by little: a median would leap from the collar to the skin beside it with a hint of another tint.
     """
     pixels = bright.sum()
-    grey_share = (bright * _ramp(colour, _COLOURED, _GREY)).sum() / pixels.clamp_min(1e-6)
-    return float(_ramp(grey_share, _PERHAPS_MOST, _MOST) * _ramp(pixels, _SMALLEST_COLLAR, _SURE_COLLAR))
-
-
-def _ramp(value: torch.Tensor, start: float, full: float) -> torch.Tensor:
-    return ((value - start) / (full - start)).clamp(0, 1)
+    grey_share = (bright * ramp(colour, _COLOURED, _GREY)).sum() / pixels.clamp_min(1e-6)
+    return float(ramp(grey_share, _PERHAPS_MOST, _MOST) * ramp(pixels, _SMALLEST_COLLAR, _SURE_COLLAR))
 
 
 def _rims(share: torch.Tensor, face: torch.Tensor) -> torch.Tensor:

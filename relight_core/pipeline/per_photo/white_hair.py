@@ -12,12 +12,14 @@ import torch
 
 from relight_core.face.parsing import INDEX, middle_row
 from relight_core.imaging.tensor_colour import grey
+from relight_core.imaging.tensor_ramp import ramp
 from relight_core.pipeline.per_photo.saturation import log_colour, middle_colour, saturation
 from relight_core.pipeline.stages import Surface
 
 _EYES = ("left_eye", "right_eye", "left_brow", "right_brow")
 _FEWEST_PIXELS, _FEWEST_EYE_PIXELS = 50, 4
-_MOSTLY_GREY = -0.5
+_PERHAPS_GREY, _MOSTLY_GREY = -0.4, -0.6
+"""Saturation of the scalp's middle colour beside the skin's, from which on it is hair, in part and altogether."""
 _SKIN, _HAIR = -0.25, -0.5
 _BLACK = 0.005
 
@@ -49,10 +51,13 @@ def with_white_hair(surface: Surface) -> Surface:
     scalp = surface.parsing[:, INDEX["neck"], None] * above
     seen, own = (middle_colour(image, face, _FEWEST_PIXELS) for image in (surface.photo, surface.albedo))
     on_scalp = middle_colour(surface.photo, scalp, _FEWEST_PIXELS)
-    if seen is None or on_scalp is None or float(saturation(on_scalp - seen, seen)) > _MOSTLY_GREY:
+    if seen is None or on_scalp is None:
+        return surface
+    mostly = ramp(saturation(on_scalp - seen, seen), _PERHAPS_GREY, _MOSTLY_GREY)
+    if mostly == 0:
         return surface
     off = log_colour((surface.photo[0] + _BLACK).movedim(0, -1)) - seen
-    share = scalp * ((saturation(off, seen) - _SKIN) / (_HAIR - _SKIN)).clamp(0, 1)
+    share = mostly * scalp * ramp(saturation(off, seen), _SKIN, _HAIR)
     bare = torch.exp(own + off).movedim(-1, 0)[None]
     bare = bare * (grey(surface.albedo) / grey(bare))
     parsing = with_scalp_as_hair(surface.parsing, share)
