@@ -6,11 +6,12 @@ Xlib ends a program at the first error that nobody handles, with all work that i
 from __future__ import annotations
 
 import ctypes
-import ctypes.util
 import sys
 
 import glfw
 
+_XLIB = "libX11.so.6"
+"""By this name GLFW has loaded it where it speaks X11."""
 _BAD_WINDOW = 3
 _CONVERSATION = frozenset({18, 19, 20, 24, 25})
 """Requests that speak to another program's window: set, delete and get a property, ask for a selection, send."""
@@ -36,10 +37,7 @@ def forgive_gone_windows() -> None:
     """From now on such errors are passed over, and all others left to who handled them before. X11 alone has them."""
     if _installed or sys.platform != "linux" or glfw.get_platform() != glfw.PLATFORM_X11:
         return
-    name = ctypes.util.find_library("X11")
-    if name is None:
-        return
-    set_handler = ctypes.CDLL(name).XSetErrorHandler
+    set_handler = ctypes.CDLL(_XLIB).XSetErrorHandler
     set_handler.argtypes, set_handler.restype = [_Handler], _Handler
 
     @_Handler
