@@ -12,6 +12,9 @@ follows what the photo's own pattern doesn't explain, and the pattern keeps its 
 Of a mouth or an eye it sees even less: every tooth would get a gain of its own, an open corner a gloss, an iris a
 veil. The light there is as even as the light around it.
 
+Of a nostril they see nothing: where skin is far darker than all around it, light that a weaker shadow gives back
+brightens it by no more than that.
+
 Gloss that is added as smooth as the networks see it lies over skin like a veil. Pores and hairs break a highlight
 as they break all light, so most of the gloss follows the photo's texture: it is part of the gain.
 """
@@ -23,6 +26,8 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
+from relight_core.imaging.colour import luminance
+
 LARGEST_GAIN = 16.0
 _DARK = 1e-3
 _CALM = 0.1
@@ -31,6 +36,10 @@ _EVEN_PX = 9
 _TEXTURED = 0.8
 _PALE = 0.05
 _BRIGHTEST = 65504.0
+_HOLE_SHARE = 0.07
+"""Of the view: nostrils are lower, and so are the corners beside them."""
+_HOLE = (0.5, 0.25)
+"""What is left of the brightness all around from which on a place counts as a hole, in part and altogether."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -113,6 +122,8 @@ def fit_light_change(photo: np.ndarray, relit: np.ndarray, gloss: np.ndarray, ma
     offset = veil * gloss + _DARK * np.clip(gain - 1.0, 0.0, LARGEST_GAIN)
     # Of a pattern, light that a shadow gives back brightens the dark places as it does those around them.
     seen = photo + patterned * (_mean(photo) - photo)
+    around, hole = _holes(photo)
+    seen = seen + hole * (1 - patterned) * (around - seen).clip(0)
     lift = even * shine + (1 - even) / (seen + _DARK)
     return LightChange(within_reach(gain + shine * gloss), offset, shine, veil, lift)
 
@@ -136,6 +147,18 @@ def _evened(photo: np.ndarray, matt: np.ndarray, gain: np.ndarray, share: np.nda
     size = (_EVEN_PX, _EVEN_PX)
     before, after = (cv2.GaussianBlur((image + _DARK) * share, size, 0) for image in (photo, matt))
     return gain + (after / np.maximum(before, 1e-9) - gain) * share
+
+
+def _holes(photo: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """What is around small dark places, (s, s, 3), and how surely each is a hole, (s, s, 1) in [0, 1].
+
+    A nostril is dark in whatever light. Albedo and normals have filled it with skin, so that light given back to
+    skin would be many times what the photo shows of it: noise, and a glowing rim.
+    """
+    side_px = max(round(_HOLE_SHARE * len(photo)), 1) | 1
+    around = cv2.morphologyEx(photo, cv2.MORPH_CLOSE, np.ones((side_px, side_px), np.uint8))
+    left = (luminance(photo) + _DARK) / (luminance(around) + _DARK)
+    return around, np.clip((_HOLE[0] - left) / (_HOLE[0] - _HOLE[1]), 0.0, 1.0)[..., None]
 
 
 def _with_added(gain: np.ndarray, more: np.ndarray) -> np.ndarray:

@@ -192,3 +192,22 @@ def test_gloss_on_what_is_nearly_black_needs_no_more_gain_than_there_may_be():
     photo, relit = np.full((8, 8, 3), 0.005, np.float32), np.full((8, 8, 3), 0.205, np.float32)
     change = fit_light_change(photo, relit, np.full_like(relit, 0.2), made_of(textured=1.0, size=8))
     np.testing.assert_allclose(change.apply(photo), relit, rtol=0.02)
+
+
+def nostril(size=64):
+    """Skin with a small dark place in it, and where that is."""
+    photo = np.full((size, size, 3), (0.5, 0.3, 0.25), np.float32)
+    hole = np.zeros((size, size), bool)
+    hole[size // 2 : size // 2 + 3, size // 2 : size // 2 + 5] = True
+    photo[hole] = (0.08, 0.03, 0.03)
+    return photo, hole
+
+
+def test_a_nostril_stays_dark_where_a_weaker_shadow_gives_light_back_to_skin():
+    photo, hole = nostril()
+    change = fit_light_change(photo, 0.5 * photo, np.zeros_like(photo), made_of(textured=1, size=64))
+    lifted = np.full_like(photo, 0.3)
+    gain, offset = change.moved(np.ones_like(photo), np.zeros_like(photo), lifted)
+    shown = gain * photo + offset
+    np.testing.assert_allclose(shown[~hole], (0.5 * photo + lifted)[~hole], rtol=0.02)
+    assert shown[hole].max() < 0.2 * shown[~hole].max()
