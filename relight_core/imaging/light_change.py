@@ -27,6 +27,7 @@ import cv2
 import numpy as np
 
 from relight_core.imaging.colour import luminance
+from relight_core.imaging.ramp import ramp
 
 LARGEST_GAIN = 16.0
 _DARK = 1e-3
@@ -158,7 +159,7 @@ def _holes(photo: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     side_px = max(round(_HOLE_SHARE * len(photo)), 1) | 1
     around = cv2.morphologyEx(photo, cv2.MORPH_CLOSE, np.ones((side_px, side_px), np.uint8))
     left = (luminance(photo) + _DARK) / (luminance(around) + _DARK)
-    return around, np.clip((_HOLE[0] - left) / (_HOLE[0] - _HOLE[1]), 0.0, 1.0)[..., None]
+    return around, ramp(left, *_HOLE)[..., None]
 
 
 def _with_added(gain: np.ndarray, more: np.ndarray) -> np.ndarray:

@@ -8,6 +8,7 @@ from relight_core.imaging.colour import REC709_LUMINANCE
 from relight_core.imaging.tensor_constants import constant
 
 _LUMINANCE = tuple(REC709_LUMINANCE.tolist())
+_BLACKEST = 1e-6
 
 
 def srgb_encode(linear: torch.Tensor) -> torch.Tensor:
@@ -28,6 +29,11 @@ def srgb_decode(encoded: torch.Tensor) -> torch.Tensor:
 def grey(image: torch.Tensor) -> torch.Tensor:
     """Rec.709 luminance (B, 1, H, W) of linear (B, 3, H, W)."""
     return (image * luminance_weights(image)[None, :, None, None]).sum(1, keepdim=True)
+
+
+def as_bright_as(image: torch.Tensor, other: torch.Tensor) -> torch.Tensor:
+    """A linear image (B, 3, H, W) with its own colours and the luminance of another."""
+    return image * (grey(other) / grey(image).clamp_min(_BLACKEST))
 
 
 def luminance_weights(like: torch.Tensor) -> torch.Tensor:

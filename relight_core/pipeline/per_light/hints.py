@@ -11,9 +11,9 @@ import torch
 import torch.nn.functional as F
 
 from relight_core.face.gloss import GLOSS_SHARE
+from relight_core.imaging.ramp import ramp
 from relight_core.imaging.tensor_colour import grey
 from relight_core.imaging.tensor_constants import constant
-from relight_core.imaging.tensor_ramp import ramp
 from relight_core.networks.specular_shadow import Occlusion, SpecularShadowConfig
 
 _NOTHING = 1e-6

@@ -31,8 +31,8 @@ from dataclasses import dataclass, replace
 import torch
 
 from relight_core.face.parsing import INDEX
+from relight_core.imaging.ramp import ramp
 from relight_core.imaging.tensor_means import local_means
-from relight_core.imaging.tensor_ramp import ramp
 from relight_core.lighting.environment import mean_luminance
 from relight_core.lighting.likeness import likeness
 from relight_core.pipeline.per_light.hints import Effects, grey

@@ -10,8 +10,8 @@ import torch
 import torch.nn.functional as F
 
 from relight_core.face.parsing import INDEX, share_of
+from relight_core.imaging.ramp import ramp
 from relight_core.imaging.tensor_colour import grey
-from relight_core.imaging.tensor_ramp import ramp
 
 _SKIN = ("skin", "nose", "neck")
 BROWS = ("left_brow", "right_brow")

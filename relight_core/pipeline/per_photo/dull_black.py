@@ -9,6 +9,7 @@ from __future__ import annotations
 import torch
 
 from relight_core.face.parsing import INDEX, share_of
+from relight_core.imaging.ramp import ramp
 from relight_core.imaging.tensor_colour import grey
 
 _BLACK, _DARKEST_SKIN, _BLACK_GLOSS = 0.015, 0.045, 0.08
@@ -37,4 +38,4 @@ def gloss_of_black(albedo: torch.Tensor, parsing: torch.Tensor) -> torch.Tensor:
 
 
 def _from_to(dark: torch.Tensor, black: float, glossy: float) -> torch.Tensor:
-    return ((dark - black) / (glossy - black)).clamp(_BLACK_GLOSS, 1)
+    return ramp(dark, black, glossy).clamp_min(_BLACK_GLOSS)

@@ -10,8 +10,8 @@ from dataclasses import replace
 
 import torch
 
+from relight_core.imaging.ramp import ramp
 from relight_core.imaging.tensor_colour import grey
-from relight_core.imaging.tensor_ramp import ramp
 from relight_core.pipeline.per_photo.blown import fill_in
 from relight_core.pipeline.stages import Surface
 

@@ -16,6 +16,7 @@ import torch
 from relight_core.face.parsing import INDEX
 from relight_core.imaging.colour import srgb_encode
 from relight_core.imaging.colour_counts import bins_of, log_odds, shares_of
+from relight_core.imaging.ramp import ramp
 from relight_core.pipeline.per_photo.white_hair import above_the_eyes, with_scalp_as_hair
 from relight_core.pipeline.stages import Surface
 
@@ -38,7 +39,7 @@ def with_hair_on_scalp(surface: Surface) -> Surface:
     bins = bins_of(srgb_encode(surface.photo[0].movedim(0, -1).float().cpu().numpy()))
     told = log_odds(bins, shares_of(bins, hair), shares_of(bins, skin)).astype(np.float32)
     told = cv2.blur(told, (_AROUND_PX, _AROUND_PX))
-    likely = torch.from_numpy(np.clip((told - _PERHAPS_HAIR) / (_HAIR - _PERHAPS_HAIR), 0, 1)).to(surface.parsing)
+    likely = torch.from_numpy(ramp(told, _PERHAPS_HAIR, _HAIR)).to(surface.parsing)
     share = surface.parsing[:, INDEX["neck"], None] * above * likely
     return replace(surface, parsing=with_scalp_as_hair(surface.parsing, share))
 

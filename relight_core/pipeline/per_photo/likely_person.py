@@ -9,6 +9,7 @@ from relight_core.face.crop import Crop
 from relight_core.face.paste import all_of, places_of, spread_crop
 from relight_core.face.person_view import upright
 from relight_core.imaging.colour_counts import bins_of, log_odds, shares_of
+from relight_core.imaging.ramp import ramp
 
 _SURELY_BODY, _PROBABLY_BODY, _PERHAPS_BODY, _NOBODY = 0.97, 0.6, 0.2, 0.02
 _LEAST = 0.01
@@ -93,7 +94,7 @@ def without_holes(matte: np.ndarray, placed: list[np.ndarray]) -> np.ndarray:
         (h, w) float32, nowhere below the matte.
     """
     person = np.maximum.reduce([np.zeros_like(matte), *placed])
-    known = np.clip((person - _NO_GAP_FROM) / (_SURE_FROM - _NO_GAP_FROM), 0, 1)
+    known = ramp(person, _NO_GAP_FROM, _SURE_FROM)
     return matte + known * (closed(matte) - matte)
 
 
@@ -135,7 +136,7 @@ def _like_what_is_about(matte: np.ndarray, gaps: np.ndarray, guide: np.ndarray) 
         gap = parts[about] == part
         person = shares_of(bins[about], _sure(matte[about]))
         likeness = np.average(log_odds(bins[about][gap], person, behind), weights=1 - matte[about][gap])
-        surely[about][gap] = np.clip((likeness - _PERHAPS_ALIKE) / (_SURELY_ALIKE - _PERHAPS_ALIKE), 0, 1)
+        surely[about][gap] = ramp(likeness, _PERHAPS_ALIKE, _SURELY_ALIKE)
     return cv2.dilate(surely, _RIM)
 
 
@@ -207,4 +208,4 @@ def _as_colours_say(guide: np.ndarray, prior: np.ndarray) -> np.ndarray:
 
 
 def _sure(probability: np.ndarray) -> np.ndarray:
-    return np.clip((probability - _SURE_FROM) / (1 - _SURE_FROM), 0, 1)
+    return ramp(probability, _SURE_FROM, 1)

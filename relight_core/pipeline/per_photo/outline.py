@@ -15,6 +15,7 @@ from relight_core.face.person_view import face_in_view, inside_photo
 from relight_core.face.silhouette import person_with_headwear, rows_above_the_eyes
 from relight_core.imaging.colour import srgb_encode
 from relight_core.imaging.photo import Photo
+from relight_core.imaging.ramp import ramp
 from relight_core.networks.bundle import NetworkBundle
 from relight_core.pipeline.per_photo.likely_person import closed
 from relight_core.pipeline.per_photo.network_view import network_view
@@ -118,10 +119,10 @@ def parsing_within(parsing: torch.Tensor, outline: Outline, view: Crop) -> torch
     by_parsing = person_with_headwear(found)
     likely, known = outline.seen_in(view, parsing.shape[-1])
     mean = _mean_odds(by_parsing, likely, _OUTLINE_SHARE)
-    worn = np.clip((found[INDEX["hat"]] - _HARDLY_HAT) / (_MAYBE_HAT - _HARDLY_HAT), 0, 1)
+    worn = ramp(found[INDEX["hat"]], _HARDLY_HAT, _MAYBE_HAT)
     likely = likely + worn * _enclosed(likely) * np.maximum(by_parsing - likely, 0)
     agreed = np.minimum(_mean_odds(by_parsing, likely, _OUTLINE_SHARE), np.minimum(by_parsing, likely))
-    hat = np.clip((found[INDEX["hat"]] - _PERHAPS_HAT) / (_PLAINLY_HAT - _PERHAPS_HAT), 0, 1)
+    hat = ramp(found[INDEX["hat"]], _PERHAPS_HAT, _PLAINLY_HAT)
     agreed += hat * np.maximum(_mean_odds(by_parsing, likely, _OUTLINE_SHARE_OF_HATS) - agreed, 0)
     mean = mean + rows_above_the_eyes(found) * (agreed - mean)
     both = known * mean + (1 - known) * by_parsing
@@ -134,7 +135,7 @@ def parsing_within(parsing: torch.Tensor, outline: Outline, view: Crop) -> torch
 def _enclosed(likely: np.ndarray) -> np.ndarray:
     """How surely a probability (S, S) has a gap all within a person, (S, S) in [0, 1]."""
     around = closed(likely)
-    return np.clip((around - _OPEN) / (_ENCLOSED - _OPEN), 0, 1) * np.clip((around - likely) / _GAP, 0, 1)
+    return ramp(around, _OPEN, _ENCLOSED) * ramp(around - likely, 0, _GAP)
 
 
 def _mean_odds(first: np.ndarray, second: np.ndarray, share: float | np.ndarray) -> np.ndarray:

@@ -14,7 +14,7 @@ from dataclasses import replace
 import torch
 
 from relight_core.face.parsing import INDEX, share_of
-from relight_core.imaging.tensor_colour import grey
+from relight_core.imaging.tensor_colour import as_bright_as
 from relight_core.imaging.tensor_means import local_means
 from relight_core.pipeline.per_photo.black_colour import off_black
 from relight_core.pipeline.per_photo.blown import BROWS, at_least, clipped_share, flesh_share, skin_share
@@ -25,7 +25,7 @@ from relight_core.pipeline.stages import Surface
 _OF_ANY_COLOUR = ("hair", "hat", "cloth", "lips")
 _HATS, _BROWS = 0.5, 0.8
 """How much of a log ratio of brightness is the surface's own, of brows beside the skin around; the rest is shading."""
-_BLACK, _BLACKEST, _LARGEST_LOG = 0.005, 1e-6, 3.0
+_BLACK, _LARGEST_LOG = 0.005, 3.0
 
 
 def with_seen_colours(surface: Surface, irradiance: torch.Tensor, gloss: torch.Tensor) -> Surface:
@@ -56,5 +56,4 @@ def _tinted(albedo: torch.Tensor, tint: torch.Tensor) -> torch.Tensor:
 
     A tint of mean 0 alone would leave the product of the channels, and make of a dull red a bright one.
     """
-    tinted = albedo * torch.exp(tint)
-    return tinted * (grey(albedo) / grey(tinted).clamp_min(_BLACKEST))
+    return as_bright_as(albedo * torch.exp(tint), albedo)

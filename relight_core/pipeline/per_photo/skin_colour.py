@@ -15,9 +15,9 @@ import cv2
 import numpy as np
 import torch
 
-from relight_core.imaging.tensor_colour import grey
+from relight_core.imaging.ramp import ramp
+from relight_core.imaging.tensor_colour import as_bright_as, grey
 from relight_core.imaging.tensor_means import local_means
-from relight_core.imaging.tensor_ramp import ramp
 from relight_core.pipeline.stages import Surface
 
 _SURE = 0.6
@@ -60,8 +60,7 @@ def in_one_colour(surface: Surface, skin: torch.Tensor) -> Surface:
     colour = local_means(ratios, skin)
     excess = torch.lerp(_unnatural(colour - middle), _unnatural(ratios - middle), deep_shadow(surface.photo, skin))
     excess = torch.lerp(excess, ratios - middle, ramp(grey(surface.photo), *NO_COLOUR))
-    evened = surface.albedo * torch.exp(-excess * skin)
-    evened = evened * (grey(surface.albedo) / grey(evened).clamp_min(1e-6))
+    evened = as_bright_as(surface.albedo * torch.exp(-excess * skin), surface.albedo)
     return replace(surface, albedo=evened.clamp(0, 1))
 
 

@@ -12,8 +12,8 @@ import numpy as np
 import torch
 
 from relight_core.face.parsing import INDEX, middle_row
-from relight_core.imaging.tensor_colour import grey
-from relight_core.imaging.tensor_ramp import ramp
+from relight_core.imaging.ramp import ramp
+from relight_core.imaging.tensor_colour import as_bright_as, grey
 from relight_core.pipeline.per_photo.saturation import log_colour, middle_colour, saturation
 
 _MOUTH = ("lips", "inner_mouth")
@@ -63,8 +63,7 @@ def with_white_collar(
         return albedo, parsing
     share = surely * neck * ramp(brighter, 0, _BRIGHTER - 1) * ramp(colour, _SKIN, _CLOTH)
     share = share * ~_rims(share, face)
-    bare = torch.exp(own + off).movedim(-1, 0)[None]
-    bare = bare * (grey(albedo) / grey(bare))
+    bare = as_bright_as(torch.exp(own + off).movedim(-1, 0)[None], albedo)
     parsing = parsing.clone()
     parsing[:, INDEX["neck"]] -= share[:, 0]
     parsing[:, INDEX["cloth"]] += share[:, 0]

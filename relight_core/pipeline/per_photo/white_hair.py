@@ -11,8 +11,8 @@ from dataclasses import replace
 import torch
 
 from relight_core.face.parsing import INDEX, middle_row
-from relight_core.imaging.tensor_colour import grey
-from relight_core.imaging.tensor_ramp import ramp
+from relight_core.imaging.ramp import ramp
+from relight_core.imaging.tensor_colour import as_bright_as
 from relight_core.pipeline.per_photo.saturation import log_colour, middle_colour, saturation
 from relight_core.pipeline.stages import Surface
 
@@ -58,7 +58,6 @@ def with_white_hair(surface: Surface) -> Surface:
         return surface
     off = log_colour((surface.photo[0] + _BLACK).movedim(0, -1)) - seen
     share = mostly * scalp * ramp(saturation(off, seen), _SKIN, _HAIR)
-    bare = torch.exp(own + off).movedim(-1, 0)[None]
-    bare = bare * (grey(surface.albedo) / grey(bare))
+    bare = as_bright_as(torch.exp(own + off).movedim(-1, 0)[None], surface.albedo)
     parsing = with_scalp_as_hair(surface.parsing, share)
     return replace(surface, parsing=parsing, albedo=(surface.albedo + share * (bare - surface.albedo)).clamp(0, 1))

@@ -11,6 +11,7 @@ import torch
 
 from relight_core.face.crop import Crop
 from relight_core.face.paste import all_of, fade, places_of, seen_across, seen_from, spread_crop
+from relight_core.imaging.ramp import ramp
 from relight_core.imaging.resampling import resize_area, shrunk_size
 from relight_core.lighting.reflection import ReflectionTable
 from relight_core.pipeline.per_light.rest_of_person import Body, body_gain, body_size, make_body
@@ -237,7 +238,7 @@ def _unseen(
         # Outlines are off by some pixels anyway.
         grown = cv2.dilate(np.asarray(mask, np.float32), np.ones((2 * reach + 1,) * 2, np.uint8))
         seen = np.maximum(seen, _mask_at(grown, crop, places))
-    unseen = np.clip((added * (1 - seen) - _UNSEEN_FROM) / (_UNSEEN_TO - _UNSEEN_FROM), 0, 1)
+    unseen = ramp(added * (1 - seen), _UNSEEN_FROM, _UNSEEN_TO)
     return cv2.GaussianBlur(unseen, (0, 0), max(_UNSEEN_BLUR_SHARE * max(unseen.shape), 0.5))
 
 

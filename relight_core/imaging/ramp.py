@@ -1,0 +1,16 @@
+"""A straight way from not at all to altogether: rules with one limit would make pictures jump there."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, TypeVar
+
+if TYPE_CHECKING:
+    import numpy as np
+    import torch
+
+Values = TypeVar("Values", "np.ndarray", "torch.Tensor")
+
+
+def ramp(value: Values, start: float, full: float) -> Values:
+    """0 up to `start`, 1 from `full` on, straight between; `full` may be the smaller one. Of any shape, in [0, 1]."""
+    return ((value - start) / (full - start)).clip(0, 1)
