@@ -120,13 +120,16 @@ def fit_light_change(photo: np.ndarray, relit: np.ndarray, gloss: np.ndarray, ma
     gain = np.maximum(_evened(photo, matt, gain, even), 0.0)
     carried = np.maximum(_TEXTURED * textured, even) * np.minimum(photo / _PALE, 1.0)
     shine, veil = carried / np.maximum(photo, _DARK), (1 - carried) * (1 - even)
-    offset = veil * gloss + _DARK * np.clip(gain - 1.0, 0.0, LARGEST_GAIN)
+    reached = within_reach(gain)
+    # Skin out of a deep shadow: what the gain can't reach lies over it evenly, or it would stay black, or gray of gloss.
+    beyond = (gain - reached) * (photo + _DARK) * ((1 - patterned) * (1 - even))
+    offset = veil * gloss + _DARK * np.maximum(reached - 1.0, 0.0) + beyond
     # Of a pattern, light that a shadow gives back brightens the dark places as it does those around them.
     seen = photo + patterned * (_mean(photo) - photo)
     around, hole = _holes(photo)
     seen = seen + hole * (1 - patterned) * (around - seen).clip(0)
     lift = even * shine + (1 - even) / (seen + _DARK)
-    return LightChange(within_reach(gain + shine * gloss), offset, shine, veil, lift)
+    return LightChange(within_reach(reached + shine * gloss), offset, shine, veil, lift)
 
 
 def _pattern_kept(photo: np.ndarray, matt: np.ndarray, gain: np.ndarray, patterned: np.ndarray) -> np.ndarray:

@@ -103,6 +103,16 @@ def test_a_gain_at_its_limit_keeps_its_colour():
     np.testing.assert_allclose(gain[1:] / gain[0], [0.5, 0.2], rtol=0.1)
 
 
+def test_skin_comes_out_of_a_deep_shadow_in_its_own_colour_but_black_hair_stays_black():
+    photo, relit = np.zeros((2, 16, 16, 3), np.float32)
+    photo[:], relit[:] = (0.02, 0.005, 0.001), (0.76, 0.38, 0.25)
+    gloss = np.full_like(photo, 0.2)
+    skin = fit_light_change(photo, relit, gloss, made_of(textured=1.0)).apply(photo)
+    np.testing.assert_allclose(skin, relit, rtol=0.15)
+    hair = fit_light_change(photo, relit, gloss, made_of(patterned=1.0, textured=1.0))
+    assert (hair.apply(photo) - 0.2 < 16 * photo + 0.02).all()
+
+
 @pytest.mark.parametrize("bad", [np.nan, np.inf, -1.0, 1e30])
 def test_hostile_values_stay_finite_and_positive(bad):
     photo, relit = np.full((2, 16, 16, 3), 0.3, np.float32)
