@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import hashlib
+import json
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -189,11 +191,20 @@ def load_split(folder: Path, split: str) -> list[Path]:
     return [path for path, seed in seeds if seed.isdecimal() and first <= int(seed) < first + SPLIT_SIZE]
 
 
+def data_mark(heads: Path, lights: Path, split: str) -> str:
+    """Tells one set of heads and lights from another by the names and sizes of their files."""
+    panoramas = [path for suffix in (".hdr", ".exr") for path in sorted(lights.rglob(f"*{suffix}"))]
+    files = [*load_split(heads, split), *(panoramas if lights.is_dir() else [lights])]
+    listed = json.dumps([[path.name, path.stat().st_size] for path in files])
+    return hashlib.sha256(listed.encode()).hexdigest()[:10]
+
+
 __all__ = [
     "SPLIT_SEEDS",
     "Casting",
     "ScanCasting",
     "bake_missing",
+    "data_mark",
     "load_casting",
     "load_split",
     "read_shard",

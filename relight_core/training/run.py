@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import hashlib
+import json
 import shutil
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
@@ -13,6 +15,7 @@ import torch
 from torch.utils.data import DataLoader, default_collate
 
 from relight_core.dataset.cutouts.outlines import OutlineStream
+from relight_core.dataset.recipe import data_mark
 from relight_core.dataset.stream import SampleStream
 from relight_core.errors import InputError
 from relight_core.idle_threads import keep_numpy_to_one_thread
@@ -167,7 +170,7 @@ def _example_batches(run: Run, stage: Stage, bundle: NetworkBundle, device: str)
     """The wide pair's answers; they lie beside the checkpoint until the stage ends, or in `run.kept` for good."""
     teacher = Teacher(bundle, ReflectionTable().to(device), device)
     place = run.kept or run.checkpoint.with_suffix(".examples")
-    folder = place / f"{run.size}px-{run.pairs}-pairs-seed-{run.seed}-by-{teacher.name}"
+    folder = place / f"{run.size}px-{run.pairs}-pairs-seed-{run.seed}-by-{teacher.name}-of-{_mark_of_samples(run)}"
 
     def make(first: int) -> Iterator[dict[str, torch.Tensor]]:
         return map(teacher.examples, training_batches(replace(run, kept=None), stage, first))
@@ -175,6 +178,12 @@ def _example_batches(run: Run, stage: Stage, bundle: NetworkBundle, device: str)
     yield lambda first: kept_batches(folder, make, first, among=run.examples)
     if run.kept is None:
         shutil.rmtree(place)
+
+
+def _mark_of_samples(run: Run) -> str:
+    """Tells whether two runs take the same samples; one killed before its first state leaves nothing else that does."""
+    samples = json.dumps([drawn_by(run), data_mark(run.heads, run.lights, "train")])
+    return hashlib.sha256(samples.encode()).hexdigest()[:10]
 
 
 @contextmanager

@@ -1,6 +1,9 @@
 """A narrow pair of relighting networks learns what the wide one says, and nothing else changes."""
 
+import contextlib
+import functools
 import itertools
+from dataclasses import replace
 
 import pytest
 import torch
@@ -13,6 +16,7 @@ from relight_core.training import run as run_module
 from relight_core.training.distillation import Teacher, distillation_losses
 from relight_core.training.recipe import load_recipe
 from relight_core.training.run import Run, train
+from relight_core.training.stages import STAGES
 
 
 def quiet(elapsed, progress):
@@ -110,6 +114,21 @@ def test_a_run_that_was_killed_goes_on_as_if_it_had_not_been(start, made, tmp_pa
     halves = train(run_of(start, tmp_path / "halves", steps=5), quiet).state_dict()
     for name, value in whole.items():
         torch.testing.assert_close(halves[name], value, rtol=0, atol=0)
+
+
+@pytest.mark.parametrize("other", [{"workers": 2}, {"uses": 2}, {"heads": "others"}])
+def test_examples_of_other_samples_that_a_killed_run_has_left_are_not_learnt_from(start, made, tmp_path, other):
+    heads = tmp_path / "others"
+    heads.mkdir()
+    (heads / "head-0000001.npz").write_bytes(b"a head")
+    begun = run_of(start, tmp_path, steps=4)
+    examples = functools.partial(run_module._example_batches, stage=STAGES["distil-relight"], device="cpu")
+    with contextlib.suppress(Killed), examples(begun, bundle=load_bundle(start)) as batches_from:
+        next(batches_from(0))
+        raise Killed
+    assert made == [0]
+    train(replace(begun, **{name: heads if name == "heads" else value for name, value in other.items()}), quiet)
+    assert made == [0, 0, 1]
 
 
 def test_a_pair_that_is_there_goes_on_learning(start, made, tmp_path):

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import torch
 
-from relight_core.dataset.recipe import load_split
+from relight_core.dataset.recipe import data_mark
 from relight_core.errors import InputError
 from relight_core.imaging.files import whole_file
 from relight_core.networks.bundle import BundleConfig, NetworkBundle, load_bundle, save_bundle
@@ -101,7 +101,7 @@ def train_variants(
 
 def check_budget(folder: Path, budget: Budget, heads: Path, lights: Path) -> None:
     """Note the budget and the training data in a folder; raises InputError where others trained in it."""
-    note, words = folder / "budget.json", json.dumps({**asdict(budget), "data": _mark_of(heads, lights)})
+    note, words = folder / "budget.json", json.dumps({**asdict(budget), "data": data_mark(heads, lights, "train")})
     begun = note.exists() and any(folder.rglob("*.safetensors"))
     # Older notes know of no data; a training that was refused has left nothing but its note.
     if not begun or note.read_text() == json.dumps(asdict(budget)):
@@ -110,14 +110,6 @@ def check_budget(folder: Path, budget: Budget, heads: Path, lights: Path) -> Non
     elif note.read_text() != words:
         about = f"{note.read_text()}, where data stands for heads and lights"
         raise InputError(f"{folder}: holds a training with {about}; choose another folder after -o")
-
-
-def _mark_of(heads: Path, lights: Path) -> str:
-    """Tells one set of training heads and lights from another by the names and sizes of their files."""
-    panoramas = [path for suffix in (".hdr", ".exr") for path in sorted(lights.rglob(f"*{suffix}"))]
-    files = [*load_split(heads, "train"), *(panoramas if lights.is_dir() else [lights])]
-    listed = json.dumps([[path.name, path.stat().st_size] for path in files])
-    return hashlib.sha256(listed.encode()).hexdigest()[:10]
 
 
 def trained_variants(folder: Path) -> dict[str, Path]:
