@@ -116,6 +116,7 @@ def load_state(
             _check_settings(path, json.loads(header["settings"]), settings)
             tensors = {name: file.get_tensor(name) for name in file.keys()}  # noqa: SIM118
         progress = Progress(**json.loads(header["progress"]))
+        _check_shapes(path, _below("weights.", tensors), weights)
         weights.load_state_dict(_below("weights.", tensors))
         for name, value in _below("average.", tensors).items():
             average[name].copy_(value)
@@ -145,6 +146,19 @@ def _check_settings(path: Path, begun_with: dict[str, str | int], given: dict[st
                 f"{path}: its run began with {name} {begun_with[name]} and not {value}; "
                 "go on as it began, or delete it to start again"
             )
+
+
+def _check_shapes(path: Path, saved: dict[str, torch.Tensor], weights: nn.Module) -> None:
+    """Raise InputError for networks of other layers in a line; PyTorch would name every weight of them."""
+    has = {name: value.shape for name, value in weights.state_dict().items()}
+    other = [
+        name for name in sorted(has.keys() | saved.keys()) if name not in saved or has.get(name) != saved[name].shape
+    ]
+    if other:
+        raise InputError(
+            f"{path}: its run began with other networks ({other[0]} and {len(other) - 1} more differ); "
+            "go on as it began, or delete it to start again"
+        )
 
 
 def _below(prefix: str, tensors: dict[str, torch.Tensor]) -> dict[str, torch.Tensor]:

@@ -12,7 +12,7 @@ import torch
 from tiny_networks import tiny_bundle_with_person
 
 from relight_core.errors import InputError
-from relight_core.networks.bundle import BundleConfig, NetworkBundle, load_bundle
+from relight_core.networks.bundle import BundleConfig, NetworkBundle, load_bundle, with_residual_blocks
 from relight_core.training import loop
 from relight_core.training.curves import draw_curves
 from relight_core.training.loop import AveragedWeights, Budget, TrainingDiverged, train_stage
@@ -217,6 +217,16 @@ def test_a_run_goes_on_with_the_batches_that_it_began_with_or_not_at_all(tmp_pat
     assert loop.state_path(path).read_bytes() == kept
     run(stage, batches_until(False, 0), budget(9), path, drawn_by={"size": 32, "seed": 7})
     assert not loop.state_path(path).exists()
+
+
+def test_a_state_of_other_networks_is_refused_in_a_line_that_can_be_read(tmp_path):
+    path, stage = tmp_path / "w.safetensors", STAGES["warm-delight"]
+    with pytest.raises(Killed):
+        run(stage, batches_until(True, 4), budget(9, checkpoint_seconds=0), path)
+    more = with_residual_blocks(NetworkBundle(BundleConfig.tiny()), (0, 1, 1), (), settled=False)
+    with pytest.raises(InputError, match="began with other networks") as refused:
+        run(stage, batches_until(False, 0), budget(9), path, more)
+    assert len(str(refused.value)) < 300 + len(str(path))
 
 
 @pytest.mark.parametrize(
