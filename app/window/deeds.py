@@ -344,8 +344,8 @@ class Deeds:
             self._recent.keep(self._state)
         if self._autosave is None:
             return
-        if not self._state.hand_on_control:
-            self._update_autosave(now_s)
+        # During a drag, too: a key may open the next photo while the hand still holds a slider.
+        self._update_autosave(now_s)
         problem = self._autosave.problem
         if problem != self._told_problem:
             self._told_problem = problem

@@ -250,6 +250,19 @@ def test_restored_work_is_kept_until_it_takes_the_place_of_other_work_on_that_ph
     again.deeds.close()
 
 
+def test_what_a_slider_was_dragged_to_is_kept_when_a_key_opens_the_next_photo_meanwhile(editor, folder):
+    editor.state.hand_on_control = True
+    editor.state.change(shadow=0.3)
+    editor.live(1)
+    editor.state.step_photo(1)
+    editor.live()
+    editor.state.hand_on_control = False
+    editor.live()
+    editor.deeds.close()
+    (text,) = offered(folder)
+    assert text.startswith("Your work on a.jpg")
+
+
 def test_all_unsaved_work_is_offered_three_at_a_time(folder, tmp_path):
     names = [f"{number}.jpg" for number in range(5)]
     for name in names:
