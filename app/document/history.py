@@ -66,9 +66,14 @@ class History:
         if turning and self.at >= 0:
             yaw_deg = self.steps[self.at].document.edit.yaw_deg
             document = replace(document, edit=replace(document.edit, yaw_deg=yaw_deg))
-        self._present = document
-        if not resting:
-            return
+        held, self._present = self._present, document
+        if held is not None and self._is_held(held) and document.photo != held.photo:
+            # A key opened another photo while the hand still held a slider: what it did to this one is a step, too.
+            self._rest(held, now_s)
+        if resting:
+            self._rest(document, now_s)
+
+    def _rest(self, document: Document, now_s: float) -> None:
         if self.at < 0 or (self.at == 0 and self.steps[0].document.photo is None):
             opened = f"Open {legible(document.photo.path.name)}" if document.photo else "Start"
             self.steps, self.at = [Step(opened, document)], 0
@@ -108,6 +113,13 @@ class History:
             return False
         document = self.steps[self.at].document
         return document.photo is not None and document != self._present
+
+    def _is_held(self, document: Document) -> bool:
+        """Whether a document follows the step in force with nothing awaited: the same photo, under the same light."""
+        if self.at < 0 or document.photo is None:
+            return False
+        step = self.steps[self.at].document
+        return (document.photo, document.light) == (step.photo, step.light)
 
     def _add(self, change: Change, document: Document, now_s: float) -> None:
         del self.steps[self.at + 1 :]

@@ -121,7 +121,7 @@ def fit_light_change(photo: np.ndarray, relit: np.ndarray, gloss: np.ndarray, ma
     carried = np.maximum(_TEXTURED * textured, even) * np.minimum(photo / _PALE, 1.0)
     shine, veil = carried / np.maximum(photo, _DARK), (1 - carried) * (1 - even)
     reached = within_reach(gain)
-    # Skin out of a deep shadow: what the gain can't reach lies over it evenly, or it would stay black, or gray of gloss.
+    # Skin out of a deep shadow would stay black, or gray of its gloss: what the gain can't reach lies over it evenly.
     beyond = (gain - reached) * (photo + _DARK) * ((1 - patterned) * (1 - even))
     offset = veil * gloss + _DARK * np.maximum(reached - 1.0, 0.0) + beyond
     # Of a pattern, light that a shadow gives back brightens the dark places as it does those around them.

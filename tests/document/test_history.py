@@ -46,6 +46,18 @@ def test_a_drag_is_one_step_however_many_frames_it_takes(history):
     assert history.redo() == edited(yaw_deg=35.0)
 
 
+def test_a_drag_that_another_photo_ends_is_a_step_but_what_was_only_awaited_is_none(history):
+    other = replace(START, photo=PhotoRef(Path("you.jpg")))
+    history.observe(edited(yaw_deg=35.0), False, 1.0)
+    history.observe(other, False, 1.1)
+    history.observe(replace(START, photo=PhotoRef(Path("refused.jpg"))), False, 1.2)
+    history.observe(other, True, 2.0)
+    assert names(history)[:2] == ["Open me.jpg", "Turn light to 35°"]
+    assert len(names(history)) == 3
+    assert history.undo() == edited(yaw_deg=35.0)
+    assert history.undo() == START
+
+
 def test_wheel_steps_in_a_row_are_one_step_and_later_ones_another(history):
     for index, now_s in enumerate((1.0, 1.5, 2.0), 1):
         history.observe(edited(yaw_deg=5.0 * index), True, now_s)
