@@ -37,6 +37,8 @@ _EVEN_PX = 9
 _TEXTURED = 0.8
 _PALE = 0.05
 _BRIGHTEST = 65504.0
+_WARM = (0.2, 0.4)
+"""What red has before blue, of the sum of the three, where something dark counts as skin, in part and altogether."""
 _HOLE_SHARE = 0.07
 """Of the view: nostrils are lower, and so are the corners beside them."""
 _HOLE = (0.5, 0.25)
@@ -121,9 +123,8 @@ def fit_light_change(photo: np.ndarray, relit: np.ndarray, gloss: np.ndarray, ma
     carried = np.maximum(_TEXTURED * textured, even) * np.minimum(photo / _PALE, 1.0)
     shine, veil = carried / np.maximum(photo, _DARK), (1 - carried) * (1 - even)
     reached = within_reach(gain)
-    # Skin out of a deep shadow would stay black, or gray of its gloss: what the gain can't reach lies over it evenly.
-    beyond = (gain - reached) * (photo + _DARK) * ((1 - patterned) * (1 - even))
-    offset = veil * gloss + _DARK * np.maximum(reached - 1.0, 0.0) + beyond
+    laid_over, unreached = _out_of_reach(photo, gain, reached, (1 - patterned) * (1 - even) * textured)
+    offset = veil * gloss * (1 - unreached) + _DARK * np.maximum(reached - 1.0, 0.0) + laid_over
     # Of a pattern, light that a shadow gives back brightens the dark places as it does those around them.
     seen = photo + patterned * (_mean(photo) - photo)
     around, hole = _holes(photo)
@@ -163,6 +164,24 @@ def _holes(photo: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     around = cv2.morphologyEx(photo, cv2.MORPH_CLOSE, np.ones((side_px, side_px), np.uint8))
     left = (luminance(photo) + _DARK) / (luminance(around) + _DARK)
     return around, ramp(left, *_HOLE)[..., None]
+
+
+def _out_of_reach(
+    photo: np.ndarray, gain: np.ndarray, reached: np.ndarray, skin: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """What the gain that may be leaves of skin's light, to be laid over it, and the share that it leaves of the rest.
+
+    Skin in a deep shadow would stay black, or gray of the gloss that comes on top. It is warm there, more than in the
+    light; what is black and not warm was parsed as skin by mistake, a beard's edge or a collar, and gloss would lie on
+    it as a haze.
+
+    Returns:
+        (s, s, 3) linear, >= 0, and (s, s, 1) in [0, 1].
+    """
+    warmth = (photo[..., :1] - photo[..., 2:]) / (photo.sum(axis=-1, keepdims=True) + _DARK)
+    in_shadow = skin * ramp(warmth, *_WARM)
+    left = 1 - reached.max(axis=-1, keepdims=True) / np.maximum(gain.max(axis=-1, keepdims=True), 1e-6)
+    return (gain - reached) * (photo + _DARK) * in_shadow, left * (skin - in_shadow)
 
 
 def _with_added(gain: np.ndarray, more: np.ndarray) -> np.ndarray:

@@ -103,14 +103,29 @@ def test_a_gain_at_its_limit_keeps_its_colour():
     np.testing.assert_allclose(gain[1:] / gain[0], [0.5, 0.2], rtol=0.1)
 
 
-def test_skin_comes_out_of_a_deep_shadow_in_its_own_colour_but_black_hair_stays_black():
-    photo, relit = np.zeros((2, 16, 16, 3), np.float32)
-    photo[:], relit[:] = (0.02, 0.005, 0.001), (0.76, 0.38, 0.25)
-    gloss = np.full_like(photo, 0.2)
-    skin = fit_light_change(photo, relit, gloss, made_of(textured=1.0)).apply(photo)
-    np.testing.assert_allclose(skin, relit, rtol=0.15)
-    hair = fit_light_change(photo, relit, gloss, made_of(patterned=1.0, textured=1.0))
-    assert (hair.apply(photo) - 0.2 < 16 * photo + 0.02).all()
+IN_SHADOW = (0.02, 0.005, 0.001)
+
+
+def lit_strongly(photo, **made):
+    """Something that hardly shows, and is skin with gloss in the new light; how that comes out, (3,)."""
+    photo, relit, gloss = (np.full((16, 16, 3), value, np.float32) for value in (photo, (0.76, 0.38, 0.25), 0.2))
+    return fit_light_change(photo, relit, gloss, made_of(textured=1.0, **made)).apply(photo)[8, 8]
+
+
+def test_skin_comes_out_of_a_deep_shadow_in_its_own_colour():
+    np.testing.assert_allclose(lit_strongly(IN_SHADOW), (0.76, 0.38, 0.25), rtol=0.15)
+
+
+def test_what_is_black_beside_skin_or_of_a_pattern_gets_no_haze():
+    black = np.float32([0.002, 0.002, 0.0025])
+    assert (lit_strongly(black) < 0.12).all()
+    assert (lit_strongly(IN_SHADOW, patterned=1.0) - 0.2 < 16 * np.float32(IN_SHADOW) + 0.02).all()
+
+
+@pytest.mark.parametrize("red", np.linspace(0.003, 0.02, 12))
+def test_skin_comes_out_of_its_shadow_little_by_little(red):
+    one, other = (lit_strongly((red * more, 0.003, 0.002)) for more in (1.0, 1.01))
+    np.testing.assert_allclose(one, other, rtol=0.06)
 
 
 @pytest.mark.parametrize("bad", [np.nan, np.inf, -1.0, 1e30])
