@@ -20,6 +20,7 @@ from relight_core.evaluation.scoring import (
 from relight_core.evaluation.true_surface import true_surface
 from relight_core.face.parsing import FACE_LABELS
 from relight_core.imaging.resampling import resize_area
+from relight_core.imaging.view_of_photo import ViewOfPhoto
 from relight_core.lighting.horizon import Horizon
 from relight_core.lighting.reflection import ReflectionTable
 from relight_core.lighting.relief import ReliefTransport
@@ -40,6 +41,7 @@ from relight_core.pipeline.results.channels import (
     light_channels,
     surface_channels,
     upsampler_for,
+    view_as_seen,
 )
 
 _WHOLE_PIXEL = 0.99
@@ -71,6 +73,11 @@ class TakenApart:
     seen: Seen
     horizon: Horizon
     residual: Residual
+
+    @cached_property
+    def view(self) -> ViewOfPhoto:
+        """The photo's view at the networks' size."""
+        return view_as_seen(self.seen.small, self.seen.surface)
 
     @cached_property
     def channels(self) -> Mapping[str, np.ndarray]:
@@ -137,7 +144,7 @@ class Editor:
             self.bundle, seen.reflector, seen.surface, light=light, **how, **self._how()
         )
         image, shown = add_residual(found.residual, composed, effects, light)
-        fit = fit_view(seen.small, seen.surface, reflected, shown, image)
+        fit = fit_view(found.view, reflected, shown, image)
         change = enlarge_change(fit, None, upsampler_for(seen.photo, seen.small), 1.0)
         return light_channels(effects, change, seen.photo)
 

@@ -147,6 +147,7 @@ _ONCE = (
     "residual",
     "residual_in_company",
     "edges",
+    "makeup",
     "matte",
     "placement",
     "body_in_photo",

@@ -10,8 +10,9 @@ import numpy as np
 
 from relight_core.imaging.guided_detail import carry_detail
 from relight_core.imaging.joint_upsampling import JointUpsampler
-from relight_core.imaging.light_change import LARGEST_GAIN, Makeup, fit_light_change
+from relight_core.imaging.light_change import LARGEST_GAIN
 from relight_core.imaging.resampling import resize_area, resize_smooth
+from relight_core.imaging.view_of_photo import Makeup, ViewOfPhoto
 
 _DARK = 1e-3
 _LATTICE = 512
@@ -76,7 +77,7 @@ def joint_bilateral(task: DetailTask) -> np.ndarray:
 
 def gain_and_gloss(task: DetailTask) -> np.ndarray:
     """Gain and gloss apart, both enlarged along the photo's edges, patterns kept: what the editor does."""
-    change = fit_light_change(task.photo_small, task.relit_small, task.gloss_small, task.makeup_small)
+    change = ViewOfPhoto(task.photo_small, task.makeup_small).change_to(task.relit_small, task.gloss_small)
     upsample = _upsampler(task)
     return task.enlarged(upsample(change.gain)) * task.photo + task.enlarged(upsample(change.offset))
 

@@ -9,6 +9,7 @@ import torch
 
 from relight_core.imaging.joint_upsampling import JointUpsampler
 from relight_core.imaging.light_change import LightChange
+from relight_core.imaging.view_of_photo import ViewOfPhoto
 from relight_core.lighting.lamps import Lamp
 from relight_core.pipeline import stages
 from relight_core.pipeline.edit import Edit
@@ -34,6 +35,7 @@ from relight_core.pipeline.results.channels import (
     of_person,
     surface_channel,
     upsampler_for,
+    view_as_seen,
 )
 from relight_core.pipeline.results.face_level import MOST_STOPS, level_as_in_photo_ev
 
@@ -61,6 +63,8 @@ class FaceRelighter(FaceInPhoto):
         if plan.runs("residual"):
             self._residual(ready, plan)
         self._upsampler(ready)
+        if plan.runs("detail"):
+            self._made_up(ready, plan)
         if self.nearer is not None and tier.lights_nearer:
             self.nearer.get_ready(tier, plan)
 
@@ -186,10 +190,13 @@ class FaceRelighter(FaceInPhoto):
         if plan.runs("residual"):
             image, effects = add_residual(self._residual(ready, plan), lit.composed, effects, lit.light)
         if plan.runs("detail"):
-            return fit_view(ready.photo_small, ready.surface, lit.reflected, effects, image)
+            return fit_view(self._made_up(ready, plan), lit.reflected, effects, image)
         relit = as_image(image)
         nothing = np.zeros_like(relit)
         return LightChange(nothing, relit, nothing, nothing + 1)
+
+    def _made_up(self, ready: Prepared, plan: Plan) -> ViewOfPhoto:
+        return self._once("makeup", plan.keys["surface"], lambda: view_as_seen(ready.photo_small, ready.surface))
 
     def _upsampler(self, ready: Prepared) -> JointUpsampler:
         sizes = ready.tier.size, ready.tier.network_size

@@ -7,8 +7,8 @@ from synthetic_heads import write_balls, write_lights
 from relight_core.evaluation import detail
 from relight_core.evaluation.detail_methods import METHODS, DetailTask
 from relight_core.evaluation.held_out import held_out_lights
-from relight_core.imaging.light_change import Makeup
 from relight_core.imaging.resampling import resize_area
+from relight_core.imaging.view_of_photo import Makeup
 
 
 @pytest.mark.parametrize("name", METHODS)

@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 
 from relight_core.imaging.joint_upsampling import JointUpsampler
-from relight_core.imaging.light_change import LightChange, Makeup, fit_light_change
+from relight_core.imaging.light_change import LightChange
 from relight_core.imaging.resampling import resize_area
+from relight_core.imaging.view_of_photo import Makeup, ViewOfPhoto
 
 
 def checked_photo(size=64, dark=0.05, bright=0.8):
@@ -21,6 +22,10 @@ NO_GLOSS = np.zeros((16, 16, 3), np.float32)
 
 def made_of(patterned=0.0, evenly_lit=0.0, textured=0.0, size=16):
     return Makeup(*(np.full((size, size), share, np.float32) for share in (patterned, evenly_lit, textured)))
+
+
+def fit_light_change(photo, relit, gloss, makeup):
+    return ViewOfPhoto(photo, makeup).change_to(relit, gloss)
 
 
 def test_a_constant_change_is_found_and_keeps_every_texture():

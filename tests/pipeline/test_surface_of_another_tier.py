@@ -97,7 +97,7 @@ def test_who_got_ready_has_only_the_light_left_to_do(relighter, weights, edit):
     relighter.relight(some_light(), FINAL)
     relighter.get_ready(some_light(), edit)
     shown = relighter.relight(some_light(1), edit)
-    once = {"view", "delight", "normals", "relief", "albedo", "source_light", "begun", "residual", "edges"}
+    once = {"view", "delight", "normals", "relief", "albedo", "source_light", "begun", "residual", "edges", "makeup"}
     assert not computed(shown) & once
     assert "specular_shadow" in computed(shown)
     fresh = Relighter(weights)

@@ -14,6 +14,7 @@ from relight_core.face.gloss import GLOSS_SHARE
 from relight_core.imaging.ramp import ramp
 from relight_core.imaging.tensor_colour import grey
 from relight_core.imaging.tensor_constants import constant
+from relight_core.imaging.tensor_means import with_neighbours
 from relight_core.networks.specular_shadow import Occlusion, SpecularShadowConfig
 
 _NOTHING = 1e-6
@@ -123,7 +124,7 @@ def smooth_gloss(gloss: torch.Tensor) -> torch.Tensor:
     A small lamp's highlight on a sharp ridge falls on single pixels, which would be streaks and steps once they are
     enlarged.
     """
-    return F.avg_pool2d(gloss, 3, 1, 1, count_include_pad=False)
+    return with_neighbours(gloss, 1 / 3)
 
 
 def hidden_gloss(effects: Effects, gloss: torch.Tensor) -> torch.Tensor:

@@ -16,7 +16,7 @@ import numpy as np
 import torch
 
 from relight_core.imaging.colour import luminance
-from relight_core.imaging.light_change import within_reach
+from relight_core.imaging.light_change import share_in_reach
 from relight_core.imaging.resampling import resize_area, shrunk_size
 from relight_core.lighting.reflection import NormalLookup, ReflectionTable
 from relight_core.lighting.sphere import solid_angles
@@ -98,7 +98,8 @@ def body_gain(body: Body, light: torch.Tensor, relit: np.ndarray, in_photo: np.n
     found = (np.maximum(relit, 0.0) + _DARK) / (body.photo + _DARK)
     correction = np.exp(body.onward(np.log(found / small)))
     correction = cv2.resize(correction, guess.shape[1::-1], interpolation=cv2.INTER_LINEAR).reshape(guess.shape)
-    return within_reach(np.maximum(guess * correction, 0.0)).astype(np.float32)
+    gain = np.maximum(guess * correction, 0.0).astype(np.float32)
+    return gain * share_in_reach(gain)
 
 
 def _bulging(share: np.ndarray) -> np.ndarray:

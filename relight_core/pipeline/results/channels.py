@@ -13,10 +13,11 @@ from relight_core.face.parsing import INDEX
 from relight_core.imaging.colour import without_colour
 from relight_core.imaging.guided_detail import carry_detail
 from relight_core.imaging.joint_upsampling import JointUpsampler
-from relight_core.imaging.light_change import LightChange, Makeup, fit_light_change
+from relight_core.imaging.light_change import LightChange
 from relight_core.imaging.resampling import resize_area, resize_smooth
 from relight_core.imaging.tensor_colour import grey
 from relight_core.imaging.tensor_normals import unit_normals
+from relight_core.imaging.view_of_photo import Makeup, ViewOfPhoto
 from relight_core.pipeline.per_light.hints import Effects
 from relight_core.pipeline.per_light.sliders import SliderChange
 from relight_core.pipeline.stages import Surface
@@ -97,12 +98,15 @@ def upsampler_for(photo_view: np.ndarray, photo_small: np.ndarray) -> JointUpsam
     return JointUpsampler(photo_small, large)
 
 
-def fit_view(
-    photo_small: np.ndarray, surface: Surface, reflected: torch.Tensor, effects: Effects, relit: torch.Tensor
-) -> LightChange:
+def view_as_seen(photo_small: np.ndarray, surface: Surface) -> ViewOfPhoto:
+    """A photo's view at the networks' size (s, s, 3), linear, with what it is made up of."""
+    return ViewOfPhoto(photo_small, makeup_of(as_image(surface.parsing)))
+
+
+def fit_view(view: ViewOfPhoto, reflected: torch.Tensor, effects: Effects, relit: torch.Tensor) -> LightChange:
     """The composed view (1, 3, s, s) as gain and offset of the photo's, normalised light."""
     gloss = effects.specular * reflected[:, 3:] / grey(reflected[:, 3:]).clamp_min(1e-6)
-    return fit_light_change(photo_small, as_image(relit), as_image(gloss), makeup_of(as_image(surface.parsing)))
+    return view.change_to(as_image(relit), as_image(gloss))
 
 
 def makeup_of(parsing: np.ndarray) -> Makeup:
