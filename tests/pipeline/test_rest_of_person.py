@@ -172,3 +172,17 @@ def test_a_body_that_the_photo_cuts_off_does_not_turn_away_at_its_border():
     below = light_from(12, 0)
     assert shading(whole, below)[47, 32] > 1.5 * shading(whole, below)[32, 32]
     assert shading(cut, below)[63, 32] < 1.1 * shading(cut, below)[40, 32]
+
+
+def test_gloss_on_red_cloth_turns_no_white_cloth_beside_it_green():
+    """The red cloth has next to no green of its own, so what gloss adds there is many times what it was."""
+    size = (64, 48)
+    photo = np.full((*size, 3), (0.6, 0.4, 0.3), np.float32)
+    photo[32:, :24] = (0.45, 0.0004, 0.04)
+    photo[:, 24:] = (0.5, 0.5, 0.5)
+    known = np.zeros(size, np.float32)
+    known[:, :24] = 1.0
+    body = make_body(photo, np.ones(size, np.float32), known, ReflectionTable())
+    gain = body_gain(body, EVEN, 1.5 * body.photo + 0.01)[36:, 28:]
+    assert gain[..., 1].max() < 1.15 * gain[..., 0].max()
+    np.testing.assert_allclose(gain, 1.5, rtol=0.2)

@@ -17,6 +17,7 @@ import torch
 
 from relight_core.imaging.colour import luminance
 from relight_core.imaging.light_change import share_in_reach
+from relight_core.imaging.ramp import ramp
 from relight_core.imaging.resampling import resize_area, shrunk_size
 from relight_core.lighting.reflection import NormalLookup, ReflectionTable
 from relight_core.lighting.sphere import solid_angles
@@ -25,6 +26,9 @@ _LONGEST, _LONGEST_KNOWN = 128, 64
 _DARK = 1e-3
 _WELL_SEEN, _HEADROOM = 0.1, 0.1
 """Where a photo is darker than the one, or nearer to clipping than the other, its gain says less."""
+_HARDLY, _UNSEEN = (0.02, 0.1), 1e-3
+"""Shares of a place's brightest colour up to which and from which on another shows what becomes of it, and what it
+counts below: gloss on red cloth would be twenty times its green, and turn white cloth beside it green."""
 _FLOOR = 0.02
 _FILL = 0.15
 _REACHES = (0.0125, 0.03, 0.08, 0.2)
@@ -39,12 +43,25 @@ class Body:
         light_of: what falls on the body's normals under a light.
         photo: (k, l, 3) linear; k and l at most 64.
         onward: carries on what is known, (k, l).
+        has: (k, l, 3), in (0, 1], how well the photo shows each colour of a place.
+        by_colour: carries on each colour from where it shows.
     """
 
     share: np.ndarray
     light_of: NormalLookup
     photo: np.ndarray
     onward: Continuation
+    has: np.ndarray
+    by_colour: Continuation
+
+    def carried_on(self, known: np.ndarray) -> np.ndarray:
+        """Log gains, (k, l, 3), where they are known, carried on from there.
+
+        A colour that hardly shows is taken to be as far from what its surroundings say as the others of its place.
+        """
+        around = self.by_colour(known)
+        off = (self.has * (known - around)).sum(-1, keepdims=True) / self.has.sum(-1, keepdims=True)
+        return self.onward(around + off + self.has * (known - around - off))
 
 
 def body_size(photo_size: tuple[int, int]) -> tuple[int, int]:
@@ -66,7 +83,9 @@ def make_body(photo: np.ndarray, share: np.ndarray, known: np.ndarray, table: Re
     lit, unclipped = luminance(photo) / _WELL_SEEN, (1 - photo.max(-1)) / _HEADROOM
     trusted = np.clip(np.minimum(lit, unclipped), _FLOOR, 1.0)
     weight = known * np.maximum(body - 0.5, 0.0) * trusted
-    return Body(share, NormalLookup(table, normal, gloss=False), photo, Continuation(weight))
+    has = ramp(photo / np.maximum(photo.max(-1, keepdims=True), _DARK), *_HARDLY).clip(_UNSEEN, 1.0)
+    light_of = NormalLookup(table, normal, gloss=False)
+    return Body(share, light_of, photo, Continuation(weight), has, Continuation(weight[..., None] * has))
 
 
 @torch.inference_mode()
@@ -96,7 +115,7 @@ def body_gain(body: Body, light: torch.Tensor, relit: np.ndarray, in_photo: np.n
         guess = guess / in_photo
     small = guess if guess.shape == relit.shape else resize_area(guess, relit.shape[:2])
     found = (np.maximum(relit, 0.0) + _DARK) / (body.photo + _DARK)
-    correction = np.exp(body.onward(np.log(found / small)))
+    correction = np.exp(body.carried_on(np.log(found / small)))
     correction = cv2.resize(correction, guess.shape[1::-1], interpolation=cv2.INTER_LINEAR).reshape(guess.shape)
     gain = np.maximum(guess * correction, 0.0).astype(np.float32)
     return gain * share_in_reach(gain)
@@ -122,22 +141,22 @@ class Continuation:
         """Work out all that depends on where something is known.
 
         Args:
-            weight: (k, l) >= 0, how much the values are worth there.
+            weight: (k, l) >= 0, how much the values are worth there, or (k, l, C), how much each of them is.
         """
-        self._weight = weight.astype(np.float32)[..., None]
-        self._total = float(weight.sum())
-        reaches = [reach * max(weight.shape) for reach in reversed(_REACHES)]
-        self._down, self._across = (np.stack([_blur(side, reach) for reach in reaches]) for side in weight.shape)
+        self._weight = weight.astype(np.float32).reshape(*weight.shape[:2], -1)
+        self._total = self._weight.sum((0, 1))
+        reaches = [reach * max(weight.shape[:2]) for reach in reversed(_REACHES)]
+        self._down, self._across = (np.stack([_blur(side, reach) for reach in reaches]) for side in weight.shape[:2])
         near = self._blurred(self._weight)
         self._nearness = 1 / np.maximum(near, 1e-9)
         self._trust = np.clip(near / 0.02, 0.0, 1.0)
 
     def __call__(self, values: np.ndarray) -> np.ndarray:
         """The values (k, l, C) carried on."""
-        if self._total < 1e-3:
+        if self._total.max() < 1e-3:
             return np.zeros_like(values)
         weighted = values * self._weight
-        result = np.broadcast_to(weighted.sum((0, 1)) / self._total, values.shape)
+        result = np.broadcast_to(weighted.sum((0, 1)) / np.maximum(self._total, 1e-9), values.shape)
         for mean, trust in zip(self._blurred(weighted) * self._nearness, self._trust, strict=True):
             result = result + (mean - result) * trust
         return result.astype(np.float32)
