@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from relight_core.imaging.colour import luminance, srgb_decode, srgb_decode_integers, srgb_encode
+from relight_core.imaging.tone import Tone, tone_of
 from relight_core.imaging.toning import is_monochrome
 
 _LOOKED_AT = 512
@@ -83,6 +84,18 @@ class Photo:
             seen = seen / np.maximum(np.abs(seen).max(-1, keepdims=True), np.float32(white))
         codes = np.copysign(srgb_encode(np.minimum(np.abs(seen), 1)), seen)
         return is_monochrome(codes, counted)
+
+    def tone_at(self, exposure: float) -> Tone | None:
+        """The tone of the photo times an exposure; None where it is black and white, or has colours."""
+        return None if self._tone is None else self._tone.exposed(exposure)
+
+    @cached_property
+    def _tone(self) -> Tone | None:
+        if not self.monochrome:
+            return None
+        step = max(max(self.linear.shape[:2]) // _LOOKED_AT, 1)
+        seen = self.linear[::step, ::step]
+        return tone_of(seen.reshape(-1, 3) if self.alpha is None else seen[self.alpha[::step, ::step] > 0])
 
     @property
     def seen(self) -> Photo:

@@ -177,7 +177,8 @@ class FaceRelighter(FaceInPhoto):
             change = with_nearer_change(change, from_near, self.portrait.view, self.nearer.portrait.view)
         if not self.portrait.photo.monochrome:
             return change
-        return change.toned(ready.photo_view * np.float32(self.portrait.exposure))
+        exposure = self.portrait.exposure
+        return change.toned(ready.photo_view * np.float32(exposure), self.portrait.photo.tone_at(exposure))
 
     def level_as_in_photo_ev(self, ready: Prepared, change: ViewChange, most_stops: float = MOST_STOPS) -> float:
         """See `pipeline.results.face_level`."""

@@ -72,7 +72,8 @@ class WholePhoto:
         def place() -> Placement:
             masks = [face.mask() for face in self._faces]
             exposure = self._faces[0].portrait.exposure
-            return place_views(self._small(), views, matte, self._shop.table, masks, self._strokes, exposure)
+            of_photo = (exposure, self._photo.tone_at(exposure))
+            return place_views(self._small(), views, matte, self._shop.table, masks, self._strokes, *of_photo)
 
         placement = run("placement", "photo", place, "new photo or stroke")
         size = changes[0].gain.shape[0]

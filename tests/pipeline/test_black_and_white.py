@@ -96,6 +96,18 @@ class TestRelighting:
         lit = relit[..., 0] > 0.02
         np.testing.assert_allclose(relit[lit][:, 2] / relit[lit][:, 0], 0.7 / 1.1, rtol=0.02)
 
+    def test_what_was_white_takes_the_tone_of_what_it_is_dimmed_to(self, weights):
+        grey = black_and_white().linear[..., :1]
+        split = grey * (1 + np.float32([0.2, 0, -0.4]) * 4 * grey * (1 - grey))
+        relighter = Relighter(weights)
+        relighter.set_portrait(Photo(np.ascontiguousarray(split)))
+        relit = relighter.relight(some_light(), EDIT).image
+        own = Photo(np.ascontiguousarray(split)).tone_at(1.0)
+        brightness = luminance(relit)
+        lit = brightness > 0.02
+        off = np.abs((relit / brightness[..., None])[lit] - own.at(brightness[lit]))
+        assert np.percentile(off, 99) < 0.05
+
     @pytest.mark.parametrize("tone", [(1.1, 1.0, 0.7), (0.75, 1.0, 1.4)])
     def test_a_tone_changes_nothing_but_the_tone(self, weights, tone):
         grey = black_and_white().linear * np.float32(0.6)

@@ -17,6 +17,7 @@ from relight_core.imaging.light_change import LightChange
 from relight_core.imaging.resampling import resize_area, resize_smooth
 from relight_core.imaging.tensor_colour import grey
 from relight_core.imaging.tensor_normals import unit_normals
+from relight_core.imaging.tone import Tone
 from relight_core.imaging.view_of_photo import Makeup, ViewOfPhoto
 from relight_core.pipeline.per_light.hints import Effects
 from relight_core.pipeline.per_light.sliders import SliderChange
@@ -66,16 +67,21 @@ class ViewChange:
             return self
         return replace(self, gain=np.minimum(self.gain * np.float32(exposure), np.float32(BRIGHTEST_CHANGE)))
 
-    def toned(self, photo: np.ndarray) -> ViewChange:
+    def toned(self, photo: np.ndarray, tone: Tone | None = None) -> ViewChange:
         """The change for a photo without colour: the light's act by their luminance, and what it adds has its tone.
 
         Args:
             photo: (T, T, 3) linear, the view, black and white or toned; any T.
+            tone: that the photo has at each brightness; None for one at all of them.
         """
         photo = photo if photo.shape == self.gain.shape else resize_area(photo, self.gain.shape[:2])
         grey = without_colour(photo)
-        tone = np.where(grey > _NO_TONE, photo / np.maximum(grey, _NO_TONE), 1)
-        return replace(self, gain=without_colour(self.gain), offset=without_colour(self.offset) * tone)
+        own = np.where(grey > _NO_TONE, photo / np.maximum(grey, _NO_TONE), 1)
+        gain, offset = without_colour(self.gain), without_colour(self.offset)
+        if tone is not None:
+            turned = tone.turned(grey[..., 0], (gain * grey + offset)[..., 0])
+            gain, offset = gain * turned, offset * turned
+        return replace(self, gain=gain, offset=offset * own)
 
 
 def at_level(change: np.ndarray, level: float) -> np.ndarray:

@@ -11,8 +11,10 @@ import torch
 
 from relight_core.face.crop import Crop
 from relight_core.face.paste import all_of, fade, places_of, seen_across, seen_from, spread_crop
+from relight_core.imaging.colour import luminance
 from relight_core.imaging.ramp import ramp
-from relight_core.imaging.resampling import resize_area, shrunk_size
+from relight_core.imaging.resampling import resize_area, resize_smooth, shrunk_size
+from relight_core.imaging.tone import Tone
 from relight_core.lighting.reflection import ReflectionTable
 from relight_core.pipeline.per_light.rest_of_person import Body, body_gain, body_size, make_body
 from relight_core.pipeline.per_photo.brush import BrushStroke, painted
@@ -41,6 +43,7 @@ class Placement:
         photo_size: (height, width).
         unseen: (k, l) over the whole photo, in [0, 1]: people that no network takes for them; None for nobody.
         exposure: the body's photo is the photo times this.
+        tone: of the body's photo, where it is toned.
     """
 
     views: tuple[Crop, ...]
@@ -50,6 +53,7 @@ class Placement:
     photo_size: tuple[int, int]
     unseen: np.ndarray | None = None
     exposure: float = 1.0
+    tone: Tone | None = None
 
 
 def place_views(
@@ -60,6 +64,7 @@ def place_views(
     people: Sequence[tuple[np.ndarray, Crop]] = (),
     strokes: Sequence[BrushStroke] = (),
     exposure: float = 1.0,
+    tone: Tone | None = None,
 ) -> Placement:
     """Share the photo out among the views of its faces.
 
@@ -71,6 +76,7 @@ def place_views(
         people: as `Placement` has them.
         strokes: of the brush, in the matte already.
         exposure: of the portrait.
+        tone: as `Placement` has it.
     """
     photo_size = photo.photo_size
     places = places_of(shrunk_size(photo_size, _WEIGHT_LONGEST), photo_size)
@@ -82,7 +88,7 @@ def place_views(
     seen = np.where(share[..., None] > 0, canvas.linear, 0) if matte.own_alpha else canvas.linear
     body = make_body(seen * np.float32(exposure), share, known, table)
     small = tuple(resize_area(weight, body.photo.shape[:2])[..., None] for weight in weights)
-    return Placement(tuple(views), tuple(people), small, body, photo_size, unseen, exposure)
+    return Placement(tuple(views), tuple(people), small, body, photo_size, unseen, exposure, tone)
 
 
 @dataclass(frozen=True, eq=False)
@@ -131,7 +137,13 @@ def gain_of_rest(
         relit += share * (gain / exposure * body.photo + offset)
         total += share
     relit = relit / np.maximum(total, 1e-6) / np.float32(level)
-    return at_level(exposure * body_gain(body, light, relit, in_photo), level)
+    if placement.tone is None:
+        return at_level(exposure * body_gain(body, light, relit, in_photo), level)
+    relit = body.photo * (luminance(relit) / np.maximum(luminance(body.photo), 1e-6))[..., None]
+    gain = body_gain(body, light, relit, in_photo)
+    before = luminance(resize_smooth(body.photo, gain.shape[:2]))
+    turned = placement.tone.turned(before, before * luminance(gain) * np.float32(level))
+    return at_level(exposure * gain * turned, level)
 
 
 def place_changes(
