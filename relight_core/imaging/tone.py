@@ -19,6 +19,8 @@ _FEWEST = 1e-4
 _GREY = 2e-3
 """What is as near to grey has no tone."""
 _DARK = 1e-6
+_FAINT = 0.02
+"""Of a grey's: next to a colour that is fainter no other's strength can be told from it, least of all in 8 bits."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,7 +41,7 @@ class Tone:
 
     def turned(self, before: np.ndarray, after: np.ndarray) -> np.ndarray:
         """What a place's colour is multiplied by where its luminance goes from `before` to `after`, (..., 3)."""
-        return self.at(after) / np.maximum(self.at(before), _DARK)
+        return (self.at(after) + _FAINT) / (self.at(before) + _FAINT)
 
 
 def tone_of(linear: np.ndarray) -> Tone | None:

@@ -5,10 +5,12 @@ from types import SimpleNamespace
 import pytest
 import torch
 
+from relight_core.face.parsing import INDEX
 from relight_core.imaging.tensor_colour import grey
 from relight_core.pipeline.edit import Edit
 from relight_core.pipeline.per_light.hints import Effects, explicit_sum
-from relight_core.pipeline.per_light.sliders import soften_shadow, specular_gain
+from relight_core.pipeline.per_light.sliders import move_sliders, soften_shadow, specular_gain
+from relight_core.pipeline.stages import Composed
 
 SIZE = 64
 
@@ -112,3 +114,19 @@ def test_numbers_that_are_none_stay_out_of_the_picture():
     surface, reflected, effects = scene()
     effects.shadow[0, 0, 3, 3] = float("nan")
     assert torch.isfinite(soften_shadow(effects, surface, reflected, 0.5).shadow).all()
+
+
+@pytest.mark.parametrize("label", ["nose", "skin"])
+def test_no_nostril_shines_where_its_shadow_is_lifted(label):
+    """One whose normals face the lamp, in a nose that doesn't: other small shadows are lifted as they are."""
+    surface, reflected, effects = scene()
+    surface.parsing = torch.zeros(1, len(INDEX), SIZE, SIZE)
+    surface.parsing[:, INDEX[label]] = 1
+    reflected[:, :3, 30:32, 16:18] = 6
+    effects.shadow[..., 30:32, 16:18] = 2.9
+    plain = explicit_sum(surface.albedo, reflected, effects)
+    change = move_sliders(Composed(plain, plain), surface, reflected, effects, 1.0, 0.0)
+    lifted = change.lifted[..., 30:32, 16:18]
+    assert float(lifted.max()) < 1e-3 if label == "nose" else float(lifted.min()) > 2.8
+    assert float(change.lifted[..., SIZE // 2 :].min()) == pytest.approx(0.5)
+    assert float(change.added.max()) < 1e-6

@@ -8,6 +8,7 @@ import cv2
 import numpy as np
 import torch
 
+from relight_core.face.parsing import INDEX
 from relight_core.imaging.tensor_colour import grey
 from relight_core.lighting.light_edit import colour_gain
 from relight_core.pipeline.per_light.hints import Effects, explicit_parts, hidden_share, with_hidden_share
@@ -18,6 +19,9 @@ _WIDEST = 0.09
 
 _STEP = 0.09
 """A change of height, in half-widths of the view, that keeps the blur from crossing it about as two deviations do."""
+
+_NOSTRIL = 0.055
+"""Of the view's side: nostrils are narrower."""
 
 _OUTLINE = 0.5
 """What the person's outline counts for, as a change of height."""
@@ -62,7 +66,22 @@ def move_sliders(
     kept = ((moved + 1e-3) / (composed.plain + 1e-3)).clamp(0, 1)
     added = (moved - composed.plain).clamp_min(0)
     lifted = torch.minimum(added, (matt - (composed.plain - gloss)).clamp_min(0))
-    return SliderChange(kept, added - lifted, lifted)
+    return SliderChange(kept, added - lifted, _without_nostrils(lifted, surface.parsing))
+
+
+def _without_nostrils(lifted: torch.Tensor, parsing: torch.Tensor) -> torch.Tensor:
+    """Light given back (1, 3, S, S), but in nostrils no more of it than around them.
+
+    Their normals face the lamp as often as not, so that without a shadow they would shine out of a nose.
+    """
+    if not lifted.any():
+        return lifted
+    side_px = max(round(_NOSTRIL * lifted.shape[-1]), 1) | 1
+    window = np.ones((side_px, side_px), np.uint8)
+    image, nose = lifted[0].movedim(0, -1).cpu().numpy(), _plane(parsing[:, INDEX["nose"], None])
+    around = cv2.morphologyEx(np.ascontiguousarray(image), cv2.MORPH_OPEN, window)
+    image = image + cv2.dilate(nose, window)[..., None] * (around - image)
+    return torch.from_numpy(image).movedim(-1, 0)[None].to(lifted)
 
 
 def soften_shadow(effects: Effects, surface: Surface, reflected: torch.Tensor, softness: float) -> Effects:
