@@ -89,7 +89,7 @@ class ViewOfPhoto:
         self._patterned, self._even, self._uneven = patterned, even, 1 - even
         self._evened = np.maximum(_smooth((photo + _DARK) * even), 1e-9)
         self._skin = (1 - patterned) * (1 - even) * textured
-        self._in_shadow = self._skin * _warm(photo)
+        self._in_shadow = self._skin * _warm(self._mean)
         carried = np.maximum(_TEXTURED * textured, even) * np.minimum(photo / _PALE, 1.0)
         self._shine, self._veil = carried / np.maximum(photo, _DARK), (1 - carried) * (1 - even)
         self._lift = even * self._shine + (1 - even) / (_as_lifted(photo, self._mean, patterned) + _DARK)
