@@ -128,8 +128,7 @@ def enlarge_change(
     gain, offset = change.gain, change.offset
     if moved is not None:
         gain, offset = change.moved(as_image(moved.kept), as_image(moved.added), as_image(moved.lifted))
-    both = at_level(upsample(np.concatenate([gain, offset], axis=-1)), level)
-    return ViewChange(np.ascontiguousarray(both[..., :3]), np.ascontiguousarray(both[..., 3:]), level)
+    return ViewChange(at_level(upsample(gain), level), at_level(upsample(offset), level), level)
 
 
 SURFACE_CHANNELS = ("photo", "albedo", "normal", "parsing")
