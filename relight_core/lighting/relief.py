@@ -72,15 +72,15 @@ class ReliefTransport:
         return self._lost(light, self._shine_at_surface, _FAINT_GLOSS)
 
     def _lost(self, light: torch.Tensor, at_surface: tuple[torch.Tensor, torch.Tensor], least: float) -> torch.Tensor:
-        """Fraction that is lost of what the rows of `at_surface` give, fading to 0 where that is less than `least`."""
+        """Fraction that is lost of what `at_surface` gives, fading to 0 where that is less than `least`."""
         light = light.float()
         grey = light @ luminance_weights(light)
         points, both = at_surface
-        opened, closed = (both @ grey.flatten(1).T).chunk(2)
+        opened, closed = (grey.flatten(1) @ both).chunk(2, dim=1)
         lost = (1 - closed / opened.clamp_min(1e-6)).clamp(0, 1) * (opened / least).clamp_max(1)
-        fraction = lost.new_zeros(len(self.open), lost.shape[1])
-        fraction[points] = lost
-        return fraction.T.reshape(-1, 1, self.size, self.size)
+        fraction = lost.new_zeros(len(lost), len(self.open))
+        fraction[:, points] = lost
+        return fraction.reshape(-1, 1, self.size, self.size)
 
     def visibility(self, grey: torch.Tensor, size: int) -> torch.Tensor:
         """Share of each light's irradiance that reaches a point, (B, 1, size, size) in [0, 1]; 1 where it has none.
@@ -93,7 +93,7 @@ class ReliefTransport:
         for answer, light in zip(field, grey.float().flatten(1), strict=True):
             lit = light.nonzero()[:, 0]
             # A lamp lies in a few texels of hundreds.
-            seen = both[:, lit] @ light[lit] if len(lit) < len(light) // 8 else both @ light
+            seen = light[lit] @ both[lit] if len(lit) < len(light) // 8 else light @ both
             answer[:, points] = seen.unflatten(0, (2, -1))
         # Enlarged before they are divided: else what faces away would leak into the edge of what does not.
         field = field.unflatten(2, (self.size, self.size))
@@ -102,9 +102,12 @@ class ReliefTransport:
 
     @cached_property
     def _at_surface(self) -> tuple[torch.Tensor, torch.Tensor]:
-        """Which points have a surface at all, and their rows of `open` above those of `closed`."""
+        """Which points have a surface at all, (P,), and `open` of them beside `closed`: (texels, 2 P), a row per texel.
+
+        So those of a few lit texels lie together.
+        """
         points = self.open.any(dim=1).nonzero()[:, 0]
-        return points, torch.cat([self.open[points], self.closed[points]])
+        return points, torch.cat([self.open[points], self.closed[points]]).T.contiguous()
 
     @cached_property
     def _shine_at_surface(self) -> tuple[torch.Tensor, torch.Tensor]:
@@ -114,7 +117,7 @@ class ReliefTransport:
         toward, weight = (part.to(self.open.device) for part in _texels(rows))
         shine = specular_lobe(toward, self.normal[points]).T * weight
         seen = (self.closed[points] / self.open[points].clamp_min(1e-12)).clamp_max(1)
-        return points, torch.cat([shine, shine * seen])
+        return points, torch.cat([shine, shine * seen]).T.contiguous()
 
 
 def _texels(rows: int) -> tuple[torch.Tensor, torch.Tensor]:
