@@ -44,8 +44,8 @@ def hardened(effects, lamps, irradiance=None, light=None, label=SKIN, given=None
     light = side_light() if light is None else light
     relief, horizon = march_relief(*coarse), horizon_of(found)
     given = torch.cat([torch.full((1, 3, 1, 1), part) for part in given or given_by(lamps)], 1)
-    without = lambda rest: (reflection - given).clamp_min(0)  # noqa: E731
-    return harden_shadow(effects, found, reflection, light, relief, horizon, lamps, without, roll_deg)
+    of_lamps = lambda lit: torch.minimum(given, reflection)  # noqa: E731
+    return harden_shadow(effects, found, reflection, light, relief, horizon, lamps, of_lamps, roll_deg)
 
 
 def given_by(lamps):

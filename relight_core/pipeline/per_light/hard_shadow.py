@@ -64,8 +64,8 @@ def harden_shadow(
         light: (1, 16, 32, 3) that they are the effects of.
         transport: the relief as they were made with.
         lamps: of the light, in the camera space of the photo.
-        reflect: gives `reflected` of a light. What a lamp gives is what is missing without it, and not what its
-            cosine says: where light grazes the surface, texels of 11 degrees give it less or more than that.
+        reflect: gives `reflected` of a light. What a lamp gives is what its texels give, and not what its cosine
+            says: where light grazes the surface, texels of 11 degrees give it less or more than that.
         roll_deg: how far the view is turned in the photo, as `Crop.roll_deg`; surface and light are turned already.
     """
     if not lamps:
@@ -75,9 +75,9 @@ def harden_shadow(
     lamps = [lamp.rolled(roll_deg) for lamp in lamps]
     rest = _without(light, lamps, power)
     reach = _reach(surface, rest, transport, horizon, lamps, power)
-    without = reflect(rest)
-    parts = _parts(_irradiance(lamps, surface), grey(reflected[:, :3]), grey(without[:, :3]))
-    gloss_parts = _parts(_gloss(lamps, surface), gloss, grey(without[:, 3:]))
+    of_lamps = reflect(light - rest)
+    parts = _parts(_irradiance(lamps, surface), grey(reflected[:, :3]), grey(of_lamps[:, :3]))
+    gloss_parts = _parts(_gloss(lamps, surface), gloss, grey(of_lamps[:, 3:]))
     hidden = _with_edges(hidden_share(effects, diffuse, gloss), parts, reach)
     dull = (hidden_gloss(effects, gloss) / gloss.clamp_min(_NO_GLOSS)).clamp(0, 1)
     duller = _with_edges(dull, gloss_parts, reach)
@@ -160,16 +160,16 @@ def _with_edges(hidden: torch.Tensor, parts: Sequence[torch.Tensor], reach: _Rea
     return (edged + doubt * (rest * reach.lost_rest - of_rest)).clamp(0, 1)
 
 
-def _parts(given: Sequence[torch.Tensor], all_light: torch.Tensor, without: torch.Tensor) -> list[torch.Tensor]:
+def _parts(given: Sequence[torch.Tensor], all_light: torch.Tensor, of_lamps: torch.Tensor) -> list[torch.Tensor]:
     """(1, 1, S, S) in [0, 1] of each lamp: its share of all grey irradiance, or gloss, where nothing is hidden.
 
     Args:
         given: what each lamp gives by itself, > 0; only its share of all lamps counts.
-        all_light, without: irradiance or gloss of the light, and of it without its lamps.
+        all_light, of_lamps: irradiance or gloss of the light, and of its lamps alone.
     """
-    of_lamps = ((all_light - without) / all_light.clamp_min(_NO_GLOSS)).clamp(0, 1)
+    share = (of_lamps / all_light.clamp_min(_NO_GLOSS)).clamp(0, 1)
     together = sum(given)
-    return [of_lamps * (of_lamp / together) for of_lamp in given]
+    return [share * (of_lamp / together) for of_lamp in given]
 
 
 def _irradiance(lamps: Sequence[Lamp], surface: Surface) -> list[torch.Tensor]:
