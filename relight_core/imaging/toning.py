@@ -2,18 +2,22 @@
 
 from __future__ import annotations
 
+import cv2
 import numpy as np
 
 _LEVELS = 48
 _STEPS = 4 * 255
 """Of brightness in a unit of code: two colours that differ by less are as bright as each other."""
 
-_COLOURLESS = 6 / 255
+_COLOURLESS = 5 / 255
 _STRAY_SHARE = 0.015
 """Of all pixels, those that compression and clipping may take off the tone."""
 
 _PLAIN_COLOUR = 12 / 255
-"""What compression makes of a toned picture's edges stays below this nearly everywhere."""
+
+_BLOCK_PX = 17
+"""JPEG blurs and coarsens chroma in blocks of 16 pixels, whose means it keeps: a strong tone is off at every edge, by
+as much to one side as to the other."""
 
 _COLOURED_SHARE = 0.2
 """Of a tile's pixels, those whose plain colour makes it a coloured one: a small face, not an edge."""
@@ -38,15 +42,12 @@ def is_monochrome(codes: np.ndarray, counted: np.ndarray | None = None) -> bool:
     flat = codes[counted]
     if not len(flat):
         return True
-    brightness, colour = np.maximum(flat.sum(1), 0), (flat - flat[:, 1:2])[:, [0, 2]]
-    levels, tones = _toned_levels(brightness, colour)
-    strays = sum(_off(colour[level], tone) for level, tone in zip(levels, tones, strict=True))
-    if strays > _STRAY_SHARE * len(flat):
+    off, most = np.zeros(counted.shape, np.float32), np.full(counted.shape, np.float32(_PLAIN_COLOUR))
+    beside_tone, most[counted] = _beside_tone(flat)
+    off[counted] = np.abs(_block_means(beside_tone, counted)).max(1)
+    if (off > _COLOURLESS).sum() > _STRAY_SHARE * len(flat):
         return False
-    middles = np.array([np.median(brightness[level]) for level in levels])
-    plain = np.zeros(counted.shape, bool)
-    plain[counted] = _plainly_off(brightness, colour, middles, tones)
-    return _densest_share(plain) <= _COLOURED_SHARE
+    return _densest_share(off > most) <= _COLOURED_SHARE
 
 
 def _toned_levels(brightness: np.ndarray, colour: np.ndarray) -> tuple[list[np.ndarray], np.ndarray]:
@@ -67,27 +68,32 @@ def _toned_levels(brightness: np.ndarray, colour: np.ndarray) -> tuple[list[np.n
     return levels, np.array([known[span] for span in zip(starts, stops, strict=True)])
 
 
-def _off(colour: np.ndarray, tone: np.ndarray) -> int:
-    return int((np.abs(colour - tone).max(1) > _COLOURLESS).sum())
-
-
-def _plainly_off(brightness: np.ndarray, colour: np.ndarray, middles: np.ndarray, tones: np.ndarray) -> np.ndarray:
-    """Which pixels a tone that goes smoothly from level to level, and on beyond them, doesn't explain.
+def _beside_tone(flat: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """What a tone that goes smoothly from level to level, and on beyond them, leaves of pixels' colours.
 
     Args:
-        brightness: (N,) sum of the codes.
-        colour: (N, 2) red and blue less green.
-        middles: (L,) brightness of the levels.
-        tones: (L, 2) their colours.
+        flat: (N, 3) codes.
+
+    Returns:
+        (N, 2) red and blue less green, less the tone's, and (N,) from where on that is plainly a colour.
     """
+    brightness, colour = np.maximum(flat.sum(1), 0), (flat - flat[:, 1:2])[:, [0, 2]]
+    levels, tones = _toned_levels(brightness, colour)
+    middles = np.array([np.median(brightness[level]) for level in levels])
     within = np.clip(brightness, middles[0], middles[-1])
     growth = (brightness + 3 * _SRGB_OFFSET) / (within + 3 * _SRGB_OFFSET)
     # A tone that is known from the dark alone is known to half a code, which grows with it.
     most = _PLAIN_COLOUR + np.maximum(growth - 1, 0) * (0.5 / 255)
-    off = np.zeros(len(brightness), bool)
-    for i in range(2):
-        off |= np.abs(colour[:, i] - growth * np.interp(within, middles, tones[:, i])) > most
-    return off
+    tone = np.stack([growth * np.interp(within, middles, tones[:, i]) for i in range(2)], axis=-1)
+    return colour - tone, most
+
+
+def _block_means(values: np.ndarray, counted: np.ndarray) -> np.ndarray:
+    """(N, 2) means about each of the N counted pixels (H, W), over as much as a compressed block of those."""
+    spread = np.zeros((*counted.shape, 3), np.float32)
+    spread[counted] = np.column_stack([values, np.ones(len(values))])
+    means = cv2.blur(spread, (_BLOCK_PX, _BLOCK_PX), borderType=cv2.BORDER_CONSTANT)[counted]
+    return means[:, :2] / means[:, 2:]
 
 
 def _densest_share(marked: np.ndarray) -> float:

@@ -103,3 +103,14 @@ def test_two_colours_of_one_brightness_are_no_tone_however_they_lie(colours, acr
     codes = np.full((48, 64, 3), colours[0], np.uint8)
     (codes.swapaxes(0, 1) if across else codes)[24:] = colours[1]
     assert not Photo.from_srgb(codes).monochrome
+
+
+@pytest.mark.parametrize("quality", [50, 75, 95])
+@pytest.mark.parametrize("strongest", [(1.351, 1.203, 0.937), (0.5, 0.9, 1.3)])
+def test_a_strong_tone_stays_one_where_compression_blurs_it_at_every_edge(quality, strongest):
+    # As apps tone photos: codes are multiplied, and end at 255. Hair and cloth have edges all over.
+    rng = np.random.default_rng(2)
+    fine = rng.uniform(0, 255, (67, 50)).repeat(12, 0).repeat(12, 1)[:800]
+    grey = 0.4 * fine + 0.6 * np.linspace(0, 255, 600)
+    codes = np.uint8(np.clip(np.multiply.outer(grey, strongest), 0, 255).round())
+    assert Photo.from_srgb(compressed(codes, quality)).monochrome
