@@ -191,6 +191,17 @@ def test_of_several_specks_the_widest_is_what_a_face_must_exceed(monkeypatch, ph
     assert [found.x0 for found in chosen] == [18, 15]
 
 
+@pytest.mark.parametrize(("seen_in_guess", "seen_in_place", "left"), [(2, 3, 2), (3, 3, 4), (2, 2, 4)])
+def test_a_guess_that_shows_half_a_face_gives_way_to_a_whole_one(
+    monkeypatch, photo, seen_in_guess, seen_in_place, left
+):
+    leaves, face = FaceBox(4, 4, 8, 8, 120.0, True), FaceBox(2, 2, 12, 14, doubtful=True)
+    seeing(monkeypatch, [], [leaves])
+    evidence = {leaves: seen_in_guess, face: seen_in_place}
+    chosen = choose_faces(photo, None, lambda box: evidence[box], lambda view: face, glimpse=lambda box: 3)
+    assert [found.x0 for found in chosen] == [left]
+
+
 def test_of_guesses_that_show_as_much_one_that_stands_is_chosen(monkeypatch, photo):
     seeing(monkeypatch, [], [GUESSES[1], FaceBox(3, 3, 9, 9, -30.0, True)])
     assert [face.roll_deg for face in choose_faces(photo, None, lambda box: 2)] == [-30.0]

@@ -116,9 +116,10 @@ def _confirmed(
         least_width = _MUCH_WIDER * max(face.width for face in faces)
         # Of a face that lies the search may only suspect one that stands: then a guess that shows all is better.
         places = (_wider(look(), least_width) for look in (searched, guessed))
-        faces = _fullest(places, lambda face: evidence(face) == _ALL_EVIDENCE) or faces
+        faces = _fullest(places, evidence) or faces
     if not faces:
-        faces = guessed() or searched()
+        # Leaves may pass for half a face, and be all that cascades hit beside a head that leans.
+        faces = _fullest((look() for look in (guessed, searched)), evidence)
     if not faces and not found:
         found = find_small_faces(photo)
         faces = list(filter(is_sure, found))
@@ -129,11 +130,11 @@ def _confirmed(
     return faces
 
 
-def _fullest(choices: Iterable[list[FaceBox]], is_whole: Callable[[FaceBox], bool]) -> list[FaceBox]:
+def _fullest(choices: Iterable[list[FaceBox]], evidence: Callable[[FaceBox], int]) -> list[FaceBox]:
     """The first choice whose faces are all seen whole, else the first that has any."""
     left: list[FaceBox] = []
     for faces in choices:
-        if faces and all(map(is_whole, faces)):
+        if faces and all(evidence(face) == _ALL_EVIDENCE for face in faces):
             return faces
         left = left or faces
     return left
