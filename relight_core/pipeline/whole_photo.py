@@ -134,11 +134,11 @@ class WholePhoto:
 
     def _draft_matte(self) -> DraftMatte | None:
         """The people as seen by one tier, whichever is asked for, so that it depends on no history."""
-        looks = (face.looks() for face in self._faces)
+        looks, shapes = (face.looks() for face in self._faces), (face.face_mask() for face in self._faces)
         portraits = [face.portrait for face in self._faces]
         exposures, crops = [one.exposure for one in portraits], [one.crop for one in portraits]
         exposure = exposure_about_faces(exposures, crops, self._photo.linear.shape[:2])
-        return draft_matte(self._photo.linear, looks, self._photo.alpha, self._small().linear, exposure)
+        return draft_matte(self._photo.linear, looks, self._photo.alpha, self._small().linear, exposure, shapes)
 
     def _small(self) -> Canvas:
         """The photo no longer than WORKING_PX, from which smaller copies are made."""

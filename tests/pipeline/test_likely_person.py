@@ -5,6 +5,7 @@ from relight_core.face.crop import Crop
 from relight_core.pipeline.per_photo.likely_person import (
     attached,
     likely_person,
+    place_faces,
     place_masks,
     without_holes,
     without_lookalikes,
@@ -95,6 +96,21 @@ def test_colours_decide_what_the_mask_leaves_open():
     wall = photo()
     wall[30:, 52:70] = wall[0, 0]
     assert likely_person(wall, placed(unsure))[45, 62] < 0.2
+
+
+def test_in_a_face_colours_have_no_say_against_the_person():
+    """A nose of the wall's colour stays; the same colour in a shoulder beside the face is doubted as ever."""
+    picture, faces = photo(), np.zeros((30, 30), np.float32)
+    faces[10:20, 5:25] = 0.95
+    picture[40:50, 60:70] = picture[75:85, 60:70] = picture[0, 0]
+    face = place_faces([(faces, CROP)], (100, 100), (100, 100))
+    assert face[45, 50] > 0.9
+    assert face[75, 50] < 0.1
+    assert face[95, 50] == 0
+    doubted, known = likely_person(picture, placed(mask())), likely_person(picture, placed(mask()), face)
+    assert doubted[45, 65] < 0.8
+    assert known[45, 65] > 0.9
+    np.testing.assert_allclose(known[80, 65], doubted[80, 65], atol=0.01)
 
 
 def test_a_mask_of_no_numbers_says_nothing():

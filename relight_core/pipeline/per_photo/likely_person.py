@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 import cv2
 import numpy as np
 
@@ -22,6 +24,7 @@ _PERHAPS_ALIKE, _SURELY_ALIKE = 2.0, 3.0
 """Mean log odds of a gap's colours, person about it to background, from which on it is closed, in part and whole."""
 _MOST_COLOURS_SAY = 2.0
 _ROUNDS = 2
+_PERHAPS_FACE, _SURELY_FACE = 0.5, 0.9
 _DOUBTED, _DENIED, _SUREST, _AT_MOST_BESIDE = 1.0, 2.0, 0.002, 0.35
 """In a wider look faces are smaller than the person network learnt with. It knows bodies there and what lies behind
 them, but doubts what people hold, and beside heads takes things along: in those, colours decide."""
@@ -45,19 +48,34 @@ def place_masks(people: list[list[Look]], size: tuple[int, int], photo_size: tup
     return [_placed(looks, size, photo_size) for looks in people]
 
 
-def likely_person(guide: np.ndarray, placed: list[np.ndarray]) -> np.ndarray:
+def place_faces(faces: Iterable[Look], size: tuple[int, int], photo_size: tuple[int, int]) -> np.ndarray:
+    """Probability (h, w) in [0, 1] that a place of a photo is somebody's face; sizes as for `place_masks`."""
+    places, whole = places_of(size, photo_size), all_of(size, photo_size)
+    result = np.zeros(size, np.float32)
+    for face, view in faces:
+        seen = spread_crop(_in_range(face), view, whole)
+        result = np.maximum(result, np.where(_inside(view, places), seen, 0))
+    return result
+
+
+def likely_person(guide: np.ndarray, placed: list[np.ndarray], face: np.ndarray | None = None) -> np.ndarray:
     """Probability of person over a whole photo.
+
+    A nose before a wall of skin's colour is none of the wall's, however much more of that colour the wall has: in a
+    face, which networks know by its shape, colours have no say against the person.
 
     Args:
         guide: (h, w, 3) sRGB in [0, 1], a small copy of the photo.
         placed: masks of that size (see `place_masks`).
+        face: (h, w) probability of a face, of that size (see `place_faces`); None where nobody's is known.
 
     Returns:
         (h, w) float32 in (0, 1).
     """
     likely = np.maximum.reduce([np.full(guide.shape[:2], _LEAST, np.float32), *placed])
     likely = np.clip(cv2.GaussianBlur(likely, (0, 0), 1.0), _LEAST, 1 - _LEAST)
-    return _as_colours_say(guide, np.log(likely / (1 - likely)))
+    known = ramp(np.zeros_like(likely) if face is None else face, _PERHAPS_FACE, _SURELY_FACE)
+    return _as_colours_say(guide, np.log(likely / (1 - likely)), known)
 
 
 def attached(matte: np.ndarray, placed: list[np.ndarray]) -> np.ndarray:
@@ -196,14 +214,14 @@ def _around(across: np.ndarray, below: np.ndarray, placed: np.ndarray) -> np.nda
     return guess
 
 
-def _as_colours_say(guide: np.ndarray, prior: np.ndarray) -> np.ndarray:
-    """Log odds plus those of each pixel's colour among what is surely person and surely not."""
+def _as_colours_say(guide: np.ndarray, prior: np.ndarray, face: np.ndarray) -> np.ndarray:
+    """Log odds plus those of each pixel's colour among what is surely person and surely not, in no face against it."""
     bins = bins_of(guide)
     odds = prior
     for _ in range(_ROUNDS):
         likely = 1 / (1 + np.exp(-odds))
         told = log_odds(bins, shares_of(bins, _sure(likely)), shares_of(bins, _sure(1 - likely)))
-        odds = prior + np.clip(told, -_MOST_COLOURS_SAY, _MOST_COLOURS_SAY)
+        odds = prior + np.clip(told, -_MOST_COLOURS_SAY * (1 - face), _MOST_COLOURS_SAY)
     return (1 / (1 + np.exp(-odds))).astype(np.float32)
 
 

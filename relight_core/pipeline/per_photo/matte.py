@@ -20,6 +20,7 @@ from relight_core.pipeline.per_photo.likely_person import (
     Look,
     attached,
     likely_person,
+    place_faces,
     place_masks,
     without_holes,
     without_lookalikes,
@@ -118,6 +119,7 @@ def draft_matte(
     alpha: np.ndarray | None = None,
     small: np.ndarray | None = None,
     exposure: float | np.ndarray = 1.0,
+    faces: Iterable[Look] = (),
 ) -> DraftMatte | None:
     """Carry coarse person masks to the whole photo; None where the photo's own alpha is the matte.
 
@@ -133,15 +135,17 @@ def draft_matte(
         alpha: (H, W) the photo's own alpha. Where given and not opaque throughout, it is the matte.
         small: the photo no longer than WORKING_PX, where that is there already.
         exposure: edges are looked for in the photo times this, see `exposure_about_faces`.
+        faces: a look at each face, its probability instead of the person's.
     """
     size = linear.shape[:2]
     if alpha is not None and float(alpha.min()) < 1.0:
         return None
     small = resize_area(linear, shrunk_size(size, WORKING_PX)) if small is None else small
     guide = np.ascontiguousarray(apply_view(exposed(small, exposure, all_of(small.shape[:2], size))))
-    people, matting_size = list(people), shrunk_size(size, _MATTING_PX)
-    coarse = _matted(guide, place_masks(people, matting_size, size), matting_size)
-    share = _within_frame(_seen_nearer(coarse, guide, people, size), guide)
+    people, faces, matting_size = list(people), list(faces), shrunk_size(size, _MATTING_PX)
+    placed, face = place_masks(people, matting_size, size), place_faces(faces, matting_size, size)
+    coarse = _matted(guide, placed, face, matting_size)
+    share = _within_frame(_seen_nearer(coarse, guide, people, faces, size), guide)
     return DraftMatte(share, small, guide, size, exposure)
 
 
@@ -191,17 +195,21 @@ def _on_edges(
     return share + painted(np.zeros_like(share), covered, photo_size) * (coarse - share)
 
 
-def _matted(guide: np.ndarray, placed: list[np.ndarray], size: tuple[int, int]) -> np.ndarray:
-    """The matte (h, w) of a picture (h, w, 3), sRGB, made in a copy of `size` from each person's mask at its place."""
+def _matted(guide: np.ndarray, placed: list[np.ndarray], face: np.ndarray, size: tuple[int, int]) -> np.ndarray:
+    """The matte (h, w) of a picture (h, w, 3), sRGB, made in a copy of `size` from masks of people and faces there."""
     seen = np.clip(resize_area(guide, size), 0, 1)
-    soft = attached(closed_form_matte(seen, likely_person(seen, placed)), placed)
+    soft = attached(closed_form_matte(seen, likely_person(seen, placed, face)), placed)
     # What an even grey tied to somebody may hang together with nobody once that is decided.
     decided = without_lookalikes(_decided(without_holes(soft, placed)), seen)
     return resize_smooth(attached(decided, placed), guide.shape[:2])
 
 
 def _seen_nearer(
-    coarse: np.ndarray, guide: np.ndarray, people: list[list[Look]], photo_size: tuple[int, int]
+    coarse: np.ndarray,
+    guide: np.ndarray,
+    people: list[list[Look]],
+    faces: list[Look],
+    photo_size: tuple[int, int],
 ) -> np.ndarray:
     """A matte (h, w) made again, from near, where people are small in the photo.
 
@@ -211,10 +219,11 @@ def _seen_nearer(
     windows = [window for looks in people if (window := _near_window(looks[0][1], photo_size, guide.shape[:2]))]
     if not windows:
         return coarse
-    placed = place_masks(people, guide.shape[:2], photo_size)
+    placed, face = place_masks(people, guide.shape[:2], photo_size), place_faces(faces, guide.shape[:2], photo_size)
     for window in sorted(windows, key=_widest_first):
         size = shrunk_size(coarse[window].shape, _MATTING_PX)
-        near = _matted(guide[window], [resize_area(mask[window], size) for mask in placed], size)
+        *masks, face_mask = (resize_area(mask[window], size) for mask in (*placed, face))
+        near = _matted(guide[window], masks, face_mask, size)
         coarse[window] += _weight(window, coarse.shape) * (near - coarse[window])
     return coarse
 
