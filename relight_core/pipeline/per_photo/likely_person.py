@@ -17,7 +17,8 @@ _SURELY_BODY, _PROBABLY_BODY, _PERHAPS_BODY, _NOBODY = 0.97, 0.6, 0.2, 0.02
 _LEAST = 0.01
 _SURE_FROM = 0.7
 _NO_GAP_FROM = 0.5
-_ENCLOSED, _WHOLE, _LEAST_GAP_PX = 0.3, 0.9, 12
+_ENCLOSED, _HALF_ENCLOSED, _WHOLE, _LEAST_GAP_PX = 0.3, 0.15, 0.9, 12
+_DEEP, _DEEP_SHARE = 0.05, 0.16
 _RIM = np.ones((5, 5), np.uint8)
 _ABOUT, _LEAST_ABOUT_PX = 2.0, 12
 _PERHAPS_ALIKE, _SURELY_ALIKE = 2.0, 3.0
@@ -116,7 +117,7 @@ def without_holes(matte: np.ndarray, placed: list[np.ndarray]) -> np.ndarray:
     return matte + known * (closed(matte) - matte)
 
 
-def without_lookalikes(matte: np.ndarray, guide: np.ndarray) -> np.ndarray:
+def without_lookalikes(matte: np.ndarray, guide: np.ndarray, undecided: np.ndarray | None = None) -> np.ndarray:
     """A matte without gaps that have the colours of the person about them and none of what lies behind.
 
     Through a gap one sees what is seen beside the person too: a black brim, or hair in deep shadow, that the masks
@@ -125,11 +126,15 @@ def without_lookalikes(matte: np.ndarray, guide: np.ndarray) -> np.ndarray:
     Args:
         matte: (h, w) in [0, 1].
         guide: (h, w, 3) sRGB in [0, 1].
+        undecided: (h, w) the matte before what is half and half was decided, where a strand that goes about a gap may
+            still be whole; the matte itself where that is None.
 
     Returns:
         (h, w) float32, nowhere below the matte.
     """
     inside = cv2.erode((closed(matte) > _ENCLOSED).astype(np.uint8), _RIM) > 0
+    if undecided is not None:
+        inside |= _half_enclosed(np.maximum(matte, undecided))
     return matte + _like_what_is_about(matte, inside & (matte < _WHOLE), guide) * (1 - matte)
 
 
@@ -138,6 +143,22 @@ def closed(matte: np.ndarray) -> np.ndarray:
     border = np.ones_like(matte)
     border[1:-1, 1:-1] = 0
     return 1 - _spread_within(np.minimum(border, 1 - matte), 1 - matte)
+
+
+def _half_enclosed(matte: np.ndarray) -> np.ndarray:
+    """Where a matte (h, w) has gaps within what is more person than nothing, and what is soft about them.
+
+    Soft edges hold specks that are shut in; a gap is so in a good part of it.
+    """
+    around = closed(matte)
+    within = cv2.erode((around > _HALF_ENCLOSED).astype(np.uint8), _RIM)
+    _, parts = cv2.connectedComponents(within * (matte < _WHOLE))
+    pixels, shut_in = (
+        np.bincount(parts[where], minlength=parts.max() + 1) for where in (parts > 0, around - matte > _DEEP)
+    )
+    deep = shut_in > np.maximum(_DEEP_SHARE * pixels, _LEAST_GAP_PX - 1)
+    deep[0] = False
+    return deep[parts]
 
 
 def _like_what_is_about(matte: np.ndarray, gaps: np.ndarray, guide: np.ndarray) -> np.ndarray:

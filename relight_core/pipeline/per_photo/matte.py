@@ -200,7 +200,8 @@ def _matted(guide: np.ndarray, placed: list[np.ndarray], face: np.ndarray, size:
     seen = np.clip(resize_area(guide, size), 0, 1)
     soft = attached(closed_form_matte(seen, likely_person(seen, placed, face)), placed)
     # What an even grey tied to somebody may hang together with nobody once that is decided.
-    decided = without_lookalikes(_decided(without_holes(soft, placed)), seen)
+    whole = without_holes(soft, placed)
+    decided = without_lookalikes(_decided(whole), seen, whole)
     return resize_smooth(attached(decided, placed), guide.shape[:2])
 
 
