@@ -110,7 +110,7 @@ class ViewOfPhoto:
         gain = np.maximum(self._evenly(matt, self._with_pattern(matt)), 0.0)
         reached = share_in_reach(gain)
         missed, gain = gain * (1 - reached), gain * reached
-        # Skin in a deep shadow would stay black, or gray of the gloss on top. It is warm there, more than in the light.
+        # Skin in a deep shadow would stay black, or grey of the gloss on top. It is warm there, more than in the light.
         # What is black and not warm was parsed as skin by mistake, a beard's edge or a collar: gloss would be a haze.
         laid_over = missed * (self._photo + _DARK) * self._in_shadow
         kept = 1 - (1 - reached) * (self._skin - self._in_shadow)

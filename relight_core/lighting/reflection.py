@@ -13,9 +13,9 @@ import torch
 import torch.nn.functional as F
 
 from relight_core.lighting.environment import NETWORK_HEIGHT
+from relight_core.lighting.response import response_to
 from relight_core.lighting.sphere import directions, solid_angles
 
-_FEW = 8
 TABLE_SIZE = 64
 _TABLE_EXTENT = 1.15
 
@@ -114,11 +114,7 @@ class NormalLookup:
     def __call__(self, light: torch.Tensor) -> torch.Tensor:
         """Irradiance rgb and gloss rgb as `ReflectionTable` has them under a light (1, h, 2h, 3): (1, 6, H, W)."""
         with torch.autocast(light.device.type, enabled=False):
-            texels = light.float().reshape(-1, 3)
-            lit = texels.any(dim=1).nonzero()[:, 0]
-            # Lamps lie in a few texels of hundreds, and the table is large.
-            few = len(lit) < len(texels) // _FEW
-            read = texels[lit].T @ self._transport[lit] if few else texels.T @ self._transport
+            read = response_to(light.float().reshape(-1, 3).T, self._transport)
         table = read.new_zeros(self._parts, 3, TABLE_SIZE**2)
         table[:, :, self._cells] = read.reshape(3, self._parts, -1).transpose(0, 1)
         table = table.reshape(1, 3 * self._parts, TABLE_SIZE, TABLE_SIZE)

@@ -16,6 +16,7 @@ import torch.nn.functional as F
 
 from relight_core.imaging.tensor_colour import luminance_weights
 from relight_core.lighting.reflection import specular_lobe
+from relight_core.lighting.response import response_to
 from relight_core.lighting.sphere import directions, solid_angles
 
 _AZIMUTHS = 48
@@ -91,10 +92,7 @@ class ReliefTransport:
         points, both = self._at_surface
         field = torch.zeros(len(grey), 2, len(self.open))
         for answer, light in zip(field, grey.float().flatten(1), strict=True):
-            lit = light.nonzero()[:, 0]
-            # A lamp lies in a few texels of hundreds.
-            seen = light[lit] @ both[lit] if len(lit) < len(light) // 8 else light @ both
-            answer[:, points] = seen.unflatten(0, (2, -1))
+            answer[:, points] = response_to(light[None], both)[0].unflatten(0, (2, -1))
         # Enlarged before they are divided: else what faces away would leak into the edge of what does not.
         field = field.unflatten(2, (self.size, self.size))
         opened, closed = F.interpolate(field, size=size, mode="bilinear", align_corners=False).chunk(2, 1)

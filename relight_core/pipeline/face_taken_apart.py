@@ -9,7 +9,7 @@ from typing import Self
 import numpy as np
 
 from relight_core.face.crop import Crop
-from relight_core.face.parsing import FACE_LABELS, INDEX
+from relight_core.face.parsing import INDEX, PAPER_CLASSES, share_of
 from relight_core.face.person_view import person_view, upright, wider_view
 from relight_core.face.silhouette import person_with_headwear
 from relight_core.imaging.resampling import resize_area
@@ -129,8 +129,8 @@ class FaceTakenApart:
 
     def face_mask(self) -> tuple[np.ndarray, Crop]:
         """Probability (s, s) of face, and the view it lies in."""
-        parsing = self.prepare(tier_of("live")).found.parsing[0]
-        return parsing[list(FACE_LABELS)].sum(0).cpu().numpy(), self.portrait.view
+        face = share_of(self.prepare(tier_of("live")).found.parsing, PAPER_CLASSES)
+        return face[0, 0].cpu().numpy(), self.portrait.view
 
     def outline(self) -> Outline | None:
         """The person as the person network sees them; None where there is no such network, or it isn't asked.

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
-import json
 import shutil
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
@@ -170,7 +168,9 @@ def _example_batches(run: Run, stage: Stage, bundle: NetworkBundle, device: str)
     """The wide pair's answers; they lie beside the checkpoint until the stage ends, or in `run.kept` for good."""
     teacher = Teacher(bundle, ReflectionTable().to(device), device)
     place = run.kept or run.checkpoint.with_suffix(".examples")
-    folder = place / f"{run.size}px-{run.pairs}-pairs-seed-{run.seed}-by-{teacher.name}-of-{_mark_of_samples(run)}"
+    # A run that is killed before its first state leaves nothing else that tells which samples it took.
+    samples = "-".join(f"{name}-{value}" for name, value in drawn_by(run).items())
+    folder = place / f"{samples}-by-{teacher.name}-of-{data_mark(run.heads, run.lights, 'train')}"
 
     def make(first: int) -> Iterator[dict[str, torch.Tensor]]:
         return map(teacher.examples, training_batches(replace(run, kept=None), stage, first))
@@ -178,12 +178,6 @@ def _example_batches(run: Run, stage: Stage, bundle: NetworkBundle, device: str)
     yield lambda first: kept_batches(folder, make, first, among=run.examples)
     if run.kept is None:
         shutil.rmtree(place)
-
-
-def _mark_of_samples(run: Run) -> str:
-    """Tells whether two runs take the same samples; one killed before its first state leaves nothing else that does."""
-    samples = json.dumps([drawn_by(run), data_mark(run.heads, run.lights, "train")])
-    return hashlib.sha256(samples.encode()).hexdigest()[:10]
 
 
 @contextmanager

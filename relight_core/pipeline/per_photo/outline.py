@@ -10,7 +10,7 @@ import numpy as np
 import torch
 
 from relight_core.face.crop import Crop
-from relight_core.face.parsing import FACE_LABELS, INDEX
+from relight_core.face.parsing import INDEX, PAPER_CLASSES, share_of
 from relight_core.face.person_view import face_in_view, inside_photo
 from relight_core.face.silhouette import person_with_headwear, rows_above_the_eyes
 from relight_core.imaging.colour import srgb_encode
@@ -127,7 +127,7 @@ def parsing_within(parsing: torch.Tensor, outline: Outline, view: Crop) -> torch
     mean = mean + rows_above_the_eyes(found) * (agreed - mean)
     both = known * mean + (1 - known) * by_parsing
     person = torch.from_numpy(both.astype(np.float32)).to(parsing.device)[None, None]
-    person = torch.maximum(person, parsing[:, list(FACE_LABELS)].sum(1, True))
+    person = torch.maximum(person, share_of(parsing, PAPER_CLASSES))
     others = parsing[:, 1:] + 1e-4 * _by_default(parsing)
     return torch.cat([1 - person, person * others / others.sum(1, keepdim=True)], 1)
 
