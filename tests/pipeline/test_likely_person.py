@@ -5,6 +5,7 @@ from relight_core.face.crop import Crop
 from relight_core.pipeline.per_photo.likely_person import (
     attached,
     likely_person,
+    near_views,
     place_faces,
     place_masks,
     without_holes,
@@ -87,6 +88,28 @@ def test_beside_a_head_a_wider_look_can_only_leave_open_that_somebody_is_there()
     assert (with_nobody < 0.5 * alone).all()
     assert (with_somebody > alone).all()
     assert (with_somebody < 0.4).all()
+
+
+def test_a_wall_that_a_wider_look_takes_for_a_lap_is_known_by_its_colour():
+    """It has that of the wall behind the shoulders, and a skirt has one that nothing in the nearest look has."""
+    seen, around = mask(), np.full((100, 100), 0.97, np.float32)
+    around[:70] = 0.02
+    people, guide = [[(seen, CROP), (around, WIDER)]], photo()
+    guide[80:, 75:] = (0.1, 0.6, 0.2)
+    masks, near = place_masks(people, (100, 100), (100, 100)), near_views(people, (100, 100), (100, 100))
+    likely = likely_person(guide, masks, near=near)
+    assert likely[85, 15] < 0.3
+    assert likely_person(guide, masks)[85, 15] > 0.5
+    assert likely[85, 50] > 0.9
+    assert likely[85, 85] > 0.8
+
+
+def test_what_lies_in_anybodys_nearest_look_is_near():
+    people = [[(mask(), CROP), (mask(), WIDER)], [(mask(), Crop(90.0, 90.0, 20.0))]]
+    near = near_views(people, (100, 100), (100, 100))
+    assert near[[40, 69, 90], [50, 79, 90]].all()
+    assert not near[[75, 40], [50, 10]].any()
+    assert not near_views([], (10, 10), (100, 100)).any()
 
 
 def test_colours_decide_what_the_mask_leaves_open():

@@ -23,7 +23,7 @@ _RIM = np.ones((5, 5), np.uint8)
 _ABOUT, _LEAST_ABOUT_PX = 2.0, 12
 _PERHAPS_ALIKE, _SURELY_ALIKE = 2.0, 3.0
 """Mean log odds of a gap's colours, person about it to background, from which on it is closed, in part and whole."""
-_MOST_COLOURS_SAY = 2.0
+_MOST_COLOURS_SAY, _MOST_FROM_AFAR = 2.0, 4.0
 _ROUNDS = 2
 _PERHAPS_FACE, _SURELY_FACE = 0.5, 0.9
 _DOUBTED, _DENIED, _SUREST, _AT_MOST_BESIDE = 1.0, 2.0, 0.002, 0.35
@@ -59,16 +59,27 @@ def place_faces(faces: Iterable[Look], size: tuple[int, int], photo_size: tuple[
     return result
 
 
-def likely_person(guide: np.ndarray, placed: list[np.ndarray], face: np.ndarray | None = None) -> np.ndarray:
+def near_views(people: list[list[Look]], size: tuple[int, int], photo_size: tuple[int, int]) -> np.ndarray:
+    """Which places (h, w) of a photo, true or false, lie in somebody's nearest look; arguments as of `place_masks`."""
+    places = places_of(size, photo_size)
+    return np.logical_or.reduce([np.zeros(size, bool), *(_inside(looks[0][1], places) for looks in people)])
+
+
+def likely_person(
+    guide: np.ndarray, placed: list[np.ndarray], face: np.ndarray | None = None, near: np.ndarray | None = None
+) -> np.ndarray:
     """Probability of person over a whole photo.
 
     A nose before a wall of skin's colour is none of the wall's, however much more of that colour the wall has: in a
-    face, which networks know by its shape, colours have no say against the person.
+    face, which networks know by its shape, colours have no say against the person. Beyond the nearest looks they have
+    most: a wall that a wider one takes for a lap has the colours of the wall behind the shoulders.
 
     Args:
         guide: (h, w, 3) sRGB in [0, 1], a small copy of the photo.
         placed: masks of that size (see `place_masks`).
         face: (h, w) probability of a face, of that size (see `place_faces`); None where nobody's is known.
+        near: (h, w) in [0, 1], of that size: what is seen in the nearest looks (see `near_views`). Colours are learnt
+            there alone. None where all of it is.
 
     Returns:
         (h, w) float32 in (0, 1).
@@ -76,7 +87,7 @@ def likely_person(guide: np.ndarray, placed: list[np.ndarray], face: np.ndarray 
     likely = np.maximum.reduce([np.full(guide.shape[:2], _LEAST, np.float32), *placed])
     likely = np.clip(cv2.GaussianBlur(likely, (0, 0), 1.0), _LEAST, 1 - _LEAST)
     known = ramp(np.zeros_like(likely) if face is None else face, _PERHAPS_FACE, _SURELY_FACE)
-    return _as_colours_say(guide, np.log(likely / (1 - likely)), known)
+    return _as_colours_say(guide, np.log(likely / (1 - likely)), known, np.ones_like(likely) if near is None else near)
 
 
 def attached(matte: np.ndarray, placed: list[np.ndarray]) -> np.ndarray:
@@ -235,14 +246,15 @@ def _around(across: np.ndarray, below: np.ndarray, placed: np.ndarray) -> np.nda
     return guess
 
 
-def _as_colours_say(guide: np.ndarray, prior: np.ndarray, face: np.ndarray) -> np.ndarray:
+def _as_colours_say(guide: np.ndarray, prior: np.ndarray, face: np.ndarray, near: np.ndarray) -> np.ndarray:
     """Log odds plus those of each pixel's colour among what is surely person and surely not, in no face against it."""
     bins = bins_of(guide)
+    most = (_MOST_FROM_AFAR + (_MOST_COLOURS_SAY - _MOST_FROM_AFAR) * near) * (1 - face)
     odds = prior
     for _ in range(_ROUNDS):
         likely = 1 / (1 + np.exp(-odds))
-        told = log_odds(bins, shares_of(bins, _sure(likely)), shares_of(bins, _sure(1 - likely)))
-        odds = prior + np.clip(told, -_MOST_COLOURS_SAY * (1 - face), _MOST_COLOURS_SAY)
+        told = log_odds(bins, *(shares_of(bins, _sure(side) * near) for side in (likely, 1 - likely)))
+        odds = prior + np.clip(told, -most, _MOST_COLOURS_SAY)
     return (1 / (1 + np.exp(-odds))).astype(np.float32)
 
 

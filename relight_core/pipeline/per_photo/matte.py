@@ -20,6 +20,7 @@ from relight_core.pipeline.per_photo.likely_person import (
     Look,
     attached,
     likely_person,
+    near_views,
     place_faces,
     place_masks,
     without_holes,
@@ -143,8 +144,9 @@ def draft_matte(
     small = resize_area(linear, shrunk_size(size, WORKING_PX)) if small is None else small
     guide = np.ascontiguousarray(apply_view(exposed(small, exposure, all_of(small.shape[:2], size))))
     people, faces, matting_size = list(people), list(faces), shrunk_size(size, _MATTING_PX)
-    placed, face = place_masks(people, matting_size, size), place_faces(faces, matting_size, size)
-    coarse = _matted(guide, placed, face, matting_size)
+    placed = place_masks(people, matting_size, size)
+    face, near = place_faces(faces, matting_size, size), near_views(people, matting_size, size)
+    coarse = _matted(guide, placed, face, near, matting_size)
     share = _within_frame(_seen_nearer(coarse, guide, people, faces, size), guide)
     return DraftMatte(share, small, guide, size, exposure)
 
@@ -195,10 +197,16 @@ def _on_edges(
     return share + painted(np.zeros_like(share), covered, photo_size) * (coarse - share)
 
 
-def _matted(guide: np.ndarray, placed: list[np.ndarray], face: np.ndarray, size: tuple[int, int]) -> np.ndarray:
-    """The matte (h, w) of a picture (h, w, 3), sRGB, made in a copy of `size` from masks of people and faces there."""
+def _matted(
+    guide: np.ndarray, placed: list[np.ndarray], face: np.ndarray, near: np.ndarray, size: tuple[int, int]
+) -> np.ndarray:
+    """The matte (h, w) of a picture (h, w, 3), sRGB, made in a copy of `size`.
+
+    Args:
+        placed, face, near: masks of that size, see `likely_person`.
+    """
     seen = np.clip(resize_area(guide, size), 0, 1)
-    soft = attached(closed_form_matte(seen, likely_person(seen, placed, face)), placed)
+    soft = attached(closed_form_matte(seen, likely_person(seen, placed, face, near)), placed)
     # What an even grey tied to somebody may hang together with nobody once that is decided.
     whole = without_holes(soft, placed)
     decided = without_lookalikes(_decided(whole), seen, whole)
@@ -224,8 +232,8 @@ def _seen_nearer(
     for window in sorted(windows, key=_widest_first):
         size = shrunk_size(coarse[window].shape, _MATTING_PX)
         *masks, face_mask = (resize_area(mask[window], size) for mask in (*placed, face))
-        near = _matted(guide[window], masks, face_mask, size)
-        coarse[window] += _weight(window, coarse.shape) * (near - coarse[window])
+        nearer = _matted(guide[window], masks, face_mask, np.ones(size, np.float32), size)
+        coarse[window] += _weight(window, coarse.shape) * (nearer - coarse[window])
     return coarse
 
 
