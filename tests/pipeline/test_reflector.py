@@ -45,10 +45,25 @@ def beside_a_face(label, albedo, fairness):
 
 def test_a_neck_far_darker_than_its_fair_face_is_a_collar_and_hardly_mirrors():
     assert beside_a_face(NECK, 0.05, fairness=0.4) < 0.1
-    assert beside_a_face(NECK, 0.15, fairness=0.4) == pytest.approx(1, rel=1e-4)
-    assert 0.2 < beside_a_face(NECK, 0.1, fairness=0.4) < 0.8
-    assert beside_a_face(NECK, 0.05, fairness=0.1) == pytest.approx(1, rel=1e-4)
+    assert beside_a_face(NECK, 0.3, fairness=0.4) == pytest.approx(1, rel=1e-4)
+    assert 0.2 < beside_a_face(NECK, 0.23, fairness=0.4) < 0.8
+    assert beside_a_face(NECK, 0.075, fairness=0.1) == pytest.approx(1, rel=1e-4)
     assert beside_a_face(NECK, 0.05, fairness=0.06) == pytest.approx(1, rel=1e-4)
+
+
+def with_a_beard(albedo, fairness):
+    """Gloss, beside the skin's, of the lowest quarter of a face, of which the parsing takes all for skin."""
+    surface = surface_of(SKIN, fairness)
+    surface.albedo[..., 3 * SIZE // 4 :, :] = albedo
+    gloss = reflect(reflector(ReflectionTable(), surface), torch.ones(1, 16, 32, 3))[0, 3:]
+    return (gloss[:, -1].mean() / gloss[:, 0].mean()).item()
+
+
+def test_a_beard_that_passes_for_skin_hardly_mirrors_and_a_flush_does():
+    assert with_a_beard(0.12, fairness=0.3) < 0.15
+    assert 0.2 < with_a_beard(0.17, fairness=0.3) < 0.8
+    assert with_a_beard(0.25, fairness=0.3) == pytest.approx(1, rel=1e-4)
+    assert with_a_beard(0.046, fairness=0.06) == pytest.approx(1, rel=1e-4)
 
 
 def test_dark_hair_beside_a_fair_face_is_duller_than_brown_hair():
