@@ -7,13 +7,14 @@ Nothing switches: a lamp that is enlarged, or dimmed against the rest, loses its
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+import math
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from relight_core.imaging.colour import luminance
 from relight_core.lighting.enlarge import draw_finer
-from relight_core.lighting.environment import NETWORK_HEIGHT, Environment, shrink
+from relight_core.lighting.environment import NETWORK_HEIGHT, Environment, network_light, shrink
 from relight_core.lighting.roll import roll_light
 from relight_core.lighting.sphere import directions, place_on_map, solid_angles, turned
 
@@ -41,16 +42,20 @@ class Lamp:
         radius_deg: of a disc as spread out as it is.
         irradiance: that it gives a surface facing it, over pi.
         hardness: in (0, 1], how far it counts as small; 0 would be a window or next to no light.
+        alone: the light without anything else in it, before it was turned; None for an even disc.
+        yaw_deg: how far it has been turned since.
     """
 
     toward: tuple[float, float, float]
     radius_deg: float
     irradiance: float
     hardness: float
+    alone: Environment | None = field(default=None, compare=False, repr=False)
+    yaw_deg: float = field(default=0.0, compare=False, repr=False)
 
     def turned(self, yaw_deg: float) -> Lamp:
         """As of the environment turned about +y; positive moves it to the right in the panorama."""
-        return self._moved(*turned(np.array(self.toward), yaw_deg))
+        return replace(self._moved(*turned(np.array(self.toward), yaw_deg)), yaw_deg=self.yaw_deg + yaw_deg)
 
     def rolled(self, roll_deg: float) -> Lamp:
         """As a camera sees it that is turned counterclockwise as it looks (see `lighting.roll`)."""
@@ -75,22 +80,25 @@ def bright_places(environment: Environment) -> tuple[Lamp, ...]:
 def footprint(lamp: Lamp, roll_deg: float = 0.0) -> np.ndarray:
     """Where a lamp's light lies in the light that the networks read, (16, 32) float32, sum 1.
 
-    As `network_light` spreads it: over the width and height of a texel, and over the texels that it touches; and where
-    a view is turned, as `roll_light` spreads that once more. Of a lamp that had been turned before, it would lie in
-    other texels than the light does.
+    As `network_light` spreads it, of the very texels that it comes from: near a pole the smallest disc reaches farther
+    around than a sun's one texel. Where a view is turned, as `roll_light` spreads that once more; of a lamp that had
+    been turned before, it would lie in other texels than the light does.
 
     Args:
         lamp: in the camera space of the photo.
         roll_deg: of the view.
     """
-    share = _footprint(lamp, NETWORK_HEIGHT)
+    areas = solid_angles(NETWORK_HEIGHT, 2 * NETWORK_HEIGHT)
+    if lamp.alone is None:
+        share = _footprint_of_disc(lamp, NETWORK_HEIGHT)
+    else:
+        share = network_light(lamp.alone, lamp.yaw_deg)[..., 0] * areas
     if roll_deg:
-        areas = solid_angles(*share.shape)
         share = roll_light(np.repeat((share / areas)[..., None], 3, -1), roll_deg)[..., 0] * areas
     return share / share.sum()
 
 
-def _footprint(lamp: Lamp, height: int) -> np.ndarray:
+def _footprint_of_disc(lamp: Lamp, height: int) -> np.ndarray:
     share = np.zeros((height, 2 * height), np.float32)
     for across, down in zip(*place_on_map(*_disc(lamp).T), strict=True):
         column, row = across * 2 * height - 0.5, min(max(down * height - 0.5, 0.0), height - 1.0)
@@ -174,13 +182,13 @@ def _find(shape: np.ndarray, coarser: tuple[np.ndarray, ...]) -> tuple[Lamp, ...
     for place, share, claim in zip(places, around, _claims(places, around), strict=True):
         near, beyond = place.near, _beyond(place.off_deg)
         # What belongs to one lamp is no part of another's surroundings.
-        lamp = _measured(sky, near, claim[near], beyond * of_none[near] / np.maximum(1 - share[near], 1e-12))
+        lamp, radiance = _measured(sky, near, claim[near], beyond * of_none[near] / np.maximum(1 - share[near], 1e-12))
         # The corners of a window, of which the middle is another's, are no lamps of their own; and two lamps that
         # share their light are as hard as if one had all of it.
-        whole = _measured(sky, near, share[near], beyond)
+        whole, _ = _measured(sky, near, share[near], beyond)
         hardness = min(lamp.hardness, _smallness(whole.radius_deg)) * _ramp(whole.irradiance / 4, *_SHARE)
         if hardness > 0:
-            lamps.append(replace(lamp, hardness=float(hardness)))
+            lamps.append(replace(lamp, hardness=float(hardness), alone=_alone(sky, near, radiance)))
     return tuple(sorted(lamps, key=_given, reverse=True))
 
 
@@ -242,8 +250,8 @@ def _foremost(ranked: tuple[Lamp, ...]) -> tuple[Lamp, ...]:
     return tuple(lamp for lamp in kept if lamp.hardness > _NO_HARDNESS)
 
 
-def _measured(sky: _Sky, near: np.ndarray, around: np.ndarray, beyond: np.ndarray) -> Lamp:
-    """What stands out around a place from what is beyond it, as one lamp, as hard as its size alone makes it.
+def _measured(sky: _Sky, near: np.ndarray, around: np.ndarray, beyond: np.ndarray) -> tuple[Lamp, np.ndarray]:
+    """What stands out around a place from what is beyond it: as one lamp, as hard as its size alone makes it; (m,).
 
     Args:
         near: (m,) of the texels.
@@ -251,7 +259,8 @@ def _measured(sky: _Sky, near: np.ndarray, around: np.ndarray, beyond: np.ndarra
     """
     grey, areas, toward = sky.grey[near], sky.areas[near], sky.toward[near]
     behind = (grey * areas * beyond).sum() / max((areas * beyond).sum(), 1e-12)
-    power = np.maximum(grey - behind, 0) * areas * around
+    radiance = np.maximum(grey - behind, 0) * around
+    power = radiance * areas
     total = max(power.sum(), 1e-12)
     mean = power @ toward
     mean /= max(np.linalg.norm(mean), 1e-12)
@@ -259,7 +268,16 @@ def _measured(sky: _Sky, near: np.ndarray, around: np.ndarray, beyond: np.ndarra
     # A disc's mean squared distance from its middle is half its radius squared. What is smaller than a texel may
     # be as large as one.
     radius_deg = float(np.sqrt(2 * (power @ (off_deg**2 + sky.texel_deg_squared[near] / 4)) / total))
-    return Lamp(tuple(float(part) for part in mean), radius_deg, float(total / np.pi), _smallness(radius_deg))
+    toward = tuple(float(part) for part in mean)
+    return Lamp(toward, radius_deg, float(total / np.pi), _smallness(radius_deg)), radiance
+
+
+def _alone(sky: _Sky, near: np.ndarray, radiance: np.ndarray) -> Environment:
+    """The light of a lamp, (m,) in the texels near it, and none in all others."""
+    panorama = np.zeros(sky.grey.size, np.float32)
+    panorama[near] = radiance
+    height = math.isqrt(panorama.size // 2)
+    return Environment.from_radiance(panorama.reshape(height, 2 * height))
 
 
 def _smallness(radius_deg: float) -> float:

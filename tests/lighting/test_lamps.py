@@ -120,6 +120,16 @@ def test_the_footprint_is_what_the_networks_see_of_it(yaw_deg):
     assert np.abs(footprint(lamp) - seen / seen.sum()).max() < 0.08
 
 
+@pytest.mark.parametrize("toward", [(0.06, 1.0, 0.03), (0.2, 1.0, 0.25), (0.6, 0.33, 0.7)])
+def test_a_turning_sun_leaves_the_networks_light_whole_wherever_it_stands(toward):
+    environment = light((toward, 1.5, 3000.0), fill=0.0)
+    areas = solid_angles(16, 32)
+    for yaw_deg in (0.0, 3.0, 5.6, 8.0):
+        (lamp,) = lamps_of(environment, yaw_deg)
+        seen = network_light(environment, yaw_deg).mean(-1) * areas / np.pi
+        assert np.minimum(footprint(lamp) * lamp.irradiance, seen).sum() > 0.98 * lamp.irradiance
+
+
 @pytest.mark.parametrize("roll_deg", [10.0, 20.0, 45.0, -70.0])
 @pytest.mark.parametrize("yaw_deg", [0.0, 13.0])
 def test_a_rolled_footprint_lies_in_the_texels_of_the_rolled_light(yaw_deg, roll_deg):
