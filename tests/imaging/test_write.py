@@ -241,6 +241,17 @@ def test_a_full_disk_is_told_without_the_hidden_file_that_an_exr_is_first_writte
     assert ".part" not in str(refusal.value)
 
 
+def test_a_full_disk_is_told_where_the_layers_of_an_exr_do_not_fit(tmp_path, monkeypatch):
+    def full(_, path):
+        raise RuntimeError(f'Failed to write pixel data to image file "{path}". No space left on device.')
+
+    monkeypatch.setattr(OpenEXR.File, "write", full)
+    with pytest.raises(InputError) as refusal:
+        write_exr_layers(tmp_path / "a.exr", {"RGB": LINEAR})
+    assert "(no space left on device)" in str(refusal.value)
+    assert ".part" not in str(refusal.value)
+
+
 def test_a_new_file_has_ordinary_permissions_and_links_are_followed(tmp_path):
     (tmp_path / "real.png").write_text("old")
     (tmp_path / "link.png").symlink_to(tmp_path / "real.png")

@@ -268,10 +268,8 @@ def _to_rec709(colour: np.ndarray, header: dict) -> np.ndarray:
 def _refusal_as_os_error() -> Iterator[None]:
     try:
         yield
-    except RuntimeError as error:
-        raise OSError("OpenEXR can't write it") from error
-    except OSError as error:
-        if error.strerror is not None:
+    except (RuntimeError, OSError) as error:
+        if getattr(error, "strerror", None) is not None:
             raise
         # The library's own words name the file that it was given; what is wrong with that comes last.
         raise OSError(str(error).strip().rstrip(".").rpartition(". ")[2]) from error
