@@ -24,9 +24,9 @@ def fall_back(state: EditorState) -> None:
     if state.photo in snapshot.refused:
         _note_refused(state)
         give_up_what_is_on_its_way(state)
-        state.queue = state.queue.refused(state.opened_queue)
         # The first photo may still be on its way, and then it is what remains.
         remaining = snapshot.opened or snapshot.coming
+        state.queue = state.queue.refused(state.opened_queue, remaining is not None)
         state.photo = remaining.source if remaining else None
         if state.left is not None and snapshot.opened is not None and snapshot.opened.shows(state.left):
             # With what was painted or corrected just before and is in no picture yet.

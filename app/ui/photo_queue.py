@@ -30,15 +30,18 @@ class PhotoQueue:
         at = self.at + by
         return PhotoQueue(self.paths, at) if 0 <= at < len(self.paths) else None
 
-    def refused(self, before: PhotoQueue) -> PhotoQueue:
+    def refused(self, before: PhotoQueue, another_stays: bool) -> PhotoQueue:
         """What becomes of a queue whose photo can't be opened, given the queue of the photo that stays open.
 
         The queue before comes back, unless it is of no use and this one has other photos to go on to, from where the
         photo is that can't be opened.
+
+        Args:
+            another_stays: there is a photo that stays open; else the window is empty.
         """
         is_fresh = self.paths != before.paths
         comes_back = is_fresh and (len(before.paths) > 1 or len(self.paths) == 1)
-        return before if comes_back else replace(self, is_beside=True)
+        return before if comes_back else replace(self, is_beside=another_stays)
 
     def showing(self, path: Path | None) -> PhotoQueue:
         """The queue once a photo is open that was not reached through it, as after undo."""

@@ -159,8 +159,10 @@ def test_a_photo_that_can_not_be_opened_leaves_the_queue_as_it_was(state):
 def test_a_queue_goes_on_past_photos_that_can_not_be_opened(state):
     take_files(state, [Path("bad.jpg"), Path("worse.jpg"), Path("c.jpg")], *ELSEWHERE)
     refuse(state)
+    assert (state.photo, state.queue.label) == (None, "1 of 3")
     state.step_photo(1)
     refuse(state)
+    assert (state.photo, state.queue.label) == (None, "2 of 3")
     state.step_photo(1)
     open_wish(state)
     assert state.queue.label == "3 of 3"
