@@ -24,6 +24,10 @@ MARK = "relight"
 _TURN_DEG = 360.0
 
 
+class NotThereError(InputError):
+    """A file that another names is not there."""
+
+
 class Fields:
     """One object of the file.
 
@@ -205,7 +209,8 @@ def path_from_file(text: str, folder: Path, suffixes: tuple[str, ...], where: st
     """The file that another names. It has to be an ordinary file that is a picture by its name or its first bytes.
 
     Raises:
-        InputError: a place on the network, a device, no such file, or no picture.
+        NotThereError: no such file.
+        InputError: a place on the network, a device, or no picture.
     """
     if _leads_elsewhere(text):
         raise InputError(f"{where}: {text:.200} is not a file beside it; mend the file's paths")
@@ -215,7 +220,7 @@ def path_from_file(text: str, folder: Path, suffixes: tuple[str, ...], where: st
     try:
         regular = stat.S_ISREG(os.stat(path).st_mode)
     except (OSError, ValueError):
-        raise InputError(f"{where}: {path} is not there; move it back, or open it by itself") from None
+        raise NotThereError(f"{where}: {path} is not there; move it back, or open it by itself") from None
     if not regular:
         raise InputError(f"{where}: {path} is not a regular file; mend the file's paths")
     if path.suffix.lower() not in suffixes and not is_picture_head(file_head(path)):

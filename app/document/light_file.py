@@ -9,7 +9,15 @@ from dataclasses import asdict, dataclass, field
 from pathlib import Path, PurePath
 
 from app.document.document import LightRef
-from app.document.json_fields import Fields, is_place_for, path_for_file, path_from_file, read_json, write_json
+from app.document.json_fields import (
+    Fields,
+    NotThereError,
+    is_place_for,
+    path_for_file,
+    path_from_file,
+    read_json,
+    write_json,
+)
 from app.engine.sources import PICTURE_SUFFIXES
 from relight_core.errors import InputError
 from relight_core.lighting.light_edit import MOST_BOXES, LightEdit
@@ -119,18 +127,15 @@ def read_light_content(fields: Fields, path: Path, stand_in: LightRef | None = N
     if kind in ("panorama", "portrait"):
         try:
             name = str(path_from_file(name, path.parent, PICTURE_SUFFIXES, str(path)))
-        except InputError:
+        except InputError as error:
             if stand_in is None:
                 raise
-            return stand_in, _without_its_light(fields, name, stand_in)
+            fault = "is not there" if isinstance(error, NotThereError) else "can't be used"
+            fields.note(f"the light {PurePath(name).name:.80} {fault}, and {stand_in.source().title} stands in for it")
+            # Level, colour and blur were changes to the light that is gone; boxes and the room's share stay.
+            return stand_in, _light_edit(fields).added
     light_edit = _light_edit(fields)
     return LightRef(kind, name if kind != "own" else ""), light_edit
-
-
-def _without_its_light(fields: Fields, name: str, stand_in: LightRef) -> LightEdit:
-    """Level, colour and blur were changes to the light that is gone; boxes and the room's share stay."""
-    fields.note(f"the light {PurePath(name).name:.80} is not there, and {stand_in.source().title} stands in for it")
-    return _light_edit(fields).added
 
 
 def _light_edit(fields: Fields) -> LightEdit:

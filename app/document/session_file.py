@@ -45,10 +45,12 @@ class Session:
     Attributes:
         document: the work.
         notes: what was mended in reading, a line each.
+        light_is_lost: another stands in for the file's light; the document is not what the file holds.
     """
 
     document: Document
     notes: tuple[str, ...] = ()
+    light_is_lost: bool = False
 
 
 @dataclass(frozen=True)
@@ -150,7 +152,7 @@ def read_session(path: Path, light_stand_in: LightRef | None = None) -> Session:
     edit = _edit(fields.group("edit"), path)
     quality = fields.word("quality", (AUTO, *TIERS), AUTO)
     fields.finish()
-    return Session(Document(photo, light, light_edit, edit, quality), tuple(notes))
+    return Session(Document(photo, light, light_edit, edit, quality), tuple(notes), light is light_stand_in)
 
 
 def read_lent_light(path: Path) -> LentLight:

@@ -6,6 +6,7 @@ import os
 from collections.abc import Sequence
 from pathlib import Path
 
+from app.document.document import Document
 from app.document.json_fields import kind_of
 from app.document.session_file import read_lent_light, read_session
 from app.engine.batch import photos_in
@@ -83,13 +84,15 @@ def use_as_light(state: EditorState, path: Path) -> None:
 
 
 def open_session(state: EditorState, path: Path) -> None:
-    """Open a session file.
+    """Open a session file, under the first light where its own can't be had.
+
+    The file goes on naming that light then: saving asks before it replaces it.
 
     Raises:
         InputError: it can't be read, or its photo isn't there.
     """
-    session = read_session(path)
-    state.open_session(session.document, path)
+    session = read_session(path, light_stand_in=Document().light)
+    state.open_session(session.document, None if session.light_is_lost else path)
     _tell_notes(state, path, session.notes)
 
 

@@ -1,11 +1,14 @@
-"""Work that was not saved under a light whose file is gone by the next start."""
+"""Work under a light whose file is gone: unsaved by the next start, or in a session."""
 
 import pytest
 from live_editor import Editor, unsaved_files
 
+from app.document.document import Document, LightRef, PhotoRef
+from app.document.session_file import write_session
 from app.engine.sources import LightSource
 from relight_core.lighting.light_edit import LightEdit
 from relight_core.lighting.soft_box import SoftBox
+from relight_core.pipeline.edit import Edit
 
 BOXES = (SoftBox(azimuth_deg=40.0),)
 
@@ -61,3 +64,29 @@ def test_lamps_that_shone_alone_go_with_their_light(tmp_path):
     editor = Editor(left_under_a_lost_panorama(tmp_path, alone))
     editor.answer_question("Restore")
     assert editor.state.light_edit == LightEdit()
+
+
+@pytest.mark.parametrize(
+    ("light", "fault"), [("sky.hdr", "is not there"), ("notes.txt", "can't be used")], ids=["gone", "no picture"]
+)
+def test_a_session_opens_without_its_light_and_asks_before_its_file_forgets_that(tmp_path, light, fault):
+    """Saved in the moment before a light is refused, a session names whatever was asked for."""
+    photo, session = tmp_path / "me.jpg", tmp_path / "me.relight.json"
+    photo.write_bytes(b"pixels")
+    (tmp_path / "notes.txt").write_text("no light")
+    lost = LightRef("portrait", str(tmp_path / light))
+    write_session(session, Document(PhotoRef(photo), lost, LightEdit(warmth=0.5, boxes=BOXES), Edit(shadow=0.25)))
+    saved = session.read_bytes()
+    editor = Editor(None)
+    editor.deeds._take([session])
+    editor.live()
+    state = editor.state
+    assert (state.photo.path, state.light.name, state.edit.shadow) == (photo, "rembrandt", 0.25)
+    assert state.light_edit == LightEdit(boxes=BOXES)
+    assert editor.said == [(f"me.relight.json: the light {light} {fault}, and Rembrandt stands in for it", True)]
+    editor.deeds.save_session()
+    assert session.read_bytes() == saved
+    editor.answer_question("Replace")
+    assert session.read_bytes() != saved
+    assert not state.is_unsaved()
+    editor.deeds.close()
