@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import os
+import secrets
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
@@ -100,13 +102,15 @@ def export(job: ExportJob, step: Callable[[int, int], None] = _unheeded) -> Path
     Raises:
         InputError: a place or kind of file that can't be written, the photo itself among them.
     """
-    path = from_home(job.path) if job.replaces else free_path(job.path)
     photo = job.picture.opened.photo
-    if photo.path is not None and is_same_file(path, photo.path):
-        raise InputError(f"{path}: that is the photo itself; choose another name")
+    if job.replaces and photo.path is not None and is_same_file(from_home(job.path), photo.path):
+        raise InputError(f"{job.path}: that is the photo itself; choose another name")
     note = export_note(job.picture.light.source.title, replace(job.picture.edit, exposure_ev=job.exposure_ev))
-    write_relit(path, job.picture.relit, job.settings, job.exposure_ev, note, photo.exif, step)
-    return path
+
+    def write(path: Path) -> None:
+        write_relit(path, job.picture.relit, job.settings, job.exposure_ev, note, photo.exif, step)
+
+    return write_named(job.path, job.replaces, write)
 
 
 def write_relit(
@@ -178,6 +182,48 @@ def default_export_path(photo_path: Path | None) -> Path:
     if photo_path is None:
         return current_folder() / "portrait-relit.png"
     return folder_for_outputs(photo_path) / f"{photo_path.stem}-relit.png"
+
+
+def write_named(wish: Path, replaces: bool, write: Callable[[Path], None]) -> Path:
+    """Write a file, over what is there or under the first free name as of `free_path`; returns its path.
+
+    A name is taken when the file is complete: until then another window may take the one that was free.
+
+    Args:
+        write: writes the file, whole or not at all, to the path that it is given.
+
+    Raises:
+        InputError: what `write` raises, of the file's own name.
+    """
+    path = from_home(wish)
+    if replaces:
+        write(path)
+        return path
+    beside = path.with_name(f".{secrets.token_hex(8)}{path.suffix}")
+    try:
+        write(beside)
+        return _named_free(beside, path)
+    except InputError as error:
+        raise InputError(str(error).replace(beside.name, path.name)) from error
+    except OSError as error:
+        raise InputError(f"{path}: can't be written ({error.strerror}); choose another place") from error
+    finally:
+        with suppress(OSError):
+            beside.unlink(missing_ok=True)
+
+
+def _named_free(beside: Path, wish: Path) -> Path:
+    """Give a file the first free name; unlike a renaming, a link never replaces what took that name just now."""
+    while True:
+        path = free_path(wish)
+        try:
+            os.link(beside, path)
+        except FileExistsError:
+            continue
+        except OSError:
+            # Not every disk has links, cards and sticks for one.
+            os.rename(beside, path)
+        return path
 
 
 def free_path(path: Path) -> Path:

@@ -14,7 +14,15 @@ import numpy as np
 
 from app.document.document import Document, PhotoRef
 from app.engine.batch import Outcome, batch_tasks, reasons, relight_each, summary
-from app.engine.exporting import Exporter, ExportJob, ExportSettings, export_note, free_path, write_relit
+from app.engine.exporting import (
+    Exporter,
+    ExportJob,
+    ExportSettings,
+    export_note,
+    free_path,
+    write_named,
+    write_relit,
+)
 from app.engine.film import write_film
 from app.engine.jobs import JobControl
 from app.engine.snapshot import Picture
@@ -130,13 +138,13 @@ class Outputs:
             relighter = self._make_relighter()
             relighter.set_portrait(photo, source.face_index, source.boxes, source.strokes)
             control.step(0, FRAMES)
-            # What was asked for before may have taken the name meanwhile.
-            path = wish if replaces else free_path(wish)
-            is_film = path.suffix.lower() == ".mp4"
+            is_film = wish.suffix.lower() == ".mp4"
             frames = turning(relighter, light, edit, side, for_film=is_film)
             if is_film:
-                write_film(path, frames, FRAMES, control.step)
+                path = write_named(wish, replaces, lambda place: write_film(place, frames, FRAMES, control.step))
             else:
+                # What was asked for before may have taken the name meanwhile.
+                path = free_path(wish)
                 write_pictures(path, frames, FRAMES, control.step, _write_frame)
             return f"Saved {path}"
 

@@ -1,5 +1,6 @@
 """Names for exports: never over anything, never into the program's own folders."""
 
+import os
 import sys
 from pathlib import Path
 from types import SimpleNamespace
@@ -52,6 +53,39 @@ def picture(tmp_path):
     opened = SimpleNamespace(photo=SimpleNamespace(linear=large, exif=None, path=tmp_path / "photo.png"))
     light = SimpleNamespace(source=SimpleNamespace(title="Ring"))
     return SimpleNamespace(relit=relit, opened=opened, light=light, edit=Edit())
+
+
+@pytest.mark.parametrize("has_links", [True, False], ids=["links", "no links"])
+def test_what_another_window_has_exported_meanwhile_stays(picture, tmp_path, monkeypatch, has_links):
+    def no_links(*_):
+        raise OSError(1, "Operation not permitted")
+
+    if not has_links:
+        monkeypatch.setattr(os, "link", no_links)
+    job = ExportJob(picture, 0.0, tmp_path / "out.png")
+    written = export(job, lambda _done, _total: job.path.write_text("theirs"))
+    assert written == tmp_path / "out-2.png"
+    assert Image.open(written).size == (60, 200)
+    assert job.path.read_text() == "theirs"
+    assert {path.name for path in tmp_path.iterdir()} == {"out.png", "out-2.png"}
+
+
+def test_an_export_takes_no_name_that_is_taken_as_it_is_given(picture, tmp_path, monkeypatch):
+    wish, link = tmp_path / "out.png", os.link
+
+    def link_after_them(beside, path):
+        if not wish.exists():
+            wish.write_text("theirs")
+        link(beside, path)
+
+    monkeypatch.setattr(os, "link", link_after_them)
+    assert export(ExportJob(picture, 0.0, wish)) == tmp_path / "out-2.png"
+    assert wish.read_text() == "theirs"
+
+
+def test_an_export_that_fails_is_told_by_its_own_name(picture, tmp_path):
+    with pytest.raises(InputError, match=r"gone/out\.png: there is no folder"):
+        export(ExportJob(picture, 0.0, tmp_path / "gone" / "out.png"))
 
 
 def test_an_export_has_the_photo_s_size_though_a_preview_is_in_force(picture, tmp_path):
