@@ -6,6 +6,9 @@ import sys
 def main() -> int:
     """Run the command line; returns its exit code, also where it is interrupted before it has been read."""
     try:
+        from app.endings import take_endings_for_interrupts
+
+        take_endings_for_interrupts()
         from app.cli.main import main as run
 
         return run()

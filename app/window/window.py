@@ -28,6 +28,7 @@ from app.window.gl_textures import Canvas
 from app.window.glfw_window import NoDisplayError
 from app.window.graphics import DRIVER_FAULTS, Graphics, GraphicsLostError, Restarts, one_line
 from app.window.held_shift import shift_is_held
+from app.window.interrupts import Interrupts
 from app.window.leaving import Leaving
 from app.window.memory import Memory
 from app.window.outputs import Outputs
@@ -115,17 +116,20 @@ class EditorWindow:
 
         Raises:
             GraphicsLostError: the driver gave up for good; unsaved work is kept.
+            KeyboardInterrupt: the program was told to end.
         """
         limit = FrameLimit(display_hz())
-        while not self.may_close():
-            try:
-                self._wait()
-                if limit.wait():
-                    glfw.poll_events()
-            except UnicodeDecodeError:
-                # The binding of glfw raises it for what was dropped, from wherever events are taken in.
-                self.state.asking.tell(_NO_TEXT, True)
-            self.frame()
+        with Interrupts(self._wake) as interrupts:
+            while not self.may_close():
+                try:
+                    self._wait()
+                    if limit.wait():
+                        glfw.poll_events()
+                except UnicodeDecodeError:
+                    # The binding of glfw raises it for what was dropped, from wherever events are taken in.
+                    self.state.asking.tell(_NO_TEXT, True)
+                interrupts.heed()
+                self.frame()
 
     def may_close(self) -> bool:
         """Whether the user wants the window closed and nothing is lost by it; asks where something would be."""

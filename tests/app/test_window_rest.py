@@ -1,5 +1,7 @@
 """When the window rests, and what it shows before it does."""
 
+import contextlib
+import signal
 import time
 from types import SimpleNamespace
 
@@ -106,3 +108,15 @@ def test_a_rotation_that_plays_stands_still_in_a_minimised_window_which_sleeps(o
     opened.frames(2)
     assert opened.window.state.edit.yaw_deg != yaw_deg
     assert opened.window.state.look.compare == "wipe", "the key is told as soon as there is a panel to tell"
+
+
+def test_a_window_at_rest_hears_that_the_program_is_to_end(opened, rests):
+    def interrupt():
+        # What a callback of the window system raises is lost.
+        with contextlib.suppress(KeyboardInterrupt):
+            signal.raise_signal(signal.SIGINT)
+
+    rests.happens[10] = interrupt
+    with pytest.raises(KeyboardInterrupt):
+        opened.window.run()
+    assert len(rests.waits) == 11
