@@ -129,13 +129,18 @@ def train(run: Run, report) -> NetworkBundle:
     torch.backends.cudnn.benchmark = True  # All batches have the same shapes.
     run.checkpoint.parent.mkdir(parents=True, exist_ok=True)
     with denormals_flushed(), _batches_of(run, stage, bundle, device) as batches_from:
-        return train_stage(stage, bundle, batches_from, budget, run.checkpoint, report, device, _begun_with(run))
+        return train_stage(stage, bundle, batches_from, budget, run.checkpoint, report, device, _begun_with(run, stage))
 
 
-def _begun_with(run: Run) -> dict[str, int | str]:
+def _begun_with(run: Run, stage: Stage) -> dict[str, int | str]:
     """What a run that goes on has to be given again: what decides its batches, and the weights it began from."""
     start = "random weights" if run.start is None else file_digest(run.start)[:10]
-    return drawn_by(run) | {"start": start}
+    begun = drawn_by(run) | {"start": start, "heads and lights": data_mark(run.heads, run.lights, "train")}
+    if stage.distilled:
+        begun["examples"] = run.examples
+    if stage.outlines:
+        begun["places"] = "drawn ones" if run.places is None else data_mark(run.heads, run.places, "train")
+    return begun
 
 
 def drawn_by(run: Run) -> dict[str, int]:

@@ -139,9 +139,9 @@ def _check_format(path: Path, found: str) -> None:
 
 
 def _check_settings(path: Path, begun_with: dict[str, str | int], given: dict[str, str | int]) -> None:
-    begun_with = {"start": given.get("start"), **begun_with}  # Older states don't tell the weights they began from.
     for name, value in given.items():
-        if begun_with[name] != value:
+        # Older states don't tell everything.
+        if begun_with.get(name, value) != value:
             raise InputError(
                 f"{path}: its run began with {name} {begun_with[name]} and not {value}; "
                 "go on as it began, or delete it to start again"

@@ -94,17 +94,42 @@ def test_who_makes_samples_starts_with_one_thread_unless_another_number_was_aske
     assert os.environ["OPENBLAS_NUM_THREADS"] == threads
 
 
-def test_a_run_from_other_weights_is_not_gone_on_with(tmp_path, monkeypatch):
+@pytest.fixture
+def saves_at_once(monkeypatch):
     monkeypatch.setattr(run_module, "training_batches", lambda *_: itertools.repeat(some_batch()))
     monkeypatch.setattr(run_module, "Budget", partial(Budget, checkpoint_seconds=-1.0))
+
+
+def stop(done, progress):
+    raise Stopped
+
+
+@pytest.mark.usefixtures("saves_at_once")
+@pytest.mark.parametrize("changed", ["heads", "lights"])
+def test_a_run_with_other_heads_or_lights_is_not_gone_on_with(tmp_path, changed):
+    for folder, name in (("heads", "head-7.npz"), ("lights", "sky.hdr")):
+        (tmp_path / folder).mkdir()
+        (tmp_path / folder / name).write_bytes(b"one")
+    checkpoint = tmp_path / "w.safetensors"
+    run = Run("warm-delight", tmp_path / "heads", tmp_path / "lights", checkpoint, steps=50, config=BundleConfig.tiny())
+    with pytest.raises(Stopped):
+        train(run, stop)
+    another = tmp_path / changed / {"heads": "head-8.npz", "lights": "snow.exr"}[changed]
+    another.write_bytes(b"another")
+    with pytest.raises(InputError, match="began with heads and lights"):
+        train(run, stop)
+    another.unlink()
+    (tmp_path / changed).rename(tmp_path / "moved")
+    with pytest.raises(Stopped):
+        train(replace(run, **{changed: tmp_path / "moved"}), stop)
+
+
+@pytest.mark.usefixtures("saves_at_once")
+def test_a_run_from_other_weights_is_not_gone_on_with(tmp_path):
     first, other = tmp_path / "first.safetensors", tmp_path / "other.safetensors"
     for path in (first, other):
         save_bundle(path, NetworkBundle(BundleConfig.tiny()))
     run = Run("warm-delight", tmp_path, tmp_path, tmp_path / "w.safetensors", start=first, steps=50)
-
-    def stop(done, progress):
-        raise Stopped
-
     with pytest.raises(Stopped):
         train(run, stop)
     assert state_path(run.checkpoint).exists()
