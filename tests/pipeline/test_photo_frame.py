@@ -13,6 +13,7 @@ def half_figure(behind):
     """Somebody before a wall of one grey, cut off by the photo's lower border, and the mask."""
     y, x = np.mgrid[0:200, 0:160] + 0.5
     person = (np.hypot((x - 80) / 30, (y - 70) / 40) < 1) | ((y > 120) & (np.abs(x - 80) < 60))
+    person |= (y > 70) & (np.abs(x - 80) < 10)
     picture = np.where(person[..., None], (0.5, 0.3, 0.2), behind).astype(np.float32)
     return picture + np.float32(0.02) * np.sin(x * y)[..., None].astype(np.float32) * person[..., None], person
 
@@ -71,3 +72,40 @@ def test_what_sticks_up_into_a_wall_of_the_frames_colour_is_not_cut_off():
     crop = Crop(116.0, 136.0, 272.0)
     draft = draft_matte(whole, [[(crop.extract(mask[..., 0].copy(), 64), crop)]])
     assert draft.share[238:].max() == 0
+
+
+def written_on(page, ink):
+    """A page (h, w, 3) with lines of dashes on it."""
+    page[8:-8:8, 10:-20:3] = page[9:-8:8, 10:-20:3] = ink
+    return page
+
+
+@pytest.mark.parametrize(("above", "below"), [(0, 90), (30, 30), (110, 0)])
+@pytest.mark.parametrize(("colour", "ink"), [(0.0, 0.8), (1.0, 0.0)])
+def test_bars_and_pages_beside_a_photo_are_found(above, below, colour, ink):
+    picture, person = half_figure(0.4)
+    page = lambda height: written_on(np.full((height, 160, 3), colour, np.float32), ink)  # noqa: E731
+    whole = np.concatenate([page(above), picture, page(below)])
+    assert inside_frame(whole) == (slice(above, above + 200), slice(0, 160))
+    assert inside_frame(whole.swapaxes(0, 1)) == (slice(0, 160), slice(above, above + 200))
+
+
+def test_a_photo_within_a_page_that_is_written_on_is_found():
+    picture, _ = half_figure(0.4)
+    page = written_on(np.ones((400, 200, 3), np.float32), 0.0)
+    page[80:320] = 1.0
+    page[100:300, 20:180] = picture
+    assert inside_frame(page) == (slice(100, 300), slice(20, 180))
+
+
+def test_two_colours_of_a_wall_with_somebody_before_them_are_no_bar():
+    picture, person = half_figure(0.4)
+    picture[:70][~person[:70]] = 1.0
+    assert inside_frame(picture) is None
+
+
+def test_another_photo_is_no_bar():
+    picture, _ = half_figure(0.4)
+    between = np.ones((8, 160, 3), np.float32)
+    busy = np.random.default_rng(0).random((120, 160, 3)).astype(np.float32)
+    assert inside_frame(np.concatenate([picture, between, busy])) is None

@@ -1,4 +1,4 @@
-"""The plain frame that some photos come in, of a print or a card: no part of anybody who is cut off by it."""
+"""What photos come in, the frame of a print or the page of a screenshot: no part of anybody who is cut off by it."""
 
 from __future__ import annotations
 
@@ -12,21 +12,75 @@ _WIDEST_SHARE = 0.25
 _BLURRED_PX = 2
 _RINGING_PX, _RINGING = 16, 0.9
 """JPEG's blocks carry the picture's edge that far into a frame, hardly anywhere by as much as is surely picture."""
+_WIDEST_BAR, _PLAIN, _LINE, _LEAST_RUN_PX = 0.6, 0.75, 0.85, 3
+"""Of a bar: its share of the picture at most, how much of it has its colour, and how much of the row just behind it
+is surely picture; and before that row so many have its colour throughout."""
+_EVERY_PX = 8
+
+Inside = tuple[slice, slice]
+"""Rows and columns of a picture."""
 
 
-def inside_frame(shown: np.ndarray) -> tuple[slice, slice] | None:
-    """What of a picture lies within a frame of one colour all around it.
-
-    A frame ends along a straight line. A wall or a night about somebody is as plain, and does not; where a frame's
-    colour goes on as such a wall, somebody's hair or hand may reach into it.
+def inside_frame(shown: np.ndarray) -> Inside | None:
+    """What of a picture lies within a frame of one colour all around it, and within bars.
 
     Args:
         shown: (h, w, 3) sRGB, [0, 1].
 
     Returns:
-        Rows and columns; None where there is no frame.
+        None where there is neither.
     """
-    sides = shown, shown[::-1], shown.swapaxes(0, 1), shown[:, ::-1].swapaxes(0, 1)
+    everything = slice(0, shown.shape[0]), slice(0, shown.shape[1])
+    rows, columns = everything if (framed := _inside_all_around(shown)) is None else framed
+    while any(bars := [_bar(side) for side in _sides(shown[rows, columns])]):
+        top, bottom, left, right = bars
+        rows = slice(rows.start + top, rows.stop - bottom)
+        columns = slice(columns.start + left, columns.stop - right)
+    return None if (rows, columns) == everything else (rows, columns)
+
+
+def _sides(shown: np.ndarray) -> tuple[np.ndarray, ...]:
+    """A picture (h, w, 3) with its rows counted from the top and the bottom, and its columns as rows from each side."""
+    return shown, shown[::-1], shown.swapaxes(0, 1), shown[:, ::-1].swapaxes(0, 1)
+
+
+def _bar(side: np.ndarray) -> int:
+    """How many of the first rows of a picture (n, m, 3) are a bar that lies across it; 0 where none does.
+
+    A bar is of one colour, of a film's or of a page, but for what is written on it, and ends along a straight line
+    from one side of the picture to the other. Nobody crosses that line: the rows before it are plain.
+    """
+    first = side[: int(_WIDEST_BAR * len(side))]
+    few = first[:, ::_EVERY_PX]
+    colours = np.median(few, axis=1)
+    plain = (np.abs(few - colours[:, None]).max(axis=2) <= _FLAT).mean(axis=1) >= _ALIKE
+    goes_on = plain[1:] & (np.abs(np.diff(colours, axis=0)).max(axis=1) <= _FLAT)
+    ends = np.flatnonzero(plain & ~np.append(goes_on, False))
+    return next((depth for last in ends[::-1] if (depth := _bar_to(side, last, colours[last]))), 0)
+
+
+def _bar_to(side: np.ndarray, last: int, colour: np.ndarray) -> int:
+    """How many rows of a picture (n, m, 3) a bar of a colour has whose last plain row that is; 0 where it is none."""
+
+    def away(start: int, stop: int) -> np.ndarray:
+        return np.abs(side[max(start, 0) : stop] - colour).max(axis=2)
+
+    depth = last + 1 + _first_not(away(last + 1, min(last + 1 + _RINGING_PX, len(side) - 1)) <= _STEP, _RINGING)
+    behind = min(depth + _BLURRED_PX, len(side) - 1)
+    if (away(behind, behind + 1) > _STEP).mean() < _LINE:
+        return 0
+    run = (away(last + 1 - _LEAST_RUN_PX, last + 1) <= _FLAT).mean(axis=1)
+    whole = len(run) == _LEAST_RUN_PX and run.min() >= _ALIKE and (away(0, depth) <= _FLAT).mean() >= _PLAIN
+    return int(depth) if whole else 0
+
+
+def _inside_all_around(shown: np.ndarray) -> Inside | None:
+    """What of a picture (h, w, 3) lies within a frame of one colour all around it; None where there is no frame.
+
+    A frame ends along a straight line. A wall or a night about somebody is as plain, and does not; where a frame's
+    colour goes on as such a wall, somebody's hair or hand may reach into it.
+    """
+    sides = _sides(shown)
     colours = np.array([np.median(side[0], axis=0) for side in sides])
     if np.ptp(colours, axis=0).max() > _FLAT:
         return None
