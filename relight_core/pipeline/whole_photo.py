@@ -20,6 +20,7 @@ from relight_core.pipeline.per_photo.brush import BrushStroke
 from relight_core.pipeline.per_photo.exposing import exposure_about_faces
 from relight_core.pipeline.per_photo.matte import WORKING_PX, DraftMatte, Matte, draft_matte, finish_matte
 from relight_core.pipeline.per_photo.person import Canvas, canvas_of, whole_person
+from relight_core.pipeline.per_photo.photo_frame import Inside, inside_frame
 from relight_core.pipeline.plan import Plan
 from relight_core.pipeline.quality import Tier, tier_of
 from relight_core.pipeline.results.backdrop import OWN_BACKGROUNDS, Backdrop, backdrop_panorama, make_backdrop
@@ -29,7 +30,7 @@ from relight_core.pipeline.results.finish import Placement, mean_gain, place_cha
 from relight_core.pipeline.results.outline_lines import outline_lines
 from relight_core.pipeline.results.picture import Picture
 
-BEFORE_THE_BRUSH = ("small", "draft_matte", "canvas", "panorama")
+BEFORE_THE_BRUSH = ("small", "draft_matte", "inside_frame", "canvas", "panorama")
 """Stages that read nothing of what is painted by hand."""
 
 _KEPT_PIXELS = 6_000_000
@@ -73,7 +74,8 @@ class WholePhoto:
             masks = [face.mask() for face in self._faces]
             exposure = self._faces[0].portrait.exposure
             of_photo = (exposure, self._photo.tone_at(exposure))
-            return place_views(self._small(), views, matte, self._shop.table, masks, self._strokes, *of_photo)
+            parts = views, matte, self._shop.table, masks, self._strokes
+            return place_views(self._small(), *parts, *of_photo, self._inside_frame())
 
         placement = run("placement", "photo", place, "new photo or stroke")
         size = changes[0].gain.shape[0]
@@ -130,7 +132,17 @@ class WholePhoto:
 
     def _matte(self) -> Matte:
         """The people in the photo, corrected by the brush."""
-        return finish_matte(self._cache.run("draft_matte", "photo", self._draft_matte, "new photo"), self._strokes)
+        return finish_matte(self._draft(), self._strokes)
+
+    def _draft(self) -> DraftMatte | None:
+        return self._cache.run("draft_matte", "photo", self._draft_matte, "new photo")
+
+    def _inside_frame(self) -> Inside | None:
+        """What of the small photo lies within a frame; None where it has none."""
+        draft = self._draft()
+        if draft is None:
+            return None
+        return self._cache.run("inside_frame", "photo", lambda: inside_frame(draft.guide), "new photo")
 
     def _draft_matte(self) -> DraftMatte | None:
         """The people as seen by one tier, whichever is asked for, so that it depends on no history."""

@@ -6,7 +6,7 @@ import pytest
 
 from relight_core.face.crop import Crop
 from relight_core.pipeline.per_photo.matte import draft_matte
-from relight_core.pipeline.per_photo.photo_frame import inside_frame
+from relight_core.pipeline.per_photo.photo_frame import inside_frame, shrunk_inside
 
 
 def half_figure(behind):
@@ -15,7 +15,7 @@ def half_figure(behind):
     person = (np.hypot((x - 80) / 30, (y - 70) / 40) < 1) | ((y > 120) & (np.abs(x - 80) < 60))
     person |= (y > 70) & (np.abs(x - 80) < 10)
     picture = np.where(person[..., None], (0.5, 0.3, 0.2), behind).astype(np.float32)
-    return picture + np.float32(0.02) * np.sin(x * y)[..., None].astype(np.float32) * person[..., None], person
+    return picture + np.float32(0.1) * np.sin(x * y)[..., None].astype(np.float32) * person[..., None], person
 
 
 def framed(picture, width, colour):
@@ -109,3 +109,9 @@ def test_another_photo_is_no_bar():
     between = np.ones((8, 160, 3), np.float32)
     busy = np.random.default_rng(0).random((120, 160, 3)).astype(np.float32)
     assert inside_frame(np.concatenate([picture, between, busy])) is None
+
+
+def test_cells_of_a_smaller_copy_lie_wholly_within_a_frame():
+    inside = slice(30, 500), slice(0, 800)
+    assert shrunk_inside(inside, (1000, 800), (100, 80)) == (slice(3, 50), slice(0, 80))
+    assert shrunk_inside(inside, (1000, 800), (64, 51)) == (slice(2, 32), slice(0, 51))

@@ -159,6 +159,22 @@ def shading(share, light):
     return body_shading(make_body(photo, share, np.zeros_like(share), ReflectionTable()), light)[..., 0]
 
 
+def test_whom_a_frame_cuts_off_is_lit_as_whom_the_border_cuts_off():
+    y, x = np.mgrid[:128, :128]
+    share = ((np.abs(x - 64) < 40) & (y > 50)).astype(np.float32)
+    framed = np.where(y < 96, share, 0)
+    photo = np.full((128, 128, 3), 0.4, np.float32)
+    inside = slice(0, 96), slice(0, 128)
+    overhead = light_from(3, 0)
+    bodies = [
+        make_body(photo, seen, np.zeros_like(share), ReflectionTable(), within)
+        for seen, within in ((share, None), (framed, inside), (framed, None))
+    ]
+    cut_by_border, cut_by_frame, ended = (body_shading(body, overhead)[80:92, 50:78, 0] for body in bodies)
+    np.testing.assert_allclose(cut_by_frame, cut_by_border, rtol=0.05)
+    assert ended.mean() < 0.8 * cut_by_border.mean()
+
+
 def test_a_lamp_lights_the_side_of_a_body_that_it_is_on():
     share = share_of(slice(16, 48), slice(16, 48))
     above = shading(share, light_from(2, 0))

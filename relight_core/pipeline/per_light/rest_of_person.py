@@ -21,6 +21,7 @@ from relight_core.imaging.ramp import ramp
 from relight_core.imaging.resampling import resize_area, shrunk_size
 from relight_core.lighting.reflection import NormalLookup, ReflectionTable
 from relight_core.lighting.sphere import solid_angles
+from relight_core.pipeline.per_photo.photo_frame import Inside
 
 _LONGEST, _LONGEST_KNOWN = 128, 64
 _DARK = 1e-3
@@ -69,15 +70,23 @@ def body_size(photo_size: tuple[int, int]) -> tuple[int, int]:
     return shrunk_size(photo_size, _LONGEST)
 
 
-def make_body(photo: np.ndarray, share: np.ndarray, known: np.ndarray, table: ReflectionTable) -> Body:
+def make_body(
+    photo: np.ndarray, share: np.ndarray, known: np.ndarray, table: ReflectionTable, inside: Inside | None = None
+) -> Body:
     """Guess a body from its outline.
 
     Args:
         photo: (h, w, 3) linear, of `body_size`.
         share: (h, w) how much of each cell is person.
         known: (h, w) how much of it the networks' views cover, in [0, 1].
+        inside: the cells that no frame of the photo's covers; None where it has no frame. Whom a frame cuts off goes
+            on behind it, as beyond the photo's border.
     """
-    normal = torch.from_numpy(_bulging(share)).permute(2, 0, 1)[None].to(table.transport.device)
+    normal = (
+        torch.from_numpy(_bulging(share if inside is None else _gone_on(share, inside)))
+        .permute(2, 0, 1)[None]
+        .to(table.transport.device)
+    )
     small = shrunk_size(share.shape, _LONGEST_KNOWN)
     photo, body, known = (resize_area(image, small) for image in (photo, share, known))
     lit, unclipped = luminance(photo) / _WELL_SEEN, (1 - photo.max(-1)) / _HEADROOM
@@ -119,6 +128,13 @@ def body_gain(body: Body, light: torch.Tensor, relit: np.ndarray, in_photo: np.n
     correction = cv2.resize(correction, guess.shape[1::-1], interpolation=cv2.INTER_LINEAR).reshape(guess.shape)
     gain = np.maximum(guess * correction, 0.0).astype(np.float32)
     return gain * share_in_reach(gain)
+
+
+def _gone_on(share: np.ndarray, inside: Inside) -> np.ndarray:
+    """A share (h, w) of which the border of some cells goes on over all others."""
+    (height, width), (rows, columns) = share.shape, inside
+    beyond = rows.start, height - rows.stop, columns.start, width - columns.stop
+    return cv2.copyMakeBorder(share[inside], *beyond, cv2.BORDER_REPLICATE)
 
 
 def _bulging(share: np.ndarray) -> np.ndarray:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 _FLAT, _STEP = 6 / 255, 16 / 255
@@ -12,10 +14,11 @@ _WIDEST_SHARE = 0.25
 _BLURRED_PX = 2
 _RINGING_PX, _RINGING = 16, 0.9
 """JPEG's blocks carry the picture's edge that far into a frame, hardly anywhere by as much as is surely picture."""
-_WIDEST_BAR, _PLAIN, _LINE, _LEAST_RUN_PX = 0.6, 0.75, 0.85, 3
+_WIDEST_BAR, _PLAIN, _LINE, _LEAST_RUN_PX = 0.6, 0.75, 0.6, 3
 """Of a bar: its share of the picture at most, how much of it has its colour, and how much of the row just behind it
 is surely picture; and before that row so many have its colour throughout."""
-_EVERY_PX = 8
+_EVERY_PX = 7
+"""Of a row, one pixel in so many is looked at."""
 
 Inside = tuple[slice, slice]
 """Rows and columns of a picture."""
@@ -39,6 +42,16 @@ def inside_frame(shown: np.ndarray) -> Inside | None:
     return None if (rows, columns) == everything else (rows, columns)
 
 
+def shrunk_inside(inside: Inside, size: tuple[int, int], small: tuple[int, int]) -> Inside:
+    """The cells of a copy of `small`, (height, width), that lie within a frame's inside in a picture of `size`."""
+    return tuple(_cells(span, few / many) for span, many, few in zip(inside, size, small, strict=True))
+
+
+def _cells(span: slice, scale: float) -> slice:
+    start = math.ceil(span.start * scale)
+    return slice(start, max(math.floor(span.stop * scale), start + 1))
+
+
 def _sides(shown: np.ndarray) -> tuple[np.ndarray, ...]:
     """A picture (h, w, 3) with its rows counted from the top and the bottom, and its columns as rows from each side."""
     return shown, shown[::-1], shown.swapaxes(0, 1), shown[:, ::-1].swapaxes(0, 1)
@@ -50,28 +63,23 @@ def _bar(side: np.ndarray) -> int:
     A bar is of one colour, of a film's or of a page, but for what is written on it, and ends along a straight line
     from one side of the picture to the other. Nobody crosses that line: the rows before it are plain.
     """
-    first = side[: int(_WIDEST_BAR * len(side))]
-    few = first[:, ::_EVERY_PX]
-    colours = np.median(few, axis=1)
-    plain = (np.abs(few - colours[:, None]).max(axis=2) <= _FLAT).mean(axis=1) >= _ALIKE
+    few = side[:, ::_EVERY_PX]
+    first = few[: int(_WIDEST_BAR * len(few))]
+    colours = np.median(first, axis=1)
+    plain = (np.abs(first - colours[:, None]).max(axis=2) <= _FLAT).mean(axis=1) >= _ALIKE
     goes_on = plain[1:] & (np.abs(np.diff(colours, axis=0)).max(axis=1) <= _FLAT)
     ends = np.flatnonzero(plain & ~np.append(goes_on, False))
-    return next((depth for last in ends[::-1] if (depth := _bar_to(side, last, colours[last]))), 0)
+    return next((depth for last in ends[::-1] if (depth := _bar_to(few, last, colours[last]))), 0)
 
 
 def _bar_to(side: np.ndarray, last: int, colour: np.ndarray) -> int:
     """How many rows of a picture (n, m, 3) a bar of a colour has whose last plain row that is; 0 where it is none."""
-
-    def away(start: int, stop: int) -> np.ndarray:
-        return np.abs(side[max(start, 0) : stop] - colour).max(axis=2)
-
-    depth = last + 1 + _first_not(away(last + 1, min(last + 1 + _RINGING_PX, len(side) - 1)) <= _STEP, _RINGING)
-    behind = min(depth + _BLURRED_PX, len(side) - 1)
-    if (away(behind, behind + 1) > _STEP).mean() < _LINE:
-        return 0
-    run = (away(last + 1 - _LEAST_RUN_PX, last + 1) <= _FLAT).mean(axis=1)
-    whole = len(run) == _LEAST_RUN_PX and run.min() >= _ALIKE and (away(0, depth) <= _FLAT).mean() >= _PLAIN
-    return int(depth) if whole else 0
+    away = np.abs(side[: last + _RINGING_PX + _BLURRED_PX + 1] - colour).max(axis=2)
+    depth = last + 1 + _first_not(away[last + 1 : -_BLURRED_PX] <= _STEP, _RINGING)
+    run = (away[max(last + 1 - _LEAST_RUN_PX, 0) : last + 1] <= _FLAT).mean(axis=1)
+    whole = len(run) == _LEAST_RUN_PX and run.min() >= _ALIKE and (away[:depth] <= _FLAT).mean() >= _PLAIN
+    ends = (away[min(depth + _BLURRED_PX, len(away) - 1)] > _STEP).mean() >= _LINE
+    return int(depth) if whole and ends else 0
 
 
 def _inside_all_around(shown: np.ndarray) -> Inside | None:
