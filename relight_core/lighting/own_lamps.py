@@ -99,16 +99,18 @@ def _disc(name: str, lamp: Lamp, card: np.ndarray, unit: float) -> SoftBox:
 def _taken_out(shape: np.ndarray, lamps: Sequence[Lamp]) -> tuple[np.ndarray, list[np.ndarray]]:
     """A panorama without its lamps, and what each of them gives a white card (3,) that faces it.
 
-    Where a lamp stands out, what is left is no brighter than its surroundings.
+    Where a lamp stands out, what is left is no brighter than its surroundings. Of lamps that are close together each
+    has what is nearest to it, and none is part of another's surroundings.
     """
     toward, areas = directions(*shape.shape[:2]), solid_angles(*shape.shape[:2])
+    ahead = np.stack([toward @ np.array(lamp.toward, np.float32) for lamp in lamps])
+    nearest, of_any = ahead.argmax(0), ahead.max(0) > math.cos(math.radians(AROUND_DEG))
     left, cards = shape.copy(), []
-    for lamp in lamps:
-        ahead = toward @ np.array(lamp.toward, np.float32)
-        around = ahead > math.cos(math.radians(AROUND_DEG))
-        beyond = (ahead > math.cos(math.radians(BEYOND_DEG))) & ~around
-        colour = areas[beyond] @ left[beyond] / max(float(areas[beyond].sum()), 1e-12)
-        behind = np.minimum(left[around], colour)
-        cards.append((ahead * areas)[around].astype(np.float64) @ (left[around] - behind) / np.pi)
+    for index in range(len(lamps)):
+        around = of_any & (nearest == index)
+        beyond = (ahead[index] > math.cos(math.radians(BEYOND_DEG))) & ~of_any
+        colour = areas[beyond] @ shape[beyond] / max(float(areas[beyond].sum()), 1e-12)
+        behind = np.minimum(shape[around], colour)
+        cards.append((ahead[index] * areas)[around].astype(np.float64) @ (shape[around] - behind) / np.pi)
         left[around] = behind
     return left, cards

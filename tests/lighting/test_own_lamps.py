@@ -11,6 +11,7 @@ from relight_core.lighting.own_lamps import own_lamps
 from relight_core.lighting.rigs import load_rig, rig_names
 from relight_core.lighting.soft_box import SoftBox
 from relight_core.lighting.sphere import directions, solid_angles
+from relight_core.lighting.summary import meter_reading
 
 NOTHING = LightEdit()
 ADDED = SoftBox(azimuth_deg=120.0, kelvin=3000.0)
@@ -144,6 +145,21 @@ def test_what_is_dark_beside_a_sun_stays_dark_without_it():
     light = Environment.from_radiance(shape)
     room = edit_light(light, replace(taken_apart(LightEdit(), own_lamps(light)), boxes=()))
     assert room.shape[tower].max() == 0
+
+
+@pytest.mark.parametrize("apart_deg", [10.0, 12.0, 14.0])
+def test_lamps_that_are_close_together_each_keep_their_light_and_leave_none_behind(apart_deg):
+    places = [(40.0, 35.0, 2.0, 3000.0), (40.0, 35.0 + apart_deg, 1.5, 3000.0)]
+    sky, bare = sky_with(*places), sky_with()
+    alone = [own_lamps(sky_with(place))[0] for place in places]
+    lamps = own_lamps(sky)
+    given, expected = (
+        [box.intensity * meter_reading(light) * light.level for box, light in pairs]
+        for pairs in (((box, sky) for box in lamps), zip(alone, map(sky_with, places), strict=True))
+    )
+    assert given == pytest.approx(expected, rel=0.02)
+    room = edit_light(sky, replace(taken_apart(LightEdit(), lamps), boxes=()))
+    np.testing.assert_allclose(room.shape * room.level, bare.shape * bare.level, rtol=1e-3)
 
 
 def test_lamps_of_a_panorama_are_taken_out_one_after_the_other():
