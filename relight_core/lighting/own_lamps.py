@@ -23,6 +23,12 @@ from relight_core.lighting.summary import meter_reading
 
 _MEASURED_HEIGHT = 256
 
+_SIDES, _SIDES_OFF_DEG = 16, (AROUND_DEG + BEYOND_DEG) / 2
+"""Sides of a lamp that its surroundings are told apart on, and how far off its middle they are."""
+
+_RIM_DEG = 3.0
+"""Over how much of its reach what a lamp gives fades into its surroundings, so that its glow shows no edge."""
+
 
 def own_lamps(light: Environment) -> tuple[SoftBox, ...]:
     """The light's lamps; of a panorama those that give most first, at most 4. Empty where it has none.
@@ -106,11 +112,42 @@ def _taken_out(shape: np.ndarray, lamps: Sequence[Lamp]) -> tuple[np.ndarray, li
     ahead = np.stack([toward @ np.array(lamp.toward, np.float32) for lamp in lamps])
     nearest, of_any = ahead.argmax(0), ahead.max(0) > math.cos(math.radians(AROUND_DEG))
     left, cards = shape.copy(), []
-    for index in range(len(lamps)):
+    for index, lamp in enumerate(lamps):
         around = of_any & (nearest == index)
         beyond = (ahead[index] > math.cos(math.radians(BEYOND_DEG))) & ~of_any
-        colour = areas[beyond] @ shape[beyond] / max(float(areas[beyond].sum()), 1e-12)
-        behind = np.minimum(shape[around], colour)
-        cards.append((ahead[index] * areas)[around].astype(np.float64) @ (shape[around] - behind) / np.pi)
-        left[around] = behind
+        off_deg = np.degrees(np.arccos(np.minimum(ahead[index][around], 1)))
+        sides = _sides(shape[beyond], areas[beyond], _bearing(lamp, toward[beyond]))
+        behind = np.minimum(shape[around], _gone_on(sides, _bearing(lamp, toward[around]), off_deg))
+        share = np.clip((AROUND_DEG - off_deg) / _RIM_DEG, 0, 1)[:, None]
+        given = share * (shape[around] - behind)
+        cards.append((ahead[index] * areas)[around].astype(np.float64) @ given / np.pi)
+        left[around] = behind + (1 - share) * (shape[around] - behind)
     return left, cards
+
+
+def _bearing(lamp: Lamp, toward: np.ndarray) -> np.ndarray:
+    """(n,) in which direction from a lamp others (n, 3) lie, in turns, [0, 1)."""
+    middle = np.array(lamp.toward)
+    right = np.cross((0.0, 1.0, 0.0) if abs(middle[1]) < 0.9 else (1.0, 0.0, 0.0), middle)
+    return np.arctan2(toward @ np.cross(middle, right), toward @ right) / (2 * np.pi) % 1.0
+
+
+def _sides(radiance: np.ndarray, areas: np.ndarray, bearing: np.ndarray) -> np.ndarray:
+    """(16, 3) radiance on each side of a lamp, of what lies around it, (n, 3) and (n,); black where that is nothing."""
+    sector = (bearing * _SIDES).astype(int) % _SIDES
+    light = np.stack([np.bincount(sector, areas * part, _SIDES) for part in radiance.T], 1)
+    area = np.bincount(sector, areas, _SIDES)
+    known = area > 0
+    if not known.any():
+        return light
+    colours, places = light[known] / area[known, None], np.flatnonzero(known)
+    return np.stack([np.interp(np.arange(_SIDES), places, part, period=_SIDES) for part in colours.T], 1)
+
+
+def _gone_on(sides: np.ndarray, bearing: np.ndarray, off_deg: np.ndarray) -> np.ndarray:
+    """(m, 3) what would be seen at bearings (m,) if a lamp's surroundings went on over it."""
+    places = np.arange(_SIDES)
+    rim = np.stack([np.interp(bearing * _SIDES - 0.5, places, part, period=_SIDES) for part in sides.T], 1)
+    # A mean over a horizon would be a colour that neither side has.
+    middle = np.median(sides, axis=0)
+    return (middle + off_deg[:, None] * (rim - middle) / _SIDES_OFF_DEG).astype(np.float32)

@@ -7,7 +7,7 @@ import pytest
 
 from relight_core.lighting.environment import Environment, network_light
 from relight_core.lighting.light_edit import LightEdit, edit_light, put_together, taken_apart
-from relight_core.lighting.own_lamps import own_lamps
+from relight_core.lighting.own_lamps import own_lamps, room_of
 from relight_core.lighting.rigs import load_rig, rig_names
 from relight_core.lighting.soft_box import SoftBox
 from relight_core.lighting.sphere import directions, solid_angles
@@ -145,6 +145,26 @@ def test_what_is_dark_beside_a_sun_stays_dark_without_it():
     light = Environment.from_radiance(shape)
     room = edit_light(light, replace(taken_apart(LightEdit(), own_lamps(light)), boxes=()))
     assert room.shape[tower].max() == 0
+
+
+def sun_in(sky):
+    """A white sun at (40, 35) in a sky of (256, 512) radiance; what its room shows, of one channel, and how far off."""
+    toward = directions(256, 512) @ SoftBox(40.0, 35.0).direction.astype(np.float32)
+    off_deg = np.degrees(np.arccos(np.minimum(toward, 1)))
+    light = Environment.from_radiance(sky(off_deg) + np.where(off_deg < 2.0, 3000.0, 0.0))
+    return room_of(light)[..., 0] * light.level, off_deg
+
+
+def test_a_sky_that_is_brighter_on_one_side_stays_so_without_its_sun():
+    across = 1 + 0.8 * directions(256, 512)[..., 0]
+    room, _ = sun_in(lambda off_deg: across)
+    np.testing.assert_allclose(room, across, rtol=0.015)
+
+
+def test_the_glow_about_a_sun_shows_no_edge_where_the_sun_was():
+    room, off_deg = sun_in(lambda off_deg: 0.2 + 10 * np.exp2(-off_deg / 4))
+    rings = [room[(off_deg > least) & (off_deg <= least + 1)].mean() for least in range(8, 16)]
+    assert np.abs(np.diff(rings)).max() < 0.25
 
 
 @pytest.mark.parametrize("apart_deg", [10.0, 12.0, 14.0])
