@@ -110,14 +110,19 @@ def _several(after: Document) -> str:
 
 
 def _without_boxes(before: LightEdit) -> str:
-    return "Delete soft box" if len(before.boxes) == 1 else "Remove all soft boxes"
+    return _deletion(before.boxes[0]) if len(before.boxes) == 1 else "Remove all soft boxes"
+
+
+def _deletion(box: SoftBox) -> str:
+    return f"Delete {box.name.lower() or 'soft box'}"
 
 
 def _box_change(before: LightEdit, after: LightEdit) -> Change:
     if len(after.boxes) > len(before.boxes):
         return Change(("light.boxes.add",), "Add soft box", alone=True)
     if len(after.boxes) < len(before.boxes):
-        return Change(("light.boxes.delete",), "Delete soft box", alone=True)
+        gone = [box for index, box in enumerate(before.boxes) if after.boxes[index : index + 1] != (box,)]
+        return Change(("light.boxes.delete",), _deletion(gone[0]), alone=True)
     moved = [index for index, (old, new) in enumerate(zip(before.boxes, after.boxes, strict=True)) if old != new]
     if len(moved) != 1:
         return Change(("light.boxes",), "Change soft boxes")
