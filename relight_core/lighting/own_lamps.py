@@ -23,6 +23,9 @@ from relight_core.lighting.summary import meter_reading
 
 _MEASURED_HEIGHT = 256
 
+_LEAST_SHARE = 0.02
+"""Of all the light, what a lamp of a panorama gives at least."""
+
 _SIDES, _SIDES_OFF_DEG = 16, (AROUND_DEG + BEYOND_DEG) / 2
 """Sides of a lamp that its surroundings are told apart on, and how far off its middle they are."""
 
@@ -76,7 +79,8 @@ def _as_box(lamp: AreaLight, unit: float) -> SoftBox:
 
 
 def _small_lamps(light: Environment) -> tuple[Lamp, ...]:
-    return bright_places(light)[:MOST_LAMPS]
+    # What is hard only because a sun is near, such as a cloud's rim, would be a lamp that does next to nothing.
+    return tuple(lamp for lamp in bright_places(light) if lamp.irradiance / 4 > _LEAST_SHARE)[:MOST_LAMPS]
 
 
 def _lamps_of_panorama(light: Environment) -> tuple[SoftBox, ...]:

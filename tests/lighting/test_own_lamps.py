@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from relight_core.lighting.environment import Environment, network_light
+from relight_core.lighting.lamps import bright_places
 from relight_core.lighting.light_edit import LightEdit, edit_light, put_together, taken_apart
 from relight_core.lighting.own_lamps import own_lamps, room_of
 from relight_core.lighting.rigs import load_rig, rig_names
@@ -190,6 +191,12 @@ def test_lamps_of_a_panorama_are_taken_out_one_after_the_other():
     without = edit_light(sky, replace(edit, boxes=edit.boxes[1:]))
     other = sky_with((-120.0, 20.0, 3.0, 1000.0))
     np.testing.assert_allclose(card(without, SoftBox(-120.0, 20.0)), card(other, SoftBox(-120.0, 20.0)), rtol=5e-3)
+
+
+def test_what_gives_next_to_nothing_beside_a_sun_is_no_lamp():
+    sky = sky_with((40.0, 35.0, 2.0, 3000.0), (40.0, 46.0, 2.0, 100.0))
+    assert len(bright_places(sky)) == 2
+    assert [lamp.name for lamp in own_lamps(sky)] == ["lamp"]
 
 
 def test_a_panorama_without_a_sun_has_no_lamps():
