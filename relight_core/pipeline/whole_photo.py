@@ -20,7 +20,6 @@ from relight_core.pipeline.per_photo.brush import BrushStroke
 from relight_core.pipeline.per_photo.exposing import exposure_about_faces
 from relight_core.pipeline.per_photo.matte import WORKING_PX, DraftMatte, Matte, draft_matte, finish_matte
 from relight_core.pipeline.per_photo.person import Canvas, canvas_of, whole_person
-from relight_core.pipeline.per_photo.photo_frame import Inside, inside_frame
 from relight_core.pipeline.plan import Plan
 from relight_core.pipeline.quality import Tier, tier_of
 from relight_core.pipeline.results.backdrop import OWN_BACKGROUNDS, Backdrop, backdrop_panorama, make_backdrop
@@ -30,7 +29,7 @@ from relight_core.pipeline.results.finish import Placement, mean_gain, place_cha
 from relight_core.pipeline.results.outline_lines import outline_lines
 from relight_core.pipeline.results.picture import Picture
 
-BEFORE_THE_BRUSH = ("small", "draft_matte", "inside_frame", "canvas", "panorama")
+BEFORE_THE_BRUSH = ("small", "draft_matte", "canvas", "panorama")
 """Stages that read nothing of what is painted by hand."""
 
 _KEPT_PIXELS = 6_000_000
@@ -75,7 +74,8 @@ class WholePhoto:
             exposure = self._faces[0].portrait.exposure
             of_photo = (exposure, self._photo.tone_at(exposure))
             parts = views, matte, self._shop.table, masks, self._strokes
-            return place_views(self._small(), *parts, *of_photo, self._inside_frame())
+            inside = draft.inside if (draft := self._draft()) is not None else None
+            return place_views(self._small(), *parts, *of_photo, inside)
 
         placement = run("placement", "photo", place, "new photo or stroke")
         size = changes[0].gain.shape[0]
@@ -136,13 +136,6 @@ class WholePhoto:
 
     def _draft(self) -> DraftMatte | None:
         return self._cache.run("draft_matte", "photo", self._draft_matte, "new photo")
-
-    def _inside_frame(self) -> Inside | None:
-        """What of the small photo lies within a frame; None where it has none."""
-        draft = self._draft()
-        if draft is None:
-            return None
-        return self._cache.run("inside_frame", "photo", lambda: inside_frame(draft.guide), "new photo")
 
     def _draft_matte(self) -> DraftMatte | None:
         """The people as seen by one tier, whichever is asked for, so that it depends on no history."""

@@ -26,7 +26,7 @@ from relight_core.pipeline.per_photo.likely_person import (
     without_holes,
     without_lookalikes,
 )
-from relight_core.pipeline.per_photo.photo_frame import inside_frame
+from relight_core.pipeline.per_photo.photo_frame import Inside, inside_frame
 
 WORKING_PX = 1024
 """The longest side of the copy in which mattes are made."""
@@ -105,6 +105,8 @@ class DraftMatte:
         guide: (h, w, 3) the same as it is displayed, sRGB.
         photo_size: (height, width).
         exposure: the guide shows the photo times this, see `exposure_about_faces`.
+        inside: what of it lies within a frame (see `photo_frame.inside_frame`), in which all of the share is; None
+            where there is no frame.
     """
 
     share: np.ndarray
@@ -112,6 +114,7 @@ class DraftMatte:
     guide: np.ndarray
     photo_size: tuple[int, int]
     exposure: float | np.ndarray = 1.0
+    inside: Inside | None = None
 
 
 def draft_matte(
@@ -147,13 +150,12 @@ def draft_matte(
     placed = place_masks(people, matting_size, size)
     face, near = place_faces(faces, matting_size, size), near_views(people, matting_size, size)
     coarse = _matted(guide, placed, face, near, matting_size)
-    share = _within_frame(_seen_nearer(coarse, guide, people, faces, size), guide)
-    return DraftMatte(share, small, guide, size, exposure)
+    share, inside = _seen_nearer(coarse, guide, people, faces, size), inside_frame(guide)
+    return DraftMatte(_within(inside, share), small, guide, size, exposure, inside)
 
 
-def _within_frame(share: np.ndarray, guide: np.ndarray) -> np.ndarray:
-    """A matte (h, w) in which nobody goes on into the frame of a photo (h, w, 3), sRGB."""
-    inside = inside_frame(guide)
+def _within(inside: Inside | None, share: np.ndarray) -> np.ndarray:
+    """A matte (h, w) in which nobody goes on into a frame."""
     if inside is None:
         return share
     result = np.zeros_like(share)
