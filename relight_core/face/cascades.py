@@ -13,8 +13,10 @@ import numpy as np
 FRONTAL = ("frontalface_default", "frontalface_alt", "frontalface_alt2")
 PROFILE = ("profileface",)
 
+SMALLEST_PX = 28
+"""Width of the smallest heads that are looked for."""
+
 _SCALE_STEP = 1.1
-_SMALLEST_PX = 28
 _SAME_FACE_OVERLAP = 0.35
 _SURE_VOTES = 15
 _FEWEST_VOTES = 8
@@ -47,13 +49,14 @@ class Candidate:
     roll_deg: float = 0.0
 
 
-def frontal_candidates(grey: np.ndarray) -> list[Candidate]:
+def frontal_candidates(grey: np.ndarray, smallest_px: int = SMALLEST_PX) -> list[Candidate]:
     """Faces that all frontal cascades see, or fewer see and eyes confirm.
 
     Args:
         grey: (h, w) uint8, contrast evened out.
+        smallest_px: width of the smallest heads; nearly all the time goes into small ones.
     """
-    hits = [hit for name in FRONTAL for hit in _hits(grey, name, _FRONTAL_FACE)]
+    hits = [hit for name in FRONTAL for hit in _hits(grey, name, _FRONTAL_FACE, smallest_px)]
     return [found for found in _merge(hits) if _is_frontal_face(grey, found)]
 
 
@@ -101,10 +104,10 @@ def every_profile_hit(grey: np.ndarray) -> list[Candidate]:
 
 
 def _hits(
-    grey: np.ndarray, name: str, face_within: tuple[float, float, float, float]
+    grey: np.ndarray, name: str, face_within: tuple[float, float, float, float], smallest_px: int = SMALLEST_PX
 ) -> list[tuple[np.ndarray, int, str]]:
     with _detecting:
-        boxes, votes = _cascade(name).detectMultiScale2(grey, _SCALE_STEP, 3, 0, (_SMALLEST_PX, _SMALLEST_PX))
+        boxes, votes = _cascade(name).detectMultiScale2(grey, _SCALE_STEP, 3, 0, (smallest_px, smallest_px))
     hits = []
     for (x, y, side, _), count in zip(np.asarray(boxes).reshape(-1, 4), np.ravel(votes), strict=True):
         box = np.array([x, y, x, y], np.float64) + side * np.array(face_within)

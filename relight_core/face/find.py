@@ -11,6 +11,7 @@ import cv2
 import numpy as np
 
 from relight_core.face.cascades import (
+    SMALLEST_PX,
     Candidate,
     every_hit,
     every_profile_hit,
@@ -30,6 +31,9 @@ _SHRUNK_FOR_SMALL = 0.7
 
 _LARGEST_GROWTH = 3.0
 _BEYOND_DOUBT_VOTES = 40
+_LARGE, _BESIDE_LARGE = 0.25, 0.1
+"""Widths in lengths of the photo: of a face that makes it a portrait, and of heads that are looked for beside such."""
+
 _TILTS_DEG = (-30.0, 30.0)
 _ALL_TILTS_DEG = (0.0, -30.0, 30.0, -60.0, 60.0, -90.0, 90.0, -120.0, 120.0, -150.0, 150.0, 180.0)
 _LONG_SIDE_FOR_GUESSES_PX = 400
@@ -85,9 +89,9 @@ Judge = Callable[[FaceBox], bool]
 def find_faces(photo: Photo, is_face: Judge = lambda box: False) -> list[FaceBox]:
     """Find faces with OpenCV's Haar cascades (Viola and Jones 2001).
 
-    Upright frontal faces; where none of them is beyond doubt, faces in profile, and faces that lean by up to
-    about 45 degrees, on turned copies, which takes four times as long. A photo is searched once, however many threads
-    ask.
+    Upright frontal faces, beside a large one those that are not far smaller; where none of them is beyond doubt, faces
+    in profile, and faces that lean by up to about 45 degrees, on turned copies, which takes four times as long. A photo
+    is searched once, however many threads ask.
 
     Args:
         is_face: a better judge of what cascades doubt; asked before the long search.
@@ -193,11 +197,18 @@ def _search(photo: Photo, is_face: Judge) -> list[FaceBox]:
     grey, scale = _detection_view(photo.linear, _LONG_SIDE_PX, _LARGEST_GROWTH)
     if min(grey.shape) < 24:
         return []
+    long_side = max(grey.shape)
+    found = frontal_candidates(grey, max(round(_BESIDE_LARGE * long_side), SMALLEST_PX))
+    if any(_is_sure(candidate) and _width(candidate) >= _LARGE * long_side for candidate in found):
+        return _boxes(found, scale)
     found = frontal_candidates(grey)
-    sure = any(candidate.votes >= _BEYOND_DOUBT_VOTES for candidate in found)
-    if not sure and not any(is_face(_in_photo(candidate, scale)) for candidate in found):
+    if not any(map(_is_sure, found)) and not any(is_face(_in_photo(candidate, scale)) for candidate in found):
         found += _turned_away(grey)
     return _boxes(found, scale)
+
+
+def _is_sure(candidate: Candidate) -> bool:
+    return candidate.votes >= _BEYOND_DOUBT_VOTES
 
 
 def _boxes(found: list[Candidate], scale: float) -> list[FaceBox]:
@@ -230,7 +241,7 @@ def _plausible(found: list[Candidate]) -> list[Candidate]:
     kept: list[Candidate] = []
     for candidate in found:
         tiny = kept and _width(candidate) < _width(kept[0]) / 2
-        if tiny and candidate.votes < _BEYOND_DOUBT_VOTES:
+        if tiny and not _is_sure(candidate):
             continue
         if not any(_share_within(candidate.box, better.box) > 0.5 for better in kept):
             kept.append(candidate)

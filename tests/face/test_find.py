@@ -69,6 +69,18 @@ def test_two_faces_come_largest_first():
     assert boxes[0].x0 > 220 > boxes[1].x1
 
 
+@pytest.mark.parametrize(
+    ("width", "votes", "is_searched_finely"), [(240.0, 40, False), (180.0, 40, True), (240.0, 39, True)]
+)
+def test_beside_a_large_face_that_is_sure_nobody_looks_for_tiny_heads(monkeypatch, width, votes, is_searched_finely):
+    looked = []
+    face = Candidate(np.array([200.0, 200.0, 200.0 + width, 400.0]), votes, 3)
+    monkeypatch.setattr(find, "frontal_candidates", lambda grey, smallest_px=28: looked.append(smallest_px) or [face])
+    monkeypatch.setattr(find, "_turned_away", lambda grey: [])
+    assert [box.width for box in find_faces(Photo(np.full((800, 600, 3), 0.2, np.float32)))] == [width]
+    assert looked == ([80, 28] if is_searched_finely else [80])
+
+
 def test_a_tilted_head_is_found():
     from skimage.transform import rotate
 
@@ -207,7 +219,7 @@ class TestDoubtfulUprightFaces:
         """What was looked at in turned copies, of a photo whose one upright face is doubted."""
         seen = Candidate(np.array([100.0, 120.0, 160.0, 200.0]), 20, 3)
         looked = []
-        monkeypatch.setattr(find, "frontal_candidates", lambda grey: [seen])
+        monkeypatch.setattr(find, "frontal_candidates", lambda *_: [seen])
         monkeypatch.setattr(find, "profile_candidates", lambda grey: [])
         monkeypatch.setattr(find, "_when_turned", lambda look, grey, tilts: looked.append(tilts) or [])
         return looked
@@ -239,7 +251,7 @@ def test_small_faces_are_looked_for_as_finely_as_they_are_worth_it(monkeypatch, 
 
 def test_small_faces_that_were_found_are_known_from_then_on(monkeypatch):
     small = Candidate(np.array([700.0, 350.0, 735.0, 390.0]), 20, 3)
-    monkeypatch.setattr(find, "frontal_candidates", lambda grey: [small] if grey.shape[1] > 800 else [])
+    monkeypatch.setattr(find, "frontal_candidates", lambda grey, *_: [small] if grey.shape[1] > 800 else [])
     monkeypatch.setattr(find, "_turned_away", lambda grey: [])
     photo = Photo(np.full((900, 1300, 3), 0.2, np.float32))
     assert find_faces(photo) == []
