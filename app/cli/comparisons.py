@@ -83,24 +83,27 @@ def _ablation(arguments: argparse.Namespace, budget: Budget, contest: Contest, r
 def _peers(arguments: argparse.Namespace, budget: Budget, contest: Contest, report: Report) -> None:
     from relight_core.evaluation.ablation.variants import in_words, trained_variants
     from relight_core.evaluation.contest import hold
+    from relight_core.evaluation.peers.dpr import load_dpr
     from relight_core.evaluation.peers.sun import Sun, load_sun
     from relight_core.evaluation.peers.table import as_markdown, contenders, trained_sun
     from relight_core.networks.bundle import load_bundle
 
-    networks = trained_variants(arguments.output)
+    # Whoever can't be read is told before the training and not after it.
+    dpr = None if arguments.dpr is None else load_dpr(arguments.dpr)
+    networks = {name: load_bundle(path) for name, path in trained_variants(arguments.output).items()}
+    given = None if arguments.weights is None else load_bundle(arguments.weights)
     if arguments.sun is not None:
         sun = Sun(load_sun(arguments.sun))
         training = f"Sun et al.'s network is another comparison's, trained at {sun.size_px} pixels, and works at that."
     else:
-        like = load_bundle(arguments.weights).config.delight if arguments.weights and not networks else None
+        like = given.config.delight if given is not None and not networks else None
         with progress("training", 1.0) as show:
             sun = trained_sun(contest.heads, contest.lights, arguments.output, budget, show, like)
         training = in_words(budget)
-    if arguments.weights is not None:
+    if given is not None:
         # A file may be called as a variant of the folder is, and both take part.
-        name = arguments.weights.name if arguments.weights.stem in networks else arguments.weights.stem
-        networks[name] = arguments.weights
-    everybody = contenders(networks, sun, arguments.dpr)
+        networks[arguments.weights.name if arguments.weights.stem in networks else arguments.weights.stem] = given
+    everybody = contenders(networks, sun, dpr)
     with progress("relighting", 1.0) as show:
         outcome = hold(everybody, contest, show)
     _write(arguments.output / "peers", outcome, as_markdown(outcome, training), training, report)

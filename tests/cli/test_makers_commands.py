@@ -315,7 +315,20 @@ def test_the_paper_s_tables_are_written_whole(run, data, monkeypatch):
     assert record == json.loads((data / "tables" / "peers.json").read_text())
     assert list(record["rows"]) == ["Shih et al. 2014", "Shu et al. 2017", "Sun et al. 2019", "DL-RL", "Full", "tiny"]
     assert "Shu et al. 2017 (given the truth)" in (data / "tables" / "peers.md").read_text()
-    refused(run("evaluate", "peers", *words, "--dpr", data / "none.t7"), "none.t7", "not shipped")
+
+
+def test_others_weights_are_read_before_the_comparison_trains(run, data, monkeypatch):
+    from relight_core.evaluation.ablation import variants
+    from relight_core.evaluation.peers import table
+
+    trained = []
+    monkeypatch.setattr(table, "trained_sun", lambda *given: trained.append(given))
+    words = ["evaluate", "peers", "--heads", data / "heads", "--lights", data / "lights.npz", "-o", data / "tables"]
+    refused(run(*words, "--dpr", data / "none.t7"), "none.t7", "not shipped")
+    refused(run(*words, "--weights", data / "none.safetensors"), "none.safetensors")
+    monkeypatch.setattr(variants, "trained_variants", lambda folder: {"Full": data / "gone.safetensors"})
+    refused(run(*words), "gone.safetensors")
+    assert not trained
 
 
 def test_a_folder_of_panoramas_becomes_a_library(run, tmp_path):

@@ -193,5 +193,5 @@ def test_sun_s_network_is_trained_as_long_and_then_read(trained, data, monkeypat
     for _ in range(2):
         sun = trained_sun(folder, folder, folder, BUDGET, lambda done, note: None)
     assert steps == [(2 + 2 + 1 + 1, 2)]
-    everybody = contenders(weights, sun, None)
+    everybody = contenders({name: load_bundle(path) for name, path in weights.items()}, sun, None)
     assert list(everybody) == ["Shih et al. 2014", "Shu et al. 2017", "Sun et al. 2019", *SWITCHES]

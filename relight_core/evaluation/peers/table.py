@@ -9,12 +9,12 @@ from pathlib import Path
 from relight_core.evaluation.ablation.variants import VARIANTS, Budget, check_budget
 from relight_core.evaluation.contest import Contender, OurNetworks, Outcome
 from relight_core.evaluation.contest_report import BORROWED, RELIT, heading, paper_table, table
-from relight_core.evaluation.peers.dpr import Dpr, load_dpr
+from relight_core.evaluation.peers.dpr import Dpr, DprNetwork
 from relight_core.evaluation.peers.shih import Shih
 from relight_core.evaluation.peers.shu import Shu
 from relight_core.evaluation.peers.sun import Sun, SunConfig, load_sun, train_sun
 from relight_core.lighting.reflection import ReflectionTable
-from relight_core.networks.bundle import load_bundle
+from relight_core.networks.bundle import NetworkBundle
 from relight_core.networks.delight import DelightConfig
 from relight_core.training.loop import state_path
 from relight_core.training.recipe import load_recipe
@@ -58,23 +58,20 @@ def trained_sun(
     return Sun(load_sun(checkpoint))
 
 
-def contenders(networks: Mapping[str, Path], sun: Sun | None, dpr: Path | None) -> dict[str, Contender]:
+def contenders(networks: Mapping[str, NetworkBundle], sun: Sun | None, dpr: DprNetwork | None) -> dict[str, Contender]:
     """Everybody, in the order of the paper's Table 3.
 
     Args:
-        networks: weights of ours by name.
-        dpr: the checkpoint that the user supplies.
-
-    Raises:
-        InputError: a file is missing or damaged.
+        networks: ours by name.
+        dpr: None where the user has no weights for it.
     """
     table = ReflectionTable()
     everybody: dict[str, Contender] = {"Shih et al. 2014": Shih(), "Shu et al. 2017": Shu()}
     if dpr is not None:
-        everybody["DPR (Zhou et al. 2019)"] = Dpr(load_dpr(dpr))
+        everybody["DPR (Zhou et al. 2019)"] = Dpr(dpr)
     if sun is not None:
         everybody["Sun et al. 2019"] = sun
-    return everybody | {name: OurNetworks(load_bundle(path).eval(), table) for name, path in networks.items()}
+    return everybody | {name: OurNetworks(bundle.eval(), table) for name, bundle in networks.items()}
 
 
 def as_markdown(outcome: Outcome, training: str) -> str:
