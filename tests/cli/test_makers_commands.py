@@ -233,6 +233,19 @@ def test_training_leaves_weights_and_log(run, data, monkeypatch):
     assert json.loads((data / "w.log.json").read_text()) == []
 
 
+def test_half_a_head_is_told_before_anything_is_learnt_from_the_others(run, data, monkeypatch):
+    begun = []
+    monkeypatch.setattr("relight_core.training.run.train", lambda *given: begun.append(given))
+    monkeypatch.setattr("relight_core.training.recipe.follow", lambda *given, **named: begun.append(given))
+    write_balls(data / "heads", 1, 1, size=32)
+    half = data / "heads" / "head-0000001.npz"
+    half.write_bytes(half.read_bytes()[: half.stat().st_size // 2])
+    refused(run(*train_words(data)), half.name, "bake")
+    of_recipe = ["--recipe", "shipped", "--heads", data / "heads", "--lights", data / "lights.npz", "-o", data / "run"]
+    refused(run("train", *of_recipe), half.name, "bake")
+    assert not begun
+
+
 def test_evaluation_as_json_is_one_object_and_as_text_a_table(run, data):
     write_lights(data / "few.npz", 2)
     words = [
