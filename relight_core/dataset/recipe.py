@@ -24,6 +24,8 @@ from relight_core.dataset.heads import (
     shape_head,
     turn_eyes,
 )
+from relight_core.dataset.lighting.light_folder import panoramas_in
+from relight_core.dataset.painting.skin_textures import FILE_NAME as SKINS
 from relight_core.dataset.painting.texture import look_up
 from relight_core.dataset.scans import names_of_people, people_of, read_scan
 from relight_core.errors import InputError
@@ -192,9 +194,10 @@ def load_split(folder: Path, split: str) -> list[Path]:
 
 
 def data_mark(heads: Path, lights: Path, split: str) -> str:
-    """Tells one set of heads and lights from another by the names and sizes of their files."""
-    panoramas = [path for suffix in (".hdr", ".exr") for path in sorted(lights.rglob(f"*{suffix}"))]
-    files = [*load_split(heads, split), *(panoramas if lights.is_dir() else [lights])]
+    """Tells one set of heads, their painted skins and lights from another by the names and sizes of their files."""
+    skins = heads / SKINS
+    beside = [skins] if skins.exists() else []
+    files = [*load_split(heads, split), *beside, *(panoramas_in(lights) if lights.is_dir() else [lights])]
     listed = json.dumps([[path.name, path.stat().st_size] for path in files])
     return hashlib.sha256(listed.encode()).hexdigest()[:10]
 

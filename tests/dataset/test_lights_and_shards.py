@@ -13,7 +13,7 @@ from relight_core.dataset.lighting.lights import (
     sample_panorama,
     sample_rig,
 )
-from relight_core.dataset.recipe import load_split
+from relight_core.dataset.recipe import data_mark, load_split
 from relight_core.errors import InputError
 
 LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
@@ -160,3 +160,14 @@ def test_heads_belong_to_the_split_of_their_seed(tmp_path):
         "validation": ["head-1000000", "head-1000001"],
         "test": ["head-2000000", "head-2000001"],
     }
+
+
+@pytest.mark.parametrize("added", ["heads/skins.npz", "lights/SNOW.HDR", "lights/yard/snow.exr"])
+def test_painted_skins_and_all_panoramas_tell_one_set_of_data_from_another(tmp_path, added):
+    for place in ("heads/head-0000007.npz", "lights/sky.hdr", "lights/yard/sky.hdr"):
+        (tmp_path / place).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / place).write_bytes(b"one")
+    before = data_mark(tmp_path / "heads", tmp_path / "lights", "train")
+    assert data_mark(tmp_path / "heads", tmp_path / "lights", "train") == before
+    (tmp_path / added).write_bytes(b"another")
+    assert data_mark(tmp_path / "heads", tmp_path / "lights", "train") != before

@@ -15,6 +15,11 @@ _HEIGHT = 64
 _SUFFIXES = (".hdr", ".exr")
 
 
+def panoramas_in(folder: Path) -> list[Path]:
+    """All .hdr and .exr files of a folder and its sub-folders, in order of path."""
+    return sorted(path for path in folder.rglob("*") if path.suffix.lower() in _SUFFIXES and path.is_file())
+
+
 def read_light_folder(folder: Path) -> dict[str, np.ndarray]:
     """The arrays of a light library from all .hdr and .exr panoramas of a folder and its sub-folders.
 
@@ -27,7 +32,7 @@ def read_light_folder(folder: Path) -> dict[str, np.ndarray]:
     Raises:
         InputError: no panorama in the folder, or one that can't be read or isn't 2:1.
     """
-    paths = sorted(path for path in folder.rglob("*") if path.suffix.lower() in _SUFFIXES and path.is_file())
+    paths = panoramas_in(folder)
     if not paths:
         raise InputError(f"{folder}: no .hdr or .exr panorama in this folder; put some there")
     places = [path.relative_to(folder) for path in paths]
