@@ -72,7 +72,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _bake(arguments: argparse.Namespace) -> int:
-    from relight_core.dataset.recipe import SPLIT_SEEDS, SPLIT_SIZE, bake_missing
+    from relight_core.dataset.recipe import SPLIT_SEEDS, SPLIT_SIZE, bake_missing, shard_path
 
     if arguments.skip + arguments.count > SPLIT_SIZE:
         raise InputError(f"--skip and --count: a split has {SPLIT_SIZE} people; those after them are the next split's")
@@ -82,12 +82,14 @@ def _bake(arguments: argparse.Namespace) -> int:
         _add_skins(casting, arguments.wardrobe, arguments.out)
     first = SPLIT_SEEDS[arguments.split] + arguments.skip
     seeds = range(first, first + arguments.count)
-    size_bytes = 0
+    kept, size_bytes = sum(shard_path(arguments.out, seed).exists() for seed in seeds), 0
     with progress(f"baking {arguments.split} heads", arguments.count) as show:
         for done, path in enumerate(bake_missing(casting, arguments.out, seeds, arguments.size), 1):
             size_bytes += path.stat().st_size
             show(done, f"{done} of {arguments.count}")
-    say(f"{arguments.out}: {arguments.count} {arguments.split} heads, {size_bytes / 1e6:.1f} MB")
+    # Made with or without a wardrobe and of whatever shares: a head does not tell, and is not made again.
+    as_they_were = f"; {kept} of them were there and stay as they were baked" if kept else ""
+    say(f"{arguments.out}: {arguments.count} {arguments.split} heads, {size_bytes / 1e6:.1f} MB{as_they_were}")
     return 0
 
 

@@ -98,6 +98,23 @@ def test_what_is_worn_needs_a_wardrobe(run, tmp_path, option):
     refused(run("dataset", "bake", *words), f"{option} needs --wardrobe")
 
 
+def test_bake_says_which_heads_were_there_and_are_not_made_anew(run, tmp_path, monkeypatch):
+    from relight_core.dataset import recipe
+
+    def bake_missing(casting, folder, seeds, size):
+        for seed in seeds:
+            path = recipe.shard_path(folder, seed)
+            path.touch()
+            yield path
+
+    monkeypatch.setattr(recipe, "load_casting", lambda *_: None)
+    monkeypatch.setattr(recipe, "bake_missing", bake_missing)
+    (tmp_path / "model.npz").touch()
+    words = ["dataset", "bake", "--heads", tmp_path / "model.npz", "--out", tmp_path / "heads", "--count"]
+    assert "2 train heads, 0.0 MB\n" in run(*words, 2)[1]
+    assert "3 train heads, 0.0 MB; 2 of them were there and stay as they were baked" in run(*words, 3)[1]
+
+
 def test_bake_without_its_model_or_wardrobe(run, tmp_path):
     refused(run("dataset", "bake", "--heads", tmp_path / "no.npz", "--out", tmp_path, "--count", 1), "no.npz")
     (tmp_path / "m.npz").write_bytes(b"")
