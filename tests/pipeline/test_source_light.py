@@ -35,9 +35,12 @@ def photographed(surface, light, saturation=1.0):
     return replace(surface, photo=brightness * (seen / brightness) ** saturation), reflector, relief
 
 
-def red_over_blue(light):
-    """Of the light from around the camera, which the ball's middle sees."""
-    mean = light[:, 5:11, [0, 1, 2, -3, -2, -1]].mean((0, 1, 2))
+AHEAD, BEHIND = (0, 1, 2, -3, -2, -1), (13, 14, 15, 16, 17, 18)
+"""Columns of a light around the camera, which the ball's middle sees, and behind the ball, which nothing sees."""
+
+
+def red_over_blue(light, columns=AHEAD):
+    mean = light[:, 5:11, list(columns)].mean((0, 1, 2))
     return float(mean[0] / mean[2])
 
 
@@ -74,3 +77,13 @@ def test_a_photo_without_a_person_keeps_the_guess():
     nobody = replace(surface, photo=surface.albedo, person=0 * surface.person, parsing=0 * surface.parsing)
     reflector, relief = stages.reflector(ReflectionTable(), nobody), stages.march(nobody, 16)
     torch.testing.assert_close(explain_source_light(nobody, reflector, relief), torch.ones(1, 16, 32, 3))
+
+
+def test_gloss_in_an_orange_light_is_orange():
+    """White gloss taken off the photo would take most of its blue, and leave a far redder light."""
+    assert abs(red_over_blue(explained(coloured(1.6, 1.0, 0.45))) / (1.6 / 0.45) - 1) < 0.15
+
+
+def test_what_hardly_shows_of_an_orange_light_is_orange_too():
+    """Left white, it would be mirrored by a nose, whose skin would then pass for yellow."""
+    assert red_over_blue(explained(coloured(1.6, 1.0, 0.45)), BEHIND) > 1.8

@@ -13,7 +13,7 @@ from relight_core.pipeline.per_photo.blown import skin_share
 from relight_core.pipeline.per_photo.saturation import log_colour, middle_colour, saturation
 from relight_core.pipeline.stages import Reflector, Surface, reflect
 
-_FEWEST_PIXELS = 50
+_FEWEST_PIXELS, _SURELY_SKIN = 50, 0.6
 _CLIPPED, _NEARLY_CLIPPED = 0.9, 0.97
 _DARKEST_ALBEDO = 0.03
 _LEAST_MATTE = 0.4
@@ -31,14 +31,18 @@ def explain_source_light(surface: Surface, reflector: Reflector, relief: ReliefT
     normals and relief look as they do in the photo (see `lighting.inverse`). What the guess mirrors is taken off the
     photo first: gloss has the light's colour, and skin below it would pass for skin in a bluer light.
 
+    A cast over all of the skin that is more than a camera's doing is one of the whole guess: what little of the face
+    sees or mirrors would else stay white in a tungsten lamp's light, and a nose be taken for yellower than its cheeks.
+
     Args:
         reflector: of the same surface.
         relief: transport of its relief.
     """
     reflected = reflect(reflector, surface.source_light)
     level = exposure_of_photo(surface, reflected)
-    guess = surface.source_light * level
-    matte = _without_gloss(surface.photo, reflected[:, 3:] * level, relief.shadow_fraction(guess.cpu()))
+    guess, cast = surface.source_light * level, _cast(surface, reflected)
+    gloss = reflected[:, 3:] * level * cast[:, None, None]
+    matte = _without_gloss(surface.photo, gloss, relief.shadow_fraction(guess.cpu()))
     small = [
         F.interpolate(image, size=relief.size, mode="area").cpu()
         for image in (surface.photo, matte, surface.albedo, surface.person * gloss_share(surface.parsing))
@@ -47,8 +51,9 @@ def explain_source_light(surface: Surface, reflector: Reflector, relief: ReliefT
     unclipped = (photo.amax(1) < _CLIPPED).float()
     weight = person[:, 0] * unclipped * albedo.mean(1)
     texels = guess[0].flatten(0, 1).cpu()
-    light = explain_photo(texels, relief.closed, matte / albedo.clamp_min(_DARKEST_ALBEDO), weight)
-    light = _left_to_light(surface, texels, light)
+    shading = matte / albedo.clamp_min(_DARKEST_ALBEDO)
+    light = explain_photo(texels * cast.cpu(), relief.closed, shading, weight)
+    light = _left_to_light(surface, texels, light, by_camera=_BY_CAMERA)
     return light.reshape(guess.shape).to(guess.device)
 
 
@@ -58,14 +63,32 @@ def _without_gloss(photo: torch.Tensor, gloss: torch.Tensor, hidden: torch.Tenso
     return torch.maximum(photo - gloss * (1 - hidden), _LEAST_MATTE * photo)
 
 
-def _left_to_light(surface: Surface, guess: torch.Tensor, explained: torch.Tensor) -> torch.Tensor:
-    """The explained light (T, 3), of a guess (T, 3), without the colours that are the camera's."""
+def _cast(surface: Surface, reflected: torch.Tensor) -> torch.Tensor:
+    """The colour (3,), of luminance 1, that all of the skin has beside the guess, where it is more than a camera's.
+
+    Args:
+        reflected: (1, 6, S, S) irradiance over pi and gloss of the guess.
+    """
+    known = seen_of_person(surface) & (skin_share(surface.parsing) > _SURELY_SKIN)
+    plain = surface.photo.new_ones(3)
+    if int(known.sum()) < _FEWEST_PIXELS:
+        return plain
+    lit = surface.albedo * reflected[:, :3] + reflected[:, 3:]
+    seen, guessed = ((image * known).sum((0, 2, 3)) for image in (surface.photo, lit))
+    if float(torch.minimum(seen, guessed).min()) <= 0:
+        return plain
+    cast = _left_to_light(surface, plain[None], (seen / guessed)[None], by_camera=1.0)[0]
+    return cast / (cast @ luminance_weights(cast))
+
+
+def _left_to_light(surface: Surface, guess: torch.Tensor, explained: torch.Tensor, by_camera: float) -> torch.Tensor:
+    """The explained light (T, 3), of a guess (T, 3), without the colours that are the camera's, or a share of them."""
     skin = middle_colour(surface.albedo, skin_share(surface.parsing), _FEWEST_PIXELS)
     if skin is None:
         return explained
     skin = skin.to(explained.device)
     more = saturation(log_colour(explained) - log_colour(guess), skin)
-    less = torch.exp(-_BY_CAMERA * more.clamp(0, _MOST_BY_CAMERA)[:, None] * skin)
+    less = torch.exp(-by_camera * more.clamp(0, _MOST_BY_CAMERA)[:, None] * skin)
     luminance = luminance_weights(explained)
     balanced = explained * less
     return balanced * ((explained @ luminance) / (balanced @ luminance).clamp_min(1e-12))[:, None]
