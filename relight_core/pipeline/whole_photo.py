@@ -73,9 +73,7 @@ class WholePhoto:
             masks = [face.mask() for face in self._faces]
             exposure = self._faces[0].portrait.exposure
             of_photo = (exposure, self._photo.tone_at(exposure))
-            parts = views, matte, self._shop.table, masks, self._strokes
-            inside = draft.inside if (draft := self._draft()) is not None else None
-            return place_views(self._small(), *parts, *of_photo, inside)
+            return place_views(self._small(), views, matte, self._shop.table, masks, self._strokes, *of_photo)
 
         placement = run("placement", "photo", place, "new photo or stroke")
         size = changes[0].gain.shape[0]
@@ -132,10 +130,7 @@ class WholePhoto:
 
     def _matte(self) -> Matte:
         """The people in the photo, corrected by the brush."""
-        return finish_matte(self._draft(), self._strokes)
-
-    def _draft(self) -> DraftMatte | None:
-        return self._cache.run("draft_matte", "photo", self._draft_matte, "new photo")
+        return finish_matte(self._cache.run("draft_matte", "photo", self._draft_matte, "new photo"), self._strokes)
 
     def _draft_matte(self) -> DraftMatte | None:
         """The people as seen by one tier, whichever is asked for, so that it depends on no history."""

@@ -142,3 +142,12 @@ def command_line(capfd):
         return SimpleNamespace(code=code, out=streams.out, err=streams.err)
 
     return run
+
+
+@pytest.fixture
+def run(command_line):
+    def run(*words):
+        done = command_line(*words)
+        return done.code, done.out, done.err
+
+    return run

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 import torch
 from PIL import Image
+from refusals import refused
 from synthetic_heads import write_balls, write_lights
 
 from relight_core.dataset.lighting.lights import load_lights
@@ -24,26 +25,6 @@ def data(tmp_path):
     return tmp_path
 
 
-@pytest.fixture
-def run(command_line):
-    def run(*words):
-        done = command_line(*words)
-        return done.code, done.out, done.err
-
-    return run
-
-
-def refused(result, *words):
-    code, out, err = result
-    assert code == 2
-    assert out == ""
-    line = err.strip().splitlines()[-1]
-    assert line.startswith("relight ")
-    assert "Traceback" not in err
-    for word in words:
-        assert word in line
-
-
 @pytest.mark.parametrize("command", ["dataset", "train", "evaluate"])
 def test_help_names_what_there_is(run, command):
     code, out, _ = run(command, "--help")
@@ -54,91 +35,6 @@ def test_help_names_what_there_is(run, command):
 def test_an_action_is_needed(run):
     refused(run("dataset"))
     refused(run("dataset", "brew"))
-
-
-@pytest.mark.parametrize("count", ["0", "-3", "many", "1.5"])
-def test_bake_wants_a_count(run, tmp_path, count):
-    refused(run("dataset", "bake", "--heads", "m.npz", "--out", tmp_path, "--count", count), "whole number")
-
-
-@pytest.mark.parametrize("words", [("--headwear", "1.2"), ("--arms", "nan"), ("--hair-mass", "few"), ("--skip", "-1")])
-def test_bake_wants_a_share_and_a_place_to_start(run, tmp_path, words):
-    refused(run("dataset", "bake", "--heads", "m.npz", "--out", tmp_path, "--count", 1, *words), words[1])
-
-
-@pytest.mark.parametrize(("skip", "count"), [(1_000_000, 1), (999_999, 2), (0, 1_000_001)])
-def test_bake_stays_within_its_split(run, tmp_path, skip, count):
-    """The next seed is a person of the next split, which training must not see."""
-    words = ["--heads", "m.npz", "--out", tmp_path / "o", "--skip", skip, "--count", count]
-    refused(run("dataset", "bake", *words), "split")
-    assert not (tmp_path / "o").exists()
-
-
-def test_bake_takes_the_people_after_those_left_out(run, tmp_path, monkeypatch):
-    from relight_core.dataset import recipe
-
-    asked = {}
-    monkeypatch.setattr(recipe, "load_casting", lambda *words: asked.update(casting=words))
-    monkeypatch.setattr(recipe, "bake_missing", lambda casting, folder, seeds, size: asked.update(seeds=seeds) or [])
-    (tmp_path / "m.npz").write_bytes(b"")
-    words = ["--heads", tmp_path / "m.npz", "--wardrobe", tmp_path, "--out", tmp_path / "o"]
-    shares = ["--headwear", 0.7, "--arms", 0]
-    code, _, _ = run("dataset", "bake", *words, "--split", "test", "--count", 3, "--skip", 20, *shares)
-    assert code == 0
-    assert list(asked["seeds"]) == [2_000_020, 2_000_021, 2_000_022]
-    shares = asked["casting"][2]
-    assert (shares.headwear, shares.arms) == (0.7, 0)
-    assert 0 < shares.hair_mass < 0.3
-
-
-@pytest.mark.parametrize("option", ["--headwear", "--hair-mass"])
-def test_what_is_worn_needs_a_wardrobe(run, tmp_path, option):
-    (tmp_path / "m.npz").write_bytes(b"")
-    words = ["--heads", tmp_path / "m.npz", "--out", tmp_path, "--count", 1, option, 0.5]
-    refused(run("dataset", "bake", *words), f"{option} needs --wardrobe")
-
-
-def test_bake_says_which_heads_were_there_and_are_not_made_anew(run, tmp_path, monkeypatch):
-    from relight_core.dataset import recipe
-
-    def bake_missing(casting, folder, seeds, size):
-        for seed in seeds:
-            path = recipe.shard_path(folder, seed)
-            path.touch()
-            yield path
-
-    monkeypatch.setattr(recipe, "load_casting", lambda *_: None)
-    monkeypatch.setattr(recipe, "bake_missing", bake_missing)
-    (tmp_path / "model.npz").touch()
-    words = ["dataset", "bake", "--heads", tmp_path / "model.npz", "--out", tmp_path / "heads", "--count"]
-    assert "2 train heads, 0.0 MB\n" in run(*words, 2)[1]
-    assert "3 train heads, 0.0 MB; 2 of them were there and stay as they were baked" in run(*words, 3)[1]
-
-
-def test_bake_without_its_model_or_wardrobe(run, tmp_path):
-    refused(run("dataset", "bake", "--heads", tmp_path / "no.npz", "--out", tmp_path, "--count", 1), "no.npz")
-    (tmp_path / "m.npz").write_bytes(b"")
-    refused(
-        run(
-            "dataset",
-            "bake",
-            "--heads",
-            tmp_path / "m.npz",
-            "--wardrobe",
-            tmp_path / "none",
-            "--out",
-            tmp_path,
-            "--count",
-            1,
-        ),
-        "none",
-    )
-
-
-@pytest.mark.parametrize("content", [b"", b"PK\x03\x04", b"words" * 50])
-def test_bake_with_a_broken_model(run, tmp_path, content):
-    (tmp_path / "m.npz").write_bytes(content)
-    refused(run("dataset", "bake", "--heads", tmp_path / "m.npz", "--out", tmp_path / "o", "--count", 1), "m.npz")
 
 
 def test_preview_draws_a_sheet(run, data):
@@ -374,15 +270,6 @@ def test_a_folder_of_panoramas_becomes_a_library(run, tmp_path):
     assert load_lights(tmp_path / "lights.npz", "test").names == ("yard_0", "yard_1")
     refused(run("dataset", "lights", tmp_path / "gone", "-o", tmp_path / "l.npz"), "gone")
     refused(run("dataset", "lights", places, "-o", tmp_path / "l.exr"), ".npz")
-
-
-def test_baking_scans_refuses(run, tmp_path):
-    scans = tmp_path / "scans"
-    scans.mkdir()
-    words = ["dataset", "bake", "--heads", scans, "--out", tmp_path / "heads", "--count", 1]
-    refused(run(*words), "no scans")
-    refused(run(*words, "--wardrobe", tmp_path), "wardrobe")
-    refused(run("dataset", "skins", "--heads", scans, "--wardrobe", tmp_path, "--out", tmp_path), "head model")
 
 
 def test_speed_is_a_table_and_says_when_the_machine_is_busy(run, data, monkeypatch):

@@ -82,11 +82,8 @@ def make_body(
         inside: the cells that no frame of the photo's covers; None where it has no frame. Whom a frame cuts off goes
             on behind it, as beyond the photo's border.
     """
-    normal = (
-        torch.from_numpy(_bulging(share if inside is None else _gone_on(share, inside)))
-        .permute(2, 0, 1)[None]
-        .to(table.transport.device)
-    )
+    outline = share if inside is None else _gone_on(share, inside)
+    normal = torch.from_numpy(_bulging(outline)).permute(2, 0, 1)[None].to(table.transport.device)
     small = shrunk_size(share.shape, _LONGEST_KNOWN)
     photo, body, known = (resize_area(image, small) for image in (photo, share, known))
     lit, unclipped = luminance(photo) / _WELL_SEEN, (1 - photo.max(-1)) / _HEADROOM

@@ -52,6 +52,8 @@ class Matte:
         nearby: (k, l) the matte averaged about each place.
         own_alpha: whether the photo's own alpha is the matte; then the maps say nothing.
         exposure: edges are looked for in the photo times this, see `exposure_about_faces`.
+        inside: what of the photo, no longer than WORKING_PX, lies within a frame (see `photo_frame.inside_frame`);
+            None where there is no frame.
     """
 
     slope: np.ndarray
@@ -61,6 +63,7 @@ class Matte:
     nearby: np.ndarray
     own_alpha: bool = False
     exposure: float | np.ndarray = 1.0
+    inside: Inside | None = None
 
 
 def guide_of(linear: np.ndarray) -> np.ndarray:
@@ -105,8 +108,7 @@ class DraftMatte:
         guide: (h, w, 3) the same as it is displayed, sRGB.
         photo_size: (height, width).
         exposure: the guide shows the photo times this, see `exposure_about_faces`.
-        inside: what of it lies within a frame (see `photo_frame.inside_frame`), in which all of the share is; None
-            where there is no frame.
+        inside: as of `Matte`; all of the share is there.
     """
 
     share: np.ndarray
@@ -183,7 +185,7 @@ def finish_matte(draft: DraftMatte | None, strokes: Sequence[BrushStroke] = ()) 
     fused = shrunk_size(draft.photo_size, _FUSION_PX)
     nearby = cv2.GaussianBlur(resize_area(share, fused), (0, 0), max(max(fused) * _NEAR_SHARE, 0.5))
     nearby = np.clip(nearby, 0.0, 1.0)
-    return Matte(slope, level, *_sides(small, share), nearby, exposure=draft.exposure)
+    return Matte(slope, level, *_sides(small, share), nearby, exposure=draft.exposure, inside=draft.inside)
 
 
 def _on_edges(

@@ -20,7 +20,7 @@ from relight_core.pipeline.per_light.rest_of_person import Body, body_gain, body
 from relight_core.pipeline.per_photo.brush import BrushStroke, painted
 from relight_core.pipeline.per_photo.matte import Matte
 from relight_core.pipeline.per_photo.person import Canvas, shrunk, whole_person
-from relight_core.pipeline.per_photo.photo_frame import Inside, shrunk_inside
+from relight_core.pipeline.per_photo.photo_frame import shrunk_inside
 from relight_core.pipeline.results.channels import ViewChange, at_level
 from relight_core.pipeline.results.picture import PlacedChange
 
@@ -66,7 +66,6 @@ def place_views(
     strokes: Sequence[BrushStroke] = (),
     exposure: float = 1.0,
     tone: Tone | None = None,
-    inside: Inside | None = None,
 ) -> Placement:
     """Share the photo out among the views of its faces.
 
@@ -79,7 +78,6 @@ def place_views(
         strokes: of the brush, in the matte already.
         exposure: of the portrait.
         tone: as `Placement` has it.
-        inside: what of the photo, at the size it has here, lies within a frame; None where it has none.
     """
     photo_size = photo.photo_size
     places = places_of(shrunk_size(photo_size, _WEIGHT_LONGEST), photo_size)
@@ -89,7 +87,7 @@ def place_views(
     known = resize_area(np.minimum(sum(weights), 1), canvas.size)
     share = whole_person(canvas, matte).share
     seen = np.where(share[..., None] > 0, canvas.linear, 0) if matte.own_alpha else canvas.linear
-    cells = None if inside is None else shrunk_inside(inside, photo.size, share.shape)
+    cells = None if matte.inside is None else shrunk_inside(matte.inside, photo.size, share.shape)
     body = make_body(seen * np.float32(exposure), share, known, table, cells)
     small = tuple(resize_area(weight, body.photo.shape[:2])[..., None] for weight in weights)
     return Placement(tuple(views), tuple(people), small, body, photo_size, unseen, exposure, tone)
