@@ -81,12 +81,12 @@ def _work(session: Session, given: Path, light: str | None) -> _Work:
 
 def _saved_work(session: Session, given: Path, light: str | None) -> _Work:
     """A session's work, as the window opens it; `light` takes the place of its light."""
-    from app.document.document import Document, LightRef
+    from app.document.document import LightRef
     from app.document.session_file import read_session
     from app.engine.sources import LightSource
     from relight_core.pipeline.auto_quality import QualityChoice
 
-    read = read_session(given, light_stand_in=Document().light)
+    read = read_session(given)
     for note in read.notes:
         warnings.warn(f"{given}: {note}", stacklevel=2)
     document, photo = read.document, read.document.photo

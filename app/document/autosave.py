@@ -287,8 +287,7 @@ def leftovers(folder: Path, tell: Callable[[str], None] = _log.warning) -> list[
         lock.close()
         leftover = Leftover(path, Document(), 0.0)
         try:
-            # A light that is gone is no reason to keep sliders and boxes from the user.
-            session = read_session(path, light_stand_in=Document().light)
+            session = read_session(path)
             leftover = Leftover(path, session.document, path.stat().st_mtime, session.notes)
         except (InputError, OSError) as error:
             # A photo that is only out of reach for now is no reason to forget the work.

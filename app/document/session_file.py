@@ -136,11 +136,11 @@ def write_session(path: Path, document: Document, *, relative: bool = True) -> N
     write_json(path, KIND, VERSION, content)
 
 
-def read_session(path: Path, light_stand_in: LightRef | None = None) -> Session:
+def read_session(path: Path) -> Session:
     """Read a session file and check every value in it.
 
-    Args:
-        light_stand_in: takes the place of a light whose file can't be had, and is noted; None refuses the session.
+    A light that is gone is no reason to keep sliders and boxes from the user: that of a new document takes the place of
+    one whose file can't be had, and is noted.
 
     Raises:
         InputError: not a session, or one that can't be used; the line says why.
@@ -148,11 +148,12 @@ def read_session(path: Path, light_stand_in: LightRef | None = None) -> Session:
     notes: list[str] = []
     fields = read_json(path, KIND, VERSION, notes)
     photo = _photo(fields, path)
-    light, light_edit = read_light_content(fields.group("light"), path, light_stand_in)
+    stand_in = Document().light
+    light, light_edit = read_light_content(fields.group("light"), path, stand_in)
     edit = _edit(fields.group("edit"), path)
     quality = fields.word("quality", (AUTO, *TIERS), AUTO)
     fields.finish()
-    return Session(Document(photo, light, light_edit, edit, quality), tuple(notes), light is light_stand_in)
+    return Session(Document(photo, light, light_edit, edit, quality), tuple(notes), light is stand_in)
 
 
 def read_lent_light(path: Path) -> LentLight:

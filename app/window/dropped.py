@@ -6,7 +6,6 @@ import os
 from collections.abc import Sequence
 from pathlib import Path
 
-from app.document.document import Document
 from app.document.json_fields import kind_of
 from app.document.session_file import read_lent_light, read_session
 from app.engine.batch import photos_in
@@ -91,7 +90,7 @@ def open_session(state: EditorState, path: Path) -> None:
     Raises:
         InputError: it can't be read, or its photo isn't there.
     """
-    session = read_session(path, light_stand_in=Document().light)
+    session = read_session(path)
     state.open_session(session.document, None if session.light_is_lost else path)
     _tell_notes(state, path, session.notes)
 
