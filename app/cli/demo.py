@@ -87,7 +87,7 @@ def _saved_work(session: Session, given: Path, light: str | None) -> _Work:
     from relight_core.pipeline.auto_quality import QualityChoice
 
     read = read_session(given)
-    for note in read.notes:
+    for note in read.told(light_follows=light is not None):
         warnings.warn(f"{given}: {note}", stacklevel=2)
     document, photo = read.document, read.document.photo
     session.heed_corrections(photo)

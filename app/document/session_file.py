@@ -45,12 +45,16 @@ class Session:
     Attributes:
         document: the work.
         notes: what was mended in reading, a line each.
-        light_is_lost: another stands in for the file's light; the document is not what the file holds.
+        lost_light: the note that another light stands in for the file's; the document is not what the file holds then.
     """
 
     document: Document
     notes: tuple[str, ...] = ()
-    light_is_lost: bool = False
+    lost_light: str | None = None
+
+    def told(self, light_follows: bool) -> list[str]:
+        """The notes that matter where another light takes the place of the session's, or where it doesn't."""
+        return [note for note in self.notes if not light_follows or note != self.lost_light]
 
 
 @dataclass(frozen=True)
@@ -148,12 +152,13 @@ def read_session(path: Path) -> Session:
     notes: list[str] = []
     fields = read_json(path, KIND, VERSION, notes)
     photo = _photo(fields, path)
-    stand_in = Document().light
+    stand_in, already = Document().light, len(notes)
     light, light_edit = read_light_content(fields.group("light"), path, stand_in)
     edit = _edit(fields.group("edit"), path)
     quality = fields.word("quality", (AUTO, *TIERS), AUTO)
     fields.finish()
-    return Session(Document(photo, light, light_edit, edit, quality), tuple(notes), light is stand_in)
+    lost_light = notes[already] if light is stand_in else None
+    return Session(Document(photo, light, light_edit, edit, quality), tuple(notes), lost_light)
 
 
 def read_lent_light(path: Path) -> LentLight:

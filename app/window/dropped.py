@@ -50,7 +50,7 @@ def open_named(state: EditorState, photo: Path | None, light: str | None) -> Non
     is_saved = photo is not None and photo.suffix.lower() == ".json"
     try:
         if is_saved:
-            _open(state, [photo])
+            _open(state, [photo], light is not None)
         elif photo is not None:
             state.open_photo(photo)
         if light is not None:
@@ -82,20 +82,23 @@ def use_as_light(state: EditorState, path: Path) -> None:
         state.open_light(LightSource.named(str(path)))
 
 
-def open_session(state: EditorState, path: Path) -> None:
+def open_session(state: EditorState, path: Path, light_follows: bool = False) -> None:
     """Open a session file, under the first light where its own can't be had.
 
     The file goes on naming that light then: saving asks before it replaces it.
+
+    Args:
+        light_follows: another light takes the place of the session's, so that none stands in for it.
 
     Raises:
         InputError: it can't be read, or its photo isn't there.
     """
     session = read_session(path)
-    state.open_session(session.document, None if session.light_is_lost else path)
-    _tell_notes(state, path, session.notes)
+    state.open_session(session.document, None if session.lost_light else path)
+    _tell_notes(state, path, session.told(light_follows))
 
 
-def _open(state: EditorState, paths: Sequence[Path]) -> None:
+def _open(state: EditorState, paths: Sequence[Path], light_follows: bool = False) -> None:
     files, notes = _files(paths)
     ours = [path for path in files if path.suffix.lower() == ".json"]
     lights = [path for path in files if path not in ours and is_panorama(path)]
@@ -114,7 +117,7 @@ def _open(state: EditorState, paths: Sequence[Path]) -> None:
     _tell(state, notes)
     session = next((path for path in ours[:1] if kind_of(path) != "light"), None)
     if session is not None:
-        open_session(state, session)
+        open_session(state, session, light_follows or bool(lights))
     elif ours:
         use_as_light(state, ours[0])
     if lights:

@@ -41,6 +41,21 @@ def test_a_named_light_takes_the_place_of_a_session_s_and_leaves_its_sliders(sho
     assert state.light.name == {"golden-hour": light, "friend.relight.json": "split", None: "ring"}[light]
 
 
+@pytest.mark.parametrize(
+    ("light", "told"),
+    [
+        ("golden-hour", []),
+        ("friend.relight.json", []),
+        (None, [("gone.relight.json: the light sky.hdr is not there, and Rembrandt stands in for it", True)]),
+    ],
+)
+def test_nothing_is_said_to_stand_in_for_a_session_s_lost_light_where_another_is_named(shoot, light, told):
+    write_session(Path("gone.relight.json"), Document(PhotoRef(Path("me.jpg")), LightRef("panorama", "sky.hdr")))
+    state = EditorState()
+    open_named(state, Path("gone.relight.json"), light)
+    assert state.asking.notices == told
+
+
 def test_a_named_file_that_is_bad_is_told(shoot):
     state = EditorState()
     Path("friend.relight.json").write_text("{")
