@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+from app.document.document import LightRef
 from app.engine.sources import LightSource
 from app.ui.light_wish import light_that_stays, with_added
 
@@ -32,7 +33,10 @@ def fall_back(state: EditorState) -> None:
             # With what was painted or corrected just before and is in no picture yet.
             state.photo = state.left
     if state.light in snapshot.refused:
+        lost = LightRef(state.light.kind, state.light.name)
         _take_light_back(state)
+        if state.document().light != lost:
+            _let_session_keep(state, lost)
     if snapshot.light is not None and snapshot.light.source is state.light:
         state.light_wish = None
 
@@ -48,6 +52,14 @@ def _take_light_back(state: EditorState) -> None:
     state.take_light_edit(
         with_added(light.edit, state.light_edit) if light else state.light.opened_around(state.light_edit)
     )
+
+
+def _let_session_keep(state: EditorState, lost: LightRef) -> None:
+    """A session's file goes on naming the light that can't be had: saving asks before it replaces that."""
+    if state.opening is not None and state.opening.document.light == lost:
+        state.opening = replace(state.opening, path=None)
+    elif state.kept is not None and state.kept.light == lost:
+        state.session_path = None
 
 
 def give_up_what_is_on_its_way(state: EditorState) -> None:

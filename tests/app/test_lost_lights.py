@@ -1,11 +1,16 @@
 """Work under a light whose file is gone: unsaved by the next start, or in a session."""
 
+from dataclasses import replace
+
+import numpy as np
 import pytest
 from live_editor import Editor, unsaved_files
 
 from app.document.document import Document, LightRef, PhotoRef
 from app.document.session_file import write_session
+from app.engine.snapshot import OpenPhoto
 from app.engine.sources import LightSource
+from relight_core.imaging.photo import Photo
 from relight_core.lighting.light_edit import LightEdit
 from relight_core.lighting.soft_box import SoftBox
 from relight_core.pipeline.edit import Edit
@@ -89,4 +94,45 @@ def test_a_session_opens_without_its_light_and_asks_before_its_file_forgets_that
     editor.answer_question("Replace")
     assert session.read_bytes() != saved
     assert not state.is_unsaved()
+    editor.deeds.close()
+
+
+def opened_before_its_light(state):
+    photo = Photo(np.full((4, 4, 3), 0.5, np.float32), path=state.photo.path)
+    state.accept(replace(state.snapshot, opened=OpenPhoto(state.photo, photo, photo.linear.astype(np.float16))))
+
+
+@pytest.mark.parametrize("come", [opened_before_its_light, lambda state: None], ids=["photo first", "light first"])
+def test_a_session_whose_light_proves_damaged_asks_before_its_file_forgets_that(tmp_path, come):
+    photo, light, session = (tmp_path / name for name in ("me.jpg", "sky.hdr", "me.relight.json"))
+    for path in (photo, light):
+        path.write_bytes(b"begins well")
+    write_session(session, Document(PhotoRef(photo), LightRef("panorama", str(light)), edit=Edit(shadow=0.25)))
+    saved = session.read_bytes()
+    editor = Editor(None)
+    state = editor.state
+    editor.deeds._take([session])
+    come(state)
+    state.accept(replace(state.snapshot, refused=frozenset({state.light})))
+    editor.live()
+    assert (state.photo.path, state.light.name, state.edit.shadow) == (photo, "rembrandt", 0.25)
+    editor.deeds.save_session()
+    assert session.read_bytes() == saved
+    editor.answer_question("Replace")
+    assert session.read_bytes() != saved
+    editor.deeds.close()
+
+
+def test_a_session_s_light_that_can_not_be_read_again_stays_and_so_does_its_file(tmp_path):
+    photo, light, session = (tmp_path / name for name in ("me.jpg", "sky.hdr", "me.relight.json"))
+    for path in (photo, light):
+        path.write_bytes(b"begins well")
+    write_session(session, Document(PhotoRef(photo), LightRef("panorama", str(light))))
+    editor = Editor(None)
+    state = editor.state
+    editor.deeds._take([session])
+    editor.live()
+    state.open_light(LightSource("panorama", str(light)))
+    state.accept(replace(state.snapshot, refused=frozenset({state.light})))
+    assert (state.light.name, state.session_path) == (str(light), session)
     editor.deeds.close()
