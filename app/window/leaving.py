@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 from app.ui.asking import Asking, Question
 
-_KEY = "leave"
+_FILES, _WORK = "files being made", "work that is lost"
 
 
 class Leaving:
@@ -43,6 +43,7 @@ class Leaving:
             if wanted:
                 self._ask()
             return False
+        self._asking.drop(_FILES)
         # What was to be finished and was not has to be read before the window is gone.
         may = self._stops or wanted or self._failures() == self._failures_before
         self._failures_before = None
@@ -55,7 +56,7 @@ class Leaving:
     def _ask(self) -> None:
         self._failures_before = None
         choices = (("Finish first", self._finish), ("Stop it", self._stop), ("Stay open", lambda: None))
-        self._asking.ask(Question(_KEY, "Files you asked for are still being made.", choices))
+        self._asking.ask(Question(_FILES, "Files you asked for are still being made.", choices))
 
     def _finish(self) -> None:
         self._failures_before = self._failures()
@@ -65,7 +66,7 @@ class Leaving:
 
     def _ask_about_work(self) -> None:
         text = "There is unsaved work, and it can't be kept for the next start. Save the session, or it is lost."
-        self._asking.ask(Question(_KEY, text, (("Stay open", lambda: None), ("Close anyway", self._give_up))))
+        self._asking.ask(Question(_WORK, text, (("Stay open", lambda: None), ("Close anyway", self._give_up))))
 
     def _give_up(self) -> None:
         self._gives_up = True

@@ -58,6 +58,16 @@ def test_what_could_not_be_finished_is_told_before_the_window_closes(work):
     assert work.leaving.allows(wanted=True)
 
 
+def test_whoever_has_not_answered_by_the_time_it_is_made_is_asked_no_more(work):
+    work.leaving.allows(wanted=True)
+    assert not work.leaving.allows(wanted=False)
+    assert len(work.asking.questions) == 1
+    work.busy = False
+    assert not work.leaving.allows(wanted=False)
+    assert work.asking.questions == []
+    assert work.leaving.allows(wanted=True)
+
+
 def test_it_can_be_stopped_or_the_window_stay_open(work):
     work.leaving.allows(wanted=True)
     work.choose("Stay open")
