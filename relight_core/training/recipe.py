@@ -155,8 +155,8 @@ def follow(
         kept, workers, places: see `run.Run`.
 
     Raises:
-        InputError: the folder holds a run of other networks, of another seed, from other weights, or a finished
-            stage of another plan.
+        InputError: the folder holds a run of other networks, of another seed, from other weights, a finished stage of
+            another plan, or a stage that the recipe has not.
         TrainingDiverged, InputError: as `loop.train_stage`.
     """
     if start is not None:
@@ -189,7 +189,7 @@ def _keep_to_one_run(recipe: Recipe, start: Path | None, folder: Path) -> None:
     """Note what a folder's run is made from; its finished stages would be taken for those of any other.
 
     Stages of a plan of their own may follow in the same folder, as a recipe is lengthened; one that is put between
-    others makes those after it others, which have to go on from its weights.
+    others makes those after it others, which have to go on from its weights. A shortened recipe is another run.
     """
     weights = None if start is None else file_digest(start)
     begun = {"networks": json.loads(recipe.networks.to_json()), "seed": recipe.seed, "start": weights}
@@ -203,6 +203,10 @@ def _keep_to_one_run(recipe: Recipe, start: Path | None, folder: Path) -> None:
     other += [f"plan for {name}" for name, plan in plans.items() if _is_another(folder, name, plan, kept)]
     if other:
         raise InputError(f"{folder}: holds a run that began with another {other[0]}; choose another folder after -o")
+    left_out = sorted(name for name in kept.keys() - plans.keys() if is_begun(folder / f"{name}.safetensors"))
+    if left_out:
+        # Its result would become that of an earlier stage.
+        raise InputError(f"{folder}: holds {left_out[0]}, which the recipe has not; choose another folder after -o")
     with whole_file(note) as beside:
         beside.write_text(json.dumps({**begun, "stages": {**kept, **plans}}, indent=1))
 

@@ -277,6 +277,16 @@ def test_a_stage_is_not_taken_for_the_same_one_after_another(tmp_path, data):
     assert [stage for stage, _, _ in data] == ["warm-composition"]
 
 
+def test_a_finished_run_s_result_is_not_replaced_by_a_shorter_recipe_s(tmp_path, data):
+    recipe, out = replace(load_recipe(written(tmp_path, SHORT)), networks=BundleConfig.tiny()), tmp_path / "out"
+    follow(recipe, tmp_path, tmp_path, out, lambda *progress: None)
+    before = (out / "relight.safetensors").read_bytes()
+    shorter = replace(recipe, stages=recipe.stages[:2])
+    with pytest.raises(InputError, match="holds 03-warm-relight, which the recipe has not"):
+        follow(shorter, tmp_path, tmp_path, out, lambda *progress: None)
+    assert (out / "relight.safetensors").read_bytes() == before
+
+
 def test_a_stage_of_a_few_steps_keeps_what_they_taught(tmp_path, data):
     recipe = replace(load_recipe(written(tmp_path, SHORT)), networks=BundleConfig.tiny())
     start = NetworkBundle(BundleConfig.tiny())
