@@ -7,7 +7,13 @@ import json
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from app.cli.maker_inputs import check_heads_and_lights, count_at_least_one, let_idle_threads_sleep, progress
+from app.cli.maker_inputs import (
+    check_head_sizes,
+    check_heads_and_lights,
+    count_at_least_one,
+    let_idle_threads_sleep,
+    progress,
+)
 from app.cli.outputs import make_folder, write_text
 from app.cli.report import Report, reporting
 from relight_core.errors import InputError
@@ -58,6 +64,8 @@ def run_comparison(arguments: argparse.Namespace) -> int:
     learns = arguments.what == "ablation" or arguments.sun is None
     for split in (["train"] if learns else []) + [arguments.split]:
         check_heads_and_lights(arguments.heads, arguments.lights, split)
+        count = arguments.count if split == arguments.split else None
+        check_head_sizes(arguments.heads, split, [(f"evaluate {arguments.what}", size)], count)
     make_folder(arguments.output)
     budget = Budget(arguments.steps, size, arguments.pairs or _PAIRS)
     contest = Contest(

@@ -8,7 +8,7 @@ import math
 import os
 import sys
 import time
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from datetime import timedelta
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -91,6 +91,25 @@ def check_heads_and_lights(heads: Path, lights: Path, split: str) -> int:
     for path in paths:
         shard_size(path)
     return len(paths)
+
+
+def check_head_sizes(heads: Path, split: str, asked: Sequence[tuple[str, int]], count: int | None = None) -> None:
+    """Raise InputError where a split's first `count` heads, all without it, lack a size: it would be met hours later.
+
+    Args:
+        asked: who asks, and for which side of the images in pixels.
+    """
+    from relight_core.dataset.baking.shard import shard_size
+    from relight_core.dataset.recipe import load_split
+
+    for path in load_split(heads, split)[:count]:
+        whole = shard_size(path)
+        for who, size in asked:
+            if whole % size:
+                raise InputError(
+                    f"{path}: a head of {whole} pixels has no size of {size}, which {who} asks for; "
+                    "give a divisor of it, or bake heads with another --size"
+                )
 
 
 def check_output_file(path: Path, suffixes: tuple[str, ...]) -> None:

@@ -20,6 +20,7 @@ from typing import TYPE_CHECKING
 
 from app.cli.maker_inputs import (
     add_heads_and_lights,
+    check_head_sizes,
     check_heads_and_lights,
     check_output_file,
     count_at_least_one,
@@ -34,7 +35,8 @@ from relight_core.errors import InputError
 from relight_core.imaging.files import is_same_file
 
 if TYPE_CHECKING:
-    from relight_core.training.recipe import Recipe
+    from collections.abc import Iterable
+
     from relight_core.training.state import Progress
 
 _OF_A_RUN = ("size", "pairs", "seed", "residual", "decoder_residual", "uses", "window")
@@ -148,7 +150,7 @@ def _follow_recipe(arguments: argparse.Namespace) -> int:
         raise InputError(f"{result}: would be written over the weights it is made from; name another folder after -o")
     make_folder(arguments.output)
     check_heads_and_lights(arguments.heads, arguments.lights, "train")
-    _check_sizes(recipe, arguments.heads)
+    _check_sizes([(plan.name, plan.size) for plan in recipe.stages], arguments.heads)
     with progress("training", float(len(recipe.stages))) as show:
 
         def report(number: int, elapsed: float, state: Progress) -> None:
@@ -170,21 +172,13 @@ def _follow_recipe(arguments: argparse.Namespace) -> int:
     return 0
 
 
-def _check_sizes(recipe: Recipe, heads: Path) -> None:
-    """Raise InputError for a stage that the heads are too small for: the stages before it take hours."""
-    from relight_core.dataset.baking.shard import read_shard
-    from relight_core.dataset.recipe import load_split
+def _check_sizes(sizes: Iterable[tuple[str, int]], heads: Path) -> None:
+    """Raise InputError for a stage, of those and their sizes, that the heads are too small for."""
     from relight_core.training.stages import STAGES
 
-    first = load_split(heads, "train")[0]
-    whole = read_shard(first).size
-    for plan in recipe.stages:
-        # People are cut out at the heads' own size, and put into photos of any.
-        if not STAGES[plan.name].outlines and whole % plan.size:
-            raise InputError(
-                f"{first}: a head of {whole} pixels has no size of {plan.size}, which {plan.name} asks for; "
-                "give a divisor of it, or bake heads with another --size"
-            )
+    # People are cut out at the heads' own size, and put into photos of any.
+    asked = [(name, size) for name, size in sizes if not STAGES[name].outlines]
+    check_head_sizes(heads, "train", asked)
 
 
 def _train_stage(arguments: argparse.Namespace) -> int:
@@ -210,6 +204,7 @@ def _train_stage(arguments: argparse.Namespace) -> int:
         learning_rate=arguments.rate,
         **{name: value for name, value in given.items() if value is not None},
     )
+    _check_sizes([(settings.stage, settings.size)], settings.heads)
     with progress(arguments.stage, 1.0) as show:
         train(settings, lambda elapsed, state: show(elapsed, _note(state)))
     say(f"wrote {arguments.output}")

@@ -77,6 +77,7 @@ def train_words(data, **changes):
         "--heads": data / "heads",
         "--lights": data / "lights.npz",
         "--minutes": 1,
+        "--size": 32,
         "-o": data / "w.safetensors",
     } | changes
     return ["train", *(word for pair in words.items() for word in pair)]
@@ -91,6 +92,7 @@ def train_words(data, **changes):
         ({"-o": "w.pt"}, ".safetensors"),
         ({"-o": "nowhere/w.safetensors"}, "nowhere"),
         ({"--rate": "-1"}, "above 0"),
+        ({"--size": "24"}, "which warm-delight asks for"),
         ({"--start": "missing.safetensors"}, "missing.safetensors"),
         ({"--stage": "outline", "--uses": "2"}, "used once"),
     ],
@@ -209,12 +211,20 @@ def test_evaluation_refuses(run, data):
 
 @pytest.mark.parametrize("table", ["ablation", "peers"])
 def test_the_paper_s_tables_refuse_before_anything_slow(run, data, table):
-    words = ["evaluate", table, "--heads", data / "heads", "--lights", data / "lights.npz"]
+    words = ["evaluate", table, "--heads", data / "heads", "--lights", data / "lights.npz", "--size", 32]
     refused(run(*words), "-o")
     refused(run(*words, "-o", data / "tables", "--size", 48), "48", "32")
     refused(run(*words, "-o", data / "tables", "--steps", "0"), "whole number")
     refused(run(*words, "-o", data / "lights.npz"), "lights.npz")
     refused(run(*words[:2], "--heads", data / "none", *words[4:], "-o", data / "tables"), "none")
+
+
+@pytest.mark.parametrize("table", ["ablation", "peers"])
+def test_the_paper_s_tables_look_at_what_they_measure_on_before_they_train(run, data, table):
+    write_balls(data / "heads", 2_000_001, 1, size=16)
+    words = ["--heads", data / "heads", "--lights", data / "lights.npz", "--size", 32, "-o", data / "tables"]
+    refused(run("evaluate", table, *words), "head-2000001.npz", "16 pixels", f"evaluate {table} asks for")
+    assert not (data / "tables").exists()
 
 
 def test_the_paper_s_tables_are_written_whole(run, data, monkeypatch):
@@ -250,6 +260,7 @@ def test_others_weights_are_read_before_the_comparison_trains(run, data, monkeyp
     trained = []
     monkeypatch.setattr(table, "trained_sun", lambda *given: trained.append(given))
     words = ["evaluate", "peers", "--heads", data / "heads", "--lights", data / "lights.npz", "-o", data / "tables"]
+    words += ["--size", 32]
     refused(run(*words, "--dpr", data / "none.t7"), "none.t7", "not shipped")
     refused(run(*words, "--weights", data / "none.safetensors"), "none.safetensors")
     monkeypatch.setattr(variants, "trained_variants", lambda folder: {"Full": data / "gone.safetensors"})
