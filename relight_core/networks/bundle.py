@@ -31,7 +31,7 @@ FORMAT = "relight-networks-1"
 
 _CHECKSUM = "sha256"
 _MEND = "give others, or install relight again if they are its own"
-_DAMAGE = (OSError, SafetensorError, RuntimeError, KeyError, TypeError, ValueError, MemoryError, OverflowError)
+_DAMAGE = (OSError, SafetensorError, RuntimeError, TypeError, ValueError, MemoryError, OverflowError)
 
 
 @dataclass(frozen=True)
@@ -251,6 +251,9 @@ def load_bundle(path: Path) -> NetworkBundle:
             bundle.load_state_dict({name: value.float() for name, value in tensors.items()}, strict=True)
     except InputError:
         raise
+    except KeyError as error:
+        what = f"not the weights of relight's networks (their header has no {error.args[0]!r})"
+        raise InputError(f"{path}: {what}; use those that 'relight train' wrote") from error
     except _DAMAGE as error:
         reason = str(error).splitlines()[0] if str(error) else type(error).__name__
         raise InputError(f"{path}: these weights can't be read ({reason}); {_MEND}") from error

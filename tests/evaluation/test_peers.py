@@ -13,7 +13,7 @@ from relight_core.evaluation.peers.shu import Shu, transfer_by_transport
 from relight_core.evaluation.peers.sun import Sun, SunConfig, SunModel, load_sun, sun_losses
 from relight_core.lighting.reflection import ReflectionTable
 from relight_core.lighting.sphere import directions
-from relight_core.networks.bundle import save_bundle
+from relight_core.networks.bundle import BundleConfig, NetworkBundle, load_bundle, save_bundle
 
 SIZE = 32
 
@@ -139,6 +139,11 @@ class TestSun:
         one, other = (Sun(m).relight(Sun(m).look(photo), task)["composition"] for m in (model, again))
         np.testing.assert_array_equal(one, other)
         assert Sun(again).channels(Sun(again).look(photo))["guess"].shape == (16, 32, 3)
+        with pytest.raises(InputError, match=r"not the weights of relight's networks \(their header has no 'specular_"):
+            load_bundle(tmp_path / "s.safetensors")
+        save_bundle(tmp_path / "ours.safetensors", NetworkBundle(BundleConfig.tiny()))
+        with pytest.raises(InputError, match="their header has no 'sun'"):
+            load_sun(tmp_path / "ours.safetensors")
         (tmp_path / "t.safetensors").write_bytes(b"nothing")
         with pytest.raises(InputError, match=r"t\.safetensors"):
             load_sun(tmp_path / "t.safetensors")

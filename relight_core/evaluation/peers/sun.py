@@ -158,7 +158,8 @@ def load_sun(path: Path) -> SunModel:
             model.card = {_TRAINED_AT: str(int(header[_TRAINED_AT]))} if _TRAINED_AT in header else {}
             model.load_state_dict({name: file.get_tensor(name).float() for name in file.keys()})  # noqa: SIM118
     except (OSError, SafetensorError, KeyError, TypeError, ValueError, RuntimeError) as error:
-        raise InputError(f"{path}: not the weights of Sun et al.'s network ({error}); train it again") from error
+        reason = f"their header has no {error}" if isinstance(error, KeyError) else error
+        raise InputError(f"{path}: not the weights of Sun et al.'s network ({reason}); train it again") from error
     return model.eval()
 
 
