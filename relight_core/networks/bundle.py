@@ -15,7 +15,6 @@ from pathlib import Path
 
 import torch
 from safetensors import SafetensorError, safe_open
-from safetensors.torch import save
 from torch import nn
 
 from relight_core.errors import InputError
@@ -26,6 +25,7 @@ from relight_core.networks.delight import DelightConfig, DelightNetwork
 from relight_core.networks.pair import PairConfig, PairName, RelightingPair, Relights
 from relight_core.networks.person import PersonConfig, PersonNetwork
 from relight_core.networks.specular_shadow import SpecularShadowConfig, SpecularShadowNetwork
+from relight_core.networks.tensor_file import tensor_file
 
 FORMAT = "relight-networks-1"
 
@@ -221,7 +221,7 @@ def save_bundle(path: Path, bundle: NetworkBundle, *, half: bool = True) -> None
     header = {"format": FORMAT, "config": bundle.config.to_json(), _CHECKSUM: _checksum(tensors), **bundle.card}
     with whole_file(path) as beside:
         # Not its own writing to files, which reports a full disk as damage.
-        beside.write_bytes(save(tensors, metadata=header))
+        beside.write_bytes(tensor_file(tensors, header))
 
 
 def _checksum(tensors: dict[str, torch.Tensor]) -> str:

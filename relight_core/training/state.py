@@ -8,11 +8,11 @@ from pathlib import Path
 
 import torch
 from safetensors import SafetensorError, safe_open
-from safetensors.torch import save
 from torch import nn
 
 from relight_core.errors import InputError
 from relight_core.imaging.files import check_regular, whole_file
+from relight_core.networks.tensor_file import tensor_file
 from relight_core.training.optimiser import Optimiser
 
 _FORMATS, _FORMAT = "relight-training-", "relight-training-4"
@@ -70,7 +70,7 @@ class State:
             if name.startswith(_LEARNT) and not torch.isfinite(value).all():
                 raise ValueError(f"{name} is not finite: not saved")
         with whole_file(path) as beside:
-            beside.write_bytes(save(self.tensors, metadata=self.header))
+            beside.write_bytes(tensor_file(self.tensors, self.header))
 
 
 def make_state(

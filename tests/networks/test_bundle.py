@@ -32,6 +32,15 @@ def test_whole_precision_comes_back_exactly(bundle, tmp_path):
         torch.testing.assert_close(loaded.state_dict()[name], value, rtol=0, atol=0)
 
 
+def test_equal_weights_make_equal_files(bundle, tmp_path):
+    bundle.card = dict.fromkeys(("widths", "data", "steps", "scores", "licence – CC0"), "said of them")
+    files = [tmp_path / f"{number}.safetensors" for number in range(4)]
+    for path in files:
+        save_bundle(path, bundle)
+    assert len({path.read_bytes() for path in files}) == 1
+    assert load_bundle(files[0]).card == bundle.card
+
+
 def test_half_precision_comes_back_nearly(bundle, tmp_path):
     save_bundle(tmp_path / "w.safetensors", bundle)
     loaded = load_bundle(tmp_path / "w.safetensors")

@@ -1,0 +1,27 @@
+"""Tensors and words as one safetensors file: equal ones make equal files."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+
+import torch
+from safetensors.torch import save
+
+_LENGTH_BYTES = 8
+"""Of the header's own length, before it, and what that is a multiple of."""
+
+
+def tensor_file(tensors: Mapping[str, torch.Tensor], words: Mapping[str, str]) -> bytes:
+    """The file's bytes.
+
+    The library writes the words in the order of a hash table, which is another every time, and weights that differ
+    in nothing would be told apart by their digest (`imaging.files.file_digest`).
+    """
+    data = save(dict(tensors), metadata=dict(words))
+    end = _LENGTH_BYTES + int.from_bytes(data[:_LENGTH_BYTES], "little")
+    header = json.loads(data[_LENGTH_BYTES:end])
+    header["__metadata__"] = dict(sorted(header["__metadata__"].items()))
+    text = json.dumps(header, ensure_ascii=False, separators=(",", ":")).encode()
+    text += b" " * (-len(text) % _LENGTH_BYTES)
+    return b"".join([len(text).to_bytes(_LENGTH_BYTES, "little"), text, memoryview(data)[end:]])
