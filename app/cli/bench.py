@@ -290,12 +290,13 @@ def _replayed(arguments: argparse.Namespace, photos: list[Photo]) -> Iterator[tu
 def _session_pages(photos: int, plays: dict, found: dict[str, Savings], machine: dict) -> tuple[str, dict]:
     """Markdown and a JSON-ready record of what was replayed so far."""
     from relight_core.evaluation.bench_session import as_markdown
+    from relight_core.evaluation.counted import counted
 
     page, record = "", {"machine": machine, "photos": photos}
     for name, steps in plays.items():
         lights = len({light.name for light, _ in steps})
         record[name] = {"lights": lights} | found[name].as_record()
-        page += f"{name}: {photos} photos, {lights} lights\n\n{as_markdown(found[name])}\n\n"
+        page += f"{name}: {counted(photos, 'photo')}, {counted(lights, 'light')}\n\n{as_markdown(found[name])}\n\n"
     return page, record
 
 

@@ -9,6 +9,7 @@ from relight_core.evaluation.bench_accuracy import Accuracy
 from relight_core.evaluation.bench_configurations import Configuration
 from relight_core.evaluation.bench_machine import Demand, Peaks
 from relight_core.evaluation.bench_timing import ACTIONS, Spread, Timing
+from relight_core.evaluation.counted import counted
 
 _BEST, _BEATEN = "#c8842c", "#b0b0b0"
 
@@ -81,7 +82,7 @@ def as_markdown(result: BenchResult) -> str:
     machine = result.machine
     load = f", load {machine['load_average']}" if machine.get("load_average") is not None else ""
     lines = [
-        f"{machine['processor']}, {machine['threads']} threads of {machine['cores']} cores{load}; "
+        f"{machine['processor']}, {counted(machine['threads'], 'thread')} of {machine['cores']} cores{load}; "
         f"torch {machine['torch']} on {machine['device']}, {machine['system']}",
         *_start(machine),
         "",
@@ -161,7 +162,7 @@ def plot(result: BenchResult, path: Path) -> None:
         _scatter(axes, result.rows, errors)
         axes.set(xlabel="milliseconds from a turned light to the picture, median", ylabel=title)
     load = result.machine.get("load_average")
-    words = f"{result.machine['processor']}, {result.machine['threads']} threads, load {load}"
+    words = f"{result.machine['processor']}, {counted(result.machine['threads'], 'thread')}, load {load}"
     figure.suptitle(words, fontsize=9)
     figure.savefig(path, dpi=120, format="png")
     pyplot.close(figure)

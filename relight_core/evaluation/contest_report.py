@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 from relight_core.evaluation.contest import Outcome
-from relight_core.evaluation.report import heads_in_words, interval_text, intervals_in_words, known, nested
+from relight_core.evaluation.counted import counted
+from relight_core.evaluation.report import interval_text, intervals_in_words, known, nested
 
 Columns = Mapping[str, str]
 
@@ -77,8 +78,8 @@ def heading(title: str, outcome: Outcome, training: str) -> list[str]:
     return [
         f"# {title}",
         "",
-        f"{contest.split} split: {heads_in_words(outcome.heads)}, {outcome.samples} relightings under panoramas at "
-        f"{contest.size} x {contest.size} pixels, clean photos, over all of the head. {training} "
+        f"{contest.split} split: {counted(outcome.heads, 'head')}, {counted(outcome.samples, 'relighting')} "
+        f"under panoramas at {contest.size} x {contest.size} pixels, clean photos, over all of the head. {training} "
         f"{intervals_in_words(outcome.heads)}",
         "",
     ]

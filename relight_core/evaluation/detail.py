@@ -16,6 +16,7 @@ from pathlib import Path
 import cv2
 import numpy as np
 
+from relight_core.evaluation.counted import counted
 from relight_core.evaluation.detail_methods import METHODS, DetailTask
 from relight_core.evaluation.held_out import (
     HeldOutHead,
@@ -90,7 +91,7 @@ def detail_table(scores: DetailScores) -> str:
             cells = ["–" if np.isnan(errors[region]) else f"{errors[region]:.2f}" for region in REGIONS]
             lines.append(f"| {method} | {' | '.join(cells)} |")
         lines.append("")
-    return "\n".join(lines) + f"RMS in sRGB codes, {scores.pictures} relightings at {scores.size} pixels.\n"
+    return "\n".join(lines) + f"RMS in sRGB codes, {counted(scores.pictures, 'relighting')} at {scores.size} pixels.\n"
 
 
 def _means(rows: list[list[float]]) -> dict[str, float]:

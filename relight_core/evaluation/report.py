@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+from relight_core.evaluation.counted import counted
 from relight_core.evaluation.evaluate import Evaluation
 from relight_core.evaluation.metrics import Interval
 from relight_core.pipeline.quality import quality_of
@@ -85,8 +86,9 @@ def as_markdown(evaluation: Evaluation, weights: str) -> str:
     lines = [
         "# Evaluation",
         "",
-        f"{weights}; {settings.split} split: {heads_in_words(evaluation.heads)}, {evaluation.lights} panoramas, "
-        f"{evaluation.samples['panoramas']} relightings at {evaluation.size} x {evaluation.size} pixels "
+        f"{weights}; {settings.split} split: {counted(evaluation.heads, 'head')}, "
+        f"{counted(evaluation.lights, 'panorama')}, {counted(evaluation.samples['panoramas'], 'relighting')} "
+        f"at {evaluation.size} x {evaluation.size} pixels "
         f"({quality_of(settings.tier)}, networks at {settings.tier.network_size}), {settings.photos} photos, "
         f"over all of the head. {intervals_in_words(evaluation.heads)}",
         "",
@@ -111,11 +113,6 @@ Relit pictures are compared as a metered camera would show the true one; "not me
 where the light is dim. Specular and shadow are linear, for a light of mean luminance 1. "face" counts the
 paper's eight regions only; "lamps" are single small lamps at 50 to 70 degrees from the camera's axis; "true
 surface" starts from true albedo, normals and relief, and so shows the relighting networks alone."""
-
-
-def heads_in_words(count: int) -> str:
-    """How many heads were measured, as "8 heads"."""
-    return f"{count} head" if count == 1 else f"{count} heads"
 
 
 def intervals_in_words(heads: int) -> str:

@@ -12,6 +12,7 @@ import torch
 
 from relight_core.dataset.recipe import data_mark
 from relight_core.errors import InputError
+from relight_core.evaluation.counted import counted
 from relight_core.imaging.files import whole_file
 from relight_core.networks.bundle import BundleConfig, NetworkBundle, load_bundle, save_bundle
 from relight_core.training.loop import state_path
@@ -66,8 +67,8 @@ def in_words(budget: Budget) -> str:
     plans = budget.of(load_recipe(VARIANTS["Full"])).stages
     stages = ", ".join(f"{plan.steps} of {plan.name}" for plan in plans)
     return (
-        f"All networks learned from the same batches of {2 * budget.pairs} photos ({budget.pairs} pairs of lights) "
-        f"at {budget.size} pixels, from the same seed; steps: {stages}."
+        f"All networks learned from the same batches of {2 * budget.pairs} photos "
+        f"({counted(budget.pairs, 'pair')} of lights) at {budget.size} pixels, from the same seed; steps: {stages}."
     )
 
 
