@@ -127,7 +127,7 @@ def _break_down(arguments: argparse.Namespace) -> int:
             breakdown = break_down(bundle, settings, lambda done, total: show(done / total, f"{done} of {total}"))
         measured = {"weights": str(weights), "split": arguments.split, "photos": settings.photos}
         record = as_record(breakdown) | measured | {"quality": quality_of(settings.tier)}
-        _tell(report, arguments.output, as_markdown(breakdown), record)
+        _tell(report, arguments.output, as_markdown(breakdown, weights.name, settings), record)
     return 0
 
 

@@ -16,15 +16,17 @@ import numpy as np
 import torch
 
 from relight_core.evaluation.bench import Editor, TakenApart, masks_of
+from relight_core.evaluation.counted import counted
 from relight_core.evaluation.evaluate import HeldOut, Settings
 from relight_core.evaluation.held_out import Case, HeldOutHead, HeldOutLight, Photos
 from relight_core.evaluation.metrics import Interval, interval_over_heads
-from relight_core.evaluation.report import known
+from relight_core.evaluation.report import intervals_in_words, known
 from relight_core.evaluation.scoring import Figures, best_gain, score_relit
 from relight_core.evaluation.true_surface import true_surface
 from relight_core.face.parsing import FACE_LABELS, INDEX
 from relight_core.lighting.reflection import ReflectionTable
 from relight_core.networks.bundle import NetworkBundle
+from relight_core.pipeline.quality import quality_of
 from relight_core.pipeline.stages import Surface
 
 _MEASURES = ("relit.psnr", "relit.psnr_aligned")
@@ -166,11 +168,17 @@ def as_record(breakdown: Breakdown) -> dict:
     return {"rows": rows, "samples": breakdown.samples, "heads": breakdown.heads}
 
 
-def as_markdown(breakdown: Breakdown) -> str:
-    """A table: what each part brings when it is told, in dB of the relit picture."""
+def as_markdown(breakdown: Breakdown, weights: str, settings: Settings) -> str:
+    """What was measured, and a table: what each part brings when it is told, in dB of the relit picture."""
     groups = list(breakdown.samples)
+    what = (
+        f"{weights}; {settings.split} split: {counted(breakdown.heads, 'head')} ({quality_of(settings.tier)}, "
+        f"networks at {settings.tier.network_size}), {settings.photos} photos. The first row is the relit picture's "
+        f"PSNR, the others are what they add to it. {intervals_in_words(breakdown.heads)}"
+    )
     titles = [f"{group} ({breakdown.samples[group]}), {how}" for group in groups for how in ("dB", "one exposure")]
-    lines = ["| de-lighting is told | " + " | ".join(titles) + " |", "|---" * (len(titles) + 1) + "|"]
+    lines = ["# Where the error comes from", "", what, ""]
+    lines += ["| de-lighting is told | " + " | ".join(titles) + " |", "|---" * (len(titles) + 1) + "|"]
     for row, figures in breakdown.figures.items():
         cells = [_cell(row, figures[group], name) for group in groups for name in _MEASURES]
         lines.append(f"| {row} | " + " | ".join(cells) + " |")

@@ -3,6 +3,7 @@
 import json
 import math
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -12,7 +13,7 @@ from synthetic_heads import write_balls, write_lights
 from relight_core.evaluation.breakdown import ROWS, as_markdown, as_record, break_down
 from relight_core.evaluation.evaluate import Settings, evaluate
 from relight_core.networks.bundle import BundleConfig, NetworkBundle
-from relight_core.pipeline.quality import Tier
+from relight_core.pipeline.quality import Tier, tier_of
 from relight_core.pipeline.stages import Surface
 
 SKIN, NECK = 1, 9
@@ -111,12 +112,15 @@ def test_the_sum_of_true_channels_is_nearly_the_true_picture(breakdown):
     assert truth["relit.psnr"].mean > 30
 
 
-def test_record_and_table_say_the_same(breakdown):
+def test_record_and_table_say_the_same(breakdown, settings):
     """One head gives no interval, which JSON has no number for."""
     record = json.loads(json.dumps(as_record(breakdown), allow_nan=False))
     assert record["samples"] == {"panoramas": 3, "face": 3, "lamps": 4}
-    table = as_markdown(breakdown)
+    table = as_markdown(breakdown, "tiny.safetensors", replace(settings, tier=tier_of("draft")))
     gain = record["rows"]["all normals"]["lamps"]["psnr_gain"]
     line = next(line for line in table.splitlines() if line.startswith("| all normals"))
     assert math.isclose(float(re.findall(r"[+-]\d+\.\d\d", line)[4]), gain, abs_tol=0.006)
-    assert len(table.splitlines()) == 2 + len(record["rows"])
+    what, rows = table.splitlines()[2], [line for line in table.splitlines() if line.startswith("|")]
+    assert what.startswith("tiny.safetensors; test split: 1 head (draft, networks at 128), clean photos.")
+    assert "One head alone gives no intervals." in what
+    assert len(rows) == 2 + len(record["rows"])
