@@ -110,7 +110,9 @@ def _peers(arguments: argparse.Namespace, budget: Budget, contest: Contest, repo
         training = in_words(budget)
     if given is not None:
         # A file may be called as a variant of the folder is, and both take part.
-        networks[arguments.weights.name if arguments.weights.stem in networks else arguments.weights.stem] = given
+        name = arguments.weights.name if arguments.weights.stem in networks else arguments.weights.stem
+        networks[name] = given
+        training += f" {name} was trained elsewhere."
     everybody = contenders(networks, sun, dpr)
     with progress("relighting", 1.0) as show:
         outcome = hold(everybody, contest, show)

@@ -249,6 +249,7 @@ def test_the_paper_s_tables_are_written_whole(run, data, monkeypatch):
     assert code == 0
     record = json.loads(out)
     assert record == json.loads((data / "tables" / "peers.json").read_text())
+    assert record["training"].endswith(" tiny was trained elsewhere.")
     assert list(record["rows"]) == ["Shih et al. 2014", "Shu et al. 2017", "Sun et al. 2019", "DL-RL", "Full", "tiny"]
     assert "Shu et al. 2017 (given the truth)" in (data / "tables" / "peers.md").read_text()
 
