@@ -50,6 +50,14 @@ def test_where_the_photo_is_black_skin_has_the_colour_of_the_rest():
     assert red == pytest.approx([0, 0], abs=0.02)
 
 
+def test_plain_skin_keeps_its_colour_beside_a_red_collar_that_is_half_taken_for_a_neck():
+    surface, skin = face()
+    surface.albedo[..., 20:, :] = torch.tensor((0.5, 0.05, 0.1))[:, None, None]
+    skin[..., 20:, :] = 0.5
+    beside = ratios(in_one_colour(surface, skin).albedo, row=19)
+    assert beside == pytest.approx([0, 0], abs=0.02)
+
+
 def test_luminance_stays():
     surface, skin = face((0.35, 0.25, 0.4), 0.03)
     weights = torch.tensor([0.2126, 0.7152, 0.0722])[None, :, None, None]

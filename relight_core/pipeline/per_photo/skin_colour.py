@@ -43,8 +43,8 @@ def in_one_colour(surface: Surface, skin: torch.Tensor) -> Surface:
 
     Colour is measured as log ratios of channels, smoothed over some hundredths of the view, so that moles, beards
     and make-up keep theirs; in deep shadow, where each of them is of that light, pixel by pixel. What lies further
-    from the skin's median than flush and tan explain is taken back to that distance, and what the photo is too dark
-    to tell to the median; luminance stays, and so does paint.
+    from the skin's median than flush and tan explain is taken back to that distance, no pixel of it past the median,
+    and what the photo is too dark to tell to the median; luminance stays, and so does paint.
 
     Args:
         skin: (1, 1, S, S) probability of bare skin.
@@ -56,10 +56,12 @@ def in_one_colour(surface: Surface, skin: torch.Tensor) -> Surface:
     ratios = log_albedo - log_albedo[:, 1:2]
     middle = torch.stack([channel[known[0, 0]].median() for channel in local_means(ratios, skin)[0]])
     middle = middle[None, :, None, None]
-    skin = skin * ~painted(ratios - middle, surface.photo, skin)
-    colour = local_means(ratios, skin)
-    excess = torch.lerp(_unnatural(colour - middle), _unnatural(ratios - middle), deep_shadow(surface.photo, skin))
-    excess = torch.lerp(excess, ratios - middle, ramp(grey(surface.photo), *NO_COLOUR))
+    off = ratios - middle
+    skin = skin * ~painted(off, surface.photo, skin)
+    # Beside a red collar that the parsing takes for a neck, skin has its own colour and would turn green.
+    around = torch.minimum(_unnatural(local_means(ratios, skin) - middle), off.clamp_min(0)).maximum(off.clamp_max(0))
+    excess = torch.lerp(around, _unnatural(off), deep_shadow(surface.photo, skin))
+    excess = torch.lerp(excess, off, ramp(grey(surface.photo), *NO_COLOUR))
     evened = as_bright_as(surface.albedo * torch.exp(-excess * skin), surface.albedo)
     return replace(surface, albedo=evened.clamp(0, 1))
 
