@@ -21,13 +21,12 @@ from relight_core.evaluation.true_surface import true_surface
 from relight_core.face.parsing import FACE_LABELS
 from relight_core.imaging.resampling import resize_area
 from relight_core.imaging.view_of_photo import ViewOfPhoto
-from relight_core.lighting.horizon import Horizon
 from relight_core.lighting.reflection import ReflectionTable
 from relight_core.lighting.relief import ReliefTransport
 from relight_core.networks.bundle import NetworkBundle
 from relight_core.pipeline import stages
 from relight_core.pipeline.model import light_surface
-from relight_core.pipeline.per_light.hard_shadow import horizon_of
+from relight_core.pipeline.per_light.hard_shadow import LampsView, ready_for_lamps
 from relight_core.pipeline.per_light.hints import Effects
 from relight_core.pipeline.per_light.residual import Residual, add_residual, find_residual
 from relight_core.pipeline.per_photo.albedo import flatten_albedo
@@ -71,7 +70,7 @@ class TakenApart:
     """What was seen, made ready for any light."""
 
     seen: Seen
-    horizon: Horizon
+    lamps_view: LampsView
     residual: Residual
 
     @cached_property
@@ -123,7 +122,7 @@ class Editor:
         surface, light = seen.surface, seen.light
         compose = lambda own: self.light(surface, seen.reflector, seen.relief, own)[2]  # noqa: E731
         residual = find_residual(surface, surface.photo, light, compose)
-        return TakenApart(seen, horizon_of(surface), residual)
+        return TakenApart(seen, ready_for_lamps(surface), residual)
 
     def light(
         self, surface: stages.Surface, reflector: stages.Reflector, relief: ReliefTransport, light: torch.Tensor
@@ -139,7 +138,7 @@ class Editor:
     def relight(self, found: TakenApart, target: HeldOutLight) -> dict[str, np.ndarray]:
         """The channels "specular", "shadow" and "composition" at the photo's size."""
         light, seen = torch.from_numpy(target.radiance)[None].to(self.device), found.seen
-        how = {"relief": seen.relief, "horizon": found.horizon, "lamps": target.small_lamps}
+        how = {"relief": seen.relief, "lamps_view": found.lamps_view, "lamps": target.small_lamps}
         reflected, effects, composed = light_surface(
             self.bundle, seen.reflector, seen.surface, light=light, **how, **self._how()
         )

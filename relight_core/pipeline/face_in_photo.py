@@ -23,7 +23,7 @@ from relight_core.pipeline.results.channels import as_tensor
 
 _KNOWN_ALONE = (
     *("view", "seen_view", "network_view", "delight", "outline", "wider_outline"),
-    *("normals", "relief", "source_light", "begun", "horizon", "edges"),
+    *("normals", "relief", "source_light", "begun", "lamps_view", "edges"),
 )
 """Stages that read nothing of the photo's other faces."""
 

@@ -14,7 +14,7 @@ from relight_core.lighting.lamps import Lamp
 from relight_core.pipeline import stages
 from relight_core.pipeline.edit import Edit
 from relight_core.pipeline.face_in_photo import FaceInPhoto
-from relight_core.pipeline.per_light.hard_shadow import harden_shadow, horizon_of
+from relight_core.pipeline.per_light.hard_shadow import harden_shadow, ready_for_lamps
 from relight_core.pipeline.per_light.hints import Effects
 from relight_core.pipeline.per_light.kept_lights import ServingLight
 from relight_core.pipeline.per_light.residual import add_residual
@@ -146,12 +146,12 @@ class FaceRelighter(FaceInPhoto):
         """The effects with the edges of small lamps' shadows."""
         roll_deg = self.portrait.view.roll_deg
         relief = self._relief(ready)
-        horizon = self._once("horizon", ready.tier.surface_key, lambda: horizon_of(ready.found))
+        view = self._once("lamps_view", ready.tier.surface_key, lambda: ready_for_lamps(ready.found))
         reflect = partial(stages.reflect, self._reflector(ready))
         return self.cache.run(
             "hard_shadow",
             plan.keys["hard_shadow"],
-            lambda: harden_shadow(effects, ready.surface, reflected, light, relief, horizon, lamps, reflect, roll_deg),
+            lambda: harden_shadow(effects, ready.surface, reflected, light, relief, view, lamps, reflect, roll_deg),
             "new light",
             keep=KEPT_LIGHTS,
         )

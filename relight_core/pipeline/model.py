@@ -7,13 +7,12 @@ from functools import partial
 
 import torch
 
-from relight_core.lighting.horizon import Horizon
 from relight_core.lighting.lamps import Lamp
 from relight_core.lighting.relief import ReliefTransport
 from relight_core.networks.bundle import NetworkBundle
 from relight_core.networks.pair import PairName
 from relight_core.pipeline import stages
-from relight_core.pipeline.per_light.hard_shadow import harden_shadow
+from relight_core.pipeline.per_light.hard_shadow import LampsView, harden_shadow
 from relight_core.pipeline.per_light.hints import Effects
 
 
@@ -28,7 +27,7 @@ def light_surface(
     corrected: bool,
     precision: str,
     pair: PairName,
-    horizon: Horizon | None = None,
+    lamps_view: LampsView | None = None,
     lamps: Sequence[Lamp] = (),
 ) -> tuple[torch.Tensor, Effects, stages.Composed]:
     """Irradiance and gloss, effects and image at the networks' size of a normalised light (1, 16, 32, 3).
@@ -36,7 +35,7 @@ def light_surface(
     Args:
         reflector: of the surface.
         by_network, corrected, precision, pair: as in `stages.estimate_effects` and `stages.compose`.
-        horizon: of the surface's relief, and
+        lamps_view: of the surface, and
         lamps: the light's small ones, whose shadows get edges; both or neither.
     """
     device = str(light.device)
@@ -44,9 +43,9 @@ def light_surface(
     effects = stages.estimate_effects(
         bundle, surface, reflected, relief, light, device, by_network=by_network, precision=precision, pair=pair
     )
-    if relief is not None and horizon is not None:
+    if relief is not None and lamps_view is not None:
         effects = harden_shadow(
-            effects, surface, reflected, light, relief, horizon, lamps, partial(stages.reflect, reflector)
+            effects, surface, reflected, light, relief, lamps_view, lamps, partial(stages.reflect, reflector)
         )
     composed = stages.compose(
         bundle, surface, reflected, effects, light, device, corrected=corrected, precision=precision, pair=pair

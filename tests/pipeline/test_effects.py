@@ -44,6 +44,14 @@ def test_effects_are_not_negative_and_no_larger_than_the_light(scene):
     assert (effects.shadow <= grey(albedo * reflected[:, :3] + reflected[:, 3:]) + 1e-5).all()
 
 
+@pytest.mark.parametrize("gain", GAINS)
+def test_no_depth_of_shadow_takes_away_what_is_thrown_back_into_it(scene, gain):
+    albedo, reflected, effects = scene
+    back = torch.rand(1, 3, 12, 12)
+    with_it = explicit_sum(albedo, reflected, replace(effects, thrown_back=back), 1.0, gain)
+    torch.testing.assert_close(with_it, explicit_sum(albedo, reflected, effects, 1.0, gain) + back)
+
+
 def test_without_occlusion_there_is_no_shadow_and_all_of_the_gloss(scene):
     albedo, reflected, _ = scene
     never = torch.full((1, 1, 12, 12), -50.0)

@@ -6,7 +6,7 @@ import torch
 
 from relight_core.lighting.lamps import Lamp
 from relight_core.lighting.relief import march_relief
-from relight_core.pipeline.per_light.hard_shadow import harden_shadow, horizon_of
+from relight_core.pipeline.per_light.hard_shadow import harden_shadow, ready_for_lamps
 from relight_core.pipeline.per_light.hints import Effects, hidden_share
 from relight_core.pipeline.stages import Surface
 
@@ -26,6 +26,13 @@ def surface(label):
     return Surface(grey, grey, normal, relief, parsing, torch.ones_like(relief), torch.ones(1, 16, 32, 3))
 
 
+def flanked():
+    """The same wall and bar of skin, the bar with a flank that looks at the lamp and at the wall before it."""
+    found = surface(SKIN)
+    found.normal[..., 32:36] = torch.tensor((SIDE[0], 0.0, SIDE[2]))[:, None, None]
+    return found
+
+
 def reflected(irradiance=2.0, gloss=0.1):
     return torch.cat([torch.full((1, 3, SIZE, SIZE), irradiance), torch.full((1, 3, SIZE, SIZE), gloss)], 1)
 
@@ -37,15 +44,15 @@ def side_light():
     return light
 
 
-def hardened(effects, lamps, irradiance=None, light=None, label=SKIN, given=None, roll_deg=0.0):
-    found = surface(label)
+def hardened(effects, lamps, irradiance=None, light=None, label=SKIN, given=None, roll_deg=0.0, found=None):
+    found = surface(label) if found is None else found
     coarse = found.relief[0, 0, ::2, ::2], found.normal[0, :, ::2, ::2], torch.ones(SIZE // 2, SIZE // 2)
     reflection = reflected() if irradiance is None else irradiance
     light = side_light() if light is None else light
-    relief, horizon = march_relief(*coarse), horizon_of(found)
+    relief, view = march_relief(*coarse), ready_for_lamps(found)
     given = torch.cat([torch.full((1, 3, 1, 1), part) for part in given or given_by(lamps)], 1)
     of_lamps = lambda lit: torch.minimum(given, reflection)  # noqa: E731
-    return harden_shadow(effects, found, reflection, light, relief, horizon, lamps, of_lamps, roll_deg)
+    return harden_shadow(effects, found, reflection, light, relief, view, lamps, of_lamps, roll_deg)
 
 
 def given_by(lamps):
@@ -108,11 +115,25 @@ def test_less_hardness_and_less_light_change_less():
 def test_effects_stay_physical(toward, light):
     zero = torch.zeros(1, 1, SIZE, SIZE)
     for effects in (half_shadow(), Effects(zero, zero)):
-        after = hardened(effects, [lamp(toward=toward), lamp(radius_deg=3.0)], light)
-        for channel in (after.specular, after.shadow):
+        after = hardened(effects, [lamp(toward=toward), lamp(radius_deg=3.0)], light, found=flanked())
+        for channel in (after.specular, after.shadow, after.thrown_back):
             assert torch.isfinite(channel).all()
             assert channel.min() >= 0
+        assert (after.thrown_back <= 0.5 * 0.5 * light[:, :1] + 1e-6).all()
         assert (after.shadow <= 0.5 * light[:, :1] + light[:, 3:4] + 1e-3).all()
+
+
+def test_a_lit_flank_of_skin_lights_the_wall_beside_it():
+    lit, soft = (hardened(half_shadow(), [lamp(hardness=hard)], found=flanked()).thrown_back for hard in (1.0, 0.0))
+    assert lit[..., 8:56, 37:42].min() > 1e-3
+    assert soft.max() == 0
+
+
+def test_the_more_the_network_takes_for_hidden_the_less_is_thrown_back():
+    one = torch.ones(1, 1, SIZE, SIZE)
+    nearly_all = Effects(0 * one, (0.95 * 0.5 * 2.0 + 0.1) * one)
+    less, more = (hardened(effects, [lamp()], found=flanked()).thrown_back for effects in (nearly_all, half_shadow()))
+    assert 0 < less.max() < 0.7 * more.max()
 
 
 def test_where_the_network_sees_no_shadow_there_is_none():

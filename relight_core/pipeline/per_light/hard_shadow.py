@@ -4,8 +4,9 @@ The SS network sees a light in texels of 11 degrees and a relief marched as coar
 what it says of a sun's shadow is right in the large, pale and soft at the edge. It knows whether there is a
 shadow, geometry knows where a shadow ends. So where a light has small lamps and the network sees their shadow, the
 same relief is asked again, finely and for exactly their direction and size, and its answer takes the place of the
-network's. What is left there of the rest of the light is the small difference of two large numbers, all light and
-the hidden part of it; the less that is, the more the relief's word counts for it, too.
+network's, with the light that lit skin throws into it (see `skin_bounce`). What is left there of the rest of the
+light is the small difference of two large numbers, all light and the hidden part of it; the less that is, the more
+the relief's word counts for it, too.
 """
 
 from __future__ import annotations
@@ -16,6 +17,7 @@ from dataclasses import dataclass, replace
 import torch
 
 from relight_core.imaging.tensor_colour import grey
+from relight_core.lighting.bounce import Bounce
 from relight_core.lighting.horizon import Horizon
 from relight_core.lighting.lamps import Lamp, footprint
 from relight_core.lighting.reflection import specular_lobe
@@ -28,6 +30,7 @@ from relight_core.pipeline.per_light.hints import (
     smooth_gloss,
     with_hidden_share,
 )
+from relight_core.pipeline.per_light.skin_bounce import skin_bounce, thrown_back
 from relight_core.pipeline.stages import Surface
 
 _SURE = 0.5
@@ -40,9 +43,23 @@ _GRAZING = 0.01
 """Texels of 11 degrees give some of a lamp's light to what just faces away from it."""
 
 
-def horizon_of(surface: Surface) -> Horizon:
-    """A surface's relief, ready to be asked for the shadows of small lamps."""
-    return Horizon(surface.relief[0, 0].cpu().numpy(), surface.person[0, 0].cpu().numpy() > 0.5)
+@dataclass(frozen=True, eq=False)
+class LampsView:
+    """A surface made ready for small lamps.
+
+    Attributes:
+        horizon: of its relief.
+        bounce: from it to its skin.
+    """
+
+    horizon: Horizon
+    bounce: Bounce
+
+
+def ready_for_lamps(surface: Surface) -> LampsView:
+    """Make a surface ready to be asked for the shadows of small lamps, whatever its albedo."""
+    relief, covered = surface.relief[0, 0].cpu().numpy(), surface.person[0, 0].cpu().numpy() > 0.5
+    return LampsView(Horizon(relief, covered), skin_bounce(surface))
 
 
 @torch.inference_mode()
@@ -52,7 +69,7 @@ def harden_shadow(
     reflected: torch.Tensor,
     light: torch.Tensor,
     transport: ReliefTransport,
-    horizon: Horizon,
+    view: LampsView,
     lamps: Sequence[Lamp],
     reflect: Callable[[torch.Tensor], torch.Tensor],
     roll_deg: float = 0.0,
@@ -63,6 +80,7 @@ def harden_shadow(
         effects, reflected: as of `hints.explicit_sum`.
         light: (1, 16, 32, 3) that they are the effects of.
         transport: the relief as they were made with.
+        view: of the surface, ready for lamps.
         lamps: of the light, in the camera space of the photo.
         reflect: gives `reflected` of a light. What a lamp gives is what its texels give, and not what its cosine
             says: where light grazes the surface, texels of 11 degrees give it less or more than that.
@@ -74,7 +92,7 @@ def harden_shadow(
     power = [torch.from_numpy(footprint(lamp, roll_deg)) for lamp in lamps]
     lamps = [lamp.rolled(roll_deg) for lamp in lamps]
     rest = _without(light, lamps, power)
-    reach = _reach(surface, rest, transport, horizon, lamps, power)
+    reach = _reach(surface, rest, transport, view.horizon, lamps, power)
     of_lamps = reflect(light - rest)
     parts = _parts(_irradiance(lamps, surface), grey(reflected[:, :3]), grey(of_lamps[:, :3]))
     gloss_parts = _parts(_gloss(lamps, surface), gloss, grey(of_lamps[:, 3:]))
@@ -84,7 +102,9 @@ def harden_shadow(
     specular = (effects.specular - gloss * (duller - dull)).clamp_min(0)
     lost = [torch.lerp(*of_lamp) for of_lamp in zip(reach.lost, reach.lost_finely, reach.decides, strict=True)]
     by_relief, gloss_by_relief = (_lost(of_lamps, lost, reach) for of_lamps in (parts, gloss_parts))
-    edged = replace(effects, specular=specular, by_relief=by_relief, gloss_by_relief=gloss_by_relief)
+    radiance = surface.albedo * of_lamps[:, :3] * _share_seen(lamps, parts, reach, hidden)
+    back = thrown_back(view.bounce, radiance, surface.albedo)
+    edged = replace(effects, specular=specular, by_relief=by_relief, gloss_by_relief=gloss_by_relief, thrown_back=back)
     return with_hidden_share(edged, hidden, diffuse, gloss)
 
 
@@ -133,6 +153,20 @@ def _reach(
 def _lost(parts: Sequence[torch.Tensor], lost: Sequence[torch.Tensor], reach: _Reach) -> torch.Tensor:
     """Share of a light that the relief hides, (1, 1, S, S), of the `parts` of its lamps and what is `lost` of each."""
     return sum(part * share for part, share in zip(parts, lost, strict=True)) + _rest(parts) * reach.lost_rest
+
+
+def _share_seen(
+    lamps: Sequence[Lamp], parts: Sequence[torch.Tensor], reach: _Reach, hidden: torch.Tensor
+) -> torch.Tensor:
+    """How much of the lamps' light arrives, as far as geometry has a say in it, (1, 1, S, S) in [0, 1].
+
+    Args:
+        hidden: the share of all light that is hidden, which may be more than the relief knows of.
+    """
+    by_relief = sum(
+        lamp.hardness * part * (1 - lost) for lamp, part, lost in zip(lamps, parts, reach.lost_finely, strict=True)
+    )
+    return torch.minimum(by_relief, 1 - hidden) / sum(parts).clamp_min(_NO_GLOSS)
 
 
 def _rest(parts: Sequence[torch.Tensor]) -> torch.Tensor:

@@ -88,6 +88,8 @@ class Effects:
             asked.
         gloss_by_relief: the same of the gloss, of which a lamp may give more than of the rest; None where it is as
             much.
+        thrown_back: (B, 3, H, W) >= 0 light of small lamps that comes by way of other skin (see `skin_bounce`); None
+            where the shadow knows of it, as the network's does.
     """
 
     specular: torch.Tensor
@@ -95,6 +97,7 @@ class Effects:
     colour_odds: torch.Tensor | None = None
     by_relief: torch.Tensor | None = None
     gloss_by_relief: torch.Tensor | None = None
+    thrown_back: torch.Tensor | None = None
 
 
 def effects_of(occlusion: Occlusion, reflected: torch.Tensor, albedo: torch.Tensor) -> Effects:
@@ -185,7 +188,10 @@ def explicit_sum(
 def explicit_parts(
     albedo: torch.Tensor, reflected: torch.Tensor, effects: Effects, shadow_gain: float = 1.0
 ) -> tuple[torch.Tensor, torch.Tensor]:
-    """The parts of `explicit_sum`, (B, 3, H, W) >= 0 each: what is matt, and gloss at a gain of 1."""
+    """The parts of `explicit_sum`, (B, 3, H, W) >= 0 each: what is matt, and gloss at a gain of 1.
+
+    No depth of shadow takes away what is thrown back into it.
+    """
     diffuse = albedo * reflected[:, :3]
     gloss = grey(reflected[:, 3:])
     fraction = hidden_share(effects, grey(diffuse), gloss)
@@ -193,7 +199,8 @@ def explicit_parts(
         fraction = hidden_by_colour(fraction, effects.colour_odds, diffuse)
     colour = reflected[:, 3:] / gloss.clamp_min(1e-6)
     left = 1 - shadow_gain * fraction if shadow_gain <= 1 else (1 - fraction) ** shadow_gain
-    return diffuse * left, effects.specular * colour
+    matt = diffuse * left
+    return matt if effects.thrown_back is None else matt + effects.thrown_back, effects.specular * colour
 
 
 def hidden_by_colour(hidden: torch.Tensor, colour_odds: torch.Tensor, diffuse: torch.Tensor) -> torch.Tensor:
