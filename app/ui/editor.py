@@ -10,6 +10,7 @@ from imgui_bundle import imgui
 from app.ui import dividers, file_picker, grips, theme, widgets
 from app.ui.actions import help_overlay, palette, shortcuts
 from app.ui.layout import Layout, Rect, arrange
+from app.ui.light_list import Shelf
 from app.ui.panels import effects_panel, filmstrip, light_panel, scope_panel, status_line, toolbar
 from app.ui.pictures import Pictures
 from app.ui.state import EditorState
@@ -27,7 +28,7 @@ _FLAGS = (
 )
 
 
-def draw(state: EditorState, fonts: theme.Fonts, pictures: Pictures, shelf: light_panel.Shelf) -> None:
+def draw(state: EditorState, fonts: theme.Fonts, pictures: Pictures, shelf: Shelf) -> None:
     """Draw every panel; between new_frame and render."""
     io = imgui.get_io()
     state.hand_on_control = False
@@ -56,13 +57,11 @@ def draw(state: EditorState, fonts: theme.Fonts, pictures: Pictures, shelf: ligh
     file_picker.draw(state, fonts)
     whole = Rect(0.0, 0.0, io.display_size.x, io.display_size.y)
     help_overlay.draw(state, fonts, whole)
-    palette.draw(state, whole)
+    palette.draw(state, shelf, whole)
     widgets.forget_lost_typing(state)
 
 
-def _sides(
-    state: EditorState, fonts: theme.Fonts, pictures: Pictures, shelf: light_panel.Shelf, layout: Layout
-) -> None:
+def _sides(state: EditorState, fonts: theme.Fonts, pictures: Pictures, shelf: Shelf, layout: Layout) -> None:
     if layout.light:
         with _panel("light", layout.light):
             light_panel.draw(state, fonts, pictures, shelf)

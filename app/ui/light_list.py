@@ -1,11 +1,38 @@
-"""The list of lights beyond the bundled ones."""
+"""The lights to choose from: those that were used, the photo's own, and the bundled ones."""
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
-from dataclasses import replace
+from collections.abc import Callable, Collection, Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 from app.engine.sources import LightSource
+
+if TYPE_CHECKING:
+    from app.ui.state import EditorState
+
+_FROM_FILE = {"panorama": "A panorama you used.", "portrait": "The light of a portrait you used."}
+_OWN = "The photo's own light, as estimated from the face."
+
+
+@dataclass(frozen=True)
+class Shelf:
+    """The bundled lights as the window shows them.
+
+    Attributes:
+        names: in the order of the list.
+        words: title and description of one; the description is empty until it has been read.
+    """
+
+    names: tuple[str, ...]
+    words: Callable[[str], tuple[str, str]]
+
+
+def lights_to_choose(state: EditorState, shelf: Shelf) -> list[tuple[LightSource, str]]:
+    """Every light that can be chosen now, with a sentence on each."""
+    used = [(light, _FROM_FILE[light.kind]) for light in state.extra_lights]
+    own = [(LightSource("own"), _OWN)] if state.snapshot.opened else []
+    return [*used, *own, *((LightSource("rig", name), shelf.words(name)[1]) for name in shelf.names)]
 
 
 def wish_again(

@@ -17,7 +17,7 @@ from app.engine.exporting import Exporter
 from app.engine.light_shelf import LightShelf
 from app.engine.sources import LightSource, RelighterLike, Request
 from app.ui import editor, theme
-from app.ui.panels.light_panel import Shelf
+from app.ui.light_list import Shelf
 from app.ui.state import EditorState
 from app.window.deeds import Deeds
 from app.window.dropped import take_files

@@ -7,9 +7,12 @@ import numpy as np
 import pytest
 
 from app.engine.snapshot import OpenPhoto, Snapshot
+from app.engine.sources import LightSource
 from app.ui.actions.action import Action, Chord, matching, parse_chord
 from app.ui.actions.action_table import ACTIONS, GESTURES
 from app.ui.actions.help_overlay import groups
+from app.ui.actions.light_actions import light_actions
+from app.ui.light_list import Shelf
 from app.ui.state import EditorState
 from relight_core.face.find import FaceBox
 from relight_core.imaging.photo import Photo
@@ -106,6 +109,20 @@ def test_the_palette_finds_common_wishes():
     assert found.pop("exp").startswith("Export")
     assert found.pop("png") == "Export the picture"
     assert found == {"albedo": "Show albedo", "fit": "Fit the picture", "reset": "Reset all"}
+
+
+def test_the_palette_finds_bundled_lights_and_those_used_last_by_name():
+    state = EditorState(extra_lights=[LightSource("panorama", "/lights/old-hall.hdr")])
+    shelf = Shelf(("neon", "ring"), lambda name: (name, "Two gelled tubes." if name == "neon" else ""))
+    lights = light_actions(state, shelf)
+    neon, used = (matching((*ACTIONS, *lights), typed)[0] for typed in ("neon", "old-h"))
+    assert (neon.name, neon.help, neon.label, used.name) == ("Light: Neon", "Two gelled tubes", "", "Light: old-hall")
+    assert not neon.is_on(state)
+    neon.run(state)
+    assert (state.light.kind, state.light.name) == ("rig", "neon")
+    assert neon.is_on(state)
+    used.run(state)
+    assert state.light is state.extra_lights[0]
 
 
 def test_the_overview_shows_every_action_and_gesture():

@@ -26,6 +26,13 @@ def test_the_palette_finds_and_runs_a_command_with_the_keyboard_alone(opened):
     assert opened.window.state.shown == "normal"
 
 
+def test_the_palette_finds_a_bundled_light(opened):
+    opened.key(glfw.KEY_P, ctrl=True)
+    opened.type("neon")
+    opened.key(glfw.KEY_ENTER)
+    assert opened.window.state.light.name == "neon"
+
+
 def test_typing_in_the_palette_triggers_no_shortcut_and_escape_closes_it(opened):
     calls = opened.window.state.edit
     opened.key(glfw.KEY_P, ctrl=True)

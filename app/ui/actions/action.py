@@ -1,7 +1,7 @@
 """What an action is: something the user can do, under a name, a key and one plain sentence.
 
 Every action stands once, in the table of app/ui/actions/action_table.py. The keys, the overlay that `?` opens and the
-command palette all read that table and nothing else. To add actions:
+command palette all read that table; the palette lists the lights beside it (light_actions.py). To add actions:
 
 1. In a module of your own, make a tuple of `Action`. `run` gets the `EditorState` and changes only it; what
    needs the window or a file sets a wish in the state, which the window carries out after the frame.
@@ -62,7 +62,7 @@ class Action:
     Attributes:
         name: a few words, unique, starting with what is done: "Fit the picture".
         group: the heading it stands under in the overlay.
-        keys: chords as text, "Ctrl+Shift+Z"; the first is the one shown. Every action has at least one.
+        keys: chords as text, "Ctrl+Shift+Z"; the first is the one shown. Every action of the table has at least one.
         help: one plain sentence without a full stop.
         run: does it. Of a held action, called when the key goes down.
         let_go: of a held action, called when the key comes up; the palette does not list such an action.
@@ -88,8 +88,8 @@ class Action:
 
     @property
     def label(self) -> str:
-        """The first key, as a person reads it."""
-        return self.chords[0].label
+        """The first key, as a person reads it; empty where there is none."""
+        return self.chords[0].label if self.keys else ""
 
 
 @dataclass(frozen=True)

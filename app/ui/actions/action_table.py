@@ -34,7 +34,13 @@ def _close(state: EditorState) -> None:
 
 
 PROGRAM = (
-    Action("Find a command", _PROGRAM, ("Ctrl+P",), "Type a few letters of what you want to do", _switch_palette),
+    Action(
+        "Find a command",
+        _PROGRAM,
+        ("Ctrl+P",),
+        "Type a few letters of what you want to do, or of a light",
+        _switch_palette,
+    ),
     Action("Show all keys", _PROGRAM, ("?", "F1"), "This overview", _switch_help),
     Action("Close or put away", _PROGRAM, ("Escape",), "Closes what is open, or the message below", _close),
 )

@@ -7,13 +7,15 @@ from imgui_bundle import imgui
 from app.ui import theme
 from app.ui.actions.action import Action, matching
 from app.ui.actions.action_table import ACTIONS
+from app.ui.actions.light_actions import light_actions
 from app.ui.layout import Rect
+from app.ui.light_list import Shelf
 from app.ui.state import EditorState
 
 _WIDTH_EM, _ROWS = 34.0, 12
 
 
-def draw(state: EditorState, window: Rect) -> None:
+def draw(state: EditorState, shelf: Shelf, window: Rect) -> None:
     """The palette over the window's upper middle, while it is open."""
     look = state.look
     if not look.palette:
@@ -30,13 +32,13 @@ def draw(state: EditorState, window: Rect) -> None:
     imgui.begin("palette", None, flags)
     imgui.pop_style_var(2)
     imgui.pop_style_color()
-    found = _typing(state)
+    found = _typing(state, shelf)
     _rows(state, found)
     _keys(state, found)
     imgui.end()
 
 
-def _typing(state: EditorState) -> list[Action]:
+def _typing(state: EditorState, shelf: Shelf) -> list[Action]:
     look = state.look
     imgui.set_next_item_width(-1.0)
     if not imgui.is_any_item_active():
@@ -44,7 +46,7 @@ def _typing(state: EditorState) -> list[Action]:
     changed, look.palette_text = imgui.input_text_with_hint("##command", "What do you want to do?", look.palette_text)
     if changed:
         look.palette_row = 0
-    found = matching(ACTIONS, look.palette_text)
+    found = matching((*ACTIONS, *light_actions(state, shelf)), look.palette_text)
     look.palette_row = min(max(look.palette_row, 0), max(len(found) - 1, 0))
     return found
 
@@ -73,7 +75,7 @@ def _row(state: EditorState, action: Action, row: int) -> None:
     # Only one row is lit: the one that Enter runs, which follows the mouse once that moves.
     nothing = imgui.get_style().color_(imgui.Col_.header if chosen else imgui.Col_.child_bg)
     imgui.push_style_color(imgui.Col_.header_hovered, nothing)
-    if imgui.selectable(f"##{action.name}", chosen)[0]:
+    if imgui.selectable(f"##{row}", chosen)[0]:
         _run(state, action)
     imgui.pop_style_color()
     imgui.end_disabled()

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
-
 from imgui_bundle import imgui
 
 from app.engine.sources import LightSource
 from app.ui import theme, widgets
+from app.ui.light_list import Shelf, lights_to_choose
 from app.ui.panels import light_controls, panorama
 from app.ui.pictures import Pictures, Shown
 from app.ui.state import EditorState
@@ -24,26 +22,9 @@ ROTATION = widgets.Slider(
     "and a lamp in front of the person to the left.",
     wraps=True,
 )
-_FROM_FILE = {
-    "panorama": "A panorama you used. Right-click takes it off this list.",
-    "portrait": "The light of a portrait you used. Right-click takes it off this list.",
-}
 _COLUMNS = 3
 _WIDE_EM, _HIGH_EM = 6.0, 4.75
 """From this width on there are more columns of lights; none is higher than that."""
-
-
-@dataclass(frozen=True)
-class Shelf:
-    """The bundled lights as the panel needs them.
-
-    Attributes:
-        names: in the order of the list.
-        words: title and description of one.
-    """
-
-    names: tuple[str, ...]
-    words: Callable[[str], tuple[str, str]]
 
 
 def draw(state: EditorState, fonts: theme.Fonts, pictures: Pictures, shelf: Shelf) -> None:
@@ -65,14 +46,10 @@ def draw(state: EditorState, fonts: theme.Fonts, pictures: Pictures, shelf: Shel
 
 
 def _lights(state: EditorState, pictures: Pictures, shelf: Shelf) -> None:
-    entries = [(source, _FROM_FILE[source.kind]) for source in state.extra_lights]
-    if state.snapshot.opened:
-        entries.append((LightSource("own"), "The photo's own light, as estimated from the face."))
-    entries += [(LightSource("rig", name), shelf.words(name)[1]) for name in shelf.names]
     room = imgui.get_content_region_avail().x
     columns = max(_COLUMNS, int(room // (_WIDE_EM * imgui.get_font_size())))
     width = room / columns
-    for index, (source, description) in enumerate(entries):
+    for index, (source, description) in enumerate(lights_to_choose(state, shelf)):
         if index % columns:
             imgui.same_line(0.0, 0.0)
         _light_button(state, pictures, source, description, width)
@@ -86,7 +63,7 @@ def _light_button(state: EditorState, pictures: Pictures, source: LightSource, d
         state.choose_light(source)
     if source in state.extra_lights and imgui.is_item_clicked(1):
         state.forget_light(source)
-    imgui.set_item_tooltip(f"{source.title}\n{description}" if description else source.title)
+    imgui.set_item_tooltip(tooltip(state, source, description))
     chosen = source.same_as(state.light)
     draw = imgui.get_window_draw_list()
     if chosen or imgui.is_item_hovered():
@@ -99,6 +76,13 @@ def _light_button(state: EditorState, pictures: Pictures, source: LightSource, d
     colour = theme.ACCENT if chosen else theme.TEXT
     draw.add_text(imgui.ImVec2(text_x, corner.y + height - 1.25 * em), theme.packed(colour), title)
     imgui.pop_font()
+
+
+def tooltip(state: EditorState, light: LightSource, words: str) -> str:
+    """What is read of a light in the list while the mouse is on it."""
+    can_go = light in state.extra_lights
+    said = f"{words} Right-click takes it off this list." if can_go else words
+    return f"{light.title}\n{said}" if said else light.title
 
 
 def _ball(shown: Shown | None, corner: imgui.ImVec2, width: float, side: float) -> None:
