@@ -11,6 +11,7 @@ from app.document.document import LightRef
 from app.engine.snapshot import Snapshot
 from app.engine.sources import LightSource, PhotoSource
 from app.ui import light_edits
+from app.ui.panels.light_panel import tooltip
 from app.ui.state import EditorState
 from relight_core.lighting.light_edit import LightEdit
 from relight_core.lighting.soft_box import SoftBox
@@ -156,6 +157,8 @@ def test_a_light_from_a_file_can_be_taken_off_the_list_unless_it_is_in_use():
     state = EditorState()
     used, other = LightSource("panorama", "used.exr"), LightSource("portrait", "friend.jpg")
     state.extra_lights, state.light = [used, other], used
+    assert tooltip(state, other, "Words.") == "friend\nWords. Right-click takes it off this list."
+    assert tooltip(state, used, "Words.") == "used\nWords."
     state.forget_light(used)
     state.forget_light(LightSource("portrait", "friend.jpg"))
     assert state.extra_lights == [used]

@@ -80,7 +80,7 @@ def _light_button(state: EditorState, pictures: Pictures, source: LightSource, d
 
 def tooltip(state: EditorState, light: LightSource, words: str) -> str:
     """What is read of a light in the list while the mouse is on it."""
-    can_go = light in state.extra_lights
+    can_go = light in state.extra_lights and not light.same_as(state.light)
     said = f"{words} Right-click takes it off this list." if can_go else words
     return f"{light.title}\n{said}" if said else light.title
 
