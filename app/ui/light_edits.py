@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+from app.ui import brush_edits, face_edits
 from app.ui.viewport.box_tools import with_box, without_box
 from relight_core.lighting.light_edit import MOST_BOXES, MOST_LEVEL_EV, put_together, taken_apart
 
@@ -85,6 +86,17 @@ def delete_box(state: EditorState) -> None:
 def delete_boxes(state: EditorState) -> None:
     """Take every soft box away, and let the light itself be as it is without them."""
     state.light_edit, state.selected_box = replace(state.light_edit, boxes=(), base=1.0, apart=False), -1
+
+
+def switch_aim(state: EditorState, aim: str) -> None:
+    """Let the next click on the face place a lamp, or not; the other tools over the picture, which come first, go away.
+
+    Args:
+        aim: as of EditorState.aim.
+    """
+    face_edits.done(state)
+    brush_edits.done(state)
+    state.aim = "" if state.aim == aim else aim
 
 
 def has_lamps(state: EditorState) -> bool:

@@ -7,7 +7,7 @@ from imgui_bundle import imgui
 
 from app.document.session_file import read_session
 from app.engine.sources import PhotoSource
-from app.ui import face_edits, widgets
+from app.ui import brush_edits, face_edits, widgets
 from app.ui.viewport.panes import arrange_panes
 from relight_core.face.find import FaceBox
 from relight_core.imaging.read import read_photo
@@ -234,3 +234,16 @@ def test_what_is_said_about_the_boxes_covers_none(opened):
     state.view = type(state.view)(False, 1.0, 64.0, 48.0 + height / 2 - 60)
     opened.frames(2)
     assert state.look.covered == 0, "at the foot"
+
+
+@pytest.mark.parametrize("tool", [face_edits, brush_edits])
+def test_the_panels_button_for_a_highlight_puts_the_tool_over_the_picture_away(opened, buttons, tool):
+    state = opened.window.state
+    tool.show(state)
+    opened.frames(2)
+    opened.click(buttons["Highlight"])
+    opened.click((opened.centre()[0] + 20, opened.centre()[1] + 10))
+    opened.settle()
+    assert len(state.light_edit.boxes) == 1
+    assert not state.faces.is_open
+    assert not state.brush.is_open

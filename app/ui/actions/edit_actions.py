@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from app.ui import brush_edits, face_edits, light_edits
+from app.ui import face_edits, light_edits
 from app.ui.actions.action import Action, Gesture, has_photo, has_picture
 from app.ui.panels.panorama import NEW_AT, add_box
 from app.ui.state import EditorState
@@ -26,12 +26,7 @@ def _export(state: EditorState) -> None:
 
 
 def _aim(aim: str):
-    def run(state: EditorState) -> None:
-        face_edits.done(state)
-        brush_edits.done(state)
-        state.aim = "" if state.aim == aim else aim
-
-    return run
+    return lambda state: light_edits.switch_aim(state, aim)
 
 
 def _delete(state: EditorState) -> None:

@@ -61,7 +61,7 @@ def tools(state: EditorState) -> None:
         if index:
             imgui.same_line(0.0, _SPACING)
         if widgets.toggle(label, state.aim == aim, half):
-            state.aim = "" if state.aim == aim else aim
+            light_edits.switch_aim(state, aim)
         imgui.set_item_tooltip(("Moves the selected soft box. " if state.selected_box >= 0 else "") + tooltip)
     imgui.end_disabled()
 
