@@ -321,13 +321,6 @@ def _for_screen(source: LightSource, base: Environment) -> OpenLight:
     return OpenLight(source, edit_light(base, edit), panorama, ball, base, edit, lamps=own_lamps(base))
 
 
-def error_line(error: Exception) -> str:
-    """What the user reads of an exception: an InputError's own line, or a plain confession."""
-    if isinstance(error, InputError):
-        return str(error)
-    return f"Something went wrong here, not in your file ({type(error).__name__}: {error})"
-
-
 def _source(opened: OpenPhoto | OpenLight | None) -> PhotoSource | LightSource | None:
     return opened.source if opened else None
 

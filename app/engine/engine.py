@@ -8,9 +8,10 @@ from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
-from app.engine.desk import Desk, Step, error_line
+from app.engine.desk import Desk, Step
 from app.engine.snapshot import Message, Snapshot
 from app.engine.sources import RelighterLike, Request
+from app.faults import error_line
 from relight_core.errors import InputError
 from relight_core.imaging.files import legible
 

@@ -9,7 +9,7 @@ from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 
-from app.engine.desk import error_line
+from app.faults import error_line
 from relight_core.errors import InputError
 
 _log = logging.getLogger(__name__)

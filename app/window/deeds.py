@@ -20,11 +20,11 @@ from app.document.session_file import (
     session_path,
     write_session,
 )
-from app.engine.desk import error_line
 from app.engine.exporting import free_path
 from app.engine.places import current_folder
 from app.engine.snapshot import Picture
 from app.engine.sources import PICTURE_SUFFIXES, PhotoSource
+from app.faults import error_line
 from app.ui.asking import FileRequest
 from app.ui.export_name import named_as
 from app.ui.file_dialogs import FileDialogs

@@ -7,9 +7,9 @@ from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
-from app.engine.desk import error_line
 from app.engine.snapshot import Picture, Snapshot
 from app.engine.sources import Request
+from app.faults import error_line
 from app.ui.state import EditorState
 from relight_core.errors import InputError
 

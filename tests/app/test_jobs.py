@@ -83,7 +83,7 @@ def test_a_cancelled_job_stops_at_its_next_step_and_the_next_job_runs(jobs, said
 
 
 @pytest.mark.parametrize(
-    ("error", "words_said"), [(InputError("x.png: full"), "x.png: full"), (OSError("no"), "went wrong")]
+    ("error", "words_said"), [(InputError("x.png: full"), "x.png: full"), (OSError("no"), "a fault of ours")]
 )
 def test_a_failing_job_is_told_in_a_line(jobs, said, error, words_said):
     def work(control):
