@@ -30,7 +30,7 @@ EDITOR = "edit"
 COMMANDS = {
     "render": "relight photos and write them to files",
     "channels": "write every intermediate channel of one relighting",
-    "turntable": "write a sheet of one photo under a turning light",
+    "turntable": "write a sheet or a film of one photo under a turning light",
     "rigs": "list the bundled lights",
     "info": "show versions, devices, graphics, weights and threads",
     "dataset": "make the training data",
