@@ -13,6 +13,7 @@ from app.ui.actions.action_table import ACTIONS, GESTURES
 from app.ui.actions.help_overlay import groups
 from app.ui.actions.light_actions import light_actions
 from app.ui.light_list import Shelf
+from app.ui.photo_queue import PhotoQueue
 from app.ui.state import EditorState
 from relight_core.face.find import FaceBox
 from relight_core.imaging.photo import Photo
@@ -147,6 +148,14 @@ def test_a_rotation_that_plays_can_be_stopped_where_there_is_no_picture():
     assert not named("Play the rotation").available(state)
     state.playing = True
     assert named("Play the rotation").available(state)
+
+
+def test_only_a_photo_that_is_there_can_be_stepped_to():
+    state = EditorState(queue=PhotoQueue((Path("a.jpg"), Path("b.jpg"))))
+    ahead, back = named("Next photo"), named("Previous photo")
+    assert (ahead.available(state), back.available(state)) == (True, False)
+    ahead.run(state)
+    assert (ahead.available(state), back.available(state)) == (False, True)
 
 
 def test_faces_are_found_again_only_once_the_photo_is_there():

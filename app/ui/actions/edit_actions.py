@@ -55,6 +55,17 @@ def _raise(name: str, key: str, degrees: float) -> Action:
     )
 
 
+def _step(name: str, key: str, by: int) -> Action:
+    return Action(
+        name,
+        _FILE,
+        (key,),
+        "Of those that were opened together",
+        lambda state: state.step_photo(by),
+        available=lambda state: state.queue.step(by) is not None,
+    )
+
+
 def _wish(kind: str):
     return lambda state: state.asking.wish(kind)
 
@@ -196,10 +207,10 @@ FILE = (
         available=has_picture,
     ),
     Action(
-        "Batch over a folder",
+        "Batch over many photos",
         _FILE,
         ("Ctrl+B",),
-        "Relight and export all photos of a folder like this one",
+        "Relight and export all photos of a folder, or of those opened together, like this one",
         _wish("batch"),
         available=has_picture,
     ),
@@ -228,12 +239,8 @@ FILE = (
         available=has_photo,
     ),
     Action("Save the light", _FILE, ("Ctrl+Shift+L",), "The light alone, for other photos", _wish("save_light")),
-    Action(
-        "Next photo", _FILE, ("PageDown",), "Of those that were dropped together", lambda state: state.step_photo(1)
-    ),
-    Action(
-        "Previous photo", _FILE, ("PageUp",), "Of those that were dropped together", lambda state: state.step_photo(-1)
-    ),
+    _step("Next photo", "PageDown", 1),
+    _step("Previous photo", "PageUp", -1),
     Action(
         "Export the picture", _FILE, ("E",), "At once, as set: PNG, JPEG, TIFF or EXR", _export, available=has_picture
     ),

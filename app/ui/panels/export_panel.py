@@ -140,7 +140,7 @@ def _buttons(state: EditorState) -> None:
     imgui.same_line(0.0, _SPACING)
     words = "The light turning once around, as numbered PNG files in a new folder."
     _wish(state, "PNGs", "turntable_pictures", words, half)
-    words = "Relight all photos of a folder, or of those dropped together, like this one.  Ctrl + B"
+    words = "Relight all photos of a folder, or of those opened together, like this one.  Ctrl + B"
     _wish(state, "Batch over a folder…" if len(state.queue.paths) < 2 else "Batch over the queue", "batch", words, -1.0)
 
 
