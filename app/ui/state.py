@@ -341,7 +341,8 @@ class EditorState:
             self.export_path = self._export_beside().with_suffix(self.export.form).name
             self.shown = RESULT
             self.aim_at = self.left = None
-            self.faces, self.brush = FaceTool(not snapshot.faces, snapshot.opened.source), BrushTool()
+            self.faces = FaceTool(not snapshot.faces, snapshot.opened.source)
+            self.brush = BrushTool(radius_em=self.brush.radius_em)
             if snapshot.opened.source.path and self.is_at_work():
                 self.queue = self.queue.showing(snapshot.opened.source.path)
             self.opened_queue = self.queue

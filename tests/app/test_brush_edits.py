@@ -185,3 +185,13 @@ def test_choosing_a_face_while_another_photo_is_on_its_way_keeps_the_strokes(sta
     state.open_photo(Path("/photos/other.jpg"))
     state.choose_face(0)
     assert (state.photo.path, state.photo.face_index, len(state.photo.strokes)) == (PLACE, 0, 1)
+
+
+def test_the_brush_stays_as_large_from_one_photo_to_the_next(state):
+    brush_edits.resize(state, 2)
+    radius_em = state.brush.radius_em
+    state.open_photo(Path("/photos/other.jpg"))
+    opened = OpenPhoto(state.photo, Photo(np.zeros((40, 80, 3), np.float32)), np.zeros((4, 8, 3), np.float16))
+    state.accept(replace(state.snapshot, opened=opened))
+    assert state.brush.radius_em == radius_em
+    assert not state.brush.is_open
