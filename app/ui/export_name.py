@@ -1,7 +1,8 @@
-"""Where a picture goes that was named in the panel: a line that may say anything while it is typed."""
+"""Where a picture goes: as named in the panel, in a line that may say anything while it is typed."""
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -42,6 +43,29 @@ def named_place(typed: str, suggested: Path, suffix: str | None) -> Path:
     return path if suffix is None else named_as(path, suffix)
 
 
+def suggested_place(state: EditorState) -> Path:
+    """Where a picture of the open photo goes that is not named otherwise: beside it, as a PNG."""
+    opened = state.snapshot.opened
+    return default_export_path(opened.source.path if opened else None)
+
+
+def export_place(state: EditorState, suffix: str | None = None) -> Path:
+    """Where the next picture of the open photo goes, as a whole path, without a number; as of `named_place`."""
+    return named_place(state.export_path, suggested_place(state), suffix)
+
+
+def choose_form(state: EditorState, suffix: str) -> None:
+    """Export another kind of file from now on; the name in sight says so."""
+    state.export = replace(state.export, form=suffix)
+    if state.export_path:
+        export_to(state, export_place(state, suffix))
+
+
+def export_to(state: EditorState, path: Path) -> None:
+    """Let the next export go there; a place beside the photo is kept as a name alone."""
+    state.export_path = path.name if path.parent == suggested_place(state).parent else str(path)
+
+
 def place_for(state: EditorState, photo: PhotoSource | None, suffix: str | None = None) -> Path:
     """Where the next picture of a photo goes, as a whole path, without a number.
 
@@ -51,5 +75,5 @@ def place_for(state: EditorState, photo: PhotoSource | None, suffix: str | None 
     """
     opened = state.snapshot.opened
     if opened is None or photo is None or photo.path == opened.source.path:
-        return state.export_place(suffix)
+        return export_place(state, suffix)
     return named_place("", default_export_path(photo.path), suffix)

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from app.document.document import Document, LightRef, PhotoRef
 from app.document.history import History
-from app.engine.exporting import ExportSettings, default_export_path
+from app.engine.exporting import ExportSettings
 from app.engine.jobs import JobStatus
 from app.engine.snapshot import Message, Snapshot
 from app.engine.sources import LightSource, PhotoSource, RelitLike, Request
@@ -16,7 +16,7 @@ from app.ui.angles import wrap_degrees
 from app.ui.asking import Asking, FileRequest
 from app.ui.brush_edits import BrushTool
 from app.ui.channels import PHOTO, RESULT, WHOLE_PHOTO, following
-from app.ui.export_name import named_place
+from app.ui.export_name import suggested_place
 from app.ui.face_edits import FaceTool
 from app.ui.falling_back import FIRST_LIGHT, fall_back, give_up_what_is_on_its_way
 from app.ui.layout import OpenGroups, Panels
@@ -338,7 +338,7 @@ class EditorState:
         if snapshot.light and snapshot.light.source.kind in ("panorama", "portrait"):
             self._remember(snapshot.light.source)
         if snapshot.opened and (opened_before is None or snapshot.opened.photo is not opened_before.photo):
-            self.export_path = self._export_beside().with_suffix(self.export.form).name
+            self.export_path = suggested_place(self).with_suffix(self.export.form).name
             self.shown = RESULT
             self.aim_at = self.left = None
             self.faces = FaceTool(not snapshot.faces, snapshot.opened.source)
@@ -349,24 +349,6 @@ class EditorState:
             begin_work(self)
         if snapshot.opened and snapshot.opened.source.path and snapshot.opened.source.boxes is None:
             self._found[snapshot.opened.source.path] = snapshot.faces
-
-    def export_place(self, suffix: str | None = None) -> Path:
-        """Where the next export goes, as a whole path, without a number; of another kind, with its suffix."""
-        return named_place(self.export_path, self._export_beside(), suffix)
-
-    def choose_form(self, suffix: str) -> None:
-        """Export another kind of file from now on; the name in sight says so."""
-        self.export = replace(self.export, form=suffix)
-        if self.export_path:
-            self.export_to(self.export_place(suffix))
-
-    def export_to(self, path: Path) -> None:
-        """Let the next export go there; a place beside the photo is kept as a name alone."""
-        self.export_path = path.name if path.parent == self._export_beside().parent else str(path)
-
-    def _export_beside(self) -> Path:
-        opened = self.snapshot.opened
-        return default_export_path(opened.source.path if opened else None)
 
     def message(self) -> Message | None:
         """The line to show: the engine's newest, unless it was put away."""

@@ -26,7 +26,7 @@ from app.engine.snapshot import Picture
 from app.engine.sources import PICTURE_SUFFIXES, PhotoSource
 from app.faults import error_line
 from app.ui.asking import FileRequest
-from app.ui.export_name import named_as
+from app.ui.export_name import export_to, named_as
 from app.ui.file_dialogs import FileDialogs
 from app.ui.light_edits import match_face
 from app.ui.open_work import KeptWork
@@ -184,7 +184,7 @@ class Deeds:
 
         def save_there(path: Path) -> None:
             if self._state.snapshot.opened.source.path == photo.path:
-                self._state.export_to(path)
+                export_to(self._state, path)
             write_or_ask(self._state.asking, path, write)
 
         self._ask_place("Export the picture", self._outputs.suggested(form), form, save_there)

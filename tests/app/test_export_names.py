@@ -11,7 +11,7 @@ from app.engine.exporting import free_path
 from app.engine.places import from_home
 from app.engine.snapshot import OpenLight, OpenPhoto, Picture, Snapshot
 from app.engine.sources import PhotoSource
-from app.ui.export_name import named_as
+from app.ui.export_name import choose_form, export_place, named_as
 from app.ui.file_dialogs import FileDialogs
 from app.ui.state import EditorState
 from app.window.deeds import Deeds
@@ -58,15 +58,15 @@ def state(tmp_path):
 
 
 def test_a_photo_whose_name_begins_with_a_tilde_is_exported_beside_itself(state, tmp_path):
-    assert state.export_place() == tmp_path / "~me-relit.png"
+    assert export_place(state) == tmp_path / "~me-relit.png"
 
 
 @pytest.mark.parametrize(("typed", "place", "as_exr"), TYPED)
 def test_what_names_no_file_means_the_name_beside_the_photo(state, tmp_path, typed, place, as_exr):
     state.export_path = typed
-    assert state.export_place() == tmp_path / place
-    assert state.export_place(".exr") == tmp_path / as_exr
-    state.choose_form(".exr")
+    assert export_place(state) == tmp_path / place
+    assert export_place(state, ".exr") == tmp_path / as_exr
+    choose_form(state, ".exr")
     assert state.export_path == (as_exr if typed else "")
 
 
@@ -74,7 +74,7 @@ def test_only_a_tilde_by_itself_is_the_users_folder(state, tmp_path, monkeypatch
     monkeypatch.setenv("HOME", str(tmp_path / "home"))
     monkeypatch.setenv("USERPROFILE", str(tmp_path / "home"))
     state.export_path = "~/best.png"
-    assert state.export_place() == tmp_path / "home" / "best.png"
+    assert export_place(state) == tmp_path / "home" / "best.png"
     monkeypatch.chdir(tmp_path)
     named = from_home(state.photo.path.relative_to(tmp_path))
     assert str(named) == "~me.jpg"

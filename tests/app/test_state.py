@@ -10,6 +10,7 @@ from app.engine.snapshot import Message, OpenLight, OpenPhoto, Snapshot
 from app.engine.sources import LightSource, PhotoSource
 from app.ui.angles import wrap_degrees
 from app.ui.channels import CHANNELS
+from app.ui.export_name import choose_form, export_place, export_to
 from app.ui.state import EditorState
 from app.ui.viewport.view import View
 from relight_core.imaging.photo import Photo
@@ -173,13 +174,13 @@ def test_a_message_stays_away_once_put_away_but_the_next_one_shows():
 def test_the_name_in_sight_follows_the_kind_of_file(tmp_path):
     state = EditorState()
     state.accept(Snapshot(opened=opened_photo(tmp_path / "me.png")))
-    state.choose_form(".jpg")
+    choose_form(state, ".jpg")
     assert state.export_path == "me-relit.jpg"
-    assert state.export_place() == tmp_path / "me-relit.jpg"
+    assert export_place(state) == tmp_path / "me-relit.jpg"
     state.accept(Snapshot(opened=opened_photo(tmp_path / "you.png")))
     assert state.export_path == "you-relit.jpg"
     state.export_path = "version.2"
-    state.choose_form(".exr")
+    choose_form(state, ".exr")
     assert state.export_path == "version.2.exr"
 
 
@@ -199,13 +200,13 @@ def test_choosing_a_face_keeps_the_decoded_photo_and_the_export_path(tmp_path):
 def test_an_export_is_named_from_the_photos_folder(tmp_path):
     state = EditorState()
     state.accept(Snapshot(opened=opened_photo(tmp_path / "me.png")))
-    assert (state.export_path, state.export_place()) == ("me-relit.png", tmp_path / "me-relit.png")
+    assert (state.export_path, export_place(state)) == ("me-relit.png", tmp_path / "me-relit.png")
     state.export_path = "best.png"
-    assert state.export_place() == tmp_path / "best.png"
-    state.export_to(tmp_path / "other.png")
+    assert export_place(state) == tmp_path / "best.png"
+    export_to(state, tmp_path / "other.png")
     assert state.export_path == "other.png"
-    state.export_to(tmp_path.parent / "far.png")
-    assert state.export_place() == tmp_path.parent / "far.png"
+    export_to(state, tmp_path.parent / "far.png")
+    assert export_place(state) == tmp_path.parent / "far.png"
 
 
 def test_while_the_hand_moves_only_what_fills_the_viewport_is_asked_for():

@@ -6,6 +6,7 @@ import pytest
 from imgui_bundle import imgui
 from window_hand import EFFECTS_PANEL, HEIGHT, STRIPS, WIDTH
 
+from app.ui.export_name import choose_form
 from app.ui.layout import OpenGroups
 
 ROW = 32
@@ -18,7 +19,7 @@ def look_and_choose(hand, suffix):
     panel = slice(WIDTH - EFFECTS_PANEL + 2, WIDTH)
     hand.move((WIDTH / 2, HEIGHT - 3))
     before = hand.window.screenshot()[: HEIGHT - STRIPS, panel]
-    state.choose_form(suffix)
+    choose_form(state, suffix)
     hand.settle()
     return before, hand.window.screenshot()[: HEIGHT - STRIPS, panel]
 

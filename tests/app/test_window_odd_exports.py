@@ -8,6 +8,7 @@ import pytest
 from PIL import Image
 
 from app.engine.sources import LightSource
+from app.ui.export_name import choose_form
 
 pytestmark = pytest.mark.skipif(not sys.platform.startswith("linux"), reason="names are text in Unicode there")
 
@@ -22,7 +23,7 @@ def test_exports_of_every_kind_lie_beside_the_photo_and_the_title_names_it(hand,
     window.state.choose_light(LightSource("portrait", str(odd_photo)))
     hand.settle()
     for form in (".png", ".exr"):
-        window.state.choose_form(form)
+        choose_form(window.state, form)
         hand.key(glfw.KEY_E)
     window.exporter.close()
     assert titles[-1] == f"{SHOWN}.png \N{EN DASH} relight"

@@ -7,6 +7,7 @@ import pytest
 from PIL import Image
 
 from app.document.light_file import read_light
+from app.ui.export_name import choose_form
 from app.ui.file_dialogs import FileDialogs
 from app.window import outputs
 from relight_core.imaging.write import write_image
@@ -141,7 +142,7 @@ def test_a_film_is_relit_at_the_quality_that_is_chosen(saving, relighter, monkey
 
 
 def test_a_jpeg_keeps_the_name_it_was_given(saving, photo_path):
-    saving.window.state.choose_form(".jpg")
+    choose_form(saving.window.state, ".jpg")
     ask(saving, "export_as").then([photo_path.with_name("mine.jpeg")])
     saving.settle()
     saving.window.exporter.close()

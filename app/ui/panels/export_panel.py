@@ -8,6 +8,7 @@ from imgui_bundle import imgui
 
 from app.engine.exporting import SIDES, ExportSettings
 from app.ui import theme, widgets
+from app.ui.export_name import choose_form, export_place
 from app.ui.panels.groups import group
 from app.ui.state import EditorState
 from relight_core.imaging.files import legible
@@ -46,7 +47,7 @@ def draw(state: EditorState, fonts: theme.Fonts) -> None:
     imgui.begin_disabled(state.snapshot.picture is None)
     form = widgets.segmented(_FORMS, state.export.form)
     if form != state.export.form:
-        state.choose_form(form)
+        choose_form(state, form)
     _depth_and_size(state)
     _place_and_layers(state)
     _buttons(state)
@@ -72,7 +73,7 @@ def _place_and_layers(state: EditorState) -> None:
     _, state.export_path = widgets.path_input(state.export_path, imgui.InputTextFlags_.elide_left)
     if state.export_path:
         imgui.set_item_tooltip(
-            f"{legible(str(state.export_place()))}\nA number is added to the name if there is such a file."
+            f"{legible(str(export_place(state)))}\nA number is added to the name if there is such a file."
         )
     if state.export.form == ".exr":
         imgui.same_line(0.0, _SPACING)
