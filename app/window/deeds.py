@@ -1,15 +1,12 @@
-"""What the panels ask of the window: files, dialogs, sessions, recovery. One method for each kind of wish."""
+"""What the panels ask of the window: files, dialogs, sessions. One method for each kind of wish."""
 
 from __future__ import annotations
 
 import logging
 import os
-import time
 from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
-from app.document.autosave import Autosave, Leftover, leftovers
 from app.document.document import Document
 from app.document.light_file import LIGHT_SUFFIX, SavedLight, is_light_place, write_light
 from app.document.session_file import (
@@ -23,27 +20,26 @@ from app.document.session_file import (
 from app.engine.exporting import free_path
 from app.engine.places import current_folder
 from app.engine.snapshot import Picture
-from app.engine.sources import PICTURE_SUFFIXES, PhotoSource
+from app.engine.sources import PICTURE_SUFFIXES
 from app.faults import error_line
 from app.ui.asking import FileRequest
 from app.ui.export_name import export_to, named_as
 from app.ui.file_dialogs import FileDialogs
 from app.ui.light_edits import match_face
 from app.ui.open_work import KeptWork
-from app.ui.photo_works import is_waiting, note_saved, resume, session_of_photo
+from app.ui.photo_works import note_saved, resume, session_of_photo
 from app.ui.state import EditorState
 from app.window.batching import photos_beside, relight_many
 from app.window.dropped import take_files, use_as_light
-from app.window.offers import leftover_offer, saved_session_offer, work_of_this_run_offer
+from app.window.offers import saved_session_offer, work_of_this_run_offer
 from app.window.outputs import Outputs
 from app.window.recent_lights import RecentLights
+from app.window.recovery import Recovery
 from app.window.replacing import check_place, tried, write_or_ask
 from relight_core.errors import InputError
 
 _log = logging.getLogger(__name__)
 _NOWHERE = (-1.0, -1.0)
-_OFFERS = 3
-"""Questions about unsaved work that are asked at a time."""
 
 
 class Deeds:
@@ -71,25 +67,16 @@ class Deeds:
         self._dialogs = dialogs or FileDialogs()
         self._outputs = outputs
         self._when_finished = when_finished or (lambda run, *_, **__: run(state.snapshot.picture))
-        self._pool = ThreadPoolExecutor(max_workers=1, thread_name_prefix="relight-autosave")
-        self._autosave = Autosave(folder / "unsaved", self._pool.submit) if folder else None
         self._recent = RecentLights(folder / "recent-lights.json") if folder else None
-        self._unoffered: list[Leftover] = []
-        self._restoring: tuple[PhotoSource, Leftover] | None = None
-        self._restored: list[Leftover] = []
+        self._recovery = Recovery(state, folder / "unsaved") if folder else None
         self._photo: object | None = None
-        self._closed = False
-        self._told_problem: str | None = None
-        if folder:
+        if self._recent is not None:
             self._recent.recall(state)
-            self._unoffered = leftovers(folder / "unsaved", lambda line: state.asking.tell(line, True))
-            for _ in range(_OFFERS):
-                self._offer_next()
 
     @property
     def waiting(self) -> bool:
         """Whether `act` has to be called now and then although nothing happens."""
-        return self._dialogs.waiting or (self._autosave is not None and self._autosave.due)
+        return self._dialogs.waiting or (self._recovery is not None and self._recovery.due)
 
     def act(self, now_s: float) -> None:
         """Do what was asked for in this frame, and look after unsaved work."""
@@ -99,35 +86,28 @@ class Deeds:
             self._attempt(wish.kind, getattr(self, wish.kind))
         self._attempt("file dialog", self._dialogs.poll)
         self._look_for_a_session()
-        self._keep(now_s)
+        if self._recent is not None:
+            self._recent.keep(self._state)
+        if self._recovery is not None:
+            self._recovery.keep(now_s)
         notices, asking.notices = asking.notices, []
         for text, is_error in notices:
             self._say(text, is_error)
 
     def keep_now(self) -> bool:
         """Write unsaved work at once and wait for it; False if there is none, or no place to keep it."""
-        if self._autosave is None:
-            return False
-        self._update_autosave(time.monotonic())
-        self._autosave.try_again()
-        self._pool.submit(lambda: None).result()
-        return self._autosave.keeps
+        return self._recovery is not None and self._recovery.keep_now()
 
     def would_lose_work(self) -> bool:
         """Whether there is unsaved work, on whichever photo, that can't be kept for the next start."""
         self.keep_now()
-        return self._autosave is not None and self._autosave.fails
+        return self._recovery is not None and self._recovery.fails
 
     def close(self) -> None:
         """Let go of everything; unsaved work stays in its file. Safe to call twice."""
         self._dialogs.close()
-        if self._autosave is not None and not self._closed:
-            self._update_autosave(time.monotonic())
-            self._autosave.flush()
-            self._look_after_restored()
-            self._autosave.close()
-        self._closed = True
-        self._pool.shutdown(wait=True)
+        if self._recovery is not None:
+            self._recovery.close()
 
     def open_file(self) -> None:
         """Choose files to open, as if they were dropped on the picture."""
@@ -291,7 +271,8 @@ class Deeds:
         state = self._state
         write_session(path, document)
         note_saved(state, path, document)
-        self._forget_saved(document)
+        if self._recovery is not None:
+            self._recovery.forget_saved(document)
         state.asking.tell(f"Saved {path}")
 
     def _tried(self, act: Callable[[Path], None], path: Path) -> None:
@@ -321,78 +302,3 @@ class Deeds:
                 self._state.waiting = None
 
         self._state.asking.ask(work_of_this_run_offer(work, lambda: resume(self._state, work), start_afresh))
-
-    def _offer_next(self) -> None:
-        if self._unoffered:
-            self._offer(self._unoffered.pop(0))
-
-    def _offer(self, leftover: Leftover) -> None:
-        def restore() -> None:
-            self._state.open_session(leftover.document, None)
-            self._look_after_restored()
-            self._restoring = self._state.photo, leftover
-            self._offer_next()
-
-        def discard() -> None:
-            leftover.forget()
-            self._offer_next()
-
-        self._state.asking.ask(leftover_offer(leftover, restore, discard))
-
-    def _keep(self, now_s: float) -> None:
-        if self._recent is not None:
-            self._recent.keep(self._state)
-        if self._autosave is None:
-            return
-        # During a drag, too: a key may open the next photo while the hand still holds a slider.
-        self._update_autosave(now_s)
-        problem = self._autosave.problem
-        if problem != self._told_problem:
-            self._told_problem = problem
-            if problem is not None:
-                self._state.asking.tell(f"Unsaved work is not kept for recovery: {problem}", True)
-        self._look_after_restored()
-
-    def _update_autosave(self, now_s: float) -> None:
-        """While another photo than the one that is open is wanted, nothing that is set is work on either.
-
-        What was kept of a photo that came back with other settings stays, too, until it is worked on.
-        """
-        if self._state.is_at_work() and not is_waiting(self._state):
-            self._autosave.update(self._state.document(), self._state.is_unsaved(), now_s)
-        else:
-            self._autosave.flush()
-
-    def _look_after_restored(self) -> None:
-        """Forget work that was restored once it is kept anew; offer it again where its photo did not open."""
-        if self._restoring is not None:
-            wish, leftover = self._restoring
-            opened = self._state.snapshot.opened
-            if opened is not None and opened.source is wish:
-                self._restored.append(leftover)
-                self._restoring = None
-            elif self._state.photo is not wish:
-                self._offer(leftover)
-                self._restoring = None
-        if self._autosave.due:
-            # What was given of that photo may still be the work before.
-            return
-        given = [leftover for leftover in self._restored if self._autosave.is_given(leftover.document.photo.path)]
-        for leftover in given:
-            self._restored.remove(leftover)
-            self._pool.submit(self._forget_if_kept, leftover)
-
-    def _forget_saved(self, document: Document) -> None:
-        """A session file holds this document: neither it nor what it was restored from need be kept for recovery."""
-        if self._autosave is None:
-            return
-        self._autosave.note_saved(document)
-        saved = [leftover for leftover in self._restored if leftover.document.photo.path == document.photo.path]
-        for leftover in saved:
-            self._restored.remove(leftover)
-            self._pool.submit(leftover.forget)
-
-    def _forget_if_kept(self, leftover: Leftover) -> None:
-        """Called once the writing is over: only then is the work in a file of our own."""
-        if self._autosave.holds(leftover.document.photo.path):
-            leftover.forget()

@@ -31,7 +31,8 @@ class Editor:
             self._answer()
             self.state.remember(self.now_s)
             self.deeds.act(self.now_s)
-        self.deeds._pool.submit(lambda: None).result()
+        if self.deeds._recovery is not None:
+            self.deeds._recovery.wait()
 
     def _answer(self):
         state, now = self.state, self.state.snapshot
