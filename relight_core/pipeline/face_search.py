@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from functools import lru_cache, partial
+from functools import partial
 
 import numpy as np
 
@@ -30,7 +30,7 @@ class FaceSearch:
         """Look at nothing yet."""
         self._shop, self._photo = shop, photo
         self._tier = replace(tier_of("live"), looks_twice=False)
-        self._parsing = lru_cache(maxsize=None)(self._parse)
+        self._known: dict[Crop, np.ndarray] = {}
 
     def labels(self, view: Crop) -> np.ndarray:
         """(S, S) the likeliest class of each pixel of a view."""
@@ -46,8 +46,13 @@ class FaceSearch:
         found = choose_faces(self._photo.seen, None, self._evidence, find, self._look_closer, self._glimpse)
         return [replace(face, doubtful=False) for face in found]
 
+    def _parsing(self, view: Crop) -> np.ndarray:
+        """(classes, S, S) probabilities of a view's parsing, found once."""
+        if view not in self._known:
+            self._known[view] = self._parse(view)
+        return self._known[view]
+
     def _parse(self, view: Crop) -> np.ndarray:
-        """(classes, S, S) probabilities of a view's parsing."""
         seen = network_view(self._photo, view, self._tier.size, exposure_of_view(self._photo, view))
         found = self._shop.delight(seen, self._tier)
         return found.parsing[0].float().cpu().numpy()

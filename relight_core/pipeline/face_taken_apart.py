@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Hashable
 from dataclasses import dataclass, replace
 from typing import Self
+from weakref import proxy
 
 import numpy as np
 
@@ -68,7 +69,8 @@ class FaceTakenApart:
         nearer, self.nearer = nearer_view(portrait), None
         if nearer is not None:
             self.nearer = type(self)(workshop, replace(portrait, view=nearer), StageCache(), outlined=False)
-            self.nearer.wider = self
+            # Weakly: in a circle both would keep their photo until Python looks for circles, some photos later.
+            self.nearer.wider = proxy(self)
 
     @property
     def caches(self) -> tuple[StageCache, ...]:

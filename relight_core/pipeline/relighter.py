@@ -110,6 +110,9 @@ class Relighter:
         if self._faces == before:
             self._cache.keep_only(BEFORE_THE_BRUSH)
         else:
+            for face in set(before).difference(self._faces):
+                # A company and its faces know each other, and in such a circle would keep their photo.
+                face.join(None)
             self._begin_portrait()
 
     def _begin_portrait(self) -> None:

@@ -1,6 +1,8 @@
 """The Relighter with tiny random networks: what comes out, what stays linear, what never breaks."""
 
+import gc
 import time
+import weakref
 from dataclasses import replace
 
 import numpy as np
@@ -286,3 +288,27 @@ def test_no_texture_of_a_shader_is_longer_than_drivers_take(relighter, width, is
     relighter.set_portrait(Photo(np.full((32, width, 3), 0.4, np.float32)), boxes=[FaceBox(40, 4, 60, 28)])
     relit = relighter.relight(some_light(), EDIT, for_shader=True)
     assert (relit.recipe is not None, relit.image is None) == (is_recipe, is_recipe)
+
+
+@pytest.mark.parametrize(
+    "boxes",
+    [
+        None,
+        [FaceBox(24, 20, 72, 76)],
+        [FaceBox(40, 30, 60, 54)],
+        [FaceBox(6, 16, 50, 72), FaceBox(60, 20, 104, 76)],
+    ],
+    ids=["found", "large", "small", "two"],
+)
+def test_a_photo_that_was_replaced_is_let_go_at_once(weights, boxes):
+    relighter, photo = Relighter(weights), some_photo()
+    seen = weakref.ref(photo)
+    gc.disable()
+    try:
+        relighter.set_portrait(photo, boxes=boxes)
+        relighter.relight(some_light(), EDIT)
+        del photo
+        relighter.set_portrait(some_photo(1), boxes=boxes)
+        assert seen() is None
+    finally:
+        gc.enable()
