@@ -38,7 +38,10 @@ from relight_core.resources import resource_path
 
 WEIGHTS = ("weights", "relight.safetensors")
 
-_NETWORK_STAGES = ("delight", "begun", "specular_shadow", "residual", "compose", "nearer_face")
+_NETWORK_STAGES = (
+    *("delight", "outline", "wider_outline", "begun"),
+    *("specular_shadow", "residual", "compose", "nearer_face"),
+)
 
 _BRIGHTEST_LEVEL = 1e20
 """Lights beyond it count as this bright: sums over their pictures stay within single precision."""

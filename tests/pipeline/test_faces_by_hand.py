@@ -6,12 +6,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import torch
+from tiny_networks import tiny_bundle_with_person
 from tiny_relighter import EDIT, NETWORK_STAGES, computed, some_light, some_photo
 
 from relight_core.errors import InputError, NoFaceError
 from relight_core.face.find import FaceBox
 from relight_core.lighting.environment import network_light
-from relight_core.pipeline import face_search, stages
+from relight_core.networks.bundle import save_bundle
+from relight_core.pipeline import face_search, face_taken_apart, stages
 from relight_core.pipeline.face_taken_apart import Workshop
 from relight_core.pipeline.per_photo import choosing_faces
 from relight_core.pipeline.quality import tier_of
@@ -67,6 +69,25 @@ def test_the_networks_have_ended_when_those_of_the_last_face_have(relighter, pho
     relighter.set_portrait(photo, None, [LARGE, SMALL])
     relit = relighter.relight(some_light(), EDIT)
     assert len(ends) >= 2
+    assert relit.networks_ended_s >= ends[-1]
+
+
+@pytest.mark.usefixtures("small_and_seeing_faces")
+def test_the_networks_have_ended_when_the_person_network_has(tmp_path, photo, monkeypatch):
+    """Its wider look at the people comes last, for their outlines."""
+    ends, outline = [], face_taken_apart.outline_person
+
+    def timed(*arguments, **how):
+        found = outline(*arguments, **how)
+        ends.append(time.perf_counter())
+        return found
+
+    monkeypatch.setattr(face_taken_apart, "outline_person", timed)
+    save_bundle(tmp_path / "weights", tiny_bundle_with_person())
+    relighter = Relighter(tmp_path / "weights")
+    relighter.set_portrait(photo, None, [SMALL])
+    relit = relighter.relight(some_light(), EDIT)
+    assert len(ends) == 3
     assert relit.networks_ended_s >= ends[-1]
 
 
