@@ -104,6 +104,14 @@ def test_two_colours_of_a_wall_with_somebody_before_them_are_no_bar():
     assert inside_frame(picture) is None
 
 
+def test_bars_that_meet_are_stripes_of_the_picture():
+    """Each looks like what is written on the other, and together they would leave nothing of anybody."""
+    picture = np.zeros((400, 300, 3), np.float32)
+    picture[188:200] = picture[228:] = 1.0
+    picture[300:340, 100:140] = 0.5
+    assert inside_frame(picture) is None
+
+
 def test_another_photo_is_no_bar():
     picture, _ = half_figure(0.4)
     between = np.ones((8, 160, 3), np.float32)

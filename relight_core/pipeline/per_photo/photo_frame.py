@@ -37,8 +37,11 @@ def inside_frame(shown: np.ndarray) -> Inside | None:
     rows, columns = everything if (framed := _inside_all_around(shown)) is None else framed
     while any(bars := [_bar(side) for side in _sides(shown[rows, columns])]):
         top, bottom, left, right = bars
-        rows = slice(rows.start + top, rows.stop - bottom)
-        columns = slice(columns.start + left, columns.stop - right)
+        left_over = slice(rows.start + top, rows.stop - bottom), slice(columns.start + left, columns.stop - right)
+        if any(span.start >= span.stop for span in left_over):
+            # Bars that meet have no picture between them: they are its own stripes.
+            break
+        rows, columns = left_over
     return None if (rows, columns) == everything else (rows, columns)
 
 
