@@ -7,6 +7,7 @@ import numpy as np
 
 from relight_core.face.parsing import FACE_LABELS, INDEX, middle_row
 from relight_core.face.posterior import posterior
+from relight_core.imaging.ramp import ramp
 
 _CLOSING_SHARE = 1 / 24
 _FAINT_HAT, _PLAIN_HAT = 0.02, 0.032
@@ -54,7 +55,7 @@ def person_with_headwear(parsing: np.ndarray) -> np.ndarray:
     """
     likely = posterior(parsing)
     person, hat = 1 - likely[INDEX["background"]], float(likely[INDEX["hat"]].mean())
-    plainly = min(max((hat - _FAINT_HAT) / (_PLAIN_HAT - _FAINT_HAT), 0.0), 1.0)
+    plainly = ramp(hat, _FAINT_HAT, _PLAIN_HAT)
     if plainly == 0:
         return person
     odds = np.exp(_HAT_ODDS * plainly * rows_above_the_eyes(parsing)).astype(np.float32)

@@ -8,9 +8,10 @@ if TYPE_CHECKING:
     import numpy as np
     import torch
 
-Values = TypeVar("Values", "np.ndarray", "torch.Tensor")
+Values = TypeVar("Values", float, "np.ndarray", "torch.Tensor")
 
 
 def ramp(value: Values, start: float, full: float) -> Values:
-    """0 up to `start`, 1 from `full` on, straight between; `full` may be the smaller one. Of any shape, in [0, 1]."""
-    return ((value - start) / (full - start)).clip(0, 1)
+    """0 up to `start`, 1 from `full` on, straight between; `full` may be the smaller one. A number or of any shape."""
+    part = (value - start) / (full - start)
+    return min(max(part, 0.0), 1.0) if isinstance(part, float) else part.clip(0, 1)

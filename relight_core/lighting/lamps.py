@@ -13,6 +13,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from relight_core.imaging.colour import luminance
+from relight_core.imaging.ramp import ramp
 from relight_core.lighting.enlarge import draw_finer
 from relight_core.lighting.environment import NETWORK_HEIGHT, Environment, network_light, shrink
 from relight_core.lighting.roll import roll_light
@@ -186,7 +187,7 @@ def _find(shape: np.ndarray, coarser: tuple[np.ndarray, ...]) -> tuple[Lamp, ...
         # The corners of a window, of which the middle is another's, are no lamps of their own; and two lamps that
         # share their light are as hard as if one had all of it.
         whole, _ = _measured(sky, near, share[near], beyond)
-        hardness = min(lamp.hardness, _smallness(whole.radius_deg)) * _ramp(whole.irradiance / 4, *_SHARE)
+        hardness = min(lamp.hardness, _smallness(whole.radius_deg)) * ramp(whole.irradiance / 4, *_SHARE)
         if hardness > 0:
             lamps.append(replace(lamp, hardness=float(hardness), alone=_alone(sky, near, radiance)))
     return tuple(sorted(lamps, key=_given, reverse=True))
@@ -207,12 +208,12 @@ def _places(sky: _Sky) -> list[_Place]:
         looked_at, from_peak_deg = sky.within(_NEAR_DEG[1], centre)
         for _ in range(_CENTRINGS):
             near, off_deg = sky.within(_NEAR_DEG[1], centre)
-            power = sky.grey[near] * sky.areas[near] * (1 - _ramp(off_deg, *_NEAR_DEG))
+            power = sky.grey[near] * sky.areas[near] * (1 - ramp(off_deg, *_NEAR_DEG))
             centre = power @ sky.toward[near]
             centre /= np.linalg.norm(centre)
         place = _Place(centre, *sky.within(_FARTHEST_DEG, centre), float(power.sum()))
         left[place.near] *= 1 - _around(place.off_deg)
-        left[looked_at] *= _ramp(from_peak_deg, *_NEAR_DEG)
+        left[looked_at] *= ramp(from_peak_deg, *_NEAR_DEG)
         if all(centre @ other.centre < np.cos(np.radians(_NEAR_DEG[0])) for other in found):
             found.append(place)
     return found
@@ -220,12 +221,12 @@ def _places(sky: _Sky) -> list[_Place]:
 
 def _around(off_deg: np.ndarray) -> np.ndarray:
     """How far what lies so far off a lamp's middle is of the lamp, [0, 1], without a kink where that begins."""
-    part = _ramp(off_deg, _CORE_DEG, AROUND_DEG)
+    part = ramp(off_deg, _CORE_DEG, AROUND_DEG)
     return 1 - part**2 * (3 - 2 * part)
 
 
 def _beyond(off_deg: np.ndarray) -> np.ndarray:
-    return (1 - _around(off_deg)) * (1 - _ramp(off_deg, 2 * AROUND_DEG - _CORE_DEG, _FARTHEST_DEG))
+    return (1 - _around(off_deg)) * (1 - ramp(off_deg, 2 * AROUND_DEG - _CORE_DEG, _FARTHEST_DEG))
 
 
 def _claims(places: list[_Place], around: np.ndarray) -> np.ndarray:
@@ -244,7 +245,7 @@ def _foremost(ranked: tuple[Lamp, ...]) -> tuple[Lamp, ...]:
         return ranked
     fifth = _given(ranked[MOST_LAMPS])
     kept = (
-        replace(lamp, hardness=float(lamp.hardness * _ramp(_given(lamp), fifth, _AHEAD * fifth)))
+        replace(lamp, hardness=float(lamp.hardness * ramp(_given(lamp), fifth, _AHEAD * fifth)))
         for lamp in ranked[:MOST_LAMPS]
     )
     return tuple(lamp for lamp in kept if lamp.hardness > _NO_HARDNESS)
@@ -281,8 +282,4 @@ def _alone(sky: _Sky, near: np.ndarray, radiance: np.ndarray) -> Environment:
 
 
 def _smallness(radius_deg: float) -> float:
-    return float(_ramp(radius_deg, *_RADIUS_DEG))
-
-
-def _ramp(value: float | np.ndarray, none: float, full: float) -> float | np.ndarray:
-    return np.clip((value - none) / (full - none), 0, 1)
+    return ramp(radius_deg, *_RADIUS_DEG)

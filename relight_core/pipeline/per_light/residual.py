@@ -32,10 +32,11 @@ import torch
 
 from relight_core.face.parsing import INDEX
 from relight_core.imaging.ramp import ramp
+from relight_core.imaging.tensor_colour import grey
 from relight_core.imaging.tensor_means import local_means
 from relight_core.lighting.environment import mean_luminance
 from relight_core.lighting.likeness import likeness
-from relight_core.pipeline.per_light.hints import Effects, grey
+from relight_core.pipeline.per_light.hints import Effects
 from relight_core.pipeline.per_photo.black_colour import off_black
 from relight_core.pipeline.per_photo.blown import at_least, clipped_share, flesh_share, skin_share
 from relight_core.pipeline.per_photo.glare import likely

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import torch
 
+from relight_core.imaging.ramp import ramp
 from relight_core.imaging.tensor_colour import grey
 from relight_core.lighting.relief import ReliefTransport
 from relight_core.lighting.sphere import solid_angles
@@ -29,7 +30,7 @@ def shadow_colour_odds(transport: ReliefTransport, light: torch.Tensor, reflecte
     Returns:
         (1, 3, S, S) > 0, around 1; None where the light has one colour.
     """
-    amount = min(max((colourfulness(light) - _PLAIN) / (_COLOURFUL - _PLAIN), 0.0), 1.0)
+    amount = ramp(colourfulness(light), _PLAIN, _COLOURFUL)
     if amount == 0:
         return None
     hidden = 1 - transport.visibility(light[0].permute(2, 0, 1).cpu(), reflected.shape[-1])[:, 0].to(reflected)[None]

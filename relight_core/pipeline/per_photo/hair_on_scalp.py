@@ -45,4 +45,4 @@ def with_hair_on_scalp(surface: Surface) -> Surface:
 
 
 def _sure(probability: torch.Tensor) -> np.ndarray:
-    return ((probability.float() - _SURE_FROM) / (1 - _SURE_FROM)).clamp(0, 1).cpu().numpy()
+    return ramp(probability.float(), _SURE_FROM, 1).cpu().numpy()
