@@ -14,6 +14,9 @@ from relight_core.imaging.resampling import resample_window, resize_area
 FOREHEAD = 0.25
 """From the brows up to the hairline, as a fraction of a face's height from brow to chin."""
 
+PADDING_PX, PADDED_PX = 30.0, 256.0
+"""From a face to the edge of the paper's crop of 256 pixels; the paper draws it from 20 to 40 (section 3.2)."""
+
 _SMALLEST_FACE_SHARE = 0.01
 _DIAGONAL = 2**0.5
 
@@ -99,7 +102,7 @@ class Crop:
         return resize_area(turned, (size, size))
 
 
-def crop_for_face(box: FaceBox, padding_px: float = 30.0) -> Crop:
+def crop_for_face(box: FaceBox) -> Crop:
     """The first crop around a found face: forehead to chin, whichever way it leans, with the paper's padding.
 
     `box_from_parsing` and `crop_with_padding` refine it once the parsing map is known.
@@ -107,26 +110,15 @@ def crop_for_face(box: FaceBox, padding_px: float = 30.0) -> Crop:
     roll, half = np.radians(box.roll_deg), FOREHEAD * box.height / 2
     left, up, down = half * np.sin(roll), half * (1 + np.cos(roll)), half * (1 - np.cos(roll))
     whole = FaceBox(box.x0 - left, box.y0 - up, box.x1 - left, box.y1 + down, box.roll_deg)
-    return crop_with_padding(whole, padding_px)
+    return crop_with_padding(whole)
 
 
-def crop_with_padding(box: FaceBox, padding_px: float = 30.0, size: int = 256) -> Crop:
-    """The square about a box whose longer side keeps a margin to the crop's edges (paper, section 3.2).
+def crop_with_padding(box: FaceBox) -> Crop:
+    """The square about the box of a whole face whose longer side keeps the paper's margin to the crop's edges.
 
     Its edges lie on whole pixels, so that extracting it at its own size copies the photo's pixels.
-
-    Args:
-        box: the whole face.
-        padding_px: margin on either side, in pixels of the size x size crop; the paper draws it from
-            20 to 40.
-        size: of the crop, more than twice the padding.
-
-    Raises:
-        ValueError: padding that leaves no room.
     """
-    if 2 * padding_px >= size:
-        raise ValueError(f"a padding of {padding_px} leaves nothing of {size} pixels")
-    side = float(max(round(max(box.width, box.height) * size / (size - 2.0 * padding_px)), 1))
+    side = float(max(round(max(box.width, box.height) * PADDED_PX / (PADDED_PX - 2 * PADDING_PX)), 1))
     x0 = float(round((box.x0 + box.x1 - side) / 2.0))
     y0 = float(round((box.y0 + box.y1 - side) / 2.0))
     return Crop(x0 + side / 2.0, y0 + side / 2.0, side, box.roll_deg)

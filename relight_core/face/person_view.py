@@ -6,11 +6,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from relight_core.face.crop import Crop
+from relight_core.face.crop import PADDED_PX, PADDING_PX, Crop
 from relight_core.face.paste import places_of
 
-FACE_SHARE = 196 / 256
-"""Of the paper's crop, with its 30 pixels of padding at 256 (section 3.2)."""
+FACE_SHARE = 1 - 2 * PADDING_PX / PADDED_PX
+"""Of the paper's crop."""
 
 _ACROSS, _WIDER_ACROSS = 3.4, 4.8
 _DOWN, _LOWER = 0.35, 0.39

@@ -14,9 +14,6 @@ from relight_core.face.lean import remaining_roll
 from relight_core.imaging.photo import Photo
 from relight_core.pipeline.per_photo.exposing import exposure_of_face
 
-PADDING_PX = 30.0
-"""Around the face in a crop of 256 pixels; the paper draws it from 20 to 40 (section 3.2)."""
-
 SURROUNDINGS = 1.7
 """The networks' view is up to this many times the paper's crop: hair, neck and shoulders change with the light too."""
 
@@ -69,7 +66,7 @@ def located(photo: Photo, view: Crop, parsed: Callable[[Crop], np.ndarray]) -> F
 
 def frame(photo: Photo, found: FaceBox) -> Portrait:
     """A first framing, from the finder's box alone."""
-    crop = crop_for_face(found, PADDING_PX)
+    crop = crop_for_face(found)
     return Portrait(photo, found, found, crop, _view_around(crop, photo), exposure_of_face(photo, crop))
 
 
@@ -101,7 +98,7 @@ def refine(portrait: Portrait, labels: np.ndarray) -> Portrait:
     box = box_from_parsing(labels, portrait.view)
     if box is None or not _plausible(box, portrait.found):
         return portrait
-    crop = crop_with_padding(box, PADDING_PX)
+    crop = crop_with_padding(box)
     return replace(portrait, face=box, crop=crop, view=_view_around(crop, portrait.photo))
 
 
