@@ -74,11 +74,10 @@ class Photo:
 
         What is transparent has no say.
         """
-        step = max(max(self.linear.shape[:2]) // _LOOKED_AT, 1)
-        seen = self.linear[::step, ::step]
+        seen = self.linear[self._few]
         if self.beyond is not None:
-            seen = seen + self.beyond[::step, ::step]
-        counted = None if self.alpha is None else self.alpha[::step, ::step] > 0
+            seen = seen + self.beyond[self._few]
+        counted = None if self.alpha is None else self.alpha[self._few] > 0
         if self.bits == 32 and (white := _white(seen if counted is None else seen[counted])) > 0:
             # In whatever units: next to black all colours are one, and so they are clipped to white.
             seen = seen / np.maximum(np.abs(seen).max(-1, keepdims=True), np.float32(white))
@@ -93,9 +92,14 @@ class Photo:
     def _tone(self) -> Tone | None:
         if not self.monochrome:
             return None
+        seen = self.linear[self._few]
+        return tone_of(seen.reshape(-1, 3) if self.alpha is None else seen[self.alpha[self._few] > 0])
+
+    @property
+    def _few(self) -> tuple[slice, slice]:
+        """Every so many rows and columns, where all would take long and tell no more."""
         step = max(max(self.linear.shape[:2]) // _LOOKED_AT, 1)
-        seen = self.linear[::step, ::step]
-        return tone_of(seen.reshape(-1, 3) if self.alpha is None else seen[self.alpha[::step, ::step] > 0])
+        return slice(None, None, step), slice(None, None, step)
 
     @property
     def seen(self) -> Photo:
@@ -115,8 +119,7 @@ class Photo:
     @property
     def _unit(self) -> float:
         """What is white beside a cut-out: 1 unless it is dark all over, or so bright that it has units of its own."""
-        step = max(max(self.linear.shape[:2]) // _LOOKED_AT, 1)
-        brightness = luminance(self.linear[::step, ::step][self.alpha[::step, ::step] > 0.5])
+        brightness = luminance(self.linear[self._few][self.alpha[self._few] > 0.5])
         if not brightness.size:
             return 1.0
         bright = float(np.percentile(brightness, _BRIGHT_PERCENT))

@@ -9,7 +9,7 @@ import numpy as np
 from relight_core.face.paste import Band, bands, spread_window, whole_photo
 from relight_core.imaging.in_order import in_order
 from relight_core.imaging.photo import Photo
-from relight_core.imaging.resampling import resize_area
+from relight_core.imaging.resampling import resize_area, shrunk_size
 from relight_core.pipeline.per_photo.exposing import exposed
 from relight_core.pipeline.per_photo.matte import Matte, guide_of, own_colour
 
@@ -48,7 +48,7 @@ def shrunk(canvas: Canvas, longest_side_px: int) -> Canvas:
     """A canvas, or a copy of it that is no longer than so many pixels; black where it is transparent throughout."""
     if max(canvas.size) <= longest_side_px:
         return canvas
-    size = tuple(max(round(length * longest_side_px / max(canvas.photo_size)), 1) for length in canvas.photo_size)
+    size = shrunk_size(canvas.photo_size, longest_side_px)
     if canvas.alpha is None:
         return Canvas(resize_area(canvas.linear, size), None, canvas.photo_size)
     share = np.clip(np.nan_to_num(canvas.alpha), 0, 1)
