@@ -1,1 +1,1 @@
-"""The networks: nothing but torch modules."""
+"""The networks, as torch modules, and their file of weights."""

@@ -1,4 +1,4 @@
-"""Building blocks shared by the three encoder-decoders."""
+"""Building blocks shared by the encoder-decoders."""
 
 from __future__ import annotations
 

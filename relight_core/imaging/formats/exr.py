@@ -68,7 +68,7 @@ def read_exr(path: Path) -> tuple[np.ndarray, np.ndarray | None]:
             raise InputError(f"{path}: no channels R, G, B or Y in its first part; export it with colour there")
         if any(sampling[name] != (1, 1) for name in names):
             raise InputError(f"{path}: its colour channels differ in size; export it as RGB")
-        alpha_name = names[0].rpartition(".")[0] + "." + "A" if "." in names[0] else "A"
+        alpha_name = names[0].rpartition(".")[0] + ".A" if "." in names[0] else "A"
         with_alpha = sampling.get(alpha_name) == (1, 1)
         with _quiet():
             values = _read_rows(path, header, [*names, alpha_name] if with_alpha else names)

@@ -37,7 +37,7 @@ class Backdrop:
         transparent: there is none.
         gain: (3,) of the photo's own, or None.
         picture, soft: (h, w, 3) over the whole picture or (3,), linear radiance, and the same blurred; None
-            where the photo's own stays.
+            where the photo's own stays, and where there is none.
     """
 
     kept: bool = False
