@@ -340,6 +340,7 @@ class EditorState:
         if snapshot.opened and (opened_before is None or snapshot.opened.photo is not opened_before.photo):
             self.export_path = suggested_place(self).with_suffix(self.export.form).name
             self.shown = RESULT
+            self.aim, self.aim_hit = "", False
             self.aim_at = self.left = None
             self.faces = FaceTool(not snapshot.faces, snapshot.opened.source)
             self.brush = BrushTool(radius_em=self.brush.radius_em)
