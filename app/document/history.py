@@ -47,7 +47,7 @@ class History:
     @property
     def can_undo(self) -> bool:
         """Whether there is an earlier step, or a change that is no step yet."""
-        return self.at > 0 or self._is_ahead
+        return self.at > 0 or self.is_ahead
 
     @property
     def can_redo(self) -> bool:
@@ -87,7 +87,7 @@ class History:
 
         What is no step yet, as a photo that is still being read, is what is taken back first.
         """
-        if self._is_ahead:
+        if self.is_ahead:
             return self.go(self.at)
         return self.go(self.at - 1) if self.can_undo else None
 
@@ -108,7 +108,8 @@ class History:
         return self._present
 
     @property
-    def _is_ahead(self) -> bool:
+    def is_ahead(self) -> bool:
+        """Whether there is a change that is no step yet, as a photo that is still being read."""
         if self.at < 0 or self._present is None:
             return False
         document = self.steps[self.at].document

@@ -43,8 +43,10 @@ def _list(state: EditorState) -> None:
         label = widgets.shortened(step.name, imgui.get_content_region_avail().x)
         clicked, _ = imgui.selectable(f"{label}##{index}", False)
         imgui.pop_style_color()
-        imgui.set_item_tooltip("Click to go back to this step." if not undone else "Undone; click to do it again.")
-        if clicked and index != history.at:
+        is_in_force = index == history.at and not history.is_ahead
+        back = "This step is in force." if is_in_force else "Click to go back to this step."
+        imgui.set_item_tooltip("Undone; click to do it again." if undone else back)
+        if clicked and not is_in_force:
             state.restore(history.go(index))
     if state.history_seen != (len(history.steps), history.at):
         state.history_seen = (len(history.steps), history.at)

@@ -1,0 +1,40 @@
+"""The list of the history in the real window."""
+
+import shutil
+import threading
+
+import pytest
+from imgui_bundle import imgui
+
+from app.ui.layout import OpenGroups
+
+LONG_S = 60
+
+
+@pytest.fixture
+def rows(monkeypatch):
+    """The middle of each row that was drawn last, by its words."""
+    places, draw = {}, imgui.selectable
+
+    def selectable(label, *rest):
+        clicked = draw(label, *rest)
+        corner, end = imgui.get_item_rect_min(), imgui.get_item_rect_max()
+        places[label.partition("##")[0]] = (corner.x + end.x) / 2, (corner.y + end.y) / 2
+        return clicked
+
+    monkeypatch.setattr(imgui, "selectable", selectable)
+    return places
+
+
+def test_while_a_photo_is_read_a_click_on_the_step_before_goes_back(opened, relighter, photo_path, rows, monkeypatch):
+    state, window, go_on, read = opened.window.state, opened.window, threading.Event(), relighter.set_portrait
+    monkeypatch.setattr(relighter, "set_portrait", lambda *given: go_on.wait(LONG_S) and read(*given))
+    other = shutil.copy(photo_path, photo_path.with_name("other.png"))
+    state.groups = OpenGroups(export=False, background=False)
+    window.on_drop(None, [str(other)], opened.centre())
+    opened.frames(2)
+    assert state.photo.path == other
+    opened.click(rows["Open person.png"])
+    go_on.set()
+    opened.settle()
+    assert (state.photo.path, state.snapshot.opened.source.path) == (photo_path, photo_path)
