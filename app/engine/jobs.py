@@ -89,6 +89,7 @@ class Jobs:
         self._waiting = self._untold = 0
         self.failures = 0
         self._cancel = threading.Event()
+        self._begins_no_more = False
 
     def start(self, name: str, work: Callable[[JobControl], str]) -> None:
         """Queue a job; `work` returns the line to say when it is done."""
@@ -119,6 +120,8 @@ class Jobs:
     def close(self, cancel: bool = False) -> None:
         """Finish what was queued, or only what can't be stopped; safe to call twice."""
         if cancel:
+            # A job that has been taken up just now has no status yet that could be cancelled.
+            self._begins_no_more = True
             self.cancel()
         self._pool.shutdown(wait=True, cancel_futures=cancel)
 
@@ -138,6 +141,8 @@ class Jobs:
             self._waiting -= 1
         self.publish(JobStatus(name))
         try:
+            if self._begins_no_more:
+                raise Cancelled
             line, is_error = work(JobControl(self, name)), False
         except Cancelled:
             line, is_error = f"{name}: cancelled", False

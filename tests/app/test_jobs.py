@@ -82,6 +82,14 @@ def test_a_cancelled_job_stops_at_its_next_step_and_the_next_job_runs(jobs, said
     assert said == [("Film: cancelled", False), ("Copied", False)]
 
 
+def test_a_job_that_was_taken_up_but_not_announced_as_they_closed_is_not_begun(jobs, said):
+    begun = []
+    jobs.close(cancel=True)
+    jobs._run("Film", lambda control: begun.append(control) or "Saved it")
+    assert begun == []
+    assert said == [("Film: cancelled", False)]
+
+
 @pytest.mark.parametrize(
     ("error", "words_said"), [(InputError("x.png: full"), "x.png: full"), (OSError("no"), "a fault of ours")]
 )
