@@ -114,7 +114,7 @@ class Jobs:
             if self._status is None:
                 return
             self._cancel.set()
-            self._status = JobStatus(self._status.name, self._status.done, self._status.total, None, True)
+            self._status = _stopping(self._status)
         self._wake()
 
     def close(self, cancel: bool = False) -> None:
@@ -132,7 +132,8 @@ class Jobs:
     def publish(self, status: JobStatus | None) -> None:
         """For the job that runs: how far it is."""
         with self._lock:
-            self._status = status
+            # A step may have looked just before the cancel; the job still stops at its next one.
+            self._status = _stopping(status) if status is not None and self.is_cancelled() else status
         self._wake()
 
     def _run(self, name: str, work: Callable[[JobControl], str]) -> None:
@@ -157,3 +158,7 @@ class Jobs:
             self.failures += is_error
             self._untold -= 1
         self._wake()
+
+
+def _stopping(status: JobStatus) -> JobStatus:
+    return replace(status, left_s=None, cancelling=True)

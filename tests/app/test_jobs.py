@@ -11,7 +11,7 @@ from PIL import Image
 
 from app.engine.batch import photos_in, relight_each, summary
 from app.engine.film import write_film
-from app.engine.jobs import Cancelled, JobControl, Jobs
+from app.engine.jobs import Cancelled, JobControl, Jobs, JobStatus
 from app.engine.turntable import turning, write_pictures
 from app.ui.viewport.progress_card import words
 from app.window.clipboard import copy_png
@@ -80,6 +80,23 @@ def test_a_cancelled_job_stops_at_its_next_step_and_the_next_job_runs(jobs, said
     jobs.close()
     assert steps == [0]
     assert said == [("Film: cancelled", False), ("Copied", False)]
+
+
+def test_a_job_that_is_cancelled_stays_so_through_a_step_that_was_under_way(jobs):
+    begun, go_on = threading.Event(), threading.Event()
+
+    def work(control):
+        begun.set()
+        assert go_on.wait(LONG_S)
+        control.step(3, 5)
+        return "never"
+
+    jobs.start("Film", work)
+    assert begun.wait(LONG_S)
+    jobs.cancel()
+    jobs.publish(JobStatus("Film", 2, 5, left_s=3.0))
+    assert jobs.status() == JobStatus("Film", 2, 5, cancelling=True)
+    go_on.set()
 
 
 def test_a_job_that_was_taken_up_but_not_announced_as_they_closed_is_not_begun(jobs, said):
