@@ -163,7 +163,8 @@ class Deeds:
         photo = self._state.photo
 
         def save_there(path: Path) -> None:
-            if self._state.snapshot.opened.source.path == photo.path:
+            opened = self._state.snapshot.opened
+            if opened is not None and opened.source.path == photo.path:
                 export_to(self._state, path)
             write_or_ask(self._state.asking, path, write)
 

@@ -342,6 +342,20 @@ def test_a_batch_over_a_folder_leaves_out_the_panorama_that_is_the_light(photo):
     assert started == [[photo], [photo, sky]]
 
 
+def test_a_picture_whose_portrait_is_lost_while_its_place_is_asked_for_is_exported(editor, photo):
+    exported = []
+    editor.deeds._outputs = SimpleNamespace(
+        suggested=lambda *_: photo.with_name("me-relit.png"),
+        export_writer=lambda: lambda path, replaces: exported.append(path),
+    )
+    editor.state.asking.wish("export_as")
+    editor.live(1)
+    lost = editor.state.snapshot
+    editor.state.accept(replace(lost, opened=None, picture=None, refused=frozenset({lost.opened.source})))
+    editor.state.picking.then([photo.with_name("you.png")])
+    assert exported == [photo.with_name("you.png")]
+
+
 @pytest.mark.parametrize("name", ["anna v1.2", "anna.mov", "anna", "anna.MP4"])
 def test_a_film_is_a_film_whatever_it_is_called(photo, name):
     filmed = []
