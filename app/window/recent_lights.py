@@ -30,11 +30,15 @@ class RecentLights:
         self._by_use: list[tuple[str, str]] = []
         self._in_file: list[tuple[str, str]] = []
         self._of_others: list[tuple[str, str]] = []
+        self._away: list[tuple[str, str]] = []
 
     def recall(self, state: EditorState) -> None:
-        """Put the lights that are still there into the list, newest first."""
+        """Put the lights that are there into the list, newest first; one whose disk is away stays in the file."""
         self._in_file = read_recent(self._path)
-        self._by_use = _newest(entry for entry in self._in_file if os.path.isfile(entry[1]))[:MOST]
+        listed = _newest(self._in_file)
+        there = [entry for entry in listed if os.path.isfile(entry[1])]
+        self._away = [entry for entry in listed if entry not in there]
+        self._by_use = there[:MOST]
         known = [LightSource(*entry) for entry in self._by_use]
         new = [light for light in known if not any(light.same_as(other) for other in state.extra_lights)]
         state.extra_lights = [*state.extra_lights, *new]
@@ -62,11 +66,14 @@ class RecentLights:
     def _among_those_of_others(self, own: list[tuple[str, str]], new: list[tuple[str, str]]) -> list[tuple[str, str]]:
         """This window's lights with those that others have put into the file, newest first.
 
-        What was in the file and is no longer this window's was taken out of its list, and goes.
+        What was in the file and is no longer this window's was taken out of its list, and goes; what was not there when
+        the list was read was never in it, and stays.
         """
         added = [entry for entry in read_recent(self._path) if entry not in self._in_file]
         self._of_others = _newest([*added, *self._of_others])[:MOST]
-        stays = [entry for entry in self._in_file if entry in own or entry in self._of_others]
+        self._away = [entry for entry in self._away if entry not in own]
+        kept = (*own, *self._of_others, *self._away)
+        stays = [entry for entry in self._in_file if entry in kept]
         return _newest([*own[:1], *new, *added, *stays, *own])[:MOST]
 
 
