@@ -39,6 +39,13 @@ def test_the_menu_switches_what_it_lists(opened):
     assert (look.scope, look.probe) in (("off", False), (scope, True))
 
 
+def test_the_menu_lists_both_tools_over_the_picture(opened, monkeypatch):
+    listed, draw = [], imgui.menu_item
+    monkeypatch.setattr(imgui, "menu_item", lambda name, *rest: listed.append(name) or draw(name, *rest))
+    opened.click(SHOW)
+    assert {"Edit the face boxes", "Edit the outline"} <= set(listed)
+
+
 def test_without_a_photo_nothing_can_be_compared(hand):
     hand.click(WIPE)
     assert hand.window.state.look.compare == "off"

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from imgui_bundle import imgui
 
 from app.ui import theme
-from app.ui.actions import face_actions, look_actions
+from app.ui.actions import brush_actions, face_actions, look_actions
 from app.ui.actions.action import Action, has_photo, has_picture
 from app.ui.state import EditorState
 from app.ui.viewport.view import View
@@ -155,7 +155,7 @@ def _menu(state: EditorState, x: float, y: float, width: float) -> None:
         imgui.separator()
         _entries(state, look_actions.ARRANGING)
         imgui.separator()
-        _entries(state, face_actions.FACES[:1])
+        _entries(state, (*face_actions.FACES[:1], *brush_actions.OUTLINE[:1]))
         imgui.end_popup()
 
 
