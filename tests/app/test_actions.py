@@ -141,6 +141,8 @@ def test_actions_work_on_the_state_alone():
     named("See the photo").let_go(state)
     assert not state.before
     assert not named("Export the picture").available(state)
+    assert not named("Wipe").available(state)
+    assert not named("Side by side").available(state)
 
 
 def test_a_rotation_that_plays_can_be_stopped_where_there_is_no_picture():

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 from app.ui.actions.action import Action, Gesture, has_photo, has_picture
 from app.ui.channels import CHANNELS, PHOTO, RESULT
 from app.ui.layout import Panels
@@ -86,20 +88,45 @@ def _switch(name: str, key: str, title: str, help_text: str, tells_of: tuple[str
     )
 
 
-def _choose(field: str, value: str, key: str, title: str, group: str, help_text: str) -> Action:
+def _choose(
+    field: str,
+    value: str,
+    key: str,
+    title: str,
+    group: str,
+    help_text: str,
+    available: Callable[[EditorState], bool] = lambda state: True,
+) -> Action:
     return Action(
         title,
         group,
         (key,),
         help_text,
         lambda state: state.look.choose(field, value),
+        available=available,
         is_on=lambda state: getattr(state.look, field) == value,
     )
 
 
 COMPARING = (
-    _choose("compare", "wipe", "W", "Wipe", _LOOK, "The photo left of a line that you drag, the picture right of it"),
-    _choose("compare", "side", "Y", "Side by side", _LOOK, "The photo beside the picture; they move together"),
+    _choose(
+        "compare",
+        "wipe",
+        "W",
+        "Wipe",
+        _LOOK,
+        "The photo left of a line that you drag, the picture right of it",
+        has_picture,
+    ),
+    _choose(
+        "compare",
+        "side",
+        "Y",
+        "Side by side",
+        _LOOK,
+        "The photo beside the picture; they move together",
+        has_picture,
+    ),
 )
 
 READING = (
