@@ -39,6 +39,9 @@ _OWN = LightSource("own")
 _KEPT_LIGHTS = 3
 """Lights from files that stay open, for going back and forth; a large panorama takes tens of megabytes."""
 
+_SMALL_PHOTO_PX = 6_000_000
+"""Photos of no more pixels are always shown at their own size."""
+
 _FINEST = "final"
 """A hand that moves at this quality does not wish for coarse lights."""
 
@@ -98,10 +101,11 @@ class Desk:
             return Step("Drawing the light", draw, partial(_as_if_drawn, request.light_edit))
         if not now.faces or now.light is None:
             return None
-        key = _picture_key(now.opened, now.light, request.edit, request.longest_side_px)
+        side_px = _longest_side_px(now.opened, request)
+        key = _picture_key(now.opened, now.light, request.edit, side_px)
         if key != self._failed and (now.picture is None or key != _key_of(now.picture)):
             relight, skip = (
-                partial(self._relight, request.edit, request.longest_side_px),
+                partial(self._relight, request.edit, side_px),
                 partial(self._skip, key),
             )
             return Step("Relighting", relight, skip)
@@ -323,6 +327,12 @@ def _for_screen(source: LightSource, base: Environment) -> OpenLight:
 
 def _source(opened: OpenPhoto | OpenLight | None) -> PhotoSource | LightSource | None:
     return opened.source if opened else None
+
+
+def _longest_side_px(opened: OpenPhoto, request: Request) -> int | None:
+    """How small the picture may be: of a photo that is small itself it is always as large as that."""
+    height, width = opened.photo.linear.shape[:2]
+    return request.longest_side_px if height * width > _SMALL_PHOTO_PX else None
 
 
 def _picture_key(opened: OpenPhoto, light: OpenLight, edit: Edit, longest_side_px: int | None) -> tuple:

@@ -190,7 +190,7 @@ class Request:
         light: None keeps the light in force.
         light_edit: what is changed about that light.
         edit: the sliders. Its exposure is the shader's business and makes the engine do nothing.
-        longest_side_px: the picture may be this small; None wants it as large as the photo.
+        longest_side_px: the picture of a large photo may be this small; None wants it as large as the photo.
         in_motion: what the hand will ask for next, to get ready for while it rests; None for nothing else than this.
         outlined: the people's outline is wanted beside the picture.
     """

@@ -371,7 +371,7 @@ class EditorState:
         self.photo = photo
 
     def _request_of(self, edit: Edit) -> Request:
-        size_px = longest_side_px(self.snapshot.opened, self.view, edit)
+        size_px = longest_side_px(self.is_at_work(), self.view, edit)
         return Request(self.photo, self.light, edit, self.light_edit, size_px, outlined=self.brush.is_open)
 
     def _known(self, light: LightSource, afresh: bool = False) -> LightSource:

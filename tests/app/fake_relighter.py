@@ -49,6 +49,7 @@ class FakeRelighter:
         self.blind = False
         self.portraits: list = []
         self.relights: list = []
+        self.sides_px: list = []
         self.readied: list = []
         self.environments: list = []
         self.estimated_at: list = []
@@ -83,6 +84,7 @@ class FakeRelighter:
         if self.fail_with is not None:
             raise self.fail_with
         self.relights.append(edit)
+        self.sides_px.append(longest_side_px)
         self.environments.append(environment)
         light = network_light(environment, edit.yaw_deg)
         left, right = light[:, 2:14].mean(), light[:, 18:30].mean()

@@ -255,13 +255,9 @@ def test_what_moves_is_on_the_surface_that_the_picture_at_rest_has(wish, in_moti
     assert state.request().edit.surface_of is None
 
 
-def of_size(height, width):
-    photo = Photo(np.zeros((height, width, 3), np.float32))
-    return Snapshot(opened=OpenPhoto(PhotoSource(photo), photo, np.zeros((1, 1, 3), np.float16)))
-
-
 def test_a_large_photo_is_shown_whole_only_when_one_looks_closer_and_waits():
-    state = EditorState(snapshot=of_size(2600, 2600))
+    snapshot = Snapshot(opened=opened_photo())
+    state = EditorState(photo=snapshot.opened.source, snapshot=snapshot)
     assert 1000 < state.request().longest_side_px < 4000
     state.view = View(fit=False, zoom=2.0)
     assert state.request().longest_side_px is None
@@ -270,10 +266,14 @@ def test_a_large_photo_is_shown_whole_only_when_one_looks_closer_and_waits():
     assert 1000 < state.request().longest_side_px < 4000
 
 
-def test_a_small_photo_is_always_shown_at_its_own_size():
-    state = EditorState(snapshot=of_size(600, 900), hand_on_control=True)
-    state.change(yaw_deg=5.0)
-    assert state.request().longest_side_px is None
+def test_a_photo_on_its_way_will_be_all_in_sight_however_near_the_one_before_it_was():
+    snapshot = Snapshot(opened=opened_photo())
+    state = EditorState(photo=snapshot.opened.source, snapshot=snapshot, view=View(fit=False, zoom=2.0))
+    state.open_photo(Path("/photos/next.jpg"))
+    assert 1000 < state.request().longest_side_px < 4000
+    state = EditorState()
+    state.open_photo(Path("/photos/first.jpg"))
+    assert 1000 < state.request().longest_side_px < 4000
 
 
 def test_a_light_that_was_refused_is_tried_again_when_it_is_chosen_again():
