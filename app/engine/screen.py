@@ -19,6 +19,7 @@ PANORAMA_HEIGHT = 256
 BALL_SIZE = 96
 _HALF_MAX = 65504.0
 _PANORAMA_EV = -1.0
+_ROWS = 256
 
 
 def radiance_for_screen(linear: np.ndarray, alpha: np.ndarray | None = None) -> np.ndarray:
@@ -32,7 +33,11 @@ def radiance_for_screen(linear: np.ndarray, alpha: np.ndarray | None = None) -> 
     else:
         linear = np.where(alpha[..., None] > 0, linear, 0)
         pixels = np.dstack((linear, alpha) if alpha.shape == size else resize_cut_out(linear, alpha, size))
-    return np.minimum(pixels, np.float32(_HALF_MAX)).astype(np.float16)
+    halves = np.empty(pixels.shape, np.float16)
+    for top in range(0, len(pixels), _ROWS):
+        # In one piece it would need another copy of the whole photo for a moment.
+        halves[top : top + _ROWS] = np.minimum(pixels[top : top + _ROWS], np.float32(_HALF_MAX))
+    return halves
 
 
 def channels_for_screen(channels: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
