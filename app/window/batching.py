@@ -33,8 +33,11 @@ def relight_many(photos: list[Path], outputs: Outputs, asking: Asking) -> None:
         outputs.batch_over(photos, folder)
         return
 
+    # The question is about files of this kind, whichever is chosen by the time it is answered.
+    settings = outputs.settings
+
     def start(replaces: bool) -> Callable[[], None]:
-        return lambda: tried(asking, lambda: outputs.batch_over(photos, folder, replaces))
+        return lambda: tried(asking, lambda: outputs.batch_over(photos, folder, replaces, settings))
 
     rest = len(photos) - done
     only_the_rest = ((f"Relight the other {rest}", start(False)),) if rest else ()

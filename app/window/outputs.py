@@ -150,14 +150,22 @@ class Outputs:
 
         self._exporter.start("Turntable", work)
 
-    def batch_over(self, photos: list[Path], folder: Path, replaces: bool = False) -> None:
+    @property
+    def settings(self) -> ExportSettings:
+        """How pictures are saved, as the panel says now."""
+        return self._state.export
+
+    def batch_over(
+        self, photos: list[Path], folder: Path, replaces: bool = False, settings: ExportSettings | None = None
+    ) -> None:
         """Relight photos as this one is, into a folder.
 
         Args:
             replaces: pictures that are there already, too; else those are left alone.
+            settings: None is as the panel says now.
         """
         self._need_picture()
-        document, settings = self._state.document(), self._state.export
+        document, settings = self._state.document(), settings or self._state.export
         portraits = {photo: portrait_of(self._state, photo) for photo in photos}
         title = document.light.source().title
 

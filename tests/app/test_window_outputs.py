@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from app.ui.export_name import choose_form
 from relight_core.errors import InputError
 from relight_core.imaging.view_transform import apply_view
 from relight_core.imaging.write import write_image
@@ -174,3 +175,15 @@ def test_a_batch_over_pictures_that_are_there_asks_first(opened, monkeypatch, sh
     choose(opened, "Replace")
     wait_for_jobs(opened)
     assert {saved(path)[1] for path in (shoot / "relit").iterdir()} == {90.0}
+
+
+def test_a_batch_makes_the_kind_of_file_it_asked_about(opened, monkeypatch, shoot):
+    (shoot / "c.jpg").unlink()
+    batch(opened, monkeypatch, shoot)
+    wait_for_jobs(opened)
+    (shoot / "relit" / "b.png").unlink()
+    batch(opened, monkeypatch, shoot)
+    choose_form(opened.window.state, ".jpg")
+    choose(opened, "Relight the other 1")
+    wait_for_jobs(opened)
+    assert sorted(path.name for path in (shoot / "relit").iterdir()) == ["a-png.png", "a-tif.png", "b.png"]
