@@ -11,5 +11,11 @@ def confession(error: Exception) -> str:
 
 
 def error_line(error: Exception) -> str:
-    """What the user of the window reads of an exception: an InputError's own line, or a confession."""
-    return str(error) if isinstance(error, InputError) else confession(error)
+    """What the user of the window reads of an exception: an InputError's own line, or a confession.
+
+    There a line stands alone, and begins with a capital where it doesn't with the name of a file.
+    """
+    if isinstance(error, InputError):
+        return str(error)
+    words = confession(error)
+    return words[0].upper() + words[1:]

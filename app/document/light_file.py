@@ -74,7 +74,7 @@ def write_light(path: Path, saved: SavedLight) -> None:
         InputError: a place that can't be written, or a light that only exists inside an open photo.
     """
     if saved.light.kind == "own":
-        raise InputError("the photo's own light belongs to that photo; save the session instead")
+        raise InputError("The photo's own light belongs to that photo; save the session instead")
     content = {"yaw_deg": saved.yaw_deg, "light": light_content(saved.light, saved.light_edit, path.parent)}
     write_json(path, KIND, VERSION, content)
 

@@ -123,7 +123,7 @@ def write_session(path: Path, document: Document, *, relative: bool = True) -> N
         InputError: a place that can't be written, or a document without a photo.
     """
     if document.photo is None:
-        raise InputError("there is no photo to save a session of; open one first")
+        raise InputError("There is no photo to save a session of; open one first")
     folder = path.parent if relative else None
     edit = document.edit
     content = {

@@ -36,7 +36,9 @@ def write_film(path: Path, frames: Iterator[np.ndarray], count: int, step: Calla
         try:
             _encode(beside, frames, count, step)
         except av.codec.codec.UnknownCodecError:
-            raise InputError("there is no codec for MP4 here; export the turntable as pictures instead") from None
+            raise InputError(
+                f"{path}: there is no codec for MP4 here; export the turntable as pictures instead"
+            ) from None
         except av.FFmpegError as error:
             raise InputError(f"{path}: the film can't be written ({error.strerror}); choose another place") from error
 

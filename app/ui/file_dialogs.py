@@ -16,7 +16,7 @@ from app.ui.asking import FileRequest
 from relight_core.errors import InputError
 from relight_core.imaging.files import is_legible
 
-_NO_TEXT = "a file that was chosen has a name that is no text; rename it, or drop the folder it is in"
+_NO_TEXT = "A file that was chosen has a name that is no text; rename it, or drop the folder it is in"
 _LINUX_HELPERS = ("zenity", "kdialog", "matedialog", "qarma")
 
 

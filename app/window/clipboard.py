@@ -36,7 +36,7 @@ def _linux_command() -> list[str]:
         return ["wl-copy", "--type", "image/png"]
     if shutil.which("xclip"):
         return ["xclip", "-selection", "clipboard", "-t", "image/png", "-i"]
-    raise InputError("there is no clipboard tool here: install xclip, or wl-clipboard under Wayland")
+    raise InputError("There is no clipboard tool here: install xclip, or wl-clipboard under Wayland")
 
 
 def _windows_command(path: Path) -> list[str]:
@@ -66,4 +66,4 @@ def _run(command: list[str], given: bytes | None) -> None:
             check=True,
         )
     except (OSError, subprocess.SubprocessError) as error:
-        raise InputError(f"the clipboard took no picture ({type(error).__name__}); save it instead") from error
+        raise InputError(f"The clipboard took no picture ({type(error).__name__}); save it instead") from error

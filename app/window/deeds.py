@@ -146,7 +146,7 @@ class Deeds:
         """Choose where to save the light alone."""
         document = self._state.document()
         if document.light.kind == "own":
-            raise InputError("the photo's own light belongs to that photo; save the session instead")
+            raise InputError("The photo's own light belongs to that photo; save the session instead")
         saved = SavedLight(document.light, document.light_edit, document.edit.yaw_deg)
 
         def write(path: Path) -> None:
@@ -264,7 +264,7 @@ class Deeds:
         """
         document = self._state.document()
         if document.photo is None:
-            raise InputError("there is no photo to save a session of; open one first")
+            raise InputError("There is no photo to save a session of; open one first")
         return lambda path: self._write_session(path, document)
 
     def _write_session(self, path: Path, document: Document) -> None:

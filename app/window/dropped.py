@@ -73,7 +73,7 @@ def use_as_light(state: EditorState, path: Path) -> None:
         InputError: a folder, or a light file or session that can't be read.
     """
     if os.path.isdir(path):
-        raise InputError(f"{path.name} is a folder; drop a panorama or a portrait on the light panel")
+        raise InputError(f"{path}: is a folder; drop a panorama or a portrait on the light panel")
     if path.suffix.lower() == ".json":
         saved = read_lent_light(path).saved
         state.use_light(saved.light, saved.light_edit, saved.yaw_deg)

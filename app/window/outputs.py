@@ -217,7 +217,7 @@ class Outputs:
 
     def _need_picture(self) -> None:
         if self._state.snapshot.picture is None:
-            raise InputError("there is no relit picture yet; open a photo first")
+            raise InputError("There is no relit picture yet; open a photo first")
 
 
 def relight_like(

@@ -36,7 +36,7 @@ from app.window.rest import Rest
 
 SIZE = (1440, 900)
 _QUIET_FRAMES, _MOST_SETTLING_FRAMES = 4, 60
-_NO_TEXT = "a file that was dropped has a name that is no text; rename it, or drop the folder it is in"
+_NO_TEXT = "A file that was dropped has a name that is no text; rename it, or drop the folder it is in"
 _log = logging.getLogger(__name__)
 
 

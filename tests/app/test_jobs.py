@@ -108,7 +108,7 @@ def test_a_job_that_was_taken_up_but_not_announced_as_they_closed_is_not_begun(j
 
 
 @pytest.mark.parametrize(
-    ("error", "words_said"), [(InputError("x.png: full"), "x.png: full"), (OSError("no"), "a fault of ours")]
+    ("error", "words_said"), [(InputError("x.png: full"), "x.png: full"), (OSError("no"), "A fault of ours")]
 )
 def test_a_failing_job_is_told_in_a_line(jobs, said, error, words_said):
     def work(control):

@@ -35,7 +35,7 @@ _PANORAMA = ((20, 235), 90)
 _SLOWEST_ANSWER_S = 120.0
 _THINKING_STEP_S, _SITTING_STILL_S = 0.05, 0.2
 _MEMORY_EVERY_S, _REPORT_EVERY_S = 10.0, 120.0
-_OUR_FAULT = "a fault of ours"
+_OUR_FAULT = "A fault of ours"
 
 
 class Soak:
