@@ -107,7 +107,7 @@ def train(run: Run, report) -> NetworkBundle:
     torch.manual_seed(run.seed)
     stage = STAGES[run.stage]
     if stage.distilled and run.start is None:
-        raise InputError(f"{run.stage} learns from trained networks: give their weights after --start")
+        raise InputError(f"{run.stage} learns from trained networks: give their weights to start from, after --start")
     if stage.outlines and run.uses > 1:
         raise InputError(f"{run.stage}: its samples are used once each; only pairs of lights can be used again")
     bundle = load_bundle(run.start) if run.start else NetworkBundle(run.config)

@@ -256,7 +256,7 @@ def test_a_run_that_was_refused_keeps_no_other_from_its_folder(tmp_path, data):
     recipe, out = replace(recipe, networks=BundleConfig.tiny()), tmp_path / "out"
     start = tmp_path / "start.safetensors"
     save_bundle(start, NetworkBundle(BundleConfig.tiny()))
-    with pytest.raises(InputError, match="give their weights after --start"):
+    with pytest.raises(InputError, match="weights to start from, after --start"):
         follow(recipe, tmp_path, tmp_path, out, lambda *progress: None)
     mended = replace(recipe, stages=(replace(recipe.stages[0], name="warm-relight"),))
     follow(mended, tmp_path, tmp_path, out, lambda *progress: None, start)
