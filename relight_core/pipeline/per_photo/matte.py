@@ -27,6 +27,7 @@ from relight_core.pipeline.per_photo.likely_person import (
     without_lookalikes,
 )
 from relight_core.pipeline.per_photo.photo_frame import Inside, inside_frame
+from relight_core.pipeline.per_photo.turned_photo import filled_corners
 
 WORKING_PX = 1024
 """The longest side of the copy in which mattes are made."""
@@ -153,11 +154,14 @@ def draft_matte(
     face, near = place_faces(faces, matting_size, size), near_views(people, matting_size, size)
     coarse = _matted(guide, placed, face, near, matting_size)
     share, inside = _seen_nearer(coarse, guide, people, faces, size), inside_frame(guide)
-    return DraftMatte(_within(inside, share), small, guide, size, exposure, inside)
+    share = _within(inside, filled_corners(guide), share)
+    return DraftMatte(share, small, guide, size, exposure, inside)
 
 
-def _within(inside: Inside | None, share: np.ndarray) -> np.ndarray:
-    """A matte (h, w) in which nobody goes on into a frame."""
+def _within(inside: Inside | None, corners: np.ndarray | None, share: np.ndarray) -> np.ndarray:
+    """A matte (h, w) in which nobody goes on into a frame, or into the filled corners (h, w) of a turned photo."""
+    if corners is not None:
+        share = np.where(corners, np.float32(0), share)
     if inside is None:
         return share
     result = np.zeros_like(share)
