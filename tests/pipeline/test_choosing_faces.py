@@ -191,7 +191,7 @@ def test_of_several_specks_the_widest_is_what_a_face_must_exceed(monkeypatch, ph
     assert [found.x0 for found in chosen] == [18, 15]
 
 
-@pytest.mark.parametrize(("seen_in_guess", "seen_in_place", "left"), [(2, 3, 2), (3, 3, 4), (2, 2, 4)])
+@pytest.mark.parametrize(("seen_in_guess", "seen_in_place", "left"), [(2, 3, 2), (3, 3, 4), (2, 1, 4)])
 def test_a_guess_that_shows_half_a_face_gives_way_to_a_whole_one(
     monkeypatch, photo, seen_in_guess, seen_in_place, left
 ):
@@ -199,6 +199,14 @@ def test_a_guess_that_shows_half_a_face_gives_way_to_a_whole_one(
     seeing(monkeypatch, [], [leaves])
     evidence = {leaves: seen_in_guess, face: seen_in_place}
     chosen = choose_faces(photo, None, lambda box: evidence[box], lambda view: face, glimpse=lambda box: 3)
+    assert [found.x0 for found in chosen] == [left]
+
+
+@pytest.mark.parametrize(("width", "roll_deg", "left"), [(5, 120, 2), (5, 0, 4), (10, 120, 4)])
+def test_a_guess_that_lies_in_a_much_larger_face_that_stands_gives_way_to_it(monkeypatch, photo, width, roll_deg, left):
+    half, face = FaceBox(4, 4, 4 + width, 4 + width, roll_deg, True), FaceBox(2, 2, 12, 14, doubtful=True)
+    seeing(monkeypatch, [], [half])
+    chosen = choose_faces(photo, None, lambda box: 2, lambda view: face, glimpse=lambda box: 3)
     assert [found.x0 for found in chosen] == [left]
 
 

@@ -29,6 +29,9 @@ _SPECK, _SUSPECTED_SPECK, _MUCH_WIDER = 0.1, 0.2, 3
 """A face narrower than this share of the photo's shorter side is a speck, the second if it is only suspected, and gives
 way to one so much wider."""
 
+_LARGER = 1.5
+"""A face is so many times as wide as what passes for another in it."""
+
 _AGREED, _SAME_PLACE = 4, 0.7
 """Windows of the search that lead to one place, where boxes share so much of their union."""
 
@@ -131,13 +134,33 @@ def _confirmed(
 
 
 def _fullest(choices: Iterable[list[FaceBox]], evidence: Callable[[FaceBox], int]) -> list[FaceBox]:
-    """The first choice whose faces are all seen whole, else the first that has any."""
+    """The first choice whose faces are all seen whole, else the first that has any.
+
+    Of a face whose brow the photo cuts off, a half or the nostrils and the mouth may pass for a face that lies: such a
+    guess gives way to a much larger face around it that stands and shows as much.
+    """
     left: list[FaceBox] = []
     for faces in choices:
-        if faces and all(evidence(face) == _ALL_EVIDENCE for face in faces):
+        if not faces:
+            continue
+        seen = min(map(evidence, faces))
+        if seen == _ALL_EVIDENCE:
             return faces
-        left = left or faces
+        if not left or (_lies_within(left, faces) and seen >= min(map(evidence, left))):
+            left = faces
     return left
+
+
+def _lies_within(parts: list[FaceBox], faces: list[FaceBox]) -> bool:
+    """Whether all of some boxes lie, and are small parts of the first of some faces, which stands."""
+    face = faces[0]
+    return abs(face.roll_deg) < _UPRIGHT_TO_DEG and all(
+        abs(part.roll_deg) >= _LYING_FROM_DEG
+        and face.width > _LARGER * part.width
+        and face.x0 <= (part.x0 + part.x1) / 2 <= face.x1
+        and face.y0 <= (part.y0 + part.y1) / 2 <= face.y1
+        for part in parts
+    )
 
 
 def _wider(faces: list[FaceBox], least_width: float) -> list[FaceBox]:
