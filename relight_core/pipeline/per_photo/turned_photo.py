@@ -63,33 +63,40 @@ def _corner(shown: np.ndarray, flip: tuple[slice, slice]) -> _Corner | None:
     if np.ptp(tip, axis=0).max() > _FLAT:
         return None
     colour = np.median(tip, axis=0)
-    away = np.abs(shown - colour).max(axis=2)
+    # Below the first row that begins with something else, nothing is of the corner.
+    count = int(np.argmax(np.append(_away(shown[:, 0], colour) > _STEP, True)))
+    if count < _LEAST_LEG_PX:
+        return None
+    away = _away(shown[:count], colour)
     legs = _legs(np.argmax(np.pad(away > _STEP, ((0, 0), (0, 1)), constant_values=True), axis=1))
     if legs is None:
         return None
     down, across = legs
-    rows, columns = np.ogrid[: away.shape[0], : away.shape[1]]
+    rows, columns = np.ogrid[: shown.shape[0], : shown.shape[1]]
     # How far each pixel's middle is from the border, positive in the corner.
     depth = (1 - (rows + 0.5) / down - (columns + 0.5) / across) * down * across / math.hypot(down, across)
-    if (away[depth > _BORDER_PX] <= _FLAT).mean() < _PLAIN:
+    if (away[depth[:count] > _BORDER_PX] <= _FLAT).mean() < _PLAIN:
         return None
     angle = math.degrees(math.atan2(down, across))
     mirrored = flip[0].step != flip[1].step
     return _Corner((depth > -_BORDER_PX)[flip], colour, (90 - angle if mirrored else angle) % 90)
 
 
+def _away(shown: np.ndarray, colour: np.ndarray) -> np.ndarray:
+    """How far pixels (..., 3) are from a colour, (...), in the channel in which they are farthest."""
+    red, green, blue = (np.abs(shown[..., channel] - colour[channel]) for channel in range(3))
+    return np.maximum(np.maximum(red, green), blue)
+
+
 def _legs(runs: np.ndarray) -> tuple[float, float] | None:
     """How far a filled triangle reaches down and across; None where it is none.
 
     Args:
-        runs: (h,) how many of the first pixels of each row are filled. Where the picture's own corner touches its
-            border, a row may be filled on from one triangle into the next: it counts for nothing.
+        runs: (h,) how many of the first pixels of each row are filled, more than none. Where the picture's own corner
+            touches its border, a row may be filled on from one triangle into the next: it counts for nothing.
     """
-    count = int(np.argmin(np.append(runs, 0) > 0))
-    if count < _LEAST_LEG_PX:
-        return None
-    rows, ends = np.arange(count) + 0.5, runs[:count].astype(float)
-    half = count // 2
+    rows, ends = np.arange(len(runs)) + 0.5, runs.astype(float)
+    half = len(runs) // 2
     slope = float(np.median(ends[:half] - ends[half : 2 * half])) / half
     across = float(np.median(ends + slope * rows))
     if slope <= 0 or min(across, across / slope) < _LEAST_LEG_PX:
