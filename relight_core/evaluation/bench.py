@@ -27,7 +27,7 @@ from relight_core.networks.bundle import NetworkBundle
 from relight_core.pipeline import stages
 from relight_core.pipeline.model import light_surface
 from relight_core.pipeline.per_light.hard_shadow import LampsView, ready_for_lamps
-from relight_core.pipeline.per_light.hints import Effects
+from relight_core.pipeline.per_light.hints import Effects, as_channels
 from relight_core.pipeline.per_light.residual import Residual, add_residual, find_residual
 from relight_core.pipeline.per_photo.albedo import flatten_albedo
 from relight_core.pipeline.per_photo.second_look import take_apart
@@ -145,7 +145,7 @@ class Editor:
         image, shown = add_residual(found.residual, composed, effects, light)
         fit = fit_view(found.view, reflected, shown, image)
         change = enlarge_change(fit, None, upsampler_for(seen.photo, seen.small), 1.0)
-        return light_channels(effects, change, seen.photo)
+        return light_channels(as_channels(effects), change, seen.photo)
 
 
 def masks_of(head: HeldOutHead, target: HeldOutLight) -> dict[str, np.ndarray]:

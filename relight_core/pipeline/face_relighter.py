@@ -15,7 +15,7 @@ from relight_core.pipeline import stages
 from relight_core.pipeline.edit import Edit
 from relight_core.pipeline.face_in_photo import FaceInPhoto
 from relight_core.pipeline.per_light.hard_shadow import harden_shadow, ready_for_lamps
-from relight_core.pipeline.per_light.hints import Effects
+from relight_core.pipeline.per_light.hints import Effects, as_channels
 from relight_core.pipeline.per_light.kept_lights import ServingLight
 from relight_core.pipeline.per_light.residual import add_residual
 from relight_core.pipeline.per_light.sliders import move_sliders, soften_shadow, specular_gain
@@ -217,10 +217,10 @@ class FaceRelighter(FaceInPhoto):
             fixed["source_light"] = self.own_light(ready.tier)
         # Of the person alone, as albedo and normals are (see `of_person`).
         specular, shadow = (ready.surface.person * plan.runs(name) for name in ("specular", "shadow"))
-        effects = lit.effects
+        effects = as_channels(lit.effects)
         if lit.nearer is not None:
             views = self.portrait.view, self.nearer.portrait.view
-            effects = with_nearer_effects(effects, lit.nearer[1].effects, *views)
+            effects = with_nearer_effects(effects, as_channels(lit.nearer[1].effects), *views)
         shown = Effects(effects.specular * specular, effects.shadow * shadow)
         lighted = self.cache.run(
             "channels",

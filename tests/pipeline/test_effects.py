@@ -14,6 +14,7 @@ from relight_core.networks.specular_shadow import Occlusion, SpecularShadowConfi
 from relight_core.pipeline import stages
 from relight_core.pipeline.per_light.hints import (
     Effects,
+    as_channels,
     doubtful_shadow,
     effects_of,
     explicit_sum,
@@ -50,6 +51,18 @@ def test_no_depth_of_shadow_takes_away_what_is_thrown_back_into_it(scene, gain):
     back = torch.rand(1, 3, 12, 12)
     with_it = explicit_sum(albedo, reflected, replace(effects, thrown_back=back), 1.0, gain)
     torch.testing.assert_close(with_it, explicit_sum(albedo, reflected, effects, 1.0, gain) + back)
+
+
+def test_the_shadow_channel_is_what_the_picture_lacks(scene):
+    albedo, reflected, _ = scene
+    third = torch.full((1, 1, 12, 12), 1 / 3).logit()
+    effects = effects_of(Occlusion(third, third), reflected, albedo)
+    effects = replace(effects, thrown_back=0.1 * albedo * reflected[:, :3])
+    shown, picture = as_channels(effects), explicit_sum(albedo, reflected, effects)
+    open_to_all_light = albedo * reflected[:, :3] + reflected[:, 3:]
+    torch.testing.assert_close(shown.shadow, grey(open_to_all_light - picture), rtol=1e-4, atol=1e-5)
+    everything_back = replace(effects, thrown_back=open_to_all_light)
+    assert as_channels(everything_back).shadow.max() == 0
 
 
 def test_without_occlusion_there_is_no_shadow_and_all_of_the_gloss(scene):

@@ -100,6 +100,13 @@ class Effects:
     thrown_back: torch.Tensor | None = None
 
 
+def as_channels(effects: Effects) -> Effects:
+    """The effects as the paper's channels show them: a shadow is what the picture lacks, not what is thrown back."""
+    if effects.thrown_back is None:
+        return effects
+    return Effects(effects.specular, (effects.shadow - grey(effects.thrown_back)).clamp_min(0))
+
+
 def effects_of(occlusion: Occlusion, reflected: torch.Tensor, albedo: torch.Tensor) -> Effects:
     """Additive specular and shadow (paper, section 3.2) from the occluded fractions.
 
