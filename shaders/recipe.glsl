@@ -1,5 +1,5 @@
 // A relit picture from small maps; the twin of relight_core/pipeline/results/picture.py.
-// To be pasted into a fragment shader. OVER: something else is behind the person than in the photo.
+// To be pasted into a fragment shader. OVER: something else is behind the person than in the photo. EYES: that mirror.
 
 const int MOST_VIEWS = 8;
 
@@ -27,6 +27,26 @@ const float LENS_VEIL = 0.01, LIGHT_WRAP = 0.5, MOST_WRAP = 0.25;
 
 #endif
 
+#ifdef EYES
+
+const int MOST_EYES = 16;
+
+uniform sampler2D catchlights;          // of the eyes' views, one below the other; 0 at their borders
+uniform int eyes;
+uniform mat3x2 to_eye[MOST_EYES];
+uniform float eye_level[MOST_EYES];     // of the averages to read where an eye is shown smaller than its map
+
+vec3 mirrored_at(vec2 uv) {
+    for (int i = 0; i < eyes; i++) {
+        vec2 within = to_eye[i] * vec3(uv, 1.0);
+        if (max(abs(within.x - 0.5), abs(within.y - 0.5)) >= 0.5) continue;
+        return textureLod(catchlights, vec2(within.x, (float(i) + within.y) / float(eyes)), eye_level[i]).rgb;
+    }
+    return vec3(0.0);
+}
+
+#endif
+
 // Radiance and coverage at a place in the picture, [0, 1] across and down.
 vec4 relit_at(vec2 uv) {
     if (crisp) {
@@ -50,6 +70,9 @@ vec4 relit_at(vec2 uv) {
     vec4 own = textureLod(person, uv, level);
     vec3 lit = own.rgb * (known ? textureLod(gain, at, 0.0).rgb : textureLod(rest, uv, 0.0).rgb);
     lit += own.a * (known ? textureLod(offset, at, 0.0).rgb : vec3(0.0));
+#ifdef EYES
+    lit = max(lit + own.a * mirrored_at(uv), 0.0);
+#endif
     if (transparent) return vec4(lit / max(own.a, 1e-6), own.a);
 #ifdef OVER
     float near = own_alpha ? own.a : textureLod(nearby, uv, 0.0).r;

@@ -9,10 +9,16 @@ import numpy as np
 
 from app.window.gl_textures import PictureSlot, TextureSlot
 from relight_core.imaging.scopes import thinning_step
-from relight_core.pipeline.results.display import MOST_VIEWS, DisplayRecipe
+from relight_core.pipeline.results.display import MOST_EYES, MOST_VIEWS, DisplayRecipe
 
-MAPS = ("behind", "gain", "offset", "rest", "backdrop", "soft", "nearby")
+MAPS = ("behind", "gain", "offset", "rest", "backdrop", "soft", "nearby", "catchlights")
 """The recipe's textures beside the person, as shaders/recipe.glsl calls them."""
+
+_AVERAGED = ("behind", "catchlights")
+"""Those that are finer than the screen where the picture is shown small."""
+
+_MOST_AVERAGED = 4.0
+"""Levels: beyond it one eye's would run into the next one's."""
 
 _FIRST_UNIT = 3
 """The units before hold the picture or the person, the photo, and colours."""
@@ -29,7 +35,7 @@ class RelitSlot:
         self.recipe: DisplayRecipe | None = None
         self._pixels = PictureSlot(context)
         self._person = TextureSlot(context, mipmaps=True)
-        self._maps = {name: TextureSlot(context, mipmaps=name == "behind") for name in MAPS}
+        self._maps = {name: TextureSlot(context, mipmaps=name in _AVERAGED) for name in MAPS}
         self._thinned: dict[int, np.ndarray] = {}
         self._crisp = False
 
@@ -82,7 +88,9 @@ class RelitSlot:
         """Which parts of the shader draw it."""
         if self.recipe is None:
             return ()
-        return ("RECIPE",) if self.recipe.backdrop is None else ("RECIPE", "OVER")
+        over = () if self.recipe.backdrop is None else ("OVER",)
+        eyes = () if self.recipe.catchlights is None else ("EYES",)
+        return ("RECIPE", *over, *eyes)
 
     def bind(self, program: moderngl.Program, width_px: float) -> None:
         """Hand textures and numbers to a program compiled with `switches`, for a picture drawn so wide."""
@@ -94,10 +102,7 @@ class RelitSlot:
             if name in program and self._maps[name].texture is not None:
                 self._maps[name].texture.use(unit)
                 program[name].value = unit
-        matrices = np.zeros((MOST_VIEWS, 3, 2), np.float32)
-        for matrix, view in zip(matrices, recipe.views, strict=False):
-            matrix[:] = view.T
-        program["to_view"].write(matrices.tobytes())
+        program["to_view"].write(_matrices(recipe.views, MOST_VIEWS))
         program["level"].value = max(math.log2(self.texture.width / max(width_px, 1e-3)), 0.0)
         program["crisp"].value = self._crisp
         program["views"].value = len(recipe.views)
@@ -106,8 +111,20 @@ class RelitSlot:
             program["dimmed"].value = recipe.behind_gain is not None
             gain = (1.0, 1.0, 1.0) if recipe.behind_gain is None else recipe.behind_gain
             program["behind_gain"].value = tuple(map(float, gain))
+        if "eyes" in program:
+            program["eyes"].value = len(recipe.eyes)
+            program["to_eye"].write(_matrices(recipe.eyes, MOST_EYES))
+            program["eye_level"].write(self._eye_levels(width_px).tobytes())
         if "own_alpha" in program:
             program["own_alpha"].value = recipe.nearby is None
+
+    def _eye_levels(self, width_px: float) -> np.ndarray:
+        """Of each eye, (16,) float32, for a picture drawn so wide."""
+        levels = np.zeros(MOST_EYES, np.float32)
+        size = self._maps["catchlights"].texture.width
+        for index, share in enumerate(self.recipe.eye_widths):
+            levels[index] = min(max(math.log2(size / max(share * width_px, 1e-3)), 0.0), _MOST_AVERAGED)
+        return levels
 
     def close(self) -> None:
         """Free everything; the slot can be used again."""
@@ -129,3 +146,11 @@ class RelitSlot:
         self.recipe, self._thinned = None, {}
         for slot in (self._person, *self._maps.values()):
             slot.close()
+
+
+def _matrices(views: tuple[np.ndarray, ...], most: int) -> bytes:
+    """(2, 3) each, as an array of that many matrices in a shader."""
+    matrices = np.zeros((most, 3, 2), np.float32)
+    for matrix, view in zip(matrices, views, strict=False):
+        matrix[:] = view.T
+    return matrices.tobytes()

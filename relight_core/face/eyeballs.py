@@ -25,14 +25,13 @@ _SOCKET_REACH = 0.3
 
 
 @dataclass(frozen=True)
-class _Eye:
-    """An eye in a view: its probability (S, S), its middle, half its width, and where its normals point."""
+class EyePlace:
+    """An eye in a view: its probability (S, S), the pixel in its middle, and half its width in pixels."""
 
     share: np.ndarray
     middle_x: float
     middle_y: float
     half_width: float
-    facing: np.ndarray
 
 
 def with_eyeballs(normal: np.ndarray, parsing: np.ndarray) -> np.ndarray:
@@ -48,13 +47,14 @@ def with_eyeballs(normal: np.ndarray, parsing: np.ndarray) -> np.ndarray:
     Returns:
         (3, S, S) float32 unit vectors; the normals themselves where no eye is seen in enough pixels.
     """
-    found = (_eye(normal, parsing[INDEX[name]]) for name in ("left_eye", "right_eye"))
+    found = (eye_place(parsing[INDEX[name]]) for name in ("left_eye", "right_eye"))
     eyes = [eye for eye in found if eye is not None]
     if not eyes:
         return normal
-    together = _unit(np.sum([eye.facing for eye in eyes], axis=0))
-    for eye in eyes:
-        normal = _with_ball(normal, eye, _unit(together + eye.facing))
+    facing = [_unit((normal * eye.share).sum((1, 2))) for eye in eyes]
+    together = _unit(np.sum(facing, axis=0))
+    for eye, alone in zip(eyes, facing, strict=True):
+        normal = _with_ball(normal, eye, _unit(together + alone))
     return normal.astype(np.float32)
 
 
@@ -65,8 +65,8 @@ def eye_sockets(parsing: np.ndarray) -> np.ndarray:
     return np.clip(2.5 * cv2.GaussianBlur(eyes, (0, 0), max(_SOCKET_REACH * across, 0.5)), 0, 1)
 
 
-def _eye(normal: np.ndarray, share: np.ndarray) -> _Eye | None:
-    """The largest connected part of an eye's probability; None where there is none to speak of."""
+def eye_place(share: np.ndarray) -> EyePlace | None:
+    """The largest connected part of an eye's probability (S, S); None where there is none to speak of."""
     count, parts, stats, _ = cv2.connectedComponentsWithStats((share > 0.5).astype(np.uint8))
     if count < 2:
         return None
@@ -79,10 +79,10 @@ def _eye(normal: np.ndarray, share: np.ndarray) -> _Eye | None:
     middle_x, middle_y = float(across @ place), float(down @ place)
     # A filled ellipse is twice as wide to either side as its positions deviate.
     half_width = max(2 * np.sqrt(float(across @ (place - middle_x) ** 2)), 1.0)
-    return _Eye(share, middle_x, middle_y, half_width, _unit((normal * share).sum((1, 2))))
+    return EyePlace(share, middle_x, middle_y, half_width)
 
 
-def _with_ball(normal: np.ndarray, eye: _Eye, facing: np.ndarray) -> np.ndarray:
+def _with_ball(normal: np.ndarray, eye: EyePlace, facing: np.ndarray) -> np.ndarray:
     lid_px, radius = max(_LID_REACH * eye.half_width, 0.5), _RADIUS_IN_HALF_WIDTHS * eye.half_width
     rows, columns = _around(eye.share, lid_px)
     share, bare = eye.share[rows, columns], normal[:, rows, columns]

@@ -19,6 +19,7 @@ EFFECTS = (
     "residual",
     "sliders",
     "detail",
+    "catchlights",
     "background",
     "channels",
 )

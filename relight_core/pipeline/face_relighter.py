@@ -7,13 +7,16 @@ from functools import partial
 import numpy as np
 import torch
 
+from relight_core.imaging.colour import without_colour
 from relight_core.imaging.joint_upsampling import JointUpsampler
 from relight_core.imaging.light_change import LightChange
 from relight_core.imaging.view_of_photo import ViewOfPhoto
+from relight_core.lighting.environment import Environment, network_light
 from relight_core.lighting.lamps import Lamp
 from relight_core.pipeline import stages
 from relight_core.pipeline.edit import Edit
 from relight_core.pipeline.face_in_photo import FaceInPhoto
+from relight_core.pipeline.per_light.catchlights import Catchlight, how_much_another, light_about, mirrored_light
 from relight_core.pipeline.per_light.hard_shadow import harden_shadow, ready_for_lamps
 from relight_core.pipeline.per_light.hints import Effects, as_channels
 from relight_core.pipeline.per_light.kept_lights import ServingLight
@@ -179,6 +182,26 @@ class FaceRelighter(FaceInPhoto):
             return change
         exposure = self.portrait.exposure
         return change.toned(ready.photo_view * np.float32(exposure), self.portrait.photo.tone_at(exposure))
+
+    def catchlights(
+        self, ready: Prepared, lit: Lit, plan: Plan, edit: Edit, environment: Environment
+    ) -> tuple[Catchlight, ...]:
+        """What the eyes mirror of a light, at its level and the sliders' gain."""
+        corneas = self.corneas()
+        if not corneas:
+            return ()
+        transport = self._relief(ready) if plan.runs("shadow") and plan.runs("relief") else None
+        of_light = ready.surface, transport, lit.effects, lit.reflected, lit.light
+        eyes = [light_about(cornea, self.portrait.view, *of_light) for cornea in corneas]
+        replaces = 1.0
+        if plan.runs("source_light"):
+            replaces = how_much_another(network_light(environment, edit.yaw_deg), self.own_light_normalised(ready))
+        gain = specular_gain(edit.specular * plan.runs("specular"), edit.specular_tint, "cpu")
+        gain = np.float32(environment.level) * np.asarray(gain, np.float32).reshape(-1)
+        seen = [gain * mirrored_light(*eye, environment, edit.yaw_deg) for eye in zip(corneas, eyes, strict=True)]
+        if self.portrait.photo.monochrome:
+            seen = [without_colour(mirrored) for mirrored in seen]
+        return tuple(Catchlight(*parts, replaces) for parts in zip(corneas, seen, strict=True))
 
     def level_as_in_photo_ev(self, ready: Prepared, change: ViewChange, most_stops: float = MOST_STOPS) -> float:
         """See `pipeline.results.face_level`."""

@@ -10,6 +10,7 @@ from weakref import proxy
 import numpy as np
 
 from relight_core.face.crop import Crop
+from relight_core.face.irises import find_irises
 from relight_core.face.parsing import INDEX, PAPER_CLASSES, share_of
 from relight_core.face.person_view import person_view, upright, wider_view
 from relight_core.face.silhouette import person_with_headwear
@@ -19,6 +20,7 @@ from relight_core.lighting.relief import ReliefTransport
 from relight_core.networks.bundle import NetworkBundle
 from relight_core.pipeline import stages
 from relight_core.pipeline.cache import StageCache
+from relight_core.pipeline.per_photo.corneas import Cornea, find_cornea
 from relight_core.pipeline.per_photo.nearer_look import nearer_view, with_nearer_look
 from relight_core.pipeline.per_photo.network_view import as_networks_see
 from relight_core.pipeline.per_photo.outline import Outline, outline_person, parsing_within
@@ -133,6 +135,20 @@ class FaceTakenApart:
         """Probability (s, s) of face, and the view it lies in."""
         face = share_of(self.prepare(tier_of("live")).found.parsing, PAPER_CLASSES)
         return face[0, 0].cpu().numpy(), self.portrait.view
+
+    def corneas(self) -> tuple[Cornea, ...]:
+        """The fronts of the eyes; none where one that is seen can't be taken apart, or none is seen well enough.
+
+        As one tier sees them, whichever is asked for, so that they depend on no history.
+        """
+        return self._once("corneas", "photo", self._find_corneas)
+
+    def _find_corneas(self) -> tuple[Cornea, ...]:
+        photo, exposure, view = self.portrait.photo, self.portrait.exposure, self.portrait.view
+        parsing = self.prepare(tier_of("live")).found.parsing[0].cpu().numpy()
+        irises = find_irises(photo.linear, exposure, parsing, view)
+        found = [find_cornea(photo.linear, exposure, iris) for iris in irises]
+        return () if None in found else tuple(found)
 
     def outline(self) -> Outline | None:
         """The person as the person network sees them; None where there is no such network, or it isn't asked.

@@ -75,6 +75,8 @@ class Scene:
         backdrop: names the panorama behind the person: a light and its turn.
         level: of the light.
         lamps: the light's small ones, turned as it is.
+        mirrored: names the panorama that eyes mirror: a light and its turn.
+        irises: how many are seen well enough to mirror it.
     """
 
     tier: Tier
@@ -83,6 +85,8 @@ class Scene:
     backdrop: Hashable
     level: float
     lamps: tuple[Lamp, ...] = ()
+    mirrored: Hashable = None
+    irises: int = 0
 
 
 @dataclass(frozen=True)
@@ -125,6 +129,7 @@ _STAGE_OF = {
     "residual": "residual",
     "sliders": "sliders",
     "detail": "detail",
+    "catchlights": "catchlights",
     "background": "background",
     "channels": "channels",
 }
@@ -246,6 +251,14 @@ def _detail(scene: Scene, edit: Edit) -> _Verdict:
     return _Verdict(True, "the photo has more pixels than the networks see")
 
 
+def _catchlights(scene: Scene, edit: Edit) -> _Verdict:
+    if scene.level == 0:
+        return _Verdict(False, "the light is black")
+    if scene.irises == 0:
+        return _Verdict(False, "no iris is seen in enough pixels to mirror anything")
+    return _Verdict(True, "the eyes mirror this light, and no longer the photo's")
+
+
 def _background(scene: Scene, edit: Edit) -> _Verdict:
     if edit.background == "keep":
         return _Verdict(False, "the photo's own background stays")
@@ -285,6 +298,7 @@ _RULES: dict[str, Callable[[Scene, Edit], _Verdict]] = {
     "residual": _residual,
     "sliders": _sliders,
     "detail": _detail,
+    "catchlights": _catchlights,
     "background": _background,
     "channels": _channels,
 }
@@ -301,6 +315,8 @@ def _keys(scene: Scene, edit: Edit, needed: set[str], network: bool) -> dict[str
     gains = edit.sliders if "sliders" in needed else Edit().sliders
     image = (compose, "residual" in needed)
     change = (image, gains, "detail" in needed, scene.level)
+    mirrored = (scene.mirrored, scene.irises) if "catchlights" in needed else None
+    catchlights = (edges, gains, "specular" in needed, scene.level, mirrored)
     backdrop = scene.backdrop if edit.background == "light" else None
     behind = (edit.background, backdrop) if "background" in needed else None
     return {
@@ -316,8 +332,9 @@ def _keys(scene: Scene, edit: Edit, needed: set[str], network: bool) -> dict[str
         "detail_fit": (image, "detail" in needed),
         "sliders": change,
         "detail": change,
+        "catchlights": catchlights,
         "panorama": backdrop,
-        "background": (change, behind),
+        "background": (change, catchlights, behind),
         "channels": (change, edit.channels),
     }
 

@@ -24,6 +24,7 @@ from relight_core.pipeline.edit import Edit, check_numbers
 from relight_core.pipeline.face_relighter import KEPT_LIGHTS, FaceRelighter
 from relight_core.pipeline.face_search import FaceSearch
 from relight_core.pipeline.face_taken_apart import Workshop
+from relight_core.pipeline.per_light.catchlights import Catchlight
 from relight_core.pipeline.per_light.kept_lights import KeptLights, ServingLight
 from relight_core.pipeline.per_photo.brush import BrushStroke, checked_strokes
 from relight_core.pipeline.per_photo.choosing_faces import those_chosen
@@ -170,7 +171,7 @@ class Relighter:
             face.forget(stage)
 
     def plan(self, environment: Environment, edit: Edit) -> Plan:
-        """What `relight` would do now; computes nothing.
+        """What `relight` would do now; of the picture nothing is computed.
 
         Raises:
             InputError: as `relight`.
@@ -204,7 +205,8 @@ class Relighter:
         ready, lit, change = self._first_change(serving, plan, edit, level)
         changes = [change, *self._other_changes(serving, plan, edit, level)]
         whole = self._whole
-        full = whole.picture(changes, serving.radiance, plan, environment, edit)
+        catchlights = self._catchlights(serving, plan, edit, environment)
+        full = whole.picture(changes, catchlights, serving.radiance, plan, environment, edit)
         recipe, image, alpha = None, None, None
         if longest_side_px != 0:
             recipe, image, alpha = whole.shown(full, plan, longest_side_px, for_shader)
@@ -217,6 +219,22 @@ class Relighter:
         others = {"recipe": recipe, "level_as_in_photo_ev": partial(face.level_as_in_photo_ev, ready, change)}
         others |= {"outline": partial(whole.outline, full.matte), "networks_ended_s": self._networks_ended_s()}
         return Relit(image, alpha, channels, boxes, done, plan.effects, full, **place, **others)
+
+    def _catchlights(
+        self, serving: ServingLight, plan: Plan, edit: Edit, environment: Environment
+    ) -> tuple[tuple[Catchlight, ...], ...]:
+        """What every face's eyes mirror."""
+        if not plan.runs("catchlights"):
+            self._cache.skip("catchlights", plan.effect("catchlights").why)
+            return ()
+
+        def mirror(face: FaceRelighter) -> tuple[Catchlight, ...]:
+            return face.catchlights(
+                *face.prepared_and_lit(tier_of(edit.quality), serving, plan), plan, edit, environment
+            )
+
+        make = lambda: tuple(mirror(face) for face in self._faces)  # noqa: E731
+        return self._cache.run("catchlights", plan.keys["catchlights"], make, "new light or slider")
 
     def _networks_ended_s(self) -> float | None:
         ends = [cache.record.last_end(_NETWORK_STAGES) for face in self._faces for cache in face.caches]
@@ -255,7 +273,8 @@ class Relighter:
         backdrop = None
         if edit.background == "light":
             backdrop = (environment.fingerprint, edit.yaw_deg, edit.background_fov_deg, edit.background_blur_deg)
-        scene = Scene(tier, light.name, light.bound, backdrop, environment.level, light.lamps)
+        mirrored, irises = (environment.fingerprint, edit.yaw_deg), sum(len(face.corneas()) for face in self._faces)
+        scene = Scene(tier, light.name, light.bound, backdrop, environment.level, light.lamps, mirrored, irises)
 
         def is_kept(stage: str, key: Hashable) -> bool:
             return any(cache.has(stage, key) for cache in caches)

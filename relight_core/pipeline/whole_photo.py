@@ -15,6 +15,7 @@ from relight_core.pipeline.cache import StageCache
 from relight_core.pipeline.edit import Edit
 from relight_core.pipeline.face_relighter import FaceRelighter
 from relight_core.pipeline.face_taken_apart import Workshop
+from relight_core.pipeline.per_light.catchlights import Catchlight
 from relight_core.pipeline.per_light.rest_of_person import body_shading
 from relight_core.pipeline.per_photo.brush import BrushStroke
 from relight_core.pipeline.per_photo.exposing import exposure_about_faces
@@ -25,7 +26,14 @@ from relight_core.pipeline.quality import Tier, tier_of
 from relight_core.pipeline.results.backdrop import OWN_BACKGROUNDS, Backdrop, backdrop_panorama, make_backdrop
 from relight_core.pipeline.results.channels import ViewChange
 from relight_core.pipeline.results.display import LARGEST_SIDE, DisplayRecipe, person_layers, recipe_of
-from relight_core.pipeline.results.finish import Placement, mean_gain, place_changes, place_views, weights_on_views
+from relight_core.pipeline.results.finish import (
+    Placement,
+    mean_gain,
+    place_catchlights,
+    place_changes,
+    place_views,
+    weights_on_views,
+)
 from relight_core.pipeline.results.outline_lines import outline_lines
 from relight_core.pipeline.results.picture import Picture
 
@@ -58,12 +66,19 @@ class WholePhoto:
         self._strokes = () if self._photo.is_cut_out else strokes
 
     def picture(
-        self, changes: Sequence[ViewChange], radiance: np.ndarray, plan: Plan, environment: Environment, edit: Edit
+        self,
+        changes: Sequence[ViewChange],
+        catchlights: Sequence[Sequence[Catchlight]],
+        radiance: np.ndarray,
+        plan: Plan,
+        environment: Environment,
+        edit: Edit,
     ) -> Picture:
         """The picture at the photo's own size; nothing of its pixels is computed.
 
         Args:
             changes: of the faces, in their order.
+            catchlights: of the faces' eyes, in their order; none where the plan has none.
             radiance: (16, 32, 3) of the light, normalised, as the photo's camera sees it.
         """
         run, views = self._cache.run, [face.portrait.view for face in self._faces]
@@ -91,7 +106,9 @@ class WholePhoto:
             backdrop = Backdrop(transparent=True)
         else:
             backdrop = self._backdrop(plan, environment, edit, placement, rest)
-        return Picture(canvas_of(self._photo), matte, placed_changes, rest, backdrop, exposure=placement.exposure)
+        eyes = place_catchlights(catchlights, placed_changes)
+        of_photo = {"exposure": placement.exposure, "catchlights": eyes}
+        return Picture(canvas_of(self._photo), matte, placed_changes, rest, backdrop, **of_photo)
 
     def shown(
         self, picture: Picture, plan: Plan, longest_side_px: int | None, for_shader: bool

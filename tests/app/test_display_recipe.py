@@ -22,7 +22,7 @@ from relight_core.pipeline.per_photo.matte import Matte
 from relight_core.pipeline.per_photo.person import Canvas
 from relight_core.pipeline.results.backdrop import Backdrop
 from relight_core.pipeline.results.display import person_layers, recipe_of
-from relight_core.pipeline.results.picture import Picture, PlacedChange
+from relight_core.pipeline.results.picture import Picture, PlacedCatchlight, PlacedChange
 
 HEIGHT, WIDTH = 83, 71
 ONE_CODE = 1.0 + 0.5
@@ -73,6 +73,16 @@ def some_picture(backdrop, views=ONE, seed=0, hostile=False, own_alpha=False):
     alpha = rng.random((HEIGHT, WIDTH)).astype(np.float32) if own_alpha else None
     canvas = Canvas(linear, alpha, (HEIGHT, WIDTH))
     return Picture(canvas, matte, changes, smooth(rng, (13, 11), 3, 2.0), backdrop)
+
+
+def with_eyes(picture, high=2.0):
+    """Two eyes that mirror a lamp, one of them also at the border of a view."""
+    eyes = []
+    for view in (Crop(22.0, 38.0, 28.0), Crop(52.0, 40.0, 28.0)):
+        away = np.hypot(*np.meshgrid(*[np.linspace(-1, 1, 28)] * 2))
+        added = high * np.exp(-((away / 0.35) ** 2)) - 0.3 * np.exp(-(((away - 0.3) / 0.2) ** 2))
+        eyes.append(PlacedCatchlight((added[..., None] * (1.0, 0.8, 0.5)).astype(np.float32), view))
+    return replace(picture, catchlights=tuple(eyes))
 
 
 def drawn(context, screen, place=None, paint=None, exposure_ev=0.0):
@@ -159,6 +169,28 @@ def test_it_does_for_a_photo_in_units_of_its_own(context, backdrop, stops):
         exposure=1 / units,
     )
     assert worst(context, picture, -stops) < ONE_CODE
+
+
+@pytest.mark.parametrize("views", [ONE, SEVERAL], ids=["one", "several"])
+@pytest.mark.parametrize("backdrop", BACKDROPS)
+def test_it_draws_what_eyes_mirror(context, backdrop, views):
+    picture = some_picture(BACKDROPS[backdrop], views)
+    assert worst(context, with_eyes(picture)) < ONE_CODE
+    unlike = np.abs(with_eyes(picture).render()[0] - picture.render()[0]).max(-1) > 1e-3
+    assert unlike[30:50].any()
+    assert not unlike[:20].any()
+
+
+def test_eyes_in_a_picture_shown_smaller_are_averages(context):
+    dark = replace(
+        some_picture(BACKDROPS["keep"]), changes=(PlacedChange(*np.zeros((2, 32, 32, 3), np.float32), ONE[0]),)
+    )
+    picture = with_eyes(replace(dark, matte=replace(dark.matte, level=np.ones_like(dark.matte.level))), high=0.9)
+    recipe = recipe_of(picture, person_layers(picture.canvas, picture.matte, picture.exposure))
+    pixels = picture.render()[0].astype(np.float16)
+    small = Placement(0, 0, 0.25, WIDTH / 4, HEIGHT / 4)
+    means = [srgb_decode(drawn(context, screen, small)).mean() for screen in (recipe, pixels)]
+    assert means[0] == pytest.approx(means[1], rel=0.15)
 
 
 @pytest.mark.parametrize("value", [0.0, 1e30])

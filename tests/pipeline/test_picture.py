@@ -17,7 +17,7 @@ from relight_core.pipeline.per_photo.person import Canvas, canvas_of, whole_pers
 from relight_core.pipeline.results.backdrop import Backdrop, make_backdrop
 from relight_core.pipeline.results.channels import ViewChange
 from relight_core.pipeline.results.finish import gain_of_rest, mean_gain, place_changes, place_views, weights_on_views
-from relight_core.pipeline.results.picture import Picture
+from relight_core.pipeline.results.picture import Picture, PlacedCatchlight
 
 CROP = Crop(100.0, 85.0, 130.0)
 EVEN = torch.ones(1, 16, 32, 3)
@@ -346,3 +346,42 @@ def test_a_background_that_follows_the_person_is_never_dimmed_to_black_nor_blown
 def test_a_matched_background_follows_the_person_in_whatever_units(exposure):
     gain = np.float32([0.5, 0.7, 0.9]) * np.float32(exposure)
     np.testing.assert_allclose(make_backdrop("match", None, lambda: gain, exposure).gain, gain)
+
+
+def test_catchlights_are_the_same_however_the_picture_is_cut():
+    rng = np.random.default_rng(0)
+    added = np.pad(rng.random((20, 20, 3)).astype(np.float32), ((4, 4), (4, 4), (0, 0)))
+    eyes = (PlacedCatchlight(added, Crop(88.0, 70.0, 28.0)), PlacedCatchlight(-3 * added, Crop(115.0, 70.0, 14.0)))
+    picture = replace(picture_of(), catchlights=eyes)
+    image, _ = picture.render()
+    assert image.min() >= 0
+    banded = np.concatenate([part for _, part, _ in picture.in_bands(rows=11)])
+    np.testing.assert_allclose(banded, image, atol=1e-6)
+    np.testing.assert_allclose(picture.part((80, 60, 121, 90))[0], image[60:90, 80:121], atol=1e-6)
+    np.testing.assert_allclose(picture.thinned(3)[0], image[::3, ::3], atol=1e-6)
+    np.testing.assert_allclose(picture.pixel(70, 88)[0], image[70, 88], atol=1e-6)
+    plain, _ = picture_of().render()
+    np.testing.assert_allclose((image - plain)[56:84, 74:102], added * whole_share(picture)[56:84, 74:102], atol=1e-5)
+
+
+def whole_share(picture):
+    return whole_person(picture.canvas, picture.matte).share[..., None]
+
+
+def test_a_catchlight_in_a_smaller_copy_keeps_its_light():
+    added = np.zeros((28, 28, 3), np.float32)
+    added[10:13, 15:18] = 5.0
+    picture = replace(picture_of(), catchlights=(PlacedCatchlight(added, Crop(100.0, 70.0, 28.0)),))
+    matte = picture.matte
+    sure = replace(matte, slope=np.zeros_like(matte.slope), level=np.ones_like(matte.level))
+    picture = replace(picture, matte=sure)
+    small = replace(picture, canvas=canvas_of(portrait()[0], 60))
+    light = [(one.render()[0] - replace(one, catchlights=()).render()[0]).mean() for one in (picture, small)]
+    assert light[1] == pytest.approx(light[0], rel=0.1)
+
+
+def test_eyes_beyond_the_photos_border_are_no_fault():
+    added = np.ones((28, 28, 3), np.float32)
+    places = [Crop(x, y, 28.0) for x, y in ((-5, 90), (199, 90), (100, -10), (100, 245), (-100, 90))]
+    picture = replace(picture_of(), catchlights=tuple(PlacedCatchlight(added, place) for place in places))
+    assert np.isfinite(picture.render()[0]).all()

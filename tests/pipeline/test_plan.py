@@ -27,6 +27,7 @@ EFFECTS = {
     "residual",
     "sliders",
     "detail",
+    "catchlights",
     "background",
     "channels",
 }
@@ -49,7 +50,7 @@ def test_every_effect_is_decided_about_in_words():
 def test_what_changes_nothing_is_skipped_and_says_so():
     plan = make_plan(SCENE, Edit(channels=()))
     skipped = {name for name, state in states(plan).items() if state == "skipped"}
-    assert skipped == {"hard_shadow", "sliders", "background", "channels"}
+    assert skipped == {"hard_shadow", "sliders", "catchlights", "background", "channels"}
     assert all(plan.effect(name).bound == 0 for name in skipped)
 
 
@@ -269,3 +270,17 @@ def test_groups_and_age_part_lights():
     for number in (2, 3):
         serving(lights, "one tier", LIGHT * np.float32(number), 0.0)
     assert serving(lights, "one tier", near, 2 / 255).bound == 0
+
+
+def test_eyes_mirror_a_light_where_irises_are_seen():
+    seen = replace(SCENE, irises=2, mirrored="sky")
+    assert make_plan(seen, Edit()).runs("catchlights")
+    assert make_plan(SCENE, Edit()).effect("catchlights").why.startswith("no iris")
+    assert not make_plan(replace(seen, level=0.0), Edit()).runs("catchlights")
+    turned = replace(seen, mirrored="sky, turned")
+    keys = [make_plan(scene, Edit()).keys for scene in (seen, turned)]
+    assert keys[0]["catchlights"] != keys[1]["catchlights"]
+    assert keys[0]["background"] != keys[1]["background"]
+    assert keys[0]["detail"] == keys[1]["detail"]
+    off = Edit(forced_off=frozenset({"catchlights"}))
+    assert make_plan(seen, off).keys == make_plan(turned, off).keys

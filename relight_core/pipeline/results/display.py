@@ -3,7 +3,7 @@
 A `Picture` is a function of the photo's pixel and of small maps. Here the same maps are laid out for
 shaders/recipe.glsl, which evaluates them where the viewport looks; `Picture.render` is its twin on the CPU.
 
-    share * relit + behind,   where   share * relit = gain * (share * colour) + share * offset
+    share * relit + behind,   where   share * relit = gain * (share * colour) + share * (offset + catchlights)
 
 The person's colour is stored times its share, so that everything up to the sum is linear and may be averaged
 where the picture is shown smaller than it is.
@@ -13,6 +13,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import cv2
 import numpy as np
 
 from relight_core.face.crop import Crop
@@ -25,6 +26,8 @@ from relight_core.pipeline.results.picture import Picture
 
 MOST_VIEWS = 8
 """Faces that one recipe holds; pictures with more are rendered."""
+
+MOST_EYES = 2 * MOST_VIEWS
 
 LARGEST_SIDE = 8192
 """Pixels; every OpenGL 3.3 driver in use takes textures of this size. Longer pictures are rendered."""
@@ -81,6 +84,10 @@ class DisplayRecipe:
         soft: (k, l, 3) float16, the same blurred; or None.
         nearby: (k, l, 1) float32, the matte averaged about each place; None where the matte itself serves.
         transparent: nothing is behind the person.
+        eyes: (2, 3) each, as `views`, of the eyes that mirror the light.
+        eye_widths: how wide each one's view is, as a share of the picture's width.
+        catchlights: (m E, E, 3) float32, what is added in the eyes' views, one below the other; None where there is
+            none. It is 0 at their borders.
         picture: the same for the CPU.
     """
 
@@ -94,6 +101,9 @@ class DisplayRecipe:
     soft: np.ndarray | None
     nearby: np.ndarray | None
     transparent: bool
+    eyes: tuple[np.ndarray, ...]
+    eye_widths: tuple[float, ...]
+    catchlights: np.ndarray | None
     picture: Picture
 
     @property
@@ -112,6 +122,7 @@ def recipe_of(picture: Picture, layers: PersonLayers) -> DisplayRecipe | None:
         return None
     backdrop, own_alpha = picture.backdrop, picture.matte.own_alpha
     replaced = backdrop.picture is not None
+    eyes = picture.catchlights[:MOST_EYES]
     return DisplayRecipe(
         layers,
         tuple(_view_matrix(picture, placed.view) for placed in picture.changes),
@@ -123,6 +134,9 @@ def recipe_of(picture: Picture, layers: PersonLayers) -> DisplayRecipe | None:
         _as_map(backdrop.soft) if replaced else None,
         picture.matte.nearby[..., None] if replaced and not own_alpha else None,
         backdrop.transparent,
+        tuple(_view_matrix(picture, eye.view) for eye in eyes),
+        tuple(eye.view.side / picture.canvas.photo_size[1] for eye in eyes),
+        _stacked(_of_one_size([eye.added for eye in eyes])) if eyes else None,
         picture,
     )
 
@@ -145,6 +159,12 @@ def _behind_gain(backdrop: Backdrop, layers: PersonLayers) -> np.ndarray | None:
 
 def _stacked(maps: list[np.ndarray]) -> np.ndarray:
     return maps[0] if len(maps) == 1 else np.concatenate(maps)
+
+
+def _of_one_size(maps: list[np.ndarray]) -> list[np.ndarray]:
+    """Square maps, all as large as the largest."""
+    size = max(len(one) for one in maps)
+    return [one if len(one) == size else cv2.resize(one, (size, size), interpolation=cv2.INTER_LINEAR) for one in maps]
 
 
 def _as_map(layer: np.ndarray) -> np.ndarray:

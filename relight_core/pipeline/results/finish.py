@@ -16,13 +16,14 @@ from relight_core.imaging.ramp import ramp
 from relight_core.imaging.resampling import resize_area, resize_smooth, shrunk_size
 from relight_core.imaging.tone import Tone
 from relight_core.lighting.reflection import ReflectionTable
+from relight_core.pipeline.per_light.catchlights import Catchlight
 from relight_core.pipeline.per_light.rest_of_person import Body, body_gain, body_size, make_body
 from relight_core.pipeline.per_photo.brush import BrushStroke, painted
 from relight_core.pipeline.per_photo.matte import Matte
 from relight_core.pipeline.per_photo.person import Canvas, shrunk, whole_person
 from relight_core.pipeline.per_photo.photo_frame import shrunk_inside
 from relight_core.pipeline.results.channels import ViewChange, at_level
-from relight_core.pipeline.results.picture import PlacedChange
+from relight_core.pipeline.results.picture import PlacedCatchlight, PlacedChange
 
 _EDGE_SHARE = 0.12
 _WEIGHT_LONGEST = 512
@@ -158,6 +159,22 @@ def place_changes(
     """`gain_of_rest` and `placed`."""
     rest = gain_of_rest(placement, changes, light, in_photo)
     return rest, placed(placement, weights, changes, rest)
+
+
+def place_catchlights(
+    catchlights: Sequence[Sequence[Catchlight]], changes: Sequence[PlacedChange]
+) -> tuple[PlacedCatchlight, ...]:
+    """The eyes of every face on top of its change."""
+    return tuple(
+        PlacedCatchlight(one.change(_seen_in(one.cornea.view, len(one.mirrored), change)), one.cornea.view)
+        for of_face, change in zip(catchlights, changes, strict=False)
+        for one in of_face
+    )
+
+
+def _seen_in(view: Crop, size: int, change: PlacedChange) -> np.ndarray:
+    """A change's gain in another view, (size, size, 3)."""
+    return seen_across(view, size, change.gain, change.view)
 
 
 def mean_gain(placement: Placement, rest: np.ndarray) -> np.ndarray:

@@ -15,6 +15,7 @@ import numpy as np
 from relight_core.face.crop import Crop
 from relight_core.face.paste import Band, bands, spread_crop, spread_window, unit_matrix, whole_photo
 from relight_core.imaging.in_order import in_order
+from relight_core.imaging.resampling import resize_area
 from relight_core.pipeline.per_photo.matte import Matte
 from relight_core.pipeline.per_photo.person import Canvas, Person, person_in
 from relight_core.pipeline.results.backdrop import Backdrop
@@ -40,6 +41,19 @@ class PlacedChange:
 
 
 @dataclass(frozen=True, eq=False)
+class PlacedCatchlight:
+    """What a light adds to the relit picture in one eye, or takes from it.
+
+    Attributes:
+        added: (E, E, 3) float32 linear, at the light's level; 0 at its border.
+        view: where it lies, upright and with edges on whole pixels of the photo.
+    """
+
+    added: np.ndarray
+    view: Crop
+
+
+@dataclass(frozen=True, eq=False)
 class Picture:
     """A relit picture that is computed where it is asked for.
 
@@ -52,6 +66,7 @@ class Picture:
         person: of the whole canvas, where it is kept; else it is worked out band by band.
         wide: colours outside Rec.709 stay, with values below 0 or above 1; else all are within it, as on a screen.
         exposure: of the portrait; of the photo times this, skin and cloth are as bright as their colours.
+        catchlights: what the eyes mirror, on top of the views' changes.
     """
 
     canvas: Canvas
@@ -62,6 +77,7 @@ class Picture:
     person: Person | None = field(default=None, repr=False)
     wide: bool = False
     exposure: float = 1.0
+    catchlights: tuple[PlacedCatchlight, ...] = ()
 
     @property
     def size(self) -> tuple[int, int]:
@@ -185,6 +201,13 @@ class Picture:
 
     def _relit(self, colour: np.ndarray, band: Band, gloss: bool = True) -> np.ndarray:
         """The person's own colour (h, w, 3) in the new light, with or without what that adds to any colour."""
+        relit = self._relit_by_views(colour, band, gloss)
+        if gloss:
+            for catchlight in self.catchlights:
+                _add_catchlight(catchlight, relit, band)
+        return relit
+
+    def _relit_by_views(self, colour: np.ndarray, band: Band, gloss: bool) -> np.ndarray:
         nearest = np.full(colour.shape[:2], 0.5, np.float32)
         inside = [self._nearer(placed.view, band, nearest) for placed in self.changes]
         if len(inside) == 1 and inside[0].all():
@@ -235,3 +258,20 @@ class Picture:
         near = share if self.matte.own_alpha else spread_window(self.matte.nearby, everywhere, band)[..., None]
         wrapped = np.minimum(LENS_VEIL + np.float32(LIGHT_WRAP * self.exposure) * person.colour, MOST_WRAP)
         return (1.0 - share) * picture + share * (1.0 - near) * wrapped * soft
+
+
+def _add_catchlight(catchlight: PlacedCatchlight, relit: np.ndarray, band: Band) -> None:
+    """Add a catchlight to a band of the picture (h, w, 3), where they meet, averaged as the photo's pixels are."""
+    view, size = catchlight.view, len(catchlight.added)
+    matrix = unit_matrix(view, band.size, band.photo_size)
+    size = min(max(round(1 / matrix[0, 0]), 1), size)
+    places = np.arange(*band.span) + 0.5, np.arange(band.top, band.bottom, band.step) + 0.5
+    across, down = ((matrix[i, i] * place + matrix[i, 2]) for i, place in enumerate(places))
+    columns, rows = (np.flatnonzero((place > 0) & (place < 1)) for place in (across, down))
+    if not (rows.size and columns.size):
+        return
+    part = slice(rows[0], rows[-1] + 1), slice(columns[0], columns[-1] + 1)
+    x, y = np.meshgrid(*((place * size - 0.5).astype(np.float32) for place in (across[part[1]], down[part[0]])))
+    small = resize_area(catchlight.added, (size, size))
+    added = cv2.remap(small, x, y, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
+    np.maximum(relit[part] + added, 0, out=relit[part])

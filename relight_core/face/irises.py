@@ -1,0 +1,145 @@
+"""Where a face's irises are, to a pixel of the photo.
+
+The parsing sees an eye in some ten pixels; the photo often has ten times as many. There an iris is a disc that is
+darker than the white of the eye to its left and right (Daugman 1993: the circle across which the light changes
+most). Lids cover its top and often its bottom, so only its sides are asked.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import cv2
+import numpy as np
+
+from relight_core.face.crop import Crop
+from relight_core.face.eyeballs import EyePlace, eye_place
+from relight_core.face.parsing import INDEX
+from relight_core.imaging.colour import luminance, srgb_encode
+
+_HALF_PX, _SIDE_PX = 40, 176
+"""Half an eye's width, and the square about it, where irises are looked for."""
+_RADII_PX = np.arange(11.0, 23.5)
+_USUAL_RADIUS, _RADIUS_DOUBT, _RADIUS_WEIGHT = 0.45, 0.16, 0.12
+"""An iris in half-widths of its eye as the parsing sees that; how far it may be off; and how much that counts."""
+_ARC_DEG = (-25.0, 50.0)
+"""Which part of each side is asked, from above the middle to below it."""
+_STEP_PX, _RING_PX = 2.0, 1.5
+_SPECK_PX = 9
+"""Catchlights are smaller, and would be edges of their own."""
+_OFF_MIDDLE = (0.75, 0.45)
+_DARKNESS, _BOTH_SIDES = 0.5, 0.25
+_LEAST_EDGE, _LEAST_BESIDE, _LEAST_RADIUS_PX = 0.2, 0.1, 5.0
+"""Of the brightness around, on the fainter side: of an iris, and of one beside another that is made out. And pixels of
+the photo."""
+
+
+@dataclass(frozen=True)
+class Iris:
+    """A disc in a photo, all in pixels of it."""
+
+    x: float
+    y: float
+    radius: float
+
+
+def find_irises(linear: np.ndarray, exposure: float, parsing: np.ndarray, view: Crop) -> tuple[Iris, ...]:
+    """The irises of a face, as far as they are seen well enough.
+
+    Both are as large as each other, which tells an iris from its pupil where one of them has a pale rim.
+
+    Args:
+        linear: (H, W, 3) the photo.
+        exposure: of it.
+        parsing: (classes, S, S) probabilities in the face's view.
+        view: where that lies.
+
+    Returns:
+        none to two of them.
+    """
+    places = [eye_place(parsing[INDEX[name]]) for name in ("left_eye", "right_eye")]
+    places = [place for place in places if place is not None]
+    if not places:
+        return ()
+    scale = view.side / parsing.shape[-1]
+    half_width = max(place.half_width for place in places) * scale
+    if half_width * _RADII_PX[-1] / _HALF_PX < _LEAST_RADIUS_PX:
+        return ()
+    crops = [_around(place, view, parsing.shape[-1], half_width) for place in places]
+    looks = [_Look.at(srgb_encode(luminance(crop.extract(linear, _SIDE_PX)) * np.float32(exposure))) for crop in crops]
+    usual = ((_RADII_PX / _HALF_PX - _USUAL_RADIUS) / _RADIUS_DOUBT) ** 2
+    best = int((sum(look.scores for look in looks) / len(looks) - _RADIUS_WEIGHT * usual).argmax())
+    radius = float(_RADII_PX[best]) * half_width / _HALF_PX
+    if radius < _LEAST_RADIUS_PX:
+        return ()
+    edges = [look.edges[best] for look in looks]
+    least = _LEAST_BESIDE if max(edges) >= _LEAST_EDGE else np.inf
+    middles = [crop.to_photo(look.middles[best] + 0.5, _SIDE_PX) for crop, look in zip(crops, looks, strict=True)]
+    seen = [middle for middle, edge in zip(middles, edges, strict=True) if edge >= least]
+    return tuple(Iris(float(x), float(y), radius) for x, y in seen)
+
+
+def _around(place: EyePlace, view: Crop, size: int, half_width: float) -> Crop:
+    x, y = view.to_photo(np.array([place.middle_x, place.middle_y]) + 0.5, size)
+    return Crop(float(x), float(y), half_width * _SIDE_PX / _HALF_PX, view.roll_deg)
+
+
+@dataclass(frozen=True)
+class _Look:
+    """The best disc of every radius in one eye.
+
+    Attributes:
+        scores: (radii,) how much each is like an iris.
+        middles: (radii, 2) x, y of pixels.
+        edges: (radii,) by how much of the brightness around it is darker than what is beside it, on its fainter side.
+    """
+
+    scores: np.ndarray
+    middles: np.ndarray
+    edges: np.ndarray
+
+    @classmethod
+    def at(cls, seen: np.ndarray) -> _Look:
+        """Look at an eye (176, 176), sRGB."""
+        speck = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (_SPECK_PX, _SPECK_PX))
+        seen = cv2.morphologyEx(np.clip(seen, 0, 1), cv2.MORPH_OPEN, speck)
+        middle = _SIDE_PX // 2
+        rows, columns = slice(middle - 25, middle + 25), slice(middle - 45, middle + 45)
+        seen = seen / max(float(np.percentile(seen[rows, columns], 80)), 1e-3)
+        away = (np.arange(_SIDE_PX) - middle)[:, None] / _HALF_PX / np.array(_OFF_MIDDLE)
+        possible = np.hypot(away[None, :, 0], away[:, 1][:, None]) < 1
+        found = []
+        for left, right, disc in _kernels():
+            sides = [cv2.filter2D(seen, -1, kernel) for kernel in (left, right)]
+            fainter = np.minimum(*sides)
+            score = fainter + _BOTH_SIDES * (sides[0] + sides[1]) / 2 + _DARKNESS * (1 - cv2.filter2D(seen, -1, disc))
+            row, column = np.unravel_index(np.where(possible, score, -np.inf).argmax(), score.shape)
+            found.append((score[row, column], (column, row), fainter[row, column]))
+        scores, middles, edges = zip(*found, strict=True)
+        return cls(np.array(scores), np.array(middles, np.float64), np.array(edges))
+
+
+@lru_cache(maxsize=1)
+def _kernels() -> list[tuple[np.ndarray, np.ndarray, np.ndarray]]:
+    """For every radius: outside less inside of its left and of its right edge, and the mean of what is within."""
+    return [(*(_edge(radius, side) for side in (-1, 1)), _disc(0.8 * radius)) for radius in _RADII_PX]
+
+
+def _edge(radius: float, side: int) -> np.ndarray:
+    x, y = _grid(radius + 2 * _STEP_PX)
+    angle, distance = np.degrees(np.arctan2(y, np.abs(x))), np.hypot(x, y)
+    asked = (angle > _ARC_DEG[0]) & (angle < _ARC_DEG[1]) & (side * x > 0)
+    rings = [asked * np.clip(1 - np.abs(distance - radius - step) / _RING_PX, 0, 1) for step in (_STEP_PX, -_STEP_PX)]
+    outside, inside = (ring / ring.sum() for ring in rings)
+    return (outside - inside).astype(np.float32)
+
+
+def _disc(radius: float) -> np.ndarray:
+    within = np.hypot(*_grid(radius)) <= radius
+    return (within / within.sum()).astype(np.float32)
+
+
+def _grid(reach: float) -> tuple[np.ndarray, np.ndarray]:
+    steps = np.arange(-int(np.ceil(reach)), int(np.ceil(reach)) + 1)
+    return np.meshgrid(steps, steps)

@@ -1,0 +1,160 @@
+"""Catchlights: what the eyes mirror of a light, in place of what they mirrored when the photo was taken.
+
+The cornea is a wet ball that mirrors 2.5 % of what is before it (refractive index 1.376), so that little but lamps is
+seen in it. What comes from everywhere alike is in the photo of the eye already and changes with its gain; what a
+light has beyond that is mirrored here, as sharply as the photo shows the eye. Under the light that the photo was taken
+in its own stay, which are finer than any estimate of that light.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+import torch
+
+from relight_core.face.crop import Crop
+from relight_core.imaging.colour import luminance
+from relight_core.imaging.ramp import ramp
+from relight_core.imaging.tensor_colour import grey
+from relight_core.lighting.environment import Environment, mean_radiance, shrink
+from relight_core.lighting.relief import ReliefTransport
+from relight_core.lighting.roll import roll_light
+from relight_core.lighting.sphere import place_on_map, solid_angles
+from relight_core.pipeline.per_light.hints import Effects, hidden_share
+from relight_core.pipeline.per_photo.corneas import Cornea
+from relight_core.pipeline.stages import Surface
+
+_REFLECTANCE = 0.025
+_BLUR = 0.012
+"""Of an eye's square: lenses are no sharper."""
+_FEWEST_ROWS, _MOST_ROWS = 16, 256
+_ANOTHER_LIGHT = 0.1
+"""Share of its light that lies elsewhere than the photo's own did, from which on a light is altogether another."""
+_LEAST_OPEN = 1e-9
+
+
+@dataclass(frozen=True, eq=False)
+class Catchlight:
+    """What a light does in one eye.
+
+    Attributes:
+        cornea: of it.
+        mirrored: (E, E, 3) float32 linear, what it mirrors, at the light's level.
+        replaces: in [0, 1] how far that takes the place of what the photo shows.
+    """
+
+    cornea: Cornea
+    mirrored: np.ndarray
+    replaces: float
+
+    def change(self, gain: np.ndarray) -> np.ndarray:
+        """(E, E, 3) what it adds to the relit picture.
+
+        Args:
+            gain: (E, E, 3) by which the photo's colours are multiplied there.
+        """
+        return np.float32(self.replaces) * (self.mirrored - gain * self.cornea.mirrored)
+
+
+@dataclass(frozen=True, eq=False)
+class LitEye:
+    """The light about one eye.
+
+    Attributes:
+        seen: (h, 2h) share in [0, 1] of what comes from each direction that reaches it, in the photo's camera space.
+        evenly: (3,) mean radiance that reaches it, of a light of mean luminance 1.
+    """
+
+    seen: np.ndarray
+    evenly: np.ndarray
+
+
+def how_much_another(light: np.ndarray, own: np.ndarray) -> float:
+    """How far a light is another than the photo's own, [0, 1]; both (16, 32, 3), of any level."""
+    areas = solid_angles(*light.shape[:2])
+    one, other = (luminance(part) * areas for part in (light, own))
+    apart = np.abs(one / max(one.sum(), 1e-12) - other / max(other.sum(), 1e-12)).sum() / 2
+    return float(ramp(float(apart), 0.0, _ANOTHER_LIGHT))
+
+
+def light_about(
+    cornea: Cornea,
+    view: Crop,
+    surface: Surface,
+    transport: ReliefTransport | None,
+    effects: Effects,
+    reflected: torch.Tensor,
+    light: torch.Tensor,
+) -> LitEye:
+    """What reaches an eye of a light, as the relief and the networks have it.
+
+    Args:
+        view: of the surface.
+        transport: of its relief; None where nothing is to hide anything.
+        effects, reflected: as of `hints.explicit_sum`, of the light.
+        light: (1, 16, 32, 3) as the view sees it.
+    """
+    if transport is None:
+        evenly = mean_radiance(light[0].cpu().numpy()).astype(np.float32)
+        return LitEye(np.ones(light.shape[1:3], np.float32), evenly)
+    flat = light.float().reshape(-1, 3).cpu()
+    points = torch.from_numpy(_weights(cornea, view, transport.size))
+    opened, closed = (points @ part.cpu() for part in (transport.open, transport.closed))
+    seen = torch.where(opened > _LEAST_OPEN, closed / opened.clamp_min(_LEAST_OPEN), 0).clamp(0, 1)
+    hidden = hidden_share(effects, grey(surface.albedo * reflected[:, :3]), grey(reflected[:, 3:]))
+    hidden = float(hidden[0, 0].cpu().flatten() @ torch.from_numpy(_weights(cornea, view, hidden.shape[-1])))
+    of_all, of_open = float((closed @ flat).sum()), float((opened @ flat).sum())
+    # What the networks know to be in shadow, of a brim or a nose, mirrors no lamp either.
+    agreed = min(1.0, (1 - hidden) * of_open / max(of_all, 1e-12))
+    seen = (agreed * seen).reshape(light.shape[1:3]).numpy()
+    if view.roll_deg:
+        seen = roll_light(np.repeat(seen[..., None], 3, axis=-1), -view.roll_deg)[..., 0]
+    return LitEye(np.clip(seen, 0, 1), (closed @ flat).numpy())
+
+
+def mirrored_light(cornea: Cornea, eye: LitEye, environment: Environment, yaw_deg: float) -> np.ndarray:
+    """(E, E, 3) radiance that an eye mirrors of a light of mean luminance 1, beyond what comes evenly.
+
+    Args:
+        environment: the light; its level is not read.
+        yaw_deg: its turn.
+    """
+    x, y, z = cornea.normal
+    # Seen from a distant camera at +z: the mirrored direction is 2 (n . v) n - v.
+    across, down = place_on_map(2 * z * x, 2 * z * y, 2 * z * z - 1)
+    rows = _rows(cornea)
+    light = environment.of_shape(("mirrored", rows), lambda shape: shrink(shape, rows) if len(shape) > rows else shape)
+    radiance = _looked_up(light, across - yaw_deg / 360, down)
+    fresnel = _REFLECTANCE + (1 - _REFLECTANCE) * (1 - z) ** 5
+    share = fresnel * cornea.bare * _looked_up(eye.seen, across, down)
+    mirrored = share[..., None] * np.maximum(radiance - eye.evenly, 0)
+    return cv2.GaussianBlur(mirrored.astype(np.float32), (0, 0), max(_BLUR * len(mirrored), 0.5))
+
+
+def _weights(cornea: Cornea, view: Crop, size: int) -> np.ndarray:
+    """(size * size,) float32, sum 1: which pixels of a view an iris lies in."""
+    iris = cornea.iris
+    x, y = view.from_photo(np.array([iris.x, iris.y]), size) - 0.5
+    place, radius = np.arange(size), max(iris.radius * size / view.side, 1.0)
+    within = np.clip(radius + 0.5 - np.hypot(place[None, :] - x, place[:, None] - y), 0, 1).ravel()
+    return (within / max(within.sum(), 1e-12)).astype(np.float32)
+
+
+def _rows(cornea: Cornea) -> int:
+    """Rows of a panorama whose texels are as large as what one pixel of an eye mirrors."""
+    step_deg = np.degrees(2 * float(np.abs(np.diff(cornea.normal[0], axis=1)).max()))
+    rows = _FEWEST_ROWS
+    while rows < min(180 / max(step_deg, 1e-3), _MOST_ROWS):
+        rows *= 2
+    return rows
+
+
+def _looked_up(panorama: np.ndarray, across: np.ndarray, down: np.ndarray) -> np.ndarray:
+    """A panorama at places on it, bilinearly, (E, E) or (E, E, 3); shares of its width go round."""
+    height, width = panorama.shape[:2]
+    wrapped = np.concatenate([panorama[:, -1:], panorama, panorama[:, :1]], axis=1).astype(np.float32)
+    column, row = np.mod(across, 1) * width + 0.5, down * height - 0.5
+    places = column.astype(np.float32), row.astype(np.float32)
+    return cv2.remap(wrapped, *places, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)

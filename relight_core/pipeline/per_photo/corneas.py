@@ -1,0 +1,138 @@
+"""The wet fronts of a photo's eyes, and the photo without the lights that were mirrored in them.
+
+A catchlight is where the eye mirrors a lamp. It is the one highlight that networks at 3 mm a pixel cannot move: a
+relit face whose eyes still show the studio gives itself away. Here the photo's own are found in the irises, so that
+those of the new light can take their place (`per_light.catchlights`).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+
+from relight_core.face.crop import Crop
+from relight_core.face.irises import Iris
+from relight_core.imaging.colour import luminance, srgb_encode
+from relight_core.imaging.ramp import ramp
+
+_LARGEST_PX = 128
+_REACH = 1.25
+"""Half the square about an iris, in its radii."""
+_SPECK = 0.3
+"""Radii of an iris: half of the widest catchlight that is told from the iris."""
+_FILL = 0.22
+"""Radii of an iris from which its own colour is taken where a catchlight was."""
+_HALO, _HALO_BLUR, _UNTOUCHED = 0.12, 0.05, 0.02
+_BRIGHTER, _BRIGHTER_BY, _BRIGHT = (1.5, 2.5), 0.02, (0.3, 0.6)
+_RIM, _INNER = 0.93, 0.6
+"""Radii of an iris: where its rim begins, and its middle ends."""
+_MOST, _MOST_UNTOLD = 0.25, 0.1
+"""Shares of its middle that may be bright, and that may be so without being told from lid and white of the eye.
+Studio lamps take up to a fifth of it; of more it isn't known what it hides."""
+_LID = (0.35, 0.65)
+_CURVATURE = 1.33
+"""The cornea's radius, 7.8 mm, in those of the iris as it is seen, 5.9 mm."""
+
+
+@dataclass(frozen=True, eq=False)
+class Cornea:
+    """The front of an eye, E pixels square.
+
+    Attributes:
+        iris: the disc in its middle.
+        view: where it lies, with edges on whole pixels of the photo.
+        bare: (E, E) in [0, 1] how far each pixel is iris and no lid.
+        mirrored: (E, E, 3) float32, linear and in the photo's units, of the photo's own catchlights.
+        normal: (3, E, E) unit vectors, camera space.
+    """
+
+    iris: Iris
+    view: Crop
+    bare: np.ndarray
+    mirrored: np.ndarray
+    normal: np.ndarray
+
+
+def find_cornea(linear: np.ndarray, exposure: float, iris: Iris) -> Cornea | None:
+    """Take an eye apart; None where so much of the iris is bright that what it hides can't be told.
+
+    Args:
+        linear: (H, W, 3) the photo.
+        exposure: of it.
+    """
+    view = _square(iris)
+    size = min(int(view.side), _LARGEST_PX)
+    colour = view.extract(linear, size)
+    per_px = size / view.side
+    middle, radius = view.from_photo(np.array([iris.x, iris.y]), size), iris.radius * per_px
+    place = np.arange(size) + 0.5
+    right, down = (place[None, :] - middle[0]) / radius, (place[:, None] - middle[1]) / radius
+    away = np.hypot(right, down)
+    within = np.clip((1 - away) * radius + 0.5, 0, 1)
+    bright = _bright(luminance(colour) * np.float32(exposure), within, radius)
+    specks = _islands(bright, away)
+    seen, untold = bright[away < _INNER].mean(), (bright - specks)[away < _INNER].mean()
+    if seen > _MOST or untold > _MOST_UNTOLD:
+        return None
+    bright = _with_halo(specks, radius)
+    own = _filled(colour, (away < _RIM) & (bright < _UNTOUCHED), radius)
+    mirrored = np.maximum(bright * within, 0)[..., None] * (colour - own)
+    left = luminance(colour - mirrored) * np.float32(exposure)
+    return Cornea(iris, view, _bare(left, within, radius, down), mirrored.astype(np.float32), _normal(right, down))
+
+
+def _square(iris: Iris) -> Crop:
+    half = int(np.ceil(_REACH * iris.radius))
+    return Crop(round(iris.x), round(iris.y), 2 * half)
+
+
+def _bright(seen: np.ndarray, within: np.ndarray, radius: float) -> np.ndarray:
+    """(E, E) in [0, 1] how far each pixel of an eye's luminance is a catchlight: a bright speck in a dark disc."""
+    speck = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (2 * max(round(_SPECK * radius), 1) + 1,) * 2)
+    ground = np.maximum(cv2.morphologyEx(seen, cv2.MORPH_OPEN, speck), float(np.median(seen[within > 0.5])))
+    around = max(float(np.percentile(seen[within < 0.5], 75)), 1e-3)
+    bright = ramp((seen / around + _BRIGHTER_BY) / (ground / around + _BRIGHTER_BY), *_BRIGHTER) * ramp(
+        seen / around, *_BRIGHT
+    )
+    return bright.astype(np.float32)
+
+
+def _islands(bright: np.ndarray, away: np.ndarray) -> np.ndarray:
+    """Those bright parts that lie in the iris altogether: what reaches its rim is lid or white of the eye."""
+    _, parts = cv2.connectedComponents(((bright > 0.1) & (away < 1)).astype(np.uint8))
+    not_of_iris = np.append(parts[(away > _RIM) & (away < 1)], 0)
+    return np.where(np.isin(parts, np.unique(not_of_iris)), 0, bright)
+
+
+def _with_halo(bright: np.ndarray, radius: float) -> np.ndarray:
+    """Bright parts with what the lens has spread of them."""
+    reach = 2 * (round(_HALO * radius) + 1) + 1
+    return cv2.GaussianBlur(
+        cv2.dilate(bright, np.ones((reach, reach), np.uint8)), (0, 0), max(_HALO_BLUR * radius, 0.4)
+    )
+
+
+def _filled(colour: np.ndarray, known: np.ndarray, radius: float) -> np.ndarray:
+    """(E, E, 3) each pixel's surroundings as far as they are known."""
+    weight = known.astype(np.float32)
+    sigma = max(_FILL * radius, 0.8)
+    total = cv2.GaussianBlur(weight, (0, 0), sigma)[..., None]
+    return cv2.GaussianBlur(colour * weight[..., None], (0, 0), sigma) / np.maximum(total, 1e-4)
+
+
+def _bare(seen: np.ndarray, within: np.ndarray, radius: float, down: np.ndarray) -> np.ndarray:
+    """(E, E) how far each pixel, without its catchlights, is iris: lids are brighter."""
+    code = srgb_encode(cv2.GaussianBlur(seen, (0, 0), max(0.06 * radius, 0.4)))
+    iris = float(np.median(code[(within > 0.5) & (down > -0.4)]))
+    around = max(float(np.percentile(code[within < 0.5], 75)), iris + 0.05)
+    lid = ramp((code - iris) / (around - iris), *_LID)
+    return (within * (1 - lid)).astype(np.float32)
+
+
+def _normal(right: np.ndarray, down: np.ndarray) -> np.ndarray:
+    x, y = np.broadcast_arrays(right / _CURVATURE, -down / _CURVATURE)
+    steep = np.minimum(1, 0.95 / np.maximum(np.hypot(x, y), 1e-6))
+    x, y = x * steep, y * steep
+    return np.stack([x, y, np.sqrt(1 - x * x - y * y)]).astype(np.float32)

@@ -1,0 +1,118 @@
+"""Eyes mirror the lamps that are there, where a ball would, and nothing that comes from everywhere alike."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from drawn_eye import draw_eyes
+
+from relight_core.face.irises import Iris
+from relight_core.lighting.environment import Environment
+from relight_core.lighting.sphere import directions
+from relight_core.pipeline.per_light.catchlights import Catchlight, LitEye, how_much_another, mirrored_light
+from relight_core.pipeline.per_photo.corneas import find_cornea
+
+IRIS = Iris(100.0, 90.0, 30.0)
+OPEN = LitEye(np.ones((16, 32), np.float32), np.zeros(3, np.float32))
+
+
+@pytest.fixture(scope="module")
+def cornea():
+    # Wide open: no lid is in the way.
+    photo = np.full((180, 200, 3), 0.5, np.float32)
+    y, x = np.mgrid[0:180, 0:200] + 0.5
+    photo[np.hypot(x - 100, y - 90) < 30] = 0.03
+    return find_cornea(photo, 1.0, IRIS)
+
+
+def lamp(toward, radius_deg=4.0, colour=(1.0, 1.0, 1.0), behind=0.0, rows=128):
+    toward = np.array(toward) / np.linalg.norm(toward)
+    lit = directions(rows, 2 * rows) @ toward > np.cos(np.radians(radius_deg))
+    radiance = np.where(lit[..., None], np.array(colour) * 100, behind)
+    return Environment.from_radiance(radiance.astype(np.float32))
+
+
+def middle_of(mirrored):
+    grey = mirrored.sum(-1)
+    y, x = np.mgrid[0 : len(grey), 0 : len(grey)] + 0.5 - len(grey) / 2
+    return (grey * x).sum() / grey.sum(), (grey * y).sum() / grey.sum()
+
+
+@pytest.mark.parametrize("toward", [(0, 0, 1), (0.6, 0.5, 1), (-0.8, 0.3, 0.7), (0.2, -0.4, 1)])
+def test_a_lamp_is_seen_where_a_ball_mirrors_it(cornea, toward):
+    mirrored = mirrored_light(cornea, OPEN, lamp(toward), 0.0)
+    halfway = np.array(toward) / np.linalg.norm(toward) + (0, 0, 1)
+    halfway /= np.linalg.norm(halfway)
+    across, down = middle_of(mirrored)
+    # A ball of 7.8 mm whose iris is 5.9 mm, 30 pixels.
+    assert across == pytest.approx(halfway[0] * 30 * 7.8 / 5.9, abs=0.7)
+    assert down == pytest.approx(-halfway[1] * 30 * 7.8 / 5.9, abs=0.7)
+
+
+def test_it_follows_a_turn_of_the_light(cornea):
+    turned = mirrored_light(cornea, OPEN, lamp((0, 0.3, 1)), -40.0)
+    angle = np.radians(-40)
+    there = mirrored_light(cornea, OPEN, lamp((-np.sin(angle), 0.3, np.cos(angle))), 0.0)
+    assert middle_of(turned) == pytest.approx(middle_of(there), abs=0.7)
+
+
+@pytest.mark.parametrize("toward", [(0, 0, -1), (0.9, 0.1, -1)])
+def test_no_lamp_behind_the_head_is_mirrored(cornea, toward):
+    assert mirrored_light(cornea, OPEN, lamp(toward), 0.0).max() < 1e-3
+
+
+def test_an_even_light_is_not_mirrored(cornea):
+    even = Environment.from_radiance(np.ones((32, 64, 3), np.float32))
+    evenly = LitEye(OPEN.seen, np.ones(3, np.float32))
+    assert np.abs(mirrored_light(cornea, evenly, even, 0.0)).max() < 1e-5
+
+
+def test_it_is_two_and_a_half_percent_of_what_is_before_it(cornea):
+    window = Environment.from_radiance((directions(64, 128)[..., 2:] > 0.5) * np.ones(3, np.float32))
+    mirrored = mirrored_light(cornea, OPEN, window, 0.0)
+    middle = len(mirrored) // 2
+    # A quarter of the sphere holds all of the light, whose mean is 1.
+    np.testing.assert_allclose(mirrored[middle, middle], 4 * 0.025, rtol=0.05)
+
+
+def test_what_does_not_reach_the_eye_is_not_mirrored(cornea):
+    shadowed = replace(OPEN, seen=np.zeros((16, 32), np.float32))
+    assert mirrored_light(cornea, shadowed, lamp((0.6, 0.5, 1)), 0.0).max() == 0
+
+
+def test_it_has_the_lamps_colour(cornea):
+    mirrored = mirrored_light(cornea, OPEN, lamp((0, 0.3, 1), colour=(1.0, 0.5, 0.1)), 0.0)
+    at = np.unravel_index(mirrored[..., 0].argmax(), mirrored.shape[:2])
+    np.testing.assert_allclose(mirrored[at] / mirrored[at][0], (1.0, 0.5, 0.1), rtol=0.02)
+
+
+def test_a_panorama_of_any_size_gives_as_much_light(cornea):
+    sums = [mirrored_light(cornea, OPEN, lamp((0.2, 0.3, 1), 12.0, rows=rows), 0.0).sum() for rows in (64, 128, 512)]
+    np.testing.assert_allclose(sums, sums[1], rtol=0.1)
+
+
+def test_it_ends_within_its_square(cornea):
+    everything = Environment.from_radiance((directions(64, 128)[..., 2:] > 0) * np.ones(3, np.float32))
+    mirrored = mirrored_light(cornea, OPEN, everything, 0.0)
+    assert mirrored[0].max() < 1e-3 * mirrored.max()
+    assert mirrored[:, -1].max() < 1e-3 * mirrored.max()
+
+
+def test_a_light_is_another_by_where_it_comes_from_alone():
+    light = np.random.default_rng(0).gamma(0.5, 1, (16, 32, 3)).astype(np.float32)
+    assert how_much_another(light, light) == 0
+    assert how_much_another(light * 7, light) < 1e-5
+    assert how_much_another(np.roll(light, 8, axis=1), light) == 1
+    slightly = [how_much_another(light + step * np.roll(light, 8, axis=1), light) for step in (0.01, 0.03, 0.05)]
+    assert 0 < slightly[0] < slightly[1] < slightly[2] < 1
+    black = np.zeros_like(light)
+    assert np.isfinite([how_much_another(black, light), how_much_another(black, black)]).all()
+
+
+def test_the_photos_own_catchlight_goes_as_the_new_one_comes():
+    photo = draw_eyes(((100.0, 90.0, 30.0),), (180, 200), specks=((108, 82, 5),))
+    cornea = find_cornea(photo, 1.0, IRIS)
+    new, gain = np.full_like(cornea.mirrored, 0.2), np.full_like(cornea.mirrored, 0.5)
+    np.testing.assert_array_equal(Catchlight(cornea, new, 0.0).change(gain), 0)
+    np.testing.assert_allclose(Catchlight(cornea, new, 1.0).change(gain), 0.2 - 0.5 * cornea.mirrored, atol=1e-6)
+    np.testing.assert_allclose(Catchlight(cornea, new, 0.5).change(gain), 0.1 - 0.25 * cornea.mirrored, atol=1e-6)

@@ -1,0 +1,87 @@
+"""The photo's own catchlights are told from the iris, the lids and the white of the eye."""
+
+import numpy as np
+import pytest
+from drawn_eye import draw_eyes
+
+from relight_core.face.irises import Iris
+from relight_core.pipeline.per_photo.corneas import find_cornea
+
+IRIS = Iris(100.0, 90.0, 24.0)
+DRAWN = ((100.0, 90.0, 24.0),)
+
+
+def cornea_of(exposure=1.0, **drawn):
+    photo = draw_eyes(DRAWN, (180, 200), **drawn)
+    return photo, find_cornea(photo * np.float32(1 / exposure), exposure, IRIS)
+
+
+def without_catchlights(photo, cornea):
+    x0, y0, x1, y1 = map(int, cornea.view.window)
+    return photo[y0:y1, x0:x1] - cornea.mirrored
+
+
+def test_an_eye_without_any_loses_nothing():
+    _, cornea = cornea_of()
+    assert np.abs(cornea.mirrored).max() < 1e-6
+
+
+@pytest.mark.parametrize("iris", [0.03, 0.15])
+def test_a_catchlight_makes_way_for_iris(iris):
+    photo, cornea = cornea_of(iris=iris, pupil=iris, specks=((107, 82, 4),))
+    left = without_catchlights(photo, cornea)
+    y, x = np.mgrid[0 : len(left), 0 : len(left)] + 0.5
+    middle = np.hypot(x - len(left) / 2, y - len(left) / 2) < 18
+    np.testing.assert_allclose(left[middle], iris, atol=0.3 * iris)
+
+
+def test_lids_and_the_white_of_the_eye_stay():
+    photo, cornea = cornea_of(opened=0.6, specks=((100, 88, 3),))
+    left = without_catchlights(photo, cornea)
+    y, x = np.mgrid[0 : len(left), 0 : len(left)] + 0.5
+    beside = np.hypot(x - len(left) / 2, y - len(left) / 2) > 24.5
+    x0, y0, x1, y1 = map(int, cornea.view.window)
+    np.testing.assert_allclose(left[beside], photo[y0:y1, x0:x1][beside], atol=1e-6)
+
+
+def test_only_what_is_open_is_bare():
+    _, cornea = cornea_of(opened=0.6)
+    middle = len(cornea.bare) // 2
+    assert cornea.bare[middle, middle] > 0.9
+    assert cornea.bare[middle - 20, middle] < 0.1
+    assert cornea.bare[0].max() == 0
+    assert cornea.bare[:, 0].max() == 0
+
+
+def test_a_bright_bar_across_an_iris_leaves_it_alone():
+    photo = draw_eyes(DRAWN, (180, 200))
+    photo[60:120, 94:106] = 0.6
+    assert find_cornea(photo, 1.0, IRIS) is None
+
+
+def test_units_do_not_matter():
+    _, usual = cornea_of(specks=((107, 82, 4),))
+    _, dark = cornea_of(exposure=1000.0, specks=((107, 82, 4),))
+    np.testing.assert_allclose(dark.mirrored * 1000, usual.mirrored, rtol=1e-3, atol=1e-4)
+    np.testing.assert_allclose(dark.bare, usual.bare, atol=1e-3)
+
+
+def test_normals_are_those_of_a_ball_that_faces_the_camera():
+    _, cornea = cornea_of()
+    np.testing.assert_allclose((cornea.normal**2).sum(0), 1, atol=1e-5)
+    size = len(cornea.bare)
+    # The cornea's radius is 7.8 mm, that of the iris 5.9 mm.
+    right = cornea.normal[:, size // 2, size // 2 + 18]
+    assert right[0] == pytest.approx(18.5 / 24 * 5.9 / 7.8, abs=0.01)
+    assert cornea.normal[1, size // 2 - 18, size // 2] > 0.5
+
+
+@pytest.mark.parametrize("radius", [5.0, 300.0])
+def test_eyes_of_any_size(radius):
+    size = int(4 * radius)
+    photo = draw_eyes(
+        ((size / 2, size / 2, radius),), (size, size), specks=((size / 2, size / 2 - radius / 4, radius / 5),)
+    )
+    cornea = find_cornea(photo, 1.0, Iris(size / 2, size / 2, radius))
+    assert len(cornea.bare) <= 128
+    assert cornea.mirrored.max() > 0.5
