@@ -78,7 +78,7 @@ def find_cornea(linear: np.ndarray, exposure: float, iris: Iris) -> Cornea | Non
         return None
     bright = _with_halo(specks, radius)
     own = _filled(colour, (away < _RIM) & (bright < _UNTOUCHED), radius)
-    mirrored = np.maximum(bright * within, 0)[..., None] * (colour - own)
+    mirrored = (bright * within)[..., None] * np.maximum(colour - own, 0)
     left = luminance(colour - mirrored) * np.float32(exposure)
     return Cornea(iris, view, _bare(left, within, radius, down), mirrored.astype(np.float32), _normal(right, down))
 

@@ -134,7 +134,7 @@ def recipe_of(picture: Picture, layers: PersonLayers) -> DisplayRecipe | None:
         _as_map(backdrop.soft) if replaced else None,
         picture.matte.nearby[..., None] if replaced and not own_alpha else None,
         backdrop.transparent,
-        tuple(_view_matrix(picture, eye.view) for eye in eyes),
+        tuple(eye.to_view(picture.canvas.photo_size) for eye in eyes),
         tuple(eye.view.side / picture.canvas.photo_size[1] for eye in eyes),
         _stacked(_of_one_size([eye.added for eye in eyes])) if eyes else None,
         picture,

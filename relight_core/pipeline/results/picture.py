@@ -52,6 +52,15 @@ class PlacedCatchlight:
     added: np.ndarray
     view: Crop
 
+    def to_view(self, photo_size: tuple[int, int]) -> np.ndarray:
+        """(2, 3) float64 from places in the picture, [0, 1] across and down, to those in the view.
+
+        Args:
+            photo_size: (height, width).
+        """
+        (height, width), side, (x0, y0, _, _) = photo_size, self.view.side, self.view.window
+        return np.array([[width / side, 0, -x0 / side], [0, height / side, -y0 / side]])
+
 
 @dataclass(frozen=True, eq=False)
 class Picture:
@@ -262,11 +271,10 @@ class Picture:
 
 def _add_catchlight(catchlight: PlacedCatchlight, relit: np.ndarray, band: Band) -> None:
     """Add a catchlight to a band of the picture (h, w, 3), where they meet, averaged as the photo's pixels are."""
-    view, size = catchlight.view, len(catchlight.added)
-    matrix = unit_matrix(view, band.size, band.photo_size)
-    size = min(max(round(1 / matrix[0, 0]), 1), size)
-    places = np.arange(*band.span) + 0.5, np.arange(band.top, band.bottom, band.step) + 0.5
-    across, down = ((matrix[i, i] * place + matrix[i, 2]) for i, place in enumerate(places))
+    (height, width), matrix = band.size, catchlight.to_view(band.photo_size)
+    size = min(max(round(width / matrix[0, 0]), 1), len(catchlight.added))
+    across = matrix[0, 0] * (np.arange(*band.span) + 0.5) / width + matrix[0, 2]
+    down = matrix[1, 1] * (np.arange(band.top, band.bottom, band.step) + 0.5) / height + matrix[1, 2]
     columns, rows = (np.flatnonzero((place > 0) & (place < 1)) for place in (across, down))
     if not (rows.size and columns.size):
         return
