@@ -27,7 +27,7 @@ class Question:
     Attributes:
         key: names it; asking the same again replaces it.
         text: one or two plain sentences.
-        choices: label and what is done of each button; the first is the one Enter would mean.
+        choices: label and what is done of each button; the first is the one that Enter gives.
     """
 
     key: str
@@ -97,3 +97,8 @@ class Asking:
     def drop(self, key: str) -> None:
         """Take a question back."""
         self.questions = [question for question in self.questions if question.key != key]
+
+    def answer(self, question: Question, index: int) -> None:
+        """Give a question one of its answers, after which it is gone."""
+        self.drop(question.key)
+        question.choices[index][1]()

@@ -9,6 +9,7 @@ import pytest
 from PIL import Image
 from window_hand import HEIGHT, WIDTH, Hand, close_to
 
+from app.ui.asking import Question
 from app.ui.channels import PHOTO, RESULT
 from app.ui.panels.status_line import _under_the_mouse
 from app.ui.viewport.probe import reading
@@ -31,6 +32,30 @@ def test_the_palette_finds_a_bundled_light(opened):
     opened.type("neon")
     opened.key(glfw.KEY_ENTER)
     assert opened.window.state.light.name == "neon"
+
+
+def test_what_is_asked_is_answered_with_the_keyboard_alone(opened):
+    asking, given = opened.window.state.asking, []
+    choices = tuple((label, lambda label=label: given.append(label)) for label in ("Keep both", "Replace"))
+    asking.ask(Question("older", "An older one.", (("Restore", lambda: given.append("Restore")),)))
+    asking.ask(Question("newer", "me.png is already there.", choices))
+    opened.key(glfw.KEY_ENTER)
+    assert (given, [question.key for question in asking.questions]) == (["Keep both"], ["older"])
+    asking.ask(Question("newer", "me.png is already there.", choices))
+    opened.key(glfw.KEY_P, ctrl=True)
+    opened.type("repl")
+    opened.key(glfw.KEY_ENTER)
+    assert (given, [question.key for question in asking.questions]) == (["Keep both", "Replace"], ["older"])
+
+
+def test_enter_is_for_the_tool_in_use_before_it_answers(opened):
+    asking, given = opened.window.state.asking, []
+    opened.key(glfw.KEY_F, shift=True)
+    asking.ask(Question("asked", "A question.", (("Yes", lambda: given.append("Yes")),)))
+    opened.key(glfw.KEY_ENTER)
+    assert (opened.window.state.faces.is_open, given) == (False, [])
+    opened.key(glfw.KEY_ENTER)
+    assert given == ["Yes"]
 
 
 def test_typing_in_the_palette_triggers_no_shortcut_and_escape_closes_it(opened):

@@ -19,6 +19,20 @@ def _switch_help(state: EditorState) -> None:
     state.look.help = not state.look.help
 
 
+def _done(state: EditorState) -> None:
+    """Put the open tool away with what was done by it; else answer what was asked last."""
+    if state.faces.is_open:
+        face_edits.done(state)
+    elif state.brush.is_open:
+        brush_edits.done(state)
+    else:
+        state.asking.answer(state.asking.questions[-1], 0)
+
+
+def _can_be_done(state: EditorState) -> bool:
+    return state.faces.is_open or state.brush.is_open or bool(state.asking.questions)
+
+
 def _close(state: EditorState) -> None:
     """Close what is open, taking back what it is for taking back, else put the message away."""
     if state.look.help:
@@ -42,6 +56,14 @@ PROGRAM = (
         _switch_palette,
     ),
     Action("Show all keys", _PROGRAM, ("?", "F1"), "This overview", _switch_help),
+    Action(
+        "Done, or the first answer",
+        _PROGRAM,
+        ("Enter",),
+        "Keeps faces or outline as they are, where Esc puts them back as they were; else answers what is asked",
+        _done,
+        available=_can_be_done,
+    ),
     Action("Close or put away", _PROGRAM, ("Escape",), "Closes what is open, or the message below", _close),
 )
 

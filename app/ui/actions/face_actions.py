@@ -2,16 +2,10 @@
 
 from __future__ import annotations
 
-from app.ui import brush_edits, face_edits
+from app.ui import face_edits
 from app.ui.actions.action import Action, Gesture, has_photo
-from app.ui.state import EditorState
 
 _FACES = "Faces"
-
-
-def _done(state: EditorState) -> None:
-    tool = face_edits if state.faces.is_open else brush_edits
-    tool.done(state)
 
 
 FACES = (
@@ -23,14 +17,6 @@ FACES = (
         face_edits.switch,
         available=has_photo,
         is_on=lambda state: state.faces.is_open,
-    ),
-    Action(
-        "Done with the boxes or the brush",
-        _FACES,
-        ("Enter",),
-        "Keeps faces or outline as they are; Esc puts them back as they were",
-        _done,
-        available=lambda state: state.faces.is_open or state.brush.is_open,
     ),
     Action(
         "Find the faces again",

@@ -7,6 +7,7 @@ from imgui_bundle import imgui
 from app.ui import theme
 from app.ui.actions.action import Action, matching
 from app.ui.actions.action_table import ACTIONS
+from app.ui.actions.answer_actions import answer_actions
 from app.ui.actions.light_actions import light_actions
 from app.ui.layout import Rect
 from app.ui.light_list import Shelf
@@ -46,7 +47,7 @@ def _typing(state: EditorState, shelf: Shelf) -> list[Action]:
     changed, look.palette_text = imgui.input_text_with_hint("##command", "What do you want to do?", look.palette_text)
     if changed:
         look.palette_row = 0
-    found = matching((*ACTIONS, *light_actions(state, shelf)), look.palette_text)
+    found = matching((*answer_actions(state), *ACTIONS, *light_actions(state, shelf)), look.palette_text)
     look.palette_row = min(max(look.palette_row, 0), max(len(found) - 1, 0))
     return found
 
@@ -63,7 +64,9 @@ def _rows(state: EditorState, found: list[Action]) -> None:
         _row(state, action, row)
     imgui.end_child()
     chosen = found[state.look.palette_row]
+    imgui.push_text_wrap_pos(0.0)
     imgui.text_disabled(f"{chosen.help}.")
+    imgui.pop_text_wrap_pos()
 
 
 def _row(state: EditorState, action: Action, row: int) -> None:

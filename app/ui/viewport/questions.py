@@ -39,7 +39,7 @@ def _buttons(state: EditorState, question: Question) -> None:
     spacing = imgui.get_style().item_spacing.x
     room = imgui.get_content_region_avail().x - sum(widths) - spacing * (len(widths) - 1)
     imgui.set_cursor_pos_x(imgui.get_cursor_pos_x() + max(0.0, room))
-    for index, (label, act) in enumerate(question.choices):
+    for index, (label, _) in enumerate(question.choices):
         if index:
             imgui.same_line()
         else:
@@ -48,5 +48,4 @@ def _buttons(state: EditorState, question: Question) -> None:
         if not index:
             imgui.pop_style_color()
         if clicked:
-            state.asking.drop(question.key)
-            act()
+            state.asking.answer(question, index)
