@@ -26,13 +26,12 @@ uniform bool encoded;        // the picture is sRGB already, not radiance
 uniform bool has_alpha;      // by which the colours of a picture are multiplied already
 uniform float exposure_ev;
 uniform vec3 canvas_srgb;
-
-const float CHECK_PX = 12.0;
+uniform float check_px;      // side of a check behind what is transparent
 
 out vec4 shown;
 
 vec3 checks(vec2 pixel) {
-    vec2 cell = floor(pixel / CHECK_PX);
+    vec2 cell = floor(pixel / check_px);
     return vec3(mod(cell.x + cell.y, 2.0) < 0.5 ? 0.32 : 0.42);
 }
 

@@ -26,12 +26,14 @@ class Paint:
 
     Attributes:
         stripe_px: width of the clipping stripes, in framebuffer pixels.
+        check_px: side of the checks behind what is transparent, likewise.
     """
 
     clipping: bool = False
     false_colour: bool = False
     difference: bool = False
     stripe_px: float = 4.0
+    check_px: float = 12.0
 
 
 class Pictures(Protocol):

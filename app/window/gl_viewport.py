@@ -91,14 +91,14 @@ class PicturePainter:
             if mode != _PLAIN or paint.clipping:
                 switches = ("INSPECTED", *switches)
                 self._inspect(self._triangle(*switches).program, slots, paint, mode)
-            self._picture(self._triangle(*switches), slots, pane.name, pane.placement, exposure_ev)
+            self._picture(self._triangle(*switches), slots, pane.name, pane.placement, exposure_ev, paint.check_px)
         canvas.framebuffer.scissor = None
 
     def thumbnail(self, canvas: Canvas, slots: Slots, name: str, scale: float, exposure_ev: float) -> None:
         """One picture that fills its canvas."""
         canvas.begin()
         whole = Placement(0, 0, scale, *canvas.framebuffer.size)
-        self._picture(self._triangle(*slots[name].switches()), slots, name, whole, exposure_ev)
+        self._picture(self._triangle(*slots[name].switches()), slots, name, whole, exposure_ev, Paint().check_px)
 
     def _inspect(self, program: moderngl.Program, slots: Slots, paint: Paint, mode: int) -> None:
         program["paint"].value = mode
@@ -114,12 +114,14 @@ class PicturePainter:
         name: str,
         place: Placement,
         exposure_ev: float,
+        check_px: float,
     ) -> None:
         slot, program = slots[name], triangle.program
         # A light has so few texels that only their blend can be read as a place.
         zoom = place.width / slot.texture.width
         slot.smooth(name in LIGHTS or (zoom != 1.0 and zoom < _CRISP_FROM_ZOOM))
         program["place"].value = (place.x, place.y, place.width, place.height)
+        program["check_px"].value = check_px
         program["roll"].value = math.radians(place.roll_deg)
         program["encoded"].value = name not in (PHOTO, RESULT)
         program["has_alpha"].value = slot.has_alpha
@@ -176,7 +178,11 @@ def coarser(
         left, right = round(pane.left / across), math.ceil(pane.right / across)
         return replace(pane, placement=replace(spot, **corner, **lengths), left=left, right=right)
 
-    return tuple(map(shrunk, panes)), smaller, replace(paint, stripe_px=paint.stripe_px / by)
+    return (
+        tuple(map(shrunk, panes)),
+        smaller,
+        replace(paint, stripe_px=paint.stripe_px / by, check_px=paint.check_px / by),
+    )
 
 
 def _mode(name: str, paint: Paint) -> int:

@@ -16,13 +16,13 @@ def pane(x, y, width, height, roll_deg=0.0, left=0, right=10_000):
 def test_everything_keeps_its_place_and_a_large_picture_has_no_more_pixels_than_can_be_drawn(size):
     whole = (pane(16, 20, size[0] - 50, size[1] - 40, right=size[0]),)
     by = coarseness(whole, size)
-    (small,), less, paint = coarser(whole, size, Paint(stripe_px=6.0), by)
+    (small,), less, paint = coarser(whole, size, Paint(stripe_px=6.0, check_px=24.0), by)
     assert less[0] * less[1] <= 1.15 * 90_000 * size[0] * size[1] / ((size[0] - 50) * (size[1] - 40))
     across, down = less[0] / size[0], less[1] / size[1]
     spot = small.placement
     assert (spot.x, spot.y) == pytest.approx((16 * across, 20 * down))
     assert (spot.width, spot.height) == pytest.approx(((size[0] - 50) * across, (size[1] - 40) * down))
-    assert paint.stripe_px == pytest.approx(6.0 / by)
+    assert (paint.stripe_px, paint.check_px) == pytest.approx((6.0 / by, 24.0 / by))
 
 
 def test_a_small_picture_is_halved():

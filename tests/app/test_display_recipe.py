@@ -270,3 +270,9 @@ def test_there_is_no_dark_line_around_what_is_cut_out(context, zoom):
     shown = drawn(context, pixels, place)[: int(HEIGHT * zoom), : int(WIDTH * zoom)]
     # As bright as the lighter of the checks behind it, so that no share of it is darker than the darker ones.
     assert shown.min() > 0.32 - ONE_CODE / 255
+
+
+def test_checks_are_as_large_as_asked_for(context):
+    nothing = np.zeros((HEIGHT, WIDTH, 4), np.float16)
+    shown = drawn(context, nothing, paint=Paint(check_px=5.0))[:10, :10, 0]
+    assert np.abs(shown - np.kron([[0.32, 0.42], [0.42, 0.32]], np.ones((5, 5)))).max() * 255 < ONE_CODE

@@ -15,7 +15,7 @@ from app.ui.viewport.view import View, actual_size, pan, zoom_about
 
 DEGREES_PER_STEP = 5.0
 ZOOM_PER_STEP = 1.2
-_STRIPE_EM = 0.3
+_STRIPE_EM, _CHECK_EM = 0.3, 0.8
 
 
 def draw(state: EditorState, fonts: theme.Fonts, pictures: Pictures, rect: Rect) -> None:
@@ -44,9 +44,7 @@ def draw(state: EditorState, fonts: theme.Fonts, pictures: Pictures, rect: Rect)
     ):
         _navigate(state, arranged, at, scale)
     arranged = arrange_panes(state, size)
-    stripe_px = max(2.0, round(_STRIPE_EM * imgui.get_font_size() * scale))
-    look = state.look
-    shown = pictures.viewport(arranged.panes, size, Paint(look.clipping, look.false_colour, look.difference, stripe_px))
+    shown = pictures.viewport(arranged.panes, size, _paint(state, scale))
     widgets.draw_image(shown, rect.x, rect.y, rect.width, rect.height)
     if arranged.main is None:
         if viewport_notes.invitation(state, fonts, rect) and clicked:
@@ -56,6 +54,12 @@ def draw(state: EditorState, fonts: theme.Fonts, pictures: Pictures, rect: Rect)
         _over_the_picture(state, pictures, arranged, rect, scale)
     else:
         viewport_notes.progress(state, rect)
+
+
+def _paint(state: EditorState, scale: float) -> Paint:
+    look, em_px = state.look, imgui.get_font_size() * scale
+    stripe_px, check_px = max(2.0, round(_STRIPE_EM * em_px)), round(_CHECK_EM * em_px)
+    return Paint(look.clipping, look.false_colour, look.difference, stripe_px, check_px)
 
 
 def zoom_by(state: EditorState, factor: float) -> None:
