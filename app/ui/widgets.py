@@ -92,7 +92,7 @@ def _title_row(state: EditorState, spec: Slider, value: float) -> float:
     imgui.set_item_tooltip(spec.help)
     imgui.set_cursor_screen_pos(imgui.ImVec2(left.x + width - text_width, left.y))
     if imgui.invisible_button("number", imgui.ImVec2(text_width, imgui.get_text_line_height())):
-        _begin_typing(state, spec)
+        begin_typing(state, spec)
     hovered = imgui.is_item_hovered()
     if hovered:
         imgui.set_mouse_cursor(imgui.MouseCursor_.text_input)
@@ -104,7 +104,8 @@ def _title_row(state: EditorState, spec: Slider, value: float) -> float:
     return value
 
 
-def _begin_typing(state: EditorState, spec: Slider) -> None:
+def begin_typing(state: EditorState, spec: Slider) -> None:
+    """Let the number of a slider be typed in from the next frame on, if it is drawn in that."""
     state.typing, state.typing_began, state.typing_seen = spec.label, True, True
 
 
@@ -120,12 +121,14 @@ def _typed(state: EditorState, spec: Slider, value: float) -> float:
     imgui.same_line()
     imgui.set_next_item_width(imgui.get_content_region_avail().x)
     imgui.push_style_var(imgui.StyleVar_.frame_padding, imgui.ImVec2(4.0, 0.0))
-    began, state.typing_began, state.typing_seen = state.typing_began, False, True
+    began, state.typing_seen = state.typing_began, True
     if began:
         imgui.set_keyboard_focus_here()
     flags = imgui.InputTextFlags_.auto_select_all | imgui.InputTextFlags_.enter_returns_true
     _, new = imgui.input_float("##typed", value, 0.0, 0.0, _TYPED_FORM, flags)
     imgui.pop_style_var()
+    # The keyboard is had some frames after it was asked for, of a panel that is just coming into sight later still.
+    state.typing_began = began and not imgui.is_item_active()
     if not began and imgui.is_item_deactivated():
         state.typing = None
         # A number that was left as it stood must not be rounded to what is shown of it, nor moved onto the track.
@@ -146,7 +149,7 @@ def _track(state: EditorState, spec: Slider, value: float) -> float:
     hovered, active = imgui.is_item_hovered(), imgui.is_item_active()
     imgui.set_item_tooltip(f"{spec.help}\nDouble-click to reset, Ctrl-click to type a number.")
     if imgui.is_item_activated() and imgui.get_io().key_ctrl:
-        _begin_typing(state, spec)
+        begin_typing(state, spec)
         imgui.internal.clear_active_id()
     elif hovered and imgui.is_mouse_double_clicked(0):
         imgui.internal.clear_active_id()

@@ -11,6 +11,7 @@ from window_hand import HEIGHT, WIDTH, Hand, close_to
 
 from app.ui.asking import Question
 from app.ui.channels import PHOTO, RESULT
+from app.ui.layout import OpenGroups, Panels
 from app.ui.panels.status_line import _under_the_mouse
 from app.ui.viewport.probe import reading
 from app.window import gl_pictures
@@ -32,6 +33,33 @@ def test_the_palette_finds_a_bundled_light(opened):
     opened.type("neon")
     opened.key(glfw.KEY_ENTER)
     assert opened.window.state.light.name == "neon"
+
+
+def test_a_slider_of_a_hidden_panel_is_set_with_the_keyboard_alone(opened):
+    state = opened.window.state
+    state.panels, state.groups = Panels(effects=False), OpenGroups(effects=False)
+    opened.key(glfw.KEY_P, ctrl=True)
+    opened.type("exposure")
+    opened.key(glfw.KEY_ENTER)
+    assert state.typing == "Exposure"
+    opened.type("1.5")
+    opened.key(glfw.KEY_ENTER)
+    assert (state.edit.exposure_ev, state.typing) == (1.5, None)
+
+
+@pytest.mark.parametrize(
+    ("typed", "found"),
+    [
+        ("background none", lambda state: state.edit.background == "transparent"),
+        ("quality live", lambda state: state.quality.wish == "live"),
+        ("kind exr", lambda state: state.export.form == ".exr"),
+    ],
+)
+def test_a_choice_of_the_panels_is_made_with_the_keyboard_alone(opened, typed, found):
+    opened.key(glfw.KEY_P, ctrl=True)
+    opened.type(typed)
+    opened.key(glfw.KEY_ENTER)
+    assert found(opened.window.state)
 
 
 def test_what_is_asked_is_answered_with_the_keyboard_alone(opened):

@@ -1,7 +1,8 @@
 """What an action is: something the user can do, under a name, a key and one plain sentence.
 
 Every action stands once, in the table of app/ui/actions/action_table.py. The keys, the overlay that `?` opens and the
-command palette all read that table; the palette lists the lights beside it (light_actions.py). To add actions:
+command palette all read that table; the palette lists beside it what has no key (light_actions.py,
+setting_actions.py, answer_actions.py). To add actions:
 
 1. In a module of your own, make a tuple of `Action`. `run` gets the `EditorState` and changes only it; what
    needs the window or a file sets a wish in the state, which the window carries out after the frame.

@@ -52,7 +52,7 @@ PROGRAM = (
         "Find a command",
         _PROGRAM,
         ("Ctrl+P",),
-        "Type a few letters of what you want to do, or of a light",
+        "Type a few letters of what you want to do, of a setting or of a light",
         _switch_palette,
     ),
     Action("Show all keys", _PROGRAM, ("?", "F1"), "This overview", _switch_help),

@@ -9,6 +9,7 @@ from app.ui.actions.action import Action, matching
 from app.ui.actions.action_table import ACTIONS
 from app.ui.actions.answer_actions import answer_actions
 from app.ui.actions.light_actions import light_actions
+from app.ui.actions.setting_actions import setting_actions
 from app.ui.layout import Rect
 from app.ui.light_list import Shelf
 from app.ui.state import EditorState
@@ -47,7 +48,8 @@ def _typing(state: EditorState, shelf: Shelf) -> list[Action]:
     changed, look.palette_text = imgui.input_text_with_hint("##command", "What do you want to do?", look.palette_text)
     if changed:
         look.palette_row = 0
-    found = matching((*answer_actions(state), *ACTIONS, *light_actions(state, shelf)), look.palette_text)
+    every = (*answer_actions(state), *ACTIONS, *setting_actions(state), *light_actions(state, shelf))
+    found = matching(every, look.palette_text)
     look.palette_row = min(max(look.palette_row, 0), max(len(found) - 1, 0))
     return found
 

@@ -14,7 +14,7 @@ from app.ui.state import EditorState
 from relight_core.imaging.files import legible
 from relight_core.pipeline.results.layers import LAYERS
 
-_FORMS = (
+FORMS = (
     (".png", "PNG", "Lossless, for everything. Keeps transparency."),
     (".jpg", "JPEG", "Small, for sharing. No transparency."),
     (".tif", "TIFF", "Lossless, for print and other editors."),
@@ -41,11 +41,11 @@ _LAYER_WORDS = {
 
 def draw(state: EditorState, fonts: theme.Fonts) -> None:
     """The group's contents, inside its panel."""
-    kind = next(label for suffix, label, _ in _FORMS if suffix == state.export.form)
+    kind = next(label for suffix, label, _ in FORMS if suffix == state.export.form)
     if not group(state, fonts, "export", "Export", kind)[0]:
         return
     imgui.begin_disabled(state.snapshot.picture is None)
-    form = widgets.segmented(_FORMS, state.export.form)
+    form = widgets.segmented(FORMS, state.export.form)
     if form != state.export.form:
         choose_form(state, form)
     _depth_and_size(state)
