@@ -8,6 +8,7 @@ from test_window_faces import drag_on_the_photo, on_the_screen
 
 from app.document.session_file import read_session
 from app.ui import brush_edits
+from app.ui.viewport.tool_card import Button, _row_width, _rows
 from relight_core.imaging.read import read_photo
 from relight_core.imaging.view_transform import apply_view
 from relight_core.imaging.write import write_image
@@ -221,3 +222,12 @@ def test_the_brush_is_not_taken_up_for_a_photo_that_may_not_come(brush, tmp_path
     brush.settle()
     brush.key(glfw.KEY_ESCAPE)
     assert state.photo.strokes == strokes != ()
+
+
+@pytest.mark.parametrize(("room", "labels"), [(1000, [4]), (250, [3, 1]), (150, [2, 2]), (1, [1, 1, 1, 1])])
+def test_the_card_has_all_its_buttons_in_a_narrow_viewport(brush, room, labels):
+    buttons = [Button(label, "", print) for label in ("Take away", "-", "As found", "Done")]
+    rows = _rows(buttons, room)
+    assert [len(row) for row in rows] == labels
+    assert [button for row in rows for button in row] == buttons
+    assert all(_row_width(row) <= room or len(row) == 1 for row in rows)

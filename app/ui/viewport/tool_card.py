@@ -44,8 +44,8 @@ def draw(
         name: of the card's window.
         avoided: left, top, right and bottom of what should stay in sight.
     """
-    keys = sum(_width(button.label) for button in buttons) + imgui.get_style().item_spacing.x * (len(buttons) - 1)
-    size, in_one_row = _size(words, keys, viewport)
+    rows = _rows(buttons, viewport.width - 2 * imgui.get_font_size() - 2 * imgui.get_style().window_padding.x)
+    size, in_one_row = _size(words, rows, viewport)
     place, is_above = _place(state, viewport, size, avoided)
     imgui.set_next_window_pos(imgui.ImVec2(*place))
     imgui.set_next_window_size(imgui.ImVec2(size[0], 0.0))
@@ -56,26 +56,42 @@ def draw(
         imgui.pop_text_wrap_pos()
         if in_one_row:
             imgui.same_line()
-        imgui.set_cursor_pos_x(size[0] - imgui.get_style().window_padding.x - keys)
-        for index, button in enumerate(buttons):
-            if index:
-                imgui.same_line()
-            _press(state, button)
+        for row in rows:
+            imgui.set_cursor_pos_x(size[0] - imgui.get_style().window_padding.x - _row_width(row))
+            for index, button in enumerate(row):
+                if index:
+                    imgui.same_line()
+                _press(state, button)
         if is_above:
             state.look.covered += imgui.get_window_height() + 0.5 * imgui.get_font_size()
 
 
-def _size(text: str, keys: float, viewport: Rect) -> tuple[tuple[float, float], bool]:
+def _rows(buttons: Sequence[Button], room: float) -> list[list[Button]]:
+    """The buttons in as many rows as they need, each no wider than the room unless one button is."""
+    rows: list[list[Button]] = [[]]
+    for button in buttons:
+        if rows[-1] and _row_width([*rows[-1], button]) > room:
+            rows.append([])
+        rows[-1].append(button)
+    return rows
+
+
+def _row_width(row: Sequence[Button]) -> float:
+    return sum(_width(button.label) for button in row) + imgui.get_style().item_spacing.x * (len(row) - 1)
+
+
+def _size(text: str, rows: Sequence[Sequence[Button]], viewport: Rect) -> tuple[tuple[float, float], bool]:
     """Width and height of the card, and whether words and buttons have room beside each other."""
     em, style = imgui.get_font_size(), imgui.get_style()
     text_width, padding, row = imgui.calc_text_size(text).x, style.window_padding, imgui.get_frame_height()
-    widest = viewport.width - 2 * em
+    keys, widest = max(map(_row_width, rows)), viewport.width - 2 * em
     width = text_width + 2 * em + keys + 2 * padding.x
-    if width <= widest:
+    if len(rows) == 1 and width <= widest:
         return (width, row + 2 * padding.y), True
     width = min(widest, max(text_width, keys) + 2 * padding.x)
     lines = math.ceil(text_width / max(1.0, width - 2 * padding.x))
-    return (width, (lines - 1) * em + 2 * row + style.item_spacing.y + 2 * padding.y), False
+    height = (lines - 1) * em + row + len(rows) * (row + style.item_spacing.y) + 2 * padding.y
+    return (width, height), False
 
 
 def _place(
