@@ -133,7 +133,7 @@ def test_in_a_face_colours_have_no_say_against_the_person():
     doubted, known = likely_person(picture, placed(mask())), likely_person(picture, placed(mask()), face)
     assert doubted[45, 65] < 0.8
     assert known[45, 65] > 0.9
-    np.testing.assert_allclose(known[80, 65], doubted[80, 65], atol=0.01)
+    assert max(known[80, 65], doubted[80, 65]) < 0.8
 
 
 def test_a_mask_of_no_numbers_says_nothing():
@@ -178,10 +178,24 @@ def test_a_gap_within_a_person_is_closed_unless_the_mask_has_it_too():
     matte[50:54, 50:54] = 0.3
     looked_through = mask()
     looked_through[19:24, 14:19] = 0.1
-    closed = without_holes(matte, placed(looked_through))
+    closed = without_holes(matte, placed(looked_through), np.full((100, 100), 0.9, np.float32))
     assert closed[42, 42] > 0.95
     assert closed[52, 52] < 0.35
     np.testing.assert_array_equal(closed[:30], matte[:30])
+
+
+@pytest.mark.parametrize(("sure", "is_looked_through"), [(0.93, True), (0.985, False)])
+def test_a_wall_between_curls_stays_wall_but_a_white_collar_the_persons(sure, is_looked_through):
+    """Networks take hair for solid, and are less sure of what lies between curls."""
+    guide = photo(person=(0.2, 0.1, 0.1), wall=(0.97, 0.97, 0.95))
+    guide[40:50, 40:50] = 0.97, 0.97, 0.95
+    found = mask(0.99)
+    found[15:20, 10:15] = sure
+    there = placed(found)
+    likely = likely_person(guide, there)
+    matte = np.where(likely < 0.5, likely, 1).astype(np.float32)
+    middle = without_holes(matte, there, likely)[43:47, 43:47]
+    assert middle.max() < 0.1 if is_looked_through else middle.min() > 0.9
 
 
 def test_of_gaps_that_the_masks_have_those_of_the_persons_own_colours_are_closed():
@@ -250,4 +264,4 @@ def test_a_bay_open_to_the_wall_is_no_gap():
     matte = np.zeros((100, 100), np.float32)
     matte[30:, 30:70] = 1
     matte[40:60, 30:50] = 0
-    np.testing.assert_array_equal(without_holes(matte, placed(mask())), matte)
+    np.testing.assert_array_equal(without_holes(matte, placed(mask()), np.ones((100, 100), np.float32)), matte)

@@ -24,6 +24,13 @@ _ABOUT, _LEAST_ABOUT_PX = 2.0, 12
 _PERHAPS_ALIKE, _SURELY_ALIKE = 2.0, 3.0
 """Mean log odds of a gap's colours, person about it to background, from which on it is closed, in part and whole."""
 _MOST_COLOURS_SAY, _MOST_FROM_AFAR = 2.0, 4.0
+_NOBODYS, _DOUBTFUL, _MOST_OF_NOBODYS = (3.5, 5.0), (3.0, 3.5), 6.0
+"""Log odds against the person from which on hardly anything on them has a colour, and next to nothing; those of a mask
+up to which and from which on it is in doubt and beyond it; how much colours say where both are so. To networks hair is
+solid: a blown wall between two curls, of which they are less sure, would take on every light as a grey haze. Of a
+white collar before that wall they are surer."""
+_LEFT_BY_COLOURS = (0.05, 0.2)
+"""Probability of person, colours heard, up to which a gap is none of the mask's business, and from which on it is."""
 _ROUNDS = 2
 _PERHAPS_FACE, _SURELY_FACE = 0.5, 0.9
 _DOUBTED, _DENIED, _SUREST, _AT_MOST_BESIDE = 1.0, 2.0, 0.002, 0.35
@@ -72,7 +79,8 @@ def likely_person(
 
     A nose before a wall of skin's colour is none of the wall's, however much more of that colour the wall has: in a
     face, which networks know by its shape, colours have no say against the person. Beyond the nearest looks they have
-    most: a wall that a wider one takes for a lap has the colours of the wall behind the shoulders.
+    most: a wall that a wider one takes for a lap has the colours of the wall behind the shoulders. Within them they
+    have even more where the masks are in some doubt and hardly anything on the person has such a colour.
 
     Args:
         guide: (h, w, 3) sRGB in [0, 1], a small copy of the photo.
@@ -111,20 +119,21 @@ def attached(matte: np.ndarray, placed: list[np.ndarray]) -> np.ndarray:
     return _spread_within(surely, matte) if surely.any() else matte
 
 
-def without_holes(matte: np.ndarray, placed: list[np.ndarray]) -> np.ndarray:
+def without_holes(matte: np.ndarray, placed: list[np.ndarray], likely: np.ndarray) -> np.ndarray:
     """A matte without gaps that lie all within a person and that their mask knows nothing of.
 
     Skin may have the colour of the wall. Between an arm and a body, or a curl and a neck, where the mask has a gap
-    as well, one looks through.
+    as well or colours leave little of it, one looks through.
 
     Args:
         matte, placed: as for `attached`.
+        likely: (h, w) as `likely_person` has it.
 
     Returns:
         (h, w) float32, nowhere below the matte.
     """
     person = np.maximum.reduce([np.zeros_like(matte), *placed])
-    known = ramp(person, _NO_GAP_FROM, _SURE_FROM)
+    known = ramp(person, _NO_GAP_FROM, _SURE_FROM) * ramp(likely, *_LEFT_BY_COLOURS)
     return matte + known * (closed(matte) - matte)
 
 
@@ -249,11 +258,13 @@ def _around(across: np.ndarray, below: np.ndarray, placed: np.ndarray) -> np.nda
 def _as_colours_say(guide: np.ndarray, prior: np.ndarray, face: np.ndarray, near: np.ndarray) -> np.ndarray:
     """Log odds plus those of each pixel's colour among what is surely person and surely not, in no face against it."""
     bins = bins_of(guide)
-    most = (_MOST_FROM_AFAR + (_MOST_COLOURS_SAY - _MOST_FROM_AFAR) * near) * (1 - face)
-    odds = prior
+    odds, in_doubt = prior, 1 - ramp(prior, *_DOUBTFUL)
     for _ in range(_ROUNDS):
         likely = 1 / (1 + np.exp(-odds))
         told = log_odds(bins, *(shares_of(bins, _sure(side) * near) for side in (likely, 1 - likely)))
+        nobodys = in_doubt * ramp(-told, *_NOBODYS)
+        nearby = _MOST_COLOURS_SAY + (_MOST_OF_NOBODYS - _MOST_COLOURS_SAY) * nobodys
+        most = (_MOST_FROM_AFAR + (nearby - _MOST_FROM_AFAR) * near) * (1 - face)
         odds = prior + np.clip(told, -most, _MOST_COLOURS_SAY)
     return (1 / (1 + np.exp(-odds))).astype(np.float32)
 

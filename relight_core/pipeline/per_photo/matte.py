@@ -214,9 +214,10 @@ def _matted(
         placed, face, near: masks of that size, see `likely_person`.
     """
     seen = np.clip(resize_area(guide, size), 0, 1)
-    soft = attached(closed_form_matte(seen, likely_person(seen, placed, face, near)), placed)
+    likely = likely_person(seen, placed, face, near)
+    soft = attached(closed_form_matte(seen, likely), placed)
     # What an even grey tied to somebody may hang together with nobody once that is decided.
-    whole = without_holes(soft, placed)
+    whole = without_holes(soft, placed, likely)
     decided = without_lookalikes(_decided(whole), seen, whole)
     return resize_smooth(attached(decided, placed), guide.shape[:2])
 
