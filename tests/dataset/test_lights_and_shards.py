@@ -67,6 +67,19 @@ def test_a_truncated_library_and_one_of_other_arrays(tmp_path, library):
             load_lights(path, "train")
 
 
+@pytest.mark.parametrize(
+    ("name", "shape"), [("env64", (6, 50, 100, 3)), ("env64", (4, 64, 128, 3)), ("names", ()), ("group", (5,))]
+)
+def test_a_library_of_other_shapes_is_an_input_error_and_no_fault(tmp_path, name, shape):
+    path = tmp_path / "lights.npz"
+    write_lights(path, 6)
+    with np.load(path) as data:
+        arrays = dict(data) | {name: np.zeros(shape, np.float16 if name == "env64" else "<U9")}
+    np.savez(path, **arrays)
+    with pytest.raises(InputError, match=name):
+        load_lights(path, "train")
+
+
 def test_normalised_lights_have_a_mean_luminance_of_one(library):
     light = np.random.default_rng(0).gamma(0.3, 1, (16, 32, 3)) * [3.0, 1.0, 0.2]
     assert level(normalise_light(light)) == pytest.approx(1, rel=1e-4)

@@ -65,7 +65,14 @@ def _read(path: Path) -> dict[str, np.ndarray]:
     if path.is_dir():
         return read_light_folder(path)
     mend = "give an .npz of panoramas with env64, names and group, or a folder of .hdr and .exr panoramas"
-    return read_arrays(path, ("env64", "names", "group"), "a light library", mend)
+    arrays = read_arrays(path, ("env64", "names", "group"), "a light library", mend)
+    shapes = {name: array.shape for name, array in arrays.items()}
+    count = len(arrays["names"]) if shapes["names"] else 0
+    wanted = {"env64": (count, _DRAWN_HEIGHT, 2 * _DRAWN_HEIGHT, 3), "names": (count,), "group": (count,)}
+    for name, shape in wanted.items():
+        if shapes[name] != shape:
+            raise InputError(f"{path}: not a light library ({name} is {shapes[name]} and not {shape}); {mend}")
+    return arrays
 
 
 def normalise_light(light: np.ndarray) -> np.ndarray:
