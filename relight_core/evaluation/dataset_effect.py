@@ -16,6 +16,7 @@ import numpy as np
 import torch
 from torch.utils.data import DataLoader
 
+from relight_core.dataset.recipe import data_mark
 from relight_core.dataset.stream import SampleStream
 from relight_core.errors import InputError
 from relight_core.face.find import find_faces, find_small_faces
@@ -114,7 +115,8 @@ def taught(heads: Path, lights: Path, lesson: Lesson, checkpoint: Path, report, 
     Raises:
         InputError: what is there was taught otherwise; and as `training.loop.train_stage`.
     """
-    _keep_to_one_lesson(checkpoint, {**asdict(lesson), "heads": str(heads.resolve()), "plain": plain})
+    data = data_mark(heads, lights, "train")
+    _keep_to_one_lesson(checkpoint, {**asdict(lesson), "heads and lights": data, "plain": plain})
     if checkpoint.exists() and not state_path(checkpoint).exists():
         return load_bundle(checkpoint).eval()
     torch.manual_seed(lesson.seed)

@@ -61,15 +61,18 @@ def test_a_lesson_is_learnt_once_and_gives_the_same_weights_again(tmp_path, monk
     write_lights(tmp_path / "lights.npz", 6)
     lesson = Lesson(steps=2, size=16, pairs=1, width=4)
 
-    def learn(name, lesson=lesson):
+    def learn(name, lesson=lesson, lights="lights.npz"):
         where = tmp_path / f"{name}.safetensors"
-        return taught(tmp_path / "heads", tmp_path / "lights.npz", lesson, where, lambda *_: None, plain=plain)
+        return taught(tmp_path / "heads", tmp_path / lights, lesson, where, lambda *_: None, plain=plain)
 
     first, again = learn("one").state_dict(), learn("two").state_dict()
     assert all((first[name] == again[name]).all() for name in first)
     written = (tmp_path / "one.safetensors").stat().st_mtime_ns
     with pytest.raises(InputError, match="taught otherwise"):
         learn("one", replace(lesson, steps=3))
+    write_lights(tmp_path / "others.npz", 7)
+    with pytest.raises(InputError, match="taught otherwise"):
+        learn("one", lights="others.npz")
     kept = learn("one").state_dict()
     assert (tmp_path / "one.safetensors").stat().st_mtime_ns == written
     assert all((first[name] == kept[name]).all() for name in first)
