@@ -10,6 +10,7 @@ from pathlib import Path
 from app.cli.maker_inputs import (
     LIGHTS_HELP,
     SPLITS,
+    check_head_sizes,
     check_heads_and_lights,
     check_output_file,
     count_at_least_one,
@@ -40,7 +41,9 @@ def add_study_arguments(actions) -> None:
     _add_data(speed)
     speed.add_argument("--size", metavar="PX", type=int, action="append", help="side of the images (128 and 256)")
     speed.add_argument("--rounds", metavar="N", type=count_at_least_one, default=1, help="of 8 heads each (1)")
-    speed.add_argument("--steps", metavar="N", type=int, default=20, help="training steps to watch; 0 for none (20)")
+    speed.add_argument(
+        "--steps", metavar="N", type=count_from_zero, default=20, help="training steps to watch; 0 for none (20)"
+    )
     effect = actions.add_parser("effect", description="Train one small network on two data sets, and compare them.")
     _add_data(effect)
     effect.add_argument("--bare", metavar="DIR", type=Path, required=True, help="heads baked without a wardrobe")
@@ -76,20 +79,19 @@ def _preview(arguments: argparse.Namespace) -> int:
 
 def _speed(arguments: argparse.Namespace) -> int:
     let_idle_threads_sleep()
-    from relight_core.dataset.baking.shard import read_shard
-    from relight_core.dataset.recipe import load_split
     from relight_core.evaluation.loader_speed import loader_speed, waiting_share
 
     check_heads_and_lights(arguments.shards, arguments.lights, "train")
-    whole = read_shard(load_split(arguments.shards, "train")[0]).size
+    sizes = arguments.size or (128, 256)
+    if min(sizes) < 16:
+        raise InputError(f"--size {min(sizes)}: samples are 16 pixels wide or more")
+    check_head_sizes(arguments.shards, "train", [("dataset speed", size) for size in sizes])
     load = os.getloadavg()[0]
     busy = "; the machine is busy, these are not its speeds" if load > 0.5 else ""
     say(f"load average before: {load:.1f} on {os.cpu_count()} cores{busy}")
     say("| size | samples | per second, one core | per second of its own time | steps wait for the loader |")
     say("|---|---|---|---|---|")
-    for size in arguments.size or (128, 256):
-        if size < 16 or size > whole or whole % size:
-            raise InputError(f"--size {size}: the heads are {whole} pixels wide; give a divisor of that from 16 up")
+    for size in sizes:
         found = loader_speed(arguments.shards, arguments.lights, size, arguments.rounds)
         share = ""
         if arguments.steps > 0:
@@ -108,6 +110,7 @@ def _effect(arguments: argparse.Namespace) -> int:
         raise InputError(f"--size {arguments.size}: not a multiple of 16")
     for folder in (arguments.shards, arguments.bare):
         check_heads_and_lights(folder, arguments.lights, "train")
+        check_head_sizes(folder, "train", [("dataset effect", arguments.size)])
     if not arguments.photos.is_dir():
         raise InputError(f"{arguments.photos}: no such folder; give a folder of photos after --photos")
     paths = sorted(path for path in arguments.photos.iterdir() if path.suffix.lower() in _PHOTOS)

@@ -297,16 +297,17 @@ def test_speed_is_a_table_and_says_when_the_machine_is_busy(run, data, monkeypat
     row = out.strip().splitlines()[-1].split("|")
     assert row[1].strip() == "16"
     assert float(row[3]) > 0
-    refused_line = run(*words, "--size", 24)
-    assert refused_line[0] == 2
-    assert "divisor" in refused_line[2]
+    refused(run(*words, "--size", 16, "--size", 24), "24", "divisor")
+    refused(run(*words, "--size", 8), "16 pixels")
 
 
 def test_effect_refuses(run, data):
     words = ["dataset", "effect", "--shards", data / "heads", "--lights", data / "lights.npz", "-o", data / "s.png"]
+    refused(run(*words, "--bare", data / "heads", "--photos", data, "--size", 65), "multiple")
+    refused(run(*words, "--bare", data / "heads", "--photos", data, "--size", 64), "no size of 64", "dataset effect")
+    words += ["--size", 32]
     refused(run(*words, "--bare", data / "heads", "--photos", data / "gone"), "gone")
     refused(run(*words, "--bare", data / "none", "--photos", data), "none")
-    refused(run(*words, "--bare", data / "heads", "--photos", data, "--size", 65), "multiple")
     refused(run(*words, "--bare", data / "heads", "--photos", data), "no photos in it")
 
 
@@ -314,6 +315,7 @@ def test_effect_tells_of_a_photo_it_can_t_read_before_it_trains(run, data, tmp_p
     monkeypatch.setattr(dataset_effect, "taught", lambda *_, **__: pytest.fail("trained in vain"))
     (tmp_path / "torn.jpg").write_bytes(b"torn")
     words = ["dataset", "effect", "--shards", data / "heads", "--lights", data / "lights.npz", "-o", data / "s.png"]
+    words += ["--size", 32]
     refused(run(*words, "--bare", data / "heads", "--photos", tmp_path), "torn.jpg")
 
 
@@ -330,7 +332,7 @@ def test_effect_keeps_its_photos_and_what_is_no_folder(run, data, tmp_path, monk
     photo = tmp_path / "a.png"
     Image.new("RGB", (8, 8)).save(photo)
     words = ["dataset", "effect", "--shards", data / "heads", "--lights", data / "lights.npz"]
-    words += ["--bare", data / "heads", "--photos", tmp_path]
+    words += ["--bare", data / "heads", "--photos", tmp_path, "--size", 32]
     refused(run(*words, "-o", photo), "a.png", "input")
     refused(run(*words, "-o", tmp_path / "s.png", "--work", photo), "a.png")
 
