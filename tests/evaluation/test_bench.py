@@ -9,7 +9,7 @@ import pytest
 from synthetic_heads import write_balls, write_lights
 from tiny_networks import write_tiny_weights
 
-from relight_core.evaluation import bench_configurations
+from relight_core.evaluation import bench_configurations, bench_timing
 from relight_core.evaluation.bench_accuracy import Accuracy, HeldOutData, against_final, against_truth
 from relight_core.evaluation.bench_configurations import Configuration, configurations
 from relight_core.evaluation.bench_machine import Demand, Peaks, demands, describe_machine, measure_peaks
@@ -113,6 +113,15 @@ def test_every_setting_is_timed_in_every_action(weights, photo):
         assert {"delight", "compose", "specular_shadow", "detail", "recipe", "display"} <= set(found.stages)
         assert "matte" not in found.stages
     assert len(shown) == 3 * 2 * (2 + 2)
+
+
+def test_what_runs_once_a_photo_is_no_cost_of_a_light_on_a_first_visit_either(weights, photo, monkeypatch):
+    seen = time_configurations(Relighter(weights), [photo], some_light(), SETTINGS, rounds=1)
+    monkeypatch.setattr(bench_timing, "_WARM_UPS", 0)
+    unseen = time_configurations(Relighter(weights), [photo], some_light(), SETTINGS, rounds=1)
+    assert {name: set(found.stages) for name, found in unseen.items()} == {
+        name: set(found.stages) for name, found in seen.items()
+    }
 
 
 def test_all_photos_are_timed(weights, photo):
