@@ -7,7 +7,7 @@ from itertools import count
 from pathlib import Path
 
 from safetensors import SafetensorError
-from safetensors.torch import load_file, save_file
+from safetensors.torch import load_file, save
 
 from relight_core.errors import InputError
 from relight_core.imaging.files import whole_file
@@ -27,7 +27,7 @@ def kept_batches(
         among: so many there are, over and over; None for no end.
 
     Raises:
-        InputError: a kept batch is damaged.
+        InputError: a kept batch is damaged, or one can't be written.
     """
     folder.mkdir(parents=True, exist_ok=True)
     making, comes_next = iter(()), None
@@ -44,7 +44,8 @@ def kept_batches(
 def _keep(path: Path, batch: Batch) -> None:
     small = {name: value.contiguous() for name, value in halved(batch).items()}
     with whole_file(path) as beside:
-        save_file(small, beside)
+        # What the library writes to a file itself fails on a full disk with an error of its own kind.
+        beside.write_bytes(save(small))
 
 
 def _read(path: Path) -> Batch:

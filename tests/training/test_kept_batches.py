@@ -1,6 +1,7 @@
 """Batches that are made once, and are the same for whoever asks."""
 
 import itertools
+import resource
 
 import pytest
 import torch
@@ -30,6 +31,17 @@ def test_a_batch_is_made_once_and_then_read(tmp_path):
     for one, other in zip(first, again, strict=True):
         for name in one:
             assert torch.equal(one[name], other[name])
+
+
+def test_a_batch_that_the_disk_has_no_room_for_is_told_and_leaves_nothing(tmp_path):
+    before = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (1000, before[1]))
+    try:
+        with pytest.raises(InputError, match="can't be written"):
+            some(tmp_path, [], 1)
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, before)
+    assert not list(tmp_path.iterdir())
 
 
 def test_who_makes_it_meets_it_as_rounded_as_who_reads_it(tmp_path):
