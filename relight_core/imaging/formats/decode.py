@@ -22,7 +22,7 @@ from relight_core.imaging.formats.limits import check_pixels
 from relight_core.imaging.formats.metadata import carried_exif, exif_of
 from relight_core.imaging.formats.opencv_decoding import decoded_by_opencv, in_rgb_order
 from relight_core.imaging.formats.png_colours import png_profile
-from relight_core.imaging.formats.raster import Raster
+from relight_core.imaging.formats.raster import Raster, damaged
 from relight_core.imaging.formats.stated_colours import exif_profile, refuse_luminous
 from relight_core.imaging.formats.tiff_exif import exif_of_tiff
 from relight_core.imaging.formats.tiff_pages import starting_with_photo
@@ -103,12 +103,12 @@ def _open_with_pillow(data: bytes, path: Path) -> Image.Image:
             image.load()
         except Image.UnidentifiedImageError:
             if _is_avif(data):
-                raise _damaged(path) from None
+                raise damaged(path) from None
             raise InputError(f"{path}: not an image; use a JPEG, PNG, TIFF, HEIC, WebP, EXR or HDR file") from None
         except InputError:
             raise
         except Exception:
-            raise _damaged(path) from None
+            raise damaged(path) from None
         finally:
             Image.MAX_IMAGE_PIXELS = limit
     return image
@@ -119,21 +119,17 @@ def _is_avif(data: bytes) -> bool:
     return data[4:8] == b"ftyp" and (b"avif" in data[8:64] or b"avis" in data[8:64])
 
 
-def _damaged(path: Path) -> InputError:
-    return InputError(f"{path}: a truncated or damaged image; fetch or export it again")
-
-
 def _check_plausible(data: bytes, image: Image.Image, path: Path) -> None:
     """Refuse a file that is too short for the pixels it claims, before memory is taken for them."""
     pixels = image.width * image.height
     if pixels > max(_LARGE_PIXELS, _MOST_PIXELS_A_BYTE * len(data)):
         claim = f"{image.width} x {image.height} pixels in {len(data)} bytes"
-        raise InputError(f"{path}: a truncated or damaged image ({claim}); fetch or export it again")
+        raise damaged(path, f"image ({claim})")
     if image.format != "PNG" or len(data) < 26:
         return
     claimed = pixels * _PNG_SAMPLES.get(data[25], 1) * data[24] // 8
     if claimed > _MOST_DEFLATED * len(data):
-        raise _damaged(path)
+        raise damaged(path)
 
 
 def _profile_of(image: Image.Image, data: bytes, path: Path) -> bytes | None:
@@ -190,7 +186,7 @@ def _decode_deep_png(data: bytes, image: Image.Image, icc: bytes | None, path: P
     # OpenCV takes the memory that a chunk claims, up to 4 GiB, before it looks for its bytes.
     values = decoded_by_opencv(data) if _chunks_fit(data) else None
     if values is None or values.dtype != np.uint16:
-        raise _damaged(path)
+        raise damaged(path)
     values, alpha = in_rgb_order(values), None
     if values.shape[2] == 4:
         colours = 1 if data[25] in _PNG_GREYS else 3

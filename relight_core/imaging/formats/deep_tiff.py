@@ -18,7 +18,7 @@ from relight_core.errors import InputError
 from relight_core.imaging.formats.library_profiles import through_library_profile
 from relight_core.imaging.formats.limits import BYTES_PER_PIXEL, check_pixels
 from relight_core.imaging.formats.opencv_decoding import decoded_by_opencv, in_rgb_order
-from relight_core.imaging.formats.raster import Raster
+from relight_core.imaging.formats.raster import Raster, damaged
 from relight_core.imaging.formats.stated_colours import exif_profile
 from relight_core.imaging.formats.tiff_exif import exif_of_tiff
 
@@ -96,12 +96,12 @@ def _described(data: bytes, path: Path) -> tuple[tifffile.TiffPage, _Kind]:
         width, height = int(page.imagewidth), int(page.imagelength)
         is_whole = len(page.dataoffsets) >= math.prod(page.chunked) and end <= len(data)
     except Exception:
-        raise _damaged(path) from None
+        raise damaged(path) from None
     # There may be thousands of channels beside the colours, and Deflate holds them in next to nothing.
     check_pixels(width, height, path, max(BYTES_PER_PIXEL, kind.samples * kind.bits // 8))
     # Pillow takes strips that are missing for black ones.
     if not is_whole:
-        raise _damaged(path)
+        raise damaged(path)
     return page, kind
 
 
@@ -116,10 +116,6 @@ def _decoded(page: tifffile.TiffPage, kind: _Kind, data: bytes) -> Raster | None
     # OpenCV turns pictures upright by itself.
     orientation = 1 if by_opencv else _orientation(page)
     return replace(raster, orientation=orientation, exif=exif_of_tiff(data))
-
-
-def _damaged(path: Path) -> InputError:
-    return InputError(f"{path}: a truncated or damaged image; fetch or export it again")
 
 
 def _unread(path: Path, kind: _Kind) -> InputError:

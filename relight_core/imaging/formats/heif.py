@@ -11,7 +11,7 @@ import pi_heif
 from relight_core.errors import InputError
 from relight_core.imaging.formats.limits import check_pixels
 from relight_core.imaging.formats.metadata import carried_block
-from relight_core.imaging.formats.raster import Raster
+from relight_core.imaging.formats.raster import Raster, damaged
 from relight_core.imaging.formats.stated_colours import numbered_profile
 
 _BRANDS = (b"heic", b"heix", b"heim", b"heis", b"hevc", b"hevx", b"mif1", b"msf1")
@@ -39,7 +39,7 @@ def decode_heif(data: bytes, path: Path) -> Raster:
         codes = np.array(image)
         codes = _full_scale(codes.reshape(*codes.shape[:2], -1), int(image.info.get("bit_depth") or 8))
     except Exception:
-        raise _damaged(path) from None
+        raise damaged(path, "HEIC") from None
     values, alpha = codes, None
     if image.has_alpha:
         values, alpha = codes[..., :-1], codes[..., -1].astype(np.float32) / np.iinfo(codes.dtype).max
@@ -63,16 +63,12 @@ def stated_profile(data: bytes, path: Path) -> bytes | None:
 def _opened(data: bytes, path: Path) -> pi_heif.HeifImage:
     """The main picture, not yet decoded."""
     if not _items_are_named(data):
-        raise _damaged(path)
+        raise damaged(path, "HEIC")
     try:
         file = pi_heif.open_heif(data, convert_hdr_to_8bit=False, hdr_to_16bit=False)
         return file[file.primary_index]
     except Exception:
-        raise _damaged(path) from None
-
-
-def _damaged(path: Path) -> InputError:
-    return InputError(f"{path}: a truncated or damaged HEIC; fetch or export it again")
+        raise damaged(path, "HEIC") from None
 
 
 def _items_are_named(data: bytes) -> bool:

@@ -1,10 +1,13 @@
-"""What decoders hand over: pixel values as a file has them, with what is needed to make light of them."""
+"""What decoders hand over: pixel values as a file has them, with what is needed to make light of them, or an error."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
+
+from relight_core.errors import InputError
 
 RAW_SUFFIXES = (
     *(".cr2", ".cr3", ".crw", ".nef", ".nrw", ".arw", ".sr2", ".srf", ".dng", ".raf", ".orf", ".rw2", ".rwl"),
@@ -43,3 +46,8 @@ class Raster:
         if values.dtype.kind == "u":
             return np.clip(np.rint(divided), 0, np.iinfo(values.dtype).max).astype(values.dtype)
         return divided.astype(np.float32)
+
+
+def damaged(path: Path, what: str = "image") -> InputError:
+    """The error that a decoder raises where a file is not whole."""
+    return InputError(f"{path}: a truncated or damaged {what}; fetch or export it again")
