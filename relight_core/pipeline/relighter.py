@@ -24,7 +24,7 @@ from relight_core.pipeline.edit import Edit, check_numbers
 from relight_core.pipeline.face_relighter import KEPT_LIGHTS, FaceRelighter
 from relight_core.pipeline.face_search import FaceSearch
 from relight_core.pipeline.face_taken_apart import Workshop
-from relight_core.pipeline.per_light.catchlights import Catchlight
+from relight_core.pipeline.per_light.catchlights import Catchlight, name_of_mirrored
 from relight_core.pipeline.per_light.kept_lights import KeptLights, ServingLight
 from relight_core.pipeline.per_photo.brush import BrushStroke, checked_strokes
 from relight_core.pipeline.per_photo.choosing_faces import those_chosen
@@ -273,7 +273,8 @@ class Relighter:
         backdrop = None
         if edit.background == "light":
             backdrop = (environment.fingerprint, edit.yaw_deg, edit.background_fov_deg, edit.background_blur_deg)
-        mirrored, irises = (environment.fingerprint, edit.yaw_deg), sum(len(face.corneas()) for face in self._faces)
+        irises = sum(len(face.corneas()) for face in self._faces)
+        mirrored = (name_of_mirrored(environment), edit.yaw_deg) if irises else None
         scene = Scene(tier, light.name, light.bound, backdrop, environment.level, light.lamps, mirrored, irises)
 
         def is_kept(stage: str, key: Hashable) -> bool:

@@ -8,7 +8,9 @@ in its own stay, which are finer than any estimate of that light.
 
 from __future__ import annotations
 
+from collections.abc import Hashable
 from dataclasses import dataclass
+from hashlib import blake2b
 
 import cv2
 import numpy as np
@@ -71,6 +73,30 @@ class LitEye:
     evenly: np.ndarray
 
 
+def name_of_mirrored(environment: Environment) -> Hashable:
+    """Names what eyes can mirror of a light, whatever its level, by its contents.
+
+    That is small: to name a whole panorama takes longer than to mirror it.
+    """
+    return environment.of_shape("mirrored, named", lambda _: blake2b(_as_fine_as_eyes(environment).tobytes()).digest())
+
+
+def _as_fine_as_eyes(environment: Environment) -> np.ndarray:
+    """(h, 2h, 3) of the finest that any eye mirrors."""
+    return environment.of_shape(
+        "mirrored", lambda shape: shrink(shape, _MOST_ROWS) if len(shape) > _MOST_ROWS else shape
+    )
+
+
+def _mirrored_by(cornea: Cornea, environment: Environment) -> np.ndarray:
+    """(h, 2h, 3) whose texels are about as large as what one pixel of an eye mirrors."""
+    step_deg = np.degrees(2 * float(np.abs(np.diff(cornea.normal[0], axis=1)).max()))
+    finest, rows = _as_fine_as_eyes(environment), _FEWEST_ROWS
+    while rows < min(180 / max(step_deg, 1e-3), len(finest)):
+        rows *= 2
+    return environment.of_shape(("mirrored", rows), lambda _: shrink(finest, rows) if len(finest) > rows else finest)
+
+
 def how_much_another(light: np.ndarray, own: np.ndarray) -> float:
     """How far a light is another than the photo's own, [0, 1]; both (16, 32, 3), of any level."""
     areas = solid_angles(*light.shape[:2])
@@ -124,9 +150,7 @@ def mirrored_light(cornea: Cornea, eye: LitEye, environment: Environment, yaw_de
     x, y, z = cornea.normal
     # Seen from a distant camera at +z: the mirrored direction is 2 (n . v) n - v.
     across, down = place_on_map(2 * z * x, 2 * z * y, 2 * z * z - 1)
-    rows = _rows(cornea)
-    light = environment.of_shape(("mirrored", rows), lambda shape: shrink(shape, rows) if len(shape) > rows else shape)
-    radiance = _looked_up(light, across - yaw_deg / 360, down)
+    radiance = _looked_up(_mirrored_by(cornea, environment), across - yaw_deg / 360, down)
     fresnel = _REFLECTANCE + (1 - _REFLECTANCE) * (1 - z) ** 5
     share = fresnel * cornea.bare * _looked_up(eye.seen, across, down)
     mirrored = share[..., None] * np.maximum(radiance - eye.evenly, 0)
@@ -140,15 +164,6 @@ def _weights(cornea: Cornea, view: Crop, size: int) -> np.ndarray:
     place, radius = np.arange(size), max(iris.radius * size / view.side, 1.0)
     within = np.clip(radius + 0.5 - np.hypot(place[None, :] - x, place[:, None] - y), 0, 1).ravel()
     return (within / max(within.sum(), 1e-12)).astype(np.float32)
-
-
-def _rows(cornea: Cornea) -> int:
-    """Rows of a panorama whose texels are as large as what one pixel of an eye mirrors."""
-    step_deg = np.degrees(2 * float(np.abs(np.diff(cornea.normal[0], axis=1)).max()))
-    rows = _FEWEST_ROWS
-    while rows < min(180 / max(step_deg, 1e-3), _MOST_ROWS):
-        rows *= 2
-    return rows
 
 
 def _looked_up(panorama: np.ndarray, across: np.ndarray, down: np.ndarray) -> np.ndarray:
