@@ -23,7 +23,7 @@ from relight_core.pipeline.results.channels import as_tensor
 
 _KNOWN_ALONE = (
     *("view", "seen_view", "network_view", "delight", "outline", "wider_outline", "corneas"),
-    *("normals", "relief", "source_light", "begun", "lamps_view", "edges"),
+    *("normals", "relief", "source_light", "begun", "lamps_view", "edges", "eye_skies"),
 )
 """Stages that read nothing of the photo's other faces."""
 

@@ -16,7 +16,15 @@ from relight_core.lighting.lamps import Lamp
 from relight_core.pipeline import stages
 from relight_core.pipeline.edit import Edit
 from relight_core.pipeline.face_in_photo import FaceInPhoto
-from relight_core.pipeline.per_light.catchlights import Catchlight, how_much_another, light_about, mirrored_light
+from relight_core.pipeline.per_light.catchlights import (
+    Catchlight,
+    EyeSky,
+    how_much_another,
+    in_the_open,
+    light_about,
+    mirrored_light,
+    sky_over,
+)
 from relight_core.pipeline.per_light.hard_shadow import harden_shadow, ready_for_lamps
 from relight_core.pipeline.per_light.hints import Effects, as_channels
 from relight_core.pipeline.per_light.kept_lights import ServingLight
@@ -190,9 +198,10 @@ class FaceRelighter(FaceInPhoto):
         corneas = self.corneas()
         if not corneas:
             return ()
-        transport = self._relief(ready) if plan.runs("shadow") and plan.runs("relief") else None
-        of_light = ready.surface, transport, lit.effects, lit.reflected, lit.light
-        eyes = [light_about(cornea, self.portrait.view, *of_light) for cornea in corneas]
+        eyes = [in_the_open(lit.light)] * len(corneas)
+        if plan.runs("shadow") and plan.runs("relief"):
+            of_light = self.portrait.view, ready.surface, lit.effects, lit.reflected, lit.light
+            eyes = [light_about(*eye, *of_light) for eye in zip(corneas, self._skies(ready), strict=True)]
         replaces = 1.0
         if plan.runs("source_light"):
             replaces = how_much_another(network_light(environment, edit.yaw_deg), self.own_light_normalised(ready))
@@ -202,6 +211,11 @@ class FaceRelighter(FaceInPhoto):
         if self.portrait.photo.monochrome:
             seen = [without_colour(mirrored) for mirrored in seen]
         return tuple(Catchlight(*parts, replaces) for parts in zip(corneas, seen, strict=True))
+
+    def _skies(self, ready: Prepared) -> list[EyeSky]:
+        relief, view = self._relief(ready), self.portrait.view
+        make = lambda: [sky_over(cornea, view, relief) for cornea in self.corneas()]  # noqa: E731
+        return self._once("eye_skies", ready.tier.relief_key, make)
 
     def level_as_in_photo_ev(self, ready: Prepared, change: ViewChange, most_stops: float = MOST_STOPS) -> float:
         """See `pipeline.results.face_level`."""

@@ -61,11 +61,25 @@ class Catchlight:
 
 
 @dataclass(frozen=True, eq=False)
+class EyeSky:
+    """From where light reaches an eye by the relief, whatever the light.
+
+    Attributes:
+        opened, closed: (texels,) of the relief's transport, at the eye.
+        seen: (h, 2h) share in [0, 1] of what comes from each direction that reaches it, in the photo's camera space.
+    """
+
+    opened: torch.Tensor
+    closed: torch.Tensor
+    seen: np.ndarray
+
+
+@dataclass(frozen=True, eq=False)
 class LitEye:
     """The light about one eye.
 
     Attributes:
-        seen: (h, 2h) share in [0, 1] of what comes from each direction that reaches it, in the photo's camera space.
+        seen: as of `EyeSky`, in the light in force.
         evenly: (3,) mean radiance that reaches it, of a light of mean luminance 1.
     """
 
@@ -105,11 +119,27 @@ def how_much_another(light: np.ndarray, own: np.ndarray) -> float:
     return float(ramp(float(apart), 0.0, _ANOTHER_LIGHT))
 
 
+def sky_over(cornea: Cornea, view: Crop, transport: ReliefTransport) -> EyeSky:
+    """What the relief leaves of the sky over an eye.
+
+    Args:
+        view: of the relief.
+    """
+    points = torch.from_numpy(_weights(cornea, view, transport.size).ravel())
+    opened, closed = (points @ part.cpu() for part in (transport.open, transport.closed))
+    seen = torch.where(opened > _LEAST_OPEN, closed / opened.clamp_min(_LEAST_OPEN), 0).clamp(0, 1)
+    rows = round((len(seen) / 2) ** 0.5)
+    seen = seen.reshape(rows, 2 * rows).numpy()
+    if view.roll_deg:
+        seen = np.clip(roll_light(np.repeat(seen[..., None], 3, axis=-1), -view.roll_deg)[..., 0], 0, 1)
+    return EyeSky(opened, closed, seen)
+
+
 def light_about(
     cornea: Cornea,
+    sky: EyeSky,
     view: Crop,
     surface: Surface,
-    transport: ReliefTransport | None,
     effects: Effects,
     reflected: torch.Tensor,
     light: torch.Tensor,
@@ -118,26 +148,34 @@ def light_about(
 
     Args:
         view: of the surface.
-        transport: of its relief; None where nothing is to hide anything.
         effects, reflected: as of `hints.explicit_sum`, of the light.
         light: (1, 16, 32, 3) as the view sees it.
     """
-    if transport is None:
-        evenly = mean_radiance(light[0].cpu().numpy()).astype(np.float32)
-        return LitEye(np.ones(light.shape[1:3], np.float32), evenly)
     flat = light.float().reshape(-1, 3).cpu()
-    points = torch.from_numpy(_weights(cornea, view, transport.size))
-    opened, closed = (points @ part.cpu() for part in (transport.open, transport.closed))
-    seen = torch.where(opened > _LEAST_OPEN, closed / opened.clamp_min(_LEAST_OPEN), 0).clamp(0, 1)
-    hidden = hidden_share(effects, grey(surface.albedo * reflected[:, :3]), grey(reflected[:, 3:]))
-    hidden = float(hidden[0, 0].cpu().flatten() @ torch.from_numpy(_weights(cornea, view, hidden.shape[-1])))
-    of_all, of_open = float((closed @ flat).sum()), float((opened @ flat).sum())
+    evenly, of_open = sky.closed @ flat, float((sky.opened @ flat).sum())
     # What the networks know to be in shadow, of a brim or a nose, mirrors no lamp either.
-    agreed = min(1.0, (1 - hidden) * of_open / max(of_all, 1e-12))
-    seen = (agreed * seen).reshape(light.shape[1:3]).numpy()
-    if view.roll_deg:
-        seen = roll_light(np.repeat(seen[..., None], 3, axis=-1), -view.roll_deg)[..., 0]
-    return LitEye(np.clip(seen, 0, 1), (closed @ flat).numpy())
+    reaches = 1 - _hidden_at(cornea, view, surface, effects, reflected)
+    agreed = min(1.0, reaches * of_open / max(float(evenly.sum()), 1e-12))
+    return LitEye(np.float32(agreed) * sky.seen, evenly.numpy())
+
+
+def in_the_open(light: torch.Tensor) -> LitEye:
+    """What reaches an eye of a light (1, h, 2h, 3) that nothing hides."""
+    return LitEye(np.ones(light.shape[1:3], np.float32), mean_radiance(light[0].cpu().numpy()).astype(np.float32))
+
+
+def _hidden_at(cornea: Cornea, view: Crop, surface: Surface, effects: Effects, reflected: torch.Tensor) -> float:
+    """Share of the diffuse light that an eye does not get."""
+    weights = _weights(cornea, view, reflected.shape[-1])
+    rows, columns = (np.flatnonzero(weights.any(axis)) for axis in (1, 0))
+    if not (rows.size and columns.size):
+        return 0.0
+    eye = slice(rows[0], rows[-1] + 1), slice(columns[0], columns[-1] + 1)
+    albedo, reflected, specular, shadow = (
+        part[..., *eye] for part in (surface.albedo, reflected, effects.specular, effects.shadow)
+    )
+    hidden = hidden_share(Effects(specular, shadow), grey(albedo * reflected[:, :3]), grey(reflected[:, 3:]))
+    return float((hidden[0, 0].cpu().numpy() * weights[eye]).sum())
 
 
 def mirrored_light(cornea: Cornea, eye: LitEye, environment: Environment, yaw_deg: float) -> np.ndarray:
@@ -158,11 +196,11 @@ def mirrored_light(cornea: Cornea, eye: LitEye, environment: Environment, yaw_de
 
 
 def _weights(cornea: Cornea, view: Crop, size: int) -> np.ndarray:
-    """(size * size,) float32, sum 1: which pixels of a view an iris lies in."""
+    """(size, size) float32, sum 1: which pixels of a view an iris lies in; 0 where it lies beyond it."""
     iris = cornea.iris
     x, y = view.from_photo(np.array([iris.x, iris.y]), size) - 0.5
     place, radius = np.arange(size), max(iris.radius * size / view.side, 1.0)
-    within = np.clip(radius + 0.5 - np.hypot(place[None, :] - x, place[:, None] - y), 0, 1).ravel()
+    within = np.clip(radius + 0.5 - np.hypot(place[None, :] - x, place[:, None] - y), 0, 1)
     return (within / max(within.sum(), 1e-12)).astype(np.float32)
 
 
