@@ -8,7 +8,7 @@ most). Lids cover its top and often its bottom, so only its sides are asked.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import lru_cache, partial
 
 import cv2
 import numpy as np
@@ -28,11 +28,13 @@ _ARC_DEG = (-25.0, 50.0)
 _STEP_PX, _RING_PX = 2.0, 1.5
 _SPECK_PX = 9
 """Catchlights are smaller, and would be edges of their own."""
-_OFF_MIDDLE = (0.75, 0.45)
+_OFF_MIDDLE = (0.75, 0.25)
+"""Half-widths of an eye to the side and up or down that an iris may be off its middle. Further up are lashes and brows.
+"""
 _DARKNESS, _BOTH_SIDES = 0.5, 0.25
-_LEAST_EDGE, _LEAST_BESIDE, _LEAST_RADIUS_PX = 0.2, 0.1, 5.0
-"""Of the brightness around, on the fainter side: of an iris, and of one beside another that is made out. And pixels of
-the photo."""
+_LEAST_EDGE, _LEAST_BESIDE, _LEAST_SCORE, _LEAST_RADIUS_PX = 0.2, 0.1, 0.5, 5.0
+"""Of the brightness around, on the fainter side: of an iris, and of one beside another that is made out. With all else
+that speaks for an iris, or there is a veil, or hair, and the other eye is doubtful too. And pixels of the photo."""
 
 
 @dataclass(frozen=True)
@@ -71,13 +73,16 @@ def find_irises(linear: np.ndarray, exposure: float, parsing: np.ndarray, view: 
     usual = ((_RADII_PX / _HALF_PX - _USUAL_RADIUS) / _RADIUS_DOUBT) ** 2
     best = int((sum(look.scores for look in looks) / len(looks) - _RADIUS_WEIGHT * usual).argmax())
     radius = float(_RADII_PX[best]) * half_width / _HALF_PX
-    if radius < _LEAST_RADIUS_PX:
+    if radius < _LEAST_RADIUS_PX or min(look.scores[best] for look in looks) < _LEAST_SCORE:
         return ()
     edges = [look.edges[best] for look in looks]
     least = _LEAST_BESIDE if max(edges) >= _LEAST_EDGE else np.inf
-    middles = [crop.to_photo(look.middles[best] + 0.5, _SIDE_PX) for crop, look in zip(crops, looks, strict=True)]
-    seen = [middle for middle, edge in zip(middles, edges, strict=True) if edge >= least]
-    return tuple(Iris(float(x), float(y), radius) for x, y in seen)
+    middles = [
+        crop.to_photo(look.middles[best] + 0.5, _SIDE_PX)
+        for crop, look in zip(crops, looks, strict=True)
+        if look.edges[best] >= least
+    ]
+    return tuple(Iris(float(x), float(y), radius) for x, y in middles)
 
 
 def _around(place: EyePlace, view: Crop, size: int, half_width: float) -> Crop:
@@ -107,17 +112,27 @@ class _Look:
         middle = _SIDE_PX // 2
         rows, columns = slice(middle - 25, middle + 25), slice(middle - 45, middle + 45)
         seen = seen / max(float(np.percentile(seen[rows, columns], 80)), 1e-3)
-        away = (np.arange(_SIDE_PX) - middle)[:, None] / _HALF_PX / np.array(_OFF_MIDDLE)
-        possible = np.hypot(away[None, :, 0], away[:, 1][:, None]) < 1
+        across, down = (int(_HALF_PX * most) for most in _OFF_MIDDLE)
+        right, below = np.arange(-across, across + 1), np.arange(-down, down + 1)[:, None]
+        possible = np.hypot(right / _OFF_MIDDLE[0], below / _OFF_MIDDLE[1]) < _HALF_PX
         found = []
         for left, right, disc in _kernels():
-            sides = [cv2.filter2D(seen, -1, kernel) for kernel in (left, right)]
+            at = partial(_filtered, seen, (down, across))
+            sides = at(left), at(right)
             fainter = np.minimum(*sides)
-            score = fainter + _BOTH_SIDES * (sides[0] + sides[1]) / 2 + _DARKNESS * (1 - cv2.filter2D(seen, -1, disc))
+            score = fainter + _BOTH_SIDES * (sides[0] + sides[1]) / 2 + _DARKNESS * (1 - at(disc))
             row, column = np.unravel_index(np.where(possible, score, -np.inf).argmax(), score.shape)
-            found.append((score[row, column], (column, row), fainter[row, column]))
+            place = middle - across + column, middle - down + row
+            found.append((score[row, column], place, fainter[row, column]))
         scores, middles, edges = zip(*found, strict=True)
         return cls(np.array(scores), np.array(middles, np.float64), np.array(edges))
+
+
+def _filtered(seen: np.ndarray, most: tuple[int, int], kernel: np.ndarray) -> np.ndarray:
+    """An eye through a kernel, at most so far down and across from its middle."""
+    middle, half = _SIDE_PX // 2, len(kernel) // 2
+    rows, columns = (slice(middle - off - half, middle + off + half + 1) for off in most)
+    return cv2.filter2D(seen[rows, columns], -1, kernel)[half:-half, half:-half]
 
 
 @lru_cache(maxsize=1)

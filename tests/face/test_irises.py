@@ -43,6 +43,19 @@ def test_closed_eyes_and_those_of_statues_have_none(drawn):
     assert found(**drawn) == ()
 
 
+def test_lashes_and_brows_are_no_irises():
+    photo = draw_eyes(PAIR, iris=0.15, pupil=0.15)
+    y, x = np.mgrid[:200, :300] + 0.5
+    for at_x, at_y, radius in PAIR:
+        photo[np.hypot(x - at_x, y - at_y + 18) < radius] = 0.02
+    assert all(abs(iris.y - y) < 2.5 for iris, (_, y, _) in zip(found(photo=photo), PAIR, strict=True))
+
+
+def test_an_eye_that_is_hardly_one_makes_the_other_doubtful():
+    photo, veiled = draw_eyes(PAIR), draw_eyes(PAIR, iris=0.28, pupil=0.28)
+    assert found(photo=np.hstack([photo[:, :150], veiled[:, 150:]])) == ()
+
+
 def test_eyes_of_few_pixels_have_none():
     irises = ((90.0, 100.0, 3.0), (120.0, 100.0, 3.0))
     assert found(irises, Crop(105.0, 100.0, 80.0)) == ()
