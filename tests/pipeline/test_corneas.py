@@ -44,6 +44,25 @@ def test_lids_and_the_white_of_the_eye_stay():
     np.testing.assert_allclose(left[beside], photo[y0:y1, x0:x1][beside], atol=1e-6)
 
 
+def test_pale_flecks_between_a_wide_pupil_and_a_dark_rim_stay():
+    photo = draw_eyes(DRAWN, (180, 200), iris=0.14, pupil=0.02)
+    y, x = np.mgrid[:180, :200] + 0.5
+    away, angle = np.hypot(x - 100, y - 90) / 24, np.degrees(np.arctan2(y - 90, x - 100))
+    photo[(away < 0.6) | ((away > 0.9) & (away < 1.02))] = 0.02
+    photo[(away > 0.6) & (away < 0.9) & (np.mod(angle, 40) < 12)] = 0.22
+    assert np.abs(find_cornea(photo, 1.0, IRIS).mirrored).max() < 0.02
+
+
+def test_gloss_of_a_lid_stays():
+    _, cornea = cornea_of(opened=0.6, specks=((100, 109, 2),))
+    assert np.abs(cornea.mirrored).max() < 0.01
+
+
+def test_a_drawn_iris_as_white_as_its_eye_is_left_alone():
+    _, cornea = cornea_of(iris=0.42, pupil=0.02)
+    assert cornea is None
+
+
 def test_only_what_is_open_is_bare():
     _, cornea = cornea_of(opened=0.6)
     middle = len(cornea.bare) // 2

@@ -26,12 +26,15 @@ _FILL = 0.22
 """Radii of an iris from which its own colour is taken where a catchlight was."""
 _HALO, _HALO_BLUR, _UNTOUCHED = 0.12, 0.05, 0.02
 _BRIGHTER, _BRIGHTER_BY, _BRIGHT = (1.5, 2.5), 0.02, (0.3, 0.6)
+_PALE_PERCENTILE, _PALEST = 80, 0.7
+"""Which of an iris's pixels stand for its pale parts, beside its pupil; and the palest there are, of what is around."""
 _RIM, _INNER = 0.93, 0.6
 """Radii of an iris: where its rim begins, and its middle ends."""
 _MOST, _MOST_UNTOLD = 0.25, 0.1
 """Shares of its middle that may be bright, and that may be so without being told from lid and white of the eye.
 Studio lamps take up to a fifth of it; of more it isn't known what it hides."""
-_LID = (0.35, 0.65)
+_LID, _BETWEEN_LIDS = (0.35, 0.65), 0.4
+"""How bright lids are, from iris to what is around; and how far up and down from its middle few lids are, in radii."""
 _CURVATURE = 1.33
 """The cornea's radius, 7.8 mm, in those of the iris as it is seen, 5.9 mm."""
 
@@ -56,7 +59,7 @@ class Cornea:
 
 
 def find_cornea(linear: np.ndarray, exposure: float, iris: Iris) -> Cornea | None:
-    """Take an eye apart; None where so much of the iris is bright that what it hides can't be told.
+    """Take an eye apart; None where so much of the iris is bright that what it hides can't be told, or it is drawn.
 
     Args:
         linear: (H, W, 3) the photo.
@@ -71,10 +74,15 @@ def find_cornea(linear: np.ndarray, exposure: float, iris: Iris) -> Cornea | Non
     right, down = (place[None, :] - middle[0]) / radius, (place[:, None] - middle[1]) / radius
     away = np.hypot(right, down)
     within = np.clip((1 - away) * radius + 0.5, 0, 1)
-    bright = _bright(luminance(colour) * np.float32(exposure), within, radius)
-    specks = _islands(bright, away)
-    seen, untold = bright[away < _INNER].mean(), (bright - specks)[away < _INNER].mean()
-    if seen > _MOST or untold > _MOST_UNTOLD:
+    seen = luminance(colour) * np.float32(exposure)
+    around = max(float(np.percentile(seen[within < 0.5], 75)), 1e-3)
+    pale = float(np.percentile(seen[(within > 0.5) & (np.abs(down) < _BETWEEN_LIDS)], _PALE_PERCENTILE))
+    ground = _without_specks(seen, radius)
+    bright = _bright(seen / around, np.maximum(ground, pale) / around)
+    on_lid = np.where(np.abs(down) > np.abs(right), 1 - _bare(ground, within, radius, down), 0)
+    specks = _islands(bright, away) * (1 - on_lid)
+    of_middle, untold = bright[away < _INNER].mean(), (bright - specks)[away < _INNER].mean()
+    if pale > _PALEST * around or of_middle > _MOST or untold > _MOST_UNTOLD:
         return None
     bright = _with_halo(specks, radius)
     own = _filled(colour, (away < _RIM) & (bright < _UNTOUCHED), radius)
@@ -88,15 +96,15 @@ def _square(iris: Iris) -> Crop:
     return Crop(round(iris.x), round(iris.y), 2 * half)
 
 
-def _bright(seen: np.ndarray, within: np.ndarray, radius: float) -> np.ndarray:
-    """(E, E) in [0, 1] how far each pixel of an eye's luminance is a catchlight: a bright speck in a dark disc."""
+def _without_specks(seen: np.ndarray, radius: float) -> np.ndarray:
     speck = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (2 * max(round(_SPECK * radius), 1) + 1,) * 2)
-    ground = np.maximum(cv2.morphologyEx(seen, cv2.MORPH_OPEN, speck), float(np.median(seen[within > 0.5])))
-    around = max(float(np.percentile(seen[within < 0.5], 75)), 1e-3)
-    bright = ramp((seen / around + _BRIGHTER_BY) / (ground / around + _BRIGHTER_BY), *_BRIGHTER) * ramp(
-        seen / around, *_BRIGHT
-    )
-    return bright.astype(np.float32)
+    return cv2.morphologyEx(seen, cv2.MORPH_OPEN, speck)
+
+
+def _bright(seen: np.ndarray, ground: np.ndarray) -> np.ndarray:
+    """(E, E) in [0, 1] how far each pixel of an eye's luminance is a catchlight: a bright speck on darker ground."""
+    brighter = ramp((seen + _BRIGHTER_BY) / (ground + _BRIGHTER_BY), *_BRIGHTER)
+    return (brighter * ramp(seen, *_BRIGHT)).astype(np.float32)
 
 
 def _islands(bright: np.ndarray, away: np.ndarray) -> np.ndarray:
@@ -125,7 +133,7 @@ def _filled(colour: np.ndarray, known: np.ndarray, radius: float) -> np.ndarray:
 def _bare(seen: np.ndarray, within: np.ndarray, radius: float, down: np.ndarray) -> np.ndarray:
     """(E, E) how far each pixel, without its catchlights, is iris: lids are brighter."""
     code = srgb_encode(cv2.GaussianBlur(seen, (0, 0), max(0.06 * radius, 0.4)))
-    iris = float(np.median(code[(within > 0.5) & (down > -0.4)]))
+    iris = float(np.percentile(code[(within > 0.5) & (np.abs(down) < _BETWEEN_LIDS)], _PALE_PERCENTILE))
     around = max(float(np.percentile(code[within < 0.5], 75)), iris + 0.05)
     lid = ramp((code - iris) / (around - iris), *_LID)
     return (within * (1 - lid)).astype(np.float32)
