@@ -46,7 +46,7 @@ class Edit:
         channels: the channels that are looked at; None for all of them.
         forced_on: effects (see EFFECTS) that the plan may not skip, nor reuse from a light that is not the same.
         forced_off: effects that are left out of the picture whatever the scene calls for. The photo's own light and
-            the relief are found all the same where flattening or the residual use them.
+            the relief are found all the same where flattening, the residual or catchlights use them.
         tolerance: the largest change of the displayed picture, of [0, 1], that the plan may cause.
         specular_tint: colour of the specular channel, [-1, 1], from cool to warm; 0 is the light's own.
         shadow_softness: how far the edges of shadows are softened, [0, 1]; 0 is as estimated.

@@ -202,9 +202,7 @@ class FaceRelighter(FaceInPhoto):
         if plan.runs("shadow") and plan.runs("relief"):
             of_light = self.portrait.view, ready.surface, lit.effects, lit.reflected, lit.light
             eyes = [light_about(*eye, *of_light) for eye in zip(corneas, self._skies(ready), strict=True)]
-        replaces = 1.0
-        if plan.runs("source_light"):
-            replaces = how_much_another(network_light(environment, edit.yaw_deg), self.own_light_normalised(ready))
+        replaces = how_much_another(network_light(environment, edit.yaw_deg), self.own_light_normalised(ready))
         gain = specular_gain(edit.specular * plan.runs("specular"), edit.specular_tint, "cpu")
         gain = np.float32(environment.level) * np.asarray(gain, np.float32).reshape(-1)
         seen = [gain * mirrored_light(*eye, environment, edit.yaw_deg) for eye in zip(corneas, eyes, strict=True)]

@@ -180,7 +180,7 @@ def _verdicts(scene: Scene, edit: Edit) -> dict[str, _Verdict]:
     verdicts = {name: _forced(edit, name) or rule(scene, edit) for name, rule in _RULES.items()}
     verdicts["source_light"] = _forced(edit, "source_light") or _source_light(verdicts, edit)
     verdicts["relief"] = _forced(edit, "relief") or _relief(verdicts)
-    readers = [name for name in ("flattening", "residual") if verdicts[name].needed]
+    readers = [name for name in ("flattening", "residual", "catchlights") if verdicts[name].needed]
     for name in ("source_light", "relief"):
         if edit.forced(name) is False and readers:
             why = f"turned off by you; {' and '.join(readers)} still use{'s' * (len(readers) == 1)} it"
@@ -212,6 +212,8 @@ def _source_light(verdicts: Mapping[str, _Verdict], edit: Edit) -> _Verdict:
         return _Verdict(True, "what the model misses of the photo is measured under it")
     if verdicts["flattening"].needed:
         return _Verdict(True, "flattening divides by its shading")
+    if verdicts["catchlights"].needed:
+        return _Verdict(True, "the eyes' own catchlights stay under it")
     return _Verdict(False, "nobody looks at it, and the picture does not depend on it")
 
 

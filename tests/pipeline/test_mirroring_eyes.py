@@ -87,6 +87,8 @@ def test_under_the_photos_own_light_its_own_stay(portrait):
     own = relighter.estimated_light("live")
     assert np.abs(change(relighter, light=own)).max() < 1e-4
     assert np.abs(change(relighter, replace(EDIT, yaw_deg=120.0), own)).max() > 1e-4
+    unnamed = replace(EDIT, forced_off=frozenset({"source_light", "flattening", "residual"}))
+    assert np.abs(change(relighter, unnamed, own)).max() < 1e-4
 
 
 def test_under_a_black_light_nothing_is_mirrored(portrait):

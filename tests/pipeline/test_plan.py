@@ -282,5 +282,7 @@ def test_eyes_mirror_a_light_where_irises_are_seen():
     assert keys[0]["catchlights"] != keys[1]["catchlights"]
     assert keys[0]["background"] != keys[1]["background"]
     assert keys[0]["detail"] == keys[1]["detail"]
+    rest_off = Edit(channels=(), forced_off=frozenset({"flattening", "residual"}))
+    assert make_plan(seen, rest_off).effect("source_light").why == "the eyes' own catchlights stay under it"
     off = Edit(forced_off=frozenset({"catchlights"}))
     assert make_plan(seen, off).keys == make_plan(turned, off).keys
