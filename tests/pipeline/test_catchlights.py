@@ -56,6 +56,14 @@ def test_it_follows_a_turn_of_the_light(cornea):
     assert middle_of(turned) == pytest.approx(middle_of(there), abs=0.7)
 
 
+def test_a_small_lamp_that_turns_does_not_flicker_in_a_small_eye():
+    y, x = np.mgrid[0:60, 0:60] + 0.5
+    photo = np.where(np.hypot(x - 30, y - 30) < 10, 0.03, 0.5)[..., None] * np.ones(3, np.float32)
+    small, light = find_cornea(photo.astype(np.float32), 1.0, Iris(30.0, 30.0, 10.0)), lamp((1, 0.3, 0.6), 2.5)
+    sums = [mirrored_light(small, OPEN, light, float(yaw)).sum() for yaw in range(-10, 10)]
+    np.testing.assert_allclose(sums, np.mean(sums), rtol=0.1)
+
+
 @pytest.mark.parametrize("toward", [(0, 0, -1), (0.9, 0.1, -1)])
 def test_no_lamp_behind_the_head_is_mirrored(cornea, toward):
     assert mirrored_light(cornea, OPEN, lamp(toward), 0.0).max() < 1e-3

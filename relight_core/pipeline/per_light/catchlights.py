@@ -19,6 +19,7 @@ import torch
 from relight_core.face.crop import Crop
 from relight_core.imaging.colour import luminance
 from relight_core.imaging.ramp import ramp
+from relight_core.imaging.resampling import resize_area
 from relight_core.imaging.tensor_colour import grey
 from relight_core.lighting.environment import Environment, mean_radiance, shrink
 from relight_core.lighting.relief import ReliefTransport
@@ -103,10 +104,10 @@ def _as_fine_as_eyes(environment: Environment) -> np.ndarray:
 
 
 def _mirrored_by(cornea: Cornea, environment: Environment) -> np.ndarray:
-    """(h, 2h, 3) whose texels are about as large as what one pixel of an eye mirrors."""
+    """(h, 2h, 3) whose texels are no smaller than what lies between two normals: none may fall between them."""
     step_deg = np.degrees(2 * float(np.abs(np.diff(cornea.normal[0], axis=1)).max()))
     finest, rows = _as_fine_as_eyes(environment), _FEWEST_ROWS
-    while rows < min(180 / max(step_deg, 1e-3), len(finest)):
+    while 2 * rows <= min(180 / max(step_deg, 1e-3), len(finest)):
         rows *= 2
     return environment.of_shape(("mirrored", rows), lambda _: shrink(finest, rows) if len(finest) > rows else finest)
 
@@ -190,8 +191,9 @@ def mirrored_light(cornea: Cornea, eye: LitEye, environment: Environment, yaw_de
     across, down = place_on_map(2 * z * x, 2 * z * y, 2 * z * z - 1)
     radiance = _looked_up(_mirrored_by(cornea, environment), across - yaw_deg / 360, down)
     fresnel = _REFLECTANCE + (1 - _REFLECTANCE) * (1 - z) ** 5
-    share = fresnel * cornea.bare * _looked_up(eye.seen, across, down)
-    mirrored = share[..., None] * np.maximum(radiance - eye.evenly, 0)
+    share = fresnel * _looked_up(eye.seen, across, down)
+    finely = (share[..., None] * np.maximum(radiance - eye.evenly, 0)).astype(np.float32)
+    mirrored = cornea.bare[..., None] * resize_area(finely, cornea.bare.shape)
     return cv2.GaussianBlur(mirrored.astype(np.float32), (0, 0), max(_BLUR * len(mirrored), 0.5))
 
 
@@ -205,7 +207,7 @@ def _weights(cornea: Cornea, view: Crop, size: int) -> np.ndarray:
 
 
 def _looked_up(panorama: np.ndarray, across: np.ndarray, down: np.ndarray) -> np.ndarray:
-    """A panorama at places on it, bilinearly, (E, E) or (E, E, 3); shares of its width go round."""
+    """A panorama at places on it, bilinearly, (h, w) or (h, w, 3); shares of its width go round."""
     height, width = panorama.shape[:2]
     wrapped = np.concatenate([panorama[:, -1:], panorama, panorama[:, :1]], axis=1).astype(np.float32)
     column, row = np.mod(across, 1) * width + 0.5, down * height - 0.5

@@ -17,7 +17,8 @@ from relight_core.face.irises import Iris
 from relight_core.imaging.colour import luminance, srgb_encode
 from relight_core.imaging.ramp import ramp
 
-_LARGEST_PX = 128
+_LARGEST_PX, _FEWEST_NORMALS = 128, 96
+"""Of an eye's square; and how many normals across it has at least. Lamps are smaller than what a pixel mirrors."""
 _REACH = 1.25
 """Half the square about an iris, in its radii."""
 _SPECK = 0.3
@@ -48,7 +49,7 @@ class Cornea:
         view: where it lies, with edges on whole pixels of the photo.
         bare: (E, E) in [0, 1] how far each pixel is iris and no lid.
         mirrored: (E, E, 3) float32, linear and in the photo's units, of the photo's own catchlights.
-        normal: (3, E, E) unit vectors, camera space.
+        normal: (3, n E, n E) unit vectors, camera space; n by n of them lie in a pixel.
     """
 
     iris: Iris
@@ -88,7 +89,9 @@ def find_cornea(linear: np.ndarray, exposure: float, iris: Iris) -> Cornea | Non
     own = _filled(colour, (away < _RIM) & (bright < _UNTOUCHED), radius)
     mirrored = (bright * within)[..., None] * np.maximum(colour - own, 0)
     left = luminance(colour - mirrored) * np.float32(exposure)
-    return Cornea(iris, view, _bare(left, within, radius, down), mirrored.astype(np.float32), _normal(right, down))
+    return Cornea(
+        iris, view, _bare(left, within, radius, down), mirrored.astype(np.float32), _normal(middle, radius, size)
+    )
 
 
 def _square(iris: Iris) -> Crop:
@@ -139,8 +142,11 @@ def _bare(seen: np.ndarray, within: np.ndarray, radius: float, down: np.ndarray)
     return (within * (1 - lid)).astype(np.float32)
 
 
-def _normal(right: np.ndarray, down: np.ndarray) -> np.ndarray:
-    x, y = np.broadcast_arrays(right / _CURVATURE, -down / _CURVATURE)
+def _normal(middle: np.ndarray, radius: float, size: int) -> np.ndarray:
+    """Of a ball about a place in a square of so many pixels."""
+    times = int(np.ceil(_FEWEST_NORMALS / size))
+    place = (np.arange(times * size) + 0.5) / times
+    x, y = np.meshgrid((place - middle[0]) / (_CURVATURE * radius), (middle[1] - place) / (_CURVATURE * radius))
     steep = np.minimum(1, 0.95 / np.maximum(np.hypot(x, y), 1e-6))
     x, y = x * steep, y * steep
     return np.stack([x, y, np.sqrt(1 - x * x - y * y)]).astype(np.float32)
