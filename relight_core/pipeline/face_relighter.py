@@ -200,8 +200,8 @@ class FaceRelighter(FaceInPhoto):
             return ()
         eyes = [in_the_open(lit.light)] * len(corneas)
         if plan.runs("shadow") and plan.runs("relief"):
-            of_light = self.portrait.view, ready.surface, lit.effects, lit.reflected, lit.light
-            eyes = [light_about(*eye, *of_light) for eye in zip(corneas, self._skies(ready), strict=True)]
+            of_light = ready.surface, lit.effects, lit.reflected, lit.light
+            eyes = [light_about(sky, *of_light) for sky in self._skies(ready)]
         replaces = how_much_another(network_light(environment, edit.yaw_deg), self.own_light_normalised(ready))
         gain = specular_gain(edit.specular * plan.runs("specular"), edit.specular_tint, "cpu")
         gain = np.float32(environment.level) * np.asarray(gain, np.float32).reshape(-1)
@@ -211,8 +211,8 @@ class FaceRelighter(FaceInPhoto):
         return tuple(Catchlight(*parts, replaces) for parts in zip(corneas, seen, strict=True))
 
     def _skies(self, ready: Prepared) -> list[EyeSky]:
-        relief, view = self._relief(ready), self.portrait.view
-        make = lambda: [sky_over(cornea, view, relief) for cornea in self.corneas()]  # noqa: E731
+        of_view = self.portrait.view, self._relief(ready), ready.surface.normal.shape[-1]
+        make = lambda: [sky_over(cornea, *of_view) for cornea in self.corneas()]  # noqa: E731
         return self._once("eye_skies", ready.tier.relief_key, make)
 
     def level_as_in_photo_ev(self, ready: Prepared, change: ViewChange, most_stops: float = MOST_STOPS) -> float:

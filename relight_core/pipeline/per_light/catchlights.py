@@ -24,12 +24,11 @@ from relight_core.imaging.tensor_colour import grey
 from relight_core.lighting.environment import Environment, mean_radiance, shrink
 from relight_core.lighting.relief import ReliefTransport
 from relight_core.lighting.roll import roll_light
-from relight_core.lighting.sphere import place_on_map, solid_angles
+from relight_core.lighting.sphere import solid_angles
 from relight_core.pipeline.per_light.hints import Effects, hidden_share
 from relight_core.pipeline.per_photo.corneas import Cornea
 from relight_core.pipeline.stages import Surface
 
-_REFLECTANCE = 0.025
 _BLUR = 0.012
 """Of an eye's square: lenses are no sharper."""
 _FEWEST_ROWS, _MOST_ROWS = 16, 256
@@ -68,11 +67,15 @@ class EyeSky:
     Attributes:
         opened, closed: (texels,) of the relief's transport, at the eye.
         seen: (h, 2h) share in [0, 1] of what comes from each direction that reaches it, in the photo's camera space.
+        place: rows and columns of the surface in which its iris lies.
+        weights: (rows, columns) float32, how far each of their pixels is iris; sum 1, or 0 where it lies beyond.
     """
 
     opened: torch.Tensor
     closed: torch.Tensor
     seen: np.ndarray
+    place: tuple[slice, slice]
+    weights: np.ndarray
 
 
 @dataclass(frozen=True, eq=False)
@@ -120,42 +123,45 @@ def how_much_another(light: np.ndarray, own: np.ndarray) -> float:
     return float(ramp(float(apart), 0.0, _ANOTHER_LIGHT))
 
 
-def sky_over(cornea: Cornea, view: Crop, transport: ReliefTransport) -> EyeSky:
+def sky_over(cornea: Cornea, view: Crop, transport: ReliefTransport, size: int) -> EyeSky:
     """What the relief leaves of the sky over an eye.
 
     Args:
-        view: of the relief.
+        view: of the relief, and of the surface.
+        size: of the surface.
     """
     points = torch.from_numpy(_weights(cornea, view, transport.size).ravel())
-    opened, closed = (points @ part.cpu() for part in (transport.open, transport.closed))
+    at = points.nonzero()[:, 0]
+    opened, closed = (points[at] @ part[at.to(part.device)].cpu() for part in (transport.open, transport.closed))
     seen = torch.where(opened > _LEAST_OPEN, closed / opened.clamp_min(_LEAST_OPEN), 0).clamp(0, 1)
     rows = round((len(seen) / 2) ** 0.5)
     seen = seen.reshape(rows, 2 * rows).numpy()
     if view.roll_deg:
         seen = np.clip(roll_light(np.repeat(seen[..., None], 3, axis=-1), -view.roll_deg)[..., 0], 0, 1)
-    return EyeSky(opened, closed, seen)
+    weights = _weights(cornea, view, size)
+    place = tuple(_held(weights.any(axis)) for axis in (1, 0))
+    return EyeSky(opened, closed, seen, place, weights[place])
+
+
+def _held(line: np.ndarray) -> slice:
+    """From the first True to the last."""
+    held = np.flatnonzero(line)
+    return slice(held[0], held[-1] + 1) if held.size else slice(0, 0)
 
 
 def light_about(
-    cornea: Cornea,
-    sky: EyeSky,
-    view: Crop,
-    surface: Surface,
-    effects: Effects,
-    reflected: torch.Tensor,
-    light: torch.Tensor,
+    sky: EyeSky, surface: Surface, effects: Effects, reflected: torch.Tensor, light: torch.Tensor
 ) -> LitEye:
     """What reaches an eye of a light, as the relief and the networks have it.
 
     Args:
-        view: of the surface.
         effects, reflected: as of `hints.explicit_sum`, of the light.
         light: (1, 16, 32, 3) as the view sees it.
     """
     flat = light.float().reshape(-1, 3).cpu()
     evenly, of_open = sky.closed @ flat, float((sky.opened @ flat).sum())
     # What the networks know to be in shadow, of a brim or a nose, mirrors no lamp either.
-    reaches = 1 - _hidden_at(cornea, view, surface, effects, reflected)
+    reaches = 1 - _hidden_at(sky, surface, effects, reflected)
     agreed = min(1.0, reaches * of_open / max(float(evenly.sum()), 1e-12))
     return LitEye(np.float32(agreed) * sky.seen, evenly.numpy())
 
@@ -165,18 +171,12 @@ def in_the_open(light: torch.Tensor) -> LitEye:
     return LitEye(np.ones(light.shape[1:3], np.float32), mean_radiance(light[0].cpu().numpy()).astype(np.float32))
 
 
-def _hidden_at(cornea: Cornea, view: Crop, surface: Surface, effects: Effects, reflected: torch.Tensor) -> float:
+def _hidden_at(sky: EyeSky, surface: Surface, effects: Effects, reflected: torch.Tensor) -> float:
     """Share of the diffuse light that an eye does not get."""
-    weights = _weights(cornea, view, reflected.shape[-1])
-    rows, columns = (np.flatnonzero(weights.any(axis)) for axis in (1, 0))
-    if not (rows.size and columns.size):
-        return 0.0
-    eye = slice(rows[0], rows[-1] + 1), slice(columns[0], columns[-1] + 1)
-    albedo, reflected, specular, shadow = (
-        part[..., *eye] for part in (surface.albedo, reflected, effects.specular, effects.shadow)
-    )
+    parts = surface.albedo, reflected, effects.specular, effects.shadow
+    albedo, reflected, specular, shadow = (part[..., *sky.place] for part in parts)
     hidden = hidden_share(Effects(specular, shadow), grey(albedo * reflected[:, :3]), grey(reflected[:, 3:]))
-    return float((hidden[0, 0].cpu().numpy() * weights[eye]).sum())
+    return float((hidden[0, 0].cpu().numpy() * sky.weights).sum())
 
 
 def mirrored_light(cornea: Cornea, eye: LitEye, environment: Environment, yaw_deg: float) -> np.ndarray:
@@ -186,13 +186,10 @@ def mirrored_light(cornea: Cornea, eye: LitEye, environment: Environment, yaw_de
         environment: the light; its level is not read.
         yaw_deg: its turn.
     """
-    x, y, z = cornea.normal
-    # Seen from a distant camera at +z: the mirrored direction is 2 (n . v) n - v.
-    across, down = place_on_map(2 * z * x, 2 * z * y, 2 * z * z - 1)
-    radiance = _looked_up(_mirrored_by(cornea, environment), across - yaw_deg / 360, down)
-    fresnel = _REFLECTANCE + (1 - _REFLECTANCE) * (1 - z) ** 5
-    share = fresnel * _looked_up(eye.seen, across, down)
-    finely = (share[..., None] * np.maximum(radiance - eye.evenly, 0)).astype(np.float32)
+    across, down = cornea.mirrored_places
+    radiance = _looked_up(_mirrored_by(cornea, environment), across - np.float32(yaw_deg / 360), down)
+    share = cornea.reflectance * _looked_up(eye.seen, across, down)
+    finely = share[..., None] * np.maximum(radiance - eye.evenly, 0)
     mirrored = cornea.bare[..., None] * resize_area(finely, cornea.bare.shape)
     return cv2.GaussianBlur(mirrored.astype(np.float32), (0, 0), max(_BLUR * len(mirrored), 0.5))
 

@@ -8,6 +8,7 @@ those of the new light can take their place (`per_light.catchlights`).
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import cv2
 import numpy as np
@@ -16,6 +17,7 @@ from relight_core.face.crop import Crop
 from relight_core.face.irises import Iris
 from relight_core.imaging.colour import luminance, srgb_encode
 from relight_core.imaging.ramp import ramp
+from relight_core.lighting.sphere import place_on_map
 
 _LARGEST_PX, _FEWEST_NORMALS = 128, 96
 """Of an eye's square; and how many normals across it has at least. Lamps are smaller than what a pixel mirrors."""
@@ -36,6 +38,8 @@ _MOST, _MOST_UNTOLD = 0.25, 0.1
 Studio lamps take up to a fifth of it; of more it isn't known what it hides."""
 _LID, _BETWEEN_LIDS = (0.35, 0.65), 0.4
 """How bright lids are, from iris to what is around; and how far up and down from its middle few lids are, in radii."""
+_REFLECTANCE = 0.025
+"""Of tears, refractive index 1.376, for light that comes straight on."""
 _CURVATURE = 1.33
 """The cornea's radius, 7.8 mm, in those of the iris as it is seen, 5.9 mm."""
 
@@ -57,6 +61,18 @@ class Cornea:
     bare: np.ndarray
     mirrored: np.ndarray
     normal: np.ndarray
+
+    @cached_property
+    def mirrored_places(self) -> tuple[np.ndarray, np.ndarray]:
+        """(n E, n E) each, float32: what of a light is mirrored, as shares of a panorama's width and height."""
+        x, y, z = self.normal
+        # Seen from a distant camera at +z the mirrored direction is 2 (n . v) n - v.
+        return tuple(place.astype(np.float32) for place in place_on_map(2 * z * x, 2 * z * y, 2 * z * z - 1))
+
+    @cached_property
+    def reflectance(self) -> np.ndarray:
+        """(n E, n E) float32, the share of light that is mirrored (Schlick 1994)."""
+        return _REFLECTANCE + (1 - _REFLECTANCE) * (1 - self.normal[2]) ** 5
 
 
 def find_cornea(linear: np.ndarray, exposure: float, iris: Iris) -> Cornea | None:
