@@ -202,3 +202,16 @@ def test_gloss_on_red_cloth_turns_no_white_cloth_beside_it_green():
     gain = body_gain(body, EVEN, 1.5 * body.photo + 0.01)[36:, 28:]
     assert gain[..., 1].max() < 1.15 * gain[..., 0].max()
     np.testing.assert_allclose(gain, 1.5, rtol=0.2)
+
+
+def test_what_a_view_did_where_it_hardly_counts_is_not_carried_on():
+    """A neighbour's view counts a little on somebody's shirt, which it took for a bright wall behind its own person."""
+    size = (64, 48)
+    known = np.zeros(size, np.float32)
+    known[:, :16] = 1.0
+    known[:, 16:22] = 0.15
+    photo = np.full((*size, 3), 0.4, np.float32)
+    body = make_body(photo, np.ones(size, np.float32), known, ReflectionTable())
+    relit = 1.5 * body.photo
+    relit[:, 16:22] = 6 * body.photo[:, 16:22]
+    np.testing.assert_allclose(body_gain(body, EVEN, relit)[:, 16:], 1.5, rtol=0.15)

@@ -31,6 +31,9 @@ _HARDLY, _UNSEEN = (0.02, 0.1), 1e-3
 """Shares of a place's brightest colour up to which and from which on another shows what becomes of it, and what it
 counts below: gloss on red cloth would be twenty times its green, and turn white cloth beside it green."""
 _FLOOR = 0.02
+_BARELY, _MOSTLY = 0.2, 0.6
+"""How much of a place views cover up to which, and from which on, what they did there is carried on: a neighbour's
+view still counts a little where it takes somebody's shirt for what is behind its own person."""
 _FILL = 0.15
 _REACHES = (0.0125, 0.03, 0.08, 0.2)
 
@@ -88,7 +91,7 @@ def make_body(
     photo, body, known = (resize_area(image, small) for image in (photo, share, known))
     lit, unclipped = luminance(photo) / _WELL_SEEN, (1 - photo.max(-1)) / _HEADROOM
     trusted = np.clip(np.minimum(lit, unclipped), _FLOOR, 1.0)
-    weight = known * np.maximum(body - 0.5, 0.0) * trusted
+    weight = known * ramp(known, _BARELY, _MOSTLY) * np.maximum(body - 0.5, 0.0) * trusted
     has = ramp(photo / np.maximum(photo.max(-1, keepdims=True), _DARK), *_HARDLY).clip(_UNSEEN, 1.0)
     light_of = NormalLookup(table, normal, gloss=False)
     return Body(share, light_of, photo, Continuation(weight), has, Continuation(weight[..., None] * has))
