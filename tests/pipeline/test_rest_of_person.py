@@ -215,3 +215,32 @@ def test_what_a_view_did_where_it_hardly_counts_is_not_carried_on():
     relit = 1.5 * body.photo
     relit[:, 16:22] = 6 * body.photo[:, 16:22]
     np.testing.assert_allclose(body_gain(body, EVEN, relit)[:, 16:], 1.5, rtol=0.15)
+
+
+@pytest.mark.parametrize(("albedo", "least", "most"), [(0.6, 1.3, 1.9), (0.1, 3.0, 4.5)])
+def test_the_rest_gives_back_no_more_light_than_falls_on_it(albedo, least, most):
+    """The view has its lower half brightened fourfold: too much for red cloth below that was bright already."""
+    size = (64, 48)
+    known = np.zeros(size, np.float32)
+    known[:32] = 1.0
+    photo = np.full((*size, 3), (albedo, 0.1, 0.1), np.float32)
+    photo[:32] = 0.2
+    body = make_body(photo, np.ones(size, np.float32), known, ReflectionTable())
+    relit = body.photo.copy()
+    relit[20:32] *= 4
+    gain = body_gain(body, EVEN, relit, body_shading(body, EVEN))[36:44]
+    assert gain.min() > least
+    assert gain.max() < most
+    np.testing.assert_allclose(gain / gain[..., :1], 1.0, rtol=0.01)
+
+
+def test_a_gain_that_is_the_same_everywhere_is_carried_on_to_whatever_is_bright():
+    """So it is under the photo's own light, whatever its level."""
+    size = (64, 48)
+    known = np.zeros(size, np.float32)
+    known[:32] = 1.0
+    photo = np.full((*size, 3), 0.2, np.float32)
+    photo[32:] = 0.9
+    body = make_body(photo, np.ones(size, np.float32), known, ReflectionTable())
+    in_photo = body_shading(body, EVEN)
+    np.testing.assert_allclose(body_gain(body, EVEN, 4 * body.photo, in_photo), 4.0, rtol=0.02)

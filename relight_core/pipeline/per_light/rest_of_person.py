@@ -34,6 +34,9 @@ _FLOOR = 0.02
 _BARELY, _MOSTLY = 0.2, 0.6
 """How much of a place views cover up to which, and from which on, what they did there is carried on: a neighbour's
 view still counts a little where it takes somebody's shirt for what is behind its own person."""
+_REFLECTS, _BRIGHT_WITHIN = 0.9, 5
+"""The most that anything gives back of the light that falls on it, and over how many cells the brightest decides, so
+that a pattern of cloth keeps its contrast."""
 _FILL = 0.15
 _REACHES = (0.0125, 0.03, 0.08, 0.2)
 
@@ -124,10 +127,30 @@ def body_gain(body: Body, light: torch.Tensor, relit: np.ndarray, in_photo: np.n
         guess = guess / in_photo
     small = guess if guess.shape == relit.shape else resize_area(guess, relit.shape[:2])
     found = (np.maximum(relit, 0.0) + _DARK) / (body.photo + _DARK)
-    correction = np.exp(body.carried_on(np.log(found / small)))
-    correction = cv2.resize(correction, guess.shape[1::-1], interpolation=cv2.INTER_LINEAR).reshape(guess.shape)
+    correction = body.carried_on(np.log(found / small))
+    if in_photo is not None:
+        correction = _in_bounds(correction, body, small, resize_area(in_photo, relit.shape[:2]))
+    correction = cv2.resize(np.exp(correction), guess.shape[1::-1], interpolation=cv2.INTER_LINEAR).reshape(guess.shape)
     gain = np.maximum(guess * correction, 0.0).astype(np.float32)
     return gain * share_in_reach(gain)
+
+
+def _in_bounds(correction: np.ndarray, body: Body, guess: np.ndarray, in_photo: np.ndarray) -> np.ndarray:
+    """A log correction, (k, l, 3), lowered where the body would give back more light than falls on it.
+
+    It is lowered to its mean at most: under the photo's own light it is the same everywhere, and has to stay.
+
+    Args:
+        guess: (k, l, 3) the gain that it corrects.
+        in_photo: (k, l, 3) as `body_gain` has it.
+    """
+    relit = body.photo * guess * np.exp(correction)
+    given_back = relit.max(-1) / (guess * in_photo).max(-1)
+    across = np.ones((_BRIGHT_WITHIN,) * 2, np.uint8)
+    given_back = cv2.blur(cv2.dilate(given_back.astype(np.float32), across), across.shape)
+    too_much = np.log(np.maximum(given_back, 1e-6) / _REFLECTS)[..., None]
+    above_mean = (correction - body.onward.mean(correction)).mean(-1, keepdims=True)
+    return correction - np.clip(too_much, 0.0, np.maximum(above_mean, 0.0))
 
 
 def _gone_on(share: np.ndarray, inside: Inside) -> np.ndarray:
@@ -176,6 +199,10 @@ class Continuation:
         for mean, trust in zip(self._blurred(weighted) * self._nearness, self._trust, strict=True):
             result = result + (mean - result) * trust
         return result.astype(np.float32)
+
+    def mean(self, values: np.ndarray) -> np.ndarray:
+        """(C,) of the values (k, l, C), by what they are worth."""
+        return (values * self._weight).sum((0, 1)) / np.maximum(self._total, 1e-9)
 
     def _blurred(self, image: np.ndarray) -> np.ndarray:
         """(k, l, C) over every reach, the widest first: (reaches, k, l, C)."""
