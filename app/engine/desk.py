@@ -23,7 +23,7 @@ from app.engine.sources import (
     PhotoSource,
     RelighterLike,
     Request,
-    no_light_to_borrow,
+    borrowed_light,
 )
 from app.engine.tier_meter import TierMeter
 from relight_core.errors import InputError, NoFaceError
@@ -252,10 +252,7 @@ class Desk:
         if source.kind == "portrait":
             photo = read_photo(Path(source.name))
             self._portrait = None
-            try:
-                self._relighter.set_portrait(photo)
-            except NoFaceError:
-                raise no_light_to_borrow(Path(source.name)) from None
+            return borrowed_light(self._relighter, photo)
         return self._relighter.estimated_light(BORROWED_AT)
 
     def _skip(self, key: tuple, now: Snapshot) -> Snapshot:

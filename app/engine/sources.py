@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
-from relight_core.errors import InputError
+from relight_core.errors import InputError, NoFaceError
 from relight_core.imaging.files import legible
 from relight_core.imaging.formats.raster import RAW_SUFFIXES
 from relight_core.lighting.light_edit import LightEdit
@@ -48,6 +48,19 @@ PICTURE_SUFFIXES = (*PHOTO_SUFFIXES, *RAW_SUFFIXES, ".hdr")
 
 BORROWED_AT = "final"
 """The quality of de-lighting that tells the light of a portrait, wherever that light is lent to another photo."""
+
+
+def borrowed_light(relighter: RelighterLike, lender: Photo) -> Environment:
+    """The light that a photo was taken under; the photo becomes the relighter's portrait.
+
+    Raises:
+        InputError: there is no face in it.
+    """
+    try:
+        relighter.set_portrait(lender)
+    except NoFaceError:
+        raise no_light_to_borrow(lender.path) from None
+    return relighter.estimated_light(BORROWED_AT)
 
 
 def no_light_to_borrow(portrait: Path) -> InputError:

@@ -17,9 +17,9 @@ if TYPE_CHECKING:
 
 def portrait_of(state: EditorState, path: Path) -> PhotoRef:
     """Who in a photo is relit and where its faces are: as it is wished for now, else as it was left in this run."""
-    photo, work = state.photo, state.works.get(path.absolute())
-    if photo and photo.path and photo.path.absolute() == path.absolute():
-        return PhotoRef.of(photo, path)
+    if _is_wanted(state, path):
+        return PhotoRef.of(state.photo, path)
+    work = state.works.get(path.absolute())
     if work is None or work.is_refused:
         return PhotoRef(path)
     return replace(work.left.photo, path=path)
@@ -28,6 +28,21 @@ def portrait_of(state: EditorState, path: Path) -> PhotoRef:
 def wish_of(state: EditorState, path: Path) -> PhotoSource:
     """A wish to read a photo's file, with its faces as of `portrait_of`."""
     return portrait_of(state, path).wish()
+
+
+def work_left(state: EditorState, path: Path) -> Document | None:
+    """The work on a photo as it is set now, else as it was left in this run; None where it was not opened.
+
+    Of a photo that came back with the settings of another it is the work of its own that waits for the user.
+    """
+    work, is_wanted = state.works.get(path.absolute()), _is_wanted(state, path)
+    if is_wanted and state.is_at_work():
+        left = state.waiting.left if is_waiting(state) else state.document()
+    elif is_wanted and (_is_put_back(state) or work is None or not work.is_work):
+        left = state.document()
+    else:
+        left = work and work.left
+    return left and replace(left, photo=portrait_of(state, path))
 
 
 def note_left(state: EditorState) -> None:
@@ -105,12 +120,22 @@ def session_of_photo(state: EditorState) -> Path | None:
 def note_saved(state: EditorState, path: Path, document: Document) -> None:
     """A session file holds this document now, whichever photo is open meanwhile."""
     photo = document.photo.path.absolute()
-    known, wanted = state.works.get(photo), state.photo and state.photo.path
-    is_wanted = wanted is not None and wanted.absolute() == photo
-    left = document if known is None or is_wanted else known.left
+    known = state.works.get(photo)
+    left = document if known is None or _is_wanted(state, photo) else known.left
     state.works[photo] = KeptWork(path, document, left)
     if photo == state.work_on:
         state.session_path, state.kept, state.waiting = path, document, None
+
+
+def _is_wanted(state: EditorState, path: Path) -> bool:
+    wanted = state.photo and state.photo.path
+    return wanted is not None and wanted.absolute() == path.absolute()
+
+
+def _is_put_back(state: EditorState) -> bool:
+    """Whether the photo that is wanted comes with what was set on it: of a session or of the history."""
+    comes_with_session = state.opening is not None and state.opening.wish is state.photo
+    return comes_with_session or _is_undone(state, state.photo)
 
 
 def _work_on(state: EditorState, photo: PhotoSource | None) -> KeptWork | None:

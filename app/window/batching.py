@@ -1,4 +1,4 @@
-"""Relighting many photos like the one that is open: which they are, and what becomes of pictures that are there."""
+"""Relighting many photos: which they are, and what becomes of those not opened and of pictures that are there."""
 
 from __future__ import annotations
 
@@ -9,6 +9,8 @@ from app.engine.batch import photos_in
 from app.engine.places import folder_for_outputs
 from app.engine.sources import LightSource
 from app.ui.asking import Asking, Question
+from app.ui.photo_works import work_left
+from app.ui.state import EditorState
 from app.window.outputs import Outputs
 from app.window.replacing import tried
 from relight_core.imaging.files import KnownFiles
@@ -25,19 +27,42 @@ def photos_beside(folder: Path, light: LightSource) -> list[Path]:
     return photos_in(folder, KnownFiles([Path(light.name)] if light.kind == "panorama" else []))
 
 
-def relight_many(photos: list[Path], outputs: Outputs, asking: Asking) -> None:
-    """Relight photos into a folder of their own, after asking where it has pictures of them already."""
+def relight_as_left(state: EditorState, outputs: Outputs) -> None:
+    """Relight each photo of the queue as it was left, after asking what becomes of those that were not opened."""
+    photos, asking = list(state.queue.paths), state.asking
+    opened = [photo for photo in photos if work_left(state, photo) is not None]
+
+    def start(chosen: list[Path]) -> Callable[[], None]:
+        return lambda: tried(asking, lambda: relight_many(chosen, outputs, asking, as_left=True))
+
+    if len(opened) == len(photos):
+        start(photos)()
+        return
+    only_opened = ((f"Only the {len(opened)} opened", start(opened)),) if opened else ()
+    unopened = len(photos) - len(opened)
+    have, them = ("has", "it") if unopened == 1 else ("have", "them")
+    text = f"{unopened} of these {len(photos)} photos {have} not been opened yet: relight {them} like this one?"
+    choices = ((f"Relight all {len(photos)}", start(photos)), *only_opened, ("Cancel", lambda: None))
+    asking.ask(Question("batch", text, choices))
+
+
+def relight_many(photos: list[Path], outputs: Outputs, asking: Asking, as_left: bool = False) -> None:
+    """Relight photos into a folder of their own, after asking where it has pictures of them already.
+
+    Args:
+        as_left: as of `Outputs.batch_over`.
+    """
     folder = folder_for_outputs(photos[0]) / _FOLDER
     done = outputs.done_already(photos, folder)
     if not done:
-        outputs.batch_over(photos, folder)
+        outputs.batch_over(photos, folder, as_left=as_left)
         return
 
     # The question is about files of this kind, whichever is chosen by the time it is answered.
     settings = outputs.settings
 
     def start(replaces: bool) -> Callable[[], None]:
-        return lambda: tried(asking, lambda: outputs.batch_over(photos, folder, replaces, settings))
+        return lambda: tried(asking, lambda: outputs.batch_over(photos, folder, replaces, settings, as_left))
 
     rest = len(photos) - done
     only_the_rest = ((f"Relight the other {rest}", start(False)),) if rest else ()

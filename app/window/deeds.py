@@ -29,7 +29,7 @@ from app.ui.light_edits import match_face
 from app.ui.open_work import KeptWork
 from app.ui.photo_works import note_saved, resume, session_of_photo
 from app.ui.state import EditorState
-from app.window.batching import photos_beside, relight_many
+from app.window.batching import photos_beside, relight_as_left, relight_many
 from app.window.dropped import take_files, use_as_light
 from app.window.offers import saved_session_offer, work_of_this_run_offer
 from app.window.outputs import Outputs
@@ -208,6 +208,10 @@ class Deeds:
             self._batch_over(list(queue))
         else:
             self._ask("folder", "Relight all photos of a folder like this one", (), self._batch_there)
+
+    def batch_as_left(self) -> None:
+        """Relight each of the queue's photos as it was left."""
+        relight_as_left(self._state, self._outputs)
 
     def _attempt(self, name: str, deed: Callable[[], None]) -> None:
         try:

@@ -12,34 +12,28 @@ from pathlib import Path
 
 import numpy as np
 
-from app.document.document import Document, PhotoRef
+from app.document.document import Document
 from app.engine.batch import Outcome, batch_tasks, reasons, relight_each, summary
 from app.engine.exporting import (
     Exporter,
     ExportJob,
     ExportSettings,
-    export_note,
     free_path,
     write_named,
-    write_relit,
 )
 from app.engine.film import write_film
 from app.engine.jobs import JobControl
 from app.engine.snapshot import Picture
-from app.engine.sources import BORROWED_AT, RelighterLike
+from app.engine.sources import RelighterLike
 from app.engine.turntable import FILM_PX, FRAMES, turning, write_pictures
 from app.ui.export_name import place_for
-from app.ui.photo_works import portrait_of
+from app.ui.photo_works import portrait_of, work_left
 from app.ui.state import EditorState
+from app.window.batch_photo import BatchLights, relight_as
 from app.window.clipboard import copy_png
 from app.window.promise import Promise
 from relight_core.errors import InputError
-from relight_core.imaging.files import is_same_file
-from relight_core.imaging.read import read_photo
 from relight_core.imaging.write import write_image
-from relight_core.lighting.environment import Environment
-from relight_core.pipeline.auto_quality import QualityChoice
-from relight_core.pipeline.edit import Edit
 from relight_core.pipeline.results.layers import shrunk_picture
 
 _log = logging.getLogger(__name__)
@@ -156,28 +150,37 @@ class Outputs:
         return self._state.export
 
     def batch_over(
-        self, photos: list[Path], folder: Path, replaces: bool = False, settings: ExportSettings | None = None
+        self,
+        photos: list[Path],
+        folder: Path,
+        replaces: bool = False,
+        settings: ExportSettings | None = None,
+        as_left: bool = False,
     ) -> None:
         """Relight photos as this one is, into a folder.
 
         Args:
             replaces: pictures that are there already, too; else those are left alone.
             settings: None is as the panel says now.
+            as_left: each as it was left itself in this run, if it was opened.
         """
         self._need_picture()
-        document, settings = self._state.document(), settings or self._state.export
-        portraits = {photo: portrait_of(self._state, photo) for photo in photos}
-        title = document.light.source().title
+        settings = settings or self._state.export
+        documents = {photo: self._document_of(photo, as_left) for photo in photos}
 
         def start(picture: Picture) -> None:
-            environment = picture.light.environment
+            lights = BatchLights(picture.light)
 
             def one(relighter: RelighterLike, photo: Path, output: Path) -> None:
-                relight_like(document, environment, relighter, portraits[photo], output, settings, title)
+                relight_as(documents[photo], lights, relighter, output, settings)
 
             self._start_batch(batch_tasks(photos, folder, settings.form), one, replaces)
 
         self._when_finished(start)
+
+    def _document_of(self, photo: Path, as_left: bool) -> Document:
+        left = work_left(self._state, photo) if as_left else None
+        return left or replace(self._state.document(), photo=portrait_of(self._state, photo))
 
     def _start_batch(
         self,
@@ -220,48 +223,11 @@ class Outputs:
             raise InputError("There is no relit picture yet; open a photo first")
 
 
-def relight_like(
-    document: Document,
-    environment: Environment,
-    relighter: RelighterLike,
-    portrait: PhotoRef,
-    output: Path,
-    settings: ExportSettings,
-    title: str,
-) -> None:
-    """Relight one photo under a document's light and sliders, at its quality, and write it.
-
-    Args:
-        environment: the document's light, edited; not used where that is the photo's own.
-        portrait: the photo, and who in it is relit.
-        title: of the light, to be noted in the file.
-
-    Raises:
-        InputError: no photo, no face, or a place that can't be written.
-    """
-    from relight_core.lighting.light_edit import edit_light
-
-    if is_same_file(portrait.path, output):
-        raise InputError(f"{output}: that is the photo itself; choose another folder")
-    opened = read_photo(portrait.path)
-    relighter.set_portrait(opened, portrait.face_index, portrait.boxes, portrait.strokes)
-    if document.light.kind == "own":
-        environment = edit_light(relighter.estimated_light(BORROWED_AT), document.light_edit)
-    channels = None if settings.form == ".exr" and settings.layers else ()
-    edit = replace(document.edit, quality=QualityChoice(document.quality).at_rest(), channels=channels)
-    relit = relighter.relight(environment, _without_exposure(edit))
-    write_relit(output, relit, settings, edit.exposure_ev, export_note(title, edit), opened.exif)
-
-
 def _make_folder(folder: Path) -> None:
     try:
         folder.mkdir(exist_ok=True)
     except OSError as error:
         raise InputError(f"{folder}: can't be made ({error.strerror}); choose another folder") from error
-
-
-def _without_exposure(edit: Edit) -> Edit:
-    return replace(edit, exposure_ev=0.0)
 
 
 def _write_frame(path: Path, frame: np.ndarray) -> None:

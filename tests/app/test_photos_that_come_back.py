@@ -8,7 +8,7 @@ from live_editor import Editor, unsaved_files
 
 from app.document.session_file import read_session
 from app.engine.sources import PhotoSource
-from app.ui.photo_works import portrait_of
+from app.ui.photo_works import portrait_of, work_left
 from relight_core.face.find import FaceBox
 
 BOXES = (FaceBox(0, 0, 2, 2), FaceBox(2, 2, 4, 4))
@@ -198,3 +198,21 @@ def test_a_photo_is_the_same_however_its_path_is_written(editor, photos, folder,
     assert not again.state.is_unsaved()
     assert questions(again) == []
     again.deeds.close()
+
+
+def test_work_as_it_was_left_is_the_photos_own_also_where_it_waits(editor, photos):
+    def shadows():
+        return [work and work.edit.shadow for work in (work_left(editor.state, photo) for photo in photos)]
+
+    editor.state.change(shadow=0.2)
+    editor.live()
+    assert shadows() == [0.2, None]
+    drop(editor, photos[1], shadow=1.7)
+    assert shadows() == [0.2, 1.7]
+    assert work_left(editor.state, photos[0]).photo.boxes == BOXES
+    editor.deeds._take([photos[0]])
+    assert shadows() == [0.2, 1.7], "while it is still being read"
+    editor.live()
+    assert (editor.state.edit.shadow, shadows()) == (1.7, [0.2, 1.7])
+    editor.answer_question("Start afresh")
+    assert shadows() == [1.7, 1.7]

@@ -214,6 +214,14 @@ FILE = (
         _wish("batch"),
         available=has_picture,
     ),
+    Action(
+        "Batch, each photo as it was left",
+        _FILE,
+        ("Ctrl+Shift+B",),
+        "Relight and export those opened together, each with its own light and settings",
+        _wish("batch_as_left"),
+        available=lambda state: has_picture(state) and len(state.queue.paths) > 1,
+    ),
     Action("Open a file", _FILE, ("Ctrl+O",), "A portrait, a panorama for the light, or a session", _wish("open_file")),
     Action(
         "Open a light",

@@ -141,8 +141,21 @@ def _buttons(state: EditorState) -> None:
     imgui.same_line(0.0, _SPACING)
     words = "The light turning once around, as numbered PNG files in a new folder."
     _wish(state, "PNGs", "turntable_pictures", words, half)
-    words = "Relight all photos of a folder, or of those opened together, like this one.  Ctrl + B"
-    _wish(state, "Batch over a folder…" if len(state.queue.paths) < 2 else "Batch over the queue", "batch", words, -1.0)
+    _batch(state)
+
+
+def _batch(state: EditorState) -> None:
+    if len(state.queue.paths) < 2:
+        _wish(state, "Batch over a folder…", "batch", "Relight all photos of a folder like this one.  Ctrl + B", -1.0)
+        return
+    imgui.align_text_to_frame_padding()
+    imgui.text_disabled("Batch")
+    imgui.same_line()
+    half = (imgui.get_content_region_avail().x - _SPACING) / 2
+    _wish(state, "Like this", "batch", "Relight all photos opened together like this one.  Ctrl + B", half)
+    imgui.same_line(0.0, _SPACING)
+    words = "Relight each of the photos opened together with the light and the settings it was left with."
+    _wish(state, "Each as left", "batch_as_left", f"{words}  Ctrl + Shift + B", half)
 
 
 def _wish(state: EditorState, label: str, kind: str, tooltip: str, width: float) -> None:
