@@ -49,6 +49,12 @@ def wished_boxes(state: EditorState) -> tuple[FaceBox, ...]:
     return state.snapshot.faces if opened.source.boxes is None else ()
 
 
+def wished_face(state: EditorState) -> int | None:
+    """Which face of the open photo is to be relit alone; None is all of them."""
+    photo = state.photo if state.is_at_work() else state.left or state.snapshot.opened.source
+    return photo.face_index
+
+
 def is_searching(state: EditorState) -> bool:
     """Whether the finder is at work on the photo in sight."""
     photo, opened = state.photo, state.snapshot.opened

@@ -9,6 +9,7 @@ import pytest
 from app.document.face_boxes import MOST_FACES
 from app.engine.snapshot import OpenPhoto, Snapshot
 from app.ui import face_edits
+from app.ui.actions.setting_actions import setting_actions
 from app.ui.photo_works import portrait_of
 from app.ui.state import EditorState
 from app.ui.viewport.face_boxes import FaceGrab
@@ -197,3 +198,16 @@ def test_the_tool_takes_back_no_photo_that_is_on_its_way(state, end):
     end(state)
     assert state.photo is wish
     assert wish.boxes is None
+
+
+def test_the_choice_of_faces_is_the_one_asked_for_while_it_is_still_being_relit(state):
+    def chosen():
+        return [action.name for action in setting_actions(state) if action.group == "Faces" and action.is_on(state)]
+
+    state.choose_face(1)
+    assert chosen() == ["Faces: 2"]
+    state.choose_face(None)
+    assert chosen() == ["Faces: all"]
+    state.choose_face(1)
+    state.open_photo(Path("/photos/them.jpg"))
+    assert chosen() == ["Faces: 2"], "that of the photo that is in sight"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from app.ui import widgets
+from app.ui import face_edits, widgets
 from app.ui.actions.action import Action, has_photo, has_picture
 from app.ui.export_name import choose_form
 from app.ui.panels import effects_panel, export_panel, light_panel, quality_panel
@@ -76,7 +76,7 @@ def _face(words: str, index: int | None) -> Action:
         "Relight everyone" if index is None else "Relight this person alone",
         lambda state: state.choose_face(index),
         available=has_photo,
-        is_on=lambda state: has_photo(state) and state.snapshot.opened.source.face_index == index,
+        is_on=lambda state: has_photo(state) and face_edits.wished_face(state) == index,
     )
 
 

@@ -115,9 +115,9 @@ def _colour(state: EditorState) -> None:
 
 def _faces(state: EditorState, fonts: theme.Fonts) -> None:
     """Who is relit, and the way to correct where they are."""
-    opened, faces = state.snapshot.opened, state.snapshot.faces
+    faces = state.snapshot.faces
     state.pointing_at_faces = False
-    if opened is None:
+    if state.snapshot.opened is None:
         return
     imgui.begin_group()
     _faces_title(state, fonts, len(faces))
@@ -125,7 +125,8 @@ def _faces(state: EditorState, fonts: theme.Fonts) -> None:
         everyone = ("", "All", "Relight everyone.")
         single = ((str(i), str(i + 1), "Relight this person alone.") for i in range(len(faces)))
         choices = (everyone, *single)
-        current = "" if opened.source.face_index is None else str(opened.source.face_index)
+        only = face_edits.wished_face(state)
+        current = "" if only is None else str(only)
         chosen = widgets.segmented(choices, current, most_in_row=_FACES_IN_ROW)
         if chosen != current:
             state.choose_face(int(chosen) if chosen else None)
