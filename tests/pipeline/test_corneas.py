@@ -102,5 +102,14 @@ def test_eyes_of_any_size(radius):
         ((size / 2, size / 2, radius),), (size, size), specks=((size / 2, size / 2 - radius / 4, radius / 5),)
     )
     cornea = find_cornea(photo, 1.0, Iris(size / 2, size / 2, radius))
-    assert len(cornea.bare) <= 128
+    assert len(cornea.bare) <= 384
+    assert 96 <= cornea.normal.shape[1] <= 128
     assert cornea.mirrored.max() > 0.5
+
+
+def test_what_is_taken_out_of_a_large_eye_is_as_sharp_as_the_photo():
+    photo = draw_eyes(((200.0, 200.0, 100.0),), (400, 400), iris=0.05, pupil=0.05, specks=((230, 170, 15),))
+    cornea = find_cornea(photo, 1.0, Iris(200.0, 200.0, 100.0))
+    left = without_catchlights(photo, cornea)
+    middle = len(left) // 2
+    np.testing.assert_allclose(left[middle - 60 : middle + 60, middle - 60 : middle + 60], 0.05, atol=0.02)

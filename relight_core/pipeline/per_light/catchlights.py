@@ -190,8 +190,12 @@ def mirrored_light(cornea: Cornea, eye: LitEye, environment: Environment, yaw_de
     radiance = _looked_up(_mirrored_by(cornea, environment), across - np.float32(yaw_deg / 360), down)
     share = cornea.reflectance * _looked_up(eye.seen, across, down)
     finely = share[..., None] * np.maximum(radiance - eye.evenly, 0)
-    mirrored = cornea.bare[..., None] * resize_area(finely, cornea.bare.shape)
-    return cv2.GaussianBlur(mirrored.astype(np.float32), (0, 0), max(_BLUR * len(mirrored), 0.5))
+    size = len(cornea.bare)
+    finely = resize_area(finely, (min(size, len(finely)),) * 2)
+    seen = cv2.GaussianBlur(finely, (0, 0), max(_BLUR * len(finely), 0.5))
+    if len(seen) < size:
+        seen = cv2.resize(seen, (size, size), interpolation=cv2.INTER_LINEAR)
+    return cornea.bare[..., None] * seen
 
 
 def _weights(cornea: Cornea, view: Crop, size: int) -> np.ndarray:

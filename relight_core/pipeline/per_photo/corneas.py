@@ -19,8 +19,10 @@ from relight_core.imaging.colour import luminance, srgb_encode
 from relight_core.imaging.ramp import ramp
 from relight_core.lighting.sphere import place_on_map
 
-_LARGEST_PX, _FEWEST_NORMALS = 128, 96
-"""Of an eye's square; and how many normals across it has at least. Lamps are smaller than what a pixel mirrors."""
+_LARGEST_PX = 384
+"""Of an eye's square: those of the photo, or the hole that a catchlight leaves would show its rim."""
+_FEWEST_NORMALS, _MOST_NORMALS = 96, 128
+"""Across that square: lamps are smaller than what a pixel of a small eye mirrors, and not so in a large one."""
 _REACH = 1.25
 """Half the square about an iris, in its radii."""
 _SPECK = 0.3
@@ -53,7 +55,7 @@ class Cornea:
         view: where it lies, with edges on whole pixels of the photo.
         bare: (E, E) in [0, 1] how far each pixel is iris and no lid.
         mirrored: (E, E, 3) float32, linear and in the photo's units, of the photo's own catchlights.
-        normal: (3, n E, n E) unit vectors, camera space; n by n of them lie in a pixel.
+        normal: (3, N, N) unit vectors, camera space; more than pixels in a small eye, fewer in a large one.
     """
 
     iris: Iris
@@ -64,14 +66,14 @@ class Cornea:
 
     @cached_property
     def mirrored_places(self) -> tuple[np.ndarray, np.ndarray]:
-        """(n E, n E) each, float32: what of a light is mirrored, as shares of a panorama's width and height."""
+        """(N, N) each, float32: what of a light is mirrored, as shares of a panorama's width and height."""
         x, y, z = self.normal
         # Seen from a distant camera at +z the mirrored direction is 2 (n . v) n - v.
         return tuple(place.astype(np.float32) for place in place_on_map(2 * z * x, 2 * z * y, 2 * z * z - 1))
 
     @cached_property
     def reflectance(self) -> np.ndarray:
-        """(n E, n E) float32, the share of light that is mirrored (Schlick 1994)."""
+        """(N, N) float32, the share of light that is mirrored (Schlick 1994)."""
         return _REFLECTANCE + (1 - _REFLECTANCE) * (1 - self.normal[2]) ** 5
 
 
@@ -160,8 +162,8 @@ def _bare(seen: np.ndarray, within: np.ndarray, radius: float, down: np.ndarray)
 
 def _normal(middle: np.ndarray, radius: float, size: int) -> np.ndarray:
     """Of a ball about a place in a square of so many pixels."""
-    times = int(np.ceil(_FEWEST_NORMALS / size))
-    place = (np.arange(times * size) + 0.5) / times
+    count = min(size * int(np.ceil(_FEWEST_NORMALS / size)), _MOST_NORMALS)
+    place = (np.arange(count) + 0.5) * (size / count)
     x, y = np.meshgrid((place - middle[0]) / (_CURVATURE * radius), (middle[1] - place) / (_CURVATURE * radius))
     steep = np.minimum(1, 0.95 / np.maximum(np.hypot(x, y), 1e-6))
     x, y = x * steep, y * steep
