@@ -72,7 +72,7 @@ def find_irises(linear: np.ndarray, exposure: float, parsing: np.ndarray, view: 
     looks = [_Look.at(srgb_encode(luminance(crop.extract(linear, _SIDE_PX)) * np.float32(exposure))) for crop in crops]
     usual = ((_RADII_PX / _HALF_PX - _USUAL_RADIUS) / _RADIUS_DOUBT) ** 2
     best = int((sum(look.scores for look in looks) / len(looks) - _RADIUS_WEIGHT * usual).argmax())
-    radius = float(_RADII_PX[best]) * half_width / _HALF_PX
+    radius = float(_RADII_PX[best] * half_width / _HALF_PX)
     if radius < _LEAST_RADIUS_PX or min(look.scores[best] for look in looks) < _LEAST_SCORE:
         return ()
     edges = [look.edges[best] for look in looks]
