@@ -9,94 +9,11 @@ import pytest
 from PIL import Image
 from window_hand import HEIGHT, WIDTH, Hand, close_to
 
-from app.ui.asking import Question
 from app.ui.channels import PHOTO, RESULT
-from app.ui.layout import OpenGroups, Panels
 from app.ui.panels.status_line import _under_the_mouse
 from app.ui.viewport.probe import reading
 from app.window import gl_pictures
 from app.window.window import EditorWindow
-
-
-def test_the_palette_finds_and_runs_a_command_with_the_keyboard_alone(opened):
-    opened.key(glfw.KEY_P, ctrl=True)
-    assert opened.window.state.look.palette
-    opened.type("norm")
-    assert opened.window.state.shown == "result"
-    opened.key(glfw.KEY_ENTER)
-    assert not opened.window.state.look.palette
-    assert opened.window.state.shown == "normal"
-
-
-def test_the_palette_finds_a_bundled_light(opened):
-    opened.key(glfw.KEY_P, ctrl=True)
-    opened.type("neon")
-    opened.key(glfw.KEY_ENTER)
-    assert opened.window.state.light.name == "neon"
-
-
-def test_a_slider_of_a_hidden_panel_is_set_with_the_keyboard_alone(opened):
-    state = opened.window.state
-    state.panels, state.groups = Panels(effects=False), OpenGroups(effects=False)
-    opened.key(glfw.KEY_P, ctrl=True)
-    opened.type("exposure")
-    opened.key(glfw.KEY_ENTER)
-    assert state.typing == "Exposure"
-    opened.type("1.5")
-    opened.key(glfw.KEY_ENTER)
-    assert (state.edit.exposure_ev, state.typing) == (1.5, None)
-
-
-@pytest.mark.parametrize(
-    ("typed", "found"),
-    [
-        ("background none", lambda state: state.edit.background == "transparent"),
-        ("quality live", lambda state: state.quality.wish == "live"),
-        ("kind exr", lambda state: state.export.form == ".exr"),
-    ],
-)
-def test_a_choice_of_the_panels_is_made_with_the_keyboard_alone(opened, typed, found):
-    opened.key(glfw.KEY_P, ctrl=True)
-    opened.type(typed)
-    opened.key(glfw.KEY_ENTER)
-    assert found(opened.window.state)
-
-
-def test_what_is_asked_is_answered_with_the_keyboard_alone(opened):
-    asking, given = opened.window.state.asking, []
-    choices = tuple((label, lambda label=label: given.append(label)) for label in ("Keep both", "Replace"))
-    asking.ask(Question("older", "An older one.", (("Restore", lambda: given.append("Restore")),)))
-    asking.ask(Question("newer", "me.png is already there.", choices))
-    opened.key(glfw.KEY_ENTER)
-    assert (given, [question.key for question in asking.questions]) == (["Keep both"], ["older"])
-    asking.ask(Question("newer", "me.png is already there.", choices))
-    opened.key(glfw.KEY_P, ctrl=True)
-    opened.type("repl")
-    opened.key(glfw.KEY_ENTER)
-    assert (given, [question.key for question in asking.questions]) == (["Keep both", "Replace"], ["older"])
-
-
-def test_enter_is_for_the_tool_in_use_before_it_answers(opened):
-    asking, given = opened.window.state.asking, []
-    opened.key(glfw.KEY_F, shift=True)
-    asking.ask(Question("asked", "A question.", (("Yes", lambda: given.append("Yes")),)))
-    opened.key(glfw.KEY_ENTER)
-    assert (opened.window.state.faces.is_open, given) == (False, [])
-    opened.key(glfw.KEY_ENTER)
-    assert given == ["Yes"]
-
-
-def test_typing_in_the_palette_triggers_no_shortcut_and_escape_closes_it(opened):
-    calls = opened.window.state.edit
-    opened.key(glfw.KEY_P, ctrl=True)
-    opened.type("2")
-    opened.key(glfw.KEY_LEFT)
-    assert opened.window.state.shown == "result"
-    assert opened.window.state.edit == calls
-    opened.key(glfw.KEY_ESCAPE)
-    assert not opened.window.state.look.palette
-    opened.key(glfw.KEY_2)
-    assert opened.window.state.shown == "albedo"
 
 
 def test_the_panels_can_be_hidden_and_resized_and_are_remembered(display, relighter, tmp_path):
