@@ -106,7 +106,11 @@ class WholePhoto:
             backdrop = Backdrop(transparent=True)
         else:
             backdrop = self._backdrop(plan, environment, edit, placement, rest)
-        eyes = place_catchlights(catchlights, placed_changes)
+        eyes = ()
+        if catchlights:
+            make = partial(place_catchlights, catchlights, placed_changes)
+            key = (plan.keys["detail"], plan.keys["catchlights"])
+            eyes = run("placed_catchlights", key, make, "new light or slider")
         of_photo = {"exposure": placement.exposure, "catchlights": eyes}
         return Picture(canvas_of(self._photo), matte, placed_changes, rest, backdrop, **of_photo)
 

@@ -165,16 +165,12 @@ def place_catchlights(
     catchlights: Sequence[Sequence[Catchlight]], changes: Sequence[PlacedChange]
 ) -> tuple[PlacedCatchlight, ...]:
     """The eyes of every face on top of its change."""
-    return tuple(
-        PlacedCatchlight(one.change(_seen_in(one.cornea.view, len(one.mirrored), change)), one.cornea.view)
-        for of_face, change in zip(catchlights, changes, strict=False)
-        for one in of_face
-    )
 
+    def place(one: Catchlight, change: PlacedChange) -> PlacedCatchlight:
+        view = one.cornea.view
+        return PlacedCatchlight(one.change(seen_across(view, len(one.mirrored), change.gain, change.view)), view)
 
-def _seen_in(view: Crop, size: int, change: PlacedChange) -> np.ndarray:
-    """A change's gain in another view, (size, size, 3)."""
-    return seen_across(view, size, change.gain, change.view)
+    return tuple(place(one, change) for of_face, change in zip(catchlights, changes, strict=False) for one in of_face)
 
 
 def mean_gain(placement: Placement, rest: np.ndarray) -> np.ndarray:

@@ -58,8 +58,8 @@ class PlacedCatchlight:
         Args:
             photo_size: (height, width).
         """
-        (height, width), side, (x0, y0, _, _) = photo_size, self.view.side, self.view.window
-        return np.array([[width / side, 0, -x0 / side], [0, height / side, -y0 / side]])
+        height, width = photo_size
+        return self.view.from_photo_matrix(1) * np.array([width, height, 1.0])
 
 
 @dataclass(frozen=True, eq=False)
