@@ -133,14 +133,9 @@ def _buttons(state: EditorState) -> None:
     ):
         imgui.same_line(0.0, _SPACING)
         _wish(state, label, kind, tooltip, third)
-    imgui.align_text_to_frame_padding()
-    imgui.text_disabled("Turntable")
-    imgui.same_line()
-    half = (imgui.get_content_region_avail().x - _SPACING) / 2
-    _wish(state, "MP4", "turntable_film", "A film of the light turning once around.  Ctrl + T", half)
-    imgui.same_line(0.0, _SPACING)
+    film = ("MP4", "turntable_film", "A film of the light turning once around.  Ctrl + T")
     words = "The light turning once around, as numbered PNG files in a new folder."
-    _wish(state, "PNGs", "turntable_pictures", words, half)
+    _wish_either(state, "Turntable", film, ("PNGs", "turntable_pictures", words))
     _batch(state)
 
 
@@ -148,14 +143,21 @@ def _batch(state: EditorState) -> None:
     if len(state.queue.paths) < 2:
         _wish(state, "Batch over a folder…", "batch", "Relight all photos of a folder like this one.  Ctrl + B", -1.0)
         return
+    like_this = ("Like this", "batch", "Relight all photos opened together like this one.  Ctrl + B")
+    words = "Relight each of the photos opened together with the light and the settings it was left with."
+    _wish_either(state, "Batch", like_this, ("Each as left", "batch_as_left", f"{words}  Ctrl + Shift + B"))
+
+
+def _wish_either(state: EditorState, title: str, *choices: tuple[str, str, str]) -> None:
+    """A title, and beside it two buttons: label, kind of wish and tooltip of each."""
     imgui.align_text_to_frame_padding()
-    imgui.text_disabled("Batch")
+    imgui.text_disabled(title)
     imgui.same_line()
     half = (imgui.get_content_region_avail().x - _SPACING) / 2
-    _wish(state, "Like this", "batch", "Relight all photos opened together like this one.  Ctrl + B", half)
-    imgui.same_line(0.0, _SPACING)
-    words = "Relight each of the photos opened together with the light and the settings it was left with."
-    _wish(state, "Each as left", "batch_as_left", f"{words}  Ctrl + Shift + B", half)
+    for index, choice in enumerate(choices):
+        if index:
+            imgui.same_line(0.0, _SPACING)
+        _wish(state, *choice, half)
 
 
 def _wish(state: EditorState, label: str, kind: str, tooltip: str, width: float) -> None:
