@@ -57,15 +57,21 @@ def test_only_the_face_that_moved_is_read_again(relighter, photo, delighted):
     assert computed(relit) >= {"other_faces", "matte", "detail", "paste"}
 
 
-def test_the_networks_have_ended_when_those_of_the_last_face_have(relighter, photo, monkeypatch):
-    ends, compose = [], stages.compose
+def ends_of(monkeypatch, module, name):
+    """When each call of a module's function has ended, from now on."""
+    ends, function = [], getattr(module, name)
 
     def timed(*arguments, **how):
-        composed = compose(*arguments, **how)
+        result = function(*arguments, **how)
         ends.append(time.perf_counter())
-        return composed
+        return result
 
-    monkeypatch.setattr(stages, "compose", timed)
+    monkeypatch.setattr(module, name, timed)
+    return ends
+
+
+def test_the_networks_have_ended_when_those_of_the_last_face_have(relighter, photo, monkeypatch):
+    ends = ends_of(monkeypatch, stages, "compose")
     relighter.set_portrait(photo, None, [LARGE, SMALL])
     relit = relighter.relight(some_light(), EDIT)
     assert len(ends) >= 2
@@ -75,14 +81,7 @@ def test_the_networks_have_ended_when_those_of_the_last_face_have(relighter, pho
 @pytest.mark.usefixtures("small_and_seeing_faces")
 def test_the_networks_have_ended_when_the_person_network_has(tmp_path, photo, monkeypatch):
     """Its wider look at the people comes last, for their outlines."""
-    ends, outline = [], face_taken_apart.outline_person
-
-    def timed(*arguments, **how):
-        found = outline(*arguments, **how)
-        ends.append(time.perf_counter())
-        return found
-
-    monkeypatch.setattr(face_taken_apart, "outline_person", timed)
+    ends = ends_of(monkeypatch, face_taken_apart, "outline_person")
     save_bundle(tmp_path / "weights", tiny_bundle_with_person())
     relighter = Relighter(tmp_path / "weights")
     relighter.set_portrait(photo, None, [SMALL])
