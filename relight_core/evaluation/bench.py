@@ -26,8 +26,9 @@ from relight_core.lighting.relief import ReliefTransport
 from relight_core.networks.bundle import NetworkBundle
 from relight_core.pipeline import stages
 from relight_core.pipeline.model import light_surface
+from relight_core.pipeline.per_light.fine_edges import draw_finely
 from relight_core.pipeline.per_light.hard_shadow import LampsView, ready_for_lamps
-from relight_core.pipeline.per_light.hints import Effects, as_channels
+from relight_core.pipeline.per_light.hints import Effects
 from relight_core.pipeline.per_light.residual import Residual, add_residual, find_residual
 from relight_core.pipeline.per_photo.albedo import flatten_albedo
 from relight_core.pipeline.per_photo.second_look import take_apart
@@ -35,6 +36,7 @@ from relight_core.pipeline.per_photo.source_light import explain_source_light
 from relight_core.pipeline.quality import Tier
 from relight_core.pipeline.results.channels import (
     as_image,
+    effect_channels,
     enlarge_change,
     fit_view,
     light_channels,
@@ -144,8 +146,10 @@ class Editor:
         )
         image, shown = add_residual(found.residual, composed, effects, light)
         fit = fit_view(found.view, reflected, shown, image)
-        change = enlarge_change(fit, None, upsampler_for(seen.photo, seen.small), 1.0)
-        return light_channels(as_channels(effects), change, seen.photo)
+        upsample = upsampler_for(seen.photo, seen.small)
+        fine = None if effects.edges is None else draw_finely(effects.edges, upsample, found.view.evened)
+        change = enlarge_change(fit, None, upsample, 1.0, None if fine is None else fine.gain(1.0, 0.0))
+        return light_channels(effect_channels(effects, len(seen.photo), fine), change, seen.photo)
 
 
 def masks_of(head: HeldOutHead, target: HeldOutLight) -> dict[str, np.ndarray]:

@@ -118,6 +118,11 @@ class ViewOfPhoto:
         gain = gain + self._shine * gloss
         return LightChange(gain * share_in_reach(gain), offset, self._shine, self._veil, self._lift)
 
+    def evened(self, share: np.ndarray) -> np.ndarray:
+        """A map (s, s) that multiplies light, as even as the gain (of green) is: over mouth and eyes a mean nearby."""
+        shares = cv2.merge((share,) * 3)
+        return self._evenly(shares * (self._photo + _DARK) - _DARK, shares)[..., 1]
+
     def _with_pattern(self, matt: np.ndarray) -> np.ndarray:
         """The gain, but where the photo's pattern lost contrast, the gain of its surroundings."""
         mean = _mean(matt)

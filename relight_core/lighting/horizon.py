@@ -6,6 +6,7 @@ few directions of the image plane only; they are marched when first asked for.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import cv2
@@ -34,21 +35,29 @@ class Horizon:
     covered: np.ndarray
     _elevations: dict[int, np.ndarray] = field(default_factory=dict, init=False, repr=False)
 
-    def visibility(self, toward: tuple[float, float, float], radius_deg: float) -> np.ndarray:
+    def visibility(
+        self,
+        toward: tuple[float, float, float],
+        radius_deg: float,
+        seen_at: Callable[[np.ndarray], np.ndarray] = np.asarray,
+    ) -> np.ndarray:
         """How much of a lamp's disc each point sees, (S, S) float32 in [0, 1].
 
         Args:
             toward: unit vector to the lamp, camera space.
             radius_deg: of the disc, positive.
+            seen_at: what to ask of the horizons (S, S): all, or those of other points between them. The result is of
+                the shape that it gives.
         """
         x, y, z = toward
         aside = np.hypot(x, y)
         elevation = np.arctan2(z, aside)
         reach = radius_deg / max(aside, _LEAST_ASIDE) / 360 * _AZIMUTHS
         turn = np.arctan2(y, x) / (2 * np.pi) * _AZIMUTHS
-        seen, whole, right = np.zeros(self.relief.shape, np.float32), 0.0, self._between(turn - reach)
+        right = seen_at(self._between(turn - reach))
+        seen, whole = np.zeros(right.shape, np.float32), 0.0
         for offset in _STRIPS:
-            left, right = right, self._between(turn + (offset + _HALF_STRIP) * reach)
+            left, right = right, seen_at(self._between(turn + (offset + _HALF_STRIP) * reach))
             height = 2 * np.radians(radius_deg) * np.sqrt(1 - offset * offset)
             above = elevation - (left + right) / 2
             seen += height * np.clip(above / (height + np.abs(left - right)) + 0.5, 0, 1)

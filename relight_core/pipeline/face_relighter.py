@@ -25,8 +25,9 @@ from relight_core.pipeline.per_light.catchlights import (
     mirrored_light,
     sky_over,
 )
+from relight_core.pipeline.per_light.fine_edges import FineEdges, draw_finely
 from relight_core.pipeline.per_light.hard_shadow import harden_shadow, ready_for_lamps
-from relight_core.pipeline.per_light.hints import Effects, as_channels
+from relight_core.pipeline.per_light.hints import Effects
 from relight_core.pipeline.per_light.kept_lights import ServingLight
 from relight_core.pipeline.per_light.residual import add_residual
 from relight_core.pipeline.per_light.sliders import move_sliders, soften_shadow, specular_gain
@@ -40,6 +41,8 @@ from relight_core.pipeline.results.channels import (
     SURFACE_CHANNELS,
     ViewChange,
     as_image,
+    effect_channels,
+    enlarge,
     enlarge_change,
     fit_view,
     light_channels,
@@ -182,7 +185,10 @@ class FaceRelighter(FaceInPhoto):
             effects = soften_shadow(lit.effects, ready.surface, lit.reflected, edit.shadow_softness)
             shadow = edit.shadow * plan.runs("shadow")
             moved = move_sliders(lit.composed, ready.surface, lit.reflected, effects, specular, shadow)
-        change = enlarge_change(fit, moved, self._upsampler(ready), level).of_photo_times(self.portrait.exposure)
+        fine = self._fine_edges(ready, lit, plan)
+        edges = None if fine is None else fine.gain(edit.shadow * plan.runs("shadow"), edit.shadow_softness)
+        change = enlarge_change(fit, moved, self._upsampler(ready), level, edges)
+        change = change.of_photo_times(self.portrait.exposure)
         if lit.nearer is not None:
             from_near = self.nearer.change(*lit.nearer, plan, edit, level)
             change = with_nearer_change(change, from_near, self.portrait.view, self.nearer.portrait.view)
@@ -190,6 +196,15 @@ class FaceRelighter(FaceInPhoto):
             return change
         exposure = self.portrait.exposure
         return change.toned(ready.photo_view * np.float32(exposure), self.portrait.photo.tone_at(exposure))
+
+    def _fine_edges(self, ready: Prepared, lit: Lit, plan: Plan) -> FineEdges | None:
+        """The edges of small lamps' shadows at the view's size; None where there are none."""
+        edges = lit.effects.edges
+        if edges is None:
+            return None
+        evened = self._made_up(ready, plan).evened if plan.runs("detail") else np.asarray
+        draw = lambda: draw_finely(edges, self._upsampler(ready), evened)  # noqa: E731
+        return self.cache.run("fine_edges", plan.keys["hard_shadow"], draw, "new light")
 
     def catchlights(
         self, ready: Prepared, lit: Lit, plan: Plan, edit: Edit, environment: Environment
@@ -250,22 +265,29 @@ class FaceRelighter(FaceInPhoto):
         }
         if plan.runs("source_light") and edit.looks_at("source_light"):
             fixed["source_light"] = self.own_light(ready.tier)
-        # Of the person alone, as albedo and normals are (see `of_person`).
-        specular, shadow = (ready.surface.person * plan.runs(name) for name in ("specular", "shadow"))
-        effects = as_channels(lit.effects)
-        if lit.nearer is not None:
-            views = self.portrait.view, self.nearer.portrait.view
-            effects = with_nearer_effects(effects, as_channels(lit.nearer[1].effects), *views)
-        shown = Effects(effects.specular * specular, effects.shadow * shadow)
         lighted = self.cache.run(
             "channels",
             plan.keys["channels"],
             lambda: light_channels(
-                shown, change, ready.photo_view, [name for name in LIGHT_CHANNELS if edit.looks_at(name)]
+                self._effect_channels(ready, lit, plan),
+                change,
+                ready.photo_view,
+                [name for name in LIGHT_CHANNELS if edit.looks_at(name)],
             ),
             "new light or slider",
         )
         return fixed | lighted
+
+    def _effect_channels(self, ready: Prepared, lit: Lit, plan: Plan) -> dict[str, np.ndarray]:
+        """The channels of the effects that the plan has, of the person alone, as albedo and normals are."""
+        size = ready.photo_view.shape[0]
+        effects = effect_channels(lit.effects, size, self._fine_edges(ready, lit, plan))
+        if lit.nearer is not None:
+            near, near_lit = lit.nearer
+            from_near = effect_channels(near_lit.effects, size, self.nearer._fine_edges(near, near_lit, plan))
+            effects = with_nearer_effects(effects, from_near, self.portrait.view, self.nearer.portrait.view)
+        person = as_image(enlarge(ready.surface.person, size))
+        return {name: effect * person * plan.runs(name) for name, effect in effects.items()}
 
     @staticmethod
     def _surface_channel(name: str, ready: Prepared) -> np.ndarray:

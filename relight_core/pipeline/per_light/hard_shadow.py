@@ -14,6 +14,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
+import numpy as np
 import torch
 
 from relight_core.imaging.tensor_colour import grey
@@ -23,6 +24,7 @@ from relight_core.lighting.lamps import Lamp, footprint
 from relight_core.lighting.reflection import specular_lobe
 from relight_core.lighting.relief import ReliefTransport
 from relight_core.lighting.sphere import solid_angles
+from relight_core.pipeline.per_light.fine_edges import LampEdge, ShadowEdges
 from relight_core.pipeline.per_light.hints import (
     Effects,
     hidden_gloss,
@@ -96,7 +98,8 @@ def harden_shadow(
     of_lamps = reflect(light - rest)
     parts = _parts(_irradiance(lamps, surface), grey(reflected[:, :3]), grey(of_lamps[:, :3]))
     gloss_parts = _parts(_gloss(lamps, surface), gloss, grey(of_lamps[:, 3:]))
-    hidden = _with_edges(hidden_share(effects, diffuse, gloss), parts, reach)
+    before = hidden_share(effects, diffuse, gloss)
+    hidden = _with_edges(before, parts, reach)
     dull = (hidden_gloss(effects, gloss) / gloss.clamp_min(_NO_GLOSS)).clamp(0, 1)
     duller = _with_edges(dull, gloss_parts, reach)
     specular = (effects.specular - gloss * (duller - dull)).clamp_min(0)
@@ -104,8 +107,11 @@ def harden_shadow(
     by_relief, gloss_by_relief = (_lost(of_lamps, lost, reach) for of_lamps in (parts, gloss_parts))
     radiance = surface.albedo * of_lamps[:, :3] * _share_seen(lamps, parts, reach, hidden)
     back = thrown_back(view.bounce, radiance, surface.albedo)
-    edged = replace(effects, specular=specular, by_relief=by_relief, gloss_by_relief=gloss_by_relief, thrown_back=back)
-    return with_hidden_share(edged, hidden, diffuse, gloss)
+    counts = [sure * part for (_, sure), part in zip(_sure_of(before, parts, reach), parts, strict=True)]
+    ends = [LampEdge(*of_lamp) for of_lamp in zip(lamps, _planes(counts), _planes(reach.lost_finely), strict=True)]
+    edges = ShadowEdges(view.horizon, ends, *_planes([hidden, diffuse]))
+    told = {"by_relief": by_relief, "gloss_by_relief": gloss_by_relief, "thrown_back": back, "edges": edges}
+    return with_hidden_share(replace(effects, specular=specular, **told), hidden, diffuse, gloss)
 
 
 @dataclass(frozen=True)
@@ -180,11 +186,9 @@ def _with_edges(hidden: torch.Tensor, parts: Sequence[torch.Tensor], reach: _Rea
         hidden: the share that the network takes for hidden, in [0, 1].
         parts: of each lamp, its share of what there were if nothing was hidden.
     """
-    lost = _lost(parts, reach.lost, reach)
     edged, of_lamps, unlit = hidden, torch.zeros_like(hidden), torch.zeros_like(hidden)
-    for part, soft, edgy, decides in zip(parts, reach.lost, reach.lost_finely, reach.decides, strict=True):
-        of_lamp = torch.minimum(hidden * (part * (soft + _DOUBT) / (lost + _DOUBT)).clamp(0, 1), part)
-        sure = decides * (of_lamp / (_SURE * part).clamp_min(1e-4)).clamp(0, 1)
+    of_each = zip(_sure_of(hidden, parts, reach), parts, reach.lost, reach.lost_finely, strict=True)
+    for (of_lamp, sure), part, soft, edgy in of_each:
         change = part * edgy - of_lamp
         # A shadow that the relief knows nothing of, of a brim or a lock of hair, is not its to take away.
         edged = edged + sure * torch.where(change > 0, change, change * (soft / _SURE).clamp_max(1))
@@ -192,6 +196,17 @@ def _with_edges(hidden: torch.Tensor, parts: Sequence[torch.Tensor], reach: _Rea
     rest, of_rest = _rest(parts), (hidden - of_lamps).clamp_min(0)
     doubt = unlit.clamp(0, 1) / (1 + (rest / _SMALL_REST).square())
     return (edged + doubt * (rest * reach.lost_rest - of_rest)).clamp(0, 1)
+
+
+def _sure_of(
+    hidden: torch.Tensor, parts: Sequence[torch.Tensor], reach: _Reach
+) -> list[tuple[torch.Tensor, torch.Tensor]]:
+    """Of each lamp, the part of what is hidden that is its light, and how far geometry has the last word about it."""
+    lost, result = _lost(parts, reach.lost, reach), []
+    for part, soft, decides in zip(parts, reach.lost, reach.decides, strict=True):
+        of_lamp = torch.minimum(hidden * (part * (soft + _DOUBT) / (lost + _DOUBT)).clamp(0, 1), part)
+        result.append((of_lamp, decides * (of_lamp / (_SURE * part).clamp_min(1e-4)).clamp(0, 1)))
+    return result
 
 
 def _parts(given: Sequence[torch.Tensor], all_light: torch.Tensor, of_lamps: torch.Tensor) -> list[torch.Tensor]:
@@ -218,3 +233,8 @@ def _gloss(lamps: Sequence[Lamp], surface: Surface) -> list[torch.Tensor]:
     power = normal.new_tensor([torch.pi * lamp.irradiance for lamp in lamps])
     of_lamps = ((specular_lobe(toward, normal) + _NO_GLOSS) * power[:, None]).unflatten(1, surface.normal.shape[-2:])
     return list(smooth_gloss(of_lamps[None]).split(1, dim=1))
+
+
+def _planes(maps: Sequence[torch.Tensor]) -> list[np.ndarray]:
+    """Maps (1, 1, S, S) as images (S, S) float32."""
+    return [np.ascontiguousarray(of_view[0, 0].float().cpu().numpy()) for of_view in maps]

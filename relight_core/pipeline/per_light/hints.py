@@ -16,6 +16,7 @@ from relight_core.imaging.tensor_colour import grey
 from relight_core.imaging.tensor_constants import constant
 from relight_core.imaging.tensor_means import with_neighbours
 from relight_core.networks.specular_shadow import Occlusion, SpecularShadowConfig
+from relight_core.pipeline.per_light.fine_edges import ShadowEdges
 
 _NOTHING = 1e-6
 _CERTAIN = (0.5, 0.9)
@@ -90,6 +91,7 @@ class Effects:
             much.
         thrown_back: (B, 3, H, W) >= 0 light of small lamps that comes by way of other skin (see `skin_bounce`); None
             where the shadow knows of it, as the network's does.
+        edges: where the shadows of small lamps end, to be drawn more finely than these maps; None where there are none.
     """
 
     specular: torch.Tensor
@@ -98,6 +100,7 @@ class Effects:
     by_relief: torch.Tensor | None = None
     gloss_by_relief: torch.Tensor | None = None
     thrown_back: torch.Tensor | None = None
+    edges: ShadowEdges | None = None
 
 
 def as_channels(effects: Effects) -> Effects:

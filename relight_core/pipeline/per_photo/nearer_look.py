@@ -7,6 +7,7 @@ face is like, the view what is around it. SS and composition, too, draw a sharpe
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 
 import cv2
@@ -17,7 +18,6 @@ from relight_core.face.crop import Crop
 from relight_core.face.paste import fade, seen_across
 from relight_core.imaging.resampling import resample_window
 from relight_core.imaging.tensor_normals import unit_normals
-from relight_core.pipeline.per_light.hints import Effects
 from relight_core.pipeline.per_photo.portrait import Portrait
 from relight_core.pipeline.results.channels import ViewChange
 from relight_core.pipeline.stages import Surface, reparsed
@@ -90,16 +90,14 @@ def with_nearer_change(change: ViewChange, seen_nearer: ViewChange, view: Crop, 
     return replace(change, gain=gain, offset=offset)
 
 
-def with_nearer_effects(effects: Effects, seen_nearer: Effects, view: Crop, nearer: Crop) -> Effects:
-    """The additive channels of a view, with those of the nearer one in their place; without colours of their own."""
-    size = effects.shadow.shape[-1]
-    window = _window_of(view, nearer, size)
-    weight = torch.from_numpy(_weight(window, size))[None, None].to(effects.shadow)
-    specular, shadow = (
-        torch.lerp(own, _resampled(from_near, window), weight)
-        for own, from_near in ((effects.specular, seen_nearer.specular), (effects.shadow, seen_nearer.shadow))
-    )
-    return Effects(specular, shadow)
+def with_nearer_effects(
+    effects: Mapping[str, np.ndarray], seen_nearer: Mapping[str, np.ndarray], view: Crop, nearer: Crop
+) -> dict[str, np.ndarray]:
+    """The effect channels (S, S) of a view, with those of the nearer one, of the same size, in their place."""
+    size = len(next(iter(effects.values())))
+    weight = _weight(_window_of(view, nearer, size), size)
+    from_near = seen_across(view, size, np.dstack([seen_nearer[name] for name in effects]), nearer)
+    return {name: own + weight * (from_near[..., index] - own) for index, (name, own) in enumerate(effects.items())}
 
 
 def _window_of(view: Crop, nearer: Crop, size: int) -> tuple[float, float, float, float]:

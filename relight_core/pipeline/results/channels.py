@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -19,7 +19,8 @@ from relight_core.imaging.tensor_colour import grey
 from relight_core.imaging.tensor_normals import unit_normals
 from relight_core.imaging.tone import Tone
 from relight_core.imaging.view_of_photo import Makeup, ViewOfPhoto
-from relight_core.pipeline.per_light.hints import Effects
+from relight_core.pipeline.per_light.fine_edges import FineEdges
+from relight_core.pipeline.per_light.hints import Effects, as_channels
 from relight_core.pipeline.per_light.sliders import SliderChange
 from relight_core.pipeline.stages import Surface
 
@@ -122,13 +123,24 @@ def makeup_of(parsing: np.ndarray) -> Makeup:
 
 
 def enlarge_change(
-    change: LightChange, moved: SliderChange | None, upsample: JointUpsampler, level: float
+    change: LightChange,
+    moved: SliderChange | None,
+    upsample: JointUpsampler,
+    level: float,
+    edges: np.ndarray | None = None,
 ) -> ViewChange:
-    """The change at the view's size, after the sliders and at the light's level."""
+    """The change at the view's size, after the sliders and at the light's level.
+
+    Args:
+        edges: (S, S, 3) by what to multiply the picture at that size, see `fine_edges.FineEdges.gain`.
+    """
     gain, offset = change.gain, change.offset
     if moved is not None:
         gain, offset = change.moved(as_image(moved.kept), as_image(moved.added), as_image(moved.lifted))
-    return ViewChange(at_level(upsample(gain), level), at_level(upsample(offset), level), level)
+    gain, offset = upsample(gain), upsample(offset)
+    if edges is not None:
+        gain, offset = gain * edges, offset * edges
+    return ViewChange(at_level(gain, level), at_level(offset, level), level)
 
 
 SURFACE_CHANNELS = ("photo", "albedo", "normal", "parsing")
@@ -166,16 +178,32 @@ def of_person(channel: np.ndarray, surface: Surface) -> np.ndarray:
     return channel * as_image(enlarge(surface.person, channel.shape[0]))[..., None]
 
 
+def effect_channels(effects: Effects, size: int, edges: FineEdges | None = None) -> dict[str, np.ndarray]:
+    """The channels "specular" and "shadow", (size, size) float32 >= 0, in units of the normalised light.
+
+    Args:
+        edges: the finer edges of small lamps' shadows, where there are any.
+    """
+    shown = as_channels(effects)
+    specular, shadow = (as_image(enlarge(effect, size)) for effect in (shown.specular, shown.shadow))
+    if edges is not None:
+        shadow = np.maximum(shadow + resize_smooth(edges.more_shadow(), (size, size)), 0)
+    return {"specular": specular, "shadow": shadow}
+
+
 def light_channels(
-    effects: Effects, change: ViewChange, photo_view: np.ndarray, names: Collection[str] = LIGHT_CHANNELS
+    effects: Mapping[str, np.ndarray],
+    change: ViewChange,
+    photo_view: np.ndarray,
+    names: Collection[str] = LIGHT_CHANNELS,
 ) -> dict[str, np.ndarray]:
-    """What a light makes, as far as it is named: "specular", "shadow" and "composition", at the light's level."""
-    size, level = photo_view.shape[0], np.float32(change.level)
-    channels = {
-        name: as_image(enlarge(getattr(effects, name), size)) * level
-        for name in ("specular", "shadow")
-        if name in names
-    }
+    """What a light makes, as far as it is named: "specular", "shadow" and "composition", at the light's level.
+
+    Args:
+        effects: of `effect_channels`.
+    """
+    level = np.float32(change.level)
+    channels = {name: effect * level for name, effect in effects.items() if name in names}
     if "composition" in names:
         channels["composition"] = change.apply(photo_view)
     return channels
