@@ -10,6 +10,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
+from relight_core.dataset.recipe import data_mark
 from relight_core.errors import InputError
 from relight_core.imaging.files import check_regular, file_bytes, file_digest, whole_file
 from relight_core.networks.bundle import BundleConfig, NetworkBundle, load_bundle, save_bundle
@@ -22,7 +23,8 @@ from relight_core.training.state import Progress
 _NOTE = "begun.json"
 _REAL = ("minutes", "learning_rate")
 """Numbers of a stage that need not be whole."""
-_WORDS = {"networks": "kind of networks", "seed": "seed", "start": "--start"}
+_DATA = "heads and lights"
+_WORDS = {"networks": "kind of networks", "seed": "seed", "start": "--start", _DATA: "set of heads and lights"}
 
 
 @dataclass(frozen=True)
@@ -155,14 +157,14 @@ def follow(
         kept, workers, places: see `run.Run`.
 
     Raises:
-        InputError: the folder holds a run of other networks, of another seed, from other weights, a finished stage of
-            another plan, or a stage that the recipe has not.
+        InputError: the folder holds a run of other networks, of another seed, from other weights, on other heads or
+            lights, a finished stage of another plan, or a stage that the recipe has not.
         TrainingDiverged, InputError: as `loop.train_stage`.
     """
     if start is not None:
         _check_start(recipe, start)
     folder.mkdir(parents=True, exist_ok=True)
-    _keep_to_one_run(recipe, start, folder)
+    _keep_to_one_run(recipe, start, folder, data_mark(heads, lights, "train"))
     before = start
     for number, plan in enumerate(recipe.stages):
         checkpoint = _checkpoint(folder, number, plan)
@@ -185,14 +187,14 @@ def _check_start(recipe: Recipe, start: Path) -> None:
             raise InputError(f"{start}: its {name} network is another than the recipe asks for; {mend}")
 
 
-def _keep_to_one_run(recipe: Recipe, start: Path | None, folder: Path) -> None:
+def _keep_to_one_run(recipe: Recipe, start: Path | None, folder: Path, data: str) -> None:
     """Note what a folder's run is made from; its finished stages would be taken for those of any other.
 
     Stages of a plan of their own may follow in the same folder, as a recipe is lengthened; one that is put between
     others makes those after it others, which have to go on from its weights. A shortened recipe is another run.
     """
     weights = None if start is None else file_digest(start)
-    begun = {"networks": json.loads(recipe.networks.to_json()), "seed": recipe.seed, "start": weights}
+    begun = {"networks": json.loads(recipe.networks.to_json()), "seed": recipe.seed, "start": weights, _DATA: data}
     plans = _plans(recipe, folder)
     note = folder / _NOTE
     earlier = _read_note(note, begun) if note.exists() else {}
@@ -223,7 +225,7 @@ def _plans(recipe: Recipe, folder: Path) -> dict[str, dict]:
 
 def _read_note(note: Path, begun: dict) -> dict:
     try:
-        noted = json.loads(file_bytes(note))
+        noted = {_DATA: begun[_DATA], **json.loads(file_bytes(note))}  # Older notes don't tell the data.
         return {**{name: noted[name] for name in begun}, "stages": dict(noted["stages"])}
     except (ValueError, KeyError, TypeError) as error:
         raise InputError(f"{note}: can't be read ({error}); choose another folder after -o") from error

@@ -1,6 +1,7 @@
 """Training recipes: what is read from TOML, and that a run which was stopped goes on."""
 
 import itertools
+import json
 from dataclasses import replace
 
 import pytest
@@ -248,6 +249,21 @@ def test_a_folder_s_stages_are_not_taken_for_another_run_s(tmp_path, data):
     with pytest.raises(InputError, match="another plan for 01-warm-delight"):
         followed(replace(recipe, stages=(replace(recipe.stages[0], learning_rate=1e-5), *recipe.stages[1:])))
     followed(recipe)
+    assert data == []
+
+
+def test_a_finished_run_is_not_taken_for_one_on_other_heads(tmp_path, data):
+    recipe, out = replace(load_recipe(written(tmp_path, SHORT)), networks=BundleConfig.tiny()), tmp_path / "out"
+    (tmp_path / "head-0000000.npz").write_bytes(b"one")
+    follow(recipe, tmp_path, tmp_path, out, lambda *progress: None)
+    (tmp_path / "head-0000001.npz").write_bytes(b"another")
+    with pytest.raises(InputError, match="another set of heads and lights"):
+        follow(recipe, tmp_path, tmp_path, out, lambda *progress: None)
+    note = json.loads((out / "begun.json").read_text())
+    del note["heads and lights"]
+    (out / "begun.json").write_text(json.dumps(note))
+    data.clear()
+    follow(recipe, tmp_path, tmp_path, out, lambda *progress: None)
     assert data == []
 
 
