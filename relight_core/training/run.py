@@ -251,12 +251,20 @@ def _loaded(
 
 
 def _in_plain_words(batches: Iterable[dict[str, torch.Tensor]]) -> Iterator[dict[str, torch.Tensor]]:
-    """A loader's batches; what is wrong with the data is told as it was in the worker, without the way there."""
+    """A loader's batches; what is wrong is told as it was in the worker, without the way there."""
     try:
         yield from batches
     except InputError as error:
         words = str(error).strip().splitlines()[-1]
         raise InputError(words.removeprefix(f"{InputError.__module__}.{InputError.__qualname__}: ")) from error
+    except RuntimeError as error:
+        # PyTorch's own words, of a worker that could not take any or was killed as it wrote there.
+        if "shared memory" not in str(error):
+            raise
+        raise InputError(
+            "too little shared memory (/dev/shm) for the samples that the workers hand over; "
+            "make it larger (of a container with --shm-size), or give fewer --workers or --pairs"
+        ) from error
 
 
 def _collated_by_half(samples: list[dict[str, torch.Tensor]]) -> dict[str, torch.Tensor]:

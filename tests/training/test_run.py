@@ -83,6 +83,25 @@ def test_what_is_wrong_with_the_data_is_told_in_one_line(monkeypatch, workers):
     assert str(refused.value) == "head.npz: damaged; bake it again"
 
 
+@pytest.mark.parametrize(
+    "words",
+    [
+        "RuntimeError in DataLoader worker process 0.\nunable to allocate shared memory(shm) for file </torch_1>",
+        "DataLoader worker (pid 7) is killed by signal: Bus error. It is possible that dataloader's workers are out of "
+        "shared memory.",
+    ],
+)
+def test_too_little_shared_memory_is_told_in_words_to_act_on(words):
+    def batches():
+        yield {}
+        raise RuntimeError(words)
+
+    plain = run_module._in_plain_words(batches())
+    next(plain)
+    with pytest.raises(InputError, match="/dev/shm.*--workers"):
+        next(plain)
+
+
 @pytest.mark.parametrize(("asked", "threads"), [(None, "1"), ("3", "3")])
 def test_who_makes_samples_starts_with_one_thread_unless_another_number_was_asked_for(monkeypatch, asked, threads):
     monkeypatch.setattr(run_module, "SampleStream", Numbers)
