@@ -302,21 +302,15 @@ def _session_pages(photos: int, plays: dict, found: dict[str, Savings], machine:
 
 def _visited_lights(library: Path | None) -> list[Environment]:
     """The panoramas of a library or a folder, or, where none is given, the bundled rigs."""
-    from relight_core.dataset.archive import read_arrays
-    from relight_core.dataset.lighting.light_folder import read_light_folder
+    from relight_core.dataset.lighting.lights import read_lights
     from relight_core.lighting.environment import Environment
     from relight_core.lighting.rigs import load_rig, rig_names
 
     if library is None:
         return [load_rig(name) for name in rig_names()]
-    if library.is_dir():
-        data = read_light_folder(library)
-    else:
-        mend = "give an .npz with env64 and names, or a folder of .hdr and .exr panoramas"
-        data = read_arrays(library, ("env64", "names"), "a light library", mend)
+    lights, _ = read_lights(library)
     return [
-        Environment.from_radiance(radiance.astype("float32"), str(name))
-        for radiance, name in zip(data["env64"], data["names"], strict=True)
+        Environment.from_radiance(panorama, name) for panorama, name in zip(lights.panoramas, lights.names, strict=True)
     ]
 
 

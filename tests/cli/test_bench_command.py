@@ -6,6 +6,7 @@ import pytest
 import torch
 
 from app.cli import bench
+from relight_core.errors import InputError
 
 
 def refused_in_one_line(done, told):
@@ -82,3 +83,10 @@ def test_a_folder_of_panoramas_is_visited(tmp_path):
     lights = bench._visited_lights(tmp_path)
     assert [light.name for light in lights] == ["dusk", "noon"]
     assert [light.level for light in lights] == pytest.approx([0.5, 4.0], rel=1e-2)
+
+
+def test_a_library_without_places_is_refused_before_it_is_visited(tmp_path):
+    path = tmp_path / "lights.npz"
+    np.savez(path, env64=np.ones((2, 64, 128, 3), np.float16), names=["dusk", "noon"])
+    with pytest.raises(InputError, match="group"):
+        bench._visited_lights(path)

@@ -62,6 +62,13 @@ def test_a_library_with_values_that_are_no_numbers_is_refused(folder, tmp_path):
         load_lights(tmp_path / "lights.npz", "train")
 
 
+def test_a_black_panorama_is_refused_by_its_name(folder):
+    write_panorama(folder / "place 4" / "0.hdr", 0.0)
+    for split in ("train", "validation", "test"):
+        with pytest.raises(InputError, match="'place 4/0' is black"):
+            load_lights(folder, split)
+
+
 def test_a_folder_is_split_by_place_and_every_split_has_light(folder):
     names = {split: load_lights(folder, split).names for split in ("train", "validation", "test")}
     assert sorted(sum(names.values(), ())) == sorted(read_light_folder(folder)["names"].tolist())

@@ -35,10 +35,9 @@ def load_lights(path: Path, split: str) -> LightLibrary:
     has the rest.
 
     Raises:
-        InputError: missing, damaged, no light library, or too few lights for this split to have any.
+        InputError: as `read_lights`; or too few lights for this split to have any.
     """
-    data = _read(path)
-    groups = data["group"]
+    library, groups = read_lights(path)
     test, validation = _TEST_LIGHTS, _VALIDATION_LIGHTS
     if len(groups) >= 6:
         test, validation = min(test, len(groups) // 3), min(validation, len(groups) // 6)
@@ -55,10 +54,23 @@ def load_lights(path: Path, split: str) -> LightLibrary:
     chosen = {**held_out, "train": training}[split]
     if not chosen:
         raise InputError(f"{path}: too few places for the {split} split to have any; add panoramas of other places")
-    panoramas = np.clip(data["env64"][chosen].astype(np.float32), 0, None)
+    return LightLibrary(library.panoramas[chosen], tuple(library.names[index] for index in chosen))
+
+
+def read_lights(path: Path) -> tuple[LightLibrary, np.ndarray]:
+    """All panoramas of a library or of a folder, and the place (N,) of each.
+
+    Raises:
+        InputError: missing, damaged or no light library, or a panorama without light.
+    """
+    data = _read(path)
+    panoramas, names = np.clip(data["env64"].astype(np.float32), 0, None), tuple(map(str, data["names"]))
     if not np.isfinite(panoramas).all():
         raise InputError(f"{path}: a panorama has values that are no numbers, or infinite ones; make the library anew")
-    return LightLibrary(panoramas, tuple(str(data["names"][index]) for index in chosen))
+    for panorama, name in zip(panoramas, names, strict=True):
+        if not panorama.any():
+            raise InputError(f"{path}: its panorama {name!r} is black, and shows nothing; leave it out")
+    return LightLibrary(panoramas, names), data["group"]
 
 
 def _read(path: Path) -> dict[str, np.ndarray]:
