@@ -342,3 +342,15 @@ def test_a_recipe_s_result_is_not_written_over_the_weights_it_begins_with(run, d
     save_bundle(start, NetworkBundle(BundleConfig.tiny()))
     words = ["train", "--recipe", "person", "--heads", data / "heads", "--lights", data / "lights.npz"]
     refused(run(*words, "--start", start, "-o", tmp_path), "written over")
+
+
+def test_effect_shows_a_dash_for_what_no_photo_tells(run, data, tmp_path, monkeypatch):
+    figures = dataset_effect.Figures(detail=0.5, spread=0.25, light_left=np.nan)
+    found = dataset_effect.Comparison({"plain": figures}, [("photo", np.zeros((32, 32, 3), np.float32))], 1)
+    monkeypatch.setattr(dataset_effect, "taught", lambda *_, **__: None)
+    monkeypatch.setattr(dataset_effect, "compare_photos", lambda *_: found)
+    cv2.imwrite(str(tmp_path / "one.png"), np.zeros((8, 8, 3), np.uint8))
+    words = ["dataset", "effect", "--shards", data / "heads", "--bare", data / "heads", "--lights", data / "lights.npz"]
+    code, out, _ = run(*words, "--photos", tmp_path, "--size", 32, "-o", data / "s.png")
+    assert code == 0
+    assert "| plain | 0.500 | 0.250 | – | 1 |" in out
