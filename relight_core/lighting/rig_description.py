@@ -29,7 +29,6 @@ to a fill is the ratio of their intensities.
 
 from __future__ import annotations
 
-import math
 import tomllib
 from dataclasses import dataclass, fields
 from pathlib import Path
@@ -57,6 +56,10 @@ _RANGES = {
     "kelvin": (COOLEST_KELVIN, HOTTEST_KELVIN),
     "white_balance_kelvin": (COOLEST_KELVIN, HOTTEST_KELVIN),
 }
+
+_MOST_COLOUR = 1e4
+_WIDEST_HOLE = 0.9
+"""Of a disc's width, as of a soft box: of a thinner ring no texel would see any."""
 
 
 @dataclass(frozen=True)
@@ -131,9 +134,10 @@ def read_rig(path: str | Path) -> Rig:
         InputError: unreadable, not TOML, or a setting is unknown, missing or out of range.
     """
     path = Path(path)
+    content = file_bytes(path)
     try:
-        tables = tomllib.loads(file_bytes(path).decode("utf-8"))
-    except (UnicodeDecodeError, tomllib.TOMLDecodeError, RecursionError) as error:
+        tables = tomllib.loads(content.decode("utf-8"))
+    except (ValueError, RecursionError) as error:
         raise InputError(f"{path}: not a readable light rig ({error})") from error
     try:
         return parse_rig(tables)
@@ -171,8 +175,8 @@ def _parse_area_light(table: Any, index: int, white: float) -> AreaLight:
     if form == "disc" and "height_deg" in table:
         raise InputError(f"{where}: a disc has a width_deg and no height_deg")
     hole = _number(table, "hole_deg", where, 0.0)
-    if hole and (form != "disc" or hole >= width):
-        raise InputError(f"{where}: hole_deg belongs to a disc and is smaller than its width_deg")
+    if hole and (form != "disc" or hole > _WIDEST_HOLE * width):
+        raise InputError(f"{where}: hole_deg belongs to a disc and is at most {_WIDEST_HOLE} of its width_deg")
     return AreaLight(
         azimuth_deg=_number(table, "azimuth_deg", where),
         elevation_deg=_number(table, "elevation_deg", where),
@@ -247,8 +251,8 @@ def _flag(table: dict[str, Any], key: str, where: str) -> bool:
 def _colour(table: dict[str, Any], key: str, where: str) -> Colour:
     value = table.get(key)
     numbers = isinstance(value, list) and len(value) == 3
-    if not numbers or not all(type(v) in (int, float) and math.isfinite(v) and v >= 0 for v in value):
-        raise InputError(f"{where}: {key} must be three linear values of at least 0, not {value!r}")
+    if not numbers or not all(type(v) in (int, float) and 0 <= v <= _MOST_COLOUR for v in value):
+        raise InputError(f"{where}: {key} must be three linear values from 0 to {_MOST_COLOUR:g}, not {value!r}")
     red, green, blue = (float(v) for v in value)
     return red, green, blue
 

@@ -305,12 +305,15 @@ def test_a_good_description_parses():
         ("intensity = 1\n", "intensity = 1\nname = 3\n", "name must be text"),
         ("kelvin = 5600\nintensity = 1\n", "colour = [1, 1]\nintensity = 1\n", "three linear values"),
         ("kelvin = 5600\nintensity = 1\n", "colour = [1, -1, 0]\nintensity = 1\n", "three linear values"),
+        ("kelvin = 5600\nintensity = 1\n", f"colour = [1, 1, {10**400}]\nintensity = 1\n", "three linear values"),
+        ("height_deg = 30\n", "form = 'disc'\nhole_deg = 29.99\n", "at most 0.9 of its width_deg"),
         ("kelvin = 5600\nintensity = 1\n", "kelvin = 900\nintensity = 1\n", "number from 1667"),
         ("[[area_light]]", "[area_light]", "two brackets"),
         ("[room]", "[rooms]", "unknown setting rooms"),
         ("[room]\nkelvin = 5600\nintensity = 0.1\n", "", "either \\[room\\] or \\[sky\\]"),
         ("[room]\n", "room = 3\n[x]\n", "unknown setting x"),
         ("kelvin = 5600", "kelvin = ", "not a readable light rig"),
+        ("kelvin = 5600", "kelvin = 1" + 5000 * "0", "not a readable light rig"),
     ],
 )
 def test_wrong_descriptions_name_the_file_and_the_setting(tmp_path, old, new, words):
