@@ -125,6 +125,14 @@ def test_parametric_curves(kind, numbers, expected_at_half):
     assert at_half == pytest.approx(expected_at_half, abs=2e-3)
 
 
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize(("kind", "numbers"), [(0, (-2.0,)), (1, (2.2, 0.0, 0.5)), (3, (9e3, 9e3, 9e3, 9e3, 1.0))])
+def test_damaged_numbers_in_a_profile_are_read_without_warnings(kind, numbers):
+    curve = b"para\0\0\0\0" + struct.pack(">HH", kind, 0) + b"".join(fixed(number) for number in numbers)
+    assert np.isfinite(matrix_profile(rgb_profile(curve), 3).curves).all()
+    assert matrix_profile(rgb_profile(gamma(2.2), columns=3 * [(0.0, 0.0, 0.0)]), 3) is None
+
+
 def test_a_broken_or_foreign_profile_counts_as_none(tmp_path):
     pixels = np.full((4, 4, 3), 128, np.uint8)
     grey = profile_bytes(b"GRAY", {b"kTRC": gamma(1.0)})

@@ -103,23 +103,29 @@ def matrix_profile(icc: bytes, channels: int) -> MatrixProfile | None:
         channels: colour channels of the image, 1 or 3.
     """
     try:
-        space = icc[16:20]
-        if icc[36:40] != b"acsp" or space != {1: b"GRAY", 3: b"RGB "}[channels]:
-            return None
-        tags = _tags(icc)
-        if channels == 1:
-            return MatrixProfile(_curve_samples(tags[b"kTRC"])[None], None)
-        if b"A2B0" in tags and b"rXYZ" not in tags:
-            return None
-        columns = [_xyz(tags[name]) for name in (b"rXYZ", b"gXYZ", b"bXYZ")]
-        matrix = np.linalg.solve(_REC709_TO_XYZ_D50, np.stack(columns, axis=1))
-        matrix /= matrix.sum(axis=1, keepdims=True)
-        if not np.isfinite(matrix).all() or np.linalg.cond(matrix) > _FLATTEST:
-            return None
-        curves = np.stack([_curve_samples(tags[name]) for name in (b"rTRC", b"gTRC", b"bTRC")])
-        return MatrixProfile(curves, matrix)
+        # Damaged numbers may divide by zero; whoever reads a photo need not hear of it.
+        with np.errstate(all="ignore"):
+            return _profile_of_numbers(icc, channels)
     except (KeyError, struct.error, ValueError, IndexError, np.linalg.LinAlgError):
         return None
+
+
+def _profile_of_numbers(icc: bytes, channels: int) -> MatrixProfile | None:
+    space = icc[16:20]
+    if icc[36:40] != b"acsp" or space != {1: b"GRAY", 3: b"RGB "}[channels]:
+        return None
+    tags = _tags(icc)
+    if channels == 1:
+        return MatrixProfile(_curve_samples(tags[b"kTRC"])[None], None)
+    if b"A2B0" in tags and b"rXYZ" not in tags:
+        return None
+    columns = [_xyz(tags[name]) for name in (b"rXYZ", b"gXYZ", b"bXYZ")]
+    matrix = np.linalg.solve(_REC709_TO_XYZ_D50, np.stack(columns, axis=1))
+    matrix /= matrix.sum(axis=1, keepdims=True)
+    if not np.isfinite(matrix).all() or np.linalg.cond(matrix) > _FLATTEST:
+        return None
+    curves = np.stack([_curve_samples(tags[name]) for name in (b"rTRC", b"gTRC", b"bTRC")])
+    return MatrixProfile(curves, matrix)
 
 
 def stated_transfer(icc: bytes) -> int | None:
