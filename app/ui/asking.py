@@ -48,6 +48,7 @@ class FileRequest:
         text: what is typed in our own dialog.
         chosen: the text of the file that was clicked there last.
         chosen_among: what was typed when its list was made.
+        row: of the list there, where the arrow keys have gone; 0 is the folder above, -1 the line that is typed in.
     """
 
     kind: str
@@ -58,6 +59,7 @@ class FileRequest:
     text: str = field(default="")
     chosen: str = ""
     chosen_among: str = ""
+    row: int = -1
 
     def __post_init__(self) -> None:
         if self.kind not in _DIALOGS:

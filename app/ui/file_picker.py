@@ -34,8 +34,15 @@ def draw(state: EditorState, fonts: theme.Fonts) -> None:
     imgui.push_style_var(imgui.StyleVar_.window_border_size, 1.0)
     imgui.begin("file", None, _FLAGS)
     widgets.heading(fonts, request.title)
+    before = request.text
     entered = _line(request)
-    entered |= _rows(request)
+    if _folder_above_is_wished():
+        request.text = _above(request)
+        # The line would go on with what was typed in it.
+        imgui.internal.clear_active_id()
+    entered = _rows(request, entered)
+    if request.text != before:
+        request.row = -1
     _buttons(state, request, entered)
     imgui.end()
     imgui.pop_style_var()
@@ -59,30 +66,58 @@ def _type_on(data: imgui.InputTextCallbackData) -> int:
     return 0
 
 
-def _rows(request: FileRequest) -> bool:
-    """What there is to click; True where a file was double-clicked, which takes it at once."""
-    taken = False
-    imgui.begin_child("rows", imgui.ImVec2(0.0, -imgui.get_frame_height_with_spacing()))
+def _folder_above_is_wished() -> bool:
+    return imgui.get_io().key_alt and imgui.is_key_pressed(imgui.Key.up_arrow)
+
+
+def _above(request: FileRequest) -> str:
     folder = Path(os.path.expanduser(request.text))
-    above = folder.parent if request.text.endswith(os.sep) else folder.parent.parent
+    return os.path.join(folder.parent if request.text.endswith(os.sep) else folder.parent.parent, "")
+
+
+def _rows(request: FileRequest, entered: bool) -> bool:
+    """What there is to click, or to go to with the arrow keys and Enter.
+
+    Args:
+        entered: Enter was pressed.
+
+    Returns:
+        Whether what the line holds now is to be taken: it was entered, or a file in the list, or double-clicked there.
+    """
     listed = _listed(request)
-    if imgui.selectable("..   the folder above", False)[0]:
-        request.text = os.path.join(above, "")
     folders, files = candidates(listed, request.suffixes)
-    for number, path in enumerate((folders + files)[:_MOST]):
-        is_folder = number < len(folders)
-        is_chosen = not is_folder and str(path) == str(folder)
+    shown = (folders + files)[:_MOST]
+    moved = _move(request, 1 + (min(len(folders), _MOST) if request.kind == "folder" else len(shown)))
+    imgui.begin_child("rows", imgui.ImVec2(0.0, -imgui.get_frame_height_with_spacing()))
+    above = _above(request)
+    is_at = request.row == 0
+    if _row(0, "..   the folder above   (Alt + Up)", is_at, moved and is_at) or (entered and is_at):
+        request.text, entered = above, False
+    typed = Path(os.path.expanduser(request.text))
+    for number, path in enumerate(shown, 1):
+        is_folder, is_at = number <= len(folders), number == request.row
+        is_chosen = not is_folder and str(path) == str(typed)
         # Where a folder is wanted, files only show which folder this is.
         imgui.begin_disabled(request.kind == "folder" and not is_folder)
-        if _row(number, f"{path.name}{os.sep if is_folder else ''}", is_chosen):
-            taken = is_chosen and imgui.is_mouse_double_clicked(0)
-            _choose(request, path, is_folder, listed)
+        clicked = _row(number, f"{path.name}{os.sep if is_folder else ''}", is_chosen or is_at, moved and is_at)
         imgui.end_disabled()
+        if clicked or (entered and is_at):
+            entered = not is_folder and (not clicked or (is_chosen and imgui.is_mouse_double_clicked(0)))
+            _choose(request, path, is_folder, listed)
     more = len(folders) + len(files) - _MOST
     if more > 0:
         imgui.text_disabled(f"{more} more; type how a name begins to find them")
     imgui.end_child()
-    return taken
+    return entered
+
+
+def _move(request: FileRequest, count: int) -> bool:
+    """Go up and down between the rows, so many of which can be chosen; whether that was done now."""
+    by = imgui.is_key_pressed(imgui.Key.down_arrow) - imgui.is_key_pressed(imgui.Key.up_arrow)
+    if not by or imgui.get_io().key_alt:
+        return False
+    request.row = min(max(request.row + by, -1), count - 1)
+    return True
 
 
 def _listed(request: FileRequest) -> str:
@@ -93,10 +128,12 @@ def _listed(request: FileRequest) -> str:
     return os.path.join(os.path.dirname(path), "") if os.path.isfile(path) else request.text
 
 
-def _row(number: int, label: str, is_chosen: bool) -> bool:
+def _row(number: int, label: str, is_lit: bool, comes_into_sight: bool) -> bool:
     """One row; the label is drawn by itself, as in the name of a control ## would end it."""
     at = imgui.get_cursor_pos()
-    clicked, _ = imgui.selectable(f"##{number}", is_chosen, imgui.SelectableFlags_.allow_double_click)
+    clicked, _ = imgui.selectable(f"##{number}", is_lit, imgui.SelectableFlags_.allow_double_click)
+    if comes_into_sight:
+        imgui.set_scroll_here_y()
     imgui.set_cursor_pos(at)
     imgui.text_unformatted(legible(label))
     return clicked

@@ -88,6 +88,50 @@ def test_a_name_typed_narrows_the_list_in_which_a_double_click_takes_a_file(open
     assert chosen == [folder / "b2.png"]
 
 
+def test_the_arrow_keys_and_enter_go_through_folders_to_a_file(opened, folder):
+    (folder / "inside").mkdir()
+    for name in ("a.png", "b.png"):
+        (folder / "inside" / name).touch()
+    chosen = ask(opened, f"{folder}{os.sep}")
+    picking = opened.window.state.picking
+    for _ in range(2):
+        opened.key(glfw.KEY_DOWN)
+    opened.key(glfw.KEY_ENTER)
+    assert picking.text == f"{folder / 'inside'}{os.sep}"
+    opened.key(glfw.KEY_DOWN)
+    opened.key(glfw.KEY_ENTER)
+    assert picking.text == f"{folder}{os.sep}"
+    opened.type("i")
+    for _ in range(2):
+        opened.key(glfw.KEY_DOWN)
+    opened.key(glfw.KEY_ENTER)
+    for _ in range(9):
+        opened.key(glfw.KEY_DOWN)
+    opened.key(glfw.KEY_UP)
+    opened.key(glfw.KEY_ENTER)
+    assert (chosen, opened.window.state.picking) == ([folder / "inside" / "a.png"], None)
+
+
+def test_the_folder_above_is_a_key_away_while_a_path_is_typed(opened, folder):
+    ask(opened, f"{folder}{os.sep}")
+    opened.type("b")
+    opened.hold(glfw.KEY_UP, glfw.MOD_ALT)
+    opened.release(glfw.KEY_UP)
+    opened.frames(2)
+    assert opened.window.state.picking.text == f"{folder.parent}{os.sep}"
+    opened.type("s")
+    assert opened.window.state.picking.text == f"{folder.parent}{os.sep}s"
+
+
+def test_where_a_folder_is_wanted_the_arrow_keys_pass_files_by(opened, folder):
+    (folder / "a.png").touch()
+    ask(opened, f"{folder}{os.sep}")
+    opened.window.state.picking.kind = "folder"
+    for _ in range(3):
+        opened.key(glfw.KEY_DOWN)
+    assert opened.window.state.picking.row == 0
+
+
 def test_files_beyond_those_listed_are_counted(opened, folder, greyed, monkeypatch):
     monkeypatch.setattr(file_picker, "_MOST", 2)
     for number in range(5):
