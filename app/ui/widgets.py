@@ -92,7 +92,7 @@ def _title_row(state: EditorState, spec: Slider, value: float) -> float:
     imgui.set_item_tooltip(spec.help)
     imgui.set_cursor_screen_pos(imgui.ImVec2(left.x + width - text_width, left.y))
     if imgui.invisible_button("number", imgui.ImVec2(text_width, imgui.get_text_line_height())):
-        begin_typing(state, spec)
+        begin_typing(state, spec.label)
     hovered = imgui.is_item_hovered()
     if hovered:
         imgui.set_mouse_cursor(imgui.MouseCursor_.text_input)
@@ -104,9 +104,20 @@ def _title_row(state: EditorState, spec: Slider, value: float) -> float:
     return value
 
 
-def begin_typing(state: EditorState, spec: Slider) -> None:
-    """Let the number of a slider be typed in from the next frame on, if it is drawn in that."""
-    state.typing, state.typing_began, state.typing_seen = spec.label, True, True
+def begin_typing(state: EditorState, label: str) -> None:
+    """Let the number of a slider, or a line of `keyboard_for`, be typed in from the next frame on, if it is drawn."""
+    state.typing, state.typing_began, state.typing_seen = label, True, True
+
+
+@contextmanager
+def keyboard_for(state: EditorState, label: str) -> Iterator[None]:
+    """Around a line that can always be typed in: it gets the keyboard once that is asked for by this label."""
+    if state.typing == label:
+        state.typing_seen = True
+        imgui.set_keyboard_focus_here()
+    yield
+    if state.typing == label and imgui.is_item_active():
+        state.typing = None
 
 
 def forget_lost_typing(state: EditorState) -> None:
@@ -149,7 +160,7 @@ def _track(state: EditorState, spec: Slider, value: float) -> float:
     hovered, active = imgui.is_item_hovered(), imgui.is_item_active()
     imgui.set_item_tooltip(f"{spec.help}\nDouble-click to reset, Ctrl-click to type a number.")
     if imgui.is_item_activated() and imgui.get_io().key_ctrl:
-        begin_typing(state, spec)
+        begin_typing(state, spec.label)
         imgui.internal.clear_active_id()
     elif hovered and imgui.is_mouse_double_clicked(0):
         imgui.internal.clear_active_id()

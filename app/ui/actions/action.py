@@ -2,7 +2,7 @@
 
 Every action stands once, in the table of app/ui/actions/action_table.py. The keys, the overlay that `?` opens and the
 command palette all read that table; the palette lists beside it what has no key (light_actions.py,
-setting_actions.py, answer_actions.py). To add actions:
+setting_actions.py, export_actions.py, answer_actions.py). To add actions:
 
 1. In a module of your own, make a tuple of `Action`. `run` gets the `EditorState` and changes only it; what
    needs the window or a file sets a wish in the state, which the window carries out after the frame.
@@ -118,6 +118,11 @@ def parse_chord(text: str) -> Chord:
     if not key or any(name not in MODIFIERS for name in held):
         raise ValueError(f"no chord: {text!r}")
     return Chord(key, *(name in held for name in MODIFIERS))
+
+
+def sentence(words: str) -> str:
+    """A tooltip as the palette tells it: in one line, without the full stop."""
+    return " ".join(words.split()).rstrip(".")
 
 
 def matching(actions: Sequence[Action], typed: str) -> list[Action]:

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from app.ui import face_edits, widgets
-from app.ui.actions.action import Action, has_photo, has_picture
-from app.ui.export_name import choose_form
-from app.ui.panels import effects_panel, export_panel, light_panel, quality_panel
+from app.ui import face_edits, light_edits, widgets
+from app.ui.actions.action import Action, has_photo, sentence
+from app.ui.actions.export_actions import export_actions
+from app.ui.panels import effects_panel, light_controls, light_panel, quality_panel
 from app.ui.state import EditorState
+from relight_core.lighting.soft_box import box_title
 
+_LIGHT = "Light and effects"
 _EFFECTS = (
     effects_panel.SHADOW,
     effects_panel.SOFTNESS,
@@ -23,38 +25,79 @@ def setting_actions(state: EditorState) -> tuple[Action, ...]:
     """One for each slider, to type its number, and one for each choice, in the order of the panels."""
     return (
         _type(light_panel.ROTATION, "light"),
-        *(_type(slider, "effects") for slider in _EFFECTS),
+        *_lamps(state),
+        *(
+            _type(slider, "light", "adjust", f"Set the light's {slider.label.lower()}")
+            for slider in light_controls.sliders_of_light(state).values()
+        ),
+        *(_type(slider, "effects", "effects") for slider in _EFFECTS),
         *(_background(*choice) for choice in effects_panel.BACKGROUNDS),
         *_faces(state),
         *(_quality(*choice) for choice in quality_panel.TIERS),
-        *(_form(*choice) for choice in export_panel.FORMS),
-        Action(
-            "Export a turntable as PNGs",
-            "File",
-            (),
-            "The light turning once around, as numbered files in a new folder",
-            lambda state: state.asking.wish("turntable_pictures"),
-            available=has_picture,
-        ),
+        *export_actions(state),
     )
 
 
-def _type(slider: widgets.Slider, panel: str) -> Action:
+def _type(slider: widgets.Slider, panel: str, group: str | None = None, name: str = "") -> Action:
+    """Opens the panel, and the group in it, in which the slider is, and lets its number be typed."""
+
     def run(state: EditorState) -> None:
         state.panels = replace(state.panels, **{panel: True})
-        if panel == "effects":
-            state.groups = replace(state.groups, effects=True)
-        widgets.begin_typing(state, slider)
+        if group is not None:
+            state.groups = replace(state.groups, **{group: True})
+        widgets.begin_typing(state, slider.label)
 
-    return Action(f"Set {slider.label.lower()}", "Light and effects", (), _sentence(slider.help), run)
+    return Action(name or f"Set {slider.label.lower()}", _LIGHT, (), sentence(slider.help), run)
+
+
+def _lamps(state: EditorState) -> tuple[Action, ...]:
+    """Which soft box is chosen, and what can be set about that one."""
+    boxes = state.light_edit.boxes
+    choices = tuple(_choose_box(index, box_title(boxes, index)) for index in range(len(boxes)))
+    if not light_edits.has_box(state):
+        return choices
+    sliders = [*light_controls.BOX.values()]
+    if boxes[state.selected_box].is_round:
+        sliders.append(light_controls.HOLE)
+    typed = (_type(slider, "light", name=f"Set the soft box's {slider.label.lower()}") for slider in sliders)
+    return (*choices, *typed, *(_shape(*choice) for choice in light_controls.SHAPES))
+
+
+def _choose_box(index: int, title: str) -> Action:
+    def run(state: EditorState) -> None:
+        state.selected_box = index
+
+    return Action(
+        f"Choose the lamp: {title}",
+        _LIGHT,
+        (),
+        "The soft box that keys and sliders are about from now on",
+        run,
+        is_on=lambda state: state.selected_box == index,
+    )
+
+
+def _shape(form: str, label: str, words: str) -> Action:
+    def run(state: EditorState) -> None:
+        index = state.selected_box
+        light_edits.put_box(state, index, light_controls.of_form(state.light_edit.boxes[index], form))
+
+    return Action(
+        f"Shape of the soft box: {label}",
+        _LIGHT,
+        (),
+        sentence(words),
+        run,
+        is_on=lambda state: state.light_edit.boxes[state.selected_box].form == form,
+    )
 
 
 def _background(value: str, label: str, words: str) -> Action:
     return Action(
         f"Background: {label}",
-        "Light and effects",
+        _LIGHT,
         (),
-        _sentence(words),
+        sentence(words),
         lambda state: state.change(background=value),
         is_on=lambda state: state.edit.background == value,
     )
@@ -85,22 +128,5 @@ def _quality(wish: str, label: str, words: str) -> Action:
         state.quality = replace(state.quality, wish=wish)
 
     return Action(
-        f"Quality: {label}", "Quality", (), _sentence(words), run, is_on=lambda state: state.quality.wish == wish
+        f"Quality: {label}", "Quality", (), sentence(words), run, is_on=lambda state: state.quality.wish == wish
     )
-
-
-def _form(form: str, label: str, words: str) -> Action:
-    return Action(
-        f"Export kind: {label}",
-        "File",
-        (),
-        _sentence(words),
-        lambda state: choose_form(state, form),
-        available=has_picture,
-        is_on=lambda state: state.export.form == form,
-    )
-
-
-def _sentence(words: str) -> str:
-    """A tooltip as the palette tells it: in one line, without the full stop."""
-    return " ".join(words.split()).rstrip(".")

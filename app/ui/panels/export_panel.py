@@ -20,14 +20,15 @@ FORMS = (
     (".tif", "TIFF", "Lossless, for print and other editors."),
     (".exr", "EXR", "Linear radiance and the channels as layers, for compositing."),
 )
-_DEPTHS = {
-    ".exr": (("", "Half", "16-bit floats: enough for light."), ("deep", "Float", "32-bit floats.")),
-    "": (("", "8 bit", "For screens."), ("deep", "16 bit", "For further editing.")),
-}
+QUALITY, NAME = "Export quality", "Export name"
+"""What can be typed in here, as of `widgets.begin_typing`."""
+
+_INTEGERS = (("", "8 bit", "For screens."), ("deep", "16 bit", "For further editing."))
+_FLOATS = (("", "Half", "16-bit floats: enough for light."), ("deep", "Float", "32-bit floats."))
 _QUALITIES = (50, 100)
 _SPACING, _LAYERS_SHARE = 4.0, 0.44
 _USUAL_QUALITY = ExportSettings().quality
-_LAYER_WORDS = {
+LAYER_WORDS = {
     "albedo": "Colour without light",
     "normal": "Which way each spot faces",
     "specular": "Shine",
@@ -58,19 +59,37 @@ def _depth_and_size(state: EditorState) -> None:
     export = state.export
     half = (imgui.get_content_region_avail().x - _SPACING) / 2
     if export.form == ".jpg":
-        state.export = replace(export, quality=_quality(export.quality, half))
+        with widgets.keyboard_for(state, QUALITY):
+            state.export = replace(export, quality=_quality(export.quality, half))
     else:
-        chosen = widgets.segmented(_DEPTHS.get(export.form, _DEPTHS[""]), "deep" if export.deep else "", half)
+        chosen = widgets.segmented(depths(export.form), "deep" if export.deep else "", half)
         state.export = replace(export, deep=chosen == "deep")
     imgui.same_line(0.0, _SPACING)
     _size(state)
+
+
+def depths(form: str) -> tuple[tuple[str, str, str], ...]:
+    """The choices of how finely a kind of file holds a number: value, label and tooltip each."""
+    return {".jpg": (), ".exr": _FLOATS}.get(form, _INTEGERS)
+
+
+def size_words(side: int | None) -> str:
+    """One of SIDES, in words."""
+    return f"{side} px" if side else "Full size"
+
+
+def with_layer(export: ExportSettings, name: str, is_on: bool) -> ExportSettings:
+    """The settings with one layer of an EXR put in or left out."""
+    layers = tuple(entry for entry in LAYERS if (is_on if entry == name else entry in export.layers))
+    return replace(export, layers=layers)
 
 
 def _place_and_layers(state: EditorState) -> None:
     """The file's name; for an EXR its layers beside it, so that the buttons below stay where they are."""
     room = imgui.get_content_region_avail().x
     imgui.set_next_item_width(room if state.export.form != ".exr" else (1.0 - _LAYERS_SHARE) * room - _SPACING)
-    _, state.export_path = widgets.path_input(state.export_path, imgui.InputTextFlags_.elide_left)
+    with widgets.keyboard_for(state, NAME):
+        _, state.export_path = widgets.path_input(state.export_path, imgui.InputTextFlags_.elide_left)
     if state.export_path:
         imgui.set_item_tooltip(
             f"{legible(str(export_place(state)))}\nA number is added to the name if there is such a file."
@@ -105,15 +124,14 @@ def _layers(state: EditorState) -> None:
         return
     for name in LAYERS:
         changed, on = imgui.checkbox(name.capitalize(), name in state.export.layers)
-        imgui.set_item_tooltip(_LAYER_WORDS[name])
+        imgui.set_item_tooltip(LAYER_WORDS[name])
         if changed:
-            layers = tuple(entry for entry in LAYERS if (on if entry == name else entry in state.export.layers))
-            state.export = replace(state.export, layers=layers)
+            state.export = with_layer(state.export, name, on)
     imgui.end_combo()
 
 
 def _size(state: EditorState) -> None:
-    sizes = [f"{side} px" if side else "Full size" for side in SIDES]
+    sizes = [size_words(side) for side in SIDES]
     imgui.set_next_item_width(-1.0)
     changed, index = imgui.combo("##size", SIDES.index(state.export.longest_side), sizes)
     words = "As large as the photo, or so many pixels along the longer side. A turntable has 1080 at full size."

@@ -14,14 +14,14 @@ from app.ui.state import EditorState
 from relight_core.lighting.soft_box import SoftBox, box_title
 from relight_core.lighting.summary import metered_level_ev
 
-_BOX = {
+BOX = {
     "intensity": widgets.Slider(
         "Brightness", 0.0, 4.0, 1.0, "%.2f ×", "How strong this lamp is; 1 is as strong as the light's brightest side."
     ),
     "softness": widgets.Slider("Soft edge", 0.0, 1.0, 0.4, "%.2f", "0 has a crisp edge, 1 fades from the middle out."),
     "kelvin": widgets.Slider("Colour", 2000.0, 12000.0, 5600.0, "%.0f K", "From candle to blue sky; 5600 is daylight."),
 }
-_LIGHT = {
+LIGHT = {
     "level_ev": widgets.Slider("Level", -4.0, 4.0, 0.0, "%+.2f EV", "Brightens or dims the whole light, in stops."),
     "base": widgets.Slider(
         "Room", 0.0, 2.0, 1.0, "%.2f", "How much of the light stays besides your soft boxes; 0 leaves only them."
@@ -33,11 +33,11 @@ _LIGHT = {
         "Blur", 0.0, 60.0, 0.0, "%.0f°", "Spreads the light as a diffuser does: softer shadows, wider highlights."
     ),
 }
-_SHAPES = (
+SHAPES = (
     ("rectangle", "Square", "A soft box, a window, a strip."),
     ("disc", "Round", "A beauty dish, an umbrella, a bulb, a ring light."),
 )
-_HOLE = widgets.Slider("Hole", 0.0, 0.9, 0.0, "%.2f", "How much of it is dark in the middle, as of a ring light.")
+HOLE = widgets.Slider("Hole", 0.0, 0.9, 0.0, "%.2f", "How much of it is dark in the middle, as of a ring light.")
 _SPACING = 4.0
 _ADD, _LAMPS, _REMOVE = "+  Soft box", "Its lamps", "Remove all"
 _AS_PHOTO = "The level at which the lit part of the face is as bright as in the photo.  Shift + A"
@@ -133,7 +133,7 @@ def box(state: EditorState, fonts: theme.Fonts) -> None:
         light_edits.delete_box(state)
         return
     imgui.set_item_tooltip("Take this lamp away.  Delete")
-    changed = {field: widgets.slider(state, spec, getattr(boxes[index], field)) for field, spec in _BOX.items()}
+    changed = {field: widgets.slider(state, spec, getattr(boxes[index], field)) for field, spec in BOX.items()}
     if changed["kelvin"] != boxes[index].kelvin:
         changed["colour"] = None
     new = _shaped(state, replace(boxes[index], **changed))
@@ -143,12 +143,17 @@ def box(state: EditorState, fonts: theme.Fonts) -> None:
 
 
 def _shaped(state: EditorState, lamp: SoftBox) -> SoftBox:
-    """Square, round, or a ring; of the same area and irradiance whichever."""
-    form = widgets.segmented(_SHAPES, lamp.form)
-    if form != lamp.form:
-        side = math.sqrt(lamp.width_deg * lamp.height_deg)
-        lamp = replace(lamp, form=form, width_deg=side, height_deg=side)
-    return replace(lamp, hole=widgets.slider(state, _HOLE, lamp.hole)) if lamp.is_round else lamp
+    """Square, round, or a ring."""
+    lamp = of_form(lamp, widgets.segmented(SHAPES, lamp.form))
+    return replace(lamp, hole=widgets.slider(state, HOLE, lamp.hole)) if lamp.is_round else lamp
+
+
+def of_form(lamp: SoftBox, form: str) -> SoftBox:
+    """A lamp as one of SHAPES; of the same area and irradiance whichever."""
+    if form == lamp.form:
+        return lamp
+    side = math.sqrt(lamp.width_deg * lamp.height_deg)
+    return replace(lamp, form=form, width_deg=side, height_deg=side)
 
 
 def light(state: EditorState, fonts: theme.Fonts) -> None:
@@ -163,17 +168,23 @@ def light(state: EditorState, fonts: theme.Fonts) -> None:
     if not opened:
         return
     _level_tools(state)
-    fields = [field for field in _LIGHT if field != "base" or state.light_edit.boxes or state.light_edit.base != 1.0]
-    changed = {field: widgets.slider(state, _LIGHT[field], getattr(state.light_edit, field)) for field in fields}
+    sliders = sliders_of_light(state).items()
+    changed = {field: widgets.slider(state, spec, getattr(state.light_edit, field)) for field, spec in sliders}
     new = replace(state.light_edit, **changed)
     if new != state.light_edit:
         state.light_edit = new
     widgets.gap(0.2)
 
 
+def sliders_of_light(state: EditorState) -> dict[str, widgets.Slider]:
+    """Those of the whole light, by the field each sets; *Room* only where there is something beside it."""
+    has_room = bool(state.light_edit.boxes) or state.light_edit.base != 1.0
+    return {field: spec for field, spec in LIGHT.items() if field != "base" or has_room}
+
+
 def _level_tools(state: EditorState) -> None:
     """What sets the level by itself: the face in the photo, and for a panorama a meter."""
-    level = _LIGHT["level_ev"].label
+    level = LIGHT["level_ev"].label
     if state.typing == level:
         return
     as_photo = Tool("As photo", _AS_PHOTO, enabled=state.snapshot.picture is not None)

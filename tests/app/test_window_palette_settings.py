@@ -1,0 +1,80 @@
+"""The panels' settings in the real window, set by their names with the keyboard alone."""
+
+from dataclasses import replace
+
+import glfw
+import pytest
+
+from app.engine.jobs import JobStatus
+from app.ui.layout import Panels
+from app.ui.panels.panorama import add_box
+
+
+def run(hand, typed, number=None):
+    """Enter what is typed into the palette, and then a number or a name into the line that it leads to."""
+    hand.key(glfw.KEY_P, ctrl=True)
+    hand.type(typed)
+    hand.key(glfw.KEY_ENTER)
+    assert not hand.window.state.look.palette
+    if number is not None:
+        hand.frames(4)
+        hand.type(number)
+        hand.key(glfw.KEY_ENTER)
+
+
+@pytest.mark.parametrize(
+    ("typed", "field"), [("level", "level_ev"), ("saturation", "saturation"), ("blur", "blur_deg")]
+)
+def test_a_slider_of_the_folded_light_is_set(opened, typed, field):
+    state = opened.window.state
+    state.panels = Panels(light=False)
+    run(opened, f"light's {typed}", "1.5")
+    assert (getattr(state.light_edit, field), state.typing) == (1.5, None)
+
+
+def test_a_soft_box_is_chosen_and_changed(opened):
+    state = opened.window.state
+    add_box(state, 20.0, 30.0)
+    add_box(state, -40.0, 10.0)
+    opened.settle()
+    run(opened, "lamp soft box 1")
+    assert state.selected_box == 0
+    untouched = state.light_edit.boxes[1]
+    run(opened, "box's brightness", "2.5")
+    run(opened, "shape box round")
+    run(opened, "box's hole", "0.5")
+    first, second = state.light_edit.boxes
+    assert (first.intensity, first.form, first.hole) == (2.5, "disc", 0.5)
+    assert second == untouched
+
+
+def test_how_a_file_is_made_is_set(opened):
+    state = opened.window.state
+    run(opened, "size 2048")
+    run(opened, "16 bit")
+    run(opened, "name the export", "mine")
+    assert (state.export.longest_side, state.export.deep, state.export_path) == (2048, True, "mine")
+    run(opened, "kind jpeg")
+    run(opened, "jpeg's quality", "75")
+    assert (state.export.quality, state.typing) == (75, None)
+    run(opened, "kind exr")
+    run(opened, "layer matte")
+    assert (state.export.form, "matte" in state.export.layers, len(state.export.layers)) == (".exr", False, 7)
+
+
+def test_long_work_is_cancelled(opened, monkeypatch):
+    window, cancelled = opened.window, []
+    monkeypatch.setattr(window.exporter, "status", lambda: JobStatus("Turntable", 3, 120))
+    monkeypatch.setattr(window.exporter, "cancel", lambda: cancelled.append(True))
+    opened.frames(2)
+    opened.hold(glfw.KEY_P, glfw.MOD_CONTROL)
+    opened.release(glfw.KEY_P)
+    opened.type("cancel")
+    opened.hold(glfw.KEY_ENTER)
+    assert cancelled == [True]
+    monkeypatch.setattr(window.exporter, "status", lambda: replace(JobStatus("Turntable"), cancelling=True))
+    opened.release(glfw.KEY_ENTER)
+    opened.hold(glfw.KEY_P, glfw.MOD_CONTROL)
+    opened.type("cancel turn")
+    opened.hold(glfw.KEY_ENTER)
+    assert cancelled == [True]
