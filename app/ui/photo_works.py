@@ -45,6 +45,14 @@ def work_left(state: EditorState, path: Path) -> Document | None:
     return left and replace(left, photo=portrait_of(state, path))
 
 
+def is_worked_on(state: EditorState, path: Path) -> bool:
+    """Whether a photo has work of its own in this run: it was more than looked at under the settings of another."""
+    work, is_wanted = state.works.get(path.absolute()), _is_wanted(state, path)
+    if is_wanted and state.is_at_work():
+        return is_waiting(state) or state.session_path is not None or state.is_unsaved()
+    return (is_wanted and _is_put_back(state)) or (work is not None and work.is_work)
+
+
 def note_left(state: EditorState) -> None:
     """Remember the open photo and the work on it as they are; before anything else is wished for."""
     if state.is_at_work():

@@ -90,6 +90,7 @@ class EditorState:
         work_on: the photo that is open, by the same.
         left: the open photo as it was wished for when another one was asked for.
         light_wish: another light that was asked for, until it is there.
+        started_afresh: the photos whose saved session was put aside in this run, by their absolute paths.
         waiting: work of the open photo's own, where it came back under the light and the sliders of another.
     """
 
@@ -145,6 +146,7 @@ class EditorState:
     work_on: Path | None = None
     left: PhotoSource | None = None
     light_wish: LightWish | None = None
+    started_afresh: set[Path] = field(default_factory=set)
     waiting: KeptWork | None = None
     _found: dict[Path, tuple[FaceBox, ...]] = field(default_factory=dict)
 

@@ -9,9 +9,9 @@ from app.engine.batch import photos_in
 from app.engine.places import folder_for_outputs
 from app.engine.sources import LightSource
 from app.ui.asking import Asking, Question
-from app.ui.photo_works import work_left
 from app.ui.state import EditorState
 from app.window.outputs import Outputs
+from app.window.own_work import own_work
 from app.window.replacing import tried
 from relight_core.imaging.files import KnownFiles
 
@@ -28,21 +28,21 @@ def photos_beside(folder: Path, light: LightSource) -> list[Path]:
 
 
 def relight_as_left(state: EditorState, outputs: Outputs) -> None:
-    """Relight each photo of the queue as it was left, after asking what becomes of those that were not opened."""
+    """Relight each photo of the queue as it was left, after asking what becomes of those without work of their own."""
     photos, asking = list(state.queue.paths), state.asking
-    opened = [photo for photo in photos if work_left(state, photo) is not None]
+    known = [photo for photo in photos if own_work(state, photo) is not None]
 
     def start(chosen: list[Path]) -> Callable[[], None]:
         return lambda: tried(asking, lambda: relight_many(chosen, outputs, asking, as_left=True))
 
-    if len(opened) == len(photos):
+    if len(known) == len(photos):
         start(photos)()
         return
-    only_opened = ((f"Only the {len(opened)} opened", start(opened)),) if opened else ()
-    unopened = len(photos) - len(opened)
-    have, them = ("has", "it") if unopened == 1 else ("have", "them")
-    text = f"{unopened} of these {len(photos)} photos {have} not been opened yet: relight {them} like this one?"
-    choices = ((f"Relight all {len(photos)}", start(photos)), *only_opened, ("Cancel", lambda: None))
+    only_known = ((f"Only the other {len(known)}", start(known)),) if known else ()
+    unknown = len(photos) - len(known)
+    were, them = ("was", "it") if unknown == 1 else ("were", "them")
+    text = f"{unknown} of these {len(photos)} photos {were} neither opened nor saved yet: relight {them} like this one?"
+    choices = ((f"Relight all {len(photos)}", start(photos)), *only_known, ("Cancel", lambda: None))
     asking.ask(Question("batch", text, choices))
 
 

@@ -299,7 +299,11 @@ class Deeds:
         saved = saved_session(path)
         if saved is None:
             return
-        self._state.asking.ask(saved_session_offer(path, saved, lambda: self._take([saved])))
+
+        def start_afresh() -> None:
+            self._state.started_afresh.add(path.absolute())
+
+        self._state.asking.ask(saved_session_offer(path, saved, lambda: self._take([saved]), start_afresh))
 
     def _offer_work_of_this_run(self, work: KeptWork) -> None:
         def start_afresh() -> None:

@@ -13,10 +13,10 @@ from app.ui.open_work import KeptWork
 Deed = Callable[[], None]
 
 
-def saved_session_offer(photo: Path, saved: Path, resume: Deed) -> Question:
+def saved_session_offer(photo: Path, saved: Path, resume: Deed, start_afresh: Deed) -> Question:
     """About the session file of a photo that was opened."""
     where = " beside it" if saved.parent == photo.absolute().parent else f", {saved}"
-    choices = (("Continue", resume), ("Start afresh", lambda: None))
+    choices = (("Continue", resume), ("Start afresh", start_afresh))
     return Question("session", f"{photo.name} has a saved session{where}.", choices)
 
 

@@ -27,10 +27,11 @@ from app.engine.snapshot import Picture
 from app.engine.sources import RelighterLike
 from app.engine.turntable import FILM_PX, FRAMES, turning, write_pictures
 from app.ui.export_name import place_for
-from app.ui.photo_works import portrait_of, work_left
+from app.ui.photo_works import portrait_of
 from app.ui.state import EditorState
 from app.window.batch_photo import BatchLights, relight_as
 from app.window.clipboard import copy_png
+from app.window.own_work import document_of, own_work
 from app.window.promise import Promise
 from relight_core.errors import InputError
 from relight_core.imaging.write import write_image
@@ -162,25 +163,25 @@ class Outputs:
         Args:
             replaces: pictures that are there already, too; else those are left alone.
             settings: None is as the panel says now.
-            as_left: each as it was left itself in this run, if it was opened.
+            as_left: each as its own work has it, if it has some.
         """
         self._need_picture()
         settings = settings or self._state.export
-        documents = {photo: self._document_of(photo, as_left) for photo in photos}
+        works = {photo: self._work_on(photo, as_left) for photo in photos}
 
         def start(picture: Picture) -> None:
             lights = BatchLights(picture.light)
 
             def one(relighter: RelighterLike, photo: Path, output: Path) -> None:
-                relight_as(documents[photo], lights, relighter, output, settings)
+                relight_as(document_of(works[photo], photo), lights, relighter, output, settings)
 
             self._start_batch(batch_tasks(photos, folder, settings.form), one, replaces)
 
         self._when_finished(start)
 
-    def _document_of(self, photo: Path, as_left: bool) -> Document:
-        left = work_left(self._state, photo) if as_left else None
-        return left or replace(self._state.document(), photo=portrait_of(self._state, photo))
+    def _work_on(self, photo: Path, as_left: bool) -> Document | Path:
+        own = own_work(self._state, photo) if as_left else None
+        return own or replace(self._state.document(), photo=portrait_of(self._state, photo))
 
     def _start_batch(
         self,

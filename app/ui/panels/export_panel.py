@@ -162,7 +162,7 @@ def _batch(state: EditorState) -> None:
         _wish(state, "Batch over a folder…", "batch", "Relight all photos of a folder like this one.  Ctrl + B", -1.0)
         return
     like_this = ("Like this", "batch", "Relight all photos opened together like this one.  Ctrl + B")
-    words = "Relight each of the photos opened together with the light and the settings it was left with."
+    words = "Relight each of the photos opened together with the light and the settings it was left or saved with."
     _wish_either(state, "Batch", like_this, ("Each as left", "batch_as_left", f"{words}  Ctrl + Shift + B"))
 
 
