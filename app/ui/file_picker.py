@@ -30,7 +30,7 @@ def draw(state: EditorState, fonts: theme.Fonts) -> None:
     imgui.set_next_window_pos(
         imgui.ImVec2(io.display_size.x / 2, io.display_size.y / 2), imgui.Cond_.always, imgui.ImVec2(0.5, 0.5)
     )
-    imgui.set_next_window_size(imgui.ImVec2(width, (_ROWS + 6) * 1.5 * em))
+    imgui.set_next_window_size(imgui.ImVec2(width, min((_ROWS + 6) * 1.5 * em, io.display_size.y - em)))
     imgui.push_style_var(imgui.StyleVar_.window_border_size, 1.0)
     imgui.begin("file", None, _FLAGS)
     widgets.heading(fonts, request.title)

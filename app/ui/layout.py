@@ -15,6 +15,8 @@ _VIEWPORT_EM = (14.0, 10.0)
 """What is always left of the viewport, across and down, in font heights; panels give way to it."""
 
 _LEAST_EM = 9.0
+_BELOW_SCOPE_EM = 8.0
+"""What is left of the effects below histogram or waveform at least, in font heights; else those give way."""
 
 EDGES = {"light": ("left", "right"), "effects": ("left", "right"), "filmstrip": ("top", "bottom")}
 """The edges of the window at which each panel can be."""
@@ -139,7 +141,7 @@ def arrange(width: float, height: float, em: float, panels: Panels | None = None
     them, and come back when there is room. Panels at the same side stand beside each other, the light on the left.
 
     Args:
-        scope: whether histogram or waveform stand above the effects.
+        scope: whether histogram or waveform stand above the effects, where there is room.
     """
     panels = panels or Panels()
     line = round(STATUS_EM * em)
@@ -149,7 +151,7 @@ def arrange(width: float, height: float, em: float, panels: Panels | None = None
     light, effects, left, centre = _columns(panels, width, em)
     right, lower = left + centre, top + middle
     bar = round(TOOLBAR_EM * em) if panels.any_shown else 0
-    scope_height = min(round(SCOPE_EM * em), middle) if scope and effects else 0
+    scope_height = round(SCOPE_EM * em) if scope and effects and middle >= (SCOPE_EM + _BELOW_SCOPE_EM) * em else 0
     strip_y = 0 if panels.filmstrip_at == "top" else lower
     parts = {
         "light": Rect(light[0], top, light[1], middle) if light else None,

@@ -88,7 +88,7 @@ def _title_row(state: EditorState, spec: Slider, value: float) -> float:
     left = imgui.get_cursor_screen_pos()
     width = imgui.get_content_region_avail().x
     text_width = imgui.calc_text_size(shown).x
-    imgui.text_disabled(spec.label)
+    imgui.text_disabled(shortened(spec.label, width - text_width - 0.4 * imgui.get_font_size()))
     imgui.set_item_tooltip(spec.help)
     imgui.set_cursor_screen_pos(imgui.ImVec2(left.x + width - text_width, left.y))
     if imgui.invisible_button("number", imgui.ImVec2(text_width, imgui.get_text_line_height())):

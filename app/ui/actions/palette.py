@@ -15,6 +15,8 @@ from app.ui.light_list import Shelf
 from app.ui.state import EditorState
 
 _WIDTH_EM, _ROWS = 34.0, 12
+_TOP = 0.12
+"""Share of the window's height above it."""
 
 
 def draw(state: EditorState, shelf: Shelf, window: Rect) -> None:
@@ -24,7 +26,7 @@ def draw(state: EditorState, shelf: Shelf, window: Rect) -> None:
         return
     em = imgui.get_font_size()
     width = min(_WIDTH_EM * em, window.width - 2 * em)
-    imgui.set_next_window_pos(imgui.ImVec2(window.x + (window.width - width) / 2, window.y + 0.12 * window.height))
+    imgui.set_next_window_pos(imgui.ImVec2(window.x + (window.width - width) / 2, window.y + _TOP * window.height))
     imgui.set_next_window_size(imgui.ImVec2(width, 0.0))
     imgui.set_next_window_focus()
     flags = imgui.WindowFlags_.no_decoration | imgui.WindowFlags_.no_saved_settings | imgui.WindowFlags_.no_nav
@@ -35,7 +37,7 @@ def draw(state: EditorState, shelf: Shelf, window: Rect) -> None:
     imgui.pop_style_var(2)
     imgui.pop_style_color()
     found = _typing(state, shelf)
-    _rows(state, found)
+    _rows(state, found, window)
     _keys(state, found)
     imgui.end()
 
@@ -54,12 +56,14 @@ def _typing(state: EditorState, shelf: Shelf) -> list[Action]:
     return found
 
 
-def _rows(state: EditorState, found: list[Action]) -> None:
+def _rows(state: EditorState, found: list[Action], window: Rect) -> None:
     if not found:
         imgui.text_disabled("Nothing of that name.")
         return
     line = imgui.get_text_line_height_with_spacing()
-    height = line * min(_ROWS, len(found))
+    # Above them is the line that is typed in, below them the chosen one's help of two lines.
+    fitting = int((1.0 - _TOP) * window.height / line) - 6
+    height = line * min(_ROWS, max(fitting, 1), len(found))
     imgui.begin_child("commands", imgui.ImVec2(0.0, height + 0.4 * line))
     imgui.set_cursor_pos_y(imgui.get_cursor_pos_y() + 0.2 * line)
     for row, action in enumerate(found):

@@ -32,6 +32,7 @@ def setting_actions(state: EditorState) -> tuple[Action, ...]:
         ),
         *(_type(slider, "effects", "effects") for slider in _EFFECTS),
         *(_background(*choice) for choice in effects_panel.BACKGROUNDS),
+        *_background_blur(state),
         *_faces(state),
         *(_quality(*choice) for choice in quality_panel.TIERS),
         *export_actions(state),
@@ -101,6 +102,13 @@ def _background(value: str, label: str, words: str) -> Action:
         lambda state: state.change(background=value),
         is_on=lambda state: state.edit.background == value,
     )
+
+
+def _background_blur(state: EditorState) -> tuple[Action, ...]:
+    """Where the light is seen behind the person, how blurred."""
+    if state.edit.background != "light":
+        return ()
+    return (_type(effects_panel.BACKGROUND_BLUR, "effects", "background"),)
 
 
 def _faces(state: EditorState) -> tuple[Action, ...]:

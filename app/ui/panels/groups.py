@@ -39,8 +39,10 @@ def group(
     if imgui.get_cursor_pos_y() > em:
         widgets.gap(_GAP_EM)
     corner, width = imgui.get_cursor_screen_pos(), imgui.get_content_region_avail().x
-    tools = tools if is_open else ()
     room = width - sum(tool_width(tool) for tool in tools)
+    if not is_open or room < _title_width(fonts, title):
+        # In a narrow panel they would lie over the title.
+        room, tools = width, ()
     if imgui.invisible_button(f"group {name}", imgui.ImVec2(max(1.0, room), _HEIGHT_EM * em)):
         state.groups = replace(state.groups, **{name: not is_open})
     lit = imgui.is_item_hovered()
@@ -54,6 +56,14 @@ def group(
         if tool_button(tool):
             pressed = tool.label
     return is_open, pressed
+
+
+def _title_width(fonts: theme.Fonts, title: str) -> float:
+    """With the arrow before it."""
+    imgui.push_font(fonts.bold, 0.0)
+    width = _ARROW_EM * imgui.get_font_size() + imgui.calc_text_size(title).x
+    imgui.pop_font()
+    return width
 
 
 def _title(

@@ -56,11 +56,13 @@ def tools(state: EditorState) -> None:
         imgui.align_text_to_frame_padding()
         imgui.text_disabled(_ON_THE_FACE)
         imgui.same_line()
-    half = (imgui.get_content_region_avail().x - _SPACING) / 2
+    room = imgui.get_content_region_avail().x
+    in_a_row = 2.0 * max(imgui.calc_text_size(label).x for _, label, _ in _AIMS) + _SPACING <= room
+    width = (room - _SPACING) / 2 if in_a_row else room
     for index, (aim, label, tooltip) in enumerate(_AIMS):
-        if index:
+        if index and in_a_row:
             imgui.same_line(0.0, _SPACING)
-        if widgets.toggle(label, state.aim == aim, half):
+        if widgets.toggle(label, state.aim == aim, width):
             light_edits.switch_aim(state, aim)
         imgui.set_item_tooltip(("Moves the selected soft box. " if state.selected_box >= 0 else "") + tooltip)
     imgui.end_disabled()

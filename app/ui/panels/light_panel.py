@@ -22,6 +22,9 @@ ROTATION = widgets.Slider(
     "and a lamp in front of the person to the left.",
     wraps=True,
 )
+_LOWEST_EM = 16.0
+"""In a panel that is lower than this below its panorama all of it scrolls, and not the lights alone."""
+
 _COLUMNS = 3
 _WIDE_EM, _HIGH_EM = 6.0, 4.75
 """From this width on there are more columns of lights; none is higher than that."""
@@ -29,6 +32,19 @@ _WIDE_EM, _HIGH_EM = 6.0, 4.75
 
 def draw(state: EditorState, fonts: theme.Fonts, pictures: Pictures, shelf: Shelf) -> None:
     """The panel's contents, inside its window."""
+    room, em = imgui.get_content_region_avail(), imgui.get_font_size()
+    if room.y >= room.x / 2 + _LOWEST_EM * em:
+        _tools(state, fonts, pictures)
+        with widgets.scrolling("lights"):
+            _choices(state, fonts, pictures, shelf)
+    else:
+        with widgets.scrolling("panel"):
+            _tools(state, fonts, pictures)
+            _choices(state, fonts, pictures, shelf)
+
+
+def _tools(state: EditorState, fonts: theme.Fonts, pictures: Pictures) -> None:
+    """What stays in sight while the rest scrolls: the panorama, and what adds lamps and turns the light."""
     widgets.heading(fonts, "Light")
     panorama.draw(state, pictures)
     light_controls.tools(state)
@@ -39,10 +55,12 @@ def draw(state: EditorState, fonts: theme.Fonts, pictures: Pictures, shelf: Shel
         state.playing = not state.playing
     imgui.end_disabled()
     imgui.set_item_tooltip("The light turns by itself; save it as a film under Export, Turntable.  P")
-    with widgets.scrolling("lights"):
-        light_controls.box(state, fonts)
-        light_controls.light(state, fonts)
-        _lights(state, pictures, shelf)
+
+
+def _choices(state: EditorState, fonts: theme.Fonts, pictures: Pictures, shelf: Shelf) -> None:
+    light_controls.box(state, fonts)
+    light_controls.light(state, fonts)
+    _lights(state, pictures, shelf)
 
 
 def _lights(state: EditorState, pictures: Pictures, shelf: Shelf) -> None:

@@ -21,7 +21,7 @@ NEW_AT = (0.125, 0.3)
 """Where a new soft box is put: from the front, left and above."""
 
 _COMPASS = ((0.0, "front"), (0.25, "left"), (0.5, "behind"), (0.75, "right"), (1.0, "front"))
-_REACH_EM, _KNOB_EM = 0.6, 0.27
+_REACH_EM, _KNOB_EM, _COMPASS_EM = 0.6, 0.27, 12.0
 
 
 def draw(state: EditorState, pictures: Pictures) -> None:
@@ -157,7 +157,8 @@ def _compass(left: imgui.ImVec2, width: float, height: float) -> None:
     draw_list = imgui.get_window_draw_list()
     small = 0.8 * imgui.get_font_size()
     imgui.push_font(None, 0.8 * theme.FONT_PX)
-    for along, word in _COMPASS:
+    # In a narrow panel the words between would run into the others.
+    for along, word in _COMPASS if width >= _COMPASS_EM * imgui.get_font_size() else _COMPASS[::2]:
         x = left.x + along * width
         word_width = imgui.calc_text_size(word).x
         foot = imgui.ImVec2(x, left.y + height)

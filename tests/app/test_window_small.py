@@ -1,0 +1,58 @@
+"""The real window where a desktop makes it smaller than it asks to be: all of it can still be reached."""
+
+import glfw
+import pytest
+from imgui_bundle import imgui
+from window_hand import Hand
+
+from app.ui.asking import FileRequest
+from app.ui.layout import Panels, arrange
+from app.ui.panels import light_panel
+from app.window.window import EditorWindow
+
+SIZE = 500, 350
+
+
+@pytest.fixture
+def small(display, relighter, photo_path):
+    window = EditorWindow(lambda: relighter, photo_path, size=SIZE)
+    glfw.set_window_size(window.handle, *SIZE)
+    hand = Hand(window, SIZE)
+    hand.settle()
+    yield hand
+    relighter.gate.set()
+    window.close()
+
+
+def test_the_last_light_is_scrolled_to(small, monkeypatch):
+    in_sight, draw = {}, imgui.invisible_button
+
+    def note(label, size):
+        clicked = draw(label, size)
+        in_sight[label] = imgui.is_item_visible()
+        return clicked
+
+    monkeypatch.setattr(light_panel.imgui, "invisible_button", note)
+    small.move((60, 120))
+    assert not in_sight["rig:split"]
+    for _ in range(30):
+        small.wheel(-3)
+    assert in_sight["rig:split"]
+
+
+def test_the_palette_and_our_own_file_dialog_stay_within_the_window(small, tmp_path):
+    small.key(glfw.KEY_P, ctrl=True)
+    small.frames(3)
+    ends = []
+    for name in ("palette", "file"):
+        drawn = imgui.internal.find_window_by_name(name)
+        ends.append((drawn.pos.y, drawn.pos.y + drawn.size.y))
+        small.key(glfw.KEY_ESCAPE)
+        small.window.state.picking = FileRequest("open", "A file", tmp_path, list)
+        small.frames(3)
+    assert all(top >= 0 and foot <= SIZE[1] for top, foot in ends)
+
+
+def test_the_histogram_gives_way_to_the_effects():
+    assert arrange(500, 350, 15.0, Panels(), scope=True).scope is None
+    assert arrange(800, 560, 15.0, Panels(), scope=True).scope is not None
