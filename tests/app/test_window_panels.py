@@ -1,8 +1,10 @@
 """Panels moved about in the real window."""
 
 import glfw
+import pytest
+from imgui_bundle import imgui
 
-from app.ui.layout import Panels
+from app.ui.layout import OpenGroups, Panels
 
 
 def test_a_panel_is_dragged_by_its_grip_to_the_other_side_and_f9_puts_it_back(opened):
@@ -45,3 +47,20 @@ def test_a_click_or_a_twitch_on_a_grip_moves_nothing_and_a_double_click_does(ope
     assert state.panels == Panels()
     opened.double_click((127, 5))
     assert state.panels == Panels(light_at="right")
+
+
+def test_what_reaches_to_the_right_ends_alike_and_is_not_cut(opened, monkeypatch):
+    ends, draw = {}, imgui.button
+
+    def note(label, *size):
+        clicked = draw(label, *size)
+        ends[label] = imgui.get_item_rect_max().x
+        return clicked
+
+    monkeypatch.setattr(imgui, "button", note)
+    opened.window.state.groups = OpenGroups(effects=False, background=False)
+    opened.frames(2)
+    reaching = [
+        ends[label] for label in ("Edit boxes…", "Edit outline…", "Copy", "PNGs", "Batch over a folder…", "Redo")
+    ]
+    assert reaching == pytest.approx([ends["Copy"]] * len(reaching), abs=0.51)

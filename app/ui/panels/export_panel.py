@@ -117,7 +117,7 @@ def _quality(quality: int, width: float) -> int:
 def _layers(state: EditorState) -> None:
     """A list of check boxes that unfolds over the panel."""
     count = len(state.export.layers)
-    imgui.set_next_item_width(-1.0)
+    imgui.set_next_item_width(imgui.get_content_region_avail().x)
     is_open = imgui.begin_combo("##layers", f"{count} layer{'s' * (count != 1)}", imgui.ComboFlags_.height_largest)
     if not is_open:
         imgui.set_item_tooltip("What the file holds beside the picture.")
@@ -132,7 +132,7 @@ def _layers(state: EditorState) -> None:
 
 def _size(state: EditorState) -> None:
     sizes = [size_words(side) for side in SIDES]
-    imgui.set_next_item_width(-1.0)
+    imgui.set_next_item_width(imgui.get_content_region_avail().x)
     changed, index = imgui.combo("##size", SIDES.index(state.export.longest_side), sizes)
     words = "As large as the photo, or so many pixels along the longer side. A turntable has 1080 at full size."
     imgui.set_item_tooltip(words)
@@ -159,7 +159,8 @@ def _buttons(state: EditorState) -> None:
 
 def _batch(state: EditorState) -> None:
     if len(state.queue.paths) < 2:
-        _wish(state, "Batch over a folder…", "batch", "Relight all photos of a folder like this one.  Ctrl + B", -1.0)
+        room = imgui.get_content_region_avail().x
+        _wish(state, "Batch over a folder…", "batch", "Relight all photos of a folder like this one.  Ctrl + B", room)
         return
     like_this = ("Like this", "batch", "Relight all photos opened together like this one.  Ctrl + B")
     words = "Relight each of the photos opened together with the light and the settings it was left or saved with."

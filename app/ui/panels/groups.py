@@ -12,6 +12,9 @@ from app.ui.state import EditorState
 
 _ARROW_EM, _HEIGHT_EM, SPACING_EM, _GAP_EM = 0.95, 1.45, 0.3, 0.1
 
+_TOOL_FONT, _TOOL_PADDING_EM = 0.9, 0.9
+"""How large a tool's words are, as a share of the others, and what is left and right of them together."""
+
 
 @dataclass(frozen=True)
 class Tool:
@@ -95,19 +98,23 @@ def _arrow(draw: imgui.ImDrawList, x: float, y: float, reach: float, is_open: bo
 
 def tool_width(tool: Tool) -> float:
     """Of its button, with the space before it."""
-    em = imgui.get_font_size()
-    return imgui.calc_text_size(tool.label).x * 0.9 + (0.9 + SPACING_EM) * em
+    imgui.push_font(None, _TOOL_FONT * theme.FONT_PX)
+    # Letters are as wide as whole pixels, so that those of a smaller font are not narrower in proportion.
+    words = imgui.calc_text_size(tool.label).x
+    imgui.pop_font()
+    return words + (_TOOL_PADDING_EM + SPACING_EM) * imgui.get_font_size()
 
 
 def tool_button(tool: Tool, down: bool = False) -> bool:
     """The button, which looks pressed while `down`; True when it is clicked."""
     em = imgui.get_font_size()
+    width = tool_width(tool) - SPACING_EM * em
     if down:
         imgui.push_style_color(imgui.Col_.button, imgui.ImVec4(*theme.PRESSED))
-    imgui.push_font(None, 0.9 * theme.FONT_PX)
+    imgui.push_font(None, _TOOL_FONT * theme.FONT_PX)
     imgui.push_style_var(imgui.StyleVar_.frame_padding, imgui.ImVec2(0.0, 0.12 * em))
     imgui.begin_disabled(not tool.enabled)
-    clicked = imgui.button(tool.label, imgui.ImVec2(imgui.calc_text_size(tool.label).x + 0.9 * em, 0.0))
+    clicked = imgui.button(tool.label, imgui.ImVec2(width, 0.0))
     imgui.end_disabled()
     imgui.pop_style_var()
     imgui.pop_font()
