@@ -14,7 +14,8 @@ from app.ui.viewport.panes import LIGHTS, Arrangement, Pane
 TITLES = {name: title for name, title, _ in CHANNELS}
 _DIFFERENCE_ENDS = ("3 stops darker", "same", "3 stops brighter")
 _SCALE_ENDS = {"specular": ("0", "0.25"), "shadow": ("0", "0.5")}
-_LEGEND_EM = (17.0, 0.55)
+_LEGEND_EM, _LEGEND_FOOT_EM = (17.0, 0.55), 3.1
+"""Width and height of its colours, and how far above the viewport's foot they begin, in font heights."""
 
 
 def note(words: str, x: float, y: float, colour: theme.Colour = theme.TEXT) -> None:
@@ -45,13 +46,17 @@ def corner_note(state: EditorState, arranged: Arrangement, rect: Rect) -> None:
 
 
 def pane_titles(state: EditorState, arranged: Arrangement, rect: Rect, scale: float) -> None:
-    """Which picture is which, on either side of the line between two; below where cards cover the top."""
+    """Which picture is which, on either side of the line between two; below where cards cover the top.
+
+    What the colours mean stays in sight below them.
+    """
     if len(arranged.panes) < 2:
         return
     em = imgui.get_font_size()
     before, after = arranged.panes
     covered = state.look.probe or state.look.timings
-    y = rect.y + (rect.height - 2.1 * em if covered else 0.6 * em)
+    foot_em = 2.1 if _colours(state, arranged.main) is None else _LEGEND_FOOT_EM + 2.5
+    y = rect.y + (rect.height - foot_em * em if covered else 0.6 * em)
     left = TITLES[before.name]
     x = rect.x + before.right / scale - note_width(left) - 0.6 * em
     if x > rect.x:
@@ -73,16 +78,13 @@ def progress(state: EditorState, rect: Rect) -> None:
 
 def legend(state: EditorState, pictures: Pictures, pane: Pane, rect: Rect) -> None:
     """What the colours of a difference or of false colour mean."""
-    look = state.look
-    if look.difference and pane.name == RESULT:
-        kind, ends = "difference", _DIFFERENCE_ENDS
-    elif look.false_colour and pane.name in _SCALE_ENDS:
-        kind, ends = "scale", _SCALE_ENDS[pane.name]
-    else:
+    colours = _colours(state, pane)
+    if colours is None:
         return
+    kind, ends = colours
     em = imgui.get_font_size()
     width, height = min(_LEGEND_EM[0] * em, rect.width - 2 * em), _LEGEND_EM[1] * em
-    x, y = rect.x + (rect.width - width) / 2, rect.y + rect.height - 3.1 * em
+    x, y = rect.x + (rect.width - width) / 2, rect.y + rect.height - _LEGEND_FOOT_EM * em
     draw = imgui.get_window_draw_list()
     corner, end = imgui.ImVec2(x - 0.7 * em, y - 0.6 * em), imgui.ImVec2(x + width + 0.7 * em, y + 2.3 * em)
     draw.add_rect_filled(corner, end, theme.packed(theme.SHADE, 0.8), 0.27 * em)
@@ -94,6 +96,16 @@ def legend(state: EditorState, pictures: Pictures, pane: Pane, rect: Rect) -> No
         at = imgui.ImVec2(x + share * (width - words_width), y + height + 0.25 * em)
         draw.add_text(at, theme.packed(theme.TEXT), words)
     imgui.pop_font()
+
+
+def _colours(state: EditorState, pane: Pane) -> tuple[str, tuple[str, ...]] | None:
+    """Of what kind the colours are that have a legend, and what its ends say; None where it is shown as it is."""
+    look = state.look
+    if look.difference and pane.name == RESULT:
+        return "difference", _DIFFERENCE_ENDS
+    if look.false_colour and pane.name in _SCALE_ENDS:
+        return "scale", _SCALE_ENDS[pane.name]
+    return None
 
 
 _FIRST_WORDS = (
