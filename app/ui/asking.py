@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -46,8 +47,8 @@ class FileRequest:
         suffixes: of the files that are of use, each with its dot; none for all.
         then: given what was chosen, at least one path; not called when the user thought better of it.
         text: what is typed in our own dialog.
-        chosen: the text of the file that was clicked there last.
-        chosen_among: what was typed when its list was made.
+        chosen: the text that was clicked together there, or the suggested one of a file to save.
+        chosen_among: what the list was made for then.
         row: of the list there, where the arrow keys have gone; 0 is the folder above, -1 the line that is typed in.
     """
 
@@ -65,6 +66,9 @@ class FileRequest:
         if self.kind not in _DIALOGS:
             raise ValueError(f"no dialog of kind {self.kind!r}")
         self.text = self.text or str(self.start)
+        if self.kind == "save":
+            # All of the folder is listed until a name is typed, not what is called like the file that is to be made.
+            self.chosen, self.chosen_among = self.text, os.path.join(os.path.dirname(self.text), "")
 
 
 @dataclass

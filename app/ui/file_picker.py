@@ -37,7 +37,7 @@ def draw(state: EditorState, fonts: theme.Fonts) -> None:
     before = request.text
     entered = _line(request)
     if _folder_above_is_wished():
-        request.text = _above(request)
+        _look_into(request, _above(request), os.path.basename(request.text))
         # The line would go on with what was typed in it.
         imgui.internal.clear_active_id()
     entered = _rows(request, entered)
@@ -70,9 +70,9 @@ def _folder_above_is_wished() -> bool:
     return imgui.get_io().key_alt and imgui.is_key_pressed(imgui.Key.up_arrow)
 
 
-def _above(request: FileRequest) -> str:
+def _above(request: FileRequest) -> Path:
     folder = Path(os.path.expanduser(request.text))
-    return os.path.join(folder.parent if request.text.endswith(os.sep) else folder.parent.parent, "")
+    return folder.parent if request.text.endswith(os.sep) else folder.parent.parent
 
 
 def _rows(request: FileRequest, entered: bool) -> bool:
@@ -92,7 +92,8 @@ def _rows(request: FileRequest, entered: bool) -> bool:
     above = _above(request)
     is_at = request.row == 0
     if _row(0, "..   the folder above   (Alt + Up)", is_at, moved and is_at) or (entered and is_at):
-        request.text, entered = above, False
+        _look_into(request, above, os.path.basename(request.text))
+        entered = False
     typed = Path(os.path.expanduser(request.text))
     for number, path in enumerate(shown, 1):
         is_folder, is_at = number <= len(folders), number == request.row
@@ -140,9 +141,18 @@ def _row(number: int, label: str, is_lit: bool, comes_into_sight: bool) -> bool:
 
 
 def _choose(request: FileRequest, path: Path, is_folder: bool, listed: str) -> None:
-    request.text = os.path.join(path, "") if is_folder else str(path)
-    if not is_folder:
-        request.chosen, request.chosen_among = request.text, listed
+    if is_folder:
+        # What was typed since is how the folder's name begins.
+        _look_into(request, path, os.path.basename(request.chosen))
+    else:
+        request.text = request.chosen = str(path)
+        request.chosen_among = listed
+
+
+def _look_into(request: FileRequest, folder: Path, name: str) -> None:
+    """List a folder; what is to be saved keeps its name there."""
+    request.text = request.chosen = os.path.join(folder, name if request.kind == "save" else "")
+    request.chosen_among = os.path.join(folder, "")
 
 
 def _buttons(state: EditorState, request: FileRequest, entered: bool) -> None:

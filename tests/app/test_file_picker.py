@@ -123,6 +123,23 @@ def test_the_folder_above_is_a_key_away_while_a_path_is_typed(opened, folder):
     assert opened.window.state.picking.text == f"{folder.parent}{os.sep}s"
 
 
+def test_a_file_to_be_saved_is_carried_through_the_folders(opened, folder):
+    (folder / "inside").mkdir()
+    chosen = []
+    opened.window.state.picking = picking = FileRequest("save", "A film", folder / "turn.mp4", chosen.extend, (".mp4",))
+    opened.frames(3)
+    for _ in range(2):
+        opened.key(glfw.KEY_DOWN)
+    opened.key(glfw.KEY_ENTER)
+    assert picking.text == str(folder / "inside" / "turn.mp4")
+    opened.hold(glfw.KEY_UP, glfw.MOD_ALT)
+    opened.release(glfw.KEY_UP)
+    assert picking.text == str(folder / "turn.mp4")
+    opened.frames(2)
+    opened.key(glfw.KEY_ENTER)
+    assert chosen == [folder / "turn.mp4"]
+
+
 def test_where_a_folder_is_wanted_the_arrow_keys_pass_files_by(opened, folder):
     (folder / "a.png").touch()
     ask(opened, f"{folder}{os.sep}")
