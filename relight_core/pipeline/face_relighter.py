@@ -202,9 +202,10 @@ class FaceRelighter(FaceInPhoto):
         edges = lit.effects.edges
         if edges is None:
             return None
-        evened = self._made_up(ready, plan).evened if plan.runs("detail") else np.asarray
+        fitted = plan.runs("detail")
+        evened = self._made_up(ready, plan).evened if fitted else np.asarray
         draw = lambda: draw_finely(edges, self._upsampler(ready), evened)  # noqa: E731
-        return self.cache.run("fine_edges", plan.keys["hard_shadow"], draw, "new light")
+        return self.cache.run("fine_edges", (plan.keys["hard_shadow"], fitted), draw, "new light")
 
     def catchlights(
         self, ready: Prepared, lit: Lit, plan: Plan, edit: Edit, environment: Environment

@@ -187,3 +187,26 @@ def test_going_back_gives_back_the_former_picture(relighter):
     np.testing.assert_array_equal(again.image, first.image)
     for name, channel in first.channels.items():
         np.testing.assert_array_equal(again.channels[name], channel)
+
+
+def sun():
+    radiance = np.full((64, 128, 3), 0.05, np.float32)
+    radiance[24:26, 84:86] = 500
+    return Environment.from_radiance(radiance, "sun")
+
+
+def test_edges_of_shadows_are_drawn_once_for_a_small_lamp_and_never_for_an_even_light(relighter):
+    assert "fine_edges" not in states(
+        relighter.relight(Environment.from_radiance(np.ones((32, 64, 3), np.float32), "even"), EDIT)
+    )
+    assert "fine_edges" in computed(relighter.relight(sun(), EDIT))
+    assert "fine_edges" not in computed(relighter.relight(sun(), replace(EDIT, shadow=0.5)))
+    assert "fine_edges" in computed(relighter.relight(sun(), replace(EDIT, yaw_deg=5.0)))
+
+
+def test_edges_drawn_for_a_picture_with_detail_serve_none_without(relighter):
+    plain = replace(EDIT, forced_off=frozenset({"detail"}))
+    alone = relighter.relight(sun(), plain).image
+    relighter.relight(sun(), EDIT)
+    assert "fine_edges" in computed(relighter.relight(sun(), plain))
+    np.testing.assert_array_equal(relighter.relight(sun(), plain).image, alone)
