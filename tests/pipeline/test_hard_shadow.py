@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 import torch
 
+from relight_core.lighting.horizon import Horizon
 from relight_core.lighting.lamps import Lamp
 from relight_core.lighting.relief import march_relief
 from relight_core.pipeline.per_light.hard_shadow import harden_shadow, ready_for_lamps
@@ -99,6 +100,18 @@ def test_a_shadow_that_the_relief_knows_nothing_of_stays():
     """Far from the bar, toward the lamp, nothing on the relief could hide it."""
     after = share(hardened(half_shadow(), [lamp()]))
     assert np.abs(after[:, 48:] - 0.5).max() < 0.1
+
+
+def test_an_edge_counts_as_much_as_what_a_lamp_out_of_sight_hides(monkeypatch):
+    """Also where the relief hardly knows of the network's shadow and would leave most of it: else fringes glow."""
+    edges = []
+    for seen in (0.0, 1.0):
+        monkeypatch.setattr(Horizon, "visibility", lambda *_, seen=seen: np.full((SIZE, SIZE), seen, np.float32))
+        edges.append(hardened(half_shadow(), [lamp()], given=(2.0, 0.1)).edges)
+    none_seen, all_seen = edges
+    differs = none_seen.hidden - all_seen.hidden
+    np.testing.assert_allclose(all_seen.of_lamps[0].counts, differs, atol=1e-5)
+    assert differs.max() > differs.min() + 0.3
 
 
 def test_less_hardness_and_less_light_change_less():

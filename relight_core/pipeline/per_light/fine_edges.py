@@ -37,7 +37,8 @@ class LampEdge:
 
     Attributes:
         lamp: as the view is turned.
-        counts: share of all diffuse light that is this lamp's, as far as geometry has a say.
+        counts: share of all diffuse light that is hidden where all of the lamp is and not where none of it is, as far
+            as geometry has a say.
         lost: of the lamp's light, the share that is hidden.
     """
 

@@ -107,7 +107,7 @@ def harden_shadow(
     by_relief, gloss_by_relief = (_lost(of_lamps, lost, reach) for of_lamps in (parts, gloss_parts))
     radiance = surface.albedo * of_lamps[:, :3] * _share_seen(lamps, parts, reach, hidden)
     back = thrown_back(view.bounce, radiance, surface.albedo)
-    counts = [sure * part for (_, sure), part in zip(_sure_of(before, parts, reach), parts, strict=True)]
+    counts = _counts(before, parts, reach)
     ends = [LampEdge(*of_lamp) for of_lamp in zip(lamps, _planes(counts), _planes(reach.lost_finely), strict=True)]
     edges = ShadowEdges(view.horizon, ends, *_planes([hidden, diffuse]))
     told = {"by_relief": by_relief, "gloss_by_relief": gloss_by_relief, "thrown_back": back, "edges": edges}
@@ -191,11 +191,22 @@ def _with_edges(hidden: torch.Tensor, parts: Sequence[torch.Tensor], reach: _Rea
     for (of_lamp, sure), part, soft, edgy in of_each:
         change = part * edgy - of_lamp
         # A shadow that the relief knows nothing of, of a brim or a lock of hair, is not its to take away.
-        edged = edged + sure * torch.where(change > 0, change, change * (soft / _SURE).clamp_max(1))
+        edged = edged + sure * torch.where(change > 0, change, change * _known(soft))
         of_lamps, unlit = of_lamps + of_lamp, unlit + sure * part * edgy
     rest, of_rest = _rest(parts), (hidden - of_lamps).clamp_min(0)
     doubt = unlit.clamp(0, 1) / (1 + (rest / _SMALL_REST).square())
     return (edged + doubt * (rest * reach.lost_rest - of_rest)).clamp(0, 1)
+
+
+def _counts(hidden: torch.Tensor, parts: Sequence[torch.Tensor], reach: _Reach) -> list[torch.Tensor]:
+    """Of each lamp, how much more `_with_edges` hides where all of its disc is hidden than where none is."""
+    of_each = zip(_sure_of(hidden, parts, reach), parts, reach.lost, strict=True)
+    return [sure * (part - (1 - _known(soft)) * of_lamp) for (of_lamp, sure), part, soft in of_each]
+
+
+def _known(soft: torch.Tensor) -> torch.Tensor:
+    """How far the relief, asked coarsely, knows of the shadow that the network sees."""
+    return (soft / _SURE).clamp_max(1)
 
 
 def _sure_of(
