@@ -107,11 +107,11 @@ def draw_finely(
         evened: a map (s, s) as even as the picture's gain is made.
     """
     lost_before = [evened(edge.lost) for edge in edges.of_lamps]
-    coarse, *lost_enlarged = np.moveaxis(upsample(np.dstack([evened(edges.hidden), *lost_before])), -1, 0)
+    coarse, *lost_enlarged = cv2.split(upsample(np.dstack([evened(edges.hidden), *lost_before])))
     size = coarse.shape
     change = np.zeros(coarse.size, np.float32)
     for edge, before, enlarged in zip(edges.of_lamps, lost_before, lost_enlarged, strict=True):
-        there = np.flatnonzero(resize_smooth(_ending(edge, before), size))
+        there = np.flatnonzero(resize_smooth(_ending(edge, before), size) > 0)
         take = lambda image: resize_smooth(image, size).ravel()[there]  # noqa: E731, B023
         lost = 1 - edges.horizon.visibility(edge.lamp.toward, edge.lamp.radius_deg, take)
         change[there] += take(edge.counts) * (lost - enlarged.ravel()[there])
