@@ -18,6 +18,7 @@ import numpy as np
 from relight_core.imaging.resampling import resize_smooth
 from relight_core.lighting.horizon import Horizon
 from relight_core.lighting.lamps import Lamp
+from relight_core.pipeline.per_light.hints import light_left
 
 _NO_EDGE = 0.02
 """Differences of what a lamp's shadow hides, from pixel to pixel, that are none, and shares too small to be seen."""
@@ -86,7 +87,7 @@ class FineEdges:
                 has no edge, and a soft one no fine edge.
         """
         fine = self.coarse + np.float32(_sharp(softness)) * (self.fine - self.coarse)
-        before, after = (_left(hidden, shadow_gain) for hidden in (self.coarse, fine))
+        before, after = (light_left(hidden, shadow_gain) for hidden in (self.coarse, fine))
         gain = np.minimum((after + _ALWAYS_LEFT) / (before + _ALWAYS_LEFT), np.float32(_MOST_TIMES))
         return cv2.merge((gain,) * 3)
 
@@ -130,10 +131,3 @@ def _ending(edge: LampEdge, evened: np.ndarray) -> np.ndarray:
 
 def _sharp(softness: float) -> float:
     return max(1.0 - softness / _SOFT, 0.0)
-
-
-def _left(hidden: np.ndarray, shadow_gain: float) -> np.ndarray:
-    """What is left of the light behind a shadow at a gain, as `hints.explicit_parts` has it."""
-    if shadow_gain <= 1:
-        return 1 - np.float32(shadow_gain) * hidden
-    return (1 - hidden) ** np.float32(shadow_gain)

@@ -44,6 +44,8 @@ _NO_GLOSS, _NO_LIGHT = 1e-6, 1e-12
 _GRAZING = 0.01
 """Texels of 11 degrees give some of a lamp's light to what just faces away from it."""
 
+_Sure = tuple[torch.Tensor, torch.Tensor]
+
 
 @dataclass(frozen=True, eq=False)
 class LampsView:
@@ -99,16 +101,17 @@ def harden_shadow(
     parts = _parts(_irradiance(lamps, surface), grey(reflected[:, :3]), grey(of_lamps[:, :3]))
     gloss_parts = _parts(_gloss(lamps, surface), gloss, grey(of_lamps[:, 3:]))
     before = hidden_share(effects, diffuse, gloss)
-    hidden = _with_edges(before, parts, reach)
+    sure = _sure_of(before, parts, reach)
+    hidden = _with_edges(before, parts, reach, sure)
     dull = (hidden_gloss(effects, gloss) / gloss.clamp_min(_NO_GLOSS)).clamp(0, 1)
-    duller = _with_edges(dull, gloss_parts, reach)
+    duller = _with_edges(dull, gloss_parts, reach, _sure_of(dull, gloss_parts, reach))
     specular = (effects.specular - gloss * (duller - dull)).clamp_min(0)
     lost = [torch.lerp(*of_lamp) for of_lamp in zip(reach.lost, reach.lost_finely, reach.decides, strict=True)]
     by_relief, gloss_by_relief = (_lost(of_lamps, lost, reach) for of_lamps in (parts, gloss_parts))
     radiance = surface.albedo * of_lamps[:, :3] * _share_seen(lamps, parts, reach, hidden)
     back = thrown_back(view.bounce, radiance, surface.albedo)
-    counts = _counts(before, parts, reach)
-    ends = [LampEdge(*of_lamp) for of_lamp in zip(lamps, _planes(counts), _planes(reach.lost_finely), strict=True)]
+    counts = _planes(_counts(parts, reach, sure))
+    ends = [LampEdge(*of_lamp) for of_lamp in zip(lamps, counts, _planes(reach.lost_finely), strict=True)]
     edges = ShadowEdges(view.horizon, ends, *_planes([hidden, diffuse]))
     told = {"by_relief": by_relief, "gloss_by_relief": gloss_by_relief, "thrown_back": back, "edges": edges}
     return with_hidden_share(replace(effects, specular=specular, **told), hidden, diffuse, gloss)
@@ -179,15 +182,18 @@ def _rest(parts: Sequence[torch.Tensor]) -> torch.Tensor:
     return (1 - sum(parts)).clamp_min(0)
 
 
-def _with_edges(hidden: torch.Tensor, parts: Sequence[torch.Tensor], reach: _Reach) -> torch.Tensor:
+def _with_edges(
+    hidden: torch.Tensor, parts: Sequence[torch.Tensor], reach: _Reach, sure_of: Sequence[_Sure]
+) -> torch.Tensor:
     """What is hidden of the diffuse light or of the gloss, with the edges of the lamps' shadows, (1, 1, S, S).
 
     Args:
         hidden: the share that the network takes for hidden, in [0, 1].
         parts: of each lamp, its share of what there were if nothing was hidden.
+        sure_of: of the same, see `_sure_of`.
     """
     edged, of_lamps, unlit = hidden, torch.zeros_like(hidden), torch.zeros_like(hidden)
-    of_each = zip(_sure_of(hidden, parts, reach), parts, reach.lost, reach.lost_finely, strict=True)
+    of_each = zip(sure_of, parts, reach.lost, reach.lost_finely, strict=True)
     for (of_lamp, sure), part, soft, edgy in of_each:
         change = part * edgy - of_lamp
         # A shadow that the relief knows nothing of, of a brim or a lock of hair, is not its to take away.
@@ -198,9 +204,9 @@ def _with_edges(hidden: torch.Tensor, parts: Sequence[torch.Tensor], reach: _Rea
     return (edged + doubt * (rest * reach.lost_rest - of_rest)).clamp(0, 1)
 
 
-def _counts(hidden: torch.Tensor, parts: Sequence[torch.Tensor], reach: _Reach) -> list[torch.Tensor]:
+def _counts(parts: Sequence[torch.Tensor], reach: _Reach, sure_of: Sequence[_Sure]) -> list[torch.Tensor]:
     """Of each lamp, how much more `_with_edges` hides where all of its disc is hidden than where none is."""
-    of_each = zip(_sure_of(hidden, parts, reach), parts, reach.lost, strict=True)
+    of_each = zip(sure_of, parts, reach.lost, strict=True)
     return [sure * (part - (1 - _known(soft)) * of_lamp) for (of_lamp, sure), part, soft in of_each]
 
 
@@ -209,9 +215,7 @@ def _known(soft: torch.Tensor) -> torch.Tensor:
     return (soft / _SURE).clamp_max(1)
 
 
-def _sure_of(
-    hidden: torch.Tensor, parts: Sequence[torch.Tensor], reach: _Reach
-) -> list[tuple[torch.Tensor, torch.Tensor]]:
+def _sure_of(hidden: torch.Tensor, parts: Sequence[torch.Tensor], reach: _Reach) -> list[_Sure]:
     """Of each lamp, the part of what is hidden that is its light, and how far geometry has the last word about it."""
     lost, result = _lost(parts, reach.lost, reach), []
     for part, soft, decides in zip(parts, reach.lost, reach.decides, strict=True):

@@ -6,6 +6,7 @@ The training steps and the editor share these functions, so that a network meets
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import torch
 import torch.nn.functional as F
@@ -16,7 +17,11 @@ from relight_core.imaging.tensor_colour import grey
 from relight_core.imaging.tensor_constants import constant
 from relight_core.imaging.tensor_means import with_neighbours
 from relight_core.networks.specular_shadow import Occlusion, SpecularShadowConfig
-from relight_core.pipeline.per_light.fine_edges import ShadowEdges
+
+if TYPE_CHECKING:
+    import numpy as np
+
+    from relight_core.pipeline.per_light.fine_edges import ShadowEdges
 
 _NOTHING = 1e-6
 _CERTAIN = (0.5, 0.9)
@@ -208,9 +213,13 @@ def explicit_parts(
     if effects.colour_odds is not None:
         fraction = hidden_by_colour(fraction, effects.colour_odds, diffuse)
     colour = reflected[:, 3:] / gloss.clamp_min(1e-6)
-    left = 1 - shadow_gain * fraction if shadow_gain <= 1 else (1 - fraction) ** shadow_gain
-    matt = diffuse * left
+    matt = diffuse * light_left(fraction, shadow_gain)
     return matt if effects.thrown_back is None else matt + effects.thrown_back, effects.specular * colour
+
+
+def light_left(hidden: torch.Tensor | np.ndarray, shadow_gain: float) -> torch.Tensor | np.ndarray:
+    """Share of the diffuse light that is left at a gain of the shadow, where at a gain of 1 `hidden` is, in [0, 1]."""
+    return 1 - shadow_gain * hidden if shadow_gain <= 1 else (1 - hidden) ** shadow_gain
 
 
 def hidden_by_colour(hidden: torch.Tensor, colour_odds: torch.Tensor, diffuse: torch.Tensor) -> torch.Tensor:
