@@ -95,6 +95,7 @@ def _peers(arguments: argparse.Namespace, budget: Budget, contest: Contest, repo
     from relight_core.evaluation.peers.sun import Sun, load_sun
     from relight_core.evaluation.peers.table import as_markdown, contenders, trained_sun
     from relight_core.networks.bundle import load_bundle
+    from relight_core.pipeline.quality import tier_of
 
     # Whoever can't be read is told before the training and not after it.
     dpr = None if arguments.dpr is None else load_dpr(arguments.dpr)
@@ -108,12 +109,15 @@ def _peers(arguments: argparse.Namespace, budget: Budget, contest: Contest, repo
         with progress("training", 1.0) as show:
             sun = trained_sun(contest.heads, contest.lights, arguments.output, budget, show, like)
         training = in_words(budget)
+    in_editor = {}
     if given is not None:
         # A file may be called as a variant of the folder is, and both take part.
         name = arguments.weights.name if arguments.weights.stem in networks else arguments.weights.stem
         networks[name] = given
         training += f" {name} was trained elsewhere."
-    everybody = contenders(networks, sun, dpr)
+        if contest.size >= tier_of("final").delight_size:
+            in_editor[name] = load_bundle(arguments.weights).for_inference()
+    everybody = contenders(networks, sun, dpr, in_editor)
     with progress("relighting", 1.0) as show:
         outcome = hold(everybody, contest, show)
     _write(arguments.output / "peers", outcome, as_markdown(outcome, training), training, report)

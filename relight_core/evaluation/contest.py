@@ -10,6 +10,8 @@ from typing import Any, Protocol
 
 import numpy as np
 
+from relight_core.evaluation.bench import Editor
+from relight_core.evaluation.bench import TakenApart as EditorsTakenApart
 from relight_core.evaluation.direct import DirectRelighter, TakenApart, found_channels
 from relight_core.evaluation.evaluate import intervals_over_heads
 from relight_core.evaluation.held_out import (
@@ -24,8 +26,10 @@ from relight_core.evaluation.held_out import (
 )
 from relight_core.evaluation.metrics import Interval, interval_over_heads, wlog_l2
 from relight_core.evaluation.scoring import Figures, levelled, score_effects, score_relit, score_surface
+from relight_core.lighting.lamps import Lamp
 from relight_core.lighting.reflection import ReflectionTable
 from relight_core.networks.bundle import NetworkBundle
+from relight_core.pipeline.quality import Tier
 
 
 @dataclass(frozen=True)
@@ -38,6 +42,7 @@ class Task:
         reference: (S, S, 3) linear, [0, 1]: the truth as photographed, for whoever needs an example.
         covered: (S, S) bool, the head.
         surface: true images "normal" and "relief", for whoever needs a fitted model of the head.
+        small_lamps: of the light, for whoever draws their shadows.
     """
 
     light: np.ndarray
@@ -45,6 +50,7 @@ class Task:
     reference: np.ndarray
     covered: np.ndarray
     surface: Mapping[str, np.ndarray]
+    small_lamps: tuple[Lamp, ...] = ()
 
 
 class Contender(Protocol):
@@ -74,6 +80,23 @@ class OurNetworks:
 
     def channels(self, seen: TakenApart) -> Mapping[str, np.ndarray]:
         return found_channels(seen)
+
+
+class OurEditor:
+    """The three networks with all that the editor does before and after them, as a contender."""
+
+    def __init__(self, bundle: NetworkBundle, table: ReflectionTable, tier: Tier):
+        """Take networks that are ready for inference."""
+        self._editor = Editor(bundle, table, tier, table.transport.device.type)
+
+    def look(self, photo: np.ndarray) -> EditorsTakenApart:
+        return self._editor.take_apart(photo)
+
+    def relight(self, seen: EditorsTakenApart, task: Task) -> Mapping[str, np.ndarray]:
+        return self._editor.relight(seen, HeldOutLight("target", task.light, False, task.small_lamps))
+
+    def channels(self, seen: EditorsTakenApart) -> Mapping[str, np.ndarray]:
+        return seen.channels
 
 
 @dataclass(frozen=True)
@@ -177,7 +200,8 @@ def _score_head(
     for case in cases:
         seen, target = contender.look(head.photo(case.source, "clean")), lights[case.target].radiance
         true, gain = head.channels(case.target), head.exposure(case.target)
-        task = Task(target, gain, np.clip(true["image"] * gain, 0, 1), covered, truth)
+        reference, lamps = np.clip(true["image"] * gain, 0, 1), lights[case.target].small_lamps
+        task = Task(target, gain, reference, covered, truth, lamps)
         made, found = contender.relight(seen, task), contender.channels(seen)
         figures = score_relit(made["composition"], true["image"], gain, covered, covered)
         if "shadow" in made:

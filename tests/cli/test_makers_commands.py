@@ -13,6 +13,7 @@ from synthetic_heads import write_balls, write_lights
 from relight_core.dataset.lighting.lights import load_lights
 from relight_core.evaluation import dataset_effect
 from relight_core.networks.bundle import BundleConfig, NetworkBundle, load_bundle, save_bundle
+from relight_core.pipeline import quality
 
 
 @pytest.fixture
@@ -245,12 +246,15 @@ def test_the_paper_s_tables_are_written_whole(run, data, monkeypatch):
     assert "| DL-RL |" in out
     assert (data / "tables" / "ablation.md").read_text() in out
     assert Image.open(data / "tables" / "ablation.png").size == (4 * 32, 32)
+    # Pictures as large as the editor's networks see them are relit by the whole editor as well.
+    monkeypatch.setitem(quality.TIERS, "final", quality.Tier(32, 32, 32, 8, False))
     code, out, _ = run("evaluate", "peers", *words, "--every", 2, "--json", "--weights", data / "tiny.safetensors")
     assert code == 0
     record = json.loads(out)
     assert record == json.loads((data / "tables" / "peers.json").read_text())
     assert record["training"].endswith(" tiny was trained elsewhere.")
-    assert list(record["rows"]) == ["Shih et al. 2014", "Shu et al. 2017", "Sun et al. 2019", "DL-RL", "Full", "tiny"]
+    others, ours = ["Shih et al. 2014", "Shu et al. 2017", "Sun et al. 2019"], ["DL-RL", "Full", "tiny"]
+    assert list(record["rows"]) == [*others, *ours, "tiny, in the editor"]
     assert "Shu et al. 2017 (given the truth)" in (data / "tables" / "peers.md").read_text()
 
 

@@ -9,13 +9,15 @@ import torch
 from synthetic_heads import write_balls, write_lights
 
 from relight_core.errors import InputError
-from relight_core.evaluation.contest import Contest, OurNetworks, hold
+from relight_core.evaluation.contest import Contest, OurEditor, OurNetworks, hold
 from relight_core.evaluation.contest_report import BORROWED, CHANNELS, RELIT, as_record, heading, table
+from relight_core.evaluation.evaluate import Settings, evaluate
 from relight_core.lighting.reflection import ReflectionTable
 from relight_core.networks.bundle import BundleConfig, NetworkBundle
 from relight_core.networks.composition import CompositionConfig
 from relight_core.networks.delight import DelightConfig
 from relight_core.networks.specular_shadow import SpecularShadowConfig
+from relight_core.pipeline.quality import Tier
 
 EVEN = np.ones((16, 32, 3), np.float32)
 
@@ -108,6 +110,19 @@ def test_networks_of_any_variant_take_part(plain, contest):
     assert len(table(outcome, BORROWED)) == 4
     row = next(line for line in table(outcome, CHANNELS) if line.startswith("| networks"))
     assert row.count("–") == (3 if plain else 0)
+
+
+def test_the_editor_takes_part_with_the_figures_that_evaluate_gives_it(contest):
+    torch.manual_seed(0)
+    bundle, tier = NetworkBundle(BundleConfig.tiny()).for_inference(), Tier(32, 32, 32, 8, False)
+    contest = replace(contest, size=32)
+    outcome = hold({"editor": OurEditor(bundle, ReflectionTable(), tier)}, contest)
+    alone = evaluate(bundle, Settings(contest.heads, contest.lights, count=2, tier=tier))
+    found, expected = outcome.figures["editor"], alone.figures["panoramas"]
+    assert outcome.samples == alone.samples["panoramas"] == 8
+    for name in ("relit.psnr", "relit.rmse_aligned", "albedo.rmse", "normal.rmse", "shadow.rmse", "light.wlog_l2"):
+        assert found[name].mean == pytest.approx(expected[name].mean, rel=1e-5), name
+    assert np.isfinite(found["borrowed.rmse"].mean)
 
 
 def test_a_size_that_the_heads_have_not_is_refused(contest):

@@ -7,7 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from relight_core.evaluation.ablation.variants import VARIANTS, Budget, check_budget
-from relight_core.evaluation.contest import Contender, OurNetworks, Outcome
+from relight_core.evaluation.contest import Contender, OurEditor, OurNetworks, Outcome
 from relight_core.evaluation.contest_report import BORROWED, RELIT, heading, paper_table, table
 from relight_core.evaluation.peers.dpr import Dpr, DprNetwork
 from relight_core.evaluation.peers.shih import Shih
@@ -16,6 +16,7 @@ from relight_core.evaluation.peers.sun import Sun, SunConfig, load_sun, train_su
 from relight_core.lighting.reflection import ReflectionTable
 from relight_core.networks.bundle import NetworkBundle
 from relight_core.networks.delight import DelightConfig
+from relight_core.pipeline.quality import tier_of
 from relight_core.training.loop import state_path
 from relight_core.training.recipe import load_recipe
 from relight_core.training.run import Run
@@ -58,12 +59,18 @@ def trained_sun(
     return Sun(load_sun(checkpoint))
 
 
-def contenders(networks: Mapping[str, NetworkBundle], sun: Sun | None, dpr: DprNetwork | None) -> dict[str, Contender]:
+def contenders(
+    networks: Mapping[str, NetworkBundle],
+    sun: Sun | None,
+    dpr: DprNetwork | None,
+    in_editor: Mapping[str, NetworkBundle] | None = None,
+) -> dict[str, Contender]:
     """Everybody, in the order of the paper's Table 3.
 
     Args:
         networks: ours by name.
         dpr: None where the user has no weights for it.
+        in_editor: those of ours, ready for inference, that also take part as the editor runs them at `final`.
     """
     table = ReflectionTable()
     everybody: dict[str, Contender] = {"Shih et al. 2014": Shih(), "Shu et al. 2017": Shu()}
@@ -71,7 +78,9 @@ def contenders(networks: Mapping[str, NetworkBundle], sun: Sun | None, dpr: DprN
         everybody["DPR (Zhou et al. 2019)"] = Dpr(dpr)
     if sun is not None:
         everybody["Sun et al. 2019"] = sun
-    return everybody | {name: OurNetworks(bundle.eval(), table) for name, bundle in networks.items()}
+    everybody |= {name: OurNetworks(bundle.eval(), table) for name, bundle in networks.items()}
+    editors = {name: OurEditor(bundle, table, tier_of("final")) for name, bundle in (in_editor or {}).items()}
+    return everybody | {f"{name}, in the editor": editor for name, editor in editors.items()}
 
 
 def as_markdown(outcome: Outcome, training: str) -> str:
