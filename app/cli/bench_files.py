@@ -14,6 +14,7 @@ import numpy as np
 from PIL import Image
 
 from relight_core.errors import InputError
+from relight_core.evaluation.tables import markdown_table
 from relight_core.imaging.photo import Photo
 from relight_core.imaging.view_transform import apply_view
 
@@ -63,14 +64,10 @@ def time_files(photo: Photo, rounds: int, report: Callable[[int, int], None]) ->
 
 def as_markdown(found: dict[str, dict[str, float]]) -> str:
     """A table of what `time_files` found."""
-    lines = [
-        "| 24 MP JPEG to | whole program, s | after the networks, s | peak memory, MiB | file, MB |",
-        "|---|---|---|---|---|",
-    ]
-    for kind, of in found.items():
-        figures = (f"{of['whole_s']:.1f}", f"{of['after_networks_s']:.1f}", f"{of['peak_mib']:.0f}")
-        lines.append(f"| {kind[1:].upper()} | {' | '.join(figures)} | {of['file_mb']:.0f} |")
-    return "\n".join(lines) + "\n"
+    titles = ("24 MP JPEG to", "whole program, s", "after the networks, s", "peak memory, MiB", "file, MB")
+    forms = {"whole_s": ".1f", "after_networks_s": ".1f", "peak_mib": ".0f", "file_mb": ".0f"}
+    rows = [[kind[1:].upper(), *(f"{of[name]:{form}}" for name, form in forms.items())] for kind, of in found.items()]
+    return "\n".join(markdown_table(titles, rows)) + "\n"
 
 
 def _enlarged(photo: Photo) -> Image.Image:

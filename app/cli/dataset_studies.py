@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import math
 import os
 import tempfile
 from pathlib import Path
@@ -130,6 +129,7 @@ def _effect(arguments: argparse.Namespace) -> int:
 def _compare(arguments: argparse.Namespace, paths: list[Path], lesson, work: Path) -> int:
     from app.cli.sheet import contact_sheet
     from relight_core.evaluation.dataset_effect import compare_photos, taught
+    from relight_core.evaluation.tables import figure_text
 
     make_folder(work)
     pupils = {}
@@ -141,15 +141,10 @@ def _compare(arguments: argparse.Namespace, paths: list[Path], lesson, work: Pat
     comparison = compare_photos(pupils, paths, lesson.size)
     say("| trained on | detail kept | spread of people, stops | light left | photos |\n|---|---|---|---|---|")
     for name, figures in comparison.figures.items():
-        row = (_cell(figures.detail, 3), _cell(figures.spread, 3), _cell(figures.light_left, 2))
-        say(f"| {name} | {' | '.join(row)} | {comparison.photos} |")
+        row = ((figures.detail, ".3f"), (figures.spread, ".3f"), (figures.light_left, ".2f"))
+        say(f"| {name} | {' | '.join(figure_text(*figure) for figure in row)} | {comparison.photos} |")
     _write_sheet(arguments.output, contact_sheet(comparison.pictures, 1 + 2 * len(pupils), _CELL_PX))
     return 0
-
-
-def _cell(figure: float, decimals: int) -> str:
-    """A figure, or a dash where no photo allows one."""
-    return "–" if math.isnan(figure) else f"{figure:.{decimals}f}"
 
 
 def _write_sheet(path: Path, sheet) -> None:

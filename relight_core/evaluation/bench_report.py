@@ -10,6 +10,7 @@ from relight_core.evaluation.bench_configurations import Configuration
 from relight_core.evaluation.bench_machine import Demand, Peaks
 from relight_core.evaluation.bench_timing import ACTIONS, Spread, Timing
 from relight_core.evaluation.counted import counted
+from relight_core.evaluation.tables import figure_text, markdown_table
 
 _BEST, _BEATEN = "#c8842c", "#b0b0b0"
 
@@ -105,46 +106,37 @@ def _actions(result: BenchResult) -> list[str]:
     best = [True] * len(result.rows)
     if kinds:
         best = pareto([(_rotation(row), error) for row, error in zip(result.rows, kinds[0][1], strict=True)])
-    table = ["Milliseconds, median (95th percentile); * is on the Pareto front of rotation against error.", ""]
-    table += [
-        "| | de-light | rotation | slider | RMSE | PSNR | against final | MiB |",
-        "|---|---|---|---|---|---|---|---|",
-    ]
+    note = "Milliseconds, median (95th percentile); * is on the Pareto front of rotation against error."
+    titles = ("", "de-light", "rotation", "slider", "RMSE", "PSNR", "against final", "MiB")
+    rows = []
     for row, front in zip(result.rows, best, strict=True):
-        accuracy = row.accuracy
-        cells = [_ms(row.timing.actions[name]) for name in ACTIONS]
-        cells += [_number(accuracy.rmse, 4), _number(accuracy.psnr, 1), _number(accuracy.against_final, 4)]
-        cells.append(_number(row.timing.memory_mib, 0))
         name = f"**{row.configuration.name}**" if row.configuration.is_tier else row.configuration.name
-        table.append(f"| {name}{' *' if front else ''} | {' | '.join(cells)} |")
-    return table
+        times = [_ms(row.timing.actions[name]) for name in ACTIONS]
+        errors = ((row.accuracy.rmse, ".4f"), (row.accuracy.psnr, ".1f"), (row.accuracy.against_final, ".4f"))
+        figures = [figure_text(*figure) for figure in (*errors, (row.timing.memory_mib, ".0f"))]
+        rows.append([name + " *" * front, *times, *figures])
+    return [note, "", *markdown_table(titles, rows)]
 
 
 def _stages(result: BenchResult) -> list[str]:
     names = list(dict.fromkeys(name for row in result.rows for name in row.timing.stages))
-    table = ["| stage, ms | " + " | ".join(names) + " |", "|---|" + "---|" * len(names)]
-    for row in result.rows:
-        cells = [_ms(row.timing.stages[name]) if name in row.timing.stages else "–" for name in names]
-        table.append(f"| {row.configuration.name} | {' | '.join(cells)} |")
-    return table
+    rows = [[row.configuration.name, *(_ms(row.timing.stages.get(name)) for name in names)] for row in result.rows]
+    return markdown_table(["stage, ms", *names], rows)
 
 
 def _limits(result: BenchResult) -> list[str]:
     """What the networks would take at the machine's measured peak."""
     peaks = ", ".join(f"{value:.0f} GFLOP/s in {name}" for name, value in result.peaks.gflops.items())
-    table = [f"Measured peaks: {peaks}, {result.peaks.bandwidth_gb_s:.1f} GB/s.", ""]
-    table += ["| network | GFLOP | MB | least ms | measured ms |", "|---|---|---|---|---|"]
+    rows = []
     for row in result.rows:
         if not row.configuration.is_tier:
             continue
         for name, demand in row.demands.items():
-            least = demand.least_ms(result.peaks, row.configuration.tier.precision)
-            measured = _ms(row.timing.stages[name]) if name in row.timing.stages else "–"
-            table.append(
-                f"| {row.configuration.name}: {name} | {demand.gflop:.2f} | {demand.megabytes:.1f} "
-                f"| {least:.1f} | {measured} |"
-            )
-    return table
+            least_ms = demand.least_ms(result.peaks, row.configuration.tier.precision)
+            figures = (f"{demand.gflop:.2f}", f"{demand.megabytes:.1f}", f"{least_ms:.1f}")
+            rows.append([f"{row.configuration.name}: {name}", *figures, _ms(row.timing.stages.get(name))])
+    note = f"Measured peaks: {peaks}, {result.peaks.bandwidth_gb_s:.1f} GB/s."
+    return [note, "", *markdown_table(("network", "GFLOP", "MB", "least ms", "measured ms"), rows)]
 
 
 def plot(result: BenchResult, path: Path) -> None:
@@ -215,12 +207,8 @@ def _rotation(row: Row) -> float:
     return row.timing.actions["rotation"].median
 
 
-def _ms(spread: Spread) -> str:
-    return f"{spread.median:.1f} ({spread.p95:.1f})"
-
-
-def _number(value: float | None, digits: int) -> str:
-    return "–" if value is None else f"{value:.{digits}f}"
+def _ms(spread: Spread | None) -> str:
+    return "–" if spread is None else f"{spread.median:.1f} ({spread.p95:.1f})"
 
 
 def _rounded(numbers: dict, digits: int = 2) -> dict:

@@ -7,6 +7,7 @@ from dataclasses import asdict, dataclass, field, replace
 
 import numpy as np
 
+from relight_core.evaluation.tables import figure_text, markdown_table
 from relight_core.imaging.photo import Photo
 from relight_core.imaging.view_transform import apply_view
 from relight_core.lighting.environment import Environment
@@ -217,15 +218,13 @@ def as_markdown(savings: Savings) -> str:
         f"largest bound given {255 * savings.largest_bound:.2f} / 255.",
     ]
     lines += [f"OUT OF BOUNDS: {line}" for line in savings.broken]
-    lines += ["", "| effect | | because | times | saved, s | bound / 255 | compared | largest error / 255 |"]
-    lines.append("|---|---|---|---|---|---|---|---|")
-    for (effect, state, why), rule in sorted(savings.rules.items()):
-        bound = "–" if rule.bound is None else f"{255 * rule.bound:.2f}"
-        lines.append(
-            f"| {effect} | {state} | {why} | {rule.times} | {rule.saved_ms / 1e3:.2f} | {bound} "
-            f"| {rule.compared} | {255 * rule.largest_error:.2f} |"
-        )
-    return "\n".join(lines)
+    titles = ("effect", "", "because", "times", "saved, s", "bound / 255", "compared", "largest error / 255")
+    rows = []
+    for key, rule in sorted(savings.rules.items()):
+        bound = None if rule.bound is None else 255 * rule.bound
+        cells = (f"{rule.times}", f"{rule.saved_ms / 1e3:.2f}", figure_text(bound, ".2f"), f"{rule.compared}")
+        rows.append([*key, *cells, f"{255 * rule.largest_error:.2f}"])
+    return "\n".join([*lines, "", *markdown_table(titles, rows)])
 
 
 def _rounded(record: dict) -> dict:

@@ -22,6 +22,7 @@ from relight_core.evaluation.held_out import Case, HeldOutHead, HeldOutLight, Ph
 from relight_core.evaluation.metrics import Interval, interval_over_heads
 from relight_core.evaluation.report import intervals_in_words, known
 from relight_core.evaluation.scoring import Figures, best_gain, score_relit
+from relight_core.evaluation.tables import markdown_table
 from relight_core.evaluation.true_surface import true_surface
 from relight_core.face.parsing import FACE_LABELS, INDEX
 from relight_core.lighting.reflection import ReflectionTable
@@ -177,11 +178,11 @@ def as_markdown(breakdown: Breakdown, weights: str, settings: Settings) -> str:
         f"PSNR, the others are what they add to it. {intervals_in_words(breakdown.heads)}"
     )
     titles = [f"{group} ({breakdown.samples[group]}), {how}" for group in groups for how in ("dB", "one exposure")]
-    lines = ["# Where the error comes from", "", what, ""]
-    lines += ["| de-lighting is told | " + " | ".join(titles) + " |", "|---" * (len(titles) + 1) + "|"]
-    for row, figures in breakdown.figures.items():
-        cells = [_cell(row, figures[group], name) for group in groups for name in _MEASURES]
-        lines.append(f"| {row} | " + " | ".join(cells) + " |")
+    rows = [
+        [row, *(_cell(row, figures[group], name) for group in groups for name in _MEASURES)]
+        for row, figures in breakdown.figures.items()
+    ]
+    lines = ["# Where the error comes from", "", what, "", *markdown_table(["de-lighting is told", *titles], rows)]
     return "\n".join(lines) + "\n"
 
 

@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 from relight_core.evaluation.contest import Outcome
 from relight_core.evaluation.counted import counted
 from relight_core.evaluation.report import interval_text, intervals_in_words, known, nested
+from relight_core.evaluation.tables import figure_text, markdown_table
 
 Columns = Mapping[str, str]
 
@@ -56,20 +57,18 @@ def as_record(outcome: Outcome, training: str) -> dict:
 
 def table(outcome: Outcome, columns: Columns) -> list[str]:
     """Lines of Markdown: a row for each contender that has one of the columns, a dash for what it has not."""
-    lines = ["| | " + " | ".join(columns.values()) + " |", "|---" * (len(columns) + 1) + "|"]
-    for name, figures in outcome.figures.items():
-        if any(column in figures for column in columns):
-            cells = [interval_text(figures.get(column)) or "–" for column in columns]
-            lines.append(f"| {name} | " + " | ".join(cells) + " |")
-    return lines
+    rows = [
+        [name, *(interval_text(figures.get(column)) or "–" for column in columns)]
+        for name, figures in outcome.figures.items()
+        if any(column in figures for column in columns)
+    ]
+    return markdown_table(["", *columns.values()], rows)
 
 
 def paper_table(title: str, columns: Sequence[str], rows: Mapping[str, Sequence[float | None]]) -> list[str]:
     """The paper's own figures, for the order of their size."""
-    lines = ["", f"{title}:", "", "| | " + " | ".join(columns) + " |", "|---" * (len(columns) + 1) + "|"]
-    for name, values in rows.items():
-        lines.append(f"| {name} | " + " | ".join("–" if v is None else f"{v:g}" for v in values) + " |")
-    return lines
+    cells = [[name, *(figure_text(value, "g") for value in values)] for name, values in rows.items()]
+    return ["", f"{title}:", "", *markdown_table(["", *columns], cells)]
 
 
 def heading(title: str, outcome: Outcome, training: str) -> list[str]:

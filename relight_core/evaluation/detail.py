@@ -26,6 +26,7 @@ from relight_core.evaluation.held_out import (
     held_out_textures,
     load_head,
 )
+from relight_core.evaluation.tables import figure_text, markdown_table
 from relight_core.face.parsing import CLASSES, INDEX
 from relight_core.imaging.colour import srgb_encode
 from relight_core.imaging.resampling import resize_area
@@ -86,11 +87,8 @@ def detail_table(scores: DetailScores) -> str:
     """The scores as a table in Markdown."""
     lines = []
     for title, rows in (("perfect", scores.errors), ("albedo blurred", scores.blurred)):
-        lines += [f"| {' | '.join([title, *REGIONS])} |", "|---" * (len(REGIONS) + 1) + "|"]
-        for method, errors in rows.items():
-            cells = ["–" if np.isnan(errors[region]) else f"{errors[region]:.2f}" for region in REGIONS]
-            lines.append(f"| {method} | {' | '.join(cells)} |")
-        lines.append("")
+        cells = [[method, *(figure_text(errors[name], ".2f") for name in REGIONS)] for method, errors in rows.items()]
+        lines += [*markdown_table([title, *REGIONS], cells), ""]
     return "\n".join(lines) + f"RMS in sRGB codes, {counted(scores.pictures, 'relighting')} at {scores.size} pixels.\n"
 
 

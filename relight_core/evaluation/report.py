@@ -7,6 +7,7 @@ import math
 from relight_core.evaluation.counted import counted
 from relight_core.evaluation.evaluate import Evaluation
 from relight_core.evaluation.metrics import Interval
+from relight_core.evaluation.tables import markdown_table
 from relight_core.pipeline.quality import quality_of
 
 PAPER_FULL = {
@@ -92,19 +93,17 @@ def as_markdown(evaluation: Evaluation, weights: str) -> str:
         f"({quality_of(settings.tier)}, networks at {settings.tier.network_size}), {settings.photos} photos, "
         f"over all of the head. {intervals_in_words(evaluation.heads)}",
         "",
-        "| | ours | paper, Table 2, Full |",
-        "|---|---|---|",
     ]
     whole = evaluation.figures["panoramas"]
-    lines += [f"| {_TITLES[name]} | {interval_text(whole[name])} | {value:g} |" for name, value in PAPER_FULL.items()]
-    lines += ["", _NOTE, "", "## In detail", ""]
+    beside = [(_TITLES[name], interval_text(whole[name]), f"{value:g}") for name, value in PAPER_FULL.items()]
+    lines += [*markdown_table(("", "ours", "paper, Table 2, Full"), beside), "", _NOTE, "", "## In detail", ""]
     groups = [group for group in _KEYS if group in evaluation.figures]
-    lines += ["| | " + " | ".join(f"{group} ({evaluation.samples[group]})" for group in groups) + " |"]
-    lines += ["|---" * (len(groups) + 1) + "|"]
-    for name, title in _TITLES.items():
-        cells = [interval_text(evaluation.figures[group].get(name)) for group in groups]
-        if any(cells):
-            lines.append(f"| {title} | " + " | ".join(cells) + " |")
+    cells = {
+        title: [interval_text(evaluation.figures[group].get(name)) for group in groups]
+        for name, title in _TITLES.items()
+    }
+    titles = ["", *(f"{group} ({evaluation.samples[group]})" for group in groups)]
+    lines += markdown_table(titles, [[title, *figures] for title, figures in cells.items() if any(figures)])
     return "\n".join(lines) + "\n"
 
 

@@ -13,6 +13,7 @@ from pathlib import Path
 import numpy as np
 import torch
 
+from relight_core.evaluation.tables import figure_text, markdown_table
 from relight_core.face.find import FaceBox
 from relight_core.imaging.photo import Photo
 from relight_core.imaging.view_transform import apply_view
@@ -83,15 +84,10 @@ class StabilityReport:
 
     def as_markdown(self) -> str:
         """A table: the worst case of every check, then every case."""
-        head = ["| | " + " | ".join(self.checks) + " |", "|---|" + "---|" * len(self.checks)]
-        worst = np.nanmax(self.errors, axis=0)
-        named = [("bound", [BOUNDS[check] for check in self.checks]), ("**worst**", worst)]
-        rows = [f"| {name} | " + " | ".join(f"{v:.2g}" for v in values) + " |" for name, values in named]
-        rows += [
-            f"| {case} | " + " | ".join("–" if np.isnan(v) else f"{v:.2g}" for v in row) + " |"
-            for case, row in zip(self.cases, self.errors, strict=True)
-        ]
-        return "\n".join([*head, *rows])
+        rows = {"bound": [BOUNDS[check] for check in self.checks], "**worst**": np.nanmax(self.errors, axis=0)}
+        rows |= zip(self.cases, self.errors, strict=True)
+        cells = [[name, *(figure_text(error, ".2g") for error in errors)] for name, errors in rows.items()]
+        return "\n".join(markdown_table(["", *self.checks], cells))
 
 
 def hostile_lights() -> dict[str, np.ndarray]:

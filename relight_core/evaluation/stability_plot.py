@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from relight_core.evaluation.stability import BOUNDS, StabilityReport
+from relight_core.evaluation.tables import figure_text
 
 _CALM, _FAR = 1e-4, 10.0
 
@@ -31,7 +32,7 @@ def plot_stability(report: StabilityReport, path: Path) -> None:
     axes.set_xticks(range(len(report.checks)), report.checks, rotation=30, ha="right")
     axes.set_yticks(range(len(report.cases)), report.cases, fontsize=7)
     for (row, column), error in np.ndenumerate(report.errors):
-        axes.text(column, row, "–" if np.isnan(error) else f"{error:.1g}", ha="center", va="center", fontsize=6)
+        axes.text(column, row, figure_text(error, ".1g"), ha="center", va="center", fontsize=6)
     ticks = np.arange(np.log10(_CALM), np.log10(_FAR) + 1)
     figure.colorbar(image, label="error over its bound", ticks=ticks).ax.set_yticklabels([f"{10**t:g}" for t in ticks])
     FigureCanvasAgg(figure).print_png(str(path))
