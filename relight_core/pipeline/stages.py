@@ -78,6 +78,11 @@ class Surface:
         """(1, 1, S, S), see `per_light.bare_skin`."""
         return bare_skin(self.parsing)
 
+    @cached_property
+    def eye_sockets(self) -> torch.Tensor:
+        """(S, S), see `face.eyeballs`."""
+        return torch.from_numpy(eye_sockets(self.parsing[0].cpu().numpy())).to(self.parsing.device)
+
 
 def in_precision(bundle: NetworkBundle, device: str, wish: str = "bf16") -> NetworkBundle:
     """The networks in bf16 where it is wished for and the hardware multiplies it natively, else in fp32.
@@ -250,8 +255,7 @@ def reflector(table: ReflectionTable, surface: Surface, *, black_is_dull: bool =
     shares[:, 3:] *= gloss_share(surface.parsing)
     if black_is_dull:
         shares[:, 3:] *= gloss_of_black(surface.albedo, surface.parsing)
-    receives = torch.from_numpy(eye_sockets(surface.parsing[0].cpu().numpy())).to(shares.device)
-    sockets = gather_bounce(surface.normal, surface.relief, surface.albedo, surface.person, receives)
+    sockets = gather_bounce(surface.normal, surface.relief, surface.albedo, surface.person, surface.eye_sockets)
     return Reflector(NormalLookup(table, surface.normal), shares, sockets)
 
 

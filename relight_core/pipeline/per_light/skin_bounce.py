@@ -10,7 +10,6 @@ from __future__ import annotations
 import torch
 import torch.nn.functional as F
 
-from relight_core.face.eyeballs import eye_sockets
 from relight_core.imaging.tensor_normals import unit_normals
 from relight_core.lighting.bounce import Bounce, gather_bounce
 from relight_core.pipeline.stages import Surface
@@ -22,8 +21,7 @@ _RECEIVERS = 64
 @torch.inference_mode()
 def skin_bounce(surface: Surface) -> Bounce:
     """What bare skin gets of all that the surface sends out; eye sockets have their own (see `stages.reflector`)."""
-    sockets = torch.from_numpy(eye_sockets(surface.parsing[0].cpu().numpy())).to(surface.relief)
-    receives = _shrunk(surface.bare_skin * (1 - sockets))
+    receives = _shrunk(surface.bare_skin * (1 - surface.eye_sockets))
     relief, person = _shrunk(surface.relief), _shrunk(surface.person)
     normal = unit_normals(_shrunk(surface.normal))
     # Radiance is asked for, which has the albedo in it.
