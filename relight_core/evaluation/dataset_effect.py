@@ -115,7 +115,7 @@ def taught(heads: Path, lights: Path, lesson: Lesson, checkpoint: Path, report, 
     Raises:
         InputError: what is there was taught otherwise; and as `training.loop.train_stage`.
     """
-    data = data_mark(heads, lights, "train")
+    data = data_mark(heads, lights)
     _keep_to_one_lesson(checkpoint, {**asdict(lesson), "heads and lights": data, "plain": plain})
     if checkpoint.exists() and not state_path(checkpoint).exists():
         return load_bundle(checkpoint).eval()
@@ -188,7 +188,7 @@ def look(pupil: NetworkBundle, parser: NetworkBundle, photo: Photo, size: int) -
     Raises:
         InputError: no face.
     """
-    view = frame(photo, choose_faces(photo, None)[0]).view
+    view = frame(photo, choose_faces(photo)[0]).view
     linear = np.clip(view.extract(photo.linear, size), 0, None)
     photo_srgb = srgb_encode(np.clip(linear, 0, 1))
     found = pupil.delight(_batch(photo_srgb))

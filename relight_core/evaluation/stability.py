@@ -151,7 +151,7 @@ def run_stability(
     if quick:
         portraits = {name: portraits[name] for name in ("as it is", "4 EV over")}
         lights = {name: lights[name] for name in ("noise", "sun at the seam")}
-    relighter, tier, face = Relighter(weights), tier_of(_TIER), choose_faces(photo, None)[0]
+    relighter, tier, face = Relighter(weights), tier_of(_TIER), choose_faces(photo)[0]
     cases, errors = [], []
     for portrait_name, portrait in portraits.items():
         # Framed by hand: what the finder makes of such pictures is another question.

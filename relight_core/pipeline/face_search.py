@@ -43,7 +43,7 @@ class FaceSearch:
             NoFaceError: there are none.
         """
         find = partial(located, self._photo, parsed=self.labels)
-        found = choose_faces(self._photo.seen, None, self._evidence, find, self._look_closer, self._glimpse)
+        found = choose_faces(self._photo.seen, self._evidence, find, self._look_closer, self._glimpse)
         return [replace(face, doubtful=False) for face in found]
 
     def _parsing(self, view: Crop) -> np.ndarray:

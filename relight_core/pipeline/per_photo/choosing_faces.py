@@ -38,13 +38,12 @@ _AGREED, _SAME_PLACE = 4, 0.7
 
 def choose_faces(
     photo: Photo,
-    face_index: int | None,
     evidence: Callable[[FaceBox], int] | None = None,
     locate: Callable[[Crop], FaceBox | None] = lambda view: None,
     look_closer: Callable[[FaceBox], int] | None = None,
     glimpse: Callable[[FaceBox], int] = lambda box: 0,
 ) -> list[FaceBox]:
-    """All faces, the largest first, or only the one of an index in order of size.
+    """All faces, the largest first.
 
     Args:
         evidence: says how many of brows, eyes and mouth are seen in a box. With it, what only cascades take for a
@@ -58,7 +57,6 @@ def choose_faces(
 
     Raises:
         NoFaceError: no face.
-        InputError: no such index.
     """
     if evidence is None:
         faces = find_faces(photo) or find_small_faces(photo)
@@ -68,7 +66,7 @@ def choose_faces(
         faces = _confirmed(photo, faces, evidence, locate, glimpse)
         if look_closer is not None:
             faces = _with_companions(photo, faces, look_closer)
-    return those_chosen(photo, faces, face_index)
+    return those_chosen(photo, faces, None)
 
 
 def those_chosen(photo: Photo, faces: Sequence[FaceBox], face_index: int | None) -> list[FaceBox]:
