@@ -193,11 +193,11 @@ def load_split(folder: Path, split: str) -> list[Path]:
     return [path for path, seed in seeds if seed.isdecimal() and first <= int(seed) < first + SPLIT_SIZE]
 
 
-def data_mark(heads: Path, lights: Path, split: str) -> str:
-    """Tells one set of heads, their painted skins and lights from another by the names and sizes of their files."""
+def data_mark(heads: Path, lights: Path) -> str:
+    """Tells one training set of heads, painted skins and lights from another by the names and sizes of their files."""
     skins = heads / SKINS
     beside = [skins] if skins.exists() else []
-    files = [*load_split(heads, split), *beside, *(panoramas_in(lights) if lights.is_dir() else [lights])]
+    files = [*load_split(heads, "train"), *beside, *(panoramas_in(lights) if lights.is_dir() else [lights])]
     listed = json.dumps([[path.name, path.stat().st_size] for path in files])
     return hashlib.sha256(listed.encode()).hexdigest()[:10]
 

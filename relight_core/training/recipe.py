@@ -164,7 +164,7 @@ def follow(
     if start is not None:
         _check_start(recipe, start)
     folder.mkdir(parents=True, exist_ok=True)
-    _keep_to_one_run(recipe, start, folder, data_mark(heads, lights, "train"))
+    _keep_to_one_run(recipe, start, folder, data_mark(heads, lights))
     before = start
     for number, plan in enumerate(recipe.stages):
         checkpoint = _checkpoint(folder, number, plan)

@@ -135,11 +135,11 @@ def train(run: Run, report) -> NetworkBundle:
 def _begun_with(run: Run, stage: Stage) -> dict[str, int | str]:
     """What a run that goes on has to be given again: what decides its batches, and the weights it began from."""
     start = "random weights" if run.start is None else file_digest(run.start)[:10]
-    begun = drawn_by(run) | {"start": start, "heads and lights": data_mark(run.heads, run.lights, "train")}
+    begun = drawn_by(run) | {"start": start, "heads and lights": data_mark(run.heads, run.lights)}
     if stage.distilled:
         begun["examples"] = run.examples
     if stage.outlines:
-        begun["places"] = "drawn ones" if run.places is None else data_mark(run.heads, run.places, "train")
+        begun["places"] = "drawn ones" if run.places is None else data_mark(run.heads, run.places)
     return begun
 
 
@@ -175,7 +175,7 @@ def _example_batches(run: Run, stage: Stage, bundle: NetworkBundle, device: str)
     place = run.kept or run.checkpoint.with_suffix(".examples")
     # A run that is killed before its first state leaves nothing else that tells which samples it took.
     samples = "-".join(f"{name}-{value}" for name, value in drawn_by(run).items())
-    folder = place / f"{samples}-by-{teacher.name}-of-{data_mark(run.heads, run.lights, 'train')}"
+    folder = place / f"{samples}-by-{teacher.name}-of-{data_mark(run.heads, run.lights)}"
 
     def make(first: int) -> Iterator[dict[str, torch.Tensor]]:
         return map(teacher.examples, training_batches(replace(run, kept=None), stage, first))

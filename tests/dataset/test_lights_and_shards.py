@@ -180,7 +180,7 @@ def test_painted_skins_and_all_panoramas_tell_one_set_of_data_from_another(tmp_p
     for place in ("heads/head-0000007.npz", "lights/sky.hdr", "lights/yard/sky.hdr"):
         (tmp_path / place).parent.mkdir(parents=True, exist_ok=True)
         (tmp_path / place).write_bytes(b"one")
-    before = data_mark(tmp_path / "heads", tmp_path / "lights", "train")
-    assert data_mark(tmp_path / "heads", tmp_path / "lights", "train") == before
+    before = data_mark(tmp_path / "heads", tmp_path / "lights")
+    assert data_mark(tmp_path / "heads", tmp_path / "lights") == before
     (tmp_path / added).write_bytes(b"another")
-    assert data_mark(tmp_path / "heads", tmp_path / "lights", "train") != before
+    assert data_mark(tmp_path / "heads", tmp_path / "lights") != before

@@ -102,7 +102,7 @@ def train_variants(
 
 def check_budget(folder: Path, budget: Budget, heads: Path, lights: Path) -> None:
     """Note the budget and the training data in a folder; raises InputError where others trained in it."""
-    note, words = folder / "budget.json", json.dumps({**asdict(budget), "data": data_mark(heads, lights, "train")})
+    note, words = folder / "budget.json", json.dumps({**asdict(budget), "data": data_mark(heads, lights)})
     begun = note.exists() and any(folder.rglob("*.safetensors"))
     # Older notes know of no data; a training that was refused has left nothing but its note.
     if not begun or note.read_text() == json.dumps(asdict(budget)):
