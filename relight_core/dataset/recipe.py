@@ -12,7 +12,7 @@ import numpy as np
 from relight_core.dataset.baking.bake import BakedHead, bake
 from relight_core.dataset.baking.framing import Framing, sample_framing
 from relight_core.dataset.baking.scene import FROM_FACE_MAP, Scene, build_scene
-from relight_core.dataset.baking.shard import read_shard, shard_size, write_shard
+from relight_core.dataset.baking.shard import shard_size, write_shard
 from relight_core.dataset.face_map import face_label_map, face_vertices
 from relight_core.dataset.garments.dressing import Shares, Wardrobe
 from relight_core.dataset.heads import (
@@ -200,16 +200,3 @@ def data_mark(heads: Path, lights: Path) -> str:
     files = [*load_split(heads, "train"), *beside, *(panoramas_in(lights) if lights.is_dir() else [lights])]
     listed = json.dumps([[path.name, path.stat().st_size] for path in files])
     return hashlib.sha256(listed.encode()).hexdigest()[:10]
-
-
-__all__ = [
-    "SPLIT_SEEDS",
-    "Casting",
-    "ScanCasting",
-    "bake_missing",
-    "data_mark",
-    "load_casting",
-    "load_split",
-    "read_shard",
-    "shard_path",
-]

@@ -13,8 +13,6 @@ from relight_core.resources import resource_path
 
 RIG_HEIGHT = 256
 
-__all__ = ["load_rig", "read_bundled_rig", "render_rig", "rig_names"]
-
 
 def rig_names() -> list[str]:
     """Names of the bundled rigs, in alphabetical order."""

@@ -20,8 +20,6 @@ from relight_core.dataset.garments.lashes import LashStrips
 from relight_core.dataset.garments.raised_arm import raise_arm
 from relight_core.dataset.heads import HeadModel
 
-__all__ = ["Garment", "Shares", "Wardrobe"]
-
 _HAIR, _BEARD, _GLASSES, _CLOTH, _BROWS = 0.90, 0.20, 0.15, 0.95, 0.85
 _LASHES = 0.8
 _FEDORA_SHARE = 0.04
