@@ -65,6 +65,14 @@ def share_of(parsing: torch.Tensor, names: Sequence[str]) -> torch.Tensor:
     return sum(parsing[:, INDEX[name], None] for name in names)
 
 
+def with_neck_as(parsing: torch.Tensor, name: str, share: torch.Tensor) -> torch.Tensor:
+    """Parsing probabilities (B, classes, S, S) with a share (B, 1, S, S), of what passed for neck, as another class."""
+    parsing = parsing.clone()
+    parsing[:, INDEX["neck"]] -= share[:, 0]
+    parsing[:, INDEX[name]] += share[:, 0]
+    return parsing
+
+
 def middle_row(parsing: np.ndarray | torch.Tensor, names: Sequence[str], least_px: float) -> float | None:
     """The mean row of some classes in a parsing (classes, S, S); None where no more than `least_px` are theirs."""
     by_row = parsing[[INDEX[name] for name in names]].sum((0, 2)).tolist()

@@ -13,11 +13,11 @@ import cv2
 import numpy as np
 import torch
 
-from relight_core.face.parsing import INDEX
+from relight_core.face.parsing import INDEX, with_neck_as
 from relight_core.imaging.colour import srgb_encode
 from relight_core.imaging.colour_counts import bins_of, log_odds, shares_of
 from relight_core.imaging.ramp import ramp
-from relight_core.pipeline.per_photo.white_hair import above_the_eyes, with_scalp_as_hair
+from relight_core.pipeline.per_photo.white_hair import above_the_eyes
 from relight_core.pipeline.stages import Surface
 
 _SURE_FROM = 0.7
@@ -41,7 +41,7 @@ def with_hair_on_scalp(surface: Surface) -> Surface:
     told = cv2.blur(told, (_AROUND_PX, _AROUND_PX))
     likely = torch.from_numpy(ramp(told, _PERHAPS_HAIR, _HAIR)).to(surface.parsing)
     share = surface.parsing[:, INDEX["neck"], None] * above * likely
-    return replace(surface, parsing=with_scalp_as_hair(surface.parsing, share))
+    return replace(surface, parsing=with_neck_as(surface.parsing, "hair", share))
 
 
 def _sure(probability: torch.Tensor) -> np.ndarray:

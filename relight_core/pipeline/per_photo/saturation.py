@@ -9,6 +9,8 @@ from __future__ import annotations
 
 import torch
 
+from relight_core.imaging.tensor_colour import as_bright_as
+
 _BLACK = 0.005
 _SURE = 0.6
 _GREY = 0.01
@@ -19,6 +21,17 @@ def log_colour(values: torch.Tensor) -> torch.Tensor:
     """Logarithms of linear colours (..., 3) without their mean: what is left when brightness is not asked for."""
     logarithm = values.clamp_min(1e-4).log()
     return logarithm - logarithm.mean(-1, keepdim=True)
+
+
+def log_colours(image: torch.Tensor) -> torch.Tensor:
+    """`log_colour` of an image (1, 3, S, S), linear, in which what is nearly black has next to none; (S, S, 3)."""
+    return log_colour((image[0] + _BLACK).movedim(0, -1))
+
+
+def recoloured(albedo: torch.Tensor, colours: torch.Tensor, share: torch.Tensor) -> torch.Tensor:
+    """An albedo (1, 3, S, S) that has a share (1, 1, S, S) of log colours (S, S, 3), as bright as it is."""
+    bare = as_bright_as(torch.exp(colours).movedim(-1, 0)[None], albedo)
+    return (albedo + share * (bare - albedo)).clamp(0, 1)
 
 
 def saturation(change: torch.Tensor, own: torch.Tensor) -> torch.Tensor:

@@ -11,10 +11,10 @@ import cv2
 import numpy as np
 import torch
 
-from relight_core.face.parsing import INDEX, middle_row
+from relight_core.face.parsing import INDEX, middle_row, with_neck_as
 from relight_core.imaging.ramp import ramp
-from relight_core.imaging.tensor_colour import as_bright_as, grey
-from relight_core.pipeline.per_photo.saturation import log_colour, middle_colour, saturation
+from relight_core.imaging.tensor_colour import grey
+from relight_core.pipeline.per_photo.saturation import log_colours, middle_colour, recoloured, saturation
 
 _MOUTH = ("lips", "inner_mouth")
 _FEWEST_PIXELS, _FEWEST_MOUTH_PIXELS = 50, 4
@@ -28,7 +28,6 @@ _COLOURED, _GREY = -0.6, -0.8
 _PERHAPS_MOST, _MOST = 0.45, 0.6
 """Shares of what is bright that are of no colour, from which on it is a collar, in part and altogether."""
 _SKIN, _CLOTH = -0.25, -0.5
-_BLACK = 0.005
 _LIKELY = 0.3
 _ALONG_THE_JAW = 3.6 / 128
 """Of the view: a rim lies within this of the face for the most part."""
@@ -56,18 +55,14 @@ def with_white_collar(
     below = torch.arange(photo.shape[2], device=photo.device)[:, None] > mouth
     neck, brightness = parsing[:, INDEX["neck"], None] * below, grey(photo)
     brighter = brightness / brightness[face > 0.6].quantile(_BRIGHTEST_SKIN).clamp_min(1e-3) - 1
-    off = log_colour((photo[0] + _BLACK).movedim(0, -1)) - seen
+    off = log_colours(photo) - seen
     colour = saturation(off, seen)[None, None]
     surely = _mostly_grey(colour, ramp(neck, *_NECK) * ramp(brighter, 0, _BRIGHT))
     if surely == 0:
         return albedo, parsing
     share = surely * neck * ramp(brighter, 0, _BRIGHTER - 1) * ramp(colour, _SKIN, _CLOTH)
     share = share * ~_rims(share, face)
-    bare = as_bright_as(torch.exp(own + off).movedim(-1, 0)[None], albedo)
-    parsing = parsing.clone()
-    parsing[:, INDEX["neck"]] -= share[:, 0]
-    parsing[:, INDEX["cloth"]] += share[:, 0]
-    return (albedo + share * (bare - albedo)).clamp(0, 1), parsing
+    return recoloured(albedo, own + off, share), with_neck_as(parsing, "cloth", share)
 
 
 def _mostly_grey(colour: torch.Tensor, bright: torch.Tensor) -> float:

@@ -10,10 +10,9 @@ from dataclasses import replace
 
 import torch
 
-from relight_core.face.parsing import INDEX, middle_row
+from relight_core.face.parsing import INDEX, middle_row, with_neck_as
 from relight_core.imaging.ramp import ramp
-from relight_core.imaging.tensor_colour import as_bright_as
-from relight_core.pipeline.per_photo.saturation import log_colour, middle_colour, saturation
+from relight_core.pipeline.per_photo.saturation import log_colours, middle_colour, recoloured, saturation
 from relight_core.pipeline.stages import Surface
 
 _EYES = ("left_eye", "right_eye", "left_brow", "right_brow")
@@ -21,7 +20,6 @@ _FEWEST_PIXELS, _FEWEST_EYE_PIXELS = 50, 4
 _PERHAPS_GREY, _MOSTLY_GREY = -0.4, -0.6
 """Saturation of the scalp's middle colour beside the skin's, from which on it is hair, in part and altogether."""
 _SKIN, _HAIR = -0.25, -0.5
-_BLACK = 0.005
 
 
 def above_the_eyes(parsing: torch.Tensor) -> torch.Tensor | None:
@@ -29,14 +27,6 @@ def above_the_eyes(parsing: torch.Tensor) -> torch.Tensor | None:
     eyes = middle_row(parsing[0], _EYES, _FEWEST_EYE_PIXELS)
     rows = torch.arange(parsing.shape[2], device=parsing.device)
     return None if eyes is None else (rows < eyes).float()[None, None, :, None]
-
-
-def with_scalp_as_hair(parsing: torch.Tensor, share: torch.Tensor) -> torch.Tensor:
-    """Parsing probabilities (1, classes, S, S) with a share (1, 1, S, S), of what is scalp, as hair."""
-    parsing = parsing.clone()
-    parsing[:, INDEX["neck"]] -= share[:, 0]
-    parsing[:, INDEX["hair"]] += share[:, 0]
-    return parsing
 
 
 @torch.inference_mode()
@@ -56,8 +46,7 @@ def with_white_hair(surface: Surface) -> Surface:
     mostly = ramp(saturation(on_scalp - seen, seen), _PERHAPS_GREY, _MOSTLY_GREY)
     if mostly == 0:
         return surface
-    off = log_colour((surface.photo[0] + _BLACK).movedim(0, -1)) - seen
+    off = log_colours(surface.photo) - seen
     share = mostly * scalp * ramp(saturation(off, seen), _SKIN, _HAIR)
-    bare = as_bright_as(torch.exp(own + off).movedim(-1, 0)[None], surface.albedo)
-    parsing = with_scalp_as_hair(surface.parsing, share)
-    return replace(surface, parsing=parsing, albedo=(surface.albedo + share * (bare - surface.albedo)).clamp(0, 1))
+    albedo = recoloured(surface.albedo, own + off, share)
+    return replace(surface, parsing=with_neck_as(surface.parsing, "hair", share), albedo=albedo)
