@@ -22,7 +22,7 @@ from relight_core.imaging.files import check_regular, whole_file
 from relight_core.networks.blocks import ResidualBlock, fold_normalisation, round_convolutions
 from relight_core.networks.composition import CompositionConfig, CompositionNetwork
 from relight_core.networks.delight import DelightConfig, DelightNetwork
-from relight_core.networks.pair import PairConfig, PairName, RelightingPair, Relights
+from relight_core.networks.pair import BothNetworks, PairConfig, PairName, RelightingPair
 from relight_core.networks.person import PersonConfig, PersonNetwork
 from relight_core.networks.specular_shadow import SpecularShadowConfig, SpecularShadowNetwork
 from relight_core.networks.tensor_file import tensor_file
@@ -97,7 +97,7 @@ class NetworkBundle(nn.Module):
         self.card: dict[str, str] = {}
         self._rounded: list[NetworkBundle] = []
 
-    def pair(self, name: PairName) -> Relights:
+    def pair(self, name: PairName) -> BothNetworks:
         """SS and composition of a width; the wide ones where there is no other."""
         return self.narrow if name == "narrow" and self.narrow is not None else self
 

@@ -17,7 +17,7 @@ _NARROW_LEVELS = 3, 4
 """Of composition and SS: the coarsest level of a wide network holds half its weights and a tenth of its time."""
 
 
-class Relights(Protocol):
+class BothNetworks(Protocol):
     """What has both networks."""
 
     specular_shadow: SpecularShadowNetwork
@@ -66,7 +66,7 @@ class RelightingPair(nn.Module):
         self.specular_shadow = SpecularShadowNetwork(config.specular_shadow)
         self.composition = CompositionNetwork(config.composition)
 
-    def told_of_light_like(self, other: Relights) -> RelightingPair:
+    def told_of_light_like(self, other: BothNetworks) -> RelightingPair:
         """Take over what another pair reads from a light, in place.
 
         LFM's first layer makes features of the light alone, however many channels they then modulate. Levels

@@ -12,7 +12,7 @@ from relight_core.imaging.tensor_colour import srgb_encode
 from relight_core.imaging.write import write_image
 from relight_core.lighting.reflection import ReflectionTable
 from relight_core.networks.bundle import NetworkBundle
-from relight_core.networks.pair import Relights
+from relight_core.networks.pair import BothNetworks
 from relight_core.pipeline.results.channel_view import channel_to_srgb
 from relight_core.training.distillation import under_some_lights
 from relight_core.training.relight_steps import composition_losses, flatten_pairs, specular_shadow_losses
@@ -72,7 +72,7 @@ def _taken_apart(bundle: NetworkBundle, flat: dict[str, torch.Tensor]) -> list[l
     return columns
 
 
-def _put_together(pair: Relights, table: ReflectionTable, flat: dict[str, torch.Tensor]) -> list[list[np.ndarray]]:
+def _put_together(pair: BothNetworks, table: ReflectionTable, flat: dict[str, torch.Tensor]) -> list[list[np.ndarray]]:
     effects, _ = specular_shadow_losses(pair.specular_shadow, table, _with_hint(flat))
     image, _ = composition_losses(pair.composition, table, flat, effects)
     pairs = ((effects.specular, "specular"), (effects.shadow, "shadow"), (image, "image"))
