@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -18,6 +18,7 @@ from relight_core.evaluation.held_out import (
     held_out_textures,
     load_head,
 )
+from relight_core.evaluation.scoring import Figures
 from relight_core.face.crop import Crop
 from relight_core.imaging.photo import Photo
 from relight_core.imaging.view_transform import apply_view
@@ -42,12 +43,6 @@ class Accuracy:
     rmse: float | None = None
     psnr: float | None = None
     against_final: float | None = None
-
-
-@dataclass
-class _Sums:
-    rmse: list[float] = field(default_factory=list)
-    psnr: list[float] = field(default_factory=list)
 
 
 @dataclass(frozen=True)
@@ -75,18 +70,18 @@ def against_truth(
     lights = held_out_lights(data.lights, "test")
     paths = held_out_paths(data.heads, "test", data.count)
     table, textures = ReflectionTable().to(device), held_out_textures()
-    sums = {configuration.name: _Sums() for configuration in configurations}
+    scored: dict[str, list[Figures]] = {configuration.name: [] for configuration in configurations}
     for number, path in enumerate(paths):
         head = load_head(path, lights, textures)
         cases = _few([case for case in cases_of(number, lights) if not lights[case.target].lamp], data.cases)
         for place, configuration in enumerate(configurations):
             bench = Bench(Editor(bundle, table, configuration.tier, device), head, lights, "clean")
-            for case in cases:
-                figures = bench.score(case)["panoramas"]
-                sums[configuration.name].rmse.append(figures["relit.rmse"])
-                sums[configuration.name].psnr.append(figures["relit.psnr"])
+            scored[configuration.name] += [bench.score(case)["panoramas"] for case in cases]
             report(number * len(configurations) + place + 1, len(paths) * len(configurations))
-    return {name: Accuracy(float(np.mean(s.rmse)), float(np.mean(s.psnr))) for name, s in sums.items()}
+    return {
+        name: Accuracy(*(float(np.mean([one[f"relit.{measure}"] for one in figures])) for measure in ("rmse", "psnr")))
+        for name, figures in scored.items()
+    }
 
 
 def _few(cases: list[Case], count: int) -> list[Case]:

@@ -118,22 +118,6 @@ class HeldOut:
                 report(done, total)
 
 
-class _Tally:
-    """Figures of every picture, by group, and whose picture it is."""
-
-    def __init__(self) -> None:
-        self._rows: dict[str, list[tuple[str, Figures]]] = defaultdict(list)
-
-    def add(self, group: str, head: str, figures: Figures) -> None:
-        self._rows[group].append((head, figures))
-
-    def samples(self) -> dict[str, int]:
-        return {group: len(rows) for group, rows in self._rows.items()}
-
-    def intervals(self) -> dict[str, dict[str, Interval]]:
-        return {group: intervals_over_heads(rows) for group, rows in self._rows.items()}
-
-
 def evaluate(
     bundle: NetworkBundle,
     settings: Settings,
@@ -150,16 +134,19 @@ def evaluate(
         InputError: heads or lights are missing or damaged.
     """
     started = time.monotonic()
-    held_out, tally, size = HeldOut.of(settings), _Tally(), 0
+    held_out, size = HeldOut.of(settings), 0
     editor = Editor(bundle, ReflectionTable().to(device), settings.tier, device)
     bench_of = lambda head: Bench(editor, head, held_out.lights, settings.photos)  # noqa: E731
+    rows: dict[str, list[tuple[str, Figures]]] = defaultdict(list)
     for head, scored in held_out.scored(bench_of, report):
         size = head.lit.head.size
         for group, figures in scored.items():
-            tally.add(group, head.name, figures)
+            rows[group].append((head.name, figures))
+    intervals = {group: intervals_over_heads(scored) for group, scored in rows.items()}
+    samples = {group: len(scored) for group, scored in rows.items()}
     panoramas = sum(not light.lamp for light in held_out.lights)
     seconds = time.monotonic() - started
-    return Evaluation(tally.intervals(), tally.samples(), len(held_out.paths), panoramas, size, seconds, settings)
+    return Evaluation(intervals, samples, len(held_out.paths), panoramas, size, seconds, settings)
 
 
 def intervals_over_heads(rows: list[tuple[str, Figures]]) -> dict[str, Interval]:
