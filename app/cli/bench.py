@@ -27,7 +27,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from app.cli.arguments import add_json
-from app.cli.maker_inputs import check_heads_and_lights, count_at_least_one, progress, refuse_unread
+from app.cli.maker_inputs import check_heads_and_lights, count_at_least_one, counts_to, progress, refuse_unread
 from app.cli.outputs import make_folder, write_text
 from app.cli.report import Report, reporting
 from app.cli.session import sample_portrait
@@ -169,7 +169,7 @@ def _measured(arguments: argparse.Namespace, photos: list[Photo]) -> Iterator[Be
     relighter, bundle = Relighter(weights, device), load_bundle(weights).for_inference().to(device)
     with progress("against final", 1.0) as show:
         lights = [load_rig(name) for name in _BENCH_LIGHTS]
-        to_final = against_final(relighter, photos, lights, settings, _onto(show))
+        to_final = against_final(relighter, photos, lights, settings, counts_to(show))
     timing = _timed(arguments, relighter, photos, settings)
     asked = {setting.name: demands(bundle, setting.tier, device) for setting in settings}
 
@@ -184,7 +184,7 @@ def _measured(arguments: argparse.Namespace, photos: list[Photo]) -> Iterator[Be
             arguments.heads, arguments.lights, 1 if quick else arguments.count or _COUNT, 3 if quick else 20
         )
         with progress("against the truth", 1.0) as show:
-            accuracy = against_truth(bundle, data, settings, _onto(show), device)
+            accuracy = against_truth(bundle, data, settings, counts_to(show), device)
         yield result(accuracy)
 
 
@@ -203,7 +203,7 @@ def _timed(
             settings,
             rounds=arguments.rounds or (_QUICK_ROUNDS if arguments.quick else _ROUNDS),
             display=lambda relit: relit.recipe or radiance_for_screen(relit.image, relit.alpha),
-            report=_onto(show),
+            report=counts_to(show),
             device=arguments.device,
         )
 
@@ -228,7 +228,7 @@ def _files(arguments: argparse.Namespace, photo: Photo, report: Report) -> int:
 
     machine, rounds = describe_machine(), arguments.rounds or (1 if arguments.quick else _STARTS)
     with progress("files", 1.0) as show:
-        found = time_files(photo, rounds, _onto(show))
+        found = time_files(photo, rounds, counts_to(show))
     record = {"machine": machine, "files": {kind[1:]: of for kind, of in found.items()}}
     report.figures(as_markdown(found), record)
     write_text(arguments.output / "files.json", json.dumps(record, indent=1))
@@ -242,7 +242,7 @@ def _stability(arguments: argparse.Namespace, photo: Photo, report: Report) -> i
     from relight_core.imaging.files import whole_file
 
     with progress("attacking", 1.0) as show:
-        result = run_stability(photo, quick=arguments.quick, weights=arguments.weights, report=_onto(show))
+        result = run_stability(photo, quick=arguments.quick, weights=arguments.weights, report=counts_to(show))
     page = result.as_markdown()
     report.figures("\n".join([page, *result.failures]), result.as_record())
     write_text(arguments.output / "stability.json", json.dumps(result.as_record(), indent=1))
@@ -276,11 +276,8 @@ def _replayed(arguments: argparse.Namespace, photos: list[Photo]) -> Iterator[tu
     total = sum(map(len, plays.values())) * len(photos)
 
     with progress("replaying", 1.0) as show:
-
-        def show_updates() -> None:
-            done = sum(savings.updates for savings in found.values())
-            show(done / total, f"{done} of {total}")
-
+        show_done = counts_to(show)
+        show_updates = lambda: show_done(sum(savings.updates for savings in found.values()), total)  # noqa: E731
         for number, photo in enumerate(photos, 1):
             for name, steps in plays.items():
                 replay(relighter, thorough, photo, steps, found[name], report=show_updates)
@@ -312,7 +309,3 @@ def _visited_lights(library: Path | None) -> list[Environment]:
     return [
         Environment.from_radiance(panorama, name) for panorama, name in zip(lights.panoramas, lights.names, strict=True)
     ]
-
-
-def _onto(show):
-    return lambda done, total: show(done / total, f"{done} of {total}")

@@ -30,6 +30,7 @@ from app.cli.maker_inputs import (
     check_heads_and_lights,
     check_output_file,
     count_at_least_one,
+    counts_to,
     progress,
     refuse_unread,
 )
@@ -111,7 +112,7 @@ def _measure(arguments: argparse.Namespace) -> int:
     with reporting(arguments.json) as report:
         weights, bundle, settings = _under_test(arguments)
         with progress("relighting", 1.0) as show:
-            evaluation = evaluate(bundle, settings, lambda done, total: show(done / total, f"{done} of {total}"))
+            evaluation = evaluate(bundle, settings, counts_to(show))
         page, record = as_markdown(evaluation, weights.name), as_record(evaluation, str(weights))
         _tell(report, arguments.output, page, record)
     return 0
@@ -124,7 +125,7 @@ def _break_down(arguments: argparse.Namespace) -> int:
     with reporting(arguments.json) as report:
         weights, bundle, settings = _under_test(arguments)
         with progress("relighting", 1.0) as show:
-            breakdown = break_down(bundle, settings, lambda done, total: show(done / total, f"{done} of {total}"))
+            breakdown = break_down(bundle, settings, counts_to(show))
         measured = {"weights": str(weights), "split": arguments.split, "photos": settings.photos}
         record = as_record(breakdown) | measured | {"quality": quality_of(settings.tier)}
         _tell(report, arguments.output, as_markdown(breakdown, weights.name, settings), record)
@@ -169,7 +170,7 @@ def _compare_detail(arguments: argparse.Namespace) -> int:
                 arguments.lights,
                 arguments.split,
                 arguments.count,
-                lambda done, total: show(done / total, f"{done} of {total}"),
+                counts_to(show),
             )
         record = {"errors": _known(scores.errors), "blurred": _known(scores.blurred)}
         record |= {"pictures": scores.pictures, "size": scores.size}

@@ -161,6 +161,11 @@ def progress(title: str, total: float, line_every_s: float = 60.0) -> Iterator[C
         yield show
 
 
+def counts_to(show: Callable[[float, str], None]) -> Callable[[int, int], None]:
+    """Shows how many are done, of how many, on a `progress` whose total is 1."""
+    return lambda done, total: show(done / total, f"{done} of {total}")
+
+
 def _line(task: Task) -> str:
     """How far a task is, for a log."""
     elapsed, left = (
