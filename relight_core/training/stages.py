@@ -126,11 +126,22 @@ def _relit_from_photo(
     swapped["normal"] = unit_normals(shrunk(found.normal, size))
     if hinted:
         swapped |= found_hints(bundle, found, swapped["light"], size)
-    swapped = with_reflected(table, swapped)
+    return _relit(bundle, table, swapped)
+
+
+def _relit(bundle: NetworkBundle, table: ReflectionTable, flat: Batch, *, apart: bool = False) -> Losses:
+    """Losses of both relighting networks on what was found.
+
+    Args:
+        apart: composition learns on the effects as they are, and SS nothing from the picture.
+    """
+    flat = with_reflected(table, flat)
     effects, losses = None, {}
     if bundle.config.composition.effects:
-        effects, losses = specular_shadow_losses(bundle.specular_shadow, table, swapped)
-    return losses | composition_losses(bundle.composition, table, swapped, effects)[1]
+        effects, losses = specular_shadow_losses(bundle.specular_shadow, table, flat)
+        if apart:
+            effects.specular, effects.shadow = effects.specular.detach(), effects.shadow.detach()
+    return losses | composition_losses(bundle.composition, table, flat, effects)[1]
 
 
 def _tune_delight(bundle: NetworkBundle, table: ReflectionTable, batch: Batch, relit_weight: float = 1.0) -> Losses:
@@ -138,15 +149,6 @@ def _tune_delight(bundle: NetworkBundle, table: ReflectionTable, batch: Batch, r
     relit = _relit_from_photo(bundle, table, batch, found, levelled_share=_LEVELLED_SHARE)
     losses["relit"] = relit_weight * (relit["encoded"] + relit["display"])
     return losses | second_look_losses(bundle.delight, batch, found, surface_size(bundle, batch["photo_srgb"]))
-
-
-def _tune_relight(bundle: NetworkBundle, table: ReflectionTable, flat: Batch) -> Losses:
-    flat = with_reflected(table, flat)
-    effects, losses = None, {}
-    if bundle.config.composition.effects:
-        effects, losses = specular_shadow_losses(bundle.specular_shadow, table, flat)
-        effects.specular, effects.shadow = effects.specular.detach(), effects.shadow.detach()
-    return losses | composition_losses(bundle.composition, table, flat, effects)[1]
 
 
 def _tune_on_predictions(bundle: NetworkBundle, table: ReflectionTable, batch: Batch) -> Losses:
@@ -180,7 +182,7 @@ _STAGES = (
     Stage(
         "tune-relight",
         ("specular_shadow", "composition"),
-        _tune_relight,
+        partial(_relit, apart=True),
         True,
         False,
         1e-3,
