@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import shutil
 from collections.abc import Callable, Iterable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
@@ -128,7 +128,9 @@ def train(run: Run, report) -> NetworkBundle:
     device = _device()
     torch.backends.cudnn.benchmark = True  # All batches have the same shapes.
     run.checkpoint.parent.mkdir(parents=True, exist_ok=True)
-    with denormals_flushed(), _batches_of(run, stage, bundle, device) as batches_from:
+    samples = nullcontext(partial(training_batches, run, stage))
+    batches = _example_batches(run, stage, bundle, device) if stage.distilled else samples
+    with denormals_flushed(), batches as batches_from:
         return train_stage(stage, bundle, batches_from, budget, run.checkpoint, report, device, _begun_with(run, stage))
 
 
@@ -147,15 +149,6 @@ def drawn_by(run: Run) -> dict[str, int]:
     """What decides which batches a run's heads and lights give; one that goes on with others would not be the same."""
     drawn = {"size": run.size, "pairs": run.pairs, "seed": run.seed, "workers": max(run.workers, 1), "uses": run.uses}
     return drawn | ({"window": run.window} if run.uses > 1 else {})
-
-
-@contextmanager
-def _batches_of(run: Run, stage: Stage, bundle: NetworkBundle, device: str) -> Iterator[Batches]:
-    if stage.distilled:
-        with _example_batches(run, stage, bundle, device) as batches_from:
-            yield batches_from
-    else:
-        yield partial(training_batches, run, stage)
 
 
 def _device() -> str:
