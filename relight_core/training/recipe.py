@@ -245,22 +245,6 @@ def _checkpoint(folder: Path, number: int, plan: StagePlan) -> Path:
 
 
 def _run(recipe: Recipe, plan: StagePlan, number: int, heads, lights, checkpoint, before) -> Run:
-    return Run(
-        plan.name,
-        heads,
-        lights,
-        checkpoint,
-        start=before,
-        minutes=plan.minutes,
-        steps=plan.steps,
-        size=plan.size,
-        pairs=plan.pairs,
-        seed=recipe.seed + number,
-        learning_rate=plan.learning_rate,
-        detail_width=plan.detail_width,
-        narrow_width=plan.narrow_width,
-        examples=plan.examples,
-        uses=plan.uses,
-        window=plan.window,
-        config=recipe.networks,
-    )
+    planned = asdict(plan)
+    places = planned.pop("name"), heads, lights, checkpoint, before
+    return Run(*places, seed=recipe.seed + number, config=recipe.networks, **planned)
