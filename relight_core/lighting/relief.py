@@ -15,6 +15,7 @@ import torch
 import torch.nn.functional as F
 
 from relight_core.imaging.tensor_colour import luminance_weights
+from relight_core.lighting.environment import NETWORK_HEIGHT
 from relight_core.lighting.reflection import specular_lobe
 from relight_core.lighting.response import response_to
 from relight_core.lighting.sphere import directions, solid_angles
@@ -111,50 +112,43 @@ class ReliefTransport:
     def _shine_at_surface(self) -> tuple[torch.Tensor, torch.Tensor]:
         """As `_at_surface`, of the gloss that skin has."""
         points = self.open.any(dim=1).nonzero()[:, 0]
-        rows = round((self.open.shape[1] / 2) ** 0.5)
-        toward, weight = (part.to(self.open.device) for part in _texels(rows))
+        toward, weight = _texels(self.open.device)
         shine = specular_lobe(toward, self.normal[points]).T * weight
         seen = (self.closed[points] / self.open[points].clamp_min(1e-12)).clamp_max(1)
         return points, torch.cat([shine, shine * seen]).T.contiguous()
 
 
-def _texels(rows: int) -> tuple[torch.Tensor, torch.Tensor]:
-    """Unit vectors (texels, 3) to a light's texels, and their solid angles (texels,)."""
-    parts = directions(rows, 2 * rows).reshape(-1, 3), solid_angles(rows, 2 * rows).reshape(-1)
-    return tuple(torch.from_numpy(part) for part in parts)
+def _texels(device: torch.device) -> tuple[torch.Tensor, torch.Tensor]:
+    """Unit vectors (texels, 3) to the texels of the networks' light, and their solid angles (texels,)."""
+    size = NETWORK_HEIGHT, 2 * NETWORK_HEIGHT
+    parts = directions(*size).reshape(-1, 3), solid_angles(*size).reshape(-1)
+    return tuple(torch.from_numpy(part).to(device) for part in parts)
 
 
-def march_relief(
-    relief: torch.Tensor, normal: torch.Tensor, covered: torch.Tensor, light_height: int = 16
-) -> ReliefTransport:
+def march_relief(relief: torch.Tensor, normal: torch.Tensor, covered: torch.Tensor) -> ReliefTransport:
     """`march_reliefs` of one surface, without the leading axis."""
-    return march_reliefs(relief[None], normal[None], covered[None], light_height)[0]
+    return march_reliefs(relief[None], normal[None], covered[None])[0]
 
 
 @torch.no_grad()
-def march_reliefs(
-    relief: torch.Tensor, normal: torch.Tensor, covered: torch.Tensor, light_height: int = 16
-) -> list[ReliefTransport]:
+def march_reliefs(relief: torch.Tensor, normal: torch.Tensor, covered: torch.Tensor) -> list[ReliefTransport]:
     """March reliefs once in every direction of the image plane, and compare each light with the horizon.
 
     Args:
         relief: (B, S, S) height toward the camera, in half-widths of the image.
         normal: (B, 3, S, S) unit vectors, camera space.
         covered: (B, S, S) in [0, 1]: where there is a surface; elsewhere nothing casts a shadow.
-        light_height: rows of the light.
     """
     angle = torch.arange(_AZIMUTHS, device=relief.device) * (2 * torch.pi / _AZIMUTHS)
     horizons = horizon_slopes(relief.float(), covered, angle).atan().transpose(0, 1)
     parts = zip(horizons, normal, covered, strict=True)
-    return [_transport(*part, light_height) for part in parts]
+    return [_transport(*part) for part in parts]
 
 
-def _transport(
-    horizon: torch.Tensor, normal: torch.Tensor, covered: torch.Tensor, light_height: int
-) -> ReliefTransport:
+def _transport(horizon: torch.Tensor, normal: torch.Tensor, covered: torch.Tensor) -> ReliefTransport:
     """Of one surface with horizons (azimuths, S, S), in radians."""
-    size, device = horizon.shape[-1], horizon.device
-    toward, weight = (part.to(device) for part in _texels(light_height))
+    size = horizon.shape[-1]
+    toward, weight = _texels(horizon.device)
     normal = normal.float().flatten(1).T.contiguous()
     cosine = (normal @ toward.T).clamp_min(0)
     opened = cosine * weight / torch.pi * (covered > 0.5).flatten()[:, None]
