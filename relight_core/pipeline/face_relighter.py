@@ -179,14 +179,13 @@ class FaceRelighter(FaceInPhoto):
     def change(self, ready: Prepared, lit: Lit, plan: Plan, edit: Edit, level: float) -> ViewChange:
         """How the relit view differs from the photo's, at the sliders' gains and the light's level."""
         fit = self.cache.run("detail_fit", plan.keys["detail_fit"], lambda: self._fit(ready, lit, plan), "new light")
-        moved = None
+        moved, shadow = None, edit.shadow * plan.runs("shadow")
         if plan.runs("sliders"):
             specular = specular_gain(edit.specular * plan.runs("specular"), edit.specular_tint, self._shop.device)
             effects = soften_shadow(lit.effects, ready.surface, lit.reflected, edit.shadow_softness)
-            shadow = edit.shadow * plan.runs("shadow")
             moved = move_sliders(lit.composed, ready.surface, lit.reflected, effects, specular, shadow)
         fine = self._fine_edges(ready, lit, plan)
-        edges = None if fine is None else fine.gain(edit.shadow * plan.runs("shadow"), edit.shadow_softness)
+        edges = None if fine is None else fine.gain(shadow, edit.shadow_softness)
         change = enlarge_change(fit, moved, self._upsampler(ready), level, edges)
         change = change.of_photo_times(self.portrait.exposure)
         if lit.nearer is not None:

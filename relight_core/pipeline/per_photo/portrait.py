@@ -131,9 +131,9 @@ def _view_around(crop: Crop, photo: Photo) -> Crop:
     Continued border pixels are streaks that no network has seen, so as few as possible are shown to it.
     """
     height, width = photo.linear.shape[:2]
-    if crop.roll_deg:
-        return replace(crop, side=float(round(max(min(crop.side * SURROUNDINGS, height, width), crop.side, 1))))
     side = float(round(max(min(crop.side * SURROUNDINGS, height, width), crop.side, 1)))
+    if crop.roll_deg:
+        return replace(crop, side=side)
     x0 = _kept_inside(crop.centre_x - side / 2, side, width)
     y0 = _kept_inside(crop.centre_y - side / 2, side, height)
     return Crop(x0 + side / 2, y0 + side / 2, side)
