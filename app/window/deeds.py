@@ -112,7 +112,7 @@ class Deeds:
     def open_file(self) -> None:
         """Choose files to open, as if they were dropped on the picture."""
         suffixes = (*PICTURE_SUFFIXES, ".json")
-        self._ask("open", "Open a photo, a light or a session", suffixes, lambda paths: self._take(paths))
+        self._ask("open", "Open a photo, a light or a session", suffixes, self._take)
 
     def open_light(self) -> None:
         """Choose a light."""
