@@ -95,7 +95,7 @@ def demands(bundle: NetworkBundle, tier: Tier, device: str = "cpu") -> dict[str,
         ),
     }
     width = 2 if tier.precision == "bf16" else 4
-    asked = {name: _demand(network, inputs, width, device) for name, (network, inputs) in runs.items()}
+    asked = {name: _demand(network, inputs, width) for name, (network, inputs) in runs.items()}
     looks, once = (1 + tier.mirrored) * (1 + tier.looks_twice), asked["delight"]
     asked["delight"] = Demand(looks * once.gflop, looks * once.megabytes)
     if not tier.shadow_network:
@@ -105,7 +105,7 @@ def demands(bundle: NetworkBundle, tier: Tier, device: str = "cpu") -> dict[str,
     return asked
 
 
-def _demand(network: torch.nn.Module, inputs: tuple, width: int, device: str) -> Demand:
+def _demand(network: torch.nn.Module, inputs: tuple, width: int) -> Demand:
     """Operations counted by torch; bytes are every convolution's input, output and weights, once each."""
     moved = 0
 

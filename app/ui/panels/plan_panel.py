@@ -16,7 +16,7 @@ _NEXT = {None: True, True: False, False: None}
 _WORDS = {None: "auto", True: "on", False: "off"}
 
 
-def draw(state: EditorState, fonts: theme.Fonts) -> None:
+def draw(state: EditorState) -> None:
     """One line in sum, and unfolded a row for each effect, inside a panel."""
     picture = state.snapshot.picture
     plan = getattr(picture.relit, "plan", ()) if picture else ()

@@ -39,7 +39,7 @@ def draw(state: EditorState, fonts: theme.Fonts) -> None:
     if wish == AUTO:
         budget_ms = _budget(state, budget_ms)
     state.quality = QualityChoice(wish, budget_ms)
-    plan_panel.draw(state, fonts)
+    plan_panel.draw(state)
 
 
 def _summary(choice: QualityChoice, costs: dict[str, TierCost]) -> str:

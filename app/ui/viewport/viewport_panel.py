@@ -42,7 +42,7 @@ def draw(state: EditorState, fonts: theme.Fonts, pictures: Pictures, rect: Rect)
         and not placing.drag(state, arranged, at)
         and not wipe.drag(state, arranged, at, scale)
     ):
-        _navigate(state, arranged, at, scale)
+        _navigate(state, arranged, scale)
     arranged = arrange_panes(state, size)
     shown = pictures.viewport(arranged.panes, size, _paint(state, scale))
     widgets.draw_image(shown, rect.x, rect.y, rect.width, rect.height)
@@ -107,7 +107,7 @@ def _move_by_the_wheel_button(state: EditorState, arranged: Arrangement, scale: 
         state.view = pan(state.view, delta.x * scale, delta.y * scale, arranged.main.frame, arranged.pane_px)
 
 
-def _navigate(state: EditorState, arranged: Arrangement, at: tuple[float, float], scale: float) -> None:
+def _navigate(state: EditorState, arranged: Arrangement, scale: float) -> None:
     io = imgui.get_io()
     frame, pane_px = arranged.main.frame, arranged.pane_px
     fixed = arranged.main.name in LIGHTS

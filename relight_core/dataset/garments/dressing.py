@@ -97,7 +97,7 @@ class Wardrobe:
         if headwear is None and late.random() < self._shares.hair_mass:
             hair = [grow_mass(late)]
         if late.random() < self._shares.arms:
-            worn += raise_arm(head, skin, late)
+            worn += raise_arm(skin, late)
         return hair + worn
 
     def _usual(self, head, normals, skin, rng) -> list[Garment]:

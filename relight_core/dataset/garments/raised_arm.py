@@ -39,8 +39,8 @@ Bone = tuple[np.ndarray, np.ndarray, float, float]
 """From where to where, and how thick at both ends, in centimetres."""
 
 
-def raise_arm(head: np.ndarray, skin: HeadSurface, rng: np.random.Generator) -> list[Garment]:
-    """A hand laid on a head (V, 3) whose surface is `skin`, or held before it, and the arm it belongs to."""
+def raise_arm(skin: HeadSurface, rng: np.random.Generator) -> list[Garment]:
+    """A hand laid on a head whose surface is `skin`, or held before it, and the arm it belongs to."""
     side = rng.choice([-1.0, 1.0])
     place = str(rng.choice(list(_PLACES_CM)))
     wanted = np.array(_PLACES_CM[place]) * [side, 1, 1] + rng.normal(0, 1.2, 3)
