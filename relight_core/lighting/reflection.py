@@ -59,6 +59,13 @@ def specular_lobe(toward_light: torch.Tensor, normal: torch.Tensor, gloss: Gloss
     return distribution * fresnel * masking_l * masking_v * lit
 
 
+def network_texels() -> tuple[torch.Tensor, torch.Tensor]:
+    """Unit vectors (texels, 3) to the texels of the networks' light, and their solid angles (texels,)."""
+    size = NETWORK_HEIGHT, 2 * NETWORK_HEIGHT
+    parts = directions(*size).reshape(-1, 3), solid_angles(*size).reshape(-1)
+    return tuple(torch.from_numpy(part) for part in parts)
+
+
 class ReflectionTable(torch.nn.Module):
     """Irradiance / pi and gloss of an unoccluded surface, looked up by its normal.
 
@@ -68,8 +75,7 @@ class ReflectionTable(torch.nn.Module):
 
     def __init__(self):
         super().__init__()
-        toward = torch.from_numpy(directions(NETWORK_HEIGHT, 2 * NETWORK_HEIGHT).reshape(-1, 3))
-        weights = torch.from_numpy(solid_angles(NETWORK_HEIGHT, 2 * NETWORK_HEIGHT).reshape(-1))
+        toward, weights = network_texels()
         normals = _table_normals(TABLE_SIZE)
         diffuse = (toward @ normals.T).clamp_min(0) / torch.pi
         lobe = specular_lobe(toward, normals, GLOSS)

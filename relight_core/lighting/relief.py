@@ -15,10 +15,8 @@ import torch
 import torch.nn.functional as F
 
 from relight_core.imaging.tensor_colour import luminance_weights
-from relight_core.lighting.environment import NETWORK_HEIGHT
-from relight_core.lighting.reflection import specular_lobe
+from relight_core.lighting.reflection import network_texels, specular_lobe
 from relight_core.lighting.response import response_to
-from relight_core.lighting.sphere import directions, solid_angles
 
 _AZIMUTHS = 48
 _STEPS = 20
@@ -112,17 +110,10 @@ class ReliefTransport:
     def _shine_at_surface(self) -> tuple[torch.Tensor, torch.Tensor]:
         """As `_at_surface`, of the gloss that skin has."""
         points = self.open.any(dim=1).nonzero()[:, 0]
-        toward, weight = _texels(self.open.device)
+        toward, weight = (part.to(self.open.device) for part in network_texels())
         shine = specular_lobe(toward, self.normal[points]).T * weight
         seen = (self.closed[points] / self.open[points].clamp_min(1e-12)).clamp_max(1)
         return points, torch.cat([shine, shine * seen]).T.contiguous()
-
-
-def _texels(device: torch.device) -> tuple[torch.Tensor, torch.Tensor]:
-    """Unit vectors (texels, 3) to the texels of the networks' light, and their solid angles (texels,)."""
-    size = NETWORK_HEIGHT, 2 * NETWORK_HEIGHT
-    parts = directions(*size).reshape(-1, 3), solid_angles(*size).reshape(-1)
-    return tuple(torch.from_numpy(part).to(device) for part in parts)
 
 
 def march_relief(relief: torch.Tensor, normal: torch.Tensor, covered: torch.Tensor) -> ReliefTransport:
@@ -148,7 +139,7 @@ def march_reliefs(relief: torch.Tensor, normal: torch.Tensor, covered: torch.Ten
 def _transport(horizon: torch.Tensor, normal: torch.Tensor, covered: torch.Tensor) -> ReliefTransport:
     """Of one surface with horizons (azimuths, S, S), in radians."""
     size = horizon.shape[-1]
-    toward, weight = _texels(horizon.device)
+    toward, weight = (part.to(horizon.device) for part in network_texels())
     normal = normal.float().flatten(1).T.contiguous()
     cosine = (normal @ toward.T).clamp_min(0)
     opened = cosine * weight / torch.pi * (covered > 0.5).flatten()[:, None]
