@@ -28,8 +28,10 @@ from relight_core.evaluation.bench_timing import Spread, Timing, time_configurat
 from relight_core.face.find import FaceBox
 from relight_core.imaging.photo import Photo
 from relight_core.lighting.environment import Environment
+from relight_core.lighting.rigs import load_rig
 from relight_core.networks.bundle import BundleConfig, NetworkBundle
 from relight_core.pipeline import quality
+from relight_core.pipeline.edit import Edit
 from relight_core.pipeline.per_photo import choosing_faces
 from relight_core.pipeline.quality import Tier
 from relight_core.pipeline.relighter import Relighter
@@ -213,6 +215,16 @@ def test_a_session_saves_work_and_errs_by_no_more_than_it_says(weights, photo):
     assert savings.broken == []
     assert "stage runs avoided" in session_words(savings)
     assert 0 < json.loads(json.dumps(savings.as_record()))["share_avoided"] < 1
+
+
+def test_what_a_small_lamp_casts_is_worked_out_anew_to_compare_with(weights, photo, monkeypatch):
+    thorough, told = Relighter(weights), []
+    original = thorough.relight
+    monkeypatch.setattr(thorough, "relight", lambda *given: told.append(original(*given)) or told[-1])
+    step = load_rig("hard-side"), Edit(quality="live")
+    replay(Relighter(weights), thorough, photo, [step, step], Savings(), compare_every=1)
+    for stage in ("irradiance", "hard_shadow", "fine_edges"):
+        assert [relit.stages[stage].state for relit in told] == ["computed", "computed"], stage
 
 
 def test_a_picture_out_of_bounds_is_told(weights, photo, monkeypatch):
