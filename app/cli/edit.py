@@ -1,7 +1,7 @@
 """Relight a portrait photo: open it in the editor.
 
-Without PHOTO the editor opens a sample portrait. Where there is no display, relit pictures, their channels
-and a turntable sheet are written into the folder out/ instead.
+Without PHOTO the editor opens a sample portrait; several, or a folder, become a queue. Where there is no display,
+relit pictures of one photo, their channels and a turntable sheet are written into the folder out/ instead.
 """
 
 from __future__ import annotations
@@ -23,34 +23,37 @@ OUT = Path("out")
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments of `relight`."""
-    parser.add_argument("photo", metavar="PHOTO", nargs="?", help="a portrait photo, or a session saved in the editor")
+    words = "a portrait photo, a folder of them, or a session saved in the editor"
+    parser.add_argument("photos", metavar="PHOTO", nargs="*", help=words)
     add_light(parser, required=False)
     parser.add_argument("--version", action="version", version=f"relight {__version__}")
 
 
 def run(arguments: argparse.Namespace) -> int:
     """Open the editor, or write files where it can't open; returns the exit code."""
-    photo = _existing(arguments.photo) if arguments.photo is not None else sample_portrait()
+    photos = [_existing(text) for text in arguments.photos] or [sample_portrait()]
     if arguments.light is not None:
         light_kind(arguments.light)
     if not has_display():
-        return _write_pictures(photo, arguments.light, "there is no display")
+        return _write_pictures(photos, arguments.light, "there is no display")
     from app.window.run import GraphicsLostError, NoDisplayError, run_editor
 
     try:
-        return run_editor(photo, arguments.light)
+        return run_editor(photos, arguments.light)
     except NoDisplayError as error:
-        return _write_pictures(photo, arguments.light, str(error))
+        return _write_pictures(photos, arguments.light, str(error))
     except GraphicsLostError as error:
         tell(f"relight: {error}")
         return 1
 
 
-def _write_pictures(photo: Path, light: str | None, reason: str) -> int:
+def _write_pictures(photos: list[Path], light: str | None, reason: str) -> int:
     from app.cli.demo import write_demo
 
+    if len(photos) > 1 or os.path.isdir(photos[0]):
+        raise InputError(f"the editor can't open several photos ({reason}); relight render writes them into files")
     say(f"The editor can't open ({reason}); writing pictures into {OUT}/ instead.")
-    write_demo(photo, light, OUT)
+    write_demo(photos[0], light, OUT)
     return 0
 
 

@@ -41,18 +41,18 @@ def take_files(state: EditorState, paths: Sequence[Path], x: float, y: float, as
         state.asking.tell(str(error), True)
 
 
-def open_named(state: EditorState, photo: Path | None, light: str | None) -> None:
-    """Open what the command line names: a photo, or a saved file as it would be dropped, and then the light.
+def open_named(state: EditorState, paths: Sequence[Path], light: str | None) -> None:
+    """Open what the command line names: one file as a photo, all else as if it were dropped, and then the light.
 
     Args:
         light: a rig's name or a file; it takes the place of a session's light.
     """
-    is_saved = photo is not None and photo.suffix.lower() == ".json"
+    is_one_photo = len(paths) == 1 and paths[0].suffix.lower() != ".json" and not os.path.isdir(paths[0])
     try:
-        if is_saved:
-            _open(state, [photo], light is not None)
-        elif photo is not None:
-            state.open_photo(photo)
+        if is_one_photo:
+            state.open_photo(paths[0])
+        elif paths:
+            _open(state, paths, light is not None)
         if light is not None:
             _use_named_light(state, light)
     except InputError as error:

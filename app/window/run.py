@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 
 from app.making import make_relighter
@@ -11,11 +12,12 @@ from app.window.graphics import GraphicsLostError
 __all__ = ["GraphicsLostError", "NoDisplayError", "run_editor"]
 
 
-def run_editor(photo_path: Path | None = None, light: str | None = None) -> int:
+def run_editor(paths: Sequence[Path] = (), light: str | None = None) -> int:
     """Open the editor and return when the user closes it.
 
     Args:
-        photo_path: the portrait or session to open at once; one that can't be opened is told in the window.
+        paths: what to open at once: portraits, folders of them, a session; what can't be opened is told in the
+            window.
         light: a bundled rig's name, an .hdr or .exr panorama, a portrait whose light is borrowed, or a light
             or session file; None leaves a session its own.
 
@@ -36,7 +38,7 @@ def run_editor(photo_path: Path | None = None, light: str | None = None) -> int:
     window = EditorWindow(make_relighter, on_engine_start=yield_to_the_window, **kept)
     try:
         # While its folder is still there.
-        open_named(window.state, photo_path and photo_path.absolute(), light)
+        open_named(window.state, [path.absolute() for path in paths], light)
         window.run()
     finally:
         window.close()

@@ -187,7 +187,7 @@ def test_a_light_that_is_named_from_here_is_the_recent_one_and_not_another(tmp_p
     monkeypatch.chdir(tmp_path)
     (tmp_path / "sky.hdr").write_bytes(b"light")
     state = EditorState(extra_lights=[LightSource.named(str(tmp_path / "sky.hdr"))])
-    open_named(state, None, "sky.hdr")
+    open_named(state, [], "sky.hdr")
     assert state.light is state.extra_lights[0]
     take_files(state, [Path("sky.hdr")], -1.0, -1.0)
     assert state.light is state.extra_lights[0]

@@ -27,7 +27,7 @@ def shoot(tmp_path, monkeypatch):
 @pytest.mark.parametrize("spelt", ["friend.relight.json", "./friend.relight.json", "../{}/friend.relight.json"])
 def test_a_named_light_lights_the_named_photo_however_it_is_spelt(shoot, spelt):
     state = EditorState()
-    open_named(state, Path("me.jpg"), spelt.format(shoot.name))
+    open_named(state, [Path("me.jpg")], spelt.format(shoot.name))
     assert state.photo.path == Path("me.jpg")
     assert (state.light.name, state.edit.yaw_deg, state.edit.shadow) == ("split", 30.0, 1.0)
 
@@ -35,7 +35,7 @@ def test_a_named_light_lights_the_named_photo_however_it_is_spelt(shoot, spelt):
 @pytest.mark.parametrize("light", ["golden-hour", "friend.relight.json", None])
 def test_a_named_light_takes_the_place_of_a_session_s_and_leaves_its_sliders(shoot, light):
     state = EditorState()
-    open_named(state, Path("me.relight.json"), light)
+    open_named(state, [Path("me.relight.json")], light)
     assert state.photo.path == shoot / "me.jpg"
     assert state.edit.shadow == 0.5
     assert state.light.name == {"golden-hour": light, "friend.relight.json": "split", None: "ring"}[light]
@@ -52,13 +52,21 @@ def test_a_named_light_takes_the_place_of_a_session_s_and_leaves_its_sliders(sho
 def test_nothing_is_said_to_stand_in_for_a_session_s_lost_light_where_another_is_named(shoot, light, told):
     write_session(Path("gone.relight.json"), Document(PhotoRef(Path("me.jpg")), LightRef("panorama", "sky.hdr")))
     state = EditorState()
-    open_named(state, Path("gone.relight.json"), light)
+    open_named(state, [Path("gone.relight.json")], light)
     assert state.asking.notices == told
+
+
+@pytest.mark.parametrize("names", [["me.jpg", "friend.jpg"], ["."]])
+def test_several_named_photos_and_a_folder_of_them_become_a_queue_under_the_named_light(shoot, names):
+    state = EditorState()
+    open_named(state, [Path(name) for name in names], "split")
+    assert [path.name for path in state.queue.paths] == sorted(["me.jpg", "friend.jpg"], reverse=len(names) > 1)
+    assert (state.photo.path, state.light.name) == (state.queue.paths[0], "split")
 
 
 def test_a_named_file_that_is_bad_is_told(shoot):
     state = EditorState()
     Path("friend.relight.json").write_text("{")
-    open_named(state, Path("me.jpg"), "friend.relight.json")
+    open_named(state, [Path("me.jpg")], "friend.relight.json")
     assert state.photo.path == Path("me.jpg")
     assert state.asking.notices[0][1]

@@ -17,7 +17,7 @@ from relight_core.imaging.write import write_image
 WITHOUT_DISPLAY = """
 from app.window.run import NoDisplayError, run_editor
 try:
-    run_editor(None)
+    run_editor()
 except NoDisplayError as error:
     print("told:", error)
 """

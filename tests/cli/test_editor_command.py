@@ -30,7 +30,7 @@ def opened(monkeypatch):
     window = ModuleType("app.window.run")
     for name in ("NoDisplayError", "GraphicsLostError"):
         setattr(window, name, type(name, (RuntimeError,), {}))
-    window.run_editor = lambda photo, light: calls.append((photo, light)) or 0
+    window.run_editor = lambda photos, light: calls.append((photos, light)) or 0
     monkeypatch.setitem(sys.modules, "app.window.run", window)
     return calls
 
@@ -149,7 +149,20 @@ def test_without_a_display_what_is_no_session_is_told_in_a_line(relight, tmp_pat
 def test_with_a_display_the_editor_opens(relight, opened, photo, monkeypatch, words, light):
     monkeypatch.setattr(edit, "has_display", lambda: True)
     assert relight(photo, *words).code == 0
-    assert opened == [(photo, light)]
+    assert opened == [([photo], light)]
+
+
+def test_several_photos_open_together_and_without_a_display_are_pointed_to_render(
+    relight, opened, photo, tmp_path, monkeypatch
+):
+    monkeypatch.setattr(edit, "has_display", lambda: True)
+    assert relight(photo, photo.parent, "--light", "ring").code == 0
+    assert opened == [([photo, photo.parent], "ring")]
+    monkeypatch.setattr(edit, "has_display", lambda: False)
+    for several in ([photo, photo], [photo.parent]):
+        done = relight(*several)
+        assert (done.code, done.err.count("\n")) == (2, 1)
+        assert "relight render" in done.err
 
 
 def test_a_tilde_that_no_shell_has_expanded_is_the_home_folder(relight, opened, photo, tmp_path, monkeypatch):
@@ -157,14 +170,14 @@ def test_a_tilde_that_no_shell_has_expanded_is_the_home_folder(relight, opened, 
     monkeypatch.setenv("HOME", str(tmp_path))
     monkeypatch.setenv("USERPROFILE", str(tmp_path))
     assert relight("~/photo.png").code == 0
-    assert opened == [(photo, None)]
+    assert opened == [([photo], None)]
     assert relight("render", "~/photo.png", "--light", "ring", "-o", tmp_path / "out.png").code == 0
 
 
 def test_a_display_that_fails_is_as_none(relight, opened, photo, tmp_path, monkeypatch):
     window = sys.modules["app.window.run"]
 
-    def fail(_photo, _light):
+    def fail(_photos, _light):
         raise window.NoDisplayError("the display has no OpenGL")
 
     monkeypatch.setattr(window, "run_editor", fail)
@@ -179,7 +192,7 @@ def test_a_display_that_fails_is_as_none(relight, opened, photo, tmp_path, monke
 def test_graphics_that_are_lost_for_good_end_the_editor_with_one_line(relight, opened, photo, monkeypatch):
     window = sys.modules["app.window.run"]
 
-    def fail(_photo, _light):
+    def fail(_photos, _light):
         raise window.GraphicsLostError("the graphics driver failed; unsaved work is kept")
 
     monkeypatch.setattr(window, "run_editor", fail)
@@ -200,7 +213,7 @@ def test_an_unknown_light_is_told_before_anything_opens(relight, opened, photo, 
 def test_the_editor_opens_on_the_sample_portrait(relight, opened, monkeypatch):
     monkeypatch.setattr(edit, "has_display", lambda: True)
     assert relight().code == 0
-    ((photo, _light),) = opened
+    (([photo], _light),) = opened
     assert Image.open(photo).size == (512, 512)
 
 
