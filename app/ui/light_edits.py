@@ -32,6 +32,17 @@ def match_face(state: EditorState, picture: Picture) -> None:
     state.light_edit = replace(state.light_edit, level_ev=round(level_ev, 2))
 
 
+def is_adjusted(state: EditorState) -> bool:
+    """Whether the light's level, colour or blur are other than the light came with."""
+    return replace(state.light_edit, boxes=(), apart=False) != state.light.opening_edit
+
+
+def reset_adjustments(state: EditorState) -> None:
+    """Put level, colour and blur of the light back; its soft boxes stay."""
+    lamps = {"boxes": state.light_edit.boxes, "apart": state.light_edit.apart}
+    state.light_edit = replace(state.light.opening_edit, **lamps)
+
+
 def can_undo(state: EditorState) -> bool:
     """Whether there is something that `undo` takes back."""
     return state.asking.level is not None or state.history.can_undo
@@ -66,6 +77,17 @@ def switch_box(state: EditorState) -> None:
     if has_box(state):
         box = state.light_edit.boxes[state.selected_box]
         put_box(state, state.selected_box, replace(box, off=not box.off))
+
+
+def has_gel(state: EditorState) -> bool:
+    """Whether a soft box is selected that has a coloured gel."""
+    return has_box(state) and state.light_edit.boxes[state.selected_box].colour is not None
+
+
+def remove_gel(state: EditorState) -> None:
+    """Take the coloured gel off the selected soft box."""
+    if has_gel(state):
+        put_box(state, state.selected_box, replace(state.light_edit.boxes[state.selected_box], colour=None))
 
 
 def raise_box(state: EditorState, degrees: float) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -16,6 +17,7 @@ from app.ui.state import EditorState
 from relight_core.imaging.files import legible
 
 _TYPED_FORM = "%.2f"
+_TYPED_FLAGS = imgui.InputTextFlags_.auto_select_all | imgui.InputTextFlags_.enter_returns_true
 
 
 @dataclass(frozen=True)
@@ -105,7 +107,10 @@ def _title_row(state: EditorState, spec: Slider, value: float) -> float:
 
 
 def begin_typing(state: EditorState, label: str) -> None:
-    """Let the number of a slider, or a line of `keyboard_for`, be typed in from the next frame on, if it is drawn."""
+    """Let the number of a slider, a swatch's colour or a line of `keyboard_for` be typed from the next frame on.
+
+    Nothing comes of it where that is not drawn.
+    """
     state.typing, state.typing_began, state.typing_seen = label, True, True
 
 
@@ -135,20 +140,53 @@ def _typed(state: EditorState, spec: Slider, value: float) -> float:
     began, state.typing_seen = state.typing_began, True
     if began:
         imgui.set_keyboard_focus_here()
-    flags = imgui.InputTextFlags_.auto_select_all | imgui.InputTextFlags_.enter_returns_true
-    _, new = imgui.input_float("##typed", value, 0.0, 0.0, _TYPED_FORM, flags)
+    _, new = imgui.input_float("##typed", value, 0.0, 0.0, _TYPED_FORM, _TYPED_FLAGS)
     imgui.pop_style_var()
+    # A number that was left as it stood must not be rounded to what is shown of it, nor moved onto the track.
+    untouched = new != new or _TYPED_FORM % new == _TYPED_FORM % value
+    if _typing_is_done(state, began) and not untouched:
+        value = spec.taken(new)
+    return value
+
+
+def _typing_is_done(state: EditorState, began: bool) -> bool:
+    """After the line that is typed in: whether what stands there counts, as it does not after Esc.
+
+    Args:
+        began: the keyboard was asked for before this line.
+    """
     # The keyboard is had some frames after it was asked for, of a panel that is just coming into sight later still.
     state.typing_began = began and not imgui.is_item_active()
-    if not began and imgui.is_item_deactivated():
+    is_left = not began and imgui.is_item_deactivated()
+    if is_left or not (began or imgui.is_item_active() or imgui.is_item_focused()):
         state.typing = None
-        # A number that was left as it stood must not be rounded to what is shown of it, nor moved onto the track.
-        untouched = new != new or _TYPED_FORM % new == _TYPED_FORM % value
-        if not imgui.is_key_pressed(imgui.Key.escape) and not untouched:
-            value = spec.taken(new)
-    elif not began and not imgui.is_item_active() and not imgui.is_item_focused():
-        state.typing = None
-    return value
+    return is_left and not imgui.is_key_pressed(imgui.Key.escape)
+
+
+def typed_colour(state: EditorState, colour: Sequence[float]) -> tuple[float, ...] | None:
+    """In place of a swatch while `state.typing` is its label: a line for "#rrggbb"; the colour once one is typed.
+
+    Args:
+        colour: what stands there at first; red, green and blue in [0, 1], as what is returned.
+    """
+    shown = hex_of(colour)
+    imgui.set_next_item_width(imgui.get_content_region_avail().x)
+    began, state.typing_seen = state.typing_began, True
+    if began:
+        imgui.set_keyboard_focus_here()
+    _, typed = imgui.input_text("##colour", shown, _TYPED_FLAGS)
+    digits = typed.strip().removeprefix("#")
+    if not _typing_is_done(state, began) or typed == shown or not digits:
+        return None
+    if not re.fullmatch("[0-9a-fA-F]{6}", digits):
+        state.asking.tell(f"{typed} is no colour; type one like #30343a: red, green and blue from 00 to ff", True)
+        return None
+    return tuple(value / 255 for value in bytes.fromhex(digits))
+
+
+def hex_of(colour: Sequence[float]) -> str:
+    """Red, green and blue in [0, 1] as "#rrggbb"."""
+    return "#" + "".join(f"{round(value * 255):02x}" for value in colour)
 
 
 def _track(state: EditorState, spec: Slider, value: float) -> float:

@@ -48,6 +48,40 @@ def test_a_soft_box_is_chosen_and_changed(opened):
     assert second == untouched
 
 
+def test_colours_are_typed_and_a_gel_is_taken_off(opened):
+    state = opened.window.state
+    state.panels = Panels(light=False)
+    add_box(state, 20.0, 30.0)
+    opened.settle()
+    run(opened, "background's colour", "#2040ff")
+    assert (state.edit.background, state.typing) == ("#2040ff", None)
+    run(opened, "set coloured gel", "ff0033")
+    assert state.light_edit.boxes[0].colour == pytest.approx((1.0, 0.0, 0.2))
+    run(opened, "remove coloured gel")
+    assert state.light_edit.boxes[0].colour is None
+
+
+def test_what_is_no_colour_is_told_and_esc_takes_none(opened):
+    state = opened.window.state
+    run(opened, "background's colour", "mauve")
+    assert state.snapshot.message.is_error
+    assert "mauve" in state.snapshot.message.text
+    run(opened, "background's colour")
+    opened.frames(4)
+    opened.type("ff0033")
+    opened.key(glfw.KEY_ESCAPE)
+    assert (state.edit.background, state.typing) == ("keep", None)
+
+
+def test_the_light_s_adjustments_are_reset_and_its_soft_boxes_stay(opened):
+    state = opened.window.state
+    add_box(state, 20.0, 30.0)
+    boxes = state.light_edit.boxes
+    run(opened, "light's saturation", "1.5")
+    run(opened, "reset the adjusted")
+    assert (state.light_edit.saturation, state.light_edit.boxes) == (1.0, boxes)
+
+
 def test_how_a_file_is_made_is_set(opened):
     state = opened.window.state
     run(opened, "size 2048")

@@ -19,10 +19,29 @@ _EFFECTS = (
     effects_panel.TINT,
     effects_panel.EXPOSURE,
 )
+_AS_HEX = ", typed like #30343a"
+_GEL_WORDS = f"{sentence(light_controls.GEL_WORDS)}{_AS_HEX}"
+_COLOUR_WORDS = f"A plain colour behind the person{_AS_HEX}"
+_RESET_LIGHT = Action(
+    "Reset the adjusted light",
+    _LIGHT,
+    (),
+    sentence(light_controls.RESET_WORDS),
+    light_edits.reset_adjustments,
+    available=light_edits.is_adjusted,
+)
+_REMOVE_GEL = Action(
+    "Remove the soft box's coloured gel",
+    _LIGHT,
+    (),
+    "Gives the lamp its colour from candle to blue sky back",
+    light_edits.remove_gel,
+    available=light_edits.has_gel,
+)
 
 
 def setting_actions(state: EditorState) -> tuple[Action, ...]:
-    """One for each slider, to type its number, and one for each choice, in the order of the panels."""
+    """One for each slider and colour, to type it, and one for each choice, in the order of the panels."""
     return (
         _type(light_panel.ROTATION, "light"),
         *_lamps(state),
@@ -30,8 +49,10 @@ def setting_actions(state: EditorState) -> tuple[Action, ...]:
             _type(slider, "light", "adjust", f"Set the light's {slider.label.lower()}")
             for slider in light_controls.sliders_of_light(state).values()
         ),
+        _RESET_LIGHT,
         *(_type(slider, "effects", "effects") for slider in _EFFECTS),
         *(_background(*choice) for choice in effects_panel.BACKGROUNDS),
+        _type_at("Set the background's colour", effects_panel.COLOUR, _COLOUR_WORDS, "effects", "background"),
         *_background_blur(state),
         *_faces(state),
         *(_quality(*choice) for choice in quality_panel.TIERS),
@@ -40,15 +61,20 @@ def setting_actions(state: EditorState) -> tuple[Action, ...]:
 
 
 def _type(slider: widgets.Slider, panel: str, group: str | None = None, name: str = "") -> Action:
-    """Opens the panel, and the group in it, in which the slider is, and lets its number be typed."""
+    """Lets a slider's number be typed."""
+    return _type_at(name or f"Set {slider.label.lower()}", slider.label, slider.help, panel, group)
+
+
+def _type_at(name: str, label: str, words: str, panel: str, group: str | None = None) -> Action:
+    """Opens the panel, and the group in it, in which there is something to type, and gives that the keyboard."""
 
     def run(state: EditorState) -> None:
         state.panels = replace(state.panels, **{panel: True})
         if group is not None:
             state.groups = replace(state.groups, **{group: True})
-        widgets.begin_typing(state, slider.label)
+        widgets.begin_typing(state, label)
 
-    return Action(name or f"Set {slider.label.lower()}", _LIGHT, (), sentence(slider.help), run)
+    return Action(name, _LIGHT, (), sentence(words), run)
 
 
 def _lamps(state: EditorState) -> tuple[Action, ...]:
@@ -61,7 +87,8 @@ def _lamps(state: EditorState) -> tuple[Action, ...]:
     if boxes[state.selected_box].is_round:
         sliders.append(light_controls.HOLE)
     typed = (_type(slider, "light", name=f"Set the soft box's {slider.label.lower()}") for slider in sliders)
-    return (*choices, *typed, *(_shape(*choice) for choice in light_controls.SHAPES))
+    gel = _type_at("Set the soft box's coloured gel", light_controls.GEL, _GEL_WORDS, "light")
+    return (*choices, *typed, *(_shape(*choice) for choice in light_controls.SHAPES), gel, _REMOVE_GEL)
 
 
 def _choose_box(index: int, title: str) -> Action:

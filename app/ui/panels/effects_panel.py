@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from imgui_bundle import imgui
 
 from app.ui import brush_edits, face_edits, theme, widgets
@@ -32,6 +34,7 @@ BACKGROUNDS = (
 BACKGROUND_BLUR = widgets.Slider(
     "Background blur", 0.0, 20.0, 1.0, "%.1f°", "How far out of focus the light behind the person is."
 )
+COLOUR = "Background colour"
 _FACES_IN_ROW = 7
 """The choice of everyone among them."""
 
@@ -88,6 +91,9 @@ def _backgrounds(state: EditorState, fonts: theme.Fonts) -> None:
     words = next((label for value, label, _ in BACKGROUNDS if value == background), background)
     if not group(state, fonts, "background", "Background", words)[0]:
         return
+    if state.typing == COLOUR:
+        _take_colour(state, widgets.typed_colour(state, _plain_colour(background)))
+        return
     swatch = imgui.get_frame_height()
     spacing = 2.0
     width = imgui.get_content_region_avail().x - swatch - spacing
@@ -101,16 +107,23 @@ def _backgrounds(state: EditorState, fonts: theme.Fonts) -> None:
 def _colour(state: EditorState) -> None:
     """A plain colour behind the person; outlined while it is what is seen there."""
     background = state.edit.background
-    is_colour = background.startswith("#")
-    colour = background if is_colour else "#30343a"
-    shown = [int(colour[index : index + 2], 16) / 255 for index in (1, 3, 5)]
     words = "A plain colour behind the person: click to choose it."
-    picked = widgets.swatch(state, "Background colour", shown, words, in_bytes=True)
-    if is_colour:
+    picked = widgets.swatch(state, COLOUR, _plain_colour(background), words, in_bytes=True)
+    if background.startswith("#"):
         corner, end = imgui.get_item_rect_min(), imgui.get_item_rect_max()
         imgui.get_window_draw_list().add_rect(corner, end, theme.packed(theme.ACCENT), 4.0, 1.5)
+    _take_colour(state, picked)
+
+
+def _plain_colour(background: str) -> tuple[float, ...]:
+    """The colour of a background, or the first to choose from; red, green and blue in [0, 1]."""
+    colour = background if background.startswith("#") else "#30343a"
+    return tuple(value / 255 for value in bytes.fromhex(colour[1:]))
+
+
+def _take_colour(state: EditorState, picked: Sequence[float] | None) -> None:
     if picked is not None:
-        state.change(background="#" + "".join(f"{round(value * 255):02x}" for value in picked))
+        state.change(background=widgets.hex_of(picked))
 
 
 def _faces(state: EditorState, fonts: theme.Fonts) -> None:

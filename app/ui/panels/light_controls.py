@@ -38,6 +38,8 @@ SHAPES = (
     ("disc", "Round", "A beauty dish, an umbrella, a bulb, a ring light."),
 )
 HOLE = widgets.Slider("Hole", 0.0, 0.9, 0.0, "%.2f", "How much of it is dark in the middle, as of a ring light.")
+GEL, GEL_WORDS = "Coloured gel", "A coloured gel in front of this lamp."
+RESET_WORDS = "Puts level, colour and blur of the light back."
 _SPACING = 4.0
 _ADD, _LAMPS, _REMOVE = "+  Soft box", "Its lamps", "Remove all"
 _AS_PHOTO = "The level at which the lit part of the face is as bright as in the photo.  Shift + A"
@@ -160,13 +162,12 @@ def of_form(lamp: SoftBox, form: str) -> SoftBox:
 
 def light(state: EditorState, fonts: theme.Fonts) -> None:
     """The whole light."""
-    edited = replace(state.light_edit, boxes=(), apart=False) != state.light.opening_edit
-    back = Tool("Reset", "Puts level, colour and blur of the light back.", edited)
+    edited = light_edits.is_adjusted(state)
+    back = Tool("Reset", RESET_WORDS, edited)
     summary = "changed" if edited else "metered" if state.light_edit.metered else ""
     opened, pressed = group(state, fonts, "adjust", "Adjust the light", summary, (back,))
     if pressed:
-        lamps = {"boxes": state.light_edit.boxes, "apart": state.light_edit.apart}
-        state.light_edit = replace(state.light.opening_edit, **lamps)
+        light_edits.reset_adjustments(state)
     if not opened:
         return
     _level_tools(state)
@@ -214,10 +215,12 @@ def _meter_words(state: EditorState) -> str:
 def _gel(state: EditorState, colour: tuple[float, float, float] | None) -> tuple[float, float, float] | None:
     """A coloured gel instead of a temperature."""
     white = (1.0, 1.0, 1.0)
-    picked = widgets.swatch(state, "Coloured gel", colour or white, "A coloured gel in front of this lamp.")
+    if state.typing == GEL:
+        return widgets.typed_colour(state, colour or white) or colour
+    picked = widgets.swatch(state, GEL, colour or white, GEL_WORDS)
     imgui.same_line()
     imgui.align_text_to_frame_padding()
-    imgui.text_disabled("Coloured gel" if colour is None else "Gel")
+    imgui.text_disabled(GEL if colour is None else "Gel")
     if colour is not None:
         imgui.same_line()
         if imgui.small_button("Remove"):
