@@ -16,6 +16,7 @@ from app.ui.pictures import Shown
 from app.ui.state import EditorState
 from relight_core.imaging.files import legible
 
+_NARROW_PADDING = 1.0
 _TYPED_FORM = "%.2f"
 _TYPED_FLAGS = imgui.InputTextFlags_.auto_select_all | imgui.InputTextFlags_.enter_returns_true
 
@@ -276,25 +277,45 @@ def segmented(
         choices: (value, label, tooltip) each.
         chosen: the value that is down.
         width: of the row; None takes all there is.
-        most_in_row: the others go into further rows; None has all in one.
+        most_in_row: the others go into further rows; None has all in one where that has room for their words.
 
     Returns:
         The value that is down now.
     """
     spacing = 2.0
     in_row = min(len(choices), most_in_row or len(choices))
-    width = ((width or imgui.get_content_region_avail().x) - spacing * (in_row - 1)) / in_row
-    padding = imgui.get_style().frame_padding
+    room = width or imgui.get_content_region_avail().x
+    widest = max((label for _, label, _ in choices), key=lambda label: imgui.calc_text_size(label).x)
+    while most_in_row is None and in_row > 1 and not share([widest] * in_row, room, spacing)[0]:
+        in_row = (in_row + 1) // 2
+    width = (room - spacing * (in_row - 1)) / in_row
     for index, (value, label, tooltip) in enumerate(choices):
         if index % in_row:
             imgui.same_line(0.0, spacing)
-        # Narrow, so that words are not cut where the panel is.
-        imgui.push_style_var(imgui.StyleVar_.frame_padding, imgui.ImVec2(1.0, padding.y))
-        if toggle(label, value == chosen, width, one_of_many=True):
-            chosen = value
-        imgui.pop_style_var()
+        with narrow_buttons():
+            if toggle(label, value == chosen, width, one_of_many=True):
+                chosen = value
         imgui.set_item_tooltip(tooltip)
     return chosen
+
+
+@contextmanager
+def narrow_buttons() -> Iterator[None]:
+    """Buttons with hardly any room beside their words, so that these are not cut where the panel is narrow."""
+    padding = imgui.ImVec2(_NARROW_PADDING, imgui.get_style().frame_padding.y)
+    imgui.push_style_var(imgui.StyleVar_.frame_padding, padding)
+    yield
+    imgui.pop_style_var()
+
+
+def share(labels: Sequence[str], room: float, spacing: float) -> tuple[bool, float]:
+    """Whether equal `narrow_buttons` of these words have room in a row, and how wide each is then.
+
+    Where they have none they stand below one another, each as wide as the room.
+    """
+    width = (room - spacing * (len(labels) - 1)) / max(1, len(labels))
+    fits = all(imgui.calc_text_size(label).x + 2.0 * _NARROW_PADDING <= width for label in labels)
+    return (True, width) if fits else (False, room)
 
 
 def toggle(label: str, down: bool, width: float, *, one_of_many: bool = False) -> bool:

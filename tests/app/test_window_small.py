@@ -1,5 +1,7 @@
 """The real window where a desktop makes it smaller than it asks to be: all of it can still be reached."""
 
+from dataclasses import replace
+
 import glfw
 import pytest
 from imgui_bundle import imgui
@@ -8,6 +10,7 @@ from window_hand import Hand
 from app.ui.asking import FileRequest
 from app.ui.layout import Panels, arrange
 from app.ui.panels import light_panel
+from app.ui.photo_queue import PhotoQueue
 from app.window.window import EditorWindow
 
 SIZE = 500, 350
@@ -38,6 +41,27 @@ def test_the_last_light_is_scrolled_to(small, monkeypatch):
     for _ in range(30):
         small.wheel(-3)
     assert in_sight["rig:split"]
+
+
+@pytest.mark.parametrize("form", [".png", ".jpg"])
+@pytest.mark.parametrize("size", [SIZE, (700, 500)])
+def test_no_button_of_the_panels_cuts_its_words(small, monkeypatch, size, form):
+    glfw.set_window_size(small.window.handle, *size)
+    state, cut, draw = small.window.state, set(), imgui.button
+
+    def note(label, size):
+        # Words that are too wide begin at the left padding.
+        if 0.0 < size.x < imgui.get_style().frame_padding.x + imgui.calc_text_size(label).x:
+            cut.add(label)
+        return draw(label, size)
+
+    state.export = replace(state.export, form=form)
+    state.groups = replace(state.groups, export=True, adjust=True)
+    small.key(glfw.KEY_N)
+    monkeypatch.setattr(imgui, "button", note)
+    state.queue = PhotoQueue((state.photo.path, state.photo.path))
+    small.frames(3)
+    assert cut == set()
 
 
 def test_the_palette_and_our_own_file_dialog_stay_within_the_window(small, tmp_path):

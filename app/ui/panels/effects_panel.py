@@ -64,7 +64,9 @@ def _queue(state: EditorState) -> None:
         imgui.set_item_tooltip(tooltip)
         imgui.same_line(0.0, 4.0)
     imgui.align_text_to_frame_padding()
-    imgui.text_disabled(f"Photo {state.queue.label}")
+    words = f"Photo {state.queue.label}"
+    has_room = imgui.calc_text_size(words).x <= imgui.get_content_region_avail().x
+    imgui.text_disabled(words if has_room else state.queue.label)
     widgets.gap(0.4)
 
 

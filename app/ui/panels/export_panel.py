@@ -56,15 +56,21 @@ def draw(state: EditorState, fonts: theme.Fonts) -> None:
 
 
 def _depth_and_size(state: EditorState) -> None:
+    """In a row, or the size below the depth where that has no room for its words."""
     export = state.export
-    half = (imgui.get_content_region_avail().x - _SPACING) / 2
+    sizes = max(imgui.calc_text_size(size_words(side)).x for side in SIDES)
+    needed = sizes + imgui.get_frame_height() + 2.0 * imgui.get_style().frame_padding.x
+    room = imgui.get_content_region_avail().x
+    in_a_row = needed <= (room - _SPACING) / 2
+    half = (room - _SPACING) / 2 if in_a_row else room
     if export.form == ".jpg":
         with widgets.keyboard_for(state, QUALITY):
             state.export = replace(export, quality=_quality(export.quality, half))
     else:
         chosen = widgets.segmented(depths(export.form), "deep" if export.deep else "", half)
         state.export = replace(export, deep=chosen == "deep")
-    imgui.same_line(0.0, _SPACING)
+    if in_a_row:
+        imgui.same_line(0.0, _SPACING)
     _size(state)
 
 
@@ -141,20 +147,28 @@ def _size(state: EditorState) -> None:
 
 
 def _buttons(state: EditorState) -> None:
-    third = (imgui.get_content_region_avail().x - 2.0 * _SPACING) / 3
-    if imgui.button("Export", imgui.ImVec2(third, 0.0)):
-        state.export_wanted = state.export.form
-    imgui.set_item_tooltip("Save it there at once.  E")
-    for label, kind, tooltip in (
+    with widgets.narrow_buttons():
+        _save_or_copy(state)
+        film = ("MP4", "turntable_film", "A film of the light turning once around.  Ctrl + T")
+        words = "The light turning once around, as numbered PNG files in a new folder."
+        _wish_either(state, "Turntable", film, ("PNGs", "turntable_pictures", words))
+        _batch(state)
+
+
+def _save_or_copy(state: EditorState) -> None:
+    wishes = (
         ("Save as…", "export_as", "Choose the place; asks before it replaces a file.  Ctrl + E"),
         ("Copy", "copy_picture", "Put the picture on the clipboard.  Ctrl + C"),
-    ):
-        imgui.same_line(0.0, _SPACING)
-        _wish(state, label, kind, tooltip, third)
-    film = ("MP4", "turntable_film", "A film of the light turning once around.  Ctrl + T")
-    words = "The light turning once around, as numbered PNG files in a new folder."
-    _wish_either(state, "Turntable", film, ("PNGs", "turntable_pictures", words))
-    _batch(state)
+    )
+    labels = ("Export", *(label for label, _, _ in wishes))
+    in_a_row, width = widgets.share(labels, imgui.get_content_region_avail().x, _SPACING)
+    if imgui.button("Export", imgui.ImVec2(width, 0.0)):
+        state.export_wanted = state.export.form
+    imgui.set_item_tooltip("Save it there at once.  E")
+    for wish in wishes:
+        if in_a_row:
+            imgui.same_line(0.0, _SPACING)
+        _wish(state, *wish, width)
 
 
 def _batch(state: EditorState) -> None:
@@ -168,15 +182,18 @@ def _batch(state: EditorState) -> None:
 
 
 def _wish_either(state: EditorState, title: str, *choices: tuple[str, str, str]) -> None:
-    """A title, and beside it two buttons: label, kind of wish and tooltip of each."""
+    """A title, and beside it or below it two buttons: label, kind of wish and tooltip of each."""
+    labels = [label for label, _, _ in choices]
     imgui.align_text_to_frame_padding()
     imgui.text_disabled(title)
-    imgui.same_line()
-    half = (imgui.get_content_region_avail().x - _SPACING) / 2
+    beside = imgui.calc_text_size(title).x + imgui.get_style().item_spacing.x
+    if widgets.share(labels, imgui.get_content_region_avail().x - beside, _SPACING)[0]:
+        imgui.same_line()
+    in_a_row, width = widgets.share(labels, imgui.get_content_region_avail().x, _SPACING)
     for index, choice in enumerate(choices):
-        if index:
+        if index and in_a_row:
             imgui.same_line(0.0, _SPACING)
-        _wish(state, *choice, half)
+        _wish(state, *choice, width)
 
 
 def _wish(state: EditorState, label: str, kind: str, tooltip: str, width: float) -> None:

@@ -52,15 +52,20 @@ _AIMS = (
 
 def tools(state: EditorState) -> None:
     """Adding a soft box, on the panorama or by the face."""
-    _lamp_tools(state)
+    with widgets.narrow_buttons():
+        _lamp_tools(state)
+        _aim_tools(state)
+
+
+def _aim_tools(state: EditorState) -> None:
+    """What places a lamp by a click on the face: in a row, or one below the other."""
     imgui.begin_disabled(state.snapshot.picture is None)
     if _widest_aim() + imgui.calc_text_size(_ON_THE_FACE).x + _SPACING < imgui.get_content_region_avail().x:
         imgui.align_text_to_frame_padding()
         imgui.text_disabled(_ON_THE_FACE)
         imgui.same_line()
     room = imgui.get_content_region_avail().x
-    in_a_row = 2.0 * max(imgui.calc_text_size(label).x for _, label, _ in _AIMS) + _SPACING <= room
-    width = (room - _SPACING) / 2 if in_a_row else room
+    in_a_row, width = widgets.share([label for _, label, _ in _AIMS], room, _SPACING)
     for index, (aim, label, tooltip) in enumerate(_AIMS):
         if index and in_a_row:
             imgui.same_line(0.0, _SPACING)
@@ -81,21 +86,23 @@ def _width_of(label: str) -> float:
 
 
 def _lamp_tools(state: EditorState) -> None:
-    """What adds lamps, moves those of the light itself, and takes all of them away: in a row, or in two."""
+    """What adds lamps, moves those of the light itself, and takes all of them away: in a row, or in several."""
     has = {_LAMPS: light_edits.has_lamps(state), _REMOVE: bool(state.light_edit.boxes)}
     words = [word for word, is_there in has.items() if is_there]
     room = imgui.get_content_region_avail().x
     widths = [_width_of(word) for word in (_ADD, *words)]
     in_a_row = sum(widths) + _SPACING * len(words) <= room
+    beside = True
     if in_a_row:
         widths[0] = room - sum(widths[1:]) - _SPACING * len(words)
     else:
-        widths = [room] + [(room - _SPACING * (len(words) - 1)) / len(words)] * len(words)
+        beside, width = widgets.share(words, room, _SPACING)
+        widths = [room] + [width] * len(words)
     if imgui.button(_ADD, imgui.ImVec2(widths[0], 0.0)):
         add_box(state, *NEW_AT)
     imgui.set_item_tooltip("Add a lamp. Drag it on the panorama; its corners resize it.  N")
     for index, (word, width) in enumerate(zip(words, widths[1:], strict=True)):
-        if in_a_row or index:
+        if in_a_row or (beside and index):
             imgui.same_line(0.0, _SPACING)
         if word == _LAMPS:
             if widgets.toggle(word, state.light_edit.apart, width):

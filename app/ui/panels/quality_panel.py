@@ -33,7 +33,8 @@ def draw(state: EditorState, fonts: theme.Fonts) -> None:
         return
     corner = imgui.get_cursor_screen_pos()
     width = imgui.get_content_region_avail().x
-    wish = widgets.segmented(TIERS, choice.wish)
+    # In one row, however narrow, since the costs stand below it.
+    wish = widgets.segmented(TIERS, choice.wish, most_in_row=len(TIERS))
     _costs(costs, corner.x, width, choice.moving(costs))
     budget_ms = choice.budget_ms
     if wish == AUTO:
