@@ -117,7 +117,11 @@ def _move(request: FileRequest, count: int) -> bool:
     by = imgui.is_key_pressed(imgui.Key.down_arrow) - imgui.is_key_pressed(imgui.Key.up_arrow)
     if not by or imgui.get_io().key_alt:
         return False
-    request.row = min(max(request.row + by, -1), count - 1)
+    row = request.row + by
+    if by > 0 and request.row < 0 and request.kind != "save" and os.path.basename(request.text):
+        # Whoever has begun a name wants what is found of it, and not the folder above that.
+        row = 1
+    request.row = min(max(row, -1), count - 1)
     return True
 
 

@@ -102,9 +102,9 @@ def test_the_arrow_keys_and_enter_go_through_folders_to_a_file(opened, folder):
     opened.key(glfw.KEY_ENTER)
     assert picking.text == f"{folder}{os.sep}"
     opened.type("i")
-    for _ in range(2):
-        opened.key(glfw.KEY_DOWN)
+    opened.key(glfw.KEY_DOWN)
     opened.key(glfw.KEY_ENTER)
+    assert picking.text == f"{folder / 'inside'}{os.sep}"
     for _ in range(9):
         opened.key(glfw.KEY_DOWN)
     opened.key(glfw.KEY_UP)
