@@ -1,6 +1,10 @@
 """What is written over the picture in the real window lies apart."""
 
+import itertools
+
 import glfw
+import pytest
+from imgui_bundle import imgui
 from window_hand import STRIPS
 
 from app.ui import theme
@@ -26,3 +30,40 @@ def test_the_names_at_the_line_lie_above_what_the_colours_mean(opened, monkeypat
     opened.frames(1)
     legend = max(top for top in tops if top < opened.height - STRIPS)
     assert max(feet["Photo"], feet["Result"]) < legend - 0.6 * theme.FONT_PX
+
+
+@pytest.mark.parametrize("size", [(1440, 900), (560, 420)])
+def test_words_below_the_colours_lie_beside_one_another_and_above_the_zoom(opened, monkeypatch, size):
+    ends, tops = [], []
+
+    class Noted:
+        """Dear ImGui, its draw list telling what is written."""
+
+        def __getattr__(self, name):
+            return getattr(imgui, name) if name != "get_window_draw_list" else lambda: self
+
+        def add_rect_filled(self, *_shape):
+            pass
+
+        def add_text(self, at, _colour, words):
+            ends.append((at.x, at.x + imgui.calc_text_size(words).x))
+            tops.append(at.y)
+
+    legend = viewport_notes.legend
+
+    def noted_legend(*of):
+        ends.clear()
+        with monkeypatch.context() as patch:
+            patch.setattr(viewport_notes, "imgui", Noted())
+            legend(*of)
+
+    zoom = {}
+    monkeypatch.setattr(viewport_notes, "legend", noted_legend)
+    monkeypatch.setattr(viewport_notes, "note", lambda words, x, y, *colour: zoom.update({words: (x, y)}))
+    glfw.set_window_size(opened.window.handle, *size)
+    opened.key(glfw.KEY_D)
+    opened.frames(3)
+    assert len(ends) == 3
+    assert all(before[1] < after[0] for before, after in itertools.pairwise(ends))
+    ((x, y),) = [place for words, place in zoom.items() if words.endswith("%")]
+    assert ends[-1][1] < x or tops[-1] + theme.FONT_PX < y

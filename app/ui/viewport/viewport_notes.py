@@ -13,9 +13,12 @@ from app.ui.viewport.panes import LIGHTS, Arrangement, Pane
 
 TITLES = {name: title for name, title, _ in CHANNELS}
 _DIFFERENCE_ENDS = ("3 stops darker", "same", "3 stops brighter")
+_NARROW_DIFFERENCE_ENDS = ("\N{MINUS SIGN}3 EV", "0", "+3 EV")
 _SCALE_ENDS = {"specular": ("0", "0.25"), "shadow": ("0", "0.5")}
-_LEGEND_EM, _LEGEND_FOOT_EM = (17.0, 0.55), 3.1
+_LEGEND_EM, _LEGEND_FOOT_EM, _NARROW_LEGEND_FOOT_EM = (17.0, 0.55), 3.1, 4.9
 """Width and height of its colours, and how far above the viewport's foot they begin, in font heights."""
+_LEGEND_ROOM_EM = 34.0
+"""A narrower viewport has no room for the legend beside the picture's name in its corner."""
 
 
 def note(words: str, x: float, y: float, colour: theme.Colour = theme.TEXT) -> None:
@@ -55,7 +58,7 @@ def pane_titles(state: EditorState, arranged: Arrangement, rect: Rect, scale: fl
     em = imgui.get_font_size()
     before, after = arranged.panes
     covered = state.look.probe or state.look.timings
-    foot_em = 2.1 if _colours(state, arranged.main) is None else _LEGEND_FOOT_EM + 2.5
+    foot_em = 2.1 if _colours(state, arranged.main) is None else _legend_foot_em(rect) + 2.5
     y = rect.y + (rect.height - foot_em * em if covered else 0.6 * em)
     left = TITLES[before.name]
     x = rect.x + before.right / scale - note_width(left) - 0.6 * em
@@ -84,18 +87,25 @@ def legend(state: EditorState, pictures: Pictures, pane: Pane, rect: Rect) -> No
     kind, ends = colours
     em = imgui.get_font_size()
     width, height = min(_LEGEND_EM[0] * em, rect.width - 2 * em), _LEGEND_EM[1] * em
-    x, y = rect.x + (rect.width - width) / 2, rect.y + rect.height - _LEGEND_FOOT_EM * em
+    x, y = rect.x + (rect.width - width) / 2, rect.y + rect.height - _legend_foot_em(rect) * em
     draw = imgui.get_window_draw_list()
     corner, end = imgui.ImVec2(x - 0.7 * em, y - 0.6 * em), imgui.ImVec2(x + width + 0.7 * em, y + 2.3 * em)
     draw.add_rect_filled(corner, end, theme.packed(theme.SHADE, 0.8), 0.27 * em)
     widgets.draw_image(pictures.colours(kind), x, y, width, height)
     imgui.push_font(None, 0.86 * theme.FONT_PX)
+    if ends is _DIFFERENCE_ENDS and sum(imgui.calc_text_size(words).x for words in ends) + 2 * em > width:
+        ends = _NARROW_DIFFERENCE_ENDS
     for index, words in enumerate(ends):
         words_width = imgui.calc_text_size(words).x
         share = index / (len(ends) - 1)
         at = imgui.ImVec2(x + share * (width - words_width), y + height + 0.25 * em)
         draw.add_text(at, theme.packed(theme.TEXT), words)
     imgui.pop_font()
+
+
+def _legend_foot_em(rect: Rect) -> float:
+    """How far above the viewport's foot the legend's colours begin; above the picture's name where that is near."""
+    return _LEGEND_FOOT_EM if rect.width > _LEGEND_ROOM_EM * imgui.get_font_size() else _NARROW_LEGEND_FOOT_EM
 
 
 def _colours(state: EditorState, pane: Pane) -> tuple[str, tuple[str, ...]] | None:
