@@ -1,6 +1,7 @@
 """What is written over the picture in the real window lies apart."""
 
 import itertools
+from types import SimpleNamespace
 
 import glfw
 import pytest
@@ -67,3 +68,26 @@ def test_words_below_the_colours_lie_beside_one_another_and_above_the_zoom(opene
     assert all(before[1] < after[0] for before, after in itertools.pairwise(ends))
     ((x, y),) = [place for words, place in zoom.items() if words.endswith("%")]
     assert ends[-1][1] < x or tops[-1] + theme.FONT_PX < y
+
+
+@pytest.mark.parametrize("name", ["me.jpg", f"{'x' * 200}.jpg"])
+def test_what_runs_stays_within_the_viewport_and_off_the_zoom(opened, monkeypatch, name):
+    busy, places, note = SimpleNamespace(activity=f"Reading the face in {name}", picture=None), [], viewport_notes.note
+    corner_note = viewport_notes.corner_note
+
+    def note_places(words, x, y, *colour):
+        places.append((x, y, x + viewport_notes.note_width(words), y + 1.5 * theme.FONT_PX))
+        note(words, x, y, *colour)
+
+    def corner_note_with_progress(state, arranged, rect):
+        places[:] = [(rect.x, rect.y, rect.x + rect.width, rect.y + rect.height)]
+        corner_note(state, arranged, rect)
+        viewport_notes.progress(SimpleNamespace(snapshot=busy), rect)
+
+    monkeypatch.setattr(viewport_notes, "note", note_places)
+    monkeypatch.setattr(viewport_notes, "corner_note", corner_note_with_progress)
+    opened.frames(2)
+    viewport, zoom, progress = places
+    assert viewport[0] < progress[0]
+    assert progress[2] < viewport[2]
+    assert progress[2] < zoom[0] or progress[3] < zoom[1]

@@ -17,6 +17,8 @@ _NARROW_DIFFERENCE_ENDS = ("\N{MINUS SIGN}3 EV", "0", "+3 EV")
 _SCALE_ENDS = {"specular": ("0", "0.25"), "shadow": ("0", "0.5")}
 _LEGEND_EM, _LEGEND_FOOT_EM, _NARROW_LEGEND_FOOT_EM = (17.0, 0.55), 3.1, 4.9
 """Width and height of its colours, and how far above the viewport's foot they begin, in font heights."""
+_CORNER_ROOM_EM = 9.0
+"""How much of the viewport's width the picture's name and zoom in its corner take at most."""
 _LEGEND_ROOM_EM = 34.0
 """A narrower viewport has no room for the legend beside the picture's name in its corner."""
 
@@ -75,8 +77,11 @@ def progress(state: EditorState, rect: Rect) -> None:
     snapshot = state.snapshot
     if snapshot.activity is None or (snapshot.picture and snapshot.picture.opened is snapshot.opened):
         return
-    words = f"{snapshot.activity}…"
-    note(words, rect.x + (rect.width - note_width(words)) / 2, rect.y + rect.height - 2.1 * imgui.get_font_size())
+    em = imgui.get_font_size()
+    words = widgets.shortened(f"{snapshot.activity}…", rect.width - 2.2 * em)
+    beside = (rect.width - note_width(words)) / 2
+    foot_em = 2.1 if beside > _CORNER_ROOM_EM * em else 3.9
+    note(words, rect.x + beside, rect.y + rect.height - foot_em * em)
 
 
 def legend(state: EditorState, pictures: Pictures, pane: Pane, rect: Rect) -> None:
