@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import cv2
@@ -19,15 +20,15 @@ class LightChange:
         offset: (S, S, 3) float32, >= 0.
         shine: (S, S, 3) float32, >= 0: by how much a unit of gloss raises the gain.
         veil: (S, S, 3) float32, [0, 1]: by how much it raises the offset.
-        lift: (S, S, 3) float32, >= 0: by how much a unit of diffuse light raises the gain; None where it, too, is a
-            matter of the offset.
+        lift: by how much diffuse light (S, S, 3) raises the gain, (S, S, 3) >= 0; None where it, too, is a matter of
+            the offset.
     """
 
     gain: np.ndarray
     offset: np.ndarray
     shine: np.ndarray
     veil: np.ndarray
-    lift: np.ndarray | None = None
+    lift: Callable[[np.ndarray], np.ndarray] | None = None
 
     def apply(self, photo: np.ndarray) -> np.ndarray:
         """A picture of the maps' size relit: (S, S, 3), linear."""
@@ -42,7 +43,7 @@ class LightChange:
         if self.lift is None:
             return self.gain * kept, self.offset * kept + gloss + lifted
         gain, offset = self.gain * kept + gloss * self.shine, self.offset * kept + gloss * self.veil
-        return _with_added(gain, lifted * self.lift), offset
+        return _with_added(gain, self.lift(lifted)), offset
 
 
 def share_in_reach(gain: np.ndarray) -> np.ndarray:

@@ -10,7 +10,7 @@ the way, the gain would paint the blur over the photo: pupils turn milky, dark h
 follows what the photo's own pattern doesn't explain, and the pattern keeps its contrast.
 
 Of a mouth or an eye it sees even less: every tooth would get a gain of its own, an open corner a gloss, an iris a
-veil. The light there is as even as the light around it.
+veil. The light there is as even as the light around it, also what a weaker shadow gives back.
 
 Of a nostril they see nothing: where skin is far darker than all around it, light that a weaker shadow gives back
 brightens it by no more than that.
@@ -92,7 +92,9 @@ class ViewOfPhoto:
         self._in_shadow = self._skin * _warm(self._mean)
         carried = np.maximum(_TEXTURED * textured, even) * np.minimum(photo / _PALE, 1.0)
         self._shine, self._veil = carried / np.maximum(photo, _DARK), (1 - carried) * (1 - even)
-        self._lift = even * self._shine + (1 - even) / (_as_lifted(photo, self._mean, patterned) + _DARK)
+        self._lift = 1 / (_as_lifted(photo, self._mean, patterned) + _DARK)
+        around = luminance(self._evened / np.maximum(_smooth(even), 1e-6))[..., None]
+        self._lift_evenly = np.minimum(around / _PALE, 1.0) / self._evened
 
     def change_to(self, relit: np.ndarray, gloss: np.ndarray) -> LightChange:
         """Take the view, relit, apart into gain and offset.
@@ -116,7 +118,15 @@ class ViewOfPhoto:
         kept = 1 - (1 - reached) * (self._skin - self._in_shadow)
         offset = self._veil * gloss * kept + _DARK * np.maximum(gain - 1.0, 0.0) + laid_over
         gain = gain + self._shine * gloss
-        return LightChange(gain * share_in_reach(gain), offset, self._shine, self._veil, self._lift)
+        return LightChange(gain * share_in_reach(gain), offset, self._shine, self._veil, self._gain_of_lifted)
+
+    def _gain_of_lifted(self, lifted: np.ndarray) -> np.ndarray:
+        """By how much diffuse light (s, s, 3) raises the gain, as even as the gain is.
+
+        Where all is nearly black, as in an open mouth, by less: networks fill it with skin.
+        """
+        gain = lifted * self._lift
+        return gain + (_smooth(lifted * self._even) * self._lift_evenly - gain) * self._even
 
     def evened(self, share: np.ndarray) -> np.ndarray:
         """A map (s, s) that multiplies light, as even as the gain (of green) is: over mouth and eyes a mean nearby."""

@@ -241,3 +241,14 @@ def test_a_nostril_stays_dark_where_a_weaker_shadow_gives_light_back_to_skin():
     shown = gain * photo + offset
     np.testing.assert_allclose(shown[~hole], (0.5 * photo + lifted)[~hole], rtol=0.02)
     assert shown[hole].max() < 0.2 * shown[~hole].max()
+
+
+def test_light_that_a_weaker_shadow_gives_back_to_a_mouth_leaves_the_dark_between_lips_dark():
+    photo = np.full((32, 32, 3), (0.4, 0.2, 0.15), np.float32)
+    photo[15:17] = (0.02, 0.004, 0.004)
+    change = fit_light_change(photo, 0.5 * photo, np.zeros_like(photo), made_of(patterned=1, evenly_lit=1, size=32))
+    lifted = np.full_like(photo, (0.4, 0.2, 0.15))
+    gain, offset = change.moved(np.ones_like(photo), np.zeros_like(photo), lifted)
+    shown = gain * photo + offset
+    np.testing.assert_allclose(shown[4], (1.5 * photo)[4], rtol=0.03)
+    assert shown[15:17].max() < 0.12
