@@ -15,7 +15,9 @@ import numpy as np
 from relight_core.lighting.relief import BIAS, NOTHING, march_distances
 
 _AZIMUTHS = 96
-_STEPS = 40
+_STEPS, _LONG_STEP_PX = 40, 2.0
+"""Steps of the march over a relief, that grow with distance, and from where on they are longer than what is looked at.
+A brim would be stepped over from one pixel and met from the next, and its shadow be striped."""
 _LEAST_ASIDE = 0.05
 _HALF_STRIP = 0.2
 _STRIPS = (-0.8, -0.4, 0.0, 0.4, 0.8)
@@ -77,18 +79,26 @@ class Horizon:
         return self._elevations[azimuth]
 
     def _steepest(self, angle: float) -> np.ndarray:
-        size = len(self.relief)
+        along = np.array([np.cos(angle), -np.sin(angle)])
         height = np.where(self.covered, self.relief, np.float32(NOTHING))
+        highest = cv2.max(height, cv2.max(_seen_from(height, along), _seen_from(height, -along)))
         steepest = np.full_like(height, NOTHING)
-        for distance in march_distances(size, _STEPS):
-            shift = np.float32(distance * size / 2) * np.float32([np.cos(angle), -np.sin(angle)])
-            seen = cv2.warpAffine(
-                height,
-                np.float32([[1, 0, shift[0]], [0, 1, shift[1]]]),
-                (size, size),
-                flags=cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP,
-                borderMode=cv2.BORDER_CONSTANT,
-                borderValue=NOTHING,
-            )
+        half_width_px, before = len(height) / 2, 0.0
+        for distance in march_distances(len(height), _STEPS):
+            looked_at = highest if (distance - before) * half_width_px > _LONG_STEP_PX else height
+            seen = _seen_from(looked_at, distance * half_width_px * along)
             np.maximum(steepest, (seen - self.relief - np.float32(BIAS)) / np.float32(distance), out=steepest)
+            before = distance
         return steepest
+
+
+def _seen_from(height: np.ndarray, shift_px: np.ndarray) -> np.ndarray:
+    """What lies so far to the right and down of every pixel of heights (S, S), nothing beyond their border."""
+    return cv2.warpAffine(
+        height,
+        np.float32([[1, 0, shift_px[0]], [0, 1, shift_px[1]]]),
+        height.shape[::-1],
+        flags=cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP,
+        borderMode=cv2.BORDER_CONSTANT,
+        borderValue=NOTHING,
+    )

@@ -82,3 +82,11 @@ def test_an_upright_edge_is_as_soft_as_a_level_one():
     assert seen[0] == 1
     assert seen[-1] == 0
     assert np.abs(np.diff(seen)).max() < 0.08
+
+
+def test_the_shadow_of_a_thin_brim_far_off_has_no_stripes():
+    brim = np.zeros((128, 128))
+    brim[20:22] = 0.6
+    seen = Horizon(brim.astype(np.float32), np.ones((128, 128), bool)).visibility(toward(90, 30), 1.0)[:, 64]
+    shadow = seen[30:80]
+    assert shadow.max() < 0.01
