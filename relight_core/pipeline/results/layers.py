@@ -31,8 +31,8 @@ def photo_layers(relit: Relit, names: Iterable[str], longest_side: int | None = 
 
     Returns:
         arrays (H, W), (H, W, 3) or (H, W, 4), float32 linear; "normal" in camera space, unit length on the
-        person; "parsing" labels; "background" what is seen beside the person: with the person's light times the matte
-        it adds up to the picture, and it is 0 where the background was taken away.
+        person; "parsing" labels; "background" what is seen beside the person, 0 where that was taken away: the picture
+        less it is the person times the matte.
 
     Raises:
         ValueError: a name that is none.
