@@ -116,7 +116,7 @@ def _add_exposure_and_background(parser: argparse.ArgumentParser) -> None:
         metavar="B",
         type=_background,
         default="keep",
-        help="keep, match (kept, but lit like the person), light, transparent, #rrggbb",
+        help="keep, match (kept, but dimmed and tinted as the person is), light, transparent or #rrggbb",
     )
     parser.add_argument(
         "--background-fov",
@@ -132,7 +132,12 @@ def _add_exposure_and_background(parser: argparse.ArgumentParser) -> None:
 
 def _add_effort(parser: argparse.ArgumentParser) -> None:
     """What is computed at all, and how well."""
-    parser.add_argument("--quality", choices=("draft", "live", "final"), default="final")
+    parser.add_argument(
+        "--quality",
+        choices=("draft", "live", "final"),
+        default="final",
+        help="no network per light, narrow networks, or wide ones (final, the default)",
+    )
     parser.add_argument(
         "--force",
         metavar="EFFECT=on|off",
@@ -146,7 +151,7 @@ def _add_effort(parser: argparse.ArgumentParser) -> None:
         metavar="T",
         type=_tolerance,
         default=255 * TOLERANCE,
-        help="how much leaving something out may change the picture, in 255ths; 1 by default",
+        help="how much the plan may change the picture by leaving something out, in 255ths; 1 by default",
     )
 
 
@@ -154,7 +159,7 @@ def add_face(parser: argparse.ArgumentParser) -> None:
     """--face and --box, for photos of several people and for faces that are not found."""
     which = parser.add_mutually_exclusive_group()
     which.add_argument(
-        "--face", metavar="N", type=_index, default=None, help="only this face; 0 is the largest; all of them without"
+        "--face", metavar="N", type=_index, default=None, help="only this face, 0 being the largest; all without it"
     )
     which.add_argument(
         "--box",

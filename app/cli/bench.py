@@ -1,12 +1,15 @@
 """Measure what accuracy costs in time on this machine.
 
 Every quality tier and its variants are timed in one process, in turns and in random order, from a turned light
-to the picture on the screen, and compared with the final tier on photos and, where baked test heads and a
-light library are given, with the truth. Into the folder go bench.json, bench.md and bench.png.
+to the maps that the window draws the picture from, and compared with the final tier on photos and, where baked test
+heads and a light library are given, with the truth. Into the folder go bench.json, bench.md and bench.png.
 
 With --session, an editing session is replayed on every photo instead (open, turn the light a full circle, drag
 both sliders, swap lights), then every light of the library is visited: how many stage runs the plan avoids, what
 time that saves, and the largest error that each of its rules makes. Into the folder go session.json and session.md.
+
+With --files, a photo is enlarged to 24 megapixels and relit to every kind of file, for time, memory and
+size: files.json.
 
 With --stability, hostile portraits are relit under hostile lights instead, and every error is set against its
 bound: stability.json, stability.md and stability.png. The exit code is 1 if one is above it.

@@ -1,4 +1,4 @@
-"""`relight measure`: how quick the window is on this machine."""
+"""Measure how quick the window is on this machine."""
 
 from __future__ import annotations
 

@@ -1,13 +1,15 @@
 """Relight photos and write them to files.
 
 -o OUT is a file for one photo; for several, a folder (made when its name ends in a slash; results are PNG)
-or a pattern in which {name} stands for the photo's name: -o 'out/{name}.exr'. Of a.jpg and a.png become a-jpg
-and a-png. PNG, JPEG and TIFF are ready to look at; EXR holds linear radiance. Nothing is ever written over an input.
+or a pattern in which {name} stands for the photo's name: -o 'out/{name}.exr'. The results of a.jpg and a.png are
+called a-jpg and a-png. PNG, JPEG and TIFF are ready to look at; EXR holds linear radiance. Nothing is ever written
+over an input.
 
-With --json, one photo gives one object; several give {"results": [...], "errors": [{"input", "error"}]}.
-A photo that can't be relit doesn't stop the others, but makes the exit code 2, or 1 if that is a fault of ours.
---resume takes up where an earlier run was interrupted, also in a folder that gives photos and takes results: what
-has the name of another photo's result is no photo then.
+With --json, one photo gives one object; several photos, a folder or --resume give
+{"results": [...], "errors": [{"input", "error"}]}. A photo that can't be relit doesn't stop the others, but makes the
+exit code 2, or 1 if that is a fault of ours.
+--resume goes on where an earlier run was interrupted. Photos and results may share a folder: a file with the name of
+another photo's result counts as that result and is not relit.
 """
 
 from __future__ import annotations
@@ -55,7 +57,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--match-face",
         action="store_true",
-        help="as bright a light as leaves the lit part of the face as bright as in the photo",
+        help="set the light's level so that the lit part of the face is as bright as in the photo",
     )
     parser.add_argument(
         "-o",
@@ -70,7 +72,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         type=int,
         choices=(8, 16, 32),
         default=8,
-        help="a channel: 8 or 16 in PNG and TIFF; EXR holds halves unless 32",
+        help="bits a channel: 8 or 16 in PNG and TIFF; 32 for floats in EXR, which holds halves otherwise",
     )
     parser.add_argument(
         "--profile",
@@ -78,9 +80,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         default="srgb",
         help="colours of PNG, JPEG and TIFF: sRGB, or the photo's own profile",
     )
-    parser.add_argument(
-        "--resume", action="store_true", help="leave results alone that are there and newer than their photos"
-    )
+    parser.add_argument("--resume", action="store_true", help="skip photos whose results are there and newer")
     add_json(parser)
 
 

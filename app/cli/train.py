@@ -4,12 +4,20 @@ relight train --recipe shipped --heads DIR --lights FILE -o FOLDER
 relight train --stage STAGE --minutes M --heads DIR --lights FILE -o WEIGHTS.safetensors
 relight train --join OTHER.safetensors --start WEIGHTS.safetensors -o BOTH.safetensors
 
-A run that was stopped goes on where it was when it is given again. A recipe is a TOML file, or the name of
-one that comes with relight. The stages, in their order: warm-delight, warm-relight (or
-warm-specular-shadow and warm-composition, one after the other), tune-delight, tune-relight, distil-relight.
-Each goes on from the weights that --start names. The last teaches a narrow pair of relighting networks; the stage
-"outline", beside these, the person network. --join puts both beside the other networks of another file. A log of
-the losses and a picture of their curves are written beside the weights; a checkpoint every two minutes.
+A run that was stopped goes on where it was when the command is given again. A recipe is a TOML file, or the name
+of one that comes with relight.
+
+The stages, in their order, each going on from the weights that --start names:
+  warm-delight                                 de-lighting, on true channels
+  warm-relight                                 the relighting networks, on true channels; or one after the other
+                                               by warm-specular-shadow and warm-composition
+  tune-delight, tune-delight-strongly          de-lighting, through the fixed relighting networks
+  tune-relight, tune-on-predictions            the relighting networks, on what de-lighting finds
+  distil-relight                               a narrow pair of relighting networks, taught by the wide one
+  outline                                      the person network, beside all these
+
+--join puts the narrow pair and the person network of one file beside the other networks of another. A log of the
+losses and a picture of their curves are written beside the weights; a checkpoint every two minutes.
 """
 
 from __future__ import annotations
