@@ -2,7 +2,7 @@
 
 The light that the networks read has texels of 11 degrees, so that a sun in it is as soft as a window. Here the
 places that are smaller than that are found in the panorama itself, with their direction, size and strength.
-Nothing switches: a lamp that is enlarged, or dimmed against the rest, loses its `hardness` evenly.
+Nothing switches: a lamp that is enlarged, or dimmed against the rest, loses its `hardness` by degrees.
 """
 
 from __future__ import annotations

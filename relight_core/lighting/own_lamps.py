@@ -1,7 +1,7 @@
 """The lamps that a light has of its own, as soft boxes, and what is left of it without them.
 
-Of a light that is drawn from lamps these are known. In a panorama they are its small lamps, suns and bulbs: what
-stands out there from what lies around it becomes a disc of the same irradiance, colour and spread.
+Of a bundled light, which is drawn from lamps, these are known. In a panorama they are its small lamps, suns and bulbs:
+what stands out from its surroundings becomes a disc of the same irradiance, colour and spread.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""A light as a camera sees it that is turned about its own axis."""
+"""A light as it is seen by a camera that is turned about its own axis."""
 
 from __future__ import annotations
 

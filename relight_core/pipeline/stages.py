@@ -44,8 +44,8 @@ from relight_core.pipeline.per_photo.white_collar import with_white_collar
 _RELIEF_UNIT_PX = 64.0
 _HEIGHT_GAIN = 1.1
 """Estimates shrink toward the mean: against the truth of held-out heads, found faces stand out by 0.88 of what they
-should (correlation 0.96); earlier networks' did by 0.77 and 0.81. Of 1.0, 1.1 and 1.2 this brings faces and single
-lamps of sixteen validation heads nearest to the truth, and shadows as near as any."""
+should (correlation 0.96). Of 1.0, 1.1 and 1.2 this brings faces and single lamps of sixteen validation heads nearest
+to the truth, and shadows as near as any."""
 _LENS = 1 / 8
 """Share of a pixel's light that de-lighting sees in each of its neighbours along an axis. All that it learnt from had
 gone through a lens (`dataset.camera`); photos that were shrunk are sharper, and their albedo came out worse."""

@@ -1,4 +1,4 @@
-"""What is of a whole photo and of no single face: the people's matte, the body around faces, background, picture."""
+"""What belongs to a whole photo and to no single face: matte, body around faces, background, picture."""
 
 from __future__ import annotations
 

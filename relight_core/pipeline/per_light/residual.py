@@ -11,15 +11,15 @@ photo again.
 
 Skin or hair that is far brighter than its model was grazed by a light from behind, which no model of the face's front
 knows: how a place is lit says little about whether another light does the same, so that much of it fades as the whole
-light becomes another. So do colours in deep shadow that the skin's albedo hasn't: they are another lamp's.
+light becomes another. So do colours in deep shadow that the skin's albedo doesn't have: they are another lamp's.
 
 Two things stay in any light: what a camera adds to the colour of all skin (see `pipeline.per_photo.saturation`), and
 the colours of all that is not skin, of which photo and skin together say more than the albedo does; nearly black hair
 and cloth keep the colour they are seen in (see `pipeline.per_photo.black_colour`).
 
-Hair that is darker than its model has strands in each other's shadow, whatever light falls on them: it stays darker.
-So does a beard's edge that parsing can't tell from the neck, and whose albedo is half that of skin: far darker than
-that model, it is more likely hair than neck.
+In hair that is darker than its model, strands lie in each other's shadow, whatever light falls on them: it stays
+darker. So does a beard's edge that parsing can't tell from the neck, and whose albedo is half that of skin: far
+darker than that model, it is more likely hair than neck.
 """
 
 from __future__ import annotations

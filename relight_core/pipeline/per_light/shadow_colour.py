@@ -2,9 +2,9 @@
 
 The paper's shadow is one grey map (section 3.2), and darkening all colours alike is right under light of one
 colour. Between two neon tubes what the relief hides of each colour tells them apart; how much is hidden in all stays
-the network's answer. Under the held-out panoramas it made nothing better (20.58 dB with it, 20.59 without, on
-validation), so lights of nearly one colour do without. A sun under a blue sky, or a white key lamp with a weak gel
-opposite, is not one: without it their shadows are up to a third short of the colour that still reaches them.
+the network's answer. On held-out heads it makes next to no difference in figures (docs/speed.md), so lights of
+nearly one colour do without. A sun under a blue sky, or a white key lamp with a weak gel opposite, is not one: without
+it their shadows are up to a third short of the colour that still reaches them.
 """
 
 from __future__ import annotations

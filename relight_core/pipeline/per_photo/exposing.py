@@ -1,8 +1,8 @@
 """At which exposure the networks see a photo: the photo's own, unless that is unlike any they have learnt from.
 
-Nine in ten of the photos in training have the brightest tenth of their skin between 0.12 and 0.9 of white, and ninety-
-eight in a hundred between 0.065 and 0.97. A photo that is underexposed by several stops is darker, and a floating-point
-one comes in units of its own: of either the networks would find black skin, or a photo that is clipped all over. What
+Of the photos in training, 90 in a hundred have the brightest tenth of their skin between 0.12 and 0.9 of white, and 98
+between 0.065 and 0.97. A photo that is underexposed by several stops is darker, and a floating-point
+one comes in units of its own: in these the networks would find black skin, or a photo that is clipped all over. What
 they see is therefore multiplied, and what they find is counted back; the photo itself keeps its level.
 """
 

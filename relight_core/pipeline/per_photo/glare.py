@@ -1,7 +1,7 @@
 """Light from behind that grazes skin: a bright rim along jaw, ear or nape, which is not the skin's own colour.
 
-At grazing angles skin reflects many times what it does elsewhere, from a direction that tells nothing else about
-itself. Neither the estimated light nor the albedo can be expected to explain it.
+At grazing angles skin reflects many times what it does elsewhere, from a direction of which nothing else in the photo
+tells. Neither the estimated light nor the albedo can be expected to explain it.
 """
 
 from __future__ import annotations

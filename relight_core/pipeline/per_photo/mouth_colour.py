@@ -1,6 +1,6 @@
 """Lips and teeth that look bluer than they are and than the photo shows them.
 
-A photo's skin may have been made warmer than the rest of it, by a tan, a filter or a make-up. Its light then passes
+A photo's skin may have been made warmer than the rest of it, by a tan, a filter or make-up. Its light then passes
 for a warm one, and what is not as warm for something blue: in a white light teeth would be blue and lips purple.
 Lipstick may be of any colour, but a photo shows it.
 """

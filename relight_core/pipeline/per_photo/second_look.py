@@ -2,8 +2,8 @@
 
 De-lighting leaves some fraction of a photo's shading in the albedo. So the photo is brought most of the way to what it
 would be in an even light, by what the first look found, and de-lit again: the same fraction of much less is left. On
-held-out heads that takes a twelfth of the error of a face's albedo away, its level aside. Hair and cloth, which may
-be of any colours, gain nothing and are left as they are.
+held-out heads that takes away a twelfth of the error of a face's albedo, its level aside. Hair and cloth, which may
+have any colour, gain nothing and are left as they are.
 """
 
 from __future__ import annotations

@@ -1,10 +1,10 @@
 """What is not skin has the colours that photo and light together give it.
 
 Skin is of few colours, and de-lighting knows them. Cloth, hats, hair and lips may be of any, and what it says of them
-is a guess; but once the light is explained, photo over irradiance says more: on held-out heads that explains a half to
-two thirds of what their albedo's colours were off by. How bright they are it says less well, as shadows that the relief
-doesn't know count as well; only hats, whose shape is as much of a guess, and brows, of which the networks see a few
-pixels, gain by it.
+is a guess; but once the light is explained, photo over irradiance says more: on held-out heads it explains a half to
+two thirds of what the albedo's colours are off by. It says less about how bright they are, since shadows that the
+relief doesn't know are part of it; only hats, whose shape is as much of a guess, and brows, of which the networks
+see a few pixels, gain by it.
 """
 
 from __future__ import annotations
