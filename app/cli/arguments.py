@@ -126,7 +126,11 @@ def _add_exposure_and_background(parser: argparse.ArgumentParser) -> None:
         help="how wide the camera sees the light behind, up to 170; 50 by default",
     )
     parser.add_argument(
-        "--background-blur", metavar="DEG", type=_blur, default=1.0, help="blur of the light behind, 0 to 20"
+        "--background-blur",
+        metavar="DEG",
+        type=_blur,
+        default=1.0,
+        help="blur of the light behind, 0 to 20; 1 by default",
     )
 
 
