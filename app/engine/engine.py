@@ -129,7 +129,9 @@ class Engine:
         self._wake()
         after = self._outcome(step, before)
         with self._changed:
-            if after.picture is not before.picture and self._photo_was_replaced(after):
+            # With another portrait there comes no result: what was in sight goes, or stays until it is relit anew.
+            is_result = after.picture is not before.picture and after.opened is before.opened
+            if is_result and self._photo_was_replaced(after):
                 after = replace(after, picture=before.picture)
             self._snapshot = replace(after, message=self._snapshot.message)
         self._wake()

@@ -82,6 +82,41 @@ def test_the_picture_before_stays_in_sight_until_the_faces_are_relit_anew(engine
     assert all(snapshot.picture.opened is snapshot.opened for snapshot in between)
 
 
+def answered_with_another_wish_meanwhile(engine, relighter, monkeypatch, photo, next_photo):
+    """As `answered`, where the next photo is wished for just as the engine has taken up the first."""
+    take = relighter.set_portrait
+
+    def set_portrait(place, face_index=None, boxes=None, strokes=()):
+        if (place, boxes) == (photo.place, photo.boxes):
+            engine.submit(Request(next_photo, SPLIT, Edit()))
+        take(place, face_index, boxes, strokes)
+
+    monkeypatch.setattr(relighter, "set_portrait", set_portrait)
+    return answered(engine, photo)
+
+
+def test_the_picture_before_stays_in_sight_where_the_faces_change_once_more(engine, relighter, published, monkeypatch):
+    first = PhotoSource(a_photo())
+    answered(engine, first)
+    published.clear()
+    moved, again = PhotoSource(first.place, None, (BOX,)), PhotoSource(first.place, None, (BOX, OTHER))
+    after = answered_with_another_wish_meanwhile(engine, relighter, monkeypatch, moved, again)
+    assert after.picture.opened.source is again
+    assert {snapshot.opened.source for snapshot in published} == {first, moved, again}
+    assert all(snapshot.picture.opened is snapshot.opened for snapshot in published)
+
+
+def test_no_picture_of_another_photo_is_left_where_nobody_is_found_and_the_next_photo_fails(
+    engine, relighter, monkeypatch
+):
+    answered(engine, PhotoSource(a_photo()))
+    nobody, bad = PhotoSource(a_photo(), None, ()), PhotoSource(a_photo(), None, (FaceBox(-40, 0, -8, 30),))
+    after = answered_with_another_wish_meanwhile(engine, relighter, monkeypatch, nobody, bad)
+    assert bad in after.refused
+    assert after.opened.source is nobody
+    assert after.picture is None
+
+
 def test_where_the_faces_can_not_be_relit_their_former_picture_goes(engine, relighter):
     first = PhotoSource(a_photo())
     answered(engine, first)
