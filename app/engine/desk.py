@@ -257,8 +257,8 @@ class Desk:
 
     def _skip(self, key: tuple, now: Snapshot) -> Snapshot:
         self._failed = key
-        stale = now.picture is not None and now.picture.is_stale
-        return replace(now, picture=None) if stale else now
+        stays = now.picture is not None and now.picture.opened is now.opened and not now.picture.is_stale
+        return now if stays else replace(now, picture=None)
 
     def _relight(self, edit: Edit, longest_side_px: int | None, now: Snapshot) -> Snapshot:
         edit = replace(edit, exposure_ev=0.0)

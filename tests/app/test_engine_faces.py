@@ -126,6 +126,15 @@ def test_where_the_faces_can_not_be_relit_their_former_picture_goes(engine, reli
     assert snapshot.message.is_error
 
 
+def test_where_another_photo_can_not_be_relit_the_picture_of_the_one_before_goes(engine, relighter):
+    answered(engine, PhotoSource(a_photo()))
+    relighter.fail_with = MemoryError("no room")
+    second = PhotoSource(a_photo())
+    snapshot = answered(engine, second)
+    assert snapshot.opened.source is second
+    assert snapshot.picture is None
+
+
 def test_without_a_face_there_is_no_own_light_but_the_one_in_force_stays(engine, relighter):
     own = LightSource("own")
     relighter.blind = True
