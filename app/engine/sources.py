@@ -194,9 +194,9 @@ class LightSource:
         return other is not None and (self.kind, self.name) == (other.kind, other.name)
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True)
 class Request:
-    """Everything the window wants to see; only the newest counts.
+    """Everything the window wants to see; only the newest counts. Equal where it asks for the same wishes.
 
     Attributes:
         photo: None before anything is opened.
@@ -215,9 +215,3 @@ class Request:
     longest_side_px: int | None = None
     in_motion: Edit | None = None
     outlined: bool = False
-
-    def same_as(self, other: Request) -> bool:
-        """Whether the other asks for the same: the same wishes, at the same settings."""
-        same_wishes = self.photo is other.photo and self.light is other.light
-        mine, its = ((r.edit, r.light_edit, r.longest_side_px, r.outlined) for r in (self, other))
-        return same_wishes and mine == its

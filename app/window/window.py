@@ -374,7 +374,7 @@ class EditorWindow:
 
     def _ask_engine(self) -> None:
         request = self._finished.wanted(self.state.request())
-        if not request.same_as(self._submitted):
+        if request != self._submitted:
             self._submitted = request
             self.engine.submit(request)
         is_idle = self.engine.wait_until_idle(0) and self.engine.snapshot() is self.state.snapshot

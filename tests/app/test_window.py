@@ -12,6 +12,7 @@ from relight_core.errors import InputError
 from relight_core.imaging.read import read_photo
 from relight_core.imaging.view_transform import apply_view
 from relight_core.imaging.write import write_image
+from relight_core.pipeline.auto_quality import QualityChoice
 
 
 def test_the_empty_window_shows_no_picture_and_invites_one(hand):
@@ -95,6 +96,18 @@ def test_an_effect_slider_relights_quickly_while_dragged_and_finally_at_rest(ope
     assert edits[0].quality == "live"
     assert edits[-1].quality == "final"
     assert getattr(edits[-1], field) == value
+
+
+def test_the_engine_gets_ready_for_the_hand_as_soon_as_its_quality_is_another(hand, relighter, photo_path):
+    state = hand.window.state
+    state.quality = QualityChoice("final")
+    hand.drop(photo_path)
+    calls = len(relighter.relights)
+    assert relighter.readied == []
+    state.quality = QualityChoice("auto")
+    hand.settle()
+    assert [edit.quality for edit in relighter.readied] == ["live"]
+    assert len(relighter.relights) == calls, "at rest the picture is the same"
 
 
 def test_a_double_click_resets_a_slider(opened):
