@@ -27,7 +27,7 @@ from app.engine.sources import (
 )
 from app.engine.tier_meter import TierMeter
 from relight_core.errors import InputError, NoFaceError
-from relight_core.face.find import FaceBox, find_faces
+from relight_core.face.find import FaceBox, find_faces_beyond_doubt
 from relight_core.imaging.photo import Photo
 from relight_core.imaging.read import read_photo
 from relight_core.lighting.environment import Environment, read_environment
@@ -176,8 +176,8 @@ class Desk:
 
     def _load_networks(self, now: Snapshot) -> Snapshot:
         if self._loading is not None:
-            # Importing torch keeps one core busy for a second; the faces are found meanwhile, and remembered.
-            threading.Thread(target=find_faces, args=(self._loading[1].seen,), daemon=True).start()
+            # Importing torch keeps one core busy for a second; faces are found meanwhile, and remembered.
+            threading.Thread(target=find_faces_beyond_doubt, args=(self._loading[1].seen,), daemon=True).start()
         self._relighter = self._make_relighter()
         self._tiers.read()
         return now

@@ -10,6 +10,7 @@ from relight_core.face.cascades import Candidate
 from relight_core.face.find import (
     FaceBox,
     find_faces,
+    find_faces_beyond_doubt,
     find_small_faces,
     guess_companions,
     guess_faces,
@@ -231,6 +232,23 @@ class TestDoubtfulUprightFaces:
         faces = find_faces(photo, lambda box: shown.append(box) or is_one)
         assert shown == faces == [FaceBox(100.0, 120.0, 160.0, 200.0, doubtful=True)]
         assert len(turned) == searches
+
+    def test_are_left_to_the_judge_by_whoever_looks_before_there_is_one(self, turned):
+        photo = Photo(np.full((800, 800, 3), 0.2, np.float32))
+        find_faces_beyond_doubt(photo)
+        assert turned == []
+        assert len(find_faces(photo, lambda box: True)) == 1
+        assert turned == []
+
+
+def test_faces_beyond_doubt_are_found_ahead_and_remembered(monkeypatch):
+    sure, looked = Candidate(np.array([100.0, 120.0, 160.0, 200.0]), 40, 3), []
+    monkeypatch.setattr(find, "frontal_candidates", lambda grey, *_: looked.append(grey.shape) or [sure])
+    photo = Photo(np.full((800, 800, 3), 0.2, np.float32))
+    find_faces_beyond_doubt(photo)
+    count = len(looked)
+    assert find_faces(photo, lambda box: False) == [FaceBox(100.0, 120.0, 160.0, 200.0, doubtful=True)]
+    assert len(looked) == count > 0
 
 
 @pytest.mark.parametrize(
