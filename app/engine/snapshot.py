@@ -125,3 +125,8 @@ class Snapshot:
     tier_costs: Mapping[str, TierCost] = field(default_factory=dict)
     activity: str | None = None
     message: Message | None = None
+
+    @property
+    def picture_in_sight(self) -> Picture | None:
+        """The picture, if it is of the portrait in force: one of the portrait before stays in `picture` for a while."""
+        return self.picture if self.picture is not None and self.picture.opened is self.opened else None

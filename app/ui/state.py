@@ -362,8 +362,8 @@ class EditorState:
         """Which picture fills the viewport now; the photo as long as there is no result."""
         if self.before:
             return PHOTO
-        picture = self.snapshot.picture
-        if self.shown == PHOTO or picture is None or picture.opened is not self.snapshot.opened:
+        picture = self.snapshot.picture_in_sight
+        if self.shown == PHOTO or picture is None:
             return PHOTO
         return self.shown if self.shown == RESULT or self.shown in picture.channels else RESULT
 

@@ -76,10 +76,8 @@ class GlPictures:
 
     def update(self, snapshot: Snapshot) -> None:
         """Upload what the snapshot holds that is not there yet."""
-        opened, light, picture = snapshot.opened, snapshot.light, snapshot.picture
-        if picture is not None and picture.opened is not opened:
-            picture = None
-        seen = opened or snapshot.coming
+        light, picture = snapshot.light, snapshot.picture_in_sight
+        seen = snapshot.opened or snapshot.coming
         self._show(PHOTO, seen.screen if seen else None)
         self._show(RESULT, picture.screen if picture else None)
         # The channel called photo is the face's crop; here the name means the whole photo.

@@ -8,6 +8,7 @@ import pytest
 from imgui_bundle import imgui
 from window_hand import STRIPS
 
+from app.engine.snapshot import Snapshot
 from app.ui import theme
 from app.ui.viewport import viewport_notes
 
@@ -72,7 +73,7 @@ def test_words_below_the_colours_lie_beside_one_another_and_above_the_zoom(opene
 
 @pytest.mark.parametrize("name", ["me.jpg", f"{'x' * 200}.jpg"])
 def test_what_runs_stays_within_the_viewport_and_off_the_zoom(opened, monkeypatch, name):
-    busy, places, note = SimpleNamespace(activity=f"Reading the face in {name}", picture=None), [], viewport_notes.note
+    busy, places, note = Snapshot(activity=f"Reading the face in {name}"), [], viewport_notes.note
     corner_note = viewport_notes.corner_note
 
     def note_places(words, x, y, *colour):

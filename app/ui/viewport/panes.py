@@ -24,7 +24,7 @@ class Pane:
     """A picture in a vertical strip of the viewport.
 
     Attributes:
-        name: of app.ui.state.CHANNELS.
+        name: of app.ui.channels.CHANNELS.
         frame: where the picture lies in the photo.
         placement: where it lies in the viewport.
         left, right: the columns it is seen in.
@@ -102,15 +102,13 @@ def _arrange_the_coming(state: EditorState, size: tuple[int, int]) -> Arrangemen
 
 
 def _has_partner(state: EditorState, name: str) -> bool:
-    picture = state.snapshot.picture
-    relit = picture is not None and picture.opened is state.snapshot.opened
-    return relit and not state.before and name not in LIGHTS
+    return state.snapshot.picture_in_sight is not None and not state.before and name not in LIGHTS
 
 
 def _side_by_side(state: EditorState, name: str, frame: Frame, size: tuple[int, int]) -> Arrangement:
     half = max(1, (size[0] - GAP_PX) // 2)
     placement = place(state.view, frame, (half, size[1]))
-    right = _moved(placement, size[0] - half)
+    right = replace(placement, x=placement.x + size[0] - half)
     before = Pane(PHOTO, frame_of(state, PHOTO), _photo_placement(state, frame, placement), 0, half)
     return Arrangement((before, Pane(name, frame, right, size[0] - half, size[0])), (half, size[1]))
 
@@ -127,7 +125,3 @@ def _photo_placement(state: EditorState, frame: Frame, placement: Placement) -> 
     whole, zoom = frame_of(state, PHOTO), placement.zoom
     x, y = placement.x - frame.x * zoom, placement.y - frame.y * zoom
     return Placement(x, y, zoom, whole.width * zoom, whole.height * zoom)
-
-
-def _moved(placement: Placement, dx: float) -> Placement:
-    return replace(placement, x=placement.x + dx)

@@ -22,7 +22,7 @@ class Reading:
     """One row of the probe.
 
     Attributes:
-        name: of app.ui.state.CHANNELS.
+        name: of app.ui.channels.CHANNELS.
         linear: one or three numbers as the channel is exported; none where the spot lies outside it.
         codes: what the screen shows, 0 to 255.
         word: instead of numbers, for parsing.
@@ -51,8 +51,8 @@ def reading(snapshot: Snapshot, name: str, exposure_ev: float, x: float, y: floa
         return None
     if name == PHOTO:
         return _of_picture(PHOTO, snapshot.opened.photo.linear, x, y, 0.0)
-    picture = snapshot.picture
-    if picture is None or picture.opened is not snapshot.opened:
+    picture = snapshot.picture_in_sight
+    if picture is None:
         return None
     if name == RESULT:
         return _of_result(snapshot, x, y, exposure_ev)
@@ -85,14 +85,11 @@ def _of_channel(name: str, relit: RelitLike, x: float, y: float) -> Reading:
     if found is None:
         return Reading(name)
     held, exported = found
-    shown = _codes(channel_to_srgb(name, _as_held(name, held)[None, None]))
+    texel = np.asarray(held, np.int64 if name == "parsing" else np.float32)
+    shown = _codes(channel_to_srgb(name, texel[None, None]))
     if name == "parsing":
         return Reading(name, codes=shown, word=CLASSES[min(max(int(held), 0), len(CLASSES) - 1)])
     return Reading(name, _numbers(exported), shown)
-
-
-def _as_held(name: str, value: np.ndarray) -> np.ndarray:
-    return np.asarray(value, np.int64 if name == "parsing" else np.float32)
 
 
 def _texel(image: np.ndarray, x: float, y: float) -> np.ndarray | None:

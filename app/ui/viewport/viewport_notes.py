@@ -75,7 +75,7 @@ def pane_titles(state: EditorState, arranged: Arrangement, rect: Rect, scale: fl
 def progress(state: EditorState, rect: Rect) -> None:
     """What runs, over the photo, as long as there is nothing newer of it to look at."""
     snapshot = state.snapshot
-    if snapshot.activity is None or (snapshot.picture and snapshot.picture.opened is snapshot.opened):
+    if snapshot.activity is None or snapshot.picture_in_sight is not None:
         return
     em = imgui.get_font_size()
     words = widgets.shortened(f"{snapshot.activity}…", rect.width - 2.2 * em)
