@@ -104,11 +104,7 @@ class Desk:
         side_px = _longest_side_px(now.opened, request)
         key = _picture_key(now.opened, now.light, request.edit, side_px)
         if key != self._failed and (now.picture is None or key != _key_of(now.picture)):
-            relight, skip = (
-                partial(self._relight, request.edit, side_px),
-                partial(self._skip, key),
-            )
-            return Step("Relighting", relight, skip)
+            return Step("Relighting", partial(self._relight, request.edit, side_px), partial(self._skip, key))
         picture = now.picture
         if request.outlined and picture is not None and picture.outline is None and not picture.is_stale:
             return Step("Drawing the outline", _draw_outline, _without_outline)
