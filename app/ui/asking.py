@@ -11,17 +11,6 @@ _DIALOGS = ("open", "save", "folder")
 
 
 @dataclass(frozen=True)
-class Wish:
-    """Something only the window can do: it touches files, threads or the system.
-
-    Attributes:
-        kind: the name of a method of app.window.deeds.Deeds.
-    """
-
-    kind: str
-
-
-@dataclass(frozen=True)
 class Question:
     """A line with a few buttons; it waits in the viewport and blocks nothing.
 
@@ -76,20 +65,20 @@ class Asking:
     """The talk between the window and the user.
 
     Attributes:
-        wishes: to be done after this frame.
+        wishes: to be done after this frame, of what only the window can do: names of methods of app.window.deeds.Deeds.
         questions: open ones, oldest first.
         notices: lines to tell, with whether each is an error.
         level: names the newest wish for a light's level that its picture has to tell and does not yet, if any.
     """
 
-    wishes: list[Wish] = field(default_factory=list)
+    wishes: list[str] = field(default_factory=list)
     questions: list[Question] = field(default_factory=list)
     notices: list[tuple[str, bool]] = field(default_factory=list)
     level: object | None = None
 
     def wish(self, kind: str) -> None:
-        """Ask the window to do something."""
-        self.wishes.append(Wish(kind))
+        """Ask the window to do something, as of `wishes`."""
+        self.wishes.append(kind)
 
     def tell(self, text: str, is_error: bool = False) -> None:
         """Put a line into the status line, where it stays."""

@@ -83,7 +83,7 @@ class Deeds:
         asking = self._state.asking
         wishes, asking.wishes = asking.wishes, []
         for wish in wishes:
-            self._attempt(wish.kind, getattr(self, wish.kind))
+            self._attempt(wish, getattr(self, wish))
         self._attempt("file dialog", self._dialogs.poll)
         self._look_for_a_session()
         if self._recent is not None:
