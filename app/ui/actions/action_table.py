@@ -11,12 +11,8 @@ _PROGRAM = "Program"
 
 
 def _switch_palette(state: EditorState) -> None:
-    state.look.palette = not state.look.palette
+    state.look.switch("palette")
     state.look.palette_text, state.look.palette_row = "", 0
-
-
-def _switch_help(state: EditorState) -> None:
-    state.look.help = not state.look.help
 
 
 def _done(state: EditorState) -> None:
@@ -55,7 +51,7 @@ PROGRAM = (
         "Type a few letters of what you want to do, of a setting or of a light",
         _switch_palette,
     ),
-    Action("Show all keys", _PROGRAM, ("?", "F1"), "This overview", _switch_help),
+    Action("Show all keys", _PROGRAM, ("?", "F1"), "This overview", lambda state: state.look.switch("help")),
     Action(
         "Done, or the first answer",
         _PROGRAM,

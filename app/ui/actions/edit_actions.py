@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 from app.ui import face_edits, light_edits
 from app.ui.actions.action import Action, Gesture, has_photo, has_picture
 from app.ui.panels.panorama import NEW_AT, add_box
@@ -10,22 +12,15 @@ from app.ui.state import EditorState
 _LIGHT, _EDIT, _FILE = "Light and effects", "Edit", "File"
 
 
-def _turn(degrees: float):
+def _turn(degrees: float) -> Callable[[EditorState], None]:
     return lambda state: state.turn(degrees)
 
 
-def _save(suffix: str):
-    def run(state: EditorState) -> None:
-        state.export_wanted = suffix
-
-    return run
+def _export(state: EditorState, suffix: str | None = None) -> None:
+    state.export_wanted = suffix or state.export.form
 
 
-def _export(state: EditorState) -> None:
-    state.export_wanted = state.export.form
-
-
-def _aim(aim: str):
+def _aim(aim: str) -> Callable[[EditorState], None]:
     return lambda state: light_edits.switch_aim(state, aim)
 
 
@@ -66,7 +61,7 @@ def _step(name: str, key: str, by: int) -> Action:
     )
 
 
-def _wish(kind: str):
+def _wish(kind: str) -> Callable[[EditorState], None]:
     return lambda state: state.asking.wish(kind)
 
 
@@ -257,7 +252,7 @@ FILE = (
         _FILE,
         ("Shift+E",),
         "Linear radiance for compositing, the channels as layers",
-        _save(".exr"),
+        lambda state: _export(state, ".exr"),
         available=has_picture,
     ),
 )

@@ -13,22 +13,11 @@ from app.ui.viewport.viewport_panel import ZOOM_PER_STEP, fit, toggle_actual_siz
 _LOOK, _PICTURES, _READ, _PANELS = "Look", "Pictures", "Read", "Panels"
 
 
-def _set_before(down: bool):
+def _set_before(down: bool) -> Callable[[EditorState], None]:
     def run(state: EditorState) -> None:
         state.before = down
 
     return run
-
-
-def _show(name: str):
-    def run(state: EditorState) -> None:
-        state.shown = name
-
-    return run
-
-
-def _showing(name: str):
-    return lambda state: state.shown == name
 
 
 LOOKING = (
@@ -78,14 +67,7 @@ def _switch(name: str, key: str, title: str, help_text: str, tells_of: tuple[str
         if tells_of and getattr(state.look, name) and state.shown not in tells_of:
             state.shown = tells_of[0]
 
-    return Action(
-        title,
-        _READ,
-        (key,),
-        help_text,
-        run,
-        is_on=lambda state: getattr(state.look, name),
-    )
+    return Action(title, _READ, (key,), help_text, run, is_on=lambda state: getattr(state.look, name))
 
 
 def _choose(
@@ -146,28 +128,33 @@ READING = (
     _switch("timings", "T", "Timings", "What each step of the last update took, and why it ran"),
 )
 
-SHOWING = tuple(
-    Action(
+
+def _show(number: int, name: str, title: str, explanation: str) -> Action:
+    def run(state: EditorState) -> None:
+        state.shown = name
+
+    return Action(
         f"Show {title.lower()}",
         _PICTURES,
         (str(number),),
         explanation.rstrip("."),
-        _show(name),
+        run,
         available=has_photo if name == PHOTO else has_picture,
-        is_on=_showing(name),
+        is_on=lambda state: state.shown == name,
     )
-    for number, (name, title, explanation) in enumerate(CHANNELS, 1)
-)
 
 
-def _switch_panel(name: str):
+SHOWING = tuple(_show(number, *channel) for number, channel in enumerate(CHANNELS, 1))
+
+
+def _switch_panel(name: str, key: str, title: str) -> Action:
     def run(state: EditorState) -> None:
         state.panels = state.panels.switched(name)
 
-    return run
+    return Action(title, _PANELS, (key,), "Shows or hides it", run, is_on=_panel_shown(name))
 
 
-def _panel_shown(name: str):
+def _panel_shown(name: str) -> Callable[[EditorState], bool]:
     return lambda state: getattr(state.panels, name)
 
 
@@ -195,13 +182,9 @@ PANELS = (
         _switch_panels,
         is_on=lambda state: not state.panels.any_shown,
     ),
-    Action(
-        "Filmstrip", _PANELS, ("F6",), "Shows or hides it", _switch_panel("filmstrip"), is_on=_panel_shown("filmstrip")
-    ),
-    Action("Light panel", _PANELS, ("F7",), "Shows or hides it", _switch_panel("light"), is_on=_panel_shown("light")),
-    Action(
-        "Effects panel", _PANELS, ("F8",), "Shows or hides it", _switch_panel("effects"), is_on=_panel_shown("effects")
-    ),
+    _switch_panel("filmstrip", "F6", "Filmstrip"),
+    _switch_panel("light", "F7", "Light panel"),
+    _switch_panel("effects", "F8", "Effects panel"),
 )
 
 ARRANGING = (
