@@ -5,14 +5,11 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from app.document.document import LightRef
-from app.engine.sources import LightSource
+from app.document.document import Document, LightRef
 from app.ui.light_wish import light_that_stays, with_added
 
 if TYPE_CHECKING:
     from app.ui.state import EditorState
-
-FIRST_LIGHT = "rembrandt"
 
 
 def fall_back(state: EditorState) -> None:
@@ -48,7 +45,7 @@ def _take_light_back(state: EditorState) -> None:
         state.take_light_edit(stays.edit)
         state.change(yaw_deg=stays.yaw_deg)
         return
-    state.light = light.source if light else LightSource("rig", FIRST_LIGHT)
+    state.light = light.source if light else Document().light.source()
     state.take_light_edit(
         with_added(light.edit, state.light_edit) if light else state.light.opened_around(state.light_edit)
     )

@@ -18,7 +18,7 @@ from app.ui.brush_edits import BrushTool
 from app.ui.channels import PHOTO, RESULT, WHOLE_PHOTO, following
 from app.ui.export_name import suggested_place
 from app.ui.face_edits import FaceTool
-from app.ui.falling_back import FIRST_LIGHT, fall_back, give_up_what_is_on_its_way
+from app.ui.falling_back import fall_back, give_up_what_is_on_its_way
 from app.ui.layout import OpenGroups, Panels
 from app.ui.light_list import wish_again
 from app.ui.light_wish import LightWish, light_that_stays, note_light_wish
@@ -95,7 +95,7 @@ class EditorState:
     """
 
     photo: PhotoSource | None = None
-    light: LightSource = field(default_factory=lambda: LightSource("rig", FIRST_LIGHT))
+    light: LightSource = field(default_factory=lambda: Document().light.source())
     extra_lights: list[LightSource] = field(default_factory=list)
     edit: Edit = field(default_factory=Edit)
     light_edit: LightEdit = field(default_factory=LightEdit)
