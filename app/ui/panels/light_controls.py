@@ -41,7 +41,7 @@ HOLE = widgets.Slider("Hole", 0.0, 0.9, 0.0, "%.2f", "How much of it is dark in 
 GEL, GEL_WORDS = "Coloured gel", "A coloured gel in front of this lamp."
 RESET_WORDS = "Puts level, colour and blur of the light back."
 _SPACING = 4.0
-_ADD, _LAMPS, _REMOVE = "+  Soft box", "Its lamps", "Remove all"
+_ADD, _LAMPS, _REMOVE, _METERED = "+  Soft box", "Its lamps", "Remove all", "Metered"
 _AS_PHOTO = "The level at which the lit part of the face is as bright as in the photo.  Shift + A"
 _ON_THE_FACE = "On the face"
 _AIMS = (
@@ -60,7 +60,8 @@ def tools(state: EditorState) -> None:
 def _aim_tools(state: EditorState) -> None:
     """What places a lamp by a click on the face: in a row, or one below the other."""
     imgui.begin_disabled(state.snapshot.picture is None)
-    if _widest_aim() + imgui.calc_text_size(_ON_THE_FACE).x + _SPACING < imgui.get_content_region_avail().x:
+    buttons = sum(_width_of(label) for _, label, _ in _AIMS)
+    if buttons + imgui.calc_text_size(_ON_THE_FACE).x + _SPACING < imgui.get_content_region_avail().x:
         imgui.align_text_to_frame_padding()
         imgui.text_disabled(_ON_THE_FACE)
         imgui.same_line()
@@ -73,11 +74,6 @@ def _aim_tools(state: EditorState) -> None:
             light_edits.switch_aim(state, aim)
         imgui.set_item_tooltip(("Moves the selected soft box. " if state.selected_box >= 0 else "") + tooltip)
     imgui.end_disabled()
-
-
-def _widest_aim() -> float:
-    """How wide the buttons of `_AIMS` have to be side by side."""
-    return sum(_width_of(label) for _, label, _ in _AIMS)
 
 
 def _width_of(label: str) -> float:
@@ -180,9 +176,7 @@ def light(state: EditorState, fonts: theme.Fonts) -> None:
     _level_tools(state)
     sliders = sliders_of_light(state).items()
     changed = {field: widgets.slider(state, spec, getattr(state.light_edit, field)) for field, spec in sliders}
-    new = replace(state.light_edit, **changed)
-    if new != state.light_edit:
-        state.light_edit = new
+    state.light_edit = replace(state.light_edit, **changed)
     widgets.gap(0.2)
 
 
@@ -198,10 +192,11 @@ def _level_tools(state: EditorState) -> None:
     if state.typing == level:
         return
     as_photo = Tool("As photo", _AS_PHOTO, enabled=state.snapshot.picture is not None)
-    metered = Tool("Metered", _meter_words(state) if state.light.kind == "panorama" else "")
-    tools = [(metered, state.light_edit.metered)] if metered.tooltip else []
-    clicked = tools_beside(level, *tools, (as_photo, False))
-    if clicked == metered.label:
+    tools = [(as_photo, False)]
+    if state.light.kind == "panorama":
+        tools.insert(0, (Tool(_METERED, _meter_words(state)), state.light_edit.metered))
+    clicked = tools_beside(level, *tools)
+    if clicked == _METERED:
         light_edits.meter_light(state)
     elif clicked == as_photo.label:
         state.asking.wish("match_face")
