@@ -26,6 +26,7 @@ class _Button:
         act: what a click does.
         is_on: it looks pressed.
         held: what is done in every frame in which the button is down.
+        available: else it is greyed.
     """
 
     label: str
@@ -36,8 +37,14 @@ class _Button:
     available: Callable[[EditorState], bool] = lambda state: True
 
 
-def _compare(value: str) -> tuple[Callable, Callable]:
-    return (lambda state: state.look.choose("compare", value)), (lambda state: state.look.compare == value)
+def _comparing(label: str, tooltip: str, value: str) -> _Button:
+    return _Button(
+        label,
+        tooltip,
+        lambda state: state.look.choose("compare", value),
+        lambda state: state.look.compare == value,
+        available=has_picture,
+    )
 
 
 def _see_the_photo(state: EditorState) -> None:
@@ -62,14 +69,8 @@ _FILES = (
 )
 _COMPARING = (
     _Button("Before", "Hold to see the photo as it was.  Space", held=_see_the_photo, available=has_picture),
-    _Button(
-        "Wipe",
-        "A line to drag: the photo left of it, the picture right of it.  W",
-        *_compare("wipe"),
-        None,
-        has_picture,
-    ),
-    _Button("Side by side", "The photo beside the picture.  Y", *_compare("side"), None, has_picture),
+    _comparing("Wipe", "A line to drag: the photo left of it, the picture right of it.  W", "wipe"),
+    _comparing("Side by side", "The photo beside the picture.  Y", "side"),
 )
 _ZOOM = (
     _Button("Fit", "The whole picture.  F", fit, lambda state: state.view.fit, available=has_photo),
