@@ -7,8 +7,11 @@ from pathlib import Path
 from imgui_bundle import imgui
 
 from app.ui import theme, widgets
+from app.ui.panels.plan_panel import duration
 from app.ui.state import EditorState
 from app.ui.viewport.probe import reading
+
+_APART_EM = 1.2
 
 
 def _ask_for_keys(state: EditorState) -> None:
@@ -19,17 +22,11 @@ def _keep_timings(state: EditorState) -> None:
     state.look.switch("timings")
 
 
-_LINKS = (("? for all keys", "Shows all keys.", _ask_for_keys),)
-"""Words to click at the line's end: label, tooltip, what is done."""
-
-_APART_EM = 1.2
-
-
 def draw(state: EditorState) -> None:
     """The line's contents, inside its window."""
-    links = list(_LINKS)
-    timing = _timing(state)
-    if timing:
+    # Words to click at the line's end: label, tooltip, what is done.
+    links = [("? for all keys", "Shows all keys.", _ask_for_keys)]
+    if timing := _timing(state):
         links.insert(0, (timing, f"{_stages(state)}\nClick to keep this in sight.", _keep_timings))
     apart = _APART_EM * imgui.get_font_size()
     room, left = imgui.get_content_region_avail().x, imgui.get_cursor_pos_x()
@@ -100,8 +97,8 @@ def _timing(state: EditorState) -> str:
     picture = state.snapshot.picture
     if picture is None:
         return ""
-    total = sum(stage.ms for stage in picture.relit.stages.values() if stage.state == "computed")
-    return f"Relit in {total:.0f} ms" if total < 1000 else f"Relit in {total / 1000:.1f} s"
+    total_ms = sum(stage.ms for stage in picture.relit.stages.values() if stage.state == "computed")
+    return f"Relit in {duration(total_ms)}"
 
 
 def _stages(state: EditorState) -> str:
