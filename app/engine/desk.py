@@ -247,7 +247,7 @@ class Desk:
             return read_environment(Path(source.name))
         if source.kind == "portrait":
             photo = read_photo(Path(source.name))
-            self._portrait = None
+            self._portrait = self._ready_for = None
             return borrowed_light(self._relighter, photo)
         return self._relighter.estimated_light(BORROWED_AT)
 

@@ -331,38 +331,6 @@ def test_at_rest_a_light_is_drawn_finely_whichever_quality_is_chosen(engine, qua
     assert light.environment.height == edit_light(light.base, light.edit).height
 
 
-def test_at_rest_the_engine_gets_ready_for_the_hand_once_for_a_photo_and_a_tier(engine, relighter):
-    source, moving = PhotoSource(grey_photo()), Edit(quality="live", channels=())
-    answered(engine, Request(source, SPLIT, Edit(), in_motion=moving))
-    answered(engine, Request(source, SPLIT, Edit(shadow=0.5), in_motion=replace(moving, shadow=0.5)))
-    assert relighter.readied == [moving]
-    answered(engine, Request(source, SPLIT, Edit(), in_motion=replace(moving, quality="draft")))
-    answered(engine, Request(PhotoSource(grey_photo()), SPLIT, Edit(), in_motion=moving))
-    assert [edit.quality for edit in relighter.readied] == ["live", "draft", "live"]
-    answered(engine, Request(source, SPLIT, Edit(yaw_deg=5.0)))
-    assert len(relighter.readied) == 3
-
-
-def test_getting_ready_in_vain_is_tried_once_and_the_picture_stays(engine, relighter, monkeypatch):
-    tried = []
-    monkeypatch.setattr(relighter, "get_ready", lambda *asked: tried.append(asked) or 1 / 0)
-    source, moving = PhotoSource(grey_photo()), Edit(quality="live", channels=())
-    answered(engine, Request(source, SPLIT, Edit(), in_motion=moving))
-    after = answered(engine, Request(source, SPLIT, Edit(yaw_deg=9.0), in_motion=moving))
-    assert len(tried) == 1
-    assert after.picture.edit.yaw_deg == 9.0
-
-
-def test_where_relighting_fails_nothing_gets_ready_for_the_hand(engine, relighter):
-    relighter.fail_with = InputError("no")
-    source, moving = PhotoSource(grey_photo()), Edit(quality="live", channels=())
-    answered(engine, Request(source, SPLIT, Edit(), in_motion=moving))
-    assert relighter.readied == []
-    relighter.fail_with = None
-    answered(engine, Request(source, SPLIT, Edit(shadow=0.5), in_motion=moving))
-    assert relighter.readied == [moving]
-
-
 def test_a_light_that_cannot_be_drawn_is_told_once_and_the_picture_stays(engine, relighter, monkeypatch):
     source = PhotoSource(grey_photo())
     before = answered(engine, Request(source, SPLIT, Edit()))
