@@ -43,7 +43,7 @@ _SMALL_PHOTO_PX = 6_000_000
 """Photos of no more pixels are always shown at their own size."""
 
 _FINEST = "final"
-"""A hand that moves at this quality does not wish for coarse lights."""
+"""At this quality lights are drawn finely even while the hand moves."""
 
 
 @dataclass(frozen=True, eq=False)

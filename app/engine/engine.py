@@ -22,8 +22,8 @@ class Engine:
     """Runs a Relighter on its own thread.
 
     `submit` and `snapshot` may be called from any thread and never wait for the networks. While a slider is
-    dragged every finished result is published, since the next one is the newer only by a little; a result
-    for a photo that has meanwhile been replaced is dropped.
+    dragged every finished result is published, even if a newer one has been asked for by then; a result for a
+    photo that has meanwhile been replaced is dropped.
 
     Args:
         make_relighter: called once, on the engine's thread, when the first photo is opened.

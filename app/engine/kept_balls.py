@@ -1,4 +1,4 @@
-"""Thumbnails of the lights from files, kept from one run to the next: to draw one anew may take the networks."""
+"""Thumbnails of the lights from files, kept from one run to the next: drawing one anew may take the networks."""
 
 from __future__ import annotations
 

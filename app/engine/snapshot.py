@@ -106,7 +106,8 @@ class Snapshot:
         opened, light, picture: in force; None until there is one.
         coming: the first photo, to be looked at while its face is being read; None once it is open.
         own_light: the light of the open photo, once it has been estimated.
-        awaited: the wish for the photo's own light, where it came from the photo before and waits for a face.
+        awaited: a wish for the photo's own light that was in force with the photo before, while there is no face to
+            estimate it from.
         faces: everyone in the open photo, by hand or as found; none where nobody is seen and nobody was shown.
         refused: wishes that failed since the engine started and must not be wished again.
         tier_costs: what the quality tiers cost on this machine, as far as it is known.

@@ -204,7 +204,8 @@ class Request:
         light_edit: what is changed about that light.
         edit: the sliders. Its exposure is the shader's business and makes the engine do nothing.
         longest_side_px: the picture of a large photo may be this small; None wants it as large as the photo.
-        in_motion: what the hand will ask for next, to get ready for while it rests; None for nothing else than this.
+        in_motion: what the hand's next movement will ask for, to get ready for it while the hand rests; None where it
+            will be of this edit's own quality.
         outlined: the people's outline is wanted beside the picture.
     """
 

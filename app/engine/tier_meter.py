@@ -14,9 +14,11 @@ from app.engine.sources import RelighterLike
 from relight_core.lighting.environment import Environment
 from relight_core.pipeline.auto_quality import Calibration, TierCost
 
-_OBSERVED = 15
-_ENOUGH = 5
+_OBSERVED, _ENOUGH = 15, 5
+"""How many of a tier's last pictures are remembered, and from how many on their median counts."""
+
 _ANSWERS_A_TURN = "irradiance"
+"""The stage that runs anew whenever the light has turned."""
 
 
 class TierMeter:

@@ -1,4 +1,4 @@
-"""The right panel: sliders, background, export."""
+"""The effects panel: the queue, sliders, background, faces and outline; then quality, export and history."""
 
 from __future__ import annotations
 

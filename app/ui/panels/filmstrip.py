@@ -1,4 +1,4 @@
-"""The bottom strip: every channel as a live thumbnail."""
+"""The filmstrip: a thumbnail of every channel, which brings it into the viewport."""
 
 from __future__ import annotations
 

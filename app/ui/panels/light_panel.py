@@ -1,4 +1,4 @@
-"""The left panel: the light's panorama, its rotation, and the lights to choose from."""
+"""The light panel: the light's panorama, its rotation, and the lights to choose from."""
 
 from __future__ import annotations
 
