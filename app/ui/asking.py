@@ -46,7 +46,7 @@ class FileRequest:
     start: Path
     then: Callable[[list[Path]], None]
     suffixes: Sequence[str] = ()
-    text: str = field(default="")
+    text: str = ""
     chosen: str = ""
     chosen_among: str = ""
     row: int = -1

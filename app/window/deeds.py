@@ -230,9 +230,8 @@ class Deeds:
         then: Callable[[list[Path]], None],
         start: Path | None = None,
     ) -> None:
-        request = FileRequest(kind, title, start or Path(os.path.join(self._folder(), "")), then, suffixes)
-        if start is None:
-            request.text = os.path.join(self._folder(), "")
+        folder = os.path.join(self._folder(), "")
+        request = FileRequest(kind, title, start or Path(folder), then, suffixes, "" if start else folder)
         self._state.picking = self._dialogs.ask(request) or self._state.picking
 
     def _folder(self) -> Path:
