@@ -73,7 +73,7 @@ def _title(
     fonts: theme.Fonts, title: str, summary: str, corner: imgui.ImVec2, width: float, is_open: bool, lit: bool
 ) -> None:
     em, draw = imgui.get_font_size(), imgui.get_window_draw_list()
-    _arrow(draw, corner.x + 0.3 * em, corner.y + _HEIGHT_EM * em / 2, 0.26 * em, is_open, lit)
+    arrow(draw, corner.x + 0.3 * em, corner.y + _HEIGHT_EM * em / 2, 0.26 * em, is_open, lit)
     y = corner.y + (_HEIGHT_EM - 1.0) * em / 2 - 0.08 * em
     imgui.push_font(fonts.bold, 0.0)
     draw.add_text(imgui.ImVec2(corner.x + _ARROW_EM * em, y), theme.packed(theme.TEXT), title)
@@ -85,7 +85,7 @@ def _title(
         draw.add_text(imgui.ImVec2(x, y), theme.packed(theme.DIM), words)
 
 
-def _arrow(draw: imgui.ImDrawList, x: float, y: float, reach: float, is_open: bool, lit: bool) -> None:
+def arrow(draw: imgui.ImDrawList, x: float, y: float, reach: float, is_open: bool, lit: bool = False) -> None:
     """Downward over what is open, to the right before what is folded."""
     if is_open:
         points = ((x - reach, y - 0.5 * reach), (x + reach, y - 0.5 * reach), (x, y + 0.8 * reach))

@@ -10,6 +10,7 @@ from imgui_bundle import imgui
 from app.ui import theme
 from app.ui.actions import brush_actions, face_actions, look_actions
 from app.ui.actions.action import Action, has_photo, has_picture
+from app.ui.panels.groups import arrow
 from app.ui.state import EditorState
 from app.ui.viewport.view import View
 from app.ui.viewport.viewport_panel import fit, toggle_actual_size
@@ -145,9 +146,7 @@ def _menu(state: EditorState, x: float, y: float, width: float) -> None:
     below = imgui.ImVec2(imgui.get_item_rect_min().x, imgui.get_item_rect_max().y + 2.0)
     draw = imgui.get_window_draw_list()
     draw.add_text(imgui.ImVec2(corner.x + _PADDING_EM * em, corner.y + 0.2 * em), theme.packed(theme.TEXT), _MENU)
-    tip_x, tip_y, reach = corner.x + width - 0.85 * em, corner.y + 0.72 * em, 0.22 * em
-    points = (tip_x - reach, tip_y - 0.5 * reach), (tip_x + reach, tip_y - 0.5 * reach), (tip_x, tip_y + 0.8 * reach)
-    draw.add_triangle_filled(*(imgui.ImVec2(*point) for point in points), theme.packed(theme.DIM))
+    arrow(draw, corner.x + width - 0.85 * em, corner.y + 0.72 * em, 0.22 * em, is_open=True)
     imgui.set_next_window_pos(below)
     if imgui.begin_popup("show"):
         _entries(state, look_actions.READING)
