@@ -54,9 +54,7 @@ class Leftover:
 
     def forget(self) -> None:
         """Delete the file."""
-        for path in (self.path, _lock_path(self.path)):
-            with contextlib.suppress(OSError):
-                path.unlink(missing_ok=True)
+        _forget(self.path)
 
 
 class Autosave:
@@ -285,21 +283,19 @@ def leftovers(folder: Path, tell: Callable[[str], None] = _log.warning) -> list[
         if lock is None:
             continue
         lock.close()
-        leftover = Leftover(path, Document(), 0.0)
         try:
-            session = read_session(path)
-            leftover = Leftover(path, session.document, path.stat().st_mtime, session.notes)
+            session, saved_s = read_session(path), path.stat().st_mtime
         except (InputError, OSError) as error:
             # A photo that is only out of reach for now is no reason to forget the work.
             if _may_hold_work(path):
                 tell(f"Unsaved work can't be restored yet: {error}")
             else:
                 _log.warning("unsaved work can't be recovered: %s", error)
-                leftover.forget()
-        else:
-            found.append(leftover)
-            if leftover.notes:
-                tell(f"Unsaved work on {leftover.document.photo.path.name}: {'; '.join(leftover.notes)}")
+                _forget(path)
+            continue
+        found.append(Leftover(path, session.document, saved_s, session.notes))
+        if session.notes:
+            tell(f"Unsaved work on {session.document.photo.path.name}: {'; '.join(session.notes)}")
     return sorted(found, key=lambda leftover: -leftover.saved_s)
 
 
@@ -314,6 +310,12 @@ def _may_hold_work(path: Path) -> bool:
     except OSError:
         return True
     return kind_of(path) == KIND
+
+
+def _forget(path: Path) -> None:
+    for gone in (path, _lock_path(path)):
+        with contextlib.suppress(OSError):
+            gone.unlink(missing_ok=True)
 
 
 def _lock_path(path: Path) -> Path:
