@@ -186,6 +186,8 @@ class Desk:
         is_same = seen is not None and seen is now.opened
         if not is_same:
             self._tiers.forget_photo()
+            # Else they would keep the photo before, which may take hundreds of megabytes.
+            self._ready_for = self._failed = None
         self._portrait = OpenPhoto(
             source, photo, seen.screen if seen else radiance_for_screen(photo.linear, photo.alpha)
         )

@@ -1,5 +1,7 @@
 """At rest the engine gets ready for what the hand will ask for."""
 
+import gc
+import weakref
 from dataclasses import replace
 
 import numpy as np
@@ -52,6 +54,14 @@ def test_the_engine_gets_ready_again_once_a_lender_of_light_has_taken_the_portra
     answered(engine, Request(source, LightSource("portrait", str(lender)), Edit(), in_motion=moving))
     assert relighter.portraits[-1][0] is source.place
     assert relighter.readied == [moving, moving]
+
+
+def test_a_photo_that_is_no_longer_open_is_not_kept_for_having_been_got_ready(engine):
+    moving = Edit(quality="live", channels=())
+    before = weakref.ref(answered(engine, Request(PhotoSource(grey_photo()), SPLIT, Edit(), in_motion=moving)).opened)
+    answered(engine, Request(PhotoSource(grey_photo()), SPLIT, Edit()))
+    gc.collect()
+    assert before() is None
 
 
 def test_getting_ready_in_vain_is_tried_once_and_the_picture_stays(engine, relighter, monkeypatch):
