@@ -180,8 +180,8 @@ class Desk:
 
     def _set_portrait(self, now: Snapshot) -> Snapshot:
         source, photo = self._loading
-        faces = self._faces_of(source, photo)
         self._loading = None
+        faces = self._faces_of(source, photo)
         seen = next((known for known in (now.coming, now.opened) if known is not None and known.photo is photo), None)
         is_same = seen is not None and seen is now.opened
         if not is_same:

@@ -1,6 +1,8 @@
 """The engine: newest wins, errors keep the picture, exposure costs nothing. Events instead of sleeps."""
 
+import gc
 import threading
+import weakref
 from dataclasses import replace
 
 import numpy as np
@@ -190,6 +192,22 @@ def test_a_refused_photo_is_tried_once_only(engine, relighter):
     assert answered(engine, Request(bad, SPLIT, Edit(shadow=0.1))).message.number == number
     again = answered(engine, Request(PhotoSource(bad.place, None, OUTSIDE), SPLIT, Edit()))
     assert again.message.number == number + 1
+
+
+def test_a_photo_that_was_read_and_refused_is_not_kept(engine, tmp_path, monkeypatch):
+    answered(engine, Request(PhotoSource(grey_photo()), SPLIT, Edit()))
+    read = []
+
+    def read_it(path):
+        photo = grey_photo()
+        read.append(weakref.ref(photo))
+        return photo
+
+    monkeypatch.setattr("app.engine.desk.read_photo", read_it)
+    bad = PhotoSource(tmp_path / "bad.png", None, OUTSIDE)
+    assert bad in answered(engine, Request(bad, SPLIT, Edit())).refused
+    gc.collect()
+    assert [photo() for photo in read] == [None]
 
 
 def test_a_file_that_is_no_image_is_told_by_name(engine, tmp_path):
