@@ -47,8 +47,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Run the command and return its exit code. What was measured before an interruption is told all the same."""
+    from app.making import make_relighter
     from app.window.measure import WindowSpeed, measure_window
-    from app.window.run import NoDisplayError, make_relighter
+    from app.window.run import NoDisplayError
     from relight_core.errors import InputError
 
     if arguments.output:

@@ -26,7 +26,7 @@ class Engine:
     photo that has meanwhile been replaced is dropped.
 
     Args:
-        make_relighter: called once, on the engine's thread, when the first photo is opened.
+        make_relighter: called on the engine's thread when the networks are first needed; again if that fails.
         wake: called, on the engine's thread, after every change of the snapshot.
         on_start: called first on the engine's thread.
         calibration_path: where the costs of the quality tiers are kept; None neither measures nor keeps them.

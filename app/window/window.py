@@ -44,7 +44,7 @@ class EditorWindow:
     """The whole editor. Its on_... methods are the glfw callbacks, and may be called to act as a user.
 
     Args:
-        make_relighter: called on the engine's thread when the first photo is opened.
+        make_relighter: called on the engine's thread when the networks are first needed, and by each job that relights.
         photo, light: what to open at once.
         size: of the window, in units of the design; None is the last one's.
         visible: False keeps it off the screen.
