@@ -2,10 +2,8 @@
 
 import json
 import os
-import signal
 import subprocess
 import sys
-import time
 from pathlib import Path
 
 import numpy as np
@@ -24,41 +22,6 @@ from relight_core.pipeline.relighter import WEIGHTS
 from relight_core.resources import resource_path
 from relight_core.training.optimiser import Optimiser
 from relight_core.training.state import Progress, make_state
-
-ROOT = Path(__file__).resolve().parents[2]
-WRITE_FOR_EVER = """
-import sys
-sys.path.insert(0, {root!r})
-import numpy as np
-from pathlib import Path
-from relight_core.imaging.write import write_image
-from relight_core.networks.bundle import BundleConfig, NetworkBundle, save_bundle
-folder, kind = Path({folder!r}), {kind!r}
-bundle = NetworkBundle(BundleConfig.tiny())
-image = np.random.default_rng(0).random((200, 200, 3), np.float32)
-print("ready", flush=True)
-while True:
-    if kind == "weights":
-        save_bundle(folder / "saved.safetensors", bundle)
-    else:
-        write_image(folder / f"saved.{{kind}}", image)
-"""
-
-
-@pytest.mark.parametrize("kind", ["png", "exr", "weights"])
-def test_killed_at_any_moment_the_file_is_whole(tmp_path, kind):
-    name = "saved.safetensors" if kind == "weights" else f"saved.{kind}"
-    read = load_bundle if kind == "weights" else read_photo
-    script = WRITE_FOR_EVER.format(root=str(ROOT), folder=str(tmp_path), kind=kind)
-    for _ in range(2):
-        writer = subprocess.Popen([sys.executable, "-c", script], stdout=subprocess.PIPE)
-        writer.stdout.readline()
-        while not (tmp_path / name).exists():
-            time.sleep(0.01)
-        os.kill(writer.pid, signal.SIGKILL)
-        writer.wait()
-        writer.stdout.close()
-        read(tmp_path / name)
 
 
 def test_killed_before_each_of_its_steps_every_writer_leaves_the_old_or_the_new():
