@@ -50,6 +50,7 @@ def test_an_empty_frame_is_only_background(pool):
         np.random.default_rng(1),
     )
     assert np.isfinite(photo).all()
+    assert photo.std() > 0.01
 
 
 def test_same_seed_same_photo_and_radiance_untouched(pool):
