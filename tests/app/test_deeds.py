@@ -17,7 +17,7 @@ from app.ui.asking import FileRequest
 from app.ui.file_dialogs import Candidates, FileDialogs, candidates
 from app.ui.state import EditorState
 from app.window.dropped import open_named, take_files
-from app.window.recent_lights import MOST, RecentLights, read_recent
+from app.window.recent_lights import RecentLights, read_recent
 from relight_core.lighting.light_edit import LightEdit
 
 
@@ -194,7 +194,7 @@ def test_a_light_that_is_named_from_here_is_the_recent_one_and_not_another(tmp_p
 
 
 def test_a_file_is_kept_and_recalled_once(tmp_path):
-    paths = [tmp_path / f"{number}.hdr" for number in range(MOST)]
+    paths = [tmp_path / f"{number}.hdr" for number in range(12)]
     for path in paths:
         path.write_bytes(b"light")
     known = [LightSource("panorama", str(path)) for path in (paths[0], *paths)]
@@ -208,7 +208,7 @@ def test_a_file_is_kept_and_recalled_once(tmp_path):
 
 
 def test_the_lights_that_are_kept_are_those_that_were_used_last(tmp_path):
-    paths = [tmp_path / f"{number}.hdr" for number in range(MOST + 1)]
+    paths = [tmp_path / f"{number}.hdr" for number in range(13)]
     recent, state = RecentLights(tmp_path / "recent.json"), EditorState()
 
     def use(path):
@@ -219,10 +219,10 @@ def test_the_lights_that_are_kept_are_those_that_were_used_last(tmp_path):
         for _ in range(2):
             recent.keep(state)
 
-    for path in (*paths[:MOST], paths[0], paths[MOST]):
+    for path in (*paths[:12], paths[0], paths[12]):
         use(path)
     kept = [Path(name) for _, name in read_recent(tmp_path / "recent.json")]
-    assert kept == [paths[MOST], paths[0], *paths[MOST - 1 : 1 : -1]]
+    assert kept == [paths[12], paths[0], *paths[11:1:-1]]
     assert state.extra_lights[-1].name == str(paths[0]), "none moves in the panel"
 
 

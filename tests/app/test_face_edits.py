@@ -6,7 +6,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from app.document.face_boxes import MOST_FACES
 from app.engine.snapshot import OpenPhoto, Snapshot
 from app.ui import face_edits
 from app.ui.actions.setting_actions import setting_actions
@@ -113,8 +112,9 @@ def test_a_face_that_is_drawn_is_relit_and_selected(state):
 
 def test_there_may_be_only_so_many_faces(state):
     face_edits.show(state)
-    drop(state, (ONE,) * (MOST_FACES + 1))
-    assert state.photo.boxes is None
+    for count in (32, 33):
+        drop(state, (ONE,) * count)
+        assert state.photo.boxes == (ONE,) * 32
     assert state.asking.notices[0][1]
 
 

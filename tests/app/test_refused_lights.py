@@ -9,7 +9,7 @@ from app.document.document import LightRef
 from app.engine.snapshot import Snapshot
 from app.engine.sources import LightSource
 from app.ui.state import EditorState
-from relight_core.lighting.light_edit import MOST_BOXES, LightEdit
+from relight_core.lighting.light_edit import LightEdit
 from relight_core.lighting.soft_box import SoftBox
 
 MINE, THEIRS, LATER = SoftBox(azimuth_deg=10.0), SoftBox(azimuth_deg=-120.0), SoftBox(azimuth_deg=80.0)
@@ -64,7 +64,7 @@ def test_soft_boxes_that_went_along_are_as_they_were_moved_meanwhile(state):
 
 def test_lights_are_never_given_more_soft_boxes_than_fit(state):
     use_saved_light(state)
-    boxes = tuple(SoftBox(azimuth_deg=float(turn)) for turn in range(MOST_BOXES))
+    boxes = tuple(SoftBox(azimuth_deg=float(turn)) for turn in range(16))
     state.light_edit = replace(state.light_edit, boxes=boxes)
     refuse(state)
     assert state.light_edit.boxes == (MINE, *boxes[:-1])

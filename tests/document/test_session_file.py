@@ -22,7 +22,7 @@ from relight_core.face.find import FaceBox
 from relight_core.lighting.light_edit import LightEdit
 from relight_core.lighting.soft_box import SoftBox
 from relight_core.pipeline.edit import Edit
-from relight_core.pipeline.per_photo.brush import MOST_POINTS, MOST_STROKES, BrushStroke
+from relight_core.pipeline.per_photo.brush import BrushStroke
 
 STROKES = (
     BrushStroke(((12.5, -3.0), (40.1, 99999.9)), 20.5, True),
@@ -119,8 +119,8 @@ def test_a_light_file_carries_the_light_and_its_turn(tmp_path, name):
 
 
 def test_as_much_as_may_be_painted_can_be_saved_and_opened_again(folder, document):
-    points = tuple((round(1000.1 + 7.3 * at, 1), round(99999.9 - 3.7 * at, 1)) for at in range(MOST_POINTS))
-    strokes = (BrushStroke(points, 1234.5, True),) * MOST_STROKES
+    points = tuple((round(1000.1 + 7.3 * at, 1), round(99999.9 - 3.7 * at, 1)) for at in range(256))
+    strokes = (BrushStroke(points, 1234.5, True),) * 400
     document = replace(document, photo=replace(document.photo, strokes=strokes))
     path = saved(folder, document)
     assert read_session(path).document == document
