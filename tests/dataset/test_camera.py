@@ -5,12 +5,7 @@ import pytest
 from synthetic_heads import ball
 
 from relight_core.dataset.camera import camera_gain, metered_gain, photograph
-from relight_core.dataset.painting.texture import TexturePool, fractal_noise, look_up
-
-
-@pytest.fixture(scope="module")
-def pool():
-    return TexturePool(np.random.default_rng(0), count=2)
+from relight_core.dataset.painting.texture import fractal_noise, look_up
 
 
 def covered():

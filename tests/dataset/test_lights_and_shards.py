@@ -19,13 +19,6 @@ from relight_core.errors import InputError
 LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
 
 
-@pytest.fixture(scope="module")
-def library(tmp_path_factory):
-    path = tmp_path_factory.mktemp("lights") / "lights.npz"
-    write_lights(path, 60, places=21)
-    return path
-
-
 def level(light):
     edges = np.cos(np.pi * np.arange(len(light) + 1) / len(light))
     return float((((light @ LUMINANCE).mean(1)) * (edges[:-1] - edges[1:]) / 2).sum())

@@ -6,15 +6,9 @@ import pytest
 from relight_core.dataset.cutouts.arms import with_arm
 from relight_core.dataset.cutouts.hats import with_hat
 from relight_core.dataset.cutouts.mane import with_mane
-from relight_core.dataset.painting.texture import TexturePool
 
 SIZE, CENTRE, FACE_PX = 96, np.array([48.0, 44.0]), 24.0
 ADDED = [with_mane, with_hat, with_arm]
-
-
-@pytest.fixture(scope="module")
-def pool():
-    return TexturePool(np.random.default_rng(0), count=2)
 
 
 def person():

@@ -7,16 +7,10 @@ from relight_core.dataset.cutouts import outlines
 from relight_core.dataset.cutouts.cutouts import cut_out, place
 from relight_core.dataset.cutouts.outlines import OutlineStream, outline_sample
 from relight_core.dataset.cutouts.scenery.pool import SceneryPool
-from relight_core.dataset.painting.texture import TexturePool
 from tests.synthetic_heads import write_balls, write_lights
 
 SIZE = 96
 SKIN, HAIR, CLOTH = 1, 10, 13
-
-
-@pytest.fixture(scope="module")
-def pool():
-    return TexturePool(np.random.default_rng(0), count=2)
 
 
 def bust(bottom=SIZE):

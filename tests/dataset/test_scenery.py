@@ -1,15 +1,8 @@
 """Drawn scenes."""
 
 import numpy as np
-import pytest
 
 from relight_core.dataset.cutouts.scenery.pool import SceneryPool
-from relight_core.dataset.painting.texture import TexturePool
-
-
-@pytest.fixture(scope="module")
-def pool():
-    return TexturePool(np.random.default_rng(0), count=2)
 
 
 def test_scenes_follow_from_their_seed(pool):

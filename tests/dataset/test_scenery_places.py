@@ -8,16 +8,10 @@ from relight_core.dataset.cutouts.scenery.panoramas import look_around, read_pla
 from relight_core.dataset.cutouts.scenery.places import park, room, with_crowns
 from relight_core.dataset.cutouts.scenery.pool import SceneryPool
 from relight_core.dataset.cutouts.scenery.strokes import put
-from relight_core.dataset.painting.texture import TexturePool
 from relight_core.errors import InputError
 from relight_core.imaging.write import write_image
 
 SEEDS = range(12)
-
-
-@pytest.fixture(scope="module")
-def pool():
-    return TexturePool(np.random.default_rng(0), count=2)
 
 
 def sky_over_ground():

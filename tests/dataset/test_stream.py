@@ -6,7 +6,7 @@ from functools import partial
 
 import numpy as np
 import pytest
-from synthetic_heads import ball, write_balls, write_lights
+from synthetic_heads import ball, write_balls
 
 from relight_core.dataset import stream as stream_module
 from relight_core.dataset.baking.shard import write_shard
@@ -14,13 +14,6 @@ from relight_core.dataset.painting.texture import TexturePool
 from relight_core.dataset.recipe import load_split
 from relight_core.dataset.stream import SampleStream
 from relight_core.errors import InputError
-
-
-@pytest.fixture(scope="module")
-def library(tmp_path_factory):
-    path = tmp_path_factory.mktemp("lights") / "lights.npz"
-    write_lights(path, 60, places=21)
-    return path
 
 
 @pytest.fixture(autouse=True)

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 from relight_core.dataset.camera import photograph
-from relight_core.dataset.painting.texture import TexturePool
 from relight_core.dataset.surroundings import (
     LocalLight,
     Neighbour,
@@ -15,11 +14,6 @@ from relight_core.dataset.surroundings import (
 )
 
 SIZE = 48
-
-
-@pytest.fixture(scope="module")
-def pool():
-    return TexturePool(np.random.default_rng(0), count=2)
 
 
 def head():
@@ -49,9 +43,8 @@ def test_sampled_local_lights_are_partial_somewhere_and_never_negative(pool, see
     assert np.isfinite(local.colour).all()
 
 
-def test_local_lights_differ():
-    pools = TexturePool(np.random.default_rng(0), count=2)
-    shares = [float(sample_local_light(SIZE, pools, np.random.default_rng(seed)).reach.mean()) for seed in range(20)]
+def test_local_lights_differ(pool):
+    shares = [float(sample_local_light(SIZE, pool, np.random.default_rng(seed)).reach.mean()) for seed in range(20)]
     assert min(shares) < 0.3
     assert max(shares) > 0.5
 
