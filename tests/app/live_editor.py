@@ -4,14 +4,11 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-import numpy as np
+from opened_things import open_light, opened_for
 
-from app.engine.snapshot import OpenLight, OpenPhoto
 from app.ui.file_dialogs import FileDialogs
 from app.ui.state import EditorState
 from app.window.deeds import Deeds
-from relight_core.imaging.photo import Photo
-from relight_core.lighting.environment import Environment
 
 
 class Editor:
@@ -38,11 +35,9 @@ class Editor:
         state, now = self.state, self.state.snapshot
         opened, light = now.opened, now.light
         if state.photo is not None and (opened is None or opened.source is not state.photo):
-            photo = Photo(np.full((4, 4, 3), 0.5, np.float32), path=state.photo.path)
-            opened = OpenPhoto(state.photo, photo, photo.linear.astype(np.float16))
+            opened = opened_for(state.photo)
         if light is None or not light.source.same_as(state.light):
-            even = Environment.from_radiance(np.ones((4, 8, 3)), "even")
-            light = OpenLight(state.light, even, np.zeros((4, 8, 3), np.uint8), np.zeros((4, 4, 4), np.uint8), even)
+            light = open_light(state.light)
         if (opened, light) != (now.opened, now.light):
             state.accept(replace(now, opened=opened, light=light))
 

@@ -6,14 +6,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from opened_things import open_wish
 
 from app.document.document import Document, LightRef, PhotoRef
 from app.document.light_file import SavedLight, write_light
 from app.document.session_file import write_session
-from app.engine.snapshot import OpenPhoto
 from app.ui.state import EditorState
 from app.window.dropped import is_panorama, take_files
-from relight_core.imaging.photo import Photo
 from relight_core.imaging.write import write_image
 from relight_core.lighting.light_edit import LightEdit
 from relight_core.pipeline.edit import Edit
@@ -138,11 +137,6 @@ def test_the_original_light_of_a_session_is_that_of_its_photo_and_not_of_the_ope
 
 def refuse(state):
     state.accept(replace(state.snapshot, refused=state.snapshot.refused | {state.photo}))
-
-
-def open_wish(state):
-    photo = Photo(np.full((4, 4, 3), 0.5, np.float32), path=state.photo.path)
-    state.accept(replace(state.snapshot, opened=OpenPhoto(state.photo, photo, photo.linear)))
 
 
 def test_a_photo_that_can_not_be_opened_leaves_the_queue_as_it_was(state):

@@ -4,12 +4,12 @@ from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 
-import numpy as np
 import pytest
+from opened_things import open_light, open_wish, opened_for
 
 from app.engine.exporting import free_path
 from app.engine.places import from_home
-from app.engine.snapshot import OpenLight, OpenPhoto, Picture, Snapshot
+from app.engine.snapshot import Picture, Snapshot
 from app.engine.sources import PhotoSource
 from app.ui.export_name import choose_form, export_place, named_as
 from app.ui.file_dialogs import FileDialogs
@@ -17,8 +17,6 @@ from app.ui.state import EditorState
 from app.window.deeds import Deeds
 from app.window.finished import Finished
 from app.window.outputs import Outputs
-from relight_core.imaging.photo import Photo
-from relight_core.lighting.environment import Environment
 
 TYPED = [
     ("~b", "~b", "~b.exr"),
@@ -52,8 +50,7 @@ def test_a_name_takes_the_suffix_of_its_kind_unless_it_says_so_already(typed, su
 def state(tmp_path):
     state = EditorState()
     state.open_photo(tmp_path / "~me.jpg")
-    photo = Photo(np.zeros((4, 4, 3), np.float32), path=tmp_path / "~me.jpg")
-    state.accept(Snapshot(opened=OpenPhoto(state.photo, photo, photo.linear)))
+    open_wish(state)
     return state
 
 
@@ -81,11 +78,6 @@ def test_only_a_tilde_by_itself_is_the_users_folder(state, tmp_path, monkeypatch
     assert free_path(named) == named
 
 
-def opened(path):
-    photo = Photo(np.zeros((4, 4, 3), np.float32), path=path)
-    return OpenPhoto(PhotoSource(path), photo, photo.linear)
-
-
 @pytest.fixture
 def outputs(state):
     """Outputs of the state, what waits for a finished picture, and the exports that were begun."""
@@ -106,7 +98,7 @@ def test_outputs_are_named_after_the_photo_that_is_wanted_while_another_one_is_s
 def test_an_export_is_named_after_the_photo_in_it(state, outputs, tmp_path):
     state.snapshot = replace(state.snapshot, picture=SimpleNamespace(opened=state.snapshot.opened))
     outputs[0].export(".jpg")
-    state.accept(Snapshot(opened=opened(tmp_path / "you.jpg"), picture=state.snapshot.picture))
+    state.accept(Snapshot(opened=opened_for(PhotoSource(tmp_path / "you.jpg")), picture=state.snapshot.picture))
     (write,), jobs = outputs[1:]
     write(state.snapshot.picture)
     assert [job.path for job in jobs] == [tmp_path / "~me-relit.jpg"]
@@ -130,8 +122,7 @@ def test_a_place_chosen_for_the_next_photo_is_not_that_of_the_one_still_open(sta
 def test_a_task_that_fails_with_its_picture_is_told_and_the_next_one_goes_on(state):
     said, given = [], []
     opened = state.snapshot.opened
-    even = Environment.from_radiance(np.ones((4, 8, 3)), "even")
-    light = OpenLight(state.light, even, np.zeros((4, 8, 3), np.uint8), np.zeros((4, 4, 4), np.uint8), even)
+    light = open_light(state.light)
     picture = Picture(opened, light, state.request_at_rest().edit, None, None, opened.photo.linear, {})
     finished = Finished(state, lambda text, is_error: said.append((text, is_error)))
 

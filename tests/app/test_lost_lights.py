@@ -2,15 +2,13 @@
 
 from dataclasses import replace
 
-import numpy as np
 import pytest
 from live_editor import Editor, unsaved_files
+from opened_things import open_wish
 
 from app.document.document import Document, LightRef, PhotoRef
 from app.document.session_file import write_session
-from app.engine.snapshot import OpenPhoto
 from app.engine.sources import LightSource
-from relight_core.imaging.photo import Photo
 from relight_core.lighting.light_edit import LightEdit
 from relight_core.lighting.soft_box import SoftBox
 from relight_core.pipeline.edit import Edit
@@ -97,12 +95,7 @@ def test_a_session_opens_without_its_light_and_asks_before_its_file_forgets_that
     editor.deeds.close()
 
 
-def opened_before_its_light(state):
-    photo = Photo(np.full((4, 4, 3), 0.5, np.float32), path=state.photo.path)
-    state.accept(replace(state.snapshot, opened=OpenPhoto(state.photo, photo, photo.linear.astype(np.float16))))
-
-
-@pytest.mark.parametrize("come", [opened_before_its_light, lambda state: None], ids=["photo first", "light first"])
+@pytest.mark.parametrize("come", [open_wish, lambda state: None], ids=["photo first", "light first"])
 def test_a_session_whose_light_proves_damaged_asks_before_its_file_forgets_that(tmp_path, come):
     photo, light, session = (tmp_path / name for name in ("me.jpg", "sky.hdr", "me.relight.json"))
     for path in (photo, light):

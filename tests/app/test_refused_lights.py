@@ -3,7 +3,7 @@
 from dataclasses import replace
 
 import pytest
-from test_state import SKY, open_light
+from opened_things import SKY, open_light
 
 from app.document.document import LightRef
 from app.engine.snapshot import Snapshot

@@ -3,32 +3,19 @@
 from dataclasses import replace
 from pathlib import Path
 
-import numpy as np
 import pytest
+from opened_things import SKY, open_light, opened_photo
 
-from app.engine.snapshot import Message, OpenLight, OpenPhoto, Snapshot
+from app.engine.snapshot import Message, OpenPhoto, Snapshot
 from app.engine.sources import LightSource, PhotoSource
 from app.ui.angles import wrap_degrees
 from app.ui.channels import CHANNELS
 from app.ui.export_name import choose_form, export_place, export_to
 from app.ui.state import EditorState
 from app.ui.viewport.view import View
-from relight_core.imaging.photo import Photo
-from relight_core.lighting.environment import Environment
 from relight_core.lighting.light_edit import LightEdit
 from relight_core.lighting.soft_box import SoftBox
 from relight_core.pipeline.auto_quality import QualityChoice, TierCost
-
-
-def opened_photo(path=None):
-    photo = Photo(np.full((4, 4, 3), 0.5, np.float32), path=path)
-    return OpenPhoto(PhotoSource(photo), photo, photo.linear.astype(np.float16))
-
-
-def open_light(source, lamps=()):
-    environment = Environment.from_radiance(np.ones((4, 8, 3)), "even")
-    panorama, ball = np.zeros((4, 8, 3), np.uint8), np.zeros((4, 4, 4), np.uint8)
-    return OpenLight(source, environment, panorama, ball, environment, lamps=lamps)
 
 
 @pytest.mark.parametrize(
@@ -145,9 +132,6 @@ def test_own_light_that_waits_for_a_face_is_kept_and_what_is_set_meanwhile_is_a_
     state.remember(2.0)
     assert (state.light, state.light_edit) == (own, edit)
     assert [step.name for step in state.history.steps] == ["Open nobody.png", "Shadow 0.50"]
-
-
-SKY = LightSource("panorama", "/lights/sky.hdr")
 
 
 def test_a_light_edit_counts_as_moved_by_the_hand():

@@ -5,7 +5,7 @@ from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
-from test_state import SKY, open_light, opened_photo
+from opened_things import SKY, open_light, opened_photo
 
 from app.document.document import LightRef
 from app.engine.snapshot import Snapshot

@@ -3,12 +3,10 @@
 from dataclasses import replace
 from pathlib import Path
 
-import numpy as np
 from live_editor import Editor
+from opened_things import open_wish, opened_for
 
-from app.engine.snapshot import OpenPhoto
 from app.engine.sources import LightSource
-from relight_core.imaging.photo import Photo
 
 
 def test_a_light_chosen_since_an_undo_is_no_part_of_it_and_goes_along_to_the_next_photo():
@@ -21,8 +19,7 @@ def test_a_light_chosen_since_an_undo_is_no_part_of_it_and_goes_along_to_the_nex
     editor.live()
     state.restore(state.history.go(0))
     state.choose_light(LightSource("rig", "golden-hour"))
-    pixels = Photo(np.full((4, 4, 3), 0.5, np.float32), path=state.photo.path)
-    state.accept(replace(state.snapshot, opened=OpenPhoto(state.photo, pixels, pixels.linear.astype(np.float16))))
+    open_wish(state)
     state.remember(editor.now_s)
     state.change(shadow=0.3)
     state.open_photo(Path("/photos/c.png"))
@@ -46,8 +43,7 @@ def test_a_photo_that_was_still_being_read_when_it_was_undone_leaves_the_work_on
     state.change(shadow=0.5)
     editor.now_s += 1.0
     state.remember(editor.now_s)
-    pixels = Photo(np.full((4, 4, 3), 0.5, np.float32), path=wish.path)
-    state.accept(replace(state.snapshot, opened=OpenPhoto(wish, pixels, pixels.linear.astype(np.float16))))
+    state.accept(replace(state.snapshot, opened=opened_for(wish)))
     state.remember(editor.now_s)
     state.change(specular=0.5)
     editor.live()

@@ -5,8 +5,9 @@ import warnings
 import cv2
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
+from panoramas import ANGLES, lamp, noise, quick
 
 from relight_core.errors import InputError
 from relight_core.lighting.environment import (
@@ -18,19 +19,7 @@ from relight_core.lighting.environment import (
     shrink,
 )
 
-ANGLES = st.floats(-1000, 1000, allow_nan=False)
 HEIGHTS = st.integers(1, 40)
-quick = settings(deadline=None, max_examples=40)
-
-
-def noise(height: int, seed: int = 0) -> np.ndarray:
-    return np.random.default_rng(seed).exponential(size=(height, 2 * height, 3)).astype(np.float32)
-
-
-def lamp(height: int, row: int, column: int, radiance: float = 1e6) -> np.ndarray:
-    panorama = np.zeros((height, 2 * height, 3), np.float32)
-    panorama[row, column] = radiance
-    return panorama
 
 
 def energy(panorama: np.ndarray) -> np.ndarray:

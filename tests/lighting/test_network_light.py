@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from test_environment import ANGLES, lamp, noise, quick
+from panoramas import ANGLES, lamp, noise, quick
 
 from relight_core.lighting.environment import Environment, mean_luminance, network_light, rotate
 from relight_core.lighting.sphere import solid_angles

@@ -3,6 +3,7 @@ from dataclasses import replace
 import cv2
 import numpy as np
 import pytest
+from drawn_portrait import CROP, make_matte, portrait
 
 from relight_core.face.crop import Crop
 from relight_core.imaging.photo import Photo
@@ -11,28 +12,10 @@ from relight_core.pipeline.per_photo.matte import draft_matte, finish_matte, own
 from relight_core.pipeline.per_photo.person import canvas_of, whole_person
 
 
-def make_matte(*photo_and_looks):
-    return finish_matte(draft_matte(*photo_and_looks))
-
-
 def refine_matte(linear, mask, crop, alpha=None):
     """The matte of one person at every pixel."""
     matte = make_matte(linear, [[(mask, crop)]], alpha)
     return whole_person(canvas_of(Photo(linear, alpha)), matte).share
-
-
-def portrait(height=240, width=200, person_colour=(0.5, 0.25, 0.15), behind=(0.05, 0.1, 0.5)):
-    """A head on shoulders before a plain wall, and its true matte."""
-    y, x = np.mgrid[0:height, 0:width] + 0.5
-    head = np.hypot((x - 100) / 38, (y - 80) / 50) < 1
-    body = (y > 120) & (np.abs(x - 100) < 30 + 0.5 * (y - 120))
-    matte = (head | body).astype(np.float32)
-    noise = np.random.default_rng(0).normal(1.0, 0.05, (height, width, 1))
-    linear = np.where(matte[..., None] > 0, person_colour, behind) * noise
-    return np.maximum(linear, 0).astype(np.float32), matte
-
-
-CROP = Crop(100.0, 85.0, 130.0)
 
 
 def blurred_mask(matte, shift=0.0):

@@ -2,10 +2,11 @@
 
 from dataclasses import replace
 
+import drawn_portrait
 import numpy as np
 import pytest
 import torch
-from test_matte import make_matte
+from drawn_portrait import CROP, make_matte
 
 from relight_core.errors import InputError
 from relight_core.face.crop import Crop
@@ -19,19 +20,13 @@ from relight_core.pipeline.results.channels import ViewChange
 from relight_core.pipeline.results.finish import gain_of_rest, mean_gain, place_changes, place_views, weights_on_views
 from relight_core.pipeline.results.picture import Picture, PlacedCatchlight
 
-CROP = Crop(100.0, 85.0, 130.0)
 EVEN = torch.ones(1, 16, 32, 3)
 
 
-def portrait(height=240, width=200):
-    """A head on shoulders before a bright wall, and its true matte."""
-    y, x = np.mgrid[0:height, 0:width] + 0.5
-    head = np.hypot((x - 100) / 38, (y - 80) / 50) < 1
-    body = (y > 120) & (np.abs(x - 100) < 30 + 0.5 * (y - 120))
-    truth = (head | body).astype(np.float32)
-    noise = np.random.default_rng(0).normal(1.0, 0.05, (height, width, 1))
-    linear = np.where(truth[..., None] > 0, (0.5, 0.25, 0.15), (0.2, 0.5, 0.9)) * noise
-    return Photo(np.maximum(linear, 0).astype(np.float32)), truth
+def portrait():
+    """A photo of somebody before a bright wall, and the true matte."""
+    linear, truth = drawn_portrait.portrait(behind=(0.2, 0.5, 0.9))
+    return Photo(linear), truth
 
 
 def change_of(gain, offset=0.0, size=64):

@@ -4,7 +4,7 @@ import itertools
 
 import pytest
 import torch
-from test_loop import quiet, recorded, some_batch
+from small_runs import quiet, recorded, some_batch
 
 from relight_core.networks.bundle import BundleConfig, NetworkBundle, load_bundle
 from relight_core.training.loop import Budget, TrainingDiverged, state_path, train_stage

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import pytest
 import torch
-from test_loop import some_batch
+from small_runs import some_batch
 
 from relight_core.errors import InputError
 from relight_core.lighting.reflection import ReflectionTable

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import pytest
 import torch
-from test_loop import some_batch
+from small_runs import some_batch
 
 from relight_core.errors import InputError
 from relight_core.networks.bundle import BundleConfig, NetworkBundle, load_bundle, save_bundle, with_residual_blocks

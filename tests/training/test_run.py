@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 import torch
-from test_loop import some_batch
+from small_runs import some_batch
 from torch.utils.data import IterableDataset
 
 from relight_core.errors import InputError

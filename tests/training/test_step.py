@@ -4,7 +4,7 @@ import copy
 
 import pytest
 import torch
-from test_loop import some_batch
+from small_runs import some_batch
 from torch.overrides import TorchFunctionMode
 from torch.utils._python_dispatch import TorchDispatchMode
 

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import pytest
 import torch
-from test_loop import budget, run, some_batch
+from small_runs import budget, run, some_batch
 
 from relight_core.imaging.tensor_colour import srgb_decode
 from relight_core.lighting.reflection import ReflectionTable
