@@ -126,13 +126,6 @@ def wait_for_jobs(hand):
     hand.settle()
 
 
-def choose(hand, label):
-    (question,) = hand.window.state.asking.questions
-    hand.window.state.asking.drop(question.key)
-    dict(question.choices)[label]()
-    hand.settle()
-
-
 def test_a_batch_gives_photos_of_one_name_a_file_each_and_says_why_one_failed(opened, monkeypatch, shoot):
     batch(opened, monkeypatch, shoot)
     wait_for_jobs(opened)
@@ -163,16 +156,16 @@ def test_a_batch_over_pictures_that_are_there_asks_first(opened, monkeypatch, sh
     (shoot / "relit" / "b.png").unlink()
     opened.window.state.change(yaw_deg=90.0)
     batch(opened, monkeypatch, shoot)
-    choose(opened, "Cancel")
+    opened.answer("Cancel")
     wait_for_jobs(opened)
     assert not (shoot / "relit" / "b.png").exists()
     batch(opened, monkeypatch, shoot)
-    choose(opened, "Relight the other 1")
+    opened.answer("Relight the other 1")
     wait_for_jobs(opened)
     turns = {path.name: saved(path)[1] for path in (shoot / "relit").iterdir()}
     assert turns == {"a-png.png": 0.0, "a-tif.png": 0.0, "b.png": 90.0}
     batch(opened, monkeypatch, shoot)
-    choose(opened, "Replace")
+    opened.answer("Replace")
     wait_for_jobs(opened)
     assert {saved(path)[1] for path in (shoot / "relit").iterdir()} == {90.0}
 
@@ -184,6 +177,6 @@ def test_a_batch_makes_the_kind_of_file_it_asked_about(opened, monkeypatch, shoo
     (shoot / "relit" / "b.png").unlink()
     batch(opened, monkeypatch, shoot)
     choose_form(opened.window.state, ".jpg")
-    choose(opened, "Relight the other 1")
+    opened.answer("Relight the other 1")
     wait_for_jobs(opened)
     assert sorted(path.name for path in (shoot / "relit").iterdir()) == ["a-png.png", "a-tif.png", "b.png"]

@@ -40,13 +40,6 @@ def ask(hand, wish):
     return request
 
 
-def answer(hand, label):
-    (question,) = hand.window.state.asking.questions
-    hand.window.state.asking.drop(question.key)
-    dict(question.choices)[label]()
-    hand.settle()
-
-
 def open_another(hand, tmp_path):
     other = tmp_path / "other.png"
     write_image(other, np.full((50, 40, 3), BRIGHT, np.float32))
@@ -99,7 +92,7 @@ def test_the_picture_of_the_wish_is_saved_though_another_photo_is_open_by_the_an
     request = ask(saving, "export_as")
     request.then([there])
     open_another(saving, tmp_path)
-    answer(saving, "Replace")
+    saving.answer("Replace")
     saving.window.exporter.close()
     assert size_of(there) == (128, 96)
     assert size_of(photo_path) == (128, 96)
@@ -162,7 +155,7 @@ def test_only_replace_replaces(saving, photo_path):
     there.write_bytes(b"mine")
     for label in ("Keep both", "Cancel"):
         ask(saving, "export_as").then([there])
-        answer(saving, label)
+        saving.answer(label)
     saving.window.exporter.close()
     assert there.read_bytes() == b"mine"
     assert size_of(photo_path.with_name("there-2.png")) == (128, 96)

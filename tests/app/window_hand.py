@@ -36,6 +36,13 @@ class Hand:
     def settle(self):
         assert self.window.settle(LONG_S)
 
+    def answer(self, label):
+        """Chooses an answer to the one question that is asked."""
+        (question,) = self.window.state.asking.questions
+        self.window.state.asking.drop(question.key)
+        dict(question.choices)[label]()
+        self.settle()
+
     def centre(self):
         return (LIGHT_PANEL + self.width - EFFECTS_PANEL) / 2, (self.height - STRIPS + TOOLBAR) / 2
 

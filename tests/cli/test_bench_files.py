@@ -45,7 +45,7 @@ def test_the_peak_is_the_programs_own_and_not_the_benchs():
     del held
     said, seconds, peak_mib = bench_files._witnessed([sys.executable, "-c", "print('one\\ntwo')"])
     assert said.split() == ["one", "two"]
-    assert 0 < seconds < 60
+    assert seconds > 0
     assert 1 < peak_mib < 200
 
 

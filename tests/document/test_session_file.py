@@ -111,9 +111,9 @@ def test_a_session_names_files_relative_to_itself_and_moves_with_them(folder, do
     moved.rename(tmp_path)
 
 
-@pytest.mark.parametrize("name", ["rembrandt", "ring"])
-def test_a_light_file_carries_the_light_and_its_turn(tmp_path, name):
-    light = SavedLight(LightRef("rig", name), LightEdit(boxes=BOXES, warmth=-1.0), 120.0)
+@pytest.mark.parametrize("apart", [False, True])
+def test_a_light_file_carries_the_light_its_turn_and_whether_its_lamps_were_taken_out(tmp_path, apart):
+    light = SavedLight(LightRef("rig", "ring"), LightEdit(boxes=BOXES, warmth=-1.0, apart=apart), 120.0)
     write_light(tmp_path / "my.light.json", light)
     assert read_light(tmp_path / "my.light.json") == light
 
@@ -126,12 +126,6 @@ def test_as_much_as_may_be_painted_can_be_saved_and_opened_again(folder, documen
     assert read_session(path).document == document
     assert is_session_place(path)
     assert saved_session(folder / "me.jpg") == path
-
-
-def test_lamps_that_were_taken_out_of_a_light_stay_out(tmp_path):
-    light = SavedLight(LightRef("rig", "ring"), LightEdit(boxes=BOXES, apart=True))
-    write_light(tmp_path / "my.light.json", light)
-    assert read_light(tmp_path / "my.light.json") == light
 
 
 def test_a_lamp_of_an_odd_shape_or_name_becomes_one_that_can_be_drawn(folder, document):

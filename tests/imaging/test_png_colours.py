@@ -67,14 +67,6 @@ def test_numbers_count_before_all_else(tmp_path, bits, kind, alpha, before):
 
 
 @pytest.mark.parametrize("bits", [8, 16])
-@pytest.mark.parametrize("said", [numbers(1, 13), numbers(1, 13) + gamma(100_000), numbers(2, 2)])
-def test_numbers_of_srgb_and_of_nothing_change_nothing(tmp_path, bits, said):
-    photo = photo_of(tmp_path / "a.png", (0, 200, 90), said, bits)
-    np.testing.assert_allclose(srgb_encode(photo.linear[2, 3]) * 255, (0, 200, 90), atol=0.01)
-    assert photo.icc is None
-
-
-@pytest.mark.parametrize("bits", [8, 16])
 @pytest.mark.parametrize(("transfer", "name"), [(16, "PQ"), (18, "HLG")])
 def test_numbers_of_hdr_are_refused(tmp_path, bits, transfer, name):
     for kind, codes in ((RGB, (9, 9, 9)), (GREY, (9,))):
@@ -124,17 +116,19 @@ def test_profile_and_srgb_count_before_measurements(tmp_path, before):
     np.testing.assert_allclose(srgb_encode(photo.linear[2, 3]) * 255, (0, 200, 90), atol=0.5)
 
 
+@pytest.mark.parametrize("bits", [8, 16])
 @pytest.mark.parametrize(
     "said",
     [
+        *[numbers(1, 13), numbers(1, 13) + gamma(100_000), numbers(2, 2)],
         *[gamma(45_455), gamma(45_000), gamma(45_455) + SRGB_CHROMATICITIES, SRGB_CHROMATICITIES],
         # Mistakes: no gamma, no colours, a line, too few numbers.
         *[gamma(0), gamma(7), chromaticities(*[0] * 8), chromaticities(*[4_000_000_000] * 8)],
         *[chromaticities(31270, 32900, 30000, 30000, 40000, 40000, 20000, 20000), chunk(b"cICP", b"\x0c")],
     ],
 )
-def test_srgb_by_measurement_and_mistakes_change_nothing(tmp_path, said):
-    photo = photo_of(tmp_path / "a.png", (0, 200, 90), said)
+def test_srgb_by_number_or_measurement_and_mistakes_change_nothing(tmp_path, bits, said):
+    photo = photo_of(tmp_path / "a.png", (0, 200, 90), said, bits)
     np.testing.assert_allclose(srgb_encode(photo.linear[2, 3]) * 255, (0, 200, 90), atol=0.01)
     assert photo.icc is None
 

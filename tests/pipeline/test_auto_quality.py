@@ -61,7 +61,6 @@ def test_every_tier_is_measured_once_against_the_final_one():
     costs = calibration.costs
     assert costs["final"].error == 0
     assert costs["draft"].error > costs["live"].error > 0
-    assert all(cost.ms >= 0 for cost in costs.values())
     assert all(edit.channels == () for edit in relighter.edits)
     assert all(edit.surface_of == "final" for edit in relighter.edits), "as they are used"
     assert len({edit.yaw_deg for edit in relighter.edits}) > 4

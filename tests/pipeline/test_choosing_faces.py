@@ -74,16 +74,13 @@ def test_where_nothing_is_confirmed_a_hint_of_a_face_is_enough(monkeypatch, phot
     assert choose_faces(photo, lambda box: int(box == DOUBTFUL)) == [DOUBTFUL]
 
 
-def test_what_shows_nothing_of_a_face_is_none(monkeypatch, photo):
-    seeing(monkeypatch, [DOUBTFUL], GUESSES)
+@pytest.mark.parametrize(("found", "evidence"), [([DOUBTFUL], 0), ([], 1)])
+def test_neither_what_shows_nothing_of_a_face_nor_a_guess_that_shows_one_part_is_one(
+    monkeypatch, photo, found, evidence
+):
+    seeing(monkeypatch, found, GUESSES)
     with pytest.raises(InputError, match="no face found"):
-        choose_faces(photo, lambda box: 0)
-
-
-def test_no_face_at_all(monkeypatch, photo):
-    seeing(monkeypatch, [], GUESSES)
-    with pytest.raises(InputError, match="no face found"):
-        choose_faces(photo, lambda box: 1)
+        choose_faces(photo, lambda box: evidence)
 
 
 def test_small_faces_are_looked_for_where_nothing_else_is(monkeypatch, photo):

@@ -1,5 +1,6 @@
 """A white collar that parsing takes for the neck: cloth where it is brighter than the face and of no colour."""
 
+import pytest
 import torch
 
 from relight_core.pipeline.per_photo.white_collar import with_white_collar
@@ -38,14 +39,9 @@ def test_a_neck_that_is_white_and_brighter_than_the_face_is_a_collar():
     torch.testing.assert_close(parsed[..., :20, :], parsing[..., :20, :])
 
 
-def test_in_a_coloured_light_too():
-    white, parsed = with_white_collar(*portrait(0.8, light=(1.0, 0.9, 0.75)))
-    assert float(parsed[0, CLOTH, COLLAR].min()) > 0.95
-    assert abs(red_over_blue(white) - 1) < 0.1
-
-
-def test_a_blown_out_collar_is_white():
-    white, parsed = with_white_collar(*portrait(2.0))
+@pytest.mark.parametrize(("collar", "light"), [(0.8, (1.0, 0.9, 0.75)), (2.0, (1.0, 1.0, 1.0))])
+def test_so_is_one_in_a_coloured_light_and_one_that_is_blown_out(collar, light):
+    white, parsed = with_white_collar(*portrait(collar, light))
     assert float(parsed[0, CLOTH, COLLAR].min()) > 0.95
     assert abs(red_over_blue(white) - 1) < 0.1
 
