@@ -1,3 +1,5 @@
+"""Where files go of photos that lie in odd places."""
+
 import os
 from pathlib import Path
 

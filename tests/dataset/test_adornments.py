@@ -1,3 +1,5 @@
+"""Scarves, collars, necklaces and earrings: around the neck, at the ears, and nowhere on a head without these."""
+
 import numpy as np
 import pytest
 from ball_heads import CENTRE, RADIUS, assert_well_formed, ball_head, surface

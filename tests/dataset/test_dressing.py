@@ -1,3 +1,5 @@
+"""Hair, beards and MakeHuman's clothes on a head as round as a ball."""
+
 import json
 
 import numpy as np

@@ -1,3 +1,5 @@
+"""Hats of every kind: well formed, on the head and not before the face."""
+
 import numpy as np
 import pytest
 from ball_heads import CENTRE, RADIUS, assert_well_formed, ball_head, surface

@@ -1,3 +1,5 @@
+"""Lashes, of strips before the lids of a ball."""
+
 from dataclasses import replace
 
 import numpy as np

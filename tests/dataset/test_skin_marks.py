@@ -1,3 +1,5 @@
+"""Moles, freckles, birthmarks, scars and tattoos: on skin alone, and of their sizes."""
+
 import numpy as np
 import pytest
 from synthetic_heads import ball

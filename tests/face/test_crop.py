@@ -1,3 +1,5 @@
+"""Square crops of a photo, turned ones too, and the box of a face in a parsing."""
+
 import numpy as np
 import pytest
 from hypothesis import given

@@ -1,3 +1,5 @@
+"""Which parts of a face a parsing shows, and whether they lie as in one."""
+
 import numpy as np
 import pytest
 

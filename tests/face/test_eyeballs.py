@@ -1,3 +1,5 @@
+"""Eyes bulge, whatever the normals found there say."""
+
 import numpy as np
 
 from relight_core.face.eyeballs import eye_sockets, with_eyeballs

@@ -1,3 +1,5 @@
+"""Faces that cascades find in a photo, and what they guess where they find none."""
+
 from concurrent.futures import ThreadPoolExecutor
 
 import cv2

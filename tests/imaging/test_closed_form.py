@@ -1,3 +1,5 @@
+"""Soft edges in closed form."""
+
 import numpy as np
 import pytest
 

@@ -1,3 +1,5 @@
+"""The sRGB curve there and back, and luminance."""
+
 import numpy as np
 import pytest
 

@@ -1,3 +1,5 @@
+"""A change at low resolution, carried to a photo with all its detail."""
+
 import numpy as np
 import pytest
 import skimage.data

@@ -1,3 +1,5 @@
+"""Whether a place is one of the files that are known, whatever it is called."""
+
 import os
 
 import pytest

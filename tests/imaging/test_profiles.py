@@ -1,3 +1,5 @@
+"""Colour profiles: read as LittleCMS does, broken ones as none."""
+
 import io
 import struct
 import zlib

@@ -1,3 +1,5 @@
+"""Photos of every kind, and what is none."""
+
 import io
 import struct
 import zlib

@@ -1,3 +1,5 @@
+"""Averages, windows and smooth growth, against OpenCV and by hand."""
+
 import cv2
 import numpy as np
 import pytest

@@ -1,3 +1,5 @@
+"""From radiance to the screen."""
+
 import numpy as np
 import pytest
 from hypothesis import given

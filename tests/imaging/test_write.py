@@ -1,3 +1,5 @@
+"""Pictures on disk: what was written is read again, and what can't be is told."""
+
 import os
 import stat
 import sys

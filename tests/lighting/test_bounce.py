@@ -1,3 +1,5 @@
+"""The light that a surface throws onto itself."""
+
 import torch
 
 from relight_core.lighting.bounce import gather_bounce

@@ -1,3 +1,5 @@
+"""Which of the boxes that cascades found, guesses and located faces are taken for faces."""
+
 from dataclasses import replace
 
 import numpy as np

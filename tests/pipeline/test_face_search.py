@@ -1,3 +1,5 @@
+"""Faces told by a parsing that is drawn, in views of several sizes."""
+
 import numpy as np
 import pytest
 

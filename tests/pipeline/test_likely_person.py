@@ -1,3 +1,5 @@
+"""What of a photo is likely somebody, by masks of networks and by colours."""
+
 import numpy as np
 import pytest
 

@@ -1,3 +1,5 @@
+"""The matte of people before a wall, beside the true one."""
+
 from dataclasses import replace
 
 import cv2
