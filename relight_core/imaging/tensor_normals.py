@@ -12,4 +12,5 @@ def unit_normals(normal: torch.Tensor) -> torch.Tensor:
 
     As `F.normalize` does, which takes sixty times as long on images whose channels are planes.
     """
-    return normal / normal.square().sum(1, keepdim=True).sqrt().clamp_min(_SHORTEST)
+    # Limited before the root, whose slope at nothing is infinite.
+    return normal / normal.square().sum(1, keepdim=True).clamp_min(_SHORTEST**2).sqrt()
