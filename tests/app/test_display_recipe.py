@@ -248,9 +248,11 @@ def test_from_recipe_to_pixels_and_back(context):
     slot.close()
 
 
-def test_too_many_faces_make_no_recipe():
-    picture = some_picture(BACKDROPS["keep"], SEVERAL * 3)
-    assert recipe_of(picture, person_layers(picture.canvas, picture.matte, picture.exposure)) is None
+@pytest.mark.parametrize(("faces", "is_recipe"), [(8, True), (9, False)])
+def test_too_many_faces_make_no_recipe(faces, is_recipe):
+    picture = some_picture(BACKDROPS["keep"], ONE * faces)
+    recipe = recipe_of(picture, person_layers(picture.canvas, picture.matte, picture.exposure))
+    assert (recipe is not None) is is_recipe
 
 
 @pytest.mark.parametrize("backdrop", ["keep", "match", "colour", "light"])

@@ -157,6 +157,7 @@ def test_errors_against_the_truth(tmp_path):
     bundle = NetworkBundle(BundleConfig.tiny()).for_inference()
     data = HeldOutData(tmp_path / "heads", tmp_path / "lights.npz", 1, 2)
     accuracy = against_truth(bundle, data, SETTINGS[:2])
+    assert set(accuracy) == {"draft", "live"}
     for found in accuracy.values():
         assert 0 < found.rmse < 1
         assert math.isfinite(found.psnr)

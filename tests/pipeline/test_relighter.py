@@ -52,11 +52,13 @@ def test_level_scales_the_composition_exactly(relighter):
         np.testing.assert_array_equal(eightfold[name], once[name])
 
 
-def test_no_level_leaves_the_networks_range(relighter):
-    for level in (1e-20, 1e-6, 1e6, 1e20):
-        relit = relighter.relight(some_light(level=level), EDIT)
-        assert np.isfinite(relit.image).all()
-        assert np.isfinite(relit.channels["composition"]).all()
+@pytest.mark.parametrize("level", [1e-20, 1e-6, 1e6, 1e15])
+def test_no_level_leaves_the_networks_range(relighter, level):
+    once = relighter.relight(some_light(), EDIT).channels["composition"]
+    relit = relighter.relight(some_light(level=level), EDIT)
+    np.testing.assert_allclose(relit.channels["composition"], np.float32(level) * once, rtol=1e-5)
+    beyond = relighter.relight(some_light(level=1e5 * level), EDIT)
+    assert all(np.isfinite(image).all() for image in (relit.image, beyond.image, beyond.channels["composition"]))
 
 
 def test_black_light_makes_a_black_person_without_asking_the_network(relighter):
@@ -77,11 +79,6 @@ def test_sliders_move_one_way_only(relighter, slider, sign):
     for one, next_one in zip(images, images[1:], strict=False):
         assert (sign * (next_one - one)).min() >= -1e-6
         assert (sign * (next_one - one)).max() > 1e-4
-
-
-def test_one_face_may_be_relit_alone(relighter):
-    relighter.set_portrait(some_photo(), 0)
-    assert len(relighter.relight(some_light(), EDIT).faces) == 1
 
 
 def test_a_second_face_changes_with_the_first(relighter):
@@ -213,9 +210,9 @@ def test_a_face_that_is_not_there(relighter, index):
         relighter.set_portrait(some_photo(), index)
 
 
-def test_faces_are_chosen_by_index(relighter):
+def test_a_face_that_is_chosen_by_its_index_is_relit_alone(relighter):
     relighter.set_portrait(some_photo(), 1)
-    box = relighter.relight(some_light(), EDIT).faces[0]
+    (box,) = relighter.relight(some_light(), EDIT).faces
     assert box.x0 < 24
     assert box.x1 <= 48
 
@@ -245,13 +242,6 @@ def test_hostile_photos_stay_finite(weights, name, monkeypatch):
     assert np.isfinite(relit.image).all()
     assert (relit.image >= 0).all()
     assert all(np.isfinite(channel).all() for channel in relit.channels.values())
-
-
-def test_a_face_beyond_the_border(weights, monkeypatch):
-    monkeypatch.setattr(choosing_faces, "find_faces", lambda photo, *judge: [FaceBox(-30, -20, 30, 50)])
-    relighter = Relighter(weights)
-    relighter.set_portrait(some_photo())
-    assert np.isfinite(relighter.relight(some_light(), EDIT).image).all()
 
 
 def test_the_photo_itself_is_never_changed(relighter):
