@@ -16,6 +16,13 @@ def grey_photo(path=None):
     return Photo(np.full((4, 4, 3), 0.5, np.float32), path=path)
 
 
+def photo_files(folder, *names):
+    """Files by which a photo is known and that nothing reads."""
+    for name in names:
+        (folder / name).write_bytes(b"pixels")
+    return [folder / name for name in names]
+
+
 def opened_for(source):
     """A grey photo in answer to a wish for one."""
     photo = grey_photo(source.path)

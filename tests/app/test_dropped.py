@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from opened_things import open_wish
+from opened_things import open_wish, photo_files
 
 from app.document.document import Document, LightRef, PhotoRef
 from app.document.light_file import SavedLight, write_light
@@ -190,9 +190,7 @@ def test_lights_beyond_the_first_on_the_light_panel_are_named(state):
 @pytest.fixture
 def shoot(tmp_path):
     """Three photos, and a session of the second."""
-    photos = [tmp_path / name for name in ("a.jpg", "b.jpg", "c.jpg")]
-    for path in photos:
-        path.write_bytes(b"pixels")
+    photos = photo_files(tmp_path, "a.jpg", "b.jpg", "c.jpg")
     session = tmp_path / "b.relight.json"
     write_session(session, Document(PhotoRef(photos[1]), edit=Edit(quality="final", shadow=0.2)))
     return photos, session

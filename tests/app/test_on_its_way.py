@@ -5,6 +5,7 @@ from types import SimpleNamespace
 
 import pytest
 from live_editor import Editor, unsaved_files
+from opened_things import photo_files
 
 from app.document.document import Document, PhotoRef
 from app.document.session_file import write_session
@@ -20,10 +21,7 @@ BOXES = (FaceBox(0, 0, 2, 2), FaceBox(2, 2, 4, 4))
 
 @pytest.fixture
 def photos(tmp_path):
-    paths = [tmp_path / name for name in ("a.jpg", "b.jpg", "c.jpg", "d.jpg")]
-    for path in paths:
-        path.write_bytes(b"pixels")
-    return paths
+    return photo_files(tmp_path, "a.jpg", "b.jpg", "c.jpg", "d.jpg")
 
 
 @pytest.fixture

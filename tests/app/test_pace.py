@@ -40,6 +40,7 @@ def test_a_priority_that_cannot_be_had_is_survived(switch_interval_kept, monkeyp
 
     monkeypatch.setattr(os, "setpriority", refuse, raising=False)
     pace.yield_to_the_window()
+    assert sys.getswitchinterval() < switch_interval_kept
 
 
 @pytest.mark.parametrize(("cores", "threads"), [(1, 1), (2, 1), (8, 7)])

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import pytest
 from live_editor import Editor, unsaved_files
+from opened_things import photo_files
 
 from app.document.session_file import read_session
 from app.engine.sources import LightSource
@@ -11,10 +12,7 @@ from app.engine.sources import LightSource
 
 @pytest.fixture
 def photos(tmp_path):
-    paths = [tmp_path / name for name in ("a.jpg", "b.jpg")]
-    for path in paths:
-        path.write_bytes(b"pixels")
-    return paths
+    return photo_files(tmp_path, "a.jpg", "b.jpg")
 
 
 @pytest.fixture
@@ -265,10 +263,9 @@ def test_what_a_slider_was_dragged_to_is_kept_when_a_key_opens_the_next_photo_me
 
 def test_all_unsaved_work_is_offered_three_at_a_time(folder, tmp_path):
     names = [f"{number}.jpg" for number in range(5)]
-    for name in names:
-        (tmp_path / name).write_bytes(b"pixels")
+    for photo in photo_files(tmp_path, *names):
         editor = Editor(folder)
-        editor.state.open_photo(tmp_path / name)
+        editor.state.open_photo(photo)
         editor.live()
         editor.state.change(shadow=0.5)
         editor.deeds.close()

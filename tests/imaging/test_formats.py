@@ -1,15 +1,11 @@
 """Colour profiles written back, metadata carried, files in bands, and files that are no pictures yet."""
 
-import io
-
 import cv2
 import numpy as np
 import pytest
-import tifffile
-from PIL import Image, ImageCms
+from PIL import Image, ImageCms, features
 
 from relight_core.errors import InputError
-from relight_core.imaging.photo import Photo
 from relight_core.imaging.read import read_photo
 from relight_core.imaging.write import FileStyle, write_bands, write_image
 
@@ -105,56 +101,19 @@ def test_metadata_is_carried_and_stands_upright(tmp_path, suffix):
     assert read_photo(result).linear.shape == (12, 8, 3)
 
 
-@pytest.mark.parametrize("orientation", range(1, 9))
-def test_deep_tiffs_stand_upright_too(tmp_path, orientation):
-    codes = RNG.integers(0, 65536, (6, 9, 3), np.uint16)
-    tifffile.imwrite(tmp_path / "deep.tif", codes, photometric="rgb", extratags=[(274, "H", 1, orientation, True)])
-    tifffile.imwrite(
-        tmp_path / "flat.tif",
-        (codes >> 8).astype(np.uint8),
-        photometric="rgb",
-        extratags=[(274, "H", 1, orientation, True)],
+def test_avif_is_read(tmp_path):
+    if not features.check("avif"):
+        pytest.skip("this Pillow reads no AVIF")
+    Image.new("RGB", (16, 16), (200, 120, 40)).save(tmp_path / "a.avif", quality=100)
+    # Each code by sRGB's formula: ((code / 255 + 0.055) / 1.055) ** 2.4.
+    np.testing.assert_allclose(
+        read_photo(tmp_path / "a.avif").linear, np.full((16, 16, 3), (0.578, 0.188, 0.021)), atol=0.03
     )
-    deep, flat = (read_photo(tmp_path / name).linear for name in ("deep.tif", "flat.tif"))
-    assert deep.shape == flat.shape
-    np.testing.assert_allclose(deep, flat, atol=0.02)
-
-
-@pytest.mark.parametrize(("kind", "options"), [("WEBP", {"lossless": True}), ("AVIF", {"quality": 100})])
-def test_webp_and_avif_are_read(tmp_path, kind, options):
-    from PIL import features
-
-    if not features.check(kind.lower()):
-        pytest.skip(f"this Pillow reads no {kind}")
-    codes = np.full((16, 16, 3), (200, 120, 40), np.uint8)
-    buffer = io.BytesIO()
-    Image.fromarray(codes).save(buffer, kind, **options)
-    path = tmp_path / f"photo.{kind.lower()}"
-    path.write_bytes(buffer.getvalue())
-    np.testing.assert_allclose(read_photo(path).linear, Photo.from_srgb(codes).linear, atol=0.03)
-
-
-def test_a_cmyk_jpeg_is_read_in_colour(tmp_path):
-    Image.new("CMYK", (12, 10), (0, 200, 200, 20)).save(tmp_path / "cmyk.jpg", quality=95)
-    red, green, blue = read_photo(tmp_path / "cmyk.jpg").linear.mean((0, 1))
-    assert red > 3 * max(green, blue)
-
-
-@pytest.mark.parametrize("depth", [np.uint8, np.uint16])
-def test_grey_photos_become_grey_colour(tmp_path, depth):
-    codes = np.full((10, 12), np.iinfo(depth).max // 2, depth)
-    for name in ("grey.png", "grey.tif"):
-        cv2.imwrite(str(tmp_path / name), codes)
-        linear = read_photo(tmp_path / name).linear
-        assert linear.shape == (10, 12, 3)
-        np.testing.assert_allclose(linear, 0.212, atol=0.003)
 
 
 @pytest.mark.parametrize("share", [0.2, 0.9])
 @pytest.mark.parametrize("brand", [b"avif", b"mif1"])
 def test_an_avif_that_was_cut_is_damaged_and_not_no_image(tmp_path, share, brand):
-    from PIL import features
-
     if not features.check("avif"):
         pytest.skip("this Pillow reads no AVIF")
     Image.fromarray(np.full((64, 48, 3), 90, np.uint8)).save(tmp_path / "a.avif")

@@ -77,10 +77,11 @@ def test_16_bit_channels_keep_their_order_and_alpha(tmp_path):
     np.testing.assert_allclose(photo.alpha, 0.2, atol=1e-5)
 
 
-def test_grey_images_become_three_equal_channels(tmp_path):
-    grey8 = read_photo(saved(tmp_path / "8.png", np.full((4, 5), 128, np.uint8)))
-    np.testing.assert_allclose(grey8.linear, 0.21586, atol=1e-5)
-    grey16 = read_photo(saved(tmp_path / "16.png", np.full((4, 5), 32896, np.uint16)))
+@pytest.mark.parametrize("extension", [".png", ".tif"])
+def test_grey_images_become_three_equal_channels(tmp_path, extension):
+    grey8 = read_photo(saved(tmp_path / f"8{extension}", np.full((4, 5), 128, np.uint8)))
+    np.testing.assert_allclose(grey8.linear, np.full((4, 5, 3), 0.21586), atol=1e-5)
+    grey16 = read_photo(saved(tmp_path / f"16{extension}", np.full((4, 5), 32896, np.uint16)))
     np.testing.assert_allclose(grey16.linear, 0.21586, atol=1e-5)
     assert grey16.linear.shape == (4, 5, 3)
     assert grey16.bits == 16

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import pytest
 import torch
-from small_runs import some_batch
+from small_runs import quiet, some_batch
 
 from relight_core.errors import InputError
 from relight_core.lighting.reflection import ReflectionTable
@@ -17,10 +17,6 @@ from relight_core.training.distillation import Teacher, distillation_losses
 from relight_core.training.recipe import load_recipe
 from relight_core.training.run import Run, train
 from relight_core.training.stages import STAGES
-
-
-def quiet(elapsed, progress):
-    pass
 
 
 @pytest.fixture
