@@ -285,9 +285,7 @@ def test_a_transparent_background_shows_checks_where_nothing_is(opened):
 def test_the_window_can_be_resized_and_scaled_at_any_time(opened):
     for size, scale in (((1300, 900), 1.0), ((800, 560), 1.0), ((1600, 1000), 2.0), ((1024, 700), 1.0)):
         opened.window.screenshot()
-        glfw.set_window_size(opened.window.handle, *size)
-        while glfw.get_framebuffer_size(opened.window.handle) != size:
-            glfw.wait_events()
+        opened.resize(size)
         opened.window.on_scale(None, scale, scale)
         opened.frames(2)
         assert opened.window.screenshot().shape == (size[1], size[0], 3)

@@ -1,6 +1,5 @@
 """The overview of all keys in the real window."""
 
-import glfw
 import numpy as np
 
 
@@ -16,9 +15,7 @@ def test_the_overview_opens_with_a_question_mark_and_a_click_closes_it(opened):
 
 def test_in_a_window_too_low_for_it_the_overview_scrolls_above_its_last_line(opened):
     size = (800, 560)
-    glfw.set_window_size(opened.window.handle, *size)
-    while glfw.get_framebuffer_size(opened.window.handle) != size:
-        glfw.wait_events()
+    opened.resize(size)
     opened.window.on_character(None, ord("?"))
     opened.move((300, 300))
     before = opened.window.screenshot()

@@ -62,7 +62,7 @@ def test_words_below_the_colours_lie_beside_one_another_and_above_the_zoom(opene
     zoom = {}
     monkeypatch.setattr(viewport_notes, "legend", noted_legend)
     monkeypatch.setattr(viewport_notes, "note", lambda words, x, y, *colour: zoom.update({words: (x, y)}))
-    glfw.set_window_size(opened.window.handle, *size)
+    opened.resize(size)
     opened.key(glfw.KEY_D)
     opened.frames(3)
     assert len(ends) == 3

@@ -4,7 +4,6 @@ import glfw
 import numpy as np
 import pytest
 from PIL import Image, ImageGrab, features
-from window_hand import HEIGHT, WIDTH
 
 pytestmark = pytest.mark.skipif(not features.check("xcb"), reason="no way to see the screen")
 
@@ -75,12 +74,8 @@ def test_in_the_midst_of_a_drag(opened, on_screen):
 
 @pytest.mark.parametrize("size", [(1300, 860), (820, 600)])
 def test_after_the_window_was_resized(opened, on_screen, size):
-    assert size != (WIDTH, HEIGHT)
-    glfw.set_window_size(opened.window.handle, *size)
-    for _ in range(50):
-        glfw.wait_events_timeout(0.02)
-        if glfw.get_framebuffer_size(opened.window.handle) == size:
-            break
+    opened.resize(size)
+    opened.window.shelf.wait()
     opened.frames(3)
     seen, whole = on_screen()
     assert_same((seen, whole))
@@ -100,6 +95,7 @@ def test_what_was_lost_is_drawn_again_when_the_system_asks(opened, on_screen):
 
 
 def test_nothing_is_drawn_where_nothing_changes(opened, monkeypatch):
+    opened.window.shelf.wait()
     opened.frames(3)
     swaps = []
     monkeypatch.setattr(glfw, "swap_buffers", lambda handle: swaps.append(handle))

@@ -19,8 +19,8 @@ SIZE = 500, 350
 @pytest.fixture
 def small(display, relighter, photo_path):
     window = EditorWindow(lambda: relighter, photo_path, size=SIZE)
-    glfw.set_window_size(window.handle, *SIZE)
     hand = Hand(window, SIZE)
+    hand.resize(SIZE)
     hand.settle()
     yield hand
     relighter.gate.set()
@@ -46,7 +46,7 @@ def test_the_last_light_is_scrolled_to(small, monkeypatch):
 @pytest.mark.parametrize("form", [".png", ".jpg"])
 @pytest.mark.parametrize("size", [SIZE, (700, 500)])
 def test_no_button_of_the_panels_cuts_its_words(small, monkeypatch, size, form):
-    glfw.set_window_size(small.window.handle, *size)
+    small.resize(size)
     state, cut, draw = small.window.state, set(), imgui.button
 
     def note(label, size):

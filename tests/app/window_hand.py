@@ -18,6 +18,7 @@ LIGHT_PANEL, EFFECTS_PANEL, STRIPS, TOOLBAR = 255, 240, 141, 32
 PANORAMA_X, PANORAMA_WIDTH, PANORAMA_Y = 14, 227, 90
 KNOB_GREY = 194
 LONG_S = 60
+PATIENCE = 400
 WIDTH, HEIGHT = 1024, 700
 """Of the window, in pixels."""
 
@@ -57,6 +58,16 @@ class Hand:
         _, _, stats, centres = cv2.connectedComponentsWithStats(mask)
         large = [tuple(centre) for centre, stat in zip(centres[1:], stats[1:], strict=True) if stat[4] > 60]
         return [(x + self.width - EFFECTS_PANEL, y) for x, y in sorted(large, key=lambda centre: centre[1])]
+
+    def resize(self, size):
+        """Give the window another size and wait until it has it."""
+        glfw.set_window_size(self.window.handle, *size)
+        for _ in range(PATIENCE):
+            if glfw.get_framebuffer_size(self.window.handle) == size:
+                break
+            glfw.wait_events_timeout(0.05)
+        assert glfw.get_framebuffer_size(self.window.handle) == size
+        self.width, self.height = size
 
     def move(self, at):
         self.window.on_mouse_move(None, *at)
