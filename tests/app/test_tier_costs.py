@@ -60,6 +60,7 @@ def test_damaged_files_count_as_none(tmp_path, content):
 def test_a_folder_that_cannot_be_written_to_is_no_fault(tmp_path):
     (tmp_path / "file").write_text("")
     write_costs(tmp_path / "file" / "tiers.json", "here", COSTS)
+    assert (tmp_path / "file").read_text() == ""
 
 
 def test_without_a_path_nothing_is_measured():

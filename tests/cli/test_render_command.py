@@ -191,14 +191,6 @@ def test_several_photos_need_more_than_one_file(relight, photo, another_photo, t
     assert not (tmp_path / "one.png").exists()
 
 
-def test_two_photos_of_one_name_do_not_share_a_file(relight, photo, tmp_path):
-    (tmp_path / "other").mkdir()
-    twin = tmp_path / "other" / "photo.png"
-    twin.write_bytes(photo.read_bytes())
-    assert relight("render", photo, twin, "--light", "ring", "-o", f"{tmp_path}/out/").code == 0
-    assert len(list((tmp_path / "out").iterdir())) == 2
-
-
 def test_a_box_says_where_the_face_is(relight, relighter, photo, tmp_path):
     assert relight("render", photo, "--light", "rembrandt", "--box", "4,5.5,40,50", "-o", tmp_path / "a.png").code == 0
     assert relighter.boxes == [FaceBox(4, 5.5, 40, 50)]

@@ -37,16 +37,6 @@ def test_a_tiff_says_what_the_photo_said(tmp_path, bits, channels):
     np.testing.assert_allclose(read_photo(path).linear, 0.3, atol=0.01)
 
 
-def test_from_tiff_to_png_and_jpeg(tmp_path):
-    image = np.full((9, 7, 3), 0.3, np.float32)
-    first = tmp_path / "first.tif"
-    write_bands(first, (9, 7), cut(image, None), False, FileStyle(16, exif=block()))
-    for suffix in (".png", ".jpg"):
-        path = tmp_path / f"second{suffix}"
-        write_bands(path, (9, 7), cut(image, None), False, FileStyle(8, exif=read_photo(first).exif))
-        assert said_by(path)[0] == "Some Camera"
-
-
 def test_a_tiff_that_says_nothing_stays_silent(tmp_path):
     path = tmp_path / "out.tif"
     write_bands(path, (4, 4), cut(np.zeros((4, 4, 3), np.float32), None), False, FileStyle(16))
