@@ -86,10 +86,9 @@ def test_an_exr_that_claims_two_thousand_million_pixels(tmp_path, little_memory,
         read_radiance(exr_claiming(tmp_path / "a.exr", width, height))
 
 
-@pytest.mark.parametrize("count", [10_000, 100_000])
-def test_an_exr_of_a_hundred_thousand_layers(tmp_path, count):
-    names = sorted(f"layer{index:06d}.R" for index in range(count))
-    with pytest.raises(InputError):
+def test_an_exr_of_ten_thousand_layers_is_refused_for_them(tmp_path):
+    names = [f"layer{index:06d}.R" for index in range(10_000)]
+    with pytest.raises(InputError, match="10000 channels are too many"):
         read_radiance(exr_claiming(tmp_path / "a.exr", 8, 4, names))
 
 
