@@ -17,6 +17,7 @@ from relight_core.imaging.view_transform import apply_view
 from relight_core.imaging.write import write_image
 from relight_core.lighting.environment import Environment
 from relight_core.lighting.rigs import load_rig
+from relight_core.pipeline import stages
 from relight_core.pipeline.edit import Edit
 from relight_core.pipeline.per_photo import choosing_faces
 from relight_core.pipeline.quality import tier_of
@@ -127,10 +128,10 @@ def test_faces_that_overlap_are_each_relit(attacked, portrait, apart, monkeypatc
     relit = attacked.relight(load_rig("split"), DRAFT)
     assert len(relit.faces) == 2
     assert_lawful(relit, portrait)
-    framed(attacked, portrait.linear, monkeypatch)
-    alone = attacked.relight(load_rig("split"), DRAFT).image
     # The same face twice is not lit twice.
     if apart == 0.0:
+        framed(attacked, portrait.linear, monkeypatch)
+        alone = attacked.relight(load_rig("split"), DRAFT).image
         assert np.abs(apply_view(relit.image) - apply_view(alone)).mean() < 0.01
 
 
@@ -201,6 +202,8 @@ def test_half_precision_stays_near_single(portrait, monkeypatch):
     sun[5, 3] = 1e4
     environment = Environment(Environment.from_radiance(sun).shape, 0.5)
     tier = tier_of("draft")
+    # A processor that has no bf16 emulates it: slowly, and to the same numbers.
+    monkeypatch.setattr(stages, "has_bf16", lambda device: True)
     results = []
     for precision in ("bf16", "fp32"):
         relighter = Relighter()
@@ -208,5 +211,5 @@ def test_half_precision_stays_near_single(portrait, monkeypatch):
         relit = relighter.relight(environment, Edit(quality=replace(tier, precision=precision)))
         results.append(apply_view(relit.image))
     difference = np.abs(results[0] - results[1])
-    assert difference.mean() < 0.005
+    assert 0 < difference.mean() < 0.005
     assert np.percentile(difference, 99.9) < 0.06
