@@ -13,9 +13,10 @@ from relight_core.imaging.read import read_photo
 from relight_core.imaging.write import FileStyle, cut, write_bands
 
 MAKER, ORIENTATION, AUTHOR, COPYRIGHT, EXIF, GPS, INTEROPERABILITY = 271, 274, 315, 33432, 34665, 34853, 40965
-EXPOSURE_TIME, MAKER_NOTE, COLOUR_SPACE, LATITUDE_SIDE, LATITUDE = 33434, 37500, 40961, 1, 2
+EXPOSURE_TIME, SENSITIVITY, MAKER_NOTE, COLOUR_SPACE, LENS = 33434, 34855, 37500, 40961, 42036
+LATITUDE_SIDE, LATITUDE = 1, 2
 UTF_8, LATIN_1 = "© 2024 Jürgen".encode(), "© 2024 Jürgen".encode("latin-1")
-IMAGE = np.full((9, 7, 3), 0.3, np.float32)
+IMAGE, ALPHA = np.full((9, 7, 3), 0.3, np.float32), np.full((9, 7), 0.5, np.float32)
 
 
 def with_copyright(text):
@@ -24,8 +25,8 @@ def with_copyright(text):
     return exif.tobytes().replace(b"X" * len(text), text)
 
 
-def written(path, block, bits=8):
-    write_bands(path, (9, 7), cut(IMAGE, None), False, FileStyle(bits, exif=block))
+def written(path, block, bits=8, alpha=None):
+    write_bands(path, (9, 7), cut(IMAGE, alpha), alpha is not None, FileStyle(bits, exif=block))
     return path
 
 
@@ -41,7 +42,7 @@ def full_block(order, note=b"note" * 10):
     exif = Image.Exif()
     exif.endian = order
     exif[MAKER], exif[AUTHOR] = "Camera", "Someone"
-    exif[EXIF] = {EXPOSURE_TIME: 0.005, MAKER_NOTE: note}
+    exif[EXIF] = {EXPOSURE_TIME: 0.005, SENSITIVITY: 400, LENS: "A lens of 85 mm", MAKER_NOTE: note}
     exif[GPS] = {LATITUDE_SIDE: "N", LATITUDE: (48.0, 8.0, 30.0)}
     return exif.tobytes()
 
@@ -69,13 +70,22 @@ def test_texts_of_deep_and_big_tiffs_stay_too(tmp_path, bits):
 
 
 @pytest.mark.parametrize("order", ["<", ">"])
-@pytest.mark.parametrize(("name", "bits"), [("a.png", 8), ("a.jpg", 8), ("a.tif", 8), ("a.tif", 16)])
-def test_settings_and_place_arrive_in_every_format(tmp_path, order, name, bits):
-    said, inner, place, _ = said_by(written(tmp_path / name, carried_block(full_block(order)), bits))
+@pytest.mark.parametrize(
+    ("name", "bits", "alpha"),
+    [("a.jpg", 8, None)]
+    + [(name, bits, alpha) for name, bits in (("a.png", 8), ("a.tif", 8), ("a.tif", 16)) for alpha in (None, ALPHA)],
+)
+def test_settings_and_place_arrive_in_every_format(tmp_path, order, name, bits, alpha):
+    said, inner, place, _ = said_by(written(tmp_path / name, carried_block(full_block(order)), bits, alpha))
     assert (said[MAKER], said[AUTHOR]) == ("Camera", "Someone")
     assert float(inner[EXPOSURE_TIME]) == 0.005
+    assert (inner[LENS], inner[SENSITIVITY]) == ("A lens of 85 mm", 400)
     assert place == {LATITUDE_SIDE: "N", LATITUDE: (48.0, 8.0, 30.0)}
     np.testing.assert_allclose(read_photo(tmp_path / name).linear, 0.3, atol=0.01)
+
+
+def test_a_deep_tiff_that_says_nothing_stays_silent(tmp_path):
+    assert read_photo(written(tmp_path / "a.tif", None, bits=16)).exif is None
 
 
 def test_what_tells_of_the_file_itself_stays_behind(tmp_path):
