@@ -21,10 +21,15 @@ _NEGATIVE_FIRST = re.compile(r"-[\d.]")
 
 
 class OneLineParser(argparse.ArgumentParser):
-    """An argument parser whose complaint is one line, raised as InputError."""
+    """An argument parser whose complaint is one line, raised as InputError.
 
-    def __init__(self, **settings) -> None:
+    Args:
+        takes_several: options may also stand between the photos; not for a parser with subcommands.
+    """
+
+    def __init__(self, *, takes_several: bool = False, **settings) -> None:
         super().__init__(formatter_class=argparse.RawDescriptionHelpFormatter, allow_abbrev=False, **settings)
+        self._takes_several = takes_several
 
     def parse_args(self, args: Sequence[str] | None = None, namespace: argparse.Namespace | None = None):
         """As argparse does, but for a list of numbers of which the first is negative, which it takes for an option."""
@@ -34,6 +39,10 @@ class OneLineParser(argparse.ArgumentParser):
                 words[-1] += f"={word}"
             else:
                 words.append(word)
+        # Where argparse looks for options between photos, it forgets that there are none behind "--", and of
+        # everything that is missing it names the options first.
+        if self._takes_several and words and "--" not in words:
+            return super().parse_intermixed_args(words, namespace)
         return super().parse_args(words, namespace)
 
     def error(self, message: str) -> NoReturn:

@@ -40,6 +40,9 @@ COMMANDS = {
     "measure": "measure how quick the window is",
 }
 
+_TAKE_SEVERAL = {EDITOR, "render"}
+"""Commands to which several photos may be given."""
+
 _TRAIN_EXTRAS = {"mitsuba", "drjit", "rich", "matplotlib"}
 
 
@@ -88,7 +91,7 @@ def available_commands() -> dict[str, str]:
 def _run(name: str, program: str, words: list[str]) -> int:
     try:
         command = importlib.import_module(f"app.cli.{name}")
-        parser = OneLineParser(prog=program, description=command.__doc__)
+        parser = OneLineParser(prog=program, description=command.__doc__, takes_several=name in _TAKE_SEVERAL)
         command.add_arguments(parser)
         if name == EDITOR:
             parser.epilog = _list_of_commands()

@@ -165,6 +165,18 @@ def test_several_photos_open_together_and_without_a_display_are_pointed_to_rende
         assert "relight render" in done.err
 
 
+def test_options_may_stand_between_photos(relight, opened, photo, tmp_path, monkeypatch):
+    monkeypatch.setattr(edit, "has_display", lambda: True)
+    (tmp_path / "-b.png").write_bytes(photo.read_bytes())
+    monkeypatch.chdir(tmp_path)
+    assert relight(photo, "--light", "rim", "./-b.png").code == 0
+    assert relight("--light", "rim", "--", "-b.png", photo).code == 0
+    between, behind = opened
+    assert [path.name for path in between[0]] == [photo.name, "-b.png"]
+    assert [path.name for path in behind[0]] == ["-b.png", photo.name]
+    assert between[1] == behind[1] == "rim"
+
+
 def test_a_tilde_that_no_shell_has_expanded_is_the_home_folder(relight, opened, photo, tmp_path, monkeypatch):
     monkeypatch.setattr(edit, "has_display", lambda: True)
     monkeypatch.setenv("HOME", str(tmp_path))
