@@ -255,8 +255,8 @@ class Desk:
 
     def _skip(self, key: tuple, now: Snapshot) -> Snapshot:
         self._failed = key
-        stays = now.picture is not None and now.picture.opened is now.opened and not now.picture.is_stale
-        return now if stays else replace(now, picture=None)
+        picture = now.picture_in_sight
+        return now if picture is not None and not picture.is_stale else replace(now, picture=None)
 
     def _relight(self, edit: Edit, longest_side_px: int | None, now: Snapshot) -> Snapshot:
         edit = replace(edit, exposure_ev=0.0)
@@ -287,8 +287,7 @@ def _as_of_before(now: Snapshot, opened: OpenPhoto) -> Picture | None:
 
 def _former_channels(now: Snapshot) -> dict:
     """What the last picture of the same portrait showed; stays until a channel is looked at again."""
-    picture = now.picture
-    return picture.channels if picture is not None and picture.opened is now.opened else {}
+    return now.picture_in_sight.channels if now.picture_in_sight is not None else {}
 
 
 def _is_drafted(request: Request) -> bool:

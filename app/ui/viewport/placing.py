@@ -65,7 +65,7 @@ def _place(state: EditorState, arranged: Arrangement, at: tuple[float, float], p
     pane = arranged.pane_at(at[0]) or arranged.main
     if picture is None or pane.name in LIGHTS:
         return False
-    if picture.opened is not state.snapshot.opened:
+    if state.snapshot.picture_in_sight is None:
         if pressed:
             state.asking.tell("This face is still being relit; click once its picture is there")
         return False
