@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import NoReturn
 
 from relight_core.errors import InputError
-from relight_core.pipeline.edit import EFFECTS, TOLERANCE, Edit
+from relight_core.pipeline.edit import EFFECTS, TOLERANCE, Edit, is_plain_colour
 
 EXPOSURE_LIMIT_EV = 16.0
 GAIN_LIMIT = 2.0
@@ -278,6 +278,6 @@ def _box(text: str) -> tuple[float, ...]:
 def _background(text: str) -> str:
     if text in ("keep", "match", "light", "transparent"):
         return text
-    if re.fullmatch(r"#[0-9a-fA-F]{6}", text):
+    if is_plain_colour(text):
         return text.lower()
     raise argparse.ArgumentTypeError(f"{text!r} is none of keep, match, light, transparent, #rrggbb")

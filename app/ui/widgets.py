@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -15,6 +14,7 @@ from app.ui.angles import wrap_degrees
 from app.ui.pictures import Shown
 from app.ui.state import EditorState
 from relight_core.imaging.files import legible
+from relight_core.pipeline.edit import is_plain_colour
 
 _NARROW_PADDING = 1.0
 _TYPED_FORM = "%.2f"
@@ -138,9 +138,7 @@ def _typed(state: EditorState, spec: Slider, value: float) -> float:
     imgui.same_line()
     imgui.set_next_item_width(imgui.get_content_region_avail().x)
     imgui.push_style_var(imgui.StyleVar_.frame_padding, imgui.ImVec2(4.0, 0.0))
-    began, state.typing_seen = state.typing_began, True
-    if began:
-        imgui.set_keyboard_focus_here()
+    began = _typing_begins(state)
     _, new = imgui.input_float("##typed", value, 0.0, 0.0, _TYPED_FORM, _TYPED_FLAGS)
     imgui.pop_style_var()
     # A number that was left as it stood must not be rounded to what is shown of it, nor moved onto the track.
@@ -148,6 +146,14 @@ def _typed(state: EditorState, spec: Slider, value: float) -> float:
     if _typing_is_done(state, began) and not untouched:
         value = spec.taken(new)
     return value
+
+
+def _typing_begins(state: EditorState) -> bool:
+    """Before the line that is typed in: whether the keyboard is asked for it in this frame."""
+    state.typing_seen = True
+    if state.typing_began:
+        imgui.set_keyboard_focus_here()
+    return state.typing_began
 
 
 def _typing_is_done(state: EditorState, began: bool) -> bool:
@@ -172,14 +178,12 @@ def typed_colour(state: EditorState, colour: Sequence[float]) -> tuple[float, ..
     """
     shown = hex_of(colour)
     imgui.set_next_item_width(imgui.get_content_region_avail().x)
-    began, state.typing_seen = state.typing_began, True
-    if began:
-        imgui.set_keyboard_focus_here()
+    began = _typing_begins(state)
     _, typed = imgui.input_text("##colour", shown, _TYPED_FLAGS)
     digits = typed.strip().removeprefix("#")
     if not _typing_is_done(state, began) or typed == shown or not digits:
         return None
-    if not re.fullmatch("[0-9a-fA-F]{6}", digits):
+    if not is_plain_colour(f"#{digits}"):
         state.asking.tell(f"{typed} is no colour; type one like #30343a: red, green and blue from 00 to ff", True)
         return None
     return tuple(value / 255 for value in bytes.fromhex(digits))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from dataclasses import dataclass
 
 from relight_core.errors import InputError
@@ -90,6 +91,11 @@ _NUMBERS = (
     *("yaw_deg", "exposure_ev", "specular", "shadow", "specular_tint", "shadow_softness"),
     *("background_fov_deg", "background_blur_deg", "tolerance"),
 )
+
+
+def is_plain_colour(background: str) -> bool:
+    """Whether a background is a colour, "#rrggbb"."""
+    return re.fullmatch("#[0-9a-fA-F]{6}", background) is not None
 
 
 def check_numbers(edit: Edit) -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -14,7 +13,7 @@ from relight_core.imaging.colour import srgb_decode
 from relight_core.imaging.resampling import resize_area, shrunk_size
 from relight_core.lighting.background import panorama_view
 from relight_core.lighting.environment import Environment
-from relight_core.pipeline.edit import Edit
+from relight_core.pipeline.edit import Edit, is_plain_colour
 from relight_core.pipeline.results.channels import at_level
 
 BACKGROUNDS = ("keep", "match", "light", "transparent")
@@ -49,7 +48,7 @@ class Backdrop:
 
 def check_background(background: str) -> None:
     """Raise InputError unless it is "keep", "match", "light", "transparent" or "#rrggbb"."""
-    if background not in BACKGROUNDS and not re.fullmatch(r"#[0-9a-fA-F]{6}", background):
+    if background not in BACKGROUNDS and not is_plain_colour(background):
         names = ", ".join(BACKGROUNDS)
         raise InputError(f"unknown background {background!r}: use {names} or a colour such as #30343a")
 
