@@ -129,7 +129,7 @@ def _effect(arguments: argparse.Namespace) -> int:
 def _compare(arguments: argparse.Namespace, paths: list[Path], lesson, work: Path) -> int:
     from app.cli.sheet import contact_sheet
     from relight_core.evaluation.dataset_effect import compare_photos, taught
-    from relight_core.evaluation.tables import figure_text
+    from relight_core.evaluation.tables import figure_text, markdown_table
 
     make_folder(work)
     pupils = {}
@@ -139,10 +139,12 @@ def _compare(arguments: argparse.Namespace, paths: list[Path], lesson, work: Pat
                 heads, arguments.lights, lesson, work / f"{name}.safetensors", lambda part, _: show(part), plain=plain
             )
     comparison = compare_photos(pupils, paths, lesson.size)
-    say("| trained on | detail kept | spread of people, stops | light left | photos |\n|---|---|---|---|---|")
+    rows = []
     for name, figures in comparison.figures.items():
         row = ((figures.detail, ".3f"), (figures.spread, ".3f"), (figures.light_left, ".2f"))
-        say(f"| {name} | {' | '.join(figure_text(*figure) for figure in row)} | {comparison.photos} |")
+        rows.append([name, *(figure_text(*figure) for figure in row), str(comparison.photos)])
+    titles = ("trained on", "detail kept", "spread of people, stops", "light left", "photos")
+    say("\n".join(markdown_table(titles, rows)))
     _write_sheet(arguments.output, contact_sheet(comparison.pictures, 1 + 2 * len(pupils), _CELL_PX))
     return 0
 
