@@ -12,6 +12,14 @@ from relight_core.face.find import FaceBox
 from relight_core.lighting.environment import Environment, network_light
 
 SIZE = 64
+LONG_S = 60
+
+
+def answered(engine, request):
+    """The engine's snapshot once it has done what was asked for."""
+    engine.submit(request)
+    assert engine.wait_until_idle(LONG_S)
+    return engine.snapshot()
 
 
 @dataclass(frozen=True)

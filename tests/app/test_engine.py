@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from fake_relighter import FakeRelighter
+from fake_relighter import LONG_S, answered
 
 from app.engine.engine import Engine
 from app.engine.sources import LightSource, PhotoSource, Request
@@ -20,7 +20,6 @@ from relight_core.lighting.soft_box import SoftBox
 from relight_core.pipeline.edit import Edit
 from relight_core.pipeline.per_photo.brush import BrushStroke
 
-LONG_S = 60
 SPLIT, RING = LightSource("rig", "split"), LightSource("rig", "ring")
 
 
@@ -29,22 +28,11 @@ def grey_photo(value=0.5, size=(24, 32)):
 
 
 @pytest.fixture
-def relighter():
-    return FakeRelighter()
-
-
-@pytest.fixture
 def engine(relighter):
     engine = Engine(lambda: relighter)
     yield engine
     relighter.gate.set()
     engine.close()
-
-
-def answered(engine, request):
-    engine.submit(request)
-    assert engine.wait_until_idle(LONG_S)
-    return engine.snapshot()
 
 
 def test_opens_a_photo_and_relights_it_under_the_light(engine, relighter):

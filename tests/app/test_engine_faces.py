@@ -1,8 +1,8 @@
 """The engine and the faces of a photo: none found, boxes by hand, and what stays in sight meanwhile."""
 
+import fake_relighter
 import numpy as np
 import pytest
-from fake_relighter import FakeRelighter
 
 from app.engine.engine import Engine
 from app.engine.sources import LightSource, PhotoSource, Request
@@ -11,18 +11,12 @@ from relight_core.imaging.photo import Photo
 from relight_core.imaging.write import write_image
 from relight_core.pipeline.edit import Edit
 
-LONG_S = 60
 SPLIT = LightSource("rig", "split")
 BOX, OTHER = FaceBox(4, 4, 20, 20), FaceBox(10, 2, 22, 14)
 
 
 def a_photo():
     return Photo(np.full((24, 32, 3), 0.5, np.float32))
-
-
-@pytest.fixture
-def relighter():
-    return FakeRelighter()
 
 
 @pytest.fixture
@@ -39,9 +33,7 @@ def engine(relighter, published):
 
 
 def answered(engine, photo, light=SPLIT, edit=None):
-    engine.submit(Request(photo, light, edit or Edit()))
-    assert engine.wait_until_idle(LONG_S)
-    return engine.snapshot()
+    return fake_relighter.answered(engine, Request(photo, light, edit or Edit()))
 
 
 def test_a_photo_in_which_nobody_is_found_is_shown_without_a_picture(engine, relighter):

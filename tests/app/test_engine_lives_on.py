@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from fake_relighter import FakeRelighter
+from fake_relighter import FakeRelighter, answered
 
 from app.engine.desk import Desk, Step
 from app.engine.engine import Engine
@@ -11,18 +11,11 @@ from relight_core.imaging.photo import Photo
 from relight_core.imaging.write import write_image
 from relight_core.pipeline.edit import Edit
 
-LONG_S = 60
 SPLIT = LightSource("rig", "split")
 
 
 def grey_source(value=0.5):
     return PhotoSource(Photo(np.full((24, 32, 3), value, np.float32)))
-
-
-def answered(engine, request):
-    engine.submit(request)
-    assert engine.wait_until_idle(LONG_S)
-    return engine.snapshot()
 
 
 class Forgetful(FakeRelighter):

@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from fake_relighter import answered
 
 from app.engine.engine import Engine
 from app.engine.sources import LightSource, PhotoSource, Request
@@ -14,7 +15,6 @@ from relight_core.imaging.photo import Photo
 from relight_core.imaging.write import write_image
 from relight_core.pipeline.edit import Edit
 
-LONG_S = 60
 SPLIT = LightSource("rig", "split")
 
 
@@ -27,12 +27,6 @@ def engine(relighter):
     engine = Engine(lambda: relighter)
     yield engine
     engine.close()
-
-
-def answered(engine, request):
-    engine.submit(request)
-    assert engine.wait_until_idle(LONG_S)
-    return engine.snapshot()
 
 
 def test_at_rest_the_engine_gets_ready_for_the_hand_once_for_a_photo_and_a_tier(engine, relighter):
