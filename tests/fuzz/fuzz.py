@@ -34,6 +34,7 @@ sys.path[:0] = [str(_HERE.parents[1]), str(_HERE.parent), str(_HERE)]
 from fuzz_corpus import Reader, readers  # noqa: E402
 from fuzz_mutations import damaged  # noqa: E402
 
+from app.engine.freed_memory import give_back_freed_memory  # noqa: E402
 from relight_core.errors import InputError  # noqa: E402
 
 # A fork has none of its parent's threads, for which OpenEXR would wait.
@@ -168,9 +169,11 @@ def _forget_what_was_inherited() -> None:
     """Keep what a fork left to the collector, and let the peak be what is held now (Linux).
 
     What the parent's threads and garbage held is in the peak with which a child begins; freed, it would hide as much
-    growth. To collect it here would take so long as to pass for a reader that hangs.
+    growth, and so would freed memory that the C library kept. To collect the garbage here would take so long as to
+    pass for a reader that hangs.
     """
     gc.freeze()
+    give_back_freed_memory()
     with contextlib.suppress(OSError):
         Path("/proc/self/clear_refs").write_text("5")
 

@@ -106,6 +106,17 @@ def test_a_reader_that_takes_too_much_memory_is_found_whatever_garbage_the_proce
     assert found.most_mib > 150
 
 
+def test_a_reader_that_takes_too_much_memory_is_found_where_the_c_library_kept_freed_memory(monkeypatch):
+    monkeypatch.setattr(fuzz, "LARGEST_MIB", 100)
+    np.ones(31 << 17)  # once freed, glibc takes blocks up to its size from the heap
+    blocks = [np.ones(16 << 17) for _ in range(30)]
+    lies_above_them = [np.ones(1 << 12) for _ in range(200)]
+    del blocks
+    found = fuzz.fuzz_reader(Reader(takes_200_mib, [b"abc"], ".x"), 1, seed=0)
+    del lies_above_them
+    assert "MiB of memory" in found.faults[0]
+
+
 @pytest.mark.parametrize(("name", "number"), [("photo", 3376), ("photo", 9379), ("hdr", 5897), ("tiff", 2622)])
 def test_files_that_once_did_harm(tmp_path, name, number):
     reader = readers(tmp_path)[name]
