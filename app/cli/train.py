@@ -49,6 +49,7 @@ if TYPE_CHECKING:
 
 _OF_A_RUN = ("size", "pairs", "seed", "residual", "decoder_residual", "uses", "window")
 _OF_A_STAGE = ("minutes", "rate", *_OF_A_RUN)
+_OF_SAMPLES = ("heads", "lights", "places")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -75,7 +76,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--places",
         metavar="DIR",
         type=Path,
-        help="panoramas (.hdr, .exr) that the person network's samples are put before, beside drawn scenes",
+        help="a folder of panoramas (.hdr, .exr) that the person network's samples are put before, beside drawn scenes",
     )
     _add_stage_arguments(parser.add_argument_group("with --stage"))
 
@@ -131,6 +132,9 @@ def _check_weights_file(arguments: argparse.Namespace) -> None:
 def _join(arguments: argparse.Namespace) -> int:
     from relight_core.networks.bundle import load_bundle, save_bundle, with_narrow_pair, with_person_network
 
+    for name in _OF_SAMPLES:
+        if getattr(arguments, name) is not None:
+            raise InputError(f"--{name}: joining weights needs none; take it away")
     if arguments.start is None:
         raise InputError("give --start: the weights that the other networks go into")
     _check_weights_file(arguments)
@@ -159,6 +163,7 @@ def _follow_recipe(arguments: argparse.Namespace) -> int:
     make_folder(arguments.output)
     check_heads_and_lights(arguments.heads, arguments.lights, "train")
     _check_sizes([(plan.name, plan.size) for plan in recipe.stages], arguments.heads)
+    _check_places(arguments.places, [plan.name for plan in recipe.stages])
     with progress("training", float(len(recipe.stages))) as show:
 
         def report(number: int, elapsed: float, state: Progress) -> None:
@@ -189,6 +194,18 @@ def _check_sizes(sizes: Iterable[tuple[str, int]], heads: Path) -> None:
     check_head_sizes(heads, "train", asked)
 
 
+def _check_places(places: Path | None, names: Iterable[str]) -> None:
+    """Raise InputError for panoramas that can't be read, or that none of the stages of these names looks at."""
+    from relight_core.dataset.cutouts.scenery.panoramas import read_places
+    from relight_core.training.stages import STAGES
+
+    if places is None:
+        return
+    if not any(STAGES[name].outlines for name in names):
+        raise InputError("--places: only the person network's samples are put before them; take it away")
+    read_places(places)
+
+
 def _train_stage(arguments: argparse.Namespace) -> int:
     from relight_core.training.run import Run, train
     from relight_core.training.stages import STAGES
@@ -197,6 +214,8 @@ def _train_stage(arguments: argparse.Namespace) -> int:
         raise InputError(f"unknown stage {arguments.stage!r}: choose one of {', '.join(STAGES)}")
     if arguments.minutes is None:
         raise InputError("give --minutes with --stage")
+    if arguments.window is not None and (arguments.uses or 1) == 1:
+        raise InputError("--window: pairs are kept to be used again; give --uses as well, or take it away")
     _check_weights_file(arguments)
     check_heads_and_lights(arguments.heads, arguments.lights, "train")
     given = {name: getattr(arguments, name) for name in _OF_A_RUN}
@@ -213,6 +232,7 @@ def _train_stage(arguments: argparse.Namespace) -> int:
         **{name: value for name, value in given.items() if value is not None},
     )
     _check_sizes([(settings.stage, settings.size)], settings.heads)
+    _check_places(settings.places, [settings.stage])
     with progress(arguments.stage, 1.0) as show:
         train(settings, lambda elapsed, state: show(elapsed, _note(state)))
     say(f"wrote {arguments.output}")

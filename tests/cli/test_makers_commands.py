@@ -103,6 +103,9 @@ def train_words(data, **changes):
         ({"--size": "24"}, "which warm-delight asks for"),
         ({"--start": "missing.safetensors"}, "missing.safetensors"),
         ({"--stage": "outline", "--uses": "2"}, "used once"),
+        ({"--stage": "outline", "--places": "missing"}, "missing: no panoramas"),
+        ({"--places": "missing"}, "--places"),
+        ({"--window": "64"}, "--uses"),
     ],
 )
 def test_training_refuses(run, data, changes, word):
@@ -336,6 +339,20 @@ def test_a_recipe_s_last_stage_has_to_suit_the_heads_before_the_first_is_trained
     words = ["train", "--recipe", tmp_path / "r.toml", "--heads", data / "heads", "--lights", data / "lights.npz"]
     refused(run(*words, "-o", tmp_path / "out"), "32 pixels", "64", "warm-relight")
     assert not list((tmp_path / "out").iterdir())
+
+
+def test_a_recipe_s_panoramas_are_looked_for_before_its_first_stage_is_trained(run, data, tmp_path):
+    stage = "[[stage]]\nsteps = 1\nsize = 32\nname = "
+    (tmp_path / "r.toml").write_text(f"{stage}'warm-relight'\n{stage}'outline'")
+    words = ["train", "--recipe", tmp_path / "r.toml", "--heads", data / "heads", "--lights", data / "lights.npz"]
+    refused(run(*words, "--places", tmp_path / "missing", "-o", tmp_path / "out"), "missing: no panoramas")
+    assert not list((tmp_path / "out").iterdir())
+
+
+@pytest.mark.parametrize("option", ["--heads", "--lights", "--places"])
+def test_joining_reads_no_samples(run, data, option):
+    words = ["train", "--join", data / "tiny.safetensors", "--start", data / "tiny.safetensors"]
+    refused(run(*words, option, data / "heads", "-o", data / "x.safetensors"), option)
 
 
 def test_effect_keeps_its_photos_and_what_is_no_folder(run, data, tmp_path, monkeypatch):

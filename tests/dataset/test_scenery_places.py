@@ -40,6 +40,12 @@ def test_places_are_exposed_alike_whatever_their_units(tmp_path):
     assert medians == pytest.approx([0.25, 0.25], rel=0.01)
 
 
+def test_places_in_sub_folders_are_found_as_lights_are(tmp_path):
+    (tmp_path / "park").mkdir()
+    write_image(tmp_path / "park" / "morning.exr", sky_over_ground())
+    assert len(read_places(tmp_path)) == 1
+
+
 def test_a_folder_without_panoramas_is_refused(tmp_path):
     (tmp_path / "notes.txt").write_text("none here")
     with pytest.raises(InputError, match="no panoramas"):

@@ -8,6 +8,7 @@ import cv2
 import numpy as np
 
 from relight_core.dataset.cutouts.scenery.strokes import SIZE
+from relight_core.dataset.lighting.light_folder import panoramas_in
 from relight_core.errors import InputError
 from relight_core.lighting.environment import read_environment
 
@@ -17,12 +18,12 @@ _MIDDLE_GREY = 0.25
 
 
 def read_places(folder: Path) -> tuple[np.ndarray, ...]:
-    """The panoramas (.hdr, .exr) of a folder, each (H, W, 3) linear and exposed for its middle half.
+    """The panoramas (.hdr, .exr) of a folder and its sub-folders, (H, W, 3) linear, exposed for their middle half.
 
     Raises:
         InputError: none there, or one that can't be read.
     """
-    paths = sorted(path for path in folder.glob("*") if path.suffix.lower() in (".hdr", ".exr"))
+    paths = panoramas_in(folder)
     if not paths:
         raise InputError(f"{folder}: no panoramas; give a folder of .hdr and .exr files")
     return tuple(_exposed(read_environment(path).shape) for path in paths)
