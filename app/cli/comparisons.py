@@ -103,7 +103,7 @@ def _peers(arguments: argparse.Namespace, budget: Budget, contest: Contest, repo
     given = None if arguments.weights is None else load_bundle(arguments.weights)
     if arguments.sun is not None:
         sun = Sun(load_sun(arguments.sun))
-        training = f"Sun et al.'s network is another comparison's, trained at {sun.size_px} pixels, and works at that."
+        training = sun.in_words()
     else:
         like = given.config.delight if given is not None and not networks else None
         with progress("training", 1.0) as show:

@@ -170,6 +170,11 @@ class Sun:
         self._network = model.network
         self.size_px = int(model.card.get(_TRAINED_AT, 0))
 
+    def in_words(self) -> str:
+        """How large the pictures were that a network of another comparison learnt from, in a sentence."""
+        own = f"{self.size_px} pixels, and works at that" if self.size_px else "a size that its file does not tell"
+        return f"Sun et al.'s network is another comparison's, trained at {own}."
+
     @torch.inference_mode()
     def look(self, photo: np.ndarray) -> tuple[list[torch.Tensor], torch.Tensor]:
         if 0 < self.size_px < photo.shape[0]:
