@@ -98,9 +98,9 @@ class Casting:
 
     def bake_head(self, seed: int, size: int = 256) -> BakedHead:
         """The head that belongs to a seed: the same on every machine with the same sources and shares."""
-        return self.pose_head(seed, size).bake(size)
+        return self.pose_head(seed).bake(size)
 
-    def pose_head(self, seed: int, size: int = 256) -> PosedHead:
+    def pose_head(self, seed: int) -> PosedHead:
         """The person of a seed, dressed, before the camera."""
         rng = np.random.default_rng(seed)
         modes = len(self.model.identity)
@@ -109,7 +109,7 @@ class Casting:
         vertices = turn_eyes(self.model, vertices, rng.uniform(-25, 25), rng.uniform(-12, 12))
         rotation = sample_pose(rng)
         garments = self.wardrobe.dress(vertices, rng) if self.wardrobe is not None else []
-        framing = sample_framing(pose(vertices, rotation)[self.face_vertices], rng, size)
+        framing = sample_framing(pose(vertices, rotation)[self.face_vertices], rng)
         scene = build_scene(self.model, vertices, garments, rotation)
         return PosedHead(scene, framing, self.face_labels, rng)
 
@@ -122,7 +122,7 @@ class ScanCasting:
 
     def bake_head(self, seed: int, size: int = 256) -> BakedHead:
         """The scan that belongs to a seed: the same on every machine with the same folder."""
-        return self.pose_head(seed, size).bake(size)
+        return self.pose_head(seed).bake(size)
 
     def keep_to_people(self, heads: Path) -> None:
         """See to it that all heads of a folder are of the same people: among others the splits would be others.
@@ -137,7 +137,7 @@ class ScanCasting:
         elif file_bytes(note) != names:
             raise InputError(f"{heads}: its heads are of other people than {self.folder} holds; choose a new folder")
 
-    def pose_head(self, seed: int, size: int = 256) -> PosedHead:
+    def pose_head(self, seed: int) -> PosedHead:
         """One scan of the person of a seed, before the camera; people take turns.
 
         Raises:
@@ -156,7 +156,7 @@ class ScanCasting:
             scan.material,
             np.full(len(scan.triangles), FROM_FACE_MAP, np.uint8),
         )
-        return PosedHead(scene, sample_framing(vertices[scan.face], rng, size), scan.labels, rng, scan.albedo)
+        return PosedHead(scene, sample_framing(vertices[scan.face], rng), scan.labels, rng, scan.albedo)
 
 
 def shard_path(folder: Path, seed: int) -> Path:

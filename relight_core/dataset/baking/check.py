@@ -41,7 +41,7 @@ class Difference:
 def check_heads(casting: Casting | ScanCasting, seeds: range, lights: np.ndarray) -> Iterator[Difference]:
     """Render heads both ways under lights (K, 16, 32, 3), one difference per head and light."""
     for seed in seeds:
-        posed = casting.pose_head(seed, _SIZE)
+        posed = casting.pose_head(seed)
         head = posed.bake(_SIZE)
         lit = light_head(head, head.normal, lights, dull=False)
         albedo = np.tile(np.float32(SKIN), (len(head.normal), 1))

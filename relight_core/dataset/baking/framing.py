@@ -9,6 +9,8 @@ import numpy as np
 CAMERA_DISTANCE_CM = 350.0
 """The paper places heads 3.5 m from the camera (section 3.2)."""
 
+_PAPER_PX = 256
+
 
 @dataclass(frozen=True)
 class Framing:
@@ -36,8 +38,8 @@ def project(points_cm: np.ndarray) -> np.ndarray:
     return points_cm[:, :2] * (CAMERA_DISTANCE_CM / (CAMERA_DISTANCE_CM - points_cm[:, 2:3]))
 
 
-def sample_framing(face_points_cm: np.ndarray, rng: np.random.Generator, size: int = 256) -> Framing:
-    """The paper's crop (20 to 40 px of padding at 256, section 3.2), or a looser one as often.
+def sample_framing(face_points_cm: np.ndarray, rng: np.random.Generator) -> Framing:
+    """The paper's crop (20 to 40 pixels of padding of 256, section 3.2), or a looser one as often.
 
     Args:
         face_points_cm: (N, 3) posed vertices of the face proper.
@@ -45,8 +47,8 @@ def sample_framing(face_points_cm: np.ndarray, rng: np.random.Generator, size: i
     seen = project(face_points_cm)
     low, high = seen.min(0), seen.max(0)
     centre, side = (low + high) / 2, float((high - low).max())
-    padding = rng.uniform(20, 40) / 256 * size
-    half_width = side / 2 * size / (size - 2 * padding)
+    padding_px = rng.uniform(20, 40)
+    half_width = side / 2 * _PAPER_PX / (_PAPER_PX - 2 * padding_px)
     if rng.random() < 0.5:
         half_width *= rng.uniform(1.05, 2.3)
         centre = centre + rng.uniform(-0.25, 0.25, 2) * half_width + np.array([0, -0.08 * half_width])
