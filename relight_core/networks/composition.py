@@ -44,7 +44,7 @@ def encode_radiance(radiance: torch.Tensor) -> torch.Tensor:
 
 
 def decode_radiance(encoded: torch.Tensor) -> torch.Tensor:
-    """Inverse of `encode_radiance`; the largest value it returns is about 65,000."""
+    """Inverse of `encode_radiance`; the largest value it returns is about 60,000."""
     return torch.expm1((encoded * math.log1p(_KNEE)).clamp(0, 14.0)) / _KNEE
 
 

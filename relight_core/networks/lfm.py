@@ -21,7 +21,7 @@ class LightModulation(nn.Module):
     """F_out = gamma * F_in + beta, with gamma and beta from the light.
 
     FC1 turns the light into 128 features, followed by the only ReLU; FC2 and FC3 make gamma and beta of
-    as many channels as the features have. It starts as the identity.
+    as many channels as the features have. It starts near the identity.
     """
 
     def __init__(self, channels: int):

@@ -39,7 +39,7 @@ def transfer_skins(makehuman: Path, model: HeadModel, size: int = 256) -> SkinTe
     """All skins in the head model's tiles.
 
     Raises:
-        OSError: the folder holds no MakeHuman data.
+        InputError: the folder holds no MakeHuman data.
     """
     root = find_root(makehuman)
     points, uv = _skin_points(root, model)
