@@ -85,7 +85,7 @@ def demands(bundle: NetworkBundle, tier: Tier, device: str = "cpu") -> dict[str,
     def image(channels: int, side: int) -> torch.Tensor:
         return torch.rand(1, channels, side, side, device=device)
 
-    hints = image(pair.specular_shadow.config.inputs - 3, lit)
+    hints = image(pair.specular_shadow.config.hints, lit)
     runs: dict[str, tuple[torch.nn.Module, tuple]] = {
         "delight": (bundle.delight, (image(3, size),)),
         "specular_shadow": (pair.specular_shadow, (image(3, lit), light, hints if hints.shape[1] else None)),

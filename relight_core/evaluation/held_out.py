@@ -111,7 +111,7 @@ def held_out_lights(path: Path, split: str) -> list[HeldOutLight]:
     """The split's panoramas, each turned by its own fixed angle, then the single lamps.
 
     Raises:
-        InputError: the library can't be read.
+        InputError: the library can't be read, or has no lights for this split.
     """
     library = load_lights(path, split)
     yaws_deg = np.random.default_rng(_YAW_SEED).uniform(0, 360, len(library.names))
@@ -119,8 +119,6 @@ def held_out_lights(path: Path, split: str) -> list[HeldOutLight]:
         _held_out(Environment.from_radiance(panorama, name), float(yaw_deg), is_lamp=False)
         for name, panorama, yaw_deg in zip(library.names, library.panoramas, yaws_deg, strict=True)
     ]
-    if not lights:
-        raise InputError(f"{path}: too few lights for a {split} split")
     return lights + [_held_out(lamp(*angles), 0.0, is_lamp=True) for angles in LAMPS]
 
 

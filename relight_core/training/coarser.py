@@ -6,8 +6,7 @@ import torch
 import torch.nn.functional as F
 
 from relight_core.dataset.samples import ON_THE_HEAD
-
-LIGHT_SHAPE = (16, 32, 3)
+from relight_core.networks.lfm import LIGHT_SHAPE
 
 
 def shrunk(value: torch.Tensor, size: int | None) -> torch.Tensor:

@@ -16,6 +16,7 @@ from relight_core.dataset.baking.framing import Framing
 from relight_core.dataset.baking.raycast import RayCaster
 from relight_core.dataset.baking.scene import FROM_FACE_MAP, Material, Scene
 from relight_core.dataset.painting.texture import look_up
+from relight_core.face.parsing import FACE_LABELS
 from relight_core.lighting.sphere import directions
 
 LIGHT_HEIGHT, LIGHT_WIDTH = 16, 32
@@ -83,7 +84,7 @@ def bake(scene: Scene, framing: Framing, face_labels: np.ndarray, size: int, rng
     geometric, normal = _normals(scene, triangle, barycentric, -toward[hit])
     uv = np.einsum("pk,pkc->pc", barycentric, scene.corner_uv[triangle])
     label = _labels(scene.label[triangle], uv, face_labels)
-    face = np.isin(label, range(1, 9))
+    face = np.isin(label, FACE_LABELS)
     level = points[face, 2].mean() if face.any() else points[:, 2].mean()
     return BakedHead(
         covered=hit.reshape(size, size),

@@ -13,8 +13,8 @@ from relight_core.dataset.samples import LitHead, channels_of, light_head
 from relight_core.face.parsing import FACE_LABELS
 from relight_core.imaging.colour import srgb_encode
 
-SKIN = (0.50, 0.36, 0.29)
-"""Linear reflectance of the whole head while it is checked: what is compared is light, not paint."""
+_REFLECTANCE = (0.50, 0.36, 0.29)
+"""Linear, of the whole head while it is checked: what is compared is light, not paint."""
 
 _BOUNCES = 4
 _SIZE = 128
@@ -44,8 +44,8 @@ def check_heads(casting: Casting | ScanCasting, seeds: range, lights: np.ndarray
         posed = casting.pose_head(seed)
         head = posed.bake(_SIZE)
         lit = light_head(head, head.normal, lights, dull=False)
-        albedo = np.tile(np.float32(SKIN), (len(head.normal), 1))
-        tracers = [PathTracer(posed.scene, SKIN, bounces) for bounces in (1, _BOUNCES)]
+        albedo = np.tile(np.float32(_REFLECTANCE), (len(head.normal), 1))
+        tracers = [PathTracer(posed.scene, _REFLECTANCE, bounces) for bounces in (1, _BOUNCES)]
         face = head.scatter(np.isin(head.label, FACE_LABELS))
         for k, light in enumerate(lights):
             direct = [tracers[0].render(light, posed.framing, _SIZE, _RAYS_PER_PIXEL, noise) for noise in (0, 1)]

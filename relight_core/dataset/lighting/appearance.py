@@ -10,8 +10,7 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
-from relight_core.dataset.baking.bake import BakedHead
-from relight_core.dataset.baking.scene import Material
+from relight_core.dataset.baking.bake import SKIN, BakedHead
 from relight_core.dataset.lighting.illumination import Illumination, illuminate_past, reflect
 from relight_core.dataset.lighting.interreflection import OwnView, bounced
 from relight_core.dataset.lighting.occluders import Occluder, silhouette
@@ -72,7 +71,7 @@ def appear(
 
 def _through_skin(head: BakedHead, irradiance: np.ndarray, scatter_px: float) -> np.ndarray:
     """Irradiance (P, 3) blurred over skin, red the most, as light that enters beside a pixel leaves at it."""
-    skin = np.isin(head.material, (Material.FACE, Material.HEAD)).astype(np.float32)
+    skin = np.isin(head.material, SKIN).astype(np.float32)
     image, weight = head.scatter(irradiance * skin[:, None]), head.scatter(skin)
     result = irradiance.copy()
     for channel, reach in enumerate(_SCATTER * scatter_px):

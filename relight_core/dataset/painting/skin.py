@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from relight_core.dataset.baking.bake import BakedHead
+from relight_core.dataset.baking.bake import FABRIC, SKIN, BakedHead
 from relight_core.dataset.baking.scene import Material
 from relight_core.dataset.painting.fabric import fabric, frame
 from relight_core.dataset.painting.skin_marks import mark_skin
@@ -54,7 +54,7 @@ def _scanned(albedo: np.ndarray, rng: np.random.Generator) -> np.ndarray:
 def _worn(head: BakedHead, pool: TexturePool, rng: np.random.Generator) -> np.ndarray:
     albedo = np.empty((len(head.uv), 3), np.float32)
     skin = _skin(head, pool, rng)
-    is_skin = np.isin(head.material, (Material.FACE, Material.HEAD))
+    is_skin = np.isin(head.material, SKIN)
     albedo[is_skin] = skin[is_skin]
     _paint_mouth(albedo, head, rng)
     _paint_eyes(albedo, head, rng)
@@ -62,7 +62,7 @@ def _worn(head: BakedHead, pool: TexturePool, rng: np.random.Generator) -> np.nd
     for material in (Material.HAIR, Material.BROW):
         where = head.material == material
         albedo[where] = _strands(head.uv[where], hair, pool, rng)
-    for material in (Material.HAT, Material.TRIM, Material.CLOTH):
+    for material in FABRIC:
         where = head.material == material
         albedo[where] = fabric(head.uv[where], pool, rng)
     glasses = head.material == Material.GLASSES
@@ -220,7 +220,7 @@ def _lay_pictures(albedo: np.ndarray, head: BakedHead, pool: TexturePool, rng: n
     chance = rng.random()
     if chance > _TINTED_SHARE + _COVERED_SHARE + _PATCHED_SHARE:
         return
-    bare = np.isin(head.material, (Material.FACE, Material.HEAD)) & (rng.random() < _BARE_SKINNED_SHARE)
+    bare = np.isin(head.material, SKIN) & (rng.random() < _BARE_SKINNED_SHARE)
     skin = albedo[bare]
     picture = look_up(pool.picture(rng), head.uv, rng.choice([1, 1, 2, 3]))
     if chance < _TINTED_SHARE:
