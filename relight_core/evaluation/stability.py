@@ -6,6 +6,7 @@ bound. Pictures are compared as the screen shows them, sRGB in [0, 1].
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -41,7 +42,7 @@ BOUNDS = {
 
 _TIERS = ("draft", "live", "final")
 _TIER = "live"
-"""Of all checks but those that name a tier."""
+"""Of all checks but those that name a tier, whose pictures have to be finite and in range as well."""
 _DEVICE = "cpu"
 _THREADS = (1, 2, 4)
 _THREADED_LIGHT = "noise"
@@ -182,28 +183,24 @@ def _errors(relighter: Relighter, photo: Photo, environment: Environment, tier: 
     own = relighter.relight(relighter.estimated_light(tier), replace(edit, yaw_deg=0.0))
     view = relit.channels["composition"]
     law = np.abs(brighter.channels["composition"] / np.float32(_LEVEL) - view).max() / max(float(view.max()), 1e-12)
-    pictures = (relit, extreme, brighter, around, beside, own)
+    by_precision = [_by_precision(relighter, light, edit, tier_of(name)) for name in _TIERS]
+    pictures = (relit, extreme, brighter, around, beside, own, *itertools.chain(*by_precision))
     return [
         max(map(_not_finite, pictures)),
         max(map(_out_of_range, pictures)),
         float(law),
         float(_difference(relit, around).max()),
         float(_difference(relit, beside).max()),
-        *(_precision_error(relighter, light, edit, tier_of(name)) for name in _TIERS),
+        *(float(_difference(*pair).mean()) if len(pair) == 2 else float("nan") for pair in by_precision),
         float("nan"),
         float(np.abs(apply_view(own.image) - apply_view(photo.linear)).mean()),
     ]
 
 
-def _precision_error(relighter: Relighter, light: Environment, edit: Edit, tier: Tier) -> float:
-    """Mean difference between a tier's networks in bf16 and in fp32; NaN where both would be fp32."""
-    if not has_bf16(_DEVICE):
-        return float("nan")
-    half, single = (
-        relighter.relight(light, replace(edit, quality=replace(tier, precision=precision)))
-        for precision in ("bf16", "fp32")
-    )
-    return float(_difference(half, single).mean())
+def _by_precision(relighter: Relighter, light: Environment, edit: Edit, tier: Tier) -> list[Relit]:
+    """A picture by a tier's networks in fp32, and one in bf16 where that would not be fp32 as well."""
+    precisions = ("bf16", "fp32") if has_bf16(_DEVICE) else ("fp32",)
+    return [relighter.relight(light, replace(edit, quality=replace(tier, precision=one))) for one in precisions]
 
 
 def _thread_error(photo: Photo, face: FaceBox, light: Environment, tier: Tier, weights: Path | None) -> float:

@@ -1,13 +1,18 @@
 """The stability report: nothing is above its bound, and it would say so if something were."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
+import pytest
 
+from relight_core.evaluation import stability
 from relight_core.evaluation.stability import BOUNDS, StabilityReport, run_stability
 from relight_core.evaluation.stability_plot import plot_stability
 from relight_core.imaging.read import read_photo
+from relight_core.lighting.environment import Environment
 from relight_core.networks.precision import has_bf16
+from relight_core.pipeline.quality import TIERS
 
 
 def some_report(error):
@@ -29,6 +34,34 @@ def test_the_shipped_networks_stay_within_every_bound(portrait):
     assert np.all(halves) if has_bf16("cpu") else not np.any(halves)
     assert all(column.all() for column in made.values())
     assert done[-1] == (4, 4)
+
+
+class BrokenAtFinal:
+    """In place of the editor: grey pictures, but for one value that final quality has in one precision."""
+
+    def __init__(self, value, precision):
+        self.value, self.precision = value, precision
+
+    def estimated_light(self, tier):
+        return Environment.from_radiance(np.ones((16, 32, 3), np.float32))
+
+    def relight(self, light, edit):
+        image = np.full((4, 4, 3), 0.5 * light.level, np.float32)
+        if edit.quality == replace(TIERS["final"], precision=self.precision):
+            image[0, 0, 0] = self.value
+        return SimpleNamespace(image=image, channels={"composition": image})
+
+
+@pytest.mark.parametrize(("precision", "has_bf16"), [("fp32", False), ("fp32", True), ("bf16", True)])
+@pytest.mark.parametrize(("value", "check"), [(np.nan, "not finite"), (-1.0, "out of range")])
+def test_pictures_of_every_tier_are_looked_at(value, check, precision, has_bf16, monkeypatch):
+    """Shown, a pixel that is no number is a black one, and that is lost in the mean."""
+    monkeypatch.setattr(stability, "has_bf16", lambda device: has_bf16)
+    photo = SimpleNamespace(linear=np.full((4, 4, 3), 0.5, np.float32))
+    for found, is_above in ((0.5, False), (value, True)):
+        relighter = BrokenAtFinal(found, precision)
+        errors = stability._errors(relighter, photo, relighter.estimated_light(None), TIERS["live"])
+        assert (dict(zip(BOUNDS, errors, strict=True))[check] > BOUNDS[check]) == is_above
 
 
 def test_an_error_above_its_bound_is_named():
