@@ -15,6 +15,9 @@ FONT_PX = 15.0
 Colour = tuple[float, float, float, float]
 
 CANVAS_SRGB = (0.088, 0.088, 0.088)
+CANVAS: Colour = (*CANVAS_SRGB, 1.0)
+"""Behind pictures and scopes."""
+
 PANEL: Colour = (0.135, 0.135, 0.135, 1.0)
 RAISED: Colour = (0.19, 0.19, 0.19, 1.0)
 HOVERED: Colour = (0.25, 0.25, 0.25, 1.0)

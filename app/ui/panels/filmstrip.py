@@ -40,7 +40,7 @@ def _frame(state: EditorState, shown: Shown | None, index: int, title: str, widt
     image_height = height - 1.4 * em
     draw_list = imgui.get_window_draw_list()
     end = imgui.ImVec2(corner.x + width, corner.y + image_height)
-    draw_list.add_rect_filled(corner, end, theme.packed((0.088, 0.088, 0.088, 1.0)), 4.0)
+    draw_list.add_rect_filled(corner, end, theme.packed(theme.CANVAS), 4.0)
     if shown is not None:
         _centred(shown, corner, width, image_height)
     if chosen or (shown is not None and imgui.is_item_hovered()):

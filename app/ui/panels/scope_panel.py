@@ -9,7 +9,7 @@ from app.ui.pictures import Pictures
 from app.ui.state import EditorState
 from relight_core.imaging.scopes import Extremes
 
-_WAVEFORM_LINES = (0.0, 0.25, 0.5, 0.75, 1.0)
+_LINES_AT = (0.25, 0.5, 0.75)
 _LEAST_SHARE = 0.0005
 
 
@@ -28,7 +28,7 @@ def draw(state: EditorState, pictures: Pictures) -> None:
     )
     draw_list = imgui.get_window_draw_list()
     end = imgui.ImVec2(left.x + room.x, left.y + height)
-    draw_list.add_rect_filled(left, end, theme.packed((0.088, 0.088, 0.088, 1.0)), 0.27 * em)
+    draw_list.add_rect_filled(left, end, theme.packed(theme.CANVAS), 0.27 * em)
     name = state.shown_name() if state.snapshot.opened else None
     _lines(draw_list, left, room.x, height, upright=look.scope == "histogram")
     shown = pictures.scope(look.scope, name) if name else None
@@ -38,7 +38,7 @@ def draw(state: EditorState, pictures: Pictures) -> None:
 
 
 def _lines(draw_list: imgui.ImDrawList, corner: imgui.ImVec2, width: float, height: float, upright: bool) -> None:
-    for share in _WAVEFORM_LINES[1:-1]:
+    for share in _LINES_AT:
         x, y = corner.x + share * width, corner.y + share * height
         start, end = ((x, corner.y), (x, corner.y + height)) if upright else ((corner.x, y), (corner.x + width, y))
         draw_list.add_line(start, end, theme.packed(theme.RAISED), 1.0)
