@@ -73,6 +73,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 def _bake(arguments: argparse.Namespace) -> int:
     from relight_core.dataset.recipe import SPLIT_SEEDS, SPLIT_SIZE, bake_missing, shard_path
+    from relight_core.evaluation.counted import counted
 
     if arguments.skip + arguments.count > SPLIT_SIZE:
         raise InputError(f"--skip and --count: a split has {SPLIT_SIZE} people; those after them are the next split's")
@@ -89,7 +90,8 @@ def _bake(arguments: argparse.Namespace) -> int:
             show(done, f"{done} of {arguments.count}")
     # Made with or without a wardrobe and of whatever shares: a head does not tell, and is not made again.
     as_they_were = f"; {kept} of them were there and stay as they were baked" if kept else ""
-    say(f"{arguments.out}: {arguments.count} {arguments.split} heads, {size_bytes / 1e6:.1f} MB{as_they_were}")
+    baked = counted(arguments.count, f"{arguments.split} head")
+    say(f"{arguments.out}: {baked}, {size_bytes / 1e6:.1f} MB{as_they_were}")
     return 0
 
 
@@ -107,6 +109,7 @@ def _add_skins(casting, wardrobe: Path, folder: Path) -> None:
 def _skins(arguments: argparse.Namespace) -> int:
     from relight_core.dataset.painting.skin_textures import write_skins
     from relight_core.dataset.painting.skin_transfer import transfer_skins
+    from relight_core.evaluation.counted import counted
 
     if arguments.heads.is_dir():
         raise InputError(f"{arguments.heads}: skins are carried onto a head model; give its .npz")
@@ -116,7 +119,7 @@ def _skins(arguments: argparse.Namespace) -> int:
     if not skins.names:
         raise InputError(f"{arguments.wardrobe}: no skins here; give the whole MakeHuman archive, unpacked")
     path = write_skins(arguments.out, skins)
-    say(f"{path}: {len(skins.names)} skins")
+    say(f"{path}: {counted(len(skins.names), 'skin')}")
     return 0
 
 
@@ -166,14 +169,15 @@ def _casting(heads: Path, wardrobe: Path | None, **shares: float):
 
 def _lights(arguments: argparse.Namespace) -> int:
     from relight_core.dataset.lighting.light_folder import read_light_folder, write_light_library
+    from relight_core.evaluation.counted import counted
 
     check_output_file(arguments.output, (".npz",))
     if not arguments.folder.is_dir():
         raise InputError(f"{arguments.folder}: no such folder; give the folder of the panoramas")
     arrays = read_light_folder(arguments.folder)
     write_light_library(arguments.output, arrays)
-    places = len(set(arrays["group"].tolist()))
-    say(f"{arguments.output}: {len(arrays['names'])} panoramas of {places} places")
+    panoramas, places = len(arrays["names"]), len(set(arrays["group"].tolist()))
+    say(f"{arguments.output}: {counted(panoramas, 'panorama')} of {counted(places, 'place')}")
     return 0
 
 

@@ -59,7 +59,8 @@ def test_bake_says_which_heads_were_there_and_are_not_made_anew(run, tmp_path, m
     monkeypatch.setattr(recipe, "bake_missing", bake_missing)
     (tmp_path / "model.npz").touch()
     words = ["dataset", "bake", "--heads", tmp_path / "model.npz", "--out", tmp_path / "heads", "--count"]
-    assert "2 train heads, 0.0 MB\n" in run(*words, 2)[1]
+    assert "heads: 1 train head, 0.0 MB\n" in run(*words, 1)[1]
+    assert "2 train heads, 0.0 MB; 1 of them" in run(*words, 2)[1]
     assert "3 train heads, 0.0 MB; 2 of them were there and stay as they were baked" in run(*words, 3)[1]
 
 

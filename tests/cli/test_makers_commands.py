@@ -292,7 +292,7 @@ def test_a_folder_of_panoramas_becomes_a_library(run, tmp_path):
         cv2.imwrite(str(places / f"yard_{number}.hdr"), np.ones((4, 8, 3), np.float32))
     code, out, _ = run(*words)
     assert code == 0
-    assert "2 panoramas of 1 places" in out
+    assert out.endswith("2 panoramas of 1 place\n")
     assert load_lights(tmp_path / "lights.npz", "test").names == ("yard_0", "yard_1")
     refused(run("dataset", "lights", tmp_path / "gone", "-o", tmp_path / "l.npz"), "gone")
     refused(run("dataset", "lights", places, "-o", tmp_path / "l.exr"), ".npz")
