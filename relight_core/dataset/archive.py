@@ -13,7 +13,7 @@ import numpy as np
 
 from relight_core.errors import InputError
 
-_DAMAGE = (
+DAMAGE = (
     OSError,
     ValueError,
     KeyError,
@@ -29,6 +29,7 @@ _DAMAGE = (
     zlib.error,
     lzma.LZMAError,
 )
+"""What NumPy raises where an archive is damaged."""
 
 
 def read_arrays(path: Path, names: tuple[str, ...], kind: str, mend: str) -> dict[str, np.ndarray]:
@@ -45,6 +46,6 @@ def read_arrays(path: Path, names: tuple[str, ...], kind: str, mend: str) -> dic
     try:
         with np.load(path, allow_pickle=False) as data:
             return {name: data[name] for name in names}
-    except _DAMAGE as error:
+    except DAMAGE as error:
         reason = " ".join(str(error).split()) or type(error).__name__
         raise InputError(f"{path}: not {kind}, or damaged ({reason}); {mend}") from error

@@ -57,7 +57,7 @@ class Wardrobe:
             makehuman_folder: where the MakeHuman archive was unpacked.
 
         Raises:
-            OSError: the folder holds no MakeHuman data.
+            InputError: the folder holds no MakeHuman data.
         """
         self._model, self._shares = model, shares or Shares()
         self._skin_triangles = model.triangles[

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
+from relight_core.dataset.archive import DAMAGE
 from relight_core.dataset.garments.garment import Garment
 from relight_core.dataset.garments.garment_binding import Binding, bind, scattered
 from relight_core.dataset.garments.garment_mesh import compact
@@ -17,6 +18,8 @@ from relight_core.dataset.heads import HeadModel
 from relight_core.imaging.files import whole_file
 
 _CACHE_VERSION = 3
+_FIELDS = ("vertices", "faces", "uv", "opacity", "colour_srgb")
+"""Of an item, as they are kept."""
 _FOLDERS = {"hair": "hair", "eyebrows": "brow"}
 _CLOTHES = {
     "glasses": "glasses",
@@ -133,7 +136,7 @@ def _bind(kind: str, vertices: np.ndarray, model: HeadModel) -> Binding:
 def _write_cache(path: Path, stored: list[tuple[str, Item]]) -> None:
     arrays = {"names": np.array([f"{kind}/{item.name}" for kind, item in stored])}
     for number, (_, item) in enumerate(stored):
-        for field in ("vertices", "faces", "uv", "opacity", "colour_srgb"):
+        for field in _FIELDS:
             value = getattr(item, field)
             if value is not None:
                 arrays[f"{number}/{field}"] = value
@@ -142,14 +145,14 @@ def _write_cache(path: Path, stored: list[tuple[str, Item]]) -> None:
 
 
 def _read_cache(path: Path) -> list[tuple[str, Item]] | None:
+    """What `_write_cache` wrote; None where that is damaged, for it can be made again."""
     try:
         with np.load(path, allow_pickle=False) as data:
             arrays = {name: data[name] for name in data.files}
-    except (OSError, ValueError):
+        items = [str(both).split("/") for both in arrays["names"]]
+        return [
+            (kind, Item(name, *(arrays.get(f"{number}/{field}") for field in _FIELDS)))
+            for number, (kind, name) in enumerate(items)
+        ]
+    except DAMAGE:
         return None
-    stored = []
-    for number, both in enumerate(arrays["names"]):
-        kind, name = str(both).split("/")
-        fields = [arrays.get(f"{number}/{f}") for f in ("vertices", "faces", "uv", "opacity", "colour_srgb")]
-        stored.append((kind, Item(name, *fields)))
-    return stored
