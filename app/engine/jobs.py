@@ -29,6 +29,7 @@ class JobStatus:
         left_s: estimate of what is left, or None.
         cancelling: the user has cancelled it, and it will stop at its next step.
         waiting: how many jobs come after it.
+        number: which job it is, of all since the start.
     """
 
     name: str
@@ -37,6 +38,7 @@ class JobStatus:
     left_s: float | None = None
     cancelling: bool = False
     waiting: int = 0
+    number: int = 0
 
     @property
     def share(self) -> float:
@@ -70,7 +72,7 @@ class Jobs:
     Args:
         say: told what became of each: a line, and whether it is an error.
         wake: called when the status has changed.
-        on_start: called first on the thread the jobs run on.
+        on_start: called first on the thread the jobs run on; they run even if it fails.
 
     Attributes:
         failures: how many jobs came to nothing, those that were cancelled aside.
@@ -83,10 +85,11 @@ class Jobs:
         on_start: Callable[[], None] = lambda: None,
     ) -> None:
         self._say, self._wake = say, wake
-        self._pool = ThreadPoolExecutor(max_workers=1, thread_name_prefix="relight-job", initializer=on_start)
+        self._on_start = on_start
+        self._pool = ThreadPoolExecutor(max_workers=1, thread_name_prefix="relight-job", initializer=self._begin)
         self._lock = threading.Lock()
         self._status: JobStatus | None = None
-        self._waiting = self._untold = 0
+        self._waiting = self._untold = self._number = 0
         self.failures = 0
         self._cancel = threading.Event()
         self._begins_no_more = False
@@ -94,9 +97,9 @@ class Jobs:
     def start(self, name: str, work: Callable[[JobControl], str]) -> None:
         """Queue a job; `work` returns the line to say when it is done."""
         with self._lock:
+            self._pool.submit(self._run, name, work)
             self._waiting += 1
             self._untold += 1
-        self._pool.submit(self._run, name, work)
 
     def is_busy(self) -> bool:
         """Whether there is a job of which it has not been told yet what became of it."""
@@ -108,10 +111,10 @@ class Jobs:
         with self._lock:
             return self._status and replace(self._status, waiting=self._waiting)
 
-    def cancel(self) -> None:
-        """Stop the job that runs at its next step."""
+    def cancel(self, job: JobStatus) -> None:
+        """Stop this job at its next step; nothing where it has ended since, and another one runs."""
         with self._lock:
-            if self._status is None:
+            if self._status is None or self._status.number != job.number:
                 return
             self._cancel.set()
             self._status = _stopping(self._status)
@@ -122,7 +125,8 @@ class Jobs:
         if cancel:
             # A job that has been taken up just now has no status yet that could be cancelled.
             self._begins_no_more = True
-            self.cancel()
+            if (running := self.status()) is not None:
+                self.cancel(running)
         self._pool.shutdown(wait=True, cancel_futures=cancel)
 
     def is_cancelled(self) -> bool:
@@ -132,14 +136,25 @@ class Jobs:
     def publish(self, status: JobStatus | None) -> None:
         """For the job that runs: how far it is."""
         with self._lock:
+            if status is not None:
+                status = replace(status, number=self._number)
             # A step may have looked just before the cancel; the job still stops at its next one.
             self._status = _stopping(status) if status is not None and self.is_cancelled() else status
         self._wake()
+
+    def _begin(self) -> None:
+        """What fails here would leave the pool broken, and every job waiting for ever."""
+        try:
+            self._on_start()
+        except Exception as error:
+            _log.error("the jobs' thread could not be set up", exc_info=error)
+            self._say(error_line(error), True)
 
     def _run(self, name: str, work: Callable[[JobControl], str]) -> None:
         self._cancel.clear()
         with self._lock:
             self._waiting -= 1
+            self._number += 1
         self.publish(JobStatus(name))
         try:
             if self._begins_no_more:

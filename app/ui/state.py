@@ -62,7 +62,7 @@ class EditorState:
         panels: how large the panels are and which are in sight.
         groups: which groups in them are open.
         export: how pictures are saved.
-        cancel_wanted: the user wants that work stopped, for one frame.
+        cancel_wanted: the work that the user wants stopped, for one frame.
         job: the long work that runs, if any.
         playing: the light turns by itself.
         export_path: where the next export goes, from the photo's folder; its suffix follows the button.
@@ -117,7 +117,7 @@ class EditorState:
     groups: OpenGroups = field(default_factory=OpenGroups)
     export: ExportSettings = field(default_factory=ExportSettings)
     job: JobStatus | None = None
-    cancel_wanted: bool = False
+    cancel_wanted: JobStatus | None = None
     playing: bool = False
     export_path: str = ""
     export_wanted: str | None = None

@@ -362,9 +362,9 @@ class EditorWindow:
             self._outputs.export(self.state.export_wanted)
             self.state.export_wanted = None
         self._ask_engine()
-        if self.state.cancel_wanted:
-            self.state.cancel_wanted = False
-            self.exporter.cancel()
+        if self.state.cancel_wanted is not None:
+            self.exporter.cancel(self.state.cancel_wanted)
+            self.state.cancel_wanted = None
         self._graphics.binding.show_cursor(self.handle)
         opened = self.state.snapshot.opened
         title = f"{opened.source.name} \N{EN DASH} relight" if opened else "relight"

@@ -73,7 +73,7 @@ def test_a_cancelled_job_stops_at_its_next_step_and_the_next_job_runs(jobs, said
     jobs.start("Film", work)
     jobs.start("Copy", lambda control: control.step(1, 1) or "Copied")
     assert begun.wait(LONG_S)
-    jobs.cancel()
+    jobs.cancel(jobs.status())
     assert "stopping" in words(jobs.status())
     assert jobs.status().waiting == 1
     go_on.set()
@@ -93,10 +93,48 @@ def test_a_job_that_is_cancelled_stays_so_through_a_step_that_was_under_way(jobs
 
     jobs.start("Film", work)
     assert begun.wait(LONG_S)
-    jobs.cancel()
+    jobs.cancel(jobs.status())
     jobs.publish(JobStatus("Film", 2, 5, left_s=3.0))
-    assert jobs.status() == JobStatus("Film", 2, 5, cancelling=True)
+    assert jobs.status() == JobStatus("Film", 2, 5, cancelling=True, number=1)
     go_on.set()
+
+
+def test_a_cancel_that_comes_after_its_job_has_ended_leaves_the_next_one_alone(jobs, said):
+    first, second, go_on = [], threading.Event(), threading.Event()
+
+    def next_work(control):
+        second.set()
+        assert go_on.wait(LONG_S)
+        control.step(1, 1)
+        return "Copied"
+
+    jobs.start("Film", lambda control: first.append(jobs.status()) or "Saved it")
+    jobs.start("Copy", next_work)
+    assert second.wait(LONG_S)
+    jobs.cancel(first[0])
+    assert not jobs.status().cancelling
+    go_on.set()
+    jobs.close()
+    assert said == [("Saved it", False), ("Copied", False)]
+
+
+def test_jobs_run_where_their_thread_could_not_be_set_up(said):
+    def fail():
+        raise OSError("no priority")
+
+    jobs = Jobs(lambda text, is_error: said.append((text, is_error)), on_start=fail)
+    jobs.start("Copy", lambda control: "Copied")
+    jobs.close()
+    assert "no priority" in said[0][0]
+    assert said[1:] == [("Copied", False)]
+    assert not jobs.is_busy()
+
+
+def test_a_job_that_could_not_be_queued_keeps_nobody_waiting(jobs):
+    jobs.close()
+    with pytest.raises(RuntimeError):
+        jobs.start("Copy", lambda control: "Copied")
+    assert not jobs.is_busy()
 
 
 def test_a_job_that_was_taken_up_but_not_announced_as_they_closed_is_not_begun(jobs, said):

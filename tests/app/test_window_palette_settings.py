@@ -97,18 +97,18 @@ def test_how_a_file_is_made_is_set(opened):
 
 
 def test_long_work_is_cancelled(opened, monkeypatch):
-    window, cancelled = opened.window, []
-    monkeypatch.setattr(window.exporter, "status", lambda: JobStatus("Turntable", 3, 120))
-    monkeypatch.setattr(window.exporter, "cancel", lambda: cancelled.append(True))
+    window, cancelled, running = opened.window, [], JobStatus("Turntable", 3, 120, number=2)
+    monkeypatch.setattr(window.exporter, "status", lambda: running)
+    monkeypatch.setattr(window.exporter, "cancel", cancelled.append)
     opened.frames(2)
     opened.hold(glfw.KEY_P, glfw.MOD_CONTROL)
     opened.release(glfw.KEY_P)
     opened.type("cancel")
     opened.hold(glfw.KEY_ENTER)
-    assert cancelled == [True]
+    assert cancelled == [running]
     monkeypatch.setattr(window.exporter, "status", lambda: replace(JobStatus("Turntable"), cancelling=True))
     opened.release(glfw.KEY_ENTER)
     opened.hold(glfw.KEY_P, glfw.MOD_CONTROL)
     opened.type("cancel turn")
     opened.hold(glfw.KEY_ENTER)
-    assert cancelled == [True]
+    assert cancelled == [running]

@@ -27,6 +27,6 @@ def _give(question: Question, index: int) -> Action:
 
 def _cancel(job: JobStatus) -> Action:
     def run(state: EditorState) -> None:
-        state.cancel_wanted = True
+        state.cancel_wanted = job
 
     return Action(f"Cancel: {job.name}", "Questions", (), "Stops it; what is half done is taken away", run)

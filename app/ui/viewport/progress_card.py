@@ -36,8 +36,9 @@ def draw(state: EditorState, viewport: Rect) -> None:
         imgui.progress_bar(job.share, imgui.ImVec2(room - button - imgui.get_style().item_spacing.x, 0.0), "")
         imgui.same_line()
         imgui.begin_disabled(job.cancelling)
-        if imgui.button("Cancel", imgui.ImVec2(button, 0.0)):
-            state.cancel_wanted = True
+        # A press that began on the card of the job before is none on this one's.
+        if imgui.button(f"Cancel##{job.number}", imgui.ImVec2(button, 0.0)):
+            state.cancel_wanted = job
         imgui.end_disabled()
     imgui.pop_style_color()
 
