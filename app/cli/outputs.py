@@ -10,7 +10,7 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 from app.engine.batch import is_done, name_beside_a_namesake, names_apart
-from relight_core.errors import InputError
+from relight_core.errors import InputError, without_controls
 from relight_core.imaging.files import KnownFiles, whole_file
 
 OPAQUE_SUFFIXES = (".jpg", ".jpeg")
@@ -147,7 +147,7 @@ def folder_filled_at_once(folder: Path) -> Iterator[Path]:
             yield Path(scratch)
         except InputError as error:
             # Nobody can look at, or mend, a scratch folder that is gone.
-            raise InputError(str(error).replace(scratch, str(folder))) from error
+            raise InputError(str(error).replace(without_controls(scratch), str(folder))) from error
         made = sorted(Path(scratch).iterdir())
         for path in made:
             if (folder / path.name).is_dir():

@@ -198,7 +198,9 @@ class Desk:
         awaited = now.light.source if is_own and light is None else now.awaited
         picture = _as_of_before(now, self._portrait) if faces else None
         now = replace(now, opened=self._portrait, coming=None, light=light, awaited=awaited, faces=faces)
-        return replace(now, own_light=None, picture=picture, refused=now.refused - {_OWN})
+        # Corrections of another photo, which nobody can wish for again, would keep that photo.
+        refused = frozenset(wish for wish in now.refused if wish is not _OWN and not _keeps_another(wish, photo))
+        return replace(now, own_light=None, picture=picture, refused=refused)
 
     def _faces_of(self, source: PhotoSource, photo: Photo) -> tuple[FaceBox, ...]:
         """Make a photo the portrait; everyone in it, or nobody, and then the portrait before stays."""
@@ -306,6 +308,10 @@ def _refusing(source: PhotoSource | LightSource) -> Callable[[Snapshot], Snapsho
         return replace(now, refused=now.refused | {source}, coming=coming)
 
     return refuse
+
+
+def _keeps_another(wish: PhotoSource | LightSource, photo: Photo) -> bool:
+    return isinstance(wish, PhotoSource) and isinstance(wish.place, Photo) and wish.place is not photo
 
 
 def _without_portrait(now: Snapshot) -> Snapshot:

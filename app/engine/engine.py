@@ -64,10 +64,11 @@ class Engine:
             return self._snapshot
 
     def say(self, text: str, is_error: bool = False) -> None:
-        """Publish a line for the user; for the other threads of the program."""
+        """Publish a line for the user, or several; for the other threads of the program."""
+        text = "\n".join(legible(line) for line in text.split("\n"))
         with self._changed:
             self._messages += 1
-            self._snapshot = replace(self._snapshot, message=Message(self._messages, legible(text), is_error))
+            self._snapshot = replace(self._snapshot, message=Message(self._messages, text, is_error))
         self._wake()
 
     def wait_until_idle(self, timeout_s: float | None = None) -> bool:

@@ -17,7 +17,7 @@ from app.engine.snapshot import Picture
 from app.engine.sources import RelitLike
 from relight_core import __version__
 from relight_core.errors import InputError
-from relight_core.imaging.files import is_same_file
+from relight_core.imaging.files import is_same_file, legible
 from relight_core.imaging.resampling import shrunk_size
 from relight_core.imaging.write import Bands, FileStyle, cut, write_bands, write_exr_layers
 from relight_core.pipeline.edit import Edit
@@ -84,7 +84,7 @@ class Exporter(Jobs):
 
         def work(control: JobControl) -> str:
             path = export(job, control.step)
-            return f"Saved {path}"
+            return f"Saved {legible(str(path))}"
 
         self.start(EXPORT, work)
 

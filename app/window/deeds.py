@@ -37,6 +37,7 @@ from app.window.recent_lights import RecentLights
 from app.window.recovery import Recovery
 from app.window.replacing import check_place, tried, write_or_ask
 from relight_core.errors import InputError
+from relight_core.imaging.files import legible
 
 _log = logging.getLogger(__name__)
 _NOWHERE = (-1.0, -1.0)
@@ -152,7 +153,7 @@ class Deeds:
         def write(path: Path) -> None:
             check_place(path, is_light_place(path), "light")
             write_light(path, saved)
-            self._state.asking.tell(f"Saved {path}")
+            self._state.asking.tell(f"Saved {legible(str(path))}")
 
         start = self._folder() / f"{document.light.source().title.lower().replace(' ', '-')}{LIGHT_SUFFIX}"
         self._ask_place("Save the light", start, LIGHT_SUFFIX, lambda path: self._write_or_ask(path, write))
@@ -277,7 +278,7 @@ class Deeds:
         note_saved(state, path, document)
         if self._recovery is not None:
             self._recovery.forget_saved(document)
-        state.asking.tell(f"Saved {path}")
+        state.asking.tell(f"Saved {legible(str(path))}")
 
     def _tried(self, act: Callable[[Path], None], path: Path) -> None:
         tried(self._state.asking, lambda: act(path))

@@ -13,7 +13,7 @@ from app.engine.sources import PHOTO_SUFFIXES, LightSource
 from app.ui.photo_queue import PhotoQueue
 from app.ui.state import EditorState
 from relight_core.errors import InputError
-from relight_core.imaging.files import is_same_file
+from relight_core.imaging.files import is_same_file, legible
 from relight_core.imaging.formats.exr import exr_size
 from relight_core.imaging.formats.raster import RAW_SUFFIXES
 
@@ -166,12 +166,12 @@ def _left_out(paths: Sequence[Path], what_to_do: str) -> list[str]:
 def _tell(state: EditorState, notes: Sequence[str]) -> None:
     """All in one message, since the status line shows the newest alone."""
     if notes:
-        state.asking.tell(". ".join(notes), True)
+        state.asking.tell(legible(". ".join(notes)), True)
 
 
 def _tell_notes(state: EditorState, path: Path, notes: Sequence[str]) -> None:
     if notes:
-        state.asking.tell(f"{path.name}: {'; '.join(notes)}", True)
+        state.asking.tell(legible(f"{path.name}: {'; '.join(notes)}"), True)
 
 
 def is_panorama(path: Path) -> bool:

@@ -34,6 +34,7 @@ from app.window.clipboard import copy_png
 from app.window.own_work import document_of, own_work
 from app.window.promise import Promise
 from relight_core.errors import InputError
+from relight_core.imaging.files import legible
 from relight_core.imaging.write import write_image
 from relight_core.pipeline.results.layers import shrunk_picture
 
@@ -141,7 +142,7 @@ class Outputs:
                 # What was asked for before may have taken the name meanwhile.
                 path = free_path(wish)
                 write_pictures(path, frames, FRAMES, control.step, _write_frame)
-            return f"Saved {path}"
+            return f"Saved {legible(str(path))}"
 
         self._exporter.start("Turntable", work)
 
@@ -202,9 +203,9 @@ class Outputs:
                 if outcome.fault:
                     _log.error("Batch: %s\n%s", outcome.error, outcome.fault)
                 control.step(len(outcomes), len(tasks))
-            said = "\n".join([f"{summary(outcomes)}. They are in {folder}", *reasons(outcomes)])
+            said = legible(f"{summary(outcomes)}. They are in {folder}")
             if any(outcome.state == "failed" for outcome in outcomes):
-                raise InputError(said)
+                raise InputError(said, *reasons(outcomes))
             return said
 
         self._exporter.start("Batch", work)

@@ -11,7 +11,7 @@ from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
 
-from relight_core.errors import InputError
+from relight_core.errors import InputError, without_controls
 
 LARGEST_FILE = 8 << 30
 """Bytes; what is larger is no photo, no light and no weights."""
@@ -23,8 +23,8 @@ _LONGEST_STEM = 100
 
 
 def legible(name: str) -> str:
-    """A path or a file's name with a replacement character for all of it that is no text, so that it can be shown."""
-    return _NO_TEXT.sub("\N{REPLACEMENT CHARACTER}", name)
+    """A path or a file's name with a replacement character for all of it that can't be shown in a line of text."""
+    return _NO_TEXT.sub("\N{REPLACEMENT CHARACTER}", without_controls(name))
 
 
 def is_legible(name: str) -> bool:
