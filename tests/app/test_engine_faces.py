@@ -181,3 +181,12 @@ def test_of_a_picture_whose_light_can_t_be_borrowed_nobody_is_asked_where_its_fa
     told = answered(engine, PhotoSource(a_photo()), LightSource("portrait", str(tmp_path / "wall.png"))).message.text
     assert "wall.png: no face found to borrow light from" in told
     assert "where" not in told
+
+
+def test_a_correction_that_was_refused_lets_go_of_its_photo_once_another_is_open(engine):
+    first = PhotoSource(a_photo())
+    answered(engine, first)
+    snapshot = answered(engine, PhotoSource(first.place, None, (FaceBox(-20, 0, -4, 16),)))
+    assert len(snapshot.refused) == 1
+    # What is still refused would keep it.
+    assert answered(engine, PhotoSource(a_photo())).refused == frozenset()
