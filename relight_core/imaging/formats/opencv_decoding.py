@@ -2,19 +2,25 @@
 
 from __future__ import annotations
 
+import threading
+
 import cv2
 import numpy as np
+
+_level = threading.Lock()
+"""Of OpenCV's log, which is the whole process's: two at a time would put back what the other had put in its place."""
 
 
 def decoded_by_opencv(data: bytes) -> np.ndarray | None:
     """A file's pixels as stored, blue first; None where it can't be read."""
-    level = cv2.utils.logging.setLogLevel(cv2.utils.logging.LOG_LEVEL_SILENT)
-    try:
-        return cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_UNCHANGED)
-    except cv2.error:
-        return None
-    finally:
-        cv2.utils.logging.setLogLevel(level)
+    with _level:
+        level = cv2.utils.logging.setLogLevel(cv2.utils.logging.LOG_LEVEL_SILENT)
+        try:
+            return cv2.imdecode(np.frombuffer(data, np.uint8), cv2.IMREAD_UNCHANGED)
+        except cv2.error:
+            return None
+        finally:
+            cv2.utils.logging.setLogLevel(level)
 
 
 def in_rgb_order(values: np.ndarray) -> np.ndarray:
