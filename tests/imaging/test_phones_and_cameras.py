@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import tifffile
+from PIL import Image
 
 from relight_core.errors import InputError
 from relight_core.imaging.colour import srgb_encode
@@ -156,3 +157,10 @@ def test_a_heic_whose_item_has_no_name_is_told(tmp_path):
     (tmp_path / "a.heic").write_bytes(data)
     with pytest.raises(InputError, match="damaged HEIC"):
         read_photo(tmp_path / "a.heic")
+
+
+@pytest.mark.parametrize(("name", "kind"), [("a.cr2", "JPEG"), ("a.DNG", "PNG"), ("a.nef", "WEBP")])
+def test_a_picture_that_is_named_like_a_raw_file_is_read_as_what_it_is(tmp_path, name, kind):
+    Image.new("RGB", (8, 6), (200, 100, 50)).save(tmp_path / name, kind)
+    photo = read_photo(tmp_path / name)
+    assert (photo.linear.shape, photo.bits) == ((6, 8, 3), 8)

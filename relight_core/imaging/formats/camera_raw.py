@@ -8,11 +8,13 @@ from pathlib import Path
 import numpy as np
 
 from relight_core.errors import InputError
+from relight_core.imaging.formats.heif import is_heif
 from relight_core.imaging.formats.icc_making import DISPLAY_P3, primaries_profile
 from relight_core.imaging.formats.limits import check_pixels
 from relight_core.imaging.formats.raster import RAW_SUFFIXES, Raster
 from relight_core.imaging.formats.tiff_exif import exif_of_tiff
 
+_NEVER_RAW = (b"\xff\xd8\xff", b"\x89PNG\r\n\x1a\n", b"GIF87a", b"GIF89a")
 RAW_HEADS = (b"FUJIFILMCCD-RAW", b"IIRO", b"FOVb")
 _SRGB_GAMMA = (2.4, 12.92)
 _CLIPPED_SHARE = 0.001
@@ -20,8 +22,11 @@ _CLIPPED_SHARE = 0.001
 
 
 def is_raw(data: bytes, path: Path) -> bool:
-    """Whether a file is a camera's raw one, by its name or its first bytes."""
-    return path.suffix.lower() in RAW_SUFFIXES or data.startswith(RAW_HEADS)
+    """Whether a file is a camera's raw one, by its first bytes or, as most begin like any TIFF, by its name."""
+    if data.startswith(RAW_HEADS):
+        return True
+    is_other = data.startswith(_NEVER_RAW) or is_heif(data) or (data[:4], data[8:12]) == (b"RIFF", b"WEBP")
+    return path.suffix.lower() in RAW_SUFFIXES and not is_other
 
 
 def develop_raw(data: bytes, path: Path) -> Raster:
