@@ -244,3 +244,15 @@ def test_a_profile_that_says_hdr_is_refused_as_hdr_numbers_are(tmp_path, transfe
         return
     with pytest.raises(InputError, match=rf"HDR picture \({name}\)"):
         read_photo(tmp_path / ("said" + suffix))
+
+
+@pytest.mark.parametrize("curve", [gamma(0), b"curv\0\0\0\0" + struct.pack(">IHH", 2, 40000, 40100)])
+def test_a_profile_with_a_flat_curve_counts_as_none(tmp_path, curve):
+    pixels = np.random.default_rng(3).integers(0, 256, (8, 9, 3)).astype(np.uint8)
+    Image.fromarray(pixels).save(tmp_path / "plain.png")
+    Image.fromarray(pixels).save(tmp_path / "flat.png", icc_profile=rgb_profile(curve))
+    Image.fromarray(pixels[..., 0]).save(tmp_path / "grey.png", icc_profile=profile_bytes(b"GRAY", {b"kTRC": curve}))
+    plain, flat, grey = (read_photo(tmp_path / f"{name}.png") for name in ("plain", "flat", "grey"))
+    np.testing.assert_array_equal(flat.linear, plain.linear)
+    np.testing.assert_array_equal(grey.linear, np.repeat(plain.linear[..., :1], 3, axis=2))
+    assert flat.icc is None

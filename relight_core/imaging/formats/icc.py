@@ -23,6 +23,9 @@ _REC709_TO_XYZ_D50 = np.array(
 _CURVE_SAMPLES = 4096
 _FLATTEST = 1e6
 """Condition of a matrix from which on no way leads back into the profile: its colours lie in a plane."""
+_LEAST_CONTRAST = 0.01
+"""Between the darkest and the brightest that a curve gives: with less nothing is left of a picture."""
+
 _SAME = 0.003  # how far makers' rounded sRGB profiles lie from the standard
 
 
@@ -44,6 +47,11 @@ class MatrixProfile:
         standard = srgb_decode(np.linspace(0.0, 1.0, _CURVE_SAMPLES))
         same_curve = np.abs(self.curves - standard).max() < _SAME
         return bool(same_curve and (self.matrix is None or np.abs(self.matrix - np.eye(3)).max() < _SAME))
+
+    @property
+    def is_flat(self) -> bool:
+        """Whether one of its curves gives the same whatever comes, as no real profile's does."""
+        return bool(np.ptp(self.curves, axis=1).min() < _LEAST_CONTRAST)
 
     def decode(self, encoded: np.ndarray) -> np.ndarray:
         """(H, W, 1 or 3) integers or finite floats to (H, W, 3) float32 linear Rec.709.
