@@ -92,6 +92,14 @@ def test_an_exr_of_ten_thousand_layers_is_refused_for_them(tmp_path):
         read_radiance(exr_claiming(tmp_path / "a.exr", 8, 4, names))
 
 
+def test_an_exr_of_too_many_layers_never_reaches_the_library(tmp_path, monkeypatch):
+    """Which would take 17 s for a hundred thousand of them."""
+    monkeypatch.setattr(OpenEXR, "File", None)
+    names = [f"layer{index:06d}.R" for index in range(100_000)]
+    with pytest.raises(InputError, match="100000 channels are too many"):
+        read_radiance(exr_claiming(tmp_path / "a.exr", 8, 4, names))
+
+
 def test_a_tile_far_larger_than_its_picture(tmp_path):
     path, pixels = tmp_path / "a.exr", np.ones((32, 64, 3), np.float16)
     header = {"type": OpenEXR.tiledimage, "tiles": OpenEXR.TileDescription()}

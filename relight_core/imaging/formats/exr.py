@@ -18,6 +18,7 @@ import OpenEXR
 from relight_core.errors import InputError
 from relight_core.imaging.files import check_regular, is_legible
 from relight_core.imaging.formats.chromaticities import is_rec709, rgb_to_xyz, to_rec709
+from relight_core.imaging.formats.exr_head import most_channels
 from relight_core.imaging.formats.limits import MAX_PIXELS, check_pixels
 from relight_core.imaging.in_order import WORKERS
 
@@ -96,6 +97,7 @@ def _read_header(path: Path) -> dict:
         check_regular(path)
         if not is_legible(str(path)):
             raise InputError(f"{path}: OpenEXR can't open names that are no text; rename the file or its folder")
+        _check_channels(most_channels(path), path)
         with _quiet(), OpenEXR.File(str(path), header_only=True) as file:
             header = dict(file.header())
         _check_size(header, path)
@@ -198,10 +200,13 @@ def limited(array: np.ndarray, kind: type) -> np.ndarray:
     return cv2.convertFp16(np.ascontiguousarray(array).reshape(1, -1)).view(np.float16).reshape(array.shape)
 
 
-def _check_size(header: dict, path: Path) -> None:
-    channels = len(header.get("channels", ()))
+def _check_channels(channels: int, path: Path) -> None:
     if channels > _MAX_CHANNELS:
         raise InputError(f"{path}: {channels} channels are too many; export fewer layers")
+
+
+def _check_size(header: dict, path: Path) -> None:
+    channels = len(header.get("channels", ()))
     for window in ("dataWindow", "displayWindow"):
         low, high = header[window]
         width, height = (int(high[i]) - int(low[i]) + 1 for i in (0, 1))
