@@ -173,3 +173,8 @@ def test_damaged_blocks_say_what_they_still_do():
     entry = struct.pack("<HHII", EXIF, 4, 1, 8)
     endless = b"II*\0" + struct.pack("<IH", 8, 65535) + entry * 65535
     assert len(carried_block(endless)) < 200
+
+
+@pytest.mark.parametrize("bits", [8, 16])
+def test_a_tiff_of_ours_that_says_nothing_of_a_camera_is_read_so_at_any_depth(tmp_path, bits):
+    assert read_photo(written(tmp_path / "a.tif", None, bits)).exif is None

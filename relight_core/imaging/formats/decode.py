@@ -89,7 +89,9 @@ def _decode_by_pillow(data: bytes, path: Path) -> Raster:
     if data[:8] == b"\x89PNG\r\n\x1a\n" and data[24] == 16:
         return replace(_decode_deep_png(data, image, icc, path), exif=carried_exif(image, data))
     try:
-        return replace(_from_pillow(image, icc), exif=carried_exif(image, data))
+        # As of TIFFs with more bits; whichever program wrote the file, and its dots per inch, is of no camera.
+        exif = exif_of_tiff(data) if image.format == "TIFF" else carried_exif(image, data)
+        return replace(_from_pillow(image, icc), exif=exif)
     except Exception:
         raise InputError(f"{path}: a damaged image; fetch or export it again") from None
 
