@@ -179,8 +179,7 @@ def replay(
 def _compare(
     thorough: Relighter, relit: Relit, bound: float, light: Environment, edit: Edit, savings: Savings
 ) -> float:
-    for stage in _PER_LIGHT:
-        thorough.forget(stage)
+    thorough.forget_lights()
     reference = thorough.relight(light, replace(edit, channels=None, forced_on=_EVERYTHING))
     error = float(np.abs(apply_view(relit.image) - apply_view(reference.image)).max())
     savings.compared += 1
@@ -189,26 +188,6 @@ def _compare(
     if error > bound + 1e-4:
         savings.broken.append(f"{light.name} at {edit.yaw_deg:g} degrees: {error:.5f}, not {bound:.5f}")
     return error
-
-
-_PER_LIGHT = (
-    "irradiance",
-    "specular_shadow",
-    "hard_shadow",
-    "compose",
-    "nearer_face",
-    "detail_fit",
-    "fine_edges",
-    "sliders",
-    "catchlights",
-    "placed_catchlights",
-    "other_faces",
-    "detail",
-    "panorama",
-    "background",
-    "paste",
-    "channels",
-)
 
 
 def as_markdown(savings: Savings) -> str:

@@ -14,7 +14,6 @@ from relight_core.evaluation.bench_configurations import Configuration
 from relight_core.evaluation.bench_machine import peak_memory_mib, reset_peak_memory, wait_for
 from relight_core.imaging.photo import Photo
 from relight_core.lighting.environment import Environment
-from relight_core.pipeline.cache import Stage
 from relight_core.pipeline.edit import Edit
 from relight_core.pipeline.relighter import Relighter
 from relight_core.pipeline.results.relit import Relit
@@ -125,18 +124,13 @@ class _Hand:
         self.display(relit)
         ended = perf_counter()
         # A first visit also takes the portrait apart, which is the photo's cost and not the light's.
-        once = sum(stage.ms for stage in relit.stages.values() if _is_of_photo(stage))
+        once = sum(stage.ms for stage in relit.stages.values() if stage.is_of_photo)
         runs.ms[action].append(1e3 * (ended - started) - once)
         if action == "rotation":
             for name, stage in relit.stages.items():
-                if stage.state == "computed" and not _is_of_photo(stage):
+                if stage.state == "computed" and not stage.is_of_photo:
                     runs.stages[name].append(stage.ms)
             runs.stages["display"].append(1e3 * (ended - relit_at))
-
-
-def _is_of_photo(stage: Stage) -> bool:
-    """Whether a stage ran because the photo was new to it, and not the light or a slider."""
-    return stage.state == "computed" and stage.why.startswith("new photo")
 
 
 def _summary(runs: _Runs) -> Timing:

@@ -10,6 +10,9 @@ from typing import Any, Literal
 
 State = Literal["computed", "reused", "skipped"]
 
+_OF_PHOTO = "new photo"
+"""How the reason of a stage begins that no light and no slider makes run again."""
+
 
 @dataclass(frozen=True)
 class Stage:
@@ -26,6 +29,11 @@ class Stage:
     state: State
     why: str
     start_ms: float = 0.0
+
+    @property
+    def is_of_photo(self) -> bool:
+        """Whether it ran because the photo was new to it, and not the light or a slider."""
+        return self.state == "computed" and self.why.startswith(_OF_PHOTO)
 
 
 @dataclass
@@ -68,6 +76,7 @@ class StageCache:
 
     record: Record = field(default_factory=Record)
     _kept: dict[str, OrderedDict[Hashable, Any]] = field(default_factory=dict)
+    _of_photo: set[str] = field(default_factory=set)
 
     def clear(self) -> None:
         """Forget all results."""
@@ -76,6 +85,10 @@ class StageCache:
     def forget(self, name: str) -> None:
         """Forget one stage's results."""
         self._kept.pop(name, None)
+
+    def forget_lights(self) -> None:
+        """Forget what came with a light or an edit: all stages but those that run for a new photo."""
+        self.keep_only(self._of_photo)
 
     def keep_only(self, names: Collection[str]) -> None:
         """Forget the results of all other stages."""
@@ -90,11 +103,13 @@ class StageCache:
         """The stage's result for this key, made by `make` unless it is kept.
 
         Args:
-            why: the reason for running, for the record.
+            why: the reason for running, for the record; "new photo ..." where neither light nor sliders are read.
             keep: how many results of this stage stay; more than one only where they are small and an
                 editor goes back and forth between them.
         """
         kept = self._kept.setdefault(name, OrderedDict())
+        if why.startswith(_OF_PHOTO):
+            self._of_photo.add(name)
         started = time.perf_counter()
         start_ms = (started - self.record.began) * 1e3
         if key in kept:

@@ -84,6 +84,11 @@ class FaceTakenApart:
         for cache in self.caches:
             cache.clear() if stage is None else cache.forget(stage)
 
+    def forget_lights(self) -> None:
+        """Drop what came with a light or an edit."""
+        for cache in self.caches:
+            cache.forget_lights()
+
     def _once(self, name: str, key: Hashable, make):
         """A stage that only a new photo or another quality makes run again."""
         return self.cache.run(name, key, make, "new photo or quality", keep=_KEPT_TIERS)

@@ -170,6 +170,12 @@ class Relighter:
         for face in self._faces:
             face.forget(stage)
 
+    def forget_lights(self) -> None:
+        """Drop what came with a light or an edit: the next picture is made anew from what is known of the photo."""
+        self._cache.forget_lights()
+        for face in self._faces:
+            face.forget_lights()
+
     def plan(self, environment: Environment, edit: Edit) -> Plan:
         """What `relight` would do now; of the picture nothing is computed.
 

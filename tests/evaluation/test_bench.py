@@ -218,7 +218,7 @@ def test_a_session_saves_work_and_errs_by_no_more_than_it_says(weights, photo):
     assert 0 < json.loads(json.dumps(savings.as_record()))["share_avoided"] < 1
 
 
-def test_what_a_small_lamp_casts_is_worked_out_anew_to_compare_with(weights, photo, monkeypatch):
+def test_what_a_light_brings_is_worked_out_anew_to_compare_with(weights, photo, monkeypatch):
     thorough, told = Relighter(weights), []
     original = thorough.relight
     monkeypatch.setattr(thorough, "relight", lambda *given: told.append(original(*given)) or told[-1])
@@ -226,6 +226,8 @@ def test_what_a_small_lamp_casts_is_worked_out_anew_to_compare_with(weights, pho
     replay(Relighter(weights), thorough, photo, [step, step], Savings(), compare_every=1)
     for stage in ("irradiance", "hard_shadow", "fine_edges"):
         assert [relit.stages[stage].state for relit in told] == ["computed", "computed"], stage
+    reused = {name for name, stage in told[1].stages.items() if stage.state == "reused"}
+    assert reused <= {name for name, stage in told[0].stages.items() if stage.why.startswith("new photo")}
 
 
 def test_a_picture_out_of_bounds_is_told(weights, photo, monkeypatch):

@@ -29,3 +29,12 @@ def test_a_forgotten_stage_is_made_again_and_no_other():
     cache.forget("one")
     assert not cache.has("one", 0)
     assert cache.has("other", 0)
+
+
+def test_whatever_is_not_of_the_photo_is_forgotten_with_its_light():
+    cache = StageCache()
+    cache.run("delight", 1, lambda: "face", "new photo or quality")
+    cache.run("irradiance", 1, lambda: "light", "new light")
+    cache.run("paste", 1, lambda: "picture", "new light, slider or background")
+    cache.forget_lights()
+    assert [cache.has(name, 1) for name in ("delight", "irradiance", "paste")] == [True, False, False]
