@@ -104,7 +104,7 @@ class Desk:
         side_px = _longest_side_px(now.opened, request)
         key = _picture_key(now.opened, now.light, request.edit, side_px)
         if key != self._failed and (now.picture is None or key != _key_of(now.picture)):
-            return Step("Relighting", partial(self._relight, request.edit, side_px), partial(self._skip, key))
+            return Step(_relighting(now), partial(self._relight, request.edit, side_px), partial(self._skip, key))
         picture = now.picture
         if request.outlined and picture is not None and picture.outline is None and not picture.is_stale:
             return Step("Drawing the outline", _draw_outline, _without_outline)
@@ -269,6 +269,12 @@ class Desk:
         picture = Picture(now.opened, now.light, edit, longest_side_px, relit, screen, channels)
         self._tiers.observe(edit.quality, relit.stages)
         return replace(now, picture=picture, tier_costs=self._tiers.costs())
+
+
+def _relighting(now: Snapshot) -> str:
+    """What the status line says while it takes its time: each face of a group takes as long as one alone."""
+    count = len(now.faces) if now.opened.source.face_index is None else 1
+    return f"Relighting {count} faces" if count > 1 else "Relighting"
 
 
 def _draw_outline(now: Snapshot) -> Snapshot:

@@ -190,3 +190,11 @@ def test_a_correction_that_was_refused_lets_go_of_its_photo_once_another_is_open
     assert len(snapshot.refused) == 1
     # What is still refused would keep it.
     assert answered(engine, PhotoSource(a_photo())).refused == frozenset()
+
+
+@pytest.mark.parametrize(("face_index", "words"), [(None, "Relighting 2 faces"), (1, "Relighting")])
+def test_of_a_group_it_is_told_how_many_faces_are_relit(engine, relighter, face_index, words):
+    relighter.gate.clear()
+    engine.submit(Request(PhotoSource(a_photo(), face_index, (BOX, OTHER)), SPLIT, Edit()))
+    assert relighter.entered.acquire(timeout=fake_relighter.LONG_S)
+    assert engine.snapshot().activity == words

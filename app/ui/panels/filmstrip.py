@@ -25,7 +25,8 @@ def draw(state: EditorState, pictures: Pictures) -> None:
         if index:
             imgui.same_line(0.0, spacing)
         _frame(state, pictures.thumbnail(name, side_px), index, title, width, room.y)
-        imgui.set_item_tooltip(f"{explanation}  {index + 1}")
+        # The title too, which a narrow window cuts short.
+        imgui.set_item_tooltip(f"{title}   {index + 1}\n{explanation}")
 
 
 def _frame(state: EditorState, shown: Shown | None, index: int, title: str, width: float, height: float) -> None:
