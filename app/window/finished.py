@@ -84,7 +84,7 @@ class Finished:
             task = self._tasks.popleft()
             task.otherwise()
             lost = "Nothing was saved" if task.makes_file else "Nothing was changed"
-            self._fail(f"{lost}: this picture can't be relit")
+            self._fail(f"{lost}: {_why_not(task.request, snapshot)}")
 
     def _attempt(self, run: Callable[[Picture], None], picture: Picture) -> None:
         """Whatever goes wrong in a task is told; the window goes on."""
@@ -98,6 +98,18 @@ class Finished:
     def _fail(self, line: str) -> None:
         self.failures += 1
         self._say(line, True)
+
+
+def _why_not(request: Request, snapshot: Snapshot) -> str:
+    """Why a picture will never be there; on a second line what was told of a light or photo that can't be had."""
+    if request.photo in snapshot.refused:
+        why = f"{request.photo.name} can't be opened"
+    elif request.light in snapshot.refused:
+        why = f"the light {request.light.title} can't be had"
+    else:
+        return "this picture can't be relit"
+    told = snapshot.message
+    return f"{why}\n{told.text}" if told is not None and told.is_error else why
 
 
 def _answers(picture: Picture | None, request: Request) -> bool:

@@ -48,8 +48,7 @@ class Outputs:
         state: what is shown and set.
         exporter: runs the jobs.
         make_relighter: makes one for jobs that relight, so that the window's own stays free.
-        when_finished: calls what it is given with the finished picture of what is wanted now; None takes the picture
-            that is there.
+        when_finished: as of app.window.finished.Finished.then; None takes the picture that is there.
     """
 
     def __init__(
@@ -57,10 +56,10 @@ class Outputs:
         state: EditorState,
         exporter: Exporter,
         make_relighter: Callable[[], RelighterLike],
-        when_finished: Callable[[Callable[[Picture], None]], None] | None = None,
+        when_finished: Callable[..., None] | None = None,
     ) -> None:
         self._state, self._exporter, self._make_relighter = state, exporter, make_relighter
-        self._when_finished = when_finished or (lambda task: task(state.snapshot.picture))
+        self._when_finished = when_finished or (lambda task, **_: task(state.snapshot.picture))
 
     def export(self, suffix: str) -> None:
         """Save the picture as another or the same kind of file where the panel says now, if there is one."""
@@ -123,7 +122,7 @@ class Outputs:
 
     def _promise(self) -> Promise:
         promise = Promise()
-        self._when_finished(promise.keep)
+        self._when_finished(promise.keep, otherwise=promise.give_up)
         return promise
 
     def _start_film(self, wish: Path, replaces: bool, picture: Picture, side: int, exposure_ev: float) -> None:

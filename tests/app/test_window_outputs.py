@@ -1,16 +1,21 @@
 """Files of pictures, asked for in the real window at any moment."""
 
+import threading
+
 import glfw
 import numpy as np
 import pytest
 from PIL import Image
 
+from app.engine.sources import LightSource
 from app.ui.export_name import choose_form
 from relight_core.errors import InputError
 from relight_core.imaging.view_transform import apply_view
 from relight_core.imaging.write import write_image
 from relight_core.lighting.light_edit import LightEdit
 from relight_core.pipeline.auto_quality import QualityChoice
+
+LONG_S = 60
 
 
 def saved(path):
@@ -98,6 +103,49 @@ def test_what_can_not_be_relit_is_not_saved_and_that_is_told(busy, relighter, ph
     finish(busy, relighter)
     assert list(photo_path.parent.glob("*-relit*")) == []
     assert "Nothing was saved" in busy.window.state.message().text
+
+
+@pytest.fixture
+def lost_light(opened, photo_path, monkeypatch):
+    """The window on its way to a light that can't be had, and what lets that turn out."""
+    goes_on = threading.Event()
+
+    def read(path):
+        assert goes_on.wait(LONG_S)
+        raise InputError(f"{path}: no light")
+
+    monkeypatch.setattr("app.engine.desk.read_environment", read)
+    opened.window.state.open_light(LightSource("panorama", str(photo_path.with_name("sky.hdr"))))
+    opened.frames(3)
+    yield opened, goes_on
+    goes_on.set()
+
+
+def test_nothing_is_saved_under_another_light_than_was_wanted_and_why_is_told(lost_light, photo_path):
+    opened, goes_on = lost_light
+    press(opened, glfw.KEY_E)
+    goes_on.set()
+    opened.settle()
+    opened.window.exporter.close()
+    assert list(photo_path.parent.glob("*-relit*")) == []
+    first, second = opened.window.state.message().text.splitlines()
+    assert first == "Nothing was saved: the light sky can't be had"
+    assert second.endswith("sky.hdr: no light")
+
+
+def test_a_place_chosen_once_the_light_is_lost_is_told_that_nothing_is_saved(lost_light, photo_path, monkeypatch):
+    opened, goes_on = lost_light
+    monkeypatch.setattr(opened.window._deeds._dialogs, "_has_native", False)
+    opened.window.state.asking.wish("export_as")
+    opened.frames(2)
+    request, opened.window.state.picking = opened.window.state.picking, None
+    goes_on.set()
+    opened.settle()
+    opened.window.state.dismissed = opened.window.state.message().number
+    request.then([photo_path.with_name("chosen.png")])
+    opened.settle()
+    assert opened.window.state.message().text.startswith("Nothing was saved")
+    assert not photo_path.with_name("chosen.png").exists()
 
 
 @pytest.fixture
