@@ -172,12 +172,20 @@ class FaceTakenApart:
 
     def looks(self) -> list[tuple[np.ndarray, Crop]]:
         """`mask`, and the same of a wider view where there is a person network and the photo shows more."""
+        return [self.mask(), *self._wider_looks()]
+
+    def glances(self) -> list[tuple[np.ndarray, Crop]]:
+        """`looks` by the person network alone where there is one: in a fraction of the time, hair less exactly."""
+        outline = self.outline()
+        return self.looks() if outline is None else [(outline.likely, outline.view), *self._wider_looks()]
+
+    def _wider_looks(self) -> list[tuple[np.ndarray, Crop]]:
         crop = upright(self.portrait.crop)
         view = wider_view(crop, self.portrait.photo.linear.shape[:2])
         if self.outline() is None or view is None:
-            return [self.mask()]
+            return []
         wider = self._once("wider_outline", "photo", lambda: self._look(crop, view, mirrors=(False, True)))
-        return [self.mask(), (wider.likely, view)]
+        return [(wider.likely, view)]
 
     def _look(self, crop: Crop, view: Crop, mirrors: tuple[bool, ...] = (False,)) -> Outline:
         """What the person network says in a view; see `outline_person`."""

@@ -73,6 +73,7 @@ class Relighter:
         self._lights = KeptLights(KEPT_LIGHTS)
         self._people: tuple[FaceBox, ...] = ()
         self._faces: list[FaceRelighter] = []
+        self._others: list[FaceRelighter] = []
         self._face_at: dict[FaceBox, FaceRelighter] = {}
         self._whole: WholePhoto | None = None
         # A user who undoes a box by hand need not wait for the search again, which takes longest where it is in vain.
@@ -91,7 +92,8 @@ class Relighter:
         new strokes of the brush cost a new matte alone.
 
         Args:
-            face_index: which face alone, in order of size or of `boxes`; None for all of them, the largest first.
+            face_index: which face alone, in order of size or of `boxes`; None for all of them, the largest first. What
+                belongs to the others stays as it is.
             boxes: where the faces are, brow to chin and cheek to cheek, where the finder is wrong or sees none.
             strokes: who is person and what is not, where the networks are wrong, from the oldest to the newest.
                 Nothing where the photo's own alpha cuts the people out.
@@ -107,24 +109,25 @@ class Relighter:
         def face_at(box: FaceBox) -> FaceRelighter:
             return known.get(box) or FaceRelighter(self._shop, framed(photo, box, search.labels), StageCache())
 
-        chosen, before = those_chosen(photo, people, face_index), self._faces
-        faces = {box: face_at(box) for box in dict.fromkeys(chosen)}
+        chosen, before = those_chosen(photo, people, face_index), (self._faces, self._others)
+        faces = {box: face_at(box) for box in dict.fromkeys((*chosen, *people))}
         self._people, self._face_at, self._faces = people, faces, [faces[box] for box in chosen]
-        self._whole = WholePhoto(self._shop, self._cache, self._faces, strokes)
-        if self._faces == before:
+        self._others = [face for box, face in faces.items() if box not in chosen]
+        self._whole = WholePhoto(self._shop, self._cache, self._faces, strokes, self._others)
+        if (self._faces, self._others) == before:
             self._cache.keep_only(BEFORE_THE_BRUSH)
         else:
-            for face in set(before).difference(self._faces):
+            for face in set(before[0]).difference(self._faces):
                 # A company and its faces know each other, and in such a circle would keep their photo.
                 face.join(None)
             self._begin_portrait()
 
     def _begin_portrait(self) -> None:
         """Forget what was found of other faces, and let those of now share their photo's light."""
-        faces = list(self._face_at.values())
+        faces = list(dict.fromkeys(self._faces))
         company = Company(faces) if len(faces) > 1 else None
-        for face in faces:
-            face.join(company)
+        for face in self._face_at.values():
+            face.join(company if face in faces else None)
             face.cache.record = Record()
         self._faces[0].cache.record = self._record
         self._cache.clear()
@@ -167,7 +170,7 @@ class Relighter:
     def forget(self, stage: str) -> None:
         """Drop a stage's results, so that it runs again when next needed; for measuring it."""
         self._cache.forget(stage)
-        for face in self._faces:
+        for face in self._face_at.values():
             face.forget(stage)
 
     def forget_lights(self) -> None:
@@ -243,14 +246,14 @@ class Relighter:
         return self._cache.run("catchlights", plan.keys["catchlights"], make, "new light or slider")
 
     def _networks_ended_s(self) -> float | None:
-        ends = [cache.record.last_end(_NETWORK_STAGES) for face in self._faces for cache in face.caches]
+        ends = [cache.record.last_end(_NETWORK_STAGES) for face in self._face_at.values() for cache in face.caches]
         return max((end for end in ends if end is not None), default=None)
 
     def _begin_update(self) -> None:
         self._record.begin_update()
         if not self._remembers:
             self._cache.clear()
-            for face in self._faces:
+            for face in self._face_at.values():
                 face.forget()
 
     def _first(self) -> FaceRelighter:

@@ -53,15 +53,17 @@ class WholePhoto:
         cache: StageCache,
         faces: Sequence[FaceRelighter],
         strokes: Sequence[BrushStroke],
+        others: Sequence[FaceRelighter] = (),
     ) -> None:
         """Compute nothing yet.
 
         Args:
-            cache: keeps the stages; whoever owns it empties it when faces or strokes are others.
+            cache: keeps the stages; whoever owns it empties it when faces, strokes or others are not the same.
             faces: of one photo, those that are relit, at least one.
             strokes: of the brush, see `Relighter.set_portrait`.
+            others: faces of the photo that stay as they are.
         """
-        self._shop, self._cache, self._faces = shop, cache, faces
+        self._shop, self._cache, self._faces, self._others = shop, cache, faces, others
         self._photo = faces[0].portrait.photo
         self._strokes = () if self._photo.is_cut_out else strokes
 
@@ -159,7 +161,8 @@ class WholePhoto:
         portraits = [face.portrait for face in self._faces]
         exposures, crops = [one.exposure for one in portraits], [one.crop for one in portraits]
         exposure = exposure_about_faces(exposures, crops, self._photo.linear.shape[:2])
-        return draft_matte(self._photo.linear, looks, self._photo.alpha, self._small().linear, exposure, shapes)
+        others = (face.glances() for face in self._others)
+        return draft_matte(self._photo.linear, looks, self._photo.alpha, self._small().linear, exposure, shapes, others)
 
     def _small(self) -> Canvas:
         """The photo no longer than WORKING_PX, from which smaller copies are made."""

@@ -57,6 +57,19 @@ def test_only_the_face_that_moved_is_read_again(relighter, photo, delighted):
     assert computed(relit) >= {"other_faces", "matte", "detail", "paste"}
 
 
+def test_one_face_alone_leaves_those_beside_it_what_is_theirs(relighter, photo):
+    """Without the other box nothing is known of who is beside."""
+    beside = FaceBox(76, 20, 108, 62)
+    shares = []
+    for face_index, boxes in ((None, [LARGE]), (0, [LARGE, beside])):
+        relighter.set_portrait(photo, face_index, boxes)
+        shares.append(relighter.relight(some_light(), EDIT).full.matte.nearby)
+    width = shares[0].shape[1]
+    alone, with_other = (share[:, round(0.75 * width) :].mean() for share in shares)
+    assert alone > 0.1
+    assert with_other < 0.8 * alone
+
+
 def ends_of(monkeypatch, module, name):
     """When each call of a module's function has ended, from now on."""
     ends, function = [], getattr(module, name)
@@ -88,6 +101,16 @@ def test_the_networks_have_ended_when_the_person_network_has(tmp_path, photo, mo
     relit = relighter.relight(some_light(), EDIT)
     assert len(ends) == 3
     assert relit.networks_ended_s >= ends[-1]
+
+
+@pytest.mark.usefixtures("small_and_seeing_faces")
+def test_who_is_not_relit_is_looked_at_by_the_person_network_alone(tmp_path, photo, delighted):
+    save_bundle(tmp_path / "weights", tiny_bundle_with_person())
+    relighter = Relighter(tmp_path / "weights")
+    relighter.set_portrait(photo, 0, [LARGE, MOVED])
+    delighted.clear()
+    relighter.relight(some_light(), EDIT)
+    assert len(delighted) == 1, "the view of the face that is relit"
 
 
 def test_a_forgotten_stage_is_forgotten_of_every_face(relighter, photo, delighted):

@@ -106,6 +106,23 @@ def test_a_wall_that_a_wider_look_takes_for_a_lap_is_known_by_its_colour():
     assert likely[85, 85] > 0.8
 
 
+def test_what_two_looks_take_for_their_own_is_whose_is_nearer():
+    """To both the other is a part of the person that is meant, and what lies below neither of them too."""
+    left, right = ([(np.full((8, 8), 0.95, np.float32), Crop(x, 40.0, 60.0))] for x in (30.0, 70.0))
+    alone = place_masks([left], (100, 100), (100, 100))[0]
+    beside = place_masks([left], (100, 100), (100, 100), [right])[0]
+    assert alone[40, 55] > 0.9
+    assert beside[40, 55] < 0.3
+    assert beside[40, 45] > 0.7
+    np.testing.assert_allclose(beside[40, 20], alone[40, 20], atol=0.05)
+
+
+def test_what_nobody_else_claims_stays_with_who_is_meant():
+    person, nobody = [(mask(), CROP)], [(np.zeros((8, 8), np.float32), Crop(90.0, 40.0, 60.0))]
+    alone, beside = (place_masks([person], (100, 100), (100, 100), others)[0] for others in ([], [nobody]))
+    np.testing.assert_allclose(beside[30:60, 40:55], alone[30:60, 40:55], atol=0.02)
+
+
 def test_what_lies_in_anybodys_nearest_look_is_near():
     people = [[(mask(), CROP), (mask(), WIDER)], [(mask(), Crop(90.0, 90.0, 20.0))]]
     near = near_views(people, (100, 100), (100, 100))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 
 import cv2
 import numpy as np
@@ -14,7 +14,7 @@ from relight_core.imaging.colour_counts import bins_of, log_odds, shares_of
 from relight_core.imaging.ramp import ramp
 
 _SURELY_BODY, _PROBABLY_BODY, _PERHAPS_BODY, _NOBODY = 0.97, 0.6, 0.2, 0.02
-_LEAST = 0.01
+_LEAST, _TINY = 0.01, 1e-20
 _SURE_FROM = 0.7
 _NO_GAP_FROM = 0.5
 _ENCLOSED, _HALF_ENCLOSED, _WHOLE, _LEAST_GAP_PX = 0.3, 0.15, 0.9, 12
@@ -36,24 +36,41 @@ _PERHAPS_FACE, _SURELY_FACE = 0.5, 0.9
 _DOUBTED, _DENIED, _SUREST, _AT_MOST_BESIDE = 1.0, 2.0, 0.002, 0.35
 """In a wider look faces are smaller than the person network learnt with. It knows bodies there and what lies behind
 them, but doubts what people hold, and beside heads takes things along: in those, colours decide."""
+_MIDDLE, _NEARNESS_POWER = 0.05, 4
+"""What is added to a distance from the middle of a look, in its sides, and how much faster than it a claim weakens."""
 
 Look = tuple[np.ndarray, Crop]
 """(S, S) probability in [0, 1] that the pixels of a view are a person, and where in the photo the view lies."""
 
 
-def place_masks(people: list[list[Look]], size: tuple[int, int], photo_size: tuple[int, int]) -> list[np.ndarray]:
+def place_masks(
+    people: list[list[Look]],
+    size: tuple[int, int],
+    photo_size: tuple[int, int],
+    others: Sequence[list[Look]] = (),
+) -> list[np.ndarray]:
     """Each person's masks at their places in a photo, and around them what is likely of a body below and a head above.
+
+    What is as likely a part of somebody else is whose is nearer: to the person network an arm or a shirt that a
+    neighbour rests against may belong to both.
 
     Args:
         people: looks at each, from the nearest to the widest; what is not finite or out of range is brought into it.
             What lies outside the nearest is guessed, and the wider ones have a say in that.
         size: (h, w) of the result.
         photo_size: (height, width).
+        others: looks at people who are known not to be meant.
 
     Returns:
-        (h, w) float32 in [0, 1] for each.
+        (h, w) float32 in [0, 1] for each of the people.
     """
-    return [_placed(looks, size, photo_size) for looks in people]
+    placed = [_placed(looks, size, photo_size) for looks in people]
+    if not others:
+        return placed
+    places = places_of(size, photo_size)
+    theirs = sum(_placed(looks, size, photo_size) * _nearness(looks, places) for looks in others)
+    own = [_nearness(looks, places) for looks in people]
+    return [mask * (mask * near / (mask * near + theirs + _TINY)) for mask, near in zip(placed, own, strict=True)]
 
 
 def place_faces(faces: Iterable[Look], size: tuple[int, int], photo_size: tuple[int, int]) -> np.ndarray:
@@ -221,6 +238,12 @@ def _placed(looks: list[Look], size: tuple[int, int], photo_size: tuple[int, int
         told = np.where(below, told, np.minimum(told, np.maximum(beyond, _AT_MOST_BESIDE)))
         beyond = np.where(_inside(wider_view, places), told, beyond)
     return np.where(_inside(view, places), seen, beyond).astype(np.float32)
+
+
+def _nearness(looks: list[Look], places: np.ndarray) -> np.ndarray:
+    """How near the middle of somebody's nearest look places (h, w, 2) of the photo are, (h, w) above 0."""
+    distance = np.linalg.norm(looks[0][1].from_photo(places, 1) - 0.5, axis=-1)
+    return ((_MIDDLE + distance) ** -_NEARNESS_POWER).astype(np.float32)
 
 
 def _inside(view: Crop, places: np.ndarray) -> np.ndarray:

@@ -127,6 +127,7 @@ def draft_matte(
     small: np.ndarray | None = None,
     exposure: float | np.ndarray = 1.0,
     faces: Iterable[Look] = (),
+    others: Iterable[list[Look]] = (),
 ) -> DraftMatte | None:
     """Carry coarse person masks to the whole photo; None where the photo's own alpha is the matte.
 
@@ -143,17 +144,18 @@ def draft_matte(
         small: the photo no longer than WORKING_PX, where that is there already.
         exposure: edges are looked for in the photo times this, see `exposure_about_faces`.
         faces: a look at each face, its probability instead of the person's.
+        others: looks, as at the people, at whoever is known not to be meant.
     """
     size = linear.shape[:2]
     if alpha is not None and float(alpha.min()) < 1.0:
         return None
     small = resize_area(linear, shrunk_size(size, WORKING_PX)) if small is None else small
     guide = np.ascontiguousarray(apply_view(exposed(small, exposure, all_of(small.shape[:2], size))))
-    people, faces, matting_size = list(people), list(faces), shrunk_size(size, _MATTING_PX)
-    placed = place_masks(people, matting_size, size)
+    people, faces, others, matting_size = list(people), list(faces), list(others), shrunk_size(size, _MATTING_PX)
+    placed = place_masks(people, matting_size, size, others)
     face, near = place_faces(faces, matting_size, size), near_views(people, matting_size, size)
     coarse = _matted(guide, placed, face, near, matting_size)
-    share, inside = _seen_nearer(coarse, guide, people, faces, size), inside_frame(guide)
+    share, inside = _seen_nearer(coarse, guide, people, faces, others, size), inside_frame(guide)
     share = _within(inside, filled_corners(guide), share)
     return DraftMatte(share, small, guide, size, exposure, inside)
 
@@ -227,6 +229,7 @@ def _seen_nearer(
     guide: np.ndarray,
     people: list[list[Look]],
     faces: list[Look],
+    others: list[list[Look]],
     photo_size: tuple[int, int],
 ) -> np.ndarray:
     """A matte (h, w) made again, from near, where people are small in the photo.
@@ -237,7 +240,8 @@ def _seen_nearer(
     windows = [window for looks in people if (window := _near_window(looks[0][1], photo_size, guide.shape[:2]))]
     if not windows:
         return coarse
-    placed, face = place_masks(people, guide.shape[:2], photo_size), place_faces(faces, guide.shape[:2], photo_size)
+    placed = place_masks(people, guide.shape[:2], photo_size, others)
+    face = place_faces(faces, guide.shape[:2], photo_size)
     for window in sorted(windows, key=_widest_first):
         size = shrunk_size(coarse[window].shape, _MATTING_PX)
         *masks, face_mask = (resize_area(mask[window], size) for mask in (*placed, face))
