@@ -2,7 +2,7 @@
 
 Each channel is written as NAME.png, the way the window shows it. channels.exr holds all of the face crop's
 channels as named layers in linear values, the composition as its RGB. source_light.exr and
-target_light.exr hold the lights.
+target_light.exr hold the lights. Of several faces they are the largest one's; --face chooses another.
 Files of the same names in the folder are replaced, all together at the end. Exposure and background change the
 finished picture only, so no channel depends on them.
 """
@@ -52,6 +52,8 @@ def run(arguments: argparse.Namespace) -> int:
         written = write_channels(relit, edit, folder, inputs)
         for path in written:
             report.line(f"wrote {path}")
+        if len(relit.faces) > 1:
+            report.line(f"these are of the largest of {len(relit.faces)} faces; --face N chooses another")
         record = relit_record(str(arguments.photo), str(folder), relit)
         report.record(record | {"files": [str(path) for path in written]})
     return 0

@@ -48,6 +48,7 @@ class FakeRelighter:
         self.edits, self.lights, self.estimates = [], [], []
         self.level_ev = -1.5
         self.share = 0.5
+        self.face_count = 1
         self.longest_sides_px = []
 
     def set_portrait(self, photo, face_index=None, boxes=None, strokes=()):
@@ -89,7 +90,7 @@ class FakeRelighter:
                 "target_light": np.ones((16, 32, 3), np.float32),
             },
             window=(0.0, 0.0, 16.0, 16.0),
-            faces=[SimpleNamespace(x0=1.0, y0=2.0, x1=11.0, y1=14.0)],
+            faces=[SimpleNamespace(x0=1.0, y0=2.0, x1=11.0, y1=14.0)] * self.face_count,
             stages={
                 "delight": SimpleNamespace(ms=1.25, state="computed", why="new photo"),
                 "compose": SimpleNamespace(ms=0.5, state="skipped", why="nothing to do"),

@@ -49,6 +49,15 @@ def test_every_channel_is_a_picture_and_a_layer(relight, photo, tmp_path):
     assert np.all(layers["normal"].pixels == [0.0, 0.0, 1.0])
 
 
+def test_whose_channels_they_are_is_said_where_there_are_several_faces(relight, relighter, photo, tmp_path):
+    said = []
+    for relighter.face_count in (1, 3):
+        said.append(relight("channels", photo, "--light", "ring", "-o", tmp_path / "channels").out)
+    assert "largest of 3 faces" in said[1]
+    assert "--face N" in said[1]
+    assert "--face" not in said[0]
+
+
 def test_a_light_s_file_holds_more_than_halves_can(tmp_path):
     light = np.full((16, 32, 3), 3000.0, np.float32)
     light[4, 12] = 2e6

@@ -17,8 +17,8 @@ from relight_core.pipeline.results.relit import Relit
 
 CHANNEL_LAYERS = ("albedo", "normal", "specular", "shadow", "parsing", "composition")
 LAYERS = (*CHANNEL_LAYERS, "matte", "background")
-"""What can be had beside the picture itself. Channels are 0 where the networks' view does not reach, and all but the
-composition where it shows no person."""
+"""What can be had beside the picture itself. Channels are the first face's: 0 where the networks' view does not reach,
+and all but the composition where it shows no person."""
 
 
 def photo_layers(relit: Relit, names: Iterable[str], longest_side: int | None = None) -> dict[str, np.ndarray]:
