@@ -64,12 +64,12 @@ def test_a_blue_light_is_found_blue():
 
 def test_a_camera_that_saturates_skin_makes_the_light_hardly_warmer():
     warmer = red_over_blue(explained(coloured(1.0, 1.0, 1.0), saturation=1.3))
-    assert 1.0 < warmer < 1.15
+    assert 1.0 < warmer < 1.08
 
 
 def test_of_a_deeply_orange_light_most_is_left_to_the_light():
     found = red_over_blue(explained(coloured(2.0, 1.0, 0.3)))
-    assert found > 3.0
+    assert found > 5.0
 
 
 def test_a_photo_without_a_person_keeps_the_guess():

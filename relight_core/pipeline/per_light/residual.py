@@ -41,7 +41,7 @@ from relight_core.pipeline.per_photo.black_colour import off_black
 from relight_core.pipeline.per_photo.blown import at_least, clipped_share, flesh_share, skin_share
 from relight_core.pipeline.per_photo.glare import likely
 from relight_core.pipeline.per_photo.mouth_colour import too_blue
-from relight_core.pipeline.per_photo.saturation import middle_colour, saturation
+from relight_core.pipeline.per_photo.saturation import middle_colour, of_camera, saturation
 from relight_core.pipeline.per_photo.skin_colour import deep_shadow
 from relight_core.pipeline.per_photo.source_light import level_over_person, seen_of_person
 from relight_core.pipeline.stages import Composed, Surface
@@ -57,7 +57,7 @@ _DARK_NECK, _DIM_NECK = (0.6, 1.2), (0.2, 0.8)
 is likelier hair, in part and altogether. Both count: skin in a shadow that the model missed keeps its albedo."""
 _HAIR_LOG_ODDS = 4.0
 _FADES = 2.0
-_MOST_SATURATED = 0.5
+_MOST_SATURATED = 0.6
 _GLARE_OF_SKIN, _GLARE_OF_HAIR = (0.2, 0.5), (0.5, 0.8)
 """Log ratios from which on brighter than the model counts as glare, in part and altogether."""
 _GLARE_FADES = 6
@@ -166,11 +166,11 @@ def _glare_share(log_ratio: torch.Tensor, skin: torch.Tensor, hair: torch.Tensor
 
 
 def _by_camera(log_ratio: torch.Tensor, albedo: torch.Tensor, skin: torch.Tensor) -> torch.Tensor:
-    """(1, 3, 1, 1) how much more of its own log colour the camera shows all skin to have than the model does."""
+    """(1, 3, 1, 1) log colour that the camera adds to all skin: what the model does not make of it."""
     own, off = (middle_colour(image, skin, _FEWEST_PIXELS) for image in (albedo, log_ratio.exp()))
     if own is None:
         return torch.zeros_like(log_ratio[..., :1, :1])
-    return (saturation(off, own).clamp(0, _MOST_SATURATED) * own)[None, :, None, None]
+    return of_camera(off, own, saturation(off, own).clamp(0, _MOST_SATURATED))[None, :, None, None]
 
 
 def _was_clipped(recorded: torch.Tensor) -> float:

@@ -2,7 +2,8 @@
 
 Cameras balance the light's colour away, and their curves and their makers' taste make skin redder than its reflectance
 is. To a portrait in another light that belongs as it does to the photo: without it skin is grey.
-A change of colour along the surface's own is taken for the camera's; one across it is a coloured light's.
+A change of colour along the surface's own is taken for the camera's; one that goes mostly across it is a coloured
+light's.
 """
 
 from __future__ import annotations
@@ -15,6 +16,9 @@ _BLACK = 0.005
 _SURE = 0.6
 _GREY = 0.01
 """Squared length of a log colour that is too little of a colour to be followed."""
+_ACROSS = 0.4
+"""Of a change along a surface's own colour: curves compress red before green, and turn skin yellower on its way. Skin
+that kept the change along its own colour alone would be redder than the photo has ever shown it."""
 
 
 def log_colour(values: torch.Tensor) -> torch.Tensor:
@@ -37,6 +41,19 @@ def recoloured(albedo: torch.Tensor, colours: torch.Tensor, share: torch.Tensor)
 def saturation(change: torch.Tensor, own: torch.Tensor) -> torch.Tensor:
     """How far changes of log colour (..., 3) go along a surface's own (3,), (...): 0.2 is a fifth more of it."""
     return change @ own / (own @ own + _GREY)
+
+
+def of_camera(change: torch.Tensor, own: torch.Tensor, saturated: torch.Tensor) -> torch.Tensor:
+    """The part of changes of log colour (..., 3) that is a camera's doing and not a light's.
+
+    Args:
+        own: (3,) log colour of the surface.
+        saturated: (...) by how much of its own colour a camera saturates it, >= 0; see `saturation`.
+    """
+    added = saturated[..., None] * own
+    across = change - saturation(change, own)[..., None] * own
+    length = across.norm(dim=-1, keepdim=True).clamp_min(1e-6)
+    return added + across * (_ACROSS * added.norm(dim=-1, keepdim=True) / length).clamp_max(1)
 
 
 def middle_colour(image: torch.Tensor, part: torch.Tensor, fewest: int) -> torch.Tensor | None:

@@ -5,12 +5,13 @@ from __future__ import annotations
 import torch
 import torch.nn.functional as F
 
+from relight_core.imaging.ramp import ramp
 from relight_core.imaging.tensor_colour import grey, luminance_weights
 from relight_core.lighting.inverse import explain_photo
 from relight_core.lighting.relief import ReliefTransport
 from relight_core.pipeline.per_light.hints import gloss_share
 from relight_core.pipeline.per_photo.blown import skin_share
-from relight_core.pipeline.per_photo.saturation import log_colour, middle_colour, saturation
+from relight_core.pipeline.per_photo.saturation import log_colour, middle_colour, of_camera, saturation
 from relight_core.pipeline.stages import Reflector, Surface, reflect
 
 _FEWEST_PIXELS, _SURELY_SKIN = 50, 0.6
@@ -18,9 +19,11 @@ _CLIPPED, _NEARLY_CLIPPED = 0.9, 0.97
 _DARKEST_ALBEDO = 0.03
 _LEAST_MATTE = 0.4
 """Share of a pixel that is not gloss, at the least: where the model has more gloss than that, it is wrong."""
-_BY_CAMERA, _MOST_BY_CAMERA = 0.6, 0.35
+_BY_CAMERA, _MOST_BY_CAMERA = 0.9, 0.45
 """How much of skin that is too saturated is the camera's doing and not the light's. Held-out heads, whose lights are
 of all colours, ask for none of it; photographs, which cameras balance and develop, would turn grey in a white light."""
+_LEAST_BY_CAMERA, _SURELY_LIT = 0.2, 1.0
+"""So much is the camera's in a light that makes skin twice as saturated: candles and sodium lamps, left unbalanced."""
 
 
 @torch.inference_mode()
@@ -87,10 +90,13 @@ def _left_to_light(surface: Surface, guess: torch.Tensor, explained: torch.Tenso
     if skin is None:
         return explained
     skin = skin.to(explained.device)
-    more = saturation(log_colour(explained) - log_colour(guess), skin)
-    less = torch.exp(-by_camera * more.clamp(0, _MOST_BY_CAMERA)[:, None] * skin)
+    change = log_colour(explained) - log_colour(guess)
+    more = saturation(change, skin)
+    surely_lit = ramp(more, _MOST_BY_CAMERA, _SURELY_LIT)
+    most = torch.lerp(torch.full_like(more, _MOST_BY_CAMERA), torch.full_like(more, _LEAST_BY_CAMERA), surely_lit)
+    cameras = of_camera(change, skin, torch.minimum(more.clamp_min(0), most))
     luminance = luminance_weights(explained)
-    balanced = explained * less
+    balanced = explained * torch.exp(-by_camera * cameras)
     return balanced * ((explained @ luminance) / (balanced @ luminance).clamp_min(1e-12))[:, None]
 
 

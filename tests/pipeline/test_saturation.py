@@ -1,0 +1,35 @@
+"""What of a change of colour is taken for a camera's doing."""
+
+import pytest
+import torch
+
+from relight_core.pipeline.per_photo.saturation import of_camera
+
+SKIN = torch.tensor([0.5, -0.1, -0.4])
+YELLOWER = torch.tensor([0.0, 0.04, -0.04])
+"""About across the skin's own colour."""
+
+
+def kept(change, saturated):
+    return of_camera(change, SKIN, torch.tensor(saturated))
+
+
+def test_more_of_a_surfaces_own_colour_is_the_cameras_as_far_as_it_saturates():
+    torch.testing.assert_close(kept(0.3 * SKIN, 0.3), 0.3 * SKIN, rtol=0.05, atol=0.005)
+    torch.testing.assert_close(kept(0.5 * SKIN, 0.2), 0.2 * SKIN, rtol=0.1, atol=0.01)
+
+
+def test_with_it_goes_the_hue_that_curves_give_skin():
+    change = 0.3 * SKIN + YELLOWER
+    torch.testing.assert_close(kept(change, 0.3), change, rtol=0.1, atol=0.01)
+
+
+@pytest.mark.parametrize("colour", [(-0.3, 0.6, -0.3), (0.3, -0.6, 0.3)])
+def test_of_a_green_or_purple_lights_colour_little_goes_with_it(colour):
+    across = torch.tensor(colour)
+    assert (kept(0.2 * SKIN + across, 0.2) - 0.2 * SKIN).norm() < 0.1 * across.norm()
+
+
+def test_a_camera_that_does_not_saturate_adds_no_colour_at_all():
+    assert kept(torch.tensor([-0.3, 0.5, -0.2]), 0.0).abs().max() < 1e-6
+    assert kept(torch.zeros(3), 0.0).isfinite().all()
