@@ -248,7 +248,7 @@ def _in_plain_words(batches: Iterable[dict[str, torch.Tensor]]) -> Iterator[dict
     try:
         yield from batches
     except InputError as error:
-        words = str(error).strip().splitlines()[-1]
+        words = str(error.args[0]).strip().splitlines()[-1]
         raise InputError(words.removeprefix(f"{InputError.__module__}.{InputError.__qualname__}: ")) from error
     except RuntimeError as error:
         # PyTorch's own words, of a worker that could not take any or was killed as it wrote there.
