@@ -18,6 +18,7 @@ EXPOSURE_LIMIT_EV = 16.0
 GAIN_LIMIT = 2.0
 WIDEST_VIEW_DEG, WIDEST_BLUR_DEG = 170.0, 20.0
 _NEGATIVE_FIRST = re.compile(r"-[\d.]")
+_LISTS_OF_NUMBERS = ("--box", "--add-box")
 
 
 class OneLineParser(argparse.ArgumentParser):
@@ -35,7 +36,7 @@ class OneLineParser(argparse.ArgumentParser):
         """As argparse does, but for a list of numbers of which the first is negative, which it takes for an option."""
         words = []
         for word in sys.argv[1:] if args is None else args:
-            if words and words[-1] == "--box" and _NEGATIVE_FIRST.match(word):
+            if words and words[-1] in _LISTS_OF_NUMBERS and _NEGATIVE_FIRST.match(word):
                 words[-1] += f"={word}"
             else:
                 words.append(word)
@@ -169,7 +170,7 @@ def _add_effort(parser: argparse.ArgumentParser) -> None:
 
 
 def add_face(parser: argparse.ArgumentParser) -> None:
-    """--face and --box, for photos of several people and for faces that are not found."""
+    """--face, --box and --add-box, for photos of several people and for faces that are not found."""
     which = parser.add_mutually_exclusive_group()
     which.add_argument(
         "--face", metavar="N", type=_index, default=None, help="only this face, 0 being the largest; all without it"
@@ -178,8 +179,18 @@ def add_face(parser: argparse.ArgumentParser) -> None:
         "--box",
         metavar="X0,Y0,X1,Y1",
         type=_box,
-        default=None,
-        help="where the face is, in pixels of the photo, brow to chin and cheek to cheek, if it isn't found",
+        action="append",
+        default=[],
+        help="only the face that is here, found or not: pixels of the photo, brow to chin and cheek to cheek; may be "
+        "repeated",
+    )
+    parser.add_argument(
+        "--add-box",
+        metavar="X0,Y0,X1,Y1",
+        type=_box,
+        action="append",
+        default=[],
+        help="a face that isn't found, beside those that are, and counted after them; may be repeated",
     )
 
 

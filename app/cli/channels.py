@@ -45,7 +45,7 @@ def run(arguments: argparse.Namespace) -> int:
         session = Session()
         light = session.light(arguments.light, arguments.meter)
         edit = session.turned(edit)
-        session.open(arguments.photo, arguments.face, arguments.box)
+        session.open(arguments.photo, arguments.face, arguments.box, arguments.add_box)
         # The picture itself is not among the files.
         relit = session.relighter.relight(light, edit, longest_side_px=0)
         inputs = KnownFiles([arguments.photo, *light_files(arguments.light)])

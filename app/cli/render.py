@@ -188,7 +188,7 @@ def _render(
 
     # Only the picture is written, and only in bands: no channel is looked at, no screen wants it.
     edit = session.turned(replace(edit_from(arguments), channels=()))
-    opened = session.open(photo, arguments.face, arguments.box)
+    opened = session.open(photo, arguments.face, arguments.box, arguments.add_box)
     relit = session.relighter.relight(light, edit, longest_side_px=0)
     if arguments.match_face:
         relit = session.relighter.relight(_matched(light, relit, photo), edit, longest_side_px=0)

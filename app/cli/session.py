@@ -18,6 +18,7 @@ from relight_core.errors import InputError, NoFaceError
 
 if TYPE_CHECKING:
     from app.document.document import LightRef, PhotoRef
+    from relight_core.face.find import FaceBox
     from relight_core.imaging.photo import Photo
     from relight_core.lighting.environment import Environment
     from relight_core.lighting.light_edit import LightEdit
@@ -118,13 +119,20 @@ class Session:
         """Let the boxes and strokes that a saved session has of this photo count when it is opened."""
         self._corrected[os.path.realpath(photo.path)] = photo
 
-    def open(self, path: Path, face_index: int | None = None, box: Sequence[float] | None = None) -> Photo:
+    def open(
+        self,
+        path: Path,
+        face_index: int | None = None,
+        only: Sequence[Sequence[float]] = (),
+        added: Sequence[Sequence[float]] = (),
+    ) -> Photo:
         """Read a photo and make it the Relighter's portrait.
 
         Boxes and strokes of a session count for the photo they were made on; see `heed_corrections`.
 
         Args:
-            box: left, top, right and bottom of the face in photo pixels, where it is not to be looked for.
+            only: left, top, right and bottom of faces in photo pixels, where they are not to be looked for.
+            added: the same of more faces, counted after those of `only`, of the session or those that are found.
 
         Raises:
             InputError: not a photo, or no such face in it.
@@ -137,18 +145,29 @@ class Session:
         read_ms = (time.perf_counter() - began) * 1e3
         corrected = self._corrected.get(os.path.realpath(path))
         boxes, strokes = (corrected.boxes, corrected.strokes) if corrected else (None, ())
-        if box is not None:
-            boxes = [FaceBox(*box)]
-        relighter, began = self.relighter, time.perf_counter()
+        as_saved = boxes is not None and not only and not added
+        if only:
+            boxes = [FaceBox(*box) for box in only]
+        began = time.perf_counter()
+        if added:
+            boxes = [*(self._found(photo) if boxes is None else boxes), *(FaceBox(*box) for box in added)]
         try:
-            relighter.set_portrait(photo, face_index, boxes, strokes)
+            self.relighter.set_portrait(photo, face_index, boxes, strokes)
         except InputError as error:
-            if box is not None or boxes is None:
+            if not as_saved:
                 raise
             hint = "the light's session says where faces are in it, and --box says it anew"
             raise type(error)(f"{error}; {hint}") from None
         self.opening_ms = {"read": read_ms, "find": (time.perf_counter() - began) * 1e3}
         return photo
+
+    def _found(self, photo: Photo) -> tuple[FaceBox, ...]:
+        """The faces that are found by themselves in a photo, which becomes the portrait where there are any."""
+        try:
+            self.relighter.set_portrait(photo)
+        except NoFaceError:
+            return ()
+        return self.relighter.people
 
 
 def light_kind(text: str) -> str:

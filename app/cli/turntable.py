@@ -46,7 +46,7 @@ def run(arguments: argparse.Namespace) -> int:
     with reporting(arguments.json) as report:
         session = Session()
         light = session.light(arguments.light, arguments.meter)
-        session.open(arguments.photo, arguments.face, arguments.box)
+        session.open(arguments.photo, arguments.face, arguments.box, arguments.add_box)
         edit = session.turned(replace(edit_from(arguments), channels=()))
         write = write_film_of_turn if is_film else write_turntable
         last = write(session, light, edit, arguments.output)

@@ -99,6 +99,8 @@ def test_corrections_of_a_session_that_lends_its_light_count_for_their_own_photo
     assert relighter.strokes == strokes
     assert boxes_for(folder / "a.png", "--box", "3,3,8,8") == [FaceBox(3, 3, 8, 8)]
     assert relighter.strokes == strokes
+    assert boxes_for(folder / "a.png", "--add-box", "3,3,8,8") == [*boxes, FaceBox(3, 3, 8, 8)]
+    assert relighter.strokes == strokes
 
 
 def test_where_a_session_s_boxes_are_no_good_its_name_is_told(relighter, folder, tmp_path, capsys):

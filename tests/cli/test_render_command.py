@@ -196,6 +196,33 @@ def test_a_box_says_where_the_face_is(relight, relighter, photo, tmp_path):
     assert relighter.boxes == [FaceBox(4, 5.5, 40, 50)]
 
 
+def test_several_boxes_are_several_faces(relight, relighter, photo, tmp_path):
+    words = ["--box", "4,5,40,50", "--box", "-2,5,8,9"]
+    assert relight("render", photo, "--light", "rembrandt", *words, "-o", tmp_path / "a.png").code == 0
+    assert relighter.boxes == [FaceBox(4, 5, 40, 50), FaceBox(-2, 5, 8, 9)]
+
+
+@pytest.mark.parametrize("command", ["render", "channels", "turntable"])
+def test_a_box_can_be_added_to_the_faces_that_are_found(relight, relighter, photo, tmp_path, command):
+    words = ["--add-box", "-4,5,12,18", "--add-box", "1,1,9,9", "--face", "1"]
+    assert relight(command, photo, "--light", "ring", *words, "-o", tmp_path / "a.png").code == 0
+    assert relighter.boxes == [*relighter.people, FaceBox(-4, 5, 12, 18), FaceBox(1, 1, 9, 9)]
+    assert relighter.face_index == 1
+
+
+def test_a_box_is_added_where_no_face_is_found(relight, relighter, photo, tmp_path):
+    relighter.people = ()
+    words = ["--light", "ring", "--add-box", "4,5,12,18", "-o", tmp_path / "a.png"]
+    assert relight("render", photo, *words).code == 0
+    assert relighter.boxes == [FaceBox(4, 5, 12, 18)]
+
+
+def test_a_box_is_added_to_those_that_are_given(relight, relighter, photo, tmp_path):
+    words = ["--add-box", "1,1,9,9", "--box", "4,5,40,50"]
+    assert relight("render", photo, "--light", "ring", *words, "-o", tmp_path / "a.png").code == 0
+    assert relighter.boxes == [FaceBox(4, 5, 40, 50), FaceBox(1, 1, 9, 9)]
+
+
 @pytest.mark.parametrize("text", ["-10,-20.5,200,200", "-.5,2,40,50"])
 @pytest.mark.parametrize("form", ["--box {}", "--box={}"])
 def test_a_box_may_begin_outside_the_photo(relight, relighter, photo, tmp_path, text, form):
@@ -215,7 +242,9 @@ def test_a_view_of_the_light_that_no_camera_has_is_told_before_anything_is_read(
     assert wish in done.err
 
 
-@pytest.mark.parametrize("wish", [("--box", "1,2,3"), ("--box", "a,b,c,d"), ("--box", "1,2,3,4", "--face", "0")])
+@pytest.mark.parametrize(
+    "wish", [("--box", "1,2,3"), ("--box", "a,b,c,d"), ("--box", "1,2,3,4", "--face", "0"), ("--add-box", "1")]
+)
 def test_a_box_that_is_none_is_wrong_usage(relight, photo, tmp_path, wish):
     assert relight("render", photo, "--light", "rembrandt", *wish, "-o", tmp_path / "a.png").code == 2
 
