@@ -2,7 +2,8 @@
 
 Each channel is written as NAME.png, the way the window shows it. channels.exr holds all of the face crop's
 channels as named layers in linear values, the composition as its RGB. source_light.exr and
-target_light.exr hold the lights. Of several faces they are the largest one's; --face chooses another.
+target_light.exr hold the lights. Of several faces they are the largest one's; --face chooses another, and layers.exr
+has those of all of them in the photo's frame, the relit picture as its RGB.
 Files of the same names in the folder are replaced, all together at the end. Exposure and background change the
 finished picture only, so no channel depends on them.
 """
@@ -53,7 +54,9 @@ def run(arguments: argparse.Namespace) -> int:
         for path in written:
             report.line(f"wrote {path}")
         if len(relit.faces) > 1:
-            report.line(f"these are of the largest of {len(relit.faces)} faces; --face N chooses another")
+            report.line(
+                f"layers.exr has all {len(relit.faces)} faces, the others the largest one; --face N chooses another"
+            )
         record = relit_record(str(arguments.photo), str(folder), relit)
         report.record(record | {"files": [str(path) for path in written]})
     return 0
@@ -70,12 +73,15 @@ def write_channels(relit: Relit, edit: Edit, folder: Path, inputs: KnownFiles) -
     """
     from app.engine.exporting import channel_layers
     from relight_core.imaging.write import write_exr_layers, write_image
+    from relight_core.pipeline.results.layers import LAYERS, photo_layers
 
     with folder_filled_at_once(folder) as scratch:
         for name, channel in relit.channels.items():
             _write_view(scratch / f"{name}.png", name, channel)
         header = {"software": f"relight {__version__}", "relightYawDeg": float(edit.yaw_deg)}
         write_exr_layers(scratch / "channels.exr", channel_layers(relit.channels), header=header)
+        if len(relit.faces) > 1:
+            write_exr_layers(scratch / "layers.exr", photo_layers(relit, LAYERS), header=header)
         for name in LIGHTS:
             if name in relit.channels:
                 # Halves end where the sun of a panorama or a photo in units of its own may not.

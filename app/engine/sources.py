@@ -110,6 +110,7 @@ class RelitLike(Protocol):
     full: Picture | None
     level_as_in_photo_ev: Callable[..., float]
     outline: Callable[[], list[np.ndarray]]
+    channels_together: Callable[[], list[dict[str, np.ndarray]]]
 
 
 @dataclass(frozen=True, eq=False)

@@ -136,6 +136,21 @@ def unit_matrix(crop: Crop, size: tuple[int, int], photo_size: tuple[int, int]) 
     return matrix * np.array([photo_size[1] / size[1], photo_size[0] / size[0], 1.0])
 
 
+def nearer(view: Crop, band: Band, nearest: np.ndarray) -> np.ndarray:
+    """(h, w) where a view's middle is nearer than `nearest`, in sides of the view; that is brought up to date."""
+    matrix = unit_matrix(view, band.size, band.photo_size)
+    y = np.arange(band.top, band.bottom, band.step, dtype=np.float64)[:, None] + 0.5
+    x = np.arange(*band.span, dtype=np.float64)[None, :] + 0.5
+    if view.roll_deg == 0:
+        places = matrix[0, 0] * x + matrix[0, 2], matrix[1, 1] * y + matrix[1, 2]
+    else:
+        places = tuple(row[0] * x + row[1] * y + row[2] for row in matrix)
+    distance = np.maximum(*(np.abs(place - 0.5).astype(np.float32) for place in places))
+    is_nearer = distance < nearest
+    np.copyto(nearest, distance, where=is_nearer)
+    return is_nearer
+
+
 def seen_across(view: Crop, size: int, maps: np.ndarray, other: Crop) -> np.ndarray:
     """Another view's maps (s, s, C), bilinearly at the places of a view's maps, (size, size, C); edges continue."""
     return _looked_up(maps, _square(other.from_photo_matrix(maps.shape[0])) @ _square(_to_photo(view, size)), size)

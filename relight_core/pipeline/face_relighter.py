@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import partial
 
 import numpy as np
@@ -265,29 +266,39 @@ class FaceRelighter(FaceInPhoto):
         }
         if plan.runs("source_light") and edit.looks_at("source_light"):
             fixed["source_light"] = self.own_light(ready.tier)
-        lighted = self.cache.run(
-            "channels",
-            plan.keys["channels"],
-            lambda: light_channels(
-                self._effect_channels(ready, lit, plan),
-                change,
-                ready.photo_view,
-                [name for name in LIGHT_CHANNELS if edit.looks_at(name)],
-            ),
-            "new light or slider",
-        )
-        return fixed | lighted
+        lighted = self._light_channels(ready, lit, change, plan, edit)
+        return fixed | self.cache.run("channels", plan.keys["channels"], lighted, "new light or slider")
 
-    def _effect_channels(self, ready: Prepared, lit: Lit, plan: Plan) -> dict[str, np.ndarray]:
-        """The channels of the effects that the plan has, of the person alone, as albedo and normals are."""
-        size = ready.photo_view.shape[0]
-        effects = effect_channels(lit.effects, size, self._fine_edges(ready, lit, plan))
-        if lit.nearer is not None:
-            near, near_lit = lit.nearer
-            from_near = effect_channels(near_lit.effects, size, self.nearer._fine_edges(near, near_lit, plan))
-            effects = with_nearer_effects(effects, from_near, self.portrait.view, self.nearer.portrait.view)
-        person = as_image(enlarge(ready.surface.person, size))
-        return {name: effect * person * plan.runs(name) for name, effect in effects.items()}
+    def channels_later(
+        self, ready: Prepared, lit: Lit, change: ViewChange, plan: Plan, edit: Edit
+    ) -> Callable[[], dict[str, np.ndarray]]:
+        """What makes the channels that are looked at, all but the photo and the lights, on any thread."""
+        lighted = self._light_channels(ready, lit, change, plan, edit)
+        names = [name for name in SURFACE_CHANNELS if name != "photo" and edit.looks_at(name)]
+        return lambda: {name: self._surface_channel(name, ready) for name in names} | lighted()
+
+    def _light_channels(
+        self, ready: Prepared, lit: Lit, change: ViewChange, plan: Plan, edit: Edit
+    ) -> Callable[[], dict[str, np.ndarray]]:
+        """What makes those of LIGHT_CHANNELS that are looked at; it asks no cache for anything."""
+        effects = self._effect_channels(ready, lit, plan)
+        names = [name for name in LIGHT_CHANNELS if edit.looks_at(name)]
+        return lambda: light_channels(effects(), change, ready.photo_view, names)
+
+    def _effect_channels(self, ready: Prepared, lit: Lit, plan: Plan) -> Callable[[], dict[str, np.ndarray]]:
+        """What makes the channels of the effects that the plan has, of the person alone, as albedo and normals are."""
+        size, edges = ready.photo_view.shape[0], self._fine_edges(ready, lit, plan)
+        near_edges = None if lit.nearer is None else self.nearer._fine_edges(*lit.nearer, plan)
+
+        def make() -> dict[str, np.ndarray]:
+            effects = effect_channels(lit.effects, size, edges)
+            if lit.nearer is not None:
+                from_near = effect_channels(lit.nearer[1].effects, size, near_edges)
+                effects = with_nearer_effects(effects, from_near, self.portrait.view, self.nearer.portrait.view)
+            person = as_image(enlarge(ready.surface.person, size))
+            return {name: effect * person * plan.runs(name) for name, effect in effects.items()}
+
+        return make
 
     @staticmethod
     def _surface_channel(name: str, ready: Prepared) -> np.ndarray:

@@ -212,7 +212,8 @@ class Relighter:
         self._lights.keep(tier_of(edit.quality), serving)
         face, level = self._first(), environment.level
         ready, lit, change = self._first_change(serving, plan, edit, level)
-        changes = [change, *self._other_changes(serving, plan, edit, level)]
+        others = self._other_changes(serving, plan, edit, level)
+        changes = [change, *(changed for *_, changed in others)]
         whole = self._whole
         catchlights = self._catchlights(serving, plan, edit, environment)
         full = whole.picture(changes, catchlights, serving.radiance, plan, environment, edit)
@@ -225,9 +226,14 @@ class Relighter:
         boxes = [face.portrait.face for face in self._faces]
         view, done = face.portrait.view, dict(self._record.stages)
         place = {"window": view.window, "roll_deg": view.roll_deg}
-        others = {"recipe": recipe, "level_as_in_photo_ev": partial(face.level_as_in_photo_ev, ready, change)}
-        others |= {"outline": partial(whole.outline, full.matte), "networks_ended_s": self._networks_ended_s()}
-        return Relit(image, alpha, channels, boxes, done, plan.effects, full, **place, **others)
+        more = {"recipe": recipe, "level_as_in_photo_ev": partial(face.level_as_in_photo_ev, ready, change)}
+        more |= {"outline": partial(whole.outline, full.matte), "networks_ended_s": self._networks_ended_s()}
+        if others and channels:
+            of_others = [
+                one.channels_later(*parts, plan, edit) for one, parts in zip(self._faces[1:], others, strict=True)
+            ]
+            more["channels_together"] = whole.channels_together(channels, of_others)
+        return Relit(image, alpha, channels, boxes, done, plan.effects, full, **place, **more)
 
     def _catchlights(
         self, serving: ServingLight, plan: Plan, edit: Edit, environment: Environment
@@ -300,13 +306,16 @@ class Relighter:
         make = partial(face.change, ready, lit, plan, edit, level)
         return ready, lit, face.cache.run("sliders", plan.keys["sliders"], make, "new light or slider")
 
-    def _other_changes(self, serving: ServingLight, plan: Plan, edit: Edit, level: float) -> list[ViewChange]:
-        """What the light makes of the faces beside the first one."""
+    def _other_changes(
+        self, serving: ServingLight, plan: Plan, edit: Edit, level: float
+    ) -> list[tuple[Prepared, Lit, ViewChange]]:
+        """What the light makes of the faces beside the first one, as `_first_change` has it."""
         if len(self._faces) == 1:
             return []
 
-        def change(face: FaceRelighter) -> ViewChange:
-            return face.change(*face.prepared_and_lit(tier_of(edit.quality), serving, plan), plan, edit, level)
+        def change(face: FaceRelighter) -> tuple[Prepared, Lit, ViewChange]:
+            ready, lit = face.prepared_and_lit(tier_of(edit.quality), serving, plan)
+            return ready, lit, face.change(ready, lit, plan, edit, level)
 
         return self._cache.run(
             "other_faces",

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Sequence
+from collections.abc import Callable, Hashable, Sequence
 from dataclasses import replace
 from functools import partial
 
@@ -25,6 +25,7 @@ from relight_core.pipeline.plan import Plan
 from relight_core.pipeline.quality import Tier, tier_of
 from relight_core.pipeline.results.backdrop import OWN_BACKGROUNDS, Backdrop, backdrop_panorama, make_backdrop
 from relight_core.pipeline.results.channels import ViewChange
+from relight_core.pipeline.results.channels_together import Channels, channels_together
 from relight_core.pipeline.results.display import LARGEST_SIDE, DisplayRecipe, person_layers, recipe_of
 from relight_core.pipeline.results.finish import (
     Placement,
@@ -83,16 +84,9 @@ class WholePhoto:
             catchlights: of the faces' eyes, in their order; none where the plan has none.
             radiance: (16, 32, 3) of the light, normalised, as the photo's camera sees it.
         """
-        run, views = self._cache.run, [face.portrait.view for face in self._faces]
-        matte = run("matte", "photo", self._matte, "new photo or stroke")
+        run, matte = self._cache.run, self._matte()
 
-        def place() -> Placement:
-            masks = [face.mask() for face in self._faces]
-            exposure = self._faces[0].portrait.exposure
-            of_photo = (exposure, self._photo.tone_at(exposure))
-            return place_views(self._small(), views, matte, self._shop.table, masks, self._strokes, *of_photo)
-
-        placement = run("placement", "photo", place, "new photo or stroke")
+        placement = self._placement()
         size = changes[0].gain.shape[0]
         weights = run("weights", size, lambda: weights_on_views(placement, size), "new photo or quality", 3)
         light = torch.from_numpy(radiance)[None].to(self._shop.device)
@@ -151,9 +145,30 @@ class WholePhoto:
             picture = replace(picture, person=self._cache.run("person", picture.size, make, "new photo or size", 2))
         return self._cache.run("paste", key, picture.render, "new light, slider or background")
 
+    def channels_together(
+        self, first: Channels, of_others: Sequence[Callable[[], Channels]]
+    ) -> Callable[[], list[dict[str, np.ndarray]]]:
+        """What makes the channels of all faces of those of each; see `results.channels_together`."""
+        return partial(channels_together, self._placement(), first, of_others)
+
     def _matte(self) -> Matte:
         """The people in the photo, corrected by the brush."""
-        return finish_matte(self._cache.run("draft_matte", "photo", self._draft_matte, "new photo"), self._strokes)
+
+        def make() -> Matte:
+            return finish_matte(self._cache.run("draft_matte", "photo", self._draft_matte, "new photo"), self._strokes)
+
+        return self._cache.run("matte", "photo", make, "new photo or stroke")
+
+    def _placement(self) -> Placement:
+        """Where every face's view counts."""
+
+        def place() -> Placement:
+            views, masks = zip(*((face.portrait.view, face.mask()) for face in self._faces), strict=True)
+            exposure = self._faces[0].portrait.exposure
+            of_photo = (exposure, self._photo.tone_at(exposure))
+            return place_views(self._small(), views, self._matte(), self._shop.table, masks, self._strokes, *of_photo)
+
+        return self._cache.run("placement", "photo", place, "new photo or stroke")
 
     def _draft_matte(self) -> DraftMatte | None:
         """The people as seen by one tier, whichever is asked for, so that it depends on no history."""

@@ -43,6 +43,7 @@ class FakeRelit:
     recipe: object = None
     level_as_in_photo_ev: object = lambda most_stops=4.0: 1.25
     outline: object = list
+    channels_together: object = list
 
 
 class FakeRelighter:

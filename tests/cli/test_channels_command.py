@@ -17,6 +17,7 @@ from relight_core.imaging.files import KnownFiles
 from relight_core.imaging.formats.exr import read_exr
 from relight_core.pipeline.edit import Edit
 from relight_core.pipeline.per_photo.person import Canvas
+from relight_core.pipeline.results import layers
 from relight_core.pipeline.results.relit import Relit
 
 CHANNELS = [
@@ -49,13 +50,23 @@ def test_every_channel_is_a_picture_and_a_layer(relight, photo, tmp_path):
     assert np.all(layers["normal"].pixels == [0.0, 0.0, 1.0])
 
 
-def test_whose_channels_they_are_is_said_where_there_are_several_faces(relight, relighter, photo, tmp_path):
-    said = []
+def test_of_several_faces_the_channels_of_all_are_written_beside_those_of_one(
+    relight, relighter, photo, tmp_path, monkeypatch
+):
+    grey = np.full((6, 9, 3), 0.5, np.float32)
+    monkeypatch.setattr(layers, "photo_layers", lambda relit, names: {"RGB": grey} | dict.fromkeys(names, grey))
+    said, written = [], []
     for relighter.face_count in (1, 3):
-        said.append(relight("channels", photo, "--light", "ring", "-o", tmp_path / "channels").out)
-    assert "largest of 3 faces" in said[1]
+        folder = tmp_path / str(relighter.face_count)
+        said.append(relight("channels", photo, "--light", "ring", "-o", folder).out)
+        written.append({path.name for path in folder.iterdir()})
+    assert written[1] - written[0] == {"layers.exr"}
+    assert "all 3 faces" in said[1]
     assert "--face N" in said[1]
     assert "--face" not in said[0]
+    channels = OpenEXR.File(str(folder / "layers.exr")).channels()
+    assert {"RGB", *layers.LAYERS} <= set(channels)
+    assert channels["albedo"].pixels.shape[:2] == (6, 9)
 
 
 def test_a_light_s_file_holds_more_than_halves_can(tmp_path):

@@ -13,11 +13,12 @@ from relight_core.errors import InputError, NoFaceError
 from relight_core.face.find import FaceBox
 from relight_core.lighting.environment import network_light
 from relight_core.networks.bundle import save_bundle
-from relight_core.pipeline import face_search, face_taken_apart, stages
+from relight_core.pipeline import face_relighter, face_search, face_taken_apart, stages
 from relight_core.pipeline.face_taken_apart import Workshop
 from relight_core.pipeline.per_photo import choosing_faces
 from relight_core.pipeline.quality import tier_of
 from relight_core.pipeline.relighter import Relighter
+from relight_core.pipeline.results.layers import CHANNEL_LAYERS, photo_layers
 
 LARGE, SMALL, MOVED = FaceBox(24, 20, 72, 76), FaceBox(4, 4, 20, 20), FaceBox(80, 60, 104, 84)
 
@@ -68,6 +69,32 @@ def test_one_face_alone_leaves_those_beside_it_what_is_theirs(relighter, photo):
     alone, with_other = (share[:, round(0.75 * width) :].mean() for share in shares)
     assert alone > 0.1
     assert with_other < 0.8 * alone
+
+
+def test_layers_hold_what_is_known_of_everyone(relighter, photo):
+    """Whoever comes first."""
+    beside, layers = FaceBox(76, 40, 108, 82), []
+    for boxes in ([LARGE, beside], [beside, LARGE]):
+        relighter.set_portrait(photo, None, boxes)
+        relit = relighter.relight(some_light(), replace(EDIT, channels=None))
+        layers.append(photo_layers(relit, CHANNEL_LAYERS))
+    for name in CHANNEL_LAYERS:
+        for columns in (slice(20, 40), slice(72, 106)):
+            one, other = (of_order[name][40:56, columns] for of_order in layers)
+            assert one.any(), name
+            np.testing.assert_allclose(one, other, atol=1e-4, err_msg=name)
+
+
+def test_no_channel_of_others_is_made_before_it_is_asked_for(relighter, photo, monkeypatch):
+    made = []
+    monkeypatch.setattr(face_relighter, "light_channels", lambda *args: made.append(args) or {})
+    relighter.set_portrait(photo, None, [LARGE, MOVED])
+    assert not relighter.relight(some_light(), replace(EDIT, channels=())).channels_together()
+    assert not made
+    relit = relighter.relight(some_light(), replace(EDIT, channels=("albedo",)))
+    assert len(made) == 1
+    assert [set(one) for one in relit.channels_together()] == [{"albedo"}, {"albedo"}]
+    assert len(made) == 2
 
 
 def ends_of(monkeypatch, module, name):

@@ -6,6 +6,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from relight_core.face.crop import Crop
 from relight_core.pipeline.results import layers as layers_module
 from relight_core.pipeline.results.layers import photo_layers, shrunk_picture
 from relight_core.pipeline.results.relit import Relit
@@ -51,6 +52,20 @@ def test_every_layer_has_the_pictures_size_and_lies_where_the_view_is(longest, s
     assert np.allclose(layers["background"][outside], 0.5)
     for name in ("albedo", "normal", "specular", "parsing"):
         assert np.all(layers[name][outside] == 0)
+
+
+def test_of_several_faces_each_place_shows_the_one_whose_middle_is_nearest():
+    views = Crop(20.0, 30.0, 40.0), Crop(50.0, 30.0, 40.0, roll_deg=90.0)
+    faces = [{"albedo": np.full((SIDE, SIDE, 3), share, np.float32)} for share in (0.25, 0.75)]
+    faces[1]["normal"] = faces[0]["normal"] = np.broadcast_to(np.float32([0.6, 0.0, 0.8]), (SIDE, SIDE, 3))
+    canvas = SimpleNamespace(photo_size=(HEIGHT, WIDTH), beyond=None)
+    full = SimpleNamespace(size=(HEIGHT, WIDTH), changes=[SimpleNamespace(view=view) for view in views], canvas=canvas)
+    layers = photo_layers(replace(relit(), full=full, channels_together=lambda: faces), ["albedo", "normal", "shadow"])
+    assert np.allclose(layers["albedo"][30, 2:34], 0.25, atol=1e-5)
+    assert np.allclose(layers["albedo"][30, 36:68], 0.75, atol=1e-5)
+    assert not layers["albedo"][30, 72:].any()
+    assert np.allclose(layers["normal"][30, 2:68], [0.6, 0.0, 0.8], atol=1e-5), "in camera space already"
+    assert "shadow" not in layers
 
 
 def test_labels_are_not_mixed():

@@ -22,7 +22,7 @@ from relight_core.lighting.soft_box import (
     uv_of,
 )
 from relight_core.lighting.sphere import turned
-from relight_core.pipeline.results.layers import unrolled
+from relight_core.pipeline.results.channels import unrolled
 
 NEW_BOX = SoftBox(intensity=0.6)
 """Weaker than the light it is added to, so that skin does not blow out at once."""

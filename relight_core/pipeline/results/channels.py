@@ -209,6 +209,13 @@ def light_channels(
     return channels
 
 
+def unrolled(normals: np.ndarray, roll_deg: float) -> np.ndarray:
+    """Normals (..., 3) of a view that is turned counterclockwise in the photo, in camera space."""
+    angle = np.radians(roll_deg)
+    turn = np.array([[np.cos(angle), np.sin(angle), 0], [-np.sin(angle), np.cos(angle), 0], [0, 0, 1]])
+    return normals if roll_deg == 0 else (normals @ turn).astype(normals.dtype)
+
+
 def enlarge(tensor: torch.Tensor, size: int) -> torch.Tensor:
     """(1, C, s, s) to (1, C, size, size), bilinear."""
     return F.interpolate(tensor.float(), size=(size, size), mode="bilinear", align_corners=False)

@@ -2,23 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 
 import cv2
 import numpy as np
 
 from relight_core.face.crop import Crop
-from relight_core.face.paste import bands
+from relight_core.face.paste import all_of, bands, nearer
 from relight_core.imaging.in_order import in_order
 from relight_core.imaging.resampling import at_size, resize_cut_out, shrunk_size
 from relight_core.pipeline.per_photo.person import whole_person
+from relight_core.pipeline.results.channels import unrolled
 from relight_core.pipeline.results.relit import Relit
 
 CHANNEL_LAYERS = ("albedo", "normal", "specular", "shadow", "parsing", "composition")
 LAYERS = (*CHANNEL_LAYERS, "matte", "background")
-"""What can be had beside the picture itself. Channels are the first face's: 0 where the networks' view does not reach,
-and all but the composition where it shows no person."""
+"""What can be had beside the picture itself. Channels are those of all faces that are relit: 0 where no view of the
+networks reaches, and all but the composition where it shows no person."""
 
 
 def photo_layers(relit: Relit, names: Iterable[str], longest_side: int | None = None) -> dict[str, np.ndarray]:
@@ -46,18 +47,19 @@ def photo_layers(relit: Relit, names: Iterable[str], longest_side: int | None = 
     layers = {"RGB": at_size(image, size)}
     if alpha is not None:
         layers = {"RGBA": at_size(np.dstack([image * alpha[..., None], alpha]), size)}
+    faces = _faces(relit) if set(wanted) & set(CHANNEL_LAYERS) else []
     for name in wanted:
-        layer = _beside(relit, name, size) if name in ("matte", "background") else _channel(relit, name, size)
+        layer = _beside(relit, name, size) if name in ("matte", "background") else _channel(relit, faces, name, size)
         if layer is not None:
             layers[name] = layer
     return layers
 
 
 def channel_at(relit: Relit, name: str, column: int, row: int) -> tuple[np.ndarray, np.ndarray] | None:
-    """One of CHANNEL_LAYERS at a pixel of the photo, () or (3,) float32.
+    """One of CHANNEL_LAYERS of the first face at a pixel of the photo, () or (3,) float32.
 
     Returns:
-        What the channel holds there, normals in the frame of the view, and what `photo_layers` makes of it; None
+        What the channel holds there, normals in the frame of the view, and the same with normals in camera space; None
         outside the view and where there is no such channel.
     """
     view, channel = channel_view_of(relit), relit.channels.get(name)
@@ -66,8 +68,10 @@ def channel_at(relit: Relit, name: str, column: int, row: int) -> tuple[np.ndarr
     x, y = view.from_photo(np.array([column + 0.5, row + 0.5]), channel.shape[0])
     if not (0 <= x < channel.shape[1] and 0 <= y < channel.shape[0]):
         return None
-    held = _placed(relit, name, _photo_size(relit), (row, column))
-    return held[0, 0], _in_camera_space(name, held, view.roll_deg)[0, 0]
+    size = _photo_size(relit)
+    held = _placed(name, channel, view, size, size, (slice(row, row + 1), slice(column, column + 1)))
+    turned = unrolled(held, view.roll_deg) if name == "normal" else held
+    return held[0, 0], _of_unit_length(name, turned)[0, 0]
 
 
 def shrunk_picture(relit: Relit, longest_side: int | None) -> tuple[np.ndarray, np.ndarray | None]:
@@ -88,13 +92,6 @@ def channel_view_of(relit: Relit) -> Crop | None:
         return None
     x0, y0, x1, y1 = relit.window
     return Crop((x0 + x1) / 2, (y0 + y1) / 2, x1 - x0, relit.roll_deg)
-
-
-def unrolled(normals: np.ndarray, roll_deg: float) -> np.ndarray:
-    """Normals (..., 3) of a view that is turned counterclockwise in the photo, in camera space."""
-    angle = np.radians(roll_deg)
-    turn = np.array([[np.cos(angle), np.sin(angle), 0], [-np.sin(angle), np.cos(angle), 0], [0, 0, 1]])
-    return normals if roll_deg == 0 else (normals @ turn).astype(normals.dtype)
 
 
 def _whole(relit: Relit, wide: bool = False) -> tuple[np.ndarray, np.ndarray | None]:
@@ -121,39 +118,73 @@ def _beside(relit: Relit, name: str, size: tuple[int, int]) -> np.ndarray | None
     return at_size(np.concatenate(list(rows)), size)
 
 
-def _channel(relit: Relit, name: str, size: tuple[int, int]) -> np.ndarray | None:
-    placed = _placed(relit, name, size)
-    return None if placed is None else _in_camera_space(name, placed, channel_view_of(relit).roll_deg)
+def _faces(relit: Relit) -> list[tuple[Mapping[str, np.ndarray], Crop]]:
+    """The channels of every face, normals in camera space, and where they lie."""
+    together = relit.channels_together()
+    if together:
+        return list(zip(together, (change.view for change in relit.full.changes), strict=True))
+    view = channel_view_of(relit)
+    if view is None:
+        return []
+    channels = dict(relit.channels)
+    if "normal" in channels:
+        channels["normal"] = unrolled(channels["normal"], view.roll_deg)
+    return [(channels, view)]
 
 
-def _placed(relit: Relit, name: str, size: tuple[int, int], only: tuple[int, int] | None = None) -> np.ndarray | None:
-    """A channel where it lies in a picture of `size`, as the channel holds it; of one pixel (row, column), `only`."""
-    channel, view = relit.channels.get(name), channel_view_of(relit)
-    if channel is None or view is None:
+def _channel(
+    relit: Relit, faces: Sequence[tuple[Mapping[str, np.ndarray], Crop]], name: str, size: tuple[int, int]
+) -> np.ndarray | None:
+    """A channel in a picture of `size`; a place in several views takes the one whose middle is nearest."""
+    if not faces or name not in faces[0][0]:
         return None
-    photo_size = _photo_size(relit)
+    photo_size, everywhere = _photo_size(relit), (slice(0, size[0]), slice(0, size[1]))
+    if len(faces) == 1:
+        placed = _placed(name, faces[0][0][name], faces[0][1], photo_size, size, everywhere)
+        return _of_unit_length(name, placed)
+    band, nearest = all_of(size, photo_size), np.full(size, 0.5, np.float32)
+    inside = [nearer(view, band, nearest) for _, view in faces]
+    layer = np.zeros((*size, *faces[0][0][name].shape[2:]), np.float32)
+    for (channels, view), chosen in zip(faces, inside, strict=True):
+        rows, columns = (np.flatnonzero(chosen.any(axis=axis)) for axis in (1, 0))
+        if rows.size:
+            part = slice(rows[0], rows[-1] + 1), slice(columns[0], columns[-1] + 1)
+            placed = _placed(name, channels[name], view, photo_size, size, part)
+            where = chosen[part].reshape(*placed.shape[:2], *[1] * (placed.ndim - 2))
+            np.copyto(layer[part], _of_unit_length(name, placed), where=where)
+    return layer
+
+
+def _placed(
+    name: str,
+    channel: np.ndarray,
+    view: Crop,
+    photo_size: tuple[int, int],
+    size: tuple[int, int],
+    part: tuple[slice, slice],
+) -> np.ndarray:
+    """A channel where it lies in a picture of `size`, as it holds it, in some rows and columns of that."""
     steps = np.array([photo_size[1] / size[1], photo_size[0] / size[0]])
     matrix = view.from_photo_matrix(channel.shape[0])
     linear = matrix[:, :2] * steps
     # From pixel centres to pixel centres: half a pixel in on the one side, half a pixel out on the other.
-    offset = linear @ np.array([0.5, 0.5]) + matrix[:, 2] - 0.5
-    if only is not None:
-        size, offset = (1, 1), offset + linear @ np.array(only[::-1])
+    rows, columns = part
+    offset = linear @ np.array([columns.start + 0.5, rows.start + 0.5]) + matrix[:, 2] - 0.5
     sampling = cv2.INTER_NEAREST if name == "parsing" else cv2.INTER_LINEAR
     return cv2.warpAffine(
         np.ascontiguousarray(channel, np.float32),
         np.column_stack([linear, offset]),
-        (size[1], size[0]),
+        (columns.stop - columns.start, rows.stop - rows.start),
         flags=sampling | cv2.WARP_INVERSE_MAP,
     )
 
 
-def _in_camera_space(name: str, placed: np.ndarray, roll_deg: float) -> np.ndarray:
-    """Normals of unit length, turned back with their view; other channels as they are."""
+def _of_unit_length(name: str, placed: np.ndarray) -> np.ndarray:
+    """Normals of unit length, and none where there is no person; other channels as they are."""
     if name != "normal":
         return placed
     length = np.linalg.norm(placed, axis=2, keepdims=True)
-    return unrolled(placed / np.maximum(length, 1e-6) * (length > 0.25), roll_deg)
+    return placed / np.maximum(length, 1e-6) * (length > 0.25)
 
 
 def _photo_size(relit: Relit) -> tuple[int, int]:

@@ -13,7 +13,7 @@ import cv2
 import numpy as np
 
 from relight_core.face.crop import Crop
-from relight_core.face.paste import Band, bands, spread_crop, spread_window, unit_matrix, whole_photo
+from relight_core.face.paste import Band, bands, nearer, spread_crop, spread_window, whole_photo
 from relight_core.imaging.in_order import in_order
 from relight_core.imaging.resampling import resize_area
 from relight_core.pipeline.per_photo.matte import Matte
@@ -218,7 +218,7 @@ class Picture:
 
     def _relit_by_views(self, colour: np.ndarray, band: Band, gloss: bool) -> np.ndarray:
         nearest = np.full(colour.shape[:2], 0.5, np.float32)
-        inside = [self._nearer(placed.view, band, nearest) for placed in self.changes]
+        inside = [nearer(placed.view, band, nearest) for placed in self.changes]
         if len(inside) == 1 and inside[0].all():
             return self._within(self.changes[0], colour, band, gloss)
         relit = spread_window(self.rest, whole_photo(self.canvas.photo_size), band)
@@ -230,20 +230,6 @@ class Picture:
                 lit = self._within(placed, colour[part], band.part(*part), gloss)
                 np.copyto(relit[part], lit, where=chosen[part][..., None])
         return relit
-
-    def _nearer(self, view: Crop, band: Band, nearest: np.ndarray) -> np.ndarray:
-        """(h, w) where a view's middle is nearer than `nearest`, in sides of the view; that is brought up to date."""
-        matrix = unit_matrix(view, band.size, band.photo_size)
-        y = np.arange(band.top, band.bottom, band.step, dtype=np.float64)[:, None] + 0.5
-        x = np.arange(*band.span, dtype=np.float64)[None, :] + 0.5
-        if view.roll_deg == 0:
-            places = matrix[0, 0] * x + matrix[0, 2], matrix[1, 1] * y + matrix[1, 2]
-        else:
-            places = tuple(row[0] * x + row[1] * y + row[2] for row in matrix)
-        distance = np.maximum(*(np.abs(place - 0.5).astype(np.float32) for place in places))
-        nearer = distance < nearest
-        np.copyto(nearest, distance, where=nearer)
-        return nearer
 
     @staticmethod
     def _within(placed: PlacedChange, colour: np.ndarray, band: Band, gloss: bool) -> np.ndarray:

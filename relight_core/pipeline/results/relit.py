@@ -37,6 +37,8 @@ class Relit:
             bright as in the photo, at most 4 or as many as it is called with; worked out where it is asked for.
         outline: gives the outlines of the people, each (n, 2) with x, y in photo pixels; worked out where it is asked
             for, as long as the portrait is the same.
+        channels_together: gives the channels of every face, where there are several, mixed where their views meet, with
+            normals in camera space; none for one face alone. Worked out where it is asked for, on any thread.
         networks_ended_s: when the last network had run, on the clock of `time.perf_counter`.
     """
 
@@ -53,6 +55,7 @@ class Relit:
     level_as_in_photo_ev: Callable[..., float] = lambda most_stops=0.0: 0.0
     outline: Callable[[], list[np.ndarray]] = list
     networks_ended_s: float | None = None
+    channels_together: Callable[[], list[dict[str, np.ndarray]]] = list
 
     @property
     def size(self) -> tuple[int, int]:
