@@ -97,6 +97,21 @@ def half_seen_body():
     return make_body(photo, share, known, ReflectionTable())
 
 
+def test_beside_light_and_shadow_the_rest_gets_what_both_give_together():
+    """Their gains are 4 and 1/16: 2 together, and a half by the mean of logs, which stays far from all that is seen."""
+    size, stripes = (64, 48), np.where(np.arange(64) % 2 == 0, 4.0, 0.0625)[:, None, None]
+
+    def gain_beside(known):
+        body = make_body(np.full((*size, 3), 0.3, np.float32), np.ones(size, np.float32), known, ReflectionTable())
+        return body_gain(body, EVEN, (body.photo * stripes).astype(np.float32))
+
+    half, corner = np.zeros((2, *size), np.float32)
+    half[:, :24] = 1
+    corner[:4, :4] = 1
+    assert gain_beside(half)[:, 30:].mean() == pytest.approx(2.0, rel=0.15)
+    assert gain_beside(corner)[50:].mean() == pytest.approx(0.5, rel=0.15)
+
+
 def lamp_from(column):
     light = torch.full((1, 16, 32, 3), 0.2)
     light[:, 6, column] = 100.0

@@ -24,7 +24,7 @@ from relight_core.lighting.sphere import solid_angles
 from relight_core.pipeline.per_photo.photo_frame import Inside
 
 _LONGEST, _LONGEST_KNOWN = 128, 64
-_DARK = 1e-3
+_DARK, _LEAST = 1e-3, 1e-9
 _WELL_SEEN, _HEADROOM = 0.1, 0.1
 """Where a photo is darker than the one, or nearer to clipping than the other, its gain says less."""
 _HARDLY, _UNSEEN = (0.02, 0.1), 1e-3
@@ -61,14 +61,26 @@ class Body:
     has: np.ndarray
     by_colour: Continuation
 
-    def carried_on(self, known: np.ndarray) -> np.ndarray:
-        """Log gains, (k, l, 3), where they are known, carried on from there.
+    def carried_on(self, lit: np.ndarray, expected: np.ndarray) -> np.ndarray:
+        """By how much what is lit exceeds what was expected, as logs (k, l, 3), carried on from where it is known.
 
-        A colour that hardly shows is taken to be as far from what its surroundings say as the others of its place.
+        Colours are carried on as means of logs, and their brightness by all light together: of a chest half in a lamp's
+        light the mean of logs is nearly the shadow's, and below the lit half the body would step into the dark. Far
+        from anything known, where chairs and tables may pass for a body, nothing is made brighter so. A colour that
+        hardly shows is taken to be as far from what its surroundings say as the others of its place.
+
+        Args:
+            lit, expected: (k, l, 3), above 0.
         """
+        known = np.log(lit / expected)
         around = self.by_colour(known)
         off = (self.has * (known - around)).sum(-1, keepdims=True) / self.has.sum(-1, keepdims=True)
-        return self.onward(around + off + self.has * (known - around - off))
+        light, due = luminance(lit), luminance(expected)
+        colours = around + off + self.has * (known - around - off)
+        carried = self.onward(np.dstack([colours, light, due, np.log(light / due)]))
+        colours, (light, due, logs) = carried[..., :3], np.moveaxis(carried[..., 3:], -1, 0)
+        brighter = np.log(np.maximum(light, _LEAST) / np.maximum(due, _LEAST)) - logs
+        return colours + brighter[..., None] * self.onward.within_reach
 
 
 def body_size(photo_size: tuple[int, int]) -> tuple[int, int]:
@@ -126,8 +138,7 @@ def body_gain(body: Body, light: torch.Tensor, relit: np.ndarray, in_photo: np.n
     if in_photo is not None:
         guess = guess / in_photo
     small = guess if guess.shape == relit.shape else resize_area(guess, relit.shape[:2])
-    found = (np.maximum(relit, 0.0) + _DARK) / (body.photo + _DARK)
-    correction = body.carried_on(np.log(found / small))
+    correction = body.carried_on(np.maximum(relit, 0.0) + _DARK, (body.photo + _DARK) * small)
     if in_photo is not None:
         correction = _in_bounds(correction, body, small, resize_area(in_photo, relit.shape[:2]))
     correction = cv2.resize(np.exp(correction), guess.shape[1::-1], interpolation=cv2.INTER_LINEAR).reshape(guess.shape)
@@ -174,7 +185,11 @@ def _bulging(share: np.ndarray) -> np.ndarray:
 
 
 class Continuation:
-    """Values where they are known, and means over ever wider surroundings where they are not."""
+    """Values where they are known, and means over ever wider surroundings where they are not.
+
+    Attributes:
+        within_reach: (k, l, 1 or C) in [0, 1], whether enough is known in the widest surroundings.
+    """
 
     def __init__(self, weight: np.ndarray):
         """Work out all that depends on where something is known.
@@ -189,6 +204,7 @@ class Continuation:
         near = self._blurred(self._weight)
         self._nearness = 1 / np.maximum(near, 1e-9)
         self._trust = np.clip(near / 0.02, 0.0, 1.0)
+        self.within_reach = self._trust[0]
 
     def __call__(self, values: np.ndarray) -> np.ndarray:
         """The values (k, l, C) carried on."""
