@@ -41,6 +41,7 @@ from relight_core.imaging.files import KnownFiles
 
 if TYPE_CHECKING:
     from relight_core.lighting.environment import Environment
+    from relight_core.pipeline.cache import Stage
     from relight_core.pipeline.results.relit import Relit
 
 MATCH_LIMIT_EV = 40.0
@@ -191,7 +192,8 @@ def _render(
     opened = session.open(photo, arguments.face, arguments.box, arguments.add_box)
     relit = session.relighter.relight(light, edit, longest_side_px=0)
     if arguments.match_face:
-        relit = session.relighter.relight(_matched(light, relit, photo), edit, longest_side_px=0)
+        matched = session.relighter.relight(_matched(light, relit, photo), edit, longest_side_px=0)
+        relit = replace(matched, stages=_of_both(relit.stages, matched.stages))
     if _is_folder(arguments.output):
         make_folder(output.parent)
     icc = opened.icc if arguments.profile == "photo" else None
@@ -203,6 +205,14 @@ def _render(
     after_networks_s = ended - (relit.networks_ended_s or began)
     times = FileTimes(session.opening_ms, (ended - began) * 1e3, after_networks_s * 1e3)
     return relit_record(str(photo), str(output), relit, times), relit_line(str(output), relit, edit)
+
+
+def _of_both(first: dict[str, Stage], then: dict[str, Stage]) -> dict[str, Stage]:
+    """What two relightings of one photo took together; what the second found ready, the first computed for it."""
+    computed = {name: stage for name, stage in first.items() if stage.state == "computed"}
+    return then | {
+        name: replace(stage, ms=stage.ms + (then[name].ms if name in then else 0.0)) for name, stage in computed.items()
+    }
 
 
 def _matched(light: Environment, relit: Relit, photo: Path) -> Environment:

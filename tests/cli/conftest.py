@@ -14,7 +14,9 @@ from app.cli.main import main
 from relight_core.errors import NoFaceError
 from relight_core.face.find import FaceBox
 from relight_core.lighting.environment import Environment
+from relight_core.pipeline.cache import Stage
 from relight_core.pipeline.per_photo.person import Canvas
+from relight_core.pipeline.results.relit import Relit
 
 
 @dataclass(frozen=True)
@@ -52,6 +54,7 @@ class FakeRelighter:
         self.share = 0.5
         self.face_count = 1
         self.longest_sides_px = []
+        self.taken_apart = None
 
     def set_portrait(self, photo, face_index=None, boxes=None, strokes=()):
         self.boxes, self.strokes, self.face_index = boxes, strokes, face_index
@@ -73,10 +76,9 @@ class FakeRelighter:
         image, alpha = full.part((0, 0, width, height)) if longest_side_px != 0 else (None, None)
         crop = np.full((8, 8, 3), 0.25, np.float32)
         grey = crop[..., 0]
-        return SimpleNamespace(
+        return Relit(
             image=image,
             alpha=alpha,
-            size=(height, width),
             networks_ended_s=None,
             level_as_in_photo_ev=lambda most_stops=4.0: max(self.level_ev, -most_stops),
             full=full,
@@ -93,14 +95,21 @@ class FakeRelighter:
             },
             window=(0.0, 0.0, 16.0, 16.0),
             faces=[SimpleNamespace(x0=1.0, y0=2.0, x1=11.0, y1=14.0)] * self.face_count,
-            stages={
-                "delight": SimpleNamespace(ms=1.25, state="computed", why="new photo"),
-                "compose": SimpleNamespace(ms=0.5, state="skipped", why="nothing to do"),
-            },
+            stages=self._stages(),
             plan=[
                 SimpleNamespace(name="relief", state="skipped", why="no need", bound=0.001, forced=None, saved_ms=2.5)
             ],
         )
+
+    def _stages(self):
+        """De-lighting runs for a photo's first light, the sliders for every light."""
+        taken_apart = self.taken_apart is self.photo
+        self.taken_apart = self.photo
+        return {
+            "delight": Stage(0.0, "reused", "kept") if taken_apart else Stage(1.25, "computed", "new photo"),
+            "sliders": Stage(2.0, "computed", "new light"),
+            "compose": Stage(0.5, "skipped", "nothing to do"),
+        }
 
 
 @pytest.fixture

@@ -39,6 +39,7 @@ def test_json_is_one_object_and_all_of_stdout(relight, photo, tmp_path):
         "faces": [{"box": [1.0, 2.0, 11.0, 14.0]}],
         "stages": {
             "delight": {"ms": 1.25, "state": "computed", "why": "new photo"},
+            "sliders": {"ms": 2.0, "state": "computed", "why": "new light"},
             "compose": {"ms": 0.5, "state": "skipped", "why": "nothing to do"},
         },
         "plan": [
@@ -121,6 +122,15 @@ def test_a_light_in_units_of_its_own_is_matched_or_it_is_told(relight, relighter
     assert matched == pytest.approx(as_it_is * 2.0 ** max(stops, -40.0))
     assert done.err.count("\n") == told
     assert done.err.count("photo.png: --match-face changes a light by 40 stops at the most") == told
+
+
+def test_matching_a_face_hides_nothing_of_what_the_photo_took(relight, photo, tmp_path):
+    """The face is matched by a second relighting, which finds most of the first one's stages ready."""
+    done = relight("render", photo, "--light", "ring", "--match-face", "--json", "-o", tmp_path / "o.png")
+    stages = json.loads(done.out)["stages"]
+    assert stages["delight"] == {"ms": 1.25, "state": "computed", "why": "new photo"}
+    assert stages["sliders"]["ms"] == 4.0
+    assert stages["compose"]["state"] == "skipped"
 
 
 def test_transparency_reaches_the_file(relight, photo, tmp_path):
