@@ -18,11 +18,13 @@ class Question:
         key: names it; asking the same again replaces it.
         text: one or two plain sentences.
         choices: label and what is done of each button; the first is the one that Enter gives.
+        calling_off: the label of the one that changes nothing, which Esc gives, if there is one.
     """
 
     key: str
     text: str
     choices: tuple[tuple[str, Callable[[], None]], ...]
+    calling_off: str = ""
 
 
 @dataclass
@@ -97,3 +99,12 @@ class Asking:
         """Give a question one of its answers, after which it is gone."""
         self.drop(question.key)
         question.choices[index][1]()
+
+    def call_off(self) -> bool:
+        """Answer the newest question that can be called off with just that; False where there is none."""
+        for question in reversed(self.questions):
+            labels = [label for label, _ in question.choices]
+            if question.calling_off in labels:
+                self.answer(question, labels.index(question.calling_off))
+                return True
+        return False

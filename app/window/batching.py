@@ -43,7 +43,7 @@ def relight_as_left(state: EditorState, outputs: Outputs) -> None:
     were, them = ("was", "it") if unknown == 1 else ("were", "them")
     text = f"{unknown} of these {len(photos)} photos {were} neither opened nor saved yet: relight {them} like this one?"
     choices = ((f"Relight all {len(photos)}", start(photos)), *only_known, ("Cancel", lambda: None))
-    asking.ask(Question("batch", text, choices))
+    asking.ask(Question("batch", text, choices, calling_off="Cancel"))
 
 
 def relight_many(photos: list[Path], outputs: Outputs, asking: Asking, as_left: bool = False) -> None:
@@ -68,4 +68,4 @@ def relight_many(photos: list[Path], outputs: Outputs, asking: Asking, as_left: 
     only_the_rest = ((f"Relight the other {rest}", start(False)),) if rest else ()
     text = f"{done} of these {len(photos)} photos {'has a picture' if done == 1 else 'have pictures'} in {folder}."
     choices = (*only_the_rest, ("Replace", start(True)), ("Cancel", lambda: None))
-    asking.ask(Question("batch", text, choices))
+    asking.ask(Question("batch", text, choices, calling_off="Cancel"))

@@ -56,7 +56,8 @@ class Leaving:
     def _ask(self) -> None:
         self._failures_before = None
         choices = (("Finish first", self._finish), ("Stop it", self._stop), ("Stay open", lambda: None))
-        self._asking.ask(Question(_FILES, "Files you asked for are still being made.", choices))
+        text = "Files you asked for are still being made."
+        self._asking.ask(Question(_FILES, text, choices, calling_off="Stay open"))
 
     def _finish(self) -> None:
         self._failures_before = self._failures()
@@ -66,7 +67,8 @@ class Leaving:
 
     def _ask_about_work(self) -> None:
         text = "There is unsaved work, and it can't be kept for the next start. Save the session, or it is lost."
-        self._asking.ask(Question(_WORK, text, (("Stay open", lambda: None), ("Close anyway", self._give_up))))
+        choices = (("Stay open", lambda: None), ("Close anyway", self._give_up))
+        self._asking.ask(Question(_WORK, text, choices, calling_off="Stay open"))
 
     def _give_up(self) -> None:
         self._gives_up = True

@@ -30,7 +30,7 @@ def write_or_ask(
         ("Cancel", lambda: None),
     )
     text = f"{path.name} is already there, in {path.absolute().parent}."
-    asking.ask(Question(f"replace {path}", text, choices))
+    asking.ask(Question(f"replace {path}", text, choices, calling_off="Cancel"))
 
 
 def check_place(path: Path, is_place: bool, kind: str) -> None:

@@ -15,6 +15,8 @@ from app.ui.actions.light_actions import light_actions
 from app.ui.light_list import Shelf
 from app.ui.photo_queue import PhotoQueue
 from app.ui.state import EditorState
+from app.window.offers import saved_session_offer
+from app.window.replacing import write_or_ask
 from relight_core.face.find import FaceBox
 from relight_core.imaging.photo import Photo
 
@@ -167,3 +169,17 @@ def test_faces_are_found_again_only_once_the_photo_is_there():
     assert not named("Find the faces again").available(state)
     state.accept(Snapshot(opened=OpenPhoto(state.photo, Photo(np.zeros((40, 80, 3), np.float32)), None)))
     assert named("Find the faces again").available(state)
+
+
+def test_escape_calls_off_what_can_be_and_answers_nothing_else(tmp_path):
+    """A file that is there already is asked about; of work that was kept, no answer changes nothing."""
+    state, path = EditorState(), tmp_path / "me.png"
+    path.write_bytes(b"older")
+    write_or_ask(state.asking, path, lambda place, _: place.write_bytes(b"newer"))
+    offer = saved_session_offer(tmp_path / "me.jpg", tmp_path / "me.relight.json", lambda: None, lambda: None)
+    state.asking.ask(offer)
+    for _ in range(2):
+        named("Close or put away").run(state)
+        assert state.asking.questions == [offer]
+    assert [file.name for file in tmp_path.iterdir()] == ["me.png"]
+    assert path.read_bytes() == b"older"

@@ -30,7 +30,7 @@ def _can_be_done(state: EditorState) -> bool:
 
 
 def _close(state: EditorState) -> None:
-    """Close what is open, taking back what it is for taking back, else put the message away."""
+    """Close what is open, taking back what it is for taking back, else call off a question or put the message away."""
     if state.look.help:
         state.look.help = False
     elif state.faces.is_open:
@@ -39,7 +39,7 @@ def _close(state: EditorState) -> None:
         brush_edits.cancel(state)
     elif state.aim or state.playing:
         state.aim, state.playing = "", False
-    elif state.snapshot.message:
+    elif not state.asking.call_off() and state.snapshot.message:
         state.dismissed = state.snapshot.message.number
 
 
@@ -60,7 +60,13 @@ PROGRAM = (
         _done,
         available=_can_be_done,
     ),
-    Action("Close or put away", _PROGRAM, ("Escape",), "Closes what is open, or the message below", _close),
+    Action(
+        "Close or put away",
+        _PROGRAM,
+        ("Escape",),
+        "Closes what is open, gives Cancel to what is asked, or hides the message below",
+        _close,
+    ),
 )
 
 ACTIONS: tuple[Action, ...] = (
