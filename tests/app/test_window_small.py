@@ -80,3 +80,25 @@ def test_the_palette_and_our_own_file_dialog_stay_within_the_window(small, tmp_p
 def test_the_histogram_gives_way_to_the_effects():
     assert arrange(500, 350, 15.0, Panels(), scope=True).scope is None
     assert arrange(800, 560, 15.0, Panels(), scope=True).scope is not None
+
+
+def test_a_long_name_leaves_room_for_what_stands_beside_it_at_the_foot(small, photo_path, monkeypatch):
+    small.resize((800, 560))
+    small.drop(photo_path.rename(photo_path.with_name(f"{'of the garden ' * 6}.png")))
+    small.move((400, 200))
+    ends, starts, write, button = [], [], imgui.text_disabled, imgui.invisible_button
+
+    def note_words(words):
+        if "128 × 96" in words:
+            ends.append(imgui.get_cursor_screen_pos().x + imgui.calc_text_size(words).x)
+        write(words)
+
+    def note_link(label, size):
+        if label.startswith("Relit in"):
+            starts.append(imgui.get_cursor_screen_pos().x)
+        return button(label, size)
+
+    monkeypatch.setattr(imgui, "text_disabled", note_words)
+    monkeypatch.setattr(imgui, "invisible_button", note_link)
+    small.frames(2)
+    assert max(ends) < min(starts)

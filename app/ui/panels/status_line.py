@@ -68,10 +68,15 @@ def _words(state: EditorState, width: float) -> None:
         return
     activity, opened = state.snapshot.activity, state.snapshot.opened
     if activity:
-        imgui.text_disabled(f"{activity}…")
+        imgui.text_disabled(widgets.shortened(f"{activity}…", width))
     elif opened:
-        height, width_px = opened.photo.linear.shape[:2]
-        imgui.text_disabled(f"{opened.source.name}   {width_px} × {height}{_under_the_mouse(state)}")
+        height_px, width_px = opened.photo.linear.shape[:2]
+        # What is under the mouse is looked for here; the name is known, and told in full at rest on it.
+        facts = f"   {width_px} × {height_px}{_under_the_mouse(state)}"
+        name = widgets.shortened(opened.source.name, width - imgui.calc_text_size(facts).x)
+        imgui.text_disabled(name + facts)
+        if name != opened.source.name:
+            imgui.set_item_tooltip(opened.source.name)
     else:
         imgui.text_disabled("Ready")
 
