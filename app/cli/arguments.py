@@ -63,7 +63,12 @@ def add_light(parser: argparse.ArgumentParser, *, required: bool) -> None:
 
 
 def user_path(text: str) -> Path:
-    """A file or folder as users name them; a leading ~ is the home folder, also where no shell has seen to that."""
+    """A file or folder as users name them; a leading ~ is the home folder, also where no shell has seen to that.
+
+    No name at all, as of a shell's variable that is not set, would mean the current folder with all photos in it.
+    """
+    if not text:
+        raise argparse.ArgumentTypeError("an empty name; give a file's or a folder's")
     return Path(os.path.expanduser(text))
 
 

@@ -24,14 +24,14 @@ OUT = Path("out")
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Declare the arguments of `relight`."""
     words = "a portrait photo, a folder of them, or a session saved in the editor"
-    parser.add_argument("photos", metavar="PHOTO", nargs="*", help=words)
+    parser.add_argument("photos", metavar="PHOTO", nargs="*", type=user_path, help=words)
     add_light(parser, required=False)
     parser.add_argument("--version", action="version", version=f"relight {__version__}")
 
 
 def run(arguments: argparse.Namespace) -> int:
     """Open the editor, or write files where it can't open; returns the exit code."""
-    photos = [_existing(text) for text in arguments.photos] or [sample_portrait()]
+    photos = [_existing(photo) for photo in arguments.photos] or [sample_portrait()]
     if arguments.light is not None:
         light_kind(arguments.light)
     if not has_display():
@@ -64,12 +64,11 @@ def has_display() -> bool:
     return bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))
 
 
-def _existing(text: str) -> Path:
-    photo = user_path(text)
+def _existing(photo: Path) -> Path:
     if os.path.lexists(photo):
         return photo
     from app.cli.main import available_commands
 
-    near = difflib.get_close_matches(text, available_commands(), n=1)
+    near = difflib.get_close_matches(str(photo), available_commands(), n=1)
     guess = f"did you mean relight {near[0]}?" if near else "check the path, or see relight --help"
-    raise InputError(f"{text}: no such photo and no such command; {guess}")
+    raise InputError(f"{photo}: no such photo and no such command; {guess}")

@@ -59,6 +59,15 @@ def test_a_folder_is_no_photo(relight, tmp_path, command):
     assert not out.exists()
 
 
+@pytest.mark.parametrize("command", [["render"], ["channels"], ["turntable"], []])
+def test_an_empty_name_is_not_the_current_folder(relight, photo, monkeypatch, command):
+    """A script whose variable is not set would else relight whatever lies where it runs."""
+    monkeypatch.chdir(photo.parent)
+    rest = ["--light", "ring", *(["-o", "out/"] if command else [])]
+    assert refused(relight(*command, "", *rest), "an empty name")
+    assert os.listdir() == ["photo.png"]
+
+
 @pytest.mark.parametrize("command", ["render", "channels", "turntable"])
 def test_a_photo_without_a_face(relight, tmp_path, command):
     blank, out = tmp_path / "blank.png", tmp_path / "out.png"
