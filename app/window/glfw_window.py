@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import warnings
 
 import glfw
@@ -12,6 +13,8 @@ from relight_core.resources import resource_path
 
 SMALLEST = (800, 560)
 _ICON_SIDES = (256, 128, 64, 48, 32, 16)
+_AS_GLFW_WARNS = re.compile(r"""\(\d+\) b(?P<quote>['"])(?P<words>.*)(?P=quote)""", re.DOTALL)
+"""A number for programmers, and GLFW's words as Python writes bytes."""
 
 
 class NoDisplayError(RuntimeError):
@@ -98,5 +101,8 @@ def _scale_at_creation(monitor: object) -> float:
 
 
 def _reason(caught: list) -> str:
-    words = " ".join(str(warning.message) for warning in caught[-1:])
-    return f" ({' '.join(words.split())})" if words else ""
+    if not caught:
+        return ""
+    said = str(caught[-1].message)
+    plain = _AS_GLFW_WARNS.fullmatch(said)
+    return f": {' '.join((plain['words'] if plain else said).split())}"

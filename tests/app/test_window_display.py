@@ -30,7 +30,8 @@ def test_without_a_display_it_says_so_in_one_line():
         [sys.executable, "-c", WITHOUT_DISPLAY], env=environment, capture_output=True, text=True, check=False
     )
     assert done.returncode == 0, done.stderr
-    assert done.stdout.startswith("told: ")
+    assert done.stdout.startswith("told: no display to open a window on: ")
+    assert "b'" not in done.stdout, "GLFW's words are told as words"
     assert done.stdout.count("\n") == 1
 
 
