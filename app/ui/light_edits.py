@@ -45,16 +45,18 @@ def reset_adjustments(state: EditorState) -> None:
 
 def can_undo(state: EditorState) -> bool:
     """Whether there is something that `undo` takes back."""
-    return state.asking.level is not None or state.history.can_undo
+    return state.brush.painting is not None or state.asking.level is not None or state.history.can_undo
 
 
 def undo(state: EditorState) -> None:
-    """Take back what was asked for last: a level that its picture has yet to tell, else the last step."""
-    if state.asking.level is None:
+    """Take back what was begun last: a stroke being painted, a level that its picture has yet to tell, else a step."""
+    if state.brush.painting is not None:
+        state.brush.painting = None
+    elif state.asking.level is not None:
+        state.asking.level = None
+        state.asking.tell("The light's level stays as it is")
+    else:
         state.restore(state.history.undo())
-        return
-    state.asking.level = None
-    state.asking.tell("The light's level stays as it is")
 
 
 def has_box(state: EditorState) -> bool:

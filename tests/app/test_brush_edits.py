@@ -8,7 +8,7 @@ import pytest
 
 from app.document.document import Document, PhotoRef
 from app.engine.snapshot import OpenPhoto, Snapshot
-from app.ui import brush_edits, face_edits
+from app.ui import brush_edits, face_edits, light_edits
 from app.ui.photo_works import portrait_of
 from app.ui.state import EditorState
 from relight_core.face.find import FaceBox
@@ -68,6 +68,16 @@ def test_nothing_counts_before_the_brush_is_lifted(state):
     assert state.photo.strokes == ()
     assert state.brush.is_open
     assert state.brush.painting is None
+
+
+def test_undo_while_a_stroke_is_painted_forgets_that_stroke_alone(state):
+    paint(state, (10, 10))
+    kept = state.photo.strokes
+    brush_edits.begin(state, (30, 30), 4.0, True)
+    assert light_edits.can_undo(state)
+    light_edits.undo(state)
+    assert state.brush.painting is None
+    assert state.photo.strokes == kept
 
 
 def test_escape_takes_back_what_was_painted_since_the_brush_was_taken_up(state):
