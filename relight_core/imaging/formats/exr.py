@@ -207,6 +207,8 @@ def _check_channels(channels: int, path: Path) -> None:
 
 def _check_size(header: dict, path: Path) -> None:
     channels = len(header.get("channels", ()))
+    # Again: a head that OpenEXR can follow further than `most_channels` does.
+    _check_channels(channels, path)
     for window in ("dataWindow", "displayWindow"):
         low, high = header[window]
         width, height = (int(high[i]) - int(low[i]) + 1 for i in (0, 1))
