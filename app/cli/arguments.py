@@ -55,21 +55,26 @@ def add_light(parser: argparse.ArgumentParser, *, required: bool) -> None:
     parser.add_argument(
         "--light",
         metavar="L",
-        type=os.path.expanduser,
+        type=user_name,
         required=required,
         help="a bundled rig's name (see relight rigs), an .hdr or .exr map, a portrait to borrow from, or a light or "
         "session (.json) saved in the editor",
     )
 
 
-def user_path(text: str) -> Path:
-    """A file or folder as users name them; a leading ~ is the home folder, also where no shell has seen to that.
+def user_name(text: str) -> str:
+    """What users name, mostly a file; a leading ~ is the home folder, also where no shell has seen to that.
 
     No name at all, as of a shell's variable that is not set, would mean the current folder with all photos in it.
     """
     if not text:
-        raise argparse.ArgumentTypeError("an empty name; give a file's or a folder's")
-    return Path(os.path.expanduser(text))
+        raise argparse.ArgumentTypeError("an empty name, as of a variable that is not set; give one")
+    return os.path.expanduser(text)
+
+
+def user_path(text: str) -> Path:
+    """A file or folder, as of `user_name`."""
+    return Path(user_name(text))
 
 
 def add_one_photo(

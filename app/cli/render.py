@@ -22,7 +22,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from app.cli.arguments import add_json, add_light, add_sliders, edit_from, user_path
+from app.cli.arguments import add_json, add_light, add_sliders, edit_from, user_name, user_path
 from app.cli.outputs import (
     OPAQUE_SUFFIXES,
     check_place,
@@ -64,7 +64,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "-o",
         "--output",
         metavar="OUT",
-        type=os.path.expanduser,
+        type=user_name,
         required=True,
         help="file, folder/ or {name} pattern",
     )

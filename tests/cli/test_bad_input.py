@@ -68,6 +68,13 @@ def test_an_empty_name_is_not_the_current_folder(relight, photo, monkeypatch, co
     assert os.listdir() == ["photo.png"]
 
 
+@pytest.mark.parametrize("option", ["--light", "-o"])
+def test_an_empty_light_or_output_is_told_as_what_it_is(relight, photo, tmp_path, option):
+    options = {"--light": "ring", "-o": str(tmp_path / "out.png")} | {option: ""}
+    words = [word for pair in options.items() for word in pair]
+    assert refused(relight("render", photo, *words), option, "an empty name")
+
+
 @pytest.mark.parametrize("command", ["render", "channels", "turntable"])
 def test_a_photo_without_a_face(relight, tmp_path, command):
     blank, out = tmp_path / "blank.png", tmp_path / "out.png"
