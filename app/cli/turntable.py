@@ -12,6 +12,7 @@ from app.cli.arguments import add_one_photo, edit_from
 from app.cli.outputs import check_place
 from app.cli.report import counting, relit_record, reporting
 from app.cli.session import Session, light_files
+from relight_core.errors import InputError
 from relight_core.imaging.files import KnownFiles
 from relight_core.pipeline.edit import Edit
 
@@ -41,7 +42,10 @@ def run(arguments: argparse.Namespace) -> int:
 
     is_film = arguments.output.suffix.lower() == _FILM_SUFFIX
     if not is_film:
-        check_output(arguments.output)
+        try:
+            check_output(arguments.output)
+        except InputError as error:
+            raise InputError(f"{error}, or an {_FILM_SUFFIX} for a film") from error
     check_place(arguments.output, KnownFiles([arguments.photo, *light_files(arguments.light)]))
     with reporting(arguments.json) as report:
         session = Session()

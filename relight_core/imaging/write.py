@@ -194,7 +194,8 @@ def check_output(path: str | Path, bits: int = 8) -> str:
     """
     suffix = Path(path).suffix.lower()
     if suffix not in _BITS:
-        raise InputError(f"{path}: can't write '{suffix}' files; name a .png, .jpg, .tif or .exr file")
+        wrong = f"can't write '{suffix}' files" if suffix else "the end of the name doesn't say which kind of file"
+        raise InputError(f"{path}: {wrong}; name a .png, .jpg, .tif or .exr file")
     if bits not in _BITS[suffix]:
         choices = " or ".join(str(choice) for choice in _BITS[suffix])
         raise InputError(f"{path}: {suffix} holds {choices} bits per channel, not {bits}; change the bits")

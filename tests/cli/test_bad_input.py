@@ -137,6 +137,16 @@ def test_an_output_of_unknown_kind(relight, photo, tmp_path, name):
     assert refused(relight("render", photo, "--light", "ring", "-o", tmp_path / name), name)
 
 
+def test_a_name_without_an_end_is_told_as_what_it_is(relight, photo, tmp_path):
+    done = relight("render", photo, "--light", "ring", "-o", tmp_path / "out")
+    assert refused(done, "out: the end of the name doesn't say which kind of file; name a .png")
+
+
+def test_a_turntable_names_its_film_beside_its_pictures(relight, photo, tmp_path):
+    done = relight("turntable", photo, "--light", "ring", "-o", tmp_path / "turn.avi")
+    assert refused(done, "can't write '.avi' files; name a .png, .jpg, .tif or .exr file, or an .mp4 for a film")
+
+
 def test_transparency_in_a_jpeg(relight, photo, tmp_path):
     words = ("--background", "transparent", "-o", tmp_path / "out.jpg")
     assert refused(relight("render", photo, "--light", "ring", *words), "out.jpg")
