@@ -2,16 +2,21 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 from imgui_bundle import imgui
 
 from app.ui import theme
 from app.ui.layout import Rect
 from app.ui.state import EditorState
 from app.ui.viewport import probe_card
+from relight_core.pipeline.cache import Stage
 
 _NAME_EM, _MS_EM, _BAR_EM, _WHY_EM = 7.6, 3.6, 8.0, 12.5
 _PAD_EM, _LINE_EM = 0.7, 1.25
 _ROOM_FOR_WHY_EM = 49.0
+_FOOT_EM = 2.7
+"""What stays free under the card, for the zoom's percentage."""
 
 
 def draw(state: EditorState, rect: Rect) -> None:
@@ -24,22 +29,39 @@ def draw(state: EditorState, rect: Rect) -> None:
     stages = picture.relit.stages
     wide = rect.width > _ROOM_FOR_WHY_EM * em
     width = (_NAME_EM + _MS_EM + _BAR_EM + (_WHY_EM if wide else 0.0) + 2 * _PAD_EM) * em
-    height = (_LINE_EM * (len(stages) + 1) + 2 * _PAD_EM) * em
     x, y = rect.x + rect.width - width - 0.6 * em, rect.y + 0.6 * em
     if state.look.probe and x < rect.x + probe_card.width_em() * em + 1.2 * em:
         y += probe_card.height_em() * em + 0.6 * em
+    room_em = (rect.y + rect.height - y) / em - 2 * _PAD_EM - _FOOT_EM
+    shown = stages_that_fit(stages, int(room_em / _LINE_EM))
+    sums = [("all together", _sum_ms(stages))]
+    if len(shown) < len(stages):
+        sums.insert(0, (f"{len(stages) - len(shown)} others", sums[0][1] - _sum_ms(shown)))
+    height = (_LINE_EM * (len(shown) + len(sums)) + 2 * _PAD_EM) * em
     draw_list = imgui.get_window_draw_list()
     corner, end = imgui.ImVec2(x, y), imgui.ImVec2(x + width, y + height)
     draw_list.add_rect_filled(corner, end, theme.packed(theme.SHADE, 0.92), 0.27 * em)
     end_ms = max((stage.start_ms + stage.ms for stage in stages.values() if stage.state == "computed"), default=1.0)
-    for row, (name, stage) in enumerate(stages.items()):
+    for row, (name, stage) in enumerate(shown.items()):
         at = imgui.ImVec2(x + _PAD_EM * em, y + (_PAD_EM + row * _LINE_EM) * em)
         _row(draw_list, at, name, stage, end_ms, wide)
-    total = sum(stage.ms for stage in stages.values() if stage.state == "computed")
-    foot = y + (_PAD_EM + len(stages) * _LINE_EM) * em
-    draw_list.add_text(imgui.ImVec2(x + _PAD_EM * em, foot), theme.packed(theme.TEXT), "all together")
-    _right_aligned(draw_list, f"{total:.1f} ms", x + (_PAD_EM + _NAME_EM + _MS_EM) * em, foot, theme.TEXT)
+    for row, (name, ms) in enumerate(sums, len(shown)):
+        foot = y + (_PAD_EM + row * _LINE_EM) * em
+        draw_list.add_text(imgui.ImVec2(x + _PAD_EM * em, foot), theme.packed(theme.TEXT), name)
+        _right_aligned(draw_list, f"{ms:.1f} ms", x + (_PAD_EM + _NAME_EM + _MS_EM) * em, foot, theme.TEXT)
     imgui.pop_font()
+
+
+def stages_that_fit(stages: Mapping[str, Stage], lines: int) -> dict[str, Stage]:
+    """All stages if the lines have room for them and their sum; else, beside a line for the others, the longest."""
+    if len(stages) + 1 <= lines:
+        return dict(stages)
+    longest = sorted(stages, key=lambda name: _sum_ms({name: stages[name]}), reverse=True)[: max(lines - 2, 0)]
+    return {name: stage for name, stage in stages.items() if name in longest}
+
+
+def _sum_ms(stages: Mapping[str, Stage]) -> float:
+    return sum(stage.ms for stage in stages.values() if stage.state == "computed")
 
 
 def _row(draw_list: imgui.ImDrawList, at: imgui.ImVec2, name: str, stage, end_ms: float, wide: bool) -> None:

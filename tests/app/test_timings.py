@@ -1,0 +1,21 @@
+"""Which stages the card of timings has room for."""
+
+from app.ui.panels.timings import stages_that_fit
+from relight_core.pipeline.cache import Stage
+
+STAGES = {
+    "read": Stage(30.0, "computed", "new photo"),
+    "outline": Stage(5.0, "computed", "new photo"),
+    "delight": Stage(90.0, "reused", "same photo"),
+    "relief": Stage(60.0, "computed", "new photo"),
+    "matte": Stage(20.0, "computed", "new photo"),
+}
+
+
+def test_all_are_shown_where_they_and_their_sum_fit():
+    assert list(stages_that_fit(STAGES, 6)) == ["read", "outline", "delight", "relief", "matte"]
+
+
+def test_in_a_low_window_the_longest_stay_in_their_order_above_the_others_and_the_sum():
+    assert list(stages_that_fit(STAGES, 5)) == ["read", "relief", "matte"]
+    assert list(stages_that_fit(STAGES, 1)) == []
