@@ -37,6 +37,24 @@ def jobs(said):
     jobs.close(cancel=True)
 
 
+def test_what_failed_stays_in_sight_when_the_next_job_that_waited_for_it_is_done(jobs, said):
+    all_wait = threading.Event()
+
+    def failing(control):
+        assert all_wait.wait(LONG_S)
+        raise InputError("1 could not be relit: b.jpg", "b.jpg: not an image")
+
+    jobs.start("Batch", failing)
+    jobs.start("Export", lambda control: "Saved a-relit.png")
+    all_wait.set()
+    while jobs.is_busy():
+        pass
+    jobs.start("Export", lambda control: "Saved c-relit.png")
+    jobs.close()
+    lines = "1 could not be relit: b.jpg\nb.jpg: not an image"
+    assert said == [(lines, True), (f"{lines}\nSaved a-relit.png", True), ("Saved c-relit.png", False)]
+
+
 def test_a_job_tells_how_far_it_is_and_what_became_of_it(jobs, said):
     middle, go_on = threading.Event(), threading.Event()
 
