@@ -179,3 +179,6 @@ def _buttons(state: EditorState, request: FileRequest, entered: bool) -> None:
     elif fits and (chosen or entered):
         state.picking = None
         request.then([path])
+    elif entered and is_folder:
+        # It was typed without the slash that lists what is in it.
+        _look_into(request, path, "")
