@@ -138,10 +138,9 @@ class Session:
             InputError: not a photo, or no such face in it.
         """
         from relight_core.face.find import FaceBox
-        from relight_core.imaging.read import read_photo
 
         began = time.perf_counter()
-        photo = read_photo(path)
+        photo = _read(path)
         read_ms = (time.perf_counter() - began) * 1e3
         corrected = self._corrected.get(os.path.realpath(path))
         boxes, strokes = (corrected.boxes, corrected.strokes) if corrected else (None, ())
@@ -168,6 +167,14 @@ class Session:
         except NoFaceError:
             return ()
         return self.relighter.people
+
+
+def _read(path: Path) -> Photo:
+    from relight_core.imaging.read import read_photo
+
+    if path.suffix.lower() == ".json" and os.path.isfile(path):
+        raise InputError(f"{path}: no photo; name the photo itself, and a session or light after --light")
+    return read_photo(path)
 
 
 def light_kind(text: str) -> str:

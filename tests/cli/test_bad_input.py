@@ -51,6 +51,13 @@ def test_a_file_that_is_no_photo(relight, tmp_path, name, as_json):
     assert not out.exists()
 
 
+def test_a_session_in_the_photos_place_is_told_where_it_belongs(relight, tmp_path):
+    session = tmp_path / "me.relight.json"
+    session.write_text("{}")
+    done = relight("render", session, "--light", "ring", "-o", tmp_path / "out.png")
+    assert refused(done, "me.relight.json: no photo; name the photo itself, and a session or light after --light")
+
+
 @pytest.mark.parametrize("command", ["render", "channels", "turntable"])
 def test_a_folder_is_no_photo(relight, tmp_path, command):
     (tmp_path / "album").mkdir()
