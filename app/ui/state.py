@@ -73,6 +73,7 @@ class EditorState:
         aim: what the next click on the face places a lamp for: "highlight", "bright", or "" for none.
         aim_at: the relit picture whose normals the click reads.
         aim_hit: the click, or the drag it became, has placed a lamp.
+        aim_refusal: why the newest click that missed placed none.
         dismissed: number of the newest message the user has put away.
         typing: which slider has its number typed in, if any.
         typing_began: the typing field still has to take the keyboard.
@@ -127,6 +128,7 @@ class EditorState:
     aim: str = ""
     aim_at: RelitLike | None = None
     aim_hit: bool = False
+    aim_refusal: str = ""
     dismissed: int = 0
     typing: str | None = None
     typing_began: bool = False

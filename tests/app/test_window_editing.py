@@ -178,7 +178,9 @@ def test_a_click_beside_the_face_tells_so_and_lets_one_try_again(opened):
     opened.settle()
     assert state.light_edit.boxes == ()
     assert state.aim == "highlight"
+    assert "no face there" in state.message().text
     opened.click(on_it)
     opened.settle()
     assert len(state.light_edit.boxes) == 1
+    assert state.message() is None
     assert state.aim == ""

@@ -67,7 +67,7 @@ def _place(state: EditorState, arranged: Arrangement, at: tuple[float, float], p
         return False
     if state.snapshot.picture_in_sight is None:
         if pressed:
-            state.asking.tell("This face is still being relit; click once its picture is there")
+            _refuse(state, "This face is still being relit; click once its picture is there")
         return False
     if "normal" in picture.relit.channels:
         # While the hand moves, only what is looked at is made; the face stays the same meanwhile.
@@ -78,11 +78,19 @@ def _place(state: EditorState, arranged: Arrangement, at: tuple[float, float], p
     direction = lamp_for_spot(state.aim_at.channels, channel_view_of(state.aim_at), x, y, state.aim)
     if direction is None:
         if pressed:
-            state.asking.tell(_no_face_at(state.snapshot.faces, x, y))
+            _refuse(state, _no_face_at(state.snapshot.faces, x, y))
         return False
     edit, index = aimed(state.light_edit, state.selected_box, direction, state.edit.yaw_deg)
     if index < 0:
         light_edits.tell_full(state)
         return False
     state.light_edit, state.selected_box = edit, index
+    if (message := state.message()) is not None and message.text == state.aim_refusal:
+        state.dismissed = message.number
     return True
+
+
+def _refuse(state: EditorState, why: str) -> None:
+    """Tell why a click places no lamp, until one does."""
+    state.asking.tell(why)
+    state.aim_refusal = why
