@@ -45,11 +45,8 @@ def face_label_map(model: HeadModel) -> np.ndarray:
 
 def face_vertices(model: HeadModel, labels: np.ndarray) -> np.ndarray:
     """Indices of the vertices of the face proper: the paper's eight regions, without neck, ears and scalp."""
-    in_face_region = model.triangle_region == model.region_names.index("face")
-    vertices, uv = (
-        model.triangles[in_face_region].ravel(),
-        model.uv[model.triangles_uv[in_face_region].ravel()],
-    )
+    on_face = model.has_triangles_of("face")
+    vertices, uv = model.triangles[on_face].ravel(), model.uv[model.triangles_uv[on_face].ravel()]
     pixels = np.clip((uv * [1, -1] + [0, 1]) * len(labels), 0, len(labels) - 1).astype(int)
     proper = (uv[:, 0] < 1) & (labels[pixels[:, 1], pixels[:, 0]] != INDEX["neck"])
     return np.unique(vertices[proper])

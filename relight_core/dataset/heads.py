@@ -38,6 +38,9 @@ _ARRAYS = (
     "landmarks68",
 )
 
+OUTER_SKIN = ("face", "head_neck")
+"""Regions that things are worn on."""
+
 _NECK_PIVOT_CM = np.array([0.0, -8.0, 0.0], np.float32)
 
 NAMED_EXPRESSIONS: dict[str, dict[str, float]] = {
@@ -94,9 +97,17 @@ class HeadModel:
     landmarks: np.ndarray
     lashes: dict[str, tuple[np.ndarray, np.ndarray]] | None = None
 
-    def vertices_of(self, region: str) -> np.ndarray:
-        """Indices of the vertices of a named region."""
-        return np.flatnonzero(self.vertex_region == self.region_names.index(region))
+    def vertices_of(self, *regions: str) -> np.ndarray:
+        """Indices of the vertices of named regions."""
+        return np.flatnonzero(self.has_vertices_of(*regions))
+
+    def has_vertices_of(self, *regions: str) -> np.ndarray:
+        """(V,) bool: is a vertex of one of the named regions?"""
+        return np.isin(self.vertex_region, [self.region_names.index(name) for name in regions])
+
+    def has_triangles_of(self, *regions: str) -> np.ndarray:
+        """(F,) bool: is a triangle of one of the named regions?"""
+        return np.isin(self.triangle_region, [self.region_names.index(name) for name in regions])
 
 
 def load_head_model(path: Path) -> HeadModel:

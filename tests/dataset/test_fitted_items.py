@@ -1,9 +1,12 @@
-"""What is kept of fitted garments beside the data: read as it was written, and made again where it is damaged."""
+"""Fitted garments: kept beside the data, read as they were written and made again where damaged; what they follow."""
+
+from dataclasses import replace
 
 import numpy as np
 import pytest
+from ball_heads import ball_head
 
-from relight_core.dataset.garments.fitted_items import _read_cache, _write_cache
+from relight_core.dataset.garments.fitted_items import _bind, _read_cache, _write_cache
 from relight_core.dataset.garments.makehuman import Item
 
 
@@ -29,3 +32,13 @@ def test_half_of_it_other_bytes_and_other_arrays_are_no_items(cache):
         assert _read_cache(cache) is None
     np.savez(cache, others=np.zeros(3))
     assert _read_cache(cache) is None
+
+
+@pytest.mark.parametrize("regions", [("face", "teeth", "head_neck"), ("teeth", "head_neck", "face")])
+def test_brows_follow_the_skin_wherever_a_model_lists_its_regions(regions):
+    ball = ball_head()
+    region = np.full(len(ball.mean), regions.index("face"), np.uint8)
+    region[::2] = regions.index("teeth")
+    region[1:60:2] = regions.index("head_neck")
+    model = replace(ball, vertex_region=region, region_names=regions)
+    np.testing.assert_array_equal(_bind("brow", ball.mean[:9], model).anchors, np.arange(1, len(ball.mean), 2))

@@ -10,7 +10,7 @@ from relight_core.dataset.garments.garment_mesh import fractal, smoothstep
 from relight_core.dataset.garments.headwear.caps import tube
 from relight_core.dataset.garments.headwear.ornaments import blob
 from relight_core.dataset.garments.headwear.ring import AZIMUTH_DEG, HatRing, outline, sheet
-from relight_core.dataset.heads import HeadModel
+from relight_core.dataset.heads import OUTER_SKIN, HeadModel
 
 _NECK_CM = (-11.5, -9.5)
 _AZIMUTH = np.radians(AZIMUTH_DEG)
@@ -22,7 +22,7 @@ class NeckAndEars:
 
     def __init__(self, model: HeadModel):
         x, y = np.abs(model.mean[:, 0]), model.mean[:, 1]
-        skin = np.isin(model.vertex_region, [model.region_names.index(n) for n in ("face", "head_neck")])
+        skin = model.has_vertices_of(*OUTER_SKIN)
         self._neck = np.flatnonzero(skin & (y > _NECK_CM[0]) & (y < _NECK_CM[1]) & (x < 7))
         ear = np.flatnonzero(skin & (x > 7.5) & (y > -4) & (y < 7))
         self._lobes = [_lowest(model.mean, ear[sign * model.mean[ear, 0] > 0]) for sign in (-1, 1)]

@@ -6,7 +6,7 @@ import numpy as np
 
 from relight_core.dataset.garments.garment import Garment
 from relight_core.dataset.garments.garment_mesh import at_midpoints, clip, compact, fractal, smoothstep, subdivide
-from relight_core.dataset.heads import HeadModel
+from relight_core.dataset.heads import OUTER_SKIN, HeadModel
 
 _CHEEK_X_CM = np.array([0.0, 2.7, 4.5, 6.2, 7.3, 9.0])
 _CHEEK_Y_CM = np.array([-2.2, -2.7, -3.2, -1.0, 1.5, 3.0])
@@ -16,7 +16,7 @@ class BeardPatch:
     """The lower face of a head model, refined once; beards are grown from it."""
 
     def __init__(self, model: HeadModel):
-        skin = np.isin(model.triangle_region, [model.region_names.index(n) for n in ("face", "head_neck")])
+        skin = model.has_triangles_of(*OUTER_SKIN)
         corners = model.mean[model.triangles]
         low = (corners[..., 1] < 4).all(1) & (corners[..., 1] > -13).all(1) & (corners[..., 2] > 1).all(1)
         faces = model.triangles[skin & low & (np.abs(corners[..., 0]) < 7.9).all(1)]

@@ -18,7 +18,7 @@ from relight_core.dataset.garments.hair_shell import ScalpGrid, grow_hair, sampl
 from relight_core.dataset.garments.headwear.wardrobe import Headwear, put_on, sample_kind
 from relight_core.dataset.garments.lashes import LashStrips
 from relight_core.dataset.garments.raised_arm import raise_arm
-from relight_core.dataset.heads import HeadModel
+from relight_core.dataset.heads import OUTER_SKIN, HeadModel
 
 _HAIR, _BEARD, _GLASSES, _CLOTH, _BROWS = 0.90, 0.20, 0.15, 0.95, 0.85
 _LASHES = 0.8
@@ -60,9 +60,7 @@ class Wardrobe:
             InputError: the folder holds no MakeHuman data.
         """
         self._model, self._shares = model, shares or Shares()
-        self._skin_triangles = model.triangles[
-            np.isin(model.triangle_region, [model.region_names.index(n) for n in ("face", "head_neck")])
-        ]
+        self._skin_triangles = model.triangles[model.has_triangles_of(*OUTER_SKIN)]
         self._skin_vertices = np.unique(self._skin_triangles)
         self.items = load_fitted_items(Path(makehuman_folder), model)
         self._grid, self._beards = ScalpGrid(model), BeardPatch(model)

@@ -14,7 +14,7 @@ from relight_core.dataset.garments.garment_binding import Binding, bind, scatter
 from relight_core.dataset.garments.garment_mesh import compact
 from relight_core.dataset.garments.makehuman import Item, cut_by_opacity, find_root, read_base, read_item, refine
 from relight_core.dataset.garments.makehuman_fit import HeadWarp
-from relight_core.dataset.heads import HeadModel
+from relight_core.dataset.heads import OUTER_SKIN, HeadModel
 from relight_core.imaging.files import whole_file
 
 _CACHE_VERSION = 3
@@ -121,7 +121,7 @@ def _placed(item: Item, warp: HeadWarp) -> Item:
 
 def _bind(kind: str, vertices: np.ndarray, model: HeadModel) -> Binding:
     """Bind brows and beards to the skin under them, hair to the skull, cloth to the neck."""
-    skin = np.flatnonzero(np.isin(model.vertex_region, [0, 1]))
+    skin = model.vertices_of(*OUTER_SKIN)
     points = model.mean[skin]
     if kind in ("brow", "beard"):
         return bind(vertices, model.mean, skin, 8)

@@ -12,7 +12,7 @@ from scipy.spatial import cKDTree
 from relight_core.dataset.garments.garment import Garment
 from relight_core.dataset.garments.garment_binding import HeadSurface
 from relight_core.dataset.garments.garment_mesh import clip, fractal, grid_faces, smoothstep, waves
-from relight_core.dataset.heads import HeadModel
+from relight_core.dataset.heads import OUTER_SKIN, HeadModel
 
 _ROWS, _COLUMNS = 118, 240
 _LOWEST_POLAR_DEG = 150.0
@@ -85,9 +85,8 @@ class ScalpGrid:
     """A regular grid over the skull, without the ears, bound to the vertices of a head model."""
 
     def __init__(self, model: HeadModel):
-        skin = np.isin(model.vertex_region, [model.region_names.index(n) for n in ("face", "head_neck")])
+        skin = model.has_vertices_of(*OUTER_SKIN) & (np.abs(model.mean[:, 0]) < _EAR_HALF_WIDTH_CM)
         centred = model.mean - _SKULL_CENTRE_CM
-        skin &= np.abs(model.mean[:, 0]) < _EAR_HALF_WIDTH_CM
         self._anchors = np.flatnonzero(skin)
         self.polar_deg, self.azimuth_deg = np.meshgrid(
             np.linspace(0.5, _LOWEST_POLAR_DEG, _ROWS), np.linspace(-180, 180, _COLUMNS + 1), indexing="ij"

@@ -7,7 +7,7 @@ from scipy.spatial import cKDTree
 
 from relight_core.dataset.garments.garment_binding import scattered
 from relight_core.dataset.garments.garment_mesh import vertex_normals
-from relight_core.dataset.heads import HeadModel
+from relight_core.dataset.heads import OUTER_SKIN, HeadModel
 
 # MakeHuman "hm08" vertex on the left, index into the 68 landmarks on the right.
 _LANDMARKS = {132: 27, 5054: 30, 343: 33, 455: 51, 496: 57, 5171: 8}
@@ -57,7 +57,7 @@ class HeadWarp:
 
 
 def _head_surface(model: HeadModel) -> tuple[np.ndarray, np.ndarray]:
-    skin = np.isin(model.triangle_region, [model.region_names.index(n) for n in ("face", "head_neck")])
+    skin = model.has_triangles_of(*OUTER_SKIN)
     normals = vertex_normals(model.mean, model.triangles[skin])
     used = np.unique(model.triangles[skin])
     return model.mean[used], normals[used]
@@ -70,14 +70,12 @@ def _landmark_pairs(base: np.ndarray, model: HeadModel) -> tuple[np.ndarray, np.
         ball = model.mean[model.vertices_of(f"sclera_{side}")]
         eye = base[first:last]
         pairs.append(((eye.min(0) + eye.max(0)) / 2, (ball.min(0) + ball.max(0)) / 2))
-    theirs, ours = base[:13380], model.mean[: len(model.mean)]
-    theirs = theirs[theirs[:, 1] > 62]
-    ours = ours[np.isin(model.vertex_region, [0, 1]) & (ours[:, 1] > -6)]
-    for points in ((theirs, ours),):
-        pairs.append(tuple(p[p[:, 1].argmax()] * [0, 1, 1] for p in points))
-        pairs.append(tuple(p[p[:, 2].argmin()] * [0, 1, 1] for p in points))
-        pairs.append(tuple(p[p[:, 0].argmax()] for p in points))
-        pairs.append(tuple(p[p[:, 0].argmin()] for p in points))
+    theirs, ours = base[:13380], model.mean[model.vertices_of(*OUTER_SKIN)]
+    both = theirs[theirs[:, 1] > 62], ours[ours[:, 1] > -6]
+    pairs.append(tuple(p[p[:, 1].argmax()] * [0, 1, 1] for p in both))
+    pairs.append(tuple(p[p[:, 2].argmin()] * [0, 1, 1] for p in both))
+    pairs.append(tuple(p[p[:, 0].argmax()] for p in both))
+    pairs.append(tuple(p[p[:, 0].argmin()] for p in both))
     source, target = (np.array(side, np.float64) for side in zip(*pairs, strict=True))
     return source, target
 

@@ -21,11 +21,11 @@ from relight_core.dataset.garments.garment_binding import scattered
 from relight_core.dataset.garments.garment_mesh import at_midpoints, subdivide, vertex_normals
 from relight_core.dataset.garments.makehuman import find_root, read_textured_base
 from relight_core.dataset.garments.makehuman_fit import HeadWarp
-from relight_core.dataset.heads import HeadModel
+from relight_core.dataset.heads import OUTER_SKIN, HeadModel
 from relight_core.dataset.painting.skin_textures import SkinTextures
 from relight_core.imaging.colour import srgb_decode_integers, srgb_encode
 
-_SKIN_REGIONS = ("face", "head_neck", "eye_socket_L", "eye_socket_R")
+_SKIN_REGIONS = (*OUTER_SKIN, "eye_socket_L", "eye_socket_R")
 _LOWEST_CM = -25.0
 _SUBDIVISIONS = 3
 _NEIGHBOURS = 4
@@ -90,7 +90,7 @@ def _with_normals(places: np.ndarray, normals: np.ndarray) -> np.ndarray:
 
 def _texel_places(model: HeadModel, tile: int, size: int) -> tuple[np.ndarray, np.ndarray]:
     """Which texels of a tile the skin covers, (size, size) bool, and their places with normals (T, 6)."""
-    skin = np.isin(model.triangle_region, [model.region_names.index(name) for name in _SKIN_REGIONS])
+    skin = model.has_triangles_of(*_SKIN_REGIONS)
     corner_uv = model.uv[model.triangles_uv]
     chosen = np.flatnonzero(skin & ((corner_uv[..., 0].max(1) > 1) == bool(tile)))
     triangle = np.full((size, size), -1, np.int32)
