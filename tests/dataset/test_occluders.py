@@ -73,6 +73,12 @@ def test_an_occluder_in_the_picture_hides_what_is_behind_it():
     assert not silhouette(behind, head)[size // 2, size // 2]
 
 
+def test_most_occluders_show_in_the_picture_and_the_others_stay_out_of_frame():
+    head, rng = ball(), np.random.default_rng(0)
+    seen = [silhouette(sample_occluder(rng), head).any() for _ in range(400)]
+    assert 0.67 < np.mean(seen) < 0.83
+
+
 def test_positions_follow_the_picture():
     head = ball()
     points = positions(head)

@@ -33,7 +33,7 @@ class Occluder:
 
 
 def sample_occluder(rng: np.random.Generator) -> Occluder:
-    """A bar, a ball or scattered leaves, somewhere in front of the face; two of three stay out of frame."""
+    """A bar, a ball or scattered leaves, somewhere in front of the face; three of four show in the picture."""
     toward = rng.standard_normal(3) * [1, 0.8, 0.4] + [0, 0.2, 0.7]
     toward /= np.linalg.norm(toward)
     middle = toward * rng.uniform(0.5, 2.5)

@@ -36,7 +36,7 @@ def paint(head: BakedHead, pool: TexturePool, rng: np.random.Generator, *, wild:
     """A random albedo for every pixel of a head. (P, 3) float32, linear, in [0.015, 0.95].
 
     Args:
-        wild: lay arbitrary pictures over most heads, as training wants; False keeps to what people wear.
+        wild: lay arbitrary pictures over three heads in ten, as training wants; False keeps to what people wear.
     """
     albedo = _worn(head, pool, rng) if head.albedo is None else _scanned(head.albedo, rng)
     if wild:
