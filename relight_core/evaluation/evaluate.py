@@ -40,7 +40,7 @@ class Settings:
 
     Attributes:
         heads: folder of baked shards.
-        lights: the light library (.npz).
+        lights: a light library (.npz), or a folder of panoramas.
         split: "test"; "validation" for choices between variants, so that the test stays unseen.
         count: heads.
         photos: "clean" renderings on black, or through the "camera" on backgrounds.

@@ -53,7 +53,7 @@ class Run:
     Attributes:
         stage: a name in STAGES.
         heads: folder of baked shards.
-        lights: the light library (.npz).
+        lights: a light library (.npz), or a folder of panoramas.
         checkpoint: where the weights go, (.safetensors).
         start: weights to go on from; None starts from random ones.
         minutes, steps: length, one of them.

@@ -55,7 +55,7 @@ class ShellStyle:
 
 
 def sample_style(rng: np.random.Generator) -> ShellStyle:
-    """A buzz cut, a short cut, a voluminous one or an afro."""
+    """A buzz cut, a short cut, a quiff, a voluminous one or an afro."""
     kind = rng.choice(["buzz", "short", "quiff", "volume", "afro"], p=[0.22, 0.33, 0.2, 0.15, 0.1])
     # Ranges: thickness on top, sides as a share of it, relief, size of tufts, their stretch.
     ranges = {

@@ -85,7 +85,10 @@ def _hand(rng: np.random.Generator, *, fist: bool) -> list[Bone]:
 
 
 def _finger(root: np.ndarray, toward: np.ndarray, lengths_cm: np.ndarray, bent_deg: float, thick_cm: float) -> list:
-    """Three bones, each bent toward the palm from the one before."""
+    """Three bones, each bent toward the palm from the one before, and at most straight down from it.
+
+    A fist's fingers do not curl back, then: they end in the head that the fist lies on, where nobody sees them.
+    """
     bones, toward = [], _unit(toward)
     for number, length in enumerate(lengths_cm):
         angle = np.radians(bent_deg * (0.8 if number == 0 else 1.0))

@@ -1,4 +1,4 @@
-"""Scenes to put people before, drawn once and looked at in many ways.
+"""Scenes to put people before, drawn a few with every head and looked at in many ways.
 
 A network that is to tell a person from what lies behind needs to have seen what lies behind. Photographs that may
 be used are few, so layers of shapes are drawn instead, whose edges, sizes and colours are like those of real scenes
@@ -29,19 +29,18 @@ from relight_core.dataset.cutouts.scenery.things import with_sign, with_things, 
 from relight_core.dataset.painting.texture import TexturePool
 
 _PANORAMA_SHARE, _PICTURE_SHARE = 0.3, 0.15
-_POOLED = 96
 
 Drawing = Callable[[TexturePool, np.random.Generator], np.ndarray]
 
 
 class SceneryPool:
-    """Scenes drawn once per process; views of them are drawn at random, turned over, recoloured, out of focus."""
+    """Some scenes; views of them are drawn at random, turned over, recoloured, out of focus."""
 
     def __init__(
         self,
         pool: TexturePool,
         rng: np.random.Generator,
-        count: int = _POOLED,
+        count: int,
         panoramas: Sequence[np.ndarray] = (),
     ):
         self._pool = pool

@@ -1,4 +1,4 @@
-"""What wraps the whole head: headscarves, hoods, veils, balaclavas, helmets. An opening leaves the face free."""
+"""What wraps the whole head: headscarves, hoods, balaclavas, helmets. An opening leaves the face free."""
 
 from __future__ import annotations
 
