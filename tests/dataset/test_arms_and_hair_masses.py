@@ -8,6 +8,8 @@ from ball_heads import assert_well_formed, ball_head, surface
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 
+from relight_core.dataset.garments.field_mesh import enclosed, grid_between
+from relight_core.dataset.garments.garment import Garment
 from relight_core.dataset.garments.garment_mesh import vertex_normals
 from relight_core.dataset.garments.hair_mass import grow_mass
 from relight_core.dataset.garments.raised_arm import raise_arm
@@ -28,6 +30,16 @@ def is_closed(garment):
 def volume(garment):
     a, b, c = (garment.vertices[garment.faces[:, corner]].astype(np.float64) for corner in range(3))
     return float(np.einsum("fc,fc->f", a, np.cross(b, c)).sum() / 6)
+
+
+def test_a_field_encloses_its_ball_where_it_is():
+    low, middle = np.array([10.0, -4.0, 1.0]), np.array([13.0, -1.0, 4.0])
+    inside = 2 - np.linalg.norm(grid_between(low, low + 6, 0.25) - middle, axis=-1)
+    ball = Garment(*enclosed(inside, low, 0.25), "hair")
+    assert_well_formed(ball)
+    assert is_closed(ball)
+    assert volume(ball) == pytest.approx(4 / 3 * np.pi * 8, rel=0.02)
+    np.testing.assert_allclose(np.linalg.norm(ball.vertices - middle, axis=1), 2, atol=0.02)
 
 
 @pytest.fixture(scope="module", params=range(4))

@@ -7,15 +7,14 @@ from __future__ import annotations
 
 import numpy as np
 from scipy.ndimage import label
-from skimage.measure import marching_cubes
 
+from relight_core.dataset.garments.field_mesh import enclosed, grid_between
 from relight_core.dataset.garments.garment import Garment
 from relight_core.dataset.garments.garment_mesh import fractal
 
 _SKULL_CM, _SKULL_RADII_CM = np.array([0.0, 6.5, -1.0]), np.array([8.5, 10.5, 10.0])
 _FACE_CM, _FACE_RADII_CM = np.array([0.0, -1.5, 13.0]), np.array([8.6, 12.0, 13.0])
 _STEP_CM = 0.5
-_UV_CM = 90.0
 
 
 def grow_mass(rng: np.random.Generator) -> Garment:
@@ -26,16 +25,12 @@ def grow_mass(rng: np.random.Generator) -> Garment:
     free = _FACE_RADII_CM * np.exp(rng.normal(0, 0.06, 3))
     lowest = rng.uniform(-20, 2)
     low, high = np.maximum(middle - 1.3 * around, [-40, lowest - 3, -40]), middle + 1.3 * around
-    axes = [np.arange(first, last, _STEP_CM, dtype=np.float32) for first, last in zip(low, high, strict=True)]
-    grid = np.stack(np.meshgrid(*axes, indexing="ij"), -1)
+    grid = grid_between(low, high, _STEP_CM)
     curls = rng.uniform(0.15, 0.5) * _noise(grid, rng, rng.uniform(1.5, 4))
     locks = rng.uniform(0.1, 0.12) * thick * _noise(grid, rng, rng.uniform(6, 16))
     outside = np.maximum(_beyond(grid, middle, around) + locks, lowest - grid[..., 1] + 2 * locks)
     outside = np.maximum(outside, -_beyond(grid, _FACE_CM, free)) + curls
-    vertices, faces, _, _ = marching_cubes(_in_one_piece(-outside), 0.0, spacing=(_STEP_CM,) * 3)
-    vertices = (vertices + low).astype(np.float32)
-    uv = np.clip((vertices[:, :2] + vertices[:, 2:]) / _UV_CM + 0.5, 0, 1).astype(np.float32)
-    return Garment(vertices, faces[:, ::-1].astype(np.int32), uv, "hair", name="mass")
+    return Garment(*enclosed(_in_one_piece(-outside), low, _STEP_CM), "hair", name="mass")
 
 
 def _in_one_piece(inside: np.ndarray) -> np.ndarray:

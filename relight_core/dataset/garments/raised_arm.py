@@ -6,8 +6,8 @@ Hands are bones with flesh of a given thickness around them, melted into one sur
 from __future__ import annotations
 
 import numpy as np
-from skimage.measure import marching_cubes
 
+from relight_core.dataset.garments.field_mesh import enclosed, grid_between, uv_in_place
 from relight_core.dataset.garments.garment import Garment
 from relight_core.dataset.garments.garment_binding import HeadSurface
 from relight_core.dataset.garments.garment_mesh import fractal, vertex_normals
@@ -31,7 +31,6 @@ _FINGER_LENGTHS = (0.95, 1.05, 1.0, 0.8)
 _KNUCKLES_CM = (2.9, 1.0, -1.0, -2.8)
 _FINE_CM, _COARSE_CM = 0.3, 0.6
 _PALM_CM = 1.6
-_UV_CM = 90.0
 _UNDER_SCALP = 0.3
 """Below this much of the skin's texture nobody is shaved (see `skin.paint`)."""
 
@@ -113,27 +112,25 @@ def _sleeve_or_skin(forearm: Bone, upper: Bone, rng: np.random.Generator) -> lis
 
 
 def _skin(bones: list[Bone], step_cm: float) -> Garment:
-    vertices, faces = _melted(bones, step_cm)
-    return Garment(vertices, faces, _uv(vertices) * np.float32([1, _UNDER_SCALP]), "neck", name="arm")
+    vertices, faces, uv = _melted(bones, step_cm)
+    return Garment(vertices, faces, uv * np.float32([1, _UNDER_SCALP]), "neck", name="arm")
 
 
 def _cloth(bones: list[Bone], rng: np.random.Generator) -> Garment:
-    vertices, faces = _melted(bones, _COARSE_CM)
+    vertices, faces, _ = _melted(bones, _COARSE_CM)
     folds = fractal(vertices, rng, rng.uniform(3, 8), 3) * rng.uniform(0.1, 0.4)
     vertices = (vertices + vertex_normals(vertices, faces) * folds[:, None]).astype(np.float32)
-    return Garment(vertices, faces, _uv(vertices), "cloth", name="sleeve")
+    return Garment(vertices, faces, uv_in_place(vertices), "cloth", name="sleeve")
 
 
-def _melted(bones: list[Bone], step_cm: float) -> tuple[np.ndarray, np.ndarray]:
-    """The surface (V, 3), (F, 3) around bones, drawn together where they meet as flesh is."""
+def _melted(bones: list[Bone], step_cm: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """The surface around bones, drawn together where they meet as flesh is: `field_mesh.enclosed`."""
     ends = np.concatenate([[start, end] for start, end, _, _ in bones])
     reach = max(max(a, b) for *_, a, b in bones) + 3 * step_cm
     low, high = ends.min(0) - reach, ends.max(0) + reach
-    axes = [np.arange(first, last, step_cm, dtype=np.float32) for first, last in zip(low, high, strict=True)]
-    grid = np.stack(np.meshgrid(*axes, indexing="ij"), -1)
+    grid = grid_between(low, high, step_cm)
     nearness = sum(np.exp(-_distance(grid, bone) / (0.6 * step_cm)) for bone in bones)
-    vertices, faces, _, _ = marching_cubes(np.log(np.maximum(nearness, 1e-30)), 0.0, spacing=(step_cm,) * 3)
-    return (vertices + low).astype(np.float32), faces[:, ::-1].astype(np.int32)
+    return enclosed(np.log(np.maximum(nearness, 1e-30)), low, step_cm)
 
 
 def _distance(grid: np.ndarray, bone: Bone) -> np.ndarray:
@@ -143,10 +140,6 @@ def _distance(grid: np.ndarray, bone: Bone) -> np.ndarray:
     share = np.clip((grid - start.astype(np.float32)) @ along / max(float(along @ along), 1e-6), 0, 1)
     off = grid - start.astype(np.float32) - share[..., None] * along
     return np.sqrt(np.einsum("...c,...c->...", off, off)) - (first + (last - first) * share)
-
-
-def _uv(vertices: np.ndarray) -> np.ndarray:
-    return np.clip((vertices[:, :2] + vertices[:, 2:]) / _UV_CM + 0.5, 0, 1).astype(np.float32)
 
 
 def _unit(vector: np.ndarray) -> np.ndarray:
