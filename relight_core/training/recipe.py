@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import tomllib
 from collections.abc import Callable
 from dataclasses import asdict, dataclass, fields, replace
@@ -23,6 +24,9 @@ from relight_core.training.state import Progress
 _NOTE = "begun.json"
 _REAL = ("minutes", "learning_rate")
 """Numbers of a stage that need not be whole."""
+_AT_LEAST_ONE = ("width", "levels")
+"""Whole numbers of a network that can't be 0."""
+_LARGEST_SEED = 2**63 - 1
 _DATA = "heads and lights"
 _WORDS = {"networks": "kind of networks", "seed": "seed", "start": "--start", _DATA: "set of heads and lights"}
 
@@ -93,27 +97,37 @@ def _parsed(data: dict[str, Any]) -> Recipe:
     unknown = set(data) - {"seed", "networks", "stage", "description"}
     if unknown:
         raise ValueError(f"unknown entry {sorted(unknown)[0]!r}")
-    stages = tuple(_stage(entry) for entry in data.get("stage", []))
+    entries = data.get("stage", [])
+    if not (isinstance(entries, list) and all(isinstance(entry, dict) for entry in entries)):
+        raise ValueError("each stage goes under a line [[stage]]")
+    stages = tuple(_stage(entry) for entry in entries)
     if not stages:
         raise ValueError("no [[stage]]")
     seed = data.get("seed", 0)
-    if type(seed) is not int or seed < 0:
-        raise ValueError("seed must be a whole number from 0 up")
+    if type(seed) is not int or not 0 <= seed <= _LARGEST_SEED - len(stages):
+        raise ValueError(f"seed must be a whole number from 0 up, below {_LARGEST_SEED:.0e}")
     return Recipe(_networks(data.get("networks", {})), stages, seed)
 
 
 def _networks(data: dict[str, dict[str, Any]]) -> BundleConfig:
     config = BundleConfig()
-    for name, settings in data.items():
+    for name, settings in _table(data, "networks").items():
         if not hasattr(config, name):
             raise ValueError(f"unknown network {name!r}")
         before = PersonConfig() if name == "person" else getattr(config, name)
-        for entry, value in settings.items():
+        for entry, value in _table(settings, f"networks.{name}").items():
             usual = getattr(before, entry, value)
-            if type(value) is not (list if isinstance(usual, tuple) else type(usual)):
+            too_small = type(value) is int and value < (1 if entry in _AT_LEAST_ONE else 0)
+            if too_small or type(value) is not (list if isinstance(usual, tuple) else type(usual)):
                 raise ValueError(f"networks.{name}: {entry} can't be {value!r}")
         config = replace(config, **{name: replace(before, **settings)})
     return config
+
+
+def _table(value: Any, name: str) -> dict[str, Any]:
+    if not isinstance(value, dict):
+        raise ValueError(f"{name} is {value!r} and not a table; write a line [{name}]")
+    return value
 
 
 def _stage(entry: dict[str, Any]) -> StagePlan:
@@ -121,7 +135,7 @@ def _stage(entry: dict[str, Any]) -> StagePlan:
     for name, value in entry.items():
         if name not in types:
             raise ValueError(f"unknown entry {name!r} in a stage")
-        if name != "name" and not (isinstance(value, int | float) and value > 0):
+        if name != "name" and not (type(value) in (int, float) and 0 < value < math.inf):
             raise ValueError(f"{name} must be a number above 0")
         if name not in ("name", *_REAL) and type(value) is not int:
             raise ValueError(f"{name} must be a whole number")
