@@ -7,6 +7,7 @@ from torch import nn
 
 from relight_core.errors import InputError
 from relight_core.evaluation.contest import Task
+from relight_core.evaluation.peers.blurring import blurred_within
 from relight_core.evaluation.peers.dpr import Dpr, DprNetwork, harmonics, load_dpr
 from relight_core.evaluation.peers.shih import Shih, transfer_statistics
 from relight_core.evaluation.peers.shu import Shu, transfer_by_transport
@@ -44,6 +45,12 @@ def lit_from(surface, direction, texture=0.0):
 
 def rms(image, covered):
     return float(np.sqrt((image[covered] ** 2).mean()))
+
+
+def test_what_lies_beside_the_head_has_no_say_in_its_blur(covered):
+    image = np.where(covered[..., None], np.float32([0.2, 0.5, 0.8]), np.float32(9))
+    blurred = blurred_within(image, covered.astype(np.float32), 2.5)
+    np.testing.assert_allclose(blurred[covered], image[covered], rtol=1e-5)
 
 
 @pytest.mark.parametrize("given", ["itself", "another"])

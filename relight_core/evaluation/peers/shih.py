@@ -14,6 +14,7 @@ import cv2
 import numpy as np
 
 from relight_core.evaluation.contest import Task
+from relight_core.evaluation.peers.blurring import blurred_within
 from relight_core.imaging.colour import srgb_decode, srgb_encode
 
 _LEAST_ENERGY = 0.01**2
@@ -40,10 +41,10 @@ def transfer_statistics(photo_srgb: np.ndarray, example_srgb: np.ndarray, covere
     example_bands, residual = _bands(example, weight, levels)
     changed = residual
     for level, (band, wanted) in enumerate(zip(photo_bands, example_bands, strict=True)):
-        energies = (_blur(part**2, weight, 2.0 ** (level + 1)) for part in (wanted, band))
+        energies = (blurred_within(part**2, weight, 2.0 ** (level + 1)) for part in (wanted, band))
         energy_wanted, energy = energies
         gain = np.sqrt(energy_wanted / (energy + _LEAST_ENERGY)).clip(_LEAST_GAIN, _MOST_GAIN)
-        changed = changed + band * _blur(gain, weight, 3 * 2.0**level)
+        changed = changed + band * blurred_within(gain, weight, 3 * 2.0**level)
     scaled = (changed * 100).astype(np.float32)
     return np.clip(cv2.cvtColor(scaled, cv2.COLOR_Lab2RGB), 0, 1) * weight[..., None]
 
@@ -56,16 +57,10 @@ def _bands(image: np.ndarray, weight: np.ndarray, levels: int) -> tuple[list[np.
     """Differences of growing blurs, none of them smaller than the image, and what is left."""
     bands, finer = [], image
     for level in range(levels):
-        coarser = _blur(image, weight, 2.0 ** (level + 1))
+        coarser = blurred_within(image, weight, 2.0 ** (level + 1))
         bands.append(finer - coarser)
         finer = coarser
     return bands, finer
-
-
-def _blur(image: np.ndarray, weight: np.ndarray, deviation_px: float) -> np.ndarray:
-    """Gaussian means over the covered pixels alone."""
-    total = cv2.GaussianBlur(image * weight[..., None], (0, 0), deviation_px)
-    return total / np.maximum(cv2.GaussianBlur(weight, (0, 0), deviation_px), 1e-4)[..., None]
 
 
 class Shih:

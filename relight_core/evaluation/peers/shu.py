@@ -16,6 +16,7 @@ import cv2
 import numpy as np
 
 from relight_core.evaluation.contest import Task
+from relight_core.evaluation.peers.blurring import blurred_within
 from relight_core.imaging.colour import srgb_decode, srgb_encode
 
 _COLOUR, _POSITION, _NORMAL = 1.0, 1.0, 1.0
@@ -52,7 +53,8 @@ def transfer_by_transport(
     moved = _sliced_transport(*clouds, np.random.default_rng(seed))
     change = np.zeros_like(photo_srgb, np.float32)
     change[covered] = moved[:, :3] / _COLOUR * spread + centre - photo
-    lab = _lab(photo_srgb) + _smooth(change, covered)
+    smooth = blurred_within(change, covered.astype(np.float32), max(_SMOOTHNESS * len(covered), 0.5))
+    lab = _lab(photo_srgb) + smooth
     return np.clip(cv2.cvtColor(lab.astype(np.float32), cv2.COLOR_Lab2RGB), 0, 1) * covered[..., None]
 
 
@@ -78,12 +80,6 @@ def _sliced_transport(points: np.ndarray, targets: np.ndarray, rng: np.random.Ge
         np.put_along_axis(matched, order, theirs, axis=0)
         moved += (matched - ours) @ axes.T
     return moved
-
-
-def _smooth(change: np.ndarray, covered: np.ndarray) -> np.ndarray:
-    weight, deviation_px = covered.astype(np.float32), max(_SMOOTHNESS * len(covered), 0.5)
-    total = cv2.GaussianBlur(change * weight[..., None], (0, 0), deviation_px)
-    return total / np.maximum(cv2.GaussianBlur(weight, (0, 0), deviation_px), 1e-4)[..., None]
 
 
 def _lab(image_srgb: np.ndarray) -> np.ndarray:
