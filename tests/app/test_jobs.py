@@ -37,8 +37,9 @@ def jobs(said):
     jobs.close(cancel=True)
 
 
-def test_what_failed_stays_in_sight_when_the_next_job_that_waited_for_it_is_done(jobs, said):
-    all_wait = threading.Event()
+def test_what_failed_stays_in_sight_when_the_next_job_that_waited_for_it_is_done(said):
+    all_wait, idle = threading.Event(), threading.Event()
+    jobs = Jobs(lambda text, is_error: said.append((text, is_error)), lambda: jobs.is_busy() or idle.set())
 
     def failing(control):
         assert all_wait.wait(LONG_S)
@@ -47,8 +48,7 @@ def test_what_failed_stays_in_sight_when_the_next_job_that_waited_for_it_is_done
     jobs.start("Batch", failing)
     jobs.start("Export", lambda control: "Saved a-relit.png")
     all_wait.set()
-    while jobs.is_busy():
-        pass
+    assert idle.wait(LONG_S)
     jobs.start("Export", lambda control: "Saved c-relit.png")
     jobs.close()
     lines = "1 could not be relit: b.jpg\nb.jpg: not an image"
