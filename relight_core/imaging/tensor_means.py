@@ -5,17 +5,18 @@ from __future__ import annotations
 import torch
 import torch.nn.functional as F
 
-_REACH_SHARE = 0.03
+_CHEEK = 0.06
 
 
-def local_means(image: torch.Tensor, weight: torch.Tensor) -> torch.Tensor:
-    """Means over (about) a tent that reaches 6 % of the image to each side: as far as a cheek.
+def local_means(image: torch.Tensor, weight: torch.Tensor, reach: float = _CHEEK) -> torch.Tensor:
+    """Means over (about) a tent.
 
     Args:
         image: (1, C, S, S).
         weight: (1, 1, S, S) >= 0, how much each pixel counts; where nothing nearby does, the mean goes to 0.
+        reach: of the tent to each side, as a share of the image's; as far as a cheek unless told.
     """
-    reach_px = max(round(_REACH_SHARE * image.shape[-1]), 1)
+    reach_px = max(round(reach / 2 * image.shape[-1]), 1)
 
     def blur(values: torch.Tensor) -> torch.Tensor:
         for _ in range(2):

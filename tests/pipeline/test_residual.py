@@ -18,13 +18,13 @@ def images(seed):
 
 
 def surface(photo, label=SKIN):
-    parsing = torch.zeros(1, 14, SIZE, SIZE)
+    parsing = torch.zeros(1, 14, *photo.shape[2:])
     parsing[:, label] = 1
-    return SimpleNamespace(photo=photo, albedo=photo, person=torch.ones(1, 1, SIZE, SIZE), parsing=parsing)
+    return SimpleNamespace(photo=photo, albedo=photo, person=torch.ones_like(photo[:, :1]), parsing=parsing)
 
 
-def no_effects():
-    zero = torch.zeros(1, 1, SIZE, SIZE)
+def no_effects(size=SIZE):
+    zero = torch.zeros(1, 1, size, size)
     return Effects(zero, zero)
 
 
@@ -112,6 +112,18 @@ def test_on_skin_a_mole_stays_longer_than_a_highlight_or_a_shaded_cheek():
     assert cheek < 0.2
     assert highlight < 0.2
     assert mole > 0.35
+
+
+def test_a_narrow_shadow_that_the_photos_light_left_on_skin_fades_and_a_mole_stays():
+    size = 100
+    photo = torch.full((1, 3, size, size), 0.2)
+    photo[..., 40:46], photo[..., 70, 70] = 0.1, 0.1
+    model, brighter = (Composed(torch.full_like(photo, grey), torch.full_like(photo, grey)) for grey in (0.2, 0.4))
+    residual = find_residual(surface(photo, SKIN), photo, light(), lambda own: model)
+    image, _ = add_residual(residual, brighter, no_effects(size), light())
+    log_kept = ((image + 0.005) / (brighter.image + 0.005)).log() / residual.log_ratio
+    assert log_kept[0, 0, 50, 42:44].max() < 0.2
+    assert log_kept[0, 0, 70, 70] > 0.35
 
 
 def test_a_clipped_photo_does_not_darken_a_brighter_model():

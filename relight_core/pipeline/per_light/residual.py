@@ -5,7 +5,7 @@ surface differs from what de-lighting believes (brows, lashes, stubble, dark clo
 much under another light: a ratio image (Liu, Shan and Zhang 2001), of the photo over its model. It multiplies
 what the model makes of another light, by its full strength where the place is lit as in the photo, and by
 less the less alike the two are: a highlight or a cast shadow that the model missed belongs to the photo's light
-and not to the surface. On skin, what is brighter than its model, of another colour, or off over a whole cheek is
+and not to the surface. On skin, what is brighter than its model, of another colour, or off over more than a mole is
 the light's more often than the surface's, and fades faster. So a portrait under its own estimated light is the
 photo again.
 
@@ -57,6 +57,8 @@ _DARK_NECK, _DIM_NECK = (0.6, 1.2), (0.2, 0.8)
 is likelier hair, in part and altogether. Both count: skin in a shadow that the model missed keeps its albedo."""
 _HAIR_LOG_ODDS = 4.0
 _FADES = 2.0
+_MOLE = 0.02
+"""Of the view's side: what is off no farther on skin is likely its own, and what is off farther a shadow or gloss."""
 _MOST_SATURATED = 0.6
 _GLARE_OF_SKIN, _GLARE_OF_HAIR = (0.2, 0.5), (0.5, 0.8)
 """Log ratios from which on brighter than the model counts as glare, in part and altogether."""
@@ -72,7 +74,7 @@ class Residual:
         shading: (1, 1, S, S) the model's grey explicit sum there, normalised light.
         stays_dark: (1, 1, S, S) in [0, 1], how much of a darkening stays under whatever light.
         skin: (1, 1, S, S) probability of bare skin.
-        broad: (1, 1, S, S) the part of the mean log ratio that whole cheeks share, on skin.
+        broad: (1, 1, S, S) the part of the mean log ratio that more than a mole shares, on skin.
         tint: (1, 3, S, S) the part of the log ratio, of mean 0, that stays under whatever light.
         fleeting: (1, 3, S, S) the part of the log ratio that only the photo's own light or one much like it gives.
         light: (1, 16, 32, 3) the photo's own.
@@ -120,7 +122,7 @@ def find_residual(
     if was_clipped := _was_clipped(recorded):
         log_ratio = at_least(log_ratio, was_clipped * clipped_share(recorded), flesh_share(surface.parsing))
     hair, skin = _hair_and_skin(surface, log_ratio)
-    broad = skin * local_means(log_ratio.mean(1, keepdim=True), skin)
+    broad = skin * local_means(log_ratio.mean(1, keepdim=True), skin, _MOLE)
     colour = log_ratio - log_ratio.mean(1, keepdim=True)
     tint = colour + skin * (_by_camera(log_ratio, surface.albedo, skin * known) - colour)
     of_light = off_black(surface, tint)
