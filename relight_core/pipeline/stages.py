@@ -39,6 +39,7 @@ from relight_core.pipeline.per_light.hints import (
 from relight_core.pipeline.per_light.shadow_colour import shadow_colour_odds
 from relight_core.pipeline.per_photo.blown import clipped_share, mend_blown
 from relight_core.pipeline.per_photo.dull_black import gloss_of_black
+from relight_core.pipeline.per_photo.frames import without_frames
 from relight_core.pipeline.per_photo.white_collar import with_white_collar
 
 _RELIEF_UNIT_PX = 64.0
@@ -214,11 +215,12 @@ def _mean_of_both(albedo, normal, relief, parsing, light) -> list[torch.Tensor]:
 @torch.inference_mode()
 def march(surface: Surface, size: int) -> ReliefTransport:
     """March the surface's relief once toward every texel of the light (see `lighting.relief`)."""
-    return march_views(surface.normal.cpu(), surface.relief.cpu(), surface.person.cpu(), size)[0]
+    relief = without_frames(surface.relief, surface.parsing)
+    return march_views(surface.normal.cpu(), relief.cpu(), surface.person.cpu(), size)[0]
 
 
 def march_views(normal: torch.Tensor, relief: torch.Tensor, person: torch.Tensor, size: int) -> list[ReliefTransport]:
-    """`march` of B surfaces that are known by these parts alone, each (B, C, S, S) as `Surface` has it.
+    """`march` of B surfaces, with their frames, that are known by these parts alone, (B, C, S, S) as in `Surface`.
 
     It is done where they lie, and that is where the transports are.
     """
