@@ -2,8 +2,8 @@
 
 Each channel is written as NAME.png, the way the window shows it. channels.exr holds all of the face crop's
 channels as named layers in linear values, the composition as its RGB. source_light.exr and
-target_light.exr hold the lights. Of several faces they are the largest one's; --face chooses another, and layers.exr
-has those of all of them in the photo's frame, the relit picture as its RGB.
+target_light.exr hold the lights. Of several faces they are the largest one's, and layers.exr has those of all of them
+in the photo's frame, the relit picture as its RGB; with --face they are that one's alone.
 Files of the same names in the folder are replaced, all together at the end. Exposure and background change the
 finished picture only, so no channel depends on them.
 """
