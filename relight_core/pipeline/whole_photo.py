@@ -41,8 +41,9 @@ from relight_core.pipeline.results.picture import Picture
 BEFORE_THE_BRUSH = ("small", "draft_matte", "canvas", "panorama")
 """Stages that read nothing of what is painted by hand."""
 
-_KEPT_PIXELS = 6_000_000
-"""Up to this size the person's matte and colour stay for the next light; above they are made band by band."""
+_KEPT_PIXELS = 2560 * 2560
+"""Up to this size, a screen's copy of a large square photo, the person's matte and colour stay for the next light;
+above they are made band by band."""
 
 
 class WholePhoto:

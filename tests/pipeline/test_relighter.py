@@ -285,6 +285,11 @@ def test_no_texture_of_a_shader_is_longer_than_drivers_take(relighter, width, is
     assert (relit.recipe is not None, relit.image is None) == (is_recipe, is_recipe)
 
 
+def test_a_shader_draws_a_screens_copy_of_a_large_square_photo(relighter):
+    relighter.set_portrait(Photo(np.full((2600, 2600, 3), 0.4, np.float32)), boxes=[FaceBox(800, 700, 1800, 1900)])
+    assert relighter.relight(some_light(), EDIT, 2560, for_shader=True).recipe.size == (2560, 2560)
+
+
 @pytest.mark.parametrize(
     "boxes",
     [
