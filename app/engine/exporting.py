@@ -126,7 +126,7 @@ def write_relit(
 
     Args:
         note: what the file says of how it was made; see `export_note`.
-        exif: of the photo, for PNG and JPEG.
+        exif: of the photo, for PNG, JPEG and TIFF.
         step: as of `export`.
 
     Raises:
