@@ -9,6 +9,20 @@
     intensity = 0.04
     gradient = 0.3                     # ceiling brighter than floor: radiance goes as 1 + gradient * height
 
+    [sky]                              # instead of a room; colours are linear
+    zenith = [0.16, 0.27, 0.50]
+    horizon = [0.80, 0.48, 0.28]
+    ground = [0.13, 0.09, 0.06]
+    intensity = 0.56
+    haze = 0.5                         # from horizon to zenith the colour goes with height ** haze
+
+    [sky.glow]                         # what is bright around a sun; may be left out
+    azimuth_deg = 62
+    elevation_deg = 8
+    width_deg = 46                     # at half its radiance
+    kelvin = 2700                      # or colour
+    intensity = 1.34                   # times the sky's
+
     [[area_light]]
     name = "key"
     form = "rectangle"                 # or "disc"
@@ -18,7 +32,7 @@
     height_deg = 24                    # a disc has its width only
     hole_deg = 0                       # a disc's dark middle: a ring light
     softness = 0.4                     # share of the half width over which the edge fades
-    kelvin = 5000
+    kelvin = 5000                      # or colour
     intensity = 1.0
     backdrop = false                   # true: a part of the room, not a lamp that one would move
 
