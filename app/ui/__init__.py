@@ -1,1 +1,1 @@
-"""The panels. Every call of Dear ImGui in the project is made here, so that the binding can change."""
+"""The panels. They alone call Dear ImGui, and `window.gl_interface` that draws its lists: the binding can change."""
