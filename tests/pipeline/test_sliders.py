@@ -120,7 +120,7 @@ def test_numbers_that_are_none_stay_out_of_the_picture():
 def test_no_nostril_shines_where_its_shadow_is_lifted(label):
     """One whose normals face the lamp, in a nose that doesn't: other small shadows are lifted as they are."""
     surface, reflected, effects = scene()
-    surface.parsing = torch.zeros(1, len(INDEX), SIZE, SIZE)
+    surface.parsing, surface.eye_sockets = torch.zeros(1, len(INDEX), SIZE, SIZE), torch.zeros(SIZE, SIZE)
     surface.parsing[:, INDEX[label]] = 1
     reflected[:, :3, 30:32, 16:18] = 6
     effects.shadow[..., 30:32, 16:18] = 2.9
@@ -130,3 +130,33 @@ def test_no_nostril_shines_where_its_shadow_is_lifted(label):
     assert float(lifted.max()) < 1e-3 if label == "nose" else float(lifted.min()) > 2.8
     assert float(change.lifted[..., SIZE // 2 :].min()) == pytest.approx(0.5)
     assert float(change.added.max()) < 1e-6
+
+
+BLUE = 0.0722
+"""Its share of luminance."""
+
+
+def given_back_to_an_eye(light, hidden, odds, socket=1.0):
+    """What no shadow gives back to a small eye under a light (3,), `hidden` of it by luminance; skin gets red alone."""
+    surface, reflected, effects = scene()
+    eye = (..., slice(30, 33), slice(14, 19))
+    surface.parsing, surface.eye_sockets = torch.zeros(1, len(INDEX), SIZE, SIZE), torch.full((SIZE, SIZE), socket)
+    reflected[:, 1:3] = 0
+    reflected[:, :3, 30:33, 14:19] = torch.tensor(light)[:, None, None]
+    effects.shadow.zero_()
+    effects.shadow[eye] = 0.5 * hidden
+    effects.colour_odds = torch.tensor(odds).reshape(1, 3, 1, 1).expand_as(surface.albedo)
+    plain = explicit_sum(surface.albedo, reflected, effects)
+    return move_sliders(Composed(plain, plain), surface, reflected, effects, 1.0, 0.0).lifted[eye]
+
+
+@pytest.mark.parametrize(("socket", "blue"), [(1.0, 0.0), (0.0, 0.5)])
+def test_no_eye_turns_blue_in_a_red_cheek_where_its_shadow_is_lifted(socket, blue):
+    lifted = given_back_to_an_eye([1.0, 0.0, 1.0], BLUE, [1e-3, 1.0, 1e3], socket)
+    assert lifted[0, 2].numpy() == pytest.approx(blue, abs=0.01)
+    assert float(lifted[0, :2].max()) < 0.01
+
+
+def test_an_eye_in_a_shadow_of_no_colour_gets_all_of_its_light_back():
+    lifted = given_back_to_an_eye([2.0, 2.0, 2.0], 1.0, [1.0, 1.0, 1.0])
+    assert lifted.numpy() == pytest.approx(0.5, abs=0.01)

@@ -23,6 +23,9 @@ _STEP = 0.09
 _NOSTRIL = 0.055
 """Of the view's side: nostrils are narrower."""
 
+_SOCKET = 0.12
+"""Of the view's side: eyes with their lids are narrower."""
+
 _OUTLINE = 0.5
 """What the person's outline counts for, as a change of height."""
 
@@ -66,7 +69,8 @@ def move_sliders(
     kept = ((moved + 1e-3) / (composed.plain + 1e-3)).clamp(0, 1)
     added = (moved - composed.plain).clamp_min(0)
     lifted = torch.minimum(added, (matt - (composed.plain - gloss)).clamp_min(0))
-    return SliderChange(kept, added - lifted, _without_nostrils(lifted, surface.parsing))
+    given_back = _in_colours_around(_without_nostrils(lifted, surface.parsing), matt, surface)
+    return SliderChange(kept, added - lifted, given_back)
 
 
 def _without_nostrils(lifted: torch.Tensor, parsing: torch.Tensor) -> torch.Tensor:
@@ -82,6 +86,28 @@ def _without_nostrils(lifted: torch.Tensor, parsing: torch.Tensor) -> torch.Tens
     around = cv2.morphologyEx(np.ascontiguousarray(image), cv2.MORPH_OPEN, window)
     image = image + cv2.dilate(nose, window)[..., None] * (around - image)
     return torch.from_numpy(image).movedim(-1, 0)[None].to(lifted)
+
+
+def _in_colours_around(lifted: torch.Tensor, matt: torch.Tensor, surface: Surface) -> torch.Tensor:
+    """Light given back (1, 3, S, S), but to eyes in no colour that the skin around them doesn't get.
+
+    Balls face both of two lamps, where of a socket's skin one side alone faces each: without the shadow of the nose a
+    blue eye would look out of a red cheek. What is given back of all colours alike stays.
+
+    Args:
+        matt: (1, 3, S, S) what the surface shows of diffuse light with `lifted` in it.
+    """
+    if not lifted.any():
+        return lifted
+    side_px = max(round(_SOCKET * lifted.shape[-1]), 1) | 1
+    window = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (side_px, side_px))
+    albedo = surface.albedo.clamp_min(1e-3)
+    light = (matt / albedo)[0].movedim(0, -1).cpu().numpy()
+    around = cv2.morphologyEx(np.ascontiguousarray(light), cv2.MORPH_OPEN, window)
+    most = torch.from_numpy(around).movedim(-1, 0)[None].to(lifted) * albedo
+    stray = torch.minimum(lifted, (matt - most).clamp_min(0))
+    of_all_colours = matt * (stray / matt.clamp_min(1e-6)).amin(1, keepdim=True)
+    return lifted - surface.eye_sockets * (stray - of_all_colours)
 
 
 def soften_shadow(effects: Effects, surface: Surface, reflected: torch.Tensor, softness: float) -> Effects:
