@@ -160,3 +160,18 @@ def test_no_eye_turns_blue_in_a_red_cheek_where_its_shadow_is_lifted(socket, blu
 def test_an_eye_in_a_shadow_of_no_colour_gets_all_of_its_light_back():
     lifted = given_back_to_an_eye([2.0, 2.0, 2.0], 1.0, [1.0, 1.0, 1.0])
     assert lifted.numpy() == pytest.approx(0.5, abs=0.01)
+
+
+@pytest.mark.parametrize(("lips_row", "glows"), [(50, False), (10, True)])
+def test_no_ear_glows_where_its_shadow_is_lifted(lips_row, glows):
+    """A hollow that faces a lamp behind the head, above the lips; below them are throats, lifted as they are."""
+    surface, reflected, effects = scene()
+    surface.parsing, surface.eye_sockets = torch.zeros(1, len(INDEX), SIZE, SIZE), torch.zeros(SIZE, SIZE)
+    surface.parsing[:, INDEX["neck"]] = 1
+    surface.parsing[:, INDEX["lips"], lips_row : lips_row + 2, 40:50] = 1
+    reflected[:, :3, 30:33, 14:17] = 6
+    effects.shadow[..., 30:33, 14:17] = 2.9
+    plain = explicit_sum(surface.albedo, reflected, effects)
+    lifted = move_sliders(Composed(plain, plain), surface, reflected, effects, 1.0, 0.0).lifted[..., 30:33, 14:17]
+    # Around it there is 0.5, of which 0.1 is there already.
+    assert lifted.numpy() == pytest.approx(2.9 if glows else 0.4, abs=0.01)

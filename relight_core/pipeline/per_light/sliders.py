@@ -26,6 +26,9 @@ _NOSTRIL = 0.055
 _SOCKET = 0.12
 """Of the view's side: eyes with their lids are narrower."""
 
+_EAR_HOLLOW = 0.08
+"""The same of the hollows of ears."""
+
 _OUTLINE = 0.5
 """What the person's outline counts for, as a change of height."""
 
@@ -69,7 +72,7 @@ def move_sliders(
     kept = ((moved + 1e-3) / (composed.plain + 1e-3)).clamp(0, 1)
     added = (moved - composed.plain).clamp_min(0)
     lifted = torch.minimum(added, (matt - (composed.plain - gloss)).clamp_min(0))
-    given_back = _in_colours_around(_without_nostrils(lifted, surface.parsing), matt, surface)
+    given_back = _as_around(_without_nostrils(lifted, surface.parsing), matt, surface)
     return SliderChange(kept, added - lifted, given_back)
 
 
@@ -88,26 +91,41 @@ def _without_nostrils(lifted: torch.Tensor, parsing: torch.Tensor) -> torch.Tens
     return torch.from_numpy(image).movedim(-1, 0)[None].to(lifted)
 
 
-def _in_colours_around(lifted: torch.Tensor, matt: torch.Tensor, surface: Surface) -> torch.Tensor:
-    """Light given back (1, 3, S, S), but to eyes in no colour that the skin around them doesn't get.
+def _as_around(lifted: torch.Tensor, matt: torch.Tensor, surface: Surface) -> torch.Tensor:
+    """Light given back (1, 3, S, S), but to eyes in no colour, and to ears no more, than their surroundings get.
 
     Balls face both of two lamps, where of a socket's skin one side alone faces each: without the shadow of the nose a
-    blue eye would look out of a red cheek. What is given back of all colours alike stays.
+    blue eye would look out of a red cheek. What is given back of all colours alike stays. The hollow of an ear faces
+    lamps that are behind the head's other side, and would glow.
 
     Args:
         matt: (1, 3, S, S) what the surface shows of diffuse light with `lifted` in it.
     """
     if not lifted.any():
         return lifted
-    side_px = max(round(_SOCKET * lifted.shape[-1]), 1) | 1
+    stray = _beyond_around(lifted, matt, surface.albedo, _SOCKET)
+    of_all_colours = matt * (stray / matt.clamp_min(1e-6)).amin(1, keepdim=True)
+    glow = _ears(surface.parsing) * _beyond_around(lifted, matt, surface.albedo, _EAR_HOLLOW)
+    return lifted - torch.maximum(surface.eye_sockets * (stray - of_all_colours), glow)
+
+
+def _beyond_around(lifted: torch.Tensor, matt: torch.Tensor, albedo: torch.Tensor, widest: float) -> torch.Tensor:
+    """What of the light given back makes spots, narrower than a share of the view, that get more light than around."""
+    side_px = max(round(widest * lifted.shape[-1]), 1) | 1
     window = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (side_px, side_px))
-    albedo = surface.albedo.clamp_min(1e-3)
+    albedo = albedo.clamp_min(1e-3)
     light = (matt / albedo)[0].movedim(0, -1).cpu().numpy()
     around = cv2.morphologyEx(np.ascontiguousarray(light), cv2.MORPH_OPEN, window)
     most = torch.from_numpy(around).movedim(-1, 0)[None].to(lifted) * albedo
-    stray = torch.minimum(lifted, (matt - most).clamp_min(0))
-    of_all_colours = matt * (stray / matt.clamp_min(1e-6)).amin(1, keepdim=True)
-    return lifted - surface.eye_sockets * (stray - of_all_colours)
+    return torch.minimum(lifted, (matt - most).clamp_min(0))
+
+
+def _ears(parsing: torch.Tensor) -> torch.Tensor:
+    """(1, 1, S, S) in [0, 1]: bare skin beside the face that lies above its lips; none where no lips are seen."""
+    lips = (parsing[0, INDEX["lips"]] > 0.5).any(1).nonzero()
+    ears = parsing[:, INDEX["neck"], None].clone()
+    ears[..., int(lips[0]) if len(lips) else 0 :, :] = 0
+    return ears
 
 
 def soften_shadow(effects: Effects, surface: Surface, reflected: torch.Tensor, softness: float) -> Effects:
