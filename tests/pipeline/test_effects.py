@@ -138,7 +138,8 @@ def test_sliders_are_monotone_pixel_by_pixel(scene, slider):
     plain = explicit_sum(albedo, reflected, effects)
     composed = Composed((plain * (0.5 + torch.rand_like(plain))).clamp_min(0), plain)
     parsing = torch.rand(len(albedo), len(INDEX), *albedo.shape[2:])
-    surface = type("Surface", (), {"albedo": albedo, "parsing": parsing})
+    sockets = torch.rand(albedo.shape[2:])
+    surface = type("Surface", (), {"albedo": albedo, "parsing": parsing, "eye_sockets": sockets})
     images = []
     for gain in GAINS:
         gains = (gain, 1.0) if slider == "specular" else (1.0, gain)
@@ -251,7 +252,7 @@ def test_a_place_that_light_surely_does_not_reach_is_composed_as_if_it_faced_awa
 def test_only_diffuse_light_counts_as_lifted_and_softening_lifts_it_too(scene):
     albedo, reflected, effects = scene
     nobody = torch.zeros(len(albedo), len(INDEX), *albedo.shape[2:])
-    surface = type("Surface", (), {"albedo": albedo, "parsing": nobody})
+    surface = type("Surface", (), {"albedo": albedo, "parsing": nobody, "eye_sockets": torch.zeros(albedo.shape[2:])})
     unshadowed = explicit_sum(albedo, reflected, effects, 1.0, 0.0)
     shiny = move_sliders(Composed(unshadowed, unshadowed), surface, reflected, effects, 2.0, 0.0)
     assert shiny.lifted.max() < 1e-6

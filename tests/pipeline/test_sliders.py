@@ -1,5 +1,6 @@
 """Softer shadows and tinted shine: what they change, and what they leave alone."""
 
+from functools import partial
 from types import SimpleNamespace
 
 import pytest
@@ -175,3 +176,18 @@ def test_no_ear_glows_where_its_shadow_is_lifted(lips_row, glows):
     lifted = move_sliders(Composed(plain, plain), surface, reflected, effects, 1.0, 0.0).lifted[..., 30:33, 14:17]
     # Around it there is 0.5, of which 0.1 is there already.
     assert lifted.numpy() == pytest.approx(2.9 if glows else 0.4, abs=0.01)
+
+
+def test_less_shadow_darkens_no_eye_and_no_ear():
+    torch.manual_seed(0)
+    surface, reflected, effects = scene()
+    surface.parsing, surface.eye_sockets = torch.zeros(1, len(INDEX), SIZE, SIZE), torch.rand(SIZE, SIZE)
+    surface.parsing[:, INDEX["neck"]] = torch.rand(SIZE, SIZE)
+    surface.parsing[:, INDEX["lips"], 60] = 1
+    reflected = torch.rand(1, 6, 8, 8).repeat_interleave(SIZE // 8, 2).repeat_interleave(SIZE // 8, 3)
+    odds = torch.exp(torch.randn(1, 3, SIZE, SIZE))
+    effects = Effects(effects.specular, 0.5 * grey(surface.albedo * reflected[:, :3]), odds)
+    plain = explicit_sum(surface.albedo, reflected, effects)
+    of_gain = partial(move_sliders, Composed(plain, plain), surface, reflected, effects, 1.0)
+    lifted = [of_gain(gain).lifted for gain in (0.0, 0.3, 0.7, 1.0)]
+    assert all(float((less - more).min()) > -1e-5 for less, more in zip(lifted, lifted[1:], strict=False))

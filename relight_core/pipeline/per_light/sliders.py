@@ -72,7 +72,10 @@ def move_sliders(
     kept = ((moved + 1e-3) / (composed.plain + 1e-3)).clamp(0, 1)
     added = (moved - composed.plain).clamp_min(0)
     lifted = torch.minimum(added, (matt - (composed.plain - gloss)).clamp_min(0))
-    given_back = _as_around(_without_nostrils(lifted, surface.parsing), matt, surface)
+    given_back = _without_nostrils(lifted, surface.parsing)
+    if lifted.any():
+        open_to_light, _ = explicit_parts(surface.albedo, reflected, effects, 0.0)
+        given_back = given_back * _share_as_around(open_to_light, composed.plain - gloss, surface)
     return SliderChange(kept, added - lifted, given_back)
 
 
@@ -91,22 +94,26 @@ def _without_nostrils(lifted: torch.Tensor, parsing: torch.Tensor) -> torch.Tens
     return torch.from_numpy(image).movedim(-1, 0)[None].to(lifted)
 
 
-def _as_around(lifted: torch.Tensor, matt: torch.Tensor, surface: Surface) -> torch.Tensor:
-    """Light given back (1, 3, S, S), but to eyes in no colour, and to ears no more, than their surroundings get.
+def _share_as_around(open_to_light: torch.Tensor, before: torch.Tensor, surface: Surface) -> torch.Tensor:
+    """Share of what is given back that gives eyes no colour, and ears no more, than their surroundings get.
 
     Balls face both of two lamps, where of a socket's skin one side alone faces each: without the shadow of the nose a
     blue eye would look out of a red cheek. What is given back of all colours alike stays. The hollow of an ear faces
-    lamps that are behind the head's other side, and would glow.
+    lamps that are behind the head's other side, and would glow. The share is that of no shadow at all, so that less
+    shadow never darkens a pixel.
 
     Args:
-        matt: (1, 3, S, S) what the surface shows of diffuse light with `lifted` in it.
+        open_to_light, before: (1, 3, S, S) what is seen of diffuse light with no shadow, and before it is lifted.
+
+    Returns:
+        (1, 3, S, S) in [0, 1].
     """
-    if not lifted.any():
-        return lifted
-    stray = _beyond_around(lifted, matt, surface.albedo, _SOCKET)
-    of_all_colours = matt * (stray / matt.clamp_min(1e-6)).amin(1, keepdim=True)
-    glow = _ears(surface.parsing) * _beyond_around(lifted, matt, surface.albedo, _EAR_HOLLOW)
-    return lifted - torch.maximum(surface.eye_sockets * (stray - of_all_colours), glow)
+    lifted = (open_to_light - before).clamp_min(0)
+    stray = _beyond_around(lifted, open_to_light, surface.albedo, _SOCKET)
+    of_all_colours = open_to_light * (stray / open_to_light.clamp_min(1e-6)).amin(1, keepdim=True)
+    glow = _ears(surface.parsing) * _beyond_around(lifted, open_to_light, surface.albedo, _EAR_HOLLOW)
+    taken = torch.maximum(surface.eye_sockets * (stray - of_all_colours), glow)
+    return (1 - taken / lifted.clamp_min(1e-6)).clamp(0, 1)
 
 
 def _beyond_around(lifted: torch.Tensor, matt: torch.Tensor, albedo: torch.Tensor, widest: float) -> torch.Tensor:
