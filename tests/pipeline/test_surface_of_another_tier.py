@@ -29,6 +29,16 @@ def test_a_surface_that_is_known_is_not_found_again(relighter):
     assert not computed(quick) & {"delight", "relief", "normals", "albedo", "source_light"}
 
 
+def test_a_slider_that_is_moved_and_let_go_finds_nothing_of_the_light_again(relighter):
+    for edit in (FINAL, LIVE_ON_FINAL):
+        relighter.relight(some_light(), edit)
+    let_go = relighter.relight(some_light(), replace(FINAL, shadow=0.5))
+    moved_again = relighter.relight(some_light(), replace(LIVE_ON_FINAL, shadow=0.4))
+    for moved in (let_go, moved_again):
+        assert {"sliders", "detail"} <= computed(moved)
+        assert not computed(moved) & {"irradiance", "detail_fit"}
+
+
 def test_one_that_is_not_known_is_not_waited_for(relighter):
     on_its_own, plain = images(LIVE_ON_FINAL, LIVE, relighter=relighter)
     np.testing.assert_array_equal(on_its_own, plain)
