@@ -8,7 +8,6 @@ from functools import partial
 import numpy as np
 import torch
 
-from relight_core.imaging.colour import without_colour
 from relight_core.imaging.joint_upsampling import JointUpsampler
 from relight_core.imaging.light_change import LightChange
 from relight_core.imaging.view_of_photo import ViewOfPhoto
@@ -213,9 +212,9 @@ class FaceRelighter(FaceInPhoto):
         return self.cache.run("fine_edges", (plan.keys["hard_shadow"], fitted), draw, "new light", keep=_KEPT_TIERS)
 
     def catchlights(
-        self, ready: Prepared, lit: Lit, plan: Plan, edit: Edit, environment: Environment
+        self, ready: Prepared, lit: Lit, plan: Plan, environment: Environment, yaw_deg: float
     ) -> tuple[Catchlight, ...]:
-        """What the eyes mirror of a light, at its level and the sliders' gain."""
+        """What the eyes mirror of a light, whatever its level and the sliders."""
         corneas = self.corneas()
         if not corneas:
             return ()
@@ -223,12 +222,8 @@ class FaceRelighter(FaceInPhoto):
         if plan.runs("shadow") and plan.runs("relief"):
             of_light = ready.surface, lit.effects, lit.reflected, lit.light
             eyes = [light_about(sky, *of_light) for sky in self._skies(ready)]
-        replaces = how_much_another(network_light(environment, edit.yaw_deg), self.own_light_normalised(ready))
-        gain = specular_gain(edit.specular * plan.runs("specular"), edit.specular_tint, "cpu")
-        gain = np.float32(environment.level) * np.asarray(gain, np.float32).reshape(-1)
-        seen = [gain * mirrored_light(*eye, environment, edit.yaw_deg) for eye in zip(corneas, eyes, strict=True)]
-        if self.portrait.photo.monochrome:
-            seen = [without_colour(mirrored) for mirrored in seen]
+        replaces = how_much_another(network_light(environment, yaw_deg), self.own_light_normalised(ready))
+        seen = [mirrored_light(*eye, environment, yaw_deg) for eye in zip(corneas, eyes, strict=True)]
         return tuple(Catchlight(*parts, replaces) for parts in zip(corneas, seen, strict=True))
 
     def _skies(self, ready: Prepared) -> list[EyeSky]:

@@ -318,7 +318,7 @@ def _keys(scene: Scene, edit: Edit, needed: set[str], network: bool) -> dict[str
     image = (compose, "residual" in needed)
     change = (image, gains, "detail" in needed, scene.level)
     mirrored = (scene.mirrored, scene.irises) if "catchlights" in needed else None
-    catchlights = (edges, gains, "specular" in needed, scene.level, mirrored)
+    catchlights = (edges, mirrored)
     backdrop = scene.backdrop if edit.background == "light" else None
     behind = (edit.background, backdrop) if "background" in needed else None
     return {

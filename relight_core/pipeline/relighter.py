@@ -244,12 +244,11 @@ class Relighter:
             return ()
 
         def mirror(face: FaceRelighter) -> tuple[Catchlight, ...]:
-            return face.catchlights(
-                *face.prepared_and_lit(tier_of(edit.quality), serving, plan), plan, edit, environment
-            )
+            ready, lit = face.prepared_and_lit(tier_of(edit.quality), serving, plan)
+            return face.catchlights(ready, lit, plan, environment, edit.yaw_deg)
 
         make = lambda: tuple(mirror(face) for face in self._faces)  # noqa: E731
-        return self._cache.run("catchlights", plan.keys["catchlights"], make, "new light or slider")
+        return self._cache.run("catchlights", plan.keys["catchlights"], make, "new light")
 
     def _networks_ended_s(self) -> float | None:
         ends = [cache.record.last_end(_NETWORK_STAGES) for face in self._face_at.values() for cache in face.caches]

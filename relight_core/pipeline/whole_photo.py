@@ -17,6 +17,7 @@ from relight_core.pipeline.face_relighter import FaceRelighter
 from relight_core.pipeline.face_taken_apart import Workshop
 from relight_core.pipeline.per_light.catchlights import Catchlight
 from relight_core.pipeline.per_light.rest_of_person import body_shading
+from relight_core.pipeline.per_light.sliders import specular_gain
 from relight_core.pipeline.per_photo.brush import BrushStroke
 from relight_core.pipeline.per_photo.exposing import exposure_about_faces
 from relight_core.pipeline.per_photo.matte import WORKING_PX, DraftMatte, Matte, draft_matte, finish_matte
@@ -82,7 +83,8 @@ class WholePhoto:
 
         Args:
             changes: of the faces, in their order.
-            catchlights: of the faces' eyes, in their order; none where the plan has none.
+            catchlights: of the faces' eyes, in their order, under a light of mean luminance 1; none where the plan has
+                none.
             radiance: (16, 32, 3) of the light, normalised, as the photo's camera sees it.
         """
         run, matte = self._cache.run, self._matte()
@@ -105,7 +107,8 @@ class WholePhoto:
             backdrop = self._backdrop(plan, environment, edit, placement, rest)
         eyes = ()
         if catchlights:
-            make = partial(place_catchlights, catchlights, placed_changes)
+            gloss = _gloss(plan, edit, environment.level)
+            make = partial(place_catchlights, catchlights, placed_changes, gloss, self._photo.monochrome)
             key = (plan.keys["detail"], plan.keys["catchlights"])
             eyes = run("placed_catchlights", key, make, "new light or slider")
         of_photo = {"exposure": placement.exposure, "catchlights": eyes}
@@ -216,3 +219,10 @@ class WholePhoto:
         """What the photo's camera would see of the light behind the people."""
         seen = backdrop_panorama(edit, environment, self._photo.linear.shape[:2])
         return without_colour(seen) if self._photo.monochrome else seen
+
+
+def _gloss(plan: Plan, edit: Edit, level: float) -> np.ndarray:
+    """(1,) or (3,) by how much brighter eyes mirror a light of this level than one of mean luminance 1."""
+    gains = edit if plan.runs("sliders") else Edit()
+    gain = specular_gain(gains.specular * plan.runs("specular"), gains.specular_tint)
+    return np.float32(level) * np.asarray(gain, np.float32).reshape(-1)

@@ -108,6 +108,24 @@ def test_a_turn_is_mirrored_anew_and_the_same_again_is_not(portrait):
     np.testing.assert_array_equal(relighter.relight(some_light(), EDIT).image, first)
 
 
+@pytest.mark.parametrize(
+    "slider", [{"shadow": 0.5}, {"shadow_softness": 0.5}, {"specular": 0.5}, {"specular_tint": 0.5}]
+)
+def test_a_slider_mirrors_nothing_anew(portrait, slider):
+    relighter = portrait()
+    relighter.relight(lamp_before(), EDIT)
+    moved = relighter.relight(lamp_before(), replace(EDIT, **slider))
+    assert states(moved)["catchlights"] == "reused"
+    np.testing.assert_array_equal(moved.image, portrait().relight(lamp_before(), replace(EDIT, **slider)).image)
+
+
+def test_with_sliders_turned_off_eyes_mirror_as_if_none_was_moved(portrait):
+    relighter, still = portrait(), replace(EDIT, forced_off=frozenset({"sliders"}))
+    duller = relighter.relight(lamp_before(), replace(still, specular=0.0)).image
+    np.testing.assert_array_equal(relighter.relight(lamp_before(), still).image, duller)
+    np.testing.assert_array_equal(portrait().relight(lamp_before(), still).image, duller)
+
+
 def test_a_recipe_has_them_too(portrait):
     recipe = portrait().relight(lamp_before(), EDIT, 1000, for_shader=True).recipe
     assert len(recipe.eyes) == len(recipe.eye_widths) == 2

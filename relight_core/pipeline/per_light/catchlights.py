@@ -9,7 +9,7 @@ in its own stay, which are finer than any estimate of that light.
 from __future__ import annotations
 
 from collections.abc import Hashable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from hashlib import blake2b
 
 import cv2
@@ -17,7 +17,7 @@ import numpy as np
 import torch
 
 from relight_core.face.crop import Crop
-from relight_core.imaging.colour import luminance
+from relight_core.imaging.colour import luminance, without_colour
 from relight_core.imaging.ramp import ramp
 from relight_core.imaging.resampling import resize_area
 from relight_core.imaging.tensor_colour import grey
@@ -43,13 +43,18 @@ class Catchlight:
 
     Attributes:
         cornea: of it.
-        mirrored: (E, E, 3) float32 linear, what it mirrors, at the light's level.
+        mirrored: (E, E, 3) float32 linear, what it mirrors of a light of mean luminance 1.
         replaces: in [0, 1] how far that takes the place of what the photo shows.
     """
 
     cornea: Cornea
     mirrored: np.ndarray
     replaces: float
+
+    def times(self, gloss: np.ndarray, monochrome: bool = False) -> Catchlight:
+        """The same at a light's level and the sliders' gain on gloss, (1,) or (3,) together."""
+        mirrored = gloss * self.mirrored
+        return replace(self, mirrored=without_colour(mirrored) if monochrome else mirrored)
 
     def change(self, gain: np.ndarray) -> np.ndarray:
         """(E, E, 3) what it adds to the relit picture.

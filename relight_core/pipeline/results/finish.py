@@ -162,12 +162,15 @@ def place_changes(
 
 
 def place_catchlights(
-    catchlights: Sequence[Sequence[Catchlight]], changes: Sequence[PlacedChange]
+    catchlights: Sequence[Sequence[Catchlight]],
+    changes: Sequence[PlacedChange],
+    gloss: np.ndarray,
+    monochrome: bool = False,
 ) -> tuple[PlacedCatchlight, ...]:
-    """The eyes of every face on top of its change."""
+    """The eyes of every face on top of its change; `gloss` as `Catchlight.times` has it."""
 
     def place(one: Catchlight, change: PlacedChange) -> PlacedCatchlight:
-        view = one.cornea.view
+        one, view = one.times(gloss, monochrome), one.cornea.view
         return PlacedCatchlight(one.change(seen_across(view, len(one.mirrored), change.gain, change.view)), view)
 
     return tuple(place(one, change) for of_face, change in zip(catchlights, changes, strict=False) for one in of_face)
