@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -185,12 +186,32 @@ def mean_gain(placement: Placement, rest: np.ndarray) -> np.ndarray:
 def _weights_on(placement: Placement, view: Crop, size: int) -> ViewWeights:
     """The weights at a view's own pixels: a small view's edge is finer than the photo's maps."""
     places = view.to_photo(places_of((size, size), (size, size)), size)
-    weights = _weights_at(placement.views, placement.people, placement.unseen, places, placement.photo_size)
-    of_views = [weight[..., None] for weight in weights]
-    of_rest = 1 - np.minimum(sum(of_views), 1)
+    near = _near(placement, view)
+    views = [placement.views[index] for index in near]
+    people = [placement.people[index] for index in near] if placement.people else []
+    weights = _weights_at(views, people, placement.unseen, places, placement.photo_size)
+    of_rest = 1 - np.minimum(sum(weight[..., None] for weight in weights), 1)
+    of_views = {index: weight[..., None] for index, weight in zip(near, weights, strict=True) if weight.any()}
     return ViewWeights(
-        tuple(weight if weight.any() else None for weight in of_views), of_rest if of_rest.max() > 1e-6 else None
+        tuple(of_views.get(index) for index in range(len(placement.views))),
+        of_rest if of_rest.max() > 1e-6 else None,
     )
+
+
+def _near(placement: Placement, view: Crop) -> list[int]:
+    """Which views count, or have a person, at any place of a view: in a crowd few do, and each asks all others."""
+    people = placement.people or [()] * len(placement.views)
+    return [
+        index
+        for index, (other, person) in enumerate(zip(placement.views, people, strict=True))
+        if any(_may_meet(view, crop) for crop in (other, *person[1:]))
+    ]
+
+
+def _may_meet(one: Crop, other: Crop) -> bool:
+    """Whether two squares can have a place in common, whichever way they are turned."""
+    apart = math.hypot(one.centre_x - other.centre_x, one.centre_y - other.centre_y)
+    return apart <= (one.side + other.side) / math.sqrt(2)
 
 
 def _mixed(
@@ -202,10 +223,12 @@ def _mixed(
     for other, (change, weight) in enumerate(zip(changes, weights.of_views, strict=True)):
         if weight is None:
             continue
+        # NumPy multiplies by a weight of one channel three times as slowly.
+        weight = cv2.merge([weight] * 3)
         for total, part in ((gain, change.gain), (offset, change.offset)):
             if other != index:
                 part = seen_across(view, size, part, placement.views[other])
-            total += part * weight
+            total += cv2.multiply(part, weight)
     if weights.of_rest is not None:
         gain += seen_from(view, size, rest, placement.photo_size) * weights.of_rest
     return PlacedChange(gain, offset, view)

@@ -1,0 +1,44 @@
+"""Photos of many people: each view's neighbours have a say in it, and nobody else is asked."""
+
+import numpy as np
+import pytest
+
+from relight_core.face.crop import Crop
+from relight_core.imaging.photo import Photo
+from relight_core.lighting.reflection import ReflectionTable
+from relight_core.pipeline.per_photo.matte import Matte
+from relight_core.pipeline.per_photo.person import canvas_of
+from relight_core.pipeline.results import finish
+
+ROW = tuple(Crop(50.0 + 100.0 * index, 50.0, 120.0) for index in range(6))
+"""Six views; each reaches over those beside it and over no others."""
+
+
+def placed_in_a_row(people=()):
+    flat, whole = np.full((100, 600, 3), 0.3, np.float32), np.ones((1, 1), np.float32)
+    matte = Matte(0 * whole, whole, flat[:1, :1], flat[:1, :1], whole)
+    return finish.place_views(canvas_of(Photo(flat)), ROW, matte, ReflectionTable(), people)
+
+
+@pytest.mark.parametrize("known", [False, True])
+def test_weights_of_a_view_are_as_if_all_others_were_asked(monkeypatch, known):
+    people = tuple((np.eye(32, dtype=np.float32), view) for view in ROW) if known else ()
+    placement = placed_in_a_row(people)
+    nearby = finish.weights_on_views(placement, 32)
+    monkeypatch.setattr(finish, "_may_meet", lambda one, other: True)
+    for few, all_asked in zip(nearby, finish.weights_on_views(placement, 32), strict=True):
+        assert [weight is None for weight in few.of_views] == [weight is None for weight in all_asked.of_views]
+        for one, other in zip((*few.of_views, few.of_rest), (*all_asked.of_views, all_asked.of_rest), strict=True):
+            np.testing.assert_array_equal(one, other)
+
+
+def test_weights_of_a_view_ask_its_neighbours_alone(monkeypatch):
+    placement, weigh, asked = placed_in_a_row(), finish._weight, []
+
+    def noted(view, places, photo_size):
+        asked.append(view)
+        return weigh(view, places, photo_size)
+
+    monkeypatch.setattr(finish, "_weight", noted)
+    finish.weights_on_views(placement, 32)
+    assert [asked.count(view) for view in ROW] == [2, 3, 3, 3, 3, 2]
