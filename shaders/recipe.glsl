@@ -1,7 +1,7 @@
 // A relit picture from small maps; the twin of relight_core/pipeline/results/picture.py.
 // To be pasted into a fragment shader. OVER: something else is behind the person than in the photo. EYES: that mirror.
 
-const int MOST_VIEWS = 8;
+const int MOST_VIEWS = 16;
 
 uniform sampler2D person;       // the person's own colour times the matte, and the matte; linear
 uniform sampler2D behind;       // what the photo holds beside that
@@ -29,7 +29,7 @@ const float LENS_VEIL = 0.01, LIGHT_WRAP = 0.5, MOST_WRAP = 0.25;
 
 #ifdef EYES
 
-const int MOST_EYES = 16;
+const int MOST_EYES = 32;
 
 uniform sampler2D catchlights;          // of the eyes' views, one below the other; 0 at their borders
 uniform int eyes;

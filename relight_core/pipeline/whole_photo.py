@@ -27,7 +27,7 @@ from relight_core.pipeline.quality import Tier, tier_of
 from relight_core.pipeline.results.backdrop import OWN_BACKGROUNDS, Backdrop, backdrop_panorama, make_backdrop
 from relight_core.pipeline.results.channels import ViewChange
 from relight_core.pipeline.results.channels_together import Channels, channels_together
-from relight_core.pipeline.results.display import LARGEST_SIDE, DisplayRecipe, person_layers, recipe_of
+from relight_core.pipeline.results.display import LARGEST_SIDE, DisplayRecipe, fits_a_recipe, person_layers, recipe_of
 from relight_core.pipeline.results.finish import (
     Placement,
     mean_gain,
@@ -135,7 +135,8 @@ class WholePhoto:
 
     def _recipe(self, picture: Picture, key: Hashable) -> DisplayRecipe | None:
         """How a shader draws a picture; None where it can't."""
-        if picture.size[0] * picture.size[1] > _KEPT_PIXELS or max(picture.size) > LARGEST_SIDE:
+        is_large = picture.size[0] * picture.size[1] > _KEPT_PIXELS or max(picture.size) > LARGEST_SIDE
+        if is_large or not fits_a_recipe(picture):
             return None
         run, make = self._cache.run, partial(person_layers, picture.canvas, picture.matte, picture.exposure)
         layers = run("layers", picture.size, make, "new photo or size", 2)

@@ -181,6 +181,26 @@ def test_it_draws_what_eyes_mirror(context, backdrop, views):
     assert not unlike[:20].any()
 
 
+def test_it_draws_sixteen_faces_and_all_their_eyes(context):
+    places = [(9.0 + 17 * column, 10.0 + 20 * row) for row in range(4) for column in range(4)]
+    picture = some_picture(BACKDROPS["keep"], tuple(Crop(*place, 16.0) for place in places))
+    added = np.zeros((48, 48, 3), np.float32)
+    added[4:-4, 4:-4] = 0.5
+    eyes = [Crop(x + beside, y, 6.0) for x, y in places for beside in (-4.0, 4.0)]
+    picture = replace(
+        picture, catchlights=tuple(PlacedCatchlight(added * (eye % 3), at) for eye, at in enumerate(eyes))
+    )
+    assert worst(context, picture) < ONE_CODE
+
+
+def test_maps_of_many_large_eyes_fit_into_one_texture():
+    eyes = tuple(PlacedCatchlight(np.ones((384, 384, 3), np.float32), Crop(20.0, 20.0, 9.0)) for _ in range(32))
+    picture = replace(some_picture(BACKDROPS["keep"]), catchlights=eyes)
+    recipe = recipe_of(picture, person_layers(picture.canvas, picture.matte, picture.exposure))
+    assert recipe.catchlights.shape == (32 * 256, 256, 3)
+    np.testing.assert_allclose(recipe.catchlights, 1.0)
+
+
 def test_eyes_in_a_picture_shown_smaller_are_averages(context):
     dark = replace(
         some_picture(BACKDROPS["keep"]), changes=(PlacedChange(*np.zeros((2, 32, 32, 3), np.float32), ONE[0]),)
@@ -248,7 +268,7 @@ def test_from_recipe_to_pixels_and_back(context):
     slot.close()
 
 
-@pytest.mark.parametrize(("faces", "is_recipe"), [(8, True), (9, False)])
+@pytest.mark.parametrize(("faces", "is_recipe"), [(16, True), (17, False)])
 def test_too_many_faces_make_no_recipe(faces, is_recipe):
     picture = some_picture(BACKDROPS["keep"], ONE * faces)
     recipe = recipe_of(picture, person_layers(picture.canvas, picture.matte, picture.exposure))

@@ -16,6 +16,7 @@ from relight_core.lighting.light_edit import LightEdit, edit_light
 from relight_core.pipeline import stages
 from relight_core.pipeline.per_photo import choosing_faces
 from relight_core.pipeline.relighter import Relighter
+from relight_core.pipeline.results import display
 
 pytestmark = pytest.mark.usefixtures("small_and_seeing_faces")
 
@@ -288,6 +289,13 @@ def test_no_texture_of_a_shader_is_longer_than_drivers_take(relighter, width, is
 def test_a_shader_draws_a_screens_copy_of_a_large_square_photo(relighter):
     relighter.set_portrait(Photo(np.full((2600, 2600, 3), 0.4, np.float32)), boxes=[FaceBox(800, 700, 1800, 1900)])
     assert relighter.relight(some_light(), EDIT, 2560, for_shader=True).recipe.size == (2560, 2560)
+
+
+def test_nothing_is_made_ready_for_a_shader_that_has_no_room_for_the_faces(relighter, monkeypatch):
+    monkeypatch.setattr(display, "MOST_VIEWS", 0)
+    relit = relighter.relight(some_light(), EDIT, for_shader=True)
+    assert relit.image is not None
+    assert "layers" not in states(relit)
 
 
 @pytest.mark.parametrize(

@@ -24,7 +24,7 @@ from relight_core.pipeline.per_photo.person import Canvas, person_in
 from relight_core.pipeline.results.backdrop import Backdrop
 from relight_core.pipeline.results.picture import Picture
 
-MOST_VIEWS = 8
+MOST_VIEWS = 16
 """Faces that one recipe holds; pictures with more are rendered."""
 
 MOST_EYES = 2 * MOST_VIEWS
@@ -112,13 +112,19 @@ class DisplayRecipe:
         return self.picture.size
 
 
+def fits_a_recipe(picture: Picture) -> bool:
+    """Whether a shader has room for a picture's faces, and a texture for their maps."""
+    rows = sum(len(placed.gain) for placed in picture.changes)
+    return 0 < len(picture.changes) <= MOST_VIEWS and rows <= LARGEST_SIDE
+
+
 def recipe_of(picture: Picture, layers: PersonLayers) -> DisplayRecipe | None:
     """The recipe of a picture; None where it has too many faces for one.
 
     Args:
         layers: of the picture's canvas and matte.
     """
-    if not 0 < len(picture.changes) <= MOST_VIEWS:
+    if not fits_a_recipe(picture):
         return None
     backdrop, own_alpha = picture.backdrop, picture.matte.own_alpha
     replaced = backdrop.picture is not None
@@ -162,9 +168,14 @@ def _stacked(maps: list[np.ndarray]) -> np.ndarray:
 
 
 def _of_one_size(maps: list[np.ndarray]) -> list[np.ndarray]:
-    """Square maps, all as large as the largest."""
-    size = max(len(one) for one in maps)
-    return [one if len(one) == size else cv2.resize(one, (size, size), interpolation=cv2.INTER_LINEAR) for one in maps]
+    """Square maps, all as large as the largest, or as fit below each other into one texture."""
+    size = min(max(len(one) for one in maps), LARGEST_SIDE // len(maps))
+
+    def resized(one: np.ndarray) -> np.ndarray:
+        how = cv2.INTER_LINEAR if len(one) < size else cv2.INTER_AREA
+        return one if len(one) == size else cv2.resize(one, (size, size), interpolation=how)
+
+    return [resized(one) for one in maps]
 
 
 def _as_map(layer: np.ndarray) -> np.ndarray:
