@@ -15,6 +15,10 @@ _SMALLEST_SIDE = 64
 _WIDE_SIDE = 1024
 """Pixels for a view so wide that its middle would skip texels; there and in small pictures the map is averaged."""
 
+_BLURRED_PX, _BLURRED_TEXELS = 6.0, 0.5
+"""Deviation in pixels, and in the map's texels at the picture's end, where they are widest, of a blur that is as
+smooth drawn small and enlarged as drawn finely."""
+
 _WIDEST_BLUR_DEG = 20.0
 _NARROWEST_DEG = 0.01
 _WIDEST_BLUR_SIDES = 4
@@ -32,7 +36,7 @@ def panorama_view(
     """What a camera at the person's place sees that looks along -z, as large as it has something to show.
 
     A map coarser than the picture is drawn at a size that suits its texels, blurred by at least half a texel, and
-    enlarged, so that no texel shows.
+    enlarged, so that no texel shows. One that is blurred is drawn no larger than its blur calls for.
 
     Args:
         environment: the light.
@@ -50,7 +54,7 @@ def panorama_view(
     """
     _check_view(field_of_view_deg, blur_deg, yaw_deg)
     longer = max(height, width)
-    side, focal = _drawn_side(environment.height, longer, field_of_view_deg)
+    side, focal = _drawn_side(environment.height, longer, field_of_view_deg, blur_deg)
     drawn_height, drawn_width = (max(1, round(n * side / longer)) for n in (height, width))
     panorama = _no_finer(environment.shape, focal)
     sigma = _deviation_px(max(blur_deg, 90.0 / len(panorama)), focal, side)
@@ -67,12 +71,16 @@ def _check_view(field_of_view_deg: float, blur_deg: float, yaw_deg: float) -> No
         raise ValueError(f"no view of {field_of_view_deg} deg with blur {blur_deg} deg at yaw {yaw_deg} deg")
 
 
-def _drawn_side(map_height: int, longer: int, field_of_view_deg: float) -> tuple[int, float]:
+def _drawn_side(map_height: int, longer: int, field_of_view_deg: float, blur_deg: float) -> tuple[int, float]:
     """Pixels of the longer side that is drawn, at most `longer`, and of how many the focal length is."""
     texels = field_of_view_deg * map_height / 180.0
     sides_per_focal = 2 * math.tan(math.radians(max(field_of_view_deg, _NARROWEST_DEG) / 2))
     all_texels = min(math.ceil(sides_per_focal * map_height / math.pi), _WIDE_SIDE)
-    side = min(longer, max(_SMALLEST_SIDE, math.ceil(2 * texels), all_texels))
+    side = max(math.ceil(2 * texels), all_texels)
+    if blur_deg > 0:
+        sigma = max(_BLURRED_PX, _BLURRED_TEXELS * (1 + (sides_per_focal / 2) ** 2))
+        side = min(side, math.ceil(sides_per_focal * sigma / math.tan(math.radians(blur_deg))))
+    side = min(longer, max(_SMALLEST_SIDE, side))
     return side, side / sides_per_focal
 
 

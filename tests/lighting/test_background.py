@@ -4,6 +4,7 @@ import cv2
 import numpy as np
 import pytest
 
+from relight_core.lighting import background
 from relight_core.lighting.background import panorama_view
 from relight_core.lighting.environment import Environment
 
@@ -142,3 +143,22 @@ def test_a_field_of_view_of_next_to_nothing_shows_one_colour(field_of_view_deg):
 def test_impossible_views_are_refused(wrong):
     with pytest.raises(ValueError, match="no view"):
         panorama_background(**{"environment": stripes(8), "yaw_deg": 0, "height": 8, "width": 8} | wrong)
+
+
+@pytest.mark.parametrize(
+    ("field_of_view_deg", "blur_deg", "width"), [(50, 0, 285), (50, 8, 64), (50, 2, 161), (160, 8, 1024)]
+)
+def test_a_blurred_view_is_drawn_no_larger_than_its_blur_calls_for(field_of_view_deg, blur_deg, width):
+    seen = panorama_view(stripes(512), 0, 3000, 4000, field_of_view_deg, blur_deg)
+    assert seen.shape == (pytest.approx(width * 3 / 4, abs=1), pytest.approx(width, abs=1), 3)
+
+
+@pytest.mark.parametrize(("field_of_view_deg", "blur_deg"), [(50, 1), (50, 3), (120, 3), (120, 20)])
+def test_drawn_smaller_a_blurred_sun_looks_as_if_drawn_finely(monkeypatch, field_of_view_deg, blur_deg):
+    sunny = np.full((512, 1024, 3), 0.2, np.float32)
+    sunny[230:233, 530:533] = 200.0
+    environment = Environment.from_radiance(sunny)
+    view = 0, 600, 800, field_of_view_deg, blur_deg
+    small = panorama_background(environment, *view)
+    monkeypatch.setattr(background, "_BLURRED_PX", 1e6)
+    np.testing.assert_allclose(small, panorama_background(environment, *view), atol=0.03 * small.max())
