@@ -39,7 +39,7 @@ from relight_core.pipeline.results.finish import (
 from relight_core.pipeline.results.outline_lines import outline_lines
 from relight_core.pipeline.results.picture import Picture
 
-BEFORE_THE_BRUSH = ("small", "draft_matte", "canvas", "panorama")
+BEFORE_THE_BRUSH = ("small", "draft_matte", "canvas", "panorama", "other_faces", "catchlights")
 """Stages that read nothing of what is painted by hand."""
 
 _KEPT_PIXELS = 2560 * 2560

@@ -194,6 +194,16 @@ def test_found_faces_are_not_looked_for_again_for_a_stroke(relighter, monkeypatc
     assert (relighter.people, delighted) == (people, [])
 
 
+def test_a_stroke_lights_no_face_of_a_group_again(relighter):
+    photo, boxes = some_photo(size=(96, 112)), [FaceBox(6, 16, 50, 72), FaceBox(60, 20, 104, 76)]
+    relighter.set_portrait(photo, None, boxes)
+    relighter.relight(some_light(), EDIT)
+    relighter.set_portrait(photo, None, boxes, [OVER_THE_HAT])
+    relit = relighter.relight(some_light(), EDIT)
+    assert "matte" in computed(relit)
+    assert not computed(relit) & {"sliders", "other_faces", "catchlights"}
+
+
 def test_the_outline_follows_the_strokes(relighter):
     photo = some_photo(size=(96, 112))
     everything = BrushStroke(((56.0, 48.0),), 200.0, True)
