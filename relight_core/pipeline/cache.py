@@ -10,9 +10,6 @@ from typing import Any, Literal
 
 State = Literal["computed", "reused", "skipped"]
 
-_OF_PHOTO = "new photo"
-"""How the reason of a stage begins that no light and no slider makes run again."""
-
 
 @dataclass(frozen=True)
 class Stage:
@@ -23,17 +20,14 @@ class Stage:
         state: computed now, reused from an earlier update, or skipped as needless.
         why: the reason in words.
         start_ms: when it began, from the beginning of the update.
+        is_of_photo: neither a light nor an edit makes it run again.
     """
 
     ms: float
     state: State
     why: str
     start_ms: float = 0.0
-
-    @property
-    def is_of_photo(self) -> bool:
-        """Whether it ran because the photo was new to it, and not the light or a slider."""
-        return self.state == "computed" and self.why.startswith(_OF_PHOTO)
+    is_of_photo: bool = False
 
 
 @dataclass
@@ -87,7 +81,7 @@ class StageCache:
         self._kept.pop(name, None)
 
     def forget_lights(self) -> None:
-        """Forget what came with a light or an edit: all stages but those that run for a new photo."""
+        """Forget what came with a light or an edit: all stages but those `of_photo`."""
         self.keep_only(self._of_photo)
 
     def keep_only(self, names: Collection[str]) -> None:
@@ -103,13 +97,11 @@ class StageCache:
         """The stage's result for this key, made by `make` unless it is kept.
 
         Args:
-            why: the reason for running, for the record; "new photo ..." where neither light nor sliders are read.
+            why: the reason for running, for the record.
             keep: how many results of this stage stay; more than one only where they are small and an
                 editor goes back and forth between them.
         """
         kept = self._kept.setdefault(name, OrderedDict())
-        if why.startswith(_OF_PHOTO):
-            self._of_photo.add(name)
         started = time.perf_counter()
         start_ms = (started - self.record.began) * 1e3
         if key in kept:
@@ -123,11 +115,16 @@ class StageCache:
         self.record.nested_ms = outside + whole_ms
         self.record.typical_ms[name] = own_ms
         self.record.ended[name] = time.perf_counter()
-        self.record.stages[name] = Stage(own_ms, "computed", why, start_ms)
+        self.record.stages[name] = Stage(own_ms, "computed", why, start_ms, name in self._of_photo)
         kept[key] = result
         while len(kept) > keep:
             kept.popitem(last=False)
         return result
+
+    def of_photo(self, name: str, key: Hashable, make: Callable[[], Any], why: str = "new photo", keep: int = 1) -> Any:
+        """`run` for a stage that reads neither light nor edit, so that its results outlast them."""
+        self._of_photo.add(name)
+        return self.run(name, key, make, why, keep)
 
     def skip(self, name: str, why: str) -> None:
         """Record that a stage was not needed."""

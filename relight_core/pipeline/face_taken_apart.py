@@ -91,7 +91,7 @@ class FaceTakenApart:
 
     def _once(self, name: str, key: Hashable, make):
         """A stage that only a new photo or another quality makes run again."""
-        return self.cache.run(name, key, make, "new photo or quality", keep=_KEPT_TIERS)
+        return self.cache.of_photo(name, key, make, "new photo or quality", keep=_KEPT_TIERS)
 
     def prepare(self, tier: Tier) -> Prepared:
         """The face as one tier of quality sees it."""

@@ -87,11 +87,10 @@ class WholePhoto:
                 none.
             radiance: (16, 32, 3) of the light, normalised, as the photo's camera sees it.
         """
-        run, matte = self._cache.run, self._matte()
-
-        placement = self._placement()
+        run, matte, placement = self._cache.run, self._matte(), self._placement()
         size = changes[0].gain.shape[0]
-        weights = run("weights", size, lambda: weights_on_views(placement, size), "new photo or quality", 3)
+        make = partial(weights_on_views, placement, size)
+        weights = self._cache.of_photo("weights", size, make, "new photo or quality", 3)
         light = torch.from_numpy(radiance)[None].to(self._shop.device)
         in_photo = self._body_in_photo(placement, plan, tier_of(edit.quality))
         rest, placed_changes = run(
@@ -123,7 +122,7 @@ class WholePhoto:
             longest_side_px: no larger than this; None is as large as the photo.
         """
         make = partial(canvas_of, self._photo, longest_side_px)
-        canvas = self._cache.run("canvas", longest_side_px, make, "new photo or size", 2)
+        canvas = self._cache.of_photo("canvas", longest_side_px, make, "new photo or size", 2)
         picture, key = replace(picture, canvas=canvas), (plan.keys["background"], longest_side_px)
         recipe = self._recipe(picture, key) if for_shader else None
         return (recipe, None, None) if recipe else (None, *self._rendered(picture, key))
@@ -131,23 +130,23 @@ class WholePhoto:
     def outline(self, matte: Matte) -> list[np.ndarray]:
         """The lines along a matte of this photo, see `outline_lines`."""
         make = partial(outline_lines, self._small(), matte)
-        return self._cache.run("outline_lines", matte, make, "new photo or stroke")
+        return self._cache.of_photo("outline_lines", matte, make, "new photo or stroke")
 
     def _recipe(self, picture: Picture, key: Hashable) -> DisplayRecipe | None:
         """How a shader draws a picture; None where it can't."""
         is_large = picture.size[0] * picture.size[1] > _KEPT_PIXELS or max(picture.size) > LARGEST_SIDE
         if is_large or not fits_a_recipe(picture):
             return None
-        run, make = self._cache.run, partial(person_layers, picture.canvas, picture.matte, picture.exposure)
-        layers = run("layers", picture.size, make, "new photo or size", 2)
-        return run("recipe", key, lambda: recipe_of(picture, layers), "new light, slider or background")
+        make = partial(person_layers, picture.canvas, picture.matte, picture.exposure)
+        layers = self._cache.of_photo("layers", picture.size, make, "new photo or size", 2)
+        return self._cache.run("recipe", key, lambda: recipe_of(picture, layers), "new light, slider or background")
 
     def _rendered(self, picture: Picture, key: Hashable) -> tuple[np.ndarray, np.ndarray | None]:
         """A picture's image and alpha."""
         if picture.size[0] * picture.size[1] <= _KEPT_PIXELS:
-            canvas, matte = picture.canvas, picture.matte
-            make = partial(whole_person, canvas, matte)
-            picture = replace(picture, person=self._cache.run("person", picture.size, make, "new photo or size", 2))
+            make = partial(whole_person, picture.canvas, picture.matte)
+            person = self._cache.of_photo("person", picture.size, make, "new photo or size", 2)
+            picture = replace(picture, person=person)
         return self._cache.run("paste", key, picture.render, "new light, slider or background")
 
     def channels_together(
@@ -160,9 +159,9 @@ class WholePhoto:
         """The people in the photo, corrected by the brush."""
 
         def make() -> Matte:
-            return finish_matte(self._cache.run("draft_matte", "photo", self._draft_matte, "new photo"), self._strokes)
+            return finish_matte(self._cache.of_photo("draft_matte", "photo", self._draft_matte), self._strokes)
 
-        return self._cache.run("matte", "photo", make, "new photo or stroke")
+        return self._cache.of_photo("matte", "photo", make, "new photo or stroke")
 
     def _placement(self) -> Placement:
         """Where every face's view counts."""
@@ -173,7 +172,7 @@ class WholePhoto:
             of_photo = (exposure, self._photo.tone_at(exposure))
             return place_views(self._small(), views, self._matte(), self._shop.table, masks, self._strokes, *of_photo)
 
-        return self._cache.run("placement", "photo", place, "new photo or stroke")
+        return self._cache.of_photo("placement", "photo", place, "new photo or stroke")
 
     def _draft_matte(self) -> DraftMatte | None:
         """The people as seen by one tier, whichever is asked for, so that it depends on no history."""
@@ -186,7 +185,7 @@ class WholePhoto:
 
     def _small(self) -> Canvas:
         """The photo no longer than WORKING_PX, from which smaller copies are made."""
-        return self._cache.run("small", "photo", lambda: canvas_of(self._photo, WORKING_PX), "new photo")
+        return self._cache.of_photo("small", "photo", lambda: canvas_of(self._photo, WORKING_PX))
 
     def _body_in_photo(self, placement: Placement, plan: Plan, tier: Tier) -> np.ndarray | None:
         """What the photo's own light gives the rest of the person; None where the plan has no use for it."""
@@ -197,7 +196,7 @@ class WholePhoto:
             light = self._faces[0].own_light_normalised(self._faces[0].prepare(tier))
             return body_shading(placement.body, torch.from_numpy(light)[None].to(self._shop.device))
 
-        return self._cache.run("body_in_photo", tier.relief_key, shade, "new photo or quality", keep=3)
+        return self._cache.of_photo("body_in_photo", tier.relief_key, shade, "new photo or quality", keep=3)
 
     def _backdrop(
         self, plan: Plan, environment: Environment, edit: Edit, placement: Placement, rest: np.ndarray

@@ -227,7 +227,7 @@ def test_what_a_light_brings_is_worked_out_anew_to_compare_with(weights, photo, 
     for stage in ("irradiance", "hard_shadow", "fine_edges"):
         assert [relit.stages[stage].state for relit in told] == ["computed", "computed"], stage
     reused = {name for name, stage in told[1].stages.items() if stage.state == "reused"}
-    assert reused <= {name for name, stage in told[0].stages.items() if stage.why.startswith("new photo")}
+    assert reused <= {name for name, stage in told[0].stages.items() if stage.is_of_photo}
 
 
 def test_a_picture_out_of_bounds_is_told(weights, photo, monkeypatch):

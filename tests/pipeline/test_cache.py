@@ -33,7 +33,7 @@ def test_a_forgotten_stage_is_made_again_and_no_other():
 
 def test_whatever_is_not_of_the_photo_is_forgotten_with_its_light():
     cache = StageCache()
-    cache.run("delight", 1, lambda: "face", "new photo or quality")
+    cache.of_photo("delight", 1, lambda: "face")
     cache.run("irradiance", 1, lambda: "light", "new light")
     cache.run("paste", 1, lambda: "picture", "new light, slider or background")
     cache.forget_lights()
