@@ -12,7 +12,7 @@ from relight_core.imaging.colour import srgb_decode_integers
 from relight_core.imaging.files import file_bytes, file_head
 from relight_core.imaging.formats import decode, exr
 from relight_core.imaging.formats.camera_raw import RAW_HEADS
-from relight_core.imaging.formats.icc import MatrixProfile, matrix_profile
+from relight_core.imaging.formats.icc import MatrixProfile
 from relight_core.imaging.formats.library_profiles import convert_8_bit
 from relight_core.imaging.formats.radiance import decode_radiance_hdr
 from relight_core.imaging.in_order import in_order
@@ -53,7 +53,7 @@ def read_photo(path: str | Path) -> Photo:
     raster = decode.decode_raster(file_bytes(path), path)
     if raster.values.dtype.kind == "f":
         return _photo_of_floats(raster, path)
-    linear, beyond, bits = _to_linear(raster.straight, raster.icc)
+    linear, beyond, bits = _to_linear(raster)
     linear, alpha = _upright(linear, raster.orientation), raster.alpha
     if alpha is not None:
         alpha = np.clip(_upright(alpha, raster.orientation), 0.0, 1.0)
@@ -97,16 +97,14 @@ def _decode_radiance(head: bytes, path: Path) -> tuple[np.ndarray, np.ndarray | 
 
 def _kept_profile(raster: decode.Raster) -> bytes | None:
     """The profile, for writing it back, if it is an RGB matrix profile."""
-    coloured = raster.icc is not None and raster.values.shape[2] == 3 and matrix_profile(raster.icc, 3) is not None
-    return raster.icc if coloured else None
+    return None if raster.profile is None or raster.profile.matrix is None else raster.icc
 
 
 def _photo_of_floats(raster: decode.Raster, path: Path) -> Photo:
     """Values above 1 and below 0 stay, whatever profile they are in."""
     linear, premultiplied, alpha = raster.values, raster.premultiplied, raster.alpha
-    profile = matrix_profile(raster.icc, linear.shape[2]) if raster.icc else None
-    if profile is not None:
-        linear, premultiplied = profile.decode(_limited(_finite(raster.straight))), False
+    if raster.profile is not None:
+        linear, premultiplied = raster.profile.decode(_limited(_finite(raster.straight))), False
     alpha = None if alpha is None else _upright(alpha, raster.orientation)
     photo = _float_photo(_upright(linear, raster.orientation), alpha, premultiplied, path)
     return replace(photo, icc=_kept_profile(raster), exif=raster.exif)
@@ -138,15 +136,15 @@ def _limited(linear: np.ndarray) -> np.ndarray:
     return np.clip(linear, -_BRIGHTEST, _BRIGHTEST, out=linear)
 
 
-def _to_linear(values: np.ndarray, icc: bytes | None) -> tuple[np.ndarray, np.ndarray | None, int]:
-    """(H, W, 1 or 3) integers, encoded, to (H, W, 3) linear, what lies beyond Rec.709, and the bits that are left."""
+def _to_linear(raster: decode.Raster) -> tuple[np.ndarray, np.ndarray | None, int]:
+    """Encoded integers to (H, W, 3) linear, what lies beyond Rec.709, and the bits that are left."""
+    values, profile = raster.straight, raster.profile
     bits = 8 * values.dtype.itemsize
-    profile = matrix_profile(icc, values.shape[2]) if icc else None
     if profile is not None and not profile.is_srgb:
         return *_from_profile(values, profile), bits
-    if profile is None and icc:
+    if profile is None and raster.icc:
         codes = values if bits == 8 else (values >> 8).astype(np.uint8)
-        converted = convert_8_bit(codes, icc)
+        converted = convert_8_bit(codes, raster.icc)
         if converted is not None:
             return srgb_decode_integers(converted), None, 8
     linear = srgb_decode_integers(values)

@@ -16,7 +16,7 @@ from relight_core.errors import InputError
 from relight_core.imaging.formats.camera_raw import develop_raw, is_raw
 from relight_core.imaging.formats.deep_tiff import decode_deep_tiff, decode_flat_tiff
 from relight_core.imaging.formats.heif import decode_heif, is_heif, stated_profile
-from relight_core.imaging.formats.icc import matrix_profile, stated_transfer
+from relight_core.imaging.formats.icc import stated_transfer
 from relight_core.imaging.formats.library_profiles import through_library_profile
 from relight_core.imaging.formats.limits import check_pixels
 from relight_core.imaging.formats.metadata import carried_exif, exif_of
@@ -50,8 +50,7 @@ def decode_raster(data: bytes, path: Path) -> Raster:
     raster = _decoded(data, path)
     if raster.icc is not None:
         refuse_luminous(stated_transfer(raster.icc), path)
-        profile = matrix_profile(raster.icc, raster.values.shape[2])
-        if profile is not None and profile.is_flat:
+        if raster.profile is not None and raster.profile.is_flat:
             return replace(raster, icc=None)
     return raster
 

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 
 import numpy as np
 
 from relight_core.errors import InputError
+from relight_core.imaging.formats.icc import MatrixProfile, matrix_profile
 
 RAW_SUFFIXES = (
     *(".cr2", ".cr3", ".crw", ".nef", ".nrw", ".arw", ".sr2", ".srf", ".dng", ".raf", ".orf", ".rw2", ".rwl"),
@@ -35,6 +37,11 @@ class Raster:
     orientation: int = 1
     premultiplied: bool = False
     exif: bytes | None = None
+
+    @cached_property
+    def profile(self) -> MatrixProfile | None:
+        """`icc`, if it is a matrix or grey profile that fits the values."""
+        return None if self.icc is None else matrix_profile(self.icc, self.values.shape[2])
 
     @property
     def straight(self) -> np.ndarray:
