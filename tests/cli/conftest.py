@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from types import SimpleNamespace
+from typing import NamedTuple
 
 import numpy as np
 import pytest
@@ -42,6 +43,14 @@ class FakePicture:
 
     def in_bands(self, wide):
         return [(slice(None), *self.part((0, 0, self.size[1], self.size[0])))]
+
+
+class Done(NamedTuple):
+    """What a command left: its exit code, stdout and stderr."""
+
+    code: int
+    out: str
+    err: str
 
 
 class FakeRelighter:
@@ -151,15 +160,12 @@ def command_line(capfd):
     def run(*words):
         code = main([str(word) for word in words])
         streams = capfd.readouterr()
-        return SimpleNamespace(code=code, out=streams.out, err=streams.err)
+        return Done(code, streams.out, streams.err)
 
     return run
 
 
 @pytest.fixture
 def run(command_line):
-    def run(*words):
-        done = command_line(*words)
-        return done.code, done.out, done.err
-
-    return run
+    """The same for makers' commands, in short."""
+    return command_line

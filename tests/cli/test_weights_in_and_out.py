@@ -2,6 +2,7 @@
 
 import pytest
 import torch
+from refusals import refused
 
 from relight_core.networks.bundle import (
     BundleConfig,
@@ -20,14 +21,6 @@ def data(tmp_path):
     torch.manual_seed(0)
     save_bundle(tmp_path / "tiny.safetensors", NetworkBundle(BundleConfig.tiny()))
     return tmp_path
-
-
-def refused(done, words):
-    assert (done.code, done.out) == (2, "")
-    line = done.err.strip().splitlines()[-1]
-    assert line.startswith("relight ")
-    assert "Traceback" not in done.err
-    assert words in line
 
 
 def test_a_narrow_pair_and_a_person_network_are_joined_to_other_weights(command_line, data):
