@@ -103,11 +103,10 @@ def break_down(
     bundle: NetworkBundle,
     settings: Settings,
     report: Callable[[int, int], None] = lambda done, total: None,
-    device: str = "cpu",
 ) -> Breakdown:
     """Relight the pictures of `evaluate.evaluate` with every row of `ROWS`; arguments and errors as there."""
     held_out = HeldOut.of(settings)
-    editor = Editor(bundle, ReflectionTable().to(device), settings.tier, device)
+    editor = Editor(bundle, ReflectionTable(), settings.tier, "cpu")
     bench_of = lambda head: _ToldBench(editor, head, held_out.lights, settings.photos)  # noqa: E731
     rows: dict[tuple[str, str], list[tuple[str, Figures]]] = defaultdict(list)
     for head, scored in held_out.scored(bench_of, report):

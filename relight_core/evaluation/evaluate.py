@@ -122,12 +122,11 @@ def evaluate(
     bundle: NetworkBundle,
     settings: Settings,
     report: Callable[[int, int], None] = lambda done, total: None,
-    device: str = "cpu",
 ) -> Evaluation:
     """Measure networks on a held-out split.
 
     Args:
-        bundle: made ready by `for_inference`, on `device`.
+        bundle: made ready by `for_inference`.
         report: called with the number of finished and of all relightings.
 
     Raises:
@@ -135,7 +134,7 @@ def evaluate(
     """
     started = time.monotonic()
     held_out, size = HeldOut.of(settings), 0
-    editor = Editor(bundle, ReflectionTable().to(device), settings.tier, device)
+    editor = Editor(bundle, ReflectionTable(), settings.tier, "cpu")
     bench_of = lambda head: Bench(editor, head, held_out.lights, settings.photos)  # noqa: E731
     rows: dict[str, list[tuple[str, Figures]]] = defaultdict(list)
     for head, scored in held_out.scored(bench_of, report):
