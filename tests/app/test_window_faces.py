@@ -5,7 +5,7 @@ import shutil
 import glfw
 import numpy as np
 import pytest
-from imgui_bundle import imgui
+from window_hand import places_drawn
 
 from app.document.session_file import read_session
 from app.engine.sources import PhotoSource
@@ -42,17 +42,7 @@ def unseen(hand, relighter, photo_path):
 
 @pytest.fixture
 def buttons(monkeypatch):
-    """The middle of each button that was drawn last, by its label."""
-    places, draw = {}, widgets.toggle
-
-    def toggle(label, *rest, **more):
-        clicked = draw(label, *rest, **more)
-        corner, end = imgui.get_item_rect_min(), imgui.get_item_rect_max()
-        places[label] = (corner.x + end.x) / 2, (corner.y + end.y) / 2
-        return clicked
-
-    monkeypatch.setattr(widgets, "toggle", toggle)
-    return places
+    return places_drawn(monkeypatch, widgets, "toggle")
 
 
 @pytest.mark.parametrize("number", [1, 6, 7, 16])

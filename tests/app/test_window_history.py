@@ -5,6 +5,7 @@ import threading
 
 import pytest
 from imgui_bundle import imgui
+from window_hand import places_drawn
 
 from app.ui.layout import OpenGroups
 
@@ -13,17 +14,7 @@ LONG_S = 60
 
 @pytest.fixture
 def rows(monkeypatch):
-    """The middle of each row that was drawn last, by its words."""
-    places, draw = {}, imgui.selectable
-
-    def selectable(label, *rest):
-        clicked = draw(label, *rest)
-        corner, end = imgui.get_item_rect_min(), imgui.get_item_rect_max()
-        places[label.partition("##")[0]] = (corner.x + end.x) / 2, (corner.y + end.y) / 2
-        return clicked
-
-    monkeypatch.setattr(imgui, "selectable", selectable)
-    return places
+    return places_drawn(monkeypatch, imgui, "selectable")
 
 
 def test_while_a_photo_is_read_a_click_on_the_step_before_goes_back(opened, relighter, photo_path, rows, monkeypatch):

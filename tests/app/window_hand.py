@@ -178,3 +178,17 @@ class Hand:
 
 def close_to(shown, expected_srgb):
     return np.abs(shown.astype(np.float32) - expected_srgb * 255).max() <= 1.0
+
+
+def places_drawn(monkeypatch, module, widget):
+    """The middle of each widget of a kind that was drawn last, by its label."""
+    places, draw = {}, getattr(module, widget)
+
+    def drawn(label, *rest, **more):
+        answer = draw(label, *rest, **more)
+        corner, end = imgui.get_item_rect_min(), imgui.get_item_rect_max()
+        places[label.partition("##")[0]] = (corner.x + end.x) / 2, (corner.y + end.y) / 2
+        return answer
+
+    monkeypatch.setattr(module, widget, drawn)
+    return places

@@ -12,6 +12,7 @@ import tifffile
 from PIL import Image
 
 from relight_core.errors import InputError
+from relight_core.imaging.formats.png import SIGNATURE, chunk
 from relight_core.imaging.read import read_photo, read_radiance
 
 # Four quarters of different colours: no orientation of it looks like another.
@@ -253,13 +254,9 @@ def test_radiance_hdr(tmp_path):
 
 
 def png_header(width, height):
-    def chunk(name, content):
-        check = struct.pack(">I", zlib.crc32(name + content))
-        return struct.pack(">I", len(content)) + name + content + check
-
     header = struct.pack(">IIBBBBB", width, height, 8, 2, 0, 0, 0)
     end = chunk(b"IDAT", zlib.compress(b"\0")) + chunk(b"IEND", b"")
-    return b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", header) + end
+    return SIGNATURE + chunk(b"IHDR", header) + end
 
 
 def encoded_as(kind):

@@ -13,6 +13,7 @@ from PIL import Image
 
 from relight_core.errors import InputError
 from relight_core.imaging.formats import limits
+from relight_core.imaging.formats.png import SIGNATURE, chunk
 from relight_core.imaging.read import read_photo, read_radiance
 from relight_core.imaging.write import write_image
 from relight_core.lighting.environment import read_environment
@@ -113,14 +114,10 @@ def test_a_tile_far_larger_than_its_picture(tmp_path):
 
 def png_bomb(path, side):
     """A PNG of one colour, a thousandth as large as its pixels."""
-
-    def chunk(kind, body):
-        return struct.pack(">I", len(body)) + kind + body + struct.pack(">I", zlib.crc32(kind + body))
-
     packer = zlib.compressobj(9)
     rows = b"".join(packer.compress(b"\0" * (side * 4 + 1)) for _ in range(side)) + packer.flush()
     header = struct.pack(">IIBBBBB", side, side, 8, 6, 0, 0, 0)
-    path.write_bytes(b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", header) + chunk(b"IDAT", rows) + chunk(b"IEND", b""))
+    path.write_bytes(SIGNATURE + chunk(b"IHDR", header) + chunk(b"IDAT", rows) + chunk(b"IEND", b""))
     return path
 
 
