@@ -79,10 +79,10 @@ class FaceTakenApart:
         """Its own, and that of the nearer view."""
         return (self.cache,) if self.nearer is None else (self.cache, self.nearer.cache)
 
-    def forget(self, stage: str | None = None) -> None:
-        """Drop a stage's results, or all there are."""
+    def forget(self, stage: str) -> None:
+        """Drop a stage's results."""
         for cache in self.caches:
-            cache.clear() if stage is None else cache.forget(stage)
+            cache.forget(stage)
 
     def forget_lights(self) -> None:
         """Drop what came with a light or an edit."""

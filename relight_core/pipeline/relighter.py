@@ -54,13 +54,12 @@ class Relighter:
     Not thread-safe: one thread at a time.
     """
 
-    def __init__(self, weights_path: Path | None = None, device: str = "cpu", *, remembers: bool = True):
+    def __init__(self, weights_path: Path | None = None, device: str = "cpu"):
         """Load the networks.
 
         Args:
             weights_path: a file written by `save_bundle`; None takes the bundled one.
             device: "cpu" or "cuda".
-            remembers: False computes everything anew for every picture, to see what reuse is worth.
 
         Raises:
             InputError: the weights are missing or damaged.
@@ -68,7 +67,7 @@ class Relighter:
         path = Path(weights_path) if weights_path else resource_path(*WEIGHTS)
         bundle = load_bundle(path).for_inference().to(device)
         self._shop = Workshop(bundle, ReflectionTable().to(device), device)
-        self._remembers, self._record = remembers, Record()
+        self._record = Record()
         self._cache = StageCache(self._record)
         self._lights = KeptLights(KEPT_LIGHTS)
         self._people: tuple[FaceBox, ...] = ()
@@ -206,7 +205,7 @@ class Relighter:
         """
         if environment.level > _BRIGHTEST_LEVEL:
             environment = environment.at_level(_BRIGHTEST_LEVEL)
-        self._begin_update()
+        self._record.begin_update()
         edit = self._settled(edit)
         plan, serving = self._planned(environment, edit)
         self._lights.keep(tier_of(edit.quality), serving)
@@ -254,13 +253,6 @@ class Relighter:
         ends = [cache.record.last_end(_NETWORK_STAGES) for face in self._face_at.values() for cache in face.caches]
         return max((end for end in ends if end is not None), default=None)
 
-    def _begin_update(self) -> None:
-        self._record.begin_update()
-        if not self._remembers:
-            self._cache.clear()
-            for face in self._face_at.values():
-                face.forget()
-
     def _first(self) -> FaceRelighter:
         if not self._faces:
             raise InputError("no portrait is open: choose a photo first")
@@ -278,11 +270,10 @@ class Relighter:
     def _planned(self, environment: Environment, edit: Edit) -> tuple[Plan, ServingLight]:
         caches = self._cache, self._first().cache
         tier = tier_of(edit.quality)
-        exact = not self._remembers or bool(edit.forced_on)
         radiance = network_light(environment, edit.yaw_deg)
         if self._first().portrait.photo.monochrome:
             radiance = without_colour(radiance)
-        light = self._lights.match(tier, radiance, 0.0 if exact else edit.tolerance)
+        light = self._lights.match(tier, radiance, 0.0 if edit.forced_on else edit.tolerance)
         light = replace(light, lamps=lamps_of(environment, edit.yaw_deg))
         backdrop = None
         if edit.background == "light":

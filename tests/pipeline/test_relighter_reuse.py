@@ -129,10 +129,10 @@ def test_asking_for_the_plan_changes_no_picture(relighter, weights):
 )
 def test_what_is_left_out_or_reused_changes_nothing(weights, relighter, edits):
     """With the plan's rules and without: every picture is the same."""
-    without = Relighter(weights, remembers=False)
-    without.set_portrait(some_photo())
     everything = frozenset({"source_light", "relief", "shadow", "specular", "correction", "sliders", "channels"})
     for edit in edits:
+        without = Relighter(weights)
+        without.set_portrait(some_photo())
         thorough = without.relight(some_light(), replace(edit, channels=None, forced_on=everything))
         np.testing.assert_allclose(relighter.relight(some_light(), edit).image, thorough.image, atol=1e-6)
 
