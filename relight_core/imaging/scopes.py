@@ -97,11 +97,10 @@ def histogram_picture(codes: np.ndarray, seen: np.ndarray | None = None, height:
     return _codes(np.concatenate([colour, coverage], axis=-1))
 
 
-def waveform_picture(
-    codes: np.ndarray, seen: np.ndarray | None = None, columns: int = 256, rows: int = 128
-) -> np.ndarray:
+def waveform_picture(codes: np.ndarray, seen: np.ndarray | None = None) -> np.ndarray:
     """The waveform as light: the more pixels, the brighter. (rows, columns, 4) uint8: colour, and coverage."""
-    counts = waveform(codes, columns, rows, seen).astype(np.float64)
+    counts = waveform(codes, seen=seen).astype(np.float64)
+    rows, columns = counts.shape[:2]
     share = counts * rows / max(codes.shape[0] * max(codes.shape[1] / columns, 1.0), 1.0)
     light = np.clip(share / 6.0, 0, 1) ** _GAMMA
     return _codes(np.concatenate([light, light.max(axis=-1, keepdims=True)], axis=-1))

@@ -129,13 +129,13 @@ def _brim(ring: HatRing, foot: np.ndarray, shape: HatShape, rng: np.random.Gener
     return outer + (uneven * shape.wave_cm * out)[..., None] * ring.axes[1]
 
 
-def band(ring: HatRing, crown: np.ndarray, width_cm: float, name: str = "hatband") -> Garment:
+def band(ring: HatRing, crown: np.ndarray, width_cm: float) -> Garment:
     """A ribbon of another stuff around the foot of a crown (rows, COLUMNS + 1, 3)."""
     height = ring.local(crown.reshape(-1, 3))[:, 1].reshape(crown.shape[:2])
     radius = np.linalg.norm(ring.local(crown.reshape(-1, 3))[:, [0, 2]], axis=1).reshape(crown.shape[:2])
     levels = np.linspace(0, width_cm, _BAND_ROWS)
     around = np.stack([np.interp(levels, height[:20, k], radius[:20, k]) for k in range(COLUMNS + 1)], 1)
-    return sheet(ring.place(around + 0.18, np.repeat(levels[:, None], COLUMNS + 1, 1)), name, made_of="trim")
+    return sheet(ring.place(around + 0.18, np.repeat(levels[:, None], COLUMNS + 1, 1)), "hatband", made_of="trim")
 
 
 def badge(ring: HatRing, crown: np.ndarray, rng: np.random.Generator) -> Garment:
