@@ -74,7 +74,7 @@ def run(arguments: argparse.Namespace) -> int:
     except (NoDisplayError, TimeoutError) as error:
         raise InputError(f"the window can't be measured: {error}") from error
     finally:
-        if speed.memory_mb:
+        if speed.memory_mb and None not in speed.memory_mb:
             told(memory_line(speed.memory_mb))
         if arguments.json and speed.frame:
             say(json.dumps(asdict(speed)))
@@ -107,7 +107,9 @@ def _tell_progress(speed: WindowSpeed, openings: int) -> None:
     if done and (done == 1 or done % _EVERY == 0 or done == openings):
         each_s = sum(speed.opening_s) / done
         left = f"{each_s * (openings - done) / 60:.1f} min left"
-        words = f"opened {done} of {openings}, {speed.memory_mb[-1]:.0f} MiB, {each_s:.1f} s each, {left}"
+        memory_mb = speed.memory_mb[-1]
+        memory = "" if memory_mb is None else f"{memory_mb:.0f} MiB, "
+        words = f"opened {done} of {openings}, {memory}{each_s:.1f} s each, {left}"
         tell(words)
 
 

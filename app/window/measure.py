@@ -17,6 +17,7 @@ from app.window.frame_limit import FrameLimit
 from app.window.window import EditorWindow
 from relight_core.errors import InputError
 from relight_core.pipeline.auto_quality import AUTO, QualityChoice
+from relight_core.process_memory import memory_in_use_mib
 
 _STEP_DEG = 7.0
 _GIVE_UP_S = 300.0
@@ -47,7 +48,7 @@ class WindowSpeed:
         rotation, shadow, exposure: from the hand's movement to the end of the frame that shows its result.
         frames, updates: how many frames were drawn during the drag, and how many results came.
         idle_cpu: share of one core used while nothing happens.
-        memory_mb: resident memory after each opening of a photo.
+        memory_mb: MiB of resident memory after each opening of a photo, None where the system does not tell.
         opening_s: how long each opening took, until all of the photo was known and shown.
     """
 
@@ -58,7 +59,7 @@ class WindowSpeed:
     frames: int | None = None
     updates: int | None = None
     idle_cpu: float | None = None
-    memory_mb: tuple[float, ...] = ()
+    memory_mb: tuple[float | None, ...] = ()
     opening_s: tuple[float, ...] = ()
 
 
@@ -239,21 +240,10 @@ def _idle_cpu(window: EditorWindow, seconds: float) -> float:
     return (cpu_end - cpu_start) / (wall_end - wall_start)
 
 
-def _open_in_turn(window: EditorWindow, photos: list[Path], openings: int) -> Iterator[tuple[float, float]]:
+def _open_in_turn(window: EditorWindow, photos: list[Path], openings: int) -> Iterator[tuple[float, float | None]]:
     """Seconds, and the memory after it, of each opening."""
     for index in range(openings):
         began = time.perf_counter()
         window.state.open_photo(photos[index % len(photos)])
         _settle_on_the_photo(window)
-        yield time.perf_counter() - began, _resident_mb()
-
-
-def _resident_mb() -> float:
-    """Memory of this process that is in use now, in MiB; the largest so far where the system does not tell."""
-    try:
-        kilobytes = next(line for line in Path("/proc/self/status").read_text().splitlines() if "VmRSS" in line)
-        return int(kilobytes.split()[1]) / 1024
-    except (OSError, StopIteration):
-        import resource
-
-        return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
+        yield time.perf_counter() - began, memory_in_use_mib()

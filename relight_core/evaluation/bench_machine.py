@@ -13,6 +13,7 @@ from pathlib import Path
 import torch
 from torch.utils.flop_counter import FlopCounterMode
 
+from relight_core import process_memory
 from relight_core.networks.bundle import NetworkBundle
 from relight_core.networks.lfm import LIGHT_SHAPE
 from relight_core.networks.precision import has_bf16
@@ -154,20 +155,7 @@ def peak_memory_mib(device: str = "cpu") -> float | None:
     """The largest memory this process (or, on "cuda", torch on the card) has used since `reset_peak_memory`."""
     if device == "cuda":
         return torch.cuda.max_memory_allocated() / 2**20
-    try:
-        status = Path("/proc/self/status").read_text()
-        return float(next(line for line in status.splitlines() if line.startswith("VmHWM")).split()[1]) / 2**10
-    except (OSError, StopIteration):
-        return _peak_of_process()
-
-
-def _peak_of_process() -> float | None:
-    try:
-        import resource
-    except ImportError:
-        return None
-    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
-    return peak / (2**20 if platform.system() == "Darwin" else 2**10)
+    return process_memory.peak_memory_mib()
 
 
 def _processor() -> str:

@@ -98,3 +98,11 @@ def test_what_was_measured_before_an_interruption_is_told_and_kept(monkeypatch, 
     assert told == json.loads(path.read_text())
     assert told["memory_mb"] == [300.0, 310.0]
     assert told["shadow"] is None
+
+
+def test_where_the_system_tells_no_memory_the_rest_is_told(monkeypatch, capsys):
+    opened = WindowSpeed(frame=Spread(8.0, 12.0), memory_mb=(None, None), opening_s=(1.0, 1.5))
+    assert run_measure(monkeypatch, lambda: (opened,), "--openings", "2") == 0
+    told = capsys.readouterr()
+    assert "MiB" not in told.out
+    assert told.err == "opened 2 of 2, 1.2 s each, 0.0 min left\n"
