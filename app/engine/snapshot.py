@@ -88,6 +88,11 @@ class Picture:
     is_stale: bool = False
     outline: list[np.ndarray] | None = None
 
+    @property
+    def is_passing(self) -> bool:
+        """Whether it was made while a hand moved something, and another follows when that rests."""
+        return self.edit.channels is not None
+
 
 @dataclass(frozen=True)
 class Message:

@@ -79,7 +79,7 @@ class GlPictures:
         light, picture = snapshot.light, snapshot.picture_in_sight
         seen = snapshot.opened or snapshot.coming
         self._show(PHOTO, seen.screen if seen else None)
-        self._show(RESULT, picture.screen if picture else None)
+        self._show(RESULT, picture.screen if picture else None, passing=bool(picture) and picture.is_passing)
         # The channel called photo is the face's crop; here the name means the whole photo.
         channels = {name: codes for name, codes in picture.channels.items() if name != PHOTO} if picture else {}
         for name in self._slots.keys() - {PHOTO, RESULT} | channels.keys():
@@ -201,8 +201,8 @@ class GlPictures:
     def _follows_now(self, key: str) -> None:
         self._followed_s[key], self._busy = time.monotonic(), True
 
-    def _show(self, name: str, content: object) -> None:
-        changed = self._slots[name].show(content)
+    def _show(self, name: str, content: object, **how: bool) -> None:
+        changed = self._slots[name].show(content, **how)
         self._busy |= changed
         self._versions[name] = self._versions.get(name, 0) + changed
 

@@ -39,13 +39,24 @@ class RelitSlot:
         self._thinned: dict[int, np.ndarray] = {}
         self._crisp = False
 
-    def show(self, screen: np.ndarray | DisplayRecipe | None) -> bool:
-        """Upload what is not there yet; True if anything changed."""
+    def show(self, screen: np.ndarray | DisplayRecipe | None, passing: bool = False) -> bool:
+        """Upload what is not there yet; True if anything changed.
+
+        Between a recipe and pixels, as when a hand takes hold and rests, a recipe's layers stay, which no light
+        changes.
+
+        Args:
+            passing: a hand is moving something; pixels of the same size may follow, so their texture stays.
+        """
         if isinstance(screen, DisplayRecipe):
-            return self._show_recipe(screen)
+            return self._show_recipe(screen, passing)
         changed = self.recipe is not None
+        if screen is None:
+            changed |= self._pixels.array is not None
+            self.close()
+            return changed
         if changed:
-            self._free_recipe()
+            self._free_maps()
         return self._pixels.show(screen) or changed
 
     @property
@@ -128,13 +139,17 @@ class RelitSlot:
 
     def close(self) -> None:
         """Free everything; the slot can be used again."""
-        self._free_recipe()
-        self._pixels.close()
+        self._free_maps()
+        for slot in (self._person, self._maps["behind"], self._pixels):
+            slot.close()
 
-    def _show_recipe(self, recipe: DisplayRecipe) -> bool:
+    def _show_recipe(self, recipe: DisplayRecipe, passing: bool) -> bool:
+        if passing:
+            self._pixels.let_go()
+        else:
+            self._pixels.close()
         if recipe is self.recipe:
             return False
-        self._pixels.close()
         self._thinned, self.recipe = {}, recipe
         self._person.show(recipe.layers.person)
         self._maps["behind"].show(recipe.layers.behind)
@@ -142,10 +157,11 @@ class RelitSlot:
             self._maps[name].show(getattr(recipe, name))
         return True
 
-    def _free_recipe(self) -> None:
+    def _free_maps(self) -> None:
+        """All but the layers."""
         self.recipe, self._thinned = None, {}
-        for slot in (self._person, *self._maps.values()):
-            slot.close()
+        for name in MAPS[1:]:
+            self._maps[name].close()
 
 
 def _matrices(views: tuple[np.ndarray, ...], most: int) -> bytes:

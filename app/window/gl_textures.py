@@ -90,6 +90,11 @@ class TextureSlot:
         """Hand the texture to the viewport's program, on unit 0; how wide it is drawn is seen to by the sampler."""
         self.texture.use(0)
 
+    def let_go(self) -> None:
+        """Forget the array; the texture's memory stays for the next one of its size, since a driver takes long to get
+        it and to make room for mipmaps."""
+        self.array = None
+
     def close(self) -> None:
         """Free the texture; the slot can be used again."""
         self.array = None

@@ -268,6 +268,59 @@ def test_from_recipe_to_pixels_and_back(context):
     slot.close()
 
 
+def uploads(monkeypatch):
+    """Sizes of the textures that are made from now on, and of those that are filled."""
+    made, filled = [], []
+    make, fill = moderngl.Context.texture, moderngl.Texture.write
+
+    def noted_make(context, size, *rest, **how):
+        made.append(size)
+        return make(context, size, *rest, **how)
+
+    def noted_fill(texture, *rest, **how):
+        filled.append(texture.size)
+        fill(texture, *rest, **how)
+
+    monkeypatch.setattr(moderngl.Context, "texture", noted_make)
+    monkeypatch.setattr(moderngl.Texture, "write", noted_fill)
+    return made, filled
+
+
+def test_a_hand_that_takes_hold_and_rests_finds_layers_and_room_for_pixels(context, monkeypatch):
+    pictures = [some_picture(BACKDROPS["keep"]) for _ in range(2)]
+    layers = person_layers(pictures[0].canvas, pictures[0].matte, pictures[0].exposure)
+    moved = [recipe_of(picture, layers) for picture in pictures]
+    rested = [np.full((9, 7, 3), level, np.float16) for level in (0.25, 0.5)]
+    slot = RelitSlot(context)
+    for screen, passing in ((moved[0], True), (rested[0], False)):
+        slot.show(screen, passing)
+    made, filled = uploads(monkeypatch)
+    assert slot.show(moved[1], passing=True)
+    assert slot.texture.size == (WIDTH, HEIGHT)
+    assert (WIDTH, HEIGHT) not in filled
+    assert slot.show(rested[1])
+    assert (7, 9) not in made
+    np.testing.assert_array_equal(np.frombuffer(slot.texture.read(alignment=1), np.float16), 0.5)
+    assert slot.array is rested[1]
+    slot.close()
+
+
+@pytest.mark.parametrize("is_closed", [False, True])
+def test_pixels_that_no_hand_comes_back_to_are_freed(context, monkeypatch, is_closed):
+    picture = some_picture(BACKDROPS["keep"])
+    recipe = recipe_of(picture, person_layers(picture.canvas, picture.matte, picture.exposure))
+    pixels = np.zeros((9, 7, 3), np.float16)
+    slot = RelitSlot(context)
+    slot.show(pixels)
+    slot.show(recipe, passing=True)
+    # At rest the very recipe of the hand may be what is shown; without a photo nothing is.
+    assert slot.show(None if is_closed else recipe) is is_closed
+    made, filled = uploads(monkeypatch)
+    assert slot.show(pixels)
+    assert made == filled == [(7, 9)]
+    slot.close()
+
+
 @pytest.mark.parametrize(("faces", "is_recipe"), [(16, True), (17, False)])
 def test_too_many_faces_make_no_recipe(faces, is_recipe):
     picture = some_picture(BACKDROPS["keep"], ONE * faces)

@@ -7,6 +7,7 @@ import pytest
 
 from app.ui.pictures import Paint
 from app.ui.viewport.panes import arrange_panes
+from app.window.gl_recipe import RelitSlot
 
 SIZE = (500, 400)
 
@@ -88,3 +89,13 @@ def test_the_window_shows_in_a_second_frame_what_was_drawn_ahead(opened, relight
     window.state.hand_on_control = True
     opened.frames()
     assert not window.pictures.is_ahead
+
+
+def test_the_result_s_textures_are_told_whether_a_hand_is_moving_it(opened, monkeypatch):
+    told = []
+    monkeypatch.setattr(RelitSlot, "show", lambda _slot, _screen, passing=False: told.append(passing) or False)
+    snapshot = opened.window.state.snapshot
+    for channels in ((), None):
+        edit = replace(snapshot.picture.edit, channels=channels)
+        opened.window.pictures.update(replace(snapshot, picture=replace(snapshot.picture, edit=edit)))
+    assert told == [True, False]
