@@ -151,15 +151,26 @@ def nearer(view: Crop, band: Band, nearest: np.ndarray) -> np.ndarray:
     return is_nearer
 
 
-def seen_across(view: Crop, size: int, maps: np.ndarray, other: Crop) -> np.ndarray:
-    """Another view's maps (s, s, C), bilinearly at the places of a view's maps, (size, size, C); edges continue."""
-    return _looked_up(maps, _square(other.from_photo_matrix(maps.shape[0])) @ _square(_to_photo(view, size)), size)
+def seen_across(view: Crop, size: int, maps: np.ndarray, other: Crop, into: np.ndarray | None = None) -> np.ndarray:
+    """Another view's maps (s, s, C), bilinearly at the places of a view's maps, (size, size, C); edges continue.
+
+    Args:
+        into: float32 of the result's shape, to be filled with it.
+    """
+    matrix = _square(other.from_photo_matrix(maps.shape[0])) @ _square(_to_photo(view, size))
+    return _looked_up(maps, matrix, size, into)
 
 
-def seen_from(view: Crop, size: int, maps: np.ndarray, photo_size: tuple[int, int]) -> np.ndarray:
-    """Maps over the whole photo, (h, w) or (h, w, C), bilinearly at the places of a view's maps of `size`."""
+def seen_from(
+    view: Crop, size: int, maps: np.ndarray, photo_size: tuple[int, int], into: np.ndarray | None = None
+) -> np.ndarray:
+    """Maps over the whole photo, (h, w) or (h, w, C), bilinearly at the places of a view's maps of `size`.
+
+    Args:
+        into: as of `seen_across`.
+    """
     to_maps = np.diag([maps.shape[1] / photo_size[1], maps.shape[0] / photo_size[0], 1.0])
-    return _looked_up(maps, to_maps @ _square(_to_photo(view, size)), size)
+    return _looked_up(maps, to_maps @ _square(_to_photo(view, size)), size, into)
 
 
 def places_of(size: tuple[int, int], extent: tuple[int, int]) -> np.ndarray:
@@ -194,13 +205,13 @@ def _whole(low: float, high: float) -> tuple[int, int]:
     return first, max(round(high), first + 1)
 
 
-def _looked_up(maps: np.ndarray, matrix: np.ndarray, size: int) -> np.ndarray:
+def _looked_up(maps: np.ndarray, matrix: np.ndarray, size: int, into: np.ndarray | None) -> np.ndarray:
     """Maps at (size, size) places; the (3, 3) matrix takes those to the maps, in pixel edges. Borders continue."""
     centred = matrix[:2].copy()
     centred[:, 2] += centred[:, :2] @ [0.5, 0.5] - 0.5
     flags = cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP
     source = np.ascontiguousarray(maps, np.float32)
-    return cv2.warpAffine(source, centred, (size, size), flags=flags, borderMode=cv2.BORDER_REPLICATE)
+    return cv2.warpAffine(source, centred, (size, size), dst=into, flags=flags, borderMode=cv2.BORDER_REPLICATE)
 
 
 def _to_photo(view: Crop, size: int) -> np.ndarray:

@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 
+import cv2
 import drawn_portrait
 import numpy as np
 import pytest
@@ -9,6 +10,7 @@ import torch
 from drawn_portrait import CROP, make_matte
 
 from relight_core.errors import InputError
+from relight_core.face import paste
 from relight_core.face.crop import Crop
 from relight_core.face.paste import Band
 from relight_core.imaging.photo import Photo
@@ -58,6 +60,20 @@ def test_bands_are_the_picture(backdrop, rows):
         assert (share is None) == (alpha is None)
         if alpha is not None:
             np.testing.assert_allclose(share, alpha[band], atol=1e-6)
+
+
+def test_views_are_mixed_in_one_room(monkeypatch):
+    views = (CROP, replace(CROP, centre_x=CROP.centre_x + 30), replace(CROP, centre_x=CROP.centre_x + 60))
+    warp, rooms = cv2.warpAffine, []
+
+    def noted(source, matrix, size, dst=None, **how):
+        rooms.append(dst)
+        return warp(source, matrix, size, dst, **how)
+
+    monkeypatch.setattr(paste.cv2, "warpAffine", noted)
+    picture_of(views=views)
+    assert len(rooms) >= 6
+    assert all(room is not None and np.shares_memory(room, rooms[0]) for room in rooms)
 
 
 @pytest.mark.parametrize("backdrop", ["keep", "transparent"])

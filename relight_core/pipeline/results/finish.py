@@ -119,7 +119,9 @@ def placed(
     """
     if len(changes) == 1 and weights[0].of_rest is None:
         return (PlacedChange(changes[0].gain, changes[0].offset, placement.views[0]),)
-    return tuple(_mixed(placement, index, weights[index], changes, rest) for index in range(len(changes)))
+    # Getting memory for what is gone in a moment takes longer than the arithmetic.
+    room = np.empty((2, *changes[0].gain.shape), np.float32)
+    return tuple(_mixed(placement, index, weights[index], changes, rest, room) for index in range(len(changes)))
 
 
 def gain_of_rest(
@@ -215,22 +217,31 @@ def _may_meet(one: Crop, other: Crop) -> bool:
 
 
 def _mixed(
-    placement: Placement, index: int, weights: ViewWeights, changes: Sequence[ViewChange], rest: np.ndarray
+    placement: Placement,
+    index: int,
+    weights: ViewWeights,
+    changes: Sequence[ViewChange],
+    rest: np.ndarray,
+    room: np.ndarray,
 ) -> PlacedChange:
-    """One view's change where others or the rest count too."""
+    """One view's change where others or the rest count too; `room` is (2, S, S, 3) float32 to work in."""
     view, size = placement.views[index], changes[index].gain.shape[0]
     gain, offset = np.zeros((2, size, size, 3), np.float32)
+    seen, spread = room
+
+    def add(total: np.ndarray, part: np.ndarray) -> None:
+        total += cv2.multiply(part, spread, dst=seen)
+
     for other, (change, weight) in enumerate(zip(changes, weights.of_views, strict=True)):
         if weight is None:
             continue
         # NumPy multiplies by a weight of one channel three times as slowly.
-        weight = cv2.merge([weight] * 3)
+        cv2.merge([weight] * 3, spread)
         for total, part in ((gain, change.gain), (offset, change.offset)):
-            if other != index:
-                part = seen_across(view, size, part, placement.views[other])
-            total += cv2.multiply(part, weight)
+            add(total, part if other == index else seen_across(view, size, part, placement.views[other], seen))
     if weights.of_rest is not None:
-        gain += seen_from(view, size, rest, placement.photo_size) * weights.of_rest
+        cv2.merge([weights.of_rest] * 3, spread)
+        add(gain, seen_from(view, size, rest, placement.photo_size, seen))
     return PlacedChange(gain, offset, view)
 
 
