@@ -30,6 +30,8 @@ from relight_core.pipeline.results.channels_together import Channels, channels_t
 from relight_core.pipeline.results.display import LARGEST_SIDE, DisplayRecipe, fits_a_recipe, person_layers, recipe_of
 from relight_core.pipeline.results.finish import (
     Placement,
+    ViewWeights,
+    less_where_unseen,
     mean_gain,
     place_catchlights,
     place_changes,
@@ -39,7 +41,7 @@ from relight_core.pipeline.results.finish import (
 from relight_core.pipeline.results.outline_lines import outline_lines
 from relight_core.pipeline.results.picture import Picture
 
-BEFORE_THE_BRUSH = ("small", "draft_matte", "canvas", "panorama", "other_faces", "catchlights")
+BEFORE_THE_BRUSH = ("small", "draft_matte", "weights", "canvas", "panorama", "other_faces", "catchlights")
 """Stages that read nothing of what is painted by hand."""
 
 _KEPT_PIXELS = 2560 * 2560
@@ -89,8 +91,7 @@ class WholePhoto:
         """
         run, matte, placement = self._cache.run, self._matte(), self._placement()
         size = changes[0].gain.shape[0]
-        make = partial(weights_on_views, placement, size)
-        weights = self._cache.of_photo("weights", size, make, "new photo or quality", 3)
+        weights = self._weights(placement, size)
         light = torch.from_numpy(radiance)[None].to(self._shop.device)
         in_photo = self._body_in_photo(placement, plan, tier_of(edit.quality))
         rest, placed_changes = run(
@@ -173,6 +174,15 @@ class WholePhoto:
             return place_views(self._small(), views, self._matte(), self._shop.table, masks, self._strokes, *of_photo)
 
         return self._cache.of_photo("placement", "photo", place, "new photo or stroke")
+
+    def _weights(self, placement: Placement, size: int) -> tuple[ViewWeights, ...]:
+        """How much each view counts, at the size of their maps."""
+        make = partial(weights_on_views, placement, size)
+        weights = self._cache.of_photo("weights", size, make, "new photo or quality", 3)
+        if placement.unseen is None:
+            return weights
+        make = partial(less_where_unseen, placement, weights, size)
+        return self._cache.of_photo("weights_where_unseen", size, make, "new stroke or quality", 3)
 
     def _draft_matte(self) -> DraftMatte | None:
         """The people as seen by one tier, whichever is asked for, so that it depends on no history."""

@@ -16,7 +16,7 @@ from relight_core.pipeline.face_taken_apart import Workshop
 from relight_core.pipeline.per_photo.brush import BrushStroke, checked_strokes, painted
 from relight_core.pipeline.per_photo.matte import DraftMatte, draft_matte, finish_matte
 from relight_core.pipeline.per_photo.person import canvas_of, whole_person
-from relight_core.pipeline.results.finish import place_views, weights_on_views
+from relight_core.pipeline.results.finish import less_where_unseen, place_views, weights_on_views
 
 HEIGHT, WIDTH = 240, 200
 CROP = Crop(100.0, 85.0, 130.0)
@@ -161,7 +161,7 @@ def test_no_view_counts_where_it_took_what_was_added_for_something_behind(is_see
     matte = finish_matte(draft_matte(linear, [[(mask, CROP)]]), [OVER_THE_HAT])
     people = [(view.extract(seen, 128), view)]
     placement = place_views(canvas_of(Photo(linear)), [view], matte, ReflectionTable(), people, [OVER_THE_HAT])
-    (weights,) = weights_on_views(placement, 120)
+    (weights,) = less_where_unseen(placement, weights_on_views(placement, 120), 120)
     counts = weights.of_views[0][..., 0]
     at_the_hat, at_the_head = counts[20, 85], counts[50, 60]
     assert at_the_head > 0.95
@@ -201,7 +201,7 @@ def test_a_stroke_lights_no_face_of_a_group_again(relighter):
     relighter.set_portrait(photo, None, boxes, [OVER_THE_HAT])
     relit = relighter.relight(some_light(), EDIT)
     assert "matte" in computed(relit)
-    assert not computed(relit) & {"sliders", "other_faces", "catchlights"}
+    assert not computed(relit) & {"sliders", "other_faces", "catchlights", "weights"}
 
 
 def test_the_outline_follows_the_strokes(relighter):

@@ -1,5 +1,7 @@
 """Photos of many people: each view's neighbours have a say in it, and nobody else is asked."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -42,3 +44,15 @@ def test_weights_of_a_view_ask_its_neighbours_alone(monkeypatch):
     monkeypatch.setattr(finish, "_weight", noted)
     finish.weights_on_views(placement, 32)
     assert [asked.count(view) for view in ROW] == [2, 3, 3, 3, 3, 2]
+
+
+def test_people_who_are_unseen_change_the_weights_of_views_that_hold_them_alone():
+    placement = placed_in_a_row()
+    weights, unseen = finish.weights_on_views(placement, 32), np.zeros((100, 600), np.float32)
+    unseen[40:60, 20:30] = 1
+    placement = replace(placement, unseen=unseen)
+    first, *others = finish.less_where_unseen(placement, weights, 32)
+    assert all(one is before for one, before in zip(others, weights[1:], strict=True))
+    assert (first.of_views[0][16, 9], first.of_rest[16, 9]) == (0, 1)
+    assert weights[0].of_views[0][16, 9] == 1
+    assert first.of_views[0][16, 20] == weights[0].of_views[0][16, 20]

@@ -84,7 +84,7 @@ def place_views(
     photo_size = photo.photo_size
     places = places_of(shrunk_size(photo_size, _WEIGHT_LONGEST), photo_size)
     unseen = _unseen(strokes, people, places, photo_size)
-    weights = _weights_at(views, people, unseen, places, photo_size)
+    weights = _weights_at(views, people, _unseen_at(unseen, places, photo_size), places, photo_size)
     canvas = shrunk(photo, max(body_size(photo_size)))
     known = resize_area(np.minimum(sum(weights), 1), canvas.size)
     share = whole_person(canvas, matte).share
@@ -104,8 +104,18 @@ class ViewWeights:
 
 
 def weights_on_views(placement: Placement, size: int) -> tuple[ViewWeights, ...]:
-    """For each view, the weights of all of them on its own maps of `size` pixels."""
+    """For each view, the weights of all of them on its own maps of `size` pixels, if nobody were unseen."""
     return tuple(_weights_on(placement, view, size) for view in placement.views)
+
+
+def less_where_unseen(placement: Placement, weights: Sequence[ViewWeights], size: int) -> tuple[ViewWeights, ...]:
+    """The weights of `weights_on_views` where some people are unseen; only views that hold some of them change."""
+
+    def on(view: Crop, known: ViewWeights) -> ViewWeights:
+        unseen = _unseen_at(placement.unseen, _places_on(view, size), placement.photo_size)
+        return _weights_on(placement, view, size, unseen) if unseen.any() else known
+
+    return tuple(map(on, placement.views, weights))
 
 
 def placed(
@@ -185,13 +195,18 @@ def mean_gain(placement: Placement, rest: np.ndarray) -> np.ndarray:
     return exposure * np.exp((np.log(rest / exposure + 1e-6) * weight).sum((0, 1)) / weight.sum((0, 1)))
 
 
-def _weights_on(placement: Placement, view: Crop, size: int) -> ViewWeights:
-    """The weights at a view's own pixels: a small view's edge is finer than the photo's maps."""
-    places = view.to_photo(places_of((size, size), (size, size)), size)
+def _places_on(view: Crop, size: int) -> np.ndarray:
+    """(size, size, 2) places in the photo of a view's own pixels."""
+    return view.to_photo(places_of((size, size), (size, size)), size)
+
+
+def _weights_on(placement: Placement, view: Crop, size: int, unseen: np.ndarray | None = None) -> ViewWeights:
+    """The weights at a view's own pixels, as of `_weights_at`: a small view's edge is finer than the photo's maps."""
+    places = _places_on(view, size)
     near = _near(placement, view)
     views = [placement.views[index] for index in near]
     people = [placement.people[index] for index in near] if placement.people else []
-    weights = _weights_at(views, people, placement.unseen, places, placement.photo_size)
+    weights = _weights_at(views, people, unseen, places, placement.photo_size)
     of_rest = 1 - np.minimum(sum(weight[..., None] for weight in weights), 1)
     of_views = {index: weight[..., None] for index, weight in zip(near, weights, strict=True) if weight.any()}
     return ViewWeights(
@@ -259,12 +274,14 @@ def _weights_at(
     places: np.ndarray,
     photo_size: tuple[int, int],
 ) -> tuple[np.ndarray, ...]:
-    """How much each view counts at places (k, l, 2) of the photo: (k, l) each, together at most 1."""
+    """How much each view counts at places (k, l, 2) of the photo: (k, l) each, together at most 1.
+
+    Args:
+        unseen: (k, l) in [0, 1], people that no network takes for them.
+    """
     fading, nearness = zip(*(_weight(view, places, photo_size) for view in views), strict=True)
     if unseen is not None:
-        at = (places * (np.array(unseen.shape) / photo_size)[::-1] - 0.5).astype(np.float32)
-        seen = 1 - cv2.remap(unseen, at, None, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
-        fading = [counts * seen for counts in fading]
+        fading = [counts * (1 - unseen) for counts in fading]
     if len(views) == 1:
         return tuple(fading)
     if people:
@@ -304,6 +321,14 @@ def _unseen(
         seen = np.maximum(seen, _mask_at(grown, crop, places))
     unseen = ramp(added * (1 - seen), _UNSEEN_FROM, _UNSEEN_TO)
     return cv2.GaussianBlur(unseen, (0, 0), max(_UNSEEN_BLUR_SHARE * max(unseen.shape), 0.5))
+
+
+def _unseen_at(unseen: np.ndarray | None, places: np.ndarray, photo_size: tuple[int, int]) -> np.ndarray | None:
+    """A placement's `unseen` at places (k, l, 2) of the photo, (k, l)."""
+    if unseen is None:
+        return None
+    at = (places * (np.array(unseen.shape) / photo_size)[::-1] - 0.5).astype(np.float32)
+    return cv2.remap(unseen, at, None, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
 
 
 def _mask_at(mask: np.ndarray, crop: Crop, places: np.ndarray) -> np.ndarray:
