@@ -87,8 +87,7 @@ def edit_light(light: Environment, edit: LightEdit, draft: bool = False) -> Envi
     stops = edit.level_ev + (metered_level_ev(light) if edit.metered else 0.0)
     if edit.changes_shape:
         height = DRAFT_HEIGHT if draft else max(DRAWN_HEIGHT, light.height)
-        room = room_of(light) if edit.apart else None
-        radiance = _coloured(_at_most(light.shape if room is None else room, height), edit)
+        radiance = _coloured(_beneath(light, edit.apart, height), edit)
         parts = [blur_light(radiance, edit.blur_deg) * np.float32(edit.base)]
         # One that gives no light would still draw a coarse map finer.
         if boxes := tuple(box for box in edit.boxes if box.intensity > 0 and not box.off):
@@ -122,8 +121,15 @@ def put_together(edit: LightEdit) -> LightEdit:
     return replace(edit, boxes=added.boxes, base=added.base, apart=False)
 
 
-def _at_most(shape: np.ndarray, height: int) -> np.ndarray:
-    return shrink(shape, height) if shape.shape[0] > height else shape
+def _beneath(light: Environment, apart: bool, height: int) -> np.ndarray:
+    """(h, 2h, 3) of at most so many rows: the shape, or its room without its lamps; found once for all edits."""
+
+    def find(shape: np.ndarray) -> np.ndarray:
+        room = room_of(light) if apart else None
+        whole = shape if room is None else room
+        return shrink(whole, height) if len(whole) > height else whole
+
+    return light.of_shape(("beneath an edit", apart, height), find)
 
 
 def _coloured(shape: np.ndarray, edit: LightEdit) -> np.ndarray:

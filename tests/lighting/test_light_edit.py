@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from relight_core.lighting import light_edit
 from relight_core.lighting.environment import Environment, network_light, shrink
 from relight_core.lighting.lamps import lamps_of
 from relight_core.lighting.light_blur import blur_light
@@ -208,3 +209,13 @@ def test_a_soft_box_that_gives_no_light_changes_nothing(dark):
     edited = edit_light(coarse, LightEdit(boxes=(dark,)))
     assert edited.height == 16
     assert np.allclose(radiance_of(edited), radiance_of(coarse), rtol=1e-5)
+
+
+@pytest.mark.parametrize("apart", [False, True])
+def test_a_fine_light_is_shrunk_for_a_moving_hand_once(monkeypatch, apart):
+    light, shrunk = random_light(128), []
+    monkeypatch.setattr(light_edit, "shrink", lambda shape, height: shrunk.append(height) or shrink(shape, height))
+    warmer = [edit_light(light, LightEdit(warmth=warmth, apart=apart), draft=True) for warmth in (0.2, 0.4)]
+    assert shrunk == [64]
+    assert warmer[0].fingerprint != warmer[1].fingerprint
+    assert edit_light(light, LightEdit(warmth=0.2, apart=apart)).height == 128
