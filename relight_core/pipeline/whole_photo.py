@@ -36,7 +36,7 @@ from relight_core.pipeline.results.finish import (
     place_catchlights,
     place_changes,
     place_views,
-    weights_on_views,
+    weights_if_all_are_seen,
 )
 from relight_core.pipeline.results.outline_lines import outline_lines
 from relight_core.pipeline.results.picture import Picture
@@ -177,7 +177,7 @@ class WholePhoto:
 
     def _weights(self, placement: Placement, size: int) -> tuple[ViewWeights, ...]:
         """How much each view counts, at the size of their maps."""
-        make = partial(weights_on_views, placement, size)
+        make = partial(weights_if_all_are_seen, placement, size)
         weights = self._cache.of_photo("weights", size, make, "new photo or quality", 3)
         if placement.unseen is None:
             return weights

@@ -11,6 +11,7 @@ from relight_core.lighting.reflection import ReflectionTable
 from relight_core.pipeline.per_photo.matte import Matte
 from relight_core.pipeline.per_photo.person import canvas_of
 from relight_core.pipeline.results import finish
+from relight_core.pipeline.results.channels_together import channels_together
 
 ROW = tuple(Crop(50.0 + 100.0 * index, 50.0, 120.0) for index in range(6))
 """Six views; each reaches over those beside it and over no others."""
@@ -56,3 +57,16 @@ def test_people_who_are_unseen_change_the_weights_of_views_that_hold_them_alone(
     assert (first.of_views[0][16, 9], first.of_rest[16, 9]) == (0, 1)
     assert weights[0].of_views[0][16, 9] == 1
     assert first.of_views[0][16, 20] == weights[0].of_views[0][16, 20]
+
+
+def test_channels_of_a_crowd_fade_where_people_are_unseen():
+    unseen = np.zeros((100, 600), np.float32)
+    unseen[40:60, 20:30] = 1
+    albedo = {"albedo": np.ones((32, 32, 3), np.float32)}
+    everyone, some = (
+        channels_together(placement, albedo, [lambda: albedo] * (len(ROW) - 1))[0]["albedo"]
+        for placement in (placed_in_a_row(), replace(placed_in_a_row(), unseen=unseen))
+    )
+    assert everyone[16, 9] == pytest.approx(1)
+    assert some[16, 9] == pytest.approx(0)
+    assert some[16, 20] == pytest.approx(1)

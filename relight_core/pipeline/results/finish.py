@@ -104,16 +104,27 @@ class ViewWeights:
 
 
 def weights_on_views(placement: Placement, size: int) -> tuple[ViewWeights, ...]:
-    """For each view, the weights of all of them on its own maps of `size` pixels, if nobody were unseen."""
-    return tuple(_weights_on(placement, view, size) for view in placement.views)
+    """For each view, the weights of all of them on its own maps of `size` pixels."""
+    return less_where_unseen(placement, weights_if_all_are_seen(placement, size), size)
 
 
-def less_where_unseen(placement: Placement, weights: Sequence[ViewWeights], size: int) -> tuple[ViewWeights, ...]:
-    """The weights of `weights_on_views` where some people are unseen; only views that hold some of them change."""
+def weights_if_all_are_seen(placement: Placement, size: int) -> tuple[ViewWeights, ...]:
+    """As `weights_on_views`, without what a brush has changed."""
+    return tuple(_weights_on(placement, view, _places_on(view, size)) for view in placement.views)
+
+
+def less_where_unseen(placement: Placement, weights: tuple[ViewWeights, ...], size: int) -> tuple[ViewWeights, ...]:
+    """The weights of `weights_if_all_are_seen` where some people are unseen; only views that hold some of them change.
+
+    Nothing changes where a placement has nobody unseen.
+    """
+    if placement.unseen is None:
+        return weights
 
     def on(view: Crop, known: ViewWeights) -> ViewWeights:
-        unseen = _unseen_at(placement.unseen, _places_on(view, size), placement.photo_size)
-        return _weights_on(placement, view, size, unseen) if unseen.any() else known
+        places = _places_on(view, size)
+        unseen = _unseen_at(placement.unseen, places, placement.photo_size)
+        return _weights_on(placement, view, places, unseen) if unseen.any() else known
 
     return tuple(map(on, placement.views, weights))
 
@@ -200,9 +211,8 @@ def _places_on(view: Crop, size: int) -> np.ndarray:
     return view.to_photo(places_of((size, size), (size, size)), size)
 
 
-def _weights_on(placement: Placement, view: Crop, size: int, unseen: np.ndarray | None = None) -> ViewWeights:
+def _weights_on(placement: Placement, view: Crop, places: np.ndarray, unseen: np.ndarray | None = None) -> ViewWeights:
     """The weights at a view's own pixels, as of `_weights_at`: a small view's edge is finer than the photo's maps."""
-    places = _places_on(view, size)
     near = _near(placement, view)
     views = [placement.views[index] for index in near]
     people = [placement.people[index] for index in near] if placement.people else []
