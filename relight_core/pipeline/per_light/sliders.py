@@ -72,10 +72,11 @@ def move_sliders(
     kept = ((moved + 1e-3) / (composed.plain + 1e-3)).clamp(0, 1)
     added = (moved - composed.plain).clamp_min(0)
     lifted = torch.minimum(added, (matt - (composed.plain - gloss)).clamp_min(0))
+    if not lifted.any():
+        return SliderChange(kept, added, lifted)
+    open_to_light, _ = explicit_parts(surface.albedo, reflected, effects, 0.0)
     given_back = _without_nostrils(lifted, surface.parsing)
-    if lifted.any():
-        open_to_light, _ = explicit_parts(surface.albedo, reflected, effects, 0.0)
-        given_back = given_back * _share_as_around(open_to_light, composed.plain - gloss, surface)
+    given_back = given_back * _share_as_around(open_to_light, composed.plain - gloss, surface)
     return SliderChange(kept, added - lifted, given_back)
 
 
@@ -84,14 +85,9 @@ def _without_nostrils(lifted: torch.Tensor, parsing: torch.Tensor) -> torch.Tens
 
     Their normals face the lamp as often as not, so that without a shadow they would shine out of a nose.
     """
-    if not lifted.any():
-        return lifted
-    side_px = max(round(_NOSTRIL * lifted.shape[-1]), 1) | 1
-    window = np.ones((side_px, side_px), np.uint8)
-    image, nose = lifted[0].movedim(0, -1).cpu().numpy(), _plane(parsing[:, INDEX["nose"], None])
-    around = cv2.morphologyEx(np.ascontiguousarray(image), cv2.MORPH_OPEN, window)
-    image = image + cv2.dilate(nose, window)[..., None] * (around - image)
-    return torch.from_numpy(image).movedim(-1, 0)[None].to(lifted)
+    window = _window(_NOSTRIL, lifted, cv2.MORPH_RECT)
+    nose = torch.from_numpy(cv2.dilate(_plane(parsing[:, INDEX["nose"], None]), window)).to(lifted)
+    return lifted + nose * (_opened(lifted, window) - lifted)
 
 
 def _share_as_around(open_to_light: torch.Tensor, before: torch.Tensor, surface: Surface) -> torch.Tensor:
@@ -108,23 +104,25 @@ def _share_as_around(open_to_light: torch.Tensor, before: torch.Tensor, surface:
     Returns:
         (1, 3, S, S) in [0, 1].
     """
-    lifted = (open_to_light - before).clamp_min(0)
-    stray = _beyond_around(lifted, open_to_light, surface.albedo, _SOCKET)
+    lifted, albedo = (open_to_light - before).clamp_min(0), surface.albedo.clamp_min(1e-3)
+    light = open_to_light / albedo
+    around = (_opened(light, _window(widest, light, cv2.MORPH_ELLIPSE)) for widest in (_SOCKET, _EAR_HOLLOW))
+    stray, glow = (torch.minimum(lifted, (open_to_light - most * albedo).clamp_min(0)) for most in around)
     of_all_colours = open_to_light * (stray / open_to_light.clamp_min(1e-6)).amin(1, keepdim=True)
-    glow = _ears(surface.parsing) * _beyond_around(lifted, open_to_light, surface.albedo, _EAR_HOLLOW)
-    taken = torch.maximum(surface.eye_sockets * (stray - of_all_colours), glow)
+    taken = torch.maximum(surface.eye_sockets * (stray - of_all_colours), _ears(surface.parsing) * glow)
     return (1 - taken / lifted.clamp_min(1e-6)).clamp(0, 1)
 
 
-def _beyond_around(lifted: torch.Tensor, matt: torch.Tensor, albedo: torch.Tensor, widest: float) -> torch.Tensor:
-    """What of the light given back makes spots, narrower than a share of the view, that get more light than around."""
-    side_px = max(round(widest * lifted.shape[-1]), 1) | 1
-    window = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (side_px, side_px))
-    albedo = albedo.clamp_min(1e-3)
-    light = (matt / albedo)[0].movedim(0, -1).cpu().numpy()
-    around = cv2.morphologyEx(np.ascontiguousarray(light), cv2.MORPH_OPEN, window)
-    most = torch.from_numpy(around).movedim(-1, 0)[None].to(lifted) * albedo
-    return torch.minimum(lifted, (matt - most).clamp_min(0))
+def _window(widest: float, like: torch.Tensor, shape: int) -> np.ndarray:
+    """Of an opening that takes away what is narrower than a share of a view."""
+    side_px = max(round(widest * like.shape[-1]), 1) | 1
+    return cv2.getStructuringElement(shape, (side_px, side_px))
+
+
+def _opened(image: torch.Tensor, window: np.ndarray) -> torch.Tensor:
+    """An image (1, 3, S, S) without bright spots that a window does not fit into."""
+    planes = np.ascontiguousarray(image[0].movedim(0, -1).cpu().numpy())
+    return torch.from_numpy(cv2.morphologyEx(planes, cv2.MORPH_OPEN, window)).movedim(-1, 0)[None].to(image)
 
 
 def _ears(parsing: torch.Tensor) -> torch.Tensor:
