@@ -56,7 +56,7 @@ from relight_core.pipeline.results.face_level import MOST_STOPS, level_as_in_pho
 KEPT_LIGHTS = 24
 """Results of this many lights stay: a light that is turned there and back, or two that are compared."""
 
-_KEPT_TIERS = 2
+_MOVED_AND_AT_REST = 2
 """Of what is quickly found for a light: one for the hand that moves a slider, one for the picture at rest."""
 
 
@@ -93,7 +93,7 @@ class FaceRelighter(FaceInPhoto):
             plan.keys["irradiance"],
             lambda: stages.reflect(self._reflector(ready), light),
             "new light",
-            keep=_KEPT_TIERS,
+            keep=_MOVED_AND_AT_REST,
         )
         effects = self._effects(ready, reflected, light, plan)
         if plan.runs("hard_shadow") and plan.runs("relief"):
@@ -183,7 +183,7 @@ class FaceRelighter(FaceInPhoto):
     def change(self, ready: Prepared, lit: Lit, plan: Plan, edit: Edit, level: float) -> ViewChange:
         """How the relit view differs from the photo's, at the sliders' gains and the light's level."""
         make_fit = partial(self._fit, ready, lit, plan)
-        fit = self.cache.run("detail_fit", plan.keys["detail_fit"], make_fit, "new light", keep=_KEPT_TIERS)
+        fit = self.cache.run("detail_fit", plan.keys["detail_fit"], make_fit, "new light", keep=_MOVED_AND_AT_REST)
         moved, shadow = None, edit.shadow * plan.runs("shadow")
         if plan.runs("sliders"):
             specular = specular_gain(edit.specular * plan.runs("specular"), edit.specular_tint, self._shop.device)
@@ -209,7 +209,9 @@ class FaceRelighter(FaceInPhoto):
         fitted = plan.runs("detail")
         evened = self._made_up(ready, plan).evened if fitted else np.asarray
         draw = lambda: draw_finely(edges, self._upsampler(ready), evened)  # noqa: E731
-        return self.cache.run("fine_edges", (plan.keys["hard_shadow"], fitted), draw, "new light", keep=_KEPT_TIERS)
+        return self.cache.run(
+            "fine_edges", (plan.keys["hard_shadow"], fitted), draw, "new light", keep=_MOVED_AND_AT_REST
+        )
 
     def catchlights(
         self, ready: Prepared, lit: Lit, plan: Plan, environment: Environment, yaw_deg: float
