@@ -96,6 +96,15 @@ def test_the_own_colour_of_a_mixed_pixel_is_the_persons():
     np.testing.assert_array_equal(own[:, 0], mixed[:, 0])
 
 
+def test_a_pixel_darker_than_both_sides_leaves_no_pure_colour_to_either():
+    share = np.linspace(0.1, 0.9, 9, dtype=np.float32)[None]
+    hair, skin, wall = np.float32([[0.03, 0.02, 0.016], [0.3, 0.12, 0.07], [0.3, 0.25, 0.2]])
+    pixels, *sides = (np.broadcast_to(one, (1, 9, 3)) for one in (hair, skin, wall))
+    own = own_colour(pixels, share, *sides)
+    for part in (own, pixels - share[..., None] * own):
+        assert (part.min(-1) > 0.1 * part.max(-1)).all()
+
+
 def test_a_hard_matte_keeps_the_photo():
     linear, truth = portrait()
     assert own_colour(linear, truth, linear, linear) is linear

@@ -76,6 +76,9 @@ def guide_of(linear: np.ndarray) -> np.ndarray:
 def own_colour(linear: np.ndarray, share: np.ndarray, person: np.ndarray, behind: np.ndarray) -> np.ndarray:
     """The person's own colour where the matte is soft: what the mix of both sides leaves goes to the person.
 
+    No share of the two makes a pixel that is darker than both, as hair between skin and a wall is where the matte has
+    it by half. There both count as darker by as much; else only the strongest channel would be left to the person.
+
     Args:
         linear: (h, w, 3), pixels of the photo.
         share: (h, w) the matte there.
@@ -89,12 +92,15 @@ def own_colour(linear: np.ndarray, share: np.ndarray, person: np.ndarray, behind
     if not soft.size:
         return linear
     alpha = share.ravel()[soft]
+    mean, mixed, beside = (side.reshape(-1, 3)[soft] for side in (person, linear, behind))
+    seen = np.maximum(luminance(mixed), np.finfo(np.float32).tiny)
+    dimmed = seen / np.maximum(np.minimum(luminance(mean), luminance(beside)), seen)
     colour = linear.copy(order="C")
     # Channel by channel: numpy is slow at pixels times shares of pixels.
     for channel in range(3):
-        mean, mixed, beside = (side[..., channel].ravel()[soft] for side in (person, linear, behind))
-        remainder = mixed - alpha * mean - (1.0 - alpha) * beside
-        own = np.clip(mean + alpha * remainder, 0.0, np.maximum(mixed, 0.0) / alpha)
+        at, of_person, of_behind = mixed[:, channel], dimmed * mean[:, channel], dimmed * beside[:, channel]
+        remainder = at - alpha * of_person - (1.0 - alpha) * of_behind
+        own = np.clip(of_person + alpha * remainder, 0.0, np.maximum(at, 0.0) / alpha)
         colour.reshape(-1, 3)[soft, channel] = own
     return colour
 
