@@ -222,7 +222,7 @@ def _occlusion(scene: Scene, edit: Edit) -> _Verdict:
         return _Verdict(False, "the light is black")
     if _asks_the_network(scene, edit):
         return _Verdict(True, "what the surface hides from the light, seen by the network")
-    return _Verdict(True, "what the relief hides from the light: no network at this quality")
+    return _Verdict(True, "what the relief hides from the light: no network at this quality", None)
 
 
 def _asks_the_network(scene: Scene, edit: Edit) -> bool:
@@ -356,10 +356,11 @@ def _effect(
     if not verdict.needed:
         return Effect(name, "skipped", verdict.why, verdict.bound, forced, saved_ms)
     # Also what is computed now is computed for the light that serves.
-    bound = scene.light_bound if name in _ANSWERS_THE_LIGHT else 0.0
+    of_light = scene.light_bound if name in _ANSWERS_THE_LIGHT else 0.0
+    bound = None if verdict.bound is None else of_light
     if not kept(stage, keys[stage]):
         return Effect(name, "computed", verdict.why, bound, forced, 0.0)
     why = "nothing it reads has changed"
-    if bound > 0:
-        why = f"the light is nearly one seen before: it could change no pixel by more than {100 * bound:.2g} %"
+    if of_light > 0:
+        why = f"the light is nearly one seen before: it could change no pixel by more than {100 * of_light:.2g} %"
     return Effect(name, "reused", why, bound, forced, saved_ms)

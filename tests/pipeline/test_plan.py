@@ -145,6 +145,16 @@ def test_a_cheap_tier_has_no_networks_until_the_user_wants_them():
     assert "by the network" in both.effect("shadow").why, "one network finds both"
 
 
+@pytest.mark.parametrize("light_bound", [0.0, 0.003])
+def test_where_the_quality_leaves_the_shadow_network_out_no_bound_is_claimed(light_bound):
+    scene = replace(SCENE, tier=replace(TIER, shadow_network=False), light_bound=light_bound)
+    for name in ("shadow", "specular"):
+        assert make_plan(scene, Edit()).effect(name).bound is None
+        assert make_plan(scene, Edit(forced_on=frozenset({name}))).effect(name).bound == light_bound
+    near = make_plan(scene, Edit(), everything).effect("shadow")
+    assert (near.state, "nearly one seen before" in near.why) == ("reused", light_bound > 0)
+
+
 def test_an_effect_that_does_not_exist_names_those_that_do():
     with pytest.raises(InputError, match="correction"):
         make_plan(SCENE, Edit(forced_off=frozenset({"glow"})))
