@@ -24,6 +24,14 @@ def test_same_again_computes_nothing(relighter):
     np.testing.assert_array_equal(again.image, first.image)
 
 
+def test_who_writes_into_a_picture_or_a_channel_is_told_instead_of_changing_the_next(relighter):
+    edit = replace(EDIT, background="transparent")
+    relit = relighter.relight(some_light(), edit)
+    for array in (relit.image, relit.alpha, *relit.channels.values()):
+        with pytest.raises(ValueError, match="read-only"):
+            array[:] = 0
+
+
 def test_exposure_computes_nothing(relighter):
     first = relighter.relight(some_light(), EDIT)
     brighter = relighter.relight(some_light(), replace(EDIT, exposure_ev=3.0))

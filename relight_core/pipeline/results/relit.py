@@ -16,7 +16,7 @@ from relight_core.pipeline.results.picture import Picture
 
 @dataclass(frozen=True, eq=False)
 class Relit:
-    """A relit portrait.
+    """A relit portrait. Its arrays are read-only, since the Relighter keeps them for its next pictures.
 
     Attributes:
         image: (H, W, 3) float32 linear radiance at the size that was asked for, without `Edit.exposure_ev`; None
@@ -57,7 +57,21 @@ class Relit:
     networks_ended_s: float | None = None
     channels_together: Callable[[], list[dict[str, np.ndarray]]] = list
 
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "image", _read_only(self.image))
+        object.__setattr__(self, "alpha", _read_only(self.alpha))
+        object.__setattr__(self, "channels", {name: _read_only(channel) for name, channel in self.channels.items()})
+
     @property
     def size(self) -> tuple[int, int]:
         """(height, width) at the photo's own size."""
         return self.full.size if self.full is not None else self.image.shape[:2]
+
+
+def _read_only(array: np.ndarray | None) -> np.ndarray | None:
+    """A view that can't be written through: what it shows is kept, and the next picture may be made from it."""
+    if array is None:
+        return None
+    view = array.view()
+    view.setflags(write=False)
+    return view
