@@ -39,7 +39,7 @@ class Photo:
             None where it took nothing.
 
     Raises:
-        ValueError: an array of another shape or type.
+        ValueError: an array of another shape or type, or with other values.
     """
 
     linear: np.ndarray
@@ -56,8 +56,12 @@ class Photo:
             raise ValueError(f"a photo is (H, W, 3), not {linear.shape}")
         if linear.dtype != np.float32 or not linear.flags.c_contiguous:
             raise ValueError("a photo is float32 and C-contiguous")
+        if not (linear.min() >= 0 and linear.max() < np.inf):
+            raise ValueError("a photo's values are finite and not negative")
         if alpha is not None and (alpha.shape != linear.shape[:2] or alpha.dtype != np.float32):
             raise ValueError(f"alpha is float32 of shape {linear.shape[:2]}, not {alpha.dtype} {alpha.shape}")
+        if alpha is not None and not (alpha.min() >= 0 and alpha.max() <= 1):
+            raise ValueError("alpha is from 0 to 1")
         if self.beyond is not None and (self.beyond.shape != linear.shape or self.beyond.dtype != np.float16):
             raise ValueError(f"what lies beyond is float16 of shape {linear.shape}")
         if self.bits not in (8, 16, 32):
@@ -130,12 +134,19 @@ class Photo:
         """A photo from sRGB pixels in memory.
 
         Args:
-            srgb: (H, W, 3) uint8, uint16, or float in [0, 1].
+            srgb: (H, W, 3) uint8, uint16, or float in [0, 1], in any byte order.
+
+        Raises:
+            ValueError: an array of another shape or type.
         """
         srgb = np.asarray(srgb)
-        if srgb.dtype in (np.uint8, np.uint16):
-            linear = srgb_decode_integers(srgb)
-            return cls(np.ascontiguousarray(linear), None, None, 8 * srgb.dtype.itemsize)
+        kind = srgb.dtype.newbyteorder("=")
+        if kind in (np.uint8, np.uint16):
+            linear = srgb_decode_integers(srgb.astype(kind, copy=False))
+            return cls(np.ascontiguousarray(linear), None, None, 8 * kind.itemsize)
+        if kind.kind != "f":
+            # Which of an integer's values is white is anyone's guess.
+            raise ValueError(f"sRGB pixels are uint8, uint16 or floats in [0, 1], not {kind}")
         clipped = np.clip(np.nan_to_num(srgb.astype(np.float32)), 0.0, 1.0)
         return cls(np.ascontiguousarray(srgb_decode(clipped)), None, None, 32)
 

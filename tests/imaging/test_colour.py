@@ -41,12 +41,38 @@ def test_a_photo_refuses_what_is_no_photo():
         Photo(good, alpha=np.zeros((5, 4), np.float32))
 
 
+@pytest.mark.parametrize("value", [np.nan, np.inf, -0.1])
+def test_a_photo_refuses_values_that_no_photo_has(value):
+    values = np.ones((4, 5, 3), np.float32)
+    values[2, 3, 1] = value
+    with pytest.raises(ValueError, match="finite and not negative"):
+        Photo(values)
+    with pytest.raises(ValueError, match="alpha is from 0 to 1"):
+        Photo(np.ones((4, 5, 3), np.float32), values[..., 1])
+
+
 def test_photo_from_bytes_in_memory():
     srgb = np.array([[[0, 128, 255]]], np.uint8)
     photo = Photo.from_srgb(srgb)
     np.testing.assert_allclose(photo.linear, [[[0.0, 0.21586, 1.0]]], atol=1e-5)
     assert photo.bits == 8
     assert photo.alpha is None
+
+
+@pytest.mark.parametrize("kind", ["<u2", ">u2", "<f2", ">f4", "f8"])
+def test_photo_from_memory_in_any_byte_order(kind):
+    white = 65535 if "u" in kind else 1
+    srgb = (np.array([[[0, 128 / 255, 1]]]) * white).astype(kind)
+    photo = Photo.from_srgb(srgb)
+    np.testing.assert_allclose(photo.linear, [[[0.0, 0.21586, 1.0]]], atol=2e-4)
+    assert photo.bits == (16 if "u" in kind else 32)
+
+
+@pytest.mark.parametrize("kind", [np.int32, np.int64, np.uint32, bool, complex])
+def test_numbers_whose_white_nobody_knows_are_no_srgb(kind):
+    """Numbers up to 255 of another type than a byte came out white."""
+    with pytest.raises(ValueError, match="uint8, uint16 or floats"):
+        Photo.from_srgb(np.ones((2, 2, 3), kind))
 
 
 @pytest.mark.parametrize("shape", [(1000,), (10, 100), (10, 20, 5), (1, 1, 1000)])
