@@ -45,7 +45,7 @@ class Environment:
     Attributes:
         shape: (H, 2H, 3) float32 linear Rec.709 radiance whose mean luminance over the sphere is 1;
             all zero for a map without light. Read-only where this module made it.
-        level: that mean in the map's own units; shape * level is the map. 0 for a map without light.
+        level: that mean in the map's own units; shape * level is the map. At least 0, which is no light.
         name: for messages and the window.
         drawn: what it was drawn from, of which `own_lamps` knows its lamps; None for any other light.
     """
@@ -55,6 +55,10 @@ class Environment:
     name: str = ""
     drawn: Drawn | None = field(default=None, repr=False)
     _found: dict[Hashable, Any] = field(default_factory=dict, init=False, repr=False)
+
+    def __post_init__(self) -> None:
+        if not self.level >= 0:
+            raise InputError(f"{self.name or 'the light'}: a light's level is a number from 0 on, not {self.level:g}")
 
     @classmethod
     def from_radiance(

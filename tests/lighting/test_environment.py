@@ -91,6 +91,13 @@ def test_integers_are_radiance_too():
     assert Environment.from_radiance(np.full((4, 8, 3), 7, np.uint8)).level == pytest.approx(7.0)
 
 
+@pytest.mark.parametrize("level", [np.nan, -1.0])
+def test_a_level_that_no_light_has_is_refused(level):
+    light = Environment.from_radiance(noise(6), "a lamp")
+    with pytest.raises(InputError, match="a lamp: a light's level is a number from 0 on"):
+        light.at_level(level)
+
+
 def test_the_callers_array_stays_as_it_was():
     panorama = noise(6)
     panorama[2, 3, 1] = np.nan
