@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from functools import partial
 
 import numpy as np
 
 from relight_core.face.crop import Crop
 from relight_core.face.evidence import certainty_of_face, evidence_of_face, glimpses_of_face
 from relight_core.face.find import FaceBox
+from relight_core.imaging.colour import luminance
 from relight_core.imaging.photo import Photo
 from relight_core.pipeline.face_taken_apart import Workshop
 from relight_core.pipeline.per_photo.choosing_faces import choose_faces
-from relight_core.pipeline.per_photo.exposing import exposure_of_view
+from relight_core.pipeline.per_photo.exposing import exposure_of_view, looked_at
 from relight_core.pipeline.per_photo.network_view import network_view
 from relight_core.pipeline.per_photo.portrait import frame, framed, located
 from relight_core.pipeline.quality import tier_of
@@ -21,6 +21,10 @@ from relight_core.pipeline.quality import tier_of
 _LEAST_CERTAIN = 0.54
 """Of the parsing, where a face is found beside others: tiny faces have 0.57, others 0.66 and more; a heap of jeans in
 which it saw brows, eyes and a mouth had 0.51."""
+
+_LEAST_CONTRAST = 0.1
+"""By this share of its brightest parts the darkest of a face are darker, at the least: in white paper, which has 0.05,
+the parsing sees a face. Those of photos overexposed by two stops, or of so few codes that they are black, have 0.67."""
 
 
 class FaceSearch:
@@ -42,8 +46,7 @@ class FaceSearch:
         Raises:
             NoFaceError: there are none.
         """
-        find = partial(located, self._photo, parsed=self.labels)
-        found = choose_faces(self._photo.seen, self._evidence, find, self._look_closer, self._glimpse)
+        found = choose_faces(self._photo.seen, self._evidence, self._located, self._look_closer, self._glimpse)
         return [replace(face, doubtful=False) for face in found]
 
     def _parsing(self, view: Crop) -> np.ndarray:
@@ -56,6 +59,15 @@ class FaceSearch:
         seen = network_view(self._photo, view, self._tier.size, exposure_of_view(self._photo, view))
         found = self._shop.delight(seen, self._tier)
         return found.parsing[0].float().cpu().numpy()
+
+    def _located(self, view: Crop) -> FaceBox | None:
+        place = located(self._photo, view, self.labels)
+        return place if place is not None and self._has_contrast(place) else None
+
+    def _has_contrast(self, place: FaceBox) -> bool:
+        middle = Crop((place.x0 + place.x1) / 2, (place.y0 + place.y1) / 2, min(place.width, place.height))
+        dark, bright = np.percentile(luminance(looked_at(self._photo.seen.linear, middle)), (2, 98))
+        return bool(bright - dark > _LEAST_CONTRAST * bright)
 
     def _glimpse(self, found: FaceBox) -> int:
         portrait = frame(self._photo, found)

@@ -3,11 +3,13 @@
 import numpy as np
 import pytest
 
+from relight_core.errors import NoFaceError
 from relight_core.face.find import FaceBox
 from relight_core.face.parsing import INDEX
 from relight_core.imaging.photo import Photo
 from relight_core.pipeline.face_search import FaceSearch
 
+NIGHT = Photo(np.zeros((1000, 1000, 3), np.float32))
 SIZE, GUESS = 128, FaceBox(450, 450, 550, 550, doubtful=True)
 PARTS = (
     ("background", 0, 0, 1000, 1000),
@@ -23,8 +25,8 @@ BROWS = (("right_brow", 462, 458, 486, 463), ("left_brow", 514, 458, 538, 463))
 class Drawn(FaceSearch):
     """Sees a drawing of a face; brows only where a view shows them large enough."""
 
-    def __init__(self, certainty, widest_with_brows, parts=PARTS):
-        super().__init__(None, Photo(np.zeros((1000, 1000, 3), np.float32)))
+    def __init__(self, certainty, widest_with_brows, parts=PARTS, photo=NIGHT):
+        super().__init__(None, photo)
         self.certainty, self.widest_with_brows, self.parts = certainty, widest_with_brows, parts
 
     def _parse(self, view):
@@ -58,3 +60,20 @@ def test_a_face_seen_whole_counts_though_its_framing_is_too_wide_to_show_it_so(m
     assert companions(monkeypatch, Drawn(0.75, 1000, without_eyes))
     assert not companions(monkeypatch, Drawn(0.75, 0, without_eyes))
     assert companions(monkeypatch, Drawn(0.75, between_both_views, without_eyes))
+
+
+def test_paper_shows_nobody_whatever_the_parsing_sees_in_it(monkeypatch):
+    """Where the cascades see nothing, places that parsing maps agree on are faces; white ones showed one too."""
+    chooser = "relight_core.pipeline.per_photo.choosing_faces"
+    for look in ("guess_faces", "guess_companions", "find_small_faces"):
+        monkeypatch.setattr(f"{chooser}.{look}", lambda *asked: [])
+    monkeypatch.setattr(f"{chooser}.find_faces", lambda photo, is_face: [])
+    grain = np.random.default_rng(0).uniform(-1, 0, (1000, 1000, 1)).astype(np.float32)
+
+    def search(contrast):
+        return Drawn(0.75, 1000, photo=Photo(np.repeat(1 + contrast * grain, 3, axis=2)))
+
+    assert len(search(0.3).faces()) == 1
+    for contrast in (0.0, 0.05):
+        with pytest.raises(NoFaceError):
+            search(contrast).faces()

@@ -38,14 +38,14 @@ def exposure_of_face(photo: Photo, crop: Crop) -> float:
     Args:
         crop: the paper's square around the face (section 3.2).
     """
-    seen = luminance(_looked_at(photo.seen.linear, Crop(crop.centre_x, crop.centre_y, _OF_CROP * crop.side)))
+    seen = luminance(looked_at(photo.seen.linear, Crop(crop.centre_x, crop.centre_y, _OF_CROP * crop.side)))
     third, tenth, fiftieth = (float(found) for found in np.percentile(seen, (70, 90, 98)))
     return _exposure(tenth, min(fiftieth, _GLARE * third), _MOST[photo.bits])
 
 
 def exposure_of_view(photo: Photo, view: Crop) -> float:
     """The same of a view that may hold a face anywhere: it is dark all over, or half of it is brighter than white."""
-    seen = luminance(_looked_at(photo.seen.linear, view))
+    seen = luminance(looked_at(photo.seen.linear, view))
     return _exposure(float(np.percentile(seen, 95)), float(np.median(seen)), _MOST[photo.bits])
 
 
@@ -80,14 +80,7 @@ def exposed(linear: np.ndarray, exposure: float | np.ndarray, band: Band) -> np.
     return linear if exposure == 1.0 else linear * np.float32(exposure)
 
 
-def _exposure(dark_below: float, bright_above: float, most: float) -> float:
-    if bright_above > _WHITE:
-        # The brighter, the farther from where the networks count skin as clipped, and none of it at once.
-        return max(_BRIGHTEST, 2 * _WHITE - bright_above) / bright_above
-    return min(max(_DARKEST / max(dark_below, _BLACK), 1.0), most)
-
-
-def _looked_at(image: np.ndarray, window: Crop) -> np.ndarray:
+def looked_at(image: np.ndarray, window: Crop) -> np.ndarray:
     """(N, 3) pixels of a window of a photo, spread evenly over what of it is inside."""
     x0, y0, x1, y1 = window.window
     height, width = image.shape[:2]
@@ -96,3 +89,10 @@ def _looked_at(image: np.ndarray, window: Crop) -> np.ndarray:
         for start, end, length in ((y0, y1, height), (x0, x1, width))
     )
     return image[np.ix_(np.unique(rows), np.unique(columns))].reshape(-1, 3)
+
+
+def _exposure(dark_below: float, bright_above: float, most: float) -> float:
+    if bright_above > _WHITE:
+        # The brighter, the farther from where the networks count skin as clipped, and none of it at once.
+        return max(_BRIGHTEST, 2 * _WHITE - bright_above) / bright_above
+    return min(max(_DARKEST / max(dark_below, _BLACK), 1.0), most)
