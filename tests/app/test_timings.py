@@ -1,4 +1,12 @@
-"""Which stages the card of timings has room for."""
+"""Which stages the card of timings has room for, and that their reasons stay within it."""
+
+from dataclasses import replace
+
+import glfw
+import numpy as np
+import pytest
+from fake_relighter import FakeStage
+from window_hand import WIDTH
 
 from app.ui.panels.timings import stages_that_fit
 from relight_core.pipeline.cache import Stage
@@ -19,3 +27,16 @@ def test_all_are_shown_where_they_and_their_sum_fit():
 def test_in_a_low_window_the_longest_stay_in_their_order_above_the_others_and_the_sum():
     assert list(stages_that_fit(STAGES, 5)) == ["read", "relief", "matte"]
     assert list(stages_that_fit(STAGES, 1)) == []
+
+
+@pytest.mark.parametrize("words", [8, 60])
+def test_a_reason_ends_within_the_card(opened, relighter, monkeypatch, words):
+    opened.window.shelf.wait()
+    relight, stages = relighter.relight, {"catchlights": FakeStage(0.0, "skipped", "reasons " * words)}
+    monkeypatch.setattr(relighter, "relight", lambda *asked, **how: replace(relight(*asked, **how), stages=stages))
+    opened.key(glfw.KEY_TAB)
+    opened.key(glfw.KEY_RIGHT)
+    without = opened.window.screenshot().astype(int)
+    opened.key(glfw.KEY_T)
+    changed = np.flatnonzero(np.abs(opened.window.screenshot() - without).any(axis=(0, 2)))
+    assert WIDTH - 16 < changed.max() < WIDTH - 6

@@ -6,14 +6,14 @@ from collections.abc import Mapping
 
 from imgui_bundle import imgui
 
-from app.ui import theme
+from app.ui import theme, widgets
 from app.ui.layout import Rect
 from app.ui.state import EditorState
 from app.ui.viewport import probe_card
 from relight_core.pipeline.cache import Stage
 
-_NAME_EM, _MS_EM, _BAR_EM, _WHY_EM = 7.6, 3.6, 8.0, 12.5
-_PAD_EM, _LINE_EM = 0.7, 1.25
+_NAME_EM, _MS_EM, _BAR_EM, _LEAST_WHY_EM = 7.6, 3.6, 8.0, 12.5
+_PAD_EM, _LINE_EM, _MARGIN_EM = 0.7, 1.25, 0.6
 _ROOM_FOR_WHY_EM = 49.0
 _FOOT_EM = 2.7
 """What stays free under the card, for the zoom's percentage."""
@@ -27,11 +27,12 @@ def draw(state: EditorState, rect: Rect) -> None:
     imgui.push_font(None, 0.88 * theme.FONT_PX)
     em = imgui.get_font_size()
     stages = picture.relit.stages
-    wide = rect.width > _ROOM_FOR_WHY_EM * em
-    width = (_NAME_EM + _MS_EM + _BAR_EM + (_WHY_EM if wide else 0.0) + 2 * _PAD_EM) * em
-    x, y = rect.x + rect.width - width - 0.6 * em, rect.y + 0.6 * em
-    if state.look.probe and x < rect.x + probe_card.width_em() * em + 1.2 * em:
-        y += probe_card.height_em() * em + 0.6 * em
+    probe_end = probe_card.width_em() + 2 * _MARGIN_EM if state.look.probe else _MARGIN_EM
+    why_width = _why_width(stages, rect.width, probe_end * em)
+    width = (_NAME_EM + _MS_EM + _BAR_EM + 2 * _PAD_EM) * em + why_width
+    x, y = rect.x + rect.width - width - _MARGIN_EM * em, rect.y + _MARGIN_EM * em
+    if state.look.probe and x < rect.x + probe_end * em:
+        y += (probe_card.height_em() + _MARGIN_EM) * em
     room_em = (rect.y + rect.height - y) / em - 2 * _PAD_EM - _FOOT_EM
     shown = stages_that_fit(stages, int(room_em / _LINE_EM))
     sums = [("all together", _sum_ms(stages))]
@@ -44,12 +45,22 @@ def draw(state: EditorState, rect: Rect) -> None:
     end_ms = max((stage.start_ms + stage.ms for stage in stages.values() if stage.state == "computed"), default=1.0)
     for row, (name, stage) in enumerate(shown.items()):
         at = imgui.ImVec2(x + _PAD_EM * em, y + (_PAD_EM + row * _LINE_EM) * em)
-        _row(draw_list, at, name, stage, end_ms, wide)
+        _row(draw_list, at, name, stage, end_ms, why_width)
     for row, (name, ms) in enumerate(sums, len(shown)):
         foot = y + (_PAD_EM + row * _LINE_EM) * em
         draw_list.add_text(imgui.ImVec2(x + _PAD_EM * em, foot), theme.packed(theme.TEXT), name)
         _right_aligned(draw_list, f"{ms:.1f} ms", x + (_PAD_EM + _NAME_EM + _MS_EM) * em, foot, theme.TEXT)
     imgui.pop_font()
+
+
+def _why_width(stages: Mapping[str, Stage], room: float, taken: float) -> float:
+    """Pixels for the reasons: as the longest asks for and the viewport has left; none where that is narrow."""
+    em = imgui.get_font_size()
+    if room <= _ROOM_FOR_WHY_EM * em:
+        return 0.0
+    left = room - taken - (_NAME_EM + _MS_EM + _BAR_EM + 2 * _PAD_EM + _MARGIN_EM) * em
+    longest = max(imgui.calc_text_size(stage.why).x for stage in stages.values())
+    return max(_LEAST_WHY_EM * em, min(longest, left))
 
 
 def stages_that_fit(stages: Mapping[str, Stage], lines: int) -> dict[str, Stage]:
@@ -64,8 +75,8 @@ def _sum_ms(stages: Mapping[str, Stage]) -> float:
     return sum(stage.ms for stage in stages.values() if stage.state == "computed")
 
 
-def _row(draw_list: imgui.ImDrawList, at: imgui.ImVec2, name: str, stage, end_ms: float, wide: bool) -> None:
-    """One stage; its bar lies where it ran between the update's begin and `end_ms`."""
+def _row(draw_list: imgui.ImDrawList, at: imgui.ImVec2, name: str, stage: Stage, end_ms: float, why: float) -> None:
+    """One stage; its bar lies where it ran between the update's begin and `end_ms`, its reason is `why` pixels wide."""
     em = imgui.get_font_size()
     computed = stage.state == "computed"
     colour = theme.TEXT if computed else theme.DIM
@@ -78,9 +89,9 @@ def _row(draw_list: imgui.ImDrawList, at: imgui.ImVec2, name: str, stage, end_ms
         draw_list.add_rect_filled(imgui.ImVec2(left, middle - 0.2 * em), end, theme.packed(theme.ACCENT), 1.0)
     else:
         draw_list.add_text(imgui.ImVec2(at.x + (_NAME_EM + 0.6) * em, at.y), theme.packed(colour), stage.state)
-    if wide and stage.why:
-        why = imgui.ImVec2(at.x + (_NAME_EM + _MS_EM + _BAR_EM) * em, at.y)
-        draw_list.add_text(why, theme.packed(theme.DIM), stage.why)
+    if why and stage.why:
+        left = imgui.ImVec2(at.x + (_NAME_EM + _MS_EM + _BAR_EM) * em, at.y)
+        draw_list.add_text(left, theme.packed(theme.DIM), widgets.shortened(stage.why, why))
 
 
 def _right_aligned(draw_list: imgui.ImDrawList, words: str, right: float, y: float, colour: theme.Colour) -> None:
