@@ -184,3 +184,14 @@ def test_a_click_beside_the_face_tells_so_and_lets_one_try_again(opened):
     assert len(state.light_edit.boxes) == 1
     assert state.message() is None
     assert state.aim == ""
+
+
+def test_what_a_click_beside_the_face_was_told_leaves_with_the_tool(opened):
+    state = opened.window.state
+    opened.key(glfw.KEY_K)
+    opened.click((opened.centre()[0], opened.centre()[1] - 31))
+    opened.settle()
+    assert "no face there" in state.message().text
+    opened.key(glfw.KEY_ESCAPE)
+    assert state.aim == ""
+    assert state.message() is None

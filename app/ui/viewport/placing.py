@@ -44,8 +44,10 @@ def drag(state: EditorState, arranged: Arrangement, at: tuple[float, float]) -> 
 
 
 def hint(state: EditorState, rect: Rect) -> None:
-    """What the next click does."""
-    if state.aim:
+    """What the next click does; with the tool goes what was told of a click that missed."""
+    if not state.aim:
+        _put_refusal_away(state)
+    else:
         em = imgui.get_font_size()
         words = f"{_WORDS[state.aim]}.  Esc to leave it"
         note(words, rect.x + (rect.width - note_width(words)) / 2, rect.y + em)
@@ -85,12 +87,16 @@ def _place(state: EditorState, arranged: Arrangement, at: tuple[float, float], p
         light_edits.tell_full(state)
         return False
     state.light_edit, state.selected_box = edit, index
-    if (message := state.message()) is not None and message.text == state.aim_refusal:
-        state.dismissed = message.number
+    _put_refusal_away(state)
     return True
 
 
 def _refuse(state: EditorState, why: str) -> None:
-    """Tell why a click places no lamp, until one does."""
+    """Tell why a click places no lamp, until one does or the tool is left."""
     state.asking.tell(why)
     state.aim_refusal = why
+
+
+def _put_refusal_away(state: EditorState) -> None:
+    if (message := state.message()) is not None and message.text == state.aim_refusal:
+        state.dismissed = message.number
