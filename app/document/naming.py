@@ -163,7 +163,7 @@ _SETTINGS: dict[str, Callable] = {
     "edit.exposure_ev": lambda value: f"Exposure {value:+.2f} EV",
     "edit.specular": _number("Specular", ".2f"),
     "edit.shadow": _number("Shadow", ".2f"),
-    "edit.specular_tint": _number("Shine colour", "+.2f"),
+    "edit.specular_tint": _number("Specular tint", "+.2f"),
     "edit.shadow_softness": _number("Shadow softness", ".2f"),
     "edit.background": lambda value: f"Background: {_BACKGROUNDS.get(value, value)}",
     "edit.forced_on": lambda value: f"Always computed: {', '.join(sorted(value)) or 'nothing'}",

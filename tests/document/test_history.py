@@ -161,6 +161,7 @@ NAMES = [
     (START, edited(background="transparent"), "Background: none"),
     (START, edited(background="#30343a"), "Background: #30343a"),
     (START, edited(yaw_deg=-0.3), "Turn light to 0°"),
+    (START, edited(specular_tint=0.3), "Specular tint +0.30"),
     (edited(shadow=0.2, yaw_deg=3.0), START, "Reset all"),
     (START, edited(shadow=0.2, yaw_deg=3.0), "Change several settings"),
     (START, lit(boxes=(BOX,)), "Add soft box"),
