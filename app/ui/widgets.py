@@ -61,7 +61,10 @@ def path_input(
 ) -> tuple[bool, str]:
     """A line for the path of a file, and the path afterwards; a name that is no text stays while it is not touched."""
     drawn = legible(path)
+    # Tab out of a slider's number would begin to type here, and the next keys would be the file's name.
+    imgui.push_item_flag(imgui.ItemFlags_.no_tab_stop, True)
     entered, typed = imgui.input_text("##path", drawn, flags, callback)
+    imgui.pop_item_flag()
     return entered, path if typed == drawn else typed
 
 
@@ -157,11 +160,14 @@ def _typing_begins(state: EditorState) -> bool:
 
 
 def _typing_is_done(state: EditorState, began: bool) -> bool:
-    """After the line that is typed in: whether what stands there counts, as it does not after Esc.
+    """After the line that is typed in: whether what stands there counts, as it does not after Esc; Tab is as Enter.
 
     Args:
         began: the keyboard was asked for before this line.
     """
+    if imgui.is_item_active() and imgui.is_key_pressed(imgui.Key.tab, False):
+        for down in (True, False):
+            imgui.get_io().add_key_event(imgui.Key.enter, down)
     # The keyboard is had some frames after it was asked for, of a panel that is just coming into sight later still.
     state.typing_began = began and not imgui.is_item_active()
     is_left = not began and imgui.is_item_deactivated()

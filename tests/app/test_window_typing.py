@@ -39,6 +39,14 @@ def test_a_number_that_is_typed_counts_within_the_track(opened, text, value):
     assert type_shadow(opened, 0.7034, text) == pytest.approx(value)
 
 
+def test_tab_takes_the_number_and_the_next_keys_are_no_name_of_a_file(opened):
+    state = opened.window.state
+    assert type_shadow(opened, 0.7034, "1.5", glfw.KEY_TAB) == 1.5
+    opened.type("2")
+    opened.settle()
+    assert (state.shown, state.export_path, state.panels.light) == ("albedo", "person-relit.png", True)
+
+
 @pytest.mark.parametrize(("text", "value"), [("725", 5.0), ("190", -170.0), ("-190", 170.0), ("180", 180.0)])
 def test_an_angle_that_is_typed_wraps_around(opened, text, value):
     state = opened.window.state
