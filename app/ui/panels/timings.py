@@ -59,7 +59,7 @@ def _why_width(stages: Mapping[str, Stage], room: float, taken: float) -> float:
     if room <= _ROOM_FOR_WHY_EM * em:
         return 0.0
     left = room - taken - (_NAME_EM + _MS_EM + _BAR_EM + 2 * _PAD_EM + _MARGIN_EM) * em
-    longest = max(imgui.calc_text_size(stage.why).x for stage in stages.values())
+    longest = max((imgui.calc_text_size(stage.why).x for stage in stages.values()), default=0.0)
     return max(_LEAST_WHY_EM * em, min(longest, left))
 
 
