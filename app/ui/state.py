@@ -23,6 +23,7 @@ from app.ui.layout import OpenGroups, Panels
 from app.ui.light_list import wish_again
 from app.ui.light_wish import LightWish, light_that_stays, note_light_wish
 from app.ui.look import LookState
+from app.ui.news import News, let_news_pass
 from app.ui.open_work import KeptWork, Opening, Undoing
 from app.ui.photo_queue import PhotoQueue
 from app.ui.photo_works import begin_work, note_left, wish_of
@@ -74,7 +75,8 @@ class EditorState:
         aim_at: the relit picture whose normals the click reads.
         aim_hit: the click, or the drag it became, has placed a lamp.
         aim_refusal: why the newest click that missed placed none.
-        dismissed: number of the newest message the user has put away.
+        dismissed: number of the newest message that was put away.
+        news: the newest message that is no error, and for how long it has been in sight.
         typing: which slider has its number typed in, if any.
         typing_began: the typing field still has to take the keyboard.
         typing_seen: the typing field has been drawn in this frame.
@@ -130,6 +132,7 @@ class EditorState:
     aim_hit: bool = False
     aim_refusal: str = ""
     dismissed: int = 0
+    news: News = field(default_factory=News)
     typing: str | None = None
     typing_began: bool = False
     typing_seen: bool = False
@@ -189,7 +192,8 @@ class EditorState:
         return Document(photo, light, self.light_edit, edit, self.quality.wish)
 
     def remember(self, now_s: float) -> None:
-        """Let the history see what was changed; once a frame."""
+        """Let the history see what was changed, and pass what is no news any more; once a frame."""
+        let_news_pass(self, now_s)
         is_in_force = self.is_in_force()
         if is_in_force:
             self.undoing = None

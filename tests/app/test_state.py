@@ -155,6 +155,27 @@ def test_a_message_stays_away_once_put_away_but_the_next_one_shows():
     assert state.message().number == 2
 
 
+def test_good_news_passes_once_it_has_been_read_and_errors_stay():
+    state, now_s = EditorState(), 100.0
+
+    def is_in_sight(number, frames):
+        nonlocal now_s
+        for _ in range(frames):
+            now_s += 0.02
+            state.remember(now_s)
+        return state.message() is not None and state.message().number == number
+
+    state.accept(Snapshot(message=Message(1, "Saved me.png")))
+    assert is_in_sight(1, frames=300)
+    now_s += 3600.0
+    assert is_in_sight(1, frames=50), "nobody was there"
+    assert not is_in_sight(1, frames=60)
+    state.accept(Snapshot(message=Message(2, "Saved me.png")))
+    assert is_in_sight(2, frames=300), "said once more it is news again"
+    state.accept(Snapshot(message=Message(3, "me.png: no such file", is_error=True)))
+    assert is_in_sight(3, frames=3000)
+
+
 def test_the_name_in_sight_follows_the_kind_of_file(tmp_path):
     state = EditorState()
     state.accept(Snapshot(opened=opened_photo(tmp_path / "me.png")))
