@@ -71,7 +71,7 @@ def _photo_change(before: Document, after: Document) -> Change:
 
 def _face_boxes(before: PhotoRef, after: PhotoRef) -> str:
     if after.boxes is None:
-        return "Find the faces again"
+        return "Faces as they are found"
     old, new = before.faces, after.faces
     if len(new) == len(old) + 1 and new[:-1] == old:
         return f"Add face {len(new)}"

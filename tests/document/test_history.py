@@ -145,7 +145,7 @@ NAMES = [
     (with_faces(None, found=()), with_faces((ONE,)), "Add face 1"),
     (with_faces(None, 0), with_faces((TWO,)), "Remove face 1"),
     (with_faces((ONE,)), with_faces(()), "Remove face 1"),
-    (with_faces((ONE,)), with_faces(None, 1), "Find the faces again"),
+    (with_faces((ONE,)), with_faces(None, 1), "Faces as they are found"),
     (with_faces((ONE, TWO)), with_faces((BESIDE, BESIDE)), "Change the faces"),
     (with_faces((ONE, TWO)), with_faces((ONE, TWO), 1), "Face 2"),
     (painted(), painted(True), "Add to the person"),
