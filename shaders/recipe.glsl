@@ -34,15 +34,16 @@ const int MOST_EYES = 32;
 uniform sampler2D catchlights;          // of the eyes' views, one below the other; 0 at their borders
 uniform int eyes;
 uniform mat3x2 to_eye[MOST_EYES];
-uniform float eye_level[MOST_EYES];     // of the averages to read where an eye is shown smaller than its map
+uniform float eye_level;                // as `level`, as far as eyes' maps stay apart
 
 vec3 mirrored_at(vec2 uv) {
+    vec3 mirrored = vec3(0.0);
     for (int i = 0; i < eyes; i++) {
         vec2 within = to_eye[i] * vec3(uv, 1.0);
         if (max(abs(within.x - 0.5), abs(within.y - 0.5)) >= 0.5) continue;
-        return textureLod(catchlights, vec2(within.x, (float(i) + within.y) / float(eyes)), eye_level[i]).rgb;
+        mirrored += textureLod(catchlights, vec2(within.x, (float(i) + within.y) / float(eyes)), eye_level).rgb;
     }
-    return vec3(0.0);
+    return mirrored;
 }
 
 #endif

@@ -9,16 +9,13 @@ import numpy as np
 
 from app.window.gl_textures import PictureSlot, TextureSlot
 from relight_core.imaging.scopes import thinning_step
-from relight_core.pipeline.results.display import MOST_EYES, MOST_VIEWS, DisplayRecipe
+from relight_core.pipeline.results.display import EYE_STEP_PX, MOST_EYES, MOST_VIEWS, DisplayRecipe
 
 MAPS = ("behind", "gain", "offset", "rest", "backdrop", "soft", "nearby", "catchlights")
 """The recipe's textures beside the person, as shaders/recipe.glsl calls them."""
 
 _AVERAGED = ("behind", "catchlights")
 """Those that are finer than the screen where the picture is shown small."""
-
-_MOST_AVERAGED = 4.0
-"""Levels: beyond it one eye's would run into the next one's."""
 
 _FIRST_UNIT = 3
 """The units before hold the picture or the person, the photo, and colours."""
@@ -114,7 +111,7 @@ class RelitSlot:
                 self._maps[name].texture.use(unit)
                 program[name].value = unit
         program["to_view"].write(_matrices(recipe.views, MOST_VIEWS))
-        program["level"].value = max(math.log2(self.texture.width / max(width_px, 1e-3)), 0.0)
+        program["level"].value = level = max(math.log2(self.texture.width / max(width_px, 1e-3)), 0.0)
         program["crisp"].value = self._crisp
         program["views"].value = len(recipe.views)
         program["transparent"].value = recipe.transparent
@@ -125,17 +122,9 @@ class RelitSlot:
         if "eyes" in program:
             program["eyes"].value = len(recipe.eyes)
             program["to_eye"].write(_matrices(recipe.eyes, MOST_EYES))
-            program["eye_level"].write(self._eye_levels(width_px).tobytes())
+            program["eye_level"].value = min(level, math.log2(EYE_STEP_PX))
         if "own_alpha" in program:
             program["own_alpha"].value = recipe.nearby is None
-
-    def _eye_levels(self, width_px: float) -> np.ndarray:
-        """Of each eye, (16,) float32, for a picture drawn so wide."""
-        levels = np.zeros(MOST_EYES, np.float32)
-        size = self._maps["catchlights"].texture.width
-        for index, share in enumerate(self.recipe.eye_widths):
-            levels[index] = min(max(math.log2(size / max(share * width_px, 1e-3)), 0.0), _MOST_AVERAGED)
-        return levels
 
     def close(self) -> None:
         """Free everything; the slot can be used again."""

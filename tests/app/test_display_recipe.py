@@ -194,11 +194,40 @@ def test_it_draws_sixteen_faces_and_all_their_eyes(context):
 
 
 def test_maps_of_many_large_eyes_fit_into_one_texture():
-    eyes = tuple(PlacedCatchlight(np.ones((384, 384, 3), np.float32), Crop(20.0, 20.0, 9.0)) for _ in range(32))
+    eyes = tuple(PlacedCatchlight(np.ones((384, 384, 3), np.float32), Crop(160.0, 160.0, 320.0)) for _ in range(32))
     picture = replace(some_picture(BACKDROPS["keep"]), catchlights=eyes)
     recipe = recipe_of(picture, person_layers(picture.canvas, picture.matte, picture.exposure))
     assert recipe.catchlights.shape == (32 * 256, 256, 3)
     np.testing.assert_allclose(recipe.catchlights, 1.0)
+
+
+def test_a_catchlight_that_is_taken_out_leaves_no_dots_where_the_picture_is_shown_smaller(context):
+    picture, added = some_picture(BACKDROPS["keep"]), np.zeros((23, 23, 3), np.float32)
+    added[6:9, 7:10] = added[14, 9:12] = -0.85
+    linear = np.full((64, 64, 3), 0.05, np.float32)
+    linear[21:44, 17:40] -= added
+    still = PlacedChange(np.ones((32, 32, 3), np.float32), np.zeros((32, 32, 3), np.float32), Crop(32.0, 32.0, 64.0))
+    picture = replace(
+        picture,
+        canvas=Canvas(linear, None, (64, 64)),
+        matte=replace(picture.matte, level=np.ones_like(picture.matte.level)),
+        changes=(still,),
+        catchlights=(PlacedCatchlight(added, Crop(28.5, 32.5, 23.0)),),
+    )
+    recipe = recipe_of(picture, person_layers(picture.canvas, picture.matte, picture.exposure))
+    for zoom in (0.5, 0.6):
+        side = 64 * zoom
+        shown = drawn(context, recipe, Placement(0, 0, zoom, side, side))[: int(side), : int(side)]
+        assert np.abs(shown - srgb_encode(np.float32(0.05))).max() * 255 < ONE_CODE
+
+
+def test_eyes_whose_maps_overlap_both_mirror(context):
+    places = Crop(30.0, 40.0, 6.0), Crop(38.0, 40.0, 6.0)
+    eyes = tuple(
+        PlacedCatchlight(np.pad(np.full((4, 4, 3), 0.3, np.float32), ((1, 1), (1, 1), (0, 0))), place)
+        for place in places
+    )
+    assert worst(context, replace(some_picture(BACKDROPS["keep"]), catchlights=eyes)) < ONE_CODE
 
 
 def test_eyes_in_a_picture_shown_smaller_are_averages(context):

@@ -128,7 +128,7 @@ def test_with_sliders_turned_off_eyes_mirror_as_if_none_was_moved(portrait):
 
 def test_a_recipe_has_them_too(portrait):
     recipe = portrait().relight(lamp_before(), EDIT, 1000, for_shader=True).recipe
-    assert len(recipe.eyes) == len(recipe.eye_widths) == 2
+    assert len(recipe.eyes) == 2
     assert recipe.catchlights.shape[0] == 2 * recipe.catchlights.shape[1]
 
 

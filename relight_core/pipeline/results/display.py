@@ -11,14 +11,15 @@ where the picture is shown smaller than it is.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
-import cv2
 import numpy as np
 
 from relight_core.face.crop import Crop
 from relight_core.face.paste import Band, bands, unit_matrix
 from relight_core.imaging.in_order import in_order
+from relight_core.imaging.resampling import resize_area
 from relight_core.pipeline.per_photo.matte import Matte
 from relight_core.pipeline.per_photo.person import Canvas, person_in
 from relight_core.pipeline.results.backdrop import Backdrop
@@ -28,6 +29,10 @@ MOST_VIEWS = 16
 """Faces that one recipe holds; pictures with more are rendered."""
 
 MOST_EYES = 2 * MOST_VIEWS
+
+EYE_STEP_PX = 16
+"""Pixels of the canvas at whose multiples eyes' maps begin and end; beyond averages of so many, one eye's would run
+into the next one's."""
 
 LARGEST_SIDE = 8192
 """Pixels; every OpenGL 3.3 driver in use takes textures of this size. Longer pictures are rendered."""
@@ -85,9 +90,8 @@ class DisplayRecipe:
         nearby: (k, l, 1) float32, the matte averaged about each place; None where the matte itself serves.
         transparent: nothing is behind the person.
         eyes: (2, 3) each, as `views`, of the eyes that mirror the light.
-        eye_widths: how wide each one's view is, as a share of the picture's width.
-        catchlights: (m E, E, 3) float32, what is added in the eyes' views, one below the other; None where there is
-            none. It is 0 at their borders.
+        catchlights: (m E, E, 3) float32, what is added in the eyes' views, one below the other, pixels of the canvas
+            where averages of both are of the same ones; None where there is none. It is 0 at their borders.
         picture: the same for the CPU.
     """
 
@@ -102,7 +106,6 @@ class DisplayRecipe:
     nearby: np.ndarray | None
     transparent: bool
     eyes: tuple[np.ndarray, ...]
-    eye_widths: tuple[float, ...]
     catchlights: np.ndarray | None
     picture: Picture
 
@@ -128,7 +131,7 @@ def recipe_of(picture: Picture, layers: PersonLayers) -> DisplayRecipe | None:
         return None
     backdrop, own_alpha = picture.backdrop, picture.matte.own_alpha
     replaced = backdrop.picture is not None
-    eyes = picture.catchlights[:MOST_EYES]
+    eyes, catchlights = _eyes_on_canvas(picture)
     return DisplayRecipe(
         layers,
         tuple(_view_matrix(picture, placed.view) for placed in picture.changes),
@@ -140,9 +143,8 @@ def recipe_of(picture: Picture, layers: PersonLayers) -> DisplayRecipe | None:
         _as_map(backdrop.soft) if replaced else None,
         picture.matte.nearby[..., None] if replaced and not own_alpha else None,
         backdrop.transparent,
-        tuple(eye.to_view(picture.canvas.photo_size) for eye in eyes),
-        tuple(eye.view.side / picture.canvas.photo_size[1] for eye in eyes),
-        _stacked(_of_one_size([eye.added for eye in eyes])) if eyes else None,
+        eyes,
+        catchlights,
         picture,
     )
 
@@ -167,15 +169,34 @@ def _stacked(maps: list[np.ndarray]) -> np.ndarray:
     return maps[0] if len(maps) == 1 else np.concatenate(maps)
 
 
-def _of_one_size(maps: list[np.ndarray]) -> list[np.ndarray]:
-    """Square maps, all as large as the largest, or as fit below each other into one texture."""
-    size = min(max(len(one) for one in maps), LARGEST_SIDE // len(maps))
+def _eyes_on_canvas(picture: Picture) -> tuple[tuple[np.ndarray, ...], np.ndarray | None]:
+    """A recipe's `eyes` and `catchlights`.
 
-    def resized(one: np.ndarray) -> np.ndarray:
-        how = cv2.INTER_LINEAR if len(one) < size else cv2.INTER_AREA
-        return one if len(one) == size else cv2.resize(one, (size, size), interpolation=how)
+    A catchlight is taken out by what it is brighter by. Averaged over other pixels than the photo's, that would leave
+    black and white dots.
+    """
+    eyes, (height, width) = picture.catchlights[:MOST_EYES], picture.size
+    if not eyes:
+        return (), None
+    corners, ends = [], []
+    for eye in eyes:
+        matrix = eye.to_view(picture.canvas.photo_size)
+        low = np.array([width, height]) * -matrix[:, 2] / matrix.diagonal()
+        corners.append(np.floor(low / EYE_STEP_PX).astype(int) * EYE_STEP_PX)
+        ends.append(low + np.array([width, height]) / matrix.diagonal())
+    side = math.ceil(np.subtract(ends, corners).max() / EYE_STEP_PX) * EYE_STEP_PX
+    maps = np.zeros((len(eyes), side, side, 3), np.float32)
+    for eye, (x, y), whole in zip(eyes, corners, maps, strict=True):
+        part, added = eye.within(Band(y, y + side, picture.size, picture.canvas.photo_size, (x, x + side)))
+        whole[part] = added
+    places = tuple(np.array([[width, 0, -x], [0, height, -y]]) / side for x, y in corners)
+    return places, _stacked([_fitting(whole, len(eyes)) for whole in maps])
 
-    return [resized(one) for one in maps]
+
+def _fitting(square: np.ndarray, count: int) -> np.ndarray:
+    """A square map, no larger than so many of them fit below each other into one texture."""
+    size = min(len(square), LARGEST_SIDE // count)
+    return square if len(square) == size else resize_area(square, (size, size))
 
 
 def _as_map(layer: np.ndarray) -> np.ndarray:

@@ -61,6 +61,24 @@ class PlacedCatchlight:
         height, width = photo_size
         return self.view.from_photo_matrix(1) * np.array([width, height, 1.0])
 
+    def within(self, band: Band) -> tuple[tuple[slice, slice], np.ndarray]:
+        """What is added in a band of the picture, averaged as the photo's pixels are.
+
+        Returns:
+            the band's own rows and columns that it meets, and (h, w, 3) for those; h and w may be 0.
+        """
+        (height, width), matrix = band.size, self.to_view(band.photo_size)
+        size = min(max(round(width / matrix[0, 0]), 1), len(self.added))
+        across = matrix[0, 0] * (np.arange(*band.span) + 0.5) / width + matrix[0, 2]
+        down = matrix[1, 1] * (np.arange(band.top, band.bottom, band.step) + 0.5) / height + matrix[1, 2]
+        columns, rows = (np.flatnonzero((place > 0) & (place < 1)) for place in (across, down))
+        if not (rows.size and columns.size):
+            return (slice(0), slice(0)), np.empty((0, 0, 3), np.float32)
+        part = slice(rows[0], rows[-1] + 1), slice(columns[0], columns[-1] + 1)
+        x, y = np.meshgrid(*((place * size - 0.5).astype(np.float32) for place in (across[part[1]], down[part[0]])))
+        small = resize_area(self.added, (size, size))
+        return part, cv2.remap(small, x, y, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
+
 
 @dataclass(frozen=True, eq=False)
 class Picture:
@@ -213,7 +231,8 @@ class Picture:
         relit = self._relit_by_views(colour, band, gloss)
         if gloss:
             for catchlight in self.catchlights:
-                _add_catchlight(catchlight, relit, band)
+                part, added = catchlight.within(band)
+                np.maximum(relit[part] + added, 0, out=relit[part])
         return relit
 
     def _relit_by_views(self, colour: np.ndarray, band: Band, gloss: bool) -> np.ndarray:
@@ -253,19 +272,3 @@ class Picture:
         near = share if self.matte.own_alpha else spread_window(self.matte.nearby, everywhere, band)[..., None]
         wrapped = np.minimum(LENS_VEIL + np.float32(LIGHT_WRAP * self.exposure) * person.colour, MOST_WRAP)
         return (1.0 - share) * picture + share * (1.0 - near) * wrapped * soft
-
-
-def _add_catchlight(catchlight: PlacedCatchlight, relit: np.ndarray, band: Band) -> None:
-    """Add a catchlight to a band of the picture (h, w, 3), where they meet, averaged as the photo's pixels are."""
-    (height, width), matrix = band.size, catchlight.to_view(band.photo_size)
-    size = min(max(round(width / matrix[0, 0]), 1), len(catchlight.added))
-    across = matrix[0, 0] * (np.arange(*band.span) + 0.5) / width + matrix[0, 2]
-    down = matrix[1, 1] * (np.arange(band.top, band.bottom, band.step) + 0.5) / height + matrix[1, 2]
-    columns, rows = (np.flatnonzero((place > 0) & (place < 1)) for place in (across, down))
-    if not (rows.size and columns.size):
-        return
-    part = slice(rows[0], rows[-1] + 1), slice(columns[0], columns[-1] + 1)
-    x, y = np.meshgrid(*((place * size - 0.5).astype(np.float32) for place in (across[part[1]], down[part[0]])))
-    small = resize_area(catchlight.added, (size, size))
-    added = cv2.remap(small, x, y, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
-    np.maximum(relit[part] + added, 0, out=relit[part])
