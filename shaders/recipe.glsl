@@ -86,3 +86,18 @@ vec4 relit_at(vec2 uv) {
     return vec4(max(lit + beside, 0.0), 1.0);
 #endif
 }
+
+#ifdef FINE
+
+// The same over a pixel of the screen that is so large, by four looks at its quarters: what is looked up is an average,
+// and an average of the photo times the gain of one place is no average of the picture, where the gain has an edge.
+vec4 relit_over(vec2 uv, vec2 extent) {
+    vec4 sum = vec4(0.0);
+    for (int i = 0; i < 4; i++) {
+        vec4 quarter = relit_at(uv + extent * (vec2(i & 1, i >> 1) - 0.5) * 0.5);
+        sum += vec4(quarter.rgb * quarter.a, quarter.a);
+    }
+    return vec4(sum.rgb / max(sum.a, 1e-6), sum.a / 4.0);
+}
+
+#endif

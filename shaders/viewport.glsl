@@ -110,7 +110,9 @@ void main() {
         shown = vec4(canvas_srgb, 1.0);
         return;
     }
-#ifdef RECIPE
+#if defined(RECIPE) && defined(FINE)
+    vec4 texel = relit_over(uv, 1.0 / place.zw);
+#elif defined(RECIPE)
     vec4 texel = relit_at(uv);
 #else
     vec4 texel = texture(picture, uv);

@@ -27,6 +27,7 @@ class Paint:
     Attributes:
         stripe_px: width of the clipping stripes, in framebuffer pixels.
         check_px: side of the checks behind what is transparent, likewise.
+        fine: edges are as clean as in the picture itself where that is shown smaller; takes three times as long.
     """
 
     clipping: bool = False
@@ -34,6 +35,7 @@ class Paint:
     difference: bool = False
     stripe_px: float = 4.0
     check_px: float = 12.0
+    fine: bool = True
 
 
 class Pictures(Protocol):

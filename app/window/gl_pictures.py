@@ -5,6 +5,7 @@ from __future__ import annotations
 import ctypes
 import time
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from functools import partial
 
 import glfw
@@ -18,11 +19,20 @@ from app.ui.channels import PHOTO, RESULT
 from app.ui.pictures import Paint, Shown
 from app.ui.viewport.panes import Pane
 from app.window.damage import WHOLE, Part
+from app.window.finish import MOST_FINE_PIXELS, Finish
 from app.window.gl_light_ball import LightBall
 from app.window.gl_recipe import RelitSlot
 from app.window.gl_scopes import Scopes
 from app.window.gl_textures import Canvas, PictureSlot, TextureSlot
-from app.window.gl_viewport import PicturePainter, coarseness, coarser, covered, draws_in_software
+from app.window.gl_viewport import (
+    PicturePainter,
+    coarseness,
+    coarser,
+    covered,
+    covered_pixels,
+    draws_in_software,
+    gains_by_looks,
+)
 from relight_core.imaging.scopes import Extremes
 from relight_core.lighting.environment import Environment
 
@@ -55,7 +65,7 @@ class GlPictures:
         self._panorama = TextureSlot(context, repeat_x=True)
         self._viewport, self._coarse_viewport = Canvas(context, smooth=False, opaque=True), Canvas(context, opaque=True)
         self._seen = self._viewport
-        self._in_software = draws_in_software(context)
+        self._in_software, self._finish = draws_in_software(context), Finish()
         self._flush = ctypes.CFUNCTYPE(None)(glfw.get_proc_address("glFlush"))
         self._thumbnails = {name: Canvas(context) for name in (PHOTO, RESULT)}
         self._scopes = Scopes(context)
@@ -118,13 +128,17 @@ class GlPictures:
         In a hurry, where the processor draws, a new picture at the same place is left to `draw_ahead`.
         """
         panes, key, canvas = tuple(pane for pane in panes if self.size(pane.name)), "viewport", self._viewport
+        exposures = tuple(self._exposure_of(pane.name) for pane in panes)
+        # A difference reads the photo too.
+        versions = tuple(self._versions.get(name, 0) for name in (PHOTO, *(pane.name for pane in panes)))
+        if self._in_software:
+            gains = not self.hurried and self._gains_by_looks(panes, size)
+            asked = (panes, size, paint, exposures, versions, self.hurried)
+            paint = replace(paint, fine=self._finish.has_come(asked, gains))
         if self.hurried and self._in_software:
             key, canvas = "coarse viewport", self._coarse_viewport
             panes, size, paint = coarser(panes, size, paint, coarseness(panes, size))
         self._seen = canvas
-        exposures = tuple(self._exposure_of(pane.name) for pane in panes)
-        # A difference reads the photo too.
-        versions = tuple(self._versions.get(name, 0) for name in (PHOTO, *(pane.name for pane in panes)))
         drawn, wanted = self._drawn.get(key), (panes, paint, exposures, versions)
         part = _changing_part(drawn, size, panes)
         may_wait = canvas is self._coarse_viewport and _differs_in_picture_alone(drawn, (size, wanted))
@@ -135,6 +149,15 @@ class GlPictures:
             else:
                 draw()
         return _shown(canvas.texture)
+
+    def _gains_by_looks(self, panes: Sequence[Pane], size: tuple[int, int]) -> bool:
+        shrunk = any(gains_by_looks(pane, self._slots) for pane in panes)
+        return shrunk and covered_pixels(panes, size) <= MOST_FINE_PIXELS
+
+    @property
+    def is_unfinished(self) -> bool:
+        """The viewport is drawn more finely if some more frames ask for the same."""
+        return self._finish.is_due
 
     def draw_ahead(self) -> bool:
         """After a frame was shown: draw the viewport for the next one, if it is another; whether it is.

@@ -86,12 +86,15 @@ class PicturePainter:
             if x0 >= x1 or y0 >= y1:
                 continue
             canvas.framebuffer.scissor = (x0, y0, x1 - x0, y1 - y0)
-            mode = _mode(pane.name, paint)
-            switches = slots[pane.name].switches()
+            mode, slot = _mode(pane.name, paint), slots[pane.name]
+            switches, looks = slot.switches(), 1
+            if paint.fine and gains_by_looks(pane, slots):
+                switches, looks = ("FINE", *switches), 2
             if mode != _PLAIN or paint.clipping:
                 switches = ("INSPECTED", *switches)
                 self._inspect(self._triangle(*switches).program, slots, paint, mode)
-            self._picture(self._triangle(*switches), slots, pane.name, pane.placement, exposure_ev, paint.check_px)
+            triangle = self._triangle(*switches)
+            self._picture(triangle, slots, pane.name, pane.placement, exposure_ev, paint.check_px, looks)
         canvas.framebuffer.scissor = None
 
     def thumbnail(self, canvas: Canvas, slots: Slots, name: str, scale: float, exposure_ev: float) -> None:
@@ -115,7 +118,13 @@ class PicturePainter:
         place: Placement,
         exposure_ev: float,
         check_px: float,
+        looks: int = 1,
     ) -> None:
+        """One picture.
+
+        Args:
+            looks: how often the program looks at it within a pixel of the canvas, across and down.
+        """
         slot, program = slots[name], triangle.program
         # A light has so few texels that only their blend can be read as a place.
         zoom = place.width / slot.texture.width
@@ -126,7 +135,7 @@ class PicturePainter:
         program["encoded"].value = name not in (PHOTO, RESULT)
         program["has_alpha"].value = slot.has_alpha
         program["exposure_ev"].value = exposure_ev if name == RESULT else 0.0
-        slot.bind(program, place.width)
+        slot.bind(program, looks * place.width)
         self._context.disable(moderngl.BLEND | moderngl.DEPTH_TEST | moderngl.CULL_FACE)
         triangle.render(moderngl.TRIANGLES, vertices=3)
 
@@ -146,6 +155,12 @@ def draws_in_software(context: moderngl.Context) -> bool:
     return any(name in renderer for name in ("llvmpipe", "softpipe", "swiftshader", "swrast"))
 
 
+def gains_by_looks(pane: Pane, slots: Slots) -> bool:
+    """Whether `Paint.fine` makes a difference: the shader would apply maps to averages."""
+    slot = slots[pane.name]
+    return "RECIPE" in slot.switches() and pane.placement.width < slot.texture.width
+
+
 def covered(pane: Pane, size: tuple[int, int]) -> Rect:
     """The pixels of a viewport that a pane's picture can lie on; empty where the picture is out of sight."""
     spot = pane.placement
@@ -159,9 +174,13 @@ def covered(pane: Pane, size: tuple[int, int]) -> Rect:
 
 def coarseness(panes: Sequence[Pane], size: tuple[int, int]) -> float:
     """How many times fewer rows and columns a viewport gets while a hand moves and the processor draws."""
+    return max(LEAST_COARSENESS, math.sqrt(covered_pixels(panes, size) / HURRIED_PIXELS))
+
+
+def covered_pixels(panes: Sequence[Pane], size: tuple[int, int]) -> int:
+    """How many pixels of a viewport its pictures can lie on."""
     rects = [covered(pane, size) for pane in panes]
-    pixels = sum(max(x1 - x0, 0) * max(y1 - y0, 0) for x0, y0, x1, y1 in rects)
-    return max(LEAST_COARSENESS, math.sqrt(pixels / HURRIED_PIXELS))
+    return sum(max(x1 - x0, 0) * max(y1 - y0, 0) for x0, y0, x1, y1 in rects)
 
 
 def coarser(
@@ -181,7 +200,7 @@ def coarser(
     return (
         tuple(map(shrunk, panes)),
         smaller,
-        replace(paint, stripe_px=paint.stripe_px / by, check_px=paint.check_px / by),
+        replace(paint, stripe_px=paint.stripe_px / by, check_px=paint.check_px / by, fine=False),
     )
 
 

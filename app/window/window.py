@@ -178,7 +178,8 @@ class EditorWindow:
         until, quiet = time.monotonic() + timeout_s, 0
         for _ in range(_MOST_SETTLING_FRAMES):
             self.frame()
-            quiet = quiet + 1 if self.engine.wait_until_idle(0) else 0
+            is_quiet = self.engine.wait_until_idle(0) and not self.pictures.is_unfinished
+            quiet = quiet + 1 if is_quiet else 0
             if quiet == _QUIET_FRAMES:
                 break
             if not self.engine.wait_until_idle(until - time.monotonic()):
@@ -321,6 +322,8 @@ class EditorWindow:
         if has_panels and binding.has_more():
             glfw.poll_events()
             return
+        if has_panels and self.pictures.is_unfinished:
+            self._rest.stir()
         reasons = has_panels and self.state.playing, has_panels and binding.wants_text(), self._deeds.waiting
         if self._rest.is_deep(*reasons):
             self._memory.keep(self.state, self._graphics.size)

@@ -267,8 +267,32 @@ def test_a_picture_shown_smaller_is_an_average(context):
     recipe = recipe_of(picture, person_layers(picture.canvas, picture.matte, picture.exposure))
     pixels = picture.render()[0].astype(np.float16)
     small = Placement(0, 0, 0.25, WIDTH / 4, HEIGHT / 4)
-    from_recipe, from_pixels = (drawn(context, screen, small) for screen in (recipe, pixels))
+    from_recipe, from_pixels = (drawn(context, screen, small, Paint(fine=False)) for screen in (recipe, pixels))
     assert np.abs(from_recipe - from_pixels).mean() < 3 / 255
+
+
+@pytest.mark.parametrize("backdrop", ["keep", "transparent", "colour"])
+def test_drawn_finely_a_picture_shown_smaller_is_the_average_of_itself_where_its_light_has_edges(context, backdrop):
+    rng = np.random.default_rng(5)
+    picture, gain = some_picture(BACKDROPS[backdrop]), np.full((32, 32, 3), 0.1, np.float32)
+    gain[:, 9:] = 0.9
+    gain[13:, :20] = 0.4
+    shadow = PlacedChange(gain, np.zeros((32, 32, 3), np.float32), Crop(32.0, 32.0, 64.0))
+    photo = (0.05 + 0.9 * rng.random((64, 64, 3))).astype(np.float32)
+    matte = replace(picture.matte, level=rng.random(picture.matte.level.shape).astype(np.float32))
+    picture = replace(picture, canvas=Canvas(photo, None, (64, 64)), matte=matte, changes=(shadow,))
+    recipe = recipe_of(picture, person_layers(picture.canvas, picture.matte, picture.exposure))
+    image, alpha = picture.render()
+    cover = np.ones((64, 64, 1), np.float32) if alpha is None else alpha[..., None]
+    light, cover = ((one.reshape(32, 2, 32, 2, -1)).mean((1, 3)) for one in (image * cover, cover))
+    y, x = np.mgrid[0:32, 0:32] + 0.5
+    ground = np.where((np.floor(x / 12) + np.floor(y / 12)) % 2 < 0.5, 0.32, 0.42)[..., None]
+    seen = srgb_decode(apply_view(light / np.maximum(cover, 1e-6), 0.0))
+    expected = srgb_encode(seen * cover + srgb_decode(ground) * (1 - cover))
+    small = Placement(0, 0, 0.5, 32, 32)
+    off = {fine: np.abs(drawn(context, recipe, small, Paint(fine=fine)) - expected) * 255 for fine in (True, False)}
+    assert off[True].max() < 1.5
+    assert off[False].max() > 8
 
 
 def test_scopes_read_the_recipes_own_pixels(context):
