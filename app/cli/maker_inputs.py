@@ -132,7 +132,8 @@ def refuse_unread(arguments: argparse.Namespace, options: Iterable[str], what: s
 def progress(title: str, total: float, line_every_s: float = 60.0) -> Iterator[Callable[[float, str], None]]:
     """A bar on stderr with an estimate of the time left; call the result with what is done and a note.
 
-    Where stderr is no terminal but, say, the log of a run of hours, a line is written every `line_every_s` instead.
+    Where stderr is no terminal but, say, the log of a run of hours, a line is written every `line_every_s` instead,
+    and one where it ended.
     """
     from rich.console import Console
     from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
@@ -146,19 +147,26 @@ def progress(title: str, total: float, line_every_s: float = 60.0) -> Iterator[C
         TimeRemainingColumn(),
         TextColumn("{task.fields[note]}"),
     )
-    with Progress(*columns, console=Console(file=Heedless(sys.stderr)), speed_estimate_period=_ESTIMATED_OVER_S) as bar:
+    console = Console(file=Heedless(sys.stderr))
+    in_lines = not console.is_terminal
+    with Progress(*columns, console=console, speed_estimate_period=_ESTIMATED_OVER_S, disable=in_lines) as bar:
         bar.add_task(title, total=total, note="")
         (task,) = bar.tasks
-        told = time.monotonic()
+        told_at, untold = time.monotonic(), False
 
         def show(done: float, note: str = "") -> None:
-            nonlocal told
+            nonlocal told_at, untold
             bar.update(task.id, completed=done, note=note)
-            if not bar.console.is_terminal and time.monotonic() - told >= line_every_s:
-                told = time.monotonic()
+            untold = in_lines
+            if untold and time.monotonic() - told_at >= line_every_s:
+                told_at, untold = time.monotonic(), False
                 tell(_line(task))
 
-        yield show
+        try:
+            yield show
+        finally:
+            if untold:
+                tell(_line(task))
 
 
 def counts_to(show: Callable[[float, str], None]) -> Callable[[int, int], None]:

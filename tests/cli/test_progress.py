@@ -2,6 +2,8 @@
 
 import re
 
+import pytest
+
 from app.cli.maker_inputs import progress
 
 
@@ -18,6 +20,27 @@ def test_a_short_command_writes_no_such_lines(capsys):
     with progress("training", 2.0, line_every_s=3600.0) as show:
         show(0.5, "step 50")
         assert capsys.readouterr().err == ""
+
+
+def test_a_log_ends_with_a_whole_line_of_where_it_ended(capsys):
+    losses = "distil-relight: step 600  specular 0.0380  shadow 0.0427  shadow_fraction 0.1562  gloss_fraction 0.1911"
+    with progress("training", 2.0, line_every_s=3600.0) as show:
+        show(1.0, "step 300")
+        show(2.0, losses)
+    line = rf"training 100 % 0:00:\d\d left 0:00:00 {re.escape(losses)}\n"
+    assert re.fullmatch(line, capsys.readouterr().err)
+
+
+def test_a_log_that_has_told_where_it_ended_tells_it_once(capsys):
+    with progress("training", 1.0, line_every_s=0.0) as show:
+        show(1.0, "step 50")
+    assert len(capsys.readouterr().err.splitlines()) == 1
+
+
+def test_what_is_refused_before_it_begins_leaves_no_bar_in_a_log(capsys):
+    with pytest.raises(ValueError, match="another plan"), progress("training", 1.0):
+        raise ValueError("another plan")
+    assert capsys.readouterr().err == ""
 
 
 def test_reports_minutes_apart_give_an_estimate(capsys, monkeypatch):
