@@ -164,10 +164,10 @@ def _follow_recipe(arguments: argparse.Namespace) -> int:
     check_heads_and_lights(arguments.heads, arguments.lights, "train")
     _check_sizes([(plan.name, plan.size) for plan in recipe.stages], arguments.heads)
     _check_places(arguments.places, [plan.name for plan in recipe.stages])
-    with progress("training", float(len(recipe.stages))) as show:
+    with progress("training", recipe.expected_minutes(len(recipe.stages) - 1, 1.0)) as show:
 
         def report(number: int, elapsed: float, state: Progress) -> None:
-            show(number + elapsed, f"{recipe.stages[number].name}: {_note(state)}")
+            show(recipe.expected_minutes(number, elapsed), f"{recipe.stages[number].name}: {_note(state)}")
 
         follow(
             recipe,

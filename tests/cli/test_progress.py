@@ -3,8 +3,10 @@
 import re
 
 import pytest
+from synthetic_heads import write_balls, write_lights
 
 from app.cli.maker_inputs import progress
+from relight_core.training.state import Progress
 
 
 def test_a_log_gets_a_line_now_and_then(capsys):
@@ -50,3 +52,30 @@ def test_reports_minutes_apart_give_an_estimate(capsys, monkeypatch):
         for clock_s["now"], done in ((100.0, 0.25), (220.0, 0.5)):
             show(done)
         assert capsys.readouterr().err.splitlines()[-1] == "training 50 % 0:03:40 left 0:04:00"
+
+
+def test_a_recipe_s_stages_count_by_their_length(run, tmp_path, monkeypatch):
+    def follow(recipe, heads, lights, folder, report, *_, **__):
+        report(1, 0.5, Progress(step=50))
+
+    monkeypatch.setattr("relight_core.training.recipe.follow", follow)
+    write_balls(tmp_path / "heads", 0, 1, size=32)
+    write_lights(tmp_path / "lights.npz", 32)
+    (tmp_path / "r.toml").write_text(
+        "[[stage]]\nname = 'warm-delight'\nminutes = 30\nsize = 32\n"
+        "[[stage]]\nname = 'tune-delight'\nminutes = 10\nsize = 32\n"
+        "[[stage]]\nname = 'tune-relight'\nminutes = 60\nsize = 32\n"
+    )
+    words = [
+        "train",
+        "--recipe",
+        tmp_path / "r.toml",
+        "--heads",
+        tmp_path / "heads",
+        "--lights",
+        tmp_path / "lights.npz",
+    ]
+    code, _, err = run(*words, "-o", tmp_path / "run")
+    assert code == 0, err
+    assert err.startswith("training 35 % ")
+    assert "tune-delight: step 50" in err

@@ -127,6 +127,15 @@ def test_an_unknown_name_lists_the_known(tmp_path):
         load_recipe(str(tmp_path / "none.toml"))
 
 
+def test_minutes_and_steps_add_up_to_how_long_a_recipe_takes(tmp_path):
+    minutes = "[[stage]]\nname = 'warm-delight'\nminutes = 10"
+    steps = "[[stage]]\nname = 'tune-delight'\nsteps = 3600\npairs = 2\nsize = 128"
+    recipe = load_recipe(str(written(tmp_path, f"{minutes}\n{steps}")))
+    assert recipe.expected_minutes(0, 0.5) == 5
+    assert recipe.expected_minutes(1, 0) == 10
+    assert recipe.expected_minutes(1, 1) == pytest.approx(22.75)
+
+
 def test_stages_follow_each_other(tmp_path, data):
     recipe = load_recipe(written(tmp_path, SHORT))
     out = tmp_path / "out"
