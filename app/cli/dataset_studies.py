@@ -83,8 +83,6 @@ def _speed(arguments: argparse.Namespace) -> int:
 
     check_heads_and_lights(arguments.shards, arguments.lights, "train")
     sizes = arguments.size or (128, 256)
-    if min(sizes) < 16:
-        raise InputError(f"--size {min(sizes)}: samples are 16 pixels wide or more")
     check_head_sizes(arguments.shards, "train", [("dataset speed", size) for size in sizes])
     load = os.getloadavg()[0]
     busy = "; the machine is busy, these are not its speeds" if load > 0.5 else ""

@@ -23,6 +23,9 @@ if TYPE_CHECKING:
 LIGHTS_HELP = "a light library, an .npz, or a folder of .hdr and .exr panoramas"
 SPLITS = ("train", "validation", "test")
 
+_LEAST_SIDE_PX = 16
+"""Of samples: the losses compare heights that lie so far apart."""
+
 _ESTIMATED_OVER_S = 900.0
 """Training tells how far it is once in a minute or two, and two such times are the least that tell its speed."""
 
@@ -96,12 +99,17 @@ def check_heads_and_lights(heads: Path, lights: Path, split: str) -> int:
 def check_head_sizes(heads: Path, split: str, asked: Sequence[tuple[str, int]], count: int | None = None) -> None:
     """Raise InputError where a split's first `count` heads, all without it, lack a size: it would be met hours later.
 
+    Sizes below 16 pixels are lacking everywhere.
+
     Args:
         asked: who asks, and for which side of the images in pixels.
     """
     from relight_core.dataset.baking.shard import shard_size
     from relight_core.dataset.recipe import load_split
 
+    for who, size in asked:
+        if size < _LEAST_SIDE_PX:
+            raise InputError(f"{who} asks for a size of {size}: samples are {_LEAST_SIDE_PX} pixels wide or more")
     for path in load_split(heads, split)[:count]:
         whole = shard_size(path)
         for who, size in asked:
