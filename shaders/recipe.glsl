@@ -5,6 +5,7 @@ const int MOST_VIEWS = 16;
 
 uniform sampler2D person;       // the person's own colour times the matte, and the matte; linear
 uniform sampler2D behind;       // what the photo holds beside that
+uniform vec2 size;              // of the picture, in texels of these two; beyond it they go on
 uniform sampler2D gain;         // of the faces' views, one below the other
 uniform sampler2D offset;
 uniform sampler2D rest;         // gain beyond the views, over the whole picture
@@ -51,7 +52,6 @@ vec3 mirrored_at(vec2 uv) {
 // Radiance and coverage at a place in the picture, [0, 1] across and down.
 vec4 relit_at(vec2 uv) {
     if (crisp) {
-        vec2 size = vec2(textureSize(person, 0));
         uv = (floor(uv * size) + 0.5) / size;
     }
     float nearest = 0.5;
@@ -68,7 +68,8 @@ vec4 relit_at(vec2 uv) {
     float half_texel = 0.5 / float(textureSize(gain, 0).x);
     vec2 at = vec2(spot.x, (max(spot.z, 0.0) + clamp(spot.y, half_texel, 1.0 - half_texel)) / float(views));
     bool known = spot.z >= 0.0;
-    vec4 own = textureLod(person, uv, level);
+    vec2 stored = uv * size / vec2(textureSize(person, 0));
+    vec4 own = textureLod(person, stored, level);
     vec3 lit = own.rgb * (known ? textureLod(gain, at, 0.0).rgb : textureLod(rest, uv, 0.0).rgb);
     lit += own.a * (known ? textureLod(offset, at, 0.0).rgb : vec3(0.0));
 #ifdef EYES
@@ -81,7 +82,7 @@ vec4 relit_at(vec2 uv) {
     vec3 over = (1.0 - own.a) * textureLod(backdrop, uv, 0.0).rgb;
     return vec4(lit + over + (1.0 - near) * wrapped * textureLod(soft, uv, 0.0).rgb, 1.0);
 #else
-    vec3 beside = textureLod(behind, uv, level).rgb;
+    vec3 beside = textureLod(behind, stored, level).rgb;
     beside = dimmed ? max(beside, 0.0) * behind_gain : beside;
     return vec4(max(lit + beside, 0.0), 1.0);
 #endif

@@ -104,7 +104,7 @@ class GlPictures:
     def size(self, name: str) -> tuple[int, int] | None:
         """Width and height of a picture or channel; None while there is none."""
         slot = self._slots.get(name)
-        return slot.texture.size if slot and slot.texture else None
+        return slot.size if slot else None
 
     def thumbnail(self, name: str, side_px: int) -> Shown | None:
         """A picture or channel, ready to look at, no more than `side_px` high and wide where it has to be drawn."""

@@ -14,11 +14,22 @@ from relight_core.pipeline.results.display import EYE_STEP_PX, MOST_EYES, MOST_V
 MAPS = ("behind", "gain", "offset", "rest", "backdrop", "soft", "nearby", "catchlights")
 """The recipe's textures beside the person, as shaders/recipe.glsl calls them."""
 
-_AVERAGED = ("behind", "catchlights")
-"""Those that are finer than the screen where the picture is shown small."""
-
 _FIRST_UNIT = 3
 """The units before hold the picture or the person, the photo, and colours."""
+
+
+class LayerSlot(TextureSlot):
+    """A layer of a recipe with averages of the same squares of pixels as in eyes' maps, whatever its size.
+
+    Its sides are multiples of such a square's, for which the layer's border goes on.
+    """
+
+    def __init__(self, context: moderngl.Context) -> None:
+        super().__init__(context, mipmaps=True)
+
+    def _stored(self, array: np.ndarray) -> np.ndarray:
+        down, across = (-side % EYE_STEP_PX for side in array.shape[:2])
+        return np.pad(array, ((0, down), (0, across), (0, 0)), "edge") if down or across else array
 
 
 class RelitSlot:
@@ -31,8 +42,9 @@ class RelitSlot:
     def __init__(self, context: moderngl.Context) -> None:
         self.recipe: DisplayRecipe | None = None
         self._pixels = PictureSlot(context)
-        self._person = TextureSlot(context, mipmaps=True)
-        self._maps = {name: TextureSlot(context, mipmaps=name in _AVERAGED) for name in MAPS}
+        self._person = LayerSlot(context)
+        self._maps = {name: TextureSlot(context, mipmaps=name == "catchlights") for name in MAPS}
+        self._maps["behind"] = LayerSlot(context)
         self._thinned: dict[int, np.ndarray] = {}
         self._crisp = False
 
@@ -58,8 +70,13 @@ class RelitSlot:
 
     @property
     def texture(self) -> moderngl.Texture | None:
-        """The one that has the picture's size."""
+        """The one that has the picture's pixels."""
         return self._person.texture if self.recipe else self._pixels.texture
+
+    @property
+    def size(self) -> tuple[int, int] | None:
+        """Width and height of the picture; None while there is none."""
+        return self.recipe.size[::-1] if self.recipe else self._pixels.size
 
     @property
     def has_alpha(self) -> bool:
@@ -111,7 +128,8 @@ class RelitSlot:
                 self._maps[name].texture.use(unit)
                 program[name].value = unit
         program["to_view"].write(_matrices(recipe.views, MOST_VIEWS))
-        program["level"].value = level = max(math.log2(self.texture.width / max(width_px, 1e-3)), 0.0)
+        program["level"].value = level = max(math.log2(self.size[0] / max(width_px, 1e-3)), 0.0)
+        program["size"].value = self.size
         program["crisp"].value = self._crisp
         program["views"].value = len(recipe.views)
         program["transparent"].value = recipe.transparent

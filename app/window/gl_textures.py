@@ -59,8 +59,9 @@ class TextureSlot:
         if array is None:
             self.close()
             return True
-        self._fit(array)
-        self.texture.write(np.ascontiguousarray(self._stored(array)))
+        stored = np.ascontiguousarray(self._stored(array))
+        self._fit(stored)
+        self.texture.write(stored)
         if self._mipmaps:
             self.texture.build_mipmaps()
         self.smooth(True)
@@ -71,6 +72,11 @@ class TextureSlot:
         """Choose between blended and crisp pixels where the texture is magnified."""
         small = moderngl.LINEAR_MIPMAP_LINEAR if self._mipmaps else moderngl.LINEAR
         self.texture.filter = (small, moderngl.LINEAR if magnified_smoothly else moderngl.NEAREST)
+
+    @property
+    def size(self) -> tuple[int, int] | None:
+        """Width and height of what it shows; None while there is nothing."""
+        return self.texture.size if self.texture else None
 
     @property
     def glimpse(self) -> np.ndarray | None:

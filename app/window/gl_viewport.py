@@ -127,7 +127,7 @@ class PicturePainter:
         """
         slot, program = slots[name], triangle.program
         # A light has so few texels that only their blend can be read as a place.
-        zoom = place.width / slot.texture.width
+        zoom = place.width / slot.size[0]
         slot.smooth(name in LIGHTS or (zoom != 1.0 and zoom < _CRISP_FROM_ZOOM))
         program["place"].value = (place.x, place.y, place.width, place.height)
         program["check_px"].value = check_px
@@ -158,7 +158,7 @@ def draws_in_software(context: moderngl.Context) -> bool:
 def gains_by_looks(pane: Pane, slots: Slots) -> bool:
     """Whether `Paint.fine` makes a difference: the shader would apply maps to averages."""
     slot = slots[pane.name]
-    return "RECIPE" in slot.switches() and pane.placement.width < slot.texture.width
+    return "RECIPE" in slot.switches() and pane.placement.width < slot.size[0]
 
 
 def covered(pane: Pane, size: tuple[int, int]) -> Rect:
