@@ -33,6 +33,8 @@ class News:
 def let_news_pass(state: EditorState, now_s: float) -> None:
     """Put a line away that reports no error, once it has been read; an error stays until the user puts it away.
 
+    Once for each frame that was drawn.
+
     Args:
         now_s: a clock that never goes back.
     """

@@ -23,7 +23,7 @@ from app.ui.layout import OpenGroups, Panels
 from app.ui.light_list import wish_again
 from app.ui.light_wish import LightWish, light_that_stays, note_light_wish
 from app.ui.look import LookState
-from app.ui.news import News, let_news_pass
+from app.ui.news import News
 from app.ui.open_work import KeptWork, Opening, Undoing
 from app.ui.photo_queue import PhotoQueue
 from app.ui.photo_works import begin_work, note_left, wish_of
@@ -192,8 +192,7 @@ class EditorState:
         return Document(photo, light, self.light_edit, edit, self.quality.wish)
 
     def remember(self, now_s: float) -> None:
-        """Let the history see what was changed, and pass what is no news any more; once a frame."""
-        let_news_pass(self, now_s)
+        """Let the history see what was changed; once a frame."""
         is_in_force = self.is_in_force()
         if is_in_force:
             self.undoing = None

@@ -18,6 +18,7 @@ from app.engine.light_shelf import LightShelf
 from app.engine.sources import LightSource, RelighterLike, Request
 from app.ui import editor, theme
 from app.ui.light_list import Shelf
+from app.ui.news import let_news_pass
 from app.ui.state import EditorState
 from app.window.deeds import Deeds
 from app.window.dropped import take_files
@@ -165,6 +166,7 @@ class EditorWindow:
 
     def _show(self) -> None:
         self._draw()
+        let_news_pass(self.state, time.monotonic())
         self._graphics.show()
         if self.pictures.draw_ahead():
             # The frame that shows it follows at once.

@@ -11,6 +11,7 @@ from app.engine.sources import LightSource, PhotoSource
 from app.ui.angles import wrap_degrees
 from app.ui.channels import CHANNELS
 from app.ui.export_name import choose_form, export_place, export_to
+from app.ui.news import let_news_pass
 from app.ui.state import EditorState
 from app.ui.viewport.view import View
 from relight_core.lighting.light_edit import LightEdit
@@ -162,7 +163,7 @@ def test_good_news_passes_once_it_has_been_read_and_errors_stay():
         nonlocal now_s
         for _ in range(frames):
             now_s += 0.02
-            state.remember(now_s)
+            let_news_pass(state, now_s)
         return state.message() is not None and state.message().number == number
 
     state.accept(Snapshot(message=Message(1, "Saved me.png")))

@@ -110,6 +110,24 @@ def test_a_rotation_that_plays_stands_still_in_a_minimised_window_which_sleeps(o
     assert opened.window.state.look.compare == "wipe", "the key is told as soon as there is a panel to tell"
 
 
+def test_what_is_told_while_the_window_is_minimised_is_news_when_it_comes_back(opened, monkeypatch):
+    window, now_s = opened.window, [1000.0]
+    monkeypatch.setattr("app.window.window.time", SimpleNamespace(monotonic=lambda: now_s[0]))
+
+    def is_told(frames):
+        for _ in range(frames):
+            now_s[0] += 0.2
+            window.frame()
+        return window.state.message() is not None
+
+    window.on_minimise(None, True)
+    window.state.asking.tell("Saved me.png")
+    assert is_told(frames=100)
+    window.on_minimise(None, False)
+    assert is_told(frames=30)
+    assert not is_told(frames=20)
+
+
 def test_a_window_at_rest_hears_that_the_program_is_to_end(opened, rests):
     def interrupt():
         # What a callback of the window system raises is lost.
