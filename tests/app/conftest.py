@@ -4,11 +4,14 @@ import os
 import shutil
 import subprocess
 
+import moderngl
 import numpy as np
 import pytest
 from fake_relighter import FakeRelighter
 from window_hand import HEIGHT, WIDTH, Hand
 
+from app.window.gl_viewport import PicturePainter
+from app.window.glfw_window import close_window, open_window
 from app.window.window import EditorWindow
 from relight_core.imaging.write import write_image
 
@@ -42,6 +45,18 @@ def display():
             os.environ[name] = value
     server.terminate()
     server.wait()
+
+
+@pytest.fixture(scope="module")
+def context(display):
+    """A hidden window's own, with a painter: one without a window, made in another way, breaks the windows after it."""
+    window = open_window("relight", (64, 64), visible=False)
+    context = moderngl.create_context(require=330)
+    context.painter = PicturePainter(context, (0.1, 0.1, 0.1))
+    yield context
+    context.painter.close()
+    context.release()
+    close_window(window)
 
 
 @pytest.fixture

@@ -5,127 +5,27 @@ from dataclasses import replace
 import moderngl
 import numpy as np
 import pytest
+from drawn_recipes import (
+    BACKDROPS,
+    HEIGHT,
+    ONE,
+    ONE_CODE,
+    SEVERAL,
+    SMALL,
+    STORED,
+    WIDTH,
+    drawn,
+    some_picture,
+    with_eyes,
+    worst,
+)
 
-from app.ui.channels import PHOTO, RESULT
 from app.ui.pictures import Paint
-from app.ui.viewport.panes import Pane
-from app.ui.viewport.view import Frame, Placement
+from app.ui.viewport.view import Placement
 from app.window.gl_recipe import RelitSlot
-from app.window.gl_textures import Canvas as Target
-from app.window.gl_textures import PictureSlot
-from app.window.gl_viewport import PicturePainter
-from app.window.glfw_window import close_window, open_window
 from relight_core.face.crop import Crop
-from relight_core.imaging.colour import srgb_decode, srgb_encode
-from relight_core.imaging.view_transform import apply_view
-from relight_core.pipeline.per_photo.matte import Matte
-from relight_core.pipeline.per_photo.person import Canvas
-from relight_core.pipeline.results.backdrop import Backdrop
 from relight_core.pipeline.results.display import person_layers, recipe_of
-from relight_core.pipeline.results.picture import Picture, PlacedCatchlight, PlacedChange
-
-HEIGHT, WIDTH = 83, 71
-STORED = (80, 96)
-"""Width and height of the textures of such a picture's layers."""
-ONE_CODE = 1.0 + 0.5
-ONE = (Crop(35.0, 40.0, 120.0),)
-SMALL = (Crop(30.0, 45.0, 37.0),)
-SEVERAL = (Crop(20.0, 30.0, 40.0), Crop(48.0, 36.0, 44.0), Crop(36.0, 60.0, 30.0))
-
-
-@pytest.fixture(scope="module")
-def context(display):
-    """A hidden window's own: a context without a window, made in another way, breaks the windows after it."""
-    window = open_window("relight", (64, 64), visible=False)
-    context = moderngl.create_context(require=330)
-    context.painter = PicturePainter(context, (0.1, 0.1, 0.1))
-    yield context
-    context.painter.close()
-    context.release()
-    close_window(window)
-
-
-def smooth(rng, size, channels, high):
-    coarse = rng.random((4, 4, channels)) * high
-    rows, columns = (np.linspace(0, 3, n) for n in size)
-    low = np.floor(rows).clip(0, 2).astype(int), np.floor(columns).clip(0, 2).astype(int)
-    y, x = (rows - low[0])[:, None, None], (columns - low[1])[None, :, None]
-    at = [coarse[low[0] + i][:, low[1] + j] for i in (0, 1) for j in (0, 1)]
-    mixed = (at[0] * (1 - x) + at[1] * x) * (1 - y) + (at[2] * (1 - x) + at[3] * x) * y
-    return mixed.astype(np.float32)
-
-
-def some_picture(backdrop, views=ONE, seed=0, hostile=False, own_alpha=False):
-    """Random pixels and maps; hostile ones jump by orders of magnitude from one to the next."""
-    rng = np.random.default_rng(seed)
-    linear = (0.05 + 0.9 * rng.random((HEIGHT, WIDTH, 3)) ** 2).astype(np.float32)
-    level = smooth(rng, (40, 30), 1, 2.0)[..., 0] - 0.5
-    if hostile:
-        linear *= rng.choice([0, 1e-4, 1, 60], (HEIGHT, WIDTH, 1)).astype(np.float32)
-        level = rng.uniform(-2, 3, (40, 30)).astype(np.float32)
-    sides = (rng.random((5, 4, 3)).astype(np.float32) for _ in range(2))
-    matte = Matte(np.zeros_like(level), level, *sides, rng.random((9, 7)).astype(np.float32), own_alpha)
-
-    def maps(high):
-        if not hostile:
-            return smooth(rng, (32, 32), 3, high)
-        return (rng.random((32, 32, 3)) * rng.choice([0, 1, 16], (32, 32, 1)) * high).astype(np.float32)
-
-    changes = tuple(PlacedChange(maps(2.0), maps(0.3), view) for view in views)
-    alpha = rng.random((HEIGHT, WIDTH)).astype(np.float32) if own_alpha else None
-    canvas = Canvas(linear, alpha, (HEIGHT, WIDTH))
-    return Picture(canvas, matte, changes, smooth(rng, (13, 11), 3, 2.0), backdrop)
-
-
-def with_eyes(picture, high=2.0):
-    """Two eyes that mirror a lamp, one of them also at the border of a view."""
-    eyes = []
-    for view in (Crop(22.0, 38.0, 28.0), Crop(52.0, 40.0, 28.0)):
-        away = np.hypot(*np.meshgrid(*[np.linspace(-1, 1, 28)] * 2))
-        added = high * np.exp(-((away / 0.35) ** 2)) - 0.3 * np.exp(-(((away - 0.3) / 0.2) ** 2))
-        eyes.append(PlacedCatchlight((added[..., None] * (1.0, 0.8, 0.5)).astype(np.float32), view))
-    return replace(picture, catchlights=tuple(eyes))
-
-
-def drawn(context, screen, place=None, paint=None, exposure_ev=0.0):
-    """What the viewport shows of a picture, [0, 1]."""
-    target = Target(context, smooth=False)
-    slots = {PHOTO: PictureSlot(context), RESULT: RelitSlot(context)}
-    slots[PHOTO].show(np.zeros((HEIGHT, WIDTH, 3), np.float16))
-    slots[RESULT].show(screen)
-    place = place or Placement(0, 0, 1.0, WIDTH, HEIGHT)
-    target.fit((round(place.width), round(place.height)))
-    pane = Pane(RESULT, Frame(0, 0, WIDTH, HEIGHT), place, 0, round(place.width))
-    context.painter.panes(target, [pane], slots, paint or Paint(), exposure_ev)
-    pixels = target.pixels() / 255
-    for slot in slots.values():
-        slot.close()
-    return pixels
-
-
-def worst(context, picture, exposure_ev=0.0):
-    """The largest difference in codes of 255; half a code of it is the canvas's 8 bits."""
-    recipe = recipe_of(picture, person_layers(picture.canvas, picture.matte, picture.exposure))
-    image, alpha = picture.render()
-    expected = apply_view(image, exposure_ev)
-    if alpha is not None:
-        y, x = np.mgrid[0:HEIGHT, 0:WIDTH] + 0.5
-        checks = np.where((np.floor(x / 12) + np.floor(y / 12)) % 2 < 0.5, 0.32, 0.42)[..., None]
-        ground = srgb_decode(checks)
-        expected = srgb_encode(ground + (srgb_decode(expected) - ground) * alpha[..., None])
-    return np.abs(drawn(context, recipe, exposure_ev=exposure_ev) - expected).max() * 255
-
-
-BACKDROPS = {
-    "keep": Backdrop(kept=True),
-    "match": Backdrop(gain=np.float32([0.2, 1.1, 0.7])),
-    "transparent": Backdrop(transparent=True),
-    "colour": Backdrop(picture=np.float32([0.1, 0.4, 0.2]), soft=np.float32([0.1, 0.4, 0.2])),
-    "light": Backdrop(
-        picture=np.random.default_rng(1).random((20, 17, 3)).astype(np.float32) * 3,
-        soft=np.random.default_rng(2).random((6, 5, 3)).astype(np.float32),
-    ),
-}
+from relight_core.pipeline.results.picture import PlacedCatchlight, PlacedChange
 
 
 @pytest.mark.parametrize("views", [ONE, SMALL, SEVERAL], ids=["one", "small", "several"])
@@ -203,27 +103,6 @@ def test_maps_of_many_large_eyes_fit_into_one_texture():
     np.testing.assert_allclose(recipe.catchlights, 1.0)
 
 
-@pytest.mark.parametrize("side", [64, 63, 65])
-def test_a_catchlight_that_is_taken_out_leaves_no_dots_where_the_picture_is_shown_smaller(context, side):
-    picture, added = some_picture(BACKDROPS["keep"]), np.zeros((23, 23, 3), np.float32)
-    added[6:9, 7:10] = added[14, 9:12] = -0.85
-    linear = np.full((side, side, 3), 0.05, np.float32)
-    linear[21:44, 17:40] -= added
-    still = PlacedChange(np.ones((32, 32, 3), np.float32), np.zeros((32, 32, 3), np.float32), Crop(32.0, 32.0, 80.0))
-    picture = replace(
-        picture,
-        canvas=Canvas(linear, None, (side, side)),
-        matte=replace(picture.matte, level=np.ones_like(picture.matte.level)),
-        changes=(still,),
-        catchlights=(PlacedCatchlight(added, Crop(28.5, 32.5, 23.0)),),
-    )
-    recipe = recipe_of(picture, person_layers(picture.canvas, picture.matte, picture.exposure))
-    for zoom in (0.5, 0.6, 0.3):
-        small = zoom * side
-        shown = drawn(context, recipe, Placement(0, 0, zoom, small, small))[: int(small), : int(small)]
-        assert np.abs(shown - srgb_encode(np.float32(0.05))).max() * 255 < ONE_CODE
-
-
 def test_eyes_whose_maps_overlap_both_mirror(context):
     places = Crop(30.0, 40.0, 6.0), Crop(38.0, 40.0, 6.0)
     eyes = tuple(
@@ -231,18 +110,6 @@ def test_eyes_whose_maps_overlap_both_mirror(context):
         for place in places
     )
     assert worst(context, replace(some_picture(BACKDROPS["keep"]), catchlights=eyes)) < ONE_CODE
-
-
-def test_eyes_in_a_picture_shown_smaller_are_averages(context):
-    dark = replace(
-        some_picture(BACKDROPS["keep"]), changes=(PlacedChange(*np.zeros((2, 32, 32, 3), np.float32), ONE[0]),)
-    )
-    picture = with_eyes(replace(dark, matte=replace(dark.matte, level=np.ones_like(dark.matte.level))), high=0.9)
-    recipe = recipe_of(picture, person_layers(picture.canvas, picture.matte, picture.exposure))
-    pixels = picture.render()[0].astype(np.float16)
-    small = Placement(0, 0, 0.25, WIDTH / 4, HEIGHT / 4)
-    means = [srgb_decode(drawn(context, screen, small)).mean() for screen in (recipe, pixels)]
-    assert means[0] == pytest.approx(means[1], rel=0.15)
 
 
 @pytest.mark.parametrize("value", [0.0, 1e30])
@@ -263,39 +130,6 @@ def test_clipping_stripes_and_differences_see_the_drawn_picture(context):
         from_recipe, from_pixels = (drawn(context, screen, paint=paint) for screen in (recipe, pixels))
         differing = (np.abs(from_recipe - from_pixels) > 2 / 255).any(-1)
         assert differing.mean() < 0.01
-
-
-def test_a_picture_shown_smaller_is_an_average(context):
-    picture = some_picture(BACKDROPS["keep"])
-    recipe = recipe_of(picture, person_layers(picture.canvas, picture.matte, picture.exposure))
-    small = Placement(0, 0, 0.25, WIDTH / 4, HEIGHT / 4)
-    shown = drawn(context, recipe, small, Paint(fine=False))[:20, :17]
-    averages = picture.render()[0][:80, :68].reshape(20, 4, 17, 4, 3).mean((1, 3))
-    assert np.abs(shown - apply_view(averages, 0.0)).mean() < 1 / 255
-
-
-@pytest.mark.parametrize("backdrop", ["keep", "transparent", "colour"])
-def test_drawn_finely_a_picture_shown_smaller_is_the_average_of_itself_where_its_light_has_edges(context, backdrop):
-    rng = np.random.default_rng(5)
-    picture, gain = some_picture(BACKDROPS[backdrop]), np.full((32, 32, 3), 0.1, np.float32)
-    gain[:, 9:] = 0.9
-    gain[13:, :20] = 0.4
-    shadow = PlacedChange(gain, np.zeros((32, 32, 3), np.float32), Crop(32.0, 32.0, 64.0))
-    photo = (0.05 + 0.9 * rng.random((64, 64, 3))).astype(np.float32)
-    matte = replace(picture.matte, level=rng.random(picture.matte.level.shape).astype(np.float32))
-    picture = replace(picture, canvas=Canvas(photo, None, (64, 64)), matte=matte, changes=(shadow,))
-    recipe = recipe_of(picture, person_layers(picture.canvas, picture.matte, picture.exposure))
-    image, alpha = picture.render()
-    cover = np.ones((64, 64, 1), np.float32) if alpha is None else alpha[..., None]
-    light, cover = ((one.reshape(32, 2, 32, 2, -1)).mean((1, 3)) for one in (image * cover, cover))
-    y, x = np.mgrid[0:32, 0:32] + 0.5
-    ground = np.where((np.floor(x / 12) + np.floor(y / 12)) % 2 < 0.5, 0.32, 0.42)[..., None]
-    seen = srgb_decode(apply_view(light / np.maximum(cover, 1e-6), 0.0))
-    expected = srgb_encode(seen * cover + srgb_decode(ground) * (1 - cover))
-    small = Placement(0, 0, 0.5, 32, 32)
-    off = {fine: np.abs(drawn(context, recipe, small, Paint(fine=fine)) - expected) * 255 for fine in (True, False)}
-    assert off[True].max() < 1.5
-    assert off[False].max() > 8
 
 
 def test_scopes_read_the_recipes_own_pixels(context):
@@ -391,16 +225,6 @@ def test_a_pixel_shown_large_is_one_square_of_its_own_colour(context, backdrop):
     once = drawn(context, recipe)
     large = drawn(context, recipe, Placement(0, 0, 6.0, 6 * WIDTH, 6 * HEIGHT))
     assert np.abs(large - once.repeat(6, 0).repeat(6, 1)).max() * 255 < ONE_CODE
-
-
-@pytest.mark.parametrize("zoom", [0.25, 0.6, 2.5])
-def test_there_is_no_dark_line_around_what_is_cut_out(context, zoom):
-    pixels = np.zeros((HEIGHT, WIDTH, 4), np.float16)
-    pixels[20:61, 17:50] = *[srgb_decode(np.float32(0.42))] * 3, 1.0
-    place = Placement(0, 0, zoom, WIDTH * zoom, HEIGHT * zoom)
-    shown = drawn(context, pixels, place)[: int(HEIGHT * zoom), : int(WIDTH * zoom)]
-    # As bright as the lighter of the checks behind it, so that no share of it is darker than the darker ones.
-    assert shown.min() > 0.32 - ONE_CODE / 255
 
 
 def test_checks_are_as_large_as_asked_for(context):
