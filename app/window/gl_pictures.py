@@ -131,10 +131,7 @@ class GlPictures:
         exposures = tuple(self._exposure_of(pane.name) for pane in panes)
         # A difference reads the photo too.
         versions = tuple(self._versions.get(name, 0) for name in (PHOTO, *(pane.name for pane in panes)))
-        if self._in_software:
-            gains = not self.hurried and self._gains_by_looks(panes, size)
-            asked = (panes, size, paint, exposures, versions, self.hurried)
-            paint = replace(paint, fine=self._finish.has_come(asked, gains))
+        paint = replace(paint, fine=self._is_fine(panes, size, paint, exposures, versions))
         if self.hurried and self._in_software:
             key, canvas = "coarse viewport", self._coarse_viewport
             panes, size, paint = coarser(panes, size, paint, coarseness(panes, size))
@@ -150,9 +147,13 @@ class GlPictures:
                 draw()
         return _shown(canvas.texture)
 
-    def _gains_by_looks(self, panes: Sequence[Pane], size: tuple[int, int]) -> bool:
-        shrunk = any(gains_by_looks(pane, self._slots) for pane in panes)
-        return shrunk and covered_pixels(panes, size) <= MOST_FINE_PIXELS
+    def _is_fine(self, panes: tuple[Pane, ...], size: tuple[int, int], *look: object) -> bool:
+        """Whether the viewport is drawn finely; no hand that moves something waits for that."""
+        gains = not self.hurried and any(gains_by_looks(pane, self._slots) for pane in panes)
+        if not self._in_software:
+            return gains
+        fits = covered_pixels(panes, size) <= MOST_FINE_PIXELS
+        return self._finish.has_come((panes, size, look, self.hurried), gains and fits)
 
     @property
     def is_unfinished(self) -> bool:

@@ -200,7 +200,7 @@ def coarser(
     return (
         tuple(map(shrunk, panes)),
         smaller,
-        replace(paint, stripe_px=paint.stripe_px / by, check_px=paint.check_px / by, fine=False),
+        replace(paint, stripe_px=paint.stripe_px / by, check_px=paint.check_px / by),
     )
 
 

@@ -57,6 +57,7 @@ def test_what_would_hold_the_window_up_stays_as_it_is(drawn, monkeypatch, pixels
     assert not drawn.pictures.is_unfinished
 
 
-def test_a_graphics_card_draws_finely_at_once(drawn, monkeypatch):
+def test_a_graphics_card_draws_finely_as_soon_as_no_hand_moves_anything(drawn, monkeypatch):
     monkeypatch.setattr(drawn.pictures, "_in_software", False)
+    assert drawn(20, hurried=True) == [False]
     assert drawn(20) == [True]
