@@ -140,7 +140,9 @@ class RelitSlot:
         if "eyes" in program:
             program["eyes"].value = len(recipe.eyes)
             program["to_eye"].write(_matrices(recipe.eyes, MOST_EYES))
-            program["eye_level"].value = min(level, math.log2(EYE_STEP_PX))
+            # Maps of many large eyes have fewer pixels than the canvas.
+            halvings = math.log2(recipe.size[1] / recipe.eyes[0][0, 0] / recipe.catchlights.shape[1])
+            program["eye_level"].value = max(min(level, math.log2(EYE_STEP_PX)) - halvings, 0.0)
         if "own_alpha" in program:
             program["own_alpha"].value = recipe.nearby is None
 

@@ -82,6 +82,21 @@ def test_eyes_in_a_picture_shown_smaller_are_averages(context):
     assert means[0] == pytest.approx(means[1], rel=0.15)
 
 
+def test_maps_that_had_to_be_shrunk_are_averaged_the_less(context, monkeypatch):
+    monkeypatch.setattr("relight_core.pipeline.results.display.LARGEST_SIDE", 96)
+    away = np.hypot(*np.meshgrid(*[np.arange(64) - 31.5] * 2))[..., None]
+    added = np.repeat(0.9 * np.exp(-((away / 10) ** 2)), 3, axis=2).astype(np.float32)
+    eyes = tuple(PlacedCatchlight(added / 4, Crop(32.0, 32.0, 64.0)) for _ in range(4))
+    dark = PlacedChange(*np.zeros((2, 32, 32, 3), np.float32), ONE[0])
+    picture = replace(some_picture(BACKDROPS["colour"]), changes=(dark,), catchlights=eyes)
+    picture = replace(picture, matte=replace(picture.matte, level=np.ones_like(picture.matte.level)))
+    recipe = recipe_of(picture, person_layers(picture.canvas, picture.matte, picture.exposure))
+    assert recipe.catchlights.shape == (96, 24, 3)
+    shown = drawn(context, recipe, Placement(0, 0, 0.25, WIDTH / 4, HEIGHT / 4), Paint(fine=False))[:20, :17]
+    averages = picture.render()[0][:80, :68].reshape(20, 4, 17, 4, 3).mean((1, 3))
+    assert np.abs(shown - apply_view(averages, 0.0)).max() * 255 < 16
+
+
 @pytest.mark.parametrize("zoom", [0.25, 0.6, 2.5])
 def test_there_is_no_dark_line_around_what_is_cut_out(context, zoom):
     pixels = np.zeros((HEIGHT, WIDTH, 4), np.float16)
