@@ -43,8 +43,8 @@ class RelitSlot:
         self.recipe: DisplayRecipe | None = None
         self._pixels = PictureSlot(context)
         self._person = LayerSlot(context)
-        self._maps = {name: TextureSlot(context, mipmaps=name == "catchlights") for name in MAPS}
-        self._maps["behind"] = LayerSlot(context)
+        small = {name: TextureSlot(context, mipmaps=name == "catchlights") for name in MAPS[1:]}
+        self._maps: dict[str, TextureSlot] = {"behind": LayerSlot(context), **small}
         self._thinned: dict[int, np.ndarray] = {}
         self._crisp = False
 
