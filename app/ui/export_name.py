@@ -14,7 +14,12 @@ if TYPE_CHECKING:
     from app.ui.state import EditorState
 
 _ALIKE = ((".png",), (".exr",), (".jpg", ".jpeg"), (".tif", ".tiff"))
-"""The suffixes of each kind of picture."""
+"""The suffixes of each kind of picture, the one of app.engine.exporting.FORMS first."""
+
+
+def form_named(path: Path) -> str | None:
+    """The kind of picture, of app.engine.exporting.FORMS, that a name says by its suffix, if it does."""
+    return next((alike[0] for alike in _ALIKE if path.suffix.lower() in alike), None)
 
 
 def named_as(path: Path, suffix: str) -> Path:
@@ -61,9 +66,17 @@ def choose_form(state: EditorState, suffix: str) -> None:
         export_to(state, export_place(state, suffix))
 
 
+def take_named_form(state: EditorState) -> None:
+    """Once a name is typed: export the kind of file that it says."""
+    form = form_named(Path(state.export_path))
+    if form is not None and form != state.export.form:
+        choose_form(state, form)
+
+
 def export_to(state: EditorState, path: Path) -> None:
-    """Let the next export go there; a place beside the photo is kept as a name alone."""
+    """Let the next export go there, as the kind of file the name says; beside the photo a name alone is kept."""
     state.export_path = path.name if path.parent == suggested_place(state).parent else str(path)
+    take_named_form(state)
 
 
 def place_for(state: EditorState, photo: PhotoSource | None, suffix: str | None = None) -> Path:

@@ -66,7 +66,7 @@ class EditorState:
         cancel_wanted: the work that the user wants stopped, for one frame.
         job: the long work that runs, if any.
         playing: the light turns by itself.
-        export_path: where the next export goes, from the photo's folder; its suffix follows the button.
+        export_path: where the next export goes, from the photo's folder; its suffix and the button follow each other.
         export_wanted: a suffix, for one frame after the user asked for it.
         selected_box: which soft box is worked on, or -1.
         held: what the mouse holds on the panorama.

@@ -23,7 +23,7 @@ from app.engine.snapshot import Picture
 from app.engine.sources import PICTURE_SUFFIXES
 from app.faults import error_line
 from app.ui.asking import FileRequest
-from app.ui.export_name import export_to, named_as
+from app.ui.export_name import export_to, form_named, named_as
 from app.ui.file_dialogs import FileDialogs
 from app.ui.light_edits import match_face
 from app.ui.open_work import KeptWork
@@ -163,13 +163,14 @@ class Deeds:
         form, write = self._state.export.form, self._outputs.export_writer()
         photo = self._state.photo
 
-        def save_there(path: Path) -> None:
+        def save_there(paths: list[Path]) -> None:
+            path = named_as(paths[0], form_named(paths[0]) or form)
             opened = self._state.snapshot.opened
             if opened is not None and opened.source.path == photo.path:
                 export_to(self._state, path)
             write_or_ask(self._state.asking, path, write)
 
-        self._ask_place("Export the picture", self._outputs.suggested(form), form, save_there)
+        self._ask("save", "Export the picture", (form,), save_there, self._outputs.suggested(form))
 
     def copy_picture(self) -> None:
         """Put the picture on the clipboard."""

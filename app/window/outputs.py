@@ -26,7 +26,7 @@ from app.engine.jobs import JobControl
 from app.engine.snapshot import Picture
 from app.engine.sources import RelighterLike
 from app.engine.turntable import FILM_PX, FRAMES, turning, write_pictures
-from app.ui.export_name import place_for
+from app.ui.export_name import form_named, place_for
 from app.ui.photo_works import portrait_of
 from app.ui.state import EditorState
 from app.window.batch_photo import BatchLights, relight_as
@@ -75,6 +75,8 @@ class Outputs:
     def export_writer(self) -> Callable[[Path, bool], None]:
         """Saves the picture as it is wanted and the settings say now, whatever they are once the place is known.
 
+        A place named as another kind of picture than theirs makes one of that kind.
+
         Raises:
             InputError: there is no picture.
         """
@@ -82,9 +84,8 @@ class Outputs:
         settings, exposure_ev, promise = self._state.export, self._state.edit.exposure_ev, self._promise()
 
         def save(path: Path, replaces: bool) -> None:
-            promise.then(
-                lambda picture: self._exporter.submit(ExportJob(picture, exposure_ev, path, settings, replaces))
-            )
+            named = replace(settings, form=form_named(path) or settings.form)
+            promise.then(lambda picture: self._exporter.submit(ExportJob(picture, exposure_ev, path, named, replaces)))
 
         return save
 

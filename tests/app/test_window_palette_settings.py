@@ -96,6 +96,20 @@ def test_how_a_file_is_made_is_set(opened):
     assert (state.export.form, "matte" in state.export.layers, len(state.export.layers)) == (".exr", False, 7)
 
 
+@pytest.mark.parametrize(
+    ("typed", "name", "form"),
+    [
+        ("me.JPEG", "me.JPEG", ".jpg"),
+        ("me.tiff", "me.tiff", ".tif"),
+        ("me.exr", "me.exr", ".exr"),
+        ("v1.2", "v1.2", ".png"),
+    ],
+)
+def test_a_name_that_is_typed_says_which_kind_of_file_it_becomes(opened, typed, name, form):
+    run(opened, "name the export", typed)
+    assert (opened.window.state.export_path, opened.window.state.export.form) == (name, form)
+
+
 def test_long_work_is_cancelled(opened, monkeypatch):
     window, cancelled, running = opened.window, [], JobStatus("Turntable", 3, 120, number=2)
     monkeypatch.setattr(window.exporter, "status", lambda: running)

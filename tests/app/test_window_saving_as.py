@@ -142,6 +142,15 @@ def test_a_jpeg_keeps_the_name_it_was_given(saving, photo_path):
     assert size_of(photo_path.with_name("mine.jpeg")) == (128, 96)
 
 
+def test_a_place_named_as_another_kind_of_picture_makes_one_of_that_kind(saving, photo_path):
+    ask(saving, "export_as").then([photo_path.with_name("mine.tif")])
+    saving.settle()
+    saving.window.exporter.close()
+    with Image.open(photo_path.with_name("mine.tif")) as picture:
+        assert (picture.format, picture.size) == ("TIFF", (128, 96))
+    assert (saving.window.state.export.form, saving.window.state.export_path) == (".tif", "mine.tif")
+
+
 def test_the_light_of_the_wish_is_saved(saving, tmp_path):
     saving.light("split")
     request = ask(saving, "save_light")

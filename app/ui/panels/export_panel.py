@@ -8,7 +8,7 @@ from imgui_bundle import imgui
 
 from app.engine.exporting import SIDES, ExportSettings
 from app.ui import theme, widgets
-from app.ui.export_name import choose_form, export_place
+from app.ui.export_name import choose_form, export_place, take_named_form
 from app.ui.panels.groups import group
 from app.ui.state import EditorState
 from relight_core.imaging.files import legible
@@ -96,6 +96,8 @@ def _place_and_layers(state: EditorState) -> None:
     imgui.set_next_item_width(room if state.export.form != ".exr" else (1.0 - _LAYERS_SHARE) * room - _SPACING)
     with widgets.keyboard_for(state, NAME):
         _, state.export_path = widgets.path_input(state.export_path, imgui.InputTextFlags_.elide_left)
+    if imgui.is_item_deactivated_after_edit():
+        take_named_form(state)
     if state.export_path:
         imgui.set_item_tooltip(
             f"{legible(str(export_place(state)))}\nA number is added to the name if there is such a file."
