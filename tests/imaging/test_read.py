@@ -190,6 +190,13 @@ def test_exr_alpha_is_divided_out(tmp_path):
     assert photo.alpha[1, 1] == 0.5
 
 
+def test_an_exr_of_luminance_and_chroma_is_refused_for_what_it_is(tmp_path):
+    plane = np.full((4, 4), 0.5, np.float32)
+    path = write_exr(tmp_path / "a.exr", {"Y": plane, "RY": plane, "BY": plane})
+    with pytest.raises(InputError, match="luminance and chroma; export it as RGB"):
+        read_photo(path)
+
+
 @pytest.mark.parametrize(
     ("corner", "seen_share"), [((60, 0), 0), ((0, 60), 0), ((500, 500), 0), ((-40, -40), 0), ((20, 10), 0.25)]
 )

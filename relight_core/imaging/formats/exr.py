@@ -65,6 +65,8 @@ def read_exr(path: Path) -> tuple[np.ndarray, np.ndarray | None]:
     try:
         sampling = {channel.name: (channel.xSampling, channel.ySampling) for channel in header["channels"]}
         names = _colour_names(sampling)
+        if names is None and any(name.rpartition(".")[2] == "RY" for name in sampling):
+            raise InputError(f"{path}: its colours are stored as luminance and chroma; export it as RGB")
         if names is None:
             raise InputError(f"{path}: no channels R, G, B or Y in its first part; export it with colour there")
         if any(sampling[name] != (1, 1) for name in names):
