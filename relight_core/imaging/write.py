@@ -131,7 +131,7 @@ def write_bands(
     if suffix == ".exr":
         names, kind = "RGBA"[:channels], _code_type(suffix, style.bits)
         with whole_file(path) as beside:
-            exr.write_rows(beside, size, names, kind, (codes for _, codes in coded), style.notes)
+            exr.write_rows(beside, size, names, kind, (codes for _, codes in coded), _attributes(style.notes))
         return
     pixels = np.empty((*size, channels), _code_type(suffix, style.bits))
     for rows, codes in coded:
@@ -232,9 +232,8 @@ def write_exr_layers(
     arrays = {name: exr.limited(_layer(name, array), kind) for name, array in layers.items()}
     if len({array.shape[:2] for array in arrays.values()}) != 1:
         raise ValueError("layers of one EXR have one size, and there is at least one")
-    attributes = {name: _attribute(value) for name, value in (header or {}).items() if value is not None}
     with whole_file(path) as beside:
-        exr.write_channels(beside, arrays, header=attributes)
+        exr.write_channels(beside, arrays, header=_attributes(header or {}))
 
 
 def _checked(linear: np.ndarray, alpha: np.ndarray | None) -> tuple[np.ndarray, np.ndarray | None]:
@@ -320,6 +319,11 @@ def _layer(name: str, array: np.ndarray) -> np.ndarray:
     if array.ndim not in (2, 3) or (array.ndim == 3 and array.shape[2] not in (3, 4)) or 0 in array.shape:
         raise ValueError(f"layer '{name}' is (H, W) or (H, W, 1, 3 or 4), not {array.shape}")
     return array
+
+
+def _attributes(notes: dict[str, object]) -> dict[str, str | float | int]:
+    """Notes as EXR's library takes them; of other types it drops some, and ends the process at others."""
+    return {name: _attribute(value) for name, value in notes.items() if value is not None}
 
 
 def _attribute(value: object) -> str | float | int:

@@ -124,6 +124,17 @@ def test_named_layers_and_header(tmp_path):
     assert stored["compression"] == OpenEXR.ZIP_COMPRESSION
 
 
+def test_notes_of_an_exr_are_kept_whatever_their_type_and_leave_its_own_header_alone(tmp_path):
+    notes = {"yaw_deg": np.float32(30.0), "count": np.int64(3), "none": None, "light": "split"}
+    standard = {"channels": "x", "compression": "x", "dataWindow": "x", "chromaticities": "x"}
+    write_image(tmp_path / "n.exr", LINEAR, bits=32, notes=notes | standard)
+    with OpenEXR.File(str(tmp_path / "n.exr"), header_only=True) as file:
+        stored = dict(file.header())
+    assert (stored["yaw_deg"], stored["count"], stored["light"]) == (30.0, 3, "split")
+    assert stored["compression"] == OpenEXR.ZIP_COMPRESSION
+    np.testing.assert_array_equal(read_photo(tmp_path / "n.exr").linear, LINEAR)
+
+
 @pytest.mark.parametrize("half", [True, False])
 def test_arrays_of_any_memory_layout_are_written_right(tmp_path, half):
     big = np.arange(20 * 30 * 3, dtype=np.float64).reshape(20, 30, 3) % 512

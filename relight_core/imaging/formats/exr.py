@@ -163,11 +163,11 @@ def write_rows(
     Raises:
         OSError: the library can't write there; what `bands` raises comes through as it is.
     """
-    attributes = OpenEXR.Header(size[1], size[0])
+    attributes = {name: note.encode("utf-8") if isinstance(note, str) else note for name, note in header.items()}
+    attributes |= OpenEXR.Header(size[1], size[0])
     channel = Imath.Channel(_HALF if kind == np.float16 else _FLOAT)
     attributes["channels"] = dict.fromkeys(names, channel)
     attributes["compression"] = Imath.Compression(Imath.Compression.ZIP_COMPRESSION)
-    attributes |= {name: note.encode("utf-8") if isinstance(note, str) else note for name, note in header.items()}
     with _refusal_as_os_error():
         file = OpenEXR.OutputFile(_spelt(path), attributes)
     try:
@@ -263,12 +263,12 @@ def _to_rec709(colour: np.ndarray, header: dict) -> np.ndarray:
     named = header.get("chromaticities")
     if named is None:
         return colour
-    chromaticities = np.asarray(named, np.float64).ravel()
-    if chromaticities.shape != (8,) or is_rec709(chromaticities):
-        return colour
     try:
+        chromaticities = np.asarray(named, np.float64).ravel()
+        if chromaticities.shape != (8,) or is_rec709(chromaticities):
+            return colour
         matrix = to_rec709(rgb_to_xyz(chromaticities))
-    except np.linalg.LinAlgError:
+    except (ValueError, TypeError):  # no numbers, or primaries in a line
         return colour
     return colour @ matrix.T.astype(np.float32) if np.isfinite(matrix).all() else colour
 
