@@ -14,7 +14,7 @@ import numpy as np
 
 from relight_core.imaging.colour import REC709_LUMINANCE
 from relight_core.lighting.colour_temperature import kelvin_to_rgb
-from relight_core.lighting.rig_description import AreaLight
+from relight_core.lighting.rig_description import FORMS, AreaLight
 from relight_core.lighting.rig_render import area_light_radiance, direction_of
 from relight_core.lighting.sphere import directions, place_on_map, solid_angles
 
@@ -38,6 +38,9 @@ class SoftBox:
         hole: share of a disc's width that stays dark in its middle, [0, 0.9]: a ring light.
         off: it is switched off, and gives no light until it is switched on again.
         name: of the light's own lamp that the box was (see `own_lamps`); empty for a lamp of the user's.
+
+    Raises:
+        ValueError: another form.
     """
 
     azimuth_deg: float = -45.0
@@ -52,6 +55,10 @@ class SoftBox:
     hole: float = 0.0
     off: bool = False
     name: str = ""
+
+    def __post_init__(self) -> None:
+        if self.form not in FORMS:
+            raise ValueError(f"a soft box is a {' or a '.join(FORMS)}, no {self.form!r}")
 
     @property
     def is_round(self) -> bool:

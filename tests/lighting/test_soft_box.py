@@ -136,3 +136,8 @@ def test_a_lamp_for_the_bright_side_stands_on_the_normal_and_one_for_a_highlight
 def test_the_users_boxes_are_numbered_and_a_lights_own_lamps_have_names():
     boxes = (SoftBox(name="key"), SoftBox(), SoftBox(name="pink tube"), SoftBox())
     assert [box_title(boxes, index) for index in range(4)] == ["Key", "Soft box 1", "Pink tube", "Soft box 2"]
+
+
+def test_a_form_that_is_none_is_refused():
+    with pytest.raises(ValueError, match="rectangle"):
+        SoftBox(form="ring")
