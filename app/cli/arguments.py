@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import NoReturn
 
 from relight_core.errors import InputError
-from relight_core.pipeline.edit import EFFECTS, TOLERANCE, Edit, is_plain_colour
+from relight_core.pipeline.edit import BACKGROUNDS, EFFECTS, TOLERANCE, Edit, is_plain_colour
 
 EXPOSURE_LIMIT_EV = 16.0
 GAIN_LIMIT = 2.0
@@ -297,8 +297,8 @@ def _box(text: str) -> tuple[float, ...]:
 
 
 def _background(text: str) -> str:
-    if text in ("keep", "match", "light", "transparent"):
+    if text in BACKGROUNDS:
         return text
     if is_plain_colour(text):
         return text.lower()
-    raise argparse.ArgumentTypeError(f"{text!r} is none of keep, match, light, transparent, #rrggbb")
+    raise argparse.ArgumentTypeError(f"{text!r} is none of {', '.join(BACKGROUNDS)}, #rrggbb")

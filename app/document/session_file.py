@@ -17,9 +17,8 @@ from app.engine.sources import PICTURE_SUFFIXES
 from relight_core.errors import InputError
 from relight_core.imaging.files import is_same_file
 from relight_core.pipeline.auto_quality import AUTO
-from relight_core.pipeline.edit import EFFECTS, Edit
+from relight_core.pipeline.edit import EFFECTS, Edit, check_background
 from relight_core.pipeline.quality import TIERS
-from relight_core.pipeline.results.backdrop import check_background
 
 KIND, VERSION = "session", 4
 """Version 1 knew no boxes of faces, version 2 no strokes of the brush, version 3 no lamps of the light's own."""

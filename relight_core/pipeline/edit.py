@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import re
 from dataclasses import dataclass
+from numbers import Real
 
 from relight_core.errors import InputError
 from relight_core.pipeline.quality import Tier
@@ -26,6 +27,14 @@ EFFECTS = (
 )
 """What a plan decides about, in the order in which it would run."""
 
+BACKGROUNDS = ("keep", "match", "light", "transparent")
+"""Beside colours: the photo's own, the same dimmed and tinted as the person is, the light itself, none."""
+
+SURFACE_CHANNELS = ("photo", "albedo", "normal", "parsing")
+LIGHT_CHANNELS = ("specular", "shadow", "composition")
+CHANNELS = (*SURFACE_CHANNELS, *LIGHT_CHANNELS, "source_light", "target_light")
+"""What can be looked at beside the picture."""
+
 TOLERANCE = 1 / 255
 """The largest change of a displayed value in [0, 1] that leaving something out may cause."""
 
@@ -44,11 +53,11 @@ class Edit:
         background_fov_deg: field of view of the picture's longer side, for "light", in (0, 170].
         background_blur_deg: standard deviation of the blur of what is seen, for "light", in [0, 20].
         quality: "draft", "live" or "final", or a tier of one's own.
-        channels: the channels that are looked at; None for all of them.
+        channels: those of CHANNELS that are looked at; None for all of them.
         forced_on: effects (see EFFECTS) that the plan may not skip, nor reuse from a light that is not the same.
         forced_off: effects that are left out of the picture whatever the scene calls for. The photo's own light and
             the relief are found all the same where flattening, the residual or catchlights use them.
-        tolerance: the largest change of the displayed picture, of [0, 1], that the plan may cause.
+        tolerance: the largest change of the displayed picture that the plan may cause, [0, 1].
         specular_tint: colour of the specular channel, [-1, 1], from cool to warm; 0 is the light's own.
         shadow_softness: how far the edges of shadows are softened, [0, 1]; 0 is as estimated.
         surface_of: a quality whose surface serves in place of `quality`'s own where it is known already, as it is
@@ -87,10 +96,34 @@ class Edit:
         return True if effect in self.forced_on else None
 
 
-_NUMBERS = (
-    *("yaw_deg", "exposure_ev", "specular", "shadow", "specular_tint", "shadow_softness"),
-    *("background_fov_deg", "background_blur_deg", "tolerance"),
-)
+_ANY = (-math.inf, math.inf)
+_RANGES = {
+    "yaw_deg": _ANY,
+    "exposure_ev": _ANY,
+    "specular": (0.0, 2.0),
+    "shadow": (0.0, 2.0),
+    "specular_tint": (-1.0, 1.0),
+    "shadow_softness": (0.0, 1.0),
+    "background_fov_deg": (0.0, 170.0),
+    "background_blur_deg": (0.0, 20.0),
+    "tolerance": (0.0, 1.0),
+}
+
+
+def check_edit(edit: Edit) -> None:
+    """Raise InputError for a setting that is no finite number or out of its range, or for a name that is unknown."""
+    for name, (low, high) in _RANGES.items():
+        value = getattr(edit, name)
+        if not (isinstance(value, Real) and math.isfinite(value)):
+            raise InputError(f"{name} is a finite number, not {value}")
+        if not low <= value <= high:
+            raise InputError(f"{name} is from {low:g} to {high:g}, not {value:g}")
+    if edit.background_fov_deg == 0:
+        raise InputError("background_fov_deg is above 0: nothing is seen in 0 degrees")
+    check_background(edit.background)
+    for name in edit.channels or ():
+        if name not in CHANNELS:
+            raise InputError(f"unknown channel {name!r}: the channels are {', '.join(CHANNELS)}")
 
 
 def is_plain_colour(background: str) -> bool:
@@ -98,13 +131,11 @@ def is_plain_colour(background: str) -> bool:
     return re.fullmatch("#[0-9a-fA-F]{6}", background) is not None
 
 
-def check_numbers(edit: Edit) -> None:
-    """Raise InputError for a setting that is no finite number, or a colour that no specular can have."""
-    for name in _NUMBERS:
-        if not math.isfinite(getattr(edit, name)):
-            raise InputError(f"{name} is a finite number, not {getattr(edit, name):g}")
-    if abs(edit.specular_tint) > 1:
-        raise InputError(f"specular_tint is from -1 to 1, not {edit.specular_tint:g}")
+def check_background(background: str) -> None:
+    """Raise InputError unless it is "keep", "match", "light", "transparent" or "#rrggbb"."""
+    if background not in BACKGROUNDS and not (isinstance(background, str) and is_plain_colour(background)):
+        names = ", ".join(BACKGROUNDS)
+        raise InputError(f"unknown background {background!r}: use {names} or a colour such as #30343a")
 
 
 def check_effects(names: frozenset[str]) -> None:

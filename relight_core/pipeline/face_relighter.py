@@ -14,7 +14,7 @@ from relight_core.imaging.view_of_photo import ViewOfPhoto
 from relight_core.lighting.environment import Environment, network_light
 from relight_core.lighting.lamps import Lamp
 from relight_core.pipeline import stages
-from relight_core.pipeline.edit import Edit
+from relight_core.pipeline.edit import LIGHT_CHANNELS, SURFACE_CHANNELS, Edit
 from relight_core.pipeline.face_in_photo import FaceInPhoto
 from relight_core.pipeline.per_light.catchlights import (
     Catchlight,
@@ -37,8 +37,6 @@ from relight_core.pipeline.plan import Plan
 from relight_core.pipeline.prepared import Lit, Prepared
 from relight_core.pipeline.quality import Tier
 from relight_core.pipeline.results.channels import (
-    LIGHT_CHANNELS,
-    SURFACE_CHANNELS,
     ViewChange,
     as_image,
     effect_channels,

@@ -20,7 +20,7 @@ from relight_core.lighting.reflection import ReflectionTable
 from relight_core.networks.bundle import load_bundle
 from relight_core.pipeline.cache import Record, StageCache
 from relight_core.pipeline.company import Company
-from relight_core.pipeline.edit import Edit, check_numbers
+from relight_core.pipeline.edit import Edit, check_edit
 from relight_core.pipeline.face_relighter import KEPT_LIGHTS, FaceRelighter
 from relight_core.pipeline.face_search import FaceSearch
 from relight_core.pipeline.face_taken_apart import Workshop
@@ -201,7 +201,7 @@ class Relighter:
             for_shader: give a recipe instead of an image, unless there are too many faces or pixels for one.
 
         Raises:
-            InputError: no portrait has been set, or the edit asks for something unknown, or what is no number.
+            InputError: no portrait has been set, or the edit asks for something unknown or out of its range.
         """
         if environment.level > _BRIGHTEST_LEVEL:
             environment = environment.at_level(_BRIGHTEST_LEVEL)
@@ -260,7 +260,7 @@ class Relighter:
 
     def _settled(self, edit: Edit) -> Edit:
         """The edit with the tier that its quality comes to: on another one's surface, where every face has that."""
-        check_numbers(edit)
+        check_edit(edit)
         if edit.surface_of is None:
             return edit
         better = tier_of(edit.quality).on_surface_of(tier_of(edit.surface_of))

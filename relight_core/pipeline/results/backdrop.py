@@ -8,16 +8,12 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
-from relight_core.errors import InputError
 from relight_core.imaging.colour import srgb_decode
 from relight_core.imaging.resampling import resize_area, shrunk_size
 from relight_core.lighting.background import panorama_view
 from relight_core.lighting.environment import Environment
-from relight_core.pipeline.edit import Edit, is_plain_colour
+from relight_core.pipeline.edit import Edit, check_background
 from relight_core.pipeline.results.channels import at_level
-
-BACKGROUNDS = ("keep", "match", "light", "transparent")
-"""Beside colours: the photo's own, the same dimmed and tinted as the person is, the light itself, none."""
 
 OWN_BACKGROUNDS = ("keep", "match")
 """Those that are the photo's own; of a photo with alpha, that is none."""
@@ -44,13 +40,6 @@ class Backdrop:
     gain: np.ndarray | None = None
     picture: np.ndarray | None = None
     soft: np.ndarray | None = None
-
-
-def check_background(background: str) -> None:
-    """Raise InputError unless it is "keep", "match", "light", "transparent" or "#rrggbb"."""
-    if background not in BACKGROUNDS and not is_plain_colour(background):
-        names = ", ".join(BACKGROUNDS)
-        raise InputError(f"unknown background {background!r}: use {names} or a colour such as #30343a")
 
 
 def make_backdrop(
@@ -91,17 +80,8 @@ def backdrop_panorama(edit: Edit, environment: Environment, size: tuple[int, int
 
     Args:
         size: (height, width) of the photo.
-
-    Raises:
-        InputError: a view that no camera has.
     """
-    try:
-        view = panorama_view(environment, edit.yaw_deg, *size, edit.background_fov_deg, edit.background_blur_deg)
-    except ValueError:
-        raise InputError(
-            f"no view of {edit.background_fov_deg:g} degrees blurred by {edit.background_blur_deg:g}: "
-            "the field of view is up to 170 degrees, the blur up to 20"
-        ) from None
+    view = panorama_view(environment, edit.yaw_deg, *size, edit.background_fov_deg, edit.background_blur_deg)
     return at_level(view, environment.level)
 
 

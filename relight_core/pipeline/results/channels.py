@@ -19,6 +19,7 @@ from relight_core.imaging.tensor_colour import grey
 from relight_core.imaging.tensor_normals import unit_normals
 from relight_core.imaging.tone import Tone
 from relight_core.imaging.view_of_photo import Makeup, ViewOfPhoto
+from relight_core.pipeline.edit import LIGHT_CHANNELS, SURFACE_CHANNELS
 from relight_core.pipeline.per_light.fine_edges import FineEdges
 from relight_core.pipeline.per_light.hints import Effects, as_channels
 from relight_core.pipeline.per_light.sliders import SliderChange
@@ -141,10 +142,6 @@ def enlarge_change(
     if edges is not None:
         gain, offset = gain * edges, offset * edges
     return ViewChange(at_level(gain, level), at_level(offset, level), level)
-
-
-SURFACE_CHANNELS = ("photo", "albedo", "normal", "parsing")
-LIGHT_CHANNELS = ("specular", "shadow", "composition")
 
 
 def surface_channel(name: str, surface: Surface, photo_view: np.ndarray, photo_small: np.ndarray) -> np.ndarray:
