@@ -20,7 +20,7 @@ from app.document.json_fields import (
 )
 from app.engine.sources import PICTURE_SUFFIXES
 from relight_core.errors import InputError
-from relight_core.lighting.light_edit import MOST_BOXES, LightEdit
+from relight_core.lighting.light_edit import LIGHT_EDIT_RANGES, MOST_BOXES, LightEdit
 from relight_core.lighting.rig_description import FORMS
 from relight_core.lighting.rigs import rig_names
 from relight_core.lighting.soft_box import LARGEST_DEG, SMALLEST_DEG, SoftBox
@@ -29,14 +29,6 @@ KIND, VERSION = "light", 2
 """Version 1 knew square soft boxes only, and no lamps of the light's own."""
 
 LIGHT_SUFFIX = ".light.json"
-_LIGHT_RANGES = {
-    "level_ev": (-10.0, 10.0),
-    "base": (0.0, 2.0),
-    "saturation": (0.0, 2.0),
-    "warmth": (-1.0, 1.0),
-    "tint": (-1.0, 1.0),
-    "blur_deg": (0.0, 90.0),
-}
 _BOX_RANGES = {
     "azimuth_deg": (-180.0, 180.0),
     "elevation_deg": (-90.0, 90.0),
@@ -140,7 +132,7 @@ def read_light_content(fields: Fields, path: Path, stand_in: LightRef | None = N
 
 def _light_edit(fields: Fields) -> LightEdit:
     defaults = LightEdit()
-    values = {key: fields.number(key, *_LIGHT_RANGES[key], getattr(defaults, key)) for key in _LIGHT_RANGES}
+    values = {key: fields.number(key, *LIGHT_EDIT_RANGES[key], getattr(defaults, key)) for key in LIGHT_EDIT_RANGES}
     boxes = tuple(_box(group) for group in fields.groups("boxes", MOST_BOXES))
     metered, apart = fields.flag("metered"), fields.flag("apart")
     fields.finish()

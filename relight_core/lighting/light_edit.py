@@ -6,17 +6,26 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from relight_core.errors import InputError
 from relight_core.imaging.colour import REC709_LUMINANCE
 from relight_core.lighting.colour_temperature import WHITE_KELVIN, kelvin_to_rgb
 from relight_core.lighting.enlarge import draw_finer
 from relight_core.lighting.environment import Environment, mean_luminance, shrink
-from relight_core.lighting.light_blur import blur_light
+from relight_core.lighting.light_blur import LARGEST_BLUR_DEG, blur_light
 from relight_core.lighting.own_lamps import room_of
 from relight_core.lighting.soft_box import SoftBox, soft_box_radiance
 from relight_core.lighting.summary import meter_reading, metered_level_ev
 
 MOST_BOXES = 16
 MOST_LEVEL_EV = 10.0
+LIGHT_EDIT_RANGES = {
+    "level_ev": (-MOST_LEVEL_EV, MOST_LEVEL_EV),
+    "base": (0.0, 2.0),
+    "saturation": (0.0, 2.0),
+    "warmth": (-1.0, 1.0),
+    "tint": (-1.0, 1.0),
+    "blur_deg": (0.0, LARGEST_BLUR_DEG),
+}
 DRAWN_HEIGHT = 256
 """Rows that soft boxes are drawn with, for edges smoother than any light the networks read."""
 
@@ -83,7 +92,14 @@ def edit_light(light: Environment, edit: LightEdit, draft: bool = False) -> Envi
 
     Returns:
         The same object where nothing changes.
+
+    Raises:
+        InputError: a setting out of its range.
+        ValueError: a soft box of a temperature that no lamp has.
     """
+    for name, (low, high) in LIGHT_EDIT_RANGES.items():
+        if not low <= getattr(edit, name) <= high:
+            raise InputError(f"a light's {name} is from {low:g} to {high:g}, not {getattr(edit, name)}")
     stops = edit.level_ev + (metered_level_ev(light) if edit.metered else 0.0)
     if edit.changes_shape:
         height = DRAFT_HEIGHT if draft else max(DRAWN_HEIGHT, light.height)

@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from relight_core.errors import InputError
 from relight_core.lighting import light_edit
 from relight_core.lighting.environment import Environment, network_light, shrink
 from relight_core.lighting.lamps import lamps_of
@@ -219,3 +220,20 @@ def test_a_fine_light_is_shrunk_for_a_moving_hand_once(monkeypatch, apart):
     assert shrunk == [64]
     assert warmer[0].fingerprint != warmer[1].fingerprint
     assert edit_light(light, LightEdit(warmth=0.2, apart=apart)).height == 128
+
+
+@pytest.mark.parametrize(
+    ("name", "wrong"),
+    [
+        ("level_ev", (-2000.0, 2000.0, np.nan)),
+        ("base", (-1.0, 5.0)),
+        ("saturation", (-3.0, 9.0)),
+        ("warmth", (-5.0, 5.0)),
+        ("tint", (-1.1, 9.0)),
+        ("blur_deg", (-5.0, 91.0)),
+    ],
+)
+def test_settings_out_of_their_ranges_are_refused_by_name(name, wrong):
+    for value in wrong:
+        with pytest.raises(InputError, match=name):
+            edit_light(random_light(), LightEdit(**{name: value}))
