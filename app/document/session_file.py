@@ -17,7 +17,7 @@ from app.engine.sources import PICTURE_SUFFIXES
 from relight_core.errors import InputError
 from relight_core.imaging.files import is_same_file
 from relight_core.pipeline.auto_quality import AUTO
-from relight_core.pipeline.edit import EFFECTS, Edit, check_background
+from relight_core.pipeline.edit import EDIT_RANGES, EFFECTS, Edit, check_background
 from relight_core.pipeline.quality import TIERS
 
 KIND, VERSION = "session", 4
@@ -27,12 +27,9 @@ SESSION_SUFFIX = ".relight.json"
 _EDIT_RANGES = {
     "yaw_deg": (-180.0, 180.0),
     "exposure_ev": (-16.0, 16.0),
-    "specular": (0.0, 2.0),
-    "shadow": (0.0, 2.0),
-    "specular_tint": (-1.0, 1.0),
-    "shadow_softness": (0.0, 1.0),
-    "background_fov_deg": (5.0, 170.0),
-    "background_blur_deg": (0.0, 20.0),
+    **{name: EDIT_RANGES[name] for name in ("specular", "shadow", "specular_tint", "shadow_softness")},
+    "background_fov_deg": (5.0, EDIT_RANGES["background_fov_deg"][1]),
+    "background_blur_deg": EDIT_RANGES["background_blur_deg"],
 }
 _FORCED = ("forced_on", "forced_off")
 

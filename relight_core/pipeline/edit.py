@@ -97,7 +97,7 @@ class Edit:
 
 
 _ANY = (-math.inf, math.inf)
-_RANGES = {
+EDIT_RANGES = {
     "yaw_deg": _ANY,
     "exposure_ev": _ANY,
     "specular": (0.0, 2.0),
@@ -112,7 +112,7 @@ _RANGES = {
 
 def check_edit(edit: Edit) -> None:
     """Raise InputError for a setting that is no finite number or out of its range, or for a name that is unknown."""
-    for name, (low, high) in _RANGES.items():
+    for name, (low, high) in EDIT_RANGES.items():
         value = getattr(edit, name)
         if not (isinstance(value, Real) and math.isfinite(value)):
             raise InputError(f"{name} is a finite number, not {value}")

@@ -21,7 +21,7 @@ class Relit:
     Attributes:
         image: (H, W, 3) float32 linear radiance at the size that was asked for, without `Edit.exposure_ev`; None
             where there is a recipe instead, or none was asked for.
-        alpha: (H, W) float32 in [0, 1] where the background was taken away, else None.
+        alpha: (H, W) float32 in [0, 1], of an `image` whose background was taken away; else None.
         channels: views (S, S, 3) or (S, S) float32 by name, as far as `Edit.channels` asks for them: "photo",
             "albedo", "normal" (unit vectors, camera space), "parsing" (int labels), "specular", "shadow" and
             "composition" (linear, at the light's level), and the lights "source_light" and "target_light"
