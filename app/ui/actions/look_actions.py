@@ -115,7 +115,12 @@ READING = (
     _switch("probe", "I", "Pixel values", "The values of every channel under the mouse"),
     _choose("scope", "histogram", "H", "Histogram", _READ, "How much of the picture is dark and how much bright"),
     _choose("scope", "waveform", "V", "Waveform", _READ, "How bright each column of the picture is"),
-    _switch("clipping", "J", "Clipping warning", "Stripes where the screen shows only white (red) or black (blue)"),
+    _switch(
+        "clipping",
+        "J",
+        "Clipping warning",
+        "Stripes where a channel is as bright as the screen gets (red) or all are black (blue)",
+    ),
     _switch("false_colour", "C", "False colour", "Specular and shadow as a scale of colours", ("specular", "shadow")),
     _switch(
         "difference",
