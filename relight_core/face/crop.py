@@ -52,6 +52,10 @@ class Crop:
         half = self.side / 2.0
         return self.centre_x - half, self.centre_y - half, self.centre_x + half, self.centre_y + half
 
+    def moved(self, right: float, down: float) -> Crop:
+        """The same window elsewhere, or counted from another corner."""
+        return replace(self, centre_x=self.centre_x + right, centre_y=self.centre_y + down)
+
     def extract(self, image: np.ndarray, size: int) -> np.ndarray:
         """Resample the window to size x size pixels.
 

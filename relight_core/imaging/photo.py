@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from relight_core.imaging.colour import luminance, srgb_decode, srgb_decode_integers, srgb_encode
+from relight_core.imaging.photo_frame import PLAINLY, inside_frame
 from relight_core.imaging.tone import Tone, tone_of
 from relight_core.imaging.toning import is_monochrome
 
@@ -18,6 +19,8 @@ _WHITE_PERCENT = 98.0
 
 _GREY = np.float32(0.18)
 """Of black, 0.18, 0.4, noise and the person's colours continued, what relit cut-outs most like the whole photos."""
+
+_SOFT_PX = 1
 
 _DIM, _BRIGHT_PERCENT = 0.15, 95.0
 """A picture that has no brighter parts is dark, or in units of its own."""
@@ -114,6 +117,27 @@ class Photo:
         return self._on_grey if self.is_cut_out else self
 
     @cached_property
+    def picture(self) -> tuple[int, int, int, int]:
+        """x0, y0, x1, y1 in pixels of what it shows, without the frame or the bars around it; all of most photos.
+
+        Networks that see a frame take somebody's white cap for a part of it, or its corner for a coat. To them the
+        picture goes on beyond it, as beyond the photo's border.
+        """
+        height, width = self.linear.shape[:2]
+        step = max(-(-max(height, width) // _LOOKED_AT), 1)
+        few = self.linear[::step, ::step]
+        if self.is_cut_out or not (white := _white(few)) > 0:
+            return 0, 0, width, height
+        inside = inside_frame(srgb_encode(np.minimum(few / np.float32(white), 1)), PLAINLY)
+        if inside is None:
+            return 0, 0, width, height
+        (y0, y1), (x0, x1) = (
+            _well_within(span, count, length, step)
+            for span, count, length in zip(inside, few.shape[:2], (height, width), strict=True)
+        )
+        return x0, y0, x1, y1
+
+    @cached_property
     def _on_grey(self) -> Photo:
         share = self.alpha[..., None]
         linear = self.linear * share
@@ -149,6 +173,15 @@ class Photo:
             raise ValueError(f"sRGB pixels are uint8, uint16 or floats in [0, 1], not {kind}")
         clipped = np.clip(np.nan_to_num(srgb.astype(np.float32)), 0.0, 1.0)
         return cls(np.ascontiguousarray(srgb_decode(clipped)), None, None, 32)
+
+
+def _well_within(span: slice, count: int, length: int, step: int) -> tuple[int, int]:
+    """The first and the last pixel's end of a side of `length` within `span` of `count` pixels, one in `step`.
+
+    Where something was cut off: a frame's edge is soft, and nothing of it may go on.
+    """
+    start = min(span.start + _SOFT_PX, span.stop - 1) * step if span.start > 0 else 0
+    return start, max((span.stop - 1 - _SOFT_PX) * step, start + 1) if span.stop < count else length
 
 
 def _white(pixels: np.ndarray) -> float:

@@ -22,7 +22,13 @@ from relight_core.pipeline import stages
 from relight_core.pipeline.cache import StageCache
 from relight_core.pipeline.per_photo.corneas import Cornea, find_cornea
 from relight_core.pipeline.per_photo.nearer_look import nearer_view, with_nearer_look
-from relight_core.pipeline.per_photo.network_view import as_networks_see
+from relight_core.pipeline.per_photo.network_view import (
+    as_networks_see,
+    in_photo,
+    in_picture,
+    picture_size,
+    picture_view,
+)
 from relight_core.pipeline.per_photo.outline import Outline, outline_person, parsing_within
 from relight_core.pipeline.per_photo.portrait import Portrait
 from relight_core.pipeline.per_photo.second_look import take_apart
@@ -108,7 +114,7 @@ class FaceTakenApart:
         return self.cache.has("delight", tier.surface_key)
 
     def _view(self, size: int) -> np.ndarray:
-        return self._once("view", size, lambda: self.portrait.view.extract(self.portrait.photo.seen.linear, size))
+        return self._once("view", size, lambda: picture_view(self.portrait.photo, self.portrait.view, size))
 
     def _seen_view(self, size: int) -> np.ndarray:
         view, photo, exposure = self._view(size), self.portrait.photo, self.portrait.exposure
@@ -166,9 +172,13 @@ class FaceTakenApart:
         return self._once("outline", "photo", self._look_twice)
 
     def _look_twice(self) -> Outline:
-        crop, size = self.portrait.crop, self.portrait.photo.linear.shape[:2]
-        leaning = self._look(crop, person_view(crop, size))
-        return leaning.agreed(self._look(upright(crop), person_view(upright(crop), size), mirrors=(True,)))
+        photo, crop = self.portrait.photo, self.portrait.crop
+
+        def view_about(crop: Crop) -> Crop:
+            return in_photo(photo, person_view(in_picture(photo, crop), picture_size(photo)))
+
+        leaning = self._look(crop, view_about(crop))
+        return leaning.agreed(self._look(upright(crop), view_about(upright(crop)), mirrors=(True,)))
 
     def looks(self) -> list[tuple[np.ndarray, Crop]]:
         """`mask`, and the same of a wider view where there is a person network and the photo shows more."""
@@ -180,12 +190,13 @@ class FaceTakenApart:
         return self.looks() if outline is None else [(outline.likely, outline.view), *self._wider_looks()]
 
     def _wider_looks(self) -> list[tuple[np.ndarray, Crop]]:
-        crop = upright(self.portrait.crop)
-        view = wider_view(crop, self.portrait.photo.linear.shape[:2])
+        photo, crop = self.portrait.photo, upright(self.portrait.crop)
+        view = wider_view(in_picture(photo, crop), picture_size(photo))
         if self.outline() is None or view is None:
             return []
-        wider = self._once("wider_outline", "photo", lambda: self._look(crop, view, mirrors=(False, True)))
-        return [(wider.likely, view)]
+        look = lambda: self._look(crop, in_photo(photo, view), mirrors=(False, True))  # noqa: E731
+        wider = self._once("wider_outline", "photo", look)
+        return [(wider.likely, wider.view)]
 
     def _look(self, crop: Crop, view: Crop, mirrors: tuple[bool, ...] = (False,)) -> Outline:
         """What the person network says in a view; see `outline_person`."""

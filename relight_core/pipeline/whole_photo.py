@@ -170,7 +170,7 @@ class WholePhoto:
         def place() -> Placement:
             views, masks = zip(*((face.portrait.view, face.mask()) for face in self._faces), strict=True)
             exposure = self._faces[0].portrait.exposure
-            of_photo = (exposure, self._photo.tone_at(exposure))
+            of_photo = (exposure, self._photo.tone_at(exposure), self._photo.picture)
             return place_views(self._small(), views, self._matte(), self._shop.table, masks, self._strokes, *of_photo)
 
         return self._cache.of_photo("placement", "photo", place, "new photo or stroke")
@@ -191,7 +191,8 @@ class WholePhoto:
         exposures, crops = [one.exposure for one in portraits], [one.crop for one in portraits]
         exposure = exposure_about_faces(exposures, crops, self._photo.linear.shape[:2])
         others = (face.glances() for face in self._others)
-        return draft_matte(self._photo.linear, looks, self._photo.alpha, self._small().linear, exposure, shapes, others)
+        of_photo = {"small": self._small().linear, "exposure": exposure, "picture": self._photo.picture}
+        return draft_matte(self._photo.linear, looks, self._photo.alpha, faces=shapes, others=others, **of_photo)
 
     def _small(self) -> Canvas:
         """The photo no longer than WORKING_PX, from which smaller copies are made."""

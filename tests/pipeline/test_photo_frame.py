@@ -1,12 +1,21 @@
 """The frame a photo comes in: found where there is one, and nobody goes on into it."""
 
+from dataclasses import replace
+
 import cv2
 import numpy as np
 import pytest
 
 from relight_core.face.crop import Crop
-from relight_core.pipeline.per_photo.matte import draft_matte
-from relight_core.pipeline.per_photo.photo_frame import inside_frame, shrunk_inside
+from relight_core.face.find import FaceBox
+from relight_core.imaging.photo import Photo
+from relight_core.imaging.photo_frame import inside_frame, shrunk_inside
+from relight_core.lighting.reflection import ReflectionTable
+from relight_core.pipeline.per_photo.matte import Matte, draft_matte
+from relight_core.pipeline.per_photo.network_view import network_view
+from relight_core.pipeline.per_photo.person import canvas_of
+from relight_core.pipeline.per_photo.portrait import frame
+from relight_core.pipeline.results.finish import place_views, weights_on_views
 
 
 def half_figure(behind):
@@ -123,3 +132,82 @@ def test_cells_of_a_smaller_copy_lie_wholly_within_a_frame():
     inside = slice(30, 500), slice(0, 800)
     assert shrunk_inside(inside, (1000, 800), (100, 80)) == (slice(3, 50), slice(0, 80))
     assert shrunk_inside(inside, (1000, 800), (64, 51)) == (slice(2, 32), slice(0, 51))
+
+
+def street():
+    """A picture (200, 160, 3), linear, that is nowhere plain."""
+    y, x = np.mgrid[0:200, 0:160] / 30
+    colours = 0.4 + 0.2 * np.sin(x + y), 0.4 + 0.2 * np.cos(x - y), 0.3 + 0.1 * np.sin(2 * x)
+    return np.dstack(colours).astype(np.float32)
+
+
+@pytest.mark.parametrize("exposure", [1.0, 0.05])
+@pytest.mark.parametrize("colour", [0.0, 1.0])
+def test_the_picture_of_a_photo_is_what_lies_well_within_its_frame(colour, exposure):
+    assert Photo(street()).picture == (0, 0, 160, 200)
+    found = Photo(framed(street(), 12, colour) * np.float32(exposure)).picture
+    assert found == pytest.approx((13, 13, 171, 211), abs=1)
+
+
+def test_the_picture_of_a_large_photo_ends_within_its_frame():
+    large = framed(cv2.resize(street(), (1600, 2000)), 100, 1.0)
+    assert Photo(large).picture == pytest.approx((105, 105, 1695, 2095), abs=5)
+
+
+def test_a_wall_of_the_frames_colour_stays_in_the_picture():
+    picture, _ = half_figure(1.0)
+    x0, y0, x1, y1 = Photo(framed(picture, 12, 1.0)).picture
+    assert (x0, y0, x1) == (0, 0, 184)
+    assert y1 == pytest.approx(212, abs=2)
+
+
+def test_a_white_cap_at_the_border_does_not_hide_a_white_frame():
+    picture = street()
+    picture[:20, 24:-24] = 1.0
+    assert Photo(framed(picture, 12, 1.0)).picture == pytest.approx((12, 12, 172, 212), abs=2)
+
+
+def test_a_cut_out_has_no_frame():
+    alpha = np.ones((224, 184), np.float32)
+    alpha[0] = 0
+    assert Photo(framed(street(), 12, 1.0), alpha).picture == (0, 0, 184, 224)
+
+
+@pytest.mark.parametrize("roll_deg", [0.0, 20.0])
+def test_networks_see_a_framed_photo_as_if_it_had_no_frame(roll_deg):
+    bare, in_frame = Photo(street()), Photo(framed(street(), 24, 1.0))
+    view = Crop(30.0, 180.0, 120.0, roll_deg)
+    seen, seen_bare = network_view(in_frame, view.moved(24, 24), 64, 1.0), network_view(bare, view, 64, 1.0)
+    # What goes on begins a pixel or two farther in.
+    assert np.abs(seen - seen_bare).max() < 0.05
+
+
+def test_a_view_keeps_within_the_frame_as_within_the_photo():
+    box = FaceBox(15.0, 60.0, 85.0, 140.0)
+    moved = replace(box, x0=39.0, y0=84.0, x1=109.0, y1=164.0)
+    bare, in_frame = frame(Photo(street()), box), frame(Photo(framed(street(), 24, 1.0)), moved)
+    assert bare.view.window[0] == 0
+    assert in_frame.view.window == pytest.approx(bare.view.moved(24, 24).window, abs=4)
+    assert in_frame.exposure == pytest.approx(bare.exposure, rel=0.05)
+
+
+def test_the_matte_of_a_framed_photo_is_that_of_the_photo():
+    picture, person = street(), half_figure(0.4)[1]
+    white_shirt = person & (np.mgrid[0:200, 0:160][0] > 120)
+    picture[person], picture[white_shirt] = (0.5, 0.3, 0.2), 0.97
+    # Networks that see somebody cut off by a frame are in doubt.
+    mask, view = np.where(white_shirt, 0.5, person).astype(np.float32), Crop(80.0, 70.0, 140.0)
+    looks, whole = [(view.extract(mask, 64), view)], framed(picture, 24, 1.0)
+    in_frame = [(mask, view.moved(24, 24)) for mask, view in looks]
+    share = draft_matte(whole, [in_frame], picture=Photo(whole).picture).share
+    assert np.abs(share[24:-24, 24:-24] - draft_matte(picture, [looks]).share).mean() < 0.02
+    assert share[:22].max() == share[-22:].max() == share[:, :22].max() == share[:, -22:].max() == 0
+
+
+def test_no_view_fades_at_a_frame():
+    photo, everywhere = Photo(framed(street(), 24, 1.0)), np.ones((248, 208), np.float32)
+    matte = Matte(np.zeros_like(everywhere), everywhere, np.zeros((2, 2, 3)), np.zeros((2, 2, 3)), everywhere)
+    for view, fades in ((Crop(104.0, 124.0, 100.0), True), (Crop(74.0, 124.0, 100.0), False)):
+        placement = place_views(canvas_of(photo), [view], matte, ReflectionTable(), picture=(24, 24, 184, 224))
+        (weights,) = weights_on_views(placement, 50)
+        assert (weights.of_views[0][25, 0, 0] < 0.5) == fades

@@ -17,11 +17,11 @@ import torch
 
 from relight_core.imaging.colour import luminance
 from relight_core.imaging.light_change import share_in_reach
+from relight_core.imaging.photo_frame import Inside
 from relight_core.imaging.ramp import ramp
 from relight_core.imaging.resampling import resize_area, shrunk_size
 from relight_core.lighting.reflection import NormalLookup, ReflectionTable
 from relight_core.lighting.sphere import solid_angles
-from relight_core.pipeline.per_photo.photo_frame import Inside
 
 _LONGEST, _LONGEST_KNOWN = 128, 64
 _DARK, _LEAST = 1e-3, 1e-9

@@ -17,6 +17,7 @@ from relight_core.face.paste import Band, places_of, spread_window, whole_photo
 from relight_core.imaging.colour import luminance
 from relight_core.imaging.photo import Photo
 from relight_core.imaging.resampling import shrunk_size
+from relight_core.pipeline.per_photo.network_view import in_picture, picture_pixels
 
 _DARKEST, _BRIGHTEST, _WHITE = 0.15, 0.85, 1.0
 """Of the brightest tenth of a face, at the least, and of a fiftieth of it where that is brighter than white."""
@@ -38,14 +39,15 @@ def exposure_of_face(photo: Photo, crop: Crop) -> float:
     Args:
         crop: the paper's square around the face (section 3.2).
     """
-    seen = luminance(looked_at(photo.seen.linear, Crop(crop.centre_x, crop.centre_y, _OF_CROP * crop.side)))
+    middle = Crop(crop.centre_x, crop.centre_y, _OF_CROP * crop.side)
+    seen = luminance(looked_at(picture_pixels(photo), in_picture(photo, middle)))
     third, tenth, fiftieth = (float(found) for found in np.percentile(seen, (70, 90, 98)))
     return _exposure(tenth, min(fiftieth, _GLARE * third), _MOST[photo.bits])
 
 
 def exposure_of_view(photo: Photo, view: Crop) -> float:
     """The same of a view that may hold a face anywhere: it is dark all over, or half of it is brighter than white."""
-    seen = luminance(looked_at(photo.seen.linear, view))
+    seen = luminance(looked_at(picture_pixels(photo), in_picture(photo, view)))
     return _exposure(float(np.percentile(seen, 95)), float(np.median(seen)), _MOST[photo.bits])
 
 

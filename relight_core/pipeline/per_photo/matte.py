@@ -12,6 +12,7 @@ from relight_core.face.crop import Crop
 from relight_core.face.paste import all_of, fade
 from relight_core.imaging.closed_form import closed_form_matte
 from relight_core.imaging.colour import luminance
+from relight_core.imaging.photo_frame import Inside, inside_frame, picture_cells
 from relight_core.imaging.resampling import resize_area, resize_smooth, shrunk_size
 from relight_core.imaging.view_transform import apply_view
 from relight_core.pipeline.per_photo.brush import BrushStroke, painted
@@ -26,7 +27,6 @@ from relight_core.pipeline.per_photo.likely_person import (
     without_holes,
     without_lookalikes,
 )
-from relight_core.pipeline.per_photo.photo_frame import Inside, inside_frame
 from relight_core.pipeline.per_photo.turned_photo import filled_corners
 
 WORKING_PX = 1024
@@ -134,6 +134,7 @@ def draft_matte(
     exposure: float | np.ndarray = 1.0,
     faces: Iterable[Look] = (),
     others: Iterable[list[Look]] = (),
+    picture: tuple[int, int, int, int] | None = None,
 ) -> DraftMatte | None:
     """Carry coarse person masks to the whole photo; None where the photo's own alpha is the matte.
 
@@ -151,28 +152,75 @@ def draft_matte(
         exposure: edges are looked for in the photo times this, see `exposure_about_faces`.
         faces: a look at each face, its probability instead of the person's.
         others: looks, as at the people, at whoever is known not to be meant.
+        picture: x0, y0, x1, y1 of what of the photo no frame covers (see `Photo.picture`): of a frame's colours nothing
+            is learnt. None is all of it.
     """
     size = linear.shape[:2]
     if alpha is not None and float(alpha.min()) < 1.0:
         return None
     small = resize_area(linear, shrunk_size(size, WORKING_PX)) if small is None else small
     guide = np.ascontiguousarray(apply_view(exposed(small, exposure, all_of(small.shape[:2], size))))
-    people, faces, others, matting_size = list(people), list(faces), list(others), shrunk_size(size, _MATTING_PX)
-    placed = place_masks(people, matting_size, size, others)
-    face, near = place_faces(faces, matting_size, size), near_views(people, matting_size, size)
-    coarse = _matted(guide, placed, face, near, matting_size)
-    share, inside = _seen_nearer(coarse, guide, people, faces, others, size), inside_frame(guide)
+    inside = inside_frame(guide)
+    if picture is None or picture == (0, 0, size[1], size[0]):
+        share = _drafted(guide, list(people), list(faces), list(others), size)
+    else:
+        cells = picture_cells(picture, size, guide.shape[:2])
+        share = _drafted_within(cells, guide, people, faces, others, size)
+        inside = cells if inside is None else inside
     share = _within(inside, filled_corners(guide), share)
     return DraftMatte(share, small, guide, size, exposure, inside)
 
 
-def _within(inside: Inside | None, corners: np.ndarray | None, share: np.ndarray) -> np.ndarray:
-    """A matte (h, w) in which nobody goes on into a frame, or into the filled corners (h, w) of a turned photo."""
+def _drafted(
+    guide: np.ndarray,
+    people: list[list[Look]],
+    faces: list[Look],
+    others: list[list[Look]],
+    photo_size: tuple[float, float],
+) -> np.ndarray:
+    """The matte (h, w) of a picture (h, w, 3), sRGB, as networks and colours have it; see `draft_matte`."""
+    size = shrunk_size(guide.shape[:2], _MATTING_PX)
+    placed = place_masks(people, size, photo_size, others)
+    face, near = place_faces(faces, size, photo_size), near_views(people, size, photo_size)
+    coarse = _matted(guide, placed, face, near, size)
+    return _seen_nearer(coarse, guide, people, faces, others, photo_size)
+
+
+def _drafted_within(
+    cells: Inside,
+    guide: np.ndarray,
+    people: Iterable[list[Look]],
+    faces: Iterable[Look],
+    others: Iterable[list[Look]],
+    photo_size: tuple[int, int],
+) -> np.ndarray:
+    """`_drafted` of some cells of a picture alone, whose edges go on around them."""
+    (rows, columns), (height, width) = cells, guide.shape[:2]
+    down, across = photo_size[0] / height, photo_size[1] / width
+    part = np.ascontiguousarray(guide[cells])
+
+    def moved(looks: Iterable[Look]) -> list[Look]:
+        return [(mask, view.moved(-columns.start * across, -rows.start * down)) for mask, view in looks]
+
+    looks = [moved(of_one) for of_one in people], moved(faces), [moved(of_one) for of_one in others]
+    share = _drafted(part, *looks, (part.shape[0] * down, part.shape[1] * across))
+    around = rows.start, height - rows.stop, columns.start, width - columns.stop
+    return cv2.copyMakeBorder(share, *around, cv2.BORDER_REPLICATE)
+
+
+def _within(
+    inside: Inside | None, corners: np.ndarray | None, share: np.ndarray, beyond: np.ndarray | None = None
+) -> np.ndarray:
+    """A matte (h, w) in which nobody goes on into a frame, or into the filled corners (h, w) of a turned photo.
+
+    Args:
+        beyond: (h, w) what there is in a frame instead of nobody.
+    """
     if corners is not None:
         share = np.where(corners, np.float32(0), share)
     if inside is None:
         return share
-    result = np.zeros_like(share)
+    result = np.zeros_like(share) if beyond is None else beyond.copy()
     result[inside] = share[inside]
     return result
 
@@ -188,7 +236,9 @@ def finish_matte(draft: DraftMatte | None, strokes: Sequence[BrushStroke] = ()) 
         nothing, black = np.zeros((1, 1), np.float32), np.zeros((1, 1, 3), np.float32)
         return Matte(nothing, nothing, black, black, nothing, True)
     small, guide = draft.small, draft.guide
-    share = _on_edges(guide, painted(draft.share, strokes, draft.photo_size), strokes, draft.photo_size)
+    coarse = painted(draft.share, strokes, draft.photo_size)
+    # A filter would let somebody whom a frame cuts off fade out in it.
+    share = _within(draft.inside, None, _on_edges(guide, coarse, strokes, draft.photo_size), coarse)
     slope, level = np.zeros_like(share), share
     if guide.shape[:2] != draft.photo_size:
         slope, level = _guided_coefficients(

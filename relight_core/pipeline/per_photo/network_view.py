@@ -1,4 +1,4 @@
-"""What the networks see of a photo."""
+"""What the networks see of a photo: the picture within its frame, which goes on beyond it."""
 
 from __future__ import annotations
 
@@ -11,7 +11,36 @@ from relight_core.imaging.photo import Photo
 
 def network_view(photo: Photo, view: Crop, size: int, exposure: float) -> np.ndarray:
     """A view (size, size, 3) of a photo, linear; see `as_networks_see`."""
-    return as_networks_see(view.extract(photo.seen.linear, size), photo.monochrome, exposure)
+    return as_networks_see(picture_view(photo, view, size), photo.monochrome, exposure)
+
+
+def picture_view(photo: Photo, view: Crop, size: int) -> np.ndarray:
+    """A view (size, size, 3) of a photo's picture, linear, whose edge pixels are continued over a frame."""
+    return in_picture(photo, view).extract(picture_pixels(photo), size)
+
+
+def picture_pixels(photo: Photo) -> np.ndarray:
+    """(h, w, 3) linear: a photo within its frame, a cut-out before grey."""
+    x0, y0, x1, y1 = photo.picture
+    return photo.seen.linear[y0:y1, x0:x1]
+
+
+def picture_size(photo: Photo) -> tuple[int, int]:
+    """(height, width) of `picture_pixels`."""
+    x0, y0, x1, y1 = photo.picture
+    return y1 - y0, x1 - x0
+
+
+def in_picture(photo: Photo, crop: Crop) -> Crop:
+    """A crop of a photo, counted from the corner of `picture_pixels`."""
+    x0, y0, *_ = photo.picture
+    return crop.moved(-x0, -y0)
+
+
+def in_photo(photo: Photo, crop: Crop) -> Crop:
+    """The inverse of `in_picture`."""
+    x0, y0, *_ = photo.picture
+    return crop.moved(x0, y0)
 
 
 def as_networks_see(view: np.ndarray, monochrome: bool, exposure: float) -> np.ndarray:

@@ -18,7 +18,7 @@ from relight_core.imaging.photo import Photo
 from relight_core.imaging.ramp import ramp
 from relight_core.networks.bundle import NetworkBundle
 from relight_core.pipeline.per_photo.likely_person import closed
-from relight_core.pipeline.per_photo.network_view import network_view
+from relight_core.pipeline.per_photo.network_view import in_picture, network_view, picture_size
 from relight_core.pipeline.stages import in_precision
 
 _SIZE = 256
@@ -86,8 +86,7 @@ def outline_person(
         mirrors: for each look at the view, whether at its mirror image; the log odds of all are averaged.
         exposure: of the portrait.
     """
-    size = photo.linear.shape[:2]
-    inside = inside_photo(view, size, _SIZE)
+    inside = inside_photo(in_picture(photo, view), picture_size(photo), _SIZE)
     seen = srgb_encode(np.clip(network_view(photo, view, _SIZE, exposure), 0, 1)) * inside[..., None]
     planes = np.dstack([seen, inside, face_in_view(view, crop, _SIZE)]).astype(np.float32)
     stacked = torch.from_numpy(planes).permute(2, 0, 1)[None].to(device)

@@ -13,6 +13,7 @@ from relight_core.face.find import FaceBox
 from relight_core.face.lean import remaining_roll
 from relight_core.imaging.photo import Photo
 from relight_core.pipeline.per_photo.exposing import exposure_of_face
+from relight_core.pipeline.per_photo.network_view import in_photo, in_picture, picture_size
 
 SURROUNDINGS = 1.7
 """The networks' view is up to this many times the paper's crop: hair, neck and shoulders change with the light too."""
@@ -126,17 +127,18 @@ def framed(photo: Photo, box: FaceBox, parsed: Callable[[Crop], np.ndarray]) -> 
 
 
 def _view_around(crop: Crop, photo: Photo) -> Crop:
-    """The wider square, moved and shrunk to stay inside the photo as far as the crop itself allows.
+    """The wider square, moved and shrunk to stay inside the photo and its frame as far as the crop itself allows.
 
     Continued border pixels are streaks that no network has seen, so as few as possible are shown to it.
     """
-    height, width = photo.linear.shape[:2]
+    height, width = picture_size(photo)
     side = float(round(max(min(crop.side * SURROUNDINGS, height, width), crop.side, 1)))
     if crop.roll_deg:
         return replace(crop, side=side)
-    x0 = _kept_inside(crop.centre_x - side / 2, side, width)
-    y0 = _kept_inside(crop.centre_y - side / 2, side, height)
-    return Crop(x0 + side / 2, y0 + side / 2, side)
+    within = in_picture(photo, crop)
+    x0 = _kept_inside(within.centre_x - side / 2, side, width)
+    y0 = _kept_inside(within.centre_y - side / 2, side, height)
+    return in_photo(photo, Crop(x0 + side / 2, y0 + side / 2, side))
 
 
 def _kept_inside(start: float, side: float, length: int) -> float:

@@ -11,8 +11,9 @@ import numpy as np
 import torch
 
 from relight_core.face.crop import Crop
-from relight_core.face.paste import all_of, fade, places_of, seen_across, seen_from, spread_crop
+from relight_core.face.paste import all_of, fade, places_of, seen_across, seen_from, spread_crop, whole_photo
 from relight_core.imaging.colour import luminance
+from relight_core.imaging.photo_frame import shrunk_inside
 from relight_core.imaging.ramp import ramp
 from relight_core.imaging.resampling import resize_area, resize_smooth, shrunk_size
 from relight_core.imaging.tone import Tone
@@ -22,7 +23,6 @@ from relight_core.pipeline.per_light.rest_of_person import Body, body_gain, body
 from relight_core.pipeline.per_photo.brush import BrushStroke, painted
 from relight_core.pipeline.per_photo.matte import Matte
 from relight_core.pipeline.per_photo.person import Canvas, shrunk, whole_person
-from relight_core.pipeline.per_photo.photo_frame import shrunk_inside
 from relight_core.pipeline.results.channels import ViewChange, at_level
 from relight_core.pipeline.results.picture import PlacedCatchlight, PlacedChange
 
@@ -47,6 +47,7 @@ class Placement:
         unseen: (k, l) over the whole photo, in [0, 1]: people that no network takes for them; None for nobody.
         exposure: the body's photo is the photo times this.
         tone: of the body's photo, where it is toned.
+        picture: x0, y0, x1, y1 of what of the photo no frame covers, at whose borders no view fades.
     """
 
     views: tuple[Crop, ...]
@@ -54,6 +55,7 @@ class Placement:
     small: tuple[np.ndarray, ...]
     body: Body
     photo_size: tuple[int, int]
+    picture: tuple[float, float, float, float]
     unseen: np.ndarray | None = None
     exposure: float = 1.0
     tone: Tone | None = None
@@ -68,6 +70,7 @@ def place_views(
     strokes: Sequence[BrushStroke] = (),
     exposure: float = 1.0,
     tone: Tone | None = None,
+    picture: tuple[float, float, float, float] | None = None,
 ) -> Placement:
     """Share the photo out among the views of its faces.
 
@@ -79,12 +82,13 @@ def place_views(
         people: as `Placement` has them.
         strokes: of the brush, in the matte already.
         exposure: of the portrait.
-        tone: as `Placement` has it.
+        tone, picture: as `Placement` has them; no picture is all of the photo.
     """
     photo_size = photo.photo_size
     places = places_of(shrunk_size(photo_size, _WEIGHT_LONGEST), photo_size)
     unseen = _unseen(strokes, people, places, photo_size)
-    weights = _weights_at(views, people, _unseen_at(unseen, places, photo_size), places, photo_size)
+    picture = whole_photo(photo_size) if picture is None else picture
+    weights = _weights_at(views, people, _unseen_at(unseen, places, photo_size), places, picture)
     canvas = shrunk(photo, max(body_size(photo_size)))
     known = resize_area(np.minimum(sum(weights), 1), canvas.size)
     share = whole_person(canvas, matte).share
@@ -92,7 +96,7 @@ def place_views(
     cells = None if matte.inside is None else shrunk_inside(matte.inside, photo.size, share.shape)
     body = make_body(seen * np.float32(exposure), share, known, table, cells)
     small = tuple(resize_area(weight, body.photo.shape[:2])[..., None] for weight in weights)
-    return Placement(tuple(views), tuple(people), small, body, photo_size, unseen, exposure, tone)
+    return Placement(tuple(views), tuple(people), small, body, photo_size, picture, unseen, exposure, tone)
 
 
 @dataclass(frozen=True, eq=False)
@@ -216,7 +220,7 @@ def _weights_on(placement: Placement, view: Crop, places: np.ndarray, unseen: np
     near = _near(placement, view)
     views = [placement.views[index] for index in near]
     people = [placement.people[index] for index in near] if placement.people else []
-    weights = _weights_at(views, people, unseen, places, placement.photo_size)
+    weights = _weights_at(views, people, unseen, places, placement.picture)
     of_rest = 1 - np.minimum(sum(weight[..., None] for weight in weights), 1)
     of_views = {index: weight[..., None] for index, weight in zip(near, weights, strict=True) if weight.any()}
     return ViewWeights(
@@ -282,14 +286,14 @@ def _weights_at(
     people: Sequence[tuple[np.ndarray, Crop]],
     unseen: np.ndarray | None,
     places: np.ndarray,
-    photo_size: tuple[int, int],
+    picture: tuple[float, float, float, float],
 ) -> tuple[np.ndarray, ...]:
     """How much each view counts at places (k, l, 2) of the photo: (k, l) each, together at most 1.
 
     Args:
         unseen: (k, l) in [0, 1], people that no network takes for them.
     """
-    fading, nearness = zip(*(_weight(view, places, photo_size) for view in views), strict=True)
+    fading, nearness = zip(*(_weight(view, places, picture) for view in views), strict=True)
     if unseen is not None:
         fading = [counts * (1 - unseen) for counts in fading]
     if len(views) == 1:
@@ -347,15 +351,17 @@ def _mask_at(mask: np.ndarray, crop: Crop, places: np.ndarray) -> np.ndarray:
     return cv2.remap(np.asarray(mask, np.float32), at, None, cv2.INTER_LINEAR, borderMode=cv2.BORDER_CONSTANT)
 
 
-def _weight(view: Crop, places: np.ndarray, photo_size: tuple[int, int]) -> tuple[np.ndarray, np.ndarray]:
+def _weight(
+    view: Crop, places: np.ndarray, picture: tuple[float, float, float, float]
+) -> tuple[np.ndarray, np.ndarray]:
     """How far a view counts at all, and how near its middle each place is; (k, l) each.
 
-    Nothing fades at the photo's own border, beyond which there is no rest.
+    Nothing fades at the picture's own border, beyond which there is no rest.
     """
     across, down = np.moveaxis(view.from_photo(places, 1), -1, 0)
-    x0, y0, x1, y1 = view.window
+    (x0, y0, x1, y1), (left, top, right, bottom) = view.window, picture
     turned = view.roll_deg != 0
-    fading = fade(across, _EDGE_SHARE, turned or x0 > 0, turned or x1 < photo_size[1])
-    fading = fading * fade(down, _EDGE_SHARE, turned or y0 > 0, turned or y1 < photo_size[0])
+    fading = fade(across, _EDGE_SHARE, turned or x0 > left, turned or x1 < right)
+    fading = fading * fade(down, _EDGE_SHARE, turned or y0 > top, turned or y1 < bottom)
     distance = np.hypot(across - 0.5, down - 0.5)
     return fading.astype(np.float32), (1 / (0.05 + distance)) ** _NEARNESS_POWER

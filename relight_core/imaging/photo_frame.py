@@ -11,12 +11,15 @@ _FLAT, _STEP = 6 / 255, 16 / 255
 _ALIKE, _LEAST_LINE, _LEAST_BESIDE = 0.98, 0.4, 0.2
 """Shares of a row that are frame in a frame, and picture just behind one: on one side at least, and on every other."""
 _WIDEST_SHARE = 0.25
+_ENDS = 0.008
 _BLURRED_PX = 2
 _RINGING_PX, _RINGING = 16, 0.9
 """JPEG's blocks carry the picture's edge that far into a frame, hardly anywhere by as much as is surely picture."""
 _WIDEST_BAR, _PLAIN, _LINE, _LEAST_RUN_PX = 0.6, 0.75, 0.6, 3
 """Of a bar: its share of the picture at most, how much of it has its colour, and how much of the row just behind it
 is surely picture; and before that row so many have its colour throughout."""
+PLAINLY = _LINE
+
 _EVERY_PX = 7
 """Of a row, one pixel in so many is looked at."""
 
@@ -24,17 +27,19 @@ Inside = tuple[slice, slice]
 """Rows and columns of a picture."""
 
 
-def inside_frame(shown: np.ndarray) -> Inside | None:
+def inside_frame(shown: np.ndarray, least_beside: float = _LEAST_BESIDE) -> Inside | None:
     """What of a picture lies within a frame of one colour all around it, and within bars.
 
     Args:
         shown: (h, w, 3) sRGB, [0, 1].
+        least_beside: what share of the row behind each side of a frame all around is surely picture. Of a wall in the
+            frame's colour the default keeps what reaches as far as somebody does; `PLAINLY` leaves it a wall.
 
     Returns:
         None where there is neither.
     """
     everything = slice(0, shown.shape[0]), slice(0, shown.shape[1])
-    rows, columns = everything if (framed := _inside_all_around(shown)) is None else framed
+    rows, columns = everything if (framed := _inside_all_around(shown, least_beside)) is None else framed
     while any(bars := [_bar(side) for side in _sides(shown[rows, columns])]):
         top, bottom, left, right = bars
         left_over = slice(rows.start + top, rows.stop - bottom), slice(columns.start + left, columns.stop - right)
@@ -48,6 +53,12 @@ def inside_frame(shown: np.ndarray) -> Inside | None:
 def shrunk_inside(inside: Inside, size: tuple[int, int], small: tuple[int, int]) -> Inside:
     """The cells of a copy of `small`, (height, width), that lie within a frame's inside in a picture of `size`."""
     return tuple(_cells(span, few / many) for span, many, few in zip(inside, size, small, strict=True))
+
+
+def picture_cells(picture: tuple[int, int, int, int], size: tuple[int, int], small: tuple[int, int]) -> Inside:
+    """The same of x0, y0, x1, y1 in a picture of `size`."""
+    x0, y0, x1, y1 = picture
+    return shrunk_inside((slice(y0, y1), slice(x0, x1)), size, small)
 
 
 def _cells(span: slice, scale: float) -> slice:
@@ -85,7 +96,7 @@ def _bar_to(side: np.ndarray, last: int, colour: np.ndarray) -> int:
     return int(depth) if whole and ends else 0
 
 
-def _inside_all_around(shown: np.ndarray) -> Inside | None:
+def _inside_all_around(shown: np.ndarray, least_beside: float) -> Inside | None:
     """What of a picture (h, w, 3) lies within a frame of one colour all around it; None where there is no frame.
 
     A frame ends along a straight line. A wall or a night about somebody is as plain, and does not; where a frame's
@@ -106,13 +117,23 @@ def _inside_all_around(shown: np.ndarray) -> Inside | None:
     rows, columns = slice(top, height - bottom), slice(left, width - right)
     along = columns, columns, rows, rows
     ends = [
-        (part[min(depth + _BLURRED_PX, len(part) - 1), span] > _STEP).mean()
+        _share_of_line(part[min(depth + _BLURRED_PX, len(part) - 1), span] > _STEP)
         for part, depth, span in zip(away, depths, along, strict=True)
     ]
     if max(ends) < _LEAST_LINE:
         return None
-    top, bottom, left, right = (depth if end >= _LEAST_BESIDE else 0 for depth, end in zip(depths, ends, strict=True))
+    top, bottom, left, right = (depth if end >= least_beside else 0 for depth, end in zip(depths, ends, strict=True))
     return slice(top, height - bottom), slice(left, width - right)
+
+
+def _share_of_line(picture: np.ndarray) -> float:
+    """How much of the row behind a frame's side (n,) is surely picture: all of it where that begins at both its ends.
+
+    A wall of the frame's colour would go on in one of them. What has that colour between them is somebody's white cap
+    or a bright sky.
+    """
+    few = max(round(_ENDS * len(picture)), 2)
+    return 1.0 if picture[:few].all() and picture[-few:].all() else float(picture.mean())
 
 
 def _depth(away: np.ndarray) -> int:
