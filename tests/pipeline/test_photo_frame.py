@@ -211,3 +211,21 @@ def test_no_view_fades_at_a_frame():
         placement = place_views(canvas_of(photo), [view], matte, ReflectionTable(), picture=(24, 24, 184, 224))
         (weights,) = weights_on_views(placement, 50)
         assert (weights.of_views[0][25, 0, 0] < 0.5) == fades
+
+
+@pytest.mark.parametrize("roll_deg", [0.0, 45.0])
+@pytest.mark.parametrize("centre", [(700.0, 900.0), (130.0, 110.0), (-900.0, 500.0)])
+def test_a_view_of_a_framed_photo_reads_what_is_about_it_alone(centre, roll_deg, monkeypatch):
+    photo = Photo(framed(cv2.resize(street(), (1600, 2000)), 100, 1.0))
+    x0, y0, x1, y1 = photo.picture
+    view = Crop(*centre, 200.0, roll_deg)
+    whole = view.moved(-x0, -y0).extract(np.ascontiguousarray(photo.linear[y0:y1, x0:x1]), 64)
+    read, extract = [], Crop.extract
+
+    def reading(crop, image, size):
+        read.append(image.size)
+        return extract(crop, image, size)
+
+    monkeypatch.setattr(Crop, "extract", reading)
+    assert np.abs(network_view(photo, view, 64, 1.0) - whole).max() < 1e-5
+    assert max(read) < 3 * 320**2

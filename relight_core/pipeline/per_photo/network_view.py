@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from relight_core.face.crop import Crop
 from relight_core.imaging.colour import without_colour
 from relight_core.imaging.photo import Photo
+
+_REACH, _TAPS_PX = math.sqrt(0.5), 4
+"""How far a turned view reaches from its middle, in its sides, and what its resampling reads beyond."""
 
 
 def network_view(photo: Photo, view: Crop, size: int, exposure: float) -> np.ndarray:
@@ -16,7 +21,21 @@ def network_view(photo: Photo, view: Crop, size: int, exposure: float) -> np.nda
 
 def picture_view(photo: Photo, view: Crop, size: int) -> np.ndarray:
     """A view (size, size, 3) of a photo's picture, linear, whose edge pixels are continued over a frame."""
-    return in_picture(photo, view).extract(picture_pixels(photo), size)
+    pixels, within = picture_pixels(photo), in_picture(photo, view)
+    if pixels.flags.c_contiguous:
+        return within.extract(pixels, size)
+    # Resampling copies what does not lie in one piece, which would be all of a large photo.
+    rows, columns = (
+        _about(middle, _REACH * view.side + _TAPS_PX, length)
+        for middle, length in zip((within.centre_y, within.centre_x), pixels.shape[:2], strict=True)
+    )
+    return within.moved(-columns.start, -rows.start).extract(pixels[rows, columns], size)
+
+
+def _about(middle: float, reach: float, length: int) -> slice:
+    """The pixels of a side of `length` that lie no farther from its middle; the nearest one where there are none."""
+    start = min(max(math.floor(middle - reach), 0), length - 1)
+    return slice(start, max(min(math.ceil(middle + reach), length), start + 1))
 
 
 def picture_pixels(photo: Photo) -> np.ndarray:
