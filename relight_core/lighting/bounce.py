@@ -38,7 +38,7 @@ class Bounce:
 
     def thrown_back(self, irradiance: torch.Tensor) -> torch.Tensor:
         """What a surface under an irradiance (1, 3, S, S), over pi, throws to itself; as that."""
-        result = torch.zeros_like(irradiance)
+        result = irradiance.new_zeros(irradiance.shape)
         sent = F.interpolate(irradiance, size=_SOURCES, mode="area") * self.reflecting
         result.flatten(2)[0, :, self.places] = (self.weights @ sent[0].flatten(1)[:, self.sources].T).T
         return result

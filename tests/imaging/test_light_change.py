@@ -145,12 +145,13 @@ def test_hostile_values_stay_finite_and_positive(bad):
     assert change.gain.max() <= 16
 
 
-def test_enlarged_maps_keep_to_the_side_of_an_edge_that_small_pixels_straddle():
+@pytest.mark.parametrize(("dark", "bright"), [(0.02, 0.9), (0.0005, 0.05)])
+def test_enlarged_maps_keep_to_the_side_of_an_edge_that_small_pixels_straddle(dark, bright):
     """The edge lies within a small pixel; bilinear enlargement would blur across it."""
-    photo = np.full((64, 64, 3), 0.02, np.float32)
-    photo[:, 34:] = 0.9
+    photo = np.full((64, 64, 3), dark, np.float32)
+    photo[:, 34:] = bright
     small = resize_area(photo, (16, 16))
-    maps = np.where(resize_area(photo, (16, 16))[..., :1] < 0.1, 1.0, 5.0).astype(np.float32)
+    maps = np.where(np.arange(16)[None, :, None] < 8, 1.0, 5.0).astype(np.float32) * np.ones((16, 1, 1), np.float32)
     large = JointUpsampler(small, photo)(maps)[..., 0]
     assert large[:, :32].max() < 1.2
     assert large[:, 40:].min() > 4.8
@@ -174,7 +175,8 @@ def test_each_small_pixel_lands_on_its_own_place():
     maps = np.zeros((4, 4, 1), np.float32)
     maps[1, 2] = 1
     large = JointUpsampler(np.full((4, 4, 3), 0.5, np.float32), photo)(maps)[..., 0]
-    assert np.unravel_index(large.argmax(), large.shape) == (4, 7)
+    down, across = (float((np.arange(12) * large.sum(axis)).sum() / large.sum()) for axis in (1, 0))
+    assert (down, across) == pytest.approx((4, 7), abs=1e-4)
 
 
 def test_sizes_must_be_whole_multiples():
@@ -208,6 +210,33 @@ def test_without_detail_all_that_is_added_is_an_offset():
     gain, offset = change.moved(nothing + 0.5, nothing + 0.1, nothing + 0.2)
     assert gain.max() == 0
     np.testing.assert_allclose(offset, 0.5 * 0.3 + 0.1 + 0.2, rtol=1e-6)
+
+
+@pytest.mark.parametrize("textured", [0.0, 1.0])
+def test_a_deeper_shadow_and_more_gloss_change_the_picture_by_what_they_are(textured):
+    photo, gloss = np.full((16, 16, 3), 0.3, np.float32), np.full((16, 16, 3), 0.2, np.float32)
+    change = fit_light_change(photo, photo + gloss, gloss, made_of(textured=textured))
+    gain, offset = change.moved(np.full_like(photo, 0.5), np.full_like(photo, 0.1), np.zeros_like(photo))
+    np.testing.assert_allclose(gain * photo + offset, 0.5 * 0.5 + 0.1, rtol=0.01)
+
+
+def test_light_that_is_lifted_never_takes_the_gain_beyond_its_limit():
+    photo = np.full((16, 16, 3), 0.02, np.float32)
+    change = fit_light_change(photo, 4 * photo, NO_GLOSS, made_of())
+    gain, _ = change.moved(np.ones_like(photo), np.zeros_like(photo), np.full_like(photo, 1.0))
+    np.testing.assert_allclose(gain, 16.0, rtol=1e-5)
+
+
+def test_what_is_nearly_black_comes_out_as_the_networks_lit_it():
+    photo = np.full((16, 16, 3), 0.002, np.float32)
+    np.testing.assert_allclose(fit_light_change(photo, 10 * photo, NO_GLOSS, made_of()).apply(photo), 0.02, rtol=0.01)
+
+
+def test_edges_of_shadows_are_as_even_over_teeth_as_their_light_and_stay_on_skin():
+    photo = np.full((16, 16, 3), 0.5, np.float32)
+    share = np.float32(np.indices((16, 16)).sum(0) % 2)
+    np.testing.assert_allclose(ViewOfPhoto(photo, made_of()).evened(share), share, atol=1e-6)
+    np.testing.assert_allclose(ViewOfPhoto(photo, made_of(evenly_lit=1)).evened(share)[4:12, 4:12], 0.5, atol=0.02)
 
 
 def test_lifted_light_never_takes_shine_away():

@@ -1,8 +1,9 @@
 """The light that a surface throws onto itself."""
 
+import pytest
 import torch
 
-from relight_core.lighting.bounce import gather_bounce
+from relight_core.lighting.bounce import form_factors, gather_bounce
 
 SIZE = 64
 
@@ -57,3 +58,35 @@ def test_behind_the_person_nothing_is_sent():
     bounce = gather_bounce(normal, relief, albedo, person * 0, torch.ones(SIZE, SIZE))
     light = torch.ones(1, 3, SIZE, SIZE)
     torch.testing.assert_close(bounce.add_to(light), light)
+
+
+def test_a_wall_above_lights_what_is_above_it_as_one_at_the_side_does():
+    normal, relief, albedo, person, wall = step()
+    light = torch.ones(1, 3, SIZE, SIZE) * wall
+    everywhere = torch.ones(SIZE, SIZE)
+    beside = gather_bounce(normal, relief, albedo, person, everywhere).add_to(light)
+    # Transposed, the wall that leaned to the left leans up, which is +y.
+    turned = torch.stack([normal[:, 1], -normal[:, 0], normal[:, 2]], 1).mT
+    above = gather_bounce(turned, relief.mT, albedo, person, everywhere).add_to(light.mT)
+    torch.testing.assert_close(above, beside.mT)
+
+
+def test_a_surface_that_is_half_there_sends_half():
+    normal, relief, albedo, person, _ = step()
+    whole, half = (gather_bounce(normal, relief, albedo, person * share, torch.ones(SIZE, SIZE)) for share in (1, 0.5))
+    light = torch.ones(1, 3, SIZE, SIZE)
+    torch.testing.assert_close(half.thrown_back(light), whole.thrown_back(light) / 2)
+
+
+@pytest.mark.parametrize(
+    ("apart", "leaning", "share"),
+    [
+        (1.0, (-1.0, 0.0, 0.0), 0.012732),  # seen from its side, of which no more than four times its width is known
+        (1.0, (-0.6, 0.0, 0.8), 0.0023873),
+        (0.001, (-0.6, 0.0, 0.8), 0.42441),  # no nearer than three quarters of its width
+    ],
+)
+def test_how_much_a_cell_is_of_what_a_point_sees(apart, leaning, share):
+    points = torch.tensor([[0.0, 0.0, 0.0]]), torch.tensor([[1.0, 0.0, 0.0]])
+    cells = torch.tensor([[apart, 0.0, 0.0]]), torch.tensor([leaning])
+    assert float(form_factors(*points, *cells, 0.1)) == pytest.approx(share, rel=1e-3)

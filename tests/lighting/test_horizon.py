@@ -90,3 +90,19 @@ def test_the_shadow_of_a_thin_brim_far_off_has_no_stripes():
     seen = Horizon(brim.astype(np.float32), np.ones((128, 128), bool)).visibility(toward(90, 30), 1.0)[:, 64]
     shadow = seen[30:80]
     assert shadow.max() < 0.01
+
+
+def test_steps_of_a_relief_as_low_as_a_lattices_hide_no_lamp():
+    steps = np.zeros((SIZE, SIZE))
+    steps[:, ::2] = 0.0015
+    assert horizon(steps).visibility(toward(0, 2), 0.5).min() == 1
+
+
+def test_a_lamp_near_the_camera_is_as_wide_across_a_post_as_one_at_the_side():
+    """Twelve degrees across are twenty-four of azimuth at an elevation of 60."""
+    relief = np.zeros((SIZE, SIZE))
+    relief[:32, 40:44] = 4.0
+    at = horizon(relief)
+    seen = np.array([at.visibility(toward(turn, 60), 6.0)[32, 10] for turn in np.linspace(-40, 40, 81)])
+    assert seen[0] == 1
+    assert 16 < ((seen > 0.02) & (seen < 0.98)).sum() < 32

@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from panoramas import ANGLES, lamp, noise, quick
 
-from relight_core.lighting.environment import Environment, mean_luminance, network_light, rotate
+from relight_core.lighting.environment import Environment, mean_luminance, network_light, rotate, shrink
 from relight_core.lighting.sphere import solid_angles
 
 
@@ -76,3 +76,12 @@ def test_a_small_lamp_rises_evenly_and_loses_nothing():
 def test_even_light_stays_even_in_the_light_of_the_networks():
     light = network_light(Environment.from_radiance(np.ones((256, 512, 3), np.float32)))
     np.testing.assert_allclose(light, 1, atol=1e-4)
+
+
+@pytest.mark.parametrize("brightness", [0.01, 1.0, 50.0])
+def test_a_light_of_several_parts_reaches_the_networks_without_its_level(brightness):
+    fine, coarse = brightness * noise(64), brightness * noise(32)
+    light = Environment.of_parts(fine + shrink(coarse, 64), [fine, coarse])
+    assert mean_luminance(network_light(light, 20.0)) == pytest.approx(1.0, rel=1e-5)
+    (part,) = light.coarser_parts
+    np.testing.assert_allclose(light.level * part, coarse, rtol=1e-5)
