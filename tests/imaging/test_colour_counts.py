@@ -23,3 +23,10 @@ def test_a_colour_tells_of_the_picture_that_has_it():
     assert told[:, :5].min() > 3
     assert told[:, 5:].max() < -3
     np.testing.assert_allclose(log_odds(bins, shares_of(bins, left), shares_of(bins, left)), 0)
+
+
+def test_a_share_is_blurred_alike_into_all_three_colours_beside_it():
+    shares = shares_of(np.full((1, 1, 3), 8), np.ones((1, 1)))
+    beside = [shares[9, 8, 8], shares[8, 9, 8], shares[8, 8, 9]]
+    np.testing.assert_allclose(beside, beside[0])
+    assert 0.2 * shares[8, 8, 8] < beside[0] < shares[8, 8, 8]

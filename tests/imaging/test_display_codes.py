@@ -34,7 +34,7 @@ def test_each_channel_follows_its_own_curve():
 def test_codes_are_the_nearest():
     linear = np.random.default_rng(0).random((200, 200, 3), np.float32) ** 3
     error = codes_8_bit(linear, None) - srgb_encode(linear) * 255
-    assert np.abs(error).max() < 0.51
+    assert np.abs(error).max() < 0.5 + 1 / 150
 
 
 def test_the_ends_stay_the_ends():

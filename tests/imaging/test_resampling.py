@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from relight_core.imaging.resampling import resample_window, resize_area, resize_smooth
+from relight_core.imaging.resampling import resample_window, resize_area, resize_cut_out, resize_smooth
 
 RNG = np.random.default_rng(2)
 
@@ -69,3 +69,13 @@ def test_channels_are_kept(shape):
             assert resized.shape == (*size, *shape[2:])
             assert resized.dtype == np.float32
             np.testing.assert_allclose(resized, 1.0, atol=1e-6)
+
+
+def test_a_cut_outs_edge_keeps_its_colour_and_what_is_hidden_has_no_say():
+    alpha = np.zeros((12, 12), np.float32)
+    alpha[:, :7] = 1
+    image = np.where(alpha[..., None] > 0, np.float32(0.4), np.float32(9.0)).repeat(3, -1)
+    small, share = resize_cut_out(image, alpha, (4, 4))
+    np.testing.assert_allclose(share[0], [1, 1, 1 / 3, 0], atol=1e-6)
+    np.testing.assert_allclose(small[:, :3], 0.4, rtol=1e-5)
+    assert small[:, 3].max() == 0

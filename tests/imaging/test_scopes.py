@@ -113,3 +113,15 @@ def test_a_black_backdrop_neither_flattens_the_histogram_nor_shows_as_white():
     assert coverage[:, 128].min() == 255
     assert coverage[:, 0].min() == 255
     assert coverage[:, 255].max() == 0
+
+
+def test_what_the_screen_shows_as_its_darkest_grey_is_not_too_dark():
+    """Code 1 is 1 / (12.92 * 255), and half of that is rounded to it."""
+    assert extremes(np.full((4, 4, 3), 0.00016, np.float32)).too_dark == 0
+    assert extremes(np.full((4, 4, 3), 0.00015, np.float32)).too_dark == 1
+
+
+def test_a_waveform_is_no_brighter_for_a_picture_of_more_pixels():
+    ramp = np.broadcast_to(np.arange(256, dtype=np.uint8)[:, None, None], (256, 256, 3))
+    larger = ramp.repeat(4, 0).repeat(4, 1)
+    np.testing.assert_array_equal(waveform_picture(larger), waveform_picture(ramp))

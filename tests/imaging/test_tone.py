@@ -44,3 +44,11 @@ def test_brightnesses_that_the_picture_lacks_lie_between_those_it_has():
     brightness = np.concatenate([np.full(500, 0.1), np.full(500, 0.9)])
     between = tone_of(sepia(brightness)).at(np.full(1, 0.5))[0]
     assert sepia(np.full(1, 0.1))[0, 0] / 0.1 + 1e-3 > between[0] > 1
+
+
+def test_a_colour_that_the_shadows_lack_is_not_made_without_end():
+    red, grey = np.float32([[1, 0, 0]]), np.float32([[1, 1, 1]])
+    tone = tone_of(np.concatenate([0.1 * red.repeat(500, 0), 0.9 * grey.repeat(500, 0)]))
+    brighter = tone.turned(np.full(1, 0.02), np.full(1, 0.9))
+    assert np.isfinite(brighter).all()
+    assert brighter.max() < 60

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from relight_core.imaging.view_transform import apply_view
+from relight_core.imaging.view_transform import apply_view, expose
 from tests.hostile_colours import hostile_colours
 
 
@@ -66,3 +66,8 @@ def test_the_input_is_not_changed():
     linear = np.array([[np.nan, 5.0, -1.0]], np.float32)
     apply_view(linear, 1.0)
     np.testing.assert_array_equal(linear, np.array([[np.nan, 5.0, -1.0]], np.float32))
+
+
+def test_exposed_radiance_stays_within_what_a_half_float_holds():
+    exposed = expose(np.array([[1e-3, 3e4, np.inf]], np.float32), 8.0)
+    np.testing.assert_allclose(exposed, [[0.256, 65504, 65504]], rtol=1e-6)

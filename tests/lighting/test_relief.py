@@ -4,6 +4,8 @@ import numpy as np
 import pytest
 import torch
 
+from relight_core.imaging.tensor_colour import grey
+from relight_core.lighting.reflection import ReflectionTable
 from relight_core.lighting.relief import horizon_slopes, march_relief, march_reliefs
 
 SIZE = 32
@@ -126,13 +128,14 @@ def test_light_from_behind_hides_nothing():
     assert march_relief(wall(), facing_camera(), covered()).visibility(behind, SIZE).min() == 1
 
 
-@pytest.mark.parametrize(("azimuth_deg", "rise"), [(0, 1.0), (90, 0.0), (180, 0.0), (270, 0.0)])
-def test_a_terrace_hides_the_sky_on_its_side_up_to_its_rim(azimuth_deg, rise):
-    """Half a half-width high, and as far to the right of a point in the middle: up to 45 degrees."""
+@pytest.mark.parametrize(("turns", "azimuth_deg"), [(0, 0.0), (1, 90.0), (2, 180.0), (3, 270.0)])
+def test_a_terrace_hides_the_sky_on_its_side_up_to_its_rim(turns, azimuth_deg):
+    """Half a half-width high, and as far to the right of a point in the middle, or above it: up to 45 degrees."""
     relief = torch.zeros(1, 64, 64)
     relief[:, :, 48:] = 0.5
-    slopes = horizon_slopes(relief, torch.ones(1, 64, 64), torch.deg2rad(torch.tensor([float(azimuth_deg)])))
-    assert float(slopes[0, 0, 32, 32]) == pytest.approx(rise, abs=0.15)
+    around = torch.deg2rad(torch.tensor([0.0, 90.0, 180.0, 270.0]) + azimuth_deg)
+    slopes = horizon_slopes(relief.rot90(turns, (1, 2)), torch.ones(1, 64, 64), around)
+    assert slopes[:, 0, 32, 32].tolist() == pytest.approx([1.0, 0.0, 0.0, 0.0], abs=0.15)
 
 
 def test_gloss_of_a_lamp_that_is_hidden_is_lost_though_most_of_the_irradiance_is_not():
@@ -153,6 +156,21 @@ def test_gloss_of_a_lamp_that_is_hidden_is_lost_though_most_of_the_irradiance_is
     assert lost(transport.gloss_fraction(key)) < 0.1
     assert lost(transport.shadow_fraction(key + behind)) < 0.25
     assert lost(transport.gloss_fraction(key + behind)) > 0.5
+
+
+def test_of_two_lamps_each_loses_its_share_of_the_gloss():
+    """The texels of one that stands high are small."""
+    upward = torch.zeros(3, SIZE, SIZE)
+    upward[0], upward[1], upward[2] = 0.3, 0.6, 0.55**0.5
+    transport, table = march_relief(wall(), upward, covered()), ReflectionTable()
+    beside, above = torch.zeros(2, 1, 16, 32, 3)
+    beside[:, 7:9, 26:28], above[:, :2, 2:10] = 50, 50
+    lights = beside, above, beside + above
+    lost = [transport.gloss_fraction(light)[0, 0, SIZE // 2, 10:14] for light in lights]
+    gloss = [grey(table(light, upward[None])[:, 3:])[0, 0, SIZE // 2, 10:14] for light in lights]
+    assert (lost[0] - lost[1]).min() > 0.5
+    both = (lost[0] * gloss[0] + lost[1] * gloss[1]) / gloss[2]
+    torch.testing.assert_close(lost[2], both, atol=0.03, rtol=0)
 
 
 def test_gloss_is_lost_in_no_light_and_off_the_surface_nowhere():

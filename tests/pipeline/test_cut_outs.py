@@ -104,5 +104,13 @@ class TestWhatIsBlackAndWhite:
     def test_nor_hidden_greys_a_grey_one(self, hidden):
         assert not cut_out(hidden).monochrome
 
+    @pytest.mark.parametrize("hidden", HIDDEN)
+    def test_hidden_colours_are_no_part_of_a_tone(self, hidden):
+        sepia = Photo(self.grey.linear * np.float32([1.2, 1.0, 0.6]))
+        tone = cut_out(hidden, sepia).tone_at(1.0)
+        np.testing.assert_allclose(
+            tone.at(np.float32([0.1, 0.4]))[:, 2] / tone.at(np.float32([0.1, 0.4]))[:, 0], 0.5, rtol=0.02
+        )
+
     def test_nothing_to_see_has_no_colour(self):
         assert Photo(some_photo().linear, np.zeros((96, 112), np.float32)).monochrome

@@ -174,8 +174,6 @@ def test_what_is_kept_is_reused_within_the_bound_of_its_light():
         ({"exposure_ev": 2.0}, {"compose", "sliders", "background", "channels"}, set()),
         ({"shadow": 0.5}, {"compose", "specular_shadow", "panorama"}, {"sliders", "detail", "background"}),
         ({"background": "transparent"}, {"compose", "detail"}, {"background"}),
-        ({"forced_off": frozenset({"correction"})}, {"specular_shadow"}, {"compose", "detail"}),
-        ({"forced_off": frozenset({"relief"})}, {"irradiance"}, {"specular_shadow", "compose"}),
     ],
 )
 def test_a_key_names_what_its_stage_reads_and_nothing_else(change, untouched, touched):
@@ -183,6 +181,43 @@ def test_a_key_names_what_its_stage_reads_and_nothing_else(change, untouched, to
     before, after = make_plan(SCENE, edit).keys, make_plan(SCENE, replace(edit, **change)).keys
     assert all(before[name] == after[name] for name in untouched)
     assert all(before[name] != after[name] for name in touched)
+
+
+PICTURE = {"detail_fit", "sliders", "detail", "background", "channels"}
+HIDDEN = {"specular_shadow", "hard_shadow", "compose", "residual", "catchlights"}
+
+
+@pytest.mark.parametrize(
+    ("effect", "touched"),
+    [
+        ("shadow", {"compose"} | PICTURE),
+        ("specular", {"compose"} | PICTURE),
+        ("correction", {"compose", "residual"} | PICTURE),
+        ("residual", PICTURE),
+        ("detail", PICTURE),
+        ("relief", HIDDEN | PICTURE),
+        ("flattening", {"surface", "irradiance"} | HIDDEN | PICTURE),
+    ],
+)
+def test_what_is_turned_off_is_made_anew_by_all_that_reads_it_and_nothing_else(effect, touched):
+    before, after = (make_plan(SCENE, Edit(forced_off=off)).keys for off in (frozenset(), frozenset({effect})))
+    assert {name for name in before if before[name] != after[name]} == touched
+
+
+def test_a_network_that_is_turned_on_makes_anew_all_that_reads_it():
+    cheap = replace(SCENE, tier=replace(TIER, shadow_network=False))
+    before, after = (make_plan(cheap, Edit(forced_on=on)).keys for on in (frozenset(), frozenset({"shadow"})))
+    assert {name for name in before if before[name] != after[name]} == HIDDEN | PICTURE
+
+
+def test_eyes_that_mirror_another_light_make_another_picture():
+    one, other = (make_plan(replace(SCENE, irises=2, mirrored=light), Edit()).keys for light in ("sun", "sky"))
+    assert {name for name in one if one[name] != other[name]} == {"catchlights", "background"}
+
+
+def test_another_channel_that_is_looked_at_is_made_and_nothing_else():
+    one, other = (make_plan(SCENE, Edit(channels=(name,))).keys for name in ("shadow", "specular"))
+    assert {name for name in one if one[name] != other[name]} == {"channels"}
 
 
 def test_a_turn_of_a_panorama_that_nobody_sees_moves_no_background():
