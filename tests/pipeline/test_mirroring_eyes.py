@@ -11,7 +11,8 @@ from relight_core.face.irises import Iris
 from relight_core.imaging.photo import Photo
 from relight_core.lighting.environment import Environment
 from relight_core.lighting.sphere import directions
-from relight_core.pipeline import face_taken_apart
+from relight_core.pipeline import face_relighter, face_taken_apart
+from relight_core.pipeline.per_light.catchlights import LitEye
 from relight_core.pipeline.relighter import Relighter
 
 IRISES = (Iris(40.0, 40.0, 6.0), Iris(62.0, 40.0, 6.0))
@@ -89,6 +90,14 @@ def test_under_the_photos_own_light_its_own_stay(portrait):
     assert np.abs(change(relighter, replace(EDIT, yaw_deg=120.0), own)).max() > 1e-4
     unnamed = replace(EDIT, forced_off=frozenset({"source_light", "flattening", "residual"}))
     assert np.abs(change(relighter, unnamed, own)).max() < 1e-4
+
+
+def test_what_is_hidden_from_an_eye_is_not_mirrored_unless_nothing_is_to_be_hidden(portrait, monkeypatch):
+    hidden = LitEye(np.zeros((16, 32), np.float32), np.zeros(3, np.float32))
+    monkeypatch.setattr(face_relighter, "light_about", lambda *of_light: hidden)
+    assert change(portrait()).max() <= 1e-6
+    for effect in ("shadow", "relief"):
+        assert change(portrait(), replace(EDIT, forced_off=frozenset({effect}))).max() > 1e-3
 
 
 def test_under_a_black_light_nothing_is_mirrored(portrait):

@@ -8,6 +8,7 @@ from tiny_relighter import EDIT, NETWORK_STAGES, computed, some_light, some_phot
 
 from relight_core.lighting.environment import Environment
 from relight_core.pipeline import stages
+from relight_core.pipeline.per_light.fine_edges import FineEdges
 from relight_core.pipeline.relighter import Relighter
 
 pytestmark = pytest.mark.usefixtures("small_and_seeing_faces")
@@ -155,6 +156,13 @@ def test_an_effect_turned_off_is_gone_and_comes_back(relighter, effect):
     np.testing.assert_array_equal(relighter.relight(some_light(), EDIT).image, first.image)
 
 
+@pytest.mark.parametrize(("effect", "other"), [("specular", "shadow"), ("shadow", "specular")])
+def test_no_slider_brings_an_effect_back_that_is_turned_off(relighter, effect, other):
+    off = replace(EDIT, forced_off=frozenset({effect}), **{other: 0.5})
+    image = relighter.relight(some_light(), off).image
+    np.testing.assert_array_equal(relighter.relight(some_light(), replace(off, **{effect: 2.0})).image, image)
+
+
 def test_without_shadow_and_specular_their_network_rests(relighter):
     relit = relighter.relight(some_light(), replace(EDIT, forced_off=frozenset({"shadow", "specular"})))
     assert states(relit)["specular_shadow"] == "skipped"
@@ -217,3 +225,12 @@ def test_edges_drawn_for_a_picture_with_detail_serve_none_without(relighter):
     assert "fine_edges" in computed(after)
     relighter.forget_lights()
     np.testing.assert_array_equal(relighter.relight(sun(), plain).image, after.image)
+
+
+@pytest.mark.parametrize(("slider", "drawn"), [({}, True), ({"shadow": 0.0}, False), ({"shadow_softness": 0.5}, False)])
+def test_a_shadow_that_is_taken_away_or_softened_leaves_no_fine_edge(relighter, monkeypatch, slider, drawn):
+    edit = replace(EDIT, **slider)
+    with_edges = relighter.relight(sun(), edit).image
+    monkeypatch.setattr(FineEdges, "gain", lambda edges, *sliders: np.ones((*edges.fine.shape, 3), np.float32))
+    relighter.forget_lights()
+    assert (np.abs(relighter.relight(sun(), edit).image - with_edges).max() > 1e-4) == drawn
