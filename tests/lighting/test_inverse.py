@@ -1,5 +1,6 @@
 """The light that explains a photo: found where the surface tells it, the guess where it does not."""
 
+import pytest
 import torch
 
 from relight_core.lighting.inverse import explain_photo
@@ -51,3 +52,18 @@ def test_a_hue_of_the_photo_is_followed_in_part():
     shading = torch.tensor([[0.8, 0.2, 0.2], [0.8, 0.2, 0.2]])
     red, green, _ = explain_photo(torch.full((3, 3), 0.7), facing_transport(), shading, torch.ones(2))[0]
     assert 1.2 < red / green < 4
+
+
+@pytest.mark.parametrize(("weight", "level"), [((1.0, 1.0), 1.909), ((9.0, 1.0), 1.182), ((1.0, 9.0), 2.636)])
+def test_pixels_that_disagree_count_as_far_as_they_are_trusted(weight, level):
+    """One sees a light of 1 and the other of 3, both in the same texel; the guess is 1 and counts for a tenth."""
+    transport = torch.tensor([[0.5, 0.0], [0.5, 0.0]])
+    shading = torch.tensor([0.5, 1.5])[:, None].expand(2, 3)
+    found = explain_photo(torch.ones(2, 3), transport, shading, torch.tensor(weight))
+    assert found[0].tolist() == pytest.approx([level] * 3, rel=1e-2)
+
+
+def test_light_is_found_where_the_guess_has_none():
+    guess = torch.tensor([0.0, 1.0, 1.0])[:, None].expand(3, 3)
+    found = explain_photo(guess, facing_transport(), torch.full((2, 3), 0.5), torch.ones(2))
+    assert float(found[0].min()) > 0.7

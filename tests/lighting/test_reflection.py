@@ -125,6 +125,21 @@ def test_highlight_mirrors_the_camera(table):
     assert np.degrees(angles[gloss.argmax()]) == pytest.approx(30, abs=8)
 
 
+@pytest.mark.parametrize(
+    ("toward", "normal", "lobe"),
+    [
+        ((0, 0, 1), (0, 0, 1), 0.0611155),
+        ((0.6, 0, 0.8), (0, 0, 1), 0.0096941),
+        ((0.96, 0, -0.28), (0.8, 0, 0.6), 0.1161768),
+        ((0, 0.8, 0.6), (0.6, 0, 0.8), 0.0010425),
+    ],
+)
+def test_the_lobe_is_the_principled_bsdfs(toward, normal, lobe):
+    """D F G1 G1 / (4 n.v) of a specular of 0.6 and a roughness of 0.5, worked out from the half-vector."""
+    one, other = torch.tensor([toward], dtype=torch.float32), torch.tensor([normal], dtype=torch.float32)
+    assert float(specular_lobe(one, other)) == pytest.approx(lobe, rel=1e-4)
+
+
 def test_lobe_is_dark_below_the_horizon_and_finite_where_the_camera_grazes():
     toward, _ = texels()
     normals = torch.tensor([[0, 0, 1.0], [1.0, 0, 0], [0.999, 0, 0.0447], [0, -1, 0]])
