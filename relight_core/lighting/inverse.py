@@ -21,8 +21,9 @@ def explain_photo(
     Direct light is linear in the environment, so the shading of known pixels is transport times light. Every
     texel is multiplied by how much brighter the photo is than predicted, averaged over the pixels it lights
     (Richardson 1972; Lucy 1974), a few times and held back by the guess. So light stays light: never
-    negative, no holes where nothing was known, as smooth as the transport is. Colours follow by half, since
-    an albedo whose hue is off looks like coloured light.
+    negative, no holes where nothing was known, as smooth as the transport is. At every step colours
+    follow by half, since an albedo whose hue is off looks like coloured light: what few pixels tell of keeps the
+    guess's hue longer, what many agree in does not.
 
     Args:
         guess: (T, 3) radiance >= 0 at the scale of `shading`.

@@ -167,6 +167,13 @@ def test_hints_of_every_variant():
         specular_shadow_hints(told, reflected, relief)
 
 
+def test_the_shadow_network_is_told_of_irradiance_and_gloss_on_curves_that_it_learnt():
+    reflected = torch.full((1, 6, 1, 1), 1.0)
+    reflected[:, 3:] = 0.25
+    told = specular_shadow_hints(SpecularShadowConfig(), reflected, torch.full((1, 1, 1, 1), 0.4))
+    assert told.flatten().tolist() == pytest.approx([0.693147, 0.693147, 0.4], abs=1e-5)
+
+
 def test_relief_behind_the_person_tells_the_shadow_network_nothing():
     reflected, shadow, parsing = torch.rand(1, 6, 4, 4), torch.rand(1, 1, 4, 4), torch.zeros(1, 14, 4, 4)
     parsing[:, 0, :2], parsing[:, 1, 2:] = 1, 1

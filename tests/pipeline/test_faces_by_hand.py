@@ -11,9 +11,11 @@ from tiny_relighter import EDIT, NETWORK_STAGES, computed, some_light, some_phot
 
 from relight_core.errors import InputError, NoFaceError
 from relight_core.face.find import FaceBox
-from relight_core.lighting.environment import network_light
+from relight_core.lighting.environment import Environment, network_light
+from relight_core.lighting.roll import roll_light
+from relight_core.lighting.summary import average_direction
 from relight_core.networks.bundle import save_bundle
-from relight_core.pipeline import face_relighter, face_search, face_taken_apart, stages
+from relight_core.pipeline import face_in_photo, face_relighter, face_search, face_taken_apart, stages
 from relight_core.pipeline.face_taken_apart import Workshop
 from relight_core.pipeline.per_photo import choosing_faces
 from relight_core.pipeline.quality import tier_of
@@ -201,3 +203,15 @@ def test_the_own_light_of_a_leaning_face_is_served_to_it_as_what_its_photo_is_ex
     face, tier = relighter._faces[0], tier_of("live")
     served = face._turned(network_light(own))
     torch.testing.assert_close(served, face._source_light(face.prepare(tier)), rtol=1e-4, atol=1e-5)
+
+
+def test_the_light_that_a_leaning_face_is_explained_by_is_told_as_the_camera_sees_it(relighter, monkeypatch):
+    lamp = np.full((16, 32, 3), 0.1, np.float32)
+    lamp[6:8, 25:27] = 30.0
+    seen = torch.from_numpy(roll_light(lamp, 38.0))[None]
+    monkeypatch.setattr(face_in_photo, "explain_source_light", lambda *of_view: seen)
+    relighter.set_portrait(some_photo(), boxes=[FaceBox(24, 20, 72, 76, 38.0)])
+    found, meant = (
+        average_direction(light) for light in (relighter.estimated_light("live"), Environment.from_radiance(lamp))
+    )
+    np.testing.assert_allclose(found, meant, atol=0.06)

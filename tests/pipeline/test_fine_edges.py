@@ -68,6 +68,12 @@ def test_where_geometry_has_no_say_edges_stay():
     np.testing.assert_array_equal(fine.fine, fine.coarse)
 
 
+def test_edges_move_as_far_as_geometry_has_a_say():
+    quarter, half = (draw_finely(edges(counts=counts), larger) for counts in (0.25, 0.5))
+    assert np.abs(half.fine - half.coarse).max() > 0.05
+    np.testing.assert_allclose(half.fine - half.coarse, 2 * (quarter.fine - quarter.coarse), atol=1e-5)
+
+
 def test_no_place_is_darker_or_brighter_than_all_around():
     shallow = edges()
     shallow = replace(shallow, hidden=0.3 * shallow.hidden)

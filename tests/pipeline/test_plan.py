@@ -317,6 +317,13 @@ def test_groups_and_age_part_lights():
     assert serving(lights, "one tier", near, 2 / 255).bound == 0
 
 
+def test_a_light_that_was_gone_back_to_is_kept_longer():
+    lights = KeptLights(2)
+    for number in (1, 2, 1, 3):
+        serving(lights, "one tier", LIGHT * np.float32(number), 0.0)
+    assert serving(lights, "one tier", LIGHT * np.float32(1.00001), 2 / 255).bound > 0
+
+
 def test_eyes_mirror_a_light_where_irises_are_seen():
     seen = replace(SCENE, irises=2, mirrored="sky")
     assert make_plan(seen, Edit()).runs("catchlights")

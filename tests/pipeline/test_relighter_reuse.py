@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from tiny_relighter import EDIT, NETWORK_STAGES, computed, some_light, some_photo, states
 
-from relight_core.lighting.environment import Environment
+from relight_core.lighting.environment import Environment, rotate
 from relight_core.pipeline import stages
 from relight_core.pipeline.per_light.fine_edges import FineEdges
 from relight_core.pipeline.relighter import Relighter
@@ -234,3 +234,21 @@ def test_a_shadow_that_is_taken_away_or_softened_leaves_no_fine_edge(relighter, 
     monkeypatch.setattr(FineEdges, "gain", lambda edges, *sliders: np.ones((*edges.fine.shape, 3), np.float32))
     relighter.forget_lights()
     assert (np.abs(relighter.relight(sun(), edit).image - with_edges).max() > 1e-4) == drawn
+
+
+def test_turning_a_light_is_relighting_with_the_turned_panorama(relighter):
+    edit = replace(EDIT, background="light")
+    by_yaw = relighter.relight(sun(), replace(edit, yaw_deg=90.0))
+    turned = relighter.relight(Environment(rotate(sun().shape, 90.0), sun().level, "turned"), edit)
+    np.testing.assert_allclose(by_yaw.image, turned.image, rtol=1e-3, atol=1e-4)
+    for name in ("specular", "shadow", "composition", "target_light"):
+        np.testing.assert_allclose(by_yaw.channels[name], turned.channels[name], rtol=1e-3, atol=1e-4)
+    still = relighter.relight(sun(), edit)
+    assert np.abs(still.channels["shadow"] - turned.channels["shadow"]).max() > 0.01
+
+
+@pytest.mark.parametrize("change", [{"background_fov_deg": 90.0}, {"background_blur_deg": 12.0}, {"yaw_deg": 40.0}])
+def test_another_view_of_the_light_behind_is_another_picture(relighter, change):
+    edit = replace(EDIT, background="light")
+    image = relighter.relight(some_light(), edit).image
+    assert np.abs(relighter.relight(some_light(), replace(edit, **change)).image - image).max() > 0.01

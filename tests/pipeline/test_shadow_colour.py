@@ -106,3 +106,10 @@ def test_colourfulness_grows_with_what_tells_the_colours_apart():
     both, pale, same = two_lamps(BLUE, RED), two_lamps((1.0, 1.0, 1.1), (1.1, 1.0, 1.0)), torch.ones(1, 16, 32, 3)
     assert colourfulness(both) > 0.5 > colourfulness(pale) > colourfulness(same) == pytest.approx(0, abs=1e-5)
     assert colourfulness(7 * both) == pytest.approx(colourfulness(both), rel=1e-4)
+
+
+def test_colours_count_by_how_much_of_the_sphere_they_fill():
+    """At the pole a row of texels is a twentieth of one beside the horizon."""
+    high, level = torch.ones(2, 1, 16, 32, 3)
+    high[:, 0], level[:, 8] = torch.tensor([3.0, 0.0, 0.0]), torch.tensor([3.0, 0.0, 0.0])
+    assert colourfulness(high) < 0.15 * colourfulness(level)

@@ -62,3 +62,8 @@ def test_white_skin_throws_no_more_than_it_gets():
     surface, _ = cheek_beside_a_nose(albedo=(1.0, 1.0, 1.0))
     white = torch.ones_like(surface.albedo)
     assert 0 < thrown(surface, white).max() <= 1.0
+
+
+def test_what_skin_sends_out_has_its_colour_already():
+    surface, _ = cheek_beside_a_nose(albedo=(0.1, 0.05, 0.04))
+    assert torch.equal(skin_bounce(surface).reflecting, torch.ones(1, 3, 32, 32))
