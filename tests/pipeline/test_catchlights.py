@@ -4,12 +4,21 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+import torch
 from drawn_eye import draw_eyes
 
+from relight_core.face.crop import Crop
 from relight_core.face.irises import Iris
 from relight_core.lighting.environment import Environment
+from relight_core.lighting.relief import march_relief
 from relight_core.lighting.sphere import directions
-from relight_core.pipeline.per_light.catchlights import Catchlight, LitEye, how_much_another, mirrored_light
+from relight_core.pipeline.per_light.catchlights import (
+    Catchlight,
+    LitEye,
+    how_much_another,
+    mirrored_light,
+    sky_over,
+)
 from relight_core.pipeline.per_photo.corneas import find_cornea
 
 IRIS = Iris(100.0, 90.0, 30.0)
@@ -86,6 +95,20 @@ def test_it_is_two_and_a_half_percent_of_what_is_before_it(cornea):
 def test_what_does_not_reach_the_eye_is_not_mirrored(cornea):
     shadowed = replace(OPEN, seen=np.zeros((16, 32), np.float32))
     assert mirrored_light(cornea, shadowed, lamp((0.6, 0.5, 1)), 0.0).max() == 0
+
+
+@pytest.mark.parametrize("roll_deg", [0.0, 90.0, -40.0])
+def test_a_wall_at_the_right_of_the_photo_hides_what_comes_from_there_however_the_head_leans(cornea, roll_deg):
+    view, size = Crop(100.0, 90.0, 400.0, roll_deg), 32
+    places = view.to_photo(np.stack(np.meshgrid(*[np.arange(size) + 0.5] * 2), -1), size)
+    wall = torch.from_numpy(np.where(places[..., 0] > 160, 0.5, 0.0).astype(np.float32))
+    facing = torch.zeros(3, size, size)
+    facing[2] = 1
+    seen = sky_over(cornea, view, march_relief(wall, facing, torch.ones(size, size)), 64).seen
+    x, _, z = np.moveaxis(directions(16, 32), -1, 0)
+    right, left = (seen[(side * x > 0.7) & (z > 0.1)].mean() for side in (1, -1))
+    assert right < 0.3
+    assert left > 0.8
 
 
 def test_it_has_the_lamps_colour(cornea):
