@@ -12,7 +12,7 @@ from relight_core.imaging.photo import Photo
 from relight_core.lighting.environment import Environment
 from relight_core.lighting.sphere import directions
 from relight_core.pipeline import face_relighter, face_taken_apart
-from relight_core.pipeline.per_light.catchlights import LitEye
+from relight_core.pipeline.per_light.catchlights import Catchlight, LitEye
 from relight_core.pipeline.relighter import Relighter
 
 IRISES = (Iris(40.0, 40.0, 6.0), Iris(62.0, 40.0, 6.0))
@@ -98,6 +98,13 @@ def test_what_is_hidden_from_an_eye_is_not_mirrored_unless_nothing_is_to_be_hidd
     assert change(portrait()).max() <= 1e-6
     for effect in ("shadow", "relief"):
         assert change(portrait(), replace(EDIT, forced_off=frozenset({effect}))).max() > 1e-3
+
+
+@pytest.mark.parametrize("background", ["transparent", "#808080"])
+def test_where_more_is_taken_away_than_there_is_an_eye_is_black(portrait, monkeypatch, background):
+    monkeypatch.setattr(Catchlight, "change", lambda catchlight, gain: np.full_like(catchlight.mirrored, -9.0))
+    image = portrait().relight(lamp_before(), replace(EDIT, background=background)).image
+    assert image.min() >= 0
 
 
 def test_under_a_black_light_nothing_is_mirrored(portrait):

@@ -7,7 +7,8 @@ import pytest
 from tiny_relighter import EDIT, NETWORK_STAGES, computed, some_light, some_photo, states
 
 from relight_core.lighting.environment import Environment, rotate
-from relight_core.pipeline import stages
+from relight_core.lighting.soft_box import direction_at
+from relight_core.pipeline import face_relighter, stages
 from relight_core.pipeline.per_light.fine_edges import FineEdges
 from relight_core.pipeline.relighter import Relighter
 
@@ -245,6 +246,14 @@ def test_turning_a_light_is_relighting_with_the_turned_panorama(relighter):
         np.testing.assert_allclose(by_yaw.channels[name], turned.channels[name], rtol=1e-3, atol=1e-4)
     still = relighter.relight(sun(), edit)
     assert np.abs(still.channels["shadow"] - turned.channels["shadow"]).max() > 0.01
+
+
+def test_small_lamps_turn_with_their_light(relighter, monkeypatch):
+    asked, harden = [], face_relighter.harden_shadow
+    monkeypatch.setattr(face_relighter, "harden_shadow", lambda *parts: asked.append(parts[6]) or harden(*parts))
+    relighter.relight(sun(), replace(EDIT, yaw_deg=90.0))
+    (lamp,), *_ = asked
+    np.testing.assert_allclose(lamp.toward, direction_at(85 / 128 + 0.25, 25 / 64), atol=0.02)
 
 
 @pytest.mark.parametrize("change", [{"background_fov_deg": 90.0}, {"background_blur_deg": 12.0}, {"yaw_deg": 40.0}])
