@@ -77,6 +77,18 @@ def test_another_texture_or_clip_is_drawn_though_the_corners_are_the_same():
     assert max(rect[2] for rect in found) == 20
 
 
+def test_a_picture_with_other_contents_is_drawn_though_something_else_of_its_window_has_changed_too():
+    def frame(colour):
+        letters, picture = rectangle(5, 5, 9, 9, colour=colour), rectangle(100, 100, 200, 200)
+        pieces = Piece(ALL, LETTERS, 0, 6), Piece(ALL, PICTURE, 6, 6)
+        return (Sheet("panel", np.concatenate([letters, picture]), sheet(letters, picture).indices, pieces),)
+
+    assert sorted(damage(frame(7), frame(8), {PICTURE: (0.0, 0.0, 1.0, 1.0)}, SIZE)) == [
+        (5, 5, 9, 9),
+        (100, 100, 200, 200),
+    ]
+
+
 def test_a_texture_with_other_contents_is_drawn_where_it_is_seen():
     frame = (sheet(rectangle(100, 100, 200, 200), texture=PICTURE),)
     assert damage(frame, frame, {PICTURE: (0.0, 0.0, 1.0, 1.0)}, SIZE) == [(100, 100, 200, 200)]

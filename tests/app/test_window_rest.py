@@ -9,6 +9,8 @@ import glfw
 import pytest
 from imgui_bundle import imgui
 
+from app.window.rest import Rest
+
 
 @pytest.fixture
 def rests(opened, monkeypatch):
@@ -138,3 +140,11 @@ def test_a_window_at_rest_hears_that_the_program_is_to_end(opened, rests):
     with pytest.raises(KeyboardInterrupt):
         opened.window.run()
     assert len(rests.waits) == 11
+
+
+def test_a_window_that_has_something_to_look_at_now_and_then_does_not_sleep(monkeypatch):
+    rest, later = Rest(), time.monotonic() + 10
+    monkeypatch.setattr("app.window.rest.time", SimpleNamespace(monotonic=lambda: later))
+    assert rest.is_deep(playing=False, typing=False, waiting=False)
+    for busy in ("playing", "typing", "waiting"):
+        assert not rest.is_deep(**{"playing": False, "typing": False, "waiting": False, busy: True})

@@ -1,5 +1,7 @@
 """What is carried on beyond the networks' view."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 import torch
@@ -12,6 +14,7 @@ from relight_core.pipeline.per_light.rest_of_person import (
     body_size,
     make_body,
 )
+from relight_core.pipeline.results.finish import mean_gain
 
 EVEN = torch.ones(1, 16, 32, 3)
 
@@ -259,3 +262,11 @@ def test_a_gain_that_is_the_same_everywhere_is_carried_on_to_whatever_is_bright(
     body = make_body(photo, np.ones(size, np.float32), known, ReflectionTable())
     in_photo = body_shading(body, EVEN)
     np.testing.assert_allclose(body_gain(body, EVEN, 4 * body.photo, in_photo), 4.0, rtol=0.02)
+
+
+@pytest.mark.parametrize("exposure", [1.0, 32.0])
+def test_by_how_much_a_person_changes_is_a_mean_of_factors_over_the_person_alone(exposure):
+    share, gain = np.zeros((8, 8), np.float32), np.full((8, 8, 3), 100.0, np.float32)
+    share[:, :4], gain[:, :2], gain[:, 2:4] = 1, 4.0, 1.0
+    placement = SimpleNamespace(body=SimpleNamespace(share=share), exposure=exposure)
+    np.testing.assert_allclose(mean_gain(placement, exposure * gain), 2 * exposure, rtol=1e-3)
