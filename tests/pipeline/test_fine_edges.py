@@ -6,9 +6,11 @@ import cv2
 import numpy as np
 import pytest
 
+from relight_core.imaging.light_change import LightChange
 from relight_core.lighting.horizon import Horizon
 from relight_core.lighting.lamps import Lamp
 from relight_core.pipeline.per_light.fine_edges import FineEdges, LampEdge, ShadowEdges, draw_finely
+from relight_core.pipeline.results.channels import enlarge_change
 
 SIZE, TIMES = 64, 8
 SIDE = (0.7660, 0.0, 0.6428)
@@ -124,3 +126,10 @@ def test_the_shadow_channel_changes_by_the_light_that_is_hidden():
     fine = draw_finely(edges(), larger)
     np.testing.assert_allclose(fine.more_shadow(), 0.5 * (fine.fine - fine.coarse), atol=1e-6)
     assert np.abs(fine.more_shadow()).max() > 0.05
+
+
+def test_finer_edges_are_those_of_gloss_too():
+    one = np.ones((4, 4, 3), np.float32)
+    change = enlarge_change(LightChange(one, 0.3 * one, one, one), None, np.asarray, 2.0, 0.5 * one)
+    np.testing.assert_allclose(change.gain, 1.0)
+    np.testing.assert_allclose(change.offset, 0.3)
