@@ -71,11 +71,11 @@ def with_eyes(picture, high=2.0):
     return replace(picture, catchlights=tuple(eyes))
 
 
-def drawn(context, screen, place=None, paint=None, exposure_ev=0.0):
-    """What the viewport shows of a picture, [0, 1]."""
+def drawn(context, screen, place=None, paint=None, exposure_ev=0.0, photo=None):
+    """What the viewport shows of a picture, [0, 1]; a difference is taken to `photo`, black where that is None."""
     target = Target(context, smooth=False)
     slots = {PHOTO: PictureSlot(context), RESULT: RelitSlot(context)}
-    slots[PHOTO].show(np.zeros((HEIGHT, WIDTH, 3), np.float16))
+    slots[PHOTO].show(np.zeros((HEIGHT, WIDTH, 3), np.float16) if photo is None else photo)
     slots[RESULT].show(screen)
     place = place or Placement(0, 0, 1.0, WIDTH, HEIGHT)
     target.fit((round(place.width), round(place.height)))

@@ -60,7 +60,7 @@ def test_it_does_at_another_exposure(context, exposure_ev):
 @pytest.mark.parametrize("backdrop", BACKDROPS)
 @pytest.mark.parametrize("stops", [-10, 20])
 def test_it_does_for_a_photo_in_units_of_its_own(context, backdrop, stops):
-    picture, units = some_picture(BACKDROPS[backdrop]), np.float32(2.0**stops)
+    picture, units = some_picture(BACKDROPS[backdrop], SEVERAL), np.float32(2.0**stops)
     behind = {part: getattr(picture.backdrop, part) for part in ("picture", "soft")}
     behind = {part: None if layer is None else np.minimum(layer, 0.06) * units for part, layer in behind.items()}
     picture = replace(

@@ -8,10 +8,12 @@ from tiny_relighter import EDIT, some_light, some_photo
 
 from relight_core.imaging.colour import luminance
 from relight_core.imaging.photo import Photo
+from relight_core.imaging.tone import tone_of
 from relight_core.lighting.environment import Environment
 from relight_core.pipeline.face_taken_apart import Workshop
 from relight_core.pipeline.quality import Tier
 from relight_core.pipeline.relighter import Relighter
+from relight_core.pipeline.results.channels import ViewChange
 
 
 def black_and_white(photo=None):
@@ -151,3 +153,12 @@ class TestRelighting:
         relighter = Relighter(weights)
         relighter.set_portrait(some_photo())
         assert not of_greys(relighter.relight(some_light(), EDIT).image)
+
+
+def test_light_that_is_added_to_a_toned_photo_has_the_tone_of_what_it_makes():
+    steps = np.linspace(0, 1, 5000, dtype=np.float32)[:, None]
+    print_of = steps * (1 + (1 - steps) * np.float32([0.3, -0.05, -0.4]))
+    tone = tone_of(print_of)
+    nothing, photo = np.zeros((2, 2, 3), np.float32), np.full((2, 2, 3), 0.9, np.float32) * tone.at(np.float32(0.9))
+    shown = ViewChange(nothing, nothing + 0.2, 1.0).toned(photo, tone).apply(photo)
+    np.testing.assert_allclose(shown[0, 0], 0.2 * tone.at(np.float32(0.2)), rtol=0.02)

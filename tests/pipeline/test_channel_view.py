@@ -47,3 +47,10 @@ def test_channels_keep_the_person_and_nothing_behind():
     fading = kept[16, 12:20, 0]
     assert (np.diff(fading) >= 0).all()
     assert 0 < fading[3] < 0.2
+
+
+def test_a_light_of_any_brightness_is_shown_short_of_white():
+    light = np.float32([[[1.0, 0.0, 0.0], [3.0, 3.0, 3.0], [1e6, 1e6, 1e6]]])
+    shown = channel_to_srgb("target_light", light)
+    np.testing.assert_allclose(shown[0, :2], [[0.7354, 0.0, 0.0], [0.8808] * 3], atol=1e-3)
+    assert shown.max() <= 1

@@ -8,6 +8,7 @@ import pytest
 
 from relight_core.face.crop import Crop
 from relight_core.pipeline.results import layers as layers_module
+from relight_core.pipeline.results.channels import unrolled
 from relight_core.pipeline.results.layers import photo_layers, shrunk_picture
 from relight_core.pipeline.results.relit import Relit
 
@@ -101,3 +102,10 @@ def test_layers_that_are_not_there_are_left_out_and_unknown_ones_refused():
     assert "shadow" not in photo_layers(relit(), ["shadow"])
     with pytest.raises(ValueError, match="sparkle"):
         photo_layers(relit(), ["sparkle"])
+
+
+@pytest.mark.parametrize("roll_deg", [0.0, 30.0, 90.0])
+def test_what_faces_the_right_of_a_turned_view_faces_where_that_lies_in_the_photo(roll_deg):
+    left, right = Crop(50.0, 40.0, 10.0, roll_deg).to_photo(np.array([[0.0, 0.5], [1.0, 0.5]]), 1)
+    across, down = (right - left) / 10
+    np.testing.assert_allclose(unrolled(np.float32([1, 0, 0]), roll_deg), [across, -down, 0], atol=1e-6)
