@@ -63,3 +63,8 @@ def test_black_and_blown_out_photos_stay_finite():
             found = cleaned(image, image, shading)
             assert torch.isfinite(found).all()
             assert 0 <= float(found.min()) <= float(found.max()) <= 1
+
+
+def test_glare_makes_no_skin_paler_than_it_was():
+    albedo = with_rim(BROWN, 0.5 * BROWN)
+    torch.testing.assert_close(cleaned(albedo, with_rim(0.5 * BROWN, 0.95)), albedo)

@@ -87,3 +87,11 @@ def test_gloss_in_an_orange_light_is_orange():
 def test_what_hardly_shows_of_an_orange_light_is_orange_too():
     """Left white, it would be mirrored by a nose, whose skin would then pass for yellow."""
     assert red_over_blue(explained(coloured(1.6, 1.0, 0.45)), BEHIND) > 1.8
+
+
+def test_what_is_blown_out_makes_no_light_brighter():
+    surface, reflector, relief = photographed(ball(), coloured(1.0, 1.0, 1.0))
+    blown = surface.photo.clone()
+    blown[..., 8:24, 20:28] = 1.0
+    clean, found = (explain_source_light(one, reflector, relief) for one in (surface, replace(surface, photo=blown)))
+    assert float((found - clean).abs().max()) < 0.1
