@@ -9,7 +9,8 @@ from tiny_relighter import EDIT, some_light, some_photo
 from relight_core.face.crop import Crop
 from relight_core.face.find import FaceBox
 from relight_core.imaging.photo import Photo
-from relight_core.pipeline.per_photo.exposing import exposure_of_face, exposure_of_view
+from relight_core.pipeline.per_photo.exposing import exposure_about_faces, exposure_of_face, exposure_of_view
+from relight_core.pipeline.quality import tier_of
 from relight_core.pipeline.relighter import Relighter
 
 CROP = Crop(50.0, 50.0, 60.0)
@@ -95,3 +96,20 @@ def test_its_own_light_makes_the_photo_again_in_whatever_units(weights, factor):
         part = np.s_[int(box.y0) + 8 : int(box.y1) - 8, int(box.x0) + 8 : int(box.x1) - 8]
         difference = np.abs(relit[part] - photo.linear[part])
         assert difference.mean() < 0.15 * photo.linear[part].mean()
+
+
+def test_half_way_between_two_faces_the_exposure_is_half_as_many_stops():
+    about = exposure_about_faces((1.0, 16.0), (Crop(20.0, 50.0, 30.0), Crop(80.0, 50.0, 30.0)), (100, 100))
+    assert float(about[50, 49:51].prod() ** 0.5) == pytest.approx(4.0, rel=0.02)
+    assert float(about[50, 20, 0]) < 1.1
+    assert float(about[50, 80, 0]) > 14
+
+
+@pytest.mark.usefixtures("small_and_seeing_faces")
+def test_how_bright_faces_are_beside_each_other_is_told_in_the_photos_units(weights):
+    levels = []
+    for factor in (2.0**-6, 2.0**-8):
+        relighter = Relighter(weights)
+        relighter.set_portrait(Photo(some_photo().linear * np.float32(factor), bits=32), boxes=BOXES)
+        levels.append(relighter._faces[0].exposure(tier_of("live")))
+    assert levels[1] / levels[0] == pytest.approx(0.25, rel=1e-3)
