@@ -66,6 +66,13 @@ def whole_photo(photo_size: tuple[int, int]) -> tuple[float, float, float, float
     return 0.0, 0.0, float(photo_size[1]), float(photo_size[0])
 
 
+def window_of(crop: Crop, photo_size: tuple[int, int], size: tuple[int, int]) -> tuple[slice, slice]:
+    """Rows and columns of a copy (h, w) of the photo about a crop, however it is turned."""
+    corners = crop.to_photo(np.array([[0, 0], [0, 1], [1, 0], [1, 1]]), 1) * (np.array(size) / photo_size)[::-1]
+    start, end = np.clip(np.round([corners.min(0), corners.max(0)]), 0, size[::-1]).astype(int)
+    return slice(start[1], end[1]), slice(start[0], end[0])
+
+
 def spread_window(maps: np.ndarray, window: tuple[float, float, float, float], band: Band) -> np.ndarray:
     """Maps that cover a window of the photo, bilinearly at every pixel of a band; edges continue outward.
 

@@ -32,6 +32,7 @@ from relight_core.pipeline.per_photo.network_view import (
 from relight_core.pipeline.per_photo.outline import Outline, outline_person, parsing_within
 from relight_core.pipeline.per_photo.portrait import Portrait
 from relight_core.pipeline.per_photo.second_look import take_apart
+from relight_core.pipeline.per_photo.strands import Hair
 from relight_core.pipeline.prepared import Prepared
 from relight_core.pipeline.quality import Tier, tier_of
 
@@ -146,6 +147,12 @@ class FaceTakenApart:
         """Probability (s, s) of face, and the view it lies in."""
         face = share_of(self.prepare(tier_of("live")).found.parsing, PAPER_CLASSES)
         return face[0, 0].cpu().numpy(), self.portrait.view
+
+    def hair(self) -> Hair:
+        """Where the head's hair is, and what else of a person."""
+        parsing, portrait = self.prepare(tier_of("live")).found.parsing[0].cpu().numpy(), self.portrait
+        hair = parsing[INDEX["hair"]]
+        return Hair(hair, 1 - parsing[INDEX["background"]] - hair, portrait.view, portrait.crop.side)
 
     def corneas(self) -> tuple[Cornea, ...]:
         """The fronts of the eyes; none where one that is seen can't be taken apart, or none is seen well enough.

@@ -191,8 +191,9 @@ class WholePhoto:
         exposures, crops = [one.exposure for one in portraits], [one.crop for one in portraits]
         exposure = exposure_about_faces(exposures, crops, self._photo.linear.shape[:2])
         others = (face.glances() for face in self._others)
+        seen = {"faces": shapes, "others": others, "hair": (face.hair() for face in self._faces)}
         of_photo = {"small": self._small().linear, "exposure": exposure, "picture": self._photo.picture}
-        return draft_matte(self._photo.linear, looks, self._photo.alpha, faces=shapes, others=others, **of_photo)
+        return draft_matte(self._photo.linear, looks, self._photo.alpha, **seen, **of_photo)
 
     def _small(self) -> Canvas:
         """The photo no longer than WORKING_PX, from which smaller copies are made."""

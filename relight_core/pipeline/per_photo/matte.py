@@ -8,37 +8,25 @@ from dataclasses import dataclass, replace
 import cv2
 import numpy as np
 
-from relight_core.face.crop import Crop
-from relight_core.face.paste import all_of, fade
-from relight_core.imaging.closed_form import closed_form_matte
+from relight_core.face.paste import all_of
 from relight_core.imaging.colour import luminance
 from relight_core.imaging.photo_frame import Inside, inside_frame, picture_cells
-from relight_core.imaging.resampling import resize_area, resize_smooth, shrunk_size
+from relight_core.imaging.resampling import resize_area, shrunk_size
 from relight_core.imaging.view_transform import apply_view
 from relight_core.pipeline.per_photo.brush import BrushStroke, painted
 from relight_core.pipeline.per_photo.exposing import exposed
-from relight_core.pipeline.per_photo.likely_person import (
-    Look,
-    attached,
-    likely_person,
-    near_views,
-    place_faces,
-    place_masks,
-    without_holes,
-    without_lookalikes,
-)
+from relight_core.pipeline.per_photo.first_matte import first_matte, first_matte_within
+from relight_core.pipeline.per_photo.likely_person import Look
+from relight_core.pipeline.per_photo.strands import Hair, Strands, strands_of
 from relight_core.pipeline.per_photo.turned_photo import filled_corners
 
 WORKING_PX = 1024
 """The longest side of the copy in which mattes are made."""
 
-_MATTING_PX = 224
 _FUSION_PX = 512
 _NEAR_SHARE = 0.015
 _EDGE_CODES = 3.0
 _EDGE_WINDOWS = 128
-_NEAR_FROM, _LEAST_NEAR_PX, _EDGE_SHARE = 1.25, 32, 0.15
-_EVEN_PX, _EVEN, _STEEP = 5, 0.15, 3.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -116,6 +104,7 @@ class DraftMatte:
         photo_size: (height, width).
         exposure: the guide shows the photo times this, see `exposure_about_faces`.
         inside: as of `Matte`; all of the share is there.
+        strands: how much of it is hair about the outlines of hair; None where colours don't tell.
     """
 
     share: np.ndarray
@@ -124,6 +113,7 @@ class DraftMatte:
     photo_size: tuple[int, int]
     exposure: float | np.ndarray = 1.0
     inside: Inside | None = None
+    strands: Strands | None = None
 
 
 def draft_matte(
@@ -135,13 +125,14 @@ def draft_matte(
     faces: Iterable[Look] = (),
     others: Iterable[list[Look]] = (),
     picture: tuple[int, int, int, int] | None = None,
+    hair: Iterable[Hair] = (),
 ) -> DraftMatte | None:
     """Carry coarse person masks to the whole photo; None where the photo's own alpha is the matte.
 
     Where a person may be follows from the masks, beyond their views from how bodies hang together, and from the
     colours of what is surely person and surely not (`likely_person`). Closed-form matting makes a soft matte of
     that in a small copy, what hangs together with nobody is taken out of it, and gaps within somebody are closed.
-    Costs some tenths of a second: once per photo.
+    Strands of hair are told from what is behind them. Costs some tenths of a second: once per photo.
 
     Args:
         linear: (H, W, 3) linear, the photo.
@@ -154,6 +145,7 @@ def draft_matte(
         others: looks, as at the people, at whoever is known not to be meant.
         picture: x0, y0, x1, y1 of what of the photo no frame covers (see `Photo.picture`): of a frame's colours nothing
             is learnt. None is all of it.
+        hair: what is known of each head's.
     """
     size = linear.shape[:2]
     if alpha is not None and float(alpha.min()) < 1.0:
@@ -162,50 +154,13 @@ def draft_matte(
     guide = np.ascontiguousarray(apply_view(exposed(small, exposure, all_of(small.shape[:2], size))))
     inside = inside_frame(guide)
     if picture is None or picture == (0, 0, size[1], size[0]):
-        share = _drafted(guide, list(people), list(faces), list(others), size)
+        share = first_matte(guide, list(people), list(faces), list(others), size)
     else:
         cells = picture_cells(picture, size, guide.shape[:2])
-        share = _drafted_within(cells, guide, people, faces, others, size)
+        share = first_matte_within(cells, guide, people, faces, others, size)
         inside = cells if inside is None else inside
     share = _within(inside, filled_corners(guide), share)
-    return DraftMatte(share, small, guide, size, exposure, inside)
-
-
-def _drafted(
-    guide: np.ndarray,
-    people: list[list[Look]],
-    faces: list[Look],
-    others: list[list[Look]],
-    photo_size: tuple[float, float],
-) -> np.ndarray:
-    """The matte (h, w) of a picture (h, w, 3), sRGB, as networks and colours have it; see `draft_matte`."""
-    size = shrunk_size(guide.shape[:2], _MATTING_PX)
-    placed = place_masks(people, size, photo_size, others)
-    face, near = place_faces(faces, size, photo_size), near_views(people, size, photo_size)
-    coarse = _matted(guide, placed, face, near, size)
-    return _seen_nearer(coarse, guide, people, faces, others, photo_size)
-
-
-def _drafted_within(
-    cells: Inside,
-    guide: np.ndarray,
-    people: Iterable[list[Look]],
-    faces: Iterable[Look],
-    others: Iterable[list[Look]],
-    photo_size: tuple[int, int],
-) -> np.ndarray:
-    """`_drafted` of some cells of a picture alone, whose edges go on around them."""
-    (rows, columns), (height, width) = cells, guide.shape[:2]
-    down, across = photo_size[0] / height, photo_size[1] / width
-    part = np.ascontiguousarray(guide[cells])
-
-    def moved(looks: Iterable[Look]) -> list[Look]:
-        return [(mask, view.moved(-columns.start * across, -rows.start * down)) for mask, view in looks]
-
-    looks = [moved(of_one) for of_one in people], moved(faces), [moved(of_one) for of_one in others]
-    share = _drafted(part, *looks, (part.shape[0] * down, part.shape[1] * across))
-    around = rows.start, height - rows.stop, columns.start, width - columns.stop
-    return cv2.copyMakeBorder(share, *around, cv2.BORDER_REPLICATE)
+    return DraftMatte(share, small, guide, size, exposure, inside, strands_of(guide, share, hair, size, inside))
 
 
 def _within(
@@ -229,8 +184,8 @@ def finish_matte(draft: DraftMatte | None, strokes: Sequence[BrushStroke] = ()) 
     """Let the strokes of a brush correct a draft, and move its edges onto the photo's.
 
     A guided filter (He, Sun and Tang 2013) does the latter, so that a stroke need not follow an edge by the pixel;
-    one that is thinner than the filter's window, which would average it away, stays where it was painted. The photo's
-    own alpha, of which there is no draft, is left as it is.
+    one that is thinner than the filter's window, which would average it away, stays where it was painted. Where nobody
+    painted, strands of hair are put in. The photo's own alpha, of which there is no draft, is left as it is.
     """
     if draft is None:
         nothing, black = np.zeros((1, 1), np.float32), np.zeros((1, 1, 3), np.float32)
@@ -239,6 +194,9 @@ def finish_matte(draft: DraftMatte | None, strokes: Sequence[BrushStroke] = ()) 
     coarse = painted(draft.share, strokes, draft.photo_size)
     # A filter would let somebody whom a frame cuts off fade out in it.
     share = _within(draft.inside, None, _on_edges(guide, coarse, strokes, draft.photo_size), coarse)
+    if draft.strands is not None:
+        by_hand = [replace(stroke, adds=True) for stroke in strokes]
+        share = draft.strands.put_into(share, painted(np.zeros_like(share), by_hand, draft.photo_size))
     slope, level = np.zeros_like(share), share
     if guide.shape[:2] != draft.photo_size:
         slope, level = _guided_coefficients(
@@ -261,91 +219,6 @@ def _on_edges(
     if not any(stroke.adds for stroke in covered):
         return share
     return share + painted(np.zeros_like(share), covered, photo_size) * (coarse - share)
-
-
-def _matted(
-    guide: np.ndarray, placed: list[np.ndarray], face: np.ndarray, near: np.ndarray, size: tuple[int, int]
-) -> np.ndarray:
-    """The matte (h, w) of a picture (h, w, 3), sRGB, made in a copy of `size`.
-
-    Args:
-        placed, face, near: masks of that size, see `likely_person`.
-    """
-    seen = np.clip(resize_area(guide, size), 0, 1)
-    likely = likely_person(seen, placed, face, near)
-    soft = attached(closed_form_matte(seen, likely), placed)
-    # What an even grey tied to somebody may hang together with nobody once that is decided.
-    whole = without_holes(soft, placed, likely)
-    decided = without_lookalikes(_decided(whole), seen, whole)
-    return resize_smooth(attached(decided, placed), guide.shape[:2])
-
-
-def _seen_nearer(
-    coarse: np.ndarray,
-    guide: np.ndarray,
-    people: list[list[Look]],
-    faces: list[Look],
-    others: list[list[Look]],
-    photo_size: tuple[int, int],
-) -> np.ndarray:
-    """A matte (h, w) made again, from near, where people are small in the photo.
-
-    In a copy of all of it an ear or a strand is less than a pixel there, and mixes with whatever is beside it. Where
-    several windows meet, the nearest look counts, in whichever order the people come.
-    """
-    windows = [window for looks in people if (window := _near_window(looks[0][1], photo_size, guide.shape[:2]))]
-    if not windows:
-        return coarse
-    placed = place_masks(people, guide.shape[:2], photo_size, others)
-    face = place_faces(faces, guide.shape[:2], photo_size)
-    for window in sorted(windows, key=_widest_first):
-        size = shrunk_size(coarse[window].shape, _MATTING_PX)
-        *masks, face_mask = (resize_area(mask[window], size) for mask in (*placed, face))
-        nearer = _matted(guide[window], masks, face_mask, np.ones(size, np.float32), size)
-        coarse[window] += _weight(window, coarse.shape) * (nearer - coarse[window])
-    return coarse
-
-
-def _near_window(crop: Crop, photo_size: tuple[int, int], size: tuple[int, int]) -> tuple[slice, slice] | None:
-    """Rows and columns of a copy of the photo in which a crop lies; None where little more would be seen from near."""
-    corners = crop.to_photo(np.array([[0, 0], [0, 1], [1, 0], [1, 1]]), 1) * (np.array(size) / photo_size)[::-1]
-    start, end = np.clip(np.round([corners.min(0), corners.max(0)]), 0, size[::-1]).astype(int)
-    if min(end - start) < _LEAST_NEAR_PX:
-        return None
-    finer = max(max(size), _MATTING_PX) / max(max(end - start), _MATTING_PX)
-    return (slice(start[1], end[1]), slice(start[0], end[0])) if finer >= _NEAR_FROM else None
-
-
-def _widest_first(window: tuple[slice, slice]) -> tuple[int, ...]:
-    """What sorts windows by their longer side, and by their place where that is the same."""
-    rows, columns = window
-    height, width = rows.stop - rows.start, columns.stop - columns.start
-    return -max(height, width), -min(height, width), rows.start, columns.start
-
-
-def _weight(window: tuple[slice, slice], size: tuple[int, int]) -> np.ndarray:
-    """(h, w) how much a window counts at each of its pixels: less toward its sides but for those of the picture."""
-    down, across = (_fading(part, length) for part, length in zip(window, size, strict=True))
-    return down[:, None] * across[None]
-
-
-def _fading(part: slice, length: int) -> np.ndarray:
-    """`fade` along a part of an axis of `length`."""
-    count = part.stop - part.start
-    return fade((np.arange(count) + 0.5) / count, _EDGE_SHARE, part.start > 0, part.stop < length)
-
-
-def _decided(matte: np.ndarray) -> np.ndarray:
-    """The matte, but where it is half and half over a whole area it says what is likelier.
-
-    Strands of hair and blurred edges change from pixel to pixel; an even grey is a trunk or a wall of the colours
-    of the person before it, and would take on a third of every light.
-    """
-    window = (_EVEN_PX, _EVEN_PX)
-    mean = cv2.blur(matte, window)
-    deviation = np.sqrt(np.maximum(cv2.blur(matte * matte, window) - mean**2, 0.0))
-    even = np.exp(-((deviation / _EVEN) ** 2))
-    return matte + even * (np.clip(_STEEP * (matte - 0.5) + 0.5, 0.0, 1.0) - matte)
 
 
 def _guided_coefficients(guide: np.ndarray, mask: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

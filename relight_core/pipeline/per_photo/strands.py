@@ -1,0 +1,228 @@
+"""Strands of hair and what shows between them, told apart by the colours on either side of a head's outline.
+
+To the networks hair is solid, and in the small copy in which the matte is made a strand is less than a pixel: a bright
+wall between two strands would take on every light as a patch beside the cheek, and strands that stand off would take
+on none. About the outline of hair whose colour differs plainly from what lies behind it, each pixel's own colour says
+how much of it is hair.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+
+from relight_core.face.crop import Crop
+from relight_core.face.paste import Band, spread_crop, window_of
+from relight_core.imaging.photo_frame import Inside
+from relight_core.imaging.ramp import ramp
+from relight_core.imaging.resampling import resize_area, resize_smooth
+
+_ABOUT, _ABOUT_PX = 0.045, 8.0
+"""How far around a place its sides' colours are learnt, in sides of the head's square and in pixels of a small copy."""
+_SURELY_WITHIN = 0.014
+_LEAST_HEAD_PX = 64
+_ROUNDS = 2
+_SPREAD_BEHIND, _SPREAD_OF_HAIR, _CODES = 1.0, 2.5, 0.02
+_ALL_BEHIND, _ALL_HAIR = 0.4, 0.5
+"""Of the way from what lies behind to the hair: up to where a pixel can be nothing but the former, in however uneven
+surroundings, and from where on one can be nothing but hair. In linear light half and half is a third of that way
+where dark hair stands before something bright."""
+_DISTINCT, _PLAIN = (2.0, 3.5), (0.2, 0.35)
+"""Distances of both colours, in their spreads and in displayed values, from which on they tell something, and all."""
+_SEEN = (0.02, 0.1)
+_OTHER_COLOUR = (0.15, 0.3)
+"""How far a colour may lie off the line between both, in their distance, and from where on it is a third one's: the
+glint of a lamp on black hair is no orange wall."""
+_DARKER = 0.15
+_DEEP_IN_BRIGHT, _DEEP_IN_DARK, _FAR_OUT = 0.02, 0.06, (0.024, 0.048)
+"""How far from the outline hair is looked through that is brighter or darker than what lies behind it: what bright
+hair has in shadow looks like a dark wall. And up to where strands are looked for outside, in sides of the square."""
+_GAP, _BY_A_GAP = 0.7, (0.006, 0.014)
+"""Only by gaps, which show in the small copy too, is there less hair than was thought: glints and grey hairs do not."""
+_HAIR, _OTHERS = (0.3, 0.6), (0.2, 0.5)
+
+
+@dataclass(frozen=True, eq=False)
+class Hair:
+    """What is known of the hair of a head.
+
+    Attributes:
+        hair, others: (S, S) float32 in [0, 1], probabilities of hair, and of what else belongs to a person.
+        view: where in the photo they lie.
+        head_px: side of the paper's square around the face (section 3.2), in pixels of the photo.
+    """
+
+    hair: np.ndarray
+    others: np.ndarray
+    view: Crop
+    head_px: float
+
+
+@dataclass(frozen=True, eq=False)
+class Strands:
+    """A matte about the outlines of hair.
+
+    Attributes:
+        share: (h, w) in [0, 1], how much of a pixel is hair.
+        trust: (h, w) in [0, 1], how far that is known.
+    """
+
+    share: np.ndarray
+    trust: np.ndarray
+
+    def put_into(self, share: np.ndarray, kept: np.ndarray | None = None) -> np.ndarray:
+        """A matte (h, w) with the strands in it; `kept` is where, (h, w) in [0, 1], it stays as it is."""
+        trust = self.trust if kept is None else self.trust * (1 - kept)
+        return share + trust * (self.share - share)
+
+
+def strands_of(
+    guide: np.ndarray,
+    share: np.ndarray,
+    heads: Iterable[Hair],
+    photo_size: tuple[int, int],
+    inside: Inside | None = None,
+) -> Strands | None:
+    """The strands about people's hair; None where no hair differs plainly from what lies behind it.
+
+    Args:
+        guide: (h, w, 3) the photo or a copy of it as displayed, sRGB, [0, 1].
+        share: (h, w) in [0, 1], the matte as far as it is known.
+        photo_size: (height, width).
+        inside: what of it lies within a frame; None is all of it.
+    """
+    told, trust = share.copy(), np.zeros_like(share)
+    for head in heads:
+        rows, columns = window = _both(window_of(head.view, photo_size, share.shape), inside)
+        head_px = head.head_px * max(share.shape) / max(photo_size)
+        if head_px < _LEAST_HEAD_PX or 0 in share[window].shape:
+            continue
+        band = Band(rows.start, rows.stop, share.shape, photo_size, (columns.start, columns.stop))
+        masks = (spread_crop(_ending(mask), head.view, band) for mask in (head.hair, head.others))
+        found, surely = _told_apart(guide[window], share[window], *masks, head_px)
+        surer = surely > trust[window]
+        told[window][surer], trust[window][surer] = found[surer], surely[surer]
+    return Strands(told, trust) if trust.any() else None
+
+
+def _both(window: Inside, inside: Inside | None) -> Inside:
+    """The rows and columns that two windows share, none where they don't meet."""
+    parts = zip(window, window if inside is None else inside, strict=True)
+    ends = [(max(one.start, other.start), min(one.stop, other.stop)) for one, other in parts]
+    return tuple(slice(start, max(start, stop)) for start, stop in ends)
+
+
+def _ending(mask: np.ndarray) -> np.ndarray:
+    """A mask (S, S) that goes on as nothing beyond its view."""
+    return np.pad(mask[1:-1, 1:-1], 1)
+
+
+def _told_apart(
+    guide: np.ndarray, share: np.ndarray, hair: np.ndarray, others: np.ndarray, head_px: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """`Strands.share` and `Strands.trust` of one head; arguments (h, w) or (h, w, 3), about it."""
+    scale = min(_ABOUT_PX / (_ABOUT * head_px), 1.0)
+    few = max(1, round(share.shape[0] * scale)), max(1, round(share.shape[1] * scale))
+    small = [resize_area(image, few) for image in (guide, share, hair, others)]
+    sides = _sides_about(*small[:3], head_px * scale)
+    trust = resize_smooth(_trust(sides, *small, head_px * scale), share.shape)
+    at = trust > 0
+    behind, toward, far, low, high = (
+        resize_smooth(np.ascontiguousarray(one, np.float32), share.shape)[at]
+        for one in (sides.behind, sides.toward, sides.distance, sides.low, sides.high)
+    )
+    toward /= np.maximum(np.linalg.norm(toward, axis=-1, keepdims=True), 1e-3)
+    way, off = _along(guide[at] - behind, toward)
+    told = share.copy()
+    told[at] = ramp(way, low, high)
+    trust[at] *= 1 - ramp(off / far, *_OTHER_COLOUR)
+    return told, trust
+
+
+@dataclass(frozen=True, eq=False)
+class _Sides:
+    """Colours on both sides of an outline, about each place of a small copy (k, l).
+
+    Attributes:
+        behind: (k, l, 3) of what lies behind the hair.
+        toward: (k, l, 3) unit vector from there to the hair's.
+        distance: (k, l) between both.
+        low, high: (k, l) along that, up to where a pixel has no hair in it, and from where on nothing else.
+        certainty: (k, l) in [0, 1] how plainly both differ.
+    """
+
+    behind: np.ndarray
+    toward: np.ndarray
+    distance: np.ndarray
+    low: np.ndarray
+    high: np.ndarray
+    certainty: np.ndarray
+
+
+def _sides_about(guide: np.ndarray, share: np.ndarray, hair: np.ndarray, head_px: float) -> _Sides:
+    """Learnt well within the hair and well outside; what within it looks like what lies behind has no say."""
+    inner, outer = cv2.erode(share, _disc(_SURELY_WITHIN * head_px)), cv2.dilate(share, _disc(_SURELY_WITHIN * head_px))
+    of_hair, of_behind = ramp(inner, 0.8, 1.0) * ramp(hair, 0.5, 0.9), 1 - ramp(outer, 0.0, 0.2)
+    reach = _ABOUT * head_px
+    behind, behind_seen = _mean(guide, of_behind, reach)
+    for again in range(_ROUNDS + 1):
+        colour, hair_seen = _mean(guide, of_hair, reach)
+        distance = np.maximum(np.linalg.norm(colour - behind, axis=-1), 1e-3)
+        toward = (colour - behind) / distance[..., None]
+        way, _ = _along(guide - behind, toward)
+        if again < _ROUNDS:
+            of_hair = of_hair * ramp(way / distance, 0.3, 0.6)
+    spread = np.sqrt(_mean(np.square(way - distance), of_hair, reach)[0])
+    spread_behind = np.sqrt(_mean(np.square(way), of_behind, reach)[0])
+    low = np.minimum(_SPREAD_BEHIND * spread_behind + _CODES, _ALL_BEHIND * distance)
+    high = np.maximum(distance - _SPREAD_OF_HAIR * spread - _CODES, _ALL_HAIR * distance)
+    certainty = ramp(distance / (spread + spread_behind + _CODES), *_DISTINCT) * ramp(distance, *_PLAIN)
+    return _Sides(behind, toward, distance, low, high, certainty * ramp(hair_seen, *_SEEN) * ramp(behind_seen, *_SEEN))
+
+
+def _trust(
+    sides: _Sides, guide: np.ndarray, share: np.ndarray, hair: np.ndarray, others: np.ndarray, head_px: float
+) -> np.ndarray:
+    """(k, l) in [0, 1] where colours may say how much is hair: about the outline, and by gaps within it."""
+    way, off = _along(guide - sides.behind, sides.toward)
+    darker = ramp(-sides.toward.mean(-1) * sides.distance, 0.0, _DARKER)
+    deep = _DEEP_IN_BRIGHT + (_DEEP_IN_DARK - _DEEP_IN_BRIGHT) * darker
+    outside = share <= 0.5
+    reach = 1 - ramp(_distance_to(outside) / head_px, 0.6 * deep, deep)
+    looked_through = sides.certainty * reach * (1 - ramp(off / sides.distance, *_OTHER_COLOUR)) > 0.5
+    gaps = outside | (looked_through & (ramp(way, sides.low, sides.high) < _GAP))
+    near = reach * (1 - ramp(_distance_to(gaps) / head_px, *_BY_A_GAP))
+    near *= 1 - ramp(_distance_to(~outside) / head_px, *_FAR_OUT)
+    hairy = ramp(cv2.dilate(hair, _disc(0.01 * head_px)), *_HAIR)
+    hairy = cv2.GaussianBlur(hairy, (0, 0), max(0.006 * head_px, 0.5))
+    not_others = 1 - ramp(cv2.GaussianBlur(others, (0, 0), max(0.003 * head_px, 0.5)), *_OTHERS)
+    return (sides.certainty * near * hairy * not_others).astype(np.float32)
+
+
+def _along(colour: np.ndarray, toward: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """How far colours (..., 3) lie along a unit vector (..., 3), and how far beside it, (...) each."""
+    way = (colour * toward).sum(-1)
+    return way, np.linalg.norm(colour - way[..., None] * toward, axis=-1)
+
+
+def _mean(image: np.ndarray, weight: np.ndarray, reach_px: float) -> tuple[np.ndarray, np.ndarray]:
+    """The mean of an image (k, l) or (k, l, 3) about each place by a weight (k, l), and that of the weight (k, l)."""
+    weight = weight.astype(np.float32)
+    seen = cv2.GaussianBlur(weight, (0, 0), reach_px)
+    spread = (slice(None), slice(None), *[None] * (image.ndim - 2))
+    total = cv2.GaussianBlur(np.ascontiguousarray(image * weight[spread], np.float32), (0, 0), reach_px)
+    return total / np.maximum(seen, 1e-6)[spread], seen
+
+
+def _distance_to(where: np.ndarray) -> np.ndarray:
+    """(k, l) float32: pixels to the nearest place that is true; far where there is none."""
+    distance = cv2.distanceTransform((~where).astype(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_5)
+    return np.minimum(distance, np.float32(sum(where.shape)))
+
+
+def _disc(radius_px: float) -> np.ndarray:
+    side = 2 * max(1, round(radius_px)) + 1
+    return cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (side, side))

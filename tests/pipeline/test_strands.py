@@ -1,0 +1,134 @@
+"""Strands of hair, and the wall that shows between them."""
+
+import cv2
+import numpy as np
+import pytest
+
+from relight_core.face.crop import Crop
+from relight_core.imaging.colour import srgb_decode
+from relight_core.imaging.photo import Photo
+from relight_core.pipeline.per_photo.brush import BrushStroke
+from relight_core.pipeline.per_photo.matte import draft_matte, finish_matte
+from relight_core.pipeline.per_photo.person import canvas_of, whole_person
+from relight_core.pipeline.per_photo.strands import Hair, strands_of
+
+SIZE, HEAD_PX = 400, 400.0
+VIEW = Crop(200.0, 200.0, 400.0)
+HAIR, SKIN, WHITE, ORANGE = (0.15, 0.1, 0.08), (0.7, 0.5, 0.4), (0.95, 0.95, 0.93), (0.6, 0.35, 0.05)
+GAP, STRAND = np.s_[196:204, 296:302], np.s_[175:225, 313:315]
+
+
+def disc(radius):
+    y, x = np.mgrid[:SIZE, :SIZE] + 0.5
+    return (np.hypot(x - 200, y - 200) < radius).astype(np.float32)
+
+
+def scene(hair=HAIR, wall=WHITE):
+    """A head of hair around a face before a wall, and the matte of it: a wedge of wall and a strand are not in that."""
+    guide = np.float32(wall) * np.ones((SIZE, SIZE, 1), np.float32)
+    guide[disc(110) > 0], guide[disc(60) > 0] = hair, SKIN
+    guide[180:220, 290:308] = wall
+    guide[STRAND] = hair
+    return guide, disc(110)
+
+
+def head(view=VIEW, head_px=HEAD_PX):
+    face = disc(60)
+    hair = cv2.resize(disc(125) - face, (100, 100), interpolation=cv2.INTER_AREA)
+    return Hair(hair, cv2.resize(face, (100, 100), interpolation=cv2.INTER_AREA), view, head_px)
+
+
+def matte_of(guide, share, heads=None, **within):
+    found = strands_of(guide, share, [head()] if heads is None else heads, (SIZE, SIZE), **within)
+    return share if found is None else found.put_into(share)
+
+
+def test_the_wall_between_strands_is_no_hair_and_a_strand_beside_it_is():
+    guide, share = scene()
+    matte = matte_of(guide, share)
+    assert share[GAP].min() == 1
+    assert share[STRAND].max() == 0
+    assert matte[GAP].max() < 0.1
+    assert matte[STRAND][10:-10].min() > 0.9
+    np.testing.assert_array_equal(matte[disc(80) > 0], 1)
+    np.testing.assert_array_equal(matte[:40], 0)
+
+
+@pytest.mark.parametrize("glint", [(0.9, 0.95, 1.0), (0.5, 0.6, 0.7)])
+def test_a_glint_of_another_colour_than_the_walls_is_hair(glint):
+    guide, share = scene(wall=ORANGE)
+    guide[GAP] = glint
+    guide[180:220, 290:308][guide[180:220, 290:308].sum(-1) == np.sum(np.float32(ORANGE))] = HAIR
+    np.testing.assert_array_equal(matte_of(guide, share)[GAP], 1)
+
+
+def test_single_pale_hairs_within_dark_ones_are_hair():
+    guide, share = scene()
+    guide[180:220, 290:308] = HAIR
+    guide[150:250, 282:300:6] = 0.7
+    assert matte_of(guide, share)[160:240, 282:290].min() > 0.95
+
+
+def test_what_fair_hair_has_in_shadow_is_no_dark_wall():
+    guide, share = scene(hair=(0.8, 0.7, 0.5), wall=(0.1, 0.1, 0.1))
+    guide[180:220, 290:308] = (0.8, 0.7, 0.5)
+    guide[180:220, 282:292] = 0.12
+    np.testing.assert_array_equal(matte_of(guide, share)[185:215, 283:291], 1)
+
+
+def test_where_colours_tell_nothing_the_matte_stays():
+    for wall in (HAIR, (0.2, 0.15, 0.1)):
+        guide, share = scene(wall=wall)
+        np.testing.assert_array_equal(matte_of(guide, share), share)
+    noise = np.random.default_rng(0).random((SIZE, SIZE, 3)).astype(np.float32)
+    np.testing.assert_array_equal(matte_of(noise, share), share)
+
+
+def test_skin_of_the_walls_colour_stays_skin():
+    guide, share = scene()
+    face = Hair(np.zeros((100, 100), np.float32), head().hair, VIEW, HEAD_PX)
+    np.testing.assert_array_equal(matte_of(guide, share, [face]), share)
+
+
+def test_no_strand_is_looked_for_in_a_frame():
+    guide, share = scene()
+    inside = np.s_[0:212, 0:SIZE]
+    matte = matte_of(guide, share, inside=inside)
+    assert matte[GAP].max() < 0.1
+    np.testing.assert_array_equal(matte[212:], share[212:])
+
+
+@pytest.mark.parametrize("elsewhere", [Crop(-900.0, 200.0, 400.0), Crop(200.0, 200.0, 40.0, 30.0)])
+def test_a_head_that_is_not_seen_or_small_changes_nothing(elsewhere):
+    guide, share = scene()
+    assert strands_of(guide, share, [head(elsewhere, 40.0)], (SIZE, SIZE)) is None
+    assert strands_of(guide, share, [head(Crop(-900.0, 200.0, 400.0))], (SIZE, SIZE)) is None
+    assert strands_of(guide, share, [], (SIZE, SIZE)) is None
+
+
+def test_two_heads_are_both_looked_at():
+    guide, share = (np.concatenate([one, one], 1) for one in scene())
+    beside = [head(), head(Crop(600.0, 200.0, 400.0))]
+    matte = strands_of(guide, share, beside, (SIZE, 2 * SIZE)).put_into(share)
+    assert max(matte[GAP].max(), matte[:, SIZE:][GAP].max()) < 0.1
+
+
+def test_what_is_kept_stays():
+    guide, share = scene()
+    kept = np.zeros_like(share)
+    kept[:, :300] = 1
+    matte = strands_of(guide, share, [head()], (SIZE, SIZE)).put_into(share, kept)
+    np.testing.assert_array_equal(matte[:, :300], share[:, :300])
+    assert matte[196:204, 300:302].max() < 0.1
+
+
+def test_a_gap_that_is_painted_over_belongs_to_the_person():
+    guide, share = scene()
+    linear = srgb_decode(guide)
+    draft = draft_matte(linear, [[(cv2.resize(share, (100, 100), interpolation=cv2.INTER_AREA), VIEW)]], hair=[head()])
+    painted = BrushStroke(((298.0, 160.0), (298.0, 240.0)), 20.0, True)
+    before, after = (
+        whole_person(canvas_of(Photo(linear)), finish_matte(draft, strokes)).share for strokes in ([], [painted])
+    )
+    assert before[GAP].max() < 0.15
+    assert after[GAP].min() > 0.9
