@@ -297,6 +297,23 @@ def test_truncated_files_are_refused_in_one_line(tmp_path, kind, share, capfd):
     assert capfd.readouterr() == ("", "")
 
 
+@pytest.mark.parametrize("progressive", [False, True])
+def test_a_jpeg_that_lacks_nothing_but_its_end_is_whole(tmp_path, progressive, capfd):
+    noise, buffer = np.random.default_rng(2).integers(0, 256, (40, 56, 3)).astype(np.uint8), io.BytesIO()
+    Image.fromarray(noise).save(buffer, "JPEG", progressive=progressive)
+    path, whole = tmp_path / "a.jpg", buffer.getvalue()
+    path.write_bytes(whole)
+    pixels = read_photo(path).linear
+    for missing in (1, 2):
+        path.write_bytes(whole[:-missing])
+        np.testing.assert_array_equal(read_photo(path).linear, pixels)
+    for missing in (4, 6, 20, 200):
+        path.write_bytes(whole[:-missing])
+        with pytest.raises(InputError, match="truncated or damaged"):
+            read_photo(path)
+    assert capfd.readouterr() == ("", "")
+
+
 @pytest.mark.parametrize("share", [0.02, 0.3, 0.9])
 def test_truncated_exr_is_refused_quietly(tmp_path, share, capfd):
     noise = np.random.default_rng(1).random((64, 64, 3)).astype(np.float32)

@@ -35,6 +35,8 @@ _PNG_SAMPLES = {0: 1, 2: 3, 3: 1, 4: 2, 6: 4}
 _MOST_DEFLATED = 1032
 """Bytes that one byte of deflated data can stand for at the most (zlib's technical notes)."""
 
+_JPEG_END, _SOMETHING = b"\xff\xd9", b"\x55" * 64
+
 _LARGE_PIXELS = 16_000_000
 _MOST_PIXELS_A_BYTE = 4096
 """Pixels that one byte of a large photo can stand for: a lossy WebP's modes alone take a byte for 600 (RFC 6386)."""
@@ -104,7 +106,7 @@ def _open_with_pillow(data: bytes, path: Path) -> Image.Image:
             image = Image.open(io.BytesIO(data), formats=_FORMATS)
             check_pixels(*image.size, path)
             _check_plausible(data, image, path)
-            image.load()
+            image = _loaded(image, data)
         except Image.UnidentifiedImageError:
             if _is_avif(data):
                 raise damaged(path) from None
@@ -116,6 +118,26 @@ def _open_with_pillow(data: bytes, path: Path) -> Image.Image:
         finally:
             Image.MAX_IMAGE_PIXELS = limit
     return image
+
+
+def _loaded(image: Image.Image, data: bytes) -> Image.Image:
+    """An image with its pixels, also a JPEG of which nothing but the marker at its end is missing.
+
+    Raises:
+        OSError: more is missing.
+    """
+    try:
+        image.load()
+        return image
+    except OSError:
+        if image.format not in ("JPEG", "MPO"):
+            raise
+    picture = data.removesuffix(_JPEG_END[:1])
+    ended = [Image.open(io.BytesIO(picture + tail + _JPEG_END), formats=("JPEG",)) for tail in (b"", _SOMETHING)]
+    # Pixels that are missing are made of whatever follows.
+    if not np.array_equal(*(np.asarray(one) for one in ended)):
+        raise OSError
+    return ended[0]
 
 
 def _is_avif(data: bytes) -> bool:
