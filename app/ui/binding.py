@@ -186,7 +186,9 @@ class Binding:
         self._io.delta_time = max(now_s - self._last_frame_s, _SHORTEST_FRAME_S)
         self._last_frame_s = now_s
         imgui.new_frame()
-        self._pressed = self._moved = self._clicked = False
+        if not self._context.input_events_queue.size():
+            # What Dear ImGui left of this frame's events, as a movement after a key, is part of the next.
+            self._pressed = self._moved = self._clicked = False
         waiting, self._later = self._later, []
         for event in waiting:
             self._take(event)

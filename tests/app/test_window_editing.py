@@ -80,6 +80,22 @@ def test_a_drag_that_took_no_longer_than_a_frame_reaches_as_far_as_the_hand(open
     assert abs(state.edit.yaw_deg - 90.0) < 1.0, "and the hand has let go"
 
 
+def test_a_press_that_comes_with_a_key_and_a_movement_begins_where_it_was_pressed(opened):
+    x, y = opened.centre()
+    opened.key(glfw.KEY_F)
+    opened.move((x - 100, y - 80))
+    window = opened.window
+    # All of it while one frame was made.
+    window.on_key(None, glfw.KEY_F9, 0, glfw.PRESS, 0)
+    window.on_key(None, glfw.KEY_F9, 0, glfw.RELEASE, 0)
+    window.on_mouse_move(None, x, y)
+    window.on_mouse_button(None, glfw.MOUSE_BUTTON_LEFT, glfw.PRESS, 0)
+    opened.frames(6)
+    window.on_mouse_button(None, glfw.MOUSE_BUTTON_LEFT, glfw.RELEASE, 0)
+    opened.frames(2)
+    assert window.state.view.fit
+
+
 def test_the_highlight_on_the_ball_follows_the_hand(opened):
     state = opened.window.state
     opened.frames(2)
