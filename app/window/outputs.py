@@ -217,7 +217,7 @@ class Outputs:
 
     def suggested(self, suffix: str, ending: str = "") -> Path:
         """A free name, beside the photo, for an output of what is wanted now, be that photo open yet or not."""
-        path = place_for(self._state, self._state.photo)
+        path = place_for(self._state, self._state.photo, self._state.export.form)
         return free_path(path.with_name(f"{path.stem}{ending}{suffix}"))
 
     def _need_picture(self) -> None:

@@ -95,6 +95,12 @@ def test_outputs_are_named_after_the_photo_that_is_wanted_while_another_one_is_s
     assert outputs[0].suggested(".exr") == tmp_path / "far" / "you-relit.exr"
 
 
+def test_a_dot_in_a_name_without_a_suffix_is_no_suffix_in_what_save_as_and_turntable_suggest(state, outputs, tmp_path):
+    state.export_path = "best v1.5"
+    assert outputs[0].suggested(".png") == tmp_path / "best v1.5.png"
+    assert outputs[0].suggested(".mp4", "-turntable") == tmp_path / "best v1.5-turntable.mp4"
+
+
 def test_an_export_is_named_after_the_photo_in_it(state, outputs, tmp_path):
     state.snapshot = replace(state.snapshot, picture=SimpleNamespace(opened=state.snapshot.opened))
     outputs[0].export(".jpg")
