@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -15,6 +16,8 @@ if TYPE_CHECKING:
 
 _ALIKE = ((".png",), (".exr",), (".jpg", ".jpeg"), (".tif", ".tiff"))
 """The suffixes of each kind of picture, the one of app.engine.exporting.FORMS first."""
+
+_SLASHES = ("/", os.sep)
 
 
 def form_named(path: Path) -> str | None:
@@ -38,12 +41,16 @@ def named_as(path: Path, suffix: str) -> Path:
 def named_place(typed: str, suggested: Path, suffix: str | None) -> Path:
     """The whole path of what was typed; what names no file, such as "/", means the suggested one.
 
+    In a folder, said by a slash behind its name, the file lies under the suggested name.
+
     Args:
         suggested: the place beside the photo, in whose folder a name alone lies.
         suffix: the kind of file it becomes; None leaves it as it was typed.
     """
     path = suggested.parent / from_home(Path(typed))
-    if not typed or Path(typed).name in ("", "~", ".."):
+    if typed.endswith(_SLASHES) and typed.strip("".join(_SLASHES)):
+        path /= suggested.name
+    elif not typed or Path(typed).name in ("", "~", ".."):
         path = suggested
     return path if suffix is None else named_as(path, suffix)
 

@@ -67,6 +67,14 @@ def test_what_names_no_file_means_the_name_beside_the_photo(state, tmp_path, typ
     assert state.export_path == (as_exr if typed else "")
 
 
+def test_a_slash_at_the_end_names_a_folder_where_the_picture_keeps_the_suggested_name(state, tmp_path, monkeypatch):
+    monkeypatch.setenv("HOME", str(tmp_path / "home"))
+    monkeypatch.setenv("USERPROFILE", str(tmp_path / "home"))
+    for typed, folder in (("sub/", tmp_path / "sub"), ("~/", tmp_path / "home"), ("a/b v1.2/", tmp_path / "a/b v1.2")):
+        state.export_path = typed
+        assert export_place(state, ".exr") == folder / "~me-relit.exr"
+
+
 def test_only_a_tilde_by_itself_is_the_users_folder(state, tmp_path, monkeypatch):
     monkeypatch.setenv("HOME", str(tmp_path / "home"))
     monkeypatch.setenv("USERPROFILE", str(tmp_path / "home"))
