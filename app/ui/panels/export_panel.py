@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 
 from imgui_bundle import imgui
 
 from app.engine.exporting import SIDES, ExportSettings
 from app.ui import theme, widgets
-from app.ui.export_name import choose_form, export_place, take_named_form
+from app.ui.export_name import choose_form, export_place, form_named, take_named_form
 from app.ui.panels.groups import group
 from app.ui.state import EditorState
 from relight_core.imaging.files import legible
@@ -99,9 +100,8 @@ def _place_and_layers(state: EditorState) -> None:
     if imgui.is_item_deactivated_after_edit():
         take_named_form(state)
     if state.export_path:
-        imgui.set_item_tooltip(
-            f"{legible(str(export_place(state)))}\nA number is added to the name if there is such a file."
-        )
+        place = export_place(state, form_named(Path(state.export_path)) or state.export.form)
+        imgui.set_item_tooltip(f"{legible(str(place))}\nA number is added to the name if there is such a file.")
     if state.export.form == ".exr":
         imgui.same_line(0.0, _SPACING)
         _layers(state)
