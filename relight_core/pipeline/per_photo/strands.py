@@ -2,8 +2,8 @@
 
 To the networks hair is solid, and in the small copy in which the matte is made a strand is less than a pixel: a bright
 wall between two strands would take on every light as a patch beside the cheek, and strands that stand off would take
-on none. About the outline of hair whose colour differs plainly from what lies behind it, each pixel's own colour says
-how much of it is hair.
+on none. About the outline of hair that is plainly darker than what lies behind it, each pixel's own colour says how
+much of it is hair.
 """
 
 from __future__ import annotations
@@ -33,15 +33,17 @@ where dark hair stands before something bright."""
 _DISTINCT, _PLAIN = (2.0, 3.5), (0.2, 0.35)
 """Distances of both colours, in their spreads and in displayed values, from which on they tell something, and all."""
 _SEEN = (0.02, 0.1)
-_OTHER_COLOUR = (0.15, 0.3)
+_OTHER_COLOUR = (0.1, 0.3)
 """How far a colour may lie off the line between both, in their distance, and from where on it is a third one's: the
-glint of a lamp on black hair is no orange wall."""
+glint of a lamp on black hair is no orange wall, nor a grey one that is darker."""
 _DARKER = 0.15
-_DEEP_IN_BRIGHT, _DEEP_IN_DARK, _FAR_OUT = 0.02, 0.06, (0.024, 0.048)
-"""How far from the outline hair is looked through that is brighter or darker than what lies behind it: what bright
-hair has in shadow looks like a dark wall. And up to where strands are looked for outside, in sides of the square."""
-_GAP, _BY_A_GAP = 0.7, (0.006, 0.014)
-"""Only by gaps, which show in the small copy too, is there less hair than was thought: glints and grey hairs do not."""
+"""By how much hair is darker than what lies behind it where all is told: what bright hair has in shadow looks like a
+dark wall."""
+_DEEP, _FAR_OUT = (0.036, 0.06), (0.024, 0.048)
+"""Up to where hair is looked through and strands are looked for outside, in sides of the square from the outline."""
+_GAP, _SURELY_BETWEEN, _BY_A_GAP = 0.7, 0.95, (0.006, 0.014)
+"""Only by gaps, which show in the small copy too and lead out of the hair, is there less hair than was thought: glints
+and grey hairs do not."""
 _HAIR, _OTHERS = (0.3, 0.6), (0.2, 0.5)
 
 
@@ -86,7 +88,7 @@ def strands_of(
     photo_size: tuple[int, int],
     inside: Inside | None = None,
 ) -> Strands | None:
-    """The strands about people's hair; None where no hair differs plainly from what lies behind it.
+    """The strands about people's hair; None where no hair is plainly darker than what lies behind it.
 
     Args:
         guide: (h, w, 3) the photo or a copy of it as displayed, sRGB, [0, 1].
@@ -138,7 +140,7 @@ def _told_apart(
     way, off = _along(guide[at] - behind, toward)
     told = share.copy()
     told[at] = ramp(way, low, high)
-    trust[at] *= 1 - ramp(off / far, *_OTHER_COLOUR)
+    trust[at] *= _between(way, off, low, far)
     return told, trust
 
 
@@ -151,7 +153,7 @@ class _Sides:
         toward: (k, l, 3) unit vector from there to the hair's.
         distance: (k, l) between both.
         low, high: (k, l) along that, up to where a pixel has no hair in it, and from where on nothing else.
-        certainty: (k, l) in [0, 1] how plainly both differ.
+        certainty: (k, l) in [0, 1] how plainly the hair is the darker one.
     """
 
     behind: np.ndarray
@@ -180,6 +182,7 @@ def _sides_about(guide: np.ndarray, share: np.ndarray, hair: np.ndarray, head_px
     low = np.minimum(_SPREAD_BEHIND * spread_behind + _CODES, _ALL_BEHIND * distance)
     high = np.maximum(distance - _SPREAD_OF_HAIR * spread - _CODES, _ALL_HAIR * distance)
     certainty = ramp(distance / (spread + spread_behind + _CODES), *_DISTINCT) * ramp(distance, *_PLAIN)
+    certainty *= ramp(-toward.mean(-1) * distance, 0.0, _DARKER)
     return _Sides(behind, toward, distance, low, high, certainty * ramp(hair_seen, *_SEEN) * ramp(behind_seen, *_SEEN))
 
 
@@ -188,18 +191,27 @@ def _trust(
 ) -> np.ndarray:
     """(k, l) in [0, 1] where colours may say how much is hair: about the outline, and by gaps within it."""
     way, off = _along(guide - sides.behind, sides.toward)
-    darker = ramp(-sides.toward.mean(-1) * sides.distance, 0.0, _DARKER)
-    deep = _DEEP_IN_BRIGHT + (_DEEP_IN_DARK - _DEEP_IN_BRIGHT) * darker
     outside = share <= 0.5
-    reach = 1 - ramp(_distance_to(outside) / head_px, 0.6 * deep, deep)
-    looked_through = sides.certainty * reach * (1 - ramp(off / sides.distance, *_OTHER_COLOUR)) > 0.5
-    gaps = outside | (looked_through & (ramp(way, sides.low, sides.high) < _GAP))
+    reach = 1 - ramp(_distance_to(outside) / head_px, *_DEEP)
+    looked_through = (sides.certainty * reach > 0.5) & (_between(way, off, sides.low, sides.distance) > _SURELY_BETWEEN)
+    gaps = _hanging_together(outside, looked_through & (ramp(way, sides.low, sides.high) < _GAP))
     near = reach * (1 - ramp(_distance_to(gaps) / head_px, *_BY_A_GAP))
     near *= 1 - ramp(_distance_to(~outside) / head_px, *_FAR_OUT)
     hairy = ramp(cv2.dilate(hair, _disc(0.01 * head_px)), *_HAIR)
     hairy = cv2.GaussianBlur(hairy, (0, 0), max(0.006 * head_px, 0.5))
     not_others = 1 - ramp(cv2.GaussianBlur(others, (0, 0), max(0.003 * head_px, 0.5)), *_OTHERS)
     return (sides.certainty * near * hairy * not_others).astype(np.float32)
+
+
+def _between(way: np.ndarray, off: np.ndarray, low: np.ndarray, distance: np.ndarray) -> np.ndarray:
+    """(...) in [0, 1] how far colours lie between both sides', neither beside the line nor beyond what lies behind."""
+    return 1 - ramp((off + np.maximum(-way - low, 0)) / distance, *_OTHER_COLOUR)
+
+
+def _hanging_together(outside: np.ndarray, gaps: np.ndarray) -> np.ndarray:
+    """(k, l) what is outside, and those gaps that hang together with it."""
+    _, pieces = cv2.connectedComponents((outside | gaps).astype(np.uint8))
+    return (pieces > 0) & np.isin(pieces, pieces[outside])
 
 
 def _along(colour: np.ndarray, toward: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
