@@ -82,11 +82,12 @@ def test_a_glint_brighter_than_the_wall_is_hair():
     np.testing.assert_array_equal(matte_of(guide, share)[GAP], 1)
 
 
-def test_what_has_the_walls_colour_with_hair_around_it_is_hair():
-    guide, share = scene()
+@pytest.mark.parametrize(("wall", "left", "is_hair"), [(WHITE, 288, 1), (WHITE, 298, 0), ((0.6, 0.6, 0.6), 298, 1)])
+def test_what_has_the_walls_colour_with_hair_around_it_is_hair_but_for_a_bright_gap_by_the_outline(wall, left, is_hair):
+    guide, share = scene(wall=wall)
     guide[180:220, 290:308] = HAIR
-    guide[180:220, 288:296] = WHITE
-    np.testing.assert_array_equal(matte_of(guide, share)[182:218, 289:295], 1)
+    guide[180:220, left : left + 8] = wall
+    np.testing.assert_allclose(matte_of(guide, share)[182:218, left + 1 : left + 4], is_hair, atol=0.15)
 
 
 def test_what_fair_hair_has_in_shadow_is_no_dark_wall():

@@ -42,8 +42,9 @@ dark wall."""
 _DEEP, _FAR_OUT = (0.036, 0.06), (0.024, 0.048)
 """Up to where hair is looked through and strands are looked for outside, in sides of the square from the outline."""
 _GAP, _SURELY_BETWEEN, _BY_A_GAP = 0.7, 0.95, (0.006, 0.014)
+_BESIDE, _BRIGHT = 0.025, 0.75
 """Only by gaps, which show in the small copy too and lead out of the hair, is there less hair than was thought: glints
-and grey hairs do not."""
+and grey hairs do not. Beside the outline, before what is so bright that hardly a glint is, hair may be all around."""
 _HAIR, _OTHERS = (0.3, 0.6), (0.2, 0.5)
 
 
@@ -194,7 +195,9 @@ def _trust(
     outside = share <= 0.5
     reach = 1 - ramp(_distance_to(outside) / head_px, *_DEEP)
     looked_through = (sides.certainty * reach > 0.5) & (_between(way, off, sides.low, sides.distance) > _SURELY_BETWEEN)
-    gaps = _hanging_together(outside, looked_through & (ramp(way, sides.low, sides.high) < _GAP))
+    gaps = looked_through & (ramp(way, sides.low, sides.high) < _GAP)
+    shut_in = gaps & (sides.behind.mean(-1) > _BRIGHT) & (_distance_to(outside) < _BESIDE * head_px)
+    gaps = _hanging_together(outside, gaps) | shut_in
     near = reach * (1 - ramp(_distance_to(gaps) / head_px, *_BY_A_GAP))
     near *= 1 - ramp(_distance_to(~outside) / head_px, *_FAR_OUT)
     hairy = ramp(cv2.dilate(hair, _disc(0.01 * head_px)), *_HAIR)
