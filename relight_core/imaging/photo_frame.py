@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 
 import numpy as np
 
@@ -19,6 +20,9 @@ _WIDEST_BAR, _PLAIN, _LINE, _LEAST_RUN_PX = 0.6, 0.75, 0.6, 3
 """Of a bar: its share of the picture at most, how much of it has its colour, and how much of the row just behind it
 is surely picture; and before that row so many have its colour throughout."""
 PLAINLY = _LINE
+
+_NEAR_CELLS = 5
+"""So many cells of a small copy about where a frame ends in it, it ends in the picture itself."""
 
 _EVERY_PX = 7
 """Of a row, one pixel in so many is looked at."""
@@ -53,6 +57,45 @@ def inside_frame(shown: np.ndarray, least_beside: float = _LEAST_BESIDE) -> Insi
 def shrunk_inside(inside: Inside, size: tuple[int, int], small: tuple[int, int]) -> Inside:
     """The cells of a copy of `small`, (height, width), that lie within a frame's inside in a picture of `size`."""
     return tuple(_cells(span, few / many) for span, many, few in zip(inside, size, small, strict=True))
+
+
+def whole_inside(
+    inside: Inside, small: tuple[int, int], size: tuple[int, int], shown: Callable[[Inside], np.ndarray]
+) -> Inside:
+    """What of a picture lies within a frame that is known in a copy of it, to a pixel.
+
+    Args:
+        inside: rows and columns of the copy.
+        small, size: (height, width) of the copy, of the picture.
+        shown: some rows and columns of the picture, (h, w, 3) sRGB.
+    """
+    many = [many / few for few, many in zip(small, size, strict=True)]
+    rows, columns = (
+        slice(math.floor(span.start * scale), math.ceil(span.stop * scale))
+        for span, scale in zip(inside, many, strict=True)
+    )
+
+    def end(at: int, sign: int, scale: float, length: int, part: Callable[[slice], np.ndarray]) -> int:
+        """Where a side ends, known to lie near `at`; its frame lies before that where the sign is 1."""
+        if at in (0, length):
+            return at
+        reach = math.ceil(_NEAR_CELLS * scale)
+        window = slice(max(at - reach, 0), min(at + reach, length))
+        lines = part(window)[::sign]
+        depth = _depth(np.abs(lines - np.median(lines[0], axis=0)).max(axis=2))
+        if not 0 < depth < len(lines):
+            return at
+        # JPEG lets the picture ring in the last rows of a frame; the largest step is where it ends.
+        first = max(depth - _BLURRED_PX, 1)
+        depth = first + int(np.abs(np.diff(lines[first - 1 : depth + _BLURRED_PX + 1], axis=0)).mean((1, 2)).argmax())
+        return window.start + depth if sign > 0 else window.stop - depth
+
+    across = lambda window: shown((window, columns))  # noqa: E731
+    down = lambda window: shown((rows, window)).swapaxes(0, 1)  # noqa: E731
+    return (
+        slice(*(end(at, sign, many[0], size[0], across) for at, sign in ((rows.start, 1), (rows.stop, -1)))),
+        slice(*(end(at, sign, many[1], size[1], down) for at, sign in ((columns.start, 1), (columns.stop, -1)))),
+    )
 
 
 def picture_cells(picture: tuple[int, int, int, int], size: tuple[int, int], small: tuple[int, int]) -> Inside:

@@ -9,11 +9,12 @@ import pytest
 from relight_core.face.crop import Crop
 from relight_core.face.find import FaceBox
 from relight_core.imaging.photo import Photo
-from relight_core.imaging.photo_frame import inside_frame, shrunk_inside
+from relight_core.imaging.photo_frame import inside_frame, shrunk_inside, whole_inside
 from relight_core.lighting.reflection import ReflectionTable
-from relight_core.pipeline.per_photo.matte import Matte, draft_matte
+from relight_core.pipeline.per_photo.brush import BrushStroke
+from relight_core.pipeline.per_photo.matte import Matte, draft_matte, finish_matte
 from relight_core.pipeline.per_photo.network_view import network_view
-from relight_core.pipeline.per_photo.person import canvas_of
+from relight_core.pipeline.per_photo.person import canvas_of, whole_person
 from relight_core.pipeline.per_photo.portrait import frame
 from relight_core.pipeline.results.finish import place_views, weights_on_views
 
@@ -229,3 +230,38 @@ def test_a_view_of_a_framed_photo_reads_what_is_about_it_alone(centre, roll_deg,
     monkeypatch.setattr(Crop, "extract", reading)
     assert np.abs(network_view(photo, view, 64, 1.0) - whole).max() < 1e-5
     assert max(read) < 3 * 320**2
+
+
+@pytest.mark.parametrize("quality", [None, 90])
+def test_where_a_frame_ends_in_a_copy_it_ends_to_a_pixel_in_the_photo(quality):
+    picture, _ = half_figure(0.4)
+    picture = cv2.resize(picture, (1280, 1600), interpolation=cv2.INTER_CUBIC)
+    whole = cv2.copyMakeBorder(picture, 101, 130, 67, 103, cv2.BORDER_CONSTANT, value=(1.0,) * 3)
+    if quality:
+        codes = (255 * np.clip(whole, 0, 1)).round().astype(np.uint8)
+        jpeg = cv2.imencode(".jpg", codes, (cv2.IMWRITE_JPEG_QUALITY, quality))[1]
+        whole = cv2.imdecode(jpeg, cv2.IMREAD_COLOR).astype(np.float32) / 255
+    known = slice(51, 851), slice(34, 674)
+    assert whole_inside(known, (916, 725), whole.shape[:2], whole.__getitem__) == (slice(101, 1701), slice(67, 1347))
+
+
+def test_a_white_shirt_ends_with_the_photo_where_its_white_frame_begins():
+    picture, person = street(), half_figure(0.4)[1]
+    picture[person] = 0.97
+    picture, person = (np.repeat(np.repeat(image, 8, 0), 8, 1) for image in (picture, person))
+    view = Crop(640.0, 800.0, 1600.0)
+    looks = [(view.extract(person.astype(np.float32), 64), view.moved(151, 151))]
+    photo = Photo(framed(picture, 151, 1.0))
+    matte = finish_matte(draft_matte(photo.linear, [looks], picture=photo.picture))
+    share = whole_person(canvas_of(photo), matte).share
+    assert max(matte.level.shape) <= 1024
+    assert share[1750, 500:1100].min() > 0.95
+    assert share[1751:].max() == 0
+
+
+def test_what_is_painted_into_a_frame_stays():
+    photo = Photo(framed(np.repeat(np.repeat(street(), 8, 0), 8, 1), 151, 1.0))
+    looks = [(np.zeros((64, 64), np.float32), Crop(640.0, 560.0, 1120.0))]
+    stroke = BrushStroke(((200.0, 80.0), (1300.0, 80.0)), 40.0, True)
+    matte = finish_matte(draft_matte(photo.linear, [looks], picture=photo.picture), [stroke])
+    assert whole_person(canvas_of(photo), matte).share[80, 300:1200].min() > 0.9

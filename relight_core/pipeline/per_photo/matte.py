@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 import cv2
 import numpy as np
 
-from relight_core.face.paste import all_of
+from relight_core.face.paste import Band, all_of
 from relight_core.imaging.colour import luminance
-from relight_core.imaging.photo_frame import Inside, inside_frame, picture_cells
+from relight_core.imaging.photo_frame import Inside, inside_frame, picture_cells, shrunk_inside, whole_inside
 from relight_core.imaging.resampling import resize_area, shrunk_size
 from relight_core.imaging.view_transform import apply_view
 from relight_core.pipeline.per_photo.brush import BrushStroke, painted
@@ -43,6 +44,7 @@ class Matte:
         exposure: edges are looked for in the photo times this, see `exposure_about_faces`.
         inside: what of the photo, no longer than WORKING_PX, lies within a frame (see `photo_frame.inside_frame`);
             None where there is no frame.
+        ends: the same to a pixel of the photo, beyond which nobody is; None where that can't be said.
     """
 
     slope: np.ndarray
@@ -53,6 +55,7 @@ class Matte:
     own_alpha: bool = False
     exposure: float | np.ndarray = 1.0
     inside: Inside | None = None
+    ends: Inside | None = None
 
 
 def guide_of(linear: np.ndarray) -> np.ndarray:
@@ -103,7 +106,7 @@ class DraftMatte:
         guide: (h, w, 3) the same as it is displayed, sRGB.
         photo_size: (height, width).
         exposure: the guide shows the photo times this, see `exposure_about_faces`.
-        inside: as of `Matte`; all of the share is there.
+        inside, ends: as of `Matte`; all of the share is there.
         strands: how much of it is hair about the outlines of hair; None where colours don't tell.
     """
 
@@ -114,6 +117,7 @@ class DraftMatte:
     exposure: float | np.ndarray = 1.0
     inside: Inside | None = None
     strands: Strands | None = None
+    ends: Inside | None = None
 
 
 def draft_matte(
@@ -159,8 +163,22 @@ def draft_matte(
         cells = picture_cells(picture, size, guide.shape[:2])
         share = first_matte_within(cells, guide, people, faces, others, size)
         inside = cells if inside is None else inside
+    ends = None if inside is None else _ends(linear, exposure, inside, guide.shape[:2])
+    inside = None if ends is None else shrunk_inside(ends, size, guide.shape[:2])
     share = _within(inside, filled_corners(guide), share)
-    return DraftMatte(share, small, guide, size, exposure, inside, strands_of(guide, share, hair, size, inside))
+    return DraftMatte(share, small, guide, size, exposure, inside, strands_of(guide, share, hair, size, inside), ends)
+
+
+def _ends(linear: np.ndarray, exposure: float | np.ndarray, inside: Inside, small: tuple[int, int]) -> Inside:
+    """What of a photo (H, W, 3) lies within a frame, of which cells of a `small` copy are `inside`."""
+    size = linear.shape[:2]
+
+    def shown(part: Inside) -> np.ndarray:
+        rows, columns = part
+        band = Band(rows.start, rows.stop, size, size, (columns.start, columns.stop))
+        return apply_view(exposed(linear[part], exposure, band))
+
+    return whole_inside(inside, small, size, shown)
 
 
 def _within(
@@ -192,20 +210,23 @@ def finish_matte(draft: DraftMatte | None, strokes: Sequence[BrushStroke] = ()) 
         return Matte(nothing, nothing, black, black, nothing, True)
     small, guide = draft.small, draft.guide
     coarse = painted(draft.share, strokes, draft.photo_size)
-    # A filter would let somebody whom a frame cuts off fade out in it.
-    share = _within(draft.inside, None, _on_edges(guide, coarse, strokes, draft.photo_size), coarse)
+    go_on = partial(_going_on, draft.inside)
+    share = _on_edges(go_on(guide), go_on(coarse), strokes, draft.photo_size)
+    share = _within(draft.inside, None, share, coarse)
     if draft.strands is not None:
         by_hand = [replace(stroke, adds=True) for stroke in strokes]
         share = draft.strands.put_into(share, painted(np.zeros_like(share), by_hand, draft.photo_size))
-    slope, level = np.zeros_like(share), share
+    slope, level, ends = np.zeros_like(share), share, None
     if guide.shape[:2] != draft.photo_size:
-        slope, level = _guided_coefficients(
-            guide_of(exposed(small, draft.exposure, all_of(small.shape[:2], draft.photo_size))), share
-        )
+        seen = guide_of(exposed(small, draft.exposure, all_of(small.shape[:2], draft.photo_size)))
+        # What is painted into a frame is kept, and has no edge there.
+        ends = draft.ends if np.array_equal(share, _within(draft.inside, None, share)) else None
+        seen_on, share_on = map(go_on, (seen, share)) if ends else (seen, share)
+        slope, level = _guided_coefficients(seen_on, share_on)
     fused = shrunk_size(draft.photo_size, _FUSION_PX)
     nearby = cv2.GaussianBlur(resize_area(share, fused), (0, 0), max(max(fused) * _NEAR_SHARE, 0.5))
     nearby = np.clip(nearby, 0.0, 1.0)
-    return Matte(slope, level, *_sides(small, share), nearby, exposure=draft.exposure, inside=draft.inside)
+    return Matte(slope, level, *_sides(small, share), nearby, exposure=draft.exposure, inside=draft.inside, ends=ends)
 
 
 def _on_edges(
@@ -219,6 +240,18 @@ def _on_edges(
     if not any(stroke.adds for stroke in covered):
         return share
     return share + painted(np.zeros_like(share), covered, photo_size) * (coarse - share)
+
+
+def _going_on(inside: Inside | None, image: np.ndarray) -> np.ndarray:
+    """A picture (h, w) or (h, w, 3) that goes on beyond what lies within a frame, if there is one, as it is there.
+
+    Where somebody is as white as the frame, filters would let them fade out about its edge, half of that on them.
+    """
+    if inside is None:
+        return image
+    (rows, columns), (height, width) = inside, image.shape[:2]
+    around = rows.start, height - rows.stop, columns.start, width - columns.stop
+    return cv2.copyMakeBorder(np.ascontiguousarray(image[inside]), *around, cv2.BORDER_REPLICATE)
 
 
 def _guided_coefficients(guide: np.ndarray, mask: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -9,6 +9,7 @@ import numpy as np
 from relight_core.face.paste import Band, bands, spread_window, whole_photo
 from relight_core.imaging.in_order import in_order
 from relight_core.imaging.photo import Photo
+from relight_core.imaging.photo_frame import Inside
 from relight_core.imaging.resampling import resize_area, shrunk_size
 from relight_core.pipeline.per_photo.exposing import exposed
 from relight_core.pipeline.per_photo.matte import Matte, guide_of, own_colour
@@ -81,10 +82,23 @@ def person_in(canvas: Canvas, matte: Matte, band: Band) -> Person:
     share *= guide_of(exposed(linear, matte.exposure, band))
     share += spread_window(matte.level, everywhere, band)
     np.clip(share, 0, 1, out=share)
+    if matte.ends is not None:
+        share *= _within(matte.ends, band)
     if not ((share > 0) & (share < 1)).any():
         return Person(share, linear)
     sides = (spread_window(side, everywhere, band) for side in (matte.person, matte.behind))
     return Person(share, own_colour(linear, share, *sides))
+
+
+def _within(ends: Inside, band: Band) -> np.ndarray:
+    """Which pixels of a band, (h, w), have their middles within some rows and columns of the photo."""
+    rows = np.arange(band.top, band.bottom, band.step)
+    within = [
+        (middles >= span.start) & (middles < span.stop)
+        for span, at, few, many in zip(ends, (rows, np.arange(*band.span)), band.size, band.photo_size, strict=True)
+        for middles in [(at + 0.5) * (many / few)]
+    ]
+    return within[0][:, None] & within[1]
 
 
 def whole_person(canvas: Canvas, matte: Matte) -> Person:
