@@ -56,7 +56,7 @@ def inside_frame(shown: np.ndarray, least_beside: float = _LEAST_BESIDE) -> Insi
 
 def shrunk_inside(inside: Inside, size: tuple[int, int], small: tuple[int, int]) -> Inside:
     """The cells of a copy of `small`, (height, width), that lie within a frame's inside in a picture of `size`."""
-    return tuple(_cells(span, few / many) for span, many, few in zip(inside, size, small, strict=True))
+    return tuple(_cells(span, many, few) for span, many, few in zip(inside, size, small, strict=True))
 
 
 def whole_inside(
@@ -69,10 +69,10 @@ def whole_inside(
         small, size: (height, width) of the copy, of the picture.
         shown: some rows and columns of the picture, (h, w, 3) sRGB.
     """
-    many = [many / few for few, many in zip(small, size, strict=True)]
+    scales = [many / few for few, many in zip(small, size, strict=True)]
     rows, columns = (
-        slice(math.floor(span.start * scale), math.ceil(span.stop * scale))
-        for span, scale in zip(inside, many, strict=True)
+        slice(span.start * many // few, -(-span.stop * many // few))
+        for span, few, many in zip(inside, small, size, strict=True)
     )
 
     def end(at: int, sign: int, scale: float, length: int, part: Callable[[slice], np.ndarray]) -> int:
@@ -93,8 +93,8 @@ def whole_inside(
     across = lambda window: shown((window, columns))  # noqa: E731
     down = lambda window: shown((rows, window)).swapaxes(0, 1)  # noqa: E731
     return (
-        slice(*(end(at, sign, many[0], size[0], across) for at, sign in ((rows.start, 1), (rows.stop, -1)))),
-        slice(*(end(at, sign, many[1], size[1], down) for at, sign in ((columns.start, 1), (columns.stop, -1)))),
+        slice(*(end(at, sign, scales[0], size[0], across) for at, sign in ((rows.start, 1), (rows.stop, -1)))),
+        slice(*(end(at, sign, scales[1], size[1], down) for at, sign in ((columns.start, 1), (columns.stop, -1)))),
     )
 
 
@@ -104,9 +104,10 @@ def picture_cells(picture: tuple[int, int, int, int], size: tuple[int, int], sma
     return shrunk_inside((slice(y0, y1), slice(x0, x1)), size, small)
 
 
-def _cells(span: slice, scale: float) -> slice:
-    start = math.ceil(span.start * scale)
-    return slice(start, max(math.floor(span.stop * scale), start + 1))
+def _cells(span: slice, many: int, few: int) -> slice:
+    # Fractions of floats would round a whole side to a cell less.
+    start = -(-span.start * few // many)
+    return slice(start, max(span.stop * few // many, start + 1))
 
 
 def _sides(shown: np.ndarray) -> tuple[np.ndarray, ...]:

@@ -10,6 +10,7 @@ from relight_core.face.crop import Crop
 from relight_core.face.find import FaceBox
 from relight_core.imaging.photo import Photo
 from relight_core.imaging.photo_frame import inside_frame, shrunk_inside, whole_inside
+from relight_core.imaging.resampling import shrunk_size
 from relight_core.lighting.reflection import ReflectionTable
 from relight_core.pipeline.per_photo.brush import BrushStroke
 from relight_core.pipeline.per_photo.matte import Matte, draft_matte, finish_matte
@@ -133,6 +134,27 @@ def test_cells_of_a_smaller_copy_lie_wholly_within_a_frame():
     inside = slice(30, 500), slice(0, 800)
     assert shrunk_inside(inside, (1000, 800), (100, 80)) == (slice(3, 50), slice(0, 80))
     assert shrunk_inside(inside, (1000, 800), (64, 51)) == (slice(2, 32), slice(0, 51))
+
+
+@pytest.mark.parametrize("length", [1122, 1138, 1151, 1195])
+def test_a_side_without_a_frame_ends_with_the_copy(length):
+    whole = slice(0, length), slice(100, length)
+    assert shrunk_inside(whole, (length, length), (1024, 1024))[0] == slice(0, 1024)
+
+
+@pytest.mark.parametrize("size", [(1012, 1385), (1012, 1459), (1383, 2051)])
+def test_a_side_without_a_frame_ends_with_the_photo_though_its_last_rows_are_plain(size):
+    """Nothing beyond the photo is asked for either."""
+    small = shrunk_size(size, 1024)
+
+    def shown(part):
+        assert all(span.stop <= most for span, most in zip(part, size, strict=True))
+        rows, columns = (np.arange(most)[span] for most, span in zip(size, part, strict=True))
+        plain = (rows[:, None] >= size[0] - 4) | (columns < 100)
+        return np.where(plain, 0.5, (rows[:, None] * 7 + columns) % 9 / 9)[..., None].repeat(3, 2).astype(np.float32)
+
+    known = slice(0, small[0]), slice(round(100 * small[1] / size[1]), small[1])
+    assert whole_inside(known, small, size, shown) == (slice(0, size[0]), slice(100, size[1]))
 
 
 def street():
