@@ -314,6 +314,20 @@ def test_a_jpeg_that_lacks_nothing_but_its_end_is_whole(tmp_path, progressive, c
     assert capfd.readouterr() == ("", "")
 
 
+def test_a_progressive_jpeg_that_ends_between_two_scans_is_truncated(tmp_path):
+    noise, buffer = np.random.default_rng(2).integers(0, 256, (40, 56, 3)).astype(np.uint8), io.BytesIO()
+    Image.fromarray(noise).save(buffer, "JPEG", progressive=True, comment=b"\xff\xda\xff\xd9")
+    whole, path = buffer.getvalue(), tmp_path / "a.jpg"
+    parts = [at for at in range(len(whole)) if whole[at : at + 2] in (b"\xff\xc4", b"\xff\xda")][3:]
+    assert len(parts) > 10
+    for at in parts:
+        path.write_bytes(whole[: at + 1])
+        with pytest.raises(InputError, match="truncated or damaged"):
+            read_photo(path)
+    path.write_bytes(whole[:-2])
+    assert read_photo(path).linear.shape == (40, 56, 3)
+
+
 @pytest.mark.parametrize("share", [0.02, 0.3, 0.9])
 def test_truncated_exr_is_refused_quietly(tmp_path, share, capfd):
     noise = np.random.default_rng(1).random((64, 64, 3)).astype(np.float32)

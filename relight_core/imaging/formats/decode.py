@@ -17,6 +17,7 @@ from relight_core.imaging.formats.camera_raw import develop_raw, is_raw
 from relight_core.imaging.formats.deep_tiff import decode_deep_tiff, decode_flat_tiff
 from relight_core.imaging.formats.heif import decode_heif, is_heif, stated_profile
 from relight_core.imaging.formats.icc import stated_transfer
+from relight_core.imaging.formats.jpeg_scans import has_all_scans
 from relight_core.imaging.formats.library_profiles import through_library_profile
 from relight_core.imaging.formats.limits import check_pixels
 from relight_core.imaging.formats.metadata import carried_exif, exif_of
@@ -130,7 +131,7 @@ def _loaded(image: Image.Image, data: bytes) -> Image.Image:
         image.load()
         return image
     except OSError:
-        if image.format not in ("JPEG", "MPO"):
+        if image.format not in ("JPEG", "MPO") or not has_all_scans(data):
             raise
     picture = data.removesuffix(_JPEG_END[:1])
     ended = [Image.open(io.BytesIO(picture + tail + _JPEG_END), formats=("JPEG",)) for tail in (b"", _SOMETHING)]
