@@ -66,7 +66,7 @@ class FaceSearch:
 
     def _has_contrast(self, place: FaceBox) -> bool:
         middle = Crop((place.x0 + place.x1) / 2, (place.y0 + place.y1) / 2, min(place.width, place.height))
-        dark, bright = np.percentile(luminance(looked_at(self._photo.seen.linear, middle)), (2, 98))
+        dark, bright = np.percentile(luminance(looked_at(self._photo, middle)), (2, 98))
         return bool(bright - dark > _LEAST_CONTRAST * bright)
 
     def _glimpse(self, found: FaceBox) -> int:

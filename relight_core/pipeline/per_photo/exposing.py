@@ -40,14 +40,14 @@ def exposure_of_face(photo: Photo, crop: Crop) -> float:
         crop: the paper's square around the face (section 3.2).
     """
     middle = Crop(crop.centre_x, crop.centre_y, _OF_CROP * crop.side)
-    seen = luminance(looked_at(picture_pixels(photo), in_picture(photo, middle)))
+    seen = luminance(looked_at(photo, middle))
     third, tenth, fiftieth = (float(found) for found in np.percentile(seen, (70, 90, 98)))
     return _exposure(tenth, min(fiftieth, _GLARE * third), _MOST[photo.bits])
 
 
 def exposure_of_view(photo: Photo, view: Crop) -> float:
     """The same of a view that may hold a face anywhere: it is dark all over, or half of it is brighter than white."""
-    seen = luminance(looked_at(picture_pixels(photo), in_picture(photo, view)))
+    seen = luminance(looked_at(photo, view))
     return _exposure(float(np.percentile(seen, 95)), float(np.median(seen)), _MOST[photo.bits])
 
 
@@ -82,9 +82,10 @@ def exposed(linear: np.ndarray, exposure: float | np.ndarray, band: Band) -> np.
     return linear if exposure == 1.0 else linear * np.float32(exposure)
 
 
-def looked_at(image: np.ndarray, window: Crop) -> np.ndarray:
-    """(N, 3) pixels of a window of a photo, spread evenly over what of it is inside."""
-    x0, y0, x1, y1 = window.window
+def looked_at(photo: Photo, window: Crop) -> np.ndarray:
+    """(N, 3) pixels of a window of a photo, spread evenly over what of it is inside its picture."""
+    image = picture_pixels(photo)
+    x0, y0, x1, y1 = in_picture(photo, window).window
     height, width = image.shape[:2]
     rows, columns = (
         np.clip(np.linspace(start, end, _LOOKS + 1)[:-1] + (end - start) / (2 * _LOOKS), 0, length - 1).astype(int)
