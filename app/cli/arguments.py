@@ -12,11 +12,9 @@ from pathlib import Path
 from typing import NoReturn
 
 from relight_core.errors import InputError
-from relight_core.pipeline.edit import BACKGROUNDS, EFFECTS, TOLERANCE, Edit, is_plain_colour
+from relight_core.pipeline.edit import BACKGROUNDS, EDIT_RANGES, EFFECTS, TOLERANCE, Edit, is_plain_colour
 
 EXPOSURE_LIMIT_EV = 16.0
-GAIN_LIMIT = 2.0
-WIDEST_VIEW_DEG, WIDEST_BLUR_DEG = 170.0, 20.0
 _NEGATIVE_FIRST = re.compile(r"-[\d.]")
 _LISTS_OF_NUMBERS = ("--box", "--add-box")
 
@@ -246,7 +244,7 @@ def _within(text: str, low: float, high: float) -> float:
 
 
 def _tint(text: str) -> float:
-    return _within(text, -1.0, 1.0)
+    return _within(text, *EDIT_RANGES["specular_tint"])
 
 
 def _share(text: str) -> float:
@@ -258,18 +256,19 @@ def _exposure(text: str) -> float:
 
 
 def _gain(text: str) -> float:
-    return _within(text, 0.0, GAIN_LIMIT)
+    return _within(text, *EDIT_RANGES["specular"])
 
 
 def _field_of_view(text: str) -> float:
-    degrees = _within(text, 0.0, WIDEST_VIEW_DEG)
+    narrowest, widest = EDIT_RANGES["background_fov_deg"]
+    degrees = _within(text, narrowest, widest)
     if degrees == 0.0:
-        raise argparse.ArgumentTypeError(f"{text} degrees see nothing; the field of view is up to {WIDEST_VIEW_DEG:g}")
+        raise argparse.ArgumentTypeError(f"{text} degrees see nothing; the field of view is up to {widest:g}")
     return degrees
 
 
 def _blur(text: str) -> float:
-    return _within(text, 0.0, WIDEST_BLUR_DEG)
+    return _within(text, *EDIT_RANGES["background_blur_deg"])
 
 
 def _tolerance(text: str) -> float:
