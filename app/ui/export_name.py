@@ -20,9 +20,10 @@ _ALIKE = ((".png",), (".exr",), (".jpg", ".jpeg"), (".tif", ".tiff"))
 _SLASHES = ("/", os.sep)
 
 
-def form_named(path: Path) -> str | None:
-    """The kind of picture, of app.engine.exporting.FORMS, that a name says by its suffix, if it does."""
-    return next((alike[0] for alike in _ALIKE if path.suffix.lower() in alike), None)
+def form_named(name: Path | str) -> str | None:
+    """The kind of picture, of app.engine.exporting.FORMS, that a name says by its suffix, if it does; no folder's."""
+    suffix = os.path.splitext(name)[1].lower()
+    return next((alike[0] for alike in _ALIKE if suffix in alike), None)
 
 
 def named_as(path: Path, suffix: str) -> Path:
@@ -75,7 +76,7 @@ def choose_form(state: EditorState, suffix: str) -> None:
 
 def take_named_form(state: EditorState) -> None:
     """Once a name is typed: export the kind of file that it says."""
-    form = form_named(Path(state.export_path))
+    form = form_named(state.export_path)
     if form is not None and form != state.export.form:
         choose_form(state, form)
 

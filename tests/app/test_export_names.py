@@ -11,7 +11,7 @@ from app.engine.exporting import free_path
 from app.engine.places import from_home
 from app.engine.snapshot import Picture, Snapshot
 from app.engine.sources import PhotoSource
-from app.ui.export_name import choose_form, export_place, named_as
+from app.ui.export_name import choose_form, export_place, named_as, take_named_form
 from app.ui.file_dialogs import FileDialogs
 from app.ui.state import EditorState
 from app.window.deeds import Deeds
@@ -73,6 +73,12 @@ def test_a_slash_at_the_end_names_a_folder_where_the_picture_keeps_the_suggested
     for typed, folder in (("sub/", tmp_path / "sub"), ("~/", tmp_path / "home"), ("a/b v1.2/", tmp_path / "a/b v1.2")):
         state.export_path = typed
         assert export_place(state, ".exr") == folder / "~me-relit.exr"
+
+
+def test_a_folder_chooses_no_kind_of_picture_by_its_name(state, tmp_path):
+    state.export_path = "scans.tif/"
+    take_named_form(state)
+    assert (state.export.form, state.export_path) == (".png", "scans.tif/")
 
 
 def test_only_a_tilde_by_itself_is_the_users_folder(state, tmp_path, monkeypatch):

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from pathlib import Path
 
 from imgui_bundle import imgui
 
@@ -100,7 +99,7 @@ def _place_and_layers(state: EditorState) -> None:
     if imgui.is_item_deactivated_after_edit():
         take_named_form(state)
     if state.export_path:
-        place = export_place(state, form_named(Path(state.export_path)) or state.export.form)
+        place = export_place(state, form_named(state.export_path) or state.export.form)
         imgui.set_item_tooltip(f"{legible(str(place))}\nA number is added to the name if there is such a file.")
     if state.export.form == ".exr":
         imgui.same_line(0.0, _SPACING)
