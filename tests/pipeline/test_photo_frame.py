@@ -267,14 +267,16 @@ def test_where_a_frame_ends_in_a_copy_it_ends_to_a_pixel_in_the_photo(quality):
     assert whole_inside(known, (916, 725), whole.shape[:2], whole.__getitem__) == (slice(101, 1701), slice(67, 1347))
 
 
-def test_a_white_shirt_ends_with_the_photo_where_its_white_frame_begins():
+@pytest.mark.parametrize("painted_above", [False, True])
+def test_a_white_shirt_ends_with_the_photo_where_its_white_frame_begins(painted_above):
     picture, person = street(), half_figure(0.4)[1]
     picture[person] = 0.97
     picture, person = (np.repeat(np.repeat(image, 8, 0), 8, 1) for image in (picture, person))
     view = Crop(640.0, 800.0, 1600.0)
     looks = [(view.extract(person.astype(np.float32), 64), view.moved(151, 151))]
     photo = Photo(framed(picture, 151, 1.0))
-    matte = finish_matte(draft_matte(photo.linear, [looks], picture=photo.picture))
+    strokes = [BrushStroke(((200.0, 80.0), (1300.0, 80.0)), 40.0, True)] if painted_above else []
+    matte = finish_matte(draft_matte(photo.linear, [looks], picture=photo.picture), strokes)
     share = whole_person(canvas_of(photo), matte).share
     assert max(matte.level.shape) <= 1024
     assert share[1750, 500:1100].min() > 0.95
@@ -282,8 +284,12 @@ def test_a_white_shirt_ends_with_the_photo_where_its_white_frame_begins():
 
 
 def test_what_is_painted_into_a_frame_stays():
-    photo = Photo(framed(np.repeat(np.repeat(street(), 8, 0), 8, 1), 151, 1.0))
+    photo = Photo(framed(np.repeat(np.repeat(street(), 8, 0), 8, 1), 224, 1.0))
     looks = [(np.zeros((64, 64), np.float32), Crop(640.0, 560.0, 1120.0))]
-    stroke = BrushStroke(((200.0, 80.0), (1300.0, 80.0)), 40.0, True)
-    matte = finish_matte(draft_matte(photo.linear, [looks], picture=photo.picture), [stroke])
-    assert whole_person(canvas_of(photo), matte).share[80, 300:1200].min() > 0.9
+    strokes = [BrushStroke(((300.0, 80.0), (1400.0, 80.0)), 40.0, True)]
+    strokes += [BrushStroke(((700.0, 60.0), (700.0, 450.0)), 80.0, True)]
+    matte = finish_matte(draft_matte(photo.linear, [looks], picture=photo.picture), strokes)
+    share = whole_person(canvas_of(photo), matte).share
+    assert share[80, 400:1300].min() > 0.9
+    assert share[80:430, 660:740].min() > 0.9
+    assert share[130:300, 950:].max() < 0.05

@@ -44,7 +44,8 @@ class Matte:
         exposure: edges are looked for in the photo times this, see `exposure_about_faces`.
         inside: what of the photo, no longer than WORKING_PX, lies within a frame (see `photo_frame.inside_frame`);
             None where there is no frame.
-        ends: the same to a pixel of the photo, beyond which nobody is; None where that can't be said.
+        ends: the same to a pixel of the photo, if that is longer; beyond it nobody is who isn't painted there.
+        beyond: (h, w) in [0, 1], how much of a person is painted beyond it; None for nothing.
     """
 
     slope: np.ndarray
@@ -56,6 +57,7 @@ class Matte:
     exposure: float | np.ndarray = 1.0
     inside: Inside | None = None
     ends: Inside | None = None
+    beyond: np.ndarray | None = None
 
 
 def guide_of(linear: np.ndarray) -> np.ndarray:
@@ -216,17 +218,28 @@ def finish_matte(draft: DraftMatte | None, strokes: Sequence[BrushStroke] = ()) 
     if draft.strands is not None:
         by_hand = [replace(stroke, adds=True) for stroke in strokes]
         share = draft.strands.put_into(share, painted(np.zeros_like(share), by_hand, draft.photo_size))
-    slope, level, ends = np.zeros_like(share), share, None
+    slope, level, ends, beyond = np.zeros_like(share), share, None, None
     if guide.shape[:2] != draft.photo_size:
         seen = guide_of(exposed(small, draft.exposure, all_of(small.shape[:2], draft.photo_size)))
-        # What is painted into a frame is kept, and has no edge there.
-        ends = draft.ends if np.array_equal(share, _within(draft.inside, None, share)) else None
-        seen_on, share_on = map(go_on, (seen, share)) if ends else (seen, share)
-        slope, level = _guided_coefficients(seen_on, share_on)
+        slope, level = _guided_coefficients(go_on(seen), go_on(share))
+        ends, beyond = draft.ends, _painted_beyond(draft.inside, share)
     fused = shrunk_size(draft.photo_size, _FUSION_PX)
     nearby = cv2.GaussianBlur(resize_area(share, fused), (0, 0), max(max(fused) * _NEAR_SHARE, 0.5))
     nearby = np.clip(nearby, 0.0, 1.0)
-    return Matte(slope, level, *_sides(small, share), nearby, exposure=draft.exposure, inside=draft.inside, ends=ends)
+    found = slope, level, *_sides(small, share), nearby
+    return Matte(*found, exposure=draft.exposure, inside=draft.inside, ends=ends, beyond=beyond)
+
+
+def _painted_beyond(inside: Inside | None, share: np.ndarray) -> np.ndarray | None:
+    """What of a matte (h, w) lies in a frame, and goes on from there for a cell; None for nothing."""
+    if inside is None:
+        return None
+    beyond = share.copy()
+    beyond[inside] = 0
+    if not beyond.any():
+        return None
+    beyond[inside] = cv2.dilate(beyond, np.ones((3, 3), np.uint8))[inside]
+    return beyond
 
 
 def _on_edges(

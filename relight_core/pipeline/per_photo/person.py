@@ -83,7 +83,10 @@ def person_in(canvas: Canvas, matte: Matte, band: Band) -> Person:
     share += spread_window(matte.level, everywhere, band)
     np.clip(share, 0, 1, out=share)
     if matte.ends is not None:
-        share *= _within(matte.ends, band)
+        within = _within(matte.ends, band)
+        share *= within
+        if matte.beyond is not None:
+            share += ~within * spread_window(matte.beyond, everywhere, band)
     if not ((share > 0) & (share < 1)).any():
         return Person(share, linear)
     sides = (spread_window(side, everywhere, band) for side in (matte.person, matte.behind))
