@@ -8,6 +8,9 @@ _MARKER = re.compile(rb"\xff([^\x00\x01\xd0-\xd8\xff])")
 """One that a segment follows; those within the data of a scan, and what is filled up before one, are none."""
 _FRAMES = {*range(0xC0, 0xD0)} - {0xC4, 0xC8, 0xCC}
 _SCAN, _END = 0xDA, 0xD9
+_MOST_COMPONENTS = 4
+_ALL = (1 << 64) - 1
+"""The coefficients of a block, a bit for each."""
 
 
 def has_all_scans(data: bytes) -> bool:
@@ -15,25 +18,25 @@ def has_all_scans(data: bytes) -> bool:
 
     A progressive picture that ends between two of its scans looks whole, and is as coarse as the first are.
     """
-    missing, at = set(), 2
+    missing, at = {}, 2
     while found := _MARKER.search(data, at):
         kind, at = found[1][0], found.end()
         length = int.from_bytes(data[at : at + 2], "big")
         segment = data[at + 2 : at + length]
         if kind == _END or len(segment) < length - 2:
             break
-        if kind in _FRAMES:
-            missing = {(component, number) for component in segment[6::3] for number in range(64)}
+        if kind in _FRAMES and not missing:
+            missing = dict.fromkeys(segment[6 : 6 + 3 * _MOST_COMPONENTS : 3], _ALL)
         elif kind == _SCAN and segment:
-            missing -= _finished(segment)
+            finished = _finished(segment)
+            missing = {component: left & ~finished.get(component, 0) for component, left in missing.items()}
         at += length
-    return not missing
+    return not any(missing.values())
 
 
-def _finished(scan: bytes) -> set[tuple[int, int]]:
-    """Component and number of the coefficients whose last bit lies in the scan that has this header."""
+def _finished(scan: bytes) -> dict[int, int]:
+    """By component, the coefficients whose last bit lies in the scan that has this header."""
     count = scan[0]
     first, last, bits = scan[1 + 2 * count : 4 + 2 * count]
-    if bits & 15:
-        return set()
-    return {(component, number) for component in scan[1 : 1 + 2 * count : 2] for number in range(first, last + 1)}
+    finished = (2 << last) - (1 << first) if first <= last and not bits & 15 else 0
+    return dict.fromkeys(scan[1 : 1 + 2 * count : 2], finished)
