@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 
+import cv2
 import numpy as np
 
 _FLAT, _STEP = 6 / 255, 16 / 255
@@ -96,6 +97,13 @@ def whole_inside(
         slice(*(end(at, sign, scales[0], size[0], across) for at, sign in ((rows.start, 1), (rows.stop, -1)))),
         slice(*(end(at, sign, scales[1], size[1], down) for at, sign in ((columns.start, 1), (columns.stop, -1)))),
     )
+
+
+def going_on(part: np.ndarray, inside: Inside, size: tuple[int, int]) -> np.ndarray:
+    """What lies within a frame (k, l) or (k, l, 3), its edge pixels continued over the frame to (height, width)."""
+    (rows, columns), (height, width) = inside, size
+    around = rows.start, height - rows.stop, columns.start, width - columns.stop
+    return cv2.copyMakeBorder(np.ascontiguousarray(part), *around, cv2.BORDER_REPLICATE)
 
 
 def picture_cells(picture: tuple[int, int, int, int], size: tuple[int, int], small: tuple[int, int]) -> Inside:

@@ -17,7 +17,7 @@ import torch
 
 from relight_core.imaging.colour import luminance
 from relight_core.imaging.light_change import share_in_reach
-from relight_core.imaging.photo_frame import Inside
+from relight_core.imaging.photo_frame import Inside, going_on
 from relight_core.imaging.ramp import ramp
 from relight_core.imaging.resampling import resize_area, shrunk_size
 from relight_core.lighting.reflection import NormalLookup, ReflectionTable
@@ -100,7 +100,7 @@ def make_body(
         inside: the cells that no frame of the photo's covers; None where it has no frame. Whom a frame cuts off goes
             on behind it, as beyond the photo's border.
     """
-    outline = share if inside is None else _gone_on(share, inside)
+    outline = share if inside is None else going_on(share[inside], inside, share.shape)
     normal = torch.from_numpy(_bulging(outline)).permute(2, 0, 1)[None].to(table.transport.device)
     small = shrunk_size(share.shape, _LONGEST_KNOWN)
     photo, body, known = (resize_area(image, small) for image in (photo, share, known))
@@ -162,13 +162,6 @@ def _in_bounds(correction: np.ndarray, body: Body, guess: np.ndarray, in_photo: 
     too_much = np.log(np.maximum(given_back, 1e-6) / _REFLECTS)[..., None]
     above_mean = (correction - body.onward.mean(correction)).mean(-1, keepdims=True)
     return correction - np.clip(too_much, 0.0, np.maximum(above_mean, 0.0))
-
-
-def _gone_on(share: np.ndarray, inside: Inside) -> np.ndarray:
-    """A share (h, w) of which the border of some cells goes on over all others."""
-    (height, width), (rows, columns) = share.shape, inside
-    beyond = rows.start, height - rows.stop, columns.start, width - columns.stop
-    return cv2.copyMakeBorder(share[inside], *beyond, cv2.BORDER_REPLICATE)
 
 
 def _bulging(share: np.ndarray) -> np.ndarray:

@@ -10,7 +10,7 @@ import numpy as np
 from relight_core.face.crop import Crop
 from relight_core.face.paste import fade, window_of
 from relight_core.imaging.closed_form import closed_form_matte
-from relight_core.imaging.photo_frame import Inside
+from relight_core.imaging.photo_frame import Inside, going_on
 from relight_core.imaging.resampling import resize_area, resize_smooth, shrunk_size
 from relight_core.pipeline.per_photo.likely_person import (
     Look,
@@ -61,8 +61,7 @@ def first_matte_within(
 
     looks = [moved(of_one) for of_one in people], moved(faces), [moved(of_one) for of_one in others]
     share = first_matte(part, *looks, (part.shape[0] * down, part.shape[1] * across))
-    around = rows.start, height - rows.stop, columns.start, width - columns.stop
-    return cv2.copyMakeBorder(share, *around, cv2.BORDER_REPLICATE)
+    return going_on(share, cells, (height, width))
 
 
 def _matted(

@@ -11,7 +11,7 @@ import numpy as np
 
 from relight_core.face.paste import Band, all_of
 from relight_core.imaging.colour import luminance
-from relight_core.imaging.photo_frame import Inside, inside_frame, picture_cells, shrunk_inside, whole_inside
+from relight_core.imaging.photo_frame import Inside, going_on, inside_frame, picture_cells, shrunk_inside, whole_inside
 from relight_core.imaging.resampling import resize_area, shrunk_size
 from relight_core.imaging.view_transform import apply_view
 from relight_core.pipeline.per_photo.brush import BrushStroke, painted
@@ -212,6 +212,7 @@ def finish_matte(draft: DraftMatte | None, strokes: Sequence[BrushStroke] = ()) 
         return Matte(nothing, nothing, black, black, nothing, True)
     small, guide = draft.small, draft.guide
     coarse = painted(draft.share, strokes, draft.photo_size)
+    # Where somebody is as white as the frame, filters would let them fade out about its edge, half of that on them.
     go_on = partial(_going_on, draft.inside)
     share = _on_edges(go_on(guide), go_on(coarse), strokes, draft.photo_size)
     share = _within(draft.inside, None, share, coarse)
@@ -256,15 +257,8 @@ def _on_edges(
 
 
 def _going_on(inside: Inside | None, image: np.ndarray) -> np.ndarray:
-    """A picture (h, w) or (h, w, 3) that goes on beyond what lies within a frame, if there is one, as it is there.
-
-    Where somebody is as white as the frame, filters would let them fade out about its edge, half of that on them.
-    """
-    if inside is None:
-        return image
-    (rows, columns), (height, width) = inside, image.shape[:2]
-    around = rows.start, height - rows.stop, columns.start, width - columns.stop
-    return cv2.copyMakeBorder(np.ascontiguousarray(image[inside]), *around, cv2.BORDER_REPLICATE)
+    """A picture (h, w) or (h, w, 3) as if it went on beyond what lies within a frame, if there is one."""
+    return image if inside is None else going_on(image[inside], inside, image.shape[:2])
 
 
 def _guided_coefficients(guide: np.ndarray, mask: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
