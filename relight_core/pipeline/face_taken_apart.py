@@ -134,9 +134,13 @@ class FaceTakenApart:
             return found
         return stages.reparsed(found, parsing_within(found.parsing, outline, self.portrait.view))
 
+    def _parsing(self) -> np.ndarray:
+        """(classes, S, S) probabilities as one tier sees them, whichever is asked for: they depend on no history."""
+        return self.prepare(tier_of("live")).found.parsing[0].cpu().numpy()
+
     def mask(self) -> tuple[np.ndarray, Crop]:
         """Probability (S, S) of person, gaps between hair and shoulders left open, and the view it lies in."""
-        parsing, view = self.prepare(tier_of("live")).found.parsing[0].cpu().numpy(), self.portrait.view
+        parsing, view = self._parsing(), self.portrait.view
         outline = self.outline()
         if outline is None:
             return person_with_headwear(parsing), view
@@ -150,7 +154,7 @@ class FaceTakenApart:
 
     def hair(self) -> Hair:
         """Where the head's hair is, and what else of a person."""
-        parsing, portrait = self.prepare(tier_of("live")).found.parsing[0].cpu().numpy(), self.portrait
+        parsing, portrait = self._parsing(), self.portrait
         hair = parsing[INDEX["hair"]]
         return Hair(hair, 1 - parsing[INDEX["background"]] - hair, portrait.view, portrait.crop.side)
 
@@ -163,8 +167,7 @@ class FaceTakenApart:
 
     def _find_corneas(self) -> tuple[Cornea, ...]:
         photo, exposure, view = self.portrait.photo, self.portrait.exposure, self.portrait.view
-        parsing = self.prepare(tier_of("live")).found.parsing[0].cpu().numpy()
-        irises = find_irises(photo.linear, exposure, parsing, view)
+        irises = find_irises(photo.linear, exposure, self._parsing(), view)
         found = [find_cornea(photo.linear, exposure, iris) for iris in irises]
         return () if None in found else tuple(found)
 
