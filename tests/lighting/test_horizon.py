@@ -73,12 +73,17 @@ def test_the_shadow_moves_evenly_with_the_lamp():
     assert np.abs(np.diff(shares)).max() < 0.01
 
 
-def test_an_upright_edge_is_as_soft_as_a_level_one():
-    """What a post hides comes back as a lamp of 12 degrees across moves aside, not at once."""
+def lamp_passing_a_post(elevation_deg, turns_deg):
+    """How much of a lamp of 12 degrees is seen from one side of an upright post, at each azimuth of it."""
     relief = np.zeros((SIZE, SIZE))
     relief[:32, 40:44] = 4.0
     at = horizon(relief)
-    seen = np.array([at.visibility(toward(turn, 20), 6.0)[32, 10] for turn in np.linspace(-20, 20, 161)])
+    return np.array([at.visibility(toward(turn, elevation_deg), 6.0)[32, 10] for turn in turns_deg])
+
+
+def test_an_upright_edge_is_as_soft_as_a_level_one():
+    """What a post hides comes back as a lamp of 12 degrees across moves aside, not at once."""
+    seen = lamp_passing_a_post(20, np.linspace(-20, 20, 161))
     assert seen[0] == 1
     assert seen[-1] == 0
     assert np.abs(np.diff(seen)).max() < 0.08
@@ -100,9 +105,6 @@ def test_steps_of_a_relief_as_low_as_a_lattices_hide_no_lamp():
 
 def test_a_lamp_near_the_camera_is_as_wide_across_a_post_as_one_at_the_side():
     """Twelve degrees across are twenty-four of azimuth at an elevation of 60."""
-    relief = np.zeros((SIZE, SIZE))
-    relief[:32, 40:44] = 4.0
-    at = horizon(relief)
-    seen = np.array([at.visibility(toward(turn, 60), 6.0)[32, 10] for turn in np.linspace(-40, 40, 81)])
+    seen = lamp_passing_a_post(60, np.linspace(-40, 40, 81))
     assert seen[0] == 1
     assert 16 < ((seen > 0.02) & (seen < 0.98)).sum() < 32
