@@ -19,6 +19,7 @@ from relight_core.imaging.tensor_constants import constant
 from relight_core.networks.bundle import NetworkBundle
 from relight_core.pipeline import stages
 from relight_core.pipeline.per_photo.blown import skin_share
+from relight_core.pipeline.per_photo.cropped_hair import with_cropped_hair
 from relight_core.pipeline.per_photo.hair_on_scalp import with_hair_on_scalp
 from relight_core.pipeline.per_photo.white_hair import with_white_hair
 from relight_core.pipeline.quality import Tier
@@ -35,7 +36,8 @@ def take_apart(bundle: NetworkBundle, photo_view: np.ndarray, tier: Tier, device
     """De-light a view (S, S, 3), linear, as a tier of quality does: once, or with a second look."""
     seen = resize_area(photo_view, (tier.delight_size, tier.delight_size))
     how = {"mirrored": tier.mirrored, "precision": tier.precision}
-    found = with_hair_on_scalp(with_white_hair(stages.delight(bundle, seen, tier.network_size, device, **how)))
+    found = with_white_hair(stages.delight(bundle, seen, tier.network_size, device, **how))
+    found = with_cropped_hair(with_hair_on_scalp(found))
     if not tier.looks_twice:
         return found
     return with_skin_of(found, stages.delight(bundle, evenly_lit(seen, found), tier.network_size, device, **how))

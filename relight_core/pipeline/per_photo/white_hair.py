@@ -22,9 +22,14 @@ _PERHAPS_GREY, _MOSTLY_GREY = -0.4, -0.6
 _SKIN, _HAIR = -0.25, -0.5
 
 
+def eyes_row(parsing: torch.Tensor) -> float | None:
+    """The middle row of the eyes and brows in a parsing (1, classes, S, S); None where none are seen."""
+    return middle_row(parsing[0], _EYES, _FEWEST_EYE_PIXELS)
+
+
 def above_the_eyes(parsing: torch.Tensor) -> torch.Tensor | None:
     """(1, 1, S, 1) 1 in the rows above the middle of the eyes and brows; None where none are seen."""
-    eyes = middle_row(parsing[0], _EYES, _FEWEST_EYE_PIXELS)
+    eyes = eyes_row(parsing)
     rows = torch.arange(parsing.shape[2], device=parsing.device)
     return None if eyes is None else (rows < eyes).float()[None, None, :, None]
 

@@ -1,0 +1,90 @@
+"""A scalp that is darker and greyer than the face's skin has cropped hair on it; a bald head in shade is not grey."""
+
+import numpy as np
+import pytest
+import torch
+
+from relight_core.pipeline.per_photo.cropped_hair import shading, with_cropped_hair
+from relight_core.pipeline.stages import Surface
+
+SIZE, SKIN, LEFT_EYE, NECK, HAIR = 64, 1, 4, 9, 10
+BROWN_SKIN, HAIR_ON_IT, GLOSS_ON_IT = (0.36, 0.13, 0.09), (0.07, 0.042, 0.036), (0.5, 0.36, 0.33)
+IN_SHADE = tuple(0.3 * value for value in BROWN_SKIN)
+ON_SCALP = np.s_[0, :, 6:18, 6:58]
+
+
+def head(scalp, eyes=True, tilted=False, cover=0.95):
+    """A face below a scalp of this colour, linear; all of it faces an even light ahead, or the scalp a dark back."""
+    parsing, photo = torch.zeros(1, 14, SIZE, SIZE), torch.empty(1, 3, SIZE, SIZE)
+    parsing[:, NECK, :24], parsing[:, SKIN, :24], parsing[:, SKIN, 24:] = cover, 1 - cover, 1
+    if eyes:
+        parsing[:, SKIN, 34, 10:26], parsing[:, LEFT_EYE, 34, 10:26] = 0, 1
+    photo[:, :, 24:] = torch.tensor(BROWN_SKIN)[:, None, None]
+    photo[:, :, :24] = torch.tensor(scalp)[:, None, None]
+    photo = photo * torch.from_numpy(np.random.default_rng(0).normal(1, 0.03, photo.shape)).float()
+    normal = torch.tensor([0.0, 0, 1])[None, :, None, None].repeat(1, 1, SIZE, SIZE)
+    light, one = torch.full((1, 16, 32, 3), 0.02), torch.ones(1, 1, SIZE, SIZE)
+    light[:, 4:12, :4] = light[:, 4:12, 28:] = 4
+    if tilted:
+        normal[:, :, :24] = torch.tensor([0.0, 0.97, 0.243])[:, None, None]
+    return Surface(photo.clamp(0, 1), photo, normal, one, parsing, one, light)
+
+
+def hair_on(surface):
+    return with_cropped_hair(surface).parsing[ON_SCALP][HAIR]
+
+
+def test_a_scalp_that_is_darker_and_greyer_than_skin_has_hair():
+    found = with_cropped_hair(head(HAIR_ON_IT)).parsing
+    assert found[ON_SCALP][HAIR].min() > 0.9
+    assert found[ON_SCALP][NECK].max() < 0.05
+    torch.testing.assert_close(found.sum(1), torch.ones(1, SIZE, SIZE))
+    assert found[0, HAIR, 30:].max() == 0
+
+
+@pytest.mark.parametrize("scalp", [BROWN_SKIN, IN_SHADE, GLOSS_ON_IT])
+def test_skin_shade_and_gloss_are_no_hair(scalp):
+    assert hair_on(head(scalp)).max() == 0
+
+
+def test_what_the_light_hardly_reaches_may_be_dark_and_somewhat_grey():
+    dim = (0.12, 0.052, 0.041)
+    assert hair_on(head(dim, tilted=True)).max() == 0
+    assert hair_on(head(dim)).min() > 0.8
+
+
+def test_it_comes_in_by_degrees():
+    bare, hair = np.log(BROWN_SKIN), np.log(HAIR_ON_IT)
+    shares = [float(hair_on(head(tuple(np.exp(bare + part * (hair - bare))))).mean()) for part in np.linspace(0, 1, 41)]
+    assert shares[0] == 0
+    assert shares[-1] > 0.9
+    assert np.abs(np.diff(shares)).max() < 0.3
+
+
+def test_only_the_scalp_above_the_eyes_becomes_hair():
+    before = head(HAIR_ON_IT)
+    before.parsing[:, :, 44:], before.parsing[:, NECK, 44:] = 0, 1
+    before.photo[:, :, 44:] = torch.tensor(HAIR_ON_IT)[:, None, None]
+    assert with_cropped_hair(before).parsing[0, NECK, 44:].min() == 1
+
+
+@pytest.mark.parametrize("missing", [{"eyes": False}, {"cover": 0.5}])
+def test_without_eyes_or_a_sure_scalp_nothing_changes(missing):
+    before = head(HAIR_ON_IT, **missing)
+    assert torch.equal(with_cropped_hair(before).parsing, before.parsing)
+
+
+@pytest.mark.parametrize("radiance", [0.0, 1.0])
+def test_black_photos_and_black_lights_give_shares_in_range(radiance):
+    black = head((0.0, 0.0, 0.0))
+    black.photo.zero_()
+    black.source_light.mul_(radiance)
+    found = with_cropped_hair(black).parsing
+    assert torch.isfinite(found).all()
+    assert found.min() >= 0
+
+
+def test_shading_is_irradiance_over_pi():
+    even = head(BROWN_SKIN)
+    even.source_light.fill_(2)
+    torch.testing.assert_close(shading(even), torch.full((SIZE, SIZE), 2.0), rtol=0.01, atol=0)
