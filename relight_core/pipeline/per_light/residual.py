@@ -6,8 +6,8 @@ much under another light: a ratio image (Liu, Shan and Zhang 2001), of the photo
 what the model makes of another light, by its full strength where the place is lit as in the photo, and by
 less the less alike the two are: a highlight or a cast shadow that the model missed belongs to the photo's light
 and not to the surface. On skin, what is brighter than its model, of another colour, or off over more than a mole is
-the light's more often than the surface's, and fades faster. So a portrait under its own estimated light is the
-photo again.
+the light's more often than the surface's, and fades faster; the last of them, light and shadow that the model missed,
+also fades as the whole light becomes another. So a portrait under its own estimated light is the photo again.
 
 Skin or hair that is far brighter than its model was grazed by a light from behind, which no model of the face's front
 knows: how a place is lit says little about whether another light does the same, so that much of it fades as the whole
@@ -29,6 +29,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import torch
+import torch.nn.functional as F
 
 from relight_core.face.parsing import INDEX
 from relight_core.imaging.ramp import ramp
@@ -62,7 +63,7 @@ _MOLE = 0.02
 _MOST_SATURATED = 0.6
 _GLARE_OF_SKIN, _GLARE_OF_HAIR = (0.2, 0.5), (0.5, 0.8)
 """Log ratios from which on brighter than the model counts as glare, in part and altogether."""
-_GLARE_FADES = 6
+_GLARE_FADES, _MISSED_FADES = 6, 2
 
 
 @dataclass(frozen=True)
@@ -74,7 +75,10 @@ class Residual:
         shading: (1, 1, S, S) the model's grey explicit sum there, normalised light.
         stays_dark: (1, 1, S, S) in [0, 1], how much of a darkening stays under whatever light.
         skin: (1, 1, S, S) probability of bare skin.
-        broad: (1, 1, S, S) the part of the mean log ratio that more than a mole shares, on skin.
+        broad: (1, 1, S, S) the part of the mean log ratio that more than a mole shares, on skin; at the edge of a
+            shadow that the model lacks, all of it.
+        missed: (1, 1, S, S) the part of it that is no glare: light and shadow that the model missed, which fade as the
+            whole light becomes another.
         tint: (1, 3, S, S) the part of the log ratio, of mean 0, that stays under whatever light.
         fleeting: (1, 3, S, S) the part of the log ratio that only the photo's own light or one much like it gives.
         light: (1, 16, 32, 3) the photo's own.
@@ -87,6 +91,7 @@ class Residual:
     stays_dark: torch.Tensor
     skin: torch.Tensor
     broad: torch.Tensor
+    missed: torch.Tensor
     tint: torch.Tensor
     fleeting: torch.Tensor
     light: torch.Tensor
@@ -122,7 +127,7 @@ def find_residual(
     if was_clipped := _was_clipped(recorded):
         log_ratio = at_least(log_ratio, was_clipped * clipped_share(recorded), flesh_share(surface.parsing))
     hair, skin = _hair_and_skin(surface, log_ratio)
-    broad = skin * local_means(log_ratio.mean(1, keepdim=True), skin, _MOLE)
+    broad = skin * _local_medians(log_ratio.mean(1, keepdim=True), skin)
     colour = log_ratio - log_ratio.mean(1, keepdim=True)
     tint = colour + skin * (_by_camera(log_ratio, surface.albedo, skin * known) - colour)
     of_light = off_black(surface, tint)
@@ -132,7 +137,9 @@ def find_residual(
     of_others = torch.maximum(glare, deep_shadow(surface.photo, skin))
     fleeting = glare * log_ratio.mean(1, keepdim=True) + of_others * (colour - tint - of_light) + of_light
     shading, stays_dark = grey(model.plain), _DARK_HAIR * hair
-    return Residual(log_ratio, shading, stays_dark, skin, broad, tint, fleeting, source_light, level, largest_log)
+    missed = (1 - glare) * (broad - skin * _middle_of(broad, skin * known))
+    kept = stays_dark, skin, broad, missed, tint, fleeting
+    return Residual(log_ratio, shading, *kept, source_light, level, largest_log)
 
 
 def at_light_level(residual: Residual, level: float) -> Residual:
@@ -157,6 +164,23 @@ def _hair_and_skin(surface: Surface, log_ratio: torch.Tensor) -> tuple[torch.Ten
     likelier = hair * torch.exp(_HAIR_LOG_ODDS * both)
     mistaken = (hair + neck) * likelier / (likelier + neck).clamp_min(1e-6) - hair
     return hair + mistaken, skin - mistaken
+
+
+def _local_medians(image: torch.Tensor, weight: torch.Tensor) -> torch.Tensor:
+    """(1, 1, S, S) medians of an image of that size over squares larger than a mole.
+
+    What has no weight counts as the mean of what has, nearby. Means would be off along steps, by dark and bright lines.
+    """
+    filled = weight * image + (1 - weight) * local_means(image, weight, _MOLE)
+    reach_px = max(round(_MOLE * image.shape[-1]), 1)
+    around = F.unfold(F.pad(filled, (reach_px,) * 4, mode="replicate"), 2 * reach_px + 1)
+    return around.median(1).values.reshape(image.shape)
+
+
+def _middle_of(image: torch.Tensor, part: torch.Tensor) -> torch.Tensor | float:
+    """The median of an image (1, 1, S, S) over what surely belongs to a part (1, 1, S, S); 0 where hardly any does."""
+    sure = part > _SURELY_SKIN
+    return image[sure].median() if int(sure.sum()) >= _FEWEST_PIXELS else 0.0
 
 
 def _glare_share(log_ratio: torch.Tensor, skin: torch.Tensor, hair: torch.Tensor) -> torch.Tensor:
@@ -202,8 +226,9 @@ def add_residual(
     faint = alike ** (1 + _FADES * residual.skin)
     darkening = level.clamp_max(0)
     kept = darkening * torch.maximum(alike, residual.stays_dark) + residual.tint
-    other_light = 1 - likeness(residual.light, light) ** _GLARE_FADES
-    lightening = residual.log_ratio - darkening - residual.tint - other_light * residual.fleeting
+    shared = likeness(residual.light, light)
+    of_light = (1 - shared**_GLARE_FADES) * residual.fleeting + (1 - shared**_MISSED_FADES) * residual.missed
+    lightening = residual.log_ratio - darkening - residual.tint - of_light
     ratio = torch.exp(kept + lightening * faint)
     image = ((composed.image.float() + _BLACK) * ratio - _BLACK).clamp_min(0)
     return image, replace(effects, specular=effects.specular * grey(ratio), shadow=effects.shadow * grey(ratio))

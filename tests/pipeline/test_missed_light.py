@@ -1,0 +1,69 @@
+"""Light and shadow on skin that the model of a photo missed: they belong to the photo's light, moles to the skin."""
+
+from types import SimpleNamespace
+
+import torch
+
+from relight_core.pipeline.per_light.hints import Effects
+from relight_core.pipeline.per_light.residual import add_residual, find_residual
+from relight_core.pipeline.stages import Composed
+
+SIZE, SKIN, CLOTH = 100, 1, 13
+FLAT = Composed(*2 * (torch.full((1, 3, SIZE, SIZE), 0.2),))
+
+
+def lamp(column):
+    light = torch.full((1, 16, 32, 3), 0.005)
+    light[:, 8, column] = 20.0
+    return light
+
+
+def in_light(photo, light, skin_columns=SIZE, strength=1.0):
+    """Row 50 of a photo of skin, with cloth to its right, of which the model sees nothing, in another light.
+
+    Args:
+        strength: of that light, which falls on all of it alike.
+    """
+    parsing = torch.zeros(1, 14, SIZE, SIZE)
+    parsing[:, SKIN, :, :skin_columns], parsing[:, CLOTH, :, skin_columns:] = 1, 1
+    person = torch.ones_like(photo[:, :1])
+    seen = SimpleNamespace(photo=photo, albedo=photo, person=person, parsing=parsing)
+    residual = find_residual(seen, photo, lamp(2), lambda own: FLAT)
+    none = torch.zeros(1, 1, SIZE, SIZE)
+    lit = Composed(strength * FLAT.image, strength * FLAT.plain)
+    image, _ = add_residual(residual, lit, Effects(none, none), light)
+    return image[0, 1, 50] * residual.level
+
+
+def half_shaded(brighter=0.2, darker=0.12):
+    photo = torch.full((1, 3, SIZE, SIZE), brighter)
+    photo[..., 50:] = darker
+    return photo
+
+
+def test_a_shadow_that_the_model_missed_stays_in_the_photos_light_and_fades_in_others():
+    contrasts = [float((row[30] / row[70]).log()) for row in (in_light(half_shaded(), lamp(c)) for c in (2, 3, 18))]
+    assert 0.50 < contrasts[0] < 0.52
+    assert contrasts[0] > contrasts[1] > contrasts[2]
+    assert contrasts[2] < 0.05
+
+
+def test_no_line_is_left_where_its_edge_was():
+    for column in (3, 18):
+        row = in_light(half_shaded(), lamp(column), strength=3.0)
+        assert row[40:60].max() <= row[30] * 1.005
+        assert row[40:60].min() >= row[70] * 0.995
+
+
+def test_a_mole_in_it_stays():
+    photo = half_shaded()
+    photo[..., 49:52, 80:82] = 0.06
+    row = in_light(photo, lamp(18))
+    assert row[80] < 0.6 * row[70]
+
+
+def test_skin_that_is_brighter_than_its_model_as_a_whole_stays_so():
+    photo = half_shaded(0.24, 0.16)
+    own, other = (in_light(photo, lamp(column), skin_columns=50) for column in (2, 18))
+    assert abs(float((own[20] / own[80]).log()) - 0.405) < 0.01
+    assert float((other[20] / other[80]).log()) > 0.35
