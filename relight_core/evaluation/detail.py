@@ -32,7 +32,7 @@ from relight_core.imaging.colour import srgb_encode
 from relight_core.imaging.resampling import resize_area
 from relight_core.pipeline.results.channels import makeup_of
 
-REGIONS = ("head", "eyes", "hair", "cast shadow", "outline, head", "outline, background")
+REGIONS = ("head", "eyes", "hair", "cast shadow", "photo's shadow", "outline, head", "outline, background")
 
 _NETWORK_SIZE = 128
 _BACKGROUND = 0.45
@@ -108,12 +108,13 @@ def _chosen(library: list[HeldOutLight], number: int) -> list[HeldOutLight]:
 
 
 def _pairs(chosen: list[HeldOutLight]) -> list[tuple[int, int]]:
-    """Source and target among the chosen lights: one panorama to all others, another to the lamps.
+    """Source and target among the chosen lights: one panorama to all others, another to the lamps, and back from them.
 
     Fewer than three panoramas come around again; a photo relit with its own light would tell nothing.
     """
     lamps = range(_PANORAMAS, _PANORAMAS + _LAMPS)
     pairs = [(0, target) for target in (*range(1, _PANORAMAS), *lamps)] + [(1, lamp) for lamp in lamps]
+    pairs += [(lamp, 0) for lamp in lamps]
     return [(source, target) for source, target in pairs if chosen[source] is not chosen[target]]
 
 
@@ -132,21 +133,25 @@ def _score(head: HeldOutHead, source: int, target: int, blurred: bool) -> dict[s
         ratio = cv2.GaussianBlur(albedo, (0, 0), _BLUR_PX) / np.maximum(albedo, 1e-3)
         matt = np.maximum(task.relit_small - task.gloss_small, 0)
         task = replace(task, relit_small=matt * ratio + task.gloss_small)
-    masks = list(_masks(covered, labels, channels["shadow_fraction"]))
+    shadows = (light["shadow_fraction"] for light in (channels, head.channels(source)))
+    masks = list(_masks(covered, labels, *shadows))
     shown = _display(truth)
     return {name: [_error(_display(method(task)), shown, m) for m in masks] for name, method in METHODS.items()}
 
 
-def _masks(covered: np.ndarray, labels: np.ndarray, shadow: np.ndarray) -> Iterator[np.ndarray]:
+def _masks(
+    covered: np.ndarray, labels: np.ndarray, shadow: np.ndarray, photos_shadow: np.ndarray
+) -> Iterator[np.ndarray]:
     """(S, S) bool, one for each of REGIONS."""
     step = max(covered.shape[0] // 64, 1)
     outline = cv2.morphologyEx(covered.astype(np.uint8), cv2.MORPH_GRADIENT, np.ones((step + 1, step + 1))) > 0
     yield covered
     yield cv2.dilate(np.isin(labels, _EYES).astype(np.uint8), np.ones((step, step))) > 0
     yield labels == INDEX["hair"]
-    smooth = cv2.blur(shadow.astype(np.float32), (9, 9))
-    slope = cv2.magnitude(*(cv2.Sobel(smooth, cv2.CV_32F, *axis) for axis in ((1, 0), (0, 1))))
-    yield (slope > _STEEP_SHADOW) & covered & ~outline
+    for ending in (shadow, photos_shadow):
+        smooth = cv2.blur(ending.astype(np.float32), (9, 9))
+        slope = cv2.magnitude(*(cv2.Sobel(smooth, cv2.CV_32F, *axis) for axis in ((1, 0), (0, 1))))
+        yield (slope > _STEEP_SHADOW) & covered & ~outline
     yield outline & covered
     yield outline & ~covered
 

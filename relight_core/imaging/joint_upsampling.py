@@ -1,5 +1,9 @@
 """Enlarging small maps along the edges of a picture: joint bilateral upsampling (Kopf et al. 2007).
 
+Where an edge is soft, as a shadow's is, a pixel within it is like neither side, and whichever it is likest gave it the
+wrong light: a dark or bright line ran along the edge. There the maps are taken for a straight function of what light
+divides by, 1 / luminance, fitted to the neighbours (He, Sun and Tang 2013): of a shadow that is taken out it is one.
+
 The weights follow from the picture alone, so they are computed once per photo and then serve every light.
 """
 
@@ -10,17 +14,23 @@ import numpy as np
 import torch
 import torch.nn.functional as F
 
+from relight_core.imaging.colour import luminance
+
 _COLOUR_DEVIATION = 0.05
 _FAR = 1e-6
 _TAPS = 9
+_DARK = 0.02
+_NO_VARIANCE = 0.005
+"""Of 1 / luminance beside its squared mean: where it varies less, it tells nothing."""
 
 
 class JointUpsampler:
-    """Each new pixel is the mean of the 3 x 3 small ones around it, weighted by nearness and by likeness.
+    """Each new pixel is a mean of the 3 x 3 small ones around it, weighted by nearness and by likeness.
 
     Likeness is that of the picture's colours, square roots of linear light, after what the picture's own slope from
-    the neighbour to the pixel explains: across a shaded cheek likeness alone would make steps of a slope. A pixel
-    like none of its neighbours takes their mean by nearness. All weights are positive and sum to 1.
+    the neighbour to the pixel explains: across a shaded cheek likeness alone would make steps of a slope. The less a
+    pixel is like the likest of its neighbours, the more of it follows its luminance between theirs. All weights are
+    positive or 0 and sum to 1: where maps are higher, nothing gets lower.
     """
 
     def __init__(self, small: np.ndarray, large: np.ndarray):
@@ -60,14 +70,45 @@ class JointUpsampler:
         size, factor = self.size, self.factor
         around = _neighbours(_as_seen(small))
         slopes, around = _slopes(around).reshape(size * size, 1, 2, 3), around.reshape(size * size, _TAPS, 3)
-        cells = _as_seen(large).reshape(size, factor, size, factor, 3).permute(0, 2, 1, 3, 4)
-        cells = cells.reshape(size * size, factor * factor, 3) - _along(slopes, _places(_within(factor)))
+        cells = _cells(_as_seen(large), factor) - _along(slopes, _places(_within(factor)))
         around = around - _along(slopes, _places(torch.tensor([-1.0, 0.0, 1.0])))
         unlike = cells[:, :, None] - around[:, None]
-        likeness = torch.exp(unlike.square().sum(-1) / (-2 * _COLOUR_DEVIATION**2))
-        weights = (likeness + _FAR) * _nearness(factor)
+        likeness, near = torch.exp(unlike.square().sum(-1) / (-2 * _COLOUR_DEVIATION**2)), _nearness(factor)
+        weights = (likeness + _FAR) * near
         weights = weights / weights.sum(-1, keepdim=True)
+        weights = weights.lerp(_by_luminance(small, large, near), 1 - likeness.amax(-1, keepdim=True))
         return weights.permute(1, 2, 0).reshape(factor * factor, _TAPS, size, size).contiguous()
+
+
+def _by_luminance(small: np.ndarray, large: np.ndarray, near: torch.Tensor) -> torch.Tensor:
+    """(s * s, f * f, 9) weights that give each new pixel about what a line over 1 / luminance has at its own.
+
+    Those that the line would make negative are 0.
+
+    Args:
+        near: (f * f, 9) how much each neighbour counts in fitting the line.
+    """
+    there = _neighbours(_over_luminance(small)).reshape(-1, 1, _TAPS)
+    own = _cells(_over_luminance(large), large.shape[0] // small.shape[0])
+    own = own.clamp(there.amin(-1, keepdim=True), there.amax(-1, keepdim=True))
+    mean = (near * there).sum(-1, keepdim=True)
+    variance = (near * (there - mean).square()).sum(-1, keepdim=True)
+    slope = (there - mean) / (variance + _NO_VARIANCE * mean.square())
+    weights = near * (1 + slope * (own - mean)).clamp_min(0)
+    return weights / weights.sum(-1, keepdim=True)
+
+
+def _over_luminance(linear: np.ndarray) -> torch.Tensor:
+    """(S, S, 1) the reciprocal of an image's luminance, of no less than a dark one."""
+    grey = luminance(np.clip(np.nan_to_num(linear, nan=0.0), 0, 1))
+    return torch.from_numpy(np.float32(1 / (grey + _DARK)))[..., None]
+
+
+def _cells(image: torch.Tensor, factor: int) -> torch.Tensor:
+    """(f s, f s, C) to (s * s, f * f, C): what lies within each small pixel, rows first."""
+    size, channels = image.shape[0] // factor, image.shape[2]
+    cells = image.reshape(size, factor, size, factor, channels).permute(0, 2, 1, 3, 4)
+    return cells.reshape(size * size, factor * factor, channels)
 
 
 def _interleaved(cells: np.ndarray) -> np.ndarray:

@@ -28,7 +28,7 @@ def test_the_comparison_names_every_method_and_region(tmp_path, monkeypatch):
     write_lights(tmp_path / "lights.npz", 3)
     scores = detail.compare_detail(tmp_path / "heads", tmp_path / "lights.npz", "test", 1)
     assert scores.size == 32
-    assert scores.pictures == 6
+    assert scores.pictures == 8
     assert set(scores.errors) == set(METHODS)
     assert all(np.isfinite(errors["head"]) for errors in scores.errors.values())
     table = detail.detail_table(scores)

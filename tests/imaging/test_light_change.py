@@ -157,6 +157,19 @@ def test_enlarged_maps_keep_to_the_side_of_an_edge_that_small_pixels_straddle(da
     assert large[:, 40:].min() > 4.8
 
 
+def test_a_soft_shadow_that_light_takes_out_leaves_no_line_along_its_edge():
+    """A face that is lit evenly again: the gain is one over the photo, whose shadow ends within two small pixels."""
+    across = np.clip((np.arange(256) - 120) / 16, 0, 1)
+    shade = np.float32(0.05 + 0.55 * across**2 * (3 - 2 * across))
+    photo = np.broadcast_to(shade[None, :, None], (256, 256, 3)).copy()
+    small = resize_area(photo, (32, 32))
+    relit = (JointUpsampler(small, photo)(0.5 / small) * photo)[128, :, 1]
+    np.testing.assert_allclose(relit[:112], 0.5, rtol=0.01)
+    np.testing.assert_allclose(relit[144:], 0.5, rtol=0.01)
+    assert relit.min() > 0.44
+    assert relit.max() < 0.7
+
+
 def test_enlarging_keeps_constants_range_and_order():
     rng = np.random.default_rng(1)
     photo = rng.random((32, 32, 3), np.float32)
