@@ -34,6 +34,13 @@ def hair_on(surface):
     return with_cropped_hair(surface).parsing[ON_SCALP][HAIR]
 
 
+def assert_degrees(scalps):
+    shares = [float(hair_on(head(scalp)).mean()) for scalp in scalps]
+    assert shares[0] == 0
+    assert shares[-1] > 0.9
+    assert np.abs(np.diff(shares)).max() < 0.3
+
+
 def test_a_scalp_that_is_darker_and_greyer_than_skin_has_hair():
     found = with_cropped_hair(head(HAIR_ON_IT)).parsing
     assert found[ON_SCALP][HAIR].min() > 0.9
@@ -55,10 +62,24 @@ def test_what_the_light_hardly_reaches_may_be_dark_and_somewhat_grey():
 
 def test_it_comes_in_by_degrees():
     bare, hair = np.log(BROWN_SKIN), np.log(HAIR_ON_IT)
-    shares = [float(hair_on(head(tuple(np.exp(bare + part * (hair - bare))))).mean()) for part in np.linspace(0, 1, 41)]
-    assert shares[0] == 0
-    assert shares[-1] > 0.9
-    assert np.abs(np.diff(shares)).max() < 0.3
+    assert_degrees(np.exp(bare + part * (hair - bare)) for part in np.linspace(0, 1, 41))
+
+
+def test_what_is_a_little_darker_and_much_greyer_is_hair():
+    assert hair_on(head((0.16, 0.15, 0.145))).min() > 0.8
+
+
+def test_what_is_dark_is_hair_by_degrees_of_how_grey_it_is():
+    skin, hair = np.log(IN_SHADE), np.log(np.full(3, 0.052))
+    assert_degrees(np.exp(skin + part * (hair - skin)) for part in np.linspace(0, 0.4, 41))
+
+
+def test_skin_that_shows_between_stays_skin():
+    before = head(HAIR_ON_IT)
+    before.photo[:, :, :24, 20:44] = torch.tensor(BROWN_SKIN)[:, None, None]
+    found = with_cropped_hair(before).parsing
+    assert found[0, HAIR, 6:18, 29:35].max() < 0.2
+    assert found[0, HAIR, 6:18, 6:14].min() > 0.9
 
 
 def test_only_the_scalp_above_the_eyes_becomes_hair():

@@ -4,6 +4,7 @@ from types import SimpleNamespace
 
 import torch
 
+from relight_core.lighting.likeness import likeness
 from relight_core.pipeline.per_light.hints import Effects
 from relight_core.pipeline.per_light.residual import add_residual, find_residual
 from relight_core.pipeline.stages import Composed
@@ -18,14 +19,16 @@ def lamp(column):
     return light
 
 
-def in_light(photo, light, skin_columns=SIZE, strength=1.0):
-    """Row 50 of a photo of skin, with cloth to its right, of which the model sees nothing, in another light.
+def in_light(photo, light, skin=(range(SIZE),), strength=1.0):
+    """Row 50 of a photo of skin in some columns and cloth elsewhere, of which the model sees nothing, in another light.
 
     Args:
         strength: of that light, which falls on all of it alike.
     """
     parsing = torch.zeros(1, 14, SIZE, SIZE)
-    parsing[:, SKIN, :, :skin_columns], parsing[:, CLOTH, :, skin_columns:] = 1, 1
+    parsing[:, CLOTH] = 1
+    for columns in skin:
+        parsing[:, SKIN, :, columns], parsing[:, CLOTH, :, columns] = 1, 0
     person = torch.ones_like(photo[:, :1])
     seen = SimpleNamespace(photo=photo, albedo=photo, person=person, parsing=parsing)
     residual = find_residual(seen, photo, lamp(2), lambda own: FLAT)
@@ -64,6 +67,25 @@ def test_a_mole_in_it_stays():
 
 def test_skin_that_is_brighter_than_its_model_as_a_whole_stays_so():
     photo = half_shaded(0.24, 0.16)
-    own, other = (in_light(photo, lamp(column), skin_columns=50) for column in (2, 18))
+    own, other = (in_light(photo, lamp(column), skin=(range(50),)) for column in (2, 18))
     assert abs(float((own[20] / own[80]).log()) - 0.405) < 0.01
     assert float((other[20] / other[80]).log()) > 0.35
+
+
+def test_it_fades_by_the_square_of_what_the_lights_share():
+    row, shared = in_light(half_shaded(0.2, 0.15), lamp(4)), likeness(lamp(2), lamp(4))
+    assert 0.3 < shared < 0.8
+    assert abs(float((row[30] / row[70]).log()) - 0.288 * shared**2) < 0.005
+
+
+def test_glare_fades_once_and_not_as_missed_light_too():
+    row = in_light(half_shaded(0.5, 0.2), lamp(18))
+    assert row[30] > 0.99 * row[70]
+
+
+def test_a_strip_of_skin_between_cloth_is_compared_with_skin_alone():
+    photo, skin = torch.full((1, 3, SIZE, SIZE), 0.4), (range(50), range(80, 82))
+    for columns in skin:
+        photo[..., columns] = 0.2
+    row = in_light(photo, lamp(18), skin)
+    assert abs(float((row[80] / row[30]).log())) < 0.03
