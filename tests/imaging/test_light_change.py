@@ -197,6 +197,22 @@ def test_sizes_must_be_whole_multiples():
         JointUpsampler(np.zeros((16, 16, 3), np.float32), np.zeros((40, 40, 3), np.float32))
 
 
+def test_a_map_ends_at_an_edge_that_is_one_of_colour_alone():
+    photo = np.full((32, 32, 3), (0.3, 0.3, 0.3), np.float32)
+    photo[:, 16:] = 0.6, 0.2107, 0.3
+    small, gain = resize_area(photo, (8, 8)), np.ones((8, 8, 1), np.float32)
+    gain[:, 4:] = 3
+    np.testing.assert_allclose(JointUpsampler(small, photo)(gain)[16, :, 0], [1.0] * 16 + [3.0] * 16, rtol=0.02)
+
+
+@pytest.mark.parametrize("beside", [0.0, 40.0, np.nan, np.inf])
+def test_an_even_map_stays_even_whatever_the_photo_holds(beside):
+    photo = np.full((32, 32, 3), 0.2, np.float32)
+    photo[:, 13:] = beside
+    small = photo[2::4, 2::4]
+    np.testing.assert_allclose(JointUpsampler(small, photo)(np.full((8, 8, 1), 3, np.float32)), 3, rtol=1e-5)
+
+
 def test_a_slope_of_light_over_a_slope_of_the_photo_has_no_steps():
     across = np.linspace(0.2, 1.0, 128, dtype=np.float32)
     photo = np.broadcast_to((across**2)[None, :, None], (128, 128, 3)).copy()
