@@ -1,4 +1,4 @@
-"""Local means of image tensors."""
+"""Local means and medians of image tensors."""
 
 from __future__ import annotations
 
@@ -24,6 +24,20 @@ def local_means(image: torch.Tensor, weight: torch.Tensor, reach: float = _CHEEK
         return values
 
     return blur(image * weight) / blur(weight).clamp_min(1e-3)
+
+
+def local_medians(image: torch.Tensor, weight: torch.Tensor, reach: float) -> torch.Tensor:
+    """Medians over squares. Where means are off along both sides of a step, these follow it.
+
+    Args:
+        image: (1, C, S, S).
+        weight: (1, 1, S, S) in [0, 1]; what has none counts as the mean of what has, nearby.
+        reach: of a square to each side, as a share of the image's.
+    """
+    filled = weight * image + (1 - weight) * local_means(image, weight, reach)
+    reach_px = max(round(reach * image.shape[-1]), 1)
+    around = F.unfold(F.pad(filled, (reach_px,) * 4, mode="replicate").movedim(1, 0), 2 * reach_px + 1)
+    return around.median(1).values.reshape(image.shape)
 
 
 def with_neighbours(image: torch.Tensor, share: float) -> torch.Tensor:

@@ -9,7 +9,7 @@ from relight_core.pipeline.per_light.hints import Effects
 from relight_core.pipeline.per_light.residual import add_residual, find_residual
 from relight_core.pipeline.stages import Composed
 
-SIZE, SKIN, CLOTH = 100, 1, 13
+SIZE, SKIN, LIPS, CLOTH = 100, 1, 8, 13
 FLAT = Composed(*2 * (torch.full((1, 3, SIZE, SIZE), 0.2),))
 
 
@@ -29,13 +29,18 @@ def in_light(photo, light, skin=(range(SIZE),), strength=1.0):
     parsing[:, CLOTH] = 1
     for columns in skin:
         parsing[:, SKIN, :, columns], parsing[:, CLOTH, :, columns] = 1, 0
+    return relit(photo, parsing, light, strength)[1, 50]
+
+
+def relit(photo, parsing, light, strength=1.0, albedo=None, model=FLAT):
+    """A photo, of which the model sees nothing unless told, in another light, (3, S, S)."""
     person = torch.ones_like(photo[:, :1])
-    seen = SimpleNamespace(photo=photo, albedo=photo, person=person, parsing=parsing)
-    residual = find_residual(seen, photo, lamp(2), lambda own: FLAT)
+    seen = SimpleNamespace(photo=photo, albedo=photo if albedo is None else albedo, person=person, parsing=parsing)
+    residual = find_residual(seen, photo, lamp(2), lambda own: model)
     none = torch.zeros(1, 1, SIZE, SIZE)
     lit = Composed(strength * FLAT.image, strength * FLAT.plain)
     image, _ = add_residual(residual, lit, Effects(none, none), light)
-    return image[0, 1, 50] * residual.level
+    return image[0] * residual.level
 
 
 def half_shaded(brighter=0.2, darker=0.12):
@@ -89,3 +94,34 @@ def test_a_strip_of_skin_between_cloth_is_compared_with_skin_alone():
         photo[..., columns] = 0.2
     row = in_light(photo, lamp(18), skin)
     assert abs(float((row[80] / row[30]).log())) < 0.03
+
+
+def half_coloured(red, green, blue):
+    """A grey photo of a face whose right part has a colour, with lips within it, and its parsing."""
+    photo = torch.full((1, 3, SIZE, SIZE), 0.2)
+    photo[..., 60:] = torch.tensor((red, green, blue))[:, None, None]
+    parsing = torch.zeros(1, 14, SIZE, SIZE)
+    parsing[:, SKIN] = 1
+    parsing[:, SKIN, 46:54, 76:84], parsing[:, LIPS, 46:54, 76:84] = 0, 1
+    return photo, parsing
+
+
+def test_the_colour_of_a_lamp_that_the_model_missed_fades_in_others_but_no_flush_and_no_spot():
+    photo, parsing = half_coloured(0.14, 0.2, 0.28)
+    red, flush = (torch.tensor(colour)[:, None, None] for colour in ((0.28, 0.14, 0.14), (0.21, 0.195, 0.195)))
+    known_lamp = FLAT.image.clone()
+    known_lamp[..., :20] = photo[..., :20] = torch.tensor((0.8, 0.2, 0.05))[:, None, None]
+    photo[..., 20:22, 40:42], photo[..., 80:, 60:] = red, flush
+    model = {"albedo": FLAT.image, "model": Composed(known_lamp, known_lamp)}
+    own, other = (relit(photo, parsing, lamp(column), **model) for column in (2, 18))
+    for row in (20, 50):
+        assert abs(float((own[2, row, 80] / own[0, row, 80]).log()) - 0.693) < 0.01
+        assert abs(float((other[2, row, 80] / other[0, row, 80]).log())) < 0.05
+    assert float((other[0, 20, 40] / other[1, 20, 40]).log()) > 0.6
+    assert float((other[0, 95, 80] / other[1, 95, 80]).log()) > 0.07
+
+
+def test_paint_in_a_light_of_one_colour_stays():
+    photo, parsing = half_coloured(0.14, 0.2, 0.28)
+    other = relit(photo, parsing, lamp(18), albedo=FLAT.image)
+    assert float((other[2, 20, 80] / other[0, 20, 80]).log()) > 0.65

@@ -7,7 +7,9 @@ what the model makes of another light, by its full strength where the place is l
 less the less alike the two are: a highlight or a cast shadow that the model missed belongs to the photo's light
 and not to the surface. On skin, what is brighter than its model, of another colour, or off over more than a mole is
 the light's more often than the surface's, and fades faster; the last of them, light and shadow that the model missed,
-also fades as the whole light becomes another. So a portrait under its own estimated light is the photo again.
+also fades as the whole light becomes another. So does, where lamps of several colours light a face, a colour over more
+than a mole that flush and tan don't explain: it is a lamp's, and lips, eyes and brows have it too. So a portrait under
+its own estimated light is the photo again.
 
 Skin or hair that is far brighter than its model was grazed by a light from behind, which no model of the face's front
 knows: how a place is lit says little about whether another light does the same, so that much of it fades as the whole
@@ -29,15 +31,15 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import torch
-import torch.nn.functional as F
 
 from relight_core.face.parsing import INDEX
 from relight_core.imaging.ramp import ramp
 from relight_core.imaging.tensor_colour import grey
-from relight_core.imaging.tensor_means import local_means
+from relight_core.imaging.tensor_means import local_medians
 from relight_core.lighting.environment import mean_luminance
 from relight_core.lighting.likeness import likeness
 from relight_core.pipeline.per_light.hints import Effects
+from relight_core.pipeline.per_light.lamp_colours import MOLE, colours_of_lamps
 from relight_core.pipeline.per_photo.black_colour import off_black
 from relight_core.pipeline.per_photo.blown import at_least, clipped_share, flesh_share, skin_share
 from relight_core.pipeline.per_photo.glare import likely
@@ -58,8 +60,6 @@ _DARK_NECK, _DIM_NECK = (0.6, 1.2), (0.2, 0.8)
 is likelier hair, in part and altogether. Both count: skin in a shadow that the model missed keeps its albedo."""
 _HAIR_LOG_ODDS = 4.0
 _FADES = 2.0
-_MOLE = 0.02
-"""Of the view's side: what is off no farther on skin is likely its own, and what is off farther a shadow or gloss."""
 _MOST_SATURATED = 0.6
 _GLARE_OF_SKIN, _GLARE_OF_HAIR = (0.2, 0.5), (0.5, 0.8)
 """Log ratios from which on brighter than the model counts as glare, in part and altogether."""
@@ -77,8 +77,8 @@ class Residual:
         skin: (1, 1, S, S) probability of bare skin.
         broad: (1, 1, S, S) the part of the mean log ratio that more than a mole shares, on skin; at the edge of a
             shadow that the model lacks, all of it.
-        missed: (1, 1, S, S) the part of it that is no glare: light and shadow that the model missed, which fade as the
-            whole light becomes another.
+        missed: (1, 3, S, S) the part of it that is no glare, and the colours of other lamps on a face: light and
+            shadow that the model missed, which fade as the whole light becomes another.
         tint: (1, 3, S, S) the part of the log ratio, of mean 0, that stays under whatever light.
         fleeting: (1, 3, S, S) the part of the log ratio that only the photo's own light or one much like it gives.
         light: (1, 16, 32, 3) the photo's own.
@@ -127,9 +127,11 @@ def find_residual(
     if was_clipped := _was_clipped(recorded):
         log_ratio = at_least(log_ratio, was_clipped * clipped_share(recorded), flesh_share(surface.parsing))
     hair, skin = _hair_and_skin(surface, log_ratio)
-    broad = skin * _local_medians(log_ratio.mean(1, keepdim=True), skin)
+    broad = skin * local_medians(log_ratio.mean(1, keepdim=True), skin, MOLE)
     colour = log_ratio - log_ratio.mean(1, keepdim=True)
+    of_lamps = colours_of_lamps(surface, model.plain, colour, skin, skin * known)
     tint = colour + skin * (_by_camera(log_ratio, surface.albedo, skin * known) - colour)
+    tint = tint - (1 - skin) * of_lamps
     of_light = off_black(surface, tint)
     of_light = of_light + too_blue(surface, tint - of_light)
     tint = tint - of_light
@@ -137,7 +139,7 @@ def find_residual(
     of_others = torch.maximum(glare, deep_shadow(surface.photo, skin))
     fleeting = glare * log_ratio.mean(1, keepdim=True) + of_others * (colour - tint - of_light) + of_light
     shading, stays_dark = grey(model.plain), _DARK_HAIR * hair
-    missed = (1 - glare) * (broad - skin * _middle_of(broad, skin * known))
+    missed = (1 - glare) * (broad - skin * _middle_of(broad, skin * known)) + (1 - of_others) * of_lamps
     kept = stays_dark, skin, broad, missed, tint, fleeting
     return Residual(log_ratio, shading, *kept, source_light, level, largest_log)
 
@@ -164,17 +166,6 @@ def _hair_and_skin(surface: Surface, log_ratio: torch.Tensor) -> tuple[torch.Ten
     likelier = hair * torch.exp(_HAIR_LOG_ODDS * both)
     mistaken = (hair + neck) * likelier / (likelier + neck).clamp_min(1e-6) - hair
     return hair + mistaken, skin - mistaken
-
-
-def _local_medians(image: torch.Tensor, weight: torch.Tensor) -> torch.Tensor:
-    """(1, 1, S, S) medians of an image of that size over squares larger than a mole.
-
-    What has no weight counts as the mean of what has, nearby. Means would be off along steps, by dark and bright lines.
-    """
-    filled = weight * image + (1 - weight) * local_means(image, weight, _MOLE)
-    reach_px = max(round(_MOLE * image.shape[-1]), 1)
-    around = F.unfold(F.pad(filled, (reach_px,) * 4, mode="replicate"), 2 * reach_px + 1)
-    return around.median(1).values.reshape(image.shape)
 
 
 def _middle_of(image: torch.Tensor, part: torch.Tensor) -> torch.Tensor | float:

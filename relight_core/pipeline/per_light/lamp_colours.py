@@ -1,0 +1,59 @@
+"""Colours on a face that lamps have given it which the model of its photo doesn't know.
+
+Between two neon lamps a face is pink on one side and teal on the other, and the estimated light explains a part of
+that. What is left would stay on the skin in any light, as paint does. So where the photo's light, as far as it is
+known, has several colours already, a colour that more than a mole shares on skin and that flush and tan don't explain
+is a lamp's. In a light of one colour it may be paint or rouge.
+"""
+
+from __future__ import annotations
+
+import torch
+
+from relight_core.face.parsing import share_of
+from relight_core.imaging.ramp import ramp
+from relight_core.imaging.tensor_means import local_means, local_medians
+from relight_core.pipeline.stages import Surface
+
+MOLE = 0.02
+"""Of the view's side: what is off no farther on skin is likely its own, and what is off farther a shadow or gloss."""
+_FLUSH = (0.1, 0.2)
+"""Logs of a colour, by how much flush and tan move it, and what is surely more."""
+_SEVERAL_COLOURS = (0.4, 0.8)
+"""How far apart the logs of a light's colour are over most of the skin, where it may have several and surely has."""
+_AMID_SKIN = ("left_brow", "right_brow", "left_eye", "right_eye", "lips", "inner_mouth")
+"""What such lamps light as they do the skin around."""
+_BLACK = 0.005
+_FEWEST_PIXELS, _SURELY_SKIN = 50, 0.6
+
+
+def colours_of_lamps(
+    surface: Surface, plain: torch.Tensor, colour: torch.Tensor, skin: torch.Tensor, known: torch.Tensor
+) -> torch.Tensor:
+    """(1, 3, S, S) the part of a colour that lamps have given a face, of mean 0 over the channels.
+
+    Args:
+        plain: (1, 3, S, S) the model's explicit sum under the photo's own light.
+        colour: (1, 3, S, S) logs of photo over model, of mean 0.
+        skin: (1, 1, S, S) probability of bare skin.
+        known: (1, 1, S, S) the same where the photo shows it.
+    """
+    sure = (known > _SURELY_SKIN)[0, 0]
+    several = _several_colours(surface, plain, sure) if int(sure.sum()) >= _FEWEST_PIXELS else 0.0
+    if several == 0:
+        return torch.zeros_like(colour)
+    middle = torch.stack([channel[sure].median() for channel in colour[0]])[None, :, None, None]
+    off = _without_mean(local_medians(colour - middle, skin, MOLE))
+    off = several * off * ramp(off.abs().amax(1, keepdim=True), *_FLUSH)
+    return skin * off + share_of(surface.parsing, _AMID_SKIN) * local_means(off, skin)
+
+
+def _several_colours(surface: Surface, plain: torch.Tensor, sure: torch.Tensor) -> float:
+    """How surely the light on the skin (S, S) is of several colours, [0, 1]."""
+    light = _without_mean(((plain.float() + _BLACK) / (surface.albedo + _BLACK)).log())[0][:, sure]
+    least, most = torch.quantile(light, light.new_tensor([0.1, 0.9]), dim=1)
+    return ramp(float((most - least).max()), *_SEVERAL_COLOURS)
+
+
+def _without_mean(log_ratio: torch.Tensor) -> torch.Tensor:
+    return log_ratio - log_ratio.mean(1, keepdim=True)
