@@ -40,6 +40,11 @@ def local_medians(image: torch.Tensor, weight: torch.Tensor, reach: float) -> to
     return around.median(1).values.reshape(image.shape)
 
 
+def middle_values(image: torch.Tensor, where: torch.Tensor) -> torch.Tensor:
+    """(1, C, 1, 1) the median of each channel of an image (1, C, S, S) over a part (S, S), bool, which isn't empty."""
+    return image[0][:, where].median(1).values[None, :, None, None]
+
+
 def with_neighbours(image: torch.Tensor, share: float) -> torch.Tensor:
     """An image (B, C, H, W) of whose pixels each gives a share to both its neighbours, along either axis.
 

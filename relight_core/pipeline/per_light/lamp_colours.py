@@ -12,7 +12,7 @@ import torch
 
 from relight_core.face.parsing import share_of
 from relight_core.imaging.ramp import ramp
-from relight_core.imaging.tensor_means import local_means, local_medians
+from relight_core.imaging.tensor_means import local_means, local_medians, middle_values
 from relight_core.pipeline.stages import Surface
 
 MOLE = 0.02
@@ -42,8 +42,7 @@ def colours_of_lamps(
     several = _several_colours(surface, plain, sure) if int(sure.sum()) >= _FEWEST_PIXELS else 0.0
     if several == 0:
         return torch.zeros_like(colour)
-    middle = torch.stack([channel[sure].median() for channel in colour[0]])[None, :, None, None]
-    off = _without_mean(local_medians(colour - middle, skin, MOLE))
+    off = _without_mean(local_medians(colour - middle_values(colour, sure), skin, MOLE))
     off = several * off * ramp(off.abs().amax(1, keepdim=True), *_FLUSH)
     return skin * off + share_of(surface.parsing, _AMID_SKIN) * local_means(off, skin)
 

@@ -35,7 +35,7 @@ import torch
 from relight_core.face.parsing import INDEX
 from relight_core.imaging.ramp import ramp
 from relight_core.imaging.tensor_colour import grey
-from relight_core.imaging.tensor_means import local_medians
+from relight_core.imaging.tensor_means import local_medians, middle_values
 from relight_core.lighting.environment import mean_luminance
 from relight_core.lighting.likeness import likeness
 from relight_core.pipeline.per_light.hints import Effects
@@ -127,10 +127,11 @@ def find_residual(
     if was_clipped := _was_clipped(recorded):
         log_ratio = at_least(log_ratio, was_clipped * clipped_share(recorded), flesh_share(surface.parsing))
     hair, skin = _hair_and_skin(surface, log_ratio)
+    seen_skin = skin * known
     broad = skin * local_medians(log_ratio.mean(1, keepdim=True), skin, MOLE)
     colour = log_ratio - log_ratio.mean(1, keepdim=True)
-    of_lamps = colours_of_lamps(surface, model.plain, colour, skin, skin * known)
-    tint = colour + skin * (_by_camera(log_ratio, surface.albedo, skin * known) - colour)
+    of_lamps = colours_of_lamps(surface, model.plain, colour, skin, seen_skin)
+    tint = colour + skin * (_by_camera(log_ratio, surface.albedo, seen_skin) - colour)
     tint = tint - (1 - skin) * of_lamps
     of_light = off_black(surface, tint)
     of_light = of_light + too_blue(surface, tint - of_light)
@@ -139,7 +140,7 @@ def find_residual(
     of_others = torch.maximum(glare, deep_shadow(surface.photo, skin))
     fleeting = glare * log_ratio.mean(1, keepdim=True) + of_others * (colour - tint - of_light) + of_light
     shading, stays_dark = grey(model.plain), _DARK_HAIR * hair
-    missed = (1 - glare) * (broad - skin * _middle_of(broad, skin * known)) + (1 - of_others) * of_lamps
+    missed = (1 - glare) * (broad - skin * _middle_of(broad, seen_skin)) + (1 - of_others) * of_lamps
     kept = stays_dark, skin, broad, missed, tint, fleeting
     return Residual(log_ratio, shading, *kept, source_light, level, largest_log)
 
@@ -170,8 +171,8 @@ def _hair_and_skin(surface: Surface, log_ratio: torch.Tensor) -> tuple[torch.Ten
 
 def _middle_of(image: torch.Tensor, part: torch.Tensor) -> torch.Tensor | float:
     """The median of an image (1, 1, S, S) over what surely belongs to a part (1, 1, S, S); 0 where hardly any does."""
-    sure = part > _SURELY_SKIN
-    return image[sure].median() if int(sure.sum()) >= _FEWEST_PIXELS else 0.0
+    sure = (part > _SURELY_SKIN)[0, 0]
+    return middle_values(image, sure) if int(sure.sum()) >= _FEWEST_PIXELS else 0.0
 
 
 def _glare_share(log_ratio: torch.Tensor, skin: torch.Tensor, hair: torch.Tensor) -> torch.Tensor:

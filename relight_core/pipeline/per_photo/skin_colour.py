@@ -17,7 +17,7 @@ import torch
 
 from relight_core.imaging.ramp import ramp
 from relight_core.imaging.tensor_colour import as_bright_as, grey
-from relight_core.imaging.tensor_means import local_means
+from relight_core.imaging.tensor_means import local_means, middle_values
 from relight_core.pipeline.stages import Surface
 
 _SURE = 0.6
@@ -54,8 +54,7 @@ def in_one_colour(surface: Surface, skin: torch.Tensor) -> Surface:
         return surface
     log_albedo = surface.albedo.clamp_min(1e-3).log()
     ratios = log_albedo - log_albedo[:, 1:2]
-    middle = torch.stack([channel[known[0, 0]].median() for channel in local_means(ratios, skin)[0]])
-    middle = middle[None, :, None, None]
+    middle = middle_values(local_means(ratios, skin), known[0, 0])
     off = ratios - middle
     skin = skin * ~painted(off, surface.photo, skin)
     # Beside a red collar that the parsing takes for a neck, skin has its own colour and would turn green.
