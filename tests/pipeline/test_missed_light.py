@@ -83,6 +83,20 @@ def test_it_fades_by_the_square_of_what_the_lights_share():
     assert abs(float((row[30] / row[70]).log()) - 0.288 * shared**2) < 0.005
 
 
+def test_much_of_it_fades_by_a_higher_power_since_the_photos_light_is_not_what_it_seems():
+    shared, kept = likeness(lamp(2), lamp(3)), []
+    assert 0.7 < shared < 0.8
+    for darker in (0.16, 0.12, 0.095, 0.08):
+        photo = half_shaded(0.2, darker)
+        photo[..., 50:75] = 0.2
+        own, other = (in_light(photo, lamp(column)) for column in (2, 3))
+        kept.append(float((other[30] / other[90]).log() / (own[30] / own[90]).log()))
+    assert abs(kept[0] - shared**2) < 0.01
+    assert kept[0] - 0.1 > kept[1] > kept[2] + 0.1
+    assert abs(kept[2] - shared**8) < 0.01
+    assert abs(kept[3] - shared**8) < 0.01
+
+
 def test_glare_fades_once_and_not_as_missed_light_too():
     row = in_light(half_shaded(0.5, 0.2), lamp(18))
     assert row[30] > 0.99 * row[70]

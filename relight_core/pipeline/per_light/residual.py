@@ -7,9 +7,9 @@ what the model makes of another light, by its full strength where the place is l
 less the less alike the two are: a highlight or a cast shadow that the model missed belongs to the photo's light
 and not to the surface. On skin, what is brighter than its model, of another colour, or off over more than a mole is
 the light's more often than the surface's, and fades faster; the last of them, light and shadow that the model missed,
-also fades as the whole light becomes another. So does, where lamps of several colours light a face, a colour over more
-than a mole that flush and tan don't explain: it is a lamp's, and lips, eyes and brows have it too. So a portrait under
-its own estimated light is the photo again.
+also fades as the whole light becomes another, the faster the more of it there is. So does, where lamps of several
+colours light a face, a colour over more than a mole that flush and tan don't explain: it is a lamp's, and lips, eyes
+and brows have it too. So a portrait under its own estimated light is the photo again.
 
 Skin or hair that is far brighter than its model was grazed by a light from behind, which no model of the face's front
 knows: how a place is lit says little about whether another light does the same, so that much of it fades as the whole
@@ -63,7 +63,11 @@ _FADES = 2.0
 _MOST_SATURATED = 0.6
 _GLARE_OF_SKIN, _GLARE_OF_HAIR = (0.2, 0.5), (0.5, 0.8)
 """Log ratios from which on brighter than the model counts as glare, in part and altogether."""
-_GLARE_FADES, _MISSED_FADES = 6, 2
+_GLARE_FADES = 6
+_MISSED_FADES, _MUCH_MISSED = (2.0, 8.0), (0.15, 0.3)
+"""The powers of what two lights share by which missed light fades, and the spreads of it over a face's skin, in logs,
+from which on it fades by more than the first power and by the second. Where a hat, leaves or blinds throw shadows that
+the model knows nothing of, the photo's own light is not what it seems, and being like that one says little."""
 
 
 @dataclass(frozen=True)
@@ -79,6 +83,7 @@ class Residual:
             shadow that the model lacks, all of it.
         missed: (1, 3, S, S) the part of it that is no glare, and the colours of other lamps on a face: light and
             shadow that the model missed, which fade as the whole light becomes another.
+        missed_fades: the power of what another light shares with the photo's by which `missed` stays.
         tint: (1, 3, S, S) the part of the log ratio, of mean 0, that stays under whatever light.
         fleeting: (1, 3, S, S) the part of the log ratio that only the photo's own light or one much like it gives.
         light: (1, 16, 32, 3) the photo's own.
@@ -92,6 +97,7 @@ class Residual:
     skin: torch.Tensor
     broad: torch.Tensor
     missed: torch.Tensor
+    missed_fades: float
     tint: torch.Tensor
     fleeting: torch.Tensor
     light: torch.Tensor
@@ -141,7 +147,7 @@ def find_residual(
     fleeting = glare * log_ratio.mean(1, keepdim=True) + of_others * (colour - tint - of_light) + of_light
     shading, stays_dark = grey(model.plain), _DARK_HAIR * hair
     missed = (1 - glare) * (broad - skin * _middle_of(broad, seen_skin)) + (1 - of_others) * of_lamps
-    kept = stays_dark, skin, broad, missed, tint, fleeting
+    kept = stays_dark, skin, broad, missed, _fading_of(missed, seen_skin), tint, fleeting
     return Residual(log_ratio, shading, *kept, source_light, level, largest_log)
 
 
@@ -173,6 +179,15 @@ def _middle_of(image: torch.Tensor, part: torch.Tensor) -> torch.Tensor | float:
     """The median of an image (1, 1, S, S) over what surely belongs to a part (1, 1, S, S); 0 where hardly any does."""
     sure = (part > _SURELY_SKIN)[0, 0]
     return middle_values(image, sure) if int(sure.sum()) >= _FEWEST_PIXELS else 0.0
+
+
+def _fading_of(missed: torch.Tensor, skin: torch.Tensor) -> float:
+    """By which power of what two lights share missed light (1, 3, S, S) fades."""
+    surely = (skin > _SURELY_SKIN)[:, 0]
+    few, many = _MISSED_FADES
+    if int(surely.sum()) < _FEWEST_PIXELS:
+        return few
+    return few + (many - few) * float(ramp(missed.mean(1)[surely].std(), *_MUCH_MISSED))
 
 
 def _glare_share(log_ratio: torch.Tensor, skin: torch.Tensor, hair: torch.Tensor) -> torch.Tensor:
@@ -219,7 +234,7 @@ def add_residual(
     darkening = level.clamp_max(0)
     kept = darkening * torch.maximum(alike, residual.stays_dark) + residual.tint
     shared = likeness(residual.light, light)
-    of_light = (1 - shared**_GLARE_FADES) * residual.fleeting + (1 - shared**_MISSED_FADES) * residual.missed
+    of_light = (1 - shared**_GLARE_FADES) * residual.fleeting + (1 - shared**residual.missed_fades) * residual.missed
     lightening = residual.log_ratio - darkening - residual.tint - of_light
     ratio = torch.exp(kept + lightening * faint)
     image = ((composed.image.float() + _BLACK) * ratio - _BLACK).clamp_min(0)
