@@ -6,6 +6,7 @@ from functools import lru_cache
 
 import numpy as np
 
+from relight_core.imaging.half_floats import LARGEST_HALF
 from relight_core.imaging.resampling import at_size, resize_cut_out, shrunk_size
 from relight_core.imaging.view_transform import apply_view
 from relight_core.lighting.enlarge import COARSE_HEIGHT, enlarge
@@ -17,7 +18,6 @@ from relight_core.pipeline.results.display import LARGEST_SIDE
 
 PANORAMA_HEIGHT = 256
 BALL_SIZE = 96
-_HALF_MAX = 65504.0
 _PANORAMA_EV = -1.0
 _ROWS = 256
 
@@ -36,7 +36,7 @@ def radiance_for_screen(linear: np.ndarray, alpha: np.ndarray | None = None) -> 
     halves = np.empty(pixels.shape, np.float16)
     for top in range(0, len(pixels), _ROWS):
         # In one piece it would need another copy of the whole photo for a moment.
-        halves[top : top + _ROWS] = np.minimum(pixels[top : top + _ROWS], np.float32(_HALF_MAX))
+        halves[top : top + _ROWS] = np.minimum(pixels[top : top + _ROWS], np.float32(LARGEST_HALF))
     return halves
 
 

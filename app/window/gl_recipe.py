@@ -8,6 +8,7 @@ import moderngl
 import numpy as np
 
 from app.window.gl_textures import PictureSlot, TextureSlot
+from relight_core.imaging.half_floats import LARGEST_HALF
 from relight_core.imaging.scopes import thinning_step
 from relight_core.pipeline.results.display import EYE_STEP_PX, MOST_EYES, MOST_VIEWS, DisplayRecipe
 
@@ -99,7 +100,7 @@ class RelitSlot:
         if step not in self._thinned:
             image, alpha = self.recipe.picture.thinned(step)
             pixels = image if alpha is None else np.dstack([image, alpha])
-            self._thinned[step] = np.minimum(pixels, np.float32(65504.0)).astype(np.float16)
+            self._thinned[step] = np.minimum(pixels, np.float32(LARGEST_HALF)).astype(np.float16)
         return self._thinned[step]
 
     def smooth(self, magnified_smoothly: bool) -> None:

@@ -25,13 +25,13 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
+from relight_core.imaging.half_floats import within_halves
 from relight_core.imaging.resampling import resize_smooth
 
 _WINDOW_SHARE = 1 / 128
 _FLAT = 0.1
 _DARK = 0.001
 _LARGEST_GAIN = 16.0
-_BRIGHTEST = 65504.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,7 +57,7 @@ def fit_detail(photo_small: np.ndarray, relit_small: np.ndarray) -> DetailFit:
     Returns:
         To be applied to the same crop of the photo at any resolution.
     """
-    photo, relit = _cleaned(photo_small), _cleaned(relit_small)
+    photo, relit = within_halves(photo_small), within_halves(relit_small)
     radius = max(round(photo.shape[0] * _WINDOW_SHARE), 1)
 
     def mean(image: np.ndarray) -> np.ndarray:
@@ -89,7 +89,7 @@ def apply_detail(fit: DetailFit, photo: np.ndarray) -> np.ndarray:
     """
     size = photo.shape[:2]
     relit = resize_smooth(fit.gain, size)
-    relit *= _cleaned(photo)
+    relit *= within_halves(photo)
     relit += resize_smooth(fit.offset, size)
     return np.maximum(relit, 0.0, out=relit)
 
@@ -97,12 +97,3 @@ def apply_detail(fit: DetailFit, photo: np.ndarray) -> np.ndarray:
 def carry_detail(photo: np.ndarray, photo_small: np.ndarray, relit_small: np.ndarray) -> np.ndarray:
     """`fit_detail` and `apply_detail` in one: a relit crop at the photo's resolution."""
     return apply_detail(fit_detail(photo_small, relit_small), photo)
-
-
-def _cleaned(image: np.ndarray) -> np.ndarray:
-    """float32, finite and within [0, 65504]; a new array only where something had to change."""
-    image = np.asarray(image, np.float32)
-    if image.size and image.min() >= 0.0 and image.max() <= _BRIGHTEST:
-        return image
-    image = np.nan_to_num(image, nan=0.0, posinf=_BRIGHTEST, neginf=0.0)
-    return np.clip(image, 0.0, _BRIGHTEST)

@@ -15,6 +15,7 @@ from relight_core.imaging.formats.camera_raw import RAW_HEADS
 from relight_core.imaging.formats.icc import MatrixProfile
 from relight_core.imaging.formats.library_profiles import convert_8_bit
 from relight_core.imaging.formats.radiance import decode_radiance_hdr
+from relight_core.imaging.half_floats import LARGEST_HALF
 from relight_core.imaging.in_order import in_order
 from relight_core.imaging.photo import Photo
 
@@ -22,7 +23,6 @@ _BLOCK_ROWS = 128
 _NEGLIGIBLE = 1e-5
 """Rounding takes colours this far outside Rec.709."""
 
-_LARGEST_HALF = 65504.0
 _PICTURE_HEADS = (
     *(b"\xff\xd8\xff", b"\x89PNG\r\n\x1a\n", b"BM", b"GIF87a", b"GIF89a"),
     *(b"II*\0", b"MM\0*", b"II+\0", b"MM\0+"),
@@ -121,7 +121,7 @@ def _float_photo(linear: np.ndarray, alpha: np.ndarray | None, premultiplied: bo
                 linear = _limited(linear / np.where(alpha > 0.0, alpha, 1.0)[..., None])
     linear, beyond = np.ascontiguousarray(linear, np.float32), None
     if linear.min() < -_NEGLIGIBLE:
-        beyond = np.clip(linear, -_LARGEST_HALF, 0.0).astype(np.float16)
+        beyond = np.clip(linear, -LARGEST_HALF, 0.0).astype(np.float16)
     return Photo(np.maximum(linear, 0.0, out=linear), alpha, path, 32, beyond=beyond)
 
 

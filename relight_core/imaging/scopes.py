@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from relight_core.imaging.half_floats import LARGEST_HALF
 from relight_core.imaging.view_transform import expose
 
 LEVELS = 256
@@ -117,8 +118,8 @@ def extremes(linear: np.ndarray, exposure_ev: float = 0.0, seen: np.ndarray | No
     linear = linear if seen is None else linear[seen]
     if linear.size == 0:
         return Extremes(0.0, 0.0, 0.0)
-    # Half floats hold infinity as their largest number, 65504.
-    bad = ~np.isfinite(linear).all(axis=-1) | (linear >= 65504.0).any(axis=-1)
+    # Half floats hold infinity as their largest number.
+    bad = ~np.isfinite(linear).all(axis=-1) | (linear >= LARGEST_HALF).any(axis=-1)
     peak = expose(linear, exposure_ev).max(axis=-1)
     bright = (peak >= 1.0) & ~bad
     dark = (peak * (12.92 * 255) < 0.5) & ~bad

@@ -27,6 +27,7 @@ import cv2
 import numpy as np
 
 from relight_core.imaging.colour import luminance
+from relight_core.imaging.half_floats import within_halves
 from relight_core.imaging.light_change import LightChange, share_in_reach
 from relight_core.imaging.ramp import ramp
 
@@ -36,7 +37,6 @@ _LOSS = 0.3
 _EVEN_PX = (9, 9)
 _TEXTURED = 0.8
 _PALE = 0.05
-_BRIGHTEST = 65504.0
 _WARM = (0.2, 0.4)
 """What red has before blue, of the sum of the three, where something dark counts as skin, in part and altogether."""
 _HOLE_SHARE = 0.07
@@ -82,7 +82,7 @@ class ViewOfPhoto:
             cv2.merge([np.clip(share, 0.0, 1.0).astype(np.float32)] * 3)
             for share in (makeup.patterned, makeup.evenly_lit, makeup.textured)
         )
-        self._photo = photo = _cleaned(photo)
+        self._photo = photo = within_halves(photo)
         self._mean = _mean(photo)
         self._variance = np.maximum(_mean(photo * photo) - self._mean**2, 0.0)
         self._calm = (_CALM * np.maximum(self._mean, _DARK)) ** 2
@@ -106,8 +106,8 @@ class ViewOfPhoto:
         Returns:
             Maps of size (s, s).
         """
-        relit = _cleaned(relit)
-        gloss = np.minimum(_cleaned(gloss), relit) * self._uneven
+        relit = within_halves(relit)
+        gloss = np.minimum(within_halves(gloss), relit) * self._uneven
         matt = relit - gloss
         gain = np.maximum(self._evenly(matt, self._with_pattern(matt)), 0.0)
         reached = share_in_reach(gain)
@@ -175,8 +175,3 @@ def _smooth(image: np.ndarray) -> np.ndarray:
 
 def _mean(image: np.ndarray) -> np.ndarray:
     return cv2.blur(image, (3, 3), borderType=cv2.BORDER_REFLECT)
-
-
-def _cleaned(image: np.ndarray) -> np.ndarray:
-    cleaned = np.nan_to_num(np.asarray(image, np.float32), nan=0.0, posinf=_BRIGHTEST, neginf=0.0)
-    return np.clip(cleaned, 0.0, _BRIGHTEST)

@@ -11,9 +11,7 @@ from __future__ import annotations
 import numpy as np
 
 from relight_core.imaging.colour import REC709_LUMINANCE, srgb_encode
-
-BRIGHTEST = 65504.0
-"""Radiance above this is shown as this; also what infinity becomes (the largest half float)."""
+from relight_core.imaging.half_floats import LARGEST_HALF
 
 LARGEST_FLOAT = float(np.finfo(np.float32).max)
 
@@ -55,7 +53,9 @@ def displayable(exposed: np.ndarray, weights: np.ndarray = REC709_LUMINANCE) -> 
     return exposed
 
 
-def expose(linear: np.ndarray, exposure_ev: float, *, darkest: float = 0.0, brightest: float = BRIGHTEST) -> np.ndarray:
+def expose(
+    linear: np.ndarray, exposure_ev: float, *, darkest: float = 0.0, brightest: float = LARGEST_HALF
+) -> np.ndarray:
     """Radiance times 2 ** exposure_ev, cleaned of NaN and infinite values and limited.
 
     Args:

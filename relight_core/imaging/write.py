@@ -21,8 +21,9 @@ from relight_core.imaging.formats import exr
 from relight_core.imaging.formats.icc import MatrixProfile, matrix_profile
 from relight_core.imaging.formats.png import chunk, write_png
 from relight_core.imaging.formats.tiff_exif import with_exif
+from relight_core.imaging.half_floats import LARGEST_HALF
 from relight_core.imaging.in_order import WORKERS, in_order
-from relight_core.imaging.view_transform import BRIGHTEST, LARGEST_FLOAT, displayable, expose
+from relight_core.imaging.view_transform import LARGEST_FLOAT, displayable, expose
 
 _BITS = {".png": (8, 16), ".jpg": (8,), ".jpeg": (8,), ".tif": (8, 16), ".tiff": (8, 16), ".exr": (8, 16, 32)}
 _STRIP_ROWS = 64
@@ -149,7 +150,7 @@ def _coded(
     rows, linear, alpha = band
     linear, alpha = _checked(linear, alpha)
     if suffix == ".exr":
-        most, kind = LARGEST_FLOAT if style.bits == 32 else BRIGHTEST, _code_type(suffix, style.bits)
+        most, kind = LARGEST_FLOAT if style.bits == 32 else LARGEST_HALF, _code_type(suffix, style.bits)
         exposed = expose(linear, style.exposure_ev, darkest=-most, brightest=most)
         return rows, exr.limited(_premultiplied(exposed, alpha), kind)
     if profile is None:

@@ -20,13 +20,13 @@ from relight_core.imaging.files import check_regular, is_legible
 from relight_core.imaging.formats.chromaticities import is_rec709, rgb_to_xyz, to_rec709
 from relight_core.imaging.formats.exr_head import most_channels
 from relight_core.imaging.formats.limits import MAX_PIXELS, check_pixels
+from relight_core.imaging.half_floats import LARGEST_HALF
 from relight_core.imaging.in_order import WORKERS
 
 # Left alone it packs and unpacks on one thread.
 OpenEXR.set_global_thread_count(WORKERS)
 
 MAX_SAMPLES = 4 * MAX_PIXELS
-LARGEST_HALF = 65504.0
 
 MAGIC = b"\x76\x2f\x31\x01"
 

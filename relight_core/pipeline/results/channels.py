@@ -12,6 +12,7 @@ import torch.nn.functional as F
 from relight_core.face.parsing import INDEX
 from relight_core.imaging.colour import without_colour
 from relight_core.imaging.guided_detail import carry_detail
+from relight_core.imaging.half_floats import within_halves
 from relight_core.imaging.joint_upsampling import JointUpsampler
 from relight_core.imaging.light_change import LightChange
 from relight_core.imaging.resampling import resize_area, resize_smooth
@@ -226,5 +227,4 @@ def as_image(tensor: torch.Tensor) -> np.ndarray:
 
 def as_tensor(image: np.ndarray) -> torch.Tensor:
     """(S, S, C) to (1, C, S, S) float32, finite: what is brighter than a half float can say counts as that."""
-    finite = np.nan_to_num(image, nan=0.0, posinf=65504.0, neginf=0.0).clip(0.0, 65504.0)
-    return torch.from_numpy(np.ascontiguousarray(finite, np.float32)).permute(2, 0, 1)[None]
+    return torch.from_numpy(np.ascontiguousarray(within_halves(image))).permute(2, 0, 1)[None]

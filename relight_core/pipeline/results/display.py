@@ -18,6 +18,7 @@ import numpy as np
 
 from relight_core.face.crop import Crop
 from relight_core.face.paste import Band, bands, unit_matrix
+from relight_core.imaging.half_floats import LARGEST_HALF
 from relight_core.imaging.in_order import in_order
 from relight_core.imaging.resampling import resize_area
 from relight_core.pipeline.per_photo.matte import Matte
@@ -36,8 +37,6 @@ into the next one's."""
 
 LARGEST_SIDE = 8192
 """Pixels; every OpenGL 3.3 driver in use takes textures of this size. Longer pictures are rendered."""
-
-_HALF_MAX = 65504.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,9 +65,9 @@ def person_layers(canvas: Canvas, matte: Matte, exposure: float = 1.0) -> Person
     def make(band: Band) -> None:
         found = person_in(canvas, matte, band)
         colour, times = found.colour * found.share[..., None], np.float32(exposure)
-        layers.person[band.rows, :, :3] = np.minimum(times * colour, np.float32(_HALF_MAX))
+        layers.person[band.rows, :, :3] = np.minimum(times * colour, np.float32(LARGEST_HALF))
         layers.person[band.rows, :, 3] = found.share
-        layers.behind[band.rows] = np.clip(times * (canvas.linear[band.rows] - colour), 0, np.float32(_HALF_MAX))
+        layers.behind[band.rows] = np.clip(times * (canvas.linear[band.rows] - colour), 0, np.float32(LARGEST_HALF))
 
     for _ in in_order(make, bands(canvas.size, canvas.photo_size)):
         pass
@@ -202,4 +201,4 @@ def _fitting(square: np.ndarray, count: int) -> np.ndarray:
 def _as_map(layer: np.ndarray) -> np.ndarray:
     """A picture or a colour as a float16 map."""
     filled = layer if layer.ndim == 3 else layer[None, None]
-    return np.minimum(filled, np.float32(_HALF_MAX)).astype(np.float16)
+    return np.minimum(filled, np.float32(LARGEST_HALF)).astype(np.float16)
