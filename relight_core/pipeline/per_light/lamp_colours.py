@@ -12,6 +12,7 @@ import torch
 
 from relight_core.face.parsing import share_of
 from relight_core.imaging.ramp import ramp
+from relight_core.imaging.tensor_logs import log_ratios, without_mean
 from relight_core.imaging.tensor_means import local_means, local_medians, middle_values
 from relight_core.pipeline.stages import Surface
 
@@ -23,7 +24,6 @@ _SEVERAL_COLOURS = (0.4, 0.8)
 """How far apart the logs of a light's colour are over most of the skin, where it may have several and surely has."""
 _AMID_SKIN = ("left_brow", "right_brow", "left_eye", "right_eye", "lips", "inner_mouth")
 """What such lamps light as they do the skin around."""
-_BLACK = 0.005
 _FEWEST_PIXELS, _SURELY_SKIN = 50, 0.6
 
 
@@ -42,17 +42,13 @@ def colours_of_lamps(
     several = _several_colours(surface, plain, sure) if int(sure.sum()) >= _FEWEST_PIXELS else 0.0
     if several == 0:
         return torch.zeros_like(colour)
-    off = _without_mean(local_medians(colour - middle_values(colour, sure), skin, MOLE))
+    off = without_mean(local_medians(colour - middle_values(colour, sure), skin, MOLE))
     off = several * off * ramp(off.abs().amax(1, keepdim=True), *_FLUSH)
     return skin * off + share_of(surface.parsing, _AMID_SKIN) * local_means(off, skin)
 
 
 def _several_colours(surface: Surface, plain: torch.Tensor, sure: torch.Tensor) -> float:
     """How surely the light on the skin (S, S) is of several colours, [0, 1]."""
-    light = _without_mean(((plain.float() + _BLACK) / (surface.albedo + _BLACK)).log())[0][:, sure]
+    light = without_mean(log_ratios(plain.float(), surface.albedo))[0][:, sure]
     least, most = torch.quantile(light, light.new_tensor([0.1, 0.9]), dim=1)
     return ramp(float((most - least).max()), *_SEVERAL_COLOURS)
-
-
-def _without_mean(log_ratio: torch.Tensor) -> torch.Tensor:
-    return log_ratio - log_ratio.mean(1, keepdim=True)

@@ -11,11 +11,10 @@ import torch
 
 from relight_core.face.parsing import share_of
 from relight_core.imaging.ramp import ramp
+from relight_core.imaging.tensor_logs import logs, without_mean
 from relight_core.pipeline.per_photo.glare import likely
 from relight_core.pipeline.per_photo.skin_colour import NO_COLOUR
 from relight_core.pipeline.stages import Surface
-
-_BLACK = 0.005
 
 
 def off_black(surface: Surface, tint: torch.Tensor) -> torch.Tensor:
@@ -35,5 +34,4 @@ def off_black(surface: Surface, tint: torch.Tensor) -> torch.Tensor:
 
 def _colour(image: torch.Tensor) -> torch.Tensor:
     """(1, 3, S, S) logarithms without their mean."""
-    logarithm = (image + _BLACK).log()
-    return logarithm - logarithm.mean(1, keepdim=True)
+    return without_mean(logs(image))

@@ -16,6 +16,7 @@ import torch
 from relight_core.face.parsing import INDEX, with_neck_as
 from relight_core.imaging.ramp import ramp
 from relight_core.imaging.tensor_colour import grey
+from relight_core.imaging.tensor_logs import logs
 from relight_core.lighting.reflection import network_texels
 from relight_core.pipeline.per_photo.saturation import log_colours, middle_colour, saturation
 from relight_core.pipeline.per_photo.white_hair import eyes_row
@@ -32,7 +33,7 @@ _BARE, _HAIR = -0.05, 0.25
 _SOFT_PX = 1.5
 _SIDEBURNS = 0.06
 """How far below the eyes hair fades out, as a share of the view."""
-_BLACK, _LEAST_SHADING = 0.005, 0.02
+_LEAST_SHADING = 0.02
 
 
 @torch.inference_mode()
@@ -46,7 +47,7 @@ def with_cropped_hair(surface: Surface) -> Surface:
     grey_enough = ramp(float(greyer[scalp > _SURE].median()), _NO_GREYER, _GREYER)
     if grey_enough == 0:
         return surface
-    darkness = shading(surface).clamp_min(_LEAST_SHADING).log() - (grey(surface.photo)[0, 0] + _BLACK).log()
+    darkness = shading(surface).clamp_min(_LEAST_SHADING).log() - logs(grey(surface.photo)[0, 0])
     evidence = greyer + darkness - darkness[face > _SURE].median()
     cropped = grey_enough * ramp(float(evidence[scalp > _SURE].median()), _PERHAPS_CROPPED, _CROPPED)
     if cropped == 0:

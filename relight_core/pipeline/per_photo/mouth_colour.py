@@ -10,10 +10,10 @@ from __future__ import annotations
 import torch
 
 from relight_core.face.parsing import share_of
+from relight_core.imaging.tensor_logs import logs
 from relight_core.pipeline.per_photo.glare import likely
 from relight_core.pipeline.stages import Surface
 
-_BLACK = 0.005
 _BLUEST = 0.1
 """Log ratio of blue to green: of 144 portraits, by their estimated lights, five pairs of lips of six have less."""
 
@@ -33,4 +33,4 @@ def too_blue(surface: Surface, tint: torch.Tensor) -> torch.Tensor:
 
 def _bluish(image: torch.Tensor) -> torch.Tensor:
     """(1, 1, S, S) the log ratio of blue to green."""
-    return (image[:, 2:] + _BLACK).log() - (image[:, 1:2] + _BLACK).log()
+    return logs(image[:, 2:]) - logs(image[:, 1:2])

@@ -11,8 +11,8 @@ from __future__ import annotations
 import torch
 
 from relight_core.imaging.tensor_colour import as_bright_as
+from relight_core.imaging.tensor_logs import BLACK
 
-_BLACK = 0.005
 _SURE = 0.6
 _GREY = 0.01
 """Squared length of a log colour that is too little of a colour to be followed."""
@@ -29,7 +29,7 @@ def log_colour(values: torch.Tensor) -> torch.Tensor:
 
 def log_colours(image: torch.Tensor) -> torch.Tensor:
     """`log_colour` of an image (1, 3, S, S), linear, in which what is nearly black has next to none; (S, S, 3)."""
-    return log_colour((image[0] + _BLACK).movedim(0, -1))
+    return log_colour((image[0] + BLACK).movedim(0, -1))
 
 
 def recoloured(albedo: torch.Tensor, colours: torch.Tensor, share: torch.Tensor) -> torch.Tensor:
@@ -66,5 +66,5 @@ def middle_colour(image: torch.Tensor, part: torch.Tensor, fewest: int) -> torch
     sure = part[0, 0] > _SURE
     if int(sure.sum()) < fewest:
         return None
-    middle = log_colour((image[0] + _BLACK).movedim(0, -1)[sure]).median(0).values
+    middle = log_colour((image[0] + BLACK).movedim(0, -1)[sure]).median(0).values
     return middle - middle.mean()
