@@ -59,6 +59,15 @@ PALETTE_SRGB = (
 )
 """Display colour of each class, sRGB bytes."""
 
+SURELY = 0.6
+"""Probability from which on a pixel surely belongs to a class, or to one of several."""
+
+FEWEST_PIXELS = 50
+"""Pixels that surely belong to a part of a view, for its colour or brightness to be told."""
+
+FEWEST_OF_SKIN = 100
+"""Pixels that are surely bare skin, for its albedo to be changed by what is told of it."""
+
 
 def share_of(parsing: torch.Tensor, names: Sequence[str]) -> torch.Tensor:
     """(B, 1, S, S) the probability of any of some classes, of (B, classes, S, S)."""

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import torch
 
-from relight_core.face.parsing import share_of
+from relight_core.face.parsing import FEWEST_PIXELS, SURELY, share_of
 from relight_core.imaging.ramp import ramp
 from relight_core.imaging.tensor_logs import log_ratios, without_mean
 from relight_core.imaging.tensor_means import local_means, local_medians, middle_values
@@ -24,7 +24,6 @@ _SEVERAL_COLOURS = (0.4, 0.8)
 """How far apart the logs of a light's colour are over most of the skin, where it may have several and surely has."""
 _AMID_SKIN = ("left_brow", "right_brow", "left_eye", "right_eye", "lips", "inner_mouth")
 """What such lamps light as they do the skin around."""
-_FEWEST_PIXELS, _SURELY_SKIN = 50, 0.6
 
 
 def colours_of_lamps(
@@ -38,8 +37,8 @@ def colours_of_lamps(
         skin: (1, 1, S, S) probability of bare skin.
         known: (1, 1, S, S) the same where the photo shows it.
     """
-    sure = (known > _SURELY_SKIN)[0, 0]
-    several = _several_colours(surface, plain, sure) if int(sure.sum()) >= _FEWEST_PIXELS else 0.0
+    sure = (known > SURELY)[0, 0]
+    several = _several_colours(surface, plain, sure) if int(sure.sum()) >= FEWEST_PIXELS else 0.0
     if several == 0:
         return torch.zeros_like(colour)
     off = without_mean(local_medians(colour - middle_values(colour, sure), skin, MOLE))

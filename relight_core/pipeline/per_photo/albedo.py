@@ -14,7 +14,7 @@ from dataclasses import replace
 
 import torch
 
-from relight_core.face.parsing import INDEX
+from relight_core.face.parsing import FEWEST_OF_SKIN, INDEX, SURELY
 from relight_core.imaging.tensor_colour import grey
 from relight_core.lighting.relief import ReliefTransport
 from relight_core.pipeline.per_photo.blown import skin_share
@@ -27,7 +27,6 @@ from relight_core.pipeline.stages import Surface, at_surface_size
 _STRONGEST = 1.0
 _FLOOR = 0.02
 _CLIPPED = 0.95
-_FEWEST_PIXELS = 100
 
 
 @torch.inference_mode()
@@ -55,8 +54,8 @@ def _without_shading(surface: Surface, log_shading: torch.Tensor, skin: torch.Te
     that went into the albedo.
     """
     albedo = grey(surface.albedo).clamp_min(1e-3).log()
-    known = (skin > 0.6) & (surface.photo.amax(1, keepdim=True) < _CLIPPED)
-    if int(known.sum()) < _FEWEST_PIXELS:
+    known = (skin > SURELY) & (surface.photo.amax(1, keepdim=True) < _CLIPPED)
+    if int(known.sum()) < FEWEST_OF_SKIN:
         return surface
     centred = log_shading - log_shading[known].mean()
     variance = centred[known].square().mean()

@@ -13,7 +13,7 @@ from dataclasses import replace
 import cv2
 import torch
 
-from relight_core.face.parsing import INDEX, with_neck_as
+from relight_core.face.parsing import INDEX, SURELY, with_neck_as
 from relight_core.imaging.ramp import ramp
 from relight_core.imaging.tensor_colour import grey
 from relight_core.imaging.tensor_logs import logs
@@ -22,7 +22,7 @@ from relight_core.pipeline.per_photo.saturation import log_colours, middle_colou
 from relight_core.pipeline.per_photo.white_hair import eyes_row
 from relight_core.pipeline.stages import Surface
 
-_SURE, _FEWEST_PIXELS = 0.6, 100
+_FEWEST_PIXELS = 100
 _PERHAPS_CROPPED, _CROPPED = 0.35, 0.6
 """By how much of a natural logarithm the middle of a scalp is darker than the face, and by how much of the face's own
 colour it is greyer, both together, from which on it has hair, in part and altogether."""
@@ -41,15 +41,15 @@ def with_cropped_hair(surface: Surface) -> Surface:
     """The surface with hair where the scalp is bare, by its parsing, and dark and of little colour in the photo."""
     scalp, face = _scalp(surface.parsing), surface.parsing[0, INDEX["skin"]]
     own = middle_colour(surface.photo, face[None, None], _FEWEST_PIXELS)
-    if scalp is None or own is None or int((scalp > _SURE).sum()) < _FEWEST_PIXELS:
+    if scalp is None or own is None or int((scalp > SURELY).sum()) < _FEWEST_PIXELS:
         return surface
     greyer = -saturation(log_colours(surface.photo) - own, own)
-    grey_enough = ramp(float(greyer[scalp > _SURE].median()), _NO_GREYER, _GREYER)
+    grey_enough = ramp(float(greyer[scalp > SURELY].median()), _NO_GREYER, _GREYER)
     if grey_enough == 0:
         return surface
     darkness = shading(surface).clamp_min(_LEAST_SHADING).log() - logs(grey(surface.photo)[0, 0])
-    evidence = greyer + darkness - darkness[face > _SURE].median()
-    cropped = grey_enough * ramp(float(evidence[scalp > _SURE].median()), _PERHAPS_CROPPED, _CROPPED)
+    evidence = greyer + darkness - darkness[face > SURELY].median()
+    cropped = grey_enough * ramp(float(evidence[scalp > SURELY].median()), _PERHAPS_CROPPED, _CROPPED)
     if cropped == 0:
         return surface
     share = _softened(cropped * scalp * ramp(_softened(evidence), _BARE, _HAIR))

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import torch
 
-from relight_core.face.parsing import INDEX, share_of
+from relight_core.face.parsing import FEWEST_PIXELS, INDEX, SURELY, share_of
 from relight_core.imaging.ramp import ramp
 from relight_core.imaging.tensor_colour import grey
 
@@ -21,7 +21,6 @@ _BESIDE_THE_FACE = (
 """Of the face's albedo: up to the first a part of such a kind counts as black, from the second on it has its gloss.
 Beards have 0.3 to 0.7, most plain skin more than 0.8: of 25 photos' faces and necks, two faces and five necks have
 more than a tenth below 0.6, beards and hair but for one neck in deep shade."""
-_SURE, _FEWEST_PIXELS = 0.6, 50
 
 
 def gloss_of_black(albedo: torch.Tensor, parsing: torch.Tensor) -> torch.Tensor:
@@ -31,9 +30,9 @@ def gloss_of_black(albedo: torch.Tensor, parsing: torch.Tensor) -> torch.Tensor:
         albedo: (1, 3, S, S) linear.
         parsing: (1, classes, S, S) probabilities.
     """
-    dark, face = grey(albedo), parsing[:, INDEX["skin"], None] > _SURE
+    dark, face = grey(albedo), parsing[:, INDEX["skin"], None] > SURELY
     share = _from_to(dark, _BLACK, _DARKEST_SKIN)
-    if int(face.sum()) < _FEWEST_PIXELS:
+    if int(face.sum()) < FEWEST_PIXELS:
         return share
     fairness, duller = float(dark[face].median()), 0.0
     for names, (black, glossy) in _BESIDE_THE_FACE:

@@ -10,6 +10,7 @@ from dataclasses import replace
 
 import torch
 
+from relight_core.face.parsing import FEWEST_OF_SKIN, SURELY
 from relight_core.imaging.ramp import ramp
 from relight_core.imaging.tensor_colour import grey
 from relight_core.pipeline.per_photo.blown import fill_in
@@ -18,7 +19,6 @@ from relight_core.pipeline.stages import Surface
 _FROM, _TO = 0.25, 0.6
 _UNLIKELY, _LIKELY = 0.5, 0.75
 _LITTLE = 1e-4
-_FEWEST_PIXELS = 100
 
 
 def without_glare(surface: Surface, shading: torch.Tensor, skin: torch.Tensor) -> Surface:
@@ -32,8 +32,8 @@ def without_glare(surface: Surface, shading: torch.Tensor, skin: torch.Tensor) -
         shading: (1, 1, S, S) grey irradiance / pi of the photo's light.
         skin: (1, 1, S, S) probability of skin.
     """
-    known = skin > 0.6
-    if int(known.sum()) < _FEWEST_PIXELS:
+    known = skin > SURELY
+    if int(known.sum()) < FEWEST_OF_SKIN:
         return surface
     albedo = grey(surface.albedo).clamp_min(1e-3)
     seen = grey(surface.photo).clamp_min(1e-3).log()

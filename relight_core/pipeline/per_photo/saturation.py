@@ -10,10 +10,10 @@ from __future__ import annotations
 
 import torch
 
+from relight_core.face.parsing import FEWEST_PIXELS, SURELY
 from relight_core.imaging.tensor_colour import as_bright_as
 from relight_core.imaging.tensor_logs import BLACK
 
-_SURE = 0.6
 _GREY = 0.01
 """Squared length of a log colour that is too little of a colour to be followed."""
 _ACROSS = 0.4
@@ -56,15 +56,15 @@ def of_camera(change: torch.Tensor, own: torch.Tensor, saturated: torch.Tensor) 
     return added + across * (_ACROSS * added.norm(dim=-1, keepdim=True) / length).clamp_max(1)
 
 
-def middle_colour(image: torch.Tensor, part: torch.Tensor, fewest: int) -> torch.Tensor | None:
-    """The median log colour (3,) of a part of an image, or None where fewer pixels than that surely belong to it.
+def middle_colour(image: torch.Tensor, part: torch.Tensor, fewest: int = FEWEST_PIXELS) -> torch.Tensor | None:
+    """The median log colour (3,) of a part of an image, or None where fewer than `fewest` pixels surely belong to it.
 
     Args:
         image: (1, 3, S, S) linear.
         part: (1, 1, S, S) probability.
     """
-    sure = part[0, 0] > _SURE
+    sure = part[0, 0] > SURELY
     if int(sure.sum()) < fewest:
         return None
-    middle = log_colour((image[0] + BLACK).movedim(0, -1)[sure]).median(0).values
+    middle = log_colours(image)[sure].median(0).values
     return middle - middle.mean()

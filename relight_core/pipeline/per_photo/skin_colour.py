@@ -15,13 +15,12 @@ import cv2
 import numpy as np
 import torch
 
+from relight_core.face.parsing import FEWEST_OF_SKIN, SURELY
 from relight_core.imaging.ramp import ramp
 from relight_core.imaging.tensor_colour import as_bright_as, grey
 from relight_core.imaging.tensor_means import local_means, middle_values
 from relight_core.pipeline.stages import Surface
 
-_SURE = 0.6
-_FEWEST_PIXELS = 100
 _COMMON = 0.15
 """Flush and tan move the log of a ratio of two channels by about as much."""
 _BLUE, _BLUE_OF_PALE = 0.05, 1.4
@@ -49,8 +48,8 @@ def in_one_colour(surface: Surface, skin: torch.Tensor) -> Surface:
     Args:
         skin: (1, 1, S, S) probability of bare skin.
     """
-    known = skin > _SURE
-    if int(known.sum()) < _FEWEST_PIXELS:
+    known = skin > SURELY
+    if int(known.sum()) < FEWEST_OF_SKIN:
         return surface
     log_albedo = surface.albedo.clamp_min(1e-3).log()
     ratios = log_albedo - log_albedo[:, 1:2]
@@ -72,8 +71,8 @@ def deep_shadow(photo: torch.Tensor, skin: torch.Tensor) -> torch.Tensor:
         photo: (1, 3, S, S) linear.
         skin: (1, 1, S, S) probability of bare skin.
     """
-    known, seen = skin > _SURE, grey(photo)
-    if int(known.sum()) < _FEWEST_PIXELS:
+    known, seen = skin > SURELY, grey(photo)
+    if int(known.sum()) < FEWEST_OF_SKIN:
         return torch.zeros_like(skin)
     return skin * ramp(seen / seen[known].median().clamp_min(1e-6), *_DEEP_SHADOW)
 
@@ -86,7 +85,7 @@ def painted(off: torch.Tensor, photo: torch.Tensor, skin: torch.Tensor) -> torch
         photo: (1, 3, S, S) linear.
         skin: (1, 1, S, S) probability of bare skin.
     """
-    distance, bare = off.abs().amax(1)[0].cpu().numpy(), skin[0, 0].cpu().numpy() > _SURE
+    distance, bare = off.abs().amax(1)[0].cpu().numpy(), skin[0, 0].cpu().numpy() > SURELY
     lit = deep_shadow(photo, skin)[0, 0].cpu().numpy() < 0.5
     count, patches = cv2.connectedComponents((bare & lit & (distance > _PAINT)).astype(np.uint8))
     paint = np.zeros(bare.shape, bool)

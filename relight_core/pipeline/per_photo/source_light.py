@@ -5,6 +5,7 @@ from __future__ import annotations
 import torch
 import torch.nn.functional as F
 
+from relight_core.face.parsing import FEWEST_PIXELS, SURELY
 from relight_core.imaging.ramp import ramp
 from relight_core.imaging.tensor_colour import grey, luminance_weights
 from relight_core.lighting.inverse import explain_photo
@@ -14,7 +15,6 @@ from relight_core.pipeline.per_photo.blown import skin_share
 from relight_core.pipeline.per_photo.saturation import log_colour, middle_colour, of_camera, saturation
 from relight_core.pipeline.stages import Reflector, Surface, reflect
 
-_FEWEST_PIXELS, _SURELY_SKIN = 50, 0.6
 _CLIPPED, _NEARLY_CLIPPED = 0.9, 0.97
 _DARKEST_ALBEDO = 0.03
 _LEAST_MATTE = 0.4
@@ -72,9 +72,9 @@ def _cast(surface: Surface, reflected: torch.Tensor) -> torch.Tensor:
     Args:
         reflected: (1, 6, S, S) irradiance over pi and gloss of the guess.
     """
-    known = seen_of_person(surface) & (skin_share(surface.parsing) > _SURELY_SKIN)
+    known = seen_of_person(surface) & (skin_share(surface.parsing) > SURELY)
     plain = surface.photo.new_ones(3)
-    if int(known.sum()) < _FEWEST_PIXELS:
+    if int(known.sum()) < FEWEST_PIXELS:
         return plain
     lit = surface.albedo * reflected[:, :3] + reflected[:, 3:]
     seen, guessed = ((image * known).sum((0, 2, 3)) for image in (surface.photo, lit))
@@ -86,7 +86,7 @@ def _cast(surface: Surface, reflected: torch.Tensor) -> torch.Tensor:
 
 def _left_to_light(surface: Surface, guess: torch.Tensor, explained: torch.Tensor, by_camera: float) -> torch.Tensor:
     """The explained light (T, 3), of a guess (T, 3), without the colours that are the camera's, or a share of them."""
-    skin = middle_colour(surface.albedo, skin_share(surface.parsing), _FEWEST_PIXELS)
+    skin = middle_colour(surface.albedo, skin_share(surface.parsing))
     if skin is None:
         return explained
     skin = skin.to(explained.device)
@@ -111,7 +111,7 @@ def level_over_person(surface: Surface, model: torch.Tensor) -> float | None:
     """
     seen = seen_of_person(surface)
     lit = float(grey(model)[seen].sum())
-    if int(seen.sum()) < _FEWEST_PIXELS or lit <= 0:
+    if int(seen.sum()) < FEWEST_PIXELS or lit <= 0:
         return None
     return float(grey(surface.photo)[seen].sum()) / lit
 
@@ -125,6 +125,6 @@ def exposure_of_photo(surface: Surface, reflected: torch.Tensor) -> float:
     lit = grey(surface.albedo * reflected[:, :3] + reflected[:, 3:])
     seen = grey(surface.photo)
     known = seen_of_person(surface) & (seen > 0.02) & (lit > 1e-3)
-    if int(known.sum()) < _FEWEST_PIXELS:
+    if int(known.sum()) < FEWEST_PIXELS:
         return 1.0
     return float((seen[known] / lit[known]).median())

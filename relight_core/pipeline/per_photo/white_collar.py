@@ -11,13 +11,13 @@ import cv2
 import numpy as np
 import torch
 
-from relight_core.face.parsing import INDEX, middle_row, with_neck_as
+from relight_core.face.parsing import INDEX, SURELY, middle_row, with_neck_as
 from relight_core.imaging.ramp import ramp
 from relight_core.imaging.tensor_colour import grey
 from relight_core.pipeline.per_photo.saturation import log_colours, middle_colour, recoloured, saturation
 
 _MOUTH = ("lips", "inner_mouth")
-_FEWEST_PIXELS, _FEWEST_MOUTH_PIXELS = 50, 4
+_FEWEST_MOUTH_PIXELS = 4
 _BRIGHTEST_SKIN = 0.95
 """Quantile of a face's brightness that stands for its lit side."""
 _BRIGHTER = 1.3
@@ -49,12 +49,12 @@ def with_white_collar(
         parsing: (1, classes, S, S) probabilities.
     """
     mouth, face = middle_row(parsing[0], _MOUTH, _FEWEST_MOUTH_PIXELS), parsing[:, INDEX["skin"], None]
-    seen, own = (middle_colour(image, face, _FEWEST_PIXELS) for image in (photo, albedo))
+    seen, own = (middle_colour(image, face) for image in (photo, albedo))
     if mouth is None or seen is None or own is None:
         return albedo, parsing
     below = torch.arange(photo.shape[2], device=photo.device)[:, None] > mouth
     neck, brightness = parsing[:, INDEX["neck"], None] * below, grey(photo)
-    brighter = brightness / brightness[face > 0.6].quantile(_BRIGHTEST_SKIN).clamp_min(1e-3) - 1
+    brighter = brightness / brightness[face > SURELY].quantile(_BRIGHTEST_SKIN).clamp_min(1e-3) - 1
     off = log_colours(photo) - seen
     colour = saturation(off, seen)[None, None]
     surely = _mostly_grey(colour, ramp(neck, *_NECK) * ramp(brighter, 0, _BRIGHT))

@@ -16,7 +16,7 @@ from relight_core.pipeline.per_photo.saturation import log_colours, middle_colou
 from relight_core.pipeline.stages import Surface
 
 _EYES = ("left_eye", "right_eye", "left_brow", "right_brow")
-_FEWEST_PIXELS, _FEWEST_EYE_PIXELS = 50, 4
+_FEWEST_EYE_PIXELS = 4
 _PERHAPS_GREY, _MOSTLY_GREY = -0.4, -0.6
 """Saturation of the scalp's middle colour beside the skin's, from which on it is hair, in part and altogether."""
 _SKIN, _HAIR = -0.25, -0.5
@@ -44,8 +44,8 @@ def with_white_hair(surface: Surface) -> Surface:
     if above is None:
         return surface
     scalp = surface.parsing[:, INDEX["neck"], None] * above
-    seen, own = (middle_colour(image, face, _FEWEST_PIXELS) for image in (surface.photo, surface.albedo))
-    on_scalp = middle_colour(surface.photo, scalp, _FEWEST_PIXELS)
+    seen, own = (middle_colour(image, face) for image in (surface.photo, surface.albedo))
+    on_scalp = middle_colour(surface.photo, scalp)
     if seen is None or on_scalp is None:
         return surface
     mostly = ramp(saturation(on_scalp - seen, seen), _PERHAPS_GREY, _MOSTLY_GREY)
