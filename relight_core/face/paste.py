@@ -8,6 +8,7 @@ import cv2
 import numpy as np
 
 from relight_core.face.crop import Crop
+from relight_core.imaging.ramp import smooth_ramp
 
 
 @dataclass(frozen=True)
@@ -193,8 +194,7 @@ def fade(position: np.ndarray, width: float, low: bool = True, high: bool = True
         distance = np.minimum(distance, position)
     if high:
         distance = np.minimum(distance, 1.0 - np.asarray(position))
-    ramp = np.clip(distance / width, 0.0, 1.0)
-    return (ramp * ramp * (3.0 - 2.0 * ramp)).astype(np.float32)
+    return smooth_ramp(distance, 0.0, width).astype(np.float32)
 
 
 def _on_pixels(

@@ -13,7 +13,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from relight_core.imaging.colour import luminance
-from relight_core.imaging.ramp import ramp
+from relight_core.imaging.ramp import ramp, smooth_ramp
 from relight_core.lighting.enlarge import draw_finer
 from relight_core.lighting.environment import NETWORK_HEIGHT, Environment, network_light, shrink
 from relight_core.lighting.roll import roll_light
@@ -221,8 +221,7 @@ def _places(sky: _Sky) -> list[_Place]:
 
 def _around(off_deg: np.ndarray) -> np.ndarray:
     """How far what lies so far off a lamp's middle is of the lamp, [0, 1], without a kink where that begins."""
-    part = ramp(off_deg, _CORE_DEG, AROUND_DEG)
-    return 1 - part**2 * (3 - 2 * part)
+    return 1 - smooth_ramp(off_deg, _CORE_DEG, AROUND_DEG)
 
 
 def _beyond(off_deg: np.ndarray) -> np.ndarray:

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from relight_core.imaging.ramp import smooth_ramp
 from relight_core.lighting.environment import shrink
 from relight_core.lighting.rig_description import AreaLight, Glow, Rig, Room, Sky
 from relight_core.lighting.sphere import directions, solid_angles
@@ -100,12 +101,7 @@ def _disc_cover(light: AreaLight, ahead: np.ndarray) -> np.ndarray:
 
 def _inside(distance: np.ndarray, edge: float, fade: float) -> np.ndarray:
     """1 well inside an edge, 0 beyond it, a smooth step centred on it."""
-    return _smooth_step((edge - distance) / fade + 0.5)
-
-
-def _smooth_step(position: np.ndarray) -> np.ndarray:
-    t = np.clip(position, 0.0, 1.0)
-    return t * t * (3.0 - 2.0 * t)
+    return smooth_ramp((edge - distance) / fade, -0.5, 0.5)
 
 
 def _room(room: Room, toward: np.ndarray) -> np.ndarray:
@@ -120,7 +116,7 @@ def _sky(sky: Sky, toward: np.ndarray) -> np.ndarray:
     above = horizon + (zenith - horizon) * rise
     if sky.glow is not None:
         above = above + _glow(sky.glow, toward)
-    share = _smooth_step(height / _HORIZON_BLUR + 0.5)
+    share = smooth_ramp(height / _HORIZON_BLUR, -0.5, 0.5)
     return (sky.intensity * (ground + (above - ground) * share)).astype(np.float32)
 
 

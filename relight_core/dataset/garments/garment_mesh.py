@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from relight_core.imaging.ramp import smooth_ramp
+
 
 def vertex_normals(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
     """Unit normals (V, 3) float32, weighted by area; unused vertices get zero."""
@@ -102,5 +104,4 @@ def fractal(points: np.ndarray, rng: np.random.Generator, wavelength_cm: float, 
 
 def smoothstep(low: float, high: float, value: np.ndarray) -> np.ndarray:
     """0 below `low`, 1 above `high`, smooth between."""
-    t = np.clip((value - low) / (high - low), 0, 1)
-    return t * t * (3 - 2 * t)
+    return smooth_ramp(value, low, high)
