@@ -10,6 +10,7 @@ from relight_core.imaging.half_floats import LARGEST_HALF
 from relight_core.imaging.view_transform import expose
 
 LEVELS = 256
+_HISTOGRAM_ROWS = 96
 _GAMMA = 0.55
 """Of the waveform's brightness: so that a few pixels of a value are seen beside thousands of another."""
 
@@ -78,20 +79,20 @@ def waveform(codes: np.ndarray, columns: int = 256, rows: int = 128, seen: np.nd
     return result
 
 
-def histogram_picture(codes: np.ndarray, seen: np.ndarray | None = None, height: int = 96) -> np.ndarray:
+def histogram_picture(codes: np.ndarray, seen: np.ndarray | None = None) -> np.ndarray:
     """The histogram as columns of light: where red, green and blue overlap they add up to white.
 
     Codes 0 and 255 do not set the scale, since a black or white backdrop would flatten all the rest.
 
     Returns:
-        (height, 256, 4) uint8: colour, and coverage.
+        (96, 256, 4) uint8: colour, and coverage.
     """
     counts = histogram(codes, seen).astype(np.float64)
     smooth = (np.roll(counts, 1, 1) + 2 * counts + np.roll(counts, -1, 1)) / 4
     smooth[:, [0, -1]] = counts[:, [0, -1]]
     top = max(smooth[:, 2:-2].max(), 1.0)
-    heights = np.minimum(smooth / top, 1.0) * height
-    from_below = np.arange(height, 0, -1)[:, None, None] - 0.5
+    heights = np.minimum(smooth / top, 1.0) * _HISTOGRAM_ROWS
+    from_below = np.arange(_HISTOGRAM_ROWS, 0, -1)[:, None, None] - 0.5
     filled = np.clip(heights.T[None] - from_below + 0.5, 0, 1)
     coverage = filled.max(axis=-1, keepdims=True)
     colour = 0.12 + 0.5 * filled

@@ -111,18 +111,6 @@ class Wardrobe:
             worn.append(self._follow(self._pick("brow", rng), head, skin, 0.05))
         return worn
 
-    def wear(self, name: str, head_vertices: np.ndarray) -> Garment:
-        """One item by name on a head; raises KeyError for an unknown name."""
-        head = head_vertices.astype(np.float32)
-        normals = vertex_normals(head, self._skin_triangles)
-        skin = HeadSurface(head[self._skin_vertices], normals[self._skin_vertices])
-        item = {item.name: item for item in self.items}[name]
-        if item.label == "glasses":
-            return self._place_glasses(item, head)
-        if item.label == "hat":
-            return self._place_hat(item, head, skin)
-        return self._follow(item, head, skin, 0.05 if item.kind in ("brow", "beard") else 0.2)
-
     def _pick(self, kind: str, rng: np.random.Generator, names: tuple[str, ...] | None = None) -> FittedItem:
         choice = [i for i in self.items if i.kind == kind and (names is None or i.name in names)]
         return choice[rng.integers(len(choice))]
