@@ -13,6 +13,7 @@ from relight_core.lighting.environment import Environment, network_light
 
 SIZE = 64
 LONG_S = 60
+"""Whatever a test waits for comes far sooner, and has failed to come where it hasn't by then."""
 
 
 def answered(engine, request):

@@ -6,10 +6,9 @@ import sys
 import threading
 
 import pytest
+from fake_relighter import LONG_S
 
 from app.window.interrupts import Interrupts
-
-LONG_S = 60
 
 
 def test_a_signal_ends_the_waiting_and_is_raised_where_it_is_heeded():

@@ -6,7 +6,7 @@ from types import SimpleNamespace
 import av
 import numpy as np
 import pytest
-from fake_relighter import FakeRelighter
+from fake_relighter import LONG_S, FakeRelighter
 from PIL import Image
 
 from app.engine.batch import photos_in, relight_each, summary
@@ -21,8 +21,6 @@ from relight_core.imaging.photo import Photo
 from relight_core.imaging.write import write_image
 from relight_core.lighting.rigs import load_rig
 from relight_core.pipeline.edit import Edit
-
-LONG_S = 60
 
 
 @pytest.fixture

@@ -4,6 +4,7 @@ import threading
 
 import glfw
 import pytest
+from fake_relighter import LONG_S
 
 from app.document.autosave import leftovers
 from app.engine.jobs import Jobs
@@ -11,8 +12,6 @@ from app.ui.asking import Asking
 from app.window.leaving import Leaving
 from app.window.window import EditorWindow
 from relight_core.errors import InputError
-
-LONG_S = 60
 
 
 class Work:

@@ -4,14 +4,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from fake_relighter import FakeRelighter
+from fake_relighter import FakeRelighter, answered
 
 from app.engine.engine import Engine
 from app.ui.state import EditorState
 from app.window.dropped import take_files
 from relight_core.imaging.write import write_image
-
-LONG_S = 60
 
 
 @pytest.fixture
@@ -27,9 +25,7 @@ def panorama(path, colour):
 
 
 def answer(engine, state):
-    engine.submit(state.request())
-    assert engine.wait_until_idle(LONG_S)
-    state.accept(engine.snapshot())
+    state.accept(answered(engine, state.request()))
     return state.snapshot.light
 
 

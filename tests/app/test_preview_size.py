@@ -2,14 +2,12 @@
 
 import numpy as np
 import pytest
-from fake_relighter import FakeRelighter
+from fake_relighter import FakeRelighter, answered
 
 from app.engine import desk
 from app.engine.engine import Engine
 from app.engine.sources import LightSource, PhotoSource, Request
 from relight_core.imaging.photo import Photo
-
-LONG_S = 60
 
 
 @pytest.mark.parametrize(("small_px", "side_px"), [(24 * 32, None), (24 * 32 - 1, 2560)])
@@ -18,7 +16,6 @@ def test_a_small_photo_is_always_shown_at_its_own_size(monkeypatch, small_px, si
     relighter = FakeRelighter()
     engine = Engine(lambda: relighter)
     source = PhotoSource(Photo(np.full((24, 32, 3), 0.5, np.float32)))
-    engine.submit(Request(source, LightSource("rig", "split"), longest_side_px=2560))
-    assert engine.wait_until_idle(LONG_S)
+    answered(engine, Request(source, LightSource("rig", "split"), longest_side_px=2560))
     engine.close()
     assert relighter.sides_px == [side_px]

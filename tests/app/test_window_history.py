@@ -4,12 +4,11 @@ import shutil
 import threading
 
 import pytest
+from fake_relighter import LONG_S
 from imgui_bundle import imgui
 from window_hand import places_drawn
 
 from app.ui.layout import OpenGroups
-
-LONG_S = 60
 
 
 @pytest.fixture

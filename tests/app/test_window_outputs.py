@@ -5,6 +5,7 @@ import threading
 import glfw
 import numpy as np
 import pytest
+from fake_relighter import LONG_S
 from PIL import Image
 
 from app.engine.sources import LightSource
@@ -14,8 +15,6 @@ from relight_core.imaging.view_transform import apply_view
 from relight_core.imaging.write import write_image
 from relight_core.lighting.light_edit import LightEdit
 from relight_core.pipeline.auto_quality import QualityChoice
-
-LONG_S = 60
 
 
 def saved(path):

@@ -4,6 +4,7 @@ import threading
 
 import numpy as np
 import pytest
+from fake_relighter import LONG_S
 from PIL import Image
 
 from app.document.light_file import read_light
@@ -13,7 +14,6 @@ from app.window import outputs
 from relight_core.imaging.write import write_image
 from relight_core.pipeline.auto_quality import QualityChoice
 
-LONG_S = 60
 BRIGHT = 0.9
 
 

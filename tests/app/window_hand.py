@@ -7,6 +7,7 @@ from pathlib import Path
 import cv2
 import glfw
 import numpy as np
+from fake_relighter import LONG_S
 from imgui_bundle import imgui
 
 from app.engine.sources import LightSource
@@ -17,8 +18,8 @@ LIGHT_PANEL, EFFECTS_PANEL, STRIPS, TOOLBAR = 255, 240, 141, 32
 
 PANORAMA_X, PANORAMA_WIDTH, PANORAMA_Y = 14, 227, 90
 KNOB_GREY = 194
-LONG_S = 60
 PATIENCE = 400
+"""Of frames or events until a thing that a test waits for has come."""
 WIDTH, HEIGHT = 1024, 700
 """Of the window, in pixels."""
 

@@ -5,10 +5,10 @@ import ctypes.util
 from pathlib import Path
 
 import glfw
+from window_hand import PATIENCE
 
 CLIENT_MESSAGE, SELECTION_REQUEST, SELECTION_NOTIFY = 33, 30, 31
 VERSION = 5
-PATIENCE = 400
 
 
 class Message(ctypes.Structure):
