@@ -39,6 +39,20 @@ def open_wish(state):
     state.accept(replace(state.snapshot, opened=opened_for(state.photo)))
 
 
+def refuse_photo(state):
+    """The photo that is wished for can't be opened."""
+    _refuse(state, state.photo)
+
+
+def refuse_light(state):
+    """The light that is wished for can't be opened."""
+    _refuse(state, state.light)
+
+
+def _refuse(state, wish):
+    state.accept(replace(state.snapshot, refused=state.snapshot.refused | {wish}))
+
+
 def open_light(source, lamps=()):
     environment = Environment.from_radiance(np.ones((4, 8, 3)), "even")
     panorama, ball = np.zeros((4, 8, 3), np.uint8), np.zeros((4, 4, 4), np.uint8)

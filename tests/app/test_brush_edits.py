@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from opened_things import refuse_photo
 
 from app.document.document import Document, PhotoRef
 from app.engine.snapshot import OpenPhoto, Snapshot
@@ -163,11 +164,6 @@ def test_the_brush_stays_within_sizes_that_can_be_used(state):
     assert state.brush.radius_em == 0.2
 
 
-def refuse(state):
-    """The engine can't open the photo that is wished for."""
-    state.accept(replace(state.snapshot, refused=state.snapshot.refused | {state.photo}))
-
-
 def drop_a_session(state):
     state.open_session(Document(PhotoRef(Path("/photos/broken.jpg"))), None)
 
@@ -175,7 +171,7 @@ def drop_a_session(state):
 def test_strokes_outlast_a_session_that_can_not_be_opened(state):
     paint(state, (10, 10))
     drop_a_session(state)
-    refuse(state)
+    refuse_photo(state)
     assert (state.photo.path, len(state.photo.strokes)) == (PLACE, 1)
 
 
@@ -186,7 +182,7 @@ def test_strokes_after_another_photo_was_taken_back_outlast_a_session_that_can_n
     state.restore(before)
     paint(state, (30, 30))
     drop_a_session(state)
-    refuse(state)
+    refuse_photo(state)
     assert len(state.photo.strokes) == 2
 
 

@@ -9,6 +9,7 @@ from types import SimpleNamespace
 
 import pytest
 from live_editor import Editor, unsaved_files
+from opened_things import refuse_photo
 
 from app.document.session_file import read_session
 from app.engine.sources import LightSource
@@ -93,8 +94,7 @@ def test_a_session_whose_photo_is_refused_leaves_everything_as_it_was(editor, ph
     editor.state.open_session(
         replace(before, photo=replace(before.photo, path=bad), edit=replace(before.edit, yaw_deg=90.0)), None
     )
-    wish = editor.state.photo
-    editor.state.accept(replace(editor.state.snapshot, refused=frozenset({wish})))
+    refuse_photo(editor.state)
     editor.live()
     assert editor.state.document() == before
     assert editor.state.is_unsaved()

@@ -1,12 +1,11 @@
 """What a dropped file becomes."""
 
 import os
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
-from opened_things import open_wish, photo_files
+from opened_things import open_wish, photo_files, refuse_photo
 
 from app.document.document import Document, LightRef, PhotoRef
 from app.document.light_file import SavedLight, write_light
@@ -135,15 +134,11 @@ def test_the_original_light_of_a_session_is_that_of_its_photo_and_not_of_the_ope
     assert "yaw_deg 400" in text
 
 
-def refuse(state):
-    state.accept(replace(state.snapshot, refused=state.snapshot.refused | {state.photo}))
-
-
 def test_a_photo_that_can_not_be_opened_leaves_the_queue_as_it_was(state):
     take_files(state, [Path("a.jpg"), Path("b.jpg")], *ELSEWHERE)
     open_wish(state)
     take_files(state, [Path("bad.jpg")], *ELSEWHERE)
-    refuse(state)
+    refuse_photo(state)
     assert state.photo.path == Path("a.jpg")
     assert state.queue.label == "1 of 2"
     state.step_photo(1)
@@ -152,10 +147,10 @@ def test_a_photo_that_can_not_be_opened_leaves_the_queue_as_it_was(state):
 
 def test_a_queue_goes_on_past_photos_that_can_not_be_opened(state):
     take_files(state, [Path("bad.jpg"), Path("worse.jpg"), Path("c.jpg")], *ELSEWHERE)
-    refuse(state)
+    refuse_photo(state)
     assert (state.photo, state.queue.label) == (None, "1 of 3")
     state.step_photo(1)
-    refuse(state)
+    refuse_photo(state)
     assert (state.photo, state.queue.label) == (None, "2 of 3")
     state.step_photo(1)
     open_wish(state)
@@ -166,7 +161,7 @@ def test_the_queue_claims_no_photo_that_can_not_be_opened(state):
     take_files(state, [Path("a.jpg"), Path("bad.jpg"), Path("c.jpg")], *ELSEWHERE)
     open_wish(state)
     state.step_photo(1)
-    refuse(state)
+    refuse_photo(state)
     assert (state.photo.path, state.queue.label) == (Path("a.jpg"), "– of 3")
     state.step_photo(1)
     assert state.photo.path == Path("c.jpg")
@@ -224,7 +219,7 @@ def test_a_session_of_another_photo_than_those_dropped_with_it_comes_before_them
 def test_a_session_whose_photo_is_refused_leaves_the_photos_dropped_with_it_in_reach(state, shoot):
     (first, _, last), session = shoot
     take_files(state, [session, first, last], *ELSEWHERE)
-    refuse(state)
+    refuse_photo(state)
     assert state.edit.shadow == 1.0
     state.step_photo(1)
     assert state.photo.path == first

@@ -1,10 +1,8 @@
 """Work under a light whose file is gone: unsaved by the next start, or in a session."""
 
-from dataclasses import replace
-
 import pytest
 from live_editor import Editor, unsaved_files
-from opened_things import open_wish
+from opened_things import open_wish, refuse_light
 
 from app.document.document import Document, LightRef, PhotoRef
 from app.document.session_file import write_session
@@ -106,7 +104,7 @@ def test_a_session_whose_light_proves_damaged_asks_before_its_file_forgets_that(
     state = editor.state
     editor.deeds._take([session])
     come(state)
-    state.accept(replace(state.snapshot, refused=frozenset({state.light})))
+    refuse_light(state)
     editor.live()
     assert (state.photo.path, state.light.name, state.edit.shadow) == (photo, "rembrandt", 0.25)
     editor.deeds.save_session()
@@ -126,6 +124,6 @@ def test_a_session_s_light_that_can_not_be_read_again_stays_and_so_does_its_file
     editor.deeds._take([session])
     editor.live()
     state.open_light(LightSource("panorama", str(light)))
-    state.accept(replace(state.snapshot, refused=frozenset({state.light})))
+    refuse_light(state)
     assert (state.light.name, state.session_path) == (str(light), session)
     editor.deeds.close()

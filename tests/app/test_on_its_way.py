@@ -1,11 +1,10 @@
 """Undo, sessions and the queue while a photo or a light is on its way, and when it never comes."""
 
-from dataclasses import replace
 from types import SimpleNamespace
 
 import pytest
 from live_editor import Editor, unsaved_files
-from opened_things import photo_files
+from opened_things import photo_files, refuse_light, refuse_photo
 
 from app.document.document import Document, PhotoRef
 from app.document.session_file import write_session
@@ -53,11 +52,6 @@ def undo(editor):
     editor.state.restore(editor.state.history.undo())
 
 
-def refuse(editor, wish):
-    editor.state.accept(replace(editor.state.snapshot, refused=editor.state.snapshot.refused | {wish}))
-    editor.live()
-
-
 def session(folder, photo, **fields):
     path = folder / f"{photo.stem}.relight.json"
     write_session(path, Document(PhotoRef(photo), edit=Edit(quality="final", **fields)))
@@ -75,7 +69,8 @@ def test_an_undo_to_a_photo_that_is_gone_leaves_everything_as_it_was(editor, pho
     undo(editor)
     wait(editor)
     assert editor.state.photo.path == photos[0]
-    refuse(editor, editor.state.photo)
+    refuse_photo(editor.state)
+    editor.live()
     assert editor.state.document() == before
     assert names(editor) == steps == ["Open a.jpg", "Shadow 0.50", "Open b.jpg", "Shadow 0.90"]
     assert editor.state.history.at == 2
@@ -95,7 +90,8 @@ def test_a_jump_to_a_light_that_is_gone_leaves_everything_as_it_was(editor):
     for index in (2, 1):
         editor.state.restore(editor.state.history.go(index))
     wait(editor)
-    refuse(editor, editor.state.light)
+    refuse_light(editor.state)
+    editor.live()
     assert editor.state.light.name == "split"
     assert editor.state.edit.shadow == 0.5
     assert names(editor) == steps
@@ -183,7 +179,8 @@ def test_a_session_and_what_follows_it_at_once_leave_no_settings_behind(editor, 
     change(editor, shadow=0.5)
     editor.deeds._take([session(tmp_path, photos[1], shadow=1.9)])
     editor.deeds._take([session(tmp_path, photos[2], shadow=1.1) if is_session else photos[2]])
-    refuse(editor, editor.state.photo)
+    refuse_photo(editor.state)
+    editor.live()
     assert editor.state.photo.path == photos[0]
     assert editor.state.edit.shadow == 0.5
     assert names(editor) == ["Open a.jpg", "Shadow 0.50"]

@@ -1,11 +1,10 @@
 """A photo that comes back has its own faces, and its own work is offered and replaced by nothing unasked."""
 
-from dataclasses import replace
 from pathlib import Path
 
 import pytest
 from live_editor import Editor, unsaved_files
-from opened_things import photo_files
+from opened_things import photo_files, refuse_photo
 
 from app.document.session_file import read_session
 from app.engine.sources import PhotoSource
@@ -166,7 +165,7 @@ def test_asking_who_is_relit_changes_nothing_and_needs_no_earlier_question(edito
 def test_a_photo_that_changed_on_disk_so_that_its_boxes_fit_no_more_opens_as_found(editor, photos):
     drop(editor, photos[1])
     editor.deeds._take([photos[0]])
-    editor.state.accept(replace(editor.state.snapshot, refused=frozenset({editor.state.photo})))
+    refuse_photo(editor.state)
     drop(editor, photos[0])
     assert faces(editor) == (None, None)
     editor.answer_question("Continue")

@@ -1,10 +1,8 @@
 """Unsaved work stays unsaved, and kept for recovery, while other photos come and go."""
 
-from dataclasses import replace
-
 import pytest
 from live_editor import Editor, unsaved_files
-from opened_things import photo_files
+from opened_things import photo_files, refuse_photo
 
 from app.document.session_file import read_session
 from app.engine.sources import LightSource
@@ -102,7 +100,7 @@ def test_a_photo_that_is_refused_is_no_work(editor, folder, tmp_path):
     for _ in range(5):
         editor.now_s += 1.0
         editor.deeds.act(editor.now_s)
-    editor.state.accept(replace(editor.state.snapshot, refused=frozenset({editor.state.photo})))
+    refuse_photo(editor.state)
     editor.live()
     assert editor.state.is_unsaved()
     assert len(unsaved_files(folder)) == 1
@@ -158,7 +156,7 @@ def test_restored_work_whose_photo_is_refused_is_kept_and_offered_again(editor, 
     (question,) = again.state.asking.questions
     again.state.asking.drop(question.key)
     dict(question.choices)["Restore"]()
-    again.state.accept(replace(again.state.snapshot, refused=frozenset({again.state.photo})))
+    refuse_photo(again.state)
     again.state.open_photo(photos[1])
     again.live()
     assert [asked.text for asked in again.state.asking.questions] == [question.text]
