@@ -28,53 +28,71 @@ class Reader:
 
 def readers(folder: Path) -> dict[str, Reader]:
     """Every reader by name; `folder` is scratch space."""
+    return {**_of_pictures(folder), **_of_work(folder), **_of_makers(folder)}
+
+
+def _of_pictures(folder: Path) -> dict[str, Reader]:
+    """What reads photos and lights."""
+    from relight_core.imaging.read import read_photo
+    from relight_core.lighting.environment import read_environment
+    from relight_core.lighting.rig_description import read_rig
+
+    exr = exrs(folder)
+    rigs = [path.read_bytes() for path in sorted(resource_path("rigs").glob("*.toml"))]
+    return {
+        "photo": Reader(read_photo, [*photos(), *exr], ".image"),
+        **{name: Reader(read_photo, files, f".{name}") for name, files in pictures_by_kind().items()},
+        "hdr": Reader(read_environment, hdrs(), ".hdr"),
+        "exr": Reader(read_environment, exr, ".exr"),
+        "exr-codecs": Reader(read_environment, coded_exrs(folder), ".exr"),
+        "rig": Reader(read_rig, rigs, ".toml"),
+    }
+
+
+def _of_work(folder: Path) -> dict[str, Reader]:
+    """What reads a user's work, and what the editor remembers."""
     from app.document.document import Document, LightRef, PhotoRef
     from app.document.light_file import SavedLight, read_light, write_light
     from app.document.session_file import read_lent_light, read_session, write_session
     from app.engine.calibration_file import read_costs
     from app.settings import Settings, read_settings, write_settings
     from app.window.recent_lights import read_recent
-    from relight_core.dataset.baking.shard import read_shard
-    from relight_core.dataset.heads import load_head_model
-    from relight_core.dataset.lighting.lights import load_lights
     from relight_core.face.find import FaceBox
-    from relight_core.imaging.read import read_photo
-    from relight_core.lighting.environment import read_environment
-    from relight_core.lighting.rig_description import read_rig
-    from relight_core.networks.bundle import load_bundle
     from relight_core.pipeline.per_photo.brush import BrushStroke
-    from relight_core.training import recipe
 
-    exr = exrs(folder)
-    coded = coded_exrs(folder)
-    kinds = pictures_by_kind()
-    write_settings(folder / "settings.json", Settings(window_size=(800, 600)))
+    session, light, settings = (folder / name for name in ("seed.relight.json", "seed.light.json", "settings.json"))
     # A photo that is there, so that an unharmed session would be accepted.
     stroke = BrushStroke(((12.5, -3.0), (40.0, 9.5)), 20.5, True)
     photo = PhotoRef(resource_path("icon", "icon.png"), None, (FaceBox(3, 4, 50, 60, 12.5),), strokes=(stroke,))
-    write_session(folder / "seed.relight.json", Document(photo=photo), relative=False)
-    write_light(folder / "seed.light.json", SavedLight(LightRef("rig", "rembrandt"), yaw_deg=20.0))
-    recipes = (Path(recipe.__file__).parent / "recipes").glob("*.toml")
-    rigs = [path.read_bytes() for path in sorted(resource_path("rigs").glob("*.toml"))]
+    write_session(session, Document(photo=photo), relative=False)
+    write_light(light, SavedLight(LightRef("rig", "rembrandt"), yaw_deg=20.0))
+    write_settings(settings, Settings(window_size=(800, 600)))
     return {
-        "photo": Reader(read_photo, [*photos(), *exr], ".image"),
-        **{name: Reader(read_photo, files, f".{name}") for name, files in kinds.items()},
-        "hdr": Reader(read_environment, hdrs(), ".hdr"),
-        "exr": Reader(read_environment, exr, ".exr"),
-        "exr-codecs": Reader(read_environment, coded, ".exr"),
-        "rig": Reader(read_rig, rigs, ".toml"),
-        "recipe": Reader(lambda path: recipe.load_recipe(str(path)), [path.read_bytes() for path in recipes], ".toml"),
-        "session": Reader(read_session, [(folder / "seed.relight.json").read_bytes()], ".relight.json"),
-        "lent": Reader(read_lent_light, [(folder / "seed.relight.json").read_bytes()], ".relight.json"),
-        "light": Reader(read_light, [(folder / "seed.light.json").read_bytes()], ".json"),
+        "session": Reader(read_session, [session.read_bytes()], ".relight.json"),
+        "lent": Reader(read_lent_light, [session.read_bytes()], ".relight.json"),
+        "light": Reader(read_light, [light.read_bytes()], ".json"),
+        "recent": Reader(read_recent, [b'[["panorama", "/tmp/a.exr"], ["portrait", "/tmp/b.png"]]'], ".json"),
+        "costs": Reader(lambda path: read_costs(path, "key"), [_COSTS], ".json"),
+        "settings": Reader(read_settings, [settings.read_bytes()], ".json"),
+    }
+
+
+def _of_makers(folder: Path) -> dict[str, Reader]:
+    """What reads networks, and the data and runs they are made of."""
+    from relight_core.dataset.baking.shard import read_shard
+    from relight_core.dataset.heads import load_head_model
+    from relight_core.dataset.lighting.lights import load_lights
+    from relight_core.networks.bundle import load_bundle
+    from relight_core.training import recipe
+
+    recipes = [path.read_bytes() for path in (Path(recipe.__file__).parent / "recipes").glob("*.toml")]
+    return {
+        "recipe": Reader(lambda path: recipe.load_recipe(str(path)), recipes, ".toml"),
         "weights": Reader(load_bundle, [_weights(folder)], ".safetensors"),
         "shard": Reader(read_shard, [_shard(folder)], ".npz"),
         "lights": Reader(lambda path: load_lights(path, "train"), [_light_library(folder)], ".npz"),
         "heads": Reader(load_head_model, [_head_model(folder)], ".npz"),
         "run": Reader(_load_run, [_run(folder)], ".safetensors"),
-        "recent": Reader(read_recent, [b'[["panorama", "/tmp/a.exr"], ["portrait", "/tmp/b.png"]]'], ".json"),
-        "costs": Reader(lambda path: read_costs(path, "key"), [_COSTS], ".json"),
-        "settings": Reader(read_settings, [(folder / "settings.json").read_bytes()], ".json"),
     }
 
 
