@@ -26,7 +26,7 @@ def resize_area(image: np.ndarray, size: tuple[int, int]) -> np.ndarray:
 
 
 def at_size(image: np.ndarray, size: tuple[int, int]) -> np.ndarray:
-    """`resize_area` where another size is wanted; else the image itself, as float32."""
+    """`resize_area` of (H, W) or (H, W, C) where another size is wanted; else the image itself, as float32."""
     return np.asarray(image, np.float32) if image.shape[:2] == size else resize_area(image, size)
 
 

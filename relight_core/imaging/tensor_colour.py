@@ -12,7 +12,7 @@ _BLACKEST = 1e-6
 
 
 def srgb_encode(linear: torch.Tensor) -> torch.Tensor:
-    """Linear [0, inf) to sRGB; values above 1 continue on the curve."""
+    """Linear [0, inf) of any shape to sRGB; values above 1 continue on the curve."""
     low = linear * 12.92
     high = 1.055 * linear.clamp_min(0.0031308).pow(1 / 2.4) - 0.055
     return torch.where(linear <= 0.0031308, low, high)

@@ -183,10 +183,10 @@ def _as_tensor(image: np.ndarray, device: str) -> torch.Tensor:
 
 
 def height_of(relief: torch.Tensor, side_px: int) -> torch.Tensor:
-    """Height toward the camera, in half-widths of the view.
+    """Height toward the camera, in half-widths of the view, as in `Surface`.
 
     Args:
-        relief: as `networks.delight.Delit` has it, of a photo of `side_px` pixels.
+        relief: (B, 1, H, W) as `networks.delight.Delit` has it, of a photo of `side_px` pixels.
     """
     return relief * (2 * _RELIEF_UNIT_PX * _HEIGHT_GAIN / side_px)
 
@@ -263,7 +263,7 @@ def reflector(table: ReflectionTable, surface: Surface, *, black_is_dull: bool =
 
 @torch.inference_mode()
 def reflect(surface: Reflector, light: torch.Tensor) -> torch.Tensor:
-    """Unoccluded irradiance and gloss, (1, 6, S, S)."""
+    """Irradiance over pi and gloss where nothing is hidden, (1, 6, S, S) >= 0, of a light (1, 16, 32, 3)."""
     reflected = surface.light_of(light) * surface.shares
     return torch.cat([surface.sockets.add_to(reflected[:, :3]), smooth_gloss(reflected[:, 3:])], 1)
 
@@ -277,7 +277,7 @@ def begin_effects(
     precision: str = "bf16",
     pair: PairName = "wide",
 ) -> torch.Tensor:
-    """The part of the SS network's work that no light changes."""
+    """The part of the SS network's work that no light changes, (1, C, S, S); for `estimate_effects`."""
     network = in_precision(bundle, device, precision).pair(pair).specular_shadow
     return network.begin(surface.normal, surface_hints(network.config, surface.relief, surface.parsing))
 
@@ -299,6 +299,7 @@ def estimate_effects(
     """Specular and shadow of a light (1, 16, 32, 3).
 
     Args:
+        reflected: `reflect` of that light.
         transport: of the surface's relief; None leaves its shadow out, and the shadow without a colour.
         by_network: the SS network says what is hidden; else the relief alone.
         begun: `begin_effects` of the surface by the same networks, where that is kept.
@@ -361,6 +362,7 @@ def compose(
     """The relit view at slider positions of 1, in units of the normalised light.
 
     Args:
+        reflected, effects: of a light (1, 16, 32, 3), as of `reflect` and `estimate_effects`.
         corrected: by the composition network; else it is the explicit sum.
         parts: whether specular and shadow are part of it.
     """

@@ -45,7 +45,7 @@ class Raster:
 
     @property
     def straight(self) -> np.ndarray:
-        """`values` without alpha in them."""
+        """`values` without alpha in them, of the same shape and type."""
         values = self.values
         if self.alpha is None or not self.premultiplied:
             return values

@@ -42,6 +42,12 @@ def specular_shadow_hints(
         relief_shadow: (B, 1, H, W) shadow fraction cast by the relief; needed when configured.
         relief: (B, 1, H, W) height toward the camera in half-widths of the view, and
         parsing: (B, classes, H, W) probabilities, the background first; both needed when configured.
+
+    Returns:
+        (B, C, H, W), as many as the configuration asks for; None where it asks for none.
+
+    Raises:
+        ValueError: what is needed is missing.
     """
     both = (surface_hints(config, relief, parsing), light_hints(config, reflected, relief_shadow))
     hints = [part for part in both if part is not None]
@@ -51,7 +57,7 @@ def specular_shadow_hints(
 def surface_hints(
     config: SpecularShadowConfig, relief: torch.Tensor | None, parsing: torch.Tensor | None
 ) -> torch.Tensor | None:
-    """Those of `specular_shadow_hints` that no light changes; they come first."""
+    """Those of `specular_shadow_hints` that no light changes, (B, 1 + classes, H, W); they come first."""
     if not config.parsing_classes:
         return None
     if relief is None or parsing is None:
@@ -62,7 +68,7 @@ def surface_hints(
 def light_hints(
     config: SpecularShadowConfig, reflected: torch.Tensor, relief_shadow: torch.Tensor | None
 ) -> torch.Tensor | None:
-    """Those of `specular_shadow_hints` that follow the light."""
+    """Those of `specular_shadow_hints` that follow the light, (B, up to 3, H, W)."""
     hints = []
     if config.per_pixel_light:
         hints += [torch.log1p(grey(reflected[:, :3])), torch.log1p(4 * grey(reflected[:, 3:]))]
@@ -119,6 +125,9 @@ def effects_of(occlusion: Occlusion, reflected: torch.Tensor, albedo: torch.Tens
     """Additive specular and shadow (paper, section 3.2) from the occluded fractions.
 
     I_sp is the gloss that is not occluded; I_sh is what occlusion takes from albedo * irradiance + gloss.
+
+    Args:
+        reflected, albedo: as of `explicit_sum`.
     """
     shadow_fraction, gloss_fraction = torch.sigmoid(occlusion.shadow), torch.sigmoid(occlusion.gloss)
     gloss = grey(reflected[:, 3:])
@@ -130,7 +139,11 @@ def effects_of(occlusion: Occlusion, reflected: torch.Tensor, albedo: torch.Tens
 def estimated_effects(
     config: SpecularShadowConfig, estimate: Occlusion, reflected: torch.Tensor, albedo: torch.Tensor
 ) -> Effects:
-    """The effect channels from what an SS network of this configuration says."""
+    """The effect channels from what an SS network of this configuration says.
+
+    Args:
+        reflected, albedo: as of `explicit_sum`.
+    """
     if config.additive:
         return Effects(F.softplus(estimate.gloss.float()), F.softplus(estimate.shadow.float()))
     return effects_of(estimate, reflected, albedo)
@@ -195,6 +208,12 @@ def explicit_sum(
     The additive shadow is grey; it darkens each colour in proportion to what there is of it, at the odds that the
     colour has, so that it can take no more than there is. Gains above 1 deepen it without an end: twice what is hidden
     would be black wherever half is.
+
+    Args:
+        albedo: (B, 3, H, W) linear, [0, 1].
+        reflected: (B, 6, H, W) >= 0, irradiance over pi and gloss where nothing is hidden (see `lighting.reflection`).
+        effects: of the same light.
+        specular_gain, shadow_gain: where the sliders stand, [0, 2].
     """
     matt, gloss = explicit_parts(albedo, reflected, effects, shadow_gain)
     return matt + specular_gain * gloss
@@ -218,7 +237,10 @@ def explicit_parts(
 
 
 def light_left(hidden: torch.Tensor | np.ndarray, shadow_gain: float) -> torch.Tensor | np.ndarray:
-    """Share of the diffuse light that is left at a gain of the shadow, where at a gain of 1 `hidden` is, in [0, 1]."""
+    """Share of the diffuse light, [0, 1], that is left at a gain of the shadow, [0, 2]; at 1 `hidden` of it is, [0, 1].
+
+    Of any shape.
+    """
     return 1 - shadow_gain * hidden if shadow_gain <= 1 else (1 - hidden) ** shadow_gain
 
 

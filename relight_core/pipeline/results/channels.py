@@ -88,7 +88,7 @@ class ViewChange:
 
 
 def at_level(change: np.ndarray, level: float) -> np.ndarray:
-    """A gain or offset at a light's level, >= 0 and finite: infinity times a black pixel would be no number."""
+    """A gain or offset of any shape at a light's level, [0, 1e20]: infinity times a black pixel would be no number."""
     with np.errstate(over="ignore"):
         return np.clip(change * np.float32(level), 0, np.float32(BRIGHTEST_CHANGE))
 
