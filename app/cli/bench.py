@@ -30,7 +30,14 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from app.cli.arguments import add_json
-from app.cli.maker_inputs import check_heads_and_lights, count_at_least_one, counts_to, progress, refuse_unread
+from app.cli.maker_inputs import (
+    check_heads_and_lights,
+    count_at_least_one,
+    counts_to,
+    photos_after_option,
+    progress,
+    refuse_unread,
+)
 from app.cli.outputs import make_folder, write_text
 from app.cli.report import Report, reporting
 from app.cli.session import sample_portrait
@@ -48,7 +55,6 @@ if TYPE_CHECKING:
     from relight_core.lighting.environment import Environment
     from relight_core.pipeline.relighter import Relighter
 
-_PICTURES = (".jpg", ".jpeg", ".png", ".tif", ".tiff", ".webp")
 _QUICK_ROUNDS, _ROUNDS = 5, 30
 _STARTS = 3
 _BENCH_LIGHTS = ("rembrandt", "overcast", "golden-hour")
@@ -129,11 +135,7 @@ def _photos(folder: Path | None, takes_one: bool) -> list[Photo]:
 
     if folder is None:
         return [read_photo(sample_portrait())]
-    if not folder.is_dir():
-        raise InputError(f"{folder}: no such folder; give one with portrait photos in it")
-    paths = sorted(path for path in folder.iterdir() if path.suffix.lower() in _PICTURES)
-    if not paths:
-        raise InputError(f"{folder}: no photos in it ({', '.join(_PICTURES)})")
+    paths = photos_after_option(folder)
     if takes_one and len(paths) > 1:
         raise InputError(f"{folder}: --files and --stability measure one photo, and there are {len(paths)} in it")
     return [read_photo(path) for path in paths]

@@ -16,6 +16,7 @@ from app.cli.maker_inputs import (
     count_at_least_one,
     count_from_zero,
     let_idle_threads_sleep,
+    photos_after_option,
     progress,
 )
 from app.cli.outputs import check_place, make_folder
@@ -26,7 +27,6 @@ from relight_core.imaging.files import KnownFiles
 _COLUMNS = 12
 _CELL_PX = 160
 _PICTURES = (".png", ".jpg", ".jpeg")
-_PHOTOS = (".jpg", ".jpeg", ".png", ".tif", ".tiff", ".webp")
 
 
 def add_study_arguments(actions) -> None:
@@ -109,11 +109,7 @@ def _effect(arguments: argparse.Namespace) -> int:
     for folder in (arguments.shards, arguments.bare):
         check_heads_and_lights(folder, arguments.lights, "train")
         check_head_sizes(folder, "train", [("dataset effect", arguments.size)])
-    if not arguments.photos.is_dir():
-        raise InputError(f"{arguments.photos}: no such folder; give a folder of photos after --photos")
-    paths = sorted(path for path in arguments.photos.iterdir() if path.suffix.lower() in _PHOTOS)
-    if not paths:
-        raise InputError(f"{arguments.photos}: no photos in it ({', '.join(_PHOTOS)})")
+    paths = photos_after_option(arguments.photos)
     check_place(arguments.output, KnownFiles(paths))
     for path in paths:
         read_photo(path)  # What can't be read is told before the training and not after it.

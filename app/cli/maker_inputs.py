@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from rich.progress import Task
 
 LIGHTS_HELP = "a light library, an .npz, or a folder of .hdr and .exr panoramas"
+_PHOTO_SUFFIXES = (".jpg", ".jpeg", ".png", ".tif", ".tiff", ".webp")
 SPLITS = ("train", "validation", "test")
 
 _LEAST_SIDE_PX = 16
@@ -118,6 +119,16 @@ def check_head_sizes(heads: Path, split: str, asked: Sequence[tuple[str, int]], 
                     f"{path}: a head of {whole} pixels has no size of {size}, which {who} asks for; "
                     "give a divisor of it, or bake heads with another --size"
                 )
+
+
+def photos_after_option(folder: Path) -> list[Path]:
+    """The photos in the folder that stands after --photos, by name; raises InputError where there is none."""
+    if not folder.is_dir():
+        raise InputError(f"{folder}: no such folder; give a folder of photos after --photos")
+    paths = sorted(path for path in folder.iterdir() if path.suffix.lower() in _PHOTO_SUFFIXES)
+    if not paths:
+        raise InputError(f"{folder}: no photos in it ({', '.join(_PHOTO_SUFFIXES)})")
+    return paths
 
 
 def check_output_file(path: Path, suffixes: tuple[str, ...]) -> None:
