@@ -219,9 +219,7 @@ class Relighter:
         recipe, image, alpha = None, None, None
         if longest_side_px != 0:
             recipe, image, alpha = whole.shown(full, plan, longest_side_px, for_shader)
-        channels = face.channels(ready, lit, change, plan, edit)
-        if edit.looks_at("target_light") and plan.runs("channels"):
-            channels["target_light"] = network_light(environment, edit.yaw_deg) * np.float32(level)
+        channels = self._channels(ready, lit, change, plan, edit, environment)
         boxes = [face.portrait.face for face in self._faces]
         view, done = face.portrait.view, dict(self._record.stages)
         place = {"window": view.window, "roll_deg": view.roll_deg}
@@ -233,6 +231,15 @@ class Relighter:
             ]
             more["channels_together"] = whole.channels_together(channels, of_others)
         return Relit(image, alpha, channels, boxes, done, plan.effects, full, **place, **more)
+
+    def _channels(
+        self, ready: Prepared, lit: Lit, change: ViewChange, plan: Plan, edit: Edit, environment: Environment
+    ) -> dict[str, np.ndarray]:
+        """The first face's channels that are looked at, and the light's."""
+        channels = self._first().channels(ready, lit, change, plan, edit)
+        if edit.looks_at("target_light") and plan.runs("channels"):
+            channels["target_light"] = network_light(environment, edit.yaw_deg) * np.float32(environment.level)
+        return channels
 
     def _catchlights(
         self, serving: ServingLight, plan: Plan, edit: Edit, environment: Environment

@@ -39,7 +39,7 @@ from relight_core.pipeline.results.finish import (
     weights_if_all_are_seen,
 )
 from relight_core.pipeline.results.outline_lines import outline_lines
-from relight_core.pipeline.results.picture import Picture
+from relight_core.pipeline.results.picture import Picture, PlacedCatchlight, PlacedChange
 
 BEFORE_THE_BRUSH = ("small", "draft_matte", "weights", "canvas", "panorama", "other_faces", "catchlights")
 """Stages that read nothing of what is painted by hand."""
@@ -105,12 +105,7 @@ class WholePhoto:
             backdrop = Backdrop(transparent=True)
         else:
             backdrop = self._backdrop(plan, environment, edit, placement, rest)
-        eyes = ()
-        if catchlights:
-            gloss = _gloss(plan, edit, environment.level)
-            make = partial(place_catchlights, catchlights, placed_changes, gloss, self._photo.monochrome)
-            key = (plan.keys["detail"], plan.keys["catchlights"])
-            eyes = run("placed_catchlights", key, make, "new light or slider")
+        eyes = self._eyes(catchlights, placed_changes, plan, edit, environment.level)
         of_photo = {"exposure": placement.exposure, "catchlights": eyes}
         return Picture(canvas_of(self._photo), matte, placed_changes, rest, backdrop, **of_photo)
 
@@ -226,6 +221,21 @@ class WholePhoto:
             lambda: make_backdrop(edit.background, panorama, lambda: mean_gain(placement, rest), placement.exposure),
             "new light, slider or background",
         )
+
+    def _eyes(
+        self,
+        catchlights: Sequence[Sequence[Catchlight]],
+        changes: Sequence[PlacedChange],
+        plan: Plan,
+        edit: Edit,
+        level: float,
+    ) -> tuple[PlacedCatchlight, ...]:
+        """What the eyes of all faces mirror, on top of the faces' changes; `level` is the light's."""
+        if not catchlights:
+            return ()
+        make = partial(place_catchlights, catchlights, changes, _gloss(plan, edit, level), self._photo.monochrome)
+        key = (plan.keys["detail"], plan.keys["catchlights"])
+        return self._cache.run("placed_catchlights", key, make, "new light or slider")
 
     def _panorama(self, edit: Edit, environment: Environment) -> np.ndarray:
         """What the photo's camera would see of the light behind the people."""
