@@ -10,6 +10,8 @@ import numpy as np
 from relight_core.face.crop import Crop
 from relight_core.imaging.ramp import smooth_ramp
 
+_WIDTH_OF_BEYOND = 4.0
+
 
 @dataclass(frozen=True)
 class Band:
@@ -187,14 +189,19 @@ def places_of(size: tuple[int, int], extent: tuple[int, int]) -> np.ndarray:
     return np.stack(np.meshgrid(x, y), axis=-1)
 
 
-def fade(position: np.ndarray, width: float, low: bool = True, high: bool = True) -> np.ndarray:
-    """1 inside [0, 1], falling smoothly to 0 toward the low and the high end over `width`; 0 outside."""
-    distance = np.full(np.shape(position), width)
-    if low:
-        distance = np.minimum(distance, position)
-    if high:
-        distance = np.minimum(distance, 1.0 - np.asarray(position))
-    return smooth_ramp(distance, 0.0, width).astype(np.float32)
+def fade(position: np.ndarray, width: float, before: float = np.inf, after: float = np.inf) -> np.ndarray:
+    """1 inside [0, 1], falling smoothly to 0 toward the low and the high end over `width`; 0 outside.
+
+    Args:
+        before, after: how much there is beyond the low and the high end, in units of the position. Little is met by a
+            fading of four times that, so that what is cut off by a pixel looks nearly as if nothing were; where there
+            is nothing, nothing fades.
+    """
+    position, result = np.asarray(position), np.ones(np.shape(position))
+    for inward, beyond in ((position, before), (1.0 - position, after)):
+        if beyond > 0:
+            result = np.minimum(result, smooth_ramp(inward, 0.0, min(width, _WIDTH_OF_BEYOND * beyond)))
+    return result.astype(np.float32)
 
 
 def _on_pixels(

@@ -100,5 +100,15 @@ def test_fading_only_where_it_is_asked_for():
     assert fade(position, 0.1).tolist()[2] == 1
     assert fade(position, 0.1)[0] == 0
     assert fade(position, 0.1)[4] == 0
-    np.testing.assert_array_equal(fade(position, 0.1, low=False)[:3], 1)
-    np.testing.assert_array_equal(fade(position, 0.1, high=False)[2:], 1)
+    np.testing.assert_array_equal(fade(position, 0.1, before=0)[:3], 1)
+    np.testing.assert_array_equal(fade(position, 0.1, after=0)[2:], 1)
+
+
+def test_fading_comes_by_degrees_with_what_there_is_beyond():
+    position = np.linspace(0, 1, 501)
+    beyond = np.arange(0, 0.05, 0.002)
+    for end in ("before", "after"):
+        weights = np.array([fade(position, 0.1, **{end: share}) for share in beyond])
+        assert np.abs(np.diff(weights.mean(1))).max() < 0.006
+        assert np.diff(weights.mean(1)).max() <= 0
+        np.testing.assert_array_equal(weights[-1], fade(position, 0.1, **{end: np.inf}))

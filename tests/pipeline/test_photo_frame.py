@@ -227,13 +227,19 @@ def test_the_matte_of_a_framed_photo_is_that_of_the_photo():
     assert share[:22].max() == share[-22:].max() == share[:, :22].max() == share[:, -22:].max() == 0
 
 
-def test_no_view_fades_at_a_frame():
+def test_a_view_hardly_fades_near_a_frame_and_not_at_it():
     photo, everywhere = Photo(framed(street(), 24, 1.0)), np.ones((248, 208), np.float32)
     matte = Matte(np.zeros_like(everywhere), everywhere, np.zeros((2, 2, 3)), np.zeros((2, 2, 3)), everywhere)
-    for view, fades in ((Crop(104.0, 124.0, 100.0), True), (Crop(74.0, 124.0, 100.0), False)):
+
+    def weights_of(view: Crop) -> np.ndarray:
         placement = place_views(canvas_of(photo), [view], matte, ReflectionTable(), picture=(24, 24, 184, 224))
-        (weights,) = weights_on_views(placement, 50)
-        assert (weights.of_views[0][25, 0, 0] < 0.5) == fades
+        return weights_on_views(placement, 50)[0].of_views[0][25, :25, 0]
+
+    assert weights_of(Crop(104.0, 124.0, 100.0))[:5].max() < 0.9
+    assert weights_of(Crop(74.0, 124.0, 100.0)).min() == 1
+    a_pixel_off = weights_of(Crop(75.0, 124.0, 100.0))
+    assert a_pixel_off[0] < 0.5
+    assert a_pixel_off[2:].min() == 1
 
 
 @pytest.mark.parametrize("roll_deg", [0.0, 45.0])

@@ -133,7 +133,7 @@ def _weight(window: tuple[slice, slice], size: tuple[int, int]) -> np.ndarray:
 def _fading(part: slice, length: int) -> np.ndarray:
     """`fade` along a part of an axis of `length`."""
     count = part.stop - part.start
-    return fade((np.arange(count) + 0.5) / count, _EDGE_SHARE, part.start > 0, part.stop < length)
+    return fade((np.arange(count) + 0.5) / count, _EDGE_SHARE, part.start / count, (length - part.stop) / count)
 
 
 def _decided(matte: np.ndarray) -> np.ndarray:

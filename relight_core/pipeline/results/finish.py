@@ -47,7 +47,7 @@ class Placement:
         unseen: (k, l) over the whole photo, in [0, 1]: people that no network takes for them; None for nobody.
         exposure: the body's photo is the photo times this.
         tone: of the body's photo, where it is toned.
-        picture: x0, y0, x1, y1 of what of the photo no frame covers, at whose borders no view fades.
+        picture: x0, y0, x1, y1 of what of the photo no frame covers, toward whose borders views hardly fade.
     """
 
     views: tuple[Crop, ...]
@@ -356,12 +356,11 @@ def _weight(
 ) -> tuple[np.ndarray, np.ndarray]:
     """How far a view counts at all, and how near its middle each place is; (k, l) each.
 
-    Nothing fades at the picture's own border, beyond which there is no rest.
+    The less rest there is between a view and the picture's own border, the less of the view fades.
     """
     across, down = np.moveaxis(view.from_photo(places, 1), -1, 0)
     (x0, y0, x1, y1), (left, top, right, bottom) = view.window, picture
-    turned = view.roll_deg != 0
-    fading = fade(across, _EDGE_SHARE, turned or x0 > left, turned or x1 < right)
-    fading = fading * fade(down, _EDGE_SHARE, turned or y0 > top, turned or y1 < bottom)
+    beyond = [] if view.roll_deg else [gap / view.side for gap in (x0 - left, right - x1, y0 - top, bottom - y1)]
+    fading = fade(across, _EDGE_SHARE, *beyond[:2]) * fade(down, _EDGE_SHARE, *beyond[2:])
     distance = np.hypot(across - 0.5, down - 0.5)
     return fading.astype(np.float32), (1 / (0.05 + distance)) ** _NEARNESS_POWER
