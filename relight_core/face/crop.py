@@ -17,7 +17,7 @@ FOREHEAD = 0.25
 PADDING_PX, PADDED_PX = 30.0, 256.0
 """From a face to the edge of the paper's crop of 256 pixels; the paper draws it from 20 to 40 (section 3.2)."""
 
-_SMALLEST_FACE_SHARE = 0.01
+_SMALLEST_FACE_SHARE, _HALF = 0.01, 0.5
 _DIAGONAL = 2**0.5
 
 
@@ -128,28 +128,47 @@ def crop_with_padding(box: FaceBox) -> Crop:
     return Crop(x0 + side / 2.0, y0 + side / 2.0, side, box.roll_deg)
 
 
-def box_from_parsing(labels: np.ndarray, crop: Crop) -> FaceBox | None:
+def box_from_parsing(parsing: np.ndarray, crop: Crop) -> FaceBox | None:
     """The bounding box of the face's regions in a parsing map (paper, section 3.2), in photo pixels.
 
-    Specks don't count: only the largest connected part does. The box leans as the crop does.
+    Specks don't count: only the largest connected part does. The box leans as the crop does, and ends between the
+    map's pixels: in whole ones of 1/128 of the view the framing would jump with a hint of another exposure.
 
     Args:
-        labels: (S, S) integers, indices of `relight_core.face.parsing.CLASSES`.
+        parsing: (classes, S, S) probabilities, in the order of `relight_core.face.parsing.CLASSES`.
         crop: where the map lies in the photo.
 
     Returns:
         None where less than 1 % of the crop is face.
     """
-    face = np.isin(labels, FACE_LABELS).astype(np.uint8)
-    face = cv2.morphologyEx(face, cv2.MORPH_OPEN, np.ones((3, 3), np.uint8))
-    count, _, parts, _ = cv2.connectedComponentsWithStats(face, connectivity=8)
+    share = parsing[list(FACE_LABELS)].sum(0).astype(np.float32)
+    share = cv2.morphologyEx(share, cv2.MORPH_OPEN, np.ones((3, 3), np.uint8))
+    count, parts, stats, _ = cv2.connectedComponentsWithStats((share > _HALF).astype(np.uint8), connectivity=8)
     if count < 2:
         return None
-    left, top, width, height, area = max(parts[1:], key=lambda part: part[cv2.CC_STAT_AREA])
-    if area < _SMALLEST_FACE_SHARE * face.size:
+    largest = 1 + stats[1:, cv2.CC_STAT_AREA].argmax()
+    if stats[largest, cv2.CC_STAT_AREA] < _SMALLEST_FACE_SHARE * share.size:
         return None
-    middle_x, middle_y = crop.to_photo(np.array([left + width / 2, top + height / 2]), labels.shape[0])
-    scale = crop.side / labels.shape[0]
-    half_x, half_y = width * scale / 2, height * scale / 2
+    within = cv2.dilate((parts == largest).astype(np.uint8), np.ones((3, 3), np.uint8)) > 0
+    own = np.where(within, np.where((parts == largest) | (share <= _HALF), share, 0), 0)
+    (left, right), (top, bottom) = _span(own.max(0)), _span(own.max(1))
+    middle_x, middle_y = crop.to_photo(np.array([left + right, top + bottom]) / 2, len(share))
+    scale = crop.side / len(share)
+    half_x, half_y = (right - left) * scale / 2, (bottom - top) * scale / 2
     sides = (middle_x - half_x, middle_y - half_y, middle_x + half_x, middle_y + half_y)
     return FaceBox(*(float(side) for side in sides), crop.roll_deg)
+
+
+def _span(share: np.ndarray) -> tuple[float, float]:
+    """Where shares (S,), some of them above a half, first rise above it and last fall below, in pixel edges.
+
+    A share stands for its pixel's middle; between two the way is straight. What is all face ends with its pixel.
+    """
+    first, last = np.flatnonzero(share > _HALF)[[0, -1]]
+
+    def beyond(inner: int, outer: int) -> float:
+        if not 0 <= outer < len(share):
+            return 0.0
+        return float((share[inner] - _HALF) / (share[inner] - share[outer])) - 0.5
+
+    return first - beyond(first, first - 1), last + 1 + beyond(last, last + 1)

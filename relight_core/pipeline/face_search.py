@@ -38,7 +38,7 @@ class FaceSearch:
 
     def labels(self, view: Crop) -> np.ndarray:
         """(S, S) the likeliest class of each pixel of a view."""
-        return self._parsing(view).argmax(0)
+        return self.parsing(view).argmax(0)
 
     def faces(self) -> list[FaceBox]:
         """The faces that the finder sees and the parsing confirms.
@@ -49,7 +49,7 @@ class FaceSearch:
         found = choose_faces(self._photo.seen, self._evidence, self._located, self._look_closer, self._glimpse)
         return [replace(face, doubtful=False) for face in found]
 
-    def _parsing(self, view: Crop) -> np.ndarray:
+    def parsing(self, view: Crop) -> np.ndarray:
         """(classes, S, S) probabilities of a view's parsing, found once."""
         if view not in self._known:
             self._known[view] = self._parse(view)
@@ -61,7 +61,7 @@ class FaceSearch:
         return found.parsing[0].float().cpu().numpy()
 
     def _located(self, view: Crop) -> FaceBox | None:
-        place = located(self._photo, view, self.labels)
+        place = located(self._photo, view, self.parsing)
         return place if place is not None and self._has_contrast(place) else None
 
     def _has_contrast(self, place: FaceBox) -> bool:
@@ -71,7 +71,7 @@ class FaceSearch:
 
     def _glimpse(self, found: FaceBox) -> int:
         portrait = frame(self._photo, found)
-        return glimpses_of_face(self._parsing(portrait.view), portrait.view, portrait.crop)
+        return glimpses_of_face(self.parsing(portrait.view), portrait.view, portrait.crop)
 
     def _evidence(self, found: FaceBox) -> int:
         portrait = frame(self._photo, found)
@@ -79,9 +79,9 @@ class FaceSearch:
 
     def _look_closer(self, found: FaceBox) -> int:
         first = frame(self._photo, found)
-        if certainty_of_face(self._parsing(first.view), first.view, first.crop) < _LEAST_CERTAIN:
+        if certainty_of_face(self.parsing(first.view), first.view, first.crop) < _LEAST_CERTAIN:
             return 0
-        portrait = framed(self._photo, found, self.labels)
+        portrait = framed(self._photo, found, self.parsing)
         if portrait.face == portrait.found:
             return 0
         # The framing may come out wider, and brows then too small to be seen.

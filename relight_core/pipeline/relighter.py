@@ -106,7 +106,7 @@ class Relighter:
         known = self._face_at if self._faces and self._faces[0].portrait.photo is photo else {}
 
         def face_at(box: FaceBox) -> FaceRelighter:
-            return known.get(box) or FaceRelighter(self._shop, framed(photo, box, search.labels), StageCache())
+            return known.get(box) or FaceRelighter(self._shop, framed(photo, box, search.parsing), StageCache())
 
         chosen, before = those_chosen(photo, people, face_index), (self._faces, self._others)
         faces = {box: face_at(box) for box in dict.fromkeys((*chosen, *people))}

@@ -1,5 +1,6 @@
 """Square crops of a photo, turned ones too, and the box of a face in a parsing."""
 
+import cv2
 import numpy as np
 import pytest
 from hypothesis import given
@@ -7,6 +8,7 @@ from hypothesis import strategies as st
 
 from relight_core.face.crop import Crop, box_from_parsing, crop_for_face, crop_with_padding
 from relight_core.face.find import FaceBox
+from relight_core.face.parsing import CLASSES
 
 SKIN, HAIR, NOSE = 1, 10, 6
 RNG = np.random.default_rng(4)
@@ -84,13 +86,21 @@ def test_no_side_and_no_box():
     assert crop_with_padding(FaceBox(5.0, 5.0, 5.0, 5.0)).side == 1.0
 
 
-def parsing(face=(60, 50, 180, 200), size=256):
+def certain(labels):
+    return np.moveaxis(np.eye(len(CLASSES), dtype=np.float32)[labels], -1, 0)
+
+
+def labels_of(face=(60, 50, 180, 200), size=256):
     labels = np.zeros((size, size), np.int64)
     labels[:40] = HAIR
     x0, y0, x1, y1 = face
     labels[y0:y1, x0:x1] = SKIN
     labels[y0 + 60 : y0 + 80, x0 + 50 : x0 + 70] = NOSE
     return labels
+
+
+def parsing(face=(60, 50, 180, 200)):
+    return certain(labels_of(face))
 
 
 def test_the_parsing_box_is_the_face_in_the_photo():
@@ -101,17 +111,28 @@ def test_the_parsing_box_is_the_face_in_the_photo():
 
 
 def test_specks_and_hair_do_not_count():
-    labels = parsing()
+    labels = labels_of()
     labels[250, 3] = SKIN
     labels[5:9, 240:246] = NOSE
-    assert box_from_parsing(labels, Crop(0, 0, 256)) == box_from_parsing(parsing(), Crop(0, 0, 256))
+    assert box_from_parsing(certain(labels), Crop(0, 0, 256)) == box_from_parsing(parsing(), Crop(0, 0, 256))
+
+
+def test_the_box_moves_by_as_much_as_the_face_does():
+    soft = cv2.GaussianBlur((labels_of() == SKIN).astype(np.float32), (0, 0), 1.5)
+    boxes = []
+    for shift_px in np.linspace(0, 1, 6):
+        share = cv2.warpAffine(soft, np.array([[1, 0, shift_px], [0, 1, 0]]), (256, 256))
+        probabilities = np.zeros((len(CLASSES), 256, 256), np.float32)
+        probabilities[SKIN], probabilities[HAIR] = share, 1 - share
+        boxes.append(box_from_parsing(probabilities, Crop(128, 128, 256)))
+    np.testing.assert_allclose(np.diff([(box.x0, box.x1) for box in boxes], axis=0), 0.2, atol=0.06)
 
 
 def test_without_a_face_there_is_no_box():
     crop = Crop(128, 128, 256)
-    assert box_from_parsing(np.zeros((256, 256), int), crop) is None
-    assert box_from_parsing(np.full((256, 256), HAIR), crop) is None
-    assert box_from_parsing(parsing(face=(10, 50, 14, 54)) * 0 + (np.arange(256) == 3), crop) is None
+    assert box_from_parsing(certain(np.zeros((256, 256), int)), crop) is None
+    assert box_from_parsing(certain(np.full((256, 256), HAIR)), crop) is None
+    assert box_from_parsing(certain(np.where(np.arange(256) == 3, SKIN, np.zeros((256, 1), int))), crop) is None
 
 
 def test_refining_a_crop_settles_at_once():

@@ -54,7 +54,7 @@ def located(photo: Photo, view: Crop, parsed: Callable[[Crop], np.ndarray]) -> F
     """Where the parsing sees a face in a view, looked at again from as near as a face should be.
 
     Args:
-        parsed: gives the labels (S, S) of a view.
+        parsed: gives the parsing of a view, (classes, S, S) probabilities.
     """
     place = None
     for _ in range(_LOOKS):
@@ -88,15 +88,15 @@ def checked_boxes(photo: Photo, boxes: Sequence[FaceBox]) -> Sequence[FaceBox]:
     return boxes
 
 
-def refine(portrait: Portrait, labels: np.ndarray) -> Portrait:
+def refine(portrait: Portrait, parsing: np.ndarray) -> Portrait:
     """The framing with the face's box as the parsing map of the view has it (paper, section 3.2).
 
     A parsing map that disagrees wildly with the finder is not believed.
 
     Args:
-        labels: (S, S) parsing labels of the view.
+        parsing: (classes, S, S) probabilities, of the view.
     """
-    box = box_from_parsing(labels, portrait.view)
+    box = box_from_parsing(parsing, portrait.view)
     if box is None or not _plausible(box, portrait.found):
         return portrait
     crop = crop_with_padding(box)
@@ -119,10 +119,10 @@ def framed(photo: Photo, box: FaceBox, parsed: Callable[[Crop], np.ndarray]) -> 
     """A face framed by its parsing map, upright as far as that says how it leans.
 
     Args:
-        parsed: gives the labels (S, S) of a view.
+        parsed: gives the parsing of a view, (classes, S, S) probabilities.
     """
     portrait = frame(photo, box)
-    portrait = straightened(portrait, parsed(portrait.view)) or portrait
+    portrait = straightened(portrait, parsed(portrait.view).argmax(0)) or portrait
     return refine(portrait, parsed(portrait.view))
 
 
