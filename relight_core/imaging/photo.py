@@ -99,8 +99,11 @@ class Photo:
     def _tone(self) -> Tone | None:
         if not self.monochrome:
             return None
-        seen = self.linear[self._few]
-        return tone_of(seen.reshape(-1, 3) if self.alpha is None else seen[self.alpha[self._few] > 0])
+        # A page may be cream around a print without a tone.
+        (x0, y0, x1, y1), step = self.picture, self._few[0].step
+        few = slice(y0, y1, step), slice(x0, x1, step)
+        seen = self.linear[few]
+        return tone_of(seen.reshape(-1, 3) if self.alpha is None else seen[self.alpha[few] > 0])
 
     @property
     def _few(self) -> tuple[slice, slice]:

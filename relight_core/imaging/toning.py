@@ -53,6 +53,21 @@ def is_monochrome(codes: np.ndarray, counted: np.ndarray | None = None) -> bool:
     return _densest_share(off > most) <= _COLOURED_SHARE
 
 
+def is_grey(codes: np.ndarray) -> bool:
+    """Whether a picture has no colour at all, not even a tone's, but for what compression adds.
+
+    Args:
+        codes: (H, W, 3) sRGB.
+    """
+    means = cv2.blur(np.ascontiguousarray(_beside_green(codes)), (_COARSE_BLOCK_PX, _COARSE_BLOCK_PX))
+    return bool((np.abs(means).max(-1) > _COLOURLESS).mean() <= _STRAY_SHARE)
+
+
+def _beside_green(codes: np.ndarray) -> np.ndarray:
+    """(..., 2) red and blue less green."""
+    return (codes - codes[..., 1:2])[..., [0, 2]]
+
+
 def _off_tone(codes: np.ndarray, counted: np.ndarray, block_px: int) -> tuple[np.ndarray, np.ndarray]:
     """How far each pixel (H, W) is off a tone over a block, 0 where it isn't counted, and what is plainly a colour."""
     off, most = np.zeros(counted.shape, np.float32), np.full(counted.shape, np.float32(_PLAIN_COLOUR))
@@ -89,7 +104,7 @@ def _beside_tone(flat: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     Returns:
         (N, 2) red and blue less green, less the tone's, and (N,) from where on that is plainly a colour.
     """
-    brightness, colour = np.maximum(flat.sum(1), 0), (flat - flat[:, 1:2])[:, [0, 2]]
+    brightness, colour = np.maximum(flat.sum(1), 0), _beside_green(flat)
     levels, tones = _toned_levels(brightness, colour)
     middles = np.array([np.median(brightness[level]) for level in levels])
     within = np.clip(brightness, middles[0], middles[-1])

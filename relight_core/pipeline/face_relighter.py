@@ -194,7 +194,7 @@ class FaceRelighter(FaceInPhoto):
         if lit.nearer is not None:
             from_near = self.nearer.change(*lit.nearer, plan, edit, level)
             change = with_nearer_change(change, from_near, self.portrait.view, self.nearer.portrait.view)
-        if not self.portrait.photo.monochrome:
+        if not self.portrait.monochrome:
             return change
         exposure = self.portrait.exposure
         return change.toned(ready.photo_view * np.float32(exposure), self.portrait.photo.tone_at(exposure))

@@ -118,17 +118,17 @@ class FaceTakenApart:
         return self._once("view", size, lambda: picture_view(self.portrait.photo, self.portrait.view, size))
 
     def _seen_view(self, size: int) -> np.ndarray:
-        view, photo, exposure = self._view(size), self.portrait.photo, self.portrait.exposure
-        if not photo.monochrome and exposure == 1.0:
+        view, monochrome, exposure = self._view(size), self.portrait.monochrome, self.portrait.exposure
+        if not monochrome and exposure == 1.0:
             return view
-        return self._once("seen_view", size, lambda: as_networks_see(view, photo.monochrome, exposure))
+        return self._once("seen_view", size, lambda: as_networks_see(view, monochrome, exposure))
 
     def _within_outline(self, photo_view: np.ndarray, tier: Tier) -> stages.Surface:
         found, outline = self._shop.delight(photo_view, tier), self.outline()
         if self.nearer is not None:
             seen_nearer = self.nearer.prepare(tier).found
             found = with_nearer_look(found, seen_nearer, self.portrait.view, self.nearer.portrait.view)
-        if self.portrait.photo.monochrome:
+        if self.portrait.monochrome:
             found = stages.without_colour(found)
         if outline is None:
             return found

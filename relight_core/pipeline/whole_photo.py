@@ -72,6 +72,11 @@ class WholePhoto:
         self._photo = faces[0].portrait.photo
         self._strokes = () if self._photo.is_cut_out else strokes
 
+    @property
+    def _monochrome(self) -> bool:
+        """Whether no face has a colour of its own, so that the light's colours act on none."""
+        return all(face.portrait.monochrome for face in self._faces)
+
     def picture(
         self,
         changes: Sequence[ViewChange],
@@ -233,14 +238,14 @@ class WholePhoto:
         """What the eyes of all faces mirror, on top of the faces' changes; `level` is the light's."""
         if not catchlights:
             return ()
-        make = partial(place_catchlights, catchlights, changes, _gloss(plan, edit, level), self._photo.monochrome)
+        make = partial(place_catchlights, catchlights, changes, _gloss(plan, edit, level), self._monochrome)
         key = (plan.keys["detail"], plan.keys["catchlights"])
         return self._cache.run("placed_catchlights", key, make, "new light or slider")
 
     def _panorama(self, edit: Edit, environment: Environment) -> np.ndarray:
         """What the photo's camera would see of the light behind the people."""
         seen = backdrop_panorama(edit, environment, self._photo.linear.shape[:2])
-        return without_colour(seen) if self._photo.monochrome else seen
+        return without_colour(seen) if self._monochrome else seen
 
 
 def _gloss(plan: Plan, edit: Edit, level: float) -> np.ndarray:

@@ -2,15 +2,18 @@
 
 from dataclasses import replace
 
+import cv2
 import numpy as np
 import pytest
 from tiny_relighter import EDIT, some_light, some_photo
 
+from relight_core.face.find import FaceBox
 from relight_core.imaging.colour import luminance
 from relight_core.imaging.photo import Photo
 from relight_core.imaging.tone import tone_of
 from relight_core.lighting.environment import Environment
 from relight_core.pipeline.face_taken_apart import Workshop
+from relight_core.pipeline.per_photo.portrait import frame
 from relight_core.pipeline.quality import Tier
 from relight_core.pipeline.relighter import Relighter
 from relight_core.pipeline.results.channels import ViewChange
@@ -67,6 +70,12 @@ class TestRecognition:
     def test_neither_is_one_in_the_shadows_alone(self):
         grey = black_and_white().linear
         assert Photo(np.ascontiguousarray(grey * (1 - np.float32([0, 0, 0.4]) * (1 - grey)))).monochrome
+
+    def test_a_cream_page_is_no_part_of_a_print_s_tone(self):
+        grey = black_and_white().linear
+        framed = cv2.copyMakeBorder(grey * np.float32(0.9), *(12,) * 4, cv2.BORDER_CONSTANT, value=(0.99, 0.9, 0.7))
+        assert Photo(framed).monochrome
+        assert Photo(framed).tone_at(1.0) is None
 
     def test_a_photo_of_pale_colours_is_a_colour_photo(self):
         rng = np.random.default_rng(0)
@@ -134,6 +143,25 @@ class TestRelighting:
         assert len(seen) > 1
         assert all(of_greys(view) for view in seen)
         assert not of_greys(relit.channels["photo"])
+
+    @pytest.mark.parametrize("background", ["keep", "light"])
+    def test_a_coloured_mark_beside_a_grey_face_gives_it_no_colour(self, weights, background):
+        marked = black_and_white().linear
+        marked[84:92, 2:10] = (0.8, 0.1, 0.1)
+        relighter = Relighter(weights)
+        relighter.set_portrait(Photo(marked), boxes=[FaceBox(60, 20, 90, 55)])
+        relit = relighter.relight(some_light(), replace(EDIT, background=background, specular_tint=1.0))
+        assert not Photo(marked).monochrome
+        assert of_greys(relit.channels["albedo"])
+        assert of_greys(relit.image[:, 20:])
+
+    def test_a_face_of_colours_has_them_before_grey_walls(self):
+        walls = black_and_white().linear
+        walls[15:60, 55:95] *= np.float32([1.2, 1.0, 0.8])
+        face = FaceBox(60, 20, 90, 55)
+        assert not frame(Photo(walls), face).monochrome
+        assert not frame(Photo(walls * np.float32(0.02), bits=32), face).monochrome
+        assert frame(black_and_white(), face).monochrome
 
     def test_a_tier_whose_view_no_network_size_divides(self, weights):
         relighter = Relighter(weights)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import astuple, dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -11,9 +12,11 @@ from relight_core.errors import InputError
 from relight_core.face.crop import Crop, box_from_parsing, crop_for_face, crop_with_padding
 from relight_core.face.find import FaceBox
 from relight_core.face.lean import remaining_roll
+from relight_core.imaging.colour import srgb_encode
 from relight_core.imaging.photo import Photo
+from relight_core.imaging.toning import is_grey
 from relight_core.pipeline.per_photo.exposing import exposure_of_face
-from relight_core.pipeline.per_photo.network_view import in_photo, in_picture, picture_size
+from relight_core.pipeline.per_photo.network_view import in_photo, in_picture, picture_size, picture_view
 
 SURROUNDINGS = 1.7
 """The networks' view is up to this many times the paper's crop: hair, neck and shoulders change with the light too."""
@@ -27,6 +30,8 @@ _LARGEST_BOX = 4
 """In lengths of the photo: what lies outside it is made up of its border, and takes memory."""
 
 _LOOKS = 3
+
+_LOOKED_AT_PX = 128
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,6 +53,18 @@ class Portrait:
     crop: Crop
     view: Crop
     exposure: float = 1.0
+
+    @cached_property
+    def monochrome(self) -> bool:
+        """Whether the face has no colour of its own: that of a black-and-white or toned photo, or one that is grey.
+
+        Grey faces stay so in photos that have colours elsewhere: a stamped date, a mark, a page or buttons around.
+        """
+        return self.photo.monochrome or self._is_grey()
+
+    def _is_grey(self) -> bool:
+        seen = picture_view(self.photo, self.crop, _LOOKED_AT_PX) * np.float32(self.exposure)
+        return is_grey(srgb_encode(np.clip(seen, 0, 1)))
 
 
 def located(photo: Photo, view: Crop, parsed: Callable[[Crop], np.ndarray]) -> FaceBox | None:
