@@ -32,9 +32,10 @@ from dataclasses import dataclass, replace
 
 import torch
 
-from relight_core.face.parsing import INDEX
+from relight_core.face.parsing import FEWEST_PIXELS, INDEX, SURELY
 from relight_core.imaging.ramp import ramp
 from relight_core.imaging.tensor_colour import grey
+from relight_core.imaging.tensor_logs import BLACK, log_ratios, without_mean
 from relight_core.imaging.tensor_means import local_medians, middle_values
 from relight_core.lighting.environment import mean_luminance
 from relight_core.lighting.likeness import likeness
@@ -49,11 +50,9 @@ from relight_core.pipeline.per_photo.skin_colour import deep_shadow
 from relight_core.pipeline.per_photo.source_light import level_over_person, seen_of_person
 from relight_core.pipeline.stages import Composed, Surface
 
-_BLACK = 0.005
 _LARGEST_LOG = 3.0
 _BEYOND, _PILED_UP, _FEW = 0.05, 0.02, 1e-4
 """How far above 1 a pixel was surely not clipped, how near to 1 it surely was, and the share of pixels that is few."""
-_FEWEST_PIXELS, _SURELY_SKIN = 50, 0.6
 _DARK_HAIR = 0.8
 _DARK_NECK, _DIM_NECK = (0.6, 1.2), (0.2, 0.8)
 """How much darker than its model a neck's pixel is, and its albedo than that of most skin, in logs, from which on it
@@ -129,13 +128,13 @@ def find_residual(
     photo = recorded / max(level, 1e-4)
     # The model is of a surface in a photo that was clipped to 1.
     largest_log = _LARGEST_LOG + math.log(max(float(recorded.max()), 1.0))
-    log_ratio = torch.log((photo + _BLACK) / (image + _BLACK)).clamp(-_LARGEST_LOG, largest_log)
+    log_ratio = log_ratios(photo, image).clamp(-_LARGEST_LOG, largest_log)
     if was_clipped := _was_clipped(recorded):
         log_ratio = at_least(log_ratio, was_clipped * clipped_share(recorded), flesh_share(surface.parsing))
     hair, skin = _hair_and_skin(surface, log_ratio)
     seen_skin = skin * known
     broad = skin * local_medians(log_ratio.mean(1, keepdim=True), skin, MOLE)
-    colour = log_ratio - log_ratio.mean(1, keepdim=True)
+    colour = without_mean(log_ratio)
     of_lamps = colours_of_lamps(surface, model.plain, colour, skin, seen_skin)
     tint = colour + skin * (_by_camera(log_ratio, surface.albedo, seen_skin) - colour)
     tint = tint - (1 - skin) * of_lamps
@@ -164,10 +163,10 @@ def _hair_and_skin(surface: Surface, log_ratio: torch.Tensor) -> tuple[torch.Ten
     """(1, 1, S, S) each, their probabilities, with what was taken for the neck and is likelier hair moved to hair."""
     hair, neck = (surface.parsing[:, INDEX[name], None] for name in ("hair", "neck"))
     skin = skin_share(surface.parsing)
-    surely = skin > _SURELY_SKIN
-    if int(surely.sum()) < _FEWEST_PIXELS:
+    surely = skin > SURELY
+    if int(surely.sum()) < FEWEST_PIXELS:
         return hair, skin
-    albedo = grey(surface.albedo).clamp_min(_BLACK).log()
+    albedo = grey(surface.albedo).clamp_min(BLACK).log()
     dark, dim = -log_ratio.mean(1, keepdim=True), albedo[surely].median() - albedo
     both = torch.minimum(ramp(dark, *_DARK_NECK), ramp(dim, *_DIM_NECK))
     likelier = hair * torch.exp(_HAIR_LOG_ODDS * both)
@@ -177,15 +176,15 @@ def _hair_and_skin(surface: Surface, log_ratio: torch.Tensor) -> tuple[torch.Ten
 
 def _middle_of(image: torch.Tensor, part: torch.Tensor) -> torch.Tensor | float:
     """The median of an image (1, 1, S, S) over what surely belongs to a part (1, 1, S, S); 0 where hardly any does."""
-    sure = (part > _SURELY_SKIN)[0, 0]
-    return middle_values(image, sure) if int(sure.sum()) >= _FEWEST_PIXELS else 0.0
+    sure = (part > SURELY)[0, 0]
+    return middle_values(image, sure) if int(sure.sum()) >= FEWEST_PIXELS else 0.0
 
 
 def _fading_of(missed: torch.Tensor, skin: torch.Tensor) -> float:
     """By which power of what two lights share missed light (1, 3, S, S) fades."""
-    surely = (skin > _SURELY_SKIN)[:, 0]
+    surely = (skin > SURELY)[:, 0]
     few, many = _MISSED_FADES
-    if int(surely.sum()) < _FEWEST_PIXELS:
+    if int(surely.sum()) < FEWEST_PIXELS:
         return few
     return few + (many - few) * float(ramp(missed.mean(1)[surely].std(), *_MUCH_MISSED))
 
@@ -200,7 +199,7 @@ def _glare_share(log_ratio: torch.Tensor, skin: torch.Tensor, hair: torch.Tensor
 
 def _by_camera(log_ratio: torch.Tensor, albedo: torch.Tensor, skin: torch.Tensor) -> torch.Tensor:
     """(1, 3, 1, 1) log colour that the camera adds to all skin: what the model does not make of it."""
-    own, off = (middle_colour(image, skin, _FEWEST_PIXELS) for image in (albedo, log_ratio.exp()))
+    own, off = (middle_colour(image, skin) for image in (albedo, log_ratio.exp()))
     if own is None:
         return torch.zeros_like(log_ratio[..., :1, :1])
     return of_camera(off, own, saturation(off, own).clamp(0, _MOST_SATURATED))[None, :, None, None]
@@ -228,7 +227,7 @@ def add_residual(
     """
     shading = grey(composed.plain)
     darker, brighter = torch.minimum(shading, residual.shading), torch.maximum(shading, residual.shading)
-    alike = (darker + _BLACK) / (brighter + _BLACK)
+    alike = (darker + BLACK) / (brighter + BLACK)
     level = residual.log_ratio.mean(1, keepdim=True) - residual.broad
     faint = alike ** (1 + _FADES * residual.skin)
     darkening = level.clamp_max(0)
@@ -237,5 +236,5 @@ def add_residual(
     of_light = (1 - shared**_GLARE_FADES) * residual.fleeting + (1 - shared**residual.missed_fades) * residual.missed
     lightening = residual.log_ratio - darkening - residual.tint - of_light
     ratio = torch.exp(kept + lightening * faint)
-    image = ((composed.image.float() + _BLACK) * ratio - _BLACK).clamp_min(0)
+    image = ((composed.image.float() + BLACK) * ratio - BLACK).clamp_min(0)
     return image, replace(effects, specular=effects.specular * grey(ratio), shadow=effects.shadow * grey(ratio))
