@@ -97,6 +97,19 @@ def test_much_of_it_fades_by_a_higher_power_since_the_photos_light_is_not_what_i
     assert abs(kept[3] - shared**8) < 0.01
 
 
+def test_cloth_in_such_shadows_loses_them_too_but_no_pattern_and_dark_cloth_beside_lit_skin_stays_dark():
+    photo, skin = half_shaded(0.2, 0.06), (range(50), range(75, 100))
+    photo[..., 50:60] = photo[..., 90:] = 0.2
+    photo[..., 65:67] = 0.03
+    own, other = (in_light(photo, lamp(column), skin) for column in (2, 18))
+    assert float((own[55] / own[70]).log()) > 1.1
+    assert abs(float((other[55] / other[70]).log())) < 0.05
+    assert float((other[70] / other[65]).log()) > 0.6
+    photo[..., 75:] = 0.2
+    beside_lit_skin = in_light(photo, lamp(18), skin)
+    assert float((beside_lit_skin[55] / beside_lit_skin[70]).log()) > 1.1
+
+
 def test_glare_fades_once_and_not_as_missed_light_too():
     row = in_light(half_shaded(0.5, 0.2), lamp(18))
     assert row[30] > 0.99 * row[70]

@@ -67,6 +67,8 @@ _MISSED_FADES, _MUCH_MISSED = (2.0, 8.0), (0.15, 0.3)
 """The powers of what two lights share by which missed light fades, and the spreads of it over a face's skin, in logs,
 from which on it fades by more than the first power and by the second. Where a hat, leaves or blinds throw shadows that
 the model knows nothing of, the photo's own light is not what it seems, and being like that one says little."""
+_MISSED_ELSEWHERE = (0.26, 0.4)
+"""The spreads from which on hair and cloth lie in such shadows too, perhaps and surely; else it is their albedo."""
 
 
 @dataclass(frozen=True)
@@ -78,8 +80,8 @@ class Residual:
         shading: (1, 1, S, S) the model's grey explicit sum there, normalised light.
         stays_dark: (1, 1, S, S) in [0, 1], how much of a darkening stays under whatever light.
         skin: (1, 1, S, S) probability of bare skin.
-        broad: (1, 1, S, S) the part of the mean log ratio that more than a mole shares, on skin; at the edge of a
-            shadow that the model lacks, all of it.
+        broad: (1, 1, S, S) the part of the mean log ratio that more than a mole shares, on skin, and on all else
+            where skin lies in shadows that the model lacks; at such a shadow's edge, all of it.
         missed: (1, 3, S, S) the part of it that is no glare, and the colours of other lamps on a face: light and
             shadow that the model missed, which fade as the whole light becomes another.
         missed_fades: the power of what another light shares with the photo's by which `missed` stays.
@@ -133,7 +135,6 @@ def find_residual(
         log_ratio = at_least(log_ratio, was_clipped * clipped_share(recorded), flesh_share(surface.parsing))
     hair, skin = _hair_and_skin(surface, log_ratio)
     seen_skin = skin * known
-    broad = skin * local_medians(log_ratio.mean(1, keepdim=True), skin, MOLE)
     colour = without_mean(log_ratio)
     of_lamps = colours_of_lamps(surface, model.plain, colour, skin, seen_skin)
     tint = colour + skin * (_by_camera(log_ratio, surface.albedo, seen_skin) - colour)
@@ -145,8 +146,8 @@ def find_residual(
     of_others = torch.maximum(glare, deep_shadow(surface.photo, skin))
     fleeting = glare * log_ratio.mean(1, keepdim=True) + of_others * (colour - tint - of_light) + of_light
     shading, stays_dark = grey(model.plain), _DARK_HAIR * hair
-    missed = (1 - glare) * (broad - skin * _middle_of(broad, seen_skin)) + (1 - of_others) * of_lamps
-    kept = stays_dark, skin, broad, missed, _fading_of(missed, seen_skin), tint, fleeting
+    missed = _missed_light(log_ratio.mean(1, keepdim=True), skin, seen_skin, glare, (1 - of_others) * of_lamps)
+    kept = stays_dark, skin, *missed, tint, fleeting
     return Residual(log_ratio, shading, *kept, source_light, level, largest_log)
 
 
@@ -180,13 +181,31 @@ def _middle_of(image: torch.Tensor, part: torch.Tensor) -> torch.Tensor | float:
     return middle_values(image, sure) if int(sure.sum()) >= FEWEST_PIXELS else 0.0
 
 
-def _fading_of(missed: torch.Tensor, skin: torch.Tensor) -> float:
-    """By which power of what two lights share missed light (1, 3, S, S) fades."""
-    surely = (skin > SURELY)[:, 0]
+def _missed_light(
+    mean: torch.Tensor, skin: torch.Tensor, seen_skin: torch.Tensor, glare: torch.Tensor, of_lamps: torch.Tensor
+) -> tuple[torch.Tensor, torch.Tensor, float]:
+    """`broad`, `missed` and `missed_fades` of a residual.
+
+    Args:
+        mean: (1, 1, S, S) of the log ratio over its channels.
+        skin, seen_skin: (1, 1, S, S) all of it and as much as the photo shows.
+        glare: (1, 1, S, S) how much of the log ratio fades as such.
+        of_lamps: (1, 3, S, S) log colours of lamps.
+    """
+    broad = skin * local_medians(mean, skin, MOLE)
+    missed = (1 - glare) * (broad - skin * _middle_of(broad, seen_skin)) + of_lamps
+    spread = _spread_over(missed, seen_skin)
+    if elsewhere := ramp(spread, *_MISSED_ELSEWHERE):
+        rest = elsewhere * (1 - skin) * local_medians(mean, 1 - skin, MOLE)
+        broad, missed = broad + rest, missed + (1 - glare) * rest
     few, many = _MISSED_FADES
-    if int(surely.sum()) < FEWEST_PIXELS:
-        return few
-    return few + (many - few) * float(ramp(missed.mean(1)[surely].std(), *_MUCH_MISSED))
+    return broad, missed, few + (many - few) * ramp(spread, *_MUCH_MISSED)
+
+
+def _spread_over(missed: torch.Tensor, skin: torch.Tensor) -> float:
+    """The standard deviation over skin (1, 1, S, S) of the mean log of missed light (1, 3, S, S); 0 without skin."""
+    surely = (skin > SURELY)[:, 0]
+    return float(missed.mean(1)[surely].std()) if int(surely.sum()) >= FEWEST_PIXELS else 0.0
 
 
 def _glare_share(log_ratio: torch.Tensor, skin: torch.Tensor, hair: torch.Tensor) -> torch.Tensor:
