@@ -63,6 +63,13 @@ def test_no_line_is_left_where_its_edge_was():
         assert row[40:60].min() >= row[70] * 0.995
 
 
+def test_no_dot_is_left_where_its_corner_was():
+    photo = half_shaded()
+    photo[..., :50, :] = 0.2
+    row = in_light(photo, lamp(18))
+    assert abs(float((row[30] / row[50]).log())) < 0.05
+
+
 def test_a_mole_in_it_stays():
     photo = half_shaded()
     photo[..., 49:52, 80:82] = 0.06

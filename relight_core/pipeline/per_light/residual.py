@@ -31,6 +31,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import torch
+import torch.nn.functional as F
 
 from relight_core.face.parsing import FEWEST_PIXELS, INDEX, SURELY
 from relight_core.imaging.ramp import ramp
@@ -67,6 +68,8 @@ _MISSED_FADES, _MUCH_MISSED = (2.0, 8.0), (0.15, 0.3)
 """The powers of what two lights share by which missed light fades, and the spreads of it over a face's skin, in logs,
 from which on it fades by more than the first power and by the second. Where a hat, leaves or blinds throw shadows that
 the model knows nothing of, the photo's own light is not what it seems, and being like that one says little."""
+_STEP = (0.1, 0.3)
+"""By how much, in logs, medians a mole apart differ where there may be, and surely is, the edge of a shadow."""
 _MISSED_ELSEWHERE = (0.26, 0.4)
 """The spreads from which on hair and cloth lie in such shadows too, perhaps and surely; else it is their albedo."""
 
@@ -192,14 +195,26 @@ def _missed_light(
         glare: (1, 1, S, S) how much of the log ratio fades as such.
         of_lamps: (1, 3, S, S) log colours of lamps.
     """
-    broad = skin * local_medians(mean, skin, MOLE)
+    broad = skin * _shared_by_more_than_a_mole(mean, skin)
     missed = (1 - glare) * (broad - skin * _middle_of(broad, seen_skin)) + of_lamps
     spread = _spread_over(missed, seen_skin)
     if elsewhere := ramp(spread, *_MISSED_ELSEWHERE):
-        rest = elsewhere * (1 - skin) * local_medians(mean, 1 - skin, MOLE)
+        rest = elsewhere * (1 - skin) * _shared_by_more_than_a_mole(mean, 1 - skin)
         broad, missed = broad + rest, missed + (1 - glare) * rest
     few, many = _MISSED_FADES
     return broad, missed, few + (many - few) * ramp(spread, *_MUCH_MISSED)
+
+
+def _shared_by_more_than_a_mole(mean: torch.Tensor, part: torch.Tensor) -> torch.Tensor:
+    """(1, 1, S, S) what of a log ratio (1, 1, S, S) a mole's surroundings have too; all of it at a shadow's edge.
+
+    What lies between both sides of a step belongs to it, and no median follows its bends.
+    """
+    middle = local_medians(mean, part, MOLE)
+    reach_px = max(round(MOLE * mean.shape[-1]), 1)
+    most, least = (sign * F.max_pool2d(sign * middle, 2 * reach_px + 1, 1, reach_px) for sign in (1, -1))
+    at_step = ramp(most - least, *_STEP)
+    return mean.clamp(middle + at_step * (least - middle), middle + at_step * (most - middle))
 
 
 def _spread_over(missed: torch.Tensor, skin: torch.Tensor) -> float:
