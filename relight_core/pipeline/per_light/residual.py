@@ -64,7 +64,7 @@ _MOST_SATURATED = 0.6
 _GLARE_OF_SKIN, _GLARE_OF_HAIR = (0.2, 0.5), (0.5, 0.8)
 """Log ratios from which on brighter than the model counts as glare, in part and altogether."""
 _GLARE_FADES = 6
-_MISSED_FADES, _MUCH_MISSED = (2.0, 8.0), (0.15, 0.3)
+_MISSED_FADES, _MUCH_MISSED = (2.0, 8.0), (0.22, 0.34)
 """The powers of what two lights share by which missed light fades, and the spreads of it over a face's skin, in logs,
 from which on it fades by more than the first power and by the second. Where a hat, leaves or blinds throw shadows that
 the model knows nothing of, the photo's own light is not what it seems, and being like that one says little."""
