@@ -238,7 +238,8 @@ class WholePhoto:
         """What the eyes of all faces mirror, on top of the faces' changes; `level` is the light's."""
         if not catchlights:
             return ()
-        make = partial(place_catchlights, catchlights, changes, _gloss(plan, edit, level), self._monochrome)
+        monochrome = [face.portrait.monochrome for face in self._faces]
+        make = partial(place_catchlights, catchlights, changes, _gloss(plan, edit, level), monochrome)
         key = (plan.keys["detail"], plan.keys["catchlights"])
         return self._cache.run("placed_catchlights", key, make, "new light or slider")
 

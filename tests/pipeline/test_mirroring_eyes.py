@@ -7,6 +7,7 @@ import pytest
 from drawn_eye import draw_eyes
 from tiny_relighter import EDIT, some_light, states
 
+from relight_core.face.find import FaceBox
 from relight_core.face.irises import Iris
 from relight_core.imaging.photo import Photo
 from relight_core.lighting.environment import Environment
@@ -81,6 +82,22 @@ def test_in_a_black_and_white_photo_it_has_no_colour(portrait):
     changed = change(portrait((1.0, 1.0, 1.0)), light=Environment.from_radiance(radiance.astype(np.float32)))
     assert np.abs(changed).max() > 0.01
     assert np.ptp(changed, axis=-1).max() < 1e-5
+
+
+def test_a_grey_face_s_eyes_have_none_beside_a_face_of_colours(weights, small_and_seeing_faces, monkeypatch):
+    irises = Iris(46.0, 40.0, 6.0), Iris(194.0, 40.0, 6.0)
+    photo = draw_eyes([(iris.x, iris.y, iris.radius) for iris in irises], (96, 240))
+    photo *= np.random.default_rng(0).uniform(0.8, 1, (96, 240, 1)).astype(np.float32)
+    photo[:48, :120] *= np.float32((1.0, 0.8, 0.7))
+    photo[48:, :120] *= np.float32((0.7, 0.8, 1.0))
+    monkeypatch.setattr(face_taken_apart, "find_irises", lambda *seen: (irises[seen[-1].centre_x > 120],))
+    relighter = Relighter(weights)
+    relighter.set_portrait(Photo(photo), boxes=[FaceBox(28, 16, 64, 72), FaceBox(176, 16, 212, 72)])
+    radiance = lamp_before().shape * (1.0, 0.4, 0.1)
+    relit = relighter.relight(Environment.from_radiance(radiance.astype(np.float32)), EDIT)
+    own, printed = (np.ptp(eye.added, axis=-1).max() / np.abs(eye.added).max() for eye in relit.full.catchlights)
+    assert own > 0.3
+    assert printed < 1e-4
 
 
 def test_under_the_photos_own_light_its_own_stay(portrait):

@@ -193,15 +193,16 @@ def place_catchlights(
     catchlights: Sequence[Sequence[Catchlight]],
     changes: Sequence[PlacedChange],
     gloss: np.ndarray,
-    monochrome: bool = False,
+    monochrome: Sequence[bool],
 ) -> tuple[PlacedCatchlight, ...]:
-    """The eyes of every face on top of its change; `gloss` as `Catchlight.times` has it."""
+    """The eyes of every face on top of its change; `gloss` and `monochrome` as `Catchlight.times` has them."""
 
-    def place(one: Catchlight, change: PlacedChange) -> PlacedCatchlight:
-        one, view = one.times(gloss, monochrome), one.cornea.view
+    def place(one: Catchlight, change: PlacedChange, is_grey: bool) -> PlacedCatchlight:
+        one, view = one.times(gloss, is_grey), one.cornea.view
         return PlacedCatchlight(one.change(seen_across(view, len(one.mirrored), change.gain, change.view)), view)
 
-    return tuple(place(one, change) for of_face, change in zip(catchlights, changes, strict=False) for one in of_face)
+    faces = zip(catchlights, changes, monochrome, strict=True)
+    return tuple(place(one, change, is_grey) for eyes, change, is_grey in faces for one in eyes)
 
 
 def mean_gain(placement: Placement, rest: np.ndarray) -> np.ndarray:
