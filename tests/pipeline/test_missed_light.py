@@ -2,6 +2,7 @@
 
 from types import SimpleNamespace
 
+import pytest
 import torch
 
 from relight_core.lighting.likeness import likeness
@@ -9,7 +10,7 @@ from relight_core.pipeline.per_light.hints import Effects
 from relight_core.pipeline.per_light.residual import add_residual, find_residual
 from relight_core.pipeline.stages import Composed
 
-SIZE, SKIN, LIPS, CLOTH = 100, 1, 8, 13
+SIZE, SKIN, LIPS, HAIR, CLOTH = 100, 1, 8, 10, 13
 FLAT = Composed(*2 * (torch.full((1, 3, SIZE, SIZE), 0.2),))
 
 
@@ -19,16 +20,17 @@ def lamp(column):
     return light
 
 
-def in_light(photo, light, skin=(range(SIZE),), strength=1.0):
+def in_light(photo, light, skin=(range(SIZE),), strength=1.0, rest=CLOTH):
     """Row 50 of a photo of skin in some columns and cloth elsewhere, of which the model sees nothing, in another light.
 
     Args:
         strength: of that light, which falls on all of it alike.
+        rest: what is there instead of cloth.
     """
     parsing = torch.zeros(1, 14, SIZE, SIZE)
-    parsing[:, CLOTH] = 1
+    parsing[:, rest] = 1
     for columns in skin:
-        parsing[:, SKIN, :, columns], parsing[:, CLOTH, :, columns] = 1, 0
+        parsing[:, SKIN, :, columns], parsing[:, rest, :, columns] = 1, 0
     return relit(photo, parsing, light, strength)[1, 50]
 
 
@@ -63,11 +65,12 @@ def test_no_line_is_left_where_its_edge_was():
         assert row[40:60].min() >= row[70] * 0.995
 
 
-def test_no_dot_is_left_where_its_corner_was():
-    photo = half_shaded()
-    photo[..., :50, :] = 0.2
+@pytest.mark.parametrize(("around", "within", "beside"), [(0.2, 0.12, 30), (0.12, 0.2, 70)])
+def test_no_dot_is_left_where_its_corner_was(around, within, beside):
+    photo = half_shaded(around, within)
+    photo[..., :50, :] = around
     row = in_light(photo, lamp(18))
-    assert abs(float((row[30] / row[50]).log())) < 0.05
+    assert abs(float((row[beside] / row[50]).log())) < 0.05
 
 
 def test_a_mole_in_it_stays():
@@ -112,14 +115,40 @@ def test_cloth_in_such_shadows_loses_them_too_but_no_pattern_and_dark_cloth_besi
     assert float((own[55] / own[70]).log()) > 1.1
     assert abs(float((other[55] / other[70]).log())) < 0.05
     assert float((other[70] / other[65]).log()) > 0.6
+    assert abs(float((other[76] / other[85]).log())) < 0.05
     photo[..., 75:] = 0.2
     beside_lit_skin = in_light(photo, lamp(18), skin)
     assert float((beside_lit_skin[55] / beside_lit_skin[70]).log()) > 1.1
 
 
+@pytest.mark.parametrize(("darker", "most", "least"), [(0.13, 1.0, 0.99), (0.095, 0.8, 0.3), (0.07, 0.1, -0.05)])
+def test_the_more_is_missed_of_skin_the_less_of_a_broad_pattern_is_cloths_own(darker, most, least):
+    photo, skin = half_shaded(0.2, darker), (range(50), range(75, 100))
+    photo[..., 50:60] = photo[..., 75:80] = 0.2
+    photo[..., 60:75] = 0.06
+    own, other = (in_light(photo, lamp(column), skin) for column in (2, 18))
+    assert least <= float((other[55] / other[67]).log() / (own[55] / own[67]).log()) <= most
+
+
+def test_hair_in_such_shadows_loses_them_too_and_its_glare_once():
+    photo, skin = half_shaded(0.2, 0.06), (range(50), range(75, 100))
+    photo[..., 50:60] = photo[..., 90:] = 0.2
+    photo[..., 66:72] = 0.5
+    row = in_light(photo, lamp(18), skin, 3.0, HAIR)
+    for column in (63, 69):
+        assert abs(float((row[55] / row[column]).log())) < 0.1
+
+
 def test_glare_fades_once_and_not_as_missed_light_too():
     row = in_light(half_shaded(0.5, 0.2), lamp(18))
     assert row[30] > 0.99 * row[70]
+
+
+def test_glare_says_nothing_of_how_much_else_is_missed():
+    photo, shared = half_shaded(0.2, 0.15), likeness(lamp(2), lamp(3))
+    photo[..., 75:] = 0.5
+    own, other = (in_light(photo, lamp(column)) for column in (2, 3))
+    assert abs(float((other[30] / other[60]).log() / (own[30] / own[60]).log()) - shared**2) < 0.02
 
 
 def test_a_strip_of_skin_between_cloth_is_compared_with_skin_alone():
