@@ -7,6 +7,7 @@ import pytest
 from PIL import Image
 
 from relight_core.imaging.photo import Photo
+from relight_core.imaging.toning import is_grey
 
 SEPIA = (1.1, 1.0, 0.7)
 SKIN = (200, 150, 125)
@@ -114,3 +115,16 @@ def test_a_strong_tone_stays_one_where_compression_blurs_it_at_every_edge(qualit
     grey = 0.4 * fine + 0.6 * np.linspace(0, 255, 600)
     codes = np.uint8(np.clip(np.multiply.outer(grey, strongest), 0, 255).round())
     assert Photo.from_srgb(compressed(codes, quality)).monochrome
+
+
+def test_grey_is_what_has_neither_colours_nor_a_tone_but_for_noise_and_a_stray_mark():
+    rng = np.random.default_rng(0)
+    grey = np.repeat(rng.uniform(0.2, 0.8, (128, 128, 1)), 3, -1)
+    assert is_grey(grey)
+    assert is_grey(grey + rng.uniform(-0.04, 0.04, grey.shape))
+    for tone in ((1.0, 1.0, 0.9), (1.0, 1.0, 1.1), (0.9, 1.0, 1.0), (1.1, 1.0, 1.0)):
+        assert not is_grey(grey * tone)
+    for side_px, is_stray in ((8, True), (24, False)):
+        marked = grey.copy()
+        marked[40 : 40 + side_px, 40 : 40 + side_px] = (0.8, 0.1, 0.1)
+        assert is_grey(marked) == is_stray

@@ -227,17 +227,37 @@ def test_the_matte_of_a_framed_photo_is_that_of_the_photo():
     assert share[:22].max() == share[-22:].max() == share[:, :22].max() == share[:, -22:].max() == 0
 
 
-def test_a_view_hardly_fades_near_a_frame_and_not_at_it():
+def weights_in_frame(view: Crop) -> np.ndarray:
+    """(50, 50) how much a view of a framed photo counts, whose picture is from 24, 24 to 184, 224."""
     photo, everywhere = Photo(framed(street(), 24, 1.0)), np.ones((248, 208), np.float32)
     matte = Matte(np.zeros_like(everywhere), everywhere, np.zeros((2, 2, 3)), np.zeros((2, 2, 3)), everywhere)
+    placement = place_views(canvas_of(photo), [view], matte, ReflectionTable(), picture=(24, 24, 184, 224))
+    return weights_on_views(placement, 50)[0].of_views[0][..., 0]
 
-    def weights_of(view: Crop) -> np.ndarray:
-        placement = place_views(canvas_of(photo), [view], matte, ReflectionTable(), picture=(24, 24, 184, 224))
-        return weights_on_views(placement, 50)[0].of_views[0][25, :25, 0]
 
-    assert weights_of(Crop(104.0, 124.0, 100.0))[:5].max() < 0.9
-    assert weights_of(Crop(74.0, 124.0, 100.0)).min() == 1
-    a_pixel_off = weights_of(Crop(75.0, 124.0, 100.0))
+@pytest.mark.parametrize(
+    ("view", "unfaded"),
+    [
+        (Crop(74.0, 124.0, 100.0), ["left"]),
+        (Crop(134.0, 124.0, 100.0), ["right"]),
+        (Crop(104.0, 74.0, 100.0), ["top"]),
+        (Crop(104.0, 174.0, 100.0), ["bottom"]),
+        (Crop(64.0, 124.0, 100.0), ["left"]),
+        (Crop(104.0, 124.0, 100.0), []),
+        (Crop(74.0, 124.0, 100.0, 10.0), []),
+    ],
+)
+def test_a_view_fades_toward_the_sides_beyond_which_the_picture_goes_on(view, unfaded):
+    weights = weights_in_frame(view)
+    sides = {"left": weights[25, 0], "right": weights[25, -1], "top": weights[0, 25], "bottom": weights[-1, 25]}
+    assert [side for side, weight in sides.items() if weight == 1] == unfaded
+    assert max(weight for side, weight in sides.items() if side not in unfaded) < 0.1
+
+
+def test_a_view_hardly_fades_near_a_frame_and_not_at_it():
+    assert weights_in_frame(Crop(104.0, 124.0, 100.0))[25, :5].max() < 0.9
+    assert weights_in_frame(Crop(74.0, 124.0, 100.0))[25, :25].min() == 1
+    a_pixel_off = weights_in_frame(Crop(75.0, 124.0, 100.0))[25, :25]
     assert a_pixel_off[0] < 0.5
     assert a_pixel_off[2:].min() == 1
 
