@@ -163,6 +163,27 @@ class TestRelighting:
         assert not frame(Photo(walls * np.float32(0.02), bits=32), face).monochrome
         assert frame(black_and_white(), face).monochrome
 
+    def test_colours_around_a_grey_face_are_not_its_own(self):
+        surrounded, face = black_and_white().linear, FaceBox(60, 20, 90, 55)
+        crop = frame(Photo(surrounded), face).crop
+        x0, y0, x1, y1 = map(round, crop.window)
+        coloured = surrounded * np.float32([1.2, 1.0, 0.7])
+        coloured[max(y0, 0) : y1, max(x0, 0) : x1] = surrounded[max(y0, 0) : y1, max(x0, 0) : x1]
+        assert not Photo(coloured).monochrome
+        assert frame(Photo(coloured), face).monochrome
+
+    def test_a_light_keeps_its_colours_before_a_face_of_colours_beside_a_grey_one(self, weights):
+        photo = np.random.default_rng(0).uniform(0.2, 0.8, (96, 240, 3)).astype(np.float32)
+        photo[:, 120:] = photo[:, 120:].mean(-1, keepdims=True)
+        relighter = Relighter(weights)
+        relighter.set_portrait(Photo(photo), boxes=[FaceBox(28, 16, 64, 72), FaceBox(176, 16, 212, 72)])
+        radiance = some_light().shape * np.float32([1.0, 0.4, 0.1])
+        relit = relighter.relight(Environment.from_radiance(radiance), replace(EDIT, background="light"))
+        own, printed = relit.full.changes
+        assert own.gain[..., 0].mean() > 1.5 * own.gain[..., 2].mean()
+        assert of_greys(printed.gain)
+        assert not of_greys(relit.full.backdrop.picture)
+
     def test_a_tier_whose_view_no_network_size_divides(self, weights):
         relighter = Relighter(weights)
         relighter.set_portrait(black_and_white())
