@@ -129,6 +129,18 @@ def test_the_box_moves_by_as_much_as_the_face_does():
     np.testing.assert_allclose(np.diff([(box.x0, box.x1) for box in boxes], axis=0), 0.2, atol=0.06)
 
 
+def test_a_face_that_the_view_cuts_off_ends_with_it():
+    box = box_from_parsing(parsing(face=(0, 50, 180, 256)), Crop(128, 128, 256))
+    np.testing.assert_allclose([box.x0, box.y0, box.x1, box.y1], (0, 50, 180, 256), atol=1e-3)
+
+
+def test_what_is_some_part_of_a_face_or_another_is_face():
+    undecided = 0.35 * (certain(labels_of()) + np.roll(certain(labels_of()), NOSE - SKIN, 0))
+    undecided[HAIR] = 1 - undecided[[SKIN, NOSE]].sum(0)
+    box = box_from_parsing(undecided, Crop(128, 128, 256))
+    np.testing.assert_allclose([box.x0, box.y0, box.x1, box.y1], (60, 50, 180, 200), atol=0.3)
+
+
 def test_without_a_face_there_is_no_box():
     crop = Crop(128, 128, 256)
     assert box_from_parsing(certain(np.zeros((256, 256), int)), crop) is None
