@@ -25,6 +25,8 @@ from relight_core.imaging.photo import Photo
 from relight_core.imaging.resampling import resize_area
 
 _LONG_SIDE_PX = 800
+_WHITE_PERCENTILE, _AGAINST_LIGHT_PERCENTILES = 99.0, (50.0, 25.0)
+"""Of a photo's brightness: what cascades see as white, and where a face before a bright sky or window is too dark."""
 _LONG_SIDE_FOR_SMALL_PX = 2800
 _LONG_SIDE_FOR_SMALL_TURNED_PX = 1400
 _SHRUNK_FOR_SMALL = 0.7
@@ -217,6 +219,10 @@ def _search(photo: Photo, is_face: Judge) -> list[FaceBox]:
     if any(_is_sure(candidate) and _width(candidate) >= _LARGE * long_side for candidate in found):
         return _boxes(found, scale)
     found = frontal_candidates(grey)
+    for white_percentile in _AGAINST_LIGHT_PERCENTILES:
+        if not found:
+            bright, _ = _detection_view(photo.linear, _LONG_SIDE_PX, _LARGEST_GROWTH, white_percentile)
+            found = frontal_candidates(bright)
     if not any(map(_is_sure, found)) and not any(is_face(_in_photo(candidate, scale)) for candidate in found):
         found += _turned_away(grey)
     return _boxes(found, scale)
@@ -273,13 +279,15 @@ def _share_within(box: np.ndarray, other: np.ndarray) -> float:
     return float(union * (area + other_area) / (1.0 + union) / area)
 
 
-def _detection_view(linear: np.ndarray, long_side_px: int, growth: float) -> tuple[np.ndarray, float]:
+def _detection_view(
+    linear: np.ndarray, long_side_px: int, growth: float, white_percentile: float = _WHITE_PERCENTILE
+) -> tuple[np.ndarray, float]:
     """(h, w) uint8 with exposure and local contrast evened out, and its pixels per photo pixel."""
     height, width = linear.shape[:2]
     scale = min(long_side_px / max(height, width), growth)
     size = max(round(height * scale), 1), max(round(width * scale), 1)
     brightness = luminance(resize_area(linear, size))
-    white = float(np.percentile(brightness, 99.0))
+    white = float(np.percentile(brightness, white_percentile))
     if white > 0.0:
         brightness = np.minimum(brightness / np.float32(white), 1.0)
     grey = np.rint(np.clip(srgb_encode(brightness), 0.0, 1.0) * 255.0).astype(np.uint8)

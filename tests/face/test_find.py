@@ -50,6 +50,17 @@ def test_dark_and_overbright_photos(exposure):
     assert share_in_common(find_faces(Photo(linear))[0], FACE) > 0.7
 
 
+@pytest.mark.parametrize("around", [0, 150])
+def test_a_face_against_the_light_is_found(around):
+    rows, columns = np.mgrid[: 260 + 2 * around, : 240 + 2 * around] - around
+    person = np.hypot((columns - 120) / 80, (rows - 130) / 110) < 1
+    person |= (rows > 220) & (abs(columns - 120) < 100 + around)
+    dark = 0.002 * Photo.from_srgb(np.pad(ASTRONAUT[:260, 100:340], ((around,) * 2,) * 2 + ((0, 0),), "edge")).linear
+    boxes = find_faces(Photo(np.where(person[..., None], dark, 1.0).astype(np.float32)))
+    assert len(boxes) == 1
+    assert share_in_common(boxes[0], tuple(np.array(FACE) + (around - 100, around, around - 100, around))) > 0.7
+
+
 def test_the_box_follows_the_face():
     moved = np.pad(ASTRONAUT, ((100, 0), (60, 200), (0, 0)), mode="edge")
     box = found_in(moved)[0]
