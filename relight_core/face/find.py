@@ -218,14 +218,19 @@ def _search(photo: Photo, is_face: Judge) -> list[FaceBox]:
     found = frontal_candidates(grey, max(round(_BESIDE_LARGE * long_side), SMALLEST_PX))
     if any(_is_sure(candidate) and _width(candidate) >= _LARGE * long_side for candidate in found):
         return _boxes(found, scale)
-    found = frontal_candidates(grey)
-    for white_percentile in _AGAINST_LIGHT_PERCENTILES:
-        if not found:
-            bright, _ = _detection_view(photo.linear, _LONG_SIDE_PX, _LARGEST_GROWTH, white_percentile)
-            found = frontal_candidates(bright)
+    found = frontal_candidates(grey) or _against_light(photo)
     if not any(map(_is_sure, found)) and not any(is_face(_in_photo(candidate, scale)) for candidate in found):
         found += _turned_away(grey)
     return _boxes(found, scale)
+
+
+def _against_light(photo: Photo) -> list[Candidate]:
+    """Frontal faces that cascades see only once the photo is made brighter."""
+    for white_percentile in _AGAINST_LIGHT_PERCENTILES:
+        bright, _ = _detection_view(photo.linear, _LONG_SIDE_PX, _LARGEST_GROWTH, white_percentile)
+        if found := frontal_candidates(bright):
+            return found
+    return []
 
 
 def _is_sure(candidate: Candidate) -> bool:

@@ -35,9 +35,20 @@ def local_medians(image: torch.Tensor, weight: torch.Tensor, reach: float) -> to
         reach: of a square to each side, as a share of the image's.
     """
     filled = weight * image + (1 - weight) * local_means(image, weight, reach)
-    reach_px = max(round(reach * image.shape[-1]), 1)
+    reach_px = _square_px(image, reach)
     around = F.unfold(F.pad(filled, (reach_px,) * 4, mode="replicate").movedim(1, 0), 2 * reach_px + 1)
     return around.median(1).values.reshape(image.shape)
+
+
+def local_range(image: torch.Tensor, reach: float) -> tuple[torch.Tensor, torch.Tensor]:
+    """The least and the most of an image (1, C, S, S) over the squares of `local_medians`, of its shape each."""
+    reach_px = _square_px(image, reach)
+    least, most = (sign * F.max_pool2d(sign * image, 2 * reach_px + 1, 1, reach_px) for sign in (-1, 1))
+    return least, most
+
+
+def _square_px(image: torch.Tensor, reach: float) -> int:
+    return max(round(reach * image.shape[-1]), 1)
 
 
 def middle_values(image: torch.Tensor, where: torch.Tensor) -> torch.Tensor:

@@ -31,13 +31,12 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import torch
-import torch.nn.functional as F
 
 from relight_core.face.parsing import FEWEST_PIXELS, INDEX, SURELY
 from relight_core.imaging.ramp import ramp
 from relight_core.imaging.tensor_colour import grey
 from relight_core.imaging.tensor_logs import BLACK, log_ratios, without_mean
-from relight_core.imaging.tensor_means import local_medians, middle_values
+from relight_core.imaging.tensor_means import local_medians, local_range, middle_values
 from relight_core.lighting.environment import mean_luminance
 from relight_core.lighting.likeness import likeness
 from relight_core.pipeline.per_light.hints import Effects
@@ -68,10 +67,10 @@ _MISSED_FADES, _MUCH_MISSED = (2.0, 8.0), (0.22, 0.34)
 """The powers of what two lights share by which missed light fades, and the spreads of it over a face's skin, in logs,
 from which on it fades by more than the first power and by the second. Where a hat, leaves or blinds throw shadows that
 the model knows nothing of, the photo's own light is not what it seems, and being like that one says little."""
-_STEP = (0.1, 0.3)
-"""By how much, in logs, medians a mole apart differ where there may be, and surely is, the edge of a shadow."""
 _MISSED_ELSEWHERE = (0.26, 0.4)
 """The spreads from which on hair and cloth lie in such shadows too, perhaps and surely; else it is their albedo."""
+_STEP = (0.1, 0.3)
+"""By how much, in logs, medians a mole apart differ where there may be, and surely is, the edge of a shadow."""
 
 
 @dataclass(frozen=True)
@@ -136,7 +135,8 @@ def find_residual(
     log_ratio = log_ratios(photo, image).clamp(-_LARGEST_LOG, largest_log)
     if was_clipped := _was_clipped(recorded):
         log_ratio = at_least(log_ratio, was_clipped * clipped_share(recorded), flesh_share(surface.parsing))
-    hair, skin = _hair_and_skin(surface, log_ratio)
+    mean = log_ratio.mean(1, keepdim=True)
+    hair, skin = _hair_and_skin(surface, mean)
     seen_skin = skin * known
     colour = without_mean(log_ratio)
     of_lamps = colours_of_lamps(surface, model.plain, colour, skin, seen_skin)
@@ -145,11 +145,11 @@ def find_residual(
     of_light = off_black(surface, tint)
     of_light = of_light + too_blue(surface, tint - of_light)
     tint = tint - of_light
-    glare = _glare_share(log_ratio, skin, hair)
+    glare = _glare_share(mean, skin, hair)
     of_others = torch.maximum(glare, deep_shadow(surface.photo, skin))
-    fleeting = glare * log_ratio.mean(1, keepdim=True) + of_others * (colour - tint - of_light) + of_light
+    fleeting = glare * mean + of_others * (colour - tint - of_light) + of_light
     shading, stays_dark = grey(model.plain), _DARK_HAIR * hair
-    missed = _missed_light(log_ratio.mean(1, keepdim=True), skin, seen_skin, glare, (1 - of_others) * of_lamps)
+    missed = _missed_light(mean, skin, seen_skin, glare, (1 - of_others) * of_lamps)
     kept = stays_dark, skin, *missed, tint, fleeting
     return Residual(log_ratio, shading, *kept, source_light, level, largest_log)
 
@@ -163,25 +163,23 @@ def at_light_level(residual: Residual, level: float) -> Residual:
     return replace(residual, log_ratio=log_ratio, broad=residual.broad + brighter * residual.skin, level=level)
 
 
-def _hair_and_skin(surface: Surface, log_ratio: torch.Tensor) -> tuple[torch.Tensor, torch.Tensor]:
-    """(1, 1, S, S) each, their probabilities, with what was taken for the neck and is likelier hair moved to hair."""
+def _hair_and_skin(surface: Surface, mean: torch.Tensor) -> tuple[torch.Tensor, torch.Tensor]:
+    """(1, 1, S, S) each, their probabilities, with what was taken for the neck and is likelier hair moved to hair.
+
+    Args:
+        mean: (1, 1, S, S) of the log ratio over its channels.
+    """
     hair, neck = (surface.parsing[:, INDEX[name], None] for name in ("hair", "neck"))
     skin = skin_share(surface.parsing)
     surely = skin > SURELY
     if int(surely.sum()) < FEWEST_PIXELS:
         return hair, skin
     albedo = grey(surface.albedo).clamp_min(BLACK).log()
-    dark, dim = -log_ratio.mean(1, keepdim=True), albedo[surely].median() - albedo
+    dark, dim = -mean, albedo[surely].median() - albedo
     both = torch.minimum(ramp(dark, *_DARK_NECK), ramp(dim, *_DIM_NECK))
     likelier = hair * torch.exp(_HAIR_LOG_ODDS * both)
     mistaken = (hair + neck) * likelier / (likelier + neck).clamp_min(1e-6) - hair
     return hair + mistaken, skin - mistaken
-
-
-def _middle_of(image: torch.Tensor, part: torch.Tensor) -> torch.Tensor | float:
-    """The median of an image (1, 1, S, S) over what surely belongs to a part (1, 1, S, S); 0 where hardly any does."""
-    sure = (part > SURELY)[0, 0]
-    return middle_values(image, sure) if int(sure.sum()) >= FEWEST_PIXELS else 0.0
 
 
 def _missed_light(
@@ -196,8 +194,11 @@ def _missed_light(
         of_lamps: (1, 3, S, S) log colours of lamps.
     """
     broad = skin * _shared_by_more_than_a_mole(mean, skin)
-    missed = (1 - glare) * (broad - skin * _middle_of(broad, seen_skin)) + of_lamps
-    spread = _spread_over(missed, seen_skin)
+    sure = (seen_skin > SURELY)[0, 0]
+    known = int(sure.sum()) >= FEWEST_PIXELS
+    middle = middle_values(broad, sure) if known else 0.0
+    missed = (1 - glare) * (broad - skin * middle) + of_lamps
+    spread = float(missed.mean(1)[:, sure].std()) if known else 0.0
     if elsewhere := ramp(spread, *_MISSED_ELSEWHERE):
         rest = elsewhere * (1 - skin) * _shared_by_more_than_a_mole(mean, 1 - skin)
         broad, missed = broad + rest, missed + (1 - glare) * rest
@@ -211,23 +212,16 @@ def _shared_by_more_than_a_mole(mean: torch.Tensor, part: torch.Tensor) -> torch
     What lies between both sides of a step belongs to it, and no median follows its bends.
     """
     middle = local_medians(mean, part, MOLE)
-    reach_px = max(round(MOLE * mean.shape[-1]), 1)
-    most, least = (sign * F.max_pool2d(sign * middle, 2 * reach_px + 1, 1, reach_px) for sign in (1, -1))
+    least, most = local_range(middle, MOLE)
     at_step = ramp(most - least, *_STEP)
     return mean.clamp(middle + at_step * (least - middle), middle + at_step * (most - middle))
 
 
-def _spread_over(missed: torch.Tensor, skin: torch.Tensor) -> float:
-    """The standard deviation over skin (1, 1, S, S) of the mean log of missed light (1, 3, S, S); 0 without skin."""
-    surely = (skin > SURELY)[:, 0]
-    return float(missed.mean(1)[surely].std()) if int(surely.sum()) >= FEWEST_PIXELS else 0.0
-
-
-def _glare_share(log_ratio: torch.Tensor, skin: torch.Tensor, hair: torch.Tensor) -> torch.Tensor:
-    """(1, 1, S, S) how surely a light from behind has caused a log ratio, [0, 1]."""
-    brighter, share = log_ratio.mean(1, keepdim=True), torch.zeros_like(skin)
+def _glare_share(mean: torch.Tensor, skin: torch.Tensor, hair: torch.Tensor) -> torch.Tensor:
+    """(1, 1, S, S) how surely a light from behind has caused a log ratio, of that mean (1, 1, S, S), [0, 1]."""
+    share = torch.zeros_like(skin)
     for kind, (start, full) in ((skin, _GLARE_OF_SKIN), (hair, _GLARE_OF_HAIR)):
-        share = share + likely(kind) * ramp(brighter, start, full)
+        share = share + likely(kind) * ramp(mean, start, full)
     return share.clamp_max(1)
 
 
