@@ -23,22 +23,12 @@ from relight_core.errors import InputError
 from relight_core.lighting.light_edit import LIGHT_EDIT_RANGES, MOST_BOXES, LightEdit
 from relight_core.lighting.rig_description import FORMS
 from relight_core.lighting.rigs import rig_names
-from relight_core.lighting.soft_box import LARGEST_DEG, SMALLEST_DEG, SoftBox
+from relight_core.lighting.soft_box import SOFT_BOX_RANGES, SoftBox
 
 KIND, VERSION = "light", 2
 """Version 1 knew square soft boxes only, and no lamps of the light's own."""
 
 LIGHT_SUFFIX = ".light.json"
-_BOX_RANGES = {
-    "azimuth_deg": (-180.0, 180.0),
-    "elevation_deg": (-90.0, 90.0),
-    "width_deg": (SMALLEST_DEG, LARGEST_DEG),
-    "height_deg": (SMALLEST_DEG, LARGEST_DEG),
-    "softness": (0.0, 1.0),
-    "kelvin": (1667.0, 25000.0),
-    "intensity": (0.0, 16.0),
-    "hole": (0.0, 0.9),
-}
 _LONGEST_NAME = 40
 
 
@@ -141,7 +131,7 @@ def _light_edit(fields: Fields) -> LightEdit:
 
 def _box(fields: Fields) -> SoftBox:
     defaults = SoftBox()
-    values = {key: fields.number(key, *_BOX_RANGES[key], getattr(defaults, key)) for key in _BOX_RANGES}
+    values = {key: fields.number(key, *SOFT_BOX_RANGES[key], getattr(defaults, key)) for key in SOFT_BOX_RANGES}
     colour, form = fields.triple("colour"), fields.word("form", FORMS, defaults.form)
     off = fields.flag("off")
     name = "".join(filter(str.isprintable, fields.text("name", "")))[:_LONGEST_NAME]

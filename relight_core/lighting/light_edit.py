@@ -13,7 +13,7 @@ from relight_core.lighting.enlarge import draw_finer
 from relight_core.lighting.environment import Environment, mean_luminance, shrink
 from relight_core.lighting.light_blur import LARGEST_BLUR_DEG, blur_light
 from relight_core.lighting.own_lamps import room_of
-from relight_core.lighting.soft_box import SoftBox, soft_box_radiance
+from relight_core.lighting.soft_box import SOFT_BOX_RANGES, SoftBox, soft_box_radiance
 from relight_core.lighting.summary import meter_reading, metered_level_ev
 
 MOST_BOXES = 16
@@ -94,12 +94,11 @@ def edit_light(light: Environment, edit: LightEdit, draft: bool = False) -> Envi
         The same object where nothing changes.
 
     Raises:
-        InputError: a setting out of its range.
-        ValueError: a soft box of a temperature that no lamp has.
+        InputError: a setting out of its range, of the light or of a soft box.
     """
-    for name, (low, high) in LIGHT_EDIT_RANGES.items():
-        if not low <= getattr(edit, name) <= high:
-            raise InputError(f"a light's {name} is from {low:g} to {high:g}, not {getattr(edit, name)}")
+    _check_ranges("light", edit, LIGHT_EDIT_RANGES)
+    for box in edit.boxes:
+        _check_ranges("soft box", box, SOFT_BOX_RANGES)
     stops = edit.level_ev + (metered_level_ev(light) if edit.metered else 0.0)
     if edit.changes_shape:
         height = DRAFT_HEIGHT if draft else max(DRAWN_HEIGHT, light.height)
@@ -113,6 +112,12 @@ def edit_light(light: Environment, edit: LightEdit, draft: bool = False) -> Envi
         edited = Environment.of_parts(sum(draw_finer(part, larger) for part in parts), parts, light.name)
         light = edited.at_level(edited.level * level)
     return light if stops == 0.0 else light.at_level(light.level * 2.0**stops)
+
+
+def _check_ranges(what: str, settings: LightEdit | SoftBox, ranges: dict[str, tuple[float, float]]) -> None:
+    for name, (low, high) in ranges.items():
+        if not low <= getattr(settings, name) <= high:
+            raise InputError(f"a {what}'s {name} is from {low:g} to {high:g}, not {getattr(settings, name)}")
 
 
 def taken_apart(edit: LightEdit, own: tuple[SoftBox, ...]) -> LightEdit:

@@ -13,12 +13,23 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from relight_core.imaging.colour import REC709_LUMINANCE
-from relight_core.lighting.colour_temperature import kelvin_to_rgb
+from relight_core.lighting.colour_temperature import COOLEST_KELVIN, HOTTEST_KELVIN, kelvin_to_rgb
 from relight_core.lighting.rig_description import FORMS, AreaLight
 from relight_core.lighting.rig_render import area_light_radiance, direction_of
 from relight_core.lighting.sphere import directions, place_on_map, solid_angles
 
 SMALLEST_DEG, LARGEST_DEG = 3.0, 150.0
+
+SOFT_BOX_RANGES = {
+    "azimuth_deg": (-180.0, 180.0),
+    "elevation_deg": (-90.0, 90.0),
+    "width_deg": (SMALLEST_DEG, LARGEST_DEG),
+    "height_deg": (SMALLEST_DEG, LARGEST_DEG),
+    "softness": (0.0, 1.0),
+    "kelvin": (COOLEST_KELVIN, HOTTEST_KELVIN),
+    "intensity": (0.0, 16.0),
+    "hole": (0.0, 0.9),
+}
 
 
 @dataclass(frozen=True)

@@ -237,3 +237,22 @@ def test_settings_out_of_their_ranges_are_refused_by_name(name, wrong):
     for value in wrong:
         with pytest.raises(InputError, match=name):
             edit_light(random_light(), LightEdit(**{name: value}))
+
+
+@pytest.mark.parametrize(
+    ("name", "wrong"),
+    [
+        ("azimuth_deg", (-181.0, np.inf)),
+        ("elevation_deg", (-90.5, 91.0)),
+        ("width_deg", (2.0, 151.0, np.nan)),
+        ("height_deg", (0.0, 400.0)),
+        ("softness", (-0.1, 1.1)),
+        ("kelvin", (1000.0, 30000.0)),
+        ("intensity", (-1.0, 17.0)),
+        ("hole", (-0.1, 0.95)),
+    ],
+)
+def test_a_soft_box_out_of_its_ranges_is_refused_by_name(name, wrong):
+    for value in wrong:
+        with pytest.raises(InputError, match=f"soft box's {name}"):
+            edit_light(random_light(), LightEdit(boxes=(SoftBox(), SoftBox(**{name: value}))))
