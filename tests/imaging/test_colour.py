@@ -51,6 +51,15 @@ def test_a_photo_refuses_values_that_no_photo_has(value):
         Photo(np.ones((4, 5, 3), np.float32), values[..., 1])
 
 
+@pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf])
+def test_what_lies_beyond_a_photo_is_finite(value):
+    linear, beyond = np.ones((4, 5, 3), np.float32), np.full((4, 5, 3), -0.1, np.float16)
+    Photo(linear, beyond=beyond)
+    beyond[2, 3, 1] = value
+    with pytest.raises(ValueError, match="beyond is finite"):
+        Photo(linear, beyond=beyond)
+
+
 def test_photo_from_bytes_in_memory():
     srgb = np.array([[[0, 128, 255]]], np.uint8)
     photo = Photo.from_srgb(srgb)
