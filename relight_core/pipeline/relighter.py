@@ -9,6 +9,7 @@ from pathlib import Path
 from weakref import WeakKeyDictionary
 
 import numpy as np
+import torch
 
 from relight_core.errors import InputError, NoFaceError
 from relight_core.face.find import FaceBox
@@ -62,8 +63,10 @@ class Relighter:
             device: "cpu" or "cuda".
 
         Raises:
-            InputError: the weights are missing or damaged.
+            InputError: the weights are missing or damaged, or PyTorch finds no such device.
         """
+        if device.startswith("cuda") and not torch.cuda.is_available():
+            raise InputError(f"{device}: PyTorch finds no CUDA device on this machine; use the CPU")
         path = Path(weights_path) if weights_path else resource_path(*WEIGHTS)
         bundle = load_bundle(path).for_inference().to(device)
         self._shop = Workshop(bundle, ReflectionTable().to(device), device)

@@ -192,6 +192,13 @@ def test_no_portrait_yet(weights):
         Relighter(weights).estimated_light("live")
 
 
+def test_a_device_that_pytorch_has_not_is_refused(weights, monkeypatch):
+    monkeypatch.setattr("torch.cuda.is_available", lambda: False)
+    for device in ("cuda", "cuda:1"):
+        with pytest.raises(InputError, match=f"{device}: PyTorch finds no CUDA device"):
+            Relighter(weights, device)
+
+
 def test_estimated_light_is_a_light(relighter):
     borrowed = relighter.estimated_light("live")
     assert borrowed.shape.shape == (16, 32, 3)
