@@ -45,9 +45,9 @@ def count_at_least_one(text: str) -> int:
 
 
 def count_from_zero(text: str) -> int:
-    """An argument's whole number, 0 or more."""
-    if not text.isdecimal():
-        raise argparse.ArgumentTypeError(f"{text!r} is not a whole number")
+    """An argument's whole number, 0 or more, and no larger than a seed may be."""
+    if not text.isdecimal() or int(text) >= 2**63:
+        raise argparse.ArgumentTypeError(f"{text!r} is not a whole number from 0 up, below 2**63")
     return int(text)
 
 

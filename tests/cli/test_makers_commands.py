@@ -100,6 +100,8 @@ def train_words(data, **changes):
         ({"-o": "w.pt"}, ".safetensors"),
         ({"-o": "nowhere/w.safetensors"}, "nowhere"),
         ({"--rate": "-1"}, "above 0"),
+        ({"--seed": 2**63}, "below 2**63"),
+        ({"--seed": 2**64}, "below 2**63"),
         ({"--size": "24"}, "which warm-delight asks for"),
         ({"--start": "missing.safetensors"}, "missing.safetensors"),
         ({"--stage": "outline", "--uses": "2"}, "used once"),
