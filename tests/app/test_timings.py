@@ -19,6 +19,9 @@ STAGES = {
     "matte": Stage(20.0, "computed", "new photo"),
 }
 
+FIRST_ROW, WORD_GAP = slice(16, 28), 5
+"""Of the card at scale 1, in pixels: where its first row is, and more than lies between two words."""
+
 
 def test_all_are_shown_where_they_and_their_sum_fit():
     assert list(stages_that_fit(STAGES, 6)) == ["read", "outline", "delight", "relief", "matte"]
@@ -40,3 +43,15 @@ def test_a_reason_ends_within_the_card(opened, relighter, monkeypatch, words):
     opened.key(glfw.KEY_T)
     changed = np.flatnonzero(np.abs(opened.window.screenshot() - without).any(axis=(0, 2)))
     assert WIDTH - 16 < changed.max() < WIDTH - 6
+
+
+def test_the_longest_name_stays_clear_of_what_its_stage_took(opened, relighter, monkeypatch):
+    opened.window.shelf.wait()
+    relight, stages = relighter.relight, {"weightsxwherexunseen": FakeStage(1234.5)}
+    monkeypatch.setattr(relighter, "relight", lambda *asked, **how: replace(relight(*asked, **how), stages=stages))
+    opened.key(glfw.KEY_TAB)
+    opened.key(glfw.KEY_RIGHT)
+    opened.key(glfw.KEY_T)
+    drawn = np.flatnonzero((opened.window.screenshot()[FIRST_ROW, WIDTH // 2 :] > 120).any(axis=(0, 2)))
+    name, milliseconds, bar = np.split(drawn, np.flatnonzero(np.diff(drawn) > WORD_GAP) + 1)
+    assert name[0] < milliseconds[0] < bar[0]

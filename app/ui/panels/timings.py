@@ -12,7 +12,7 @@ from app.ui.state import EditorState
 from app.ui.viewport import probe_card
 from relight_core.pipeline.cache import Stage
 
-_NAME_EM, _MS_EM, _BAR_EM, _LEAST_WHY_EM = 7.6, 3.6, 8.0, 12.5
+_NAME_EM, _MS_EM, _BAR_EM, _LEAST_WHY_EM = 10.0, 3.6, 8.0, 12.5
 _PAD_EM, _LINE_EM, _MARGIN_EM = 0.7, 1.25, 0.6
 _ROOM_FOR_WHY_EM = 49.0
 _FOOT_EM = 2.7
