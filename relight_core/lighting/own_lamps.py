@@ -17,7 +17,7 @@ from relight_core.lighting.environment import Environment, shrink
 from relight_core.lighting.lamps import AROUND_DEG, BEYOND_DEG, MOST_LAMPS, Lamp, bright_places
 from relight_core.lighting.rig_description import AreaLight
 from relight_core.lighting.rig_render import render_rig
-from relight_core.lighting.soft_box import SMALLEST_DEG, SoftBox, moved_to
+from relight_core.lighting.soft_box import SoftBox, moved_to, possible_size_deg
 from relight_core.lighting.sphere import directions, solid_angles
 from relight_core.lighting.summary import meter_reading
 
@@ -62,12 +62,15 @@ def _room_of_rig(light: Environment) -> np.ndarray:
 
 
 def _as_box(lamp: AreaLight, unit: float) -> SoftBox:
-    """A rig's lamp as a box, of the same irradiance where an intensity of 1 stands for `unit`."""
+    """A rig's lamp as a box, of the same irradiance where an intensity of 1 stands for `unit`.
+
+    One that is smaller or larger than a soft box may be becomes the smallest or the largest.
+    """
     box = SoftBox(
-        azimuth_deg=lamp.azimuth_deg,
+        azimuth_deg=(lamp.azimuth_deg + 180.0) % 360.0 - 180.0,
         elevation_deg=lamp.elevation_deg,
-        width_deg=lamp.width_deg,
-        height_deg=lamp.height_deg,
+        width_deg=possible_size_deg(lamp.width_deg),
+        height_deg=possible_size_deg(lamp.height_deg),
         softness=lamp.softness,
         colour=None if lamp.kelvin is not None else lamp.colour,
         intensity=float(np.dot(lamp.colour, REC709_LUMINANCE)) * lamp.intensity / unit,
@@ -100,7 +103,7 @@ def _room_of_panorama(light: Environment) -> np.ndarray:
 def _disc(name: str, lamp: Lamp, card: np.ndarray, unit: float) -> SoftBox:
     """A disc as large as a lamp that gives a white `card` (3,) which faces it as much light."""
     luminance = float(card @ REC709_LUMINANCE)
-    size = max(2 * lamp.radius_deg, SMALLEST_DEG)
+    size = possible_size_deg(2 * lamp.radius_deg)
     colour = tuple(float(part) for part in card / max(luminance, 1e-12))
     disc = SoftBox(0.0, 0.0, size, size, 0.2, colour=colour, intensity=luminance / unit, form="disc", name=name)
     return moved_to(disc, np.array(lamp.toward))

@@ -132,10 +132,15 @@ def moved_to(box: SoftBox, direction: np.ndarray) -> SoftBox:
 def resized_to(box: SoftBox, direction: np.ndarray) -> SoftBox:
     """The box with its size such that a corner, or a disc's edge, lies in a direction (3,); its centre stays."""
     if box.is_round:
-        size = _size(2 * _from_centre_deg(box, direction))
+        size = possible_size_deg(2 * _from_centre_deg(box, direction))
         return replace(box, width_deg=size, height_deg=size)
     across, along, _ = _angles(box, direction)
-    return replace(box, width_deg=_size(2 * abs(across)), height_deg=_size(2 * abs(along)))
+    return replace(box, width_deg=possible_size_deg(2 * abs(across)), height_deg=possible_size_deg(2 * abs(along)))
+
+
+def possible_size_deg(degrees: float) -> float:
+    """The width or height, of those a soft box may have, that is nearest to an angle."""
+    return min(max(degrees, SMALLEST_DEG), LARGEST_DEG)
 
 
 def contains(box: SoftBox, direction: np.ndarray) -> bool:
@@ -226,7 +231,3 @@ def _toward(box: SoftBox, across: np.ndarray, along: np.ndarray) -> np.ndarray:
     half_width, half_height = (math.tan(math.radians(size / 2)) for size in sizes)
     points = forward + np.outer(across * half_width, right) + np.outer(along * half_height, up)
     return points / np.linalg.norm(points, axis=1, keepdims=True)
-
-
-def _size(degrees: float) -> float:
-    return min(max(degrees, SMALLEST_DEG), LARGEST_DEG)

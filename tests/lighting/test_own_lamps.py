@@ -9,6 +9,8 @@ from relight_core.lighting.environment import Environment, network_light
 from relight_core.lighting.lamps import bright_places
 from relight_core.lighting.light_edit import LightEdit, edit_light, put_together, taken_apart
 from relight_core.lighting.own_lamps import own_lamps, room_of
+from relight_core.lighting.rig_description import parse_rig
+from relight_core.lighting.rig_render import Drawn, render_rig
 from relight_core.lighting.rigs import load_rig, rig_names
 from relight_core.lighting.soft_box import SoftBox
 from relight_core.lighting.sphere import directions, solid_angles
@@ -41,6 +43,19 @@ def test_a_light_that_was_taken_apart_is_the_same_light(name):
     parts = edit_light(light, apart(name))
     assert parts.level == pytest.approx(light.level, rel=1e-3)
     np.testing.assert_allclose(radiance(parts), radiance(light), atol=3e-3 * radiance(light).max())
+
+
+@pytest.mark.parametrize(("width_deg", "as_box_deg"), [(1.0, 3.0), (160.0, 150.0)])
+def test_a_lamp_of_a_rig_becomes_the_nearest_that_a_soft_box_may_be(width_deg, as_box_deg):
+    room = {"kelvin": 5600, "intensity": 0.1}
+    lamp = {"azimuth_deg": 220.0, "elevation_deg": 50.0, "width_deg": width_deg, "height_deg": 20.0}
+    rig = parse_rig({"room": room, "area_light": [lamp | {"kelvin": 5600, "intensity": 1.0}]})
+    light = Environment.from_radiance(render_rig(rig, 256), "rig")
+    light = replace(light, drawn=Drawn(rig, light.level))
+    (box,) = own_lamps(light)
+    assert (box.azimuth_deg, box.width_deg, box.height_deg) == (-140.0, as_box_deg, 20.0)
+    parts = edit_light(light, taken_apart(NOTHING, (box,)))
+    np.testing.assert_allclose(card(parts, box), card(light, box), rtol=0.03)
 
 
 @pytest.mark.parametrize("base", [0.5, 0.0])
