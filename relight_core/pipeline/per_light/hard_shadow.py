@@ -13,6 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 import torch
@@ -43,8 +44,6 @@ _SMALL_REST = 0.2
 _NO_GLOSS, _NO_LIGHT = 1e-6, 1e-12
 _GRAZING = 0.01
 """Texels of 11 degrees give some of a lamp's light to what just faces away from it."""
-
-_Sure = tuple[torch.Tensor, torch.Tensor]
 
 
 @dataclass(frozen=True, eq=False)
@@ -92,29 +91,27 @@ def harden_shadow(
     """
     if not lamps:
         return effects
-    diffuse, gloss = grey(surface.albedo * reflected[:, :3]), grey(reflected[:, 3:])
     power = [torch.from_numpy(footprint(lamp, roll_deg)) for lamp in lamps]
     lamps = [lamp.rolled(roll_deg) for lamp in lamps]
     rest = _without(light, lamps, power)
     reach = _reach(surface, rest, transport, view.horizon, lamps, power)
     of_lamps = reflect(light - rest)
+    diffuse, gloss = grey(surface.albedo * reflected[:, :3]), grey(reflected[:, 3:])
     parts = _parts(_irradiance(lamps, surface), grey(reflected[:, :3]), grey(of_lamps[:, :3]))
-    gloss_parts = _parts(_gloss(lamps, surface), gloss, grey(of_lamps[:, 3:]))
-    before = hidden_share(effects, diffuse, gloss)
-    sure = _sure_of(before, parts, reach)
-    hidden = _with_edges(before, parts, reach, sure)
+    matt = _with_edges(hidden_share(effects, diffuse, gloss), parts, reach)
     dull = (hidden_gloss(effects, gloss) / gloss.clamp_min(_NO_GLOSS)).clamp(0, 1)
-    duller = _with_edges(dull, gloss_parts, reach, _sure_of(dull, gloss_parts, reach))
-    specular = (effects.specular - gloss * (duller - dull)).clamp_min(0)
-    lost = [torch.lerp(*of_lamp) for of_lamp in zip(reach.lost, reach.lost_finely, reach.decides, strict=True)]
-    by_relief, gloss_by_relief = (_lost(of_lamps, lost, reach) for of_lamps in (parts, gloss_parts))
-    radiance = surface.albedo * of_lamps[:, :3] * _share_seen(lamps, parts, reach, hidden)
-    back = thrown_back(view.bounce, radiance, surface.albedo)
-    counts = _planes(_counts(parts, reach, sure))
-    ends = [LampEdge(*of_lamp) for of_lamp in zip(lamps, counts, _planes(reach.lost_finely), strict=True)]
-    edges = ShadowEdges(view.horizon, ends, *_planes([hidden, diffuse]))
-    told = {"by_relief": by_relief, "gloss_by_relief": gloss_by_relief, "thrown_back": back, "edges": edges}
-    return with_hidden_share(replace(effects, specular=specular, **told), hidden, diffuse, gloss)
+    shiny = _with_edges(dull, _parts(_gloss(lamps, surface), gloss, grey(of_lamps[:, 3:])), reach)
+    radiance = surface.albedo * of_lamps[:, :3] * _share_seen(lamps, parts, reach, matt.hidden)
+    ends = zip(lamps, _planes(matt.counts), _planes(reach.lost_finely), strict=True)
+    hardened = replace(
+        effects,
+        specular=(effects.specular - gloss * (shiny.hidden - dull)).clamp_min(0),
+        by_relief=matt.by_relief,
+        gloss_by_relief=shiny.by_relief,
+        thrown_back=thrown_back(view.bounce, radiance, surface.albedo),
+        edges=ShadowEdges(view.horizon, [LampEdge(*of_lamp) for of_lamp in ends], *_planes([matt.hidden, diffuse])),
+    )
+    return with_hidden_share(hardened, matt.hidden, diffuse, gloss)
 
 
 @dataclass(frozen=True)
@@ -132,6 +129,27 @@ class _Reach:
     lost_finely: Sequence[torch.Tensor]
     lost_rest: torch.Tensor
     decides: Sequence[torch.Tensor]
+
+    @cached_property
+    def lost_as_decided(self) -> Sequence[torch.Tensor]:
+        """Of each lamp, the share that is hidden, with its edges as far as geometry has the last word."""
+        of_each = zip(self.lost, self.lost_finely, self.decides, strict=True)
+        return [torch.lerp(soft, edgy, decides) for soft, edgy, decides in of_each]
+
+
+@dataclass(frozen=True)
+class _Edged:
+    """What is hidden of the diffuse light or of the gloss, with edges; maps (1, 1, S, S).
+
+    Attributes:
+        hidden: the share that is, in [0, 1].
+        by_relief: the share that the relief alone hides.
+        counts: of each lamp, how much more is hidden where all of its disc is than where none is.
+    """
+
+    hidden: torch.Tensor
+    by_relief: torch.Tensor
+    counts: Sequence[torch.Tensor]
 
 
 def _without(light: torch.Tensor, lamps: Sequence[Lamp], power: Sequence[torch.Tensor]) -> torch.Tensor:
@@ -182,40 +200,31 @@ def _rest(parts: Sequence[torch.Tensor]) -> torch.Tensor:
     return (1 - sum(parts)).clamp_min(0)
 
 
-def _with_edges(
-    hidden: torch.Tensor, parts: Sequence[torch.Tensor], reach: _Reach, sure_of: Sequence[_Sure]
-) -> torch.Tensor:
-    """What is hidden of the diffuse light or of the gloss, with the edges of the lamps' shadows, (1, 1, S, S).
+def _with_edges(hidden: torch.Tensor, parts: Sequence[torch.Tensor], reach: _Reach) -> _Edged:
+    """Give the shadows of lamps in the diffuse light or in the gloss their edges.
 
     Args:
-        hidden: the share that the network takes for hidden, in [0, 1].
+        hidden: (1, 1, S, S) the share that the network takes for hidden, in [0, 1].
         parts: of each lamp, its share of what there were if nothing was hidden.
-        sure_of: of the same, see `_sure_of`.
     """
-    edged, of_lamps, unlit = hidden, torch.zeros_like(hidden), torch.zeros_like(hidden)
-    of_each = zip(sure_of, parts, reach.lost, reach.lost_finely, strict=True)
+    edged, of_lamps, unlit, counts = hidden, torch.zeros_like(hidden), torch.zeros_like(hidden), []
+    of_each = zip(_sure_of(hidden, parts, reach), parts, reach.lost, reach.lost_finely, strict=True)
     for (of_lamp, sure), part, soft, edgy in of_each:
         change = part * edgy - of_lamp
         # A shadow that the relief knows nothing of, of a brim or a lock of hair, is not its to take away.
-        edged = edged + sure * torch.where(change > 0, change, change * _known(soft))
+        known = (soft / _SURE).clamp_max(1)
+        edged = edged + sure * torch.where(change > 0, change, change * known)
+        counts.append(sure * (part - (1 - known) * of_lamp))
         of_lamps, unlit = of_lamps + of_lamp, unlit + sure * part * edgy
     rest, of_rest = _rest(parts), (hidden - of_lamps).clamp_min(0)
     doubt = unlit.clamp(0, 1) / (1 + (rest / _SMALL_REST).square())
-    return (edged + doubt * (rest * reach.lost_rest - of_rest)).clamp(0, 1)
+    edged = (edged + doubt * (rest * reach.lost_rest - of_rest)).clamp(0, 1)
+    return _Edged(edged, _lost(parts, reach.lost_as_decided, reach), counts)
 
 
-def _counts(parts: Sequence[torch.Tensor], reach: _Reach, sure_of: Sequence[_Sure]) -> list[torch.Tensor]:
-    """Of each lamp, how much more `_with_edges` hides where all of its disc is hidden than where none is."""
-    of_each = zip(sure_of, parts, reach.lost, strict=True)
-    return [sure * (part - (1 - _known(soft)) * of_lamp) for (of_lamp, sure), part, soft in of_each]
-
-
-def _known(soft: torch.Tensor) -> torch.Tensor:
-    """How far the relief, asked coarsely, knows of the shadow that the network sees."""
-    return (soft / _SURE).clamp_max(1)
-
-
-def _sure_of(hidden: torch.Tensor, parts: Sequence[torch.Tensor], reach: _Reach) -> list[_Sure]:
+def _sure_of(
+    hidden: torch.Tensor, parts: Sequence[torch.Tensor], reach: _Reach
+) -> list[tuple[torch.Tensor, torch.Tensor]]:
     """Of each lamp, the part of what is hidden that is its light, and how far geometry has the last word about it."""
     lost, result = _lost(parts, reach.lost, reach), []
     for part, soft, decides in zip(parts, reach.lost, reach.decides, strict=True):
