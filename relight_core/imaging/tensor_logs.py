@@ -7,6 +7,9 @@ import torch
 BLACK = 0.005
 """Linear: 8-bit code 16. Far below it noise, lifted blacks and JPEG's chroma say more than the surface does."""
 
+LARGEST_LOG = 3.0
+"""Of a photo over its model: where they differ by more, twenty times, the model knows nothing of what is there."""
+
 
 def logs(image: torch.Tensor) -> torch.Tensor:
     """Natural logarithms of linear values >= 0, of any shape."""

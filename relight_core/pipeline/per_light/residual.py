@@ -35,7 +35,7 @@ import torch
 from relight_core.face.parsing import FEWEST_PIXELS, INDEX, SURELY
 from relight_core.imaging.ramp import ramp
 from relight_core.imaging.tensor_colour import grey
-from relight_core.imaging.tensor_logs import BLACK, log_ratios, without_mean
+from relight_core.imaging.tensor_logs import BLACK, LARGEST_LOG, log_ratios, without_mean
 from relight_core.imaging.tensor_means import local_medians, local_range, middle_values
 from relight_core.lighting.environment import mean_luminance
 from relight_core.lighting.likeness import likeness
@@ -50,7 +50,6 @@ from relight_core.pipeline.per_photo.skin_colour import deep_shadow
 from relight_core.pipeline.per_photo.source_light import level_over_person, seen_of_person
 from relight_core.pipeline.stages import Composed, Surface
 
-_LARGEST_LOG = 3.0
 _BEYOND, _PILED_UP, _FEW = 0.05, 0.02, 1e-4
 """How far above 1 a pixel was surely not clipped, how near to 1 it surely was, and the share of pixels that is few."""
 _DARK_HAIR = 0.8
@@ -105,7 +104,7 @@ class Residual:
     fleeting: torch.Tensor
     light: torch.Tensor
     level: float
-    largest_log: float = _LARGEST_LOG
+    largest_log: float = LARGEST_LOG
 
 
 @torch.inference_mode()
@@ -125,33 +124,36 @@ def find_residual(
     """
     level = mean_luminance(source_light[0].cpu().numpy())
     model = compose(source_light / max(level, 1e-12))
-    image = model.image.float()
-    known, over_person = seen_of_person(surface), level_over_person(surface, image)
-    if over_person is not None:
-        level = over_person
-    photo = recorded / max(level, 1e-4)
-    # The model is of a surface in a photo that was clipped to 1.
-    largest_log = _LARGEST_LOG + math.log(max(float(recorded.max()), 1.0))
-    log_ratio = log_ratios(photo, image).clamp(-_LARGEST_LOG, largest_log)
-    if was_clipped := _was_clipped(recorded):
-        log_ratio = at_least(log_ratio, was_clipped * clipped_share(recorded), flesh_share(surface.parsing))
+    over_person = level_over_person(surface, model.image.float())
+    level = level if over_person is None else over_person
+    log_ratio, largest_log = _photo_over_model(surface, recorded, level, model.image.float())
     mean = log_ratio.mean(1, keepdim=True)
     hair, skin = _hair_and_skin(surface, mean)
-    seen_skin = skin * known
+    seen_skin = skin * seen_of_person(surface)
     colour = without_mean(log_ratio)
     of_lamps = colours_of_lamps(surface, model.plain, colour, skin, seen_skin)
-    tint = colour + skin * (_by_camera(log_ratio, surface.albedo, seen_skin) - colour)
-    tint = tint - (1 - skin) * of_lamps
+    by_camera = _by_camera(log_ratio, surface.albedo, seen_skin)
+    tint = colour + skin * (by_camera - colour) - (1 - skin) * of_lamps
     of_light = off_black(surface, tint)
     of_light = of_light + too_blue(surface, tint - of_light)
     tint = tint - of_light
     glare = _glare_share(mean, skin, hair)
     of_others = torch.maximum(glare, deep_shadow(surface.photo, skin))
-    fleeting = glare * mean + of_others * (colour - tint - of_light) + of_light
-    shading, stays_dark = grey(model.plain), _DARK_HAIR * hair
-    missed = _missed_light(mean, skin, seen_skin, glare, (1 - of_others) * of_lamps)
-    kept = stays_dark, skin, *missed, tint, fleeting
-    return Residual(log_ratio, shading, *kept, source_light, level, largest_log)
+    broad, missed, missed_fades = _missed_light(mean, skin, seen_skin, glare, (1 - of_others) * of_lamps)
+    return Residual(
+        log_ratio=log_ratio,
+        shading=grey(model.plain),
+        stays_dark=_DARK_HAIR * hair,
+        skin=skin,
+        broad=broad,
+        missed=missed,
+        missed_fades=missed_fades,
+        tint=tint,
+        fleeting=glare * mean + of_others * (colour - tint - of_light) + of_light,
+        light=source_light,
+        level=level,
+        largest_log=largest_log,
+    )
 
 
 def at_light_level(residual: Residual, level: float) -> Residual:
@@ -159,8 +161,25 @@ def at_light_level(residual: Residual, level: float) -> Residual:
     if not (level > 0 and residual.level > 0):
         return residual
     brighter = math.log(residual.level / level)
-    log_ratio = (residual.log_ratio + brighter).clamp(-_LARGEST_LOG, residual.largest_log)
+    log_ratio = (residual.log_ratio + brighter).clamp(-LARGEST_LOG, residual.largest_log)
     return replace(residual, log_ratio=log_ratio, broad=residual.broad + brighter * residual.skin, level=level)
+
+
+def _photo_over_model(
+    surface: Surface, recorded: torch.Tensor, level: float, image: torch.Tensor
+) -> tuple[torch.Tensor, float]:
+    """`log_ratio` and `largest_log` of a residual.
+
+    Args:
+        recorded: as of `find_residual`.
+        level, image: of the photo's light, and the model's image (1, 3, S, S) under it, normalised.
+    """
+    # The model is of a surface in a photo that was clipped to 1.
+    largest_log = LARGEST_LOG + math.log(max(float(recorded.max()), 1.0))
+    log_ratio = log_ratios(recorded / max(level, 1e-4), image).clamp(-LARGEST_LOG, largest_log)
+    if was_clipped := _was_clipped(recorded):
+        log_ratio = at_least(log_ratio, was_clipped * clipped_share(recorded), flesh_share(surface.parsing))
+    return log_ratio, largest_log
 
 
 def _hair_and_skin(surface: Surface, mean: torch.Tensor) -> tuple[torch.Tensor, torch.Tensor]:

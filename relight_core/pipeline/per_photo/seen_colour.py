@@ -15,7 +15,7 @@ import torch
 
 from relight_core.face.parsing import INDEX, share_of
 from relight_core.imaging.tensor_colour import as_bright_as
-from relight_core.imaging.tensor_logs import log_ratios
+from relight_core.imaging.tensor_logs import LARGEST_LOG, log_ratios
 from relight_core.imaging.tensor_means import local_means
 from relight_core.pipeline.per_photo.black_colour import off_black
 from relight_core.pipeline.per_photo.blown import BROWS, at_least, clipped_share, flesh_share, skin_share
@@ -26,7 +26,6 @@ from relight_core.pipeline.stages import Surface
 _OF_ANY_COLOUR = ("hair", "hat", "cloth", "lips")
 _HATS, _BROWS = 0.5, 0.8
 """How much of a log ratio of brightness is the surface's own, of brows beside the skin around; the rest is shading."""
-_LARGEST_LOG = 3.0
 
 
 def with_seen_colours(surface: Surface, irradiance: torch.Tensor, gloss: torch.Tensor) -> Surface:
@@ -39,7 +38,7 @@ def with_seen_colours(surface: Surface, irradiance: torch.Tensor, gloss: torch.T
     level = level_over_person(surface, model)
     if level is None:
         return surface
-    log_ratio = log_ratios(surface.photo, level * model).clamp(-_LARGEST_LOG, _LARGEST_LOG)
+    log_ratio = log_ratios(surface.photo, level * model).clamp(-LARGEST_LOG, LARGEST_LOG)
     log_ratio = at_least(log_ratio, clipped_share(surface.photo), flesh_share(surface.parsing))
     brighter = log_ratio.mean(1, keepdim=True)
     colour = log_ratio - brighter
