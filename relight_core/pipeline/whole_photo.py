@@ -20,6 +20,7 @@ from relight_core.pipeline.per_light.rest_of_person import body_shading
 from relight_core.pipeline.per_light.sliders import specular_gain
 from relight_core.pipeline.per_photo.brush import BrushStroke
 from relight_core.pipeline.per_photo.exposing import exposure_about_faces
+from relight_core.pipeline.per_photo.first_matte import SeenPeople
 from relight_core.pipeline.per_photo.matte import WORKING_PX, DraftMatte, Matte, draft_matte, finish_matte
 from relight_core.pipeline.per_photo.person import Canvas, canvas_of, whole_person
 from relight_core.pipeline.plan import Plan
@@ -186,14 +187,19 @@ class WholePhoto:
 
     def _draft_matte(self) -> DraftMatte | None:
         """The people as seen by one tier, whichever is asked for, so that it depends on no history."""
-        looks, shapes = (face.looks() for face in self._faces), (face.face_mask() for face in self._faces)
         portraits = [face.portrait for face in self._faces]
         exposures, crops = [one.exposure for one in portraits], [one.crop for one in portraits]
         exposure = exposure_about_faces(exposures, crops, self._photo.linear.shape[:2])
-        others = (face.glances() for face in self._others)
-        seen = {"faces": shapes, "others": others, "hair": (face.hair() for face in self._faces)}
-        of_photo = {"small": self._small().linear, "exposure": exposure, "picture": self._photo.picture}
-        return draft_matte(self._photo.linear, looks, self._photo.alpha, **seen, **of_photo)
+
+        def look() -> SeenPeople:
+            return SeenPeople(
+                people=[face.looks() for face in self._faces],
+                faces=[face.face_mask() for face in self._faces],
+                others=[face.glances() for face in self._others],
+                hair=[face.hair() for face in self._faces],
+            )
+
+        return draft_matte(self._photo, look, self._small().linear, exposure)
 
     def _small(self) -> Canvas:
         """The photo no longer than WORKING_PX, from which smaller copies are made."""

@@ -3,6 +3,8 @@
 import numpy as np
 
 from relight_core.face.crop import Crop
+from relight_core.imaging.photo import Photo
+from relight_core.pipeline.per_photo.first_matte import SeenPeople
 from relight_core.pipeline.per_photo.matte import draft_matte, finish_matte
 
 CROP = Crop(100.0, 85.0, 130.0)
@@ -19,5 +21,6 @@ def portrait(behind=(0.05, 0.1, 0.5)):
     return np.maximum(linear, 0).astype(np.float32), matte
 
 
-def make_matte(*photo_and_looks):
-    return finish_matte(draft_matte(*photo_and_looks))
+def make_matte(linear, people, alpha=None, exposure=1.0):
+    """The matte of looks at people."""
+    return finish_matte(draft_matte(Photo(linear, alpha), lambda: SeenPeople(people), exposure=exposure))

@@ -14,6 +14,7 @@ from relight_core.imaging.photo import Photo
 from relight_core.lighting.reflection import ReflectionTable
 from relight_core.pipeline.face_taken_apart import Workshop
 from relight_core.pipeline.per_photo.brush import BrushStroke, checked_strokes, painted
+from relight_core.pipeline.per_photo.first_matte import SeenPeople
 from relight_core.pipeline.per_photo.matte import DraftMatte, draft_matte, finish_matte
 from relight_core.pipeline.per_photo.person import canvas_of, whole_person
 from relight_core.pipeline.results.finish import less_where_unseen, place_views, weights_on_views
@@ -104,7 +105,7 @@ def scene():
 
 def matte_after(*strokes, alpha=None):
     linear, mask = scene()
-    matte = finish_matte(draft_matte(linear, [[(mask, CROP)]], alpha), strokes)
+    matte = finish_matte(draft_matte(Photo(linear, alpha), lambda: SeenPeople([[(mask, CROP)]])), strokes)
     return whole_person(canvas_of(Photo(linear, alpha)), matte).share
 
 
@@ -158,7 +159,7 @@ def test_no_view_counts_where_it_took_what_was_added_for_something_behind(is_see
     seen[70:, 60:140] = 1
     if is_seen:
         seen[HAT] = 1
-    matte = finish_matte(draft_matte(linear, [[(mask, CROP)]]), [OVER_THE_HAT])
+    matte = finish_matte(draft_matte(Photo(linear), lambda: SeenPeople([[(mask, CROP)]])), [OVER_THE_HAT])
     people = [(view.extract(seen, 128), view)]
     placement = place_views(canvas_of(Photo(linear)), [view], matte, ReflectionTable(), people, [OVER_THE_HAT])
     (weights,) = less_where_unseen(placement, weights_on_views(placement, 120), 120)

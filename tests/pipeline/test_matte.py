@@ -10,7 +10,7 @@ from drawn_portrait import CROP, make_matte, portrait
 from relight_core.face.crop import Crop
 from relight_core.imaging.photo import Photo
 from relight_core.pipeline.per_photo.exposing import exposure_about_faces
-from relight_core.pipeline.per_photo.matte import draft_matte, finish_matte, own_colour
+from relight_core.pipeline.per_photo.matte import draft_matte, own_colour
 from relight_core.pipeline.per_photo.person import canvas_of, whole_person
 
 
@@ -30,7 +30,7 @@ def test_edges_are_found_in_whatever_units_a_photo_is(factor):
     linear, matte = portrait()
     people, scaled = [[(blurred_mask(matte), CROP)]], linear * np.float32(factor)
     shares = [
-        whole_person(canvas_of(Photo(one)), finish_matte(draft_matte(one, people, exposure=exposure))).share
+        whole_person(canvas_of(Photo(one)), make_matte(one, people, exposure=exposure)).share
         for one, exposure in ((linear, 1.0), (scaled, 1 / factor))
     ]
     np.testing.assert_allclose(*shares, atol=1e-3)
@@ -43,7 +43,7 @@ def test_of_two_people_each_is_outlined_at_an_exposure_of_their_own():
     people = [[(blurred_mask(truth), crop)] for crop in crops]
     dark = np.concatenate([linear * np.float32(0.02), linear], axis=1)
     exposure = exposure_about_faces((50.0, 1.0), crops, dark.shape[:2])
-    share = whole_person(canvas_of(Photo(dark)), finish_matte(draft_matte(dark, people, exposure=exposure))).share
+    share = whole_person(canvas_of(Photo(dark)), make_matte(dark, people, exposure=exposure)).share
     for found in (share[:, :width], share[:, width:]):
         assert np.abs(found - truth).mean() < 0.03
     assert exposure_about_faces((2.0, 2.0), crops, dark.shape[:2]) == 2.0
@@ -121,9 +121,7 @@ def test_a_large_photo_gets_sharp_edges_from_small_maps():
 
 
 def test_nobody_is_looked_for_who_was_cut_out_already():
-    linear, truth = portrait()
-    looked_at = (pytest.fail("looked at") for _ in range(1))
-    assert make_matte(linear, looked_at, truth).own_alpha
+    assert draft_matte(Photo(*portrait()), lambda: pytest.fail("looked at")) is None
 
 
 def test_two_people_are_one_matte():

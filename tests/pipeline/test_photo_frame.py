@@ -13,6 +13,7 @@ from relight_core.imaging.photo_frame import inside_frame, shrunk_inside, whole_
 from relight_core.imaging.resampling import shrunk_size
 from relight_core.lighting.reflection import ReflectionTable
 from relight_core.pipeline.per_photo.brush import BrushStroke
+from relight_core.pipeline.per_photo.first_matte import SeenPeople
 from relight_core.pipeline.per_photo.matte import Matte, draft_matte, finish_matte
 from relight_core.pipeline.per_photo.network_view import network_view
 from relight_core.pipeline.per_photo.person import canvas_of, whole_person
@@ -68,7 +69,7 @@ def test_nobody_goes_on_into_the_frame():
     whole, mask = framed(picture, 12, 1.0), framed(np.repeat(person[..., None], 3, 2).astype(np.float32), 12, 0)
     mask[212:, 32:150] = 1.0
     crop = Crop(92.0, 112.0, 224.0)
-    draft = draft_matte(whole, [[(crop.extract(mask[..., 0].copy(), 64), crop)]])
+    draft = draft_matte(Photo(whole), lambda: SeenPeople([[(crop.extract(mask[..., 0].copy(), 64), crop)]]))
     assert draft.share[213:].max() == 0
     assert draft.share[180:205, 60:120].min() > 0.9
 
@@ -81,7 +82,7 @@ def test_what_sticks_up_into_a_wall_of_the_frames_colour_is_not_cut_off():
     rows, columns = inside_frame(whole)
     assert (rows.start, rows.stop) == (0, 236)
     crop = Crop(116.0, 136.0, 272.0)
-    draft = draft_matte(whole, [[(crop.extract(mask[..., 0].copy(), 64), crop)]])
+    draft = draft_matte(Photo(whole), lambda: SeenPeople([[(crop.extract(mask[..., 0].copy(), 64), crop)]]))
     assert draft.share[238:].max() == 0
 
 
@@ -222,8 +223,8 @@ def test_the_matte_of_a_framed_photo_is_that_of_the_photo():
     mask, view = np.where(white_shirt, 0.5, person).astype(np.float32), Crop(80.0, 70.0, 140.0)
     looks, whole = [(view.extract(mask, 64), view)], framed(picture, 24, 1.0)
     in_frame = [(mask, view.moved(24, 24)) for mask, view in looks]
-    share = draft_matte(whole, [in_frame], picture=Photo(whole).picture).share
-    assert np.abs(share[24:-24, 24:-24] - draft_matte(picture, [looks]).share).mean() < 0.02
+    share = draft_matte(Photo(whole), lambda: SeenPeople([in_frame])).share
+    assert np.abs(share[24:-24, 24:-24] - draft_matte(Photo(picture), lambda: SeenPeople([looks])).share).mean() < 0.02
     assert share[:22].max() == share[-22:].max() == share[:, :22].max() == share[:, -22:].max() == 0
 
 
@@ -302,7 +303,7 @@ def test_a_white_shirt_ends_with_the_photo_where_its_white_frame_begins(painted_
     looks = [(view.extract(person.astype(np.float32), 64), view.moved(151, 151))]
     photo = Photo(framed(picture, 151, 1.0))
     strokes = [BrushStroke(((200.0, 80.0), (1300.0, 80.0)), 40.0, True)] if painted_above else []
-    matte = finish_matte(draft_matte(photo.linear, [looks], picture=photo.picture), strokes)
+    matte = finish_matte(draft_matte(photo, lambda: SeenPeople([looks])), strokes)
     share = whole_person(canvas_of(photo), matte).share
     assert max(matte.level.shape) <= 1024
     assert share[1750, 500:1100].min() > 0.95
@@ -314,7 +315,7 @@ def test_what_is_painted_into_a_frame_stays():
     looks = [(np.zeros((64, 64), np.float32), Crop(640.0, 560.0, 1120.0))]
     strokes = [BrushStroke(((300.0, 80.0), (1400.0, 80.0)), 40.0, True)]
     strokes += [BrushStroke(((700.0, 60.0), (700.0, 450.0)), 80.0, True)]
-    matte = finish_matte(draft_matte(photo.linear, [looks], picture=photo.picture), strokes)
+    matte = finish_matte(draft_matte(photo, lambda: SeenPeople([looks])), strokes)
     share = whole_person(canvas_of(photo), matte).share
     assert share[80, 400:1300].min() > 0.9
     assert share[80:430, 660:740].min() > 0.9

@@ -8,6 +8,7 @@ from relight_core.face.crop import Crop
 from relight_core.imaging.colour import srgb_decode
 from relight_core.imaging.photo import Photo
 from relight_core.pipeline.per_photo.brush import BrushStroke
+from relight_core.pipeline.per_photo.first_matte import SeenPeople
 from relight_core.pipeline.per_photo.matte import draft_matte, finish_matte
 from relight_core.pipeline.per_photo.person import canvas_of, whole_person
 from relight_core.pipeline.per_photo.strands import Hair, strands_of
@@ -145,7 +146,8 @@ def test_what_is_kept_stays():
 def test_a_gap_that_is_painted_over_belongs_to_the_person():
     guide, share = scene()
     linear = srgb_decode(guide)
-    draft = draft_matte(linear, [[(cv2.resize(share, (100, 100), interpolation=cv2.INTER_AREA), VIEW)]], hair=[head()])
+    looks = [(cv2.resize(share, (100, 100), interpolation=cv2.INTER_AREA), VIEW)]
+    draft = draft_matte(Photo(linear), lambda: SeenPeople([looks], hair=[head()]))
     painted = BrushStroke(((298.0, 160.0), (298.0, 240.0)), 20.0, True)
     before, after = (
         whole_person(canvas_of(Photo(linear)), finish_matte(draft, strokes)).share for strokes in ([], [painted])

@@ -5,6 +5,8 @@ import numpy as np
 import pytest
 
 from relight_core.face.crop import Crop
+from relight_core.imaging.photo import Photo
+from relight_core.pipeline.per_photo.first_matte import SeenPeople
 from relight_core.pipeline.per_photo.matte import draft_matte
 from relight_core.pipeline.per_photo.turned_photo import filled_corners
 
@@ -59,6 +61,8 @@ def test_nobody_goes_on_into_a_filled_corner():
     # A view of a body shows it going on.
     below = filled * (np.mgrid[0:height, 0:width][0] > 180).astype(np.float32)
     crop = Crop(width / 2, height / 2, float(max(height, width)))
-    share = draft_matte(shown**2.2, [[(crop.extract(np.maximum(mask, below), 64), crop)]]).share
+    share = draft_matte(
+        Photo(shown**2.2), lambda: SeenPeople([[(crop.extract(np.maximum(mask, below), 64), crop)]])
+    ).share
     assert share[filled].max() == 0
     assert share[200:225, 100:140].min() > 0.9

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
 
 import cv2
 import numpy as np
@@ -22,45 +23,54 @@ from relight_core.pipeline.per_photo.likely_person import (
     without_holes,
     without_lookalikes,
 )
+from relight_core.pipeline.per_photo.strands import Hair
 
 _MATTING_PX = 224
 _NEAR_FROM, _LEAST_NEAR_PX, _EDGE_SHARE = 1.25, 32, 0.15
 _EVEN_PX, _EVEN, _STEEP = 5, 0.15, 3.0
 
 
-def first_matte(
-    guide: np.ndarray,
-    people: list[list[Look]],
-    faces: list[Look],
-    others: list[list[Look]],
-    photo_size: tuple[float, float],
-) -> np.ndarray:
+@dataclass(frozen=True, eq=False)
+class SeenPeople:
+    """What networks see of the people in a photo.
+
+    Attributes:
+        people: looks at each, hair and clothes included, from the nearest to the widest (see `place_masks`).
+        faces: a look at each face, its probability instead of the person's.
+        others: looks, as at the people, at whoever is known not to be meant.
+        hair: what is known of each head's.
+    """
+
+    people: Sequence[list[Look]]
+    faces: Sequence[Look] = ()
+    others: Sequence[list[Look]] = ()
+    hair: Sequence[Hair] = ()
+
+    def moved(self, x: float, y: float) -> SeenPeople:
+        """The same in a photo that begins elsewhere, by pixels of it; of the hair nothing."""
+
+        def move(looks: Iterable[Look]) -> list[Look]:
+            return [(mask, view.moved(x, y)) for mask, view in looks]
+
+        people, others = ([move(looks) for looks in of_each] for of_each in (self.people, self.others))
+        return SeenPeople(people, move(self.faces), others)
+
+
+def first_matte(guide: np.ndarray, seen: SeenPeople, photo_size: tuple[float, float]) -> np.ndarray:
     """The matte (h, w) of a picture (h, w, 3), sRGB, as networks and colours have it; see `draft_matte`."""
     size = shrunk_size(guide.shape[:2], _MATTING_PX)
-    placed = place_masks(people, size, photo_size, others)
-    face, near = place_faces(faces, size, photo_size), near_views(people, size, photo_size)
+    placed = place_masks(seen.people, size, photo_size, seen.others)
+    face, near = place_faces(seen.faces, size, photo_size), near_views(seen.people, size, photo_size)
     coarse = _matted(guide, placed, face, near, size)
-    return _seen_nearer(coarse, guide, people, faces, others, photo_size)
+    return _seen_nearer(coarse, guide, seen, photo_size)
 
 
-def first_matte_within(
-    cells: Inside,
-    guide: np.ndarray,
-    people: Iterable[list[Look]],
-    faces: Iterable[Look],
-    others: Iterable[list[Look]],
-    photo_size: tuple[int, int],
-) -> np.ndarray:
+def first_matte_within(cells: Inside, guide: np.ndarray, seen: SeenPeople, photo_size: tuple[int, int]) -> np.ndarray:
     """`first_matte` of some cells of a picture alone, whose edges go on around them."""
     (rows, columns), (height, width) = cells, guide.shape[:2]
     down, across = photo_size[0] / height, photo_size[1] / width
-    part = np.ascontiguousarray(guide[cells])
-
-    def moved(looks: Iterable[Look]) -> list[Look]:
-        return [(mask, view.moved(-columns.start * across, -rows.start * down)) for mask, view in looks]
-
-    looks = [moved(of_one) for of_one in people], moved(faces), [moved(of_one) for of_one in others]
-    share = first_matte(part, *looks, (part.shape[0] * down, part.shape[1] * across))
+    part, within = np.ascontiguousarray(guide[cells]), seen.moved(-columns.start * across, -rows.start * down)
+    share = first_matte(part, within, (part.shape[0] * down, part.shape[1] * across))
     return going_on(share, cells, (height, width))
 
 
@@ -82,23 +92,18 @@ def _matted(
 
 
 def _seen_nearer(
-    coarse: np.ndarray,
-    guide: np.ndarray,
-    people: list[list[Look]],
-    faces: list[Look],
-    others: list[list[Look]],
-    photo_size: tuple[int, int],
+    coarse: np.ndarray, guide: np.ndarray, seen: SeenPeople, photo_size: tuple[float, float]
 ) -> np.ndarray:
     """A matte (h, w) made again, from near, where people are small in the photo.
 
     In a copy of all of it an ear or a strand is less than a pixel there, and mixes with whatever is beside it. Where
     several windows meet, the nearest look counts, in whichever order the people come.
     """
-    windows = [window for looks in people if (window := _near_window(looks[0][1], photo_size, guide.shape[:2]))]
+    windows = [window for looks in seen.people if (window := _near_window(looks[0][1], photo_size, guide.shape[:2]))]
     if not windows:
         return coarse
-    placed = place_masks(people, guide.shape[:2], photo_size, others)
-    face = place_faces(faces, guide.shape[:2], photo_size)
+    placed = place_masks(seen.people, guide.shape[:2], photo_size, seen.others)
+    face = place_faces(seen.faces, guide.shape[:2], photo_size)
     for window in sorted(windows, key=_widest_first):
         size = shrunk_size(coarse[window].shape, _MATTING_PX)
         *masks, face_mask = (resize_area(mask[window], size) for mask in (*placed, face))

@@ -44,7 +44,7 @@ Look = tuple[np.ndarray, Crop]
 
 
 def place_masks(
-    people: list[list[Look]],
+    people: Sequence[list[Look]],
     size: tuple[int, int],
     photo_size: tuple[int, int],
     others: Sequence[list[Look]] = (),
@@ -83,7 +83,7 @@ def place_faces(faces: Iterable[Look], size: tuple[int, int], photo_size: tuple[
     return result
 
 
-def near_views(people: list[list[Look]], size: tuple[int, int], photo_size: tuple[int, int]) -> np.ndarray:
+def near_views(people: Sequence[list[Look]], size: tuple[int, int], photo_size: tuple[int, int]) -> np.ndarray:
     """Which places (h, w) of a photo, true or false, lie in somebody's nearest look; arguments as of `place_masks`."""
     places = places_of(size, photo_size)
     return np.logical_or.reduce([np.zeros(size, bool), *(_inside(looks[0][1], places) for looks in people)])

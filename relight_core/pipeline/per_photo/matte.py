@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 
@@ -11,14 +11,14 @@ import numpy as np
 
 from relight_core.face.paste import Band, all_of
 from relight_core.imaging.colour import luminance
+from relight_core.imaging.photo import Photo
 from relight_core.imaging.photo_frame import Inside, going_on, inside_frame, picture_cells, shrunk_inside, whole_inside
 from relight_core.imaging.resampling import resize_area, shrunk_size
 from relight_core.imaging.view_transform import apply_view
 from relight_core.pipeline.per_photo.brush import BrushStroke, painted
 from relight_core.pipeline.per_photo.exposing import exposed
-from relight_core.pipeline.per_photo.first_matte import first_matte, first_matte_within
-from relight_core.pipeline.per_photo.likely_person import Look
-from relight_core.pipeline.per_photo.strands import Hair, Strands, strands_of
+from relight_core.pipeline.per_photo.first_matte import SeenPeople, first_matte, first_matte_within
+from relight_core.pipeline.per_photo.strands import Strands, strands_of
 from relight_core.pipeline.per_photo.turned_photo import filled_corners
 
 WORKING_PX = 1024
@@ -123,52 +123,41 @@ class DraftMatte:
 
 
 def draft_matte(
-    linear: np.ndarray,
-    people: Iterable[list[Look]],
-    alpha: np.ndarray | None = None,
+    photo: Photo,
+    look: Callable[[], SeenPeople],
     small: np.ndarray | None = None,
     exposure: float | np.ndarray = 1.0,
-    faces: Iterable[Look] = (),
-    others: Iterable[list[Look]] = (),
-    picture: tuple[int, int, int, int] | None = None,
-    hair: Iterable[Hair] = (),
 ) -> DraftMatte | None:
     """Carry coarse person masks to the whole photo; None where the photo's own alpha is the matte.
 
     Where a person may be follows from the masks, beyond their views from how bodies hang together, and from the
-    colours of what is surely person and surely not (`likely_person`). Closed-form matting makes a soft matte of
-    that in a small copy, what hangs together with nobody is taken out of it, and gaps within somebody are closed.
-    Strands of hair are told from what is behind them. Costs some tenths of a second: once per photo.
+    colours of what is surely person and surely not (`likely_person`); of a frame's colours nothing is learnt.
+    Closed-form matting makes a soft matte of that in a small copy, what hangs together with nobody is taken out of it,
+    and gaps within somebody are closed. Strands of hair are told from what is behind them. Costs some tenths of a
+    second: once per photo.
 
     Args:
-        linear: (H, W, 3) linear, the photo.
-        people: looks at each, hair and clothes included, from the nearest to the widest (see `place_masks`). Nobody
-            is looked at where the photo's own alpha is the matte.
-        alpha: (H, W) the photo's own alpha. Where given and not opaque throughout, it is the matte.
-        small: the photo no longer than WORKING_PX, where that is there already.
+        look: gives what networks see; not asked where the photo is cut out.
+        small: the photo no longer than WORKING_PX, (h, w, 3) linear, where that is there already.
         exposure: edges are looked for in the photo times this, see `exposure_about_faces`.
-        faces: a look at each face, its probability instead of the person's.
-        others: looks, as at the people, at whoever is known not to be meant.
-        picture: x0, y0, x1, y1 of what of the photo no frame covers (see `Photo.picture`): of a frame's colours nothing
-            is learnt. None is all of it.
-        hair: what is known of each head's.
     """
-    size = linear.shape[:2]
-    if alpha is not None and float(alpha.min()) < 1.0:
+    if photo.is_cut_out:
         return None
+    seen, linear, size = look(), photo.linear, photo.linear.shape[:2]
     small = resize_area(linear, shrunk_size(size, WORKING_PX)) if small is None else small
     guide = np.ascontiguousarray(apply_view(exposed(small, exposure, all_of(small.shape[:2], size))))
     inside = inside_frame(guide)
-    if picture is None or picture == (0, 0, size[1], size[0]):
-        share = first_matte(guide, list(people), list(faces), list(others), size)
+    if photo.picture == (0, 0, size[1], size[0]):
+        share = first_matte(guide, seen, size)
     else:
-        cells = picture_cells(picture, size, guide.shape[:2])
-        share = first_matte_within(cells, guide, people, faces, others, size)
+        cells = picture_cells(photo.picture, size, guide.shape[:2])
+        share = first_matte_within(cells, guide, seen, size)
         inside = cells if inside is None else inside
     ends = None if inside is None else _ends(linear, exposure, inside, guide.shape[:2])
     inside = None if ends is None else shrunk_inside(ends, size, guide.shape[:2])
     share = _within(inside, filled_corners(guide), share)
-    return DraftMatte(share, small, guide, size, exposure, inside, strands_of(guide, share, hair, size, inside), ends)
+    strands = strands_of(guide, share, seen.hair, size, inside)
+    return DraftMatte(share, small, guide, size, exposure, inside, strands, ends)
 
 
 def _ends(linear: np.ndarray, exposure: float | np.ndarray, inside: Inside, small: tuple[int, int]) -> Inside:
