@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Sequence
+from collections.abc import Callable, Hashable, Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -34,6 +34,7 @@ from relight_core.pipeline.plan import Plan, Scene, make_plan
 from relight_core.pipeline.prepared import Lit, Prepared
 from relight_core.pipeline.quality import tier_of
 from relight_core.pipeline.results.channels import ViewChange
+from relight_core.pipeline.results.channels_together import Channels
 from relight_core.pipeline.results.relit import Relit
 from relight_core.pipeline.whole_photo import BEFORE_THE_BRUSH, WholePhoto
 from relight_core.resources import resource_path
@@ -212,28 +213,30 @@ class Relighter:
         edit = self._settled(edit)
         plan, serving = self._planned(environment, edit)
         self._lights.keep(tier_of(edit.quality), serving)
-        face, level = self._first(), environment.level
+        face, whole, level = self._first(), self._whole, environment.level
         ready, lit, change = self._first_change(serving, plan, edit, level)
         others = self._other_changes(serving, plan, edit, level)
         changes = [change, *(changed for *_, changed in others)]
-        whole = self._whole
         catchlights = self._catchlights(serving, plan, edit, environment)
         full = whole.picture(changes, catchlights, serving.radiance, plan, environment, edit)
-        recipe, image, alpha = None, None, None
-        if longest_side_px != 0:
-            recipe, image, alpha = whole.shown(full, plan, longest_side_px, for_shader)
+        recipe, image, alpha = whole.shown(full, plan, longest_side_px, for_shader)
         channels = self._channels(ready, lit, change, plan, edit, environment)
-        boxes = [face.portrait.face for face in self._faces]
-        view, done = face.portrait.view, dict(self._record.stages)
-        place = {"window": view.window, "roll_deg": view.roll_deg}
-        more = {"recipe": recipe, "level_as_in_photo_ev": partial(face.level_as_in_photo_ev, ready, change)}
-        more |= {"outline": partial(whole.outline, full.matte), "networks_ended_s": self._networks_ended_s()}
-        if others and channels:
-            of_others = [
-                one.channels_later(*parts, plan, edit) for one, parts in zip(self._faces[1:], others, strict=True)
-            ]
-            more["channels_together"] = whole.channels_together(channels, of_others)
-        return Relit(image, alpha, channels, boxes, done, plan.effects, full, **place, **more)
+        return Relit(
+            image,
+            alpha,
+            channels,
+            faces=[one.portrait.face for one in self._faces],
+            stages=dict(self._record.stages),
+            plan=plan.effects,
+            full=full,
+            window=face.portrait.view.window,
+            roll_deg=face.portrait.view.roll_deg,
+            recipe=recipe,
+            level_as_in_photo_ev=partial(face.level_as_in_photo_ev, ready, change),
+            outline=partial(whole.outline, full.matte),
+            networks_ended_s=self._networks_ended_s(),
+            channels_together=self._channels_together(channels, others, plan, edit),
+        )
 
     def _channels(
         self, ready: Prepared, lit: Lit, change: ViewChange, plan: Plan, edit: Edit, environment: Environment
@@ -243,6 +246,15 @@ class Relighter:
         if edit.looks_at("target_light") and plan.runs("channels"):
             channels["target_light"] = network_light(environment, edit.yaw_deg) * np.float32(environment.level)
         return channels
+
+    def _channels_together(
+        self, first: Channels, others: Sequence[tuple[Prepared, Lit, ViewChange]], plan: Plan, edit: Edit
+    ) -> Callable[[], list[dict[str, np.ndarray]]]:
+        """What makes the channels of several faces, of those of the first and what makes the others'."""
+        if not (first and others):
+            return list
+        faces = zip(self._faces[1:], others, strict=True)
+        return self._whole.channels_together(first, [face.channels_later(*parts, plan, edit) for face, parts in faces])
 
     def _catchlights(
         self, serving: ServingLight, plan: Plan, edit: Edit, environment: Environment

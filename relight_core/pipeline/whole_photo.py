@@ -121,8 +121,10 @@ class WholePhoto:
         """A picture for a screen: a recipe for a shader where it is wished and possible, else its image and alpha.
 
         Args:
-            longest_side_px: no larger than this; None is as large as the photo.
+            longest_side_px: no larger than this; None is as large as the photo, 0 is none of the three.
         """
+        if longest_side_px == 0:
+            return None, None, None
         make = partial(canvas_of, self._photo, longest_side_px)
         canvas = self._cache.of_photo("canvas", longest_side_px, make, "new photo or size", 2)
         picture, key = replace(picture, canvas=canvas), (plan.keys["background"], longest_side_px)
