@@ -7,6 +7,9 @@ import torch
 BLACK = 0.005
 """Linear: 8-bit code 16. Far below it noise, lifted blacks and JPEG's chroma say more than the surface does."""
 
+DARKEST = 0.001
+"""Linear: what is darker counts as this where a logarithm is to be exact, as of skin, which is far brighter."""
+
 LARGEST_LOG = 3.0
 """Of a photo over its model: where they differ by more, twenty times, the model knows nothing of what is there."""
 
@@ -14,6 +17,11 @@ LARGEST_LOG = 3.0
 def logs(image: torch.Tensor) -> torch.Tensor:
     """Natural logarithms of linear values >= 0, of any shape."""
     return (image + BLACK).log()
+
+
+def exact_logs(image: torch.Tensor) -> torch.Tensor:
+    """Natural logarithms of linear values >= 0, of any shape, from DARKEST on."""
+    return image.clamp_min(DARKEST).log()
 
 
 def log_ratios(image: torch.Tensor, other: torch.Tensor) -> torch.Tensor:

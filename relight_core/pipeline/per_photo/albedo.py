@@ -16,6 +16,7 @@ import torch
 
 from relight_core.face.parsing import FEWEST_OF_SKIN, INDEX, SURELY
 from relight_core.imaging.tensor_colour import grey
+from relight_core.imaging.tensor_logs import exact_logs
 from relight_core.lighting.relief import ReliefTransport
 from relight_core.pipeline.per_photo.blown import skin_share
 from relight_core.pipeline.per_photo.glare import without_glare
@@ -53,7 +54,7 @@ def _without_shading(surface: Surface, log_shading: torch.Tensor, skin: torch.Te
     The slope of log albedo over log shading (1, 1, S, S), by least squares over the skin, is the power of the shading
     that went into the albedo.
     """
-    albedo = grey(surface.albedo).clamp_min(1e-3).log()
+    albedo = exact_logs(grey(surface.albedo))
     known = (skin > SURELY) & (surface.photo.amax(1, keepdim=True) < _CLIPPED)
     if int(known.sum()) < FEWEST_OF_SKIN:
         return surface

@@ -13,6 +13,7 @@ import torch
 from relight_core.face.parsing import FEWEST_OF_SKIN, SURELY
 from relight_core.imaging.ramp import ramp
 from relight_core.imaging.tensor_colour import grey
+from relight_core.imaging.tensor_logs import DARKEST, exact_logs
 from relight_core.pipeline.per_photo.blown import fill_in
 from relight_core.pipeline.stages import Surface
 
@@ -35,9 +36,9 @@ def without_glare(surface: Surface, shading: torch.Tensor, skin: torch.Tensor) -
     known = skin > SURELY
     if int(known.sum()) < FEWEST_OF_SKIN:
         return surface
-    albedo = grey(surface.albedo).clamp_min(1e-3)
-    seen = grey(surface.photo).clamp_min(1e-3).log()
-    beyond_model = _beyond_most(seen - (albedo * shading).clamp_min(1e-3).log(), known)
+    albedo = grey(surface.albedo).clamp_min(DARKEST)
+    seen = exact_logs(grey(surface.photo))
+    beyond_model = _beyond_most(seen - exact_logs(albedo * shading), known)
     glare = likely(skin) * torch.minimum(beyond_model, _beyond_most(seen, known))
     around = fill_in(surface.albedo, skin.square() * (1 - glare).square() + _LITTLE**2)
     instead = torch.lerp(surface.albedo, around, glare)

@@ -16,6 +16,7 @@ import torch.nn.functional as F
 
 from relight_core.imaging.resampling import resize_area
 from relight_core.imaging.tensor_constants import constant
+from relight_core.imaging.tensor_logs import exact_logs
 from relight_core.networks.bundle import NetworkBundle
 from relight_core.pipeline import stages
 from relight_core.pipeline.per_photo.blown import skin_share
@@ -28,7 +29,7 @@ _AHEAD = (0.0, 0.2, 0.65)
 """The even light is brightest from ahead and above, and fades linearly to the back: a normal n receives 1 + n . a."""
 _MOST_OF_THE_WAY = 0.7
 _STRONGEST_GAIN = 10.0
-_DARKEST_PHOTO, _DARKEST_ALBEDO = 4e-3, 1e-3
+_DARKEST_PHOTO = 4e-3
 
 
 @torch.inference_mode()
@@ -66,7 +67,7 @@ def evened_out(
 def with_skin_of(found: stages.Surface, again: stages.Surface) -> stages.Surface:
     """A surface whose skin has the albedo of a second look, at its own mean level: of that, the first knows more."""
     skin = skin_share(found.parsing)
-    first, second = (surface.albedo.clamp_min(_DARKEST_ALBEDO).log() for surface in (found, again))
+    first, second = (exact_logs(surface.albedo) for surface in (found, again))
     change = second - first
     level = (change * skin).sum() / (3 * skin.sum()).clamp_min(1)
     return replace(found, albedo=(found.albedo * torch.exp(skin * (change - level))).clamp(0, 1))

@@ -18,6 +18,7 @@ import torch
 from relight_core.face.parsing import FEWEST_OF_SKIN, SURELY
 from relight_core.imaging.ramp import ramp
 from relight_core.imaging.tensor_colour import as_bright_as, grey
+from relight_core.imaging.tensor_logs import exact_logs
 from relight_core.imaging.tensor_means import local_means, middle_values
 from relight_core.pipeline.stages import Surface
 
@@ -51,7 +52,7 @@ def in_one_colour(surface: Surface, skin: torch.Tensor) -> Surface:
     known = skin > SURELY
     if int(known.sum()) < FEWEST_OF_SKIN:
         return surface
-    log_albedo = surface.albedo.clamp_min(1e-3).log()
+    log_albedo = exact_logs(surface.albedo)
     ratios = log_albedo - log_albedo[:, 1:2]
     middle = middle_values(local_means(ratios, skin), known[0, 0])
     off = ratios - middle
