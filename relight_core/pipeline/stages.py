@@ -63,7 +63,8 @@ class Surface:
         relief: height toward the camera, in half-widths of the view.
         parsing: probabilities of the parsing classes.
         person: (1, 1, S, S) probability that a pixel is person: the parsing's, made solid.
-        source_light: (1, 16, 32, 3) the light the photo was taken under, mean about 1.
+        source_light: (1, 16, 32, 3) the light the photo was taken under, of a mean luminance over the sphere that is
+            about 1.
     """
 
     photo: torch.Tensor
