@@ -8,8 +8,9 @@ from collections.abc import Callable
 import cv2
 import numpy as np
 
-_FLAT, _STEP = 6 / 255, 16 / 255
-"""sRGB values: within the first of its colour is frame, beyond the second surely picture."""
+FLAT, STEP = 6 / 255, 16 / 255
+"""sRGB values: within the first of its colour is a frame, a page or a filled corner, beyond the second surely
+picture."""
 _ALIKE, _LEAST_LINE, _LEAST_BESIDE = 0.98, 0.4, 0.2
 """Shares of a row that are frame in a frame, and picture just behind one: on one side at least, and on every other."""
 _WIDEST_SHARE = 0.25
@@ -132,8 +133,8 @@ def _bar(side: np.ndarray) -> int:
     few = side[:, ::_EVERY_PX]
     first = few[: int(_WIDEST_BAR * len(few))]
     colours = np.median(first, axis=1)
-    plain = (np.abs(first - colours[:, None]).max(axis=2) <= _FLAT).mean(axis=1) >= _ALIKE
-    goes_on = plain[1:] & (np.abs(np.diff(colours, axis=0)).max(axis=1) <= _FLAT)
+    plain = (np.abs(first - colours[:, None]).max(axis=2) <= FLAT).mean(axis=1) >= _ALIKE
+    goes_on = plain[1:] & (np.abs(np.diff(colours, axis=0)).max(axis=1) <= FLAT)
     ends = np.flatnonzero(plain & ~np.append(goes_on, False))
     return next((depth for last in ends[::-1] if (depth := _bar_to(few, last, colours[last]))), 0)
 
@@ -141,10 +142,10 @@ def _bar(side: np.ndarray) -> int:
 def _bar_to(side: np.ndarray, last: int, colour: np.ndarray) -> int:
     """How many rows of a picture (n, m, 3) a bar of a colour has whose last plain row that is; 0 where it is none."""
     away = np.abs(side[: last + _RINGING_PX + _BLURRED_PX + 1] - colour).max(axis=2)
-    depth = last + 1 + _first_not(away[last + 1 : -_BLURRED_PX] <= _STEP, _RINGING)
-    run = (away[max(last + 1 - _LEAST_RUN_PX, 0) : last + 1] <= _FLAT).mean(axis=1)
-    whole = len(run) == _LEAST_RUN_PX and run.min() >= _ALIKE and (away[:depth] <= _FLAT).mean() >= _PLAIN
-    ends = (away[min(depth + _BLURRED_PX, len(away) - 1)] > _STEP).mean() >= _LINE
+    depth = last + 1 + _first_not(away[last + 1 : -_BLURRED_PX] <= STEP, _RINGING)
+    run = (away[max(last + 1 - _LEAST_RUN_PX, 0) : last + 1] <= FLAT).mean(axis=1)
+    whole = len(run) == _LEAST_RUN_PX and run.min() >= _ALIKE and (away[:depth] <= FLAT).mean() >= _PLAIN
+    ends = (away[min(depth + _BLURRED_PX, len(away) - 1)] > STEP).mean() >= _LINE
     return int(depth) if whole and ends else 0
 
 
@@ -156,7 +157,7 @@ def _inside_all_around(shown: np.ndarray, least_beside: float) -> Inside | None:
     """
     sides = _sides(shown)
     colours = np.array([np.median(side[0], axis=0) for side in sides])
-    if np.ptp(colours, axis=0).max() > _FLAT:
+    if np.ptp(colours, axis=0).max() > FLAT:
         return None
     away = [
         np.abs(side[: max(int(_WIDEST_SHARE * len(side)), 1)] - colour).max(axis=2)
@@ -169,7 +170,7 @@ def _inside_all_around(shown: np.ndarray, least_beside: float) -> Inside | None:
     rows, columns = slice(top, height - bottom), slice(left, width - right)
     along = columns, columns, rows, rows
     ends = [
-        _share_of_line(part[min(depth + _BLURRED_PX, len(part) - 1), span] > _STEP)
+        _share_of_line(part[min(depth + _BLURRED_PX, len(part) - 1), span] > STEP)
         for part, depth, span in zip(away, depths, along, strict=True)
     ]
     if max(ends) < _LEAST_LINE:
@@ -190,8 +191,8 @@ def _share_of_line(picture: np.ndarray) -> float:
 
 def _depth(away: np.ndarray) -> int:
     """How many rows from the first on (n, m) have the frame's colour, all but where a picture rings in it."""
-    depth = _first_not(away <= _FLAT, _ALIKE)
-    return depth + _first_not(away[depth : min(depth + _RINGING_PX, len(away) - 1)] <= _STEP, _RINGING)
+    depth = _first_not(away <= FLAT, _ALIKE)
+    return depth + _first_not(away[depth : min(depth + _RINGING_PX, len(away) - 1)] <= STEP, _RINGING)
 
 
 def _first_not(alike: np.ndarray, least: float) -> int:

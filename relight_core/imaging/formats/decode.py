@@ -15,6 +15,7 @@ from PIL import Image, ImageChops
 from relight_core.errors import InputError
 from relight_core.imaging.formats.camera_raw import develop_raw, is_raw
 from relight_core.imaging.formats.deep_tiff import decode_deep_tiff, decode_flat_tiff
+from relight_core.imaging.formats.exif_block import ORIENTATION
 from relight_core.imaging.formats.heif import decode_heif, is_heif, stated_profile
 from relight_core.imaging.formats.icc import stated_transfer
 from relight_core.imaging.formats.jpeg_scans import has_all_scans
@@ -202,7 +203,7 @@ def _deep_grey(image: Image.Image) -> np.ndarray:
 
 def _orientation(image: Image.Image) -> int:
     try:
-        value = image.getexif().get(274, 1)
+        value = image.getexif().get(ORIENTATION, 1)
     except (ValueError, TypeError, OSError, SyntaxError, struct.error):
         return 1
     return value if value in range(1, 9) else 1

@@ -21,11 +21,12 @@ from relight_core.imaging.formats.opencv_decoding import decoded_by_opencv, in_r
 from relight_core.imaging.formats.raster import Raster, damaged
 from relight_core.imaging.formats.stated_colours import exif_profile
 from relight_core.imaging.formats.tiff_exif import exif_of_tiff
+from relight_core.imaging.formats.tiff_pages import stated_orientation
 
 # It tells of every odd tag; what can't be read is told by our own errors.
 logging.getLogger("tifffile").setLevel(logging.CRITICAL)
 
-_ORIENTATION, _PROFILE = 274, 34675
+_PROFILE = 34675
 _WHITE_IS_0, _BLACK_IS_0, _RGB, _CMYK, _ICC_LAB = 0, 1, 2, 5, 9
 _BY_LIBRARY = {_CMYK: "CMYK", _ICC_LAB: "LAB"}
 _BY_PILLOW = (0, 1, 2, 3, 5, 6, 8)
@@ -114,7 +115,7 @@ def _decoded(page: tifffile.TiffPage, kind: _Kind, data: bytes) -> Raster | None
     if raster.icc is None and values.dtype.kind == "u" and kind.photometric not in _BY_LIBRARY:
         raster = replace(raster, icc=exif_profile(data, raster.values.shape[2]))
     # OpenCV turns pictures upright by itself.
-    orientation = 1 if by_opencv else _orientation(page)
+    orientation = 1 if by_opencv else stated_orientation(page) or 1
     return replace(raster, orientation=orientation, exif=exif_of_tiff(data))
 
 
@@ -169,11 +170,6 @@ def _inflates_as_it_should(page: tifffile.TiffPage, data: bytes) -> bool:
         except zlib.error:
             return False
     return True
-
-
-def _orientation(page: tifffile.TiffPage) -> int:
-    tag = page.tags.get(_ORIENTATION)
-    return int(tag.value) if tag is not None and tag.value in range(1, 9) else 1
 
 
 def _as_raster(values: np.ndarray, page: tifffile.TiffPage, photometric: int) -> Raster:

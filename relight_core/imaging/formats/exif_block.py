@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-EXIF_IFD, GPS_IFD, INTEROPERABILITY_IFD = 34665, 34853, 40965
+ORIENTATION, EXIF_IFD, GPS_IFD, INTEROPERABILITY_IFD = 274, 34665, 34853, 40965
 _INNER = {EXIF_IFD: {INTEROPERABILITY_IFD: {}}, GPS_IFD: {}}
 """Tags that lead to a directory within one, and those within that."""
 

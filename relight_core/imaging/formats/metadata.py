@@ -9,13 +9,13 @@ from PIL import Image
 from relight_core.imaging.formats.exif_block import (
     EXIF_IFD,
     INTEROPERABILITY_IFD,
+    ORIENTATION,
     Directory,
     Entry,
     block_of,
     read_directory,
 )
 
-_ORIENTATION = 274
 _PICTURE_ITSELF = (
     *(256, 257, 258, 259, 262, 273, 277, 278, 279, 284, 301, 317, 318, 319, 320, 322, 323, 324, 325, 330),
     *(338, 339, 347, 529, 530, 531, 532, 700, 34675),
@@ -70,7 +70,7 @@ def carried_block(block: bytes | None) -> bytes | None:
     leave_picture_behind(found)
     if not found.entries and not found.inner:
         return None
-    found.entries[_ORIENTATION] = Entry(3, 1, struct.pack(found.order + "H", _UPRIGHT))
+    found.entries[ORIENTATION] = Entry(3, 1, struct.pack(found.order + "H", _UPRIGHT))
     return fitting_block(found)
 
 

@@ -11,6 +11,7 @@ from pathlib import Path
 import tifffile
 
 from relight_core.errors import InputError
+from relight_core.imaging.formats.exif_block import ORIENTATION
 
 _THUMBNAIL, _MASK = 1, 4
 """Bits of NewSubfileType (TIFF 6.0): a smaller picture of another, and another's transparency."""
@@ -18,7 +19,6 @@ _THUMBNAIL, _MASK = 1, 4
 _THUMBNAIL_PX = 512
 """Larger pictures may be called smaller ones of others by mistake; where there is no other, they are the photo."""
 
-_ORIENTATION = 274
 _MOST_PAGES = 32
 """To look at: a file could lead to the same directory again and again."""
 
@@ -49,7 +49,13 @@ def starting_with_photo(data: bytes, path: Path) -> tuple[bytes, int | None]:
     place = struct.pack(order + ("Q" if is_big else "I"), photo.offset)
     start = 8 if is_big else 4
     moved = b"".join([data[:start], place, memoryview(data)[start + len(place) :]])
-    return moved, None if _ORIENTATION in photo.tags else _orientation(pages[0])
+    return moved, None if ORIENTATION in photo.tags else stated_orientation(pages[0])
+
+
+def stated_orientation(page: tifffile.TiffPage) -> int | None:
+    """EXIF's orientation of a picture in a TIFF, 1 to 8; None where it states none."""
+    tag = page.tags.get(ORIENTATION)
+    return int(tag.value) if tag is not None and tag.value in range(1, 9) else None
 
 
 def _pages(pages: tifffile.TiffPages) -> Iterator[tifffile.TiffPage]:
@@ -60,8 +66,3 @@ def _pages(pages: tifffile.TiffPages) -> Iterator[tifffile.TiffPage]:
 
 def _is_of_another(page: tifffile.TiffPage) -> bool:
     return bool(page.subfiletype & (_THUMBNAIL | _MASK))
-
-
-def _orientation(page: tifffile.TiffPage) -> int | None:
-    tag = page.tags.get(_ORIENTATION)
-    return tag.value if tag is not None and tag.value in range(1, 9) else None

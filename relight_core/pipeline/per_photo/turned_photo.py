@@ -8,8 +8,8 @@ from itertools import combinations
 
 import numpy as np
 
-_FLAT, _STEP = 6 / 255, 16 / 255
-"""sRGB values: within the first of its colour is filled, beyond the second surely picture."""
+from relight_core.imaging.photo_frame import FLAT, STEP
+
 _CORNER_PX, _LEAST_LEG_PX = 4, 8
 _STRAIGHT_PX, _STRAIGHT, _PLAIN = 1.5, 0.8, 0.98
 """How near a line its corner ends, in which share of the rows, and how much of it has its colour."""
@@ -54,28 +54,28 @@ def filled_corners(shown: np.ndarray) -> np.ndarray | None:
 
 def _of_one_picture(first: _Corner, second: _Corner) -> bool:
     apart = abs(first.turn_deg - second.turn_deg)
-    return min(apart, 90 - apart) <= _RIGHT_DEG and np.abs(first.colour - second.colour).max() <= _FLAT
+    return min(apart, 90 - apart) <= _RIGHT_DEG and np.abs(first.colour - second.colour).max() <= FLAT
 
 
 def _corner(shown: np.ndarray, flip: tuple[slice, slice]) -> _Corner | None:
     """The triangle that is filled at the first row's and column's end of a picture that was flipped so."""
     tip = shown[:_CORNER_PX, :_CORNER_PX].reshape(-1, 3)
-    if np.ptp(tip, axis=0).max() > _FLAT:
+    if np.ptp(tip, axis=0).max() > FLAT:
         return None
     colour = np.median(tip, axis=0)
     # Below the first row that begins with something else, nothing is of the corner.
-    count = int(np.argmax(np.append(_away(shown[:, 0], colour) > _STEP, True)))
+    count = int(np.argmax(np.append(_away(shown[:, 0], colour) > STEP, True)))
     if count < _LEAST_LEG_PX:
         return None
     away = _away(shown[:count], colour)
-    legs = _legs(np.argmax(np.pad(away > _STEP, ((0, 0), (0, 1)), constant_values=True), axis=1))
+    legs = _legs(np.argmax(np.pad(away > STEP, ((0, 0), (0, 1)), constant_values=True), axis=1))
     if legs is None:
         return None
     down, across = legs
     rows, columns = np.ogrid[: shown.shape[0], : shown.shape[1]]
     # How far each pixel's middle is from the border, positive in the corner.
     depth = (1 - (rows + 0.5) / down - (columns + 0.5) / across) * down * across / math.hypot(down, across)
-    if (away[depth[:count] > _BORDER_PX] <= _FLAT).mean() < _PLAIN:
+    if (away[depth[:count] > _BORDER_PX] <= FLAT).mean() < _PLAIN:
         return None
     angle = math.degrees(math.atan2(down, across))
     mirrored = flip[0].step != flip[1].step
