@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable, Sequence
+from collections.abc import Callable, Hashable, Iterable, Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -107,15 +107,10 @@ class Relighter:
         """
         strokes, search = checked_strokes(strokes), FaceSearch(self._shop, photo)
         people = tuple(self._found(photo, search) if boxes is None else checked_boxes(photo, boxes))
-        known = self._face_at if self._faces and self._faces[0].portrait.photo is photo else {}
-
-        def face_at(box: FaceBox) -> FaceRelighter:
-            return known.get(box) or FaceRelighter(self._shop, framed(photo, box, search.parsing), StageCache())
-
         chosen, before = those_chosen(photo, people, face_index), (self._faces, self._others)
-        faces = {box: face_at(box) for box in dict.fromkeys((*chosen, *people))}
-        self._people, self._face_at, self._faces = people, faces, [faces[box] for box in chosen]
-        self._others = [face for box, face in faces.items() if box not in chosen]
+        self._face_at = self._faces_at(dict.fromkeys((*chosen, *people)), photo, search)
+        self._people, self._faces = people, [self._face_at[box] for box in chosen]
+        self._others = [face for box, face in self._face_at.items() if box not in chosen]
         self._whole = WholePhoto(self._shop, self._cache, self._faces, strokes, self._others)
         if (self._faces, self._others) == before:
             self._cache.keep_only(BEFORE_THE_BRUSH)
@@ -124,6 +119,12 @@ class Relighter:
                 # A company and its faces know each other, and in such a circle would keep their photo.
                 face.join(None)
             self._begin_portrait()
+
+    def _faces_at(self, boxes: Iterable[FaceBox], photo: Photo, search: FaceSearch) -> dict[FaceBox, FaceRelighter]:
+        """The faces in some boxes: those of the portrait so far where it is of the same photo, others framed now."""
+        known = self._face_at if self._faces and self._faces[0].portrait.photo is photo else {}
+        frame = lambda box: framed(photo, box, search.parsing)  # noqa: E731
+        return {box: known.get(box) or FaceRelighter(self._shop, frame(box), StageCache()) for box in boxes}
 
     def _begin_portrait(self) -> None:
         """Forget what was found of other faces, and let those of now share their photo's light."""
