@@ -19,6 +19,8 @@ _GREY = 0.01
 _ACROSS = 0.4
 """Of a change along a surface's own colour: curves compress red before green, and turn skin yellower on its way. Skin
 that kept the change along its own colour alone would be redder than the photo has ever shown it."""
+PALER_THAN_SKIN = (-0.25, -0.5)
+"""Saturations beside a face's from which on a pixel's colour may be, and surely is, not that of skin."""
 
 
 def log_colour(values: torch.Tensor) -> torch.Tensor:

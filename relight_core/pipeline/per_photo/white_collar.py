@@ -14,7 +14,13 @@ import torch
 from relight_core.face.parsing import INDEX, SURELY, middle_row, with_neck_as
 from relight_core.imaging.ramp import ramp
 from relight_core.imaging.tensor_colour import grey
-from relight_core.pipeline.per_photo.saturation import log_colours, middle_colour, recoloured, saturation
+from relight_core.pipeline.per_photo.saturation import (
+    PALER_THAN_SKIN,
+    log_colours,
+    middle_colour,
+    recoloured,
+    saturation,
+)
 
 _MOUTH = ("lips", "inner_mouth")
 _FEWEST_MOUTH_PIXELS = 4
@@ -27,7 +33,6 @@ _BRIGHT, _NECK = 0.05, (0.2, 0.4)
 _COLOURED, _GREY = -0.6, -0.8
 _PERHAPS_MOST, _MOST = 0.45, 0.6
 """Shares of what is bright that are of no colour, from which on it is a collar, in part and altogether."""
-_SKIN, _CLOTH = -0.25, -0.5
 _LIKELY = 0.3
 _ALONG_THE_JAW = 3.6 / 128
 """Of the view: a rim lies within this of the face for the most part."""
@@ -60,7 +65,7 @@ def with_white_collar(
     surely = _mostly_grey(colour, ramp(neck, *_NECK) * ramp(brighter, 0, _BRIGHT))
     if surely == 0:
         return albedo, parsing
-    share = surely * neck * ramp(brighter, 0, _BRIGHTER - 1) * ramp(colour, _SKIN, _CLOTH)
+    share = surely * neck * ramp(brighter, 0, _BRIGHTER - 1) * ramp(colour, *PALER_THAN_SKIN)
     share = share * ~_rims(share, face)
     return recoloured(albedo, own + off, share), with_neck_as(parsing, "cloth", share)
 

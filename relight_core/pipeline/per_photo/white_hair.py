@@ -12,14 +12,19 @@ import torch
 
 from relight_core.face.parsing import INDEX, middle_row, with_neck_as
 from relight_core.imaging.ramp import ramp
-from relight_core.pipeline.per_photo.saturation import log_colours, middle_colour, recoloured, saturation
+from relight_core.pipeline.per_photo.saturation import (
+    PALER_THAN_SKIN,
+    log_colours,
+    middle_colour,
+    recoloured,
+    saturation,
+)
 from relight_core.pipeline.stages import Surface
 
 _EYES = ("left_eye", "right_eye", "left_brow", "right_brow")
 _FEWEST_EYE_PIXELS = 4
 _PERHAPS_GREY, _MOSTLY_GREY = -0.4, -0.6
 """Saturation of the scalp's middle colour beside the skin's, from which on it is hair, in part and altogether."""
-_SKIN, _HAIR = -0.25, -0.5
 
 
 def eyes_row(parsing: torch.Tensor) -> float | None:
@@ -52,6 +57,6 @@ def with_white_hair(surface: Surface) -> Surface:
     if mostly == 0:
         return surface
     off = log_colours(surface.photo) - seen
-    share = mostly * scalp * ramp(saturation(off, seen), _SKIN, _HAIR)
+    share = mostly * scalp * ramp(saturation(off, seen), *PALER_THAN_SKIN)
     albedo = recoloured(surface.albedo, own + off, share)
     return replace(surface, parsing=with_neck_as(surface.parsing, "hair", share), albedo=albedo)
