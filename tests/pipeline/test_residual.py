@@ -281,6 +281,25 @@ def test_a_colour_of_skin_in_deep_shadow_stays_only_in_its_own_light_and_paint_t
     assert purple_patch_in(lamp(18), 0.2) == seen
 
 
+def mask_in_a_dimmer_light(height):
+    """Log of blue over red of a blue mask (1.39 in its photo) amid skin, where the model sees bare skin all over."""
+    size, skin, blue = 48, (0.4, 0.25, 0.2), (0.1, 0.25, 0.4)
+    model = torch.tensor(skin)[None, :, None, None].expand(1, 3, size, size).contiguous()
+    photo = model.clone()
+    photo[..., 24 - height // 2 : 24 + height // 2, 14:34] = torch.tensor(blue)[None, :, None, None]
+    there = surface(photo)
+    there.albedo = model
+    residual = find_residual(there, photo, lamp(2), lambda own: Composed(model, torch.ones_like(model)))
+    dimmer = Composed(0.2 * model, torch.full_like(model, 0.2))
+    image, _ = add_residual(residual, dimmer, no_effects(size), lamp(18))
+    return float((image[0, 2, 24, 24] / image[0, 0, 24, 24]).log())
+
+
+def test_a_mask_that_the_albedo_has_as_skin_keeps_its_colour_in_another_light_and_a_narrow_band_fades():
+    assert mask_in_a_dimmer_light(16) == pytest.approx(1.39, abs=0.2)
+    assert mask_in_a_dimmer_light(2) < 0
+
+
 def test_a_pattern_that_the_model_misses_stays_in_any_light():
     assert rim_in(lamp(18), CLOTH) == pytest.approx(4.5, rel=0.01)
     assert rim_in(lamp(18), SKIN, rim=0.23) == pytest.approx(1.15, rel=0.02)

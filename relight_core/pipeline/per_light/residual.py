@@ -16,8 +16,9 @@ knows: how a place is lit says little about whether another light does the same,
 light becomes another. So do colours in deep shadow that the skin's albedo doesn't have: they are another lamp's.
 
 Two things stay in any light: what a camera adds to the colour of all skin (see `pipeline.per_photo.saturation`), and
-the colours of all that is not skin, of which photo and skin together say more than the albedo does; nearly black hair
-and cloth keep the colour they are seen in (see `pipeline.per_photo.black_colour`).
+the colours of all that is not skin, of which photo and skin together say more than the albedo does: a mask and broad
+paint amid skin are none, whatever parsing takes them for; nearly black hair and cloth keep the colour they are seen in
+(see `pipeline.per_photo.black_colour`).
 
 In hair that is darker than its model, strands lie in each other's shadow, whatever light falls on them: it stays
 darker. So does a beard's edge that parsing can't tell from the neck, and whose albedo is half that of skin: far
@@ -46,7 +47,7 @@ from relight_core.pipeline.per_photo.blown import at_least, clipped_share, flesh
 from relight_core.pipeline.per_photo.glare import likely
 from relight_core.pipeline.per_photo.mouth_colour import too_blue
 from relight_core.pipeline.per_photo.saturation import middle_colour, of_camera, saturation
-from relight_core.pipeline.per_photo.skin_colour import deep_shadow
+from relight_core.pipeline.per_photo.skin_colour import deep_shadow, painted
 from relight_core.pipeline.per_photo.source_light import level_over_person, seen_of_person
 from relight_core.pipeline.stages import Composed, Surface
 
@@ -68,6 +69,8 @@ from which on it fades by more than the first power and by the second. Where a h
 the model knows nothing of, the photo's own light is not what it seems, and being like that one says little."""
 _MISSED_ELSEWHERE = (0.26, 0.4)
 """The spreads from which on hair and cloth lie in such shadows too, perhaps and surely; else it is their albedo."""
+_BROAD = 2 * MOLE
+"""Of the view's side, to each side: what is broader and of other colours, with plain skin about it, is surely paint."""
 _STEP = (0.1, 0.3)
 """By how much, in logs, medians a mole apart differ where there may be, and surely is, the edge of a shadow."""
 
@@ -129,8 +132,9 @@ def find_residual(
     log_ratio, largest_log = _photo_over_model(surface, recorded, level, model.image.float())
     mean = log_ratio.mean(1, keepdim=True)
     hair, skin = _hair_and_skin(surface, mean)
-    seen_skin = skin * seen_of_person(surface)
     colour = without_mean(log_ratio)
+    skin = skin * ~_broadly_painted(surface, colour, skin)
+    seen_skin = skin * seen_of_person(surface)
     of_lamps = colours_of_lamps(surface, model.plain, colour, skin, seen_skin)
     by_camera = _by_camera(log_ratio, surface.albedo, seen_skin)
     tint = colour + skin * (by_camera - colour) - (1 - skin) * of_lamps
@@ -199,6 +203,25 @@ def _hair_and_skin(surface: Surface, mean: torch.Tensor) -> tuple[torch.Tensor, 
     likelier = hair * torch.exp(_HAIR_LOG_ODDS * both)
     mistaken = (hair + neck) * likelier / (likelier + neck).clamp_min(1e-6) - hair
     return hair + mistaken, skin - mistaken
+
+
+def _broadly_painted(surface: Surface, colour: torch.Tensor, skin: torch.Tensor) -> torch.Tensor:
+    """(1, 1, S, S) bool, where the photo shows paint on skin, or a mask over it, broader than rims and ears' hollows.
+
+    Whatever the albedo has of it. A narrow line may be a light's from behind, and red in an ear comes of light there.
+
+    Args:
+        colour: (1, 3, S, S) logs of photo over model, of mean 0.
+        skin: (1, 1, S, S) probability of what parsing takes for bare skin.
+    """
+    sure = (skin > SURELY)[0, 0]
+    if int(sure.sum()) < FEWEST_PIXELS:
+        return torch.zeros_like(skin, dtype=torch.bool)
+    seen = surface.albedo.clamp_min(BLACK).log() + colour
+    ratios = seen - seen[:, 1:2]
+    paint = painted(ratios - middle_values(ratios, sure), surface.photo, skin).to(skin)
+    broad = local_range(local_range(paint, _BROAD)[0], 2 * _BROAD)[1]
+    return paint * broad > 0
 
 
 def _missed_light(
