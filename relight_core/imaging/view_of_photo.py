@@ -39,6 +39,10 @@ _TEXTURED = 0.8
 _PALE = 0.05
 _WARM = (0.2, 0.4)
 """What red has before blue, of the sum of the three, where something dark counts as skin, in part and altogether."""
+_OF_OWN, _OF_GREY = (0.3, 0.6), -0.02
+"""The shares of what a face's own lit skin has that are enough, too, and where counting begins if it has none."""
+_SURELY_SKIN, _LIT_PX = 0.6, (30, 60)
+"""The probability of skin, and how many such pixels in the light may tell, and surely tell, what it has."""
 _HOLE_SHARE = 0.07
 """Of the view: nostrils are lower, and so are the corners beside them."""
 _HOLE = (0.5, 0.25)
@@ -53,16 +57,20 @@ class Makeup:
         patterned: where contrast comes from colour rather than from shading: eyes, brows, lips, hair, cloth.
         evenly_lit: where no network resolves the surface: mouth and eyes.
         textured: where the photo's texture breaks gloss as it breaks all light: all but what is wet or polished.
+        skin: where skin is bare.
+        mouth: the mouth's part of `evenly_lit`.
     """
 
     patterned: np.ndarray
     evenly_lit: np.ndarray
     textured: np.ndarray
+    skin: np.ndarray
+    mouth: np.ndarray
 
     @classmethod
     def plain(cls, size: int) -> Makeup:
         """Smooth and of one colour."""
-        return cls(*np.zeros((3, size, size), np.float32))
+        return cls(*np.zeros((5, size, size), np.float32))
 
 
 class ViewOfPhoto:
@@ -78,9 +86,9 @@ class ViewOfPhoto:
             photo: (s, s, 3) linear, the view as the networks saw it. NaN and infinities are cleaned.
             makeup: of (s, s).
         """
-        patterned, even, textured = (
+        patterned, even, textured, skin, mouth = (
             cv2.merge([np.clip(share, 0.0, 1.0).astype(np.float32)] * 3)
-            for share in (makeup.patterned, makeup.evenly_lit, makeup.textured)
+            for share in (makeup.patterned, makeup.evenly_lit, makeup.textured, makeup.skin, makeup.mouth)
         )
         self._photo = photo = within_halves(photo)
         self._mean = _mean(photo)
@@ -88,8 +96,9 @@ class ViewOfPhoto:
         self._calm = (_CALM * np.maximum(self._mean, _DARK)) ** 2
         self._patterned, self._even, self._uneven = patterned, even, 1 - even
         self._evened = np.maximum(_smooth((photo + _DARK) * even), 1e-9)
-        self._skin = (1 - patterned) * (1 - even) * textured
-        self._in_shadow = self._skin * _warm(self._mean)
+        self._plain = (1 - patterned) * (1 - even) * textured
+        self._in_shadow = self._plain * skin * _like_skin(self._mean, skin)
+        self._laid_over = (self._in_shadow + mouth) * (photo + _DARK)
         carried = np.maximum(_TEXTURED * textured, even) * np.minimum(photo / _PALE, 1.0)
         self._shine, self._veil = carried / np.maximum(photo, _DARK), (1 - carried) * (1 - even)
         self._lift = 1 / (_as_lifted(photo, self._mean, patterned) + _DARK)
@@ -112,11 +121,9 @@ class ViewOfPhoto:
         gain = np.maximum(self._evenly(matt, self._with_pattern(matt)), 0.0)
         reached = share_in_reach(gain)
         missed, gain = gain * (1 - reached), gain * reached
-        # Skin in a deep shadow would stay black, or grey of the gloss on top. It is warm there, more than in the light.
-        # What is black and not warm was parsed as skin by mistake, a beard's edge or a collar: gloss would be a haze.
-        laid_over = missed * (self._photo + _DARK) * self._in_shadow
-        kept = 1 - (1 - reached) * (self._skin - self._in_shadow)
-        offset = self._veil * gloss * kept + _DARK * np.maximum(gain - 1.0, 0.0) + laid_over
+        # Skin in a deep shadow would stay black, or grey of the gloss on top, and a mouth black beside skin.
+        kept = 1 - (1 - reached) * (self._plain - self._in_shadow)
+        offset = self._veil * gloss * kept + _DARK * np.maximum(gain - 1.0, 0.0) + missed * self._laid_over
         gain = gain + self._shine * gloss
         return LightChange(gain * share_in_reach(gain), offset, self._shine, self._veil, self._gain_of_lifted)
 
@@ -164,9 +171,19 @@ def _as_lifted(photo: np.ndarray, mean: np.ndarray, patterned: np.ndarray) -> np
     return seen + hole * (1 - patterned) * (around - seen).clip(0)
 
 
-def _warm(photo: np.ndarray) -> np.ndarray:
-    """How surely a dark place (s, s, 3) is skin in a shadow: (s, s, 1) in [0, 1]."""
-    return ramp((photo[..., :1] - photo[..., 2:]) / (photo.sum(axis=-1, keepdims=True) + _DARK), *_WARM)
+def _like_skin(photo: np.ndarray, skin: np.ndarray) -> np.ndarray:
+    """How surely a dark place (s, s, 3), parsed as skin, is skin in a shadow: (s, s, 1) in [0, 1].
+
+    It is warm there, mostly more than in the light; where a face shows little warmth in the light, less will do. What
+    is black and not warm was parsed as skin by mistake, a beard's edge or a collar, and would be a haze.
+    """
+    warmth = (photo[..., :1] - photo[..., 2:]) / (photo.sum(axis=-1, keepdims=True) + _DARK)
+    lit = warmth[(skin[..., :1] > _SURELY_SKIN) & (luminance(photo)[..., None] > _PALE)]
+    own, told = max(float(np.median(lit)), 0.0) if len(lit) else 0.0, ramp(float(len(lit)), *_LIT_PX)
+    start, full = (
+        limit + told * (min(share * own, limit) - limit) for limit, share in zip(_WARM, _OF_OWN, strict=True)
+    )
+    return ramp(warmth, start + told * _OF_GREY, full)
 
 
 def _smooth(image: np.ndarray) -> np.ndarray:

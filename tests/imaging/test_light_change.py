@@ -20,8 +20,9 @@ def checked_photo(size=64, dark=0.05, bright=0.8):
 NO_GLOSS = np.zeros((16, 16, 3), np.float32)
 
 
-def made_of(patterned=0.0, evenly_lit=0.0, textured=0.0, size=16):
-    return Makeup(*(np.full((size, size), share, np.float32) for share in (patterned, evenly_lit, textured)))
+def made_of(patterned=0.0, evenly_lit=0.0, textured=0.0, skin=0.0, mouth=0.0, size=16):
+    shares = patterned, evenly_lit, textured, skin, mouth
+    return Makeup(*(np.full((size, size), share, np.float32) for share in shares))
 
 
 def fit_light_change(photo, relit, gloss, makeup):
@@ -114,7 +115,7 @@ IN_SHADOW = (0.02, 0.005, 0.001)
 def lit_strongly(photo, **made):
     """Something that hardly shows, and is skin with gloss in the new light; how that comes out, (3,)."""
     photo, relit, gloss = (np.full((16, 16, 3), value, np.float32) for value in (photo, (0.76, 0.38, 0.25), 0.2))
-    return fit_light_change(photo, relit, gloss, made_of(textured=1.0, **made)).apply(photo)[8, 8]
+    return fit_light_change(photo, relit, gloss, made_of(**{"textured": 1.0, "skin": 1.0} | made)).apply(photo)[8, 8]
 
 
 def test_skin_comes_out_of_a_deep_shadow_in_its_own_colour():
@@ -125,6 +126,44 @@ def test_what_is_black_beside_skin_or_of_a_pattern_gets_no_haze():
     black = np.float32([0.002, 0.002, 0.0025])
     assert (lit_strongly(black) < 0.12).all()
     assert (lit_strongly(IN_SHADOW, patterned=1.0) - 0.2 < 16 * np.float32(IN_SHADOW) + 0.02).all()
+
+
+def test_a_mouth_comes_out_of_a_deep_shadow_whatever_its_colour_but_an_eye_by_no_more_than_its_gain():
+    for dark in (IN_SHADOW, (0.004, 0.004, 0.005)):
+        mouth = lit_strongly(dark, skin=0.0, patterned=1.0, evenly_lit=1.0, mouth=1.0)
+        np.testing.assert_allclose(mouth, (0.76, 0.38, 0.25), rtol=0.01)
+        eye = lit_strongly(dark, skin=0.0, patterned=1.0, evenly_lit=1.0)
+        assert (eye < 16 * np.float32(dark) + 0.02).all()
+
+
+def test_what_is_not_skin_gets_no_more_than_its_gain():
+    assert (lit_strongly(IN_SHADOW, skin=0.0) - 0.2 < 16 * np.float32(IN_SHADOW) + 0.02).all()
+
+
+PALE, GREY = (0.30, 0.26, 0.24), (0.25, 0.25, 0.25)
+
+
+def beside_lit_skin(dark, lit, skin_there=1.0):
+    """How something dark, in the new light bright skin, comes out beside skin that the photo shows lit, (3,)."""
+    photo, relit, skin = np.empty((16, 16, 3), np.float32), np.full((16, 16, 3), 0.5, np.float32), np.ones((16, 16))
+    photo[:, :8], photo[:, 8:] = dark, lit
+    skin[:, 8:] = skin_there
+    made = Makeup(np.zeros((16, 16)), np.zeros((16, 16)), np.ones((16, 16)), skin, np.zeros((16, 16)))
+    return fit_light_change(photo, relit, NO_GLOSS, made).apply(photo)[8, 3]
+
+
+def test_skin_in_a_deep_shadow_need_be_no_warmer_than_most_of_the_face():
+    dim = (0.0043, 0.0038, 0.0035)
+    np.testing.assert_allclose(beside_lit_skin(dim, PALE), 0.5, rtol=0.01)
+    np.testing.assert_allclose(beside_lit_skin((0.004,) * 3, GREY), 0.5, rtol=0.01)
+    assert (beside_lit_skin(dim, (0.4, 0.25, 0.12)) < 0.12).all()
+    assert (beside_lit_skin(dim, PALE, skin_there=0.0) < 0.12).all()
+
+
+def test_black_beside_pale_skin_stays_black_and_blue_light_on_a_face_changes_nothing_of_that():
+    black = (0.002, 0.002, 0.0025)
+    assert (beside_lit_skin(black, PALE) < 0.12).all()
+    assert (beside_lit_skin((0.002, 0.002, 0.003), (0.1, 0.2, 0.4)) < 0.12).all()
 
 
 @pytest.mark.parametrize("red", np.linspace(0.003, 0.02, 12))

@@ -33,8 +33,10 @@ _PATTERNED = [
 ]
 """Labels of what gets its contrast from colour rather than from shading."""
 
-_FINE = [INDEX[name] for name in ("left_eye", "right_eye", "inner_mouth", "lips")]
-"""Labels of what is too fine to be lit pixel by pixel."""
+_SKIN, _EYES, _MOUTH = (
+    [INDEX[name] for name in names]
+    for names in (("skin", "nose", "neck"), ("left_eye", "right_eye"), ("lips", "inner_mouth"))
+)
 
 _SMOOTH = [INDEX[name] for name in ("left_eye", "right_eye", "inner_mouth", "glasses")]
 """Labels of what mirrors light whatever its own colour."""
@@ -120,8 +122,9 @@ def fit_view(view: ViewOfPhoto, reflected: torch.Tensor, effects: Effects, relit
 
 def makeup_of(parsing: np.ndarray) -> Makeup:
     """What a view of parsing probabilities (s, s, classes) is made up of."""
-    patterned, fine, smooth = (parsing[..., labels].sum(-1) for labels in (_PATTERNED, _FINE, _SMOOTH))
-    return Makeup(patterned, fine, 1 - smooth)
+    kinds = _PATTERNED, _SMOOTH, _SKIN, _EYES, _MOUTH
+    patterned, smooth, skin, eyes, mouth = (parsing[..., labels].sum(-1) for labels in kinds)
+    return Makeup(patterned, eyes + mouth, 1 - smooth, skin, mouth)
 
 
 def enlarge_change(
