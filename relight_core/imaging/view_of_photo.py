@@ -43,6 +43,8 @@ _OF_OWN, _OF_GREY = (0.3, 0.6), -0.02
 """The shares of what a face's own lit skin has that are enough, too, and where counting begins if it has none."""
 _SURELY_SKIN, _LIT_PX = 0.6, (30, 60)
 """The probability of skin, and how many such pixels in the light may tell, and surely tell, what it has."""
+_NOT_BLACK = (0.0015, 0.005)
+"""The luminance from which on what is worn shows something of itself, little and enough; 5 and 16 of 255 in a file."""
 _HOLE_SHARE = 0.07
 """Of the view: nostrils are lower, and so are the corners beside them."""
 _HOLE = (0.5, 0.25)
@@ -59,6 +61,7 @@ class Makeup:
         textured: where the photo's texture breaks gloss as it breaks all light: all but what is wet or polished.
         skin: where skin is bare.
         mouth: the mouth's part of `evenly_lit`.
+        worn: hair, brows, hats and clothes.
     """
 
     patterned: np.ndarray
@@ -66,11 +69,12 @@ class Makeup:
     textured: np.ndarray
     skin: np.ndarray
     mouth: np.ndarray
+    worn: np.ndarray
 
     @classmethod
     def plain(cls, size: int) -> Makeup:
         """Smooth and of one colour."""
-        return cls(*np.zeros((5, size, size), np.float32))
+        return cls(*np.zeros((6, size, size), np.float32))
 
 
 class ViewOfPhoto:
@@ -86,9 +90,9 @@ class ViewOfPhoto:
             photo: (s, s, 3) linear, the view as the networks saw it. NaN and infinities are cleaned.
             makeup: of (s, s).
         """
-        patterned, even, textured, skin, mouth = (
-            cv2.merge([np.clip(share, 0.0, 1.0).astype(np.float32)] * 3)
-            for share in (makeup.patterned, makeup.evenly_lit, makeup.textured, makeup.skin, makeup.mouth)
+        shares = makeup.patterned, makeup.evenly_lit, makeup.textured, makeup.skin, makeup.mouth, makeup.worn
+        patterned, even, textured, skin, mouth, worn = (
+            cv2.merge([np.clip(share, 0.0, 1.0).astype(np.float32)] * 3) for share in shares
         )
         self._photo = photo = within_halves(photo)
         self._mean = _mean(photo)
@@ -98,7 +102,8 @@ class ViewOfPhoto:
         self._evened = np.maximum(_smooth((photo + _DARK) * even), 1e-9)
         self._plain = (1 - patterned) * (1 - even) * textured
         self._in_shadow = self._plain * skin * _like_skin(self._mean, skin)
-        self._laid_over = (self._in_shadow + mouth) * (photo + _DARK)
+        shown = worn * ramp(luminance(self._mean), *_NOT_BLACK)[..., None]
+        self._laid_over = (self._in_shadow + mouth + shown) * (photo + _DARK)
         carried = np.maximum(_TEXTURED * textured, even) * np.minimum(photo / _PALE, 1.0)
         self._shine, self._veil = carried / np.maximum(photo, _DARK), (1 - carried) * (1 - even)
         self._lift = 1 / (_as_lifted(photo, self._mean, patterned) + _DARK)
@@ -121,7 +126,7 @@ class ViewOfPhoto:
         gain = np.maximum(self._evenly(matt, self._with_pattern(matt)), 0.0)
         reached = share_in_reach(gain)
         missed, gain = gain * (1 - reached), gain * reached
-        # Skin in a deep shadow would stay black, or grey of the gloss on top, and a mouth black beside skin.
+        # In a deep shadow skin would stay black, or grey of the gloss on top; mouth, hair and collar black beside it.
         kept = 1 - (1 - reached) * (self._plain - self._in_shadow)
         offset = self._veil * gloss * kept + _DARK * np.maximum(gain - 1.0, 0.0) + missed * self._laid_over
         gain = gain + self._shine * gloss

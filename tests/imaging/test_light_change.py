@@ -20,8 +20,8 @@ def checked_photo(size=64, dark=0.05, bright=0.8):
 NO_GLOSS = np.zeros((16, 16, 3), np.float32)
 
 
-def made_of(patterned=0.0, evenly_lit=0.0, textured=0.0, skin=0.0, mouth=0.0, size=16):
-    shares = patterned, evenly_lit, textured, skin, mouth
+def made_of(patterned=0.0, evenly_lit=0.0, textured=0.0, skin=0.0, mouth=0.0, worn=0.0, size=16):
+    shares = patterned, evenly_lit, textured, skin, mouth, worn
     return Makeup(*(np.full((size, size), share, np.float32) for share in shares))
 
 
@@ -136,6 +136,20 @@ def test_a_mouth_comes_out_of_a_deep_shadow_whatever_its_colour_but_an_eye_by_no
         assert (eye < 16 * np.float32(dark) + 0.02).all()
 
 
+def test_what_is_worn_comes_out_of_a_shadow_in_which_the_photo_shows_it_but_black_gets_no_haze():
+    worn = {"skin": 0.0, "patterned": 1.0, "worn": 1.0}
+    np.testing.assert_allclose(lit_strongly((0.008, 0.006, 0.004), **worn), (0.76, 0.38, 0.25), rtol=0.15)
+    black = np.float32((0.001, 0.001, 0.0008))
+    assert (lit_strongly(black, **worn) - 0.2 < 16 * black + 0.02).all()
+
+
+@pytest.mark.parametrize("grey", np.linspace(0.001, 0.008, 8))
+def test_what_is_worn_comes_out_of_its_shadow_little_by_little(grey):
+    worn = {"skin": 0.0, "patterned": 1.0, "worn": 1.0}
+    one, other = (lit_strongly((grey * more,) * 3, **worn) for more in (1.0, 1.01))
+    np.testing.assert_allclose(one, other, atol=0.01)
+
+
 def test_what_is_not_skin_gets_no_more_than_its_gain():
     assert (lit_strongly(IN_SHADOW, skin=0.0) - 0.2 < 16 * np.float32(IN_SHADOW) + 0.02).all()
 
@@ -148,7 +162,7 @@ def beside_lit_skin(dark, lit, skin_there=1.0):
     photo, relit, skin = np.empty((16, 16, 3), np.float32), np.full((16, 16, 3), 0.5, np.float32), np.ones((16, 16))
     photo[:, :8], photo[:, 8:] = dark, lit
     skin[:, 8:] = skin_there
-    made = Makeup(np.zeros((16, 16)), np.zeros((16, 16)), np.ones((16, 16)), skin, np.zeros((16, 16)))
+    made = Makeup(np.zeros((16, 16)), np.zeros((16, 16)), np.ones((16, 16)), skin, *np.zeros((2, 16, 16)))
     return fit_light_change(photo, relit, NO_GLOSS, made).apply(photo)[8, 3]
 
 

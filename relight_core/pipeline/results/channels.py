@@ -33,9 +33,14 @@ _PATTERNED = [
 ]
 """Labels of what gets its contrast from colour rather than from shading."""
 
-_SKIN, _EYES, _MOUTH = (
+_SKIN, _EYES, _MOUTH, _WORN = (
     [INDEX[name] for name in names]
-    for names in (("skin", "nose", "neck"), ("left_eye", "right_eye"), ("lips", "inner_mouth"))
+    for names in (
+        ("skin", "nose", "neck"),
+        ("left_eye", "right_eye"),
+        ("lips", "inner_mouth"),
+        ("left_brow", "right_brow", "hair", "hat", "cloth"),
+    )
 )
 
 _SMOOTH = [INDEX[name] for name in ("left_eye", "right_eye", "inner_mouth", "glasses")]
@@ -122,9 +127,9 @@ def fit_view(view: ViewOfPhoto, reflected: torch.Tensor, effects: Effects, relit
 
 def makeup_of(parsing: np.ndarray) -> Makeup:
     """What a view of parsing probabilities (s, s, classes) is made up of."""
-    kinds = _PATTERNED, _SMOOTH, _SKIN, _EYES, _MOUTH
-    patterned, smooth, skin, eyes, mouth = (parsing[..., labels].sum(-1) for labels in kinds)
-    return Makeup(patterned, eyes + mouth, 1 - smooth, skin, mouth)
+    kinds = _PATTERNED, _SMOOTH, _SKIN, _EYES, _MOUTH, _WORN
+    patterned, smooth, skin, eyes, mouth, worn = (parsing[..., labels].sum(-1) for labels in kinds)
+    return Makeup(patterned, eyes + mouth, 1 - smooth, skin, mouth, worn)
 
 
 def enlarge_change(
