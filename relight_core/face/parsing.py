@@ -59,6 +59,9 @@ PALETTE_SRGB = (
 )
 """Display colour of each class, sRGB bytes."""
 
+SKIN, BROWS = ("skin", "nose", "neck"), ("left_brow", "right_brow")
+"""Names of what is bare skin, and of brows."""
+
 SURELY = 0.6
 """Probability from which on a pixel surely belongs to a class, or to one of several."""
 

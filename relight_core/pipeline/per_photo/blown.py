@@ -9,12 +9,10 @@ from __future__ import annotations
 import torch
 import torch.nn.functional as F
 
-from relight_core.face.parsing import INDEX, share_of
+from relight_core.face.parsing import BROWS, INDEX, SKIN, share_of
 from relight_core.imaging.ramp import ramp
 from relight_core.imaging.tensor_colour import grey
 
-_SKIN = ("skin", "nose", "neck")
-BROWS = ("left_brow", "right_brow")
 _FROM, _TO = 0.9, 0.99
 _LITTLE = 1e-4
 _BRIGHTER = 1.4
@@ -29,7 +27,7 @@ def clipped_share(photo: torch.Tensor) -> torch.Tensor:
 
 def skin_share(parsing: torch.Tensor) -> torch.Tensor:
     """(1, 1, S, S) probability of bare skin, of (1, classes, S, S)."""
-    return share_of(parsing, _SKIN).clamp(0, 1)
+    return share_of(parsing, SKIN).clamp(0, 1)
 
 
 def flesh_share(parsing: torch.Tensor) -> torch.Tensor:

@@ -9,7 +9,7 @@ import numpy as np
 import torch
 import torch.nn.functional as F
 
-from relight_core.face.parsing import INDEX
+from relight_core.face.parsing import BROWS, INDEX, SKIN
 from relight_core.imaging.colour import without_colour
 from relight_core.imaging.guided_detail import carry_detail
 from relight_core.imaging.half_floats import within_halves
@@ -35,12 +35,7 @@ _PATTERNED = [
 
 _SKIN, _EYES, _MOUTH, _WORN = (
     [INDEX[name] for name in names]
-    for names in (
-        ("skin", "nose", "neck"),
-        ("left_eye", "right_eye"),
-        ("lips", "inner_mouth"),
-        ("left_brow", "right_brow", "hair", "hat", "cloth"),
-    )
+    for names in (SKIN, ("left_eye", "right_eye"), ("lips", "inner_mouth"), (*BROWS, "hair", "hat", "cloth"))
 )
 
 _SMOOTH = [INDEX[name] for name in ("left_eye", "right_eye", "inner_mouth", "glasses")]
