@@ -7,7 +7,7 @@ import struct
 import zlib
 from pathlib import Path
 from tokenize import TokenError
-from zipfile import BadZipFile
+from zipfile import BadZipFile, is_zipfile
 
 import numpy as np
 
@@ -44,6 +44,10 @@ def read_arrays(path: Path, names: tuple[str, ...], kind: str, mend: str) -> dic
     if not path.is_file():
         raise InputError(f"{path}: no such file; {mend}")
     try:
+        with open(path, "rb") as file:
+            # Of anything else NumPy says how to unpickle it.
+            if not is_zipfile(file):
+                raise BadZipFile("no .npz archive")
         with np.load(path, allow_pickle=False) as data:
             return {name: data[name] for name in names}
     except DAMAGE as error:
