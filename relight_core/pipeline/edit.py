@@ -115,7 +115,7 @@ def check_edit(edit: Edit) -> None:
     for name, (low, high) in EDIT_RANGES.items():
         value = getattr(edit, name)
         if not (isinstance(value, Real) and math.isfinite(value)):
-            raise InputError(f"{name} is a finite number, not {value}")
+            raise InputError(f"{name} is a finite number, not {value!r}")
         if not low <= value <= high:
             raise InputError(f"{name} is from {low:g} to {high:g}, not {value:g}")
     if edit.background_fov_deg == 0:

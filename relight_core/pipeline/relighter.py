@@ -66,8 +66,10 @@ class Relighter:
         Raises:
             InputError: the weights are missing or damaged, or PyTorch finds no such device.
         """
-        if device.startswith("cuda") and not torch.cuda.is_available():
-            raise InputError(f"{device}: PyTorch finds no CUDA device on this machine; use the CPU")
+        try:
+            torch.empty(1, device=device)
+        except (AssertionError, RuntimeError) as error:
+            raise InputError(f"{device}: PyTorch finds no such device on this machine; use the CPU") from error
         path = Path(weights_path) if weights_path else resource_path(*WEIGHTS)
         bundle = load_bundle(path).for_inference().to(device)
         self._shop = Workshop(bundle, ReflectionTable().to(device), device)

@@ -137,6 +137,11 @@ def test_settings_out_of_their_ranges_are_refused_by_name(relighter, name, wrong
                 ask(some_light(), edit)
 
 
+def test_a_number_that_is_text_is_told_from_the_number(relighter):
+    with pytest.raises(InputError, match="yaw_deg is a finite number, not '30'"):
+        relighter.plan(some_light(), replace(EDIT, yaw_deg="30"))
+
+
 @pytest.fixture
 def halved(weights, monkeypatch):
     """A Relighter that sees a person in the left half of every view, and nobody in the right one."""
@@ -192,11 +197,10 @@ def test_no_portrait_yet(weights):
         Relighter(weights).estimated_light("live")
 
 
-def test_a_device_that_pytorch_has_not_is_refused(weights, monkeypatch):
-    monkeypatch.setattr("torch.cuda.is_available", lambda: False)
-    for device in ("cuda", "cuda:1"):
-        with pytest.raises(InputError, match=f"{device}: PyTorch finds no CUDA device"):
-            Relighter(weights, device)
+@pytest.mark.parametrize("device", ["cuda:99", "gpu"])
+def test_a_device_that_pytorch_has_not_is_refused(weights, device):
+    with pytest.raises(InputError, match=f"{device}: PyTorch finds no such device"):
+        Relighter(weights, device)
 
 
 def test_estimated_light_is_a_light(relighter):
