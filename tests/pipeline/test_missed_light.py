@@ -184,7 +184,27 @@ def test_the_colour_of_a_lamp_that_the_model_missed_fades_in_others_but_no_flush
     assert float((other[0, 95, 80] / other[1, 95, 80]).log()) > 0.07
 
 
-def test_paint_in_a_light_of_one_colour_stays():
+@pytest.mark.parametrize("tone", [(1.0, 1.0, 1.0), (1.1, 1.0, 0.8)])
+def test_with_a_lamps_colour_goes_neither_brightness_nor_the_tone_of_all_skin_nor_the_colour_of_cloth(tone):
     photo, parsing = half_coloured(0.14, 0.2, 0.28)
-    other = relit(photo, parsing, lamp(18), albedo=FLAT.image)
+    parsing[:, SKIN, 90:], parsing[:, CLOTH, 90:] = 0, 1
+    known_lamp = FLAT.image.clone()
+    known_lamp[..., :20] = photo[..., :20] = torch.tensor((0.8, 0.2, 0.05))[:, None, None]
+    known_lamp[..., 60:80, 60:] *= 0.1
+    photo[..., 60:80, 60:] *= 0.1
+    photo *= torch.tensor(tone)[:, None, None]
+    model = {"albedo": FLAT.image, "model": Composed(known_lamp, known_lamp)}
+    other, as_in_shade = (relit(photo, parsing, lamp(18), strength, **model) for strength in (1.0, 0.1))
+    lit, shaded, plain, cloth = other[:, 20, 80], as_in_shade[:, 70, 80], other[:, 20, 40], other[:, 90, 80]
+    torch.testing.assert_close(lit, plain, rtol=0.02, atol=0)
+    torch.testing.assert_close(shaded / shaded[1], torch.ones(3), rtol=0.1, atol=0)
+    assert abs(float((cloth[2] / cloth[0] / (plain[2] / plain[0])).log()) - 0.693) < 0.01
+
+
+@pytest.mark.parametrize("light", [(1.0, 1.0, 1.0), (1.6, 0.9, 0.4)])
+def test_paint_in_a_light_of_one_colour_stays(light):
+    photo, parsing = half_coloured(0.14, 0.2, 0.28)
+    lit = torch.tensor(light)[:, None, None] * FLAT.image
+    photo = torch.tensor(light)[:, None, None] * photo
+    other = relit(photo, parsing, lamp(18), albedo=FLAT.image, model=Composed(lit, lit))
     assert float((other[2, 20, 80] / other[0, 20, 80]).log()) > 0.65
