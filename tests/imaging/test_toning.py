@@ -128,3 +128,12 @@ def test_grey_is_what_has_neither_colours_nor_a_tone_but_for_noise_and_a_stray_m
         marked = grey.copy()
         marked[40 : 40 + side_px, 40 : 40 + side_px] = (0.8, 0.1, 0.1)
         assert is_grey(marked) == is_stray
+
+
+def test_what_a_cut_out_hides_has_no_say_in_its_tone():
+    codes, alpha = coloured(wall(), SEPIA), np.ones((800, 600), np.float32)
+    codes[:400], alpha[:400] = coloured(wall())[:400], 0
+    linear = Photo.from_srgb(codes).linear
+    cut_out, shown = Photo(linear, alpha), Photo(linear[400:].copy())
+    some = np.array([0.05, 0.6])
+    np.testing.assert_allclose(cut_out.tone_at(1.0).at(some), shown.tone_at(1.0).at(some), atol=0.02)

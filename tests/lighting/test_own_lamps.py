@@ -133,12 +133,13 @@ def card(light, box):
     return np.einsum("hw,hwc->c", facing.astype(np.float64), light.shape) * light.level / np.pi
 
 
-def test_the_sun_of_a_panorama_becomes_a_disc_of_its_size_place_and_colour():
-    sky = sky_with((40.0, 35.0, 2.0, 3000.0))
+@pytest.mark.parametrize("radius_deg", [2.0, 4.0])
+def test_the_sun_of_a_panorama_becomes_a_disc_of_its_size_place_and_colour(radius_deg):
+    sky = sky_with((40.0, 35.0, radius_deg, 3000.0))
     (sun,) = own_lamps(sky)
     assert (sun.name, sun.form) == ("lamp", "disc")
     assert (sun.azimuth_deg, sun.elevation_deg) == pytest.approx((40.0, 35.0), abs=0.3)
-    assert sun.width_deg == pytest.approx(4.0, abs=0.8)
+    assert sun.width_deg == pytest.approx(2 * radius_deg, abs=0.8)
     np.testing.assert_allclose(sun.rgb / sun.rgb[0], WARM, rtol=0.01)
 
 
