@@ -21,7 +21,7 @@ _DARK_LEVEL = 1e-12
 _BLOCK = 2048
 
 
-def lit_ball(environment: Environment, size: int, yaw_deg: float = 0.0) -> np.ndarray:
+def lit_ball(environment: Environment, size: int) -> np.ndarray:
     """A glossy ball under a light, exposed so that its bright parts come out bright.
 
     The level of the light plays no part: the 98th percentile of luminance becomes 0.85.
@@ -29,13 +29,12 @@ def lit_ball(environment: Environment, size: int, yaw_deg: float = 0.0) -> np.nd
     Args:
         environment: the light.
         size: pixels along a side, at least 1.
-        yaw_deg: turn of the light.
 
     Returns:
         (size, size, 4) float32: linear Rec.709 radiance, and the ball's coverage in [0, 1].
     """
     coverage, normals = _ball(size)
-    light = network_light(environment, yaw_deg, _LIGHT_HEIGHT)
+    light = network_light(environment, height=_LIGHT_HEIGHT)
     inside = coverage > 0
     radiance = np.zeros((size, size, 3), np.float32)
     shaded = _shade(normals[inside], light)

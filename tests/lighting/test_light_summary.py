@@ -59,17 +59,16 @@ def test_the_ball_is_a_disc_of_finite_light():
 
 
 @pytest.mark.parametrize(
-    ("lamp", "yaw_deg", "bright"),
+    ("lamp", "bright"),
     [
-        ((15, 47), 0, (slice(None), slice(20, None))),
-        ((15, 15), 0, (slice(None), slice(None, 20))),
-        ((4, 0), 0, (slice(None, 20), slice(None))),
-        ((26, 0), 0, (slice(20, None), slice(None))),
-        ((15, 0), 90, (slice(None), slice(None, 20))),
+        ((15, 47), (slice(None), slice(20, None))),
+        ((15, 15), (slice(None), slice(None, 20))),
+        ((4, 0), (slice(None, 20), slice(None))),
+        ((26, 0), (slice(20, None), slice(None))),
     ],
 )
-def test_the_side_toward_the_lamp_is_bright(lamp, yaw_deg, bright):
-    image = lit_ball(panorama_with(lamp), 40, yaw_deg)[..., :3]
+def test_the_side_toward_the_lamp_is_bright(lamp, bright):
+    image = lit_ball(panorama_with(lamp), 40)[..., :3]
     assert image[bright].sum() > 0.75 * image.sum()
 
 
