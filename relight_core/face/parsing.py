@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
+from relight_core.imaging.ramp import ramp
+
 if TYPE_CHECKING:
     import numpy as np
     import torch
@@ -71,10 +73,22 @@ FEWEST_PIXELS = 50
 FEWEST_OF_SKIN = 100
 """Pixels that are surely bare skin, for its albedo to be changed by what is told of it."""
 
+_UNLIKELY, _LIKELY = 0.5, 0.75
+
 
 def share_of(parsing: torch.Tensor, names: Sequence[str]) -> torch.Tensor:
     """(B, 1, S, S) the probability of any of some classes, of (B, classes, S, S)."""
     return sum(parsing[:, INDEX[name], None] for name in names)
+
+
+def skin_share(parsing: torch.Tensor) -> torch.Tensor:
+    """(B, 1, S, S) probability of bare skin, of (B, classes, S, S)."""
+    return share_of(parsing, SKIN).clamp(0, 1)
+
+
+def likely(share: torch.Tensor) -> torch.Tensor:
+    """Of a class's probability: 1 where it is three times as likely as all others, 0 where it is less than they are."""
+    return ramp(share, _UNLIKELY, _LIKELY)
 
 
 def with_neck_as(parsing: torch.Tensor, name: str, share: torch.Tensor) -> torch.Tensor:

@@ -8,6 +8,7 @@ from functools import partial
 import numpy as np
 import torch
 
+from relight_core.face.parsing import skin_share
 from relight_core.imaging.joint_upsampling import JointUpsampler
 from relight_core.imaging.light_change import LightChange
 from relight_core.imaging.view_of_photo import ViewOfPhoto
@@ -31,7 +32,6 @@ from relight_core.pipeline.per_light.hints import Effects
 from relight_core.pipeline.per_light.kept_lights import ServingLight
 from relight_core.pipeline.per_light.residual import add_residual
 from relight_core.pipeline.per_light.sliders import move_sliders, soften_shadow, specular_gain
-from relight_core.pipeline.per_photo.blown import skin_share
 from relight_core.pipeline.per_photo.nearer_look import with_nearer_change, with_nearer_effects
 from relight_core.pipeline.plan import Plan
 from relight_core.pipeline.prepared import Lit, Prepared

@@ -33,7 +33,7 @@ from dataclasses import dataclass, replace
 
 import torch
 
-from relight_core.face.parsing import FEWEST_PIXELS, INDEX, SURELY
+from relight_core.face.parsing import FEWEST_PIXELS, INDEX, SURELY, likely, skin_share
 from relight_core.imaging.ramp import ramp
 from relight_core.imaging.tensor_colour import grey
 from relight_core.imaging.tensor_logs import BLACK, LARGEST_LOG, log_ratios, without_mean
@@ -43,8 +43,7 @@ from relight_core.lighting.likeness import likeness
 from relight_core.pipeline.per_light.hints import Effects
 from relight_core.pipeline.per_light.lamp_colours import MOLE, colours_of_lamps
 from relight_core.pipeline.per_photo.black_colour import off_black
-from relight_core.pipeline.per_photo.blown import at_least, clipped_share, flesh_share, skin_share
-from relight_core.pipeline.per_photo.glare import likely
+from relight_core.pipeline.per_photo.blown import at_least, clipped_share, flesh_share
 from relight_core.pipeline.per_photo.mouth_colour import too_blue
 from relight_core.pipeline.per_photo.saturation import middle_colour, of_camera, saturation
 from relight_core.pipeline.per_photo.skin_colour import deep_shadow, painted

@@ -14,11 +14,10 @@ from dataclasses import replace
 
 import torch
 
-from relight_core.face.parsing import FEWEST_OF_SKIN, INDEX, SURELY
+from relight_core.face.parsing import FEWEST_OF_SKIN, INDEX, SURELY, skin_share
 from relight_core.imaging.tensor_colour import grey
 from relight_core.imaging.tensor_logs import exact_logs
 from relight_core.lighting.relief import ReliefTransport
-from relight_core.pipeline.per_photo.blown import skin_share
 from relight_core.pipeline.per_photo.glare import without_glare
 from relight_core.pipeline.per_photo.seen_colour import with_seen_colours
 from relight_core.pipeline.per_photo.skin_colour import in_one_colour

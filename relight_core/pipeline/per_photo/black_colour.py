@@ -9,10 +9,9 @@ from __future__ import annotations
 
 import torch
 
-from relight_core.face.parsing import share_of
+from relight_core.face.parsing import likely, share_of
 from relight_core.imaging.ramp import ramp
 from relight_core.imaging.tensor_logs import logs, without_mean
-from relight_core.pipeline.per_photo.glare import likely
 from relight_core.pipeline.per_photo.skin_colour import NO_COLOUR
 from relight_core.pipeline.stages import Surface
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 import torch
 import torch.nn.functional as F
 
-from relight_core.face.parsing import BROWS, INDEX, SKIN, share_of
+from relight_core.face.parsing import BROWS, INDEX, share_of, skin_share
 from relight_core.imaging.ramp import ramp
 from relight_core.imaging.tensor_colour import grey
 
@@ -23,11 +23,6 @@ _SKIN_FOR_LIPS = 0.02
 def clipped_share(photo: torch.Tensor) -> torch.Tensor:
     """How far each channel of a photo (1, 3, S, S), linear, counts as clipped, [0, 1]."""
     return ramp(photo, _FROM, _TO)
-
-
-def skin_share(parsing: torch.Tensor) -> torch.Tensor:
-    """(1, 1, S, S) probability of bare skin, of (1, classes, S, S)."""
-    return share_of(parsing, SKIN).clamp(0, 1)
 
 
 def flesh_share(parsing: torch.Tensor) -> torch.Tensor:

@@ -10,7 +10,7 @@ from dataclasses import replace
 
 import torch
 
-from relight_core.face.parsing import FEWEST_OF_SKIN, SURELY
+from relight_core.face.parsing import FEWEST_OF_SKIN, SURELY, likely
 from relight_core.imaging.ramp import ramp
 from relight_core.imaging.tensor_colour import grey
 from relight_core.imaging.tensor_logs import DARKEST, exact_logs
@@ -18,7 +18,6 @@ from relight_core.pipeline.per_photo.blown import fill_in
 from relight_core.pipeline.stages import Surface
 
 _FROM, _TO = 0.25, 0.6
-_UNLIKELY, _LIKELY = 0.5, 0.75
 _LITTLE = 1e-4
 
 
@@ -43,11 +42,6 @@ def without_glare(surface: Surface, shading: torch.Tensor, skin: torch.Tensor) -
     around = fill_in(surface.albedo, skin.square() * (1 - glare).square() + _LITTLE**2)
     instead = torch.lerp(surface.albedo, around, glare)
     return replace(surface, albedo=torch.where(grey(around) < albedo, instead, surface.albedo))
-
-
-def likely(share: torch.Tensor) -> torch.Tensor:
-    """Of a class's probability: 1 where it is three times as likely as all others, 0 where it is less than they are."""
-    return ramp(share, _UNLIKELY, _LIKELY)
 
 
 def _beyond_most(logarithm: torch.Tensor, skin: torch.Tensor) -> torch.Tensor:

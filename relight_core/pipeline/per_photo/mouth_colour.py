@@ -9,9 +9,8 @@ from __future__ import annotations
 
 import torch
 
-from relight_core.face.parsing import share_of
+from relight_core.face.parsing import likely, share_of
 from relight_core.imaging.tensor_logs import logs
-from relight_core.pipeline.per_photo.glare import likely
 from relight_core.pipeline.stages import Surface
 
 _BLUEST = 0.1

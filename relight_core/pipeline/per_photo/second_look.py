@@ -14,12 +14,12 @@ import numpy as np
 import torch
 import torch.nn.functional as F
 
+from relight_core.face.parsing import skin_share
 from relight_core.imaging.resampling import resize_area
 from relight_core.imaging.tensor_constants import constant
 from relight_core.imaging.tensor_logs import exact_logs
 from relight_core.networks.bundle import NetworkBundle
 from relight_core.pipeline import stages
-from relight_core.pipeline.per_photo.blown import skin_share
 from relight_core.pipeline.per_photo.cropped_hair import with_cropped_hair
 from relight_core.pipeline.per_photo.hair_on_scalp import with_hair_on_scalp
 from relight_core.pipeline.per_photo.white_hair import with_white_hair

@@ -13,12 +13,12 @@ from dataclasses import replace
 
 import torch
 
-from relight_core.face.parsing import BROWS, INDEX, share_of
+from relight_core.face.parsing import BROWS, INDEX, share_of, skin_share
 from relight_core.imaging.tensor_colour import as_bright_as
 from relight_core.imaging.tensor_logs import LARGEST_LOG, log_ratios
 from relight_core.imaging.tensor_means import local_means
 from relight_core.pipeline.per_photo.black_colour import off_black
-from relight_core.pipeline.per_photo.blown import at_least, clipped_share, flesh_share, skin_share
+from relight_core.pipeline.per_photo.blown import at_least, clipped_share, flesh_share
 from relight_core.pipeline.per_photo.mouth_colour import too_blue
 from relight_core.pipeline.per_photo.source_light import level_over_person
 from relight_core.pipeline.stages import Surface

@@ -5,13 +5,12 @@ from __future__ import annotations
 import torch
 import torch.nn.functional as F
 
-from relight_core.face.parsing import FEWEST_PIXELS, SURELY
+from relight_core.face.parsing import FEWEST_PIXELS, SURELY, skin_share
 from relight_core.imaging.ramp import ramp
 from relight_core.imaging.tensor_colour import grey, luminance_weights
 from relight_core.lighting.inverse import explain_photo
 from relight_core.lighting.relief import ReliefTransport
 from relight_core.pipeline.per_light.hints import gloss_share
-from relight_core.pipeline.per_photo.blown import skin_share
 from relight_core.pipeline.per_photo.saturation import log_colour, middle_colour, of_camera, saturation
 from relight_core.pipeline.stages import Reflector, Surface, reflect
 
