@@ -3,7 +3,7 @@
 import pytest
 import torch
 
-from relight_core.pipeline.per_photo.saturation import of_camera
+from relight_core.pipeline.per_photo.saturation import log_colours, of_camera
 
 SKIN = torch.tensor([0.5, -0.1, -0.4])
 YELLOWER = torch.tensor([0.0, 0.04, -0.04])
@@ -33,3 +33,11 @@ def test_of_a_green_or_purple_lights_colour_little_goes_with_it(colour):
 def test_a_camera_that_does_not_saturate_adds_no_colour_at_all():
     assert kept(torch.tensor([-0.3, 0.5, -0.2]), 0.0).abs().max() < 1e-6
     assert kept(torch.zeros(3), 0.0).isfinite().all()
+
+
+def test_what_is_nearly_black_has_next_to_no_colour_and_brighter_the_same_colour_has_one():
+    red = torch.tensor([0.002, 0.0005, 0.0005])[None, :, None, None]
+    black, dark, bright = (float(log_colours(red * times)[0, 0, 0]) for times in (1, 10, 200))
+    assert 0 < black < 0.2
+    assert 0.5 < dark < 0.7
+    assert 0.8 < bright < 0.93
