@@ -27,7 +27,7 @@ from relight_core.evaluation.held_out import (
     load_head,
 )
 from relight_core.evaluation.tables import figure_text, markdown_table
-from relight_core.face.parsing import CLASSES, INDEX
+from relight_core.face.parsing import CLASSES, EYES, INDEX
 from relight_core.imaging.colour import srgb_encode
 from relight_core.imaging.resampling import resize_area
 from relight_core.pipeline.results.channels import makeup_of
@@ -39,7 +39,7 @@ _BACKGROUND = 0.45
 _PANORAMAS, _LAMPS = 3, 2
 _STEEP_SHADOW = 0.06
 _BLUR_PX = 1.2
-_EYES = [INDEX["left_eye"], INDEX["right_eye"]]
+_EYES = [INDEX[name] for name in EYES]
 
 
 @dataclass(frozen=True)

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from relight_core.face.crop import Crop
-from relight_core.face.parsing import FACE_LABELS, INDEX
+from relight_core.face.parsing import BROWS, EYES, FACE_LABELS, INDEX, MOUTH
 
-_FEATURES = (("left_brow", "right_brow"), ("left_eye", "right_eye", "glasses"), ("lips", "inner_mouth"))
+_FEATURES = (BROWS, (*EYES, "glasses"), MOUTH)
 _LEAST_SHARE, _LEAST_SUSPECTED = 0.003, 0.0045
 _LEAST_STEPS = (0.01, 0.12)
 _HIGHEST, _LOWEST = 0.1, 0.9

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
-from relight_core.face.parsing import INDEX
+from relight_core.face.parsing import EYES, INDEX
 
 _RADIUS_IN_HALF_WIDTHS = 1.4
 _STEEPEST = 0.85
@@ -47,7 +47,7 @@ def with_eyeballs(normal: np.ndarray, parsing: np.ndarray) -> np.ndarray:
     Returns:
         (3, S, S) float32 unit vectors; the normals themselves where no eye is seen in enough pixels.
     """
-    found = (eye_place(parsing[INDEX[name]]) for name in ("left_eye", "right_eye"))
+    found = (eye_place(parsing[INDEX[name]]) for name in EYES)
     eyes = [eye for eye in found if eye is not None]
     if not eyes:
         return normal
@@ -60,7 +60,7 @@ def with_eyeballs(normal: np.ndarray, parsing: np.ndarray) -> np.ndarray:
 
 def eye_sockets(parsing: np.ndarray) -> np.ndarray:
     """(S, S) float32 in [0, 1]: how much each pixel of a parsing (classes, S, S) lies in an eye's socket."""
-    eyes = parsing[[INDEX["left_eye"], INDEX["right_eye"]]].sum(0).astype(np.float32)
+    eyes = parsing[[INDEX[name] for name in EYES]].sum(0).astype(np.float32)
     across = 2 * np.sqrt(max(float((eyes > 0.5).sum()), 1.0) / np.pi)
     return np.clip(2.5 * cv2.GaussianBlur(eyes, (0, 0), max(_SOCKET_REACH * across, 0.5)), 0, 1)
 

@@ -15,7 +15,7 @@ import numpy as np
 
 from relight_core.face.crop import Crop
 from relight_core.face.eyeballs import EyePlace, eye_place
-from relight_core.face.parsing import INDEX
+from relight_core.face.parsing import EYES, INDEX
 from relight_core.imaging.colour import luminance, srgb_encode
 
 _HALF_PX, _SIDE_PX = 40, 176
@@ -60,7 +60,7 @@ def find_irises(linear: np.ndarray, exposure: float, parsing: np.ndarray, view: 
     Returns:
         none to two of them.
     """
-    places = [eye_place(parsing[INDEX[name]]) for name in ("left_eye", "right_eye")]
+    places = [eye_place(parsing[INDEX[name]]) for name in EYES]
     places = [place for place in places if place is not None]
     if not places:
         return ()

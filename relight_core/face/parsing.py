@@ -61,8 +61,13 @@ PALETTE_SRGB = (
 )
 """Display colour of each class, sRGB bytes."""
 
-SKIN, BROWS = ("skin", "nose", "neck"), ("left_brow", "right_brow")
-"""Names of what is bare skin, and of brows."""
+SKIN, BROWS, EYES, MOUTH = (
+    ("skin", "nose", "neck"),
+    ("left_brow", "right_brow"),
+    ("left_eye", "right_eye"),
+    ("lips", "inner_mouth"),
+)
+"""Names of what is bare skin, and of brows, eyes and mouth."""
 
 SURELY = 0.6
 """Probability from which on a pixel surely belongs to a class, or to one of several."""

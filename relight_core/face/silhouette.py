@@ -5,7 +5,7 @@ from __future__ import annotations
 import cv2
 import numpy as np
 
-from relight_core.face.parsing import FACE_LABELS, INDEX, middle_row
+from relight_core.face.parsing import EYES, FACE_LABELS, INDEX, middle_row
 from relight_core.face.posterior import posterior
 from relight_core.imaging.ramp import ramp
 
@@ -13,7 +13,7 @@ _CLOSING_SHARE = 1 / 24
 _FAINT_HAT, _PLAIN_HAT = 0.02, 0.032
 _HAT_ODDS = 1.5
 _RAMP_SHARE = 0.05
-_EYES = ("left_eye", "right_eye", "glasses")
+_EYES = (*EYES, "glasses")
 _LEAST_EYES = 5e-4
 
 

@@ -5,11 +5,11 @@ from __future__ import annotations
 import torch
 import torch.nn.functional as F
 
-from relight_core.face.parsing import FACE_LABELS, INDEX
+from relight_core.face.parsing import FACE_LABELS, INDEX, MOUTH
 from relight_core.imaging.tensor_constants import constant
 
 _MARGIN_PX = 5
-_MOUTH = {INDEX["inner_mouth"], INDEX["lips"]}
+_MOUTH = {INDEX[name] for name in MOUTH}
 _SKIN = tuple(sorted({*FACE_LABELS, INDEX["neck"]} - _MOUTH))
 
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import torch
 
-from relight_core.face.parsing import FEWEST_PIXELS, SURELY, share_of
+from relight_core.face.parsing import BROWS, EYES, FEWEST_PIXELS, MOUTH, SURELY, share_of
 from relight_core.imaging.ramp import ramp
 from relight_core.imaging.tensor_logs import log_ratios, without_mean
 from relight_core.imaging.tensor_means import local_means, local_medians, middle_values
@@ -22,7 +22,7 @@ _FLUSH = (0.1, 0.2)
 """Logs of a colour, by how much flush and tan move it, and what is surely more."""
 _SEVERAL_COLOURS = (0.4, 0.8)
 """How far apart the logs of a light's colour are over most of the skin, where it may have several and surely has."""
-_AMID_SKIN = ("left_brow", "right_brow", "left_eye", "right_eye", "lips", "inner_mouth")
+_AMID_SKIN = (*BROWS, *EYES, *MOUTH)
 """What such lamps light as they do the skin around."""
 
 

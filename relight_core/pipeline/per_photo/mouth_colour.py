@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import torch
 
-from relight_core.face.parsing import likely, share_of
+from relight_core.face.parsing import MOUTH, likely, share_of
 from relight_core.imaging.tensor_logs import logs
 from relight_core.pipeline.stages import Surface
 
@@ -23,7 +23,7 @@ def too_blue(surface: Surface, tint: torch.Tensor) -> torch.Tensor:
     Args:
         tint: (1, 3, S, S), log ratios by which the colour of the surface's albedo is off.
     """
-    mouth = likely(share_of(surface.parsing, ("lips", "inner_mouth")))
+    mouth = likely(share_of(surface.parsing, MOUTH))
     shown, meant = _bluish(surface.photo), _bluish(surface.albedo) + tint[:, 2:] - tint[:, 1:2]
     excess = mouth * (meant - shown.clamp_min(_BLUEST)).clamp_min(0)
     excess = torch.minimum(excess, (tint[:, 2:] - tint[:, 1:2]).clamp_min(0))

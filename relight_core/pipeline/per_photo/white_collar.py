@@ -11,7 +11,7 @@ import cv2
 import numpy as np
 import torch
 
-from relight_core.face.parsing import INDEX, SURELY, middle_row, with_neck_as
+from relight_core.face.parsing import INDEX, MOUTH, SURELY, middle_row, with_neck_as
 from relight_core.imaging.ramp import ramp
 from relight_core.imaging.tensor_colour import grey
 from relight_core.pipeline.per_photo.saturation import (
@@ -22,7 +22,6 @@ from relight_core.pipeline.per_photo.saturation import (
     saturation,
 )
 
-_MOUTH = ("lips", "inner_mouth")
 _FEWEST_MOUTH_PIXELS = 4
 _BRIGHTEST_SKIN = 0.95
 """Quantile of a face's brightness that stands for its lit side."""
@@ -53,7 +52,7 @@ def with_white_collar(
         albedo: (1, 3, S, S) linear.
         parsing: (1, classes, S, S) probabilities.
     """
-    mouth, face = middle_row(parsing[0], _MOUTH, _FEWEST_MOUTH_PIXELS), parsing[:, INDEX["skin"], None]
+    mouth, face = middle_row(parsing[0], MOUTH, _FEWEST_MOUTH_PIXELS), parsing[:, INDEX["skin"], None]
     seen, own = (middle_colour(image, face) for image in (photo, albedo))
     if mouth is None or seen is None or own is None:
         return albedo, parsing

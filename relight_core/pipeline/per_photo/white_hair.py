@@ -10,7 +10,7 @@ from dataclasses import replace
 
 import torch
 
-from relight_core.face.parsing import INDEX, middle_row, with_neck_as
+from relight_core.face.parsing import BROWS, EYES, INDEX, middle_row, with_neck_as
 from relight_core.imaging.ramp import ramp
 from relight_core.pipeline.per_photo.saturation import (
     PALER_THAN_SKIN,
@@ -21,7 +21,6 @@ from relight_core.pipeline.per_photo.saturation import (
 )
 from relight_core.pipeline.stages import Surface
 
-_EYES = ("left_eye", "right_eye", "left_brow", "right_brow")
 _FEWEST_EYE_PIXELS = 4
 _PERHAPS_GREY, _MOSTLY_GREY = -0.4, -0.6
 """Saturation of the scalp's middle colour beside the skin's, from which on it is hair, in part and altogether."""
@@ -29,7 +28,7 @@ _PERHAPS_GREY, _MOSTLY_GREY = -0.4, -0.6
 
 def eyes_row(parsing: torch.Tensor) -> float | None:
     """The middle row of the eyes and brows in a parsing (1, classes, S, S); None where none are seen."""
-    return middle_row(parsing[0], _EYES, _FEWEST_EYE_PIXELS)
+    return middle_row(parsing[0], (*EYES, *BROWS), _FEWEST_EYE_PIXELS)
 
 
 def above_the_eyes(parsing: torch.Tensor) -> torch.Tensor | None:

@@ -9,7 +9,7 @@ import numpy as np
 import torch
 import torch.nn.functional as F
 
-from relight_core.face.parsing import BROWS, INDEX, SKIN
+from relight_core.face.parsing import BROWS, EYES, INDEX, MOUTH, SKIN
 from relight_core.imaging.colour import without_colour
 from relight_core.imaging.guided_detail import carry_detail
 from relight_core.imaging.half_floats import within_halves
@@ -26,19 +26,14 @@ from relight_core.pipeline.per_light.hints import Effects, as_channels
 from relight_core.pipeline.per_light.sliders import SliderChange
 from relight_core.pipeline.stages import Surface
 
-_PATTERNED = [
-    INDEX[name]
-    for name in ("left_eye", "right_eye", "left_brow", "right_brow", "lips", "inner_mouth", "hair", "hat")
-    + ("glasses", "cloth")
-]
+_PATTERNED = [INDEX[name] for name in (*EYES, *BROWS, *MOUTH, "hair", "hat", "glasses", "cloth")]
 """Labels of what gets its contrast from colour rather than from shading."""
 
 _SKIN, _EYES, _MOUTH, _WORN = (
-    [INDEX[name] for name in names]
-    for names in (SKIN, ("left_eye", "right_eye"), ("lips", "inner_mouth"), (*BROWS, "hair", "hat", "cloth"))
+    [INDEX[name] for name in names] for names in (SKIN, EYES, MOUTH, (*BROWS, "hair", "hat", "cloth"))
 )
 
-_SMOOTH = [INDEX[name] for name in ("left_eye", "right_eye", "inner_mouth", "glasses")]
+_SMOOTH = [INDEX[name] for name in (*EYES, "inner_mouth", "glasses")]
 """Labels of what mirrors light whatever its own colour."""
 
 BRIGHTEST_CHANGE = 1e20
