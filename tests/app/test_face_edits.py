@@ -101,6 +101,27 @@ def test_who_is_relit_alone_stays_so_when_another_is_removed(state, relit, remov
     assert state.faces.selected == -1
 
 
+def test_only_a_box_that_is_selected_is_removed_and_the_only_one_is_from_the_first(state):
+    face_edits.show(state)
+    wish = state.photo
+    face_edits.remove(state)
+    assert state.photo is wish
+    face_edits.done(state)
+    drop(state, (ONE,))
+    answered(state, ())
+    face_edits.show(state)
+    face_edits.remove(state)
+    assert state.photo.boxes == ()
+
+
+def test_boxes_are_neither_shown_nor_wished_for_of_a_photo_that_is_on_its_way(state):
+    state.open_photo(Path("/photos/other.jpg"))
+    assert face_edits.is_searching(state)
+    assert face_edits.wished_boxes(state) == ()
+    face_edits.show(state)
+    assert not state.faces.is_open
+
+
 def test_a_face_that_is_drawn_is_relit_and_selected(state):
     state.choose_face(1)
     answered(state, (ONE, TWO))
@@ -128,7 +149,9 @@ def test_choosing_a_face_keeps_the_boxes(state):
 def test_finding_again_shows_nothing_until_it_is_known(state):
     drop(state, (THREE, TWO))
     answered(state, ())
+    state.faces.selected = 1
     face_edits.find_again(state)
+    assert state.faces.selected == -1
     assert face_edits.is_searching(state)
     assert face_edits.wished_boxes(state) == ()
     answered(state, (ONE, TWO))
