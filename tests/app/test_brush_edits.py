@@ -112,9 +112,15 @@ def test_whatever_the_hand_does_the_strokes_can_be_used_and_saved(state):
 
 
 def test_there_are_only_so_many_strokes(state):
-    state.photo = type(state.photo)(state.photo.place, None, None, (OLD,) * 400)
+    state.photo = type(state.photo)(state.photo.place, None, None, (OLD,) * 399)
+    opened = replace(state.snapshot.opened, source=state.photo)
+    state.accept(Snapshot(opened=opened, faces=(ONE,), picture=SomePicture(opened)))
     paint(state, (10, 10))
     assert len(state.photo.strokes) == 400
+    assert not state.asking.notices
+    paint(state, (20, 10))
+    assert len(state.photo.strokes) == 400
+    assert state.asking.notices[0][1]
 
 
 def test_corrected_faces_keep_the_outline_and_another_choice_of_them_too(state):
@@ -133,6 +139,17 @@ def test_a_stroke_that_ends_when_another_photo_is_on_its_way_is_not_painted_on_e
     brush_edits.lift(state)
     assert state.photo is wish
     assert wish.strokes == ()
+
+
+def test_there_is_no_brush_before_a_picture_or_while_another_photo_is_on_its_way(state):
+    brush_edits.done(state)
+    picture, state.snapshot = state.snapshot.picture, replace(state.snapshot, picture=None)
+    brush_edits.show(state)
+    assert not state.brush.is_open
+    state.snapshot = replace(state.snapshot, picture=picture)
+    state.open_photo(Path("/photos/other.jpg"))
+    brush_edits.show(state)
+    assert not state.brush.is_open
 
 
 def test_as_found_forgets_all_strokes(state):
