@@ -39,9 +39,15 @@ def test_what_surrounds_the_face_does_not_count():
 
 def test_of_a_face_in_half_shadow_the_lit_half_counts():
     photo = np.full((SIZE, SIZE, 3), 0.3, np.float32)
-    halved = change(1.0)
+    halved = change(2.0)
     halved.gain[:, :64] = 0.01
-    assert level_as_in_photo_ev(photo, halved, skin()) == pytest.approx(0, abs=0.1)
+    assert level_as_in_photo_ev(photo, halved, skin()) == pytest.approx(-1, abs=0.1)
+
+
+def test_what_a_light_adds_counts_too_and_black_skin_says_nothing():
+    photo = np.full((SIZE, SIZE, 3), 0.3, np.float32)
+    assert level_as_in_photo_ev(photo, change(1.0, offset=0.3), skin()) == pytest.approx(-1, abs=1e-4)
+    assert level_as_in_photo_ev(0 * photo, change(1.0, offset=0.3), skin()) == 0.0
 
 
 @pytest.mark.parametrize("gain", [0.0, np.inf, np.nan, 1e30, 1e-30])
