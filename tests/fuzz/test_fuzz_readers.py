@@ -1,6 +1,7 @@
 """A short run of the fuzzer, and that it finds what it looks for."""
 
 import gc
+import mmap
 import os
 import subprocess
 import sys
@@ -114,6 +115,13 @@ def test_a_reader_that_takes_too_much_memory_is_found_where_the_c_library_kept_f
     del blocks
     found = fuzz.fuzz_reader(Reader(takes_200_mib, [b"abc"], ".x"), 1, seed=0)
     del lies_above_them
+    assert "MiB of memory" in found.faults[0]
+
+
+def test_a_reader_that_takes_too_much_memory_is_found_where_the_process_has_reserved_more_than_it_may(monkeypatch):
+    monkeypatch.setattr(fuzz, "LARGEST_MIB", 100)
+    with mmap.mmap(-1, 12 << 30, flags=mmap.MAP_PRIVATE | mmap.MAP_ANONYMOUS, prot=mmap.PROT_READ):
+        found = fuzz.fuzz_reader(Reader(takes_200_mib, [b"abc"], ".x"), 1, seed=0)
     assert "MiB of memory" in found.faults[0]
 
 
