@@ -37,7 +37,9 @@ def in_light(photo, light, skin=(range(SIZE),), strength=1.0, rest=CLOTH):
 def relit(photo, parsing, light, strength=1.0, albedo=None, model=FLAT):
     """A photo, of which the model sees nothing unless told, in another light, (3, S, S)."""
     person = torch.ones_like(photo[:, :1])
-    seen = SimpleNamespace(photo=photo, albedo=photo if albedo is None else albedo, person=person, parsing=parsing)
+    ahead = torch.tensor([0.0, 0, 1])[None, :, None, None].expand_as(photo)
+    albedo = photo if albedo is None else albedo
+    seen = SimpleNamespace(photo=photo, albedo=albedo, normal=ahead, person=person, parsing=parsing)
     residual = find_residual(seen, photo, lamp(2), lambda own: model)
     none = torch.zeros(1, 1, SIZE, SIZE)
     lit = Composed(strength * FLAT.image, strength * FLAT.plain)

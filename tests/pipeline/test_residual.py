@@ -20,7 +20,9 @@ def images(seed):
 def surface(photo, label=SKIN):
     parsing = torch.zeros(1, 14, *photo.shape[2:])
     parsing[:, label] = 1
-    return SimpleNamespace(photo=photo, albedo=photo, person=torch.ones_like(photo[:, :1]), parsing=parsing)
+    ahead = torch.tensor([0.0, 0, 1])[None, :, None, None].expand_as(photo)
+    person = torch.ones_like(photo[:, :1])
+    return SimpleNamespace(photo=photo, albedo=photo, normal=ahead, person=person, parsing=parsing)
 
 
 def no_effects(size=SIZE):

@@ -17,8 +17,9 @@ light becomes another. So do colours in deep shadow that the skin's albedo doesn
 
 Two things stay in any light: what a camera adds to the colour of all skin (see `pipeline.per_photo.saturation`), and
 the colours of all that is not skin, of which photo and skin together say more than the albedo does: a mask and broad
-paint amid skin are none, whatever parsing takes them for; nearly black hair and cloth keep the colour they are seen in
-(see `pipeline.per_photo.black_colour`).
+paint amid skin are none, whatever parsing takes them for, nor is what is red by itself (see
+`pipeline.per_photo.own_redness`); nearly black hair and cloth keep the colour they are seen in (see
+`pipeline.per_photo.black_colour`).
 
 In hair that is darker than its model, strands lie in each other's shadow, whatever light falls on them: it stays
 darker. So does a beard's edge that parsing can't tell from the neck, and whose albedo is half that of skin: far
@@ -45,6 +46,7 @@ from relight_core.pipeline.per_light.lamp_colours import MOLE, colours_of_lamps
 from relight_core.pipeline.per_photo.black_colour import off_black
 from relight_core.pipeline.per_photo.blown import at_least, clipped_share, flesh_share
 from relight_core.pipeline.per_photo.mouth_colour import too_blue
+from relight_core.pipeline.per_photo.own_redness import own_redness
 from relight_core.pipeline.per_photo.saturation import middle_colour, of_camera, saturation
 from relight_core.pipeline.per_photo.skin_colour import deep_shadow, painted
 from relight_core.pipeline.per_photo.source_light import level_over_person, seen_of_person
@@ -132,7 +134,10 @@ def find_residual(
     mean = log_ratio.mean(1, keepdim=True)
     hair, skin = _hair_and_skin(surface, mean)
     colour = without_mean(log_ratio)
-    skin = skin * ~_broadly_painted(surface, colour, skin)
+    seen = surface.albedo.clamp_min(BLACK).log() + colour
+    ratios = seen - seen[:, 1:2]
+    skin = skin * ~_broadly_painted(surface, ratios, skin)
+    skin = skin * (1 - _broad_part(own_redness(surface, ratios, skin * seen_of_person(surface))))
     seen_skin = skin * seen_of_person(surface)
     of_lamps = colours_of_lamps(surface, model.plain, colour, skin, seen_skin)
     by_camera = _by_camera(log_ratio, surface.albedo, seen_skin)
@@ -204,23 +209,25 @@ def _hair_and_skin(surface: Surface, mean: torch.Tensor) -> tuple[torch.Tensor, 
     return hair + mistaken, skin - mistaken
 
 
-def _broadly_painted(surface: Surface, colour: torch.Tensor, skin: torch.Tensor) -> torch.Tensor:
+def _broadly_painted(surface: Surface, ratios: torch.Tensor, skin: torch.Tensor) -> torch.Tensor:
     """(1, 1, S, S) bool, where the photo shows paint on skin, or a mask over it, broader than rims and ears' hollows.
 
     Whatever the albedo has of it. A narrow line may be a light's from behind, and red in an ear comes of light there.
 
     Args:
-        colour: (1, 3, S, S) logs of photo over model, of mean 0.
+        ratios: (1, 3, S, S) log ratios to green of what the photo shows, in a light as white as is known.
         skin: (1, 1, S, S) probability of what parsing takes for bare skin.
     """
     sure = (skin > SURELY)[0, 0]
     if int(sure.sum()) < FEWEST_PIXELS:
         return torch.zeros_like(skin, dtype=torch.bool)
-    seen = surface.albedo.clamp_min(BLACK).log() + colour
-    ratios = seen - seen[:, 1:2]
     paint = painted(ratios - middle_values(ratios, sure), surface.photo, skin).to(skin)
-    broad = local_range(local_range(paint, _BROAD)[0], 2 * _BROAD)[1]
-    return paint * broad > 0
+    return _broad_part(paint) > 0
+
+
+def _broad_part(share: torch.Tensor) -> torch.Tensor:
+    """A share (1, 1, S, S) where it hangs together with what is broad, and no more than that there."""
+    return torch.minimum(share, local_range(local_range(share, _BROAD)[0], 2 * _BROAD)[1])
 
 
 def _missed_light(
