@@ -8,7 +8,7 @@ from relight_core.lighting.reflection import ReflectionTable
 from relight_core.pipeline import stages
 from relight_core.pipeline.per_photo.source_light import explain_source_light
 
-SIZE, SKIN = 32, 1
+SIZE, SKIN, NECK, HAIR = 32, 1, 9, 10
 ALBEDO = (0.45, 0.27, 0.18)
 
 
@@ -95,3 +95,17 @@ def test_what_is_blown_out_makes_no_light_brighter():
     blown[..., 8:24, 20:28] = 1.0
     clean, found = (explain_source_light(one, reflector, relief) for one in (surface, replace(surface, photo=blown)))
     assert float((found - clean).abs().max()) < 0.1
+
+
+def test_the_light_of_a_face_that_is_painted_blue_is_as_white_as_neck_and_hair_are_seen_in():
+    bare = ball()
+    person, face, neck, hair = bare.person[0, 0], slice(10, 22), slice(22, SIZE), slice(0, 10)
+    bare.parsing[:, SKIN] = 0
+    for label, rows in ((SKIN, face), (NECK, neck), (HAIR, hair)):
+        bare.parsing[0, label, rows] = person[rows]
+    believed = bare.albedo.clone()
+    believed[..., hair, :] = torch.tensor([0.12, 0.08, 0.06])[:, None, None]
+    painted = believed.clone()
+    painted[..., face, :] = torch.tensor([0.1, 0.2, 0.6])[:, None, None]
+    seen, *rest = photographed(replace(bare, albedo=painted), coloured(1.0, 1.0, 1.0))
+    assert abs(red_over_blue(explain_source_light(replace(seen, albedo=believed), *rest)) - 1) < 0.15

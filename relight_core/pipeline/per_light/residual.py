@@ -17,9 +17,9 @@ light becomes another. So do colours in deep shadow that the skin's albedo doesn
 
 Two things stay in any light: what a camera adds to the colour of all skin (see `pipeline.per_photo.saturation`), and
 the colours of all that is not skin, of which photo and skin together say more than the albedo does: a mask and broad
-paint amid skin are none, whatever parsing takes them for, nor is what is red by itself (see
-`pipeline.per_photo.own_redness`); nearly black hair and cloth keep the colour they are seen in (see
-`pipeline.per_photo.black_colour`).
+paint amid skin or over all of a face (see `pipeline.per_photo.face_paint`) are none, whatever parsing takes them for,
+nor is what is red by itself (see `pipeline.per_photo.own_redness`); nearly black hair and cloth keep the colour they
+are seen in (see `pipeline.per_photo.black_colour`).
 
 In hair that is darker than its model, strands lie in each other's shadow, whatever light falls on them: it stays
 darker. So does a beard's edge that parsing can't tell from the neck, and whose albedo is half that of skin: far
@@ -45,6 +45,7 @@ from relight_core.pipeline.per_light.hints import Effects
 from relight_core.pipeline.per_light.lamp_colours import MOLE, colours_of_lamps
 from relight_core.pipeline.per_photo.black_colour import off_black
 from relight_core.pipeline.per_photo.blown import at_least, clipped_share, flesh_share
+from relight_core.pipeline.per_photo.face_paint import face_paint
 from relight_core.pipeline.per_photo.mouth_colour import too_blue
 from relight_core.pipeline.per_photo.own_redness import own_redness
 from relight_core.pipeline.per_photo.saturation import middle_colour, of_camera, saturation
@@ -133,6 +134,7 @@ def find_residual(
     log_ratio, largest_log = _photo_over_model(surface, recorded, level, model.image.float())
     mean = log_ratio.mean(1, keepdim=True)
     hair, skin = _hair_and_skin(surface, mean)
+    skin = skin * (1 - face_paint(surface))
     colour = without_mean(log_ratio)
     seen = surface.albedo.clamp_min(BLACK).log() + colour
     ratios = seen - seen[:, 1:2]

@@ -11,6 +11,7 @@ from relight_core.imaging.tensor_colour import grey, luminance_weights
 from relight_core.lighting.inverse import explain_photo
 from relight_core.lighting.relief import ReliefTransport
 from relight_core.pipeline.per_light.hints import gloss_share
+from relight_core.pipeline.per_photo.face_paint import with_paint
 from relight_core.pipeline.per_photo.saturation import log_colour, middle_colour, of_camera, saturation
 from relight_core.pipeline.stages import Reflector, Surface, reflect
 
@@ -36,10 +37,13 @@ def explain_source_light(surface: Surface, reflector: Reflector, relief: ReliefT
     A cast over all of the skin that is more than a camera's doing is one of the whole guess: what little of the face
     sees or mirrors would else stay white in a tungsten lamp's light, and a nose be taken for yellower than its cheeks.
 
+    A face that is painted all over (see `face_paint`) has its paint's colour, whatever its albedo is taken for.
+
     Args:
         reflector: of the same surface.
         relief: transport of its relief.
     """
+    surface = with_paint(surface)
     reflected = reflect(reflector, surface.source_light)
     level = exposure_of_photo(surface, reflected)
     guess, cast = surface.source_light * level, _cast(surface, reflected)
