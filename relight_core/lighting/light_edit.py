@@ -46,7 +46,7 @@ class LightEdit:
         warmth: [-1, 1]: 1 makes daylight look like a 2800 K lamp, -1 like 11200 K.
         tint: [-1, 1], from green to magenta.
         blur_deg: standard deviation of the blur, [0, 90].
-        boxes: soft boxes, at most 16; neither colour, blur nor base touch them.
+        boxes: soft boxes, of which the editor draws no more than 16; neither colour, blur nor base touch them.
         metered: the light beneath all this is brought to the level that suits a photo, whatever units it came in.
         apart: the light's own lamps are taken out, and only its room lies beneath the boxes (see `taken_apart`).
             Changes nothing about a light without lamps.
