@@ -14,6 +14,7 @@ uniform mat3x2 to_view[MOST_VIEWS];
 uniform bool dimmed;            // what is behind is multiplied by behind_gain
 uniform vec3 behind_gain;
 uniform bool transparent;
+uniform vec3 black;             // what lies over all of the picture
 uniform bool crisp;             // a pixel of the picture is one square on the screen, and all of it as its middle
 uniform float level;            // of the averages to read where the picture is shown smaller than it is
 
@@ -49,6 +50,10 @@ vec3 mirrored_at(vec2 uv) {
 
 #endif
 
+vec4 with_black(vec3 radiance, float coverage) {
+    return vec4(max(black + (1.0 - black) * radiance, 0.0), coverage);
+}
+
 // Radiance and coverage at a place in the picture, [0, 1] across and down.
 vec4 relit_at(vec2 uv) {
     if (crisp) {
@@ -75,16 +80,16 @@ vec4 relit_at(vec2 uv) {
 #ifdef EYES
     lit = max(lit + own.a * mirrored_at(uv), 0.0);
 #endif
-    if (transparent) return vec4(lit / max(own.a, 1e-6), own.a);
+    if (transparent) return with_black(lit / max(own.a, 1e-6), own.a);
 #ifdef OVER
     float near = own_alpha ? own.a : textureLod(nearby, uv, 0.0).r;
     vec3 wrapped = min(own.a * LENS_VEIL + LIGHT_WRAP * own.rgb, own.a * MOST_WRAP);
     vec3 over = (1.0 - own.a) * textureLod(backdrop, uv, 0.0).rgb;
-    return vec4(lit + over + (1.0 - near) * wrapped * textureLod(soft, uv, 0.0).rgb, 1.0);
+    return with_black(lit + over + (1.0 - near) * wrapped * textureLod(soft, uv, 0.0).rgb, 1.0);
 #else
     vec3 beside = textureLod(behind, stored, level).rgb;
     beside = dimmed ? max(beside, 0.0) * behind_gain : beside;
-    return vec4(max(lit + beside, 0.0), 1.0);
+    return with_black(lit + beside, 1.0);
 #endif
 }
 

@@ -134,6 +134,7 @@ class RelitSlot:
         program["crisp"].value = self._crisp
         program["views"].value = len(recipe.views)
         program["transparent"].value = recipe.transparent
+        program["black"].value = tuple(map(float, recipe.black))
         if "dimmed" in program:
             program["dimmed"].value = recipe.behind_gain is not None
             gain = (1.0, 1.0, 1.0) if recipe.behind_gain is None else recipe.behind_gain

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 
 import numpy as np
 
+from relight_core.imaging.black_level import LOOKED_AT, black_level_of
 from relight_core.imaging.colour import luminance, srgb_decode, srgb_decode_integers, srgb_encode
 from relight_core.imaging.half_floats import are_finite
 from relight_core.imaging.photo_frame import PLAINLY, inside_frame
+from relight_core.imaging.resampling import resize_area, shrunk_size
 from relight_core.imaging.tone import Tone, tone_of
 from relight_core.imaging.toning import is_monochrome
 
@@ -41,6 +43,7 @@ class Photo:
         exif: its file's EXIF, upright and without thumbnail, or None.
         beyond: (H, W, 3) float16, finite, what clipping took from `linear`: their sum is the file's own colour.
             None where it took nothing.
+        black: (3,) float32 linear, what lies over all of the photo and was taken from it (see `above_black`), or None.
 
     Raises:
         ValueError: an array of another shape or type, or with other values.
@@ -53,6 +56,7 @@ class Photo:
     icc: bytes | None = None
     exif: bytes | None = None
     beyond: np.ndarray | None = None
+    black: np.ndarray | None = None
 
     def __post_init__(self) -> None:
         linear, alpha = self.linear, self.alpha
@@ -93,6 +97,27 @@ class Photo:
             seen = seen / np.maximum(np.abs(seen).max(-1, keepdims=True), np.float32(white))
         codes = np.copysign(srgb_encode(np.minimum(np.abs(seen), 1)), seen)
         return is_monochrome(codes, counted)
+
+    @property
+    def above_black(self) -> Photo:
+        """The photo without the light that lies over all of it, which `black` tells; itself where there is none."""
+        return self._above_black if self._black_level.any() else self
+
+    @cached_property
+    def _black_level(self) -> np.ndarray:
+        x0, y0, x1, y1 = self.picture
+        seen = resize_area(self.linear[y0:y1, x0:x1], shrunk_size((y1 - y0, x1 - x0), LOOKED_AT)).reshape(-1, 3)
+        if self.is_cut_out:
+            seen = self.linear[self._few][self.alpha[self._few] > 0.5]
+        white = _white(seen) if self.bits == 32 else 1.0
+        return black_level_of(seen, white) if white > 0 else np.zeros(3, np.float32)
+
+    @cached_property
+    def _above_black(self) -> Photo:
+        black = self._black_level
+        beyond = None if self.beyond is None else (self.beyond / (1 - black)).astype(np.float16)
+        linear = np.maximum(without_black(self.linear, black), 0)
+        return replace(self, linear=linear, beyond=beyond, black=black)
 
     def tone_at(self, exposure: float) -> Tone | None:
         """The tone of the photo times an exposure; None where it is black and white, or has colours."""
@@ -179,6 +204,16 @@ class Photo:
             raise ValueError(f"sRGB pixels are uint8, uint16 or floats in [0, 1], not {kind}")
         clipped = np.clip(np.nan_to_num(srgb.astype(np.float32)), 0.0, 1.0)
         return cls(np.ascontiguousarray(srgb_decode(clipped)), None, None, 32)
+
+
+def without_black(linear: np.ndarray, black: np.ndarray | None) -> np.ndarray:
+    """Radiance (..., 3) without what lies over all of it, (3,), or None for nothing; what is darker is below 0 then."""
+    return linear if black is None else (linear - black) / (1 - black)
+
+
+def with_black(linear: np.ndarray, black: np.ndarray | None) -> np.ndarray:
+    """The reverse of `without_black`."""
+    return linear if black is None else black + (1 - black) * linear
 
 
 def _well_within(span: slice, count: int, length: int, step: int) -> tuple[int, int]:

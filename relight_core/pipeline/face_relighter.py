@@ -11,6 +11,7 @@ import torch
 from relight_core.face.parsing import skin_share
 from relight_core.imaging.joint_upsampling import JointUpsampler
 from relight_core.imaging.light_change import LightChange
+from relight_core.imaging.photo import with_black
 from relight_core.imaging.view_of_photo import ViewOfPhoto
 from relight_core.lighting.environment import Environment, network_light
 from relight_core.lighting.lamps import Lamp
@@ -283,7 +284,14 @@ class FaceRelighter(FaceInPhoto):
         """What makes those of LIGHT_CHANNELS that are looked at; it asks no cache for anything."""
         effects = self._effect_channels(ready, lit, plan)
         names = [name for name in LIGHT_CHANNELS if edit.looks_at(name)]
-        return lambda: light_channels(effects(), change, ready.photo_view, names)
+
+        def make() -> dict[str, np.ndarray]:
+            channels = light_channels(effects(), change, ready.photo_view, names)
+            if "composition" in channels:
+                channels["composition"] = with_black(channels["composition"], self.portrait.photo.black)
+            return channels
+
+        return make
 
     def _effect_channels(self, ready: Prepared, lit: Lit, plan: Plan) -> Callable[[], dict[str, np.ndarray]]:
         """What makes the channels of the effects that the plan has, of the person alone, as albedo and normals are."""
@@ -300,8 +308,7 @@ class FaceRelighter(FaceInPhoto):
 
         return make
 
-    @staticmethod
-    def _surface_channel(name: str, ready: Prepared) -> np.ndarray:
-        view = ready.photo_view if name == "photo" else ready.seen
+    def _surface_channel(self, name: str, ready: Prepared) -> np.ndarray:
+        view = with_black(ready.photo_view, self.portrait.photo.black) if name == "photo" else ready.seen
         channel = surface_channel(name, ready.surface, view, ready.photo_small)
         return of_person(channel, ready.surface) if name in ("albedo", "normal") else channel

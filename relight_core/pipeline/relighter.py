@@ -107,13 +107,14 @@ class Relighter:
             NoFaceError: no face is found, or `boxes` is empty. The previous portrait stays, here and below.
             InputError: there is no face of that index, a box is empty or outside the photo, or a stroke is.
         """
+        whole, photo = photo, photo.above_black
         strokes, search = checked_strokes(strokes), FaceSearch(self._shop, photo)
         people = tuple(self._found(photo, search) if boxes is None else checked_boxes(photo, boxes))
         chosen, before = those_chosen(photo, people, face_index), (self._faces, self._others)
         self._face_at = self._faces_at(dict.fromkeys((*chosen, *people)), photo, search)
         self._people, self._faces = people, [self._face_at[box] for box in chosen]
         self._others = [face for box, face in self._face_at.items() if box not in chosen]
-        self._whole = WholePhoto(self._shop, self._cache, self._faces, strokes, self._others)
+        self._whole = WholePhoto(self._shop, self._cache, whole, self._faces, strokes, self._others)
         if (self._faces, self._others) == before:
             self._cache.keep_only(BEFORE_THE_BRUSH)
         else:

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Hashable, Sequence
 from dataclasses import replace
-from functools import partial
+from functools import cached_property, partial
 
 import numpy as np
 import torch
 
 from relight_core.imaging.colour import without_colour
+from relight_core.imaging.photo import Photo
 from relight_core.lighting.environment import Environment
 from relight_core.pipeline.cache import StageCache
 from relight_core.pipeline.edit import Edit
@@ -22,7 +23,7 @@ from relight_core.pipeline.per_photo.brush import BrushStroke
 from relight_core.pipeline.per_photo.exposing import exposure_about_faces
 from relight_core.pipeline.per_photo.first_matte import SeenPeople
 from relight_core.pipeline.per_photo.matte import WORKING_PX, DraftMatte, Matte, draft_matte, finish_matte
-from relight_core.pipeline.per_photo.person import Canvas, canvas_of, whole_person
+from relight_core.pipeline.per_photo.person import Canvas, canvas_of, shrunk, whole_person
 from relight_core.pipeline.plan import Plan
 from relight_core.pipeline.quality import Tier, tier_of
 from relight_core.pipeline.results.backdrop import OWN_BACKGROUNDS, Backdrop, backdrop_panorama, make_backdrop
@@ -57,6 +58,7 @@ class WholePhoto:
         self,
         shop: Workshop,
         cache: StageCache,
+        photo: Photo,
         faces: Sequence[FaceRelighter],
         strokes: Sequence[BrushStroke],
         others: Sequence[FaceRelighter] = (),
@@ -65,13 +67,19 @@ class WholePhoto:
 
         Args:
             cache: keeps the stages; whoever owns it empties it when faces, strokes or others are not the same.
-            faces: of one photo, those that are relit, at least one.
+            photo: with what lies over all of it (see `Photo.above_black`); faces are those of the photo without.
+            faces: those that are relit, at least one.
             strokes: of the brush, see `Relighter.set_portrait`.
             others: faces of the photo that stay as they are.
         """
         self._shop, self._cache, self._faces, self._others = shop, cache, faces, others
-        self._photo = faces[0].portrait.photo
+        self._photo, self._in_file = faces[0].portrait.photo, photo
         self._strokes = () if self._photo.is_cut_out else strokes
+
+    @cached_property
+    def _canvas(self) -> Canvas:
+        """All of the photo, and what lies over it apart."""
+        return canvas_of(self._in_file, black=self._photo.black)
 
     @property
     def _monochrome(self) -> bool:
@@ -113,7 +121,7 @@ class WholePhoto:
             backdrop = self._backdrop(plan, environment, edit, placement, rest)
         eyes = self._eyes(catchlights, placed_changes, plan, edit, environment.level)
         of_photo = {"exposure": placement.exposure, "catchlights": eyes}
-        return Picture(canvas_of(self._photo), matte, placed_changes, rest, backdrop, **of_photo)
+        return Picture(self._canvas, matte, placed_changes, rest, backdrop, **of_photo)
 
     def shown(
         self, picture: Picture, plan: Plan, longest_side_px: int | None, for_shader: bool
@@ -125,7 +133,7 @@ class WholePhoto:
         """
         if longest_side_px == 0:
             return None, None, None
-        make = partial(canvas_of, self._photo, longest_side_px)
+        make = partial(shrunk, self._canvas, longest_side_px)
         canvas = self._cache.of_photo("canvas", longest_side_px, make, "new photo or size", 2)
         picture, key = replace(picture, canvas=canvas), (plan.keys["background"], longest_side_px)
         recipe = self._recipe(picture, key) if for_shader else None
@@ -231,7 +239,9 @@ class WholePhoto:
         return self._cache.run(
             "background",
             plan.keys["background"],
-            lambda: make_backdrop(edit.background, panorama, lambda: mean_gain(placement, rest), placement.exposure),
+            lambda: make_backdrop(
+                edit.background, panorama, lambda: mean_gain(placement, rest), placement.exposure, self._canvas.black
+            ),
             "new light, slider or background",
         )
 

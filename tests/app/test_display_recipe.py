@@ -52,6 +52,15 @@ def test_it_does_for_a_photo_with_its_own_alpha(context, backdrop):
     assert worst(context, some_picture(BACKDROPS[backdrop], own_alpha=True)) < ONE_CODE
 
 
+@pytest.mark.parametrize("own_alpha", [False, True])
+@pytest.mark.parametrize("backdrop", BACKDROPS)
+def test_it_does_for_a_photo_whose_blacks_are_lifted(context, backdrop, own_alpha):
+    picture = some_picture(BACKDROPS[backdrop], own_alpha=own_alpha)
+    canvas = replace(picture.canvas, black=np.float32([0.02, 0.03, 0.05]))
+    assert np.abs(replace(picture, canvas=canvas).render()[0] - picture.render()[0]).max() > 0.01
+    assert worst(context, replace(picture, canvas=canvas)) < ONE_CODE
+
+
 @pytest.mark.parametrize("exposure_ev", [-8.0, 3.0])
 def test_it_does_at_another_exposure(context, exposure_ev):
     assert worst(context, some_picture(BACKDROPS["keep"]), exposure_ev) < ONE_CODE

@@ -1,10 +1,12 @@
 """A Relighter with tiny random networks, small tiers and a finder that sees two faces."""
 
+import numpy as np
 import pytest
 from tiny_networks import write_tiny_weights
 from tiny_relighter import some_photo
 
 from relight_core.face.find import FaceBox
+from relight_core.imaging import photo
 from relight_core.pipeline import quality
 from relight_core.pipeline.per_photo import choosing_faces
 from relight_core.pipeline.relighter import Relighter
@@ -23,9 +25,9 @@ def small_and_seeing_faces(monkeypatch):
         "final": quality.Tier(96, 32, 32, 16, True),
     }
     monkeypatch.setattr(quality, "TIERS", tiers)
-    monkeypatch.setattr(
-        choosing_faces, "find_faces", lambda photo, *judge: [FaceBox(24, 20, 72, 76), FaceBox(4, 4, 20, 20)]
-    )
+    # Of few shades and none of them black, these photos would pass for faded ones.
+    monkeypatch.setattr(photo, "black_level_of", lambda *seen: np.zeros(3, np.float32))
+    monkeypatch.setattr(choosing_faces, "find_faces", lambda *seen: [FaceBox(24, 20, 72, 76), FaceBox(4, 4, 20, 20)])
 
 
 @pytest.fixture

@@ -8,7 +8,7 @@ import numpy as np
 
 from relight_core.face.paste import Band, bands, spread_window, whole_photo
 from relight_core.imaging.in_order import in_order
-from relight_core.imaging.photo import Photo
+from relight_core.imaging.photo import Photo, without_black
 from relight_core.imaging.photo_frame import Inside
 from relight_core.imaging.resampling import resize_area, shrunk_size
 from relight_core.pipeline.per_photo.exposing import exposed
@@ -26,12 +26,15 @@ class Canvas:
         alpha: (h, w) the photo's own, or None.
         photo_size: (height, width) of the photo.
         beyond: (h, w, 3) float16, what lies outside Rec.709 (see `Photo`), or None. Smaller copies have none.
+        black: (3,) float32 linear, what lies over all of the photo and is no part of `linear`, or None. Where the photo
+            is darker than that, `linear` is below 0.
     """
 
     linear: np.ndarray
     alpha: np.ndarray | None
     photo_size: tuple[int, int]
     beyond: np.ndarray | None = None
+    black: np.ndarray | None = None
 
     @property
     def size(self) -> tuple[int, int]:
@@ -39,24 +42,25 @@ class Canvas:
         return self.linear.shape[:2]
 
 
-def canvas_of(photo: Photo, longest_side_px: int | None = None) -> Canvas:
-    """The photo itself, or a copy of it that is no longer than so many pixels."""
-    whole = Canvas(photo.linear, photo.alpha, photo.linear.shape[:2], photo.beyond)
-    return whole if longest_side_px is None else shrunk(whole, longest_side_px)
+def canvas_of(photo: Photo, longest_side_px: int | None = None, black: np.ndarray | None = None) -> Canvas:
+    """The photo itself, or a copy of it that is no longer than so many pixels, without what lies over all of it."""
+    linear = without_black(photo.linear, black)
+    whole = Canvas(linear, photo.alpha, photo.linear.shape[:2], photo.beyond, black)
+    return shrunk(whole, longest_side_px)
 
 
-def shrunk(canvas: Canvas, longest_side_px: int) -> Canvas:
+def shrunk(canvas: Canvas, longest_side_px: int | None) -> Canvas:
     """A canvas, or a copy of it that is no longer than so many pixels; black where it is transparent throughout."""
-    if max(canvas.size) <= longest_side_px:
+    if longest_side_px is None or max(canvas.size) <= longest_side_px:
         return canvas
     size = shrunk_size(canvas.photo_size, longest_side_px)
     if canvas.alpha is None:
-        return Canvas(resize_area(canvas.linear, size), None, canvas.photo_size)
+        return Canvas(resize_area(canvas.linear, size), None, canvas.photo_size, black=canvas.black)
     share = np.clip(np.nan_to_num(canvas.alpha), 0, 1)
     alpha = resize_area(share, size)
     # A cut-out's hidden colours must not mix into those of its edge.
     colour = resize_area(canvas.linear * share[..., None], size) / np.maximum(alpha, _LEAST_ALPHA)[..., None]
-    return Canvas(colour, alpha, canvas.photo_size)
+    return Canvas(colour, alpha, canvas.photo_size, black=canvas.black)
 
 
 @dataclass(frozen=True, eq=False)

@@ -9,6 +9,7 @@ import cv2
 import numpy as np
 
 from relight_core.imaging.colour import srgb_decode
+from relight_core.imaging.photo import without_black
 from relight_core.imaging.resampling import resize_area, shrunk_size
 from relight_core.lighting.background import panorama_view
 from relight_core.lighting.environment import Environment
@@ -47,6 +48,7 @@ def make_backdrop(
     panorama: np.ndarray | None,
     person_gain: Callable[[], np.ndarray] = lambda: np.ones(3),
     exposure: float = 1.0,
+    black: np.ndarray | None = None,
 ) -> Backdrop:
     """The background of a name.
 
@@ -55,6 +57,7 @@ def make_backdrop(
         panorama: (h, w, 3) linear, for "light".
         person_gain: gives (3,), by how much the light changes the person; called for "match" only.
         exposure: of the portrait, by which a gain may be larger or smaller than one.
+        black: (3,) what will lie over all of the picture, and over a panorama too; a colour stays as it was chosen.
 
     Raises:
         InputError: a background that is none.
@@ -72,7 +75,7 @@ def make_backdrop(
         return Backdrop(picture=panorama, soft=_softened(panorama))
     codes = np.array([int(background[i : i + 2], 16) for i in (1, 3, 5)], np.float32)
     colour = srgb_decode(codes / 255)
-    return Backdrop(picture=colour, soft=colour)
+    return Backdrop(picture=without_black(colour, black), soft=colour)
 
 
 def backdrop_panorama(edit: Edit, environment: Environment, size: tuple[int, int]) -> np.ndarray:

@@ -3,7 +3,9 @@
 A `Picture` is a function of the photo's pixel and of small maps. Here the same maps are laid out for
 shaders/recipe.glsl, which evaluates them where the viewport looks; `Picture.render` is its twin on the CPU.
 
-    share * relit + behind,   where   share * relit = gain * (share * colour) + share * (offset + catchlights)
+    share * relit + behind,   where   share * relit = gain * (share * colour) + share * (offset + catchlights),
+
+and over it what lies over all of the photo.
 
 The person's colour is stored times its share, so that everything up to the sum is linear and may be averaged
 where the picture is shown smaller than it is.
@@ -88,6 +90,7 @@ class DisplayRecipe:
         soft: (k, l, 3) float16, the same blurred; or None.
         nearby: (k, l, 1) float32, the matte averaged about each place; None where the matte itself serves.
         transparent: nothing is behind the person.
+        black: (3,) float32, what lies over all of the picture.
         eyes: (2, 3) each, as `views`, of the eyes that mirror the light.
         catchlights: (m E, E, 3) float32, what is added in the eyes' views, one below the other, pixels of the canvas
             where averages of both are of the same ones; None where there is none. It is 0 at their borders.
@@ -104,6 +107,7 @@ class DisplayRecipe:
     soft: np.ndarray | None
     nearby: np.ndarray | None
     transparent: bool
+    black: np.ndarray
     eyes: tuple[np.ndarray, ...]
     catchlights: np.ndarray | None
     picture: Picture
@@ -142,6 +146,7 @@ def recipe_of(picture: Picture, layers: PersonLayers) -> DisplayRecipe | None:
         _as_map(backdrop.soft) if replaced else None,
         picture.matte.nearby[..., None] if replaced and not own_alpha else None,
         backdrop.transparent,
+        np.zeros(3, np.float32) if picture.canvas.black is None else picture.canvas.black,
         eyes,
         catchlights,
         picture,

@@ -15,6 +15,7 @@ import numpy as np
 from relight_core.face.crop import Crop
 from relight_core.face.paste import Band, bands, nearer, spread_crop, spread_window, whole_photo
 from relight_core.imaging.in_order import in_order
+from relight_core.imaging.photo import with_black
 from relight_core.imaging.resampling import resize_area
 from relight_core.pipeline.per_photo.matte import Matte
 from relight_core.pipeline.per_photo.person import Canvas, Person, person_in
@@ -172,6 +173,8 @@ class Picture:
             if not self.backdrop.transparent:
                 image *= person.share[..., None]
                 image += self._behind(person, band)
+        image = with_black(image, self.canvas.black)
+        np.maximum(image, 0, out=image)
         if self.wide and self.canvas.beyond is not None:
             self._add_beyond(image, person.share[..., None], band)
         return image, person.share if self.backdrop.transparent else None
@@ -186,6 +189,8 @@ class Picture:
         if self.backdrop.transparent:
             return np.zeros((*person.share.shape, 3), np.float32)
         image = self._behind(person, band)
+        if (black := self.canvas.black) is not None:
+            image = (1.0 - person.share)[..., None] * black + (1.0 - black) * image
         gain = 1.0 if self.backdrop.kept else self.backdrop.gain
         if self.wide and self.canvas.beyond is not None and gain is not None:
             image += (1.0 - person.share)[..., None] * gain * self.canvas.beyond[band.pixels].astype(np.float32)
@@ -223,7 +228,7 @@ class Picture:
         # Repeated by hand: numpy takes five times as long for pixels times shares of pixels.
         relit *= cv2.merge((share, share, share)).reshape(relit.shape)
         relit += linear[:, first:last]
-        np.maximum(relit, 0, out=result[:, first:last])
+        result[:, first:last] = relit
         return result
 
     def _relit(self, colour: np.ndarray, band: Band, gloss: bool = True) -> np.ndarray:

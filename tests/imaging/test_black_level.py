@@ -1,0 +1,92 @@
+"""What lies over all of a photo: lifted and coloured blacks."""
+
+import numpy as np
+import pytest
+
+from relight_core.imaging.black_level import black_level_of
+from relight_core.imaging.photo import Photo, with_black, without_black
+
+BLACK = np.float32([0.010, 0.012, 0.025])
+
+
+def portrait(lifted=0.0):
+    """Brightness as in photos: from black folds and pupils, a few in a thousand, to white."""
+    rng = np.random.default_rng(0)
+    linear = rng.uniform(0, 1, (160, 200, 1)) ** 3 * rng.uniform(0.7, 1, (160, 200, 3))
+    return (lifted + (1 - lifted) * linear).astype(np.float32)
+
+
+def test_nothing_lies_over_a_photo_with_blacks():
+    assert black_level_of(portrait().reshape(-1, 3)).tolist() == [0, 0, 0]
+    photo = Photo(portrait())
+    assert photo.above_black is photo
+    assert photo.black is None
+
+
+def test_lifted_and_coloured_blacks_are_found_for_the_most_part_and_never_more():
+    found = Photo(portrait(BLACK)).above_black.black
+    assert (found > 0.6 * BLACK).all()
+    assert (found <= BLACK * 1.001).all()
+
+
+def test_one_channel_may_be_lifted_alone():
+    found = black_level_of(portrait(np.float32([0, 0, 0.03])).reshape(-1, 3))
+    assert found[:2].tolist() == [0, 0]
+    assert found[2] > 0.018
+
+
+@pytest.mark.parametrize("dimmest", [0.1, 0.3])
+def test_a_photo_without_anything_dark_has_nothing_to_tell_by(dimmest):
+    assert not black_level_of(portrait(dimmest).reshape(-1, 3)).any()
+
+
+def test_grey_cloth_is_no_black_where_pupils_are_darker():
+    linear = np.full((160, 200, 3), 0.4, np.float32)
+    linear[80:] = 0.02
+    assert black_level_of(linear.reshape(-1, 3)).max() > 0.01
+    linear[20:25, 30:35] = 0.003
+    assert not black_level_of(linear.reshape(-1, 3)).any()
+
+
+def test_a_photo_in_units_of_its_own_has_it_in_those():
+    one, other = (Photo(portrait(BLACK) * np.float32(unit), bits=32).above_black.black for unit in (1, 4096))
+    assert one.min() > 0.004
+    np.testing.assert_allclose(other, 4096 * one, rtol=1e-5)
+
+
+@pytest.mark.parametrize("linear", [np.zeros((4, 4, 3), np.float32), np.full((1, 1, 3), 0.02, np.float32)])
+def test_photos_of_nothing_and_of_one_pixel_are_as_they_are(linear):
+    above = Photo(linear).above_black.linear
+    assert np.isfinite(above).all()
+    assert above.min() >= 0
+
+
+def test_what_an_alpha_hides_has_no_say():
+    linear, alpha = portrait(BLACK), np.ones((160, 200), np.float32)
+    linear[60:90, 60:90], alpha[60:90, 60:90] = 0, 0
+    assert (Photo(linear, alpha).above_black.black > 0.6 * BLACK).all()
+    assert Photo(linear).above_black.black is None
+
+
+def test_bars_around_a_picture_have_no_say():
+    framed = np.zeros((200, 200, 3), np.float32)
+    framed[20:180] = portrait(BLACK)
+    assert (Photo(framed).above_black.black > 0.5 * BLACK).all()
+
+
+def test_without_it_a_photo_has_blacks_and_keeps_its_white_and_all_else():
+    lifted = Photo(portrait(BLACK), bits=16, icc=b"profile", beyond=np.full((160, 200, 3), 0.5, np.float16))
+    above = lifted.above_black
+    assert lifted.above_black is above
+    assert (above.bits, above.icc) == (16, b"profile")
+    assert np.percentile(above.linear, 0.1) < 0.005
+    np.testing.assert_allclose(above.linear, (lifted.linear - above.black) / (1 - above.black), atol=1e-6)
+    np.testing.assert_allclose(above.beyond, 0.5 / (1 - above.black) * np.ones((160, 200, 1)), rtol=2e-3)
+
+
+def test_taken_away_and_laid_over_again_it_changes_nothing():
+    linear = portrait()
+    np.testing.assert_allclose(with_black(without_black(linear, BLACK), BLACK), linear, atol=2e-7)
+    assert without_black(linear, BLACK).min() < 0
+    assert with_black(linear, None) is linear
+    assert without_black(linear, None) is linear
