@@ -123,6 +123,19 @@ def test_what_nobody_else_claims_stays_with_who_is_meant():
     np.testing.assert_allclose(beside[30:60, 40:55], alone[30:60, 40:55], atol=0.02)
 
 
+def test_what_others_see_from_near_is_not_perhaps_somebody_whose_looks_end_before_it():
+    left = [(mask(), Crop(30.0, 40.0, 60.0))]
+    right = [(np.zeros((8, 8), np.float32), Crop(75.0, 30.0, 50.0))]
+    alone = place_masks([left], (100, 100), (100, 100))[0]
+    for people, others in (([left, right], []), ([left], [right])):
+        beside = place_masks(people, (100, 100), (100, 100), others)[0]
+        assert alone[30, 80] == pytest.approx(0.2)
+        assert beside[30, 80] < 0.03
+        np.testing.assert_allclose(beside[10:55, 5:45], alone[10:55, 5:45], atol=0.05)
+    together = place_masks([left, right], (100, 100), (100, 100))[0]
+    assert together[60, 95] == alone[60, 95] == pytest.approx(0.2)
+
+
 def test_what_lies_in_anybodys_nearest_look_is_near():
     people = [[(mask(), CROP), (mask(), WIDER)], [(mask(), Crop(90.0, 90.0, 20.0))]]
     near = near_views(people, (100, 100), (100, 100))

@@ -51,8 +51,9 @@ def place_masks(
 ) -> list[np.ndarray]:
     """Each person's masks at their places in a photo, and around them what is likely of a body below and a head above.
 
-    What is as likely a part of somebody else is whose is nearer: to the person network an arm or a shirt that a
-    neighbour rests against may belong to both.
+    What somebody may only perhaps reach, and another's nearest look sees, is nobody's: else a lamp between two heads
+    would be in doubt, as a part of everyone whose looks end before it. What is as likely a part of somebody else is
+    whose is nearer: to the person network an arm or a shirt that a neighbour rests against may belong to both.
 
     Args:
         people: looks at each, from the nearest to the widest; what is not finite or out of range is brought into it.
@@ -64,13 +65,13 @@ def place_masks(
     Returns:
         (h, w) float32 in [0, 1] for each of the people.
     """
-    placed = [_placed(looks, size, photo_size) for looks in people]
+    places, near = places_of(size, photo_size), near_views([*people, *others], size, photo_size)
+    placed = [_nobody_in_others_looks(_placed(looks, size, photo_size), looks, near, places) for looks in people]
     if not others:
         return placed
-    places = places_of(size, photo_size)
     theirs = sum(_placed(looks, size, photo_size) * _nearness(looks, places) for looks in others)
     own = [_nearness(looks, places) for looks in people]
-    return [mask * (mask * near / (mask * near + theirs + _TINY)) for mask, near in zip(placed, own, strict=True)]
+    return [mask * (mask * mine / (mask * mine + theirs + _TINY)) for mask, mine in zip(placed, own, strict=True)]
 
 
 def place_faces(faces: Iterable[Look], size: tuple[int, int], photo_size: tuple[int, int]) -> np.ndarray:
@@ -238,6 +239,16 @@ def _placed(looks: list[Look], size: tuple[int, int], photo_size: tuple[int, int
         told = np.where(below, told, np.minimum(told, np.maximum(beyond, _AT_MOST_BESIDE)))
         beyond = np.where(_inside(wider_view, places), told, beyond)
     return np.where(_inside(view, places), seen, beyond).astype(np.float32)
+
+
+def _nobody_in_others_looks(mask: np.ndarray, looks: list[Look], near: np.ndarray, places: np.ndarray) -> np.ndarray:
+    """Somebody's mask, but what is only perhaps theirs is nobody's where another's nearest look sees it.
+
+    Args:
+        near: (h, w) see `near_views`, of everybody.
+    """
+    own = np.logical_or.reduce([_inside(view, places) for _, view in looks])
+    return np.where(near & ~own & (mask <= _PERHAPS_BODY), np.minimum(mask, _NOBODY), mask)
 
 
 def _nearness(looks: list[Look], places: np.ndarray) -> np.ndarray:
