@@ -136,6 +136,16 @@ def test_what_others_see_from_near_is_not_perhaps_somebody_whose_looks_end_befor
     assert together[60, 95] == alone[60, 95] == pytest.approx(0.2)
 
 
+def test_hair_goes_on_above_a_leaning_head_and_not_beside_it():
+    """The view of one that leans has its right corner at the side, where a shoulder is, and somebody's wall above."""
+    seen = np.zeros((30, 30), np.float32)
+    seen[:, 20:] = 0.95
+    leaning = place_masks([[(seen, Crop(40.0, 70.0, 40.0, 30.0))]], (100, 100), (100, 100))[0]
+    assert leaning[25:45, 65:].max() == pytest.approx(0.2)
+    standing = place_masks([[(seen, Crop(40.0, 70.0, 40.0))]], (100, 100), (100, 100))[0]
+    assert standing[45, 55] > 0.5
+
+
 def test_what_lies_in_anybodys_nearest_look_is_near():
     people = [[(mask(), CROP), (mask(), WIDER)], [(mask(), Crop(90.0, 90.0, 20.0))]]
     near = near_views(people, (100, 100), (100, 100))

@@ -282,7 +282,7 @@ def _around(across: np.ndarray, below: np.ndarray, placed: np.ndarray) -> np.nda
         placed: (h, w) the view's mask.
     """
     guess = np.full(placed.shape, _PERHAPS_BODY, np.float32)
-    guess[(below < -1.0) & (placed > 0.5)] = _PROBABLY_BODY
+    guess[(across < 0.5) & (below < -1.0) & (placed > 0.5)] = _PROBABLY_BODY
     guess[(across < 0.45 + np.clip(below + 0.15, 0.0, 0.6)) & (below > -0.2)] = _PROBABLY_BODY
     guess[(across < 0.2) & (below > 0.0) & (below < 1.0)] = _SURELY_BODY
     guess[(across > 2.0) | (below < -1.35)] = _NOBODY
