@@ -93,11 +93,12 @@ def resample_window(image: np.ndarray, window: tuple[float, float, float, float]
         return source[int(y0) : int(y1), int(x0) : int(x1)].copy()
     if _is_whole_and_shrinks(source, window, size):
         return _shrunk(source, size)
-    flat = source.reshape(*source.shape[:2], -1)
-    vertical = _axis_weights(y0, y1, source.shape[0], size[0])
-    horizontal = _axis_weights(x0, x1, source.shape[1], size[1])
-    rows = (vertical @ flat.reshape(flat.shape[0], -1)).reshape(size[0], flat.shape[1], -1)
-    columns = np.ascontiguousarray(rows.swapaxes(0, 1)).reshape(flat.shape[1], -1)
+    within_rows, vertical = _axis_weights(y0, y1, source.shape[0], size[0])
+    within_columns, horizontal = _axis_weights(x0, x1, source.shape[1], size[1])
+    # A face is a small part of a photo, whose other columns would cost as much.
+    used = source[within_rows, within_columns]
+    rows = (vertical @ used.reshape(used.shape[0], -1)).reshape(size[0], used.shape[1], -1)
+    columns = np.ascontiguousarray(rows.swapaxes(0, 1)).reshape(used.shape[1], -1)
     result = (horizontal @ columns).reshape(size[1], size[0], -1).swapaxes(0, 1)
     if (x1 - x0) < size[1] or (y1 - y0) < size[0]:
         result = np.clip(result, source.min(), source.max())
@@ -125,8 +126,11 @@ def _lies_on_pixels(window: tuple[float, float, float, float], size: tuple[int, 
 
 
 @lru_cache(maxsize=64)
-def _axis_weights(start: float, stop: float, length: int, count: int) -> sparse.csr_array:
-    """(count, length) weights that resample [start, stop] of an axis to `count` pixels; rows sum to 1."""
+def _axis_weights(start: float, stop: float, length: int, count: int) -> tuple[slice, sparse.csr_array]:
+    """Which n pixels of an axis of `length` count, and their (count, n) weights in its part [start, stop].
+
+    That part becomes `count` pixels; the rows of the weights sum to 1.
+    """
     step = (stop - start) / count
     if step >= 1.0 - 1e-9:
         positions, weights = _area_taps(start, step, count)
@@ -134,8 +138,9 @@ def _axis_weights(start: float, stop: float, length: int, count: int) -> sparse.
         positions, weights = _cubic_taps(start, step, count)
     columns = np.clip(positions, 0, length - 1)
     rows = np.repeat(np.arange(count), positions.shape[1])
-    entries = (weights.ravel().astype(np.float32), (rows, columns.ravel()))
-    return sparse.csr_array(sparse.coo_array(entries, shape=(count, length)))
+    used = slice(int(columns.min()), int(columns.max()) + 1)
+    entries = (weights.ravel().astype(np.float32), (rows, columns.ravel() - used.start))
+    return used, sparse.csr_array(sparse.coo_array(entries, shape=(count, used.stop - used.start)))
 
 
 def _area_taps(start: float, step: float, count: int) -> tuple[np.ndarray, np.ndarray]:
