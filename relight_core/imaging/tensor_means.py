@@ -43,8 +43,13 @@ def local_medians(image: torch.Tensor, weight: torch.Tensor, reach: float) -> to
 def local_range(image: torch.Tensor, reach: float) -> tuple[torch.Tensor, torch.Tensor]:
     """The least and the most of an image (1, C, S, S) over the squares of `local_medians`, of its shape each."""
     reach_px = _square_px(image, reach)
-    least, most = (sign * F.max_pool2d(sign * image, 2 * reach_px + 1, 1, reach_px) for sign in (-1, 1))
-    return least, most
+    length_px = 2 * reach_px + 1
+
+    def highest(values: torch.Tensor) -> torch.Tensor:
+        rows = F.max_pool2d(values, (1, length_px), 1, (0, reach_px))
+        return F.max_pool2d(rows, (length_px, 1), 1, (reach_px, 0))
+
+    return -highest(-image), highest(image)
 
 
 def _square_px(image: torch.Tensor, reach: float) -> int:
