@@ -189,6 +189,13 @@ def places_of(size: tuple[int, int], extent: tuple[int, int]) -> np.ndarray:
     return np.stack(np.meshgrid(x, y), axis=-1)
 
 
+def across_and_down(crop: Crop, size: tuple[int, int], photo_size: tuple[int, int]) -> tuple[np.ndarray, np.ndarray]:
+    """(h, w) each: how far across and down a crop, in its sides, the middles of a grid's cells over a photo are."""
+    x, y = ((np.arange(few) + 0.5) * many / few for few, many in zip(size[::-1], photo_size[::-1], strict=True))
+    (x_across, y_across, left), (x_down, y_down, top) = crop.from_photo_matrix(1)
+    return x_across * x + (y_across * y + left)[:, None], x_down * x + (y_down * y + top)[:, None]
+
+
 def fade(position: np.ndarray, width: float, before: float = np.inf, after: float = np.inf) -> np.ndarray:
     """1 inside [0, 1], falling smoothly to 0 toward the low and the high end over `width`; 0 outside.
 

@@ -4,7 +4,16 @@ import numpy as np
 import pytest
 
 from relight_core.face.crop import Crop
-from relight_core.face.paste import Band, bands, fade, spread_crop, spread_window, whole_photo
+from relight_core.face.paste import (
+    Band,
+    across_and_down,
+    bands,
+    fade,
+    places_of,
+    spread_crop,
+    spread_window,
+    whole_photo,
+)
 
 RNG = np.random.default_rng(5)
 SIZE = (180, 220)
@@ -112,3 +121,10 @@ def test_fading_comes_by_degrees_with_what_there_is_beyond():
         assert np.abs(np.diff(weights.mean(1))).max() < 0.006
         assert np.diff(weights.mean(1)).max() <= 0
         np.testing.assert_array_equal(weights[-1], fade(position, 0.1, **{end: np.inf}))
+
+
+def test_how_far_across_and_down_a_leaning_crop_a_photos_pixels_are():
+    crop = Crop(30.0, 50.0, 40.0, 25.0)
+    across, down = across_and_down(crop, (20, 30), (80, 120))
+    places = crop.from_photo(places_of((20, 30), (80, 120)), 1)
+    np.testing.assert_allclose(np.dstack([across, down]), places, atol=1e-12)

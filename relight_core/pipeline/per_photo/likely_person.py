@@ -8,7 +8,7 @@ import cv2
 import numpy as np
 
 from relight_core.face.crop import Crop
-from relight_core.face.paste import all_of, places_of, spread_crop
+from relight_core.face.paste import across_and_down, all_of, spread_crop
 from relight_core.face.person_view import upright
 from relight_core.imaging.colour_counts import bins_of, log_odds, shares_of
 from relight_core.imaging.ramp import ramp
@@ -32,6 +32,7 @@ white collar before that wall they are surer."""
 _LEFT_BY_COLOURS = (0.05, 0.2)
 """Probability of person, colours heard, up to which a gap is none of the mask's business, and from which on it is."""
 _ROUNDS = 2
+_GROWN_AT_ONCE = 8
 _PERHAPS_FACE, _SURELY_FACE = 0.5, 0.9
 _DOUBTED, _DENIED, _SUREST, _AT_MOST_BESIDE = 1.0, 2.0, 0.002, 0.35
 """In a wider look faces are smaller than the person network learnt with. It knows bodies there and what lies behind
@@ -65,29 +66,31 @@ def place_masks(
     Returns:
         (h, w) float32 in [0, 1] for each of the people.
     """
-    places, near = places_of(size, photo_size), near_views([*people, *others], size, photo_size)
-    placed = [_nobody_in_others_looks(_placed(looks, size, photo_size), looks, near, places) for looks in people]
+    placed = [_placed(looks, size, photo_size) for looks in people]
+    if len(people) + len(others) > 1:
+        near = near_views([*people, *others], size, photo_size)
+        for mask, looks in zip(placed, people, strict=True):
+            _leave_to_others(mask, looks, near, photo_size)
     if not others:
         return placed
-    theirs = sum(_placed(looks, size, photo_size) * _nearness(looks, places) for looks in others)
-    own = [_nearness(looks, places) for looks in people]
+    theirs = sum(_placed(looks, size, photo_size) * _nearness(looks, size, photo_size) for looks in others)
+    own = [_nearness(looks, size, photo_size) for looks in people]
     return [mask * (mask * mine / (mask * mine + theirs + _TINY)) for mask, mine in zip(placed, own, strict=True)]
 
 
 def place_faces(faces: Iterable[Look], size: tuple[int, int], photo_size: tuple[int, int]) -> np.ndarray:
     """Probability (h, w) in [0, 1] that a place of a photo is somebody's face; sizes as for `place_masks`."""
-    places, whole = places_of(size, photo_size), all_of(size, photo_size)
-    result = np.zeros(size, np.float32)
+    whole, result = all_of(size, photo_size), np.zeros(size, np.float32)
     for face, view in faces:
         seen = spread_crop(_in_range(face), view, whole)
-        result = np.maximum(result, np.where(_inside(view, places), seen, 0))
+        result = np.maximum(result, np.where(_inside(view, size, photo_size), seen, 0))
     return result
 
 
 def near_views(people: Sequence[list[Look]], size: tuple[int, int], photo_size: tuple[int, int]) -> np.ndarray:
     """Which places (h, w) of a photo, true or false, lie in somebody's nearest look; arguments as of `place_masks`."""
-    places = places_of(size, photo_size)
-    return np.logical_or.reduce([np.zeros(size, bool), *(_inside(looks[0][1], places) for looks in people)])
+    seen = (_inside(looks[0][1], size, photo_size) for looks in people)
+    return np.logical_or.reduce([np.zeros(size, bool), *seen])
 
 
 def likely_person(
@@ -221,7 +224,10 @@ def _spread_within(seed: np.ndarray, limit: np.ndarray) -> np.ndarray:
     """Grey-scale reconstruction (Vincent 1993): the seed grows over its neighbours, nowhere above the limit."""
     kernel = np.ones((3, 3), np.uint8)
     while True:
-        grown = np.minimum(cv2.dilate(seed, kernel), limit)
+        grown = seed
+        # To see that nothing grows any more takes longer than to grow.
+        for _ in range(_GROWN_AT_ONCE):
+            grown = np.minimum(cv2.dilate(grown, kernel), limit)
         if np.array_equal(grown, seed):
             return seed
         seed = grown
@@ -229,37 +235,39 @@ def _spread_within(seed: np.ndarray, limit: np.ndarray) -> np.ndarray:
 
 def _placed(looks: list[Look], size: tuple[int, int], photo_size: tuple[int, int]) -> np.ndarray:
     """A person's mask at its place; beyond it what is likely of a body below and a head above, and wider looks."""
-    places, whole = places_of(size, photo_size), all_of(size, photo_size)
+    whole = all_of(size, photo_size)
     (person, view), *wider = looks
     seen = spread_crop(_in_range(person), view, whole)
-    across, down = np.moveaxis(upright(view).from_photo(places, 1), -1, 0)
+    across, down = across_and_down(upright(view), size, photo_size)
     beyond, below = _around(np.abs(across - 0.5), down - 1, seen), down > 1
     for person_wider, wider_view in wider:
         told = _heeding(beyond, spread_crop(_in_range(person_wider), wider_view, whole))
         told = np.where(below, told, np.minimum(told, np.maximum(beyond, _AT_MOST_BESIDE)))
-        beyond = np.where(_inside(wider_view, places), told, beyond)
-    return np.where(_inside(view, places), seen, beyond).astype(np.float32)
+        beyond = np.where(_inside(wider_view, size, photo_size), told, beyond)
+    return np.where(_inside(view, size, photo_size), seen, beyond).astype(np.float32)
 
 
-def _nobody_in_others_looks(mask: np.ndarray, looks: list[Look], near: np.ndarray, places: np.ndarray) -> np.ndarray:
-    """Somebody's mask, but what is only perhaps theirs is nobody's where another's nearest look sees it.
+def _leave_to_others(mask: np.ndarray, looks: list[Look], near: np.ndarray, photo_size: tuple[int, int]) -> None:
+    """Take out of somebody's mask what is only perhaps theirs, where another's nearest look sees that it is nobody's.
 
     Args:
         near: (h, w) see `near_views`, of everybody.
     """
-    own = np.logical_or.reduce([_inside(view, places) for _, view in looks])
-    return np.where(near & ~own & (mask <= _PERHAPS_BODY), np.minimum(mask, _NOBODY), mask)
+    perhaps = near & (mask <= _PERHAPS_BODY)
+    for _, view in looks:
+        perhaps &= ~_inside(view, mask.shape, photo_size)
+    mask[perhaps] = np.minimum(mask[perhaps], _NOBODY)
 
 
-def _nearness(looks: list[Look], places: np.ndarray) -> np.ndarray:
-    """How near the middle of somebody's nearest look places (h, w, 2) of the photo are, (h, w) above 0."""
-    distance = np.linalg.norm(looks[0][1].from_photo(places, 1) - 0.5, axis=-1)
-    return ((_MIDDLE + distance) ** -_NEARNESS_POWER).astype(np.float32)
+def _nearness(looks: list[Look], size: tuple[int, int], photo_size: tuple[int, int]) -> np.ndarray:
+    """How near the middle of somebody's nearest look the places of a photo are, (h, w) above 0."""
+    across, down = across_and_down(looks[0][1], size, photo_size)
+    return ((_MIDDLE + np.hypot(across - 0.5, down - 0.5)) ** -_NEARNESS_POWER).astype(np.float32)
 
 
-def _inside(view: Crop, places: np.ndarray) -> np.ndarray:
-    within = view.from_photo(places, 1)
-    return ((within >= 0) & (within < 1)).all(-1)
+def _inside(view: Crop, size: tuple[int, int], photo_size: tuple[int, int]) -> np.ndarray:
+    across, down = across_and_down(view, size, photo_size)
+    return (across >= 0) & (across < 1) & (down >= 0) & (down < 1)
 
 
 def _heeding(guess: np.ndarray, told: np.ndarray) -> np.ndarray:
