@@ -69,33 +69,35 @@ class JointUpsampler:
         """(f * f, 9, s, s) weights of the neighbours of every new pixel."""
         size, factor = self.size, self.factor
         around = _neighbours(_as_seen(small))
-        slopes, around = _slopes(around).reshape(size * size, 1, 2, 3), around.reshape(size * size, _TAPS, 3)
+        slopes = _slopes(around)
         cells = _cells(_as_seen(large), factor) - _along(slopes, _places(_within(factor)))
         around = around - _along(slopes, _places(torch.tensor([-1.0, 0.0, 1.0])))
-        unlike = cells[:, :, None] - around[:, None]
-        likeness, near = torch.exp(unlike.square().sum(-1) / (-2 * _COLOUR_DEVIATION**2)), _nearness(factor)
-        weights = (likeness + _FAR) * near
-        weights = weights / weights.sum(-1, keepdim=True)
-        weights = weights.lerp(_by_luminance(small, large, near), 1 - likeness.amax(-1, keepdim=True))
-        return weights.permute(1, 2, 0).reshape(factor * factor, _TAPS, size, size).contiguous()
+        there, own = _neighbours(_over_luminance(small))[:, 0], _cells(_over_luminance(large), factor)[:, 0]
+        weights = torch.empty(factor * factor, _TAPS, size, size)
+        for cell, grey, near, weight in zip(cells, own, _nearness(factor), weights, strict=True):
+            near = near[:, None, None]
+            likeness = torch.exp((cell - around).square().sum(1) / (-2 * _COLOUR_DEVIATION**2))
+            alike = (likeness + _FAR) * near
+            torch.lerp(alike / alike.sum(0), _by_luminance(there, grey, near), 1 - likeness.amax(0), out=weight)
+        return weights
 
 
-def _by_luminance(small: np.ndarray, large: np.ndarray, near: torch.Tensor) -> torch.Tensor:
-    """(s * s, f * f, 9) weights that give each new pixel about what a line over 1 / luminance has at its own.
+def _by_luminance(there: torch.Tensor, own: torch.Tensor, near: torch.Tensor) -> torch.Tensor:
+    """(9, s, s) weights that give new pixels about what a line over 1 / luminance has at their own.
 
     Those that the line would make negative are 0.
 
     Args:
-        near: (f * f, 9) how much each neighbour counts in fitting the line.
+        there: (9, s, s) 1 / luminance of the neighbours.
+        own: (s, s) of the new pixels at one place within the small ones.
+        near: (9, 1, 1) how much each neighbour counts in fitting the line.
     """
-    there = _neighbours(_over_luminance(small)).reshape(-1, 1, _TAPS)
-    own = _cells(_over_luminance(large), large.shape[0] // small.shape[0])
-    own = own.clamp(there.amin(-1, keepdim=True), there.amax(-1, keepdim=True))
-    mean = (near * there).sum(-1, keepdim=True)
-    variance = (near * (there - mean).square()).sum(-1, keepdim=True)
-    slope = (there - mean) / (variance + _NO_VARIANCE * mean.square())
-    weights = near * (1 + slope * (own - mean)).clamp_min(0)
-    return weights / weights.sum(-1, keepdim=True)
+    own = own.clamp(there.amin(0), there.amax(0))
+    mean = (near * there).sum(0)
+    apart = there - mean
+    variance = (near * apart.square()).sum(0)
+    weights = near * (1 + apart / (variance + _NO_VARIANCE * mean.square()) * (own - mean)).clamp_min(0)
+    return weights / weights.sum(0)
 
 
 def _over_luminance(linear: np.ndarray) -> torch.Tensor:
@@ -105,10 +107,10 @@ def _over_luminance(linear: np.ndarray) -> torch.Tensor:
 
 
 def _cells(image: torch.Tensor, factor: int) -> torch.Tensor:
-    """(f s, f s, C) to (s * s, f * f, C): what lies within each small pixel, rows first."""
+    """(f s, f s, C) to (f * f, C, s, s): what lies at each place within the small pixels, rows first."""
     size, channels = image.shape[0] // factor, image.shape[2]
-    cells = image.reshape(size, factor, size, factor, channels).permute(0, 2, 1, 3, 4)
-    return cells.reshape(size * size, factor * factor, channels)
+    cells = image.reshape(size, factor, size, factor, channels).permute(1, 3, 4, 0, 2)
+    return cells.reshape(factor * factor, channels, size, size)
 
 
 def _interleaved(cells: np.ndarray) -> np.ndarray:
@@ -130,20 +132,19 @@ def _as_seen(linear: np.ndarray) -> torch.Tensor:
 
 
 def _neighbours(image: torch.Tensor) -> torch.Tensor:
-    """(s, s, C) to (s, s, 9, C), rows first; the border repeats."""
-    padded = F.pad(image.permute(2, 0, 1)[None], (1, 1, 1, 1), mode="replicate")[0]
-    windows = padded.unfold(1, 3, 1).unfold(2, 3, 1)
-    return windows.permute(1, 2, 3, 4, 0).reshape(*image.shape[:2], _TAPS, image.shape[2])
+    """(s, s, C) to (9, C, s, s), rows first; the border repeats."""
+    (height, width), padded = image.shape[:2], F.pad(image.permute(2, 0, 1)[None], (1, 1, 1, 1), mode="replicate")[0]
+    return torch.stack([padded[:, y : y + height, x : x + width] for y in range(3) for x in range(3)])
 
 
 def _slopes(around: torch.Tensor) -> torch.Tensor:
-    """(s, s, 2, C), down and to the right, per small pixel; 0 at edges, where the two sides' slopes differ.
+    """(2, C, s, s), down and to the right, per small pixel; 0 at edges, where the two sides' slopes differ.
 
     Args:
         around: of `_neighbours`.
     """
-    above, left, here, right, below = (around[:, :, tap] for tap in (1, 3, 4, 5, 7))
-    return torch.stack([_lesser(here - above, below - here), _lesser(here - left, right - here)], 2)
+    above, left, here, right, below = (around[tap] for tap in (1, 3, 4, 5, 7))
+    return torch.stack([_lesser(here - above, below - here), _lesser(here - left, right - here)])
 
 
 def _lesser(one: torch.Tensor, other: torch.Tensor) -> torch.Tensor:
@@ -153,8 +154,9 @@ def _lesser(one: torch.Tensor, other: torch.Tensor) -> torch.Tensor:
 
 
 def _along(slopes: torch.Tensor, places: torch.Tensor) -> torch.Tensor:
-    """How much slopes (P, 1, 2, C) rise up to each of some places (N, 2): (P, N, C)."""
-    return places[:, :1] * slopes[:, :, 0] + places[:, 1:] * slopes[:, :, 1]
+    """How much slopes (2, C, s, s) rise up to each of some places (N, 2): (N, C, s, s)."""
+    down, right = places.T[..., None, None, None]
+    return down * slopes[0] + right * slopes[1]
 
 
 def _within(factor: int) -> torch.Tensor:
