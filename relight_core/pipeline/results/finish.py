@@ -28,7 +28,6 @@ from relight_core.pipeline.results.picture import PlacedCatchlight, PlacedChange
 
 _EDGE_SHARE = 0.12
 _WEIGHT_LONGEST = 512
-_NEARNESS_POWER = 4
 _OUTLINE_SHARE, _UNSEEN_BLUR_SHARE = 0.02, 0.01
 _UNSEEN_FROM, _UNSEEN_TO = 0.3, 0.7
 
@@ -363,5 +362,6 @@ def _weight(
     (x0, y0, x1, y1), (left, top, right, bottom) = view.window, picture
     beyond = [] if view.roll_deg else [gap / view.side for gap in (x0 - left, right - x1, y0 - top, bottom - y1)]
     fading = fade(across, _EDGE_SHARE, *beyond[:2]) * fade(down, _EDGE_SHARE, *beyond[2:])
-    distance = np.hypot(across - 0.5, down - 0.5)
-    return fading.astype(np.float32), (1 / (0.05 + distance)) ** _NEARNESS_POWER
+    nearness = 1 / (0.05 + np.hypot(across - 0.5, down - 0.5))
+    # Its fourth power: NumPy's own takes four times as long.
+    return fading.astype(np.float32), np.square(np.square(nearness))
