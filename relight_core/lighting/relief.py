@@ -176,13 +176,14 @@ def horizon_slopes(relief: torch.Tensor, covered: torch.Tensor, azimuth_rad: tor
     size = relief.shape[-1]
     height = torch.where(covered > 0.5, relief, torch.full_like(relief, NOTHING))
     axis = (torch.arange(size, device=relief.device) + 0.5) / size * 2 - 1
-    y, x = torch.meshgrid(axis, axis, indexing="ij")
-    step_x, step_y = azimuth_rad.cos()[:, None, None], -azimuth_rad.sin()[:, None, None]
+    grid = torch.stack(torch.meshgrid(axis, axis, indexing="xy"), -1)
+    step = torch.stack([azimuth_rad.cos(), -azimuth_rad.sin()], -1)
     field = height.expand(len(azimuth_rad), *height.shape)
     steepest = torch.full_like(field, NOTHING)
     for distance in march_distances(size, _STEPS):
-        position = torch.stack([x + distance * step_x, y + distance * step_y], -1)
+        position = grid + (distance * step)[:, None, None]
         sampled = F.grid_sample(field, position, mode="bilinear", padding_mode="border", align_corners=False)
-        inside = (position.abs().amax(-1) < 1)[:, None]
+        across, down = ((axis + distance * along[:, None]).abs() < 1 for along in step.unbind(-1))
+        inside = (across[:, None] & down[:, :, None])[:, None]
         steepest = torch.maximum(steepest, torch.where(inside, (sampled - relief - BIAS) / distance, NOTHING))
     return steepest
