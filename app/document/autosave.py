@@ -8,10 +8,8 @@ ends; so a file whose lock is free belongs to nobody and is offered.
 from __future__ import annotations
 
 import contextlib
-import errno
 import itertools
 import logging
-import os
 import secrets
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -22,18 +20,12 @@ from app.document.document import Document
 from app.document.json_fields import is_too_large, kind_of
 from app.document.session_file import KIND, read_session, write_session
 from relight_core.errors import InputError
+from relight_core.imaging.file_lock import NoLocks, locked
 
 QUIET_S, PATIENCE_S = 1.5, 10.0
 """A change is written after this much quiet, and during constant change this often."""
 
-_HELD = {errno.EAGAIN, errno.EWOULDBLOCK, errno.EACCES, errno.EDEADLK}
-"""What systems say of a lock that another program holds."""
-
 _log = logging.getLogger(__name__)
-
-
-class _NoLocks(OSError):
-    """A disk on which no file can be locked."""
 
 
 @dataclass(frozen=True)
@@ -215,8 +207,8 @@ class RunLock:
         self._files.add(path)
         if self._file is None:
             # Work without a lock is not offered, but can be opened.
-            with contextlib.suppress(_NoLocks):
-                self._file = _locked(self._path)
+            with contextlib.suppress(NoLocks):
+                self._file = locked(self._path)
 
     def let_go(self, path: Path) -> None:
         """A file is gone, or is no longer this editor's."""
@@ -273,8 +265,8 @@ def leftovers(folder: Path, tell: Callable[[str], None] = _log.warning) -> list[
     found = []
     for path in sorted(folder.glob("*.json")) if folder.is_dir() else []:
         try:
-            lock = _locked(_lock_path(path))
-        except _NoLocks as error:
+            lock = locked(_lock_path(path))
+        except NoLocks as error:
             tell(f"Unsaved work may be in {path}: its disk has no locks ({error}); open it if no other relight does")
             continue
         except OSError as error:
@@ -321,28 +313,3 @@ def _forget(path: Path) -> None:
 def _lock_path(path: Path) -> Path:
     """Of a file; older relights held one for each, of the same name."""
     return path.with_name(f"{path.stem.partition('-')[0]}.lock")
-
-
-def _locked(path: Path) -> object | None:
-    """The open and locked file, or None where another program holds it.
-
-    Raises:
-        _NoLocks: the disk has none, as some network drives.
-        OSError: a place where no file can be opened.
-    """
-    file = open(path, "a+b")  # noqa: SIM115 -- closed by whoever holds it
-    try:
-        if os.name == "nt":
-            import msvcrt
-
-            msvcrt.locking(file.fileno(), msvcrt.LK_NBLCK, 1)
-        else:
-            import fcntl
-
-            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except OSError as error:
-        file.close()
-        if error.errno not in _HELD:
-            raise _NoLocks(error.strerror) from error
-        return None
-    return file

@@ -6,13 +6,16 @@ import json
 import math
 import time
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager, nullcontext
+from contextlib import contextmanager, nullcontext, suppress
 from dataclasses import dataclass
 from pathlib import Path
+from typing import BinaryIO
 
 import torch
 from torch import nn
 
+from relight_core.errors import InputError
+from relight_core.imaging.file_lock import NoLocks, locked
 from relight_core.imaging.files import whole_file
 from relight_core.lighting.reflection import ReflectionTable
 from relight_core.networks.bundle import NetworkBundle, save_bundle
@@ -132,11 +135,11 @@ def train_stage(
     Raises:
         TrainingDiverged: after 20 non-finite batches in a row, or where what the last step leaves gives no finite
             losses; earlier checkpoints stay.
-        InputError: the state of an earlier run beside the checkpoint does not fit.
+        InputError: the state of an earlier run beside the checkpoint does not fit, or another run is at it.
     """
     _prepare(stage, bundle, device)
     recorded = device == "cuda" and stage.recordable
-    with _stream_of_its_own() if recorded else nullcontext():
+    with _only_run(checkpoint), _stream_of_its_own() if recorded else nullcontext():
         kind = RecordedStep if recorded else Step
         return _trained(kind, stage, bundle, batches_from, budget, checkpoint, report, device, drawn_by or {})
 
@@ -244,6 +247,35 @@ def state_path(checkpoint: Path) -> Path:
 def is_begun(checkpoint: Path) -> bool:
     """Whether a run with this checkpoint has left anything that was learnt, finished or not."""
     return checkpoint.exists() or state_path(checkpoint).exists()
+
+
+@contextmanager
+def _only_run(checkpoint: Path) -> Iterator[None]:
+    """Keep others from a checkpoint while a run is at it: each would write its own state and weights over the other's.
+
+    A disk without locks, as some network drives are, keeps nobody.
+    """
+    path, file = checkpoint.with_suffix(".lock"), None
+    try:
+        with suppress(NoLocks):
+            file = _lock(path)
+            if file is None:
+                raise InputError(f"{checkpoint}: is being trained by another run; let it end, or choose another place")
+        yield
+    finally:
+        if file is not None:
+            file.close()
+            with suppress(OSError):
+                path.unlink(missing_ok=True)
+
+
+def _lock(path: Path) -> BinaryIO | None:
+    try:
+        return locked(path)
+    except NoLocks:
+        raise
+    except OSError as error:
+        raise InputError(f"{path}: can't be written ({error.strerror}); choose another place") from error
 
 
 @contextmanager

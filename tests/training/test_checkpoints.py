@@ -1,11 +1,14 @@
 """What a run leaves on disk when its batches or its weights go bad, and that it goes on from there."""
 
+import errno
 import itertools
+import os
 
 import pytest
 import torch
 from small_runs import quiet, recorded, some_batch
 
+from relight_core.errors import InputError
 from relight_core.networks.bundle import BundleConfig, NetworkBundle, load_bundle
 from relight_core.training.loop import Budget, TrainingDiverged, state_path, train_stage
 from relight_core.training.optimiser import Optimiser
@@ -108,3 +111,29 @@ def test_the_last_report_tells_the_end(tmp_path):
     done = []
     train(itertools.repeat(some_batch()), tmp_path / "w.safetensors", 2, report=lambda part, _: done.append(part))
     assert done == [1.0]
+
+
+def test_a_checkpoint_has_one_run_at_a_time(tmp_path):
+    good, path, refusals = some_batch(), tmp_path / "w.safetensors", []
+
+    def batches_amid_which_others_begin():
+        while True:
+            with pytest.raises(InputError, match="another run") as refused:
+                train(itertools.repeat(good), path, steps=1)
+            refusals.append(str(refused.value))
+            yield good
+
+    train(batches_amid_which_others_begin(), path, steps=2)
+    assert len(refusals) == 2
+    assert not list(tmp_path.glob("*.lock"))
+    train(itertools.repeat(good), path, steps=1)
+
+
+@pytest.mark.skipif(os.name == "nt", reason="locks are others there")
+def test_a_disk_without_locks_is_trained_on_too(tmp_path, monkeypatch):
+    def none(descriptor, wish):
+        raise OSError(errno.ENOLCK, os.strerror(errno.ENOLCK))
+
+    monkeypatch.setattr("fcntl.flock", none)
+    train(itertools.repeat(some_batch()), tmp_path / "w.safetensors", steps=1)
+    assert (tmp_path / "w.safetensors").exists()
