@@ -115,6 +115,8 @@ def load_state(
             _check_format(path, header.get("format", ""))
             _check_settings(path, json.loads(header["settings"]), settings)
             tensors = {name: file.get_tensor(name) for name in file.keys()}  # noqa: SIM118
+        if any(value.isnan().any() for value in tensors.values()):
+            raise ValueError("damaged: it holds what is no number")
         progress = Progress(**json.loads(header["progress"]))
         _check_shapes(path, _below("weights.", tensors), weights)
         weights.load_state_dict(_below("weights.", tensors))

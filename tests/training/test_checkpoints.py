@@ -5,6 +5,7 @@ import itertools
 import os
 
 import pytest
+import safetensors.torch
 import torch
 from small_runs import quiet, recorded, some_batch
 
@@ -111,6 +112,21 @@ def test_the_last_report_tells_the_end(tmp_path):
     done = []
     train(itertools.repeat(some_batch()), tmp_path / "w.safetensors", 2, report=lambda part, _: done.append(part))
     assert done == [1.0]
+
+
+@pytest.mark.parametrize("where", ["weights.composition.", "average.delight.", "optimiser."])
+def test_a_damaged_state_is_refused_before_anything_is_learnt_from_it(where, tmp_path):
+    good, path, learnt = some_batch(), tmp_path / "w.safetensors", []
+    with pytest.raises(TrainingDiverged):
+        train(itertools.chain([good] * 3, itertools.repeat(spoiled(good))), path)
+    with safetensors.safe_open(state_path(path), framework="pt") as file:
+        tensors, header = {name: file.get_tensor(name) for name in file.keys()}, file.metadata()  # noqa: SIM118
+    name = next(name for name, value in tensors.items() if name.startswith(where) and value.is_floating_point())
+    tensors[name].view(-1)[0] = float("nan")
+    safetensors.torch.save_file(tensors, state_path(path), metadata=header)
+    with pytest.raises(InputError, match=r"damaged.*delete it"):
+        train(itertools.repeat(good), path, stage=recorded(STAGE, learnt))
+    assert learnt == []
 
 
 def test_a_checkpoint_has_one_run_at_a_time(tmp_path):
