@@ -4,8 +4,8 @@ relight train --recipe shipped --heads DIR --lights FILE -o FOLDER
 relight train --stage STAGE --minutes M --heads DIR --lights FILE -o WEIGHTS.safetensors
 relight train --join OTHER.safetensors --start WEIGHTS.safetensors -o BOTH.safetensors
 
-A run that was stopped goes on where it was when the command is given again. A recipe is a TOML file, or the name
-of one that comes with relight.
+A run that was stopped goes on where it was when the command is given again; weights that a stage has ended with are
+not trained over. A recipe is a TOML file, or the name of one that comes with relight.
 
 The stages, in their order, each going on from the weights that --start names:
   warm-delight                                 de-lighting, on true channels
@@ -207,6 +207,7 @@ def _check_places(places: Path | None, names: Iterable[str]) -> None:
 
 
 def _train_stage(arguments: argparse.Namespace) -> int:
+    from relight_core.training.loop import state_path
     from relight_core.training.run import Run, train
     from relight_core.training.stages import STAGES
 
@@ -217,6 +218,11 @@ def _train_stage(arguments: argparse.Namespace) -> int:
     if arguments.window is not None and (arguments.uses or 1) == 1:
         raise InputError("--window: pairs are kept to be used again; give --uses as well, or take it away")
     _check_weights_file(arguments)
+    if arguments.output.exists() and not state_path(arguments.output).exists():
+        raise InputError(
+            f"{arguments.output}: holds weights whose training has ended; "
+            "name another file after -o (to train them further, with these after --start), or delete it"
+        )
     check_heads_and_lights(arguments.heads, arguments.lights, "train")
     given = {name: getattr(arguments, name) for name in _OF_A_RUN}
     settings = Run(

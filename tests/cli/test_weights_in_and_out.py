@@ -14,6 +14,7 @@ from relight_core.networks.bundle import (
 )
 from relight_core.networks.pair import RelightingPair
 from relight_core.networks.person import PersonConfig, PersonNetwork
+from relight_core.training.loop import state_path
 
 
 @pytest.fixture
@@ -53,3 +54,12 @@ def test_weights_are_never_written_over_those_they_are_made_from(command_line, d
         command_line("train", "--join", tiny, "--start", data / "other.safetensors", "-o", tiny), "over the weights"
     )
     assert tiny.read_bytes() == before
+
+
+def test_weights_whose_training_has_ended_are_not_trained_over(command_line, data):
+    tiny, before = data / "tiny.safetensors", (data / "tiny.safetensors").read_bytes()
+    words = ["train", "--stage", "warm-delight", "--minutes", 1, "--heads", data, "--lights", data, "-o", tiny]
+    refused(command_line(*words), "has ended", "--start")
+    assert tiny.read_bytes() == before
+    state_path(tiny).touch()
+    refused(command_line(*words), "panorama")
