@@ -251,13 +251,18 @@ def _in_plain_words(batches: Iterable[dict[str, torch.Tensor]]) -> Iterator[dict
         words = str(error.args[0]).strip().splitlines()[-1]
         raise InputError(words.removeprefix(f"{InputError.__module__}.{InputError.__qualname__}: ")) from error
     except RuntimeError as error:
-        # PyTorch's own words, of a worker that could not take any or was killed as it wrote there.
-        if "shared memory" not in str(error):
-            raise
-        raise InputError(
-            "too little shared memory (/dev/shm) for the samples that the workers hand over; "
-            "make it larger (of a container with --shm-size), or give fewer --workers or --pairs"
-        ) from error
+        # PyTorch's own words: of a worker that could not take any or was killed as it wrote there, and of any other.
+        if "shared memory" in str(error):
+            raise InputError(
+                "too little shared memory (/dev/shm) for the samples that the workers hand over; "
+                "make it larger (of a container with --shm-size), or give fewer --workers or --pairs"
+            ) from error
+        if "exited unexpectedly" in str(error) or "signal: Killed" in str(error):
+            raise InputError(
+                "a process that makes samples was killed, as systems do where memory or /dev/shm runs out; "
+                "make room and give the command again, or begin anew with fewer --workers"
+            ) from error
+        raise
 
 
 def _collated_by_half(samples: list[dict[str, torch.Tensor]]) -> dict[str, torch.Tensor]:

@@ -2,6 +2,7 @@
 
 import itertools
 import os
+import signal
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -100,6 +101,23 @@ def test_too_little_shared_memory_is_told_in_words_to_act_on(words):
     next(plain)
     with pytest.raises(InputError, match="/dev/shm.*--workers"):
         next(plain)
+
+
+class Killed(IterableDataset):
+    def __init__(self, *_, **__):
+        pass
+
+    def __iter__(self):
+        os.kill(os.getpid(), signal.SIGKILL)
+        yield {}
+
+
+@pytest.mark.skipif(os.name == "nt", reason="nobody is killed so there")
+def test_a_worker_that_is_killed_for_its_memory_is_told_in_words_to_act_on(monkeypatch):
+    monkeypatch.setattr(run_module, "SampleStream", Killed)
+    run = Run("warm-delight", Path("heads"), Path("lights"), Path("w"), steps=9, pairs=2, workers=1)
+    with pytest.raises(InputError, match=r"was killed.*memory.*give the command again"):
+        next(training_batches(run, STAGES["warm-delight"], 0))
 
 
 @pytest.mark.parametrize(("asked", "threads"), [(None, "1"), ("3", "3")])
