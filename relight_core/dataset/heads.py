@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from relight_core.dataset.archive import read_arrays
+from relight_core.errors import InputError
 
 # Transparent overlays of the model (tear film, lid occlusion, lashes) would be opaque to a ray.
 _OPAQUE_REGIONS = (
@@ -37,6 +38,7 @@ _ARRAYS = (
     "uv",
     "landmarks68",
 )
+_SHAPES = ("mean", "identity", "expression", "uv")
 
 OUTER_SKIN = ("face", "head_neck")
 """Regions that things are worn on."""
@@ -111,8 +113,11 @@ class HeadModel:
 
 
 def load_head_model(path: Path) -> HeadModel:
-    """Read an ICT-FaceKit archive (.npz); raises InputError when it is missing or damaged."""
+    """Read an ICT-FaceKit archive (.npz); raises InputError when it is missing, damaged or not finite."""
     data = read_arrays(path, _ARRAYS, "a head model", "give the ICT-FaceKit archive")
+    for name in _SHAPES:
+        if not np.isfinite(data[name]).all():  # Heads of it would be empty, without a word.
+            raise InputError(f"{path}: not all of its {name!r} are finite numbers; give the ICT-FaceKit archive")
     names = tuple(str(name) for name in data["region_names"])
     opaque = np.isin(data["face_region"], [names.index(name) for name in _OPAQUE_REGIONS])
     return HeadModel(

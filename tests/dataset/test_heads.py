@@ -14,12 +14,24 @@ from relight_core.dataset.heads import (
     sample_pose,
     turn_eyes,
 )
+from relight_core.errors import InputError
 
 
 @pytest.fixture
 def model(tmp_path):
     write_head_model(tmp_path / "model.npz")
     return load_head_model(tmp_path / "model.npz")
+
+
+@pytest.mark.parametrize(("name", "value"), [("mean", np.nan), ("identity", np.inf), ("uv", np.nan)])
+def test_a_model_with_what_is_no_number_is_refused_by_its_name(name, value, tmp_path):
+    write_head_model(tmp_path / "model.npz")
+    with np.load(tmp_path / "model.npz") as data:
+        arrays = dict(data)
+    arrays[name].reshape(-1)[5] = value
+    np.savez(tmp_path / "model.npz", **arrays)
+    with pytest.raises(InputError, match=f"model.npz.*'{name}'"):
+        load_head_model(tmp_path / "model.npz")
 
 
 def test_a_name_without_a_side_means_both_and_no_other(model):
