@@ -100,8 +100,7 @@ def _speed(arguments: argparse.Namespace) -> int:
 
 def _effect(arguments: argparse.Namespace) -> int:
     let_idle_threads_sleep()
-    from relight_core.evaluation.dataset_effect import Lesson
-    from relight_core.imaging.read import read_photo
+    from relight_core.evaluation.dataset_effect import Lesson, photos_of_people
 
     check_output_file(arguments.output, _PICTURES)
     if arguments.size % 16:
@@ -111,8 +110,9 @@ def _effect(arguments: argparse.Namespace) -> int:
         check_head_sizes(folder, "train", [("dataset effect", arguments.size)])
     paths = photos_after_option(arguments.photos)
     check_place(arguments.output, KnownFiles(paths))
-    for path in paths:
-        read_photo(path)  # What can't be read is told before the training and not after it.
+    if arguments.work is not None:
+        make_folder(arguments.work)
+    paths = photos_of_people(paths)  # What can't be shown is told before the training and not after it.
     lesson = Lesson(arguments.steps, arguments.size, arguments.pairs, arguments.width)
     if arguments.work is not None:
         return _compare(arguments, paths, lesson, arguments.work)
@@ -125,7 +125,6 @@ def _compare(arguments: argparse.Namespace, paths: list[Path], lesson, work: Pat
     from relight_core.evaluation.dataset_effect import compare_photos, taught
     from relight_core.evaluation.tables import figure_text, markdown_table
 
-    make_folder(work)
     pupils = {}
     for name, heads, plain in (("plain", arguments.bare, True), ("varied", arguments.shards, False)):
         with progress(f"training on {name} heads", 1.0) as show:

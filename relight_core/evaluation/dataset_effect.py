@@ -154,28 +154,40 @@ def _keep_to_one_lesson(checkpoint: Path, told: dict[str, int | float | str]) ->
         beside.write_text(words)
 
 
-def compare_photos(pupils: dict[str, NetworkBundle], paths: list[Path], size: int) -> Comparison:
-    """Show every photo's largest face to every network; photos in which no face is found are left out.
+def photos_of_people(paths: list[Path]) -> list[Path]:
+    """Those photos in which a face is found.
 
     Raises:
         InputError: a photo can't be read, or none has a face.
+    """
+    photos = ((path, read_photo(path).seen) for path in paths)
+    people = [path for path, photo in photos if find_faces(photo) or find_small_faces(photo)]
+    if not people:
+        raise InputError(f"{paths[0].parent}: no face in any of the photos; give photos of people")
+    return people
+
+
+def compare_photos(pupils: dict[str, NetworkBundle], paths: list[Path], size: int) -> Comparison:
+    """Show every photo's largest face to every network.
+
+    Args:
+        paths: of `photos_of_people`.
+
+    Raises:
+        InputError: a photo can't be read.
     """
     parser = load_bundle(resource_path(*WEIGHTS)).for_inference()
     seen: dict[str, list[Seen]] = {name: [] for name in pupils}
     pictures: list[tuple[str, np.ndarray]] = []
     for path in paths:
         photo = read_photo(path).seen
-        if not (find_faces(photo) or find_small_faces(photo)):
-            continue
         row = {name: look(pupil, parser, photo, size) for name, pupil in pupils.items()}
         for name, found in row.items():
             seen[name].append(found)
         pictures.append(("photo", next(iter(row.values())).photo_srgb))
         pictures += [(f"albedo, {name}", found.albedo_srgb) for name, found in row.items()]
         pictures += [(f"normal, {name}", channel_to_srgb("normal", found.normal)) for name, found in row.items()]
-    if not pictures:
-        raise InputError("no face in any of the photos; give photos of people")
-    return Comparison({name: measure(found) for name, found in seen.items()}, pictures, len(seen[next(iter(seen))]))
+    return Comparison({name: measure(found) for name, found in seen.items()}, pictures, len(paths))
 
 
 @torch.no_grad()

@@ -335,6 +335,14 @@ def test_effect_tells_of_a_photo_it_can_t_read_before_it_trains(run, data, tmp_p
     refused(run(*words, "--bare", data / "heads", "--photos", tmp_path), "torn.jpg")
 
 
+def test_effect_tells_of_photos_of_nobody_before_it_trains(run, data, tmp_path, monkeypatch):
+    monkeypatch.setattr(dataset_effect, "taught", lambda *_, **__: pytest.fail("trained in vain"))
+    Image.new("RGB", (64, 64), "grey").save(tmp_path / "wall.png")
+    words = ["dataset", "effect", "--shards", data / "heads", "--lights", data / "lights.npz", "-o", data / "s.jpg"]
+    words += ["--size", 32]
+    refused(run(*words, "--bare", data / "heads", "--photos", tmp_path), str(tmp_path), "no face")
+
+
 def test_a_recipe_s_last_stage_has_to_suit_the_heads_before_the_first_is_trained(run, data, tmp_path):
     stage = "[[stage]]\nname = 'warm-relight'\nsteps = 1\nsize = "
     (tmp_path / "r.toml").write_text(f"{stage}32\n{stage}64")
@@ -378,6 +386,7 @@ def test_effect_shows_a_dash_for_what_no_photo_tells(run, data, tmp_path, monkey
     figures = dataset_effect.Figures(detail=0.5, spread=0.25, light_left=np.nan)
     found = dataset_effect.Comparison({"plain": figures}, [("photo", np.zeros((32, 32, 3), np.float32))], 1)
     monkeypatch.setattr(dataset_effect, "taught", lambda *_, **__: None)
+    monkeypatch.setattr(dataset_effect, "photos_of_people", lambda paths: paths)
     monkeypatch.setattr(dataset_effect, "compare_photos", lambda *_: found)
     cv2.imwrite(str(tmp_path / "one.png"), np.zeros((8, 8, 3), np.uint8))
     words = ["dataset", "effect", "--shards", data / "heads", "--bare", data / "heads", "--lights", data / "lights.npz"]
