@@ -30,7 +30,7 @@ def draw_curves(log: Path, picture: Path) -> None:
     except (ValueError, KeyError, TypeError, RecursionError) as error:
         raise InputError(f"{log}: not a log of losses ({error}); train again") from error
     if not names:
-        raise InputError(f"{log}: holds no losses yet; a log begins at step 50")
+        raise InputError(f"{log}: holds no losses; train again")
     figure = Figure(figsize=(7, 2.2 * len(names)), layout="constrained")
     FigureCanvasAgg(figure)
     steps = [row["step"] for row in rows]

@@ -168,9 +168,10 @@ def _trained(
         progress.seconds = time.monotonic() - started
         if progress.step % 50 == 0:
             report(elapsed, progress)
-            progress.log.append({"step": progress.step, "elapsed": elapsed, **progress.smoothed})
+            progress.note(elapsed)
         kept.after_step(progress, bundle, average, optimiser, batch)
     report(1.0, progress)
+    progress.note(1.0)
     average.catch_up(bundle, progress.step)
     if ready is not None and not _is_sound(stage, average.bundle(bundle), table, ready, device):
         raise TrainingDiverged(f"what it learnt up to step {progress.step}, the last one, gives non-finite losses")

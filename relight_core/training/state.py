@@ -29,7 +29,7 @@ class Progress:
         skipped: batches that were not finite, in all.
         in_a_row: the same, without a good one between.
         smoothed: running means of the losses.
-        log: what was reported.
+        log: where the losses stood, every 50 steps and at the end.
     """
 
     step: int = 0
@@ -46,6 +46,11 @@ class Progress:
         self.in_a_row = 0 if losses else self.in_a_row + 1
         for name, value in losses.items():
             self.smoothed[name] = 0.98 * self.smoothed.get(name, value) + 0.02 * value
+
+    def note(self, elapsed: float) -> None:
+        """Add to the log where the losses stand, unless it ends there."""
+        if not self.log or self.log[-1]["step"] != self.step:
+            self.log.append({"step": self.step, "elapsed": elapsed, **self.smoothed})
 
 
 @dataclass(frozen=True)

@@ -244,9 +244,18 @@ def test_log_and_curves(tmp_path):
     path = tmp_path / "w.safetensors"
     run(STAGES["warm-composition"], itertools.repeat(some_batch()), budget(101), path)
     log = json.loads(path.with_suffix(".log.json").read_text())
-    assert [row["step"] for row in log] == [50, 100]
+    assert [row["step"] for row in log] == [50, 100, 101]
     draw_curves(path.with_suffix(".log.json"), tmp_path / "curves.png")
     assert (tmp_path / "curves.png").read_bytes().startswith(b"\x89PNG")
+
+
+@pytest.mark.parametrize(("steps", "noted"), [(3, [3]), (50, [50])])
+def test_a_log_has_a_run_s_end_once_however_short_the_run(steps, noted, tmp_path):
+    path = tmp_path / "w.safetensors"
+    run(STAGES["warm-composition"], itertools.repeat(some_batch()), budget(steps), path)
+    log = json.loads(path.with_suffix(".log.json").read_text())
+    assert [row["step"] for row in log] == noted
+    assert log[-1]["encoded"] > 0
 
 
 def test_one_row_of_a_log_is_drawn_as_a_point(tmp_path):
