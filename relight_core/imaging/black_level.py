@@ -14,7 +14,7 @@ from relight_core.imaging.ramp import ramp
 LOOKED_AT = 1024
 """Pixels along the longer side in which a photo is looked at: pupils and nostrils have to be some of them."""
 
-_DARKEST_SHARE, _DARK_PERCENT = 2e-5, 1.0
+_DARKEST_SHARE, _DARK_SHARE = 2e-5, 0.01
 """Of all pixels, how many may be darker than what counts as the darkest, and than what counts as dark."""
 _LEAST_RATIO = 2.2
 """Over at least as much spreads the darkest hundredth of any of 33 photos, some overexposed by 1.3 stops."""
@@ -38,9 +38,9 @@ def black_level_of(pixels: np.ndarray, white: float = 1.0) -> np.ndarray:
     """
     if not len(pixels):
         return np.zeros(3, np.float32)
-    place = int(_DARKEST_SHARE * len(pixels))
-    darkest = np.partition(pixels, place, axis=0)[place]
-    dark = np.percentile(pixels, _DARK_PERCENT, axis=0)
+    places = [int(share * len(pixels)) for share in (_DARKEST_SHARE, _DARK_SHARE)]
+    # NumPy takes three times as long along the first axis.
+    darkest, dark = np.partition(np.ascontiguousarray(pixels.T), places, axis=1)[:, places].T
     added = np.clip((_LEAST_RATIO * darkest - dark) / (_LEAST_RATIO - 1), 0, _MOST * white)
     added *= ramp(darkest, _NO_BLACK * white, _MOST * white)
     return (added * ramp(float(added.max()), _NEXT_TO_NONE * white, _SOME * white)).astype(np.float32)
