@@ -105,10 +105,11 @@ class Photo:
 
     @cached_property
     def _black_level(self) -> np.ndarray:
-        x0, y0, x1, y1 = self.picture
-        seen = resize_area(self.linear[y0:y1, x0:x1], shrunk_size((y1 - y0, x1 - x0), LOOKED_AT)).reshape(-1, 3)
         if self.is_cut_out:
             seen = self.linear[self._few][self.alpha[self._few] > 0.5]
+        else:
+            x0, y0, x1, y1 = self.picture
+            seen = resize_area(self.linear[y0:y1, x0:x1], shrunk_size((y1 - y0, x1 - x0), LOOKED_AT)).reshape(-1, 3)
         white = _white(seen) if self.bits == 32 else 1.0
         return black_level_of(seen, white) if white > 0 else np.zeros(3, np.float32)
 

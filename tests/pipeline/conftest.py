@@ -7,7 +7,7 @@ from tiny_relighter import some_photo
 
 from relight_core.face.find import FaceBox
 from relight_core.imaging import photo
-from relight_core.pipeline import quality
+from relight_core.pipeline import quality, stages
 from relight_core.pipeline.per_photo import choosing_faces
 from relight_core.pipeline.relighter import Relighter
 
@@ -28,6 +28,14 @@ def small_and_seeing_faces(monkeypatch):
     # Of few shades and none of them black, these photos would pass for faded ones.
     monkeypatch.setattr(photo, "black_level_of", lambda *seen: np.zeros(3, np.float32))
     monkeypatch.setattr(choosing_faces, "find_faces", lambda *seen: [FaceBox(24, 20, 72, 76), FaceBox(4, 4, 20, 20)])
+
+
+@pytest.fixture
+def person_on_the_left(monkeypatch):
+    """A person is seen in the left half of every view, and nobody in the right one."""
+    left_half = np.zeros((32, 32), np.float32)
+    left_half[:, :16] = 1
+    monkeypatch.setattr(stages, "solid_person", lambda parsing: left_half)
 
 
 @pytest.fixture

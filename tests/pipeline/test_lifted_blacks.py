@@ -8,7 +8,6 @@ from tiny_relighter import EDIT, some_light, some_photo
 
 from relight_core.imaging import photo
 from relight_core.imaging.photo import Photo
-from relight_core.pipeline import stages
 from relight_core.pipeline.face_taken_apart import Workshop
 from relight_core.pipeline.relighter import Relighter
 from relight_core.pipeline.results.layers import photo_layers
@@ -25,12 +24,8 @@ def lifted_photo():
 
 
 @pytest.fixture
-def lifted(weights, small_and_seeing_faces, monkeypatch):
-    """A Relighter of that photo, which sees a person in the left half of every view."""
+def lifted(weights, small_and_seeing_faces, person_on_the_left, monkeypatch):
     monkeypatch.setattr(photo, "black_level_of", lambda *seen: BLACK)
-    left_half = np.zeros((32, 32), np.float32)
-    left_half[:, :16] = 1
-    monkeypatch.setattr(stages, "solid_person", lambda parsing: left_half)
     relighter = Relighter(weights)
     relighter.set_portrait(lifted_photo())
     return relighter

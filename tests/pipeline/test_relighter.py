@@ -13,7 +13,6 @@ from relight_core.face.find import FaceBox
 from relight_core.imaging.photo import Photo
 from relight_core.lighting.environment import Environment
 from relight_core.lighting.light_edit import LightEdit, edit_light
-from relight_core.pipeline import stages
 from relight_core.pipeline.per_photo import choosing_faces
 from relight_core.pipeline.relighter import Relighter
 from relight_core.pipeline.results import display
@@ -143,11 +142,7 @@ def test_a_number_that_is_text_is_told_from_the_number(relighter):
 
 
 @pytest.fixture
-def halved(weights, monkeypatch):
-    """A Relighter that sees a person in the left half of every view, and nobody in the right one."""
-    left_half = np.zeros((32, 32), np.float32)
-    left_half[:, :16] = 1
-    monkeypatch.setattr(stages, "solid_person", lambda parsing: left_half)
+def halved(weights, person_on_the_left):
     relighter = Relighter(weights)
     relighter.set_portrait(some_photo())
     return relighter

@@ -135,8 +135,9 @@ def find_residual(
     mean = log_ratio.mean(1, keepdim=True)
     hair, skin = _hair_and_skin(surface, mean)
     colour = without_mean(log_ratio)
-    skin = _of_skins_colour(surface, colour, skin)
-    seen_skin = skin * seen_of_person(surface)
+    known = seen_of_person(surface)
+    skin = _of_skins_colour(surface, colour, skin, known)
+    seen_skin = skin * known
     of_lamps = colours_of_lamps(surface, model.plain, colour, skin, seen_skin)
     by_camera = _by_camera(log_ratio, surface.albedo, seen_skin)
     tint = colour + skin * (by_camera - colour) - (1 - skin) * of_lamps
@@ -207,17 +208,18 @@ def _hair_and_skin(surface: Surface, mean: torch.Tensor) -> tuple[torch.Tensor, 
     return hair + mistaken, skin - mistaken
 
 
-def _of_skins_colour(surface: Surface, colour: torch.Tensor, skin: torch.Tensor) -> torch.Tensor:
+def _of_skins_colour(surface: Surface, colour: torch.Tensor, skin: torch.Tensor, known: torch.Tensor) -> torch.Tensor:
     """(1, 1, S, S) probability of skin (1, 1, S, S) that has no colour of its own, as paint, a mask or a burn has.
 
     Args:
         colour: (1, 3, S, S) logs of photo over model, of mean 0.
+        known: of `seen_of_person`.
     """
     skin = skin * (1 - face_paint(surface))
     seen = surface.albedo.clamp_min(BLACK).log() + colour
     ratios = seen - seen[:, 1:2]
     skin = skin * ~_broadly_painted(surface, ratios, skin)
-    return skin * (1 - _broad_part(own_redness(surface, ratios, skin * seen_of_person(surface))))
+    return skin * (1 - _broad_part(own_redness(surface, ratios, skin * known)))
 
 
 def _broadly_painted(surface: Surface, ratios: torch.Tensor, skin: torch.Tensor) -> torch.Tensor:

@@ -15,7 +15,7 @@ import numpy as np
 from relight_core.face.crop import Crop
 from relight_core.face.paste import Band, bands, nearer, spread_crop, spread_window, whole_photo
 from relight_core.imaging.in_order import in_order
-from relight_core.imaging.photo import with_black
+from relight_core.imaging.photo import with_black, without_black
 from relight_core.imaging.resampling import resize_area
 from relight_core.pipeline.per_photo.matte import Matte
 from relight_core.pipeline.per_photo.person import Canvas, Person, person_in
@@ -173,8 +173,8 @@ class Picture:
             if not self.backdrop.transparent:
                 image *= person.share[..., None]
                 image += self._behind(person, band)
-        image = with_black(image, self.canvas.black)
-        np.maximum(image, 0, out=image)
+        if (black := self.canvas.black) is not None:
+            image = np.maximum(with_black(image, black), 0)
         if self.wide and self.canvas.beyond is not None:
             self._add_beyond(image, person.share[..., None], band)
         return image, person.share if self.backdrop.transparent else None
@@ -228,7 +228,7 @@ class Picture:
         # Repeated by hand: numpy takes five times as long for pixels times shares of pixels.
         relit *= cv2.merge((share, share, share)).reshape(relit.shape)
         relit += linear[:, first:last]
-        result[:, first:last] = relit
+        np.maximum(relit, without_black(np.float32(0), self.canvas.black), out=result[:, first:last])
         return result
 
     def _relit(self, colour: np.ndarray, band: Band, gloss: bool = True) -> np.ndarray:
