@@ -99,4 +99,4 @@ def _multiplied(task: DetailTask, gain: np.ndarray) -> np.ndarray:
 def _upsampler(task: DetailTask) -> JointUpsampler:
     size, small = task.photo.shape[0], task.photo_small.shape[0]
     lattice = max(min(_LATTICE, size) // small, 1) * small
-    return JointUpsampler(task.photo_small, resize_area(task.photo, (lattice, lattice)))
+    return JointUpsampler(task.photo_small, resize_area(task.photo, (lattice, lattice)), task.makeup_small.skin)

@@ -3,6 +3,7 @@
 Where an edge is soft, as a shadow's is, a pixel within it is like neither side, and whichever it is likest gave it the
 wrong light: a dark or bright line ran along the edge. There the maps are taken for a straight function of what light
 divides by, 1 / luminance, fitted to the neighbours (He, Sun and Tang 2013): of a shadow that is taken out it is one.
+On skin, which is of one colour, any steep step of luminance is light's, and the fit is exact.
 
 The weights follow from the picture alone, so they are computed once per photo and then serve every light.
 """
@@ -15,6 +16,7 @@ import torch
 import torch.nn.functional as F
 
 from relight_core.imaging.colour import luminance
+from relight_core.imaging.ramp import ramp
 
 _COLOUR_DEVIATION = 0.05
 _FAR = 1e-6
@@ -22,6 +24,11 @@ _TAPS = 9
 _DARK = 0.02
 _NO_VARIANCE = 0.005
 """Of 1 / luminance beside its squared mean: where it varies less, it tells nothing."""
+_STEP = (0.3, 0.6)
+"""By how much, in logs, the luminance of neighbours differs where skin may lie at the edge of a shadow, and surely."""
+_HOLE_PX, _SPECK_PX = 5, 5
+_LEAST_DEVIATION, _STEEPEST, _ROUNDS = 0.02, 6.0, 8
+"""Of 1 / luminance beside its mean, the exponent per deviation, and in how many rounds it is found."""
 
 
 class JointUpsampler:
@@ -33,12 +40,13 @@ class JointUpsampler:
     positive or 0 and sum to 1: where maps are higher, nothing gets lower.
     """
 
-    def __init__(self, small: np.ndarray, large: np.ndarray):
+    def __init__(self, small: np.ndarray, large: np.ndarray, skin: np.ndarray | None = None):
         """Compute the weights.
 
         Args:
             small: (s, s, 3) linear, the picture at the maps' size.
             large: (f s, f s, 3) linear, the same picture; f is a whole number.
+            skin: (s, s) in [0, 1], how surely each small pixel is of the one colour of bare skin; None for nowhere.
 
         Raises:
             ValueError: sizes that are no whole multiple.
@@ -47,7 +55,8 @@ class JointUpsampler:
         if large.shape[:2] != (factor * size, factor * size) or small.shape[:2] != (size, size):
             raise ValueError(f"{large.shape[:2]} is no whole multiple of {small.shape[:2]}")
         self.size, self.factor = size, factor
-        self._weights = None if factor == 1 else self._likeness(small, large)
+        skin = np.zeros((size, size), np.float32) if skin is None else skin
+        self._weights = None if factor == 1 else self._likeness(small, large, torch.from_numpy(skin))
 
     def __call__(self, maps: np.ndarray) -> np.ndarray:
         """Enlarge maps (s, s, C) to (f s, f s, C) float32."""
@@ -65,21 +74,64 @@ class JointUpsampler:
                 cell.addcmul_(tap, weight)
         return _interleaved(cells.numpy())
 
-    def _likeness(self, small: np.ndarray, large: np.ndarray) -> torch.Tensor:
+    def _likeness(self, small: np.ndarray, large: np.ndarray, skin: torch.Tensor) -> torch.Tensor:
         """(f * f, 9, s, s) weights of the neighbours of every new pixel."""
         size, factor = self.size, self.factor
         around = _neighbours(_as_seen(small))
         slopes = _slopes(around)
         cells = _cells(_as_seen(large), factor) - _along(slopes, _places(_within(factor)))
         around = around - _along(slopes, _places(torch.tensor([-1.0, 0.0, 1.0])))
-        there, own = _neighbours(_over_luminance(small))[:, 0], _cells(_over_luminance(large), factor)[:, 0]
+        over_small, over = _over_luminance(small), _over_luminance(large)
+        there, at_step = _neighbours(over_small)[:, 0], skin * _steps(over_small)
+        own, plain = (_cells(each, factor)[:, 0] for each in (over, _without_specks(over)))
         weights = torch.empty(factor * factor, _TAPS, size, size)
-        for cell, grey, near, weight in zip(cells, own, _nearness(factor), weights, strict=True):
+        for cell, grey, step, near, weight in zip(cells, own, plain, _nearness(factor), weights, strict=True):
             near = near[:, None, None]
             likeness = torch.exp((cell - around).square().sum(1) / (-2 * _COLOUR_DEVIATION**2))
-            alike = (likeness + _FAR) * near
-            torch.lerp(alike / alike.sum(0), _by_luminance(there, grey, near), 1 - likeness.amax(0), out=weight)
+            alike, unlike = (likeness + _FAR) * near, 1 - likeness.amax(0)
+            alike /= alike.sum(0)
+            torch.lerp(alike, _by_luminance(there, grey, near), unlike, out=weight)
+            _follow_steps(weight, torch.lerp(alike, near.expand_as(alike), unlike), there, step, at_step)
         return weights
+
+
+def _follow_steps(
+    weights: torch.Tensor, likely: torch.Tensor, there: torch.Tensor, own: torch.Tensor, share: torch.Tensor
+) -> None:
+    """Change weights (9, s, s), by a share (s, s), to those next to `likely` (9, s, s) that follow luminance exactly.
+
+    Args:
+        there, own: of `_by_luminance`.
+    """
+    where = share > 0
+    exactly = _with_mean(likely[:, where], there[:, where], own[where])
+    weights[:, where] = torch.lerp(weights[:, where], exactly, share[where])
+
+
+def _with_mean(weights: torch.Tensor, values: torch.Tensor, mean: torch.Tensor) -> torch.Tensor:
+    """(9, N) the weights, of relative entropy nearest to given ones, under which values (9, N) have a mean (N,).
+
+    They are the given ones times an exponential of the values (Hainmueller 2012), so none is negative. Means beyond
+    the values become the nearest that those can have.
+    """
+    middle = (weights * values).sum(0)
+    variance = (weights * (values - middle).square()).sum(0) + (_LEAST_DEVIATION * middle).square()
+    deviation = variance.sqrt()
+    apart, wanted = (values - middle) / deviation, (mean - middle) / deviation
+    slope, least, most = torch.zeros_like(mean), torch.full_like(mean, -_STEEPEST), torch.full_like(mean, _STEEPEST)
+    for _ in range(_ROUNDS):
+        tilted = _tilted(weights, slope * apart)
+        reached = (tilted * apart).sum(0)
+        spread = (tilted * (apart - reached).square()).sum(0).clamp_min(1e-4)
+        least, most = torch.where(reached < wanted, slope, least), torch.where(reached > wanted, slope, most)
+        newton = slope + (wanted - reached) / spread
+        slope = torch.where((newton > least) & (newton < most), newton, (least + most) / 2)
+    return _tilted(weights, slope * apart)
+
+
+def _tilted(weights: torch.Tensor, exponent: torch.Tensor) -> torch.Tensor:
+    tilted = weights * torch.exp(exponent - exponent.amax(0))
+    return tilted / tilted.sum(0)
 
 
 def _by_luminance(there: torch.Tensor, own: torch.Tensor, near: torch.Tensor) -> torch.Tensor:
@@ -104,6 +156,18 @@ def _over_luminance(linear: np.ndarray) -> torch.Tensor:
     """(S, S, 1) the reciprocal of an image's luminance, of no less than a dark one."""
     grey = luminance(np.clip(np.nan_to_num(linear, nan=0.0), 0, 1))
     return torch.from_numpy(np.float32(1 / (grey + _DARK)))[..., None]
+
+
+def _steps(over_luminance: torch.Tensor) -> torch.Tensor:
+    """(s, s) how surely skin lies at the edge of a shadow, of (s, s, 1); a nostril or mole is too small for one."""
+    filled = cv2.morphologyEx(over_luminance[..., 0].numpy(), cv2.MORPH_OPEN, np.ones((_HOLE_PX, _HOLE_PX), np.uint8))
+    around = _neighbours(torch.from_numpy(filled)[..., None])[:, 0]
+    return ramp((around.amax(0) / around.amin(0)).log(), *_STEP)
+
+
+def _without_specks(image: torch.Tensor) -> torch.Tensor:
+    """An image (S, S, 1) without the pores and freckles of skin; slopes and steps stay where they are."""
+    return torch.from_numpy(cv2.medianBlur(image[..., 0].numpy(), _SPECK_PX))[..., None]
 
 
 def _cells(image: torch.Tensor, factor: int) -> torch.Tensor:

@@ -252,8 +252,8 @@ class FaceRelighter(FaceInPhoto):
         return self._once("makeup", plan.keys["surface"], lambda: view_as_seen(ready.photo_small, ready.surface))
 
     def _upsampler(self, ready: Prepared) -> JointUpsampler:
-        sizes = ready.tier.size, ready.tier.network_size
-        return self._once("edges", sizes, lambda: upsampler_for(ready.seen, ready.photo_small))
+        sizes = ready.tier.surface_key, ready.tier.size, ready.tier.network_size
+        return self._once("edges", sizes, lambda: upsampler_for(ready.seen, ready.photo_small, ready.surface))
 
     def channels(self, ready: Prepared, lit: Lit, change: ViewChange, plan: Plan, edit: Edit) -> dict:
         """The channels that are looked at, all but "target_light"."""

@@ -9,7 +9,7 @@ import numpy as np
 import torch
 import torch.nn.functional as F
 
-from relight_core.face.parsing import BROWS, EYES, INDEX, MOUTH, SKIN
+from relight_core.face.parsing import BROWS, EYES, INDEX, MOUTH, SKIN, skin_share
 from relight_core.imaging.colour import without_colour
 from relight_core.imaging.guided_detail import carry_detail
 from relight_core.imaging.half_floats import within_halves
@@ -90,18 +90,18 @@ def at_level(change: np.ndarray, level: float) -> np.ndarray:
         return np.clip(change * np.float32(level), 0, np.float32(BRIGHTEST_CHANGE))
 
 
-def upsampler_for(photo_view: np.ndarray, photo_small: np.ndarray) -> JointUpsampler:
+def upsampler_for(photo_view: np.ndarray, photo_small: np.ndarray, surface: Surface) -> JointUpsampler:
     """What carries a light's change from the networks' size to (about) the view's.
 
     Args:
         photo_view: (S, S, 3) linear, the view as the networks see it.
-        photo_small: (s, s, 3), the same at their size.
+        photo_small: (s, s, 3), the same at their size, which is the surface's.
     """
     size = photo_small.shape[0]
     factor = max(photo_view.shape[0] // size, 1)
     lattice = (factor * size, factor * size)
     large = photo_view if photo_view.shape[:2] == lattice else resize_area(photo_view, lattice)
-    return JointUpsampler(photo_small, large)
+    return JointUpsampler(photo_small, large, skin_share(surface.parsing)[0, 0].float().cpu().numpy())
 
 
 def view_as_seen(photo_small: np.ndarray, surface: Surface) -> ViewOfPhoto:
