@@ -79,7 +79,10 @@ def gain_and_gloss(task: DetailTask) -> np.ndarray:
     """Gain and gloss apart, both enlarged along the photo's edges, patterns kept: what the editor does."""
     change = ViewOfPhoto(task.photo_small, task.makeup_small).change_to(task.relit_small, task.gloss_small)
     upsample = _upsampler(task)
-    return task.enlarged(upsample(change.gain)) * task.photo + task.enlarged(upsample(change.offset))
+    gain, offset = upsample(change.gain), upsample(change.offset)
+    if upsample.steps is not None:
+        gain, offset = upsample.steps.taken_out(gain, offset)
+    return task.enlarged(gain) * task.photo + task.enlarged(offset)
 
 
 METHODS: dict[str, Callable[[DetailTask], np.ndarray]] = {

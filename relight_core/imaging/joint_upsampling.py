@@ -15,20 +15,15 @@ import numpy as np
 import torch
 import torch.nn.functional as F
 
-from relight_core.imaging.colour import luminance
-from relight_core.imaging.ramp import ramp
+from relight_core.imaging.shadow_steps import ShadowSteps, reciprocal, steepness, without_holes, without_specks
 
 _COLOUR_DEVIATION = 0.05
 _FAR = 1e-6
 _TAPS = 9
-_DARK = 0.02
 _NO_VARIANCE = 0.005
 """Of 1 / luminance beside its squared mean: where it varies less, it tells nothing."""
-_STEP = (0.3, 0.6)
-"""By how much, in logs, the luminance of neighbours differs where skin may lie at the edge of a shadow, and surely."""
-_HOLE_PX, _SPECK_PX = 5, 5
-_LEAST_DEVIATION, _STEEPEST, _ROUNDS = 0.02, 6.0, 8
-"""Of 1 / luminance beside its mean, the exponent per deviation, and in how many rounds it is found."""
+_STEEPEST, _STRIDE, _ROUNDS = 40.0, 8.0, 8
+"""The exponent over the range of values at the most, what of it one round may change, and how many there are."""
 
 
 class JointUpsampler:
@@ -38,6 +33,10 @@ class JointUpsampler:
     the neighbour to the pixel explains: across a shaded cheek likeness alone would make steps of a slope. The less a
     pixel is like the likest of its neighbours, the more of it follows its luminance between theirs. All weights are
     positive or 0 and sum to 1: where maps are higher, nothing gets lower.
+
+    Attributes:
+        size, factor: of the small maps, and how many times that the large ones are.
+        steps: where shadows end on skin; None where none do or nothing is enlarged.
     """
 
     def __init__(self, small: np.ndarray, large: np.ndarray, skin: np.ndarray | None = None):
@@ -55,8 +54,12 @@ class JointUpsampler:
         if large.shape[:2] != (factor * size, factor * size) or small.shape[:2] != (size, size):
             raise ValueError(f"{large.shape[:2]} is no whole multiple of {small.shape[:2]}")
         self.size, self.factor = size, factor
-        skin = np.zeros((size, size), np.float32) if skin is None else skin
-        self._weights = None if factor == 1 else self._likeness(small, large, torch.from_numpy(skin))
+        self._weights = self.steps = None
+        if factor > 1:
+            skin = np.zeros((size, size), np.float32) if skin is None else skin
+            steep = steepness(without_holes(reciprocal(small)))
+            self._weights = self._likeness(small, large, torch.from_numpy(skin * steep))
+            self.steps = ShadowSteps.find(skin, steep, large)
 
     def __call__(self, maps: np.ndarray) -> np.ndarray:
         """Enlarge maps (s, s, C) to (f s, f s, C) float32."""
@@ -74,16 +77,15 @@ class JointUpsampler:
                 cell.addcmul_(tap, weight)
         return _interleaved(cells.numpy())
 
-    def _likeness(self, small: np.ndarray, large: np.ndarray, skin: torch.Tensor) -> torch.Tensor:
+    def _likeness(self, small: np.ndarray, large: np.ndarray, at_step: torch.Tensor) -> torch.Tensor:
         """(f * f, 9, s, s) weights of the neighbours of every new pixel."""
         size, factor = self.size, self.factor
         around = _neighbours(_as_seen(small))
         slopes = _slopes(around)
         cells = _cells(_as_seen(large), factor) - _along(slopes, _places(_within(factor)))
         around = around - _along(slopes, _places(torch.tensor([-1.0, 0.0, 1.0])))
-        over_small, over = _over_luminance(small), _over_luminance(large)
-        there, at_step = _neighbours(over_small)[:, 0], skin * _steps(over_small)
-        own, plain = (_cells(each, factor)[:, 0] for each in (over, _without_specks(over)))
+        there, over = _neighbours(_plane(reciprocal(small)))[:, 0], reciprocal(large)
+        own, plain = (_cells(_plane(each), factor)[:, 0] for each in (over, without_specks(over)))
         weights = torch.empty(factor * factor, _TAPS, size, size)
         for cell, grey, step, near, weight in zip(cells, own, plain, _nearness(factor), weights, strict=True):
             near = near[:, None, None]
@@ -114,19 +116,22 @@ def _with_mean(weights: torch.Tensor, values: torch.Tensor, mean: torch.Tensor) 
     They are the given ones times an exponential of the values (Hainmueller 2012), so none is negative. Means beyond
     the values become the nearest that those can have.
     """
-    middle = (weights * values).sum(0)
-    variance = (weights * (values - middle).square()).sum(0) + (_LEAST_DEVIATION * middle).square()
-    deviation = variance.sqrt()
-    apart, wanted = (values - middle) / deviation, (mean - middle) / deviation
-    slope, least, most = torch.zeros_like(mean), torch.full_like(mean, -_STEEPEST), torch.full_like(mean, _STEEPEST)
+    least = values.amin(0)
+    width = (values.amax(0) - least).clamp_min(1e-6)
+    along, wanted = (values - least) / width, _odds((mean - least) / width)
+    slope = torch.zeros_like(mean)
+    # Newton's method on log odds, which between two values are straight in the slope.
     for _ in range(_ROUNDS):
-        tilted = _tilted(weights, slope * apart)
-        reached = (tilted * apart).sum(0)
-        spread = (tilted * (apart - reached).square()).sum(0).clamp_min(1e-4)
-        least, most = torch.where(reached < wanted, slope, least), torch.where(reached > wanted, slope, most)
-        newton = slope + (wanted - reached) / spread
-        slope = torch.where((newton > least) & (newton < most), newton, (least + most) / 2)
-    return _tilted(weights, slope * apart)
+        tilted = _tilted(weights, slope * along)
+        reached = (tilted * along).sum(0)
+        spread = (tilted * (along - reached).square()).sum(0).clamp_min(1e-6)
+        step = (wanted - _odds(reached)) * reached * (1 - reached) / spread
+        slope = (slope + step.clamp(-_STRIDE, _STRIDE)).clamp(-_STEEPEST, _STEEPEST)
+    return _tilted(weights, slope * along)
+
+
+def _odds(share: torch.Tensor) -> torch.Tensor:
+    return torch.logit(share, eps=1e-5)
 
 
 def _tilted(weights: torch.Tensor, exponent: torch.Tensor) -> torch.Tensor:
@@ -152,22 +157,8 @@ def _by_luminance(there: torch.Tensor, own: torch.Tensor, near: torch.Tensor) ->
     return weights / weights.sum(0)
 
 
-def _over_luminance(linear: np.ndarray) -> torch.Tensor:
-    """(S, S, 1) the reciprocal of an image's luminance, of no less than a dark one."""
-    grey = luminance(np.clip(np.nan_to_num(linear, nan=0.0), 0, 1))
-    return torch.from_numpy(np.float32(1 / (grey + _DARK)))[..., None]
-
-
-def _steps(over_luminance: torch.Tensor) -> torch.Tensor:
-    """(s, s) how surely skin lies at the edge of a shadow, of (s, s, 1); a nostril or mole is too small for one."""
-    filled = cv2.morphologyEx(over_luminance[..., 0].numpy(), cv2.MORPH_OPEN, np.ones((_HOLE_PX, _HOLE_PX), np.uint8))
-    around = _neighbours(torch.from_numpy(filled)[..., None])[:, 0]
-    return ramp((around.amax(0) / around.amin(0)).log(), *_STEP)
-
-
-def _without_specks(image: torch.Tensor) -> torch.Tensor:
-    """An image (S, S, 1) without the pores and freckles of skin; slopes and steps stay where they are."""
-    return torch.from_numpy(cv2.medianBlur(image[..., 0].numpy(), _SPECK_PX))[..., None]
+def _plane(values: np.ndarray) -> torch.Tensor:
+    return torch.from_numpy(values)[..., None]
 
 
 def _cells(image: torch.Tensor, factor: int) -> torch.Tensor:

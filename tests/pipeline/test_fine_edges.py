@@ -6,6 +6,7 @@ import cv2
 import numpy as np
 import pytest
 
+from relight_core.imaging.joint_upsampling import JointUpsampler
 from relight_core.imaging.light_change import LightChange
 from relight_core.lighting.horizon import Horizon
 from relight_core.lighting.lamps import Lamp
@@ -130,6 +131,6 @@ def test_the_shadow_channel_changes_by_the_light_that_is_hidden():
 
 def test_finer_edges_are_those_of_gloss_too():
     one = np.ones((4, 4, 3), np.float32)
-    change = enlarge_change(LightChange(one, 0.3 * one, one, one), None, np.asarray, 2.0, 0.5 * one)
+    change = enlarge_change(LightChange(one, 0.3 * one, one, one), None, JointUpsampler(one, one), 2.0, 0.5 * one)
     np.testing.assert_allclose(change.gain, 1.0)
     np.testing.assert_allclose(change.offset, 0.3)

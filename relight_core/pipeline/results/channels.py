@@ -138,6 +138,8 @@ def enlarge_change(
     if moved is not None:
         gain, offset = change.moved(as_image(moved.kept), as_image(moved.added), as_image(moved.lifted))
     gain, offset = upsample(gain), upsample(offset)
+    if upsample.steps is not None:
+        gain, offset = upsample.steps.taken_out(gain, offset)
     if edges is not None:
         gain, offset = gain * edges, offset * edges
     return ViewChange(at_level(gain, level), at_level(offset, level), level)

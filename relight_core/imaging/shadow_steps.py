@@ -1,0 +1,98 @@
+"""Where shadows end on the skin in a photo, and what a light that takes them out makes of it there.
+
+Skin is of one colour, so a steep step of its luminance is the light's. A gain that undoes it has as steep a step. Known
+on a lattice that is coarser than the photo's edge, it leaves a dark line beside a bright one.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import cv2
+import numpy as np
+
+from relight_core.imaging.colour import luminance
+from relight_core.imaging.half_floats import within_halves
+from relight_core.imaging.ramp import ramp
+
+_DARK = 0.02
+_STEP, _GAIN_STEP = (0.3, 0.6), (0.15, 0.4)
+"""By how much, in logs, luminance and gain differ between neighbours' neighbours where there may be a step, and surely
+is one."""
+_HOLE_PX, _SPECK_PX = 5, 5
+_AROUND = np.ones((3, 3), np.uint8)
+
+
+@dataclass(frozen=True, eq=False)
+class ShadowSteps:
+    """The steps on a lattice.
+
+    Attributes:
+        within: rows and columns about all of them.
+        picture: (H, W, 3) linear, the photo there.
+        share: (H, W) in (0, 1], how surely each pixel is at one.
+    """
+
+    within: tuple[slice, slice]
+    picture: np.ndarray
+    share: np.ndarray
+
+    @classmethod
+    def find(cls, skin: np.ndarray, steep: np.ndarray, large: np.ndarray) -> ShadowSteps | None:
+        """Find them on a lattice; None where there are none.
+
+        Args:
+            skin, steep: (s, s) in [0, 1], how surely there is bare skin, and a step, at the networks' size.
+            large: (S, S, 3) linear, the photo on the lattice.
+        """
+        # Beside hair or a background the lattice's pixels have some of that in them.
+        amid_skin = np.minimum(cv2.erode(skin, _AROUND), cv2.dilate(steep, _AROUND))
+        nearby = cv2.resize(amid_skin, large.shape[1::-1], interpolation=cv2.INTER_LINEAR)
+        share = cv2.blur(nearby * steepness(without_specks(reciprocal(large))), (3, 3))
+        left, top, width, height = cv2.boundingRect((share > 0).astype(np.uint8))
+        if not width:
+            return None
+        within = slice(top, top + height), slice(left, left + width)
+        return cls(within, within_halves(large[within]), share[within])
+
+    def taken_out(self, gain: np.ndarray, offset: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """The same change of the lattice's picture, but of a finer one without lines where the gain undoes a step.
+
+        There the lattice's own pixels, relit, replace the photo's, as an offset. A gain that has no step leaves the
+        photo's as they are.
+
+        Args:
+            gain, offset: (S, S, 3) linear, on the lattice.
+        """
+        part = gain[self.within]
+        share = self.share * ramp(_log_range(luminance(part) + np.float32(_DARK)), *_GAIN_STEP)
+        share = cv2.merge([share.astype(np.float32)] * 3)
+        gain, offset = gain.copy(), offset.copy()
+        gain[self.within] = part * (1 - share)
+        offset[self.within] += share * part * self.picture
+        return gain, offset
+
+
+def reciprocal(linear: np.ndarray) -> np.ndarray:
+    """(S, S) one over the luminance of an image (S, S, 3), of no less than a dark one: what undoes a shadow on skin."""
+    grey = luminance(np.clip(np.nan_to_num(linear, nan=0.0), 0, 1))
+    return np.float32(1 / (grey + _DARK))
+
+
+def without_specks(over_luminance: np.ndarray) -> np.ndarray:
+    """`reciprocal` without the pores and freckles of skin; slopes and steps stay where they are."""
+    return cv2.medianBlur(over_luminance, _SPECK_PX)
+
+
+def without_holes(over_luminance: np.ndarray) -> np.ndarray:
+    """`reciprocal` at the networks' size without what is small and dark: nostrils and moles are no shadows' ends."""
+    return cv2.morphologyEx(over_luminance, cv2.MORPH_OPEN, np.ones((_HOLE_PX, _HOLE_PX), np.uint8))
+
+
+def steepness(over_luminance: np.ndarray) -> np.ndarray:
+    """(S, S) in [0, 1] how surely there is a step of `reciprocal`."""
+    return ramp(_log_range(over_luminance), *_STEP)
+
+
+def _log_range(values: np.ndarray) -> np.ndarray:
+    return np.log(cv2.dilate(values, _AROUND) / cv2.erode(values, _AROUND))

@@ -1,0 +1,86 @@
+"""Shadows that a light takes out of the skin of a photo that is finer than the lattice of gains."""
+
+import numpy as np
+import pytest
+
+from relight_core.imaging.joint_upsampling import JointUpsampler
+from relight_core.imaging.resampling import resize_area, resize_smooth
+
+SKIN = np.ones((16, 16), np.float32)
+
+
+def shadowed(width_px=5):
+    """(512, 512, 3) linear, 0.05 in shadow and 0.6 in light, between them an edge aslant."""
+    down, across = np.mgrid[:512, :512]
+    lit = np.clip((across + 0.6 * down - 400) / width_px, 0, 1)
+    return np.float32(0.05 + 0.55 * lit)[..., None].repeat(3, -1)
+
+
+def on_lattice(photo, relit_small, skin=SKIN):
+    """The upsampler (16 to 128) of a photo (512, 512, 3), and the gain that makes it a small picture (16, 16, 3)."""
+    small = resize_area(photo, (16, 16))
+    upsample = JointUpsampler(small, resize_area(photo, (128, 128)), skin)
+    return upsample, upsample(relit_small / small)
+
+
+def relit(photo, gain, offset):
+    return resize_smooth(gain, (512, 512)) * photo + resize_smooth(offset, (512, 512))
+
+
+def test_a_finer_photo_keeps_no_line_of_a_shadow_that_is_taken_out():
+    photo = shadowed()
+    upsample, gain = on_lattice(photo, np.full((16, 16, 3), 0.5, np.float32))
+    nothing = np.zeros_like(gain)
+    before, after = (
+        relit(photo, *change)[32:-32, 32:-32] for change in ((gain, nothing), upsample.steps.taken_out(gain, nothing))
+    )
+    assert before.max() > 0.8
+    assert after.max() < 0.7
+    assert after.min() > 0.4
+    assert after.std() < 0.35 * before.std()
+
+
+def test_what_is_added_to_the_picture_stays():
+    photo = shadowed()
+    upsample, gain = on_lattice(photo, np.full((16, 16, 3), 0.5, np.float32))
+    without, plus = (upsample.steps.taken_out(gain, np.full_like(gain, added))[1] for added in (0.0, 0.25))
+    np.testing.assert_allclose(plus - without, 0.25, atol=1e-6)
+
+
+@pytest.mark.parametrize("factor", [0.0, 1.0, 3.0])
+def test_a_light_that_keeps_the_shadow_keeps_its_edge_as_the_photo_has_it(factor):
+    photo = shadowed()
+    upsample, gain = on_lattice(photo, factor * resize_area(photo, (16, 16)))
+    kept, added = upsample.steps.taken_out(gain, np.zeros_like(gain))
+    np.testing.assert_allclose(kept, factor, rtol=1e-5)
+    np.testing.assert_allclose(added, 0, atol=1e-6)
+
+
+def test_change_beyond_a_step_is_left_alone_and_arguments_are():
+    photo = shadowed()
+    upsample, gain = on_lattice(photo, np.full((16, 16, 3), 0.5, np.float32))
+    given = gain.copy()
+    changed, _ = upsample.steps.taken_out(gain, np.zeros_like(gain))
+    np.testing.assert_array_equal(gain, given)
+    np.testing.assert_array_equal(changed[:20, :20], gain[:20, :20])
+    np.testing.assert_array_equal(changed[-20:, -20:], gain[-20:, -20:])
+
+
+def test_there_are_no_steps_off_skin_in_even_light_or_without_enlargement():
+    photo, even = shadowed(), np.full((512, 512, 3), 0.4, np.float32)
+    assert on_lattice(photo, np.ones((16, 16, 3), np.float32), 0 * SKIN)[0].steps is None
+    assert on_lattice(even, np.ones((16, 16, 3), np.float32))[0].steps is None
+    small = resize_area(photo, (16, 16))
+    assert JointUpsampler(small, small, SKIN).steps is None
+
+
+@pytest.mark.parametrize("broken", [np.nan, np.inf, -1.0])
+def test_broken_pixels_of_a_photo_give_finite_changes(broken):
+    photo = shadowed()
+    small, large = resize_area(photo, (16, 16)), resize_area(photo, (128, 128))
+    large[::7, ::5] = broken
+    upsample = JointUpsampler(small, large, SKIN)
+    gain = upsample(0.5 / small)
+    for part in upsample.steps.taken_out(gain, np.zeros_like(gain)):
+        assert np.isfinite(part).all()
+        assert part.min() >= 0
