@@ -146,7 +146,7 @@ class Editor:
         )
         image, shown = add_residual(found.residual, composed, effects, light)
         fit = fit_view(found.view, reflected, shown, image)
-        upsample = upsampler_for(seen.photo, seen.small)
+        upsample = upsampler_for(seen.photo, seen.small, seen.surface)
         fine = None if effects.edges is None else draw_finely(effects.edges, upsample, found.view.evened)
         change = enlarge_change(fit, None, upsample, 1.0, None if fine is None else fine.gain(1.0, 0.0))
         return light_channels(effect_channels(effects, len(seen.photo), fine), change, seen.photo)

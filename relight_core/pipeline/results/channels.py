@@ -96,6 +96,7 @@ def upsampler_for(photo_view: np.ndarray, photo_small: np.ndarray, surface: Surf
     Args:
         photo_view: (S, S, 3) linear, the view as the networks see it.
         photo_small: (s, s, 3), the same at their size, which is the surface's.
+        surface: says what is bare skin.
     """
     size = photo_small.shape[0]
     factor = max(photo_view.shape[0] // size, 1)
