@@ -14,7 +14,7 @@ from relight_core.lighting.preview import lit_ball
 from relight_core.lighting.rigs import load_rig
 
 SIZE = 256
-_RIG, _YAW_DEG = "golden-hour", 0.0
+_RIG = "golden-hour"
 _BALL_SHARE, _CORNER_SHARE = 0.74, 0.22
 _TILE_SRGB = 0.13
 
@@ -23,7 +23,7 @@ def draw() -> np.ndarray:
     """(SIZE, SIZE, 4) sRGB and coverage, [0, 1]."""
     side = round(SIZE * _BALL_SHARE)
     start = (SIZE - side) // 2
-    ball = lit_ball(load_rig(_RIG), side, _YAW_DEG)
+    ball = lit_ball(load_rig(_RIG), side)
     icon = np.full((SIZE, SIZE, 4), _TILE_SRGB, np.float32)
     icon[..., 3] = _rounded_tile()
     inside = icon[start : start + side, start : start + side, :3]
