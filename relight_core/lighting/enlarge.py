@@ -51,7 +51,8 @@ def draw_finer(radiance: np.ndarray, height: int) -> np.ndarray:
         height: rows of the result, at least H.
 
     Returns:
-        (height, 2 * height, C) float32; each old texel's average stays. The same array where H is the height.
+        (height, 2 * height, C) float32; each old texel's average stays where the height is a multiple of H. The same
+        array where it is H.
     """
     rows = radiance.shape[0]
     if rows == height:
