@@ -14,7 +14,7 @@ TIERS = (
     (AUTO, "Auto", "The finest picture at rest; while something moves, the finest that keeps up with the hand."),
     ("draft", "Draft", "No network looks at a new light: shadows from the shape of the face alone."),
     ("live", "Live", "Small networks look at every new light."),
-    ("final", "Final", "The photo is read twice, and large networks look at every new light."),
+    ("final", "Final", "The photo is read four times, and large networks look at every new light."),
 )
 BUDGET = widgets.Slider(
     "Frame budget",
