@@ -9,7 +9,7 @@ both sliders, swap lights), then every light of the library is visited: how many
 time that saves, and the largest error that each of its rules makes. Into the folder go session.json and session.md.
 
 With --files, a photo is enlarged to 24 megapixels and relit to every kind of file, for time, memory and
-size: files.json.
+size: files.json and files.md.
 
 With --stability, hostile portraits are relit under hostile lights instead, and every error is set against its
 bound: stability.json, stability.md and stability.png. The exit code is 1 if one is above it.
