@@ -101,6 +101,20 @@ def test_an_exr_of_too_many_layers_never_reaches_the_library(tmp_path, monkeypat
         read_radiance(exr_claiming(tmp_path / "a.exr", 8, 4, names))
 
 
+def test_an_exr_whose_display_window_no_memory_is_left_for(tmp_path, monkeypatch):
+    """Which may be far larger than the data, of which there are few."""
+    path, corners = tmp_path / "a.exr", (np.array((0, 0), np.int32), np.array((99, 99), np.int32))
+    OpenEXR.File({"displayWindow": corners}, {"RGB": np.ones((8, 16, 3), np.float16)}).write(str(path))
+    assert read_radiance(path).shape == (100, 100, 3)
+
+    def none_left(size, kind):
+        raise MemoryError(size, kind)
+
+    monkeypatch.setattr(np, "zeros", none_left)
+    with pytest.raises(InputError, match="not enough memory"):
+        read_radiance(path)
+
+
 def test_a_tile_far_larger_than_its_picture(tmp_path):
     path, pixels = tmp_path / "a.exr", np.ones((32, 64, 3), np.float16)
     header = {"type": OpenEXR.tiledimage, "tiles": OpenEXR.TileDescription()}

@@ -75,13 +75,15 @@ def read_exr(path: Path) -> tuple[np.ndarray, np.ndarray | None]:
         with_alpha = sampling.get(alpha_name) == (1, 1)
         with _quiet():
             values = _read_rows(path, header, [*names, alpha_name] if with_alpha else names)
+        values = _on_display_window(values, header)
+        colour = _to_rec709(values[..., :3], header)
+        return np.ascontiguousarray(colour), np.ascontiguousarray(values[..., 3]) if with_alpha else None
     except InputError:
         raise
+    except MemoryError:
+        raise InputError(f"{path}: not enough memory is free for it; make it smaller or close other programs") from None
     except _DAMAGE:
         raise InputError(f"{path}: not a complete EXR file; export it again") from None
-    values = _on_display_window(values, header)
-    colour = _to_rec709(values[..., :3], header)
-    return np.ascontiguousarray(colour), np.ascontiguousarray(values[..., 3]) if with_alpha else None
 
 
 def exr_size(path: Path) -> tuple[int, int]:
