@@ -15,12 +15,13 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
+from typing import BinaryIO
 
 from app.document.document import Document
 from app.document.json_fields import is_too_large, kind_of
 from app.document.session_file import KIND, read_session, write_session
 from relight_core.errors import InputError
-from relight_core.imaging.file_lock import NoLocks, locked
+from relight_core.imaging.file_lock import NoLocks, let_go, locked
 
 QUIET_S, PATIENCE_S = 1.5, 10.0
 """A change is written after this much quiet, and during constant change this often."""
@@ -190,7 +191,7 @@ class RunLock:
     def __init__(self, folder: Path) -> None:
         self._path = folder / f"{secrets.token_hex(8)}.lock"
         self._files: set[Path] = set()
-        self._file: object | None = None
+        self._file: BinaryIO | None = None
         self._numbers = itertools.count()
 
     def new_path(self) -> Path:
@@ -214,10 +215,8 @@ class RunLock:
         """A file is gone, or is no longer this editor's."""
         self._files.discard(path)
         if self._file is not None and not self._files:
-            self._file.close()
+            let_go(self._file, self._path)
             self._file = None
-            with contextlib.suppress(OSError):
-                self._path.unlink(missing_ok=True)
 
 
 class KeptFile:

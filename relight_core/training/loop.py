@@ -15,7 +15,7 @@ import torch
 from torch import nn
 
 from relight_core.errors import InputError
-from relight_core.imaging.file_lock import NoLocks, locked
+from relight_core.imaging.file_lock import NoLocks, let_go, locked
 from relight_core.imaging.files import whole_file
 from relight_core.lighting.reflection import ReflectionTable
 from relight_core.networks.bundle import NetworkBundle, save_bundle
@@ -265,9 +265,7 @@ def _only_run(checkpoint: Path) -> Iterator[None]:
         yield
     finally:
         if file is not None:
-            file.close()
-            with suppress(OSError):
-                path.unlink(missing_ok=True)
+            let_go(file, path)
 
 
 def _lock(path: Path) -> BinaryIO | None:
