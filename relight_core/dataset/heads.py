@@ -25,19 +25,28 @@ _OPAQUE_REGIONS = (
     "iris_R",
 )
 
-_ARRAYS = (
-    "mean",
-    "identity",
-    "expression",
-    "expression_names",
-    "faces",
-    "faces_uv",
-    "face_region",
-    "vertex_region",
-    "region_names",
-    "uv",
-    "landmarks68",
-)
+_AXES: dict[str, tuple[str | int, ...]] = {
+    "mean": ("vertices", 3),
+    "identity": ("modes", "vertices", 3),
+    "expression": ("expressions", "vertices", 3),
+    "expression_names": ("expressions",),
+    "faces": ("triangles", 3),
+    "faces_uv": ("triangles", 3),
+    "face_region": ("triangles",),
+    "vertex_region": ("vertices",),
+    "region_names": ("regions",),
+    "uv": ("texture coordinates", 2),
+    "landmarks68": (68,),
+}
+"""The arrays of a head model, and what stands along the axes of each."""
+
+_POINTS_INTO = {
+    "faces": "vertices",
+    "faces_uv": "texture coordinates",
+    "face_region": "regions",
+    "vertex_region": "regions",
+    "landmarks68": "vertices",
+}
 _SHAPES = ("mean", "identity", "expression", "uv")
 
 OUTER_SKIN = ("face", "head_neck")
@@ -113,11 +122,16 @@ class HeadModel:
 
 
 def load_head_model(path: Path) -> HeadModel:
-    """Read an ICT-FaceKit archive (.npz); raises InputError when it is missing, damaged or not finite."""
-    data = read_arrays(path, _ARRAYS, "a head model", "give the ICT-FaceKit archive")
-    for name in _SHAPES:
-        if not np.isfinite(data[name]).all():  # Heads of it would be empty, without a word.
-            raise InputError(f"{path}: not all of its {name!r} are finite numbers; give the ICT-FaceKit archive")
+    """Read an ICT-FaceKit archive (.npz).
+
+    Raises:
+        InputError: missing or damaged, or its arrays are not finite or don't fit each other.
+    """
+    mend = "give the ICT-FaceKit archive"
+    data = read_arrays(path, tuple(_AXES), "a head model", mend)
+    misfit = _misfit(data)
+    if misfit:  # Heads of it would be empty or torn, or end in the middle of a bake.
+        raise InputError(f"{path}: {misfit}; {mend}")
     names = tuple(str(name) for name in data["region_names"])
     opaque = np.isin(data["face_region"], [names.index(name) for name in _OPAQUE_REGIONS])
     return HeadModel(
@@ -134,6 +148,26 @@ def load_head_model(path: Path) -> HeadModel:
         landmarks=data["landmarks68"].astype(np.int64),
         lashes=_lashes(data, names),
     )
+
+
+def _misfit(data: dict[str, np.ndarray]) -> str:
+    """What is wrong with a head model's arrays, in words; nothing where all is well."""
+    counts: dict[str, int] = {}
+    for name, axes in _AXES.items():
+        shape = data[name].shape
+        expected = [axis if isinstance(axis, int) else counts.get(axis) for axis in axes]
+        fits = [count in (None, length) for count, length in zip(expected, shape, strict=False)]
+        if len(shape) != len(axes) or not all(fits):
+            return f"its {name!r} is of shape {shape}, which does not fit the other arrays"
+        counts |= {axis: length for axis, length in zip(axes, shape, strict=True) if isinstance(axis, str)}
+    for name in _SHAPES:
+        if data[name].dtype.kind != "f" or not np.isfinite(data[name]).all():
+            return f"not all of its {name!r} are finite numbers"
+    for name, what in _POINTS_INTO.items():
+        if data[name].dtype.kind not in "iu" or not ((data[name] >= 0) & (data[name] < counts[what])).all():
+            return f"its {name!r} name others than its {counts[what]} {what}"
+    missing = [name for name in _OPAQUE_REGIONS if name not in data["region_names"]]
+    return f"its 'region_names' lack {missing[0]!r}" if missing else ""
 
 
 def _lashes(data: dict[str, np.ndarray], names: tuple[str, ...]) -> dict[str, tuple[np.ndarray, np.ndarray]] | None:

@@ -23,15 +23,52 @@ def model(tmp_path):
     return load_head_model(tmp_path / "model.npz")
 
 
+def spoiled(path, name, change):
+    """A head model with one of its arrays changed in place, or replaced by what `change` returns."""
+    write_head_model(path)
+    with np.load(path) as data:
+        arrays = dict(data)
+    changed = change(arrays[name])
+    np.savez(path, **(arrays | ({name: changed} if changed is not None else {})))
+    return path
+
+
 @pytest.mark.parametrize(("name", "value"), [("mean", np.nan), ("identity", np.inf), ("uv", np.nan)])
 def test_a_model_with_what_is_no_number_is_refused_by_its_name(name, value, tmp_path):
-    write_head_model(tmp_path / "model.npz")
-    with np.load(tmp_path / "model.npz") as data:
-        arrays = dict(data)
-    arrays[name].reshape(-1)[5] = value
-    np.savez(tmp_path / "model.npz", **arrays)
+    path = spoiled(tmp_path / "model.npz", name, lambda array: array.reshape(-1).__setitem__(5, value))
     with pytest.raises(InputError, match=f"model.npz.*'{name}'"):
-        load_head_model(tmp_path / "model.npz")
+        load_head_model(path)
+
+
+@pytest.mark.parametrize("name", ["faces", "faces_uv", "face_region", "vertex_region", "landmarks68"])
+@pytest.mark.parametrize("index", [-1, 100_000])
+def test_a_model_that_names_what_it_has_not_is_refused(name, index, tmp_path):
+    path = spoiled(tmp_path / "model.npz", name, lambda array: replaced(array.astype(np.int64), index))
+    with pytest.raises(InputError, match=f"model.npz: its '{name}' name others than its [0-9]+ "):
+        load_head_model(path)
+
+
+def replaced(array, last):
+    array.reshape(-1)[-1] = last
+    return array
+
+
+@pytest.mark.parametrize(
+    ("name", "change", "told"),
+    [
+        ("mean", lambda array: array[:, :2], "'mean' is of shape"),
+        ("identity", lambda array: array[:, :-1], "'identity' is of shape"),
+        ("expression", lambda array: array[0], "'expression' is of shape"),
+        ("expression_names", lambda array: array[:-1], "'expression_names' is of shape"),
+        ("faces_uv", lambda array: array[:-1], "'faces_uv' is of shape"),
+        ("faces", lambda array: array.astype(float), "'faces' name others"),
+        ("uv", lambda array: array.astype(str), "'uv' are finite"),
+        ("region_names", lambda array: np.where(array == "teeth", "tooth", array), "lack 'teeth'"),
+    ],
+)
+def test_a_model_whose_arrays_do_not_fit_each_other_is_refused(name, change, told, tmp_path):
+    with pytest.raises(InputError, match=told):
+        load_head_model(spoiled(tmp_path / "model.npz", name, change))
 
 
 def test_a_name_without_a_side_means_both_and_no_other(model):
