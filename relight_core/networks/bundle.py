@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import copy
 import dataclasses
-import hashlib
 import json
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -25,7 +24,7 @@ from relight_core.networks.delight import DelightConfig, DelightNetwork
 from relight_core.networks.pair import BothNetworks, PairConfig, PairName, RelightingPair
 from relight_core.networks.person import PersonConfig, PersonNetwork
 from relight_core.networks.specular_shadow import SpecularShadowConfig, SpecularShadowNetwork
-from relight_core.networks.tensor_file import tensor_file
+from relight_core.networks.tensor_file import checksum, tensor_file
 
 FORMAT = "relight-networks-1"
 
@@ -218,20 +217,10 @@ def save_bundle(path: Path, bundle: NetworkBundle, *, half: bool = True) -> None
             if not torch.isfinite(value).all():
                 raise ValueError(f"{name} is not finite: not saved")
         tensors[name] = value.contiguous()
-    header = {"format": FORMAT, "config": bundle.config.to_json(), _CHECKSUM: _checksum(tensors), **bundle.card}
+    header = {"format": FORMAT, "config": bundle.config.to_json(), _CHECKSUM: checksum(tensors), **bundle.card}
     with whole_file(path) as beside:
         # Not its own writing to files, which reports a full disk as damage.
         beside.write_bytes(tensor_file(tensors, header))
-
-
-def _checksum(tensors: dict[str, torch.Tensor]) -> str:
-    """Hex digest of names, types, shapes and values."""
-    digest = hashlib.sha256()
-    for name in sorted(tensors):
-        value = tensors[name]
-        digest.update(repr((name, str(value.dtype), tuple(value.shape))).encode())
-        digest.update(value.contiguous().reshape(-1).view(torch.uint8).numpy())
-    return digest.hexdigest()
 
 
 def load_bundle(path: Path) -> NetworkBundle:
@@ -246,7 +235,7 @@ def load_bundle(path: Path) -> NetworkBundle:
                 raise InputError(f"{path}: not a file of relight weights; use one written by 'relight train'")
             bundle = NetworkBundle(BundleConfig.from_json(header.pop("config")))
             tensors = {name: file.get_tensor(name) for name in file.keys()}  # noqa: SIM118
-            if header.pop(_CHECKSUM, None) not in (None, _checksum(tensors)):
+            if header.pop(_CHECKSUM, None) not in (None, checksum(tensors)):
                 raise InputError(f"{path}: these weights are damaged (their checksum differs); {_MEND}")
             bundle.load_state_dict({name: value.float() for name, value in tensors.items()}, strict=True)
     except InputError:

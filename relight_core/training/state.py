@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -12,11 +13,12 @@ from torch import nn
 
 from relight_core.errors import InputError
 from relight_core.imaging.files import check_regular, whole_file
-from relight_core.networks.tensor_file import tensor_file
+from relight_core.networks.tensor_file import checksum, tensor_file
 from relight_core.training.optimiser import Optimiser
 
 _FORMATS, _FORMAT = "relight-training-", "relight-training-4"
 _LEARNT = ("weights.", "average.")
+_CHECKSUM = "sha256"
 
 
 @dataclass
@@ -58,7 +60,7 @@ class State:
     """Everything a run's next step depends on, as of one moment: what is learnt later does not change it.
 
     Attributes:
-        header: format, settings and progress, as text.
+        header: format, settings and progress, as text, and a checksum of all of it and of the tensors.
         tensors: by name, on the CPU: weights, their running average, the optimiser's moments, random state.
     """
 
@@ -96,8 +98,14 @@ def make_state(
     tensors["random"] = torch.get_rng_state()
     if torch.cuda.is_available():
         tensors["random_on_gpu"] = torch.cuda.get_rng_state()
+    tensors = {name: value.detach().cpu().contiguous().clone() for name, value in tensors.items()}
     header = {"format": _FORMAT, "settings": json.dumps(settings), "progress": json.dumps(progress.__dict__)}
-    return State(header, {name: value.detach().cpu().contiguous().clone() for name, value in tensors.items()})
+    return State(header | {_CHECKSUM: _checksum(header, tensors)}, tensors)
+
+
+def _checksum(header: dict[str, str], tensors: dict[str, torch.Tensor]) -> str:
+    words = sorted((name, word) for name, word in header.items() if name != _CHECKSUM)
+    return hashlib.sha256(repr((words, checksum(tensors))).encode()).hexdigest()
 
 
 def load_state(
@@ -118,8 +126,11 @@ def load_state(
         with safe_open(path, framework="pt") as file:
             header = file.metadata() or {}
             _check_format(path, header.get("format", ""))
-            _check_settings(path, json.loads(header["settings"]), settings)
             tensors = {name: file.get_tensor(name) for name in file.keys()}  # noqa: SIM118
+        # Older states have no checksum.
+        if header.get(_CHECKSUM, now := _checksum(header, tensors)) != now:
+            raise ValueError("damaged: its checksum differs")
+        _check_settings(path, json.loads(header["settings"]), settings)
         if any(value.isnan().any() for value in tensors.values()):
             raise ValueError("damaged: it holds what is no number")
         progress = Progress(**json.loads(header["progress"]))

@@ -129,6 +129,32 @@ def test_a_damaged_state_is_refused_before_anything_is_learnt_from_it(where, tmp
     assert learnt == []
 
 
+@pytest.mark.parametrize("where", ["tensors", "progress"])
+def test_a_state_with_one_bit_of_another_value_is_refused_before_anything_is_learnt_from_it(where, tmp_path):
+    good, path, learnt = some_batch(), tmp_path / "w.safetensors", []
+    with pytest.raises(TrainingDiverged):
+        train(itertools.chain([good] * 3, itertools.repeat(spoiled(good))), path)
+    data = bytearray(state_path(path).read_bytes())
+    at = len(data) - 1 if where == "tensors" else data.index(b'"skipped') + 12
+    data[at] ^= 1
+    state_path(path).write_bytes(data)
+    with pytest.raises(InputError, match=r"damaged: its checksum differs.*delete it"):
+        train(itertools.repeat(good), path, stage=recorded(STAGE, learnt))
+    assert learnt == []
+
+
+def test_a_state_of_before_there_were_checksums_is_gone_on_from(tmp_path):
+    good, path, learnt = some_batch(), tmp_path / "w.safetensors", []
+    with pytest.raises(TrainingDiverged):
+        train(itertools.chain([good] * 3, itertools.repeat(spoiled(good))), path)
+    with safetensors.safe_open(state_path(path), framework="pt") as file:
+        tensors, header = {name: file.get_tensor(name) for name in file.keys()}, file.metadata()  # noqa: SIM118
+    del header["sha256"]
+    safetensors.torch.save_file(tensors, state_path(path), metadata=header)
+    train(itertools.repeat(good), path, steps=6, stage=recorded(STAGE, learnt))
+    assert 3 <= len(learnt) <= 5
+
+
 def test_a_checkpoint_has_one_run_at_a_time(tmp_path):
     good, path, refusals = some_batch(), tmp_path / "w.safetensors", []
 
