@@ -19,7 +19,7 @@ LARGEST_FILE = 8 << 30
 _NO_TEXT = re.compile("[\ud800-\udfff]")
 """What stands for the bytes of a file's name that are no text."""
 
-_LONGEST_STEM = 100
+_LONGEST_STEM, _TOKEN_BYTES, _PART = 100, 6, ".part"
 
 
 def legible(name: str) -> str:
@@ -117,7 +117,7 @@ def check_regular(path: Path) -> None:
 
 
 @contextmanager
-def whole_file(path: Path, suffix: str = ".part") -> Iterator[Path]:
+def whole_file(path: Path, suffix: str = _PART) -> Iterator[Path]:
     """A new file that takes its name only once it is complete and on disk.
 
     Yields the path of an empty file beside `path`. When the block ends, that file is flushed to disk and
@@ -134,9 +134,7 @@ def whole_file(path: Path, suffix: str = ".part") -> Iterator[Path]:
         raise InputError(f"{path}: this is a folder; name a file in it")
     if not os.path.isdir(path.parent):
         raise InputError(f"{path}: there is no folder {path.parent}; create it or choose another")
-    # Not every library that writes there takes a name that is no text, and names have a longest length in bytes.
-    stem = legible(path.name).encode()[:_LONGEST_STEM].decode(errors="ignore")
-    beside = path.parent / f".{stem}-{secrets.token_hex(6)}{suffix}"
+    beside = path.parent / f"{_unfinished(path)}{secrets.token_hex(_TOKEN_BYTES)}{suffix}"
     try:
         os.close(os.open(beside, os.O_CREAT | os.O_EXCL | os.O_WRONLY, 0o666))
         yield beside
@@ -147,6 +145,26 @@ def whole_file(path: Path, suffix: str = ".part") -> Iterator[Path]:
     finally:
         with suppress(OSError):
             beside.unlink(missing_ok=True)
+
+
+def remove_unfinished(path: Path) -> None:
+    """Remove what programs that were killed amid a `whole_file` of this path have left beside it.
+
+    It can't be told from what another program is writing now: only for who knows that there is none.
+    """
+    path = Path(os.path.realpath(path))
+    left = re.compile(f"{re.escape(_unfinished(path))}[0-9a-f]{{{2 * _TOKEN_BYTES}}}{re.escape(_PART)}")
+    with suppress(OSError):
+        for beside in path.parent.iterdir():
+            if left.fullmatch(beside.name):
+                beside.unlink()
+
+
+def _unfinished(path: Path) -> str:
+    """How the names of a file that is not complete begin."""
+    # Not every library that writes there takes a name that is no text, and names have a longest length in bytes.
+    stem = legible(path.name).encode()[:_LONGEST_STEM].decode(errors="ignore")
+    return f".{stem}-"
 
 
 def _flush(path: Path) -> None:

@@ -16,7 +16,7 @@ from torch import nn
 
 from relight_core.errors import InputError
 from relight_core.imaging.file_lock import NoLocks, let_go, locked
-from relight_core.imaging.files import whole_file
+from relight_core.imaging.files import remove_unfinished, whole_file
 from relight_core.lighting.reflection import ReflectionTable
 from relight_core.networks.bundle import NetworkBundle, save_bundle
 from relight_core.networks.precision import mixed_precision
@@ -227,7 +227,7 @@ class _Checkpoints:
 def _ended(checkpoint: Path, result: NetworkBundle, progress: Progress, batch: dict | None) -> NetworkBundle:
     """The result of a run, with its log beside it and no state any more."""
     _save(checkpoint, result, batch)
-    with whole_file(checkpoint.with_suffix(".log.json")) as log:
+    with whole_file(_log_path(checkpoint)) as log:
         log.write_text(json.dumps(progress.log))
     state_path(checkpoint).unlink(missing_ok=True)
     return result
@@ -237,12 +237,20 @@ def _save(checkpoint: Path, bundle: NetworkBundle, batch: dict[str, torch.Tensor
     """The weights, and a look at what they do with the last batch."""
     save_bundle(checkpoint, bundle, half=False)
     if batch is not None and isinstance(bundle, NetworkBundle):
-        draw_samples(bundle.eval(), ReflectionTable(), batch, checkpoint.with_suffix(".samples.png"))
+        draw_samples(bundle.eval(), ReflectionTable(), batch, _sheet_path(checkpoint))
 
 
 def state_path(checkpoint: Path) -> Path:
     """Where the state of a run that is not finished lies."""
     return checkpoint.with_suffix(".state.safetensors")
+
+
+def _log_path(checkpoint: Path) -> Path:
+    return checkpoint.with_suffix(".log.json")
+
+
+def _sheet_path(checkpoint: Path) -> Path:
+    return checkpoint.with_suffix(".samples.png")
 
 
 def is_begun(checkpoint: Path) -> bool:
@@ -262,6 +270,8 @@ def _only_run(checkpoint: Path) -> Iterator[None]:
             file = _lock(path)
             if file is None:
                 raise InputError(f"{checkpoint}: is being trained by another run; let it end, or choose another place")
+            for path_of_run in (checkpoint, state_path(checkpoint), _log_path(checkpoint), _sheet_path(checkpoint)):
+                remove_unfinished(path_of_run)
         yield
     finally:
         if file is not None:

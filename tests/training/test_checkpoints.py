@@ -155,6 +155,30 @@ def test_a_state_of_before_there_were_checksums_is_gone_on_from(tmp_path):
     assert 3 <= len(learnt) <= 5
 
 
+def test_what_a_killed_run_was_writing_is_removed_by_the_next_and_nothing_else_is(tmp_path):
+    endings = (".safetensors", ".state.safetensors", ".log.json", ".samples.png")
+    left = [tmp_path / f".w{ending}-0123456789ab.part" for ending in endings]
+    others = [tmp_path / ".v.safetensors-0123456789ab.part", tmp_path / ".w.safetensors-mine.part"]
+    for file in left + others:
+        file.touch()
+    train(itertools.repeat(some_batch()), tmp_path / "w.safetensors", steps=1)
+    assert {path.name for path in tmp_path.iterdir() if path.suffix == ".part"} == {path.name for path in others}
+
+
+def test_what_another_run_is_writing_stays(tmp_path):
+    good, path = some_batch(), tmp_path / "w.safetensors"
+    part = tmp_path / ".w.state.safetensors-0123456789ab.part"
+
+    def batches_amid_which_another_begins():
+        part.touch()
+        with pytest.raises(InputError, match="another run"):
+            train(itertools.repeat(good), path, steps=1)
+        yield good
+
+    train(batches_amid_which_another_begins(), path, steps=1)
+    assert part.exists()
+
+
 def test_a_checkpoint_has_one_run_at_a_time(tmp_path):
     good, path, refusals = some_batch(), tmp_path / "w.safetensors", []
 
