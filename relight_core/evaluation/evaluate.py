@@ -6,6 +6,7 @@ the very stages that the editor runs, and every channel is compared with the tru
 
 from __future__ import annotations
 
+import math
 import time
 from collections import defaultdict
 from collections.abc import Callable, Iterator, Mapping
@@ -155,14 +156,19 @@ def intervals_over_heads(rows: list[tuple[str, Figures]]) -> dict[str, Interval]
         rows: the head and the figures of every picture; all have the same names.
     """
     heads = np.array([head for head, _ in rows])
-    intervals = {}
+    intervals: dict[str, Interval] = {}
     for name in rows[0][1]:
         values = np.array([figures[name] for _, figures in rows])
         if name.endswith(".rmse") and name.replace(".rmse", ".true_power") in rows[0][1]:
             intervals[name.replace(".rmse", ".relative")] = _relative(rows, heads, name.removesuffix(".rmse"))
         if not name.endswith("_power"):
             intervals[name] = interval_over_heads(values, heads)
-    return intervals
+    return {name: interval.within(*_possible(name)) for name, interval in intervals.items()}
+
+
+def _possible(name: str) -> tuple[float, float]:
+    """Between which values a figure lies, whatever the pictures: an interval over two or three heads reaches far."""
+    return (-1.0, 1.0) if name.partition(".")[2].startswith("ssim") else (0.0, math.inf)
 
 
 def _relative(rows: list[tuple[str, Figures]], heads: np.ndarray, channel: str) -> Interval:

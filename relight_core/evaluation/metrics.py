@@ -93,6 +93,10 @@ class Interval(NamedTuple):
     low: float
     high: float
 
+    def within(self, least: float, most: float) -> Interval:
+        """The interval without what the figure can't be, which leaves as many of them holding the truth."""
+        return Interval(self.mean, *np.clip([self.low, self.high], least, most).tolist())
+
 
 def interval_over_heads(values: np.ndarray, heads: np.ndarray, confidence: float = 0.95) -> Interval:
     """Student's interval of a mean over heads.

@@ -11,7 +11,7 @@ import torch
 from synthetic_heads import write_balls, write_lights
 
 from relight_core.errors import InputError
-from relight_core.evaluation.evaluate import Settings, evaluate
+from relight_core.evaluation.evaluate import Settings, evaluate, intervals_over_heads
 from relight_core.evaluation.held_out import (
     HeldOutLight,
     cases_of,
@@ -180,6 +180,19 @@ def test_one_head_has_no_interval_but_figures(bundle, settings):
     assert not re.search(r"\bnan\b", page)
     assert "test split: 1 head, " in page
     assert "In brackets" not in page
+
+
+def test_the_interval_of_two_heads_holds_nothing_that_a_figure_can_t_be():
+    figures = [
+        {"relit.rmse": error, "relit.psnr": decibels, "relit.ssim": similarity, "relit.ssim_aligned": similarity}
+        for error, decibels, similarity in ((0.05, 10.0, 0.95), (0.15, 40.0, 0.85))
+    ]
+    intervals = intervals_over_heads(list(zip("ab", figures, strict=True)))
+    assert intervals["relit.rmse"].low == 0
+    assert intervals["relit.rmse"].high == pytest.approx(0.1 + 12.706205 * 0.05)
+    assert intervals["relit.psnr"].low == 0
+    for name in ("relit.ssim", "relit.ssim_aligned"):
+        assert intervals[name] == pytest.approx((0.9, 0.9 - 12.706205 * 0.05, 1.0))
 
 
 def test_page_shows_the_paper_s_row(evaluation):

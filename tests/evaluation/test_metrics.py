@@ -7,6 +7,7 @@ import pytest
 from skimage.metrics import structural_similarity
 
 from relight_core.evaluation.metrics import (
+    Interval,
     interval_over_heads,
     normal_angle_deg,
     normal_rmse,
@@ -176,6 +177,13 @@ def test_heads_weigh_by_their_pictures_and_may_have_any_name():
     assert mean == 2.0
     # Student's t of 1 degree of freedom is 12.706205; sqrt(2 / 1 * (9 + 9)) / 4 = 1.5.
     assert (low, high) == (pytest.approx(2 - 12.706205 * 1.5), pytest.approx(2 + 12.706205 * 1.5))
+
+
+def test_an_interval_ends_where_the_figure_does():
+    assert Interval(0.1, -0.3, 0.5).within(0.0, math.inf) == (0.1, 0.0, 0.5)
+    assert Interval(0.9, 0.5, 1.3).within(-1.0, 1.0) == (0.9, 0.5, 1.0)
+    assert Interval(0.2, 0.1, 0.3).within(0.0, 1.0) == (0.2, 0.1, 0.3)
+    assert all(math.isnan(end) for end in Interval(0.2, math.nan, math.nan).within(0.0, 1.0)[1:])
 
 
 def test_confidence():
