@@ -62,8 +62,8 @@ def _add_data(parser: argparse.ArgumentParser) -> None:
 
 
 def _preview(arguments: argparse.Namespace) -> int:
-    from app.cli.sheet import contact_sheet
     from relight_core.dataset.preview import sample_pictures
+    from relight_core.imaging.contact_sheet import contact_sheet
 
     check_output_file(arguments.output, _PICTURES)
     check_heads_and_lights(arguments.shards, arguments.lights, arguments.split)
@@ -121,9 +121,9 @@ def _effect(arguments: argparse.Namespace) -> int:
 
 
 def _compare(arguments: argparse.Namespace, paths: list[Path], lesson, work: Path) -> int:
-    from app.cli.sheet import contact_sheet
     from relight_core.evaluation.dataset_effect import compare_photos, taught
     from relight_core.evaluation.tables import figure_text, markdown_table
+    from relight_core.imaging.contact_sheet import contact_sheet
 
     pupils = {}
     for name, heads, plain in (("plain", arguments.bare, True), ("varied", arguments.shards, False)):

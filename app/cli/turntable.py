@@ -70,7 +70,7 @@ def write_turntable(session: Session, light: Environment, edit: Edit, output: Pa
     Raises:
         InputError: the file can't be written.
     """
-    from app.cli.sheet import contact_sheet, on_ground
+    from relight_core.imaging.contact_sheet import contact_sheet, on_ground
     from relight_core.imaging.photo import Photo
     from relight_core.imaging.view_transform import apply_view
     from relight_core.imaging.write import write_image

@@ -7,7 +7,8 @@ from pathlib import Path
 import numpy as np
 import torch
 
-from relight_core.imaging.colour import srgb_decode
+from relight_core.imaging.contact_sheet import contact_sheet
+from relight_core.imaging.photo import Photo
 from relight_core.imaging.tensor_colour import srgb_encode
 from relight_core.imaging.write import write_image
 from relight_core.lighting.reflection import ReflectionTable
@@ -17,7 +18,12 @@ from relight_core.pipeline.results.channel_view import channel_to_srgb
 from relight_core.training.distillation import under_some_lights
 from relight_core.training.relight_steps import composition_losses, flatten_pairs, specular_shadow_losses
 
+Column = tuple[str, list[np.ndarray]]
+"""What it shows, and an image (S, S, 3), sRGB, for each row."""
+
 _ROWS = 6
+_LEAST_CELL_PX = 112
+"""For the longest name."""
 
 
 @torch.no_grad()
@@ -33,8 +39,21 @@ def draw_samples(bundle: NetworkBundle, table: ReflectionTable, batch: dict[str,
         batch: pairs from `dataset.stream.SampleStream`.
         path: a .png, written whole or not at all.
     """
-    if "person" in batch:
-        return _draw_outlines(bundle, batch, path)
+    columns = _outline_columns(bundle, batch) if "person" in batch else _columns(bundle, table, batch)
+    rows = zip(*(images for _, images in columns), strict=True)
+    pictures = [(name, image) for row in rows for (name, _), image in zip(columns, row, strict=True)]
+    cell_px = max(pictures[0][1].shape[0], _LEAST_CELL_PX)
+    write_image(path, Photo.from_srgb(contact_sheet(pictures, len(columns), cell_px)).linear)
+
+
+def _outline_columns(bundle: NetworkBundle, batch: dict[str, torch.Tensor]) -> list[Column]:
+    few = {name: value[:_ROWS].cpu().float() for name, value in batch.items()}
+    likely = torch.sigmoid(bundle.person(few["photo_srgb"], few["inside"], few["face"]))
+    columns = ("photo", few["photo_srgb"]), ("person", likely), ("true person", few["person"])
+    return [(name, list(_images(values.expand(-1, 3, -1, -1)))) for name, values in columns]
+
+
+def _columns(bundle: NetworkBundle, table: ReflectionTable, batch: dict[str, torch.Tensor]) -> list[Column]:
     taught = "reflected" in batch
     if not taught:
         batch = {name: value[:_ROWS] for name, value in batch.items()}
@@ -43,44 +62,41 @@ def draw_samples(bundle: NetworkBundle, table: ReflectionTable, batch: dict[str,
         name: value[:_ROWS].float() if value.is_floating_point() else value[:_ROWS] for name, value in flattened.items()
     }
     pair = bundle.pair("narrow" if taught else "wide")
-    columns = _taken_apart(bundle, flat) + _put_together(pair, table, flat)
-    rows = [np.hstack([column[row] for column in columns]) for row in range(len(columns[0]))]
-    write_image(path, srgb_decode(np.vstack(rows)))
+    return _taken_apart(bundle, flat) + _put_together(pair, table, flat, "wide" if taught else "true")
 
 
-def _draw_outlines(bundle: NetworkBundle, batch: dict[str, torch.Tensor], path: Path) -> None:
-    few = {name: value[:_ROWS].cpu().float() for name, value in batch.items()}
-    likely = torch.sigmoid(bundle.person(few["photo_srgb"], few["inside"], few["face"]))
-    columns = [_images(values.expand(-1, 3, -1, -1)) for values in (few["photo_srgb"], likely, few["person"])]
-    write_image(path, srgb_decode(np.vstack([np.hstack(row) for row in zip(*columns, strict=True)])))
-
-
-def _taken_apart(bundle: NetworkBundle, flat: dict[str, torch.Tensor]) -> list[list[np.ndarray]]:
+def _taken_apart(bundle: NetworkBundle, flat: dict[str, torch.Tensor]) -> list[Column]:
     if "photo_srgb" not in flat:
         return []
     found = bundle.delight(flat["photo_srgb"])
     columns = [
-        list(_images(flat["photo_srgb"])),
-        list(_images(found.albedo_srgb)),
-        list(_images(srgb_encode(flat["albedo"]))),
-        _shown("normal", _images(found.normal)),
-        _shown("normal", _images(flat["normal"])),
+        ("photo", list(_images(flat["photo_srgb"]))),
+        ("albedo", list(_images(found.albedo_srgb))),
+        ("true albedo", list(_images(srgb_encode(flat["albedo"])))),
+        ("normals", _shown("normal", _images(found.normal))),
+        ("true normals", _shown("normal", _images(flat["normal"]))),
     ]
     if bundle.config.delight.classes:
         labels = found.parsing_logits.argmax(1)
-        columns += [_shown("parsing", labels.numpy()), _shown("parsing", flat["label"].numpy())]
+        columns += [
+            ("parsing", _shown("parsing", labels.numpy())),
+            ("true parsing", _shown("parsing", flat["label"].numpy())),
+        ]
     return columns
 
 
-def _put_together(pair: BothNetworks, table: ReflectionTable, flat: dict[str, torch.Tensor]) -> list[list[np.ndarray]]:
+def _put_together(
+    pair: BothNetworks, table: ReflectionTable, flat: dict[str, torch.Tensor], reference: str
+) -> list[Column]:
     effects, _ = specular_shadow_losses(pair.specular_shadow, table, _with_hint(flat))
     image, _ = composition_losses(pair.composition, table, flat, effects)
     pairs = ((effects.specular, "specular"), (effects.shadow, "shadow"), (image, "image"))
     columns = []
     for estimate, name in pairs:
-        for values in (estimate * flat["covered"], flat[name]):
+        for label, values in ((name, estimate * flat["covered"]), (f"{reference} {name}", flat[name])):
             images = _images(values)
-            columns.append(_shown("photo" if name == "image" else name, images if name == "image" else images[..., 0]))
+            shown = _shown("photo", images) if name == "image" else _shown(name, images[..., 0])
+            columns.append((label, shown))
     return columns
 
 

@@ -11,8 +11,8 @@ from PIL import Image
 
 from app.cli.channels import write_channels
 from app.cli.report import counting
-from app.cli.sheet import on_ground
 from app.cli.turntable import _fine_enough
+from relight_core.imaging.contact_sheet import on_ground
 from relight_core.imaging.files import KnownFiles
 from relight_core.imaging.formats.exr import read_exr
 from relight_core.pipeline.edit import Edit

@@ -13,8 +13,9 @@ from small_runs import SIZE, budget, recorded, run, some_batch
 from tiny_networks import tiny_bundle_with_person
 
 from relight_core.errors import InputError
+from relight_core.imaging.contact_sheet import contact_sheet
 from relight_core.networks.bundle import BundleConfig, NetworkBundle, load_bundle, with_residual_blocks
-from relight_core.training import loop
+from relight_core.training import loop, sheet
 from relight_core.training.curves import draw_curves
 from relight_core.training.loop import AveragedWeights, Budget, TrainingDiverged, train_stage
 from relight_core.training.stages import STAGES
@@ -216,18 +217,46 @@ def test_a_head_that_fills_nothing_of_the_image_does_no_harm(tmp_path):
     assert path.exists()
 
 
-@pytest.mark.parametrize(("name", "columns"), [("warm-delight", 13), ("warm-relight", 6)])
-def test_a_sheet_shows_every_channel_beside_the_truth(name, columns, tmp_path):
-    batch = some_batch(pairs=2)
+@pytest.mark.parametrize(
+    ("name", "shown"),
+    [
+        (
+            "warm-delight",
+            "photo, albedo, true albedo, normals, true normals, parsing, true parsing, "
+            "specular, true specular, shadow, true shadow, image, true image",
+        ),
+        ("warm-relight", "specular, true specular, shadow, true shadow, image, true image"),
+    ],
+)
+def test_a_sheet_names_every_channel_and_shows_it_beside_the_truth(name, shown, tmp_path, monkeypatch):
+    batch, drawn = some_batch(pairs=2), []
     if not STAGES[name].photographs:
         del batch["photo_srgb"]
+
+    def laid_out(pictures, columns, cell_px):
+        drawn.append((pictures, columns))
+        return contact_sheet(pictures, columns, cell_px)
+
+    monkeypatch.setattr(sheet, "contact_sheet", laid_out)
     run(STAGES[name], itertools.repeat(batch), budget(2), tmp_path / "w.safetensors")
-    sheet = cv2.imread(str(tmp_path / "w.samples.png"))
-    assert sheet.shape == (4 * SIZE, columns * SIZE, 3)
+    ((pictures, columns),) = drawn
+    names = shown.split(", ")
+    assert [label for label, _ in pictures] == names * 4
+    assert columns == len(names)
     true_image = batch["image"].flatten(0, 1).permute(0, 2, 3, 1)[0].numpy()
     encoded = np.where(true_image <= 0.0031308, 12.92 * true_image, 1.055 * true_image ** (1 / 2.4) - 0.055)
-    shown = sheet[:SIZE, -SIZE:, ::-1] / 255
-    np.testing.assert_allclose(shown, encoded, atol=1.5 / 255)
+    np.testing.assert_allclose(pictures[columns - 1][1], encoded, atol=1.5 / 255)
+
+
+def test_a_sheet_is_drawn_where_every_name_has_room_and_its_colours_are_the_pictures_own(tmp_path):
+    batch = some_batch()
+    del batch["photo_srgb"]
+    batch["image"][0, 0] = torch.tensor([0.2, 0.5, 0.8])[:, None, None]
+    run(STAGES["warm-relight"], itertools.repeat(batch), budget(2), tmp_path / "w.safetensors")
+    drawn = cv2.imread(str(tmp_path / "w.samples.png"))
+    assert drawn.shape == (2 * (112 + 22 + 8) + 8, 6 * (112 + 8) + 8, 3)
+    last = drawn[8 : 8 + 112, -8 - 112 : -8, ::-1]
+    np.testing.assert_allclose(last, np.broadcast_to([124, 188, 231], last.shape), atol=1)
 
 
 def test_rate_rises_then_falls_to_its_final_fraction():
