@@ -13,3 +13,13 @@ def take_endings_for_interrupts() -> None:
     for number in ENDINGS:
         if signal.getsignal(number) is signal.SIG_DFL:
             signal.signal(number, signal.default_int_handler)
+
+
+def raise_no_more() -> None:
+    """What was asked to end does: another Ctrl + C changes nothing, and any other ends it where it stands.
+
+    A second interrupt would be raised in what is being let go of, as a traceback that the interpreter ignores.
+    """
+    for number in ENDINGS:
+        if signal.getsignal(number) is signal.default_int_handler:
+            signal.signal(number, signal.SIG_IGN if number == signal.SIGINT else signal.SIG_DFL)

@@ -12,7 +12,7 @@ import os
 import sys
 import traceback
 import warnings
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from importlib.util import find_spec
 from types import ModuleType
@@ -46,11 +46,12 @@ _TAKE_SEVERAL = {EDITOR, "render"}
 _TRAIN_EXTRAS = {"mitsuba", "drjit", "rich", "matplotlib"}
 
 
-def main(argv: Sequence[str] | None = None) -> int:
+def main(argv: Sequence[str] | None = None, interrupted: Callable[[], None] = lambda: None) -> int:
     """Run the command line and return its exit code.
 
     Args:
         argv: the words after the program's name; sys.argv's by default.
+        interrupted: called where it has been, before what the command had open is let go of.
 
     Returns:
         0 done, 2 wrong usage, bad input or output that can't be written (one line on stderr), 1 a fault of ours,
@@ -62,12 +63,12 @@ def main(argv: Sequence[str] | None = None) -> int:
     _stand_in_for_closed_streams()
     _let_any_file_name_print()
     keep_numpy_to_one_thread()
-    code = _outcome(name, program, words)
+    code = _outcome(name, program, words, interrupted)
     let_go_of_streams()
     return code
 
 
-def _outcome(name: str, program: str, words: list[str]) -> int:
+def _outcome(name: str, program: str, words: list[str], interrupted: Callable[[], None]) -> int:
     try:
         with _one_line_warnings(program):
             return _run(name, program, words)
@@ -75,6 +76,7 @@ def _outcome(name: str, program: str, words: list[str]) -> int:
         _tell(program, str(error))
         return BAD_INPUT
     except KeyboardInterrupt:
+        interrupted()
         return INTERRUPTED
     except BrokenPipeError:
         return READER_LEFT

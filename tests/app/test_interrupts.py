@@ -29,7 +29,7 @@ def test_every_way_to_end_a_command_is_an_interrupt_unless_it_is_ignored(name, i
     script = f"""if True:
         import signal, sys, types
 
-        def command():
+        def command(interrupted):
             signal.raise_signal({int(number)})
             return 7
 

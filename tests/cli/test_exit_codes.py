@@ -1,5 +1,6 @@
 """Exit codes, whose fault it was, and what reaches which stream."""
 
+import signal
 import subprocess
 import sys
 
@@ -59,6 +60,30 @@ def test_an_interrupt_before_the_words_are_read_is_quiet_and_130():
     """
     done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True)
     assert (done.returncode, done.stderr) == (130, "")
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="sends itself signals")
+@pytest.mark.parametrize(("again", "code"), [("SIGINT", 130), ("SIGTERM", -signal.SIGTERM)])
+def test_a_second_interrupt_while_things_are_let_go_of_is_quiet_too(again, code):
+    script = f"""if True:
+        import os, signal, sys
+        from app.__main__ import main
+        from app.cli import rigs
+
+        class Held:
+            def __del__(self):
+                os.kill(os.getpid(), signal.{again})
+
+        def run(_arguments):
+            held = Held()
+            signal.raise_signal(signal.SIGINT)
+
+        rigs.run = run
+        sys.argv = ["relight", "rigs"]
+        sys.exit(main())
+    """
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True)
+    assert (done.returncode, done.stdout, done.stderr) == (code, "", "")
 
 
 @pytest.mark.parametrize("command", ["render", "turntable"])
