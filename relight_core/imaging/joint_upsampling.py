@@ -85,7 +85,7 @@ class JointUpsampler:
         cells = _cells(_as_seen(large), factor) - _along(slopes, _places(_within(factor)))
         around = around - _along(slopes, _places(torch.tensor([-1.0, 0.0, 1.0])))
         there, over = _neighbours(_plane(reciprocal(small)))[:, 0], reciprocal(large)
-        own, plain = (_cells(_plane(each), factor)[:, 0] for each in (over, without_specks(over)))
+        own, plain = (_cells(_plane(each), factor)[:, 0] for each in (over, without_specks(over, factor)))
         weights = torch.empty(factor * factor, _TAPS, size, size)
         for cell, grey, step, near, weight in zip(cells, own, plain, _nearness(factor), weights, strict=True):
             near = near[:, None, None]

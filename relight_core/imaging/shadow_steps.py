@@ -19,7 +19,9 @@ _DARK = 0.02
 _STEP, _GAIN_STEP = (0.3, 0.6), (0.15, 0.4)
 """By how much, in logs, luminance and gain differ between neighbours' neighbours where there may be a step, and surely
 is one."""
-_HOLE_PX, _SPECK_PX = 5, 5
+_HOLE_PX = 5
+_SPECK_PX, _FINE_SPECK_PX, _FINE = 3, 5, 4
+"""Sides of the squares for medians on a lattice, the latter from so many times the networks' size on."""
 _AROUND = np.ones((3, 3), np.uint8)
 
 
@@ -48,7 +50,8 @@ class ShadowSteps:
         # Beside hair or a background the lattice's pixels have some of that in them.
         amid_skin = np.minimum(cv2.erode(skin, _AROUND), cv2.dilate(steep, _AROUND))
         nearby = cv2.resize(amid_skin, large.shape[1::-1], interpolation=cv2.INTER_LINEAR)
-        share = cv2.blur(nearby * steepness(without_specks(reciprocal(large))), (3, 3))
+        plain = without_specks(reciprocal(large), large.shape[0] // skin.shape[0])
+        share = cv2.blur(nearby * steepness(plain), (3, 3))
         left, top, width, height = cv2.boundingRect((share > 0).astype(np.uint8))
         if not width:
             return None
@@ -79,9 +82,14 @@ def reciprocal(linear: np.ndarray) -> np.ndarray:
     return np.float32(1 / (grey + _DARK))
 
 
-def without_specks(over_luminance: np.ndarray) -> np.ndarray:
-    """`reciprocal` without the pores and freckles of skin; slopes and steps stay where they are."""
-    return cv2.medianBlur(over_luminance, _SPECK_PX)
+def without_specks(over_luminance: np.ndarray, factor: int) -> np.ndarray:
+    """`reciprocal` without the pores and freckles of skin; slopes and steps stay where they are.
+
+    Args:
+        over_luminance: (f s, f s), of what is (s, s) at the networks' size.
+        factor: f.
+    """
+    return cv2.medianBlur(over_luminance, _SPECK_PX if factor < _FINE else _FINE_SPECK_PX)
 
 
 def without_holes(over_luminance: np.ndarray) -> np.ndarray:
