@@ -32,7 +32,7 @@ class ShadowSteps:
     Attributes:
         within: rows and columns about all of them.
         picture: (H, W, 3) linear, the photo there.
-        share: (H, W) in (0, 1], how surely each pixel is at one.
+        share: (H, W) in [0, 1], how surely each pixel is at one.
     """
 
     within: tuple[slice, slice]
