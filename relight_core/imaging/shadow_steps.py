@@ -58,7 +58,9 @@ class ShadowSteps:
         within = slice(top, top + height), slice(left, left + width)
         return cls(within, within_halves(large[within]), share[within])
 
-    def taken_out(self, gain: np.ndarray, offset: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def taken_out(
+        self, gain: np.ndarray, offset: np.ndarray, of_light: np.ndarray | None = None
+    ) -> tuple[np.ndarray, np.ndarray]:
         """The same change of the lattice's picture, but of a finer one without lines where the gain undoes a step.
 
         There the lattice's own pixels, relit, replace the photo's, as an offset. A gain that has no step leaves the
@@ -66,9 +68,12 @@ class ShadowSteps:
 
         Args:
             gain, offset: (S, S, 3) linear, on the lattice.
+            of_light: (S, S) luminance of the gain that tells where a step is undone; None for that of `gain`. What
+                sliders do to the gain must not change where: more shadow would be brighter than less there.
         """
         part = gain[self.within]
-        share = self.share * ramp(_log_range(luminance(part) + np.float32(_DARK)), *_GAIN_STEP)
+        undoing = luminance(part) if of_light is None else of_light[self.within]
+        share = self.share * ramp(_log_range(undoing + np.float32(_DARK)), *_GAIN_STEP)
         share = cv2.merge([share.astype(np.float32)] * 3)
         gain, offset = gain.copy(), offset.copy()
         gain[self.within] = part * (1 - share)
