@@ -16,18 +16,18 @@ from relight_core.imaging.half_floats import within_halves
 from relight_core.imaging.ramp import ramp
 
 _DARK = 0.02
-_STEP, _GAIN_STEP = (0.3, 0.6), (0.15, 0.4)
+_STEP, _SHARP_STEP, _GAIN_STEP = (0.3, 0.6), (0.2, 0.4), (0.15, 0.4)
 """By how much, in logs, luminance and gain differ between neighbours' neighbours where there may be a step, and surely
-is one."""
+is one; of a sharp one, by how much more than along a straight slope."""
 _HOLE_PX = 5
 _SPECK_PX, _FINE_SPECK_PX, _FINE = 3, 5, 4
 """Sides of the squares for medians on a lattice, the latter from so many times the networks' size on."""
-_AROUND = np.ones((3, 3), np.uint8)
+_AROUND, _TWICE_AS_FAR = np.ones((3, 3), np.uint8), np.ones((5, 5), np.uint8)
 
 
 @dataclass(frozen=True, eq=False)
 class ShadowSteps:
-    """The steps on a lattice.
+    """The steps on a lattice that are too sharp for it.
 
     Attributes:
         within: rows and columns about all of them.
@@ -51,7 +51,7 @@ class ShadowSteps:
         amid_skin = np.minimum(cv2.erode(skin, _AROUND), cv2.dilate(steep, _AROUND))
         nearby = cv2.resize(amid_skin, large.shape[1::-1], interpolation=cv2.INTER_LINEAR)
         plain = without_specks(reciprocal(large), large.shape[0] // skin.shape[0])
-        share = cv2.blur(nearby * steepness(plain), (3, 3))
+        share = cv2.blur(nearby * sharpness(plain), (3, 3))
         left, top, width, height = cv2.boundingRect((share > 0).astype(np.uint8))
         if not width:
             return None
@@ -107,5 +107,14 @@ def steepness(over_luminance: np.ndarray) -> np.ndarray:
     return ramp(_log_range(over_luminance), *_STEP)
 
 
-def _log_range(values: np.ndarray) -> np.ndarray:
-    return np.log(cv2.dilate(values, _AROUND) / cv2.erode(values, _AROUND))
+def sharpness(over_luminance: np.ndarray) -> np.ndarray:
+    """(S, S) in [0, 1] how surely there is a step of `reciprocal` that is finer than its pixels.
+
+    Pixels hold a slope, however steep: a picture of more pixels keeps its pores there.
+    """
+    beyond_slope = 2 * _log_range(over_luminance) - _log_range(over_luminance, _TWICE_AS_FAR)
+    return ramp(beyond_slope, *_SHARP_STEP)
+
+
+def _log_range(values: np.ndarray, around: np.ndarray = _AROUND) -> np.ndarray:
+    return np.log(cv2.dilate(values, around) / cv2.erode(values, around))

@@ -40,6 +40,21 @@ def test_a_finer_photo_keeps_no_line_of_a_shadow_that_is_taken_out():
     assert after.std() < 0.35 * before.std()
 
 
+def test_pores_stay_where_a_shadow_ends_so_softly_that_the_lattice_holds_its_edge():
+    down, across = np.mgrid[:512, :512]
+    pores = np.float32(1 + 0.1 * ((down + across) % 2 * 2 - 1))[..., None]
+    shade = 0.05 * 12 ** (1 / (1 + np.exp(-(across + 0.6 * down - 400) / 8)))
+    photo = (np.float32(shade)[..., None] * pores).repeat(3, -1)
+    upsample, gain = on_lattice(photo, np.full((16, 16, 3), 0.5, np.float32))
+    change = gain, np.zeros_like(gain)
+    if upsample.steps is not None:
+        change = upsample.steps.taken_out(*change)
+    even = relit(photo, *change)[32:-32, 32:-32]
+    kept = np.abs(np.diff(even, axis=1)) / (even[:, 1:] + even[:, :-1])
+    assert kept.min() > 0.06
+    assert kept.max() < 0.14
+
+
 def test_what_is_added_to_the_picture_stays():
     photo = shadowed()
     upsample, gain = on_lattice(photo, np.full((16, 16, 3), 0.5, np.float32))
