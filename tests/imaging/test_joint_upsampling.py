@@ -67,12 +67,38 @@ def test_freckles_stay_at_the_edge_of_a_shadow_that_light_takes_out():
     assert 0.55 < speck.mean() / beside.mean() < 0.8
 
 
-def test_a_nostril_that_the_small_picture_fills_stays_dark():
+@pytest.mark.parametrize("side_px", [16, 32])
+def test_a_nostril_that_the_small_picture_fills_stays_dark(side_px):
     photo = np.full((256, 256, 3), 0.4, np.float32)
-    photo[120:136, 100:124] = 0.03
+    photo[120 : 120 + side_px, 96 : 96 + side_px] = 0.03
     small = resize_area(photo, (32, 32))
     with_skin, without = (JointUpsampler(small, photo, skin)(0.4 / small) for skin in (SKIN, None))
     np.testing.assert_allclose(with_skin, without, rtol=1e-5)
+
+
+def test_a_bar_of_shadow_that_is_wider_than_a_nostril_leaves_no_line():
+    photo = np.full((256, 256, 3), 0.6, np.float32)
+    photo[:, 98:146] = 0.05
+    assert relit_evenly(photo, photo, SKIN).std() < 0.014
+    assert relit_evenly(photo, photo, 0 * SKIN).std() > 0.02
+
+
+def test_a_sharp_shadow_leaves_no_line_on_a_lattice_but_twice_as_fine_and_pores_stay():
+    photo = resize_area(shadow_across(2), (64, 64))
+    assert relit_evenly(photo, photo, SKIN).std() < 0.012
+    porous = photo.copy()
+    porous[24:48:6, 24:48:6] *= 0.6
+    speck = (relit_evenly(porous, photo, SKIN) / relit_evenly(photo, photo, SKIN))[8:32:6, 8:32:6]
+    assert speck.mean() < 0.68
+
+
+@pytest.mark.parametrize(("bright", "follows"), [(0.25, False), (0.37, True)])
+def test_faint_steps_of_skin_are_no_shadows_ends(bright, follows):
+    photo = np.full((256, 256, 3), 0.2, np.float32)
+    photo[:, 131:] = bright
+    small = resize_area(photo, (32, 32))
+    with_skin, without = (JointUpsampler(small, photo, skin)(0.5 / small) for skin in (SKIN, None))
+    assert (np.abs(with_skin - without).max() > 0.02) == follows
 
 
 def test_only_where_skin_lies_do_maps_follow_the_luminance_of_a_step():
@@ -84,6 +110,8 @@ def test_only_where_skin_lies_do_maps_follow_the_luminance_of_a_step():
     np.testing.assert_allclose(above[:128], everywhere[:128], rtol=1e-5)
     np.testing.assert_allclose(above[128:], nowhere[128:], rtol=1e-5)
     assert np.abs(everywhere - nowhere).max() > 1
+    halfway = JointUpsampler(small, photo, SKIN / 2)(0.5 / small)
+    np.testing.assert_allclose(halfway, (everywhere + nowhere) / 2, rtol=1e-4)
 
 
 @pytest.mark.parametrize("share", [0.0, 0.5, 1.0])

@@ -5,6 +5,7 @@ import pytest
 
 from relight_core.imaging.joint_upsampling import JointUpsampler
 from relight_core.imaging.resampling import resize_area, resize_smooth
+from relight_core.imaging.shadow_steps import without_specks
 
 SKIN = np.ones((16, 16), np.float32)
 
@@ -74,11 +75,50 @@ def test_a_light_that_keeps_the_shadow_keeps_its_edge_as_the_photo_has_it(factor
 def test_change_beyond_a_step_is_left_alone_and_arguments_are():
     photo = shadowed()
     upsample, gain = on_lattice(photo, np.full((16, 16, 3), 0.5, np.float32))
-    given = gain.copy()
-    changed, _ = upsample.steps.taken_out(gain, np.zeros_like(gain))
+    offset, given = np.zeros_like(gain), gain.copy()
+    changed, _ = upsample.steps.taken_out(gain, offset)
     np.testing.assert_array_equal(gain, given)
+    assert not offset.any()
     np.testing.assert_array_equal(changed[:20, :20], gain[:20, :20])
     np.testing.assert_array_equal(changed[-20:, -20:], gain[-20:, -20:])
+
+
+@pytest.mark.parametrize(("relit_in_shadow", "replaced"), [(0.055, False), (0.15, True)])
+def test_a_gain_that_hardly_has_a_step_leaves_the_photos_edge(relit_in_shadow, replaced):
+    photo = shadowed()
+    small = resize_area(photo, (16, 16))
+    lit = (small - 0.05) / 0.55
+    upsample, gain = on_lattice(photo, relit_in_shadow * (1 - lit) + 0.6 * lit)
+    _, added = upsample.steps.taken_out(gain, np.zeros_like(gain))
+    assert (added.max() > 0.01) == replaced
+
+
+def test_a_step_that_ends_amid_the_picture_is_replaced_alike_on_all_sides():
+    photo = np.full((512, 512, 3), 0.6, np.float32)
+    photo[130:382, 130:382] = 0.05
+    upsample, gain = on_lattice(photo, np.full((16, 16, 3), 0.5, np.float32))
+    kept, added = upsample.steps.taken_out(gain, np.zeros_like(gain))
+    for part in (kept, added):
+        np.testing.assert_allclose(part[::-1], part, rtol=1e-3, atol=1e-3)
+        np.testing.assert_allclose(part[:, ::-1], part, rtol=1e-3, atol=1e-3)
+    assert added.max() > 0.4
+
+
+def test_where_skin_ends_is_no_step():
+    """Hair beside a forehead: the lattice's pixels have some of both in them."""
+    photo, skin = np.full((512, 512, 3), 0.5, np.float32), SKIN.copy()
+    photo[:200] = 0.03
+    skin[:6] = 0
+    assert on_lattice(photo, np.ones((16, 16, 3), np.float32), skin)[0].steps is None
+    skin[:] = 1
+    assert on_lattice(photo, np.ones((16, 16, 3), np.float32), skin)[0].steps is not None
+
+
+def test_nostrils_and_pores_are_no_steps():
+    photo = np.full((512, 512, 3), 0.5, np.float32)
+    photo[200:240, 200:260] = 0.02
+    photo[40:500:60, 40:500:60] = 0.1
+    assert on_lattice(photo, np.ones((16, 16, 3), np.float32))[0].steps is None
 
 
 def test_there_are_no_steps_off_skin_in_even_light_or_without_enlargement():
@@ -99,3 +139,12 @@ def test_broken_pixels_of_a_photo_give_finite_changes(broken):
     for part in upsample.steps.taken_out(gain, np.zeros_like(gain)):
         assert np.isfinite(part).all()
         assert part.min() >= 0
+
+
+@pytest.mark.parametrize(("factor", "gone_px", "stays_px"), [(2, 1, 3), (3, 1, 3), (4, 3, 5), (8, 3, 5)])
+def test_specks_are_as_large_as_the_lattice_is_fine(factor, gone_px, stays_px):
+    even = np.full((48, 48), 2.0, np.float32)
+    for width_px, stays in ((gone_px, False), (stays_px, True)):
+        dark = even.copy()
+        dark[20 : 20 + width_px, 20 : 20 + width_px] = 9
+        assert (without_specks(dark, factor) > 8).any() == stays
