@@ -210,3 +210,19 @@ def test_paint_in_a_light_of_one_colour_stays(light):
     photo = torch.tensor(light)[:, None, None] * photo
     other = relit(photo, parsing, lamp(18), albedo=FLAT.image, model=Composed(lit, lit))
     assert float((other[2, 20, 80] / other[0, 20, 80]).log()) > 0.65
+
+
+@pytest.mark.parametrize("strength", [1.0, 0.1])
+@pytest.mark.parametrize("shaded_from", [60, 40])
+def test_the_skys_colour_fades_with_shadows_that_the_model_missed_and_skin_has_the_tone_of_its_lit_part(
+    shaded_from, strength
+):
+    photo, parsing = half_coloured(0.2, 0.2, 0.2)
+    photo *= torch.tensor((1.36, 1.0, 0.76))[:, None, None]
+    photo[..., shaded_from:] *= torch.tensor((0.38, 0.45, 0.55))[:, None, None]
+    parsing[:, SKIN, 80:], parsing[:, CLOTH, 80:], photo[..., 80:, :] = 0, 1, 0.8
+    albedo = torch.tensor((1.3, 1.0, 0.8))[:, None, None] * FLAT.image
+    other = relit(photo, parsing, lamp(18), strength, albedo=albedo, model=Composed(albedo, FLAT.image))
+    for row in (20, 50):
+        for column in (20, 80):
+            assert abs(float((other[2, row, column] / other[0, row, column]).log()) + 0.096) < 0.03

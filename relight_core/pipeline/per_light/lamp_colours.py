@@ -4,6 +4,9 @@ Between two neon lamps a face is pink on one side and teal on the other, and the
 that. What is left would stay on the skin in any light, as paint does. So where the photo's light, as far as it is
 known, has several colours already, a colour that more than a mole shares on skin and that flush and tan don't explain
 is a lamp's. In a light of one colour it may be paint or rouge.
+
+A hat, a wall or leaves throw shadows that the model doesn't know either, and what lights skin in those is the sky. So
+where much of the skin lies in such shadows, the colour that they have beside the rest of it is theirs.
 """
 
 from __future__ import annotations
@@ -43,6 +46,32 @@ def colours_of_lamps(
         return torch.zeros_like(colour)
     off = without_mean(local_medians(colour - middle_values(colour, sure), skin, MOLE))
     off = several * off * ramp(off.abs().amax(1, keepdim=True), *_FLUSH)
+    return _on_face(surface, off, skin)
+
+
+def colours_of_shade(
+    surface: Surface, missed: torch.Tensor, colour: torch.Tensor, skin: torch.Tensor, known: torch.Tensor
+) -> torch.Tensor:
+    """(1, 3, S, S) log colours, of mean 0, that a face has in shadows which the model missed, in much of its skin.
+
+    They are in proportion to how deep a shadow is, and 0 where skin is as bright as the brighter part of it is.
+
+    Args:
+        missed: (1, 1, S, S) logs of brightness that the model missed, of which not all known skin has the same.
+        colour, skin, known: as of `colours_of_lamps`; some skin is known.
+    """
+    sure = (known > SURELY)[0, 0]
+    depths, colours = missed[0, 0][sure], colour[0][:, sure]
+    lit = depths > depths.mean()
+    brightest = depths[lit].mean()
+    darkest = depths[~lit].mean()
+    bluer = colours[:, ~lit].median(1).values - colours[:, lit].median(1).values
+    share = ((brightest - missed) / (brightest - darkest)).clamp_min(0)
+    return _on_face(surface, without_mean(bluer[None, :, None, None]) * share, skin)
+
+
+def _on_face(surface: Surface, off: torch.Tensor, skin: torch.Tensor) -> torch.Tensor:
+    """What is off in colour on skin, and as much of it amid skin as around."""
     return skin * off + share_of(surface.parsing, _AMID_SKIN) * local_means(off, skin)
 
 

@@ -9,7 +9,8 @@ and not to the surface. On skin, what is brighter than its model, of another col
 the light's more often than the surface's, and fades faster; the last of them, light and shadow that the model missed,
 also fades as the whole light becomes another, the faster the more of it there is. So does, where lamps of several
 colours light a face, a colour over more than a mole that flush and tan don't explain: it is a lamp's, and lips, eyes
-and brows have it too. So a portrait under its own estimated light is the photo again.
+and brows have it too. And where much of the skin lies in shadows that the model missed, what colour they have is the
+sky's, and the skin's tone is that of the rest of it. So a portrait under its own estimated light is the photo again.
 
 Skin or hair that is far brighter than its model was grazed by a light from behind, which no model of the face's front
 knows: how a place is lit says little about whether another light does the same, so that much of it fades as the whole
@@ -42,7 +43,7 @@ from relight_core.imaging.tensor_means import local_medians, local_range, middle
 from relight_core.lighting.environment import mean_luminance
 from relight_core.lighting.likeness import likeness
 from relight_core.pipeline.per_light.hints import Effects
-from relight_core.pipeline.per_light.lamp_colours import MOLE, colours_of_lamps
+from relight_core.pipeline.per_light.lamp_colours import MOLE, colours_of_lamps, colours_of_shade
 from relight_core.pipeline.per_photo.black_colour import off_black
 from relight_core.pipeline.per_photo.blown import at_least, clipped_share, flesh_share
 from relight_core.pipeline.per_photo.face_paint import face_paint
@@ -88,8 +89,8 @@ class Residual:
         skin: (1, 1, S, S) probability of bare skin.
         broad: (1, 1, S, S) the part of the mean log ratio that more than a mole shares, on skin, and on all else
             where skin lies in shadows that the model lacks; at such a shadow's edge, all of it.
-        missed: (1, 3, S, S) the part of it that is no glare, and the colours of other lamps on a face: light and
-            shadow that the model missed, which fade as the whole light becomes another.
+        missed: (1, 3, S, S) the part of it that is no glare, and the colours of other lamps and of the sky on a face:
+            light and shadow that the model missed, which fade as the whole light becomes another.
         missed_fades: the power of what another light shares with the photo's by which `missed` stays.
         tint: (1, 3, S, S) the part of the log ratio, of mean 0, that stays under whatever light.
         fleeting: (1, 3, S, S) the part of the log ratio that only the photo's own light or one much like it gives.
@@ -139,28 +140,35 @@ def find_residual(
     skin = _of_skins_colour(surface, colour, skin, known)
     seen_skin = skin * known
     of_lamps = colours_of_lamps(surface, model.plain, colour, skin, seen_skin)
-    by_camera = _by_camera(log_ratio, surface.albedo, seen_skin)
-    tint = colour + skin * (by_camera - colour) - (1 - skin) * of_lamps
-    of_light = off_black(surface, tint)
-    of_light = of_light + too_blue(surface, tint - of_light)
-    tint = tint - of_light
     glare = _glare_share(mean, skin, hair)
     of_others = torch.maximum(glare, deep_shadow(surface.photo, skin))
-    broad, missed, missed_fades = _missed_light(mean, skin, seen_skin, glare, (1 - of_others) * of_lamps)
+    broad, missed, much = _missed_light(mean, skin, seen_skin, glare)
+    of_shade = much * colours_of_shade(surface, missed, colour, skin, seen_skin) if much else torch.zeros_like(colour)
+    by_camera = _by_camera(log_ratio - of_shade, surface.albedo, seen_skin)
+    of_lamps = of_lamps + of_shade
+    tint, of_light = _tint_and_light(surface, colour + skin * (by_camera - colour) - (1 - skin) * of_lamps)
+    few, many = _MISSED_FADES
     return Residual(
         log_ratio=log_ratio,
         shading=grey(model.plain),
         stays_dark=_DARK_HAIR * hair,
         skin=skin,
         broad=broad,
-        missed=missed,
-        missed_fades=missed_fades,
+        missed=missed + (1 - of_others) * of_lamps,
+        missed_fades=few + (many - few) * much,
         tint=tint,
         fleeting=glare * mean + of_others * (colour - tint - of_light) + of_light,
         light=source_light,
         level=level,
         largest_log=largest_log,
     )
+
+
+def _tint_and_light(surface: Surface, tint: torch.Tensor) -> tuple[torch.Tensor, torch.Tensor]:
+    """What of a tint (1, 3, S, S), of mean 0, stays under whatever light, and what is the photo's light's."""
+    of_light = off_black(surface, tint)
+    of_light = of_light + too_blue(surface, tint - of_light)
+    return tint - of_light, of_light
 
 
 def at_light_level(residual: Residual, level: float) -> Residual:
@@ -244,27 +252,25 @@ def _broad_part(share: torch.Tensor) -> torch.Tensor:
 
 
 def _missed_light(
-    mean: torch.Tensor, skin: torch.Tensor, seen_skin: torch.Tensor, glare: torch.Tensor, of_lamps: torch.Tensor
+    mean: torch.Tensor, skin: torch.Tensor, seen_skin: torch.Tensor, glare: torch.Tensor
 ) -> tuple[torch.Tensor, torch.Tensor, float]:
-    """`broad`, `missed` and `missed_fades` of a residual.
+    """`broad` and, but for colours, `missed` of a residual, and how surely that is much of the skin's light, [0, 1].
 
     Args:
         mean: (1, 1, S, S) of the log ratio over its channels.
         skin, seen_skin: (1, 1, S, S) all of it and as much as the photo shows.
         glare: (1, 1, S, S) how much of the log ratio fades as such.
-        of_lamps: (1, 3, S, S) log colours of lamps.
     """
     broad = skin * _shared_by_more_than_a_mole(mean, skin)
     sure = (seen_skin > SURELY)[0, 0]
     known = int(sure.sum()) >= FEWEST_PIXELS
     middle = middle_values(broad, sure) if known else 0.0
-    missed = (1 - glare) * (broad - skin * middle) + of_lamps
-    spread = float(missed.mean(1)[:, sure].std()) if known else 0.0
+    missed = (1 - glare) * (broad - skin * middle)
+    spread = float(missed[0][:, sure].std()) if known else 0.0
     if elsewhere := ramp(spread, *_MISSED_ELSEWHERE):
         rest = elsewhere * (1 - skin) * _shared_by_more_than_a_mole(mean, 1 - skin)
         broad, missed = broad + rest, missed + (1 - glare) * rest
-    few, many = _MISSED_FADES
-    return broad, missed, few + (many - few) * ramp(spread, *_MUCH_MISSED)
+    return broad, missed, ramp(spread, *_MUCH_MISSED)
 
 
 def _shared_by_more_than_a_mole(mean: torch.Tensor, part: torch.Tensor) -> torch.Tensor:
