@@ -78,10 +78,7 @@ def joint_bilateral(task: DetailTask) -> np.ndarray:
 def gain_and_gloss(task: DetailTask) -> np.ndarray:
     """Gain and gloss apart, both enlarged along the photo's edges, patterns kept: what the editor does."""
     change = ViewOfPhoto(task.photo_small, task.makeup_small).change_to(task.relit_small, task.gloss_small)
-    upsample = _upsampler(task)
-    gain, offset = upsample(change.gain), upsample(change.offset)
-    if upsample.steps is not None:
-        gain, offset = upsample.steps.taken_out(gain, offset)
+    gain, offset = _upsampler(task).change(change.gain, change.offset)
     return task.enlarged(gain) * task.photo + task.enlarged(offset)
 
 

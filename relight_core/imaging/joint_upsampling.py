@@ -15,6 +15,7 @@ import numpy as np
 import torch
 import torch.nn.functional as F
 
+from relight_core.imaging.colour import luminance
 from relight_core.imaging.shadow_steps import ShadowSteps, reciprocal, steepness, without_holes, without_specks
 
 _COLOUR_DEVIATION = 0.05
@@ -58,8 +59,9 @@ class JointUpsampler:
         if factor > 1:
             skin = np.zeros((size, size), np.float32) if skin is None else skin
             steep = steepness(without_holes(reciprocal(small)))
-            self._weights = self._likeness(small, large, torch.from_numpy(skin * steep))
-            self.steps = ShadowSteps.find(skin, steep, large)
+            plain = without_specks(reciprocal(large), factor)
+            self._weights = self._likeness(small, large, plain, torch.from_numpy(skin * steep))
+            self.steps = ShadowSteps.find(skin, steep, plain, large)
 
     def __call__(self, maps: np.ndarray) -> np.ndarray:
         """Enlarge maps (s, s, C) to (f s, f s, C) float32."""
@@ -77,17 +79,41 @@ class JointUpsampler:
                 cell.addcmul_(tap, weight)
         return _interleaved(cells.numpy())
 
-    def _likeness(self, small: np.ndarray, large: np.ndarray, at_step: torch.Tensor) -> torch.Tensor:
-        """(f * f, 9, s, s) weights of the neighbours of every new pixel."""
+    def change(
+        self, gain: np.ndarray, offset: np.ndarray, of_light: np.ndarray | None = None
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """Enlarge what a light changes the picture by: no line is left where it takes a shadow out of skin.
+
+        Args:
+            gain, offset: (s, s, 3) linear.
+            of_light: (s, s, 3) the gain before sliders moved it; None where none did.
+
+        Returns:
+            Gain and offset (f s, f s, 3) float32.
+        """
+        enlarged = self(gain), self(offset)
+        if self.steps is None:
+            return enlarged
+        undoing = None if of_light is None else self(luminance(of_light)[..., None])[..., 0]
+        return self.steps.taken_out(*enlarged, undoing)
+
+    def _likeness(self, small: np.ndarray, large: np.ndarray, plain: np.ndarray, at_step: torch.Tensor) -> torch.Tensor:
+        """(f * f, 9, s, s) weights of the neighbours of every new pixel.
+
+        Args:
+            small, large: of `__init__`.
+            plain: (f s, f s) `reciprocal` of the large picture, without specks.
+            at_step: (s, s) in [0, 1], how surely skin lies at the edge of a shadow.
+        """
         size, factor = self.size, self.factor
         around = _neighbours(_as_seen(small))
         slopes = _slopes(around)
         cells = _cells(_as_seen(large), factor) - _along(slopes, _places(_within(factor)))
         around = around - _along(slopes, _places(torch.tensor([-1.0, 0.0, 1.0])))
-        there, over = _neighbours(_plane(reciprocal(small)))[:, 0], reciprocal(large)
-        own, plain = (_cells(_plane(each), factor)[:, 0] for each in (over, without_specks(over, factor)))
+        there = _neighbours(_plane(reciprocal(small)))[:, 0]
+        own, unspecked = (_cells(_plane(each), factor)[:, 0] for each in (reciprocal(large), plain))
         weights = torch.empty(factor * factor, _TAPS, size, size)
-        for cell, grey, step, near, weight in zip(cells, own, plain, _nearness(factor), weights, strict=True):
+        for cell, grey, step, near, weight in zip(cells, own, unspecked, _nearness(factor), weights, strict=True):
             near = near[:, None, None]
             likeness = torch.exp((cell - around).square().sum(1) / (-2 * _COLOUR_DEVIATION**2))
             alike, unlike = (likeness + _FAR) * near, 1 - likeness.amax(0)

@@ -40,17 +40,17 @@ class ShadowSteps:
     share: np.ndarray
 
     @classmethod
-    def find(cls, skin: np.ndarray, steep: np.ndarray, large: np.ndarray) -> ShadowSteps | None:
+    def find(cls, skin: np.ndarray, steep: np.ndarray, plain: np.ndarray, large: np.ndarray) -> ShadowSteps | None:
         """Find them on a lattice; None where there are none.
 
         Args:
             skin, steep: (s, s) in [0, 1], how surely there is bare skin, and a step, at the networks' size.
-            large: (S, S, 3) linear, the photo on the lattice.
+            plain: (S, S) `reciprocal` on the lattice, without specks.
+            large: (S, S, 3) linear, the photo there.
         """
         # Beside hair or a background the lattice's pixels have some of that in them.
         amid_skin = np.minimum(cv2.erode(skin, _AROUND), cv2.dilate(steep, _AROUND))
         nearby = cv2.resize(amid_skin, large.shape[1::-1], interpolation=cv2.INTER_LINEAR)
-        plain = without_specks(reciprocal(large), large.shape[0] // skin.shape[0])
         share = cv2.blur(nearby * sharpness(plain), (3, 3))
         left, top, width, height = cv2.boundingRect((share > 0).astype(np.uint8))
         if not width:

@@ -10,7 +10,7 @@ import torch
 import torch.nn.functional as F
 
 from relight_core.face.parsing import BROWS, EYES, INDEX, MOUTH, SKIN, skin_share
-from relight_core.imaging.colour import luminance, without_colour
+from relight_core.imaging.colour import without_colour
 from relight_core.imaging.guided_detail import carry_detail
 from relight_core.imaging.half_floats import within_halves
 from relight_core.imaging.joint_upsampling import JointUpsampler
@@ -138,10 +138,7 @@ def enlarge_change(
     gain, offset = change.gain, change.offset
     if moved is not None:
         gain, offset = change.moved(as_image(moved.kept), as_image(moved.added), as_image(moved.lifted))
-    gain, offset = upsample(gain), upsample(offset)
-    if upsample.steps is not None:
-        of_light = None if moved is None else upsample(luminance(change.gain)[..., None])[..., 0]
-        gain, offset = upsample.steps.taken_out(gain, offset, of_light)
+    gain, offset = upsample.change(gain, offset, None if moved is None else change.gain)
     if edges is not None:
         gain, offset = gain * edges, offset * edges
     return ViewChange(at_level(gain, level), at_level(offset, level), level)
