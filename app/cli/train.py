@@ -14,9 +14,10 @@ The stages, in their order, each going on from the weights that --start names:
   tune-delight, tune-delight-strongly          de-lighting, through the fixed relighting networks
   tune-relight, tune-on-predictions            the relighting networks, on what de-lighting finds
   distil-relight                               a narrow pair of relighting networks, taught by the wide one
-  outline                                      the person network, beside all these
+  outline, foreign-shadow                      the person and the foreign-shadow network, beside all these
 
---join puts the narrow pair and the person network of one file beside the other networks of another. A log of the
+--join puts the narrow pair, the person and the foreign-shadow network of one file, as far as it has them, beside the
+other networks of another. A log of the
 losses and a picture of their curves are written beside the weights; a checkpoint every two minutes.
 """
 
@@ -58,7 +59,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     what.add_argument("--recipe", metavar="RECIPE", help="a .toml file, or the name of a bundled recipe")
     what.add_argument("--stage", metavar="STAGE", help="one of those above")
     what.add_argument(
-        "--join", metavar="OTHER", type=Path, help="weights whose narrow pair and person network go into --start's"
+        "--join", metavar="OTHER", type=Path, help="weights whose networks beside the first three go into --start's"
     )
     add_heads_and_lights(parser, required=False)
     parser.add_argument("--start", metavar="WEIGHTS", type=Path, help="weights to go on from; random ones without")
@@ -130,7 +131,7 @@ def _check_weights_file(arguments: argparse.Namespace) -> None:
 
 
 def _join(arguments: argparse.Namespace) -> int:
-    from relight_core.networks.bundle import load_bundle, save_bundle, with_narrow_pair, with_person_network
+    from relight_core.networks.bundle import MORE_NETWORKS, load_bundle, save_bundle
 
     for name in _OF_SAMPLES:
         if getattr(arguments, name) is not None:
@@ -139,15 +140,14 @@ def _join(arguments: argparse.Namespace) -> int:
         raise InputError("give --start: the weights that the other networks go into")
     _check_weights_file(arguments)
     other, joined = load_bundle(arguments.join), load_bundle(arguments.start)
-    if other.narrow is None and other.person is None:
+    found = {name: network for name in MORE_NETWORKS if (network := getattr(other, name)) is not None}
+    if not found:
         raise InputError(
-            f"{arguments.join}: has neither a narrow pair nor a person network; "
-            "train them with: relight train --stage distil-relight, and --stage outline"
+            f"{arguments.join}: has no narrow pair, no person network and no foreign-shadow network; "
+            "train them with: relight train --stage distil-relight, outline or foreign-shadow"
         )
-    if other.narrow is not None:
-        joined = with_narrow_pair(joined, other.narrow)
-    if other.person is not None:
-        joined = with_person_network(joined, other.person)
+    for name, network in found.items():
+        joined = MORE_NETWORKS[name](joined, network)
     save_bundle(arguments.output, joined)
     say(f"wrote {arguments.output}")
     return 0
@@ -190,7 +190,7 @@ def _check_sizes(sizes: Iterable[tuple[str, int]], heads: Path) -> None:
     from relight_core.training.stages import STAGES
 
     # People are cut out at the heads' own size, and put into photos of any.
-    asked = [(name, size) for name, size in sizes if not STAGES[name].outlines]
+    asked = [(name, size) for name, size in sizes if STAGES[name].samples != "outlines"]
     check_head_sizes(heads, "train", asked)
 
 
@@ -201,7 +201,7 @@ def _check_places(places: Path | None, names: Iterable[str]) -> None:
 
     if places is None:
         return
-    if not any(STAGES[name].outlines for name in names):
+    if not any(STAGES[name].samples == "outlines" for name in names):
         raise InputError("--places: only the person network's samples are put before them; take it away")
     read_places(places)
 

@@ -36,10 +36,10 @@ def photograph(
         (S, S, 3) float32 sRGB in [0, 1].
     """
     gain = camera_gain(radiance, coverage > 0.5, light, white_level, rng)
-    background = behind(_background(len(radiance), pool, rng), neighbour, gain)
+    background = behind(sample_background(len(radiance), pool, rng), neighbour, gain)
     image = radiance * gain + background * (1 - coverage.astype(np.float32)[..., None])
     if hidden is not None:
-        image = np.where(hidden[..., None], _background(len(image), pool, rng) * 0.5, image)
+        image = np.where(hidden[..., None], sample_background(len(image), pool, rng) * 0.5, image)
     return taken(image, rng)
 
 
@@ -88,7 +88,8 @@ def _exposure_gain(radiance: np.ndarray, covered: np.ndarray, white_level: float
     return float(np.clip(gain, 0.05, 20))
 
 
-def _background(size: int, pool: TexturePool, rng: np.random.Generator) -> np.ndarray:
+def sample_background(size: int, pool: TexturePool, rng: np.random.Generator) -> np.ndarray:
+    """Black, one colour or a picture, linear (S, S, 3), as bright as exposed."""
     chance = rng.random()
     if chance < 0.15:
         return np.zeros((size, size, 3), np.float32)

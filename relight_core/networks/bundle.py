@@ -21,6 +21,7 @@ from relight_core.imaging.files import check_regular, whole_file
 from relight_core.networks.blocks import ResidualBlock, fold_normalisation, round_convolutions
 from relight_core.networks.composition import CompositionConfig, CompositionNetwork
 from relight_core.networks.delight import DelightConfig, DelightNetwork
+from relight_core.networks.foreign_shadow import ForeignShadowConfig, ForeignShadowNetwork
 from relight_core.networks.pair import BothNetworks, PairConfig, PairName, RelightingPair
 from relight_core.networks.person import PersonConfig, PersonNetwork
 from relight_core.networks.specular_shadow import SpecularShadowConfig, SpecularShadowNetwork
@@ -39,7 +40,7 @@ class BundleConfig:
 
     Attributes:
         narrow: of the narrow pair; None where there is none.
-        person: of the person network; None where there is none.
+        person, foreign_shadow: of these networks; None where there is none.
     """
 
     delight: DelightConfig = field(default_factory=DelightConfig)
@@ -47,6 +48,7 @@ class BundleConfig:
     composition: CompositionConfig = field(default_factory=CompositionConfig)
     narrow: PairConfig | None = None
     person: PersonConfig | None = None
+    foreign_shadow: ForeignShadowConfig | None = None
 
     @classmethod
     def tiny(cls) -> BundleConfig:
@@ -57,13 +59,15 @@ class BundleConfig:
     def from_json(cls, text: str) -> BundleConfig:
         """Inverse of `to_json`; raises KeyError or TypeError for anything else."""
         parts = json.loads(text)
-        wide, narrow, person = PairConfig.from_parts(parts), parts.get("narrow"), parts.get("person")
+        wide, narrow = PairConfig.from_parts(parts), parts.get("narrow")
+        person, foreign_shadow = parts.get("person"), parts.get("foreign_shadow")
         return cls(
             DelightConfig(**parts["delight"]),
             wide.specular_shadow,
             wide.composition,
             PairConfig.from_parts(narrow) if narrow is not None else None,
             PersonConfig(**person) if person is not None else None,
+            ForeignShadowConfig(**foreign_shadow) if foreign_shadow is not None else None,
         )
 
     @property
@@ -81,7 +85,7 @@ class NetworkBundle(nn.Module):
 
     Attributes:
         narrow: a second pair of SS and composition, quicker than the first; None where there is none.
-        person: None where there is none.
+        person, foreign_shadow: None where there is none.
         card: free text entries saved beside the weights (data, steps, scores).
     """
 
@@ -93,6 +97,8 @@ class NetworkBundle(nn.Module):
         self.composition = CompositionNetwork(self.config.composition)
         self.narrow = RelightingPair(self.config.narrow) if self.config.narrow else None
         self.person = PersonNetwork(self.config.person) if self.config.person else None
+        foreign_shadow = self.config.foreign_shadow
+        self.foreign_shadow = ForeignShadowNetwork(foreign_shadow) if foreign_shadow else None
         self.card: dict[str, str] = {}
         self._rounded: list[NetworkBundle] = []
 
@@ -185,7 +191,22 @@ def with_person_network(bundle: NetworkBundle, person: PersonNetwork) -> Network
     return _with_part(bundle, "person", person)
 
 
-def _with_part(bundle: NetworkBundle, name: str, part: RelightingPair | PersonNetwork) -> NetworkBundle:
+def with_foreign_shadow_network(bundle: NetworkBundle, foreign_shadow: ForeignShadowNetwork) -> NetworkBundle:
+    """The same networks with another foreign-shadow network, or their first."""
+    return _with_part(bundle, "foreign_shadow", foreign_shadow)
+
+
+MORE_NETWORKS = {
+    "narrow": with_narrow_pair,
+    "person": with_person_network,
+    "foreign_shadow": with_foreign_shadow_network,
+}
+"""What a file may have beside the first three networks, by attribute of a bundle, and what puts it into another."""
+
+
+def _with_part(
+    bundle: NetworkBundle, name: str, part: RelightingPair | PersonNetwork | ForeignShadowNetwork
+) -> NetworkBundle:
     joined = NetworkBundle(dataclasses.replace(bundle.config, **{name: part.config}))
     kept = {key: value for key, value in bundle.state_dict().items() if not key.startswith(f"{name}.")}
     joined.load_state_dict(kept | {f"{name}.{key}": value for key, value in part.state_dict().items()})

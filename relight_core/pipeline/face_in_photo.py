@@ -15,6 +15,7 @@ from relight_core.pipeline.face_taken_apart import FaceTakenApart
 from relight_core.pipeline.model import light_surface
 from relight_core.pipeline.per_light.residual import Residual, at_light_level, find_residual
 from relight_core.pipeline.per_photo.albedo import flatten_albedo
+from relight_core.pipeline.per_photo.foreign_shadow import at_size, without_shadow
 from relight_core.pipeline.per_photo.source_light import explain_source_light, exposure_of_photo
 from relight_core.pipeline.plan import Plan, plan_of_own_light
 from relight_core.pipeline.prepared import Prepared
@@ -138,7 +139,11 @@ class FaceInPhoto(FaceTakenApart):
         source = self._source_light(ready)
 
         def find() -> Residual:
-            recorded = as_tensor(ready.photo_small).to(self._shop.device)
-            return find_residual(ready.surface, recorded, source, compose)
+            recorded, shadow = as_tensor(ready.photo_small).to(self._shop.device), ready.found.foreign_shadow
+            if shadow is None:
+                return find_residual(ready.surface, recorded, source, compose)
+            shadow = at_size(shadow, ready.tier.network_size)
+            residual = find_residual(ready.surface, without_shadow(recorded, shadow), source, compose)
+            return replace(residual, foreign_shadow=shadow)
 
         return self._once("residual", plan.keys["residual"], find)

@@ -65,6 +65,8 @@ class Surface:
         person: (1, 1, S, S) probability that a pixel is person: the parsing's, made solid.
         source_light: (1, 16, 32, 3) the light the photo was taken under, of a mean luminance over the sphere that is
             about 1.
+        foreign_shadow: (1, 3, D, D) logs of what shadows from outside leave of the light, see
+            `per_photo.foreign_shadow`; `photo` and all else are as without them. None where there are none.
     """
 
     photo: torch.Tensor
@@ -74,6 +76,7 @@ class Surface:
     parsing: torch.Tensor
     person: torch.Tensor
     source_light: torch.Tensor
+    foreign_shadow: torch.Tensor | None = None
 
     @cached_property
     def bare_skin(self) -> torch.Tensor:
@@ -163,7 +166,11 @@ def reparsed(surface: Surface, parsing: torch.Tensor) -> Surface:
 def without_colour(surface: Surface) -> Surface:
     """The surface of a black-and-white photo, with albedo and light of no colour: the networks guess some."""
     light = grey(surface.source_light.movedim(-1, 1)).movedim(1, -1).expand_as(surface.source_light)
-    return replace(surface, albedo=grey(surface.albedo).expand_as(surface.albedo), source_light=light)
+    shadow = surface.foreign_shadow
+    shadow = None if shadow is None else shadow.mean(1, keepdim=True).expand_as(shadow)
+    return replace(
+        surface, albedo=grey(surface.albedo).expand_as(surface.albedo), source_light=light, foreign_shadow=shadow
+    )
 
 
 def _solid(parsing: torch.Tensor) -> torch.Tensor:

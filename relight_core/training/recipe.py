@@ -15,6 +15,7 @@ from relight_core.dataset.recipe import data_mark
 from relight_core.errors import InputError
 from relight_core.imaging.files import check_regular, file_bytes, file_digest, whole_file
 from relight_core.networks.bundle import BundleConfig, NetworkBundle, load_bundle, save_bundle
+from relight_core.networks.foreign_shadow import ForeignShadowConfig
 from relight_core.networks.person import PersonConfig
 from relight_core.training.loop import is_begun, state_path
 from relight_core.training.run import Run, train
@@ -24,6 +25,7 @@ from relight_core.training.state import Progress
 _NOTE = "begun.json"
 _REAL = ("minutes", "learning_rate")
 """Numbers of a stage that need not be whole."""
+_MORE_NETWORKS = {"person": PersonConfig, "foreign_shadow": ForeignShadowConfig}
 _AT_LEAST_ONE = ("width", "levels")
 """Whole numbers of a network that can't be 0."""
 _LARGEST_SEED = 2**63 - 1
@@ -128,7 +130,7 @@ def _networks(data: dict[str, dict[str, Any]]) -> BundleConfig:
     for name, settings in _table(data, "networks").items():
         if not hasattr(config, name):
             raise ValueError(f"unknown network {name!r}")
-        before = PersonConfig() if name == "person" else getattr(config, name)
+        before = getattr(config, name) or _MORE_NETWORKS[name]()
         for entry, value in _table(settings, f"networks.{name}").items():
             usual = getattr(before, entry, value)
             too_small = type(value) is int and value < (1 if entry in _AT_LEAST_ONE else 0)
@@ -158,7 +160,7 @@ def _stage(entry: dict[str, Any]) -> StagePlan:
         raise ValueError(f"unknown stage {plan.name!r}: one of {', '.join(STAGES)}")
     if (plan.minutes is None) == (plan.steps is None):
         raise ValueError(f"{plan.name}: give either minutes or steps")
-    if STAGES[plan.name].outlines and plan.uses > 1:
+    if STAGES[plan.name].samples != "pairs" and plan.uses > 1:
         raise ValueError(f"{plan.name}: its samples are used once each")
     return plan
 

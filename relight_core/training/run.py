@@ -13,6 +13,7 @@ import torch
 from torch.utils.data import DataLoader, default_collate
 
 from relight_core.dataset.cutouts.outlines import OutlineStream
+from relight_core.dataset.gobo_photos import GoboStream
 from relight_core.dataset.recipe import data_mark
 from relight_core.dataset.stream import SampleStream
 from relight_core.errors import InputError
@@ -24,10 +25,12 @@ from relight_core.networks.bundle import (
     NetworkBundle,
     load_bundle,
     with_detail_pass,
+    with_foreign_shadow_network,
     with_narrow_width,
     with_person_network,
     with_residual_blocks,
 )
+from relight_core.networks.foreign_shadow import ForeignShadowConfig, ForeignShadowNetwork
 from relight_core.networks.person import PersonConfig, PersonNetwork
 from relight_core.training.distillation import Teacher
 from relight_core.training.half_kept import halved
@@ -108,7 +111,7 @@ def train(run: Run, report) -> NetworkBundle:
     stage = STAGES[run.stage]
     if stage.distilled and run.start is None:
         raise InputError(f"{run.stage} learns from trained networks: give their weights to start from, after --start")
-    if stage.outlines and run.uses > 1:
+    if stage.samples != "pairs" and run.uses > 1:
         raise InputError(f"{run.stage}: its samples are used once each; only pairs of lights can be used again")
     bundle = load_bundle(run.start) if run.start else NetworkBundle(run.config)
     if run.detail_width and bundle.delight.detail is None:
@@ -117,7 +120,10 @@ def train(run: Run, report) -> NetworkBundle:
         bundle = with_residual_blocks(bundle, run.residual, run.decoder_residual, settled=stage.settled)
     if stage.distilled:
         bundle = with_narrow_width(bundle, _narrow_width(run, bundle))
-    if stage.outlines and bundle.person is None:
+    if stage.samples == "gobos" and bundle.foreign_shadow is None:
+        network = ForeignShadowNetwork(run.config.foreign_shadow or ForeignShadowConfig())
+        bundle = with_foreign_shadow_network(bundle, network)
+    if stage.samples == "outlines" and bundle.person is None:
         bundle = with_person_network(bundle, PersonNetwork(run.config.person or PersonConfig()))
     budget = Budget(
         run.learning_rate or stage.learning_rate,
@@ -140,7 +146,7 @@ def _begun_with(run: Run, stage: Stage) -> dict[str, int | str]:
     begun = drawn_by(run) | {"start": start, "heads and lights": data_mark(run.heads, run.lights)}
     if stage.distilled:
         begun["examples"] = run.examples
-    if stage.outlines:
+    if stage.samples == "outlines":
         begun["places"] = "drawn ones" if run.places is None else data_mark(run.heads, run.places)
     return begun
 
@@ -198,7 +204,9 @@ def training_batches(run: Run, stage: Stage, first_batch: int) -> Iterator[dict[
     """Batches of a stage's samples from the `first_batch` on, as a run takes them."""
     if run.kept is not None:
         return shared_batches(run, first_batch)
-    if stage.outlines:
+    if stage.samples == "gobos":
+        return _loaded(run, GoboStream, first_batch)
+    if stage.samples == "outlines":
         return _loaded(run, OutlineStream, first_batch, places=run.places)
     contents = {"photographs": stage.photographs, "relief_shadow": stage.relief_shadow}
     if run.uses == 1:

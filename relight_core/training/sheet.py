@@ -39,15 +39,19 @@ def draw_samples(bundle: NetworkBundle, table: ReflectionTable, batch: dict[str,
         batch: pairs from `dataset.stream.SampleStream`.
         path: a .png, written whole or not at all.
     """
-    columns = _outline_columns(bundle, batch) if "person" in batch else _columns(bundle, table, batch)
+    columns = _columns_of_photos(bundle, batch) if "person" in batch else _columns(bundle, table, batch)
     rows = zip(*(images for _, images in columns), strict=True)
     pictures = [(name, image) for row in rows for (name, _), image in zip(columns, row, strict=True)]
     cell_px = max(pictures[0][1].shape[0], _LEAST_CELL_PX)
     write_image(path, Photo.from_srgb(contact_sheet(pictures, len(columns), cell_px)).linear)
 
 
-def _outline_columns(bundle: NetworkBundle, batch: dict[str, torch.Tensor]) -> list[Column]:
+def _columns_of_photos(bundle: NetworkBundle, batch: dict[str, torch.Tensor]) -> list[Column]:
     few = {name: value[:_ROWS].cpu().float() for name, value in batch.items()}
+    if "foreign_shadow" in few:
+        found, true = bundle.foreign_shadow(few["photo_srgb"], few["parts"]) * few["person"], few["foreign_shadow"]
+        shown = ("photo", few["photo_srgb"]), ("light that arrives", found.exp()), ("truth", true.exp())
+        return [(name, list(_images(values.clamp(0, 1)))) for name, values in shown]
     likely = torch.sigmoid(bundle.person(few["photo_srgb"], few["inside"], few["face"]))
     columns = ("photo", few["photo_srgb"]), ("person", likely), ("true person", few["person"])
     return [(name, list(_images(values.expand(-1, 3, -1, -1)))) for name, values in columns]

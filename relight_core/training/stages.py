@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
+from typing import Literal
 
 import torch
 import torch.nn.functional as F
@@ -22,6 +23,7 @@ from relight_core.networks.delight import Delit
 from relight_core.training.coarser import shrunk
 from relight_core.training.delight_step import delight_losses, second_look_losses
 from relight_core.training.distillation import distillation_losses
+from relight_core.training.foreign_shadow_step import foreign_shadow_losses
 from relight_core.training.losses import level_of
 from relight_core.training.outline_step import outline_losses
 from relight_core.training.predicted import found_hints, on_predicted_surface, surface_size
@@ -50,7 +52,8 @@ class Stage:
         photographs, relief_shadow: what its samples need (see `dataset.stream.SampleStream`).
         learning_rate: the peak of its schedule.
         distilled: its batches are what the wide pair of networks says (see `training.distillation`).
-        outlines: its samples are photos with outlines (see `dataset.cutouts.outlines`).
+        samples: "pairs" of lights, or single photos with "outlines" (see `dataset.cutouts.outlines`) or with shadows
+            of "gobos" (see `dataset.gobo_photos`).
         settled: its networks come from another stage with running statistics that hold, and are normalised by those.
         recordable: its losses ask the host for nothing, so that a GPU can play its steps back (`training.step`).
         prepare: (bundle, reflection table, batch of pairs) -> what `losses` gets in the batch's place. It depends on
@@ -64,7 +67,7 @@ class Stage:
     relief_shadow: bool
     learning_rate: float
     distilled: bool = False
-    outlines: bool = False
+    samples: Literal["pairs", "outlines", "gobos"] = "pairs"
     settled: bool = False
     recordable: bool = False
     prepare: Callable[[NetworkBundle, ReflectionTable, Batch], Batch] | None = None
@@ -163,6 +166,10 @@ def _outline(bundle: NetworkBundle, table: ReflectionTable, batch: Batch) -> Los
     return outline_losses(bundle.person, batch)
 
 
+def _foreign_shadow(bundle: NetworkBundle, table: ReflectionTable, batch: Batch) -> Losses:
+    return foreign_shadow_losses(bundle.foreign_shadow, batch)
+
+
 _STAGES = (
     Stage("warm-delight", ("delight",), _warm_delight, True, False, 1.5e-3, recordable=True),
     Stage("warm-specular-shadow", ("specular_shadow",), _warm_specular_shadow, False, True, 2e-3),
@@ -193,7 +200,8 @@ _STAGES = (
         "tune-on-predictions", ("specular_shadow", "composition"), _tune_on_predictions, True, True, 2e-4, settled=True
     ),
     Stage("distil-relight", ("narrow",), distillation_losses, True, False, 1e-3, distilled=True),
-    Stage("outline", ("person",), _outline, True, False, 1.5e-3, outlines=True),
+    Stage("outline", ("person",), _outline, True, False, 1.5e-3, samples="outlines"),
+    Stage("foreign-shadow", ("foreign_shadow",), _foreign_shadow, True, False, 1.5e-3, samples="gobos"),
 )
 
 STAGES = {stage.name: stage for stage in _STAGES}

@@ -9,9 +9,11 @@ from relight_core.networks.bundle import (
     NetworkBundle,
     load_bundle,
     save_bundle,
+    with_foreign_shadow_network,
     with_narrow_pair,
     with_person_network,
 )
+from relight_core.networks.foreign_shadow import ForeignShadowConfig, ForeignShadowNetwork
 from relight_core.networks.pair import RelightingPair
 from relight_core.networks.person import PersonConfig, PersonNetwork
 from relight_core.training.loop import state_path
@@ -24,7 +26,7 @@ def data(tmp_path):
     return tmp_path
 
 
-def test_a_narrow_pair_and_a_person_network_are_joined_to_other_weights(command_line, data):
+def test_networks_beside_the_first_three_are_joined_to_other_weights(command_line, data):
     tiny = load_bundle(data / "tiny.safetensors")
     narrow = with_narrow_pair(tiny, RelightingPair(tiny.config.wide.narrowed(2)))
     save_bundle(data / "narrow.safetensors", narrow)
@@ -38,7 +40,14 @@ def test_a_narrow_pair_and_a_person_network_are_joined_to_other_weights(command_
     save_bundle(data / "person.safetensors", person)
     assert command_line(*words, data / "person.safetensors").code == 0
     assert load_bundle(data / "both.safetensors").config.person == PersonConfig(4, 3, 8)
-    refused(command_line(*words, data / "tiny.safetensors"), "neither a narrow pair nor a person network")
+    foreign = ForeignShadowNetwork(ForeignShadowConfig(4, 3, 8))
+    save_bundle(data / "foreign.safetensors", with_foreign_shadow_network(tiny, foreign))
+    assert command_line(*words, data / "foreign.safetensors").code == 0
+    assert load_bundle(data / "both.safetensors").config.foreign_shadow == ForeignShadowConfig(4, 3, 8)
+    refused(
+        command_line(*words, data / "tiny.safetensors"),
+        "no narrow pair, no person network and no foreign-shadow network",
+    )
     refused(command_line("train", "--join", data / "narrow.safetensors", "-o", data / "x.safetensors"), "--start")
     refused(command_line("train", "--stage", "warm-delight", "--minutes", 1, "-o", data / "x.safetensors"), "--heads")
 

@@ -14,7 +14,14 @@ from tiny_networks import tiny_bundle_with_person
 
 from relight_core.errors import InputError
 from relight_core.imaging.contact_sheet import contact_sheet
-from relight_core.networks.bundle import BundleConfig, NetworkBundle, load_bundle, with_residual_blocks
+from relight_core.networks.bundle import (
+    BundleConfig,
+    NetworkBundle,
+    load_bundle,
+    with_foreign_shadow_network,
+    with_residual_blocks,
+)
+from relight_core.networks.foreign_shadow import ForeignShadowConfig, ForeignShadowNetwork
 from relight_core.training import loop, sheet
 from relight_core.training.curves import draw_curves
 from relight_core.training.loop import AveragedWeights, Budget, TrainingDiverged, train_stage
@@ -26,7 +33,9 @@ def _seeded():
     torch.manual_seed(0)
 
 
-@pytest.mark.parametrize("name", [name for name, stage in STAGES.items() if not (stage.distilled or stage.outlines)])
+@pytest.mark.parametrize(
+    "name", [name for name, stage in STAGES.items() if not stage.distilled and stage.samples == "pairs"]
+)
 def test_ten_steps_on_one_batch_lower_the_loss(name, tmp_path):
     totals = []
     batch = some_batch()
@@ -321,6 +330,32 @@ def test_the_person_network_learns_and_the_others_stay(tmp_path):
     assert totals[-1] < 0.7 * totals[0]
     for name, value in bundle.state_dict().items():
         assert name.startswith("person.") or torch.equal(value.cpu(), before[name])
+    assert (tmp_path / "w.samples.png").exists()
+
+
+def test_the_foreign_shadow_network_learns_and_the_others_stay(tmp_path):
+    tiny = NetworkBundle(BundleConfig.tiny())
+    bundle = with_foreign_shadow_network(tiny, ForeignShadowNetwork(ForeignShadowConfig(4, 3, 8)))
+    shadow = torch.zeros(2, 3, SIZE, SIZE)
+    shadow[..., : SIZE // 2] = -1
+    batch = {
+        "photo_srgb": 0.6 * shadow.exp() + 0.1 * torch.rand(2, 3, SIZE, SIZE),
+        "parts": torch.ones(2, 4, SIZE, SIZE) / 4,
+        "foreign_shadow": shadow,
+        "person": torch.ones(2, 1, SIZE, SIZE),
+    }
+    before = {name: value.clone() for name, value in bundle.state_dict().items()}
+    totals = []
+    run(
+        recorded(STAGES["foreign-shadow"], totals),
+        itertools.repeat(batch),
+        budget(40),
+        tmp_path / "w.safetensors",
+        bundle,
+    )
+    assert totals[-1] < 0.7 * totals[0]
+    for name, value in bundle.state_dict().items():
+        assert name.startswith("foreign_shadow.") or torch.equal(value.cpu(), before[name])
     assert (tmp_path / "w.samples.png").exists()
 
 

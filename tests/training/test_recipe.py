@@ -104,6 +104,7 @@ def test_the_paper_s_recipe_has_none_of_our_variants():
         ("[[stage]]\nname = 'warm-delight'\nsteps = 1.5", "whole"),
         ("[[stage]]\nname = 'warm-delight'\nsteps = 1\npairs = 1.5", "whole"),
         ("[[stage]]\nname = 'outline'\nsteps = 1\nuses = 2", "once"),
+        ("[[stage]]\nname = 'foreign-shadow'\nsteps = 1\nuses = 2", "once"),
         ("[networks.delight]\nwidth = '4'\n[[stage]]\nname = 'warm-delight'\nsteps = 1", "width"),
         ("[stage]\nname = 'warm-delight'\nsteps = 1", r"\[\[stage\]\]"),
         ("stage = ['warm-delight']", r"\[\[stage\]\]"),
@@ -163,9 +164,10 @@ def test_networks_that_the_start_has_not_are_no_longer_asked_for_in_vain(tmp_pat
     assert not (tmp_path / "other").exists()
 
 
-def test_a_recipe_may_size_the_person_network(tmp_path):
-    recipe = load_recipe(written(tmp_path, "[networks.person]\nwidth = 8\n" + SHORT[SHORT.index("[[stage]]") :]))
-    assert recipe.networks.person.width == 8
+@pytest.mark.parametrize("name", ["person", "foreign_shadow"])
+def test_a_recipe_may_size_the_networks_beside_the_first_three(name, tmp_path):
+    recipe = load_recipe(written(tmp_path, f"[networks.{name}]\nwidth = 8\n" + SHORT[SHORT.index("[[stage]]") :]))
+    assert getattr(recipe.networks, name).width == 8
 
 
 def test_a_detail_pass_changes_nothing_until_it_is_trained(tmp_path):

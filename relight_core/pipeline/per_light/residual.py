@@ -66,6 +66,8 @@ _MOST_SATURATED = 0.6
 _GLARE_OF_SKIN, _GLARE_OF_HAIR = (0.2, 0.5), (0.5, 0.8)
 """Log ratios from which on brighter than the model counts as glare, in part and altogether."""
 _GLARE_FADES = 6
+_FOREIGN_FADES = 8
+"""What throws a shadow from outside stands before the photo's own light, and before one that is much like it."""
 _MISSED_FADES, _MUCH_MISSED = (2.0, 8.0), (0.22, 0.34)
 """The powers of what two lights share by which missed light fades, and the spreads of it over a face's skin, in logs,
 from which on it fades by more than the first power and by the second. Where a hat, leaves or blinds throw shadows that
@@ -97,6 +99,8 @@ class Residual:
         light: (1, 16, 32, 3) the photo's own.
         level: of that light, such that model and photo are equally bright over the person.
         largest_log: the largest log ratio there may be.
+        foreign_shadow: (1, 3, S, S) logs of what shadows from outside leave of the photo's light, which the other parts
+            know nothing of; None where there are none.
     """
 
     log_ratio: torch.Tensor
@@ -111,6 +115,7 @@ class Residual:
     light: torch.Tensor
     level: float
     largest_log: float = LARGEST_LOG
+    foreign_shadow: torch.Tensor | None = None
 
 
 @torch.inference_mode()
@@ -123,8 +128,8 @@ def find_residual(
     """Compare a photo with its model.
 
     Args:
-        recorded: (1, 3, S, S) the view at the surface's size, linear, with the radiance above 1 that the surface's
-            own photo was clipped to, where the file holds any.
+        recorded: (1, 3, S, S) the view at the surface's size, linear, without shadows from outside, with the radiance
+            above 1 that the surface's own photo was clipped to, where the file holds any.
         source_light: (1, 16, 32, 3) the photo's estimated light.
         compose: the model: a normalised light to a composed image.
     """
@@ -330,6 +335,9 @@ def add_residual(
     shared = likeness(residual.light, light)
     of_light = (1 - shared**_GLARE_FADES) * residual.fleeting + (1 - shared**residual.missed_fades) * residual.missed
     lightening = residual.log_ratio - darkening - residual.tint - of_light
-    ratio = torch.exp(kept + lightening * faint)
+    logs = kept + lightening * faint
+    if residual.foreign_shadow is not None:
+        logs = logs + shared**_FOREIGN_FADES * residual.foreign_shadow
+    ratio = torch.exp(logs)
     image = ((composed.image.float() + BLACK) * ratio - BLACK).clamp_min(0)
     return image, replace(effects, specular=effects.specular * grey(ratio), shadow=effects.shadow * grey(ratio))

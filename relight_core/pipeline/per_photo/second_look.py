@@ -21,6 +21,7 @@ from relight_core.imaging.tensor_logs import exact_logs
 from relight_core.networks.bundle import NetworkBundle
 from relight_core.pipeline import stages
 from relight_core.pipeline.per_photo.cropped_hair import with_cropped_hair
+from relight_core.pipeline.per_photo.foreign_shadow import find_foreign_shadow, without_shadow
 from relight_core.pipeline.per_photo.hair_on_scalp import with_hair_on_scalp
 from relight_core.pipeline.per_photo.white_hair import with_white_hair
 from relight_core.pipeline.quality import Tier
@@ -37,8 +38,12 @@ def take_apart(bundle: NetworkBundle, photo_view: np.ndarray, tier: Tier, device
     """De-light a view (S, S, 3), linear, as a tier of quality does: once, or with a second look."""
     seen = resize_area(photo_view, (tier.delight_size, tier.delight_size))
     how = {"mirrored": tier.mirrored, "precision": tier.precision}
-    found = with_white_hair(stages.delight(bundle, seen, tier.network_size, device, **how))
-    found = with_cropped_hair(with_hair_on_scalp(found))
+    found = stages.delight(bundle, seen, tier.network_size, device, **how)
+    shadow = find_foreign_shadow(bundle, _as_tensor(seen, device), found.parsing, tier.precision)
+    if shadow is not None:
+        seen = _as_image(without_shadow(_as_tensor(seen, device), shadow))
+        found = replace(stages.delight(bundle, seen, tier.network_size, device, **how), foreign_shadow=shadow)
+    found = with_cropped_hair(with_hair_on_scalp(with_white_hair(found)))
     if not tier.looks_twice:
         return found
     return with_skin_of(found, stages.delight(bundle, evenly_lit(seen, found), tier.network_size, device, **how))
@@ -46,9 +51,16 @@ def take_apart(bundle: NetworkBundle, photo_view: np.ndarray, tier: Tier, device
 
 def evenly_lit(photo: np.ndarray, found: stages.Surface) -> np.ndarray:
     """A photo (D, D, 3), linear, with the person most of the way to an even light; as large, in [0, 1]."""
-    view = torch.from_numpy(photo).permute(2, 0, 1)[None].to(found.normal.device)
     parts = {"albedo": found.albedo, "normal": found.normal, "photo": found.photo, "person": found.person}
-    return evened_out(view, **parts)[0].permute(1, 2, 0).cpu().numpy()
+    return _as_image(evened_out(_as_tensor(photo, found.normal.device), **parts))
+
+
+def _as_tensor(photo: np.ndarray, device: str | torch.device) -> torch.Tensor:
+    return torch.from_numpy(photo).permute(2, 0, 1)[None].to(device)
+
+
+def _as_image(view: torch.Tensor) -> np.ndarray:
+    return np.ascontiguousarray(view[0].permute(1, 2, 0).cpu().numpy())
 
 
 def evened_out(

@@ -1,0 +1,145 @@
+"""The samples of the foreign-shadow network: a photo with a gobo's shadow on it, and what that keeps away."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import cv2
+import numpy as np
+import torch
+
+from relight_core.dataset.baking.shard import read_shard
+from relight_core.dataset.camera import camera_gain, sample_background, taken
+from relight_core.dataset.lighting.appearance import appear
+from relight_core.dataset.lighting.gobos import sample_gobo
+from relight_core.dataset.lighting.lights import sample_light
+from relight_core.dataset.painting.skin import paint
+from relight_core.dataset.painting.texture import TexturePool
+from relight_core.dataset.samples import light_head, mirrored, subsample
+from relight_core.dataset.stream import Ingredients, SampleStream, textured
+from relight_core.dataset.warp import sample_warp, warped
+from relight_core.errors import InputError
+from relight_core.face.parsing import INDEX
+from relight_core.imaging.tensor_logs import log_ratios
+from relight_core.lighting.environment import NETWORK_HEIGHT, shrink
+from relight_core.lighting.reflection import Gloss
+from relight_core.networks.foreign_shadow import PARTS
+
+_LIGHTS_PER_HEAD, _PAINTS_PER_HEAD, _SAMPLES_PER_PAINT = 5, 3, 64
+_SHADOWED_SHARE, _WILD_SHARE, _BEHIND_SHARE = 0.65, 0.1, 0.5
+_DEEPEST, _FAINTEST = 0.05, 0.6
+"""What of the light is left in a shadow."""
+_BLUER = np.array([-1.0, 0.0, 1.0], np.float32)
+"""Shadows outdoors are lit by the sky."""
+_LIT_QUANTILE = 0.95
+_PARSING_BLUR = (-2.8, -1.9)
+"""Deviation of it, powers of ten of the view's side."""
+_TINT, _BLUENESS = 0.1, 0.15
+
+
+@dataclass(frozen=True)
+class PaintedHead:
+    """One person in a few paints and lights.
+
+    Attributes:
+        radiance: (paints, lights, S, S, 3) half precision, of white's mean 1 under each light.
+        lights: (lights, 16, 32, 3).
+        channels: the channels that no light changes, as of `dataset.samples`, as far as they are asked for here.
+    """
+
+    radiance: np.ndarray
+    lights: np.ndarray
+    channels: dict[str, np.ndarray]
+
+
+class GoboStream(SampleStream):
+    """Single photos of lit heads, two of three with the shadow of something between one of two lights and the head.
+
+    Each item is a dict of tensors: "photo_srgb" (3, S, S); "parts" (4, S, S), about as well known as a parsing knows
+    them; "foreign_shadow" (3, S, S), logs of the exposed picture
+    over the same without the shadow, as far as the camera records both, about 0 where most is lit, 0 off the head;
+    "person" (1, S, S), 1 on it.
+    A head's own shadows are none: de-lighting knows those.
+    """
+
+    def __init__(self, folder: Path, lights: Path, split: str, size: int, seed: int, **where: int):
+        often = {"lights_per_head": _LIGHTS_PER_HEAD, "paints_per_head": _PAINTS_PER_HEAD * _SAMPLES_PER_PAINT}
+        super().__init__(folder, lights, split, size, seed, **often, **where)
+
+    def _light(self, path: Path, ingredients: Ingredients, rng: np.random.Generator) -> PaintedHead:
+        pool, library = ingredients.pool, ingredients.library
+        head = read_shard(path)
+        if head.size % self.size:
+            raise InputError(f"{path}: a head of {head.size} pixels has no size of {self.size}; give a divisor of it")
+        head = subsample(head, head.size // self.size, rng)
+        normal = textured(head, pool, rng)
+        lights = np.stack([shrink(sample_light(library, rng), NETWORK_HEIGHT) for _ in range(self.lights_per_head)])
+        lit = light_head(head, normal, lights)
+        gloss = Gloss(rng.uniform(0.2, 1.2), rng.uniform(0.3, 0.65))
+        appearance = appear(head, normal, lights, lit.illumination, gloss, None, rng.uniform(0, 2.0) * self.size / 128)
+        white = lit.illumination.irradiance.mean((1, 2))
+        radiance = np.empty((_PAINTS_PER_HEAD, len(lights), self.size, self.size, 3), np.float16)
+        for number in range(_PAINTS_PER_HEAD):
+            albedo = paint(head, pool, rng, wild=bool(rng.random() < _WILD_SHARE))
+            for k in range(len(lights)):
+                seen = appearance.radiance(head, albedo, lit.own, k) / max(float(white[k]), 1e-6)
+                radiance[number, k] = head.scatter(np.minimum(seen, 1e4))
+        shape = {
+            name: head.scatter(image)
+            for name, image in (("normal", head.normal), ("relief", head.depth), ("label", head.label))
+        }
+        return PaintedHead(radiance, lights, shape | {"covered": head.covered.astype(np.float32)})
+
+    def _sample(
+        self, heads: dict[int, PaintedHead], turn: int, pool: TexturePool, rng: np.random.Generator
+    ) -> dict[str, torch.Tensor]:
+        head = heads[turn]
+        paint_number = rng.integers(len(head.radiance))
+        lamp, sky = rng.choice(len(head.lights), 2, replace=False)
+        key, fill = (head.radiance[paint_number, k].astype(np.float32) for k in (lamp, sky))
+        left = np.exp(rng.uniform(np.log(_DEEPEST), np.log(_FAINTEST)))
+        # What of the lamp comes back from all around lights the shadow too.
+        stray = rng.uniform(0, 0.7)
+        tint = np.exp(rng.normal(0, _TINT, 3) + rng.uniform(0, _BLUENESS) * _BLUER).astype(np.float32)
+        always = left * tint * ((1 - stray) * fill + stray * key)
+        channels = head.channels | {"always": always, "lamp": (1 - left) * key, "light": head.lights[lamp]}
+        channels["silhouette"] = channels["covered"]
+        channels = mirrored(channels) if rng.random() < 0.5 else channels
+        return _photographed(warped(channels, sample_warp(rng)), pool, rng)
+
+
+def _photographed(
+    channels: dict[str, np.ndarray], pool: TexturePool, rng: np.random.Generator
+) -> dict[str, torch.Tensor]:
+    """A photo of a head with a shadow on it, and what that does to the head."""
+    always, lamp, coverage = (channels[name] for name in ("always", "lamp", "silhouette"))
+    size = len(coverage)
+    shadowed = rng.random() < _SHADOWED_SHARE
+    passes = sample_gobo(channels["relief"], pool, rng)[..., None] if shadowed else np.ones((size, size, 1), np.float32)
+    open_, shaded = always + lamp, always + lamp * passes
+    gain = camera_gain(shaded, coverage > 0.5, channels["light"], 1.0, rng)
+    behind = sample_background(size, pool, rng)
+    if shadowed and rng.random() < _BEHIND_SHARE:
+        behind = behind * (passes + (1 - passes) * np.float32(rng.uniform(_DEEPEST, _FAINTEST)))
+    outside = behind * (1 - coverage[..., None])
+    photo = taken((shaded * gain + outside).astype(np.float32), rng)
+    recorded = [torch.from_numpy(np.clip(image * gain + outside, 0, 1)).float() for image in (shaded, open_)]
+    covered = torch.from_numpy(channels["covered"])[..., None]
+    foreign = log_ratios(*recorded)
+    if covered.any():
+        # Of a head that lies in shadow altogether nobody could tell.
+        foreign = foreign - foreign[covered[..., 0] > 0].quantile(_LIT_QUANTILE, 0)
+    return {
+        "photo_srgb": torch.from_numpy(photo).permute(2, 0, 1).contiguous(),
+        "foreign_shadow": (foreign * covered).permute(2, 0, 1).contiguous(),
+        "parts": torch.from_numpy(_parts(channels["label"], rng)),
+        "person": covered.permute(2, 0, 1).contiguous(),
+    }
+
+
+def _parts(label: np.ndarray, rng: np.random.Generator) -> np.ndarray:
+    """(4, S, S) float32, the network's PARTS of labels (S, S), their edges as soft as a parsing's."""
+    softness_px = len(label) * 10 ** rng.uniform(*_PARSING_BLUR)
+    parts = [np.isin(label, [INDEX[name] for name in names]).astype(np.float32) for names in PARTS]
+    return np.stack([cv2.GaussianBlur(part, (0, 0), softness_px) for part in parts])
