@@ -10,7 +10,7 @@ from imgui_bundle import imgui
 
 from app.window.damage import Piece, Rect, Sheet, cut, damage, seen_in
 from app.window.gl_textures import ledger_of
-from app.window.shader_source import stage_source
+from app.window.shader_source import shader_program
 
 _LAYOUT = "2f 2f 4f1"
 _ROOM = 1 << 16
@@ -25,8 +25,7 @@ class InterfacePainter:
 
     def __init__(self, context: moderngl.Context) -> None:
         self._context = context
-        stages = (stage_source("interface", stage) for stage in ("VERTEX_STAGE", "FRAGMENT_STAGE"))
-        self._program = context.program(*stages)
+        self._program = shader_program(context, "interface")
         self._vertices = self._indices = self._array = None
         self._reserve(_ROOM, _ROOM)
         self._ledger = ledger_of(context)

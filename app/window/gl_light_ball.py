@@ -6,7 +6,7 @@ import moderngl
 import numpy as np
 
 from app.window.gl_textures import Canvas, TextureSlot
-from app.window.shader_source import stage_source
+from app.window.shader_source import shader_program
 from relight_core.lighting.environment import Environment
 from relight_core.lighting.preview import ball_tables
 
@@ -16,8 +16,7 @@ class LightBall:
 
     def __init__(self, context: moderngl.Context) -> None:
         self._context = context
-        stages = (stage_source("light_ball", stage) for stage in ("VERTEX_STAGE", "FRAGMENT_STAGE"))
-        self._program = context.program(*stages)
+        self._program = shader_program(context, "light_ball")
         self._program["matte"].value, self._program["gloss"].value = 0, 1
         self._triangle = context.vertex_array(self._program, [])
         self._tables = [TextureSlot(context, repeat_x=True) for _ in range(2)]

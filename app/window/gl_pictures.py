@@ -22,7 +22,7 @@ from app.window.damage import WHOLE, Part
 from app.window.finish import MOST_FINE_PIXELS, Finish
 from app.window.gl_light_ball import LightBall
 from app.window.gl_recipe import RelitSlot
-from app.window.gl_scopes import Scopes
+from app.window.gl_scopes import Scopes, is_same_reading
 from app.window.gl_textures import Canvas, PictureSlot, TextureSlot
 from app.window.gl_viewport import (
     PicturePainter,
@@ -209,7 +209,7 @@ class GlPictures:
             # A recipe's pixels are computed when they are asked for.
             slot = self._slots[name]
             wanted = slot.glimpse if self.hurried else slot.array, self._exposure_of(name)
-            if is_other or not _is_same_reading(wanted, self._read[1]):
+            if is_other or not is_same_reading(self._read[1], *wanted):
                 self._read = name, wanted
                 self._follows_now("scopes")
         return self._read[1]
@@ -277,10 +277,6 @@ def _changing_part(drawn: tuple | None, size: tuple[int, int], panes: tuple[Pane
 def _differs_in_picture_alone(drawn: tuple | None, wanted: tuple) -> bool:
     """Whether two entries of what was drawn have all but the versions of their pictures in common."""
     return drawn is not None and drawn[0] == wanted[0] and drawn[1][:3] == wanted[1][:3]
-
-
-def _is_same_reading(one: tuple[np.ndarray, float], other: tuple[np.ndarray, float]) -> bool:
-    return one[0] is other[0] and one[1] == other[1]
 
 
 def _shown(texture: moderngl.Texture | None) -> Shown | None:

@@ -29,7 +29,7 @@ class Scopes:
             exposure_ev: for linear pixels.
         """
         slot = self._slots[kind]
-        if not _same(self._drawn.get(kind), pixels, exposure_ev):
+        if not is_same_reading(self._drawn.get(kind), pixels, exposure_ev):
             self._drawn[kind] = (pixels, exposure_ev)
             few = thinned(pixels)
             slot.show(_DRAW[kind](_codes(few, exposure_ev), _seen(few)))
@@ -42,7 +42,7 @@ class Scopes:
 
     def extremes(self, pixels: np.ndarray, exposure_ev: float) -> Extremes:
         """What share of (h, w, 3 or 4) linear pixels the screen can't show."""
-        if self._extremes is None or not _same(self._extremes[0], pixels, exposure_ev):
+        if self._extremes is None or not is_same_reading(self._extremes[0], pixels, exposure_ev):
             few = thinned(pixels)
             self._extremes = ((pixels, exposure_ev), extremes(few[..., :3], exposure_ev, _seen(few)))
         return self._extremes[1]
@@ -64,5 +64,6 @@ def _seen(pixels: np.ndarray) -> np.ndarray | None:
     return pixels[..., 3] > 0 if pixels.shape[2] == 4 else None
 
 
-def _same(drawn: tuple | None, pixels: np.ndarray, exposure_ev: float) -> bool:
-    return drawn is not None and drawn[0] is pixels and drawn[1] == exposure_ev
+def is_same_reading(known: tuple | None, pixels: np.ndarray, exposure_ev: float) -> bool:
+    """Whether the pixels and the exposure that something was made of are these."""
+    return known is not None and known[0] is pixels and known[1] == exposure_ev

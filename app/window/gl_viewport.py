@@ -15,7 +15,7 @@ from app.ui.viewport.view import Placement
 from app.window.damage import WHOLE, Part, Rect
 from app.window.gl_recipe import RelitSlot
 from app.window.gl_textures import Canvas, TextureSlot
-from app.window.shader_source import stage_source
+from app.window.shader_source import shader_program
 from relight_core.imaging.false_colour import difference_colours, scale_colours
 
 RANGE_EV = 3.0
@@ -51,8 +51,7 @@ class PicturePainter:
         """The program with so many parts of shaders/viewport.glsl, made when it is first used."""
         if switches in self._triangles:
             return self._triangles[switches]
-        stages = (stage_source("viewport", stage, *switches) for stage in ("VERTEX_STAGE", "FRAGMENT_STAGE"))
-        program = self._context.program(*stages)
+        program = shader_program(self._context, "viewport", *switches)
         program["canvas_srgb"].value = self._canvas_srgb
         if "INSPECTED" in switches:
             for unit, name in ((1, "photo"), (2, "colours")):

@@ -140,7 +140,8 @@ def test_an_opengl_that_is_too_old_is_told_in_one_line(display, change):
 
 
 def test_shaders_that_do_not_compile_are_told_and_the_window_is_gone(display, monkeypatch):
-    monkeypatch.setattr("app.window.gl_interface.stage_source", lambda *_: "#version 330\nnonsense")
+    nonsense = 2 * ["#version 330\nnonsense"]
+    monkeypatch.setattr("app.window.gl_interface.shader_program", lambda context, _: context.program(*nonsense))
     with pytest.raises(RuntimeError, match="OpenGL can't run the editor"):
         EditorWindow(FakeRelighter)
 
