@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from app.cli.streams import Heedless, flush_said, say, tell
+from relight_core.pipeline.cache import computed_ms
 from relight_core.pipeline.edit import Edit
 
 if TYPE_CHECKING:
@@ -155,5 +156,4 @@ def effect_record(effect: Effect) -> dict:
 def relit_line(output_name: str, relit: Relit, edit: Edit) -> str:
     """The same for people, in a line."""
     height, width = relit.size
-    total_ms = sum(stage.ms for stage in relit.stages.values())
-    return f"wrote {output_name} ({width} x {height}, {edit.quality} quality, {total_ms:.0f} ms)"
+    return f"wrote {output_name} ({width} x {height}, {edit.quality} quality, {computed_ms(relit.stages):.0f} ms)"

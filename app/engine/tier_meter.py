@@ -13,6 +13,7 @@ from app.engine.snapshot import Snapshot
 from app.engine.sources import RelighterLike
 from relight_core.lighting.environment import Environment
 from relight_core.pipeline.auto_quality import Calibration, TierCost
+from relight_core.pipeline.cache import computed_ms
 
 _OBSERVED, _ENOUGH = 15, 5
 """How many of a tier's last pictures are remembered, and from how many on their median counts."""
@@ -65,8 +66,7 @@ class TierMeter:
         light = stages.get(_ANSWERS_A_TURN)
         if light is None or light.state != "computed" or "delight" in stages and stages["delight"].state == "computed":
             return
-        computed = sum(stage.ms for stage in stages.values() if stage.state == "computed")
-        self._observed.setdefault(quality, deque(maxlen=_OBSERVED)).append(computed)
+        self._observed.setdefault(quality, deque(maxlen=_OBSERVED)).append(computed_ms(stages))
 
     def forget_photo(self) -> None:
         """Another photo has another size: what was observed no longer holds."""

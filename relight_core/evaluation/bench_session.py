@@ -11,6 +11,7 @@ from relight_core.evaluation.tables import figure_text, markdown_table
 from relight_core.imaging.photo import Photo
 from relight_core.imaging.view_transform import apply_view
 from relight_core.lighting.environment import Environment
+from relight_core.pipeline.cache import computed_ms
 from relight_core.pipeline.edit import EFFECTS, Edit
 from relight_core.pipeline.relighter import Relighter
 from relight_core.pipeline.results.relit import Relit
@@ -168,7 +169,7 @@ def replay(
         savings.updates += 1
         savings.runs += len(seen)
         savings.avoided += len(seen) - sum(stage.state == "computed" for stage in relit.stages.values())
-        savings.ms += sum(stage.ms for stage in relit.stages.values())
+        savings.ms += computed_ms(relit.stages)
         savings.ms_of_everything += sum(seen.values())
         bound = max((effect.bound or 0.0 for effect in relit.plan), default=0.0)
         compared = thorough is not None and (bound > 0 or number % compare_every == 0)

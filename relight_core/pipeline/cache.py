@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections import OrderedDict
-from collections.abc import Callable, Collection, Hashable
+from collections.abc import Callable, Collection, Hashable, Mapping
 from dataclasses import dataclass, field
 from typing import Any, Literal
 
@@ -28,6 +28,11 @@ class Stage:
     why: str
     start_ms: float = 0.0
     is_of_photo: bool = False
+
+
+def computed_ms(stages: Mapping[str, Stage]) -> float:
+    """Milliseconds of all that was computed, together."""
+    return sum(stage.ms for stage in stages.values() if stage.state == "computed")
 
 
 @dataclass

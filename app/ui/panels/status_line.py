@@ -10,6 +10,7 @@ from app.ui import theme, widgets
 from app.ui.panels.plan_panel import duration
 from app.ui.state import EditorState
 from app.ui.viewport.probe import reading
+from relight_core.pipeline.cache import computed_ms
 
 _APART_EM = 1.2
 
@@ -102,8 +103,7 @@ def _timing(state: EditorState) -> str:
     picture = state.snapshot.picture
     if picture is None:
         return ""
-    total_ms = sum(stage.ms for stage in picture.relit.stages.values() if stage.state == "computed")
-    return f"Relit in {duration(total_ms)}"
+    return f"Relit in {duration(computed_ms(picture.relit.stages))}"
 
 
 def _stages(state: EditorState) -> str:
