@@ -11,6 +11,7 @@ from imgui_bundle import imgui
 
 from app.ui import theme
 from app.ui.angles import wrap_degrees
+from app.ui.layout import Rect
 from app.ui.pictures import Shown
 from app.ui.state import EditorState
 from relight_core.imaging.files import legible
@@ -355,6 +356,13 @@ def scrolling(name: str) -> Iterator[None]:
     kept.set_bool(key, imgui.get_scroll_max_y() > 0.0)
     yield
     imgui.end_child()
+
+
+def shade(draw: imgui.ImDrawList, place: Rect, opacity: float) -> None:
+    """The dark behind words over the picture."""
+    x0, y0, x1, y1 = place.corners
+    rounding = 0.27 * imgui.get_font_size()
+    draw.add_rect_filled(imgui.ImVec2(x0, y0), imgui.ImVec2(x1, y1), theme.packed(theme.SHADE, opacity), rounding)
 
 
 def draw_image(shown: Shown, x: float, y: float, width: float, height: float, rounding: float = 0.0) -> None:

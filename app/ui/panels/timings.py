@@ -10,7 +10,7 @@ from app.ui import theme, widgets
 from app.ui.layout import Rect
 from app.ui.state import EditorState
 from app.ui.viewport import probe_card
-from relight_core.pipeline.cache import Stage
+from relight_core.pipeline.cache import Stage, computed_ms
 
 _NAME_EM, _MS_EM, _BAR_EM, _LEAST_WHY_EM = 10.0, 3.6, 8.0, 12.5
 _PAD_EM, _LINE_EM, _MARGIN_EM = 0.7, 1.25, 0.6
@@ -35,13 +35,12 @@ def draw(state: EditorState, rect: Rect) -> None:
         y += (probe_card.height_em() + _MARGIN_EM) * em
     room_em = (rect.y + rect.height - y) / em - 2 * _PAD_EM - _FOOT_EM
     shown = stages_that_fit(stages, int(room_em / _LINE_EM))
-    sums = [("all together", _sum_ms(stages))]
+    sums = [("all together", computed_ms(stages))]
     if len(shown) < len(stages):
-        sums.insert(0, (f"{len(stages) - len(shown)} others", sums[0][1] - _sum_ms(shown)))
+        sums.insert(0, (f"{len(stages) - len(shown)} others", sums[0][1] - computed_ms(shown)))
     height = (_LINE_EM * (len(shown) + len(sums)) + 2 * _PAD_EM) * em
     draw_list = imgui.get_window_draw_list()
-    corner, end = imgui.ImVec2(x, y), imgui.ImVec2(x + width, y + height)
-    draw_list.add_rect_filled(corner, end, theme.packed(theme.SHADE, 0.92), 0.27 * em)
+    widgets.shade(draw_list, Rect(x, y, width, height), 0.92)
     end_ms = max((stage.start_ms + stage.ms for stage in stages.values() if stage.state == "computed"), default=1.0)
     for row, (name, stage) in enumerate(shown.items()):
         at = imgui.ImVec2(x + _PAD_EM * em, y + (_PAD_EM + row * _LINE_EM) * em)
@@ -67,12 +66,8 @@ def stages_that_fit(stages: Mapping[str, Stage], lines: int) -> dict[str, Stage]
     """All stages if the lines have room for them and their sum; else, beside a line for the others, the longest."""
     if len(stages) + 1 <= lines:
         return dict(stages)
-    longest = sorted(stages, key=lambda name: _sum_ms({name: stages[name]}), reverse=True)[: max(lines - 2, 0)]
+    longest = sorted(stages, key=lambda name: computed_ms({name: stages[name]}), reverse=True)[: max(lines - 2, 0)]
     return {name: stage for name, stage in stages.items() if name in longest}
-
-
-def _sum_ms(stages: Mapping[str, Stage]) -> float:
-    return sum(stage.ms for stage in stages.values() if stage.state == "computed")
 
 
 def _row(draw_list: imgui.ImDrawList, at: imgui.ImVec2, name: str, stage: Stage, end_ms: float, why: float) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from imgui_bundle import imgui
 
-from app.ui import theme
+from app.ui import theme, widgets
 from app.ui.layout import Rect
 from app.ui.state import EditorState
 from app.ui.viewport.panes import LIGHTS, Arrangement
@@ -51,8 +51,7 @@ def draw(state: EditorState, arranged: Arrangement, rect: Rect) -> None:
     height = (_LINE_EM * (len(rows) + 1) + 2 * _PAD_EM) * em
     x, y = rect.x + 0.6 * em, rect.y + 0.6 * em
     draw_list = imgui.get_window_draw_list()
-    corner, end = imgui.ImVec2(x, y), imgui.ImVec2(x + width, y + height)
-    draw_list.add_rect_filled(corner, end, theme.packed(theme.SHADE, 0.92), 0.27 * em)
+    widgets.shade(draw_list, Rect(x, y, width, height), 0.92)
     left, top = x + _PAD_EM * em, y + _PAD_EM * em
     _heading(draw_list, left, top, point)
     for row, reading in enumerate(rows, 1):

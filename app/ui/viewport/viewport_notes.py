@@ -26,11 +26,9 @@ _LEGEND_ROOM_EM = 34.0
 def note(words: str, x: float, y: float, colour: theme.Colour = theme.TEXT) -> None:
     """Words on a dark pill, their rectangle's top left corner at x, y."""
     em = imgui.get_font_size()
-    corner = imgui.ImVec2(x, y)
-    end = imgui.ImVec2(x + note_width(words), y + 1.5 * em)
     draw = imgui.get_window_draw_list()
-    draw.add_rect_filled(corner, end, theme.packed(theme.SHADE, 0.72), 0.27 * em)
-    draw.add_text(imgui.ImVec2(corner.x + 0.5 * em, corner.y + 0.22 * em), theme.packed(colour), words)
+    widgets.shade(draw, Rect(x, y, note_width(words), 1.5 * em), 0.72)
+    draw.add_text(imgui.ImVec2(x + 0.5 * em, y + 0.22 * em), theme.packed(colour), words)
 
 
 def note_width(words: str) -> float:
@@ -94,8 +92,7 @@ def legend(state: EditorState, pictures: Pictures, pane: Pane, rect: Rect) -> No
     width, height = min(_LEGEND_EM[0] * em, rect.width - 2 * em), _LEGEND_EM[1] * em
     x, y = rect.x + (rect.width - width) / 2, rect.y + rect.height - _legend_foot_em(rect) * em
     draw = imgui.get_window_draw_list()
-    corner, end = imgui.ImVec2(x - 0.7 * em, y - 0.6 * em), imgui.ImVec2(x + width + 0.7 * em, y + 2.3 * em)
-    draw.add_rect_filled(corner, end, theme.packed(theme.SHADE, 0.8), 0.27 * em)
+    widgets.shade(draw, Rect(x - 0.7 * em, y - 0.6 * em, width + 1.4 * em, 2.9 * em), 0.8)
     widgets.draw_image(pictures.colours(kind), x, y, width, height)
     imgui.push_font(None, 0.86 * theme.FONT_PX)
     if ends is _DIFFERENCE_ENDS and sum(imgui.calc_text_size(words).x for words in ends) + 2 * em > width:
