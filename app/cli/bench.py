@@ -21,7 +21,6 @@ is part of the report.
 from __future__ import annotations
 
 import argparse
-import json
 import subprocess
 import sys
 import tempfile
@@ -38,7 +37,7 @@ from app.cli.maker_inputs import (
     progress,
     refuse_unread,
 )
-from app.cli.outputs import make_folder, write_text
+from app.cli.outputs import make_folder, write_report
 from app.cli.report import Report, reporting
 from app.cli.session import sample_portrait
 from app.engine.pace import leave_a_core
@@ -148,8 +147,7 @@ def _bench(arguments: argparse.Namespace, photos: list[Photo], report: Report) -
     for result in _measured(arguments, photos):
         page = as_markdown(result)
         report.figures(page, as_record(result))
-        write_text(arguments.output / "bench.json", json.dumps(as_full_record(result), indent=1))
-        write_text(arguments.output / "bench.md", page)
+        write_report(arguments.output / "bench", page, as_full_record(result))
         with whole_file(arguments.output / "bench.png") as partial:
             plot(result, partial)
     return 0
@@ -236,8 +234,7 @@ def _files(arguments: argparse.Namespace, photo: Photo, report: Report) -> int:
         found = time_files(photo, rounds, counts_to(show))
     record = {"machine": machine, "files": {kind[1:]: of for kind, of in found.items()}}
     report.figures(as_markdown(found), record)
-    write_text(arguments.output / "files.json", json.dumps(record, indent=1))
-    write_text(arguments.output / "files.md", as_markdown(found))
+    write_report(arguments.output / "files", as_markdown(found), record)
     return 0
 
 
@@ -248,10 +245,9 @@ def _stability(arguments: argparse.Namespace, photo: Photo, report: Report) -> i
 
     with progress("attacking", 1.0) as show:
         result = run_stability(photo, quick=arguments.quick, weights=arguments.weights, report=counts_to(show))
-    page = result.as_markdown()
-    report.figures("\n".join([page, *result.failures]), result.as_record())
-    write_text(arguments.output / "stability.json", json.dumps(result.as_record(), indent=1))
-    write_text(arguments.output / "stability.md", page + "\n")
+    page, record = result.as_markdown(), result.as_record()
+    report.figures("\n".join([page, *result.failures]), record)
+    write_report(arguments.output / "stability", page + "\n", record)
     with whole_file(arguments.output / "stability.png") as partial:
         plot_stability(result, partial)
     return 1 if result.failures else 0
@@ -260,8 +256,7 @@ def _stability(arguments: argparse.Namespace, photo: Photo, report: Report) -> i
 def _session(arguments: argparse.Namespace, photos: list[Photo], report: Report) -> int:
     for page, record in _replayed(arguments, photos):
         report.figures(page, record)
-        write_text(arguments.output / "session.json", json.dumps(record, indent=1))
-        write_text(arguments.output / "session.md", page)
+        write_report(arguments.output / "session", page, record)
     return 0
 
 

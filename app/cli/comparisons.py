@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import json
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -14,7 +13,7 @@ from app.cli.maker_inputs import (
     let_idle_threads_sleep,
     progress,
 )
-from app.cli.outputs import make_folder, write_text
+from app.cli.outputs import make_folder, write_report
 from app.cli.report import Report, reporting
 from relight_core.errors import InputError
 
@@ -129,6 +128,5 @@ def _write(place: Path, outcome: Outcome, page: str, training: str, report: Repo
 
     record = as_record(outcome, training)
     report.figures(page, record)
-    write_text(place.with_suffix(".md"), page)
-    write_text(place.with_suffix(".json"), json.dumps(record, indent=1))
+    write_report(place, page, record)
     write_image(place.with_suffix(".png"), outcome.sheet)

@@ -3,17 +3,16 @@
 from __future__ import annotations
 
 import argparse
-import hashlib
 import os
 import platform
 import subprocess
 import sys
 from importlib.metadata import PackageNotFoundError, version
-from pathlib import Path
 
 from app.cli.arguments import add_json
 from app.cli.report import reporting
 from relight_core import __version__
+from relight_core.imaging.files import file_digest
 
 PACKAGES = (
     "torch",
@@ -105,12 +104,7 @@ def _weights() -> list[dict]:
         paths = sorted(resource_path("weights").glob("*.safetensors"))
     except FileNotFoundError:
         return []
-    return [{"file": path.name, "bytes": path.stat().st_size, "sha256": _sha256(path)} for path in paths]
-
-
-def _sha256(path: Path) -> str:
-    with path.open("rb") as file:
-        return hashlib.file_digest(file, "sha256").hexdigest()
+    return [{"file": path.name, "bytes": path.stat().st_size, "sha256": file_digest(path)} for path in paths]
 
 
 def _lines(facts: dict) -> list[str]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import json
 import os
 import tempfile
 from collections import Counter
@@ -154,6 +155,12 @@ def folder_filled_at_once(folder: Path) -> Iterator[Path]:
                 raise InputError(f"{folder / path.name}: is a folder; move it or choose another place")
         for path in made:
             os.replace(path, folder / path.name)
+
+
+def write_report(place: Path, page: str, record: dict) -> None:
+    """What was measured, as PLACE.md for people and as PLACE.json for programs."""
+    write_text(place.with_suffix(".md"), page)
+    write_text(place.with_suffix(".json"), json.dumps(record, indent=1))
 
 
 def write_text(path: Path, text: str) -> None:

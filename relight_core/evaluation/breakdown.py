@@ -7,7 +7,6 @@ the picture is relit from that. What is gained is what a perfect estimate of tha
 from __future__ import annotations
 
 import math
-from collections import defaultdict
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import partial
@@ -17,7 +16,7 @@ import torch
 
 from relight_core.evaluation.bench import Editor, TakenApart, masks_of
 from relight_core.evaluation.counted import counted
-from relight_core.evaluation.evaluate import HeldOut, Settings
+from relight_core.evaluation.evaluate import HeldOut, Rows, Settings
 from relight_core.evaluation.held_out import Case, HeldOutHead, HeldOutLight, Photos
 from relight_core.evaluation.metrics import Interval, interval_over_heads
 from relight_core.evaluation.report import intervals_in_words, known
@@ -108,10 +107,7 @@ def break_down(
     held_out = HeldOut.of(settings)
     editor = Editor(bundle, ReflectionTable(), settings.tier, "cpu")
     bench_of = lambda head: _ToldBench(editor, head, held_out.lights, settings.photos)  # noqa: E731
-    rows: dict[tuple[str, str], list[tuple[str, Figures]]] = defaultdict(list)
-    for head, scored in held_out.scored(bench_of, report):
-        for place, figures in scored.items():
-            rows[place].append((head.name, figures))
+    rows = held_out.scored(bench_of, report)
     samples = {group: len(scored) for (row, group), scored in rows.items() if row == "nothing"}
     figures = {row: {group: _summed_up(rows[row, group], rows["nothing", group]) for group in samples} for row in ROWS}
     return Breakdown(figures, samples, len(held_out.paths))
@@ -145,7 +141,7 @@ class _ToldBench:
         return {row: editor.ready(editor.told(seen, *parts)) for row, parts in told.items()}
 
 
-def _summed_up(rows: list[tuple[str, Figures]], untold: list[tuple[str, Figures]]) -> dict[str, Interval]:
+def _summed_up(rows: Rows, untold: Rows) -> dict[str, Interval]:
     heads = np.array([head for head, _ in rows])
     summary = {}
     for name in _MEASURES:

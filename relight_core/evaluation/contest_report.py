@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 
 from relight_core.evaluation.contest import Outcome
 from relight_core.evaluation.counted import counted
-from relight_core.evaluation.report import interval_text, intervals_in_words, known, nested
+from relight_core.evaluation.report import figures_record, interval_text, intervals_in_words
 from relight_core.evaluation.tables import figure_text, markdown_table
 
 Columns = Mapping[str, str]
@@ -39,14 +39,8 @@ BORROWED: Columns = {
 def as_record(outcome: Outcome, training: str) -> dict:
     """One JSON-ready object: for each contender the means and 95 % intervals, and how all were trained."""
     contest = outcome.contest
-    rows = {}
-    for name, figures in outcome.figures.items():
-        intervals = {figure: [known(value.low), known(value.high)] for figure, value in figures.items()}
-        rows[name] = nested({figure: value.mean for figure, value in figures.items()}) | {
-            "intervals": nested(intervals)
-        }
     return {
-        "rows": rows,
+        "rows": {name: figures_record(figures) for name, figures in outcome.figures.items()},
         "samples": outcome.samples,
         "heads": outcome.heads,
         "split": contest.split,

@@ -9,13 +9,14 @@ from __future__ import annotations
 import math
 import time
 from collections import defaultdict
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Protocol
 
 import numpy as np
 
+from relight_core.dataset.baking.shard import shard_size
 from relight_core.evaluation.bench import Bench, Editor
 from relight_core.evaluation.held_out import (
     Case,
@@ -33,6 +34,9 @@ from relight_core.evaluation.scoring import Figures
 from relight_core.lighting.reflection import ReflectionTable
 from relight_core.networks.bundle import NetworkBundle
 from relight_core.pipeline.quality import TIERS, Tier
+
+Rows = list[tuple[str, Figures]]
+"""The head and the figures of every picture."""
 
 
 @dataclass(frozen=True)
@@ -100,23 +104,23 @@ class HeldOut:
         lights = held_out_lights(settings.lights, settings.split)
         return cls(lights, held_out_paths(settings.heads, settings.split, settings.count))
 
-    def scored(
-        self, bench_of: Callable[[HeldOutHead], Scores], report: Callable[[int, int], None]
-    ) -> Iterator[tuple[HeldOutHead, Mapping[Any, Figures]]]:
-        """Every relighting's figures, head by head.
+    def scored(self, bench_of: Callable[[HeldOutHead], Scores], report: Callable[[int, int], None]) -> dict[Any, Rows]:
+        """Every relighting's figures, by what its score tells them apart by.
 
         Args:
             report: called with the number of finished and of all relightings.
         """
-        textures, done = held_out_textures(), 0
+        textures, done, rows = held_out_textures(), 0, defaultdict(list)
         total = sum(len(cases_of(number, self.lights)) for number in range(len(self.paths)))
         for number, path in enumerate(self.paths):
             head = load_head(path, self.lights, textures)
             bench = bench_of(head)
             for case in cases_of(number, self.lights):
-                yield head, bench.score(case)
+                for place, figures in bench.score(case).items():
+                    rows[place].append((head.name, figures))
                 done += 1
                 report(done, total)
+        return rows
 
 
 def evaluate(
@@ -134,22 +138,18 @@ def evaluate(
         InputError: heads or lights are missing or damaged.
     """
     started = time.monotonic()
-    held_out, size = HeldOut.of(settings), 0
+    held_out = HeldOut.of(settings)
     editor = Editor(bundle, ReflectionTable(), settings.tier, "cpu")
     bench_of = lambda head: Bench(editor, head, held_out.lights, settings.photos)  # noqa: E731
-    rows: dict[str, list[tuple[str, Figures]]] = defaultdict(list)
-    for head, scored in held_out.scored(bench_of, report):
-        size = head.lit.head.size
-        for group, figures in scored.items():
-            rows[group].append((head.name, figures))
+    rows = held_out.scored(bench_of, report)
     intervals = {group: intervals_over_heads(scored) for group, scored in rows.items()}
     samples = {group: len(scored) for group, scored in rows.items()}
-    panoramas = sum(not light.lamp for light in held_out.lights)
+    panoramas, size = sum(not light.lamp for light in held_out.lights), shard_size(held_out.paths[-1])
     seconds = time.monotonic() - started
     return Evaluation(intervals, samples, len(held_out.paths), panoramas, size, seconds, settings)
 
 
-def intervals_over_heads(rows: list[tuple[str, Figures]]) -> dict[str, Interval]:
+def intervals_over_heads(rows: Rows) -> dict[str, Interval]:
     """Means of every figure with their confidence intervals, and errors relative to a channel's own size.
 
     Args:
@@ -171,7 +171,7 @@ def _possible(name: str) -> tuple[float, float]:
     return (-1.0, 1.0) if name.partition(".")[2].startswith("ssim") else (0.0, math.inf)
 
 
-def _relative(rows: list[tuple[str, Figures]], heads: np.ndarray, channel: str) -> Interval:
+def _relative(rows: Rows, heads: np.ndarray, channel: str) -> Interval:
     """RMSE over the channel's own root mean square, both pooled over a head's pictures; 1 is "none seen"."""
     names = np.unique(heads)
     error, true = (

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 
 from relight_core.evaluation.counted import counted
 from relight_core.evaluation.evaluate import Evaluation
@@ -62,10 +63,7 @@ def as_record(evaluation: Evaluation, weights: str) -> dict:
         if group not in evaluation.figures:
             continue
         place = record if key is None else record.setdefault(key, {"samples": evaluation.samples[group]})
-        place.update(nested({name: interval.mean for name, interval in evaluation.figures[group].items()}))
-        place["intervals"] = nested(
-            {name: [known(interval.low), known(interval.high)] for name, interval in evaluation.figures[group].items()}
-        )
+        place.update(figures_record(evaluation.figures[group]))
     settings = evaluation.settings
     return record | {
         "samples": evaluation.samples["panoramas"],
@@ -119,7 +117,14 @@ def intervals_in_words(heads: int) -> str:
     return "One head alone gives no intervals." if heads == 1 else "In brackets: 95 % intervals over heads."
 
 
-def nested(flat: dict) -> dict:
+def figures_record(figures: Mapping[str, Interval]) -> dict:
+    """Means by channel and measure, and their "intervals" alike."""
+    intervals = {name: [known(interval.low), known(interval.high)] for name, interval in figures.items()}
+    means = {name: interval.mean for name, interval in figures.items()}
+    return _nested(means) | {"intervals": _nested(intervals)}
+
+
+def _nested(flat: dict) -> dict:
     """{"a.b": 1} as {"a": {"b": 1}}."""
     nested: dict = {}
     for name, value in flat.items():
