@@ -127,13 +127,12 @@ def _check(arguments: argparse.Namespace) -> int:
     import numpy as np
 
     from relight_core.dataset.baking.check import check_heads
-    from relight_core.dataset.lighting.lights import load_lights, sample_light
+    from relight_core.dataset.lighting.lights import load_lights, sample_network_lights
     from relight_core.dataset.recipe import SPLIT_SEEDS
-    from relight_core.lighting.environment import NETWORK_HEIGHT, shrink
 
     casting = _casting(arguments.heads, arguments.wardrobe)
     library, rng = load_lights(arguments.lights, "validation"), np.random.default_rng(0)
-    lights = np.stack([shrink(sample_light(library, rng), NETWORK_HEIGHT) for _ in range(arguments.lights_per_head)])
+    lights = sample_network_lights(library, rng, arguments.lights_per_head)
     first = SPLIT_SEEDS["validation"]
     found = []
     say("| head | light | direct | bounces, without term | bounces, with term |\n|---|---|---|---|---|")

@@ -96,12 +96,8 @@ class Casting:
         wardrobe = Wardrobe(makehuman, model, shares) if makehuman is not None else None
         return cls(model, wardrobe, labels, face_vertices(model, labels))
 
-    def bake_head(self, seed: int, size: int = 256) -> BakedHead:
-        """The head that belongs to a seed: the same on every machine with the same sources and shares."""
-        return self.pose_head(seed).bake(size)
-
     def pose_head(self, seed: int) -> PosedHead:
-        """The person of a seed, dressed, before the camera."""
+        """The person of a seed, dressed, before the camera: the same wherever sources and shares are the same."""
         rng = np.random.default_rng(seed)
         modes = len(self.model.identity)
         identity = np.clip(rng.standard_normal(modes), -_WIDEST_IDENTITY, _WIDEST_IDENTITY)
@@ -119,10 +115,6 @@ class ScanCasting:
     """A folder of scanned people (see `scans`)."""
 
     folder: Path
-
-    def bake_head(self, seed: int, size: int = 256) -> BakedHead:
-        """The scan that belongs to a seed: the same on every machine with the same folder."""
-        return self.pose_head(seed).bake(size)
 
     def keep_to_people(self, heads: Path) -> None:
         """See to it that all heads of a folder are of the same people: among others the splits would be others.
@@ -179,7 +171,7 @@ def bake_missing(casting: Casting | ScanCasting, folder: Path, seeds: range, siz
     for seed in seeds:
         path = shard_path(folder, seed)
         if not path.exists():
-            write_shard(path, casting.bake_head(seed, size))
+            write_shard(path, casting.pose_head(seed).bake(size))
         elif (found := shard_size(path)) != size:
             raise InputError(f"{path}: is {found} pixels wide and not {size}; choose a new folder, or delete it")
         yield path

@@ -25,7 +25,7 @@ from relight_core.errors import InputError
 from relight_core.imaging.colour import srgb_decode
 from relight_core.lighting.environment import NETWORK_HEIGHT, Environment, network_light
 from relight_core.lighting.lamps import Lamp, lamps_of
-from relight_core.lighting.sphere import directions, solid_angles
+from relight_core.lighting.sphere import directions, off_axis, solid_angles
 
 _YAW_SEED = 391
 _SKIN_SEED = 438
@@ -139,15 +139,8 @@ def _in_rows(light: Environment) -> Environment:
 
 
 def lamp(off_axis_deg: float, around_deg: float) -> Environment:
-    """One round lamp of 5 degrees' radius with 95 % of the light, the rest from everywhere.
-
-    Args:
-        off_axis_deg: angle from the camera's axis; 0 is beside the camera, 90 at the person's side.
-        around_deg: 0 on the right of the image, 90 on top.
-    """
-    off, around = np.radians([off_axis_deg, around_deg])
-    toward = np.array([np.sin(off) * np.cos(around), np.sin(off) * np.sin(around), np.cos(off)])
-    cosine = directions(_DRAWN_HEIGHT, 2 * _DRAWN_HEIGHT) @ toward
+    """One round lamp of 5 degrees' radius with 95 % of the light, the rest from everywhere; angles as of `off_axis`."""
+    cosine = directions(_DRAWN_HEIGHT, 2 * _DRAWN_HEIGHT) @ off_axis(off_axis_deg, around_deg)
     disc = Environment.from_radiance((cosine > np.cos(np.radians(_LAMP_RADIUS_DEG))).astype(np.float32))
     grey = _LAMP_SHARE * disc.shape + (1 - _LAMP_SHARE)
     return Environment.from_radiance(grey, f"lamp-{off_axis_deg:g}-{around_deg:g}")

@@ -38,6 +38,17 @@ def turned(direction: np.ndarray, yaw_deg: float) -> np.ndarray:
     return np.array([x * np.cos(angle) - z * np.sin(angle), y, x * np.sin(angle) + z * np.cos(angle)])
 
 
+def off_axis(off_axis_deg: float, around_deg: float) -> np.ndarray:
+    """A direction (3,) in camera space by its angle from the camera's axis and its angle around that.
+
+    Args:
+        off_axis_deg: 0 is toward the camera, 90 at the person's side, 180 behind.
+        around_deg: 0 on the right of the image, 90 on top.
+    """
+    off, around = np.radians([off_axis_deg, around_deg])
+    return np.array([np.sin(off) * np.cos(around), np.sin(off) * np.sin(around), np.cos(off)])
+
+
 def solid_angles(height: int, width: int) -> np.ndarray:
     """Exact solid angle of every texel in steradians; they sum to 4 pi.
 

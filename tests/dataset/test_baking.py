@@ -44,14 +44,14 @@ def test_rays_hit_what_lies_in_their_way(casting):
 
 
 def test_a_head_is_the_same_for_its_seed_and_another_for_another(casting):
-    one, again, other = (casting.bake_head(seed, 32) for seed in (3, 3, 4))
+    one, again, other = (casting.pose_head(seed).bake(32) for seed in (3, 3, 4))
     for name in ("covered", "normal", "depth", "uv", "label", "visibility"):
         np.testing.assert_array_equal(getattr(one, name), getattr(again, name))
     assert one.covered.shape != other.covered.shape or (one.covered != other.covered).any()
 
 
 def test_a_baked_head_is_whole(casting):
-    head = casting.bake_head(5, 32)
+    head = casting.pose_head(5).bake(32)
     count = int(head.covered.sum())
     assert 0.1 < count / 32**2 <= 1
     assert head.normal.shape == (count, 3)
@@ -64,7 +64,7 @@ def test_a_baked_head_is_whole(casting):
 
 
 def test_below_their_horizon_pixels_repeat_the_texel_before(casting):
-    head = casting.bake_head(6, 32)
+    head = casting.pose_head(6).bake(32)
     visible = head.visible()
     below = directions(16, 32).reshape(-1, 3) @ head.normal.T < -0.01
     for texel in range(1, 512):

@@ -1,10 +1,13 @@
-"""Mitsuba with its LLVM backend, imported when it is first needed."""
+"""Mitsuba with its LLVM backend, imported when it is first needed, and a head as its mesh."""
 
 from __future__ import annotations
 
 import os
 from pathlib import Path
 
+import numpy as np
+
+from relight_core.dataset.baking.scene import Scene
 from relight_core.errors import InputError
 
 _LLVM_CANDIDATES = (
@@ -35,3 +38,14 @@ def mitsuba_backend():
     if mitsuba.variant() != _VARIANT:
         mitsuba.set_variant(_VARIANT)
     return mitsuba
+
+
+def mesh_of(scene: Scene, **settings):
+    """The triangles of a scene, as Mitsuba has them; `settings` are those of `mitsuba.Mesh`."""
+    mitsuba = mitsuba_backend()
+    mesh = mitsuba.Mesh("head", len(scene.vertices), len(scene.triangles), **settings)
+    parameters = mitsuba.traverse(mesh)
+    parameters["vertex_positions"] = scene.vertices.astype(np.float32).ravel()
+    parameters["faces"] = scene.triangles.astype(np.uint32).ravel()
+    parameters.update()
+    return mesh

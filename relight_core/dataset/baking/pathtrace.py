@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from relight_core.dataset.baking.framing import Framing
-from relight_core.dataset.baking.mitsuba_backend import mitsuba_backend
+from relight_core.dataset.baking.mitsuba_backend import mesh_of, mitsuba_backend
 from relight_core.dataset.baking.scene import Scene
 from relight_core.lighting.reflection import GLOSS
 
@@ -37,11 +37,7 @@ class PathTracer:
         }
         properties = mitsuba.Properties()
         properties["bsdf"] = mitsuba.load_dict({"type": "twosided", "bsdf": surface})
-        mesh = mitsuba.Mesh("head", len(scene.vertices), len(scene.triangles), properties, has_vertex_normals=True)
-        parameters = mitsuba.traverse(mesh)
-        parameters["vertex_positions"] = scene.vertices.astype(np.float32).ravel()
-        parameters["faces"] = scene.triangles.astype(np.uint32).ravel()
-        parameters.update()
+        mesh = mesh_of(scene, props=properties, has_vertex_normals=True)
         mesh.recompute_vertex_normals()
         return mesh
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from relight_core.dataset.baking.mitsuba_backend import mitsuba_backend
+from relight_core.dataset.baking.mitsuba_backend import mesh_of, mitsuba_backend
 from relight_core.dataset.baking.scene import Scene
 
 
@@ -12,13 +12,7 @@ class RayCaster:
     """Closest hits and occlusion tests against one scene."""
 
     def __init__(self, scene: Scene):
-        mitsuba = mitsuba_backend()
-        mesh = mitsuba.Mesh("head", len(scene.vertices), len(scene.triangles))
-        parameters = mitsuba.traverse(mesh)
-        parameters["vertex_positions"] = scene.vertices.astype(np.float32).ravel()
-        parameters["faces"] = scene.triangles.astype(np.uint32).ravel()
-        parameters.update()
-        self._scene = mitsuba.load_dict({"type": "scene", "mesh": mesh})
+        self._scene = mitsuba_backend().load_dict({"type": "scene", "mesh": mesh_of(scene)})
 
     def closest(self, origin: np.ndarray, toward: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """First triangle along each ray.

@@ -21,11 +21,8 @@ from relight_core.imaging.files import whole_file
 
 VERSION = 3
 
-_ARRAYS = {
-    1: ("covered", "size", "normal", "depth", "uv", "material", "label", "visibility"),
-    2: ("covered", "size", "normal", "depth", "uv", "material", "label", "visibility", "albedo"),
-    3: ("covered", "size", "normal", "depth", "uv", "material", "label", "visibility", "albedo"),
-}
+_UNPAINTED = ("covered", "size", "normal", "depth", "uv", "material", "label", "visibility")
+_ARRAYS = {1: _UNPAINTED, 2: (*_UNPAINTED, "albedo"), 3: (*_UNPAINTED, "albedo")}
 _MEND = "delete it and run 'relight dataset bake' again"
 
 

@@ -19,14 +19,13 @@ from relight_core.dataset.cutouts.scenery.behind import with_something_behind
 from relight_core.dataset.cutouts.scenery.panoramas import read_places
 from relight_core.dataset.cutouts.scenery.pool import SceneryPool
 from relight_core.dataset.lighting.appearance import appear
-from relight_core.dataset.lighting.lights import sample_light
+from relight_core.dataset.lighting.lights import sample_network_lights
 from relight_core.dataset.painting.skin import paint
 from relight_core.dataset.painting.texture import TexturePool
 from relight_core.dataset.samples import light_head
 from relight_core.dataset.stream import Ingredients, SampleStream, textured
 from relight_core.face.crop import Crop
 from relight_core.face.person_view import FACE_SHARE, face_in_view, inside_photo, person_view
-from relight_core.lighting.environment import NETWORK_HEIGHT, shrink
 from relight_core.lighting.reflection import GLOSS
 
 _CUTOUTS_PER_HEAD, _SAMPLES_PER_CUTOUT, _SCENES_PER_HEAD = 5, 12, 3
@@ -94,7 +93,7 @@ class OutlineStream(SampleStream):
         """One person in several lights and paints, at the shard's own size, whatever the samples' is."""
         head, pool, library = read_shard(path), ingredients.pool, ingredients.library
         normal = textured(head, pool, rng)
-        lights = np.stack([shrink(sample_light(library, rng), NETWORK_HEIGHT) for _ in range(self.lights_per_head)])
+        lights = sample_network_lights(library, rng, self.lights_per_head)
         lit = light_head(head, normal, lights)
         appearance = appear(head, normal, lights, lit.illumination, GLOSS)
         found = []

@@ -10,8 +10,8 @@ import numpy as np
 from relight_core.dataset.archive import read_arrays
 from relight_core.dataset.lighting.light_folder import read_light_folder
 from relight_core.errors import InputError
-from relight_core.lighting.environment import mean_luminance, rotate
-from relight_core.lighting.sphere import directions
+from relight_core.lighting.environment import NETWORK_HEIGHT, mean_luminance, rotate, shrink
+from relight_core.lighting.sphere import directions, off_axis
 
 _SPLIT_SEED = 20
 _TEST_LIGHTS = 20
@@ -108,6 +108,11 @@ def sample_light(library: LightLibrary, rng: np.random.Generator) -> np.ndarray:
     return normalise_light(light)
 
 
+def sample_network_lights(library: LightLibrary, rng: np.random.Generator, count: int) -> np.ndarray:
+    """So many of them as the networks see lights, (count, 16, 32, 3)."""
+    return np.stack([shrink(sample_light(library, rng), NETWORK_HEIGHT) for _ in range(count)])
+
+
 def sample_panorama(library: LightLibrary, rng: np.random.Generator) -> np.ndarray:
     """A panorama turned by any angle (section 3.2), mirrored half the time, its saturation varied."""
     light = rotate(library.panoramas[rng.integers(len(library.panoramas))], rng.uniform(0, 360))
@@ -137,9 +142,7 @@ def backlit(light: np.ndarray, rng: np.random.Generator) -> np.ndarray:
 
     It draws a bright rim along hair, ear and jaw, as photographers like it.
     """
-    off, around = np.radians([rng.uniform(100, 150), rng.uniform(-20, 200)])
-    toward = np.array([np.sin(off) * np.cos(around), np.sin(off) * np.sin(around), np.cos(off)])
-    cosine = directions(_DRAWN_HEIGHT, 2 * _DRAWN_HEIGHT) @ toward
+    cosine = directions(_DRAWN_HEIGHT, 2 * _DRAWN_HEIGHT) @ off_axis(rng.uniform(100, 150), rng.uniform(-20, 200))
     lamp = normalise_light((cosine > np.cos(np.radians(rng.uniform(5, 20))))[..., None] * _lamp_colour(rng, 0.3))
     return normalise_light(light) + rng.uniform(1, 6) * lamp
 
