@@ -31,6 +31,7 @@ from relight_core.pipeline.per_photo.choosing_faces import choose_faces
 from relight_core.pipeline.per_photo.portrait import frame
 from relight_core.pipeline.relighter import WEIGHTS
 from relight_core.pipeline.results.channel_view import channel_to_srgb
+from relight_core.pipeline.results.channels import as_image, as_tensor
 from relight_core.resources import resource_path
 from relight_core.training.loop import Budget, is_begun, state_path, train_stage
 from relight_core.training.run import denormals_flushed
@@ -203,12 +204,12 @@ def look(pupil: NetworkBundle, parser: NetworkBundle, photo: Photo, size: int) -
     view = frame(photo, choose_faces(photo)[0]).view
     linear = np.clip(view.extract(photo.linear, size), 0, None)
     photo_srgb = srgb_encode(np.clip(linear, 0, 1))
-    found = pupil.delight(_batch(photo_srgb))
-    labels = parser.delight(_batch(srgb_encode(np.clip(view.extract(photo.linear, _PARSED_SIZE), 0, 1)))).parsing_logits
-    labels = labels.argmax(1)[0].numpy()
+    found = pupil.delight(as_tensor(photo_srgb))
+    seen_srgb = srgb_encode(np.clip(view.extract(photo.linear, _PARSED_SIZE), 0, 1))
+    labels = parser.delight(as_tensor(seen_srgb)).parsing_logits.argmax(1)[0].numpy()
     at = (np.arange(size) + 0.5) * len(labels) / size
     face = np.isin(labels[np.ix_(at.astype(int), at.astype(int))], FACE_LABELS)
-    return Seen(photo_srgb, _image(found.albedo_srgb), _image(found.normal), face)
+    return Seen(photo_srgb, as_image(found.albedo_srgb), as_image(found.normal), face)
 
 
 def measure(seen: list[Seen]) -> Figures:
@@ -251,11 +252,3 @@ def _sides(seen: Seen) -> tuple[float, float]:
 def _log_luminance(srgb: np.ndarray) -> np.ndarray:
     """Stops; what is darker than 1 % counts as 1 %."""
     return np.log2(np.maximum(luminance(srgb_decode(srgb)), 0.01))
-
-
-def _batch(image: np.ndarray) -> torch.Tensor:
-    return torch.from_numpy(np.ascontiguousarray(image, np.float32)).permute(2, 0, 1)[None]
-
-
-def _image(batch: torch.Tensor) -> np.ndarray:
-    return batch[0].permute(1, 2, 0).float().numpy()

@@ -27,7 +27,7 @@ from relight_core.pipeline.per_light.hints import (
     specular_shadow_hints,
     with_dull_parts,
 )
-from relight_core.pipeline.results.channels import as_image
+from relight_core.pipeline.results.channels import as_image, as_tensor
 
 
 @dataclass(frozen=True)
@@ -53,7 +53,7 @@ class DirectRelighter:
     @torch.inference_mode()
     def take_apart(self, photo: np.ndarray) -> TakenApart:
         """De-light a photo (S, S, 3), linear, [0, 1]; S a multiple of what the network wants."""
-        linear = torch.from_numpy(np.ascontiguousarray(photo)).permute(2, 0, 1)[None].float().to(self._device)
+        linear = as_tensor(photo).to(self._device)
         found = self._bundle.delight(srgb_encode(linear).contiguous(memory_format=torch.channels_last))
         normal = F.normalize(found.normal.float(), dim=1, eps=1e-4)
         parts = (srgb_decode(found.albedo_srgb.float()), normal, found.light.float())

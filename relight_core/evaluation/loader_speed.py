@@ -17,7 +17,7 @@ from relight_core.lighting.reflection import ReflectionTable
 from relight_core.networks.bundle import NetworkBundle
 from relight_core.networks.precision import mixed_precision
 from relight_core.training.optimiser import Optimiser
-from relight_core.training.run import Run, training_batches
+from relight_core.training.run import Run, training_batches, training_device
 from relight_core.training.stages import STAGES
 
 _STAGE = "warm-delight"
@@ -62,7 +62,7 @@ def waiting_share(heads: Path, lights: Path, size: int, steps: int) -> float:
 
     The first steps, while the loader fills its queue, are left out.
     """
-    stage, device = STAGES[_STAGE], "cuda" if torch.cuda.is_available() else "cpu"
+    stage, device = STAGES[_STAGE], training_device()
     run = Run(_STAGE, heads, lights, Path(), size=size, workers=1)
     bundle = NetworkBundle(run.config).to(device, memory_format=torch.channels_last)
     bundle.delight.train().requires_grad_(True)

@@ -131,7 +131,7 @@ def train(run: Run, report) -> NetworkBundle:
         steps=run.steps,
         warm_up_steps=_LONGEST_RISE if run.steps is None else min(_LONGEST_RISE, max(run.steps // 10, 1)),
     )
-    device = _device()
+    device = training_device()
     torch.backends.cudnn.benchmark = True  # All batches have the same shapes.
     run.checkpoint.parent.mkdir(parents=True, exist_ok=True)
     samples = nullcontext(partial(training_batches, run, stage))
@@ -157,7 +157,8 @@ def drawn_by(run: Run) -> dict[str, int]:
     return drawn | ({"window": run.window} if run.uses > 1 else {})
 
 
-def _device() -> str:
+def training_device() -> str:
+    """Where networks are trained: "cuda" if there is such a device, else "cpu"."""
     return "cuda" if torch.cuda.is_available() else "cpu"
 
 
@@ -215,7 +216,7 @@ def training_batches(run: Run, stage: Stage, first_batch: int) -> Iterator[dict[
     again = Replay(run.uses, run.pairs, chunk, run.window, run.seed)
     by_chunk = replace(run, pairs=chunk)
     halves = partial(_stream, by_chunk, collate=_collated_by_half, **contents)
-    return replayed(halves, again, first_batch, _device())
+    return replayed(halves, again, first_batch, training_device())
 
 
 def _stream(run: Run, first_batch: int, **contents) -> Iterator[dict[str, torch.Tensor]]:
@@ -244,7 +245,7 @@ def _loaded(
         worker_init_fn=begin_worker,
         prefetch_factor=4 if run.workers else None,
         collate_fn=collate,
-        pin_memory=_device() == "cuda",
+        pin_memory=training_device() == "cuda",
         # It draws a seed for its workers, and would draw it from the stream that a run goes on with.
         generator=torch.Generator().manual_seed(run.seed),
     )

@@ -23,7 +23,7 @@ from relight_core.imaging.colour import REC709_LUMINANCE, srgb_decode, srgb_enco
 from relight_core.lighting.sphere import directions, solid_angles
 
 _SIZE = 512
-_LIGHT_CHANNELS, _COEFFICIENTS = 27, 9
+_LIGHT_CHANNELS, _COEFFICIENTS, _HIDDEN = 27, 9, 128
 _WIDTHS = (16, 16, 32, 64, 8 * 16 + _LIGHT_CHANNELS)
 _LEVEL = 0.76
 """Their example lights' first coefficient, times the 0.7 by which their demonstration scales them."""
@@ -58,16 +58,16 @@ class _Residual(nn.Module):
 class _LightExchange(nn.Module):
     """The innermost layer: its first channels tell the photo's light and are replaced by the target's."""
 
-    def __init__(self, hidden: int = 128):
+    def __init__(self):
         super().__init__()
 
         def dense(inputs: int, outputs: int) -> nn.Conv2d:
             return nn.Conv2d(inputs, outputs, 1, bias=False)
 
-        self.predict_FC1, self.predict_relu1 = dense(_LIGHT_CHANNELS, hidden), nn.PReLU()
-        self.predict_FC2 = dense(hidden, _COEFFICIENTS)
-        self.post_FC1, self.post_relu1 = dense(_COEFFICIENTS, hidden), nn.PReLU()
-        self.post_FC2 = dense(hidden, _LIGHT_CHANNELS)
+        self.predict_FC1, self.predict_relu1 = dense(_LIGHT_CHANNELS, _HIDDEN), nn.PReLU()
+        self.predict_FC2 = dense(_HIDDEN, _COEFFICIENTS)
+        self.post_FC1, self.post_relu1 = dense(_COEFFICIENTS, _HIDDEN), nn.PReLU()
+        self.post_FC2 = dense(_HIDDEN, _LIGHT_CHANNELS)
 
     def forward(self, x: torch.Tensor, light: torch.Tensor) -> tuple[torch.Tensor, torch.Tensor]:
         mean = x[:, :_LIGHT_CHANNELS].mean((2, 3), keepdim=True)

@@ -33,10 +33,10 @@ from relight_core.networks.blocks import Encoder, Head, decoder_levels, level_wi
 from relight_core.networks.composition import decode_radiance, encode_radiance
 from relight_core.networks.delight import ConfidenceWeightedLight
 from relight_core.networks.lfm import BottleneckLight, decode_lit, encode_light
-from relight_core.pipeline.results.channels import as_image
+from relight_core.pipeline.results.channels import as_image, as_tensor
 from relight_core.training.loop import Budget, train_stage
 from relight_core.training.losses import irradiance_l1, masked_l1, wlog_l2
-from relight_core.training.run import Run, denormals_flushed, drawn_by, shared_batches
+from relight_core.training.run import Run, denormals_flushed, drawn_by, shared_batches, training_device
 from relight_core.training.stages import Stage
 
 LEARNING_RATE = 2e-3
@@ -138,7 +138,7 @@ def train_sun(
             budget,
             run.checkpoint,
             lambda done, state: report(done, f"Sun et al. 2019, step {state.step}"),
-            "cuda" if torch.cuda.is_available() else "cpu",
+            training_device(),
             drawn_by(run) | {"batches": distinct},
         )
 
@@ -179,8 +179,7 @@ class Sun:
     def look(self, photo: np.ndarray) -> tuple[list[torch.Tensor], torch.Tensor]:
         if 0 < self.size_px < photo.shape[0]:
             photo = resize_area(photo, (self.size_px, self.size_px))
-        linear = torch.from_numpy(np.ascontiguousarray(photo)).permute(2, 0, 1)[None].float()
-        return self._network.encode(srgb_encode(linear))
+        return self._network.encode(srgb_encode(as_tensor(photo)))
 
     @torch.inference_mode()
     def relight(self, seen: tuple[list[torch.Tensor], torch.Tensor], task: Task) -> Mapping[str, np.ndarray]:
