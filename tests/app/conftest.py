@@ -9,6 +9,7 @@ import moderngl
 import numpy as np
 import pytest
 from fake_relighter import FakeRelighter
+from opened_things import photo_files
 from window_hand import HEIGHT, WIDTH, Hand
 
 from app.window.gl_viewport import PicturePainter
@@ -67,6 +68,18 @@ def photo_path(tmp_path):
     path = tmp_path / "person.png"
     write_image(path, linear)
     return path
+
+
+@pytest.fixture
+def photos(tmp_path):
+    """Files of two that nothing reads."""
+    return photo_files(tmp_path, "a.jpg", "b.jpg")
+
+
+@pytest.fixture
+def folder(tmp_path):
+    """Where settings and unsaved work are kept."""
+    return tmp_path / "settings"
 
 
 @pytest.fixture

@@ -31,11 +31,6 @@ def photo(tmp_path):
 
 
 @pytest.fixture
-def folder(tmp_path):
-    return tmp_path / "settings"
-
-
-@pytest.fixture
 def editor(folder, photo):
     editor = Editor(folder)
     editor.state.open_photo(photo)

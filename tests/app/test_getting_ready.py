@@ -7,19 +7,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from fake_relighter import answered
+from opened_things import grey_photo
 
 from app.engine.engine import Engine
 from app.engine.sources import LightSource, PhotoSource, Request
 from relight_core.errors import InputError
-from relight_core.imaging.photo import Photo
 from relight_core.imaging.write import write_image
 from relight_core.pipeline.edit import Edit
 
 SPLIT = LightSource("rig", "split")
-
-
-def grey_photo():
-    return Photo(np.full((24, 32, 3), 0.5, np.float32))
 
 
 @pytest.fixture

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 from live_editor import Editor, unsaved_files
-from opened_things import photo_files, refuse_photo
+from opened_things import refuse_photo
 
 from app.document.session_file import read_session
 from app.engine.sources import PhotoSource
@@ -12,16 +12,6 @@ from app.ui.photo_works import portrait_of, work_left
 from relight_core.face.find import FaceBox
 
 BOXES = (FaceBox(0, 0, 2, 2), FaceBox(2, 2, 4, 4))
-
-
-@pytest.fixture
-def photos(tmp_path):
-    return photo_files(tmp_path, "a.jpg", "b.jpg")
-
-
-@pytest.fixture
-def folder(tmp_path):
-    return tmp_path / "settings"
 
 
 @pytest.fixture

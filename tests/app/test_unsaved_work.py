@@ -9,16 +9,6 @@ from app.engine.sources import LightSource
 
 
 @pytest.fixture
-def photos(tmp_path):
-    return photo_files(tmp_path, "a.jpg", "b.jpg")
-
-
-@pytest.fixture
-def folder(tmp_path):
-    return tmp_path / "settings"
-
-
-@pytest.fixture
 def editor(folder, photos):
     editor = Editor(folder)
     editor.state.open_photos(photos)

@@ -7,7 +7,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from synthetic_heads import write_balls, write_lights
-from tiny_networks import write_tiny_weights
 
 from relight_core.evaluation import bench_configurations, bench_timing
 from relight_core.evaluation.bench_accuracy import Accuracy, HeldOutData, against_final, against_truth
@@ -45,11 +44,6 @@ SETTINGS = [Configuration(name, tier, name, True) for name, tier in TIERS.items(
 def _small_tiers(monkeypatch):
     monkeypatch.setattr(quality, "TIERS", TIERS)
     monkeypatch.setattr(choosing_faces, "find_faces", lambda photo, *judge: [FaceBox(8, 8, 24, 28)])
-
-
-@pytest.fixture(scope="module")
-def weights(tmp_path_factory):
-    return write_tiny_weights(tmp_path_factory.mktemp("weights"))
 
 
 @pytest.fixture

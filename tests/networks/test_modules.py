@@ -18,10 +18,7 @@ from relight_core.networks.delight import ConfidenceWeightedLight, DelightConfig
 from relight_core.networks.lfm import LightModulation, encode_light
 from relight_core.networks.specular_shadow import SpecularShadowConfig, SpecularShadowNetwork
 
-
-@pytest.fixture(autouse=True)
-def _same_weights_every_time():
-    torch.manual_seed(0)
+pytestmark = pytest.mark.usefixtures("seeded")
 
 
 def light(batch=1):

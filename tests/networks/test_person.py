@@ -10,9 +10,7 @@ from relight_core.training.outline_step import outline_losses
 TINY = PersonConfig(width=4, levels=3, widest=8)
 
 
-@pytest.fixture(autouse=True)
-def _seeded():
-    torch.manual_seed(0)
+pytestmark = pytest.mark.usefixtures("seeded")
 
 
 def planes(size=32, batch=2):

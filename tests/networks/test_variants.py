@@ -13,9 +13,7 @@ from relight_core.pipeline.per_light.hints import estimated_effects
 SIZE = 16
 
 
-@pytest.fixture(autouse=True)
-def _same_weights_every_time():
-    torch.manual_seed(0)
+pytestmark = pytest.mark.usefixtures("seeded")
 
 
 def surface():

@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-from tiny_networks import write_tiny_weights
 from tiny_relighter import some_photo
 
 from relight_core.face.find import FaceBox
@@ -10,11 +9,6 @@ from relight_core.imaging import photo
 from relight_core.pipeline import quality, stages
 from relight_core.pipeline.per_photo import choosing_faces
 from relight_core.pipeline.relighter import Relighter
-
-
-@pytest.fixture(scope="module")
-def weights(tmp_path_factory):
-    return write_tiny_weights(tmp_path_factory.mktemp("weights"))
 
 
 @pytest.fixture

@@ -19,9 +19,7 @@ from relight_core.training.state import load_state
 STAGE = STAGES["warm-delight"]
 
 
-@pytest.fixture(autouse=True)
-def _seeded():
-    torch.manual_seed(0)
+pytestmark = pytest.mark.usefixtures("seeded")
 
 
 def spoiled(batch):

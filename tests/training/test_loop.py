@@ -27,10 +27,7 @@ from relight_core.training.curves import draw_curves
 from relight_core.training.loop import AveragedWeights, Budget, TrainingDiverged, train_stage
 from relight_core.training.stages import STAGES
 
-
-@pytest.fixture(autouse=True)
-def _seeded():
-    torch.manual_seed(0)
+pytestmark = pytest.mark.usefixtures("seeded")
 
 
 @pytest.mark.parametrize(
