@@ -11,6 +11,7 @@ from window_hand import HEIGHT, WIDTH, Hand, close_to
 
 from app.ui.channels import PHOTO, RESULT
 from app.ui.panels.status_line import _under_the_mouse
+from app.ui.viewport import placing, viewport_notes
 from app.ui.viewport.probe import reading
 from app.window import gl_pictures
 from app.window.window import EditorWindow
@@ -114,6 +115,17 @@ def test_the_value_under_the_mouse_is_of_the_picture_it_is_over(opened, key, sha
         x, row = map(int, state.look.spot)
         codes = reading(state.snapshot, name, 0.0, x, row).codes
         assert _under_the_mouse(state).split()[2:] == f"R {codes[0]} G {codes[1]} B {codes[2]}".split()
+
+
+@pytest.mark.parametrize("key", [glfw.KEY_W, glfw.KEY_Y])
+def test_the_names_of_two_pictures_do_not_lie_over_what_the_next_click_does(opened, monkeypatch, key):
+    tops = {}
+    for module in (placing, viewport_notes):
+        monkeypatch.setattr(module, "note", lambda words, x, y, *_: tops.update({words: y}))
+    opened.key(key)
+    opened.key(glfw.KEY_K)
+    (hint,) = (y for words, y in tops.items() if words.startswith("Click where the highlight"))
+    assert [abs(tops[name] - hint) > 22.5 for name in ("Photo", "Result")] == [True, True]
 
 
 def test_dragging_beside_the_wipes_line_moves_the_picture_and_the_line_with_it(opened):

@@ -49,7 +49,7 @@ def corner_note(state: EditorState, arranged: Arrangement, rect: Rect) -> None:
 
 
 def pane_titles(state: EditorState, arranged: Arrangement, rect: Rect, scale: float) -> None:
-    """Which picture is which, on either side of the line between two; below where cards cover the top.
+    """Which picture is which, on either side of the line between two; below where cards or a tool's words are on top.
 
     What the colours mean stays in sight below them.
     """
@@ -57,7 +57,7 @@ def pane_titles(state: EditorState, arranged: Arrangement, rect: Rect, scale: fl
         return
     em = imgui.get_font_size()
     before, after = arranged.panes
-    covered = state.look.probe or state.look.timings
+    covered = state.look.probe or state.look.timings or state.aim
     foot_em = 2.1 if _colours(state, arranged.main) is None else _legend_foot_em(rect) + 2.5
     y = rect.y + (rect.height - foot_em * em if covered else 0.6 * em)
     left = TITLES[before.name]
