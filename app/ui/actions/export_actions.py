@@ -6,10 +6,10 @@ from collections.abc import Callable
 from dataclasses import replace
 
 from app.engine.exporting import SIDES
-from app.ui import widgets
 from app.ui.actions.action import Action, has_picture, sentence
 from app.ui.export_name import choose_form
 from app.ui.panels import export_panel
+from app.ui.panels.groups import type_in
 from app.ui.state import EditorState
 from relight_core.pipeline.results.layers import LAYERS
 
@@ -76,11 +76,4 @@ def _layer(name: str) -> Action:
 
 
 def _type(name: str, label: str, words: str) -> Action:
-    """Opens the group in which the line is, and gives it the keyboard."""
-
-    def run(state: EditorState) -> None:
-        state.panels = replace(state.panels, effects=True)
-        state.groups = replace(state.groups, export=True)
-        widgets.begin_typing(state, label)
-
-    return _choice(name, words, run)
+    return _choice(name, words, lambda state: type_in(state, label, "effects", "export"))

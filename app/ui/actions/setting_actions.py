@@ -8,6 +8,7 @@ from app.ui import face_edits, light_edits, widgets
 from app.ui.actions.action import Action, has_photo, sentence
 from app.ui.actions.export_actions import export_actions
 from app.ui.panels import effects_panel, light_controls, light_panel, quality_panel
+from app.ui.panels.groups import type_in
 from app.ui.state import EditorState
 from relight_core.lighting.soft_box import box_title
 
@@ -66,15 +67,7 @@ def _type(slider: widgets.Slider, panel: str, group: str | None = None, name: st
 
 
 def _type_at(name: str, label: str, words: str, panel: str, group: str | None = None) -> Action:
-    """Opens the panel, and the group in it, in which there is something to type, and gives that the keyboard."""
-
-    def run(state: EditorState) -> None:
-        state.panels = replace(state.panels, **{panel: True})
-        if group is not None:
-            state.groups = replace(state.groups, **{group: True})
-        widgets.begin_typing(state, label)
-
-    return Action(name, _LIGHT, (), sentence(words), run)
+    return Action(name, _LIGHT, (), sentence(words), lambda state: type_in(state, label, panel, group))
 
 
 def _lamps(state: EditorState) -> tuple[Action, ...]:

@@ -61,6 +61,14 @@ def group(
     return is_open, pressed
 
 
+def type_in(state: EditorState, label: str, panel: str, group: str | None) -> None:
+    """Open a panel, and the group in it, and let what is there under this label be typed, as `widgets.begin_typing`."""
+    state.panels = replace(state.panels, **{panel: True})
+    if group is not None:
+        state.groups = replace(state.groups, **{group: True})
+    widgets.begin_typing(state, label)
+
+
 def _title_width(fonts: theme.Fonts, title: str) -> float:
     """With the arrow before it."""
     imgui.push_font(fonts.bold, 0.0)
