@@ -56,6 +56,11 @@ class BrushTool:
         return replace(self, is_open=False, before=None, painting=None)
 
 
+def is_painted(state: EditorState) -> bool:
+    """Whether the photo that is wanted has strokes of the brush."""
+    return state.photo is not None and bool(state.photo.strokes)
+
+
 def switch(state: EditorState) -> None:
     """Take the brush up, or put it away with what was painted."""
     if state.brush.is_open:

@@ -39,6 +39,11 @@ class FaceTool:
         self.held, self.moving = None, None
 
 
+def is_corrected(state: EditorState) -> bool:
+    """Whether the photo that is wanted has boxes of its own, instead of those that the finder sees."""
+    return state.photo is not None and state.photo.boxes is not None
+
+
 def wished_boxes(state: EditorState) -> tuple[FaceBox, ...]:
     """Where the faces are to be: as corrected, else as found; none while they are being found again."""
     photo, opened = state.photo, state.snapshot.opened

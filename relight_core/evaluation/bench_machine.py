@@ -47,7 +47,7 @@ class Demand:
 
 def describe_machine(device: str = "cpu") -> dict:
     """Processor, cores, threads and versions, JSON-ready."""
-    facts = {
+    return {
         "processor": _processor(),
         "cores": os.cpu_count(),
         "threads": torch.get_num_threads(),
@@ -57,7 +57,6 @@ def describe_machine(device: str = "cpu") -> dict:
         "device": torch.cuda.get_device_name() if device == "cuda" else device,
         "load_average": round(os.getloadavg()[0], 2) if hasattr(os, "getloadavg") else None,
     }
-    return facts
 
 
 def measure_peaks(device: str = "cpu") -> Peaks:

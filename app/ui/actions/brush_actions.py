@@ -55,7 +55,7 @@ OUTLINE = (
         ("Ctrl+Shift+O",),
         "Forgets all that was painted",
         brush_edits.forget,
-        available=lambda state: state.photo is not None and bool(state.photo.strokes),
+        available=brush_edits.is_painted,
     ),
 )
 

@@ -24,7 +24,7 @@ FACES = (
         ("Ctrl+Shift+F",),
         "Forgets the boxes drawn by hand",
         face_edits.find_again,
-        available=lambda state: state.is_at_work() and state.photo is not None and state.photo.boxes is not None,
+        available=lambda state: state.is_at_work() and face_edits.is_corrected(state),
     ),
 )
 

@@ -12,16 +12,12 @@ _ADDS = "Paint over what belongs to the person and was missed."
 _TAKES = "Paint over what is no part of the person."
 
 
-def _is_painted(state: EditorState) -> bool:
-    return state.photo is not None and bool(state.photo.strokes)
-
-
 _TO_TAKE = Button("Take away", "Let the brush take away.  X, or Alt while you paint", brush_edits.turn_over)
 _TO_ADD = Button("Add", "Let the brush add.  X, or Alt while you paint", brush_edits.turn_over)
 _OTHERS = (
     Button("\N{MINUS SIGN}", "A smaller brush.  Comma", lambda state: brush_edits.resize(state, -1)),
     Button("+", "A larger brush.  Period", lambda state: brush_edits.resize(state, 1)),
-    Button("As found", "Forget all strokes.", brush_edits.forget, _is_painted),
+    Button("As found", "Forget all strokes.", brush_edits.forget, brush_edits.is_painted),
     Button("Done", "Enter.  Esc puts the outline back as it was", brush_edits.done, is_main=True),
 )
 

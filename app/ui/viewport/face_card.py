@@ -14,13 +14,11 @@ _NOBODY_LEFT = "No face is left. Draw a box over one, from brows to chin."
 _SEARCHING = "Looking for faces…"
 
 
-def _is_corrected(state: EditorState) -> bool:
-    return state.photo is not None and state.photo.boxes is not None
-
-
 _CLOSED = (Button("Draw a box", "Then drag over the face.  Shift + F", face_edits.show, is_main=True),)
 _OPEN = (
-    Button("Find again", "Forget these boxes and look for the faces anew.", face_edits.find_again, _is_corrected),
+    Button(
+        "Find again", "Forget these boxes and look for the faces anew.", face_edits.find_again, face_edits.is_corrected
+    ),
     Button(
         "Remove",
         "The selected box is no face.  Delete",
@@ -48,4 +46,4 @@ def words(state: EditorState) -> str:
         return _SEARCHING
     if face_edits.wished_boxes(state):
         return _CORRECTING
-    return _NOBODY if state.photo is None or state.photo.boxes is None else _NOBODY_LEFT
+    return _NOBODY_LEFT if face_edits.is_corrected(state) else _NOBODY
