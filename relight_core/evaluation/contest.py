@@ -54,16 +54,18 @@ class Task:
 
 
 class Contender(Protocol):
-    """A way to relight."""
+    """A way to relight; one that finds nothing out beforehand need only relight."""
 
     def look(self, photo: np.ndarray) -> Any:
-        """Whatever a photo (S, S, 3), linear, [0, 1] tells, once for all its relightings."""
+        """Whatever a photo (S, S, 3), linear, [0, 1] tells, once for all its relightings; the photo itself does."""
+        return photo
 
     def relight(self, seen: Any, task: Task) -> Mapping[str, np.ndarray]:
         """ "composition": linear, in units of the normalised light; "specular" and "shadow" where there are such."""
 
     def channels(self, seen: Any) -> Mapping[str, np.ndarray]:
         """ "guess", the photo's light, and "albedo" and "normal", as far as they are found."""
+        return {}
 
 
 class OurNetworks:

@@ -18,7 +18,7 @@ import torch.nn.functional as F
 from torch import nn
 
 from relight_core.errors import InputError
-from relight_core.evaluation.contest import Task
+from relight_core.evaluation.contest import Contender, Task
 from relight_core.imaging.colour import REC709_LUMINANCE, srgb_decode, srgb_encode
 from relight_core.lighting.sphere import directions, solid_angles
 
@@ -166,7 +166,7 @@ def harmonics(light: np.ndarray) -> np.ndarray:
     return (coefficients * (_LEVEL / max(coefficients[0], 1e-6))).astype(np.float32)
 
 
-class Dpr:
+class Dpr(Contender):
     """Their network, as a contender."""
 
     def __init__(self, network: DprNetwork, size: int = _SIZE):
@@ -185,6 +185,3 @@ class Dpr:
         lab[..., 0] = 100 * cv2.resize(made, seen.shape[1::-1], interpolation=cv2.INTER_AREA)
         shown = np.clip(cv2.cvtColor(lab, cv2.COLOR_Lab2RGB), 0, 1)
         return {"composition": srgb_decode(shown) / np.float32(task.gain)}
-
-    def channels(self, seen: np.ndarray) -> Mapping[str, np.ndarray]:
-        return {}

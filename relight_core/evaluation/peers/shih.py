@@ -13,7 +13,7 @@ from collections.abc import Mapping
 import cv2
 import numpy as np
 
-from relight_core.evaluation.contest import Task
+from relight_core.evaluation.contest import Contender, Task
 from relight_core.evaluation.peers.blurring import blurred_within
 from relight_core.imaging.colour import srgb_decode, srgb_encode
 
@@ -63,15 +63,9 @@ def _bands(image: np.ndarray, weight: np.ndarray, levels: int) -> tuple[list[np.
     return bands, finer
 
 
-class Shih:
+class Shih(Contender):
     """With the truth for an example, as a contender."""
-
-    def look(self, photo: np.ndarray) -> np.ndarray:
-        return photo
 
     def relight(self, seen: np.ndarray, task: Task) -> Mapping[str, np.ndarray]:
         shown = transfer_statistics(srgb_encode(seen), srgb_encode(task.reference), task.covered)
         return {"composition": srgb_decode(shown) / np.float32(task.gain)}
-
-    def channels(self, seen: np.ndarray) -> Mapping[str, np.ndarray]:
-        return {}

@@ -15,7 +15,7 @@ from collections.abc import Mapping
 import cv2
 import numpy as np
 
-from relight_core.evaluation.contest import Task
+from relight_core.evaluation.contest import Contender, Task
 from relight_core.evaluation.peers.blurring import blurred_within
 from relight_core.imaging.colour import srgb_decode, srgb_encode
 
@@ -86,16 +86,10 @@ def _lab(image_srgb: np.ndarray) -> np.ndarray:
     return cv2.cvtColor(image_srgb.astype(np.float32), cv2.COLOR_RGB2Lab)
 
 
-class Shu:
+class Shu(Contender):
     """With the truth for an example and the true geometry, as a contender."""
-
-    def look(self, photo: np.ndarray) -> np.ndarray:
-        return photo
 
     def relight(self, seen: np.ndarray, task: Task) -> Mapping[str, np.ndarray]:
         pictures = (srgb_encode(seen), srgb_encode(task.reference))
         shown = transfer_by_transport(*pictures, task.surface["normal"], task.surface["relief"], task.covered)
         return {"composition": srgb_decode(shown) / np.float32(task.gain)}
-
-    def channels(self, seen: np.ndarray) -> Mapping[str, np.ndarray]:
-        return {}
