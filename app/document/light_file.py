@@ -12,7 +12,6 @@ from app.document.document import LightRef
 from app.document.json_fields import (
     Fields,
     NotThereError,
-    is_place_for,
     path_for_file,
     path_from_file,
     read_json,
@@ -75,11 +74,6 @@ def read_light(path: Path) -> SavedLight:
         raise InputError(f"{path}: its light is a photo's own, and it names no photo; open a session or the portrait")
     fields.finish()
     return SavedLight(light, light_edit, yaw_deg, tuple(notes))
-
-
-def is_light_place(path: Path) -> bool:
-    """Whether a light may be written there: nothing is there yet, or a light."""
-    return is_place_for(path, KIND)
 
 
 def light_content(light: LightRef, edit: LightEdit, folder: Path | None) -> dict:

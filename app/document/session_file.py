@@ -9,7 +9,7 @@ from pathlib import Path
 from app.document.brush_strokes import brush_strokes_content, read_brush_strokes
 from app.document.document import Document, LightRef, PhotoRef
 from app.document.face_boxes import face_boxes_content, read_face_boxes
-from app.document.json_fields import Fields, is_place_for, kind_of, path_for_file, path_from_file, read_json, write_json
+from app.document.json_fields import Fields, kind_of, path_for_file, path_from_file, read_json, write_json
 from app.document.light_file import SavedLight, light_content, read_light, read_light_content
 from app.engine.batch import name_beside_a_namesake
 from app.engine.places import folder_for_outputs
@@ -179,11 +179,6 @@ def read_lent_light(path: Path) -> LentLight:
         return LentLight(saved, _photo(fields, path))
     except InputError:
         return LentLight(saved)
-
-
-def is_session_place(path: Path) -> bool:
-    """Whether a session may be written there: nothing is there yet, or a session."""
-    return is_place_for(path, KIND)
 
 
 def _photo(fields: Fields, path: Path) -> PhotoRef:

@@ -8,11 +8,10 @@ from collections.abc import Callable
 from pathlib import Path
 
 from app.document.document import Document
-from app.document.light_file import LIGHT_SUFFIX, SavedLight, is_light_place, write_light
+from app.document.light_file import LIGHT_SUFFIX, SavedLight, write_light
 from app.document.session_file import (
     SESSION_SUFFIX,
     free_session_path,
-    is_session_place,
     saved_session,
     session_path,
     write_session,
@@ -151,7 +150,7 @@ class Deeds:
         saved = SavedLight(document.light, document.light_edit, document.edit.yaw_deg)
 
         def write(path: Path) -> None:
-            check_place(path, is_light_place(path), "light")
+            check_place(path, "light")
             write_light(path, saved)
             self._state.asking.tell(f"Saved {legible(str(path))}")
 
@@ -273,7 +272,7 @@ class Deeds:
         return lambda path: self._write_session(path, document)
 
     def _write_session(self, path: Path, document: Document) -> None:
-        check_place(path, is_session_place(path), "session")
+        check_place(path, "session")
         state = self._state
         write_session(path, document)
         note_saved(state, path, document)

@@ -6,6 +6,7 @@ import os
 from collections.abc import Callable
 from pathlib import Path
 
+from app.document.json_fields import is_place_for
 from app.engine.exporting import free_path
 from app.ui.asking import Asking, Question
 from relight_core.errors import InputError
@@ -33,17 +34,13 @@ def write_or_ask(
     asking.ask(Question(f"replace {path}", text, choices, calling_off="Cancel"))
 
 
-def check_place(path: Path, is_place: bool, kind: str) -> None:
-    """Refuse to replace what is no file of ours.
-
-    Args:
-        is_place: a file of that kind may be written there.
-        kind: for the message.
+def check_place(path: Path, kind: str) -> None:
+    """Refuse to replace anything but a file of the same kind, "session" or "light".
 
     Raises:
-        InputError: it may not.
+        InputError: something else is there.
     """
-    if not is_place:
+    if not is_place_for(path, kind):
         raise InputError(f"{path}: is not a {kind}; relight replaces only its own files, choose another name")
 
 

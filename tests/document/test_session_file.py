@@ -9,9 +9,9 @@ from pathlib import Path
 import pytest
 
 from app.document.document import Document, LightRef, PhotoRef
+from app.document.json_fields import is_place_for
 from app.document.light_file import SavedLight, read_light, write_light
 from app.document.session_file import (
-    is_session_place,
     read_session,
     saved_session,
     session_path,
@@ -124,7 +124,7 @@ def test_as_much_as_may_be_painted_can_be_saved_and_opened_again(folder, documen
     document = replace(document, photo=replace(document.photo, strokes=strokes))
     path = saved(folder, document)
     assert read_session(path).document == document
-    assert is_session_place(path)
+    assert is_place_for(path, "session")
     assert saved_session(folder / "me.jpg") == path
 
 
@@ -244,12 +244,12 @@ def test_a_session_can_only_name_pictures(folder, document, name):
 
 def test_a_session_replaces_only_a_session(folder, document):
     path = session_path(folder / "me.jpg")
-    assert is_session_place(path)
+    assert is_place_for(path, "session")
     write_session(path, document)
-    assert is_session_place(path)
-    assert not is_session_place(folder / "me.jpg")
+    assert is_place_for(path, "session")
+    assert not is_place_for(folder / "me.jpg", "session")
     path.write_text("my notes")
-    assert not is_session_place(path)
+    assert not is_place_for(path, "session")
 
 
 def test_there_is_no_session_without_a_photo(tmp_path):
