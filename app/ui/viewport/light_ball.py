@@ -37,7 +37,7 @@ def draw(state: EditorState, pictures: Pictures, rect: Rect, scale: float) -> No
     state.look.ball_at = (x, y)
     _turn_by_dragging(state, x, y, reach)
     draw_list = imgui.get_window_draw_list()
-    draw_list.add_circle_filled((x, y), reach + 0.25 * em, theme.packed((0.05, 0.05, 0.05, 1.0), 0.6), 48)
+    draw_list.add_circle_filled((x, y), reach + 0.25 * em, theme.packed(theme.SHADE, 0.6), 48)
     widgets.draw_image(shown, x - side / 2, y - side / 2, side, side)
     direction = _direction(light.environment, state.edit.yaw_deg)
     _compass(draw_list, x, y, reach, direction)
@@ -94,5 +94,5 @@ def _compass(draw_list: imgui.ImDrawList, x: float, y: float, reach: float, dire
     if flat < _EVEN:
         return
     dot = (x + direction[0] / flat * reach, y + direction[2] / flat * reach)
-    draw_list.add_circle_filled(dot, 0.13 * reach, theme.packed((0.05, 0.05, 0.05, 1.0)), 24)
+    draw_list.add_circle_filled(dot, 0.13 * reach, theme.packed(theme.SHADE), 24)
     draw_list.add_circle_filled(dot, 0.10 * reach, theme.packed(theme.ACCENT), 24)
