@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -21,6 +21,7 @@ from relight_core.evaluation.true_surface import true_surface
 from relight_core.face.parsing import FACE_LABELS
 from relight_core.imaging.resampling import resize_area
 from relight_core.imaging.view_of_photo import ViewOfPhoto
+from relight_core.lighting.lamps import Lamp
 from relight_core.lighting.reflection import ReflectionTable
 from relight_core.lighting.relief import ReliefTransport
 from relight_core.networks.bundle import NetworkBundle
@@ -127,23 +128,24 @@ class Editor:
         return TakenApart(seen, ready_for_lamps(surface), residual)
 
     def light(
-        self, surface: stages.Surface, reflector: stages.Reflector, relief: ReliefTransport, light: torch.Tensor
+        self,
+        surface: stages.Surface,
+        reflector: stages.Reflector,
+        relief: ReliefTransport,
+        light: torch.Tensor,
+        lamps_view: LampsView | None = None,
+        lamps: Sequence[Lamp] = (),
     ) -> tuple[torch.Tensor, Effects, stages.Composed]:
-        """Irradiance and gloss, effects and image at the networks' size, of a normalised light (1, 16, 32, 3)."""
-        return light_surface(self.bundle, reflector, surface, relief, light, **self._how())
-
-    def _how(self) -> dict[str, object]:
-        tier = self.tier
-        how = {"by_network": tier.shadow_network, "corrected": tier.correction}
-        return how | {"precision": tier.precision, "pair": tier.pair}
+        """Irradiance and gloss, effects and image at the networks' size; arguments as of `light_surface`."""
+        networks = stages.pair_of(self.bundle, self.tier, self.device)
+        how = {"by_network": self.tier.shadow_network, "corrected": self.tier.correction}
+        return light_surface(networks, reflector, surface, relief, light, lamps_view=lamps_view, lamps=lamps, **how)
 
     def relight(self, found: TakenApart, target: HeldOutLight) -> dict[str, np.ndarray]:
         """The channels "specular", "shadow" and "composition" at the photo's size."""
         light, seen = torch.from_numpy(target.radiance)[None].to(self.device), found.seen
-        how = {"relief": seen.relief, "lamps_view": found.lamps_view, "lamps": target.small_lamps}
-        reflected, effects, composed = light_surface(
-            self.bundle, seen.reflector, seen.surface, light=light, **how, **self._how()
-        )
+        of_seen = seen.surface, seen.reflector, seen.relief
+        reflected, effects, composed = self.light(*of_seen, light, found.lamps_view, target.small_lamps)
         image, shown = add_residual(found.residual, composed, effects, light)
         fit = fit_view(found.view, reflected, shown, image)
         upsample = upsampler_for(seen.photo, seen.small, seen.surface)

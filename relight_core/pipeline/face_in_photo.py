@@ -133,8 +133,8 @@ class FaceInPhoto(FaceTakenApart):
         def compose(light: torch.Tensor) -> stages.Composed:
             relief = self._relief(ready) if plan.runs("relief") else None
             how = {"by_network": plan.shadow_network, "corrected": plan.runs("correction")}
-            how |= {"precision": ready.tier.precision, "pair": ready.tier.pair}
-            return light_surface(self._shop.bundle, self._reflector(ready), ready.surface, relief, light, **how)[2]
+            networks = self._shop.pair(ready.tier)
+            return light_surface(networks, self._reflector(ready), ready.surface, relief, light, **how)[2]
 
         source = self._source_light(ready)
 

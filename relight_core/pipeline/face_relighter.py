@@ -101,16 +101,12 @@ class FaceRelighter(FaceInPhoto):
             "compose",
             plan.keys["compose"],
             lambda: stages.compose(
-                self._shop.bundle,
+                self._shop.pair(ready.tier) if plan.runs("correction") else None,
                 ready.surface,
                 reflected,
                 effects,
                 light,
-                self._shop.device,
-                corrected=plan.runs("correction"),
                 parts=(plan.runs("specular"), plan.runs("shadow")),
-                precision=ready.tier.precision,
-                pair=ready.tier.pair,
             ),
             "new light",
             keep=KEPT_LIGHTS,
@@ -136,15 +132,11 @@ class FaceRelighter(FaceInPhoto):
             "specular_shadow",
             plan.keys["specular_shadow"],
             lambda: stages.estimate_effects(
-                self._shop.bundle,
+                self._shop.pair(ready.tier) if plan.shadow_network else None,
                 ready.surface,
                 reflected,
                 relief,
                 light,
-                self._shop.device,
-                by_network=plan.shadow_network,
-                precision=ready.tier.precision,
-                pair=ready.tier.pair,
                 begun=self._begun(ready) if plan.shadow_network else None,
             ),
             "new light",
@@ -174,10 +166,8 @@ class FaceRelighter(FaceInPhoto):
         )
 
     def _begun(self, ready: Prepared) -> torch.Tensor:
-        shop, tier = self._shop, ready.tier
-        how = {"precision": tier.precision, "pair": tier.pair}
-        make = lambda: stages.begin_effects(shop.bundle, ready.found, shop.device, **how)  # noqa: E731
-        return self._once("begun", tier.begun_key, make)
+        make = lambda: stages.begin_effects(self._shop.pair(ready.tier), ready.found)  # noqa: E731
+        return self._once("begun", ready.tier.begun_key, make)
 
     def change(self, ready: Prepared, lit: Lit, plan: Plan, edit: Edit, level: float) -> ViewChange:
         """How the relit view differs from the photo's, at the sliders' gains and the light's level."""

@@ -18,6 +18,7 @@ from relight_core.imaging.resampling import resize_area
 from relight_core.lighting.reflection import ReflectionTable
 from relight_core.lighting.relief import ReliefTransport
 from relight_core.networks.bundle import NetworkBundle
+from relight_core.networks.pair import BothNetworks
 from relight_core.pipeline import stages
 from relight_core.pipeline.cache import StageCache
 from relight_core.pipeline.per_photo.corneas import Cornea, find_cornea
@@ -51,6 +52,10 @@ class Workshop:
     def delight(self, photo_view: np.ndarray, tier: Tier) -> stages.Surface:
         """Take a view (S, S, 3) apart."""
         return take_apart(self.bundle, photo_view, tier, self.device)
+
+    def pair(self, tier: Tier) -> BothNetworks:
+        """The networks that relight at a tier."""
+        return stages.pair_of(self.bundle, tier, self.device)
 
 
 class FaceTakenApart:

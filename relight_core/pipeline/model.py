@@ -9,15 +9,14 @@ import torch
 
 from relight_core.lighting.lamps import Lamp
 from relight_core.lighting.relief import ReliefTransport
-from relight_core.networks.bundle import NetworkBundle
-from relight_core.networks.pair import PairName
+from relight_core.networks.pair import BothNetworks
 from relight_core.pipeline import stages
 from relight_core.pipeline.per_light.hard_shadow import LampsView, harden_shadow
 from relight_core.pipeline.per_light.hints import Effects
 
 
 def light_surface(
-    bundle: NetworkBundle,
+    networks: BothNetworks,
     reflector: stages.Reflector,
     surface: stages.Surface,
     relief: ReliefTransport | None,
@@ -25,8 +24,6 @@ def light_surface(
     *,
     by_network: bool,
     corrected: bool,
-    precision: str,
-    pair: PairName,
     lamps_view: LampsView | None = None,
     lamps: Sequence[Lamp] = (),
 ) -> tuple[torch.Tensor, Effects, stages.Composed]:
@@ -34,20 +31,14 @@ def light_surface(
 
     Args:
         reflector: of the surface.
-        by_network, corrected, precision, pair: as in `stages.estimate_effects` and `stages.compose`.
+        by_network, corrected: whether the networks have a say in the effects, and in the image.
         lamps_view: of the surface, and
         lamps: the light's small ones, whose shadows get edges; both or neither.
     """
-    device = str(light.device)
     reflected = stages.reflect(reflector, light)
-    effects = stages.estimate_effects(
-        bundle, surface, reflected, relief, light, device, by_network=by_network, precision=precision, pair=pair
-    )
+    effects = stages.estimate_effects(networks if by_network else None, surface, reflected, relief, light)
     if relief is not None and lamps_view is not None:
         effects = harden_shadow(
             effects, surface, reflected, light, relief, lamps_view, lamps, partial(stages.reflect, reflector)
         )
-    composed = stages.compose(
-        bundle, surface, reflected, effects, light, device, corrected=corrected, precision=precision, pair=pair
-    )
-    return reflected, effects, composed
+    return reflected, effects, stages.compose(networks if corrected else None, surface, reflected, effects, light)

@@ -21,7 +21,7 @@ from relight_core.lighting.reflection import NormalLookup, ReflectionTable
 from relight_core.lighting.relief import ReliefTransport, march_reliefs
 from relight_core.networks.bundle import NetworkBundle
 from relight_core.networks.delight import DelightNetwork, DelitSmall
-from relight_core.networks.pair import PairName
+from relight_core.networks.pair import BothNetworks
 from relight_core.networks.precision import has_bf16
 from relight_core.networks.specular_shadow import Occlusion
 from relight_core.pipeline.per_light.bare_skin import bare_skin
@@ -41,6 +41,7 @@ from relight_core.pipeline.per_photo.blown import clipped_share, mend_blown
 from relight_core.pipeline.per_photo.dull_black import gloss_of_black
 from relight_core.pipeline.per_photo.frames import without_frames
 from relight_core.pipeline.per_photo.white_collar import with_white_collar
+from relight_core.pipeline.quality import Tier
 
 _RELIEF_UNIT_PX = 64.0
 _HEIGHT_GAIN = 1.1
@@ -97,6 +98,11 @@ def in_precision(bundle: NetworkBundle, device: str, wish: str = "bf16") -> Netw
     if wish == "fp32" or not has_bf16(device) or not bundle.is_for_inference:
         return bundle
     return bundle.rounded()
+
+
+def pair_of(bundle: NetworkBundle, tier: Tier, device: str) -> BothNetworks:
+    """The SS and composition networks that a tier runs, at its precision."""
+    return in_precision(bundle, device, tier.precision).pair(tier.pair)
 
 
 @torch.inference_mode()
@@ -277,57 +283,44 @@ def reflect(surface: Reflector, light: torch.Tensor) -> torch.Tensor:
 
 
 @torch.inference_mode()
-def begin_effects(
-    bundle: NetworkBundle,
-    surface: Surface,
-    device: str = "cpu",
-    *,
-    precision: str = "bf16",
-    pair: PairName = "wide",
-) -> torch.Tensor:
+def begin_effects(networks: BothNetworks, surface: Surface) -> torch.Tensor:
     """The part of the SS network's work that no light changes, (1, C, S, S); for `estimate_effects`."""
-    network = in_precision(bundle, device, precision).pair(pair).specular_shadow
+    network = networks.specular_shadow
     return network.begin(surface.normal, surface_hints(network.config, surface.relief, surface.parsing))
 
 
 @torch.inference_mode()
 def estimate_effects(
-    bundle: NetworkBundle,
+    networks: BothNetworks | None,
     surface: Surface,
     reflected: torch.Tensor,
     transport: ReliefTransport | None,
     light: torch.Tensor,
-    device: str = "cpu",
-    *,
-    by_network: bool = True,
-    precision: str = "bf16",
-    pair: PairName = "wide",
     begun: torch.Tensor | None = None,
 ) -> Effects:
     """Specular and shadow of a light (1, 16, 32, 3).
 
     Args:
+        networks: of which SS says what is hidden; None lets the relief alone say it.
         reflected: `reflect` of that light.
         transport: of the surface's relief; None leaves its shadow out, and the shadow without a colour.
-        by_network: the SS network says what is hidden; else the relief alone.
         begun: `begin_effects` of the surface by the same networks, where that is kept.
     """
     fraction, odds = torch.zeros_like(surface.relief), None
     if transport is not None:
         odds = shadow_colour_odds(transport, light, reflected)
         fraction = at_surface_size(transport.shadow_fraction(light.cpu()), surface)
-    if not by_network:
+    if networks is None:
         of_gloss = fraction if transport is None else at_surface_size(transport.gloss_fraction(light.cpu()), surface)
         hidden = Occlusion(*(torch.logit(part, eps=1e-6) for part in (fraction, of_gloss)))
         return replace(effects_of(hidden, reflected, surface.albedo), colour_odds=odds)
-    network = in_precision(bundle, device, precision).pair(pair).specular_shadow
-    config = network.config
+    network, config = networks.specular_shadow, networks.specular_shadow.config
     hints = light_hints(config, reflected, fraction)
     if hints is None:
         occlusion = network(surface.normal, light, surface_hints(config, surface.relief, surface.parsing))
     else:
         if begun is None:
-            begun = begin_effects(bundle, surface, device, precision=precision, pair=pair)
+            begun = begin_effects(networks, surface)
         occlusion = network(surface.normal, light, hints, begun)
     effects = estimated_effects(config, occlusion, reflected, surface.albedo)
     return replace(effects, colour_odds=odds, by_relief=fraction)
@@ -355,32 +348,26 @@ class Composed:
 
 @torch.inference_mode()
 def compose(
-    bundle: NetworkBundle,
+    networks: BothNetworks | None,
     surface: Surface,
     reflected: torch.Tensor,
     effects: Effects,
     light: torch.Tensor,
-    device: str = "cpu",
-    *,
-    corrected: bool = True,
     parts: tuple[bool, bool] = (True, True),
-    precision: str = "bf16",
-    pair: PairName = "wide",
 ) -> Composed:
     """The relit view at slider positions of 1, in units of the normalised light.
 
     Args:
+        networks: of which composition corrects the explicit sum; None leaves that.
         reflected, effects: of a light (1, 16, 32, 3), as of `reflect` and `estimate_effects`.
-        corrected: by the composition network; else it is the explicit sum.
         parts: whether specular and shadow are part of it.
     """
     specular, shadow = (float(part) for part in parts)
     plain = explicit_sum(surface.albedo, reflected, effects, specular, shadow)
-    if not corrected:
+    if networks is None:
         return Composed(plain, plain)
     # The network has learnt that where much is hidden, more is, and would draw blots beside noses.
     diffuse, gloss = grey(surface.albedo * reflected[:, :3]), grey(reflected[:, 3:])
     doubtful = doubtful_shadow(effects, diffuse, gloss, surface.bare_skin)
     shown = (surface.albedo, surface.normal, effects.specular * specular, doubtful * shadow, plain)
-    network = in_precision(bundle, device, precision).pair(pair).composition
-    return Composed(network(*shown, light), plain)
+    return Composed(networks.composition(*shown, light), plain)

@@ -69,12 +69,13 @@ class Teacher:
         return seen | {"covered": surface.person[0], "light": lights, "relief_shadow": shadow} | lit
 
     def _answer(self, surface: stages.Surface, reflected: torch.Tensor, hint: torch.Tensor, light) -> Batch:
-        network = stages.in_precision(self._bundle, self._device).specular_shadow
+        networks = stages.in_precision(self._bundle, self._device)
+        network = networks.specular_shadow
         hints = specular_shadow_hints(network.config, reflected, hint, surface.relief, surface.parsing)
         occlusion = network(surface.normal, light, hints)
         effects = estimated_effects(network.config, occlusion, reflected, surface.albedo)
         effects.by_relief = hint
-        image = stages.compose(self._bundle, surface, reflected, effects, light, self._device).image
+        image = stages.compose(networks, surface, reflected, effects, light).image
         return {
             "reflected": reflected,
             "specular": effects.specular,

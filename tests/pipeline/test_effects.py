@@ -249,7 +249,7 @@ def test_a_place_that_light_surely_does_not_reach_is_composed_as_if_it_faced_awa
     def composed(irradiance, shadow, by_relief=None):
         reflected = torch.cat([torch.full_like(colour, irradiance), torch.full_like(colour, 0.02)], 1)
         effects = Effects(0.02 * one, shadow * one, None, by_relief)
-        return stages.compose(bundle, surface, reflected, effects, surface.source_light, precision="fp32").image
+        return stages.compose(bundle, surface, reflected, effects, surface.source_light).image
 
     away = composed(0.2, 0.0)
     torch.testing.assert_close(composed(4.2, 2.0, by_relief=one), away, rtol=1e-3, atol=1e-4)
@@ -281,7 +281,7 @@ def test_without_the_network_a_lamp_that_is_hidden_gives_no_gloss_beside_one_tha
     transport, table = march_relief(relief[0, 0], normal[0], one[0, 0]), ReflectionTable()
 
     def shown(light):
-        effects = stages.estimate_effects(None, surface, table(light, normal), transport, light, by_network=False)
+        effects = stages.estimate_effects(None, surface, table(light, normal), transport, light)
         return effects.specular[0, 0, size // 2, 10:14].mean().item()
 
     assert shown(key + behind) == pytest.approx(shown(key) + shown(behind), rel=0.05)
