@@ -20,6 +20,7 @@ from relight_core.evaluation.scoring import (
 from relight_core.evaluation.true_surface import true_surface
 from relight_core.face.parsing import FACE_LABELS
 from relight_core.imaging.resampling import resize_area
+from relight_core.imaging.tensor_images import as_image
 from relight_core.imaging.view_of_photo import ViewOfPhoto
 from relight_core.lighting.lamps import Lamp
 from relight_core.lighting.reflection import ReflectionTable
@@ -36,7 +37,6 @@ from relight_core.pipeline.per_photo.second_look import take_apart
 from relight_core.pipeline.per_photo.source_light import explain_source_light
 from relight_core.pipeline.quality import Tier
 from relight_core.pipeline.results.channels import (
-    as_image,
     effect_channels,
     enlarge_change,
     fit_view,

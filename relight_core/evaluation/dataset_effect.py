@@ -25,13 +25,13 @@ from relight_core.imaging.colour import luminance, srgb_decode, srgb_encode
 from relight_core.imaging.files import whole_file
 from relight_core.imaging.photo import Photo
 from relight_core.imaging.read import read_photo
+from relight_core.imaging.tensor_images import as_image, as_tensor
 from relight_core.networks.bundle import BundleConfig, NetworkBundle, load_bundle
 from relight_core.networks.delight import DelightConfig
 from relight_core.pipeline.per_photo.choosing_faces import choose_faces
 from relight_core.pipeline.per_photo.portrait import frame
 from relight_core.pipeline.relighter import WEIGHTS
 from relight_core.pipeline.results.channel_view import channel_to_srgb
-from relight_core.pipeline.results.channels import as_image, as_tensor
 from relight_core.resources import resource_path
 from relight_core.training.loop import Budget, is_begun, state_path, train_stage
 from relight_core.training.run import denormals_flushed

@@ -14,6 +14,7 @@ import torch.nn.functional as F
 
 from relight_core.face.parsing import INDEX
 from relight_core.imaging.tensor_colour import grey, srgb_decode, srgb_encode
+from relight_core.imaging.tensor_images import as_image, as_tensor
 from relight_core.lighting.reflection import ReflectionTable
 from relight_core.lighting.relief import ReliefTransport, march_relief
 from relight_core.networks.bundle import NetworkBundle
@@ -27,7 +28,6 @@ from relight_core.pipeline.per_light.hints import (
     specular_shadow_hints,
     with_dull_parts,
 )
-from relight_core.pipeline.results.channels import as_image, as_tensor
 
 
 @dataclass(frozen=True)
@@ -53,7 +53,7 @@ class DirectRelighter:
     @torch.inference_mode()
     def take_apart(self, photo: np.ndarray) -> TakenApart:
         """De-light a photo (S, S, 3), linear, [0, 1]; S a multiple of what the network wants."""
-        linear = as_tensor(photo).to(self._device)
+        linear = as_tensor(photo, self._device).float()
         found = self._bundle.delight(srgb_encode(linear).contiguous(memory_format=torch.channels_last))
         normal = F.normalize(found.normal.float(), dim=1, eps=1e-4)
         parts = (srgb_decode(found.albedo_srgb.float()), normal, found.light.float())

@@ -8,6 +8,7 @@ import torch
 from relight_core.evaluation.held_out import HeldOutHead, HeldOutLight
 from relight_core.face.parsing import CLASSES
 from relight_core.imaging.resampling import resize_area
+from relight_core.imaging.tensor_images import as_tensor
 from relight_core.imaging.tensor_normals import unit_normals
 from relight_core.pipeline.stages import Surface
 
@@ -16,8 +17,7 @@ def true_surface(head: HeldOutHead, light: HeldOutLight, size: int, device: str)
     """The true surface at a side of `size` pixels, of a photo under a light; the photo itself is left black."""
 
     def tensor(image: np.ndarray) -> torch.Tensor:
-        small = resize_area(image[..., None] if image.ndim == 2 else image, (size, size))
-        return torch.from_numpy(np.ascontiguousarray(small)).permute(2, 0, 1)[None].to(device)
+        return as_tensor(resize_area(image, (size, size)), device)
 
     truth = head.surface()
     person = tensor(truth["covered"])

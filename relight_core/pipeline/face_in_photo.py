@@ -7,6 +7,8 @@ from dataclasses import replace
 import numpy as np
 import torch
 
+from relight_core.imaging.half_floats import within_halves
+from relight_core.imaging.tensor_images import as_tensor
 from relight_core.lighting.environment import mean_luminance
 from relight_core.lighting.roll import roll_light
 from relight_core.pipeline import stages
@@ -20,7 +22,6 @@ from relight_core.pipeline.per_photo.source_light import explain_source_light, e
 from relight_core.pipeline.plan import Plan, plan_of_own_light
 from relight_core.pipeline.prepared import Prepared
 from relight_core.pipeline.quality import Tier
-from relight_core.pipeline.results.channels import as_tensor
 
 _KNOWN_ALONE = (
     *("view", "seen_view", "network_view", "delight", "outline", "wider_outline", "corneas"),
@@ -139,7 +140,8 @@ class FaceInPhoto(FaceTakenApart):
         source = self._source_light(ready)
 
         def find() -> Residual:
-            recorded, shadow = as_tensor(ready.photo_small).to(self._shop.device), ready.found.foreign_shadow
+            recorded = as_tensor(within_halves(ready.photo_small), self._shop.device)
+            shadow = ready.found.foreign_shadow
             if shadow is None:
                 return find_residual(ready.surface, recorded, source, compose)
             shadow = at_size(shadow, ready.tier.network_size)

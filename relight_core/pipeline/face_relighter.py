@@ -12,6 +12,7 @@ from relight_core.face.parsing import skin_share
 from relight_core.imaging.joint_upsampling import JointUpsampler
 from relight_core.imaging.light_change import LightChange
 from relight_core.imaging.photo import with_black
+from relight_core.imaging.tensor_images import as_image, enlarge
 from relight_core.imaging.view_of_photo import ViewOfPhoto
 from relight_core.lighting.environment import Environment, network_light
 from relight_core.lighting.lamps import Lamp
@@ -39,9 +40,7 @@ from relight_core.pipeline.prepared import Lit, Prepared
 from relight_core.pipeline.quality import Tier
 from relight_core.pipeline.results.channels import (
     ViewChange,
-    as_image,
     effect_channels,
-    enlarge,
     enlarge_change,
     fit_view,
     light_channels,

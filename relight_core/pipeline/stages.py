@@ -14,6 +14,7 @@ from relight_core.face.parsing import MIRRORED
 from relight_core.face.silhouette import solid_person
 from relight_core.imaging.resampling import resize_area
 from relight_core.imaging.tensor_colour import grey, srgb_decode, srgb_encode
+from relight_core.imaging.tensor_images import as_tensor, enlarge
 from relight_core.imaging.tensor_means import with_neighbours
 from relight_core.imaging.tensor_normals import unit_normals
 from relight_core.lighting.bounce import Bounce, gather_bounce
@@ -123,7 +124,7 @@ def delight(
         mirrored: also de-light the mirrored view and average both.
     """
     photo = np.clip(np.asarray(photo, np.float32), 0, 1)
-    seen, small = _as_tensor(photo, device), _as_tensor(resize_area(photo, (size, size)), device)
+    seen, small = as_tensor(photo, device), as_tensor(resize_area(photo, (size, size)), device)
     return delight_views(bundle, seen, small, mirrored=mirrored, precision=precision)[0]
 
 
@@ -190,10 +191,6 @@ def _found_in(network: DelightNetwork, views_srgb: torch.Tensor, size: int) -> D
     found = network(views_srgb.contiguous(memory_format=torch.channels_last))
     albedo = srgb_decode(found.albedo_srgb.float())
     return DelitSmall(albedo, found.normal, found.relief, found.parsing_logits, found.light)
-
-
-def _as_tensor(image: np.ndarray, device: str) -> torch.Tensor:
-    return torch.from_numpy(np.ascontiguousarray(image)).permute(2, 0, 1)[None].to(device)
 
 
 def height_of(relief: torch.Tensor, side_px: int) -> torch.Tensor:
@@ -328,8 +325,7 @@ def estimate_effects(
 
 def at_surface_size(of_relief: torch.Tensor, surface: Surface) -> torch.Tensor:
     """What a relief's transport tells, (1, C, R, R), at the size of the surface, (1, C, S, S), and where that lies."""
-    size = surface.normal.shape[-2:]
-    return F.interpolate(of_relief.to(surface.normal.device), size=size, mode="bilinear", align_corners=False)
+    return enlarge(of_relief.to(surface.normal.device), surface.normal.shape[-2:])
 
 
 def no_effects(surface: Surface) -> Effects:

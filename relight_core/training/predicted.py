@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import torch
-import torch.nn.functional as F
 
 from relight_core.dataset.samples import RELIEF_SIZE
 from relight_core.face.parsing import INDEX
 from relight_core.imaging.tensor_colour import srgb_decode
+from relight_core.imaging.tensor_images import enlarge
 from relight_core.lighting.reflection import ReflectionTable
 from relight_core.networks.bundle import NetworkBundle
 from relight_core.networks.delight import Delit
@@ -90,7 +90,7 @@ def relief_shadows(
     """
     transports = stages.march_views(normal, relief, person, RELIEF_SIZE)
     shadow = torch.cat([part.shadow_fraction(own) for part, own in zip(transports, lights, strict=True)])
-    return F.interpolate(shadow, size=size, mode="bilinear", align_corners=False)
+    return enlarge(shadow, size)
 
 
 def _for_both_photos(value: torch.Tensor) -> torch.Tensor:

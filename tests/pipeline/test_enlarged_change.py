@@ -9,8 +9,9 @@ import torch
 from relight_core.face.parsing import CLASSES, INDEX
 from relight_core.imaging.light_change import LightChange
 from relight_core.imaging.resampling import resize_area
+from relight_core.imaging.tensor_images import as_tensor
 from relight_core.pipeline.per_light.sliders import SliderChange
-from relight_core.pipeline.results.channels import as_tensor, enlarge_change, upsampler_for
+from relight_core.pipeline.results.channels import enlarge_change, upsampler_for
 from relight_core.pipeline.stages import Surface
 
 DOWN, ACROSS = np.mgrid[:512, :512]

@@ -28,12 +28,12 @@ from relight_core.errors import InputError
 from relight_core.evaluation.contest import Task
 from relight_core.imaging.resampling import resize_area
 from relight_core.imaging.tensor_colour import srgb_encode
+from relight_core.imaging.tensor_images import as_image, as_tensor
 from relight_core.lighting.reflection import ReflectionTable
 from relight_core.networks.blocks import Encoder, Head, decoder_levels, level_widths
 from relight_core.networks.composition import decode_radiance, encode_radiance
 from relight_core.networks.delight import ConfidenceWeightedLight
 from relight_core.networks.lfm import BottleneckLight, decode_lit, encode_light
-from relight_core.pipeline.results.channels import as_image, as_tensor
 from relight_core.training.loop import Budget, train_stage
 from relight_core.training.losses import irradiance_l1, masked_l1, wlog_l2
 from relight_core.training.run import Run, denormals_flushed, drawn_by, shared_batches, training_device
@@ -179,7 +179,7 @@ class Sun:
     def look(self, photo: np.ndarray) -> tuple[list[torch.Tensor], torch.Tensor]:
         if 0 < self.size_px < photo.shape[0]:
             photo = resize_area(photo, (self.size_px, self.size_px))
-        return self._network.encode(srgb_encode(as_tensor(photo)))
+        return self._network.encode(srgb_encode(as_tensor(photo).float()))
 
     @torch.inference_mode()
     def relight(self, seen: tuple[list[torch.Tensor], torch.Tensor], task: Task) -> Mapping[str, np.ndarray]:

@@ -15,10 +15,10 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
-import numpy as np
 import torch
 
 from relight_core.imaging.tensor_colour import grey
+from relight_core.imaging.tensor_images import as_image
 from relight_core.lighting.bounce import Bounce
 from relight_core.lighting.horizon import Horizon
 from relight_core.lighting.lamps import Lamp, footprint
@@ -61,8 +61,7 @@ class LampsView:
 
 def ready_for_lamps(surface: Surface) -> LampsView:
     """Make a surface ready to be asked for the shadows of small lamps, whatever its albedo."""
-    relief, covered = surface.relief[0, 0].cpu().numpy(), surface.person[0, 0].cpu().numpy() > 0.5
-    return LampsView(Horizon(relief, covered), skin_bounce(surface))
+    return LampsView(Horizon(as_image(surface.relief), as_image(surface.person) > 0.5), skin_bounce(surface))
 
 
 @torch.inference_mode()
@@ -102,14 +101,15 @@ def harden_shadow(
     dull = (hidden_gloss(effects, gloss) / gloss.clamp_min(_NO_GLOSS)).clamp(0, 1)
     shiny = _with_edges(dull, _parts(_gloss(lamps, surface), gloss, grey(of_lamps[:, 3:])), reach)
     radiance = surface.albedo * of_lamps[:, :3] * _share_seen(lamps, parts, reach, matt.hidden)
-    ends = zip(lamps, _planes(matt.counts), _planes(reach.lost_finely), strict=True)
+    ends = zip(lamps, map(as_image, matt.counts), map(as_image, reach.lost_finely), strict=True)
+    edges = [LampEdge(*of_lamp) for of_lamp in ends]
     hardened = replace(
         effects,
         specular=(effects.specular - gloss * (shiny.hidden - dull)).clamp_min(0),
         by_relief=matt.by_relief,
         gloss_by_relief=shiny.by_relief,
         thrown_back=thrown_back(view.bounce, radiance, surface.albedo),
-        edges=ShadowEdges(view.horizon, [LampEdge(*of_lamp) for of_lamp in ends], *_planes([matt.hidden, diffuse])),
+        edges=ShadowEdges(view.horizon, edges, as_image(matt.hidden), as_image(diffuse)),
     )
     return with_hidden_share(hardened, matt.hidden, diffuse, gloss)
 
@@ -257,8 +257,3 @@ def _gloss(lamps: Sequence[Lamp], surface: Surface) -> list[torch.Tensor]:
     power = normal.new_tensor([torch.pi * lamp.irradiance for lamp in lamps])
     of_lamps = ((specular_lobe(toward, normal) + _NO_GLOSS) * power[:, None]).unflatten(1, surface.normal.shape[-2:])
     return list(smooth_gloss(of_lamps[None]).split(1, dim=1))
-
-
-def _planes(maps: Sequence[torch.Tensor]) -> list[np.ndarray]:
-    """Maps (1, 1, S, S) as images (S, S) float32."""
-    return [np.ascontiguousarray(of_view[0, 0].float().cpu().numpy()) for of_view in maps]

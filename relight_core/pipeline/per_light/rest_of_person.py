@@ -20,6 +20,7 @@ from relight_core.imaging.light_change import share_in_reach
 from relight_core.imaging.photo_frame import Inside, going_on
 from relight_core.imaging.ramp import ramp
 from relight_core.imaging.resampling import resize_area, shrunk_size
+from relight_core.imaging.tensor_images import as_tensor
 from relight_core.lighting.reflection import NormalLookup, ReflectionTable
 from relight_core.lighting.sphere import solid_angles
 
@@ -101,7 +102,7 @@ def make_body(
             on behind it, as beyond the photo's border.
     """
     outline = share if inside is None else going_on(share[inside], inside, share.shape)
-    normal = torch.from_numpy(_bulging(outline)).permute(2, 0, 1)[None].to(table.transport.device)
+    normal = as_tensor(_bulging(outline), table.transport.device)
     small = shrunk_size(share.shape, _LONGEST_KNOWN)
     photo, body, known = (resize_area(image, small) for image in (photo, share, known))
     lit, unclipped = luminance(photo) / _WELL_SEEN, (1 - photo.max(-1)) / _HEADROOM

@@ -10,6 +10,7 @@ from __future__ import annotations
 import torch
 import torch.nn.functional as F
 
+from relight_core.imaging.tensor_images import enlarge
 from relight_core.imaging.tensor_normals import unit_normals
 from relight_core.lighting.bounce import Bounce, gather_bounce
 from relight_core.pipeline.stages import Surface
@@ -35,8 +36,7 @@ def thrown_back(bounce: Bounce, radiance: torch.Tensor, albedo: torch.Tensor) ->
         bounce: `skin_bounce` of the surface.
         radiance, albedo: (1, 3, S, S), linear.
     """
-    irradiance = bounce.thrown_back(_shrunk(radiance))
-    return albedo * F.interpolate(irradiance, size=albedo.shape[-2:], mode="bilinear", align_corners=False)
+    return albedo * enlarge(bounce.thrown_back(_shrunk(radiance)), albedo.shape[-2:])
 
 
 def _shrunk(image: torch.Tensor) -> torch.Tensor:

@@ -10,6 +10,7 @@ import torch
 
 from relight_core.face.parsing import INDEX
 from relight_core.imaging.tensor_colour import grey
+from relight_core.imaging.tensor_images import as_image, as_tensor
 from relight_core.lighting.light_edit import colour_gain
 from relight_core.pipeline.per_light.hints import Effects, explicit_parts, hidden_share, with_hidden_share
 from relight_core.pipeline.stages import Composed, Surface
@@ -86,7 +87,7 @@ def _without_nostrils(lifted: torch.Tensor, parsing: torch.Tensor) -> torch.Tens
     Their normals face the lamp as often as not, so that without a shadow they would shine out of a nose.
     """
     window = _window(_NOSTRIL, lifted, cv2.MORPH_RECT)
-    nose = torch.from_numpy(cv2.dilate(_plane(parsing[:, INDEX["nose"], None]), window)).to(lifted)
+    nose = as_tensor(cv2.dilate(as_image(parsing[:, INDEX["nose"], None]), window), lifted.device)
     return lifted + nose * (_opened(lifted, window) - lifted)
 
 
@@ -121,8 +122,7 @@ def _window(widest: float, like: torch.Tensor, shape: int) -> np.ndarray:
 
 def _opened(image: torch.Tensor, window: np.ndarray) -> torch.Tensor:
     """An image (1, 3, S, S) without bright spots that a window does not fit into."""
-    planes = np.ascontiguousarray(image[0].movedim(0, -1).cpu().numpy())
-    return torch.from_numpy(cv2.morphologyEx(planes, cv2.MORPH_OPEN, window)).movedim(-1, 0)[None].to(image)
+    return as_tensor(cv2.morphologyEx(as_image(image), cv2.MORPH_OPEN, window), image.device)
 
 
 def _ears(parsing: torch.Tensor) -> torch.Tensor:
@@ -149,8 +149,8 @@ def soften_shadow(effects: Effects, surface: Surface, reflected: torch.Tensor, s
     diffuse = grey(surface.albedo * reflected[:, :3])
     gloss = grey(reflected[:, 3:])
     hidden = hidden_share(effects, diffuse, gloss)
-    soft = _within_surfaces(_plane(hidden), _plane(surface.relief), _plane(surface.person), softness)
-    return with_hidden_share(effects, torch.from_numpy(soft)[None, None].to(diffuse), diffuse, gloss)
+    soft = _within_surfaces(*map(as_image, (hidden, surface.relief, surface.person)), softness)
+    return with_hidden_share(effects, as_tensor(soft, diffuse.device), diffuse, gloss)
 
 
 def specular_gain(gain: float, tint: float, device: torch.device | str = "cpu") -> float | torch.Tensor:
@@ -175,7 +175,3 @@ def _within_surfaces(hidden: np.ndarray, relief: np.ndarray, person: np.ndarray,
     blurred = np.clip(np.nan_to_num(blurred.reshape(hidden.shape)), 0, 1)
     # It takes less than a pixel for one.
     return hidden + np.float32(min(deviation_px, 1.0)) * (blurred - hidden)
-
-
-def _plane(tensor: torch.Tensor) -> np.ndarray:
-    return np.ascontiguousarray(tensor[0, 0].float().cpu().numpy())

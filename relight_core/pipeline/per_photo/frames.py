@@ -12,6 +12,7 @@ import numpy as np
 import torch
 
 from relight_core.face.parsing import INDEX
+from relight_core.imaging.tensor_images import as_image, as_tensor
 
 _THIN = 0.04
 """Of the view's side: frames are narrower, and dark glasses, which do hide what is behind them, are wider."""
@@ -25,9 +26,7 @@ def without_frames(relief: torch.Tensor, parsing: torch.Tensor) -> torch.Tensor:
     """
     side_px = max(round(_THIN * relief.shape[-1]), 1) | 1
     window = np.ones((side_px, side_px), np.uint8)
-    height, glasses = (
-        np.ascontiguousarray(plane.float().cpu().numpy()) for plane in (relief[0, 0], parsing[0, INDEX["glasses"]])
-    )
+    height, glasses = as_image(relief), as_image(parsing[:, INDEX["glasses"], None])
     around, wide = (cv2.morphologyEx(plane, cv2.MORPH_OPEN, window) for plane in (height, glasses))
     height = height + cv2.dilate(glasses - wide, window) * (around - height)
-    return torch.from_numpy(height)[None, None].to(relief)
+    return as_tensor(height, relief.device)

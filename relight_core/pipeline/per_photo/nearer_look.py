@@ -17,6 +17,7 @@ import torch
 from relight_core.face.crop import Crop
 from relight_core.face.paste import fade, seen_across
 from relight_core.imaging.resampling import resample_window
+from relight_core.imaging.tensor_images import as_image, as_tensor
 from relight_core.imaging.tensor_normals import unit_normals
 from relight_core.pipeline.per_photo.portrait import Portrait
 from relight_core.pipeline.results.channels import ViewChange
@@ -53,7 +54,7 @@ def with_nearer_look(surface: Surface, seen_nearer: Surface, view: Crop, nearer:
     """
     size = surface.normal.shape[-1]
     window = _window_of(view, nearer, size)
-    weight = torch.from_numpy(_weight(window, size))[None, None].to(surface.normal)
+    weight = as_tensor(_weight(window, size), surface.normal.device)
     albedo, normal, relief, parsing = (
         _resampled(image, window)
         for image in (seen_nearer.albedo, seen_nearer.normal, seen_nearer.relief, seen_nearer.parsing)
@@ -116,9 +117,7 @@ def _weight(window: tuple[float, float, float, float], size: int) -> np.ndarray:
 
 def _resampled(image: torch.Tensor, window: tuple[float, float, float, float]) -> torch.Tensor:
     """A window of (1, C, S, S), at the same size."""
-    channels = np.ascontiguousarray(image[0].permute(1, 2, 0).float().cpu().numpy())
-    seen = resample_window(channels, window, image.shape[-2:]).reshape(channels.shape)
-    return torch.from_numpy(np.ascontiguousarray(seen)).permute(2, 0, 1)[None].to(image.device)
+    return as_tensor(resample_window(as_image(image), window, image.shape[-2:]), image.device)
 
 
 def _nonzero(anywhere: np.ndarray) -> slice:

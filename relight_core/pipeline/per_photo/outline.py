@@ -16,6 +16,7 @@ from relight_core.face.silhouette import person_with_headwear, rows_above_the_ey
 from relight_core.imaging.colour import srgb_encode
 from relight_core.imaging.photo import Photo
 from relight_core.imaging.ramp import ramp
+from relight_core.imaging.tensor_images import as_tensor
 from relight_core.networks.bundle import NetworkBundle
 from relight_core.pipeline.per_photo.likely_person import closed
 from relight_core.pipeline.per_photo.network_view import in_picture, network_view, picture_size
@@ -89,8 +90,7 @@ def outline_person(
     inside = inside_photo(in_picture(photo, view), picture_size(photo), _SIZE)
     seen = srgb_encode(np.clip(network_view(photo, view, _SIZE, exposure), 0, 1)) * inside[..., None]
     planes = np.dstack([seen, inside, face_in_view(view, crop, _SIZE)]).astype(np.float32)
-    stacked = torch.from_numpy(planes).permute(2, 0, 1)[None].to(device)
-    stacked = torch.cat([_turned_over(stacked, mirror) for mirror in mirrors])
+    stacked = torch.cat([_turned_over(as_tensor(planes, device), mirror) for mirror in mirrors])
     logits = in_precision(bundle, device).person(stacked[:, :3], stacked[:, 3:4], stacked[:, 4:])
     said = torch.stack([_turned_over(look, mirror) for look, mirror in zip(logits, mirrors, strict=True)])
     return Outline(torch.sigmoid(said.mean(0))[0].cpu().numpy(), view)

@@ -12,11 +12,11 @@ from dataclasses import replace
 
 import numpy as np
 import torch
-import torch.nn.functional as F
 
 from relight_core.face.parsing import skin_share
 from relight_core.imaging.resampling import resize_area
 from relight_core.imaging.tensor_constants import constant
+from relight_core.imaging.tensor_images import as_image, as_tensor, enlarge
 from relight_core.imaging.tensor_logs import exact_logs
 from relight_core.networks.bundle import NetworkBundle
 from relight_core.pipeline import stages
@@ -39,9 +39,9 @@ def take_apart(bundle: NetworkBundle, photo_view: np.ndarray, tier: Tier, device
     seen = resize_area(photo_view, (tier.delight_size, tier.delight_size))
     how = {"mirrored": tier.mirrored, "precision": tier.precision}
     found = stages.delight(bundle, seen, tier.network_size, device, **how)
-    shadow = find_foreign_shadow(bundle, _as_tensor(seen, device), found.parsing, tier.precision)
+    shadow = find_foreign_shadow(bundle, as_tensor(seen, device), found.parsing, tier.precision)
     if shadow is not None:
-        seen = _as_image(without_shadow(_as_tensor(seen, device), shadow))
+        seen = as_image(without_shadow(as_tensor(seen, device), shadow))
         found = replace(stages.delight(bundle, seen, tier.network_size, device, **how), foreign_shadow=shadow)
     found = with_cropped_hair(with_hair_on_scalp(with_white_hair(found)))
     if not tier.looks_twice:
@@ -52,15 +52,7 @@ def take_apart(bundle: NetworkBundle, photo_view: np.ndarray, tier: Tier, device
 def evenly_lit(photo: np.ndarray, found: stages.Surface) -> np.ndarray:
     """A photo (D, D, 3), linear, with the person most of the way to an even light; as large, in [0, 1]."""
     parts = {"albedo": found.albedo, "normal": found.normal, "photo": found.photo, "person": found.person}
-    return _as_image(evened_out(_as_tensor(photo, found.normal.device), **parts))
-
-
-def _as_tensor(photo: np.ndarray, device: str | torch.device) -> torch.Tensor:
-    return torch.from_numpy(photo).permute(2, 0, 1)[None].to(device)
-
-
-def _as_image(view: torch.Tensor) -> np.ndarray:
-    return np.ascontiguousarray(view[0].permute(1, 2, 0).cpu().numpy())
+    return as_image(evened_out(as_tensor(photo, found.normal.device), **parts))
 
 
 def evened_out(
@@ -72,8 +64,7 @@ def evened_out(
     wanted = albedo * received / (1 + ahead.norm())
     gain = (wanted / photo.clamp_min(_DARKEST_PHOTO)).clamp(1 / _STRONGEST_GAIN, _STRONGEST_GAIN).log()
     gain = _MOST_OF_THE_WAY * torch.where(person > 0.5, gain, 0.0)
-    gain = F.interpolate(gain, size=views.shape[-2:], mode="bilinear", align_corners=False).exp()
-    return (views * gain).clamp(0, 1)
+    return (views * enlarge(gain, views.shape[-2:]).exp()).clamp(0, 1)
 
 
 def with_skin_of(found: stages.Surface, again: stages.Surface) -> stages.Surface:

@@ -8,6 +8,7 @@ import torch.nn.functional as F
 from relight_core.face.parsing import FEWEST_PIXELS, SURELY, skin_share
 from relight_core.imaging.ramp import ramp
 from relight_core.imaging.tensor_colour import grey, luminance_weights
+from relight_core.imaging.tensor_images import enlarge
 from relight_core.lighting.inverse import explain_photo
 from relight_core.lighting.relief import ReliefTransport
 from relight_core.pipeline.per_light.hints import gloss_share
@@ -65,7 +66,7 @@ def explain_source_light(surface: Surface, reflector: Reflector, relief: ReliefT
 
 def _without_gloss(photo: torch.Tensor, gloss: torch.Tensor, hidden: torch.Tensor) -> torch.Tensor:
     """The photo (1, 3, S, S) without gloss that lies over it where the light, (1, 1, R, R), is not hidden."""
-    hidden = F.interpolate(hidden, size=photo.shape[-2:], mode="bilinear", align_corners=False).to(photo.device)
+    hidden = enlarge(hidden, photo.shape[-2:]).to(photo.device)
     return torch.maximum(photo - gloss * (1 - hidden), _LEAST_MATTE * photo)
 
 

@@ -7,16 +7,15 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import torch
-import torch.nn.functional as F
 
 from relight_core.face.parsing import BROWS, EYES, INDEX, MOUTH, SKIN, skin_share
 from relight_core.imaging.colour import without_colour
 from relight_core.imaging.guided_detail import carry_detail
-from relight_core.imaging.half_floats import within_halves
 from relight_core.imaging.joint_upsampling import JointUpsampler
 from relight_core.imaging.light_change import LightChange
 from relight_core.imaging.resampling import resize_area, resize_smooth
 from relight_core.imaging.tensor_colour import grey
+from relight_core.imaging.tensor_images import as_image, enlarge
 from relight_core.imaging.tensor_normals import unit_normals
 from relight_core.imaging.tone import Tone
 from relight_core.imaging.view_of_photo import Makeup, ViewOfPhoto
@@ -211,19 +210,3 @@ def unrolled(normals: np.ndarray, roll_deg: float) -> np.ndarray:
     angle = np.radians(roll_deg)
     turn = np.array([[np.cos(angle), np.sin(angle), 0], [-np.sin(angle), np.cos(angle), 0], [0, 0, 1]])
     return normals if roll_deg == 0 else (normals @ turn).astype(normals.dtype)
-
-
-def enlarge(tensor: torch.Tensor, size: int) -> torch.Tensor:
-    """(1, C, s, s) to (1, C, size, size), bilinear."""
-    return F.interpolate(tensor.float(), size=(size, size), mode="bilinear", align_corners=False)
-
-
-def as_image(tensor: torch.Tensor) -> np.ndarray:
-    """(1, C, S, S) to (S, S, C), or (S, S) for one channel; float32."""
-    array = np.ascontiguousarray(tensor[0].permute(1, 2, 0).float().cpu().numpy())
-    return array[..., 0] if array.shape[-1] == 1 else array
-
-
-def as_tensor(image: np.ndarray) -> torch.Tensor:
-    """(S, S, C) to (1, C, S, S) float32, finite: what is brighter than a half float can say counts as that."""
-    return torch.from_numpy(np.ascontiguousarray(within_halves(image))).permute(2, 0, 1)[None]
