@@ -9,6 +9,7 @@ import numpy as np
 
 from relight_core.face.find import FaceBox
 from relight_core.face.parsing import FACE_LABELS
+from relight_core.imaging.masks import largest_part
 from relight_core.imaging.resampling import resample_window, resize_area
 
 FOREHEAD = 0.25
@@ -147,14 +148,11 @@ def box_from_parsing(parsing: np.ndarray, crop: Crop) -> FaceBox | None:
     """
     share = parsing[list(FACE_LABELS)].sum(0).astype(np.float32)
     share = cv2.morphologyEx(share, cv2.MORPH_OPEN, np.ones((3, 3), np.uint8))
-    count, parts, stats, _ = cv2.connectedComponentsWithStats((share > _HALF).astype(np.uint8), connectivity=8)
-    if count < 2:
-        return None
-    largest = 1 + stats[1:, cv2.CC_STAT_AREA].argmax()
-    if stats[largest, cv2.CC_STAT_AREA] < _SMALLEST_FACE_SHARE * share.size:
+    largest = largest_part(share > _HALF, _SMALLEST_FACE_SHARE * share.size)
+    if largest is None:
         return None
     # No other part is as near as that.
-    own = share * cv2.dilate((parts == largest).astype(np.uint8), np.ones((3, 3), np.uint8))
+    own = share * cv2.dilate(largest, np.ones((3, 3), np.uint8))
     (left, right), (top, bottom) = _span(own.max(0)), _span(own.max(1))
     middle_x, middle_y = crop.to_photo(np.array([left + right, top + bottom]) / 2, len(share))
     scale = crop.side / len(share)

@@ -14,6 +14,7 @@ import cv2
 import numpy as np
 
 from relight_core.face.parsing import EYES, INDEX
+from relight_core.imaging.masks import bounds, largest_part
 
 _RADIUS_IN_HALF_WIDTHS = 1.4
 _STEEPEST = 0.85
@@ -67,13 +68,10 @@ def eye_sockets(parsing: np.ndarray) -> np.ndarray:
 
 def eye_place(share: np.ndarray) -> EyePlace | None:
     """The largest connected part of an eye's probability (S, S); None where there is none to speak of."""
-    count, parts, stats, _ = cv2.connectedComponentsWithStats((share > 0.5).astype(np.uint8))
-    if count < 2:
+    largest = largest_part(share > 0.5, _FEWEST_PIXELS)
+    if largest is None:
         return None
-    largest = 1 + int(stats[1:, cv2.CC_STAT_AREA].argmax())
-    if stats[largest, cv2.CC_STAT_AREA] < _FEWEST_PIXELS:
-        return None
-    share = (share * cv2.dilate((parts == largest).astype(np.uint8), np.ones((3, 3), np.uint8))).astype(np.float32)
+    share = (share * cv2.dilate(largest, np.ones((3, 3), np.uint8))).astype(np.float32)
     total, place = float(share.sum()), np.arange(len(share), dtype=np.float32)
     across, down = share.sum(0) / total, share.sum(1) / total
     middle_x, middle_y = float(across @ place), float(down @ place)
@@ -101,11 +99,7 @@ def _with_ball(normal: np.ndarray, eye: EyePlace, facing: np.ndarray) -> np.ndar
 def _around(share: np.ndarray, lid_px: float) -> tuple[slice, slice]:
     """Rows and columns of an eye and of all that its lids reach."""
     reach = int(np.ceil(_BLUR_DEVIATIONS * lid_px)) + 1
-    bounds = []
-    for axis in (1, 0):
-        seen = np.flatnonzero(share.any(axis))
-        bounds.append(slice(max(int(seen[0]) - reach, 0), int(seen[-1]) + reach + 1))
-    return bounds[0], bounds[1]
+    return tuple(slice(max(seen.start - reach, 0), seen.stop + reach) for seen in bounds(share))
 
 
 def _unit(vectors: np.ndarray) -> np.ndarray:

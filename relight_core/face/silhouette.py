@@ -7,6 +7,7 @@ import numpy as np
 
 from relight_core.face.parsing import EYES, FACE_LABELS, INDEX, middle_row
 from relight_core.face.posterior import posterior
+from relight_core.imaging.masks import disc
 from relight_core.imaging.ramp import ramp
 
 _CLOSING_SHARE = 1 / 24
@@ -72,8 +73,8 @@ def rows_above_the_eyes(parsing: np.ndarray) -> np.ndarray:
 def _without_holes(body: np.ndarray) -> np.ndarray:
     """Close gaps up to a small share of the image, then fill what is enclosed."""
     size = len(body)
-    span = 2 * max(round(size * _CLOSING_SHARE / 2), 1) + 1
-    kernel = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (span, span))
+    kernel = disc(size * _CLOSING_SHARE / 2)
+    span = len(kernel)
     padded = cv2.copyMakeBorder(body, span, span, span, span, cv2.BORDER_REPLICATE)
     closed = cv2.morphologyEx(padded, cv2.MORPH_CLOSE, kernel)[span:-span, span:-span]
     outlines, _ = cv2.findContours(closed, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)

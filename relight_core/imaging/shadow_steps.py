@@ -13,6 +13,7 @@ import numpy as np
 
 from relight_core.imaging.colour import luminance
 from relight_core.imaging.half_floats import within_halves
+from relight_core.imaging.masks import bounds
 from relight_core.imaging.ramp import ramp
 
 _DARK = 0.02
@@ -52,11 +53,8 @@ class ShadowSteps:
         amid_skin = np.minimum(cv2.erode(skin, _AROUND), cv2.dilate(steep, _AROUND))
         nearby = cv2.resize(amid_skin, large.shape[1::-1], interpolation=cv2.INTER_LINEAR)
         share = cv2.blur(nearby * sharpness(plain), (3, 3))
-        left, top, width, height = cv2.boundingRect((share > 0).astype(np.uint8))
-        if not width:
-            return None
-        within = slice(top, top + height), slice(left, left + width)
-        return cls(within, within_halves(large[within]), share[within])
+        within = bounds(share)
+        return cls(within, within_halves(large[within]), share[within]) if within[0].stop else None
 
     def taken_out(
         self, gain: np.ndarray, offset: np.ndarray, of_light: np.ndarray | None = None

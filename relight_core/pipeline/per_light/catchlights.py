@@ -18,6 +18,7 @@ import torch
 
 from relight_core.face.crop import Crop
 from relight_core.imaging.colour import luminance, without_colour
+from relight_core.imaging.masks import bounds
 from relight_core.imaging.ramp import ramp
 from relight_core.imaging.resampling import resize_area
 from relight_core.imaging.tensor_colour import grey
@@ -144,14 +145,8 @@ def sky_over(cornea: Cornea, view: Crop, transport: ReliefTransport, size: int) 
     if view.roll_deg:
         seen = np.clip(roll_light(np.repeat(seen[..., None], 3, axis=-1), -view.roll_deg)[..., 0], 0, 1)
     weights = _weights(cornea, view, size)
-    place = tuple(_held(weights.any(axis)) for axis in (1, 0))
+    place = bounds(weights)
     return EyeSky(opened, closed, seen, place, weights[place])
-
-
-def _held(line: np.ndarray) -> slice:
-    """From the first True to the last."""
-    held = np.flatnonzero(line)
-    return slice(held[0], held[-1] + 1) if held.size else slice(0, 0)
 
 
 def light_about(

@@ -16,6 +16,7 @@ import numpy as np
 from relight_core.face.crop import Crop
 from relight_core.face.irises import Iris
 from relight_core.imaging.colour import luminance, srgb_encode
+from relight_core.imaging.masks import disc
 from relight_core.imaging.ramp import ramp
 from relight_core.lighting.sphere import place_on_map
 
@@ -96,7 +97,7 @@ def find_cornea(linear: np.ndarray, exposure: float, iris: Iris) -> Cornea | Non
     seen = luminance(colour) * np.float32(exposure)
     around = max(float(np.percentile(seen[within < 0.5], 75)), 1e-3)
     pale = float(np.percentile(seen[(within > 0.5) & (np.abs(down) < _BETWEEN_LIDS)], _PALE_PERCENTILE))
-    ground = _without_specks(seen, radius)
+    ground = cv2.morphologyEx(seen, cv2.MORPH_OPEN, disc(_SPECK * radius))
     bright = _bright(seen / around, np.maximum(ground, pale) / around)
     on_lid = np.where(np.abs(down) > np.abs(right), 1 - _bare(ground, within, radius, down), 0)
     specks = _islands(bright, away) * (1 - on_lid)
@@ -115,11 +116,6 @@ def find_cornea(linear: np.ndarray, exposure: float, iris: Iris) -> Cornea | Non
 def _square(iris: Iris) -> Crop:
     half = int(np.ceil(_REACH * iris.radius))
     return Crop(round(iris.x), round(iris.y), 2 * half)
-
-
-def _without_specks(seen: np.ndarray, radius: float) -> np.ndarray:
-    speck = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (2 * max(round(_SPECK * radius), 1) + 1,) * 2)
-    return cv2.morphologyEx(seen, cv2.MORPH_OPEN, speck)
 
 
 def _bright(seen: np.ndarray, ground: np.ndarray) -> np.ndarray:

@@ -11,6 +11,7 @@ from relight_core.face.crop import Crop
 from relight_core.face.paste import across_and_down, all_of, spread_crop
 from relight_core.face.person_view import upright
 from relight_core.imaging.colour_counts import bins_of, log_odds, shares_of
+from relight_core.imaging.masks import largest_part
 from relight_core.imaging.ramp import ramp
 
 _SURELY_BODY, _PROBABLY_BODY, _PERHAPS_BODY, _NOBODY = 0.97, 0.6, 0.2, 0.02
@@ -133,10 +134,9 @@ def attached(matte: np.ndarray, placed: list[np.ndarray]) -> np.ndarray:
     """
     surely = np.zeros_like(matte)
     for seen in placed:
-        count, parts, stats, _ = cv2.connectedComponentsWithStats((seen > _SURE_FROM).astype(np.uint8))
-        if count > 1:
-            largest = parts == 1 + stats[1:, cv2.CC_STAT_AREA].argmax()
-            surely = np.maximum(surely, np.where(largest, matte, 0))
+        largest = largest_part(seen > _SURE_FROM)
+        if largest is not None:
+            surely = np.maximum(surely, largest * matte)
     return _spread_within(surely, matte) if surely.any() else matte
 
 

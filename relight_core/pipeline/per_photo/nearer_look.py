@@ -16,6 +16,7 @@ import torch
 
 from relight_core.face.crop import Crop
 from relight_core.face.paste import fade, seen_across
+from relight_core.imaging.masks import bounds
 from relight_core.imaging.resampling import resample_window
 from relight_core.imaging.tensor_images import as_image, as_tensor
 from relight_core.imaging.tensor_normals import unit_normals
@@ -78,7 +79,7 @@ def with_nearer_change(change: ViewChange, seen_nearer: ViewChange, view: Crop, 
     """What a light makes of a view, with what it makes of the nearer one in its place; maps of the same size."""
     size = change.gain.shape[0]
     weight = _weight(_window_of(view, nearer, size), size)
-    rows, columns = (_nonzero(weight.any(axis=axis)) for axis in (1, 0))
+    rows, columns = bounds(weight)
     if rows.start == rows.stop:
         return change
     share = cv2.merge((weight[rows, columns],) * 3)
@@ -118,12 +119,6 @@ def _weight(window: tuple[float, float, float, float], size: int) -> np.ndarray:
 def _resampled(image: torch.Tensor, window: tuple[float, float, float, float]) -> torch.Tensor:
     """A window of (1, C, S, S), at the same size."""
     return as_tensor(resample_window(as_image(image), window, image.shape[-2:]), image.device)
-
-
-def _nonzero(anywhere: np.ndarray) -> slice:
-    """From the first to the last that is true; empty where none is."""
-    places = np.flatnonzero(anywhere)
-    return slice(int(places[0]), int(places[-1]) + 1) if places.size else slice(0, 0)
 
 
 def _mean(image: torch.Tensor, weight: torch.Tensor) -> torch.Tensor:

@@ -16,6 +16,7 @@ import numpy as np
 
 from relight_core.face.crop import Crop
 from relight_core.face.paste import Band, spread_crop, window_of
+from relight_core.imaging.masks import disc
 from relight_core.imaging.photo_frame import Inside
 from relight_core.imaging.ramp import ramp
 from relight_core.imaging.resampling import resize_area, resize_smooth
@@ -167,7 +168,7 @@ class _Sides:
 
 def _sides_about(guide: np.ndarray, share: np.ndarray, hair: np.ndarray, head_px: float) -> _Sides:
     """Learnt well within the hair and well outside; what within it looks like what lies behind has no say."""
-    inner, outer = cv2.erode(share, _disc(_SURELY_WITHIN * head_px)), cv2.dilate(share, _disc(_SURELY_WITHIN * head_px))
+    inner, outer = cv2.erode(share, disc(_SURELY_WITHIN * head_px)), cv2.dilate(share, disc(_SURELY_WITHIN * head_px))
     of_hair, of_behind = ramp(inner, 0.8, 1.0) * ramp(hair, 0.5, 0.9), 1 - ramp(outer, 0.0, 0.2)
     reach = _ABOUT * head_px
     behind, behind_seen = _mean(guide, of_behind, reach)
@@ -200,7 +201,7 @@ def _trust(
     gaps = _hanging_together(outside, gaps) | shut_in
     near = reach * (1 - ramp(_distance_to(gaps) / head_px, *_BY_A_GAP))
     near *= 1 - ramp(_distance_to(~outside) / head_px, *_FAR_OUT)
-    hairy = ramp(cv2.dilate(hair, _disc(0.01 * head_px)), *_HAIR)
+    hairy = ramp(cv2.dilate(hair, disc(0.01 * head_px)), *_HAIR)
     hairy = cv2.GaussianBlur(hairy, (0, 0), max(0.006 * head_px, 0.5))
     not_others = 1 - ramp(cv2.GaussianBlur(others, (0, 0), max(0.003 * head_px, 0.5)), *_OTHERS)
     return (sides.certainty * near * hairy * not_others).astype(np.float32)
@@ -236,8 +237,3 @@ def _distance_to(where: np.ndarray) -> np.ndarray:
     """(k, l) float32: pixels to the nearest place that is true; far where there is none."""
     distance = cv2.distanceTransform((~where).astype(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_5)
     return np.minimum(distance, np.float32(sum(where.shape)))
-
-
-def _disc(radius_px: float) -> np.ndarray:
-    side = 2 * max(1, round(radius_px)) + 1
-    return cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (side, side))

@@ -11,6 +11,7 @@ import numpy as np
 from relight_core.face.crop import Crop
 from relight_core.face.paste import all_of, bands, nearer
 from relight_core.imaging.in_order import in_order
+from relight_core.imaging.masks import bounds
 from relight_core.imaging.resampling import at_size, resize_cut_out, shrunk_size
 from relight_core.pipeline.per_photo.person import whole_person
 from relight_core.pipeline.results.channels import unrolled
@@ -146,9 +147,8 @@ def _channel(
     inside = [nearer(view, band, nearest) for _, view in faces]
     layer = np.zeros((*size, *faces[0][0][name].shape[2:]), np.float32)
     for (channels, view), chosen in zip(faces, inside, strict=True):
-        rows, columns = (np.flatnonzero(chosen.any(axis=axis)) for axis in (1, 0))
-        if rows.size:
-            part = slice(rows[0], rows[-1] + 1), slice(columns[0], columns[-1] + 1)
+        part = bounds(chosen)
+        if part[0].stop:
             placed = _placed(name, channels[name], view, photo_size, size, part)
             where = chosen[part].reshape(*placed.shape[:2], *[1] * (placed.ndim - 2))
             np.copyto(layer[part], _of_unit_length(name, placed), where=where)

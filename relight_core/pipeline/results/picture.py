@@ -15,6 +15,7 @@ import numpy as np
 from relight_core.face.crop import Crop
 from relight_core.face.paste import Band, bands, nearer, spread_crop, spread_window, whole_photo
 from relight_core.imaging.in_order import in_order
+from relight_core.imaging.masks import bounds
 from relight_core.imaging.photo import with_black, without_black
 from relight_core.imaging.resampling import resize_area
 from relight_core.pipeline.per_photo.matte import Matte
@@ -248,9 +249,8 @@ class Picture:
         relit = spread_window(self.rest, whole_photo(self.canvas.photo_size), band)
         relit *= colour
         for placed, chosen in zip(self.changes, inside, strict=True):
-            rows, columns = (np.flatnonzero(chosen.any(axis=axis)) for axis in (1, 0))
-            if rows.size:
-                part = slice(rows[0], rows[-1] + 1), slice(columns[0], columns[-1] + 1)
+            part = bounds(chosen)
+            if part[0].stop:
                 lit = self._within(placed, colour[part], band.part(*part), gloss)
                 np.copyto(relit[part], lit, where=chosen[part][..., None])
         return relit

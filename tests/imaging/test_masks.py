@@ -1,0 +1,38 @@
+"""Where masks lie, and what of them hangs together."""
+
+import numpy as np
+import pytest
+
+from relight_core.imaging.masks import bounds, disc, largest_part
+
+
+@pytest.mark.parametrize("kind", [bool, np.float32])
+def test_bounds_are_the_rows_and_columns_about_all_of_a_mask(kind):
+    mask = np.zeros((6, 9), kind)
+    mask[1, 4] = mask[3, 2] = 1
+    assert bounds(mask) == (slice(1, 4), slice(2, 5))
+    assert mask[bounds(np.zeros_like(mask))].size == 0
+
+
+def test_faint_shares_count_as_much_as_full_ones():
+    mask = np.zeros((4, 4), np.float32)
+    mask[2, 3] = 1e-9
+    assert bounds(mask) == (slice(2, 3), slice(3, 4))
+
+
+def test_the_largest_part_hangs_together_over_corners_too():
+    mask = np.zeros((5, 8), bool)
+    mask[0, 0] = mask[1, 1] = mask[2, 2] = True
+    mask[4, 5:7] = True
+    part = largest_part(mask)
+    assert np.argwhere(part).tolist() == [[0, 0], [1, 1], [2, 2]]
+    assert largest_part(mask, 3).sum() == 3
+    assert largest_part(mask, 4) is None
+    assert largest_part(np.zeros_like(mask)) is None
+
+
+def test_a_disc_has_a_middle_and_reaches_its_radius():
+    assert disc(0.1).shape == (3, 3)
+    assert disc(2.6).shape == (7, 7)
+    assert disc(2.6)[3].all()
+    assert disc(2.6)[0, 0] == 0
