@@ -44,12 +44,11 @@ from relight_core.lighting.environment import mean_luminance
 from relight_core.lighting.likeness import likeness
 from relight_core.pipeline.per_light.hints import Effects
 from relight_core.pipeline.per_light.lamp_colours import MOLE, colours_of_lamps, colours_of_shade
-from relight_core.pipeline.per_photo.black_colour import off_black
 from relight_core.pipeline.per_photo.blown import at_least, clipped_share, flesh_share
 from relight_core.pipeline.per_photo.face_paint import face_paint
-from relight_core.pipeline.per_photo.mouth_colour import too_blue
 from relight_core.pipeline.per_photo.own_redness import own_redness
 from relight_core.pipeline.per_photo.saturation import middle_colour, of_camera, saturation
+from relight_core.pipeline.per_photo.seen_colour import not_as_seen
 from relight_core.pipeline.per_photo.skin_colour import deep_shadow, painted
 from relight_core.pipeline.per_photo.source_light import level_over_person, seen_of_person
 from relight_core.pipeline.stages import Composed, Surface
@@ -151,7 +150,9 @@ def find_residual(
     of_shade = much * colours_of_shade(surface, missed, colour, skin, seen_skin) if much else torch.zeros_like(colour)
     by_camera = _by_camera(log_ratio - of_shade, surface.albedo, seen_skin)
     of_lamps = of_lamps + of_shade
-    tint, of_light = _tint_and_light(surface, colour + skin * (by_camera - colour) - (1 - skin) * of_lamps)
+    tint = colour + skin * (by_camera - colour) - (1 - skin) * of_lamps
+    of_light = not_as_seen(surface, tint)
+    tint = tint - of_light
     few, many = _MISSED_FADES
     return Residual(
         log_ratio=log_ratio,
@@ -167,13 +168,6 @@ def find_residual(
         level=level,
         largest_log=largest_log,
     )
-
-
-def _tint_and_light(surface: Surface, tint: torch.Tensor) -> tuple[torch.Tensor, torch.Tensor]:
-    """What of a tint (1, 3, S, S), of mean 0, stays under whatever light, and what is the photo's light's."""
-    of_light = off_black(surface, tint)
-    of_light = of_light + too_blue(surface, tint - of_light)
-    return tint - of_light, of_light
 
 
 def at_light_level(residual: Residual, level: float) -> Residual:

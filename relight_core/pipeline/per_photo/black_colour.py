@@ -28,9 +28,4 @@ def off_black(surface: Surface, tint: torch.Tensor) -> torch.Tensor:
     # There is blue that is bright enough to tell and of next to no luminance.
     too_dark = ramp(surface.photo.amax(1, keepdim=True), *NO_COLOUR)
     black = likely(share_of(surface.parsing, ("hair", "hat", "cloth"))) * too_dark
-    return black * (_colour(surface.albedo) + tint - _colour(surface.photo))
-
-
-def _colour(image: torch.Tensor) -> torch.Tensor:
-    """(1, 3, S, S) logarithms without their mean."""
-    return without_mean(logs(image))
+    return black * (without_mean(logs(surface.albedo)) + tint - without_mean(logs(surface.photo)))

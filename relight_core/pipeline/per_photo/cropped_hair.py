@@ -13,7 +13,7 @@ from dataclasses import replace
 import cv2
 import torch
 
-from relight_core.face.parsing import INDEX, SURELY, with_neck_as
+from relight_core.face.parsing import FEWEST_OF_SKIN, INDEX, SURELY, with_neck_as
 from relight_core.imaging.ramp import ramp
 from relight_core.imaging.tensor_colour import grey
 from relight_core.imaging.tensor_logs import logs
@@ -22,7 +22,6 @@ from relight_core.pipeline.per_photo.saturation import log_colours, middle_colou
 from relight_core.pipeline.per_photo.white_hair import eyes_row
 from relight_core.pipeline.stages import Surface
 
-_FEWEST_PIXELS = 100
 _PERHAPS_CROPPED, _CROPPED = 0.35, 0.6
 """By how much of a natural logarithm the middle of a scalp is darker than the face, and by how much of the face's own
 colour it is greyer, both together, from which on it has hair, in part and altogether."""
@@ -40,8 +39,8 @@ _LEAST_SHADING = 0.02
 def with_cropped_hair(surface: Surface) -> Surface:
     """The surface with hair where the scalp is bare, by its parsing, and dark and of little colour in the photo."""
     scalp, face = _scalp(surface.parsing), surface.parsing[0, INDEX["skin"]]
-    own = middle_colour(surface.photo, face[None, None], _FEWEST_PIXELS)
-    if scalp is None or own is None or int((scalp > SURELY).sum()) < _FEWEST_PIXELS:
+    own = middle_colour(surface.photo, face[None, None], FEWEST_OF_SKIN)
+    if scalp is None or own is None or int((scalp > SURELY).sum()) < FEWEST_OF_SKIN:
         return surface
     greyer = -saturation(log_colours(surface.photo) - own, own)
     grey_enough = ramp(float(greyer[scalp > SURELY].median()), _NO_GREYER, _GREYER)

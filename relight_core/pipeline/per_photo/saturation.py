@@ -12,7 +12,7 @@ import torch
 
 from relight_core.face.parsing import FEWEST_PIXELS, SURELY
 from relight_core.imaging.tensor_colour import as_bright_as
-from relight_core.imaging.tensor_logs import BLACK
+from relight_core.imaging.tensor_logs import logs, without_mean
 
 _GREY = 0.01
 """Squared length of a log colour that is too little of a colour to be followed."""
@@ -31,7 +31,7 @@ def log_colour(values: torch.Tensor) -> torch.Tensor:
 
 def log_colours(image: torch.Tensor) -> torch.Tensor:
     """`log_colour` of an image (1, 3, S, S), linear, in which what is nearly black has next to none; (S, S, 3)."""
-    return log_colour((image[0] + BLACK).movedim(0, -1))
+    return without_mean(logs(image))[0].movedim(0, -1)
 
 
 def recoloured(albedo: torch.Tensor, colours: torch.Tensor, share: torch.Tensor) -> torch.Tensor:

@@ -42,13 +42,21 @@ def with_seen_colours(surface: Surface, irradiance: torch.Tensor, gloss: torch.T
     log_ratio = at_least(log_ratio, clipped_share(surface.photo), flesh_share(surface.parsing))
     brighter = log_ratio.mean(1, keepdim=True)
     colour = log_ratio - brighter
-    colour = colour - off_black(surface, colour)
-    colour = colour - too_blue(surface, colour)
+    colour = colour - not_as_seen(surface, colour)
     beside_skin = brighter - local_means(brighter, skin_share(surface.parsing))
     tinted = _tinted(surface.albedo, share_of(surface.parsing, _OF_ANY_COLOUR) * colour)
     brows, hat = share_of(surface.parsing, BROWS), surface.parsing[:, INDEX["hat"], None]
     change = _BROWS * brows * beside_skin + _HATS * hat * brighter
     return replace(surface, albedo=(tinted * torch.exp(change)).clamp(0, 1))
+
+
+def not_as_seen(surface: Surface, tint: torch.Tensor) -> torch.Tensor:
+    """The part of a tint (1, 3, S, S), of mean 0, that black hair and cloth, lips and teeth have not in the photo.
+
+    It is the light's, and stays with the photo's own.
+    """
+    of_light = off_black(surface, tint)
+    return of_light + too_blue(surface, tint - of_light)
 
 
 def _tinted(albedo: torch.Tensor, tint: torch.Tensor) -> torch.Tensor:
