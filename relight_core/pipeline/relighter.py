@@ -297,7 +297,7 @@ class Relighter:
         caches = self._cache, self._first().cache
         tier = tier_of(edit.quality)
         radiance = network_light(environment, edit.yaw_deg)
-        if all(face.portrait.monochrome for face in self._faces):
+        if self._whole.monochrome:
             radiance = without_colour(radiance)
         light = self._lights.match(tier, radiance, 0.0 if edit.forced_on else edit.tolerance)
         light = replace(light, lamps=lamps_of(environment, edit.yaw_deg))

@@ -82,7 +82,7 @@ class WholePhoto:
         return canvas_of(self._in_file, black=self._photo.black)
 
     @property
-    def _monochrome(self) -> bool:
+    def monochrome(self) -> bool:
         """Whether no face has a colour of its own, so that the light's colours act on none."""
         return all(face.portrait.monochrome for face in self._faces)
 
@@ -264,7 +264,7 @@ class WholePhoto:
     def _panorama(self, edit: Edit, environment: Environment) -> np.ndarray:
         """What the photo's camera would see of the light behind the people."""
         seen = backdrop_panorama(edit, environment, self._photo.linear.shape[:2])
-        return without_colour(seen) if self._monochrome else seen
+        return without_colour(seen) if self.monochrome else seen
 
 
 def _gloss(plan: Plan, edit: Edit, level: float) -> np.ndarray:

@@ -124,14 +124,12 @@ def fits_a_recipe(picture: Picture) -> bool:
     return 0 < len(picture.changes) <= MOST_VIEWS and rows <= LARGEST_SIDE
 
 
-def recipe_of(picture: Picture, layers: PersonLayers) -> DisplayRecipe | None:
-    """The recipe of a picture; None where it has too many faces for one.
+def recipe_of(picture: Picture, layers: PersonLayers) -> DisplayRecipe:
+    """The recipe of a picture that `fits_a_recipe`.
 
     Args:
         layers: of the picture's canvas and matte.
     """
-    if not fits_a_recipe(picture):
-        return None
     backdrop, own_alpha = picture.backdrop, picture.matte.own_alpha
     replaced = backdrop.picture is not None
     eyes, catchlights = _eyes_on_canvas(picture)
