@@ -10,7 +10,8 @@ from relight_core.imaging.half_floats import LARGEST_HALF
 from relight_core.imaging.resampling import at_size, resize_cut_out, shrunk_size
 from relight_core.imaging.view_transform import apply_view
 from relight_core.lighting.enlarge import COARSE_HEIGHT, enlarge
-from relight_core.lighting.environment import Environment, shrink
+from relight_core.lighting.environment import Environment
+from relight_core.lighting.panorama import shrink
 from relight_core.lighting.preview import lit_ball
 from relight_core.lighting.rigs import load_rig
 from relight_core.pipeline.results.channel_view import channel_to_srgb

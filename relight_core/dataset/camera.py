@@ -7,7 +7,7 @@ import numpy as np
 
 from relight_core.dataset.painting.texture import TexturePool
 from relight_core.dataset.surroundings import Neighbour, behind
-from relight_core.lighting.environment import mean_radiance
+from relight_core.lighting.panorama import mean_radiance
 
 _METERED_GREY, _METERED_WHITE = 0.28, 0.8
 

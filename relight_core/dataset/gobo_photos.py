@@ -22,7 +22,8 @@ from relight_core.dataset.warp import sample_warp, warped
 from relight_core.errors import InputError
 from relight_core.face.parsing import INDEX
 from relight_core.imaging.tensor_logs import log_ratios
-from relight_core.lighting.environment import NETWORK_HEIGHT, shrink
+from relight_core.lighting.environment import NETWORK_HEIGHT
+from relight_core.lighting.panorama import shrink
 from relight_core.lighting.reflection import Gloss
 from relight_core.networks.foreign_shadow import PARTS
 

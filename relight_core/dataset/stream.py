@@ -35,7 +35,8 @@ from relight_core.dataset.samples import (
 from relight_core.dataset.surroundings import Neighbour, sample_local_light, sample_neighbour, with_local_light
 from relight_core.dataset.warp import sample_warp, warped
 from relight_core.errors import InputError
-from relight_core.lighting.environment import NETWORK_HEIGHT, shrink
+from relight_core.lighting.environment import NETWORK_HEIGHT
+from relight_core.lighting.panorama import shrink
 from relight_core.lighting.reflection import GLOSS, Gloss
 
 _OCCLUDED_SHARE, _SCATTERING_SHARE = 0.25, 0.6

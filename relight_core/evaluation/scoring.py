@@ -9,7 +9,7 @@ from scipy.optimize import minimize_scalar
 
 from relight_core.evaluation.metrics import normal_angle_deg, normal_rmse, psnr, rmse, ssim, wlog_l2
 from relight_core.imaging.colour import srgb_encode
-from relight_core.lighting.environment import mean_luminance
+from relight_core.lighting.panorama import mean_luminance
 
 Figures = dict[str, float]
 

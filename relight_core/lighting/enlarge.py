@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from relight_core.lighting.environment import shrink
+from relight_core.lighting.panorama import shrink
 
 COARSE_HEIGHT = 64
 """The texels of a panorama with fewer rows, as estimated lights have, would be seen as blocks."""

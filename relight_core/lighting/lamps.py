@@ -15,7 +15,8 @@ import numpy as np
 from relight_core.imaging.colour import luminance
 from relight_core.imaging.ramp import ramp, smooth_ramp
 from relight_core.lighting.enlarge import draw_finer
-from relight_core.lighting.environment import NETWORK_HEIGHT, Environment, network_light, shrink
+from relight_core.lighting.environment import NETWORK_HEIGHT, Environment, network_light
+from relight_core.lighting.panorama import shrink
 from relight_core.lighting.roll import roll_light
 from relight_core.lighting.sphere import directions, place_on_map, solid_angles, turned
 

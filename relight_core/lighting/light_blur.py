@@ -6,7 +6,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from relight_core.lighting.environment import shrink
+from relight_core.lighting.panorama import row_shares, shrink
 from relight_core.lighting.sphere import directions
 
 LARGEST_BLUR_DEG = 90.0
@@ -58,7 +58,7 @@ def _kernel(height: int, blur_deg: float) -> np.ndarray:
     toward = directions(height, 2 * height).astype(np.float64)
     cosines = np.clip(np.einsum("ic,jwc->ijw", toward[:, 0], toward), -1.0, 1.0)
     weights = np.exp(-0.5 * (np.arccos(cosines) / np.radians(blur_deg)) ** 2)
-    bands = -np.diff(np.cos(np.pi * np.arange(height + 1) / height))
+    bands = 2 * row_shares(height)
     row_weights = weights.sum(axis=2) * bands
     gains = np.ones(height)
     for _ in range(_BALANCING_STEPS):

@@ -10,9 +10,10 @@ from relight_core.errors import InputError
 from relight_core.imaging.colour import REC709_LUMINANCE
 from relight_core.lighting.colour_temperature import WHITE_KELVIN, kelvin_to_rgb
 from relight_core.lighting.enlarge import draw_finer
-from relight_core.lighting.environment import Environment, mean_luminance, shrink
+from relight_core.lighting.environment import Environment
 from relight_core.lighting.light_blur import LARGEST_BLUR_DEG, blur_light
 from relight_core.lighting.own_lamps import room_of
+from relight_core.lighting.panorama import mean_luminance, shrink
 from relight_core.lighting.soft_box import SOFT_BOX_RANGES, SoftBox, soft_box_radiance
 from relight_core.lighting.summary import meter_reading, metered_level_ev
 

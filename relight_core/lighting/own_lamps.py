@@ -13,8 +13,9 @@ from dataclasses import replace
 import numpy as np
 
 from relight_core.imaging.colour import REC709_LUMINANCE
-from relight_core.lighting.environment import Environment, shrink
+from relight_core.lighting.environment import Environment
 from relight_core.lighting.lamps import AROUND_DEG, BEYOND_DEG, MOST_LAMPS, Lamp, bright_places
+from relight_core.lighting.panorama import shrink
 from relight_core.lighting.rig_description import AreaLight
 from relight_core.lighting.rig_render import render_rig
 from relight_core.lighting.soft_box import SoftBox, moved_to, possible_size_deg

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from relight_core.imaging.ramp import smooth_ramp
-from relight_core.lighting.environment import shrink
+from relight_core.lighting.panorama import shrink
 from relight_core.lighting.rig_description import AreaLight, Glow, Rig, Room, Sky
 from relight_core.lighting.sphere import directions, solid_angles
 

@@ -6,7 +6,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from relight_core.lighting.environment import mean_luminance, shrink
+from relight_core.lighting.panorama import mean_luminance, shrink
 from relight_core.lighting.sphere import directions, place_on_map
 
 _FINER = 4

@@ -14,7 +14,7 @@ from typing import Protocol
 
 import numpy as np
 
-from relight_core.lighting.environment import mean_luminance
+from relight_core.lighting.panorama import mean_luminance
 from relight_core.pipeline.plan import Plan
 from relight_core.pipeline.quality import Tier
 

@@ -9,7 +9,7 @@ import torch
 
 from relight_core.imaging.half_floats import within_halves
 from relight_core.imaging.tensor_images import as_tensor
-from relight_core.lighting.environment import mean_luminance
+from relight_core.lighting.panorama import mean_luminance
 from relight_core.lighting.roll import roll_light
 from relight_core.pipeline import stages
 from relight_core.pipeline.company import Company

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from relight_core.lighting.enlarge import enlarge
-from relight_core.lighting.environment import shrink
+from relight_core.lighting.panorama import shrink
 
 
 def random_light(seed=0):

@@ -10,14 +10,8 @@ from hypothesis import strategies as st
 from panoramas import ANGLES, lamp, noise, quick
 
 from relight_core.errors import InputError
-from relight_core.lighting.environment import (
-    Environment,
-    mean_luminance,
-    network_light,
-    read_environment,
-    rotate,
-    shrink,
-)
+from relight_core.lighting.environment import Environment, network_light, read_environment
+from relight_core.lighting.panorama import mean_luminance, rotate, shrink
 
 HEIGHTS = st.integers(1, 40)
 

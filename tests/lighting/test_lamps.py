@@ -3,8 +3,9 @@
 import numpy as np
 import pytest
 
-from relight_core.lighting.environment import Environment, network_light, rotate
+from relight_core.lighting.environment import Environment, network_light
 from relight_core.lighting.lamps import Lamp, bright_places, footprint, lamps_of
+from relight_core.lighting.panorama import rotate
 from relight_core.lighting.roll import roll_light
 from relight_core.lighting.sphere import directions, solid_angles
 

@@ -7,10 +7,11 @@ import pytest
 
 from relight_core.errors import InputError
 from relight_core.lighting import light_edit
-from relight_core.lighting.environment import Environment, network_light, shrink
+from relight_core.lighting.environment import Environment, network_light
 from relight_core.lighting.lamps import lamps_of
 from relight_core.lighting.light_blur import blur_light
 from relight_core.lighting.light_edit import LightEdit, colour_gain, edit_light
+from relight_core.lighting.panorama import shrink
 from relight_core.lighting.soft_box import SoftBox, soft_box_radiance
 from relight_core.lighting.sphere import directions, solid_angles
 from relight_core.lighting.summary import meter_reading

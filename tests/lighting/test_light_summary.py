@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from relight_core.lighting.environment import Environment, rotate
+from relight_core.lighting.environment import Environment
+from relight_core.lighting.panorama import rotate
 from relight_core.lighting.preview import lit_ball
 from relight_core.lighting.rigs import load_rig
 from relight_core.lighting.summary import average_direction, meter_reading, metered_level_ev

@@ -6,7 +6,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from panoramas import ANGLES, lamp, noise, quick
 
-from relight_core.lighting.environment import Environment, mean_luminance, network_light, rotate, shrink
+from relight_core.lighting.environment import Environment, network_light
+from relight_core.lighting.panorama import mean_luminance, rotate, shrink
 from relight_core.lighting.sphere import solid_angles
 
 

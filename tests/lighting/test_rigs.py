@@ -7,7 +7,7 @@ import pytest
 
 from relight_core.errors import InputError
 from relight_core.lighting.colour_temperature import kelvin_to_rgb
-from relight_core.lighting.environment import mean_luminance, rotate, shrink
+from relight_core.lighting.panorama import mean_luminance, rotate, shrink
 from relight_core.lighting.rig_description import parse_rig, read_rig
 from relight_core.lighting.rigs import load_rig, read_bundled_rig, render_rig, rig_names
 from relight_core.lighting.sphere import directions, solid_angles

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from relight_core.lighting.environment import mean_luminance, shrink
+from relight_core.lighting.panorama import mean_luminance, shrink
 from relight_core.lighting.roll import roll_light
 from relight_core.lighting.sphere import directions
 

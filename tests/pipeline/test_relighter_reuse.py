@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 from tiny_relighter import EDIT, NETWORK_STAGES, computed, some_light, some_photo, states
 
-from relight_core.lighting.environment import Environment, rotate
+from relight_core.lighting.environment import Environment
+from relight_core.lighting.panorama import rotate
 from relight_core.lighting.soft_box import direction_at
 from relight_core.pipeline import face_relighter, stages
 from relight_core.pipeline.per_light.fine_edges import FineEdges

@@ -11,7 +11,8 @@ from hypothesis import strategies as st
 
 from relight_core.imaging.photo import Photo
 from relight_core.imaging.view_transform import apply_view, expose
-from relight_core.lighting.environment import Environment, network_light, rotate
+from relight_core.lighting.environment import Environment, network_light
+from relight_core.lighting.panorama import rotate
 from relight_core.lighting.reflection import ReflectionTable
 from relight_core.pipeline.edit import Edit
 from relight_core.pipeline.relighter import Relighter

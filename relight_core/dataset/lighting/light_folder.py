@@ -9,7 +9,8 @@ import numpy as np
 
 from relight_core.errors import InputError
 from relight_core.imaging.files import whole_file
-from relight_core.lighting.environment import Environment, read_environment, shrink
+from relight_core.lighting.environment import Environment, read_environment
+from relight_core.lighting.panorama import shrink
 
 _HEIGHT = 64
 _SUFFIXES = (".hdr", ".exr")

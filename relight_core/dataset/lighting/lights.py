@@ -10,7 +10,8 @@ import numpy as np
 from relight_core.dataset.archive import read_arrays
 from relight_core.dataset.lighting.light_folder import read_light_folder
 from relight_core.errors import InputError
-from relight_core.lighting.environment import NETWORK_HEIGHT, mean_luminance, rotate, shrink
+from relight_core.lighting.environment import NETWORK_HEIGHT
+from relight_core.lighting.panorama import mean_luminance, rotate, shrink
 from relight_core.lighting.sphere import directions, off_axis
 
 _SPLIT_SEED = 20

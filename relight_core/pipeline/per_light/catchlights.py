@@ -22,7 +22,8 @@ from relight_core.imaging.masks import bounds
 from relight_core.imaging.ramp import ramp
 from relight_core.imaging.resampling import resize_area
 from relight_core.imaging.tensor_colour import grey
-from relight_core.lighting.environment import Environment, mean_radiance, shrink
+from relight_core.lighting.environment import Environment
+from relight_core.lighting.panorama import mean_radiance, shrink
 from relight_core.lighting.relief import ReliefTransport
 from relight_core.lighting.roll import roll_light
 from relight_core.lighting.sphere import solid_angles

@@ -40,8 +40,8 @@ from relight_core.imaging.ramp import ramp
 from relight_core.imaging.tensor_colour import grey
 from relight_core.imaging.tensor_logs import BLACK, LARGEST_LOG, log_ratios, without_mean
 from relight_core.imaging.tensor_means import local_medians, local_range, middle_values
-from relight_core.lighting.environment import mean_luminance
 from relight_core.lighting.likeness import likeness
+from relight_core.lighting.panorama import mean_luminance
 from relight_core.pipeline.per_light.hints import Effects
 from relight_core.pipeline.per_light.lamp_colours import MOLE, colours_of_lamps, colours_of_shade
 from relight_core.pipeline.per_photo.blown import at_least, clipped_share, flesh_share

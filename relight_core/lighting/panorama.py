@@ -1,0 +1,209 @@
+"""Averages of lat-long panoramas, exact by solid angle: over fewer texels, over the sphere, over a turned map's texels.
+
+A texel stands for constant radiance over its own patch of the sphere, which is what makes them exact.
+"""
+
+from __future__ import annotations
+
+import math
+from functools import lru_cache
+
+import numpy as np
+
+from relight_core.imaging.colour import REC709_LUMINANCE
+
+_BLOCK_ROWS = 64
+_BALANCINGS = 300
+
+
+def rotate(radiance: np.ndarray, yaw_deg: float) -> np.ndarray:
+    """Turn a panorama about +y; positive moves its content to the right.
+
+    A turn by part of a texel is the linear mix of the two whole-texel turns beside it: it keeps every
+    row's sum, and changes evenly with the angle. 360 degrees is the identity, bit for bit.
+
+    Args:
+        radiance: (H, W, C) or (H, W).
+        yaw_deg: any finite angle in degrees.
+
+    Returns:
+        A new array of the same shape and type.
+
+    Raises:
+        ValueError: the angle is NaN or infinite.
+    """
+    width = radiance.shape[1]
+    shift = _turn_fraction(yaw_deg) * width
+    whole = math.floor(shift)
+    part = shift - whole
+    turned = np.roll(radiance, whole, axis=1)
+    if part == 0.0:
+        return turned
+    further = np.roll(turned, 1, axis=1)
+    mixed = turned * np.float64(1.0 - part) + further * np.float64(part)
+    return mixed.astype(radiance.dtype)
+
+
+def shrink(radiance: np.ndarray, height: int) -> np.ndarray:
+    """Average a panorama over the texels of a smaller one, by exact solid angle.
+
+    Fractional overlaps count exactly (a band between two latitudes by its difference of cosines), so
+    the energy, the sum of radiance times solid angle, is kept for any ratio. A larger height works
+    too and repeats texels.
+
+    Args:
+        radiance: (H, W, C) linear.
+        height: rows of the result, at least 1.
+
+    Returns:
+        (height, 2 * height, C) float32.
+    """
+    whole = radiance.shape[1] // (2 * height)
+    if whole * 2 * height == radiance.shape[1]:
+        return _shrink_rows(radiance, height, whole).astype(np.float32)
+    rows = _shrink_rows(radiance, height)
+    overlaps = _column_overlaps(rows.shape[1], 2 * height)
+    return np.einsum("ij,hjc->hic", overlaps, rows, optimize=True).astype(np.float32)
+
+
+def mean_luminance(radiance: np.ndarray) -> float:
+    """Mean Rec.709 luminance of an (H, W, 3) panorama over the sphere."""
+    return float(row_shares(len(radiance)) @ (radiance.mean(axis=1, dtype=np.float64) @ REC709_LUMINANCE))
+
+
+def mean_radiance(radiance: np.ndarray) -> np.ndarray:
+    """Mean colour (3,) of an (H, W, 3) panorama over the sphere, float64."""
+    return row_shares(len(radiance)) @ radiance.mean(axis=1, dtype=np.float64)
+
+
+def row_shares(height: int) -> np.ndarray:
+    """How much of the sphere every row of a panorama is, (height,) float64; sums to 1."""
+    return -np.diff(np.cos(np.pi * np.arange(height + 1) / height)) / 2
+
+
+def column_sums(radiance: np.ndarray, height: int) -> np.ndarray:
+    """(H, W, C) to (height, W + 1, C) float64: running sums of what `turned_means` averages."""
+    return _running_sums(_spread(_evenly_shrunk_rows(radiance, height), 2 * height))
+
+
+def turned_means(sums: np.ndarray, yaw_deg: float) -> np.ndarray:
+    """(h, 2 h, C) float64 means over the texels of a map turned as by `rotate`, of its `column_sums` (h, W + 1, C).
+
+    Raises:
+        ValueError: the angle is NaN or infinite.
+    """
+    count, width = 2 * len(sums), sums.shape[1] - 1
+    edges = np.arange(count + 1) / count - _turn_fraction(yaw_deg)
+    return np.diff(_sum_up_to(sums, edges * width), axis=1) * (count / width)
+
+
+def _turn_fraction(yaw_deg: float) -> float:
+    """The angle as a fraction of a turn in [0, 1)."""
+    if not math.isfinite(yaw_deg):
+        raise ValueError(f"yaw_deg must be a finite angle in degrees, not {yaw_deg}")
+    return (float(yaw_deg) % 360.0) / 360.0 % 1.0
+
+
+def _overlap_weights(edges: np.ndarray, new_edges: np.ndarray) -> np.ndarray:
+    """How much of every new interval each old one covers; edges ascend and share their ends.
+
+    Returns:
+        (new, old) float64, rows sum to 1.
+    """
+    low = np.maximum(edges[None, :-1], new_edges[:-1, None])
+    high = np.minimum(edges[None, 1:], new_edges[1:, None])
+    overlaps = np.maximum(high - low, 0.0)
+    return overlaps / overlaps.sum(axis=1, keepdims=True)
+
+
+@lru_cache(maxsize=16)
+def _row_overlaps(height: int, new_height: int) -> np.ndarray:
+    def edges(count: int) -> np.ndarray:
+        return -np.cos(np.pi * np.arange(count + 1) / count)
+
+    return _overlap_weights(edges(height), edges(new_height))
+
+
+@lru_cache(maxsize=16)
+def _column_overlaps(width: int, new_width: int) -> np.ndarray:
+    return _overlap_weights(np.arange(width + 1) / width, np.arange(new_width + 1) / new_width)
+
+
+def _shrink_rows(radiance: np.ndarray, height: int, columns: int = 1) -> np.ndarray:
+    """(H, W, C) to (height, W / columns, C) float64; a few rows at a time, since a map may fill gigabytes.
+
+    Args:
+        columns: how many are averaged into one; divides W.
+    """
+    return _block_sums(radiance, _row_overlaps(radiance.shape[0], height), columns)
+
+
+def _block_sums(radiance: np.ndarray, overlaps: np.ndarray, columns: int = 1) -> np.ndarray:
+    """Rows (H, W, C) weighted by `overlaps` (height, H), a few at a time."""
+    (height, old_height), (_, width, channels) = overlaps.shape, radiance.shape
+    width //= columns
+    result = np.zeros((height, width * channels))
+    for start in range(0, old_height, _BLOCK_ROWS):
+        block = slice(start, min(start + _BLOCK_ROWS, old_height))
+        touched = np.flatnonzero(overlaps[:, block].any(axis=1))
+        rows = radiance[block].reshape(-1, width, columns, channels).mean(axis=2, dtype=np.float64)
+        result[touched] += overlaps[touched, block] @ rows.reshape(-1, width * channels)
+    return result.reshape(height, width, channels)
+
+
+def _evenly_shrunk_rows(radiance: np.ndarray, height: int) -> np.ndarray:
+    """(H, W, C) to (height, W, C) float64, every row spread to the height of a new one where that is higher."""
+    if radiance.shape[0] <= height:
+        return _shrink_rows(radiance, height)
+    return _block_sums(radiance, _spread_row_overlaps(radiance.shape[0], height))
+
+
+@lru_cache(maxsize=16)
+def _spread_row_overlaps(height: int, new_height: int) -> np.ndarray:
+    """As `_row_overlaps`, of rows spread to the height of a new one and folded back at the poles.
+
+    Weights are balanced until even light stays even and no row loses energy (Sinkhorn and Knopp, 1967).
+    """
+    edges, half = np.linspace(0.0, np.pi, new_height + 1), np.pi / new_height / 2
+    middles = (np.arange(height) + 0.5) * np.pi / height
+    centres = np.concatenate([middles, -middles, 2 * np.pi - middles])
+    overlaps = np.minimum(centres + half, edges[1:, None]) - np.maximum(centres - half, edges[:-1, None])
+    energy = np.maximum(overlaps, 0.0).reshape(new_height, 3, height).sum(1)
+    given, wanted = row_shares(height), row_shares(new_height)
+    for _ in range(_BALANCINGS):
+        energy *= (wanted / energy.sum(1))[:, None]
+        energy *= given / energy.sum(0)
+    return energy / energy.sum(1, keepdims=True)
+
+
+def _spread(rows: np.ndarray, new_width: int) -> np.ndarray:
+    """Every texel of (H, W, C) spread along its row to the width of one of `new_width`, where that is wider."""
+    span = rows.shape[1] / new_width
+    if span <= 1:
+        return rows
+    sums, centres = _running_sums(rows), np.arange(rows.shape[1]) + 0.5
+    return (_sum_up_to(sums, centres + span / 2) - _sum_up_to(sums, centres - span / 2)) / span
+
+
+def _running_sums(rows: np.ndarray) -> np.ndarray:
+    """(H, W + 1, C) sums of the columns to the left of each texel edge."""
+    return np.concatenate([np.zeros_like(rows[:, :1]), np.cumsum(rows, axis=1)], axis=1)
+
+
+def _sum_up_to(sums: np.ndarray, positions: np.ndarray) -> np.ndarray:
+    """Integral over columns from 0 to each position, of a function constant in texels and periodic.
+
+    Args:
+        sums: (H, W + 1, C) running sums, starting with 0.
+        positions: (N,) in texels, any sign.
+
+    Returns:
+        (H, N, C).
+    """
+    width = sums.shape[1] - 1
+    turns = np.floor(positions / width)
+    within = np.clip(positions - turns * width, 0.0, width)
+    left = np.minimum(within.astype(np.intp), width - 1)
+    part = (within - left)[None, :, None]
+    inside = sums[:, left] * (1.0 - part) + sums[:, left + 1] * part
+    return inside + turns[None, :, None] * sums[:, -1:]
