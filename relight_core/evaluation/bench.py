@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 
 import numpy as np
 import torch
@@ -125,7 +125,8 @@ class Editor:
         surface, light = seen.surface, seen.light
         compose = lambda own: self.light(surface, seen.reflector, seen.relief, own)[2]  # noqa: E731
         residual = find_residual(surface, surface.photo, light, compose)
-        return TakenApart(seen, ready_for_lamps(surface), residual)
+        lamps_view = ready_for_lamps(surface, seen.relief, partial(stages.reflect, seen.reflector))
+        return TakenApart(seen, lamps_view, residual)
 
     def light(
         self,

@@ -152,14 +152,13 @@ class FaceRelighter(FaceInPhoto):
         plan: Plan,
     ) -> Effects:
         """The effects with the edges of small lamps' shadows."""
-        roll_deg = self.portrait.view.roll_deg
-        relief = self._relief(ready)
-        view = self._once("lamps_view", ready.tier.surface_key, lambda: ready_for_lamps(ready.found))
         reflect = partial(stages.reflect, self._reflector(ready))
+        make = partial(ready_for_lamps, ready.found, self._relief(ready), reflect, self.portrait.view.roll_deg)
+        view = self._once("lamps_view", ready.tier.relief_key, make)
         return self.cache.run(
             "hard_shadow",
             plan.keys["hard_shadow"],
-            lambda: harden_shadow(effects, ready.surface, reflected, light, relief, view, lamps, reflect, roll_deg),
+            lambda: harden_shadow(effects, ready.surface, reflected, light, view, lamps),
             "new light",
             keep=KEPT_LIGHTS,
         )

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from functools import partial
 
 import torch
 
@@ -32,13 +31,11 @@ def light_surface(
     Args:
         reflector: of the surface.
         by_network, corrected: whether the networks have a say in the effects, and in the image.
-        lamps_view: of the surface, and
+        lamps_view: of the surface and the relief, and
         lamps: the light's small ones, whose shadows get edges; both or neither.
     """
     reflected = stages.reflect(reflector, light)
     effects = stages.estimate_effects(networks if by_network else None, surface, reflected, relief, light)
-    if relief is not None and lamps_view is not None:
-        effects = harden_shadow(
-            effects, surface, reflected, light, relief, lamps_view, lamps, partial(stages.reflect, reflector)
-        )
+    if lamps_view is not None:
+        effects = harden_shadow(effects, surface, reflected, light, lamps_view, lamps)
     return reflected, effects, stages.compose(networks if corrected else None, surface, reflected, effects, light)

@@ -50,10 +50,10 @@ def hardened(effects, lamps, irradiance=None, light=None, label=SKIN, given=None
     coarse = found.relief[0, 0, ::2, ::2], found.normal[0, :, ::2, ::2], torch.ones(SIZE // 2, SIZE // 2)
     reflection = reflected() if irradiance is None else irradiance
     light = side_light() if light is None else light
-    relief, view = march_relief(*coarse), ready_for_lamps(found)
     given = torch.cat([torch.full((1, 3, 1, 1), part) for part in given or given_by(lamps)], 1)
     of_lamps = lambda lit: torch.minimum(given, reflection)  # noqa: E731
-    return harden_shadow(effects, found, reflection, light, relief, view, lamps, of_lamps, roll_deg)
+    view = ready_for_lamps(found, march_relief(*coarse), of_lamps, roll_deg)
+    return harden_shadow(effects, found, reflection, light, view, lamps)
 
 
 def given_by(lamps):

@@ -251,7 +251,7 @@ def test_turning_a_light_is_relighting_with_the_turned_panorama(relighter):
 
 def test_small_lamps_turn_with_their_light(relighter, monkeypatch):
     asked, harden = [], face_relighter.harden_shadow
-    monkeypatch.setattr(face_relighter, "harden_shadow", lambda *parts: asked.append(parts[6]) or harden(*parts))
+    monkeypatch.setattr(face_relighter, "harden_shadow", lambda *parts: asked.append(parts[5]) or harden(*parts))
     relighter.relight(sun(), replace(EDIT, yaw_deg=90.0))
     (lamp,), *_ = asked
     np.testing.assert_allclose(lamp.toward, direction_at(85 / 128 + 0.25, 25 / 64), atol=0.02)

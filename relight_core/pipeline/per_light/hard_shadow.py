@@ -18,7 +18,7 @@ from functools import cached_property
 import torch
 
 from relight_core.imaging.tensor_colour import grey
-from relight_core.imaging.tensor_images import as_image
+from relight_core.imaging.tensor_images import as_image, as_tensor
 from relight_core.lighting.bounce import Bounce
 from relight_core.lighting.horizon import Horizon
 from relight_core.lighting.lamps import Lamp, footprint
@@ -53,15 +53,29 @@ class LampsView:
     Attributes:
         horizon: of its relief.
         bounce: from it to its skin.
+        transport: of the same relief, as coarse as the network is told of it.
+        reflect: gives what the surface reflects of a light, as of `stages.reflect`. What a lamp gives is what its
+            texels give, and not what its cosine says: where light grazes the surface, texels of 11 degrees give it less
+            or more than that.
+        roll_deg: how far the view is turned in the photo, as `Crop.roll_deg`; the surface is turned already.
     """
 
     horizon: Horizon
     bounce: Bounce
+    transport: ReliefTransport
+    reflect: Callable[[torch.Tensor], torch.Tensor]
+    roll_deg: float
 
 
-def ready_for_lamps(surface: Surface) -> LampsView:
-    """Make a surface ready to be asked for the shadows of small lamps, whatever its albedo."""
-    return LampsView(Horizon(as_image(surface.relief), as_image(surface.person) > 0.5), skin_bounce(surface))
+def ready_for_lamps(
+    surface: Surface,
+    transport: ReliefTransport,
+    reflect: Callable[[torch.Tensor], torch.Tensor],
+    roll_deg: float = 0.0,
+) -> LampsView:
+    """Make a surface ready to be asked for the shadows of small lamps, whatever its albedo; see `LampsView`."""
+    horizon = Horizon(as_image(surface.relief), as_image(surface.person) > 0.5)
+    return LampsView(horizon, skin_bounce(surface), transport, reflect, roll_deg)
 
 
 @torch.inference_mode()
@@ -70,31 +84,24 @@ def harden_shadow(
     surface: Surface,
     reflected: torch.Tensor,
     light: torch.Tensor,
-    transport: ReliefTransport,
     view: LampsView,
     lamps: Sequence[Lamp],
-    reflect: Callable[[torch.Tensor], torch.Tensor],
-    roll_deg: float = 0.0,
 ) -> Effects:
     """The effects with edges in the shadow of every lamp, and in that of the lamp's gloss.
 
     Args:
         effects, reflected: as of `hints.explicit_sum`.
-        light: (1, 16, 32, 3) that they are the effects of.
-        transport: the relief as they were made with.
+        light: (1, 16, 32, 3) that they are the effects of, as the view sees it.
         view: of the surface, ready for lamps.
         lamps: of the light, in the camera space of the photo.
-        reflect: gives `reflected` of a light. What a lamp gives is what its texels give, and not what its cosine
-            says: where light grazes the surface, texels of 11 degrees give it less or more than that.
-        roll_deg: how far the view is turned in the photo, as `Crop.roll_deg`; surface and light are turned already.
     """
     if not lamps:
         return effects
-    power = [torch.from_numpy(footprint(lamp, roll_deg)) for lamp in lamps]
-    lamps = [lamp.rolled(roll_deg) for lamp in lamps]
+    power = [torch.from_numpy(footprint(lamp, view.roll_deg)) for lamp in lamps]
+    lamps = [lamp.rolled(view.roll_deg) for lamp in lamps]
     rest = _without(light, lamps, power)
-    reach = _reach(surface, rest, transport, view.horizon, lamps, power)
-    of_lamps = reflect(light - rest)
+    reach = _reach(surface, rest, view, lamps, power)
+    of_lamps = view.reflect(light - rest)
     diffuse, gloss = grey(surface.albedo * reflected[:, :3]), grey(reflected[:, 3:])
     parts = _parts(_irradiance(lamps, surface), grey(reflected[:, :3]), grey(of_lamps[:, :3]))
     matt = _with_edges(hidden_share(effects, diffuse, gloss), parts, reach)
@@ -164,16 +171,15 @@ def _without(light: torch.Tensor, lamps: Sequence[Lamp], power: Sequence[torch.T
 def _reach(
     surface: Surface,
     rest: torch.Tensor,
-    transport: ReliefTransport,
-    horizon: Horizon,
+    view: LampsView,
     lamps: Sequence[Lamp],
     power: Sequence[torch.Tensor],
 ) -> _Reach:
     """How far lamps reach, and the `rest` of their light; `power` is where the light of each lies in its texels."""
     like = surface.relief
     rest = grey(rest.float().cpu().permute(0, 3, 1, 2))[0, 0]
-    lost_rest, *lost = 1 - transport.visibility(torch.stack([rest, *power]), like.shape[-1]).to(like)
-    seen = (torch.from_numpy(horizon.visibility(lamp.toward, lamp.radius_deg))[None, None].to(like) for lamp in lamps)
+    lost_rest, *lost = 1 - view.transport.visibility(torch.stack([rest, *power]), like.shape[-1]).to(like)
+    seen = (as_tensor(view.horizon.visibility(lamp.toward, lamp.radius_deg), like.device) for lamp in lamps)
     return _Reach(lost, [1 - share for share in seen], lost_rest, [lamp.hardness * surface.bare_skin for lamp in lamps])
 
 
