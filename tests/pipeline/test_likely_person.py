@@ -251,7 +251,7 @@ def test_of_gaps_that_the_masks_have_those_of_the_persons_own_colours_are_closed
     picture[neither] = 0.9, 0.1, 0.1
     for gap in (black, wall, neither):
         matte[gap] = 0.2
-    closed = without_lookalikes(matte, picture)
+    closed = without_lookalikes(matte, picture, matte)
     assert closed[black].min() == 1
     np.testing.assert_array_equal(closed[wall], matte[wall])
     np.testing.assert_array_equal(closed[neither], matte[neither])
@@ -262,7 +262,7 @@ def test_a_gap_of_a_black_coat_before_a_black_wall_stays():
     matte = np.zeros((100, 100), np.float32)
     matte[20:, 20:80] = 1
     matte[40:60, 40:60] = 0.1
-    np.testing.assert_array_equal(without_lookalikes(matte, np.full((100, 100, 3), 0.03, np.float32)), matte)
+    np.testing.assert_array_equal(without_lookalikes(matte, np.full((100, 100, 3), 0.03, np.float32), matte), matte)
 
 
 def test_a_gap_behind_a_thin_soft_rim_is_closed_whole():
@@ -272,7 +272,7 @@ def test_a_gap_behind_a_thin_soft_rim_is_closed_whole():
     matte[40:60, 72:80] = 0.45
     picture = np.full((100, 100, 3), 0.8, np.float32)
     picture[20:, 20:80] = 0.03
-    assert without_lookalikes(matte, picture)[42:58, 62:76].min() == 1
+    assert without_lookalikes(matte, picture, matte)[42:58, 62:76].min() == 1
 
 
 @pytest.mark.parametrize(("colour", "is_hair"), [(0.03, True), (0.8, False)])
@@ -286,7 +286,7 @@ def test_a_gap_behind_a_strand_that_is_no_longer_there_once_all_is_decided_is_cl
     picture = np.full((100, 100, 3), 0.8, np.float32)
     picture[20:, 20:80] = 0.03
     picture[42:58, 61:77] = colour
-    np.testing.assert_array_equal(without_lookalikes(decided, picture), decided)
+    np.testing.assert_array_equal(without_lookalikes(decided, picture, decided), decided)
     left = without_lookalikes(decided, picture, undecided)
     assert left[45:55, 63:73].min() == left[45:55, 63:73].max() == is_hair
     assert left[:20].max() == 0

@@ -158,7 +158,7 @@ def without_holes(matte: np.ndarray, placed: list[np.ndarray], likely: np.ndarra
     return matte + known * (closed(matte) - matte)
 
 
-def without_lookalikes(matte: np.ndarray, guide: np.ndarray, undecided: np.ndarray | None = None) -> np.ndarray:
+def without_lookalikes(matte: np.ndarray, guide: np.ndarray, undecided: np.ndarray) -> np.ndarray:
     """A matte without gaps that have the colours of the person about them and none of what lies behind.
 
     Through a gap one sees what is seen beside the person too: a black brim, or hair in deep shadow, that the masks
@@ -168,14 +168,13 @@ def without_lookalikes(matte: np.ndarray, guide: np.ndarray, undecided: np.ndarr
         matte: (h, w) in [0, 1].
         guide: (h, w, 3) sRGB in [0, 1].
         undecided: (h, w) the matte before what is half and half was decided, where a strand that goes about a gap may
-            still be whole; the matte itself where that is None.
+            still be whole.
 
     Returns:
         (h, w) float32, nowhere below the matte.
     """
     inside = cv2.erode((closed(matte) > _ENCLOSED).astype(np.uint8), _RIM) > 0
-    if undecided is not None:
-        inside |= _half_enclosed(np.maximum(matte, undecided))
+    inside |= _half_enclosed(np.maximum(matte, undecided))
     return matte + _like_what_is_about(matte, inside & (matte < _WHOLE), guide) * (1 - matte)
 
 
