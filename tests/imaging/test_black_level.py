@@ -40,6 +40,18 @@ def test_a_photo_without_anything_dark_has_nothing_to_tell_by(dimmest):
     assert not black_level_of(portrait(dimmest).reshape(-1, 3)).any()
 
 
+@pytest.mark.parametrize(("dimmest", "brightest"), [(0.11, 0.23), (0.08, 0.3), (0.3, 0.6)])
+def test_a_flat_photo_has_nearly_all_of_its_darkest_over_it(dimmest, brightest):
+    linear = dimmest + (brightest - dimmest) * portrait()
+    found = black_level_of(linear.reshape(-1, 3))
+    assert (found > 0.9 * dimmest).all()
+    assert (found <= 1.001 * dimmest).all()
+
+
+def test_a_dim_photo_is_not_flat_that_has_eight_times_its_darkest():
+    assert not black_level_of((0.1 + 0.75 * portrait()).reshape(-1, 3)).any()
+
+
 def test_grey_cloth_is_no_black_where_pupils_are_darker():
     linear = np.full((160, 200, 3), 0.4, np.float32)
     linear[80:] = 0.02
