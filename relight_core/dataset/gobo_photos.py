@@ -13,7 +13,7 @@ from relight_core.dataset.baking.shard import read_shard
 from relight_core.dataset.camera import camera_gain, sample_background, taken
 from relight_core.dataset.lighting.appearance import appear
 from relight_core.dataset.lighting.gobos import sample_gobo
-from relight_core.dataset.lighting.lights import sample_light
+from relight_core.dataset.lighting.lights import sample_network_lights
 from relight_core.dataset.painting.skin import paint
 from relight_core.dataset.painting.texture import TexturePool
 from relight_core.dataset.samples import light_head, mirrored, subsample
@@ -22,8 +22,6 @@ from relight_core.dataset.warp import sample_warp, warped
 from relight_core.errors import InputError
 from relight_core.face.parsing import INDEX
 from relight_core.imaging.tensor_logs import log_ratios
-from relight_core.lighting.environment import NETWORK_HEIGHT
-from relight_core.lighting.panorama import shrink
 from relight_core.lighting.reflection import Gloss
 from relight_core.networks.foreign_shadow import PARTS
 
@@ -59,7 +57,7 @@ class GoboStream(SampleStream):
 
     Each item is a dict of tensors: "photo_srgb" (3, S, S); "parts" (4, S, S), about as well known as a parsing knows
     them; "foreign_shadow" (3, S, S), logs of the exposed picture
-    over the same without the shadow, as far as the camera records both, about 0 where most is lit, 0 off the head;
+    over the same without the shadow, as far as the camera records both, 0 where most is lit and off the head;
     "person" (1, S, S), 1 on it.
     A head's own shadows are none: de-lighting knows those.
     """
@@ -75,7 +73,7 @@ class GoboStream(SampleStream):
             raise InputError(f"{path}: a head of {head.size} pixels has no size of {self.size}; give a divisor of it")
         head = subsample(head, head.size // self.size, rng)
         normal = textured(head, pool, rng)
-        lights = np.stack([shrink(sample_light(library, rng), NETWORK_HEIGHT) for _ in range(self.lights_per_head)])
+        lights = sample_network_lights(library, rng, self.lights_per_head)
         lit = light_head(head, normal, lights)
         gloss = Gloss(rng.uniform(0.2, 1.2), rng.uniform(0.3, 0.65))
         appearance = appear(head, normal, lights, lit.illumination, gloss, None, rng.uniform(0, 2.0) * self.size / 128)
@@ -130,7 +128,7 @@ def _photographed(
     foreign = log_ratios(*recorded)
     if covered.any():
         # Of a head that lies in shadow altogether nobody could tell.
-        foreign = foreign - foreign[covered[..., 0] > 0].quantile(_LIT_QUANTILE, 0)
+        foreign = (foreign - foreign[covered[..., 0] > 0].quantile(_LIT_QUANTILE, 0)).clamp_max(0)
     return {
         "photo_srgb": torch.from_numpy(photo).permute(2, 0, 1).contiguous(),
         "foreign_shadow": (foreign * covered).permute(2, 0, 1).contiguous(),

@@ -11,6 +11,7 @@ from relight_core.errors import InputError
 from relight_core.pipeline.quality import Tier
 
 EFFECTS = (
+    "foreign_shadow",
     "flattening",
     "source_light",
     "relief",

@@ -33,7 +33,7 @@ class FaceSearch:
     def __init__(self, shop: Workshop, photo: Photo) -> None:
         """Look at nothing yet."""
         self._shop, self._photo = shop, photo
-        self._tier = replace(tier_of("live"), looks_twice=False)
+        self._tier = replace(tier_of("live"), looks_twice=False, takes_foreign_shadow_off=False)
         self._known: dict[Crop, np.ndarray] = {}
 
     def labels(self, view: Crop) -> np.ndarray:

@@ -77,6 +77,7 @@ class Scene:
         lamps: the light's small ones, turned as it is.
         mirrored: names the panorama that eyes mirror: a light and its turn.
         irises: how many are seen well enough to mirror it.
+        in_foreign_shadow: on how many faces a shadow from outside falls.
     """
 
     tier: Tier
@@ -87,6 +88,7 @@ class Scene:
     lamps: tuple[Lamp, ...] = ()
     mirrored: Hashable = None
     irises: int = 0
+    in_foreign_shadow: int = 0
 
 
 @dataclass(frozen=True)
@@ -119,6 +121,7 @@ class _Verdict:
 
 
 _STAGE_OF = {
+    "foreign_shadow": "delight",
     "flattening": "albedo",
     "source_light": "source_light",
     "relief": "relief",
@@ -197,6 +200,12 @@ def _forced(edit: Edit, name: str) -> _Verdict | None:
     if wish is None:
         return None
     return _Verdict(True, "turned on by you") if wish else _Verdict(False, "turned off by you", None)
+
+
+def _foreign_shadow(scene: Scene, edit: Edit) -> _Verdict:
+    if scene.in_foreign_shadow == 0:
+        return _Verdict(False, "no shadow from outside falls on a face")
+    return _Verdict(True, "a shadow from outside is taken off before the face is taken apart, once for a photo")
 
 
 def _flattening(scene: Scene, edit: Edit) -> _Verdict:
@@ -293,6 +302,7 @@ def _hard_shadow(verdicts: Mapping[str, _Verdict], scene: Scene) -> _Verdict:
 
 
 _RULES: dict[str, Callable[[Scene, Edit], _Verdict]] = {
+    "foreign_shadow": _foreign_shadow,
     "flattening": _flattening,
     "shadow": _occlusion,
     "specular": _occlusion,
@@ -322,6 +332,7 @@ def _keys(scene: Scene, edit: Edit, needed: set[str], network: bool) -> dict[str
     backdrop = scene.backdrop if edit.background == "light" else None
     behind = (edit.background, backdrop) if "background" in needed else None
     return {
+        "delight": scene.tier.surface_key,
         "surface": surface,
         "albedo": scene.tier.relief_key,
         "source_light": scene.tier.relief_key,

@@ -11,7 +11,7 @@ if TYPE_CHECKING:  # PyTorch takes a second, and the command line knows the tier
     from relight_core.networks.pair import PairName
 
 
-_OF_SURFACE = ("delight_size", "network_size", "mirrored", "looks_twice", "precision")
+_OF_SURFACE = ("delight_size", "network_size", "mirrored", "looks_twice", "precision", "takes_foreign_shadow_off")
 """What of a tier decides about the surface, beside the side of the view that is taken apart."""
 
 
@@ -28,6 +28,7 @@ class Tier:
             lattice shows where the light grazes the surface.
         mirrored: de-light the mirrored view too, and average.
         looks_twice: de-light it once more, with most of its shading taken out (see `pipeline.per_photo.second_look`).
+        takes_foreign_shadow_off: see `pipeline.per_photo.foreign_shadow`.
         apart_from: side of the view that is taken apart; None for `size`.
         level_of: the tier whose model says how bright the photo's own light is; None for this one's. Each tier's
             model is off by a few percent of its own, and a picture must not change its level with the tier.
@@ -51,6 +52,7 @@ class Tier:
     pair: PairName = "wide"
     lights_nearer: bool = False
     looks_twice: bool = False
+    takes_foreign_shadow_off: bool = True
     apart_from: int | None = None
     level_of: Tier | None = None
 

@@ -287,15 +287,20 @@ class Relighter:
     def _settled(self, edit: Edit) -> Edit:
         """The edit with the tier that its quality comes to: on another one's surface, where every face has that."""
         check_edit(edit)
-        if edit.surface_of is None:
+        takes_off = edit.forced("foreign_shadow") is not False
+        if edit.surface_of is None and takes_off:
             return edit
-        better = tier_of(edit.quality).on_surface_of(tier_of(edit.surface_of))
-        known = all(face.knows_surface(better) for face in self._faces)
-        return replace(edit, quality=better if known else edit.quality, surface_of=None)
+        tier = replace(tier_of(edit.quality), takes_foreign_shadow_off=takes_off)
+        if edit.surface_of is not None:
+            other = replace(tier_of(edit.surface_of), takes_foreign_shadow_off=takes_off)
+            better = tier.on_surface_of(other)
+            tier = better if all(face.knows_surface(better) for face in self._faces) else tier
+        return replace(edit, quality=tier, surface_of=None)
 
     def _planned(self, environment: Environment, edit: Edit) -> tuple[Plan, ServingLight]:
         caches = self._cache, self._first().cache
         tier = tier_of(edit.quality)
+        was_apart = self._first().knows_surface(tier)
         radiance = network_light(environment, edit.yaw_deg)
         if self._whole.monochrome:
             radiance = without_colour(radiance)
@@ -306,10 +311,14 @@ class Relighter:
             backdrop = (environment.fingerprint, edit.yaw_deg, edit.background_fov_deg, edit.background_blur_deg)
         irises = sum(len(face.corneas()) for face in self._faces)
         mirrored = (name_of_mirrored(environment), edit.yaw_deg) if irises else None
-        scene = Scene(tier, light.name, light.bound, backdrop, environment.level, light.lamps, mirrored, irises)
+        shadows = sum(face.prepare(tier).found.foreign_shadow is not None for face in self._faces)
+        scene = Scene(
+            tier, light.name, light.bound, backdrop, environment.level, light.lamps, mirrored, irises, shadows
+        )
 
         def is_kept(stage: str, key: Hashable) -> bool:
-            return any(cache.has(stage, key) for cache in caches)
+            # Whether a shadow falls on a face is known only once that is taken apart.
+            return was_apart if stage == "delight" else any(cache.has(stage, key) for cache in caches)
 
         return make_plan(scene, edit, is_kept, self._record.typical_ms), light
 

@@ -35,7 +35,7 @@ def test_a_sample_is_a_photo_its_parts_and_what_the_shadow_leaves(stream):
         off = sample["person"].expand(3, -1, -1) == 0
         assert off.any()
         assert (sample["foreign_shadow"][off] == 0).all()
-        assert float(sample["foreign_shadow"].max()) < 0.7
+        assert float(sample["foreign_shadow"].max()) <= 0
         assert 0 <= float(sample["photo_srgb"].min()) <= float(sample["photo_srgb"].max()) <= 1
         # A ball is all skin.
         middle = sample["parts"][:, SIZE // 2 - 2 : SIZE // 2 + 2, SIZE // 2 - 2 : SIZE // 2 + 2]
@@ -60,13 +60,17 @@ def test_the_photo_is_as_dark_as_is_told(stream, monkeypatch):
     plain = some(stream_with(stream, monkeypatch, np.ones_like(half)), 20)
     shaded = some(stream_with(stream, monkeypatch, half), 20)
     for before, after in zip(plain, shaded, strict=True):
-        person = before["person"][0] > 0.5
+        # At the outline what lies behind is dark as well.
+        person = -torch.nn.functional.max_pool2d(-before["person"][None], 5, 1, 2)[0, 0] > 0.5
         told = after["foreign_shadow"][:, person]
         ratio = ((after["photo_srgb"] + 0.005) / (before["photo_srgb"] + 0.005)).log()[:, person]
-        # As far as where most is lit counts as lit.
-        torch.testing.assert_close(
-            told - told.mean(1, keepdim=True), ratio - ratio.mean(1, keepdim=True), atol=2e-3, rtol=0
-        )
+        dark = told.mean(0) < -0.05
+        assert dark.any()
+        # Where most is lit counts as lit.
+        lit = (ratio - told)[:, dark]
+        off = (lit - lit.median(1, keepdim=True).values).abs()
+        assert float(off.quantile(0.9)) < 2e-3
+        assert float(lit.median().abs()) < 0.2
         assert (before["foreign_shadow"].abs() < 1e-5).all()
 
 

@@ -17,6 +17,7 @@ from relight_core.pipeline.quality import Tier
 TIER = Tier(64, 32, 32, 16, False)
 SCENE = Scene(TIER, b"light", 0.0, "backdrop", 1.0)
 EFFECTS = {
+    "foreign_shadow",
     "flattening",
     "source_light",
     "relief",
@@ -50,8 +51,17 @@ def test_every_effect_is_decided_about_in_words():
 def test_what_changes_nothing_is_skipped_and_says_so():
     plan = make_plan(SCENE, Edit(channels=()))
     skipped = {name for name, state in states(plan).items() if state == "skipped"}
-    assert skipped == {"hard_shadow", "sliders", "catchlights", "background", "channels"}
+    assert skipped == {"foreign_shadow", "hard_shadow", "sliders", "catchlights", "background", "channels"}
     assert all(plan.effect(name).bound == 0 for name in skipped)
+
+
+@pytest.mark.parametrize("faces", [1, 2])
+def test_a_shadow_from_outside_is_taken_off_where_one_falls_on_a_face(faces):
+    plan = make_plan(replace(SCENE, in_foreign_shadow=faces), Edit())
+    assert plan.runs("foreign_shadow")
+    assert plan.effect("foreign_shadow").bound == 0
+    off = make_plan(replace(SCENE, in_foreign_shadow=faces), Edit(forced_off=frozenset({"foreign_shadow"})))
+    assert (off.runs("foreign_shadow"), off.effect("foreign_shadow").bound) == (False, None)
 
 
 def test_black_light_needs_no_network():

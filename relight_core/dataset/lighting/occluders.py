@@ -2,7 +2,7 @@
 
 Shadows of objects that are no part of the head are the paper's stated failure (section 5.4). Here they
 darken the photo that de-lighting learns from and no target, so that it learns to take them for light, not
-for albedo.
+for albedo. They are as soft as the light that heads are baked for; `lighting.gobos` has sharp ones.
 """
 
 from __future__ import annotations

@@ -5,13 +5,16 @@ De-lighting knows what a head does to light, and leaves half of the shadow of a 
 
 from __future__ import annotations
 
+import cv2
+import numpy as np
 import torch
 import torch.nn.functional as F
 
-from relight_core.face.parsing import share_of
+from relight_core.face.parsing import FEWEST_PIXELS, likely, share_of
+from relight_core.imaging.masks import disc
 from relight_core.imaging.ramp import ramp
 from relight_core.imaging.tensor_colour import srgb_encode
-from relight_core.imaging.tensor_logs import BLACK
+from relight_core.imaging.tensor_logs import BLACK, exact_logs
 from relight_core.networks.bundle import NetworkBundle
 from relight_core.networks.foreign_shadow import PARTS
 from relight_core.pipeline.stages import in_precision
@@ -19,9 +22,19 @@ from relight_core.pipeline.stages import in_precision
 _SIZE = 256
 """Side of the view that the network sees."""
 
+_EDGE_PX = 5
 _DEEPEST = 3.0
-_HARDLY, _SURELY = 0.06, 0.16
-_LEAST_SHARE = 0.002
+"""Logs. What is darker than a twentieth of what it would be a camera shows little of."""
+_HARDLY, _SURELY = 0.1, 0.25
+"""Mean logs over the channels from which on there may be, and surely is, a shadow."""
+_LEAST_OF_FACE = 0.01
+"""Share of the skin and features of a face that lies in a shadow, if there is one."""
+_LEAST_SKIN = 0.05
+"""Share of what lies in one shadow that is skin, or it is the dark cloth, hair or hat that it covers."""
+_MUCH_OF_FACE, _SMALL = 0.1, 0.25
+"""Where so much of a face lies in shadows, those are its like that cover no more than this of all that is not skin."""
+_OFF_COLOUR = 0.4
+"""Log ratio to green that skin is off by, once a shadow is taken off it, if it is paint."""
 
 
 @torch.inference_mode()
@@ -34,8 +47,8 @@ def find_foreign_shadow(
         parsing: (1, classes, S, S) probabilities of the view.
 
     Returns:
-        (1, 3, 256, 256) logs of light that arrives over light that would without them, [-3, 0]; None where there
-        are none, or no network that knows.
+        (1, 3, 256, 256) logs of light that arrives over light that would without them, [-3, 0], 0 off the person; None
+        where there are none on a face, or no network that knows.
     """
     if bundle.foreign_shadow is None:
         return None
@@ -45,9 +58,46 @@ def find_foreign_shadow(
     one, other = network(*(torch.cat([image, image.flip(-1)]) for image in (photo, parts))).split(1)
     logs = ((one + other.flip(-1)) / 2).clamp(-_DEEPEST, 0)
     depth = -logs.mean(1, keepdim=True)
-    person = at_size(1 - parsing[:, :1], _SIZE)
-    logs = logs * ramp(depth, _HARDLY, _SURELY)
-    return logs if float(((depth > _SURELY) * person).mean()) > _LEAST_SHARE else None
+    person, face = parts.sum(1), parts[:, :2].sum(1)
+    colour = exact_logs(without_shadow(at_size(view, _SIZE), logs))
+    shadow, known = (depth[:, 0] > _SURELY) & (person > 0.5), (person, face, colour[:, ::2] - colour[:, 1:2])
+    kept = _on_person(*(image[0].cpu().numpy() for image in (shadow, *known)))
+    if kept is None:
+        return None
+    near = torch.from_numpy(kept)[None, None].to(view.device)
+    return logs * ramp(depth, _HARDLY, _SURELY) * near * likely(person[:, None])
+
+
+def _on_person(shadow: np.ndarray, person: np.ndarray, face: np.ndarray, ratios: np.ndarray) -> np.ndarray | None:
+    """(S, S) float32 in [0, 1], 1 at those of the shadows (S, S), bool, that are none of dark stuff, and next to them.
+
+    To a network dark stuff is a shadow at times, but one that ends where the stuff does; and so is paint, but one whose
+    skin has another colour. None where a face has none.
+
+    Args:
+        person, face: (S, S) probabilities, of skin and features the latter.
+        ratios: (2, S, S) log ratios of red and blue to green, the shadows taken off.
+    """
+    skin = face > 0.5
+    count, labels, stats, _ = cv2.connectedComponentsWithStats(shadow.astype(np.uint8))
+    area = stats[:, cv2.CC_STAT_AREA]
+    on_face = np.bincount(labels[skin], minlength=count) / np.maximum(area, 1) > _LEAST_SKIN
+    on_face[0] = False
+    elsewhere = ~on_face
+    elsewhere[0] = False
+    if (lit := skin & ~shadow).sum() >= FEWEST_PIXELS:
+        own = np.median(ratios[:, lit], 1)
+        for number in np.flatnonzero(on_face):
+            off = np.median(ratios[:, (labels == number) & skin], 1) - own
+            on_face[number] = np.abs(off).max() < _OFF_COLOUR
+    of_face = on_face[labels][skin].sum() / max(skin.sum(), 1)
+    if of_face < _LEAST_OF_FACE:
+        return None
+    kept = on_face
+    if of_face > _MUCH_OF_FACE:
+        kept = on_face | (elsewhere & (area < _SMALL * ((person > 0.5) & ~skin).sum()))
+    # Their soft edges lie beyond what is surely shadow.
+    return cv2.blur(cv2.dilate(kept[labels].astype(np.float32), disc(_EDGE_PX)), (_EDGE_PX, _EDGE_PX))
 
 
 def without_shadow(view: torch.Tensor, logs: torch.Tensor) -> torch.Tensor:

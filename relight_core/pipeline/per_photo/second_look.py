@@ -39,7 +39,9 @@ def take_apart(bundle: NetworkBundle, photo_view: np.ndarray, tier: Tier, device
     seen = resize_area(photo_view, (tier.delight_size, tier.delight_size))
     how = {"mirrored": tier.mirrored, "precision": tier.precision}
     found = stages.delight(bundle, seen, tier.network_size, device, **how)
-    shadow = find_foreign_shadow(bundle, as_tensor(seen, device), found.parsing, tier.precision)
+    shadow = None
+    if tier.takes_foreign_shadow_off:
+        shadow = find_foreign_shadow(bundle, as_tensor(seen, device), found.parsing, tier.precision)
     if shadow is not None:
         seen = as_image(without_shadow(as_tensor(seen, device), shadow))
         found = replace(stages.delight(bundle, seen, tier.network_size, device, **how), foreign_shadow=shadow)
