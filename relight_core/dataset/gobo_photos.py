@@ -20,10 +20,9 @@ from relight_core.dataset.samples import light_head, mirrored, subsample
 from relight_core.dataset.stream import Ingredients, SampleStream, textured
 from relight_core.dataset.warp import sample_warp, warped
 from relight_core.errors import InputError
-from relight_core.face.parsing import INDEX
+from relight_core.face.parsing import INDEX, KINDS
 from relight_core.imaging.tensor_logs import log_ratios
 from relight_core.lighting.reflection import Gloss
-from relight_core.networks.foreign_shadow import PARTS
 
 _LIGHTS_PER_HEAD, _PAINTS_PER_HEAD, _SAMPLES_PER_PAINT = 5, 3, 64
 _SHADOWED_SHARE, _WILD_SHARE, _BEHIND_SHARE = 0.65, 0.1, 0.5
@@ -55,10 +54,9 @@ class PaintedHead:
 class GoboStream(SampleStream):
     """Single photos of lit heads, two of three with the shadow of something between one of two lights and the head.
 
-    Each item is a dict of tensors: "photo_srgb" (3, S, S); "parts" (4, S, S), about as well known as a parsing knows
-    them; "foreign_shadow" (3, S, S), logs of the exposed picture
-    over the same without the shadow, as far as the camera records both, 0 where most is lit and off the head;
-    "person" (1, S, S), 1 on it.
+    Each item is a dict of tensors: "photo_srgb" (3, S, S); "kinds" (4, S, S), the true `face.parsing.KINDS` with edges
+    as soft as a parsing's; "foreign_shadow" (3, S, S), logs of the exposed picture over the same without the shadow, as
+    far as the camera records both, 0 where most is lit and off the head; "person" (1, S, S), 1 on it.
     A head's own shadows are none: de-lighting knows those.
     """
 
@@ -132,13 +130,13 @@ def _photographed(
     return {
         "photo_srgb": torch.from_numpy(photo).permute(2, 0, 1).contiguous(),
         "foreign_shadow": (foreign * covered).permute(2, 0, 1).contiguous(),
-        "parts": torch.from_numpy(_parts(channels["label"], rng)),
+        "kinds": torch.from_numpy(_kinds(channels["label"], rng)),
         "person": covered.permute(2, 0, 1).contiguous(),
     }
 
 
-def _parts(label: np.ndarray, rng: np.random.Generator) -> np.ndarray:
-    """(4, S, S) float32, the network's PARTS of labels (S, S), their edges as soft as a parsing's."""
+def _kinds(label: np.ndarray, rng: np.random.Generator) -> np.ndarray:
+    """(4, S, S) float32, KINDS of labels (S, S), their edges as soft as a parsing's."""
     softness_px = len(label) * 10 ** rng.uniform(*_PARSING_BLUR)
-    parts = [np.isin(label, [INDEX[name] for name in names]).astype(np.float32) for names in PARTS]
-    return np.stack([cv2.GaussianBlur(part, (0, 0), softness_px) for part in parts])
+    kinds = [np.isin(label, [INDEX[name] for name in names]).astype(np.float32) for names in KINDS]
+    return np.stack([cv2.GaussianBlur(kind, (0, 0), softness_px) for kind in kinds])

@@ -69,6 +69,9 @@ SKIN, BROWS, EYES, MOUTH = (
 )
 """Names of what is bare skin, and of brows, eyes and mouth."""
 
+KINDS = (SKIN, (*BROWS, *EYES, *MOUTH), ("hair",), ("hat", "glasses", "cloth"))
+"""Names of the classes that the foreign-shadow network is told of together: all but the background."""
+
 SURELY = 0.6
 """Probability from which on a pixel surely belongs to a class, or to one of several."""
 

@@ -13,13 +13,11 @@ import torch
 import torch.nn.functional as F
 from torch import nn
 
-from relight_core.face.parsing import BROWS, EYES, MOUTH, SKIN
 from relight_core.networks.blocks import Encoder, Head, decoder_levels, level_widths
 
-PARTS = (SKIN, (*BROWS, *EYES, *MOUTH), ("hair",), ("hat", "glasses", "cloth"))
-"""Names of the parsing classes that it is told of together: dark hair is none of skin's shadows."""
-
 _FOLD = 2
+_PLANES = 3 + 4
+"""The photo and the kinds of the parsing: dark hair is none of skin's shadows."""
 
 
 @dataclass(frozen=True)
@@ -38,22 +36,22 @@ class ForeignShadowNetwork(nn.Module):
         super().__init__()
         self.config = config
         widths = level_widths(config.width, config.levels, widest=config.widest)
-        self.encoder = Encoder((3 + len(PARTS)) * _FOLD**2, widths)
+        self.encoder = Encoder(_PLANES * _FOLD**2, widths)
         self.decoder = decoder_levels(widths, least=config.width)
         self.overview = nn.Linear(widths[-1], widths[-1])
         self.head = Head(config.width, 3 * _FOLD**2)
 
-    def forward(self, photo_srgb: torch.Tensor, parts: torch.Tensor) -> torch.Tensor:
+    def forward(self, photo_srgb: torch.Tensor, kinds: torch.Tensor) -> torch.Tensor:
         """Logs of what the light that arrives is of what would arrive without foreign shadows.
 
         Args:
             photo_srgb: (B, 3, H, W) in [0, 1], of the view that de-lighting sees; H and W multiples of 2 ** levels.
-            parts: (B, 4, H, W) probabilities of PARTS.
+            kinds: (B, 4, H, W) probabilities of skin, of features, of hair and of what is worn.
 
         Returns:
             (B, 3, H, W) fp32, 0 where there is no such shadow and below it in one.
         """
-        planes = torch.cat([photo_srgb - 0.5, parts], 1)
+        planes = torch.cat([photo_srgb - 0.5, kinds], 1)
         folded = F.pixel_unshuffle(planes, _FOLD).contiguous(memory_format=torch.channels_last)
         features = self.encoder(folded)
         x = features[-1]

@@ -17,7 +17,7 @@ def foreign_shadow_losses(network: ForeignShadowNetwork, batch: dict[str, torch.
     The last is that of Li and Snavely 2018 (MegaDepth): edges in their places, and evenness on both sides of them.
     """
     person, true = batch["person"], batch["foreign_shadow"]
-    off = network(batch["photo_srgb"], batch["parts"]) - true
+    off = network(batch["photo_srgb"], batch["kinds"]) - true
     level = off.mean(1, keepdim=True)
     count = person.sum().clamp_min(1)
     slopes = torch.zeros_like(count)

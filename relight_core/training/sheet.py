@@ -49,7 +49,7 @@ def draw_samples(bundle: NetworkBundle, table: ReflectionTable, batch: dict[str,
 def _columns_of_photos(bundle: NetworkBundle, batch: dict[str, torch.Tensor]) -> list[Column]:
     few = {name: value[:_ROWS].cpu().float() for name, value in batch.items()}
     if "foreign_shadow" in few:
-        found, true = bundle.foreign_shadow(few["photo_srgb"], few["parts"]) * few["person"], few["foreign_shadow"]
+        found, true = bundle.foreign_shadow(few["photo_srgb"], few["kinds"]) * few["person"], few["foreign_shadow"]
         shown = ("photo", few["photo_srgb"]), ("light that arrives", found.exp()), ("truth", true.exp())
         return [(name, list(_images(values.clamp(0, 1)))) for name, values in shown]
     likely = torch.sigmoid(bundle.person(few["photo_srgb"], few["inside"], few["face"]))

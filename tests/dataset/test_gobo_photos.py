@@ -28,7 +28,7 @@ def test_a_sample_is_a_photo_its_parts_and_what_the_shadow_leaves(stream):
         shapes = {name: tuple(value.shape) for name, value in sample.items()}
         assert shapes == {
             "photo_srgb": (3, SIZE, SIZE),
-            "parts": (4, SIZE, SIZE),
+            "kinds": (4, SIZE, SIZE),
             "foreign_shadow": (3, SIZE, SIZE),
             "person": (1, SIZE, SIZE),
         }
@@ -38,7 +38,7 @@ def test_a_sample_is_a_photo_its_parts_and_what_the_shadow_leaves(stream):
         assert float(sample["foreign_shadow"].max()) <= 0
         assert 0 <= float(sample["photo_srgb"].min()) <= float(sample["photo_srgb"].max()) <= 1
         # A ball is all skin.
-        middle = sample["parts"][:, SIZE // 2 - 2 : SIZE // 2 + 2, SIZE // 2 - 2 : SIZE // 2 + 2]
+        middle = sample["kinds"][:, SIZE // 2 - 2 : SIZE // 2 + 2, SIZE // 2 - 2 : SIZE // 2 + 2]
         assert float(middle[0].min()) > 0.9
         assert float(middle[1:].max()) < 0.1
 

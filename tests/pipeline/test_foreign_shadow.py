@@ -119,6 +119,12 @@ def test_what_shades_face_and_coat_shades_both(bundle):
     assert float(found[:, 120:].abs().max()) == 0
 
 
+def test_of_a_shadow_with_little_skin_in_it_only_that_is_one(bundle):
+    found = shadows_on_somebody(bundle, (COAT, WHOLE), (slice(100, 128), slice(0, 100)))
+    assert float(found[110, 50]) == -1
+    assert float(found[150:].abs().max()) == 0
+
+
 def test_where_leaves_shade_much_of_a_face_their_spots_on_the_coat_are_shadows_too(bundle):
     spot = (slice(180, 200), slice(180, 200))
     assert float(shadows_on_somebody(bundle, (slice(0, 60), slice(0, 120)), spot)[190, 190]) == -1

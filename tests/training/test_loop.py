@@ -337,7 +337,7 @@ def test_the_foreign_shadow_network_learns_and_the_others_stay(tmp_path):
     shadow[..., : SIZE // 2] = -1
     batch = {
         "photo_srgb": 0.6 * shadow.exp() + 0.1 * torch.rand(2, 3, SIZE, SIZE),
-        "parts": torch.ones(2, 4, SIZE, SIZE) / 4,
+        "kinds": torch.ones(2, 4, SIZE, SIZE) / 4,
         "foreign_shadow": shadow,
         "person": torch.ones(2, 1, SIZE, SIZE),
     }

@@ -10,13 +10,12 @@ import numpy as np
 import torch
 import torch.nn.functional as F
 
-from relight_core.face.parsing import FEWEST_PIXELS, likely, share_of
+from relight_core.face.parsing import FEWEST_PIXELS, KINDS, likely, share_of
 from relight_core.imaging.masks import disc
 from relight_core.imaging.ramp import ramp
 from relight_core.imaging.tensor_colour import srgb_encode
 from relight_core.imaging.tensor_logs import BLACK, exact_logs
 from relight_core.networks.bundle import NetworkBundle
-from relight_core.networks.foreign_shadow import PARTS
 from relight_core.pipeline.stages import in_precision
 
 _SIZE = 256
@@ -29,11 +28,12 @@ _HARDLY, _SURELY = 0.1, 0.25
 """Mean logs over the channels from which on there may be, and surely is, a shadow."""
 _LEAST_OF_FACE = 0.01
 """Share of the skin and features of a face that lies in a shadow, if there is one."""
-_LEAST_SKIN = 0.05
-"""Share of what lies in one shadow that is skin, or it is the dark cloth, hair or hat that it covers."""
+_LEAST_SKIN, _MUCH_SKIN = 0.05, 0.25
+"""Shares of what lies in one shadow that are skin: with less than the first it is the dark cloth, hair or hat that it
+covers, with less than the second it may be, away from the skin."""
 _MUCH_OF_FACE, _SMALL = 0.1, 0.25
 """Where so much of a face lies in shadows, those are its like that cover no more than this of all that is not skin."""
-_OFF_COLOUR = 0.4
+_OFF_COLOUR = 0.7
 """Log ratio to green that skin is off by, once a shadow is taken off it, if it is paint."""
 
 
@@ -54,11 +54,11 @@ def find_foreign_shadow(
         return None
     network = in_precision(bundle, view.device.type, precision).foreign_shadow
     photo = srgb_encode(at_size(view, _SIZE).clamp(0, 1))
-    parts = at_size(torch.cat([share_of(parsing, names) for names in PARTS], 1), _SIZE)
-    one, other = network(*(torch.cat([image, image.flip(-1)]) for image in (photo, parts))).split(1)
+    kinds = at_size(torch.cat([share_of(parsing, names) for names in KINDS], 1), _SIZE)
+    one, other = network(*(torch.cat([image, image.flip(-1)]) for image in (photo, kinds))).split(1)
     logs = ((one + other.flip(-1)) / 2).clamp(-_DEEPEST, 0)
     depth = -logs.mean(1, keepdim=True)
-    person, face = parts.sum(1), parts[:, :2].sum(1)
+    person, face = kinds.sum(1), kinds[:, :2].sum(1)
     colour = exact_logs(without_shadow(at_size(view, _SIZE), logs))
     shadow, known = (depth[:, 0] > _SURELY) & (person > 0.5), (person, face, colour[:, ::2] - colour[:, 1:2])
     kept = _on_person(*(image[0].cpu().numpy() for image in (shadow, *known)))
@@ -81,7 +81,8 @@ def _on_person(shadow: np.ndarray, person: np.ndarray, face: np.ndarray, ratios:
     skin = face > 0.5
     count, labels, stats, _ = cv2.connectedComponentsWithStats(shadow.astype(np.uint8))
     area = stats[:, cv2.CC_STAT_AREA]
-    on_face = np.bincount(labels[skin], minlength=count) / np.maximum(area, 1) > _LEAST_SKIN
+    share_of_skin = np.bincount(labels[skin], minlength=count) / area
+    on_face = share_of_skin > _LEAST_SKIN
     on_face[0] = False
     elsewhere = ~on_face
     elsewhere[0] = False
@@ -93,11 +94,12 @@ def _on_person(shadow: np.ndarray, person: np.ndarray, face: np.ndarray, ratios:
     of_face = on_face[labels][skin].sum() / max(skin.sum(), 1)
     if of_face < _LEAST_OF_FACE:
         return None
-    kept = on_face
+    whole = on_face & (share_of_skin > _MUCH_SKIN)
     if of_face > _MUCH_OF_FACE:
-        kept = on_face | (elsewhere & (area < _SMALL * ((person > 0.5) & ~skin).sum()))
+        whole |= elsewhere & (area < _SMALL * ((person > 0.5) & ~skin).sum())
+    kept = whole[labels] | (on_face[labels] & skin)
     # Their soft edges lie beyond what is surely shadow.
-    return cv2.blur(cv2.dilate(kept[labels].astype(np.float32), disc(_EDGE_PX)), (_EDGE_PX, _EDGE_PX))
+    return cv2.blur(cv2.dilate(kept.astype(np.float32), disc(_EDGE_PX)), (_EDGE_PX, _EDGE_PX))
 
 
 def without_shadow(view: torch.Tensor, logs: torch.Tensor) -> torch.Tensor:

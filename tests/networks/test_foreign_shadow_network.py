@@ -3,6 +3,7 @@
 import pytest
 import torch
 
+from relight_core.face.parsing import KINDS
 from relight_core.networks.bundle import (
     BundleConfig,
     NetworkBundle,
@@ -10,7 +11,7 @@ from relight_core.networks.bundle import (
     save_bundle,
     with_foreign_shadow_network,
 )
-from relight_core.networks.foreign_shadow import PARTS, ForeignShadowConfig, ForeignShadowNetwork
+from relight_core.networks.foreign_shadow import ForeignShadowConfig, ForeignShadowNetwork
 from relight_core.training.foreign_shadow_step import foreign_shadow_losses
 
 TINY = ForeignShadowConfig(width=4, levels=3, widest=8)
@@ -40,8 +41,8 @@ def test_what_lies_where_matters():
 
 
 def test_it_is_told_of_all_classes_but_the_background():
-    assert len(PARTS) == 4
-    names = [name for part in PARTS for name in part]
+    assert len(KINDS) == 4
+    names = [name for kind in KINDS for name in kind]
     assert len(set(names)) == len(names) == 13
     assert "background" not in names
 
@@ -71,7 +72,7 @@ class Says(torch.nn.Module):
 def batch_of(true, person=None):
     photo, parts = planes()
     person = torch.ones(2, 1, 32, 32) if person is None else person
-    return {"photo_srgb": photo, "parts": parts, "foreign_shadow": true, "person": person}
+    return {"photo_srgb": photo, "kinds": parts, "foreign_shadow": true, "person": person}
 
 
 def half(depth=1.0):
