@@ -8,12 +8,11 @@ from typing import Self
 from weakref import proxy
 
 import numpy as np
-import torch
 
 from relight_core.face.crop import Crop
 from relight_core.face.irises import find_irises
 from relight_core.face.parsing import INDEX, PAPER_CLASSES, share_of
-from relight_core.face.person_view import inside_photo, person_view, upright, wider_view
+from relight_core.face.person_view import person_view, upright, wider_view
 from relight_core.face.silhouette import person_with_headwear
 from relight_core.imaging.resampling import resize_area
 from relight_core.lighting.reflection import ReflectionTable
@@ -136,17 +135,9 @@ class FaceTakenApart:
             found = with_nearer_look(found, seen_nearer, self.portrait.view, self.nearer.portrait.view)
         if self.portrait.monochrome:
             found = stages.without_colour(found)
-        if outline is not None:
-            found = stages.reparsed(found, parsing_within(found.parsing, outline, self.portrait.view))
-        return self._within_photo(found)
-
-    def _within_photo(self, found: stages.Surface) -> stages.Surface:
-        """The surface with nobody beyond the photo's border: the streaks there are no wall to light, nor lit by it."""
-        photo, view = self.portrait.photo, self.portrait.view
-        inside = inside_photo(in_picture(photo, view), picture_size(photo), found.person.shape[-1])
-        if inside.all():
+        if outline is None:
             return found
-        return replace(found, person=found.person * torch.from_numpy(inside).to(found.person))
+        return stages.reparsed(found, parsing_within(found.parsing, outline, self.portrait.view))
 
     def _parsing(self) -> np.ndarray:
         """(classes, S, S) probabilities as one tier sees them, whichever is asked for: they depend on no history."""

@@ -12,12 +12,10 @@ from relight_core.face.person_view import person_view
 from relight_core.imaging.photo import Photo
 from relight_core.lighting.reflection import ReflectionTable
 from relight_core.networks.bundle import BundleConfig, NetworkBundle
-from relight_core.pipeline import stages
 from relight_core.pipeline.cache import StageCache
 from relight_core.pipeline.face_taken_apart import FaceTakenApart, Workshop
 from relight_core.pipeline.per_photo.outline import outline_person
 from relight_core.pipeline.per_photo.portrait import Portrait
-from relight_core.pipeline.quality import tier_of
 
 FACE = FaceBox(110.0, 60.0, 150.0, 100.0)
 
@@ -72,16 +70,3 @@ def test_else_there_is_one_look(photo, person):
 def test_a_wider_look_is_taken_once():
     face = face_in(400, 300)
     assert face.looks()[1][0] is face.looks()[1][0]
-
-
-@pytest.mark.parametrize("person", [False, True])
-def test_skin_that_goes_on_beyond_the_photos_border_is_nobody(monkeypatch, person):
-    """The view of 88 pixels starts at (86, 36), and the photo ends at (130, 102)."""
-    monkeypatch.setattr(stages, "solid_person", lambda parsing: np.ones(parsing.shape[1:], np.float32))
-    ready = face_in(102, 130, person=person, roll_deg=0.0).prepare(tier_of("live"))
-    covered = ready.found.person[0, 0].numpy()
-    assert covered.shape == (128, 128)
-    assert covered[:96, :64].all()
-    assert not covered[96:].any()
-    assert not covered[:, 64:].any()
-    assert face_in(200, 260, person=person).prepare(tier_of("live")).found.person.all()
