@@ -22,6 +22,7 @@ _SIZE = 256
 """Side of the view that the network sees."""
 
 _EDGE_PX = 5
+"""How far the soft edge of a shadow may reach beyond what is surely one."""
 _DEEPEST = 3.0
 """Logs. What is darker than a twentieth of what it would be a camera shows little of."""
 _HARDLY, _SURELY = 0.1, 0.25
