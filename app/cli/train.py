@@ -17,8 +17,8 @@ The stages, in their order, each going on from the weights that --start names:
   outline, foreign-shadow                      the person and the foreign-shadow network, beside all these
 
 --join puts the narrow pair, the person and the foreign-shadow network of one file, as far as it has them, beside the
-other networks of another. A log of the
-losses and a picture of their curves are written beside the weights; a checkpoint every two minutes.
+other networks of another. A log of the losses and a picture of their curves are written beside the weights; a
+checkpoint every two minutes.
 """
 
 from __future__ import annotations

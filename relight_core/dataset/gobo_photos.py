@@ -9,20 +9,17 @@ import cv2
 import numpy as np
 import torch
 
-from relight_core.dataset.baking.shard import read_shard
 from relight_core.dataset.camera import camera_gain, sample_background, taken
 from relight_core.dataset.lighting.appearance import appear
 from relight_core.dataset.lighting.gobos import sample_gobo
 from relight_core.dataset.lighting.lights import sample_network_lights
 from relight_core.dataset.painting.skin import paint
 from relight_core.dataset.painting.texture import TexturePool
-from relight_core.dataset.samples import light_head, mirrored, subsample
-from relight_core.dataset.stream import Ingredients, SampleStream, textured
+from relight_core.dataset.samples import light_head, mirrored
+from relight_core.dataset.stream import Ingredients, SampleStream, sample_gloss, textured
 from relight_core.dataset.warp import sample_warp, warped
-from relight_core.errors import InputError
 from relight_core.face.parsing import INDEX, KINDS
 from relight_core.imaging.tensor_logs import log_ratios
-from relight_core.lighting.reflection import Gloss
 
 _LIGHTS_PER_HEAD, _PAINTS_PER_HEAD, _SAMPLES_PER_PAINT = 5, 3, 64
 _SHADOWED_SHARE, _WILD_SHARE, _BEHIND_SHARE = 0.65, 0.1, 0.5
@@ -66,14 +63,11 @@ class GoboStream(SampleStream):
 
     def _light(self, path: Path, ingredients: Ingredients, rng: np.random.Generator) -> PaintedHead:
         pool, library = ingredients.pool, ingredients.library
-        head = read_shard(path)
-        if head.size % self.size:
-            raise InputError(f"{path}: a head of {head.size} pixels has no size of {self.size}; give a divisor of it")
-        head = subsample(head, head.size // self.size, rng)
+        head = self._read(path, rng)
         normal = textured(head, pool, rng)
         lights = sample_network_lights(library, rng, self.lights_per_head)
         lit = light_head(head, normal, lights)
-        gloss = Gloss(rng.uniform(0.2, 1.2), rng.uniform(0.3, 0.65))
+        gloss = sample_gloss(rng)
         appearance = appear(head, normal, lights, lit.illumination, gloss, None, rng.uniform(0, 2.0) * self.size / 128)
         white = lit.illumination.irradiance.mean((1, 2))
         radiance = np.empty((_PAINTS_PER_HEAD, len(lights), self.size, self.size, 3), np.float16)

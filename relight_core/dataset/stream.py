@@ -158,10 +158,7 @@ class SampleStream(IterableDataset):
         return heads[self._random(Draw.HEADS, lane, epoch).permutation(len(heads))[place]]
 
     def _light(self, path: Path, ingredients: Ingredients, rng: np.random.Generator) -> LitHead:
-        head = read_shard(path)
-        if head.size % self.size:
-            raise InputError(f"{path}: a head of {head.size} pixels has no size of {self.size}; give a divisor of it")
-        head = subsample(head, head.size // self.size, rng)
+        head = self._read(path, rng)
         normal = head.normal if self.plain else textured(head, ingredients.pool, rng)
         fine = np.stack([sample_light(ingredients.library, rng) for _ in range(self.lights_per_head)])
         lights = np.stack([shrink(light, NETWORK_HEIGHT) for light in fine])
@@ -170,10 +167,17 @@ class SampleStream(IterableDataset):
             lit = replace(lit, appearance=self._appearance(lit, rng))
         return replace(lit, relief_shadow=relief_shadows(lit, rng)) if self.relief_shadow else lit
 
+    def _read(self, path: Path, rng: np.random.Generator) -> BakedHead:
+        """A head at the samples' size."""
+        head = read_shard(path)
+        if head.size % self.size:
+            raise InputError(f"{path}: a head of {head.size} pixels has no size of {self.size}; give a divisor of it")
+        return subsample(head, head.size // self.size, rng)
+
     def _appearance(self, lit: LitHead, rng: np.random.Generator) -> Appearance:
         if self.plain:
             return appear(lit.head, lit.normal, lit.lights, lit.illumination, GLOSS)
-        gloss = Gloss(rng.uniform(0.2, 1.2), rng.uniform(0.3, 0.65))
+        gloss = sample_gloss(rng)
         occluder = sample_occluder(rng) if rng.random() < _OCCLUDED_SHARE else None
         scatter_px = rng.uniform(0.3, 2.0) * self.size / 128 if rng.random() < _SCATTERING_SHARE else 0.0
         dullness = rng.uniform(*_DULLNESS)
@@ -253,6 +257,11 @@ def _photographed(
     )
     others = channels.keys() - {"radiance", "silhouette", "hidden"}
     return {name: channels[name] for name in sorted(others)} | {"photo_srgb": photo}
+
+
+def sample_gloss(rng: np.random.Generator) -> Gloss:
+    """A head's own."""
+    return Gloss(rng.uniform(0.2, 1.2), rng.uniform(0.3, 0.65))
 
 
 def textured(head: BakedHead, pool: TexturePool, rng: np.random.Generator) -> np.ndarray:

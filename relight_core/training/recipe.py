@@ -25,7 +25,7 @@ from relight_core.training.state import Progress
 _NOTE = "begun.json"
 _REAL = ("minutes", "learning_rate")
 """Numbers of a stage that need not be whole."""
-_MORE_NETWORKS = {"person": PersonConfig, "foreign_shadow": ForeignShadowConfig}
+_CONFIG_OF_MORE = {"person": PersonConfig, "foreign_shadow": ForeignShadowConfig}
 _AT_LEAST_ONE = ("width", "levels")
 """Whole numbers of a network that can't be 0."""
 _LARGEST_SEED = 2**63 - 1
@@ -130,7 +130,7 @@ def _networks(data: dict[str, dict[str, Any]]) -> BundleConfig:
     for name, settings in _table(data, "networks").items():
         if not hasattr(config, name):
             raise ValueError(f"unknown network {name!r}")
-        before = getattr(config, name) or _MORE_NETWORKS[name]()
+        before = getattr(config, name) or _CONFIG_OF_MORE[name]()
         for entry, value in _table(settings, f"networks.{name}").items():
             usual = getattr(before, entry, value)
             too_small = type(value) is int and value < (1 if entry in _AT_LEAST_ONE else 0)

@@ -14,6 +14,7 @@ from relight_core.face.parsing import FEWEST_PIXELS, KINDS, likely, share_of
 from relight_core.imaging.masks import disc
 from relight_core.imaging.ramp import ramp
 from relight_core.imaging.tensor_colour import srgb_encode
+from relight_core.imaging.tensor_images import enlarge
 from relight_core.imaging.tensor_logs import BLACK, exact_logs
 from relight_core.networks.bundle import NetworkBundle
 from relight_core.pipeline.stages import in_precision
@@ -114,4 +115,4 @@ def at_size(image: torch.Tensor, size: int) -> torch.Tensor:
         return image
     if image.shape[-1] > size:
         return F.interpolate(image, size=(size, size), mode="area")
-    return F.interpolate(image, size=(size, size), mode="bilinear", align_corners=False)
+    return enlarge(image, size)
