@@ -265,7 +265,8 @@ class Desk:
         relit = self._relighter.relight(now.light.environment, edit, longest_side_px, for_shader=True)
         screen = relit.recipe or radiance_for_screen(relit.image, relit.alpha)
         self._failed = None
-        channels = _former_channels(now) | channels_for_screen(relit.channels)
+        are_all = edit.channels is None and relit.channels
+        channels = ({} if are_all else _former_channels(now)) | channels_for_screen(relit.channels)
         picture = Picture(now.opened, now.light, edit, longest_side_px, relit, screen, channels)
         self._tiers.observe(edit.quality, relit.stages)
         return replace(now, picture=picture, tier_costs=self._tiers.costs())

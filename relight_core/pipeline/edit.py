@@ -31,10 +31,10 @@ EFFECTS = (
 BACKGROUNDS = ("keep", "match", "light", "transparent")
 """Beside colours: the photo's own, the same dimmed and tinted as the person is, the light itself, none."""
 
-SURFACE_CHANNELS = ("photo", "albedo", "normal", "parsing")
+SURFACE_CHANNELS = ("photo", "albedo", "normal", "parsing", "foreign_shadow")
 LIGHT_CHANNELS = ("specular", "shadow", "composition")
 CHANNELS = (*SURFACE_CHANNELS, *LIGHT_CHANNELS, "source_light", "target_light")
-"""What can be looked at beside the picture."""
+"""What can be looked at beside the picture; "foreign_shadow" is there only where there are such shadows."""
 
 TOLERANCE = 1 / 255
 """The largest change of a displayed value in [0, 1] that leaving something out may cause."""

@@ -17,7 +17,7 @@ from relight_core.imaging.view_of_photo import ViewOfPhoto
 from relight_core.lighting.environment import Environment, network_light
 from relight_core.lighting.lamps import Lamp
 from relight_core.pipeline import stages
-from relight_core.pipeline.edit import LIGHT_CHANNELS, SURFACE_CHANNELS, Edit
+from relight_core.pipeline.edit import LIGHT_CHANNELS, Edit
 from relight_core.pipeline.face_in_photo import FaceInPhoto
 from relight_core.pipeline.per_light.catchlights import (
     Catchlight,
@@ -46,6 +46,7 @@ from relight_core.pipeline.results.channels import (
     light_channels,
     of_person,
     surface_channel,
+    surface_channels_of,
     upsampler_for,
     view_as_seen,
 )
@@ -250,7 +251,7 @@ class FaceRelighter(FaceInPhoto):
             return {}
         fixed = {
             name: self._once(f"{name}_channel", plan.keys["surface"], partial(self._surface_channel, name, ready))
-            for name in SURFACE_CHANNELS
+            for name in surface_channels_of(ready.surface)
             if edit.looks_at(name)
         }
         if plan.runs("source_light") and edit.looks_at("source_light"):
@@ -263,7 +264,8 @@ class FaceRelighter(FaceInPhoto):
     ) -> Callable[[], dict[str, np.ndarray]]:
         """What makes the channels that are looked at, all but the photo and the lights, on any thread."""
         lighted = self._light_channels(ready, lit, change, plan, edit)
-        names = [name for name in SURFACE_CHANNELS if name != "photo" and edit.looks_at(name)]
+        there = surface_channels_of(ready.surface)
+        names = [name for name in there if name != "photo" and edit.looks_at(name)]
         return lambda: {name: self._surface_channel(name, ready) for name in names} | lighted()
 
     def _light_channels(

@@ -68,6 +68,7 @@ class FakeRelighter:
         self.entered = threading.Semaphore(0)
         self.fail_with: Exception | None = None
         self.outline: list = []
+        self.in_foreign_shadow = False
 
     def set_portrait(self, photo, face_index=None, boxes=None, strokes=()):
         if boxes is None:
@@ -119,7 +120,8 @@ class FakeRelighter:
         grey = np.repeat(columns[..., None], 3, axis=2)
         red = np.zeros((SIZE, SIZE, 3), np.float32)
         red[..., 0] = 1.0
-        return {
+        taken_off = {"foreign_shadow": red} if self.in_foreign_shadow and edit.forced("foreign_shadow") is None else {}
+        return taken_off | {
             "photo": grey,
             "albedo": red,
             "normal": normal / np.linalg.norm(normal, axis=2, keepdims=True),

@@ -9,7 +9,7 @@ from opened_things import SKY, open_light, opened_photo
 from app.engine.snapshot import Message, OpenPhoto, Snapshot
 from app.engine.sources import LightSource, PhotoSource
 from app.ui.angles import wrap_degrees
-from app.ui.channels import CHANNELS
+from app.ui.channels import in_filmstrip
 from app.ui.export_name import choose_form, export_place, export_to
 from app.ui.news import let_news_pass
 from app.ui.state import EditorState
@@ -26,11 +26,16 @@ def test_angles_stay_within_half_a_turn(given_deg, wrapped_deg):
     assert wrap_degrees(given_deg) == wrapped_deg
 
 
-def test_the_filmstrip_has_nine_entries_that_the_number_keys_reach():
-    names = [name for name, _, _ in CHANNELS]
-    assert names == [
+def test_the_filmstrip_has_nine_entries_that_the_number_keys_reach_and_a_tenth_where_there_is_one():
+    names = [
         "photo", "albedo", "normal", "parsing", "source_light", "specular", "shadow", "composition", "result"
     ]  # fmt: skip
+    usual = in_filmstrip({"photo", "albedo", "shadow"})
+    assert [(channel.name, channel.key) for channel in usual] == [
+        (name, str(number)) for number, name in enumerate(names, 1)
+    ]
+    with_shadow = in_filmstrip({"albedo", "foreign_shadow"})
+    assert [(channel.name, channel.key) for channel in set(with_shadow) - set(usual)] == [("foreign_shadow", "0")]
 
 
 def test_quality_drops_only_while_a_hand_changes_something_the_networks_read():

@@ -84,6 +84,25 @@ def test_every_number_key_shows_its_picture(opened):
             assert (seen[one] != seen[other]).any(), (names[one], names[other])
 
 
+def test_a_shadow_that_was_taken_off_has_a_picture_as_long_as_it_is(opened, relighter):
+    window = opened.window
+    opened.key(glfw.KEY_0)
+    assert window.state.shown == RESULT
+    relighter.in_foreign_shadow = True
+    window.state.change(yaw_deg=20.0)
+    opened.settle()
+    opened.key(glfw.KEY_0)
+    assert window.state.shown_name() == "foreign_shadow"
+    opened.click((WIDTH / 2 - 20, HEIGHT - 80))
+    assert window.state.shown == "parsing"
+    opened.key(glfw.KEY_0)
+    window.state.change(forced_off=frozenset({"foreign_shadow"}))
+    opened.settle()
+    assert window.state.shown_name() == RESULT
+    opened.click((WIDTH / 2, HEIGHT - 80))
+    assert window.state.shown == "source_light"
+
+
 def test_clicking_a_thumbnail_shows_it_large(opened):
     opened.click((WIDTH / 2, HEIGHT - 80))
     assert opened.window.state.shown == "source_light"

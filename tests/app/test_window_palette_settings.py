@@ -93,7 +93,7 @@ def test_how_a_file_is_made_is_set(opened):
     assert (state.export.quality, state.typing) == (75, None)
     run(opened, "kind exr")
     run(opened, "layer matte")
-    assert (state.export.form, "matte" in state.export.layers, len(state.export.layers)) == (".exr", False, 7)
+    assert (state.export.form, "matte" in state.export.layers, len(state.export.layers)) == (".exr", False, 8)
 
 
 @pytest.mark.parametrize(

@@ -70,3 +70,13 @@ def test_channels_of_a_crowd_fade_where_people_are_unseen():
     assert everyone[16, 9] == pytest.approx(1)
     assert some[16, 9] == pytest.approx(0)
     assert some[16, 20] == pytest.approx(1)
+
+
+def test_where_a_shadow_from_outside_falls_on_one_face_the_others_have_none():
+    shadow, albedo = np.full((32, 32, 3), 0.5, np.float32), {"albedo": np.ones((32, 32, 3), np.float32)}
+    others = [lambda: albedo | {"foreign_shadow": shadow}, *[lambda: albedo] * (len(ROW) - 2)]
+    together = channels_together(placed_in_a_row(), albedo, others)
+    levels = [float(one["foreign_shadow"][16, 16].mean()) for one in together]
+    assert levels == pytest.approx([0, 0.5, 0, 0, 0, 0])
+    without = channels_together(placed_in_a_row(), albedo, [lambda: albedo] * (len(ROW) - 1))
+    assert {name for one in without for name in one} == {"albedo"}

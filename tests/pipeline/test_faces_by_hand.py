@@ -80,7 +80,7 @@ def test_layers_hold_what_is_known_of_everyone(relighter, photo):
         relighter.set_portrait(photo, None, boxes)
         relit = relighter.relight(some_light(), replace(EDIT, channels=None))
         layers.append(photo_layers(relit, CHANNEL_LAYERS))
-    for name in CHANNEL_LAYERS:
+    for name in {*CHANNEL_LAYERS} - {"foreign_shadow"}:
         for columns in (slice(20, 40), slice(72, 106)):
             one, other = (of_order[name][40:56, columns] for of_order in layers)
             assert one.any(), name

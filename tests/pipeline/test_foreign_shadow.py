@@ -244,6 +244,23 @@ def test_turned_off_and_on_the_picture_changes_and_comes_back(shaded):
     np.testing.assert_array_equal(picture(Edit()), first)
 
 
+def test_what_was_taken_off_is_a_channel_of_its_own_where_there_is_something(shaded):
+    channels = shaded.relight(some_light(), Edit()).channels
+    taken_off = channels["foreign_shadow"]
+    assert taken_off.shape == channels["albedo"].shape
+    assert taken_off.min() >= 0
+    # A shadow of one in logs.
+    assert taken_off.max() == pytest.approx(1 - np.exp(-1), abs=0.02)
+    left, right = np.split(taken_off, 2, axis=1)
+    assert left.mean() > 0.1
+    assert right.mean() < 0.1 * left.mean()
+    assert "foreign_shadow" not in shaded.relight(some_light(), Edit(channels=("albedo",))).channels
+    assert "foreign_shadow" not in shaded.relight(some_light(), Edit(forced_off=frozenset({"foreign_shadow"}))).channels
+    give(shaded, None)
+    shaded.set_portrait(some_photo(1))
+    assert "foreign_shadow" not in shaded.relight(some_light(), Edit()).channels
+
+
 def test_under_its_own_light_the_photo_is_the_photo_again(shaded):
     own = shaded.estimated_light("live")
     assert isinstance(own, Environment)

@@ -72,7 +72,9 @@ def _layer(name: str) -> Action:
         state.export = export_panel.with_layer(state.export, name, name not in state.export.layers)
 
     words = f"{export_panel.LAYER_WORDS[name]}, beside the picture or not"
-    return _choice(f"EXR layer: {name.capitalize()}", words, run, lambda state: name in state.export.layers)
+    return _choice(
+        f"EXR layer: {export_panel.layer_title(name)}", words, run, lambda state: name in state.export.layers
+    )
 
 
 def _type(name: str, label: str, words: str) -> Action:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from app.ui.actions.action import Action, Gesture, has_photo, has_picture
-from app.ui.channels import CHANNELS, PHOTO, RESULT
+from app.ui.channels import CHANNELS, PHOTO, RESULT, Channel
 from app.ui.layout import Panels
 from app.ui.state import EditorState
 from app.ui.viewport.viewport_panel import ZOOM_PER_STEP, fit, toggle_actual_size, zoom_by
@@ -134,22 +134,30 @@ READING = (
 )
 
 
-def _show(number: int, name: str, title: str, explanation: str) -> Action:
+def _show(channel: Channel) -> Action:
     def run(state: EditorState) -> None:
-        state.shown = name
+        state.shown = channel.name
 
     return Action(
-        f"Show {title.lower()}",
+        f"Show {channel.title.lower()}",
         _PICTURES,
-        (str(number),),
-        explanation.rstrip("."),
+        (channel.key,),
+        channel.explanation.rstrip("."),
         run,
-        available=has_photo if name == PHOTO else has_picture,
-        is_on=lambda state: state.shown == name,
+        available=_there_is(channel),
+        is_on=lambda state: state.shown == channel.name,
     )
 
 
-SHOWING = tuple(_show(number, *channel) for number, channel in enumerate(CHANNELS, 1))
+def _there_is(channel: Channel) -> Callable[[EditorState], bool]:
+    if channel.name == PHOTO:
+        return has_photo
+    if not channel.is_rare:
+        return has_picture
+    return lambda state: has_picture(state) and channel.name in state.snapshot.picture.channels
+
+
+SHOWING = tuple(_show(channel) for channel in sorted(CHANNELS, key=lambda channel: (channel.is_rare, channel.key)))
 
 
 def _switch_panel(name: str, key: str, title: str) -> Action:

@@ -35,6 +35,7 @@ LAYER_WORDS = {
     "shadow": "Shadow",
     "parsing": "Parts of the head, as numbers",
     "composition": "The relit view",
+    "foreign_shadow": "What was taken off of shadows from outside, if there are any",
     "matte": "Where the person is",
     "background": "What is seen beside the person",
 }
@@ -84,6 +85,11 @@ def size_words(side: int | None) -> str:
     return f"{side} px" if side else "Full size"
 
 
+def layer_title(name: str) -> str:
+    """One of LAYERS, in words."""
+    return name.replace("_", " ").capitalize()
+
+
 def with_layer(export: ExportSettings, name: str, is_on: bool) -> ExportSettings:
     """The settings with one layer of an EXR put in or left out."""
     layers = tuple(entry for entry in LAYERS if (is_on if entry == name else entry in export.layers))
@@ -130,7 +136,7 @@ def _layers(state: EditorState) -> None:
         imgui.set_item_tooltip("What the file holds beside the picture.")
         return
     for name in LAYERS:
-        changed, on = imgui.checkbox(name.capitalize(), name in state.export.layers)
+        changed, on = imgui.checkbox(layer_title(name), name in state.export.layers)
         imgui.set_item_tooltip(LAYER_WORDS[name])
         if changed:
             state.export = with_layer(state.export, name, on)

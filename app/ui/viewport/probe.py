@@ -36,7 +36,7 @@ class Reading:
 
 def readings(snapshot: Snapshot, exposure_ev: float, x: float, y: float) -> list[Reading]:
     """Every picture and channel at a spot of the photo, in the filmstrip's order; see `reading`."""
-    found = (reading(snapshot, name, exposure_ev, x, y) for name, _, _ in CHANNELS)
+    found = (reading(snapshot, channel.name, exposure_ev, x, y) for channel in CHANNELS)
     return [row for row in found if row is not None]
 
 

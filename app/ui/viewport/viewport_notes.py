@@ -11,7 +11,7 @@ from app.ui.pictures import Pictures
 from app.ui.state import EditorState
 from app.ui.viewport.panes import LIGHTS, Arrangement, Pane
 
-TITLES = {name: title for name, title, _ in CHANNELS}
+TITLES = {channel.name: channel.title for channel in CHANNELS}
 _DIFFERENCE_ENDS = ("3 stops darker", "same", "3 stops brighter")
 _NARROW_DIFFERENCE_ENDS = ("\N{MINUS SIGN}3 EV", "0", "+3 EV")
 _SCALE_ENDS = {"specular": ("0", "0.25"), "shadow": ("0", "0.5")}

@@ -23,6 +23,7 @@ from relight_core.pipeline.edit import LIGHT_CHANNELS, SURFACE_CHANNELS
 from relight_core.pipeline.per_light.fine_edges import FineEdges
 from relight_core.pipeline.per_light.hints import Effects, as_channels
 from relight_core.pipeline.per_light.sliders import SliderChange
+from relight_core.pipeline.per_photo.foreign_shadow import at_size
 from relight_core.pipeline.stages import Surface
 
 _PATTERNED = [INDEX[name] for name in (*EYES, *BROWS, *MOUTH, "hair", "hat", "glasses", "cloth")]
@@ -143,6 +144,11 @@ def enlarge_change(
     return ViewChange(at_level(gain, level), at_level(offset, level), level)
 
 
+def surface_channels_of(surface: Surface) -> tuple[str, ...]:
+    """Those of SURFACE_CHANNELS that there are: "foreign_shadow" is there where such shadows are."""
+    return tuple(name for name in SURFACE_CHANNELS if name != "foreign_shadow" or surface.foreign_shadow is not None)
+
+
 def surface_channel(name: str, surface: Surface, photo_view: np.ndarray, photo_small: np.ndarray) -> np.ndarray:
     """One of SURFACE_CHANNELS, which no light changes.
 
@@ -157,13 +163,16 @@ def surface_channel(name: str, surface: Surface, photo_view: np.ndarray, photo_s
         return np.clip(carry_detail(np.clip(photo_view, 0, 1), photo_small, as_image(surface.albedo)), 0, 1)
     if name == "normal":
         return as_image(unit_normals(enlarge(surface.normal, size)))
+    if name == "foreign_shadow":
+        return as_image(1 - at_size(surface.foreign_shadow, size).exp()).clip(0, 1)
     # NumPy: torch takes three times as long over the first axis.
     return enlarge(surface.parsing, size)[0].cpu().numpy().argmax(0).astype(np.int32)
 
 
 def surface_channels(surface: Surface, photo_view: np.ndarray, photo_small: np.ndarray) -> dict[str, np.ndarray]:
-    """All of SURFACE_CHANNELS; arguments as in `surface_channel`."""
-    return {name: surface_channel(name, surface, photo_view, photo_small) for name in SURFACE_CHANNELS}
+    """Those of SURFACE_CHANNELS that there are; arguments as in `surface_channel`."""
+    names = surface_channels_of(surface)
+    return {name: surface_channel(name, surface, photo_view, photo_small) for name in names}
 
 
 def of_person(channel: np.ndarray, surface: Surface) -> np.ndarray:

@@ -31,6 +31,7 @@ def channels_together(
     """
     views, classes = placement.views, 0
     faces = [_turned_back(one, view) for one, view in zip([first, *(make() for make in of_others)], views, strict=True)]
+    faces = _with_no_shadow(faces)
     names = [name for name in faces[0] if all(name in one for one in faces)]
     if "parsing" in names:
         classes = 1 + max(int(one["parsing"].max()) for one in faces)
@@ -46,6 +47,12 @@ def channels_together(
 
 def _turned_back(channels: Channels, view: Crop) -> dict[str, np.ndarray]:
     return {name: unrolled(one, view.roll_deg) if name == "normal" else one for name, one in channels.items()}
+
+
+def _with_no_shadow(faces: Sequence[dict[str, np.ndarray]]) -> Sequence[dict[str, np.ndarray]]:
+    """Where a shadow from outside falls on some of the faces, the others have one of 0."""
+    shadows = [one["foreign_shadow"] for one in faces if "foreign_shadow" in one]
+    return [{"foreign_shadow": np.zeros_like(shadows[0])} | one for one in faces] if shadows else faces
 
 
 def _shares(placement: Placement, size: int) -> list[list[np.ndarray | None]]:

@@ -17,7 +17,7 @@ from relight_core.pipeline.per_photo.person import whole_person
 from relight_core.pipeline.results.channels import unrolled
 from relight_core.pipeline.results.relit import Relit
 
-CHANNEL_LAYERS = ("albedo", "normal", "specular", "shadow", "parsing", "composition")
+CHANNEL_LAYERS = ("albedo", "normal", "specular", "shadow", "parsing", "composition", "foreign_shadow")
 LAYERS = (*CHANNEL_LAYERS, "matte", "background")
 """What can be had beside the picture itself. Channels are those of all faces that are relit: 0 where no view of the
 networks reaches, and all but the composition where it shows no person."""

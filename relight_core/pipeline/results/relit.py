@@ -24,8 +24,9 @@ class Relit:
         alpha: (H, W) float32 in [0, 1], of an `image` whose background was taken away; else None.
         channels: views (S, S, 3) or (S, S) float32 by name, as far as `Edit.channels` asks for them: "photo",
             "albedo", "normal" (unit vectors, in the axes of the square, which `roll_deg` turns), "parsing" (int
-            labels), "specular", "shadow" and "composition" (linear, at the light's level), and the lights
-            "source_light" and "target_light" (16, 32, 3). Albedo, normals, specular and shadow fade to 0 at the
+            labels), "specular", "shadow" and "composition" (linear, at the light's level), where shadows from outside
+            were taken off the photo "foreign_shadow" (the share of light that they keep away, [0, 1]), and the lights
+            "source_light" and "target_light" (16, 32, 3). Albedo, normals, specular and shadows fade to 0 at the
             person's outline.
         faces: the boxes of the faces that were relit, in photo pixels; the channels are the first one's.
         stages: what each stage did, in the order in which they ended.
