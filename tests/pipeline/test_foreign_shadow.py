@@ -18,7 +18,7 @@ from relight_core.pipeline.quality import Tier
 from relight_core.pipeline.stages import Composed, Effects, without_colour
 
 TIER = Tier(64, 64, 32, 16, False, precision="fp32")
-SKIN, CLOTH = 1, 13
+SKIN, LEFT_EYE, CLOTH = 1, 4, 13
 
 
 class Says(torch.nn.Module):
@@ -69,6 +69,25 @@ def test_what_it_says_of_the_view_and_of_its_mirror_image_is_averaged(bundle):
     assert (parts[:, 1:] == 0).all()
 
 
+def test_it_is_shown_the_photo_as_a_camera_stores_it_and_its_mirror_image(bundle):
+    view = torch.full((1, 3, 512, 512), 0.05)
+    # Seen at half the size, columns of 0.2 and 0.4 are 0.3.
+    view[..., :256] = torch.tensor([0.2, 0.4]).repeat(128)
+    view[:, :, 256:, :256] = 7.0
+    found = torch.zeros(1, 14, 256, 256)
+    found[:, SKIN, :, :128], found[:, CLOTH, :, 128:] = 1, 1
+    bundle.foreign_shadow = network = Says()
+    find_foreign_shadow(bundle, view, found, "fp32")
+    photo, parts = network.shown[0]
+    torch.testing.assert_close(photo[0, :, 60, 60], torch.full((3,), 0.5838), atol=1e-3, rtol=0)
+    torch.testing.assert_close(photo[0, :, 60, 200], torch.full((3,), 0.2478), atol=1e-3, rtol=0)
+    torch.testing.assert_close(photo[0, :, 200, 60], torch.ones(3))
+    assert (parts[0, 0, :, :128] == 1).all()
+    assert (parts[0, 3, :, 128:] == 1).all()
+    for shown in (photo, parts):
+        torch.testing.assert_close(shown[1], shown[0].flip(-1), rtol=0, atol=0)
+
+
 @pytest.mark.parametrize(
     ("said", "columns", "person"), [(-0.1, 128, 1.0), (-1.0, 1, 1.0), (-1.0, 128, 0.0), (0.5, 128, 1.0)]
 )
@@ -94,12 +113,17 @@ def dressed():
     return found
 
 
-def shadows_on_somebody(bundle, *places):
+def shadows_on_somebody(bundle, *places, view=None, person=None):
     mask = torch.zeros(256, 256)
     for rows, columns in places:
         mask[rows, columns] = 1
+    return found_where(bundle, mask, view, person)
+
+
+def found_where(bundle, mask, view=None, person=None):
     bundle.foreign_shadow = Draws(mask)
-    found = find_foreign_shadow(bundle, torch.full((1, 3, 256, 256), 0.3), dressed(), "fp32")
+    view = torch.full((1, 3, 256, 256), 0.3) if view is None else view
+    found = find_foreign_shadow(bundle, view, dressed() if person is None else person, "fp32")
     return None if found is None else found[0, 0]
 
 
@@ -125,13 +149,103 @@ def test_of_a_shadow_with_little_skin_in_it_only_that_is_one(bundle):
     assert float(found[150:].abs().max()) == 0
 
 
+@pytest.mark.parametrize(("top", "on_coat"), [(94, -1), (108, 0)])
+def test_only_of_a_shadow_with_enough_skin_in_it_the_rest_is_one_too(bundle, top, on_coat):
+    """A third of the first one is skin, a fifth of the other."""
+    found = shadows_on_somebody(bundle, (slice(top, 208), slice(0, 60)))
+    assert float(found[115, 30]) == -1
+    assert float(found[190, 30]) == on_coat
+
+
+def test_a_dark_coat_that_reaches_a_little_over_the_neck_is_no_shadow(bundle):
+    assert shadows_on_somebody(bundle, (slice(124, 256), WHOLE)) is None
+
+
+def test_a_shadow_on_a_coat_that_a_speck_of_skin_lies_in_is_none(bundle):
+    """A sixteenth of it is skin, and that a fivehundredth of the face's."""
+    assert shadows_on_somebody(bundle, (slice(125, 175), slice(100, 120))) is None
+
+
+def test_features_are_face_as_well(bundle):
+    person = dressed()
+    person[:, SKIN, 40:60, 40:100], person[:, LEFT_EYE, 40:60, 40:100] = 0, 1
+    assert float(shadows_on_somebody(bundle, (slice(40, 60), slice(40, 100)), person=person)[50, 70]) == -1
+
+
+@pytest.mark.filterwarnings("error")
+def test_a_face_that_lies_in_a_shadow_altogether_has_one(bundle):
+    assert float(shadows_on_somebody(bundle, (WHOLE, WHOLE))[64, 64]) == -1
+
+
+def test_what_is_dark_behind_the_person_is_neither_shadow_nor_part_of_one(bundle):
+    thin = torch.zeros(1, 14, 256, 256)
+    thin[:, SKIN, :, 100:110] = 1
+    thin[:, 0] = 1 - thin[:, SKIN]
+    found = shadows_on_somebody(bundle, (slice(40, 140), WHOLE), person=thin)
+    assert float(found[90, 105]) == -1
+    assert float(found[:, :100].abs().max()) == float(found[:, 110:].abs().max()) == 0
+
+
+def test_what_may_be_a_shadow_is_one_in_part_and_only_beside_one(bundle):
+    mask = torch.zeros(256, 256)
+    mask[:, :100] = 1
+    for column, depth in ((40, 0.1), (60, 0.175), (80, 0.3)):
+        mask[:, column : column + 2] = depth
+    mask[40:60, 200:240] = 0.2
+    found = found_where(bundle, mask)
+    assert float(found[64, 40]) == pytest.approx(0, abs=1e-6)
+    assert float(found[64, 60]) == pytest.approx(-0.0875, abs=1e-5)
+    assert float(found[64, 80]) == pytest.approx(-0.3, abs=1e-6)
+    assert float(found[:, 110:].abs().max()) == 0
+
+
+def test_a_shadow_that_ends_nowhere_fades_a_few_pixels_beyond_what_is_surely_one(bundle):
+    mask = torch.full((256, 256), 0.2)
+    mask[:, :100] = 1
+    across = -found_where(bundle, mask)[64]
+    # Two thirds of what may be a shadow of 0.2.
+    assert float(across[102]) == pytest.approx(0.1333, abs=1e-3)
+    assert float(across[110:].max()) == 0
+    fading = across[102:109]
+    assert (fading.diff() <= 0).all()
+    assert float(fading.diff().abs().max()) < 0.05
+
+
+def test_a_lit_spot_amid_a_large_shadow_stays_as_it_is(bundle):
+    mask = torch.ones(256, 256)
+    mask[30:60, 30:60] = 0.2
+    found = found_where(bundle, mask)
+    assert float(found[45, 45]) == 0
+    assert float(found[90, 90]) == -1
+
+
+@pytest.mark.parametrize(("columns", "on_coat"), [(50, 0), (80, -1)])
+def test_an_eleventh_of_a_face_in_shadow_is_little_and_a_seventh_is_much(bundle, columns, on_coat):
+    places = (slice(0, 60), slice(0, columns)), (slice(180, 200), slice(180, 200))
+    assert float(shadows_on_somebody(bundle, *places)[190, 190]) == on_coat
+
+
+@pytest.mark.parametrize(("columns", "on_coat"), [(64, -1), (131, 0), (256, 0)])
+def test_a_fifth_of_a_coat_may_lie_in_shadow_like_the_face_and_two_fifths_are_dark_cloth(bundle, columns, on_coat):
+    places = (slice(0, 60), slice(0, 120)), (slice(140, 240), slice(0, columns))
+    assert float(shadows_on_somebody(bundle, *places)[190, 30]) == on_coat
+
+
 def test_where_leaves_shade_much_of_a_face_their_spots_on_the_coat_are_shadows_too(bundle):
     spot = (slice(180, 200), slice(180, 200))
     assert float(shadows_on_somebody(bundle, (slice(0, 60), slice(0, 120)), spot)[190, 190]) == -1
     assert float(shadows_on_somebody(bundle, (slice(0, 30), slice(0, 30)), spot)[190, 190]) == 0
 
 
-@pytest.mark.parametrize(("colour", "is_shadow"), [((0.10, 0.10, 0.11), True), ((0.05, 0.10, 0.25), False)])
+@pytest.mark.parametrize(
+    ("colour", "is_shadow"),
+    [
+        ((0.10, 0.10, 0.11), True),
+        ((0.05, 0.10, 0.25), False),
+        ((0.11, 0.04, 0.11), False),
+        ((0.04, 0.11, 0.04), False),
+    ],
+)
 def test_paint_is_no_shadow(bundle, colour, is_shadow):
     mask = torch.zeros(256, 256)
     mask[20:60, 20:60] = 1
@@ -139,6 +253,22 @@ def test_paint_is_no_shadow(bundle, colour, is_shadow):
     view[:, :, 20:60, 20:60] = torch.tensor(colour)[:, None, None]
     bundle.foreign_shadow = Draws(mask)
     assert (find_foreign_shadow(bundle, view, dressed(), "fp32") is not None) == is_shadow
+
+
+def test_a_coloured_shadow_on_skin_is_no_paint(bundle):
+    view = torch.full((1, 3, 256, 256), 0.3)
+    logs = torch.tensor([-1.7, -1.0, -0.2])
+    view[..., :128] = ((0.3 + 0.005) * logs.exp() - 0.005)[:, None, None]
+    bundle.foreign_shadow = Says(-1.7, -1.0, -0.2)
+    found = find_foreign_shadow(bundle, view, dressed(), "fp32")
+    torch.testing.assert_close(found[0, :, 60, 60], logs)
+
+
+def test_the_coat_s_colour_says_nothing_of_paint_on_the_face(bundle):
+    view = torch.full((1, 3, 256, 256), 0.3)
+    view[:, :, 128:] = torch.tensor([0.02, 0.04, 0.2])[:, None, None]
+    found = shadows_on_somebody(bundle, (slice(80, 256), slice(0, 100)), view=view)
+    assert float(found[100, 50]) == float(found[200, 50]) == -1
 
 
 def test_a_soft_edge_is_kept(bundle):
@@ -162,17 +292,19 @@ def test_what_is_taken_off_is_what_fell_and_black_stays_black():
     torch.testing.assert_close(without_shadow(lit, torch.zeros_like(logs)), lit)
 
 
-def test_a_person_is_taken_apart_as_without_it(bundle):
+@pytest.mark.parametrize("again", [False, True])
+def test_a_person_is_taken_apart_as_without_it(bundle, again):
+    tier = replace(TIER, looks_twice=again)
     lit = np.random.default_rng(3).uniform(0.3, 0.5, (64, 64, 3)).astype(np.float32)
-    expected = take_apart(bundle, lit, TIER, "cpu")
+    expected = take_apart(bundle, lit, tier, "cpu")
     shaded = lit.copy()
     shaded[:, :32] = (lit[:, :32] + 0.005) * np.float32(np.exp(-1)) - 0.005
     bundle.foreign_shadow = Says()
-    found = take_apart(bundle, shaded, TIER, "cpu")
+    found = take_apart(bundle, shaded, tier, "cpu")
     for name in ("photo", "albedo", "normal", "source_light"):
         torch.testing.assert_close(getattr(found, name), getattr(expected, name), rtol=1e-3, atol=1e-4)
     assert found.foreign_shadow is not None
-    left = take_apart(bundle, shaded, replace(TIER, takes_foreign_shadow_off=False), "cpu")
+    left = take_apart(bundle, shaded, replace(tier, takes_foreign_shadow_off=False), "cpu")
     assert left.foreign_shadow is None
     assert float((left.photo - found.photo).abs().max()) > 0.1
 

@@ -83,7 +83,7 @@ def _on_person(shadow: np.ndarray, person: np.ndarray, face: np.ndarray, ratios:
     skin = face > 0.5
     count, labels, stats, _ = cv2.connectedComponentsWithStats(shadow.astype(np.uint8))
     area = stats[:, cv2.CC_STAT_AREA]
-    share_of_skin = np.bincount(labels[skin], minlength=count) / area
+    share_of_skin = np.bincount(labels[skin], minlength=count) / np.maximum(area, 1)
     on_face = share_of_skin > _LEAST_SKIN
     on_face[0] = False
     elsewhere = ~on_face
