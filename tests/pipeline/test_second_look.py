@@ -1,12 +1,17 @@
 """A second look at skin: what the photo is turned into for it, and what is taken from it."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
+import test_cropped_hair
+import test_hair_on_scalp
+import test_white_hair
 import torch
 
 from relight_core.networks.bundle import load_bundle
+from relight_core.pipeline import stages
 from relight_core.pipeline.per_photo.second_look import evened_out, evenly_lit, take_apart, with_skin_of
 from relight_core.pipeline.quality import Tier
 from relight_core.pipeline.stages import Surface
@@ -57,6 +62,38 @@ def test_little_of_the_shading_is_left_and_nothing_happens_behind_the_person():
     np.testing.assert_array_equal(evened[~person], photo[~person])
 
 
+def evened(normal, photo, albedo):
+    """What becomes of a view of one colour."""
+    views, of_one = torch.full((1, 3, 8, 8), photo), torch.ones(1, 1, 8, 8)
+    parts = {"albedo": albedo + 0 * views, "normal": torch.tensor(normal)[None, :, None, None] * of_one}
+    return float(evened_out(views, **parts, photo=views, person=of_one)[0, 0, 4, 4])
+
+
+@pytest.mark.parametrize(
+    ("normal", "received"),
+    [
+        ((0.0, 0.0, 1.0), 1.65),
+        ((0.0, 0.0, -1.0), 0.35),
+        ((0.0, 1.0, 0.0), 1.2),
+        ((0.0, -1.0, 0.0), 0.8),
+        ((1.0, 0.0, 0.0), 1.0),
+    ],
+)
+def test_the_light_it_goes_most_of_the_way_to_comes_from_ahead_and_above(normal, received):
+    # What faces the light is as bright as its albedo.
+    wanted = 0.4 * received / 1.68007
+    assert evened(normal, 0.2, 0.4) == pytest.approx(0.2 * (wanted / 0.2) ** 0.7, rel=1e-4)
+
+
+def test_nothing_is_brightened_or_darkened_more_than_ten_times():
+    ahead = (0.0, 0.0, 1.0)
+    assert evened(ahead, 0.01, 0.9) == pytest.approx(0.01 * 10**0.7, rel=1e-4)
+    assert evened(ahead, 1.0, 0.01) == pytest.approx(10**-0.7, rel=1e-4)
+    # What a camera tells of black is mostly its noise: it counts as 0.004.
+    wanted = 0.02 * 1.65 / 1.68007
+    assert evened(ahead, 0.001, 0.02) == pytest.approx(0.001 * (wanted / 0.004) ** 0.7, rel=1e-4)
+
+
 @pytest.mark.parametrize("level", [0.0, 1.0])
 def test_black_and_blown_photos_stay_in_range(level):
     surface = replace(ball_lit_from(0.5), photo=torch.full((1, 3, SIZE, SIZE), level))
@@ -75,6 +112,45 @@ def test_skin_takes_the_second_look_s_variation_at_its_own_level_and_hair_nothin
     assert float(both.albedo[skin].log().mean()) == pytest.approx(float(np.log(0.4)), abs=1e-3)
     row = both.albedo[0, 0, 3 * SIZE // 4]
     assert float(row[20] / row[12]) == pytest.approx(float(ramp[0, 0, 0, 20] / ramp[0, 0, 0, 12]), rel=1e-3)
+
+
+def test_without_skin_the_first_look_s_albedo_stays():
+    nobody = ball_lit_from(0.0)
+    nobody = replace(nobody, parsing=torch.zeros_like(nobody.parsing))
+    both = with_skin_of(nobody, replace(nobody, albedo=0.1 + 0.5 * torch.rand(1, 3, SIZE, SIZE)))
+    torch.testing.assert_close(both.albedo, nobody.albedo)
+
+
+def test_no_skin_reflects_more_than_all_light():
+    first = ball_lit_from(0.0, 0.9)
+    both = with_skin_of(first, replace(first, albedo=torch.linspace(0.1, 0.9, SIZE).expand(1, 3, SIZE, SIZE)))
+    assert float(both.albedo.max()) == 1
+
+
+@pytest.mark.parametrize(
+    "head",
+    [
+        test_white_hair.head(0.6),
+        test_hair_on_scalp.head(test_hair_on_scalp.BROWN),
+        test_cropped_hair.head((0.12, 0.06, 0.05)),
+    ],
+    ids=["white", "brown", "cropped"],
+)
+def test_hair_that_parsing_takes_for_a_scalp_is_hair_in_what_is_found(monkeypatch, head):
+    monkeypatch.setattr(stages, "delight", lambda *view, **how: head)
+    found = take_apart(SimpleNamespace(foreign_shadow=None), np.full((64, 64, 3), 0.3, np.float32), TIER, "cpu")
+    assert float(found.parsing[:, HAIR].mean()) > float(head.parsing[:, HAIR].mean()) + 0.1
+
+
+@pytest.mark.parametrize("again", [False, True])
+def test_a_tier_that_looks_in_a_mirror_sees_the_same_either_way_round(weights, again):
+    bundle = load_bundle(weights).for_inference()
+    photo = np.random.default_rng(3).random((64, 64, 3), np.float32)
+    one, other = (
+        take_apart(bundle, view, replace(TIER, mirrored=True, looks_twice=again), "cpu")
+        for view in (photo, np.ascontiguousarray(photo[:, ::-1]))
+    )
+    torch.testing.assert_close(other.albedo.flip(-1), one.albedo, rtol=1e-3, atol=1e-4)
 
 
 def test_only_a_tier_that_looks_twice_does(weights):
