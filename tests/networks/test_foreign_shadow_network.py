@@ -40,6 +40,36 @@ def test_what_lies_where_matters():
     assert (network(photo, parts) - network(photo, parts.roll(1, 1))).abs().max() > 1e-4
 
 
+def test_what_lies_in_one_corner_says_something_of_the_opposite_one():
+    network = ForeignShadowNetwork(TINY).eval()
+    photo, parts = planes(256)
+    other = photo.clone()
+    other[..., :32, :32] = 0
+    assert not torch.equal(network(photo, parts)[..., 240:, 240:], network(other, parts)[..., 240:, 240:])
+
+
+def test_each_pixel_of_a_block_of_four_has_a_log_of_its_own():
+    logs = ForeignShadowNetwork(TINY).eval()(*planes())
+    four = [logs[..., row::2, column::2] for row in (0, 1) for column in (0, 1)]
+    for one in range(4):
+        for other in range(one):
+            assert (four[one] - four[other]).abs().mean() > 1e-3
+
+
+def test_the_coarsest_level_tells_places_apart_even_where_all_of_the_picture_says_nothing():
+    network = ForeignShadowNetwork(TINY).eval()
+    torch.nn.init.zeros_(network.overview.weight)
+    torch.nn.init.zeros_(network.overview.bias)
+    before = network(*planes(64))
+    network.encoder.levels[-1][-1].norm.weight.data *= 1000
+    assert (network(*planes(64)) - before).abs().max() > 1e-3
+
+
+def test_no_level_has_more_channels_than_the_widest_may_have():
+    widths = [value.shape[0] for value in ForeignShadowNetwork(TINY).encoder.parameters()]
+    assert max(widths) == 8
+
+
 def test_it_is_told_of_all_classes_but_the_background():
     assert len(KINDS) == 4
     names = [name for kind in KINDS for name in kind]
@@ -95,12 +125,38 @@ def test_a_colour_that_is_off_is_told_from_a_level():
     assert float(losses["level"] + losses["slopes"]) == pytest.approx(0, abs=1e-6)
 
 
-def test_off_the_person_nothing_is_asked_for():
+@pytest.mark.parametrize("first", [16, 13])
+def test_off_the_person_nothing_is_asked_for(first):
     person = torch.ones(2, 1, 32, 32)
-    person[..., 16:, :] = 0
+    person[..., first:, :] = 0
     said = half()
-    said[..., 16:, :] = -2 * torch.rand(2, 3, 16, 32)
+    said[..., first:, :] = -2 * torch.rand(2, 3, 32 - first, 32)
     assert sum(foreign_shadow_losses(Says(said), batch_of(half(), person)).values()) == 0
+
+
+def test_an_error_costs_as_much_whatever_the_person_s_size():
+    person = torch.zeros(2, 1, 32, 32)
+    person[..., :8] = 1
+    off = torch.tensor([0.2, 0.5, 0.8])[None, :, None, None]
+    losses = foreign_shadow_losses(Says(half() + off), batch_of(half(), person))
+    assert float(losses["level"]) == pytest.approx(0.5, rel=1e-5)
+    assert float(losses["colour"]) == pytest.approx(0.2, rel=1e-5)
+
+
+@pytest.mark.parametrize("turned", [False, True])
+def test_a_step_that_is_not_there_costs_at_four_scales_in_either_direction(turned):
+    step = torch.full((2, 3, 32, 32), 0.5)
+    step[..., 16:] = -0.5
+    losses = foreign_shadow_losses(Says(step.mT if turned else step), batch_of(0 * step))
+    assert float(losses["level"]) == pytest.approx(0.5)
+    # One of so many neighbours is off by 1.
+    assert float(losses["slopes"]) == pytest.approx(0.5 * (1 / 31 + 1 / 15 + 1 / 7 + 1 / 3), rel=1e-5)
+
+
+def test_what_cancels_out_at_a_coarser_scale_costs_at_the_finest_alone():
+    stripes = torch.tensor([1.0, -1, -1, 1]).repeat(8).expand(2, 3, 32, 32)
+    losses = foreign_shadow_losses(Says(stripes), batch_of(0 * stripes))
+    assert float(losses["slopes"]) == pytest.approx(0.5 * 32 / 31, rel=1e-5)
 
 
 def test_nobody_in_a_picture_costs_nothing():
