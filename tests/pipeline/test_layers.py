@@ -1,6 +1,6 @@
 """Layers of one size: every channel lies in the photo where the face is."""
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -9,7 +9,7 @@ import pytest
 from relight_core.face.crop import Crop
 from relight_core.pipeline.results import layers as layers_module
 from relight_core.pipeline.results.channels import unrolled
-from relight_core.pipeline.results.layers import photo_layers, shrunk_picture
+from relight_core.pipeline.results.layers import channel_at, channel_view_of, photo_layers, shrunk_picture
 from relight_core.pipeline.results.relit import Relit
 
 HEIGHT, WIDTH, SIDE = 60, 80, 20
@@ -69,6 +69,75 @@ def test_of_several_faces_each_place_shows_the_one_whose_middle_is_nearest():
     assert "shadow" not in layers
 
 
+def test_views_that_lie_aslant_of_each_other_leave_each_other_s_places_alone():
+    views = Crop(25.0, 20.0, 40.0), Crop(50.0, 40.0, 40.0)
+    faces = [{"albedo": np.full((SIDE, SIDE), share, np.float32)} for share in (0.25, 0.75)]
+    canvas = SimpleNamespace(photo_size=(HEIGHT, WIDTH), beyond=None)
+    full = SimpleNamespace(size=(HEIGHT, WIDTH), changes=[SimpleNamespace(view=view) for view in views], canvas=canvas)
+    layer = photo_layers(replace(relit(), full=full, channels_together=lambda: faces), ["albedo"])["albedo"]
+    for column, row, share in ((10, 10, 0.25), (33, 24, 0.25), (36, 24, 0.25), (36, 38, 0.75), (60, 50, 0.75)):
+        assert layer[row, column] == pytest.approx(share, abs=1e-5)
+    assert layer[50, 10] == layer[10, 60] == 0
+
+
+@pytest.mark.parametrize(("length", "expected"), [(0.2, 0.0), (0.3, 1.0), (1.0, 1.0)])
+def test_normals_are_of_unit_length_on_the_person_and_none_beside_it(length, expected):
+    picture = relit()
+    picture.channels["normal"] = np.float32(length) * picture.channels["normal"]
+    shown = photo_layers(picture, ["normal"])["normal"][30, 40]
+    np.testing.assert_allclose(shown, expected * np.float32([0.6, 0, 0.8]), atol=1e-5)
+    held, in_camera = channel_at(picture, "normal", 40, 30)
+    np.testing.assert_allclose(held, length * np.float32([0.6, 0, 0.8]), atol=1e-5)
+    np.testing.assert_allclose(in_camera, expected * np.float32([0.6, 0, 0.8]), atol=1e-5)
+
+
+def test_a_leaning_face_s_normal_is_read_as_its_view_and_as_the_camera_sees_it():
+    held, in_camera = channel_at(replace(relit(), roll_deg=90.0), "normal", 40, 30)
+    np.testing.assert_allclose(held, [0.6, 0, 0.8], atol=1e-5)
+    np.testing.assert_allclose(in_camera, [0, 0.6, 0.8], atol=1e-5)
+
+
+def test_a_pixel_is_in_the_view_where_its_middle_is():
+    picture = replace(relit(), window=(20.3, 10.3, 60.7, 50.7))
+    inside = {place for place in ((20, 30), (60, 30), (40, 10), (40, 50)) if channel_at(picture, "albedo", *place)}
+    assert inside == {(20, 30), (60, 30), (40, 10), (40, 50)}
+    for place in ((19, 30), (61, 30), (40, 9), (40, 51)):
+        assert channel_at(picture, "albedo", *place) is None
+    shifted = replace(relit(), window=(20.7, 10.7, 60.3, 50.3))
+    for place in ((20, 30), (60, 30), (40, 10), (40, 50)):
+        assert channel_at(shifted, "albedo", *place) is None
+
+
+def test_channels_lie_where_the_first_face_is():
+    views = Crop(20.0, 30.0, 40.0), Crop(50.0, 30.0, 40.0)
+    full = SimpleNamespace(changes=[SimpleNamespace(view=view) for view in views])
+    assert channel_view_of(replace(relit(), full=full)) == views[0]
+
+
+@dataclass
+class Coloured:
+    """A picture of a photo with colours outside Rec.709, which are there where they are asked for."""
+
+    canvas: SimpleNamespace
+    wide: bool = False
+    size: tuple[int, int] = (HEIGHT, WIDTH)
+    changes: tuple = ()
+    matte: None = None
+
+    def render(self):
+        return np.full((HEIGHT, WIDTH, 3), -0.25 if self.wide else 0.0, np.float32), None
+
+    def behind(self, band):
+        return np.full((HEIGHT, WIDTH, 3), -0.25 if self.wide else 0.0, np.float32)[band.rows]
+
+
+def test_layers_keep_colours_outside_rec_709_where_the_photo_has_any():
+    canvas = SimpleNamespace(photo_size=(HEIGHT, WIDTH), beyond=np.zeros((2, 2, 3), np.float32))
+    layers = photo_layers(replace(relit(), full=Coloured(canvas)), ["background"])
+    assert (layers["RGB"] == -0.25).all()
+    assert (layers["background"] == -0.25).all()
+
+
 def test_labels_are_not_mixed():
     labels = photo_layers(relit(), ["parsing"])["parsing"]
     assert set(np.unique(labels)) == {0.0, 3.0, 7.0}
@@ -109,3 +178,5 @@ def test_what_faces_the_right_of_a_turned_view_faces_where_that_lies_in_the_phot
     left, right = Crop(50.0, 40.0, 10.0, roll_deg).to_photo(np.array([[0.0, 0.5], [1.0, 0.5]]), 1)
     across, down = (right - left) / 10
     np.testing.assert_allclose(unrolled(np.float32([1, 0, 0]), roll_deg), [across, -down, 0], atol=1e-6)
+    np.testing.assert_allclose(unrolled(np.float32([0, 1, 0]), roll_deg), [down, across, 0], atol=1e-6)
+    np.testing.assert_allclose(unrolled(np.float32([0, 0, 1]), roll_deg), [0, 0, 1], atol=1e-6)
