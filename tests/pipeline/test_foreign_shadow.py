@@ -337,7 +337,9 @@ def test_it_is_back_in_the_photos_light_and_gone_in_another():
         )
         darker.append(float(((with_it + 0.005) / (without + 0.005)).log().mean()))
     assert darker[0] == pytest.approx(-1, abs=1e-4)
-    assert darker[0] < darker[1] <= darker[2]
+    # Of a lamp eleven degrees further on a tenth is left.
+    assert -0.2 < darker[1] < -0.05
+    assert darker[1] <= darker[2]
     assert darker[2] > -0.02
 
 
