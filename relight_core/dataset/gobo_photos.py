@@ -13,6 +13,7 @@ from relight_core.dataset.camera import camera_gain, sample_background, taken
 from relight_core.dataset.lighting.appearance import appear
 from relight_core.dataset.lighting.gobos import sample_gobo
 from relight_core.dataset.lighting.lights import sample_network_lights
+from relight_core.dataset.lighting.sun import in_sun, sample_sun
 from relight_core.dataset.painting.skin import paint
 from relight_core.dataset.painting.texture import TexturePool
 from relight_core.dataset.samples import light_head, mirrored
@@ -21,7 +22,7 @@ from relight_core.dataset.warp import sample_warp, warped
 from relight_core.face.parsing import INDEX, KINDS
 from relight_core.imaging.tensor_logs import log_ratios
 
-_LIGHTS_PER_HEAD, _PAINTS_PER_HEAD, _SAMPLES_PER_PAINT = 5, 3, 64
+_LIGHTS_PER_HEAD, _SUNS_PER_HEAD, _PAINTS_PER_HEAD, _SAMPLES_PER_PAINT = 4, 2, 3, 64
 _SHADOWED_SHARE, _WILD_SHARE, _BEHIND_SHARE = 0.65, 0.1, 0.5
 _DEEPEST, _FAINTEST = 0.05, 0.6
 """What of the light is left in a shadow."""
@@ -39,7 +40,7 @@ class PaintedHead:
 
     Attributes:
         radiance: (paints, lights, S, S, 3) half precision, of white's mean 1 under each light.
-        lights: (lights, 16, 32, 3).
+        lights: (lights, 16, 32, 3), suns first.
         channels: the channels that no light changes, as of `dataset.samples`, as far as they are asked for here.
     """
 
@@ -54,7 +55,7 @@ class GoboStream(SampleStream):
     Each item is a dict of tensors: "photo_srgb" (3, S, S); "kinds" (4, S, S), the true `face.parsing.KINDS` with edges
     as soft as a parsing's; "foreign_shadow" (3, S, S), logs of the exposed picture over the same without the shadow, as
     far as the camera records both, 0 where most is lit and off the head; "person" (1, S, S), 1 on it.
-    A head's own shadows are none: de-lighting knows those.
+    A head's own shadows are none, as sharp as sun makes them: de-lighting knows those.
     """
 
     def __init__(self, folder: Path, lights: Path, split: str, size: int, seed: int, **where: int):
@@ -65,11 +66,14 @@ class GoboStream(SampleStream):
         pool, library = ingredients.pool, ingredients.library
         head = self._read(path, rng)
         normal = textured(head, pool, rng)
-        lights = sample_network_lights(library, rng, self.lights_per_head)
+        suns = np.stack([sample_sun(rng) for _ in range(_SUNS_PER_HEAD)])
+        lights = np.concatenate([suns, sample_network_lights(library, rng, self.lights_per_head)])
         lit = light_head(head, normal, lights)
         gloss = sample_gloss(rng)
         appearance = appear(head, normal, lights, lit.illumination, gloss, None, rng.uniform(0, 2.0) * self.size / 128)
-        white = lit.illumination.irradiance.mean((1, 2))
+        for k in range(_SUNS_PER_HEAD):
+            appearance = in_sun(appearance, head, lights[k], lit.illumination, k, rng)
+        white = appearance.irradiance.mean((1, 2))
         radiance = np.empty((_PAINTS_PER_HEAD, len(lights), self.size, self.size, 3), np.float16)
         for number in range(_PAINTS_PER_HEAD):
             albedo = paint(head, pool, rng, wild=bool(rng.random() < _WILD_SHARE))
@@ -87,7 +91,8 @@ class GoboStream(SampleStream):
     ) -> dict[str, torch.Tensor]:
         head = heads[turn]
         paint_number = rng.integers(len(head.radiance))
-        lamp, sky = rng.choice(len(head.lights), 2, replace=False)
+        sky, lamp = rng.integers(_SUNS_PER_HEAD, len(head.lights)), rng.integers(len(head.lights) - 1)
+        lamp += lamp >= sky
         key, fill = (head.radiance[paint_number, k].astype(np.float32) for k in (lamp, sky))
         left = np.exp(rng.uniform(np.log(_DEEPEST), np.log(_FAINTEST)))
         # What of the lamp comes back from all around lights the shadow too.

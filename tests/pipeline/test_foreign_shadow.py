@@ -279,6 +279,24 @@ def test_a_soft_edge_is_kept(bundle):
     torch.testing.assert_close(found[:100], -soft[:100], atol=0.02, rtol=0)
 
 
+@pytest.mark.parametrize(("wide_px", "is_shadow"), [(4, True), (10, True), (20, False), (60, False)])
+def test_what_fades_as_slowly_as_shading_is_none(bundle, wide_px, is_shadow):
+    fading = torch.zeros(256)
+    fading[:90], fading[90 : 90 + wide_px] = 1, torch.linspace(1, 0, wide_px)
+    bundle.foreign_shadow = Draws(fading.expand(256, 256))
+    found = find_foreign_shadow(bundle, torch.full((1, 3, 256, 256), 0.3), dressed(), "fp32")
+    assert (found is not None) == is_shadow
+
+
+def test_a_shadow_with_an_edge_may_fade_elsewhere(bundle):
+    """As that of a brim does with the way to it."""
+    fading = torch.zeros(256, 256)
+    fading[60:150, :90], fading[60:150, 90:130] = 1, torch.linspace(1, 0, 40)
+    bundle.foreign_shadow = Draws(fading)
+    found = find_foreign_shadow(bundle, torch.full((1, 3, 256, 256), 0.3), dressed(), "fp32")
+    assert float(found[0, 0, 100, 60]) == pytest.approx(-1)
+
+
 def test_none_is_deeper_than_a_camera_sees(bundle):
     assert float(found_by(bundle, Says(-9.0, -9.0, -9.0)).min()) == -3
 

@@ -49,7 +49,7 @@ def sample_gobo(relief: np.ndarray, pool: TexturePool, rng: np.random.Generator)
 def _draw(pool: TexturePool, rng: np.random.Generator) -> np.ndarray:
     """(T, T) float32, 1 inside of something."""
     kinds: tuple[Callable[[TexturePool, np.random.Generator], np.ndarray], ...]
-    kinds = (_edge, _disc, _leaves, _bars, _branches, _edge, _leaves)
+    kinds = (_edge, _disc, _leaves, _bars, _branches, _edge, _leaves, _hand)
     return kinds[rng.integers(len(kinds))](pool, rng)
 
 
@@ -104,7 +104,7 @@ def _bars(_pool: TexturePool, rng: np.random.Generator) -> np.ndarray:
 
 
 def _branches(_pool: TexturePool, rng: np.random.Generator) -> np.ndarray:
-    """Twigs, fingers, a pole, the temple of a pair of glasses."""
+    """Twigs, strands, a pole, the temple of a pair of glasses."""
     image = np.zeros((_TEXTURE_PX, _TEXTURE_PX), np.uint8)
     for _ in range(rng.integers(1, 9)):
         start, bow = rng.uniform(-1, 1, 2), rng.normal(0, 0.35, 2)
@@ -115,3 +115,32 @@ def _branches(_pool: TexturePool, rng: np.random.Generator) -> np.ndarray:
         thickness = max(1, int(_TEXTURE_PX * 10 ** rng.uniform(-2.4, -1.1)))
         cv2.polylines(image, [points], False, 255, thickness, cv2.LINE_AA)
     return image.astype(np.float32) / 255
+
+
+def _hand(_pool: TexturePool, rng: np.random.Generator) -> np.ndarray:
+    """A palm, its fingers, together or spread, stretched or closed, and its arm."""
+    palm, (cx, cy) = rng.uniform(0.12, 0.35), rng.uniform(-0.6, 0.6, 2)
+    angle, spread = rng.uniform(0, 2 * np.pi), rng.uniform(0.05, 0.3)
+    along, aside = np.array([np.cos(angle), np.sin(angle)]), np.array([-np.sin(angle), np.cos(angle)])
+    aside = aside * rng.choice([-1, 1])
+    middle = np.array([cx, cy])
+    limbs = [(middle, middle - 3 * along + rng.normal(0, 0.3, 2), 0.75 * palm)]
+    limbs.append((middle - 0.3 * palm * along, middle + 0.4 * palm * along, palm))
+    for number, length in enumerate((1.5, 1.75, 1.65, 1.25)):
+        root = middle + palm * (0.9 * along + 0.55 * (number - 1.5) * aside)
+        lean = np.sin((number - 1.5) * spread) * aside + np.cos((number - 1.5) * spread) * along
+        limbs.append((root, root + palm * length * rng.choice([1, 1, 1, 0.4]) * lean, 0.23 * palm))
+    root = middle - 0.9 * palm * aside
+    limbs.append(
+        (root, root + palm * 1.3 * (along * rng.uniform(0.2, 0.9) - aside * rng.uniform(0.1, 0.9)), 0.28 * palm)
+    )
+    x, y = _grid()
+    return _filled(np.min([_away(x, y, *limb) for limb in limbs], 0))
+
+
+def _away(x: np.ndarray, y: np.ndarray, start: np.ndarray, end: np.ndarray, radius: float) -> np.ndarray:
+    """Signed distance from a rod with round ends."""
+    way = (end - start).astype(np.float32)
+    px, py = x - np.float32(start[0]), y - np.float32(start[1])
+    share = ((px * way[0] + py * way[1]) / max(float(way @ way), 1e-6)).clip(0, 1)
+    return np.hypot(px - share * way[0], py - share * way[1]) - np.float32(radius)

@@ -126,7 +126,7 @@ def sample_panorama(library: LightLibrary, rng: np.random.Generator) -> np.ndarr
 def sample_rig(rng: np.random.Generator, lamps: int, ambient: float) -> np.ndarray:
     """Random round lamps, more often in front than behind, over an ambient gradient. (64, 128, 3)."""
     toward = directions(_DRAWN_HEIGHT, 2 * _DRAWN_HEIGHT)
-    light = _lamp_colour(rng, 0.3) * ambient * (1 + rng.uniform(-0.9, 0.9) * toward[..., 1:2])
+    light = lamp_colour(rng, 0.3) * ambient * (1 + rng.uniform(-0.9, 0.9) * toward[..., 1:2])
     for _ in range(lamps):
         direction = rng.standard_normal(3) + [0, 0.35, 0.5]
         direction /= np.linalg.norm(direction)
@@ -134,7 +134,7 @@ def sample_rig(rng: np.random.Generator, lamps: int, ambient: float) -> np.ndarr
         angle_deg = np.degrees(np.arccos(np.clip(toward @ direction, -1, 1)))
         edge = np.clip((radius_deg - angle_deg) / max(0.25 * radius_deg, 2.0) + 0.5, 0, 1)
         power = 10 ** rng.uniform(-0.6, 0.3) / max(1 - np.cos(np.radians(radius_deg)), 2e-3)
-        light = light + edge[..., None] * power * _lamp_colour(rng, 0.5)
+        light = light + edge[..., None] * power * lamp_colour(rng, 0.5)
     return light.astype(np.float32)
 
 
@@ -144,11 +144,11 @@ def backlit(light: np.ndarray, rng: np.random.Generator) -> np.ndarray:
     It draws a bright rim along hair, ear and jaw, as photographers like it.
     """
     cosine = directions(_DRAWN_HEIGHT, 2 * _DRAWN_HEIGHT) @ off_axis(rng.uniform(100, 150), rng.uniform(-20, 200))
-    lamp = normalise_light((cosine > np.cos(np.radians(rng.uniform(5, 20))))[..., None] * _lamp_colour(rng, 0.3))
+    lamp = normalise_light((cosine > np.cos(np.radians(rng.uniform(5, 20))))[..., None] * lamp_colour(rng, 0.3))
     return normalise_light(light) + rng.uniform(1, 6) * lamp
 
 
-def _lamp_colour(rng: np.random.Generator, spread: float) -> np.ndarray:
+def lamp_colour(rng: np.random.Generator, spread: float) -> np.ndarray:
     """Mostly along the warm-cool axis, sometimes a coloured gel."""
     warmth = rng.normal(0, spread)
     colour = np.exp(np.array([0.5, 0.0, -0.6]) * warmth)

@@ -35,6 +35,9 @@ _LEAST_SKIN, _MUCH_SKIN = 0.05, 0.25
 covers, with less than the second it may be, away from the skin."""
 _MUCH_OF_FACE, _SMALL = 0.1, 0.25
 """Where so much of a face lies in shadows, those are its like that cover no more than this of all that is not skin."""
+_SOFT, _MOST_OF_EDGE = 0.08, 0.9
+"""Mean log per pixel. A shadow that nine tenths of its edge are no steeper than is as soft as de-lighting knows them,
+or it is the shading of a cheek."""
 _OFF_COLOUR = 0.7
 """Log ratio to green that skin is off by, once a shadow is taken off it, if it is paint."""
 
@@ -62,25 +65,26 @@ def find_foreign_shadow(
     depth = -logs.mean(1, keepdim=True)
     person, face = kinds.sum(1), kinds[:, :2].sum(1)
     colour = exact_logs(without_shadow(at_size(view, _SIZE), logs))
-    shadow, known = (depth[:, 0] > _SURELY) & (person > 0.5), (person, face, colour[:, ::2] - colour[:, 1:2])
-    kept = _on_person(*(image[0].cpu().numpy() for image in (shadow, *known)))
+    seen = (depth[:, 0], person, face, colour[:, ::2] - colour[:, 1:2])
+    kept = _on_person(*(image[0].cpu().numpy() for image in seen))
     if kept is None:
         return None
     near = torch.from_numpy(kept)[None, None].to(view.device)
     return logs * ramp(depth, _HARDLY, _SURELY) * near * likely(person[:, None])
 
 
-def _on_person(shadow: np.ndarray, person: np.ndarray, face: np.ndarray, ratios: np.ndarray) -> np.ndarray | None:
-    """(S, S) float32 in [0, 1], 1 at those of the shadows (S, S), bool, that are none of dark stuff, and next to them.
+def _on_person(depth: np.ndarray, person: np.ndarray, face: np.ndarray, ratios: np.ndarray) -> np.ndarray | None:
+    """(S, S) float32 in [0, 1], 1 at those of the shadows that are none of dark stuff, and next to them.
 
     To a network dark stuff is a shadow at times, but one that ends where the stuff does; and so is paint, but one whose
     skin has another colour. None where a face has none.
 
     Args:
+        depth: (S, S) mean logs over the channels, positive.
         person, face: (S, S) probabilities, of skin and features the latter.
         ratios: (2, S, S) log ratios of red and blue to green, the shadows taken off.
     """
-    skin = face > 0.5
+    shadow, skin = (depth > _SURELY) & (person > 0.5), face > 0.5
     count, labels, stats, _ = cv2.connectedComponentsWithStats(shadow.astype(np.uint8))
     area = stats[:, cv2.CC_STAT_AREA]
     share_of_skin = np.bincount(labels[skin], minlength=count) / np.maximum(area, 1)
@@ -94,7 +98,7 @@ def _on_person(shadow: np.ndarray, person: np.ndarray, face: np.ndarray, ratios:
             off = np.median(ratios[:, (labels == number) & skin], 1) - own
             on_face[number] = np.abs(off).max() < _OFF_COLOUR
     of_face = on_face[labels][skin].sum() / max(skin.sum(), 1)
-    if of_face < _LEAST_OF_FACE:
+    if of_face < _LEAST_OF_FACE or _is_soft(depth, on_face[labels], person > 0.5):
         return None
     whole = on_face & (share_of_skin > _MUCH_SKIN)
     if of_face > _MUCH_OF_FACE:
@@ -102,6 +106,14 @@ def _on_person(shadow: np.ndarray, person: np.ndarray, face: np.ndarray, ratios:
     kept = whole[labels] | (on_face[labels] & skin)
     # Their soft edges lie beyond what is surely shadow.
     return cv2.blur(cv2.dilate(kept.astype(np.float32), disc(_EDGE_PX)), (_EDGE_PX, _EDGE_PX))
+
+
+def _is_soft(depth: np.ndarray, shadow: np.ndarray, person: np.ndarray) -> bool:
+    """Whether shadows (S, S), bool, end softly where they end on the person."""
+    inside, near = shadow.astype(np.uint8), disc(_EDGE_PX // 2)
+    edge = (cv2.dilate(inside, near) > cv2.erode(inside, near)) & (cv2.erode(person.astype(np.uint8), near) > 0)
+    slope = np.hypot(*np.gradient(depth))
+    return edge.any() and np.quantile(slope[edge], _MOST_OF_EDGE) < _SOFT
 
 
 def without_shadow(view: torch.Tensor, logs: torch.Tensor) -> torch.Tensor:
