@@ -18,7 +18,7 @@ from relight_core.pipeline.quality import Tier
 from relight_core.pipeline.stages import Composed, Effects, without_colour
 
 TIER = Tier(64, 64, 32, 16, False, precision="fp32")
-SKIN, LEFT_EYE, CLOTH = 1, 4, 13
+SKIN, LEFT_EYE, HAIR, CLOTH = 1, 4, 10, 13
 
 
 class Says(torch.nn.Module):
@@ -229,6 +229,17 @@ def test_an_eleventh_of_a_face_in_shadow_is_little_and_a_seventh_is_much(bundle,
 def test_a_fifth_of_a_coat_may_lie_in_shadow_like_the_face_and_two_fifths_are_dark_cloth(bundle, columns, on_coat):
     places = (slice(0, 60), slice(0, 120)), (slice(140, 240), slice(0, columns))
     assert float(shadows_on_somebody(bundle, *places)[190, 30]) == on_coat
+
+
+@pytest.mark.parametrize(("rim_px", "is_shadow"), [(6, False), (16, True)])
+def test_the_skin_around_a_beard_is_none(bundle, rim_px, is_shadow):
+    """What a parsing takes for skin at a beard's edge ends with it."""
+    bearded = torch.zeros(1, 14, 256, 256)
+    bearded[:, SKIN] = 1
+    bearded[:, HAIR, 120:240, 60:200] = 1
+    bearded[:, SKIN] -= bearded[:, HAIR]
+    found = shadows_on_somebody(bundle, (slice(120 - rim_px, 240), slice(60, 200)), person=bearded)
+    assert (found is not None) == is_shadow
 
 
 def test_where_leaves_shade_much_of_a_face_their_spots_on_the_coat_are_shadows_too(bundle):

@@ -33,6 +33,8 @@ _LEAST_OF_FACE = 0.01
 _LEAST_SKIN, _MUCH_SKIN = 0.05, 0.25
 """Shares of what lies in one shadow that are skin: with less than the first it is the dark cloth, hair or hat that it
 covers, with less than the second it may be, away from the skin."""
+_RIM_PX = 5
+"""Half the width of such skin that is none, but the edge of what is dark beside it."""
 _MUCH_OF_FACE, _SMALL = 0.1, 0.25
 """Where so much of a face lies in shadows, those are its like that cover no more than this of all that is not skin."""
 _SOFT, _MOST_OF_EDGE = 0.08, 0.9
@@ -97,15 +99,20 @@ def _on_person(depth: np.ndarray, person: np.ndarray, face: np.ndarray, ratios: 
         for number in np.flatnonzero(on_face):
             off = np.median(ratios[:, (labels == number) & skin], 1) - own
             on_face[number] = np.abs(off).max() < _OFF_COLOUR
-    of_face = on_face[labels][skin].sum() / max(skin.sum(), 1)
-    if of_face < _LEAST_OF_FACE or _is_soft(depth, on_face[labels], person > 0.5):
-        return None
     whole = on_face & (share_of_skin > _MUCH_SKIN)
+    kept = whole[labels] | _but_for_rims((on_face & ~whole)[labels] & skin)
+    of_face = (kept & skin).sum() / max(skin.sum(), 1)
+    if of_face < _LEAST_OF_FACE or _is_soft(depth, kept, person > 0.5):
+        return None
     if of_face > _MUCH_OF_FACE:
-        whole |= elsewhere & (area < _SMALL * ((person > 0.5) & ~skin).sum())
-    kept = whole[labels] | (on_face[labels] & skin)
+        kept |= (elsewhere & (area < _SMALL * ((person > 0.5) & ~skin).sum()))[labels]
     # Their soft edges lie beyond what is surely shadow.
     return cv2.blur(cv2.dilate(kept.astype(np.float32), disc(_EDGE_PX)), (_EDGE_PX, _EDGE_PX))
+
+
+def _but_for_rims(shadow: np.ndarray) -> np.ndarray:
+    """Of shadows (S, S), bool, what is no thin rim, as a parsing takes for skin around a beard."""
+    return cv2.morphologyEx(shadow.astype(np.uint8), cv2.MORPH_OPEN, disc(_RIM_PX)) > 0
 
 
 def _is_soft(depth: np.ndarray, shadow: np.ndarray, person: np.ndarray) -> bool:
