@@ -154,7 +154,12 @@ def _there_is(channel: Channel) -> Callable[[EditorState], bool]:
         return has_photo
     if not channel.is_rare:
         return has_picture
-    return lambda state: has_picture(state) and channel.name in state.snapshot.picture.channels
+
+    def is_there(state: EditorState) -> bool:
+        picture = state.snapshot.picture_in_sight
+        return picture is not None and channel.name in picture.channels
+
+    return is_there
 
 
 SHOWING = tuple(_show(channel) for channel in sorted(CHANNELS, key=lambda channel: (channel.is_rare, channel.key)))

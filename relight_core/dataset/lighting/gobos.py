@@ -17,6 +17,8 @@ _TEXTURE_PX = 384
 _REACH = 1.6
 """Half the width of what is drawn, in half-widths of the view: a head's depth moves a shadow over it."""
 _PARALLAX = 0.7
+_FINGERS = (1.5, 1.75, 1.65, 1.25)
+"""Their lengths, in half-widths of the palm."""
 _SHARPEST, _SOFTEST = -2.9, -1.4
 """Deviation of the edges' blur, powers of ten of the view's side."""
 
@@ -124,16 +126,15 @@ def _hand(_pool: TexturePool, rng: np.random.Generator) -> np.ndarray:
     along, aside = np.array([np.cos(angle), np.sin(angle)]), np.array([-np.sin(angle), np.cos(angle)])
     aside = aside * rng.choice([-1, 1])
     middle = np.array([cx, cy])
-    limbs = [(middle, middle - 3 * along + rng.normal(0, 0.3, 2), 0.75 * palm)]
-    limbs.append((middle - 0.3 * palm * along, middle + 0.4 * palm * along, palm))
-    for number, length in enumerate((1.5, 1.75, 1.65, 1.25)):
-        root = middle + palm * (0.9 * along + 0.55 * (number - 1.5) * aside)
-        lean = np.sin((number - 1.5) * spread) * aside + np.cos((number - 1.5) * spread) * along
-        limbs.append((root, root + palm * length * rng.choice([1, 1, 1, 0.4]) * lean, 0.23 * palm))
-    root = middle - 0.9 * palm * aside
-    limbs.append(
-        (root, root + palm * 1.3 * (along * rng.uniform(0.2, 0.9) - aside * rng.uniform(0.1, 0.9)), 0.28 * palm)
-    )
+    arm = (middle, middle - 3 * along + rng.normal(0, 0.3, 2), 0.75 * palm)
+    limbs = [arm, (middle - 0.3 * palm * along, middle + 0.4 * palm * along, palm)]
+    for offset, length in zip((-1.5, -0.5, 0.5, 1.5), _FINGERS, strict=True):
+        root = middle + palm * (0.9 * along + 0.55 * offset * aside)
+        toward = np.sin(offset * spread) * aside + np.cos(offset * spread) * along
+        closed = rng.choice([1, 1, 1, 0.4])
+        limbs.append((root, root + palm * length * closed * toward, 0.23 * palm))
+    root, thumb = middle - 0.9 * palm * aside, along * rng.uniform(0.2, 0.9) - aside * rng.uniform(0.1, 0.9)
+    limbs.append((root, root + 1.3 * palm * thumb, 0.28 * palm))
     x, y = _grid()
     return _filled(np.min([_away(x, y, *limb) for limb in limbs], 0))
 

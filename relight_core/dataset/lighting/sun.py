@@ -45,7 +45,12 @@ def in_sun(
     k: int,
     rng: np.random.Generator,
 ) -> Appearance:
-    """The same with edges on the shadows under light `k`, which is one of `sample_sun`."""
+    """The same head with edges on its shadows under one light.
+
+    Args:
+        light: (16, 32, 3), light `k` of the appearance, as of `sample_sun`.
+        illumination: what the same lights do to the head.
+    """
     toward = directions(*light.shape[:2])[np.unravel_index(light.sum(-1).argmax(), light.shape[:2])]
     height = np.full(head.covered.shape, _NOTHING, np.float32)
     height[head.covered] = head.depth

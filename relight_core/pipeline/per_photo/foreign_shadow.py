@@ -120,7 +120,7 @@ def _is_soft(depth: np.ndarray, shadow: np.ndarray, person: np.ndarray) -> bool:
     inside, near = shadow.astype(np.uint8), disc(_EDGE_PX // 2)
     edge = (cv2.dilate(inside, near) > cv2.erode(inside, near)) & (cv2.erode(person.astype(np.uint8), near) > 0)
     slope = np.hypot(*np.gradient(depth))
-    return edge.any() and np.quantile(slope[edge], _MOST_OF_EDGE) < _SOFT
+    return bool(edge.any() and np.quantile(slope[edge], _MOST_OF_EDGE) < _SOFT)
 
 
 def without_shadow(view: torch.Tensor, logs: torch.Tensor) -> torch.Tensor:
