@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from relight_core.dataset.lighting.appearance import Appearance
-from relight_core.dataset.lighting.sun import in_sun, sample_sun, sunlit
+from relight_core.dataset.lighting.sun import in_sun, sample_sun
+from relight_core.lighting.horizon import Horizon
 
 SIZE = 128
 PIXEL = 2 / SIZE
@@ -18,6 +19,10 @@ def wall(height=0.25):
     relief = np.zeros((SIZE, SIZE), np.float32)
     relief[:, COLUMN] = height
     return relief
+
+
+def sunlit(relief, toward, wide_deg):
+    return Horizon(relief, np.ones(relief.shape, bool)).visibility(tuple(toward), wide_deg / 2)
 
 
 def from_the_right(elevation_deg):
@@ -69,7 +74,7 @@ def test_a_sun_is_one_texel_before_the_head():
 
 def test_a_head_in_the_sun_is_dark_where_it_hides_it_and_as_bright_as_in_the_open_elsewhere():
     covered = np.ones((SIZE, SIZE), bool)
-    head = SimpleNamespace(covered=covered, depth=wall().reshape(-1))
+    head = SimpleNamespace(covered=covered, depth=wall().reshape(-1), scatter=lambda image: image.reshape(SIZE, SIZE))
     light = np.zeros((16, 32, 3), np.float32)
     light[7, 28] = 1  # a little above, to the right, in front
     dim, bright = np.full((2, SIZE * SIZE, 3), 0.3, np.float32), np.full((2, SIZE * SIZE, 3), 0.5, np.float32)

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-import cv2
 import numpy as np
 
 from relight_core.dataset.baking.bake import BakedHead
@@ -15,16 +14,15 @@ from relight_core.dataset.lighting.appearance import Appearance
 from relight_core.dataset.lighting.illumination import Illumination
 from relight_core.dataset.lighting.lights import lamp_colour
 from relight_core.lighting.environment import NETWORK_HEIGHT
+from relight_core.lighting.horizon import Horizon
 from relight_core.lighting.sphere import directions, place_on_map
 
 _USUALLY_FROM = np.array([0.0, 0.5, 0.7])
-_REACH, _STEPS = 1.3, 72
-"""Half-widths of the view, and looks on the way to there."""
-_NARROWEST_DEG, _WIDEST_DEG = 0.3, 4.0
+_NARROWEST_DEG, _WIDEST_DEG = 0.15, 2.0
+"""Radii."""
 _BEHIND = 0.1
 """Cosine to the camera's axis below which a head's outline hides a lamp, of which a height field knows nothing."""
 _WARMTH = 0.3
-_NOTHING = -1e3
 
 
 def sample_sun(rng: np.random.Generator) -> np.ndarray:
@@ -52,40 +50,10 @@ def in_sun(
         illumination: what the same lights do to the head.
     """
     toward = directions(*light.shape[:2])[np.unravel_index(light.sum(-1).argmax(), light.shape[:2])]
-    height = np.full(head.covered.shape, _NOTHING, np.float32)
-    height[head.covered] = head.depth
-    wide_deg = np.exp(rng.uniform(np.log(_NARROWEST_DEG), np.log(_WIDEST_DEG)))
-    reached = sunlit(height, toward, wide_deg)[head.covered][:, None]
+    radius_deg = np.exp(rng.uniform(np.log(_NARROWEST_DEG), np.log(_WIDEST_DEG)))
+    horizon = Horizon(head.scatter(head.depth), head.covered)
+    reached = horizon.visibility(tuple(toward), radius_deg)[head.covered][:, None]
     irradiance, specular = appearance.irradiance.copy(), appearance.specular.copy()
     irradiance[k] = illumination.irradiance_open[k] * reached
     specular[k] = specular[k] * reached
     return replace(appearance, irradiance=irradiance, specular=specular)
-
-
-def sunlit(height: np.ndarray, toward: np.ndarray, wide_deg: float) -> np.ndarray:
-    """How much of a round lamp each point of a height field sees, (S, S) float32 in [0, 1].
-
-    Args:
-        height: (S, S) toward the camera, in half-widths of the view.
-        toward: (3,) the unit vector to the lamp's middle.
-        wide_deg: the angle that it fills.
-    """
-    size = len(height)
-    pixel = 2 / size
-    x, y = np.meshgrid(*2 * (np.arange(size, dtype=np.float32),))
-    across = max(float(np.hypot(*toward[:2])), 1e-3)
-    least = np.ones((size, size), np.float32)
-    for way in np.geomspace(1.5 * pixel, _REACH, _STEPS):
-        reached = way / across
-        there = cv2.remap(
-            height,
-            x + np.float32(toward[0] * reached / pixel),
-            y - np.float32(toward[1] * reached / pixel),
-            cv2.INTER_LINEAR,
-            borderMode=cv2.BORDER_CONSTANT,
-            borderValue=_NOTHING,
-        )
-        above = there - (height + np.float32(toward[2] * reached)) - pixel / 2
-        blur = reached * np.radians(wide_deg) + pixel / 2
-        least = np.minimum(least, 0.5 - above / np.float32(blur))
-    return least.clip(0, 1)
