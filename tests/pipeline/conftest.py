@@ -6,6 +6,7 @@ from tiny_relighter import some_photo
 
 from relight_core.face.find import FaceBox
 from relight_core.imaging import photo
+from relight_core.networks.bundle import load_bundle
 from relight_core.pipeline import quality, stages
 from relight_core.pipeline.per_photo import choosing_faces
 from relight_core.pipeline.relighter import Relighter
@@ -37,3 +38,9 @@ def relighter(weights, small_and_seeing_faces):
     relighter = Relighter(weights)
     relighter.set_portrait(some_photo())
     return relighter
+
+
+@pytest.fixture
+def bundle(weights):
+    """The tiny networks as they are used."""
+    return load_bundle(weights).for_inference()
