@@ -1,4 +1,4 @@
-"""Images as tensors and back, and tensors of images enlarged."""
+"""Images as tensors and back, and tensors of images at other sizes."""
 
 from __future__ import annotations
 
@@ -21,3 +21,10 @@ def as_tensor(image: np.ndarray, device: torch.device | str = "cpu") -> torch.Te
 def enlarge(tensor: torch.Tensor, size: int | tuple[int, int]) -> torch.Tensor:
     """(B, C, s, s) to (B, C, size, size), or of a height and a width, bilinear."""
     return F.interpolate(tensor.float(), size=size, mode="bilinear", align_corners=False)
+
+
+def resized(tensor: torch.Tensor, size: int) -> torch.Tensor:
+    """(B, C, s, s) to (B, C, size, size): averages where that is smaller, bilinear where it is larger."""
+    if tensor.shape[-1] == size:
+        return tensor
+    return F.interpolate(tensor, size=size, mode="area") if tensor.shape[-1] > size else enlarge(tensor, size)

@@ -8,7 +8,7 @@ import numpy as np
 import torch
 
 from relight_core.imaging.half_floats import within_halves
-from relight_core.imaging.tensor_images import as_tensor
+from relight_core.imaging.tensor_images import as_tensor, resized
 from relight_core.lighting.panorama import mean_luminance
 from relight_core.lighting.roll import roll_light
 from relight_core.pipeline import stages
@@ -17,7 +17,7 @@ from relight_core.pipeline.face_taken_apart import FaceTakenApart
 from relight_core.pipeline.model import light_surface
 from relight_core.pipeline.per_light.residual import Residual, at_light_level, find_residual
 from relight_core.pipeline.per_photo.albedo import flatten_albedo
-from relight_core.pipeline.per_photo.foreign_shadow import at_size, without_shadow
+from relight_core.pipeline.per_photo.foreign_shadow import without_shadow
 from relight_core.pipeline.per_photo.source_light import explain_source_light, exposure_of_photo
 from relight_core.pipeline.plan import Plan, plan_of_own_light
 from relight_core.pipeline.prepared import Prepared
@@ -144,7 +144,7 @@ class FaceInPhoto(FaceTakenApart):
             shadow = ready.found.foreign_shadow
             if shadow is None:
                 return find_residual(ready.surface, recorded, source, compose)
-            shadow = at_size(shadow, ready.tier.network_size)
+            shadow = resized(shadow, ready.tier.network_size)
             residual = find_residual(ready.surface, without_shadow(recorded, shadow), source, compose)
             return replace(residual, foreign_shadow=shadow)
 

@@ -14,7 +14,7 @@ from relight_core.face.parsing import MIRRORED
 from relight_core.face.silhouette import solid_person
 from relight_core.imaging.resampling import resize_area
 from relight_core.imaging.tensor_colour import grey, srgb_decode, srgb_encode
-from relight_core.imaging.tensor_images import as_tensor, enlarge
+from relight_core.imaging.tensor_images import as_tensor, enlarge, resized
 from relight_core.imaging.tensor_means import with_neighbours
 from relight_core.imaging.tensor_normals import unit_normals
 from relight_core.lighting.bounce import Bounce, gather_bounce
@@ -149,8 +149,8 @@ def delight_views(
         parts = _mean_of_both(*parts)
     *images, light = parts
     # Averaged with what is beside them, clipped pixels would no longer look clipped.
-    clipped = _shrunk(clipped_share(linear), size)
-    albedo, normal, relief, parsing = (_shrunk(image, size) for image in images)
+    clipped = resized(clipped_share(linear), size)
+    albedo, normal, relief, parsing = (resized(image, size) for image in images)
     normal, height = _without_rim(normal), height_of(_without_rim(relief), linear.shape[-1])
     whole = (small, clipped, albedo, normal, height, parsing, light)
     return [_mended(*parts) for parts in zip(*(part.split(1) for part in whole), strict=True)]
@@ -205,10 +205,6 @@ def height_of(relief: torch.Tensor, side_px: int) -> torch.Tensor:
 def _without_rim(image: torch.Tensor) -> torch.Tensor:
     """The outermost pixels as those beside them: convolutions take the nothing around a view for an edge."""
     return F.pad(image[..., 1:-1, 1:-1], (1, 1, 1, 1), mode="replicate")
-
-
-def _shrunk(image: torch.Tensor, size: int) -> torch.Tensor:
-    return image if image.shape[-1] == size else F.interpolate(image, size=size, mode="area")
 
 
 def _mean_of_both(albedo, normal, relief, parsing, light) -> list[torch.Tensor]:

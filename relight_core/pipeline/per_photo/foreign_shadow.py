@@ -8,13 +8,12 @@ from __future__ import annotations
 import cv2
 import numpy as np
 import torch
-import torch.nn.functional as F
 
 from relight_core.face.parsing import FEWEST_PIXELS, KINDS, likely, share_of
 from relight_core.imaging.masks import disc
 from relight_core.imaging.ramp import ramp
 from relight_core.imaging.tensor_colour import srgb_encode
-from relight_core.imaging.tensor_images import enlarge
+from relight_core.imaging.tensor_images import resized
 from relight_core.imaging.tensor_logs import BLACK, exact_logs
 from relight_core.networks.bundle import NetworkBundle
 from relight_core.pipeline.stages import in_precision
@@ -60,13 +59,14 @@ def find_foreign_shadow(
     if bundle.foreign_shadow is None:
         return None
     network = in_precision(bundle, view.device.type, precision).foreign_shadow
-    photo = srgb_encode(at_size(view, _SIZE).clamp(0, 1))
-    kinds = at_size(torch.cat([share_of(parsing, names) for names in KINDS], 1), _SIZE)
+    small = resized(view, _SIZE)
+    photo = srgb_encode(small.clamp(0, 1))
+    kinds = resized(torch.cat([share_of(parsing, names) for names in KINDS], 1), _SIZE)
     one, other = network(*(torch.cat([image, image.flip(-1)]) for image in (photo, kinds))).split(1)
     logs = ((one + other.flip(-1)) / 2).clamp(-_DEEPEST, 0)
     depth = -logs.mean(1, keepdim=True)
     person, face = kinds.sum(1), kinds[:, :2].sum(1)
-    colour = exact_logs(without_shadow(at_size(view, _SIZE), logs))
+    colour = exact_logs(without_shadow(small, logs))
     seen = (depth[:, 0], person, face, colour[:, ::2] - colour[:, 1:2])
     kept = _on_person(*(image[0].cpu().numpy() for image in seen))
     if kept is None:
@@ -125,13 +125,4 @@ def _is_soft(depth: np.ndarray, shadow: np.ndarray, person: np.ndarray) -> bool:
 
 def without_shadow(view: torch.Tensor, logs: torch.Tensor) -> torch.Tensor:
     """A view (1, 3, D, D), linear, as it would be without shadows of those logs, of any size."""
-    return ((view + BLACK) * at_size(-logs, view.shape[-1]).exp() - BLACK).clamp_min(0)
-
-
-def at_size(image: torch.Tensor, size: int) -> torch.Tensor:
-    """(1, C, S, S) as (1, C, size, size)."""
-    if image.shape[-1] == size:
-        return image
-    if image.shape[-1] > size:
-        return F.interpolate(image, size=(size, size), mode="area")
-    return enlarge(image, size)
+    return ((view + BLACK) * resized(-logs, view.shape[-1]).exp() - BLACK).clamp_min(0)

@@ -15,7 +15,7 @@ from relight_core.imaging.joint_upsampling import JointUpsampler
 from relight_core.imaging.light_change import LightChange
 from relight_core.imaging.resampling import resize_area, resize_smooth
 from relight_core.imaging.tensor_colour import grey
-from relight_core.imaging.tensor_images import as_image, enlarge
+from relight_core.imaging.tensor_images import as_image, enlarge, resized
 from relight_core.imaging.tensor_normals import unit_normals
 from relight_core.imaging.tone import Tone
 from relight_core.imaging.view_of_photo import Makeup, ViewOfPhoto
@@ -23,7 +23,6 @@ from relight_core.pipeline.edit import LIGHT_CHANNELS, SURFACE_CHANNELS
 from relight_core.pipeline.per_light.fine_edges import FineEdges
 from relight_core.pipeline.per_light.hints import Effects, as_channels
 from relight_core.pipeline.per_light.sliders import SliderChange
-from relight_core.pipeline.per_photo.foreign_shadow import at_size
 from relight_core.pipeline.stages import Surface
 
 _PATTERNED = [INDEX[name] for name in (*EYES, *BROWS, *MOUTH, "hair", "hat", "glasses", "cloth")]
@@ -164,7 +163,7 @@ def surface_channel(name: str, surface: Surface, photo_view: np.ndarray, photo_s
     if name == "normal":
         return as_image(unit_normals(enlarge(surface.normal, size)))
     if name == "foreign_shadow":
-        return as_image(1 - at_size(surface.foreign_shadow, size).exp()).clip(0, 1)
+        return as_image(1 - resized(surface.foreign_shadow, size).exp())
     # NumPy: torch takes three times as long over the first axis.
     return enlarge(surface.parsing, size)[0].cpu().numpy().argmax(0).astype(np.int32)
 
