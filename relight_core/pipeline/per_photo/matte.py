@@ -18,6 +18,7 @@ from relight_core.imaging.view_transform import apply_view
 from relight_core.pipeline.per_photo.brush import BrushStroke, painted
 from relight_core.pipeline.per_photo.exposing import exposed
 from relight_core.pipeline.per_photo.first_matte import SeenPeople, first_matte, first_matte_within
+from relight_core.pipeline.per_photo.out_of_focus import softened
 from relight_core.pipeline.per_photo.strands import Strands, strands_of
 from relight_core.pipeline.per_photo.turned_photo import filled_corners
 
@@ -194,7 +195,8 @@ def finish_matte(draft: DraftMatte | None, strokes: Sequence[BrushStroke] = ()) 
 
     A guided filter (He, Sun and Tang 2013) does the latter, so that a stroke need not follow an edge by the pixel;
     one that is thinner than the filter's window, which would average it away, stays where it was painted. Where nobody
-    painted, strands of hair are put in. The photo's own alpha, of which there is no draft, is left as it is.
+    painted, strands of hair are put in. Outlines that are out of focus end as softly as in the photo. The photo's own
+    alpha, of which there is no draft, is left as it is.
     """
     if draft is None:
         nothing, black = np.zeros((1, 1), np.float32), np.zeros((1, 1, 3), np.float32)
@@ -208,10 +210,11 @@ def finish_matte(draft: DraftMatte | None, strokes: Sequence[BrushStroke] = ()) 
     if draft.strands is not None:
         by_hand = [replace(stroke, adds=True) for stroke in strokes]
         share = draft.strands.put_into(share, painted(np.zeros_like(share), by_hand, draft.photo_size))
+    seen = go_on(guide_of(exposed(small, draft.exposure, all_of(small.shape[:2], draft.photo_size))))
+    share = _within(draft.inside, None, softened(go_on(share), seen), share)
     slope, level, ends, beyond = np.zeros_like(share), share, None, None
     if guide.shape[:2] != draft.photo_size:
-        seen = guide_of(exposed(small, draft.exposure, all_of(small.shape[:2], draft.photo_size)))
-        slope, level = _guided_coefficients(go_on(seen), go_on(share))
+        slope, level = _guided_coefficients(seen, go_on(share))
         ends, beyond = draft.ends, _painted_beyond(draft.inside, share)
     fused = shrunk_size(draft.photo_size, _FUSION_PX)
     nearby = cv2.GaussianBlur(resize_area(share, fused), (0, 0), max(max(fused) * _NEAR_SHARE, 0.5))
