@@ -108,6 +108,7 @@ def test_large_maps_are_shrunk_and_keep_their_level():
     panorama = noise(50)
     small = Environment.from_radiance(panorama, max_height=20)
     assert small.shape.shape == (20, 40, 3)
+    assert Environment.from_radiance(panorama, max_height=49).shape.shape == (49, 98, 3)
     assert small.level == pytest.approx(Environment.from_radiance(panorama).level, rel=1e-5)
 
 

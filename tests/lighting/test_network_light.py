@@ -39,6 +39,27 @@ def test_half_a_degree_moves_a_one_texel_sun_by_half_a_degree(row):
     assert (lights >= 0).all()
 
 
+@pytest.mark.parametrize("height", [32, 48, 64])
+def test_a_sun_of_a_coarse_map_stands_still_and_leaps_nowhere_either(height):
+    environment = Environment.from_radiance(lamp(height, height // 2, 3))
+    lights = np.stack([network_light(environment, yaw) for yaw in np.arange(0, 24, 0.5)])
+    steps = np.abs(np.diff(lights, axis=0)).sum(axis=(1, 2, 3))
+    assert steps.min() > 0.4 * steps.max()
+
+
+@pytest.mark.parametrize("height", [24, 32, 48, 64, 256])
+def test_a_lamp_of_any_map_rises_evenly(height):
+    """By as much as it rises in the map, within what a texel's height of 11.25 degrees makes of a cosine."""
+    rows = np.arange(round(0.3 * height), round(0.7 * height))
+    found = []
+    for row in rows:
+        light = network_light(Environment.from_radiance(lamp(height, row, 5)))[..., 1]
+        power = (light * solid_angles(16, 32)).sum(1)
+        found.append(float(power @ (np.arange(16) + 0.5)) / power.sum() * 180 / 16)
+    np.testing.assert_allclose(np.diff(found), 180 / height, rtol=0.3)
+    np.testing.assert_allclose(found, (rows + 0.5) * 180 / height, atol=1.0)
+
+
 @quick
 @given(st.sampled_from([16, 17, 31, 64, 256]), st.floats(-40, 40))
 def test_the_mean_direction_of_a_sun_is_right_to_a_tenth_of_a_texel(height, yaw_deg):
