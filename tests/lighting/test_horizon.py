@@ -108,3 +108,33 @@ def test_a_lamp_near_the_camera_is_as_wide_across_a_post_as_one_at_the_side():
     seen = lamp_passing_a_post(60, np.linspace(-40, 40, 81))
     assert seen[0] == 1
     assert 16 < ((seen > 0.02) & (seen < 0.98)).sum() < 32
+
+
+@pytest.mark.parametrize("azimuth_deg", [15.0, 100.0, 199.0, 283.0, 352.0])
+def test_a_post_throws_its_shadow_straight_away_from_a_lamp_at_any_azimuth(azimuth_deg):
+    post = np.zeros((128, 128), np.float32)
+    post[61:67, 61:67] = 0.6
+    seen = Horizon(post, np.ones((128, 128), bool)).visibility(toward(azimuth_deg, 35), 1.0)
+    around = np.radians(azimuth_deg + 180 + np.array([0.0, 25.0, -25.0, 180.0]))
+    columns, rows = (np.rint(63.5 + 32 * side(around)).astype(int) for side in (np.cos, lambda turn: -np.sin(turn)))
+    behind, *beside = seen[rows, columns]
+    assert behind < 0.05
+    assert min(beside) > 0.95
+
+
+@pytest.mark.parametrize("azimuth_deg", [20.0, 47.0, 88.0])
+def test_a_turned_relief_has_turned_shadows(azimuth_deg):
+    bumps = np.random.default_rng(3).random((8, 8)).repeat(8, 0).repeat(8, 1) * 0.3
+    straight = horizon(bumps).visibility(toward(azimuth_deg, 30), 2.0)
+    for quarters in (1, 2, 3):
+        turned = horizon(np.rot90(bumps, quarters).copy()).visibility(toward(azimuth_deg + 90 * quarters, 30), 2.0)
+        assert np.abs(np.rot90(turned, -quarters) - straight).mean() < 0.005
+
+
+@pytest.mark.parametrize(("risen", "share"), [(-1.2, 0.0), (-0.5, 0.1955), (0.0, 0.5), (0.5, 0.8045), (1.2, 1.0)])
+def test_of_a_disc_that_rises_over_a_slope_that_share_is_seen_which_is_above_it(risen, share):
+    """By the area of a disc's segment; a slope's horizon is itself."""
+    slope = (np.arange(SIZE) + 0.5)[None].repeat(SIZE, 0) / SIZE
+    elevation_deg = np.degrees(np.arctan(0.5)) + risen * 4.0
+    seen = horizon(slope).visibility(toward(0, elevation_deg), 4.0)
+    assert seen[20:44, 4:20].mean() == pytest.approx(share, abs=0.03)
