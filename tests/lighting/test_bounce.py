@@ -53,6 +53,15 @@ def test_what_receives_nothing_stays_as_it_is():
     assert torch.equal(lit[..., 8:], light[..., 8:])
 
 
+def test_what_receives_a_quarter_gets_a_quarter():
+    normal, relief, albedo, person, _ = step()
+    light = torch.ones(1, 3, SIZE, SIZE)
+    all_of_it, quarter = (
+        gather_bounce(normal, relief, albedo, person, torch.full((SIZE, SIZE), share)) for share in (1.0, 0.25)
+    )
+    torch.testing.assert_close(quarter.thrown_back(light), 0.25 * all_of_it.thrown_back(light))
+
+
 def test_behind_the_person_nothing_is_sent():
     normal, relief, albedo, person, wall = step()
     bounce = gather_bounce(normal, relief, albedo, person * 0, torch.ones(SIZE, SIZE))
@@ -90,3 +99,26 @@ def test_how_much_a_cell_is_of_what_a_point_sees(apart, leaning, share):
     points = torch.tensor([[0.0, 0.0, 0.0]]), torch.tensor([[1.0, 0.0, 0.0]])
     cells = torch.tensor([[apart, 0.0, 0.0]]), torch.tensor([leaning])
     assert float(form_factors(*points, *cells, 0.1)) == pytest.approx(share, rel=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("facing", "there", "away"),
+    [
+        ((1.0, 0.0, 0.0), (1.0, 0.0, 0.0), (0.8, 0.0, 0.6)),  # the cell turns its back
+        ((-1.0, 0.0, 0.0), (1.0, 0.0, 0.0), (-0.8, 0.0, 0.6)),  # the point turns its back
+        ((1.0, 0.0, 0.0), (0.0, 0.0, 0.0), (-0.8, 0.0, 0.6)),  # it is itself
+    ],
+)
+def test_what_looks_away_is_not_seen(facing, there, away):
+    here = torch.zeros(1, 3)
+    assert float(form_factors(here, torch.tensor([facing]), torch.tensor([there]), torch.tensor([away]), 0.1)) == 0
+
+
+def test_where_a_surface_sees_more_of_itself_than_there_is_to_see_it_gets_no_more_than_all():
+    """Noise in normals and relief can have every cell look straight at a point."""
+    normal, relief, albedo, person, _ = step(albedo=1.0)
+    normal = torch.zeros_like(normal)
+    normal[:, 0, :, : SIZE // 2], normal[:, 0, :, SIZE // 2 :] = 1.0, -1.0
+    bounce = gather_bounce(normal, torch.zeros_like(relief), albedo, person, torch.ones(SIZE, SIZE))
+    got = bounce.thrown_back(torch.ones(1, 3, SIZE, SIZE))
+    assert 0.9 < got.max() <= 1.0 + 1e-5
