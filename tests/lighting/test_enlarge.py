@@ -5,6 +5,7 @@ import pytest
 
 from relight_core.lighting.enlarge import enlarge
 from relight_core.lighting.panorama import shrink
+from relight_core.lighting.sphere import directions
 
 
 def random_light(seed=0):
@@ -40,6 +41,12 @@ def test_a_lamp_at_the_seam_reaches_over_it():
     fine = enlarge(light, 128)
     assert fine[68, -2:].min() > 0.02
     np.testing.assert_allclose(fine[64:72, -3:, 0], fine[64:72, 10:7:-1, 0], rtol=1e-3)
+
+
+@pytest.mark.parametrize("toward", [(0.8, 0.3, 0.5), (-0.1, -0.9, 0.3)])
+def test_a_light_that_is_smooth_over_the_sphere_is_so_over_its_poles_too(toward):
+    smooth = (2 + directions(256, 512) @ np.float32(toward))[..., None]
+    np.testing.assert_allclose(enlarge(shrink(smooth, 16), 256), smooth, atol=0.01)
 
 
 def test_only_whole_multiples():

@@ -44,6 +44,14 @@ def test_opposite_lamps_balance():
     np.testing.assert_allclose(average_direction(both), 0, atol=0.02)
 
 
+def test_a_lamps_say_in_the_direction_is_its_luminance():
+    panorama = np.zeros((32, 64, 3), np.float32)
+    panorama[15:17, 15:17, 2] = panorama[15:17, 47:49, 1] = 100.0
+    # Blue from the left gives 0.0722 where green from the right gives 0.7152.
+    expected = (0.7152 - 0.0722) / (0.7152 + 0.0722)
+    np.testing.assert_allclose(average_direction(Environment.from_radiance(panorama)), [expected, 0, 0], atol=0.02)
+
+
 # The ball
 
 
@@ -108,6 +116,13 @@ def test_a_face_is_metered_and_not_the_top_of_a_head():
 def test_rigs_that_light_a_face_are_about_equally_bright_to_the_meter(rig):
     light = load_rig(rig)
     assert light.level * meter_reading(light) == pytest.approx(1.5, rel=0.15)
+
+
+@pytest.mark.parametrize("colour", [(1.0, 0.0, 0.0), (0.0, 1.0, 0.2), (0.1, 0.0, 1.0)])
+def test_the_meter_reads_luminance_whatever_the_colour(colour):
+    white = np.random.default_rng(2).exponential(size=(32, 64, 1)).astype(np.float32)
+    tinted = Environment.from_radiance(white * np.float32(colour))
+    assert meter_reading(tinted) == pytest.approx(meter_reading(Environment.from_radiance(white)), rel=1e-5)
 
 
 @pytest.mark.parametrize("stops", [-5, -1, 1, 7])

@@ -4,6 +4,7 @@ import pytest
 import torch
 
 from relight_core.lighting.likeness import likeness
+from relight_core.lighting.sphere import solid_angles
 
 
 def lamp(row, column, colour=(1.0, 1.0, 1.0)):
@@ -41,3 +42,13 @@ def test_darkness_is_like_no_light():
     dark = torch.zeros(1, 16, 32, 3)
     assert likeness(dark, lamp(8, 8)) == 0
     assert likeness(dark, dark) == 0
+
+
+def test_what_comes_from_a_pole_counts_by_its_power_and_not_by_its_many_texels():
+    """Of two lamps that give as much, each is a third of what they and one of them send together."""
+    areas = torch.from_numpy(solid_angles(16, 32).copy())
+    aside, above = torch.zeros(2, 16, 32)
+    aside[7:9, 8], above[0] = 1.0, 1.0
+    aside, above = ((light / (light * areas).sum())[None, ..., None].expand(1, 16, 32, 3) for light in (aside, above))
+    assert likeness(aside + above, aside) == pytest.approx(1 / 3, abs=0.06)
+    assert likeness(aside + above, above) == pytest.approx(1 / 3, abs=0.06)
