@@ -96,6 +96,15 @@ def test_a_dimmed_lamp_loses_its_hardness():
     assert hardness[0] == 1 > hardness[1] > 0 == hardness[2]
 
 
+@pytest.mark.parametrize(("radius_deg", "radiance"), [(4.0, 10.0), (5.0, 10.0), (6.0, 10.0), (6.0, 4.0)])
+def test_a_bulb_that_is_no_brighter_than_a_lit_wall_is_a_lamp_if_it_gives_some_of_the_light(radius_deg, radiance):
+    environment = light(((0.4, 0.3, 1), radius_deg, radiance))
+    (lamp,) = lamps_of(environment)
+    solid_angle = 2 * np.pi * (1 - np.cos(np.radians(radius_deg)))
+    assert lamp.irradiance * environment.level == pytest.approx(radiance * solid_angle / np.pi, rel=0.15)
+    assert lamp.hardness > 0.1
+
+
 @pytest.mark.parametrize("yaw_deg", [45.0, -120.0, 360.0])
 def test_lamps_turn_with_their_panorama(yaw_deg):
     image = panorama([((0.3, 0.5, 0.8), 3.0, 500.0)])

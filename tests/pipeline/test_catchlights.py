@@ -10,13 +10,15 @@ from drawn_eye import draw_eyes
 from relight_core.face.crop import Crop
 from relight_core.face.irises import Iris
 from relight_core.lighting.environment import Environment
+from relight_core.lighting.panorama import rotate
 from relight_core.lighting.relief import march_relief
-from relight_core.lighting.sphere import directions
+from relight_core.lighting.sphere import directions, solid_angles
 from relight_core.pipeline.per_light.catchlights import (
     Catchlight,
     LitEye,
     how_much_another,
     mirrored_light,
+    name_of_mirrored,
     sky_over,
 )
 from relight_core.pipeline.per_photo.corneas import find_cornea
@@ -56,6 +58,30 @@ def test_a_lamp_is_seen_where_a_ball_mirrors_it(cornea, toward):
     # A ball of 7.8 mm whose iris is 5.9 mm, 30 pixels.
     assert across == pytest.approx(halfway[0] * 30 * 7.8 / 5.9, abs=0.7)
     assert down == pytest.approx(-halfway[1] * 30 * 7.8 / 5.9, abs=0.7)
+
+
+def test_a_large_eye_shows_to_half_a_pixel_where_a_lamp_is_and_a_small_lamp_small():
+    y, x = np.mgrid[0:360, 0:400] + 0.5
+    photo = np.where(np.hypot(x - 200, y - 180) < 60, 0.03, 0.5)[..., None] * np.ones(3, np.float32)
+    large = find_cornea(photo.astype(np.float32), 1.0, Iris(200.0, 180.0, 60.0))
+    for toward in ((0, 0, 1), (0.3, 0.5, 1), (-0.5, -0.3, 0.9)):
+        halfway = np.array(toward) / np.linalg.norm(toward) + (0, 0, 1)
+        halfway *= 60 * 7.8 / 5.9 / np.linalg.norm(halfway)
+        found = middle_of(mirrored_light(large, OPEN, lamp(toward, 3.0, rows=256), 0.0))
+        assert found == pytest.approx((halfway[0], -halfway[1]), abs=0.4)
+    grey = mirrored_light(large, OPEN, lamp((0.3, 0.3, 1), 2.0, rows=256), 0.0).sum(-1)
+    # Four degrees are two of the ball's normals, 2.8 pixels, and the lens adds what it blurs.
+    assert (grey > 0.5 * grey.max()).sum() < 35
+
+
+@pytest.mark.parametrize("rows", [16, 64])
+def test_it_does_not_matter_where_a_panorama_has_its_seam(cornea, rows):
+    """It lies where the camera is, of which eyes mirror most."""
+    radiance = np.random.default_rng(0).gamma(0.3, 1, (rows, 2 * rows, 3)).astype(np.float32)
+    before, behind = Environment.from_radiance(radiance), Environment.from_radiance(rotate(radiance, 180.0))
+    seen = mirrored_light(cornea, OPEN, before, 0.0)
+    assert seen.max() > 0
+    np.testing.assert_allclose(mirrored_light(cornea, OPEN, behind, -180.0), seen, atol=2e-3 * seen.max())
 
 
 def test_it_follows_a_turn_of_the_light(cornea):
@@ -138,6 +164,38 @@ def test_a_light_is_another_by_where_it_comes_from_alone():
     assert 0 < slightly[0] < slightly[1] < slightly[2] < 1
     black = np.zeros_like(light)
     assert np.isfinite([how_much_another(black, light), how_much_another(black, black)]).all()
+
+
+def test_a_light_is_another_by_what_comes_from_elsewhere_and_not_by_how_many_texels_that_fills():
+    light = np.ones((16, 32, 3), np.float32)
+    share = float(solid_angles(16, 32)[0].sum() / (4 * np.pi))
+    above = light.copy()
+    above[0] += 0.02 / share
+    # Two percent of it came anew, all but what was there in that direction before.
+    assert how_much_another(above, light) == pytest.approx(0.02 / 1.02 * (1 - share) / 0.1, rel=1e-3)
+
+
+def test_what_is_mirrored_is_named_by_what_the_light_looks_like_alone():
+    radiance = np.random.default_rng(0).gamma(0.5, 1, (32, 64, 3)).astype(np.float32)
+    light, other = Environment.from_radiance(radiance, "a"), Environment.from_radiance(radiance[:, ::-1], "a")
+    assert name_of_mirrored(light) == name_of_mirrored(Environment.from_radiance(radiance, "b").at_level(7.0))
+    assert name_of_mirrored(light) != name_of_mirrored(other)
+
+
+@pytest.mark.parametrize("iris", [(103.0, 91.0, 3.0), (103.0, 91.0, 40.0), (100.0, 90.0, 0.1)])
+def test_an_eye_lies_in_the_pixels_of_the_surface_that_its_iris_covers(cornea, iris):
+    seen = replace(cornea, iris=Iris(*iris))
+    facing = torch.zeros(3, 32, 32)
+    facing[2] = 1
+    flat = march_relief(torch.zeros(32, 32), facing, torch.ones(32, 32))
+    sky = sky_over(seen, Crop(100.0, 90.0, 200.0, 0.0), flat, 64)
+    weights = np.zeros((64, 64))
+    weights[sky.place] = sky.weights
+    assert weights.sum() == pytest.approx(1, abs=1e-5)
+    # The view is of 200 pixels of the photo, from 0 across and from -10 down.
+    y, x = np.mgrid[0:64, 0:64] + 0.5
+    middle = (weights * x).sum() * 200 / 64, (weights * y).sum() * 200 / 64 - 10
+    assert middle == pytest.approx(iris[:2], abs=0.6)
 
 
 def test_the_photos_own_catchlight_goes_as_the_new_one_comes():
