@@ -113,6 +113,30 @@ def test_lamps_turn_with_their_panorama(yaw_deg):
     assert np.dot(turned.toward, found.toward) > np.cos(np.radians(0.5))
 
 
+def test_a_lamp_turned_twice_is_one_turned_by_both():
+    (lamp,) = lamps_of(light(((0.3, 0.5, 0.8), 3.0, 500.0)))
+    twice, once = lamp.turned(20.0).turned(-65.0), lamp.turned(-45.0)
+    np.testing.assert_allclose(twice.toward, once.toward, atol=1e-9)
+    np.testing.assert_allclose(footprint(twice), footprint(once), atol=1e-6)
+
+
+def test_haze_ten_degrees_off_makes_a_sun_hardly_larger():
+    toward = directions(256, 512)
+    off_deg = np.degrees(np.arccos(np.clip(toward @ unit(0.4, 0.6, 0.5), -1, 1)))
+    clear = np.where(off_deg < 2, 900.0, 0.3)[..., None] * np.ones(3)
+    hazy = clear + ((off_deg > 10.5) & (off_deg < 11.9))[..., None]
+    (sun,), (in_haze,) = (lamps_of(Environment.from_radiance(each)) for each in (clear, hazy))
+    assert in_haze.radius_deg == pytest.approx(sun.radius_deg, abs=0.1)
+    assert in_haze.hardness == 1
+
+
+def test_lamps_come_by_what_they_give_with_an_edge():
+    """A bulb nearly as large as a window gives more light than a sun here, and next to none of it has an edge."""
+    lamps = lamps_of(light(((1, 0, 0.3), 2.0, 300.0), ((-1, 0, 0.3), 7.0, 60.0)))
+    assert lamps[0].toward[0] > 0.9
+    assert max(lamp.irradiance for lamp in lamps[1:]) > lamps[0].irradiance
+
+
 @pytest.mark.parametrize("roll_deg", [30.0, -70.0])
 def test_a_rolled_lamp_lies_where_the_rolled_light_has_it(roll_deg):
     environment = light(((0.2, 0.7, 0.6), 3.0, 3000.0), fill=0.0)
@@ -142,8 +166,9 @@ def test_a_turning_sun_leaves_the_networks_light_whole_wherever_it_stands(toward
 
 @pytest.mark.parametrize("roll_deg", [10.0, 20.0, 45.0, -70.0])
 @pytest.mark.parametrize("yaw_deg", [0.0, 13.0])
-def test_a_rolled_footprint_lies_in_the_texels_of_the_rolled_light(yaw_deg, roll_deg):
-    environment = light(((0.6, 0.33, 0.7), 2.0, 2000.0), fill=0.0)
+@pytest.mark.parametrize("toward", [(0.6, 0.33, 0.7), (0.1, 0.98, 0.2)])
+def test_a_rolled_footprint_lies_in_the_texels_of_the_rolled_light(toward, yaw_deg, roll_deg):
+    environment = light((toward, 2.0, 2000.0), fill=0.0)
     (lamp,) = lamps_of(environment, yaw_deg)
     power = roll_light(network_light(environment, yaw_deg), roll_deg).mean(-1) * solid_angles(16, 32)
     shared = np.minimum(footprint(lamp, roll_deg), power / power.sum()).sum()
@@ -154,6 +179,17 @@ def test_the_footprint_wraps_around_behind_the_camera():
     share = footprint(Lamp((0.0, 0.0, 1.0), 1.0, 1.0, 1.0))
     assert share.sum() == pytest.approx(1)
     assert share[:, 0].sum() == pytest.approx(share[:, -1].sum(), abs=0.1)
+
+
+@pytest.mark.parametrize("height", [1.0, -1.0])
+@pytest.mark.parametrize("beside", [0.0, 0.02, 0.15])
+def test_the_footprint_of_a_disc_at_a_pole_lies_about_it(height, beside):
+    x, y, z = unit(beside, height, beside)
+    share = footprint(Lamp((float(x), float(y), float(z)), 1.0, 1.0, 1.0))
+    assert share.min() >= 0
+    assert share.sum() == pytest.approx(1)
+    at_pole = share[:2] if height > 0 else share[-2:]
+    assert at_pole.sum() == pytest.approx(1)
 
 
 @pytest.mark.parametrize(("radius_deg", "ratio"), [(1.5, 1.0), (2.5, 0.7), (4.0, 1.0)])
