@@ -7,6 +7,7 @@ import pytest
 
 from relight_core.errors import InputError
 from relight_core.lighting import light_edit
+from relight_core.lighting.colour_temperature import kelvin_to_rgb
 from relight_core.lighting.environment import Environment, network_light
 from relight_core.lighting.lamps import lamps_of
 from relight_core.lighting.light_blur import blur_light
@@ -153,6 +154,20 @@ def test_no_saturation_is_grey_and_warmth_is_warm():
     assert cool[0] < 1 < cool[2]
     assert magenta[1] < 1 < magenta[0]
     assert all(gain @ REC709 == pytest.approx(1.0) for gain in (warm, cool, magenta))
+
+
+@pytest.mark.parametrize("saturation", [0.0, 0.5, 2.0])
+def test_saturation_leaves_every_texel_as_bright_as_it_was(saturation):
+    light = random_light()
+    edited = edit_light(light, LightEdit(saturation=saturation))
+    np.testing.assert_allclose(radiance_of(edited) @ REC709, radiance_of(light) @ REC709, rtol=1e-4, atol=1e-6)
+
+
+def test_a_tint_is_seven_tenths_of_a_stop_and_full_warmth_an_octave_of_temperature():
+    magenta, warm = colour_gain(0.0, 1.0), colour_gain(1.0, 0.0)
+    assert np.log2(magenta[[0, 2]] / magenta[1]) == pytest.approx([0.7, 0.7])
+    np.testing.assert_allclose(colour_gain(0.0, -1.0) * magenta / (colour_gain(0.0, -1.0) * magenta)[0], 1.0, rtol=1e-6)
+    np.testing.assert_allclose(warm, kelvin_to_rgb(2800.0, 5600.0), rtol=1e-6)
 
 
 @pytest.mark.parametrize("blur_deg", [0.5, 5.0, 30.0, 90.0])
