@@ -1,5 +1,6 @@
 """Shadows between lights of different colours."""
 
+import numpy as np
 import pytest
 import torch
 
@@ -113,3 +114,24 @@ def test_colours_count_by_how_much_of_the_sphere_they_fill():
     high, level = torch.ones(2, 1, 16, 32, 3)
     high[:, 0], level[:, 8] = torch.tensor([3.0, 0.0, 0.0]), torch.tensor([3.0, 0.0, 0.0])
     assert colourfulness(high) < 0.15 * colourfulness(level)
+
+
+def test_a_shadow_as_deep_as_the_relief_has_it_hides_of_each_colour_what_the_relief_does():
+    transport, light = bar(), two_lamps(BLUE, RED)
+    lit, white = reflected(transport, light), torch.ones(1, 3, SIZE, SIZE)
+    left = transport.visibility(light[0].permute(2, 0, 1), SIZE)[:, 0][None]
+    shadow = (LUMINANCE * (1 - left) * lit[:, :3]).sum(1, keepdim=True)
+    image = explicit_sum(white, lit, Effects(0 * shadow, shadow, shadow_colour_odds(transport, light, lit)))
+    torch.testing.assert_close(image, left * lit[:, :3], atol=0.05 * float(lit.max()), rtol=0)
+    assert left[0, 0].min() < 0.05
+
+
+def test_the_colour_of_a_shadow_comes_evenly_as_a_gel_gets_stronger():
+    transport, strongest = bar(), []
+    for share in np.linspace(0, 0.5, 26):
+        gel = torch.lerp(torch.ones(3), torch.tensor([1.0, 0.4, 0.3]), float(share)).tolist()
+        light = two_lamps(WHITE, gel)
+        odds = shadow_colour_odds(transport, light, reflected(transport, light))
+        strongest.append(0.0 if odds is None else float(odds.log().abs().max()))
+    assert strongest[-1] > 0.08
+    assert 0 <= np.diff(strongest).min() <= np.diff(strongest).max() < 0.03
