@@ -94,6 +94,12 @@ def test_where_the_picture_was_evened_the_edge_is_drawn_anew():
     assert step(fine.fine) > 4 * step(fine.coarse)
 
 
+def test_an_edge_that_is_drawn_anew_is_the_one_that_was_evened_away():
+    blurred = lambda share: cv2.GaussianBlur(share, (0, 0), 3.0)  # noqa: E731
+    evened, plain = (row(draw_finely(edges(), larger, *how).fine) for how in ((blurred,), ()))
+    np.testing.assert_allclose(evened, plain, atol=0.02)
+
+
 class TestGain:
     FINE = draw_finely(edges(), larger)
 
@@ -111,6 +117,12 @@ class TestGain:
         by_softness = [np.abs(self.FINE.gain(1.0, softness) - 1).max() for softness in (0.1, 0.06, 0.03, 0.0)]
         assert sorted(by_shadow) == by_shadow
         assert sorted(by_softness) == by_softness
+
+    def test_light_that_is_thrown_back_stays_where_all_becomes_hidden(self):
+        """Three hundredths of it, so that an edge is drawn into no picture as black, and none is brightened by more."""
+        one = np.ones((4, 4), np.float32)
+        np.testing.assert_allclose(FineEdges(0 * one, one, one).gain(1.0, 0.0), 0.03 / 1.03, rtol=1e-5)
+        np.testing.assert_allclose(FineEdges(0.9 * one, 0.8 * one, one).gain(1.0, 0.0), 0.23 / 0.13, rtol=1e-5)
 
     @pytest.mark.parametrize(("before", "after"), [(0.0, 1.0), (1.0, 0.0), (0.5, 0.5), (1.0, 1.0)])
     @pytest.mark.parametrize("shadow", [0.0, 0.5, 1.0, 2.0])

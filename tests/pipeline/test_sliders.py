@@ -191,3 +191,50 @@ def test_less_shadow_darkens_no_eye_and_no_ear():
     of_gain = partial(move_sliders, Composed(plain, plain), surface, reflected, effects, 1.0)
     lifted = [of_gain(gain).lifted for gain in (0.0, 0.3, 0.7, 1.0)]
     assert all(float((less - more).min()) > -1e-5 for less, more in zip(lifted, lifted[1:], strict=False))
+
+
+def parsed(surface, *parts):
+    """The surface with a parsing of (name, rows, columns), without eyes."""
+    surface.parsing, surface.eye_sockets = torch.zeros(1, len(INDEX), SIZE, SIZE), torch.zeros(SIZE, SIZE)
+    for name, rows, columns in parts:
+        surface.parsing[:, INDEX[name], rows, columns] = 1
+    return surface
+
+
+@pytest.mark.parametrize("gains", [(0.0, 0.0), (2.0, 0.0), (1.0, 0.4), (0.3, 1.7), (2.0, 2.0), (1.0, 1.0)])
+def test_a_picture_that_is_the_explicit_sum_becomes_the_sum_at_the_sliders_gains(gains):
+    """On a smooth surface, where nothing is too narrow to be lifted."""
+    surface, reflected, effects = scene()
+    parsed(surface, ("skin", slice(None), slice(None)))
+    ramp = torch.linspace(0.2, 1.0, SIZE)
+    reflected = torch.cat([ramp.expand(1, 3, SIZE, SIZE), 0.3 * ramp.expand(1, 3, SIZE, SIZE).mT], 1)
+    shadow = 0.5 * ramp * torch.linspace(0, 0.9, SIZE)[:, None] + 0.1 * ramp[:, None]
+    effects = Effects(0.2 * ramp[:, None].expand(1, 1, SIZE, SIZE), shadow[None, None])
+    plain = explicit_sum(surface.albedo, reflected, effects)
+    change = move_sliders(Composed(plain, plain), surface, reflected, effects, *gains)
+    assert change.kept.max() <= 1
+    moved = plain * change.kept + change.added + change.lifted
+    torch.testing.assert_close(moved, explicit_sum(surface.albedo, reflected, effects, *gains), rtol=0, atol=1.1e-3)
+
+
+def test_bare_skin_of_a_face_whose_lips_are_not_seen_is_lifted_as_it_is():
+    surface, reflected, effects = scene()
+    parsed(surface, ("neck", slice(None), slice(None)))
+    reflected[:, :3, 30:33, 14:17] = 6
+    effects.shadow[..., 30:33, 14:17] = 2.9
+    plain = explicit_sum(surface.albedo, reflected, effects)
+    lifted = move_sliders(Composed(plain, plain), surface, reflected, effects, 1.0, 0.0).lifted[..., 30:33, 14:17]
+    assert lifted.numpy() == pytest.approx(2.9, abs=0.01)
+
+
+def test_moving_sliders_changes_neither_surface_nor_effects():
+    surface, reflected, effects = scene()
+    parsed(surface, ("neck", slice(None), slice(None)), ("lips", slice(20, 22), slice(None)))
+    effects.specular += 0.1
+    given = [surface.parsing, surface.albedo, reflected, effects.shadow, effects.specular]
+    before = [part.clone() for part in given]
+    plain = explicit_sum(surface.albedo, reflected, effects)
+    move_sliders(Composed(plain, plain), surface, reflected, effects, 1.5, 0.0)
+    soften_shadow(effects, surface, reflected, 0.5)
+    for part, as_it_was in zip(given, before, strict=True):
+        torch.testing.assert_close(part, as_it_was, rtol=0, atol=0)
