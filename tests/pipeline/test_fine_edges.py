@@ -67,8 +67,23 @@ def test_far_from_edges_nothing_changes():
 
 
 def test_where_geometry_has_no_say_edges_stay():
-    fine = draw_finely(edges(counts=0.0), larger)
-    np.testing.assert_array_equal(fine.fine, fine.coarse)
+    blurred = lambda share: cv2.GaussianBlur(share, (0, 0), 3.0)  # noqa: E731
+    for how in ((), (blurred,)):
+        fine = draw_finely(edges(counts=0.0), larger, *how)
+        np.testing.assert_array_equal(fine.fine, fine.coarse)
+
+
+def test_of_two_lamps_each_moves_its_own_edge_where_both_shadows_end_too():
+    """Lamps a little apart on one side: their shadows of the bar end within each other's."""
+    other = replace(LAMP, toward=(0.7880, 0.0, 0.6157), radius_deg=2.0)
+    one, two = edges(counts=0.2), edges(counts=0.2, lamp=other)
+    hidden = (one.hidden + two.hidden) / 2
+    each = [replace(one, hidden=hidden, of_lamps=lamps) for lamps in (one.of_lamps, two.of_lamps)]
+    both = replace(one, hidden=hidden, of_lamps=[*one.of_lamps, *two.of_lamps])
+    moved = [of_lamps.fine - of_lamps.coarse for of_lamps in (draw_finely(shadow, larger) for shadow in (*each, both))]
+    assert min(np.abs(change).max() for change in moved) > 0.03
+    assert (moved[0] * moved[1] != 0).any()
+    np.testing.assert_allclose(moved[2], moved[0] + moved[1], atol=1e-5)
 
 
 def test_edges_move_as_far_as_geometry_has_a_say():
@@ -117,6 +132,7 @@ class TestGain:
         by_softness = [np.abs(self.FINE.gain(1.0, softness) - 1).max() for softness in (0.1, 0.06, 0.03, 0.0)]
         assert sorted(by_shadow) == by_shadow
         assert sorted(by_softness) == by_softness
+        assert by_softness[1] > 0.1
 
     def test_light_that_is_thrown_back_stays_where_all_becomes_hidden(self):
         """Three hundredths of it, so that an edge is drawn into no picture as black, and none is brightened by more."""
@@ -133,6 +149,12 @@ class TestGain:
         assert np.isfinite(gain).all()
         assert gain.min() > 0
         assert gain.max() <= 4
+
+
+def test_where_the_diffuse_light_is_brighter_more_of_it_is_hidden():
+    falling = np.linspace(1, 0.1, SIZE, dtype=np.float32)[:, None].repeat(SIZE, 1)
+    fine = draw_finely(replace(edges(), diffuse=falling), larger)
+    np.testing.assert_allclose(fine.more_shadow(), larger(falling)[..., 0] * (fine.fine - fine.coarse), atol=1e-5)
 
 
 def test_the_shadow_channel_changes_by_the_light_that_is_hidden():
