@@ -54,6 +54,8 @@ def test_a_lamp_of_a_rig_becomes_the_nearest_that_a_soft_box_may_be(width_deg, a
     light = replace(light, drawn=Drawn(rig, light.level))
     (box,) = own_lamps(light)
     assert (box.azimuth_deg, box.width_deg, box.height_deg) == (-140.0, as_box_deg, 20.0)
+    # One without a name would be taken for a box that was added.
+    assert box.name == "lamp"
     parts = edit_light(light, taken_apart(NOTHING, (box,)))
     np.testing.assert_allclose(card(parts, box), card(light, box), rtol=0.03)
 
@@ -207,6 +209,22 @@ def test_lamps_of_a_panorama_are_taken_out_one_after_the_other():
     without = edit_light(sky, replace(edit, boxes=edit.boxes[1:]))
     other = sky_with((-120.0, 20.0, 3.0, 1000.0))
     np.testing.assert_allclose(card(without, SoftBox(-120.0, 20.0)), card(other, SoftBox(-120.0, 20.0)), rtol=5e-3)
+
+
+def test_a_sun_over_the_horizon_leaves_the_sky_behind_it_and_not_half_of_the_ground():
+    light = sky_with((40.0, 5.0, 2.0, 3000.0))
+    toward = directions(256, 512) @ SoftBox(40.0, 5.0).direction.astype(np.float32)
+    room = room_of(light)[toward > np.cos(np.radians(1.5))] * light.level
+    np.testing.assert_allclose(room, np.broadcast_to([0.3, 0.5, 1.0], room.shape), rtol=0.2)
+
+
+def test_of_many_lamps_the_four_that_give_most_can_be_moved():
+    azimuths_deg = (-150.0, -90.0, -30.0, 30.0, 90.0, 150.0)
+    light = sky_with(*((azimuth_deg, 30.0, 2.0, 1000.0 + 3 * azimuth_deg) for azimuth_deg in azimuths_deg))
+    assert len(bright_places(light)) == 6
+    lamps = own_lamps(light)
+    assert [lamp.name for lamp in lamps] == ["lamp 1", "lamp 2", "lamp 3", "lamp 4"]
+    assert [lamp.azimuth_deg for lamp in lamps] == pytest.approx([150.0, 90.0, 30.0, -30.0], abs=0.5)
 
 
 def test_what_gives_next_to_nothing_beside_a_sun_is_no_lamp():
