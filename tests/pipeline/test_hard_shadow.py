@@ -5,8 +5,9 @@ import pytest
 import torch
 
 from relight_core.lighting.horizon import Horizon
-from relight_core.lighting.lamps import Lamp
+from relight_core.lighting.lamps import Lamp, footprint
 from relight_core.lighting.relief import march_relief
+from relight_core.lighting.sphere import directions, solid_angles
 from relight_core.pipeline.per_light.hard_shadow import harden_shadow, ready_for_lamps
 from relight_core.pipeline.per_light.hints import Effects, hidden_share
 from relight_core.pipeline.stages import Surface
@@ -239,3 +240,50 @@ def test_the_relief_hides_of_the_gloss_what_a_lamp_gives_of_it():
     assert shaded == pytest.approx(0.98, abs=0.02)
     assert lit < 0.02
     assert in_and_out_of_the_shadow(after.by_relief)[0] == pytest.approx(0.1 + 0.9 / 4, abs=0.03)
+
+
+def in_shadow(after):
+    return after[SIZE // 2, 25:29].mean()
+
+
+@pytest.mark.parametrize(("hidden", "least", "most"), [(0.1, 0.2, 0.4), (0.25, 0.5, 0.75), (0.5, 0.95, 1.0)])
+def test_the_less_a_network_sees_of_a_shadow_the_less_geometry_makes_of_it(hidden, least, most):
+    """From half of the lamp's light on, geometry alone decides: all of it, 0.964, is hidden beside the bar."""
+    assert least < in_shadow(share(hardened(effects_with(hidden, 0.1), [lamp()]))) < most
+
+
+def test_what_is_hidden_where_one_lamp_is_is_hardly_taken_from_another():
+    from_left = lamp(irradiance=1.5, toward=(-SIDE[0], 0.0, SIDE[2]))
+    left, right = hardened(effects_with(0.5, 0.1), [from_left, lamp(irradiance=1.5)]).edges.of_lamps
+    assert in_shadow(right.counts) > 0.45
+    assert in_shadow(left.counts) < 0.1
+
+
+def test_a_lamp_behind_what_it_would_light_has_no_part_in_it():
+    behind, before = lamp(toward=(0.6, 0.0, -0.8)), lamp()
+    edges = hardened(effects_with(0.9, 0.1), [behind, before], given=(1.9, 0.09)).edges
+    assert in_shadow(edges.of_lamps[0].counts) < 0.01
+    assert in_shadow(edges.of_lamps[1].counts) > 0.9
+
+
+def test_where_much_of_the_light_is_no_lamps_the_network_keeps_its_word_about_that():
+    """Half of it is the lamp's; of the rest the relief hides a quarter, and the network takes four fifths for hidden."""
+    after = in_shadow(share(hardened(effects_with(0.9, 0.1), [lamp()], given=(1.0, 0.05))))
+    assert 0.84 < after < 0.9
+
+
+def test_the_surface_is_asked_for_the_light_of_lamps_alone():
+    """And for no more of it than the light has there."""
+    found, asked = surface(SKIN), []
+    coarse = march_relief(found.relief[0, 0, ::2, ::2], found.normal[0, :, ::2, ::2], torch.ones(SIZE // 2, SIZE // 2))
+    view = ready_for_lamps(found, coarse, lambda lit: asked.append(lit) or reflected(), 0.0)
+    areas = torch.from_numpy(solid_angles(16, 32).copy())[None, ..., None]
+    light = 0.05 + torch.from_numpy(footprint(lamp()))[None, ..., None] * np.pi * 3.0 / areas.expand(1, 16, 32, 3)
+    for irradiance in (3.0, 300.0):
+        harden_shadow(half_shadow(), found, reflected(), light, view, [lamp(irradiance=irradiance)])
+    some, all_there_is = asked
+    assert float((some * areas).sum((0, 1, 2)).mean()) == pytest.approx(np.pi * 3.0, rel=0.02)
+    around = directions(16, 32) @ np.float32(SIDE) < np.cos(np.radians(25.0))
+    assert float(some[0][torch.from_numpy(around)].max()) < 1e-3
+    assert (all_there_is <= light + 1e-4).all()
+    assert float((all_there_is * areas).sum()) > float((some * areas).sum())
