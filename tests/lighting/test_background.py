@@ -7,6 +7,7 @@ import pytest
 from relight_core.lighting import background
 from relight_core.lighting.background import panorama_view
 from relight_core.lighting.environment import Environment
+from relight_core.lighting.panorama import rotate
 
 
 def panorama_background(environment, yaw_deg, height, width, *view, **options):
@@ -46,6 +47,23 @@ def test_right_is_right_up_is_up_and_the_field_of_view_is_the_longer_sides():
     expected = np.degrees(np.arctan(np.tan(np.radians(25)) * 59 / 121))
     assert latitude[0, 60] == pytest.approx(expected, abs=0.6)
     assert latitude[-1, 60] == pytest.approx(-expected, abs=0.6)
+
+
+def test_of_an_upright_picture_the_field_of_view_is_from_top_to_bottom():
+    environment = stripes()
+    longitude, latitude = angles(panorama_background(environment, 0, 121, 60, 50, blur_deg=0), environment)
+    assert latitude[0, 30] == pytest.approx(25 - 50 / 121 / 2, abs=0.6)
+    assert latitude[-1, 30] == pytest.approx(-25 + 50 / 121 / 2, abs=0.6)
+    expected = np.degrees(np.arctan(np.tan(np.radians(25)) * 59 / 121))
+    assert longitude[60, -1] == pytest.approx(expected, abs=0.6)
+
+
+@pytest.mark.parametrize("height", [8, 64])
+def test_it_does_not_matter_where_a_panorama_has_its_seam(height):
+    radiance = np.random.default_rng(2).random((height, 2 * height, 3)).astype(np.float32)
+    ahead, behind = (Environment.from_radiance(each) for each in (radiance, rotate(radiance, 180.0)))
+    seen = panorama_view(ahead, 0, 60, 90, 70)
+    np.testing.assert_allclose(panorama_view(behind, 180, 60, 90, 70), seen, atol=1e-3)
 
 
 def test_yaw_moves_the_background_to_the_right():

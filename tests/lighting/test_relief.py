@@ -7,6 +7,7 @@ import torch
 from relight_core.imaging.tensor_colour import grey
 from relight_core.lighting.reflection import ReflectionTable
 from relight_core.lighting.relief import horizon_slopes, march_relief, march_reliefs
+from relight_core.lighting.sphere import directions
 
 SIZE = 32
 
@@ -179,3 +180,52 @@ def test_gloss_is_lost_in_no_light_and_off_the_surface_nowhere():
     transport = march_relief(wall(), facing_camera(), half)
     assert not transport.gloss_fraction(torch.zeros(1, 16, 32, 3)).any()
     assert not transport.gloss_fraction(lamp("left"))[..., : SIZE // 2].any()
+
+
+def test_under_an_even_light_of_one_a_white_wall_that_faces_the_camera_sends_out_one():
+    transport = march_relief(torch.zeros(SIZE, SIZE), facing_camera(), covered())
+    torch.testing.assert_close(transport.open.sum(1), torch.ones(SIZE**2), rtol=0.02, atol=0)
+
+
+def test_where_there_is_no_surface_nothing_is_hidden_behind_a_wall():
+    where = covered()
+    where[:, :15] = 0
+    transport = march_relief(wall(), facing_camera(), where)
+    seen = transport.visibility(lamp("right")[..., 0], SIZE)[0, 0]
+    assert seen[:, :14].min() == 1
+    assert not transport.shadow_fraction(lamp("right"))[..., :15].any()
+
+
+def test_of_lamps_of_two_colours_each_counts_by_its_luminance():
+    """Left of the wall the right one is hidden: pure blue it takes little of the light, pure green nearly all."""
+    white, blue, green = torch.ones(3), torch.tensor([0.0, 0.0, 1.0]), torch.tensor([0.0, 1.0, 0.0])
+    lost = [
+        float(shadow(wall(), lamp("left") * other + lamp("right") * hidden)[16, 11:14].mean())
+        for hidden, other in ((blue, green), (green, blue), (white, white))
+    ]
+    luminances = 0.0722 / 0.7874, 0.7152 / 0.7874, 0.5
+    assert lost == pytest.approx(luminances, abs=0.05)
+
+
+def test_where_a_lamp_gives_next_to_nothing_its_shadow_is_none():
+    strong, faint = lamp("right"), lamp("right") * 2e-3
+    irradiance = (march_relief(wall(), facing_camera(), covered()).open @ faint[0, ..., 0].flatten()).max()
+    assert 1e-3 < irradiance < 0.01
+    assert shadow(wall(), strong)[16, 11:14].min() > 0.8
+    assert shadow(wall(), faint)[16, 11:14].max() < 0.2
+
+
+@pytest.mark.parametrize(("row", "column"), [(4, 29), (6, 27), (11, 29), (12, 2), (4, 3), (9, 5)])
+def test_a_post_throws_its_shadow_straight_away_from_a_lamp(row, column):
+    size = 64
+    post, normal = torch.zeros(size, size), torch.zeros(3, size, size)
+    post[28:36, 28:36], normal[2] = 0.6, 1.0
+    light = torch.zeros(1, 16, 32, 3)
+    light[0, row, column] = 200.0
+    x, y, _ = directions(16, 32)[row, column]
+    lost = march_relief(post, normal, torch.ones(size, size)).shadow_fraction(light)[0, 0].numpy()
+    away = np.arctan2(-y, -x) + np.radians([0.0, 40.0, -40.0, 180.0])
+    columns, rows = (np.rint(31.5 + 12 * along).astype(int) for along in (np.cos(away), -np.sin(away)))
+    behind, *beside = lost[rows, columns]
+    assert behind > 0.8
+    assert max(beside) < 0.1

@@ -267,7 +267,7 @@ def test_a_lamp_behind_what_it_would_light_has_no_part_in_it():
 
 
 def test_where_much_of_the_light_is_no_lamps_the_network_keeps_its_word_about_that():
-    """Half of it is the lamp's; of the rest the relief hides a quarter, and the network takes four fifths for hidden."""
+    """Half of it is the lamp's; of the rest the relief hides a quarter, and the network four fifths."""
     after = in_shadow(share(hardened(effects_with(0.9, 0.1), [lamp()], given=(1.0, 0.05))))
     assert 0.84 < after < 0.9
 
@@ -287,3 +287,24 @@ def test_the_surface_is_asked_for_the_light_of_lamps_alone():
     assert float(some[0][torch.from_numpy(around)].max()) < 1e-3
     assert (all_there_is <= light + 1e-4).all()
     assert float((all_there_is * areas).sum()) > float((some * areas).sum())
+
+
+def test_light_is_thrown_back_by_skin_twice():
+    """By the flank that the lamp lights and by the wall beside it: of half the albedo it is a quarter."""
+    bright, dark = flanked(), flanked()
+    dark.albedo.mul_(0.5)
+    one = torch.ones(1, 1, SIZE, SIZE)
+    effects = Effects(0.05 * one, (0.5 * 0.25 * 2.0 + 0.05) * one)
+    more, less = (
+        hardened(given, [lamp()], found=found).thrown_back
+        for given, found in ((half_shadow(), bright), (effects, dark))
+    )
+    assert more.max() > 1e-3
+    torch.testing.assert_close(less, 0.25 * more, rtol=1e-3, atol=1e-6)
+
+
+def test_of_two_lamps_that_stand_together_each_counts_by_what_it_gives():
+    edges = hardened(effects_with(0.9, 0.1), [lamp(irradiance=1.0), lamp(irradiance=3.0)], given=(1.9, 0.09)).edges
+    weak, strong = (in_shadow(of_lamp.counts) for of_lamp in edges.of_lamps)
+    assert strong == pytest.approx(3 * weak, rel=0.02)
+    assert weak > 0.2
