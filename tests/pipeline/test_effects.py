@@ -17,9 +17,12 @@ from relight_core.pipeline.per_light.hints import (
     as_channels,
     doubtful_shadow,
     effects_of,
+    estimated_effects,
     explicit_sum,
+    hidden_share,
     smooth_gloss,
     specular_shadow_hints,
+    with_dull_parts,
 )
 from relight_core.pipeline.per_light.sliders import move_sliders
 from relight_core.pipeline.stages import Composed, Surface
@@ -227,6 +230,38 @@ def test_gloss_that_the_relief_hides_is_not_in_doubt_where_the_rest_is():
     effects = replace(shaded(0.5, 0.4), specular=0.02 * one, gloss_by_relief=one)
     left = doubtful_shadow(effects, one, 0.2 * one, one).item()
     assert left == pytest.approx(effects.shadow.item() - 0.18, abs=1e-5)
+
+
+def test_gloss_that_is_hidden_stays_in_doubt_where_only_the_relief_hides_all_other_light():
+    one = torch.ones(1, 1, 1, 1)
+    effects = replace(shaded(0.2, 1.0), gloss_by_relief=0 * one)
+    assert doubtful_shadow(effects, one, 0.2 * one, one).item() == pytest.approx(0.2 * 0.2, abs=1e-5)
+
+
+def test_no_shadow_takes_more_than_all_of_the_diffuse_light_or_less_than_none():
+    one = torch.ones(1, 1, 1, 1)
+    shares = [hidden_share(Effects(0.2 * one, depth * one), one, 0.2 * one).item() for depth in (-1.0, 0.3, 5.0)]
+    assert shares == pytest.approx([0.0, 0.3, 1.0])
+    assert hidden_share(Effects(0 * one, one), 0 * one, 0 * one).item() == 1.0
+
+
+def test_the_maps_of_an_additive_network_are_gloss_and_shadow_themselves():
+    one, config = torch.ones(1, 1, 2, 2), SpecularShadowConfig(4, 3, additive=True)
+    effects = estimated_effects(config, Occlusion(shadow=3 * one, gloss=-2 * one), torch.ones(1, 6, 2, 2), one)
+    torch.testing.assert_close(effects.shadow, torch.log1p(torch.exp(3 * one)))
+    torch.testing.assert_close(effects.specular, torch.log1p(torch.exp(-2 * one)))
+
+
+def test_what_is_dull_has_less_of_the_gloss_of_skin_and_all_of_the_light():
+    reflected = torch.arange(1.0, 7.0)[None, :, None, None].expand(1, 6, 1, 3)
+    parsing = torch.zeros(1, len(INDEX), 1, 3)
+    parsing[:, INDEX["skin"], :, 0] = parsing[:, INDEX["cloth"], :, 1] = 1
+    parsing[:, INDEX["skin"], :, 2] = parsing[:, INDEX["cloth"], :, 2] = 0.5
+    dull = with_dull_parts(reflected, parsing)
+    torch.testing.assert_close(dull[:, :3], reflected[:, :3])
+    skin, cloth, between = (dull[:, 3:] / reflected[:, 3:]).mean((0, 1, 2)).tolist()
+    assert skin == 1 > 0.5 > cloth > 0
+    assert between == pytest.approx((1 + cloth) / 2)
 
 
 def test_where_the_relief_is_not_trusted_all_of_a_shadow_is_in_doubt():

@@ -317,6 +317,12 @@ def test_at_another_level_the_photo_comes_back_too():
     torch.testing.assert_close(image * 0.5, photo, rtol=0.02, atol=0)
 
 
+def test_no_light_at_all_leaves_a_residual_as_it_is():
+    photo = images(0)
+    residual = find_residual(surface(photo), photo, light(), lambda own: Composed(photo, photo))
+    assert at_light_level(residual, 0.0) is residual
+
+
 def test_what_a_level_darkens_is_of_all_skin_and_fades_as_whole_cheeks_do():
     photo = torch.full((1, 3, SIZE, SIZE), 0.4)
     residual = find_residual(surface(photo), photo, light(), lambda own: Composed(photo, photo))
