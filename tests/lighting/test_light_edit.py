@@ -191,6 +191,18 @@ def test_no_step_of_the_blur_is_a_leap(height):
     assert max(steps) < 0.06
 
 
+def test_a_blur_of_less_than_a_texel_spreads_light_by_its_square():
+    """As any blur does; half a texel of 64 rows is 1.4 degrees."""
+    toward, areas = directions(64, 128).astype(np.float64), solid_angles(64, 128)
+    lamp = np.zeros((64, 128, 1), np.float32)
+    lamp[32, 40] = 1.0
+    off_deg = np.degrees(np.arccos(np.clip(toward @ toward[32, 40], -1, 1)))
+    spread = [float((off_deg**2 * areas * blur_light(lamp, blur)[..., 0]).sum()) for blur in (0.3, 0.6, 1.2, 2.4)]
+    ratios = np.array(spread[1:]) / spread[:-1]
+    np.testing.assert_allclose(ratios[:2], 4.0, rtol=0.02)
+    assert 2.5 < ratios[2] < 6
+
+
 @pytest.mark.parametrize("row", [1, 16, 30])
 def test_blur_spreads_alike_in_all_directions_at_the_poles_too(row):
     lamp = np.zeros((32, 64, 1), np.float32)

@@ -211,6 +211,12 @@ def test_what_a_camera_adds_to_the_colour_of_skin_it_adds_in_any_light():
     assert 0.8 * added < kept < 1.2 * added
 
 
+def test_no_camera_adds_more_than_three_fifths_to_the_colour_of_skin():
+    within, beyond, far_beyond = (reddened(SKIN, share)[0] for share in (0.5, 0.8, 1.5))
+    assert within < beyond < 1.35 * within
+    assert far_beyond == pytest.approx(beyond, rel=0.1)
+
+
 def test_a_light_that_takes_from_the_skins_colour_is_not_the_cameras():
     kept, missing = reddened(SKIN, -0.2)
     assert abs(kept) < 0.1 * abs(missing)
@@ -342,21 +348,22 @@ def test_gloss_and_shadow_of_a_view_change_as_the_view_does():
     torch.testing.assert_close(effects.shadow, 0.2 * by, rtol=1e-3, atol=0)
 
 
-def mouth_in(light_of_the_other_picture, shown, label=LIPS, albedo=(0.5, 0.3, 0.3)):
+def mouth_in(light_of_the_other_picture, shown, label=LIPS, albedo=(0.5, 0.3, 0.3), dimmed=1.0):
     """(3,) what a photo's mouth becomes whose light is taken for a warm one; in None, that light itself."""
     photo, own = (torch.tensor(colour)[None, :, None, None].expand(1, 3, SIZE, SIZE) for colour in (shown, albedo))
     warm, seen = own * torch.tensor([1.4, 1.0, 0.6])[None, :, None, None], surface(photo, label)
     seen.albedo = own
     residual = find_residual(seen, photo, light(), lambda light: Composed(warm, torch.ones_like(warm)))
     model, other = (warm, light()) if light_of_the_other_picture is None else (own, light_of_the_other_picture)
-    image, _ = add_residual(residual, Composed(model, torch.ones_like(model)), no_effects(), other)
+    image, _ = add_residual(residual, Composed(dimmed * model, dimmed * torch.ones_like(model)), no_effects(), other)
     return image[0, :, 0, 0] * residual.level
 
 
 @pytest.mark.parametrize("label", [LIPS, INNER_MOUTH])
 def test_a_mouth_that_is_less_warm_than_its_light_turns_no_bluer_than_the_photo_shows_it(label):
-    _, green, blue = mouth_in(lamp(20), (0.26, 0.2, 0.24), label)
-    assert blue / green == pytest.approx(1.2, abs=0.03)
+    for dimmed in (1.0, 0.1):
+        _, green, blue = mouth_in(lamp(20), (0.26, 0.2, 0.24), label, dimmed=dimmed)
+        assert blue / green == pytest.approx(1.2, abs=0.03)
     _, green, blue = mouth_in(lamp(20), (0.26, 0.2, 0.18), label)
     assert blue / green == pytest.approx(1.1, abs=0.03)
 
