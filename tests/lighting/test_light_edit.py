@@ -203,6 +203,22 @@ def test_a_blur_of_less_than_a_texel_spreads_light_by_its_square():
     assert 2.5 < ratios[2] < 6
 
 
+@pytest.mark.parametrize("row", [6, 64])
+def test_a_blurs_degrees_are_its_standard_deviation_in_each_direction(row):
+    toward, areas = directions(128, 256).astype(np.float64), solid_angles(128, 256)
+    lamp = np.zeros((128, 256, 1), np.float32)
+    lamp[row, 40] = 1.0
+    blurred = blur_light(lamp, 8.0)[..., 0]
+    off_deg = np.degrees(np.arccos(np.clip(toward @ toward[row, 40], -1, 1)))
+    deviation_deg = np.sqrt((off_deg**2 * areas * blurred).sum() / (areas * blurred).sum() / 2)
+    assert deviation_deg == pytest.approx(8.0, rel=0.03)
+    assert blurred.min() >= 0
+
+
+def test_a_fine_light_is_blurred_on_128_rows():
+    assert blur_light(np.ones((256, 512, 3), np.float32), 5.0).shape == (128, 256, 3)
+
+
 @pytest.mark.parametrize("row", [1, 16, 30])
 def test_blur_spreads_alike_in_all_directions_at_the_poles_too(row):
     lamp = np.zeros((32, 64, 1), np.float32)
