@@ -226,3 +226,15 @@ def test_the_skys_colour_fades_with_shadows_that_the_model_missed_and_skin_has_t
     for row in (20, 50):
         for column in (20, 80):
             assert abs(float((other[2, row, column] / other[0, row, column]).log()) + 0.096) < 0.03
+
+
+@pytest.mark.parametrize(("apart", "least", "most"), [(0.2, 0.65, 0.72), (0.6, 0.2, 0.5), (1.0, -0.02, 0.1)])
+def test_paint_stays_less_and_less_the_farther_apart_the_colours_of_the_photos_light_are(apart, least, most):
+    """By the logs of what the model knows of them on a fifth of the skin."""
+    photo, parsing = half_coloured(0.14, 0.2, 0.28)
+    known_lamp = FLAT.image.clone()
+    tint = 0.2 * torch.exp(torch.tensor((apart, 0.0, -apart)))[:, None, None]
+    known_lamp[..., :20] = photo[..., :20] = tint
+    model = {"albedo": FLAT.image, "model": Composed(known_lamp, known_lamp)}
+    other = relit(photo, parsing, lamp(18), **model)
+    assert least < float((other[2, 20, 80] / other[0, 20, 80]).log()) < most
