@@ -222,6 +222,20 @@ def test_gloss_on_red_cloth_turns_no_white_cloth_beside_it_green():
     np.testing.assert_allclose(gain, 1.5, rtol=0.2)
 
 
+def test_what_a_photo_shows_too_darkly_colours_the_rest_no_more_than_what_is_blown_out():
+    """Next to black, codes and noise make any colour of a gain."""
+    size = (64, 48)
+    photo = np.full((*size, 3), 0.4, np.float32)
+    photo[:, 12:24] = 0.002
+    known = np.zeros(size, np.float32)
+    known[:, :24] = 1.0
+    body = make_body(photo, np.ones(size, np.float32), known, ReflectionTable())
+    relit = 1.5 * body.photo
+    relit[:, 12:24] *= np.float32((3.0, 1.0, 0.5))
+    gain = body_gain(body, EVEN, relit)[20:44, 32:46]
+    np.testing.assert_allclose(gain / gain[..., 1:2], 1.0, rtol=0.1)
+
+
 def test_what_a_view_did_where_it_hardly_counts_is_not_carried_on():
     """A neighbour's view counts a little on somebody's shirt, which it took for a bright wall behind its own person."""
     size = (64, 48)

@@ -67,3 +67,16 @@ def test_white_skin_throws_no_more_than_it_gets():
 def test_what_skin_sends_out_has_its_colour_already():
     surface, _ = cheek_beside_a_nose(albedo=(0.1, 0.05, 0.04))
     assert torch.equal(skin_bounce(surface).reflecting, torch.ones(1, 3, 32, 32))
+
+
+def test_rough_skin_gets_as_much_as_smooth_skin_does():
+    """Pixels that look to all sides look ahead together."""
+    surface, flank = cheek_beside_a_nose()
+    radiance = lit_flank(surface, flank)
+    smooth = thrown(surface, radiance)
+    up = torch.ones(SIZE, SIZE)
+    up[::2] = -1
+    rough = torch.stack([0 * up, up, 0 * up])[None] * ~flank
+    surface.normal.copy_(torch.nn.functional.normalize(surface.normal + rough, dim=1))
+    near = (..., slice(8, 120), slice(56, 62))
+    torch.testing.assert_close(thrown(surface, radiance)[near], smooth[near], rtol=0.05, atol=1e-3)
