@@ -35,8 +35,11 @@ class Tone:
         return Tone(self.colours, self.brightest * exposure)
 
     def at(self, brightness: np.ndarray) -> np.ndarray:
-        """The colour of luminances of any shape (...), as (..., 3) of luminance 1; beyond the brightest, its."""
-        within = np.sqrt(np.clip(brightness / np.float32(self.brightest), 0, 1))
+        """The colour of luminances of any shape (...), as (..., 3) of luminance 1; beyond the brightest, its.
+
+        NaN, which black is under a light without end, has that of black.
+        """
+        within = np.sqrt(np.fmin(np.fmax(brightness / np.float32(self.brightest), 0), 1))
         return self.colours[np.rint(within * (_STEPS - 1)).astype(np.int32)]
 
     def turned(self, before: np.ndarray, after: np.ndarray) -> np.ndarray:

@@ -34,6 +34,15 @@ def test_an_exposed_picture_has_its_tone_at_exposed_brightnesses():
     np.testing.assert_allclose(tone.exposed(4.0).at(4 * some), tone.at(some), atol=2e-3)
 
 
+def test_black_under_a_light_without_end_has_the_tone_of_black():
+    tone = tone_of(sepia(np.linspace(0, 1, 5000)))
+    with np.errstate(invalid="ignore"):
+        endless = np.float32([0.0, 0.5, -1.0]) * np.float32(np.inf)
+    assert np.isnan(endless[0])
+    np.testing.assert_array_equal(tone.at(endless), tone.at(np.float32([0.0, 1.0, 0.0])))
+    assert np.isfinite(tone.turned(np.float32([0.0, 0.5, 0.0]), endless)).all()
+
+
 def test_black_and_white_has_none_nor_has_nothing():
     assert tone_of(np.repeat(np.linspace(0, 1, 500, dtype=np.float32)[:, None], 3, 1)) is None
     assert tone_of(np.zeros((20, 3), np.float32)) is None
