@@ -7,6 +7,7 @@ a jagged edge as if cut out with scissors.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import cv2
@@ -103,11 +104,17 @@ def _softness_in_copy(guide: np.ndarray, share: np.ndarray, ends: np.ndarray, co
     away = cv2.distanceTransform((ends == 0).astype(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_5)
     near = np.clip(reach + 0.5 - away, 0, 1)
     seen = np.maximum(_about(near, smallest), 1e-6) / (2 * reach + 1)
-    across = _slopes(share, _COARSER_PX)
-    across /= np.maximum(np.hypot(*across), 1e-6)
+    right, down = _slopes(share, _COARSER_PX)
+    # Across the outline, where the matte rises straight; 0 away from it.
+    across = np.sqrt(near) / np.maximum(cv2.magnitude(right, down), 1e-6)
+    right, down = right * across, down * across
 
     def added_up(image: np.ndarray, blur_px: float) -> np.ndarray:
-        return _about(near * (_slopes(image, blur_px) * across).sum(0) ** 2, smallest) / seen
+        to_the_right, downward = _slopes(image, blur_px)
+        to_the_right *= right
+        downward *= down
+        to_the_right += downward
+        return _about(cv2.multiply(to_the_right, to_the_right), smallest) / seen
 
     return [_as_softness(added_up(image, _FINER_PX), added_up(image, _COARSER_PX), 2**copy) for image in (guide, share)]
 
@@ -120,10 +127,11 @@ def _as_softness(finer: np.ndarray, coarser: np.ndarray, px: int) -> _Softness:
     return _Softness(np.sqrt(squared) * px, contrast)
 
 
-def _slopes(image: np.ndarray, blur_px: float) -> np.ndarray:
-    """(2, k, l) how much a blurred image (k, l) rises per pixel to the right, and downward."""
-    blurred = cv2.GaussianBlur(image, (0, 0), blur_px)
-    return np.stack([cv2.Scharr(blurred, cv2.CV_32F, *along, scale=1 / 32) for along in ((1, 0), (0, 1))])
+def _slopes(image: np.ndarray, blur_px: float) -> tuple[np.ndarray, np.ndarray]:
+    """How much a blurred image (k, l) rises per pixel to the right, and downward, (k, l) each."""
+    window = 2 * math.ceil(3 * blur_px) + 1
+    blurred = cv2.GaussianBlur(image, (window, window), blur_px)
+    return cv2.Scharr(blurred, cv2.CV_32F, 1, 0, scale=1 / 32), cv2.Scharr(blurred, cv2.CV_32F, 0, 1, scale=1 / 32)
 
 
 def _about(image: np.ndarray, size: tuple[int, int]) -> np.ndarray:
