@@ -79,13 +79,13 @@ def batch_tasks(photos: Sequence[Path], folder: Path, suffix: str) -> list[tuple
 def names_apart(photos: Sequence[Path]) -> list[str]:
     """A name for each photo's output, without suffix: the photo's own, and of a.jpg and a.png "a-jpg" and "a-png".
 
-    No two are the same, nor on file systems that take large and small letters for the same. In whatever order photos
-    of several folders are given, each has the same name: else a run that is taken up would keep another's result.
+    No two are the same, nor on file systems that take large and small letters for the same. In whatever order the
+    photos are given, each has the same name: else a run that is taken up would keep another's result.
     """
     counts = Counter(photo.stem.lower() for photo in photos)
     taken: set[str] = set()
     names = [""] * len(photos)
-    for index in sorted(range(len(photos)), key=lambda index: os.path.abspath(photos[index].parent)):
+    for index in sorted(range(len(photos)), key=lambda index: _place_in_line(photos[index])):
         photo = photos[index]
         name = photo.stem if counts[photo.stem.lower()] == 1 else name_beside_a_namesake(photo)
         number, free = 1, name
@@ -95,6 +95,11 @@ def names_apart(photos: Sequence[Path]) -> list[str]:
         taken.add(free.lower())
         names[index] = free
     return names
+
+
+def _place_in_line(photo: Path) -> tuple[str, int, str]:
+    """What sorts photos by folder and name; a.jpg goes before a-jpg.png, which has a name like one made of it."""
+    return os.path.abspath(photo.parent), len(photo.name), photo.name
 
 
 def name_beside_a_namesake(photo: Path) -> str:
