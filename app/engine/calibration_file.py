@@ -33,7 +33,7 @@ def read_costs(path: Path, key: str) -> dict[str, TierCost] | None:
             return None
         tiers = content["tiers"].items()
         costs = {str(name): TierCost(float(cost["ms"]), float(cost["error"])) for name, cost in tiers}
-    except (OSError, ValueError, KeyError, TypeError, AttributeError, RecursionError):
+    except (OSError, ValueError, KeyError, TypeError, AttributeError, RecursionError, OverflowError):
         return None
     sound = all(math.isfinite(cost.ms) and math.isfinite(cost.error) for cost in costs.values())
     return costs if sound and set(costs) == set(TIERS) else None

@@ -49,7 +49,8 @@ def test_costs_come_back_on_the_same_machine_only(tmp_path):
     "content",
     ["", "[]", "null", "{", '{"version": 1, "key": "here"}', '{"version": 1, "key": "here", "tiers": [1]}']
     + [json.dumps({"version": 1, "key": "here", "tiers": {"live": {"ms": 3, "error": 0}}})]
-    + ['{"version": 1, "key": "here", "tiers": {"draft": {"ms": NaN, "error": 0}}}'],
+    + ['{"version": 1, "key": "here", "tiers": {"draft": {"ms": NaN, "error": 0}}}']
+    + ['{"version": 1, "key": "here", "tiers": {"draft": {"ms": 1%s, "error": 0}}}' % ("0" * 400)],
 )
 def test_damaged_files_count_as_none(tmp_path, content):
     path = tmp_path / "tiers.json"
