@@ -58,10 +58,19 @@ def test_a_drag_that_another_photo_ends_is_a_step_but_what_was_only_awaited_is_n
     assert history.undo() == START
 
 
+@pytest.mark.parametrize("light", [START.light, LightRef("rig", "ring")])
+def test_what_was_wished_for_and_never_came_is_no_step(history, light):
+    history.observe(replace(START, photo=PhotoRef(Path("you.jpg"))), False, 1.0)
+    history.observe(replace(START, light=light), False, 1.1)
+    history.observe(replace(START, photo=PhotoRef(Path("they.jpg"))), False, 1.2)
+    history.observe(START, True, 2.0)
+    assert names(history) == ["Open me.jpg"]
+
+
 def test_wheel_steps_in_a_row_are_one_step_and_later_ones_another(history):
     for index, now_s in enumerate((1.0, 1.5, 2.0), 1):
         history.observe(edited(yaw_deg=5.0 * index), True, now_s)
-    history.observe(edited(yaw_deg=20.0), True, 9.0)
+    history.observe(edited(yaw_deg=20.0), True, 3.0)
     assert names(history) == ["Open me.jpg", "Turn light to 15°", "Turn light to 20°"]
 
 
@@ -114,6 +123,20 @@ def test_before_the_first_photo_there_is_nothing_to_go_back_to():
     assert not history.can_undo
 
 
+def test_a_first_photo_that_is_still_being_read_is_nothing_to_take_back():
+    history = History()
+    history.observe(Document(), True, 0.0)
+    history.observe(START, False, 1.0)
+    assert not history.can_undo
+
+
+def test_a_light_that_turns_by_itself_as_the_first_photo_opens_is_no_step():
+    history = History()
+    for now_s, yaw_deg in enumerate((0.0, 5.0, 10.0)):
+        history.observe(edited(yaw_deg=yaw_deg), True, now_s, turning=True)
+    assert names(history) == ["Open me.jpg"]
+
+
 def test_the_list_does_not_grow_for_ever(history):
     for index in range(1000):
         history.observe(edited(yaw_deg=index % 7 + 1.0), True, 10.0 * (index + 1))
@@ -147,25 +170,36 @@ NAMES = [
     (with_faces((ONE,)), with_faces(()), "Remove face 1"),
     (with_faces((ONE,)), with_faces(None, 1), "Faces as they are found"),
     (with_faces((ONE, TWO)), with_faces((BESIDE, BESIDE)), "Change the faces"),
+    (with_faces((ONE,)), with_faces((BESIDE, TWO)), "Change the faces"),
+    (with_faces((ONE, TWO)), with_faces((BESIDE,)), "Change the faces"),
+    (with_faces((ONE,)), with_faces((replace(ONE, x1=12),)), "Resize face 1"),
     (with_faces((ONE, TWO)), with_faces((ONE, TWO), 1), "Face 2"),
     (painted(), painted(True), "Add to the person"),
     (painted(True), painted(True, False, False), "Take from the person"),
     (painted(True), painted(True, False, True), "Change the outline"),
     (painted(True, False), painted(), "Outline as found"),
     (painted(True, False), painted(True), "Change the outline"),
+    (painted(True), painted(False, False), "Change the outline"),
     (START, replace(START, photo=PhotoRef(Path("/q/you.png"))), "Open you.png"),
+    (START, replace(START, photo=PhotoRef(Path("/q/a\nb.png"))), "Open a\N{REPLACEMENT CHARACTER}b.png"),
     (START, replace(START, photo=PhotoRef(Path("/p/me.jpg"), 1)), "Face 2"),
     (replace(START, photo=PhotoRef(Path("/p/me.jpg"), 1)), START, "All faces"),
     (START, replace(START, light=LightRef("rig", "soft-window")), "Light: Soft window"),
     (START, replace(START, light=LightRef("panorama", "/h/studio.hdr")), "Light: studio"),
+    (START, replace(START, quality="draft"), "Quality: draft"),
     (START, edited(background="transparent"), "Background: none"),
     (START, edited(background="#30343a"), "Background: #30343a"),
     (START, edited(yaw_deg=-0.3), "Turn light to 0°"),
     (START, edited(specular_tint=0.3), "Specular tint +0.30"),
+    (START, edited(exposure_ev=0.5), "Exposure +0.50 EV"),
+    (START, edited(forced_on=frozenset({"shadow", "detail"})), "Always computed: detail, shadow"),
+    (edited(forced_on=frozenset({"shadow"})), START, "Always computed: nothing"),
     (edited(shadow=0.2, yaw_deg=3.0), START, "Reset all"),
     (START, edited(shadow=0.2, yaw_deg=3.0), "Change several settings"),
     (START, lit(boxes=(BOX,)), "Add soft box"),
     (lit(boxes=(BOX,)), START, "Delete soft box"),
+    (lit(boxes=(BOX,), base=0.5), START, "Delete soft box"),
+    (replace(edited(shadow=0.2), light_edit=LightEdit(boxes=(BOX,))), START, "Reset all"),
     (lit(boxes=(KEY, BOX), apart=True), lit(boxes=(BOX,), apart=True), "Delete key light"),
     (lit(boxes=(KEY, BOX), apart=True), lit(boxes=(KEY,), apart=True), "Delete soft box"),
     (lit(boxes=(KEY,), apart=True), lit(apart=True), "Delete key light"),
@@ -177,6 +211,8 @@ NAMES = [
     (lit(boxes=(ROUND,)), lit(boxes=(replace(ROUND, hole=0.5),)), "Shape of soft box 1"),
     (lit(boxes=(KEY,)), lit(boxes=(replace(KEY, off=True),)), "Switch off key light"),
     (lit(boxes=(replace(BOX, off=True),)), lit(boxes=(BOX,)), "Switch on soft box 1"),
+    (lit(boxes=(KEY,)), lit(boxes=(replace(KEY, off=True, intensity=2.0),)), "Change key light"),
+    (lit(boxes=(BOX, BOX)), lit(boxes=(ROUND, ROUND)), "Change soft boxes"),
     (START, lit(boxes=(KEY,), apart=True), "Take the light's lamps apart"),
     (lit(boxes=(KEY, BOX), apart=True), lit(boxes=(BOX,)), "Put the light's lamps back"),
     (lit(boxes=(KEY, BOX), apart=True), START, "Remove all soft boxes"),
@@ -217,3 +253,33 @@ def test_soft_boxes_added_and_deleted_quickly_are_a_step_each(history):
         history.observe(lit(boxes=boxes), True, 1.0 + 0.2 * index)
     assert names(history)[1:] == ["Add soft box", "Add soft box", "Delete soft box", "Delete soft box"]
     assert history.undo() == lit(boxes=(two,))
+
+
+def test_what_is_done_to_one_soft_box_and_then_to_another_or_in_another_way_stays_apart(history):
+    one, two = SoftBox(azimuth_deg=10.0), SoftBox(azimuth_deg=90.0)
+    moved, wide = replace(one, azimuth_deg=20.0), replace(one, azimuth_deg=20.0, width_deg=9.0)
+    for now_s, boxes in enumerate(((one, two), (moved, two), (wide, two), (wide, replace(two, width_deg=9.0)))):
+        history.observe(lit(boxes=boxes), True, 1.0 + 0.2 * now_s)
+    told = ["Move soft box 1", "Resize soft box 1", "Resize soft box 2"]
+    assert names(history)[-3:] == told
+
+
+def test_soft_boxes_that_are_deleted_one_by_one_come_back_one_by_one(history):
+    boxes = tuple(SoftBox(azimuth_deg=azimuth_deg) for azimuth_deg in (0.0, 10.0, 20.0))
+    for first in range(3):
+        history.observe(lit(boxes=boxes[first:]), True, 1.0 + 0.2 * first)
+    assert history.undo() == lit(boxes=boxes[1:])
+    assert history.undo() == lit(boxes=boxes)
+
+
+def test_every_stroke_of_the_brush_is_a_step_however_quick(history):
+    for count in (1, 2, 3):
+        history.observe(painted(*[True] * count), True, 0.1 * count)
+    assert history.undo() == painted(True, True)
+    assert history.undo() == painted(True)
+
+
+def test_lamps_that_are_taken_apart_and_put_back_at_once_are_two_steps(history):
+    history.observe(lit(boxes=(KEY,), apart=True), True, 1.0)
+    history.observe(START, True, 1.3)
+    assert history.undo() == lit(boxes=(KEY,), apart=True)
