@@ -58,13 +58,23 @@ def test_a_drag_that_another_photo_ends_is_a_step_but_what_was_only_awaited_is_n
     assert history.undo() == START
 
 
-@pytest.mark.parametrize("light", [START.light, LightRef("rig", "ring")])
-def test_what_was_wished_for_and_never_came_is_no_step(history, light):
-    history.observe(replace(START, photo=PhotoRef(Path("you.jpg"))), False, 1.0)
-    history.observe(replace(START, light=light), False, 1.1)
-    history.observe(replace(START, photo=PhotoRef(Path("they.jpg"))), False, 1.2)
-    history.observe(START, True, 2.0)
+AWAITED = [replace(START, photo=PhotoRef(Path("you.jpg"))), replace(START, light=LightRef("rig", "ring"))]
+
+
+@pytest.mark.parametrize("wish", AWAITED, ids=["photo", "light"])
+def test_what_was_wished_for_and_never_came_is_no_step(history, wish):
+    history.observe(wish, False, 1.0)
+    history.observe(replace(START, photo=PhotoRef(Path("they.jpg"))), False, 1.1)
+    history.observe(START, True, 9.0)
     assert names(history) == ["Open me.jpg"]
+
+
+@pytest.mark.parametrize("wish", AWAITED, ids=["photo", "light"])
+def test_what_has_not_come_yet_is_taken_back_before_any_step(history, wish):
+    history.observe(edited(shadow=0.6), True, 1.0)
+    history.observe(replace(wish, edit=edited(shadow=0.6).edit), False, 3.0)
+    assert history.undo() == edited(shadow=0.6)
+    assert history.undo() == START
 
 
 def test_wheel_steps_in_a_row_are_one_step_and_later_ones_another(history):
