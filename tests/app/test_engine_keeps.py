@@ -1,0 +1,196 @@
+"""What the engine keeps between steps, and what it lets go: lights, channels, portraits, costs, refusals."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from fake_relighter import LONG_S, FakeRelighter, FakeStage, answered
+
+from app.engine import tier_meter
+from app.engine.calibration_file import write_costs
+from app.engine.engine import Engine
+from app.engine.sources import LightSource, PhotoSource, Request
+from relight_core.face.find import FaceBox
+from relight_core.imaging.photo import Photo
+from relight_core.imaging.write import write_image
+from relight_core.pipeline.auto_quality import TierCost
+from relight_core.pipeline.edit import Edit
+from relight_core.pipeline.per_photo.brush import BrushStroke
+
+SPLIT = LightSource("rig", "split")
+BOX, OTHER, OUTSIDE = FaceBox(4, 4, 20, 20), FaceBox(10, 2, 22, 14), FaceBox(-40, 0, -8, 30)
+
+
+class Sparing(FakeRelighter):
+    """Computes only the channels that are looked at."""
+
+    def _channels(self, edit, light):
+        return {name: image for name, image in super()._channels(edit, light).items() if edit.looks_at(name)}
+
+
+class Timed(FakeRelighter):
+    """Every picture takes 777 ms."""
+
+    def relight(self, *arguments, **named):
+        stages = {"irradiance": FakeStage(0.0), "compose": FakeStage(777.0)}
+        return replace(super().relight(*arguments, **named), stages=stages)
+
+
+def a_photo(value=0.5):
+    return Photo(np.full((24, 32, 3), value, np.float32))
+
+
+@pytest.fixture
+def engine(relighter):
+    engine = Engine(lambda: relighter)
+    yield engine
+    engine.close()
+
+
+@pytest.fixture
+def started():
+    """Starts an engine on a relighter, and closes it in the end."""
+    engines = []
+
+    def start(relighter, **named):
+        engines.append(Engine(lambda: relighter, **named))
+        return engines[-1]
+
+    yield start
+    for engine in engines:
+        engine.close()
+
+
+@pytest.fixture
+def friend(tmp_path):
+    write_image(tmp_path / "friend.png", np.broadcast_to(np.float32([0.8, 0.2, 0.2]), (20, 20, 3)))
+    return LightSource("portrait", str(tmp_path / "friend.png"))
+
+
+def sky(path, value):
+    radiance = np.full((16, 32, 3), 0.1, np.float32)
+    radiance[2:5, 20:24] = value
+    write_image(path, radiance)
+    return LightSource("panorama", str(path))
+
+
+def test_the_first_photo_and_its_light_are_there_to_look_at_while_the_networks_load(relighter):
+    seen = []
+    engine = Engine(lambda: seen.append(engine.snapshot()) or relighter)
+    source = PhotoSource(a_photo())
+    opened = answered(engine, Request(source, SPLIT, Edit())).opened
+    engine.close()
+    assert seen[0].coming.source is source
+    assert seen[0].light.source is SPLIT
+    assert opened.screen is seen[0].coming.screen, "and not uploaded again"
+
+
+def test_a_first_photo_that_is_refused_is_no_longer_coming(engine):
+    bad = PhotoSource(a_photo(), None, (OUTSIDE,))
+    snapshot = answered(engine, Request(bad, SPLIT, Edit()))
+    assert (snapshot.opened, snapshot.coming) == (None, None)
+
+
+def test_a_photo_without_a_face_stays_open_while_a_light_is_borrowed(engine, friend):
+    nobody = PhotoSource(a_photo(0.0))
+    snapshot = answered(engine, Request(nobody, friend, Edit()))
+    assert snapshot.light.source is friend
+    assert snapshot.opened.source is nobody
+    assert (snapshot.message, snapshot.refused) == (None, frozenset())
+
+
+def test_a_light_can_be_borrowed_before_a_photo_is_opened(engine, friend):
+    assert answered(engine, Request(None, friend, Edit())).light.source is friend
+
+
+def test_the_portrait_that_comes_back_after_a_loan_has_its_faces_and_its_outline(engine, relighter, friend):
+    strokes = (BrushStroke(((3.0, 4.0),), 2.0, True),)
+    source = PhotoSource(a_photo(), 1, (BOX, OTHER), strokes)
+    answered(engine, Request(source, SPLIT, Edit()))
+    lent_for = len(relighter.portraits)
+    snapshot = answered(engine, Request(source, friend, Edit()))
+    assert snapshot.picture.light.source is friend
+    assert len(relighter.portraits) == lent_for + 2
+    assert relighter.portraits[-1] == relighter.portraits[lent_for - 1] == (source.place, 1, (BOX, OTHER))
+    assert relighter.strokes == strokes
+
+
+def test_lights_from_files_stay_open_for_going_back_and_forth(engine, tmp_path):
+    source = PhotoSource(a_photo())
+    lights = [sky(tmp_path / f"{index}.exr", 5.0 + index) for index in range(4)]
+    seen = [answered(engine, Request(source, light, Edit(), light.opening_edit)).light for light in lights]
+    for path in tmp_path.iterdir():
+        path.unlink()
+    for light, before in zip(lights[::-1], seen[::-1], strict=True):
+        after = answered(engine, Request(source, light, Edit(), light.opening_edit))
+        gone = light is lights[0]
+        assert (light in after.refused) == gone, "three of them do"
+        assert gone or after.light.environment is before.environment
+
+
+def test_the_lamps_of_a_bundled_light_are_known(engine):
+    light = answered(engine, Request(PhotoSource(a_photo()), SPLIT, Edit())).light
+    assert len(light.lamps) >= 1
+    assert all(lamp.name for lamp in light.lamps)
+
+
+def test_own_light_that_can_not_be_told_is_tried_once_for_each_photo(engine, relighter, monkeypatch):
+    tries = []
+
+    def fail(quality):
+        tries.append(quality)
+        raise MemoryError("no room")
+
+    monkeypatch.setattr(relighter, "estimated_light", fail)
+    for count in (1, 2):
+        engine.submit(Request(PhotoSource(a_photo()), SPLIT, Edit()))
+        assert engine.wait_until_idle(LONG_S / 4)
+        assert len(tries) == count
+    monkeypatch.undo()
+    assert answered(engine, Request(PhotoSource(a_photo()), SPLIT, Edit())).own_light is not None
+
+
+def test_channels_that_are_not_looked_at_stay_as_they_were_of_the_same_portrait_alone(started):
+    engine, source = started(Sparing()), PhotoSource(a_photo())
+    every = answered(engine, Request(source, SPLIT, Edit())).picture.channels
+    moving = answered(engine, Request(source, SPLIT, Edit(channels=("shadow",), shadow=0.1))).picture.channels
+    assert set(moving) == set(every)
+    assert moving["albedo"] is every["albedo"]
+    assert moving["shadow"].mean() < every["shadow"].mean()
+    other = answered(engine, Request(PhotoSource(a_photo(0.3)), SPLIT, Edit(channels=("shadow",)))).picture
+    assert set(other.channels) == {"shadow"}
+
+
+def test_what_a_correction_was_refused_for_is_not_asked_again_while_its_photo_is_open(engine):
+    first = PhotoSource(a_photo())
+    answered(engine, Request(first, SPLIT, Edit()))
+    refused = PhotoSource(first.place, None, (OUTSIDE,))
+    answered(engine, Request(refused, SPLIT, Edit()))
+    after = answered(engine, Request(PhotoSource(first.place, None, (BOX,)), SPLIT, Edit()))
+    assert refused in after.refused
+
+
+@pytest.fixture
+def costs_path(tmp_path, monkeypatch):
+    monkeypatch.setattr(tier_meter, "machine_key", lambda: "this machine")
+    return tmp_path / "tiers.json"
+
+
+def test_what_the_tiers_cost_is_measured_once_and_known_from_then_on(started, costs_path):
+    source = PhotoSource(a_photo())
+    measured = answered(started(FakeRelighter(), calibration_path=costs_path), Request(source, SPLIT, Edit()))
+    assert set(measured.tier_costs) == {"draft", "live", "final"}
+    later = FakeRelighter()
+    known = answered(started(later, calibration_path=costs_path), Request(source, SPLIT, Edit()))
+    assert known.tier_costs == measured.tier_costs
+    assert len(later.relights) == 1
+
+
+def test_what_a_photo_s_pictures_cost_is_forgotten_with_the_photo(started, costs_path):
+    kept = {name: TierCost(5.0, 0.01) for name in ("draft", "live", "final")}
+    write_costs(costs_path, "this machine", kept)
+    engine, source = started(Timed(), calibration_path=costs_path), PhotoSource(a_photo())
+    for turn in range(6):
+        last = answered(engine, Request(source, SPLIT, Edit(yaw_deg=9.0 * turn)))
+    assert last.tier_costs == kept | {"live": TierCost(777.0, 0.01)}
+    assert answered(engine, Request(PhotoSource(a_photo()), SPLIT, Edit())).tier_costs == kept
