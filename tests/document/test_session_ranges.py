@@ -73,3 +73,22 @@ def test_a_session_s_ending_is_known_in_large_letters(photo):
     taken = photo.with_name("Mine.RELIGHT.JSON")
     taken.touch()
     assert free_session_path(taken, photo).name == "Mine.relight.json"
+
+
+def test_a_light_that_a_portrait_beside_the_photo_lends_moves_with_both(photo, tmp_path):
+    friend = photo.with_name("friend.jpg")
+    friend.write_bytes(b"pixels")
+    path = written(photo, light=LightRef("portrait", str(friend)))
+    moved = photo.parent.rename(tmp_path / "moved")
+    assert read_session(moved / path.name).document.light == LightRef("portrait", str(moved / "friend.jpg"))
+
+
+def test_the_photo_s_own_light_has_no_name_and_no_light_more_boxes_than_can_be_drawn(photo):
+    path = written(photo, light=LightRef("own"))
+    content = json.loads(path.read_text())
+    content["light"] |= {"name": "anything", "boxes": [{}] * 17}
+    path.write_text(json.dumps(content))
+    session = read_session(path)
+    assert session.document.light == LightRef("own")
+    assert len(session.document.light_edit.boxes) == 16
+    assert session.notes == ("only the first 16 of 17 boxes were read",)
