@@ -64,6 +64,7 @@ def test_a_job_tells_how_far_it_is_and_what_became_of_it(jobs, said):
 
     jobs.start("Film", work)
     assert middle.wait(LONG_S)
+    assert jobs.is_busy()
     status = jobs.status()
     assert (status.name, status.done, status.total, status.share) == ("Film", 3, 12, 0.25)
     assert status.left_s >= 0
@@ -73,6 +74,10 @@ def test_a_job_tells_how_far_it_is_and_what_became_of_it(jobs, said):
     jobs.close()
     assert said == [("Saved it", False)]
     assert jobs.status() is None
+
+
+def test_of_a_job_of_unknown_length_nothing_is_done_yet():
+    assert JobStatus("Film").share == 0.0
 
 
 def test_a_cancelled_job_stops_at_its_next_step_and_the_next_job_runs(jobs, said):
@@ -158,6 +163,28 @@ def test_a_job_that_was_taken_up_but_not_announced_as_they_closed_is_not_begun(j
     jobs.close(cancel=True)
     jobs._run("Film", lambda control: begun.append(control) or "Saved it")
     assert begun == []
+    assert said == [("Film: cancelled", False)]
+
+
+def test_a_window_that_closes_stops_what_runs_at_its_next_step_and_begins_nothing_more(said):
+    begun, go_on, told = threading.Event(), threading.Event(), threading.Event()
+    jobs = Jobs(lambda text, is_error: said.append((text, is_error)), lambda: jobs.is_cancelled() and told.set())
+
+    def work(control):
+        begun.set()
+        assert go_on.wait(LONG_S)
+        control.step(1, 2)
+        return "never"
+
+    jobs.start("Film", work)
+    jobs.start("Copy", lambda control: "Copied")
+    assert begun.wait(LONG_S)
+    closing = threading.Thread(target=jobs.close, args=(True,))
+    closing.start()
+    was_told = told.wait(LONG_S / 6)
+    go_on.set()
+    closing.join()
+    assert was_told
     assert said == [("Film: cancelled", False)]
 
 

@@ -9,7 +9,7 @@ from relight_core.errors import InputError
 from relight_core.face.find import FaceBox, find_faces
 from relight_core.imaging.photo import Photo
 from relight_core.pipeline.per_photo import choosing_faces
-from relight_core.pipeline.per_photo.choosing_faces import choose_faces
+from relight_core.pipeline.per_photo.choosing_faces import choose_faces, those_chosen
 
 SURE, DOUBTFUL = FaceBox(0, 0, 9, 9), FaceBox(10, 0, 15, 5, doubtful=True)
 GUESSES = [FaceBox(1, 1, 3, 3, 90.0, True), FaceBox(4, 4, 8, 8, 180.0, True)]
@@ -238,3 +238,52 @@ def test_all_parts_of_a_face_may_be_suspected_only_where_cascades_agree(monkeypa
     glimpse = {"glimpse": lambda box: suspected if box == DOUBTFUL else 3}
     chosen = choose_faces(photo, lambda box: int(box == DOUBTFUL), **glimpse)
     assert [(face.x0, face.doubtful) for face in chosen] == [(10, not confirmed)]
+
+
+def test_windows_that_lead_near_a_face_are_no_agreement_about_it(monkeypatch, photo):
+    seeing(monkeypatch, [])
+    # Two neighbours share half of their union.
+    places = iter([FaceBox(2 + 4 * i, 2, 14 + 4 * i, 14, doubtful=True) for i in range(10)])
+    with pytest.raises(InputError, match="no face"):
+        choose_faces(photo, lambda box: 1, lambda view: next(places), glimpse=lambda box: 3)
+
+
+@pytest.mark.parametrize(("top", "left"), [(4, 2), (13, 4)])
+def test_a_guess_that_lies_below_a_face_is_no_part_of_it(monkeypatch, photo, top, left):
+    part, face = FaceBox(4, top, 9, top + 5, 120.0, True), FaceBox(2, 2, 12, 14, doubtful=True)
+    seeing(monkeypatch, [], [part])
+    chosen = choose_faces(photo, lambda box: 2, lambda view: face, glimpse=lambda box: 3)
+    assert [found.x0 for found in chosen] == [left]
+
+
+@pytest.mark.parametrize("size", [(20, 60), (60, 20)])
+def test_how_small_a_speck_is_goes_by_the_photo_s_shorter_side(monkeypatch, size):
+    small, face = FaceBox(10, 10, 13, 13, doubtful=True), FaceBox(2, 2, 14, 16, doubtful=True)
+    seeing(monkeypatch, [small])
+    wide = Photo(np.zeros((*size, 3), np.float32))
+    chosen = choose_faces(wide, lambda box: 2 if box == small else 3, lambda view: face)
+    assert [found.x0 for found in chosen] == [10]
+
+
+def test_of_whole_faces_one_that_stands_goes_before_one_of_which_more_is_suspected(monkeypatch, photo):
+    standing = FaceBox(3, 3, 9, 9, -30.0, True)
+    seeing(monkeypatch, [], [*GUESSES, standing])
+    chosen = choose_faces(photo, lambda box: 3, glimpse=lambda box: 0 if box == standing else 3)
+    assert [face.roll_deg for face in chosen] == [-30.0]
+
+
+def test_after_a_whole_face_that_stands_no_guess_is_judged(monkeypatch, photo):
+    standing, other, judged = FaceBox(3, 3, 9, 9, 0.0, True), FaceBox(1, 1, 9, 9, 0.0, True), []
+    seeing(monkeypatch, [], [standing, other])
+    choose_faces(photo, lambda box: judged.append(box) or 3)
+    assert other not in judged
+
+
+def test_one_face_is_chosen_by_its_number(photo):
+    assert those_chosen(photo, [SURE, DOUBTFUL], None) == [SURE, DOUBTFUL]
+    assert those_chosen(photo, [SURE, DOUBTFUL], 1) == [DOUBTFUL]
+    for number in (-1, 2):
+        with pytest.raises(InputError, match=f"no face number {number}; it has 2 faces, numbers 0 to 1"):
+            those_chosen(photo, [SURE, DOUBTFUL], number)
+    with pytest.raises(InputError, match="it has 1 face, number 0"):
+        those_chosen(photo, [SURE], 1)
