@@ -150,6 +150,14 @@ def test_own_light_that_can_not_be_told_is_tried_once_for_each_photo(engine, rel
     assert answered(engine, Request(PhotoSource(a_photo()), SPLIT, Edit())).own_light is not None
 
 
+def test_own_light_that_is_asked_for_at_once_is_estimated_once(engine, relighter):
+    snapshot = answered(engine, Request(PhotoSource(a_photo()), LightSource("own"), Edit(exposure_ev=1.0)))
+    assert snapshot.own_light is snapshot.light
+    assert relighter.estimated_at == ["final"]
+    assert [edit.exposure_ev for edit in relighter.relights] == [0.0], "which is the shader's business"
+    assert snapshot.picture.edit.exposure_ev == 0.0
+
+
 def test_channels_that_are_not_looked_at_stay_as_they_were_of_the_same_portrait_alone(started):
     engine, source = started(Sparing()), PhotoSource(a_photo())
     every = answered(engine, Request(source, SPLIT, Edit())).picture.channels

@@ -188,6 +188,25 @@ def test_a_window_that_closes_stops_what_runs_at_its_next_step_and_begins_nothin
     assert said == [("Film: cancelled", False)]
 
 
+def test_jobs_that_fail_alike_are_told_once_and_counted_each(said):
+    all_wait = threading.Event()
+    jobs = Jobs(lambda text, is_error: said.append((text, is_error)))
+
+    def failing(control):
+        assert all_wait.wait(LONG_S)
+        raise InputError("x.png: full")
+
+    def cancelled(control):
+        raise Cancelled
+
+    for work in (failing, failing, cancelled):
+        jobs.start("Export", work)
+    all_wait.set()
+    jobs.close()
+    assert said == [("x.png: full", True)] * 2 + [("x.png: full\nExport: cancelled", True)]
+    assert jobs.failures == 2
+
+
 @pytest.mark.parametrize(
     ("error", "words_said"), [(InputError("x.png: full"), "x.png: full"), (OSError("no"), "A fault of ours")]
 )

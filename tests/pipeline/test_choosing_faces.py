@@ -242,8 +242,8 @@ def test_all_parts_of_a_face_may_be_suspected_only_where_cascades_agree(monkeypa
 
 def test_windows_that_lead_near_a_face_are_no_agreement_about_it(monkeypatch, photo):
     seeing(monkeypatch, [])
-    # Two neighbours share half of their union.
-    places = iter([FaceBox(2 + 4 * i, 2, 14 + 4 * i, 14, doubtful=True) for i in range(10)])
+    # Neighbours share three fifths of their union, and those next to them a third.
+    places = iter([FaceBox(2 + 3 * i, 2, 14 + 3 * i, 14, doubtful=True) for i in range(10)])
     with pytest.raises(InputError, match="no face"):
         choose_faces(photo, lambda box: 1, lambda view: next(places), glimpse=lambda box: 3)
 

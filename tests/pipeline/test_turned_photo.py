@@ -54,6 +54,42 @@ def test_a_slope_in_one_corner_is_no_turned_photo():
     assert filled_corners(picture) is None
 
 
+def with_corners(*corners, colours=((0.9,) * 3, (0.9,) * 3)):
+    """A picture with triangles in some corners: of each whether it is below and to the right, and its legs."""
+    picture, _ = half_figure()
+    y, x = np.mgrid[0:240, 0:200] + 0.5
+    for (below, right, down, across), colour in zip(corners, colours, strict=True):
+        from_row, from_column = (240 - y if below else y), (200 - x if right else x)
+        picture[from_row / down + from_column / across < 1] = colour
+    return picture
+
+
+def test_corners_at_right_angles_are_of_one_turned_photo_wherever_they_are():
+    for corners in (
+        [(False, False, 60, 40), (True, True, 60, 40)],
+        [(False, False, 60, 40), (False, True, 40, 60)],
+        [(False, True, 40, 60), (True, False, 40, 60)],
+        [(True, False, 40, 60), (True, True, 60, 40)],
+    ):
+        found = filled_corners(with_corners(*corners))
+        covered = sum(down * across / 2 for _, _, down, across in corners)
+        assert found.sum() == pytest.approx(covered, rel=0.25), corners
+
+
+def test_corners_of_two_colours_or_at_other_angles_are_of_no_turned_photo():
+    corners = [(False, False, 60, 40), (True, True, 60, 40)]
+    assert filled_corners(with_corners(*corners, colours=((0.9, 0.9, 0.9), (0.9, 0.9, 0.6)))) is None
+    assert filled_corners(with_corners(corners[0], (True, True, 40, 60))) is None
+    assert filled_corners(with_corners(corners[0], (False, True, 60, 40))) is None
+
+
+def test_corners_that_are_speckled_within_are_part_of_the_picture():
+    picture = with_corners((False, False, 60, 40), (True, True, 60, 40))
+    assert filled_corners(picture) is not None
+    picture[10:14, 4:14] = picture[225:230, 180:190] = 0.3
+    assert filled_corners(picture) is None
+
+
 def test_nobody_goes_on_into_a_filled_corner():
     picture, person = half_figure()
     shown, mask, filled = turned(picture, 10, 0.78), turned(person, 10, 0), turned(np.ones_like(person), 10, 0) < 0.5
