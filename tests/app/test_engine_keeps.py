@@ -169,6 +169,22 @@ def test_channels_that_are_not_looked_at_stay_as_they_were_of_the_same_portrait_
     assert set(other.channels) == {"shadow"}
 
 
+def test_a_channel_that_is_gone_does_not_stay_once_all_are_asked_for(engine, relighter):
+    relighter.in_foreign_shadow, source = True, PhotoSource(a_photo())
+    assert "foreign_shadow" in answered(engine, Request(source, SPLIT, Edit())).picture.channels
+    without = Edit(forced_off=frozenset({"foreign_shadow"}))
+    assert "foreign_shadow" not in answered(engine, Request(source, SPLIT, without)).picture.channels
+
+
+def test_what_could_not_be_relit_is_tried_again_when_it_is_asked_for_again(engine, relighter):
+    source = PhotoSource(a_photo())
+    relighter.fail_with = MemoryError("no room")
+    assert answered(engine, Request(source, SPLIT, Edit(yaw_deg=5.0))).picture is None
+    relighter.fail_with = None
+    for yaw_deg in (6.0, 5.0):
+        assert answered(engine, Request(source, SPLIT, Edit(yaw_deg=yaw_deg))).picture.edit.yaw_deg == yaw_deg
+
+
 def test_what_a_correction_was_refused_for_is_not_asked_again_while_its_photo_is_open(engine):
     first = PhotoSource(a_photo())
     answered(engine, Request(first, SPLIT, Edit()))
