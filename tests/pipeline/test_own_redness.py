@@ -41,6 +41,10 @@ def test_a_stain_on_one_cheek_is_the_skins_own_and_a_red_lamp_from_that_side_is_
     assert of_lamp.max() < 0.05
 
 
+def test_what_is_greener_than_most_of_a_face_is_not_red():
+    assert redness_of(-0.6 * STAIN).max() < 0.05
+
+
 def test_what_is_less_blue_as_it_is_redder_is_warm_light_and_no_blood():
     assert redness_of(0.6 * STAIN, -0.6 * STAIN).max() < 0.05
     assert redness_of(0.6 * STAIN, 0.1 * STAIN)[32, 44] > 0.9
