@@ -102,6 +102,37 @@ def test_changes_and_effects_of_two_views_lie_on_each_other():
     np.testing.assert_allclose(effects["shadow"], 3 * wide[..., 0], atol=6e-3)
 
 
+def test_a_nearer_change_fades_in_about_the_face_and_leaves_both_looks_as_they_were():
+    ones = np.ones((SIZE, SIZE, 3), np.float32)
+    wide, near = ViewChange(ones, 0 * ones, 1.0), ViewChange(3 * ones, 2 * ones, 1.0)
+    change = with_nearer_change(wide, near, VIEW, NEARER)
+    np.testing.assert_array_equal(wide.gain, ones)
+    np.testing.assert_array_equal(wide.offset, 0 * ones)
+    np.testing.assert_array_equal(near.gain, 3 * ones)
+    share = (change.gain[..., 0] - 1) / 2
+    np.testing.assert_allclose(change.offset[..., 0], 2 * share, atol=1e-5)
+    np.testing.assert_allclose(share[FACE], 1)
+    # The nearer view has a margin of 32 pixels about its middle; beyond it nothing is of it.
+    assert share[48:].max() == share[:, :18].max() == 0
+    assert 0.05 < share[28, 21] < 0.95
+
+
+def test_the_light_of_both_looks_counts_alike_and_the_people_alone_tell_the_albedo_s_level():
+    wide, near = surface_seen_in(VIEW, 0.5), surface_seen_in(NEARER, 0.4)
+    person = torch.ones(1, 1, SIZE, SIZE)
+    person[..., :34] = 0
+    wide = replace(wide, person=person, albedo=torch.where(person > 0, 0.5, 0.1).expand(1, 3, SIZE, SIZE))
+    both = with_nearer_look(wide, replace(near, source_light=3 * near.source_light), VIEW, NEARER)
+    torch.testing.assert_close(both.source_light, torch.full_like(both.source_light, 2.0))
+    torch.testing.assert_close(both.albedo[..., 48:, 40:], torch.full((1, 3, 16, 24), 0.4), atol=1e-3, rtol=0)
+
+
+@pytest.mark.parametrize(("near", "kept"), [(0.9, 0.32), (0.02, 0.12)])
+def test_the_albedo_around_a_face_follows_a_nearer_look_only_so_far(near, kept):
+    albedo = with_nearer_look(surface_seen_in(VIEW, 0.2), surface_seen_in(NEARER, near), VIEW, NEARER).albedo
+    torch.testing.assert_close(albedo[..., 48:, :], torch.full((1, 3, 16, SIZE), kept), atol=1e-3, rtol=0)
+
+
 @pytest.mark.usefixtures("small_and_seeing_faces")
 class TestLitNearer:
     NEAR = replace(EDIT, quality=Tier(64, 32, 32, 16, False, lights_nearer=True))
