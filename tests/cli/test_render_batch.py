@@ -146,7 +146,7 @@ def test_photos_of_one_name_get_a_file_each(relighter, tmp_path):
 def test_photos_of_one_name_have_the_same_file_in_whatever_order_they_are_given(tmp_path, names):
     photos = [tmp_path / name for name in names]
     places = dict(zip(photos, plan_outputs(photos, f"{tmp_path}/out/"), strict=True))
-    assert len(set(places.values())) == 3
+    assert len({str(place).lower() for place in places.values()}) == 3
     assert dict(zip(photos[::-1], plan_outputs(photos[::-1], f"{tmp_path}/out/"), strict=True)) == places
 
 
