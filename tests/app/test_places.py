@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from app.engine.places import current_folder, folder_for_outputs
+from app.engine.places import current_folder, exported_stem, folder_for_outputs
 
 
 @pytest.fixture
@@ -28,3 +28,12 @@ def test_the_user_s_own_folder_stands_in_for_a_current_one_that_is_gone(gone, tm
 def test_files_go_beside_their_photo_where_that_is_allowed(tmp_path):
     assert folder_for_outputs(tmp_path / "me.jpg") == tmp_path
     assert folder_for_outputs(tmp_path / "missing" / "me.jpg") == Path.cwd()
+
+
+@pytest.mark.parametrize(
+    ("name", "photo"),
+    [("a-relit.png", "a"), ("a-relit-12.exr", "a"), ("a-relit-relit.png", "a-relit"), ("a.b-relit.jpg", "a.b")]
+    + [(name, None) for name in ("-relit.png", "a.png", "a-relit-x.png", "a-relit2.png", "relit.png")],
+)
+def test_an_export_is_known_by_its_name(name, photo):
+    assert exported_stem(Path("/shoot") / name) == photo

@@ -1,12 +1,13 @@
 """What the tiers cost: kept between runs, never trusted when damaged, corrected by what is seen."""
 
 import json
+import math
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
-from app.engine import tier_meter
+from app.engine import calibration_file, tier_meter
 from app.engine.calibration_file import read_costs, write_costs
 from app.engine.snapshot import Snapshot
 from app.engine.tier_meter import TierMeter
@@ -39,7 +40,7 @@ def turned(ms):
 
 
 def test_costs_come_back_on_the_same_machine_only(tmp_path):
-    path = tmp_path / "deep" / "tiers.json"
+    path = tmp_path / "quite" / "deep" / "tiers.json"
     write_costs(path, "here", COSTS)
     assert read_costs(path, "here") == COSTS
     assert read_costs(path, "elsewhere") is None
@@ -50,6 +51,8 @@ def test_costs_come_back_on_the_same_machine_only(tmp_path):
     ["", "[]", "null", "{", '{"version": 1, "key": "here"}', '{"version": 1, "key": "here", "tiers": [1]}']
     + [json.dumps({"version": 1, "key": "here", "tiers": {"live": {"ms": 3, "error": 0}}})]
     + ['{"version": 1, "key": "here", "tiers": {"draft": {"ms": NaN, "error": 0}}}']
+    + [json.dumps({"version": 2, "key": "here", "tiers": {name: {"ms": 3, "error": 0} for name in COSTS}})]
+    + [json.dumps({"version": 1, "key": "here", "tiers": {name: {"ms": 3, "error": math.inf} for name in COSTS}})]
     + ['{"version": 1, "key": "here", "tiers": {"draft": {"ms": 1%s, "error": 0}}}' % ("0" * 400)],
 )
 def test_damaged_files_count_as_none(tmp_path, content):
@@ -122,3 +125,28 @@ def test_only_updates_after_a_turn_count(tmp_path):
         meter.observe("live", opening)
         meter.observe("live", {})
     assert meter.costs() == COSTS
+
+
+def test_of_many_pictures_the_latest_count(tmp_path):
+    path = tmp_path / "tiers.json"
+    write_costs(path, "this machine", COSTS)
+    meter = TierMeter(path)
+    meter.read()
+    for ms in [10.0] * 20 + [50.0] * 15:
+        meter.observe("live", turned(ms))
+    assert meter.costs()["live"].ms == 50.0
+    write_costs(path, "this machine", {name: TierCost(1.0, 0.0) for name in COSTS})
+    meter.read()
+    assert meter.costs()["draft"] == COSTS["draft"], "read once"
+
+
+def test_other_weights_or_another_processor_make_it_another_machine(tmp_path, monkeypatch):
+    weights = tmp_path / "weights"
+    weights.write_bytes(b"1")
+    monkeypatch.setattr("relight_core.resources.resource_path", lambda *parts: weights)
+    first = calibration_file.machine_key()
+    assert calibration_file.machine_key() == first
+    monkeypatch.setattr("os.cpu_count", lambda: 1234)
+    second = calibration_file.machine_key()
+    weights.write_bytes(b"12")
+    assert len({first, second, calibration_file.machine_key()}) == 3
