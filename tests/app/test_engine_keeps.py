@@ -13,6 +13,7 @@ from app.engine.sources import LightSource, PhotoSource, Request
 from relight_core.face.find import FaceBox
 from relight_core.imaging.photo import Photo
 from relight_core.imaging.write import write_image
+from relight_core.lighting.light_edit import LightEdit
 from relight_core.pipeline.auto_quality import TierCost
 from relight_core.pipeline.edit import Edit
 from relight_core.pipeline.per_photo.brush import BrushStroke
@@ -132,6 +133,15 @@ def test_the_lamps_of_a_bundled_light_are_known(engine):
     light = answered(engine, Request(PhotoSource(a_photo()), SPLIT, Edit())).light
     assert len(light.lamps) >= 1
     assert all(lamp.name for lamp in light.lamps)
+
+
+@pytest.mark.parametrize(
+    ("quality", "change", "is_draft"),
+    [("live", {"warmth": 0.5}, True), ("final", {"warmth": 0.5}, False), ("live", {"level_ev": 1.0}, False)],
+)
+def test_while_the_hand_moves_a_light_of_another_shape_is_drawn_coarsely(engine, quality, change, is_draft):
+    wish = Request(PhotoSource(a_photo()), SPLIT, Edit(quality=quality, channels=()), LightEdit(**change))
+    assert answered(engine, wish).light.is_draft == is_draft
 
 
 def test_own_light_that_can_not_be_told_is_tried_once_for_each_photo(engine, relighter, monkeypatch):
