@@ -37,6 +37,20 @@ def test_bluer_skin_that_is_no_less_red_is_lit_so_but_pale_skin_may_be_bluer():
     assert paler == pytest.approx([-0.094, 0.113], abs=0.03)
 
 
+def test_a_cheek_may_be_as_much_redder_as_flush_makes_it():
+    red, blue = ratios(in_one_colour(*face((0.675, 0.3, 0.2))).albedo)
+    assert red == pytest.approx(0.15, abs=0.04)
+    assert blue == pytest.approx(0.0, abs=0.02)
+
+
+def test_a_spot_of_the_skin_s_own_colour_in_a_green_cheek_stays_as_it_is():
+    surface, skin = face((0.335, 0.3, 0.2))
+    surface.albedo[..., 15:17, 15:17] = torch.tensor(TONE)[:, None, None]
+    evened = in_one_colour(surface, skin).albedo
+    assert ratios(evened) == pytest.approx([0, 0], abs=0.02)
+    assert ratios(evened, 12, 12)[0] > -0.35
+
+
 def test_in_deep_shadow_even_a_spot_has_the_skins_colour_and_in_light_a_mole_keeps_its_own():
     spot = slice(15, 17)
     purple = (0.45, 0.25, 0.35)
