@@ -144,6 +144,37 @@ def test_while_the_hand_moves_a_light_of_another_shape_is_drawn_coarsely(engine,
     assert answered(engine, wish).light.is_draft == is_draft
 
 
+def test_a_light_that_was_drawn_coarsely_and_can_not_be_drawn_finely_is_tried_once(engine, monkeypatch):
+    source, warm, tries = PhotoSource(a_photo()), LightEdit(warmth=0.5), []
+    answered(engine, Request(source, SPLIT, Edit(quality="live", channels=()), warm))
+
+    def fail(*_):
+        tries.append(1)
+        raise MemoryError("no room")
+
+    monkeypatch.setattr("app.engine.desk.edit_light", fail)
+    engine.submit(Request(source, SPLIT, Edit(quality="live"), warm))
+    assert engine.wait_until_idle(LONG_S / 4)
+    assert len(tries) == 1
+
+
+def test_a_large_photo_s_picture_is_made_anew_as_large_as_it_is_looked_at(engine, relighter, monkeypatch):
+    monkeypatch.setattr("app.engine.desk._SMALL_PHOTO_PX", 100)
+    source = PhotoSource(a_photo())
+    for side_px in (16, None, 16):
+        picture = answered(engine, Request(source, SPLIT, Edit(), longest_side_px=side_px)).picture
+        assert (picture.longest_side_px, relighter.sides_px[-1]) == (side_px, side_px)
+    assert len(relighter.sides_px) == 3
+
+
+def test_the_lamps_of_a_panorama_are_known(engine, tmp_path):
+    radiance = np.full((64, 128, 3), 0.1, np.float32)
+    radiance[16:18, 90:92] = 500.0
+    write_image(tmp_path / "sun.exr", radiance)
+    sun = LightSource("panorama", str(tmp_path / "sun.exr"))
+    assert len(answered(engine, Request(PhotoSource(a_photo()), sun, Edit())).light.lamps) == 1
+
+
 def test_own_light_that_can_not_be_told_is_tried_once_for_each_photo(engine, relighter, monkeypatch):
     tries = []
 
