@@ -154,7 +154,7 @@ def test_a_light_that_was_drawn_coarsely_and_can_not_be_drawn_finely_is_tried_on
 
     monkeypatch.setattr("app.engine.desk.edit_light", fail)
     engine.submit(Request(source, SPLIT, Edit(quality="live"), warm))
-    assert engine.wait_until_idle(LONG_S / 4)
+    assert engine.wait_until_idle(LONG_S)
     assert len(tries) == 1
 
 
@@ -185,7 +185,7 @@ def test_own_light_that_can_not_be_told_is_tried_once_for_each_photo(engine, rel
     monkeypatch.setattr(relighter, "estimated_light", fail)
     for count in (1, 2):
         engine.submit(Request(PhotoSource(a_photo()), SPLIT, Edit()))
-        assert engine.wait_until_idle(LONG_S / 4)
+        assert engine.wait_until_idle(LONG_S)
         assert len(tries) == count
     monkeypatch.undo()
     assert answered(engine, Request(PhotoSource(a_photo()), SPLIT, Edit())).own_light is not None

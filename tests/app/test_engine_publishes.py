@@ -52,7 +52,7 @@ def test_a_slider_moves_the_picture_though_the_photo_that_is_wished_for_was_refu
     bad = grey_source((FaceBox(-40, 0, -8, 30),))
     assert bad in answered(engine, Request(bad, SPLIT, Edit())).refused
     engine.submit(Request(bad, SPLIT, Edit(shadow=0.25)))
-    assert engine.wait_until_idle(10.0)
+    assert engine.wait_until_idle(LONG_S)
     assert engine.snapshot().picture.edit.shadow == 0.25
 
 

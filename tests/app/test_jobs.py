@@ -181,7 +181,7 @@ def test_a_window_that_closes_stops_what_runs_at_its_next_step_and_begins_nothin
     assert begun.wait(LONG_S)
     closing = threading.Thread(target=jobs.close, args=(True,))
     closing.start()
-    was_told = told.wait(LONG_S / 6)
+    was_told = told.wait(LONG_S)
     go_on.set()
     closing.join()
     assert was_told
