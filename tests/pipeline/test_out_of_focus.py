@@ -4,8 +4,8 @@ import cv2
 import numpy as np
 import pytest
 
+from relight_core.pipeline.per_photo import out_of_focus
 from relight_core.pipeline.per_photo.matte import DraftMatte, finish_matte
-from relight_core.pipeline.per_photo.out_of_focus import softened
 from relight_core.pipeline.per_photo.person import Canvas, whole_person
 
 SIZE = 240
@@ -24,6 +24,10 @@ def blurred(image, blur_px):
 def drawn(share, dark=DARK, bright=BRIGHT):
     """Brightness of somebody before a wall as it is displayed; the lens blurs light, not what is displayed."""
     return np.sqrt(share * dark**2 + (1 - share) * bright**2)
+
+
+def softened(share, guide):
+    return out_of_focus.softened(share, guide)[0]
 
 
 def softness_px(share):
@@ -132,11 +136,12 @@ def test_what_is_handed_in_is_left_alone():
     np.testing.assert_array_equal(guide, before[1])
 
 
-def person_before_a_wall(blur_px, times=1, inside=None):
-    """The matte of a photo whose sides are some times as long as those of the copy in which it is made."""
+def person_before_a_wall(blur_px, times=1, inside=None, grain=0.0):
+    """The matte of a grainy photo whose sides are some times as long as those of the copy in which it is made."""
     light = np.repeat(blurred(np.where(left_part() > 0, DARK, BRIGHT), blur_px)[..., None], 3, axis=-1) ** 2
     size = (times * SIZE, times * SIZE)
     large = np.float32(cv2.resize(light, size, interpolation=cv2.INTER_LINEAR))
+    large *= 1 + grain * np.random.default_rng(3).standard_normal((*size, 1)).astype(np.float32)
     share = np.zeros((SIZE, SIZE), np.float32)
     share[inside or ...] = left_part()[inside or ...]
     draft = DraftMatte(share, np.float32(light), np.float32(np.sqrt(light)), size, inside=inside, ends=inside)
@@ -148,6 +153,17 @@ def test_a_portraits_matte_is_as_soft_as_the_photo_at_any_size(times):
     share = person_before_a_wall(4.0, times).share
     assert softness_px(share[::times, ::times]) == pytest.approx(4.0, rel=0.25)
     assert softness_px(person_before_a_wall(0.7, times).share[::times, ::times]) < 1.5
+
+
+def test_grain_does_not_show_in_the_matte_of_an_outline_out_of_focus():
+    shares = [person_before_a_wall(4.0, 3, grain=grain).share for grain in (0.0, 0.1)]
+    np.testing.assert_allclose(shares[1], shares[0], atol=0.01)
+
+
+def test_outlines_are_told_to_be_out_of_focus_or_not():
+    for blur_px, out in ((4.0, 1), (0.7, 0)):
+        soft = out_of_focus.softened(left_part(), drawn(blurred(left_part(), blur_px)))[1]
+        np.testing.assert_allclose(soft[:, SIZE // 2 - 20 : SIZE // 2 + 20], out, atol=0.01)
 
 
 def test_nobody_gets_softly_into_a_frame():

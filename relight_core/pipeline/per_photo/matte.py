@@ -211,10 +211,13 @@ def finish_matte(draft: DraftMatte | None, strokes: Sequence[BrushStroke] = ()) 
         by_hand = [replace(stroke, adds=True) for stroke in strokes]
         share = draft.strands.put_into(share, painted(np.zeros_like(share), by_hand, draft.photo_size))
     seen = go_on(guide_of(exposed(small, draft.exposure, all_of(small.shape[:2], draft.photo_size))))
-    share = _within(draft.inside, None, softened(go_on(share), seen), share)
+    soft, out_of_focus = softened(go_on(share), seen)
+    share = _within(draft.inside, None, soft, share)
     slope, level, ends, beyond = np.zeros_like(share), share, None, None
     if guide.shape[:2] != draft.photo_size:
         slope, level = _guided_coefficients(seen, go_on(share))
+        # Out of focus there is no finer edge to follow, but there is grain.
+        slope, level = slope * (1 - out_of_focus), level + out_of_focus * (go_on(share) - level)
         ends, beyond = draft.ends, _painted_beyond(draft.inside, share)
     fused = shrunk_size(draft.photo_size, _FUSION_PX)
     nearby = cv2.GaussianBlur(resize_area(share, fused), (0, 0), max(max(fused) * _NEAR_SHARE, 0.5))

@@ -32,7 +32,7 @@ _HARDLY = 1 / 512
 """What changes by less stays: pixels of which a thousandth is wall would cost as much as those that are half wall."""
 
 
-def softened(share: np.ndarray, guide: np.ndarray) -> np.ndarray:
+def softened(share: np.ndarray, guide: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """A matte whose outlines are as soft as the photo's, where these are out of focus.
 
     An outline is blurred by what it lacks. Sharp ones, strands in focus, and what stands out from nothing stay.
@@ -42,16 +42,17 @@ def softened(share: np.ndarray, guide: np.ndarray) -> np.ndarray:
         guide: (h, w) brightness of the photo as displayed, [0, 1].
 
     Returns:
-        (h, w) float32 in [0, 1].
+        (h, w) float32 in [0, 1] the matte, and (h, w) in [0, 1] how far the outlines about each place are out of
+        focus.
     """
     share = np.ascontiguousarray(share, np.float32)
     ends = cv2.morphologyEx((share > 0.5).astype(np.uint8), cv2.MORPH_GRADIENT, np.ones((3, 3), np.uint8))
     if not ends.any():
-        return share
+        return share, np.zeros_like(share)
     photo, own = _softness(np.ascontiguousarray(guide, np.float32), share, ends.astype(np.float32))
-    lacking_px = np.sqrt(np.maximum(photo.blur_px**2 - own.blur_px**2, 0))
-    lacking_px *= ramp(photo.blur_px, *_SOFT_PX) * ramp(photo.contrast, *_CONTRAST)
-    return _blurred_by(share, lacking_px)
+    out_of_focus = ramp(photo.blur_px, *_SOFT_PX) * ramp(photo.contrast, *_CONTRAST)
+    lacking_px = out_of_focus * np.sqrt(np.maximum(photo.blur_px**2 - own.blur_px**2, 0))
+    return _blurred_by(share, lacking_px), resize_smooth(out_of_focus, share.shape)
 
 
 @dataclass(frozen=True, eq=False)
