@@ -109,3 +109,31 @@ def test_shading_is_irradiance_over_pi():
     even = head(BROWN_SKIN)
     even.source_light.fill_(2)
     torch.testing.assert_close(shading(even), torch.full((SIZE, SIZE), 2.0), rtol=0.01, atol=0)
+
+
+def test_no_more_than_passed_for_scalp_becomes_hair():
+    before = head(HAIR_ON_IT)
+    before.parsing[:, :, :24, 20:44] = 0
+    before.parsing[:, SKIN, :24, 20:44] = 1
+    found = with_cropped_hair(before).parsing
+    assert found[0, HAIR, 6:18, 6:14].min() > 0.8
+    assert found[0, HAIR, :24, 20:44].max() == 0
+    assert found.min() >= 0
+
+
+def test_hair_ends_softly_below_the_eyes():
+    before = head(HAIR_ON_IT)
+    before.parsing[:, :, 24:, 48:] = 0
+    before.parsing[:, NECK, 24:, 48:] = 1
+    before.photo[:, :, 24:, 48:] = torch.tensor(HAIR_ON_IT)[:, None, None]
+    down = with_cropped_hair(before).parsing[0, HAIR, :, 56]
+    assert down[28] > 0.9
+    assert down[36] > 0.3
+    assert down[44:].max() == 0
+    assert down[28:45].diff().abs().max() < 0.25
+
+
+def test_a_speck_that_shines_among_hair_is_hair():
+    before = head(HAIR_ON_IT)
+    before.photo[:, :, 12, 32] = torch.tensor(BROWN_SKIN)
+    assert hair_on(with_cropped_hair(before))[6, 26] > 0.8

@@ -5,6 +5,7 @@ import pytest
 import torch
 
 from relight_core.lighting.sphere import directions
+from relight_core.pipeline.per_photo.frames import without_frames
 from relight_core.pipeline.stages import Surface, at_surface_size, march
 
 SIZE, SKIN, GLASSES = 128, 1, 12
@@ -55,3 +56,23 @@ def test_dark_glass_casts_the_shadow_that_as_much_skin_does():
     by_skin = hidden_beside(dark_glass(), SKIN)[64, beside].mean()
     assert by_skin > 0.5
     assert hidden_beside(dark_glass(), GLASSES)[64, beside].mean() == pytest.approx(by_skin, rel=0.02)
+
+
+def levelled(raised, glasses):
+    """(S, S) heights of a flat face without frames; (S, S) bool each, what stands out of it, and what is glasses."""
+    relief = torch.from_numpy(HEIGHT * raised.astype(np.float32))[None, None]
+    parsing = torch.zeros(1, 14, SIZE, SIZE)
+    parsing[0, GLASSES] = torch.from_numpy(glasses).float()
+    return without_frames(relief, parsing)[0, 0].numpy()
+
+
+def test_a_frame_goes_with_the_slopes_that_a_relief_has_beside_it():
+    raised, glasses = np.zeros((2, SIZE, SIZE), bool)
+    raised[60:64], glasses[61:63] = True, True
+    assert levelled(raised, glasses).max() < 1e-6
+
+
+def test_what_stands_out_of_dark_glass_and_of_skin_stays():
+    raised = np.zeros((SIZE, SIZE), bool)
+    raised[60:63, 50:80] = raised[10:13, 50:80] = True
+    np.testing.assert_allclose(levelled(raised, dark_glass()), HEIGHT * raised, atol=1e-6)

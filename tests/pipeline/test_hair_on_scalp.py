@@ -59,3 +59,22 @@ def test_necks_below_the_eyes_stay_whatever_their_colour():
 def test_without_eyes_or_known_hair_nothing_changes(missing):
     before = head(BROWN, **{missing: False})
     assert torch.equal(with_hair_on_scalp(before).parsing, before.parsing)
+
+
+def test_a_few_pixels_of_hair_tell_nothing_of_its_colours():
+    before = head(BROWN)
+    before.parsing[0, HAIR], before.parsing[0, 0, :16, :24] = 0, 1
+    before.parsing[0, 0, 4:8, 4:9], before.parsing[0, HAIR, 4:8, 4:9] = 0, 1
+    assert torch.equal(with_hair_on_scalp(before).parsing, before.parsing)
+
+
+def test_of_what_may_be_hair_or_not_no_colours_are_learnt():
+    before = head(BROWN)
+    before.parsing[0, HAIR, :16, :24] = before.parsing[0, 0, :16, :24] = 0.5
+    assert torch.equal(with_hair_on_scalp(before).parsing, before.parsing)
+
+
+def test_a_single_dark_pixel_of_a_scalp_is_no_hair():
+    before = head(PALE)
+    before.photo[0, :, 8, 36] = torch.tensor(BROWN)
+    assert with_hair_on_scalp(before).parsing[0, HAIR, 2:14, 27:46].max() == 0
