@@ -91,3 +91,28 @@ def test_of_a_black_or_blown_photo_nothing_is_learnt_that_is_not_finite(level):
     given, face = seen(HAT, RED, GREY, level)
     assert float(given.min()) >= 0
     assert float(given.max()) <= 1
+
+
+def test_cloth_whose_red_is_clipped_alone_is_not_cyan():
+    white = evenly(torch.full((1, 3, 1, 1), 0.8))
+    given, _ = seen(CLOTH, white, white, level=0.95)
+    torch.testing.assert_close(given, white[0, :, 0, 0], rtol=0.03, atol=0)
+
+
+def test_black_hair_that_a_photo_in_warm_light_shows_grey_is_grey():
+    """By the light that explains the face it would be two and a half times as blue as red."""
+    shown_grey = torch.tensor([0.008, 0.012, 0.02])[None, :, None, None]
+    given, _ = seen(HAIR, shown_grey, GREY / 6)
+    torch.testing.assert_close(ratios(given), torch.ones(3), rtol=0.1, atol=0)
+
+
+def test_lips_are_no_bluer_than_lips_are_or_the_photo_shows_them_and_cloth_may_be():
+    """The blue of each is 0.9 of its green in the photo, whose light has 0.6, and of lipstick 1.8."""
+    purple, lipstick = (torch.tensor(colour)[None, :, None, None] for colour in ([0.4, 0.2, 0.3], [0.3, 0.2, 0.6]))
+    guess = torch.tensor([0.4, 0.22, 0.2])[None, :, None, None]
+    lips, cloth, painted = (
+        seen(label, true, guess)[0] for label, true in ((LIPS, purple), (CLOTH, purple), (LIPS, lipstick))
+    )
+    assert float(lips[2] / lips[1]) < 1.15
+    assert float(cloth[2] / cloth[1]) == pytest.approx(1.5, rel=0.05)
+    assert float(painted[2] / painted[1]) == pytest.approx(1.8, rel=0.1)
