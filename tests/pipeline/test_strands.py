@@ -154,3 +154,62 @@ def test_a_gap_that_is_painted_over_belongs_to_the_person():
     )
     assert before[GAP].max() < 0.15
     assert after[GAP].min() > 0.9
+
+
+def test_a_photo_of_any_size_has_the_same_strands_in_a_copy():
+    guide, share = scene()
+    large = Hair(head().hair, head().others, Crop(800.0, 800.0, 1600.0), 4 * HEAD_PX)
+    found = strands_of(guide, share, [large], (4 * SIZE, 4 * SIZE)).put_into(share)
+    np.testing.assert_allclose(found, matte_of(guide, share), atol=1e-3)
+
+
+@pytest.mark.parametrize("order", [1, -1])
+def test_a_head_without_hair_takes_nothing_from_another_in_its_view(order):
+    guide, share = scene()
+    nothing = np.zeros((100, 100), np.float32)
+    heads = [head(), Hair(nothing, nothing, VIEW, HEAD_PX)][::order]
+    np.testing.assert_array_equal(matte_of(guide, share, heads), matte_of(guide, share))
+
+
+def test_beyond_the_view_of_a_leaning_head_nothing_is_hair():
+    turn = cv2.getRotationMatrix2D((199.5, 199.5), -45, 1)
+    guide, share = (cv2.warpAffine(one, turn, (SIZE, SIZE), borderMode=cv2.BORDER_REPLICATE) for one in scene())
+    everywhere, nothing = np.ones((100, 100), np.float32), np.zeros((100, 100), np.float32)
+    reaching, short = (Hair(everywhere, nothing, Crop(200.0, 200.0, side, 45.0), HEAD_PX) for side in (280.0, 170.0))
+    gap = np.s_[268:272, 268:272]
+    assert matte_of(guide, share, [reaching])[gap].max() < 0.2
+    assert matte_of(guide, share, [short])[gap].min() > 0.95
+
+
+@pytest.mark.parametrize(
+    ("part", "least", "most"), [(0.15, 1.0, 1.0), (0.21, 0.2, 0.6), (0.24, 0.05, 0.25), (0.3, 0.0, 0.05)]
+)
+def test_a_wall_shows_in_part_where_it_is_not_quite_told_from_hair(part, least, most):
+    guide, share = scene(wall=np.float32(HAIR) + part * (np.float32(WHITE) - np.float32(HAIR)))
+    assert least <= matte_of(guide, share)[GAP].mean() <= most
+
+
+def test_hair_so_thin_that_its_colour_is_not_known_leaves_the_matte():
+    guide, share = scene(hair=SKIN)
+    ring = cv2.resize(disc(112) - disc(107), (100, 100), interpolation=cv2.INTER_AREA)
+    thin = Hair(ring, np.zeros_like(ring), VIEW, HEAD_PX)
+    np.testing.assert_array_equal(matte_of(guide, share, [thin]), share)
+
+
+def test_what_is_dark_far_from_the_outline_is_no_strand():
+    guide, share = scene()
+    guide[175:225, 332:334] = HAIR
+    wide = Hair(cv2.resize(disc(160), (100, 100)), np.zeros((100, 100), np.float32), VIEW, HEAD_PX)
+    matte = matte_of(guide, share, [wide])
+    assert matte[STRAND][10:-10].min() > 0.9
+    assert matte[175:225, 330:336].max() == 0
+
+
+@pytest.mark.parametrize("of_hair", [True, False])
+def test_only_hair_is_looked_through_not_an_ear_or_a_collar_beside_it(of_hair):
+    guide, share = scene()
+    hair, ear = disc(125), np.zeros_like(share)
+    ear[165:235, 275:] = 1
+    hair = hair if of_hair else hair - hair * ear
+    masks = [cv2.resize(one, (100, 100), interpolation=cv2.INTER_AREA) for one in (hair, ear * of_hair)]
+    np.testing.assert_array_equal(matte_of(guide, share, [Hair(*masks, VIEW, HEAD_PX)])[GAP], 1)
