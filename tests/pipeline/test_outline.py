@@ -1,5 +1,8 @@
 """What the person network says of a photo, and what becomes of the parsing."""
 
+from types import SimpleNamespace
+
+import cv2
 import numpy as np
 import pytest
 import torch
@@ -8,6 +11,7 @@ from tiny_networks import tiny_bundle_with_person
 from relight_core.face.crop import Crop
 from relight_core.face.person_view import person_view
 from relight_core.imaging.photo import Photo
+from relight_core.pipeline.per_photo import outline
 from relight_core.pipeline.per_photo.outline import Outline, outline_person, parsing_within
 
 BACKGROUND, SKIN, LEFT_EYE, HAIR, HAT, CLOTH = 0, 1, 4, 10, 11, 13
@@ -136,11 +140,11 @@ def test_the_network_is_asked_about_the_view_of_a_face(roll_deg):
     photo = Photo(np.random.default_rng(0).random((200, 260, 3), np.float32))
     crop = Crop(130.0, 90.0, 80.0, roll_deg)
     bundle = tiny_bundle_with_person().for_inference()
-    outline = outline_person(bundle, photo, crop, person_view(crop, (200, 260)), "cpu")
-    assert outline.likely.shape == (256, 256)
-    assert 0 <= outline.likely.min() <= outline.likely.max() <= 1
-    assert outline.view.roll_deg == roll_deg
-    assert outline.view.side == pytest.approx(min(3.4 * 80 * 196 / 256, 260))
+    found = outline_person(bundle, photo, crop, person_view(crop, (200, 260)), "cpu")
+    assert found.likely.shape == (256, 256)
+    assert 0 <= found.likely.min() <= found.likely.max() <= 1
+    assert found.view.roll_deg == roll_deg
+    assert found.view.side == pytest.approx(min(3.4 * 80 * 196 / 256, 260))
 
 
 def test_what_is_seen_in_a_mirror_counts_as_much():
@@ -158,3 +162,75 @@ def test_what_is_seen_in_a_mirror_counts_as_much():
 
     assert differences(mirrors=(False, True)) < 1e-4
     assert differences() > 1e-3
+
+
+class Listening:
+    """In place of a person network: keeps what it is asked, (looks, 5, 256, 256), and gives each look one log odds."""
+
+    def __init__(self, monkeypatch, *said):
+        self.asked, self.said = None, said
+        monkeypatch.setattr(outline, "in_precision", lambda *_: SimpleNamespace(person=self))
+
+    def __call__(self, seen, inside, face):
+        self.asked = torch.cat([seen, inside, face], 1).numpy()
+        return torch.tensor(self.said)[:, None, None, None].expand(-1, 1, 256, 256)
+
+
+def test_the_network_sees_an_exposed_photo_as_it_is_displayed_and_nothing_beyond_it(monkeypatch):
+    """A view from 40 pixels left of the photo: 0.2 at twice that, 0.4 linear, is 0.665 in sRGB."""
+    listening, photo = Listening(monkeypatch, 0.0), Photo(np.full((200, 200, 3), 0.2, np.float32))
+    outline_person(None, photo, Crop(60.0, 100.0, 80.0), Crop(60.0, 100.0, 200.0), "cpu", exposure=2.0)
+    (asked,) = listening.asked
+    np.testing.assert_allclose(asked[:3, :, 54:], 0.6652, atol=1e-3)
+    assert asked[3, :, 54:].min() == 1
+    assert asked[:4, :, :50].max() == 0
+    assert asked[4, 128, 128] == 1
+    assert asked[4, :, :60].max() == asked[4, :50].max() == 0
+
+
+def test_the_network_sees_a_framed_photo_end_with_its_picture(monkeypatch):
+    y, x = np.mgrid[0:200, 0:160] / 30
+    picture = np.dstack([0.4 + 0.2 * np.sin(x + y), 0.4 + 0.2 * np.cos(x - y), 0.3 + 0.1 * np.sin(2 * x)])
+    whole = cv2.copyMakeBorder(picture.astype(np.float32), 20, 20, 60, 60, cv2.BORDER_CONSTANT, value=(1.0,) * 3)
+    listening, view = Listening(monkeypatch, 0.0), Crop(140.0, 120.0, 256.0)
+    outline_person(None, Photo(whole), Crop(140.0, 120.0, 80.0), view, "cpu")
+    rows, columns = np.nonzero(listening.asked[0, 3])
+    # The view begins 12 pixels right of the photo's left side, and 8 above its top.
+    assert [columns.min(), columns.max() + 1] == pytest.approx([60 - 12, 220 - 12], abs=3)
+    assert [rows.min(), rows.max() + 1] == pytest.approx([20 + 8, 220 + 8], abs=3)
+
+
+def test_of_two_looks_the_log_odds_are_averaged(monkeypatch):
+    Listening(monkeypatch, 4.0, -1.0)
+    photo = Photo(np.full((200, 200, 3), 0.2, np.float32))
+    found = outline_person(None, photo, Crop(100.0, 100.0, 80.0), Crop(100.0, 100.0, 200.0), "cpu", (False, True))
+    np.testing.assert_allclose(found.likely, 1 / (1 + np.exp(-1.5)), rtol=1e-5)
+
+
+@pytest.mark.parametrize("roll_deg", [0.0, 30.0])
+def test_toward_the_end_of_what_is_known_nobody_becomes_less_likely(roll_deg):
+    likely, known = Outline(np.ones((64, 64), np.float32), VIEW).seen_in(Crop(160.0, 130.0, 117.0, roll_deg), 64)
+    assert 0 < known[known > 0].min() < 0.9
+    np.testing.assert_allclose(likely[known > 0.01], 1, rtol=1e-4)
+
+
+def test_beyond_the_view_of_the_person_network_the_parsing_counts_alone():
+    parsing = parsing_of(hair=1.0)
+    nobody = Outline(np.zeros((64, 64), np.float32), Crop(40.0, 100.0, 120.0))
+    within = parsing_within(parsing, nobody, VIEW)
+    assert (within[..., :14][:, BACKGROUND] > 0.8).all()
+    torch.testing.assert_close(within[..., 18:], parsing[..., 18:], rtol=0, atol=0.01)
+
+
+def test_what_is_plainly_a_hat_and_surely_nobody_is_rather_a_hat_and_not_surely():
+    by_parsing = with_an_eye(parsing_of(hat=1.0))
+    within = parsing_within(by_parsing, Outline(np.zeros((64, 64), np.float32), VIEW), VIEW)
+    person = 1 - within[0, BACKGROUND, :12]
+    assert 0.55 < float(person.min()) <= float(person.max()) < 0.9
+
+
+@pytest.mark.parametrize("likely", [np.full((32, 32), 0.55, np.float32), 0.25 * banded(0.0)])
+def test_a_hat_fills_no_gap_where_there_is_none_or_what_is_around_is_hardly_a_person(likely):
+    parsing = with_an_eye(parsing_of(hair=0.47, hat=0.5, background=0.03))
+    person = 1 - parsing_within(parsing, Outline(likely, VIEW), VIEW)[0, BACKGROUND]
+    assert float(person[6, 16]) < 0.65
