@@ -89,6 +89,18 @@ def test_strokes_that_are_none_are_refused(strokes):
         checked_strokes(strokes)
 
 
+def test_as_many_and_as_long_strokes_as_there_may_be_are_kept_as_they_are():
+    strokes = [BrushStroke(((1.0, 1.0),) * 256, 3.0, True)] * 400
+    assert checked_strokes(strokes) == tuple(strokes)
+
+
+def test_a_map_that_is_squeezed_across_has_the_stroke_where_it_is_in_the_photo():
+    cover = covered([BrushStroke(((160.0, 40.0),), 20.0, True)], (HEIGHT, WIDTH // 2))
+    rows, columns = np.nonzero(cover > 0.5)
+    assert rows.mean() + 0.5 == pytest.approx(40.0, abs=1)
+    assert columns.mean() + 0.5 == pytest.approx(80.0, abs=1)
+
+
 def test_the_widest_stroke_from_far_away_to_far_away_can_be_painted():
     ends = ((-1e5, -1e5), (1e5, 1e5))
     assert covered(checked_strokes([BrushStroke(ends, 1e4, True)])).min() == 1

@@ -206,6 +206,18 @@ def test_networks_see_a_framed_photo_as_if_it_had_no_frame(roll_deg):
     assert np.abs(seen - seen_bare).max() < 0.05
 
 
+@pytest.mark.parametrize(("down", "across"), [(24, 60), (60, 24)])
+def test_nor_does_a_frame_that_is_wider_on_two_sides_move_what_they_see(down, across):
+    whole = cv2.copyMakeBorder(street(), down, down, across, across, cv2.BORDER_CONSTANT, value=(1.0,) * 3)
+    view = Crop(80.0, 100.0, 80.0)
+    seen = network_view(Photo(whole), view.moved(across, down), 64, 1.0)
+    np.testing.assert_allclose(seen, network_view(Photo(street()), view, 64, 1.0), atol=0.01)
+    box = FaceBox(15.0 + across, 60.0 + down, 85.0 + across, 140.0 + down)
+    x0, y0, x1, y1 = frame(Photo(whole), box).view.window
+    assert across <= x0 < x1 <= across + 160
+    assert down <= y0 < y1 <= down + 200
+
+
 def test_a_view_keeps_within_the_frame_as_within_the_photo():
     box = FaceBox(15.0, 60.0, 85.0, 140.0)
     moved = replace(box, x0=39.0, y0=84.0, x1=109.0, y1=164.0)
@@ -264,7 +276,7 @@ def test_a_view_hardly_fades_near_a_frame_and_not_at_it():
 
 
 @pytest.mark.parametrize("roll_deg", [0.0, 45.0])
-@pytest.mark.parametrize("centre", [(700.0, 900.0), (130.0, 110.0), (-900.0, 500.0)])
+@pytest.mark.parametrize("centre", [(700.0, 900.0), (130.0, 110.0), (-900.0, 500.0), (3000.0, 3000.0)])
 def test_a_view_of_a_framed_photo_reads_what_is_about_it_alone(centre, roll_deg, monkeypatch):
     photo = Photo(framed(cv2.resize(street(), (1600, 2000)), 100, 1.0))
     x0, y0, x1, y1 = photo.picture
