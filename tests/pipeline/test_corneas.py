@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 from drawn_eye import draw_eyes
 
+from relight_core.face.crop import Crop
 from relight_core.face.irises import Iris
-from relight_core.pipeline.per_photo.corneas import find_cornea
+from relight_core.pipeline.per_photo.corneas import Cornea, find_cornea
 
 IRIS = Iris(100.0, 90.0, 24.0)
 DRAWN = ((100.0, 90.0, 24.0),)
@@ -78,6 +79,43 @@ def test_a_bright_bar_across_an_iris_leaves_it_alone():
     assert find_cornea(photo, 1.0, IRIS) is None
 
 
+def test_so_does_a_narrow_one_that_reaches_the_white_of_the_eye():
+    photo = draw_eyes(DRAWN, (180, 200))
+    photo[88:91, 60:140] = 0.6
+    assert find_cornea(photo, 1.0, IRIS) is None
+
+
+def test_flecks_that_are_far_darker_than_the_white_of_the_eye_stay():
+    photo = draw_eyes(DRAWN, (180, 200), iris=0.02, pupil=0.02)
+    photo[80:83, 92:95] = photo[95:98, 106:109] = 0.12
+    assert np.abs(find_cornea(photo, 1.0, IRIS).mirrored).max() < 0.01
+
+
+def test_a_catchlight_near_the_rim_takes_nothing_from_the_white_of_the_eye_and_nothing_is_made_brighter():
+    photo, cornea = cornea_of(iris=0.15, pupil=0.01, specks=((118, 90, 2), (93, 84, 3)))
+    assert cornea.mirrored.max() > 0.5
+    assert cornea.mirrored.min() >= 0
+    y, x = np.mgrid[0 : len(cornea.bare), 0 : len(cornea.bare)] + 0.5
+    beside = np.hypot(x - len(cornea.bare) / 2, y - len(cornea.bare) / 2) > 24.5
+    assert cornea.mirrored[beside].max() == 0
+
+
+def test_a_catchlight_is_no_lid():
+    _, cornea = cornea_of(specks=((107, 82, 4),))
+    middle = len(cornea.bare) // 2
+    assert cornea.bare[middle - 8, middle + 7] > 0.9
+
+
+def test_an_eye_between_pixels_is_seen_in_the_pixels_of_the_photo():
+    photo = draw_eyes(((100.4, 90.7, 23.6),), (180, 200))
+    cornea = find_cornea(photo, 1.0, Iris(100.4, 90.7, 23.6))
+    window = np.array(cornea.view.window)
+    np.testing.assert_array_equal(window, window.round())
+    assert len(cornea.bare) == cornea.view.side
+    y, x = np.nonzero(cornea.bare > 0.5)
+    assert [x.mean() + 0.5 + window[0], y.mean() + 0.5 + window[1]] == pytest.approx([100.4, 90.7], abs=0.5)
+
+
 def test_units_do_not_matter():
     _, usual = cornea_of(specks=((107, 82, 4),))
     _, dark = cornea_of(exposure=1000.0, specks=((107, 82, 4),))
@@ -113,3 +151,16 @@ def test_what_is_taken_out_of_a_large_eye_is_as_sharp_as_the_photo():
     left = without_catchlights(photo, cornea)
     middle = len(left) // 2
     np.testing.assert_allclose(left[middle - 60 : middle + 60, middle - 60 : middle + 60], 0.05, atol=0.02)
+
+
+def test_tears_mirror_more_of_what_grazes_them():
+    """Schlick's 0.025 + 0.975 (1 - cos)^5: at 0, 60 and 72.5 degrees."""
+    square, steep = np.zeros((3, 3), np.float32), np.float32([1.0, 0.5, 0.3])
+    normal = np.stack([np.sqrt(1 - steep**2), 0 * steep, steep])[:, None]
+    cornea = Cornea(IRIS, Crop(100.0, 90.0, 3.0), square, np.zeros((3, 3, 3), np.float32), normal)
+    np.testing.assert_allclose(cornea.reflectance[0], [0.025, 0.05547, 0.18887], atol=1e-4)
+
+
+def test_a_black_photo_has_nothing_to_mirror():
+    cornea = find_cornea(np.zeros((180, 200, 3), np.float32), 1.0, IRIS)
+    assert cornea is None or (np.isfinite(cornea.bare).all() and np.abs(cornea.mirrored).max() == 0)
