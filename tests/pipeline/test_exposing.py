@@ -8,8 +8,15 @@ from tiny_relighter import EDIT, some_light, some_photo
 
 from relight_core.face.crop import Crop
 from relight_core.face.find import FaceBox
+from relight_core.face.paste import all_of
 from relight_core.imaging.photo import Photo
-from relight_core.pipeline.per_photo.exposing import exposure_about_faces, exposure_of_face, exposure_of_view
+from relight_core.pipeline.per_photo.exposing import (
+    exposed,
+    exposure_about_faces,
+    exposure_of_face,
+    exposure_of_view,
+    looked_at,
+)
 from relight_core.pipeline.quality import tier_of
 from relight_core.pipeline.relighter import Relighter
 
@@ -56,6 +63,86 @@ def test_a_face_is_what_counts_and_not_what_is_around_it():
     photo = grey(0.03)
     photo.linear[:25] = photo.linear[75:] = 5.0
     assert exposure_of_face(photo, CROP) == pytest.approx(5.0, rel=1e-3)
+
+
+def among_lights(value=0.03):
+    """A face of so much in the middle of a photo that is brighter, and nowhere plain, all around."""
+    photo = grey(value)
+    around = np.random.default_rng(0).uniform(2.0, 5.0, (100, 100, 1)).astype(np.float32)
+    around[31:69, 31:69] = value
+    photo.linear[:] = around
+    return photo
+
+
+def test_what_the_crop_of_a_face_has_around_its_middle_does_not_count():
+    assert exposure_of_face(among_lights(), CROP) == pytest.approx(5.0, rel=1e-3)
+
+
+@pytest.mark.parametrize(("lit", "exposure"), [(0.06, 5.0), (0.15, 1.0), (0.45, 1.0)])
+def test_a_face_that_is_dark_but_for_a_tenth_is_as_bright_as_that(lit, exposure):
+    photo = grey(0.03)
+    photo.linear[32:68, 32:68] *= np.random.default_rng(0).uniform(0.9, 1.0, (36, 36, 1)).astype(np.float32)
+    photo.linear[32:68, 32 : 32 + round(36 * lit)] = 0.2
+    assert exposure_of_face(photo, CROP) == pytest.approx(exposure, rel=0.05)
+
+
+def test_a_twentieth_of_a_face_that_is_brighter_than_white_counts_up_to_twice_the_rest():
+    photo = grey(0.8)
+    photo.linear[32:68, 32:34] = 1.3
+    assert exposure_of_face(photo, CROP) == pytest.approx(0.85 / 1.3, rel=1e-3)
+    photo.linear[32:68, 32:34] = 30.0
+    assert exposure_of_face(photo, CROP) == pytest.approx(0.85 / 1.6, rel=1e-3)
+
+
+def uneven(value):
+    """A photo of up to so much and half of that, nowhere plain."""
+    noise = np.random.default_rng(0).uniform(0.5, 1.0, (100, 100, 1)).astype(np.float32)
+    return Photo(value * noise.repeat(3, 2), bits=32)
+
+
+@pytest.mark.parametrize(("width", "dark", "bright"), [(3, 5.0, 1.0), (20, 1.0, 1.0), (60, 1.0, 0.36)])
+def test_a_view_is_dark_where_all_but_a_twentieth_of_it_is_and_too_bright_where_half_is(width, dark, bright):
+    lamp, white = uneven(0.03), uneven(0.3)
+    lamp.linear[:, 20 : 20 + width] *= 20
+    white.linear[:, 20 : 20 + width] *= 4 / 0.3
+    view = Crop(50.0, 50.0, 100.0)
+    assert exposure_of_view(lamp, view) == pytest.approx(dark, rel=0.1)
+    assert exposure_of_view(white, view) == pytest.approx(bright, rel=0.1)
+
+
+def test_a_view_of_a_part_is_metered_there_alone():
+    photo = uneven(0.03)
+    photo.linear[:, 60:] *= 10
+    seen = looked_at(photo, Crop(30.0, 20.0, 40.0))
+    assert seen.shape == (1600, 3)
+    assert 0.029 < seen.max() < 0.031
+    assert looked_at(photo, Crop(80.0, 20.0, 40.0)).min() > 0.14
+
+
+def test_of_a_framed_photo_the_picture_is_metered():
+    picture = np.random.default_rng(0).uniform(0.5, 1.0, (200, 160)) * np.where(np.arange(160) < 80, 0.03, 0.5)
+    picture = picture[..., None].repeat(3, 2).astype(np.float32)
+    whole = Photo(np.pad(picture, ((20, 20), (60, 60), (0, 0)), constant_values=0.9), bits=32)
+    assert whole.picture[0] > 55
+    assert exposure_of_face(whole, Crop(98.0, 110.0, 50.0)) == pytest.approx(5.0, rel=0.1)
+
+
+def test_the_exposure_of_faces_reaches_as_far_as_they_are_large():
+    crops = Crop(20.0, 50.0, 10.0), Crop(80.0, 50.0, 40.0)
+    about = exposure_about_faces((1.0, 16.0), crops, (100, 100))
+    assert about.dtype == np.float32
+    assert float(about[50, 50, 0]) > 10
+    assert exposure_about_faces((3.0, 3.0), crops, (100, 100)) == 3.0
+
+
+def test_what_is_exposed_stays_32_bit_and_as_it_is_where_nothing_is_to_do():
+    linear, band = grey(0.25).linear, all_of((100, 100), (100, 100))
+    assert exposed(linear, 1.0, band) is linear
+    for exposure in (2.0, np.float64(2.0)):
+        twice = exposed(linear, exposure, band)
+        np.testing.assert_array_equal(twice, np.full_like(linear, 0.5))
+        assert twice.dtype == np.float32
+    assert linear[0, 0, 0] == 0.25
 
 
 def test_glare_is_no_part_of_how_bright_a_face_is():
