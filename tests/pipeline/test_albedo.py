@@ -10,7 +10,7 @@ from relight_core.pipeline.per_photo.albedo import flatten_albedo
 from relight_core.pipeline.stages import Surface
 
 SIZE = 32
-SKIN, LEFT_EYE, NECK, HAIR = 1, 4, 9, 10
+SKIN, LEFT_EYE, NECK, HAIR, HAT = 1, 4, 9, 10, 11
 
 
 def ball_surface(albedo, photo=None, label=SKIN):
@@ -51,7 +51,7 @@ def shading_of(surface):
     return (open_transport(surface).closed @ side_light()[0].flatten(0, 1)).T.reshape(1, 3, SIZE, SIZE)
 
 
-@pytest.mark.parametrize("power", [0.2, 0.5])
+@pytest.mark.parametrize("power", [0.2, 0.5, 0.9])
 def test_shading_that_was_left_in_is_taken_out(power):
     true = torch.full((1, 3, SIZE, SIZE), 0.3)
     clean = ball_surface(true)
@@ -60,6 +60,54 @@ def test_shading_that_was_left_in_is_taken_out(power):
     spread = [float(a.log().std()) for a in (shaded, flat)]
     assert spread[1] < 0.02 < 0.1 < spread[0]
     assert float(flat.log().mean()) == pytest.approx(float(shaded.log().mean()), abs=0.02)
+
+
+def test_in_a_soft_light_too():
+    clean, light = ball_surface(torch.full((1, 3, SIZE, SIZE), 0.3)), torch.ones(1, 16, 32, 3)
+    light[:, 5:9, 22:28] = 4.0
+    relief = open_transport(clean)
+    left = clean.albedo * (irradiance_of(relief, light) + 0.02) ** 0.5
+    flat = flattened(ball_surface(left), relief, light)
+    assert float(flat.log().std()) < 0.1 * float(left.log().std())
+
+
+def below_its_eyes(label):
+    """A ball of skin with shading in its albedo, a row of eyes across it and another part below."""
+    clean = ball_surface(torch.full((1, 3, SIZE, SIZE), 0.3))
+    surface = ball_surface(clean.albedo * (shading_of(clean) + 0.02) ** 0.5)
+    surface.parsing[:, SKIN, 12:14], surface.parsing[:, LEFT_EYE, 12:14] = 0, 1
+    surface.parsing[:, SKIN, 20:], surface.parsing[:, label, 20:] = 0, 1
+    return surface, flattened(surface, open_transport(clean), side_light())
+
+
+def test_a_neck_is_skin_and_hair_keeps_what_is_in_its_albedo():
+    surface, flat = below_its_eyes(NECK)
+    assert float(flat[:, :, 22:].log().std()) < 0.03 < 0.1 < float(surface.albedo[:, :, 22:].log().std())
+    surface, flat = below_its_eyes(HAIR)
+    torch.testing.assert_close(flat[:, :, 20:], surface.albedo[:, :, 20:], rtol=0.02, atol=0)
+
+
+def half_hidden(surface):
+    """Transport of a surface's own relief, to whose left half a half of all light gets."""
+    opened = open_transport(surface).open
+    reaches = torch.where(torch.arange(SIZE * SIZE) % SIZE < SIZE // 2, 0.5, 1.0)
+    return ReliefTransport(opened, opened * reaches[:, None], SIZE)
+
+
+def test_shading_of_the_reliefs_own_shadows_is_taken_out_too():
+    clean = ball_surface(torch.full((1, 3, SIZE, SIZE), 0.3))
+    relief = half_hidden(clean)
+    behind = (relief.closed @ side_light()[0].flatten(0, 1)).T.reshape(1, 3, SIZE, SIZE)
+    left = clean.albedo * (behind + 0.02) ** 0.5
+    assert float(flattened(ball_surface(left), relief, side_light()).log().std()) < 0.1 * float(left.log().std())
+
+
+def test_a_hat_in_its_own_shadow_is_not_taken_for_a_darker_one():
+    albedo = torch.full((1, 3, SIZE, SIZE), 0.3)
+    relief, light = half_hidden(ball_surface(albedo)), side_light()
+    seen = albedo * (relief.closed @ light[0].flatten(0, 1)).T.reshape(1, 3, SIZE, SIZE)
+    hat = ball_surface(albedo, seen * (0.6 / float(seen.max())), HAT)
+    torch.testing.assert_close(flattened(hat, relief, light), albedo, rtol=0.1, atol=0)
 
 
 def test_texture_that_does_not_follow_the_light_stays():
