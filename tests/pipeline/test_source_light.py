@@ -2,11 +2,12 @@
 
 from dataclasses import replace
 
+import pytest
 import torch
 
 from relight_core.lighting.reflection import ReflectionTable
 from relight_core.pipeline import stages
-from relight_core.pipeline.per_photo.source_light import explain_source_light
+from relight_core.pipeline.per_photo.source_light import explain_source_light, exposure_of_photo, level_over_person
 
 SIZE, SKIN, NECK, HAIR = 32, 1, 9, 10
 ALBEDO = (0.45, 0.27, 0.18)
@@ -109,3 +110,62 @@ def test_the_light_of_a_face_that_is_painted_blue_is_as_white_as_neck_and_hair_a
     painted[..., face, :] = torch.tensor([0.1, 0.2, 0.6])[:, None, None]
     seen, *rest = photographed(replace(bare, albedo=painted), coloured(1.0, 1.0, 1.0))
     assert abs(red_over_blue(explain_source_light(replace(seen, albedo=believed), *rest)) - 1) < 0.15
+
+
+@pytest.mark.parametrize("level", [0.15, 0.4])
+def test_in_a_dim_light_what_hardly_shows_of_it_is_as_dim(level):
+    light = explained(level * coloured(1.0, 1.0, 1.0))
+    assert float(light[:, 5:11, list(BEHIND)].mean()) == pytest.approx(0.8 * level, rel=0.2)
+
+
+def test_paint_without_any_blue_that_shines_a_little_gives_a_light_that_is_finite():
+    surface, reflector, relief = photographed(ball(), coloured(1.0, 1.0, 1.0))
+    painted = surface.albedo.clone()
+    painted[:, 2, 12:16] = 0
+    found = explain_source_light(replace(surface, albedo=painted), reflector, relief)
+    assert torch.isfinite(found).all()
+    assert float(found.max()) < 3
+
+
+def test_a_camera_that_saturates_skin_makes_no_other_level():
+    plain, saturated = (float(explained(coloured(1.0, 1.0, 1.0), saturation=one).mean()) for one in (1.0, 1.3))
+    assert saturated == pytest.approx(plain, rel=0.1)
+
+
+@pytest.mark.parametrize("lost", ["a channel", "all"])
+@pytest.mark.parametrize("black", [False, True])
+def test_a_photo_without_blue_or_any_light_and_black_parts_give_a_light_that_is_finite(lost, black):
+    surface, reflector, relief = photographed(ball(), coloured(1.0, 1.0, 1.0))
+    surface.photo[:, 2 if lost == "a channel" else slice(None)] = 0
+    albedo = surface.albedo.clone()
+    if black:
+        albedo[..., 10:20, :] = 0
+    found = explain_source_light(replace(surface, albedo=albedo), reflector, relief)
+    assert torch.isfinite(found).all()
+    assert float(found.min()) >= 0
+
+
+def levels(photo, irradiance=0.5, gloss=0.1):
+    """What `exposure_of_photo` and `level_over_person` make of a photo of a person of albedo 0.4 all over."""
+    one = torch.ones(1, 1, SIZE, SIZE)
+    surface = replace(ball(), photo=photo, albedo=0.4 * one.repeat(1, 3, 1, 1), person=one)
+    reflected = torch.cat([irradiance * one.repeat(1, 3, 1, 1), gloss * one.repeat(1, 3, 1, 1)], 1)
+    lit = surface.albedo * reflected[:, :3] + reflected[:, 3:]
+    return exposure_of_photo(surface, reflected), level_over_person(surface, lit)
+
+
+def test_a_photo_s_level_is_that_of_most_of_it_and_black_tells_nothing():
+    photo = torch.full((1, 3, SIZE, SIZE), 0.6)
+    assert levels(photo) == pytest.approx((2.0, 2.0), rel=1e-4)
+    photo[..., :13, :] = 0.01
+    photo[..., 13:16, :] = 0.9
+    assert levels(photo)[0] == pytest.approx(2.0, rel=1e-4)
+    photo[..., 16:, :] = 1.0
+    assert levels(photo)[0] == pytest.approx(3.0, rel=1e-4)
+
+
+def test_where_nothing_is_lit_or_seen_there_is_no_level():
+    photo = torch.full((1, 3, SIZE, SIZE), 0.6)
+    assert levels(photo, 0.0, 0.0) == (1.0, None)
+    assert levels(torch.ones_like(photo)) == (1.0, None)
+    assert levels(0 * photo) == (1.0, 0.0)
