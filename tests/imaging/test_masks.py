@@ -36,3 +36,10 @@ def test_a_disc_has_a_middle_and_reaches_its_radius():
     assert disc(2.6).shape == (7, 7)
     assert disc(2.6)[3].all()
     assert disc(2.6)[0, 0] == 0
+
+
+def test_the_largest_part_may_come_last_and_be_more_than_all_that_is_left_out():
+    mask = np.ones((6, 6), bool)
+    mask[1], mask[0, 3:] = False, False
+    np.testing.assert_array_equal(np.unique(np.argwhere(largest_part(mask))[:, 0]), [2, 3, 4, 5])
+    assert largest_part(mask).sum() == 24

@@ -6,7 +6,14 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from relight_core.imaging.resampling import resample_window, resize_area, resize_cut_out, resize_smooth
+from relight_core.imaging.resampling import (
+    at_size,
+    resample_window,
+    resize_area,
+    resize_cut_out,
+    resize_smooth,
+    shrunk_size,
+)
 
 RNG = np.random.default_rng(2)
 
@@ -79,3 +86,59 @@ def test_a_cut_outs_edge_keeps_its_colour_and_what_is_hidden_has_no_say():
     np.testing.assert_allclose(share[0], [1, 1, 1 / 3, 0], atol=1e-6)
     np.testing.assert_allclose(small[:, :3], 0.4, rtol=1e-5)
     assert small[:, 3].max() == 0
+
+
+def test_a_faint_veil_keeps_its_colour():
+    alpha = np.full((8, 8), 0.02, np.float32)
+    small, share = resize_cut_out(np.full((8, 8, 3), 0.4, np.float32), alpha, (2, 2))
+    np.testing.assert_allclose(share, 0.02, rtol=1e-5)
+    np.testing.assert_allclose(small, 0.4, rtol=1e-5)
+
+
+def test_an_image_that_has_the_size_is_itself():
+    image = RNG.random((5, 6)).astype(np.float32)
+    assert at_size(image, (5, 6)) is image
+    assert at_size(image, (5, 3)).shape == (5, 3)
+    assert at_size(np.ones((5, 6), np.uint8), (5, 6)).dtype == np.float32
+
+
+@pytest.mark.parametrize(
+    ("size", "longest_side", "shrunk"),
+    [
+        ((3000, 4000), 1000, (750, 1000)),
+        ((4000, 3000), 1000, (1000, 750)),
+        ((50, 40), 100, (50, 40)),
+        ((50, 40), None, (50, 40)),
+        ((1, 5000), 100, (1, 100)),
+        ((5000, 2), 100, (100, 1)),
+    ],
+)
+def test_a_picture_shrinks_to_its_longest_side_and_never_grows_or_vanishes(size, longest_side, shrunk):
+    assert shrunk_size(size, longest_side) == shrunk
+
+
+def test_what_shrinks_along_one_axis_only_is_averaged_along_it():
+    image = np.tile(np.float32([0, 0, 0, 1] * 5)[:, None], (1, 6))
+    np.testing.assert_allclose(resize_smooth(image, (5, 12)), 0.25, atol=1e-6)
+    np.testing.assert_allclose(resize_smooth(image.T, (12, 5)), 0.25, atol=1e-6)
+
+
+def test_mirrored_and_turned_views_of_an_image_are_enlarged_as_copies_of_them_are():
+    image = RNG.random((5, 6, 3)).astype(np.float32)
+    for view in (image[::-1], image[:, ::-1], image.swapaxes(0, 1), image[..., ::-1]):
+        for resize in (resize_smooth, resize_area):
+            np.testing.assert_array_equal(resize(view, (13, 14)), resize(view.copy(), (13, 14)))
+
+
+@pytest.mark.parametrize("count", [6, 7, 8, 9])
+def test_a_window_that_shrinks_a_little_keeps_its_mean(count):
+    image = RNG.random((12, 14)).astype(np.float32)
+    small = resample_window(image, (2, 1, 12, 11), (count, count))
+    assert small.mean() == pytest.approx(image[1:11, 2:12].mean(), abs=1e-5)
+
+
+@pytest.mark.parametrize(("x0", "y0"), [(-3, -2), (-3, 0), (0, -2), (4, 5), (-9, 0), (20, -20)])
+def test_a_window_of_whole_pixels_that_hangs_over_the_border_continues_it(x0, y0):
+    image = RNG.random((8, 8, 3)).astype(np.float32)
+    rows, columns = (np.clip(np.arange(first, first + 8), 0, 7) for first in (y0, x0))
+    np.testing.assert_allclose(resample_window(image, (x0, y0, x0 + 8, y0 + 8), (8, 8)), image[rows][:, columns])
