@@ -102,3 +102,44 @@ def test_taken_away_and_laid_over_again_it_changes_nothing():
     assert without_black(linear, BLACK).min() < 0
     assert with_black(linear, None) is linear
     assert without_black(linear, None) is linear
+
+
+@pytest.mark.parametrize("unit", [1e-3, 1.0, 4096.0])
+@pytest.mark.parametrize("linear", [portrait(BLACK), 0.08 + 0.22 * portrait()])
+def test_what_is_found_is_of_the_photos_own_white(linear, unit):
+    linear = linear.reshape(-1, 3).astype(np.float32)
+    expected = black_level_of(linear)
+    assert expected.max() > 0.01
+    np.testing.assert_allclose(black_level_of(linear * np.float32(unit), unit), unit * expected, rtol=1e-4)
+
+
+def test_a_few_hundredths_of_dark_pixels_tell_enough():
+    linear = np.full((100, 100, 3), 0.5, np.float32)
+    linear[:3] = 0.02
+    np.testing.assert_allclose(black_level_of(linear.reshape(-1, 3)), 0.02, rtol=1e-3)
+
+
+def test_a_darkest_hundredth_that_spreads_as_in_overexposed_photos_has_nothing_over_it():
+    share = np.linspace(0, 1, 100_000)
+    linear = np.minimum(0.02 * 2.3 ** (share / 0.01), 1.0)[:, None].repeat(3, -1).astype(np.float32)
+    assert not black_level_of(linear).any()
+    assert black_level_of(np.maximum(linear, 0.04)).min() > 0.03
+
+
+@pytest.mark.parametrize("lifted", [(0.006, 0.006, 0.006), (0.002, 0.002, 0.03)])
+def test_little_counts_and_counts_beside_much(lifted):
+    found = black_level_of(portrait(np.float32(lifted)).reshape(-1, 3))
+    assert (found > 0.6 * np.float32(lifted)).all()
+
+
+def test_of_a_flat_photo_of_one_colour_each_channel_has_its_own():
+    dimmest = np.float32([0.11, 0.11, 0.05])
+    found = black_level_of((dimmest + 0.1 * portrait()).reshape(-1, 3))
+    np.testing.assert_allclose(found, dimmest, rtol=0.1)
+
+
+def test_a_flat_photo_that_lacks_a_colour_and_one_without_pixels():
+    red = (np.float32([0.1, 0, 0]) + np.float32([0.1, 0, 0]) * portrait()).reshape(-1, 3)
+    assert np.isfinite(black_level_of(red)).all()
+    assert black_level_of(red)[1:].max() == 0
+    assert black_level_of(np.zeros((0, 3), np.float32)).tolist() == [0, 0, 0]

@@ -61,3 +61,19 @@ def test_a_colour_that_the_shadows_lack_is_not_made_without_end():
     brighter = tone.turned(np.full(1, 0.02), np.full(1, 0.9))
     assert np.isfinite(brighter).all()
     assert brighter.max() < 60
+
+
+def test_a_faint_tone_is_one():
+    brightness = np.linspace(0, 1, 5000, dtype=np.float32)
+    tone = tone_of(brightness[:, None] * np.float32([1.02, 1.0, 0.97]))
+    assert tone is not None
+    red, green, blue = tone.at(np.full(1, 0.5))[0]
+    assert red / green > 1.015
+    assert blue / green < 0.98
+
+
+def test_a_few_bright_pixels_tell_of_their_brightness_and_hardly_any_do_not():
+    grey, red = np.full((20_000, 3), 0.2, np.float32), np.float32([[1.2, 0.8, 0.8]])
+    told = tone_of(np.concatenate([grey, red.repeat(100, 0)])).at(np.full(1, 0.88))[0]
+    np.testing.assert_allclose(told, red[0] / luminance(red[0]), rtol=0.02)
+    assert tone_of(np.concatenate([grey, red])) is None
