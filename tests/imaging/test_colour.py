@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from relight_core.imaging.colour import luminance, srgb_decode, srgb_decode_integers, srgb_encode
+from relight_core.imaging.colour import luminance, srgb_decode, srgb_decode_integers, srgb_encode, without_colour
 from relight_core.imaging.photo import Photo
 
 
@@ -29,6 +29,7 @@ def test_luminance_of_white_is_one_and_green_weighs_most():
     assert luminance(np.ones(3)) == pytest.approx(1.0)
     red, green, blue = luminance(np.eye(3))
     assert green > red > blue > 0
+    np.testing.assert_allclose([red, green, blue], [0.2126, 0.7152, 0.0722], rtol=1e-5)
 
 
 def test_a_photo_refuses_what_is_no_photo():
@@ -102,3 +103,18 @@ def test_codes_of_any_shape_are_decoded(codes):
     assert decoded.shape == np.shape(codes)
     assert decoded.dtype == np.float32
     assert (decoded == 1).all()
+
+
+def test_without_colour_luminance_is_left():
+    colours = np.random.default_rng(0).random((4, 5, 3)).astype(np.float32)
+    grey = without_colour(colours)
+    assert grey.shape == colours.shape
+    np.testing.assert_allclose(luminance(grey), luminance(colours), rtol=1e-5)
+    assert np.ptp(grey, axis=-1).max() == 0
+
+
+@pytest.mark.parametrize("curve", [srgb_encode, srgb_decode])
+def test_a_single_value_and_none_have_their_shape_kept(curve):
+    assert curve(np.float32(0.5)).shape == ()
+    assert curve(np.zeros((0, 3))).shape == (0, 3)
+    assert curve(np.zeros((3, 0, 3), np.uint8)).shape == (3, 0, 3)

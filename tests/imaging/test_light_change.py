@@ -285,3 +285,11 @@ def test_light_that_a_weaker_shadow_gives_back_to_a_mouth_leaves_the_dark_betwee
     shown = gain * photo + offset
     np.testing.assert_allclose(shown[4], (1.5 * photo)[4], rtol=0.03)
     assert shown[15:17].max() < 0.12
+
+
+def test_light_that_is_given_back_keeps_its_colour_where_the_gain_has_little_room():
+    view = np.full((4, 4, 3), 15.5, np.float32)
+    nothing = np.zeros_like(view)
+    change = LightChange(view, nothing, nothing, nothing, lambda lifted: 10 * lifted)
+    gain, _ = change.moved(np.ones_like(view), nothing, np.full_like(view, (0.4, 0.2, 0.1)))
+    np.testing.assert_allclose(gain, np.full_like(view, (16.0, 15.75, 15.625)), rtol=1e-5)

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from relight_core.imaging.view_transform import apply_view, expose
+from relight_core.imaging.view_transform import apply_view, displayable, expose
 from tests.hostile_colours import hostile_colours
 
 
@@ -71,3 +71,31 @@ def test_the_input_is_not_changed():
 def test_exposed_radiance_stays_within_what_a_half_float_holds():
     exposed = expose(np.array([[1e-3, 3e4, np.inf]], np.float32), 8.0)
     np.testing.assert_allclose(exposed, [[0.256, 65504, 65504]], rtol=1e-6)
+
+
+def test_exposure_reaches_far_and_one_that_is_no_number_is_none():
+    radiance = np.full((1, 3), 1e-9, np.float32)
+    np.testing.assert_allclose(expose(radiance, 20.0), 1e-9 * 2.0**20, rtol=1e-6)
+    np.testing.assert_allclose(expose(radiance, 99.0), 1e-9 * 2.0**32, rtol=1e-6)
+    np.testing.assert_allclose(expose(np.ones((1, 3)), -99.0), 2.0**-32, rtol=1e-6)
+    np.testing.assert_array_equal(expose(radiance, float("nan")), radiance)
+
+
+def test_what_is_negative_is_nothing_unless_it_is_asked_for():
+    radiance = np.float32([[-0.5, -3.0, 0.25]])
+    assert expose(radiance, 1.0).tolist() == [[0.0, 0.0, 0.5]]
+    assert expose(radiance, 1.0, darkest=-4.0).tolist() == [[-1.0, -4.0, 0.5]]
+
+
+@pytest.mark.parametrize("colour", [(1.06, 0.2, 0.1), (0.1, 0.2, 1.06), (0.1, 1.06, 0.2)])
+@pytest.mark.parametrize("weights", [(0.2126, 0.7152, 0.0722), (0.6, 0.3, 0.1)])
+def test_a_colour_a_little_beyond_the_display_keeps_its_luminance(colour, weights):
+    shown = displayable(np.float32([colour]), np.array(weights))
+    assert shown.max() <= 1.0
+    assert shown[0] @ weights == pytest.approx(np.dot(colour, weights), rel=0.005)
+
+
+def test_every_grey_beyond_white_is_white():
+    greys = np.geomspace(1, 65504, 3000, dtype=np.float32)[:, None].repeat(3, 1)
+    with np.errstate(all="raise", under="ignore"):
+        np.testing.assert_allclose(displayable(greys), 1.0, atol=1e-6)
