@@ -196,3 +196,26 @@ def test_the_forehead_lies_above_the_brows_of_a_leaning_face_too(roll_deg):
     x, y = crop.from_photo(np.array([600.0, 550.0]), 256)
     assert (x, y) == pytest.approx((128.0, 128.0 + 0.125 * 500 * 256 / crop.side), abs=0.5)
     assert crop.side == crop_for_face(FaceBox(400.0, 300.0, 800.0, 800.0)).side
+
+
+@pytest.mark.parametrize("crop", [Crop(150.0, 140.0, 90.0, 30.0), Crop(160.3, 150.7, 50.0, -45.0)])
+def test_a_turned_crop_takes_what_lies_at_its_points_up_to_its_corners(crop):
+    y, x = np.mgrid[0:300, 0:300] + 0.5
+    centres = np.stack(np.meshgrid(np.arange(40) + 0.5, np.arange(40) + 0.5), axis=-1)
+    seen = crop.extract(np.dstack([x, y]).astype(np.float32), 40)
+    np.testing.assert_allclose(seen, crop.to_photo(centres, 40), atol=0.1)
+
+
+def test_no_points_go_nowhere():
+    for mapped in (Crop(9.0, 9.0, 4.0, 20.0).to_photo, Crop(9.0, 9.0, 4.0).from_photo):
+        assert mapped(np.zeros((0, 2)), 16).shape == (0, 2)
+
+
+def test_a_small_face_has_a_box_and_one_that_the_view_cuts_ends_with_it():
+    parsing = np.zeros((len(CLASSES), 64, 64), np.float32)
+    parsing[SKIN, 20:30, 30:40] = 1
+    box = box_from_parsing(parsing, Crop(64.0, 64.0, 128.0))
+    assert (box.x0, box.y0, box.x1, box.y1) == pytest.approx((60, 40, 80, 60))
+    parsing[SKIN, 10:50, :20] = 0.8
+    box = box_from_parsing(parsing, Crop(64.0, 64.0, 128.0))
+    assert box.x0 == 0

@@ -81,3 +81,7 @@ def test_a_leaning_head_that_fills_its_photo_is_seen_whole(roll_deg):
     seen = view.from_photo(corners, 1)
     assert (seen >= 0).all()
     assert (seen <= 1).all()
+
+
+def test_a_face_that_fills_more_than_the_photo_is_seen_whole():
+    assert person_view(Crop(50.0, 50.0, 256.0), (100, 100)).side == pytest.approx(196)
