@@ -100,3 +100,25 @@ def test_only_the_middle_of_the_crop_has_to_be_certain():
     seen[INDEX["skin"], 44:84, 44:84] = 1
     assert certainty_of_face(seen, VIEW, CROP) == 1
     assert certainty_of_face(seen, VIEW, Crop(900, 100, 64)) == 0
+
+
+def test_a_brow_below_its_eye_or_beside_the_mouth_makes_no_face():
+    assert evidence_of_face(parsed(left_eye=16, right_brow=24), VIEW, CROP) == 0
+    assert evidence_of_face(parsed(left_brow=28, lips=32), VIEW, CROP) == 0
+
+
+def test_an_eye_of_next_to_no_pixels_does_not_count():
+    labels = parsed(lips=46)
+    labels[56:58, 60:63] = INDEX["left_eye"]
+    assert evidence_of_face(labels, VIEW, CROP) == 1
+    labels[56:60, 60:66] = INDEX["left_eye"]
+    assert evidence_of_face(labels, VIEW, CROP) == 2
+
+
+def test_certainty_is_that_of_the_crops_own_middle_also_where_the_view_ends():
+    probability = np.full((14, 128, 128), 0.01, np.float32)
+    probability[1], probability[2, 10:40, 90:120] = 0.5, 0.9
+    assert certainty_of_face(probability, VIEW, Crop(141, 61, 50)) == pytest.approx(0.9)
+    assert certainty_of_face(probability, VIEW, Crop(61, 141, 50)) == pytest.approx(0.5)
+    assert certainty_of_face(probability, VIEW, Crop(40, 40, 64)) == pytest.approx(0.5)
+    assert certainty_of_face(probability, VIEW, Crop(900, 900, 64)) == 0

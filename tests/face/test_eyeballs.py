@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from relight_core.face.eyeballs import eye_sockets, with_eyeballs
+from relight_core.face.eyeballs import eye_place, eye_sockets, with_eyeballs
 from relight_core.face.parsing import INDEX
 
 SIZE = 64
@@ -69,3 +69,51 @@ def test_sockets_lie_about_the_eyes():
     assert 0.02 < sockets[35, 20] < 1
     assert sockets[50:].max() == 0
     assert eye_sockets(np.zeros((14, SIZE, SIZE), np.float32)).max() == 0
+
+
+def facing(x):
+    """Normals that all point so far to the right."""
+    normal = np.zeros((3, SIZE, SIZE), np.float32)
+    normal[0], normal[2] = x, np.sqrt(1 - x * x)
+    return normal
+
+
+def test_a_ball_is_a_little_wider_than_the_eye_that_shows_of_it():
+    after = with_eyeballs(facing(0.0), parsing_with_eyes())
+    for x, y in EYES.values():
+        np.testing.assert_allclose(after[0, y, [x - 4, x - 2, x + 2, x + 4]], [-0.47, -0.23, 0.23, 0.47], atol=0.06)
+
+
+def test_no_ball_turns_away_from_the_camera():
+    after = with_eyeballs(facing(0.8), parsing_with_eyes())
+    assert after[2, 28:33, 15:50].min() > 0.5
+
+
+def test_eyes_that_face_each_other_look_half_as_far_aside():
+    normal = facing(0.0)
+    normal[:, :, :32], normal[:, :, 32:] = facing(0.5)[:, :, :32], facing(-0.5)[:, :, 32:]
+    after = with_eyeballs(normal, parsing_with_eyes())
+    assert 0.15 < after[0, 30, 20] < 0.4
+    assert -0.4 < after[0, 30, 44] < -0.15
+
+
+def test_lids_bulge_by_degrees():
+    before, after = facing(0.0), with_eyeballs(facing(0.0), parsing_with_eyes())
+    assert 0.03 < after[1, 26, 20] < after[1, 28, 20] + 0.2
+    np.testing.assert_array_equal(after[:, :12], before[:, :12])
+
+
+def test_eyes_of_ten_pixels_bulge_and_those_at_the_border_too():
+    small = with_eyeballs(facing(0.0), parsing_with_eyes(2.5))
+    assert small[0, 30, 21] > 0.2 > -0.2 > small[0, 30, 19]
+    at_border = with_eyeballs(facing(0.0), np.roll(parsing_with_eyes(), (-28, -16), (1, 2)))
+    assert at_border[0, 2, 7] > 0.2
+    assert at_border[0, 2, 1] < -0.2
+
+
+def test_a_speck_elsewhere_does_not_move_an_eye():
+    share = parsing_with_eyes()[INDEX["left_eye"]]
+    eye = eye_place(share)
+    assert (eye.middle_x, eye.middle_y) == (44, 30)
+    share[50:53, 4:7] = 1
+    assert (eye_place(share).middle_x, eye_place(share).half_width) == (eye.middle_x, eye.half_width)

@@ -74,3 +74,13 @@ def test_an_eye_that_the_photos_border_cuts_leaves_the_other_its_iris():
 @pytest.mark.parametrize("value", [0.0, 1e-8, 1e6])
 def test_flat_photos_are_no_fault(value):
     assert found(photo=np.full((200, 300, 3), value, np.float32)) == ()
+
+
+@pytest.mark.parametrize(("right", "down"), [(10.0, 0.0), (-10.0, 3.0)])
+def test_irises_that_look_aside_are_found_where_they_are(right, down):
+    moved = tuple((x + right, y + down, radius) for x, y, radius in PAIR)
+    seen = find_irises(draw_eyes(moved), 1.0, parse_eyes(PAIR, VIEW), VIEW)
+    assert len(seen) == 2
+    for iris, (x, y, _) in zip(seen, moved, strict=True):
+        assert abs(iris.x - x) < 1.5
+        assert abs(iris.y - y) < 2.5

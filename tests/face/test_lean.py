@@ -43,3 +43,14 @@ def test_where_one_side_is_out_of_sight_nothing_is_said(without):
 def test_an_absurd_lean_is_not_believed():
     assert remaining_roll(leaning(80)) == 0.0
     assert remaining_roll(np.zeros((16, 16), np.int64)) == 0.0
+
+
+def test_eyes_of_few_pixels_are_enough():
+    labels = np.zeros((64, 64), np.int64)
+    labels[30:32, 20:22], labels[22:24, 40:42] = INDEX["right_eye"], INDEX["left_eye"]
+    assert remaining_roll(labels) == pytest.approx(np.degrees(np.arctan2(8, 20)), abs=0.1)
+
+
+def test_eyes_and_brows_that_disagree_meet_halfway():
+    eyes, brows = leaning(0, ("left_brow", "right_brow")), leaning(20, ("left_eye", "right_eye"))
+    assert remaining_roll(np.where(eyes > 0, eyes, brows)) == pytest.approx(10, abs=2)

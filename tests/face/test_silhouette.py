@@ -3,7 +3,7 @@
 import numpy as np
 
 from relight_core.face.posterior import posterior
-from relight_core.face.silhouette import person_with_headwear, solid_person
+from relight_core.face.silhouette import person_with_headwear, rows_above_the_eyes, solid_person
 
 BACKGROUND, SKIN, HAIR, HAT, CLASSES = 0, 1, 10, 11, 14
 
@@ -80,3 +80,45 @@ def test_what_is_said_half_heartedly_of_many_classes_is_background():
     parsing[:, :10] = 0.0
     parsing[[BACKGROUND, HAIR, HAT, CLASSES - 1], :10] = np.array([0.48, 0.19, 0.01, 0.32])[:, None, None]
     assert person_with_headwear(parsing)[:10].max() < 0.45
+
+
+def test_narrow_gaps_close_and_wide_ones_stay_open():
+    labels = np.full((192, 192), BACKGROUND)
+    labels[20:180, 20:180] = SKIN
+    labels[20:100, 50:55] = BACKGROUND
+    labels[20:100, 100:124] = BACKGROUND
+    person = solid_person(parsing_of(labels))
+    assert person[40:90, 51:54].min() > 0.9
+    assert person[40:90, 106:118].max() == 0
+
+
+def test_what_is_person_stays_as_sure_and_what_lies_beyond_its_edge_as_unsure():
+    labels = head_with_hole()
+    parsing = parsing_of(labels)
+    parsing[:, 20:80, 30] = 0
+    parsing[[BACKGROUND, SKIN], 20:80, 30] = np.array([[0.4], [0.6]])
+    person = solid_person(parsing)
+    assert (person[20:80, 30:70] > 0.59).all()
+    assert (person[22:78, 34:66] == 1).all()
+    outside = np.ones(labels.shape, bool)
+    outside[20:80, 30:70] = False
+    assert person[outside].max() == 0
+
+
+def test_a_hint_of_person_far_from_the_body_is_left_out():
+    parsing = parsing_of(head_with_hole())
+    hint = 0.3 * parsing[BACKGROUND]
+    parsing[HAIR] += hint
+    parsing[BACKGROUND] -= hint
+    person = solid_person(parsing)
+    assert person[15].max() == 0
+    assert person[18, 40] > 0.25
+
+
+def test_what_lies_above_eyes_or_glasses_is_known_by_either_and_where_neither_is_seen_by_nothing():
+    for label in (4, 5, 12):
+        parsing = np.zeros((CLASSES, 100, 100), np.float32)
+        parsing[label, 50, 40:60] = 1
+        rows = rows_above_the_eyes(parsing)[:, 0]
+        np.testing.assert_allclose(rows[[0, 44, 45, 48, 49, 50, 99]], [1, 1, 1, 0.4, 0.2, 0, 0], atol=1e-5)
+    assert rows_above_the_eyes(np.zeros((CLASSES, 100, 100), np.float32)).max() == 0
