@@ -6,9 +6,11 @@ import numpy as np
 import pytest
 import tifffile
 from PIL import Image
+from PIL.PngImagePlugin import PngInfo
 
 from relight_core.imaging.formats.exif_block import Directory, Entry, laid_out, read_directory
 from relight_core.imaging.formats.metadata import carried_block
+from relight_core.imaging.formats.tiff_exif import exif_of_tiff, with_exif
 from relight_core.imaging.read import read_photo
 from relight_core.imaging.write import FileStyle, cut, write_bands
 
@@ -178,3 +180,45 @@ def test_damaged_blocks_say_what_they_still_do():
 @pytest.mark.parametrize("bits", [8, 16])
 def test_a_tiff_of_ours_that_says_nothing_of_a_camera_is_read_so_at_any_depth(tmp_path, bits):
     assert read_photo(written(tmp_path / "a.tif", None, bits)).exif is None
+
+
+@pytest.mark.parametrize("more", [b"", b"!"])
+def test_a_tiffs_new_directory_stands_at_an_even_place_and_has_all_that_was_said(tmp_path, more):
+    tiff = written(tmp_path / "a.tif", None).read_bytes() + more
+    whole = with_exif(tiff, full_block("<"))
+    (start,) = struct.unpack_from("<I", whole, 4)
+    assert start % 2 == 0
+    assert whole[8 : len(tiff)] == tiff[8:]
+    (tmp_path / "b.tif").write_bytes(whole)
+    first, settings, place, _ = said_by(tmp_path / "b.tif")
+    assert (first[MAKER], settings[SENSITIVITY], place[LATITUDE_SIDE]) == ("Camera", 400, "N")
+
+
+def test_makers_notes_and_blank_texts_of_a_tiff_stay_behind(tmp_path):
+    noted = with_exif(written(tmp_path / "a.tif", None).read_bytes(), full_block("<"))
+    assert MAKER_NOTE in read_directory(noted).inner[EXIF].entries
+    told = read_directory(exif_of_tiff(noted)).inner[EXIF].entries
+    assert LENS in told
+    assert MAKER_NOTE not in told
+    blank = [(AUTHOR, "s", 0, "   ", True)]
+    tifffile.imwrite(tmp_path / "b.tif", np.zeros((4, 4), np.uint8), metadata=None, software=False, extratags=blank)
+    assert exif_of_tiff((tmp_path / "b.tif").read_bytes()) is None
+
+
+def test_a_png_of_before_there_was_exif_in_it_has_it_as_text(tmp_path):
+    block = full_block("<")
+    text = f"\nexif\n    {len(block)}\n" + "\n".join(block.hex()[i : i + 72] for i in range(0, 2 * len(block), 72))
+    notes = PngInfo()
+    notes.add_text("Raw profile type exif", text, zip=True)
+    Image.new("RGB", (7, 9)).save(tmp_path / "a.png", pnginfo=notes)
+    assert bytes(read_directory(read_photo(tmp_path / "a.png").exif).entries[AUTHOR].data) == b"Someone\0"
+
+
+@pytest.mark.parametrize("tag", [273, 33723, 34377, 37724])
+def test_where_pixels_lay_and_what_programs_keep_for_themselves_stay_behind(tag):
+    entries = {AUTHOR: Entry(2, 8, b"Someone\0"), tag: Entry(7, 6, b"secret")}
+    carried = carried_block(b"Exif\0\0II*\0\x08\0\0\0" + laid_out(Directory("<", entries, {}), 8))
+    assert b"Someone" in carried
+    assert b"secret" not in carried
+    alone = laid_out(Directory("<", {tag: Entry(7, 6, b"secret")}, {}), 8)
+    assert carried_block(b"Exif\0\0II*\0\x08\0\0\0" + alone) is None

@@ -27,7 +27,7 @@ def written(path, codes, within=False, first=(), file_kind=None, **options):
 
 @pytest.mark.parametrize("within", [False, True])
 @pytest.mark.parametrize("kind", [np.uint8, np.uint16])
-@pytest.mark.parametrize("file_kind", [{}, {"byteorder": ">"}, {"bigtiff": True}])
+@pytest.mark.parametrize("file_kind", [{}, {"byteorder": ">"}, {"bigtiff": True}, {"bigtiff": True, "byteorder": ">"}])
 def test_the_picture_is_read_and_not_its_thumbnail(tmp_path, within, kind, file_kind):
     codes = PICTURE if kind == np.uint16 else (PICTURE >> 8).astype(np.uint8)
     photo = read_photo(written(tmp_path / "a.tif", codes, within, file_kind=file_kind, compression="zlib"))
@@ -44,12 +44,12 @@ def test_a_mask_is_no_picture_either(tmp_path):
 
 
 @pytest.mark.parametrize("kind", [np.uint8, np.uint16])
-@pytest.mark.parametrize(("own", "expected"), [(None, 6), (1, 1), (3, 3)])
+@pytest.mark.parametrize(("own", "expected"), [(None, 6), (1, 1), (3, 3), (8, 8)])
 def test_the_picture_stands_as_it_says_or_as_its_thumbnail_does(tmp_path, kind, own, expected):
     codes = PICTURE if kind == np.uint16 else (PICTURE >> 8).astype(np.uint8)
     tags = [] if own is None else [(ORIENTATION, "H", 1, own, True)]
     path = written(tmp_path / "a.tif", codes, True, [(ORIENTATION, "H", 1, 6, True)], extratags=tags)
-    turned = {1: 0, 3: 2, 6: -1}[expected]
+    turned = {1: 0, 3: 2, 6: -1, 8: 1}[expected]
     np.testing.assert_array_equal(read_photo(path).linear, np.rot90(Photo.from_srgb(codes).linear, turned))
 
 
@@ -78,3 +78,14 @@ def test_a_large_picture_that_calls_itself_a_smaller_one_is_the_photo_where_ther
     large = np.repeat(np.repeat(THUMBNAIL, 100, 0), 100, 1)
     tifffile.imwrite(tmp_path / "a.tif", large, photometric="rgb", subfiletype=REDUCED, metadata=None)
     assert read_photo(tmp_path / "a.tif").linear.shape == large.shape
+
+
+@pytest.mark.parametrize(("side_px", "is_photo"), [(500, False), (513, True)])
+def test_a_large_picture_that_calls_itself_a_thumbnail_is_the_photo_if_there_is_no_other(tmp_path, side_px, is_photo):
+    codes = np.full((6, side_px, 3), 90, np.uint8)
+    tifffile.imwrite(tmp_path / "a.tif", codes, photometric="rgb", subfiletype=REDUCED, metadata=None)
+    if is_photo:
+        assert read_photo(tmp_path / "a.tif").linear.shape == (6, side_px, 3)
+    else:
+        with pytest.raises(InputError, match="nothing but a thumbnail"):
+            read_photo(tmp_path / "a.tif")
