@@ -137,3 +137,17 @@ def test_what_a_cut_out_hides_has_no_say_in_its_tone():
     cut_out, shown = Photo(linear, alpha), Photo(linear[400:].copy())
     some = np.array([0.05, 0.6])
     np.testing.assert_allclose(cut_out.tone_at(1.0).at(some), shown.tone_at(1.0).at(some), atol=0.02)
+
+
+@pytest.mark.parametrize(("side_px", "is_stray"), [(12, True), (28, False)])
+def test_a_coloured_spot_is_colour_unless_it_is_a_stray_mark(side_px, is_stray):
+    codes = coloured(wall())
+    codes[200 : 200 + side_px, 290 : 290 + side_px] = SKIN
+    assert Photo.from_srgb(codes).monochrome == is_stray
+
+
+def test_faint_colours_of_a_small_cut_out_are_colours():
+    codes, alpha = np.full((800, 600, 3), 128, np.uint8), np.zeros((800, 600), np.float32)
+    codes[300:380, 300:330], codes[300:380, 330:360] = (133, 123, 126), (123, 133, 126)
+    alpha[300:380, 300:360] = 1
+    assert not Photo(Photo.from_srgb(codes).linear, alpha).monochrome
