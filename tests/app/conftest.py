@@ -12,6 +12,7 @@ from fake_relighter import FakeRelighter
 from opened_things import photo_files
 from window_hand import HEIGHT, WIDTH, Hand
 
+from app.engine.engine import Engine
 from app.window.gl_viewport import PicturePainter
 from app.window.glfw_window import close_window, open_window
 from app.window.window import EditorWindow
@@ -85,6 +86,20 @@ def folder(tmp_path):
 @pytest.fixture
 def relighter():
     return FakeRelighter()
+
+
+@pytest.fixture
+def published():
+    """The snapshots there were whenever the engine woke the window."""
+    return []
+
+
+@pytest.fixture
+def engine(relighter, published):
+    engine = Engine(lambda: relighter, lambda: published.append(engine.snapshot()))
+    yield engine
+    relighter.gate.set()
+    engine.close()
 
 
 @pytest.fixture(scope="module")

@@ -4,7 +4,6 @@ import fake_relighter
 import numpy as np
 import pytest
 
-from app.engine.engine import Engine
 from app.engine.sources import LightSource, PhotoSource, Request
 from relight_core.face.find import FaceBox
 from relight_core.imaging.photo import Photo
@@ -17,19 +16,6 @@ BOX, OTHER = FaceBox(4, 4, 20, 20), FaceBox(10, 2, 22, 14)
 
 def a_photo():
     return Photo(np.full((24, 32, 3), 0.5, np.float32))
-
-
-@pytest.fixture
-def published():
-    return []
-
-
-@pytest.fixture
-def engine(relighter, published):
-    engine = Engine(lambda: relighter, lambda: published.append(engine.snapshot()))
-    yield engine
-    relighter.gate.set()
-    engine.close()
 
 
 def answered(engine, photo, light=SPLIT, edit=None):

@@ -1,7 +1,6 @@
 """What the engine publishes and when, however requests and the words of other threads fall."""
 
 import numpy as np
-import pytest
 from fake_relighter import LONG_S, answered
 
 from app.engine.desk import Desk
@@ -16,20 +15,6 @@ SPLIT = LightSource("rig", "split")
 
 def grey_source(boxes=None):
     return PhotoSource(Photo(np.full((24, 32, 3), 0.5, np.float32)), None, boxes)
-
-
-@pytest.fixture
-def woken():
-    """The snapshots there were whenever the window was woken."""
-    return []
-
-
-@pytest.fixture
-def engine(relighter, woken):
-    engine = Engine(lambda: relighter, lambda: woken.append(engine.snapshot()))
-    yield engine
-    relighter.gate.set()
-    engine.close()
 
 
 def test_a_request_that_comes_just_as_the_engine_comes_to_rest_is_answered(engine, monkeypatch):
@@ -56,20 +41,20 @@ def test_a_slider_moves_the_picture_though_the_photo_that_is_wished_for_was_refu
     assert engine.snapshot().picture.edit.shadow == 0.25
 
 
-def test_the_window_is_woken_for_what_runs_for_its_result_and_for_rest(engine, woken):
+def test_the_window_is_woken_for_what_runs_for_its_result_and_for_rest(engine, published):
     final = answered(engine, Request(grey_source(), SPLIT, Edit()))
-    at_work = [snapshot.picture for snapshot in woken if snapshot.activity == "Relighting"]
+    at_work = [snapshot.picture for snapshot in published if snapshot.activity == "Relighting"]
     assert (at_work[0], at_work[-1]) == (None, final.picture), "nor does the picture wait for what comes after it"
-    assert woken[-1].activity is None
+    assert published[-1].activity is None
 
 
-def test_what_another_thread_says_wakes_the_window_and_can_be_shown_in_lines(engine, woken):
+def test_what_another_thread_says_wakes_the_window_and_can_be_shown_in_lines(engine, published):
     engine.say("Saved a\x1b[2J\u2028b.png\nand more", is_error=True)
-    told = woken[-1].message
+    told = published[-1].message
     assert told.text == "Saved a\N{REPLACEMENT CHARACTER}[2J\N{REPLACEMENT CHARACTER}b.png\nand more"
     assert told.is_error
     engine.say("Saved it")
-    assert (woken[-1].message.number, woken[-1].message.is_error) == (told.number + 1, False)
+    assert (published[-1].message.number, published[-1].message.is_error) == (told.number + 1, False)
 
 
 def test_an_engine_that_was_closed_keeps_nobody_waiting(engine):

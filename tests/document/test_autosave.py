@@ -20,16 +20,6 @@ def document(tmp_path):
     return Document(PhotoRef(tmp_path / "me.jpg"), edit=Edit(yaw_deg=1.0, quality="final"))
 
 
-@pytest.fixture
-def folder(tmp_path):
-    return tmp_path / "kept"
-
-
-@pytest.fixture
-def autosave(folder):
-    return Autosave(folder, lambda write: write())
-
-
 def turned(document, yaw_deg):
     return replace(document, edit=replace(document.edit, yaw_deg=yaw_deg))
 

@@ -21,16 +21,6 @@ def other(tmp_path):
     return of_photo(tmp_path / "you.jpg")
 
 
-@pytest.fixture
-def folder(tmp_path):
-    return tmp_path / "kept"
-
-
-@pytest.fixture
-def autosave(folder):
-    return Autosave(folder, lambda write: write())
-
-
 def of_photo(path):
     path.write_bytes(b"pixels")
     return Document(PhotoRef(path), edit=Edit(yaw_deg=1.0, quality="final"))

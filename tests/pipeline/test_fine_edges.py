@@ -42,6 +42,10 @@ def row(image):
     return image[SIZE * TIMES // 2, : BAR.start * TIMES]
 
 
+def blurred(share):
+    return cv2.GaussianBlur(share, (0, 0), 3.0)
+
+
 def test_a_shadow_ends_as_abruptly_as_the_lamp_is_small_and_where_geometry_says():
     fine = draw_finely(edges(), larger)
     coarse_row, fine_row = row(fine.coarse), row(fine.fine)
@@ -67,7 +71,6 @@ def test_far_from_edges_nothing_changes():
 
 
 def test_where_geometry_has_no_say_edges_stay():
-    blurred = lambda share: cv2.GaussianBlur(share, (0, 0), 3.0)  # noqa: E731
     for how in ((), (blurred,)):
         fine = draw_finely(edges(counts=0.0), larger, *how)
         np.testing.assert_array_equal(fine.fine, fine.coarse)
@@ -103,14 +106,12 @@ def test_no_place_is_darker_or_brighter_than_all_around():
 
 def test_where_the_picture_was_evened_the_edge_is_drawn_anew():
     """Over an eye the light is a mean; a nose's shadow that crosses it is none the less one."""
-    blurred = lambda share: cv2.GaussianBlur(share, (0, 0), 3.0)  # noqa: E731
     fine = draw_finely(edges(), larger, blurred)
     step = lambda image: np.diff(row(image)).max()  # noqa: E731
     assert step(fine.fine) > 4 * step(fine.coarse)
 
 
 def test_an_edge_that_is_drawn_anew_is_the_one_that_was_evened_away():
-    blurred = lambda share: cv2.GaussianBlur(share, (0, 0), 3.0)  # noqa: E731
     evened, plain = (row(draw_finely(edges(), larger, *how).fine) for how in ((blurred,), ()))
     np.testing.assert_allclose(evened, plain, atol=0.02)
 
