@@ -1,4 +1,4 @@
-"""Masks: where they lie, what of them hangs together, and the discs that they are grown and shrunk by."""
+"""Masks: where they lie, how far away, what of them hangs together, and the discs that they are grown and shrunk by."""
 
 from __future__ import annotations
 
@@ -22,6 +22,12 @@ def largest_part(mask: np.ndarray, fewest_px: float = 1) -> np.ndarray | None:
         return None
     largest = 1 + int(stats[1:, cv2.CC_STAT_AREA].argmax())
     return (parts == largest).astype(np.uint8) if stats[largest, cv2.CC_STAT_AREA] >= fewest_px else None
+
+
+def distance_to(where: np.ndarray) -> np.ndarray:
+    """(h, w) float32: pixels to the nearest place that is true; far where there is none."""
+    distance = cv2.distanceTransform((~where).astype(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_5)
+    return np.minimum(distance, np.float32(sum(where.shape)))
 
 
 def disc(radius_px: float) -> np.ndarray:

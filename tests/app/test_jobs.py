@@ -80,6 +80,18 @@ def test_of_a_job_of_unknown_length_nothing_is_done_yet():
     assert JobStatus("Film").share == 0.0
 
 
+def held_until_a_step(begun, go_on, done, count):
+    """Work that says that it has begun, and takes a step when it may go on."""
+
+    def work(control):
+        begun.set()
+        assert go_on.wait(LONG_S)
+        control.step(done, count)
+        return "never"
+
+    return work
+
+
 def test_a_cancelled_job_stops_at_its_next_step_and_the_next_job_runs(jobs, said):
     begun, go_on, steps = threading.Event(), threading.Event(), []
 
@@ -106,13 +118,7 @@ def test_a_cancelled_job_stops_at_its_next_step_and_the_next_job_runs(jobs, said
 def test_a_job_that_is_cancelled_stays_so_through_a_step_that_was_under_way(jobs):
     begun, go_on = threading.Event(), threading.Event()
 
-    def work(control):
-        begun.set()
-        assert go_on.wait(LONG_S)
-        control.step(3, 5)
-        return "never"
-
-    jobs.start("Film", work)
+    jobs.start("Film", held_until_a_step(begun, go_on, 3, 5))
     assert begun.wait(LONG_S)
     jobs.cancel(jobs.status())
     jobs.publish(JobStatus("Film", 2, 5, left_s=3.0))
@@ -170,13 +176,7 @@ def test_a_window_that_closes_stops_what_runs_at_its_next_step_and_begins_nothin
     begun, go_on, told = threading.Event(), threading.Event(), threading.Event()
     jobs = Jobs(lambda text, is_error: said.append((text, is_error)), lambda: jobs.is_cancelled() and told.set())
 
-    def work(control):
-        begun.set()
-        assert go_on.wait(LONG_S)
-        control.step(1, 2)
-        return "never"
-
-    jobs.start("Film", work)
+    jobs.start("Film", held_until_a_step(begun, go_on, 1, 2))
     jobs.start("Copy", lambda control: "Copied")
     assert begun.wait(LONG_S)
     closing = threading.Thread(target=jobs.close, args=(True,))

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from relight_core.imaging.masks import bounds, disc, largest_part
+from relight_core.imaging.masks import bounds, disc, distance_to, largest_part
 
 
 @pytest.mark.parametrize("kind", [bool, np.float32])
@@ -43,3 +43,12 @@ def test_the_largest_part_may_come_last_and_be_more_than_all_that_is_left_out():
     mask[1], mask[0, 3:] = False, False
     np.testing.assert_array_equal(np.unique(np.argwhere(largest_part(mask))[:, 0]), [2, 3, 4, 5])
     assert largest_part(mask).sum() == 24
+
+
+def test_distances_lead_to_the_nearest_place_and_are_finite_where_there_is_none():
+    where = np.zeros((9, 12), bool)
+    where[4, 2] = where[4, 11] = True
+    distance = distance_to(where)
+    np.testing.assert_allclose(distance[4], [2, 1, 0, 1, 2, 3, 4, 4, 3, 2, 1, 0], atol=0.01)
+    assert distance[0, 2] == pytest.approx(4, abs=0.01)
+    assert (distance_to(np.zeros((9, 12), bool)) == 21).all()

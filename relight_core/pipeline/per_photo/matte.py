@@ -215,9 +215,10 @@ def finish_matte(draft: DraftMatte | None, strokes: Sequence[BrushStroke] = ()) 
     share = _within(draft.inside, None, soft, share)
     slope, level, ends, beyond = np.zeros_like(share), share, None, None
     if guide.shape[:2] != draft.photo_size:
-        slope, level = _guided_coefficients(seen, go_on(share))
+        going_on_share = go_on(share)
+        slope, level = _guided_coefficients(seen, going_on_share)
         # Out of focus there is no finer edge to follow, but there is grain.
-        slope, level = slope * (1 - out_of_focus), level + out_of_focus * (go_on(share) - level)
+        slope, level = slope * (1 - out_of_focus), level + out_of_focus * (going_on_share - level)
         ends, beyond = draft.ends, _painted_beyond(draft.inside, share)
     fused = shrunk_size(draft.photo_size, _FUSION_PX)
     nearby = cv2.GaussianBlur(resize_area(share, fused), (0, 0), max(max(fused) * _NEAR_SHARE, 0.5))

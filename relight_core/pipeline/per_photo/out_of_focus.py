@@ -13,6 +13,7 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
+from relight_core.imaging.masks import distance_to
 from relight_core.imaging.ramp import ramp
 from relight_core.imaging.resampling import resize_area, resize_smooth
 
@@ -102,8 +103,7 @@ def _softness_in_copy(guide: np.ndarray, share: np.ndarray, ends: np.ndarray, co
     size, smallest = _halved(share.shape, copy), _halved(share.shape, _COPIES - 1)
     guide, share, ends = (resize_area(image, size) for image in (guide, share, ends))
     reach = 2 * _COARSER_PX
-    away = cv2.distanceTransform((ends == 0).astype(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_5)
-    near = np.clip(reach + 0.5 - away, 0, 1)
+    near = np.clip(reach + 0.5 - distance_to(ends > 0), 0, 1)
     seen = np.maximum(_about(near, smallest), 1e-6) / (2 * reach + 1)
     right, down = _slopes(share, _COARSER_PX)
     # Across the outline, where the matte rises straight; 0 away from it.

@@ -16,7 +16,7 @@ import numpy as np
 
 from relight_core.face.crop import Crop
 from relight_core.face.paste import Band, spread_crop, window_of
-from relight_core.imaging.masks import disc
+from relight_core.imaging.masks import disc, distance_to
 from relight_core.imaging.photo_frame import Inside
 from relight_core.imaging.ramp import ramp
 from relight_core.imaging.resampling import resize_area, resize_smooth
@@ -194,13 +194,13 @@ def _trust(
     """(k, l) in [0, 1] where colours may say how much is hair: about the outline, and by gaps within it."""
     way, off = _along(guide - sides.behind, sides.toward)
     outside = share <= 0.5
-    reach = 1 - ramp(_distance_to(outside) / head_px, *_DEEP)
+    reach = 1 - ramp(distance_to(outside) / head_px, *_DEEP)
     looked_through = (sides.certainty * reach > 0.5) & (_between(way, off, sides.low, sides.distance) > _SURELY_BETWEEN)
     gaps = looked_through & (ramp(way, sides.low, sides.high) < _GAP)
-    shut_in = gaps & (sides.behind.mean(-1) > _BRIGHT) & (_distance_to(outside) < _BESIDE * head_px)
+    shut_in = gaps & (sides.behind.mean(-1) > _BRIGHT) & (distance_to(outside) < _BESIDE * head_px)
     gaps = _hanging_together(outside, gaps) | shut_in
-    near = reach * (1 - ramp(_distance_to(gaps) / head_px, *_BY_A_GAP))
-    near *= 1 - ramp(_distance_to(~outside) / head_px, *_FAR_OUT)
+    near = reach * (1 - ramp(distance_to(gaps) / head_px, *_BY_A_GAP))
+    near *= 1 - ramp(distance_to(~outside) / head_px, *_FAR_OUT)
     hairy = ramp(cv2.dilate(hair, disc(0.01 * head_px)), *_HAIR)
     hairy = cv2.GaussianBlur(hairy, (0, 0), max(0.006 * head_px, 0.5))
     not_others = 1 - ramp(cv2.GaussianBlur(others, (0, 0), max(0.003 * head_px, 0.5)), *_OTHERS)
@@ -231,9 +231,3 @@ def _mean(image: np.ndarray, weight: np.ndarray, reach_px: float) -> tuple[np.nd
     spread = (slice(None), slice(None), *[None] * (image.ndim - 2))
     total = cv2.GaussianBlur(np.ascontiguousarray(image * weight[spread], np.float32), (0, 0), reach_px)
     return total / np.maximum(seen, 1e-6)[spread], seen
-
-
-def _distance_to(where: np.ndarray) -> np.ndarray:
-    """(k, l) float32: pixels to the nearest place that is true; far where there is none."""
-    distance = cv2.distanceTransform((~where).astype(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_5)
-    return np.minimum(distance, np.float32(sum(where.shape)))

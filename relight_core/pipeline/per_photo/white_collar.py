@@ -12,6 +12,7 @@ import numpy as np
 import torch
 
 from relight_core.face.parsing import INDEX, MOUTH, SURELY, middle_row, with_neck_as
+from relight_core.imaging.masks import distance_to
 from relight_core.imaging.ramp import ramp
 from relight_core.imaging.tensor_colour import grey
 from relight_core.pipeline.per_photo.saturation import (
@@ -82,8 +83,7 @@ def _mostly_grey(colour: torch.Tensor, bright: torch.Tensor) -> float:
 def _rims(share: torch.Tensor, face: torch.Tensor) -> torch.Tensor:
     """(1, 1, S, S) bool, the patches of what could be a collar (1, 1, S, S) that keep to the face's edge."""
     likely = (share[0, 0] > _LIKELY).cpu().numpy().astype(np.uint8)
-    apart = (face[0, 0] <= 0.5).cpu().numpy().astype(np.uint8)
-    distance = cv2.distanceTransform(apart, cv2.DIST_L2, cv2.DIST_MASK_5)
+    distance = distance_to((face[0, 0] > 0.5).cpu().numpy())
     count, patches = cv2.connectedComponents(likely, connectivity=4)
     near = [np.median(distance[patches == number]) < _ALONG_THE_JAW * len(likely) for number in range(1, count)]
     rims = np.array([False, *near])[patches].astype(np.uint8)
