@@ -164,3 +164,29 @@ def test_tears_mirror_more_of_what_grazes_them():
 def test_a_black_photo_has_nothing_to_mirror():
     cornea = find_cornea(np.zeros((180, 200, 3), np.float32), 1.0, IRIS)
     assert cornea is None or (np.isfinite(cornea.bare).all() and np.abs(cornea.mirrored).max() == 0)
+
+
+def test_a_lamp_at_the_rim_is_brighter_than_the_white_of_the_eye_that_it_touches():
+    photo = draw_eyes(((106.0, 90.0, 24.0),), (180, 200), white=0.3, skin=0.2, specks=((86, 86, 4),))
+    cornea = find_cornea(photo, 1.0, IRIS)
+    assert cornea.mirrored[30 - 4, 30 - 14].max() > 1.7
+    left = without_catchlights(photo, cornea)
+    assert left[30 - 4, 30 - 14].max() < 0.3
+    np.testing.assert_allclose(left[30, 30 - 21], 0.3, atol=0.03)
+
+
+def test_a_lid_beside_the_catchlight_of_a_small_eye_is_no_darker_without_it():
+    photo = draw_eyes(((50.0, 50.0, 6.0),), (100, 100), opened=0.7, specks=((50, 48, 1),))
+    cornea = find_cornea(photo, 1.0, Iris(50.0, 50.0, 6.0))
+    assert cornea.mirrored.max() > 1.5
+    left = without_catchlights(photo, cornea)
+    np.testing.assert_allclose(left[3, 4:12], 0.4, atol=0.02)
+
+
+def test_what_a_lid_shades_is_as_dark_where_a_catchlight_was():
+    photo = draw_eyes(DRAWN, (180, 200), iris=0.2, pupil=0.2)
+    x, y = np.meshgrid(np.arange(200) + 0.5, np.arange(180) + 0.5)
+    photo[(np.hypot(x - 100, y - 90) < 24) & (y < 88)] = 0.02
+    photo[np.hypot(x - 104, y - 82) < 4] = 2.0
+    left = without_catchlights(photo, find_cornea(photo, 1.0, IRIS))
+    assert left[30 - 8, 30 + 4].max() < 0.05

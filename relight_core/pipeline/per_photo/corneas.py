@@ -28,10 +28,14 @@ _REACH = 1.25
 """Half the square about an iris, in its radii."""
 _SPECK = 0.3
 """Radii of an iris: half of the widest catchlight that is told from the iris."""
-_FILL = 0.22
-"""Radii of an iris from which its own colour is taken where a catchlight was."""
+_FILL_ACROSS, _FILL_DOWN = 0.32, 0.14
+"""Radii of an iris from which its own colour is taken where a catchlight was. What is level with it lies as deep in
+the shadow of the upper lid; what is further down may be far paler.
+"""
 _HALO, _HALO_BLUR, _UNTOUCHED = 0.12, 0.05, 0.02
 _BRIGHTER, _BRIGHTER_BY, _BRIGHT = (1.5, 2.5), 0.02, (0.3, 0.6)
+_WHITE_PERCENTILE, _GLARING = 95, (1.5, 2.0)
+"""What stands for the white of the eye, of all that is about an iris, and how much brighter only lamps are."""
 _PALE_PERCENTILE, _PALEST = 80, 0.7
 """Which of an iris's pixels stand for its pale parts, beside its pupil; and the palest there are, of what is around."""
 _RIM, _INNER = 0.93, 0.6
@@ -99,13 +103,16 @@ def find_cornea(linear: np.ndarray, exposure: float, iris: Iris) -> Cornea | Non
     pale = float(np.percentile(seen[(within > 0.5) & (np.abs(down) < _BETWEEN_LIDS)], _PALE_PERCENTILE))
     ground = cv2.morphologyEx(seen, cv2.MORPH_OPEN, disc(_SPECK * radius))
     bright = _bright(seen / around, np.maximum(ground, pale) / around)
-    on_lid = np.where(np.abs(down) > np.abs(right), 1 - _bare(ground, within, radius, down), 0)
-    specks = _islands(bright, away) * (1 - on_lid)
+    open_iris = _bare(ground, within, radius, down)
+    on_lid = np.where(np.abs(down) > np.abs(right), 1 - open_iris, 0)
+    white = max(float(np.percentile(seen[within < 0.5], _WHITE_PERCENTILE)), around)
+    glaring = bright * ramp(seen / white, *_GLARING).astype(np.float32)
+    specks = np.maximum(_islands(bright, away), _islands(glaring, away)) * (1 - on_lid)
     of_middle, untold = bright[away < _INNER].mean(), (bright - specks)[away < _INNER].mean()
     if pale > _PALEST * around or of_middle > _MOST or untold > _MOST_UNTOLD:
         return None
-    bright = _with_halo(specks, radius)
-    own = _filled(colour, (away < _RIM) & (bright < _UNTOUCHED), radius)
+    bright = np.maximum(specks, open_iris * _with_halo(specks, radius))
+    own = _filled(colour, open_iris * ((away < _RIM) & (bright < _UNTOUCHED)), radius)
     mirrored = (bright * within)[..., None] * np.maximum(colour - own, 0)
     left = luminance(colour - mirrored) * np.float32(exposure)
     return Cornea(
@@ -142,9 +149,9 @@ def _with_halo(bright: np.ndarray, radius: float) -> np.ndarray:
 def _filled(colour: np.ndarray, known: np.ndarray, radius: float) -> np.ndarray:
     """(E, E, 3) each pixel's surroundings as far as they are known."""
     weight = known.astype(np.float32)
-    sigma = max(_FILL * radius, 0.8)
-    total = cv2.GaussianBlur(weight, (0, 0), sigma)[..., None]
-    return cv2.GaussianBlur(colour * weight[..., None], (0, 0), sigma) / np.maximum(total, 1e-4)
+    across, down = (max(reach * radius, 0.8) for reach in (_FILL_ACROSS, _FILL_DOWN))
+    total = cv2.GaussianBlur(weight, (0, 0), across, sigmaY=down)[..., None]
+    return cv2.GaussianBlur(colour * weight[..., None], (0, 0), across, sigmaY=down) / np.maximum(total, 1e-4)
 
 
 def _bare(seen: np.ndarray, within: np.ndarray, radius: float, down: np.ndarray) -> np.ndarray:
