@@ -15,6 +15,7 @@ uniform bool dimmed;            // what is behind is multiplied by behind_gain
 uniform vec3 behind_gain;
 uniform bool transparent;
 uniform vec3 black;             // what lies over all of the picture
+uniform vec3 left_by_black;     // of the light that it lies over
 uniform bool crisp;             // a pixel of the picture is one square on the screen, and all of it as its middle
 uniform float level;            // of the averages to read where the picture is shown smaller than it is
 
@@ -51,7 +52,7 @@ vec3 mirrored_at(vec2 uv) {
 #endif
 
 vec4 with_black(vec3 radiance, float coverage) {
-    return vec4(max(black + (1.0 - black) * radiance, 0.0), coverage);
+    return vec4(max(black + left_by_black * radiance, 0.0), coverage);
 }
 
 // Radiance and coverage at a place in the picture, [0, 1] across and down.

@@ -134,7 +134,8 @@ class RelitSlot:
         program["crisp"].value = self._crisp
         program["views"].value = len(recipe.views)
         program["transparent"].value = recipe.transparent
-        program["black"].value = tuple(map(float, recipe.black))
+        program["black"].value = tuple(map(float, recipe.black.level))
+        program["left_by_black"].value = tuple(map(float, recipe.black.left))
         if "dimmed" in program:
             program["dimmed"].value = recipe.behind_gain is not None
             gain = (1.0, 1.0, 1.0) if recipe.behind_gain is None else recipe.behind_gain

@@ -7,6 +7,8 @@ sixteen times as bright with them, and fade to black in the shadow of another li
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from relight_core.imaging.ramp import ramp
@@ -27,6 +29,24 @@ _FLAT, _DEEP = 5.0, 8.0
 _BRIGHTEST_PERCENT = 99.8
 _UNCLIPPED, _CLIPPED = 0.7, 0.9
 """Shares of white that the brightest of a flat photo may have: of an overexposed one the half may be gone."""
+
+
+@dataclass(frozen=True, eq=False)
+class Black:
+    """What lies over all of a photo, in the photo's units.
+
+    Attributes:
+        level: (3,) float32 linear.
+        white: what is as bright without it.
+    """
+
+    level: np.ndarray
+    white: float = 1.0
+
+    @property
+    def left(self) -> np.ndarray:
+        """(3,) float32, what it leaves of the light that it lies over."""
+        return 1 - self.level / np.float32(self.white)
 
 
 def black_level_of(pixels: np.ndarray, white: float = 1.0) -> np.ndarray:

@@ -8,9 +8,9 @@ from pathlib import Path
 
 import numpy as np
 
-from relight_core.imaging.black_level import LOOKED_AT, black_level_of
+from relight_core.imaging.black_level import LOOKED_AT, Black, black_level_of
 from relight_core.imaging.colour import luminance, srgb_decode, srgb_decode_integers, srgb_encode
-from relight_core.imaging.half_floats import are_finite
+from relight_core.imaging.half_floats import LARGEST_HALF, are_finite
 from relight_core.imaging.photo_frame import PLAINLY, inside_frame
 from relight_core.imaging.resampling import resize_area, shrunk_size
 from relight_core.imaging.tone import Tone, tone_of
@@ -43,7 +43,7 @@ class Photo:
         exif: its file's EXIF, upright and without thumbnail, or None.
         beyond: (H, W, 3) float16, finite, what clipping took from `linear`: their sum is the file's own colour.
             None where it took nothing.
-        black: (3,) float32 linear, what lies over all of the photo and was taken from it (see `above_black`), or None.
+        black: what lies over all of the photo and was taken from it (see `above_black`), or None.
 
     Raises:
         ValueError: an array of another shape or type, or with other values.
@@ -56,7 +56,7 @@ class Photo:
     icc: bytes | None = None
     exif: bytes | None = None
     beyond: np.ndarray | None = None
-    black: np.ndarray | None = None
+    black: Black | None = None
 
     def __post_init__(self) -> None:
         linear, alpha = self.linear, self.alpha
@@ -101,22 +101,24 @@ class Photo:
     @property
     def above_black(self) -> Photo:
         """The photo without the light that lies over all of it, which `black` tells; itself where there is none."""
-        return self._above_black if self._black_level.any() else self
+        return self._above_black if self._black.level.any() else self
 
     @cached_property
-    def _black_level(self) -> np.ndarray:
+    def _black(self) -> Black:
         if self.is_cut_out:
             seen = self.linear[self._few][self.alpha[self._few] > 0.5]
         else:
             x0, y0, x1, y1 = self.picture
             seen = resize_area(self.linear[y0:y1, x0:x1], shrunk_size((y1 - y0, x1 - x0), LOOKED_AT)).reshape(-1, 3)
         white = _white(seen) if self.bits == 32 else 1.0
-        return black_level_of(seen, white) if white > 0 else np.zeros(3, np.float32)
+        # What is no brighter than 1 may be a dim picture, and is told from that.
+        return Black(black_level_of(seen, white) if white > 0 else np.zeros(3, np.float32), max(white, 1.0))
 
     @cached_property
     def _above_black(self) -> Photo:
-        black = self._black_level
-        beyond = None if self.beyond is None else (self.beyond / (1 - black)).astype(np.float16)
+        black, beyond = self._black, self.beyond
+        if beyond is not None:
+            beyond = np.clip(beyond / black.left, -LARGEST_HALF, LARGEST_HALF).astype(np.float16)
         linear = np.maximum(without_black(self.linear, black), 0)
         return replace(self, linear=linear, beyond=beyond, black=black)
 
@@ -207,14 +209,14 @@ class Photo:
         return cls(np.ascontiguousarray(srgb_decode(clipped)), None, None, 32)
 
 
-def without_black(linear: np.ndarray, black: np.ndarray | None) -> np.ndarray:
-    """Radiance (..., 3) without what lies over all of it, (3,), or None for nothing; what is darker is below 0 then."""
-    return linear if black is None else (linear - black) / (1 - black)
+def without_black(linear: np.ndarray, black: Black | None) -> np.ndarray:
+    """Radiance (..., 3) without what lies over all of it, or None for nothing; what is darker is below 0 then."""
+    return linear if black is None else (linear - black.level) / black.left
 
 
-def with_black(linear: np.ndarray, black: np.ndarray | None) -> np.ndarray:
+def with_black(linear: np.ndarray, black: Black | None) -> np.ndarray:
     """The reverse of `without_black`."""
-    return linear if black is None else black + (1 - black) * linear
+    return linear if black is None else black.level + black.left * linear
 
 
 def _well_within(span: slice, count: int, length: int, step: int) -> tuple[int, int]:

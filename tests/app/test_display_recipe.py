@@ -24,6 +24,7 @@ from app.ui.pictures import Paint
 from app.ui.viewport.view import Placement
 from app.window.gl_recipe import RelitSlot
 from relight_core.face.crop import Crop
+from relight_core.imaging.black_level import Black
 from relight_core.pipeline.results.display import fits_a_recipe, person_layers, recipe_of
 from relight_core.pipeline.results.picture import PlacedCatchlight, PlacedChange
 
@@ -56,7 +57,7 @@ def test_it_does_for_a_photo_with_its_own_alpha(context, backdrop):
 @pytest.mark.parametrize("backdrop", BACKDROPS)
 def test_it_does_for_a_photo_whose_blacks_are_lifted(context, backdrop, own_alpha):
     picture = some_picture(BACKDROPS[backdrop], own_alpha=own_alpha)
-    canvas = replace(picture.canvas, black=np.float32([0.02, 0.03, 0.05]))
+    canvas = replace(picture.canvas, black=Black(np.float32([0.02, 0.03, 0.05]), 0.5))
     assert np.abs(replace(picture, canvas=canvas).render()[0] - picture.render()[0]).max() > 0.01
     assert worst(context, replace(picture, canvas=canvas)) < ONE_CODE
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from relight_core.imaging.black_level import black_level_of
+from relight_core.imaging.black_level import Black, black_level_of
 from relight_core.imaging.photo import Photo, with_black, without_black
 
 BLACK = np.float32([0.010, 0.012, 0.025])
@@ -24,7 +24,7 @@ def test_nothing_lies_over_a_photo_with_blacks():
 
 
 def test_lifted_and_coloured_blacks_are_found_for_the_most_part_and_never_more():
-    found = Photo(portrait(BLACK)).above_black.black
+    found = Photo(portrait(BLACK)).above_black.black.level
     assert (found > 0.6 * BLACK).all()
     assert (found <= BLACK * 1.001).all()
 
@@ -61,9 +61,21 @@ def test_grey_cloth_is_no_black_where_pupils_are_darker():
 
 
 def test_a_photo_in_units_of_its_own_has_it_in_those():
-    one, other = (Photo(portrait(BLACK) * np.float32(unit), bits=32).above_black.black for unit in (1, 4096))
+    one, other = (Photo(portrait(BLACK) * np.float32(unit), bits=32).above_black.black.level for unit in (1, 4096))
     assert one.min() > 0.004
     np.testing.assert_allclose(other, 4096 * one, rtol=1e-5)
+
+
+@pytest.mark.parametrize("unit", [16, 40, 100, 4096])
+def test_a_photo_in_units_of_its_own_keeps_its_white_and_all_else_too(unit):
+    """What lies over it may be above 1: photos came out in false colours, or black."""
+    one, other = (Photo(portrait(BLACK) * np.float32(times), bits=32).above_black for times in (1, unit))
+    np.testing.assert_allclose(other.linear / unit, one.linear, atol=0.005)
+
+
+def test_as_much_as_can_be_of_what_lies_far_beyond_a_photo_stays_there():
+    far = np.full((160, 200, 3), -65504, np.float16)
+    assert Photo(portrait(BLACK), bits=32, beyond=far).above_black.beyond.min() == -65504
 
 
 @pytest.mark.parametrize("linear", [np.zeros((4, 4, 3), np.float32), np.full((1, 1, 3), 0.02, np.float32)])
@@ -76,14 +88,14 @@ def test_photos_of_nothing_and_of_one_pixel_are_as_they_are(linear):
 def test_what_an_alpha_hides_has_no_say():
     linear, alpha = portrait(BLACK), np.ones((160, 200), np.float32)
     linear[60:90, 60:90], alpha[60:90, 60:90] = 0, 0
-    assert (Photo(linear, alpha).above_black.black > 0.6 * BLACK).all()
+    assert (Photo(linear, alpha).above_black.black.level > 0.6 * BLACK).all()
     assert Photo(linear).above_black.black is None
 
 
 def test_bars_around_a_picture_have_no_say():
     framed = np.zeros((200, 200, 3), np.float32)
     framed[20:180] = portrait(BLACK)
-    assert (Photo(framed).above_black.black > 0.5 * BLACK).all()
+    assert (Photo(framed).above_black.black.level > 0.5 * BLACK).all()
 
 
 def test_without_it_a_photo_has_blacks_and_keeps_its_white_and_all_else():
@@ -92,14 +104,16 @@ def test_without_it_a_photo_has_blacks_and_keeps_its_white_and_all_else():
     assert lifted.above_black is above
     assert (above.bits, above.icc) == (16, b"profile")
     assert np.percentile(above.linear, 0.1) < 0.005
-    np.testing.assert_allclose(above.linear, (lifted.linear - above.black) / (1 - above.black), atol=1e-6)
-    np.testing.assert_allclose(above.beyond, 0.5 / (1 - above.black) * np.ones((160, 200, 1)), rtol=2e-3)
+    level = above.black.level
+    np.testing.assert_allclose(above.linear, (lifted.linear - level) / (1 - level), atol=1e-6)
+    np.testing.assert_allclose(above.beyond, 0.5 / (1 - level) * np.ones((160, 200, 1)), rtol=2e-3)
 
 
 def test_taken_away_and_laid_over_again_it_changes_nothing():
     linear = portrait()
-    np.testing.assert_allclose(with_black(without_black(linear, BLACK), BLACK), linear, atol=2e-7)
-    assert without_black(linear, BLACK).min() < 0
+    for black in (Black(BLACK), Black(BLACK, 3.0)):
+        np.testing.assert_allclose(with_black(without_black(linear, black), black), linear, atol=2e-7)
+        assert without_black(linear, black).min() < 0
     assert with_black(linear, None) is linear
     assert without_black(linear, None) is linear
 

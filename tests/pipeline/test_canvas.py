@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from relight_core.imaging.black_level import Black
 from relight_core.imaging.photo import Photo
 from relight_core.pipeline.per_photo.person import canvas_of, shrunk
 
@@ -22,15 +23,16 @@ def cut_out(left, right):
 
 @pytest.mark.parametrize("alpha", [None, cut_out(0.5, 1.0)])
 def test_a_smaller_copy_knows_the_photos_size_and_what_lies_over_it(alpha):
-    canvas = canvas_of(photo_with(alpha), 30, BLACK)
+    black = Black(BLACK, 2.0)
+    canvas = canvas_of(photo_with(alpha), 30, black)
     assert canvas.size == (20, 30)
     assert canvas.photo_size == (60, 90)
-    np.testing.assert_array_equal(canvas.black, BLACK)
-    seen = (0.4 - BLACK) / (1 - BLACK)
+    assert canvas.black is black
+    seen = (0.4 - BLACK) / (1 - BLACK / 2)
     np.testing.assert_allclose(canvas.linear, np.broadcast_to(seen, (20, 30, 3)), rtol=1e-5)
     again = shrunk(canvas, 15)
     assert (again.size, again.photo_size) == ((10, 15), (60, 90))
-    np.testing.assert_array_equal(again.black, BLACK)
+    assert again.black is black
 
 
 @pytest.mark.parametrize("longest_side_px", [None, 90, 200])

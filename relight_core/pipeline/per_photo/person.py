@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from relight_core.face.paste import Band, bands, spread_window, whole_photo
+from relight_core.imaging.black_level import Black
 from relight_core.imaging.in_order import in_order
 from relight_core.imaging.photo import Photo, without_black
 from relight_core.imaging.photo_frame import Inside
@@ -26,15 +27,15 @@ class Canvas:
         alpha: (h, w) the photo's own, or None.
         photo_size: (height, width) of the photo.
         beyond: (h, w, 3) float16, what lies outside Rec.709 (see `Photo`), or None. Smaller copies have none.
-        black: (3,) float32 linear, what lies over all of the photo and is no part of `linear`, or None. Where the photo
-            is darker than that, `linear` is below 0.
+        black: what lies over all of the photo and is no part of `linear`, or None. Where the photo is darker than
+            that, `linear` is below 0.
     """
 
     linear: np.ndarray
     alpha: np.ndarray | None
     photo_size: tuple[int, int]
     beyond: np.ndarray | None = None
-    black: np.ndarray | None = None
+    black: Black | None = None
 
     @property
     def size(self) -> tuple[int, int]:
@@ -42,7 +43,7 @@ class Canvas:
         return self.linear.shape[:2]
 
 
-def canvas_of(photo: Photo, longest_side_px: int | None = None, black: np.ndarray | None = None) -> Canvas:
+def canvas_of(photo: Photo, longest_side_px: int | None = None, black: Black | None = None) -> Canvas:
     """The photo itself, or a copy of it that is no longer than so many pixels, without what lies over all of it."""
     linear = without_black(photo.linear, black)
     whole = Canvas(linear, photo.alpha, photo.linear.shape[:2], photo.beyond, black)

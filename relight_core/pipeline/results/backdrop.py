@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import cv2
 import numpy as np
 
+from relight_core.imaging.black_level import Black
 from relight_core.imaging.colour import srgb_decode
 from relight_core.imaging.photo import without_black
 from relight_core.imaging.resampling import resize_area, shrunk_size
@@ -48,7 +49,7 @@ def make_backdrop(
     panorama: np.ndarray | None,
     person_gain: Callable[[], np.ndarray] = lambda: np.ones(3),
     exposure: float = 1.0,
-    black: np.ndarray | None = None,
+    black: Black | None = None,
 ) -> Backdrop:
     """The background of a name.
 
@@ -57,7 +58,7 @@ def make_backdrop(
         panorama: (h, w, 3) linear, for "light".
         person_gain: gives (3,), by how much the light changes the person; called for "match" only.
         exposure: of the portrait, by which a gain may be larger or smaller than one.
-        black: (3,) what will lie over all of the picture, and over a panorama too; a colour stays as it was chosen.
+        black: what will lie over all of the picture, and over a panorama too; a colour stays as it was chosen.
 
     Raises:
         InputError: a background that is none.

@@ -20,6 +20,7 @@ import numpy as np
 
 from relight_core.face.crop import Crop
 from relight_core.face.paste import Band, bands, unit_matrix
+from relight_core.imaging.black_level import Black
 from relight_core.imaging.half_floats import LARGEST_HALF
 from relight_core.imaging.in_order import in_order
 from relight_core.imaging.resampling import resize_area
@@ -90,7 +91,7 @@ class DisplayRecipe:
         soft: (k, l, 3) float16, the same blurred; or None.
         nearby: (k, l, 1) float32, the matte averaged about each place; None where the matte itself serves.
         transparent: nothing is behind the person.
-        black: (3,) float32, what lies over all of the picture.
+        black: what lies over all of the picture.
         eyes: (2, 3) each, as `views`, of the eyes that mirror the light.
         catchlights: (m E, E, 3) float32, what is added in the eyes' views, one below the other, pixels of the canvas
             where averages of both are of the same ones; None where there is none. It is 0 at their borders.
@@ -107,7 +108,7 @@ class DisplayRecipe:
     soft: np.ndarray | None
     nearby: np.ndarray | None
     transparent: bool
-    black: np.ndarray
+    black: Black
     eyes: tuple[np.ndarray, ...]
     catchlights: np.ndarray | None
     picture: Picture
@@ -144,7 +145,7 @@ def recipe_of(picture: Picture, layers: PersonLayers) -> DisplayRecipe:
         _as_map(backdrop.soft) if replaced else None,
         picture.matte.nearby[..., None] if replaced and not own_alpha else None,
         backdrop.transparent,
-        np.zeros(3, np.float32) if picture.canvas.black is None else picture.canvas.black,
+        Black(np.zeros(3, np.float32)) if picture.canvas.black is None else picture.canvas.black,
         eyes,
         catchlights,
         picture,

@@ -191,7 +191,7 @@ class Picture:
             return np.zeros((*person.share.shape, 3), np.float32)
         image = self._behind(person, band)
         if (black := self.canvas.black) is not None:
-            image = (1.0 - person.share)[..., None] * black + (1.0 - black) * image
+            image = (1.0 - person.share)[..., None] * black.level + black.left * image
         gain = 1.0 if self.backdrop.kept else self.backdrop.gain
         if self.wide and self.canvas.beyond is not None and gain is not None:
             image += (1.0 - person.share)[..., None] * gain * self.canvas.beyond[band.pixels].astype(np.float32)
