@@ -65,7 +65,9 @@ def _bytes(path: Path, count: int) -> bytes:
         raise InputError(f"{path}: no permission to read it; change the file's permissions") from None
     except InputError:
         raise
-    except (OSError, ValueError, MemoryError) as error:
+    except MemoryError:
+        raise InputError(f"{path}: not enough memory is free for it; make it smaller or close other programs") from None
+    except (OSError, ValueError) as error:
         raise InputError(f"{path!s:.200}: can't be read ({_reason(error)}); check the path") from None
     if not data:
         raise InputError(f"{path}: the file is empty; fetch or export it again")

@@ -344,7 +344,7 @@ def test_what_is_no_image_is_named(tmp_path):
     (tmp_path / "bomb.png").write_bytes(png_header(30000, 20000))
     cases = {
         "missing.jpg": "no such file",
-        "empty.jpg": "empty",
+        "empty.jpg": "the file is empty",
         "text.jpg": "not an image",
         "bomb.png": "400 megapixels",
         ".": "folder",
