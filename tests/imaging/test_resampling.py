@@ -62,7 +62,10 @@ def test_a_ramp_stays_that_ramp_inside(start, length, count):
 
 def test_growing_never_leaves_the_range_of_the_image():
     image = RNG.integers(0, 2, (9, 9)).astype(np.float32)
-    for resized in (resize_smooth(image, (70, 50)), resample_window(image, (1.3, 2, 8, 8.2), (90, 90))):
+    stripes = np.tile(image[:, :1], (1, 9))
+    along_one_axis = resize_area(stripes, (90, 4)), resize_area(stripes.T, (4, 90))
+    along_both = resize_smooth(image, (70, 50)), resample_window(image, (1.3, 2, 8, 8.2), (90, 90))
+    for resized in (*along_both, *along_one_axis):
         assert resized.min() >= 0.0
         assert resized.max() <= 1.0
 
@@ -107,6 +110,8 @@ def test_an_image_that_has_the_size_is_itself():
     [
         ((3000, 4000), 1000, (750, 1000)),
         ((4000, 3000), 1000, (1000, 750)),
+        ((999, 1333), 500, (375, 500)),
+        ((1333, 999), 500, (500, 375)),
         ((50, 40), 100, (50, 40)),
         ((50, 40), None, (50, 40)),
         ((1, 5000), 100, (1, 100)),
@@ -139,6 +144,6 @@ def test_a_window_that_shrinks_a_little_keeps_its_mean(count):
 
 @pytest.mark.parametrize(("x0", "y0"), [(-3, -2), (-3, 0), (0, -2), (4, 5), (-9, 0), (20, -20)])
 def test_a_window_of_whole_pixels_that_hangs_over_the_border_continues_it(x0, y0):
-    image = RNG.random((8, 8, 3)).astype(np.float32)
-    rows, columns = (np.clip(np.arange(first, first + 8), 0, 7) for first in (y0, x0))
+    image = RNG.random((6, 14, 3)).astype(np.float32)
+    rows, columns = np.clip(np.arange(y0, y0 + 8), 0, 5), np.clip(np.arange(x0, x0 + 8), 0, 13)
     np.testing.assert_allclose(resample_window(image, (x0, y0, x0 + 8, y0 + 8), (8, 8)), image[rows][:, columns])

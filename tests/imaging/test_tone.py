@@ -19,6 +19,8 @@ def test_it_is_the_tone_that_the_picture_has_there():
     asked = np.linspace(0.02, 1, 50)
     np.testing.assert_allclose(tone.at(asked) * asked[:, None], sepia(asked), atol=0.03)
     np.testing.assert_allclose(luminance(tone.at(asked)), 1, atol=1e-3)
+    in_steps = np.diff(tone.at(np.linspace(0.02, 1, 5000)), axis=0)
+    assert np.abs(in_steps).max() < 0.002
 
 
 def test_white_that_is_dimmed_turns_sepia_and_what_stays_stays():
