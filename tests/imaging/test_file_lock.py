@@ -1,5 +1,6 @@
 """One program at a time holds a file, also where several ask for it in the moment another lets go."""
 
+import errno
 import os
 
 import pytest
@@ -80,4 +81,13 @@ def test_nobody_takes_a_file_between_its_removal_and_its_release(path, monkeypat
 def test_a_disk_that_can_t_tell_files_apart_has_no_locks(path, monkeypatch):
     monkeypatch.setattr(os.path, "samestat", lambda one, other: False)
     with pytest.raises(NoLocks):
+        locked(path)
+
+
+def test_a_disk_without_locks_is_none_where_another_program_holds_the_file(path, monkeypatch):
+    def none(_):
+        raise OSError(errno.ENOLCK, "No locks available")
+
+    monkeypatch.setattr(file_lock, "_lock", none)
+    with pytest.raises(NoLocks, match="No locks available"):
         locked(path)

@@ -1,5 +1,6 @@
 """Whole files or none: what can't be read is told, and what is left of a file that was not finished goes."""
 
+import hashlib
 import os
 from pathlib import Path
 
@@ -7,7 +8,7 @@ import pytest
 
 from relight_core.errors import InputError
 from relight_core.imaging import files
-from relight_core.imaging.files import file_bytes, file_head, is_same_file, remove_unfinished, whole_file
+from relight_core.imaging.files import file_bytes, file_digest, file_head, is_same_file, remove_unfinished, whole_file
 
 
 def test_a_file_that_is_larger_than_any_photo_is_refused(tmp_path):
@@ -35,6 +36,11 @@ def test_a_file_that_does_not_fit_into_memory_is_told_as_that(tmp_path, monkeypa
     monkeypatch.setattr(files, "open", lambda *_: Large(), raising=False)
     with pytest.raises(InputError, match=r"a\.jpg: not enough memory"):
         file_bytes(tmp_path / "a.jpg")
+
+
+def test_a_files_digest_is_of_all_of_it(tmp_path):
+    (tmp_path / "a.jpg").write_bytes(bytes(1000) + b"end")
+    assert file_digest(tmp_path / "a.jpg") == hashlib.sha256(bytes(1000) + b"end").hexdigest()
 
 
 def test_a_path_that_no_file_can_have_is_told_in_short():

@@ -6,6 +6,7 @@ import pytest
 import tifffile
 from PIL import Image
 
+from relight_core.imaging.colour import luminance
 from relight_core.imaging.formats.exr import read_exr
 from relight_core.imaging.formats.icc_making import DISPLAY_P3, REC2020, primaries_profile
 from relight_core.imaging.photo import Photo
@@ -72,6 +73,16 @@ def test_radiance_above_1_stays_within_the_profile_and_keeps_its_hue(tmp_path):
     red, green, blue = np.asarray(wide(read_photo(tmp_path / "a.png")))[0, 0]
     assert red > 1
     assert abs(green - blue) < 0.1 * red
+
+
+@pytest.mark.parametrize("codes", [(80, 80, 255), (255, 40, 40)])
+def test_radiance_a_little_above_1_keeps_its_luminance_in_a_wide_profile(tmp_path, codes):
+    icc = primaries_profile(REC2020)
+    Image.fromarray(np.full((2, 2, 3), codes, np.uint8)).save(tmp_path / "in.png", icc_profile=icc)
+    hot = np.float32(1.1) * wide(read_photo(tmp_path / "in.png"))
+    write_bands(tmp_path / "out.png", (2, 2), cut(hot, None), False, FileStyle(16, icc=icc))
+    shown = wide(read_photo(tmp_path / "out.png"))
+    np.testing.assert_allclose(luminance(shown), luminance(hot), rtol=0.004)
 
 
 def test_exr_holds_them(tmp_path):

@@ -50,14 +50,15 @@ def test_a_photo_read_and_written_is_the_same_bytes(tmp_path):
     np.testing.assert_array_equal(np.asarray(Image.open(tmp_path / "out.png")), pixels)
 
 
-def test_jpeg_is_close_and_flattens_on_white(tmp_path):
-    smooth = np.full((32, 32, 3), 0.25, np.float32)
-    write_image(tmp_path / "a.jpg", smooth, quality=95)
-    assert np.abs(read_photo(tmp_path / "a.jpg").linear - 0.25).max() < 0.01
-    write_image(tmp_path / "b.jpg", smooth, np.zeros((32, 32), np.float32))
-    np.testing.assert_allclose(read_photo(tmp_path / "b.jpg").linear, 1.0, atol=0.01)
-    write_image(tmp_path / "c.jpg", smooth, np.full((32, 32), 0.5, np.float32))
-    np.testing.assert_allclose(read_photo(tmp_path / "c.jpg").linear, 0.625, atol=0.02)
+@pytest.mark.parametrize("suffix", [".jpg", ".jpeg", ".JPG"])
+def test_jpeg_is_close_and_flattens_on_white(tmp_path, suffix):
+    smooth, a, b, c = np.full((32, 32, 3), 0.25, np.float32), *(tmp_path / f"{name}{suffix}" for name in "abc")
+    write_image(a, smooth, quality=95)
+    assert np.abs(read_photo(a).linear - 0.25).max() < 0.01
+    write_image(b, smooth, np.zeros((32, 32), np.float32))
+    np.testing.assert_allclose(read_photo(b).linear, 1.0, atol=0.01)
+    write_image(c, smooth, np.full((32, 32), 0.5, np.float32))
+    np.testing.assert_allclose(read_photo(c).linear, 0.625, atol=0.02)
 
 
 def test_lower_quality_is_a_smaller_file(tmp_path):
@@ -199,6 +200,7 @@ def test_layers_of_different_sizes_are_a_fault_of_the_caller(tmp_path):
         ("a.gif", {}, "png"),
         ("a", {}, "png"),
         ("a.jpg", {"bits": 16}, "8 bits"),
+        ("a.jpeg", {"bits": 16}, "8 bits"),
         ("a.png", {"bits": 32}, "8 or 16 bits"),
         ("missing/a.png", {}, "no folder"),
         ("missing/a.exr", {}, "no folder"),
