@@ -173,7 +173,8 @@ class Desk:
     def _load_networks(self, now: Snapshot) -> Snapshot:
         if self._loading is not None:
             # Importing torch keeps one core busy for a second; faces are found meanwhile, and remembered.
-            threading.Thread(target=find_faces_beyond_doubt, args=(self._loading[1].seen,), daemon=True).start()
+            seen = self._loading[1].above_black.seen
+            threading.Thread(target=find_faces_beyond_doubt, args=(seen,), daemon=True).start()
         self._relighter = self._make_relighter()
         self._tiers.read()
         return now

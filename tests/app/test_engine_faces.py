@@ -1,9 +1,12 @@
 """The engine and the faces of a photo: none found, boxes by hand, and what stays in sight meanwhile."""
 
+import threading
+
 import fake_relighter
 import numpy as np
 import pytest
 
+from app.engine import desk
 from app.engine.sources import LightSource, PhotoSource, Request
 from relight_core.face.find import FaceBox
 from relight_core.imaging.photo import Photo
@@ -34,6 +37,17 @@ def test_a_photo_in_which_nobody_is_found_is_shown_without_a_picture(engine, rel
     calls = len(relighter.relights)
     assert answered(engine, nobody, edit=Edit(shadow=0.1)).picture is None
     assert len(relighter.relights) == calls
+
+
+def test_faces_are_looked_for_while_networks_load_in_the_photo_that_is_searched_for_them_later(engine, monkeypatch):
+    """Without what lies over all of it: another would be searched in vain, and the search for faces wait for that."""
+    looked, done = [], threading.Event()
+    monkeypatch.setattr(desk, "find_faces_beyond_doubt", lambda photo: looked.append(photo) or done.set())
+    lifted = Photo(np.linspace(0.02, 0.9, 24 * 32 * 3, dtype=np.float32).reshape(24, 32, 3))
+    answered(engine, PhotoSource(lifted))
+    assert done.wait(fake_relighter.LONG_S)
+    assert lifted.above_black is not lifted
+    assert looked == [lifted.above_black.seen]
 
 
 def test_a_box_by_hand_makes_its_picture(engine, relighter):
