@@ -1,5 +1,7 @@
 """Colour profiles written back, metadata carried, files in bands, and files that are no pictures yet."""
 
+import io
+
 import cv2
 import numpy as np
 import pytest
@@ -48,6 +50,25 @@ def test_a_profile_is_converted_and_written_back(tmp_path, suffix):
     plain = tmp_path / f"srgb{suffix}"
     write_image(plain, linear, bits=bits, quality=100)
     assert np.abs(stored - cv2.imread(str(plain), cv2.IMREAD_UNCHANGED)[0, 0, ::-1] / (2**bits - 1)).max() > 0.02
+
+
+@pytest.mark.parametrize("suffix", [".png", ".tif", ".jpg"])
+def test_a_file_says_that_its_colours_are_srgb(tmp_path, suffix):
+    write_image(tmp_path / f"a{suffix}", picture())
+    with Image.open(tmp_path / f"a{suffix}") as image:
+        said = image.info
+    if suffix == ".png":
+        assert said["srgb"] == 0
+    else:
+        profile = ImageCms.ImageCmsProfile(io.BytesIO(said["icc_profile"]))
+        assert "sRGB" in ImageCms.getProfileDescription(profile)
+
+
+def test_texts_of_a_png_are_read_as_they_were_written(tmp_path):
+    notes = {"relightLight": "Abendlicht über 東京", "relightYawDeg": -30.5}
+    write_image(tmp_path / "a.png", picture(), notes=notes)
+    with Image.open(tmp_path / "a.png") as image:
+        assert image.text == {"relightLight": "Abendlicht über 東京", "relightYawDeg": "-30.5"}
 
 
 def test_an_srgb_photo_remembers_no_profile(tmp_path):

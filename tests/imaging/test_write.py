@@ -43,6 +43,14 @@ def test_straight_alpha_keeps_the_colour(tmp_path, name, bits):
     assert np.abs(encode(back.linear) - encode(LINEAR)).max() <= 0.51 / (2**bits - 1) + 1e-6
 
 
+@pytest.mark.parametrize("name", ["a.png", "a.tif", "a.exr"])
+def test_alpha_that_is_no_share_is_written_as_the_nearest(tmp_path, name):
+    alpha = np.full((2, 4), 0.5, np.float32)
+    alpha[0] = np.nan, -0.2, 1.5, np.inf
+    write_image(tmp_path / name, np.full((2, 4, 3), 0.25, np.float32), alpha, bits=16)
+    np.testing.assert_allclose(read_photo(tmp_path / name).alpha, [[0, 0, 1, 1], [0.5] * 4], atol=1e-4)
+
+
 def test_a_photo_read_and_written_is_the_same_bytes(tmp_path):
     pixels = RNG.integers(0, 256, (9, 10, 3)).astype(np.uint8)
     Image.fromarray(pixels).save(tmp_path / "in.png")
@@ -111,17 +119,19 @@ def test_named_layers_and_header(tmp_path):
     main = np.dstack([LINEAR, ALPHA])
     layers = {"RGBA": main, "albedo": LINEAR * 0.5, "shadow": ALPHA, "mask": ALPHA[..., None]}
     header = {"light": "split", "yaw_deg": np.float32(30.0), "count": np.int64(3), "none": None, "on": True}
-    write_exr_layers(tmp_path / "l.exr", layers, half=False, header=header)
-    channels = channels_of(tmp_path / "l.exr")
+    write_exr_layers(tmp_path / "L.EXR", layers, half=False, header=header)
+    channels = channels_of(tmp_path / "L.EXR")
     names = ["A", "B", "G", "R", "albedo.B", "albedo.G", "albedo.R", "mask", "shadow"]
     assert sorted(channels) == names
     np.testing.assert_array_equal(channels["albedo.G"], LINEAR[..., 1] * 0.5)
     np.testing.assert_array_equal(channels["shadow"], ALPHA)
-    with OpenEXR.File(str(tmp_path / "l.exr"), header_only=True) as file:
+    with OpenEXR.File(str(tmp_path / "L.EXR"), header_only=True) as file:
         stored = dict(file.header())
     assert stored["light"] == "split"
     assert stored["yaw_deg"] == 30.0
     assert stored["count"] == 3
+    assert stored["on"] == 1
+    assert "none" not in stored
     assert stored["compression"] == OpenEXR.ZIP_COMPRESSION
 
 
@@ -132,6 +142,7 @@ def test_notes_of_an_exr_are_kept_whatever_their_type_and_leave_its_own_header_a
     with OpenEXR.File(str(tmp_path / "n.exr"), header_only=True) as file:
         stored = dict(file.header())
     assert (stored["yaw_deg"], stored["count"], stored["light"]) == (30.0, 3, "split")
+    assert "none" not in stored
     assert stored["compression"] == OpenEXR.ZIP_COMPRESSION
     np.testing.assert_array_equal(read_photo(tmp_path / "n.exr").linear, LINEAR)
 
@@ -179,6 +190,12 @@ def test_32_bits_are_cleaned_but_not_limited_and_halves_are(tmp_path):
     np.testing.assert_array_equal(
         channels_of(tmp_path / "half.exr")["G"][0], [0.0, 65504.0, -65504.0, 65504.0, 65504.0]
     )
+
+
+def test_layers_are_written_into_no_other_kind_of_file(tmp_path):
+    with pytest.raises(InputError, match=r"a\.png: layers need an EXR file"):
+        write_exr_layers(tmp_path / "a.png", {"RGB": LINEAR})
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_integer_labels_can_be_a_layer(tmp_path):
