@@ -12,7 +12,7 @@ from relight_core.dataset.samples import channels_of, light_head
 from relight_core.lighting.reflection import Gloss
 from relight_core.pipeline.per_light.hints import with_dull_parts
 
-SKIN, LIPS, HAIR, CLOTH = 1, 8, 10, 13
+BACKGROUND, SKIN, BROWS, EYES, LIPS, NECK, HAIR, HAT, GLASSES, CLOTH = 0, 1, (2, 3), (4, 5), 8, 9, 10, 11, 12, 13
 LIGHTS = np.random.default_rng(0).gamma(0.5, 1, (1, 16, 32, 3)).astype(np.float32)
 
 
@@ -26,7 +26,16 @@ def specular(label, **how):
     return channels_of(head, np.full((len(head.normal), 3), 0.3, np.float32), 0)["specular"]
 
 
-@pytest.mark.parametrize(("label", "share"), [(SKIN, 1.0), (LIPS, 1.0), (HAIR, 0.15), (CLOTH, 0.08)])
+@pytest.mark.parametrize(
+    ("label", "share"),
+    [
+        *((label, 1.0) for label in (SKIN, LIPS, NECK, GLASSES)),
+        *((label, 0.5) for label in EYES),
+        *((label, 0.4) for label in BROWS),
+        *((label, 0.15) for label in (HAIR, HAT)),
+        *((BACKGROUND, 0.1), (CLOTH, 0.08)),
+    ],
+)
 def test_each_part_has_its_share_of_the_gloss_of_skin(label, share):
     np.testing.assert_allclose(specular(label), share * specular(SKIN, dull=False), rtol=1e-5, atol=1e-7)
 

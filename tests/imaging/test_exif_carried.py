@@ -86,6 +86,11 @@ def test_settings_and_place_arrive_in_every_format(tmp_path, order, name, bits, 
     np.testing.assert_allclose(read_photo(tmp_path / name).linear, 0.3, atol=0.01)
 
 
+def test_a_png_has_the_block_without_what_jpegs_have_before_it(tmp_path):
+    data = written(tmp_path / "a.png", carried_block(full_block("<"))).read_bytes()
+    assert data[data.index(b"eXIf") + 4 :].startswith(b"II*\0")
+
+
 def test_a_deep_tiff_that_says_nothing_stays_silent(tmp_path):
     assert read_photo(written(tmp_path / "a.tif", None, bits=16)).exif is None
 

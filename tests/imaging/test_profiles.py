@@ -179,8 +179,31 @@ def test_floats_are_turned_upright_and_keep_what_the_file_says(tmp_path, profile
     assert b"Camera" in photo.exif
 
 
+@pytest.mark.parametrize("profile", [None, rgb_profile(gamma(1))])
+@pytest.mark.parametrize("extra", ["unassalpha", "assocalpha"])
+@pytest.mark.parametrize("planes", ["contig", "separate"])
+def test_floats_with_alpha_are_turned_upright_and_divided_by_it_where_it_is_in_them(tmp_path, profile, extra, planes):
+    rng = np.random.default_rng(1)
+    grey, alpha = rng.uniform(0.1, 3, (4, 6, 1)).repeat(3, 2), rng.uniform(0.2, 1, (4, 6))
+    stored = np.dstack([grey * alpha[..., None] if extra == "assocalpha" else grey, alpha])
+    stored = stored if planes == "contig" else np.moveaxis(stored, -1, 0)
+    how = {"extrasamples": [extra], "planarconfig": planes, "extratags": [(274, "H", 1, 6, True)]}
+    photo = float_tiff(tmp_path / "a.tif", stored, iccprofile=profile, **how)
+    np.testing.assert_allclose(photo.alpha, np.rot90(alpha, -1), rtol=1e-6)
+    np.testing.assert_allclose(photo.linear, np.rot90(grey, -1), rtol=1e-3)
+    assert photo.icc == profile
+
+
 def grey_profile(value):
     return profile_bytes(b"GRAY", {b"wtpt": xyz((0.9642, 1.0, 0.8249)), b"kTRC": gamma(value)})
+
+
+@pytest.mark.parametrize("profile", [None, grey_profile(1)])
+def test_grey_floats_become_three_equal_channels(tmp_path, profile):
+    tifffile.imwrite(tmp_path / "a.tif", np.full((4, 5), 2.5, np.float32), photometric="minisblack", iccprofile=profile)
+    photo = read_photo(tmp_path / "a.tif")
+    np.testing.assert_allclose(photo.linear, np.full((4, 5, 3), 2.5), rtol=1e-3)
+    assert photo.icc is None
 
 
 @pytest.mark.parametrize("suffix", [".png", ".tif"])
@@ -256,3 +279,26 @@ def test_a_profile_with_a_flat_curve_counts_as_none(tmp_path, curve):
     np.testing.assert_array_equal(flat.linear, plain.linear)
     np.testing.assert_array_equal(grey.linear, np.repeat(plain.linear[..., :1], 3, axis=2))
     assert flat.icc is None
+
+
+def table_profile():
+    """An RGB profile of tables, as printers and scanners have, for which a code is a share of Lab's lightness."""
+    identity = np.tile(np.arange(256, dtype=np.uint8), 3).tobytes()
+    matrix = b"".join(fixed(value) for value in np.eye(3).ravel())
+    corners = bytes(c for r in (0, 1) for g in (0, 1) for b in (0, 1) for c in (255 * (r + g + b) // 3, 128, 128))
+    table = b"mft1\0\0\0\0" + bytes([3, 3, 2, 0]) + matrix + identity + corners + identity
+    profile = profile_bytes(b"RGB ", {b"wtpt": xyz((0.9642, 1.0, 0.8249)), b"A2B0": table})
+    return profile[:20] + b"Lab " + profile[24:]
+
+
+def test_deep_codes_in_a_profile_of_tables_are_those_of_8_bits(tmp_path):
+    codes = np.random.default_rng(0).integers(0, 256, (8, 9, 1)).repeat(3, 2).astype(np.uint8)
+    deep = codes.astype(np.uint16) * 256 + np.arange(9, dtype=np.uint16)[:, None] * 20
+    for name, values in (("flat", codes), ("deep", deep)):
+        tifffile.imwrite(tmp_path / f"{name}.tif", values, photometric="rgb", iccprofile=table_profile())
+    flat, of_deep = (read_photo(tmp_path / f"{name}.tif") for name in ("flat", "deep"))
+    lightness = codes[..., 1] / 255
+    luminance = np.where(lightness > 0.08, ((lightness + 0.16) / 1.16) ** 3, lightness / 9.033)
+    np.testing.assert_allclose(flat.linear[..., 1], luminance, atol=0.01)
+    np.testing.assert_array_equal(of_deep.linear, flat.linear)
+    assert (of_deep.bits, of_deep.icc) == (8, None)

@@ -190,6 +190,14 @@ def test_exr_alpha_is_divided_out(tmp_path):
     assert photo.alpha[1, 1] == 0.5
 
 
+def test_alpha_of_an_exr_that_is_no_share_counts_as_the_nearest(tmp_path):
+    pixels = np.full((2, 4, 4), 0.5, np.float32)
+    pixels[0, :, 3] = np.nan, -1.0, 2.0, np.inf
+    photo = read_photo(write_exr(tmp_path / "a.exr", {"RGBA": pixels}))
+    np.testing.assert_array_equal(photo.alpha, [[0, 0, 1, 1], [0.5] * 4])
+    np.testing.assert_array_equal(photo.linear[..., 0], [[0.5] * 4, [1.0] * 4])
+
+
 def test_an_exr_of_luminance_and_chroma_is_refused_for_what_it_is(tmp_path):
     plane = np.full((4, 4), 0.5, np.float32)
     path = write_exr(tmp_path / "a.exr", {"Y": plane, "RY": plane, "BY": plane})

@@ -35,6 +35,21 @@ def test_the_photo_is_clipped_and_what_was_clipped_is_kept(tmp_path):
     assert (photo.linear.min(), photo.linear.max()) == (0, 1)
 
 
+def test_dim_colours_outside_rec709_are_kept_too(tmp_path):
+    Image.fromarray(np.full((2, 2, 3), (40, 0, 0), np.uint8)).save(tmp_path / "a.png", icc_profile=P3)
+    level = ((40 / 255 + 0.055) / 1.055) ** 2.4
+    np.testing.assert_allclose(wide(read_photo(tmp_path / "a.png"))[0, 0], np.float32(P3_RED) * level, atol=1e-5)
+
+
+def test_all_rows_of_a_high_photo_keep_what_lies_outside(tmp_path):
+    codes = np.zeros((400, 2, 3), np.uint8)
+    codes[[0, 130, 399]] = (255, 0, 0)
+    Image.fromarray(codes).save(tmp_path / "a.png", icc_profile=P3)
+    colours = wide(read_photo(tmp_path / "a.png"))
+    np.testing.assert_allclose(colours[[0, 130, 399], 0], [P3_RED] * 3, atol=2e-3)
+    assert np.abs(colours[[1, 129, 131, 398]]).max() == 0
+
+
 def test_turning_turns_what_was_clipped_too(tmp_path):
     exif = Image.Exif()
     exif[274] = 6
