@@ -1,6 +1,7 @@
 """Photos of people who were cut out: what their files hide under alpha 0 is nobody's to see."""
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -84,6 +85,27 @@ def test_a_smaller_copy_keeps_the_colour_of_its_edge():
 def test_the_grey_behind_a_cut_out_is_in_its_units(factor):
     grey = replace(cut_out(HIDDEN[0], Photo(np.full((96, 112, 3), factor, np.float32))), bits=32).seen.linear
     assert 0.1 < grey.min() / grey.max() < 1.3
+
+
+@pytest.mark.parametrize(("level", "grey"), [(1.0, 0.18), (0.4, 0.18), (0.05, 0.06), (10.0, 1.8)])
+def test_a_cut_out_is_seen_before_a_middle_grey_of_its_brightness(level, grey):
+    photo = replace(cut_out(HIDDEN[2], Photo(np.full((96, 112, 3), level, np.float32))), bits=32, path=Path("me.exr"))
+    seen = photo.seen
+    np.testing.assert_allclose(seen.linear[photo.alpha == 0], grey, rtol=1e-5)
+    np.testing.assert_allclose(seen.linear[photo.alpha == 1], level, rtol=1e-5)
+    soft = (photo.alpha > 0) & (photo.alpha < 1)
+    share = photo.alpha[soft]
+    np.testing.assert_allclose(seen.linear[soft][:, 1], share * level + (1 - share) * grey, rtol=1e-5)
+    assert (seen.alpha, seen.bits, seen.path) == (None, 32, Path("me.exr"))
+
+
+def test_a_dark_cut_out_with_a_lit_part_is_not_dark_and_one_of_nothing_is_before_grey():
+    linear = np.full((96, 112, 3), 0.02, np.float32)
+    linear[40:50] = 0.6
+    lit = Photo(linear, a_share())
+    np.testing.assert_allclose(lit.seen.linear[lit.alpha == 0], 0.18, rtol=1e-5)
+    nothing = Photo(linear, np.zeros((96, 112), np.float32))
+    np.testing.assert_allclose(nothing.seen.linear, 0.18, rtol=1e-5)
 
 
 def test_an_opaque_photo_is_seen_as_it_is():

@@ -173,6 +173,17 @@ def test_the_picture_of_a_photo_is_what_lies_well_within_its_frame(colour, expos
     assert found == pytest.approx((13, 13, 171, 211), abs=1)
 
 
+@pytest.mark.parametrize("colour", [0.0, 1.0])
+def test_nothing_of_a_frames_soft_edge_is_part_of_the_picture(colour):
+    picture = street()
+    inner = picture[1:-1, 1:-1].copy()
+    picture = (picture + np.float32(colour)) / 2
+    picture[1:-1, 1:-1] = inner
+    x0, y0, x1, y1 = Photo(framed(picture, 12, colour)).picture
+    assert 13 <= min(x0, y0) <= max(x0, y0) <= 14
+    assert (170 <= x1 <= 171, 210 <= y1 <= 211) == (True, True)
+
+
 def test_the_picture_of_a_large_photo_ends_within_its_frame():
     large = framed(cv2.resize(street(), (1600, 2000)), 100, 1.0)
     assert Photo(large).picture == pytest.approx((105, 105, 1695, 2095), abs=5)
