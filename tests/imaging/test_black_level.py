@@ -85,9 +85,16 @@ def test_photos_of_nothing_and_of_one_pixel_are_as_they_are(linear):
     assert above.min() >= 0
 
 
-def test_what_an_alpha_hides_has_no_say():
+def test_a_dim_picture_of_a_few_codes_has_none_that_tells_and_one_of_floats_has():
+    dim = np.float32(0.02) * portrait(BLACK)
+    assert Photo(dim).above_black.black is None
+    assert Photo(dim, bits=32).above_black.black.level.max() > 0.0003
+
+
+@pytest.mark.parametrize("left", [0.0, 0.4])
+def test_what_an_alpha_hides_for_the_most_part_has_no_say(left):
     linear, alpha = portrait(BLACK), np.ones((160, 200), np.float32)
-    linear[60:90, 60:90], alpha[60:90, 60:90] = 0, 0
+    linear[60:90, 60:90], alpha[60:90, 60:90] = 0, left
     assert (Photo(linear, alpha).above_black.black.level > 0.6 * BLACK).all()
     assert Photo(linear).above_black.black is None
 

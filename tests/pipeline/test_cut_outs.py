@@ -126,10 +126,14 @@ class TestWhatIsBlackAndWhite:
     def test_nor_hidden_greys_a_grey_one(self, hidden):
         assert not cut_out(hidden).monochrome
 
+    def test_next_to_a_hidden_lamp_a_floating_point_photo_has_its_colours(self):
+        assert not replace(cut_out((5e3, 6e3, 7e3)), bits=32).monochrome
+
     @pytest.mark.parametrize("hidden", HIDDEN)
     def test_hidden_colours_are_no_part_of_a_tone(self, hidden):
         sepia = Photo(self.grey.linear * np.float32([1.2, 1.0, 0.6]))
-        tone = cut_out(hidden, sepia).tone_at(1.0)
+        tone, exposed = (cut_out(hidden, sepia).tone_at(exposure) for exposure in (1.0, 4.0))
+        np.testing.assert_allclose(exposed.at(np.float32([0.8])), tone.at(np.float32([0.2])), rtol=1e-5)
         np.testing.assert_allclose(
             tone.at(np.float32([0.1, 0.4]))[:, 2] / tone.at(np.float32([0.1, 0.4]))[:, 0], 0.5, rtol=0.02
         )
