@@ -10,15 +10,16 @@ FRONTAL = ("frontalface_default", "frontalface_alt", "frontalface_alt2")
 
 
 class Cascade:
-    """Hits a square of 100 pixels where the image has its brightest pixel, with so many votes."""
+    """Hits a square of 100 pixels where the image has its brightest pixel, with so many votes; or several times."""
 
     def __init__(self, votes, eyes, moved=0):
         self.votes, self.eyes, self.moved = votes, eyes, moved
 
     def detectMultiScale2(self, grey, *_):
         row, column = np.unravel_index(grey.argmax(), grey.shape)
-        side = np.array([[column + self.moved, row, 100, 100]])
-        return (side, np.array([self.votes])) if self.votes else ((), ())
+        votes = np.atleast_1d(self.votes)
+        side = np.array([[column + self.moved, row, 100, 100]] * len(votes))
+        return (side, votes) if votes.any() else ((), ())
 
     def detectMultiScale(self, view, *_):
         return np.zeros((self.eyes, 4))
@@ -51,6 +52,7 @@ def bright_at(column, row=60, width=300):
         ((4, 0, 4), 1),
         ((8, 0, 0), 2),
         ((90, 0, 0), 2),
+        (((20, 30), 0, 0), 2),
     ],
 )
 def test_the_fewer_cascades_agree_the_more_eyes_a_face_has_to_show(seen, votes, eyes_needed):

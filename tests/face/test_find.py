@@ -164,7 +164,9 @@ def test_a_face_that_lies_is_among_the_guesses(quarters):
 
 def test_what_is_known_better_is_remembered():
     photo = Photo(np.zeros((8, 8, 3), np.float32))
-    remember_faces(photo, [FaceBox(1, 2, 3, 4)])
+    faces = [FaceBox(1, 2, 3, 4)]
+    remember_faces(photo, faces)
+    faces.clear()
     assert find_faces(photo) == [FaceBox(1, 2, 3, 4)]
 
 

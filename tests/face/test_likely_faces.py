@@ -22,12 +22,23 @@ def places(boxes):
 
 
 def test_what_lies_in_a_better_face_or_is_tiny_and_doubtful_beside_it_is_none(monkeypatch):
-    face, mouth, beside = hit(300, 300, 190, 45), hit(340, 380, 100, 30), hit(440, 300, 120, 20)
-    tiny, sure, other = hit(20, 20, 60, 39), hit(600, 20, 60, 40), hit(600, 600, 100, 10)
+    face, mouth, beside = hit(300, 300, 190, 45), hit(420, 380, 100, 30), hit(440, 300, 120, 20)
+    tiny, sure, other = hit(20, 20, 60, 39), hit(600, 20, 60, 4000), hit(600, 600, 100, 10)
     monkeypatch.setattr(find, "frontal_candidates", lambda *_: [tiny, other, mouth, sure, face, beside])
     found = find_faces(even_photo(800, 800))
     assert places(found) == [(300, 300, 190), (440, 300, 120), (600, 20, 60), (600, 600, 100)]
     assert all(box.doubtful for box in found)
+
+
+def test_who_is_in_the_dark_quarter_of_a_photo_is_looked_for_last_of_those_upright(monkeypatch):
+    looks = []
+    monkeypatch.setattr(find, "frontal_candidates", lambda grey, *_: looks.append(grey.mean()) or [])
+    monkeypatch.setattr(find, "_turned_away", lambda grey: [])
+    linear = np.full((400, 400, 3), 0.9, np.float32)
+    linear[:240], linear[:120] = 0.03, 0.001
+    assert find_faces(Photo(linear)) == []
+    _, as_it_is, brighter, brightest = looks
+    assert as_it_is < brighter < brightest
 
 
 def test_who_leans_is_looked_for_only_where_nobody_is_seen_from_the_side(monkeypatch):

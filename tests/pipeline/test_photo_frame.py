@@ -165,7 +165,7 @@ def street():
     return np.dstack(colours).astype(np.float32)
 
 
-@pytest.mark.parametrize("exposure", [1.0, 0.05])
+@pytest.mark.parametrize("exposure", [1.0, 0.05, 30.0])
 @pytest.mark.parametrize("colour", [0.0, 1.0])
 def test_the_picture_of_a_photo_is_what_lies_well_within_its_frame(colour, exposure):
     assert Photo(street()).picture == (0, 0, 160, 200)
