@@ -69,6 +69,11 @@ def test_photo_from_bytes_in_memory():
     assert photo.alpha is None
 
 
+def test_floats_from_memory_that_no_picture_has_count_as_the_nearest():
+    srgb = np.array([[[np.nan, -1.0, 2.0], [np.inf, -np.inf, 0.5]]])
+    np.testing.assert_allclose(Photo.from_srgb(srgb).linear, [[[0, 0, 1], [1, 0, 0.21404]]], atol=1e-5)
+
+
 @pytest.mark.parametrize("kind", ["<u2", ">u2", "<f2", ">f4", "f8"])
 def test_photo_from_memory_in_any_byte_order(kind):
     white = 65535 if "u" in kind else 1

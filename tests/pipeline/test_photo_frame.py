@@ -34,7 +34,7 @@ def framed(picture, width, colour):
     return cv2.copyMakeBorder(picture, *(width,) * 4, cv2.BORDER_CONSTANT, value=(colour,) * 3)
 
 
-@pytest.mark.parametrize("behind", [0.0, 0.4, 1.0])
+@pytest.mark.parametrize("behind", [0.0, 0.1, 0.4, 0.9, 1.0])
 @pytest.mark.parametrize("colour", [0.0, 1.0])
 def test_a_frame_is_found_and_a_wall_of_its_colour_is_part_of_it_up_to_the_person(behind, colour):
     picture, _ = half_figure(behind)
@@ -49,6 +49,23 @@ def test_a_plain_wall_is_no_frame(behind):
     assert inside_frame(picture) is None
     round_head = np.where(person[..., None] & (np.mgrid[0:200, 0:160][0] < 110)[..., None], picture, behind)
     assert inside_frame(round_head.astype(np.float32)) is None
+
+
+@pytest.mark.parametrize(("grain", "is_frame"), [(4 / 255, True), (10 / 255, False)])
+def test_a_grainy_wall_around_a_picture_is_no_frame_but_paper_may_be_a_little_uneven(grain, is_frame):
+    whole = framed(half_figure(0.4)[0], 30, 0.8)
+    uneven = np.random.default_rng(0).uniform(-grain, grain, whole.shape).astype(np.float32)
+    inner = uneven[30:-30, 30:-30]
+    inner[:] = 0
+    assert (inside_frame(whole + uneven) is not None) == is_frame
+
+
+@pytest.mark.parametrize(("width", "is_frame"), [(40, False), (80, True)])
+def test_around_a_wall_of_its_colour_a_frame_is_known_by_the_line_that_cuts_somebody_off(width, is_frame):
+    y, x = np.mgrid[0:200, 0:160] + 0.5
+    person = (np.hypot((x - 80) / 70, (y - 100) / 90) < 1) | ((y > 100) & (np.abs(x - 80) < width / 2))
+    picture = np.where(person[..., None], (0.5, 0.3, 0.2), 1.0).astype(np.float32)
+    assert (inside_frame(framed(picture, 12, 1.0)) is not None) == is_frame
 
 
 @pytest.mark.parametrize("quality", [95, 80, 60])
