@@ -151,3 +151,11 @@ def test_faint_colours_of_a_small_cut_out_are_colours():
     codes[300:380, 300:330], codes[300:380, 330:360] = (133, 123, 126), (123, 133, 126)
     alpha[300:380, 300:360] = 1
     assert not Photo(Photo.from_srgb(codes).linear, alpha).monochrome
+
+
+def test_an_exposed_photo_has_its_tone_at_exposed_brightnesses():
+    grey = np.linspace(0, 1, 64 * 64, dtype=np.float32).reshape(64, 64, 1)
+    photo = Photo(grey * (1 + np.float32([0.2, 0, -0.4]) * 4 * grey * (1 - grey)))
+    some = np.float32([0.1, 0.4, 0.9])
+    np.testing.assert_allclose(photo.tone_at(4.0).at(4 * some), photo.tone_at(1.0).at(some), atol=2e-3)
+    assert np.ptp(photo.tone_at(1.0).at(some)[:, 2]) > 0.1

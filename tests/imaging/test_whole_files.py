@@ -73,9 +73,9 @@ def test_two_paths_are_one_file_by_whatever_leads_to_it(tmp_path):
 
 def test_only_what_was_left_of_a_files_own_unfinished_copies_is_removed(tmp_path):
     (tmp_path / "folder").mkdir()
-    os.symlink(tmp_path / "folder", tmp_path / "link")
+    os.symlink(tmp_path / "folder" / "a.jpg", tmp_path / "link.jpg")
     kept = {"a.jpg", ".a.jpg-backup.part", ".a.jpg-0123456789ab.part.jpg", ".b.jpg-0123456789ab.part", ".a-jpg.part"}
     for name in (*kept, ".a.jpg-0123456789ab.part", ".a.jpg-ba9876543210.part"):
         (tmp_path / "folder" / name).touch()
-    remove_unfinished(tmp_path / "link" / "a.jpg")
+    remove_unfinished(tmp_path / "link.jpg")
     assert set(os.listdir(tmp_path / "folder")) == kept
