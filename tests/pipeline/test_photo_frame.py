@@ -9,7 +9,7 @@ import pytest
 from relight_core.face.crop import Crop
 from relight_core.face.find import FaceBox
 from relight_core.imaging.photo import Photo
-from relight_core.imaging.photo_frame import inside_frame, shrunk_inside, whole_inside
+from relight_core.imaging.photo_frame import going_on, inside_frame, shrunk_inside, whole_inside
 from relight_core.imaging.resampling import shrunk_size
 from relight_core.lighting.reflection import ReflectionTable
 from relight_core.pipeline.per_photo.brush import BrushStroke
@@ -152,6 +152,7 @@ def test_cells_of_a_smaller_copy_lie_wholly_within_a_frame():
     inside = slice(30, 500), slice(0, 800)
     assert shrunk_inside(inside, (1000, 800), (100, 80)) == (slice(3, 50), slice(0, 80))
     assert shrunk_inside(inside, (1000, 800), (64, 51)) == (slice(2, 32), slice(0, 51))
+    assert shrunk_inside((slice(30, 505), slice(90, 780)), (1000, 800), (64, 51)) == (slice(2, 32), slice(6, 49))
 
 
 @pytest.mark.parametrize("length", [1122, 1138, 1151, 1195])
@@ -173,6 +174,13 @@ def test_a_side_without_a_frame_ends_with_the_photo_though_its_last_rows_are_pla
 
     known = slice(0, small[0]), slice(round(100 * small[1] / size[1]), small[1])
     assert whole_inside(known, small, size, shown) == (slice(0, size[0]), slice(100, size[1]))
+
+
+def test_what_lies_within_a_frame_goes_on_over_it_as_its_edge():
+    part = np.arange(6, dtype=np.float32).reshape(2, 3)
+    for image in (part, part[..., None].repeat(3, 2)):
+        over = np.pad(image, ((1, 2), (2, 1), (0, 0))[: image.ndim], "edge")
+        np.testing.assert_array_equal(going_on(image, (slice(1, 3), slice(2, 5)), (5, 6)), over)
 
 
 def street():
