@@ -293,3 +293,38 @@ def test_light_that_is_given_back_keeps_its_colour_where_the_gain_has_little_roo
     change = LightChange(view, nothing, nothing, nothing, lambda lifted: 10 * lifted)
     gain, _ = change.moved(np.ones_like(view), nothing, np.full_like(view, (0.4, 0.2, 0.1)))
     np.testing.assert_allclose(gain, np.full_like(view, (16.0, 15.75, 15.625)), rtol=1e-5)
+
+
+def test_of_more_gloss_than_there_is_light_no_more_is_added():
+    photo, gloss = np.full((16, 16, 3), 0.3, np.float32), np.full((16, 16, 3), 0.5, np.float32)
+    relit = np.full((16, 16, 3), 0.2, np.float32)
+    np.testing.assert_allclose(fit_light_change(photo, relit, gloss, made_of()).apply(photo), relit, atol=2e-3)
+
+
+@pytest.mark.parametrize("level", [0.06, 0.1, 0.6])
+def test_four_fifths_of_a_highlight_follow_the_texture_of_skin_that_is_not_dark(level):
+    photo, gloss = np.full((16, 16, 3), level, np.float32), np.full((16, 16, 3), 0.05, np.float32)
+    change = fit_light_change(photo, photo + gloss, gloss, made_of(textured=1, skin=1))
+    np.testing.assert_allclose(change.offset, 0.2 * gloss, rtol=0.05)
+    np.testing.assert_allclose(change.gain, 1 + 0.8 * gloss / photo, rtol=0.01)
+
+
+@pytest.mark.parametrize(("side_px", "share", "is_hole"), [(3, 0.1, True), (3, 0.6, False), (9, 0.1, False)])
+def test_only_what_is_small_and_far_darker_than_all_around_it_is_a_hole(side_px, share, is_hole):
+    photo = np.full((64, 64, 3), 0.5, np.float32)
+    start = 32 - side_px // 2
+    photo[start : start + side_px, start : start + side_px] = 0.5 * share
+    change = fit_light_change(photo, photo, np.zeros_like(photo), made_of(textured=1, skin=1, size=64))
+    lifted = np.full_like(photo, 0.1)
+    brightened_by = 0.5 if is_hole else 0.5 * share
+    np.testing.assert_allclose(change.lift(lifted)[32, 32], 0.1 / brightened_by, rtol=0.03)
+
+
+def test_light_given_back_to_teeth_is_as_even_as_that_around_them_and_next_to_none_where_all_is_black():
+    lifted = np.full((16, 16, 3), 0.02, np.float32)
+    lifted[::2, ::2] = 0.1
+    for level, most in ((0.4, 0.12), (0.002, 1.0)):
+        photo = np.full((16, 16, 3), level, np.float32)
+        more = fit_light_change(photo, photo, NO_GLOSS, made_of(evenly_lit=1, mouth=1)).lift(lifted)[4:-4, 4:-4]
+        assert np.ptp(more) < 0.1 * more.mean()
+        assert 0.5 * most < more.mean() < most
