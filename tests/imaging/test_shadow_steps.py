@@ -41,6 +41,30 @@ def test_a_finer_photo_keeps_no_line_of_a_shadow_that_is_taken_out():
     assert after.std() < 0.35 * before.std()
 
 
+def test_nor_does_it_in_a_dim_light():
+    photo = shadowed()
+    upsample, gain = on_lattice(photo, np.full((16, 16, 3), 0.01, np.float32))
+    nothing = np.zeros_like(gain)
+    before, after = (
+        relit(photo, *change)[32:-32, 32:-32] for change in ((gain, nothing), upsample.steps.taken_out(gain, nothing))
+    )
+    assert after.std() < 0.35 * before.std()
+
+
+def test_where_a_step_is_undone_the_light_says_and_no_slider():
+    photo = shadowed()
+    small = resize_area(photo, (16, 16))
+    upsample = JointUpsampler(small, resize_area(photo, (128, 128)), SKIN)
+    undoing, even, nothing = 0.5 / small, np.ones((16, 16, 3), np.float32), np.zeros((16, 16, 3), np.float32)
+    gain, offset = upsample.change(undoing, nothing, even)
+    np.testing.assert_array_equal(gain, upsample(undoing))
+    assert not offset.any()
+    gain, offset = upsample.change(even, nothing, undoing)
+    assert gain.min() < 0.1
+    assert offset.max() > 0.3
+    np.testing.assert_allclose((gain * resize_area(photo, (128, 128)) + offset)[:20, :20], 0.05, rtol=0.01)
+
+
 def test_pores_stay_where_a_shadow_ends_so_softly_that_the_lattice_holds_its_edge():
     down, across = np.mgrid[:512, :512]
     pores = np.float32(1 + 0.1 * ((down + across) % 2 * 2 - 1))[..., None]
