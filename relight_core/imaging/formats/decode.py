@@ -6,6 +6,7 @@ import io
 import struct
 import threading
 import warnings
+from contextlib import nullcontext
 from dataclasses import replace
 from pathlib import Path
 
@@ -24,6 +25,7 @@ from relight_core.imaging.formats.limits import check_pixels
 from relight_core.imaging.formats.metadata import carried_exif, exif_of
 from relight_core.imaging.formats.opencv_decoding import decoded_by_opencv, in_rgb_order
 from relight_core.imaging.formats.png_colours import png_profile
+from relight_core.imaging.formats.quiet_libraries import quiet
 from relight_core.imaging.formats.raster import Raster, damaged
 from relight_core.imaging.formats.stated_colours import exif_profile, refuse_luminous
 from relight_core.imaging.formats.tiff_exif import exif_of_tiff
@@ -129,7 +131,9 @@ def _loaded(image: Image.Image, data: bytes) -> Image.Image:
         OSError: more is missing.
     """
     try:
-        image.load()
+        # The library for packed TIFFs prints what it finds wrong.
+        with quiet() if image.format == "TIFF" else nullcontext():
+            image.load()
         return image
     except OSError:
         if image.format not in ("JPEG", "MPO") or not has_all_scans(data):

@@ -4,9 +4,6 @@ from __future__ import annotations
 
 import contextlib
 import errno
-import os
-import sys
-import threading
 from collections.abc import Collection, Iterable, Iterator, Sequence
 from pathlib import Path
 
@@ -20,6 +17,7 @@ from relight_core.imaging.files import check_regular, is_legible
 from relight_core.imaging.formats.chromaticities import is_rec709, rgb_to_xyz, to_rec709
 from relight_core.imaging.formats.exr_head import most_channels
 from relight_core.imaging.formats.limits import MAX_PIXELS, check_pixels
+from relight_core.imaging.formats.quiet_libraries import quiet
 from relight_core.imaging.half_floats import LARGEST_HALF
 from relight_core.imaging.in_order import WORKERS
 
@@ -38,9 +36,6 @@ _BYTES_PER_PIXEL = 18
 
 _PICTURE_LAYERS = ("combined", "composite", "beauty", "rgba", "rgb")
 """What renderers call the picture itself among their passes, which may come before it by name."""
-
-_STREAMS = threading.RLock()
-"""Whoever redirects the process's streams: two at a time would put back what the other had put in their place."""
 
 _FLOAT, _HALF = Imath.PixelType(Imath.PixelType.FLOAT), Imath.PixelType(Imath.PixelType.HALF)
 
@@ -73,7 +68,7 @@ def read_exr(path: Path) -> tuple[np.ndarray, np.ndarray | None]:
             raise InputError(f"{path}: its colour channels differ in size; export it as RGB")
         alpha_name = names[0].rpartition(".")[0] + ".A" if "." in names[0] else "A"
         with_alpha = sampling.get(alpha_name) == (1, 1)
-        with _quiet():
+        with quiet():
             values = _read_rows(path, header, [*names, alpha_name] if with_alpha else names)
         values = _on_display_window(values, header)
         colour = _to_rec709(values[..., :3], header)
@@ -102,7 +97,7 @@ def _read_header(path: Path) -> dict:
         if not is_legible(str(path)):
             raise InputError(f"{path}: OpenEXR can't open names that are no text; rename the file or its folder")
         _check_channels(most_channels(path), path)
-        with _quiet(), OpenEXR.File(str(path), header_only=True) as file:
+        with quiet(), OpenEXR.File(str(path), header_only=True) as file:
             header = dict(file.header())
         _check_size(header, path)
     except InputError:
@@ -145,7 +140,7 @@ def write_channels(path: Path, layers: dict[str, np.ndarray], *, header: dict) -
     """
     attributes = {**header, "compression": OpenEXR.ZIP_COMPRESSION, "type": OpenEXR.scanlineimage}
     channels = {name: np.ascontiguousarray(array) for name, array in layers.items()}
-    with _refusal_as_os_error(), _quiet(), OpenEXR.File(attributes, channels) as file:
+    with _refusal_as_os_error(), quiet(), OpenEXR.File(attributes, channels) as file:
         file.write(_spelt(path))
 
 
@@ -284,18 +279,3 @@ def _refusal_as_os_error() -> Iterator[None]:
             raise
         # The library's own words name the file that it was given; what is wrong with that comes last.
         raise OSError(str(error).strip().rstrip(".").rpartition(". ")[2]) from error
-
-
-@contextlib.contextmanager
-def _quiet() -> Iterator[None]:
-    """Keep the library's own messages, printed to both streams, off the terminal; ours say more."""
-    with _STREAMS, open(os.devnull, "w") as nowhere, contextlib.redirect_stdout(nowhere):
-        with contextlib.suppress(OSError):
-            sys.stderr.flush()
-        kept = os.dup(2)
-        try:
-            os.dup2(nowhere.fileno(), 2)
-            yield
-        finally:
-            os.dup2(kept, 2)
-            os.close(kept)
