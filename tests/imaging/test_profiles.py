@@ -110,6 +110,18 @@ def test_grey_profile(tmp_path):
     np.testing.assert_allclose(read_photo(tmp_path / "a.png").linear, 0.2, atol=1e-4)
 
 
+@pytest.mark.parametrize(("kind", "scale"), [(np.uint8, 1), (np.uint16, 257)])
+def test_a_grey_profile_may_give_lightness(tmp_path, kind, scale):
+    through_lab = bytearray(grey_profile(1.0))
+    through_lab[20:24] = b"Lab "
+    codes = np.repeat(np.array([[255, 128, 5, 0]], kind) * kind(scale), 3, axis=0)
+    Image.fromarray(codes).save(tmp_path / "a.png", icc_profile=bytes(through_lab))
+    photo = read_photo(tmp_path / "a.png")
+    # CIE's formulas of L* = 100, 50.2, 1.96 and 0.
+    np.testing.assert_allclose(photo.linear[1, :, 0], [1, 0.18584, 0.002171, 0], atol=2e-5)
+    assert photo.bits == 8 * kind(0).itemsize
+
+
 @pytest.mark.parametrize(
     ("kind", "numbers", "expected_at_half"),
     [

@@ -124,7 +124,8 @@ def _profile_of_numbers(icc: bytes, channels: int) -> MatrixProfile | None:
         return None
     tags = _tags(icc)
     if channels == 1:
-        return MatrixProfile(_curve_samples(tags[b"kTRC"])[None], None)
+        curve = _curve_samples(tags[b"kTRC"])
+        return MatrixProfile((_of_lightness(curve) if icc[20:24] == b"Lab " else curve)[None], None)
     if b"A2B0" in tags and b"rXYZ" not in tags:
         return None
     columns = [_xyz(tags[name]) for name in (b"rXYZ", b"gXYZ", b"bXYZ")]
@@ -156,6 +157,11 @@ def _tags(icc: bytes) -> dict[bytes, bytes]:
 
 def _xyz(tag: bytes) -> np.ndarray:
     return np.array(struct.unpack_from(">3i", tag, 8)) / 65536.0
+
+
+def _of_lightness(lightness: np.ndarray) -> np.ndarray:
+    """Luminance from CIE's L* / 100, which the curve of a grey profile gives where that is connected through Lab."""
+    return np.where(lightness > 0.08, ((lightness + 0.16) / 1.16) ** 3, lightness * (2700 / 24389))
 
 
 def _curve_samples(tag: bytes) -> np.ndarray:
