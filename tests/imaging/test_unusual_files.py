@@ -193,6 +193,17 @@ def test_unusual_channels_in_an_unread_compression_say_what_to_do(tmp_path, samp
         read_photo(tmp_path / "a.tif")
 
 
+@pytest.mark.parametrize(("kind", "compression"), [(np.uint8, 34712), (np.uint8, 50002), (np.int8, 1)])
+def test_flat_tiffs_of_no_kind_that_is_read_are_still_called_tiffs(tmp_path, kind, compression):
+    tifffile.imwrite(tmp_path / "a.tif", np.ones((6, 8, 3), kind), photometric="rgb", metadata=None, byteorder="<")
+    data = bytearray((tmp_path / "a.tif").read_bytes())
+    with tifffile.TiffFile(tmp_path / "a.tif") as file:
+        struct.pack_into("<H", data, file.pages[0].tags["Compression"].valueoffset, compression)
+    (tmp_path / "a.tif").write_bytes(data)
+    with pytest.raises(InputError, match="TIFF of a kind.*save it"):
+        read_photo(tmp_path / "a.tif")
+
+
 @pytest.mark.parametrize("kind", [np.uint8, np.uint16])
 def test_channels_that_memory_does_not_hold_are_refused(tmp_path, monkeypatch, kind):
     stored = np.zeros((50, 60, 400), kind)

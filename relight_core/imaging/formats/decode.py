@@ -15,7 +15,7 @@ from PIL import Image, ImageChops
 
 from relight_core.errors import InputError
 from relight_core.imaging.formats.camera_raw import develop_raw, is_raw
-from relight_core.imaging.formats.deep_tiff import decode_deep_tiff, decode_flat_tiff
+from relight_core.imaging.formats.deep_tiff import decode_deep_tiff, decode_flat_tiff, unread_tiff
 from relight_core.imaging.formats.exif_block import ORIENTATION
 from relight_core.imaging.formats.heif import decode_heif, is_heif, stated_profile
 from relight_core.imaging.formats.icc import stated_transfer
@@ -32,6 +32,7 @@ from relight_core.imaging.formats.tiff_exif import exif_of_tiff
 from relight_core.imaging.formats.tiff_pages import starting_with_photo
 
 _FORMATS = ("JPEG", "PNG", "TIFF", "WEBP", "BMP", "GIF", "AVIF")
+_TIFF_HEADS = (b"II*\0", b"MM\0*", b"II+\0", b"MM\0+")
 _GREYS = ("1", "L", "LA", "La")
 _BY_LIBRARY = ("CMYK", "LAB")
 _PNG_PLAIN_GREY, _PNG_GREYS = 0, (0, 4)
@@ -66,7 +67,7 @@ def _decoded(data: bytes, path: Path) -> Raster:
         return develop_raw(data, path)
     if is_heif(data):
         return decode_heif(data, path)
-    if data[:4] in (b"II*\0", b"MM\0*", b"II+\0", b"MM\0+"):
+    if data.startswith(_TIFF_HEADS):
         return _decode_tiff(data, path)
     return _decode_by_pillow(data, path)
 
@@ -114,6 +115,8 @@ def _open_with_pillow(data: bytes, path: Path) -> Image.Image:
         except Image.UnidentifiedImageError:
             if _is_avif(data):
                 raise damaged(path) from None
+            if data.startswith(_TIFF_HEADS):
+                raise unread_tiff(path) from None
             raise InputError(f"{path}: not an image; use a JPEG, PNG, TIFF, HEIC, WebP, EXR or HDR file") from None
         except InputError:
             raise
@@ -181,8 +184,6 @@ def _profile_of(image: Image.Image, data: bytes, path: Path) -> bytes | None:
 
 def _from_pillow(image: Image.Image, icc: bytes | None) -> Raster:
     orientation = _orientation(image)
-    if image.mode in ("I", "I;16", "I;16B", "I;16L", "F"):
-        return Raster(_deep_grey(image), None, icc, orientation)
     if image.format == "JPEG" and image.mode == "CMYK" and "adobe" not in image.info:
         # Only Adobe's programs store inks the other way round; Pillow takes every file for theirs.
         image = ImageChops.invert(image)
@@ -196,13 +197,6 @@ def _from_pillow(image: Image.Image, icc: bytes | None) -> Raster:
     is_grey = image.mode in _GREYS
     values = np.asarray(image.convert("L"))[..., None] if is_grey else np.asarray(image.convert("RGB"))
     return Raster(values, alpha, icc, orientation)
-
-
-def _deep_grey(image: Image.Image) -> np.ndarray:
-    values = np.asarray(image)
-    if values.dtype.kind == "f":
-        return values.astype(np.float32)[..., None]
-    return np.clip(values, 0, 65535).astype(np.uint16)[..., None]
 
 
 def _orientation(image: Image.Image) -> int:

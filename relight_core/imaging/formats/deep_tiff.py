@@ -58,7 +58,7 @@ def decode_deep_tiff(data: bytes, path: Path) -> Raster | None:
         return None
     raster = _decoded(page, kind, data)
     if raster is None:
-        raise _unread(path, kind)
+        raise unread_tiff(path, kind.bits)
     return raster
 
 
@@ -74,8 +74,15 @@ def decode_flat_tiff(data: bytes, path: Path) -> Raster | None:
     page, kind = _described(data, path)
     raster = _decoded(page, kind, data) if kind.bits == 8 else None
     if raster is None and (_has_unusual_channels(page, kind) or kind.photometric not in _BY_PILLOW):
-        raise _unread(path, kind)
+        raise unread_tiff(path, kind.bits)
     return raster
+
+
+def unread_tiff(path: Path, bits: int | None = None) -> InputError:
+    """The error for a TIFF that is whole and of a kind that nothing here reads."""
+    depth = "" if bits is None else f", with {bits} bits"
+    unread = f"a TIFF of a kind this program doesn't read{depth}"
+    return InputError(f"{path}: {unread}; save it as 8- or 16-bit or 32-bit float RGB")
 
 
 def _has_unusual_channels(page: tifffile.TiffPage, kind: _Kind) -> bool:
@@ -117,11 +124,6 @@ def _decoded(page: tifffile.TiffPage, kind: _Kind, data: bytes) -> Raster | None
     # OpenCV turns pictures upright by itself.
     orientation = 1 if by_opencv else stated_orientation(page) or 1
     return replace(raster, orientation=orientation, exif=exif_of_tiff(data))
-
-
-def _unread(path: Path, kind: _Kind) -> InputError:
-    unread = f"a TIFF of a kind this program doesn't read, with {kind.bits} bits"
-    return InputError(f"{path}: {unread}; save it as 8- or 16-bit or 32-bit float RGB")
 
 
 def _opencv_reads(page: tifffile.TiffPage, kind: _Kind) -> bool:
