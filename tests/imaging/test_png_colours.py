@@ -133,6 +133,12 @@ def test_srgb_by_number_or_measurement_and_mistakes_change_nothing(tmp_path, bit
     assert photo.icc is None
 
 
+def test_a_gamma_counts_beside_chromaticities_that_are_a_mistake(tmp_path):
+    for mistake in (chromaticities(*[0] * 8), chromaticities(31270, 32900, *[30000] * 6)):
+        photo = photo_of(tmp_path / "a.png", (102, 102, 102), gamma(100_000) + mistake)
+        np.testing.assert_allclose(photo.linear, 0.4, atol=1e-3)
+
+
 def test_a_palette_is_in_the_stated_colours(tmp_path):
     picture = Image.new("P", (8, 6), 3)
     picture.putpalette([0, 255, 0] * 4)

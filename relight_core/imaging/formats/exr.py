@@ -57,6 +57,8 @@ def read_exr(path: Path) -> tuple[np.ndarray, np.ndarray | None]:
         InputError: damaged, too large, or without colour channels.
     """
     header = _read_header(path)
+    if header.get("type") in (OpenEXR.deepscanline, OpenEXR.deeptile):
+        raise InputError(f"{path}: a deep EXR, with samples at several depths of a pixel; export it flat")
     try:
         sampling = {channel.name: (channel.xSampling, channel.ySampling) for channel in header["channels"]}
         names = _colour_names(sampling)

@@ -64,11 +64,11 @@ def _measured_profile(chunks: dict[bytes, bytes], channels: int) -> bytes | None
     exponent = None if gamma is None else _UNIT / gamma
     if channels == 1:
         return None if is_srgb_gamma else grey_profile(exponent)
-    if chromaticities is None:
-        return None if is_srgb_gamma else primaries_profile(replace(REC709, gamma=exponent))
-    space = measured_primaries(chromaticities, exponent)
+    space = None if chromaticities is None else measured_primaries(chromaticities, exponent)
     profile = None if space is None else primaries_profile(space)
-    return profile if profile is not None and matrix_profile(profile, 3) is not None else None
+    if profile is not None and matrix_profile(profile, 3) is not None:
+        return profile
+    return None if is_srgb_gamma else primaries_profile(replace(REC709, gamma=exponent))
 
 
 def _gamma(content: bytes) -> int | None:
