@@ -44,6 +44,19 @@ def test_adobe_rgb_by_exif(tmp_path, space, index):
     np.testing.assert_allclose(matrix_profile(photo.icc, 3).matrix[:, 0], (1.3984, 0, 0), atol=2e-3)
 
 
+def test_a_file_of_several_pictures_says_adobe_rgb_as_one_of_one_does(tmp_path):
+    options = {"exif": camera_says(2), "quality": 100, "save_all": True, "append_images": [Image.new("RGB", (8, 8))]}
+    Image.new("RGB", (16, 16), CODES).save(tmp_path / "a.jpg", "MPO", **options)
+    np.testing.assert_allclose(shown(read_photo(tmp_path / "a.jpg")), IN_SRGB, atol=1.5)
+
+
+@pytest.mark.parametrize("kind", ["WEBP", "AVIF"])
+def test_a_cameras_exif_says_nothing_of_colours_that_a_program_has_written_anew(tmp_path, kind):
+    options = {"lossless": True} if kind == "WEBP" else {"quality": 100}
+    Image.new("RGB", (16, 16), CODES).save(tmp_path / "a", kind, exif=camera_says(2), **options)
+    np.testing.assert_allclose(shown(read_photo(tmp_path / "a")), CODES, atol=2.5)
+
+
 @pytest.mark.parametrize(("space", "index"), [(65535, "R98"), (65535, None), (1, "R98"), (1, "R03"), (1, None)])
 def test_exif_that_says_srgb_or_nothing_changes_nothing(tmp_path, space, index):
     Image.new("RGB", (16, 16), CODES).save(tmp_path / "a.jpg", exif=camera_says(space, index), quality=100)

@@ -6,7 +6,8 @@ import io
 import struct
 import threading
 import warnings
-from contextlib import nullcontext
+from collections.abc import Iterator
+from contextlib import contextmanager, nullcontext
 from dataclasses import replace
 from pathlib import Path
 
@@ -45,7 +46,8 @@ _JPEG_END, _SOMETHING = b"\xff\xd9", b"\x55" * 64
 _LARGE_PIXELS = 16_000_000
 _MOST_PIXELS_A_BYTE = 4096
 """Pixels that one byte of a large photo can stand for: a lossy WebP's modes alone take a byte for 600 (RFC 6386)."""
-_pillow_limit = threading.Lock()
+_pillow_state = threading.Lock()
+"""Of Pillow's limit and of Python's warnings, which are the whole process's."""
 
 
 def decode_raster(data: bytes, path: Path) -> Raster:
@@ -104,8 +106,7 @@ def _decode_by_pillow(data: bytes, path: Path) -> Raster:
 
 def _open_with_pillow(data: bytes, path: Path) -> Image.Image:
     """The image fully decoded, so that a truncated file fails here."""
-    with _pillow_limit, warnings.catch_warnings():
-        warnings.simplefilter("ignore")
+    with _without_warnings():
         limit, Image.MAX_IMAGE_PIXELS = Image.MAX_IMAGE_PIXELS, None
         try:
             image = Image.open(io.BytesIO(data), formats=_FORMATS)
@@ -125,6 +126,14 @@ def _open_with_pillow(data: bytes, path: Path) -> Image.Image:
         finally:
             Image.MAX_IMAGE_PIXELS = limit
     return image
+
+
+@contextmanager
+def _without_warnings() -> Iterator[None]:
+    """Pillow tells of every odd tag, with a line of its own source."""
+    with _pillow_state, warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        yield
 
 
 def _loaded(image: Image.Image, data: bytes) -> Image.Image:
@@ -201,7 +210,8 @@ def _from_pillow(image: Image.Image, icc: bytes | None) -> Raster:
 
 def _orientation(image: Image.Image) -> int:
     try:
-        value = image.getexif().get(ORIENTATION, 1)
+        with _without_warnings():
+            value = image.getexif().get(ORIENTATION, 1)
     except (ValueError, TypeError, OSError, SyntaxError, struct.error):
         return 1
     return value if value in range(1, 9) else 1
