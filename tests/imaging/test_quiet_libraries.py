@@ -1,13 +1,16 @@
 """What libraries print of their own, and processes that have no streams to print to."""
 
 import os
+import struct
 import sys
+import zlib
 
 import numpy as np
 import pytest
 from PIL import Image
 
 from relight_core.errors import InputError
+from relight_core.imaging.formats.png import SIGNATURE, chunk
 from relight_core.imaging.read import read_photo, read_radiance
 from relight_core.imaging.write import write_exr_layers, write_image
 
@@ -23,6 +26,15 @@ def test_a_damaged_tiff_is_refused_without_a_word_of_its_library(tmp_path, capfd
     path.write_bytes(data)
     with pytest.raises(InputError, match="damaged"):
         read_photo(path)
+    assert capfd.readouterr() == ("", "")
+
+
+@pytest.mark.parametrize("end", [b"", struct.pack(">I", 0x7FFFFFFF) + b"teXt" + b"cut"])
+def test_a_deep_png_that_claims_more_than_it_has_is_refused_without_a_word_of_its_library(tmp_path, capfd, end):
+    header = chunk(b"IHDR", struct.pack(">IIBBBBB", 6, 4, 16, 0, 0, 0, 0))
+    (tmp_path / "a.png").write_bytes(SIGNATURE + header + chunk(b"IDAT", zlib.compress(bytes(4 * 13))) + end)
+    with pytest.raises(InputError, match="damaged"):
+        read_photo(tmp_path / "a.png")
     assert capfd.readouterr() == ("", "")
 
 
