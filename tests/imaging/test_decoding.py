@@ -81,6 +81,16 @@ def test_an_orientation_that_is_none_turns_nothing(tmp_path, kind, orientation):
     assert read_photo(tmp_path / "a").linear.shape == (4, 6, 3)
 
 
+def test_a_deep_png_stands_upright(tmp_path):
+    turned = Image.Exif()
+    turned[ORIENTATION] = 6
+    rows = b"\0" + b"\xff" * 2 + bytes(10) + bytes(3 * 13)
+    (tmp_path / "a.png").write_bytes(png_of(16, rows, chunk(b"eXIf", turned.tobytes().removeprefix(b"Exif\0\0"))))
+    linear = read_photo(tmp_path / "a.png").linear
+    assert linear.shape == (6, 4, 3)
+    assert linear[0, 3, 0] == linear[..., 0].sum() == 1.0
+
+
 def test_pillows_own_limit_is_neither_obeyed_nor_changed(tmp_path, monkeypatch):
     monkeypatch.setattr(Image, "MAX_IMAGE_PIXELS", 5)
     Image.new("RGB", (9, 7)).save(tmp_path / "a.png")

@@ -178,7 +178,9 @@ def _check_plausible(data: bytes, image: Image.Image, path: Path) -> None:
 
 def _profile_of(image: Image.Image, data: bytes, path: Path) -> bytes | None:
     """The profile that its values are in, embedded or stated in another way; None for sRGB."""
-    embedded = image.info.get("icc_profile") or None
+    embedded = image.info.get("icc_profile")
+    # A TIFF may have anything under its number.
+    embedded = embedded if isinstance(embedded, bytes) and embedded else None
     if image.format == "PNG":
         return png_profile(data, embedded, path)
     if embedded is not None or image.mode in _BY_LIBRARY:

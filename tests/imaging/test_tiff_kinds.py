@@ -1,0 +1,106 @@
+"""TIFFs by how they pack pixels and what they count them in: which are read, and which are refused."""
+
+import numpy as np
+import pytest
+import tifffile
+
+from relight_core.errors import InputError
+from relight_core.imaging.read import read_photo
+
+UNREAD = "TIFF of a kind.*save it"
+FORMS = {3: "<u2", 4: "<u4"}
+
+
+def changed(path, **tags):
+    """The file with other values of tags; as many as it had."""
+    data = bytearray(path.read_bytes())
+    with tifffile.TiffFile(path) as file:
+        for name, values in tags.items():
+            tag = file.pages[0].tags[name]
+            raw = np.full(tag.count, values, FORMS[int(tag.dtype)]).tobytes()
+            data[tag.valueoffset : tag.valueoffset + len(raw)] = raw
+    path.write_bytes(data)
+    return path
+
+
+def written(path, pixels, **options):
+    tifffile.imwrite(path, pixels, photometric=options.pop("photometric", "rgb"), metadata=None, **options)
+    return path
+
+
+def in_planes(path, pixels, **options):
+    return written(path, np.moveaxis(pixels, -1, 0).copy(), planarconfig="separate", **options)
+
+
+@pytest.mark.parametrize("kind", [np.int16, np.uint32, np.int32])
+@pytest.mark.parametrize("write", [written, in_planes])
+def test_integers_that_have_no_white_are_refused(tmp_path, kind, write):
+    with pytest.raises(InputError, match=UNREAD):
+        read_photo(write(tmp_path / "a.tif", np.full((4, 5, 3), 9, kind)))
+
+
+def test_floats_of_64_bits_are_read_as_those_of_32(tmp_path):
+    photo = read_photo(written(tmp_path / "a.tif", np.full((4, 5, 3), 2.5)))
+    np.testing.assert_array_equal(photo.linear, 2.5)
+    assert photo.bits == 32
+
+
+def test_deep_planes_may_be_packed_in_runs_of_bytes(tmp_path):
+    width, height, code, pack_bits = 5, 4, 10, 32773
+    path = in_planes(tmp_path / "a.tif", np.zeros((height, width, 3), np.uint16))
+    with tifffile.TiffFile(path) as file:
+        strips = file.pages[0].dataoffsets
+    data = bytearray(path.read_bytes())
+    for at in strips:
+        data[at : at + 2] = 257 - 2 * width * height, code
+    path.write_bytes(data)
+    photo = read_photo(changed(path, StripByteCounts=2, Compression=pack_bits))
+    np.testing.assert_allclose(photo.linear, 10 / 255 / 12.92, rtol=1e-4)
+
+
+def test_deflate_has_an_older_number_too(tmp_path):
+    grey = np.full((4, 5, 3), 32896, np.uint16)
+    path = changed(in_planes(tmp_path / "a.tif", grey, compression="zlib"), Compression=32946)
+    np.testing.assert_allclose(read_photo(path).linear, 0.21586, atol=1e-5)
+
+
+@pytest.mark.parametrize("kind", [np.uint8, np.uint16])
+@pytest.mark.parametrize("write", [written, in_planes])
+def test_rows_whose_strips_are_missing_are_not_taken_for_black(tmp_path, kind, write):
+    path = write(tmp_path / "a.tif", np.full((16, 5, 3), 9, kind), rowsperstrip=8)
+    with pytest.raises(InputError, match="truncated or damaged"):
+        read_photo(changed(path, ImageLength=24))
+
+
+@pytest.mark.parametrize("kind", [np.uint8, np.uint16])
+def test_colour_of_two_channels_is_refused(tmp_path, kind):
+    options = {"photometric": "minisblack", "planarconfig": "contig", "extrasamples": ["unspecified"]}
+    path = written(tmp_path / "a.tif", np.full((4, 5, 2), 9, kind), **options)
+    with pytest.raises(InputError, match=UNREAD):
+        read_photo(changed(path, PhotometricInterpretation=2))
+
+
+def test_a_deep_tiff_takes_more_memory_than_its_codes(tmp_path, monkeypatch):
+    path = written(tmp_path / "a.tif", np.zeros((50, 60, 3), np.uint16))
+    for free, is_enough in ((28 * 3000, True), (27 * 3000, False)):
+        monkeypatch.setattr("relight_core.imaging.formats.limits.free_bytes", lambda free=free: free)
+        if is_enough:
+            assert read_photo(path).linear.shape == (50, 60, 3)
+        else:
+            with pytest.raises(InputError, match="needs about .* of memory"):
+                read_photo(path)
+
+
+@pytest.mark.parametrize("write", [written, in_planes])
+def test_the_transparency_of_floats_ends_at_1(tmp_path, write):
+    stored = np.full((4, 5, 4), 0.5, np.float32) * np.float32([1, 2, 3, 0.5])
+    photo = read_photo(write(tmp_path / "a.tif", stored, extrasamples=["unassalpha"]))
+    np.testing.assert_array_equal(photo.alpha, 0.25)
+    np.testing.assert_array_equal(photo.linear[1, 2], (0.5, 1.0, 1.5))
+
+
+@pytest.mark.parametrize("kind", [np.uint8, np.uint16])
+def test_a_profile_that_is_stored_as_numbers_counts_as_none(tmp_path, kind):
+    grey = np.full((4, 5, 3), 128 * (257 if kind == np.uint16 else 1), kind)
+    path = written(tmp_path / "a.tif", grey, extratags=[(34675, "H", 3, (1, 2, 3), True)])
+    np.testing.assert_allclose(read_photo(path).linear, 0.21586, atol=1e-5)
