@@ -50,13 +50,12 @@ def full_block(order, note=b"note" * 10):
 
 
 @pytest.mark.parametrize("text", [UTF_8, LATIN_1])
-@pytest.mark.parametrize("source", ["JPEG", "PNG", "deep PNG", "WEBP", "TIFF"])
+@pytest.mark.parametrize("source", ["JPEG", "PNG", "WEBP", "TIFF"])
 @pytest.mark.parametrize("result", ["b.png", "b.jpg", "b.tif"])
 def test_texts_stay_the_bytes_they_are(tmp_path, text, source, result):
     path = tmp_path / "source"
-    if source in ("TIFF", "deep PNG"):
-        name, bits = ("a.tif", 8) if source == "TIFF" else ("a.png", 16)
-        written(tmp_path / name, with_copyright(text), bits).rename(path)
+    if source == "TIFF":
+        written(path.with_suffix(".tif"), with_copyright(text)).rename(path)
     else:
         Image.new("RGB", (7, 9)).save(path, source, exif=with_copyright(text))
     back = read_photo(written(tmp_path / result, read_photo(path).exif)).exif

@@ -135,13 +135,13 @@ def test_transparency_may_come_after_other_channels(tmp_path, scale):
 
 
 @pytest.mark.parametrize("scale", [1, 257])
-@pytest.mark.parametrize(("extra", "ink"), [("unassalpha", 255), ("assocalpha", HALF)])
-def test_inks_with_transparency(tmp_path, scale, extra, ink):
-    stored = FLAT * np.array([0, ink, ink, 0, HALF], np.uint16) * scale
+@pytest.mark.parametrize(("extra", "ink", "black"), [("unassalpha", 255, 127), ("assocalpha", HALF, 64)])
+def test_inks_with_transparency(tmp_path, scale, extra, ink, black):
+    stored = FLAT * np.array([0, ink, ink, black, HALF], np.uint16) * scale
     stored = stored.astype(np.uint8 if scale == 1 else np.uint16)
     tifffile.imwrite(tmp_path / "a.tif", stored, photometric="separated", planarconfig="contig", extrasamples=[extra])
     photo = read_photo(tmp_path / "a.tif")
-    np.testing.assert_allclose(in_srgb(photo), np.broadcast_to((255, 0, 0), (6, 8, 3)), atol=0.01)
+    np.testing.assert_allclose(in_srgb(photo), np.broadcast_to((128, 0, 0), (6, 8, 3)), atol=0.01)
     np.testing.assert_allclose(photo.alpha, HALF / 255, atol=1e-6)
 
 
