@@ -43,10 +43,12 @@ def test_a_deep_exr_is_refused_for_what_it_is(tmp_path):
         read_photo(path)
 
 
-def test_the_picture_is_known_by_any_of_its_usual_names(tmp_path):
+def test_the_picture_is_known_by_any_of_its_usual_names_and_is_else_the_first_layer(tmp_path):
     for name in ("Main.Combined", "Composite", "a.beauty", "RGBA", "rgb"):
         channels = {f"AO.{letter}": GREY for letter in "RGB"} | {f"{name}.{letter}": 4 * GREY for letter in "RGB"}
         np.testing.assert_array_equal(read_radiance(written(tmp_path / "a.exr", channels)), 2.0)
+    unnamed = {f"{name}.{letter}": value * GREY for name, value in (("b", 3), ("a", 1), ("c", 5)) for letter in "RGB"}
+    np.testing.assert_array_equal(read_radiance(written(tmp_path / "b.exr", unnamed)), 0.5)
 
 
 def test_the_transparency_of_a_layer_is_its_own(tmp_path):

@@ -10,6 +10,7 @@ from PIL import Image
 
 from relight_core.errors import InputError
 from relight_core.imaging.colour import srgb_encode
+from relight_core.imaging.formats.exif_block import read_directory
 from relight_core.imaging.formats.icc import matrix_profile
 from relight_core.imaging.formats.icc_making import DISPLAY_P3, REC2020, primaries_profile
 from relight_core.imaging.formats.metadata import carried_block
@@ -38,6 +39,7 @@ def test_heic_is_upright_in_colour_and_tells_its_profile_and_exif():
     assert matrix_profile(photo.icc, 3) is not None
     assert b"Maker" in photo.exif
     assert b"Someone" in photo.exif
+    assert read_directory(photo.exif).entries[274].data.tobytes() == b"\0\1"
 
 
 def test_a_heic_of_10_bits_keeps_them_and_its_white():
@@ -54,6 +56,16 @@ def test_a_heic_has_its_alpha():
     alpha = read_photo(HEIC / "alpha.heic").alpha
     np.testing.assert_allclose(alpha[:, :20], 0, atol=0.01)
     np.testing.assert_allclose(alpha[:, 28:], 1, atol=0.01)
+
+
+def test_a_heic_may_call_itself_an_image_file_and_needs_memory(tmp_path, monkeypatch):
+    data = bytearray((HEIC / "turned_p3.heic").read_bytes())
+    data[8:12] = b"mif1"
+    (tmp_path / "a.heic").write_bytes(data)
+    assert read_photo(tmp_path / "a.heic").linear.shape == (32, 48, 3)
+    monkeypatch.setattr("relight_core.imaging.formats.limits.free_bytes", lambda: 40_000)
+    with pytest.raises(InputError, match="needs about .* of memory"):
+        read_photo(tmp_path / "a.heic")
 
 
 def test_an_hdr_heic_says_what_to_do():
@@ -151,9 +163,10 @@ def test_raw_files_are_known_by_their_names(tmp_path, suffix):
         read_photo(tmp_path / f"a.{suffix}")
 
 
-def test_a_heic_whose_item_has_no_name_is_told(tmp_path):
+@pytest.mark.parametrize("letter", [0, 3])
+def test_a_heic_whose_item_has_no_name_is_told(tmp_path, letter):
     data = bytearray((HEIC / "turned_p3.heic").read_bytes())
-    data[data.index(b"Exif") + 2] = 0xD5
+    data[data.index(b"Exif") + letter] = 0xD5
     (tmp_path / "a.heic").write_bytes(data)
     with pytest.raises(InputError, match="damaged HEIC"):
         read_photo(tmp_path / "a.heic")

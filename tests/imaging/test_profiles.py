@@ -11,9 +11,10 @@ import tifffile
 from PIL import Image, ImageCms
 
 from relight_core.errors import InputError
-from relight_core.imaging.formats.icc import matrix_profile
+from relight_core.imaging.formats.icc import matrix_profile, stated_transfer
 from relight_core.imaging.formats.png import SIGNATURE, chunk
 from relight_core.imaging.read import read_photo
+from relight_core.imaging.write import FileStyle, cut, write_bands
 
 SRGB = ImageCms.ImageCmsProfile(ImageCms.createProfile("sRGB")).tobytes()
 
@@ -48,9 +49,10 @@ def xyz(values):
     return b"XYZ \0\0\0\0" + b"".join(fixed(value) for value in values)
 
 
-def rgb_profile(curve, columns=P3, more=()):
+def rgb_profile(*curves, columns=P3, more=()):
+    """A profile with a curve for each of red, green and blue, or one for all."""
     tags = {b"wtpt": xyz((0.9642, 1.0, 0.8249)), **dict(more)}
-    for letter, column in zip(b"rgb", columns, strict=True):
+    for letter, column, curve in zip(b"rgb", columns, curves * (3 // len(curves)), strict=True):
         tags[bytes([letter]) + b"XYZ"] = xyz(column)
         tags[bytes([letter]) + b"TRC"] = curve
     return profile_bytes(b"RGB ", tags)
@@ -139,6 +141,14 @@ def test_parametric_curves(kind, numbers, expected_at_half):
     assert at_half == pytest.approx(expected_at_half, abs=2e-3)
 
 
+@pytest.mark.parametrize(("samples", "at_half"), [((), 0.5), ((0, 16384, 65535), 0.25)])
+def test_sampled_curves(samples, at_half):
+    curve = b"curv\0\0\0\0" + struct.pack(f">I{len(samples)}H", len(samples), *samples)
+    linear = matrix_profile(rgb_profile(curve), 3).decode(np.uint8([[[0] * 3, [128] * 3, [255] * 3]]))
+    np.testing.assert_allclose(linear[0, :, 1], [0, at_half, 1], atol=4e-3)
+    assert linear[0, 2, 1] == pytest.approx(1, abs=1e-6)
+
+
 @pytest.mark.filterwarnings("error")
 @pytest.mark.parametrize(("kind", "numbers"), [(0, (-2.0,)), (1, (2.2, 0.0, 0.5)), (3, (9e3, 9e3, 9e3, 9e3, 1.0))])
 def test_damaged_numbers_in_a_profile_are_read_without_warnings(kind, numbers):
@@ -150,7 +160,9 @@ def test_damaged_numbers_in_a_profile_are_read_without_warnings(kind, numbers):
 def test_a_broken_or_foreign_profile_counts_as_none(tmp_path):
     pixels = np.full((4, 4, 3), 128, np.uint8)
     grey = profile_bytes(b"GRAY", {b"kTRC": gamma(1.0)})
-    for index, profile in enumerate((b"rubbish" * 40, SRGB[:200], grey, rgb_profile(b"para" + b"\xff" * 20))):
+    curves = b"para" + b"\xff" * 20, b"text" + bytes(20)
+    nothing, broken = profile_bytes(b"RGB ", {}), [rgb_profile(curve) for curve in curves]
+    for index, profile in enumerate((b"rubbish" * 40, SRGB[:200], grey, nothing, *broken)):
         path = tmp_path / f"{index}.png"
         Image.fromarray(pixels).save(path, icc_profile=profile)
         np.testing.assert_allclose(read_photo(path).linear, 0.21586, atol=1e-4)
@@ -262,7 +274,7 @@ def test_an_enormous_float_in_a_profile_stays_the_brightest(tmp_path):
 def test_a_profile_whose_colours_lie_in_a_plane_is_none_to_write_in():
     red, green, _ = P3
     assert matrix_profile(rgb_profile(gamma(2.2)), 3) is not None
-    assert matrix_profile(rgb_profile(gamma(2.2), [red, green, red]), 3) is None
+    assert matrix_profile(rgb_profile(gamma(2.2), columns=[red, green, red]), 3) is None
 
 
 @pytest.mark.parametrize(("transfer", "name"), [(16, "PQ"), (18, "HLG"), (13, None)])
@@ -281,11 +293,33 @@ def test_a_profile_that_says_hdr_is_refused_as_hdr_numbers_are(tmp_path, transfe
         read_photo(tmp_path / ("said" + suffix))
 
 
+def test_every_channel_has_its_own_curve(tmp_path):
+    profile, codes = rgb_profile(gamma(1.5), gamma(2.0), gamma(3.0)), np.full((4, 5, 3), 32768, np.uint16)
+    tifffile.imwrite(tmp_path / "a.tif", codes, photometric="rgb", iccprofile=profile)
+    photo = read_photo(tmp_path / "a.tif")
+    own = np.linalg.solve(matrix_profile(profile, 3).matrix, photo.linear[1, 1])
+    np.testing.assert_allclose(own, [0.5**1.5, 0.5**2, 0.5**3], atol=1e-3)
+    write_bands(tmp_path / "b.png", (4, 5), cut(photo.linear, None), False, FileStyle(16, icc=photo.icc))
+    back = cv2.imread(str(tmp_path / "b.png"), cv2.IMREAD_UNCHANGED)
+    np.testing.assert_allclose(back.astype(int), 32768, atol=30)
+
+
+def test_a_matrix_counts_before_a_table_that_is_there_too():
+    table = {b"A2B0": b"mft2" + bytes(60)}
+    assert matrix_profile(rgb_profile(gamma(2.2), more=table), 3) is not None
+    assert matrix_profile(profile_bytes(b"RGB ", table), 3) is None
+
+
+@pytest.mark.parametrize("said", [b"cicp\0\0\0\0", b"text\0\0\0\0\x09\x10\0\1"])
+def test_a_transfer_function_that_is_cut_or_something_else_is_none(said):
+    assert stated_transfer(rgb_profile(gamma(2.2), more={b"cicp": said})) is None
+
+
 @pytest.mark.parametrize("curve", [gamma(0), b"curv\0\0\0\0" + struct.pack(">IHH", 2, 40000, 40100)])
 def test_a_profile_with_a_flat_curve_counts_as_none(tmp_path, curve):
     pixels = np.random.default_rng(3).integers(0, 256, (8, 9, 3)).astype(np.uint8)
     Image.fromarray(pixels).save(tmp_path / "plain.png")
-    Image.fromarray(pixels).save(tmp_path / "flat.png", icc_profile=rgb_profile(curve))
+    Image.fromarray(pixels).save(tmp_path / "flat.png", icc_profile=rgb_profile(gamma(2.2), curve, gamma(2.2)))
     Image.fromarray(pixels[..., 0]).save(tmp_path / "grey.png", icc_profile=profile_bytes(b"GRAY", {b"kTRC": curve}))
     plain, flat, grey = (read_photo(tmp_path / f"{name}.png") for name in ("plain", "flat", "grey"))
     np.testing.assert_array_equal(flat.linear, plain.linear)

@@ -206,7 +206,8 @@ def test_an_exr_of_luminance_and_chroma_is_refused_for_what_it_is(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("corner", "seen_share"), [((60, 0), 0), ((0, 60), 0), ((500, 500), 0), ((-40, -40), 0), ((20, 10), 0.25)]
+    ("corner", "seen_share"),
+    [((60, 0), 0), ((0, 60), 0), ((500, 500), 0), ((-40, -40), 0), ((20, 10), 0.25), ((0, 0), 1)],
 )
 def test_an_exr_whose_data_lie_beside_its_display_window_is_black_there(tmp_path, corner, seen_share):
     # 40 x 40 pixels of data; the display shows 40 x 20.
