@@ -219,7 +219,7 @@ def test_a_png_of_before_there_was_exif_in_it_has_it_as_text(tmp_path):
     assert bytes(read_directory(read_photo(tmp_path / "a.png").exif).entries[AUTHOR].data) == b"Someone\0"
 
 
-@pytest.mark.parametrize("tag", [273, 33723, 34377, 37724])
+@pytest.mark.parametrize("tag", [273, 700, 33723, 34377, 34675, 37724])
 def test_where_pixels_lay_and_what_programs_keep_for_themselves_stay_behind(tag):
     entries = {AUTHOR: Entry(2, 8, b"Someone\0"), tag: Entry(7, 6, b"secret")}
     carried = carried_block(b"Exif\0\0II*\0\x08\0\0\0" + laid_out(Directory("<", entries, {}), 8))

@@ -85,7 +85,8 @@ def test_numbers_tell_the_curve(tmp_path, transfer, expected, kind, codes):
 @pytest.mark.parametrize("bits", [8, 16])
 @pytest.mark.parametrize(("kind", "codes"), [(RGB, (102, 102, 102)), (GREY, (102,)), (GREY_ALPHA, (102, 255))])
 def test_a_gamma_alone(tmp_path, bits, kind, codes):
-    for value, expected in ((100_000, 0.4), (55_556, 0.4**1.8)):
+    exponents = {100_000: 1, 55_556: 1.8, 50_000: 2, 40_000: 2.5, 200_000: 0.5}
+    for value, expected in ((value, 0.4**exponent) for value, exponent in exponents.items()):
         photo = photo_of(tmp_path / "a.png", codes, gamma(value), bits, kind)
         np.testing.assert_allclose(photo.linear, expected, atol=1e-3)
 
@@ -110,7 +111,12 @@ def test_measured_primaries_with_another_white(tmp_path):
     np.testing.assert_allclose(whole(red), (2.0341, -0.2288, -0.0086), atol=3e-3)
 
 
-@pytest.mark.parametrize("before", [EMBEDDED, SRGB])
+def test_numbers_of_primaries_that_have_no_name_leave_it_to_the_gamma(tmp_path):
+    photo = photo_of(tmp_path / "a.png", (102, 102, 102), numbers(2, 13) + gamma(100_000))
+    np.testing.assert_allclose(photo.linear, 0.4, atol=1e-3)
+
+
+@pytest.mark.parametrize("before", [EMBEDDED, SRGB, chunk(b"iCCP", b"icc\0\0damaged")])
 def test_profile_and_srgb_count_before_measurements(tmp_path, before):
     photo = photo_of(tmp_path / "a.png", (0, 200, 90), before + gamma(100_000) + P3_CHROMATICITIES)
     np.testing.assert_allclose(srgb_encode(photo.linear[2, 3]) * 255, (0, 200, 90), atol=0.5)

@@ -53,10 +53,28 @@ def test_every_order_and_packing(tmp_path, pack, size, stored):
     np.testing.assert_allclose(read_radiance(tmp_path / "a.hdr"), LINEAR, rtol=1e-6)
 
 
-@pytest.mark.parametrize("head", [RGBE.replace(b"\n", b"\r\n"), b"#?RADIANCE\n\n", b"#?RGBE\nEXPOSURE=1\n\n"])
-def test_headers_of_other_line_ends_and_without_a_format(tmp_path, head):
-    (tmp_path / "a.hdr").write_bytes(head + b"-Y 16 +X 32\n" + by_channels(CODES))
-    np.testing.assert_allclose(read_radiance(tmp_path / "a.hdr"), LINEAR, rtol=1e-6)
+LONG = b"#?RADIANCE\n# " + b"lamp " * 300 + b"\n\n"
+
+
+@pytest.mark.parametrize("head", [RGBE.replace(b"\n", b"\r\n"), b"#?RADIANCE\n\n", b"#?RGBE\nEXPOSURE=1\n\n", LONG])
+def test_headers_of_other_line_ends_and_lengths_and_without_a_format(tmp_path, head):
+    for end in (b"\n", b" \r\n"):
+        (tmp_path / "a.hdr").write_bytes(head + b"-Y 16 +X 32" + end + by_channels(CODES))
+        np.testing.assert_allclose(read_radiance(tmp_path / "a.hdr"), LINEAR, rtol=1e-6)
+
+
+@pytest.mark.parametrize(("width", "blue"), [(4, 100), (32, 200)])
+def test_a_first_pixel_that_looks_like_the_start_of_a_packed_line_is_a_pixel(tmp_path, width, blue):
+    codes = CODES[:, :width].copy()
+    codes[0, 0] = 2, 2, blue, 130
+    (tmp_path / "a.hdr").write_bytes(RGBE + b"-Y 16 +X %d\n" % width + by_repetition(codes))
+    expected = codes[..., :3] * np.ldexp(1.0, codes[..., 3:].astype(int) - 136)
+    np.testing.assert_allclose(read_radiance(tmp_path / "a.hdr"), expected, rtol=1e-6)
+
+
+def test_lines_of_eight_pixels_may_be_packed_by_channels(tmp_path):
+    (tmp_path / "a.hdr").write_bytes(RGBE + b"-Y 16 +X 8\n" + by_channels(CODES[:, :8]))
+    np.testing.assert_allclose(read_radiance(tmp_path / "a.hdr"), LINEAR[:, :8], rtol=1e-6)
 
 
 def test_white_in_xyz_is_white(tmp_path):

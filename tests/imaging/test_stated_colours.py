@@ -1,6 +1,7 @@
 """Files that say what their colours are without embedding a profile."""
 
 import struct
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -10,6 +11,7 @@ from PIL import Image, ImageCms
 from relight_core.imaging.colour import srgb_encode
 from relight_core.imaging.formats.exif_block import Directory, Entry, laid_out, read_directory
 from relight_core.imaging.formats.icc import matrix_profile
+from relight_core.imaging.formats.stated_colours import numbered_profile
 from relight_core.imaging.read import read_photo
 
 SRGB = ImageCms.ImageCmsProfile(ImageCms.createProfile("sRGB")).tobytes()
@@ -51,6 +53,27 @@ def test_adobe_rgb_by_exif(tmp_path, space, index):
     np.testing.assert_allclose(shown(photo), IN_SRGB, atol=1.5)
     # So that it can be written back.
     np.testing.assert_allclose(matrix_profile(photo.icc, 3).matrix[:, 0], (1.3984, 0, 0), atol=2e-3)
+
+
+@pytest.mark.parametrize(
+    ("primaries", "transfer", "red", "at_half"),
+    [
+        (9, 13, (1.6605, -0.1246, -0.0182), 0.21404),
+        (12, 4, (1.2249, -0.0420, -0.0196), 0.5**2.2),
+        (1, 5, (1, 0, 0), 0.5**2.8),
+        # Primaries that have no name.
+        (2, 8, (1, 0, 0), 0.5),
+    ],
+)
+def test_colours_by_number(primaries, transfer, red, at_half):
+    profile = matrix_profile(numbered_profile(primaries, transfer, 3, Path("a")), 3)
+    np.testing.assert_allclose(profile.matrix[:, 0], red, atol=2e-3)
+    np.testing.assert_allclose(np.interp(0.5, np.linspace(0, 1, 4096), profile.curves[1]), at_half, atol=1e-3)
+
+
+def test_grey_by_number_is_of_no_primaries():
+    assert numbered_profile(12, 13, 1, Path("a")) is None
+    assert matrix_profile(numbered_profile(12, 8, 1, Path("a")), 1) is not None
 
 
 def test_a_file_of_several_pictures_says_adobe_rgb_as_one_of_one_does(tmp_path):
