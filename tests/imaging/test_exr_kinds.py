@@ -111,11 +111,11 @@ def test_sixteen_hundred_million_samples_are_the_most(tmp_path, monkeypatch):
         exr_size(claiming(path, 20_000, 10_001))
 
 
-@pytest.mark.parametrize("window", [b"dataWindow", b"displayWindow"])
-def test_neither_the_data_nor_what_is_shown_of_them_is_above_400_megapixels(tmp_path, window):
-    path = claiming(written(tmp_path / "a.exr", dict.fromkeys("RGB", GREY)), 20_001, 20_000, [window])
-    with pytest.raises(InputError, match="20001 x 20000 is above 400 megapixels"):
-        read_radiance(path)
+def test_neither_the_data_nor_what_is_shown_of_them_is_above_400_megapixels(tmp_path):
+    for window in (b"dataWindow", b"displayWindow"):
+        path = claiming(written(tmp_path / "a.exr", dict.fromkeys("RGB", GREY)), 20_001, 20_000, [window])
+        with pytest.raises(InputError, match="20001 x 20000 is above 400 megapixels"):
+            read_radiance(path)
 
 
 def test_an_exr_needs_room_for_its_colour_and_some_rows(tmp_path, monkeypatch):

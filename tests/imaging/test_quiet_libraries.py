@@ -29,10 +29,9 @@ def test_a_damaged_tiff_is_refused_without_a_word_of_its_library(tmp_path, capfd
     assert capfd.readouterr() == ("", "")
 
 
-@pytest.mark.parametrize("end", [b"", struct.pack(">I", 0x7FFFFFFF) + b"teXt" + b"cut"])
-def test_a_deep_png_that_claims_more_than_it_has_is_refused_without_a_word_of_its_library(tmp_path, capfd, end):
+def test_a_deep_png_that_lacks_its_end_is_refused_without_a_word_of_its_library(tmp_path, capfd):
     header = chunk(b"IHDR", struct.pack(">IIBBBBB", 6, 4, 16, 0, 0, 0, 0))
-    (tmp_path / "a.png").write_bytes(SIGNATURE + header + chunk(b"IDAT", zlib.compress(bytes(4 * 13))) + end)
+    (tmp_path / "a.png").write_bytes(SIGNATURE + header + chunk(b"IDAT", zlib.compress(bytes(4 * 13))))
     with pytest.raises(InputError, match="damaged"):
         read_photo(tmp_path / "a.png")
     assert capfd.readouterr() == ("", "")
