@@ -141,7 +141,7 @@ def test_inks_are_seen_through_their_profile_and_stand_upright(tmp_path, kind):
     path, turned = tmp_path / kind, Image.Exif()
     turned[ORIENTATION] = 6
     inks = Image.new("CMYK", (16, 8), RED_INKS)
-    for icc, expected in ((None, (255, 0, 0)), (ink_profile(), (119, 119, 119))):
+    for icc, expected in ((None, (255, 0, 0)), (b"rubbish" * 40, (255, 0, 0)), (ink_profile(), (119, 119, 119))):
         if kind == "deep.tif":
             tags = [(ORIENTATION, "H", 1, 6, True)]
             tifffile.imwrite(path, np.uint16(inks) * 257, photometric="separated", iccprofile=icc, extratags=tags)

@@ -49,6 +49,24 @@ def test_a_bigtiff_leads_to_its_settings_by_short_and_long_places(place_kind, co
     assert struct.unpack("<H", inner.entries[SENSITIVITY].data) == (400,)
 
 
+def test_tags_stand_in_order_and_values_at_even_places():
+    entries = {tag: Entry(2, 5, b"text\0") for tag in (315, 271, 305)}
+    table = laid_out(Directory("<", entries, {270: Directory("<", entries, {})}), 8)
+    rows = [struct.unpack_from("<HHII", table, 2 + 12 * index) for index in range(4)]
+    assert [tag for tag, *_ in rows] == [270, 271, 305, 315]
+    assert all(place % 2 == 0 for *_, place in rows)
+
+
+def test_a_directory_that_is_cut_or_leads_nowhere_says_the_rest():
+    head = b"Exif\0\0II*\0" + struct.pack("<I", 8)
+    sensitivity = struct.pack("<HHIHxx", SENSITIVITY, 3, 1, 400)
+    for directory in (
+        struct.pack("<H", 9) + sensitivity,
+        struct.pack("<H", 2) + sensitivity + struct.pack("<HHII", EXIF, 4, 1, 99_999) + bytes(4),
+    ):
+        assert set(read_directory(head + directory).entries) == {SENSITIVITY}
+
+
 def test_a_block_may_call_itself_exif_twice():
     block = block_of(Directory(">", {271: Entry(2, 6, b"Maker\0")}, {}))
     assert read_directory(b"Exif\0\0" + block).entries.keys() == {271}

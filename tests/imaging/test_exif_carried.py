@@ -195,6 +195,8 @@ def test_a_tiffs_new_directory_stands_at_an_even_place_and_has_all_that_was_said
     assert start % 2 == 0
     assert whole[8 : len(tiff)] == tiff[8:]
     (tmp_path / "b.tif").write_bytes(whole)
+    big = tiff.replace(b"II*\0", b"II+\0", 1)
+    assert with_exif(big, full_block("<")) == big
     first, settings, place, _ = said_by(tmp_path / "b.tif")
     assert (first[MAKER], settings[SENSITIVITY], place[LATITUDE_SIDE]) == ("Camera", 400, "N")
 

@@ -143,6 +143,25 @@ def test_a_raw_file_is_developed_upright_with_its_white_balance(tmp_path):
     np.testing.assert_allclose(red / red[0], (1, 0.4, 0.4), atol=0.03)
 
 
+def test_a_raw_file_is_brightened_until_one_pixel_in_a_thousand_clips(tmp_path, monkeypatch):
+    pytest.importorskip("rawpy")
+    ramp = 0.02 + 0.6 * np.arange(64 * 96).reshape(64, 96, 1) / (64 * 96)
+    write_dng(tmp_path / "a.dng", np.repeat(ramp, 3, axis=2))
+    clipped = read_photo(tmp_path / "a.dng").linear[..., 1] > 0.9999
+    assert 0 < clipped.mean() < 0.003
+    monkeypatch.setattr("relight_core.imaging.formats.limits.free_bytes", lambda: 100_000)
+    with pytest.raises(InputError, match="needs about .* of memory"):
+        read_photo(tmp_path / "a.dng")
+
+
+def test_raw_files_are_known_by_their_first_bytes_whatever_their_name(tmp_path, monkeypatch):
+    monkeypatch.setitem(sys.modules, "rawpy", None)
+    for head in (b"FUJIFILMCCD-RAW", b"IIRO", b"FOVb"):
+        (tmp_path / "a.jpg").write_bytes(head + bytes(64))
+        with pytest.raises(InputError, match="a camera's raw file"):
+            read_photo(tmp_path / "a.jpg")
+
+
 @pytest.mark.parametrize(
     ("name", "data"), [("a.nef", b"II*\0" + bytes(64)), ("a.CR3", bytes(64)), ("a.dng", b"MM\0*" + bytes(9))]
 )
@@ -172,8 +191,13 @@ def test_a_heic_whose_item_has_no_name_is_told(tmp_path, letter):
         read_photo(tmp_path / "a.heic")
 
 
-@pytest.mark.parametrize(("name", "kind"), [("a.cr2", "JPEG"), ("a.DNG", "PNG"), ("a.nef", "WEBP")])
+@pytest.mark.parametrize(("name", "kind"), [("a.cr2", "JPEG"), ("a.DNG", "PNG"), ("a.nef", "WEBP"), ("a.arw", "GIF")])
 def test_a_picture_that_is_named_like_a_raw_file_is_read_as_what_it_is(tmp_path, name, kind):
     Image.new("RGB", (8, 6), (200, 100, 50)).save(tmp_path / name, kind)
     photo = read_photo(tmp_path / name)
     assert (photo.linear.shape, photo.bits) == ((6, 8, 3), 8)
+
+
+def test_a_heic_that_is_named_like_a_raw_file_is_read_as_what_it_is(tmp_path):
+    (tmp_path / "a.dng").write_bytes((HEIC / "turned_p3.heic").read_bytes())
+    assert read_photo(tmp_path / "a.dng").linear.shape == (32, 48, 3)

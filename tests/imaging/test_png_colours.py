@@ -106,9 +106,10 @@ def test_measured_primaries_with_another_white(tmp_path):
     said = gamma(55_556) + PROPHOTO_CHROMATICITIES
     white = photo_of(tmp_path / "a.png", (255, 255, 255), said)
     np.testing.assert_allclose(whole(white), 1.0, atol=1e-3)
-    red = photo_of(tmp_path / "b.png", (255, 0, 0), said)
-    # ProPhoto's red in Rec.709, by its published matrix and Bradford's adaptation.
+    red, blue = (photo_of(tmp_path / "b.png", code, said) for code in ((255, 0, 0), (0, 0, 255)))
+    # ProPhoto's in Rec.709, by its published matrix and Bradford's adaptation.
     np.testing.assert_allclose(whole(red), (2.0341, -0.2288, -0.0086), atol=3e-3)
+    np.testing.assert_allclose(whole(blue), (-0.3068, -0.0029, 1.1618), atol=3e-3)
 
 
 def test_numbers_of_primaries_that_have_no_name_leave_it_to_the_gamma(tmp_path):
