@@ -1,5 +1,6 @@
 """HEIC photos and cameras' raw files."""
 
+import struct
 import sys
 from pathlib import Path
 
@@ -66,6 +67,16 @@ def test_a_heic_may_call_itself_an_image_file_and_needs_memory(tmp_path, monkeyp
     monkeypatch.setattr("relight_core.imaging.formats.limits.free_bytes", lambda: 40_000)
     with pytest.raises(InputError, match="needs about .* of memory"):
         read_photo(tmp_path / "a.heic")
+
+
+def test_a_heic_may_begin_with_a_box_whose_size_takes_eight_bytes(tmp_path):
+    data = bytearray((HEIC / "turned_p3.heic").read_bytes())
+    places, box = data.index(b"iloc"), struct.pack(">I4sQ", 1, b"free", 16)
+    for at in (places + 16, places + 34):
+        struct.pack_into(">I", data, at, struct.unpack_from(">I", data, at)[0] + len(box))
+    (tmp_path / "a.heic").write_bytes(data[:28] + box + data[28:])
+    expected = read_photo(HEIC / "turned_p3.heic").linear
+    np.testing.assert_array_equal(read_photo(tmp_path / "a.heic").linear, expected)
 
 
 def test_an_hdr_heic_says_what_to_do():
