@@ -41,12 +41,13 @@ def test_raw_files_that_are_tiffs_by_another_number_are_read_as_well(number):
 
 @pytest.mark.parametrize(("place_kind", "code"), [(4, "Ixxxx"), (13, "Ixxxx"), (16, "Q"), (18, "Q")])
 def test_a_bigtiff_leads_to_its_settings_by_short_and_long_places(place_kind, code):
-    head = b"II" + struct.pack("<HHHQ", 43, 8, 0, 16)
-    first = struct.pack("<QHHQ" + code, 1, EXIF, place_kind, 1, 52) + bytes(8)
-    sensitivity, lens = struct.pack("<HHQQ", SENSITIVITY, 3, 1, 400), struct.pack("<HHQ8s", LENS, 2, 8, b"85 mm f\0")
-    inner = read_directory(head + first + struct.pack("<Q", 2) + sensitivity + lens + bytes(8)).inner[EXIF]
+    head = b"MM" + struct.pack(">HHHQ", 43, 8, 0, 16)
+    first = struct.pack(">QHHQ" + code, 1, EXIF, place_kind, 1, 52) + bytes(8)
+    sensitivity = struct.pack(">HHQH6x", SENSITIVITY, 3, 1, 400)
+    lens = struct.pack(">HHQ8s", LENS, 2, 8, b"85 mm f\0")
+    inner = read_directory(head + first + struct.pack(">Q", 2) + sensitivity + lens + bytes(8)).inner[EXIF]
     assert bytes(inner.entries[LENS].data) == b"85 mm f\0"
-    assert struct.unpack("<H", inner.entries[SENSITIVITY].data) == (400,)
+    assert struct.unpack(">H", inner.entries[SENSITIVITY].data) == (400,)
 
 
 def test_tags_stand_in_order_and_values_at_even_places():

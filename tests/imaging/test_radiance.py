@@ -73,8 +73,12 @@ def test_a_first_pixel_that_looks_like_the_start_of_a_packed_line_is_a_pixel(tmp
 
 
 def test_lines_of_eight_pixels_may_be_packed_by_channels(tmp_path):
-    (tmp_path / "a.hdr").write_bytes(RGBE + b"-Y 16 +X 8\n" + by_channels(CODES[:, :8]))
-    np.testing.assert_allclose(read_radiance(tmp_path / "a.hdr"), LINEAR[:, :8], rtol=1e-6)
+    codes = CODES[:, :8].copy()
+    # In pixels three of them would say how often the one before comes again.
+    codes[..., 0] = 1
+    (tmp_path / "a.hdr").write_bytes(RGBE + b"-Y 16 +X 8\n" + by_channels(codes))
+    expected = codes[..., :3] * np.ldexp(1.0, codes[..., 3:].astype(int) - 136)
+    np.testing.assert_allclose(read_radiance(tmp_path / "a.hdr"), expected, rtol=1e-6)
 
 
 def test_white_in_xyz_is_white(tmp_path):
