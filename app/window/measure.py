@@ -21,6 +21,9 @@ from relight_core.process_memory import memory_in_use_mib
 
 _STEP_DEG = 7.0
 _GIVE_UP_S = 300.0
+_UNCOUNTED_S = 1.0
+"""At the beginning of the rest, in which the window still settles."""
+
 _DISPLAY_HZ = 60.0
 """As the window's own loop holds frames back on a usual display."""
 
@@ -224,18 +227,24 @@ def _idle_cpu(window: EditorWindow, seconds: float) -> float:
     """Share of a core while the window's loop runs and nothing happens; its first second does not count."""
 
     def bell() -> None:
-        time.sleep(1.0)
-        marks.append((time.perf_counter(), time.process_time()))
-        time.sleep(seconds)
-        marks.append((time.perf_counter(), time.process_time()))
+        for rest_s in (_UNCOUNTED_S, seconds):
+            if interrupted.wait(rest_s):
+                return
+            marks.append((time.perf_counter(), time.process_time()))
         glfw.set_window_should_close(window.handle, True)
         glfw.post_empty_event()
 
     marks: list[tuple[float, float]] = []
-    ringer = threading.Thread(target=bell)
+    interrupted, ringer = threading.Event(), threading.Thread(target=bell)
     ringer.start()
-    window.run()
-    ringer.join()
+    try:
+        window.run()
+    except BaseException:
+        # The window is about to go, and there will be nothing to ring at.
+        interrupted.set()
+        raise
+    finally:
+        ringer.join()
     (wall_start, cpu_start), (wall_end, cpu_end) = marks
     return (cpu_end - cpu_start) / (wall_end - wall_start)
 

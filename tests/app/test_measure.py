@@ -2,6 +2,7 @@
 
 import argparse
 import json
+import threading
 
 import numpy as np
 import pytest
@@ -19,7 +20,7 @@ def test_a_spread_is_median_and_95th_percentile_in_milliseconds():
 
 
 def test_every_movement_is_answered_and_counted(display, photo_path, monkeypatch):
-    monkeypatch.setattr("app.window.measure.time.sleep", lambda _seconds: None)
+    monkeypatch.setattr("app.window.measure._UNCOUNTED_S", 0.0)
     relighter = FakeRelighter()
     parts = list(
         measure_window(
@@ -45,12 +46,27 @@ def test_every_movement_is_answered_and_counted(display, photo_path, monkeypatch
 
 @pytest.mark.parametrize("in_turn", [False, True])
 def test_a_photo_that_can_not_be_measured_is_told_at_once(display, photo_path, tmp_path, monkeypatch, in_turn):
-    monkeypatch.setattr("app.window.measure.time.sleep", lambda _seconds: None)
+    monkeypatch.setattr("app.window.measure._UNCOUNTED_S", 0.0)
     missing = tmp_path / "missing.jpg"
     photos, parts = ([photo_path, missing] if in_turn else [missing]), []
     with pytest.raises(InputError, match=r"missing\.jpg: no such file"):
         parts.extend(measure_window(FakeRelighter, photos, drag_s=1e-9, repeats=1, idle_s=0.0, openings=2))
     assert len(parts) == (6 if in_turn else 0)
+
+
+def test_an_interruption_at_rest_ends_the_measurement_at_once(display, photo_path, monkeypatch):
+    def interrupted(_window):
+        raise KeyboardInterrupt
+
+    relighter = FakeRelighter()
+    parts = measure_window(lambda: relighter, [photo_path], size=(1024, 700), drag_s=1e-9, repeats=1, idle_s=5.0)
+    for _ in range(4):
+        next(parts)
+    threads = set(threading.enumerate())
+    monkeypatch.setattr("app.window.measure.EditorWindow.run", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        next(parts)
+    assert set(threading.enumerate()) <= threads
 
 
 def test_a_photo_without_a_face_is_told_at_once(display, tmp_path):
