@@ -40,9 +40,11 @@ def _linux_command() -> list[str]:
 
 
 def _windows_command(path: Path) -> list[str]:
+    # Temporary folders lie in the user's own, and users may be called O'Brien.
+    quoted = str(path).replace("'", "''")
     script = (
         "Add-Type -AssemblyName System.Windows.Forms, System.Drawing; "
-        f"[Windows.Forms.Clipboard]::SetImage([Drawing.Image]::FromFile('{path}'))"
+        f"[Windows.Forms.Clipboard]::SetImage([Drawing.Image]::FromFile('{quoted}'))"
     )
     return ["powershell", "-NoProfile", "-STA", "-Command", script]
 

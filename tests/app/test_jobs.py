@@ -14,7 +14,6 @@ from app.engine.film import write_film
 from app.engine.jobs import Cancelled, JobControl, Jobs, JobStatus
 from app.engine.turntable import turning, write_pictures
 from app.ui.viewport.progress_card import words
-from app.window.clipboard import copy_png
 from app.window.outputs import _write_frame
 from relight_core.errors import InputError
 from relight_core.imaging.photo import Photo
@@ -364,24 +363,6 @@ def test_a_picture_sequence_is_a_new_folder_or_nothing(tmp_path):
     with pytest.raises(Cancelled):
         write_pictures(tmp_path / "half", frames(3)[1], 3, Steps(cancel_at=2).step, write)
     assert [path.name for path in tmp_path.iterdir()] == ["turn"]
-
-
-def test_without_a_clipboard_tool_that_is_told(monkeypatch):
-    monkeypatch.setattr("app.window.clipboard.sys", SimpleNamespace(platform="linux"))
-    monkeypatch.setattr("app.window.clipboard.shutil.which", lambda name: None)
-    with pytest.raises(InputError, match="xclip"):
-        copy_png(b"png")
-
-
-@pytest.mark.parametrize(("wayland", "tool"), [("wayland-0", "wl-copy"), ("", "xclip")])
-def test_the_clipboard_tool_is_that_of_the_running_display(monkeypatch, wayland, tool):
-    ran = []
-    monkeypatch.setenv("WAYLAND_DISPLAY", wayland)
-    monkeypatch.setattr("app.window.clipboard.sys", SimpleNamespace(platform="linux"))
-    monkeypatch.setattr("app.window.clipboard.shutil.which", lambda name: f"/bin/{name}")
-    monkeypatch.setattr("app.window.clipboard._run", lambda command, given: ran.append(command[0]))
-    copy_png(b"png")
-    assert ran == [tool]
 
 
 def test_a_png_carries_its_notes(tmp_path):
