@@ -208,7 +208,8 @@ def add_json(parser: argparse.ArgumentParser) -> None:
 
 
 def edit_from(arguments: argparse.Namespace) -> Edit:
-    """The Edit that the sliders' arguments describe."""
+    """The Edit that the sliders' arguments describe; of several wishes about one effect the last one counts."""
+    forced = dict(arguments.force)
     return Edit(
         yaw_deg=arguments.yaw,
         exposure_ev=arguments.exposure,
@@ -220,8 +221,8 @@ def edit_from(arguments: argparse.Namespace) -> Edit:
         background_fov_deg=arguments.background_fov,
         background_blur_deg=arguments.background_blur,
         quality=arguments.quality,
-        forced_on=frozenset(name for name, on in arguments.force if on),
-        forced_off=frozenset(name for name, on in arguments.force if not on),
+        forced_on=frozenset(name for name, on in forced.items() if on),
+        forced_off=frozenset(name for name, on in forced.items() if not on),
         tolerance=arguments.tolerance / 255,
     )
 

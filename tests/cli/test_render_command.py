@@ -78,8 +78,8 @@ def test_sliders_reach_the_edit(relight, relighter, photo, tmp_path):
     assert (edit.background, edit.quality) == ("#ff8000", "draft")
 
 
-def test_forced_effects_and_the_tolerance_reach_the_edit(relight, relighter, photo, tmp_path):
-    words = "--force shadow=on --force detail=off --tolerance 2.55"
+def test_the_tolerance_and_the_last_wish_about_each_effect_reach_the_edit(relight, relighter, photo, tmp_path):
+    words = "--force shadow=off --force shadow=on --force detail=off --tolerance 2.55"
     assert relight("render", photo, "--light", "ring", *words.split(), "-o", tmp_path / "o.png").code == 0
     (edit,) = relighter.edits
     assert (edit.forced_on, edit.forced_off) == ({"shadow"}, {"detail"})
