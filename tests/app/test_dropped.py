@@ -32,6 +32,7 @@ def exr(path, height, width):
 def test_only_an_exr_twice_as_wide_as_high_is_a_panorama(tmp_path):
     assert is_panorama(exr(tmp_path / "a.exr", 8, 16))
     assert not is_panorama(exr(tmp_path / "b.exr", 8, 15))
+    assert not is_panorama(exr(tmp_path / "d.exr", 8, 24))
     (tmp_path / "c.exr").write_bytes(b"junk")
     assert not is_panorama(tmp_path / "c.exr")
     assert is_panorama(Path("studio.HDR"))
@@ -56,14 +57,14 @@ def test_several_photos_and_folders_become_a_queue_without_what_is_no_photo(stat
     folder.mkdir()
     for name in ("b.jpg", "a.PNG", "notes.txt", ".hidden.jpg"):
         (folder / name).touch()
-    take_files(state, [folder, Path("c.tif"), Path("d.doc")], *ELSEWHERE)
-    assert [path.name for path in state.queue.paths] == ["a.PNG", "b.jpg", "c.tif"]
+    take_files(state, [folder, Path("c.NEF"), Path("d.doc")], *ELSEWHERE)
+    assert [path.name for path in state.queue.paths] == ["a.PNG", "b.jpg", "c.NEF"]
     assert state.photo.path.name == "a.PNG"
     assert "d.doc" in state.asking.notices[0][0]
     state.step_photo(1)
     state.step_photo(1)
     state.step_photo(1)
-    assert state.photo.path.name == "c.tif"
+    assert state.photo.path.name == "c.NEF"
     assert state.queue.label == "3 of 3"
     state.step_photo(-1)
     assert state.photo.path.name == "b.jpg"
@@ -223,3 +224,15 @@ def test_a_session_whose_photo_is_refused_leaves_the_photos_dropped_with_it_in_r
     assert state.edit.shadow == 1.0
     state.step_photo(1)
     assert state.photo.path == first
+
+
+def test_no_light_is_missed_of_a_session_that_is_dropped_with_another(state, tmp_path):
+    (photo,) = photo_files(tmp_path, "a.jpg")
+    session = tmp_path / "a.relight.json"
+    write_session(session, Document(PhotoRef(photo), LightRef("panorama", str(tmp_path / "gone.hdr"))))
+    lamp = exr(tmp_path / "lamp.exr", 4, 8)
+    take_files(state, [session, lamp], *ELSEWHERE)
+    assert (state.photo.path, state.light.name, state.asking.notices) == (photo, str(lamp), [])
+    take_files(state, [session], *ELSEWHERE)
+    ((text, _),) = state.asking.notices
+    assert "gone.hdr" in text

@@ -78,6 +78,33 @@ def test_it_can_be_stopped_or_the_window_stay_open(work):
     assert work.leaving.allows(wanted=False)
 
 
+def test_whoever_then_wants_the_window_to_stay_open_keeps_it(work):
+    for answer in ("Finish first", "Stay open"):
+        work.leaving.allows(wanted=True)
+        work.choose(answer)
+    work.busy = False
+    assert not work.leaving.allows(wanted=False)
+
+
+@pytest.mark.parametrize("answer", ["Finish first", "Stop it"])
+def test_whoever_stays_for_work_that_would_be_lost_is_asked_no_more(work, answer):
+    work.leaving.allows(wanted=True)
+    work.choose(answer)
+    work.busy, work.loses_work = False, True
+    assert not work.leaving.allows(wanted=False)
+    work.choose("Stay open")
+    assert not work.leaving.allows(wanted=False)
+    assert work.asking.questions == []
+
+
+@pytest.mark.parametrize("busy", [True, False])
+def test_the_answers_that_enter_and_escape_give_lose_nothing(work, busy):
+    work.busy, work.loses_work = busy, not busy
+    work.leaving.allows(wanted=True)
+    (question,) = work.asking.questions
+    assert (question.choices[0][0], question.calling_off) == ("Finish first" if busy else "Stay open", "Stay open")
+
+
 def test_jobs_are_busy_until_what_became_of_them_is_told():
     began, go_on, at_end = threading.Event(), threading.Event(), []
     jobs = Jobs(lambda text, is_error: at_end.append(jobs.is_busy()))

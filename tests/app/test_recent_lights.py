@@ -40,3 +40,15 @@ def test_a_light_that_was_away_and_is_taken_off_the_list_again_is_gone(tmp_path)
     later = EditorState()
     RecentLights(tmp_path / "recent.json").recall(later)
     assert later.extra_lights == []
+
+
+def test_a_list_that_can_not_be_written_stops_nothing(tmp_path):
+    (tmp_path / "recent.json").mkdir()
+    (tmp_path / "file").write_bytes(b"no folder")
+    lights = [LightSource("panorama", str(tmp_path / "a.hdr"))]
+    for path in (tmp_path / "recent.json", tmp_path / "file" / "recent.json"):
+        recent, state = RecentLights(path), EditorState()
+        recent.recall(state)
+        state.extra_lights = lights
+        recent.keep(state)
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["file", "recent.json"]

@@ -262,7 +262,21 @@ def test_all_unsaved_work_is_offered_three_at_a_time(folder, tmp_path):
     while again.state.asking.questions:
         assert len(again.state.asking.questions) <= 3
         asked.append(again.state.asking.questions[0].text.split(",")[0].removeprefix("Your work on "))
-        again.answer_question("Discard")
+        again.answer_question("Restore" if len(asked) % 2 else "Discard")
     again.deeds.close()
     assert sorted(asked) == names
-    assert unsaved_files(folder) == []
+    assert len(unsaved_files(folder)) == 3
+
+
+def test_restored_work_that_can_not_be_kept_anew_stays_where_it_is_which_is_told_once(editor, folder, monkeypatch):
+    def refuses(*_):
+        raise OSError("no space left")
+
+    leave_work(editor)
+    again = Editor(folder)
+    monkeypatch.setattr("app.document.autosave.KeptFile.save", refuses)
+    again.answer_question("Restore")
+    again.live()
+    again.deeds.close()
+    assert again.said == [("Unsaved work is not kept for recovery: no space left", True)]
+    assert len(unsaved_files(folder)) == 1
