@@ -27,6 +27,7 @@ class FakePicture:
     canvas: Canvas
     gain: float
     share: float | None
+    asked_wide: list[bool]
 
     @property
     def size(self):
@@ -42,6 +43,7 @@ class FakePicture:
         return image, None if self.share is None else np.full(image.shape[:2], self.share, np.float32)
 
     def in_bands(self, wide):
+        self.asked_wide.append(wide)
         return [(slice(None), *self.part((0, 0, self.size[1], self.size[0])))]
 
 
@@ -62,8 +64,9 @@ class FakeRelighter:
         self.people = (FaceBox(20.0, 20.0, 40.0, 40.0),)
         self.share = 0.5
         self.face_count = 1
-        self.longest_sides_px = []
+        self.longest_sides_px, self.asked_wide = [], []
         self.taken_apart = None
+        self.networks_ended_s = None
 
     def set_portrait(self, photo, face_index=None, boxes=None, strokes=()):
         self.boxes, self.strokes, self.face_index = boxes, strokes, face_index
@@ -81,14 +84,15 @@ class FakeRelighter:
         self.longest_sides_px.append(longest_side_px)
         height, width = self.photo.linear.shape[:2]
         canvas = Canvas(self.photo.linear, self.photo.alpha, (height, width))
-        full = FakePicture(canvas, edit.shadow, self.share if edit.background == "transparent" else None)
+        share = self.share if edit.background == "transparent" else None
+        full = FakePicture(canvas, edit.shadow, share, self.asked_wide)
         image, alpha = full.part((0, 0, width, height)) if longest_side_px != 0 else (None, None)
         crop = np.full((8, 8, 3), 0.25, np.float32)
         grey = crop[..., 0]
         return Relit(
             image=image,
             alpha=alpha,
-            networks_ended_s=None,
+            networks_ended_s=self.networks_ended_s,
             level_as_in_photo_ev=lambda most_stops=4.0: max(self.level_ev, -most_stops),
             full=full,
             channels={

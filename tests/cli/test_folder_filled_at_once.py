@@ -11,3 +11,17 @@ def test_what_fails_is_told_of_the_folder_and_not_of_a_scratch_folder_that_is_go
         raise InputError(f"{scratch / 'channels.exr'}: can't be written (no space left on device)")
     assert str(refused.value) == f"{tmp_path / 'out' / 'channels.exr'}: can't be written (no space left on device)"
     assert not any((tmp_path / "out").iterdir())
+
+
+def fill(folder, *names):
+    for name in names:
+        (folder / name).write_bytes(b"after")
+
+
+def test_a_folder_in_the_place_of_one_file_leaves_all_files_as_they_were(tmp_path):
+    (tmp_path / "albedo.png").write_bytes(b"before")
+    (tmp_path / "normal.png").mkdir()
+    with pytest.raises(InputError, match=r"normal\.png: is a folder"), folder_filled_at_once(tmp_path) as scratch:
+        fill(scratch, "albedo.png", "normal.png")
+    assert (tmp_path / "albedo.png").read_bytes() == b"before"
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["albedo.png", "normal.png"]

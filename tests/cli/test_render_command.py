@@ -2,6 +2,7 @@
 
 import json
 import os
+import time
 
 import numpy as np
 import pytest
@@ -53,6 +54,12 @@ def test_json_is_one_object_and_all_of_stdout(relight, photo, tmp_path):
             }
         ],
     }
+
+
+def test_the_file_is_told_from_the_end_of_the_last_network_on(relight, relighter, photo, tmp_path):
+    relighter.networks_ended_s = time.perf_counter() - 7.0
+    done = relight("render", photo, "--light", "ring", "--json", "-o", tmp_path / "relit.png")
+    assert json.loads(done.out)["after_networks_ms"] > 7000.0
 
 
 def test_json_shares_stdout_with_nobody(relight, relighter, photo, tmp_path, monkeypatch):
@@ -193,6 +200,29 @@ def test_a_bad_photo_among_several_is_told_and_the_others_are_done(relight, phot
     assert [error["input"] for error in record["errors"]] == [str(missing)]
     assert "missing.jpg" in done.err
     assert [path.name for path in (tmp_path / "out").iterdir()] == ["photo.png"]
+
+
+def test_a_fault_of_ours_among_several_is_told_by_the_exit_code(relight, relighter, photo, another_photo, tmp_path):
+    open_it = relighter.set_portrait
+
+    def fails_at_one(portrait, *which):
+        if portrait.path == photo:
+            raise RuntimeError("a slip")
+        open_it(portrait, *which)
+
+    relighter.set_portrait = fails_at_one
+    done = relight("render", photo, another_photo, "--light", "ring", "-o", f"{tmp_path}/out/")
+    assert done.code == 1
+    assert "fault of ours" in done.err
+    assert "RELIGHT_DEBUG=1" in done.err
+    assert [path.name for path in (tmp_path / "out").iterdir()] == ["another.png"]
+
+
+def test_one_photo_is_resumed_as_many_are(relight, relighter, photo, tmp_path):
+    words = ("render", photo, "--light", "ring", "--resume", "--json", "-o", tmp_path / "relit.png")
+    first, then = (json.loads(relight(*words).out) for _ in range(2))
+    assert [len(record["results"]) for record in (first, then)] == [1, 0]
+    assert then["kept"] == [str(tmp_path / "relit.png")]
 
 
 def test_several_photos_need_more_than_one_file(relight, photo, another_photo, tmp_path):
