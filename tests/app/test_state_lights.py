@@ -108,7 +108,7 @@ def test_all_soft_boxes_go_at_once_and_the_room_is_whole_again():
 
 
 def test_the_lights_own_lamps_become_soft_boxes_and_go_with_it():
-    state, added = EditorState(), SoftBox(azimuth_deg=70.0)
+    state, added = EditorState(), SoftBox(azimuth_deg=70.0, intensity=3.0)
     assert not light_edits.has_lamps(state), "as long as nobody has read the light"
     state.accept(Snapshot(light=open_light(state.light, (SoftBox(name="fill", intensity=0.1), SoftBox(name="key")))))
     assert light_edits.has_lamps(state)
@@ -123,6 +123,24 @@ def test_the_lights_own_lamps_become_soft_boxes_and_go_with_it():
     state.choose_light(LightSource("rig", "overcast"))
     assert state.light_edit == LightEdit(boxes=(added,))
     assert not light_edits.has_lamps(state)
+
+
+def test_adjustments_are_reset_and_lamps_stay_as_they_are():
+    state, lamps = EditorState(), (SoftBox(name="key", intensity=2.0), SoftBox(azimuth_deg=70.0))
+    state.choose_light(SKY)
+    state.light_edit = LightEdit(level_ev=1.0, warmth=0.5, base=0.5, boxes=lamps, apart=True)
+    assert light_edits.is_adjusted(state)
+    light_edits.reset_adjustments(state)
+    assert state.light_edit == LightEdit(boxes=lamps, apart=True, metered=True)
+    assert not light_edits.is_adjusted(state)
+
+
+def test_a_soft_box_that_is_deleted_leaves_none_selected():
+    boxes = tuple(SoftBox(azimuth_deg=azimuth_deg) for azimuth_deg in (0.0, 40.0, 80.0))
+    state = EditorState(light_edit=LightEdit(boxes=boxes), selected_box=1)
+    for _ in range(2):
+        light_edits.delete_box(state)
+    assert (state.light_edit.boxes, state.selected_box) == ((boxes[0], boxes[2]), -1)
 
 
 def test_a_soft_box_is_raised_to_straight_above_and_no_further():
