@@ -210,6 +210,14 @@ def test_choosing_a_face_while_another_photo_is_on_its_way_keeps_the_strokes(sta
     assert (state.photo.path, state.photo.face_index, len(state.photo.strokes)) == (PLACE, 0, 1)
 
 
+def test_the_brush_adds_whenever_it_is_taken_up(state):
+    brush_edits.turn_over(state)
+    assert not state.brush.adds
+    for _ in range(2):
+        brush_edits.switch(state)
+    assert (state.brush.is_open, state.brush.adds) == (True, True)
+
+
 def test_the_brush_stays_as_large_from_one_photo_to_the_next(state):
     brush_edits.resize(state, 2)
     radius_em = state.brush.radius_em

@@ -71,6 +71,13 @@ def test_an_edge_keeps_the_proportions_and_the_middle_of_the_one_opposite():
 def test_no_box_is_turned_inside_out():
     (box,) = after((LEFT,), (200, 200), (20, 20))
     assert (box.x0, box.y0, box.width, box.height) == (100, 100, 8, 8)
+    (box,) = after((RIGHT,), (600, 320), (20, 20))
+    assert (box.width, box.height) == pytest.approx((8, 9.6))
+
+
+def test_a_box_grows_to_twice_the_photo_so_that_a_face_may_reach_beyond_it():
+    (box,) = after((LEFT,), (200, 200), (5000, 5000))
+    assert (box.width, box.height) == (1600, 1600)
 
 
 @pytest.mark.parametrize("end", [(340, 260), (260, 340), (260, 180)])
@@ -94,6 +101,10 @@ def test_a_quarter_of_a_box_stays_on_the_photo(end):
         (box,) = after((LEFT,), start, end)
         assert min(box.x1, 800) - max(box.x0, 0) >= 0.25 * box.width - 1e-6
         assert min(box.y1, 600) - max(box.y0, 0) >= 0.25 * box.height - 1e-6
+
+
+def test_three_quarters_of_a_box_can_lie_beside_the_photo():
+    assert after((LEFT,), (150, 150), (-5000, 150)) == (FaceBox(-75, 100, 25, 200),)
 
 
 def test_a_new_box_may_begin_beside_the_photo_where_that_cuts_a_face():

@@ -53,10 +53,17 @@ def test_a_hidden_panel_gives_its_room_to_the_picture():
     assert layout.toolbar is None
 
 
+def test_the_scope_gives_way_to_the_effects_in_a_low_window():
+    high, low = (arrange(1440, height, EM, scope=True) for height in (900, 360))
+    assert high.scope.height + high.effects.height == low.effects.height + 540
+    assert low.scope is None
+
+
 def test_dragging_an_edge_resizes_its_panel_between_limits():
     start = Panels()
     assert start.dragged("light", 20.0).light_em == 20.0
     assert start.dragged("light", 500.0).light_em == 34.0
+    assert start.dragged("effects", 0.0).effects_em == 13.0
     assert start.dragged("filmstrip", 0.0).filmstrip_em == 5.0
     assert start.dragged("effects", 20.0).reset("effects") == start
     layout = arrange(1440, 900, EM, start.dragged("effects", 20.0))

@@ -10,6 +10,7 @@ from relight_core.pipeline.plan import Effect
 
 SHADOW = Effect("shadow", "reused", "nothing it reads has changed", 0.0, None, 12.4)
 LIGHT = Effect("source_light", "skipped", "nobody looks at it", 0.0, None, None)
+RELIEF = Effect("relief", "skipped", "hardly to be seen", 0.001, None, 1500.0)
 DETAIL = Effect("detail", "computed", "a new light", 0.0, None, 0.0)
 
 
@@ -24,6 +25,7 @@ def test_the_sum_in_a_line():
 def test_reasons_in_words():
     assert explanation(SHADOW) == "reused: nothing it reads has changed; 12 ms saved"
     assert explanation(LIGHT) == "skipped: nobody looks at it; no pixel changes"
+    assert explanation(RELIEF) == "skipped: hardly to be seen; 1.5 s saved"
     assert explanation(DETAIL) == "computed: a new light"
 
 

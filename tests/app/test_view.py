@@ -75,3 +75,13 @@ def test_actual_size_keeps_the_point_under_the_mouse_and_then_fits_again():
     assert photo_point(spot, whole, at) == pytest.approx(before, abs=10.0)
     assert actual_size(close, at, whole, VIEWPORT) == View()
     assert actual_size(View(False, 3.0, 5.0, 5.0), at, whole, VIEWPORT).zoom == 1.0
+
+
+def test_a_picture_begins_at_a_whole_pixel_so_that_it_stays_crisp():
+    spot = place(View(False, 1.0, 320.25, 200.75), Frame(0, 0, 640, 480), VIEWPORT)
+    assert (spot.x, spot.y) == (80, 49)
+
+
+def test_a_viewport_smaller_than_its_margin_still_shows_the_picture():
+    spot = place(View(), Frame(0, 0, 640, 480), (20, 500))
+    assert (spot.width, spot.height) == (1, 0.75)
