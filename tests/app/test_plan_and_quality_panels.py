@@ -43,7 +43,8 @@ def test_the_user_s_say_goes_round_and_leaves_other_effects_alone():
 
 
 def test_costs_below_a_tier():
-    costs = {"draft": TierCost(8.4, 0.02), "final": TierCost(61.0, 0.0)}
+    costs = {"draft": TierCost(8.4, 0.02), "live": TierCost(20.0, 0.004), "final": TierCost(61.0, 0.0)}
     assert cost_lines("draft", costs) == ("8 ms", "±5.1")
+    assert cost_lines("live", costs) == ("20 ms", "±1.0")
     assert cost_lines("final", costs) == ("61 ms", "best")
     assert cost_lines("auto", costs) == ()

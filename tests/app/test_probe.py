@@ -1,6 +1,7 @@
 """The pixel probe, the panes and the words of the compass: no window needed."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -12,7 +13,7 @@ from app.engine.sources import LightSource, PhotoSource
 from app.ui.state import EditorState
 from app.ui.viewport.light_ball import words
 from app.ui.viewport.panes import arrange_panes
-from app.ui.viewport.probe import reading, readings
+from app.ui.viewport.probe import Reading, reading, readings
 from app.ui.viewport.view import View, photo_point
 from relight_core.imaging.photo import Photo
 from relight_core.lighting.environment import Environment
@@ -65,6 +66,18 @@ def test_exposure_changes_only_what_the_screen_shows_of_the_result(snapshot):
     assert plain.linear == brighter.linear
     assert brighter.codes[2] > plain.codes[2]
     assert reading(snapshot, "photo", 0.0, 5.0, 5.0) == reading(snapshot, "photo", 1.0, 5.0, 5.0)
+
+
+def test_the_result_is_read_from_the_photo_s_own_pixels_whatever_size_is_on_the_screen(snapshot):
+    def pixel(row, column):
+        if row >= HEIGHT:
+            raise IndexError
+        return np.float32([row / 100, column / 100, 0.5]), 1.0
+
+    relit = replace(snapshot.picture.relit, image=None, full=SimpleNamespace(pixel=pixel))
+    large = replace(snapshot, picture=replace(snapshot.picture, relit=relit))
+    assert reading(large, "result", 0.0, 40.7, 30.2).linear == pytest.approx((0.3, 0.4, 0.5))
+    assert reading(large, "result", 0.0, 40.7, HEIGHT) == Reading("result")
 
 
 @pytest.mark.parametrize(("x", "y"), [(10.0, 50.0), (64.0, 2.0), (-1.0, 5.0), (127.99, 95.99), (128.0, 96.0)])

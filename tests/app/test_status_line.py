@@ -10,6 +10,7 @@ from app.ui.panels.status_line import brief
     [
         ("/home/me/photos/a.jpg: not an image; use a JPEG", "a.jpg: not an image; use a JPEG"),
         ("Saved /home/me/a.png", "Saved /home/me/a.png"),
+        ("/home/me/relit: 1 photo is missing\n/home/me/a.jpg: not an image", "relit: 1 photo is missing"),
         ("a.jpg: no face found", "a.jpg: no face found"),
         ("The graphics driver failed: it was started again", "The graphics driver failed: it was started again"),
     ],
