@@ -1,0 +1,58 @@
+"""Which place is offered for a session or a light, and what is asked before it is written there."""
+
+from pathlib import Path
+
+import pytest
+from live_editor import Editor
+
+from app.document.session_file import read_session
+from app.engine.sources import LightSource
+from app.window.offers import saved_session_offer
+
+
+@pytest.fixture
+def editor(folder, photos):
+    editor = Editor(folder)
+    editor.state.open_photo(photos[0])
+    editor.live()
+    yield editor
+    editor.deeds.close()
+
+
+def asked(editor, wish):
+    editor.state.asking.wish(wish)
+    editor.live(1)
+    return editor.state.picking
+
+
+def test_a_session_that_was_saved_elsewhere_is_offered_that_place_and_saved_there_unasked(editor, photos, tmp_path):
+    place = tmp_path / "work" / "mine.relight.json"
+    place.parent.mkdir()
+    assert asked(editor, "save_session_as").start == photos[0].with_name("a.relight.json")
+    editor.state.picking.then([place])
+    editor.state.change(shadow=0.25)
+    assert asked(editor, "save_session_as").start == place
+    editor.state.picking.then([place])
+    assert editor.state.asking.questions == []
+    assert read_session(place).document.edit.shadow == 0.25
+
+
+def test_a_light_is_offered_its_name_beside_the_photo(editor, photos):
+    editor.state.choose_light(LightSource("rig", "golden-hour"))
+    assert asked(editor, "save_light").start == photos[0].with_name("golden-hour.light.json")
+
+
+def test_the_photo_s_own_light_is_not_saved_alone(editor):
+    editor.state.choose_light(LightSource("own"))
+    assert asked(editor, "save_light") is None
+    ((line, is_error),) = editor.said
+    assert is_error
+    assert "save the session instead" in line
+
+
+@pytest.mark.parametrize(
+    ("saved", "told"), [("a.relight.json", "beside it."), ("b/a.relight.json", "/p/b/a.relight.json.")]
+)
+def test_a_saved_session_is_told_with_its_place_where_that_is_elsewhere(saved, told):
+    offer = saved_session_offer(Path("/p/a.jpg"), Path("/p") / saved, print, print)
+    assert offer.text.endswith(told)
