@@ -69,6 +69,12 @@ def test_windows_that_change_their_order_are_drawn_whole():
     assert damage((one, two), (two, one), {}, SIZE) == [ALL]
 
 
+def test_windows_of_one_name_are_drawn_whole():
+    first, second = sheet(rectangle(10, 10, 20, 20)), sheet(rectangle(50, 10, 60, 20))
+    other = sheet(rectangle(10, 10, 20, 20, colour=8))
+    assert damage((first, second), (other, second), {}, SIZE) == [ALL]
+
+
 def test_another_texture_or_clip_is_drawn_though_the_corners_are_the_same():
     before = (sheet(rectangle(10, 10, 20, 20)),)
     assert damage(before, (sheet(rectangle(10, 10, 20, 20), texture=PICTURE),), {}, SIZE) == [(10, 10, 20, 20)]
@@ -157,3 +163,7 @@ def test_what_lies_under_an_opaque_picture_is_not_drawn():
     assert ([index for index, _, _ in pieces], hides) == ([0, 1, 2], False)
     pieces, hides = seen_in((60, 60, 100, 100), sheets, set())
     assert ([index for index, _, _ in pieces], hides) == ([0, 1, 2], False)
+    corner = Piece(ALL, PICTURE, 0, 3)
+    half = Sheet("picture", picture.vertices, picture.indices, (corner,))
+    pieces, hides = seen_in((60, 60, 100, 100), (under, half), {PICTURE})
+    assert ([index for index, _, _ in pieces], hides) == ([0, 1], False)

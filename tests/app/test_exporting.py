@@ -2,6 +2,7 @@
 
 import os
 import sys
+from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -137,3 +138,5 @@ def test_a_card_is_shown_for_an_export_only_where_it_takes_its_time():
     assert progress_card._takes_time(long)
     assert progress_card.words(long) == "Export   25 %, about 4 s left"
     assert progress_card._takes_time(JobStatus("Turntable"))
+    assert progress_card._takes_time(replace(quick, cancelling=True))
+    assert progress_card.words(JobStatus("Film", 1, 3, 200.0)) == "Film   1 of 3, about 3 min left"
