@@ -11,10 +11,12 @@ from app.document.document import LightRef
 from app.engine.snapshot import Snapshot
 from app.engine.sources import LightSource, PhotoSource
 from app.ui import light_edits
+from app.ui.actions.action_table import ACTIONS
 from app.ui.panels.light_panel import tooltip
 from app.ui.state import EditorState
 from relight_core.lighting.light_edit import LightEdit
 from relight_core.lighting.soft_box import SoftBox
+from relight_core.lighting.sphere import turned
 
 
 def test_panoramas_are_metered_and_other_lights_are_not():
@@ -133,6 +135,22 @@ def test_adjustments_are_reset_and_lamps_stay_as_they_are():
     light_edits.reset_adjustments(state)
     assert state.light_edit == LightEdit(boxes=lamps, apart=True, metered=True)
     assert not light_edits.is_adjusted(state)
+
+
+@pytest.mark.parametrize("yaw_deg", [0.0, 120.0])
+def test_a_soft_box_is_added_in_front_on_the_left_above_however_the_light_is_turned(yaw_deg):
+    state = EditorState()
+    state.turn(yaw_deg)
+    add = next(action for action in ACTIONS if action.name == "Add a soft box")
+    add.run(state)
+    right, up, toward = turned(state.light_edit.boxes[0].direction, yaw_deg)
+    assert right < -0.3
+    assert up > 0.3
+    assert toward > 0.3
+    assert state.selected_box == 0
+    for _ in range(20):
+        add.run(state)
+    assert len(state.light_edit.boxes) == 16
 
 
 def test_a_soft_box_that_is_deleted_leaves_none_selected():
