@@ -12,6 +12,7 @@ from app.ui.actions.action import Action, Chord, matching, parse_chord
 from app.ui.actions.action_table import ACTIONS, GESTURES
 from app.ui.actions.help_overlay import groups
 from app.ui.actions.light_actions import light_actions
+from app.ui.asking import Question
 from app.ui.light_list import Shelf
 from app.ui.photo_queue import PhotoQueue
 from app.ui.state import EditorState
@@ -19,6 +20,8 @@ from app.window.offers import saved_session_offer
 from app.window.replacing import write_or_ask
 from relight_core.face.find import FaceBox
 from relight_core.imaging.photo import Photo
+from relight_core.lighting.light_edit import LightEdit
+from relight_core.lighting.soft_box import SoftBox
 
 NAMED_KEYS = {
     "Left",
@@ -39,6 +42,12 @@ NAMED_KEYS = {
     "Home",
     "Delete",
 }
+
+
+def on(keys):
+    """The action of a key."""
+    (action,) = (action for action in ACTIONS if keys in action.keys)
+    return action
 
 
 def named(name):
@@ -145,6 +154,47 @@ def test_actions_work_on_the_state_alone():
     assert not named("Export the picture").available(state)
     assert not named("Wipe").available(state)
     assert not named("Side by side").available(state)
+
+
+@pytest.mark.parametrize(
+    ("keys", "turned_deg"), [("Left", -5.0), ("Right", 5.0), ("Shift+Left", -1.0), ("Shift+Right", 1.0)]
+)
+def test_the_arrow_keys_turn_the_light(keys, turned_deg):
+    state = EditorState()
+    on(keys).run(state)
+    assert state.edit.yaw_deg == turned_deg
+
+
+def test_the_arrow_keys_raise_the_soft_box_that_is_selected():
+    state = EditorState(light_edit=LightEdit(boxes=(SoftBox(0.0, 10.0), SoftBox(0.0, 20.0))), selected_box=1)
+    for keys, elevation_deg in (("Up", 25.0), ("Down", 20.0), ("Shift+Up", 21.0), ("Shift+Down", 20.0)):
+        on(keys).run(state)
+        assert [box.elevation_deg for box in state.light_edit.boxes] == [10.0, elevation_deg]
+
+
+def test_escape_ends_what_follows_the_mouse_or_turns_by_itself_before_it_answers():
+    state, given = EditorState(aim="bright", playing=True), []
+    state.asking.ask(Question("asked", "A question.", (("No", lambda: given.append("No")),), calling_off="No"))
+    on("Escape").run(state)
+    assert (state.aim, state.playing, given) == ("", False, [])
+    on("Escape").run(state)
+    assert given == ["No"]
+
+
+def test_delete_takes_the_face_s_box_while_those_are_in_sight():
+    state = EditorState(light_edit=LightEdit(boxes=(SoftBox(),)), selected_box=0)
+    state.open_photo(Path("/photos/us.jpg"))
+    faces = (FaceBox(0, 0, 20, 20), FaceBox(20, 0, 40, 20))
+    photo = Photo(np.zeros((40, 80, 3), np.float32))
+    state.accept(Snapshot(opened=OpenPhoto(state.photo, photo, None), faces=faces))
+    on("Shift+F").run(state)
+    assert not on("Delete").available(state)
+    state.faces.selected = 1
+    on("Delete").run(state)
+    assert (state.photo.boxes, len(state.light_edit.boxes)) == (faces[:1], 1)
+    on("Enter").run(state)
+    on("Delete").run(state)
+    assert (state.photo.boxes, state.light_edit.boxes) == (faces[:1], ())
 
 
 def test_a_rotation_that_plays_can_be_stopped_where_there_is_no_picture():
