@@ -16,6 +16,7 @@ from relight_core.pipeline.edit import BACKGROUNDS, EDIT_RANGES, EFFECTS, TOLERA
 
 EXPOSURE_LIMIT_EV = 16.0
 _NEGATIVE_FIRST = re.compile(r"-[\d.]")
+_NEGATIVE_POWER = re.compile(r"-[\d.]+[eE][-+]?\d+")
 _LISTS_OF_NUMBERS = ("--box", "--add-box")
 
 
@@ -31,10 +32,11 @@ class OneLineParser(argparse.ArgumentParser):
         self._takes_several = takes_several
 
     def parse_args(self, args: Sequence[str] | None = None, namespace: argparse.Namespace | None = None):
-        """As argparse does, but for a list of numbers of which the first is negative, which it takes for an option."""
+        """As argparse does, but for what it takes for an option: a list of numbers of which the first is negative, and
+        a negative number as programs write it, -1e-05."""
         words = []
         for word in sys.argv[1:] if args is None else args:
-            if words and words[-1] in _LISTS_OF_NUMBERS and _NEGATIVE_FIRST.match(word):
+            if words and _is_value(word, words[-1]):
                 words[-1] += f"={word}"
             else:
                 words.append(word)
@@ -225,6 +227,13 @@ def edit_from(arguments: argparse.Namespace) -> Edit:
         forced_off=frozenset(name for name, on in forced.items() if not on),
         tolerance=arguments.tolerance / 255,
     )
+
+
+def _is_value(word: str, option: str) -> bool:
+    """Whether a word is what an option before it is set to, although argparse would take it for an option."""
+    if option in _LISTS_OF_NUMBERS:
+        return _NEGATIVE_FIRST.match(word) is not None
+    return option.startswith("--") and option != "--" and _NEGATIVE_POWER.fullmatch(word) is not None
 
 
 def _finite(text: str) -> float:
