@@ -11,7 +11,8 @@ from PIL import Image
 
 from app.cli.channels import write_channels
 from app.cli.report import counting
-from app.cli.turntable import _fine_enough
+from app.cli.turntable import _around, _fine_enough
+from relight_core.face.find import FaceBox
 from relight_core.imaging.contact_sheet import on_ground
 from relight_core.imaging.files import KnownFiles
 from relight_core.imaging.formats.exr import read_exr
@@ -35,7 +36,7 @@ CHANNELS = [
 
 def test_every_channel_is_a_picture_and_a_layer(relight, photo, tmp_path):
     folder = tmp_path / "new" / "channels"
-    done = relight("channels", photo, "--light", "ring", "--json", "-o", folder)
+    done = relight("channels", photo, "--light", "ring", "--yaw", 15, "--json", "-o", folder)
     assert done.code == 0
     pictures = [f"{name}.png" for name in CHANNELS]
     exrs = ["channels.exr", "source_light.exr", "target_light.exr"]
@@ -43,7 +44,9 @@ def test_every_channel_is_a_picture_and_a_layer(relight, photo, tmp_path):
     assert json.loads(done.out)["files"] == sorted(str(folder / name) for name in pictures + exrs)
     for name in pictures:
         assert Image.open(folder / name).mode == "RGB"
-    layers = OpenEXR.File(str(folder / "channels.exr")).channels()
+    file = OpenEXR.File(str(folder / "channels.exr"))
+    layers = file.channels()
+    assert file.header()["relightYawDeg"] == 15.0
     assert {"RGB", "albedo", "normal", "specular", "shadow", "parsing"} <= set(layers)
     assert np.all(layers["RGB"].pixels == 0.25)
     assert np.all(layers["parsing"].pixels == 1.0)
@@ -56,12 +59,12 @@ def test_of_several_faces_the_channels_of_all_are_written_beside_those_of_one(
     grey = np.full((6, 9, 3), 0.5, np.float32)
     monkeypatch.setattr(layers, "photo_layers", lambda relit, names: {"RGB": grey} | dict.fromkeys(names, grey))
     said, written = [], []
-    for relighter.face_count in (1, 3):
+    for relighter.face_count in (1, 2):
         folder = tmp_path / str(relighter.face_count)
         said.append(relight("channels", photo, "--light", "ring", "-o", folder).out)
         written.append({path.name for path in folder.iterdir()})
     assert written[1] - written[0] == {"layers.exr"}
-    assert "all 3 faces" in said[1]
+    assert "all 2 faces" in said[1]
     assert "--face N" in said[1]
     assert "--face" not in said[0]
     channels = OpenEXR.File(str(folder / "layers.exr")).channels()
@@ -134,6 +137,22 @@ def test_the_sheet_s_ground_is_where_the_background_was_taken_away(
     assert relight(*words).code == 0
     first_cell = np.asarray(Image.open(sheet))[8:328, 8:328]
     assert (first_cell == (24, 24, 26)).all() == is_ground
+
+
+def test_the_sheet_is_as_bright_as_was_asked_for(relight, photo, tmp_path):
+    means = []
+    for stops in (-3, 0):
+        sheet = tmp_path / f"sheet{stops}.png"
+        assert relight("turntable", photo, "--light", "ring", f"--exposure={stops}", "-o", sheet).code == 0
+        means.append(np.asarray(Image.open(sheet))[8:328, 8:328].max(axis=2).mean())
+    assert means[0] < 0.7 * means[1]
+
+
+def test_the_sheet_shows_what_lies_around_the_face_as_far_as_the_photo_goes():
+    box = FaceBox(300.0, 100.0, 400.0, 220.0)
+    assert _around(box, (1000, 2000)) == (218, 28, 482, 292)
+    assert _around(box, (200, 450)) == (218, 28, 450, 200)
+    assert _around(FaceBox(0.0, 0.0, 100.0, 100.0), (200, 450)) == (0, 0, 160, 160)
 
 
 def test_half_of_a_picture_before_the_ground_is_half_of_its_light():
