@@ -67,6 +67,19 @@ def test_without_a_display_the_sample_portrait_is_used(relight, relighter, tmp_p
     assert Image.open(tmp_path / "out" / "relit-split.png").size == (512, 512)
 
 
+@pytest.mark.parametrize("name", ["relit-ring.png", "channels/albedo.png", "turntable.png"])
+def test_without_a_display_no_picture_is_written_over_the_photo(relight, photo, tmp_path, monkeypatch, name):
+    monkeypatch.setattr(edit, "has_display", lambda: False)
+    monkeypatch.chdir(tmp_path)
+    place = tmp_path / "out" / name
+    place.parent.mkdir(parents=True)
+    photo.rename(place)
+    before = place.read_bytes()
+    done = relight(place, "--light", "ring")
+    assert (done.code, place.read_bytes()) == (2, before)
+    assert "that is the input" in done.err
+
+
 def test_without_a_display_a_bad_photo_is_still_bad_input(relight, tmp_path, monkeypatch):
     monkeypatch.setattr(edit, "has_display", lambda: False)
     monkeypatch.chdir(tmp_path)
@@ -82,12 +95,14 @@ def test_without_a_display_a_session_is_relit_as_it_was_saved(
 ):
     monkeypatch.setattr(edit, "has_display", lambda: False)
     monkeypatch.chdir(tmp_path)
-    boxes = (FaceBox(1.0, 2.0, 9.0, 10.0),)
-    work = Document(PhotoRef(photo, 0, boxes), LightRef("rig", "ring"), edit=Edit(yaw_deg=30.0, shadow=0.5))
+    boxes = (FaceBox(1.0, 2.0, 9.0, 10.0), FaceBox(12.0, 2.0, 20.0, 10.0))
+    made = Edit(yaw_deg=30.0, shadow=0.5, exposure_ev=1.0)
+    work = Document(PhotoRef(photo, 1, boxes), LightRef("rig", "ring"), edit=made)
     write_session(tmp_path / "me.relight.json", work)
     assert relight("me.relight.json", *words).code == 0
-    assert Image.open(tmp_path / "out" / name).size
-    assert relighter.boxes == boxes
+    # Half the light, and a stop more of exposure.
+    np.testing.assert_allclose(Image.open(tmp_path / "out" / name), Image.open(photo), atol=1)
+    assert (relighter.boxes, relighter.face_index) == (boxes, 1)
     assert (relighter.edits[0].shadow, relighter.edits[0].yaw_deg) == (0.5, 30.0)
 
 
