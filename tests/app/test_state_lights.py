@@ -148,6 +148,7 @@ def test_a_soft_box_is_added_in_front_on_the_left_above_however_the_light_is_tur
     assert up > 0.3
     assert toward > 0.3
     assert state.selected_box == 0
+    assert state.light_edit.boxes[0].intensity < 1.0, "skin would blow out at once"
     for _ in range(20):
         add.run(state)
     assert len(state.light_edit.boxes) == 16

@@ -249,7 +249,8 @@ def test_what_a_slider_was_dragged_to_is_kept_when_a_key_opens_the_next_photo_me
     assert text.startswith("Your work on a.jpg")
 
 
-def test_all_unsaved_work_is_offered_three_at_a_time(folder, tmp_path):
+@pytest.mark.parametrize(("answer", "kept"), [("Restore", 5), ("Discard", 0)])
+def test_all_unsaved_work_is_offered_three_at_a_time(folder, tmp_path, answer, kept):
     names = [f"{number}.jpg" for number in range(5)]
     for photo in photo_files(tmp_path, *names):
         editor = Editor(folder)
@@ -262,10 +263,10 @@ def test_all_unsaved_work_is_offered_three_at_a_time(folder, tmp_path):
     while again.state.asking.questions:
         assert len(again.state.asking.questions) <= 3
         asked.append(again.state.asking.questions[0].text.split(",")[0].removeprefix("Your work on "))
-        again.answer_question("Restore" if len(asked) % 2 else "Discard")
+        again.answer_question(answer)
     again.deeds.close()
     assert sorted(asked) == names
-    assert len(unsaved_files(folder)) == 3
+    assert len(unsaved_files(folder)) == kept
 
 
 def test_restored_work_that_can_not_be_kept_anew_stays_where_it_is_which_is_told_once(editor, folder, monkeypatch):
