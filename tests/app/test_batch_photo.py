@@ -1,0 +1,62 @@
+"""One photo of a batch: under which light it is relit, and what of it is in its file."""
+
+import numpy as np
+import pytest
+from fake_relighter import FakeRelighter
+from opened_things import open_light
+from PIL import Image
+
+from app.document.document import Document, LightRef, PhotoRef
+from app.engine.exporting import ExportSettings
+from app.engine.sources import LightSource
+from app.window.batch_photo import BatchLights, relight_as
+from relight_core.errors import InputError
+from relight_core.lighting.light_edit import LightEdit
+from relight_core.pipeline.edit import Edit
+
+RING, OWN = LightRef("rig", "ring"), LightRef("own", "")
+MAKE = 0x010F
+
+
+@pytest.fixture
+def photo(tmp_path):
+    notes = Image.Exif()
+    notes[MAKE] = "Maker"
+    path = tmp_path / "me.png"
+    Image.fromarray(np.full((96, 128, 3), 90, np.uint8)).save(path, exif=notes)
+    return path
+
+
+@pytest.fixture
+def lights():
+    """The ring light is open, as it is."""
+    return BatchLights(open_light(LightSource("rig", "ring")))
+
+
+def test_the_light_that_is_open_has_what_each_photo_changed_about_it(photo, lights):
+    levels = [
+        lights.of(Document(PhotoRef(photo), RING, LightEdit(level_ev=stops)), FakeRelighter()).level
+        for stops in (0.0, 1.0)
+    ]
+    assert levels[1] == pytest.approx(2.0 * levels[0])
+
+
+def test_no_photo_is_written_over_by_its_own_picture(photo, lights):
+    before = photo.read_bytes()
+    with pytest.raises(InputError, match="that is the photo itself"):
+        relight_as(Document(PhotoRef(photo), RING), lights, FakeRelighter(), photo, ExportSettings(".png"))
+    assert photo.read_bytes() == before
+
+
+def test_the_photo_s_own_light_and_exposure_are_as_they_were_left_and_its_notes_go_along(photo, lights):
+    relighter, means = FakeRelighter(), []
+    for stops in (0.0, 1.0):
+        document = Document(PhotoRef(photo), OWN, LightEdit(level_ev=stops), Edit(quality="final", exposure_ev=stops))
+        output = photo.with_name(f"relit{stops}.png")
+        relight_as(document, lights, relighter, output, ExportSettings(".png"))
+        with Image.open(output) as picture:
+            means.append(np.asarray(picture, np.float32).mean())
+            assert picture.getexif()[MAKE] == "Maker"
+    assert relighter.environments[1].level == pytest.approx(2.0 * relighter.environments[0].level)
+    assert [edit.exposure_ev for edit in relighter.relights] == [0.0, 0.0]
+    assert means[1] > 1.2 * means[0]
