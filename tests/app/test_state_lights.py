@@ -4,6 +4,7 @@ from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 
+import numpy as np
 import pytest
 from opened_things import SKY, open_light, opened_photo
 
@@ -137,21 +138,36 @@ def test_adjustments_are_reset_and_lamps_stay_as_they_are():
     assert not light_edits.is_adjusted(state)
 
 
+def added_boxes(state, yaw_deg, count):
+    """Where the newest of a light's soft boxes are seen after some more were added: right, up and toward the camera."""
+    add = next(action for action in ACTIONS if action.name == "Add a soft box")
+    for _ in range(count):
+        add.run(state)
+    return [turned(box.direction, yaw_deg) for box in state.light_edit.boxes[-count:]]
+
+
 @pytest.mark.parametrize("yaw_deg", [0.0, 120.0])
 def test_a_soft_box_is_added_in_front_on_the_left_above_however_the_light_is_turned(yaw_deg):
     state = EditorState()
     state.turn(yaw_deg)
-    add = next(action for action in ACTIONS if action.name == "Add a soft box")
-    add.run(state)
-    right, up, toward = turned(state.light_edit.boxes[0].direction, yaw_deg)
+    ((right, up, toward),) = added_boxes(state, yaw_deg, 1)
     assert right < -0.3
     assert up > 0.3
     assert toward > 0.3
     assert state.selected_box == 0
     assert state.light_edit.boxes[0].intensity < 1.0, "skin would blow out at once"
-    for _ in range(20):
-        add.run(state)
+    added_boxes(state, yaw_deg, 20)
     assert len(state.light_edit.boxes) == 16
+
+
+def test_soft_boxes_that_are_added_one_after_the_other_stand_apart():
+    state = EditorState()
+    state.turn(70.0)
+    places = added_boxes(state, 70.0, 4)
+    assert np.sign(places).tolist() == [[-1, 1, 1], [1, 1, 1], [-1, 1, -1], [1, 1, -1]]
+    state.selected_box = 1
+    light_edits.delete_box(state)
+    np.testing.assert_allclose(added_boxes(state, 70.0, 2), [places[1], places[0]], atol=1e-6)
 
 
 def test_a_soft_box_that_is_deleted_leaves_none_selected():

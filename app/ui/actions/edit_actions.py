@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 from app.ui import face_edits, light_edits
 from app.ui.actions.action import Action, Gesture, has_photo, has_picture
-from app.ui.panels.panorama import NEW_AT, add_box
+from app.ui.panels.panorama import add_next_box
 from app.ui.state import EditorState
 
 _LIGHT, _EDIT, _FILE = "Light and effects", "Edit", "File"
@@ -105,7 +105,7 @@ BOXES = (
         _LIGHT,
         ("N",),
         "A lamp of your own, on the panorama",
-        lambda state: add_box(state, *NEW_AT),
+        add_next_box,
     ),
     Action(
         "Place the highlight",

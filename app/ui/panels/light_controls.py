@@ -9,7 +9,7 @@ from imgui_bundle import imgui
 
 from app.ui import light_edits, theme, widgets
 from app.ui.panels.groups import Tool, group, tools_beside
-from app.ui.panels.panorama import NEW_AT, add_box
+from app.ui.panels.panorama import add_next_box
 from app.ui.state import EditorState
 from relight_core.lighting.soft_box import SoftBox, box_title
 from relight_core.lighting.summary import metered_level_ev
@@ -95,7 +95,7 @@ def _lamp_tools(state: EditorState) -> None:
         beside, width = widgets.share(words, room, _SPACING)
         widths = [room] + [width] * len(words)
     if imgui.button(_ADD, imgui.ImVec2(widths[0], 0.0)):
-        add_box(state, *NEW_AT)
+        add_next_box(state)
     imgui.set_item_tooltip("Add a lamp. Drag it on the panorama; its corners resize it.  N")
     for index, (word, width) in enumerate(zip(words, widths[1:], strict=True)):
         if in_a_row or (beside and index):

@@ -17,8 +17,10 @@ from relight_core.lighting.soft_box import box_title, corners, direction_at, mov
 from relight_core.lighting.sphere import turned
 
 FINE = 0.2
-NEW_AT = (0.125, 0.3)
-"""Where a new soft box is put: from the front, left and above."""
+
+_NEW_AT = ((0.125, 0.3), (0.875, 0.3), (0.375, 0.3), (0.625, 0.3))
+"""Where new soft boxes are put, all of them above: in front to the left and to the right, then behind."""
+_TAKEN_DEG = 20.0
 
 _COMPASS = ((0.0, "front"), (0.25, "left"), (0.5, "behind"), (0.75, "right"), (1.0, "front"))
 _REACH_EM, _KNOB_EM, _COMPASS_EM = 0.6, 0.27, 12.0
@@ -54,6 +56,16 @@ def add_box(state: EditorState, u: float, v: float) -> None:
     box = moved_to(NEW_BOX, turned(direction_at(u, v), -state.edit.yaw_deg))
     state.light_edit = replace(state.light_edit, boxes=(*boxes, box))
     state.selected_box = len(boxes)
+
+
+def add_next_box(state: EditorState) -> None:
+    """A new soft box where the light has none yet, selected; where all places are taken, at the first."""
+
+    def is_taken(place: tuple[float, float]) -> bool:
+        toward = turned(direction_at(*place), -state.edit.yaw_deg)
+        return any(box.direction @ toward > np.cos(np.radians(_TAKEN_DEG)) for box in state.light_edit.boxes)
+
+    add_box(state, *next((place for place in _NEW_AT if not is_taken(place)), _NEW_AT[0]))
 
 
 def _point(state: EditorState, u: float, v: float, reach_deg: float) -> None:
