@@ -10,7 +10,7 @@ from app.engine.exporting import ExportSettings, export_note, write_relit
 from app.engine.snapshot import OpenLight
 from app.engine.sources import BORROWED_AT, LightSource, RelighterLike, borrowed_light
 from relight_core.errors import InputError
-from relight_core.imaging.files import is_same_file
+from relight_core.imaging.files import KnownFiles
 from relight_core.imaging.read import read_photo
 from relight_core.lighting.environment import Environment, read_environment
 from relight_core.lighting.light_edit import LightEdit, edit_light
@@ -51,16 +51,24 @@ class BatchLights:
 
 
 def relight_as(
-    document: Document, lights: BatchLights, relighter: RelighterLike, output: Path, settings: ExportSettings
+    document: Document,
+    lights: BatchLights,
+    relighter: RelighterLike,
+    output: Path,
+    settings: ExportSettings,
+    photos: KnownFiles,
 ) -> None:
     """Relight a document's photo as the document says, at its quality, and write it.
+
+    Args:
+        photos: all of the batch, none of which is written over.
 
     Raises:
         InputError: no photo, no face, no light, or a place that can't be written.
     """
     portrait, is_own = document.photo, document.light.kind == "own"
-    if is_same_file(portrait.path, output):
-        raise InputError(f"{output}: that is the photo itself; choose another folder")
+    if photos.named(output) is not None:
+        raise InputError(f"{output}: one of the photos is there; move it to another folder")
     opened = read_photo(portrait.path)
     # Before the portrait is set, whose place a lender takes.
     environment = None if is_own else lights.of(document, relighter)

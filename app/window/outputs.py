@@ -34,7 +34,7 @@ from app.window.clipboard import copy_png
 from app.window.own_work import document_of, own_work
 from app.window.promise import Promise
 from relight_core.errors import InputError
-from relight_core.imaging.files import legible
+from relight_core.imaging.files import KnownFiles, legible
 from relight_core.imaging.write import write_image
 from relight_core.pipeline.results.layers import shrunk_picture
 
@@ -168,13 +168,13 @@ class Outputs:
         """
         self._need_picture()
         settings = settings or self._state.export
-        works = {photo: self._work_on(photo, as_left) for photo in photos}
+        works, originals = {photo: self._work_on(photo, as_left) for photo in photos}, KnownFiles(photos)
 
         def start(picture: Picture) -> None:
             lights = BatchLights(picture.light)
 
             def one(relighter: RelighterLike, photo: Path, output: Path) -> None:
-                relight_as(document_of(works[photo], photo), lights, relighter, output, settings)
+                relight_as(document_of(works[photo], photo), lights, relighter, output, settings, originals)
 
             self._start_batch(batch_tasks(photos, folder, settings.form), one, replaces)
 

@@ -11,6 +11,7 @@ from app.engine.exporting import ExportSettings
 from app.engine.sources import LightSource
 from app.window.batch_photo import BatchLights, relight_as
 from relight_core.errors import InputError
+from relight_core.imaging.files import KnownFiles
 from relight_core.lighting.light_edit import LightEdit
 from relight_core.pipeline.edit import Edit
 
@@ -41,11 +42,14 @@ def test_the_light_that_is_open_has_what_each_photo_changed_about_it(photo, ligh
     assert levels[1] == pytest.approx(2.0 * levels[0])
 
 
-def test_no_photo_is_written_over_by_its_own_picture(photo, lights):
-    before = photo.read_bytes()
-    with pytest.raises(InputError, match="that is the photo itself"):
-        relight_as(Document(PhotoRef(photo), RING), lights, FakeRelighter(), photo, ExportSettings(".png"))
-    assert photo.read_bytes() == before
+@pytest.mark.parametrize("written_over", ["me.png", "you.png"])
+def test_no_photo_is_written_over_by_its_own_picture_or_by_another_s(photo, lights, written_over):
+    other = photo.with_name("you.png")
+    other.write_bytes(photo.read_bytes())
+    before, place, photos = photo.read_bytes(), photo.with_name(written_over), KnownFiles([photo, other])
+    with pytest.raises(InputError, match=f"{written_over}: one of the photos is there"):
+        relight_as(Document(PhotoRef(photo), RING), lights, FakeRelighter(), place, ExportSettings(".png"), photos)
+    assert place.read_bytes() == before
 
 
 def test_the_photo_s_own_light_and_exposure_are_as_they_were_left_and_its_notes_go_along(photo, lights):
@@ -53,7 +57,7 @@ def test_the_photo_s_own_light_and_exposure_are_as_they_were_left_and_its_notes_
     for stops in (0.0, 1.0):
         document = Document(PhotoRef(photo), OWN, LightEdit(level_ev=stops), Edit(quality="final", exposure_ev=stops))
         output = photo.with_name(f"relit{stops}.png")
-        relight_as(document, lights, relighter, output, ExportSettings(".png"))
+        relight_as(document, lights, relighter, output, ExportSettings(".png"), KnownFiles([photo]))
         with Image.open(output) as picture:
             means.append(np.asarray(picture, np.float32).mean())
             assert picture.getexif()[MAKE] == "Maker"
