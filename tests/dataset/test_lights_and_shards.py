@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from synthetic_heads import ball, write_balls, write_lights
 
-from relight_core.dataset.baking.shard import read_shard, write_shard
+from relight_core.dataset.baking.shard import read_shard, shard_size, write_shard
 from relight_core.dataset.lighting.lights import (
     backlit,
     load_lights,
@@ -72,6 +72,17 @@ def test_a_library_of_other_shapes_is_an_input_error_and_no_fault(tmp_path, name
         arrays = dict(data) | {name: np.zeros(shape, np.float16 if name == "env64" else "<U9")}
     np.savez(path, **arrays)
     with pytest.raises(InputError, match=name):
+        load_lights(path, "train")
+
+
+@pytest.mark.parametrize("kind", ["<U9", complex])
+def test_a_library_whose_panoramas_are_no_real_numbers_is_an_input_error(tmp_path, kind):
+    path = tmp_path / "lights.npz"
+    write_lights(path, 6)
+    with np.load(path) as data:
+        arrays = dict(data) | {"env64": np.ones((6, 64, 128, 3), kind)}
+    np.savez(path, **arrays)
+    with pytest.raises(InputError, match="no real numbers"):
         load_lights(path, "train")
 
 
@@ -155,6 +166,15 @@ def test_another_version_and_other_arrays_are_refused(tmp_path):
         read_shard(path)
     with pytest.raises(InputError):
         read_shard(tmp_path / "gone.npz")
+
+
+@pytest.mark.parametrize("number", [[3, 3], "3", []])
+@pytest.mark.parametrize("name", ["version", "size"])
+def test_a_shard_that_has_no_number_where_one_should_be_is_damaged(tmp_path, name, number):
+    path = tmp_path / "head-0000000.npz"
+    np.savez(path, **{name: number})
+    with pytest.raises(InputError, match=f"its {name} is no number"):
+        (read_shard if name == "version" else shard_size)(path)
 
 
 def test_heads_belong_to_the_split_of_their_seed(tmp_path):

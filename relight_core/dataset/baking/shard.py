@@ -50,15 +50,12 @@ def write_shard(path: Path, head: BakedHead) -> None:
 
 def shard_size(path: Path) -> int:
     """The side of a head's images in pixels; raises InputError for a damaged file."""
-    size = read_arrays(path, ("size",), "a baked head", _MEND)["size"]
-    if size.shape:
-        raise InputError(f"{path}: damaged head (its size is no number); {_MEND}")
-    return int(size)
+    return _number(path, "size")
 
 
 def read_shard(path: Path) -> BakedHead:
     """Load a head; raises InputError for a damaged file or one of an unknown version."""
-    version = int(read_arrays(path, ("version",), "a baked head", _MEND)["version"])
+    version = _number(path, "version")
     if version not in _ARRAYS:
         raise InputError(f"{path}: baked by another version; {_MEND}")
     data = read_arrays(path, _ARRAYS[version], "a baked head", _MEND)
@@ -71,6 +68,13 @@ def read_shard(path: Path) -> BakedHead:
     if len(head.normal) != covered.sum():
         raise InputError(f"{path}: damaged head (pixels are missing); {_MEND}")
     return head
+
+
+def _number(path: Path, name: str) -> int:
+    value = read_arrays(path, (name,), "a baked head", _MEND)[name]
+    if value.shape or value.dtype.kind not in "iu":
+        raise InputError(f"{path}: damaged head (its {name} is no number); {_MEND}")
+    return int(value)
 
 
 def _plain(data: dict[str, np.ndarray], covered: np.ndarray) -> dict[str, np.ndarray]:

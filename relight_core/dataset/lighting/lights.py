@@ -85,6 +85,8 @@ def _read(path: Path) -> dict[str, np.ndarray]:
     for name, shape in wanted.items():
         if shapes[name] != shape:
             raise InputError(f"{path}: not a light library ({name} is {shapes[name]} and not {shape}); {mend}")
+    if arrays["env64"].dtype.kind not in "fiu":
+        raise InputError(f"{path}: not a light library (env64 holds no real numbers); {mend}")
     return arrays
 
 

@@ -82,8 +82,13 @@ def load_skins(folder: Path) -> SkinTextures | None:
     if not path.exists():
         return None
     data = read_arrays(path, _ARRAYS, "a file of skins", _MEND)
-    names, fine, smooth = tuple(str(name) for name in data["names"]), data["fine"], data["smooth"]
-    sound = all(t.ndim == 5 and t.dtype == np.uint8 and t.shape[:2] == (len(names), 2) for t in (fine, smooth))
-    if data["version"] != _VERSION or not names or not sound:
+    names, fine, smooth = (data[name] for name in ("names", "fine", "smooth"))
+    sound = names.ndim == 1 and all(_are_tiles(tiles, len(names)) for tiles in (fine, smooth))
+    if data["version"].tolist() != _VERSION or not sound:
         raise InputError(f"{path}: skins of another version or shape; {_MEND}")
-    return SkinTextures(names, fine, smooth)
+    return SkinTextures(tuple(str(name) for name in names), fine, smooth)
+
+
+def _are_tiles(tiles: np.ndarray, count: int) -> bool:
+    """Whether an array has two square tiles of colours for each of some skins, and there are any."""
+    return tiles.size > 0 and tiles.dtype == np.uint8 and tiles.shape == (count, 2, *tiles.shape[2:3] * 2, 3)
