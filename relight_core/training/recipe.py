@@ -133,8 +133,9 @@ def _networks(data: dict[str, dict[str, Any]]) -> BundleConfig:
         before = getattr(config, name) or _CONFIG_OF_MORE[name]()
         for entry, value in _table(settings, f"networks.{name}").items():
             usual = getattr(before, entry, value)
-            too_small = type(value) is int and value < (1 if entry in _AT_LEAST_ONE else 0)
-            if too_small or type(value) is not (list if isinstance(usual, tuple) else type(usual)):
+            parts, kind = (value, int) if isinstance(usual, tuple) and type(value) is list else ([value], type(usual))
+            least = 1 if entry in _AT_LEAST_ONE else 0
+            if any(type(part) is not kind or (kind is int and part < least) for part in parts):
                 raise ValueError(f"networks.{name}: {entry} can't be {value!r}")
         config = replace(config, **{name: replace(before, **settings)})
     return config

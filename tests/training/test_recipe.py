@@ -106,6 +106,15 @@ def test_the_paper_s_recipe_has_none_of_our_variants():
         ("[[stage]]\nname = 'outline'\nsteps = 1\nuses = 2", "once"),
         ("[[stage]]\nname = 'foreign-shadow'\nsteps = 1\nuses = 2", "once"),
         ("[networks.delight]\nwidth = '4'\n[[stage]]\nname = 'warm-delight'\nsteps = 1", "width"),
+        (
+            "[networks.delight]\nresidual = [0, 1, -1, 0, 0, 0]\n[[stage]]\nname = 'outline'\nsteps = 1",
+            "residual",
+        ),
+        (
+            "[networks.delight]\nresidual = [0, 1, '1', 0, 0, 0]\n[[stage]]\nname = 'outline'\nsteps = 1",
+            "residual",
+        ),
+        ("[networks.delight]\nresidual = 2\n[[stage]]\nname = 'outline'\nsteps = 1", "residual"),
         ("[stage]\nname = 'warm-delight'\nsteps = 1", r"\[\[stage\]\]"),
         ("stage = ['warm-delight']", r"\[\[stage\]\]"),
         ("networks = 3\n[[stage]]\nname = 'warm-delight'\nsteps = 1", r"\[networks\]"),
