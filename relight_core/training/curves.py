@@ -25,18 +25,18 @@ def draw_curves(log: Path, picture: Path) -> None:
     try:
         rows = json.loads(file_bytes(log).decode("utf-8"))
         names = [name for name in rows[0] if name not in ("step", "elapsed")] if rows else []
+        steps = [float(row["step"]) for row in rows]
+        curves = {name: [float(row.get(name, "nan")) for row in rows] for name in names}
     except InputError:
         raise
-    except (ValueError, KeyError, TypeError, RecursionError) as error:
+    except (ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:
         raise InputError(f"{log}: not a log of losses ({error}); train again") from error
     if not names:
         raise InputError(f"{log}: holds no losses; train again")
     figure = Figure(figsize=(7, 2.2 * len(names)), layout="constrained")
     FigureCanvasAgg(figure)
-    steps = [row["step"] for row in rows]
-    for place, name in enumerate(names, 1):
+    for place, (name, values) in enumerate(curves.items(), 1):
         axes = figure.add_subplot(len(names), 1, place)
-        values = [row.get(name, float("nan")) for row in rows]
         axes.plot(steps, values, linewidth=1, marker="." if len(rows) == 1 else None)  # No line leads to one point.
         axes.set_title(name.replace("_", " "), loc="left", fontsize=9)
         axes.set_yscale("log")

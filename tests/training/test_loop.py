@@ -303,7 +303,8 @@ def test_one_row_of_a_log_is_drawn_as_a_point(tmp_path):
 
 def test_curves_of_nothing(tmp_path):
     log = tmp_path / "w.log.json"
-    for content in ("[]", "{", '[{"step": 50, "elapsed": 1.0}]'):
+    rows = ['{"step": 50, "elapsed": 1.0}', '{"relit": 0.3}', '{"step": 50, "relit": "low"}', '{"step": 50, "x": 1}, 3']
+    for content in ("[]", "{", *(f"[{row}]" for row in rows)):
         log.write_text(content)
         with pytest.raises(InputError, match="log"):
             draw_curves(log, tmp_path / "curves.png")
