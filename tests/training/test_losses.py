@@ -13,6 +13,7 @@ from relight_core.training.losses import (
     focal_parsing,
     fraction_loss,
     horizon_l1,
+    irradiance_l1,
     level_of,
     levelled_l1,
     masked_l1,
@@ -119,6 +120,13 @@ class TestWlogL2:
         assert float(wlog_l2(light, light)) == 0
 
 
+def test_lights_differ_by_what_they_do_to_a_white_ball():
+    """An even light of 1 lights all of it by 1, whatever it mirrors: a difference of ln 2 from none."""
+    even = torch.ones(2, 16, 32, 3)
+    assert float(irradiance_l1(even, 0 * even, ReflectionTable())) == pytest.approx(math.log(2), rel=1e-2)
+    assert float(irradiance_l1(0 * even, 3 * even, ReflectionTable())) == pytest.approx(math.log(4), rel=1e-2)
+
+
 class TestSlopeL1:
     def test_a_shift_costs_nothing(self):
         truth = torch.rand(1, 1, 5, 5)
@@ -132,6 +140,10 @@ class TestSlopeL1:
         """Two apart, the row steps by 3 from its first pixel and by 2 from its second."""
         rows = row(0, 1, 3, 3).expand(1, 1, 4, 4)
         assert float(slope_l1(rows, 0 * rows, torch.ones(1, 1, 4, 4), 2)) == pytest.approx((3 + 2) / 2)
+
+    def test_steps_downward_count_as_those_to_the_right(self):
+        rows = row(0, 1, 3, 3).expand(1, 1, 4, 4)
+        assert float(slope_l1(rows.mT, 0 * rows, torch.ones(1, 1, 4, 4))) == pytest.approx((1 + 2 + 0) / 3)
 
 
 class TestEdgesL1:
@@ -162,6 +174,13 @@ class TestReliefL1:
         step[..., 16:] = 1
         assert float(relief_l1(step, flat, covered)) > 2 * float(relief_l1(flat + 1, flat, covered)) > 0
 
+    def test_a_step_counts_by_its_height_and_from_near_and_far(self):
+        """Of 31 differences of neighbours one has the step in it, of 28 that are 4 apart four, of 16 at 16 all."""
+        step = torch.zeros(1, 1, 32, 32)
+        step[..., 16:] = 1
+        expected = 0.3 * 1 / 2 + 8.0 * 1 / 31 + 2.0 * 4 / 28 + 0.5 * 16 / 16
+        assert float(relief_l1(step, 0 * step, torch.ones(1, 1, 32, 32))) == pytest.approx(expected, rel=1e-5)
+
     def test_is_finite_where_nothing_is_covered(self):
         flat = torch.zeros(1, 1, 32, 32, requires_grad=True)
         loss = relief_l1(flat, flat.detach() + 1, torch.zeros(1, 1, 32, 32))
@@ -175,6 +194,9 @@ class TestFractionLoss:
         """ln 2 at logit 0, whatever the fraction; weights 1 and 3 and a dark pixel."""
         loss = fraction_loss(row(0, 0, 9), row(0.2, 1, 0), row(1, 3, 0))
         assert float(loss) == pytest.approx(math.log(2), rel=1e-5)
+
+    def test_a_glint_weighs_no_more_than_four_times_a_light_of_level_one(self):
+        assert float(fraction_loss(row(0, 99), row(1, 1), row(400, 1))) == pytest.approx(math.log(2) * 4 / 5, rel=1e-5)
 
     def test_favours_the_true_fraction(self):
         def at(logit):
@@ -209,6 +231,9 @@ class TestHorizonL1:
     def test_a_flatter_one_is_worse_the_flatter_it_is(self):
         flat, half, most = (float(self.error(self.terrace(height), self.terrace())) for height in (0.0, 0.25, 0.4))
         assert flat > 1.5 * half > 3 * most
+
+    def test_no_wall_hides_more_than_all_of_a_level_light(self):
+        assert 0.1 < float(self.error(self.terrace(0.0), self.terrace(100.0))) < 1
 
     def test_it_raises_what_is_too_low(self):
         estimate = self.terrace(0.25).requires_grad_()
