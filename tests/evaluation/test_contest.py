@@ -12,6 +12,8 @@ from relight_core.errors import InputError
 from relight_core.evaluation.contest import Contest, OurEditor, OurNetworks, hold
 from relight_core.evaluation.contest_report import BORROWED, CHANNELS, RELIT, as_record, heading, table
 from relight_core.evaluation.evaluate import Settings, evaluate
+from relight_core.evaluation.held_out import held_out_lights, held_out_paths, held_out_textures, load_head
+from relight_core.evaluation.metrics import wlog_l2
 from relight_core.lighting.reflection import ReflectionTable
 from relight_core.networks.bundle import BundleConfig, NetworkBundle
 from relight_core.networks.composition import CompositionConfig
@@ -34,9 +36,10 @@ class Given:
     """Returns the truth, told a light that it did not see."""
 
     def __init__(self, guess=EVEN, gain=1.0):
-        self.guess, self.gain, self.tasks = guess, gain, []
+        self.guess, self.gain, self.tasks, self.looks = guess, gain, [], []
 
     def look(self, photo):
+        self.looks.append(photo)
         return photo
 
     def relight(self, seen, task):
@@ -76,6 +79,29 @@ def test_light_is_borrowed_from_the_other_head_in_the_target_light(contest):
         assert borrowed.gain == task.gain
     assert figures["borrowed.wlog_l2"].mean > 0
     assert figures["light.wlog_l2"].mean > 0
+
+
+class HalfInBorrowedLight(Given):
+    def relight(self, seen, task):
+        made = super().relight(seen, task)["composition"]
+        return {"composition": made / 2 if np.allclose(task.light, EVEN) else made}
+
+
+def test_what_is_lent_is_the_light_of_the_other_head_s_photo_and_is_measured_apart(contest):
+    contest = replace(contest, every=4)
+    lights = [light for light in held_out_lights(contest.lights, "test") if not light.lamp]
+    heads = [load_head(path, lights, held_out_textures(), 16) for path in held_out_paths(contest.heads, "test", 2)]
+    found = HalfInBorrowedLight()
+    figures = hold({"even": found}, contest).figures["even"]
+    cases = [(number, case) for number in (0, 1) for case in contest.cases(number, lights)]
+    assert [case.source for _, case in cases] == [0, 1]
+    for (number, case), own, lent in zip(cases, found.looks[::2], found.looks[1::2], strict=True):
+        np.testing.assert_array_equal(own, heads[number].photo(case.source, "clean"))
+        np.testing.assert_array_equal(lent, heads[1 - number].photo(case.target, "clean"))
+    of_targets = [wlog_l2(EVEN, lights[case.target].radiance) for _, case in cases]
+    assert figures["borrowed.wlog_l2"].mean == pytest.approx(np.mean(of_targets), rel=1e-4)
+    assert figures["relit.rmse"].mean < 2e-3
+    assert figures["borrowed.rmse"].mean > 0.05
 
 
 def test_fewer_relightings_begin_elsewhere_for_each_head(contest):

@@ -195,6 +195,22 @@ def test_the_interval_of_two_heads_holds_nothing_that_a_figure_can_t_be():
         assert intervals[name] == pytest.approx((0.9, 0.9 - 12.706205 * 0.05, 1.0))
 
 
+def test_relative_errors_are_pooled_over_a_head_s_pictures_and_no_power_is_a_figure():
+    powers = {"ann": ((1.0, 4.0), (3.0, 4.0)), "bob": ((1.0, 1.0), (0.0, 3.0)), "cy": ((0.0, 0.0),)}
+    rows = [
+        (head, {"shadow.rmse": error**0.5, "shadow.error_power": error, "shadow.true_power": true})
+        for head, pictures in powers.items()
+        for error, true in pictures
+    ]
+    intervals = intervals_over_heads(rows)
+    assert set(intervals) == {"shadow.rmse", "shadow.relative"}
+    assert intervals["shadow.relative"].mean == pytest.approx((0.5**0.5 + 0.25**0.5 + 0) / 3)
+
+
+def test_a_similarity_may_be_below_nothing():
+    assert intervals_over_heads([("a", {"relit.ssim": -0.2}), ("b", {"relit.ssim": 0.2})])["relit.ssim"].low == -1
+
+
 def test_page_shows_the_paper_s_row(evaluation):
     page = as_markdown(evaluation, "tiny.safetensors")
     for figure in ("0.0281", "31.8", "0.914", "0.0271", "0.132", "0.00575", "0.00416", "0.0274"):

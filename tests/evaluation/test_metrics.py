@@ -210,6 +210,8 @@ def test_what_does_not_compare_is_refused(measure):
         measure(picture, picture, np.ones((16, 12), bool))
     with pytest.raises(ValueError, match="no pixel"):
         measure(picture, picture, np.zeros((16, 16), bool))
+    with pytest.raises(ValueError, match="compare"):
+        measure(picture[:0], picture[:0])
 
 
 def test_other_wrong_inputs():
@@ -223,3 +225,5 @@ def test_other_wrong_inputs():
         interval_over_heads(np.zeros(0), np.zeros(0))
     with pytest.raises(ValueError, match="finite"):
         interval_over_heads(np.array([1.0, math.inf]), np.array([0, 1]))
+    with pytest.raises(ValueError, match="confidence"):
+        interval_over_heads(np.array([1.0, 2.0]), np.array([0, 1]), confidence=95)

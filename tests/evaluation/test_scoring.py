@@ -66,8 +66,9 @@ def test_the_true_surface_has_no_error(truth, covered):
     }
 
 
-def test_a_scaled_albedo_is_wrong_but_aligned(truth, covered):
-    figures = score_surface(found(truth, albedo=truth["albedo"] * 0.7), light(), truth, covered)
+@pytest.mark.parametrize("factor", [0.7, 1 / 14, 14.0])
+def test_a_scaled_albedo_is_wrong_but_aligned(factor, truth, covered):
+    figures = score_surface(found(truth, albedo=truth["albedo"] * factor), light(), truth, covered)
     assert figures["albedo.rmse"] > 0.05
     assert figures["albedo.rmse_aligned"] < 1e-4
 
@@ -133,6 +134,14 @@ def test_the_best_exposure_is_of_what_is_seen(truth, covered):
     estimate, true = truth["image"] * 0.5, truth["image"].copy()
     estimate[10, 10], true[10, 10] = 900, 50
     figures = score_relit(estimate, true, 1.0, covered, covered)
+    assert figures["relit.rmse_aligned"] < 1e-2
+
+
+def test_the_best_exposure_is_of_what_is_seen_of_a_metered_picture(truth, covered):
+    """A third of the head is white in both at the meter's exposure, and in neither without it."""
+    estimate, true = truth["image"] * 0.25, truth["image"] * 0.5
+    estimate[8:14], true[8:14] = 0.3, 0.4
+    figures = score_relit(estimate, true, 4.0, covered, covered)
     assert figures["relit.rmse_aligned"] < 1e-2
 
 
