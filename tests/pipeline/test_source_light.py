@@ -73,6 +73,50 @@ def test_of_a_deeply_orange_light_most_is_left_to_the_light():
     assert found > 5.0
 
 
+@pytest.mark.parametrize(
+    ("light", "ratio", "off"),
+    [((1.15, 1.0, 0.8), 1.14, 0.02), ((1.4, 1.0, 0.6), 2.15, 0.08), ((2.0, 1.0, 0.3), 6.14, 0.3)],
+)
+def test_of_a_mild_cast_most_is_left_to_the_camera_and_the_less_the_deeper_it_is(light, ratio, off):
+    found = explained(coloured(*light))
+    assert red_over_blue(found) == pytest.approx(ratio, abs=off)
+    luminance = found.mean((0, 1, 2)) @ torch.tensor([0.2126, 0.7152, 0.0722])
+    assert float(luminance) == pytest.approx(0.8 * (0.2126 * light[0] + 0.7152 + 0.0722 * light[2]), rel=0.025)
+
+
+def test_of_the_colour_that_the_guess_has_already_nothing_is_the_camera_s():
+    warm = coloured(1.4, 1.0, 0.6)
+    found = explain_source_light(*photographed(replace(ball(), source_light=warm), warm))
+    assert red_over_blue(found) == pytest.approx(1.4 / 0.6, rel=0.02)
+
+
+def test_dark_skin_that_shines_less_than_is_believed_still_tells_some_blue():
+    """What the guess mirrors is more than all that is seen there; of most of it the surface must be the source."""
+    surface, reflector, relief = photographed(ball((0.03, 0.02, 0.015)), coloured(1.0, 1.0, 1.0))
+    matt = surface.albedo * stages.reflect(reflector, coloured(1.0, 1.0, 1.0))[:, :3] * surface.person
+    assert red_over_blue(explain_source_light(replace(surface, photo=matt), reflector, relief)) < 5
+
+
+def test_what_is_black_says_little_of_the_light():
+    """The upper half of a ball is black cloth with some blue on it."""
+    upper, bare = slice(0, 14), ball()
+    bare = replace(bare, albedo=bare.albedo.clone())
+    bare.albedo[..., upper, :] = 0.03
+    seen, *rest = photographed(bare, coloured(1.0, 1.0, 1.0))
+    seen.photo[..., upper, :] += torch.tensor([0.006, 0.006, 0.036])[:, None, None] * seen.person[..., upper, :]
+    assert 0.85 < red_over_blue(explain_source_light(seen, *rest)) < 1
+
+
+def test_hair_says_less_of_the_light_than_skin_does():
+    """It is bluer than is believed."""
+    upper, bare = slice(0, 14), ball()
+    bare.parsing[0, HAIR, upper] = bare.parsing[0, SKIN, upper]
+    bare.parsing[0, SKIN, upper] = 0
+    seen, *rest = photographed(bare, coloured(1.0, 1.0, 1.0))
+    seen.photo[..., upper, :] *= torch.tensor([0.5, 1.0, 3.0])[:, None, None]
+    assert 0.65 < red_over_blue(explain_source_light(seen, *rest)) < 1
+
+
 def test_a_photo_without_a_person_keeps_the_guess():
     surface = ball()
     nobody = replace(surface, photo=surface.albedo, person=0 * surface.person, parsing=0 * surface.parsing)
@@ -90,10 +134,11 @@ def test_what_hardly_shows_of_an_orange_light_is_orange_too():
     assert red_over_blue(explained(coloured(1.6, 1.0, 0.45)), BEHIND) > 1.8
 
 
-def test_what_is_blown_out_makes_no_light_brighter():
+@pytest.mark.parametrize("channels", [3, 1])
+def test_what_is_blown_out_makes_no_light_brighter(channels):
     surface, reflector, relief = photographed(ball(), coloured(1.0, 1.0, 1.0))
     blown = surface.photo.clone()
-    blown[..., 8:24, 20:28] = 1.0
+    blown[:, :channels, 8:24, 20:28] = 1.0
     clean, found = (explain_source_light(one, reflector, relief) for one in (surface, replace(surface, photo=blown)))
     assert float((found - clean).abs().max()) < 0.1
 
@@ -116,6 +161,7 @@ def test_the_light_of_a_face_that_is_painted_blue_is_as_white_as_neck_and_hair_a
 def test_in_a_dim_light_what_hardly_shows_of_it_is_as_dim(level):
     light = explained(level * coloured(1.0, 1.0, 1.0))
     assert float(light[:, 5:11, list(BEHIND)].mean()) == pytest.approx(0.8 * level, rel=0.2)
+    assert abs(red_over_blue(light) - 1) < 0.03
 
 
 def test_paint_without_any_blue_that_shines_a_little_gives_a_light_that_is_finite():
@@ -145,10 +191,11 @@ def test_a_photo_without_blue_or_any_light_and_black_parts_give_a_light_that_is_
     assert float(found.min()) >= 0
 
 
-def levels(photo, irradiance=0.5, gloss=0.1):
+def levels(photo, irradiance=0.5, gloss=0.1, person=None):
     """What `exposure_of_photo` and `level_over_person` make of a photo of a person of albedo 0.4 all over."""
     one = torch.ones(1, 1, SIZE, SIZE)
-    surface = replace(ball(), photo=photo, albedo=0.4 * one.repeat(1, 3, 1, 1), person=one)
+    person = one if person is None else person
+    surface = replace(ball(), photo=photo, albedo=0.4 * one.repeat(1, 3, 1, 1), person=person)
     reflected = torch.cat([irradiance * one.repeat(1, 3, 1, 1), gloss * one.repeat(1, 3, 1, 1)], 1)
     lit = surface.albedo * reflected[:, :3] + reflected[:, 3:]
     return exposure_of_photo(surface, reflected), level_over_person(surface, lit)
@@ -162,6 +209,15 @@ def test_a_photo_s_level_is_that_of_most_of_it_and_black_tells_nothing():
     assert levels(photo)[0] == pytest.approx(2.0, rel=1e-4)
     photo[..., 16:, :] = 1.0
     assert levels(photo)[0] == pytest.approx(3.0, rel=1e-4)
+
+
+def test_a_photo_s_level_is_that_of_who_is_surely_there_and_too_few_pixels_tell_none():
+    photo, person = torch.full((1, 3, SIZE, SIZE), 0.6), torch.full((1, 1, SIZE, SIZE), 0.4)
+    person[..., :7, :7] = 1
+    assert levels(photo, person=person) == (1.0, None)
+    person[..., 7, 0] = 1
+    photo[..., :8, :8] = 0.3
+    assert levels(photo, person=person) == pytest.approx((1.0, 1.0), rel=1e-4)
 
 
 def test_where_nothing_is_lit_or_seen_there_is_no_level():
