@@ -66,6 +66,16 @@ def test_a_face_is_as_the_nearer_look_has_it_and_the_rest_as_the_view():
     torch.testing.assert_close(normal.norm(dim=1), torch.ones(1, SIZE, SIZE))
 
 
+def test_who_is_person_is_as_the_nearer_look_has_it():
+    background, skin = 0, 1
+    wide = surface_seen_in(VIEW)
+    wide.parsing[:, background], wide.parsing[:, skin] = 1, 0
+    both = with_nearer_look(wide, surface_seen_in(NEARER), VIEW, NEARER)
+    for image in (both.parsing[0, skin], both.person[0, 0]):
+        np.testing.assert_allclose(image[FACE], 1, atol=1e-3)
+        np.testing.assert_allclose(image[48:], 0, atol=1e-3)
+
+
 def test_the_whole_albedo_takes_the_level_of_the_nearer_look():
     albedo = with_nearer_look(surface_seen_in(VIEW, 0.5), surface_seen_in(NEARER, 0.4), VIEW, NEARER).albedo
     torch.testing.assert_close(albedo, torch.full_like(albedo, 0.4), atol=1e-4, rtol=0)
@@ -131,6 +141,13 @@ def test_the_light_of_both_looks_counts_alike_and_the_people_alone_tell_the_albe
 def test_the_albedo_around_a_face_follows_a_nearer_look_only_so_far(near, kept):
     albedo = with_nearer_look(surface_seen_in(VIEW, 0.2), surface_seen_in(NEARER, near), VIEW, NEARER).albedo
     torch.testing.assert_close(albedo[..., 48:, :], torch.full((1, 3, 16, SIZE), kept), atol=1e-3, rtol=0)
+
+
+def test_what_is_white_beside_a_face_reflects_no_more_than_all_light():
+    wide = surface_seen_in(VIEW, 0.5)
+    wide.albedo[..., 56:, :] = 0.9
+    albedo = with_nearer_look(wide, surface_seen_in(NEARER, 0.7), VIEW, NEARER).albedo
+    torch.testing.assert_close(albedo[..., 57:, :], torch.ones(1, 3, 7, SIZE))
 
 
 @pytest.mark.usefixtures("small_and_seeing_faces")

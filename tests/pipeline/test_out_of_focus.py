@@ -43,6 +43,7 @@ def softness_px(share):
 def test_an_outline_out_of_focus_ends_as_softly_as_the_lens_drew_it(blur_px, dark, bright):
     matte = softened(blurred(left_part(), 1.0), drawn(blurred(left_part(), blur_px), dark, bright))
     assert softness_px(matte) == pytest.approx(blur_px, rel=0.25)
+    np.testing.assert_allclose(matte[ACROSS], blurred(left_part(), blur_px)[ACROSS], atol=0.08)
 
 
 def test_softer_outlines_get_softer_mattes():
