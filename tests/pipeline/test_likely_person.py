@@ -163,6 +163,12 @@ def test_colours_decide_what_the_mask_leaves_open():
     assert likely_person(wall, placed(unsure))[45, 62] < 0.2
 
 
+def test_what_a_mask_surely_has_as_wall_stays_wall_however_much_it_looks_like_the_person():
+    alike = photo()
+    alike[40:50, 20:28] = alike[60, 50]
+    assert 0.02 < likely_person(alike, placed(mask()))[45, 24] < 0.2
+
+
 def test_in_a_face_colours_have_no_say_against_the_person():
     """A nose of the wall's colour stays; the same colour in a shoulder beside the face is doubted as ever."""
     picture, faces = photo(), np.zeros((30, 30), np.float32)
@@ -176,6 +182,7 @@ def test_in_a_face_colours_have_no_say_against_the_person():
     assert doubted[45, 65] < 0.8
     assert known[45, 65] > 0.9
     assert max(known[80, 65], doubted[80, 65]) < 0.8
+    np.testing.assert_array_equal(likely_person(picture, placed(mask()), 0.5 * face), doubted)
 
 
 def test_a_mask_of_no_numbers_says_nothing():
@@ -249,9 +256,13 @@ def test_of_gaps_that_the_masks_have_those_of_the_persons_own_colours_are_closed
     picture[20:, 20:80] = 0.03
     picture[wall] = 0.2, 0.5, 0.8
     picture[neither] = 0.9, 0.1, 0.1
-    for gap in (black, wall, neither):
+    soft, speck = np.s_[80:90, 60:70], np.s_[80:82, 30:32]
+    for gap in (black, wall, neither, speck):
         matte[gap] = 0.2
+    matte[soft] = 0.8
     closed = without_lookalikes(matte, picture, matte)
+    assert closed[soft].min() == 1
+    np.testing.assert_array_equal(closed[speck], matte[speck])
     assert closed[black].min() == 1
     np.testing.assert_array_equal(closed[wall], matte[wall])
     np.testing.assert_array_equal(closed[neither], matte[neither])
@@ -263,6 +274,17 @@ def test_a_gap_of_a_black_coat_before_a_black_wall_stays():
     matte[20:, 20:80] = 1
     matte[40:60, 40:60] = 0.1
     np.testing.assert_array_equal(without_lookalikes(matte, np.full((100, 100, 3), 0.03, np.float32), matte), matte)
+
+
+def test_a_gap_of_colours_that_the_person_has_a_little_more_of_than_the_wall_stays():
+    """A third of a shirt is red, and a sixth of the wall."""
+    matte, picture = np.zeros((100, 100), np.float32), np.full((100, 100, 3), 0.8, np.float32)
+    matte[20:, 20:80] = 1
+    picture[20:, 20:80] = 0.03
+    picture[:, ::6] = picture[20:, 20:80:3] = 0.9, 0.1, 0.1
+    matte[40:60, 40:60] = 0.1
+    picture[40:60, 40:60] = 0.9, 0.1, 0.1
+    np.testing.assert_array_equal(without_lookalikes(matte, picture, matte), matte)
 
 
 def test_a_gap_behind_a_thin_soft_rim_is_closed_whole():

@@ -27,6 +27,18 @@ def test_nobody_is_far_above_or_beside_a_head():
     assert around[45:55, :5].max() <= 0.02
     assert around[45:55, 95:].max() <= 0.02
     assert around[70, 50] > 0.9, "but a body is below it"
+    assert around[95, 50] == pytest.approx(0.6), "and farther down perhaps a lap"
+
+
+def test_the_body_of_a_head_that_leans_is_straight_below_it():
+    leaning = place_masks([[(np.full((8, 8), 0.9, np.float32), Crop(50.0, 40.0, 30.0, 30.0))]], SIZE, SIZE)[0]
+    np.testing.assert_allclose(leaning[70, 46:55], 0.97)
+
+
+@pytest.mark.parametrize(("told", "meant"), [(3.0, 1.0), (np.inf, 1.0), (-2.0, 0.0), (np.nan, 0.0)])
+def test_what_a_look_can_t_mean_is_brought_into_range(told, meant):
+    found, right = (placed(np.full((8, 8), value, np.float32)) for value in (told, meant))
+    np.testing.assert_array_equal(found, right)
 
 
 def test_hair_goes_on_only_above_what_reaches_the_look_s_upper_edge():

@@ -177,11 +177,13 @@ class Listening:
 
 
 def test_the_network_sees_an_exposed_photo_as_it_is_displayed_and_nothing_beyond_it(monkeypatch):
-    """A view from 40 pixels left of the photo: 0.2 at twice that, 0.4 linear, is 0.665 in sRGB."""
+    """A view from 40 pixels left of the photo: 0.2 at twice that, 0.4 linear, is 0.665 in sRGB; 0.7 is blown out."""
     listening, photo = Listening(monkeypatch, 0.0), Photo(np.full((200, 200, 3), 0.2, np.float32))
+    photo.linear[90:110, 100:120] = 0.7
     outline_person(None, photo, Crop(60.0, 100.0, 80.0), Crop(60.0, 100.0, 200.0), "cpu", exposure=2.0)
     (asked,) = listening.asked
-    np.testing.assert_allclose(asked[:3, :, 54:], 0.6652, atol=1e-3)
+    np.testing.assert_allclose(asked[:3, :100, 54:], 0.6652, atol=1e-3)
+    np.testing.assert_allclose(asked[:3, 118:138, 182:202], 1, atol=1e-6)
     assert asked[3, :, 54:].min() == 1
     assert asked[:4, :, :50].max() == 0
     assert asked[4, 128, 128] == 1
