@@ -32,6 +32,11 @@ def test_nothing_moves_nothing_and_one_rank_stays_finite():
     assert torch.isfinite(evened(torch.ones(64, 500) * 1e18)).all()
 
 
+def test_how_long_a_gradient_is_does_not_matter():
+    matrix = random_matrix(6, 40)
+    torch.testing.assert_close(evened(matrix * 1e-6), evened(matrix))
+
+
 def test_matrices_of_one_shape_move_as_each_would_alone():
     shapes = [(6, 20), (20, 6), (6, 20), (4, 4)]
     together = [torch.nn.Parameter(random_matrix(*shape, seed)) for seed, shape in enumerate(shapes)]
@@ -49,12 +54,13 @@ def test_matrices_of_one_shape_move_as_each_would_alone():
         torch.testing.assert_close(first, second, atol=1e-5, rtol=1e-4)
 
 
-def test_it_steps_as_pytorchs_own_does():
-    theirs, ours = (torch.nn.Parameter(random_matrix(24, 90)) for _ in range(2))
+@pytest.mark.parametrize("shape", [(24, 90), (90, 24)])
+def test_it_steps_as_pytorchs_own_does(shape):
+    theirs, ours = (torch.nn.Parameter(random_matrix(*shape)) for _ in range(2))
     start = ours.detach().clone()
     steps = torch.optim.Muon([theirs], lr=0.02, weight_decay=0.01), Muon([ours], lr=0.02, weight_decay=0.01)
     for seed in range(1, 4):
         for weight, optimiser in zip((theirs, ours), steps, strict=True):
-            weight.grad = random_matrix(24, 90, seed)
+            weight.grad = random_matrix(*shape, seed)
             optimiser.step()
     assert (ours - theirs).norm() < 0.03 * (theirs - start).norm()

@@ -20,9 +20,12 @@ def pushed(network, seed=0):
     (network(picture) ** 2).mean().backward()
 
 
-def test_a_hidden_convolution_moves_equally_far_in_all_directions():
+@pytest.mark.parametrize("first", [1e-3, 7e-2])
+def test_a_hidden_convolution_moves_equally_far_in_all_directions(first):
     network = small_network()
-    optimiser = Optimiser(network, 1e-3)
+    optimiser = Optimiser(network, first)
+    if first != 1e-3:
+        optimiser.set_learning_rate(1e-3)
     before = network[1].conv.weight.detach().clone()
     pushed(network)
     optimiser.step()
@@ -55,6 +58,26 @@ def test_the_rate_can_be_nothing():
         torch.testing.assert_close(weight.detach(), old, rtol=0, atol=0)
 
 
+def test_without_gradients_to_follow_weights_shrink_as_much_as_they_should():
+    network = small_network()
+    optimiser = Optimiser(network, 0.5)
+    before = [weight.detach().clone() for weight in network.parameters()]
+    for weight in network.parameters():
+        weight.grad = torch.zeros_like(weight)
+    optimiser.step()
+    for weight, old in zip(network.parameters(), before, strict=True):
+        kept = 1 - 0.5 * 20 * 0.01 if weight is network[1].conv.weight else 1 - 0.5 * 1e-4
+        torch.testing.assert_close(weight.detach(), kept * old, rtol=2e-6, atol=1e-7)
+
+
+def test_gradients_of_one_step_are_forgotten_before_the_next():
+    network = small_network()
+    optimiser = Optimiser(network, 1e-3)
+    pushed(network)
+    optimiser.zero_grad()
+    assert all(weight.grad is None for weight in network.parameters())
+
+
 def test_frozen_weights_stay():
     network = small_network()
     network[1].requires_grad_(False)
@@ -73,3 +96,29 @@ def test_moments_of_other_networks_are_refused():
     first.step()
     with pytest.raises((ValueError, IndexError)):
         second.load_moments(first.moments())
+
+
+def test_moments_of_some_of_the_weights_are_refused():
+    network = small_network()
+    network[2].requires_grad_(False)
+    first = Optimiser(network, 1e-3)
+    pushed(network)
+    first.step()
+    network.requires_grad_(True)
+    with pytest.raises(ValueError, match="this stage changes"):
+        Optimiser(network, 1e-3).load_moments(first.moments())
+
+
+def test_steps_go_on_from_moments_as_if_they_had_never_been_put_down():
+    whole, halves = small_network(), small_network()
+    one, first = Optimiser(whole, 1e-3), Optimiser(halves, 1e-3)
+    for seed in range(4):
+        if seed == 2:
+            moments, first = first.moments(), Optimiser(halves, 1e-3)
+            first.load_moments({name: value.clone().contiguous() for name, value in moments.items()})
+        for network, optimiser in ((whole, one), (halves, first)):
+            optimiser.zero_grad()
+            pushed(network, seed)
+            optimiser.step()
+    for weight, expected in zip(halves.parameters(), whole.parameters(), strict=True):
+        torch.testing.assert_close(weight, expected, rtol=0, atol=0)

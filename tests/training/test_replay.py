@@ -1,6 +1,7 @@
 """Samples that are learnt from several times: how often, which, and the same from wherever a run goes on."""
 
 import itertools
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -28,11 +29,11 @@ def chunk(number, pairs=2):
     }
 
 
-def maker(asked=None):
+def maker(asked=None, pairs=2):
     def make(first):
         if asked is not None:
             asked.append(first)
-        return (chunk(number) for number in itertools.count(first))
+        return (chunk(number, pairs) for number in itertools.count(first))
 
     return make
 
@@ -42,7 +43,7 @@ def numbers_of(batch):
 
 
 def drawn(replay, count, first=0, asked=None):
-    return list(itertools.islice(replayed(maker(asked), replay, first, "cpu"), count))
+    return list(itertools.islice(replayed(maker(asked, replay.chunk), replay, first, "cpu"), count))
 
 
 REPLAY = Replay(uses=3, pairs=6, chunk=2, kept=20, seed=5)
@@ -72,9 +73,20 @@ def test_batches_are_the_same_from_wherever_a_run_goes_on():
             assert torch.equal(one[name], other[name]), name
 
 
-def test_a_window_smaller_than_a_batch_holds_a_batch():
-    small = Replay(uses=2, pairs=6, chunk=2, kept=1, seed=0)
+@pytest.mark.parametrize("chunk", [2, 4, 5])
+def test_a_window_smaller_than_a_batch_holds_a_batch(chunk):
+    small = Replay(uses=2, pairs=6, chunk=chunk, kept=1, seed=0)
     assert all(len(set(numbers_of(batch))) == 6 for batch in drawn(small, 20))
+
+
+def test_every_batch_is_drawn_anew_by_seed_and_number_and_half_of_the_pairs_are_mirrored():
+    others = replace(REPLAY, seed=6)
+    places, mirrored_ones = zip(*(REPLAY.drawn(number) for number in range(100, 300)), strict=True)
+    assert len({tuple(drawn) for drawn in places}) == 200
+    assert np.mean(mirrored_ones) == pytest.approx(0.5, abs=0.06)
+    assert all(not np.array_equal(others.drawn(100 + n)[0], drawn) for n, drawn in enumerate(places))
+    for first, again in zip(REPLAY.drawn(100), REPLAY.drawn(100), strict=True):
+        np.testing.assert_array_equal(first, again)
 
 
 def test_images_are_kept_in_half_precision_lights_as_they_are():
@@ -82,7 +94,8 @@ def test_images_are_kept_in_half_precision_lights_as_they_are():
     assert batch["label"].dtype == torch.int64
     assert batch["image"].dtype == batch["light"].dtype == torch.float32
     assert float(batch["light"].frac().max()) == pytest.approx(1 / 3, abs=1e-5)
-    assert halved({"image": torch.full((1,), 1 / 3)})["image"].dtype == torch.float16
+    kept = halved({"image": torch.full((1,), 1 / 3), "label": torch.zeros(1, dtype=torch.long)})
+    assert (kept["image"].dtype, kept["label"].dtype) == (torch.float16, torch.uint8)
 
 
 def test_mirrored_pairs_are_as_the_data_set_mirrors_its_samples():
