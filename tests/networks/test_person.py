@@ -1,5 +1,7 @@
 """The person network, alone and among the others in one file."""
 
+import math
+
 import pytest
 import torch
 
@@ -97,9 +99,30 @@ def test_what_lies_beyond_the_photo_is_not_asked_for():
     assert sum(outline_losses(Says(half()), batch).values()) < 1e-3
 
 
-def test_an_error_at_the_edge_costs_more_than_one_far_from_it():
+@pytest.mark.parametrize("beside", [16, 19])
+def test_an_error_at_the_edge_costs_more_than_one_far_from_it(beside):
     near, far = half(), half()
-    near[..., 4, 16] = 1
+    near[..., 4, beside] = 1
     far[..., 4, 30] = 1
     at_edge, inside = (outline_losses(Says(said), batch_of(half()))["outline"] for said in (near, far))
     assert at_edge > 2 * inside
+
+
+def test_a_photo_s_border_is_no_edge_of_whoever_fills_it():
+    everybody, corner, middle = (torch.ones_like(half()) for _ in range(3))
+    corner[..., 0, 0] = middle[..., 16, 16] = 0
+    at_corner, within = (outline_losses(Says(said), batch_of(everybody))["outline"] for said in (corner, middle))
+    assert float(at_corner) == pytest.approx(float(within), rel=1e-5)
+
+
+def test_who_knows_nothing_pays_ln_2_and_half_of_the_overlap():
+    """Of a person who is half of a photo of P pixels half is found, and as much is made up."""
+    nothing, pixels = 0 * half() + 0.5, half()[0].numel()
+    losses = outline_losses(Says(nothing), batch_of(half()))
+    assert float(losses["outline"]) == pytest.approx(math.log(2), rel=1e-5)
+    overlap = (2 * pixels / 4 + 1) / (pixels / 2 + pixels / 2 + 1)
+    assert float(losses["overlap"]) == pytest.approx(0.5 * (1 - overlap), rel=1e-5)
+
+
+def test_nobody_found_where_nobody_is_costs_next_to_nothing():
+    assert sum(outline_losses(Says(0 * half()), batch_of(0 * half())).values()) < 0.01
