@@ -1,5 +1,6 @@
 """Photos of lit heads: whatever the radiance, a picture in range."""
 
+import cv2
 import numpy as np
 import pytest
 from synthetic_heads import ball
@@ -110,3 +111,53 @@ def test_a_camera_takes_the_colour_of_a_light_from_all_of_the_sphere():
     radiance = np.full((32, 32, 3), 0.2, np.float32) * covered()[..., None]
     gains = [camera_gain(radiance, covered(), each, 1.0, np.random.default_rng(4)) for each in (plain, poles)]
     np.testing.assert_allclose(gains[0], gains[1], rtol=0.12)
+
+
+def inner(mask):
+    """Far enough inside that no lens blurs anything else into it."""
+    return cv2.erode(mask.astype(np.uint8), np.ones((11, 11), np.uint8)) > 0
+
+
+@pytest.mark.parametrize("colour", range(3))
+def test_a_red_head_is_red_in_every_photo_and_a_black_one_black_before_any_background(colour, pool):
+    red, white = np.zeros((32, 32, 3), np.float32), np.ones((16, 32, 3), np.float32)
+    red[covered()] = 0.4 * np.eye(3)[colour]
+    for seed in range(12):
+        photos = [photograph(one, covered(), white, 0.5, pool, np.random.default_rng(seed)) for one in (red, 0 * red)]
+        shown, black = (photo[inner(covered())].mean(0) for photo in photos)
+        assert shown.argmax() == colour
+        assert shown[colour] > black.max() + 0.1
+        assert black.max() < 0.25
+
+
+def test_a_brighter_head_in_the_same_light_is_brighter_in_the_photo(pool):
+    """Metering evens out less than all of it."""
+    head = np.full((32, 32, 3), 0.05, np.float32) * covered()[..., None]
+    for seed in range(12):
+        rng = (np.random.default_rng(seed) for _ in range(2))
+        dark, light = (photograph(head * k, covered(), np.ones((16, 32, 3)), 0.5, pool, next(rng)) for k in (1, 6))
+        assert light[inner(covered())].mean() > dark[inner(covered())].mean() + 0.02
+
+
+def test_what_stands_before_the_camera_shows_nothing_of_the_head_behind_it(pool):
+    hidden, white = np.zeros((32, 32), bool), np.ones((16, 32, 3), np.float32)
+    hidden[:, 10:] = True
+    for seed in range(12):
+        photos = []
+        for colour in range(2):
+            head = 0.4 * np.eye(3, dtype=np.float32)[colour] * covered()[..., None]
+            photos.append(photograph(head, covered(), white, 0.5, pool, np.random.default_rng(seed), hidden=hidden))
+        off = np.abs(photos[0] - photos[1]).max(-1)
+        # JPEG's blocks are 16 pixels wide where colours are halved.
+        assert off[:, 18:].mean() < 0.02
+        assert off[8:24, 5:8].mean() > 0.1
+
+
+def test_cameras_neutralise_some_of_a_light_s_colour_and_seldom_add_to_it():
+    blue = np.full((16, 32, 3), (0.5, 1.0, 2.0), np.float32)
+    head = np.full((32, 32, 3), 0.2, np.float32) * covered()[..., None]
+    gains = [camera_gain(head, covered(), blue, 1.0, np.random.default_rng(seed)) for seed in range(40)]
+    ratios = np.array([gain[0] / gain[2] for gain in gains])
+    assert 1.5 < np.median(ratios) < 3
+    assert ratios.min() > 0.8
+    assert ratios.max() < 5
