@@ -98,6 +98,14 @@ def test_meter_by_hand():
     assert np.isfinite(metered_gain(grey, np.zeros((32, 32), bool), 0.2, 0.45))
 
 
+def test_a_meter_looks_as_much_at_the_brighter_parts_as_at_the_mean():
+    """Three in ten pixels are at 0.35 and the rest at 0.05: a mean of 0.14, and 0.35 four fifths of the way up."""
+    two_tone = np.full((10, 10, 3), 0.05, np.float32)
+    two_tone[:3] = 0.35
+    gain = metered_gain(two_tone, np.ones((10, 10), bool), 1.0, 1.0)
+    assert gain == pytest.approx(0.28 / (0.5 * 0.14 + 0.5 * 0.35), rel=1e-4)
+
+
 def test_dark_skin_is_shown_darker_than_pale_skin():
     pale = np.full((32, 32, 3), 0.5, np.float32) * covered()[..., None]
     shown = [(skin * metered_gain(skin, covered(), 1.0, 0.45))[covered()].mean() for skin in (pale * 0.1, pale)]
@@ -137,6 +145,15 @@ def test_a_brighter_head_in_the_same_light_is_brighter_in_the_photo(pool):
         rng = (np.random.default_rng(seed) for _ in range(2))
         dark, light = (photograph(head * k, covered(), np.ones((16, 32, 3)), 0.5, pool, next(rng)) for k in (1, 6))
         assert light[inner(covered())].mean() > dark[inner(covered())].mean() + 0.02
+
+
+def test_a_dimmer_head_in_as_much_dimmer_a_light_is_exposed_for_longer(pool):
+    head, white = np.full((32, 32, 3), 0.2, np.float32) * covered()[..., None], np.ones((16, 32, 3), np.float32)
+    for seed in range(12):
+        bright, dim = (
+            photograph(head / k, covered(), white / k, 0.5 / k, pool, np.random.default_rng(seed)) for k in (1, 8)
+        )
+        assert np.abs(bright - dim).mean() < 0.01
 
 
 def test_what_stands_before_the_camera_shows_nothing_of_the_head_behind_it(pool):

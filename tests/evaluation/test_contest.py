@@ -99,7 +99,10 @@ def test_what_is_lent_is_the_light_of_the_other_head_s_photo_and_is_measured_apa
         np.testing.assert_array_equal(own, heads[number].photo(case.source, "clean"))
         np.testing.assert_array_equal(lent, heads[1 - number].photo(case.target, "clean"))
     of_targets = [wlog_l2(EVEN, lights[case.target].radiance) for _, case in cases]
+    of_sources = [wlog_l2(EVEN, lights[case.source].radiance) for _, case in cases]
     assert figures["borrowed.wlog_l2"].mean == pytest.approx(np.mean(of_targets), rel=1e-4)
+    assert figures["light.wlog_l2"].mean == pytest.approx(np.mean(of_sources), rel=1e-4)
+    assert np.mean(of_sources) != pytest.approx(np.mean(of_targets), rel=1e-2)
     assert figures["relit.rmse"].mean < 2e-3
     assert figures["borrowed.rmse"].mean > 0.05
 
