@@ -6,6 +6,7 @@ from synthetic_heads import ball, write_balls, write_lights
 
 from relight_core.dataset.baking.shard import read_shard, shard_size, write_shard
 from relight_core.dataset.lighting.lights import (
+    LightLibrary,
     backlit,
     load_lights,
     normalise_light,
@@ -36,6 +37,13 @@ def test_splits_share_no_light_and_no_place(library):
 def test_test_and_validation_have_about_the_wanted_number(library):
     assert 18 <= len(load_lights(library, "test").names) <= 20
     assert 6 <= len(load_lights(library, "validation").names) <= 8
+
+
+@pytest.mark.parametrize(("lights", "test", "validation"), [(6, 2, 1), (12, 4, 2), (20, 6, 3)])
+def test_of_few_lights_most_are_learnt_from(tmp_path, lights, test, validation):
+    write_lights(tmp_path / "few.npz", lights)
+    counts = [len(load_lights(tmp_path / "few.npz", split).names) for split in ("test", "validation", "train")]
+    assert counts == [test, validation, lights - test - validation]
 
 
 def test_what_was_held_out_once_stays_so(library):
@@ -104,6 +112,28 @@ def test_sampled_lights_are_lights(library):
         assert level(light) == pytest.approx(1, rel=1e-3)
     assert (sample_panorama(lights, rng) >= 0).all()
     assert (sample_rig(rng, 3, 0.1) >= 0).all()
+
+
+def test_panoramas_are_turned_and_mirrored_but_never_stand_on_their_heads():
+    sky = np.ones((1, 64, 128, 3), np.float32)
+    sky[:, :32] = 3.0
+    sky[:, :32, :20], sky[:, :32, 20:40] = 9.0, 30.0
+    lights = [sample_panorama(LightLibrary(sky, ("sky",)), np.random.default_rng(seed)) for seed in range(12)]
+    assert all(light[:32].min() > light[32:].max() for light in lights)
+    # The sun stands right of the brighter cloud, or left of it in a mirror.
+    rises = [np.roll(light[16, :, 1], 64 - int(light[16, :, 1].argmax())) for light in lights]
+    rises = [row[20:60].sum() > row[84:124].sum() for row in rises]
+    assert 2 < sum(rises) < 10
+
+
+def test_what_is_below_nothing_in_a_library_is_nothing(tmp_path):
+    path = tmp_path / "lights.npz"
+    write_lights(path, 6)
+    with np.load(path) as data:
+        arrays = dict(data)
+    arrays["env64"][:, 5] = -2
+    np.savez(path, **arrays)
+    assert load_lights(path, "train").panoramas.min() == 0
 
 
 def test_half_of_a_backlit_light_or_more_is_new_and_none_of_that_comes_from_the_cameras_side():
