@@ -14,7 +14,7 @@ from relight_core.dataset.lighting.lights import (
     sample_panorama,
     sample_rig,
 )
-from relight_core.dataset.recipe import data_mark, load_split
+from relight_core.dataset.recipe import data_mark, load_split, shard_path
 from relight_core.errors import InputError
 
 LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
@@ -220,7 +220,14 @@ def test_heads_belong_to_the_split_of_their_seed(tmp_path):
     }
 
 
-@pytest.mark.parametrize("added", ["heads/skins.npz", "lights/SNOW.HDR", "lights/yard/snow.exr"])
+def test_heads_come_in_the_order_of_their_seeds_however_a_disk_lists_them(tmp_path):
+    seeds = [(37 * number) % 101 for number in range(101)]
+    for seed in seeds:
+        shard_path(tmp_path, seed).touch()
+    assert [path.name for path in load_split(tmp_path, "train")] == [f"head-{seed:07d}.npz" for seed in range(101)]
+
+
+@pytest.mark.parametrize("added", ["heads/skins.npz", "lights/SNOW.HDR", "lights/yard/snow.exr", "lights/sky.hdr"])
 def test_painted_skins_and_all_panoramas_tell_one_set_of_data_from_another(tmp_path, added):
     for place in ("heads/head-0000007.npz", "lights/sky.hdr", "lights/yard/sky.hdr"):
         (tmp_path / place).parent.mkdir(parents=True, exist_ok=True)

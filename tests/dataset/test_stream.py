@@ -3,6 +3,7 @@
 import itertools
 from dataclasses import replace
 from functools import partial
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -80,6 +81,23 @@ def test_a_stream_goes_on_at_any_batch(first_batch, tmp_path, library):
     for expected, found in zip(whole[2 * first_batch :], later, strict=False):
         for name, value in expected.items():
             np.testing.assert_array_equal(found[name].numpy(), value.numpy())
+
+
+def test_of_two_workers_each_has_samples_of_its_own_and_a_run_goes_on_at_any_batch(tmp_path, library, monkeypatch):
+    write_numbered(tmp_path / "heads", 24)
+    settings = {"plain": True, "photographs": False, "lights_per_head": 2, "paints_per_head": 2, "heads_at_once": 2}
+
+    def samples(worker, count, first_batch=0):
+        told = SimpleNamespace(id=worker, num_workers=2)
+        monkeypatch.setattr(stream_module, "get_worker_info", lambda: told)
+        stream = SampleStream(tmp_path / "heads", library, "train", 16, 3, **settings, pairs=2, first_batch=first_batch)
+        return [item["light"].numpy() for item in itertools.islice(stream, count)]
+
+    whole = [samples(worker, 6) for worker in (0, 1)]
+    assert not any(np.array_equal(one, other) for one in whole[0] for other in whole[1])
+    # The batch numbered 3 is the second worker's second one; after that comes the first worker's third.
+    np.testing.assert_array_equal(samples(0, 2, first_batch=3), whole[1][2:4])
+    np.testing.assert_array_equal(samples(1, 2, first_batch=3), whole[0][4:6])
 
 
 def test_every_head_comes_once_before_any_comes_again(tmp_path, library):
