@@ -100,6 +100,16 @@ def test_of_two_workers_each_has_samples_of_its_own_and_a_run_goes_on_at_any_bat
     np.testing.assert_array_equal(samples(1, 2, first_batch=3), whole[0][4:6])
 
 
+def test_another_seed_gives_other_samples_and_the_same_one_the_same(tmp_path, library):
+    write_numbered(tmp_path / "heads", 2)
+    settings = {"plain": True, "photographs": False, "lights_per_head": 2, "paints_per_head": 1, "heads_at_once": 1}
+    heads = tmp_path / "heads"
+    one, again, other = (next(iter(SampleStream(heads, library, "train", 16, s, **settings))) for s in (3, 3, 4))
+    for name in ("light", "albedo"):
+        np.testing.assert_array_equal(one[name], again[name])
+        assert not np.array_equal(one[name], other[name])
+
+
 def test_every_head_comes_once_before_any_comes_again(tmp_path, library):
     write_balls(tmp_path / "heads", 0, 4, size=16)
     stream = SampleStream(tmp_path / "heads", library, "train", 16, 0, heads_at_once=1)
