@@ -14,7 +14,7 @@ from relight_core.networks.bundle import BundleConfig, NetworkBundle, load_bundl
 from relight_core.training.loop import Budget, TrainingDiverged, state_path, train_stage
 from relight_core.training.optimiser import Optimiser
 from relight_core.training.stages import STAGES
-from relight_core.training.state import load_state
+from relight_core.training.state import Progress, load_state
 
 STAGE = STAGES["warm-delight"]
 
@@ -201,3 +201,13 @@ def test_a_disk_without_locks_is_trained_on_too(tmp_path, monkeypatch):
     monkeypatch.setattr("fcntl.flock", none)
     train(itertools.repeat(some_batch()), tmp_path / "w.safetensors", steps=1)
     assert (tmp_path / "w.safetensors").exists()
+
+
+def test_losses_are_smoothed_from_the_first_on_and_skipped_batches_counted():
+    progress = Progress()
+    for losses in ({"relit": 1.0}, {}, {}, {"relit": 2.0}):
+        progress.take(losses)
+    assert (progress.step, progress.skipped, progress.in_a_row) == (4, 2, 0)
+    assert progress.smoothed == {"relit": pytest.approx(0.98 * 1.0 + 0.02 * 2.0)}
+    progress.take({})
+    assert (progress.step, progress.skipped, progress.in_a_row) == (5, 3, 1)
