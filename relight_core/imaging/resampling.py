@@ -9,6 +9,8 @@ import numpy as np
 from scipy import sparse
 
 _LEAST_ALPHA = 1e-4
+_VALUES_AT_ONCE = 2**20
+"""What a processor keeps near itself."""
 
 
 def resize_area(image: np.ndarray, size: tuple[int, int]) -> np.ndarray:
@@ -97,12 +99,27 @@ def resample_window(image: np.ndarray, window: tuple[float, float, float, float]
     within_columns, horizontal = _axis_weights(x0, x1, source.shape[1], size[1])
     # A face is a small part of a photo, whose other columns would cost as much.
     used = source[within_rows, within_columns]
-    rows = (vertical @ used.reshape(used.shape[0], -1)).reshape(size[0], used.shape[1], -1)
+    rows = _weighted_rows(vertical, used).reshape(size[0], used.shape[1], -1)
     columns = np.ascontiguousarray(rows.swapaxes(0, 1)).reshape(used.shape[1], -1)
     result = (horizontal @ columns).reshape(size[1], size[0], -1).swapaxes(0, 1)
     if (x1 - x0) < size[1] or (y1 - y0) < size[0]:
         result = np.clip(result, source.min(), source.max())
     return np.ascontiguousarray(result).reshape(*size, *source.shape[2:])
+
+
+def _weighted_rows(weights: sparse.csr_array, image: np.ndarray) -> np.ndarray:
+    """(count, w C) of an image (n, w) or (n, w, C) and weights (count, n), a few rows at a time.
+
+    SciPy copies what does not lie in one piece, and of a large photo that takes longer than the sums.
+    """
+    values = image.reshape(len(image), -1)
+    at_once = max(_VALUES_AT_ONCE * weights.shape[0] // max(values.size, 1), 1)
+    parts = []
+    for first in range(0, weights.shape[0], at_once):
+        some = weights[first : first + at_once]
+        read = slice(int(some.indices.min()), int(some.indices.max()) + 1)
+        parts.append(some[:, read] @ values[read])
+    return np.concatenate(parts)
 
 
 def _is_whole_and_shrinks(source: np.ndarray, window: tuple[float, float, float, float], size: tuple[int, int]) -> bool:

@@ -147,3 +147,10 @@ def test_a_window_of_whole_pixels_that_hangs_over_the_border_continues_it(x0, y0
     image = RNG.random((6, 14, 3)).astype(np.float32)
     rows, columns = np.clip(np.arange(y0, y0 + 8), 0, 5), np.clip(np.arange(x0, x0 + 8), 0, 13)
     np.testing.assert_allclose(resample_window(image, (x0, y0, x0 + 8, y0 + 8), (8, 8)), image[rows][:, columns])
+
+
+def test_a_slope_stays_that_slope_in_a_window_of_a_large_picture():
+    y, x = np.mgrid[:2400, :900].astype(np.float32)
+    seen = resample_window(np.dstack([y, x, y + x]), (10.25, 20.5, 810.25, 2240.5), (111, 40))
+    down, across = np.meshgrid(20.5 + 20 * (np.arange(111) + 0.5), 10.25 + 20 * (np.arange(40) + 0.5), indexing="ij")
+    np.testing.assert_allclose(seen, np.dstack([down, across, down + across]) - (0.5, 0.5, 1.0), rtol=1e-4)
