@@ -4,6 +4,7 @@ import gc
 import os
 import shutil
 import subprocess
+from dataclasses import replace
 
 import moderngl
 import numpy as np
@@ -17,6 +18,7 @@ from app.window.gl_viewport import PicturePainter
 from app.window.glfw_window import close_window, open_window
 from app.window.window import EditorWindow
 from relight_core.imaging.write import write_image
+from relight_core.lighting.soft_box import SoftBox
 
 
 @pytest.fixture(scope="session")
@@ -123,3 +125,15 @@ def opened(hand, photo_path):
     hand.drop(photo_path)
     hand.see_every_pixel()
     return hand
+
+
+@pytest.fixture
+def pair(opened):
+    """Two boxes at the height at which the hand meets the panorama; the first is selected."""
+    state = opened.window.state
+    opened.double_click(opened.panorama(0.5))
+    height = state.light_edit.boxes[0].elevation_deg
+    boxes = SoftBox(180.0, height), SoftBox(60.0, height)
+    state.light_edit, state.selected_box = replace(state.light_edit, boxes=boxes), 0
+    opened.settle()
+    return boxes

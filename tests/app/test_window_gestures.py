@@ -1,7 +1,5 @@
 """What the mouse does beside clicking and dragging, and the keys of the number pad."""
 
-from dataclasses import replace
-
 import glfw
 import pytest
 from imgui_bundle import imgui
@@ -9,7 +7,7 @@ from window_hand import WIDTH, places_drawn
 
 from app.engine.sources import LightSource
 from app.ui.asking import Question
-from relight_core.lighting.soft_box import SoftBox, uv_of
+from relight_core.lighting.soft_box import uv_of
 
 
 def right_click(hand, at):
@@ -25,16 +23,12 @@ def buttons(opened, monkeypatch):
     return places_drawn(monkeypatch, imgui, "invisible_button")
 
 
-def test_a_right_click_takes_a_soft_box_away(opened):
+def test_a_right_click_takes_a_soft_box_away(opened, pair):
     state = opened.window.state
-    opened.double_click(opened.panorama(0.5))
-    height = state.light_edit.boxes[0].elevation_deg
-    boxes = SoftBox(180.0, height), SoftBox(60.0, height)
-    state.light_edit, state.selected_box = replace(state.light_edit, boxes=boxes), 0
-    right_click(opened, opened.panorama(uv_of(boxes[1].direction)[0]))
-    assert (state.light_edit.boxes, state.selected_box) == (boxes[:1], -1)
-    right_click(opened, opened.panorama(uv_of(boxes[1].direction)[0]))
-    assert state.light_edit.boxes == boxes[:1]
+    right_click(opened, opened.panorama(uv_of(pair[1].direction)[0]))
+    assert (state.light_edit.boxes, state.selected_box) == (pair[:1], -1)
+    right_click(opened, opened.panorama(uv_of(pair[1].direction)[0]))
+    assert state.light_edit.boxes == pair[:1]
 
 
 def test_a_right_click_takes_a_file_s_light_off_the_list_but_no_bundled_one(opened, buttons):

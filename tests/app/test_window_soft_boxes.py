@@ -10,19 +10,7 @@ from imgui_bundle import imgui
 
 from app.ui import light_edits, widgets
 from relight_core.lighting.rigs import load_rig
-from relight_core.lighting.soft_box import SoftBox, uv_of
-
-
-@pytest.fixture
-def pair(opened):
-    """Two boxes at the height at which the hand meets the panorama; the first is selected."""
-    state = opened.window.state
-    opened.double_click(opened.panorama(0.5))
-    height = state.light_edit.boxes[0].elevation_deg
-    boxes = SoftBox(180.0, height), SoftBox(60.0, height)
-    state.light_edit, state.selected_box = replace(state.light_edit, boxes=boxes), 0
-    opened.settle()
-    return boxes
+from relight_core.lighting.soft_box import uv_of
 
 
 @pytest.fixture
