@@ -28,13 +28,17 @@ def relit(photo, gain, offset):
     return resize_smooth(gain, (512, 512)) * photo + resize_smooth(offset, (512, 512))
 
 
-def test_a_finer_photo_keeps_no_line_of_a_shadow_that_is_taken_out():
+def evenly_lit(radiance):
+    """A photo with a shadow under a light that takes it out, (448, 448, 3): by the gain alone, and with its steps."""
     photo = shadowed()
-    upsample, gain = on_lattice(photo, np.full((16, 16, 3), 0.5, np.float32))
+    upsample, gain = on_lattice(photo, np.full((16, 16, 3), radiance, np.float32))
     nothing = np.zeros_like(gain)
-    before, after = (
-        relit(photo, *change)[32:-32, 32:-32] for change in ((gain, nothing), upsample.steps.taken_out(gain, nothing))
-    )
+    changes = (gain, nothing), upsample.steps.taken_out(gain, nothing)
+    return [relit(photo, *change)[32:-32, 32:-32] for change in changes]
+
+
+def test_a_finer_photo_keeps_no_line_of_a_shadow_that_is_taken_out():
+    before, after = evenly_lit(0.5)
     assert before.max() > 0.8
     assert after.max() < 0.7
     assert after.min() > 0.4
@@ -42,12 +46,7 @@ def test_a_finer_photo_keeps_no_line_of_a_shadow_that_is_taken_out():
 
 
 def test_nor_does_it_in_a_dim_light():
-    photo = shadowed()
-    upsample, gain = on_lattice(photo, np.full((16, 16, 3), 0.01, np.float32))
-    nothing = np.zeros_like(gain)
-    before, after = (
-        relit(photo, *change)[32:-32, 32:-32] for change in ((gain, nothing), upsample.steps.taken_out(gain, nothing))
-    )
+    before, after = evenly_lit(0.01)
     assert after.std() < 0.35 * before.std()
 
 

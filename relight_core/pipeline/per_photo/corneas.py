@@ -34,8 +34,9 @@ the shadow of the upper lid; what is further down may be far paler.
 """
 _HALO, _HALO_BLUR, _UNTOUCHED = 0.12, 0.05, 0.02
 _BRIGHTER, _BRIGHTER_BY, _BRIGHT = (1.5, 2.5), 0.02, (0.3, 0.6)
-_WHITE_PERCENTILE, _GLARING = 95, (1.5, 2.0)
-"""What stands for the white of the eye, of all that is about an iris, and how much brighter only lamps are."""
+_AROUND_PERCENTILES, _GLARING = (75, 95), (1.5, 2.0)
+"""Which pixels about an iris stand for all of them, and which for the white of the eye; and how much brighter than the
+latter only lamps are."""
 _PALE_PERCENTILE, _PALEST = 80, 0.7
 """Which of an iris's pixels stand for its pale parts, beside its pupil; and the palest there are, of what is around."""
 _RIM, _INNER = 0.93, 0.6
@@ -99,13 +100,12 @@ def find_cornea(linear: np.ndarray, exposure: float, iris: Iris) -> Cornea | Non
     away = np.hypot(right, down)
     within = np.clip((1 - away) * radius + 0.5, 0, 1)
     seen = luminance(colour) * np.float32(exposure)
-    around = max(float(np.percentile(seen[within < 0.5], 75)), 1e-3)
+    around, white = np.maximum(np.percentile(seen[within < 0.5], _AROUND_PERCENTILES), 1e-3).tolist()
     pale = float(np.percentile(seen[(within > 0.5) & (np.abs(down) < _BETWEEN_LIDS)], _PALE_PERCENTILE))
     ground = cv2.morphologyEx(seen, cv2.MORPH_OPEN, disc(_SPECK * radius))
     bright = _bright(seen / around, np.maximum(ground, pale) / around)
     open_iris = _bare(ground, within, radius, down)
     on_lid = np.where(np.abs(down) > np.abs(right), 1 - open_iris, 0)
-    white = max(float(np.percentile(seen[within < 0.5], _WHITE_PERCENTILE)), around)
     glaring = bright * ramp(seen / white, *_GLARING).astype(np.float32)
     specks = np.maximum(_islands(bright, away), _islands(glaring, away)) * (1 - on_lid)
     of_middle, untold = bright[away < _INNER].mean(), (bright - specks)[away < _INNER].mean()
