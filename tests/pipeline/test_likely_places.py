@@ -35,6 +35,16 @@ def test_the_body_of_a_head_that_leans_is_straight_below_it():
     np.testing.assert_allclose(leaning[70, 46:55], 0.97)
 
 
+def test_what_lies_beside_legs_is_floor_and_nobody_is_below_feet():
+    around = place_masks([[(np.full((8, 8), 0.9, np.float32), Crop(50.0, 10.0, 20.0))]], SIZE, SIZE)[0]
+    lap, legs = around[28], around[50]
+    assert lap[[40, 50, 60]].min() >= 0.6
+    assert legs[50] == pytest.approx(0.6)
+    assert legs[40] == legs[59] < 0.1, "half a view beside the middle of one that is two and a half views wide"
+    assert (np.diff(legs[50:]) <= 0).all()
+    assert around[75:].max() <= 0.02
+
+
 @pytest.mark.parametrize(("told", "meant"), [(3.0, 1.0), (np.inf, 1.0), (-2.0, 0.0), (np.nan, 0.0)])
 def test_what_a_look_can_t_mean_is_brought_into_range(told, meant):
     found, right = (placed(np.full((8, 8), value, np.float32)) for value in (told, meant))

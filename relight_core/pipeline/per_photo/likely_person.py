@@ -15,6 +15,8 @@ from relight_core.imaging.masks import largest_part
 from relight_core.imaging.ramp import ramp
 
 _SURELY_BODY, _PROBABLY_BODY, _PERHAPS_BODY, _NOBODY = 0.97, 0.6, 0.2, 0.02
+_BESIDE_LEGS, _LEGS_HALF_WIDTH, _HIPS, _KNEES, _BELOW_FEET = 0.05, (0.1, 0.45), 0.5, 1.2, 2.4
+"""The last four in sides of a view, the heights below it."""
 _LEAST, _TINY = 0.01, 1e-20
 _SURE_FROM = 0.7
 _NO_GAP_FROM = 0.5
@@ -282,7 +284,10 @@ def _in_range(mask: np.ndarray) -> np.ndarray:
 
 
 def _around(across: np.ndarray, below: np.ndarray, placed: np.ndarray) -> np.ndarray:
-    """(h, w): shoulders widen below a view, hair and hats go on above it, nobody is far above or beside.
+    """(h, w): shoulders widen below a view, hair and hats go on above it; nobody is far above or beside, or below feet.
+
+    A view is 3.4 faces wide and ends two below the face's middle: a person who stands ends two more views down. From
+    the knees on, what lies beside legs is floor more often than a gown, and has any colour.
 
     Args:
         across, below: (h, w) how far each place lies beside the view's middle and below its lower edge, in its sides.
@@ -292,7 +297,9 @@ def _around(across: np.ndarray, below: np.ndarray, placed: np.ndarray) -> np.nda
     guess[(across < 0.5) & (below < -1.0) & (placed > 0.5)] = _PROBABLY_BODY
     guess[(across < 0.45 + np.clip(below + 0.15, 0.0, 0.6)) & (below > -0.2)] = _PROBABLY_BODY
     guess[(across < 0.2) & (below > 0.0) & (below < 1.0)] = _SURELY_BODY
-    guess[(across > 2.0) | (below < -1.35)] = _NOBODY
+    beside_legs = ramp(below, _HIPS, _KNEES) * ramp(across, *_LEGS_HALF_WIDTH)
+    guess += beside_legs * (np.minimum(guess, _BESIDE_LEGS) - guess)
+    guess[(across > 2.0) | (below < -1.35) | (below > _BELOW_FEET)] = _NOBODY
     return guess
 
 
