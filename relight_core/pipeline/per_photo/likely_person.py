@@ -296,9 +296,9 @@ def _around(across: np.ndarray, below: np.ndarray, placed: np.ndarray) -> np.nda
     guess = np.full(placed.shape, _PERHAPS_BODY, np.float32)
     guess[(across < 0.5) & (below < -1.0) & (placed > 0.5)] = _PROBABLY_BODY
     guess[(across < 0.45 + np.clip(below + 0.15, 0.0, 0.6)) & (below > -0.2)] = _PROBABLY_BODY
-    guess[(across < 0.2) & (below > 0.0) & (below < 1.0)] = _SURELY_BODY
     beside_legs = ramp(below, _HIPS, _KNEES) * ramp(across, *_LEGS_HALF_WIDTH)
     guess += beside_legs * (np.minimum(guess, _BESIDE_LEGS) - guess)
+    guess[(across < 0.2) & (below > 0.0) & (below < 1.0)] = _SURELY_BODY
     guess[(across > 2.0) | (below < -1.35) | (below > _BELOW_FEET)] = _NOBODY
     return guess
 
