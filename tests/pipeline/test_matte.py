@@ -105,6 +105,17 @@ def test_a_pixel_darker_than_both_sides_leaves_no_pure_colour_to_either():
         assert (part.min(-1) > 0.1 * part.max(-1)).all()
 
 
+@pytest.mark.parametrize("hair", [(0.03, 0.02, 0.016), (0.06, 0.02, 0.01), (0.0, 0.0, 0.0)])
+def test_a_strand_of_which_the_matte_has_too_little_before_a_bright_sky_is_neither_black_nor_gaudy(hair):
+    share = np.linspace(0.1, 0.9, 9, dtype=np.float32)[None]
+    mean, sky = np.float32([0.03, 0.02, 0.016]), np.float32([0.6, 0.8, 0.9])
+    pixels, *sides = (np.broadcast_to(np.float32(one), (1, 9, 3)) for one in (hair, mean, sky))
+    own = own_colour(pixels, share, *sides)
+    assert (share[..., None] * own <= pixels + 1e-7).all()
+    assert (own >= 0.5 * np.minimum(mean, pixels) - 1e-7).all()
+    assert (own < 2.1 * mean).all()
+
+
 def test_a_hard_matte_keeps_the_photo():
     linear, truth = portrait()
     assert own_colour(linear, truth, linear, linear) is linear

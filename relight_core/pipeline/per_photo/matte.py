@@ -27,6 +27,7 @@ WORKING_PX = 1024
 
 _FUSION_PX = 512
 _NEAR_SHARE = 0.015
+_LEAST_OWN = 0.5
 _EDGE_CODES = 3.0
 _EDGE_WINDOWS = 128
 
@@ -72,6 +73,8 @@ def own_colour(linear: np.ndarray, share: np.ndarray, person: np.ndarray, behind
 
     No share of the two makes a pixel that is darker than both, as hair between skin and a wall is where the matte has
     it by half. There both count as darker by as much; else only the strongest channel would be left to the person.
+    Where a strand before a bright sky is more of a pixel than the matte has, nothing would be left, or one channel:
+    no channel falls below half of the person's mean colour, as far as the pixel has so much.
 
     Args:
         linear: (h, w, 3), pixels of the photo.
@@ -94,7 +97,8 @@ def own_colour(linear: np.ndarray, share: np.ndarray, person: np.ndarray, behind
     for channel in range(3):
         at, of_person, of_behind = mixed[:, channel], dimmed * mean[:, channel], dimmed * beside[:, channel]
         remainder = at - alpha * of_person - (1.0 - alpha) * of_behind
-        own = np.clip(of_person + alpha * remainder, 0.0, np.maximum(at, 0.0) / alpha)
+        most = np.maximum(at, 0.0) / alpha
+        own = np.clip(of_person + alpha * remainder, np.minimum(_LEAST_OWN * of_person, most), most)
         colour.reshape(-1, 3)[soft, channel] = own
     return colour
 
