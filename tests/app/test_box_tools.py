@@ -156,7 +156,17 @@ def test_a_click_beside_the_person_places_nothing(spot):
     assert lamp_for_spot(face(), None, 150, 250, "bright") is None
 
 
-@pytest.mark.parametrize(("x", "says"), [(35, "alone first: 2"), (10, "no face there"), (90, "no face there")])
-def test_a_click_on_another_face_than_the_largest_tells_how_to_get_a_lamp_there(x, says):
+@pytest.mark.parametrize(
+    ("only", "x", "says"),
+    [
+        (None, 35, "alone first: 2,"),
+        (None, 10, "no face there"),
+        (None, 90, "no face there"),
+        (0, 35, "alone first: 2,"),
+        (1, 10, "alone first: 1,"),
+        (1, 35, "no face there"),
+    ],
+)
+def test_a_click_on_another_face_than_the_one_at_hand_tells_how_to_get_a_lamp_there(only, x, says):
     faces = FaceBox(0, 0, 20, 20), FaceBox(30, 0, 45, 15)
-    assert says in _no_face_at(faces, x, 10)
+    assert says in _no_face_at(faces, only, x, 10)

@@ -53,11 +53,16 @@ def hint(state: EditorState, rect: Rect) -> None:
         note(words, rect.x + (rect.width - note_width(words)) / 2, rect.y + em)
 
 
-def _no_face_at(faces: Sequence[FaceBox], x: float, y: float) -> str:
-    """Why there is no lamp for a point of the photo: of several faces only the largest one's shape is at hand."""
-    for index, face in enumerate(faces[1:], 2):
-        if face.x0 <= x < face.x1 and face.y0 <= y < face.y1:
-            return f"Choose this face alone first: {index}, under Effects"
+def _no_face_at(faces: Sequence[FaceBox], only: int | None, x: float, y: float) -> str:
+    """Why there is no lamp for a point of the photo: of several faces only one's shape is at hand.
+
+    Args:
+        only: which one is relit alone; where all are it is the largest, which is the first.
+    """
+    at_hand = only or 0
+    for index, face in enumerate(faces):
+        if index != at_hand and face.x0 <= x < face.x1 and face.y0 <= y < face.y1:
+            return f"Choose this face alone first: {index + 1}, under Effects"
     return "There is no face there; click on skin, hair or clothes"
 
 
@@ -80,7 +85,8 @@ def _place(state: EditorState, arranged: Arrangement, at: tuple[float, float], p
     direction = lamp_for_spot(state.aim_at.channels, channel_view_of(state.aim_at), x, y, state.aim)
     if direction is None:
         if pressed:
-            _refuse(state, _no_face_at(state.snapshot.faces, x, y))
+            only = state.snapshot.opened.source.face_index
+            _refuse(state, _no_face_at(state.snapshot.faces, only, x, y))
         return False
     edit, index = aimed(state.light_edit, state.selected_box, direction, state.edit.yaw_deg)
     if index < 0:
