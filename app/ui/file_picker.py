@@ -71,8 +71,8 @@ def _folder_above_is_wished() -> bool:
 
 
 def _above(request: FileRequest) -> Path:
-    folder = Path(os.path.expanduser(request.text))
-    return folder.parent if request.text.endswith(os.sep) else folder.parent.parent
+    """The folder above the one that is listed; in full, since above "." there would be "." again."""
+    return Path(os.path.abspath(os.path.dirname(os.path.expanduser(request.text)))).parent
 
 
 def _rows(request: FileRequest, entered: bool) -> bool:

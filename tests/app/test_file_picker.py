@@ -132,6 +132,16 @@ def test_the_folder_above_is_a_key_away_while_a_path_is_typed(opened, folder):
     assert opened.window.state.picking.text == f"{folder.parent}{os.sep}s"
 
 
+def test_above_a_path_that_is_not_typed_in_full_lies_the_folder_above(opened, folder, monkeypatch):
+    (folder / "inside").mkdir()
+    monkeypatch.chdir(folder)
+    for typed in ("b", "./", f"{folder / 'inside'}/../"):
+        ask(opened, typed)
+        opened.hold(glfw.KEY_UP, glfw.MOD_ALT)
+        opened.release(glfw.KEY_UP)
+        assert opened.window.state.picking.text == f"{folder.parent}{os.sep}"
+
+
 def test_a_file_to_be_saved_is_carried_through_the_folders(opened, folder):
     (folder / "inside").mkdir()
     chosen = []
