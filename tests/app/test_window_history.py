@@ -2,6 +2,7 @@
 
 import shutil
 import threading
+from dataclasses import replace
 
 import pytest
 from fake_relighter import LONG_S
@@ -13,7 +14,18 @@ from app.ui.layout import OpenGroups
 
 @pytest.fixture
 def rows(monkeypatch):
-    return places_drawn(monkeypatch, imgui, "selectable")
+    return places_drawn(monkeypatch, imgui, "text_unformatted")
+
+
+def test_names_that_differ_only_behind_hashes_look_different_in_the_list(opened):
+    state, looks = opened.window.state, []
+    state.groups = OpenGroups(export=False, background=False)
+    for name in ("Open a##1.png", "Open a##1.png", "Open a##2.png"):
+        state.history.steps[0] = replace(state.history.steps[0], name=name)
+        opened.frames(2)
+        looks.append(opened.window.screenshot())
+    assert (looks[0] == looks[1]).all()
+    assert (looks[0] != looks[2]).any()
 
 
 def test_while_a_photo_is_read_a_click_on_the_step_before_goes_back(opened, relighter, photo_path, rows, monkeypatch):

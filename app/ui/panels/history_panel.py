@@ -38,14 +38,17 @@ def _list(state: EditorState) -> None:
     imgui.begin_child("steps", imgui.ImVec2(0.0, height))
     for index, step in reversed(list(enumerate(history.steps))):
         undone = index > history.at
-        colour = theme.FAINT if undone else theme.ACCENT if index == history.at else theme.TEXT
-        imgui.push_style_color(imgui.Col_.text, imgui.ImVec4(*colour))
-        label = widgets.shortened(step.name, imgui.get_content_region_avail().x)
-        clicked, _ = imgui.selectable(f"{label}##{index}", False)
-        imgui.pop_style_color()
+        label, at = widgets.shortened(step.name, imgui.get_content_region_avail().x), imgui.get_cursor_pos()
+        clicked, _ = imgui.selectable(f"##{index}", False)
         is_in_force = index == history.at and not history.is_ahead
         back = "This step is in force." if is_in_force else "Click to go back to this step."
         imgui.set_item_tooltip("Undone; click to do it again." if undone else back)
+        colour = theme.FAINT if undone else theme.ACCENT if index == history.at else theme.TEXT
+        # The name of a photo is in it, and ## would end the name of a control.
+        imgui.set_cursor_pos(at)
+        imgui.push_style_color(imgui.Col_.text, imgui.ImVec4(*colour))
+        imgui.text_unformatted(label)
+        imgui.pop_style_color()
         if clicked and not is_in_force:
             state.restore(history.go(index))
     if state.history_seen != (len(history.steps), history.at):
