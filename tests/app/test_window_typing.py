@@ -28,6 +28,10 @@ def type_shadow(hand, value, text, end=glfw.KEY_ENTER):
     return state.edit.shadow
 
 
+def test_a_gel_brighter_than_a_screen_is_typed_as_a_colour_of_its_hue():
+    assert widgets.hex_of((0.25, 1.0, 1.25)) == "#33ccff"
+
+
 @pytest.mark.parametrize("end", [glfw.KEY_ENTER, glfw.KEY_ESCAPE])
 @pytest.mark.parametrize("value", [0.7034, 2.5])
 def test_a_number_that_is_not_touched_stays_as_it_is(opened, value, end):
