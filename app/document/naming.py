@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from dataclasses import dataclass, fields
 
 from app.document.document import Document, PhotoRef
@@ -154,6 +154,10 @@ def _setting(touched: str, after: Document) -> str:
     return words(value).replace("-", _MINUS) if words else field.replace("_", " ").capitalize()
 
 
+def _effects(names: Collection[str]) -> str:
+    return ", ".join(sorted(names)).replace("_", " ") or "nothing"
+
+
 def _number(label: str, form: str) -> Callable[[float], str]:
     return lambda value: f"{label} {value:{form}}"
 
@@ -166,8 +170,8 @@ _SETTINGS: dict[str, Callable] = {
     "edit.specular_tint": _number("Specular tint", "+.2f"),
     "edit.shadow_softness": _number("Shadow softness", ".2f"),
     "edit.background": lambda value: f"Background: {_BACKGROUNDS.get(value, value)}",
-    "edit.forced_on": lambda value: f"Always computed: {', '.join(sorted(value)) or 'nothing'}",
-    "edit.forced_off": lambda value: f"Left out: {', '.join(sorted(value)) or 'nothing'}",
+    "edit.forced_on": lambda value: f"Always computed: {_effects(value)}",
+    "edit.forced_off": lambda value: f"Left out: {_effects(value)}",
     "edit.background_fov_deg": lambda value: f"Background width {value:.0f}°",
     "edit.background_blur_deg": lambda value: f"Background blur {value:.1f}°",
     "light.level_ev": lambda value: f"Light level {value:+.2f} EV",
