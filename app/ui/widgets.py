@@ -216,18 +216,26 @@ def _track(state: EditorState, spec: Slider, value: float) -> float:
     elif hovered and imgui.is_mouse_double_clicked(0):
         imgui.internal.clear_active_id()
         value = spec.rest
-    elif active and not (imgui.is_item_activated() and _on_knob(spec, value, left.x, width, radius)):
+    elif active:
         state.hand_on_control = True
-        along = (imgui.get_io().mouse_pos.x - left.x - radius) / max(1.0, width - 2 * radius)
-        value = _snapped(spec, spec.low + (spec.high - spec.low) * min(max(along, 0.0), 1.0))
+        pressed_beside = imgui.is_item_activated() and not _on_knob(spec, value, left.x, width, radius)
+        # Held still it stays, though no hand meets the knob's very middle.
+        if pressed_beside or imgui.get_io().mouse_delta.x:
+            along = (imgui.get_io().mouse_pos.x - left.x - radius) / max(1.0, width - 2 * radius)
+            value = _snapped(spec, spec.low + (spec.high - spec.low) * min(max(along, 0.0), 1.0))
     _draw_track(spec, value, left, width, height, radius, lit=hovered or active)
     return value
 
 
 def _on_knob(spec: Slider, value: float, left: float, width: float, radius: float) -> bool:
     """Whether the mouse is on the knob, where a click alone must not move it."""
-    along = (value - spec.low) / (spec.high - spec.low)
+    along = _along(spec, value)
     return abs(left + radius + along * (width - 2 * radius) - imgui.get_io().mouse_pos.x) < radius
+
+
+def _along(spec: Slider, value: float) -> float:
+    """Where a value's knob is, from 0 at the track's left end to 1; files may hold more than the track has."""
+    return (min(max(value, spec.low), spec.high) - spec.low) / (spec.high - spec.low)
 
 
 def _snapped(spec: Slider, value: float) -> float:
@@ -242,9 +250,7 @@ def _draw_track(
     middle, thick = left.y + height / 2, max(1.5, 0.1 * height)
 
     def at(number: float) -> float:
-        # Files may hold more than the track has.
-        along = (min(max(number, spec.low), spec.high) - spec.low) / (spec.high - spec.low)
-        return left.x + radius + along * (width - 2 * radius)
+        return left.x + radius + _along(spec, number) * (width - 2 * radius)
 
     def bar(x0: float, x1: float, colour: theme.Colour) -> None:
         top, bottom = imgui.ImVec2(min(x0, x1), middle - thick), imgui.ImVec2(max(x0, x1), middle + thick)

@@ -110,6 +110,18 @@ def test_the_engine_gets_ready_for_the_hand_as_soon_as_its_quality_is_another(ha
     assert len(relighter.relights) == calls, "at rest the picture is the same"
 
 
+@pytest.mark.parametrize("shadow", [1.3, 2.5])
+def test_a_click_on_a_sliders_knob_moves_nothing_however_long_it_is(opened, shadow):
+    opened.window.state.change(shadow=shadow)
+    opened.settle()
+    (x, y), *_ = opened.knobs()
+    opened.move((x + 3, y))
+    opened.button(True)
+    opened.frames(3)
+    opened.button(False)
+    assert opened.window.state.edit.shadow == shadow
+
+
 def test_a_double_click_resets_a_slider(opened):
     x, y = opened.knobs()[0]
     opened.drag((x, y), (x + 60, y))
