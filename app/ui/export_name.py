@@ -75,7 +75,8 @@ def choose_form(state: EditorState, suffix: str) -> None:
 
 
 def take_named_form(state: EditorState) -> None:
-    """Once a name is typed: export the kind of file that it says."""
+    """Once a name is typed: export the kind of file that it says. A space behind it is no part of it."""
+    state.export_path = state.export_path.rstrip()
     form = form_named(state.export_path)
     if form is not None and form != state.export.form:
         choose_form(state, form)

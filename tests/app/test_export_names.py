@@ -81,6 +81,15 @@ def test_a_folder_chooses_no_kind_of_picture_by_its_name(state, tmp_path):
     assert (state.export.form, state.export_path) == (".png", "scans.tif/")
 
 
+@pytest.mark.parametrize(
+    ("typed", "name"), [("best.jpg ", "best.jpg"), ("  ", "~me-relit.png"), ("a b/ ", "a b/~me-relit.png")]
+)
+def test_a_space_behind_a_name_that_is_typed_is_no_part_of_it(state, tmp_path, typed, name):
+    state.export_path = typed
+    take_named_form(state)
+    assert export_place(state, state.export.form) == tmp_path / name
+
+
 def test_only_a_tilde_by_itself_is_the_users_folder(state, tmp_path, monkeypatch):
     monkeypatch.setenv("HOME", str(tmp_path / "home"))
     monkeypatch.setenv("USERPROFILE", str(tmp_path / "home"))
