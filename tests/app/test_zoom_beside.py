@@ -1,6 +1,6 @@
-"""Zooming in with the mouse beside the picture."""
+"""Zooming and moving with the mouse beside the picture."""
 
-from app.ui.viewport.view import Frame, View, place, zoom_about
+from app.ui.viewport.view import Frame, View, pan, place, zoom_about
 
 PORTRAIT, WIDE_VIEWPORT = Frame(0, 0, 600, 800), (1000, 600)
 
@@ -19,3 +19,10 @@ def test_zooming_in_on_the_picture_again_does_not_jump_to_its_middle():
     aside = View(False, 0.5, -100.0, 400.0)
     closer = zoom_about(aside, 1.1, (600.0, 300.0), PORTRAIT, WIDE_VIEWPORT)
     assert -100.0 < closer.centre_x < -80.0
+
+
+def test_a_picture_that_lies_beside_the_middle_moves_with_the_mouse_and_no_further_away():
+    aside = View(False, 0.5, -100.0, 900.0)
+    back = pan(aside, -3.0, 2.0, PORTRAIT, WIDE_VIEWPORT)
+    assert (back.centre_x, back.centre_y) == (-94.0, 896.0)
+    assert pan(aside, 3.0, -2.0, PORTRAIT, WIDE_VIEWPORT) == aside

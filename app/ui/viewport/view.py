@@ -93,7 +93,6 @@ def zoom_about(view: View, factor: float, at: tuple[float, float], frame: Frame,
     centre_x = view.centre_x + away_x / view.zoom - away_x / zoom
     centre_y = view.centre_y + away_y / view.zoom - away_y / zoom
     if zoom > view.zoom:
-        # Zooming out may have left the centre beside the picture; from there it need not jump.
         centre_x = _within(centre_x, frame.x, frame.x + frame.width, view.centre_x)
         centre_y = _within(centre_y, frame.y, frame.y + frame.height, view.centre_y)
     return View(False, zoom, centre_x, centre_y)
@@ -107,10 +106,10 @@ def actual_size(view: View, at: tuple[float, float], frame: Frame, viewport: tup
 
 
 def pan(view: View, dx: float, dy: float, frame: Frame, viewport: tuple[int, int]) -> View:
-    """Move the picture by screen pixels; some of it always stays in sight."""
+    """Move the picture by screen pixels, no further out of sight than with its edge in the middle."""
     view = settled(view, frame, viewport)
-    centre_x = min(max(view.centre_x - dx / view.zoom, frame.x), frame.x + frame.width)
-    centre_y = min(max(view.centre_y - dy / view.zoom, frame.y), frame.y + frame.height)
+    centre_x = _within(view.centre_x - dx / view.zoom, frame.x, frame.x + frame.width, view.centre_x)
+    centre_y = _within(view.centre_y - dy / view.zoom, frame.y, frame.y + frame.height, view.centre_y)
     return replace(view, centre_x=centre_x, centre_y=centre_y)
 
 
@@ -120,4 +119,5 @@ def photo_point(placement: Placement, frame: Frame, at: tuple[float, float]) -> 
 
 
 def _within(centre: float, low: float, high: float, before: float) -> float:
+    """The centre on the picture; where zooming out has left it beside that, it need not jump, and goes no further."""
     return min(max(centre, min(low, before)), max(high, before))
