@@ -12,6 +12,7 @@ from app.ui.panels.status_line import brief
         ("Saved /home/me/a.png", "Saved /home/me/a.png"),
         ("/home/me/relit: 1 photo is missing\n/home/me/a.jpg: not an image", "relit: 1 photo is missing"),
         ("a.jpg: no face found", "a.jpg: no face found"),
+        ("/: no photos in this folder", "/: no photos in this folder"),
         ("The graphics driver failed: it was started again", "The graphics driver failed: it was started again"),
     ],
 )

@@ -86,7 +86,7 @@ def brief(message: str) -> str:
     """The first line of a message; about a file with the file's name alone, so that what is wrong is in sight."""
     message = message.splitlines()[0] if message else message
     place, colon, rest = message.partition(": ")
-    return f"{Path(place).name}{colon}{rest}" if colon and Path(place).is_absolute() else message
+    return f"{Path(place).name or place}{colon}{rest}" if colon and Path(place).is_absolute() else message
 
 
 def _under_the_mouse(state: EditorState) -> str:
