@@ -24,7 +24,7 @@ def fall_back(state: EditorState) -> None:
         give_up_what_is_on_its_way(state)
         # The first photo may still be on its way, and then it is what remains.
         remaining = snapshot.opened or snapshot.coming
-        state.queue = state.queue.refused(state.opened_queue, remaining is not None)
+        state.queue = state.queue.refused(state.opened_queue, remaining and remaining.source.path)
         state.photo = remaining.source if remaining else None
         if state.left is not None and snapshot.opened is not None and snapshot.opened.shows(state.left):
             # With what was painted or corrected just before and is in no picture yet.

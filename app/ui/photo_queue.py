@@ -30,18 +30,18 @@ class PhotoQueue:
         at = self.at + by
         return PhotoQueue(self.paths, at) if 0 <= at < len(self.paths) else None
 
-    def refused(self, before: PhotoQueue, another_stays: bool) -> PhotoQueue:
+    def refused(self, before: PhotoQueue, stays: Path | None) -> PhotoQueue:
         """What becomes of a queue whose photo can't be opened, given the queue of the photo that stays open.
 
         The queue before comes back, unless it is of no use and this one has other photos to go on to, from where the
         photo is that can't be opened.
 
         Args:
-            another_stays: there is a photo that stays open; else the window is empty.
+            stays: the photo that stays open; None where the window is empty.
         """
         is_fresh = self.paths != before.paths
         comes_back = is_fresh and (len(before.paths) > 1 or len(self.paths) == 1)
-        return before if comes_back else replace(self, is_beside=another_stays)
+        return before if comes_back else replace(self, is_beside=stays is not None and not self._is_at(stays))
 
     def showing(self, path: Path | None) -> PhotoQueue:
         """The queue once a photo is open that was not reached through it, as after undo."""
@@ -50,8 +50,10 @@ class PhotoQueue:
             return self
         if path is None or path.absolute() not in places:
             return replace(self, is_beside=True)
-        is_here = places[self.at] == path.absolute()
-        return PhotoQueue(self.paths, self.at if is_here else places.index(path.absolute()))
+        return PhotoQueue(self.paths, self.at if self._is_at(path) else places.index(path.absolute()))
+
+    def _is_at(self, path: Path) -> bool:
+        return self.current is not None and self.current.absolute() == path.absolute()
 
     @property
     def label(self) -> str:

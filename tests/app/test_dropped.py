@@ -192,6 +192,15 @@ def shoot(tmp_path):
     return photos, session
 
 
+def test_a_session_whose_photo_is_damaged_leaves_the_open_photo_its_place_in_the_queue(state, shoot):
+    photos, session = shoot
+    take_files(state, [photos[0], photos[2]], *ELSEWHERE)
+    open_wish(state)
+    take_files(state, [session], *ELSEWHERE)
+    refuse_photo(state)
+    assert (state.photo.path, state.queue.label) == (photos[0], "1 of 2")
+
+
 def test_a_session_dropped_with_its_photo_opens_as_it_was_saved(state, shoot):
     photos, session = shoot
     take_files(state, [photos[1], session], *ELSEWHERE)

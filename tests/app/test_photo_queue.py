@@ -15,14 +15,14 @@ A, B, C, D = (Path(f"/photos/{name}.jpg") for name in "abcd")
 )
 def test_the_queue_before_comes_back_unless_only_the_new_one_has_other_photos(before, refused, comes_back):
     before, refused = PhotoQueue(before), PhotoQueue(refused)
-    then = refused.refused(before, another_stays=True)
+    then = refused.refused(before, stays=A)
     assert then == (before if comes_back else PhotoQueue(refused.paths, is_beside=True))
 
 
 def test_a_queue_goes_on_from_where_a_photo_of_its_own_is_refused():
     queue = PhotoQueue((A, B, C), 1)
-    assert queue.refused(PhotoQueue((A, B, C)), another_stays=True) == PhotoQueue((A, B, C), 1, is_beside=True)
-    assert queue.refused(PhotoQueue(), another_stays=False) == queue
+    assert queue.refused(PhotoQueue((A, B, C)), stays=A) == PhotoQueue((A, B, C), 1, is_beside=True)
+    assert queue.refused(PhotoQueue(), stays=None) == queue
 
 
 def test_a_photo_that_is_in_it_twice_stays_where_it_was_reached():
