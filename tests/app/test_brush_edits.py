@@ -90,14 +90,20 @@ def test_escape_takes_back_what_was_painted_since_the_brush_was_taken_up(state):
     brush_edits.cancel(state)
     assert state.photo.strokes == kept
     assert not state.brush.is_open
+    wish = state.photo
+    brush_edits.show(state)
+    brush_edits.cancel(state)
+    assert state.photo is wish, "nothing was painted, so nothing is asked for"
 
 
 def test_points_too_near_to_be_seen_are_left_out_and_a_long_stroke_becomes_several(state):
     paint(state, (10, 10), (10.1, 10), (10.2, 10), radius_px=4.0)
     assert len(state.photo.strokes[0].points) == 1
+    paint(state, (10, 10), (10, 12), (12, 12), radius_px=4.0)
+    assert len(state.photo.strokes[1].points) == 3, "downward is as far as across"
     way = [(float(x % 80), float(x % 37)) for x in range(1000)]
     paint(state, *way, radius_px=1.0)
-    _, *parts = state.photo.strokes
+    _, _, *parts = state.photo.strokes
     assert len(parts) == 4
     checked_strokes(parts)
     for before, after in zip(parts, parts[1:], strict=False):
@@ -164,6 +170,14 @@ def test_one_tool_at_a_time(state):
     assert (state.faces.is_open, state.brush.is_open) == (True, False)
     brush_edits.show(state)
     assert (state.faces.is_open, state.brush.is_open) == (False, True)
+    for show in (brush_edits.show, face_edits.show):
+        show(state)
+        light_edits.switch_aim(state, "bright")
+        assert (state.faces.is_open, state.brush.is_open, state.aim) == (False, False, "bright")
+    light_edits.switch_aim(state, "highlight")
+    assert state.aim == "highlight"
+    light_edits.switch_aim(state, "highlight")
+    assert state.aim == ""
 
 
 def test_a_photo_that_is_cut_out_has_its_outline():

@@ -79,6 +79,20 @@ def test_escape_forgets_the_drag_first_then_all_that_was_changed(state):
     assert state.photo is wish, "nothing was changed, so nothing is asked for"
 
 
+def test_escape_brings_back_who_was_relit_alone(state):
+    state.choose_face(1)
+    answered(state, (ONE, TWO))
+    face_edits.show(state)
+    state.faces.selected = 1
+    state.faces.held, state.faces.moving = FaceGrab("move", 1, TWO), (ONE, THREE)
+    face_edits.remove(state)
+    assert (state.photo.face_index, state.photo.boxes) == (None, (ONE,))
+    face_edits.finish_drag(state)
+    assert state.photo.boxes == (ONE,), "what was dragged went with its box"
+    face_edits.cancel(state)
+    assert (state.photo.face_index, state.photo.boxes) == (1, None)
+
+
 def test_done_keeps_what_was_changed(state):
     face_edits.show(state)
     drop(state, (THREE, TWO))
@@ -148,9 +162,11 @@ def test_choosing_a_face_keeps_the_boxes(state):
 
 def test_finding_again_shows_nothing_until_it_is_known(state):
     drop(state, (THREE, TWO))
+    state.choose_face(1)
     answered(state, ())
     state.faces.selected = 1
     face_edits.find_again(state)
+    assert state.photo.face_index is None, "there may be fewer faces then"
     assert state.faces.selected == -1
     assert face_edits.is_searching(state)
     assert face_edits.wished_boxes(state) == ()
