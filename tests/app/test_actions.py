@@ -181,6 +181,27 @@ def test_escape_ends_what_follows_the_mouse_or_turns_by_itself_before_it_answers
     assert given == ["No"]
 
 
+def test_enter_and_escape_answer_what_was_asked_last_and_the_same_is_asked_once():
+    state, given = EditorState(), []
+    for key in ("first", "second", "second"):
+        choices = tuple((label, lambda said=(key, label): given.append(said)) for label in ("Yes", "No"))
+        state.asking.ask(Question(key, "A question.", choices, calling_off="No"))
+    on("Escape").run(state)
+    assert given == [("second", "No")]
+    state.asking.ask(Question("third", "Another.", (("Go on", lambda: given.append("Go on")),)))
+    on("Enter").run(state)
+    assert given[1:] == ["Go on"]
+    assert [question.key for question in state.asking.questions] == ["first"]
+
+
+@pytest.mark.parametrize(("keys", "field", "value"), [("W", "compare", "wipe"), ("V", "scope", "waveform")])
+def test_what_is_chosen_again_is_switched_off(keys, field, value):
+    state = EditorState()
+    for expected in (value, "off"):
+        on(keys).run(state)
+        assert getattr(state.look, field) == expected
+
+
 def test_delete_takes_the_face_s_box_while_those_are_in_sight():
     state = EditorState(light_edit=LightEdit(boxes=(SoftBox(),)), selected_box=0)
     state.open_photo(Path("/photos/us.jpg"))

@@ -34,6 +34,8 @@ def test_a_press_finds_the_box_however_the_light_is_turned(yaw_deg, index):
 def test_a_box_at_the_seam_is_grabbed_on_both_sides_of_it():
     for u in (0.97, 0.03):
         assert grab((FRONT,), -1, u, 0.5, 0.0, 2.0).kind == "move"
+    for u in (0.992, 0.008):
+        assert grab((SoftBox(0.0, 0.0, 3.0, 3.0),), -1, u, 0.5, 0.0, 10.0).kind == "move", "a sun, from beside it"
 
 
 def test_only_the_selected_box_has_corners():
@@ -107,6 +109,14 @@ def test_dragging_a_corner_resizes_about_the_middle():
     assert (resized.azimuth_deg, resized.elevation_deg) == (-90.0, 0.0)
 
 
+def test_a_box_in_the_hand_is_not_taken_for_one_that_has_come_into_its_place():
+    held = Grab("move", 1, box=LEFT)
+    assert held.is_among((FRONT, LEFT))
+    assert not held.is_among((LEFT, POLE))
+    assert not held.is_among((LEFT,))
+    assert Grab("turn").is_among(())
+
+
 def test_boxes_are_replaced_and_removed_by_index():
     assert with_box((FRONT, LEFT), 0, POLE) == (POLE, LEFT)
     assert without_box((FRONT, LEFT, POLE), 1) == (FRONT, POLE)
@@ -140,6 +150,8 @@ def test_a_click_on_the_face_reads_the_normal_there():
     shine = lamp_for_spot(face(), view, 190.0, 250.0, "highlight")
     assert np.allclose(shine, [np.sin(1.0), 0.0, np.cos(1.0)], atol=1e-6)
     assert np.allclose(lamp_for_spot(face(), view, 120.0, 250.0, "highlight"), [0, 0, 1])
+    beside_the_ridge = lamp_for_spot(face(), view, 155.0, 250.0, "bright")
+    assert np.allclose(beside_the_ridge, [np.sin(0.5), 0.0, np.cos(0.5)], atol=1e-6)
 
 
 def test_a_tilted_heads_normals_are_turned_back_to_the_camera():

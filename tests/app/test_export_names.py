@@ -82,7 +82,7 @@ def test_a_folder_chooses_no_kind_of_picture_by_its_name(state, tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("typed", "name"), [("best.jpg ", "best.jpg"), ("  ", "~me-relit.png"), ("a b/ ", "a b/~me-relit.png")]
+    ("typed", "name"), [("best.JPG ", "best.JPG"), ("  ", "~me-relit.png"), ("a b/ ", "a b/~me-relit.png")]
 )
 def test_a_space_behind_a_name_that_is_typed_is_no_part_of_it(state, tmp_path, typed, name):
     state.export_path = typed

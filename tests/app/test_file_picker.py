@@ -2,14 +2,15 @@
 
 import os
 from pathlib import Path
+from types import SimpleNamespace
 
 import glfw
 import pytest
 from imgui_bundle import imgui
 
-from app.ui import file_picker
+from app.ui import file_dialogs, file_picker
 from app.ui.asking import FileRequest
-from app.ui.file_dialogs import Candidates, candidates
+from app.ui.file_dialogs import Candidates, FileDialogs, candidates
 
 
 @pytest.mark.parametrize("kind", ["open", "save", "folder"])
@@ -79,7 +80,7 @@ def test_nothing_is_wrong_before_a_file_is_named(opened, folder, greyed):
 
 
 def test_a_name_typed_narrows_the_list_in_which_a_double_click_takes_a_file(opened, folder):
-    for name in ("a1.png", "b1.png", "b2.png"):
+    for name in ("ab.png", "b1.png", "b2.png"):
         (folder / name).touch()
     chosen = ask(opened, f"{folder}{os.sep}")
     opened.type("b")
@@ -174,6 +175,23 @@ def test_files_beyond_those_listed_are_counted(opened, folder, greyed, monkeypat
         (folder / f"{number}.png").touch()
     ask(opened, f"{folder}{os.sep}")
     assert any(line.startswith("3 more") for line in greyed)
+
+
+def test_one_dialog_of_the_system_is_open_at_a_time_and_gives_what_was_chosen(monkeypatch, folder):
+    opened, given, is_done, answers = [], [], [], [["a.png", "b.png"], []]
+    dialog = SimpleNamespace(ready=lambda _: bool(is_done), result=lambda: answers.pop(0))
+    monkeypatch.setattr(file_dialogs.native, "open_file", lambda *words: (opened.append(words), dialog)[1])
+    dialogs = FileDialogs(True)
+    for _ in range(2):
+        assert dialogs.ask(FileRequest("open", "Open", folder, given.append)) is None
+        dialogs.poll()
+    assert (len(opened), given) == (1, [])
+    is_done.append(True)
+    dialogs.poll()
+    assert given == [[Path("a.png"), Path("b.png")]]
+    dialogs.ask(FileRequest("open", "Open", folder, given.append))
+    dialogs.poll()
+    assert (len(opened), len(given), dialogs.waiting) == (2, 1, False), "the user thought better of it"
 
 
 def test_a_folder_is_read_again_only_once_it_has_changed(folder, monkeypatch):

@@ -164,6 +164,7 @@ def lamp(u, v):
         (0.875, 0.25, "From front right, 39° up"),
         (0.5, 0.7, "From behind, 39° down"),
         (0.3, 0.01, "From above"),
+        (0.75, 0.2, "From the right, 51° up"),
     ],
 )
 def test_the_compass_says_where_a_lamp_is(u, v, expected):
@@ -172,6 +173,7 @@ def test_the_compass_says_where_a_lamp_is(u, v, expected):
 
 def test_light_from_everywhere_has_no_side():
     assert words(np.zeros(3, np.float32)) == "From all sides"
+    assert words(np.array([0.2, 0.0, 0.0], np.float32)) == "From the right"
 
 
 def test_a_preview_that_is_smaller_than_the_photo_is_read_at_the_same_spot(snapshot):
