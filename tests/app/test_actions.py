@@ -2,12 +2,13 @@
 
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from app.engine.snapshot import OpenPhoto, Snapshot
-from app.engine.sources import LightSource
+from app.engine.sources import LightSource, PhotoSource
 from app.ui.actions.action import Action, Chord, matching, parse_chord
 from app.ui.actions.action_table import ACTIONS, GESTURES
 from app.ui.actions.help_overlay import groups
@@ -97,6 +98,9 @@ def test_what_tells_of_certain_pictures_brings_one_into_sight():
     named("False colour").run(state)
     assert state.shown == "specular"
     state.shown = "shadow"
+    for _ in range(2):
+        named("False colour").run(state)
+    assert state.shown == "shadow"
     named("Difference to the photo").run(state)
     assert state.shown == "result"
     named("False colour").run(state)
@@ -223,6 +227,15 @@ def test_a_rotation_that_plays_can_be_stopped_where_there_is_no_picture():
     assert not named("Play the rotation").available(state)
     state.playing = True
     assert named("Play the rotation").available(state)
+
+
+def test_a_panorama_alone_is_metered_and_no_shadow_is_shown_where_none_was_taken_off():
+    rig, panorama = EditorState(), EditorState(light=LightSource("panorama", "/lights/sky.hdr"))
+    assert [named("Meter the light").available(state) for state in (rig, panorama)] == [False, True]
+    opened = OpenPhoto(PhotoSource(Path("me.jpg")), Photo(np.zeros((4, 8, 3), np.float32)), None)
+    for channels, is_there in (({"albedo": None}, False), ({"foreign_shadow": None}, True)):
+        state = EditorState(snapshot=Snapshot(opened=opened, picture=SimpleNamespace(opened=opened, channels=channels)))
+        assert named("Show shadow taken off").available(state) is is_there
 
 
 def test_only_a_photo_that_is_there_can_be_stepped_to():

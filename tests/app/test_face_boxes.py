@@ -86,8 +86,9 @@ def test_a_new_box_is_square_whichever_way_it_is_drawn(end):
     assert boxes[0] == LEFT
     box = boxes[1]
     assert box.width == box.height == max(abs(end[0] - 300), abs(end[1] - 240))
-    assert box.x0 <= 300 <= box.x1
-    assert box.y0 <= 240 <= box.y1
+    for x, y in ((300, 240), end):
+        assert box.x0 <= x <= box.x1
+        assert box.y0 <= y <= box.y1
     assert box.roll_deg == 0
 
 

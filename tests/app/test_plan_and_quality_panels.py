@@ -4,6 +4,7 @@ import pytest
 
 from app.ui.panels.plan_panel import duration, explanation, forced, summary, title
 from app.ui.panels.quality_panel import cost_lines
+from app.ui.viewport import progress_card
 from relight_core.pipeline.auto_quality import TierCost
 from relight_core.pipeline.edit import Edit
 from relight_core.pipeline.plan import Effect
@@ -48,3 +49,8 @@ def test_costs_below_a_tier():
     assert cost_lines("live", costs) == ("20 ms", "±1.0")
     assert cost_lines("final", costs) == ("61 ms", "best")
     assert cost_lines("auto", costs) == ()
+
+
+@pytest.mark.parametrize(("seconds", "said"), [(0.2, "1 s"), (89.0, "89 s"), (120.0, "2 min")])
+def test_what_is_left_of_long_work_is_told_in_seconds_and_then_in_minutes(seconds, said):
+    assert progress_card.duration(seconds) == said

@@ -78,6 +78,7 @@ def test_the_result_is_read_from_the_photo_s_own_pixels_whatever_size_is_on_the_
     large = replace(snapshot, picture=replace(snapshot.picture, relit=relit))
     assert reading(large, "result", 0.0, 40.7, 30.2).linear == pytest.approx((0.3, 0.4, 0.5))
     assert reading(large, "result", 0.0, 40.7, HEIGHT) == Reading("result")
+    assert reading(large, "result", 1.0, 40.7, 30.2).codes > reading(large, "result", 0.0, 40.7, 30.2).codes
 
 
 @pytest.mark.parametrize(("x", "y"), [(10.0, 50.0), (64.0, 2.0), (-1.0, 5.0), (127.99, 95.99), (128.0, 96.0)])
@@ -91,6 +92,21 @@ def test_outside_there_is_no_value(snapshot, x, y):
 
 def test_without_a_photo_there_is_nothing_to_read():
     assert readings(Snapshot(), 0.0, 1.0, 1.0) == []
+
+
+def test_of_the_photo_before_nothing_is_read(snapshot):
+    another = replace(snapshot, opened=replace(snapshot.opened))
+    assert [row.name for row in readings(another, 0.0, 40.0, 30.0)] == ["photo"]
+
+
+def test_a_channel_leans_as_its_head_does_and_a_light_is_always_seen_whole(snapshot):
+    turned = replace(snapshot.picture, relit=replace(snapshot.picture.relit, roll_deg=30.0))
+    state = state_of(replace(snapshot, picture=turned))
+    state.view, state.shown = View(False, 30.0, 64.0, 48.0), "albedo"
+    assert arrange_panes(state, (800, 500)).main.placement.roll_deg == 30.0
+    state.shown = "source_light"
+    place = arrange_panes(state, (800, 500)).main.placement
+    assert (place.x, place.x + place.width) == (16, 784)
 
 
 @pytest.mark.parametrize("compare", ["off", "wipe", "side"])
