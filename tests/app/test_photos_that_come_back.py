@@ -70,6 +70,15 @@ def test_its_session_is_not_replaced_by_the_sliders_of_another_photo(editor, pho
     assert f"replace {saved}" in questions(editor)
 
 
+def test_work_that_was_left_by_going_back_in_the_history_waits_when_its_photo_comes_back(editor, photos, saved):
+    state = editor.state
+    state.restore(state.history.go(0))
+    editor.live()
+    assert state.photo.path == photos[0]
+    drop(editor, photos[1])
+    assert work_left(state, photos[1]).edit.shadow == 1.7
+
+
 def test_nor_while_it_is_still_being_read(editor, photos, saved):
     editor.deeds._take([photos[0]])
     editor.state.asking.wish("save_session")

@@ -97,6 +97,17 @@ def test_undo_puts_the_light_its_edit_and_the_sliders_back():
     assert (state.light.name, state.edit.shadow) == ("ring", 0.5)
 
 
+@pytest.mark.parametrize("act", [lambda state: state.restore(state.history.go(0)), EditorState.reset])
+def test_a_level_that_a_picture_has_yet_to_tell_is_not_set_on_what_comes_back(act):
+    state = EditorState()
+    state.accept(Snapshot(opened=opened_photo(Path("/p/me.png")), light=open_light(state.light)))
+    state.photo = state.snapshot.opened.source
+    state.remember(0.0)
+    state.asking.level = object()
+    act(state)
+    assert state.asking.level is None
+
+
 def test_undoing_an_opening_asks_for_the_photo_before(tmp_path):
     state = EditorState()
     for name in ("one.png", "two.png"):
