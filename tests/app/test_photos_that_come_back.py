@@ -8,7 +8,7 @@ from opened_things import refuse_photo
 
 from app.document.session_file import read_session
 from app.engine.sources import PhotoSource
-from app.ui.photo_works import portrait_of, work_left
+from app.ui.photo_works import is_worked_on, portrait_of, work_left
 from relight_core.face.find import FaceBox
 
 BOXES = (FaceBox(0, 0, 2, 2), FaceBox(2, 2, 4, 4))
@@ -65,9 +65,17 @@ def saved(editor, photos):
 def test_its_session_is_not_replaced_by_the_sliders_of_another_photo(editor, photos, saved):
     drop(editor, photos[0])
     assert faces(editor) == (1, BOXES)
+    assert is_worked_on(editor.state, photos[0])
     save(editor)
     assert read_session(saved).document.edit.shadow == 0.2
     assert f"replace {saved}" in questions(editor)
+
+
+def test_what_is_set_on_it_instead_of_going_on_is_its_work_from_then_on(editor, photos, saved):
+    drop(editor, photos[0], shadow=0.9)
+    drop(editor, photos[1], shadow=1.3)
+    drop(editor, photos[0])
+    assert work_left(editor.state, photos[0]).edit.shadow == 0.9
 
 
 def test_work_that_was_left_by_going_back_in_the_history_waits_when_its_photo_comes_back(editor, photos, saved):

@@ -108,6 +108,25 @@ def test_a_level_that_a_picture_has_yet_to_tell_is_not_set_on_what_comes_back(ac
     assert state.asking.level is None
 
 
+def test_a_slider_is_one_step_however_long_the_hand_is_on_it():
+    state = EditorState()
+    state.accept(Snapshot(opened=opened_photo(Path("/p/me.png")), light=open_light(state.light)))
+    state.photo = state.snapshot.opened.source
+    for now_s, (shadow, held) in enumerate(((1.0, False), (0.8, True), (0.6, True), (0.4, True), (0.4, False))):
+        state.hand_on_control = held
+        state.change(shadow=shadow)
+        state.remember(5.0 * now_s)
+    assert [step.name for step in state.history.steps] == ["Open me.png", "Shadow 0.40"]
+
+
+def test_the_lights_that_were_used_last_come_first_in_the_list():
+    state = EditorState()
+    for name in ("/l/dusk.hdr", "/l/noon.hdr", "/l/dusk.hdr"):
+        state.choose_light(LightSource("panorama", name))
+        state.accept(replace(state.snapshot, light=open_light(state.light)))
+    assert [light.name for light in state.extra_lights] == ["/l/noon.hdr", "/l/dusk.hdr"]
+
+
 def test_undoing_an_opening_asks_for_the_photo_before(tmp_path):
     state = EditorState()
     for name in ("one.png", "two.png"):
