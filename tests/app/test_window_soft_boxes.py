@@ -7,6 +7,7 @@ import glfw
 import numpy as np
 import pytest
 from imgui_bundle import imgui
+from window_hand import PANORAMA_WIDTH, PANORAMA_X, PANORAMA_Y
 
 from app.ui import light_edits, widgets
 from relight_core.lighting.rigs import load_rig
@@ -48,6 +49,27 @@ def test_a_box_that_is_deleted_in_the_hand_is_gone_and_the_other_stays(opened, p
     opened.move(opened.panorama(further))
     opened.button(False)
     assert opened.window.state.light_edit.boxes == (pair[1],)
+
+
+def test_a_right_click_deletes_the_box_under_it_and_not_the_selected_one(opened, pair):
+    u, _ = uv_of(pair[1].direction)
+    opened.move(opened.panorama(u))
+    for action in (glfw.PRESS, glfw.RELEASE):
+        opened.window.on_mouse_button(None, glfw.MOUSE_BUTTON_RIGHT, action, 0)
+        opened.frames(2)
+    assert opened.window.state.light_edit.boxes == (pair[0],)
+
+
+def test_a_turn_moves_what_the_panorama_shows_to_the_right(opened):
+    rows = []
+    opened.light("split")
+    for yaw_deg in (0.0, 90.0):
+        opened.window.state.change(yaw_deg=yaw_deg)
+        opened.settle()
+        shown = opened.window.screenshot()[PANORAMA_Y, PANORAMA_X : PANORAMA_X + PANORAMA_WIDTH]
+        rows.append(shown.astype(float))
+    to_the_right, to_the_left = (np.abs(np.roll(rows[0], by, 0) - rows[1]).mean() for by in (57, -57))
+    assert to_the_right < 0.25 * to_the_left
 
 
 def test_undo_and_the_lamps_key_take_what_the_hand_holds(opened):
