@@ -143,3 +143,6 @@ def test_colours_arrive_at_the_same_place_of_the_other_head(tmp_path, monkeypatc
     np.testing.assert_allclose(found[3:-3, 3:-3, 0], u[3:-3, 3:-3], atol=0.03)
     np.testing.assert_allclose(found[3:-3, 3:-3, 1], v[3:-3, 3:-3], atol=0.03)
     assert np.abs(np.diff(skins.smooth[0, 0].astype(float), axis=0)).max() < 80
+    (folder / "torn_diffuse.png").write_bytes((folder / "someone_diffuse.png").read_bytes()[:60])
+    with pytest.raises(InputError, match=r"torn_diffuse\.png: can't be read"):
+        skin_transfer.transfer_skins(tmp_path, model, 32)

@@ -15,6 +15,7 @@ from relight_core.dataset.garments.garment_mesh import compact
 from relight_core.dataset.garments.makehuman import Item, cut_by_opacity, find_root, read_base, read_item, refine
 from relight_core.dataset.garments.makehuman_fit import HeadWarp
 from relight_core.dataset.heads import OUTER_SKIN, HeadModel
+from relight_core.errors import InputError
 from relight_core.imaging.files import whole_file
 
 _CACHE_VERSION = 3
@@ -77,18 +78,32 @@ class FittedItem:
 
 
 def load_fitted_items(folder: Path, model: HeadModel) -> list[FittedItem]:
-    """All items, from the cache beside the data where it belongs to this head model, else fitted now."""
+    """All items, from the cache beside the data where it belongs to this head model, else fitted now.
+
+    Raises:
+        InputError: the folder holds no MakeHuman data, damaged data, or not all of it: some head
+            would find nothing to put on.
+    """
     root = find_root(folder)
     digest = hashlib.sha256(model.mean.tobytes() + bytes([_CACHE_VERSION])).hexdigest()[:12]
     cache = root / f"fitted-{digest}.npz"
     stored = _read_cache(cache) if cache.is_file() else None
-    if stored is None:
+    if stored is None or _missing(stored):
         stored = _fit_all(root, model)
+        if missing := _missing(stored):
+            kinds = " and no ".join(missing)
+            raise InputError(f"{folder}: no {kinds} here; give the whole MakeHuman archive, unpacked")
         _write_cache(cache, stored)
     return [
         FittedItem(i.name, kind, i.vertices, i.faces, i.uv, i.opacity, i.colour_srgb, _bind(kind, i.vertices, model))
         for kind, i in stored
     ]
+
+
+def _missing(stored: list[tuple[str, Item]]) -> list[str]:
+    """The kinds of which there is no item."""
+    there = {kind for kind, _ in stored}
+    return [kind for kind in _MOST_FACES if kind not in there]
 
 
 def _fit_all(root: Path, model: HeadModel) -> list[tuple[str, Item]]:

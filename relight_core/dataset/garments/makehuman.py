@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -36,6 +38,16 @@ def find_root(folder: Path) -> Path:
     raise InputError(f"{folder}: no 3dobjs/base.obj here; unpack the MakeHuman archive to this folder")
 
 
+@contextmanager
+def whole(path: Path) -> Iterator[None]:
+    """While a file of the archive is read: what is wrong with it is told by InputError."""
+    try:
+        yield
+    except (OSError, ValueError, KeyError, IndexError, TypeError) as error:
+        reason = " ".join(str(error).split()) or type(error).__name__
+        raise InputError(f"{path}: can't be read ({reason}); unpack the MakeHuman archive again") from error
+
+
 def read_base(root: Path) -> tuple[np.ndarray, np.ndarray]:
     """Base mesh: vertices (19158, 3) float32 in cm with helpers, and triangles (F, 3) of the body."""
     vertices, faces, _ = read_textured_base(root)
@@ -43,9 +55,19 @@ def read_base(root: Path) -> tuple[np.ndarray, np.ndarray]:
 
 
 def read_textured_base(root: Path) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """`read_base` and the texture coordinates of the triangles' corners, (F, 3, 2) float32, v up."""
+    """`read_base` and the texture coordinates of the triangles' corners, (F, 3, 2) float32, v up.
+
+    Raises:
+        InputError: the file is damaged.
+    """
+    path = root / "3dobjs" / "base.obj"
+    with whole(path):
+        return _base(path.read_text())
+
+
+def _base(text: str) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     vertices, texture, faces, faces_uv, group = [], [], [], [], ""
-    for line in (root / "3dobjs" / "base.obj").read_text().splitlines():
+    for line in text.splitlines():
         kind, *fields = line.split() or [""]
         if kind == "v":
             vertices.append([float(field) for field in fields[:3]])
@@ -64,7 +86,16 @@ def read_textured_base(root: Path) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 
 
 def read_item(path: Path, base: np.ndarray) -> Item:
-    """A proxy, placed on the base body by its own references: sum of weighted base vertices plus offset."""
+    """A proxy, placed on the base body by its own references: sum of weighted base vertices plus offset.
+
+    Raises:
+        InputError: the proxy or its texture is damaged.
+    """
+    with whole(path):
+        return _item(path, base)
+
+
+def _item(path: Path, base: np.ndarray) -> Item:
     data = json.loads(path.read_text())
     references, weights = np.array(data["ref_vIdxs"]), np.array(data["weights"], np.float32)
     placed = (base[references] * weights[..., None]).sum(1) + np.array(data["offsets"]) * _CM_PER_UNIT

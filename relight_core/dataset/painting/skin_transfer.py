@@ -19,7 +19,7 @@ from scipy.spatial import cKDTree
 
 from relight_core.dataset.garments.garment_binding import scattered
 from relight_core.dataset.garments.garment_mesh import at_midpoints, subdivide, vertex_normals
-from relight_core.dataset.garments.makehuman import find_root, read_textured_base
+from relight_core.dataset.garments.makehuman import find_root, read_textured_base, whole
 from relight_core.dataset.garments.makehuman_fit import HeadWarp
 from relight_core.dataset.heads import OUTER_SKIN, HeadModel
 from relight_core.dataset.painting.skin_textures import SkinTextures
@@ -39,7 +39,7 @@ def transfer_skins(makehuman: Path, model: HeadModel, size: int = 256) -> SkinTe
     """All skins in the head model's tiles.
 
     Raises:
-        InputError: the folder holds no MakeHuman data.
+        InputError: the folder holds no MakeHuman data, or damaged ones.
     """
     root = find_root(makehuman)
     points, uv = _skin_points(root, model)
@@ -49,7 +49,9 @@ def transfer_skins(makehuman: Path, model: HeadModel, size: int = 256) -> SkinTe
     blurred = [_blurring(places, points) for _, places in coarse]
     names, fine, smooth = [], [], []
     for path in sorted((root / "skins").glob("*/textures/*_diffuse*.png")):
-        colours = _look_up(srgb_decode_integers(np.asarray(Image.open(path).convert("RGB"))), uv)
+        with whole(path):
+            picture = np.asarray(Image.open(path).convert("RGB"))
+        colours = _look_up(srgb_decode_integers(picture), uv)
         names.append(path.stem.replace("_diffuse", ""))
         fine.append(_encoded(tiles, sharp, colours))
         smooth.append(_encoded(coarse, blurred, colours))
