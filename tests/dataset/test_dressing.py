@@ -8,8 +8,8 @@ from ball_heads import CENTRE, RADIUS, assert_well_formed, ball_head, sphere, su
 from PIL import Image
 
 from relight_core.dataset.garments.beard_shell import BeardPatch
-from relight_core.dataset.garments.garment_binding import HeadSurface, bind, fit_affine
-from relight_core.dataset.garments.garment_mesh import clip, compact, subdivide, vertex_normals
+from relight_core.dataset.garments.garment_binding import HeadSurface, bind, fit_affine, scattered
+from relight_core.dataset.garments.garment_mesh import clip, compact, fractal, subdivide, vertex_normals, waves
 from relight_core.dataset.garments.hair_shell import ScalpGrid, grow_hair, sample_style
 from relight_core.dataset.garments.makehuman import cut_by_opacity, find_root, read_base, read_item
 from relight_core.dataset.garments.makehuman_fit import HeadWarp
@@ -91,6 +91,48 @@ def test_pushing_out_lifts_what_is_inside_and_leaves_the_rest(ball_head):
     np.testing.assert_allclose(skin.push_out(clear, 0.2), clear, atol=1e-5)
     pressed = skin.press_down(clear, np.full(len(clear), 0.3))
     np.testing.assert_allclose(np.linalg.norm(pressed - CENTRE, axis=1), RADIUS + 0.3, atol=0.1)
+
+
+def test_pushing_out_reaches_no_farther_than_it_is_told(ball_head):
+    skin = surface(ball_head, ball_head.mean)
+    deep = CENTRE + np.array([[0, 0, RADIUS - 3.0], [0, RADIUS - 5.0, 0]])
+    lifted = np.linalg.norm(skin.push_out(deep, 0.2, reach_cm=4.0) - CENTRE, axis=1)
+    np.testing.assert_allclose(lifted, [RADIUS + 0.2, RADIUS - 5], atol=0.1)
+
+
+def test_what_is_worn_does_not_tear_where_its_nearest_anchors_change():
+    head, _ = sphere(400)
+    line = np.linspace([-0.5, 0.3, 1.0], [0.5, 0.2, 1.0], 2000)
+    moved = np.random.default_rng(0).normal(0, 1, head.shape)
+    steps = np.diff(bind(line, head, np.arange(400), 12).follow(0 * line, moved), axis=0)
+    assert np.abs(steps).max() < 8 * np.abs(steps).mean()
+
+
+def test_a_scattered_few_are_one_to_a_cube():
+    points = np.random.default_rng(0).uniform(0, 8, (4000, 3))
+    chosen = scattered(points, 2.0)
+    assert len(np.unique(np.floor(points[chosen] / 2), axis=0)) == len(chosen) == 64
+
+
+def test_folds_and_tufts_are_as_long_and_strong_as_was_asked_for():
+    """Plane waves of wavelength L: points L / 8 apart are alike, those many L apart are not."""
+    points = np.random.default_rng(0).uniform(-60, 60, (4000, 3))
+    for noise in (waves, lambda at, rng, length: fractal(at, rng, length, 3)):
+        fields, near, far = [], [], []
+        for seed in range(6):
+            drawn = [noise(points + [shift, 0, 0], np.random.default_rng(seed), 8.0) for shift in (0, 1, 2, 50)]
+            fields.append(drawn[0])
+            near.append(np.corrcoef(drawn[0], drawn[1])[0, 1])
+            far.append(np.corrcoef(drawn[0], drawn[3])[0, 1])
+        assert np.std(fields) == pytest.approx(1, abs=0.12)
+        assert 0.7 < np.mean(near) < 0.97
+        assert abs(np.mean(far)) < 0.3
+    layers = [fractal(points, np.random.default_rng(1), 8.0, octaves) for octaves in (1, 4)]
+    assert np.corrcoef(*layers)[0, 1] > 0.8
+    combed = [
+        waves(points + shift, np.random.default_rng(2), 4.0, (1, 6, 1)) for shift in ([0] * 3, [2, 0, 0], [0, 2, 0])
+    ]
+    assert np.corrcoef(combed[0], combed[2])[0, 1] > 0.8 > 0.4 > np.corrcoef(combed[0], combed[1])[0, 1]
 
 
 @pytest.mark.parametrize("seed", range(3))
@@ -178,6 +220,28 @@ def test_transparent_parts_are_cut_away(tmp_path):
     assert area(cut.vertices, cut.faces) == pytest.approx(50, abs=8)
     assert cut.vertices[cut.faces].mean(1)[:, 0].max() < 6
     assert len(cut_by_opacity(item, 1, deepest=4).faces) < len(cut.faces)
+
+
+def test_of_a_texture_whose_lower_half_is_clear_the_upper_half_stays(tmp_path):
+    path = write_makehuman(tmp_path, 255)
+    texture = np.full((8, 8, 4), 255, np.uint8)
+    texture[4:, :, 3] = 0
+    Image.fromarray(texture).save(path.parent / "textures" / "wig.png")
+    cut = cut_by_opacity(read_item(path, read_base(tmp_path)[0]), 10_000, deepest=4)
+    assert cut.vertices[cut.faces].mean(1)[:, 1].min() > 4
+    assert len(cut_by_opacity(read_item(path, read_base(tmp_path)[0]), 0).faces) > 0
+
+
+def test_the_texture_that_a_proxy_names_is_taken_and_never_a_map_of_its_relief(tmp_path):
+    path = write_makehuman(tmp_path, 240)
+    for name, level in (("a_normal", 1), ("a_other", 2)):
+        Image.fromarray(np.full((4, 4, 3), level, np.uint8)).save(path.parent / "textures" / f"{name}.png")
+    base = read_base(tmp_path)[0]
+    named = read_item(path, base)
+    assert named.colour_srgb.max() == 255
+    assert named.opacity.min() == 240
+    (path.parent / "textures" / "wig.png").unlink()
+    assert read_item(path, base).colour_srgb.max() == 2
 
 
 def test_a_missing_archive_is_named(tmp_path):

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from ball_heads import assert_well_formed, ball_head
+from ball_heads import CENTRE, RADIUS, assert_well_formed, ball_head
 
 from relight_core.dataset.baking.scene import Material, build_scene
 from relight_core.dataset.garments.garment_mesh import grid_faces
@@ -50,11 +50,26 @@ def test_lashes_grow_from_both_lids_and_thin_out_to_their_tips(model, seed):
         assert lash.label == "lash"
         corners = lash.vertices[lash.faces]
         area = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
-        from_root = lash.uv[lash.faces, 1].mean(1)
+        # Roots are 0.1 cm from the ball and tips 1 cm before these.
+        from_root = np.linalg.norm(corners.mean(1) - CENTRE, axis=1) - RADIUS - 0.1
         assert area[from_root < 0.3].sum() > 2 * area[from_root > 0.6].sum()
     upper = [lash for lash in worn if lash.vertices[:, 1].mean() > 3]
     assert upper
     assert np.ptp(upper[0].vertices[:, 0]) > 2
+
+
+def test_most_lower_lids_have_lashes_and_these_are_shorter(model):
+    strips = LashStrips(model)
+    outfits = [strips.grow(model.mean, np.random.default_rng(seed)) for seed in range(16)]
+    lower = [[lash for lash in worn if lash.vertices[:, 1].mean() < 3] for worn in outfits]
+    assert {len(lashes) for lashes in lower} == {0, 2}
+    assert np.mean([bool(lashes) for lashes in lower]) == pytest.approx(0.62, abs=0.25)
+    lengths = {
+        upper: [lash.uv[:, 1].max() for worn in outfits for lash in worn if (lash.vertices[:, 1].mean() > 3) == upper]
+        for upper in (True, False)
+    }
+    assert max(lengths[False]) < 0.85 < max(lengths[True])
+    assert min(lengths[False]) < 0.45 < min(lengths[True])
 
 
 def test_lashes_move_with_the_lids(model):
