@@ -136,7 +136,8 @@ def _score(head: HeldOutHead, source: int, target: int, blurred: bool) -> dict[s
     shadows = (light["shadow_fraction"] for light in (channels, head.channels(source)))
     masks = list(_masks(covered, labels, *shadows))
     shown = _display(truth)
-    return {name: [_error(_display(method(task)), shown, m) for m in masks] for name, method in METHODS.items()}
+    pictures = {name: _display(method(task)) for name, method in METHODS.items()}
+    return {name: [_error(picture, shown, mask) for mask in masks] for name, picture in pictures.items()}
 
 
 def _masks(

@@ -2,11 +2,12 @@
 
 import numpy as np
 import pytest
-from synthetic_heads import write_balls, write_lights
+from synthetic_heads import ball, write_balls, write_lights
 
 from relight_core.evaluation import detail
 from relight_core.evaluation.detail_methods import METHODS, DetailTask
 from relight_core.evaluation.held_out import held_out_lights
+from relight_core.face.parsing import INDEX
 from relight_core.imaging.resampling import resize_area
 from relight_core.imaging.view_of_photo import Makeup
 
@@ -33,6 +34,86 @@ def test_the_comparison_names_every_method_and_region(tmp_path, monkeypatch):
     assert all(np.isfinite(errors["head"]) for errors in scores.errors.values())
     table = detail.detail_table(scores)
     assert all(name in table for name in METHODS)
+
+
+@pytest.mark.parametrize("name", ["fast global smoother", "joint bilateral, gain and gloss"])
+def test_gloss_lies_over_the_photos_pattern_and_takes_nothing_of_it(name):
+    x = np.linspace(0, 1, 64, dtype=np.float32)
+    pattern = 0.3 + 0.1 * np.sign(np.sin(200 * x))[None] * np.ones((64, 1), np.float32)
+    photo = np.repeat(pattern[..., None], 3, axis=2)
+    gloss = np.repeat((0.2 * np.sin(np.pi * x)[:, None] * np.ones((1, 64), np.float32))[..., None], 3, axis=2)
+    small, small_gloss = (resize_area(image, (32, 32)) for image in (photo, gloss))
+    task = DetailTask(photo, small, 1.4 * small + small_gloss, small_gloss, Makeup.plain(32))
+    np.testing.assert_allclose(METHODS[name](task)[8:-8, 8:-8], (1.4 * photo + gloss)[8:-8, 8:-8], atol=0.04)
+
+
+@pytest.fixture(scope="module")
+def compared(tmp_path_factory):
+    """Errors of methods of one's own on a ball, at the size of the photo itself, and the tasks they were given."""
+    folder = tmp_path_factory.mktemp("compared")
+    write_balls(folder / "heads", 2_000_000, 1, size=32)
+    write_lights(folder / "lights.npz", 3)
+    tasks = []
+    methods = {
+        "truth": lambda task: tasks.append(task) or task.relit_small,
+        "black": lambda task: 0 * task.photo,
+    }
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(detail, "_NETWORK_SIZE", 32)
+        patch.setattr(detail, "METHODS", methods)
+        return detail.compare_detail(folder / "heads", folder / "lights.npz", "test", 1), tasks
+
+
+def test_a_small_picture_that_is_as_large_as_the_photo_is_the_truth_unless_its_albedo_is_blurred(compared):
+    scores, _ = compared
+    for region in ("head", "outline, head", "outline, background"):
+        assert scores.errors["truth"][region] == pytest.approx(0, abs=1e-3)
+        assert 0.5 < scores.blurred["truth"][region] < 60
+    # 45 % of white.
+    assert scores.errors["black"]["outline, background"] == pytest.approx(178.6, abs=0.5)
+    assert 60 < scores.errors["black"]["head"] < 220
+    assert np.isnan(scores.errors["truth"]["hair"])
+
+
+def test_photo_and_truth_are_as_bright_as_a_meter_has_them_before_the_same_grey(compared):
+    scores, tasks = compared
+    covered = ball(32).covered
+    # With a perfect small picture and with a blurred one, and no method is run again for every region.
+    assert len(tasks) == 2 * scores.pictures
+    for task in tasks[::2]:
+        for image in (task.photo, task.relit_small):
+            np.testing.assert_allclose(image[~covered], 0.45, atol=1e-6)
+        photo, truth = (float(np.clip(image[covered], 0, 1).mean()) for image in (task.photo, task.relit_small))
+        assert 0.5 < truth / photo < 2
+        luminance = task.relit_small @ np.float32([0.2126, 0.7152, 0.0722])
+        assert (task.gloss_small[..., 0] <= luminance + 1e-4).all()
+        assert task.gloss_small[covered].max() > 0
+        assert task.gloss_small[~covered].max() == 0
+
+
+def test_regions_are_where_they_are_called_and_edges_of_shadows_lie_within_the_head():
+    covered = np.zeros((128, 128), bool)
+    covered[:, 16:112] = True
+    labels = np.where(covered, 1, 0)
+    labels[:20, 16:112], labels[60:64, 40:44] = INDEX["hair"], INDEX["left_eye"]
+    shadow, photos = np.zeros((2, 128, 128), np.float32)
+    shadow[:, 64:], photos[90:] = 1, 1
+    masks = dict(zip(detail.REGIONS, detail._masks(covered, labels, shadow, photos), strict=True))
+    np.testing.assert_array_equal(masks["head"], covered)
+    np.testing.assert_array_equal(masks["hair"], labels == INDEX["hair"])
+    assert 16 < masks["eyes"].sum() <= 49
+    assert set(np.nonzero(masks["cast shadow"])[1]) < set(range(56, 73))
+    assert set(np.nonzero(masks["photo's shadow"])[0]) < set(range(82, 99))
+    for name, columns in (("outline, head", (16, 111)), ("outline, background", (15, 112))):
+        assert np.abs(np.subtract.outer(np.nonzero(masks[name])[1], columns)).min(1).max() <= 1
+        assert not (masks[name] & masks["photo's shadow"]).any()
+
+
+def test_a_region_that_some_heads_lack_is_the_mean_over_the_others():
+    rows = [[1.0] * 6 + [np.nan], [4.0, np.nan] + [3.0] * 4 + [np.nan], [7.0] * 6 + [np.nan]]
+    means = list(detail._means(rows).values())
+    assert means[:3] == pytest.approx([4, 4, 11 / 3])
+    assert np.isnan(means[6])
 
 
 @pytest.mark.parametrize("count", [1, 2, 3])
