@@ -16,6 +16,7 @@ from relight_core.evaluation.held_out import (
     HeldOutLight,
     cases_of,
     held_out_lights,
+    held_out_paths,
     held_out_textures,
     lamp,
     load_head,
@@ -115,6 +116,17 @@ def test_heads_lights_and_photos_are_the_same_every_time(settings):
         np.testing.assert_array_equal(*photos)
         assert 0 <= photos[0].min() <= photos[0].max() <= 1
     assert heads[0].photo(1, "clean")[~heads[0].lit.head.covered].max() == 0
+
+
+def test_heads_have_skins_of_their_own_and_clean_photos_are_metered(settings):
+    lights, pool = held_out_lights(settings.lights, "test"), held_out_textures()
+    paths = held_out_paths(settings.heads, "test", 5)
+    assert held_out_paths(settings.heads, "test", 1) == paths[:1] == [settings.heads / "head-2000000.npz"]
+    one, other = (load_head(path, lights, pool) for path in paths)
+    assert not np.allclose(one.albedo, other.albedo, atol=0.01)
+    brightest = [head.channels(light)["image"].mean() for head in (one, other) for light in range(7)]
+    shown = [head.photo(light, "clean").mean() for head in (one, other) for light in range(7)]
+    assert max(shown) / min(shown) < 0.5 * max(brightest) / min(brightest)
 
 
 def test_figures_of_every_group(evaluation):
