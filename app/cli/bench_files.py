@@ -84,7 +84,8 @@ def _relit_once(source: Path, output: Path) -> dict[str, float]:
     try:
         said, whole_s, peak_mib = _witnessed(words)
     except subprocess.CalledProcessError:
-        raise InputError(f"{source}: can't be relit; choose a photo with a face after --photos") from None
+        # Of the enlarged photo's own file, which goes with its folder, nobody knows.
+        raise InputError("the photo can't be relit at 24 megapixels; choose one with a face after --photos") from None
     return {
         "whole_s": whole_s,
         "after_networks_s": json.loads(said)["after_networks_ms"] / 1e3,
