@@ -5,9 +5,10 @@ import torch
 from synthetic_heads import write_balls, write_lights
 
 from app.cli.main import main
-from relight_core.evaluation import contest
+from relight_core.evaluation import breakdown, contest, evaluate
 from relight_core.evaluation.peers.sun import SunConfig, SunModel
 from relight_core.networks.bundle import BundleConfig, NetworkBundle, save_bundle
+from relight_core.pipeline.quality import quality_of
 
 
 @pytest.mark.parametrize(
@@ -31,6 +32,34 @@ def test_an_option_that_would_change_nothing_is_refused(tmp_path, capfd, words):
     out, err = capfd.readouterr()
     assert out == ""
     assert f"{words[-2]}: changes nothing" in err
+
+
+@pytest.mark.parametrize(
+    ("words", "photos", "quality", "split", "count"),
+    [
+        ([], "clean", "final", "test", 8),
+        (["--photos", "camera", "--quality", "live"], "camera", "live", "test", 8),
+        (["--split", "validation", "--count", "3", "--quality", "draft"], "clean", "draft", "validation", 3),
+    ],
+)
+@pytest.mark.parametrize("what", ["networks", "breakdown"])
+def test_what_is_measured_is_what_was_asked_for(tmp_path, monkeypatch, what, words, photos, quality, split, count):
+    asked = []
+
+    def measured(bundle, settings, report):
+        asked.append(settings)
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(*{"networks": (evaluate, "evaluate"), "breakdown": (breakdown, "break_down")}[what], measured)
+    first = {"test": 2_000_000, "validation": 1_000_000}[split]
+    write_balls(tmp_path / "heads", first, 1, size=32)
+    write_lights(tmp_path / "lights.npz", 20)
+    save_bundle(tmp_path / "w.safetensors", NetworkBundle(BundleConfig.tiny()))
+    data = ["--heads", tmp_path / "heads", "--lights", tmp_path / "lights.npz", "--weights", tmp_path / "w.safetensors"]
+    assert main(["evaluate", what, *map(str, data), *words]) == 130
+    (settings,) = asked
+    assert (settings.photos, quality_of(settings.tier)) == (photos, quality)
+    assert (settings.split, settings.count) == (split, count)
 
 
 @pytest.fixture

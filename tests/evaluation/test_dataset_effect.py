@@ -36,6 +36,15 @@ def test_an_albedo_with_the_photos_edges_keeps_all_detail_and_a_flat_one_none():
     assert measure([person(-2, contrast=-1.0)]).detail == pytest.approx(-1, abs=1e-3)
 
 
+@pytest.mark.parametrize("turned", [False, True])
+def test_edges_of_both_directions_count_and_what_is_nearly_black_has_none(turned):
+    seen = person(-2)
+    stripes = encode(np.broadcast_to(0.3 + 0.1 * np.cos(np.arange(SIZE))[:, None, None], (SIZE, SIZE, 1)))
+    image = np.repeat(stripes.swapaxes(0, 1) if turned else stripes, 3, -1)
+    assert measure([replace(seen, photo_srgb=image, albedo_srgb=image)]).detail == pytest.approx(1, abs=1e-3)
+    assert measure([person(-9)]).detail == 0
+
+
 def test_people_of_one_tone_have_no_spread_and_of_two_half_their_distance():
     assert measure([person(-2), person(-2)]).spread == pytest.approx(0, abs=1e-5)
     assert measure([person(-1.5), person(-3.5)]).spread == pytest.approx(1, abs=0.01)
@@ -61,7 +70,7 @@ def test_a_lesson_is_learnt_once_and_gives_the_same_weights_again(tmp_path, monk
     write_lights(tmp_path / "lights.npz", 6)
     lesson = Lesson(steps=2, size=16, pairs=1, width=4)
 
-    def learn(name, lesson=lesson, lights="lights.npz"):
+    def learn(name, lesson=lesson, lights="lights.npz", plain=plain):
         where = tmp_path / f"{name}.safetensors"
         return taught(tmp_path / "heads", tmp_path / lights, lesson, where, lambda *_: None, plain=plain)
 
@@ -70,6 +79,8 @@ def test_a_lesson_is_learnt_once_and_gives_the_same_weights_again(tmp_path, monk
     written = (tmp_path / "one.safetensors").stat().st_mtime_ns
     with pytest.raises(InputError, match="taught otherwise"):
         learn("one", replace(lesson, steps=3))
+    with pytest.raises(InputError, match="taught otherwise"):
+        learn("one", plain=not plain)
     write_lights(tmp_path / "others.npz", 7)
     with pytest.raises(InputError, match="taught otherwise"):
         learn("one", lights="others.npz")
