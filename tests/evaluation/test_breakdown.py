@@ -16,7 +16,7 @@ from relight_core.networks.bundle import BundleConfig, NetworkBundle
 from relight_core.pipeline.quality import Tier, tier_of
 from relight_core.pipeline.stages import Surface
 
-SKIN, NECK = 1, 9
+SKIN, LIPS, NECK, HAIR, HAT, GLASSES, CLOTH = 1, 8, 9, 10, 11, 12, 13
 
 
 @pytest.fixture(scope="module")
@@ -70,6 +70,7 @@ def told(row, labels=None):
         ("normals and relief", {"normal", "relief"}),
         ("the whole surface", {"albedo", "normal", "relief"}),
         ("the photo's light", set()),
+        ("the whole surface and the photo's light", {"albedo", "normal", "relief"}),
     ],
 )
 def test_a_row_tells_its_own_part_and_no_other(row, parts):
@@ -77,13 +78,25 @@ def test_a_row_tells_its_own_part_and_no_other(row, parts):
     for name in ("albedo", "normal", "relief", "photo"):
         source = true if name in parts else found
         assert torch.equal(getattr(changed, name), getattr(source, name)), name
-    assert own_light == (row != "the photo's light")
+    assert own_light == (row not in ("the photo's light", "the whole surface and the photo's light"))
 
 
-def test_normals_of_a_region_end_where_it_does():
-    labels = np.full((4, 4), SKIN)
-    labels[2:] = NECK
-    found, true, changed, _ = told("normals of neck, arms and clothes", labels)
+@pytest.mark.parametrize(
+    ("row", "label"),
+    [
+        ("normals of neck, arms and clothes", NECK),
+        ("normals of neck, arms and clothes", CLOTH),
+        ("normals of hair, headwear and glasses", HAIR),
+        ("normals of hair, headwear and glasses", HAT),
+        ("normals of hair, headwear and glasses", GLASSES),
+        ("normals of the face", SKIN),
+        ("normals of the face", LIPS),
+    ],
+)
+def test_normals_of_a_region_end_where_it_does(row, label):
+    labels = np.full((4, 4), HAIR if row == "normals of the face" else SKIN)
+    labels[2:] = label
+    found, true, changed, _ = told(row, labels)
     assert torch.equal(changed.normal[:, :, 2:], true.normal[:, :, 2:])
     assert torch.equal(changed.normal[:, :, :2], found.normal[:, :, :2])
 
