@@ -1,4 +1,8 @@
-"""relight bench: what it refuses before anything slow starts."""
+"""relight bench: what it refuses before anything slow starts, and how long it measures."""
+
+import argparse
+import itertools
+import subprocess
 
 import cv2
 import numpy as np
@@ -7,6 +11,9 @@ import torch
 
 from app.cli import bench
 from relight_core.errors import InputError
+from relight_core.evaluation import bench_accuracy, bench_machine, bench_session, bench_timing
+from relight_core.evaluation.bench_configurations import configurations
+from relight_core.pipeline import relighter
 
 
 def refused_in_one_line(done, told):
@@ -68,6 +75,28 @@ def test_photos_beyond_the_one_that_is_measured_are_refused(relight, tmp_path, w
     assert not (tmp_path / "out").exists()
 
 
+def test_all_photos_of_a_folder_are_measured_else(tmp_path):
+    for name in ("b.png", "a.png"):
+        cv2.imwrite(str(tmp_path / name), np.full((4, 4, 3), 99, np.uint8))
+    assert [photo.path.name for photo in bench._photos(tmp_path, False)] == ["a.png", "b.png"]
+
+
+def test_errors_against_the_final_tier_are_told_with_the_times_of_the_same_setting(monkeypatch, weights):
+    names = [setting.name for setting in configurations(quick=True)]
+    errors = {name: 0.01 * number for number, name in enumerate(names)}
+    times = {name: f"times of {name}" for name in names}
+    monkeypatch.setattr(bench, "_first_picture_s", lambda starts: starts)
+    monkeypatch.setattr(bench, "_timed", lambda *_: times)
+    monkeypatch.setattr(bench_accuracy, "against_final", lambda *_: errors)
+    for name in ("describe_machine", "measure_peaks", "demands"):
+        monkeypatch.setattr(bench_machine, name, lambda *_: {})
+    monkeypatch.setattr(relighter, "Relighter", lambda *_: None)
+    (result,) = bench._measured(parsed("--quick", "--weights", str(weights)), [])
+    assert result.machine == {"first_picture_s": 1}
+    found = {row.configuration.name: (row.timing, row.accuracy.against_final) for row in result.rows}
+    assert found == {name: (times[name], errors[name]) for name in names}
+
+
 @pytest.mark.parametrize("words", [[], ["--session"]])
 def test_a_device_that_is_not_there(relight, tmp_path, monkeypatch, words):
     monkeypatch.chdir(tmp_path)
@@ -90,3 +119,48 @@ def test_a_library_without_places_is_refused_before_it_is_visited(tmp_path):
     np.savez(path, env64=np.ones((2, 64, 128, 3), np.float16), names=["dusk", "noon"])
     with pytest.raises(InputError, match="group"):
         bench._visited_lights(path)
+
+
+def parsed(*words):
+    parser = argparse.ArgumentParser()
+    bench.add_arguments(parser)
+    return parser.parse_args(words)
+
+
+@pytest.mark.parametrize(
+    ("words", "rounds"), [((), 30), (("--quick",), 5), (("--rounds", "7"), 7), (("--quick", "--rounds", "2"), 2)]
+)
+def test_every_setting_has_its_turn_as_often_as_was_asked_for(monkeypatch, words, rounds):
+    asked = []
+    monkeypatch.setattr(bench_timing, "time_configurations", lambda *_, rounds, **__: asked.append(rounds))
+    bench._timed(parsed(*words), None, [], [])
+    assert asked == [rounds]
+
+
+def test_the_first_picture_is_as_quick_as_the_quickest_start_and_unknown_where_none_comes(monkeypatch):
+    codes = []
+    monkeypatch.setattr(bench.subprocess, "run", lambda *_, **__: subprocess.CompletedProcess([], codes.pop()))
+    monkeypatch.setattr(bench.time, "perf_counter", itertools.chain([0, 3, 10, 12, 20, 24], itertools.count()).__next__)
+    codes.extend([0, 0, 0])
+    assert bench._first_picture_s(3) == 2
+    codes.extend([2, 0])
+    assert bench._first_picture_s(3) is None
+
+
+@pytest.mark.parametrize(("words", "turns"), [((), 24), (("--quick",), 12), (("--turns", "5"), 5)])
+def test_a_session_is_replayed_on_every_photo_with_the_weights_that_are_measured(monkeypatch, words, turns):
+    made, played = [], []
+    monkeypatch.setattr(relighter, "Relighter", lambda *given: made.append(given))
+    monkeypatch.setattr(bench_machine, "describe_machine", lambda device: {})
+    monkeypatch.setattr(bench_session, "replay", lambda *given, report: played.append(given[2:4]))
+    monkeypatch.setattr(bench_session, "as_markdown", lambda savings: "a table")
+    monkeypatch.setattr(bench_session.Savings, "as_record", lambda savings: {})
+    monkeypatch.setattr(bench_session, "recorded_session", lambda lights, turns: [(lights[0], turns)] * 4)
+    monkeypatch.setattr(bench_session, "visits", lambda lights, turns: [(light, turns) for light in lights[:3]])
+    pages = list(bench._replayed(parsed("--weights", "w.safetensors", *words), ["one", "two"]))
+    assert [str(weights) for weights, _ in made] == ["w.safetensors"] * 2
+    assert [photo for photo, _ in played] == ["one", "one", "two", "two"]
+    assert {turned for _, steps in played for _, turned in steps} == {turns}
+    assert [record["photos"] for _, record in pages] == [1, 2]
+    assert (pages[0][1]["session"]["lights"], pages[0][1]["visits"]["lights"]) == (1, 3)
+    assert "visits: 2 photos, 3 lights" in pages[1][0]

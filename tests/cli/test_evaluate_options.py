@@ -34,6 +34,11 @@ def test_an_option_that_would_change_nothing_is_refused(tmp_path, capfd, words):
     assert f"{words[-2]}: changes nothing" in err
 
 
+def test_a_breakdown_says_nothing_of_detail(tmp_path, capfd):
+    assert main(["evaluate", "breakdown", "--detail", "--heads", str(tmp_path), "--lights", str(tmp_path)]) == 2
+    assert "--detail does not go with breakdown" in capfd.readouterr().err
+
+
 @pytest.mark.parametrize(
     ("words", "photos", "quality", "split", "count"),
     [

@@ -10,7 +10,7 @@ import pytest
 from app.cli import bench, bench_files, comparisons, evaluate
 from app.cli.report import reporting
 from relight_core.errors import InputError
-from relight_core.evaluation import bench_report, contest_report, detail, stability
+from relight_core.evaluation import bench_report, contest_report, detail, stability, stability_plot
 
 SCORES = detail.DetailScores({"bilinear": {"face": 1.25}}, {"bilinear": {"face": 1.5}}, 3, 64)
 
@@ -103,6 +103,17 @@ def test_a_bench_whose_files_can_t_be_written_is_told(command_line, tmp_path, mo
         assert json.loads(done.out)
     else:
         assert told in done.out
+
+
+@pytest.mark.parametrize(("error", "code"), [(0.0, 0), (1e9, 1)])
+def test_an_error_above_its_bound_is_told_by_the_exit_code_and_all_is_written(
+    command_line, tmp_path, monkeypatch, error, code
+):
+    found = stability.StabilityReport(("a face", "a sun"), (next(iter(stability.BOUNDS)),), np.array([[0.0], [error]]))
+    monkeypatch.setattr(stability, "run_stability", lambda *_, **__: found)
+    monkeypatch.setattr(stability_plot, "plot_stability", lambda result, path: path.write_bytes(b"a picture"))
+    assert command_line("bench", "--stability", "-o", tmp_path).code == code
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["stability.json", "stability.md", "stability.png"]
 
 
 def test_a_comparison_whose_files_can_t_be_written_is_told(tmp_path, monkeypatch, capsys):

@@ -1,6 +1,12 @@
 """relight rigs and relight info."""
 
 import json
+import subprocess
+from importlib.metadata import PackageNotFoundError
+
+import pytest
+
+from app.cli import info
 
 
 def test_rigs_are_listed_for_people_and_programs(relight):
@@ -23,3 +29,41 @@ def test_info_tells_versions_devices_and_graphics(relight):
     text = relight("info").out
     assert "torch" in text
     assert "threads" in text
+
+
+def probed(code, out="", err=""):
+    return lambda *_, **__: subprocess.CompletedProcess([], code, out, err)
+
+
+def too_slow(*_, **__):
+    raise subprocess.TimeoutExpired("python", 30)
+
+
+@pytest.mark.parametrize(
+    ("probe", "told"),
+    [
+        (probed(0, "Mesa\nllvmpipe\n4.5\n"), "Mesa, llvmpipe, 4.5"),
+        (probed(1, "", "Traceback:\nException: no display"), "no OpenGL context (Exception: no display)"),
+        (probed(-11), "no OpenGL context (exit code -11)"),
+        (probed(0, "Mesa\n"), "no OpenGL context (exit code 0)"),
+        (too_slow, "no OpenGL context (TimeoutExpired)"),
+    ],
+)
+def test_info_tells_who_draws_or_why_nobody_does(relight, monkeypatch, probe, told):
+    monkeypatch.setattr(info.subprocess, "run", probe)
+    assert f"graphics  {told}\n" in relight("info").out
+
+
+def test_info_tells_what_is_not_there(relight, monkeypatch):
+    def version(name):
+        if name == "mitsuba":
+            raise PackageNotFoundError(name)
+        return "1.2"
+
+    monkeypatch.setattr(info, "version", version)
+    monkeypatch.setattr(info, "_weights", list)
+    monkeypatch.setattr(info.subprocess, "run", too_slow)
+    assert json.loads(relight("info", "--json").out)["packages"]["mitsuba"] is None
+    lines = relight("info").out.splitlines()
+    assert [line.split()[1:] for line in lines if line.strip().startswith("mitsuba")] == [["not", "installed"]]
+    assert lines[-1] == "weights   none"
