@@ -75,12 +75,6 @@ def test_photos_beyond_the_one_that_is_measured_are_refused(relight, tmp_path, w
     assert not (tmp_path / "out").exists()
 
 
-def test_all_photos_of_a_folder_are_measured_else(tmp_path):
-    for name in ("b.png", "a.png"):
-        cv2.imwrite(str(tmp_path / name), np.full((4, 4, 3), 99, np.uint8))
-    assert [photo.path.name for photo in bench._photos(tmp_path, False)] == ["a.png", "b.png"]
-
-
 def test_errors_against_the_final_tier_are_told_with_the_times_of_the_same_setting(monkeypatch, weights):
     names = [setting.name for setting in configurations(quick=True)]
     errors = {name: 0.01 * number for number, name in enumerate(names)}

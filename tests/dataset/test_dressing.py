@@ -8,7 +8,7 @@ from ball_heads import CENTRE, RADIUS, assert_well_formed, ball_head, sphere, su
 from PIL import Image
 
 from relight_core.dataset.garments.beard_shell import BeardPatch
-from relight_core.dataset.garments.garment_binding import HeadSurface, bind, fit_affine, scattered
+from relight_core.dataset.garments.garment_binding import HeadSurface, bind, fit_affine
 from relight_core.dataset.garments.garment_mesh import clip, compact, fractal, subdivide, vertex_normals, waves
 from relight_core.dataset.garments.hair_shell import ScalpGrid, grow_hair, sample_style
 from relight_core.dataset.garments.makehuman import cut_by_opacity, find_root, read_base, read_item
@@ -93,25 +93,12 @@ def test_pushing_out_lifts_what_is_inside_and_leaves_the_rest(ball_head):
     np.testing.assert_allclose(np.linalg.norm(pressed - CENTRE, axis=1), RADIUS + 0.3, atol=0.1)
 
 
-def test_pushing_out_reaches_no_farther_than_it_is_told(ball_head):
-    skin = surface(ball_head, ball_head.mean)
-    deep = CENTRE + np.array([[0, 0, RADIUS - 3.0], [0, RADIUS - 5.0, 0]])
-    lifted = np.linalg.norm(skin.push_out(deep, 0.2, reach_cm=4.0) - CENTRE, axis=1)
-    np.testing.assert_allclose(lifted, [RADIUS + 0.2, RADIUS - 5], atol=0.1)
-
-
 def test_what_is_worn_does_not_tear_where_its_nearest_anchors_change():
     head, _ = sphere(400)
     line = np.linspace([-0.5, 0.3, 1.0], [0.5, 0.2, 1.0], 2000)
     moved = np.random.default_rng(0).normal(0, 1, head.shape)
     steps = np.diff(bind(line, head, np.arange(400), 12).follow(0 * line, moved), axis=0)
     assert np.abs(steps).max() < 8 * np.abs(steps).mean()
-
-
-def test_a_scattered_few_are_one_to_a_cube():
-    points = np.random.default_rng(0).uniform(0, 8, (4000, 3))
-    chosen = scattered(points, 2.0)
-    assert len(np.unique(np.floor(points[chosen] / 2), axis=0)) == len(chosen) == 64
 
 
 def test_folds_and_tufts_are_as_long_and_strong_as_was_asked_for():

@@ -58,20 +58,6 @@ def test_lashes_grow_from_both_lids_and_thin_out_to_their_tips(model, seed):
     assert np.ptp(upper[0].vertices[:, 0]) > 2
 
 
-def test_most_lower_lids_have_lashes_and_these_are_shorter(model):
-    strips = LashStrips(model)
-    outfits = [strips.grow(model.mean, np.random.default_rng(seed)) for seed in range(16)]
-    lower = [[lash for lash in worn if lash.vertices[:, 1].mean() < 3] for worn in outfits]
-    assert {len(lashes) for lashes in lower} == {0, 2}
-    assert np.mean([bool(lashes) for lashes in lower]) == pytest.approx(0.62, abs=0.25)
-    lengths = {
-        upper: [lash.uv[:, 1].max() for worn in outfits for lash in worn if (lash.vertices[:, 1].mean() > 3) == upper]
-        for upper in (True, False)
-    }
-    assert max(lengths[False]) < 0.85 < max(lengths[True])
-    assert min(lengths[False]) < 0.45 < min(lengths[True])
-
-
 def test_lashes_move_with_the_lids(model):
     def heights(shift):
         head = model.mean + np.float32([0, shift, 0])

@@ -60,6 +60,23 @@ def test_moles_are_small_dark_and_brown(head, pool):
         assert len(dark) < 0.02 * len(skin)
 
 
+def test_scars_are_bent_lines_of_7_cm_at_most(head, pool):
+    places = skin_marks.skin_surface(head).places
+    for seed in range(20):
+        scarred = places[np.abs(marked(skin_marks.add_scar, head, pool, seed) - 0.4).max(1) > 0.02]
+        assert np.linalg.norm(scarred[:, None] - scarred[None], axis=2).max(initial=0) < 8
+        assert len(scarred) < 0.08 * len(places)
+
+
+def test_six_heads_in_ten_have_marks(head, pool):
+    changed = 0
+    for seed in range(80):
+        skin = np.full((len(head.uv), 3), 0.4, np.float32)
+        skin_marks.mark_skin(skin, head, pool, np.random.default_rng(seed))
+        changed += bool((skin != np.float32(0.4)).any())
+    assert changed / 80 == pytest.approx(0.6, abs=0.15)
+
+
 def test_nothing_is_marked_that_is_not_skin(head, pool):
     material = np.where(head.normal[:, 0] > 0, 7, 0).astype(np.uint8)
     half = head.__class__(**(head.__dict__ | {"material": material}))

@@ -1,5 +1,6 @@
 """Painted skins: carried from one head to another, kept beside the heads, drawn in a share of samples."""
 
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
@@ -8,6 +9,7 @@ from PIL import Image
 from synthetic_heads import ball, write_balls, write_head_model, write_lights
 
 from relight_core.dataset import stream
+from relight_core.dataset.baking.scene import Material
 from relight_core.dataset.heads import load_head_model
 from relight_core.dataset.painting import skin_transfer
 from relight_core.dataset.painting.skin import paint
@@ -88,6 +90,21 @@ def test_painted_skins_are_drawn_for_a_share_of_heads_alone():
     pool.skins = None
     plain = [paint(head, pool, np.random.default_rng(seed), wild=False) for seed in range(24)]
     assert len({float(a.mean()) for a in albedos + plain}) == 48
+
+
+def test_three_heads_in_ten_have_a_painted_skins_colours_on_the_face_and_others_on_the_back():
+    """Half have a painted skin, two in five of these its detail alone; both skins here are green at the back."""
+    head = ball(16)
+    back = head.normal[:, 1] < 0
+    head = replace(head, material=np.where(back, Material.HEAD, Material.FACE).astype(np.uint8))
+    pool = TexturePool(np.random.default_rng(0), count=2, skins=two_skins())
+    greener = []
+    for seed in range(100):
+        albedo = np.log(paint(head, pool, np.random.default_rng(seed), wild=False))
+        on_back, on_face = (np.median(albedo[where, 1] - albedo[where, 0]) for where in (back, ~back))
+        greener.append(on_back - on_face)
+    assert np.mean(np.array(greener) > 0.2) == pytest.approx(0.3, abs=0.08)
+    assert np.mean(np.array(greener) < -0.2) < 0.05
 
 
 def test_the_stream_is_a_function_of_its_place_with_skins_too(tmp_path, monkeypatch):

@@ -109,13 +109,6 @@ def test_regions_are_where_they_are_called_and_edges_of_shadows_lie_within_the_h
         assert not (masks[name] & masks["photo's shadow"]).any()
 
 
-def test_a_table_has_the_perfect_pictures_first():
-    errors, blurred = ({"plain": dict.fromkeys(detail.REGIONS, value)} for value in (1.25, 2.5))
-    table = detail.detail_table(detail.DetailScores(errors, blurred, 3, 64))
-    assert table.index("perfect") < table.index("1.25") < table.index("albedo blurred") < table.index("2.50")
-    assert table.endswith("3 relightings at 64 pixels.\n")
-
-
 def test_a_region_that_some_heads_lack_is_the_mean_over_the_others():
     rows = [[1.0] * 6 + [np.nan], [4.0, np.nan] + [3.0] * 4 + [np.nan], [7.0] * 6 + [np.nan]]
     means = list(detail._means(rows).values())
