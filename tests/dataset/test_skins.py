@@ -81,6 +81,19 @@ def test_neither_tile_bleeds_into_the_other():
     assert skins.colour(1, corners[:0], np.zeros(0, bool)).shape == (0, 3)
 
 
+def test_a_skin_stands_upright_and_its_tone_is_that_of_the_middle_of_the_face():
+    fine = np.full((1, 2, 16, 16, 3), 60, np.uint8)
+    fine[:, :, :8] = 200
+    smooth = fine[:, :, ::4, ::4].copy()
+    smooth[0, 0, :, [0, 3]] = smooth[0, 0, [0, 3]] = 255
+    skins = SkinTextures(("one",), fine, smooth)
+    corners = np.array([[0.5, 0.9], [0.5, 0.1]], np.float32)
+    bright, dark = (0.5776, 0.0452)
+    for on_back in (False, True):
+        np.testing.assert_allclose(skins.colour(0, corners, np.full(2, on_back))[:, 0], [bright, dark], atol=1e-3)
+    np.testing.assert_allclose(skins.tone(0), (bright + dark) / 2, atol=1e-3)
+
+
 def test_painted_skins_are_drawn_for_a_share_of_heads_alone():
     head = ball(16)
     pool = TexturePool(np.random.default_rng(0), count=2, skins=two_skins())
