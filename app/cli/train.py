@@ -115,7 +115,7 @@ def run(arguments: argparse.Namespace) -> int:
     let_idle_threads_sleep()
     from relight_core.training.loop import TrainingDiverged
 
-    train = _follow_recipe if arguments.recipe else _train_stage
+    train = _train_stage if arguments.recipe is None else _follow_recipe
     try:
         return train(arguments)
     except TrainingDiverged as error:

@@ -80,3 +80,8 @@ def test_training_that_diverges_is_told_with_its_mend_and_is_no_fault_of_ours(co
     monkeypatch.setattr(run, "train", diverge)
     done = command_line(*words_of(data, stage="warm-delight", minutes=1, size=16))
     refused(done, "w.safetensors: training stopped (20 non-finite", "try a lower learning rate")
+
+
+def test_a_recipe_without_a_name_is_not_taken_for_a_stage(command_line, data):
+    """As a shell's variable leaves it that is not set."""
+    refused(command_line(*words_of(data, recipe="", output=data / "run")), "give a file or one of", "shipped")

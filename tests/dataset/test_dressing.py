@@ -236,6 +236,11 @@ def test_a_missing_archive_is_named(tmp_path):
         find_root(tmp_path)
 
 
+def test_a_base_that_was_cut_short_is_named(ball_head):
+    with pytest.raises(InputError, match=r"base\.obj: ends before its last vertex"):
+        HeadWarp(np.zeros((14_741, 3)), np.zeros((1, 3), np.int32), ball_head)
+
+
 def test_the_warp_carries_one_head_onto_another():
     body, faces = sphere(2000)
     base = np.zeros((14742, 3))

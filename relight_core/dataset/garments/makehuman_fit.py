@@ -8,6 +8,7 @@ from scipy.spatial import cKDTree
 from relight_core.dataset.garments.garment_binding import scattered
 from relight_core.dataset.garments.garment_mesh import vertex_normals
 from relight_core.dataset.heads import OUTER_SKIN, HeadModel
+from relight_core.errors import InputError
 
 # MakeHuman "hm08" vertex on the left, index into the 68 landmarks on the right.
 _LANDMARKS = {132: 27, 5054: 30, 343: 33, 455: 51, 496: 57, 5171: 8}
@@ -23,6 +24,13 @@ class HeadWarp:
     """
 
     def __init__(self, base: np.ndarray, body_faces: np.ndarray, model: HeadModel):
+        """Fit the base mesh (`makehuman.read_base`) to the head model.
+
+        Raises:
+            InputError: a part of the base mesh is missing.
+        """
+        if len(base) < _EYE_HELPERS[-1][1]:
+            raise InputError("3dobjs/base.obj: ends before its last vertex; unpack the MakeHuman archive again")
         source, target = _landmark_pairs(base, model)
         self._scale, self._shift = _similarity(source, target)
         moved = self._similar(source)
