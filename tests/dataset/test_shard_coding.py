@@ -6,6 +6,7 @@ from synthetic_heads import ball
 
 from relight_core.dataset.baking import shard_coding as coding
 from relight_core.dataset.baking.shard import read_shard, write_shard
+from relight_core.errors import InputError
 
 
 def differences(codes):
@@ -88,6 +89,10 @@ def test_a_shard_of_the_first_version_is_still_read(tmp_path):
     np.testing.assert_allclose(back.normal, head.normal, atol=2e-3)
     np.testing.assert_allclose(back.depth, head.depth, atol=2e-3)
     assert back.albedo is None
+    with np.load(path) as data:
+        np.savez(path, **dict(data) | {"normal": data["normal"][:-1]})
+    with pytest.raises(InputError, match="pixels are missing"):
+        read_shard(path)
 
 
 def test_a_shard_of_the_second_version_is_still_read(tmp_path):
