@@ -25,3 +25,6 @@ def test_half_of_the_squares_are_the_papers_and_the_others_are_wider():
     assert (shares > 0.687).mean() == pytest.approx(0.52, abs=0.08)
     offsets = np.abs([np.array(framing.centre_cm) / framing.half_width_cm for framing in framings]).max(1)
     assert np.median(offsets[shares > 0.687]) < 0.04
+    # What is wider shows more below the face than above it.
+    heights = np.array([framing.centre_cm[1] / framing.half_width_cm for framing in framings])
+    assert heights[shares < 0.6].mean() == pytest.approx(-0.08, abs=0.04)

@@ -29,7 +29,7 @@ def pairs(count, size):
         "image": told(3),
         "shadow_fraction": told(1),
         "light": number[..., None, None, None].expand(count, 2, 16, 32, 3) + 1,
-        "albedo": torch.full((count, 3, size, size), 0.25),
+        "albedo": (number[:, 0, None, None, None] + 1).expand(count, 3, size, size) / 4,
         "normal": torch.zeros(count, 3, size, size),
         "covered": torch.ones(count, 1, size, size),
         "label": torch.zeros(count, size, size, dtype=torch.long),
@@ -40,6 +40,7 @@ def test_each_photo_gets_the_truth_under_both_lights_of_its_pair(bundle):
     flat = on_predicted_surface(bundle, ReflectionTable(), pairs(2, 32))
     assert flat["image"][:, 0, 0, 0].tolist() == [0, 1, 0, 1, 2, 3, 2, 3]
     assert flat["light"][:, 0, 0, 0].tolist() == [1, 2, 1, 2, 3, 4, 3, 4]
+    assert flat["albedo"][:, 0, 0, 0].tolist() == [0.25] * 4 + [0.75] * 4
     assert flat["relief_shadow"].shape == (8, 1, 32, 32)
 
 
@@ -129,7 +130,12 @@ def test_surfaces_found_together_are_those_found_one_at_a_time(bundle):
 
 def test_surfaces_reflect_what_the_editor_makes_of_them_and_their_light_but_black_as_it_is_rendered(bundle):
     batch = pairs(1, 32)
+    batch["photo_srgb"][:] *= torch.linspace(0, 1, 32)
     flat = on_predicted_surface(bundle, ReflectionTable(), batch)
     surface = stages.delight(bundle, srgb_decode(batch["photo_srgb"][0, 1]).permute(1, 2, 0).numpy(), 32)
-    expected = stages.reflect(stages.reflector(ReflectionTable(), surface, black_is_dull=False), batch["light"][0, :1])
-    torch.testing.assert_close(flat["reflected"][2:3], expected.clone())
+    as_rendered, as_edited = (
+        stages.reflect(stages.reflector(ReflectionTable(), surface, black_is_dull=dull), batch["light"][0, :1]).clone()
+        for dull in (False, True)
+    )
+    torch.testing.assert_close(flat["reflected"][2:3], as_rendered)
+    assert not torch.allclose(as_rendered, as_edited, atol=1e-4)

@@ -1,7 +1,8 @@
-"""What composition is shown of a shadow while it learns: as in the editor, not what network and relief are sure of."""
+"""What SS and composition learn: each channel from its own truth, and of a shadow what the editor would show."""
 
 from dataclasses import replace
 
+import pytest
 import torch
 
 from relight_core.face.parsing import INDEX
@@ -64,3 +65,23 @@ def test_where_the_relief_hides_little_all_of_it_is_shown():
 def test_networks_without_a_relief_learn_from_the_whole_shadow_that_they_are_shown_when_they_relight():
     read, said = shown(0.95, relief_shadow=False, additive=True)
     assert read == said > 0
+
+
+def test_every_channel_is_compared_with_its_own_truth_and_gloss_counts_twice_what_shadow_does():
+    torch.manual_seed(0)
+    bundle, table, flat = NetworkBundle(BundleConfig.tiny()).eval(), ReflectionTable(), batch(0.4)
+    with torch.no_grad():
+        effects, _ = specular_shadow_losses(bundle.specular_shadow, table, flat)
+        image, _ = composition_losses(bundle.composition, table, flat, effects)
+        flat |= {"specular": effects.specular, "shadow": effects.shadow - 0.1, "image": image}
+        _, losses = specular_shadow_losses(bundle.specular_shadow, table, flat)
+        _, of_picture = composition_losses(bundle.composition, table, flat, effects)
+        assert float(losses["specular"]) == pytest.approx(0, abs=1e-6)
+        assert float(losses["shadow"]) == pytest.approx(0.5, rel=1e-3)
+        assert [float(value) for value in of_picture.values()] == pytest.approx([0, 0], abs=1e-6)
+        flat |= {"specular": effects.specular + 0.1, "shadow": effects.shadow, "image": image + 0.2}
+        _, losses = specular_shadow_losses(bundle.specular_shadow, table, flat)
+        _, of_picture = composition_losses(bundle.composition, table, flat, effects)
+    assert float(losses["specular"]) == pytest.approx(1, rel=1e-3)
+    assert float(losses["shadow"]) == pytest.approx(0, abs=1e-6)
+    assert min(of_picture.values()) > 0.01

@@ -70,3 +70,55 @@ def test_how_bright_an_albedo_is_costs_nothing_in_photos_that_are_brought_to_its
 
     assert relit(1.0, 0.6) == pytest.approx(relit(1.0, 1.0), rel=1e-4)
     assert abs(relit(0.0, 0.6) - relit(0.0, 1.0)) > 0.01
+
+
+@pytest.mark.parametrize("name", ["tune-delight", "tune-on-predictions"])
+def test_every_photo_is_relit_with_the_other_light_of_its_pair_on_the_surface_that_is_found_in_it(name):
+    torch.manual_seed(2)
+    bundle, batch, read = NetworkBundle(BundleConfig.tiny()).eval(), some_batch(pairs=2), {}
+
+    def reads(network, given):
+        read["normal"], read["light"] = given[1], given[5]
+
+    bundle.composition.register_forward_pre_hook(reads)
+    with torch.no_grad():
+        STAGES[name].losses(bundle, ReflectionTable(), batch)
+        found = bundle.delight(batch["photo_srgb"].flatten(0, 1)).normal
+    assert torch.equal(read["light"], batch["light"].flip(1).flatten(0, 1))
+    torch.testing.assert_close(read["normal"], torch.nn.functional.normalize(found, dim=1), atol=1e-3, rtol=0)
+
+
+@pytest.mark.parametrize(
+    ("name", "together"), [("warm-relight", False), ("tune-relight", False), ("tune-on-predictions", True)]
+)
+def test_the_shadow_network_learns_from_the_picture_only_where_the_paper_tunes_both(name, together):
+    torch.manual_seed(2)
+    bundle, table, stage = NetworkBundle(BundleConfig.tiny()).eval(), ReflectionTable(), STAGES[name]
+    batch = some_batch()
+    losses = stage.losses(bundle, table, stage.prepare(bundle, table, batch) if stage.prepare else batch)
+    (losses["encoded"] + losses["display"]).backward()
+
+    def learns(network):
+        return any(weight.grad is not None and weight.grad.abs().max() > 0 for weight in network.parameters())
+
+    assert learns(bundle.composition)
+    assert learns(bundle.specular_shadow) == together
+
+
+def test_the_relit_picture_counts_three_times_where_de_lighting_is_tuned_strongly():
+    bundle, batch, relit = NetworkBundle(BundleConfig.tiny()).eval(), some_batch(), []
+    for name in ("tune-delight", "tune-delight-strongly"):
+        torch.manual_seed(3)
+        with torch.no_grad():
+            relit.append(float(STAGES[name].losses(bundle, ReflectionTable(), batch)["relit"]))
+    assert relit[1] == pytest.approx(3 * relit[0])
+
+
+def test_a_shadow_network_of_which_composition_is_told_nothing_learns_by_itself_alone():
+    tiny = BundleConfig.tiny()
+    deaf = replace(tiny, composition=replace(tiny.composition, effects=False))
+    both = ("specular_shadow", "composition")
+    assert [STAGES["warm-relight"].learners(config) for config in (tiny, deaf)] == [both, ("composition",)]
+    for config in (tiny, deaf):
+        assert STAGES["warm-specular-shadow"].learners(config) == ("specular_shadow",)
+        assert STAGES["warm-delight"].learners(config) == ("delight",)
