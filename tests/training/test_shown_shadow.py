@@ -85,3 +85,13 @@ def test_every_channel_is_compared_with_its_own_truth_and_gloss_counts_twice_wha
     assert float(losses["specular"]) == pytest.approx(1, rel=1e-3)
     assert float(losses["shadow"]) == pytest.approx(0, abs=1e-6)
     assert min(of_picture.values()) > 0.01
+
+
+def test_hair_and_cloth_shine_less_than_skin_to_networks_that_learn_as_well():
+    gloss = {}
+    for name in ("skin", "cloth"):
+        flat = {key: value for key, value in batch(0.4).items() if key != "reflected"}
+        flat["parsing"] = torch.zeros(1, 14, SIZE, SIZE)
+        flat["parsing"][:, INDEX[name]] = 1
+        gloss[name] = float(with_reflected(ReflectionTable(), flat)["reflected"][:, 3:].mean())
+    assert gloss["cloth"] < 0.5 * gloss["skin"]
