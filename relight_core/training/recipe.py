@@ -131,8 +131,11 @@ def _networks(data: dict[str, dict[str, Any]]) -> BundleConfig:
         if not hasattr(config, name):
             raise ValueError(f"unknown network {name!r}")
         before = getattr(config, name) or _CONFIG_OF_MORE[name]()
+        known = {field.name for field in fields(before)}
         for entry, value in _table(settings, f"networks.{name}").items():
-            usual = getattr(before, entry, value)
+            if entry not in known:
+                raise ValueError(f"networks.{name}: unknown entry {entry!r}")
+            usual = getattr(before, entry)
             parts, kind = (value, int) if isinstance(usual, tuple) and type(value) is list else ([value], type(usual))
             least = 1 if entry in _AT_LEAST_ONE else 0
             if any(type(part) is not kind or (kind is int and part < least) for part in parts):
@@ -156,6 +159,8 @@ def _stage(entry: dict[str, Any]) -> StagePlan:
             raise ValueError(f"{name} must be a number above 0")
         if name not in ("name", *_REAL) and type(value) is not int:
             raise ValueError(f"{name} must be a whole number")
+    if not isinstance(entry.get("name"), str):
+        raise ValueError("a stage has no name; write a line name = ...")
     plan = StagePlan(**entry)
     if plan.name not in STAGES:
         raise ValueError(f"unknown stage {plan.name!r}: one of {', '.join(STAGES)}")
