@@ -2,6 +2,7 @@
 
 import pytest
 
+from app.cli import outputs
 from app.cli.outputs import folder_filled_at_once
 from relight_core.errors import InputError
 
@@ -25,3 +26,12 @@ def test_a_folder_in_the_place_of_one_file_leaves_all_files_as_they_were(tmp_pat
         fill(scratch, "albedo.png", "normal.png")
     assert (tmp_path / "albedo.png").read_bytes() == b"before"
     assert sorted(path.name for path in tmp_path.iterdir()) == ["albedo.png", "normal.png"]
+
+
+def test_a_folder_can_be_made_however_deep_unless_a_file_is_in_its_way(tmp_path):
+    outputs.check_folder(tmp_path / "a" / "b" / "c", is_made=True)
+    (tmp_path / "a").touch()
+    with pytest.raises(InputError, match="a: is not a folder"):
+        outputs.check_folder(tmp_path / "a" / "b" / "c", is_made=True)
+    with pytest.raises(InputError, match="no such folder"):
+        outputs.check_folder(tmp_path / "b")
