@@ -11,7 +11,7 @@ uniform sampler2D offset;
 uniform sampler2D rest;         // gain beyond the views, over the whole picture
 uniform int views;
 uniform mat3x2 to_view[MOST_VIEWS];
-uniform bool dimmed;            // what is behind is multiplied by behind_gain
+uniform bool dimmed;            // what is behind is no darker than black
 uniform vec3 behind_gain;
 uniform bool transparent;
 uniform vec3 black;             // what lies over all of the picture
@@ -89,8 +89,8 @@ vec4 relit_at(vec2 uv) {
     return with_black(lit + over + (1.0 - near) * wrapped * textureLod(soft, uv, 0.0).rgb, 1.0);
 #else
     vec3 beside = textureLod(behind, stored, level).rgb;
-    beside = dimmed ? max(beside, 0.0) * behind_gain : beside;
-    return with_black(lit + beside, 1.0);
+    beside = dimmed ? max(beside, 0.0) : beside;
+    return with_black(lit + beside * behind_gain, 1.0);
 #endif
 }
 

@@ -137,7 +137,7 @@ class RelitSlot:
         program["black"].value = tuple(map(float, recipe.black.level))
         program["left_by_black"].value = tuple(map(float, recipe.black.left))
         if "dimmed" in program:
-            program["dimmed"].value = recipe.behind_gain is not None
+            program["dimmed"].value = recipe.dimmed
             gain = (1.0, 1.0, 1.0) if recipe.behind_gain is None else recipe.behind_gain
             program["behind_gain"].value = tuple(map(float, gain))
         if "eyes" in program:

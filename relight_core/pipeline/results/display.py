@@ -48,7 +48,8 @@ class PersonLayers:
 
     Attributes:
         person: (h, w, 4) float16 linear, the person's own colour times the matte, and the matte.
-        behind: (h, w, 3) float16 linear, what the photo holds beside that.
+        behind: (h, w, 3) float16 linear, what the photo holds beside that; below 0 where it is darker than what lies
+            over all of it.
         exposure: colours are the photo's times this, so that a photo in units of its own fits into half floats.
     """
 
@@ -70,7 +71,8 @@ def person_layers(canvas: Canvas, matte: Matte, exposure: float = 1.0) -> Person
         colour, times = found.colour * found.share[..., None], np.float32(exposure)
         layers.person[band.rows, :, :3] = np.minimum(times * colour, np.float32(LARGEST_HALF))
         layers.person[band.rows, :, 3] = found.share
-        layers.behind[band.rows] = np.clip(times * (canvas.linear[band.rows] - colour), 0, np.float32(LARGEST_HALF))
+        behind = times * (canvas.linear[band.rows] - colour)
+        layers.behind[band.rows] = np.clip(behind, -np.float32(LARGEST_HALF), np.float32(LARGEST_HALF))
 
     for _ in in_order(make, bands(canvas.size, canvas.photo_size)):
         pass
@@ -86,7 +88,7 @@ class DisplayRecipe:
         views: (2, 3) each: from places in the picture, [0, 1] across and down, to those in a face's view.
         gain, offset: (n S, S, 3) float32, the views' maps one below the other; gains are of the layers' colours.
         rest: (k, l, 3) float32, gain over the whole picture beyond the views.
-        behind_gain: (3,) of what the layers have behind the person, which is then no darker than black; None keeps it.
+        behind_gain: (3,) of what the layers have behind the person; None keeps it.
         backdrop: (k, l, 3) float16 linear, what is behind the person instead; or None.
         soft: (k, l, 3) float16, the same blurred; or None.
         nearby: (k, l, 1) float32, the matte averaged about each place; None where the matte itself serves.
@@ -117,6 +119,11 @@ class DisplayRecipe:
     def size(self) -> tuple[int, int]:
         """(height, width) of the canvas."""
         return self.picture.size
+
+    @property
+    def dimmed(self) -> bool:
+        """Whether the photo's own background is in another light, and then no darker than black."""
+        return self.picture.backdrop.gain is not None
 
 
 def fits_a_recipe(picture: Picture) -> bool:

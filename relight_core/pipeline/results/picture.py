@@ -267,8 +267,10 @@ class Picture:
         """What lies behind the person, as far as it is seen; a new background's light wraps round the edge a little."""
         share = person.share[..., None]
         if self.backdrop.picture is None:
-            seen = np.maximum(self.canvas.linear[band.pixels] - share * person.colour, 0.0)
-            return seen if self.backdrop.kept else seen * self.backdrop.gain
+            seen = self.canvas.linear[band.pixels] - share * person.colour
+            if self.backdrop.kept:
+                return np.maximum(seen, without_black(np.float32(0), self.canvas.black))
+            return np.maximum(seen, 0.0) * self.backdrop.gain
         everywhere = whole_photo(self.canvas.photo_size)
         picture, soft = (
             spread_window(layer, everywhere, band) if layer.ndim == 3 else layer
