@@ -146,6 +146,14 @@ def test_a_coloured_spot_is_colour_unless_it_is_a_stray_mark(side_px, is_stray):
     assert Photo.from_srgb(codes).monochrome == is_stray
 
 
+@pytest.mark.parametrize(("side_px", "is_stray"), [(60, True), (120, False)])
+def test_a_faint_colour_is_one_where_it_is_more_than_a_stray_mark(side_px, is_stray):
+    # Nowhere is it plainly a colour, and most of the picture has none of it.
+    codes = coloured(wall())
+    codes[300 : 300 + side_px, 200 : 200 + side_px] += np.array([8, 0, 248], np.uint8)
+    assert Photo.from_srgb(codes).monochrome == is_stray
+
+
 def test_faint_colours_of_a_small_cut_out_are_colours():
     codes, alpha = np.full((800, 600, 3), 128, np.uint8), np.zeros((800, 600), np.float32)
     codes[300:380, 300:330], codes[300:380, 330:360] = (133, 123, 126), (123, 133, 126)

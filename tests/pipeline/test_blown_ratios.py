@@ -53,6 +53,29 @@ def test_skin_with_two_clipped_channels_has_the_colour_around_it():
     assert (red / green, green / blue) == pytest.approx((1.5, 4 / 3), rel=0.01)
 
 
+def spot_beside(level):
+    """How bright a blown spot comes out beside the skin around, by the level of what has lost its red alone between."""
+    parsing, clipped = torch.zeros(1, 14, SIZE, SIZE), torch.zeros(1, 3, SIZE, SIZE)
+    parsing[:, SKIN] = 1
+    clipped[:, 0, 4:20, 4:20] = clipped[:, :, 8:16, 8:16] = 1
+    skin = torch.tensor(SKIN_COLOUR)[None, :, None, None]
+    albedo = skin.expand(1, 3, SIZE, SIZE).clone()
+    albedo[..., 4:20, 4:20] *= level
+    albedo[..., 8:16, 8:16] = 0.9
+    return (mend_blown(clipped, albedo, parsing) / skin)[0, 1, 12, 12].item()
+
+
+def test_a_blown_spot_is_about_as_bright_as_what_is_left_of_the_skin_beside_it():
+    assert spot_beside(0.7) < 0.95 * spot_beside(1.0)
+    assert spot_beside(1.3) > 1.05 * spot_beside(1.0)
+    assert spot_beside(3.0) == pytest.approx(spot_beside(1.4), rel=3e-3)
+
+
+def test_clipped_skin_has_no_albedo_above_1():
+    for clipped in ((1.0, 0.0, 0.0), (1.0, 1.0, 0.0), (1.0, 1.0, 1.0)):
+        assert max(mended((0.9, 0.9, 0.9), clipped)) <= 1
+
+
 def test_lips_of_which_nothing_is_left_have_the_colour_of_skin():
     red, green, blue = mended((0.8, 0.8, 0.9), (1.0, 1.0, 1.0), lips=True)
     assert (red / green, green / blue) == pytest.approx((1.5, 4 / 3), rel=0.1)

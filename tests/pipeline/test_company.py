@@ -61,6 +61,7 @@ def test_what_only_light_explains_is_left_to_the_light(exposure):
 
 def test_the_level_is_between_theirs():
     assert Company([Face(level=1.0), Face(level=4.0)]).level(TIER, PLAN) == pytest.approx(2.0)
+    assert Company([Face(level=1.0), Face(level=4.0), Face(level=16.0)]).level(TIER, PLAN) == pytest.approx(4.0)
 
 
 @pytest.mark.parametrize("nothing", [0.0, 1e-9])

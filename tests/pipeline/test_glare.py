@@ -45,6 +45,29 @@ def test_pale_skin_that_its_albedo_explains_stays():
     torch.testing.assert_close(cleaned(albedo, 0.5 * albedo), albedo)
 
 
+def test_paler_skin_that_a_stronger_light_explains_stays():
+    albedo, shading = with_rim(BROWN, BROWN * 1.3), torch.full((1, 1, SIZE, SIZE), 0.5)
+    shading[..., RIM] = 1.3
+    torch.testing.assert_close(cleaned(albedo, shading * albedo, shading), albedo)
+
+
+def test_a_rim_beside_cloth_gets_nothing_of_its_colour():
+    albedo, photo, skin = with_rim(BROWN, 0.6), with_rim(0.5 * BROWN, 0.95), torch.ones(1, 1, SIZE, SIZE)
+    for image, cloth in ((albedo, 0.4), (photo, 0.2)):
+        image[..., RIM.stop :] = torch.tensor([0.1, 0.1, 1.0])[None, :, None, None] * cloth
+    skin[..., RIM.stop :] = 0
+    found = cleaned(albedo, photo, skin=skin)[..., RIM]
+    torch.testing.assert_close(found, BROWN.expand_as(found), atol=0.02, rtol=0)
+
+
+def test_a_face_that_is_brighter_than_all_the_rest_is_no_glare():
+    albedo, skin = with_rim(BROWN, BROWN * 1.3), torch.zeros(1, 1, SIZE, SIZE)
+    skin[..., 40:] = 1
+    photo = 0.5 * albedo
+    photo[..., :40] *= 0.2
+    torch.testing.assert_close(cleaned(albedo, photo, skin=skin), albedo)
+
+
 def test_skin_that_is_only_thought_to_be_in_shadow_stays():
     albedo, shading = with_rim(BROWN, BROWN * 1.2), torch.full((1, 1, SIZE, SIZE), 0.5)
     shading[..., RIM] = 0.1
