@@ -7,18 +7,18 @@ import torch
 from relight_core.pipeline.per_photo.cropped_hair import shading, with_cropped_hair
 from relight_core.pipeline.stages import Surface
 
-SIZE, SKIN, LEFT_EYE, NECK, HAIR = 64, 1, 4, 9, 10
+SIZE, SKIN, LEFT_EYE, NECK, HAIR, HAT = 64, 1, 4, 9, 10, 11
 BROWN_SKIN, HAIR_ON_IT, GLOSS_ON_IT = (0.36, 0.13, 0.09), (0.07, 0.042, 0.036), (0.5, 0.36, 0.33)
 IN_SHADE = tuple(0.3 * value for value in BROWN_SKIN)
 ON_SCALP = np.s_[0, :, 6:18, 6:58]
 
 
-def head(scalp, eyes=True, tilted=False, cover=0.95):
+def head(scalp, eyes=True, tilted=False, cover=0.95, face=SKIN):
     """A face below a scalp of this colour, linear; all of it faces an even light ahead, or the scalp a dark back."""
     parsing, photo = torch.zeros(1, 14, SIZE, SIZE), torch.empty(1, 3, SIZE, SIZE)
-    parsing[:, NECK, :24], parsing[:, SKIN, :24], parsing[:, SKIN, 24:] = cover, 1 - cover, 1
+    parsing[:, NECK, :24], parsing[:, SKIN, :24], parsing[:, face, 24:] = cover, 1 - cover, 1
     if eyes:
-        parsing[:, SKIN, 34, 10:26], parsing[:, LEFT_EYE, 34, 10:26] = 0, 1
+        parsing[:, face, 34, 10:26], parsing[:, LEFT_EYE, 34, 10:26] = 0, 1
     photo[:, :, 24:] = torch.tensor(BROWN_SKIN)[:, None, None]
     photo[:, :, :24] = torch.tensor(scalp)[:, None, None]
     photo = photo * torch.from_numpy(np.random.default_rng(0).normal(1, 0.03, photo.shape)).float()
@@ -89,8 +89,8 @@ def test_only_the_scalp_above_the_eyes_becomes_hair():
     assert with_cropped_hair(before).parsing[0, NECK, 44:].min() == 1
 
 
-@pytest.mark.parametrize("missing", [{"eyes": False}, {"cover": 0.5}])
-def test_without_eyes_or_a_sure_scalp_nothing_changes(missing):
+@pytest.mark.parametrize("missing", [{"eyes": False}, {"cover": 0.5}, {"face": HAT}])
+def test_without_eyes_a_sure_scalp_or_skin_nothing_changes(missing):
     before = head(HAIR_ON_IT, **missing)
     assert torch.equal(with_cropped_hair(before).parsing, before.parsing)
 

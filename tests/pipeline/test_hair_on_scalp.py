@@ -26,7 +26,8 @@ def head(side, skin=PALE, eyes=True, hair=True):
     photo[:, :, :16, 24:] = torch.tensor(side)[None, :, None, None]
     photo = photo * torch.from_numpy(np.random.default_rng(0).normal(1, 0.03, photo.shape)).float()
     one = torch.ones(1, 1, SIZE, SIZE)
-    return Surface(photo.clamp(0, 1), photo, one.repeat(1, 3, 1, 1), one, parsing, one, torch.ones(1, 16, 32, 3))
+    normal, albedo = one.repeat(1, 3, 1, 1), torch.tensor(PALE)[None, :, None, None] * one
+    return Surface(photo.clamp(0, 1), albedo, normal, one, parsing, one, torch.ones(1, 16, 32, 3))
 
 
 def test_scalp_of_the_hair_s_colour_is_hair():

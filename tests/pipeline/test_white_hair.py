@@ -5,19 +5,19 @@ import torch
 from relight_core.pipeline.per_photo.white_hair import with_white_hair
 from relight_core.pipeline.stages import Surface
 
-SIZE, SKIN, LEFT_EYE, NECK, HAIR = 24, 1, 4, 9, 10
+SIZE, SKIN, LEFT_BROW, LEFT_EYE, NECK, HAIR, HAT = 24, 1, 2, 4, 9, 10, 11
 SKIN_ALBEDO = torch.tensor([0.5, 0.3, 0.2])[:, None, None]
 PINK = torch.tensor([0.7, 0.5, 0.42])[:, None, None]
 
 
-def head(scalp, light=(1.0, 1.0, 1.0), eyes=True):
+def head(scalp, light=(1.0, 1.0, 1.0), eyes=LEFT_EYE):
     """A face with eyes in the middle, below a scalp of some albedo that was found to be pink, in a coloured light."""
     parsing = torch.zeros(1, 14, SIZE, SIZE)
     parsing[:, NECK, : SIZE // 3] = 1
     parsing[:, SKIN, SIZE // 3 :] = 1
     if eyes:
         parsing[:, :, SIZE // 2, 4:12] = 0
-        parsing[:, LEFT_EYE, SIZE // 2, 4:12] = 1
+        parsing[:, eyes, SIZE // 2, 4:12] = 1
     truth = SKIN_ALBEDO.expand(3, SIZE, SIZE).clone()
     truth[:, : SIZE // 3] = torch.as_tensor(scalp)
     found = SKIN_ALBEDO.expand(3, SIZE, SIZE).clone()
@@ -56,7 +56,17 @@ def test_a_bald_head_stays_bald_even_with_a_white_highlight():
 
 
 def test_a_face_whose_eyes_are_not_seen_is_left_as_it_is():
-    before = head(0.6, eyes=False)
+    before = head(0.6, eyes=None)
+    assert with_white_hair(before) is before
+
+
+def test_brows_show_where_the_scalp_is_when_the_eyes_are_hidden():
+    assert float(with_white_hair(head(0.6, eyes=LEFT_BROW)).parsing[0, HAIR, : SIZE // 3].min()) > 0.95
+
+
+def test_a_face_whose_skin_is_covered_is_left_as_it_is():
+    before = head(0.6)
+    before.parsing[:, [SKIN, HAT]] = before.parsing[:, [HAT, SKIN]]
     assert with_white_hair(before) is before
 
 
