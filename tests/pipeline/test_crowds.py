@@ -115,9 +115,10 @@ def test_where_two_views_count_as_much_their_channels_are_mixed_and_labels_are_o
 
 
 def test_only_channels_that_every_face_has_are_shown():
-    albedo = {"albedo": np.ones((32, 32, 3), np.float32)}
-    together = channels_together(placed_in_a_row(), albedo | {"specular": np.ones((32, 32))}, [lambda: albedo] * 5)
-    assert [set(one) for one in together] == [{"albedo"}] * 6
+    albedo, light = {"albedo": np.ones((32, 32, 3), np.float32)}, {"source_light": np.ones((16, 32, 3), np.float32)}
+    for first in (albedo | {"specular": np.ones((32, 32))}, light | albedo, albedo | light):
+        together = channels_together(placed_in_a_row(), first, [lambda: albedo] * 5)
+        assert [set(one) for one in together] == [{"albedo"}] * 6
 
 
 @pytest.mark.parametrize(("roll_deg", "expected"), [(90.0, (0, 1, 0)), (-90.0, (0, -1, 0)), (0.0, (1, 0, 0))])

@@ -23,7 +23,8 @@ def channels_together(
     """Every face's channels with what other faces' views have to say within its own.
 
     Args:
-        first: (S, S) or (S, S, C) each, of the first face.
+        first: (S, S) or (S, S, C) each, of the first face; what the others don't have, as the lights, may be of any
+            size.
         of_others: make those of the other faces, of the same size.
 
     Returns:
@@ -35,7 +36,7 @@ def channels_together(
     names = [name for name in faces[0] if all(name in one for one in faces)]
     if "parsing" in names:
         classes = 1 + max(int(one["parsing"].max()) for one in faces)
-    shares = _shares(placement, len(next(iter(faces[0].values())))) if names else []
+    shares = _shares(placement, len(faces[0][names[0]])) if names else []
     together: list[dict[str, np.ndarray]] = [{} for _ in views]
     for name in names:
         of_faces = [one[name] if name != "parsing" else one[name][..., None] == np.arange(classes) for one in faces]
