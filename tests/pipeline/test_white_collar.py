@@ -63,13 +63,24 @@ def test_grey_that_is_darker_than_the_face_is_left():
     assert is_left(*portrait(0.2))
 
 
+def test_beside_a_collar_what_is_no_neck_and_what_is_darker_than_the_face_stay():
+    photo, albedo, parsing = portrait(0.8)
+    parsing[:, NECK, COLLAR, :6], parsing[:, 0, COLLAR, :6] = 0, 1
+    photo[:, :, 15:17] = 0.2
+    white, parsed = with_white_collar(photo, albedo, parsing)
+    assert float(parsed[0, CLOTH, COLLAR, 6:].min()) > 0.95
+    assert float(parsed[0, NECK, 15:17].min()) == 1
+    torch.testing.assert_close(white[..., COLLAR, :6], albedo[..., COLLAR, :6])
+
+
 def test_what_is_bright_beside_the_face_is_left():
     assert is_left(*portrait(0.8, rows=slice(0, 3)))
 
 
-def test_a_view_without_a_mouth_is_left():
+@pytest.mark.parametrize("hidden", [LIPS, SKIN])
+def test_a_view_without_a_mouth_or_a_face_s_skin_is_left(hidden):
     photo, albedo, parsing = portrait(0.8)
-    parsing[:, LIPS] = 0
+    parsing[:, hidden] = 0
     assert is_left(photo, albedo, parsing)
 
 
