@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 import torch
 
+from relight_core.imaging.view_transform import apply_view
 from relight_core.pipeline.results.channel_view import channel_to_srgb
 from relight_core.pipeline.results.channels import (
     ViewChange,
@@ -65,6 +66,15 @@ def test_a_light_of_any_brightness_is_shown_short_of_white():
     shown = channel_to_srgb("target_light", light)
     np.testing.assert_allclose(shown[0, :2], [[0.7354, 0.0, 0.0], [0.8808] * 3], atol=1e-3)
     assert shown.max() <= 1
+    wild = channel_to_srgb("source_light", np.float32([[[np.nan, -3.0, 1.0], [-0.5, np.inf, 0.0]]]))
+    np.testing.assert_allclose(wild[0, :, :2], [[0, 0], [0, 1]], atol=1e-3)
+
+
+@pytest.mark.parametrize(("name", "times"), [("specular", 4.0), ("shadow", 2.0), ("composition", 1.0)])
+def test_effects_are_amplified_to_be_seen(name, times):
+    colour = np.broadcast_to(np.float32([0.02, 0.1, 0.2]), (2, 3, 3))
+    np.testing.assert_allclose(channel_to_srgb(name, colour), apply_view(times * colour), atol=1e-6)
+    np.testing.assert_allclose(channel_to_srgb(name, colour[..., 1])[1, 2], [apply_view(times * colour)[1, 2, 1]] * 3)
 
 
 def shown(name, surface, photo):

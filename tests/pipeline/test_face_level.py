@@ -27,14 +27,34 @@ def change(gain, offset=0.0):
 
 
 @pytest.mark.parametrize("stops", [-3, -1, 0, 2])
-def test_what_a_light_adds_in_stops_is_taken_away(stops):
-    assert level_as_in_photo_ev(photo_of_a_face(), change(2.0**-stops), skin()) == pytest.approx(stops, abs=1e-4)
+@pytest.mark.parametrize("dimmed", [1.0, 0.01])
+def test_what_a_light_adds_in_stops_is_taken_away(stops, dimmed):
+    photo = photo_of_a_face() * np.float32(dimmed)
+    assert level_as_in_photo_ev(photo, change(2.0**-stops), skin()) == pytest.approx(stops, abs=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("gain", "level", "stops"), [(0.5, 2.0**14, 1.0), (0.5, 2.0**-14, 1.0), (0.5, 0.0, 1.0), (0.0, 0.0, 0.0)]
+)
+def test_of_a_light_of_any_level_counts_what_it_makes_of_the_face(gain, level, stops):
+    full = np.ones((SIZE, SIZE, 3), np.float32)
+    lit = ViewChange(gain * full, 0.0 * full, level)
+    assert level_as_in_photo_ev(photo_of_a_face(), lit, skin()) == pytest.approx(stops, abs=1e-4)
+
+
+@pytest.mark.parametrize("glint", [20.0, np.inf])
+def test_a_glint_on_the_skin_hardly_counts(glint):
+    glinting = change(1.0)
+    glinting.gain[60:62, 60:62] = glint
+    photo = np.full((SIZE, SIZE, 3), 0.3, np.float32)
+    assert level_as_in_photo_ev(photo, glinting, skin()) == pytest.approx(0, abs=0.1)
 
 
 def test_what_surrounds_the_face_does_not_count():
     surroundings = change(1.0)
     surroundings.gain[skin() < 0.5] = 100.0
-    assert level_as_in_photo_ev(photo_of_a_face(), surroundings, skin()) == pytest.approx(0, abs=0.05)
+    for likely in (skin(), np.maximum(skin(), 0.3)):
+        assert level_as_in_photo_ev(photo_of_a_face(), surroundings, likely) == pytest.approx(0, abs=0.05)
 
 
 def test_of_a_face_in_half_shadow_the_lit_half_counts():
