@@ -95,6 +95,8 @@ def test_a_leaning_face_s_normal_is_read_as_its_view_and_as_the_camera_sees_it()
     held, in_camera = channel_at(replace(relit(), roll_deg=90.0), "normal", 40, 30)
     np.testing.assert_allclose(held, [0.6, 0, 0.8], atol=1e-5)
     np.testing.assert_allclose(in_camera, [0, 0.6, 0.8], atol=1e-5)
+    placed = photo_layers(replace(relit(), roll_deg=90.0), ["normal"])["normal"][30, 40]
+    np.testing.assert_allclose(placed, in_camera, atol=1e-5)
 
 
 def test_a_pixel_is_in_the_view_where_its_middle_is():
@@ -155,6 +157,14 @@ def test_alpha_is_multiplied_in_once_and_divided_out_for_straight_files():
     assert image.shape == (30, 40, 3)
     assert np.allclose(image[15, 30], 0.5)
     assert small_alpha[15, 30] == 0.5
+
+
+def test_what_a_cut_out_hides_does_not_mix_into_the_edge_of_its_smaller_copy():
+    alpha, image = np.zeros((HEIGHT, WIDTH), np.float32), np.full((HEIGHT, WIDTH, 3), 0.5, np.float32)
+    alpha[:, 41:], image[:, :41] = 1.0, 9.0
+    small, small_alpha = shrunk_picture(replace(relit(alpha), image=image), 40)
+    assert small_alpha[15, 19:22].tolist() == [0.0, 0.5, 1.0]
+    assert np.allclose(small[15, 20:], 0.5)
 
 
 def test_a_picture_made_small_for_the_screen_is_exported_at_the_photos_size():
