@@ -15,6 +15,7 @@ from relight_core.pipeline.results.channels import (
     effect_channels,
     fit_view,
     light_channels,
+    makeup_of,
     of_person,
     surface_channel,
 )
@@ -153,6 +154,27 @@ def test_effects_are_shown_at_the_light_s_level_as_far_as_they_are_asked_for():
     np.testing.assert_allclose(every["composition"], 0.7, rtol=1e-5)
     assert set(light_channels(effects, change, photo, ("shadow",))) == {"shadow"}
     assert set(light_channels(effects, change, photo, ("composition",))) == {"composition"}
+
+
+@pytest.mark.parametrize(
+    ("labels", "is_made_up_of"),
+    [
+        ([1, 6, 9], {"textured", "skin"}),
+        ([2, 3], {"patterned", "textured", "worn"}),
+        ([4, 5], {"patterned", "evenly_lit"}),
+        ([7], {"patterned", "evenly_lit", "mouth"}),
+        ([8], {"patterned", "evenly_lit", "textured", "mouth"}),
+        ([10, 11, 13], {"patterned", "textured", "worn"}),
+        ([12], {"patterned"}),
+        ([0], {"textured"}),
+    ],
+    ids=["skin", "brows", "eyes", "inner mouth", "lips", "hair, hat, cloth", "glasses", "background"],
+)
+def test_what_each_part_of_a_person_does_with_light(labels, is_made_up_of):
+    kinds = {"patterned", "evenly_lit", "textured", "skin", "mouth", "worn"}
+    for label in labels:
+        makeup = makeup_of(np.eye(14, dtype=np.float32)[None, label : label + 1])
+        assert {name: getattr(makeup, name).item() for name in kinds} == {n: float(n in is_made_up_of) for n in kinds}
 
 
 @pytest.mark.parametrize(("more", "expected"), [(0.2, 0.5), (-0.2, 0.1), (-0.7, 0.0)])
