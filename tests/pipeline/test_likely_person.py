@@ -110,11 +110,13 @@ def test_what_two_looks_take_for_their_own_is_whose_is_nearer():
     """To both the other is a part of the person that is meant, and what lies below neither of them too."""
     left, right = ([(np.full((8, 8), 0.95, np.float32), Crop(x, 40.0, 60.0))] for x in (30.0, 70.0))
     alone = place_masks([left], (100, 100), (100, 100))[0]
-    beside = place_masks([left], (100, 100), (100, 100), [right])[0]
+    nobody = [(np.zeros((8, 8), np.float32), Crop(50.0, 95.0, 8.0))]
     assert alone[40, 55] > 0.9
-    assert beside[40, 55] < 0.3
-    assert beside[40, 45] > 0.7
-    np.testing.assert_allclose(beside[40, 20], alone[40, 20], atol=0.05)
+    for others in ([right], [nobody, right], [right, nobody]):
+        beside = place_masks([left], (100, 100), (100, 100), others)[0]
+        assert beside[40, 55] < 0.3
+        assert beside[40, 45] > 0.7
+        np.testing.assert_allclose(beside[40, 20], alone[40, 20], atol=0.05)
 
 
 def test_what_nobody_else_claims_stays_with_who_is_meant():
@@ -134,6 +136,12 @@ def test_what_others_see_from_near_is_not_perhaps_somebody_whose_looks_end_befor
         np.testing.assert_allclose(beside[10:55, 5:45], alone[10:55, 5:45], atol=0.05)
     together = place_masks([left, right], (100, 100), (100, 100))[0]
     assert together[60, 95] == alone[60, 95] == pytest.approx(0.2)
+
+
+def test_what_is_surely_somebodys_body_stays_theirs_before_whoever_looks_past_it():
+    left, child = [(mask(), Crop(30.0, 40.0, 60.0))], [(np.zeros((8, 8), np.float32), Crop(30.0, 85.0, 20.0))]
+    alone, together = (place_masks(people, (100, 100), (100, 100))[0] for people in ([left], [left, child]))
+    assert together[85, 30] == alone[85, 30] > 0.9
 
 
 def test_hair_goes_on_above_a_leaning_head_and_not_beside_it():
@@ -267,6 +275,16 @@ def test_of_gaps_that_the_masks_have_those_of_the_persons_own_colours_are_closed
     np.testing.assert_array_equal(closed[wall], matte[wall])
     np.testing.assert_array_equal(closed[neither], matte[neither])
     assert closed[:20].max() == 0
+
+
+@pytest.mark.parametrize("quarters", [0, 1, 2, 3])
+def test_a_gap_of_the_persons_colours_is_closed_right_beside_the_photo_s_border_too(quarters):
+    matte, picture = np.zeros((100, 100), np.float32), np.full((100, 100, 3), 0.8, np.float32)
+    matte[:80, 20:80], picture[:80, 20:80] = 1, 0.03
+    matte[4:14, 40:50] = 0.2
+    matte, picture = np.rot90(matte, quarters).copy(), np.rot90(picture, quarters).copy()
+    found = without_lookalikes(matte, picture, matte)
+    assert np.rot90(found, -quarters)[4:14, 40:50].min() == 1
 
 
 def test_a_gap_of_a_black_coat_before_a_black_wall_stays():

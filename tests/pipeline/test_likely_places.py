@@ -27,6 +27,7 @@ def test_nobody_is_far_above_or_beside_a_head():
     assert around[45:55, :5].max() <= 0.02
     assert around[45:55, 95:].max() <= 0.02
     assert around[70, 50] > 0.9, "but a body is below it"
+    np.testing.assert_allclose(around[62, [42, 44, 55, 57]], 0.6, err_msg="with shoulders beside it")
     assert around[95, 50] == pytest.approx(0.6), "and farther down perhaps a lap"
 
 
