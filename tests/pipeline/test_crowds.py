@@ -16,6 +16,8 @@ from relight_core.pipeline.results.channels_together import channels_together
 
 ROW = tuple(Crop(50.0 + 100.0 * index, 50.0, 120.0) for index in range(6))
 """Six views; each reaches over those beside it and over no others."""
+ASLANT = tuple(Crop(50.0 + 150.0 * index, 50.0, 120.0, 45.0) for index in range(4))
+"""Four whose corners alone meet."""
 
 
 def placed_in_a_row(people=(), views=ROW):
@@ -24,10 +26,13 @@ def placed_in_a_row(people=(), views=ROW):
     return finish.place_views(canvas_of(Photo(flat)), views, matte, ReflectionTable(), people)
 
 
-@pytest.mark.parametrize("known", [False, True])
-def test_weights_of_a_view_are_as_if_all_others_were_asked(monkeypatch, known):
-    people = tuple((np.eye(32, dtype=np.float32), view) for view in ROW) if known else ()
-    placement = placed_in_a_row(people)
+@pytest.mark.parametrize("views", [ROW, ASLANT], ids=["row", "aslant"])
+@pytest.mark.parametrize("reach", [None, 1.0, 2.5])
+def test_weights_of_a_view_are_as_if_all_others_were_asked(monkeypatch, views, reach):
+    """People may be known farther than their views reach, or not at all."""
+    mask = np.tile(np.linspace(1, 0, 32, dtype=np.float32), (32, 1))
+    people = () if reach is None else tuple((mask, replace(view, side=view.side * reach)) for view in views)
+    placement = placed_in_a_row(people, views)
     nearby = finish.weights_on_views(placement, 32)
     monkeypatch.setattr(finish, "_may_meet", lambda one, other: True)
     for few, all_asked in zip(nearby, finish.weights_on_views(placement, 32), strict=True):
