@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 import torch
 
+from relight_core.face.crop import Crop
+from relight_core.imaging.tone import tone_of
 from relight_core.lighting.reflection import ReflectionTable
 from relight_core.pipeline.per_light.rest_of_person import (
     Continuation,
@@ -14,7 +16,10 @@ from relight_core.pipeline.per_light.rest_of_person import (
     body_size,
     make_body,
 )
-from relight_core.pipeline.results.finish import mean_gain
+from relight_core.pipeline.per_photo.matte import Matte
+from relight_core.pipeline.per_photo.person import Canvas
+from relight_core.pipeline.results.channels import ViewChange
+from relight_core.pipeline.results.finish import gain_of_rest, mean_gain, place_views
 
 EVEN = torch.ones(1, 16, 32, 3)
 
@@ -284,3 +289,32 @@ def test_by_how_much_a_person_changes_is_a_mean_of_factors_over_the_person_alone
     share[:, :4], gain[:, :2], gain[:, 2:4] = 1, 4.0, 1.0
     placement = SimpleNamespace(body=SimpleNamespace(share=share), exposure=exposure)
     np.testing.assert_allclose(mean_gain(placement, exposure * gain), 2 * exposure, rtol=1e-3)
+
+
+def rest_of_person(exposure=1.0, level=1.0, tone=None):
+    """The gain of the rest of somebody who fills a photo in some units, below a view that a light dims."""
+    linear, whole = (
+        np.full((90, 60, 3), (0.5, 0.25, 0.15), np.float32) / np.float32(exposure),
+        np.ones((1, 1), np.float32),
+    )
+    linear[60:] *= 0.3
+    matte = Matte(0 * whole, whole, linear[:1, :1], linear[:1, :1], whole)
+    placement = place_views(
+        Canvas(linear, None, (90, 60)), [Crop(30.0, 25.0, 50.0)], matte, ReflectionTable(), exposure=exposure, tone=tone
+    )
+    maps = (np.full((16, 16, 3), value * level, np.float32) for value in (0.5 * exposure, 0.05))
+    return gain_of_rest(placement, [ViewChange(*maps, level)], EVEN)
+
+
+PRINT = np.linspace(0, 1, 5000, dtype=np.float32)[:, None] * np.float32([1.3, 0.95, 0.6])
+
+
+@pytest.mark.parametrize("tone", [None, tone_of(PRINT)], ids=["colours", "toned"])
+def test_the_rest_of_a_person_is_relit_alike_in_any_units(tone):
+    usual = rest_of_person(tone=tone)
+    np.testing.assert_allclose(rest_of_person(exposure=32.0, tone=tone), 32 * usual, rtol=1e-3)
+    assert 0.5 < usual.mean() < 0.8
+
+
+def test_the_rest_of_a_person_is_as_bright_as_the_light():
+    np.testing.assert_allclose(rest_of_person(level=8.0), 8 * rest_of_person(), rtol=1e-3)
