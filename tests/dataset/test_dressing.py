@@ -5,6 +5,7 @@ import json
 import numpy as np
 import pytest
 from ball_heads import CENTRE, RADIUS, assert_well_formed, ball_head, sphere, surface
+from makehuman_files import quad_proxy
 from PIL import Image
 
 from relight_core.dataset.garments.beard_shell import BeardPatch
@@ -177,14 +178,7 @@ def write_makehuman(root, opacity_right: int):
     texture = np.full((8, 8, 4), 255, np.uint8)
     texture[:, 4:, 3] = opacity_right
     Image.fromarray(texture).save(folder / "textures" / "wig.png")
-    proxy = {
-        "ref_vIdxs": [[0, 1, 2], [1, 2, 3], [2, 3, 0], [3, 0, 1]],
-        "weights": [[1, 0, 0]] * 4,
-        "offsets": [[0, 0, 0.1]] * 4,
-        "uvs": [[0, 0, 1, 0, 1, 1, 0, 1]],
-        "faces": [11, 0, 1, 2, 3, 0, 0, 1, 2, 3],
-        "materials": [{"mapDiffuse": "textures/wig.png"}],
-    }
+    proxy = quad_proxy(0.1, {"mapDiffuse": "textures/wig.png"})
     (folder / "wig.json").write_text(json.dumps(proxy))
     return folder / "wig.json"
 

@@ -5,6 +5,7 @@ import json
 import numpy as np
 import pytest
 from ball_heads import CENTRE, RADIUS, assert_well_formed, ball_head, surface
+from makehuman_files import quad_proxy
 
 from relight_core.dataset.garments import dressing, fitted_items
 from relight_core.dataset.garments.dressing import Shares, Wardrobe
@@ -155,15 +156,7 @@ def archive(tmp_path, model, monkeypatch):
 
 def write_proxy(folder):
     folder.mkdir(parents=True)
-    proxy = {
-        "ref_vIdxs": [[0, 1, 2], [1, 2, 3], [2, 3, 0], [3, 0, 1]],
-        "weights": [[1, 0, 0]] * 4,
-        "offsets": [[0, 0, 0]] * 4,
-        "uvs": [[0, 0, 1, 0, 1, 1, 0, 1]],
-        "faces": [11, 0, 1, 2, 3, 0, 0, 1, 2, 3],
-        "materials": [{}],
-    }
-    (folder / f"{folder.name}.json").write_text(json.dumps(proxy))
+    (folder / f"{folder.name}.json").write_text(json.dumps(quad_proxy(0, {})))
 
 
 def test_an_archive_s_pieces_are_taken_for_what_they_are_and_kept(archive, model):
