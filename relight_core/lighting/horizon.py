@@ -6,18 +6,16 @@ few directions of the image plane only; they are marched when first asked for.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import cv2
 import numpy as np
 
-from relight_core.lighting.relief import BIAS, NOTHING, march_distances
+from relight_core.lighting.relief import BIAS, NOTHING, REACH
 
 _AZIMUTHS = 96
-_STEPS, _LONG_STEP_PX = 40, 2.0
-"""Steps of the march over a relief, that grow with distance, and from where on they are longer than what is looked at.
-A brim would be stepped over from one pixel and met from the next, and its shadow be striped."""
 _LEAST_ASIDE = 0.05
 _HALF_STRIP = 0.2
 _STRIPS = (-0.8, -0.4, 0.0, 0.4, 0.8)
@@ -79,26 +77,34 @@ class Horizon:
         return self._elevations[azimuth]
 
     def _steepest(self, angle: float) -> np.ndarray:
-        along = np.array([np.cos(angle), -np.sin(angle)])
+        """(S, S) slope over the image plane up to which the sky is hidden in a direction."""
+        right, down = np.cos(angle), -np.sin(angle)
+        turned = abs(down) > abs(right)
+        along, across = (down, right) if turned else (right, down)
+        sides = slice(None, None, -1 if across < 0 else 1), slice(None, None, -1 if along < 0 else 1)
         height = np.where(self.covered, self.relief, np.float32(NOTHING))
-        highest = cv2.max(height, cv2.max(_seen_from(height, along), _seen_from(height, -along)))
-        steepest = np.full_like(height, NOTHING)
-        half_width_px, before = len(height) / 2, 0.0
-        for distance in march_distances(len(height), _STEPS):
-            looked_at = highest if (distance - before) * half_width_px > _LONG_STEP_PX else height
-            seen = _seen_from(looked_at, distance * half_width_px * along)
-            np.maximum(steepest, (seen - self.relief - np.float32(BIAS)) / np.float32(distance), out=steepest)
-            before = distance
-        return steepest
+        facing = [np.ascontiguousarray((plane.T if turned else plane)[sides]) for plane in (height, self.relief)]
+        steepest = _march_right(*facing, abs(across / along))[sides]
+        return steepest.T if turned else steepest
 
 
-def _seen_from(height: np.ndarray, shift_px: np.ndarray) -> np.ndarray:
-    """What lies so far to the right and down of every pixel of heights (S, S), nothing beyond their border."""
-    return cv2.warpAffine(
-        height,
-        np.float32([[1, 0, shift_px[0]], [0, 1, shift_px[1]]]),
-        height.shape[::-1],
-        flags=cv2.INTER_LINEAR | cv2.WARP_INVERSE_MAP,
-        borderMode=cv2.BORDER_CONSTANT,
-        borderValue=NOTHING,
-    )
+def _march_right(height: np.ndarray, relief: np.ndarray, down: float) -> np.ndarray:
+    """Steepest slope from every point (S, S) of a relief to the heights (S, S) on its right.
+
+    Every column is looked at where the ray crosses it: a brim is a pixel wide, and its shadow would be striped if some
+    rays stepped over it.
+
+    Args:
+        down: rows that the ray goes down from a column to the next, in [0, 1].
+    """
+    size = len(height)
+    steepest, from_here = np.full_like(height, NOTHING), relief + np.float32(BIAS)
+    column = np.hypot(1, down) * 2 / size
+    below = np.vstack([height[1:], np.full_like(height[:1], NOTHING)])
+    for columns in range(1, min(math.ceil(REACH / column), size - 1) + 1):
+        rows, between = divmod(columns * down, 1)
+        there, here = np.s_[int(rows) :, columns:], np.s_[: size - int(rows), : size - columns]
+        seen = cv2.addWeighted(height[there], 1 - between, below[there], between, 0)
+        slope = cv2.subtract(seen, from_here[here]) * np.float32(1 / (columns * column))
+        np.maximum(steepest[here], slope, out=steepest[here])
+    return steepest

@@ -23,7 +23,7 @@ _STEPS = 20
 _PENUMBRA = 0.15
 _GRAZING = 0.05
 _FAINT_GLOSS = 0.005
-_REACH = 1.3
+REACH = 1.3
 """Half-widths of the image: as far as one head casts a shadow on itself."""
 
 BIAS = 0.002
@@ -160,7 +160,7 @@ def march_distances(size: int, steps: int) -> list[float]:
 
     From about the next pixel on, ever further apart: what is near hides light by small steps.
     """
-    return [2.0 / size + _REACH * (step / steps) ** 1.8 for step in range(1, steps + 1)]
+    return [2.0 / size + REACH * (step / steps) ** 1.8 for step in range(1, steps + 1)]
 
 
 def horizon_slopes(relief: torch.Tensor, covered: torch.Tensor, azimuth_rad: torch.Tensor) -> torch.Tensor:

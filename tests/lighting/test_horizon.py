@@ -97,6 +97,22 @@ def test_the_shadow_of_a_thin_brim_far_off_has_no_stripes():
     assert shadow.max() < 0.01
 
 
+@pytest.mark.parametrize(("azimuth_deg", "leans_deg"), [(70, 17), (90, 0), (90, 17), (250, 17), (270, 17)])
+@pytest.mark.parametrize("elevation_deg", [30, 48])
+def test_no_ray_steps_over_a_brim_that_is_a_pixel_wide(azimuth_deg, leans_deg, elevation_deg):
+    """However far behind it: its shadow would be striped."""
+    rows, columns = np.indices((128, 128)) - 63.5
+    facing = np.radians(azimuth_deg + leans_deg)
+    beyond = columns * np.cos(facing) - rows * np.sin(facing)
+    brim = np.where(np.abs(beyond - 20) <= 0.6, np.float32(0.3), np.float32(0))
+    seen = Horizon(brim, np.ones((128, 128), bool)).visibility(toward(azimuth_deg, elevation_deg), 0.5)
+    behind_px = (20 - beyond) / np.cos(np.radians(leans_deg))
+    ends_px = 0.3 * 64 / np.tan(np.radians(elevation_deg))
+    within = np.maximum(np.abs(rows), np.abs(columns)) < 30
+    assert seen[within & (behind_px > 2) & (behind_px < ends_px - 2)].max() == 0
+    assert seen[within & (behind_px > ends_px + 2)].min() == 1
+
+
 def test_steps_of_a_relief_as_low_as_a_lattices_hide_no_lamp():
     steps = np.zeros((SIZE, SIZE))
     steps[:, ::2] = 0.0015

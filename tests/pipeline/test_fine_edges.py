@@ -19,6 +19,8 @@ LAMP = Lamp(SIDE, 1.0, 3.0, 1.0)
 BAR, HEIGHT = slice(31, 35), 0.25
 ENDS_AT = 31 - HEIGHT * SIDE[0] / SIDE[2] * SIZE / 2
 """Column, in pixels of the networks, at which the bar's shadow ends."""
+STEEPEST = 2 / np.pi / np.radians(1.0) * SIDE[0] * SIDE[2] / (31 - ENDS_AT) / TIMES
+"""Share of the lamp's disc by which two pixels of the picture differ where half of it is hidden."""
 
 
 def edges(share=0.9, counts=1.0, lamp=LAMP):
@@ -49,7 +51,8 @@ def blurred(share):
 def test_a_shadow_ends_as_abruptly_as_the_lamp_is_small_and_where_geometry_says():
     fine = draw_finely(edges(), larger)
     coarse_row, fine_row = row(fine.coarse), row(fine.fine)
-    assert np.diff(fine_row).max() > 2 * np.diff(coarse_row).max()
+    assert np.diff(fine_row).max() > 1.5 * np.diff(coarse_row).max()
+    assert np.diff(fine_row).max() == pytest.approx(0.9 * STEEPEST, rel=0.15)
     halfway = np.flatnonzero(fine_row > 0.45)[0] / TIMES
     assert halfway == pytest.approx(ENDS_AT, abs=1.0)
     assert (np.diff(fine_row) > -0.02).all()
