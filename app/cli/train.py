@@ -50,7 +50,7 @@ if TYPE_CHECKING:
 
 _OF_A_RUN = ("size", "pairs", "seed", "residual", "decoder_residual", "uses", "window")
 _OF_A_STAGE = ("minutes", "rate", *_OF_A_RUN)
-_OF_SAMPLES = ("heads", "lights", "places")
+_OF_SAMPLES = ("heads", "lights", "places", "workers")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -70,7 +70,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--workers",
         metavar="N",
         type=count_at_least_one,
-        default=1,
         help="processes that make samples (1); with a GPU one for each core. Other samples for another number",
     )
     parser.add_argument(
@@ -176,7 +175,7 @@ def _follow_recipe(arguments: argparse.Namespace) -> int:
             arguments.output,
             report,
             arguments.start,
-            workers=arguments.workers,
+            workers=arguments.workers or 1,
             places=arguments.places,
         )
     for log in sorted(arguments.output.glob("*.log.json")):
@@ -232,7 +231,7 @@ def _train_stage(arguments: argparse.Namespace) -> int:
         arguments.output,
         arguments.start,
         minutes=arguments.minutes,
-        workers=arguments.workers,
+        workers=arguments.workers or 1,
         places=arguments.places,
         learning_rate=arguments.rate,
         **{name: value for name, value in given.items() if value is not None},

@@ -16,6 +16,8 @@ from pathlib import Path
 import cv2
 import numpy as np
 
+from relight_core.dataset.baking.shard import shard_size
+from relight_core.errors import InputError
 from relight_core.evaluation.counted import counted
 from relight_core.evaluation.detail_methods import METHODS, DetailTask
 from relight_core.evaluation.held_out import (
@@ -63,10 +65,11 @@ def compare_detail(
     """Run every method on heads of a split; they should be baked large (`relight dataset bake --size 1024`).
 
     Raises:
-        InputError: heads or lights are missing or damaged.
+        InputError: heads or lights are missing or damaged, or a head is smaller than what the networks see.
     """
     library, pool = held_out_lights(lights, split), held_out_textures()
     paths, size, done = held_out_paths(heads, split, count), 0, 0
+    _check_sizes(paths)
     total = sum(len(_pairs(_chosen(library, number))) for number in range(len(paths)))
     rows = {kind: defaultdict(list) for kind in ("errors", "blurred")}
     for number, path in enumerate(paths):
@@ -81,6 +84,16 @@ def compare_detail(
             report(done, total)
     means = {kind: {method: _means(errors) for method, errors in of.items()} for kind, of in rows.items()}
     return DetailScores(**means, pictures=done, size=size)
+
+
+def _check_sizes(paths: list[Path]) -> None:
+    """Raise InputError for a head that would have to be enlarged to the networks' size: it has no detail to carry."""
+    for path in paths:
+        if (size := shard_size(path)) < _NETWORK_SIZE:
+            raise InputError(
+                f"{path}: a head of {size} pixels is smaller than the {_NETWORK_SIZE} that the networks see; "
+                "bake heads with --size 1024"
+            )
 
 
 def detail_table(scores: DetailScores) -> str:

@@ -48,6 +48,7 @@ def test_networks_beside_the_first_three_are_joined_to_other_weights(command_lin
         command_line(*words, data / "tiny.safetensors"),
         "no narrow pair, no person network and no foreign-shadow network",
     )
+    refused(command_line(*words, data / "narrow.safetensors", "--workers", 3), "--workers: joining weights needs none")
     refused(command_line("train", "--join", data / "narrow.safetensors", "-o", data / "x.safetensors"), "--start")
     refused(command_line("train", "--stage", "warm-delight", "--minutes", 1, "-o", data / "x.safetensors"), "--heads")
 

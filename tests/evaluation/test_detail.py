@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from synthetic_heads import ball, write_balls, write_lights
 
+from relight_core.errors import InputError
 from relight_core.evaluation import detail
 from relight_core.evaluation.detail_methods import METHODS, DetailTask
 from relight_core.evaluation.held_out import held_out_lights
@@ -34,6 +35,13 @@ def test_the_comparison_names_every_method_and_region(tmp_path, monkeypatch):
     assert all(np.isfinite(errors["head"]) for errors in scores.errors.values())
     table = detail.detail_table(scores)
     assert all(name in table for name in METHODS)
+
+
+def test_heads_smaller_than_what_the_networks_see_are_refused_for_they_have_no_detail(tmp_path):
+    write_balls(tmp_path / "heads", 2_000_000, 2, size=64)
+    write_lights(tmp_path / "lights.npz", 3)
+    with pytest.raises(InputError, match=r"head-2000000.npz: a head of 64 pixels is smaller than the 128.*--size 1024"):
+        detail.compare_detail(tmp_path / "heads", tmp_path / "lights.npz", "test", 2)
 
 
 @pytest.mark.parametrize("name", ["fast global smoother", "joint bilateral, gain and gloss"])
