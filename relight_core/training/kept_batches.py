@@ -6,12 +6,14 @@ from collections.abc import Callable, Iterator
 from itertools import count
 from pathlib import Path
 
-from safetensors import SafetensorError
-from safetensors.torch import load_file, save
+from safetensors import SafetensorError, safe_open
 
 from relight_core.errors import InputError
 from relight_core.imaging.files import whole_file
+from relight_core.networks.tensor_file import checksum, tensor_file
 from relight_core.training.half_kept import Batch, halved, whole_again
+
+_CHECKSUM = "sha256"
 
 
 def kept_batches(
@@ -45,12 +47,17 @@ def _keep(path: Path, batch: Batch) -> None:
     small = {name: value.contiguous() for name, value in halved(batch).items()}
     with whole_file(path) as beside:
         # What the library writes to a file itself fails on a full disk with an error of its own kind.
-        beside.write_bytes(save(small))
+        beside.write_bytes(tensor_file(small, {_CHECKSUM: checksum(small)}))
 
 
 def _read(path: Path) -> Batch:
     try:
-        batch = load_file(path)
-    except (OSError, SafetensorError) as error:
+        with safe_open(path, framework="pt") as file:
+            batch = {name: file.get_tensor(name) for name in file.keys()}  # noqa: SIM118
+            # Older batches have no checksum.
+            told = (file.metadata() or {}).get(_CHECKSUM)
+        if told not in (None, checksum(batch)):
+            raise ValueError("damaged: its checksum differs")
+    except (OSError, SafetensorError, ValueError) as error:
         raise InputError(f"{path}: this batch can't be read ({error}); delete it, it is made again") from error
     return whole_again(batch)

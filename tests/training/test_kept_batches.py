@@ -4,6 +4,7 @@ import itertools
 import resource
 
 import pytest
+import safetensors.torch
 import torch
 
 from relight_core.errors import InputError
@@ -68,6 +69,24 @@ def test_a_damaged_batch_is_named(tmp_path):
     (tmp_path / "batch-000000.safetensors").write_bytes(b"x")
     with pytest.raises(InputError, match="batch-000000"):
         some(tmp_path, [], 1)
+
+
+def test_a_batch_with_one_bit_of_another_value_is_not_learnt_from(tmp_path):
+    some(tmp_path, [], 2)
+    path = tmp_path / "batch-000001.safetensors"
+    data = bytearray(path.read_bytes())
+    data[-1] ^= 1
+    path.write_bytes(data)
+    with pytest.raises(InputError, match=r"batch-000001.*damaged: its checksum differs.*delete it, it is made again"):
+        some(tmp_path, [], 2)
+    path.unlink()
+    assert len(some(tmp_path, [], 2)) == 2
+
+
+def test_batches_of_before_there_were_checksums_are_learnt_from(tmp_path):
+    expected, path = some(tmp_path, [], 1)[0], tmp_path / "batch-000000.safetensors"
+    safetensors.torch.save_file(safetensors.torch.load_file(path), path)
+    assert torch.equal(some(tmp_path, [], 1)[0]["image"], expected["image"])
 
 
 def test_so_many_come_over_and_over_from_any_place_on(tmp_path):
