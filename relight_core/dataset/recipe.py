@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import hashlib
 import json
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -29,7 +31,8 @@ from relight_core.dataset.painting.skin_textures import FILE_NAME as SKINS
 from relight_core.dataset.painting.texture import look_up
 from relight_core.dataset.scans import names_of_people, people_of, read_scan
 from relight_core.errors import InputError
-from relight_core.imaging.files import file_bytes, whole_file
+from relight_core.imaging.file_lock import let_go, locked
+from relight_core.imaging.files import file_bytes, remove_unfinished, whole_file
 
 SPLIT_SEEDS = {"train": 0, "validation": 1_000_000, "test": 2_000_000}
 """First seed of each split: identities never repeat across splits."""
@@ -171,10 +174,29 @@ def bake_missing(casting: Casting | ScanCasting, folder: Path, seeds: range, siz
     for seed in seeds:
         path = shard_path(folder, seed)
         if not path.exists():
-            write_shard(path, casting.pose_head(seed).bake(size))
+            with _only_bake(path):
+                write_shard(path, casting.pose_head(seed).bake(size))
         elif (found := shard_size(path)) != size:
             raise InputError(f"{path}: is {found} pixels wide and not {size}; choose a new folder, or delete it")
         yield path
+
+
+@contextmanager
+def _only_bake(path: Path) -> Iterator[None]:
+    """Remove what a bake that was killed amid writing a head has left beside it, where no other is at that head now.
+
+    Whoever else is at it is not waited for: both bake the same.
+    """
+    lock, file = path.with_suffix(".lock"), None
+    with suppress(OSError):
+        file = locked(lock)
+    if file is not None:
+        remove_unfinished(path)
+    try:
+        yield
+    finally:
+        if file is not None:
+            let_go(file, lock)
 
 
 def load_split(folder: Path, split: str) -> list[Path]:

@@ -8,6 +8,7 @@ from relight_core.dataset.baking.scene import Scene
 from relight_core.dataset.baking.shard import read_shard
 from relight_core.dataset.recipe import Casting, bake_missing, shard_path
 from relight_core.errors import InputError
+from relight_core.imaging.file_lock import let_go, locked
 from relight_core.lighting.sphere import directions
 
 
@@ -80,6 +81,25 @@ def test_baking_goes_on_where_it_stopped(casting, tmp_path):
     assert everything == [shard_path(tmp_path, seed) for seed in (10, 11, 12)]
     assert [path.stat().st_mtime_ns for path in first] == stamps
     assert read_shard(everything[-1]).size == 32
+
+
+def test_what_a_killed_bake_was_writing_goes_when_its_head_is_baked(casting, tmp_path):
+    left, other = (tmp_path / f".head-00000{seed}.npz-0123456789ab.part" for seed in (10, 11))
+    lock = tmp_path / "head-0000010.lock"
+    for file in (left, other, lock):
+        file.touch()
+    list(bake_missing(casting, tmp_path, range(10, 11), 32))
+    assert {path.name for path in tmp_path.iterdir()} == {"head-0000010.npz", other.name}
+
+
+def test_what_another_bake_is_writing_stays(casting, tmp_path):
+    part, lock = tmp_path / ".head-0000010.npz-0123456789ab.part", tmp_path / "head-0000010.lock"
+    part.touch()
+    held = locked(lock)
+    list(bake_missing(casting, tmp_path, range(10, 11), 32))
+    assert part.exists()
+    assert shard_path(tmp_path, 10).exists()
+    let_go(held, lock)
 
 
 def test_a_head_of_another_size_is_not_taken_for_the_one_asked_for(casting, tmp_path):
