@@ -13,6 +13,7 @@ from typing import Any
 
 from relight_core.dataset.recipe import data_mark
 from relight_core.errors import InputError
+from relight_core.face.parsing import CLASSES
 from relight_core.imaging.files import check_regular, file_bytes, file_digest, whole_file
 from relight_core.networks.bundle import BundleConfig, NetworkBundle, load_bundle, save_bundle
 from relight_core.networks.foreign_shadow import ForeignShadowConfig
@@ -26,8 +27,11 @@ _NOTE = "begun.json"
 _REAL = ("minutes", "learning_rate")
 """Numbers of a stage that need not be whole."""
 _CONFIG_OF_MORE = {"person": PersonConfig, "foreign_shadow": ForeignShadowConfig}
-_AT_LEAST_ONE = ("width", "levels")
+_NETWORKS = ("delight", "specular_shadow", "composition", *_CONFIG_OF_MORE)
+_AT_LEAST_ONE = ("width", "levels", "widest")
 """Whole numbers of a network that can't be 0."""
+_ALL_OR_NONE = ("classes", "parsing_classes")
+"""Numbers of classes of the parsing: labels have all of them."""
 _LARGEST_SEED = 2**63 - 1
 _STEP_S = 1.7
 """Of fine-tuning on four pairs at 256 pixels, on two processor cores with bf16; others go by their pixels."""
@@ -128,8 +132,8 @@ def _parsed(data: dict[str, Any]) -> Recipe:
 def _networks(data: dict[str, dict[str, Any]]) -> BundleConfig:
     config = BundleConfig()
     for name, settings in _table(data, "networks").items():
-        if not hasattr(config, name):
-            raise ValueError(f"unknown network {name!r}")
+        if name not in _NETWORKS:
+            raise ValueError(f"unknown network {name!r}: one of {', '.join(_NETWORKS)}")
         before = getattr(config, name) or _CONFIG_OF_MORE[name]()
         known = {field.name for field in fields(before)}
         for entry, value in _table(settings, f"networks.{name}").items():
@@ -140,6 +144,8 @@ def _networks(data: dict[str, dict[str, Any]]) -> BundleConfig:
             least = 1 if entry in _AT_LEAST_ONE else 0
             if any(type(part) is not kind or (kind is int and part < least) for part in parts):
                 raise ValueError(f"networks.{name}: {entry} can't be {value!r}")
+            if entry in _ALL_OR_NONE and value not in (0, len(CLASSES)):
+                raise ValueError(f"networks.{name}: {entry} can't be {value}; write {len(CLASSES)}, or 0 for none")
         config = replace(config, **{name: replace(before, **settings)})
     return config
 

@@ -30,6 +30,7 @@ from relight_core.networks.bundle import (
     with_person_network,
     with_residual_blocks,
 )
+from relight_core.networks.folded_unet import FoldedUNet
 from relight_core.networks.foreign_shadow import ForeignShadowConfig, ForeignShadowNetwork
 from relight_core.networks.person import PersonConfig, PersonNetwork
 from relight_core.training.distillation import Teacher
@@ -104,8 +105,8 @@ def train(run: Run, report) -> NetworkBundle:
     """Run a stage; see `loop.train_stage` for `report` and what is raised.
 
     Raises:
-        InputError: nobody has taught the networks that a stage learns from, or its samples are not pairs that could
-            be used again.
+        InputError: nobody has taught the networks that a stage learns from, its samples are not pairs that could
+            be used again, or its network takes no photos of that size.
     """
     torch.manual_seed(run.seed)
     stage = STAGES[run.stage]
@@ -125,6 +126,8 @@ def train(run: Run, report) -> NetworkBundle:
         bundle = with_foreign_shadow_network(bundle, network)
     if stage.samples == "outlines" and bundle.person is None:
         bundle = with_person_network(bundle, PersonNetwork(run.config.person or PersonConfig()))
+    if stage.samples != "pairs":
+        _check_photos(run, bundle.person if stage.samples == "outlines" else bundle.foreign_shadow)
     budget = Budget(
         run.learning_rate or stage.learning_rate,
         minutes=run.minutes,
@@ -138,6 +141,15 @@ def train(run: Run, report) -> NetworkBundle:
     batches = _example_batches(run, stage, bundle, device) if stage.distilled else samples
     with denormals_flushed(), batches as batches_from:
         return train_stage(stage, bundle, batches_from, budget, run.checkpoint, report, device, _begun_with(run, stage))
+
+
+def _check_photos(run: Run, network: FoldedUNet) -> None:
+    """Raise InputError for photos that a network over blocks of 2 x 2 pixels can't learn from."""
+    if run.size % 2:
+        raise InputError(f"{run.stage}: photos of {run.size} pixels have no whole blocks of 2; give an even size")
+    if run.pairs == 1 and run.size <= 2**network.config.levels:
+        # Its coarsest level is one pixel then, and of one number there is no deviation to normalise by.
+        raise InputError(f"{run.stage}: one photo of {run.size} pixels is too little for a batch; give more or larger")
 
 
 def _begun_with(run: Run, stage: Stage) -> dict[str, int | str]:

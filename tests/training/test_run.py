@@ -103,6 +103,23 @@ def test_too_little_shared_memory_is_told_in_words_to_act_on(words):
         next(plain)
 
 
+@pytest.mark.parametrize(
+    ("stage", "size", "pairs", "words"),
+    [
+        ("outline", 17, 8, "photos of 17 pixels have no whole blocks of 2; give an even size"),
+        ("outline", 64, 1, "one photo of 64 pixels is too little for a batch"),
+        ("foreign-shadow", 32, 1, "one photo of 32 pixels is too little for a batch"),
+    ],
+)
+def test_photos_that_a_network_of_blocks_can_not_learn_from_are_refused_before_any_is_made(
+    tmp_path, stage, size, pairs, words
+):
+    settings = {"steps": 1, "size": size, "pairs": pairs, "config": BundleConfig.tiny()}
+    with pytest.raises(InputError, match=f"{stage}: {words}"):
+        train(Run(stage, tmp_path, tmp_path, tmp_path / "w.safetensors", **settings), heedless)
+    assert not list(tmp_path.iterdir())
+
+
 class Killed(IterableDataset):
     def __init__(self, *_, **__):
         pass
