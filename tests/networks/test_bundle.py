@@ -9,11 +9,21 @@ from safetensors.torch import load_file, save_file
 
 from relight_core.errors import InputError
 from relight_core.networks.blocks import fold_normalisation
-from relight_core.networks.bundle import BundleConfig, NetworkBundle, load_bundle, save_bundle, with_narrow_pair
+from relight_core.networks.bundle import (
+    BundleConfig,
+    NetworkBundle,
+    load_bundle,
+    save_bundle,
+    with_detail_pass,
+    with_narrow_pair,
+    with_person_network,
+)
 from relight_core.networks.composition import CompositionConfig
 from relight_core.networks.delight import DelightConfig
 from relight_core.networks.pair import PairConfig, RelightingPair
+from relight_core.networks.person import PersonConfig, PersonNetwork
 from relight_core.networks.specular_shadow import SpecularShadowConfig, SpecularShadowNetwork
+from relight_core.networks.tensor_file import checksum
 
 
 @pytest.fixture
@@ -49,13 +59,14 @@ def test_half_precision_comes_back_nearly(bundle, tmp_path):
         torch.testing.assert_close(loaded.state_dict()[name], value, rtol=1e-3, atol=1e-6)
 
 
-def test_variances_beyond_half_precision_survive(bundle, tmp_path):
+def test_means_and_variances_beyond_half_precision_survive(bundle, tmp_path):
     bundle.delight.encoder.stem.norm.running_var.fill_(1e6)
     bundle.delight.encoder.stem.norm.running_var[0] = 1e-9
+    bundle.delight.encoder.stem.norm.running_mean.fill_(1e6)
     save_bundle(tmp_path / "w.safetensors", bundle)
-    variance = load_bundle(tmp_path / "w.safetensors").delight.encoder.stem.norm.running_var
-    assert variance[1] == 1e6
-    assert 0 < variance[0] < 1e-8
+    norm = load_bundle(tmp_path / "w.safetensors").delight.encoder.stem.norm
+    assert norm.running_var[1] == norm.running_mean[1] == 1e6
+    assert 0 < norm.running_var[0] < 1e-8
 
 
 def test_another_configuration_travels_with_the_weights(tmp_path):
@@ -108,6 +119,7 @@ def rewritten(path, metadata, drop=None):
     [
         None,
         {"format": "somebody-else's", "config": "{}"},
+        {"format": "relight-networks-2", "config": BundleConfig.tiny().to_json()},
         {"format": "relight-networks-1"},
         {"format": "relight-networks-1", "config": "{}"},
         {"format": "relight-networks-1", "config": "not json"},
@@ -177,6 +189,8 @@ def test_what_was_begun_without_the_light_is_gone_on_with(classes):
     for name, buffer in network.named_buffers():
         if name.endswith("running_var"):
             buffer.uniform_(0.5, 2)
+        if name.endswith("running_mean"):
+            buffer.normal_()
     network = fold_normalisation(network.eval().requires_grad_(False))
     normal, light = torch.nn.functional.normalize(torch.randn(1, 3, 32, 32), dim=1), torch.rand(1, 16, 32, 3)
     fixed, hints = torch.rand(1, classes + 1, 32, 32) if classes else None, torch.rand(1, 3, 32, 32)
@@ -215,7 +229,8 @@ def test_where_there_is_one_pair_it_serves_for_both(bundle, tmp_path):
 
 
 def test_another_narrow_pair_takes_the_first_one_s_place(bundle):
-    both = two_pairs(bundle)
+    deeper = RelightingPair(PairConfig(SpecularShadowConfig(width=2, levels=4), CompositionConfig(2, 3)))
+    both = two_pairs(with_narrow_pair(bundle, deeper))
     other = RelightingPair(PairConfig(SpecularShadowConfig(width=2, levels=2), CompositionConfig(2, 2)))
     again = with_narrow_pair(both, other)
     assert again.narrow.specular_shadow.config.width == 2
@@ -255,3 +270,26 @@ def test_both_pairs_are_made_ready_and_rounded(bundle):
     assert not any(block.conv.weight.requires_grad for block in ready.narrow.modules() if hasattr(block, "conv"))
     assert not torch.equal(exact, rounded)
     torch.testing.assert_close(rounded, exact, rtol=0, atol=0.05)
+
+
+@pytest.mark.parametrize(
+    "grown",
+    [
+        lambda bundle: with_detail_pass(bundle, 4),
+        two_pairs,
+        lambda bundle: with_person_network(bundle, PersonNetwork(PersonConfig(4, 3, 8))),
+    ],
+)
+def test_what_is_said_of_weights_goes_with_them_into_larger_bundles_and_is_changed_apart(bundle, grown):
+    bundle.card = {"licence": "CC0"}
+    larger = grown(bundle)
+    assert larger.card["licence"] == "CC0"
+    larger.card["steps"] = "9"
+    assert bundle.card == {"licence": "CC0"}
+
+
+def test_a_checksum_tells_names_types_and_shapes_apart():
+    value = torch.zeros(2, 4)
+    files = ({"a": value}, {"b": value}, {"a": value.T}, {"a": value.int()}, {"a": value + 1})
+    assert len({checksum(tensors) for tensors in files}) == 5
+    assert checksum({"a": value.T.contiguous().T, "b": value}) == checksum({"b": value, "a": value})
