@@ -116,6 +116,16 @@ def test_what_lies_outside_the_head_does_not_count(truth, covered):
     assert score_relit(spoiled, truth["image"], 2.0, covered, covered)["relit.ssim"] == pytest.approx(1)
 
 
+def test_of_a_part_of_the_head_nothing_beside_it_counts(truth, covered):
+    part = covered & (np.arange(SIZE) < 12)
+    spoiled = truth["image"].copy()
+    spoiled[~part] = 0.3
+    figures = score_relit(spoiled, truth["image"], 2.0, covered, part)
+    for name in ("relit.rmse", "relit.rmse_aligned", "relit.rmse_as_lit"):
+        assert figures[name] == pytest.approx(0, abs=1e-6), name
+    assert figures["relit.psnr"] == 100
+
+
 def test_a_darker_picture_is_worse_but_aligned(truth, covered):
     figures = score_relit(truth["image"] * 0.8, truth["image"], 2.0, covered, covered)
     assert figures["relit.rmse"] > 0.03
@@ -167,4 +177,5 @@ def test_the_unchanged_photo(truth, covered):
 
 def test_black_estimates_give_figures(truth, covered):
     figures = score_relit(truth["image"] * 0, truth["image"], 2.0, covered, covered)
+    figures |= score_surface(found(truth, guess=light() * 0), light(), truth, covered)
     assert all(np.isfinite(value) for value in figures.values())

@@ -9,16 +9,16 @@ from relight_core.training.relight_steps import flatten_pairs
 
 def test_images_shrink_by_area_and_lights_do_not():
     images = torch.rand(2, 3, 64, 64)
-    torch.testing.assert_close(shrunk(images, 32)[1, 2, 5, 7], images[1, 2, 10:12, 14:16].mean())
+    torch.testing.assert_close(shrunk(images, 16)[1, 2, 5, 7], images[1, 2, 20:24, 28:32].mean())
     light = torch.rand(2, 16, 32, 3)
     assert shrunk(light, 8) is light
     assert shrunk(images, None) is images
 
 
 def test_shares_are_those_of_the_pixels_in_each_square():
-    label = torch.zeros(1, 4, 6, dtype=torch.long)
-    label[0, 0, 2:4] = 1
-    label[0, 2:, 4:] = 2
+    label = torch.zeros(1, 8, 6, dtype=torch.long)
+    label[0, :2, 2:4] = 1
+    label[0, 4:, 4:] = 2
     shares = label_shares(label, 3, (2, 3))
     assert shares[0, :, 0, 1].tolist() == [0.5, 0.5, 0.0]
     assert shares[0, :, 1, 2].tolist() == [0.0, 0.0, 1.0]
@@ -56,6 +56,7 @@ def test_a_square_that_is_covered_in_part_has_the_mean_of_that_part():
     small = shrunk_within(value, covered, 2)
     assert small[0, 1].tolist() == [[2.0, 5.0], [0.0, 0.0]]
     assert shrunk_within(value, covered, 4) is value
+    torch.testing.assert_close(shrunk_within(value, covered / 1000, 2), small)
 
 
 def test_what_lies_outside_a_head_has_no_say_in_its_shrunk_channels():

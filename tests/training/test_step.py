@@ -1,6 +1,7 @@
 """One step of training, and what lets a GPU play it back."""
 
 import copy
+from dataclasses import replace
 
 import pytest
 import torch
@@ -93,6 +94,21 @@ def test_a_batch_that_is_not_finite_changes_nothing():
     assert step(broken) == {}
     for name, value in bundle.state_dict().items():
         torch.testing.assert_close(value, before[name], rtol=0, atol=0)
+
+
+@pytest.mark.parametrize(
+    "spoilt",
+    [lambda weight: weight.sum() + float("inf"), lambda weight: (0 * weight).sum().sqrt()],
+    ids=["loss", "gradient"],
+)
+def test_a_loss_or_a_gradient_that_alone_is_not_finite_changes_nothing(spoilt):
+    bundle = NetworkBundle(BundleConfig.tiny()).requires_grad_(False).to(memory_format=torch.channels_last)
+    bundle.delight.requires_grad_(True)
+    losses = lambda bundle, table, batch: {"spoilt": spoilt(bundle.delight.head.weight)}  # noqa: E731
+    stage = replace(STAGES["warm-delight"], losses=losses)
+    before = bundle.delight.head.weight.detach().clone()
+    assert Step(stage, bundle, ReflectionTable(), Optimiser(bundle, 1e-3), "cpu")({}) == {}
+    assert torch.equal(bundle.delight.head.weight, before)
 
 
 @pytest.mark.skipif(not torch.cuda.is_available(), reason="no GPU")
