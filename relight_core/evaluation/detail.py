@@ -67,9 +67,9 @@ def compare_detail(
     Raises:
         InputError: heads or lights are missing or damaged, or a head is smaller than what the networks see.
     """
-    library, pool = held_out_lights(lights, split), held_out_textures()
-    paths, size, done = held_out_paths(heads, split, count), 0, 0
+    library, paths = held_out_lights(lights, split), held_out_paths(heads, split, count)
     _check_sizes(paths)
+    pool, size, done = held_out_textures(), 0, 0
     total = sum(len(_pairs(_chosen(library, number))) for number in range(len(paths)))
     rows = {kind: defaultdict(list) for kind in ("errors", "blurred")}
     for number, path in enumerate(paths):

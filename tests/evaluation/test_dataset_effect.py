@@ -10,7 +10,11 @@ from synthetic_heads import write_balls, write_lights
 from relight_core.dataset import stream
 from relight_core.dataset.painting.texture import TexturePool
 from relight_core.errors import InputError
+from relight_core.evaluation import dataset_effect
 from relight_core.evaluation.dataset_effect import Lesson, Seen, measure, taught
+from relight_core.face.find import FaceBox
+from relight_core.imaging.write import write_image
+from relight_core.networks.bundle import BundleConfig, NetworkBundle
 
 SIZE = 32
 
@@ -47,13 +51,19 @@ def test_edges_of_both_directions_count_and_what_is_nearly_black_has_none(turned
 
 def test_people_of_one_tone_have_no_spread_and_of_two_half_their_distance():
     assert measure([person(-2), person(-2)]).spread == pytest.approx(0, abs=1e-5)
-    assert measure([person(-1.5), person(-3.5)]).spread == pytest.approx(1, abs=0.01)
+    assert measure([person(-1.5), person(-4.5)]).spread == pytest.approx(1.5, abs=0.01)
 
 
 def test_light_left_is_the_part_of_the_sides_difference_that_the_albedo_keeps():
     assert measure([person(-2, slope=2, albedo_slope=1)]).light_left == pytest.approx(0.5, abs=0.05)
     assert measure([person(-2, slope=-2, albedo_slope=0)]).light_left == pytest.approx(0, abs=0.1)
     assert np.isnan(measure([person(-2)]).light_left)
+    aside = person(-2, slope=2, albedo_slope=1)
+    aside.face[:, :20] = False
+    # The halves of a face of eight columns, which all lie right of the picture's middle.
+    aside.albedo_srgb[:, :24], aside.albedo_srgb[:, 24:] = 0.3, 0.6
+    aside.photo_srgb[:, :24], aside.photo_srgb[:, 24:] = 0.3, 0.6
+    assert measure([aside]).light_left == pytest.approx(1, abs=1e-3)
 
 
 def test_no_face_gives_no_figures():
@@ -61,6 +71,49 @@ def test_no_face_gives_no_figures():
     nobody.face[:] = False
     figures = measure([nobody])
     assert np.isnan([figures.detail, figures.spread, figures.light_left]).all()
+
+
+def test_a_face_of_a_few_pixels_tells_no_detail():
+    seen = person(-2)
+    seen.face[:] = False
+    seen.face[4:9, 4:10] = True
+    assert np.isnan(measure([seen]).detail)
+    assert measure([seen]).spread == 0
+
+
+@pytest.fixture
+def two_faces(tmp_path, monkeypatch):
+    """Photos of which the second alone has faces, small ones: a grey at the left, before a white at the right."""
+    paths = [tmp_path / "nobody.png", tmp_path / "two.png"]
+    picture = np.full((40, 120, 3), 0.1, np.float32)
+    picture[:, 80:] = 0.8
+    for path, image in zip(paths, (0 * picture + 0.05, picture), strict=True):
+        write_image(path, image)
+    monkeypatch.setattr(dataset_effect, "find_faces", lambda photo: [])
+    monkeypatch.setattr(dataset_effect, "find_small_faces", lambda photo: [1] if photo.linear.max() > 0.5 else [])
+    boxes = [FaceBox(15, 15, 25, 25), FaceBox(95, 15, 105, 25)]
+    monkeypatch.setattr(dataset_effect, "choose_faces", lambda photo: boxes)
+    monkeypatch.setattr(dataset_effect, "load_bundle", lambda path: NetworkBundle(BundleConfig.tiny()))
+    return paths
+
+
+def test_photos_with_a_face_however_small_are_shown_by_their_first(two_faces):
+    assert dataset_effect.photos_of_people(two_faces) == two_faces[1:]
+    with pytest.raises(InputError, match="no face in any"):
+        dataset_effect.photos_of_people(two_faces[:1])
+    pupils = {name: NetworkBundle(BundleConfig.tiny()).eval() for name in ("plain", "varied")}
+    shown = dataset_effect.compare_photos(pupils, two_faces[1:], 16)
+    assert [name for name, _ in shown.pictures] == [
+        "photo",
+        "albedo, plain",
+        "albedo, varied",
+        "normal, plain",
+        "normal, varied",
+    ]
+    photo = shown.pictures[0][1]
+    assert photo.shape == (16, 16, 3)
+    assert photo.mean() == pytest.approx(float(encode(np.float32(0.1))), abs=0.01)
+    assert (shown.photos, set(shown.figures)) == (1, {"plain", "varied"})
 
 
 @pytest.mark.parametrize("plain", [True, False])

@@ -1,5 +1,7 @@
 """Comparing ways to carry a relit view to the photo's size, on balls."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from synthetic_heads import ball, write_balls, write_lights
@@ -97,6 +99,8 @@ def test_photo_and_truth_are_as_bright_as_a_meter_has_them_before_the_same_grey(
         assert (task.gloss_small[..., 0] <= luminance + 1e-4).all()
         assert task.gloss_small[covered].max() > 0
         assert task.gloss_small[~covered].max() == 0
+    # The first photo is under the light that the lamps' photos are relit with at the end.
+    np.testing.assert_allclose(np.clip(tasks[-2].relit_small, 0, 1)[covered], tasks[0].photo[covered], atol=1e-5)
 
 
 def test_regions_are_where_they_are_called_and_edges_of_shadows_lie_within_the_head():
@@ -122,6 +126,17 @@ def test_a_region_that_some_heads_lack_is_the_mean_over_the_others():
     means = list(detail._means(rows).values())
     assert means[:3] == pytest.approx([4, 4, 11 / 3])
     assert np.isnan(means[6])
+
+
+def test_every_head_is_under_other_lights(tmp_path):
+    write_lights(tmp_path / "lights.npz", 3)
+    panoramas = held_out_lights(tmp_path / "lights.npz", "test")[:3]
+    lamps = [light for light in held_out_lights(tmp_path / "lights.npz", "test") if light.lamp]
+    library = [*panoramas, *(replace(light, name=f"other {light.name}") for light in panoramas), *lamps]
+    first, second = ([light.name for light in detail._chosen(library, number)] for number in (0, 1))
+    assert not set(first[:3]) & set(second[:3])
+    assert first[3:] == [lamps[0].name, lamps[1].name]
+    assert second[3:] == [lamps[1].name, lamps[2].name]
 
 
 @pytest.mark.parametrize("count", [1, 2, 3])
