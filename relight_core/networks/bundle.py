@@ -31,7 +31,7 @@ FORMAT = "relight-networks-1"
 
 _CHECKSUM = "sha256"
 _MEND = "give others, or install relight again if they are its own"
-_DAMAGE = (OSError, SafetensorError, RuntimeError, TypeError, ValueError, MemoryError, OverflowError)
+_DAMAGE = (OSError, SafetensorError, RuntimeError, TypeError, ValueError, IndexError, MemoryError, OverflowError)
 
 
 @dataclass(frozen=True)

@@ -134,6 +134,16 @@ def test_other_formats_and_broken_headers_are_refused(bundle, tmp_path, metadata
         load_bundle(path)
 
 
+@pytest.mark.parametrize("network", ["delight", "specular_shadow", "composition"])
+def test_a_header_of_networks_without_levels_is_refused(bundle, tmp_path, network):
+    path, config = tmp_path / "w.safetensors", json.loads(bundle.config.to_json())
+    save_bundle(path, bundle)
+    config[network]["levels"] = 0
+    rewritten(path, {"format": "relight-networks-1", "config": json.dumps(config)})
+    with pytest.raises(InputError, match="these weights can't be read"):
+        load_bundle(path)
+
+
 def test_a_missing_tensor_and_other_sizes_are_refused(bundle, tmp_path):
     path = tmp_path / "w.safetensors"
     good = {"format": "relight-networks-1", "config": bundle.config.to_json()}
