@@ -40,6 +40,10 @@ def test_networks_beside_the_first_three_are_joined_to_other_weights(command_lin
     save_bundle(data / "person.safetensors", person)
     assert command_line(*words, data / "person.safetensors").code == 0
     assert load_bundle(data / "both.safetensors").config.person == PersonConfig(4, 3, 8)
+    save_bundle(data / "two.safetensors", with_person_network(narrow, PersonNetwork(PersonConfig(4, 3, 8))))
+    assert command_line(*words, data / "two.safetensors").code == 0
+    both = load_bundle(data / "both.safetensors")
+    assert (both.config.narrow, both.config.person) == (narrow.config.narrow, PersonConfig(4, 3, 8))
     foreign = ForeignShadowNetwork(ForeignShadowConfig(4, 3, 8))
     save_bundle(data / "foreign.safetensors", with_foreign_shadow_network(tiny, foreign))
     assert command_line(*words, data / "foreign.safetensors").code == 0
