@@ -357,8 +357,8 @@ def test_the_foreign_shadow_network_learns_and_the_others_stay(tmp_path):
     assert (tmp_path / "w.samples.png").exists()
 
 
-@pytest.mark.parametrize(("steps", "nearest"), [(50, 40), (300, 250), (2000, 1400)])
-def test_averaged_weights_follow_closely_at_first(steps, nearest):
+@pytest.mark.parametrize(("steps", "least", "most"), [(50, 40, 49), (300, 250, 290), (2000, 1400, 1850)])
+def test_averaged_weights_follow_closely_at_first_and_later_over_hundreds_of_steps(steps, least, most):
     bundle = NetworkBundle(BundleConfig.tiny())
     average, first = AveragedWeights(bundle), next(bundle.parameters())
     for step in range(1, steps + 1):
@@ -366,4 +366,4 @@ def test_averaged_weights_follow_closely_at_first(steps, nearest):
             first.fill_(float(step))
         average.update(bundle, step)
     reached = float(next(average.bundle(bundle).parameters()).detach().flatten()[0])
-    assert nearest < reached < steps
+    assert least < reached < most
