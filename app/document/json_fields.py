@@ -168,10 +168,21 @@ def write_json(path: Path, kind: str, version: int, content: dict) -> None:
     Raises:
         InputError: a place that can't be written.
     """
-    # In ASCII, which can also hold the names of files that are no text in any encoding.
-    text = json.dumps({MARK: kind, "version": version, **content}, indent=1, allow_nan=False, ensure_ascii=True)
     with whole_file(path) as part:
-        part.write_text(text + "\n", encoding="ascii")
+        part.write_text(_text(kind, version, content), encoding="ascii")
+
+
+def holds_json(path: Path, kind: str, version: int, content: dict) -> bool:
+    """Whether a file is as `write_json` would write it; False where it can't be read."""
+    try:
+        return not _is_odd(path) and path.read_text(encoding="ascii") == _text(kind, version, content)
+    except (OSError, ValueError):
+        return False
+
+
+def _text(kind: str, version: int, content: dict) -> str:
+    # In ASCII, which can also hold the names of files that are no text in any encoding.
+    return json.dumps({MARK: kind, "version": version, **content}, indent=1, allow_nan=False, ensure_ascii=True) + "\n"
 
 
 def kind_of(path: Path) -> str | None:

@@ -2,14 +2,24 @@
 
 from __future__ import annotations
 
+import itertools
 import os
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 from app.document.brush_strokes import brush_strokes_content, read_brush_strokes
 from app.document.document import Document, LightRef, PhotoRef
 from app.document.face_boxes import face_boxes_content, read_face_boxes
-from app.document.json_fields import Fields, kind_of, path_for_file, path_from_file, read_json, write_json
+from app.document.json_fields import (
+    Fields,
+    holds_json,
+    kind_of,
+    path_for_file,
+    path_from_file,
+    read_json,
+    write_json,
+)
 from app.document.light_file import SavedLight, light_content, read_light, read_light_content
 from app.engine.batch import name_beside_a_namesake
 from app.engine.places import folder_for_outputs
@@ -74,11 +84,10 @@ def session_path(photo: Path) -> Path:
 def saved_session(photo: Path) -> Path | None:
     """The newest session that was saved of just this photo: beside it, or where its exports go.
 
-    Where another photo has the same name, it may be called as of `free_session_path`.
+    Where its name was taken, it is called as of `free_session_path`.
     """
     folders = dict.fromkeys((photo.absolute().parent, folder_for_outputs(photo)))
-    names = (photo.stem, name_beside_a_namesake(photo))
-    places = [folder / (name + SESSION_SUFFIX) for folder in folders for name in names]
+    places = [place for folder in folders for place in _places_in(folder, photo)]
     saved = {path: saved_s for path in places if (saved_s := _saved_s(path, photo)) is not None}
     return max(saved, key=saved.get, default=None)
 
@@ -92,11 +101,19 @@ def free_session_path(path: Path, photo: Path) -> Path:
     name = path.name[: len(path.name) - len(ending)]
     if name == photo.stem:
         name = name_beside_a_namesake(photo)
-    free, number = path.with_name(name + ending), 1
-    while os.path.lexists(free):
-        number += 1
-        free = path.with_name(f"{name}-{number}{ending}")
-    return free
+    return next(place for place in _numbered(path.parent, name, ending) if not os.path.lexists(place))
+
+
+def _numbered(folder: Path, name: str, ending: str) -> Iterator[Path]:
+    yield folder / (name + ending)
+    for number in itertools.count(2):
+        yield folder / f"{name}-{number}{ending}"
+
+
+def _places_in(folder: Path, photo: Path) -> list[Path]:
+    """Where a photo's sessions may be in a folder: under its name, and as `free_session_path` has named them there."""
+    numbered = _numbered(folder, name_beside_a_namesake(photo), SESSION_SUFFIX)
+    return [folder / (photo.stem + SESSION_SUFFIX), *itertools.takewhile(os.path.lexists, numbered)]
 
 
 def _saved_s(path: Path, photo: Path) -> float | None:
@@ -120,9 +137,24 @@ def write_session(path: Path, document: Document, *, relative: bool = True) -> N
     """
     if document.photo is None:
         raise InputError("There is no photo to save a session of; open one first")
-    folder = path.parent if relative else None
+    write_json(path, KIND, VERSION, _content(document, path.parent if relative else None))
+
+
+def holds_work(path: Path, document: Document) -> bool:
+    """Whether a session file holds just this, as it was opened from there or saved there.
+
+    It does, too, where that photo or that light is not there any more.
+    """
+    content = _content(document, path.parent)
+    try:
+        return holds_json(path, KIND, VERSION, content) or _content(read_session(path).document, path.parent) == content
+    except InputError:
+        return False
+
+
+def _content(document: Document, folder: Path | None) -> dict:
     edit = document.edit
-    content = {
+    return {
         "photo": path_for_file(document.photo.path, folder),
         "face": document.photo.face_index,
         "face_boxes": face_boxes_content(document.photo.boxes),
@@ -133,7 +165,6 @@ def write_session(path: Path, document: Document, *, relative: bool = True) -> N
         | {"background": edit.background}
         | {key: sorted(getattr(edit, key)) for key in _FORCED},
     }
-    write_json(path, KIND, VERSION, content)
 
 
 def read_session(path: Path) -> Session:

@@ -53,6 +53,15 @@ def is_worked_on(state: EditorState, path: Path) -> bool:
     return (is_wanted and _is_put_back(state)) or (work is not None and work.is_work)
 
 
+def unsaved_work(state: EditorState, path: Path) -> Document | None:
+    """The work on a photo, be it open or left for another, that no session file holds; None where there is none."""
+    if not (_is_wanted(state, path) and state.is_at_work()):
+        work = state.works.get(path.absolute())
+    else:
+        work = state.waiting if is_waiting(state) else KeptWork(state.session_path, state.kept, state.document())
+    return work.left if work is not None and work.left != work.document else None
+
+
 def note_left(state: EditorState) -> None:
     """Remember the open photo and the work on it as they are; before anything else is wished for."""
     if state.is_at_work():
@@ -113,16 +122,16 @@ def resume(state: EditorState, work: KeptWork) -> None:
         state.session_path, state.kept, state.waiting = work.session_path, work.document, None
 
 
-def session_of_photo(state: EditorState) -> Path | None:
-    """The session file of the photo that is wanted, be it open yet or not.
+def session_of_photo(state: EditorState) -> tuple[Path, Document] | None:
+    """The session file of the photo that is wanted, be it open yet or not, and the work as that file was left.
 
     None where this run knows of none, or where that file holds other work than what is set now.
     """
     if state.is_at_work():
-        return state.session_path
+        return (state.session_path, state.kept) if state.session_path is not None else None
     work = _work_on(state, state.photo)
     goes_on = work is not None and (_is_undone(state, state.photo) or work.left == state.document())
-    return work.session_path if goes_on else None
+    return (work.session_path, work.document) if goes_on and work.session_path is not None else None
 
 
 def note_saved(state: EditorState, path: Path, document: Document) -> None:

@@ -12,6 +12,7 @@ from app.document.light_file import LIGHT_SUFFIX, SavedLight, write_light
 from app.document.session_file import (
     SESSION_SUFFIX,
     free_session_path,
+    holds_work,
     saved_session,
     session_path,
     write_session,
@@ -34,7 +35,7 @@ from app.window.offers import saved_session_offer, work_of_this_run_offer
 from app.window.outputs import Outputs
 from app.window.recent_lights import RecentLights
 from app.window.recovery import Recovery
-from app.window.replacing import check_place, tried, write_or_ask
+from app.window.replacing import check_place, put_or_ask, tried, write_or_ask
 from relight_core.errors import InputError
 from relight_core.imaging.files import legible
 
@@ -120,27 +121,13 @@ class Deeds:
 
     def save_session(self) -> None:
         """Save to the session's file; the first time beside the photo."""
-        write, own = self._session_writer(), session_of_photo(self._state)
-        photo = self._state.photo.path
-        if own is not None:
-            write(own)
-        else:
-            self._write_or_ask(session_path(photo), write, lambda taken: free_session_path(taken, photo))
+        document, start, save = self._session_saver()
+        self._put_or_ask(document, lambda: save(start))
 
     def save_session_as(self) -> None:
         """Choose where to save the session."""
-        write, own = self._session_writer(), session_of_photo(self._state)
-        photo = self._state.photo.path
-
-        def save_there(paths: list[Path]) -> None:
-            path = named_as(paths[0], SESSION_SUFFIX)
-            if path == own:
-                self._tried(write, path)
-            else:
-                self._write_or_ask(path, write, lambda taken: free_session_path(taken, photo))
-
-        start = own or session_path(photo)
-        self._ask("save", "Save the session", (SESSION_SUFFIX,), save_there, start)
+        document, start, save = self._session_saver()
+        self._put_or_ask(document, lambda: self._ask_place("Save the session", start, SESSION_SUFFIX, save))
 
     def save_light(self) -> None:
         """Choose where to save the light alone."""
@@ -244,9 +231,12 @@ class Deeds:
         self._ask("save", title, (suffix,), lambda paths: then(named_as(paths[0], suffix)), start)
 
     def _write_or_ask(
-        self, path: Path, write: Callable[[Path], None], free: Callable[[Path], Path] = free_path
+        self, path: Path, write: Callable[[Path], None], free: Callable[[Path], Path] = free_path, there: str = ""
     ) -> None:
-        write_or_ask(self._state.asking, path, lambda chosen, _: write(chosen), free)
+        write_or_ask(self._state.asking, path, lambda chosen, _: write(chosen), free, there)
+
+    def _put_or_ask(self, document: Document, put: Callable[[], None]) -> None:
+        put_or_ask(self._state, document, "what is set", put, lambda: None)
 
     def _batch_there(self, paths: list[Path]) -> None:
         self._tried(lambda folder: self._batch_over(photos_beside(folder, self._state.light)), paths[0])
@@ -260,8 +250,10 @@ class Deeds:
     def _take_light(self, path: Path) -> None:
         self._tried(lambda chosen: use_as_light(self._state, chosen), path)
 
-    def _session_writer(self) -> Callable[[Path], None]:
-        """Writes the work as it is now, whichever photo is open by the time the place is known.
+    def _session_saver(self) -> tuple[Document, Path, Callable[[Path], None]]:
+        """The work as it is now, where its session goes by itself, and what saves it, whichever photo is open by then.
+
+        It asks before it replaces anything but the session's own file, and that, too, where other work was put there.
 
         Raises:
             InputError: there is no photo.
@@ -269,7 +261,20 @@ class Deeds:
         document = self._state.document()
         if document.photo is None:
             raise InputError("There is no photo to save a session of; open one first")
-        return lambda path: self._write_session(path, document)
+        photo = document.photo.path
+        own, held = session_of_photo(self._state) or (None, None)
+
+        def write(path: Path) -> None:
+            self._write_session(path, document)
+
+        def save(path: Path) -> None:
+            if path == own and holds_work(path, held):
+                self._tried(write, path)
+                return
+            there = f"{path.name} holds other work than it did when it was opened or saved here." if path == own else ""
+            self._write_or_ask(path, write, lambda taken: free_session_path(taken, photo), there)
+
+        return document, own or session_path(photo), save
 
     def _write_session(self, path: Path, document: Document) -> None:
         check_place(path, "session")
@@ -310,4 +315,7 @@ class Deeds:
             if self._state.waiting is work:
                 self._state.waiting = None
 
-        self._state.asking.ask(work_of_this_run_offer(work, lambda: resume(self._state, work), start_afresh))
+        def go_on() -> None:
+            self._put_or_ask(work.left, lambda: resume(self._state, work))
+
+        self._state.asking.ask(work_of_this_run_offer(work, go_on, start_afresh))

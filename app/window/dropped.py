@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from app.document.json_fields import kind_of
@@ -12,6 +12,7 @@ from app.engine.batch import photos_in
 from app.engine.sources import PHOTO_SUFFIXES, LightSource
 from app.ui.photo_queue import PhotoQueue
 from app.ui.state import EditorState
+from app.window.replacing import put_or_ask
 from relight_core.errors import InputError
 from relight_core.imaging.files import is_same_file, legible
 from relight_core.imaging.formats.exr import exr_size
@@ -82,20 +83,28 @@ def use_as_light(state: EditorState, path: Path) -> None:
         state.open_light(LightSource.named(str(path)))
 
 
-def open_session(state: EditorState, path: Path, light_follows: bool = False) -> None:
-    """Open a session file, under the first light where its own can't be had.
+def open_session(
+    state: EditorState, path: Path, light_follows: bool = False, then: Callable[[], None] = lambda: None
+) -> None:
+    """Open a session file, under the first light where its own can't be had; asks where unsaved work would be replaced.
 
     The file goes on naming that light then: saving asks before it replaces it.
 
     Args:
         light_follows: another light takes the place of the session's, so that none stands in for it.
+        then: called once it was asked for, which is never where the user keeps the work that is there.
 
     Raises:
         InputError: it can't be read, or its photo isn't there.
     """
     session = read_session(path)
-    state.open_session(session.document, None if session.lost_light else path)
-    _tell_notes(state, path, session.told(light_follows))
+
+    def put() -> None:
+        state.open_session(session.document, None if session.lost_light else path)
+        _tell_notes(state, path, session.told(light_follows))
+        then()
+
+    put_or_ask(state, session.document, str(path), put, lambda: None)
 
 
 def _open(state: EditorState, paths: Sequence[Path], light_follows: bool = False) -> None:
@@ -117,15 +126,21 @@ def _open(state: EditorState, paths: Sequence[Path], light_follows: bool = False
     _tell(state, notes)
     session = next((path for path in ours[:1] if kind_of(path) != "light"), None)
     if session is not None:
-        open_session(state, session, light_follows or bool(lights))
-    elif ours:
+        open_session(state, session, light_follows or bool(lights), lambda: _open_beside_session(state, lights, photos))
+        return
+    if ours:
         use_as_light(state, ours[0])
     if lights:
         state.open_light(LightSource.named(str(lights[0])))
-    if photos and session is not None:
-        state.queue = _queue_with(state.photo.path, photos)
-    elif photos:
+    if photos:
         state.open_photos(photos)
+
+
+def _open_beside_session(state: EditorState, lights: Sequence[Path], photos: Sequence[Path]) -> None:
+    if lights:
+        state.open_light(LightSource.named(str(lights[0])))
+    if photos:
+        state.queue = _queue_with(state.photo.path, photos)
 
 
 def _queue_with(opened: Path, photos: Sequence[Path]) -> PhotoQueue:

@@ -12,6 +12,7 @@ from app.engine.sources import PhotoSource
 from app.ui.photo_works import is_waiting
 from app.ui.state import EditorState
 from app.window.offers import leftover_offer
+from app.window.replacing import put_or_ask
 
 _OFFERS = 3
 """Questions about unsaved work that are asked at a time."""
@@ -102,11 +103,14 @@ class Recovery:
             self._offer(self._unoffered.pop(0))
 
     def _offer(self, leftover: Leftover) -> None:
-        def restore() -> None:
+        def put() -> None:
             self._state.open_session(leftover.document, None)
             self._look_after_restored()
             self._restoring = self._state.photo, leftover
             self._offer_next()
+
+        def restore() -> None:
+            put_or_ask(self._state, leftover.document, leftover.path.name, put, lambda: self._offer(leftover))
 
         def discard() -> None:
             leftover.forget()

@@ -228,7 +228,8 @@ def test_restored_work_is_kept_until_it_takes_the_place_of_other_work_on_that_ph
     again.state.change(shadow=0.7)
     again.live()
     assert len(again.state.asking.questions) == 1
-    again.answer_question("Restore", 1)
+    again.answer_question("Restore")
+    again.answer_question("Replace it", 1)
     held = [read_session(path).document.edit.shadow for path in unsaved_files(folder)]
     assert 0.5 in held
     again.live()

@@ -98,6 +98,8 @@ def test_a_session_brings_its_boxes_back(unseen, photo_path, relighter):
     unseen.settle()
     assert unseen.window.state.snapshot.faces == ()
     unseen.drop(photo_path.with_name("person.relight.json"))
+    unseen.window.state.asking.answer(unseen.window.state.asking.questions[0], 1)
+    unseen.settle()
     assert unseen.window.state.snapshot.faces == boxes
     assert relighter.portraits[-1][2] == boxes
     assert not unseen.window.state.is_unsaved()

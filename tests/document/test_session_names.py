@@ -66,15 +66,18 @@ def test_both_of_two_photos_of_one_name_have_a_session_that_is_offered(tmp_path)
     assert saved_session(photo) == session_path(photo)
 
 
-def test_of_two_sessions_of_a_photo_the_newer_is_offered(tmp_path):
+def test_of_several_sessions_of_a_photo_the_newest_is_offered(tmp_path):
     photo = picture(tmp_path / "img.jpg")
-    paths = session_path(photo), free_session_path(session_path(photo), photo)
-    for path in paths:
-        write_session(path, Document(PhotoRef(photo)))
-    for older, newer in (paths, paths[::-1]):
-        os.utime(older, (1e9, 1e9))
-        os.utime(newer, (2e9, 2e9))
-        assert saved_session(photo) == newer
+    paths = [session_path(photo)]
+    write_session(paths[0], Document(PhotoRef(photo)))
+    for _ in range(3):
+        paths.append(free_session_path(session_path(photo), photo))
+        write_session(paths[-1], Document(PhotoRef(photo)))
+    for newest in paths:
+        for path in paths:
+            os.utime(path, (1e9, 1e9))
+        os.utime(newest, (2e9, 2e9))
+        assert saved_session(photo) == newest
 
 
 @pytest.mark.parametrize(("name", "free"), [("img", "img-jpg-2"), ("mine", "mine-2"), ("v1.2", "v1.2-2")])
