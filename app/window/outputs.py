@@ -195,10 +195,15 @@ class Outputs:
         def work(control: JobControl) -> str:
             _make_folder(folder)
             relighter = self._make_relighter()
-            kept = () if replaces else [task for task in tasks if os.path.lexists(task[1])]
+            kept = [] if replaces else [task for task in tasks if os.path.lexists(task[1])]
             outcomes = [Outcome(*task, "kept") for task in kept]
             control.step(len(kept), len(tasks))
-            for outcome in relight_each([task for task in tasks if task not in kept], partial(one, relighter)):
+            for task in [task for task in tasks if task not in kept]:
+                # Another window may have made one meanwhile, and nobody agreed to replace that.
+                if not replaces and os.path.lexists(task[1]):
+                    outcomes.append(Outcome(*task, "kept"))
+                    continue
+                (outcome,) = relight_each([task], partial(one, relighter))
                 outcomes.append(outcome)
                 if outcome.fault:
                     _log.error("Batch: %s\n%s", outcome.error, outcome.fault)

@@ -1,0 +1,94 @@
+"""A batch over photos without a window: what it replaces, how far it says it is, and what it says at the end."""
+
+from dataclasses import replace
+from types import SimpleNamespace
+
+import pytest
+from fake_relighter import FakeRelighter
+from opened_things import open_light, opened_for
+from PIL import Image
+
+from app.engine.snapshot import Picture, Snapshot
+from app.engine.sources import PhotoSource
+from app.ui.state import EditorState
+from app.window.outputs import Outputs
+from relight_core.errors import InputError
+from relight_core.pipeline.edit import Edit
+
+NAMES = ("a.png", "b.png", "c.png")
+
+
+class Exporter:
+    """Runs a job while it is handed over, and keeps how far it was; `during` is called at each step."""
+
+    def __init__(self):
+        self.steps, self.during = [], lambda done: None
+
+    def start(self, name, work):
+        self.said = work(SimpleNamespace(step=self._step))
+
+    def _step(self, done, total):
+        self.steps.append((done, total))
+        self.during(done)
+
+
+@pytest.fixture
+def photos(tmp_path):
+    for name in NAMES:
+        Image.new("RGB", (128, 96), (120, 80, 60)).save(tmp_path / name)
+    return [tmp_path / name for name in NAMES]
+
+
+@pytest.fixture
+def exporter():
+    return Exporter()
+
+
+@pytest.fixture
+def outputs(photos, exporter):
+    source = PhotoSource(photos[0])
+    opened = opened_for(source)
+    state = EditorState(photo=source)
+    light = open_light(state.light)
+    picture = Picture(opened, light, Edit(), None, SimpleNamespace(), opened.screen, {})
+    state.snapshot = Snapshot(opened=opened, light=light, picture=picture)
+    state.export = replace(state.export, form=".png")
+    return Outputs(state, exporter, FakeRelighter)
+
+
+def test_what_another_window_has_made_while_a_batch_runs_is_not_replaced(outputs, exporter, photos, tmp_path):
+    folder, other = tmp_path / "relit", tmp_path / "relit" / "b.png"
+
+    def make_another(done):
+        if done == 1:
+            other.write_bytes(b"another's")
+
+    exporter.during = make_another
+    outputs.batch_over(photos, folder)
+    assert other.read_bytes() == b"another's"
+    assert exporter.said == f"2 photos relit; 1 was done already. They are in {folder}"
+    exporter.during = lambda done: None
+    outputs.batch_over(photos, folder, replaces=True)
+    assert other.read_bytes() != b"another's"
+    assert exporter.said == f"3 photos relit. They are in {folder}"
+
+
+def test_a_batch_tells_how_far_it_is_and_counts_what_was_there(outputs, exporter, photos, tmp_path):
+    folder = tmp_path / "relit"
+    folder.mkdir()
+    (folder / "c.png").write_bytes(b"there")
+    assert outputs.done_already(photos, folder) == 1
+    outputs.batch_over(photos, folder)
+    assert exporter.steps == [(1, 3), (2, 3), (3, 3)]
+    assert (folder / "c.png").read_bytes() == b"there"
+
+
+def test_a_batch_names_the_photos_that_failed_and_says_why(outputs, exporter, photos, tmp_path):
+    photos[1].write_bytes(b"no pixels")
+    with pytest.raises(InputError) as failure:
+        outputs.batch_over(photos, tmp_path / "relit")
+    told, reason = failure.value.args
+    assert told == f"2 photos relit; 1 could not be relit: b.png. They are in {tmp_path / 'relit'}"
+    assert str(photos[1]) in reason
+    assert exporter.steps[-1] == (3, 3)
+    assert sorted(path.name for path in (tmp_path / "relit").iterdir()) == ["a.png", "c.png"]
