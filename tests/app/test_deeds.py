@@ -157,6 +157,14 @@ def test_recent_lights_come_back_while_their_files_are_there(tmp_path):
     assert [light.title for light in later.extra_lights] == ["a"]
 
 
+def test_a_light_from_a_file_is_listed_at_the_next_start(editor, folder, tmp_path):
+    sky = tmp_path / "sky.hdr"
+    sky.write_bytes(b"light")
+    editor.state.choose_light(LightSource("panorama", str(sky)))
+    editor.live(2)
+    assert [light.name for light in Editor(folder).state.extra_lights] == [str(sky)]
+
+
 def test_two_windows_keep_the_lights_of_both(tmp_path):
     lights = [LightSource("panorama", str(tmp_path / f"{number}.hdr")) for number in range(4)]
     for light in lights:
@@ -236,7 +244,9 @@ def test_without_native_dialogs_ours_is_drawn(editor, photo):
     editor.live(1)
     request = editor.state.picking
     assert request.kind == "open"
-    assert photo in candidates(request.text, request.suffixes).files
+    session = photo.with_name("me.relight.json")
+    session.touch()
+    assert {photo, session} <= set(candidates(request.text, request.suffixes).files)
     request.then([photo.with_name("missing.json")])
     editor.live(1)
     assert editor.said[-1][1]
@@ -313,8 +323,7 @@ def test_a_batch_goes_to_the_current_folder_where_the_photos_own_is_no_place_for
     photos, started = [photo, photo.with_name("you.jpg")], []
     outputs = SimpleNamespace(done_already=lambda *_: 0, batch_over=lambda *words, **_: started.append(words))
     editor = Editor(None, outputs=outputs)
-    if from_queue:
-        editor.state.open_photos(photos)
+    editor.state.open_photos(photos if from_queue else photos[:1])
     editor.state.asking.wish("batch")
     editor.live(1)
     if not from_queue:

@@ -175,6 +175,14 @@ def test_what_another_window_has_saved_is_not_replaced_unasked(editor, saved, ph
     assert editor.state.session_path == own
 
 
+def test_nor_where_the_photo_is_away_by_now(editor, saved, photos):
+    write_session(saved, Document(PhotoRef(photos[0]), edit=Edit(quality="final", shadow=1.5)))
+    photos[0].unlink()
+    save(editor)
+    assert len(asked(editor)) == 1
+    assert json.loads(saved.read_text())["edit"]["shadow"] == 1.5
+
+
 def test_nor_is_the_session_of_another_photo_that_was_put_in_its_place(editor, saved, photos):
     save(editor)
     editor.state.step_photo(1)

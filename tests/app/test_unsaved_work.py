@@ -44,6 +44,7 @@ def test_a_change_just_before_the_next_photo_is_kept_too(editor, folder):
     editor.state.change(shadow=0.5)
     editor.live(1)
     assert unsaved_files(folder) == []
+    assert editor.deeds.waiting, "the window has to wake for it"
     editor.state.step_photo(1)
     editor.live(1)
     assert len(unsaved_files(folder)) == 1
@@ -282,3 +283,16 @@ def test_restored_work_that_can_not_be_kept_anew_stays_where_it_is_which_is_told
     again.deeds.close()
     assert again.said == [("Unsaved work is not kept for recovery: no space left", True)]
     assert len(unsaved_files(folder)) == 1
+
+
+@pytest.mark.parametrize("is_full", [False, True])
+def test_a_window_that_closes_just_after_a_change_knows_whether_that_is_kept(editor, folder, monkeypatch, is_full):
+    def refuses(*_):
+        raise OSError("no space left")
+
+    if is_full:
+        monkeypatch.setattr("app.document.autosave.KeptFile.save", refuses)
+    editor.state.change(shadow=0.5)
+    assert editor.deeds.would_lose_work() is is_full
+    assert editor.deeds.keep_now() is not is_full
+    assert len(unsaved_files(folder)) == (0 if is_full else 1)

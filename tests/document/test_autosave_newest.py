@@ -57,6 +57,14 @@ def test_work_that_goes_on_after_its_session_was_saved_is_offered(autosave, docu
     assert offered(autosave, folder) == [turned(document, 5.0)]
 
 
+def test_work_that_goes_on_after_all_was_saved_is_offered_to_no_other_window(autosave, document, folder):
+    kept(autosave, document)
+    autosave.note_saved(document)
+    kept(autosave, turned(document, 5.0))
+    assert leftovers(folder) == []
+    assert offered(autosave, folder) == [turned(document, 5.0)]
+
+
 def test_work_that_undo_makes_unsaved_again_is_kept_again(autosave, document, folder):
     kept(autosave, document)
     autosave.update(document, False, 1.0)

@@ -118,6 +118,15 @@ def test_a_light_file_carries_the_light_its_turn_and_whether_its_lamps_were_take
     assert read_light(tmp_path / "my.light.json") == light
 
 
+def test_a_light_file_moves_with_its_panorama(tmp_path):
+    (tmp_path / "lights").mkdir()
+    sky = tmp_path / "lights" / "sky.hdr"
+    sky.write_bytes(b"light")
+    write_light(sky.with_name("my.light.json"), SavedLight(LightRef("panorama", str(sky))))
+    moved = (tmp_path / "lights").rename(tmp_path / "moved")
+    assert read_light(moved / "my.light.json").light == LightRef("panorama", str(moved / "sky.hdr"))
+
+
 def test_as_much_as_may_be_painted_can_be_saved_and_opened_again(folder, document):
     points = tuple((round(1000.1 + 7.3 * at, 1), round(99999.9 - 3.7 * at, 1)) for at in range(256))
     strokes = (BrushStroke(points, 1234.5, True),) * 400

@@ -54,6 +54,8 @@ def test_a_session_is_offered_only_for_the_photo_it_names(tmp_path):
     write_session(path, Document(PhotoRef(photo)))
     assert saved_session(photo) == path
     assert saved_session(other) is None
+    (tmp_path / "sub").mkdir()
+    assert saved_session(tmp_path / "sub" / ".." / "img.jpg").samefile(path)
 
 
 def test_both_of_two_photos_of_one_name_have_a_session_that_is_offered(tmp_path):
