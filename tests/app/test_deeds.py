@@ -280,6 +280,7 @@ def test_a_dialog_is_of_a_known_kind(tmp_path):
 
 def test_a_saved_light_can_be_opened_alone(editor, tmp_path):
     editor.state.light_edit = LightEdit(tint=0.3)
+    editor.state.change(yaw_deg=40.0)
     editor.state.asking.wish("save_light")
     editor.live(1)
     target = tmp_path / "mine.light.json"
@@ -287,8 +288,9 @@ def test_a_saved_light_can_be_opened_alone(editor, tmp_path):
     editor.live(1)
     assert json.loads(target.read_text())["light"]["tint"] == 0.3
     editor.state.light_edit = LightEdit()
+    editor.state.change(yaw_deg=0.0)
     editor.deeds._take_light(target)
-    assert editor.state.light_edit.tint == 0.3
+    assert (editor.state.light_edit.tint, editor.state.edit.yaw_deg) == (0.3, 40.0)
 
 
 @pytest.mark.parametrize(("content", "replaced"), [('{"relight": "session"}', False), ('{"relight": "light"}', True)])

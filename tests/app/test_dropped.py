@@ -47,8 +47,11 @@ def test_a_photo_and_a_light_together_open_both(state, tmp_path):
 
 
 def test_what_falls_on_the_light_panel_is_a_light(state):
+    for beside in ((254.0, 561.0), (256.0, 100.0)):
+        take_files(state, [Path("me.jpg")], *beside)
+        assert (state.photo.path, state.light.kind) == (Path("me.jpg"), "rig")
     take_files(state, [Path("friend.jpg")], 100.0, 100.0)
-    assert state.photo is None
+    assert state.photo.path == Path("me.jpg")
     assert (state.light.kind, state.light.name) == ("portrait", os.path.abspath("friend.jpg"))
 
 
@@ -101,10 +104,17 @@ def test_notes_that_a_library_keeps_beside_photos_do_not_keep_these_from_opening
     notes = tmp_path / "b.jpg.json"
     notes.write_text('{"title": "b.jpg", "photoTakenTime": {"timestamp": "1"}}')
     lamp = exr(tmp_path / "lamp.exr", 4, 8)
-    take_files(state, [notes, Path("b.jpg"), lamp], *ELSEWHERE)
-    assert state.photo.path == Path("b.jpg")
+    for beside in ([], [lamp]):
+        take_files(state, [notes, Path("b.jpg"), *beside], *ELSEWHERE)
+        assert state.photo.path == Path("b.jpg")
+        assert "b.jpg.json" in state.asking.notices.pop()[0]
     assert state.light.name == str(lamp)
-    assert "b.jpg.json" in state.asking.notices[0][0]
+
+
+def test_what_is_no_photo_does_not_keep_the_one_that_was_dropped_with_it_from_opening(state):
+    take_files(state, [Path("notes.doc"), Path("me.jpg")], *ELSEWHERE)
+    assert state.queue.paths == (Path("me.jpg"),)
+    assert "notes.doc left out" in state.asking.notices[0][0]
 
 
 def test_panoramas_and_sessions_beyond_the_first_are_named(state, tmp_path):
@@ -203,10 +213,12 @@ def test_a_session_whose_photo_is_damaged_leaves_the_open_photo_its_place_in_the
 
 def test_a_session_dropped_with_its_photo_opens_as_it_was_saved(state, shoot):
     photos, session = shoot
-    take_files(state, [photos[1], session], *ELSEWHERE)
-    open_wish(state)
-    assert (state.photo.path, state.edit.shadow, state.session_path) == (photos[1], 0.2, session)
-    assert state.asking.notices == []
+    (session.parent / "sub").mkdir()
+    for photo in (photos[1], session.parent / "sub" / ".." / "b.jpg"):
+        take_files(state, [photo, session], *ELSEWHERE)
+        open_wish(state)
+        assert (state.photo.path, state.edit.shadow, state.session_path) == (photos[1], 0.2, session)
+        assert (state.queue.paths, state.asking.notices) == ((photos[1],), [])
 
 
 def test_photos_dropped_with_a_session_are_the_queue_around_its_photo(state, shoot):

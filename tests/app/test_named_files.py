@@ -41,6 +41,13 @@ def test_a_named_light_takes_the_place_of_a_session_s_and_leaves_its_sliders(sho
     assert state.light.name == {"golden-hour": light, "friend.relight.json": "split", None: "ring"}[light]
 
 
+def test_a_session_and_its_light_are_known_by_an_ending_in_large_letters(shoot):
+    session, light = (Path(f"{name}.relight.json").rename(f"{name}.RELIGHT.JSON") for name in ("me", "friend"))
+    state = EditorState()
+    open_named(state, [session], str(light))
+    assert (state.photo.path, state.light.name, state.edit.shadow) == (shoot / "me.jpg", "split", 0.5)
+
+
 @pytest.mark.parametrize(
     ("light", "told"),
     [
