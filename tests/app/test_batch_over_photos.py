@@ -8,6 +8,7 @@ from fake_relighter import FakeRelighter
 from opened_things import open_light, opened_for
 from PIL import Image
 
+from app.engine.exporting import ExportSettings
 from app.engine.snapshot import Picture, Snapshot
 from app.engine.sources import PhotoSource
 from app.ui.state import EditorState
@@ -92,3 +93,16 @@ def test_a_batch_names_the_photos_that_failed_and_says_why(outputs, exporter, ph
     assert str(photos[1]) in reason
     assert exporter.steps[-1] == (3, 3)
     assert sorted(path.name for path in (tmp_path / "relit").iterdir()) == ["a.png", "c.png"]
+
+
+def test_a_batch_into_the_photos_own_folder_writes_over_none_of_them(outputs, exporter, photos, tmp_path):
+    before = [photo.read_bytes() for photo in photos]
+    with pytest.raises(InputError, match="3 could not be relit") as failure:
+        outputs.batch_over(photos, tmp_path, replaces=True)
+    assert all("one of the photos is there" in reason for reason in failure.value.args[1:])
+    assert [photo.read_bytes() for photo in photos] == before
+
+
+def test_a_batch_is_saved_as_it_was_set_when_it_was_asked_for(outputs, exporter, photos, tmp_path):
+    outputs.batch_over(photos, tmp_path / "relit", settings=ExportSettings(".jpg"))
+    assert sorted(path.name for path in (tmp_path / "relit").iterdir()) == ["a.jpg", "b.jpg", "c.jpg"]

@@ -11,9 +11,11 @@ from app.engine.exporting import ExportSettings
 from app.engine.sources import LightSource
 from app.window.batch_photo import BatchLights, relight_as
 from relight_core.errors import InputError
+from relight_core.face.find import FaceBox
 from relight_core.imaging.files import KnownFiles
 from relight_core.lighting.light_edit import LightEdit
 from relight_core.pipeline.edit import Edit
+from relight_core.pipeline.per_photo.brush import BrushStroke
 
 RING, OWN = LightRef("rig", "ring"), LightRef("own", "")
 MAKE = 0x010F
@@ -34,9 +36,10 @@ def lights():
     return BatchLights(open_light(LightSource("rig", "ring")))
 
 
-def test_the_light_that_is_open_has_what_each_photo_changed_about_it(photo, lights):
+@pytest.mark.parametrize("light", [RING, LightRef("rig", "rim")])
+def test_a_light_has_what_each_photo_changed_about_it_be_it_the_one_that_is_open_or_not(photo, lights, light):
     levels = [
-        lights.of(Document(PhotoRef(photo), RING, LightEdit(level_ev=stops)), FakeRelighter()).level
+        lights.of(Document(PhotoRef(photo), light, LightEdit(level_ev=stops)), FakeRelighter()).level
         for stops in (0.0, 1.0)
     ]
     assert levels[1] == pytest.approx(2.0 * levels[0])
@@ -64,3 +67,14 @@ def test_the_photo_s_own_light_and_exposure_are_as_they_were_left_and_its_notes_
     assert relighter.environments[1].level == pytest.approx(2.0 * relighter.environments[0].level)
     assert [edit.exposure_ev for edit in relighter.relights] == [0.0, 0.0]
     assert means[1] > 1.2 * means[0]
+
+
+@pytest.mark.parametrize(("quality", "at_rest"), [("auto", "final"), ("draft", "draft")])
+def test_the_faces_the_outline_and_the_quality_are_those_of_the_photo(photo, lights, quality, at_rest):
+    boxes, strokes = (FaceBox(0, 0, 30, 30), FaceBox(40, 0, 70, 30)), (BrushStroke(((1.0, 1.0),), 3.0, True),)
+    document = Document(PhotoRef(photo, 1, boxes, strokes=strokes), RING, quality=quality)
+    relighter, output = FakeRelighter(), photo.with_name("relit.png")
+    relight_as(document, lights, relighter, output, ExportSettings(".png"), KnownFiles([photo]))
+    ((_, face_index, relit_boxes),) = relighter.portraits
+    assert (face_index, relit_boxes, relighter.strokes) == (1, boxes, strokes)
+    assert [edit.quality for edit in relighter.relights] == [at_rest]

@@ -17,6 +17,7 @@ from app.ui.state import EditorState
 from app.window.deeds import Deeds
 from app.window.finished import Finished
 from app.window.outputs import Outputs
+from relight_core.errors import InputError
 
 TYPED = [
     ("~b", "~b", "~b.exr"),
@@ -125,12 +126,48 @@ def test_a_dot_in_a_name_without_a_suffix_is_no_suffix_in_what_save_as_and_turnt
 
 
 def test_an_export_is_named_after_the_photo_in_it(state, outputs, tmp_path):
-    state.snapshot = replace(state.snapshot, picture=SimpleNamespace(opened=state.snapshot.opened))
     outputs[0].export(".jpg")
+    assert outputs[1] == [], "there is no picture yet"
+    state.snapshot = replace(state.snapshot, picture=SimpleNamespace(opened=state.snapshot.opened))
+    state.change(exposure_ev=1.0)
+    outputs[0].export(".jpg")
+    state.change(exposure_ev=2.0)
     state.accept(Snapshot(opened=opened_for(PhotoSource(tmp_path / "you.jpg")), picture=state.snapshot.picture))
     (write,), jobs = outputs[1:]
     write(state.snapshot.picture)
-    assert [job.path for job in jobs] == [tmp_path / "~me-relit.jpg"]
+    (job,) = jobs
+    assert (job.path, job.settings.form, job.exposure_ev) == (tmp_path / "~me-relit.jpg", ".jpg", 1.0)
+    assert not job.replaces
+
+
+@pytest.mark.parametrize("is_there", [True, False])
+def test_what_is_saved_under_a_chosen_name_is_as_it_was_set_then_and_of_the_kind_that_is_named(
+    state, tmp_path, is_there
+):
+    jobs, waiting = [], []
+    state.snapshot = replace(state.snapshot, picture=SimpleNamespace(opened=state.snapshot.opened))
+    outputs = Outputs(state, SimpleNamespace(submit=jobs.append), print, lambda *run, **_: waiting.append(*run))
+    state.change(exposure_ev=1.0)
+    state.export = replace(state.export, quality=50)
+    save = outputs.export_writer()
+    state.change(exposure_ev=2.0)
+    state.export = replace(state.export, quality=92)
+    deeds = [lambda: waiting[0](state.snapshot.picture), lambda: save(tmp_path / "me.jpeg", True)]
+    for deed in deeds if is_there else reversed(deeds):
+        deed()
+    (job,) = jobs
+    assert (job.path, job.exposure_ev, job.replaces) == (tmp_path / "me.jpeg", 1.0, True)
+    assert (job.settings.form, job.settings.quality) == (".jpg", 50)
+
+
+def test_a_place_chosen_for_a_picture_that_never_came_is_told_to_get_nothing(state, tmp_path):
+    given_up = []
+    state.snapshot = replace(state.snapshot, picture=SimpleNamespace(opened=state.snapshot.opened))
+    outputs = Outputs(state, None, print, lambda *_, otherwise: given_up.append(otherwise))
+    save = outputs.export_writer()
+    given_up[0]()
+    with pytest.raises(InputError, match="Nothing was saved"):
+        save(tmp_path / "me.jpg", False)
 
 
 def test_a_place_chosen_for_the_next_photo_is_not_that_of_the_one_still_open(state, tmp_path):

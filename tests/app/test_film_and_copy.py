@@ -15,6 +15,7 @@ from app.engine.snapshot import Picture, Snapshot
 from app.ui.state import EditorState
 from app.window import outputs as module
 from app.window.outputs import Outputs
+from relight_core.errors import InputError
 from relight_core.face.find import FaceBox
 from relight_core.imaging.read import read_photo
 from relight_core.pipeline.edit import Edit
@@ -76,6 +77,22 @@ def test_a_film_is_of_the_faces_and_strokes_at_the_size_and_exposure_that_are_se
     assert (tmp_path / "turn.mp4").read_bytes() == b"film"
 
 
+@pytest.mark.parametrize(("replaces", "held"), [(False, b"another"), (True, b"film")])
+def test_a_film_replaces_another_only_where_that_was_agreed_to(state, relighter, turned, tmp_path, replaces, held):
+    exporter, place = AtOnce(), tmp_path / "turn.mp4"
+    place.write_bytes(b"another")
+    Outputs(state, exporter, lambda: relighter).film_writer()(place, replaces)
+    assert place.read_bytes() == held
+    assert exporter.said == f"Saved {place if replaces else tmp_path / 'turn-2.mp4'}"
+
+
+def test_pictures_of_a_turntable_are_as_transparent_as_they_were_made(state, relighter, monkeypatch, tmp_path):
+    frame = np.dstack([GREY, np.full((4, 4), 51, np.uint8)])
+    monkeypatch.setattr(module, "turning", lambda *_, **__: iter([frame]))
+    Outputs(state, AtOnce(), lambda: relighter).film_writer()(tmp_path / "turn", False)
+    assert np.array_equal(np.asarray(Image.open(tmp_path / "turn" / "0001.png")), frame)
+
+
 def test_pictures_of_a_turntable_take_a_free_folder(state, relighter, turned, tmp_path):
     (tmp_path / "turn").mkdir()
     exporter = AtOnce()
@@ -83,6 +100,13 @@ def test_pictures_of_a_turntable_take_a_free_folder(state, relighter, turned, tm
     assert turned == [(30.0, 1.0, 1080, False)]
     assert exporter.said == f"Saved {tmp_path / 'turn-2'}"
     assert len(list((tmp_path / "turn-2").iterdir())) == 1
+
+
+@pytest.mark.parametrize("wish", ["copy_picture", "film_writer", "export_writer"])
+def test_without_a_picture_there_is_nothing_to_make_a_file_of(state, relighter, wish):
+    state.snapshot = replace(state.snapshot, picture=None)
+    with pytest.raises(InputError, match="no relit picture yet"):
+        getattr(Outputs(state, AtOnce(), lambda: relighter), wish)()
 
 
 def test_a_copy_is_as_bright_as_the_picture_is_shown(state, relighter, monkeypatch, tmp_path):

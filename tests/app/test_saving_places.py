@@ -7,7 +7,9 @@ from live_editor import Editor
 
 from app.document.session_file import read_session
 from app.engine.sources import LightSource
+from app.ui.asking import Asking
 from app.window.offers import saved_session_offer
+from app.window.replacing import write_or_ask
 
 
 @pytest.fixture
@@ -56,3 +58,23 @@ def test_the_photo_s_own_light_is_not_saved_alone(editor):
 def test_a_saved_session_is_told_with_its_place_where_that_is_elsewhere(saved, told):
     offer = saved_session_offer(Path("/p/a.jpg"), Path("/p") / saved, print, print)
     assert offer.text.endswith(told)
+
+
+@pytest.mark.parametrize(
+    ("answer", "written"),
+    [("Keep both", ("a-2.png", False)), ("Replace", ("a.png", True)), ("Cancel", None)],
+)
+def test_what_is_there_is_replaced_only_where_the_user_says_so(tmp_path, answer, written):
+    asking, places = Asking(), []
+    for name in ("a.png", "b.png"):
+        write_or_ask(asking, tmp_path / name, lambda path, replaces: places.append((path.name, replaces)))
+    assert (places, asking.questions) == ([("a.png", False), ("b.png", False)], [])
+    places.clear()
+    for name in ("a.png", "b.png"):
+        (tmp_path / name).touch()
+        write_or_ask(asking, tmp_path / name, lambda path, replaces: places.append((path.name, replaces)))
+    first, second = asking.questions
+    assert (first.text, first.calling_off) == (f"a.png is already there, in {tmp_path}.", "Cancel")
+    asking.answer(first, [label for label, _ in first.choices].index(answer))
+    assert places == ([written] if written else [])
+    assert asking.questions == [second]

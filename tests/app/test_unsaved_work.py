@@ -296,3 +296,18 @@ def test_a_window_that_closes_just_after_a_change_knows_whether_that_is_kept(edi
     assert editor.deeds.would_lose_work() is is_full
     assert editor.deeds.keep_now() is not is_full
     assert len(unsaved_files(folder)) == (0 if is_full else 1)
+
+
+def test_that_work_is_not_kept_is_told_and_no_more_once_it_is(editor, folder, monkeypatch):
+    def refuses(*_):
+        raise OSError("no space left")
+
+    with monkeypatch.context() as full:
+        full.setattr("app.document.autosave.KeptFile.save", refuses)
+        editor.state.change(shadow=0.5)
+        for seconds in (5, 1):
+            editor.live(seconds)
+    assert editor.said == [("Unsaved work is not kept for recovery: no space left", True)]
+    for seconds in (20, 1):
+        editor.live(seconds)
+    assert (len(editor.said), len(unsaved_files(folder))) == (1, 1)
