@@ -9,6 +9,7 @@ from pathlib import Path
 from app.document.autosave import Autosave, Leftover, leftovers
 from app.document.document import Document
 from app.engine.sources import PhotoSource
+from app.ui.open_work import KeptWork
 from app.ui.photo_works import is_waiting
 from app.ui.state import EditorState
 from app.window.offers import leftover_offer
@@ -32,6 +33,7 @@ class Recovery:
         self._autosave = Autosave(folder, self._pool.submit)
         self._restoring: tuple[PhotoSource, Leftover] | None = None
         self._restored: list[Leftover] = []
+        self._seen: dict[Path, KeptWork] = {}
         self._closed = False
         self._told_problem: str | None = None
         self._unoffered = leftovers(folder, lambda line: state.asking.tell(line, True))
@@ -93,10 +95,20 @@ class Recovery:
 
         What was kept of a photo that came back with other settings stays, too, until it is worked on.
         """
+        self._give_what_was_left(now_s)
         if self._state.is_at_work() and not is_waiting(self._state):
             self._autosave.update(self._state.document(), self._state.is_unsaved(), now_s)
         else:
             self._autosave.flush()
+
+    def _give_what_was_left(self, now_s: float) -> None:
+        """A photo may have been left in the same frame as it was changed, so that nobody has looked at that change."""
+        for photo, work in self._state.works.items():
+            if self._seen.get(photo) is not work:
+                self._seen[photo] = work
+                if work.left != work.document:
+                    self._autosave.update(work.left, True, now_s)
+                    self._autosave.flush()
 
     def _offer_next(self) -> None:
         if self._unoffered:

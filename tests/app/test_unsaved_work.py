@@ -50,6 +50,15 @@ def test_a_change_just_before_the_next_photo_is_kept_too(editor, folder):
     assert len(unsaved_files(folder)) == 1
 
 
+def test_a_change_in_the_frame_in_which_the_next_photo_is_asked_for_is_kept_too(editor, folder):
+    editor.state.change(shadow=0.5)
+    editor.state.step_photo(1)
+    editor.live()
+    editor.deeds.close()
+    (text,) = offered(folder)
+    assert text.startswith("Your work on a.jpg")
+
+
 def test_work_on_two_photos_is_kept_for_both(editor, folder):
     for shadow in (0.5, 0.6):
         editor.state.change(shadow=shadow)
