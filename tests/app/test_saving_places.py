@@ -7,7 +7,7 @@ from live_editor import Editor
 
 from app.document.session_file import read_session
 from app.engine.sources import LightSource
-from app.ui.asking import Asking
+from app.ui.asking import Asking, Question
 from app.window.offers import saved_session_offer
 from app.window.replacing import write_or_ask
 
@@ -78,3 +78,14 @@ def test_what_is_there_is_replaced_only_where_the_user_says_so(tmp_path, answer,
     asking.answer(first, [label for label, _ in first.choices].index(answer))
     assert places == ([written] if written else [])
     assert asking.questions == [second]
+
+
+def test_a_question_asked_again_is_asked_once_and_escape_calls_off_the_newest_that_can_be():
+    asking, answered = Asking(), []
+    for key in ("a", "b", "a"):
+        no = "No", lambda key=key: answered.append(key)
+        asking.ask(Question(key, "Really?", (("Yes", print), no), calling_off="No"))
+    asking.ask(Question("c", "Really?", (("Yes", print),)))
+    assert [question.key for question in asking.questions] == ["b", "a", "c"]
+    assert [asking.call_off() for _ in range(3)] == [True, True, False]
+    assert (answered, [question.key for question in asking.questions]) == (["a", "b"], ["c"])
