@@ -1,11 +1,11 @@
-"""What a batch says, which files it takes for photos, and how its files are dated."""
+"""What a batch says, which files it takes for photos, and how its files are named and dated."""
 
 import os
 from pathlib import Path
 
 import pytest
 
-from app.engine.batch import Outcome, photos_in, reasons, relight_each, summary
+from app.engine.batch import Outcome, batch_tasks, photos_in, reasons, relight_each, summary
 
 
 def outcomes(*states):
@@ -62,3 +62,10 @@ def test_where_memory_has_run_out_no_other_photo_is_tried(tmp_path, error):
     with pytest.raises(type(error)):
         list(relight_each([(Path("a.jpg"), Path("a.png")), (Path("b.jpg"), Path("b.png"))], one))
     assert len(tried) == 1
+
+
+@pytest.mark.parametrize("order", [1, -1])
+def test_no_two_photos_share_a_picture_be_it_for_their_letters_alone_and_each_keeps_its_own_in_any_order(order):
+    named = {"x/a.jpg": "a-jpg", "x/b.png": "b", "x/a-jpg.png": "a-jpg-2", "y/A.JPG": "A-JPG-3"}
+    tasks = batch_tasks([Path(photo) for photo in named][::order], Path("relit"), ".png")
+    assert dict(tasks) == {Path(photo): Path("relit") / f"{name}.png" for photo, name in named.items()}

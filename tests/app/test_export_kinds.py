@@ -33,7 +33,7 @@ def picture(tmp_path, seen_wide):
     pixels, exif = np.full((40, 60, 3), 0.5, np.float32), Image.Exif()
     exif[ARTIST] = "me"
     bands = lambda wide: seen_wide.append(wide) or cut(pixels, None)  # noqa: E731
-    full = SimpleNamespace(in_bands=bands, has_alpha=False, size=(40, 60))
+    full = SimpleNamespace(in_bands=bands, has_alpha=False, size=(40, 60), canvas=SimpleNamespace(beyond=None))
     photo = SimpleNamespace(linear=pixels, exif=exif.tobytes(), path=tmp_path / "photo.png")
     return picture_of(SimpleNamespace(image=pixels, alpha=None, channels={}, full=full), photo)
 
@@ -83,13 +83,15 @@ def test_under_the_name_of_the_photo_itself_another_is_taken(picture, tmp_path):
 
 
 @pytest.mark.parametrize("form", [".png", ".exr"])
-def test_a_picture_can_be_made_smaller(lit, tmp_path, form):
-    written = export(ExportJob(lit, 0.0, tmp_path / f"out{form}", ExportSettings(form, longest_side=64, layers=())))
+@pytest.mark.parametrize(("kept", "side", "size"), [("lit", 64, (64, 48)), ("picture", 30, (30, 20))])
+def test_a_picture_can_be_made_smaller(request, tmp_path, form, kept, side, size):
+    job, settings = request.getfixturevalue(kept), ExportSettings(form, longest_side=side, layers=())
+    written = export(ExportJob(job, 0.0, tmp_path / f"out{form}", settings))
     if form == ".png":
-        assert Image.open(written).size == (64, 48)
+        assert Image.open(written).size == size
     else:
         with OpenEXR.File(str(written)) as file:
-            assert file.channels()["RGB"].pixels.shape == (48, 64, 3)
+            assert file.channels()["RGB"].pixels.shape == (*size[::-1], 3)
 
 
 @pytest.mark.parametrize(("deep", "kind"), [(False, np.float16), (True, np.float32)])
