@@ -78,3 +78,11 @@ def test_the_faces_the_outline_and_the_quality_are_those_of_the_photo(photo, lig
     ((_, face_index, relit_boxes),) = relighter.portraits
     assert (face_index, relit_boxes, relighter.strokes) == (1, boxes, strokes)
     assert [edit.quality for edit in relighter.relights] == [at_rest]
+
+
+@pytest.mark.parametrize(("settings", "channels"), [(ExportSettings(".exr"), None), (ExportSettings(".png"), ())])
+def test_the_channels_that_a_kind_of_file_holds_are_asked_for(photo, lights, settings, channels):
+    relighter, output = FakeRelighter(), photo.with_name(f"relit{settings.form}")
+    relight_as(Document(PhotoRef(photo), RING), lights, relighter, output, settings, KnownFiles([photo]))
+    assert [edit.channels for edit in relighter.relights] == [channels]
+    assert output.exists()

@@ -88,6 +88,7 @@ def test_a_film_replaces_another_only_where_that_was_agreed_to(state, relighter,
 
 def test_pictures_of_a_turntable_are_as_transparent_as_they_were_made(state, relighter, monkeypatch, tmp_path):
     frame = np.dstack([GREY, np.full((4, 4), 51, np.uint8)])
+    frame[0, :, 3] = 255
     monkeypatch.setattr(module, "turning", lambda *_, **__: iter([frame]))
     Outputs(state, AtOnce(), lambda: relighter).film_writer()(tmp_path / "turn", False)
     assert np.array_equal(np.asarray(Image.open(tmp_path / "turn" / "0001.png")), frame)
