@@ -80,20 +80,19 @@ class Session:
 
     def _base(self, kind: str, name: str) -> Environment:
         """A light of a kind as of LightSource, before anything is changed about it."""
-        from app.engine.sources import BORROWED_AT, no_light_to_borrow
-        from relight_core.lighting.environment import read_environment
-        from relight_core.lighting.rigs import load_rig
+        from app.engine.sources import BORROWED_AT, LightSource, base_light, no_light_to_borrow
 
-        if kind == "rig":
-            return load_rig(name)
-        if kind == "panorama":
-            return read_environment(Path(name))
-        if kind == "portrait":
+        def estimate_own() -> Environment:
+            return self.relighter.estimated_light(BORROWED_AT)
+
+        def borrow(portrait: Path) -> Environment:
             try:
-                self.open(Path(name))
+                self.open(portrait)
             except NoFaceError:
-                raise no_light_to_borrow(Path(name)) from None
-        return self.relighter.estimated_light(BORROWED_AT)
+                raise no_light_to_borrow(portrait) from None
+            return estimate_own()
+
+        return base_light(LightSource(kind, name), borrow, estimate_own)
 
     def _saved_light(self, path: Path) -> Environment:
         """A light file's light, or a session's, with all that was changed about it."""

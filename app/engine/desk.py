@@ -23,6 +23,7 @@ from app.engine.sources import (
     PhotoSource,
     RelighterLike,
     Request,
+    base_light,
     borrowed_light,
 )
 from app.engine.tier_meter import TierMeter
@@ -30,7 +31,7 @@ from relight_core.errors import InputError, NoFaceError
 from relight_core.face.find import FaceBox, find_faces_beyond_doubt
 from relight_core.imaging.photo import Photo
 from relight_core.imaging.read import read_photo
-from relight_core.lighting.environment import Environment, read_environment
+from relight_core.lighting.environment import Environment
 from relight_core.lighting.light_edit import LightEdit, edit_light
 from relight_core.lighting.own_lamps import own_lamps
 from relight_core.pipeline.edit import Edit
@@ -248,13 +249,12 @@ class Desk:
         return now
 
     def _environment(self, source: LightSource) -> Environment:
-        if source.kind == "panorama":
-            return read_environment(Path(source.name))
-        if source.kind == "portrait":
-            photo = read_photo(Path(source.name))
-            self._portrait = self._ready_for = None
-            return borrowed_light(self._relighter, photo)
-        return self._relighter.estimated_light(BORROWED_AT)
+        return base_light(source, self._borrow, lambda: self._relighter.estimated_light(BORROWED_AT))
+
+    def _borrow(self, portrait: Path) -> Environment:
+        photo = read_photo(portrait)
+        self._portrait = self._ready_for = None
+        return borrowed_light(self._relighter, photo)
 
     def _skip(self, key: tuple, now: Snapshot) -> Snapshot:
         self._failed = key

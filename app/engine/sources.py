@@ -63,6 +63,28 @@ def borrowed_light(relighter: RelighterLike, lender: Photo) -> Environment:
     return relighter.estimated_light(BORROWED_AT)
 
 
+def base_light(
+    light: LightSource, borrow: Callable[[Path], Environment], estimate_own: Callable[[], Environment]
+) -> Environment:
+    """The light that a wish names, before anything is changed about it.
+
+    Args:
+        borrow: estimates the light that the portrait in a file was taken under.
+        estimate_own: estimates the light that the open photo was taken under.
+
+    Raises:
+        InputError: there is no such rig or file, or the file is bad.
+    """
+    from relight_core.lighting.environment import read_environment
+    from relight_core.lighting.rigs import load_rig
+
+    if light.kind == "rig":
+        return load_rig(light.name)
+    if light.kind == "panorama":
+        return read_environment(Path(light.name))
+    return borrow(Path(light.name)) if light.kind == "portrait" else estimate_own()
+
+
 def no_light_to_borrow(portrait: Path) -> InputError:
     """What is told of a picture whose light can't be borrowed: where a face is can be said of the photo alone."""
     return InputError(f"{portrait}: no face found to borrow light from; choose a portrait in which one is larger")

@@ -8,13 +8,12 @@ from pathlib import Path
 from app.document.document import Document, LightRef
 from app.engine.exporting import ExportSettings, export_note, write_relit
 from app.engine.snapshot import OpenLight
-from app.engine.sources import BORROWED_AT, LightSource, RelighterLike, borrowed_light
+from app.engine.sources import BORROWED_AT, RelighterLike, base_light, borrowed_light
 from relight_core.errors import InputError
 from relight_core.imaging.files import KnownFiles
 from relight_core.imaging.read import read_photo
-from relight_core.lighting.environment import Environment, read_environment
+from relight_core.lighting.environment import Environment
 from relight_core.lighting.light_edit import LightEdit, edit_light
-from relight_core.lighting.rigs import load_rig
 from relight_core.pipeline.auto_quality import QualityChoice
 
 _KEPT_LIGHTS = 3
@@ -45,7 +44,12 @@ class BatchLights:
             return known.environment if edit == known.edit else edit_light(known.base, edit)
         key = document.light, edit
         if key not in self._drawn:
-            drawn = edit_light(_base(document.light.source(), relighter), edit)
+            base = base_light(
+                document.light.source(),
+                borrow=lambda lender: borrowed_light(relighter, read_photo(lender)),
+                estimate_own=lambda: relighter.estimated_light(BORROWED_AT),
+            )
+            drawn = edit_light(base, edit)
             self._drawn = dict([*self._drawn.items(), (key, drawn)][-_KEPT_LIGHTS:])
         return self._drawn[key]
 
@@ -81,11 +85,3 @@ def relight_as(
     relit = relighter.relight(environment, replace(edit, exposure_ev=0.0))
     note = export_note(document.light.source().title, edit)
     write_relit(output, relit, settings, edit.exposure_ev, note, opened.exif)
-
-
-def _base(light: LightSource, relighter: RelighterLike) -> Environment:
-    if light.kind == "rig":
-        return load_rig(light.name)
-    if light.kind == "panorama":
-        return read_environment(Path(light.name))
-    return borrowed_light(relighter, read_photo(Path(light.name)))

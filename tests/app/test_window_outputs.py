@@ -113,7 +113,7 @@ def lost_light(opened, photo_path, monkeypatch):
         assert goes_on.wait(LONG_S)
         raise InputError(f"{path}: no light")
 
-    monkeypatch.setattr("app.engine.desk.read_environment", read)
+    monkeypatch.setattr("relight_core.lighting.environment.read_environment", read)
     opened.window.state.open_light(LightSource("panorama", str(photo_path.with_name("sky.hdr"))))
     opened.frames(3)
     yield opened, goes_on
