@@ -204,7 +204,7 @@ def light_files(text: str) -> list[Path]:
     from app.document.session_file import read_lent_light
 
     light = read_lent_light(Path(text)).saved.light
-    return [Path(text), *([Path(light.name)] if light.kind in ("panorama", "portrait") else [])]
+    return [Path(text), *([Path(light.name)] if light.source().is_from_file else [])]
 
 
 def _no_such_light(text: str, rigs: list[str]) -> str:

@@ -48,10 +48,15 @@ class PhotoRef:
 
 @dataclass(frozen=True)
 class LightRef:
-    """A light by its kind and name, as of app.engine.sources.LightSource."""
+    """A light by its kind and name, as of app.engine.sources.LightSource, but equal where both are the same."""
 
     kind: str
     name: str = ""
+
+    @classmethod
+    def of(cls, source: LightSource) -> LightRef:
+        """The light that a wish names."""
+        return cls(source.kind, source.name)
 
     def source(self) -> LightSource:
         """A wish for this light."""

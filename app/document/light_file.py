@@ -17,7 +17,7 @@ from app.document.json_fields import (
     read_json,
     write_json,
 )
-from app.engine.sources import PICTURE_SUFFIXES
+from app.engine.sources import LIGHT_KINDS, LIGHTS_FROM_FILES, PICTURE_SUFFIXES
 from relight_core.errors import InputError
 from relight_core.lighting.light_edit import LIGHT_EDIT_RANGES, MOST_BOXES, LightEdit
 from relight_core.lighting.rig_description import FORMS
@@ -79,7 +79,7 @@ def read_light(path: Path) -> SavedLight:
 def light_content(light: LightRef, edit: LightEdit, folder: Path | None) -> dict:
     """A light as JSON holds it; file names relative to `folder`, or in full for None."""
     name = light.name
-    if light.kind in ("panorama", "portrait"):
+    if light.kind in LIGHTS_FROM_FILES:
         name = path_for_file(Path(name), folder)
     return {"kind": light.kind, "name": name} | asdict(edit)
 
@@ -96,11 +96,11 @@ def read_light_content(fields: Fields, path: Path, stand_in: LightRef | None = N
     """
     kind = fields.text("kind")
     name = fields.text("name", "")
-    if kind not in ("rig", "panorama", "portrait", "own"):
+    if kind not in LIGHT_KINDS:
         raise InputError(f"{path}: an unknown kind of light {kind[:40]!r}; update relight, or mend the file")
     if kind == "rig" and name not in rig_names():
         raise InputError(f"{path}: there is no bundled light {name[:80]!r}; choose another in the file")
-    if kind in ("panorama", "portrait"):
+    if kind in LIGHTS_FROM_FILES:
         try:
             name = str(path_from_file(name, path.parent, PICTURE_SUFFIXES, str(path)))
         except InputError as error:

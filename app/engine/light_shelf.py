@@ -47,7 +47,7 @@ class LightShelf:
 
     def keep(self, light: OpenLight | None) -> None:
         """Remember what a light from a file looks like."""
-        if self._kept and light is not None and light.source.kind in ("panorama", "portrait"):
+        if self._kept and light is not None and light.source.is_from_file:
             self._kept.keep(light.source.kind, light.source.name, light.ball)
 
     def words(self, name: str) -> tuple[str, str]:

@@ -46,6 +46,10 @@ PHOTO_SUFFIXES = (
 PICTURE_SUFFIXES = (*PHOTO_SUFFIXES, *RAW_SUFFIXES, ".hdr")
 
 
+LIGHTS_FROM_FILES = ("panorama", "portrait")
+LIGHT_KINDS = ("rig", *LIGHTS_FROM_FILES, "own")
+"""What `LightSource.kind` may be; settings, sessions and light files have these words in them."""
+
 BORROWED_AT = "final"
 """The quality of de-lighting that tells the light of a portrait, wherever that light is lent to another photo."""
 
@@ -167,8 +171,8 @@ class LightSource:
     """One wish for a light.
 
     Attributes:
-        kind: "rig" (a bundled one, by name), "panorama" (an .hdr or .exr file), "portrait" (the light that
-            the photo in a file was taken under) or "own" (the same, of the open photo).
+        kind: one of LIGHT_KINDS: "rig" (a bundled one, by name), "panorama" (an .hdr or .exr file), "portrait" (the
+            light that the photo in a file was taken under) or "own" (the same, of the open photo).
         name: the rig's name or the file; empty for "own".
     """
 
@@ -186,6 +190,11 @@ class LightSource:
         if text in rig_names():
             return cls("rig", text)
         return cls("panorama" if text.lower().endswith(PANORAMA_SUFFIXES) else "portrait", os.path.abspath(text))
+
+    @property
+    def is_from_file(self) -> bool:
+        """Whether `name` is a file, which may be gone or have changed."""
+        return self.kind in LIGHTS_FROM_FILES
 
     @property
     def title(self) -> str:

@@ -30,7 +30,7 @@ def fall_back(state: EditorState) -> None:
             # With what was painted or corrected just before and is in no picture yet.
             state.photo = state.left
     if state.light in snapshot.refused:
-        lost = LightRef(state.light.kind, state.light.name)
+        lost = LightRef.of(state.light)
         _take_light_back(state)
         if state.document().light != lost:
             _let_session_keep(state, lost)

@@ -187,7 +187,7 @@ class EditorState:
         photo, path = None, self.photo.path if self.photo else None
         if path:
             photo = PhotoRef.of(self.photo, path, self._found.get(path, ()))
-        light = LightRef(self.light.kind, self.light.name)
+        light = LightRef.of(self.light)
         edit = replace(self.edit, quality="final", channels=None)
         return Document(photo, light, self.light_edit, edit, self.quality.wish)
 
@@ -342,7 +342,7 @@ class EditorState:
         opened_before = self.snapshot.opened
         self.snapshot = snapshot
         fall_back(self)
-        if snapshot.light and snapshot.light.source.kind in ("panorama", "portrait"):
+        if snapshot.light and snapshot.light.source.is_from_file:
             self._remember(snapshot.light.source)
         if snapshot.opened and (opened_before is None or snapshot.opened.photo is not opened_before.photo):
             self.export_path = suggested_place(self).with_suffix(self.export.form).name

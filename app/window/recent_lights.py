@@ -8,13 +8,12 @@ import os
 from collections.abc import Iterable
 from pathlib import Path
 
-from app.engine.sources import LightSource
+from app.engine.sources import LIGHTS_FROM_FILES, LightSource
 from app.ui.state import EditorState
 from relight_core.errors import InputError
 from relight_core.imaging.files import file_bytes, whole_file
 
 MOST = 12
-_KINDS = ("panorama", "portrait")
 _log = logging.getLogger(__name__)
 
 
@@ -45,10 +44,10 @@ class RecentLights:
 
     def keep(self, state: EditorState) -> None:
         """Write the list if it is another one than was written last; what other windows have added stays in it."""
-        listed = _newest((light.kind, light.name) for light in state.extra_lights if light.kind in _KINDS)
+        listed = _newest((light.kind, light.name) for light in state.extra_lights if light.is_from_file)
         # In the panel none moves under the hand; what is kept begins with the one that was used last.
         shown = state.snapshot.light and state.snapshot.light.source
-        used = _newest([(shown.kind, shown.name)] if shown and shown.kind in _KINDS else [])
+        used = _newest([(shown.kind, shown.name)] if shown and shown.is_from_file else [])
         new = [entry for entry in listed if entry not in self._by_use]
         before = self._by_use[:MOST]
         self._by_use = _newest(entry for entry in (*used, *new, *self._by_use) if entry in listed)
@@ -91,5 +90,7 @@ def read_recent(path: Path) -> list[tuple[str, str]]:
     entries = content if isinstance(content, list) else []
     pairs = [entry for entry in entries if isinstance(entry, list) and len(entry) == 2]
     return [
-        (kind, name) for kind, name in pairs if kind in _KINDS and isinstance(name, str) and "\0" not in name and name
+        (kind, name)
+        for kind, name in pairs
+        if kind in LIGHTS_FROM_FILES and isinstance(name, str) and "\0" not in name and name
     ]
